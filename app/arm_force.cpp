@@ -37,7 +37,7 @@ ArmForce::ArmForce(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, c
   for (int i = 0; i < 7; ++i) torque_limit_Nm_[i] = arm.joints[static_cast<std::size_t>(i)].limits.torque_Nm;
 }
 
-// A base that is turned about A1's axis weighs on the joints as A1 turned by as much would.
+// Turning the base about A1's axis changes the gravity torques as turning A1 by the same angle would.
 ArmForce::Held ArmForce::Hold(const JointVector& q, double base_turn_rad) const {
   JointVector q_hanging = q;
   q_hanging[0] += base_turn_rad;
@@ -67,7 +67,7 @@ ToolForce ArmForce::At(const JointVector& q, double base_turn_rad) const {
       .axial_N = axial.value,
       .lateral_N = lateral.value,
       .pressed_lateral_N = cautious.LateralForce(held.axis_B, need_.axial_N, need_.torque_Nm).value,
-      // what bone does to the tool, the arm does to the hand: away from the bone
+      // the arm can push the hand as bone pushes the tool: away from the bone
       .axial_exact_N = exact.Force(-held.axis_B).value,
       .factor = factor.value,
       .factor_joint = factor.joint,
@@ -82,7 +82,7 @@ ToolForce ArmForce::At(const JointVector& q, double base_turn_rad) const {
 }
 
 ArmForce::Places ArmForce::PlacesOf(const JointVector& q) const {
-  // not the joints' described origins, which may lie beside, along their axes
+  // not the joints' described origins, which may be displaced along their axes
   const auto posture = chain_.Place(q);
   const Vector3 p_B_wrist = posture.X_BF * Vector3(0.0, 0.0, -lbr_.wrist_to_flange_m);
   return {.p_B_elbow = p_B_wrist - lbr_.elbow_to_wrist_m * posture.axis_B(4), .p_B_wrist = p_B_wrist};

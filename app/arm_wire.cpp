@@ -32,7 +32,7 @@ std::string Describe(const config::ArmLinkConfig& link) {
           : "");
 }
 
-// Only KROSHU's layout has a <Stop>.
+// Only KROSHU's message layout has a <Stop>.
 bool CanAskToEnd(const config::ArmLinkConfig& link) {
   return link.rsi() && link.rsi()->layout == io::RsiLayout::kKroshu;
 }
@@ -87,7 +87,7 @@ void ArmWire::End() {
   rsi.RequestStop();
   control::ArmState state;
   const rt::Nanoseconds until = rt::MonotonicNow() + kEndWithin;
-  // one that has ended is silent; an answer that was lost is asked for again
+  // an arm that has ended is silent; if an answer was lost, the arm asks again
   while (rsi.Receive(state, until) == control::ReceiveResult::kOk && rt::MonotonicNow() < until)
     static_cast<void>(rsi.Send({}));
 }

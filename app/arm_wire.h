@@ -13,34 +13,35 @@
 #include "io/fri/fri_link.h"
 #include "io/rsi/rsi_link.h"
 
-// The wire to a cell's arm, whichever protocol its file chooses.
+// The connection to a cell's arm by the protocol that its file chooses.
 
 namespace osteon::app {
 
-/// "FRI 1.15", "RSI im_free, axes, 4 ms". Says so where a lost answer makes the arm jump.
+/// Names the protocol: "FRI 1.15", "RSI im_free, axes, 4 ms". Warns if a lost answer makes the arm jump.
 [[nodiscard]] std::string Describe(const config::ArmLinkConfig& link);
 
-/// Its program can be asked to end the session; false: it has to notice by itself.
+/// Whether the arm's program can be asked to end the session. If not, it has to notice by itself.
 [[nodiscard]] bool CanAskToEnd(const config::ArmLinkConfig& link);
 
-/// So long an arm's program is given to end the session when it is asked to.
+/// Time that an arm's program is given to end the session after it was asked to.
 inline constexpr rt::Nanoseconds kEndWithin = 100 * rt::kMillisecond;
 
-/// The client's side in virtual time: bytes handed over in memory.
+/// The client's side of the connection in virtual time: datagrams are passed in memory.
 class ArmSession {
  public:
   explicit ArmSession(const config::ArmLinkConfig& link);
 
-  /// True where the state is the datagram's content. See io::FriSession::Accept, io::RsiSession::Accept.
+  /// Decodes a datagram. Returns true if `state` now holds its content. See io::FriSession::Accept,
+  /// io::RsiSession::Accept.
   bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp, control::ArmState& state);
-  /// The datagram that answers the message last accepted; empty where none is owed. Valid until the next
-  /// call.
+  /// Returns the datagram that answers the last accepted message; empty if no answer is due. Valid until the
+  /// next.
   [[nodiscard]] std::span<const std::uint8_t> Answer(const control::ArmCommand& command);
 
-  /// The answers to come ask the arm's program to end the session. False where the protocol can not.
+  /// Makes the next answers ask the arm's program to end the session. False if the protocol cannot.
   bool RequestStop();
 
-  /// What keeps the arm from being commanded; empty where nothing does.
+  /// Says what keeps the arm from being commanded; empty if nothing does.
   [[nodiscard]] std::string Diagnosis() const;
 
  private:
@@ -48,21 +49,21 @@ class ArmSession {
   bool can_stop_;
 };
 
-/// The same in wall time, over a socket.
+/// The client's side in wall time, over a socket.
 class ArmWire {
  public:
-  /// The error names address and port, and says what to do.
-  /// @param peer  who alone is heard, IPv4; empty: the first that speaks
+  /// Opens the socket. The error names address and port, and says what to do.
+  /// @param peer  IPv4 address of the only accepted sender; empty: the first sender
   [[nodiscard]] static tl::expected<ArmWire, std::string> Open(const config::ArmLinkConfig& link,
                                                                const std::string& peer);
 
   [[nodiscard]] control::ArmLink& link();
 
-  /// Asks the arm's program to end the session, where the protocol can, and waits until it has, kEndWithin at
-  /// most: an arm that is left without answers ends by a fault of its own.
+  /// Asks the arm's program to end the session, if the protocol can, and waits for that end, at most
+  /// kEndWithin: an arm that gets no answers any more ends with a fault of its own.
   void End();
 
-  /// What keeps the arm from being commanded; empty where nothing does.
+  /// Says what keeps the arm from being commanded; empty if nothing does.
   [[nodiscard]] std::string Diagnosis() const;
 
  private:

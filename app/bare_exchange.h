@@ -8,18 +8,18 @@
 
 namespace osteon::app {
 
-/// What the kernel alone takes for a tick's datagrams over loopback: one call that takes a message which has
-/// arrived, one that sends an answer, and nothing in between. No loop on this machine can be faster.
+/// Measures the kernel's own time for a tick's datagrams over loopback: one call receives a message that has
+/// arrived, one sends an answer, with nothing between them. No loop on this machine can be faster.
 class BareExchange {
  public:
-  /// @throws std::runtime_error where a socket can't be opened.
+  /// @throws std::runtime_error if a socket can't be opened.
   BareExchange();
   ~BareExchange();
   BareExchange(const BareExchange&) = delete;
   BareExchange& operator=(const BareExchange&) = delete;
 
-  /// One exchange. @param message, answer  sizes [bytes], at most 2000
-  /// @returns the time of both calls [us]. @throws std::runtime_error where loopback loses one.
+  /// Times one exchange. @param message, answer  sizes [bytes], at most 2000
+  /// @returns the time of both calls [us]. @throws std::runtime_error if loopback loses a datagram.
   double Time(std::size_t message, std::size_t answer);
 
  private:

@@ -39,7 +39,7 @@ BaseSearch::BaseSearch(const kinematics::ChainParams<7>& arm, const Matrix3& R_W
       task_(task),
       params_(params) {}
 
-// A1's zero looks along the base's x: toward the site, so that its range lies on both sides.
+// Returns the base's pose whose x axis (A1 = 0) points toward the site, the middle of A1's range.
 Pose BaseSearch::Facing(const Vector3& p_WB) const {
   const Vector3 p_B_site = R_WB_.transpose() * (task_.X_WC.translation() - p_WB);
   const double turn = std::atan2(p_B_site.y(), p_B_site.x());
@@ -49,7 +49,7 @@ Pose BaseSearch::Facing(const Vector3& p_WB) const {
   return X_WB;
 }
 
-// About the base's own axis, from R_WB.
+// Returns the base's turn about its own axis, from R_WB.
 double BaseSearch::TurnOf(const Pose& X_WB) const {
   const Matrix3 R = R_WB_.transpose() * X_WB.linear();
   return std::atan2(R(1, 0), R(0, 0));
@@ -60,8 +60,9 @@ bool BaseSearch::Stands(const Vector3& p_WB) const {
   return std::hypot(p_B_site.x(), p_B_site.y()) >= params_.clearance_m;
 }
 
-// Configurations of one arm angle put the links into the same places, so a factor needs but one of them;
-// where the centres of mass lie off the axes they differ a little, which Forces() tells to the last digit.
+// All configurations of one arm angle put the links into the same places, so one of them is enough for the
+// factor. If the centres of mass lie off the axes the configurations differ slightly; Forces() accounts for
+// that exactly.
 BaseFigure BaseSearch::JudgeAt(const Pose& X_WB, double arm_angle_rad, const std::vector<Pose>& poses,
                                double least) const {
   BaseFigure figure{.X_WB = X_WB, .arm_angle_rad = arm_angle_rad};
@@ -116,7 +117,7 @@ double BaseSearch::Score(const BaseFigure& figure) const {
 }
 
 std::optional<BaseFigure> BaseSearch::Best(const std::function<bool()>& stop) const {
-  // the grid; each place into its own element, so that threads don't matter
+  // the grid; each place writes its own element, so that the result does not depend on the threads
   const std::size_t nx = Count(params_.x_m, params_.step_m), ny = Count(params_.y_m, params_.step_m),
                     nz = Count(params_.z_m, params_.step_m);
   std::vector<BaseFigure> grid(nx * ny * nz);
@@ -135,7 +136,7 @@ std::optional<BaseFigure> BaseSearch::Best(const std::function<bool()>& stop) co
                    [&](std::size_t a, std::size_t b) { return Score(grid[a]) > Score(grid[b]); });
   order.resize(std::min(order.size(), static_cast<std::size_t>(params_.starts)));
 
-  // from the best of them on foot: along one axis, then the next, by steps that halve
+  // compass search from the best places: along one axis, then the next, in steps that halve
   std::vector<BaseFigure> refined(order.size());
   const auto within = [](const AxisRange& range, double value) {
     return std::clamp(value, range.from, range.to);
@@ -169,7 +170,7 @@ std::optional<BaseFigure> BaseSearch::Best(const std::function<bool()>& stop) co
             step_m *= 0.5;
             step_rad *= 0.5;
           }
-          // as it will be written
+          // rounded as the file states it
           const Vector3 rounded = (1e3 * best.X_WB.translation()).array().round() * 1e-3;
           refined[i] = Judge(rounded, kDegree * std::round(best.arm_angle_rad / kDegree));
         }

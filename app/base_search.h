@@ -6,17 +6,18 @@
 
 #include "app/arm_force.h"
 
-// Where in the room an LBR should stand, so that its tool's forces are available throughout a task.
+// Searches the place in the room for an LBR's base from which its tool's forces are available throughout a
+// task.
 //
-// A base is judged by its worst pose of the task at one arm angle and one configuration: what the servo loop
-// keeps through a run. Value: the factor of the whole need (ArmForce::Factor), least over all poses, at the
-// best arm angle; zero where a pose can't be reached within the joint margin, an elbow or wrist is straighter
-// than the least bend (there the force along the arm grows without bound, and so do the joint speeds), or
-// elbow or wrist would be beyond the workspace's plane.
+// A base is judged at one arm angle and one configuration, since the servo loop keeps both through a run. Its
+// value is the factor of the whole need (ArmForce::Factor), least over all poses of the task, at the best arm
+// angle. The value is zero if a pose can't be reached within the joint margin, if elbow or wrist is
+// straighter than the least bend (near a straight joint the force along the arm and the joint speeds grow
+// without bound), or if elbow or wrist would lie beyond the workspace's plane.
 
 namespace osteon::app {
 
-/// The same arm, its position limits drawn in by a margin on both sides.
+/// Returns the arm with its position limits narrowed by a margin on both sides.
 [[nodiscard]] kinematics::LbrParams DrawnIn(kinematics::LbrParams params, double margin_rad);
 
 struct AxisRange {
@@ -24,49 +25,49 @@ struct AxisRange {
 };
 
 struct BaseSearchParams {
-  AxisRange x_m, y_m, z_m;   ///< of the base, in W
-  double clearance_m{0.35};  ///< from the site's centre to the base's axis, across that axis
-  double joint_margin_rad{0.0872664625997165};  ///< kept from the position limits (5 deg)
-  double least_bend_rad{0.261799387799149};     ///< of A4 and A6 (15 deg)
-  Vector3 now_W_m{Vector3::Zero()};  ///< where the base stands; of places as good, the nearer to it is taken:
-  double moving_share_per_m{0.01};   ///< a metre must gain more than this share
+  AxisRange x_m, y_m, z_m;   ///< ranges of the base's origin, in W
+  double clearance_m{0.35};  ///< least distance of the site's centre from the base's axis, across that axis
+  double joint_margin_rad{0.0872664625997165};  ///< distance kept from the position limits (5 deg)
+  double least_bend_rad{0.261799387799149};     ///< of A4 and A6 from straight (15 deg)
+  Vector3 now_W_m{Vector3::Zero()};  ///< where the base stands now; of equally good places the nearest wins
+  double moving_share_per_m{0.01};   ///< relative gain that a place must bring per metre of distance
   double step_m{0.05};               ///< of the first grid
   double final_step_m{0.005};
-  int arm_angles{36};  ///< of the circle
-  int starts{6};       ///< places of the grid that are refined
+  int arm_angles{36};  ///< samples of the elbow's circle
+  int starts{6};       ///< grid places that are refined
   int threads{2};
 };
 
-/// A base that was judged.
+/// A base and its value.
 struct BaseFigure {
   Pose X_WB{Pose::Identity()};
   double arm_angle_rad{0.0};
   unsigned configurations{0};  ///< bit c: configuration c does the whole task; 0: none does
-  double factor{0.0};          ///< guaranteed: of the need, all of it at once
+  double factor{0.0};          ///< of the whole need at once, least over the task
 };
 
 class BaseSearch {
  public:
-  /// @param arm  with payload  @param R_WB  which way the base's axis points; turns about it are free
+  /// @param arm  with payload  @param R_WB  direction of the base's axis; turns about that axis are free
   BaseSearch(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, const Pose& X_FT,
              const TaskVolume& task, const CapabilityNeed& need, const BaseSearchParams& params);
 
-  /// A base at a place, turned so that A1 looks at the site, at its best arm angle of the circle's steps.
+  /// Judges a base at a place, turned so that A1 faces the site, at the best of the sampled arm angles.
   [[nodiscard]] BaseFigure Judge(const Vector3& p_WB) const;
-  /// The same at a given arm angle, the task sampled finely.
+  /// Judges it at a given arm angle, with the task sampled finely.
   [[nodiscard]] BaseFigure Judge(const Vector3& p_WB, double arm_angle_rad) const;
 
-  /// Grid, then compass search from its best places over x, y, z and the arm angle with the task sampled
-  /// finely; the result is rounded to whole millimetres and degrees and judged as it is written.
+  /// Searches a grid, then refines its best places by compass search over x, y, z and the arm angle, with the
+  /// task sampled finely. The result is rounded to whole millimetres and degrees, and judged as rounded.
   /// Deterministic.
-  /// @returns nothing where the task can be done from nowhere in the ranges.
+  /// @returns nothing if the task can't be done from any place within the ranges.
   [[nodiscard]] std::optional<BaseFigure> Best(const std::function<bool()>& stop) const;
 
-  /// Turned about its axis so that A1's range over the task lies in the middle of its limits, to whole
-  /// degrees.
+  /// Turns the base about its axis, by whole degrees, until A1's range over the task is centred in its
+  /// limits.
   [[nodiscard]] BaseFigure Centred(const BaseFigure& figure) const;
 
-  /// The worst of every figure over the finely sampled task, in the first of its configurations.
+  /// The worst of each figure over the finely sampled task, in the first of the base's configurations.
   [[nodiscard]] ToolForce Forces(const BaseFigure& figure) const;
 
  private:
@@ -77,7 +78,7 @@ class BaseSearch {
   [[nodiscard]] BaseFigure JudgeAt(const Pose& X_WB, double arm_angle_rad, const std::vector<Pose>& poses,
                                    double least) const;
 
-  kinematics::LbrArm arm_;  ///< its limits drawn in by the margin
+  kinematics::LbrArm arm_;  ///< limits narrowed by the margin
   ArmForce force_;
   Matrix3 R_WB_;
   Pose X_TF_;

@@ -8,15 +8,15 @@
 
 namespace osteon::app {
 
-/// `osteon bench frame`.
+/// Options of `osteon bench frame`.
 struct BenchFrameOptions {
   std::filesystem::path config_root;
-  std::string scene{"acetabulum"};  ///< or molar: its recorded motion, and its burr
+  std::string scene{"acetabulum"};  ///< or "molar": its recorded motion and its burr
   std::size_t spheres{0};           ///< 0: the scene's own packing
   bool uniform{false};
   std::size_t tool_spheres{1};
   std::string method{"ours"};
-  std::string compare{};  ///< a further method in the same run; empty: none
+  std::string compare{};  ///< a second method, timed in the same run; empty: none
   std::string device{};
   std::size_t frames{2000};
   double most_seconds{60.0};
@@ -24,15 +24,15 @@ struct BenchFrameOptions {
   std::filesystem::path json{};
 };
 
-/// The workload that the options ask for, packed.
+/// Makes and packs the workload that the options describe.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] simulation::FrameWorkload MakeBenchWorkload(const BenchFrameOptions& options);
 
-/// Times it and prints the figures.
-/// @returns the process's exit code: 0; 1 where it can't be run here; 2 bad input; 130 ended by Ctrl-C.
+/// Times the workload's frames and prints the figures.
+/// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.
 [[nodiscard]] int RunBenchFrame(const BenchFrameOptions& options);
 
-/// Most memory that this process has had so far [MB].
+/// Peak memory of this process so far [MB].
 [[nodiscard]] double PeakMemory_MB();
 
 }  // namespace osteon::app

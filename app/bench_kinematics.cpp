@@ -32,7 +32,7 @@
 #include "kinematics/ortho_parallel_arm.h"
 #include "kinematics/serial_chain.h"
 
-// The one place that knows KDL outside the tests: as what the arm's mathematics is measured against.
+// The only file outside the tests that uses KDL: the reference for the speed of the arm's mathematics.
 
 namespace osteon::app {
 namespace {
@@ -41,21 +41,21 @@ using Clock = std::chrono::steady_clock;
 using kinematics::ChainParams;
 using kinematics::JointVectorN;
 
-constexpr std::size_t kPostures = 256;   // that the calls go through, all within the limits
-constexpr std::size_t kBatches = 51;     // of a function; their median counts
-constexpr std::size_t kSlowShare = 100;  // the numerical inverse takes so many times longer than the rest
+constexpr std::size_t kPostures = 256;   // used by the calls in turn, all within the limits
+constexpr std::size_t kBatches = 51;     // for each function; the median of them is reported
+constexpr std::size_t kSlowShare = 100;  // the numerical inverse gets 1 / this of the calls
 
-// One function and its counterpart of KDL. Each call takes the number of a posture and gives something of its
-// result, so that none may be left out.
+// One of our functions and KDL's counterpart. Each call takes the number of a posture and returns part of its
+// result, so that the compiler cannot drop the call.
 struct Pairing {
   const char* key;
   const char* title;
   std::function<double(std::size_t first, std::size_t calls)> ours, kdl;
-  std::size_t kdl_share{1};  // of the calls that KDL gets: 1 / this
+  std::size_t kdl_share{1};  // KDL gets 1 / this of the calls
   double ours_ns{0.0}, kdl_ns{0.0};
 };
 
-// A batch of calls as one function, so that the loop is the compiler's to see through, not the call of each.
+// Wraps a batch of calls into one function, so that the compiler optimises the loop.
 template <class Call>
 std::function<double(std::size_t, std::size_t)> Batch(Call call) {
   return [call](std::size_t first, std::size_t calls) mutable {
@@ -65,7 +65,7 @@ std::function<double(std::size_t, std::size_t)> Batch(Call call) {
   };
 }
 
-volatile double g_sink;  // where results go
+volatile double g_sink;  // receives results
 
 double TimeBatch(const std::function<double(std::size_t, std::size_t)>& batch, std::size_t first,
                  std::size_t calls) {
@@ -82,8 +82,8 @@ KDL::Frame ToKdl(const Pose& X) {
           ToKdl(Vector3(X.translation()))};
 }
 
-// KDL gives a joint's axis in the frame of the segment before, and wants a link's inertia at the segment's
-// tip, which is the joint.
+// Converts a chain to KDL, which expects a joint's axis in the frame of the segment before, and a link's
+// inertia at the segment's tip, which is the joint.
 template <int N>
 KDL::Chain KdlChain(const ChainParams<N>& params) {
   KDL::Chain chain;
@@ -101,7 +101,7 @@ KDL::Chain KdlChain(const ChainParams<N>& params) {
   return chain;
 }
 
-// Inputs of all calls, and KDL's solvers with their outputs.
+// The inputs of all calls, and KDL's solvers with their outputs.
 template <int N>
 struct Workload {
   explicit Workload(const ChainParams<N>& params)
@@ -199,7 +199,7 @@ std::vector<Pairing> DynamicsPairings(const std::shared_ptr<Workload<N>>& work) 
            })}};
 }
 
-// All solutions with what the limits say of each, in closed form; KDL's solver finds one from zero, or none.
+// Compares all closed-form solutions, limits checked, with KDL's solver, which finds one from zero, or none.
 template <int N, class Solve>
 Pairing InversePairing(const std::shared_ptr<Workload<N>>& work, Solve solve) {
   Workload<N>& w = *work;
@@ -233,7 +233,7 @@ std::optional<Pairing> ClosedForm(const config::RobotModel& model, const std::sh
       });
 }
 
-// Heap calls and locks of all that is ours, a hundred calls each. Nothing where they can't be counted.
+// Counts heap calls and locks of all our functions in a hundred calls each; nothing if they can't be counted.
 std::optional<int> CountAllocations(const std::vector<Pairing>& pairings) {
   int calls = 0;
   for (const Pairing& pairing : pairings) {
@@ -250,7 +250,7 @@ void Time(std::vector<Pairing>& pairings, std::size_t calls) {
     const std::size_t own_batch = std::max<std::size_t>(1, calls / kBatches),
                       kdl_batch = std::max<std::size_t>(1, own_batch / pairing.kdl_share);
     std::vector<double> ours, kdl;
-    g_sink = pairing.ours(0, own_batch) + pairing.kdl(0, kdl_batch);  // caches and branches warm
+    g_sink = pairing.ours(0, own_batch) + pairing.kdl(0, kdl_batch);  // warms caches and branch predictors
     for (std::size_t batch = 0; batch < kBatches && !Interrupted(); ++batch) {
       ours.push_back(TimeBatch(pairing.ours, batch * own_batch, own_batch));
       kdl.push_back(TimeBatch(pairing.kdl, batch * kdl_batch, kdl_batch));
@@ -261,7 +261,7 @@ void Time(std::vector<Pairing>& pairings, std::size_t calls) {
   }
 }
 
-// The chain that is measured is the bare arm's.
+// The measured chain is the bare arm's.
 template <int N>
 std::vector<Pairing> PairingsOf(const config::RobotModel& model, const ChainParams<N>& params) {
   const auto work = std::make_shared<Workload<N>>(params);
@@ -269,7 +269,7 @@ std::vector<Pairing> PairingsOf(const config::RobotModel& model, const ChainPara
   if (auto inverse = ClosedForm(model, work)) pairings.push_back(std::move(*inverse));
   if (params.has_masses)
     for (Pairing& pairing : DynamicsPairings(work)) pairings.push_back(std::move(pairing));
-  // what the calls work on lives as long as they do
+  // the calls' data must live as long as the calls
   for (Pairing& pairing : pairings)
     pairing.ours = [work, ours = std::move(pairing.ours)](std::size_t first, std::size_t calls) {
       return ours(first, calls);

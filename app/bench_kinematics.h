@@ -5,16 +5,16 @@
 
 namespace osteon::app {
 
-/// `osteon bench kinematics`.
+/// Options of `osteon bench kinematics`.
 struct BenchKinematicsOptions {
   std::filesystem::path config_root;
   std::filesystem::path robot{};  ///< a file of config/robots; empty: the LBR iiwa 14
-  std::size_t calls{100'000};     ///< of each function; the numerical inverse gets a hundredth
+  std::size_t calls{100'000};     ///< of each function; the numerical inverse gets a hundredth of them
   std::filesystem::path json{};
 };
 
-/// Times the arm's mathematics and KDL's, in turn, batch by batch, and prints the medians.
-/// @returns the process's exit code: 0; 1 where the figures can't be written; 2 bad input; 130 ended by
+/// Times the arm's mathematics and KDL's alternately, batch by batch, and prints the medians.
+/// @returns the process's exit code: 0; 1 if the figures can't be written; 2 bad input; 130 ended by
 /// Ctrl-C.
 [[nodiscard]] int RunBenchKinematics(const BenchKinematicsOptions& options);
 

@@ -47,15 +47,16 @@ namespace {
 using control::ReceiveResult;
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr int kFrameTicks = 2;         // a 500 Hz simulation's
+constexpr int kFrameTicks = 2;         // for a 500 Hz simulation
 constexpr double kPlaneTilt_rad = .6;  // of the eight planes' normals from the feed
-constexpr double kEarly_m = 0.01;      // the planes lie so far above where the tool would meet the cup
-constexpr double kPresses_N = 1.0;     // a tick counts from here on
-constexpr std::size_t kBareEvery = 8;  // ticks: then a period goes to the kernel alone
-constexpr double kScriptShare = 4.0;   // the script is so much longer than what is timed of it
+// Height of the planes above the place where the tool would meet the cup.
+constexpr double kEarly_m = 0.01;
+constexpr double kPresses_N = 1.0;     // coupling force from which a tick counts
+constexpr std::size_t kBareEvery = 8;  // ticks: then one period measures the kernel alone
+constexpr double kScriptShare = 4.0;   // length of the script over that of its timed part
 constexpr std::array<const char*, 5> kStages{"receive", "devices", "loop", "send", "record"};
 
-// The force sensor and the drive, both sides of each wire, in memory.
+// The force sensor and the drive in memory, with both sides of each connection.
 class Devices {
  public:
   Devices(const config::CellConfig& cell, std::unique_ptr<io::DeviceClients> clients)
@@ -71,13 +72,13 @@ class Devices {
     wires_.emplace(ends, devices_, cell.devices, hil::InjectionParams{}, &now_);
   }
 
-  // Their side, which is not ours to time.
+  // The devices' side, which is not timed.
   void Simulate(const Wrench& F_S, rt::Nanoseconds now) {
     now_ = now;
     devices_.SetLoad(F_S);
     wires_->Pump(now);
   }
-  // What WiredDevices::Exchange does on our side, but for the PLC, whose block another thread reads.
+  // Our side of the exchange, as WiredDevices::Exchange without the PLC, which another thread reads.
   control::CellReadings Exchange(const control::CellCommands& commands, rt::Nanoseconds now) {
     clients_->Command(commands, now);
     for (io::CanPump& pump : pumps_) pump.Pump(now);
@@ -94,8 +95,9 @@ class Devices {
   io::PlcReading no_plc_;
 };
 
-// Eight planes that touch a ball in the tool's way, as a frame of the simulation reports them: the tool's
-// head, in the ball's place, touches all of them; further along the feed it presses on all.
+// Returns eight planes that touch a ball in the tool's path, as a simulation frame reports them: the tool's
+// head touches all of them where it coincides with the ball, and presses on all when it goes farther along
+// the feed.
 simulation::ContactModel EightPlanes(const Vector3& p_WBall, double radius_m, const Pose& X_WT,
                                      double stiffness_N_per_m) {
   simulation::ContactModel model;
@@ -117,20 +119,20 @@ simulation::ContactModel EightPlanes(const Vector3& p_WBall, double radius_m, co
   return model;
 }
 
-// What was measured, in us.
+// The measured times, in us.
 struct Times {
   std::vector<double> tick;
   std::array<std::vector<double>, kStages.size()> stages;
   std::array<std::vector<double>, TickParts::kCount> parts;
   std::vector<double> bare;  // kernel alone
-  int allocations{0};        // heap calls and locks of the ticks
+  int allocations{0};        // in the ticks
   double force_N{0.0}, pressing{0.0};
   bool realtime{false};
 };
 
 class TickBench {
  public:
-  // @throws std::runtime_error where something can't be opened.
+  // @throws std::runtime_error if something can't be opened.
   TickBench(const config::CellConfig& cell, double seconds, const std::filesystem::path& recording)
       : cell_(cell),
         loop_(MakeServoLoop(cell)),
@@ -156,7 +158,7 @@ class TickBench {
     p_WBall_ = cell.X_WG * Vector3(0.0, 0.0, kEarly_m);
   }
 
-  // In the calling thread. @throws std::runtime_error where a tick goes wrong or the tool does not press.
+  // Runs in the calling thread. @throws std::runtime_error if a tick fails or the tool does not press.
   Times Run(std::size_t ticks) {
     Times times;
     times.realtime = rt::SetUpRealtimeThread(
@@ -170,10 +172,10 @@ class TickBench {
     rt::Nanoseconds due = 0;
     for (std::int64_t tick = 1; times.tick.size() < ticks && !Interrupted(); ++tick) {
       if (arm_.state().script_done || loop_.phase() == control::Phase::kStopped) break;
-      if (!times.tick.empty()) {  // from here on at the pace, and with the caches, of a run
+      if (!times.tick.empty()) {  // from here on at a run's pace, with caches as cold as in a run
         due = std::max(due + period, rt::MonotonicNow());
         rt::SleepUntil(due);
-        if (times.tick.size() / kBareEvery > times.bare.size()) {  // as cold as a tick is
+        if (times.tick.size() / kBareEvery > times.bare.size()) {  // with caches as cold as in a tick
           times.bare.push_back(bare_.Time(message_bytes_, answer_bytes_));
           due += period;
           rt::SleepUntil(due);
@@ -190,7 +192,7 @@ class TickBench {
   [[nodiscard]] safety::FaultSet faults() const { return loop_.faults(); }
 
  private:
-  // In virtual time: the loop's ages do not depend on how busy this machine is.
+  // Runs a tick in virtual time, so that the loop's ages do not depend on this machine's load.
   void RunTick(std::int64_t tick, rt::Nanoseconds now, Times& times) {
     const auto message = arm_.Step(now);
     devices_->Simulate(arm_.state().F_S, now);
@@ -204,7 +206,7 @@ class TickBench {
     }
     const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(command_.q.data());
 
-    // as RunServo does before a message is due
+    // rehearse as RunServo does before a message is due
     control::RehearseTick(loop_, repeat_, *link_, command_);
     if (!wire_->Send(message)) throw std::runtime_error("the loopback took no message");
 
@@ -286,7 +288,7 @@ std::string Row(std::string_view name, const simulation::TimeFigures& t) {
                      t.p999_us, t.max_us);
 }
 
-// A file that goes with the run.
+// A file that is removed with the object.
 class TemporaryFile {
  public:
   TemporaryFile() : path_((std::filesystem::temp_directory_path() / "osteon_tick_XXXXXX").string()) {
@@ -303,7 +305,7 @@ class TemporaryFile {
   std::string path_;
 };
 
-// Nothing but what this loop can meet: no PLC, whose block is another thread's, and nothing injected.
+// The demo cell reduced to what this loop can use: no PLC (another thread's) and no injections.
 config::CellConfig BenchCell(const std::filesystem::path& config_root) {
   config::CellConfig cell = config::LoadCell(config_root / "cells" / "demo.yaml");
   cell.devices.plc.reset();
@@ -323,7 +325,7 @@ int Run(const BenchTickOptions& options) {
   InstallInterrupt();
   Times times;
   std::string wrong;
-  std::thread([&] {  // of its own: the priority is not to stay with the process
+  std::thread([&] {  // a separate thread, so that the process does not keep the priority
     try {
       times = bench.Run(options.ticks);
     } catch (const std::runtime_error& error) {

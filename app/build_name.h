@@ -4,7 +4,7 @@
 
 namespace osteon::app {
 
-/// Of the sources that this program was built from; with "-dirty" behind it where they were not committed.
+/// Commit of the sources that this program was built from, with "-dirty" appended if they were not committed.
 [[nodiscard]] std::string CommitName();
 
 /// Commit, compiler and C library of this program, in one line.

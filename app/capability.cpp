@@ -24,11 +24,11 @@ namespace osteon::app {
 namespace {
 
 constexpr double kRadian = std::numbers::pi / 180.0;
-constexpr double kReach_m = 0.9, kLower_m = 0.7, kHigher_m = 0.5;  // of the default ranges, from the site
+constexpr double kReach_m = 0.9, kLower_m = 0.7, kHigher_m = 0.5;  // default ranges, from the site
 constexpr double kPanelStep_m = 0.025;
-constexpr double kPressing_N = 20.0;  // along the tool: what is less says little about a ratio
+constexpr double kPressing_N = 20.0;  // along the tool; smaller forces give no reliable ratio
 
-// How much of the axial force a run's tool asked for across its axis: the greatest ratio while it pressed.
+// Returns the greatest ratio of lateral to axial force in a run while the tool pressed.
 tl::expected<double, std::string> LateralRatio(const std::filesystem::path& file) {
   auto stream = io::RecordingStream::Open(file);
   if (!stream) return tl::unexpected(stream.error());
@@ -49,7 +49,7 @@ tl::expected<double, std::string> LateralRatio(const std::filesystem::path& file
   return ratio;
 }
 
-// Which way the base's axis points, without a turn about it.
+// Returns the mount's base orientation, without a turn about the base's axis.
 Matrix3 MountOf(const config::CellConfig& cell, Mount mount) {
   if (mount == Mount::kFloor) return Matrix3::Identity();
   if (mount == Mount::kCeiling) return ExpRotation({std::numbers::pi, 0.0, 0.0});
@@ -60,7 +60,7 @@ BaseSearchParams SearchOf(const CapabilityOptions& options, const TaskVolume& ta
   const Vector3 site = task.X_WC.translation();
   const auto range = [](const std::optional<std::array<double, 2>>& asked_mm, double from_m, double to_m) {
     if (asked_mm) return AxisRange{1e-3 * (*asked_mm)[0], 1e-3 * (*asked_mm)[1]};
-    // whole centimetres, so that the grid's places are
+    // whole centimetres, so that the grid's places are at whole centimetres
     return AxisRange{0.01 * std::round(100.0 * from_m), 0.01 * std::round(100.0 * to_m)};
   };
   return {.x_m = range(options.x_mm, site.x() - kReach_m, site.x() + kReach_m),
@@ -72,7 +72,7 @@ BaseSearchParams SearchOf(const CapabilityOptions& options, const TaskVolume& ta
           .threads = options.threads};
 }
 
-// Without the rows and columns in which the task can't be done, but for two round what is marked.
+// Removes rows and columns in which the task can't be done, except for a rim of two around values and marks.
 BasePanel Cropped(const BasePanel& panel) {
   int low_x = panel.nx, high_x = -1, low_y = panel.ny, high_y = -1;
   const auto keep = [&](int i, int j) {
@@ -106,7 +106,7 @@ BasePanel Cropped(const BasePanel& panel) {
   return cropped;
 }
 
-// The guaranteed force over a plane of places, round the best one.
+// Computes the guaranteed force over a plane of places, around the best one.
 BasePanel PanelAround(const BaseSearch& search, const BaseFigure& best, const CapabilityResult& result,
                       bool vertical) {
   const Vector3 site = result.task.X_WC.translation(), p_best = best.X_WB.translation(),
@@ -120,7 +120,7 @@ BasePanel PanelAround(const BaseSearch& search, const BaseFigure& best, const Ca
   if (vertical) {
     u = Vector3(p_best.x() - site.x(), p_best.y() - site.y(), 0.0);
     u = u.norm() > 1e-6 ? Vector3(u.normalized()) : Vector3::UnitX();
-    if (u.x() < 0.0) u = -u;  // what is left in the plan view is left here
+    if (u.x() < 0.0) u = -u;  // the same left and right as in the plan view
     v = Vector3::UnitZ();
     across = {-kReach_m, kReach_m};
     up = {s.z_m.from - site.z(), s.z_m.to - site.z()};
@@ -143,7 +143,7 @@ BasePanel PanelAround(const BaseSearch& search, const BaseFigure& best, const Ca
   panel.site = local(site);
   panel.own = local(p_own);
   if (vertical) {
-    // a base beside the plane, turned into it about the site
+    // a base beside the plane is turned into the plane about the site
     const double side = panel.own[0] < 0.0 ? -1.0 : 1.0;
     panel.own[0] = side * std::hypot(p_own.x() - site.x(), p_own.y() - site.y());
   }

@@ -9,15 +9,15 @@
 
 namespace osteon::app {
 
-/// Which way the base's axis points.
+/// Direction of the base's axis.
 enum class Mount { kCell, kFloor, kCeiling };
 
 struct CapabilityOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"capability"};
-  std::filesystem::path json{};  ///< a further copy of capability.json
+  std::filesystem::path json{};  ///< a second copy of capability.json
   std::filesystem::path
-      recording{};  ///< of a run: what lateral force its tool needed; empty: the cell's limits
+      recording{};  ///< of a run: gives the lateral force that its tool needed; empty: the cell's limits
   std::optional<double> axial_N{}, lateral_N{}, radius_mm{};
   double torque_Nm{0.0};
   Mount mount{Mount::kCell};
@@ -25,14 +25,15 @@ struct CapabilityOptions {
   double clearance_mm{350.0};
   double joint_margin_deg{5.0};
   int nodes{61};      ///< of a map, across the workspace
-  bool search{true};  ///< for a better base
+  bool search{true};  ///< look for a better base
   int threads{2};
   std::string command_line{};
 };
 
-/// `osteon capability CELL.yaml`: maps what force the arm can hold over the cell's task, and looks for the
-/// base from which it holds most. Writes capability.json, .csv, .html, pictures, and base.yaml into a folder.
-/// @returns the process's exit code: 0, whatever the verdict; 1 where a file can't be written; 2 bad input;
+/// Runs `osteon capability CELL.yaml`: maps the force that the arm can hold over the cell's task, and
+/// searches for the base from which it holds most. Writes capability.json, .csv, .html, pictures, and
+/// base.yaml into a folder.
+/// @returns the process's exit code: 0, whatever the verdict; 1 if a file can't be written; 2 bad input;
 /// 130 ended by Ctrl-C.
 [[nodiscard]] int RunCapability(const CapabilityOptions& options);
 

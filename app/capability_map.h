@@ -8,18 +8,18 @@
 #include "app/arm_force.h"
 #include "app/base_search.h"
 
-// What the arm can give over the cell's workspace, from the base that it has.
+// The force capability of the arm over the cell's workspace, from its present base.
 
 namespace osteon::app {
 
-/// Two planes through the site's centre.
+/// Two section planes through the site's centre.
 enum class MapPlane : std::uint8_t {
-  kVertical,    ///< through the base's axis and along W's z: to W's +x side, y up
+  kVertical,    ///< contains the base's axis: +x toward W's +x side, y along W's z
   kHorizontal,  ///< W's x and y, at the site's height
 };
 
-/// Of the tilt cone with the head's centre at a node: the worst of its poses. NaN where a pose of the cone
-/// has no posture.
+/// Forces on a grid of one plane. A node's value is the worst over the tilt cone with the tool head's centre
+/// at that node, NaN if a pose of the cone has no posture.
 struct MapPanel {
   MapPlane plane{};
   Vector3 origin_W{Vector3::Zero()}, u_W{Vector3::UnitX()}, v_W{Vector3::UnitY()};
@@ -28,40 +28,40 @@ struct MapPanel {
   std::vector<double> axial_N, lateral_N;          ///< each pose at its best arm angle
   std::vector<double> own_axial_N, own_lateral_N;  ///< at the cell's arm angle and configuration
 
-  /// Where the node of element i lies, in W [m].
+  /// Returns the position of element i's node, in W [m].
   [[nodiscard]] Vector3 Node(std::size_t i) const;
 };
 
-/// The cell's base and tool.
+/// Computes the maps for the cell's base and tool.
 class CapabilityMap {
  public:
   CapabilityMap(const config::CellConfig& cell, const TaskVolume& task, const CapabilityNeed& need,
                 int threads);
 
-  /// Over the workspace's sphere, so many nodes across.
+  /// Maps the workspace's sphere with `nodes` nodes across.
   [[nodiscard]] MapPanel Panel(MapPlane plane, int nodes, const std::function<bool()>& stop) const;
 
-  /// The worst over the task, and how many of its poses have no posture.
+  /// The worst figures over the task, and the number of its poses without a posture.
   struct Task {
     ToolForce force;
     std::size_t poses{0}, unreachable{0};
   };
   [[nodiscard]] Task AtBestArmAngle() const;
-  /// At the arm angle and the configuration that the cell's start has.
+  /// Evaluates the task at the arm angle and configuration of the cell's start.
   [[nodiscard]] Task AtOwnArmAngle() const;
 
  private:
-  /// Best by the factor of the need; nothing where the pose has no posture.
+  /// Returns the figures at the arm angle with the best factor of the need; nothing without a posture.
   [[nodiscard]] std::optional<ToolForce> Best(const Pose& X_WT) const;
   [[nodiscard]] std::optional<ToolForce> Own(const Pose& X_WT) const;
 
-  kinematics::LbrArm arm_;  ///< its limits drawn in by the cell's margin
+  kinematics::LbrArm arm_;  ///< limits narrowed by the cell's margin
   ArmForce force_;
   Pose X_BW_, X_TF_;
   TaskVolume task_;
   double own_arm_angle_rad_;
   std::size_t own_configuration_;
-  double first_rad_;  ///< where the tilts' directions begin
+  double first_rad_;  ///< azimuth of the first tilt
   int threads_;
 };
 

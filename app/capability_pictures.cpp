@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kTaskColor = "#d55e00";
 
-// Largest force of the scale: the bands end at a round number above nine tenths of the values.
+// Chooses the scale: the bands end at a round number above nine tenths of the values.
 HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields, double need_N,
                   const std::string& label) {
   std::vector<double> values;
@@ -21,7 +21,7 @@ HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields, double 
     for (const double value : *field)
       if (std::isfinite(value)) values.push_back(value);
   const double most = values.empty() ? 0.0 : Percentile(values, 0.95);
-  // eight to fifteen bands of a round width, two to a tick
+  // eight to fifteen bands of a round width, two per tick
   const double top = std::clamp(1.1 * std::max(most, need_N), 50.0, 1000.0);
   double tick = 10.0;
   for (const double width : {20.0, 50.0, 100.0, 200.0})
@@ -40,7 +40,7 @@ std::vector<double> Levels(const HeatScale& scale, double need_N) {
   return levels;
 }
 
-// Where the task's cylinder meets a panel's plane: its outline there, in mm of the panel.
+// Outlines the intersection of the task's cylinder with a panel's plane, in mm of the panel.
 Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
   constexpr int kSides = 72;
   Polyline outline{.points = {}, .closed = true};
@@ -51,7 +51,7 @@ Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
   const Matrix3 R_CW = task.X_WC.linear().transpose();
   const Vector3 normal_C = R_CW * panel.u_W.cross(panel.v_W);
   if (std::abs(normal_C.z()) > 0.7) {
-    // across the axis: the rim, at the plane's height
+    // plane across the axis: the rim, at the plane's height
     for (int k = 0; k < kSides; ++k) {
       const double angle = 2.0 * std::numbers::pi * k / kSides;
       const Vector3 rim(task.radius_m * std::cos(angle), task.radius_m * std::sin(angle), 0.0);
@@ -59,7 +59,7 @@ Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
     }
     return outline;
   }
-  // along it: the two sides
+  // plane along the axis: the two sides
   const Vector3 side = Vector3::UnitZ().cross(normal_C).normalized() * task.radius_m;
   for (const auto& [sign, height] :
        {std::pair{-1.0, task.bottom_m}, {1.0, task.bottom_m}, {1.0, task.top_m}, {-1.0, task.top_m}})
@@ -67,8 +67,7 @@ Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
   return outline;
 }
 
-// Where the cell's workspace lets the centre of an upright tool's head be: sphere and plane, moved from the
-// apex.
+// Outlines where the cell's workspace permits the centre of an upright tool's head: shifted from the apex.
 Polyline WorkspaceOutline(const TaskVolume& task, const MapPanel& panel) {
   constexpr int kSides = 180;
   const safety::WorkspaceParams& space = task.workspace;
@@ -86,7 +85,7 @@ Polyline WorkspaceOutline(const TaskVolume& task, const MapPanel& panel) {
   for (int k = 0; k < kSides; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / kSides;
     Vector2 p = middle + radius * Vector2(std::cos(angle), std::sin(angle));
-    // beyond the plane: back along its normal
+    // beyond the plane: project back along its normal
     if (n.norm() > 1e-9 && n.dot(p) < d) p += (d - n.dot(p)) / n.squaredNorm() * n;
     outline.points.push_back(1e3 * p);
   }

@@ -14,7 +14,7 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 std::string Joint(int joint) { return joint < 0 ? "no joint" : fmt::format("A{}", joint + 1); }
 
-// Zero where nothing could be judged; JSON has no infinity.
+// Zero if nothing could be judged; JSON has no infinity.
 double Shown(double value) { return std::isfinite(value) ? value : 0.0; }
 
 std::string Forces(const CapabilityMap::Task& task) {
@@ -55,21 +55,21 @@ nlohmann::json ToJson(const Vector3& v, double scale) {
           std::round(v.z() * scale * 1e6) * 1e-6};
 }
 
-// A whole number without a sign on zero.
+// Rounds to a whole number, without a negative zero.
 double Whole(double value) { return std::round(value) + 0.0; }
 
 }  // namespace
 
 Vector3 RollPitchYaw(const Matrix3& R) {
   const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
-  // straight up or down, roll and yaw turn about one axis: all of it is yaw
+  // straight up or down, roll and yaw turn about the same axis: count it all as yaw
   if (std::abs(R(2, 0)) > 1.0 - 1e-12) return {0.0, pitch, std::atan2(-R(0, 1), R(1, 1))};
   return {std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))};
 }
 
 namespace {
 
-// Why the task can't be done with the needed forces at once; empty where it can.
+// Says why the task can't be done with the needed forces at once; empty if it can.
 std::string WhyNotHeld(const CapabilityMap::Task& task, const CapabilityNeed& need) {
   if (task.unreachable == task.poses) return "no pose of the task has a posture within the joint limits";
   if (task.unreachable > 0)

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-// Where the hand still pushes with all its force: a script's keys go on, to where its spring would pull.
+// The depth to which the hand pushes with its full force. The script's keys lie deeper, where its spring
+// would pull.
 std::optional<double> FullForceDepth(const hil::ScriptParams& script) {
   return std::visit(
       [](const auto& params) -> std::optional<double> {

@@ -10,7 +10,7 @@
 
 namespace osteon::app {
 
-/// The subcommands `cell` and `run` of the command line: the two halves of a cell.
+/// The subcommands `cell` and `run` of the command line: a cell's simulated side and its controller.
 class CellCommands {
  public:
   explicit CellCommands(CLI::App& app);

@@ -11,9 +11,9 @@ namespace osteon::app {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr std::uint16_t kFirstTunnel = 29536;  // of a bus whose file names a real interface
+constexpr std::uint16_t kFirstTunnel = 29536;  // for a bus whose file names a real interface
 
-// Arm, PLC, two a bus, and the guard's behind them.
+// The guard's place among the ports: after the arm, the PLC, and two per bus.
 int GuardPlace(const config::CellConfig& cell) { return 2 + 2 * static_cast<int>(cell.devices.buses.size()); }
 int PortsOf(const config::CellConfig& cell) { return GuardPlace(cell) + (cell.guard ? 1 : 0); }
 

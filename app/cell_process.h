@@ -19,16 +19,16 @@ struct CellProcessParams {
   std::filesystem::path cell;                ///< its YAML
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
   double seconds{0.0};                       ///< of the operator's script; 0: as the file says
-  std::uint16_t first_port{0};               ///< as UseSimulatedWires; 0: the file's
-  int cpu{-1};                               ///< of its real-time threads; -1: any
-  bool guard{false};                         ///< the cell has one: it is started as well
+  std::uint16_t first_port{0};               ///< see UseSimulatedWires; 0: the file's
+  int cpu{-1};                               ///< for its real-time threads; -1: any
+  bool guard{false};                         ///< start the cell's guard as well
 };
 
-/// `osteon cell` as a process of its own, from this program's file, and `osteon guard` as another where the
-/// cell has one. They end with this process, however that ends.
+/// Runs `osteon cell` as a separate process of this program's file, and `osteon guard` as another if the cell
+/// has a guard. Both end with this process, however it ends.
 class CellProcess {
  public:
-  /// The error says why it could not be started.
+  /// Starts the processes. The error says why that failed.
   [[nodiscard]] static tl::expected<std::unique_ptr<CellProcess>, std::string> Start(
       const CellProcessParams& params);
   /// Ends it.
@@ -36,14 +36,14 @@ class CellProcess {
   CellProcess(const CellProcess&) = delete;
   CellProcess& operator=(const CellProcess&) = delete;
 
-  /// It has ended by itself: then it has said why on stderr.
+  /// Whether it has ended by itself; it has then said why on stderr.
   [[nodiscard]] bool Ended() { return process_->Ended(); }
 
-  /// Tells it to end, at once. Any thread.
+  /// Asks it to end at once. Callable from any thread.
   void AskToEnd() const { process_->Send(SIGTERM); }
 
-  /// Waits for its end, and kills it where it takes longer than 5 s; then ends the guard. @returns what it
-  /// says about itself, as `osteon cell --json` writes it; empty where it could not.
+  /// Waits for its end, and kills it after 5 s; then ends the guard. @returns its own report, as `osteon cell
+  /// --json` writes it; empty if it could not write one.
   [[nodiscard]] std::string End();
 
  private:

@@ -32,7 +32,7 @@ namespace {
 
 constexpr double kVirtualGiveUp_s = 30.0;  // without COMMANDING_ACTIVE, or without rest after the end
 
-constexpr std::chrono::milliseconds kLook{10};  // how often a run is looked after
+constexpr std::chrono::milliseconds kLook{10};  // how often a run is supervised
 
 rt::Nanoseconds UtcNow() {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
@@ -48,16 +48,16 @@ void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSe
   });
 }
 
-// What a run in wall time speaks through.
+// The connections of a run in wall time.
 struct Wires {
   std::optional<ArmWire> arm;
   std::unique_ptr<io::WiredDevices> devices;
-  std::unique_ptr<CellProcess> cell;  // null: not ours to start
+  std::unique_ptr<CellProcess> cell;  // null: this run did not start it
 };
 
 tl::expected<Wires, std::string> OpenWires(const CellSetup& setup) {
   Wires wires;
-  // behind a guard it is the guard that hears the arm
+  // behind a guard, the guard receives the arm's messages
   auto arm = ArmWire::Open(setup.config.link, setup.config.guard ? "" : setup.config.link.arm_host);
   if (!arm) return tl::make_unexpected(arm.error());
   wires.arm = std::move(*arm);
@@ -67,7 +67,7 @@ tl::expected<Wires, std::string> OpenWires(const CellSetup& setup) {
   return wires;
 }
 
-// What was missing when the loop last looked, as long as it did not move.
+// Names the permits that were missing in the loop's last tick, as long as it did not move.
 std::string MissingPermits(safety::MotionPermits permits) {
   if (!permits.Has(safety::MotionPermit::kArmFresh)) return "";  // no message: the arm's diagnosis says why
   std::string missing;
@@ -78,7 +78,7 @@ std::string MissingPermits(safety::MotionPermits permits) {
   return missing.empty() ? "" : "motion lacked " + missing;
 }
 
-// Why the arm's messages did not come: a guard that is not there lets none through.
+// Says why the arm's messages did not come: a guard that does not run lets none through.
 std::string WhyNoArm(const std::string& arm, const std::optional<config::GuardConfig>& guard,
                      safety::MotionPermits permits) {
   if (!guard || permits.Has(safety::MotionPermit::kArmFresh)) return arm;
@@ -101,14 +101,14 @@ void TakePauses(const CellRunParams& params, control::ServoLoop& loop) {
   if (params.notice && (pause || resume)) params.notice(pause ? "a pause was asked for" : "asked to go on");
 }
 
-// Looks along the way to the start while the arm waits, and again where somebody has moved the arm since.
+// Checks the path to the start while the arm waits, and again if somebody has moved the arm since.
 class StartWatch {
  public:
   StartWatch(const CellSetup& setup, control::ServoLoop& loop) : setup_(setup), loop_(loop) {
     loop_.AllowBegin(false);
   }
 
-  /// Where the arm is: the servo's thread writes, this one reads.
+  /// The arm's position: written by the servo thread, read by this one.
   [[nodiscard]] rt::LatestValue<control::StandingArm>& standing() { return standing_; }
 
   void Look() {
@@ -135,13 +135,13 @@ class StartWatch {
   std::string why_not_;
 };
 
-// So long an arm is still answered and recorded at rest. One whose program can be asked to end is asked at
-// once, before a PLC takes its power.
+// Time for which an arm is still answered and recorded at rest. An arm whose program can be asked to end is
+// asked at once, before a PLC switches off its power.
 double AtRest_s(const CellSetup& setup, const CellRunParams& params) {
   return CanAskToEnd(setup.config.link) ? 0.0 : params.at_rest_s;
 }
 
-// Why a run ended that nothing but its operator or its time has ended.
+// Says why a run ended that was ended only by its operator or its duration.
 std::string WhyEnded(const CellRunResult& result, double seconds) {
   if (result.end == control::RunEnd::kSeconds) return fmt::format("{:g} s of rendering were over", seconds);
   const std::string signal = InterruptName();
@@ -184,7 +184,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
       cell_died |= !done.load() && wires.cell && wires.cell->Ended();
       gains.Look(rt::ToSeconds(rt::MonotonicNow()));
       TakePauses(params, loop);
-      if (rendered_s.load() == 0.0) start.Look();  // a recovery goes on from where the arm is
+      if (rendered_s.load() == 0.0) start.Look();  // a recovery starts from the arm's present position
       if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
       if (params.progress) params.progress(rendered_s.load());
     };
@@ -192,15 +192,16 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
       rt::NameThread("servo");
       servo = RunServo(loop, wires.arm->link(), *wires.devices, models, commands, recorder, servo_params);
       wires.arm->End();
-      if (wires.cell) wires.cell->AskToEnd();  // at once: a client that is gone is no loss on the arm's books
+      // At once, so that the arm does not count our end as a lost client.
+      if (wires.cell) wires.cell->AskToEnd();
       done.store(true);
     });
     while (!done.load()) {
       std::this_thread::sleep_for(kLook);
-      if (!result.internal_error.empty()) continue;  // the arm still brakes
+      if (!result.internal_error.empty()) continue;  // the arm is still braking
       try {
         watch();
-      } catch (const std::exception& error) {  // the arm moves: it has to come to rest all the same
+      } catch (const std::exception& error) {  // the arm moves and must still come to rest
         result.internal_error = error.what();
         stop.store(true);
       }
@@ -209,7 +210,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     simulation.Stop();
     if (!simulation.error().empty()) result.internal_error = "simulation: " + simulation.error();
   }
-  // the input is right, the arm stands wrong
+  // the input is right, but the arm stands in the wrong place
   if (!start.why_not().empty())
     return tl::make_unexpected(
         CellRunError{.what = start.why_not() + " (a simulated cell: start it anew)", .begun = true});
@@ -230,7 +231,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
   return result;
 }
 
-// As ArmWire::End(): an arm whose program can be asked to ends the session.
+// Ends the session as ArmWire::End() does, if the arm's program can be asked to.
 void EndSession(ArmSession& session, hil::ImpairedCell& cell, rt::Nanoseconds period) {
   if (!session.RequestStop()) return;
   control::ArmState state;
@@ -287,7 +288,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     (*devices)->SetLoad(cell.cell().force().F_S);
     const auto received = accepted ? control::ReceiveResult::kOk : control::ReceiveResult::kTimeout;
 
-    // the frame before has arrived
+    // the previous frame has arrived
     if (tick % frame_ticks == 0 && pending) {
       model = pending->model;
       pending->stamp = now;
@@ -304,7 +305,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     if (params.ticked) params.ticked(record, model);
     recovering = false;
     if (const auto answer = session.Answer(command); accepted && !answer.empty()) cell.Receive(answer);
-    // without a pose yet there is nothing to render; a frame of none would drag the proxy through the bone
+    // without a pose there is nothing to render, and a frame would drag the proxy through the bone
     if (tick % frame_ticks == 0 && loop.tool_command().stamp != 0) pending = runner.Run(loop.tool_command());
 
     RecordFaults(recorder, now, loop.faults(), known);
@@ -355,7 +356,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
                                setup.config.scene.events);
   FrameRunner runner(engine, depth, watch, setup.X_WG, params.governor);
   runner.TellOf(params.notice);
-  // what may be refused comes first: an earlier run's recording is only overwritten by a run
+  // checks that may refuse the run come first: only a run may overwrite an earlier recording
   Wires wires;
   if (!params.virtual_time) {
     auto opened = OpenWires(setup);
@@ -388,7 +389,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
                                       .machine = MachineName()});
   if (!recorder) return tl::make_unexpected(CellRunError{.what = recorder.error()});
 
-  // a run that is refused leaves no recording of nothing
+  // a refused run leaves no empty recording
   const auto refuse = [&](CellRunError error) {
     recorder->reset();
     std::error_code ignored;
@@ -409,7 +410,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
                                  : RunWall(setup, runner, wires, **recorder, params);
   if (!run) return refuse(run.error());
   CellRunResult& result = *run;
-  if (!params.virtual_time) {  // there zones are never in the making
+  if (!params.virtual_time) {  // in virtual time no zones are in the making
     runner.EndGoverning();
     runner.RecordEvents(**recorder, rt::MonotonicNow());
   }

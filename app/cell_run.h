@@ -22,68 +22,70 @@ namespace osteon::app {
 struct CellRunParams {
   double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
   bool virtual_time{false};
-  double frame_s{0.002};  ///< virtual time: from one frame to the next, and from its pose to its model
-  int recoveries{0};  ///< so often the loop begins again after the connection to the arm has ended rendering
-  double wait_s{30.0};  ///< wall time: without beginning to render; then the run ends
-  /// The arm is answered and recorded so long after it has come to rest at the end; not one whose program is
-  /// asked to end then (CanAskToEnd).
+  double frame_s{0.002};  ///< virtual time: interval of frames, and delay from a frame's pose to its model
+  int recoveries{0};      ///< restarts of the loop after the connection to the arm has ended rendering
+  double wait_s{30.0};    ///< wall time: if rendering has not begun by then, the run ends
+  /// Time for which the arm is still answered and recorded once it has come to rest at the end. Not used if
+  /// its program can be asked to end (CanAskToEnd).
   double at_rest_s{0.5};
   int cpu{-1};  ///< wall time: the servo thread is pinned to it; -1: any
-  /// Wall time: the simulated cell to start as a process of its own; absent: what is at the wires is used.
+  /// Wall time: the simulated cell to start as a process of its own; absent: connected devices are used.
   std::optional<CellProcessParams> cell{};
   std::filesystem::path recording;  ///< the MCAP file to write
-  /// Called where all could be opened and the recording's folder is there, before the recording is made or
-  /// overwritten. @returns why it must not be; empty where it may.
+  /// Called after everything could be opened and the recording's folder exists, before the recording is made
+  /// or overwritten. @returns the reason if the recording must not be made; else empty.
   std::function<std::string()> make_room{};
   const std::atomic<bool>* stop{nullptr};
-  PauseSignals* pauses{nullptr};   ///< an operator's pause and its end; null: nobody asks
+  PauseSignals* pauses{nullptr};   ///< an operator's pause and its end; null: no pauses
   std::filesystem::path gains{};   ///< a file of gains that is read again whenever it is saved; empty: none
-  std::function<void()> begins{};  ///< called once all is open, before anything moves
-  std::function<void(const std::string&)> notice{};  ///< told in a line what has happened meanwhile
+  std::function<void()> begins{};  ///< called once everything is open, before anything moves
+  std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
-  ZoneGovernor* governor{nullptr};  ///< of the zones, while it runs; null: they stay as they are
-  /// Virtual time: what a frame is said to have taken [us], for the governor; empty: nothing.
+  ZoneGovernor* governor{nullptr};  ///< may coarsen the zones during the run; null: they stay
+  /// Virtual time: a frame's assumed time [us], for the governor; empty: none.
   std::function<double(const simulation::FrameRecord&)> frame_us{};
-  /// Virtual time: told each tick with the contact model that it saw.
+  /// Virtual time: called after each tick with the contact model that the tick saw.
   std::function<void(const control::TickRecord&, const simulation::ContactModel&)> ticked{};
 };
 
-/// In wall time a message of the arm is missed after so many of its periods; in virtual time after one.
+/// Wall time: a message of the arm counts as missed after this many of its periods. Virtual time: after one.
 inline constexpr double kArmDeadlinePeriods = 5.0;
 
-/// What a run leaves besides its recording.
+/// The result of a run besides its recording.
 struct CellRunResult {
   control::RunEnd end{control::RunEnd::kSeconds};
-  std::string diagnosis;  ///< where rendering never began: what kept arm or devices from it
+  std::string diagnosis;  ///< if rendering never began: what kept arm or devices from it
   safety::FaultSet faults;
   control::ServoStatistics statistics;
-  int recovered{0};                ///< times that it began again
-  rt::RealtimeGrant servo_thread;  ///< wall time: what the system granted it
+  int recovered{0};                ///< number of restarts
+  rt::RealtimeGrant servo_thread;  ///< wall time: scheduling that the system granted
   io::RecordingCounts recording;
-  std::string recording_error;  ///< it could not be written to its end, and why; empty where it was
-  std::string internal_error;   ///< an exception that stopped the run in order; empty: there was none
+  std::string recording_error;  ///< why the recording could not be written to its end; empty if it was
+  std::string internal_error;   ///< an exception that stopped the run in order; empty: none
   simulation::CarvedState after;
-  std::vector<Rezoned> rezoned;  ///< zones that were coarsened; `after` is of the last one's bone
+  std::vector<Rezoned> rezoned;  ///< zones that were coarsened; `after` then belongs to the last one's bone
   std::vector<simulation::SceneEvent> events;  ///< stamps as in the recording
-  std::optional<double> least_wall_m;  ///< that was left beside the cut; nothing where none is watched
-  std::string cell_report;  ///< what the simulated cell says of itself, osteon.cell/1; empty: not ours
+  std::optional<double> least_wall_m;          ///< thinnest wall beside the cut; nothing if none is watched
+  std::string cell_report;  ///< the simulated cell's, osteon.cell/1; empty if this run did not start it
 };
 
 /// Why there is no result.
 struct CellRunError {
   std::string what;
-  bool begun{false};  ///< it failed while it ran; else it was refused before, and left no recording
+  bool begun{false};  ///< false: it was refused before it ran, and there is no recording
 };
 
-/// Operates a cell: servo loop and cutting engine, and what is on the cell's wires.
+/// Operates a cell: servo loop, cutting engine, and the devices that are connected.
 ///
-/// In wall time servo loop and simulation have threads of their own; arm, force sensor, spindle and PLC are
-/// behind their protocols, real, or simulated in a process of their own. In virtual time the simulated cell
-/// is part of this process and all of it runs in lockstep in the calling thread, the same datagrams and
-/// frames handed over in memory: the simulation takes a command every frame_s and its frame is seen so much
-/// later (a tick at least), as a simulation's would that takes so long. The recording's folder is made where
-/// it is not there. A recording that can't be written to its end (a full disk) ends no run: its result says
-/// so. The error says what could not be opened or started.
+/// In wall time, servo loop and simulation have threads of their own. Arm, force sensor, spindle and PLC are
+/// behind their protocols; they are real, or simulated in a separate process.
+///
+/// In virtual time, the simulated cell is part of this process and everything runs in lockstep in the calling
+/// thread, with the same datagrams and frames passed in memory. The simulation takes a command every frame_s,
+/// and its result becomes visible frame_s later (at least one tick), as if the frame had taken that long.
+///
+/// The recording's folder is created if needed. If a recording can't be written to its end (a full disk), the
+/// run continues and its result says so. The error says what could not be opened or started.
 [[nodiscard]] tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup,
                                                                 simulation::CuttingEngine& engine,
                                                                 const CellRunParams& params);

@@ -10,7 +10,7 @@ namespace {
 using control::SessionState;
 using io::FriName;
 
-// So long nothing comes before it is said what is waited for.
+// Time without traffic after which the screen says what the cell waits for.
 constexpr double kPatience_s = 1.0;
 
 }  // namespace
@@ -42,7 +42,7 @@ std::vector<std::string> CellScreen::Lines(const hil::CellHostState& state, doub
   std::vector<std::string> lines;
   const hil::CellState& arm = state.arm.cell;
   if (arm.session != session_) {
-    // a program that is started again and again, as nobody answers, is told of once
+    // a program that restarts repeatedly because nobody answers is reported once
     if (arm.counters.answered > 0 || !told_) lines.push_back(SessionLine(state));
     told_ = true;
     session_ = arm.session;
@@ -64,8 +64,8 @@ std::vector<std::string> CellScreen::Lines(const hil::CellHostState& state, doub
   return lines;
 }
 
-// "COMMANDING_ACTIVE", or with why the state before was left where the arm knows: "COMMANDING_ACTIVE ->
-// MONITORING_WAIT: 5 answers in a row lost, …".
+// Formats "COMMANDING_ACTIVE", or with the reason for leaving the previous state if the arm knows it:
+// "COMMANDING_ACTIVE -> MONITORING_WAIT: 5 answers in a row lost, …".
 std::string CellScreen::SessionLine(const hil::CellHostState& state) const {
   const hil::CellState& arm = state.arm.cell;
   const std::string now = rsi_ ? RsiStateText(arm.session) : FriName(arm.session);
@@ -77,7 +77,7 @@ std::string CellScreen::SessionLine(const hil::CellHostState& state) const {
   return before + now + (why.empty() ? "" : ": " + why);
 }
 
-// The cause of nobody's answering, as far as the arm and the PLC know it.
+// Says why nobody answers, as far as the arm and the PLC know it.
 std::string CellScreen::Silence(const hil::CellHostState& state, bool comes_back) const {
   const hil::CellState& arm = state.arm.cell;
   std::string text;

@@ -8,19 +8,19 @@
 
 namespace osteon::app {
 
-/// What RSI does in a state of hil::RsiArm: "RSI is on, no answer yet".
+/// Says in words what RSI does in a state of hil::RsiArm: "RSI is on, no answer yet".
 [[nodiscard]] const char* RsiStateText(control::SessionState state);
 
-/// What `osteon cell` says while it runs, beyond where its wires are: each new state of the arm's session and
-/// why the last one was left, and, once a second has passed in which nothing came, what it waits for: an arm
-/// controller that answers, a PLC master.
+/// Makes the lines that `osteon cell` prints while it runs: each new state of the arm's session with the
+/// reason for leaving the last one, and, after a second without traffic, what the cell waits for: an arm
+/// controller that answers, or a PLC master.
 ///
-/// An arm on FRI is told of in FRI's session states, one on RSI in what RSI does.
+/// An arm on FRI is described by FRI's session states, an arm on RSI by what RSI does.
 class CellScreen {
  public:
   explicit CellScreen(const config::CellConfig& cell);
 
-  /// A line for each thing that is new since the call before. @param now_s  since the cell began
+  /// Returns a line for each change since the last call. @param now_s  since the cell began
   [[nodiscard]] std::vector<std::string> Lines(const hil::CellHostState& state, double now_s);
 
  private:
@@ -30,10 +30,10 @@ class CellScreen {
   bool rsi_, has_plc_;
   std::string controller_, plc_;  // address and port
   control::SessionState session_{control::SessionState::kIdle};
-  bool told_{false};  // of a state, before anybody has answered
+  bool told_{false};  // a state was printed before anybody had answered
   std::uint64_t answered_{0}, undelivered_{0};
   double last_answer_s_{0.0}, last_undelivered_s_{-1.0};
-  std::string silence_;  // as said last
+  std::string silence_;  // last printed
 };
 
 }  // namespace osteon::app

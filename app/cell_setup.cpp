@@ -17,7 +17,7 @@
 namespace osteon::app {
 namespace {
 
-// The YAML files of a configuration, one after the other: those that were read, no other.
+// Joins the YAML files of a configuration that were read, one after the other.
 std::string ConfigText(const io::ConfigSource& source) {
   std::string text;
   for (const io::ConfigFile& file : source.files)
@@ -27,7 +27,7 @@ std::string ConfigText(const io::ConfigSource& source) {
   return text;
 }
 
-// A bone that `osteon pack` has saved.
+// Loads a bone that `osteon pack` has saved.
 tl::expected<simulation::Bone, std::string> LoadPacking(const MeshChoice& choice) {
   const auto file = simulation::PackingFile::Open(choice.file);
   if (!file) return tl::make_unexpected(file.error().Text());
@@ -61,7 +61,7 @@ tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
     }
     ++count;
   }
-  if (text.ends_with(',')) ++count;  // getline ends without the empty part behind it
+  if (text.ends_with(',')) ++count;  // getline omits an empty last part
   if (count != values.size())
     return tl::make_unexpected(
         fmt::format("--cup: found {} values in \"{}\", accepted 7: X,Y,Z,NX,NY,NZ,R in mm", count, text));
@@ -114,7 +114,7 @@ tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& ce
     setup.bone.cup = made.site;
     setup.solid = made.solid;
   }
-  // the bone lies so that its site is where the cell wants it: X_WG of the configuration is the pose of the
+  // place the bone so that its site is where the cell wants it: the configuration's X_WG is the pose of the
   // site's frame
   setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.cup).inverse();
   return setup;

@@ -16,23 +16,23 @@
 
 namespace osteon::app {
 
-/// A mesh, or a packing file, instead of the generated scene.
+/// A mesh or a packing file that replaces the generated scene.
 struct MeshChoice {
   std::filesystem::path file;
-  /// The site that is cut, in the file's frame, after scaling; a packing may have its own.
+  /// The site to cut, in the file's frame, after scaling; a packing may have its own.
   std::optional<simulation::Cup> cup{};
-  double scale{1.0};  ///< millimetres to a unit of the file
+  double scale{1.0};  ///< millimetres per unit of the file
 };
 
-/// Reads "X,Y,Z,NX,NY,NZ,R" (mm; the axis in any length). The error names the part, what was found and what
+/// Parses "X,Y,Z,NX,NY,NZ,R" (mm; the axis in any length). The error names the part, what was found and what
 /// is accepted.
 [[nodiscard]] tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text);
 
 struct PlannedCell;
 
-/// A cell that is ready to run, but for its engine.
+/// A cell that is ready to run, except for its engine.
 struct CellSetup {
-  config::CellConfig config;  ///< tool and cutting as planned, where the bone is
+  config::CellConfig config;  ///< tool and cutting as planned, if the bone was planned
   simulation::Bone bone;
   std::shared_ptr<const simulation::Solid> solid;  ///< what the bone was packed from; null: not known
   Pose X_WG{Pose::Identity()};
@@ -42,21 +42,21 @@ struct CellSetup {
   std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
 };
 
-/// Loads the cell's YAML, and the solid that its bone is of; the bone has no balls yet (PackAsScene, or
-/// PackCell of planned_cell.h), unless they were loaded. A mesh is placed so that its site (a cup, or the
-/// circle where a drill enters) lies where the scene's would.
+/// Loads the cell's YAML and the solid of its bone. The bone has no balls yet (PackAsScene, or PackCell of
+/// planned_cell.h), unless they were loaded. A mesh is placed so that its site (a cup, or the circle where a
+/// drill enters) lies where the scene's would.
 /// @param config_root  the folder with cells/, robots/ …
-/// @param tool  instead of the cell's  @param gains  a file to lay over the cell's gains; empty: none
-/// @throws config::ConfigError; config::ToolSizeError where `tool` has no such size; other errors (of the
-/// mesh) come back as text.
+/// @param tool  replaces the cell's  @param gains  a file that overrides the cell's gains; empty: none
+/// @throws config::ConfigError; config::ToolSizeError if `tool` has no such size. Errors of the mesh are
+/// returned as text.
 [[nodiscard]] tl::expected<CellSetup, std::string> PrepareCell(
     const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh,
     const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {});
 
-/// Packs a prepared cell's bone by the scene's own `packing`. A bone that was loaded stays.
+/// Packs a prepared cell's bone by the scene's own `packing`. A loaded bone stays.
 void PackAsScene(CellSetup& setup);
 
-/// The two after each other: what does not depend on the machine that it runs on.
+/// Calls PrepareCell, then PackAsScene: the set-up that does not depend on the machine.
 [[nodiscard]] tl::expected<CellSetup, std::string> SetUpCell(
     const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh,
     const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {});

@@ -15,7 +15,7 @@ constexpr double kRest_m_per_s = 0.002, kRest_rad_per_s = 0.02;
 constexpr const char* kHeader =
     "stamp_ns,session,apex_x_m,apex_y_m,apex_z_m,speed_m_per_s,turn_rad_per_s,hand_N";
 
-// Takes a column off the row. False where there is no number.
+// Takes a column off the row. False if it is not a number.
 template <class Number>
 bool Take(std::string_view& row, Number& number) {
   const auto [end, error] = std::from_chars(row.data(), row.data() + row.size(), number);
@@ -77,7 +77,7 @@ void CellTraceReader::Look() {
     std::string_view row = rest.substr(0, end);
     CellCycle cycle;
     int session = 0;
-    if (!Take(row, cycle.stamp) || !Take(row, session)) continue;  // the header
+    if (!Take(row, cycle.stamp) || !Take(row, session)) continue;  // not a row: the header
     cycle.session = static_cast<control::SessionState>(session);
     bool whole = true;
     for (double* value : {&cycle.p_WT_m.x(), &cycle.p_WT_m.y(), &cycle.p_WT_m.z(), &cycle.speed_m_per_s,

@@ -14,9 +14,9 @@
 
 namespace osteon::app {
 
-/// What really happened in a cycle of the simulated arm: a row of `osteon cell --trace`.
+/// The true state in one cycle of the simulated arm: a row of `osteon cell --trace`.
 struct CellCycle {
-  rt::Nanoseconds stamp{0};  ///< the system's monotonic clock, the same for every process of a machine
+  rt::Nanoseconds stamp{0};  ///< the system's monotonic clock, common to all processes of a machine
   control::SessionState session{control::SessionState::kIdle};
   Vector3 p_WT_m{Vector3::Zero()};  ///< the tool's apex
   double speed_m_per_s{0.0}, turn_rad_per_s{0.0};
@@ -26,22 +26,22 @@ struct CellCycle {
 /// Whether the tool moves faster than an arm at rest may: 2 mm/s, 0.02 rad/s.
 [[nodiscard]] bool Moves(const CellCycle& cycle);
 
-/// How long the arm has been at rest at the end of `cycles`, counted from `since` at the earliest. An arm
-/// that is commanded (COMMANDING_ACTIVE) is not at rest, however slow it is: what stops it is still to come.
+/// Returns how long the arm has been at rest at the end of `cycles`, counted from `since` at the earliest. An
+/// arm that is commanded (COMMANDING_ACTIVE) is not at rest, however slow it is: its stop is still to come.
 [[nodiscard]] rt::Nanoseconds RestedFor(const std::vector<CellCycle>& cycles, rt::Nanoseconds since);
 
-/// Writes each cycle of a simulated arm into a CSV file, while it runs.
+/// Writes each cycle of a simulated arm into a CSV file while the arm runs.
 class CellTraceWriter {
  public:
   /// The error names the file.
   [[nodiscard]] static tl::expected<std::unique_ptr<CellTraceWriter>, std::string> Open(
       const std::filesystem::path& file);
 
-  /// For the arm's thread to fill.
+  /// The ring that the arm's thread fills.
   [[nodiscard]] rt::SpscRing<hil::CellState>& cycles() { return cycles_; }
-  /// What has come since. Now and then: the ring holds two seconds.
+  /// Writes the cycles since the last call. Call it often: the ring holds two seconds.
   void Write();
-  /// Writes the rest. The error names the file, and what is missing.
+  /// Writes the remaining cycles. The error names the file, and what is missing.
   [[nodiscard]] tl::expected<void, std::string> Close();
 
  private:
@@ -57,7 +57,7 @@ class CellTraceReader {
  public:
   explicit CellTraceReader(std::filesystem::path file) : file_(std::move(file)) {}
 
-  /// Takes what has come since, and no half row. The file may not be there yet.
+  /// Reads the complete rows since the last call. The file may not exist yet.
   void Look();
   [[nodiscard]] const std::vector<CellCycle>& cycles() const { return cycles_; }
 

@@ -10,23 +10,23 @@
 
 namespace osteon::app {
 
-/// What a chart is named after: processor, cores, system.
+/// A machine's name in a chart: processor, cores, system.
 [[nodiscard]] std::string MachineName();
 
-/// "OPTION FOLDER: found a file, accepted a folder"; empty where the name is free, or a folder's.
+/// Returns "OPTION FOLDER: found a file, accepted a folder"; empty if the name is free or is a folder's.
 [[nodiscard]] std::string WhyNoFolder(const char* option, const std::filesystem::path& folder);
 
-/// "OPTION FILE: no folder FOLDER"; empty where the folder that it is to be in is there, or no file is named.
+/// Returns "OPTION FILE: no folder FOLDER"; empty if the file's folder exists, or no file is named.
 [[nodiscard]] std::string WhyNoParent(const char* option, const std::filesystem::path& file);
 
-/// The same, or "OPTION FILE: found a folder, accepted a file".
+/// Checks the same, and returns "OPTION FILE: found a folder, accepted a file" if `file` is a folder.
 [[nodiscard]] std::string WhyNoFile(const char* option, const std::filesystem::path& file);
 
-/// FILE.svg and FILE.png. @returns an error that names the file.
+/// Writes FILE.svg and FILE.png. @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteDrawing(const std::string& svg,
                                                            const std::filesystem::path& file);
 
-/// A chart in its five forms, beside each other in one folder.
+/// A chart in its five forms, side by side in one folder.
 struct ChartFiles {
   std::string name;   ///< of the files, without an extension
   std::string title;  ///< of the page
@@ -35,12 +35,12 @@ struct ChartFiles {
   std::string caption;
   std::string csv;
   std::string json;
-  std::filesystem::path json_copy;              ///< a further copy of the JSON; empty: none
+  std::filesystem::path json_copy;              ///< a second copy of the JSON; empty: none
   std::vector<std::vector<std::string>> table;  ///< the first row names the columns; the first column is text
   std::vector<std::string> notes;               ///< paragraphs below the chart
 };
 
-/// Writes NAME.svg, .png, .csv, .json, .html; each appears whole or not at all. Makes the folder.
+/// Writes NAME.svg, .png, .csv, .json, .html; each file appears complete or not at all. Creates the folder.
 /// @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteChart(const ChartFiles& chart,
                                                          const std::filesystem::path& folder);

@@ -35,7 +35,7 @@ class Scaling {
     result_.frames = options.frames;
   }
 
-  // Everything, or an error where nothing can be measured here.
+  // Measures everything; an error if nothing can be measured here.
   tl::expected<ScalingResult, std::string> Measure() {
     for (const std::size_t count : kCounts) {
       if (count > options_.max_spheres || Interrupted()) break;
@@ -60,8 +60,8 @@ class Scaling {
             .progress = {}};
   }
 
-  // Left out where there are too few frames for a median; a signal may have ended it after none at all.
-  // @returns whether it is in
+  // Adds a point; leaves it out if there are too few frames for a median (a signal may end the timing before
+  // the first frame). @returns whether it was added
   bool Add(const char* series, std::size_t count, const simulation::FrameWorkload& work,
            const FrameTiming& timing) {
     if (timing.frames < kMinFrames) {
@@ -101,7 +101,8 @@ class Scaling {
     if (!timed) return tl::unexpected(timed.error());
     if (!Add(series, count, work, timed->front()) || uniform) return {};
 
-    // without culling a frame's time goes with the number: don't begin what will not end
+    // without culling a frame's time is proportional to the number of spheres: skip points that would take
+    // too long
     const double expected_s = brute_us_per_sphere_ * 1e-6 * static_cast<double>(work.bone.balls.size()) *
                               static_cast<double>(kMinFrames);
     if (brute_refused_) return {};

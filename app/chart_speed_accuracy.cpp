@@ -28,7 +28,7 @@ double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// A task at one seed, with its mass points: made once, used by every method.
+// A task at one seed with its mass points: made once, used by every method.
 struct PlacedTask {
   simulation::CutWorkload work;
   std::vector<simulation::MassPoint> points;
@@ -44,7 +44,7 @@ class Measurement {
             {.step = step, .point = {.method = step.method, .device = {}, .length_m = step.length_m}});
   }
 
-  // Seed by seed over all methods, so that a machine's slow hour falls on all alike.
+  // Measures seed by seed over all methods, so that a slow hour of the machine affects all alike.
   tl::expected<SpeedAccuracyResult, std::string> Measure() {
     const std::size_t seeds = options_.quick ? std::min<std::size_t>(2, options_.seeds) : options_.seeds;
     result_.wanted_seeds = seeds;
@@ -87,7 +87,7 @@ class Measurement {
     Say("left out: " + result_.left_out.back());
   }
 
-  // Packs a step's bone, or takes what an earlier step of the same packing has left.
+  // Packs a step's bone, or reuses an earlier step's with the same packing.
   const LadderBone& Packed(const MethodStep& step, const PlacedTask& task, std::size_t seed) {
     if (packed_seed_ != seed) packed_.clear();
     packed_seed_ = seed;
@@ -155,7 +155,7 @@ class Measurement {
 
   const SpeedAccuracyOptions& options_;
   std::vector<Rung> points_;
-  std::deque<Packing> packed_;  ///< of one seed; what is in it stays where it is
+  std::deque<Packing> packed_;  ///< for one seed; a deque, so that references stay valid
   std::size_t packed_seed_{0};
   SpeedAccuracyResult result_;
 };

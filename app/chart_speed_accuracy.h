@@ -12,18 +12,18 @@
 
 namespace osteon::app {
 
-/// `osteon chart speed-accuracy`: methods × resolutions on one workload.
+/// Options of `osteon chart speed-accuracy`: methods × resolutions on one workload.
 struct SpeedAccuracyOptions {
   std::filesystem::path out{"speed_accuracy"};
   bool quick{false};  ///< fewer resolutions, 2 seeds
   std::string device{};
   std::size_t seeds{5};
-  double most_seconds{60.0};  ///< of a method's frames in one task; what is slower is left out, and said so
+  double most_seconds{60.0};  ///< for a method's frames in one task; slower ones are left out and listed
   std::vector<std::string> methods{};  ///< empty: all
   std::filesystem::path json{};
 };
 
-/// One method at one resolution and one seed, over all tasks.
+/// The scores of one method at one resolution and one seed, over all tasks.
 struct SeedScores {
   simulation::WorkloadScores scores;
   simulation::TimeFigures frame_us;
@@ -34,7 +34,7 @@ struct SpeedAccuracyPoint {
   std::string method, device;
   double length_m{0.0};    ///< of its MethodStep
   std::size_t spheres{0};  ///< or voxels, of the four bones together, seed 0
-  double r_max_m{0.0};     ///< at the reamer; half a voxel's edge
+  double r_max_m{0.0};     ///< at the reamer; for voxels half the edge
   std::vector<SeedScores> seeds{};
   std::map<std::string, simulation::WorkloadScores> tasks{};  ///< of the first seed
 };
@@ -43,11 +43,11 @@ struct SpeedAccuracyResult {
   std::string machine, device;
   std::vector<SpeedAccuracyPoint> points;
   std::vector<std::string> left_out;  ///< points that were not measured, and why
-  std::size_t wanted_seeds{0};        ///< of each point
-  bool interrupted{false};            ///< ended by a signal before all was measured
+  std::size_t wanted_seeds{0};        ///< for each point
+  bool interrupted{false};            ///< a signal ended it before all was measured
 };
 
-/// A figure of a point over its seeds.
+/// A figure of a point: median and range over its seeds.
 struct Spread {
   double median{0.0}, low{0.0}, high{0.0};
 };
@@ -55,17 +55,17 @@ enum class ChartFigure { kDepth, kVolume, kForce, kRipple };
 [[nodiscard]] Spread SpreadOf(const SpeedAccuracyPoint& point, ChartFigure figure);
 [[nodiscard]] Spread FrameTimeOf(const SpeedAccuracyPoint& point);
 
-/// Bad where the chart was ended before all was measured; to be looked at where points are missing.
+/// Bad if the chart was ended before all was measured; to be looked at if points are missing.
 [[nodiscard]] Verdict Judge(const SpeedAccuracyResult& result);
 
-/// The depth's error alone, as wide as a page's column.
+/// Draws the depth error alone, at the width of a page's column.
 [[nodiscard]] std::string DepthOverTimeSvg(const SpeedAccuracyResult& result);
-/// Four panels, log-log, one below the other.
+/// Draws four panels, log-log, one below the other.
 [[nodiscard]] std::string SpeedAccuracySvg(const SpeedAccuracyResult& result);
-/// schema osteon.chart.speed-accuracy/1
+/// JSON, schema osteon.chart.speed-accuracy/1.
 [[nodiscard]] std::string SpeedAccuracyJson(const SpeedAccuracyResult& result);
 
-/// @returns the process's exit code: 0; 1 where it can't be run here; 2 bad input; 130 ended by Ctrl-C.
+/// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.
 [[nodiscard]] int RunChartSpeedAccuracy(const SpeedAccuracyOptions& options);
 
 }  // namespace osteon::app

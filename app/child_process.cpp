@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kLook{5};
 
-// Between fork and exec: only what may be called there.
+// Runs between fork and exec: calls only what is permitted there.
 void Redirect(const char* file, int descriptor) {
   const int opened = open(file, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   if (opened >= 0) dup2(opened, descriptor);
@@ -36,7 +36,7 @@ tl::expected<std::unique_ptr<ChildProcess>, std::string> ChildProcess::Start(Chi
   if (pid == 0) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) _exit(1);
-    setpgid(0, 0);  // Ctrl-C is for the parent, which then ends it
+    setpgid(0, 0);  // the parent gets Ctrl-C, and then ends it
     if (!params.folder.empty() && chdir(params.folder.c_str()) != 0) _exit(126);
     Redirect(params.out.c_str(), STDOUT_FILENO);
     if (!params.err.empty()) Redirect(params.err.c_str(), STDERR_FILENO);

@@ -14,28 +14,28 @@
 namespace osteon::app {
 
 struct ChildParams {
-  std::vector<std::string> words;  ///< of its command line, behind the program's name
-  std::filesystem::path folder{};  ///< in which it works; empty: this process's
-  std::filesystem::path out{};     ///< what it prints; empty: nowhere
-  std::filesystem::path err{};     ///< what it complains of; empty: where this process does
+  std::vector<std::string> words;  ///< of its command line, after the program's name
+  std::filesystem::path folder{};  ///< its working folder; empty: this process's
+  std::filesystem::path out{};     ///< file for its stdout; empty: discarded
+  std::filesystem::path err{};     ///< file for its stderr; empty: this process's
 };
 
-/// This program as another process. It ends with this one, however that ends, and hears no Ctrl-C but ours.
+/// This program as another process. It ends with this one, however this one ends, and gets no Ctrl-C.
 class ChildProcess {
  public:
-  /// The error says why it could not be started.
+  /// Starts it. The error says why that failed.
   [[nodiscard]] static tl::expected<std::unique_ptr<ChildProcess>, std::string> Start(ChildParams params);
-  /// Kills it where it still runs.
+  /// Kills it if it still runs.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// One thread.
+  /// Whether it has ended. One thread only.
   [[nodiscard]] bool Ended();
-  /// Nothing where it has ended. Any thread.
+  /// Sends a signal; does nothing if it has ended. Any thread.
   void Send(int signal_number) const;
-  /// Waits for its end, and kills it where that takes longer.
-  /// @returns the exit code as a shell shows it: 128 + the signal where one ended it.
+  /// Waits for its end, and kills it after `patience`.
+  /// @returns the exit code as a shell shows it: 128 + the signal if a signal ended it.
   int End(std::chrono::milliseconds patience);
 
   [[nodiscard]] pid_t pid() const { return pid_; }

@@ -1,4 +1,4 @@
-# Writes OUT, the header with the commit that is built (of SOURCE), where it is not what it says already.
+# Writes OUT, the header with the commit of SOURCE that is built, if its content changes.
 execute_process(COMMAND git -c safe.directory=* -C ${SOURCE} describe --always --dirty --abbrev=12 --exclude=*
                 OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE failed ERROR_QUIET)
 if(failed)

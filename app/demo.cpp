@@ -23,8 +23,8 @@
 namespace osteon::app {
 namespace {
 
-// What can be said about the places to write to before anything is run. The folder itself is made by RunCell,
-// so that a refused run leaves nothing.
+// Checks the output paths before anything runs. RunCell creates the folder, so that a refused run leaves
+// none.
 std::string WrongPlace(const DemoOptions& options) {
   if (options.out.empty()) return "--out: found no name, accepted a folder";
   if (std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return wrong;
@@ -34,7 +34,7 @@ std::string WrongPlace(const DemoOptions& options) {
   return "";
 }
 
-// The folder is this process's alone, and what an earlier demo has left there is out of the way.
+// Claims the folder for this process and moves an earlier demo's files out of the way.
 std::string MakeRoom(const DemoOptions& options, FolderClaim& claim) {
   if (std::string wrong = claim.Take(options.out); !wrong.empty()) return wrong;
   if (options.overwrite) return RemoveFiles(FilesOfDemo(options.out));
@@ -45,7 +45,7 @@ std::string MakeRoom(const DemoOptions& options, FolderClaim& claim) {
   return "";
 }
 
-// The tool's motion into a file that can be played again; an empty string, or what is wrong.
+// Saves the tool's motion as a file that can be played again; an empty string, or what is wrong.
 std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const RunSummary& summary,
                        const std::filesystem::path& recording) {
   const auto motion =
@@ -86,7 +86,7 @@ ReportInput ReportOf(const DemoOptions& options, const CellSetup& setup, const C
       .version = OSTEON_VERSION};
 }
 
-// Everything that is shown comes from the recording. @returns the exit code
+// Shows the result; everything shown comes from the recording. @returns the exit code
 int TellResult(const DemoOptions& options, const CellSetup& setup, const simulation::CuttingEngine& engine,
                const CellRunParams& params, const CellRunResult& result) {
   PhaseProgress measuring("osteon demo", 3, false);
@@ -94,7 +94,7 @@ int TellResult(const DemoOptions& options, const CellSetup& setup, const simulat
   StopPages stops({.folder = options.out, .stem = params.recording.stem().string(), .cell = setup.config});
   auto run = ReadRun(params.recording, setup, stops);
   std::string wrong = WhyNotRecorded(result, run ? "" : run.error());
-  if (!run) run = RunAccumulator(setup);  // what the run itself counted is told all the same
+  if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
   measuring.Begin("measure the cut");
   RunSummary summary = Summarise(setup, engine, params, result, *run);
   measuring.Begin("draw the report");
@@ -134,7 +134,7 @@ int RunDemo(const DemoOptions& options) {
   if (options.frame_ms && !options.virtual_time)
     return Fail("demo", fmt::format("--frame-ms: found {:g} in wall time, accepted with --virtual-time",
                                     *options.frame_ms));
-  // before there is any other thread
+  // before any other thread exists
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("demo", "--cpu: " + wrong);
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("demo", wrong);

@@ -9,7 +9,7 @@
 
 namespace osteon::app {
 
-/// What the reamer's drive reported, at its time since the run's start: faults that were latched then.
+/// A report of the reamer's drive, at its time since the run's start: the faults latched at that time.
 struct DriveFaultRow {
   double time_s{0.0};
   std::uint8_t latched{0};          ///< io::DriveFault bits; 0: the drive was reset
@@ -19,7 +19,7 @@ struct DriveFaultRow {
   std::string text;                 ///< with the codes' meaning
 };
 
-/// From the ticks: a row whenever something more was latched, and when it was cleared.
+/// Collects the rows from the ticks: one per further latched fault, and one when they were cleared.
 class DriveFaultRows {
  public:
   void Add(const control::TickRecord& tick);

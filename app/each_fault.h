@@ -4,7 +4,7 @@
 
 namespace osteon::app {
 
-/// each(fault, text) for every fault that there is, in the order of their bits.
+/// Calls each(fault, text) for every fault, in the order of the bits.
 template <class Each>
 void ForEachFault(Each&& each) {
   for (int bit = 0; bit < safety::kFaultCount; ++bit) {
@@ -13,7 +13,7 @@ void ForEachFault(Each&& each) {
   }
 }
 
-/// The same for those of a set.
+/// Calls each(fault, text) for the faults of a set.
 template <class Each>
 void ForEachFault(safety::FaultSet set, Each&& each) {
   ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {

@@ -4,8 +4,8 @@
 
 namespace osteon::app {
 
-/// Something that happened in the scene, as simulation::SceneEvent, or an operator's pause or its end, at its
-/// time since the run's start.
+/// An event of the scene (simulation::SceneEvent), or an operator's pause or its end, timed from the run's
+/// start.
 struct EventRow {
   std::string name;
   double time_s{0.0};

@@ -19,7 +19,7 @@
 namespace osteon::app {
 namespace {
 
-// A bar on a terminal; nothing elsewhere, where it would be one line among many.
+// Shows a bar on a terminal; nothing elsewhere, where it would be one line among many.
 void ShowProgress(double share) {
   constexpr int kWidth = 40;
   static const bool terminal = isatty(STDERR_FILENO) != 0;
@@ -59,7 +59,7 @@ nlohmann::ordered_json ToJson(const io::Recovery& recovery) {
   return json;
 }
 
-// What can be said of the paths before anything is done. An empty string, or what is wrong.
+// Checks the paths before anything is done. An empty string, or what is wrong.
 std::string WrongPlace(const ExportOptions& options, const std::filesystem::path& folder) {
   if (std::string wrong = WhyNoFolder("--out", folder); !wrong.empty()) return wrong;
   return WhyNoParent("--json", options.json);
@@ -72,7 +72,7 @@ int RunExport(const ExportOptions& options) {
   std::filesystem::path folder = options.out.empty() ? options.recording.parent_path() : options.out;
   if (folder.empty()) folder = ".";
   if (const std::string wrong = WrongPlace(options, folder); !wrong.empty()) return Fail("export", wrong);
-  // what may be refused comes first: a file that is none leaves no folder behind
+  // checks that may refuse come first: a wrong file leaves no folder behind
   if (const auto file = io::McapReader::Open(options.recording); !file) return Fail("export", file.error());
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -80,7 +80,7 @@ int RunExport(const ExportOptions& options) {
   const std::string stem = options.recording.stem().string();
   nlohmann::ordered_json json{{"schema", "osteon.export/1"}, {"recording", options.recording.string()}};
 
-  // a whole recording, from which everything else is then taken
+  // rebuild the complete recording first; everything else then comes from it
   std::filesystem::path source = options.recording;
   std::optional<io::Recovery> recovery;
   if (options.recover) {
@@ -106,7 +106,7 @@ int RunExport(const ExportOptions& options) {
     tables = std::move(*written);
   }
 
-  // what was done
+  // the results
   json["ticks"] = tables ? tables->ticks : recovery->ticks;
   json["frames"] = tables ? tables->frames : recovery->frames;
   json["events"] = tables ? tables->events : recovery->events;

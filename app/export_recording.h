@@ -6,14 +6,14 @@ namespace osteon::app {
 
 struct ExportOptions {
   std::filesystem::path recording;
-  bool csv{false};            ///< tables; also where neither is asked for
-  bool recover{false};        ///< a whole recording of a torn one
-  std::filesystem::path out;  ///< folder for what is written; empty: the recording's own
+  bool csv{false};            ///< tables; also if neither is asked for
+  bool recover{false};        ///< rebuild a complete recording from a torn one
+  std::filesystem::path out;  ///< folder for the results; empty: the recording's own
   std::filesystem::path json;
 };
 
-/// `osteon export`.
-/// @returns the process's exit code: 0 done; 1 something could not be written; 2 the recording can not be
+/// Runs `osteon export`.
+/// @returns the process's exit code: 0 done; 1 something could not be written; 2 the recording cannot be
 /// read, or a path is wrong (said on stderr).
 [[nodiscard]] int RunExport(const ExportOptions& options);
 

@@ -18,10 +18,10 @@ namespace {
 using control::TickRecord;
 using simulation::FrameRecord;
 
-constexpr std::size_t kBuffer = 1u << 18;       // bytes of rows that are written at once
+constexpr std::size_t kBuffer = 1u << 18;       // rows are written in blocks of this many bytes
 constexpr std::uint64_t kProgressEvery = 1000;  // messages
 
-// One table on its way to the disk. After the first failure nothing more is written.
+// A table that is being written. After the first failure nothing more is written.
 class Table {
  public:
   explicit Table(std::filesystem::path path)
@@ -43,7 +43,7 @@ class Table {
     row_starts_ = true;
     if (row_.size() > kBuffer) Flush();
   }
-  /// An empty string, or what went wrong since the start.
+  /// An empty string, or the first error.
   std::string Close() {
     Flush();
     if (file_ && std::fclose(file_.release()) != 0) Fail();
@@ -76,7 +76,7 @@ double Seconds(rt::Nanoseconds stamp, rt::Nanoseconds start) {
   return 1e-9 * static_cast<double>(stamp - start);
 }
 
-// As RFC 4180 quotes a text.
+// Quotes a text as RFC 4180 does.
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);

@@ -30,7 +30,7 @@ double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// Makes "ours", and remembers what it runs on.
+/// Makes engines for "ours", and remembers their device.
 class Engines {
  public:
   explicit Engines(const FailureOptions& options) : options_(options) {}
@@ -55,7 +55,7 @@ class Engines {
   std::string device_;
 };
 
-/// The scenarios of these numbers; an error text where there is none of a number.
+/// Returns the scenarios of these numbers; an error text if a number has none.
 tl::expected<std::vector<FailureScenario>, std::string> Choose(const std::vector<int>& ids) {
   const auto all = hil::FailureScenarios();
   if (ids.empty()) return std::vector<FailureScenario>(all.begin(), all.end());
@@ -96,7 +96,7 @@ void PrintTable(const std::vector<FailureRun>& runs) {
   fmt::print("{} of {} kept, with their baselines seen to fail\n", passed, runs.size());
 }
 
-/// Files of a run. @returns an error that names the file.
+/// Writes a run's files. @returns an error that names the file.
 tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const std::vector<FailureRun>& runs,
                                            const std::string& device) {
   if (!options.json.empty()) {
@@ -166,7 +166,7 @@ int RunFailures(const FailureOptions& options) {
   const auto chosen = Choose(options.ids);
   if (!chosen) return Fail("failures", chosen.error());
 
-  // an engine that this machine can't run is no failed scenario
+  // an engine that cannot run on this machine is not a failed scenario
   Engines engines(options);
   simulation::Bone pebble;
   pebble.balls = {{.center_m = {}, .radius_m = 1e-3}};
@@ -200,7 +200,7 @@ int RunFailures(const FailureOptions& options) {
     run.result.id = scenario.id;
     run.result.name = scenario.name;
     run.seconds = Now_s() - begun_s;
-    if (Interrupted()) break;  // half a scenario is none
+    if (Interrupted()) break;  // an incomplete scenario does not count
     runs.push_back(std::move(run));
   }
   progress.Done();

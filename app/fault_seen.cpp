@@ -25,8 +25,8 @@ std::string Age(const TickRecord& tick, rt::Nanoseconds stamp, const char* never
   return Age(safety::StampAge(tick.input.now, stamp), never);
 }
 
-// The PLC's verdict without what follows from it ("…: Stop 1"), the enabling switch, and how old the PLC's
-// word is.
+// The PLC's verdict without its consequence ("…: Stop 1"), the enabling switch, and the age of the PLC's
+// word.
 std::string Interlock(const TickRecord& tick) {
   const std::string age = Age(tick, tick.input.interlock_stamp, "none yet");
   if (tick.input.permitted)
@@ -36,7 +36,7 @@ std::string Interlock(const TickRecord& tick) {
   return verdict.substr(0, verdict.rfind(':')) + "; the PLC's word: " + age;
 }
 
-// By names and numbers of the drive's own, as far as there are any.
+// The drive's state by its own names and numbers, as far as it has any.
 std::string Spindle(const TickRecord& tick) {
   const control::TickInput& in = tick.input;
   const std::string why = io::DescribeDriveFaults(
@@ -57,14 +57,14 @@ std::string Place(const PlainPose& X_WT) {
   return fmt::format("the apex at ({:.1f}, {:.1f}, {:.1f}) mm in W", p_mm.x(), p_mm.y(), p_mm.z());
 }
 
-// "joint A3 measured nan", or empty where all are finite.
+// "joint A3 measured nan", or empty if all are finite.
 std::string FirstNotFinite(const std::array<double, 7>& values, const char* what) {
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i])) return fmt::format("joint A{} {} {}", i + 1, what, values[i]);
   return "";
 }
 
-// Which value it is, of those that a tick was given.
+// Names the input of a tick that is not finite.
 std::string NotFinite(const TickRecord& tick) {
   std::string text = FirstNotFinite(tick.q_meas, "measured");
   if (text.empty() && tick.input.has_ipo) text = FirstNotFinite(tick.input.q_ipo, "of the interpolator");
@@ -78,12 +78,12 @@ std::string NotFinite(const TickRecord& tick) {
   return fmt::format("arm and sensor were finite: the contact model of frame {}", tick.model_frame);
 }
 
-// The accepted value, as a text behind what was found; empty where the cell is not known.
+// Formats the accepted value as a suffix to the measured one; empty if the cell is not known.
 class Accepted {
  public:
   explicit Accepted(const control::ServoParams* servo) : servo_(servo) {}
 
-  /// @param limit  (const control::ServoParams&) -> double, in the unit that was said before
+  /// @param limit  (const control::ServoParams&) -> double, in the unit of the measured value
   template <class Limit>
   [[nodiscard]] std::string operator()(const Limit& limit) const {
     return servo_ == nullptr ? std::string() : fmt::format(", accepted {:.4g}", limit(*servo_));
@@ -93,7 +93,7 @@ class Accepted {
   const control::ServoParams* servo_;
 };
 
-// Messages from the arm's wire that no state was made of, as a text behind what was found.
+// The number of the arm's messages that were rejected, as a suffix.
 std::string Rejected(const TickRecord& tick) {
   return tick.input.rejected == 0
              ? std::string()
@@ -128,7 +128,7 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
       return "the reading is " + Age(tick.sensor_age_s, "not there yet") +
              accepted([](const Servo& p) { return 1e3 * p.watchdog.sensor_stop_s; });
     case Fault::kWrenchRate:
-      if (tick.wrench_step_limit_N == 0.0) return "";  // recorded before the step was
+      if (tick.wrench_step_limit_N == 0.0) return "";  // recorded by a version without the step
       return fmt::format("{:.1f} N in {:g} ms, accepted {:.1f}", tick.wrench_step_N,
                          1e3 * tick.input.period_s, tick.wrench_step_limit_N);
     case Fault::kSensorForce:
@@ -164,7 +164,7 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
     case Fault::kSpindleLimit:
       return fmt::format("{:.2f} N·m at {:.0f} rad/s", tick.input.spindle_torque_Nm,
                          tick.input.spindle_meas_rad_per_s);
-    default:  // the name says all that the record knows
+    default:  // the record holds nothing beyond the fault's name
       return "";
   }
 }

@@ -47,7 +47,7 @@ char LetterOf(const hil::Expected& expected) {
   return '?';
 }
 
-// Four letters of a state's name.
+// The first four letters of a state's name.
 std::string HeadOf(CellState state) {
   const std::string name = safety::Describe(state).name;
   return name.find(' ') == std::string::npos ? name.substr(0, 4) : "st " + name.substr(name.size() - 1);

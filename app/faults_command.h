@@ -5,13 +5,13 @@
 
 namespace osteon::app {
 
-/// `osteon faults`: what can stop the cell, and how to go on.
+/// Options of `osteon faults`: what can stop the cell, and how to continue.
 struct FaultsOptions {
   std::filesystem::path markdown{};  ///< the documentation's page; empty: not written
   std::filesystem::path json{};
 };
 
-/// The catalogue as the page docs/faults.md.
+/// Renders the catalogue of faults as the page docs/faults.md.
 [[nodiscard]] std::string FaultsPage();
 
 /// @returns the process's exit code.

@@ -6,8 +6,8 @@
 
 namespace osteon::app {
 
-/// The options --error-mm, --rate-hz and --as-packed, which `demo` and `run` have in common.
-/// @param choice  what they say; must outlive the parsing
+/// Adds the options --error-mm, --rate-hz and --as-packed, which `demo` and `run` share.
+/// @param choice  receives their values; must outlive the parsing
 void AddFidelityOptions(CLI::App& app, FidelityChoice& choice);
 
 }  // namespace osteon::app

@@ -5,13 +5,13 @@
 
 namespace osteon::app {
 
-/// FNV-1a of 64 bits over all that was added so far.
+/// FNV-1a hash, 64 bits, over everything that was added so far.
 class Fnv1a {
  public:
   void Add(std::string_view bytes) {
     for (const char byte : bytes) AddWord(static_cast<unsigned char>(byte));
   }
-  /// 64 bits at once, taken as a byte is.
+  /// Adds 64 bits in one step, as FNV-1a adds a byte.
   void AddWord(std::uint64_t word) { hash_ = (hash_ ^ word) * 0x100000001b3u; }
   [[nodiscard]] std::uint64_t hash() const { return hash_; }
 

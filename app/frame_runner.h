@@ -16,46 +16,47 @@
 
 namespace osteon::app {
 
-/// One frame after the other, and what is recorded of each. Used in both clocks.
+/// Runs one frame after the other and makes its record. Used in wall time and in virtual time.
 class FrameRunner {
  public:
-  /// @param watch  looks at every frame's proxy
-  /// @param governor  coarsens zones where frames take too long; null: nobody does
-  /// @param dt_limit_s  the longest time that a single frame may cut for: what is missed in a stall is not
-  /// made up for
+  /// @param watch  examines every frame's proxy
+  /// @param governor  coarsens zones when frames take too long; null: none
+  /// @param dt_limit_s  the longest time that a single frame may cut for: a stall's cutting is not made up
+  /// for
   FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth,
               simulation::SceneWatch& watch, const Pose& X_WG, ZoneGovernor* governor = nullptr,
               double dt_limit_s = 0.1);
 
-  /// Steps the engine to the command. The first command is the free pose that everything starts from.
+  /// Steps the engine to the command. The first command must be the free pose at which the run begins.
   [[nodiscard]] simulation::FrameRecord Run(const simulation::ToolCommand& command);
 
-  /// Shows the governor a frame that Run has made, and goes on with its coarser zones where they are ready.
-  /// @param took_us  the frame
+  /// Passes a frame made by Run to the governor, and switches to its coarser zones once they are ready.
+  /// @param took_us  duration of the frame
   void Govern(const simulation::FrameRecord& record, double took_us);
 
-  /// After the last frame: ends the governor. Waits until a packing in the making can be given up, which may
+  /// Ends the governor, after the last frame. Waits until a packing in the making can be abandoned, which may
   /// take seconds.
   void EndGoverning();
 
-  /// @param notice  told of coarser zones, on the thread of the frames; may be empty
+  /// @param notice  called for coarser zones, on the frames' thread; may be empty
   void TellOf(std::function<void(const std::string&)> notice) { notice_ = std::move(notice); }
 
-  /// What makes the frames now.
+  /// The engine that makes the frames now.
   [[nodiscard]] const simulation::CuttingEngine& engine() const { return *engine_; }
-  /// Zones that were coarsened, in their order. Once there is no frame to come.
+  /// Returns the coarsened zones, in their order. Call it after the last frame.
   [[nodiscard]] std::vector<Rezoned> TakeRezoned() { return std::move(rezoned_); }
 
-  /// Records the events of the frames since the last call, at `stamp`; their own stamp becomes this.
+  /// Records the events of the frames since the last call, at `stamp`, which replaces their own stamps.
   void RecordEvents(io::Recorder& recorder, rt::Nanoseconds stamp);
-  /// All events so far that were recorded. Once the simulation's thread has ended.
+  /// All events recorded so far. Read it after the simulation's thread has ended.
   [[nodiscard]] const std::vector<simulation::SceneEvent>& events() const { return events_; }
 
  private:
   void Say(std::string text);
 
   simulation::CuttingEngine* engine_;
-  std::unique_ptr<simulation::CuttingEngine> rezoned_engine_;  // what engine_ is from the first change on
+  // Replaces the constructor's engine after the first change.
+  std::unique_ptr<simulation::CuttingEngine> rezoned_engine_;
   const simulation::ApexDepth& depth_;
   simulation::SceneWatch& watch_;
   Pose X_GW_;

@@ -47,7 +47,7 @@ tl::expected<std::unique_ptr<CuttingEngine>, std::string> EngineFor(const FrameW
       {.method = method, .device = params.device, .voxel_m = params.voxel_m, .time_passes = time_passes});
 }
 
-// From the pose where it begins to where timing may begin.
+// Runs a method from its first pose to the start of the timing.
 tl::expected<void, std::string> PrepareRunner(Runner& runner, const std::string& method,
                                               double most_seconds) {
   const auto begun = std::chrono::steady_clock::now();
@@ -72,7 +72,7 @@ tl::expected<Runner, std::string> StartedRunner(const FrameWorkload& work, const
   return Runner{.engine = std::move(*engine), .player = WorkloadPlayer(work), .last = {}, .times_us = {}};
 }
 
-// The device's time by pass, from the same place on.
+// Measures the device's time by pass, from the same start.
 tl::expected<std::map<std::string, double>, std::string> TimePasses(const FrameWorkload& work,
                                                                     const FrameTimingParams& params,
                                                                     const std::string& method,
@@ -126,7 +126,7 @@ tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorklo
   const auto say = [&](const std::string& text) {
     if (params.progress) params.progress(text);
   };
-  // to where timing begins
+  // bring all methods to the start of the timing
   std::optional<SeatedStart> made;
   if (start == nullptr && std::ranges::any_of(params.methods, SharesState)) {
     say("seat");

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kLook_s = 0.5;
 
-// "mass_x 3 -> 2 kg, …", of those that differ.
+// Lists the gains that differ: "mass_x 3 -> 2 kg, …".
 std::string Changes(const control::Gains& before, const control::Gains& after) {
   std::vector<double> was;
   control::VisitGains(before,
@@ -31,7 +31,7 @@ std::string Changes(const control::Gains& before, const control::Gains& after) {
 
 std::filesystem::file_time_type WrittenAt(const std::filesystem::path& file,
                                           std::filesystem::file_time_type otherwise) {
-  std::error_code error;  // one that is being replaced is not there for a moment
+  std::error_code error;  // a file that is being replaced is absent for a moment
   const auto time = std::filesystem::last_write_time(file, error);
   return error ? otherwise : time;
 }

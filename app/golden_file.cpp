@@ -20,14 +20,14 @@ constexpr std::size_t kTicksALine = 8;
 constexpr std::uint64_t kMostTicks = 10'000'000;
 constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-// One line of it, whatever a user wrote.
+// Makes one line of a user's text.
 std::string OneLine(std::string text) {
   std::ranges::replace_if(
       text, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
   return text;
 }
 
-// Without zeros at its end, and never "-0".
+// Formats a value without trailing zeros, and never as "-0".
 std::string Short(double value, int decimals) {
   std::string text = fmt::format("{:.{}f}", value, decimals);
   text.erase(text.find_last_not_of('0') + 1);
@@ -43,7 +43,7 @@ std::string Values(const std::vector<double>& values) {
   return text;
 }
 
-// Goes through the lines of a text, word by word.
+// Reads the lines of a text, word by word.
 class Lines {
  public:
   Lines(const std::string& text, std::string name) : rest_(text), name_(std::move(name)) {}

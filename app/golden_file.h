@@ -18,11 +18,11 @@ struct GoldenSource {
   bool operator==(const GoldenSource&) const = default;
 };
 
-/// Where a golden trace is from.
+/// The origin of a golden trace.
 struct GoldenHead {
   std::string scenario;
   std::vector<std::string>
-      reasons;  ///< "2026-11-23 commit 0123: why", the oldest first: each time that it was accepted
+      reasons;  ///< "2026-11-23 commit 0123: why", one for each time that it was accepted, the oldest first
   std::string build, machine, engine;
   std::vector<GoldenSource> sources;
 };
@@ -32,7 +32,7 @@ struct Golden {
   ScenarioTrace trace;
 };
 
-/// The file's text. Values are rounded to DecimalsOf, which is far below any tolerance; the hash is not.
+/// Writes the file's text. Values are rounded to DecimalsOf, far below any tolerance; the hash is exact.
 ///
 ///     osteon golden trace 1
 ///     scenario reaming_lbr
@@ -47,17 +47,15 @@ struct Golden {
 ///     end
 [[nodiscard]] std::string GoldenText(const Golden& golden);
 
-/// Reads such a text. Nothing of it is trusted: every count, number and name is checked, and how much there
-/// may be.
-/// @param name  of the file, for errors
+/// Parses such a text. The text is not trusted: every count, number and name is checked, all sizes too.
+/// @param name  the file's name, for errors
 /// @returns an error "file:line: what was found, what is accepted".
 [[nodiscard]] tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std::string& name);
 
-/// @returns an error that names the file. Of a file beyond 8 MiB nothing is read.
+/// @returns an error that names the file. A file larger than 8 MiB is not read.
 [[nodiscard]] tl::expected<Golden, std::string> ReadGolden(const std::filesystem::path& file);
 
-/// The reasons alone, also of a file that is no golden trace of this version any more; none of a file that
-/// there is not.
+/// Reads the reasons alone, even from a golden trace of another version; none if there is no file.
 [[nodiscard]] std::vector<std::string> ReadReasons(const std::filesystem::path& file);
 
 }  // namespace osteon::app

@@ -22,12 +22,13 @@
 namespace osteon::app {
 namespace {
 
-constexpr rt::Nanoseconds kLook = 5 * rt::kMillisecond;  // how often PLC, silence and Ctrl-C are looked after
-constexpr int kBeatEvery_ms = 10;  // a withdrawal waits no longer than this for its heartbeat
+constexpr rt::Nanoseconds kLook = 5 * rt::kMillisecond;  // how often PLC, silence and Ctrl-C are checked
+constexpr int kBeatEvery_ms = 10;  // longest time that a withdrawal waits for its heartbeat
 constexpr rt::Nanoseconds kEndWithin =
-    3 * rt::kSecond;                           // the arm has to rest once the guard was asked to end
-constexpr std::uint32_t kLastWrites = 2;       // that carry the withdrawal, before the heartbeat stands still
-constexpr double kLeastSilenceAnswers = 10.0;  // a slow arm's controller may be silent for so many answers
+    3 * rt::kSecond;                      // time for the arm to rest after the guard was asked to end
+constexpr std::uint32_t kLastWrites = 2;  // heartbeats that carry the withdrawal before they stop
+// Number of answers for which a slow arm's controller may be silent.
+constexpr double kLeastSilenceAnswers = 10.0;
 
 void Say(const std::string& text) {
   fmt::print("osteon guard: {}\n", text);
@@ -54,7 +55,7 @@ io::PlcClientParams OfGuard(io::PlcClientParams params) {
   return params;
 }
 
-// The heartbeat is the relay's: it stands still a little after the request was withdrawn.
+// Writes the relay's heartbeat to the PLC. It stops a little after the request was withdrawn.
 class PlcBeat {
  public:
   explicit PlcBeat(const io::PlcClientParams& params) : client_(OfGuard(params)) {}
@@ -98,13 +99,13 @@ void PrintEnd(const GuardReport& r) {
                   DelayText(r.answer_delay)));
 }
 
-// Where there is a PLC a guard that was asked to end withdraws the request first, and relays on while the
-// controller brings the arm to rest by that: an arm that misses its answers stops less gently.
+// Ends a guard with a PLC: the guard first withdraws the request, and relays on while this makes the
+// controller bring the arm to rest. An arm that misses its answers would stop less gently.
 class OrderlyEnd {
  public:
   explicit OrderlyEnd(bool has_plc) : has_plc_(has_plc) {}
 
-  /// It was asked for.
+  /// Whether it was asked for.
   [[nodiscard]] bool began() const { return began_; }
   [[nodiscard]] bool IsReached(const safety::GuardMonitor& monitor, rt::Nanoseconds now) {
     if (!Interrupted().load()) return false;
@@ -118,7 +119,7 @@ class OrderlyEnd {
   rt::Nanoseconds began_at_{0};
 };
 
-// Tells what changes, once.
+// Prints each change once.
 class Changes {
  public:
   void Look(const safety::GuardMonitor& monitor) {
@@ -169,7 +170,7 @@ safety::GuardParams GuardParamsOf(const config::CellConfig& cell) {
       .silence_s = std::max(guard.silence_s, kLeastSilenceAnswers * multiplier * servo.period_s)};
   Eigen::Map<kinematics::JointVector>(params.q_start.emplace().data()) = start.q;
   params.there_rad = start.there_rad;
-  // the way to the start is bounded by joint, not by the tool's turn
+  // the path to the start is bounded by joint limits, not by the tool's turn
   double turn_rad_per_s = 0.0;
   for (const kinematics::RevoluteJoint& joint : params.arm.joints)
     turn_rad_per_s += start.path.speed_share * joint.limits.velocity_rad_per_s;
@@ -215,7 +216,7 @@ int RunGuard(const GuardOptions& options) {
   OutputThread output;  // the relay's thread waits for no terminal
   InstallInterrupt();
 
-  // its own reading of the files
+  // the guard reads the files itself
   config::CellConfig cell;
   GuardReport report;
   {

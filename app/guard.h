@@ -17,16 +17,16 @@ namespace osteon::app {
 struct GuardOptions {
   std::filesystem::path cell;                ///< its YAML
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
-  std::optional<std::uint16_t> port{};       ///< of a simulated cell: the first of its ports
+  std::optional<std::uint16_t> port{};       ///< for a simulated cell: the first of its ports
   int cpu{-1};                               ///< the relay is pinned to it; -1: any
   std::filesystem::path json{};
 };
 
-/// What the guard holds a cell's controller to, by the cell's file.
-/// @pre the cell has an LBR and a guard: the loader has seen to it
+/// Derives from the cell's file what the guard enforces on the cell's controller.
+/// @pre the cell has an LBR and a guard; the loader checks this
 [[nodiscard]] safety::GuardParams GuardParamsOf(const config::CellConfig& cell);
 
-/// What a guard leaves.
+/// The result of a guard's run.
 struct GuardReport {
   std::string cell, config_checksum, version;
   std::string arm_side, controller_side;  ///< "127.0.0.1:30209"
@@ -41,10 +41,10 @@ struct GuardReport {
 /// One JSON object, schema osteon.guard/1.
 [[nodiscard]] std::string ToJson(const GuardReport& report);
 
-/// `osteon guard`: stands between arm and controller until Ctrl-C. Then the motion request is withdrawn, and
-/// it relays on until the arm is not commanded any more, 3 s at most; without a PLC it ends at once.
-/// @returns the process's exit code: 0 nothing was withheld; 1 something was, and the motion request was
-/// withdrawn; 2 something was wrong with the input; 129 its terminal was closed, 141 nobody reads its stdout.
+/// Runs `osteon guard`: stands between arm and controller until Ctrl-C. It then withdraws the motion request
+/// and keeps relaying until the arm is no longer commanded, at most 3 s; without a PLC it ends at once.
+/// @returns the process's exit code: 0 nothing was withheld; 1 a datagram was withheld, and the motion
+/// request was withdrawn; 2 wrong input; 129 its terminal was closed, 141 nobody reads its stdout.
 [[nodiscard]] int RunGuard(const GuardOptions& options);
 
 }  // namespace osteon::app

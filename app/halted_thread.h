@@ -9,16 +9,16 @@
 
 namespace osteon::app {
 
-/// A thread of a child process that stands still, as if it hung or were dead, while the rest of that process
-/// goes on; it goes on where this object goes. The system's means for debuggers (ptrace), so nothing of the
-/// other process takes part in it.
+/// Halts a thread of a child process, as if it hung or were dead, while the rest of that process goes on. The
+/// thread continues when this object is destroyed. Uses the system's means for debuggers (ptrace), so the
+/// other process need not take part.
 class HaltedThread {
  public:
-  /// @param name  of one of its threads, see rt::NameThread
-  /// The error says that there is no such thread, or that the system does not allow it.
+  /// @param name  of one of the process's threads, see rt::NameThread
+  /// The error says that there is no such thread, or that the system does not permit halting it.
   [[nodiscard]] static tl::expected<std::unique_ptr<HaltedThread>, std::string> Halt(pid_t process,
                                                                                      const std::string& name);
-  /// By the thread that halted it, as the system wants it.
+  /// Must run on the thread that halted it, as the system requires.
   ~HaltedThread();
   HaltedThread(const HaltedThread&) = delete;
   HaltedThread& operator=(const HaltedThread&) = delete;

@@ -7,12 +7,11 @@
 namespace osteon::app {
 namespace {
 
-// `timeout` and some service managers send one and the same signal twice at once: to the process, and to its
-// group.
+// `timeout` and some service managers send the same signal twice at once: to the process and to its group.
 constexpr rt::Nanoseconds kSameSignal = 500'000'000;
 
 std::atomic<bool> g_interrupted{false};
-std::atomic<int> g_signal{0};  // the first
+std::atomic<int> g_signal{0};  // number of the first signal
 std::atomic<rt::Nanoseconds> g_first{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
                   std::atomic<rt::Nanoseconds>::is_always_lock_free,
@@ -20,7 +19,7 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_alw
 
 extern "C" void OnSignal(int signal_number) {
   RequestInterrupt(signal_number);
-  if (signal_number == SIGHUP) return;  // the system may send it, and the shell, and a service manager
+  if (signal_number == SIGHUP) return;  // the system, the shell and a service manager may each send one
   const rt::Nanoseconds now = rt::MonotonicNow();
   rt::Nanoseconds first = 0;
   if (!g_first.compare_exchange_strong(first, now) && now - first > kSameSignal) {

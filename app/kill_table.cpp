@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kPush_N = 150.0, kLimit_N = 200.0;
 
-// Of the trials of a victim that there were.
+// Figures of one victim's trials.
 struct Row {
   int times{0}, rested{0};
   KillResult worst;
@@ -136,7 +136,7 @@ int RunKillTable(const KillTableOptions& options) {
       } catch (const std::exception& error) {
         run.error = error.what();
       }
-      if (!Interrupted()) runs.push_back(std::move(run));  // half a trial is none
+      if (!Interrupted()) runs.push_back(std::move(run));  // an incomplete trial does not count
     }
   }
   progress.Done();

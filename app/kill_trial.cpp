@@ -28,14 +28,15 @@ using std::chrono::milliseconds, std::chrono::seconds;
 
 constexpr int kAttempts = 3;
 constexpr milliseconds kLook{5};
-constexpr seconds kReady{60}, kContact{120}, kRest{10}, kEnd{30};  // generous: a busy machine is no result
-// Full contact: the hand's whole push meets a tool that hardly moves, for so long.
+// Generous: a busy machine must not decide.
+constexpr seconds kReady{60}, kContact{120}, kRest{10}, kEnd{30};
+// Full contact: for this long, the hand's whole push meets a tool that hardly moves.
 constexpr double kFullShare = 0.97, kPressedIn_m_per_s = 0.01;
 constexpr rt::Nanoseconds kFullFor = 100 * rt::kMillisecond;
-constexpr double kRest_m_per_s = 0.002;  // of a commanded tool
-// The rest is watched for so long, in which the PLC misses the heartbeats (0.25 s).
+constexpr double kRest_m_per_s = 0.002;  // speed of a commanded tool at rest
+// Time for which the rest is watched; within it the PLC misses the heartbeats (0.25 s).
 constexpr rt::Nanoseconds kRestFor = 800 * rt::kMillisecond;
-constexpr double kStands_rad_per_s = 0.5;  // of the spindle
+constexpr double kStands_rad_per_s = 0.5;  // spindle speed at standstill
 
 std::string ReadAll(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -48,7 +49,7 @@ nlohmann::json ReadJson(const std::filesystem::path& file) {
 
 double MetresPerSecond(const PlainVector3& v) { return Vector3(v).norm(); }
 
-// The fault that its death has to end in; empty: whichever watchdog is first.
+// The fault in which the victim's death must end; empty: any watchdog may be first.
 std::string OwnFault(KillVictim victim) {
   if (victim == KillVictim::kSimulation) return safety::Describe(safety::Fault::kModelStale).name;
   if (victim == KillVictim::kRecorder) return safety::Describe(safety::Fault::kRecorder).name;
@@ -71,7 +72,7 @@ class Trial {
     }
   }
 
-  /// Starts all and waits. False where it did not come to that.
+  /// Starts all processes and waits for full contact. False if it was not reached.
   bool ReachFullContact() {
     cell_ = Start("cell", {"--trace", "trace.csv", "--json", "cell.json"});
     if (!Until(kReady, [&] { return Says("cell", "Ctrl-C ends it") || cell_->Ended(); })) return false;
@@ -84,7 +85,7 @@ class Trial {
            Full() && !run_->Ended();
   }
 
-  /// @returns why it could not.
+  /// Kills the victim. @returns an empty string, or why it could not.
   std::string Kill(KillVictim victim) {
     switch (victim) {
       case KillVictim::kController:
@@ -109,13 +110,13 @@ class Trial {
     return "";
   }
 
-  /// Watches until all is over, ends what is left, and tells.
+  /// Watches until the arm rests, ends the remaining processes, and collects the result.
   KillResult Watch(KillVictim victim) {
     const bool arm_lives = victim != KillVictim::kCell;
     if (arm_lives) static_cast<void>(Until(kRest, [&] { return RestsFor() > kRestFor; }));
-    cell_->Send(SIGTERM);  // first: what a thread does that goes on is none of it
+    cell_->Send(SIGTERM);  // first, so that actions of a released thread do not count
     cell_->End(kEnd);
-    halted_.reset();  // that the process can end
+    halted_.reset();  // so that the process can end
     KillResult result{.victim = victim};
     if (victim == KillVictim::kController)
       run_->End(seconds(0));
@@ -131,7 +132,7 @@ class Trial {
     return result;
   }
 
-  /// Why one has ended by itself, in its own last line; empty where none has.
+  /// The last line of a process that has ended by itself; empty if none has.
   [[nodiscard]] std::string Complaint() const {
     for (const auto& [name, process] :
          {std::pair{"cell", cell_.get()}, {"guard", guard_.get()}, {"run", run_.get()}}) {
@@ -182,7 +183,7 @@ class Trial {
     return false;
   }
 
-  // How long it has rested since the kill.
+  // Time since the kill for which the arm has been at rest.
   rt::Nanoseconds RestsFor() {
     trace_.Look();
     return RestedFor(trace_.cycles(), killed_);
@@ -204,7 +205,7 @@ class Trial {
     result.at_rest = at_kill && RestsFor() > kRestFor;
   }
 
-  // What the controller rendered; @param moves  what it commanded counts as the arm's motion
+  // Reads what the controller rendered; @param moves  its commands count as the arm's motion
   void TakeRecording(KillResult& result, bool moves) {
     const auto recording = io::ReadRecording(Folder("run") / "run.mcap");
     if (!recording) return;
@@ -265,7 +266,7 @@ class Trial {
   CellTraceReader trace_;
   std::string port_;
   std::unique_ptr<ChildProcess> cell_, guard_, run_;
-  std::unique_ptr<HaltedThread> halted_;  // goes before the process that it is of
+  std::unique_ptr<HaltedThread> halted_;  // destroyed before its process
   rt::Nanoseconds killed_{0};
 };
 
@@ -315,7 +316,7 @@ const char* Describe(KillVictim victim) {
 void WriteKillCell(const std::filesystem::path& source, double push_N, double limit_N,
                    const std::filesystem::path& folder) {
   const std::filesystem::path shipped = source.parent_path() / "../scenes/thin_plate.yaml";
-  // 5 mm of cortical bone: at 150 N the drill takes some four seconds through it
+  // 5 mm of cortical bone: at 150 N the drill needs some four seconds to go through
   config::WriteDerived(shipped, {{"shape.height_mm", "5"}}, folder / "plate.yaml");
   const auto number = [](double value) { return fmt::format("{}", value); };
   config::WriteDerived(source,
@@ -323,7 +324,7 @@ void WriteKillCell(const std::filesystem::path& source, double push_N, double li
                         {"plc.guard", "true"},
                         {"guard", "{port: 30209}"},
                         {"limits.max_force_N", number(limit_N)},
-                        {"limits.max_stored_J", "0.3"},  // that the spring can hold the limit
+                        {"limits.max_stored_J", "0.3"},  // so that the spring can hold the limit
                         {"operator.max_force_N", number(2.0 * push_N)},
                         {"script.push_force_N", number(push_N)},
                         {"script.full_force_depth_mm", "15"},

@@ -22,7 +22,7 @@ struct Bound {
   std::string whose;
 };
 
-// The tightest of some bounds of one quantity; the others that there are go into the text.
+// Returns the tightest of several bounds on one quantity; the text names the other finite ones.
 EffectiveLimit Tightest(std::string name, std::string unit, const std::vector<Bound>& bounds) {
   std::size_t least = 0;
   for (std::size_t i = 1; i < bounds.size(); ++i)
@@ -45,7 +45,7 @@ std::string PlaceText(const Vector3& p_m) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g}) mm", 1e3 * p_m.x(), 1e3 * p_m.y(), 1e3 * p_m.z());
 }
 
-// Where something may be or not, in the world's frame.
+// Describes where something may or may not be, in the world's frame.
 std::string Text(const safety::ZoneParams& zone) {
   constexpr std::array<const char*, 5> kShapes{"half-space", "sphere", "box", "cylinder", "capsule"};
   constexpr std::array<const char*, 3> kPoints{"apex", "flange", "elbow"};
@@ -102,7 +102,7 @@ std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& p, bool 
   };
   for (int i = 0; i < 7; ++i) {
     const kinematics::JointLimits& joint = p.joints.limits[static_cast<std::size_t>(i)];
-    if (!(joint.upper_rad > joint.lower_rad)) continue;  // of a six-axis arm there is no seventh
+    if (!(joint.upper_rad > joint.lower_rad)) continue;  // a six-axis arm has no seventh joint
     limits.push_back(Tightest(fmt::format("A{} speed", i + 1), "deg/s",
                               {{p.joints.speed_share * joint.velocity_rad_per_s / kDegree, "arm × cell"}}));
     limits.push_back({.name = fmt::format("A{} position", i + 1),

@@ -14,22 +14,22 @@
 
 namespace osteon::app {
 
-/// A limit as it is in force: of several bounds of one quantity the tightest.
+/// A limit in force: the tightest of several bounds on one quantity.
 struct EffectiveLimit {
   std::string name;   ///< "force", "tool speed" …
   double value{0.0};  ///< infinite: none
   std::string unit;
-  std::string from;  ///< whose bound it is, and which other ones there are
+  std::string from;  ///< which bound it is, and which others there are
 };
 
-/// Every limit of a cell in force, trips and ages included. @param reduced the arm is in T1
+/// Collects every limit in force, trips and ages included. @param reduced  the arm is in T1
 [[nodiscard]] std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& params,
                                                           bool reduced = false);
 
-/// Those that there are, as "force 200 N (cell)", and where apex, flange and elbow may be.
+/// Lists the finite limits, as "force 200 N (cell)", and where apex, flange and elbow may be.
 [[nodiscard]] std::vector<std::string> LimitLines(const control::ServoParams& params);
 
-/// What one limit did in a run.
+/// The actions of one limit in a run.
 struct ActedLimit {
   std::string name;  ///< safety::kLimitNames
   std::uint64_t ticks{0}, events{0};
@@ -37,11 +37,11 @@ struct ActedLimit {
   double longest_s{0.0};  ///< of one event
 };
 
-/// Which limits acted in a run, gathered tick by tick.
+/// Collects, tick by tick, which limits acted in a run.
 class ActedLimits {
  public:
   void Add(const control::TickRecord& tick);
-  /// Those that acted, in the order of their numbers. @param period_s  of a tick
+  /// Returns the limits that acted, in the order of their numbers. @param period_s  of a tick
   [[nodiscard]] std::vector<ActedLimit> Rows(double period_s) const;
 
  private:
@@ -50,15 +50,15 @@ class ActedLimits {
   std::optional<rt::Nanoseconds> start_;  // the first tick's stamp
 };
 
-/// {effective: [{name, value, unit, from}], acted: [{name, ticks, events, first_s, longest_s}]}; a value that
-/// is infinite is null.
+/// {effective: [{name, value, unit, from}], acted: [{name, ticks, events, first_s, longest_s}]}; an infinite
+/// value is null.
 [[nodiscard]] nlohmann::json ToJson(const std::vector<EffectiveLimit>& effective,
                                     const std::vector<ActedLimit>& acted);
 
-/// On the terminal, before a run begins; above them, where it is so, that no PLC has to permit motion.
+/// Prints the limits before a run begins; above them, for a cell without a PLC, a line that says so.
 void PrintLimits(const control::ServoParams& params);
 
-/// Who keeps a cell without a PLC from moving, for screen and summary.
+/// Text about the permission of motion in a cell without a PLC, for screen and summary.
 inline constexpr const char* kWithoutPlc =
     "without a PLC (without_plc: accepted): only the arm's own safety controller and its enabling switch "
     "keep it from moving";

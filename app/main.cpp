@@ -1,6 +1,6 @@
-// The command `osteon`: reads the command line and hands over to a subcommand. Exit codes: 0 done, 1 the
-// thing asked for failed, 2 wrong usage or bad input, 70 an internal error, 71 out of memory, 130 ended by
-// Ctrl-C, 129 by SIGHUP, 141 since nobody reads what is printed.
+// The command `osteon`: reads the command line and calls a subcommand. Exit codes: 0 done, 1 the requested
+// work failed, 2 wrong usage or bad input, 70 an internal error, 71 out of memory, 130 ended by Ctrl-C, 129
+// by SIGHUP, 141 because nobody reads the output.
 
 #include <cstdlib>
 #include <exception>
@@ -48,7 +48,7 @@ std::string CommandLine(int argc, char** argv) {
   return line;
 }
 
-// Options of `pack` that are texts on the command line and more than that in PackOptions.
+// Options of `pack` that are texts on the command line and other types in PackOptions.
 struct PackTexts {
   std::string mode{"overlap"}, cup, region;
   std::vector<std::string> path;
@@ -124,7 +124,7 @@ CLI::App* AddPack(CLI::App& app, osteon::app::PackOptions& pack, PackTexts& text
   return sub;
 }
 
-// @returns what is wrong with them.
+// Converts the texts. @returns what is wrong with them.
 std::string ReadPack(const PackTexts& texts, const CLI::App& sub, osteon::app::PackOptions& pack) {
   pack.disjoint = texts.mode == "disjoint";
   if (sub.count("--cup") > 0) {
@@ -152,7 +152,7 @@ std::string ReadPack(const PackTexts& texts, const CLI::App& sub, osteon::app::P
   return "";
 }
 
-// What `failures` runs instead of its scenarios.
+// The tables that `failures` makes instead of running its scenarios.
 struct FailureTables {
   bool faults{false}, kill{false};
   int times{20};

@@ -18,13 +18,13 @@ class MeasureCommands {
  public:
   explicit MeasureCommands(CLI::App& app);
 
-  /// One of them was on the command line.
+  /// Whether one of them was on the command line.
   [[nodiscard]] bool asked() const;
   /// @returns the process's exit code.
   [[nodiscard]] int Run(const std::filesystem::path& config_root);
 
  private:
-  BenchFrameOptions frame_options_;  // before what points into it
+  BenchFrameOptions frame_options_;  // before the members that point into it
   BenchKinematicsOptions kinematics_options_;
   BenchTickOptions tick_options_;
   ScalingOptions scaling_options_;

@@ -13,7 +13,8 @@ namespace osteon::app {
 namespace {
 
 constexpr double kReamer_m = 25e-3, kZone_m = 6.5e-3;  // the cut is 5.5 mm deep at most
-constexpr double kLeastSplit = 0.4 / 2.5;              // of the spacing: SplitParams and SplitPackingParams
+// Least radius over the spacing; see SplitParams and SplitPackingParams.
+constexpr double kLeastSplit = 0.4 / 2.5;
 
 double ToolRadius(const simulation::CutWorkload& work) { return work.tool.balls.front().radius_m; }
 
@@ -25,14 +26,14 @@ std::vector<simulation::Ball> Overlapping(const simulation::CutWorkload& work, d
   params.cup_radius_cap_m = cap_m;
   params.cup_depth_m = kZone_m - cap_m;
   params.least_radius_m = 0.1 * cap_m;
-  // what the default scene has, by its spacing of 1.5 mm
+  // the default scene's gap at its spacing of 1.5 mm
   params.surface_gap_m = std::clamp(0.04e-3 * spacing_m / 1.5e-3, 0.002e-3, 0.1e-3);
   params.samples = {.finest_m = spacing_m / 6.0, .coarser_from_m = {kZone_m}};
   params.seed = seed;
   return simulation::BuildPacking(*work.solid, *work.zone, params);
 }
 
-// In the proportions of SplitPackingParams, fine as deep as the cut goes.
+// Packs large balls in the proportions of SplitPackingParams, fine to the depth of the cut.
 std::vector<simulation::Ball> ForSplitting(const simulation::CutWorkload& work, double spacing_m,
                                            std::uint64_t seed) {
   simulation::SplitPackingParams params;
@@ -92,7 +93,7 @@ simulation::CuttingParams CuttingForStep(const MethodStep& step, const simulatio
   if (step.method != "split") return cutting;
   cutting.split.on = true;
   cutting.split.least_radius_m = kLeastSplit * ScaledLength(step.length_m, work);
-  cutting.split.pool_blocks = 16'384;  // some thousand are taken at the reamer
+  cutting.split.pool_blocks = 16'384;  // the reamer's cut takes some thousand
   return cutting;
 }
 
@@ -114,7 +115,7 @@ LadderBone PackForStep(const MethodStep& step, const simulation::CutWorkload& wo
   made.bone.balls = step.method == "split"       ? ForSplitting(work, length_m, seed)
                     : WantsDisjoint(step.method) ? Disjoint(work, length_m, seed)
                                                  : Overlapping(work, length_m, seed);
-  // of the balls that a cut can meet: deeper ones may be larger
+  // among the balls that a cut can meet: deeper ones may be larger
   for (const simulation::Ball& ball : made.bone.balls)
     if (work.zone->DepthAt(Vector3(ball.center_m)) - ball.radius_m < 3e-3)
       made.r_max_m = std::max(made.r_max_m, ball.radius_m);

@@ -25,7 +25,7 @@
 namespace osteon::app {
 namespace {
 
-// What the user should see before anything moves: where things are said to be, and where the wires go.
+// Prints what the user should check before anything moves: poses and the addresses of the connections.
 void PrintRegistration(const config::CellConfig& cell) {
   for (const config::RegistrationRow& row : config::DescribeRegistration(cell).rows)
     fmt::print(stderr, "osteon run: {:<42} {:8.1f} {:<4} {}\n", row.name, row.value, row.unit, row.verdict());
@@ -45,7 +45,7 @@ void PrintWires(const config::CellConfig& cell) {
     fmt::print(stderr, "osteon run: PLC none (without_plc: accepted)\n");
 }
 
-// What can be said about the places to write to before anything is run.
+// Checks the output paths before anything runs.
 std::string WrongPlace(const OperateOptions& options) {
   if (std::string wrong = WhyNoFile("--json", options.json); !wrong.empty()) return wrong;
   std::error_code error;
@@ -56,13 +56,13 @@ std::string WrongPlace(const OperateOptions& options) {
 
 std::string MakeRoom(const OperateOptions& options) {
   if (!options.overwrite) return WhyNotToRecord(options.record);
-  // the recording itself is overwritten by whoever has locked it
+  // the recording itself is overwritten by the process that has locked it
   std::vector<std::filesystem::path> pages = FilesOfRun(options.record);
   std::erase(pages, options.record);
   return RemoveFiles(pages);
 }
 
-// What is shown comes from the recording. @returns the exit code
+// Shows the result; everything shown comes from the recording. @returns the exit code
 int TellResult(const OperateOptions& options, const CellSetup& setup, const simulation::CuttingEngine& engine,
                const CellRunParams& params, const CellRunResult& result) {
   PhaseProgress measuring("osteon run", 2, false);
@@ -71,7 +71,7 @@ int TellResult(const OperateOptions& options, const CellSetup& setup, const simu
       {.folder = options.record.parent_path(), .stem = options.record.stem().string(), .cell = setup.config});
   auto run = ReadRun(params.recording, setup, stops);
   std::string wrong = WhyNotRecorded(result, run ? "" : run.error());
-  if (!run) run = RunAccumulator(setup);  // what the run itself counted is told all the same
+  if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
   measuring.Begin("measure the cut");
   RunSummary summary = Summarise(setup, engine, params, result, *run);
   measuring.Done();
@@ -94,7 +94,7 @@ int RunOperate(const OperateOptions& asked) {
   OperateOptions options = asked;
   if (options.record.empty()) options.record = DatedRecording("", std::chrono::system_clock::now());
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("run", wrong);
-  // before there is any other thread
+  // before any other thread exists
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("run", "--cpu: " + wrong);
   OutputThread output({.watch_stderr = true});

@@ -28,8 +28,8 @@
 namespace osteon::app {
 namespace {
 
-constexpr std::chrono::milliseconds kPollInterval{100};  // how often the readers are looked after
-constexpr std::size_t kMaxWaiting = 64u << 10;           // bytes that wait; beyond it stderr is dropped
+constexpr std::chrono::milliseconds kPollInterval{100};  // how often readers are checked
+constexpr std::size_t kMaxWaiting = 64u << 10;           // bytes that may wait; beyond it stderr is dropped
 constexpr int kExitClosed = 128 + SIGPIPE;
 
 // One of the process's two outputs.
@@ -42,7 +42,7 @@ struct Output {
       const ssize_t written = write(descriptor, text.data(), text.size());
       if (written >= 0) {
         text.remove_prefix(static_cast<std::size_t>(written));
-      } else if (errno == EAGAIN || errno == EWOULDBLOCK) {  // whoever made it so wants it whole all the same
+      } else if (errno == EAGAIN || errno == EWOULDBLOCK) {  // non-blocking: wait and write the rest
         pollfd wait{.fd = descriptor, .events = POLLOUT, .revents = 0};
         poll(&wait, 1, -1);
       } else if (errno != EINTR) {
@@ -53,7 +53,7 @@ struct Output {
     }
   }
 
-  // Nobody reads it any more: the other end of a pipe is closed, or its terminal.
+  // Whether nobody reads it any more: the other end of a pipe, or its terminal, is closed.
   [[nodiscard]] bool IsClosed() const {
     pollfd look{.fd = descriptor, .events = 0, .revents = 0};
     return poll(&look, 1, 0) == 1 && (look.revents & (POLLERR | POLLHUP)) != 0;
@@ -122,7 +122,7 @@ class OutputQueue {
       }
       if (g_out.IsClosed() || (watch_stderr_ && g_err.IsClosed())) RequestInterrupt(SIGPIPE);
       lock.lock();
-      waiting_ -= std::min(waiting_, written);  // the note of what was dropped was not counted
+      waiting_ -= std::min(waiting_, written);  // the note about dropped text was not counted
     }
   }
 
@@ -130,16 +130,16 @@ class OutputQueue {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Part> parts_;
-  std::size_t waiting_{0}, dropped_{0};  // bytes: not written yet; of stderr, not kept
+  std::size_t waiting_{0}, dropped_{0};  // bytes: not yet written; dropped from stderr
   bool end_{false};
-  std::thread thread_;  // last: it uses the rest
+  std::thread thread_;  // last: it uses the other members
 };
 
 namespace {
 
 std::atomic<OutputQueue*> g_queue{nullptr};
 
-// What stdio calls: all of it is taken, whatever becomes of it.
+// The write function for stdio: always accepts all of the text.
 ssize_t TakeText(void* output, const char* text, std::size_t size) {
   const int kept = errno;
   try {
@@ -147,7 +147,7 @@ ssize_t TakeText(void* output, const char* text, std::size_t size) {
       queue->Push(*static_cast<Output*>(output), {text, size});
     else
       static_cast<Output*>(output)->Write({text, size});
-  } catch (const std::exception&) {  // no memory to keep a text in
+  } catch (const std::exception&) {  // no memory for the text
   }
   errno = kept;
   return static_cast<ssize_t>(size);
@@ -166,7 +166,7 @@ void InstallOutput() {
   for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
     if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF)
       static_cast<void>(
-          open("/dev/null", descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY));  // the lowest free
+          open("/dev/null", descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY));  // gets the lowest free
   if (std::FILE* out = Stream(g_out, isatty(STDOUT_FILENO) != 0 ? _IOLBF : _IOFBF)) stdout = out;
   if (std::FILE* err = Stream(g_err, _IONBF)) stderr = err;
 }
@@ -184,7 +184,7 @@ int OutputExitCode(int code) {
 OutputThread::OutputThread(const OutputThreadParams& params)
     : queue_(std::make_unique<OutputQueue>(params.watch_stderr)) {
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit on a file's size is an error of the write, as a full disk is
+  std::signal(SIGXFSZ, SIG_IGN);  // a file-size limit then is an error of the write, as a full disk is
   g_queue.store(queue_.get());
 }
 

@@ -28,7 +28,7 @@ double Now_s() {
 
 bool Has(const std::filesystem::path& path, const char* extension) { return path.extension() == extension; }
 
-// What can be said about the places to write to before anything is done.
+// Checks the output paths before anything is done.
 std::string WrongPlace(const PackOptions& options) {
   std::error_code error;
   if (options.outputs.empty()) return "-o: found no file, accepted FILE.osp, FILE.ply or FILE.csv";
@@ -46,8 +46,7 @@ std::string WrongPlace(const PackOptions& options) {
   return WhyNoParent("--json", options.json);
 }
 
-/// Spacing of the mass points where none is named: some 200 000 of them in an even cloud; below a zone the
-/// finest level is at most .75 mm.
+/// Default spacing of the mass points: some 200 000 if even; below a zone the finest is at most 0.75 mm.
 simulation::MassPointParams PointParams(const PackOptions& options, const PackSource& source,
                                         double volume_m3) {
   constexpr double kPoints = 200'000.0, kFinest_m = 0.1e-3, kCoarsest_m = 3e-3, kMostAtZone_m = 0.75e-3;
@@ -94,7 +93,7 @@ std::vector<simulation::Ball> Pack(const PackOptions& options, const PackSource&
                                                                 .threads = options.threads}));
 }
 
-/// What decided the result, and how good it is: what the file says of itself.
+/// The parameters that decided the result, and its quality, as the file's provenance.
 simulation::PackingProvenance Provenance(const PackOptions& options, const PackSource& source,
                                          const PackResult& result) {
   simulation::PackingProvenance provenance = source.provenance;
@@ -165,7 +164,7 @@ void PrintTable(const PackResult& result) {
   for (const SummaryRow& row : Rows(result)) fmt::print("  {:<30} {}\n", row.key, row.value);
 }
 
-/// A packing file in other formats.
+/// Saves a packing file in other formats.
 int Convert(const PackOptions& options) {
   if (!options.packing_options.empty())
     return Fail("pack", fmt::format("{}: found with a packing file, accepted with a mesh or shape",
@@ -202,7 +201,7 @@ int Run(const PackOptions& options) {
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("pack", wrong);
   if (Has(options.source.input, ".osp")) return Convert(options);
 
-  // until something is written, Ctrl-C may end the process where it is
+  // until something is written, Ctrl-C may end the process at once
   const bool report = !options.report.empty();
   PhaseProgress progress("osteon pack", 4 + (options.points ? 1 : 0) + (report ? 1 : 0));
   progress.Begin("load");
@@ -280,7 +279,7 @@ int Run(const PackOptions& options) {
 int RunPack(const PackOptions& options) {
   try {
     return Run(options);
-  } catch (const std::invalid_argument& error) {  // a builder's word on a value that it was given
+  } catch (const std::invalid_argument& error) {  // a builder rejected a value
     return Fail("pack", error.what());
   }
 }

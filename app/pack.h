@@ -22,15 +22,13 @@ struct PackOptions {
   std::filesystem::path report{};  ///< folder; empty: none
   std::filesystem::path json{};
   std::string command_line{};
-  std::vector<std::string> packing_options{};  ///< those given that a packing file has no use for
+  std::vector<std::string> packing_options{};  ///< given options that do not apply to a packing file
 };
 
-/// Fills a mesh or shape with balls and mass points and saves them; or saves a packing file in other formats.
-/// Prints how good it is.
-/// @returns the process's exit code: 0 done; 1 a tolerance was not kept, or what was made could not be
-/// written;
-///   2 something was wrong with the input, nothing was written (both said on stderr); 130 ended by Ctrl-C,
-///   every file that is there complete.
+/// Fills a mesh or shape with balls and mass points and saves them, or saves a packing file in other formats.
+/// Prints figures of its quality.
+/// @returns the process's exit code: 0 done; 1 a tolerance was not kept, or a result could not be written; 2
+/// wrong input, nothing was written (both said on stderr); 130 ended by Ctrl-C, all present files complete.
 [[nodiscard]] int RunPack(const PackOptions& options);
 
 }  // namespace osteon::app

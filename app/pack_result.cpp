@@ -21,7 +21,7 @@ using simulation::PackingQuality;
 struct QualityKey {
   const char* key;
   double PackingQuality::*value;
-  double unit;  ///< SI in one of the key's
+  double unit;  ///< SI units per unit of the key
 };
 constexpr std::array<QualityKey, 7> kQualityKeys{{
     {"coverage", &PackingQuality::coverage, 1.0},

@@ -15,11 +15,11 @@
 
 namespace osteon::app {
 
-/// What `osteon pack` has made, and how good it is: what terminal, JSON and report show.
+/// The result of `osteon pack` with its quality, as terminal, JSON and report show it.
 struct PackResult {
   simulation::Bone bone{};
-  std::string mode{};     ///< overlap, disjoint; of a packing file what it says
-  bool converted{false};  ///< read from a packing file: nothing was packed, and not all is known
+  std::string mode{};     ///< overlap, disjoint; of a packing file: as stored there
+  bool converted{false};  ///< read from a packing file: nothing was packed, and some figures are unknown
   simulation::PackingQuality quality{};
   simulation::PackingProvenance provenance{};
   std::size_t triangles{0};
@@ -27,24 +27,25 @@ struct PackResult {
   int threads{0};
   std::string zone{};
   simulation::MassPointParams point_params{};
-  simulation::MassProperties mass{};                        ///< of the mass points, with their materials
-  std::optional<simulation::MassProperties> even_points{};  ///< the same, every material 1000 kg/m³
-  std::optional<simulation::MassProperties> even_solid{};   ///< in closed form
-  double seconds{0.0};                                      ///< of the packing itself
+  simulation::MassProperties mass{};  ///< of the mass points, with their materials
+  /// The same points with every material at 1000 kg/m³.
+  std::optional<simulation::MassProperties> even_points{};
+  std::optional<simulation::MassProperties> even_solid{};  ///< in closed form
+  double seconds{0.0};                                     ///< of the packing itself
   std::vector<PhaseProgress::Phase> phases{};
   std::vector<std::filesystem::path> outputs{};
 };
 
-/// Accepted by the product: balls that reach further out of their solid, or into each other, are a fault of
+/// The product's tolerances: balls that reach farther out of their solid, or into each other, are a fault of
 /// the packing.
 inline constexpr double kMostProtrusion_m = 0.05e-3, kMostDisjointOverlap_m = 1e-6;
 [[nodiscard]] bool KeepsTolerances(const PackResult& result);
 
-/// Mass, centre and inertia of an even body by the points, against the closed form's.
+/// Mass, centre and inertia of a homogeneous body: the points' values compared with the closed form's.
 struct MassComparison {
   double volume_error{0.0};  ///< relative, signed
   double center_error_m{0.0};
-  double inertia_error{0.0};  ///< greatest difference of an element over the greatest element
+  double inertia_error{0.0};  ///< greatest difference of an element, divided by the greatest element
 };
 [[nodiscard]] std::optional<MassComparison> CompareMass(const PackResult& result);
 
@@ -54,7 +55,7 @@ struct MassComparison {
 /// One JSON object, schema osteon.pack/1.
 [[nodiscard]] std::string ToJson(const PackResult& result);
 
-/// What is known of a packing's quality, as parameters of its provenance, and back.
+/// Converts the known quality figures of a packing to parameters of its provenance, and back.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> QualityParameters(
     const simulation::PackingQuality& quality);
 void ReadQualityParameters(const simulation::PackingProvenance& provenance,

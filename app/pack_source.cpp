@@ -29,7 +29,7 @@ std::string Lower(std::string text) {
   return text;
 }
 
-/// The materials of these names, from one file or from the first of the configuration's that has them.
+/// Finds the materials of these names in one file, or in the first file of the configuration that has them.
 tl::expected<std::vector<simulation::Material>, std::string> PickMaterials(
     const SourceOptions& options, const std::vector<std::string>& names) {
   std::vector<simulation::Material> found;
@@ -97,7 +97,7 @@ std::string PlaceText(const PlainVector3& p) {
   return fmt::format("({:g}, {:g}, {:g}) mm", p.x * 1e3, p.y * 1e3, p.z * 1e3);
 }
 
-/// Where it is cut: what the command line names, else the scene's zone where there is a site, else
+/// Chooses where the bone is cut: the command line's zone, else the scene's zone if there is a site, else
 /// everywhere.
 tl::expected<void, std::string> ChooseZone(const SourceOptions& options, PackSource& source) {
   source.zone_is_uniform = false;
@@ -156,7 +156,7 @@ simulation::MassProperties EvenBall(double radius_m) {
   return even;
 }
 
-/// ball:R or box:X,Y,Z
+/// Makes ball:R or box:X,Y,Z.
 tl::expected<void, std::string> LoadShape(const SourceOptions& options, PackSource& source) {
   const bool ball = options.input.starts_with("ball:");
   const std::string numbers = options.input.substr(options.input.find(':') + 1);

@@ -21,34 +21,34 @@ struct PathChoice {
   double radius_m{0.0};  ///< of the tool
 };
 
-/// What is to be packed, as the command line says it.
+/// The object to pack, as stated on the command line.
 struct SourceOptions {
   std::string input;        ///< mesh file, scene's YAML or name, ball:R or box:X,Y,Z (mm)
   bool scenes_only{false};  ///< the input can only be a scene
   std::filesystem::path config_root;
-  std::string scene;                ///< a mesh takes this scene's place; empty: the acetabulum's
-  std::optional<double> scale{};    ///< millimetres to a unit of a mesh file
-  std::filesystem::path materials;  ///< empty: those below config_root
+  std::string scene;                ///< the scene whose place a mesh takes; empty: the acetabulum's
+  std::optional<double> scale{};    ///< millimetres per unit of a mesh file
+  std::filesystem::path materials;  ///< empty: those of config_root
   std::optional<simulation::Cup> cup{};
   std::optional<simulation::Ball> region{};
   std::optional<PathChoice> path{};
   bool graded{
-      false};  ///< the packing grows coarser with depth: where nothing is named, below all of the surface
+      false};  ///< the packing grows coarser with depth: below the whole surface if nothing else is named
 };
 
-/// What is to be packed, ready: a solid, where it is cut, and what it is made of.
+/// The loaded object to pack: a solid, where it is cut, and its materials.
 struct PackSource {
   std::string name;  ///< of the bone
   std::shared_ptr<const simulation::Solid> solid;
   std::unique_ptr<simulation::CutZone> zone;
-  std::string zone_text;       ///< for people and provenance
+  std::string zone_text;       ///< for users and provenance
   bool zone_is_uniform{true};  ///< the depth is 0 everywhere
   simulation::Cup site{
       .center_m = {}, .axis = Vector3(Vector3::UnitZ()), .radius_m = 0.0};  ///< radius 0: none
   std::vector<simulation::Material> materials;
   std::optional<simulation::SceneParams> own;  ///< a scene's own packing and mass points
   std::size_t triangles{0};                    ///< of a mesh
-  /// Of the solid filled evenly with 1000 kg/m³, in closed form; absent where there is none.
+  /// Mass properties of the solid filled evenly with 1000 kg/m³, in closed form; absent if there is none.
   std::optional<simulation::MassProperties> even;
   simulation::PackingProvenance provenance;  ///< source, and the parameters that are known here
 };
@@ -57,10 +57,10 @@ struct PackSource {
 /// @throws config::ConfigError, std::invalid_argument
 [[nodiscard]] tl::expected<PackSource, std::string> LoadPackSource(const SourceOptions& options);
 
-/// Reads "X,Y,Z,R" (mm).
+/// Parses "X,Y,Z,R" (mm).
 [[nodiscard]] tl::expected<simulation::Ball, std::string> ParseRegion(const std::string& text);
 
-/// Numbers between commas, so many of them. @param what  begins the error, such as "--region"
+/// Parses a given count of numbers between commas. @param what  begins the error, such as "--region"
 [[nodiscard]] tl::expected<std::vector<double>, std::string> ParseNumbers(const std::string& text,
                                                                           std::size_t count,
                                                                           const std::string& what);

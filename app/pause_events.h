@@ -10,18 +10,18 @@ namespace osteon::app {
 
 inline constexpr const char *kPauseEvent = "pause", *kResumeEvent = "resume";
 
-/// An operator's pauses and their ends, found in a run's ticks: what stands among its events.
+/// Finds an operator's pauses and their ends in a run's ticks, as rows among the run's events.
 ///
-///     "pause"    when it was asked for, with the time until the arm rested [s]
-///     "resume"   when it was asked to go on, with the time that the cell had been paused [s]
+///     "pause"    at the request, with the time until the arm was at rest [s]
+///     "resume"   at the request, with the time for which the cell had been paused [s]
 ///
-/// A request without effect (a pause of a paused cell, a resume of one that moves) is none.
+/// A request without effect (a pause of a paused cell, a resume of a moving one) makes no row.
 class PauseEvents {
  public:
-  /// The ticks of a run, one after the other.
+  /// Takes the next tick of a run.
   void Add(const control::TickRecord& tick);
 
-  /// Complete so far, in their order; times count from the first tick.
+  /// The complete rows so far, in order; times count from the first tick.
   [[nodiscard]] const std::vector<EventRow>& rows() const { return rows_; }
 
  private:

@@ -8,8 +8,8 @@
 
 namespace osteon::app {
 
-/// Shows on stderr which of several phases a command is in: on a terminal a bar that moves from phase to
-/// phase with the time of the running one, elsewhere a line a phase, or nothing. Keeps each phase's time.
+/// Shows on stderr which of several phases a command is in: on a terminal a bar with the time of the running
+/// phase, elsewhere a line per phase, or nothing. Keeps each phase's time.
 class PhaseProgress {
  public:
   struct Phase {
@@ -17,16 +17,16 @@ class PhaseProgress {
     double seconds{0.0};
   };
 
-  /// @param command  begins each line  @param phases  how many there will be  @param lines  false: elsewhere
-  /// than on a terminal nothing is said
+  /// @param command  begins each line  @param phases  their number  @param lines  false: print nothing if
+  /// stderr is not a terminal
   PhaseProgress(std::string command, int phases, bool lines = true);
   ~PhaseProgress();
   PhaseProgress(const PhaseProgress&) = delete;
   PhaseProgress& operator=(const PhaseProgress&) = delete;
 
-  /// Ends the phase before.
+  /// Ends the previous phase and begins the next.
   void Begin(const std::string& name);
-  /// Ends the last one and clears the bar.
+  /// Ends the last phase and clears the bar.
   void Done();
   [[nodiscard]] const std::vector<Phase>& phases() const { return done_; }
 

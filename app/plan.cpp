@@ -17,19 +17,20 @@ namespace {
 using simulation::PackingKind;
 using simulation::PackingLevel;
 
-// Of the error that is asked for. The closed forms hold to a fifth; the tool's part counts on top.
+// Fractions of the demanded error. The closed forms are accurate to a fifth; the tool's part is added.
 constexpr double kRemovalShare = 0.8, kToolShare = 0.1;
-constexpr double kCoarser = 1.2;  // a step of the error where a frame takes too long
+constexpr double kCoarser = 1.2;  // factor on the error if a frame takes too long
 constexpr double kMostError_m = 5e-3;
 constexpr double kMostBalls = 20e6;
-// For the same error a frame of split balls takes 1.2 to 44 times as long as one of graded balls
-// (packing_kinds.csv): a tenth of the balls is no gain in itself, but where it decides whether a bone can be
-// packed at all.
+// For the same error a frame of split balls takes 1.2 to 44 times as long as a frame of graded balls
+// (packing_kinds.csv). Having a tenth of the balls is no advantage by itself, except if it decides whether a
+// bone can be packed at all.
 constexpr double kManyBalls = 500e3;
 
-/// Of the kinds that can have the error the one whose frames are shortest: of those that are not split the
-/// one with fewer balls. Beyond `kManyBalls`, and in a thin wall, the one with the fewest in the end,
-/// children included: at the rims of a hole through a wall graded balls leave more than the closed forms say.
+/// Chooses, among the kinds that can reach the error, the one with the shortest frames: of those without
+/// splitting the one with fewer balls. Beyond `kManyBalls`, and in a thin wall, it chooses the kind with the
+/// fewest balls after the cut, children included: at the rims of a hole through a wall, graded balls leave
+/// more than the closed forms predict.
 std::optional<PackingLevel> ChooseLevel(const PlanScene& scene, const simulation::DepthVolumes& volumes,
                                         double error_m) {
   std::optional<PackingLevel> best;
@@ -39,7 +40,7 @@ std::optional<PackingLevel> ChooseLevel(const PlanScene& scene, const simulation
     if (!level) continue;
     const double balls = volumes.ExpectedBalls(*level) + simulation::ExpectedChildren(*level, scene.cut);
     if (balls >= fewest) continue;
-    // tried last
+    // splitting is tried last
     if (kind == PackingKind::kSplit && best && fewest <= kManyBalls && scene.cut.wall_m == 0.0) continue;
     fewest = balls;
     best = level;
@@ -52,19 +53,19 @@ double UniformBalls(const PlanScene& scene, const simulation::DepthVolumes& volu
   return level ? volumes.ExpectedBalls(*level) : 0.0;
 }
 
-/// Two packings of one kind, timed.
+/// Two packings of one kind, with their times.
 struct Calibration {
   std::string device;
   std::vector<PackedLevel> others;
   std::vector<simulation::FrameGroup> groups;
-  double reach_ratio{1.0};  ///< balls that a frame worked on, over those that are in reach before the cut
+  double reach_ratio{1.0};  ///< balls that a frame worked on, over the balls within reach before the cut
 };
 
 PackedLevel Packed(const PlanScene& scene, const PackingLevel& level) {
   return {.level = level, .balls = simulation::PackLevel(level, *scene.work.solid, *scene.work.zone)};
 }
 
-/// Times two packings beside the planned one: coarser, or finer where a wall leaves no coarser one.
+/// Times two packings besides the planned one: coarser, or finer if a wall leaves no coarser one.
 tl::expected<Calibration, std::string> Calibrate(const PlanScene& scene, const PackingLevel& level,
                                                  const simulation::Tool& tool, const PlanRequest& request) {
   std::vector<double> factors{1.15, 1.8};
@@ -92,7 +93,7 @@ void Pack(FidelityPlan& plan, const PlanScene& scene, const PackingLevel& level)
   plan.error_m = plan.removal.total_m() + plan.tool_gap_m;
 }
 
-/// Says what a frame of the packed level takes.
+/// Predicts the frame time of the packed level.
 void Time(FidelityPlan& plan, const PlanScene& scene, const Calibration& calibration) {
   plan.device = calibration.device;
   plan.others = calibration.others;
@@ -140,9 +141,9 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
   std::optional<FidelityPlan> first;
   for (double target_m = removal_m; target_m < kMostError_m; target_m *= kCoarser) {
     const auto next = ChooseLevel(scene, volumes, target_m);
-    if (!next) continue;  // finer than any packing
+    if (!next) continue;  // no packing is that fine
     if (level && next->kind == level->kind && next->fine.spacing_m <= level->fine.spacing_m)
-      break;  // the coarsest
+      break;  // there is no coarser packing
     level = next;
     if (!request.timed) {
       Pack(plan, scene, *level);
@@ -157,12 +158,12 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
     Pack(plan, scene, *level);
     Time(plan, scene, calibrations.at(level->kind));
     if (!first) first = plan;
-    // a frame that is too long even without bone is no reason for a coarser one
+    // a frame that is too long even without bone is no reason for a coarser packing
     if (plan.frame_us <= most_us || plan.cost.base_us >= most_us) break;
   }
-  if (first && plan.frame_us > most_us) plan = std::move(*first);  // no coarser one has the rate
+  if (first && plan.frame_us > most_us) plan = std::move(*first);  // no coarser packing reaches the rate
   if (!level) return tl::make_unexpected("no packing of this bone serves a cut by this tool");
-  // of a coarser packing as much is promised as it would have been chosen for
+  // a coarser packing promises the error for which it would have been chosen
   plan.promised_m = std::max(request.error_m, plan.error_m / kRemovalShare);
   if (plan.promised_m > (1.0 + 1e-6) * request.error_m)
     plan.given_up.push_back(
@@ -182,7 +183,7 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
 
 std::optional<CoarserZones> CoarserFor(const PlanScene& scene, const FidelityPlan& plan,
                                        const PackingLevel& level, double seen_us, double most_us) {
-  // active balls of a level at the spacing a: those of the plan at its own, times (a_plan / a)²
+  // active balls of a level at the spacing a: the plan's at its own spacing, times (a_plan / a)²
   const double planned_m = plan.packed.level.fine.spacing_m;
   const auto model_us = [&](const PackingLevel& at) {
     const double ratio = planned_m / at.fine.spacing_m;

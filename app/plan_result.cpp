@@ -35,7 +35,7 @@ nlohmann::json GroupJson(const simulation::FrameGroup& group) {
           {"frame_us_p999", group.p999_us}};
 }
 
-// Share of the frames that predicted times come from, in which a thread may wait for a processor.
+// Fraction of the timed frames in which a thread may wait for a processor.
 constexpr double kSomeInterrupted = 0.2;
 
 struct FrameCounts {

@@ -10,15 +10,15 @@
 
 namespace osteon::app {
 
-/// Bad where a check measured something else than was promised; to be looked at where error or rate were
-/// given up, or where threads waited for a processor in frames that the predicted times come from.
+/// Bad if a check measured something else than was promised. To be looked at if error or rate were given up,
+/// or if threads waited for a processor in frames that the predicted times come from.
 [[nodiscard]] Verdict Judge(const FidelityPlan& plan, const std::optional<PlanCheck>& check);
 
-/// What `osteon plan --json` writes: schema osteon.plan/1; the verdict is not in it.
+/// JSON of `osteon plan --json`, schema osteon.plan/1, without the verdict.
 [[nodiscard]] nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request,
                                       const FidelityPlan& plan, const std::optional<PlanCheck>& check);
 
-/// The same for the terminal, the verdict included.
+/// Text for the terminal, with the verdict.
 [[nodiscard]] std::string PlanText(const PlanScene& scene, const PlanRequest& request,
                                    const FidelityPlan& plan, const std::optional<PlanCheck>& check);
 

@@ -18,10 +18,10 @@
 namespace osteon::app {
 namespace {
 
-// Frames of an engine's turn, and those at its beginning that are not counted: an H100 takes another 100 us
-// where another engine had the frame before.
+// Number of frames in an engine's turn, and of those at its start that are not counted: an H100 takes another
+// 100 us after a frame of another engine.
 constexpr std::size_t kTurn = 25, kSettle = 3;
-constexpr double kFeed_m_per_s = 5e-3;  // assumed: of a tool that cuts
+constexpr double kFeed_m_per_s = 5e-3;  // assumed for a cutting tool
 
 bool IsMesh(const std::string& input) {
   std::string extension = std::filesystem::path(input).extension().string();
@@ -30,7 +30,7 @@ bool IsMesh(const std::string& input) {
   return extension == ".stl" || extension == ".obj" || extension == ".ply";
 }
 
-/// The scene that is cut, or whose place the mesh takes.
+/// The scene that is cut, or that the mesh replaces.
 std::string SceneOf(const PlanChoice& choice) {
   if (!IsMesh(choice.scene)) return choice.scene;
   return choice.mesh_scene.empty() ? "acetabulum" : choice.mesh_scene;
@@ -174,7 +174,7 @@ double BallsInReach(const PlanScene& scene, const std::vector<simulation::Ball>&
       for (std::size_t t = 0; t < centers.size(); ++t)
         gap_m = std::min(gap_m, (Vector3(ball.center_m) - centers[t]).norm() -
                                     scene.work.tool.balls[t].radius_m - ball.radius_m);
-      // what lies wholly within the tool has been cut away
+      // balls wholly within the tool have been cut away
       if (gap_m < reach_m && gap_m > -2.0 * ball.radius_m) sum += 1.0;
     }
   }

@@ -10,7 +10,7 @@
 namespace osteon::app {
 namespace {
 
-// What is asked for; nothing where nobody asks.
+// Returns the demands on the packing; nothing if there are none.
 std::optional<simulation::FidelityRequest> Asked(const CellSetup& setup, const FidelityChoice& choice) {
   std::optional<simulation::FidelityRequest> asked = setup.config.scene.fidelity;
   if (choice.as_packed) return std::nullopt;

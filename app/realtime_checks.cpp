@@ -24,7 +24,7 @@
 namespace osteon::app {
 namespace {
 
-constexpr std::array<double, 3> kPeriods_s{1e-3, 2e-3, 5e-3};  // of FRI, that a cell may have
+constexpr std::array<double, 3> kPeriods_s{1e-3, 2e-3, 5e-3};  // FRI periods that a cell may have
 constexpr std::chrono::milliseconds kLook{50};
 
 std::string FirstLine(const std::filesystem::path& file) {
@@ -81,7 +81,7 @@ Check PriorityCheck(bool realtime) {
           realtime ? "" : "run as root, or give the user rtprio 80 in /etc/security/limits.conf"};
 }
 
-// As the loop's thread asks for it; nothing of it stays.
+// Tests locking memory as the loop's thread does; keeps no lock.
 Check MemoryCheck() {
   bool locked = false;
   std::thread([&] {
@@ -94,7 +94,7 @@ Check MemoryCheck() {
           locked ? kCheckGood : kCheckUsable, locked ? "" : "memlock unlimited in /etc/security/limits.conf"};
 }
 
-// The deepest that CPU 0 has, and whether the loop keeps out of it.
+// Names CPU 0's deepest idle state, and whether the loop prevents it.
 Check IdleCheck() {
   std::string deepest, device = "/dev/cpu_dma_latency";
   long most_us = -1;
@@ -163,7 +163,7 @@ DurationFigures TimerLatency(double seconds, bool& realtime,
                              const std::function<void(double at_s)>& progress) {
   const auto wakeups = static_cast<std::size_t>(std::max(1.0, std::round(seconds * 1e3)));
   std::vector<rt::Nanoseconds> late;
-  late.reserve(wakeups);  // the sleeper counts nothing: a counter allocates
+  late.reserve(wakeups);  // the sleeper has no counters, since a counter allocates
   std::atomic<bool> done{false};
   std::thread sleeper([&] {
     realtime = rt::SetUpRealtimeThread({.priority = realtime ? 80 : 0, .keep_cpus_awake = true}).realtime;
@@ -173,7 +173,7 @@ DurationFigures TimerLatency(double seconds, bool& realtime,
       rt::SleepUntil(due);
       const rt::Nanoseconds woken = rt::MonotonicNow();
       late.push_back(woken - due);
-      due = std::max(due, woken - rt::kMillisecond);  // one stall is one late wake-up, not a burst of them
+      due = std::max(due, woken - rt::kMillisecond);  // a stall counts as one late wake-up, not as a burst
     }
     done.store(true);
   });

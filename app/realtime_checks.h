@@ -8,25 +8,25 @@
 
 namespace osteon::app {
 
-/// Whether a servo loop of this period may be served by a machine whose threads wake so late:
+/// Whether a machine whose threads wake this late can serve a servo loop of this period:
 ///
 ///     p99.9 < period / 10   and   max < period / 2
 ///
-/// A tick takes some tens of microseconds, and the arm has to have its answer within the period: late by half
-/// of it there is no room for both a slow tick and the wire.
+/// A tick takes some tens of microseconds, and the arm needs its answer within the period. A wake-up that is
+/// late by half a period leaves no time for both a slow tick and the network.
 [[nodiscard]] bool Serves(const DurationFigures& late, double period_s);
 
-/// How late a thread wakes that sleeps to absolute times, a millisecond apart, for `seconds`. In a thread of
-/// its own.
-/// @param[in,out] realtime  ask for SCHED_FIFO, as the servo loop's thread does; whether it was granted
+/// Measures how late a thread wakes that sleeps to absolute times, a millisecond apart, for `seconds`. Runs
+/// in a thread of its own.
+/// @param[in,out] realtime  in: ask for SCHED_FIFO, as the servo thread does; out: granted
 /// @param progress  called now and then with the time spent; may be empty
 [[nodiscard]] DurationFigures TimerLatency(double seconds, bool& realtime,
                                            const std::function<void(double at_s)>& progress = {});
 
-/// What a 1 kHz loop needs of a machine: timer latency under this user's rights with and without SCHED_FIFO,
-/// each for `seconds`, with the CPUs awake as a run has them, which periods that serves, priority and memory
-/// rights, idle states, kernel, isolated cores, governor.
-/// @param progress  called now and then with the time spent, of 2 `seconds`; may be empty
+/// Examines what a 1 kHz loop needs of a machine: timer latency under this user's rights with and without
+/// SCHED_FIFO, each for `seconds` with the CPUs awake as in a run, and the periods that this latency can
+/// serve; priority and memory rights, idle states, kernel, isolated cores, governor.
+/// @param progress  called now and then with the time spent, out of 2 `seconds`; may be empty
 void ExamineRealtime(std::vector<Check>& checks, double seconds,
                      const std::function<void(double at_s)>& progress);
 

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostFiles = 1000;
 
-// The folder that all of them lie in.
+// The common folder of all files.
 fs::path CommonFolder(const std::vector<config::FileScope::File>& files) {
   fs::path common;
   for (const auto& file : files) {
@@ -31,14 +31,14 @@ fs::path CommonFolder(const std::vector<config::FileScope::File>& files) {
   return common;
 }
 
-// Whether a name stays in the folder that it is put into.
+// Whether a name stays inside the folder that it is put into.
 bool StaysInside(const std::string& name) {
   const fs::path path(name);
   return !name.empty() && name.find('\0') == std::string::npos && path.is_relative() &&
          path == path.lexically_normal() && path.has_filename() && *path.begin() != "..";
 }
 
-// An empty string, or what is wrong.
+// Writes the files. An empty string, or what is wrong.
 std::string WriteFiles(const io::ConfigSource& source, const fs::path& folder) {
   if (source.files.size() > kMostFiles)
     return fmt::format("found {} configuration files, accepted up to {}", source.files.size(), kMostFiles);
@@ -57,7 +57,7 @@ std::string WriteFiles(const io::ConfigSource& source, const fs::path& folder) {
   return {};
 }
 
-// With the names that the files had, not those of the temporary folder.
+// Replaces names in the temporary folder by the files' own names.
 std::string WithoutFolder(std::string text, const fs::path& folder) {
   const std::string prefix = folder.string() + '/';
   for (std::size_t at = 0; (at = text.find(prefix, at)) != std::string::npos;) text.erase(at, prefix.size());

@@ -13,19 +13,19 @@
 
 namespace osteon::app {
 
-/// The files that a cell was just loaded from, as they are now, for its recording.
-/// @param scope  alive while the cell was loaded
-/// The error names a file that can not be read any more.
+/// Reads the files that a cell was just loaded from, in their present state, for its recording.
+/// @param scope  must have lived while the cell was loaded
+/// The error names a file that can no longer be read.
 [[nodiscard]] tl::expected<io::ConfigSource, std::string> KeepConfig(
     const config::FileScope& scope, const std::filesystem::path& cell_yaml,
     const std::optional<config::ToolChoice>& tool, const std::filesystem::path& gains);
 
-/// The cell that a recording was made with, from what the recording holds and nothing else. Its files lie in
-/// a temporary folder while this runs. The error says what is missing or wrong: a recording without
-/// configuration, a name that leads out of the folder, a file that this version does not accept.
+/// Loads the cell that a recording was made with, from the recording alone. Its files lie in a temporary
+/// folder during the call. The error says what is missing or wrong: a recording without configuration, a name
+/// that leads out of the folder, a file that this version does not accept.
 [[nodiscard]] tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigSource& source);
 
-/// The servo loop of a cell, as a run and its replay make it.
+/// Makes a cell's servo loop, as a run and its replay need it.
 [[nodiscard]] control::ServoLoop MakeServoLoop(const config::CellConfig& cell);
 
 }  // namespace osteon::app

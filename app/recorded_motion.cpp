@@ -28,7 +28,8 @@ tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const std::file
         (tick.phase != control::Phase::kHaptic && tick.phase != control::Phase::kStopping))
       continue;
     if (samples.empty()) start = tick.stamp;
-    if (!samples.empty() && tick.stamp <= last) continue;  // a wall clock's tick without a message of its own
+    // In wall time: a tick without a message of its own.
+    if (!samples.empty() && tick.stamp <= last) continue;
     if (!samples.empty()) steps.Add(tick.stamp - last);
     last = tick.stamp;
     const Pose X_GT = X_GW * Pose(tick.X_WT_cmd);

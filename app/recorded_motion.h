@@ -10,12 +10,13 @@
 
 namespace osteon::app {
 
-/// The tool's motion of a recorded run, for a motion file: of each tick from the first that rendered to the
-/// last before rest, the *commanded* tool pose relative to the bone, thinned out (simulation::FitMotion).
-/// One message of the recording at a time is in memory, and of each such tick the pose (72 bytes).
-/// @param origin  all but `error`, which is written here
-/// The error names the file and what is wrong with it, or says what was found, where the run never rendered
-/// or is too long for a file.
+/// Extracts the tool's motion from a recorded run, for a motion file: the *commanded* tool pose relative to
+/// the bone in each tick from the first that rendered to the last before rest, thinned out
+/// (simulation::FitMotion). Memory holds one message of the recording at a time, and the pose of each such
+/// tick (72 bytes).
+/// @param origin  all fields except `error`, which is filled in here
+/// The error names the file and what is wrong with it. A run that never rendered, or is too long for a file,
+/// is an error that says what was found.
 [[nodiscard]] tl::expected<simulation::ToolMotion, std::string> RecordedMotion(
     const std::filesystem::path& recording, const Pose& X_WG, simulation::MotionOrigin origin);
 

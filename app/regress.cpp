@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What can be said of the options before anything runs.
+// Checks the options before anything runs.
 std::string WrongOptions(const RegressOptions& options) {
   if (options.update && options.scenarios.empty() && !options.all)
     return "--update: found no scenario, accepted with the names of those that are to be accepted, or --all";
@@ -42,13 +42,13 @@ std::string WrongOptions(const RegressOptions& options) {
   return "";
 }
 
-// The same bits, but a file that they come of has changed since: a later difference would be laid to its
-// door.
+// Whether all bits are the same although a source file has changed since: later differences would be blamed
+// on it.
 bool IsOfOtherFiles(const RegressResult& result) {
   return result.identical() && !ChangedSources(result.golden->head.sources, result.run->sources).empty();
 }
 
-// Its run becomes what later ones are held against. @returns what is wrong.
+// Makes the run the golden trace of later ones. @returns what is wrong.
 std::string Accept(const RegressOptions& options, RegressResult& result) {
   const auto now = std::chrono::system_clock::now();
   Golden golden{.head = {.scenario = result.scenario.name,
@@ -69,7 +69,7 @@ std::string Accept(const RegressOptions& options, RegressResult& result) {
   return "";
 }
 
-// Several at a time, each in one thread; the long ones first.
+// Runs several scenarios at a time, each in one thread, the long ones first.
 std::vector<RegressResult> RunAll(const std::vector<config::ScenarioConfig>& scenarios,
                                   const RegressOptions& options) {
   std::vector<std::size_t> order(scenarios.size());
@@ -170,7 +170,7 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
   result.explained = Explain(result.difference, result.run->trace);
   if (result.identical()) return result;
 
-  // what may be to blame beside the program
+  // possible causes outside the program
   std::vector<std::string>& lines = result.explained;
   const auto changed = ChangedSources(result.golden->head.sources, result.run->sources);
   for (const std::string& assignment : params.set) lines.push_back("laid over it: " + assignment);

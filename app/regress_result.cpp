@@ -24,10 +24,10 @@ const char* OutcomeText(const RegressSummary& summary, const RegressResult& r) {
   return r.updated ? "updated" : !r.error.empty() ? "ERROR" : Passed(summary, r) ? "passed" : "FAILED";
 }
 
-// What there is to say, the most telling line first.
+// The lines of explanation, the most informative first.
 std::vector<std::string> Reasons(const RegressResult& r) {
   if (!r.updated) return r.error.empty() ? r.explained : std::vector{r.error};
-  // what has become golden is to be known by how it ended: a run that never came to its end is golden too
+  // a new golden trace must show how its run ended: a run that never finished can become golden too
   std::vector<std::string> lines = r.explained;
   lines.insert(lines.begin(), fmt::format("{}its run: {}",
                                           !r.golden       ? "the first of its golden traces; "
@@ -41,7 +41,7 @@ double TimesRealTime(const ScenarioRun& run) {
   return run.seconds_wall > 0.0 ? run.seconds_simulated / run.seconds_wall : 0.0;
 }
 
-// Golden and new values of a quantity, and the difference below with the band that it may have.
+// Adds panels of a quantity: golden and new values, and below them the difference with its tolerance band.
 void AddPanels(const RegressResult& r, const QuantityDifference& d, std::vector<LineChart>& panels) {
   const TraceQuantity& quantity = TraceQuantities()[d.quantity];
   const ScenarioTrace& now = r.run->trace;
@@ -226,7 +226,7 @@ tl::expected<std::filesystem::path, std::string> WriteRegressReport(const Regres
   const std::filesystem::path file = summary.options.out / "regress.html";
   std::error_code error;
   if (page.entries.empty()) {
-    std::filesystem::remove(file, error);  // an earlier run's would say what no longer is
+    std::filesystem::remove(file, error);  // an earlier run's page would be out of date
     return std::filesystem::path();
   }
   std::filesystem::create_directories(summary.options.out, error);

@@ -17,11 +17,10 @@ namespace {
 using control::TickRecord;
 using simulation::ContactModel;
 
-// A process that is killed takes its last frames along; the ticks that saw them may have been written
-// already.
+// A killed process loses its last frames, while the ticks that saw them may already be written.
 constexpr rt::Nanoseconds kMostTorn = rt::kSecond;
 
-// The contact models that ticks may have seen, by what a tick says of the one it saw.
+// The contact models that ticks may have seen, found by a tick's description of its model.
 class Models {
  public:
   explicit Models(const std::vector<simulation::FrameRecord>& frames) {
@@ -32,7 +31,7 @@ class Models {
     }
   }
 
-  // Null where its frame is not in the recording.
+  // Null if its frame is not in the recording.
   [[nodiscard]] const ContactModel* Find(const TickRecord& tick) {
     const auto found = models_.find({tick.model_frame, tick.input.model_pose_stamp, tick.input.model_status});
     if (found != models_.end()) return found->second;
@@ -56,7 +55,7 @@ std::uint64_t BitsOf(T value) {
     return static_cast<std::uint64_t>(value);
 }
 
-// The first field whose bits differ, or nothing.
+// Returns the first field whose bits differ, or nothing.
 std::optional<ReplayDifference> Compare(const TickRecord& recorded, const TickRecord& replayed) {
   constexpr std::size_t kMost = 128;
   std::array<std::uint64_t, kMost> bits{};
@@ -94,7 +93,7 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
   control::ArmCommand command;
   bool torn_end = false;
   for (const TickRecord& recorded : recording.ticks) {
-    // what this tick was given
+    // the tick's inputs
     const ContactModel* model = models.Find(recorded);
     if (recorded.input.now == 0) {
       result.why_not = fmt::format("tick {} has no inputs: they were not recorded yet then", recorded.tick);
@@ -110,13 +109,13 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
     }
     if (!result.why_not.empty()) break;
 
-    // once more
+    // run the tick again
     TickRecord replayed = control::TickAgain(loop, recorded, *model, command);
-    replayed.q_cmd = command.q;  // what the arm is told, whatever the record says
+    replayed.q_cmd = command.q;  // the actual command, whatever the record holds
     replayed.activation_cmd = command.activation;
     replayed.F_cmd_T = command.F;
     replayed.tau_cmd = command.tau;
-    if (recorded.cell_state == control::kNoCellState) {  // not recorded yet then
+    if (recorded.cell_state == control::kNoCellState) {  // an old recording without this field
       replayed.cell_state = recorded.cell_state;
       replayed.permits = recorded.permits;
     }

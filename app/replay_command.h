@@ -15,7 +15,7 @@ class ReplayCommand {
   explicit ReplayCommand(CLI::App& app);
 
   [[nodiscard]] bool asked() const { return sub_->parsed(); }
-  /// @param config_root  where cells are found by their names. @returns the process's exit code.
+  /// @param config_root  folder in which cells are found by name. @returns the process's exit code.
   [[nodiscard]] int Run(const std::filesystem::path& config_root);
 
  private:

@@ -18,7 +18,7 @@
 namespace osteon::app {
 namespace {
 
-// A number where JSON has it; nan and inf as a text.
+// A JSON number if JSON has it; nan and inf as text.
 nlohmann::ordered_json Number(const std::string& text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -53,7 +53,7 @@ nlohmann::ordered_json ToJson(const ReplayOptions& options, const io::Recording&
   return json;
 }
 
-// A text of the file, for a terminal.
+// Makes a text of the file safe to print on a terminal.
 std::string Shown(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';

@@ -19,28 +19,29 @@
 
 namespace osteon::app {
 
-/// The ticks of a run that the arm answered to (COMMANDING_ACTIVE).
+/// Figures of the ticks in which the arm was commanded (COMMANDING_ACTIVE).
 struct ActiveTicks {
   void Add(const control::TickRecord& tick);
 
   double fresh_s{0.0}, sensor_full_s{0.0};     ///< ages up to which model and sensor count in full
   std::optional<rt::Nanoseconds> first, last;  ///< stamps
-  rt::Nanoseconds stopped_at{0};               ///< of the last in which the loop was not at rest after a stop
-  DurationCounts step, wakeup, compute;        ///< step: from one stamp to the next
-  /// Ticks in which a limit cut off a part of the coupling's wrench, and those in which the arm's torques
-  /// would have; and the least shares that were rendered and that the arm could hold.
+  /// Stamp of the last tick in which the loop was not at rest after a stop.
+  rt::Nanoseconds stopped_at{0};
+  DurationCounts step, wakeup, compute;  ///< step: from one stamp to the next
+  /// Number of ticks in which a limit reduced the coupling's wrench, and in which the arm's torques would
+  /// have; then the least shares that were rendered and that the arm could hold.
   std::uint64_t cut{0}, arm_cut{0};
   double min_wrench_share{1.0}, min_arm_share{1.0};
-  /// Ticks in which a stabiliser acted, and how far it went.
+  /// Number of ticks in which each stabiliser acted, and its extremes.
   std::uint64_t age_governor{0}, passivity{0}, tank{0};
   double max_age_damping{1.0}, min_age_share{1.0};
   std::uint64_t rendering{0}, stale{0},
-      sensor_late{0};  ///< ticks: all, and those with an older model, sensor
+      sensor_late{0};  ///< ticks: all, with an older model, with an older sensor reading
 };
 
-/// Everything that a run's end takes from its recording, gathered in one pass, tick by tick and frame by
-/// frame. Memory does not grow with the run, but for a few bytes each time the phase changes: what is listed
-/// is counted (DurationCounts), thinned (RunCurves, ProxyPath) or kept of the first and the last only.
+/// Gathers everything that a run's summary needs from its recording, in one pass over ticks and frames.
+/// Memory does not grow with the run, except for a few bytes per change of phase: series are counted
+/// (DurationCounts), thinned (RunCurves, ProxyPath), or only their first and last values are kept.
 struct RunAccumulator {
   explicit RunAccumulator(const CellSetup& setup);
   void Add(const control::TickRecord& tick);
@@ -56,7 +57,7 @@ struct RunAccumulator {
   DriveFaultRows drive_faults;
   PauseEvents pauses;
   std::map<safety::Fault, control::TickRecord> first_with;  ///< the first tick that has each fault
-  std::uint32_t seen_faults{0};                             ///< those that are in it, as bits
+  std::uint32_t seen_faults{0};                             ///< the keys of first_with, as bits
   control::TickInput last_input;
 
   // of the frames
@@ -64,10 +65,10 @@ struct RunAccumulator {
   DurationCounts frame_step;  ///< from one stamp to the next
   std::optional<rt::Nanoseconds> last_frame;
   simulation::ReamedDepth reamed;
-  double cup_depth_m{0.0};  ///< the last one's
+  double cup_depth_m{0.0};  ///< of the last frame
 };
 
-/// One pass through a recording; its ticks and events go to `stops` as well.
+/// Reads a recording in one pass; its ticks and events go to `stops` as well.
 /// The error names the file, the byte and the reason.
 [[nodiscard]] tl::expected<RunAccumulator, std::string> ReadRun(const std::filesystem::path& recording,
                                                                 const CellSetup& setup, StopPages& stops);

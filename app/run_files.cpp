@@ -23,7 +23,7 @@ std::chrono::system_clock::time_point WrittenAt(const fs::path& file) {
   return std::chrono::system_clock::from_time_t(stat(file.c_str(), &status) == 0 ? status.st_mtime : 0);
 }
 
-// The first of NAME, NAME_2, NAME_3 … that is free.
+// Returns the first free name among NAME, NAME_2, NAME_3 …
 template <class IsFree>
 std::string FirstFree(const std::string& name, const IsFree& is_free) {
   std::string free = name;
@@ -93,7 +93,7 @@ FolderClaim::~FolderClaim() {
 std::string FolderClaim::Take(const fs::path& folder) {
   if (descriptor_ >= 0) return "";
   const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (opened < 0) return "";  // who makes or fills it says what is wrong
+  if (opened < 0) return "";  // whoever creates or fills it reports the error
   if (flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     close(opened);
     return fmt::format("--out {}: found a folder that another osteon writes into, accepted another one",

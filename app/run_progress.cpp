@@ -12,7 +12,7 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kEverySeconds = 10.0;  // of a run without an end: a line
+constexpr double kEverySeconds = 10.0;  // between lines of a run without an end
 
 }  // namespace
 

@@ -4,14 +4,14 @@
 
 namespace osteon::app {
 
-/// How far a run is, on stderr: a bar on a terminal, a line each tenth elsewhere. A run without an end shows
-/// its time.
+/// Shows a run's progress on stderr: a bar on a terminal, elsewhere a line for each tenth. Without an end:
+/// the time.
 class RunProgress {
  public:
   /// @param name  the command's  @param seconds  of the run; 0: no end
   RunProgress(std::string name, double seconds);
   void Show(double at_s);
-  /// Takes the bar away.
+  /// Removes the bar.
   void Done() const;
 
  private:

@@ -13,7 +13,7 @@
 namespace osteon::app {
 namespace {
 
-/// The second of its three numbers; 0 where there is none.
+/// The second of the file's three numbers; 0 if there is none.
 long long WaitedNs(int file) {
   std::array<char, 96> text{};
   const ssize_t read = ::pread(file, text.data(), text.size(), 0);

@@ -5,10 +5,10 @@
 
 namespace osteon::app {
 
-/// How long the machine kept processors from this process's threads: the time that they were ready to run and
-/// did not, by the kernel's own count (/proc/self/task/*/schedstat), over the threads that there are when it
-/// is made. What a hypervisor takes away is not seen. Where the kernel does not count, involuntary switches
-/// stand for it.
+/// Measures how long the machine kept processors from this process's threads: the time that they were ready
+/// to run and did not, by the kernel's own count (/proc/self/task/*/schedstat), over the threads that exist
+/// when it is constructed. Time that a hypervisor takes is not visible. If the kernel does not count,
+/// involuntary context switches stand in.
 class RunQueueWatch {
  public:
   RunQueueWatch();
@@ -16,10 +16,10 @@ class RunQueueWatch {
   RunQueueWatch(const RunQueueWatch&) = delete;
   RunQueueWatch& operator=(const RunQueueWatch&) = delete;
 
-  /// Begins anew. Some 2 us a thread.
+  /// Restarts the count. Takes about 2 us per thread.
   void Begin();
-  /// Since Begin, the sum over the threads [us]. Without a kernel's count 0, or infinity where a switch was
-  /// involuntary.
+  /// Time since Begin, summed over the threads [us]. Without a kernel's count: 0, or infinity after an
+  /// involuntary switch.
   [[nodiscard]] double Waited_us() const;
 
  private:

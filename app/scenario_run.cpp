@@ -30,7 +30,7 @@ double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Of the calling thread.
+// CPU time of the calling thread.
 double Cpu_s() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -49,7 +49,7 @@ tl::expected<CellSetup, std::string> SetUp(const config::ScenarioConfig& scenari
   auto setup = PrepareCell(scenario.cell, std::nullopt);
   overlay.Finish();
   if (!setup) return setup;
-  // by the closed forms alone, which say the same on any machine
+  // by the closed forms alone, whose results are the same on any machine
   if (const auto packed =
           PackCell(*setup, {.as_packed = !scenario.planned, .error_m = {}, .rate_hz = {}}, "", false);
       !packed)
@@ -78,7 +78,7 @@ std::string Checksum(const std::string& bytes) {
   return fmt::format("{:016x}", hash.hash());
 }
 
-// The scenario and the files that its cell was read from.
+// Lists the scenario's file and the files that its cell was read from.
 std::vector<GoldenSource> SourcesOf(const config::ScenarioConfig& scenario, const CellSetup& setup) {
   std::vector<GoldenSource> sources;
   std::ifstream stream(scenario.file, std::ios::binary);
@@ -89,7 +89,7 @@ std::vector<GoldenSource> SourcesOf(const config::ScenarioConfig& scenario, cons
   return sources;
 }
 
-// An operator's pause and its end, by the ticks since rendering began.
+// Applies an operator's pause and its end, by the ticks since rendering began.
 class Pauses {
  public:
   Pauses(const config::ScenarioConfig& scenario, double period_s)
@@ -144,7 +144,7 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
                .virtual_time = true,
                .frame_s = scenario.frame_s,
                .recoveries = scenario.recoveries,
-               .at_rest_s = 0.0,  // a trace ends where the arm rests
+               .at_rest_s = 0.0,  // a trace ends at the arm's rest
                .recording = folder.path() / "recording.mcap",
                .stop = params.stop,
                .pauses = pauses.signals(),

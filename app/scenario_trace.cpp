@@ -16,7 +16,7 @@
 namespace osteon::app {
 namespace {
 
-// The bits of a value, as one word.
+// Returns the bits of a value as one word.
 template <class T>
 void Add(Fnv1a& hash, T value) {
   if constexpr (std::is_floating_point_v<T>)
@@ -25,7 +25,7 @@ void Add(Fnv1a& hash, T value) {
     hash.AddWord(static_cast<std::uint64_t>(value));
 }
 
-// Every bit of it in every bit (the end of MurmurHash3).
+// Mixes so that each input bit affects each output bit (the end of MurmurHash3).
 std::uint64_t Mixed(std::uint64_t h) {
   h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdu;
   h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53u;
@@ -36,7 +36,8 @@ struct PartOfField {
   const char* begins;
   TracePart part;
 };
-// By the beginning of a field's name, the first that fits. What fits none is a mistake of the program.
+// Assigns fields to parts by the beginning of a field's name; the first match counts. A field without a match
+// is a defect of the program.
 constexpr PartOfField kOutputs[] = {
     {"tick", TracePart::kArm},
     {"stamp", TracePart::kArm},
@@ -85,7 +86,7 @@ TracePart PartOf(const char* name, std::span<const PartOfField> table) {
   throw std::logic_error(std::string("a tick's field in no part of a trace: ") + name);
 }
 
-// Of each field of a tick, in the order in which they are visited.
+// The part of each field of a tick, in the order of the visit.
 const std::vector<TracePart>& FieldParts() {
   static const std::vector<TracePart> parts = [] {
     std::vector<TracePart> all;
@@ -109,7 +110,7 @@ std::uint64_t DigestOf(const simulation::ContactModel& model) {
 
 constexpr double kMillimetres = 1e3, kCubicMillimetres = 1e9;
 
-// take(name, kind, value in the quantity's unit) of each quantity.
+// Calls take(name, kind, value in the quantity's unit) for each quantity.
 template <class Take>
 void VisitQuantities(const control::TickRecord& r, const simulation::ContactModel& model, Take&& take) {
   using enum QuantityKind;
@@ -219,7 +220,7 @@ void TraceRecorder::Sample(const control::TickRecord& record, const simulation::
 }
 
 void TraceRecorder::Tick(const control::TickRecord& record, const simulation::ContactModel& model) {
-  // every bit, by part
+  // hash every bit, by part
   std::array<Fnv1a, kTraceParts> parts{};
   const std::vector<TracePart>& of_field = FieldParts();
   std::size_t at = 0;

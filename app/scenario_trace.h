@@ -13,27 +13,26 @@
 
 namespace osteon::app {
 
-/// What a tick is made of, in the order in which one follows from the other: the first three are what the
-/// loop was given, the others what it made of that. A digest of each in every tick tells where a difference
-/// began.
+/// The parts of a tick, in the order in which each follows from those before: the first three are the loop's
+/// inputs, the others its results. A digest of each part in every tick shows where a difference began.
 enum class TracePart : std::uint8_t {
-  kArm,       ///< its message, what became of earlier ones
-  kDevices,   ///< force sensor, drive, PLC; what was asked for
+  kArm,       ///< its message, and what became of earlier answers
+  kDevices,   ///< force sensor, drive, PLC; requests
   kBone,      ///< the contact model
-  kHand,      ///< what the loop takes the hand to exert, and the vibration in it
+  kHand,      ///< the loop's estimate of the hand's wrench, and the vibration in it
   kCoupling,  ///< what is rendered, and what limited it
   kState,     ///< of the cell; faults, limits
-  kCommand,   ///< what arm and spindle are told
+  kCommand,   ///< the commands to arm and spindle
 };
 inline constexpr int kTraceParts = 7;
-inline constexpr int kTraceInputs = 3;  ///< the first of them
-/// "arm's message"
+inline constexpr int kTraceInputs = 3;  ///< the number of inputs, which come first
+/// Names a part: "arm's message".
 [[nodiscard]] const char* NameOf(TracePart part);
 
-/// 12 bits of each part.
+/// 12 bits for each part.
 using TickDigest = std::array<std::uint16_t, kTraceParts>;
 
-/// Which of the tolerances is a quantity's.
+/// The tolerance that applies to a quantity.
 enum class QuantityKind : std::uint8_t {
   kPosition,
   kAngle,
@@ -45,19 +44,19 @@ enum class QuantityKind : std::uint8_t {
   kShare,
 };
 
-/// What is sampled. Values of it are in its unit, everywhere in a trace.
+/// A sampled quantity. Its values are in its unit everywhere in a trace.
 struct TraceQuantity {
   std::string name;    ///< with the unit at its end, as in tables: tool_z_mm
-  std::string family;  ///< what its axes or joints have in common: tool
+  std::string family;  ///< the common name of its axes or joints: tool
   QuantityKind kind{QuantityKind::kPosition};
 };
-/// In the order of a sample's values.
+/// Lists the quantities in the order of a sample's values.
 [[nodiscard]] std::span<const TraceQuantity> TraceQuantities();
-/// "mm"; empty of a pure number.
+/// Returns "mm" or the like; empty for a pure number.
 [[nodiscard]] const char* UnitOf(QuantityKind kind);
-/// Of the values that a file holds: well below the tolerances.
+/// Decimals of the values in a file: well below the tolerances.
 [[nodiscard]] int DecimalsOf(QuantityKind kind);
-/// In the quantity's unit.
+/// Returns the tolerance in the quantity's unit.
 [[nodiscard]] double ToleranceOf(QuantityKind kind, const config::TraceTolerances& tolerances);
 
 struct TraceSample {
@@ -65,31 +64,31 @@ struct TraceSample {
   std::vector<double> values;  ///< one for each of TraceQuantities
 };
 
-/// Something that is there or is not.
+/// A discrete event, which either happened or did not.
 struct TraceEvent {
   std::uint64_t tick{0};
   std::string what;  ///< "state haptic", "fault sensor_silent", "scene pulp reached"
 };
 
-/// A run of a scenario, as far as it is compared.
+/// A scenario's run, reduced to what is compared.
 struct ScenarioTrace {
   double period_s{0.0};     ///< of a tick
   std::uint64_t ticks{0};   ///< of the run
-  std::uint64_t active{0};  ///< of them, rendering
+  std::uint64_t active{0};  ///< those that rendered
   std::uint64_t hash{
       0};  ///< over every bit of every tick's record, of the models that ticks saw and of the carved bone
-  std::string ended;  ///< how: "completed", or what never came
+  std::string ended;  ///< how it ended: "completed", or what never came
   std::vector<TraceEvent> events;
-  std::vector<TraceSample> samples;     ///< at multiples of the interval, from when the arm began to move
+  std::vector<TraceSample> samples;     ///< at multiples of the interval, from the arm's first motion on
   std::vector<double> least, greatest;  ///< of each quantity, over all ticks from then on
   std::uint64_t first_tick{0};          ///< of the digests
-  std::vector<TickDigest> digests;      ///< of every tick from then on
+  std::vector<TickDigest> digests;      ///< of every tick from first_tick on
 
-  /// When a tick was: the first one is at one period.
+  /// Returns a tick's time; the first tick is at one period.
   [[nodiscard]] double TimeOf_s(std::uint64_t tick) const { return period_s * static_cast<double>(tick + 1); }
 };
 
-/// take(golden's, now's) of each tick that both have sampled.
+/// Calls take(golden's, now's) for each tick that both traces have sampled.
 template <class Take>
 void VisitCommonSamples(const ScenarioTrace& golden, const ScenarioTrace& now, Take&& take) {
   auto g = golden.samples.begin();
@@ -100,17 +99,17 @@ void VisitCommonSamples(const ScenarioTrace& golden, const ScenarioTrace& now, T
   }
 }
 
-/// Makes a trace of what a run in virtual time does.
+/// Makes a trace from a run in virtual time.
 class TraceRecorder {
  public:
-  /// @param sample_s  from one sample to the next; a multiple of the period is made of it
+  /// @param sample_s  sampling interval; rounded to a multiple of the period
   TraceRecorder(double period_s, double sample_s);
 
-  /// One tick and the contact model that it saw.
+  /// Adds one tick and the contact model that it saw.
   void Tick(const control::TickRecord& record, const simulation::ContactModel& model);
-  /// @param stamp  the virtual time [ns] of what has happened in the scene
+  /// Adds an event of the scene. @param stamp  its virtual time [ns]
   void SceneEvent(std::int64_t stamp, const std::string& name);
-  /// @param carved  hash of the carved bone
+  /// Completes the trace. @param carved  hash of the carved bone
   [[nodiscard]] ScenarioTrace Finish(std::string ended, std::uint64_t active, std::uint64_t carved);
 
  private:

@@ -7,9 +7,9 @@
 
 namespace osteon::app {
 
-/// What a cell asks for and can't have, found before it runs: sentences for the screen, the summary and its
+/// Finds, before a run, what a cell asks for and can't have: sentences for the screen, the summary and its
 /// verdict.
-/// @param real  there is no scripted hand
+/// @param real  the cell has a real hand, no scripted one
 [[nodiscard]] std::vector<std::string> SetupWarnings(const config::CellConfig& cell, bool real);
 
 }  // namespace osteon::app

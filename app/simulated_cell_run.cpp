@@ -22,7 +22,7 @@
 namespace osteon::app {
 namespace {
 
-// The arm must not go on without its client for long before it says how it fared: see ToJson's "stop".
+// Short, since the arm's state must be read soon after its client has gone: see "stop" in ToJson.
 constexpr std::chrono::milliseconds kLook{2};
 
 nlohmann::ordered_json WireJson(const hil::WireCounters& n) {

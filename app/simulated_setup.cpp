@@ -11,7 +11,7 @@ hil::SimulatedCell MakeSimulatedCell(const config::CellConfig& cell, double seco
 }
 
 hil::CellHostParams HostParams(const config::CellConfig& cell) {
-  // an arm sends to the guard where there is one
+  // the arm sends to the guard if there is one
   const std::string& host = cell.guard ? cell.guard->host : cell.link.host;
   const std::uint16_t port = cell.guard ? cell.guard->port : cell.link.port;
   return {.arm = {.client_address = host, .client_port = port, .injections = cell.injections},

@@ -30,7 +30,7 @@ void SimulationThread::Loop() {
     const simulation::ToolCommand command = commands_.Load();
     const rt::Nanoseconds start = rt::MonotonicNow();
     if (command.stamp == done) {
-      rt::SleepUntil(start + 50'000);  // a command a millisecond: twenty looks at it
+      rt::SleepUntil(start + 50'000);  // commands come once a millisecond: polled twenty times in between
       continue;
     }
     done = command.stamp;
@@ -42,7 +42,7 @@ void SimulationThread::Loop() {
     runner_.Govern(record, 1e-3 * static_cast<double>(record.duration_ns));
     runner_.RecordEvents(recorder_, record.stamp);
     if (record.model.status == simulation::EngineStatus::kDeviceLost)
-      return;  // the servo loop saw it, and stops
+      return;  // the servo loop notices by the model's age, and stops
   }
 }
 

@@ -10,8 +10,8 @@
 
 namespace osteon::app {
 
-/// The simulation in wall time: its own thread, at its own rate, from the newest command to a new contact
-/// model. Reader of `commands`, writer of `models`.
+/// Runs the simulation in wall time, in its own thread and at its own rate: takes the newest command, makes a
+/// new contact model. Reader of `commands`, writer of `models`.
 class SimulationThread {
  public:
   SimulationThread(FrameRunner& runner, rt::LatestValue<simulation::ToolCommand>& commands,
@@ -20,9 +20,10 @@ class SimulationThread {
   SimulationThread(const SimulationThread&) = delete;
   SimulationThread& operator=(const SimulationThread&) = delete;
 
-  /// Ends after the present frame. Safe to call twice.
+  /// Ends the thread after the present frame. Safe to call twice.
   void Stop();
-  /// After Stop: the exception that ended it before; empty where none did. Its models then grew old.
+  /// After Stop: the exception that ended the thread before; empty if there was none. Its models then grow
+  /// old.
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
@@ -33,7 +34,7 @@ class SimulationThread {
   rt::LatestValue<simulation::ContactModel>& models_;
   io::Recorder& recorder_;
   std::atomic<bool> stop_{false};
-  std::string error_;  // the thread's, until it was joined
+  std::string error_;  // written by the thread, read after it was joined
   std::thread thread_;
 };
 

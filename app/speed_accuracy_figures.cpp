@@ -14,9 +14,10 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kFloor = 1e-4;  // of what is drawn on a logarithmic axis, in the axis' unit
+constexpr double kFloor = 1e-4;  // smallest value drawn on a logarithmic axis, in the axis's unit
 
-constexpr double kPageWidth_px = 830.0;  // of a column of text on GitHub: no letter is drawn smaller there
+// Text column on GitHub: letters are not scaled below their size there.
+constexpr double kPageWidth_px = 830.0;
 
 struct MethodLook {
   const char* method;
@@ -105,7 +106,7 @@ LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure) {
   double x_least = HUGE_VAL, x_most = 0.0, y_least = HUGE_VAL, y_most = 0.0;
   std::vector<CostPoint> steps;
   for (const MethodLook& look : kLooks) {
-    // one line a method, in the order of its resolutions; its points on the front strong, the others pale
+    // one line per method, in the order of its resolutions; its points on the front strong, the others pale
     Series line{.name = look.name, .color = look.color, .width_px = 1.0, .opacity = 0.45};
     Series strong{.color = look.color, .width_px = 0.0, .marker = look.marker};
     Series pale{.color = look.color, .width_px = 0.0, .marker = look.marker, .opacity = 0.4};
@@ -131,7 +132,7 @@ LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure) {
     chart.series.push_back(std::move(pale));
     chart.series.push_back(std::move(strong));
   }
-  // the front: the best error that can be had within a time
+  // the front: the best error that is possible within a time
   std::sort(steps.begin(), steps.end(), [](const CostPoint& a, const CostPoint& b) { return a.x < b.x; });
   Series stairs{.color = kTextColor, .width_px = 1.6};
   for (std::size_t i = 0; i < steps.size(); ++i) {

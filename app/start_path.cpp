@@ -5,7 +5,7 @@
 namespace osteon::app {
 namespace {
 
-// What an arm's links fill about their joints, roughly.
+// Approximate sizes of an arm's links around their joints.
 struct ArmShape {
   double elbow_m, wrist_m, flange_m;
   int elbow_joint, wrist_joint;

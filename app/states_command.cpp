@@ -33,7 +33,7 @@ bool Stays(CellState state, const CellTransition& next) {
   return next.state == state && next.action == CellAction::kGoOn;
 }
 
-// One arrow for each pair of states, with the events that lead along it.
+// Draws one arrow for each pair of states, with the events that cause it.
 std::string Diagram() {
   std::string text = "```mermaid\nstateDiagram-v2\n";
   ForEachState([&](CellState state) {
@@ -53,7 +53,7 @@ std::string Diagram() {
   return text + "```\n";
 }
 
-// A row an event, a column a state; empty: stays.
+// Makes a row per event, a column per state; empty: the state does not change.
 std::string Table() {
   std::string head = "| |", line = "|---|";
   ForEachState([&](CellState state) {

@@ -5,13 +5,13 @@
 
 namespace osteon::app {
 
-/// `osteon states`: what the cell does, and what leads from one state to another.
+/// Options of `osteon states`: the cell's states and their transitions.
 struct StatesOptions {
   std::filesystem::path markdown{};  ///< the documentation's page; empty: not written
   std::filesystem::path json{};
 };
 
-/// The state machine as the page docs/states.md, from its table.
+/// Renders the state machine's table as the page docs/states.md.
 [[nodiscard]] std::string StatesPage();
 
 /// @returns the process's exit code.

@@ -24,7 +24,7 @@ constexpr rt::Nanoseconds kBefore = 5 * rt::kSecond, kAfter = rt::kSecond / 2;
 
 bool Moves(Phase phase) { return phase == Phase::kAligning || phase == Phase::kHaptic; }
 bool Ends(Phase phase) { return phase == Phase::kStopping || phase == Phase::kStopped; }
-// Neither braking nor without control: a stop 0 is over once the arm is measured to stand.
+// Whether the arm rests: neither braking nor without control. A stop 0 is over once the arm stands still.
 bool Rests(const TickRecord& tick) {
   return tick.phase != Phase::kStopping &&
          tick.cell_state != static_cast<std::uint8_t>(safety::CellState::kStop0);
@@ -44,7 +44,7 @@ std::vector<StopFaultRow> FaultRows(const StopRecord& stop, const control::Servo
   return rows;
 }
 
-// So long of it was recorded at rest, or why less than half a second was.
+// Says how long the rest was recorded, or why it was less than half a second.
 std::string RestText(const StopRecord& stop) {
   const TickRecord& last = stop.ticks.back();
   if (stop.rest >= stop.ticks.size()) {
@@ -63,7 +63,7 @@ std::string RestText(const StopRecord& stop) {
   return text + ".";
 }
 
-// @param end_reason  of the run
+// Makes the page's input. @param end_reason  of the run
 StopPageInput PageOf(const StopRecord& stop, std::size_t number, const std::string& end_reason,
                      double force_limit_N, const TripLimits& limits) {
   const TickRecord& at = stop.ticks[stop.stop];
@@ -107,7 +107,7 @@ std::optional<StopRecord> StopFinder::Add(const TickRecord& tick) {
   std::optional<StopRecord> ended;
   if (stop_ && !AppendToStop(tick)) ended = std::exchange(stop_, std::nullopt);
   if (!first_stamp_) first_stamp_ = tick.stamp;
-  // a tool that hardly moves is braked within a tick: then the pause is the first tick that is not motion
+  // a slow tool is braked within a tick: then the pause is the first tick without motion
   const bool begins =
       !last_.empty() && Moves(last_.back().phase) && (Ends(tick.phase) || control::IsPaused(tick));
   last_.push_back(tick);
@@ -127,7 +127,7 @@ std::optional<StopRecord> StopFinder::Add(const TickRecord& tick) {
   return ended;
 }
 
-// False where the tick is no part of the stop under way.
+// False if the tick does not belong to the stop in progress.
 bool StopFinder::AppendToStop(const TickRecord& tick) {
   if (Moves(tick.phase) || (until_ && tick.stamp > *until_)) return false;
   if (stop_->ticks.size() - stop_->stop >= kMaxTicks) return false;

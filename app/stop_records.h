@@ -17,27 +17,28 @@
 
 namespace osteon::app {
 
-/// A stop within a recording: the last five seconds before it, and what followed until half a second at rest.
+/// The ticks of a stop within a recording: the last five seconds before it, and after it until half a second
+/// at rest.
 struct StopRecord {
   std::vector<control::TickRecord> ticks;
-  std::size_t stop{0};  ///< among them: the first in which the loop no longer moved as it was asked to
-  std::size_t rest{0};  ///< the first at rest; beyond the last where none is
+  std::size_t stop{0};             ///< index of the first tick in which the loop no longer moved as asked
+  std::size_t rest{0};             ///< index of the first tick at rest; beyond the last if there is none
   rt::Nanoseconds first_stamp{0};  ///< of the recording's first tick
-  bool cut_off{false};             ///< the recording ends with the last of them
+  bool cut_off{false};             ///< the recording ends before the stop is complete
   safety::FaultSet faults;
-  bool asked{false};   ///< for: the run's end, Ctrl-C
+  bool asked{false};   ///< for by the run's end or Ctrl-C
   bool paused{false};  ///< by the operator
 
   [[nodiscard]] bool IsOrderly() const { return asked && !faults.Any(); }
   [[nodiscard]] bool IsPause() const { return paused && !asked && !faults.Any(); }
-  /// "arm message stale; motion not permitted", "asked for" or "a pause was asked for".
+  /// Reason of the stop: "arm message stale; motion not permitted", "asked for" or "a pause was asked for".
   [[nodiscard]] std::string Why() const;
-  /// "What led to the stop", or of a stop without a fault "How the run ended" or "How the pause began".
+  /// "What led to the stop"; for a stop without a fault "How the run ended" or "How the pause began".
   [[nodiscard]] const char* Heading() const;
 };
 
-/// Finds every stop of a recording, tick by tick: where the loop goes from moving (aligning, haptic) to
-/// stopping, stopped or paused. Holds the ticks of the last five seconds, and those of a stop under way: at
+/// Finds every stop of a recording, tick by tick: a change of the loop from moving (aligning, haptic) to
+/// stopping, stopped or paused. Holds the ticks of the last five seconds, and those of a stop in progress: at
 /// most kMaxTicks of each.
 class StopFinder {
  public:
@@ -45,7 +46,7 @@ class StopFinder {
 
   /// @returns the stop that ended before this tick.
   [[nodiscard]] std::optional<StopRecord> Add(const control::TickRecord& tick);
-  /// @returns the stop that the recording's end cuts off. To be called once.
+  /// Ends the recording. @returns the stop that is not complete. Call it once.
   [[nodiscard]] std::optional<StopRecord> Finish();
 
  private:
@@ -53,14 +54,14 @@ class StopFinder {
 
   std::deque<control::TickRecord> last_;  // five seconds
   std::optional<rt::Nanoseconds> first_stamp_;
-  std::optional<StopRecord> stop_;        // under way
-  std::optional<rt::Nanoseconds> until_;  // once it is at rest: so long its ticks are taken
+  std::optional<StopRecord> stop_;        // in progress
+  std::optional<rt::Nanoseconds> until_;  // set at rest: ticks are collected until then
 };
 
-/// What the recording's event of a run's orderly end begins with; why it ended follows.
+/// The recording's event of an orderly end begins with this; the reason follows.
 inline constexpr const char* kEndEvent = "end: ";
 
-/// A stop's page, and what it is called beside its path.
+/// The page of a stop with its heading.
 struct WrittenStop {
   std::filesystem::path page;
   std::string heading;  ///< StopRecord::Heading
@@ -69,22 +70,22 @@ struct WrittenStop {
 struct StopPagesParams {
   std::filesystem::path folder;
   std::string stem;
-  const config::CellConfig& cell;  ///< that was run: its limits are drawn; must outlive the pages' writer
+  const config::CellConfig& cell;  ///< of the run: its limits are drawn; must outlive the pages' writer
 };
 
-/// Writes each stop of a recording once it is over: a page with its plots and faults, `<stem>_stop_1.html`,
-/// and a table of all its ticks, `<stem>_stop_1_ticks.csv`. Nothing else is touched: run_files.h keeps one
-/// run's from another's.
+/// Writes each stop of a recording once it is complete: a page with its plots and faults,
+/// `<stem>_stop_1.html`, and a table of all its ticks, `<stem>_stop_1_ticks.csv`. Touches no other file;
+/// run_files.h keeps the files of different runs apart.
 class StopPages {
  public:
   explicit StopPages(StopPagesParams params) : params_(std::move(params)) {}
 
-  /// The next tick of a recording whose session is this. After a failed write nothing more is written.
+  /// Adds the next tick of this session's recording. After a failed write it writes nothing more.
   void Add(const io::SessionInfo& session, const control::TickRecord& tick);
-  /// The next event: one of them says why the run ended.
+  /// Adds the next event; one of them says why the run ended.
   void Add(const io::RecordedEvent& event);
 
-  /// The rest. To be called once. @returns the pages; an error names the file.
+  /// Completes the last stop. Call it once. @returns the pages; an error names the file.
   [[nodiscard]] tl::expected<std::vector<WrittenStop>, std::string> Finish();
 
  private:
@@ -95,7 +96,7 @@ class StopPages {
   StopFinder finder_;
   double force_limit_N_{0.0};
   rt::Nanoseconds session_stamp_{0};
-  std::optional<StopRecord> orderly_;  // waits for the event that says why
+  std::optional<StopRecord> orderly_;  // waits for the event with the reason
   std::string end_reason_{"a stop was asked for"};
   std::vector<WrittenStop> written_;
   std::string error_;

@@ -19,15 +19,16 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kSweepCell_m = 0.4e-3, kSweepCellsARadius = 25.0;  // of the grid that counts the sweep
+// Cells of the grid that measures the swept volume.
+constexpr double kSweepCell_m = 0.4e-3, kSweepCellsARadius = 25.0;
 
-// 1 / the median.
+// Returns 1 / the median.
 double RateOf(const DurationCounts& steps) {
   const double step_s = steps.count() > 0 ? rt::ToSeconds(steps.At(steps.count() / 2)) : 0.0;
   return step_s > 0.0 ? 1.0 / step_s : 0.0;
 }
 
-// When each fault first showed, from the ticks.
+// Finds in the ticks when each fault first appeared.
 std::vector<FaultRow> FaultRows(safety::FaultSet faults, const RunAccumulator& run,
                                 const control::ServoParams& servo) {
   std::vector<FaultRow> rows;
@@ -48,7 +49,7 @@ std::vector<EventRow> EventRows(const std::vector<simulation::SceneEvent>& event
   for (const simulation::SceneEvent& event : events)
     rows.push_back({.name = event.name,
                     .time_s = rt::ToSeconds(event.stamp - start),
-                    .value = 1e3 * event.value,  // all are lengths
+                    .value = 1e3 * event.value,  // all values are lengths
                     .unit = "mm"});
   rows.insert(rows.end(), pauses.begin(), pauses.end());
   std::ranges::stable_sort(rows, {}, &EventRow::time_s);
@@ -66,7 +67,7 @@ std::vector<RezonedRow> RezonedRows(const std::vector<Rezoned>& rezoned, rt::Nan
   return rows;
 }
 
-// What the ticks and frames say.
+// Fills in the figures of ticks and frames.
 void SummariseRecording(const RunAccumulator& run, bool timed, RunSummary& s) {
   const ActiveTicks& active = run.active;
   s.ticks = run.ticks;
@@ -94,7 +95,7 @@ void SummariseRecording(const RunAccumulator& run, bool timed, RunSummary& s) {
   s.frame = Quantiles(run.curves.frame);
 }
 
-// What the tool did to the bone.
+// Fills in the figures of the cut.
 void SummariseCut(const CellSetup& setup, const simulation::CarvedState& after, const RunAccumulator& run,
                   RunSummary& s) {
   const simulation::Tool& tool = setup.config.tool.tool;
@@ -135,7 +136,7 @@ nlohmann::json ToJson(const std::vector<DriveFaultRow>& rows) {
   return all;
 }
 
-// What a limit kept from the hand.
+// Says how much of the wrench limits withheld from the hand.
 std::string CutText(const RunSummary& s) {
   if (s.cut_ticks == 0) return "none";
   return fmt::format("up to {:.0f} %, in {} ticks; {}", 100.0 * (1.0 - s.least_wrench_share), s.cut_ticks,
@@ -144,7 +145,7 @@ std::string CutText(const RunSummary& s) {
                                                         100.0 * (1.0 - s.least_arm_share), s.arm_cut_ticks));
 }
 
-// Which limits acted, when, for how long.
+// Says which limits acted, when, and for how long.
 std::string ActedText(const RunSummary& s) {
   std::string text;
   for (const ActedLimit& limit : s.acted_limits)
@@ -153,7 +154,7 @@ std::string ActedText(const RunSummary& s) {
   return text.empty() ? "none" : text;
 }
 
-// What the stabilisers did.
+// Says what the stabilisers did.
 std::string StabiliserText(const RunSummary& s) {
   const auto times = [](std::uint64_t ticks, const std::string& how) {
     return ticks == 0 ? std::string("no") : fmt::format("{} ticks{}", ticks, how);
@@ -168,14 +169,14 @@ std::string Text(const DurationFigures& d) {
   return fmt::format("{:.0f} / {:.0f} / {:.0f} µs", d.p50_s * 1e6, d.p99_s * 1e6, d.max_s * 1e6);
 }
 
-// By how much a path was thinned, where it was.
+// Says by how much a path was thinned, if it was.
 std::string Thinned(double tolerance_m) {
   return tolerance_m > 0.0 ? fmt::format(", its path within {:.3g} µm", 1e6 * tolerance_m) : "";
 }
 
-// What the tool did to the bone.
+// Adds the rows of the cut.
 void AddCut(const RunSummary& s, std::vector<SummaryRow>& rows) {
-  // without the solid (a loaded packing) what was swept is not known
+  // without the solid (a loaded packing) the swept volume is not known
   const double swept_share = s.swept_volume_m3 > 0.0 ? s.removed_volume_m3 / s.swept_volume_m3 - 1.0 : 0.0;
   const std::string swept = s.swept_volume_m3 > 0.0
                                 ? fmt::format("; swept {:.0f} mm³ ({:+.1f} %{})", s.swept_volume_m3 * 1e9,
@@ -278,7 +279,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.cell_report = result.cell_report;
   const nlohmann::json cell = nlohmann::json::parse(result.cell_report, nullptr, false);
   if (cell.is_object() && cell.contains("arm")) s.arm_stop = cell["arm"].value("stop", "");
-  // a PLC takes the power off an arm that has come to rest: then that is no reason of anything
+  // a PLC switches off the power of an arm at rest: then this is not the reason of the end
   if (s.arm_stop == hil::kNoPower && !result.faults.Has(safety::Fault::kSession)) s.arm_stop.clear();
   s.recovered = result.recovered;
   s.config_checksum = ConfigChecksum(setup.config_source);

@@ -7,12 +7,12 @@
 #include "control/tick_record.h"
 #include "simulation/frame_record.h"
 
-// Every number of a recorded tick or frame with its name: the columns of a table, and what a replay compares.
-// A visitor is called as visit(FieldName, value); a value is double, or an integer of any size.
+// Names every number of a recorded tick or frame: the columns of a table, and the values that a replay
+// compares. A visitor is called as visit(FieldName, value); a value is double, or an integer of any size.
 
 namespace osteon::app {
 
-/// Its parts are joined by `_`; empty ones are left out: X_WT_cmd_x_m.
+/// A name in parts, joined by `_` with empty parts left out: X_WT_cmd_x_m.
 struct FieldName {
   const char* name{""};
   const char* part{""};
@@ -58,7 +58,7 @@ void ForceTorque(const char* name, const PlainWrench& F, Visit& visit) {
 
 }  // namespace fields
 
-/// What ServoLoop::Tick made of its inputs: a function of them and of the ticks before, bit for bit.
+/// Visits the results of ServoLoop::Tick: a function of its inputs and of the ticks before, bit for bit.
 template <class Visit>
 void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"tick"}, r.tick);
@@ -102,7 +102,7 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"spindle", "", "rad_per_s"}, r.spindle_rad_per_s);
 }
 
-/// What the tick was given, and how long it took.
+/// Visits the tick's inputs and its durations.
 template <class Visit>
 void VisitInputs(const control::TickRecord& r, Visit&& visit) {
   const control::TickInput& in = r.input;
@@ -163,7 +163,7 @@ void VisitInputs(const control::TickRecord& r, Visit&& visit) {
   });
 }
 
-/// A frame without its contacts.
+/// Visits a frame without its contacts.
 template <class Visit>
 void VisitFrame(const simulation::FrameRecord& r, Visit&& visit) {
   const simulation::ContactModel& m = r.model;
@@ -188,7 +188,7 @@ void VisitFrame(const simulation::FrameRecord& r, Visit&& visit) {
   visit(FieldName{"contact_count"}, m.contact_count);
 }
 
-/// One contact of a frame.
+/// Visits one contact of a frame.
 template <class Visit>
 void VisitContact(const simulation::Contact& c, Visit&& visit) {
   fields::Vector("p_TP", c.p_TP_m, "m", visit);

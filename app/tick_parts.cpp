@@ -34,7 +34,7 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
   std::array<double, kCount> us{};
   const double dt_s = servo_.period_s;
 
-  // where the tool is, measured and commanded
+  // tool pose, measured and commanded
   rt::Nanoseconds begun = rt::MonotonicNow();
   const Pose X_WT = X_WB_ * arm_.FlangePose(input.q) * X_FT_;
   sink_ = (X_WB_ * arm_.FlangePose(input.q + dt_s * qd_before_) * X_FT_).translation().x();
@@ -46,7 +46,7 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
   us[1] = MicrosecondsSince(begun);
   active_contacts_ = coupling.active_count;
 
-  // the cell's limits, and what the arm can hold here
+  // the cell's limits, and the wrench that the arm can hold here
   begun = rt::MonotonicNow();
   const kinematics::Jacobian J_B = arm_.JacobianAt(input.q, X_FT_.translation());
   kinematics::Jacobian J_W;
@@ -59,7 +59,7 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
               .share;
   us[2] = MicrosecondsSince(begun);
 
-  // where the elbow should go
+  // the wanted elbow position
   begun = rt::MonotonicNow();
   kinematics::JointVector q_there = input.q;
   const double arm_angle_rad = arm_.ArmAngle(input.q);

@@ -17,31 +17,31 @@
 
 namespace osteon::app {
 
-/// What a tick of the loop was given, as far as its parts need it.
+/// The inputs of a tick of the loop, as far as its parts need them.
 struct TickPartsInput {
   kinematics::JointVector q{kinematics::JointVector::Zero()};  ///< commanded, before the tick [rad]
-  Pose X_WT{Pose::Identity()};                                 ///< the tool there
+  Pose X_WT{Pose::Identity()};                                 ///< the tool's pose at q
   Twist V_WT;                                                  ///< of the tool, in this tick
   rt::Nanoseconds now{0};
 };
 
-/// The parts of ServoLoop::Tick that take time, each called once more on a tick's inputs and timed by itself:
-/// the loop has no seams to time them in. They are the functions that the loop calls, with its parameters;
-/// what glues them together is in the tick's own time alone.
+/// Times the expensive parts of ServoLoop::Tick: each is called once more on a tick's inputs, since the loop
+/// itself has no points at which to time them. The functions are those that the loop calls, with its
+/// parameters; the code between them counts only in the tick's own time.
 class TickParts {
  public:
   static constexpr std::size_t kCount = 6;
   static constexpr std::array<std::string_view, kCount> kNames{"kinematics", "coupling", "limits",
                                                                "elbow",      "inverse",  "guard"};
 
-  /// @param X_WB robot base in world  @param X_FT tool on the flange; servo.arm_body must be there
+  /// @param X_WB robot base in world  @param X_FT tool on the flange; servo.arm_body must have a value
   TickParts(const control::ServoParams& servo, const kinematics::LbrParams& robot, const Pose& X_WB,
             const Pose& X_FT);
 
-  /// @returns what each took [us], the clock's own reading in it.
+  /// @returns each part's time [us], including the reading of the clock.
   std::array<double, kCount> Time(const TickPartsInput& input, const simulation::ContactModel& model);
 
-  /// Of the last call: contacts that press.
+  /// Number of contacts that pressed in the last call.
   [[nodiscard]] int active_contacts() const { return active_contacts_; }
 
  private:
@@ -58,7 +58,7 @@ class TickParts {
   kinematics::JointVector null_direction_{kinematics::JointVector::Zero()};
   Eigen::Matrix<double, 6, 6> directions_{Eigen::Matrix<double, 6, 6>::Identity()};
   int active_contacts_{0};
-  volatile double sink_{0.0};  // where results go, so that none is left out
+  volatile double sink_{0.0};  // receives results, so that the compiler drops no call
 };
 
 }  // namespace osteon::app

@@ -12,8 +12,7 @@
 namespace osteon::app {
 namespace {
 
-/// What was meant, as it should have been written: "reamer54" is "reamer:54", "raemer" is "reamer". Empty
-/// where nothing is near.
+/// Suggests what was meant: "reamer54" is "reamer:54", "raemer" is "reamer". Empty if nothing is similar.
 std::string MeantTool(const std::filesystem::path& folder, const std::string& name,
                       const std::string& diameter) {
   const std::size_t digits = name.find_last_not_of("0123456789.") + 1;

@@ -9,8 +9,8 @@
 
 namespace osteon::app {
 
-/// Reads "NAME[:DIAMETER]": a name under tools/ or a YAML file, and a diameter in mm of those it comes in.
-/// The error names the part, what was found and what is accepted.
+/// Parses "NAME[:DIAMETER]": a name under tools/ or a YAML file, and one of the tool's diameters in mm. The
+/// error names the part, what was found and what is accepted.
 [[nodiscard]] tl::expected<config::ToolChoice, std::string> ParseTool(
     const std::string& text, const std::filesystem::path& config_root);
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kShownQuantities = 4, kShownEvents = 4;
 
-// A file's values are rounded: a difference below that is none.
+// A file's values are rounded: a smaller difference does not count.
 double Rounding(QuantityKind kind) { return 0.51 * std::pow(10.0, -DecimalsOf(kind)); }
 
 std::string Value(double value, QuantityKind kind) { return fmt::format("{:.{}f}", value, DecimalsOf(kind)); }
@@ -38,7 +38,7 @@ std::vector<PartDifference> CompareDigests(const ScenarioTrace& golden, const Sc
 
 void Put(QuantityDifference& d, double golden, double now, std::uint64_t tick, bool between) {
   const double error = std::abs(now - golden);
-  // what is no number is beyond any tolerance
+  // a value that is not finite is beyond any tolerance
   const double worst = std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
   if (worst > d.tolerance && !between && !d.left_tick) d.left_tick = tick;
   if (!(worst > d.worst)) return;
@@ -58,7 +58,7 @@ std::vector<QuantityDifference> CompareSamples(const ScenarioTrace& golden, cons
   VisitCommonSamples(golden, now, [&](const TraceSample& was, const TraceSample& is) {
     for (std::size_t i = 0; i < all.size(); ++i) Put(all[i], was.values[i], is.values[i], is.tick, false);
   });
-  // and what lies between them
+  // and the extremes, for what lies between samples
   if (!golden.least.empty() && !now.least.empty())
     for (std::size_t i = 0; i < all.size(); ++i) {
       Put(all[i], golden.least[i], now.least[i], 0, true);
@@ -75,7 +75,7 @@ std::vector<QuantityDifference> CompareSamples(const ScenarioTrace& golden, cons
   return all;
 }
 
-// Event by event, in their order.
+// Compares event by event, in order.
 void CompareEvents(const ScenarioTrace& golden, const ScenarioTrace& now, double tolerance_ticks,
                    std::vector<std::string>& lines) {
   const std::size_t count = std::max(golden.events.size(), now.events.size());
@@ -90,7 +90,7 @@ void CompareEvents(const ScenarioTrace& golden, const ScenarioTrace& now, double
                    : std::string("none more");
     };
     lines.push_back(fmt::format("event: golden {}, now {}", shown(g, golden), shown(n, now)));
-    if (!same) return;  // what follows is out of step
+    if (!same) return;  // the following events are out of step
   }
 }
 
@@ -160,7 +160,7 @@ std::vector<std::string> Explain(const TraceDifference& difference, const Scenar
                            ? "the first bit differs before the arm moves, or after the run's end"
                            : "no tick's digest differs: the golden file itself was changed");
   } else {
-    // the first tick, and what came of it
+    // the first differing tick, and its consequences
     const std::uint64_t tick = difference.parts.front().tick;
     std::string first, later;
     bool input = false;

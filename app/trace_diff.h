@@ -10,52 +10,52 @@
 
 namespace osteon::app {
 
-/// The first tick in which a part's digest differs. A digest of 12 bits misses a difference once in 4096
-/// ticks, and then has it in the next.
+/// The first tick in which a part's digest differs. A 12-bit digest misses a difference in one tick of 4096,
+/// and then shows it in the next tick.
 struct PartDifference {
   TracePart part{TracePart::kArm};
   std::uint64_t tick{0};
 };
 
-/// A quantity of two traces.
+/// The difference of one quantity between two traces.
 struct QuantityDifference {
   std::size_t quantity{0};  ///< of TraceQuantities
   double tolerance{0.0};
   double worst{0.0};             ///< greatest |now - golden| of a sample, or of the extremes over all ticks
-  std::uint64_t worst_tick{0};   ///< of the sample
-  bool between_samples{false};   ///< `worst` is of the extremes: no sample is at it
+  std::uint64_t worst_tick{0};   ///< of the sample with that difference
+  bool between_samples{false};   ///< `worst` is of the extremes; no sample shows it
   double golden{0.0}, now{0.0};  ///< at `worst`
   std::optional<std::uint64_t> left_tick{};  ///< the first sample beyond the tolerance
 
   [[nodiscard]] bool beyond() const { return worst > tolerance; }
-  /// In tolerances.
+  /// Returns `worst` in tolerances.
   [[nodiscard]] double ratio() const;
 };
 
 struct TraceDifference {
-  bool identical{false};  ///< every bit of every tick
+  bool identical{false};  ///< in every bit of every tick
   bool passed{false};     ///< every quantity and event within its tolerance
   std::vector<PartDifference>
-      parts;  ///< those that differ, the earliest first; of equal ticks in their order
-  std::vector<QuantityDifference>
-      quantities;                   ///< those that differ at all: beyond, by when they left; then by how much
-  std::vector<std::string> others;  ///< what else is not as it was, a line each: events, the end
-  std::uint64_t first_tick{0};      ///< of the golden digests
+      parts;  ///< those that differ, the earliest first; in their own order at equal ticks
+  std::vector<QuantityDifference> quantities;  ///< all that differ: first those beyond their tolerance by the
+                                               ///< time they left it; then by size
+  std::vector<std::string> others;             ///< other differences, one line each: events, the end
+  std::uint64_t first_tick{0};                 ///< of the golden digests
 
-  /// How many are beyond their tolerance.
+  /// Number of quantities beyond their tolerance.
   [[nodiscard]] std::size_t Beyond() const;
 };
 
-/// Holds a run against its golden trace.
+/// Compares a run with its golden trace.
 [[nodiscard]] TraceDifference Compare(const ScenarioTrace& golden, const ScenarioTrace& now,
                                       const config::TraceTolerances& tolerances);
 
-/// The first quantity of each family, at most so many: what differs in one axis mostly does in the others.
-/// Only those beyond their tolerance, where any is.
+/// Returns the first quantity of each family, at most `most`: a difference in one axis mostly appears in the
+/// others as well. Only those beyond their tolerance, if there are any.
 [[nodiscard]] std::vector<QuantityDifference> Telling(const TraceDifference& difference, std::size_t most);
 
-/// What to say of it, a few lines: where it began, what left its tolerance first and by how much, events.
-/// Empty where the two are identical.
+/// Explains the difference in a few lines: where it began, what left its tolerance first and by how much,
+/// events. Empty if the two are identical.
 [[nodiscard]] std::vector<std::string> Explain(const TraceDifference& difference, const ScenarioTrace& now);
 
 }  // namespace osteon::app

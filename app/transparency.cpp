@@ -24,14 +24,14 @@ constexpr double kTau = 2.0 * std::numbers::pi;
 constexpr std::array<const char*, 6> kAxes{"x", "y", "z", "about x", "about y", "about z"};
 constexpr std::array<const char*, 3> kColors{"#0072b2", "#d55e00", "#009e73"};
 constexpr const char* kAskedColor = "#777777";
-// How far the hand moves the tool: small beside a joint's range, large beside rounding.
+// Travel and speed of the hand: small compared with a joint's range, large compared with rounding.
 constexpr double kTravel_m = 0.005, kSpeed_m_per_s = 0.05, kWrench_N = 20.0;
 constexpr double kTravel_rad = 0.02, kSpeed_rad_per_s = 0.2, kWrench_Nm = 2.0;
-// Of the impedance asked for, that free motion may be off in the rms, and of the stiffness. A hand tells
-// stiffnesses apart from some 23 % on (L. A. Jones and I. W. Hunter, Exp. Brain Res. 79, 1990) and damping
-// from 34 % on (the same, 1993); off by as much as what is asked for, it is something else that is felt.
+// Tolerances relative to the requested impedance: rms in free motion, and of the stiffness. A hand
+// distinguishes stiffnesses from a difference of about 23 % (L. A. Jones and I. W. Hunter, Exp. Brain Res.
+// 79, 1990) and damping from 34 % (the same, 1993). An error as large as the request is something else.
 constexpr double kNoticed = 0.23, kNoticedFree = 0.34, kSomethingElse = 1.0;
-// In contact: of the cell's force limit.
+// In contact: fractions of the cell's force limit.
 constexpr double kPreload = 0.3, kSwing = 0.1;
 
 std::vector<double> Frequencies(int count) {
@@ -50,14 +50,14 @@ hil::HandleBenchParams BenchOf(const config::CellConfig& cell, const Transparenc
   bench.X_FT = cell.tool.X_FT;
   bench.arm_angle_rad = cell.start.arm_angle_rad;
   bench.sensor_feels_inertia = cell.simulated.sensor_feels_inertia;
-  bench.servo.admittance.locked = {};  // what an axis feels like that may move
+  bench.servo.admittance.locked = {};  // measures an axis as if it were not locked
   bench.sensor_delay_ticks = options.sensor_delay_ticks;
   return bench;
 }
 
 double Degrees(const Complex& z) { return std::arg(z) * 360.0 / kTau; }
 
-// What law and coupling ask for where the tool touches the plane.
+// Impedance that law and coupling request while the tool touches the plane.
 Complex AskedInContact(const TransparencyResult& result, const hil::HandlePoint& point) {
   const TransparencyAxis& z = result.axes[2];
   const double w = kTau * point.frequency_hz;
@@ -65,7 +65,7 @@ Complex AskedInContact(const TransparencyResult& result, const hil::HandlePoint&
           w * z.asked_mass - result.asked_stiffness_N_per_m / w};
 }
 
-// A phase without jumps of a whole turn from one frequency to the next.
+// Unwraps the phase: no jumps of a whole turn between frequencies.
 Series Unwrapped(Series series) {
   for (std::size_t i = 1; i < series.y.size(); ++i)
     series.y[i] -= 360.0 * std::round((series.y[i] - series.y[i - 1]) / 360.0);
@@ -97,7 +97,7 @@ std::string Plot(const TransparencyResult& result) {
     panel.plot_height_px = 160.0;
   }
   panels[0].log_y = panels[2].log_y = true;
-  // the three may lie on each other: z drawn through, y in dashes and x in dots upon it, so that each is seen
+  // the three curves may coincide: z is drawn solid, y dashed and x dotted on top, so that each is visible
   constexpr std::array<const char*, 3> kDash{"0.1 14", "12 26", ""};
   constexpr std::array<double, 3> kWidth_px{4.4, 2.8, 1.8};
   for (const std::size_t i : {2u, 1u, 0u}) {

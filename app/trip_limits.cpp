@@ -14,7 +14,7 @@ namespace {
 
 using control::TickRecord;
 
-// Where apex, flange and elbow were, by the joints. @tparam Arm  kinematics::LbrArm, OrthoParallelArm
+// Positions of apex, flange and elbow from the joints. @tparam Arm  kinematics::LbrArm, OrthoParallelArm
 template <class Arm>
 auto PointsOf(std::shared_ptr<const Arm> arm, const config::CellConfig& cell) {
   const bool measured = cell.servo.law == control::Law::kImpedance;

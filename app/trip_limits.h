@@ -5,7 +5,8 @@
 
 namespace osteon::app {
 
-/// What a cell's stops are held against. @param virtual_time  an arm message is missed after one period
+/// Collects the limits that a cell's stop pages show. @param virtual_time  a message is missed after one
+/// period
 [[nodiscard]] TripLimits TripLimitsOf(const config::CellConfig& cell, bool virtual_time);
 
 }  // namespace osteon::app

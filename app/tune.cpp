@@ -25,13 +25,13 @@
 namespace osteon::app {
 namespace {
 
-// Below 1 kg a hand's own mass decides, above 5 kg the tool is no longer light.
+// Below 1 kg a hand's own mass dominates; above 5 kg the tool is no longer light.
 constexpr std::array kMasses_kg{1.0, 1.4, 1.7, 2.0, 2.4, 2.8, 3.4, 4.0, 5.0, 7.0};
 constexpr int kWalls = 32;  // of the map
 constexpr double kLeastDamping = 5.0, kMostDamping = 500.0;
-constexpr double kTie = 1.05;  // drags nearer than this count as the same: the lighter tool then
+constexpr double kTie = 1.05;  // drags within this ratio count as equal: the lighter tool then wins
 
-// Everything that a result depends on, beside its own parameters. The number in front changes with the
+// Everything that a result depends on, besides its own parameters. The number in front changes with the
 // method.
 std::string Text(const TuneTask& t) {
   return fmt::format("1 {} {} {} {} {} {} {} {} {} {} {}", t.loop.arm.bandwidth_hz, t.loop.arm.damping_ratio,
@@ -48,7 +48,7 @@ std::string Text(const std::vector<hil::GridHand>& hands) {
 
 std::string Text(const TuneGains& g) { return fmt::format(" {} {}", g.mass_kg, g.damping_Ns_per_m); }
 
-// Takes results from before where nothing has changed, and computes the others, in parallel.
+// Reuses earlier results if nothing has changed, and computes the others in parallel.
 class Study {
  public:
   Study(const TuneTask& task, TuneCache& cache, int threads)
@@ -143,7 +143,7 @@ class Study {
   int threads_;
 };
 
-// Of the masses, the one that needs least drag; of those that need about the same, the lightest.
+// Chooses the mass that needs least drag; among masses that need about the same, the lightest.
 void Recommend(const Study& study, TuneResult& r) {
   r.trade.resize(kMasses_kg.size());
   for (std::size_t i = 0; i < kMasses_kg.size(); ++i) r.trade[i].mass_kg = kMasses_kg[i];
@@ -258,7 +258,7 @@ tl::expected<void, std::string> Write(const TuneResult& r, const TuneOptions& op
   return WritePage(Page(r, options, map, width, trade), options.out / "tune.html");
 }
 
-// In whole ticks; an error names the option.
+// Converts to whole ticks; an error names the option.
 tl::expected<int, std::string> Ticks(const char* option, double ms, double period_s) {
   const double ticks = 1e-3 * ms / period_s;
   if (std::abs(ticks - std::round(ticks)) > 1e-6)
@@ -318,7 +318,7 @@ int Run(const TuneOptions& options) {
   PhaseProgress progress("osteon tune", 4);
   StudyAll(Study(result.task, cache, options.threads), options, progress, result);
   progress.Done();
-  // what is computed stays, also where somebody has not waited for the rest
+  // computed numbers are kept, even if the user did not wait for the rest
   if (const auto saved = cache.Save(); !saved) return Fail("tune", saved.error(), kFailed);
   if (Interrupted()) return kExitInterrupted;
   result.found = cache.found();

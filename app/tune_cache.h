@@ -11,16 +11,16 @@
 
 namespace osteon::app {
 
-/// Numbers that were computed before, in one file, each found by what it was computed from.
+/// A file of computed numbers, each found by the inputs that it was computed from.
 class TuneCache {
  public:
-  /// A file that can't be read, or is of another version, counts as empty: what it held is computed again.
+  /// A file that can't be read, or is of another version, counts as empty: its numbers are computed again.
   explicit TuneCache(std::filesystem::path file);
 
-  /// @param from  everything that the numbers depend on, as text
+  /// Finds the numbers. @param from  everything that they depend on, as text
   [[nodiscard]] std::optional<std::vector<double>> Find(const std::string& from);
   void Put(const std::string& from, const std::vector<double>& values);
-  /// Only what was asked for or put since the beginning stays. The error names the file.
+  /// Saves only the numbers that were found or put since construction. The error names the file.
   [[nodiscard]] tl::expected<void, std::string> Save() const;
 
   [[nodiscard]] int found() const { return found_; }

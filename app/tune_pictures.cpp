@@ -12,11 +12,12 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kFastest_per_s = 8.0;  // decay: beyond, a hand takes it for still
+constexpr double kFastest_per_s = 8.0;  // decay rate above which a hand feels no oscillation
 constexpr const char* kPredictedColor = "#1b1f24";
 constexpr const char* kChosenColor = "#d55e00";
 
-// What is zero is unstable without a wall: no point. Nor is what is stable as far as was looked a boundary.
+// The measured boundary. Zero (unstable without a wall) and the stiffest wall that was tried (no boundary
+// found) give no point.
 Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBoundary::*what, double unit,
              const std::string& name, const std::string& color, Marker marker, double below) {
   Series series{
@@ -29,7 +30,7 @@ Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBoundary::*
   return series;
 }
 
-// Where a wall as stiff as was looked at is stable: at least so much, by no means measured.
+// Marks dampings at which even the stiffest wall that was tried is stable: a lower bound, not a measurement.
 Series AtLeast(const std::vector<TuneBoundary>& boundaries, double most_N_per_m, const std::string& color) {
   Series series{.color = color, .width_px = 0.0, .marker = Marker::kOpenUp};
   for (const TuneBoundary& b : boundaries)
@@ -40,7 +41,7 @@ Series AtLeast(const std::vector<TuneBoundary>& boundaries, double most_N_per_m,
   return series;
 }
 
-// A sign for the legend alone.
+// An entry for the legend alone.
 Series LegendOnly(const std::string& name, Marker marker) {
   return {.name = name, .color = kMutedColor, .width_px = 0.0, .marker = marker};
 }

@@ -37,7 +37,7 @@ nlohmann::json ToJson(const std::vector<TuneBoundary>& boundaries, const std::ve
   return list;
 }
 
-// A hand that keeps more of the force between 5 and 40 Hz than this is shaken, not only unquiet.
+// A hand that keeps more force than this between 5 and 40 Hz is shaken, not merely restless.
 constexpr double kShaken_N = 5.0;
 
 void JudgeCarried(const TuneResult& r, Verdict& verdict) {

@@ -15,7 +15,7 @@ namespace {
 constexpr double kMostDrag_Ns_per_m = 3000.0;
 constexpr double kLeastWall_N_per_m = 100.0;
 constexpr double kGripSpeed_m_per_s = 0.04, kNoise_N = 0.1, kCarried_s = 10.0;
-constexpr double kCalm_N = 0.5, kEnlarged = 2.2;  // at least; of the tremor that the index lets pass
+constexpr double kCalm_N = 0.5, kEnlarged = 2.2;  // least limit; factor on the tremor that the index permits
 
 enum class Contact { kFree, kWall, kPlanes };
 constexpr std::array<Contact, 3> kContacts{Contact::kFree, Contact::kWall, Contact::kPlanes};
@@ -27,7 +27,7 @@ int WorstAge(const TuneTask& task) {
 
 hil::LoopWall WallOf(const TuneTask& task, Contact contact, double gain) {
   if (contact == Contact::kFree) return {};
-  // the coupling's own damping is bounded to a share of the force, so it is not counted on
+  // the coupling's own damping is limited to a part of the force, so the analysis ignores it
   if (contact == Contact::kWall) return {.stiffness_N_per_m = gain * task.wall_N_per_m};
   return {.stiffness_N_per_m = gain * task.plane_N_per_m, .age_ticks = WorstAge(task)};
 }
@@ -41,8 +41,7 @@ hil::AdmittanceLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, c
   return loop;
 }
 
-// Every command as late as the latest. Losses are left to the runs in time: a matrix knows no chance.
-// The loop in time, with all that is lost and late, noise, and the cell's vibration index.
+// Parameters of a simulated run with lost and late commands, noise, and the cell's vibration index.
 hil::AdmittanceRunParams WithIndex(const TuneTask& task, const TuneGains& gains, const hil::GridHand& hand,
                                    Contact contact) {
   hil::AdmittanceRunParams run{.loop = LoopOf(task, gains, hand, 1.0),
@@ -54,6 +53,7 @@ hil::AdmittanceRunParams WithIndex(const TuneTask& task, const TuneGains& gains,
   return run;
 }
 
+// The greatest delay of a command. Lost commands are simulated only: a matrix has no chance events.
 int LatestDeadCycles(const TuneTask& task) { return task.loop.arm.dead_cycles + task.command_jitter; }
 
 }  // namespace
@@ -78,7 +78,7 @@ std::vector<hil::GridHand> HandsUpTo(double stiffness_N_per_m) {
   std::vector<hil::GridHand> hands = hil::HandGrid();
   std::erase_if(hands, [&](const hil::GridHand& hand) { return hand.stiffness_N_per_m > stiffness_N_per_m; });
   hands.push_back({fmt::format("{:g} N/m, firm", stiffness_N_per_m), stiffness_N_per_m, 20.0, 1.5});
-  // what decides comes first: an unstable loop is then found early
+  // test the decisive hands first, so that an unstable loop is found early
   std::ranges::stable_sort(hands, std::ranges::greater{}, &hil::GridHand::stiffness_N_per_m);
   return hands;
 }
@@ -107,7 +107,7 @@ double GainMargin(const TuneTask& task, const TuneGains& gains, const std::vecto
 }
 
 double LeastDragFor(const TuneTask& task, double mass_kg, const std::vector<hil::GridHand>& hands) {
-  // downward in b, as more drag may hide a window below: upward in its inverse
+  // search downward in b, since larger drag may hide an unstable window below: upward in 1 / b
   const hil::Boundary found = hil::FirstCrossing(
       [&](double inverse) {
         return StandsAll(task, {.mass_kg = mass_kg, .damping_Ns_per_m = 1.0 / inverse}, hands);

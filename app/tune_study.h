@@ -8,98 +8,97 @@
 #include "hil/stability/admittance_run.h"
 #include "hil/stability/grip_run.h"
 
-// What `osteon tune` asks of the loop: which hands, which contacts, how late everything is; and the answers.
+// The questions of `osteon tune` to the loop (which hands, which contacts, which delays) and the answers.
 
 namespace osteon::app {
 
-/// The loop of a cell along one axis of its tool, and what its gains have to stand.
+/// A cell's loop along one axis of its tool, and the conditions in which its gains must be stable.
 struct TuneTask {
-  hil::AdmittanceLoopParams
-      loop;                   ///< arm, delays and period of the cell; its own virtual tool; no hand, no wall
-  double wall_N_per_m{20e3};  ///< the coupling's stiffness: planes that are evaluated in the tick
-  /// Stiffness by which the planes themselves move, across the contact: the force limit over the radius of
-  /// the tool's head. It acts through poses as old as a contact model may be.
+  hil::AdmittanceLoopParams loop;  ///< arm, delays, period and virtual tool of the cell; no hand, no wall
+  double wall_N_per_m{20e3};       ///< the coupling's stiffness: planes are evaluated in the tick
+  /// Stiffness of the planes' own motion across the contact: the force limit over the radius of the tool's
+  /// head. It acts through poses as old as a contact model may be.
   double plane_N_per_m{8e3};
   double worst_age_s{0.002};
-  double margin{1.1};  ///< gain margin: hand and wall may be so many times what they are
+  double margin{1.1};  ///< gain margin: factor on hand and wall at which the loop must still be stable
   double command_loss{0.01};
   int command_jitter{1};                               ///< [ticks]
-  double human_grip_N_per_m{3e3};                      ///< for these the tool has to stay light ...
-  double stiffest_grip_N_per_m{10e3};                  ///< ... and these have to be stable at all
+  double human_grip_N_per_m{3e3};                      ///< up to this grip the tool has to stay light ...
+  double stiffest_grip_N_per_m{10e3};                  ///< ... and up to this grip it has to be stable
   double most_mass_kg{5.0}, most_drag_Ns_per_m{30.0};  ///< what counts as light
   control::VibrationParams vibration{};                ///< the cell's, and acting
-  bool index_acts{true};                               ///< in the cell, too
+  bool index_acts{true};                               ///< whether it acts in the cell as well
 };
 
 [[nodiscard]] TuneTask TuneTaskOf(const config::CellConfig& cell);
 
-/// Every hand of the grid up to a stiffness, and one that is just so stiff, with a firm hand's damping and
-/// mass.
+/// Returns every hand of the grid up to a stiffness, and one of exactly that stiffness with a firm hand's
+/// damping and mass.
 [[nodiscard]] std::vector<hil::GridHand> HandsUpTo(double stiffness_N_per_m);
 
-/// A virtual tool.
+/// The mass and drag of a virtual tool.
 struct TuneGains {
   double mass_kg{0.0}, damping_Ns_per_m{0.0};
 };
 
-/// The worst of hands and contacts (free, wall in the tick, planes as old as they may be), every command as
-/// late as the latest, at a gain: hand and wall times `gain`.
+/// Checks all hands and contacts (free, wall evaluated in the tick, planes at their greatest age) with the
+/// greatest delay of every command; hand and wall are multiplied by `gain`.
 /// @returns whether all are stable.
 [[nodiscard]] bool StandsAll(const TuneTask& task, const TuneGains& gains,
                              const std::vector<hil::GridHand>& hands, double gain);
-/// The same at gain 1 and at the margin.
+/// Checks at gain 1 and at the margin.
 [[nodiscard]] bool StandsAll(const TuneTask& task, const TuneGains& gains,
                              const std::vector<hil::GridHand>& hands);
 
-/// The greatest gain up to which they stand all; 0: not even as they are. At most `most`.
+/// The greatest gain at which all are stable; 0: not even at gain 1. At most `most`.
 [[nodiscard]] double GainMargin(const TuneTask& task, const TuneGains& gains,
                                 const std::vector<hil::GridHand>& hands, double most = 5.0);
 
-/// The least drag with which a virtual mass stands all; infinity where up to 3000 N s/m will do.
+/// The least drag with which a virtual mass is stable with all; infinity if 3000 N s/m are not enough.
 [[nodiscard]] double LeastDragFor(const TuneTask& task, double mass_kg,
                                   const std::vector<hil::GridHand>& hands);
 
-/// One damping of the map: how stiff a wall may be, nothing late but what the cell says.
+/// One damping of the map: the stiffest stable wall with the cell's own delays only.
 struct TuneBoundary {
   double damping_Ns_per_m{0.0};
   double predicted_N_per_m{0.0};  ///< 0: unstable without a wall
-  double simulated_N_per_m{0.0};  ///< of the hand that the prediction finds worst
+  double simulated_N_per_m{0.0};  ///< with the hand that the prediction finds worst
   double degraded_N_per_m{0.0};   ///< the same, with commands lost and late
   std::size_t hand{0};            ///< the worst
 };
-/// Walls up to `most_N_per_m` are looked at: such a value means at least so much.
+/// Searches walls up to `most_N_per_m`: that value means "at least".
 [[nodiscard]] TuneBoundary BoundaryAt(const TuneTask& task, const TuneGains& gains,
                                       const std::vector<hil::GridHand>& hands, double most_N_per_m);
 
-/// How fast the slowest motion of the worst hand dies out at a wall [1/s]; negative: it grows.
+/// Decay rate of the slowest motion of the worst hand at a wall [1/s]; negative: it grows.
 [[nodiscard]] double DecayRate(const TuneTask& task, const TuneGains& gains,
                                const std::vector<hil::GridHand>& hands, double wall_N_per_m);
 
-/// The shipped parts, run with commands lost and late, once for each hand and contact.
+/// Simulations of the shipped parts with lost and late commands, one for each hand and contact.
 struct TuneCheck {
   std::size_t runs{0};
-  std::vector<std::string> grew;  ///< hand and contact
+  std::vector<std::string> grew;  ///< hand and contact whose motion grew
 };
 [[nodiscard]] TuneCheck CheckInTime(const TuneTask& task, const TuneGains& gains,
                                     const std::vector<hil::GridHand>& hands);
 
-/// One hand that the gains leave to the vibration index: the worst of the contacts.
+/// A hand that only the vibration index makes stable, in its worst contact.
 struct TuneCarried {
   hil::GridHand hand;
   std::string contact;
   hil::GripRun run;
-  double calm_N{0.5};  ///< of the force between 5 and 40 Hz, from 1 s on: less is calm
+  double calm_N{0.5};  ///< limit of the force between 5 and 40 Hz, from 1 s on: below it the loop is calm
   [[nodiscard]] bool Calm() const { return run.valid && run.one_s_N < calm_N; }
 };
-/// The shipped parts with the cell's vibration index, for every hand of the grid beyond human_grip_N_per_m,
-/// fixture and clamp included: the grip closes on a tool that moves with 40 mm/s, the sensor's noise is .1 N,
-/// commands get lost and come late. 10 s each. What a hand may tremble with, the index lets a loop do as well
-/// (VibrationReference), and a loop close to oscillating makes up to twice of it: calm is below 2.2 tremor_N,
-/// .5 N at least.
+/// Simulates the shipped parts with the cell's vibration index for every hand of the grid beyond
+/// human_grip_N_per_m, fixture and clamp included, 10 s each. The grip closes on a tool that moves at 40
+/// mm/s, the sensor's noise is 0.1 N, commands are lost and late. The index permits a loop as much vibration
+/// as a hand's tremor (VibrationReference), and a loop close to oscillating reaches up to twice that: calm is
+/// below 2.2 tremor_N, at least 0.5 N.
 [[nodiscard]] std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& gains);
 
-/// The greatest index that any of these hands raises by itself (kick of .1 mm/s, the same noise): 0 where the
-/// gains alone carry them.
+/// The greatest index that any of these hands raises by itself (kick of 0.1 mm/s, the same noise): 0 if the
+/// gains alone stabilise them.
 [[nodiscard]] double IndexWith(const TuneTask& task, const TuneGains& gains,
                                const std::vector<hil::GridHand>& hands);
 

@@ -55,7 +55,7 @@ std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
   std::string what = error.what();
   const std::vector<std::string> unknown = app.remaining(true);
   if (!unknown.empty()) {
-    // an unknown option leaves its value unknown too: the option is what matters
+    // an unknown option makes its value unknown too: report the option
     const auto option = std::ranges::find_if(unknown, [](const auto& word) { return word.starts_with("-"); });
     const bool is_option = option != unknown.end();
     const std::string word = (is_option ? *option : unknown.front()).substr(0, 60);
@@ -91,7 +91,8 @@ std::string WhyNotToBegin(const CLI::App& app) {
   std::error_code error;
   static_cast<void>(std::filesystem::temp_directory_path(error));
   if (!error || asked == &app) return "";
-  for (const char* variable : {"TMPDIR", "TMP", "TEMP", "TEMPDIR"})  // as std::filesystem asks
+  // The variables that std::filesystem reads.
+  for (const char* variable : {"TMPDIR", "TMP", "TEMP", "TEMPDIR"})
     if (const char* folder = std::getenv(variable))
       return fmt::format(
           "{}: {}: found {}, which is no folder; accepted one for temporary files, or none: then /tmp\n",

@@ -16,10 +16,10 @@
 namespace osteon::app {
 namespace {
 
-// Less is a touch, not a state: a limit that acts for a few ticks is not felt.
+// A shorter action is not felt: a limit that acts for a few ticks.
 constexpr double kFelt_s = 0.02;
-// Of the rendering time, that the force may be faded by an old model: what a shared machine costs now and
-// then; and from when on the force is more often gone than there.
+// Fractions of the rendering time in which an old model may fade the force: the first is what a shared
+// machine costs now and then; from the second on, the force is mostly missing.
 constexpr double kSomeStale = 0.02, kOftenStale = 0.2;
 
 void JudgeEnd(const RunSummary& s, Verdict& verdict) {

@@ -50,7 +50,7 @@ control::CellReadings VirtualDevices::Exchange(const control::CellCommands& comm
   return clients_->Readings(plc_, now);
 }
 
-// A cycle of the program, and the block that the client reads after it.
+// Runs a cycle of the PLC's program and makes the block that the client reads after it.
 void VirtualDevices::StepPlc(const control::CellCommands& commands, rt::Nanoseconds now) {
   plc_due_ = now + plc_cycle_;
   const hil::PlcPanel panel = person_.Step(now, logic_->outputs());
@@ -61,7 +61,7 @@ void VirtualDevices::StepPlc(const control::CellCommands& commands, rt::Nanoseco
   plc_inputs_.reset = panel.reset;
   plc_inputs_.brake_test_due = panel.brake_test_due;
   plc_inputs_.controller_heartbeat = static_cast<std::uint16_t>(now / kHeartbeat);
-  plc_inputs_.guard_heartbeat = plc_inputs_.controller_heartbeat;  // a guard is a process of wall time alone
+  plc_inputs_.guard_heartbeat = plc_inputs_.controller_heartbeat;  // there is no guard in virtual time
   plc_inputs_.motion_request = clients_->MotionRequest(commands, plc_, now);
   const hil::PlcLogicOutputs& outputs = logic_->Step(now, plc_inputs_);
 

@@ -19,30 +19,29 @@
 
 namespace osteon::app {
 
-/// The cell's devices in virtual time, both sides of each wire: the same clients and simulated devices as in
-/// wall time, with frames handed over in memory, and the PLC's program behind its decoded block. A cell's
-/// injections act on them as in wall time; on the PLC's wire a silence leaves the last block standing, a loss
-/// is a connection that has ended, and a delay, with all of
-/// its jitter, makes the block older.
+/// The cell's devices in virtual time, both sides of each connection: the same clients and simulated devices
+/// as in wall time, with frames passed in memory, and the PLC's program behind its decoded block. A cell's
+/// injections act on them as in wall time. On the PLC's connection, a silence keeps the last block, a loss is
+/// a connection that has ended, and a delay, with all of its jitter, makes the block older.
 class VirtualDevices final : public control::CellDevices {
  public:
-  /// The error is a client's; see DeviceClients.
+  /// The error comes from a client; see DeviceClients.
   [[nodiscard]] static tl::expected<std::unique_ptr<VirtualDevices>, std::string> Make(
       const config::CellConfig& cell);
 
-  /// COMMANDING_ACTIVE is seen at `now`: injections begin. Later calls change nothing.
+  /// Tells the devices that COMMANDING_ACTIVE is seen at `now`: injections begin. Later calls have no effect.
   void Begin(rt::Nanoseconds now);
 
-  /// On the force sensor, in S, from now on.
+  /// Sets the load on the force sensor, in S, from now on.
   void SetLoad(const Wrench& F_S) { devices_.SetLoad(F_S); }
-  /// The drives' power, by the PLC; on where there is none.
+  /// Whether the PLC has the drives' power on; always on without a PLC.
   [[nodiscard]] bool power() const { return !logic_ || logic_->outputs().power_on; }
 
   [[nodiscard]] control::CellReadings Exchange(const control::CellCommands& commands,
                                                rt::Nanoseconds now) OSTEON_RT override;
 
   [[nodiscard]] hil::DeviceWireCounters counters() const { return wires_->counters(); }
-  /// What the PLC decides; nothing where there is none.
+  /// The PLC's decisions; nothing without a PLC.
   [[nodiscard]] hil::PlcLogicOutputs plc() const {
     return logic_ ? logic_->outputs() : hil::PlcLogicOutputs{};
   }
@@ -50,7 +49,7 @@ class VirtualDevices final : public control::CellDevices {
     return devices_.drive() ? devices_.drive()->tool_speed_rad_per_s() : 0.0;
   }
 
-  /// What keeps the cell from moving.
+  /// Says what keeps the cell from moving.
   [[nodiscard]] std::string Diagnosis() const { return clients_->Diagnosis(plc_, now_); }
 
  private:
@@ -61,7 +60,7 @@ class VirtualDevices final : public control::CellDevices {
   hil::SimulatedDevices devices_;
   rt::Nanoseconds now_{0};
   std::deque<hil::MemoryCanBus> controller_ends_, device_ends_;
-  std::vector<io::CanPump> pumps_;  // of the controller's ends
+  std::vector<io::CanPump> pumps_;  // of the controller's ends of the buses
   std::optional<hil::DeviceWires> wires_;
   hil::FaultSchedule plc_faults_;
   std::optional<hil::PlcLogic> logic_;

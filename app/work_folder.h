@@ -7,10 +7,10 @@
 
 namespace osteon::app {
 
-/// A fresh folder among the system's temporary ones, gone with the object.
+/// A new folder below the system's temporary one, removed with the object.
 class WorkFolder {
  public:
-  /// @param what  a word for its name
+  /// @param what  a word for the folder's name
   explicit WorkFolder(const std::string& what) {
     std::string name = (std::filesystem::temp_directory_path() / ("osteon_" + what + "_XXXXXX")).string();
     if (mkdtemp(name.data()) != nullptr) path_ = name;
@@ -22,7 +22,7 @@ class WorkFolder {
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;
 
-  /// Empty where none could be made.
+  /// Empty if no folder could be made.
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
  private:

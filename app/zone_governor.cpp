@@ -13,17 +13,17 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kTrailShare = 0.2;           // of the error: how thin the trail may be
+constexpr double kTrailShare = 0.2;           // of the error: tolerance of the thinned trail
 constexpr std::size_t kMostPlaces = 200'000;  // of the trail: minutes of carving
 constexpr std::size_t kCaughtUp = 4;          // places that the simulation's thread may carve itself
 constexpr double kArrived_m = 0.05e-3;
 
 }  // namespace
 
-// A packing on its way. The making thread has it until `ready`.
+// A packing in the making. The making thread owns it until `ready`.
 struct ZoneGovernor::Making {
   Made made;
-  std::unique_ptr<simulation::CuttingEngine> carver;  // cuts all the way, at once
+  std::unique_ptr<simulation::CuttingEngine> carver;  // cuts along the whole trail with the immediate law
   std::size_t carved{0};                              // places of the trail
   std::string failed;
   std::atomic<bool> ready{false}, stop{false};
@@ -70,7 +70,7 @@ void ZoneGovernor::Saw(const simulation::FrameRecord& record, double took_us) {
 }
 
 void ZoneGovernor::Begin(double seen_us) {
-  times_us_.clear();  // what follows is judged anew
+  times_us_.clear();  // the following frames are judged anew
   next_ = 0;
   const double most_us = params_.within_ratio * 1e6 / params_.rate_hz;
   const auto zones = CoarserFor(setup_.planned->scene, setup_.planned->plan, level_, seen_us, most_us);
@@ -116,7 +116,7 @@ void ZoneGovernor::Make(Making& making) {
     } else {
       making.carver = std::move(*carver);
       making.made.engine = std::move(*engine);
-      // along all that has been gone, and then along what was gone meanwhile
+      // carve along the whole trail, then along the part that was added meanwhile
       std::vector<PlainPose> places;
       do {
         {
@@ -159,7 +159,7 @@ std::optional<ZoneGovernor::Made> ZoneGovernor::Take(const simulation::CuttingEn
     if (!simulation::Arrived(carved, Pose(counted.X_GP), lever_m_, kArrived_m))
       return refuse("bone that the tool does not cut is in its way");
     making->made.engine->Restore(simulation::TakeOver(std::move(carved), counted));
-  } catch (const std::exception& error) {  // no memory, say: the run goes on as it is
+  } catch (const std::exception& error) {  // out of memory, for example: the run continues unchanged
     return refuse(error.what());
   }
   level_ = making->made.rezoned.zones.level;

@@ -16,53 +16,52 @@
 namespace osteon::app {
 
 struct ZoneGovernorParams {
-  double rate_hz{250.0};     ///< that the median frame has to keep
-  std::size_t window{200};   ///< frames in contact that the median is of
-  double within_ratio{0.9};  ///< a coarser packing is to take so much of a frame's time at most
+  double rate_hz{250.0};     ///< to be kept by the median frame
+  std::size_t window{200};   ///< frames in contact for the median
+  double within_ratio{0.9};  ///< part of the permitted frame time that a coarser packing may take
   std::string device;        ///< part of a Vulkan device's name
-  /// The new packing is made in the calling thread, between two frames: for virtual time.
+  /// Make the new packing in the calling thread, between two frames: for virtual time.
   bool at_once{false};
 };
 
-/// A coarser packing that took the place of a run's.
+/// A coarser packing that replaced a run's packing.
 struct Rezoned {
   CoarserZones zones;
-  double seen_us{0.0};       ///< the frames that asked for it
+  double seen_us{0.0};       ///< median of the frames that led to it
   simulation::Bone bone;     ///< as packed, before it was carved
-  rt::Nanoseconds stamp{0};  ///< of the last frame before
+  rt::Nanoseconds stamp{0};  ///< of the last frame before the change
 };
 
-/// Watches the frames of a planned run. Where they keep taking longer than the rate allows, the zones are
-/// coarsened: the bone is packed again by a wider lattice of the same kind, carved along the way that the
-/// tool has gone so far, and put in the old packing's place between two frames. Stiffness, law and tool stay.
-/// All that was counted (volume, mass, work) goes on. What has been cut was cut with the error of its time;
-/// from here on the coarser one holds, for the face that there is as well.
+/// Watches the frames of a planned run. If they keep taking longer than the rate allows, the zones are
+/// coarsened: the bone is packed again on a wider lattice of the same kind, carved along the tool's path so
+/// far, and exchanged for the old packing between two frames. Stiffness, law and tool stay; volume, mass and
+/// work continue. Earlier cuts were made with the earlier error; from here on the coarser error holds, for
+/// the existing face as well.
 ///
-/// One thread calls it, the simulation's; the packing is made in a thread of its own meanwhile.
+/// One thread calls it, the simulation's; the packing is made meanwhile in a thread of its own.
 class ZoneGovernor {
  public:
-  /// @param setup  planned and timed; must outlive it
+  /// @param setup  with a timed plan; must outlive the governor
   ZoneGovernor(const CellSetup& setup, const ZoneGovernorParams& params);
   ~ZoneGovernor();
   ZoneGovernor(const ZoneGovernor&) = delete;
   ZoneGovernor& operator=(const ZoneGovernor&) = delete;
 
-  /// After each frame that was not refused. @param took_us  the frame
+  /// Takes each frame that was not refused. @param took_us  duration of the frame
   void Saw(const simulation::FrameRecord& record, double took_us);
 
   struct Made {
     std::unique_ptr<simulation::CuttingEngine> engine;
     Rezoned rezoned;
   };
-  /// What goes on instead of `now`, once it is ready, carved up to the last frame that was seen; nothing
+  /// Returns the engine that replaces `now`, once it is ready and carved up to the last seen frame; nothing
   /// before. Does not wait.
   [[nodiscard]] std::optional<Made> Take(const simulation::CuttingEngine& now);
 
-  /// After the last frame. Zones still in the making are given up, which it says.
+  /// Ends the work after the last frame. Zones still in the making are abandoned, with a notice.
   void End();
 
-  /// What there is to say since the last call: that it makes coarser zones, or can't, and why. Empty:
-  /// nothing.
+  /// Returns the notice since the last call: coarser zones are being made, or why they can't. Empty: none.
   [[nodiscard]] std::string TakeNotice();
 
  private:
@@ -77,10 +76,10 @@ class ZoneGovernor {
   ZoneGovernorParams params_;
   Pose X_GW_;
   double lever_m_;
-  simulation::PackingLevel level_;  ///< of the packing that runs
-  std::vector<double> times_us_;    ///< of frames in contact, a ring
+  simulation::PackingLevel level_;  ///< of the present packing
+  std::vector<double> times_us_;    ///< of frames in contact; a ring
   std::size_t next_{0};
-  bool ended_{false};  ///< nothing coarser would help, or can be had
+  bool ended_{false};  ///< no coarser packing would help or is possible
 
   std::mutex mutex_;  ///< guards the trail
   simulation::ProxyTrail trail_;
@@ -89,11 +88,11 @@ class ZoneGovernor {
   std::string notice_;
 };
 
-/// The governor of a cell that was planned and timed; null for any other, and where the plan has given up the
-/// rate: then nothing coarser has it.
+/// Makes the governor of a cell with a timed plan; null for any other, and if the plan has given up the rate:
+/// then no coarser packing reaches it.
 [[nodiscard]] std::unique_ptr<ZoneGovernor> MakeGovernor(const CellSetup& setup, const std::string& device);
 
-/// What was done, in a line.
+/// Describes the change in one line.
 [[nodiscard]] std::string RezonedText(const Rezoned& rezoned);
 
 }  // namespace osteon::app

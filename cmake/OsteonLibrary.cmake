@@ -1,15 +1,15 @@
 # osteon_library(NAME SOURCES a.cpp … HEADERS a.h … [PRIVATE_HEADERS b.h …] [LINK osteon::x …] [PRIVATE yaml-cpp …])
-# A static library of one folder, with the alias osteon::NAME. HEADERS are what others include; they form a header set,
-# so that the target <name>_verify_interface_header_sets (all of them: all_verify_interface_header_sets) compiles each
-# alone, with LINK only. PRIVATE_HEADERS are the library's own, may need what PRIVATE names, and are compiled alone by
+# Adds a folder's static library, with the alias osteon::NAME. HEADERS are included by other folders; they form a header
+# set, so that the target <name>_verify_interface_header_sets (all of them: all_verify_interface_header_sets) compiles
+# each alone, with LINK only. PRIVATE_HEADERS are internal, may use the libraries of PRIVATE, and are compiled alone by
 # the target osteon_verify_private_headers.
 #
 # Sources between two "|" are compiled as one file (osteon_together): names in their unnamed namespaces must differ.
 set(CMAKE_VERIFY_INTERFACE_HEADER_SETS ON)
 add_custom_target(osteon_verify_private_headers)
 
-# osteon_together(TARGET a.cpp b.cpp | c.cpp …): its sources; a, b and c, … are compiled as one file each where OSTEON_TOGETHER is ON.
-# Most of a file's compile time is its headers' templates, which are met once so.
+# osteon_together(TARGET a.cpp b.cpp | c.cpp …): adds sources; each group between "|" is compiled as one file if
+# OSTEON_TOGETHER is ON. Most of a file's compile time goes into its headers' templates, compiled once per group.
 function(osteon_together TARGET)
   set(group 0)
   foreach(source ${ARGN})

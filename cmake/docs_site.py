@@ -1,8 +1,8 @@
-"""mkdocs' hooks: pages that are written for GitHub become pages of the site (mkdocs.yml).
+"""Hooks of mkdocs that turn pages written for GitHub into pages of the site (mkdocs.yml).
 
-Three things differ between the two. Links that leave docs/ lead nowhere on the site: they become the name of the
-file in the repository. Lists are indented by their marker's width on GitHub, by four spaces here. Headings are
-named by GitHub's rule, which tests/app/doc_pages.cpp holds the pages' links to as well.
+The two differ in three points. Links that leave docs/ lead nowhere on the site: they become the name of the file
+in the repository. Lists are indented by their marker's width on GitHub, by four spaces here. Headings get their
+anchors by GitHub's rule, against which tests/app/doc_pages.cpp checks the pages' links as well.
 """
 
 import os
@@ -17,7 +17,7 @@ _SPAN = re.compile(r"(`[^`]*`)")
 
 
 def slug(text, separator):
-    """A heading's name: lower case, without marks, hyphens for spaces."""
+    """A heading's anchor: lower case, without punctuation, hyphens for spaces."""
     return re.sub(r"[^\w\- ]", "", text.strip().lower()).replace(" ", separator)
 
 
@@ -27,7 +27,7 @@ def on_config(config):
 
 
 def on_nav(nav, config, files):
-    """Every page of docs/ stands in the navigation, once."""
+    """Checks that every page of docs/ is in the navigation exactly once."""
     named = [page.file.src_path for page in nav.pages]
     for path in sorted(file.src_path for file in files.documentation_pages()):
         if named.count(path) != 1:
@@ -36,7 +36,7 @@ def on_nav(nav, config, files):
 
 
 def _named(match, page, repository):
-    """A link that leaves docs/, as the name of what it leads to."""
+    """Replaces a link that leaves docs/ by the name of its target."""
     label, target = match.group(1), match.group(2)
     path = os.path.normpath(os.path.join("docs", os.path.dirname(page), target)).replace(os.sep, "/")
     if "://" in target or target.startswith("mailto:") or path.startswith("docs/"):
@@ -51,12 +51,12 @@ def _with_links_named(line, page, repository):
     parts = _SPAN.split(line)
     if any("](" in part for part in parts[1::2]):
         return line
-    # a label may hold a span of code: the line is searched as one
+    # search the whole line, since a label may contain a code span
     return _LINK.sub(lambda match: _named(match, page, repository), line)
 
 
 def _reindented(lines):
-    """Lists' contents by four spaces a level, and a blank line before a list, as python-markdown asks for."""
+    """Indents lists by four spaces a level and puts a blank line before a list, as python-markdown requires."""
     out, levels, fenced, after_blank, in_text = [], [], False, True, False
     for line in lines:
         if not line.strip():

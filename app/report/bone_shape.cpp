@@ -177,7 +177,7 @@ std::optional<MaterialIndex> MaterialMap::At(const Vector3& p_G) const {
   double best = std::numeric_limits<double>::infinity();
   MaterialIndex material = 0;
   for (int ring = 0; ring <= kReach; ++ring) {
-    // what a farther ring holds is at least this far away
+    // items in a farther ring are at least this far away
     const double least = (ring - 1) * grid_.cell_m();
     if (least > 0.0 && best <= least * least) break;
     for (int z = at[2] - ring; z <= at[2] + ring; ++z)

@@ -11,15 +11,15 @@
 
 namespace osteon::app {
 
-/// The union of balls, in G, for queries.
+/// A union of balls in G, for queries.
 class BallField {
  public:
-  /// Balls without a finite centre and a positive radius are left out.
+  /// Balls without a finite centre or a positive radius are left out.
   explicit BallField(std::vector<simulation::Ball> balls);
 
   [[nodiscard]] const std::vector<simulation::Ball>& balls() const { return balls_; }
-  /// Depth [m] of p below the surface of the ball that holds it deepest: a lower bound of the depth below the
-  /// union's surface. Negative infinity outside.
+  /// Depth [m] of p below the surface of the ball in which p lies deepest: a lower bound of the depth below
+  /// the union's surface. Negative infinity outside.
   [[nodiscard]] double Depth(const Vector3& p_G) const;
   /// Distance [m] along the ray from o in direction d (unit) to the first ball; none within max_m. A ray that
   /// starts inside a ball hits at 0.
@@ -30,16 +30,16 @@ class BallField {
   CellGrid grid_;
 };
 
-/// The balls of a bone as a carved state leaves them: those that are gone left out. All of the bone's balls
-/// where the state holds none (nothing was simulated). A state of another bone gives no balls.
+/// The balls of a bone in a carved state, without the removed ones. All of the bone's balls if the state
+/// holds none (nothing was simulated). A state of another bone gives no balls.
 [[nodiscard]] std::vector<simulation::Ball> CarvedBalls(const simulation::Bone& bone,
                                                         const simulation::CarvedState& state);
 
-/// How much of a bone around its site a picture shows: so many of the site's radii, but all within 25 mm of
-/// it for each 3.2 radii asked for, so that a small opening still shows the bone that it is in.
+/// How much of a bone a picture shows around its site [m]: `radii` times the site's radius, but for each 3.2
+/// radii at least 25 mm (or the whole bone), so that a small opening still shows the bone around it.
 [[nodiscard]] double SiteReach(const simulation::Bone& bone, double radii);
 
-/// Material by position: the solid's own where there is one, else that of the nearest mass point, cleared or
+/// The material by position: from the solid if there is one, else from the nearest mass point, cleared or
 /// not.
 class MaterialMap {
  public:
@@ -47,7 +47,7 @@ class MaterialMap {
   explicit MaterialMap(std::span<const simulation::MassPoint> points,
                        const simulation::Solid* solid = nullptr);
 
-  /// Without a solid none where no mass point lies within reach (eight cells).
+  /// Without a solid: none if no mass point lies within reach (eight cells).
   [[nodiscard]] std::optional<simulation::MaterialIndex> At(const Vector3& p_G) const;
 
  private:
@@ -56,8 +56,8 @@ class MaterialMap {
   CellGrid grid_;
 };
 
-/// "#rrggbb" for a material in drawings: faint; cartilage bluish, cortical bone ivory, cancellous bone
-/// reddish-yellow, by name, anything else by index.
+/// "#rrggbb" for a material in drawings, pale: by name cartilage bluish, cortical bone ivory, cancellous bone
+/// reddish-yellow; other materials by index.
 [[nodiscard]] const char* MaterialTint(const simulation::Bone& bone, simulation::MaterialIndex material);
 
 /// sRGB 0 … 1 for a material in shaded pictures.

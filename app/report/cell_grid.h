@@ -8,23 +8,23 @@
 
 namespace osteon::app {
 
-/// Boxes of equal cells over a region, each with the list of the items that reach into it. Built once.
+/// A grid of equal cells over a region; each cell lists the items that reach into it. Built once.
 class CellGrid {
  public:
-  /// An item: a box around it.
+  /// An item's bounding box.
   struct Item {
     Vector3 min, max;
   };
 
   CellGrid() = default;
-  /// Cells of edge `cell_m`, or coarser where more than four million would be needed.
+  /// Makes cells of edge `cell_m`, or larger ones if more than four million would be needed.
   CellGrid(std::span<const Item> items, double cell_m);
 
   using Index = std::array<int, 3>;
-  /// The cell that holds p; clamped to the grid where p is outside.
+  /// The cell that holds p; clamped to the grid if p is outside.
   [[nodiscard]] Index Clamped(const Vector3& p) const;
   [[nodiscard]] bool Contains(const Index& cell) const;
-  /// The cell that holds p, which may lie outside the grid.
+  /// The cell that holds p; may lie outside the grid.
   [[nodiscard]] Index At(const Vector3& p) const;
   /// The items that reach into a cell of the grid.
   [[nodiscard]] std::span<const std::uint32_t> operator[](const Index& cell) const;
@@ -45,7 +45,7 @@ class CellGrid {
   Vector3 min_{Vector3::Zero()};
   double cell_m_{1.0};
   Index size_{1, 1, 1};
-  std::vector<std::uint32_t> begin_;  ///< of each cell in items_, and one past the last
+  std::vector<std::uint32_t> begin_;  ///< start of each cell's list in items_, and one past the last
   std::vector<std::uint32_t> items_;
 };
 

@@ -128,7 +128,7 @@ std::vector<Polyline> Contour(const PlanarGrid& grid) {
     if (!line.closed) line.points.push_back(crossing(at));
     if (line.points.size() > 1) lines.push_back(std::move(line));
   };
-  // open lines from their beginnings, then what is left: loops
+  // open lines from their beginnings, then the loops that remain
   for (const Edge e : order)
     if (!has_previous.contains(e) && next.contains(e)) walk(e);
   for (const Edge e : order)

@@ -28,11 +28,11 @@ struct Polyline {
   bool closed{false};
 };
 
-/// Lines on which the field is zero, linear between nodes (marching squares), the negative side on their
+/// The lines on which the field is zero, linear between nodes (marching squares), the negative side on their
 /// left. Lines that leave the grid stay open. An ambiguous cell is decided by the mean of its corners.
 [[nodiscard]] std::vector<Polyline> Contour(const PlanarGrid& grid);
 
-/// Leaves out the points that a chord passes within `tolerance`.
+/// Removes points that lie within `tolerance` of a chord.
 [[nodiscard]] Polyline Simplify(const Polyline& line, double tolerance);
 
 }  // namespace osteon::app

@@ -34,7 +34,7 @@ DepthBuffer RenderDepth(std::span<const simulation::Ball> balls, const Camera& c
   DepthBuffer buffer{.width = camera.width, .height = camera.height};
   buffer.depth_m.assign(static_cast<std::size_t>(camera.width) * camera.height, DepthBuffer::kNothing);
 
-  // front to back, so that most of what is hidden is found hidden before its root is taken
+  // front to back, so that most hidden pixels are rejected before the root is computed
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < balls.size(); ++i) {
     const double nearest_m =

@@ -16,26 +16,26 @@ struct Camera {
   double center_x_px{450.0}, center_y_px{350.0};
   int width{900}, height{700};
 
-  /// Direction through a point of the picture, with a length of 1 along `forward`.
+  /// The ray's direction through a point of the picture, scaled to length 1 along `forward`.
   [[nodiscard]] Vector3 Ray(double x_px, double y_px) const {
     return forward + (x_px - center_x_px) / focal_px * right - (y_px - center_y_px) / focal_px * up;
   }
-  /// Picture coordinates and depth along `forward`.
+  /// The picture coordinates of p, and its depth along `forward`.
   [[nodiscard]] Vector3 Project(const Vector3& p_G) const {
     const Vector3 p = p_G - eye;
     const double z = p.dot(forward);
     return {center_x_px + focal_px * p.dot(right) / z, center_y_px - focal_px * p.dot(up) / z, z};
   }
-  /// The same view with `factor` times as many pixels each way.
+  /// The same view with `factor` times as many pixels in each direction.
   [[nodiscard]] Camera Scaled(int factor) const;
 };
 
-/// Looks from `eye` at `target`; the vertical picture axis follows `up`, which must not be parallel to the
-/// view.
+/// A camera at `eye` that looks at `target`; the picture's vertical axis follows `up`, which must not be
+/// parallel to the view.
 [[nodiscard]] Camera LookAt(const Vector3& eye, const Vector3& target, const Vector3& up, double focal_px,
                             int width, int height);
 
-/// Depth along the camera's axis of what each pixel's middle sees; kNothing where it sees nothing.
+/// The depth along the camera's axis of the first surface at each pixel's centre; kNothing if there is none.
 struct DepthBuffer {
   static constexpr float kNothing = 1e30f;
   int width{0}, height{0};
@@ -45,7 +45,7 @@ struct DepthBuffer {
   [[nodiscard]] bool Seen(int x, int y) const { return At(x, y) < kNothing; }
 };
 
-/// Exact intersection of each pixel's ray with each ball (one ball at a time over the pixels it can cover).
+/// Intersects each pixel's ray exactly with each ball (one ball at a time over the pixels it can cover).
 /// Balls that reach behind the camera are left out.
 [[nodiscard]] DepthBuffer RenderDepth(std::span<const simulation::Ball> balls, const Camera& camera);
 

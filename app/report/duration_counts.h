@@ -11,17 +11,17 @@
 
 namespace osteon::app {
 
-/// How often each duration occurred, to the nanosecond: percentiles of a run of any length, exact, without a
-/// list of all its durations.
+/// Counts how often each duration occurred, to the nanosecond: exact percentiles of a run of any length
+/// without a list of its durations.
 ///
-/// Memory follows how different the durations are, not how many: 4 KiB for each microsecond below 16.8 ms in
-/// which one lies (64 MiB at most), 48 bytes for each different one beyond.
+/// Memory depends on how much the durations differ, not on their number: 4 KiB for each microsecond
+/// below 16.8 ms in which one lies (at most 64 MiB), 48 bytes for each different longer one.
 class DurationCounts {
  public:
   void Add(rt::Nanoseconds duration);
 
   [[nodiscard]] std::uint64_t count() const { return count_; }
-  /// The duration at a place of the sorted list. @param rank  below count()
+  /// The duration at a position of the sorted list. @param rank  below count()
   [[nodiscard]] rt::Nanoseconds At(std::uint64_t rank) const;
 
   /// Calls visit(duration, how often), from the shortest to the longest.

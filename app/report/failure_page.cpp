@@ -24,7 +24,7 @@ std::string FileName(const FailureResult& result, const char* what = "") {
   return name;
 }
 
-// Two digits tell a pass from a failure; no exponent where there need not be one.
+// Two digits tell a pass from a failure; no exponent if it can be avoided.
 std::string ShortValue(double value, const std::string& unit) {
   const std::string number =
       std::abs(value) >= 100.0 ? fmt::format("{:.0f}", value) : fmt::format("{:.2g}", value);
@@ -37,7 +37,7 @@ std::string Sentence(std::string text) {
 }
 std::string Value(double value, const std::string& unit) { return Escape(ShortValue(value, unit)); }
 
-/// The chart's quantity, without its unit: not every chart shows the metric.
+/// The chart's quantity without its unit: not every chart shows the metric.
 std::string Plotted(const FailureResult& result) {
   if (result.plot.bound_is_on_y) return result.metric;
   return result.plot.y_label.substr(0, result.plot.y_label.find(" ["));
@@ -128,7 +128,7 @@ std::string WrapMarkdown(std::string_view paragraph) {
     return static_cast<std::size_t>(
         std::ranges::count_if(word, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
   };
-  const auto first_word_of = [](std::string_view text) {  // `code with spaces` is one
+  const auto first_word_of = [](std::string_view text) {  // `code with spaces` is one word
     bool code = false;
     const auto end = std::ranges::find_if(text, [&code](char c) {
       code = code != (c == '`');

@@ -24,21 +24,21 @@ struct FailurePageHead {
   bool quick{false};
 };
 
-/// One scenario's chart: the baseline's lines, ours, and the bound where it is one of y's. Its title says
-/// what is plotted: the metric where the bound is y's, else the y axis.
+/// One scenario's chart: the baseline's lines, ours, and the bound if it is a value of y. Its title names the
+/// plotted quantity: the metric if the bound is a value of y, else the y axis.
 [[nodiscard]] std::string FailureSvg(const hil::FailureResult& result);
 
-/// failures.html (table, every scene and every chart) and for each scenario NN_name.svg, its chart, and
-/// NN_name_scene.svg, its sketch (failure_scenes.h), in a folder that exists. Files appear whole or not at
-/// all. @returns an error that names the file.
+/// Writes into an existing folder failures.html (table, every scene and every chart) and for each scenario
+/// NN_name.svg, its chart, and NN_name_scene.svg, its sketch (failure_scenes.h). Files appear complete or not
+/// at all. @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntry> entries,
                                                                const FailurePageHead& head,
                                                                const std::filesystem::path& folder);
 
-/// A paragraph of Markdown in lines of 120 characters at most, broken at single spaces outside of `code`.
+/// Wraps a paragraph of Markdown into lines of at most 120 characters, broken at spaces outside `code`.
 [[nodiscard]] std::string WrapMarkdown(std::string_view paragraph);
 
-/// The same as a Markdown page, whose pictures lie in a folder that it names from its own.
+/// The page as Markdown; its pictures lie in a folder given relative to the page's own.
 [[nodiscard]] std::string FailureMarkdown(std::span<const FailurePageEntry> entries,
                                           const FailurePageHead& head, const std::string& pictures);
 

@@ -12,25 +12,24 @@
 //       ○ frame n                     ○ proxy
 //     ══════ sheet                  ══════ sheet
 //       ○ next frame                  ◌ the hand's tool
-//     what goes wrong               what keeps it from that
+//     what goes wrong               what prevents it
 //
-// Black is what the hand does, orange what the baseline does, blue what ours does; dashed is what is meant,
-// or was, but is not.
+// Black is the hand, orange the baseline, blue our method; dashed lines show intended or earlier positions.
 
 namespace osteon::app {
 
-/// A scenario's sketch. `draw` is called once for each half.
+/// The sketch of a scenario. `draw` is called once for each half.
 struct FailureScene {
   int id{0};  ///< FailureScenario::id
   void (*draw)(SceneSketch&){nullptr};
-  std::string_view baseline{}, ours{};  ///< below the halves: what goes wrong, and what keeps it from that
+  std::string_view baseline{}, ours{};  ///< captions below the halves: what goes wrong, and what prevents it
 };
 
-[[nodiscard]] std::span<const FailureScene> ContactScenes();  ///< the tool against bone that stays as it is
+[[nodiscard]] std::span<const FailureScene> ContactScenes();  ///< the tool against bone that does not change
 [[nodiscard]] std::span<const FailureScene> CuttingScenes();  ///< bone that is cut
-[[nodiscard]] std::span<const FailureScene> ArmScenes();      ///< arm, sensor, hand and wires
+[[nodiscard]] std::span<const FailureScene> ArmScenes();      ///< arm, sensor, hand and connections
 
-/// Both halves with their captions, 820 px wide. @returns one <svg>; empty where no scene has that number.
+/// Draws both halves with their captions, 820 px wide. @returns one <svg>; empty if no scene has that number.
 [[nodiscard]] std::string FailureSceneSvg(int id, const std::string& name);
 
 }  // namespace osteon::app

@@ -38,7 +38,7 @@ std::array<double, 3> Viridis(double share) {
   return rgb;
 }
 
-// Which colour of the scale a value has: bands, so that a place on the map can be read off.
+// The colour of a value as a fraction of the scale, in bands, so that values can be read off the map.
 double BandShare(const HeatScale& scale, double value) {
   const double bands = std::round((scale.max - scale.min) / scale.step);
   const double band = std::clamp(std::floor((value - scale.min) / scale.step), 0.0, bands - 1.0);
@@ -50,7 +50,7 @@ double At(const HeatMap& map, int i, int j) {
       .values[static_cast<std::size_t>(j) * static_cast<std::size_t>(map.nx) + static_cast<std::size_t>(i)];
 }
 
-// Linear between the nodes that are there; not there where the nearest is not.
+// Interpolates linearly between the nodes that have a value; NaN if the nearest node has none.
 double Between(const HeatMap& map, double u, double v) {
   const int i = std::min(static_cast<int>(u), map.nx - 2), j = std::min(static_cast<int>(v), map.ny - 2);
   const double s = u - i, t = v - j;
@@ -88,7 +88,7 @@ std::string Field(const HeatMap& map, const HeatScale& scale, const PlotArea& ar
       Pixels(area.left), Pixels(area.top), Pixels(area.width), Pixels(area.height), Base64(*png));
 }
 
-// Nodes that are not there take their neighbours' mean, ring by ring, so that lines run on to the edge.
+// Fills nodes without a value with their neighbours' mean, ring by ring, so that lines run on to the edge.
 PlanarGrid Filled(const HeatMap& map, double level) {
   PlanarGrid grid({0.0, 0.0}, {0.0, 0.0}, 1.0, 0.0F);
   grid.nx = map.nx;
@@ -137,7 +137,7 @@ std::string PathOf(const std::vector<PlotPoint>& points, std::string_view style)
   return fmt::format("<path d=\"{}\" fill=\"none\" {}/>\n", path, style);
 }
 
-/// What is taken by a label or a mark of a panel [px].
+/// The area occupied by a label or a mark of a panel [px].
 struct Taken {
   double left{0.0}, top{0.0}, right{0.0}, bottom{0.0};
   [[nodiscard]] bool Meets(const Taken& other) const {
@@ -150,13 +150,13 @@ bool Meets(const TakenList& taken, const Taken& box) {
   return std::ranges::any_of(taken, [&box](const Taken& other) { return other.Meets(box); });
 }
 
-/// A number of a contour, about its middle.
+/// The area of a contour's number, about its middle.
 Taken NumberBox(const std::string& text, const PlotPoint& at) {
   const double half = 0.5 * TextWidth(text, kLabelPx) + 3.0;
   return {.left = at.x - half, .top = at.y - 8.0, .right = at.x + half, .bottom = at.y + 8.0};
 }
 
-/// Lines of the levels, each with its number where it is free. @param taken  grows by the numbers
+/// Draws the levels' lines, each with its number where there is room. @param taken  numbers are added
 std::string ContourLines(const HeatMap& map, const PlotArea& area, TakenList& taken) {
   std::string out;
   for (const double level : map.contours) {
@@ -182,7 +182,7 @@ std::string ContourLines(const HeatMap& map, const PlotArea& area, TakenList& ta
       }
     }
     if (longest.size() < 10) continue;
-    // its number where the line runs most nearly level, away from its ends and from other labels
+    // place the number where the line is most nearly level, away from its ends and from other labels
     const std::string number = Number(level, 0);
     const auto place = [&](std::size_t k) {
       return PlotPoint{std::clamp(longest[k].x, area.left + 18.0, area.left + area.width - 18.0),
@@ -198,7 +198,7 @@ std::string ContourLines(const HeatMap& map, const PlotArea& area, TakenList& ta
       at = k;
     }
     const Taken box = NumberBox(number, place(at));
-    if (Meets(taken, box)) continue;  // nowhere free: the line alone
+    if (Meets(taken, box)) continue;  // no free place: the line alone
     taken.push_back(box);
     out += SvgText(place(at).x, place(at).y + 4.0, number, "middle", "#ffffff", kLabelPx,
                    R"(font-weight="600" stroke="#1b1f24" stroke-width="2.6" paint-order="stroke")");
@@ -219,8 +219,8 @@ std::string OverlayLines(const HeatMap& map, const PlotArea& area) {
   return out;
 }
 
-/// Marks, each with its label right, left, above or below: where the panel has room and nothing else stands.
-/// @param taken  grows by marks and labels
+/// Draws marks, each with its label right, left, above or below, where the panel has room and nothing else
+/// is. @param taken  marks and labels are added to it
 std::string Marks(const HeatMap& map, const PlotArea& area, TakenList& taken) {
   std::string out;
   const auto inside = [&map](const MapMark& mark) {
@@ -285,7 +285,7 @@ std::string DrawPanel(const HeatMap& map, const HeatScale& scale, const PlotArea
   Ticks x_ticks = LinearTicks(area.x, 6);
   const Ticks y_ticks = LinearTicks(area.y, std::max(3, static_cast<int>(area.height / 45.0)));
   SpreadLabels(area, x_ticks);
-  // ids are this panel's own: several pictures fit on a page
+  // ids are unique to this panel: several pictures fit on a page
   const std::string id = fmt::format(
       "map-{:x}", std::hash<std::string>{}(picture + map.title + Pixels(area.left) + Pixels(area.top)));
   std::string body = SvgText(area.left, area.top - 9.0, Fit(map.title, area.width), "start", kTextColor,

@@ -37,24 +37,24 @@ struct HeatMap {
   std::string x_label{}, y_label{};  ///< with unit
   Range x{}, y{};                    ///< equal units: drawn with equal axes
   int nx{0}, ny{0};                  ///< >= 2
-  std::vector<double> values{};      ///< nx ny, rows of x; NaN: not there, drawn grey
-  std::vector<double> contours{};    ///< levels that get a line and their number
+  std::vector<double> values{};      ///< nx ny, rows of x; NaN: no value, drawn grey
+  std::vector<double> contours{};    ///< levels that get a line with a number
   std::vector<MapLine> lines{};
   std::vector<MapMark> marks{};
 };
 
-/// The colours of a row of panels: viridis in bands of `step`, the last one open.
+/// The colours of a row of panels: viridis in bands of `step`; values above max get the last band's colour.
 struct HeatScale {
   std::string label{};  ///< with unit
   double min{0.0}, max{400.0}, step{25.0};
   double tick_step{100.0};
 };
 
-/// Colour of a value: viridis (van der Walt and Smith, 2015), "#rrggbb".
+/// The colour of a value: viridis (van der Walt and Smith, 2015), "#rrggbb".
 [[nodiscard]] std::string ViridisColor(double share);
 
-/// Panels in rows, under one title and one legend, each row with its scale at the right.
-/// @param scales  one a row; the last serves the rows that have none of their own
+/// Draws panels in rows, under one title and one legend, each row with its scale at the right.
+/// @param scales  one per row; the last also serves the remaining rows
 [[nodiscard]] std::string HeatMapSvg(const std::vector<HeatMap>& panels, int columns,
                                      const std::vector<HeatScale>& scales, const std::string& title,
                                      const std::vector<LegendEntry>& legend, double width_px = 920.0);

@@ -25,7 +25,7 @@ std::string Cells(const LevelMap& map, const LevelScale& scale, const PlotArea& 
       if (!(value >= scale.min)) continue;
       const double share = (value - scale.min) / (scale.max - scale.min) * scale.bands;
       const int band = std::min(scale.bands - 1, static_cast<int>(share));
-      // a hair larger than the cell: no seams between neighbours
+      // a little larger than the cell, so that there are no seams between neighbours
       out +=
           SvgRect(area.left + i * width, area.top + area.height - (j + 1) * height, width + 0.4, height + 0.4,
                   ViridisColor(scale.bands > 1 ? static_cast<double>(band) / (scale.bands - 1) : 0.0));

@@ -84,9 +84,9 @@ tl::expected<std::string, std::string> Pictures(const PackReportInput& input) {
          "<p class=\"sub\">" + tints + "</p>\n";
 }
 
-/// Outline of the spheres' union in the plane, materials of the solid below.
+/// The outline of the spheres' union in the plane, with the solid's materials below it.
 std::string SectionFigure(const PackReportInput& input) {
-  // the section follows a site: here one in the middle, as wide as the bone
+  // the section follows a site: use one in the middle, as wide as the bone
   Bone bone = input.bone;
   const CutAway plane = MiddlePlane(bone);
   const Eigen::AlignedBox3d box = input.solid.Bounds();
@@ -134,7 +134,7 @@ std::string Histograms(const PackReportInput& input) {
          "</div>\n";
 }
 
-/// Whether the mass points are blue noise.
+/// Shows whether the mass points are blue noise.
 std::string Spectrum(const PackReportInput& input) {
   const auto& points = input.bone.points;
   if (points.empty()) return {};

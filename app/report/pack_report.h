@@ -16,10 +16,10 @@
 
 namespace osteon::app {
 
-/// Everything that a packing's report is made of. Views must outlive the call.
+/// The contents of a packing's report. Views must outlive the call.
 struct PackReportInput {
-  std::string verdict{};  ///< in a few words ...
-  bool good{true};        ///< ... and whether it is good
+  std::string verdict{};  ///< in a few words
+  bool good{true};        ///< whether the verdict is good
   std::vector<SummaryRow> summary{};
   const simulation::Bone& bone;
   const simulation::PackingQuality& quality;
@@ -27,8 +27,8 @@ struct PackReportInput {
   const simulation::CutZone& zone;
   simulation::MassPointParams point_params{};
   simulation::MassProperties mass{};                        ///< of the points
-  std::optional<simulation::MassProperties> even_points{};  ///< of the points, all of 1000 kg/m³
-  std::optional<simulation::MassProperties> even_solid{};   ///< the same of the solid, in closed form
+  std::optional<simulation::MassProperties> even_points{};  ///< of the points, all at 1000 kg/m³
+  std::optional<simulation::MassProperties> even_solid{};   ///< of the solid at 1000 kg/m³, in closed form
   simulation::PackingProvenance provenance{};
   std::vector<SummaryRow> times{};
   std::string command_line{};
@@ -36,11 +36,13 @@ struct PackReportInput {
   int threads{0};
 };
 
-/// The report as one HTML page: figures, pictures of the outside and of a half, a section, radii, gaps, the
-/// mass points' spectrum, mass and inertia against the solid's, materials with their sources and assumptions.
+/// Makes the report as one HTML page: figures, pictures of the outside and of a half, a section, radii, gaps,
+/// the mass points' spectrum, mass and inertia compared with the solid's, materials with their sources and
+/// assumptions.
 [[nodiscard]] tl::expected<std::string, std::string> MakePackReport(const PackReportInput& input);
 
-/// MakePackReport into a file, which appears whole or not at all; makes its folder. The error names the file.
+/// Writes MakePackReport's page to a file, complete or not at all; creates its folder. The error names the
+/// file.
 [[nodiscard]] tl::expected<void, std::string> WritePackReport(const PackReportInput& input,
                                                               const std::filesystem::path& path);
 

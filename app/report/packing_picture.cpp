@@ -14,7 +14,7 @@ using simulation::Ball;
 
 constexpr int kFine = 2;  ///< samples a pixel, each way
 
-/// What a ray meets first.
+/// The first surface that a ray meets.
 struct Hit {
   double depth_m{std::numeric_limits<double>::infinity()};
   std::size_t ball{0};
@@ -25,11 +25,11 @@ std::uint8_t ToByte(double value) {
   return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
 }
 
-/// The first ball that each pixel's ray meets, after the part in front of the plane is taken away.
+/// Finds the first ball that each pixel's ray meets, after the half-space in front of the plane is cut away.
 ///
-/// Nothing lies in front of the plane: once all pixels of a tile show it, the tile is done. Balls that cross
-/// it come first, the larger before the smaller, then the rest from front to back; a tile is left out where
-/// the ball lies behind all that it shows.
+/// Nothing lies in front of the plane, so a tile whose pixels all show the plane is done. Balls that cross
+/// the plane come first, the larger before the smaller, then the rest from front to back. A ball is skipped
+/// in a tile if it lies behind everything that the tile shows.
 class Tracer {
  public:
   Tracer(std::span<const Ball> balls, const Camera& camera, const std::optional<CutAway>& cut)
@@ -102,7 +102,7 @@ class Tracer {
         const double in = (dc - root) / d2, out = (dc + root) / d2;
         double plane = -std::numeric_limits<double>::infinity();
         if (cut_) {
-          // the eye is on the side taken away: the ray enters what is left where it crosses the plane
+          // the eye is on the side that is cut away: the ray enters the bone where it crosses the plane
           const double along = ray.dot(cut_->normal);
           if (!(along < 0.0)) continue;
           plane = (cut_->point - camera_.eye).dot(cut_->normal) / along;
@@ -148,7 +148,7 @@ CutAway MiddlePlane(const simulation::Bone& bone) {
   if (bone.cup.radius_m > 0.0) {
     const Vector3 axis = bone.cup.axis;
     Vector3 across = plane.normal - plane.normal.dot(axis) * axis;
-    if (across.norm() < 0.3) {  // the site looks along the thinnest extent: any plane with its axis
+    if (across.norm() < 0.3) {  // the site's axis is along the thinnest extent: any plane that contains it
       const Vector3 other = Vector3::Unit((thinnest + 1) % 3);
       across = other - other.dot(axis) * axis;
     }
@@ -164,7 +164,8 @@ Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int wid
   box.sizes().maxCoeff(&longest);
   Vector3 up = bone.cup.radius_m > 0.0 ? Vector3(bone.cup.axis) : Vector3(Vector3::Unit(longest));
   up -= up.dot(plane.normal) * plane.normal;
-  if (up.norm() < 0.1) up = plane.normal.unitOrthogonal();  // a cube's longest extent is its thinnest, too
+  // The longest extent of a cube may be the thinnest as well.
+  if (up.norm() < 0.1) up = plane.normal.unitOrthogonal();
   up.normalize();
   const Vector3 side = up.cross(plane.normal);
   const Vector3 towards = (plane.normal + 0.28 * up + 0.22 * side).normalized();
@@ -211,7 +212,7 @@ Image RenderPacking(std::span<const Ball> balls, const Camera& camera, const std
   const auto draw_row = [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       Vector3 sum = Vector3::Zero(), base = Vector3::Ones();
-      const Hit* colored = nullptr;  // a colour may cost a search: one for all samples of a ball
+      const Hit* colored = nullptr;  // finding a colour may be slow: once for all samples of a ball
       for (int s = 0; s < kFine * kFine; ++s) {
         const int u = kFine * x + s % kFine, v = kFine * y + s / kFine;
         const Hit& hit = tracer.At(u, v);

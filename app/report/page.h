@@ -8,11 +8,11 @@
 
 #include "app/report/png_file.h"
 
-// What every report is made of: one HTML file that opens anywhere, without a script and without the network.
+// The parts of every report: one HTML file that opens anywhere, without a script and without the network.
 
 namespace osteon::app {
 
-/// From <!DOCTYPE to <main>, with the style sheet.
+/// The page from <!DOCTYPE to <main>, with the style sheet.
 [[nodiscard]] std::string PageBegin(const std::string& title);
 inline constexpr const char* kPageEnd = "</main>\n</body>\n</html>\n";
 
@@ -28,10 +28,10 @@ struct ReportVerdict {
 /// The level as a badge, the reasons below it.
 [[nodiscard]] std::string VerdictBadge(const ReportVerdict& verdict);
 
-/// A picture within the page. @returns libpng's message where it fails.
+/// A picture embedded in the page. @returns libpng's message if it fails.
 [[nodiscard]] tl::expected<std::string, std::string> Picture(const Image& image, const std::string& caption);
 
-/// The file appears whole or not at all. The error names it.
+/// Writes a file that appears complete or not at all. The error names it.
 [[nodiscard]] tl::expected<void, std::string> WritePage(const std::string& html,
                                                         const std::filesystem::path& path);
 

@@ -7,13 +7,13 @@
 
 namespace osteon::app {
 
-/// A point of two costs: less is better of both.
+/// A point with two costs; the less of each the better.
 struct CostPoint {
   double x{0.0}, y{0.0};
 };
 
-/// For each point whether it is on the front: no other one is as good in both and better in one. What is not
-/// finite is not.
+/// Tells for each point whether it is on the front: no other point is as good in both costs and better in
+/// one. Points that are not finite are not on it.
 [[nodiscard]] inline std::vector<bool> OnParetoFront(std::span<const CostPoint> points) {
   const auto finite = [](const CostPoint& p) { return std::isfinite(p.x) && std::isfinite(p.y); };
   std::vector<bool> front(points.size(), false);

@@ -15,14 +15,14 @@ struct Image {
   std::vector<std::uint8_t> rgb{};
 };
 
-/// The PNG file's bytes. @returns libpng's message where it fails, or one where the image's size does not fit
-/// its bytes.
+/// Encodes the PNG file's bytes. @returns libpng's message if it fails, or a message if the image's size does
+/// not match its bytes.
 [[nodiscard]] tl::expected<std::vector<std::uint8_t>, std::string> EncodePng(const Image& image);
 
 /// @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WritePng(const Image& image, const std::filesystem::path& path);
 
-/// RFC 4648, with padding; for data: addresses.
+/// Encodes by RFC 4648, with padding; for data: addresses.
 [[nodiscard]] std::string Base64(const std::vector<std::uint8_t>& bytes);
 
 }  // namespace osteon::app

@@ -91,7 +91,7 @@ bool LabelPlacer::Free(const Box& box) const {
 std::string LabelPlacer::Place(double x, double y, std::string_view text, std::string_view color, bool far) {
   const double width = TextWidth(text, kLabelPx), height = kLabelPx + 1.0;
   struct Place {
-    double dx, dy;  // of the text's middle from the point
+    double dx, dy;  // from the point to the text's middle
     bool line;
   };
   const double beside = 0.5 * width + 8.0;

@@ -7,31 +7,29 @@
 
 #include "app/report/svg_frame.h"
 
-// Single points of a plot: what they look like, and where their names fit.
+// Single points of a plot: their markers, and places for their names.
 
 namespace osteon::app {
 
-/// One marker of about 9 px. Shapes differ as well as colours, so that a print in grey still tells them
-/// apart.
+/// Draws one marker of about 9 px. Shapes differ as well as colours, so that a grey print tells them apart.
 [[nodiscard]] std::string DrawMarker(double x, double y, Marker marker, std::string_view color,
                                      double opacity = 1.0);
 
-/// A vertical bar with two short caps, from one pixel row to another.
+/// Draws a vertical bar with two short caps, from one pixel row to another.
 [[nodiscard]] std::string DrawWhisker(double x, double y_low, double y_high, std::string_view color,
                                       double opacity = 1.0);
 
-/// Finds free places for names beside points: right, left, above, below, then further out with a thin line.
+/// Finds free places for names beside points: right, left, above, below, then farther out with a thin line.
 class LabelPlacer {
  public:
   explicit LabelPlacer(const PlotArea& area) : area_(area) {}
 
-  /// Nothing is written over this.
+  /// Reserves a rectangle that names must not cover.
   void Block(double left, double top, double width, double height);
-  /// The same for a line, in short pieces.
+  /// Reserves a line, in short pieces.
   void BlockLine(double x1, double y1, double x2, double y2);
-  /// A name beside the point; empty where none of the places is free. What it returns is blocked from then
-  /// on.
-  /// @param far  places with a line to the point may be taken
+  /// Places a name beside the point and reserves its place; empty if no place is free.
+  /// @param far  allow places with a line to the point
   [[nodiscard]] std::string Place(double x, double y, std::string_view text, std::string_view color,
                                   bool far);
 

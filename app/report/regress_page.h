@@ -11,7 +11,7 @@
 
 namespace osteon::app {
 
-/// A scenario that is not as its golden trace has it.
+/// A scenario that differs from its golden trace.
 struct RegressPageEntry {
   struct Row {
     std::string name{};
@@ -21,8 +21,8 @@ struct RegressPageEntry {
   };
   std::string name{}, shows{}, verdict{};
   bool good{false};
-  std::vector<std::string> lines{};    ///< what to say of it, the most telling first
-  std::vector<std::string> reasons{};  ///< for which the golden trace was accepted, the oldest first
+  std::vector<std::string> lines{};    ///< explanation, the most informative line first
+  std::vector<std::string> reasons{};  ///< given when the golden trace was accepted, the oldest first
   std::vector<Row> rows{};
   std::vector<LineChart> panels{};  ///< in pairs: values, and their difference
 };

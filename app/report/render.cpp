@@ -21,13 +21,13 @@ struct Layer {
   const T& operator()(int x, int y) const { return values[static_cast<std::size_t>(y) * width + x]; }
 };
 
-/// Depth as a plane around each pixel: z(dx, dy) = z + gx dx + gy dy, pixels.
+/// The depth as a plane around each pixel: z(dx, dy) = z + gx dx + gy dy, pixels.
 struct LocalPlane {
   float z{DepthBuffer::kNothing}, gx{0.0f}, gy{0.0f};
 };
 
-/// Weighted least squares over a window of each pixel's neighbours. A neighbour counts the less, the farther
-/// it lies off the plane `guess`, so that the fit does not reach over an edge.
+/// Fits planes by weighted least squares over a window of each pixel's neighbours. A neighbour's weight falls
+/// with its distance from the plane `guess`, so that the fit does not cross an edge.
 Layer<LocalPlane> FitPlanes(const DepthBuffer& depth, const Layer<LocalPlane>& guess, int reach_px,
                             int stride_px, float tolerance_m) {
   Layer<LocalPlane> fit(depth.width, depth.height, {});
@@ -82,8 +82,8 @@ Vector3f NormalOf(const LocalPlane& plane, const Camera& camera, int x, int y) {
   return size > 0.0f ? Vector3f(normal / size) : Vector3f::UnitZ();
 }
 
-/// Share of the sky that neighbours leave open, 0 … 1: in each direction the steepest neighbour above the
-/// tangent plane.
+/// The fraction of the sky that neighbours leave open, 0 … 1: in each direction the steepest neighbour above
+/// the tangent plane.
 float OpenSky(const Layer<LocalPlane>& planes, const Camera& camera, const Vector3f& normal, int x, int y) {
   constexpr std::array<float, 5> kRadii_m{0.7e-3f, 1.8e-3f, 4e-3f, 8e-3f, 14e-3f};
   constexpr int kDirections = 12;
@@ -98,7 +98,7 @@ float OpenSky(const Layer<LocalPlane>& planes, const Camera& camera, const Vecto
   for (int d = 0; d < kDirections; ++d) {
     const float angle = 2.0f * std::numbers::pi_v<float> * (static_cast<float>(d) + 0.5f) / kDirections;
     const float cx = std::cos(angle), cy = std::sin(angle);
-    float horizon = 0.06f;  // what stands lower is the fit's own unevenness
+    float horizon = 0.06f;  // lower neighbours are the fit's own unevenness
     for (const float radius : kRadii_m) {
       const int u = x + static_cast<int>(std::lround(cx * radius * px_per_m));
       const int v = y + static_cast<int>(std::lround(cy * radius * px_per_m));
@@ -108,7 +108,7 @@ float OpenSky(const Layer<LocalPlane>& planes, const Camera& camera, const Vecto
       const Vector3f to = position(u, v, there.z) - p;
       const float distance = to.norm();
       if (distance < 1e-6f) continue;
-      // what is much nearer to the viewer than its distance on the picture does not close the sky behind it
+      // a neighbour much nearer to the viewer than its distance in the picture does not close the sky
       const float fade = std::clamp(2.0f - distance / (2.0f * radius), 0.0f, 1.0f);
       horizon = std::max(horizon, fade * to.dot(normal) / distance);
     }
@@ -117,7 +117,7 @@ float OpenSky(const Layer<LocalPlane>& planes, const Camera& camera, const Vecto
   return 1.0f - blocked / kDirections;
 }
 
-/// Light that reaches a point past the balls, 0 … 1, softened over the shadow map's neighbouring pixels.
+/// The light that reaches a point past the balls, 0 … 1, softened over the shadow map's neighbouring pixels.
 float Lit(const DepthBuffer& shadow, const Camera& light, const Vector3& p_G) {
   constexpr int kSoft = 3;
   const Vector3 at = light.Project(p_G);
@@ -143,7 +143,7 @@ std::uint8_t ToSrgb(float linear) {
 /// Colours by material, smoothed over neighbours of about the same depth.
 Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& materials,
                                const Camera& camera, const Layer<LocalPlane>& planes) {
-  constexpr double kBelow_m = 0.3e-3;  // look up a little below the surface, where the bone is
+  constexpr double kBelow_m = 0.3e-3;  // look up the material a little below the surface, inside the bone
   constexpr int kReach = 5;
   std::array<Vector3f, 256> table;
   for (std::size_t i = 0; i < table.size(); ++i) {
@@ -192,7 +192,7 @@ Camera CupCamera(const simulation::Bone& bone, const RenderParams& params) {
   Camera camera =
       LookAt(center + 5.0 * reach_m * towards.normalized(), center, axis, 1.0, params.width, params.height);
 
-  // focal length and centre so that what is near the cup fills the picture but for a margin
+  // focal length and centre: the surroundings of the cup fill the picture up to a margin
   Vector3 low = Vector3::Constant(1e9), high = -low;
   for (const Ball& ball : bone.balls) {
     const Vector3 c = ball.center_m;
@@ -222,7 +222,7 @@ Image RenderBone(const simulation::Bone& bone, std::span<const Ball> balls, cons
   constexpr int kFine = 2;  // depth samples a pixel, each way, for smooth outlines
   const DepthBuffer depth = RenderDepth(balls, camera), fine = RenderDepth(balls, camera.Scaled(kFine));
 
-  // surface: a wide fit, then one that keeps the edges
+  // surface: first a wide fit, then one that preserves edges
   Layer<LocalPlane> planes(camera.width, camera.height, {});
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) planes(x, y).z = depth.At(x, y);
@@ -274,7 +274,7 @@ Image RenderBone(const simulation::Bone& bone, std::span<const Ball> balls, cons
           float best = DepthBuffer::kNothing;
           for (int v = std::max(y - 1, 0); v <= std::min(y + 1, camera.height - 1); ++v)
             for (int u = std::max(x - 1, 0); u <= std::min(x + 1, camera.width - 1); ++u) {
-              // the pixel itself wins among neighbours of the same surface
+              // the pixel itself is preferred among neighbours on the same surface
               const float off = std::abs(depth.At(u, v) - z) + (u == x && v == y ? 0.0f : 0.5e-3f);
               if (depth.Seen(u, v) && off < best) {
                 best = off;

@@ -8,17 +8,18 @@ namespace osteon::app {
 
 struct RenderParams {
   int width{860}, height{700};
-  double tilt_rad{0.62};           ///< of the view against the cup's axis
-  double turn_rad{0.45};           ///< of the view around the cup's axis
-  double reach_in_cup_radii{3.2};  ///< what is farther from the cup's centre need not fit into the picture
+  double tilt_rad{0.62};           ///< angle of the view to the cup's axis
+  double turn_rad{0.45};           ///< turn of the view about the cup's axis
+  double reach_in_cup_radii{3.2};  ///< parts farther from the cup's centre may lie outside the picture
 };
 
-/// A view obliquely into the cup that holds the bone around it.
+/// A camera that looks obliquely into the cup, with the bone around it in view.
 [[nodiscard]] Camera CupCamera(const simulation::Bone& bone, const RenderParams& params = {});
 
-/// Shaded picture of the balls as bone. The depth buffer's bumps are taken out by fitting a plane to each
-/// pixel's neighbourhood, edges kept; light from the upper left with a soft shadow, crevices darker
-/// (horizon-based), colour by the material of the nearest mass point. White where there is no bone.
+/// Draws a shaded picture of the balls as bone. The bumps of the depth buffer are smoothed by fitting a plane
+/// to each pixel's neighbourhood, with edges preserved. Light comes from the upper left with a soft shadow,
+/// crevices are darker (horizon-based), colour follows the material of the nearest mass point. White if there
+/// is no bone.
 [[nodiscard]] Image RenderBone(const simulation::Bone& bone, std::span<const simulation::Ball> balls,
                                const MaterialMap& materials, const Camera& camera);
 

@@ -77,7 +77,7 @@ std::string ErrorChart(const Section& section) {
                   .y_label = "error [mm]",
                   .series = {std::move(series)},
                   .plot_height_px = 150.0};
-  // at the rim whole balls go with the edge: such a peak must not flatten the rest
+  // at the rim whole balls are removed with the edge: such a peak must not flatten the rest
   const CavityError& error = section.error;
   const double shown_m = 4.0 * error.p95_m;
   if (shown_m > 0.0 && std::max(error.max_over_m, -error.max_under_m) > 1.5 * shown_m) {
@@ -103,7 +103,7 @@ std::string Timing(const ReportInput& input) {
          "</div>\n<p class=\"sub\">Counts on a logarithmic axis, so that a single late tick is seen.</p>\n";
 }
 
-/// Figures of the materials that no source was found for.
+/// The material figures that have no source.
 std::string Assumed(const simulation::Bone& bone) {
   const std::vector<std::string> assumptions = simulation::Assumptions(bone.materials);
   if (assumptions.empty()) return {};

@@ -41,7 +41,7 @@ std::vector<NamedSpan> PhaseSpans(const RunCurves& run, const TimeAxis& time) {
   return spans;
 }
 
-/// The look of a series, filled with a curve.
+/// A copy of the series' style, filled with a curve.
 Series Filled(Series series, const ThinCurve& curve, const TimeAxis& time) {
   std::tie(series.x, series.y) = curve.Columns(time.zero);
   return series;
@@ -80,7 +80,7 @@ std::string ForceChart(const RunCurves& run, double force_limit_N, const TimeAxi
       .plot_height_px = 270.0};
   if (!run.wrench_cut) return Svg(chart);
 
-  // what a limit kept from the hand
+  // the part of the wrench that limits withheld from the hand
   LineChart shares{
       .title = "Share of the coupling's wrench",
       .x_label = time.label,

@@ -19,7 +19,7 @@ void RunCurves::Add(const control::TickRecord& tick) {
   if (phases.empty() || phases.back().phase != tick.phase || phases.back().paused != paused)
     phases.push_back({.phase = tick.phase, .paused = paused, .begin = tick.stamp, .end = tick.stamp});
 
-  // without a message of the arm nothing is computed, and nothing sent: its zeros are no force
+  // without a message of the arm nothing is computed and nothing sent: its zeros are no force
   const bool computed = tick.phase == control::Phase::kWaiting || control::HasMessage(tick);
   const Wrench F_T_W = tick.F_coupling_T_W;
   const Vector3 feed_W = Pose(tick.X_WT_cmd).linear().col(2);
@@ -31,7 +31,7 @@ void RunCurves::Add(const control::TickRecord& tick) {
   wrench_cut |= tick.wrench_scale < 1.0;
   speed_mm_per_s.Add(tick.stamp, 1e3 * Vector3(tick.v_WT_cmd_m_per_s).norm());
   in_bone_mm.Add(tick.stamp, control::HasMessage(tick) ? 1e3 * tick.tool_in_bone_m : kNothing);
-  // before the first frame there is no model to be old
+  // before the first frame there is no model, so no age
   model_age_ms.Add(tick.stamp, tick.model_frame == 0 ? kNothing : 1e3 * tick.model_age_s);
   wakeup.Add(tick.wakeup_ns);
   compute.Add(tick.compute_ns);
@@ -39,7 +39,7 @@ void RunCurves::Add(const control::TickRecord& tick) {
 
 void RunCurves::Add(const simulation::FrameRecord& record) {
   if (!first_frame) first_frame = record.stamp;
-  // the way there says nothing: from first touch on
+  // the approach is not part of the cut: count from the first touch
   touched = touched || Wrench(record.model.F_T_W).f.norm() > 0.0 || record.model.removed_volume_m3 > 0.0;
   depth_mm.Add(record.stamp, touched ? 1e3 * record.cup_depth_m : kNothing);
   volume_mm3.Add(record.stamp, 1e9 * record.model.removed_volume_m3);

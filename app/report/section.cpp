@@ -11,8 +11,8 @@ namespace {
 using simulation::Ball;
 using simulation::Bone;
 
-/// Signed distance to the circles in which the plane cuts the balls, up to two steps outside; exact enough at
-/// zero.
+/// Samples the signed distance to the circles in which the plane cuts the balls, up to two steps outside;
+/// accurate near zero.
 PlanarGrid SliceField(const std::vector<Ball>& balls, const SectionPlane& plane, const Vector2& min,
                       const Vector2& max, double step_m) {
   const double far_m = 2.0 * step_m;
@@ -39,8 +39,8 @@ PlanarGrid SliceField(const std::vector<Ball>& balls, const SectionPlane& plane,
   return grid;
 }
 
-/// Signed distance to the swept tool. It is 1-Lipschitz, so a block whose centre is farther from the surface
-/// than its corners are from the centre needs one evaluation.
+/// Samples the signed distance to the swept tool. The distance is 1-Lipschitz, so a block whose centre is
+/// farther from the surface than its corners are from the centre needs one evaluation.
 PlanarGrid SweptField(const SweptTool& swept, const SectionPlane& plane, const Vector2& min,
                       const Vector2& max, double step_m) {
   constexpr int kBlock = 8;
@@ -60,8 +60,8 @@ PlanarGrid SweptField(const SweptTool& swept, const SectionPlane& plane, const V
   return grid;
 }
 
-/// Where each material lies in the plane, from the nearest mass points; by majority in a neighbourhood of 5×5
-/// nodes, so that the outline does not follow single points.
+/// Finds the region of each material in the plane from the nearest mass points, by majority in a
+/// neighbourhood of 5×5 nodes, so that the outline does not follow single points.
 std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane& plane, const Vector2& min,
                                             const Vector2& max, double step_m,
                                             const simulation::Solid* solid) {
@@ -78,7 +78,7 @@ std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane
       label[static_cast<std::size_t>(j) * shape.nx + i] = *material;
       greatest = std::max(greatest, static_cast<int>(*material));
     }
-  // share of each material around each node
+  // fraction of each material around each node
   constexpr int kReach = 2;
   const std::size_t nodes = shape.values.size();
   std::vector<std::vector<float>> share(static_cast<std::size_t>(greatest + 1),
@@ -93,7 +93,7 @@ std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane
           if (material >= 0)
             share[material][static_cast<std::size_t>(j) * shape.nx + i] += static_cast<float>(weight);
         }
-  // a material lies where it has the greatest share; a little beyond, so that neighbours leave no seam
+  // a material lies where its fraction is greatest; regions extend a little, so that neighbours leave no seam
   constexpr float kOverlap = 1.0f;
   for (int material = 0; material <= greatest; ++material) {
     PlanarGrid field(min, max, step_m, 1.0f);
@@ -147,9 +147,9 @@ CavityError Summarize(std::span<const ErrorSample> samples) {
   return error;
 }
 
-/// Samples at the middles of the pieces of `lines` that the cut has laid bare: that lay in the bone before,
-/// and are seen from the swept volume. (A ball that reaches through to another face of the bone recedes there
-/// as well when it is cut; that is not the cavity's surface.)
+/// Samples the middles of the pieces of `lines` that the cut has laid bare: they lay in the bone before, and
+/// are visible from the swept volume. (A ball that reaches through to another face of the bone shrinks there
+/// as well when it is cut; that face is not the cavity's surface.)
 std::vector<ErrorSample> MeasureOutline(const std::vector<Polyline>& lines, const SectionPlane& plane,
                                         const BallField& before, const BallField& left,
                                         const SweptTool& swept, const Vector2& head, double cut_depth_m) {
@@ -194,7 +194,7 @@ SectionPlane ChooseSectionPlane(const Bone& bone, const simulation::Tool& tool, 
     for (const Pose& X : X_GP) {
       const Vector3 from = X * Vector3(head->center_m) - plane.origin;
       const Vector3 off = from - from.dot(plane.v) * plane.v;
-      // only while it is in the cup: the way there says nothing about the cut
+      // only while it is in the cup: the approach is not part of the cut
       if (from.dot(plane.v) < head->radius_m && off.norm() > farthest.norm()) farthest = off;
     }
   }
@@ -239,7 +239,7 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
   section.min = section.min.cwiseMin(Vector2::Constant(-params.margin_m));
   section.max = section.max.cwiseMax(Vector2::Constant(params.margin_m));
 
-  // outlines stay open at the window's border: what ends there was not cut, only the picture was
+  // outlines stay open at the window's border: the picture ends there, not the bone
   const double tolerance_m = 0.04 * params.step_m;
   PlanarGrid field = SliceField(before.balls(), plane, section.min, section.max, params.step_m);
   section.before = SimplifyAll(Contour(field), tolerance_m);

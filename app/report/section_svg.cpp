@@ -33,7 +33,7 @@ std::string Path(const std::vector<Polyline>& lines, const PlotArea& area, std::
   return fmt::format("<path d=\"{}\" {}/>\n", PathData(lines, area), style);
 }
 
-/// What is shown, and how the drawing calls itself.
+/// The window of the drawing, and its title.
 struct Window {
   Vector2 min, max;
   std::string_view title;
@@ -77,8 +77,8 @@ std::string Draw(const Section& section, const simulation::Bone& bone, const Win
   area.top = 2.0 + block.height_px + 6.0;
   std::string body = block.svg + DrawGrid(area, x_ticks, y_ticks);
 
-  // the bone that is left, coloured by material inside its outline; ids are this drawing's own, several fit
-  // on a page
+  // the remaining bone, coloured by material inside its outline; ids are unique to this drawing, so that
+  // several fit on a page
   const std::string solid = PathData(section.solid, area);
   const std::string id = fmt::format("section-{:x}", std::hash<std::string>{}(solid + Pixels(area.x.min)));
   body += fmt::format("<clipPath id=\"{}-window\">{}</clipPath>\n", id,
@@ -121,7 +121,7 @@ std::string SectionSvg(const Section& section, const simulation::Bone& bone, dou
 
 std::string SectionDetailSvg(const Section& section, const simulation::Bone& bone, double width_px) {
   if (!(section.head_radius_m > 0.0)) return {};
-  // where the head's apex was, or, where that hung in the air, the middle of the cut
+  // the place of the head's apex, or, if that was in the air, the middle of the cut
   if (section.samples.empty()) return {};
   constexpr double kUnderTheApex_rad = 0.08;
   const bool at_apex =

@@ -181,7 +181,7 @@ std::string Fit(std::string_view text, double width_px, double size_px) {
   if (TextWidth(text, size_px) <= width_px) return std::string(text);
   std::string cut(text);
   while (!cut.empty() && TextWidth(cut, size_px) + size_px > width_px) {
-    // whole characters: drop the tail bytes of a UTF-8 sequence with its first
+    // whole characters: drop the tail bytes of a UTF-8 sequence with its first byte
     while (!cut.empty() && (static_cast<unsigned char>(cut.back()) & 0xC0u) == 0x80u) cut.pop_back();
     if (!cut.empty()) cut.pop_back();
   }

@@ -6,7 +6,7 @@
 
 #include "app/report/ticks.h"
 
-// What every plot is made of: elements, the plot area with its axes, and a legend that wraps.
+// The parts of every plot: elements, the plot area with its axes, and a legend that wraps.
 
 namespace osteon::app {
 
@@ -26,7 +26,7 @@ inline constexpr double kLegendRowPx = 20.0;
 [[nodiscard]] std::string SvgDocument(double width, double height, std::string_view title,
                                       std::string_view body);
 
-/// The area between the axes and what its edges stand for.
+/// The area between the axes and the values at its edges.
 struct PlotArea {
   double left{0.0}, top{0.0}, width{0.0}, height{0.0};  ///< [px]
   Range x{}, y{};
@@ -36,14 +36,14 @@ struct PlotArea {
   [[nodiscard]] double Y(double value) const;
 };
 
-/// Grid lines and the frame around the area, below the data.
+/// Draws the grid lines and the frame around the area, below the data.
 [[nodiscard]] std::string DrawGrid(const PlotArea& area, const Ticks& x, const Ticks& y);
-/// Texts of the ticks, and the axis labels; above the data. `y_label_x` is the middle of the turned y label,
-/// of its last line where it wraps (AxisLabelLines).
+/// Draws the texts of the ticks and the axis labels, above the data. `y_label_x` is the middle of the turned
+/// y label, or of its last line if it wraps (AxisLabelLines).
 [[nodiscard]] std::string DrawTickTexts(const PlotArea& area, const Ticks& x, const Ticks& y);
 [[nodiscard]] std::string DrawAxisLabels(const PlotArea& area, std::string_view x_label, double x_label_y,
                                          std::string_view y_label, double y_label_x);
-/// The lines that a y label has beside an area of that height.
+/// Wraps a y label for an area of that height.
 [[nodiscard]] std::vector<std::string> AxisLabelLines(std::string_view y_label, double height_px);
 inline constexpr double kLabelLinePx = 15.0;  ///< from one line of a wrapped text to the next
 /// Width of the widest of the labels [px].
@@ -51,10 +51,10 @@ inline constexpr double kLabelLinePx = 15.0;  ///< from one line of a wrapped te
 /// Drops labels (not marks) of x ticks that would come closer than a digit to their neighbour.
 void SpreadLabels(const PlotArea& area, Ticks& x);
 
-/// How a single point is drawn (point_marks.h).
+/// The shape of a single point (point_marks.h).
 enum class Marker { kNone, kCircle, kRing, kSquare, kTriangle, kDiamond, kDown, kCross, kOpenUp };
 
-/// What a legend shows: a line, a dashed line, a filled square or a marker alone, and a text.
+/// A legend's entry: a line, a dashed line, a filled square or a marker alone, and a text.
 struct LegendEntry {
   enum class Mark { kLine, kDash, kFill, kNone };
   std::string text{};
@@ -68,15 +68,15 @@ struct LegendBlock {
   double height_px{0.0};
 };
 
-/// Title and legend from (x, y) down, within `width_px`; the title wraps into lines and the entries into
-/// rows. An entry too wide for a row of its own is cut with an ellipsis.
+/// Draws title and legend from (x, y) down, within `width_px`; the title wraps into lines and the entries
+/// into rows. An entry too wide for a row is cut with an ellipsis.
 [[nodiscard]] LegendBlock DrawLegend(double x, double y, double width_px, std::string_view title,
                                      const std::vector<LegendEntry>& entries);
 
-/// `text` in lines of at most `width_px`, broken at spaces; a word that is wider by itself is cut (Fit).
+/// Breaks `text` at spaces into lines of at most `width_px`; a single wider word is cut (Fit).
 [[nodiscard]] std::vector<std::string> Wrap(std::string_view text, double width_px, double size_px = kFontPx);
 
-/// `text`, cut with an ellipsis where it is wider than `width_px`.
+/// Returns `text`, cut with an ellipsis if it is wider than `width_px`.
 [[nodiscard]] std::string Fit(std::string_view text, double width_px, double size_px = kFontPx);
 
 }  // namespace osteon::app

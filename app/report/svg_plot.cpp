@@ -26,7 +26,7 @@ struct Extent {
   [[nodiscard]] bool Any() const { return min <= max; }
 };
 
-/// A little more than the data, which are positive.
+/// A range a little larger than the data, which are positive.
 Range LogRange(const Extent& extent) {
   constexpr double kMargin = 1.15;
   if (!extent.Any()) return {1.0, 10.0};
@@ -60,7 +60,8 @@ Range YRange(const LineChart& panel, int max_ticks) {
     for (const double y : series.y)
       if (!panel.log_y || y > 0.0) extent.Add(y);
   if (panel.log_y) return LogRange(extent);
-  for (const LimitLine& limit : panel.limits) extent.Add(1.05 * limit.value);  // not on the frame
+  // Keeps the line off the frame.
+  for (const LimitLine& limit : panel.limits) extent.Add(1.05 * limit.value);
   if (panel.y_from_zero) extent.Add(0.0);
   if (!extent.Any()) return {0.0, 1.0};
   if (panel.y_from_zero && extent.min == 0.0 && extent.max == 0.0) return {0.0, 1.0};
@@ -72,7 +73,7 @@ std::string DrawSeries(const PlotArea& area, const Series& series, const std::st
   std::string path;
   bool any = false;
   const int columns = std::max(1, static_cast<int>(area.width));
-  // columns of pixels are even in the logarithm where the axis is
+  // columns of pixels are evenly spaced in the logarithm if the axis is logarithmic
   std::vector<double> at = series.x;
   Range range = area.x;
   if (area.log_x) {
@@ -106,9 +107,9 @@ bool Drawable(const PlotArea& area, double x, double y) {
   return within(x, area.x) && within(y, area.y) && (!area.log_x || x > 0.0) && (!area.log_y || y > 0.0);
 }
 
-/// Error bars and markers of every series, the pale ones first; then the names that find a place.
+/// Draws error bars and markers of every series, the pale ones first, then the names for which there is room.
 std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::vector<std::string>& colors) {
-  constexpr std::size_t kMaxPieces = 500;  // of a line that names keep clear of
+  constexpr std::size_t kMaxPieces = 500;  // into which a line is cut, so that names avoid it
   std::string out;
   if (std::ranges::none_of(panel.series, [](const Series& series) { return series.marker != Marker::kNone; }))
     return out;
@@ -153,7 +154,7 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
   each([&](const Series& series, std::size_t s, std::size_t, double x, double y) {
     out += DrawMarker(x, y, series.marker, colors[s], series.opacity);
   });
-  std::reverse(order.begin(), order.end());  // of strong points first
+  std::reverse(order.begin(), order.end());  // names of strong points first
   each([&](const Series& series, std::size_t s, std::size_t i, double x, double y) {
     if (i < series.labels.size() && !series.labels[i].empty())
       out += labels.Place(x, y, series.labels[i], colors[s], series.opacity >= 1.0);
@@ -161,10 +162,10 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
   return out;
 }
 
-/// Where the name of a vertical line at `x` begins (it runs upward): the lowest place at which no curve and
-/// no limit passes through it; at the bottom where there is none.
+/// Finds where the name of a vertical line at `x` begins (it runs upward): the lowest place where no curve
+/// and no limit crosses it; at the bottom if there is none.
 double NameBeside(const PlotArea& area, const LineChart& panel, double x, double length_px) {
-  std::vector<PlotPoint> taken;  // every few pixels of what is drawn there
+  std::vector<PlotPoint> taken;  // points of curves and limits near x, every few pixels
   const double left = x - kFontPx - 7.0;
   for (const LimitLine& limit : panel.limits) taken.push_back({x, area.Y(limit.value)});
   for (const Series& series : panel.series)
@@ -201,7 +202,7 @@ std::string DrawXLimits(const PlotArea& area, const LineChart& panel) {
   return out;
 }
 
-/// Names of limits in the right margin, pushed apart where they would meet.
+/// Draws the limits' names in the right margin, moved apart if they would overlap.
 std::string DrawLimits(const PlotArea& area, std::vector<LimitLine> limits) {
   std::string out;
   std::erase_if(limits, [&area](const LimitLine& limit) {
@@ -225,7 +226,7 @@ struct CountedValue {
   std::uint64_t times;
 };
 
-/// The finite ones, ascending.
+/// The finite values, ascending.
 std::vector<CountedValue> Counted(const Histogram& histogram) {
   std::vector<CountedValue> counted;
   for (std::size_t i = 0; i < histogram.values.size(); ++i)
@@ -236,7 +237,7 @@ std::vector<CountedValue> Counted(const Histogram& histogram) {
   return counted;
 }
 
-/// As Percentile (ticks.h), of values that are not empty.
+/// The quantile, as Percentile (ticks.h); `values` must not be empty.
 double PercentileOf(const std::vector<CountedValue>& values, double p) {
   std::uint64_t total = 0, before = 0;
   for (const CountedValue& each : values) total += each.times;
@@ -253,7 +254,7 @@ struct PanelPlan {
   Ticks y_ticks;
   std::vector<LegendEntry> legend;
   std::vector<std::string> colors;
-  bool strip{false};  ///< some span is wide enough for its name
+  bool strip{false};  ///< at least one span is wide enough for its name
   bool data{false};
 };
 
@@ -261,7 +262,7 @@ struct PanelPlan {
 
 namespace {
 
-/// Panels one above the other. @returns elements without a document, and their height.
+/// Draws panels one above the other. @returns elements without a document, and their height.
 LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
   const Range x = CommonX(panels);
   std::vector<PanelPlan> plans;

@@ -9,8 +9,8 @@
 #include "app/report/svg_frame.h"
 #include "app/report/ticks.h"
 
-// Plots as SVG text, without a library and without a script. What is drawn never overlaps: every text has its
-// own strip (title, legend, names of spans, axis labels), whose height and width follow from the text.
+// Plots as SVG text, without a library and without a script. Nothing overlaps: every text has its own strip
+// (title, legend, names of spans, axis labels), whose height and width follow from the text.
 //
 //     title      ─── series a   ─── series b          <- wraps into rows
 //            name of span │ name of span
@@ -27,10 +27,11 @@ struct Series {
   std::string color{};           ///< empty: the palette's next
   double width_px{1.4};          ///< 0: points alone
   Marker marker{Marker::kNone};
-  std::vector<double> y_low{}, y_high{};  ///< ends of error bars; empty, or of x's length
-  std::vector<std::string> labels{};      ///< beside the points; empty, or of x's length
-  double opacity{1.0};                    ///< of line and points; labels of pale ones are left out first
-  std::string dash{};                     ///< of the line, as SVG's stroke-dasharray; empty: drawn through
+  std::vector<double> y_low{}, y_high{};  ///< ends of error bars; empty, or as many as x
+  std::vector<std::string> labels{};      ///< beside the points; empty, or as many as x
+  /// Opacity of line and points; labels of pale points are the first to be left out.
+  double opacity{1.0};
+  std::string dash{};  ///< of the line, as SVG's stroke-dasharray; empty: solid
 };
 
 /// A horizontal line that a curve must not cross.
@@ -49,37 +50,38 @@ struct NamedSpan {
 struct LineChart {
   std::string title{};
   std::string x_label{}, y_label{};  ///< with unit, e.g. "time [s]"
-  std::optional<Range> x{}, y{};     ///< where absent, from the data
-  bool y_from_zero{true};            ///< the y range, where taken from the data, holds 0; not with log_y
-  bool log_x{false}, log_y{false};   ///< what is not positive is left out; log_x of the first panel counts
+  std::optional<Range> x{}, y{};     ///< default: from the data
+  bool y_from_zero{true};            ///< a y range taken from the data contains 0; not with log_y
+  /// Values that are not positive are left out; the first panel's log_x counts.
+  bool log_x{false}, log_y{false};
   std::vector<Series> series{};
   std::vector<LimitLine> limits{};
   std::vector<LimitLine>
-      x_limits{};  ///< vertical, their names along them, clear of the curves if they can be
+      x_limits{};  ///< vertical; their names run along them, clear of the curves if possible
   std::vector<NamedSpan> spans{};
   bool legend{true};
   double plot_height_px{230.0};  ///< of the area between the axes
 };
 
-/// Panels one above the other with one common x axis, whose ticks and label stand below the last. A panel
-/// without a single finite point says "no data".
+/// Draws panels one above the other with one common x axis, whose ticks and label are below the last panel. A
+/// panel without a single finite point says "no data".
 /// @returns one <svg> element with its size in px and a viewBox.
 [[nodiscard]] std::string Svg(std::span<const LineChart> panels, double width_px = 920.0);
 [[nodiscard]] inline std::string Svg(const LineChart& chart, double width_px = 920.0) {
   return Svg(std::span(&chart, 1), width_px);
 }
 
-/// Panels beside each other in rows, each with its own axes, under one title and one legend.
+/// Draws panels in rows, each with its own axes, under one title and one legend.
 [[nodiscard]] std::string SvgGrid(std::span<const LineChart> panels, int columns, const std::string& title,
                                   const std::vector<LegendEntry>& legend, double width_px);
 
 struct Histogram {
   std::string title{};
   std::string x_label{};               ///< with unit
-  std::vector<double> values{};        ///< what is not finite is left out and not counted
-  std::vector<std::uint64_t> times{};  ///< that each value occurred; empty: once, else of values' length
-  bool log_x{false};                   ///< what is not positive goes into the lowest bin
-  bool log_y{false};                   ///< so that a single outlier among thousands is seen
+  std::vector<double> values{};        ///< values that are not finite are not counted
+  std::vector<std::uint64_t> times{};  ///< number of occurrences of each value; empty: once each
+  bool log_x{false};                   ///< values that are not positive go into the lowest bin
+  bool log_y{false};                   ///< shows a single outlier among thousands
   int bins{60};
   std::string y_label{"count"};
   std::string unit{};      ///< of the percentiles in the legend

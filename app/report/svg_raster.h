@@ -8,9 +8,9 @@
 
 namespace osteon::app {
 
-/// An SVG document as a picture, on white.
-/// @param scale  pixels to one px of the document, 0.1 … 10
-/// @returns librsvg's message where it is no SVG, or one where the picture would have more than 100 million
+/// Renders an SVG document to pixels, on white.
+/// @param scale  pixels per px of the document, 0.1 … 10
+/// @returns librsvg's message if it is no SVG, or a message if the picture would have more than 100 million
 ///   pixels.
 [[nodiscard]] tl::expected<Image, std::string> Rasterise(const std::string& svg, double scale = 2.0);
 

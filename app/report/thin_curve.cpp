@@ -11,7 +11,7 @@ namespace {
 
 using Point = ThinCurve::Point;
 
-// What stays of a bucket's points, in their order.
+// Selects the points of a bucket that are kept, in their order.
 void KeepOf(std::span<const Point> bucket, std::vector<Point>& kept) {
   const std::size_t none = bucket.size();
   std::size_t first = none, least = none, greatest = none, last = none, gap = none;
@@ -37,12 +37,12 @@ void KeepOf(std::span<const Point> bucket, std::vector<Point>& kept) {
 void ThinCurve::Add(rt::Nanoseconds stamp, double value) {
   points_.push_back({stamp, value});
   if (points_.size() < kMaxPoints) return;
-  // buckets are aligned: those that were thinned before stay as they are, or become halves of others
+  // buckets are aligned: buckets thinned before stay unchanged, or become halves of new ones
   for (Thin(); points_.size() > kMaxPoints / 2; Thin()) ++shift_;
 }
 
 void ThinCurve::Thin() {
-  // from the curve's first stamp; without overflow, whatever the stamps of a file are
+  // counted from the curve's first stamp; cannot overflow, whatever stamps a file has
   const auto bucket_of = [origin = static_cast<std::uint64_t>(points_.front().stamp),
                           this](const Point& point) {
     return shift_ < 64 ? (static_cast<std::uint64_t>(point.stamp) - origin) >> shift_ : 0;

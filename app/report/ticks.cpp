@@ -89,7 +89,7 @@ std::vector<std::vector<PlotPoint>> DecimateMinMax(std::span<const double> x, st
   std::vector<std::vector<PlotPoint>> runs;
   const double scale = columns / (x_range.max - x_range.min);
   std::vector<PlotPoint> run;
-  // the column under way: indices of the points that stay
+  // indices of the points that stay in the current column
   std::size_t first = 0, least = 0, greatest = 0, last = 0;
   long column = -1;
   const auto flush_column = [&] {

@@ -10,22 +10,22 @@ struct Range {
   double min{0.0}, max{1.0};
 };
 
-/// Where an axis is marked, and with what.
+/// The marks of an axis and their texts.
 struct Ticks {
   std::vector<double> at;
-  std::vector<std::string> labels;  ///< one for each of `at`; empty where a mark has no text
+  std::vector<std::string> labels;  ///< one for each of `at`; empty if a mark has no text
 };
 
-/// Marks at multiples of 1, 2 or 5 times a power of ten, at most `max_count` of them, within [min, max].
-/// Empty where the range is not finite or not positive.
+/// Places marks at multiples of 1, 2 or 5 times a power of ten, at most `max_count` of them, within [min,
+/// max]. Empty if the range is not finite or not positive.
 [[nodiscard]] Ticks LinearTicks(Range range, int max_count);
 
-/// Marks at 1, 2 and 5 times each power of ten within [min, max], min > 0; where the range holds more decades
-/// than `max_count`/3 only the powers themselves have text, and beyond `max_count` decades only every other
-/// one or fewer.
+/// Places marks at 1, 2 and 5 times each power of ten within [min, max], min > 0. If the range holds more
+/// decades than `max_count`/3, only the powers themselves have text, and beyond `max_count` decades only
+/// every other one or fewer.
 [[nodiscard]] Ticks LogTicks(Range range, int max_count);
 
-/// The smallest range with ends on ticks that holds `range`; a range without width is widened.
+/// Returns the smallest range with ends on ticks that contains `range`; a range of zero width is widened.
 [[nodiscard]] Range NiceRange(Range range, int max_count);
 
 struct PlotPoint {
@@ -34,13 +34,12 @@ struct PlotPoint {
 
 /// Thins a curve for drawing in `columns` columns over [x.min, x.max]: in each column the first, least,
 /// greatest and last point stay, in their order, so that every peak is still drawn. Points outside the range
-/// are dropped; a non-finite point ends a run and the next finite one begins another.
+/// are dropped; a non-finite point ends a run and the next finite point begins another.
 [[nodiscard]] std::vector<std::vector<PlotPoint>> DecimateMinMax(std::span<const double> x,
                                                                  std::span<const double> y, Range x_range,
                                                                  int columns);
 
-/// The value below which a share `p` in [0, 1] of `values` lies (nearest rank); values are reordered. NaN
-/// where empty.
+/// Returns the p quantile of `values`, p in [0, 1] (nearest rank); reorders the values. NaN if empty.
 [[nodiscard]] double Percentile(std::span<double> values, double p);
 
 }  // namespace osteon::app

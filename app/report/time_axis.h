@@ -8,15 +8,15 @@
 
 namespace osteon::app {
 
-/// Where the time of a chart begins.
+/// The time axis of a chart.
 struct TimeAxis {
-  rt::Nanoseconds zero{0};        ///< the stamp that stands at 0; what came before is negative
+  rt::Nanoseconds zero{0};        ///< stamp at which time is 0; earlier times are negative
   std::string label{"time [s]"};  ///< below the axis
   std::string mark{};             ///< written along a vertical line at 0; empty: no line
 
-  /// [s]
+  /// Time of a stamp [s].
   [[nodiscard]] double At(rt::Nanoseconds stamp) const { return rt::ToSeconds(stamp - zero); }
-  /// [s], of each tick.
+  /// Time of each tick [s].
   [[nodiscard]] std::vector<double> Of(std::span<const control::TickRecord> ticks) const {
     std::vector<double> times_s;
     times_s.reserve(ticks.size());

@@ -44,7 +44,7 @@ class Panels {
     if (!time_.mark.empty()) panels_.back().x_limits = {{0.0, time_.mark}};
   }
 
-  /// A curve of the panel begun last. @param value  (std::size_t tick) -> double
+  /// Adds a curve to the newest panel. @param value  (std::size_t tick) -> double
   template <class Value>
   void Curve(std::string name, const char* color, const Value& value) {
     Series series{
@@ -53,7 +53,7 @@ class Panels {
     panels_.back().series.push_back(std::move(series));
   }
 
-  /// One curve with one limit.
+  /// Adds a panel of one curve with one limit.
   template <class Value>
   void One(std::string title, std::string y_label, LimitLine limit, const Value& value) {
     Begin(std::move(title), std::move(y_label), {std::move(limit)});
@@ -68,7 +68,7 @@ class Panels {
 
   [[nodiscard]] std::size_t size() const { return ticks_.size(); }
   [[nodiscard]] const TickRecord& operator[](std::size_t i) const { return ticks_[i]; }
-  /// The tick before; the first has none and is its own.
+  /// The previous tick; the first tick is its own.
   [[nodiscard]] const TickRecord& Before(std::size_t i) const { return ticks_[i == 0 ? 0 : i - 1]; }
 
  private:
@@ -82,7 +82,7 @@ LimitLine Limit(double value, const char* unit) {
   return {value, fmt::format("limit {:.4g} {}", value, unit)};
 }
 
-// [ms]; nothing where there is none yet.
+// [ms]; NaN if there is no value yet.
 double Age_ms(double age_s) { return age_s < safety::kNoAge_s ? 1e3 * age_s : kNothing; }
 
 void AddAges(Fault fault, const TripLimits& limits, Panels& panels) {
@@ -131,7 +131,7 @@ void AddSpindleLimits(const safety::SpindleLimitParams& most, Panels& panels) {
              [&](std::size_t i) { return std::abs(panels[i].input.spindle_meas_rad_per_s) / kRpm; });
 }
 
-// Admittance: what the commanded tool did from tick to tick, which is what is tripped on.
+// Admittance: the commanded tool's speed from tick to tick, which the trip checks.
 void AddToolSpeed(const control::ServoParams& servo, Panels& panels) {
   const bool measured = servo.law == control::Law::kImpedance;
   panels.Begin(measured ? "Speed of the tool's apex, measured" : "Speed of the commanded apex",
@@ -155,7 +155,7 @@ void AddArmSpeed(const TripLimits& limits, Panels& panels) {
              [&](std::size_t i) { return 1e3 * panels[i].tool_speed_meas_m_per_s; });
 }
 
-// A panel with a curve a joint, in percent of what is accepted.
+// A panel with a curve per joint, in percent of the accepted value.
 template <class Percent>
 void AddJoints(std::string title, bool both_ways, const control::ServoParams& servo, const Percent& percent,
                Panels& panels) {
@@ -241,7 +241,7 @@ void AddPeriod(double period_s, Panels& panels) {
   });
 }
 
-// Without a pause, in ticks of the run's own period.
+// The time at the force limit without interruption, in ticks of the run's own period.
 void AddForceLimitTime(const control::ServoParams& servo, Panels& panels) {
   double at_limit_s = 0.0;
   panels.One("Time that the coupling stayed at its force limit", "time [ms]",

@@ -68,7 +68,7 @@ TEST(CapabilityTask, PosesLieInTheVolumeAndOnTheConesEdgeTowardTheBaseToo) {
   EXPECT_NEAR(lowest, -0.010, 1e-12);
   EXPECT_EQ(tilted, 3.0 * 9.0 * 8.0);
   EXPECT_NEAR(toward_base, -std::sin(task.tilt_rad), 1e-12) << "one pose leans straight toward the base";
-  // the start of the script is one of them: the same yaw
+  // the start of the script is among the poses, with the same yaw
   const Pose& start = cell.start.X_WT;
   EXPECT_TRUE(std::any_of(poses.begin(), poses.end(),
                           [&](const Pose& X) { return (X.matrix() - start.matrix()).norm() < 1e-9; }));
@@ -84,8 +84,8 @@ TEST(CapabilityTask, PosesThatTheWorkspaceForbidsAreLeftOut) {
   EXPECT_LT(TaskPoses(task, {}, 0.0).size(), 243u);
 }
 
-// The rotation of the base about its own axis, with A1 turned back by as much, leaves the arm where it is: on
-// a wall as on the floor.
+// If the base turns about its own axis and A1 turns back by the same angle, the arm stays where it is: on a
+// wall as on the floor.
 TEST(ArmForce, ABaseTurnedAboutItsAxisWeighsTheSame) {
   const kinematics::ChainParams<7> arm = Robot("lbr_iiwa_14_r820");
   const CapabilityNeed need{.axial_N = 200.0, .lateral_N = 40.0, .torque_Nm = 2.0, .lateral_from = ""};
@@ -141,8 +141,8 @@ TEST(ArmForce, TheIiwa7Holds200NewtonAxiallyInAlmostEveryPosture) {
   EXPECT_GE(cautious, 0.92 * kPostures) << "not counting on gravity's help";
 }
 
-// The guarantee is of a sampled volume with closed forms for the directions: poses drawn anywhere in it,
-// tilted anywhere within the cone, are held as well.
+// The guarantee comes from samples of the volume, with closed forms for the directions. Poses drawn anywhere
+// in the volume and tilted anywhere within the cone are held as well.
 TEST(CapabilityMap, NoPoseWithinTheTaskHoldsLessThanTheGuarantee) {
   const config::CellConfig cell = Demo();
   const TaskVolume task = TaskOf(cell);
@@ -165,7 +165,7 @@ TEST(CapabilityMap, NoPoseWithinTheTaskHoldsLessThanTheGuarantee) {
     ASSERT_TRUE(arm.Inverse(cell.X_WB.inverse() * X_WT * cell.tool.X_FT.inverse(), cell.start.arm_angle_rad,
                             cell.start.q, q));
     const ToolForce held = force.At(q);
-    // half a percent: the worst of a smooth field may lie between samples a few centimetres apart
+    // 0.5 %: the worst of a smooth field may lie between samples that are a few centimetres apart
     ASSERT_GE(held.axial_N, 0.995 * own.force.axial_N);
     ASSERT_GE(held.lateral_N, 0.995 * own.force.lateral_N);
     ASSERT_GE(held.factor, 0.995 * own.force.factor);
@@ -185,7 +185,7 @@ TEST(CapabilityMap, TheBestArmAngleHoldsAtLeastWhatTheCellsOwnDoes) {
   EXPECT_EQ(best.poses, 243u);
   EXPECT_GE(best.force.factor, own.force.factor * (1.0 - 1e-9));
   EXPECT_EQ(best.force.lateral_joint, 5) << "A6";
-  // 40 N·m less what the tool weighs about A6, over the lever of 306 mm to the apex of the 50 mm reamer
+  // 40 N·m minus the tool's weight about A6, over the lever of 306 mm to the apex of the 50 mm reamer
   EXPECT_LT(best.force.lateral_N, 40.0 / 0.306);
   EXPECT_GT(best.force.lateral_N, 35.0 / 0.306);
 }
@@ -258,11 +258,11 @@ TEST(BaseSearch, FindsABaseThatNoPlaceOfItsRangeBeats) {
     const BaseFigure figure = search.Judge(p_WB);
     if (figure.configurations == 0) continue;
     ++possible;
-    // 3 %: coarse samples of the task, and hills of the arm angle that are narrower than the first grid
+    // 3 %: coarse samples of the task, and maxima over the arm angle that are narrower than the first grid
     EXPECT_LT(figure.factor, 1.03 * best->factor) << p_WB.transpose();
   }
   EXPECT_GT(possible, 30);
-  // better than where the demo's base stands, at its best arm angle
+  // better than the demo's present base at its best arm angle
   EXPECT_GT(best->factor, search.Judge(s.cell.X_WB.translation()).factor);
 }
 
@@ -275,7 +275,7 @@ TEST(BaseSearch, WhatItSaysHoldsAtTheBaseThatItWrites) {
   const ToolForce force = search.Forces(base);
   EXPECT_NEAR(force.factor, best->factor, 0.01 * best->factor) << "turning the base changes no force";
 
-  // whole millimetres and degrees, as they are written
+  // whole millimetres and degrees, as the file states them
   const Vector3 p_mm = 1e3 * base.X_WB.translation(),
                 rpy_deg = 180.0 / kPi * RollPitchYaw(base.X_WB.linear());
   for (int i = 0; i < 3; ++i) {
@@ -286,7 +286,7 @@ TEST(BaseSearch, WhatItSaysHoldsAtTheBaseThatItWrites) {
             s.params.clearance_m - 1e-9);
 
   // the cell with that base, by the loop's own inverse: every pose is reached without a jump, within the
-  // margin, and holds
+  // margin, and is held
   config::CellConfig cell = s.cell;
   cell.X_WB = base.X_WB;
   const kinematics::LbrArm arm(cell.robot.lbr()->params);
@@ -333,7 +333,7 @@ TEST(BaseSearch, FindsNothingWhereTheArmCannotReach) {
   EXPECT_FALSE(s.Search().Best(kNever));
 }
 
-// The demo's cup looks up, so every base at one distance and height is as good.
+// The demo's cup faces up, so all bases at one distance and height are equally good.
 TEST(BaseSearch, ACupThatLooksUpIsTheSameFromAllSides) {
   const Searched s;
   const BaseSearch search = s.Search();
@@ -342,9 +342,9 @@ TEST(BaseSearch, ACupThatLooksUpIsTheSameFromAllSides) {
   ASSERT_NE(from_behind.configurations, 0u);
   for (const double turn : {0.4, 1.3, 2.2}) {
     const BaseFigure figure = search.Judge(site + ExpRotation({0.0, 0.0, turn}) * Vector3(-0.5, 0.0, 0.1));
-    // the workspace's sphere is not round the site's axis alone: it leaves out no pose of this task
-    // 0.2 %: the tool keeps its yaw in the room, so that A7 may allow another configuration, whose centres of
-    // mass lie on the other side of the axes
+    // The workspace's sphere is not centred on the site's axis, but excludes no pose of this task. 0.2 %: the
+    // tool keeps its yaw in the room, so that A7 may allow another configuration, whose centres of mass lie
+    // on the other side of the axes.
     EXPECT_NEAR(figure.factor, from_behind.factor, 2e-3 * from_behind.factor);
   }
 }

@@ -8,13 +8,13 @@
 #include "tests/app/machine_lateness.h"
 #include "tests/config/cell_text.h"
 
-// `osteon cell` and `osteon run` as a user has them: two processes that know of each other by their wires
-// alone. How fast this machine is, is nowhere asserted.
+// `osteon cell` and `osteon run` as a user starts them: two processes that are connected by the network
+// alone. No test asserts how fast this machine is.
 
 namespace osteon::app {
 namespace {
 
-// A first port that another test of this machine hardly has.
+// A first port that other tests of this machine are unlikely to use.
 std::string Port() { return std::to_string(32768 + getpid() % 2000 * 8); }
 
 bool Says(const Command& command, const std::string& words) {
@@ -25,7 +25,7 @@ TEST(CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const TemporaryFolder folder, cell_folder;  // each process has its own
+    const TemporaryFolder folder, cell_folder;  // one for each process
     Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port(), "--json", "cell.json"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
     const WakeupWatch watch;
@@ -60,7 +60,7 @@ TEST(CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
   GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
 }
 
-// The same of a KR over RSI, at 4 ms.
+// The same with a KR over RSI, at 4 ms.
 TEST(CellProcess, ARunFindsAKrOverRsiInAnotherProcess) {
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
@@ -96,7 +96,7 @@ TEST(CellProcess, ARunFindsAKrOverRsiInAnotherProcess) {
 }
 
 TEST(CellProcess, ACellThatIsKilledIsAStopOfTheRun) {
-  const TemporaryFolder folder, cell_folder;  // each process has its own
+  const TemporaryFolder folder, cell_folder;  // one for each process
   Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
   Command run(folder.path(),
@@ -112,7 +112,7 @@ TEST(CellProcess, ACellThatIsKilledIsAStopOfTheRun) {
 }
 
 TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
-  const TemporaryFolder folder, cell_folder;  // each process has its own
+  const TemporaryFolder folder, cell_folder;  // one for each process
   Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port(), "--json", "cell.json"});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
   {
@@ -126,7 +126,7 @@ TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
     return out.find("MONITORING_WAIT", out.find("COMMANDING_ACTIVE")) != std::string::npos;
   };
   EXPECT_TRUE(cell.WaitUntil(left)) << cell.Out();
-  usleep(600'000);  // the PLC gives a heartbeat .25 s
+  usleep(600'000);  // the PLC tolerates 0.25 s without a heartbeat
   cell.Send(SIGTERM);
   EXPECT_EQ(cell.Wait().exit_code, 0);
   const nlohmann::json report = ReadJson(cell_folder.path() / "cell.json");
@@ -134,7 +134,7 @@ TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
   EXPECT_FALSE(report.at("arm").at("stop").get<std::string>().empty());
 }
 
-// As after a controller that was killed in contact: the file is right, the arm stands where it may not begin.
+// As after a controller was killed in contact: the file is right, but a run may not begin here.
 TEST(CellProcess, ARunWhoseArmStandsInBoneFailsAndSaysHowDeep) {
   const TemporaryFolder folder, cell_folder;
   const auto higher = folder.path() / "higher.yaml";
@@ -166,7 +166,7 @@ TEST(CellProcess, BothProcessesRunTheirRealTimeThreadsOnTheCpuThatWasNamed) {
 }
 
 TEST(CellProcess, APortThatIsTakenIsNamed) {
-  const TemporaryFolder folder, cell_folder;  // each process has its own
+  const TemporaryFolder folder, cell_folder;  // one for each process
   Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
   const CommandResult other = RunCommand(folder.path(), {"cell", "thin_plate", "--port", Port()});

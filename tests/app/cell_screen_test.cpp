@@ -78,7 +78,7 @@ TEST(CellScreen, SaysWhyASessionWasLeft) {
                           "(controller's heartbeat lost)"));
 }
 
-// A KR has no states of FRI's.
+// A KR has none of FRI's states.
 TEST(CellScreen, AKrIsToldOfInRsisWords) {
   CellScreen screen(Cell("kr_16_thin_plate"));
   std::string all;
@@ -88,7 +88,7 @@ TEST(CellScreen, AKrIsToldOfInRsisWords) {
   take(State(SessionState::kMonitoringWait), 0.1);
   hil::CellHostState off = State(SessionState::kIdle);
   off.arm.cell.rsi_stop = {.reason = hil::RsiStopReason::kTimeout, .found = 100, .accepted = 100};
-  for (int again = 0; again < 5; ++again) {  // nobody answers: the program is started again and again
+  for (int again = 0; again < 5; ++again) {  // nobody answers: the program restarts repeatedly
     take(off, 0.2);
     take(State(SessionState::kMonitoringWait), 0.3);
   }

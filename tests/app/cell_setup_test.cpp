@@ -57,7 +57,7 @@ TEST(ParseCup, RefusesWhatIsNoFiniteNumber) {
 TEST(ParseCup, GivesAUnitAxisForAnyLengthThatItTakes) {
   for (const char* text : {"0,0,0,1e-5,0,0,21", "0,0,0,1e150,0,0,21", "0,0,0,1e300,1e300,0,21"}) {
     const auto cup = ParseCup(text);
-    // it may refuse a length, but not hand on an axis that is none
+    // it may refuse a length, but must not return an axis that is not a unit vector
     if (cup) {
       EXPECT_NEAR(Vector3(cup->axis).norm(), 1.0, 1e-12) << text;
     }
@@ -65,7 +65,7 @@ TEST(ParseCup, GivesAUnitAxisForAnyLengthThatItTakes) {
 }
 
 TEST(SetUpCell, PutsAMeshsCupWhereTheScenesWouldBe) {
-  // a block around a round hollow, somewhere far off, its cup looking along an odd axis
+  // a block around a round hollow, far from the origin, its cup along an oblique axis
   const Vector3 center(0.3, -0.2, 0.9), axis = Vector3(1.0, -2.0, 2.0) / 3.0;
   const Vector3 half(0.035, 0.035, 0.035);
   const simulation::TriangleMesh mesh =
@@ -95,7 +95,7 @@ TEST(SetUpCell, TakesAPackingFileWithItsOwnSite) {
   const Pose X_WC = setup->X_WG * simulation::CupPose(bone.cup);
   EXPECT_LT((X_WC.matrix() - setup->config.X_WG.matrix()).norm(), 1e-12);
 
-  // another site than the file's
+  // a site other than the file's
   const simulation::Cup other{
       .center_m = Vector3(0.1, 0.2, 0.3), .axis = Vector3(Vector3::UnitX()), .radius_m = 0.01};
   const auto moved = SetUpCell(kDemoCell, MeshChoice{.file = file, .cup = other});
@@ -128,11 +128,11 @@ TEST(SetUpCell, KeepsTheConfigurationAsItWasRead) {
   for (const char* key : {"# cells/demo.yaml", "# robots/lbr_iiwa_14_r820.yaml", "# tools/reamer.yaml",
                           "# scenes/acetabulum.yaml", "# materials/bone.yaml", "max_force_N: 200"})
     EXPECT_NE(setup->config_text.find(key), std::string::npos) << key;
-  // the scene's cup is in its own origin: the bone's frame stays as configured
+  // the scene's cup is at its own origin: the bone's frame stays as configured
   EXPECT_LT((setup->X_WG.matrix() - setup->config.X_WG.matrix()).norm(), 1e-12);
 }
 
-// What lies beside them, a note or another cell's scene, is nobody's configuration.
+// Other files in the same folders, such as a note or another cell's scene, are not part of the configuration.
 TEST(SetUpCell, KeepsOnlyTheFilesThatTheCellRefersTo) {
   const io::test::TemporaryFolder folder;
   std::filesystem::copy(

@@ -59,7 +59,7 @@ Command::Command(const std::filesystem::path& folder, std::vector<std::string> a
   };
   redirect(STDOUT_FILENO, streams.out, out_);
   redirect(STDERR_FILENO, streams.err, err_);
-  // as in a shell, whatever started the tests
+  // signals as in a shell, whatever started the tests
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t defaults;

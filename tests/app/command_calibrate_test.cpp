@@ -14,7 +14,7 @@
 #include "tests/app/command.h"
 #include "tests/config/cell_text.h"
 
-// `osteon calibrate` as a user runs it, on recordings whose truth is known.
+// Runs `osteon calibrate` as a user does, on recordings whose true values are known.
 
 namespace osteon::app {
 namespace {
@@ -38,8 +38,8 @@ class CalibrateTest : public ::testing::Test {
     truth_.p_FT_m = cell_.tool.X_FT.translation() + Vector3(0.001, -0.002, 0.0015);
   }
 
-  // The arm at rest for 0.7 s at each place, and on its way between them. A sensor with .1 N and 5 mN·m of
-  // noise.
+  // Writes a recording in which the arm rests for 0.7 s at each place and moves between them. The sensor has
+  // 0.1 N and 5 mN·m of noise.
   void Record(const std::filesystem::path& file, const std::vector<JointVector>& places) {
     const auto recorder = io::Recorder::Open(
         {.path = file, .tick_capacity = 1u << 15, .writer_thread = false}, io::SessionInfo{});
@@ -120,7 +120,7 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellTakesThem) {
   EXPECT_EQ(json.at("schema"), "osteon.calibrate/1");
   const nlohmann::json& payload = json.at("payload");
   EXPECT_EQ(payload.at("poses"), 6);
-  // 500 readings a pose: .1 N of noise leaves 5 mN, some milligrams' weight
+  // 500 readings per pose: 0.1 N of noise become 5 mN, half a gram of weight
   EXPECT_NEAR(payload.at("mass_kg").get<double>(), truth_.mass_kg, 0.003);
   for (int i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -131,7 +131,7 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellTakesThem) {
   EXPECT_LT(json.at("residual").at("payload_N").get<double>(), 0.02);
   EXPECT_LT(json.at("residual").at("tcp_mm").get<double>(), 1e-3);
 
-  // named in the cell's file, it is what the loop takes
+  // the loop uses the calibration once the cell's file names it
   std::ofstream(folder_.path() / "cell.yaml") << "calibration: found.yaml\n" << config::CellText("demo");
   const config::CellConfig measured = config::LoadCell(folder_.path() / "cell.yaml");
   EXPECT_NEAR(measured.servo.sensor.tool_mass_kg, truth_.mass_kg, 0.003);

@@ -7,7 +7,7 @@
 #include "tests/app/command.h"
 #include "tests/config/cell_text.h"
 
-// `osteon capability` as a user runs it, small.
+// Runs `osteon capability` as a user does, on a small task.
 
 namespace osteon::app {
 namespace {
@@ -45,7 +45,7 @@ TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
   EXPECT_NE(run.out.find("Verdict                        good"), std::string::npos) << run.out;
   EXPECT_EQ(json.at("verdict").at("level"), "good");
 
-  // plan and side view: the best base lies on the same side of the site
+  // plan and side view show the best base on the same side of the site
   const std::string svg = ReadText(folder.path() / "cap" / "base.svg");
   std::vector<double> from_site;
   for (std::size_t site = svg.find(">site<"), best = svg.find(">best<"); best != std::string::npos;
@@ -59,7 +59,7 @@ TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
   EXPECT_LT(from_site[0], 0.0);
   EXPECT_LT(from_site[1], 0.0);
 
-  // put into the cell's file, it loads, and the arm begins there
+  // with this base in its file the cell loads, and the arm begins there
   std::string cell = config::CellText("demo");
   const std::string yaml = ReadText(folder.path() / "cap" / "base.yaml");
   const auto replace = [&](const std::string& key, const std::string& in) {
@@ -73,7 +73,7 @@ TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
   const config::CellConfig moved = config::LoadCell(folder.path() / "moved.yaml");
   EXPECT_NEAR(1e3 * moved.X_WB.translation().x(), base.at("position_mm")[0].get<double>(), 1e-6);
 
-  // and gives there what was promised
+  // and the arm has the promised force there
   const CommandResult again = RunCommand(
       folder.path(), {"capability", "moved.yaml", "--no-search", "--nodes", "5", "--out", "moved"});
   ASSERT_EQ(again.exit_code, 0) << again.err;

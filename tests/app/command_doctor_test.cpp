@@ -10,7 +10,7 @@
 namespace osteon::app {
 namespace {
 
-// Every check: four texts, a known verdict, advice wherever something could be better.
+// Every check has four texts, a known verdict, and advice if something could be better.
 std::set<std::string> ExpectChecks(const nlohmann::json& doctor) {
   std::set<std::string> names;
   EXPECT_EQ(doctor.at("schema"), "osteon.doctor/1");
@@ -77,7 +77,7 @@ TEST(Doctor, SaysWhereItsJsonCanNotBeWritten) {
   EXPECT_NE(run.err.find("nowhere/d.json"), std::string::npos) << run.err;
 }
 
-// The verdict's rule at its edges, on figures and not on this machine.
+// The verdict's rule at its limits, on given figures instead of this machine's.
 TEST(Doctor, APeriodIsServedByP999BelowATenthAndMaxBelowHalfOfIt) {
   const DurationFigures late{
       .count = 10'000, .p50_s = 5e-6, .p99_s = 40e-6, .p999_s = 99e-6, .max_s = 499e-6};

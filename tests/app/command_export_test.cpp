@@ -8,12 +8,12 @@
 #include "tests/app/command.h"
 #include "tests/app/recorded_run.h"
 
-// `osteon export`: tables, and a whole recording of a torn one.
+// Tests `osteon export`: tables, and a complete recording rebuilt from a torn one.
 
 namespace osteon::app {
 namespace {
 
-// A table without quotes.
+// A parsed table without quoted fields.
 struct Csv {
   explicit Csv(const std::filesystem::path& file) {
     std::istringstream text(io::test::ReadAll(file));
@@ -94,7 +94,7 @@ TEST_F(ExportCommandTest, TablesHoldEveryValueToItsBits) {
   EXPECT_TRUE(touched);
 }
 
-// A bare number has no unit; everything else says its own.
+// A name without a unit is a pure number; all others name their unit.
 TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
   Export({Original().string(), "--out", "."});
   const std::vector<std::string> units{"_s",       "_ns",        "_m",       "_rad",      "_N",
@@ -199,7 +199,7 @@ TEST_F(ExportCommandTest, RecoversATornRecording) {
   EXPECT_GT(recovered.ticks.size(), recording_->ticks.size() / 2);
   EXPECT_NE(out_.find("of a message that was cut off"), std::string::npos) << out_;
 
-  json = Export({torn.string()});  // the torn one itself, as far as it goes
+  json = Export({torn.string()});  // the torn recording itself, as far as it goes
   EXPECT_EQ(json.at("ticks"), recovered.ticks.size());
   EXPECT_EQ(json.at("complete"), false);
   EXPECT_NE(out_.find("ends early"), std::string::npos) << out_;
@@ -249,7 +249,7 @@ TEST_F(ExportCommandTest, SaysWhatItDoesNotTake) {
     EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
     EXPECT_NE(run.err.find("osteon export: "), std::string::npos) << run.err;
   }
-  // a disk that is full: the JSON file can not be written
+  // a full disk: the JSON file cannot be written
   const CommandResult unwritable =
       RunCommand(folder_.path(), {"export", Original().string(), "--out", ".", "--json", "/dev/full"});
   EXPECT_EQ(unwritable.exit_code, 1) << unwritable.err;

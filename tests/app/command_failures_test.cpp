@@ -7,7 +7,7 @@
 #include "app/fault_table.h"
 #include "tests/app/command.h"
 
-// `osteon failures` as a user runs it. What the scenarios find is held by tests/hil/failures_test.cpp.
+// Runs `osteon failures` as a user does. tests/hil/failures_test.cpp checks the scenarios' findings.
 
 namespace osteon::app {
 namespace {
@@ -32,7 +32,7 @@ TEST(FailuresCommand, WritesTableJsonPageAndPictures) {
   EXPECT_EQ(json["schema"], "osteon.failures/1");
   EXPECT_EQ(json["engine"], "reference");
   ASSERT_EQ(json["scenarios"].size(), 2u);
-  EXPECT_EQ(json["scenarios"][0]["id"], 19);  // by number, whatever the order they were named in
+  EXPECT_EQ(json["scenarios"][0]["id"], 19);  // by number, whatever the order on the command line
   EXPECT_EQ(json["scenarios"][1]["id"], 22);
   for (const auto& scenario : json["scenarios"]) {
     for (const char* key :
@@ -95,7 +95,7 @@ TEST(FailuresJson, OneBoundThatIsNotKeptIsAFailure) {
   FailureRun kept_by_both{.result = {.id = 2, .name = "b", .baseline_fails = false, .ours_passes = true}};
   FailureRun broken{.result = {.id = 3, .name = "c"}, .error = "no memory"};
   EXPECT_TRUE(good.passed());
-  EXPECT_FALSE(kept_by_both.passed());  // a scenario in which nothing fails proves nothing
+  EXPECT_FALSE(kept_by_both.passed());  // a scenario in which no baseline fails proves nothing
   EXPECT_FALSE(broken.passed());
   EXPECT_TRUE(nlohmann::json::parse(FailuresJson({good}, "vulkan", "d", false))["passed"].get<bool>());
   const auto json = nlohmann::json::parse(FailuresJson({good, broken}, "vulkan", "d", true));
@@ -117,7 +117,7 @@ TEST(FailuresCommand, RunsEveryFaultInEveryState) {
   EXPECT_EQ(RunCommand(folder.path(), {"failures", "--faults", "9"}).exit_code, 2);
 }
 
-// What is not as stated is seen in table, list and JSON.
+// A case with another outcome than stated appears in table, list and JSON.
 TEST(FaultTable, ShowsWhatIsNotAsStated) {
   hil::FaultVerdict good, bad;
   good.fault = bad.fault = "drive's fault";

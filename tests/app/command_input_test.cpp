@@ -6,7 +6,7 @@
 #include "tests/app/command.h"
 #include "tests/simulation/mesh_shapes.h"
 
-// Wrong input: exit code 2, one line on stderr that says what was found and what is accepted, nothing done.
+// Wrong input: exit code 2, one line on stderr with the found and the accepted value, nothing done.
 
 namespace osteon::app {
 namespace {
@@ -15,7 +15,7 @@ const std::string kGoodCup = "0,0,0,0,0,1,24";
 
 class WrongInput : public testing::Test {
  protected:
-  /// Runs it and expects a refusal whose line holds each of the texts.
+  /// Runs the command and expects a refusal whose line contains each of the texts.
   void ExpectRefused(const std::vector<std::string>& arguments, const std::vector<std::string>& texts,
                      const std::vector<std::string>& environment = {}) {
     std::string line;
@@ -223,7 +223,7 @@ TEST_F(WrongInput, Json) {
                 {"--json", "nowhere/summary.json", "no folder"});
 }
 
-// In /proc nobody makes a file, root neither.
+// Nobody can create a file in /proc, not even root.
 TEST_F(WrongInput, UnwritableOut) {
   ExpectRefused({"demo", "--virtual-time", "--out", "/proc"}, {"/proc"});
   ExpectRefused({"demo", "--virtual-time", "--out", "/proc/osteon_out"}, {"/proc/osteon_out"});

@@ -6,8 +6,8 @@
 
 #include "tests/app/command.h"
 
-// `bench frame`, `bench kinematics`, `bench tick`, `chart scaling` and `chart speed-accuracy` as a user runs
-// them, small. No time is judged.
+// Runs `bench frame`, `bench kinematics`, `bench tick`, `chart scaling` and `chart speed-accuracy` as a user
+// does, at small sizes. No time is judged.
 
 namespace osteon::app {
 namespace {
@@ -36,7 +36,7 @@ TEST(BenchFrame, WritesTheKeysOfItsContract) {
   ExpectTimes(json.at("frame_us"));
   EXPECT_FALSE(json.at("pass_us").empty());
   EXPECT_NEAR(json.at("rate_hz").get<double>() * json.at("frame_us").at("p50").get<double>(), 1e6, 1.0);
-  // the hand presses with 100 N and the tool is in bone: seated, not in the air
+  // the hand presses with 100 N and the tool is seated in bone
   EXPECT_NEAR(json.at("mean_force_N").get<double>(), 100.0, 5.0);
   EXPECT_GT(json.at("active_spheres_mean").get<double>(), 50.0);
   EXPECT_LE(json.at("active_spheres_mean").get<double>(), 1000.0);
@@ -52,7 +52,7 @@ TEST(BenchFrame, ComparesAMethodFrameByFrame) {
   EXPECT_EQ(other.at("method"), "reference");
   EXPECT_EQ(other.at("frames"), 20);
   EXPECT_EQ(other.at("active_spheres_mean"), 1000);
-  // from the same state with hands of their own: the same work
+  // from the same state, each with its own hand: the same work
   EXPECT_NEAR(other.at("removed_mm3").get<double>(), json.at("removed_mm3").get<double>(),
               0.02 * json.at("removed_mm3").get<double>() + 1.0);
   EXPECT_NE(run.out.find("times as long as"), std::string::npos);
@@ -104,7 +104,7 @@ TEST(BenchKinematics, WritesTheKeysOfItsContract) {
                      json.at("kdl").at(name).get<double>() / json.at(name).get<double>());
   }
   EXPECT_EQ(json.at("kdl").at("version"), "1.5.1");
-  // null where a sanitizer has the heap
+  // null if a sanitizer has replaced the heap
   if (!json.at("allocations").is_null()) {
     EXPECT_EQ(json.at("allocations"), 0);
   }
@@ -151,11 +151,11 @@ TEST(BenchTick, WritesTheKeysOfItsContract) {
     ExpectTimes(json.at("stage_us").at(stage));
   ExpectTimes(json.at("kernel_alone_us"));
   EXPECT_GT(json.at("kernel_alone_us").at("p50").get<double>(), 0.0);
-  // the loop's own work was there to be timed: a hand that pressed the tool on planes
+  // the loop had real work: a hand that pressed the tool on planes
   EXPECT_GT(json.at("mean_force_N").get<double>(), 1.0);
   EXPECT_GE(json.at("contacts_pressing_mean").get<double>(), 1.0);
   EXPECT_LE(json.at("contacts_pressing_mean").get<double>(), 8.0);
-  // null where a sanitizer has the heap
+  // null if a sanitizer has replaced the heap
   if (!json.at("allocations").is_null()) {
     EXPECT_EQ(json.at("allocations"), 0);
   }
@@ -196,7 +196,7 @@ TEST(ChartScaling, WritesItsFilesAndPoints) {
     EXPECT_GT(point.at("rate_hz").get<double>(), 0.0);
     EXPECT_GT(point.at("frame_us_p50").get<double>(), 0.0);
   }
-  EXPECT_EQ(series.size(), 3u);  // cut zone as it is, all alike, without culling
+  EXPECT_EQ(series.size(), 3u);  // cut zone unchanged, uniform, without culling
 }
 
 TEST(ChartSpeedAccuracy, WritesItsFilesAndPoints) {
@@ -216,7 +216,7 @@ TEST(ChartSpeedAccuracy, WritesItsFilesAndPoints) {
       EXPECT_GE(point.at(key).get<double>(), 0.0) << key;
     EXPECT_EQ(point.at("tasks").size(), 4u);
   }
-  // coarse to fine: each method's cut gets nearer to the exact one, and ours leaves nothing in the tool's way
+  // coarse to fine: each method's cut approaches the exact one, and ours leaves no bone in the tool's path
   const auto depth = [&](std::size_t i) { return json.at("points")[i].at("depth_error_mm").get<double>(); };
   EXPECT_LT(depth(1), depth(0));
   EXPECT_LT(depth(3), depth(2));

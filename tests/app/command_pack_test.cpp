@@ -9,7 +9,7 @@
 #include "tests/app/command.h"
 #include "tests/simulation/mesh_shapes.h"
 
-// `osteon pack` as a user runs it: what it writes, what it says, what it refuses.
+// Runs `osteon pack` as a user does: the files it writes, its messages, its refusals.
 
 namespace osteon::app {
 namespace {
@@ -21,7 +21,7 @@ class PackCommand : public testing::Test {
  protected:
   std::filesystem::path Path(const std::string& name) const { return folder_.path() / name; }
 
-  /// Nothing is left of a file in the making.
+  /// Checks that no partly written file is left.
   void ExpectNoPart() const {
     for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
       EXPECT_NE(entry.path().extension(), ".part") << entry.path();
@@ -46,7 +46,7 @@ class PackCommand : public testing::Test {
     EXPECT_EQ(run.out, "");
     std::istringstream lines(run.err);
     std::string each, last;
-    while (std::getline(lines, each)) last = each;  // what comes before it is progress
+    while (std::getline(lines, each)) last = each;  // earlier lines are progress
     EXPECT_TRUE(last.starts_with("osteon pack: ")) << run.err;
     for (const std::string& text : texts) EXPECT_NE(last.find(text), std::string::npos) << run.err;
     EXPECT_FALSE(std::filesystem::exists(Path("out.osp"))) << "a refused run leaves nothing";
@@ -83,7 +83,7 @@ TEST_F(PackCommand, ABallIsPackedWithItsVolumeMassAndInertia) {
   for (const simulation::MassPoint& point : bone.points) volume_m3 += point.volume_m3;
   for (const Ball& ball : bone.balls)
     farthest_m = std::max(farthest_m, Vector3(ball.center_m).norm() + ball.radius_m);
-  // 4 mm³ of 4189: the points' samples; the balls keep to the ball by the tolerance of protrusion
+  // 4 mm³ of 4189: sampling by the points; the balls exceed the ball by at most the protrusion tolerance
   EXPECT_NEAR(volume_m3 * 1e9, 4.0 / 3.0 * std::numbers::pi * 1000.0, 0.005 * 4189.0);
   EXPECT_LE(farthest_m, 10.05e-3);
   // closed form of the solid ball: m = ρ V, I = 2/5 m r²
@@ -92,7 +92,7 @@ TEST_F(PackCommand, ABallIsPackedWithItsVolumeMassAndInertia) {
   EXPECT_NEAR(solid["inertia_g_mm2"][1][1].get<double>(), 0.4 * 4.18879 * 100.0, 1e-2);
   EXPECT_LT(std::abs(json["against_solid"]["volume_error"].get<double>()), 0.005);
 
-  // the exports hold as many
+  // the exports contain the same number
   const std::string csv = io::test::ReadAll(Path("out.csv"));
   EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(csv, '\n')), bone.balls.size() + 1);
   EXPECT_NE(
@@ -123,7 +123,7 @@ TEST_F(PackCommand, DisjointSpheresDoNotOverlap) {
   ASSERT_EQ(balls.size(), 500u);
   for (std::size_t i = 0; i < balls.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      // after saving as well: 1e-3 mm
+      // also after saving: 1e-3 mm
       ASSERT_LE(balls[i].radius_m + balls[j].radius_m -
                     (Vector3(balls[i].center_m) - Vector3(balls[j].center_m)).norm(),
                 1e-6);
@@ -168,7 +168,7 @@ TEST_F(PackCommand, APackingIsConvertedWithWhatIsKnownOfIt) {
   const nlohmann::json made = ReadJson(Path("out.json")), read = ReadJson(Path("again.json"));
   EXPECT_EQ(read["converted"], true);
   for (const char* key : {"spheres", "points", "mode"}) EXPECT_EQ(made[key], read[key]) << key;
-  // by way of metres and back
+  // converted to metres and back
   for (const char* key : {"coverage", "surface_gap_mean_mm", "protrusion_max_mm"})
     EXPECT_NEAR(made[key].get<double>(), read[key].get<double>(), 1e-12) << key;
 }

@@ -3,7 +3,7 @@
 #include "tests/app/command.h"
 #include "tests/simulation/mesh_shapes.h"
 
-// `osteon plan` as a user runs it. Times are this machine's: none is compared with a bound.
+// Runs `osteon plan` as a user does. Times depend on this machine: none is compared with a bound.
 
 namespace osteon::app {
 namespace {
@@ -31,8 +31,8 @@ TEST(Plan, WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises) {
   EXPECT_NE(run.out.find("given up           nothing"), std::string::npos) << run.out;
 }
 
-// The bar of a 25 mm reamer at .1 mm: a twentieth of the balls of a bone that is packed whole, alike and
-// disjoint, as the cutting paper packs it. (Of overlapping balls it would take a seventh.)
+// The bar for a 25 mm reamer at 0.1 mm: a twentieth of the balls of a whole bone packed uniformly with
+// disjoint balls, as in the cutting paper. (With overlapping balls it would take a seventh.)
 TEST(Plan, TakesATwentiethOfABoneThatIsPackedWholeAndAlike) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(
@@ -45,8 +45,7 @@ TEST(Plan, TakesATwentiethOfABoneThatIsPackedWholeAndAlike) {
   EXPECT_NE(run.out.find("and disjoint"), std::string::npos) << run.out;
 }
 
-// No machine makes 100 000 frames a second: the rate is given up, the error is kept, and both are said
-// beforehand.
+// No machine makes 100 000 frames a second: the rate is given up, the error is kept, and both are announced.
 TEST(Plan, SaysWhatItGivesUp) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"plan", "thin_plate", "--error-mm", "0.08",
@@ -62,7 +61,7 @@ TEST(Plan, SaysWhatItGivesUp) {
   EXPECT_NE(run.out.find("given up           rate: "), std::string::npos) << run.out;
 }
 
-// A mesh takes a scene's place: the same block as thin_plate's solid takes about as many spheres.
+// A mesh in a scene's place: the same block as thin_plate's solid needs about as many spheres.
 TEST(Plan, PlansAMesh) {
   const TemporaryFolder folder;
   io::test::WriteAll(folder.path() / "plate.stl",

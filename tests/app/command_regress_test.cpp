@@ -3,7 +3,7 @@
 #include "app/golden_file.h"
 #include "tests/app/command.h"
 
-// The command as a CI server runs it.
+// Runs the command as a CI server does.
 
 namespace osteon::app {
 namespace {
@@ -22,7 +22,7 @@ class Regress : public testing::Test {
     EXPECT_EQ(run.exit_code, exit_code) << run.out << run.err;
     return ReadJson(folder_.path() / "r.json");
   }
-  /// A short scenario in this test's folder.
+  /// Writes a short scenario into this test's folder.
   std::string Own(const std::string& more = "") {
     io::test::WriteAll(folder_.path() / "own.yaml",
                        "shows: a short push\ncell: " OSTEON_SOURCE_DIR
@@ -38,7 +38,7 @@ class Regress : public testing::Test {
   TemporaryFolder folder_;
 };
 
-// All that is shipped, with every core.
+// Runs all shipped scenarios on all cores.
 TEST_F(Regress, TheWholeSuitePasses) {
   const auto json = RunWithJson({"--junit", "r.xml"}, 0);
   EXPECT_EQ(json["schema"], "osteon.regress/1");
@@ -52,7 +52,7 @@ TEST_F(Regress, TheWholeSuitePasses) {
             std::string::npos);
 }
 
-// Whatever runs beside a scenario, and how often: the same bits.
+// The bits are the same, whatever runs beside a scenario and however often it runs.
 TEST_F(Regress, TwoRunsAreBitIdenticalWhateverRunsBesideThem) {
   const std::vector<std::string> some{"wall_reamer", "packet_loss", "drilling_lbr", "wall_kr"};
   const auto hashes = [&](const std::string& jobs) {
@@ -68,7 +68,7 @@ TEST_F(Regress, TwoRunsAreBitIdenticalWhateverRunsBesideThem) {
   EXPECT_EQ(alone, together);
 }
 
-// A scenario's way: no golden trace yet, accepted with a reason, the same, something else, accepted again.
+// The life of a scenario: no golden trace yet, accepted with a reason, the same, changed, accepted again.
 TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   Own();
   const CommandResult none = Run({"own.yaml"});
@@ -88,11 +88,11 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_NE(first->head.reasons[0].find(": the first"), std::string::npos);
   EXPECT_NE(first->head.reasons[0].find(" commit "), std::string::npos);
   EXPECT_TRUE(first->head.reasons[0].starts_with("20"));
-  std::filesystem::remove_all(folder_.path() / "regress_out");  // of what was missing
+  std::filesystem::remove_all(folder_.path() / "regress_out");  // the page of the missing trace
   EXPECT_EQ(RunWithJson({"own.yaml", "--exact"}, 0)["scenarios"][0]["identical"], true);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "regress_out")) << "nothing to show";
 
-  // what passes is not written anew
+  // a scenario that passes is not rewritten
   EXPECT_EQ(Run({"own.yaml", "--update", "--reason", "in vain"}).exit_code, 0);
   EXPECT_EQ(ReadGolden(OwnGolden())->head.reasons.size(), 1u);
 
@@ -111,7 +111,7 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_EQ(Run({"own.yaml"}).exit_code, 0);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "regress_out/regress.html")) << "no longer true";
 
-  // a file that has changed without effect is held against nobody later
+  // a file that has changed without effect is not blamed for a later difference
   io::test::WriteAll(folder_.path() / "own.yaml",
                      io::test::ReadAll(folder_.path() / "own.yaml") + "# a remark\n");
   const CommandResult remark = Run({"own.yaml", "--update", "--reason", "a remark"});
@@ -127,7 +127,7 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_EQ(ReadGolden(OwnGolden())->head.reasons.size(), 3u);
 }
 
-// In virtual time nobody waits for it for ever.
+// In virtual time the run does not wait for it for ever.
 TEST_F(Regress, AnArmThatNeverComesBackEndsTheRun) {
   Own("  injections: [{wire: arm, direction: both, from_s: 0.1, to_s: 9999, silence: true}]\nrecovery_count: "
       "1\n");
@@ -136,7 +136,8 @@ TEST_F(Regress, AnArmThatNeverComesBackEndsTheRun) {
   EXPECT_LT(json["scenarios"][0]["seconds_simulated"], 40.0);
 }
 
-// What a change of a cell's file does must be seen, however small: nothing here is in the golden traces.
+// Every effect of a change in a cell's file must be seen, however small: the golden traces have none of
+// these.
 struct Mutation {
   const char *scenario, *set;
 };
@@ -171,7 +172,7 @@ INSTANTIATE_TEST_SUITE_P(
             "wall_reamer",
             "injections=[{wire: force_sensor, direction: to_controller, from_s: 0, to_s: 9, delay_ms: 1}]"},
         Mutation{"sensor_silent", "watchdog.sensor_stop_ms=101"},
-        // a radius: the tool's, the bone's
+        // a radius of the tool, and of the bone
         Mutation{"wall_reamer", "tool_diameter_mm=51"},
         Mutation{"molar", "scene.packing.cup_radius_cap_mm=0.4545"},
         Mutation{"reaming_lbr", "scene.packing.cup_radius_cap_mm=2.97"}));
@@ -195,7 +196,7 @@ TEST_F(Regress, WrongInputIsRefusedBeforeAnythingRuns) {
   expect({"wall_reamer", "--set", "limits.max_force_N=900"},
          {"--set limits.max_force_N=900: max_force_N: found 900"});
   expect({"wall_reamer", "--set", "nothing"}, {"KEY=VALUE"});
-  // what the cell's own line forbids beside it is told with what was laid over
+  // a value that the cell's own lines forbid is reported together with the overrides
   expect({"wall_reamer", "--set", "script.push_force_N=300"},
          {"demo.yaml:", "max_force_N: found 150", "(with --set script.push_force_N=300)"});
   expect({"wall_reamer", "--jobs", "-1"}, {"--jobs"});

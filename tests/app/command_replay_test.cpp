@@ -6,14 +6,14 @@
 #include "tests/app/command.h"
 #include "tests/app/recorded_run.h"
 
-// `osteon replay`: the controller again, on what a recording says it was given.
+// Tests `osteon replay`: runs the controller again on its recorded inputs.
 
 namespace osteon::app {
 namespace {
 
 class ReplayCommandTest : public RecordedRun {
  protected:
-  /// Replays, and gives what --json wrote; `code_` is the exit code.
+  /// Replays and returns the JSON of --json; `code_` is the exit code.
   nlohmann::json Replay(const std::filesystem::path& recording, std::vector<std::string> more = {}) {
     std::vector<std::string> arguments{"replay", recording.string(), "--json", "replay.json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -28,7 +28,7 @@ class ReplayCommandTest : public RecordedRun {
     const std::uintmax_t size = std::filesystem::file_size(path, none);
     return none ? 0 : size;
   }
-  // A tick in the middle of cutting: something of everything is at work.
+  // A tick in the middle of cutting, in which all parts of the loop are active.
   static std::size_t BusyTick() {
     for (std::size_t i = recording_->ticks.size() / 2; i < recording_->ticks.size(); ++i)
       if (Vector3(recording_->ticks[i].F_coupling_T_W.f).norm() > 1.0) return i;
@@ -69,7 +69,7 @@ TEST_F(ReplayCommandTest, SeesOneBitOfOneReading) {
   EXPECT_EQ(json.at("ticks"), recording_->ticks.size());
   const nlohmann::json& difference = json.at("first_difference");
   EXPECT_EQ(difference.at("tick"), changed.ticks[at].tick);
-  // the last bit of a force moves the last bits of what follows from it in the same tick
+  // the last bit of a force changes the last bits of its consequences in the same tick
   const double recorded = difference.at("recorded"), replayed = difference.at("replayed");
   EXPECT_NE(recorded, replayed);
   EXPECT_NEAR(recorded, replayed, 1e-9);
@@ -155,11 +155,11 @@ TEST_F(ReplayCommandTest, SaysWhatCouldNotBeRunAgain) {
   EXPECT_NE(json.at("not_run_reason").get<std::string>().find("not recorded yet"), std::string::npos);
 }
 
-// Where the files that were read lie, and whether they are there still, does not matter.
+// It does not matter where the configuration files lie and whether they still exist.
 TEST_F(ReplayCommandTest, NeedsNothingButTheRecording) {
   const auto root = folder_.path() / "config";
   std::filesystem::copy(OSTEON_SOURCE_DIR "/config", root, std::filesystem::copy_options::recursive);
-  // a cell that names its robot by its whole path, with a tool from a mesh, and a scene with a picture
+  // a cell that names its robot by an absolute path, with a tool from a mesh, and a scene with a picture
   std::string cell = io::test::ReadAll(root / "cells/demo.yaml");
   const auto replace = [&](const std::string& from, const std::string& to) {
     ASSERT_NE(cell.find(from), std::string::npos) << from;
@@ -209,8 +209,8 @@ TEST_F(ReplayCommandTest, RefusesAConfigurationThatLeadsElsewhere) {
       << unknown.err;
 }
 
-// In wall time, with threads, sockets and a stop by Ctrl-C: whatever the machine made of it. On one that is
-// busy the run may end with a fault before; it is a recording all the same.
+// In wall time, with threads, sockets and a stop by Ctrl-C. On a busy machine the run may end earlier with a
+// fault; that is a valid recording too.
 TEST_F(ReplayCommandTest, ARunInWallTimeIsIdenticalToo) {
   Command demo(folder_.path(), {"demo", "--seconds", "60", "--port", "0", "--out", "wall"});
   const auto path = folder_.path() / "wall/recording.mcap";
@@ -224,7 +224,7 @@ TEST_F(ReplayCommandTest, ARunInWallTimeIsIdenticalToo) {
   EXPECT_GT(json.at("ticks").get<std::uint64_t>(), 100u);
 }
 
-// Killed in the middle: torn as it is, and made whole, the recording replays.
+// A recording of a killed run replays, both as it is and after its recovery.
 TEST_F(ReplayCommandTest, AKilledRunIsIdenticalAsFarAsItGot) {
   Command demo(folder_.path(), {"demo", "--virtual-time", "--seconds", "3600", "--out", "killed"});
   const auto path = folder_.path() / "killed/recording.mcap";

@@ -4,7 +4,7 @@
 
 #include "tests/app/command.h"
 
-// `osteon transparency` as a user runs it, with few frequencies.
+// Runs `osteon transparency` as a user does, with few frequencies.
 
 namespace osteon::app {
 namespace {
@@ -21,8 +21,7 @@ TEST(Transparency, WritesTheKeysOfItsContractAndFeelsMoreThanTheLawAsksFor) {
   EXPECT_EQ(json.at("schema"), "osteon.transparency/1");
   EXPECT_FALSE(json.at("fault").get<bool>());
   EXPECT_EQ(json.at("points").size(), 7u * 6u) << "six directions in free motion, one in contact";
-  // the demo's law: 1.7 kg, 30 N s/m. The arm lags by some 25 ms: 30 N s/m of drag add three quarters of a
-  // kilogram
+  // the demo's law: 1.7 kg, 30 N s/m. The arm lags by some 25 ms, so that 30 N s/m of drag add 0.75 kg
   EXPECT_GT(json.at("apparent_mass_kg").get<double>(), 2.1);
   EXPECT_LT(json.at("apparent_mass_kg").get<double>(), 2.7);
   EXPECT_NEAR(json.at("drag_Ns_per_m").get<double>(), 30.0, 3.0);

@@ -6,7 +6,7 @@
 #include "config/load.h"
 #include "tests/app/command.h"
 
-// `osteon tune` as a user runs it, small.
+// Runs `osteon tune` as a user does, at a small size.
 
 namespace osteon::app {
 namespace {
@@ -50,7 +50,7 @@ TEST(Tune, WritesTheKeysOfItsContractAndGainsThatTheCellAccepts) {
   EXPECT_EQ(cell.servo.admittance.mass_kg.z(), recommended.at("mass_kg").get<double>());
   EXPECT_EQ(cell.servo.admittance.damping_Ns_per_m.x(), recommended.at("damping_Ns_per_m").get<double>());
 
-  // again: nothing is computed, and nothing comes out otherwise
+  // again: nothing is computed, and the result is the same
   const CommandResult again = RunCommand(folder.path(), kSmall);
   ASSERT_EQ(again.exit_code, 0) << again.err;
   nlohmann::json same = ReadJson(out / "tune.json"), before = json;
@@ -84,7 +84,7 @@ TEST(Tune, SaysThatNothingStandsWhatIsTooMuch) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "t/gains.yaml"));
 }
 
-// What is late by default is late by a period of the cell: 4 ms. (A cell's name may have its ending.)
+// Delays without a given value are one period of the cell: 4 ms. (A cell's name may have its file's ending.)
 TEST(Tune, TakesACellOverRsiAsItStands) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"tune", "kr_16_thin_plate.yaml", "--nodes", "4"});

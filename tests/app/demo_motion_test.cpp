@@ -9,7 +9,7 @@
 #include "simulation/tools/motion_player.h"
 #include "tests/app/command.h"
 
-// Motions that the demo saves, and the events of a scene: in virtual time, as a user runs them.
+// Motions that the demo saves, and the events of a scene: in virtual time, run as a user does.
 
 namespace osteon::app {
 namespace {
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 
-// The bone's place in the world, as the cell's file says it.
+// Returns the bone's pose in the world, from the cell's file.
 Pose BoneInWorld(const std::string& cell) {
   auto setup = SetUpCell(kConfig / "cells" / (cell + ".yaml"), {});
   if (!setup) throw std::runtime_error(setup.error());
@@ -59,7 +59,7 @@ TEST(SavedMotion, IsTheCommandedMotionToFiveMicrometres) {
     if (tick.phase != control::Phase::kHaptic) continue;
     if (ticks++ == 0) start = tick.stamp;
     const Pose X_GT = X_GW * Pose(tick.X_WT_cmd), found = curve.X_GT(rt::ToSeconds(tick.stamp - start));
-    const Vector3 lever(0, 0, -0.1);  // what a turn does 100 mm from the apex
+    const Vector3 lever(0, 0, -0.1);  // shows the effect of a turn 100 mm from the apex
     worst_m = std::max(worst_m, (found.translation() - X_GT.translation()).norm());
     worst_lever_m = std::max(worst_lever_m, (found * lever - X_GT * lever).norm());
     if (ticks > 1) way_m += (X_GT.translation() - last).norm();
@@ -74,13 +74,12 @@ TEST(SavedMotion, IsTheCommandedMotionToFiveMicrometres) {
               motion->samples.size(), io::test::ReadAll(folder.path() / "motion.csv").size(), worst_m * 1e6,
               worst_lever_m * 1e6);
 
-  // nothing happened in the scene; the wall beside the cup is watched: half the block's width less the
-  // reamer's reach
+  // no event happened; the wall beside the cup is watched: half the block's width minus the reamer's radius
   const nlohmann::json summary = ReadJson(folder.path() / "demo_out/summary.json");
   EXPECT_TRUE(summary.at("events").empty());
   EXPECT_NEAR(summary.at("least_wall_mm").get<double>(), 40.0 - 25.0, 1.0);
 
-  // it says by whom, how and how well
+  // the file states its author, method and quality
   EXPECT_NE(motion->origin.made_by.find("simulated operator"), std::string::npos);
   EXPECT_EQ(motion->origin.cell, "config/cells/demo.yaml");
   EXPECT_EQ(motion->origin.clock, "virtual time");
@@ -97,7 +96,7 @@ TEST(SavedMotion, NamesThePlaceThatItCanNotBeWrittenTo) {
   EXPECT_FALSE(fs::exists(folder.path() / "demo_out"));
 }
 
-// A copy of the configuration in which the scene watches its walls otherwise.
+// Copies the configuration with another wall limit in one scene.
 void CopyConfig(const fs::path& to, const std::string& scene, const std::string& from_text,
                 const std::string& to_text) {
   fs::copy(kConfig, to, fs::copy_options::recursive);
@@ -110,7 +109,7 @@ void CopyConfig(const fs::path& to, const std::string& scene, const std::string&
 
 TEST(DemoEvents, BothEnginesSeeTheSame) {
   const TemporaryFolder folder;
-  // thicker than the bone beside the cup: an event with the first cut
+  // a limit above the thickness beside the cup: an event at the first cut
   CopyConfig(folder.path() / "config", "acetabulum", "least_wall_mm: 2 ", "least_wall_mm: 20 ");
   nlohmann::json of[2];
   for (const int i : {0, 1}) {
@@ -137,7 +136,7 @@ TEST(DemoEvents, BothEnginesSeeTheSame) {
     EXPECT_EQ(summary.at("events")[0].at("name"), "wall too thin");
     EXPECT_EQ(summary.at("events")[0].at("unit"), "mm");
   }
-  // a frame of 2 ms more or less; what single precision makes of a proxy's place
+  // tolerances: one frame of 2 ms, and the proxy's place in single precision
   EXPECT_NEAR(of[0].at("events")[0].at("time_s").get<double>(),
               of[1].at("events")[0].at("time_s").get<double>(), 0.010);
   EXPECT_NEAR(of[0].at("events")[0].at("value").get<double>(),

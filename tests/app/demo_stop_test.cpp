@@ -9,7 +9,7 @@
 #include "tests/app/command.h"
 #include "tests/app/machine_lateness.h"
 
-// Wall time and Ctrl-C. How fast this machine is, is nowhere asserted.
+// Wall time and Ctrl-C. No test asserts how fast this machine is.
 
 namespace osteon::app {
 namespace {
@@ -18,7 +18,7 @@ using control::Phase;
 
 double SpeedOf(const control::TickRecord& tick) { return Vector3(tick.v_WT_cmd_m_per_s).norm(); }
 
-// After the request the commanded speed only falls, to rest; and the recording shows all of it.
+// After the request the commanded speed only falls, down to rest; and the recording contains all of it.
 void ExpectOrderlyStop(const io::Recording& recording) {
   ASSERT_FALSE(recording.ticks.empty());
   const auto is_stopping = [](const control::TickRecord& t) { return t.phase == Phase::kStopping; };
@@ -47,10 +47,10 @@ void ExpectInterrupted(const CommandResult& run, const std::filesystem::path& ou
   EXPECT_NE(io::test::ReadAll(out / "report.html").find("</html>"), std::string::npos);
 }
 
-// About 0.75 kB a tick with its frame: a second into the session, the tool on its way.
+// About 0.75 kB per tick with its frame: a second after the session's start, the tool moves.
 constexpr std::uintmax_t kSomeBytes = 750'000;
 
-// How far the recording of a running demo has grown.
+// Size of a running demo's recording so far.
 std::uintmax_t Recorded(const std::filesystem::path& folder) {
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(folder / "demo_out/recording.mcap", error);
@@ -63,7 +63,7 @@ TEST(WallDemo, RunsOverUdpAndNamesWhateverStoppedIt) {
   const CommandResult run = RunCommand(folder.path(), {"demo", "--seconds", "3", "--port", "0"});
   const nlohmann::json summary = ReadJson(folder.path() / "demo_out/summary.json");
   EXPECT_EQ(summary.at("virtual_time"), false);
-  // a machine that is busy with other things may well stall the loop: then it says so
+  // a busy machine may stall the loop: then the loop reports it
   if (run.exit_code == 0) {
     EXPECT_TRUE(summary.at("faults").empty()) << summary.dump(2);
   } else {
@@ -86,7 +86,7 @@ TEST(WallDemo, RunsOverUdpAndNamesWhateverStoppedIt) {
 }
 
 TEST(WallDemo, StopsInOrderAtCtrlC) {
-  // a machine that is busy with other things may stall the loop, which then stops itself: that is no answer
+  // a busy machine may stall the loop, which then stops itself: such a run decides nothing
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -112,7 +112,7 @@ TEST(VirtualDemo, StopsInOrderAtCtrlC) {
   const TemporaryFolder folder;
   Command demo(folder.path(), {"demo", "--virtual-time", "--seconds", "600"});
   ASSERT_TRUE(demo.WaitUntil([&] { return Recorded(folder.path()) > kSomeBytes; })) << demo.Err();
-  demo.Send(SIGTERM);  // what a service manager sends counts as Ctrl-C
+  demo.Send(SIGTERM);  // a service manager's signal counts as Ctrl-C
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   demo.Send(SIGTERM);  // `timeout` sends it twice
   ExpectInterrupted(demo.Wait(), folder.path() / "demo_out");

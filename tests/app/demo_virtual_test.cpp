@@ -8,14 +8,14 @@
 #include "app/summary.h"
 #include "tests/app/command.h"
 
-// The demo in virtual time: what it leaves, and whether that is true.
+// The demo in virtual time: its files, and whether their content is true.
 
 namespace osteon::app {
 namespace {
 
 double ForceOf(const control::TickRecord& tick) { return Vector3(tick.F_coupling_T_W.f).norm(); }
 
-// Every key that docs promise for the demo, with its kind.
+// Every key that the documents promise for the demo, with its type.
 void ExpectContract(const nlohmann::json& summary) {
   EXPECT_EQ(summary.at("schema"), "osteon.demo/1");
   for (const char* key : {"engine", "device", "recording", "scene", "tool", "state_hash", "ended", "version"})
@@ -33,7 +33,7 @@ void ExpectForceWithinLimit(const nlohmann::json& summary, const io::Recording& 
   EXPECT_EQ(limit_N, recording.session.force_limit_N);
   double peak_N = 0.0;
   for (const control::TickRecord& tick : recording.ticks) peak_N = std::max(peak_N, ForceOf(tick));
-  // the limiter scales a vector: a rounding in each component
+  // the limiter scales a vector: one rounding in each component
   EXPECT_LE(peak_N, limit_N * (1.0 + 1e-12));
   EXPECT_NEAR(summary.at("peak_force_N").get<double>(), peak_N, 1e-9);
   EXPECT_LE(summary.at("peak_force_N").get<double>(), limit_N * (1.0 + 1e-12));
@@ -66,7 +66,7 @@ TEST(VirtualDemo, LeavesWhatItPromises) {
   EXPECT_EQ(summary.at("ended"), "completed");
   EXPECT_TRUE(summary.at("faults").empty());
   EXPECT_NEAR(summary.at("servo_rate_hz").get<double>(), 1000.0, 1e-3);
-  EXPECT_NEAR(summary.at("seconds").get<double>(), 1.5, 0.2);  // and the ordered stop after them
+  EXPECT_NEAR(summary.at("seconds").get<double>(), 1.5, 0.2);  // plus the ordered stop
   EXPECT_EQ(ReadJson(folder.path() / "copy.json"), summary);
 
   const io::Recording recording = ReadComplete(out / "recording.mcap");
@@ -77,7 +77,7 @@ TEST(VirtualDemo, LeavesWhatItPromises) {
 
   const std::string page = io::test::ReadAll(out / "report.html");
   EXPECT_NE(page.find("</html>"), std::string::npos);
-  // nothing is fetched: the one address is the name of SVG's namespace, and pictures are data
+  // nothing is fetched: the only address is SVG's namespace, and pictures are embedded
   const std::string svg = "http://www.w3.org/2000/svg";
   for (std::size_t at = page.find("://"); at != std::string::npos; at = page.find("://", at + 1))
     EXPECT_EQ(page.substr(at - std::min(at, std::size_t{4}), svg.size()), svg) << "at byte " << at;
@@ -89,7 +89,7 @@ TEST(VirtualDemo, LeavesWhatItPromises) {
   EXPECT_EQ(files, 5u) << "beside these a page and a table of the run's end, and nothing else";
 }
 
-// The bars of the first cut, on the product's engine.
+// The acceptance bars of the first cut, on the product's engine.
 TEST(VirtualDemo, ReamsTheWholeCup) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"demo", "--virtual-time"});
@@ -111,7 +111,7 @@ TEST(VirtualDemo, ReamsTheWholeCup) {
   ExpectForceWithinLimit(summary, ReadComplete(folder.path() / "demo_out/recording.mcap"));
 }
 
-// The same run on plain loops in double precision.
+// The same run on the reference engine, in double precision.
 TEST(VirtualDemo, AgreesWithTheReferenceEngine) {
   const TemporaryFolder folder;
   nlohmann::json of[2];
@@ -130,12 +130,12 @@ TEST(VirtualDemo, AgreesWithTheReferenceEngine) {
   const double reference_mm3 = of[1].at("removed_volume_mm3");
   EXPECT_NEAR(of[0].at("removed_volume_mm3").get<double>(), reference_mm3, 0.05 * reference_mm3);
   EXPECT_NEAR(of[0].at("cup_depth_mm").get<double>(), of[1].at("cup_depth_mm").get<double>(), 0.05);
-  // as the arm and hand are the same, so are the forces, to what single precision makes of a contact
+  // arm and hand are the same, so the forces agree, up to single precision in the contact
   EXPECT_NEAR(of[0].at("peak_force_N").get<double>(), of[1].at("peak_force_N").get<double>(), 5.0);
 }
 
-// A limit on a file's size, which the program inherits, stands in for a full disk. What was asked for failed;
-// there was nothing wrong with how it was asked.
+// A file-size limit, which the program inherits, stands in for a full disk. The command must fail, but not by
+// blaming its input.
 TEST(VirtualDemo, OnAFullDiskHasFailed) {
   const TemporaryFolder folder;
   rlimit before{};

@@ -20,7 +20,7 @@ std::string Trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-// "osteon …" of a text that begins with it, wherever the launcher is; empty for any other.
+// Returns "osteon …" of a text that begins with the command, with any path of the launcher; else empty.
 std::string CommandOf(std::string text) {
   text = Trimmed(text);
   for (const std::string place : {"./", "osteon/"})
@@ -58,7 +58,7 @@ DocPage ReadPage(const std::filesystem::path& root, const std::string& path) {
       after_text = false;
       continue;
     }
-    // four spaces begin a block, unless they go on a paragraph
+    // four spaces begin a block, unless they continue a paragraph
     const bool indented = !fenced && text.starts_with("    ") && !after_text;
     page.lines.push_back({.text = text, .code = fenced || indented, .language = language});
     after_text = !trimmed.empty() && !fenced && !indented;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-// The project's Markdown pages, read as far as tests ask: links, headings, commands, differences.
+// Reads the project's Markdown pages, as far as tests need: links, headings, commands, differences.
 
 namespace osteon::app {
 
@@ -21,9 +21,9 @@ struct DocPage {
   std::vector<DocLine> lines;
 };
 
-/// @throws std::runtime_error where there is no such page.
+/// @throws std::runtime_error if there is no such page.
 [[nodiscard]] DocPage ReadPage(const std::filesystem::path& root, const std::string& path);
-/// All of them but what a build or a run has left, sorted.
+/// Reads all pages except those made by a build or a run, sorted.
 [[nodiscard]] std::vector<DocPage> DocPages(const std::filesystem::path& root);
 
 struct DocLink {
@@ -31,25 +31,25 @@ struct DocLink {
   std::string file;     ///< empty: the same page
   std::string heading;  ///< empty: the whole page
 };
-/// Those into the tree; addresses of other machines are left out.
+/// Lists the links into the tree; addresses of other machines are left out.
 [[nodiscard]] std::vector<DocLink> Links(const DocPage& page);
 
-/// As links name them: lower case, without marks, hyphens for spaces.
+/// The headings' anchors as links name them: lower case, without punctuation, hyphens for spaces.
 [[nodiscard]] std::set<std::string> Headings(const DocPage& page);
 
 struct DocCommand {
   std::size_t line{0};
-  std::string text;                ///< "osteon demo --virtual-time": without "./" and remark
+  std::string text;                ///< "osteon demo --virtual-time": without "./" and comment
   std::vector<std::string> words;  ///< after "osteon"
-  bool own_line{false};            ///< a line of a block to be typed, not a mention in a sentence
+  bool own_line{false};            ///< a line to be typed, not a mention in a sentence
 };
-/// What is shown as a command of osteon. What osteon itself prints ("osteon run: …") is none.
+/// Lists the commands of osteon that a page shows. Output of osteon ("osteon run: …") is no command.
 [[nodiscard]] std::vector<DocCommand> Commands(const DocPage& page);
 
-/// Pages for users that have lines to be typed: the README and docs/.
+/// The user pages with lines to be typed: the README and docs/.
 [[nodiscard]] std::vector<std::string> PagesWithCommands(const std::filesystem::path& root);
 
-/// Of one file: texts that stand there, and what takes their place.
+/// Texts of one file, and their replacements.
 struct DocDifference {
   struct Part {
     std::string before, after;
@@ -58,7 +58,7 @@ struct DocDifference {
   std::string file;
   std::vector<Part> parts;
 };
-/// The page's blocks in `diff`.
+/// Lists the page's blocks marked `diff`.
 [[nodiscard]] std::vector<DocDifference> Differences(const DocPage& page);
 
 }  // namespace osteon::app

@@ -23,7 +23,7 @@ DocRun As(const std::string& arguments, std::vector<std::string> leaves = {}) {
 }
 DocRun By(const std::string& test) { return {.arguments = {}, .leaves = {}, .elsewhere = test}; }
 
-// What a run cut short leaves: most of a whole recording.
+// Makes the recording of a run cut short: the first half of a complete one.
 void Tear(const std::filesystem::path& folder) {
   const std::string whole = ReadAll(folder / "demo_out/recording.mcap");
   WriteAll(folder / "torn.mcap", whole.substr(0, whole.size() / 2));

@@ -6,27 +6,28 @@
 #include <string>
 #include <vector>
 
-// How the pages' commands are run by a test: as they stand where that is quick, smaller or shorter where not,
-// and by a test of their own where several processes or minutes are needed.
+// How a test runs the pages' commands: unchanged if that is fast, smaller or shorter if not, and in a test of
+// their own if they need several processes or minutes.
 
 namespace osteon::app {
 
 struct DocRun {
-  std::vector<std::string> arguments;                          ///< after "osteon"
-  std::vector<std::string> leaves;                             ///< files that must be there afterwards
-  std::string elsewhere;                                       ///< "Suite.Name" of the test that runs it
-  std::function<void(const std::filesystem::path&)> before{};  ///< what has to be in the folder
+  std::vector<std::string> arguments;  ///< after "osteon"
+  std::vector<std::string> leaves;     ///< files that must exist afterwards
+  /// "Suite.Name" of the test that runs it instead.
+  std::string elsewhere;
+  std::function<void(const std::filesystem::path&)> before{};  ///< prepares the folder
 };
 
-/// None where a page has a command that nothing is known about.
+/// Returns how to run a command; nothing if the command is not known here.
 [[nodiscard]] std::optional<DocRun> HowToRun(const std::string& command);
-/// All that something is known about.
+/// Lists all known commands.
 [[nodiscard]] std::vector<std::string> CommandsKept();
 
-/// config/, meshes under the names that the pages use.
+/// Puts config/ and meshes, under the names that the pages use, into the folder.
 void PutInputs(const std::filesystem::path& root, const std::filesystem::path& folder);
 
-/// Whether a source under tests/ has the test.
+/// Whether a source under tests/ contains the test.
 [[nodiscard]] bool IsTest(const std::filesystem::path& root, const std::string& suite_and_name);
 
 }  // namespace osteon::app

@@ -14,8 +14,8 @@
 #include "tests/app/doc_pages.h"
 #include "tests/app/docs_commands.h"
 
-// What the pages promise: links that lead somewhere, commands and options that exist and do what they are
-// shown for, differences that fit the tree.
+// Checks the pages' promises: links lead somewhere, commands and options exist and do what they are shown
+// for, differences apply to the tree.
 
 namespace osteon::app {
 namespace {
@@ -49,7 +49,7 @@ TEST(Docs, EveryLinkLeadsSomewhere) {
   EXPECT_GT(links, 100);
 }
 
-// What `osteon … --help` says, each asked for once.
+// The output of `osteon … --help`, requested once for each subcommand.
 class Helps {
  public:
   const std::string& Of(const std::vector<std::string>& subcommand) {
@@ -74,7 +74,7 @@ TEST(Docs, EveryCommandAndOptionExists) {
   pages.push_back(ReadPage(kRoot, "docs/ci/regress.yml"));
   for (const DocPage& page : pages) {
     for (const DocCommand& command : Commands(page)) {
-      if (command.words[0] == "test") continue;  // the launcher's
+      if (command.words[0] == "test") continue;  // the launcher's own
       SCOPED_TRACE(Where(page, command.line) + ": " + command.text);
       std::vector<std::string> subcommand{command.words[0]};
       const bool in_two_words = subcommand[0] == "bench" || subcommand[0] == "chart";
@@ -93,7 +93,7 @@ TEST(Docs, EveryCommandAndOptionExists) {
   EXPECT_GT(commands, 60);
 }
 
-// Every page with commands of its own lines: each runs, in their order, in one folder.
+// Runs the commands of every page with lines to be typed, in order, in one folder.
 class DocsRun : public testing::TestWithParam<std::string> {};
 
 TEST_P(DocsRun, ItsCommandsDoWhatTheyAreShownFor) {
@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(, DocsRun, testing::ValuesIn(PagesWithCommands(kRoot)),
   return name;
 });
 
-// Its pictures are held by the links.
+// The link check covers its pictures.
 TEST(Docs, EveryFailureHasItsPicture) {
   const std::string page = ReadAll(kRoot / "docs/failures.md");
   const auto scenarios = hil::FailureScenarios();

@@ -1,5 +1,5 @@
-// An exception inside a run, between the start of its threads and their end: the arm moves, and has to come
-// to rest in order all the same. A whole cell on its real protocols, in this process.
+// An exception in a run, after its threads have started: the arm moves and still has to come to rest in
+// order. A whole cell on its real protocols, in this process.
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ namespace {
 
 using control::Phase;
 
-// A machine that is late must not end these runs before the exception does.
+// Widens the limits, so that a slow machine does not end these runs before the exception does.
 void MakePatient(config::CellConfig& cell) {
   hil::QualityPolicyParams& quality = cell.simulated.fri.quality;
   quality.end_after_lost_in_a_row = quality.end_after_lost_per_s = quality.good_max_lost_per_s = 1'000'000;
@@ -28,7 +28,7 @@ void MakePatient(config::CellConfig& cell) {
   most.sensor_stop_s = most.spindle_stop_s = most.interlock_stop_s = 3.0;
 }
 
-// A plane that throws once it has been asked so often.
+// An engine with one plane that throws after a number of frames.
 class ThrowingEngine : public simulation::CuttingEngine {
  public:
   ThrowingEngine(const config::CellConfig& cell, int throws_at)
@@ -88,7 +88,7 @@ void ExpectAnOrderlyStop(const Ride& ride) {
   };
   EXPECT_GT(in(Phase::kHaptic), 100) << "it had begun";
   ASSERT_GT(in(Phase::kStopped), 100) << "and was recorded at rest";
-  // a tool that hardly moves is braked within a tick: what counts is that nothing more was commanded
+  // a slow tool is braked within a tick: it counts that no further motion was commanded
   const auto& ticks = ride.recording.ticks;
   const auto stopped = std::ranges::find(ticks, Phase::kStopped, &control::TickRecord::phase);
   const auto following = [](const control::TickRecord& tick) {

@@ -14,8 +14,8 @@
 #include "config/overlay.h"
 #include "tests/io/temporary_folder.h"
 
-// Convex bone in its planned packing: between two frames the proxy hardly moves and the planes change, which
-// must be no step of the force whatever a frame takes. In virtual time.
+// Convex bone in its planned packing: between two frames the proxy hardly moves while the planes change. This
+// must not become a step of the force, whatever a frame takes. In virtual time.
 
 namespace osteon::app {
 namespace {
@@ -31,8 +31,8 @@ struct Tool {
 };
 
 CellSetup PlannedHead(const Tool& tool, const std::optional<MeshChoice>& mesh = std::nullopt) {
-  // near the bone, since slow frames let the tool come no faster than they show what is there; a reamer's
-  // centre is its radius above its apex
+  // start near the bone, since slow frames limit the tool's speed (model sight); a reamer's centre is its
+  // radius above its apex
   const fs::path cell = kConfig / "cells/femoral_head.yaml";
   config::Overlay overlay(cell);
   overlay.Lay(fmt::format("start.height_mm={}", tool.diameter_m > 0.02 ? 28 : 4), "the test");
@@ -49,11 +49,11 @@ CellSetup PlannedHead(const Tool& tool, const std::optional<MeshChoice>& mesh = 
 
 struct Ridden {
   CellRunResult result;
-  double most_step{0.0};  ///< of the force in a tick, over what the trip accepts
+  double most_step{0.0};  ///< change of the force per tick, over the trip's limit
   double peak_N{0.0};
 };
 
-/// @param seed  of the hand's tremor
+/// @param seed  for the hand's tremor
 Ridden Ride(CellSetup& setup, double seconds, int frame_ms, int seed) {
   setup.config.simulated.hand.tremor_seed = static_cast<std::uint64_t>(seed);
   auto engine = MakeEngine(setup, "vulkan", "");
@@ -76,7 +76,7 @@ Ridden Ride(CellSetup& setup, double seconds, int frame_ms, int seed) {
   return ridden;
 }
 
-// The tool approaches no faster than frames tell what is there.
+// With slow frames the tool approaches more slowly (model sight).
 double SecondsToBone(int frame_ms) { return frame_ms <= 12 ? 2.0 : 4.0; }
 
 class FemoralHead : public ::testing::TestWithParam<Tool> {};
@@ -91,7 +91,7 @@ TEST_P(FemoralHead, IsCutWithoutATripWhateverAFrameTakes) {
     const Ridden ridden = Ride(setup, SecondsToBone(frame_ms), frame_ms, seed);
     EXPECT_EQ(ridden.result.end, control::RunEnd::kSeconds);
     EXPECT_EQ(ridden.result.faults.bits(), 0u);
-    if (frame_ms < 30) {  // planes of 30 ms and more have faded to nothing
+    if (frame_ms < 30) {  // planes of 30 ms and more have faded to zero
       EXPECT_GT(ridden.result.after.removed_volume_m3, 0.0);
     }
     EXPECT_EQ(ridden.result.statistics.limits.Of(safety::Limit::kPassivity).events, 0u);
@@ -108,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(Tools, FemoralHead,
                                            Tool{"reamer", 0.050}),
                          [](const auto& param) { return std::string(param.param.name); });
 
-// What it was before: the same runs with the turn done in the tick of the frame.
+// The behaviour before the hand-over: the same runs, with the planes exchanged within one tick.
 TEST(FemoralHeadSteps, AreBeyondTheTripWhereAFramesPlanesTurnTheForceAtOnce) {
   CellSetup setup = PlannedHead({"twist_drill", 0.004});
   const double shipped = Ride(setup, 2.0, 4, 1).most_step;
@@ -121,7 +121,7 @@ TEST(FemoralHeadSteps, AreBeyondTheTripWhereAFramesPlanesTurnTheForceAtOnce) {
   EXPECT_GT(at_once, shipped);
 }
 
-// The outer faces of a hip bone from CT, which are convex too: iliac crest, ischial tuberosity, ischial
+// The outer faces of a hip bone from CT, which are convex as well: iliac crest, ischial tuberosity, ischial
 // spine.
 TEST(HipBoneOuterFaces, AreDrilledWithoutATrip) {
   const char* data = std::getenv("OSTEON_DATA_DIR");

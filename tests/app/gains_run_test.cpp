@@ -9,7 +9,7 @@
 #include "app/replay.h"
 #include "tests/app/virtual_ride.h"
 
-// A file of gains that is saved again while a cell runs with it, in virtual time.
+// A file of gains that is saved again during a run, in virtual time.
 
 namespace osteon::app {
 namespace {
@@ -24,7 +24,7 @@ struct GainsRide {
   std::vector<std::string> notices;
 };
 
-// Files of one run get modification times of their own, whatever the disk's clock resolves.
+// Gives the files of one run distinct modification times, whatever the resolution of the disk's clock.
 void Save(const fs::path& file, const std::string& text, int version) {
   std::ofstream(file) << text;
   fs::last_write_time(file,
@@ -97,7 +97,7 @@ TEST(GainsRun, SavedAgainTheyAreReadCheckedAndRampedAndTheRunReplaysBitForBit) {
   EXPECT_EQ(replay.ticks, ticks.size());
 }
 
-// A twist drill that may only move along itself, over the whole script.
+// A twist drill that may move along its axis only, over the whole script.
 TEST(GainsRun, ALockedDrillStaysOnItsLineOverTheWholeScript) {
   config::CellConfig cell;
   const VirtualRide ride = RideVirtually("thin_plate", 10.0, [&](config::CellConfig& config) {

@@ -49,7 +49,7 @@ TEST(GoldenFile, ComesBackAsItWasButForTheRounding) {
                   0.5 * std::pow(10.0, -DecimalsOf(TraceQuantities()[j].kind)));
 }
 
-// Every place where it may be cut off, every byte that may be another one.
+// Cuts the text at every place, and changes every byte.
 TEST(GoldenFile, NothingOfItIsTrusted) {
   const std::string text = GoldenText(Sample());
   for (std::size_t size = 0; size + 1 < text.size(); ++size) {

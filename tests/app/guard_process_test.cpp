@@ -9,19 +9,19 @@
 #include "tests/app/machine_lateness.h"
 #include "tests/config/cell_text.h"
 
-// `osteon cell`, `guard` and `run` as three processes, and what is left where one of them dies.
+// Runs `osteon cell`, `guard` and `run` as three processes, and checks what remains when one of them dies.
 
 namespace osteon::app {
 namespace {
 
-// A first port that another test of this machine hardly has.
+// A first port that other tests of this machine are unlikely to use.
 std::string Port() { return std::to_string(49152 + getpid() % 1500 * 10); }
 
 bool Says(const Command& command, const std::string& words) {
   return command.Out().find(words) != std::string::npos;
 }
 
-// A cell with a guard, and each of its processes in a folder of its own.
+// A cell with a guard, each process in a folder of its own.
 class GuardProcess : public testing::Test {
  protected:
   void SetUp() override {
@@ -47,7 +47,7 @@ class GuardProcess : public testing::Test {
     EXPECT_EQ(cell_->Wait().exit_code, 0);
     return ReadJson(cell_folder_.path() / "cell.json");
   }
-  // The arm has left COMMANDING_ACTIVE.
+  // Whether the arm has left COMMANDING_ACTIVE.
   [[nodiscard]] bool ArmLeft() {
     return cell_->WaitUntil([&] {
       const std::string out = cell_->Out();
@@ -75,7 +75,7 @@ TEST_F(GuardProcess, ARunThroughTheGuardEndsAsOneWithout) {
     const nlohmann::json report = GuardReport(), summary = ReadJson(run_folder_.path() / "run.json");
     EXPECT_EQ(report.at("schema"), "osteon.guard/1");
     EXPECT_EQ(report.at("config_checksum"), summary.at("config_checksum")) << "both read the same files";
-    if (run.exit_code != 0) {  // with or without a guard
+    if (run.exit_code != 0) {  // as without a guard
       worst_wakeup = watch.worst();
       ASSERT_TRUE(MachineWasLate(run, summary, worst_wakeup)) << report.dump(2);
       continue;
@@ -97,7 +97,7 @@ TEST_F(GuardProcess, ARunThroughTheGuardEndsAsOneWithout) {
   GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
 }
 
-// A run that starts its simulated cell starts the cell's guard as well, and ends it.
+// A run that starts its simulated cell also starts and ends the cell's guard.
 TEST_F(GuardProcess, ARunOfASimulatedCellBringsItsGuard) {
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
@@ -116,7 +116,7 @@ TEST_F(GuardProcess, ARunOfASimulatedCellBringsItsGuard) {
     EXPECT_EQ(summary.at("ended"), "completed");
     EXPECT_TRUE(summary.at("faults").empty());
     EXPECT_EQ(summary.at("planned").at("rate_hz"), 150.0);
-    // the same port again: nobody has it any more
+    // the same port again: it is free
     guard_.emplace(guard_folder_.path(), std::vector<std::string>{"guard", file(), "--port", Port()});
     EXPECT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
     return;
@@ -134,7 +134,7 @@ TEST_F(GuardProcess, AGuardThatIsKilledStopsArmAndRun) {
   EXPECT_EQ(run.Wait().exit_code, 1) << run.Err();
   EXPECT_TRUE(ArmLeft()) << cell_->Out();
   EXPECT_FALSE(ReadJson(run_folder_.path() / "run.json").at("faults").empty());
-  usleep(600'000);  // the PLC gives a heartbeat .25 s
+  usleep(600'000);  // the PLC tolerates 0.25 s without a heartbeat
   const nlohmann::json report = EndCell();
   EXPECT_FALSE(report.at("plc").at("run_permitted").get<bool>());
   EXPECT_NE(report.at("plc").at("blocks").get<std::string>().find("guard's heartbeat lost"),
@@ -147,7 +147,7 @@ TEST_F(GuardProcess, AControllerThatIsKilledIsWithdrawnAtThePlc) {
   Command run(run_folder_.path(), Run());
   ASSERT_TRUE(cell_->WaitUntil([&] { return Says(*cell_, "COMMANDING_ACTIVE"); }))
       << run.Err() << guard_->Err();
-  usleep(1'000'000);  // the hand has taken the tool along
+  usleep(1'000'000);  // the hand has moved the tool by then
   run.Send(SIGKILL);
   run.Wait();
   EXPECT_TRUE(ArmLeft()) << cell_->Out();

@@ -4,15 +4,14 @@
 #include "app/guard.h"
 #include "tests/app/virtual_ride.h"
 
-// The guard beside runs of the shipped cells, in virtual time: what the controller answered, as it was
-// recorded.
+// The guard on runs of the shipped cells, in virtual time: it gets the controller's recorded answers.
 
 namespace osteon::app {
 namespace {
 
 using control::SessionState;
 
-// What the link sends of a tick's command: FriSession mirrors, and holds until the loop names the activation.
+// The link's answer to a tick's command: FriSession mirrors, and holds until the loop names the activation.
 safety::GuardCommand AnswerOf(const control::TickRecord& tick) {
   const control::TickInput& in = tick.input;
   const bool mirrors = tick.session_state != static_cast<std::uint8_t>(SessionState::kCommandingActive) ||
@@ -34,7 +33,7 @@ safety::GuardSession SessionOf(std::uint8_t state) {
              : safety::GuardSession::kMonitoring;
 }
 
-// Every tick of a recording through a guard of that cell, with a margin.
+// Passes every tick of a recording through that cell's guard, with a margin on its limits.
 void ExpectAllPasses(const std::string& name, const VirtualRide& ride, double margin) {
   config::CellConfig cell = config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml");
   cell.guard = config::GuardConfig{.host = "127.0.0.1", .port = 30209, .margin = margin};
@@ -84,7 +83,7 @@ TEST(GuardRun, NothingOfTheTorqueOverlayIsWithheld) {
   ExpectAllPasses("thin_plate_impedance", ride, 0.25);
 }
 
-// From outside of the workspace, and along the joints.
+// From outside the workspace, along a joint path.
 TEST(GuardRun, NothingOfTheWayToTheStartIsWithheld) {
   const VirtualRide ride = RideVirtually("thin_plate", 2.0, [](config::CellConfig& cell) {
     cell.simulated.q_start[0] += 0.3;
@@ -114,7 +113,7 @@ TEST(ConfigChecksum, IsOfNamesAndBytesWhereverTheFilesLieAndWithoutGains) {
     change(other);
     EXPECT_NE(ConfigChecksum(other), sum);
   }
-  // FNV-1a of 64 bits, worked out apart: nothing in, the offset basis out
+  // FNV-1a of 64 bits, computed independently: empty input gives the offset basis
   EXPECT_EQ(ConfigChecksum({}), "cbf29ce484222325");
 }
 

@@ -13,16 +13,16 @@
 #include "tests/app/machine_lateness.h"
 #include "tests/config/cell_text.h"
 
-// A terminal that is closed, and a reader that goes away, while the tool is in bone: the run ends in order,
-// its recording is whole, its figures are written, and the exit code says what it was. The same of the guard.
+// A terminal is closed, or a reader goes away, while the tool is in bone: the run ends in order, its
+// recording is complete, its figures are written, and the exit code names the cause. The same for the guard.
 //
-// Twenty times each:
+// Twenty repetitions of each:
 //     osteon_test_app_wall --gtest_filter='*HangUp*' --gtest_repeat=20
 
 namespace osteon::app {
 namespace {
 
-constexpr int kAttempts = 3;  // on a machine that is busy with other things
+constexpr int kAttempts = 3;  // for runs that a busy machine spoilt
 
 // A pipe whose reader can be closed.
 class Pipe {
@@ -49,7 +49,7 @@ class Pipe {
   std::array<int, 2> ends_{-1, -1};
 };
 
-// The tool is in bone, by the newest frame that has reached the file.
+// Whether the tool is in bone, by the newest frame in the file.
 bool InContact(const std::filesystem::path& recording) {
   auto stream = io::RecordingStream::Open(recording);
   if (!stream) return false;
@@ -61,7 +61,7 @@ bool InContact(const std::filesystem::path& recording) {
   }
 }
 
-// What happens to the process that is looked at.
+// The event that the observed process experiences.
 enum class End { kHangUp, kTwoHangUps, kStdoutClosed, kStderrClosed };
 
 CommandStreams StreamsOf(End end, const Pipe& pipe) {
@@ -80,7 +80,7 @@ void Cause(End end, Command& process, Pipe& pipe) {
 
 class HangUp : public testing::Test {
  protected:
-  // What ends a run that is in contact, and the exit code that says so. False: the machine was late.
+  // Ends a run in contact by that event and checks its exit code. False: the machine was late.
   bool RunEnds(End end, int exit_code, const char* name) {
     const TemporaryFolder folder;
     Pipe pipe;
@@ -122,7 +122,7 @@ class HangUp : public testing::Test {
 
 TEST_F(HangUp, ATerminalThatIsClosedEndsARunInOrder) { ExpectRunEnds(End::kHangUp, 129, "SIGHUP"); }
 
-// Shell, system and service manager may all send it.
+// Shell, system and service manager may each send one.
 TEST_F(HangUp, ASecondSighupDoesNotEndTheProcessBeforeTheArmRests) {
   ExpectRunEnds(End::kTwoHangUps, 129, "SIGHUP");
 }
@@ -135,7 +135,7 @@ TEST_F(HangUp, AReaderOfItsStderrThatGoesAwayEndsARunInOrder) {
   ExpectRunEnds(End::kStderrClosed, 141, "SIGPIPE");
 }
 
-// As Ctrl-S on its terminal: nobody reads, nobody goes away.
+// As after Ctrl-S on its terminal: nobody reads, and nobody goes away.
 TEST_F(HangUp, AReaderThatStandsStillDelaysNoCtrlC) {
   Pipe pipe;
   fcntl(pipe.writer(), F_SETPIPE_SZ, 4096);
@@ -158,7 +158,7 @@ TEST_F(HangUp, AReaderThatStandsStillDelaysNoCtrlC) {
   EXPECT_TRUE(ReadComplete(folder.path() / "r.mcap").complete);
 }
 
-// `osteon cell`, `guard` and `run` as three processes: what ends the guard.
+// `osteon cell`, `guard` and `run` as three processes: events that end the guard.
 class GuardHangUp : public HangUp {
  protected:
   void SetUp() override {
@@ -167,8 +167,8 @@ class GuardHangUp : public HangUp {
   }
   [[nodiscard]] std::string file() const { return (folder_.path() / "guarded.yaml").string(); }
 
-  // The controller is asked to stop, through the PLC, and the arm goes on having answers until it rests.
-  // False: the machine was late.
+  // The PLC makes the controller stop, and the arm keeps getting answers until it rests. False: a late
+  // machine.
   bool GuardEnds(End end, int exit_code) {
     Pipe pipe;
     const TemporaryFolder cell_folder, guard_folder, run_folder;

@@ -8,7 +8,7 @@
 #include "app/cell_trace.h"
 #include "tests/io/temporary_folder.h"
 
-// What `osteon failures --kill` makes of its trials; that processes really die is in kill_test.cpp.
+// The tables that `osteon failures --kill` makes of its trials; kill_test.cpp kills real processes.
 
 namespace osteon::app {
 namespace {
@@ -55,7 +55,7 @@ TEST(KillTable, ShowsWhatIsWrongAndWhatWasNotToBeHad) {
   EXPECT_EQ(json.at("kills")[1].at("error"), "no full contact in 3 attempts");
 }
 
-// Such a trial is made anew: it may be of a death only where all else is as it has to be.
+// A trial with another fault first is made anew only if everything else was as required.
 TEST(KillTable, TellsADeathFromAnotherFaultThatCameFirst) {
   const auto run = [](KillVictim victim, std::vector<std::string> faults, std::string wrong = "") {
     return KillResult{.victim = victim, .faults = std::move(faults), .wrong = std::move(wrong)};
@@ -73,7 +73,7 @@ TEST(KillTable, TellsADeathFromAnotherFaultThatCameFirst) {
       << "what is wrong stays wrong";
 }
 
-// A tool that presses on bone hardly moves while its arm is still commanded: the stop comes afterwards.
+// A tool pressed on bone hardly moves while its arm is still commanded; the stop comes later.
 TEST(CellTrace, AnArmThatIsCommandedDoesNotRestHoweverSlowItIs) {
   const auto cycle = [](int ms, control::SessionState session, double speed_m_per_s) {
     CellCycle cycle;
@@ -97,7 +97,7 @@ TEST(CellTrace, AnArmThatIsCommandedDoesNotRestHoweverSlowItIs) {
   EXPECT_EQ(RestedFor(cycles, 3000 * rt::kMillisecond), 399 * rt::kMillisecond);
 }
 
-// What one process writes another reads while it grows: every cycle once, none by halves.
+// A trace is read while another process writes it: every cycle once, no incomplete one.
 TEST(CellTrace, IsReadWhileItIsWritten) {
   const io::test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "trace.csv";

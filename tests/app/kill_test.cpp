@@ -3,9 +3,8 @@
 #include "tests/app/command.h"
 #include "tests/app/machine_lateness.h"
 
-// `osteon failures --kill`: controller, loop, simulation, recorder, guard and cell die in full contact, each
-// once.
-// `--times 20` is the measurement.
+// Runs `osteon failures --kill`: controller, loop, simulation, recorder, guard and cell are killed in full
+// contact, once each. `--times 20` is the measurement.
 
 namespace osteon::app {
 namespace {
@@ -24,7 +23,7 @@ TEST(Kill, LeavesTheArmAtRestWhoeverDies) {
     SCOPED_TRACE(kill.dump(2));
     if (kill.contains("error")) {
       const std::string error = kill.at("error");
-      // not every machine lets a process halt another's thread, and one that is late reaches no contact
+      // not every machine permits halting another process's thread, and a late machine reaches no contact
       const bool late = watch.worst() >= kLateWakeup;
       ASSERT_TRUE(error.ends_with("(ptrace)") || (late && error.find("too busy") != std::string::npos))
           << error << "\nthe latest wake-up came " << watch.worst() << " ns late";

@@ -6,15 +6,15 @@
 #include "tests/app/virtual_ride.h"
 #include "tests/io/temporary_folder.h"
 
-// A cell whose network loses packets, in virtual time, under the arm's own default policy: 5 answers lost in
-// a row, or 25 a second, end COMMANDING_ACTIVE.
+// A cell whose network loses packets, in virtual time, with the arm's own default policy: 5 lost answers in a
+// row, or 25 in a second, end COMMANDING_ACTIVE.
 
 namespace osteon::app {
 namespace {
 
 using Lossy = VirtualRide;
 
-constexpr double kMostStep_rad = 2e-3;  // a millisecond at two radians a second
+constexpr double kMostStep_rad = 2e-3;  // one millisecond at 2 rad/s
 
 Lossy Ride(double loss, double from_s, double to_s, double seconds, int recoveries) {
   const auto lossy = [&](config::CellConfig& cell) {

@@ -24,7 +24,7 @@ namespace {
 constexpr unsigned kSeed = 20261126;
 constexpr std::uint64_t kPauseEvery = 120'000, kStopping = 300, kStopped = 2000;  // ticks
 
-// What the hand does: a slow way over some centimetres, and a tremor of 0.1 mm at 9 Hz.
+// The hand's motion: a slow path over some centimetres, and a tremor of 0.1 mm at 9 Hz.
 Pose HandPose(double t_s) {
   Pose X_WT = Pose::Identity();
   X_WT.translation() =

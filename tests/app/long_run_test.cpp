@@ -10,13 +10,13 @@ namespace osteon::app {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;  // what is freed stays resident for a while
+constexpr bool kSanitized = true;  // freed memory stays resident for a while
 #else
 constexpr bool kSanitized = false;
 #endif
 
-// Both runs are longer than what is kept point by point (131 s of frames). The longer one's ticks and frames
-// alone would take 350 MB more.
+// Both runs exceed what is kept point by point (131 s of frames). The longer run's ticks and frames alone
+// would take 350 MB more.
 TEST(LongRun, TwiceTheLengthTakesNoMoreMemoryAtItsEnd) {
   if (kSanitized) GTEST_SKIP() << "skipped, a sanitizer keeps memory that was freed";
   const io::test::TemporaryFolder folder;

@@ -22,7 +22,7 @@ bool SaysTooLate(std::string_view fault) {
   return fault.ends_with(" stale") || fault == "arm left COMMANDING_ACTIVE";
 }
 
-// What a device reports, and the PLC, once the loop's words have not come.
+// Whether a fault is one that a device or the PLC reports when the loop's messages are late.
 bool FollowsFromLateness(std::string_view fault) {
   return SaysTooLate(fault) || fault == "spindle drive fault" || fault == "motion not permitted";
 }

@@ -10,15 +10,13 @@
 #include "control/rt/clock.h"
 #include "tests/app/command.h"
 
-// A run in wall time may stall because this machine has no time for it, and then shows nothing about the
-// product. That is measured, not assumed: a test is skipped only where its own threads were woken late
-// meanwhile.
+// A run in wall time may stall because this machine is overloaded, and then proves nothing about the product.
+// The overload is measured, not assumed: a test is skipped only if its threads were woken late.
 
 namespace osteon::app {
 
-/// From here on threads of this process, one on each CPU, sleep for a millisecond at a time; how late they
-/// are woken is what every program of this machine had to live with. They have no real-time rights: nor have
-/// the simulation and the simulated devices.
+/// Measures from its construction on how late this machine wakes threads: one on each CPU sleeps for a
+/// millisecond at a time. Like the simulation and the simulated devices, they have no real-time rights.
 class WakeupWatch {
  public:
   WakeupWatch();
@@ -35,20 +33,20 @@ class WakeupWatch {
   std::vector<std::thread> threads_;
 };
 
-/// A wake-up this late loses ten messages of an arm: twice what the loop and the simulated arms bear.
+/// A wake-up this late loses ten messages of an arm: twice what the loop and the simulated arms tolerate.
 inline constexpr rt::Nanoseconds kLateWakeup = 10 * rt::kMillisecond;
 
-/// Whether all faults of a summary say that something came too late, or follow from that.
+/// Whether all faults of a summary report lateness, or follow from it.
 [[nodiscard]] bool IsStall(const nlohmann::json& summary);
 
-/// Whether lateness of this machine explains that a run ended with exit code 1: its faults are those of a
-/// stall, and a thread beside it was woken late. A crash, another fault, or a stall on a punctual machine are
+/// Whether this machine's lateness explains that a run ended with exit code 1: its faults are those of a
+/// stall, and a thread was woken late meanwhile. Crashes, other faults, or stalls on a punctual machine are
 /// failures.
 /// @param summary  the run's, with `faults`
 [[nodiscard]] testing::AssertionResult MachineWasLate(const CommandResult& run, const nlohmann::json& summary,
                                                       rt::Nanoseconds worst_wakeup);
 
-/// What a test says that is skipped after a number of such runs.
+/// The message of a test that is skipped after a number of such runs.
 [[nodiscard]] std::string SkippedForLateness(int attempts, rt::Nanoseconds worst_wakeup);
 
 }  // namespace osteon::app

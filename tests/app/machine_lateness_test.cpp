@@ -37,7 +37,7 @@ TEST(MachineLateness, ExcusesNeitherACrashNorAnotherFaultHoweverLateTheMachineWa
 }
 
 TEST(WakeupWatch, MeasuresAThreadThatIsKeptFromItsCpu) {
-  // the watch's thread inherits this: on another CPU it would be on time
+  // the watch's thread inherits this affinity: on another CPU it would be punctual
   cpu_set_t all, one;
   ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
   const int cpu = sched_getcpu();
@@ -55,7 +55,7 @@ TEST(WakeupWatch, MeasuresAThreadThatIsKeptFromItsCpu) {
   spinner.join();
   ASSERT_EQ(sched_setaffinity(0, sizeof all, &all), 0);
   if (!realtime) GTEST_SKIP() << "skipped, no SCHED_FIFO for this user: nothing can keep a CPU to itself";
-  rt::SleepUntil(rt::MonotonicNow() + 5 * rt::kMillisecond);  // the thread that waited has its turn
+  rt::SleepUntil(rt::MonotonicNow() + 5 * rt::kMillisecond);  // lets the waiting thread run
   EXPECT_GT(watch.worst(), kLateWakeup);
 }
 

@@ -7,7 +7,7 @@
 
 #include "app/chart_speed_accuracy.h"
 
-// What `chart speed-accuracy` compares: methods, finenesses, and which of them have a packing in common.
+// The comparison of `chart speed-accuracy`: methods, finenesses, and shared packings.
 
 namespace osteon::app {
 namespace {
@@ -40,7 +40,7 @@ TEST(MethodLadder, SplittingIsOursWithLargeBallsAndRoomForTheirChildren) {
   const LadderBone large = PackForStep(split, work, {}, 0), small = PackForStep(ours, work, {}, 0);
   EXPECT_LT(2 * large.bone.balls.size(), small.bone.balls.size());
   EXPECT_GT(large.r_max_m, 1.5 * small.r_max_m);
-  // but for the smallest at the surface, which shrink whole, balls are split
+  // balls are split, except the smallest at the surface, which shrink
   const auto least = [](const auto& a, const auto& b) { return a.radius_m < b.radius_m; };
   const double least_m = std::min_element(large.bone.balls.begin(), large.bone.balls.end(), least)->radius_m;
   EXPECT_GT(cutting.split.least_radius_m, least_m);
@@ -84,7 +84,7 @@ TEST(SpeedAccuracyChart, NamesEveryMethodOfTheLadderAndBothEndsOfItsSeeds) {
     EXPECT_NEAR(depth.median, 0.03, 1e-12);
     EXPECT_NEAR(depth.low, 0.02, 1e-12);
     EXPECT_NEAR(depth.high, 0.05, 1e-12);
-    point.seeds.pop_back();  // of an even number the middle of the two
+    point.seeds.pop_back();  // median of an even number: the mean of the middle two
     EXPECT_NEAR(SpreadOf(point, ChartFigure::kDepth).median, 0.035, 1e-12);
     result.points.push_back(point);
   }

@@ -10,7 +10,7 @@
 #include "tests/app/command.h"
 #include "tests/simulation/mesh_shapes.h"
 
-// Where a command prints to, and what it leaves: nothing of it is lost to the other, or to an earlier run.
+// A command's two outputs, and the files of earlier runs: none loses data to another.
 
 namespace osteon::app {
 namespace {
@@ -27,7 +27,7 @@ std::vector<std::string> Demo(const std::vector<std::string>& more) {
 
 int Open(const char* path) { return open(path, O_WRONLY | O_CLOEXEC); }
 
-// A soft limit on the size of a file that this process and its children may write, as a full disk is one.
+// A soft limit on the size of files that this process and its children may write; stands in for a full disk.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {
@@ -72,7 +72,7 @@ TEST(Output, AFullStdoutIsToldAndLosesNoFile) {
   close(full);
 }
 
-// The limit stands for a disk that is full where the recording lies; the small files have room.
+// The limit stands in for a full disk under the recording; the small files fit.
 TEST(Output, ARecordingThatDoesNotFitLosesNeitherSummaryNorJson) {
   const TemporaryFolder folder;
   CommandResult run;
@@ -130,7 +130,7 @@ TEST(Output, TwoDemosDoNotWriteIntoOneFolder) {
   EXPECT_TRUE(ReadComplete(recording).complete);
 }
 
-// A name may be any bytes; a file's text is UTF-8.
+// A file name may have any bytes; a file's text is UTF-8.
 TEST(Output, AMeshWhoseNameIsLatin1IsWrittenAsWhatItIs) {
   const TemporaryFolder folder;
   const std::string name =

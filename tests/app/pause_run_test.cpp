@@ -1,4 +1,4 @@
-// An operator's pause of a whole cell in virtual time: as recorded, and as it is replayed.
+// An operator's pause of a whole cell in virtual time: recorded and replayed.
 
 #include <gtest/gtest.h>
 
@@ -63,7 +63,7 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
   EXPECT_GT(after, 500u) << "it went on";
   ExpectNoJump(*recording, 2e-3);
 
-  // and what the run says of it
+  // and in the run's summary
   StopPages pages({.folder = folder.path(), .stem = "r", .cell = setup->config});
   const auto run = ReadRun(params.recording, *setup, pages);
   ASSERT_TRUE(run) << run.error();
@@ -81,7 +81,7 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
   ASSERT_NE(events, rows.end());
   EXPECT_NE(events->value.find(" s until it rested); resume at "), std::string::npos) << events->value;
 
-  // the page of the pause, and of the end half a second later, with nothing of the PLC's power
+  // the pages of the pause, and of the end half a second later, without the PLC's switching of power
   const auto stops = pages.Finish();
   ASSERT_TRUE(stops) << stops.error();
   ASSERT_EQ(stops->size(), 2u);

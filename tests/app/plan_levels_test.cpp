@@ -5,9 +5,9 @@
 #include "app/plan.h"
 #include "gpu/vulkan_engine.h"
 
-// What a plan leaves out changes nothing that was asked for, and nothing is finer than it has to be: the next
-// finer level (half the spacing) changes force by less than 7 % and depth by less than the error, and the
-// next coarser one (twice the spacing) is seen to exceed it. On Vulkan; no clock is looked at.
+// A plan is fine enough and no finer than needed: the next finer level (half the spacing) changes force by
+// less than 7 % and depth by less than the error, and the next coarser level (twice the spacing) exceeds the
+// error. On Vulkan; no clock is involved.
 
 namespace osteon::app {
 namespace {
@@ -64,8 +64,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, PlanLevels,
                                          Case{"thin_plate", 0.08}),
                          [](const auto& tested) { return std::string(tested.param.scene); });
 
-// Between these two spacings a row of cells beside the hole would turn coarse, with 1.37 times the error that
-// is predicted, if the fine ones did not go half a spacing deeper than the cut reaches.
+// Between these two spacings a row of cells beside the hole would turn coarse, with 1.37 times the predicted
+// error, if the fine cells did not reach half a spacing deeper than the cut.
 TEST(PlanLevel, ErrorHasNoStepFromOneSpacingToTheNext) {
   const auto scene =
       LoadPlanScene({.scene = "sawbone_block", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});
@@ -78,8 +78,8 @@ TEST(PlanLevel, ErrorHasNoStepFromOneSpacingToTheNext) {
   }
 }
 
-// The first three frames of each turn of 25 find another engine's work in the caches and are no samples; the
-// engine steps through them all the same.
+// The first three frames of each turn of 25 find another engine's data in the caches and are no samples; the
+// engine runs them all the same.
 TEST(PlanLevel, SamplesAreTheFramesThatTouchButTheFirstThreeOfATurn) {
   const auto scene =
       LoadPlanScene({.scene = "thin_plate", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});
@@ -109,7 +109,7 @@ TEST(PlanLevel, SamplesAreTheFramesThatTouchButTheFirstThreeOfATurn) {
   EXPECT_GT(samples, touching * 4 / 5);
 }
 
-// A tool with fewer balls cuts what the whole one cuts, to within its share.
+// A tool with fewer balls cuts what the whole tool cuts, within its part of the error.
 TEST(PlanTool, WithFewerBallsLeavesLessThanItsShare) {
   const auto scene =
       LoadPlanScene({.scene = "thin_plate", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});

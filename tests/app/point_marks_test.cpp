@@ -46,13 +46,13 @@ LineChart Points() {
 
 TEST(PointMarks, AreDrawnOncePerPointWithinTheAxes) {
   const std::string svg = Svg(Points());
-  EXPECT_EQ(CountOf(svg, "<circle"), 2u + 1u);  // and the legend's
+  EXPECT_EQ(CountOf(svg, "<circle"), 2u + 1u);  // one more in the legend
   EXPECT_EQ(CountOf(svg, "first"), 1u);
   EXPECT_EQ(CountOf(svg, "second"), 1u);
   EXPECT_EQ(CountOf(svg, "beyond"), 0u);
 }
 
-// Stairs over three decades: a corner that shares a column of a linear axis with its neighbours must stay.
+// Stairs over three decades: corners that share a pixel column of a linear axis must stay.
 TEST(PointMarks, LinesOverLogarithmicAxesKeepTheirCorners) {
   LineChart chart = Points();
   chart.series = {{.x = {1.5, 2.0, 2.0, 3.0, 3.0, 900}, .y = {900, 900, 500, 500, 100, 100}}};
@@ -63,7 +63,7 @@ TEST(PointMarks, LinesOverLogarithmicAxesKeepTheirCorners) {
   EXPECT_EQ(CountOf(path, "L"), 5u) << path;
 }
 
-// Names of points in a heap: those that are placed don't overlap, wherever the points are.
+// Names of clustered points: those that are placed do not overlap, wherever the points are.
 TEST(LabelPlacer, WritesNoNameOverAnother) {
   const PlotArea area{.left = 0, .top = 0, .width = 200, .height = 100};
   LabelPlacer placer(area);

@@ -9,7 +9,7 @@
 
 namespace osteon::app {
 
-/// One run in virtual time that cuts bone for a while, made once for a test suite, and what tests do with its
+/// One run in virtual time that cuts bone for a while, made once per test suite, with helpers for its
 /// recording.
 class RecordedRun : public testing::Test {
  protected:

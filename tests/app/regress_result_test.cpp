@@ -11,7 +11,7 @@
 namespace osteon::app {
 namespace {
 
-// A result of each kind: the same, other bits, beyond a tolerance, no golden trace.
+// One result of each kind: the same, other bits, beyond a tolerance, no golden trace.
 std::vector<RegressResult> Results() {
   const auto make = [](const std::string& name, const auto& change) {
     RegressResult result;
@@ -102,7 +102,7 @@ TEST(RegressResult, JsonKeepsTheContract) {
   EXPECT_EQ(json["scenarios"][2]["first_difference"]["tick"], 8);
 }
 
-// One suite, a case each; counts, and no character that XML does not allow.
+// One suite, one case per scenario, counts, and no character that XML forbids.
 TEST(RegressResult, JunitIsXmlWithACaseAScenario) {
   const auto results = Results();
   const RegressOptions options;

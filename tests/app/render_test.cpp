@@ -12,7 +12,7 @@
 namespace osteon::app {
 namespace {
 
-// Oracle: the ray through a pixel's middle meets |s d - c| = r where the nearer root of the quadratic says.
+// Oracle: the ray through a pixel's centre meets |s d - c| = r at the nearer root of the quadratic.
 TEST(Render, DepthOfASphereIsAnalytic) {
   const Camera camera = LookAt({0.02, -0.3, 0.25}, {0, 0, 0}, Vector3::UnitZ(), 900.0, 240, 180);
   const Vector3 center(0.01, 0.005, -0.008);

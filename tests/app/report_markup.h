@@ -6,13 +6,12 @@
 
 namespace osteon::app {
 
-/// First error of a page or drawing that has to be well-formed like XML: tags balanced, attributes quoted and
-/// unique, entities known, no stray markup character. Empty where there is none. Knows `<!DOCTYPE …>` and the
-/// raw text of
-/// `<style>`.
+/// Returns the first error of a page or drawing that has to be well-formed like XML: tags balanced,
+/// attributes quoted and unique, entities known, no stray markup character. Empty if there is none. Knows
+/// `<!DOCTYPE …>` and the raw text of `<style>`.
 [[nodiscard]] std::string MarkupError(std::string_view markup);
 
-/// Where a <text> of a drawing is estimated to lie [px], y downward.
+/// The estimated place of a drawing's <text> [px], y downward.
 struct TextBox {
   std::string text{};  ///< an apostrophe for each escaped character
   double size_px{0.0};
@@ -20,13 +19,13 @@ struct TextBox {
 };
 [[nodiscard]] std::vector<TextBox> TextBoxes(std::string_view svg);
 
-/// First two <text> of a drawing that are estimated to overlap, "one | other"; empty where none do.
+/// Returns the first two <text> of a drawing whose estimates overlap, "one | other"; empty if none do.
 [[nodiscard]] std::string TextsOverlapping(std::string_view svg);
 
-/// First <text> of a drawing that is estimated to reach out of its viewBox; empty where there is none.
+/// Returns the first <text> of a drawing whose estimate exceeds its viewBox; empty if there is none.
 [[nodiscard]] std::string TextOutside(std::string_view svg);
 
-/// Value of an attribute of the first element of that name; empty where there is none.
+/// Returns the value of an attribute of the first element of that name; empty if there is none.
 [[nodiscard]] std::string AttributeOf(std::string_view markup, std::string_view element,
                                       std::string_view attribute);
 

@@ -122,9 +122,9 @@ TEST(BallField, FirstHitAgreesWithBruteForceOnASyntheticCup) {
   }
 }
 
-/// A solid of balls on a fine lattice with a spherical cavity of radius `cavity_m` carved out, and one proxy
-/// pose whose head of radius `tool_m` sits in its middle: the error is the difference of the radii, plus what
-/// the balls' roughness adds.
+/// Makes a solid of balls on a fine lattice with a carved spherical cavity of radius `cavity_m`, and one
+/// proxy pose whose head of radius `tool_m` is at its centre: the error is the difference of the radii plus
+/// the balls' roughness.
 SyntheticRun SphereCavity(double cavity_m, double tool_m) {
   SyntheticRun run;
   run.bone.cup = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.004};
@@ -142,7 +142,7 @@ SyntheticRun SphereCavity(double cavity_m, double tool_m) {
 
 TEST(CavityError, OfASphereIsTheDifferenceOfRadii) {
   const std::vector<Pose> path{Pose::Identity()};
-  // roughness: the rule leaves each ball touching the cavity; between balls of r = .34 mm at .35 mm spacing
+  // roughness: the rule leaves each ball touching the cavity; between balls of r = 0.34 mm at 0.35 mm spacing
   // the surface recedes by less than a third of r, on average by less than a fifth
   const double rough_m = 0.07e-3;
   for (const double offset_m : {0.5e-3, 0.0, -0.5e-3}) {
@@ -173,8 +173,8 @@ TEST(CavityError, CountsOnlyWhatWasCut) {
   EXPECT_LT(CavityErrorByDirection(run.bone, run.after, run.tool, path).mean_m, -5e-3);
 }
 
-// A ball that reaches from the cavity to the bone's other face recedes there too when it is cut. That is a
-// loss, but not an error of the cavity's surface, which is a ball's thickness away from it.
+// A ball that reaches from the cavity to the bone's other face shrinks there too when it is cut. That is a
+// loss, but no error of the cavity's surface, which is a ball's thickness away from it.
 TEST(CavityError, LeavesOutTheFarFaceOfABallThatWasCut) {
   SyntheticRun run;
   run.bone.cup = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.004};
@@ -205,8 +205,8 @@ TEST(Section, CupCutByTheRuleIsNearTheSweptTool) {
   const auto path = PathOf(run);
   const Section section = ComputeSection(run.bone, run.after, run.tool, path);
   EXPECT_GT(section.error.samples, 100);
-  // the rule leaves no overlap: what remains is outside the sweep, but for the grid's chords (step^2 / 8r = 2
-  // um) and chords over five frames
+  // the rule leaves no overlap: the remaining bone is outside the sweep, up to the grid's chords (step^2 / 8r
+  // = 2 um) and chords over five frames
   EXPECT_GT(section.error.max_under_m, -0.03e-3);
   EXPECT_GT(section.error.mean_m, 0.0);
   EXPECT_LT(section.error.mean_m, 0.3e-3);
@@ -228,7 +228,7 @@ TEST(Section, PoseOfThePackingMovesNothing) {
   for (std::size_t i = 0; i < here.size(); ++i) EXPECT_TRUE(here[i].isApprox(there[i], 1e-12));
 }
 
-// A drill of 2 mm goes 40 mm deep: the window follows it to the hole's floor, and the detail shows it.
+// A 2 mm drill goes 40 mm deep: the window follows it to the hole's floor, and the detail shows the floor.
 TEST(Section, ADeepHoleShowsItsFloor) {
   SyntheticRun run;
   run.bone.cup = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.002};
@@ -254,7 +254,7 @@ TEST(Section, ADeepHoleShowsItsFloor) {
   EXPECT_NE(SectionDetailSvg(section, run.bone).find("Detail at the deepest place"), std::string::npos);
 }
 
-// The tool slid on past the bone: the detail is of the cut, where there is something to see.
+// The tool moved on past the bone: the detail shows the cut, not the tool.
 TEST(Section, DetailOfACutThatTheToolLeftIsWhereTheCutIs) {
   SyntheticRun run = SphereCavity(0.006, 0.006);
   std::vector<Pose> path(2, Pose::Identity());

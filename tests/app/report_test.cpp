@@ -27,7 +27,7 @@ RunCurves CurvesOf(const SyntheticRun& run) {
   return curves;
 }
 
-// What an input views lives as long as the program.
+// Makes an input whose views live as long as the program.
 ReportInput InputOf(const SyntheticRun& run) {
   static std::list<RunCurves> curves;
   static std::list<std::vector<Pose>> paths;
@@ -46,7 +46,7 @@ ReportInput InputOf(const SyntheticRun& run) {
           .pictures = {.width = 240, .height = 190}};
 }
 
-/// References of a page that a browser would fetch.
+/// Returns a reference of a page that a browser would fetch.
 std::string OutsideReference(const std::string& html) {
   static const std::regex address("(https?:)?//[a-zA-Z0-9]");
   const std::string xmlns = "xmlns=\"http://www.w3.org/2000/svg\"";
@@ -123,7 +123,7 @@ TEST(Report, ShowsWhatTheLimitsCutOffWhereTheyDid) {
   EXPECT_NE(cut->html.find("arm&#39;s torques can hold"), std::string::npos);
 }
 
-// A lost message is no moment without force: what such a tick holds was never rendered.
+// A lost message is not a moment without force: the values of such a tick were never rendered.
 TEST(Report, ATickWithoutTheArmsMessageIsNoForceOfZero) {
   SyntheticRun run = MakeSyntheticRun();
   control::TickRecord& silent = run.ticks.at(run.ticks.size() / 2);

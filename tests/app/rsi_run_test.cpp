@@ -6,7 +6,7 @@
 #include "app/replay.h"
 #include "tests/app/virtual_ride.h"
 
-// The shipped cell with a KR over RSI, in virtual time: what it cuts, and what a bad wire does to it.
+// The shipped cell with a KR over RSI, in virtual time: its cut, and the effects of a bad connection.
 
 namespace osteon::app {
 namespace {
@@ -23,14 +23,14 @@ io::RsiSessionParams& Session(config::CellConfig& cell) {
   return std::get<io::RsiSessionParams>(cell.link.session);
 }
 
-constexpr double kMostStep_rad = 4e-3;  // 4 ms at a radian a second
+constexpr double kMostStep_rad = 4e-3;  // 4 ms at 1 rad/s
 
 TEST(RsiRun, TheShippedCellDrillsThroughItsPlateWithoutAFault) {
   const Ride run = RunKr(10.0, AsShipped);
   EXPECT_EQ(run.summary.ended, "completed");
   EXPECT_TRUE(run.summary.faults.empty()) << run.summary.faults.front().name;
   EXPECT_EQ(run.summary.servo_rate_hz, 250.0);
-  // a hole of 4 mm through 2 mm: 25 mm^3, less what the point leaves at the far side
+  // a hole of 4 mm through 2 mm: 25 mm^3, minus what the drill's point leaves at the far side
   EXPECT_GT(run.summary.removed_volume_m3, 15e-9);
   EXPECT_LT(run.summary.removed_volume_m3, 30e-9);
   EXPECT_GT(run.summary.peak_force_N, 20.0);
@@ -59,7 +59,7 @@ TEST(RsiRun, IsTheSameTwiceAndReplaysBitForBit) {
   EXPECT_GT(replay.ticks, 700u);
 }
 
-// Every correction, cycle and layout comes to the same hole.
+// Every correction mode, cycle and layout gives the same hole.
 TEST(RsiRun, EveryKindOfCorrectionCutsTheSame) {
   const Ride axes = RunKr(4.0, AsShipped);
   const auto cartesian = [](config::CellConfig& cell) {
@@ -108,7 +108,7 @@ hil::InjectionParams Loss(hil::Direction direction, double loss, double from_s, 
                           .faults = {.loss = loss, .burst = burst}}}};
 }
 
-// Below the Timeout the axes hold the last correction for a cycle, and everything is counted.
+// Below the Timeout the axes hold the last correction for a cycle, and every loss is counted.
 TEST(RsiRun, LossesBelowTheTimeoutAreHeldAndCountedExactly) {
   const Ride run = RunKr(
       4.0, [](config::CellConfig& cell) { cell.injections = Loss(hil::Direction::kBoth, 0.03, 0.0, 1e9); });
@@ -126,7 +126,7 @@ TEST(RsiRun, LossesBelowTheTimeoutAreHeldAndCountedExactly) {
   ExpectNoJump(run.recording, kMostStep_rad);
 }
 
-// No answer arrives any more: Delay counts to the Timeout, RSI ends, and its silence stops the loop.
+// No answer arrives any more: Delay counts up to the Timeout, RSI ends, and its silence stops the loop.
 TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
   const auto lost = [](config::CellConfig& cell) {
     Session(cell).timeout_cycles = cell.simulated.kr->controller.timeout_cycles = 25;
@@ -141,7 +141,7 @@ TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
   EXPECT_LE(run.summary.peak_force_N, run.summary.force_limit_N);
   ExpectNoJump(run.recording, kMostStep_rad);
 
-  // with a person who starts the program again, and a run that may recover
+  // a person starts the program again, and the run may recover
   const Ride again = RunKr(
       6.0,
       [&](config::CellConfig& cell) {
@@ -165,7 +165,7 @@ void NotHeld(config::CellConfig& cell, double axis_speed_ratio) {
   cell.injections = Loss(hil::Direction::kFromController, 0.02, 1.0, 1e9);
 }
 
-// HOLDON 0, absolute, and an answer is lost: the arm falls back toward where RSI began, whatever is
+// HOLDON 0, absolute corrections, a lost answer: the arm falls back toward the start of RSI, whatever is
 // commanded.
 TEST(RsiRun, AnArmThatJumpsByItselfIsAStopAndItsSpeedIsReported) {
   const Ride run =
@@ -187,7 +187,7 @@ TEST(RsiRun, ASimulatedControllerThatWatchesItsAxesEndsTheSessionWithThatReason)
   EXPECT_NE(run.summary.arm_stop.find("(KSS01102)"), std::string::npos);
 }
 
-// The arm is not heard for longer than arm_miss_count: a stop, whatever RSI makes of it.
+// The arm's messages are missing for longer than arm_miss_count: a stop, whatever RSI does.
 TEST(RsiRun, AnArmThatIsNotHeardIsAStop) {
   const Ride run = RunKr(4.0, [](config::CellConfig& cell) {
     cell.injections.injections = {{.direction = hil::Direction::kToController,

@@ -15,7 +15,7 @@ constexpr unsigned kSeed = 20261126;
 TEST(DurationCounts, GiveEachPlaceOfTheSortedListToTheNanosecond) {
   SCOPED_TRACE(kSeed);
   std::mt19937 random(kSeed);
-  // clocks that went back, microseconds, milliseconds, and what lies beyond the pages
+  // clocks that went back, microseconds, milliseconds, and values beyond the pages
   std::vector<rt::Nanoseconds> list{-5, -5, 0, 1023, 1024, 16'777'215, 16'777'216, 40'000'000, rt::kSecond};
   for (int i = 0; i < 5000; ++i) list.push_back(static_cast<rt::Nanoseconds>(random() % 60'000));
   for (int i = 0; i < 500; ++i) list.push_back(static_cast<rt::Nanoseconds>(random() % 30'000'000));
@@ -47,7 +47,7 @@ TEST(ThinCurve, IsEveryPointAsLongAsTheyAreFew) {
   }
 }
 
-// An hour at 1 kHz with peaks of one sample and one gap: each of them is still there, at its own time.
+// An hour at 1 kHz with peaks of one sample and one gap: all of them remain, at their own times.
 TEST(ThinCurve, LosesNoPeakAndNoGap) {
   constexpr rt::Nanoseconds kTicks = 3'600'000;
   ThinCurve curve;
@@ -75,7 +75,7 @@ TEST(ThinCurve, LosesNoPeakAndNoGap) {
   EXPECT_TRUE(std::ranges::is_sorted(curve.points(), {}, &ThinCurve::Point::stamp));
 }
 
-// Stamps of a damaged file may be anything.
+// A damaged file may have any stamps.
 TEST(ThinCurve, StampsThatJumpStillFit) {
   std::mt19937_64 random(kSeed);
   ThinCurve curve;

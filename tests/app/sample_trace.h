@@ -43,7 +43,7 @@ inline ScenarioTrace SampleTrace() {
   return trace;
 }
 
-/// The place of a quantity.
+/// Returns the index of a quantity.
 inline std::size_t QuantityNamed(const std::string& name) {
   std::size_t at = 0;
   for (const TraceQuantity& quantity : TraceQuantities()) {

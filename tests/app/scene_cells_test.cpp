@@ -9,7 +9,7 @@
 #include "simulation/solids/cup_frame.h"
 #include "tests/io/temporary_folder.h"
 
-// Every cell of config/ starts, and so do the meshes of the data in a cell that suits them.
+// Every cell of config/ starts, and so do the data set's meshes in a suitable cell.
 
 namespace osteon::app {
 namespace {
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 const fs::path kCells = OSTEON_SOURCE_DIR "/config/cells";
 
-/// In virtual time. @returns nothing where it could not run.
+/// Runs in virtual time. @returns nothing if it could not run.
 std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& engine_name, double seconds) {
   const io::test::TemporaryFolder folder;
   auto engine = MakeEngine(setup, engine_name, "");
@@ -37,13 +37,13 @@ std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& eng
   EXPECT_GE(result->statistics.active_ticks,
             static_cast<std::uint64_t>(seconds / setup.config.servo.period_s));
   EXPECT_LE(result->statistics.peak_coupling_force_N, setup.config.servo.wrench.max_force_N);
-  // the last resorts are never needed
+  // the last safeguards are never needed
   EXPECT_EQ(result->statistics.limits.Of(safety::Limit::kPassivity).events, 0u);
   EXPECT_EQ(result->statistics.limits.Of(safety::Limit::kTank).events, 0u);
   EXPECT_GT(result->statistics.least_tank_J, 0.0);
   return std::move(*result);
 }
-/// .3 s on the reference engine.
+/// Runs 0.3 s on the reference engine.
 void ExpectToRun(const CellSetup& setup) { static_cast<void>(Ride(setup, "reference", 0.3)); }
 
 TEST(SceneCells, EachRunsWithoutAFault) {
@@ -52,7 +52,7 @@ TEST(SceneCells, EachRunsWithoutAFault) {
     SCOPED_TRACE(entry.path().filename());
     const auto setup = SetUpCell(entry.path(), std::nullopt);
     ASSERT_TRUE(setup) << setup.error();
-    // the tool looks at the site along its axis, from outside the bone
+    // the tool points at the site along its axis, from outside the bone
     const Pose X_WC = setup->X_WG * simulation::CupPose(setup->bone.cup);
     const Pose& X_WT = setup->config.start.X_WT;
     EXPECT_NEAR(X_WT.linear().col(2).dot(X_WC.linear().col(2)), -1.0, 1e-9);
@@ -70,10 +70,10 @@ TEST(SceneCells, EachRunsWithoutAFault) {
 
 class WholeScript : public ::testing::TestWithParam<const char*> {};
 
-// From approach to retraction: what a script meets late (a burr's shaft under a ledge, a breakthrough) is
-// met. Each cell names the lowest level of the arm that serves. Masses, friction, a controller that has them
-// wrong and a mounting that gives change no verdict, and where the level is a lagging servo, force and
-// removal by less than a hand notices.
+// Runs scripts from approach to retraction, so that late contacts (a burr's shaft under a ledge, a
+// breakthrough) are included. Each cell names the lowest sufficient level of the arm. Masses, friction, a
+// controller with wrong masses and a compliant mounting change no verdict, and, if the level is a lagging
+// servo, force and removal by less than a hand notices.
 TEST_P(WholeScript, EndsWithoutAFaultAtTheLowestLevelOfTheArmThatServes) {
   auto setup = SetUpCell(kCells / (std::string(GetParam()) + ".yaml"), std::nullopt);
   ASSERT_TRUE(setup) << setup.error();

@@ -10,7 +10,7 @@
 #include "gpu/vulkan_engine.h"
 #include "simulation/tools/motion_player.h"
 
-// The motions under config/motions/: each is played on its own scene.
+// Plays each motion under config/motions/ on its own scene.
 
 namespace osteon::app {
 namespace {
@@ -44,8 +44,7 @@ TEST_P(SceneMotion, CutsItsSceneWithoutAFault) {
   auto engine = gpu::VulkanEngine::Create(setup->bone, setup->config.tool.tool, Pose::Identity(),
                                           setup->config.cutting, {});
   ASSERT_TRUE(engine) << engine.error();
-  // a quarter of the recording's rate, to be done soon: each frame cuts at most what the spindle can in its
-  // time
+  // a quarter of the recording's rate, for speed: each frame cuts at most what the spindle can in its time
   const simulation::MotionPlayer player(*motion, 250.0);
   simulation::ContactModel last;
   double most_N = 0.0;
@@ -63,7 +62,7 @@ TEST_P(SceneMotion, CutsItsSceneWithoutAFault) {
               player.frame_count(), last.removed_volume_m3 * 1e9, most_N);
 }
 
-// The five scenes of the design have one each.
+// Each of the five scenes of the design has a motion.
 TEST(SceneMotions, AreThereForTheSceneOfEveryCell) {
   const auto motions = MotionNames();
   for (const auto& entry : fs::directory_iterator(fs::path(OSTEON_SOURCE_DIR) / "config/cells")) {

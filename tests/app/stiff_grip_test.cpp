@@ -15,8 +15,8 @@ const hil::GridHand kClamp{"clamp", 50000.0, 50.0, 0.0};
 
 class StiffGrip : public testing::TestWithParam<const char*> {};
 
-// A cell lets a hand tremble with tremor_N before it asks whose that is; a loop that oscillates is held at
-// about it.
+// A cell tolerates a tremor of tremor_N before it tests whether the vibration is the hand's; an oscillating
+// loop is held at about that force.
 TEST_P(StiffGrip, IsHeldAtAboutTheTremorThatTheCellAllows) {
   const control::ServoParams cell =
       config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells" / GetParam()).servo;

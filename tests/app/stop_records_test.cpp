@@ -25,7 +25,7 @@ config::CellConfig Cell() {
 
 constexpr std::uint32_t Bit(Fault fault) { return static_cast<std::uint32_t>(fault); }
 
-// Ticks of a millisecond, appended.
+// Appends ticks of one millisecond.
 void Add(std::vector<TickRecord>& ticks, int count, Phase phase, std::uint32_t faults = 0,
          bool asked = false) {
   for (int i = 0; i < count; ++i) {
@@ -99,7 +99,7 @@ TEST(StopRecords, HoldFiveSecondsBeforeAndHalfASecondAtRest) {
   EXPECT_STREQ(stops[1].Heading(), "How the run ended");
 }
 
-// A pause holds in a phase of waiting: that is rest as well, until it goes on.
+// A pause holds in a waiting phase: that is rest too, until the resume.
 TEST(StopRecords, APauseIsShownAtRestForHalfASecond) {
   for (const int paused : {2000, 300}) {
     std::vector<TickRecord> ticks;
@@ -117,7 +117,7 @@ TEST(StopRecords, APauseIsShownAtRestForHalfASecond) {
   }
 }
 
-// An arm that is not under control rests once it is measured to stand.
+// An arm that is not under control is at rest once it is measured to stand still.
 TEST(StopRecords, AStopZeroIsOverWhereTheArmStands) {
   std::vector<TickRecord> ticks;
   Add(ticks, 1000, Phase::kHaptic);
@@ -130,7 +130,7 @@ TEST(StopRecords, AStopZeroIsOverWhereTheArmStands) {
   EXPECT_EQ(stops[0].ticks.back().tick, 1400u + 500u);
 }
 
-// A loop that never comes to rest must not fill the memory.
+// A loop that never comes to rest must not use unbounded memory.
 TEST(StopRecords, HoldNoMoreTicksThanTheyMay) {
   std::vector<TickRecord> ticks;
   Add(ticks, 30'000, Phase::kHaptic);
@@ -151,7 +151,7 @@ TEST(StopRecords, APauseIsSaidToBeOne) {
   EXPECT_EQ(FindStops(ticks).at(0).Why(), "a pause was asked for");
 }
 
-// Braked within a tick: no tick is in the phase of stopping.
+// A motion braked within a tick: no tick is in the phase of stopping.
 TEST(StopRecords, APauseOfAToolThatHardlyMovesIsOneAsWell) {
   std::vector<TickRecord> ticks;
   Add(ticks, 100, Phase::kHaptic);
@@ -212,7 +212,7 @@ TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_2_ticks.csv"));
 }
 
-// What is not shown is said, with its reason.
+// Missing parts are stated, with the reason.
 TEST(StopRecords, AnArmThatIsNotSeenAtRestIsSaidToBe) {
   const TemporaryFolder folder;
   const auto page_of = [&](const std::vector<TickRecord>& ticks) {
@@ -235,7 +235,7 @@ TEST(StopRecords, AFolderThatIsNotThereIsNamed) {
   EXPECT_NE(pages.error().find("/nowhere/ride_stop_1_ticks.csv"), std::string::npos) << pages.error();
 }
 
-// The documentation's table is the code's.
+// The documents' table equals the code's.
 TEST(FaultCatalogue, IsTheDocumentationsPage) {
   EXPECT_EQ(io::test::ReadAll(std::filesystem::path(OSTEON_SOURCE_DIR) / "docs/faults.md"), FaultsPage())
       << "osteon faults --markdown docs/faults.md";

@@ -11,7 +11,7 @@
 #include "app/transparency.h"
 #include "app/tune_result.h"
 
-// The verdicts of studies: each level, for the reason that is to make it.
+// The verdicts of studies: each level, for each reason.
 
 namespace osteon::app {
 namespace {

@@ -28,7 +28,7 @@ DurationCounts CountsOf(const std::vector<rt::Nanoseconds>& durations) {
 }
 
 TEST(Quantiles, AreThoseOfTheSortedList) {
-  // 0, 1, … 999 ms in any order: the share p has p·1000 values below it
+  // 0, 1, … 999 ms in any order: the p quantile has p·1000 values below it
   std::vector<rt::Nanoseconds> durations(1000);
   for (std::size_t i = 0; i < durations.size(); ++i)
     durations[i] = static_cast<rt::Nanoseconds>(i) * rt::kMillisecond;
@@ -167,7 +167,7 @@ TEST(WriteText, FollowsALinkAndLeavesItOne) {
   const TemporaryFolder folder, elsewhere;
   const auto file = elsewhere.path() / "kept.json", link = folder.path() / "summary.json";
   std::filesystem::create_symlink(file, link);
-  ASSERT_TRUE(WriteText(link, "first"));  // what it leads to is not there yet
+  ASSERT_TRUE(WriteText(link, "first"));  // its target does not exist yet
   ASSERT_TRUE(WriteText(link, "second"));
   EXPECT_TRUE(std::filesystem::is_symlink(link));
   EXPECT_EQ(ReadAll(file), "second");
@@ -186,7 +186,7 @@ TEST(WriteText, KeepsTheRightsOfTheFileThatItReplaces) {
             std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 }
 
-// Two that write one file at once, in one process or in two, do not write into each other's.
+// Two writers of one file, in one process or in two, do not overwrite each other's temporary file.
 TEST(WriteText, LeavesAFileOfTheNameThatItOnceUsedForItsOwnAlone) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json", other = folder.path() / "summary.json.part";
@@ -268,7 +268,7 @@ TEST(SummaryJson, SaysNullWhereNothingWasMeasured) {
 }
 
 TEST(SummaryJson, SurvivesTextThatIsNotUtf8) {
-  // a folder's name on disk may be any bytes
+  // a folder's name may have any bytes
   RunSummary s = Sample();
   s.recording = "out\xff/recording.mcap";
   std::string text;

@@ -186,7 +186,7 @@ TEST(LineChart, DrawsAPeakAtItsPlace) {
   }
   const std::string svg = Svg(chart);
   EXPECT_LT(svg.size(), 120'000u);
-  // y = 100 is the top of the area, which is where the grid's topmost line lies
+  // y = 100 is the top of the area, at the grid's topmost line
   const auto path = AttributeOf(svg, "path", "d");
   const auto grid = AttributeOf(svg, "line", "y1");
   EXPECT_NE(path.find(" " + grid + "L"), std::string::npos) << path.substr(0, 200) << " … " << grid;
@@ -214,7 +214,7 @@ TEST(Histogram, CountsEveryFiniteValue) {
   EXPECT_EQ(MarkupError(Svg(Histogram{.title = "same", .values = {3.0, 3.0, 3.0}, .log_x = true})), "");
 }
 
-// Equal ratios are equal lengths, and what has no logarithm is left out.
+// Equal ratios have equal lengths, and values without a logarithm are left out.
 TEST(SvgPlot, LogarithmicAxesKeepRatios) {
   LineChart chart{.title = "t", .x_label = "x", .y_label = "y", .log_x = true, .log_y = true};
   chart.series.push_back({.name = "s", .x = {-1.0, 1.0, 10.0, 100.0}, .y = {1.0, 0.001, 0.01, 0.1}});
@@ -225,7 +225,7 @@ TEST(SvgPlot, LogarithmicAxesKeepRatios) {
   ASSERT_EQ(std::sscanf(svg.c_str() + at, "<path d=\"M%lf %lfL%lf %lfL%lf %lf\"", &x[0], &y[0], &x[1], &y[1],
                         &x[2], &y[2]),
             6);
-  EXPECT_NEAR(x[1] - x[0], x[2] - x[1], 0.11);  // texts have a tenth of a pixel
+  EXPECT_NEAR(x[1] - x[0], x[2] - x[1], 0.11);  // coordinates are rounded to 0.1 px
   EXPECT_NEAR(y[1] - y[0], y[2] - y[1], 0.11);
   EXPECT_GT(x[1] - x[0], 100.0);
 }

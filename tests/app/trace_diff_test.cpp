@@ -25,7 +25,7 @@ TEST(TraceDifference, OfEqualTracesIsNone) {
   EXPECT_EQ(Text(same), "");
 }
 
-// One bit somewhere: it passes, and says that it is not the same.
+// One different bit: the comparison passes, and says that it is not identical.
 TEST(TraceDifference, OfABitPassesWithoutBeingIdentical) {
   ScenarioTrace now = SampleTrace();
   now.hash ^= 1u;
@@ -76,7 +76,7 @@ TEST(TraceDifference, SaysWhatLeftItsToleranceFirst) {
   EXPECT_EQ(text.find("the loop itself"), std::string::npos) << "an input differed: " << text;
 }
 
-// A peak between two samples is in no sample.
+// A peak between two samples appears in no sample.
 TEST(TraceDifference, SeesWhatLiesBetweenTheSamples) {
   ScenarioTrace now = SampleTrace();
   const std::size_t force = QuantityNamed("hand_x_N");
@@ -133,7 +133,7 @@ TEST(TraceDifference, TheEndAndTheCountOfTicksAreHeldToo) {
   EXPECT_TRUE(Compare(SampleTrace(), now, {.event_s = 1e-3}).passed);
 }
 
-// A golden file that was edited by hand has the hash of another run.
+// A golden file that was edited by hand still has the original run's hash.
 TEST(TraceDifference, AnEditedGoldenFileIsNotIdentical) {
   ScenarioTrace golden = SampleTrace();
   golden.samples[1].values[0] += 0.3;
@@ -143,7 +143,7 @@ TEST(TraceDifference, AnEditedGoldenFileIsNotIdentical) {
   EXPECT_NE(Text(difference).find("the golden file itself was changed"), std::string::npos);
 }
 
-// Every field of a tick is in a part, and a change of any is a change of the hash and of that part's digest.
+// Every field of a tick is in a part, and a change of any field changes the hash and that part's digest.
 TEST(TraceRecorder, EveryPartOfATickIsInTheHash) {
   const auto trace_of = [](const auto& change) {
     TraceRecorder recorder(1e-3, 0.01);

@@ -12,7 +12,7 @@ namespace {
 using control::TickRecord;
 using safety::Fault;
 
-// A second before the stop, half a second after it.
+// Ticks from a second before the stop to half a second after it.
 std::vector<TickRecord> Ticks() {
   std::vector<TickRecord> ticks(1500);
   for (std::size_t i = 0; i < ticks.size(); ++i) {
@@ -105,7 +105,7 @@ std::vector<Case> Cases() {
   };
 }
 
-// Each quantity with its limit, and drawn: another value is another drawing.
+// Each quantity is drawn with its limit: another value gives another drawing.
 TEST(TripCharts, ShowEachQuantityThatStopsACellWithItsLimit) {
   const TripLimits limits = Limits();
   for (const Case& c : Cases()) {
@@ -126,7 +126,7 @@ TEST(TripCharts, ShowEachQuantityThatStopsACellWithItsLimit) {
   }
 }
 
-// What has no quantity in a recording has no chart: the table of faults says what is known.
+// A fault without a recorded quantity has no chart: the table of faults gives the facts.
 TEST(TripCharts, AreEmptyWhereNothingIsMeasured) {
   const std::vector<TickRecord> ticks = Ticks();
   for (const Fault fault : {Fault::kDevice, Fault::kNotFinite, Fault::kRepeatDiffers, Fault::kRecorder})

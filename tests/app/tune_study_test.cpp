@@ -6,7 +6,7 @@
 #include "app/tune_study.h"
 #include "config/load.h"
 
-// What `osteon tune` asks of the loop, and what it makes of the answers.
+// The questions of `osteon tune` to the loop, and the results.
 
 namespace osteon::app {
 namespace {
@@ -33,7 +33,7 @@ TEST(TuneStudy, HandsReachTheStiffnessThatIsAskedFor) {
   EXPECT_GT(HandsUpTo(10e3).size(), hands.size());
 }
 
-// With one hand, nothing late and no wall it is the design's figure: 24 and 125 N s/m at 3 kg.
+// With one hand, no delays and no wall it is the design's figure: 24 and 125 N s/m at 3 kg.
 TEST(TuneStudy, LeastDragOfAFirmGripIsTheDesigns) {
   TuneTask task = DemoTask();
   task.margin = 1.0;
@@ -57,7 +57,7 @@ TEST(TuneStudy, LatenessAgeAndMarginEachCostDrag) {
   harder = task;
   harder.margin *= 1.3;
   EXPECT_GT(LeastDragFor(harder, 2.8, hands), 1.05 * own);
-  // and what is found holds with just the margin asked for
+  // and the result has exactly the demanded margin
   EXPECT_NEAR(GainMargin(task, {2.8, 1.005 * own}, hands), task.margin, 0.02 * task.margin);
   EXPECT_EQ(GainMargin(task, {2.8, 0.3 * own}, hands), 0.0);
 }
@@ -70,7 +70,7 @@ TEST(TuneStudy, SimulatedBoundaryIsThePredictedOneWithinOnePercent) {
     ASSERT_LT(found.predicted_N_per_m, 1e6);
     EXPECT_NEAR(found.simulated_N_per_m, found.predicted_N_per_m, 0.01 * found.predicted_N_per_m) << b;
     EXPECT_LT(found.degraded_N_per_m, found.simulated_N_per_m) << b;
-    // the map's decay changes its sign there
+    // the map's decay rate changes its sign there
     EXPECT_GT(DecayRate(task, {2.0, b}, HandsUpTo(3e3), 0.97 * found.predicted_N_per_m), 0.0);
     EXPECT_LT(DecayRate(task, {2.0, b}, HandsUpTo(3e3), 1.03 * found.predicted_N_per_m), 0.0);
   }

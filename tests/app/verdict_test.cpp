@@ -11,7 +11,7 @@
 namespace osteon::app {
 namespace {
 
-// A run of which nothing is to be said.
+// A run without any reason for a remark.
 RunSummary Quiet() {
   RunSummary s;
   s.ended = "completed";

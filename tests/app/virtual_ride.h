@@ -16,7 +16,7 @@
 
 namespace osteon::app {
 
-/// A recording in memory, gathered as a run's end gathers it from the file.
+/// Collects a recording in memory as a run's end does from the file.
 inline RunAccumulator Gathered(const CellSetup& setup, const io::Recording& recording) {
   RunAccumulator run(setup);
   for (const control::TickRecord& tick : recording.ticks) run.Add(tick);
@@ -24,7 +24,7 @@ inline RunAccumulator Gathered(const CellSetup& setup, const io::Recording& reco
   return run;
 }
 
-/// A run of a shipped cell in virtual time, in this process, and what it left.
+/// A run of a shipped cell in virtual time, in this process, with its results.
 struct VirtualRide {
   CellRunResult result;
   RunSummary summary;
@@ -32,7 +32,7 @@ struct VirtualRide {
   nlohmann::json cell;  ///< osteon.cell/1
 };
 
-/// @param name  under config/cells  @param change  (config::CellConfig&), before it begins
+/// @param name  under config/cells  @param change  (config::CellConfig&), called before the run
 template <class Change>
 VirtualRide RideVirtually(const std::string& name, double seconds, const Change& change, int recoveries = 0) {
   auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml", std::nullopt);
@@ -57,7 +57,7 @@ VirtualRide RideVirtually(const std::string& name, double seconds, const Change&
   return ride;
 }
 
-/// The commanded joints never jump while the arm follows them. @param most_rad  a tick
+/// Checks that the commanded joints never jump while the arm follows them. @param most_rad  per tick
 inline void ExpectNoJump(const io::Recording& recording, double most_rad) {
   const auto active = [](const control::TickRecord& tick) {
     return tick.session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive);

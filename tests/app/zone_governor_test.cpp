@@ -15,8 +15,8 @@
 #include "simulation/tools/swept_tool.h"
 #include "tests/app/virtual_ride.h"
 
-// A planned cell, and the governor that coarsens its zones. On Vulkan; what frames take is made up, so that
-// no clock is looked at.
+// A planned cell, and the governor that coarsens its zones. On Vulkan; frame times are made up, so that no
+// clock is involved.
 
 namespace osteon::app {
 namespace {
@@ -37,7 +37,7 @@ CellSetup Planned(const std::string& name, const FidelityChoice& choice = {}) {
   return std::move(*setup);
 }
 
-/// As if its frames had been timed: at the plan's spacing they take `us`, a fifth of it whatever is there.
+/// Gives the plan made-up times: `us` at the plan's spacing, a fifth of it independent of the balls.
 void SayTimed(CellSetup& setup, double us) {
   auto planned = std::make_shared<PlannedCell>(*setup.planned);
   planned->request.timed = true;
@@ -48,13 +48,13 @@ void SayTimed(CellSetup& setup, double us) {
   setup.planned = std::move(planned);
 }
 
-/// Of the cell's bone cut in virtual time, frames slow until the zones are coarser.
+/// A run of the cell in virtual time, with slow frames until the zones are coarser.
 struct Ride {
   CellRunResult result;
   RunSummary summary;
   io::Recording recording;
   std::size_t balls{0};
-  double promised_m{0.0}, error_m{0.0};  ///< of the cut, against what the proxy has swept
+  double promised_m{0.0}, error_m{0.0};  ///< of the cut, measured against the proxy's sweep
 };
 
 Ride RideOf(const std::string& name, double error_m, double seconds, bool slow) {
@@ -95,7 +95,8 @@ Ride RideOf(const std::string& name, double error_m, double seconds, bool slow) 
 struct Case {
   const char* cell;
   double error_mm;
-  bool whole;  ///< cut as far as the scene's own way: what has only begun is mostly rim, and off by more
+  /// Cut over the scene's whole path: a cut that has only begun is mostly rim, with a larger error.
+  bool whole;
 };
 
 void PrintTo(const Case& of, std::ostream* out) { *out << of.cell; }
@@ -127,7 +128,7 @@ TEST_P(ZoneGovernorRide, CoarsensUnderLoadAndTheHandFeelsNoStep) {
   }
   EXPECT_GT(ride.promised_m, calm.promised_m);
 
-  // what was removed never jumps or comes back, and in the end it is what the finer zones would have removed
+  // the removed volume never jumps or falls, and ends at what the finer zones would have removed
   const auto& frames = ride.recording.frames;
   ASSERT_EQ(frames.size(), calm.recording.frames.size());
   double last_m3 = 0.0, most_m3 = 0.0, calm_most_m3 = 0.0;
@@ -143,7 +144,7 @@ TEST_P(ZoneGovernorRide, CoarsensUnderLoadAndTheHandFeelsNoStep) {
   EXPECT_LT(most_m3, 2.0 * calm_most_m3 + 1e-12);
   EXPECT_NEAR(last_m3, calm.result.after.removed_volume_m3, 0.1 * calm.result.after.removed_volume_m3);
 
-  // the wrench at the hand-over steps no more than it does without one
+  // the wrench steps no more at the exchange of packings than without one
   const auto step_N = [&](const Ride& of) {
     double most_N = 0.0;
     const auto& ticks = of.recording.ticks;
@@ -181,7 +182,7 @@ INSTANTIATE_TEST_SUITE_P(Cells, ZoneGovernorRide,
                          testing::Values(Case{"demo", 0.1, true}, Case{"femoral_canal", 0.06, false}),
                          [](const auto& of) { return std::string(of.param.cell); });
 
-/// What a shipped scene asks for, over its cell's own whole script.
+/// The demands of a shipped scene, over its cell's whole script.
 class PlannedScript : public testing::TestWithParam<const char*> {};
 
 TEST_P(PlannedScript, KeepsTheErrorThatItsSceneAsksFor) {
@@ -206,7 +207,7 @@ TEST(ZoneGovernor, IsTheSameAgain) {
   EXPECT_EQ(a.summary.state_hash, b.summary.state_hash);
 }
 
-/// Pushes the tool into the planned bone along the scene's own way, as many frames as it has.
+/// Pushes the tool into the planned bone along the scene's path, for all of its frames.
 class Driven : public testing::Test {
  protected:
   Driven() : setup_(Planned("demo")) {
@@ -216,7 +217,7 @@ class Driven : public testing::Test {
     engine_ = std::move(*made);
   }
 
-  /// Whether the governor had something to go on with, within so many frames.
+  /// Whether the governor had a replacement within this many frames.
   bool Drive(ZoneGovernor& governor, double us, std::size_t frames) {
     const auto& way = setup_.planned->scene.work.frames;
     for (std::size_t k = 0; k < frames; ++k, ++at_) {
@@ -246,7 +247,7 @@ TEST_F(Driven, TheNewPackingIsMadeBesideTheRun) {
   EXPECT_EQ(governor.TakeNotice(), "");
   EXPECT_FALSE(Drive(governor, kSlow_us, 60)) << "made in a thread of its own";
   EXPECT_THAT(governor.TakeNotice(), HasSubstr("frames take 4600 us, 4000 us at 250 Hz: coarser zones"));
-  // the run goes on meanwhile, and it is carved along that way as well
+  // the run continues meanwhile, and the new packing is carved along that path as well
   bool taken = false;
   for (int look = 0; look < 3000 && !taken; ++look) {
     taken = Drive(governor, kFast_us, 1);
@@ -258,7 +259,7 @@ TEST_F(Driven, TheNewPackingIsMadeBesideTheRun) {
   EXPECT_EQ(after.cleared, before.cleared);
   EXPECT_EQ(after.frame, before.frame);
   EXPECT_EQ(after.removed_volume_m3, before.removed_volume_m3);
-  // and goes on from there
+  // and the run continues from there
   EXPECT_FALSE(Drive(governor, kFast_us, 100));
 }
 
@@ -306,7 +307,7 @@ TEST(PackCell, IsPlannedWhereSceneOrChoiceAskForIt) {
   EXPECT_EQ(as_packed.bone.balls.size(), plain->bone.balls.size());
 }
 
-// A plan by the closed forms is the same again, whatever the machine is at.
+// A plan by the closed forms is repeatable, whatever the machine's load.
 TEST(PackCell, WithoutAClockItIsTheSameAgain) {
   const CellSetup a = Planned("molar"), b = Planned("molar");
   ASSERT_EQ(a.bone.balls.size(), b.bone.balls.size());

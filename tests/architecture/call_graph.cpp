@@ -15,10 +15,10 @@
 namespace osteon::architecture {
 namespace {
 
-// A symbol in an operand: without "+0x…", "@plt" and a version.
+// The symbol of an operand, without "+0x…", "@plt" and a version.
 std::string SymbolOf(const std::string& operand) { return operand.substr(0, operand.find_first_of("+@")); }
 
-// The rule for a symbol: of functions of the program `skip`, of others `allow`.
+// Finds the rule for a symbol: `skip` for functions of the program, `allow` for others.
 const CallRule* Find(const std::vector<CallRule>& rules, const std::string& symbol, bool of_program) {
   static constexpr std::string_view kUnnamed = "(anonymous namespace)::";
   std::string signature = Demangled(symbol);
@@ -54,13 +54,14 @@ CallGraph CallGraph::Read(std::istream& disassembly) {
     const std::size_t begin = line.rfind('<') + 1;
     const std::string operand = line.substr(begin, line.size() - 1 - begin), symbol = SymbolOf(operand);
     if (symbol == name) continue;
-    // a version of our own is the program's; a vtable or type of the standard library is data
+    // a symbol with a version of ours belongs to the program; the standard library's vtables and types are
+    // data
     if (operand.find('@') != std::string::npos && operand.find("@@Base") == std::string::npos &&
         !symbol.starts_with("_ZT"))
       external.insert(symbol);
     callees->insert(symbol);
   }
-  // What is neither a function here nor one of a library is data.
+  // A name that is neither a function of the program nor of a library is data.
   for (auto& [function, names] : graph.functions_)
     std::erase_if(names, [&](const std::string& callee) {
       return !external.contains(callee) && !graph.functions_.contains(callee);
@@ -75,7 +76,7 @@ const std::set<std::string>* CallGraph::Callees(const std::string& function) con
 
 std::string Demangled(const std::string& symbol) {
   int status = 0;
-  // GCC marks parts and copies of a function behind a dot
+  // GCC appends a dot and a suffix to the names of a function's parts and copies
   const std::unique_ptr<char, decltype(&std::free)> text(
       abi::__cxa_demangle(symbol.substr(0, symbol.find('.')).c_str(), nullptr, nullptr, &status), &std::free);
   return status == 0 ? text.get() : symbol;
@@ -104,7 +105,7 @@ std::vector<CallRule> ReadCallRules(const std::filesystem::path& file) {
 CallCheck CheckCalls(const CallGraph& graph, const std::set<std::string>& marked,
                      const std::vector<CallRule>& rules) {
   CallCheck check;
-  std::map<std::string, std::string> caller_of;  // of each symbol that was reached; of a root, nobody
+  std::map<std::string, std::string> caller_of;  // of each reached symbol; empty for a root
   std::deque<std::string> open;
   for (const auto& [symbol, callees] : graph.functions()) {
     const std::string name = QualifiedName(Demangled(symbol));

@@ -9,15 +9,15 @@
 
 namespace osteon::architecture {
 
-/// Which function of a program names which others: by calls, jumps and addresses taken. A call through a
-/// pointer names nobody: of a virtual function each implementation has to be looked at by its own name.
+/// The references between a program's functions: calls, jumps and addresses taken. A call through a pointer
+/// has no target here: each implementation of a virtual function has to be checked by its own name.
 class CallGraph {
  public:
-  /// Reads what `objdump -d --no-show-raw-insn PROGRAM` writes.
+  /// Reads the output of `objdump -d --no-show-raw-insn PROGRAM`.
   static CallGraph Read(std::istream& disassembly);
 
-  /// The names, as the symbol table has them, that a function refers to: functions of this program, and those
-  /// of shared libraries without "@plt" or a version. Null where the program has no such function.
+  /// The functions that a function refers to, by the symbol table's names: functions of this program, and
+  /// those of shared libraries without "@plt" or a version. Null if the program has no such function.
   [[nodiscard]] const std::set<std::string>* Callees(const std::string& function) const;
   [[nodiscard]] const std::map<std::string, std::set<std::string>>& functions() const { return functions_; }
 
@@ -25,29 +25,30 @@ class CallGraph {
   std::map<std::string, std::set<std::string>> functions_;
 };
 
-/// A symbol as C++ writes it: "osteon::rt::MonotonicNow()". Others stay as they are.
+/// A symbol in C++ notation: "osteon::rt::MonotonicNow()". Other symbols are returned unchanged.
 std::string Demangled(const std::string& symbol);
 
-/// What may be called in a tick though it is no function of ours, or is not looked into.
+/// A function that a tick may call although it is not ours, or that is not followed.
 struct CallRule {
   std::string pattern;  ///< a qualified name (QualifiedName) or a signature, or its beginning and a '*'
   std::string reason;
-  bool opaque{false};  ///< "skip": a function of this program whose own calls are not looked at
+  bool opaque{false};  ///< "skip": a function of this program whose own calls are not followed
 };
 
-/// The lines `allow PATTERN … | why` and `skip PATTERN … | why`; '#' begins a comment.
-/// @throws std::runtime_error naming file, line and what is accepted, where a line is not of that form.
+/// Reads the lines `allow PATTERN … | why` and `skip PATTERN … | why`; '#' begins a comment.
+/// @throws std::runtime_error with file, line and the accepted form if a line has another form.
 std::vector<CallRule> ReadCallRules(const std::filesystem::path& file);
 
-/// What the marked functions come to.
+/// The result for the marked functions.
 struct CallCheck {
-  std::vector<std::string> forbidden;  ///< one a callee: "osteon::A::Step() > B::Grow() > malloc"
-  std::set<std::string> roots;         ///< marked functions that the program has as such; the rest is inlined
-  std::set<std::string> used;          ///< patterns of rules that something matched
-  std::size_t reached{0};              ///< functions of the program that were looked into
+  std::vector<std::string> forbidden;  ///< one per callee: "osteon::A::Step() > B::Grow() > malloc"
+  /// Marked functions that exist in the program; the others are inlined.
+  std::set<std::string> roots;
+  std::set<std::string> used;  ///< patterns of rules that matched
+  std::size_t reached{0};      ///< functions of the program that were followed
 };
 
-/// Follows every call from the marked functions (qualified names) to the program's edge.
+/// Follows every call from the marked functions (qualified names) to the edge of the program.
 CallCheck CheckCalls(const CallGraph& graph, const std::set<std::string>& marked,
                      const std::vector<CallRule>& rules);
 

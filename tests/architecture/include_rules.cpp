@@ -16,7 +16,7 @@ std::vector<std::string> Words(const std::string& text) {
   return words;
 }
 
-/// Whether path is `name`, lies below the directory `name`, or ends as `*.x` says.
+/// Whether path is `name`, lies below the directory `name`, or has the ending of `*.x`.
 bool Matches(std::string_view name, std::string_view path) {
   if (name.starts_with('*')) return path.ends_with(name.substr(1));
   return path == name || (path.starts_with(name) && path[name.size()] == '/');
@@ -54,7 +54,7 @@ bool IsStandardHeader(std::string_view include) {
   return include.find_first_of("/.") == std::string_view::npos;
 }
 
-/// What is wrong with one include of a file that lies in `includer`; empty where it is allowed.
+/// Says what is wrong with an include of a file in folder `includer`; empty if it is allowed.
 std::string Complaint(const std::vector<Rule>& rules, const Match& includer, std::string_view path,
                       const std::string& include) {
   if (include.find("..") != std::string::npos) {
@@ -65,7 +65,7 @@ std::string Complaint(const std::vector<Rule>& rules, const Match& includer, std
     return includer.name + "/ may not include " + include +
            "; it may include: " + Join(includer.rule->allowed) + " (" + includer.rule->reason + ")";
   }
-  // Tests use whatever serves as an oracle.
+  // Tests may include anything that serves as an oracle.
   if (IsStandardHeader(include) || includer.name == "tests") return {};
   const Match library = FindRule(rules, Rule::Kind::kLibrary, include);
   if (!library.rule) {

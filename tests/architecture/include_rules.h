@@ -11,7 +11,7 @@ namespace osteon::architecture {
 struct Rule {
   enum class Kind { kFolder, kLibrary };
   Kind kind = Kind::kFolder;
-  std::vector<std::string> names;    ///< what the rule is about
+  std::vector<std::string> names;    ///< folders or libraries that the rule applies to
   std::vector<std::string> allowed;  ///< kFolder: what it may include; kLibrary: who may include it
   std::string reason;
 };
@@ -20,19 +20,19 @@ struct Rule {
 struct Violation {
   std::string file;  ///< relative to the root
   int line = 0;      ///< from 1
-  std::string text;  ///< what is wrong, and what would be accepted
+  std::string text;  ///< what is wrong, and what is accepted
 };
 
-/// The rules of include_rules.txt (its head describes the form).
-/// @throws std::runtime_error naming file, line and what is accepted, where a line is not of that form.
+/// Reads the rules of include_rules.txt (its head describes the form).
+/// @throws std::runtime_error with file, line and the accepted form if a line has another form.
 std::vector<Rule> ReadRules(const std::filesystem::path& file);
 
-/// The includes of one source text that the rules forbid.
-/// @param path  the file's path relative to the root, with '/': it says which folder's rule holds.
+/// Lists the forbidden includes of one source text.
+/// @param path  the file's path relative to the root, with '/': determines the folder whose rule applies.
 std::vector<Violation> CheckText(const std::vector<Rule>& rules, std::string_view path,
                                  std::string_view text);
 
-/// C++ files below root's visible folders (build/ left out), relative to it, sorted.
+/// Lists the C++ files below root's visible folders (except build/), relative to it, sorted.
 std::vector<std::string> SourceFiles(const std::filesystem::path& root);
 
 }  // namespace osteon::architecture

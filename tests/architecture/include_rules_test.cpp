@@ -24,7 +24,7 @@ std::string ReadText(const fs::path& file) {
   return text.str();
 }
 
-/// What CheckText says of one line in a file at `path`; empty where it is allowed.
+/// CheckText's verdict on one line in a file at `path`; empty if it is allowed.
 std::string Verdict(const std::string& path, const std::string& line) {
   const std::vector<Violation> violations = CheckText(ReadRules(kRulesFile), path, line);
   return violations.empty() ? "" : violations.front().text;
@@ -33,8 +33,7 @@ std::string Verdict(const std::string& path, const std::string& line) {
 TEST(IncludeRules, TheTreeKeepsToThem) {
   const std::vector<Rule> rules = ReadRules(kRulesFile);
   const std::vector<std::string> files = SourceFiles(kRoot);
-  // The first cut's base alone has some twenty files: fewer means that the walk is broken, not the tree
-  // clean.
+  // Far more files exist: fewer mean that the search is broken, not that the tree is clean.
   ASSERT_GT(files.size(), 20u);
   for (const std::string& file : files) {
     for (const Violation& violation : CheckText(rules, file, ReadText(kRoot / file))) {
@@ -43,7 +42,7 @@ TEST(IncludeRules, TheTreeKeepsToThem) {
   }
 }
 
-// Whoever counts allocations in a test and forgets to look at the number has a test that can't fail.
+// A test that counts allocations and does not check the count can never fail.
 TEST(IncludeRules, TestsCountAllocationsInACheckedScopeOnly) {
   const std::string kChecked = "tests/control/rt/checked_no_alloc_scope.h";
   int users = 0;

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# The launcher ./osteon in a made-up checkout, with stand-ins for apt, cmake, ninja and ctest that note how they were
-# called: what is installed when, what reaches the built command, what stays quiet, and what each obstacle is answered.
+# Tests the launcher ./osteon in a made-up checkout, with stand-ins for apt, cmake, ninja and ctest that record their
+# calls: what is installed and when, what reaches the built command, what stays quiet, and the answer to each obstacle.
 set -euo pipefail
 here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
-# What the launcher reads may be set where this test runs: by the launcher itself, above ctest.
+# The variables that the launcher reads may be set in this test's environment, by the launcher that started ctest.
 unset CTEST_PARALLEL_LEVEL CMAKE_BUILD_PARALLEL_LEVEL OSTEON_DATA_DIR OSTEON_SKIP_PACKAGES OSTEON_CGROUPS
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -11,7 +11,7 @@ checkout="$work/a checkout" # with a space
 fakes=$work/fakes
 export FAKES=$fakes
 COMMIT_STEP=$(sed -n 's/^add_custom_target(osteon_commit .*COMMENT "\(.*\)"$/\1/p' "$here/../../app/CMakeLists.txt")
-export COMMIT_STEP # what every build does, and the launcher says nothing of
+export COMMIT_STEP # done in every build; the launcher does not show it
 mkdir "$checkout" "$fakes" "$work/elsewhere"
 cp "$here/../../osteon" "$checkout/"
 printf '[run]  comment\ncompiler  # why\nlibrary-dev\n\n[test]\noracle-dev\n\n[optional]\nextra-dev\n\n[docs]\nsite-maker\n' >"$checkout/packages.txt"
@@ -86,16 +86,16 @@ F
 failures=0
 fail() { echo "FAILED: $1"; printf 'exit %s\nstdout: %s\nstderr: %s\ncalls: %s\n' "$rc" "$out" "$err" "$(calls)"; failures=1; }
 calls() { cat "$fakes/calls" 2>/dev/null || true; }
-as_user=() # of run: a prefix of the command
+as_user=() # for run: a prefix of the command
 
-# run COMMAND …: its exit code, stdout and stderr in rc, out, err; the stand-ins' calls are counted from here.
+# run COMMAND …: sets rc, out and err to exit code, stdout and stderr; the count of the stand-ins' calls starts here.
 run() {
   rm -f "$fakes/calls"
   rc=0
   PATH=$fakes:$PATH "${as_user[@]}" "$@" >"$work/out" 2>"$work/err" </dev/null || rc=$?
   out=$(<"$work/out") err=$(<"$work/err")
 }
-# expect CLAIM CONDITION …: a failure of this test where the condition, a command, does not hold.
+# expect CLAIM CONDITION …: fails this test if the condition, a command, is false.
 expect() { local name=$1; shift; "$@" || fail "$name"; }
 # shellcheck disable=SC2317  # called through expect
 has() { [[ $1 == *"$2"* ]]; }
@@ -170,7 +170,7 @@ expect 'and where the log is' has "$err" "$checkout/build/osteon.log"
 expect 'and runs nothing' equal "$out" ''
 rm "$fakes/broken"
 
-# Two at once take turns: the stand-in for ninja fails where it runs twice.
+# Two launchers at once take turns: the stand-in for ninja fails if two run at once.
 touch "$fakes/slow"
 PATH=$fakes:$PATH "$checkout/osteon" one >"$work/one" 2>&1 &
 for ((i = 0; i < 100; ++i)); do [[ ! -e $fakes/started ]] || break; sleep 0.1; done
@@ -182,7 +182,7 @@ rc=- out=$(<"$work/one") err=$(<"$work/two")
 expect 'the first of two runs' has "$out" '<one>'
 expect 'the second says that it waits, then runs' equal "$(sed -n 's/.*waiting.*/waits/p; s/^<two>$/runs/p' <<<"$err")" $'waits\nruns'
 
-# Stopped in the middle of a build (a Ctrl-C, but background jobs ignore that one), it starts again as if nothing was.
+# After an end in the middle of a build (Ctrl-C; here SIGTERM, as background jobs ignore SIGINT) it starts as usual.
 touch "$fakes/slow"
 PATH=$fakes:$PATH setsid "$checkout/osteon" demo >"$work/out" 2>"$work/err" &
 stopped=$!
@@ -197,7 +197,7 @@ expect 'interrupted: says so' has "$err" interrupted
 run "$checkout/osteon" demo
 expect 'after an interruption the next start works' has "$out" '<demo>'
 
-# `clean` takes the lock's file away while another waits for it: that one begins again, with a lock that others see.
+# `clean` removes the lock's file while another launcher waits: that one starts over, with a lock that others see.
 exec 8>"$checkout/build/.lock"
 flock 8
 PATH=$fakes:$PATH "$checkout/osteon" demo >"$work/out" 2>"$work/err" 8>&- &
@@ -211,7 +211,7 @@ expect 'who waited for a build that was removed: exit 0' equal "$rc" 0
 expect 'who waited for a build that was removed builds anew' has "$out" '<demo>'
 expect 'and under a lock that others see' test -e "$checkout/build/.lock"
 
-# A container's memory, of which /proc/meminfo knows nothing: 5.0 GB less 2.0 GB in use, 0.5 of them file cache.
+# A container's memory, which /proc/meminfo does not show: 5.0 GB minus 2.0 GB in use, 0.5 GB of them file cache.
 mkdir "$work/cgroups"
 echo 5000000000 >"$work/cgroups/memory.max"
 echo 2000000000 >"$work/cgroups/memory.current"
@@ -235,7 +235,7 @@ expect 'another release: its name' has "$err" 'Ubuntu 24.04 LTS, not Debian 12'
 expect 'another release: nothing installed' equal "$(calls)" ''
 mv "$fakes/kept" "$fakes/installed"
 
-# A run as root leaves files that the owner cannot write.
+# A run as root leaves files that the owner cannot overwrite.
 if [[ $EUID -eq 0 ]]; then
   chmod a+rx "$work"
   chmod -R a+rwX "$fakes"
@@ -262,7 +262,7 @@ expect 'a failed installation exits 2' equal "$rc" 2
 expect 'with apt'\''s words' has "$err" 'E: no network'
 rm "$fakes/apt_broken"
 
-# Without rights: the one line to run.
+# Without rights: prints the one command to run.
 touch "$fakes/sudo_refuses"
 chmod -R a+rwX "$work"
 if [[ $EUID -eq 0 ]]; then as_user=(setpriv --reuid 65534 --clear-groups); fi
@@ -291,7 +291,7 @@ run "$checkout/osteon" clean
 expect 'clean exits 0' equal "$rc" 0
 expect 'clean removes build/' test ! -e "$checkout/build"
 
-# Where nothing can be written. Root writes everywhere, so it becomes somebody else first.
+# A checkout that cannot be written. Root can write everywhere, so root changes to another user first.
 chmod a-w "$checkout"
 if [[ $EUID -eq 0 ]]; then as_user=(setpriv --reuid 65534 --clear-groups); fi
 run "$checkout/osteon" demo

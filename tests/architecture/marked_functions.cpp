@@ -10,7 +10,7 @@ namespace {
 
 bool IsNamePart(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
 
-// Where the literal that begins at `i` ends: the index after it.
+// Returns the index after the literal that begins at `i`.
 std::size_t EndOfLiteral(std::string_view text, std::size_t i) {
   if (text[i] == '"' && i > 0 && text[i - 1] == 'R') {
     const std::string close = ")" + std::string(text.substr(i + 1, text.find('(', i) - i - 1)) + "\"";
@@ -21,7 +21,7 @@ std::size_t EndOfLiteral(std::string_view text, std::size_t i) {
   return i + 1;
 }
 
-// The text without comments, literals and preprocessor lines.
+// Removes comments, literals and preprocessor lines.
 std::string CodeOnly(std::string_view text) {
   std::string out;
   bool line_begins = true;
@@ -50,7 +50,7 @@ std::string Trimmed(std::string text) {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-// Without template arguments. An operator's own signs stay.
+// Removes template arguments. The characters of an operator's name stay.
 std::string WithoutTemplateArguments(std::string_view name) {
   static constexpr std::string_view kOperator = "operator";
   std::string out;
@@ -71,7 +71,7 @@ std::string WithoutTemplateArguments(std::string_view name) {
   return out;
 }
 
-// The name of the function that a declaration's head declares, up to OSTEON_RT; empty where there is none.
+// The function's name in a declaration's head, up to OSTEON_RT; empty if there is none.
 std::string DeclaredName(std::string head) {
   head = Trimmed(std::move(head));
   for (const std::string_view qualifier : {"const", "&"})
@@ -89,7 +89,7 @@ std::string DeclaredName(std::string head) {
   return std::regex_search(before, match, name) ? match[1].str() : std::string();
 }
 
-// What a brace opens: the name of a namespace or class, or nothing.
+// The name of the namespace or class that a brace opens, or nothing.
 std::string ScopeName(const std::string& head) {
   static const std::regex space(R"(namespace\s+([\w:]+)\s*$)");
   static const std::regex type(
@@ -107,7 +107,7 @@ std::set<std::string> MarkedFunctions(std::string_view text) {
   const std::string code = CodeOnly(text);
   std::set<std::string> names;
   std::vector<std::string> scopes;
-  std::string head;  // of the statement so far
+  std::string head;  // of the current statement
   int parentheses = 0;
   for (std::size_t i = 0; i < code.size(); ++i) {
     const char c = code[i];

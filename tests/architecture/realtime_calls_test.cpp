@@ -14,12 +14,12 @@
 #include "tests/architecture/include_rules.h"
 #include "tests/architecture/marked_functions.h"
 
-// OSTEON_RT is a promise: no heap, lock, exception or system call. The built command is held to it, by what
-// its machine code calls.
+// OSTEON_RT promises no heap, lock, exception or system call. These tests check the promise against the calls
+// in the built command's machine code.
 
 namespace osteon::architecture {
 
-// Breaches, planted in this test program: each of them has to be found in its machine code.
+// Violations, planted in this test program: the check must find each of them in its machine code.
 class Planted {
  public:
   virtual ~Planted() = default;
@@ -67,8 +67,8 @@ std::string ReadText(const fs::path& file) {
   return text.str();
 }
 
-// Machine code as it is shipped can be read here: not under a sanitizer, which calls its own library
-// everywhere, nor without an optimiser, which leaves in what is never run.
+// Whether the machine code is as shipped. A sanitizer calls its own library everywhere, and an unoptimised
+// build keeps code that never runs.
 bool IsReadable() {
 #if defined(OSTEON_SANITIZED) || !defined(__OPTIMIZE__)
   return false;
@@ -107,7 +107,7 @@ TEST(RealtimeCalls, NothingMarkedReachesHeapLockOrExceptionInTheBuiltCommand) {
   EXPECT_TRUE(check.forbidden.empty())
       << Join(check.forbidden) << "call something else, or give it a line with its reason in "
       << kRulesFile.string();
-  // the tick's own entries, and the ports behind virtual functions
+  // the tick's own entry points, and the implementations behind virtual functions
   for (const char* name : {"osteon::control::ServoLoop::Tick", "osteon::control::LoopRepeat::Repeat",
                            "osteon::io::FriLink::Receive", "osteon::io::FriLink::Send",
                            "osteon::io::RsiLink::Receive", "osteon::io::RsiLink::Send",
@@ -119,7 +119,7 @@ TEST(RealtimeCalls, NothingMarkedReachesHeapLockOrExceptionInTheBuiltCommand) {
     EXPECT_TRUE(!rule.opaque || check.used.contains(rule.pattern)) << "skips nothing: " << rule.pattern;
 }
 
-// What this program's planted breaches come to, under the rules of the tree.
+// The result for this program's planted violations, under the rules of the tree.
 class PlantedCalls : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -131,7 +131,7 @@ class PlantedCalls : public testing::Test {
     if (!IsReadable()) GTEST_SKIP() << "skipped, this build's machine code is not what is shipped";
     ASSERT_TRUE(check_.roots.contains("osteon::architecture::Planted::" + marked_)) << marked_;
   }
-  // A chain from the function to the callee is among what is forbidden.
+  // Whether a chain from the function to the callee is among the forbidden calls.
   static bool Finds(const std::string& function, const std::string& callee) {
     for (const std::string& chain : check_.forbidden)
       if (chain.starts_with("osteon::architecture::" + function) && chain.find(callee) != std::string::npos)

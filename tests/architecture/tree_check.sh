@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# tree_check.sh CHECK ROOT [BUILD]: one check of the whole tree. Exit 0 kept, 1 broken (each place on a line), 77 skipped.
+# tree_check.sh CHECK ROOT [BUILD]: one check of the whole tree. Exit 0 passed, 1 failed (one place a line), 77 skipped.
 #
 #   format   C++ is as clang-format leaves it           shell    shell scripts are shellcheck-clean
 #   paths    no file names a folder of one machine      headers  every header compiles alone (BUILD: CMake's binary folder)
@@ -7,10 +7,10 @@ set -euo pipefail
 check=$1 root=$2 build=${3:-}
 cd "$root"
 
-# The tree's files, as git has them; without git (an unpacked archive) all but builds, results and hidden folders.
+# Lists the tree's files as git has them; without git (an unpacked archive) all but builds, results, hidden folders.
 tree_files() {
   if [[ -e .git ]] && command -v git >/dev/null; then
-    # Untracked files count as well: a check before the commit. Another owner's checkout may be read.
+    # Untracked files count too, so that the check works before the commit. The checkout may belong to another owner.
     git -c safe.directory='*' ls-files -z --cached --others --exclude-standard -- "$@"
   else
     local names=() name
@@ -19,7 +19,7 @@ tree_files() {
   fi
 }
 
-# Those that still exist: git lists what the working tree has deleted, too.
+# Only files that still exist: git also lists files that were deleted in the working tree.
 existing() { while IFS= read -r -d '' f; do if [[ -f $f ]]; then printf '%s\0' "$f"; fi; done; }
 
 need() { command -v "$1" >/dev/null || { echo "skipped: no $1 here (packages.txt, section test)"; exit 77; }; }
@@ -28,7 +28,7 @@ case $check in
   format)
     need clang-format
     if ! found=$(tree_files '*.h' '*.cpp' | existing | xargs -0 -r clang-format --dry-run -Werror 2>&1); then
-      # One line a file: where the first difference is.
+      # One line per file: the place of the first difference.
       grep -E ': (error|warning): ' <<<"$found" | sort -s -u -t: -k1,1 || printf '%s\n' "$found"
       echo "clang-format -i those files (.clang-format holds the style)"
       exit 1
@@ -47,7 +47,7 @@ case $check in
     shellcheck "${scripts[@]}"
     ;;
   paths)
-    # Written so that this line does not match itself. A temporary folder is mktemp's or TempDir()'s to name.
+    # Written so that this line does not match itself. Temporary folders come from mktemp or TempDir().
     pattern='(^|[^A-Za-z0-9._~}/-])/(wor[k]|tm[p]|hom[e]|roo[t])/[A-Za-z0-9_.]'
     if tree_files | existing | xargs -0 -r grep -nIE -- "$pattern" /dev/null; then
       echo "paths of one machine: take them from an argument, the environment, or the file's own place"
@@ -55,7 +55,7 @@ case $check in
     fi
     ;;
   headers)
-    # Where the launcher may be building in the same folder, its lock comes first.
+    # If a launcher may be building in the same folder, take its lock first.
     lock=()
     [[ ! -f build/.lock ]] || lock=(flock build/.lock)
     log=$(mktemp)
@@ -65,7 +65,7 @@ case $check in
       sed -n '/^FAILED: /,$p' "$log" | head -n 60
       exit 1
     fi
-    # One source is generated for each listed header; a header without one is in no list of osteon_library().
+    # One source is generated for each listed header; a header without a source is in no list of osteon_library().
     find "$build" -path '*_verify_*header*/*.cxx' | sed 's|.*_verify_[a-z_]*/||; s|\.cxx$||' | sort -u >"$log"
     mapfile -t unlisted < <(tree_files '*.h' | existing | tr '\0' '\n' | grep -v '^tests/' | sort -u | comm -23 - "$log")
     [[ ${#unlisted[@]} -eq 0 ]] || {

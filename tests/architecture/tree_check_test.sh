@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Shows that tree_check.sh fails on what it is there to find, and names the place: each check on a made-up tree.
+# Shows that each check of tree_check.sh finds a violation in a made-up tree and names the place.
 set -euo pipefail
 here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
 failures=0
 
-# expect EXIT PATTERN CHECK: tree_check's exit code on the made-up tree, and what its output has to match.
+# expect EXIT PATTERN CHECK: compares tree_check's exit code and output on the made-up tree.
 expect() {
   local rc=0 output
   output=$("$here/tree_check.sh" "$3" "$tree" "$tree/build" 2>&1) || rc=$?
@@ -36,7 +36,7 @@ expect 1 'In unquoted line 2' shell
 printf 'fine\nopen("/%s/someone/mesh.obj")\n' tmp >"$tree/control/reader.txt"
 expect 1 'control/reader\.txt:2:' paths
 
-# A header that needs another one before it, and one that no library lists, in a CMake project of our own kind.
+# A header that needs another one before it, and a header that no library lists, in a CMake project like ours.
 cat >"$tree/CMakeLists.txt" <<'CMAKE'
 cmake_minimum_required(VERSION 3.25)
 project(made_up LANGUAGES CXX)
@@ -55,7 +55,7 @@ expect 1 'law\.h:1:.*std' headers
 echo 'inline int Law() { return 1; }' >"$tree/control/law.h"
 echo 'inline int Gain() { return 1; }' >"$tree/control/gain.h"
 expect 1 'control/gain\.h:1: in neither HEADERS' headers
-# A private header may need what PRIVATE names, and no more.
+# A private header may use the libraries of PRIVATE only.
 echo 'int Law() { return 1; }' >"$tree/control/law.cpp"
 echo 'osteon_library(control SOURCES law.cpp HEADERS law.h PRIVATE_HEADERS gain.h)' >"$tree/control/CMakeLists.txt"
 expect 0 '' headers

@@ -1,9 +1,9 @@
-// What a CAN bus costs a tick: the tunnel pumped at 1 kHz with what the cell's sensor and drive say in a busy
-// millisecond, once with a system call a frame and once with one for all, in turn.
+// Measures the cost of a CAN bus in a tick: pumps the tunnel at 1 kHz with the frames of the cell's sensor
+// and drive in a busy millisecond, alternately with one system call per frame and with one for all.
 //
 //     osteon_can_bench [SECONDS]
 //
-// Prints median, 99 % and most of one Pump, in ns, of either way.
+// Prints median, 99th percentile and maximum of one Pump for both, in ns.
 
 #include <algorithm>
 #include <cstdio>
@@ -19,9 +19,9 @@ namespace {
 
 using namespace osteon;
 
-constexpr int kArrive = 5, kLeave = 4;  // frames of a tick in which the drive's cycle falls
+constexpr int kArrive = 5, kLeave = 4;  // frames of a tick that includes the drive's cycle
 
-// The same bus, one frame at a time: CanBus' own loops instead of the tunnel's.
+// The same bus with one system call per frame: CanBus' own loops instead of the tunnel's.
 class OneByOne final : public io::CanBus {
  public:
   explicit OneByOne(io::CanBus& bus) : bus_(bus) {}

@@ -6,8 +6,8 @@
 
 #include "simulation/metrics/depth_table.h"
 
-// How exact removal is: both scenes, the recommended packings, splitting with more and fewer children, and
-// the paper's rule on its own packings. CSV on standard output:
+// Tabulates the accuracy of removal: both scenes, the recommended packings, splitting with more and fewer
+// children, and the paper's rule on its own packings. CSV on standard output:
 //
 //     osteon_depth_table > results/depth.csv
 //

@@ -1,12 +1,12 @@
-// Times cutting frames on one Vulkan device: a reamer pressed into the generated acetabulum by 100 N, or the
-// recorded motion of any scene played again. Links the Vulkan loader and the readers of config/, little more,
-// so that the executable travels to a machine with a GPU; `osteon bench frame` times the same workload.
+// Times cutting frames on one Vulkan device: a reamer pressed into the generated acetabulum with 100 N, or
+// the recorded motion of any scene. It links little more than the Vulkan loader and the readers of config/,
+// so that the executable can be copied to a machine with a GPU; `osteon bench frame` times the same workload.
 //
 //     osteon_frame_bench [FRAMES] [--device NAME] [--spheres N] [--uniform] [--tool-spheres M] [--brute]
 //                        [--scene CELL.yaml --motion FILE.csv] [--rate HZ]
 //
-// Prints a CSV header and one row; times are wall time around CuttingEngine::Step, and the device's own by
-// pass in a second run (timestamps slow software drivers down).
+// Prints a CSV header and one row. Times are wall time around CuttingEngine::Step; the device's own time by
+// pass comes from a second run (timestamps slow software drivers down).
 
 #include <charconv>
 #include <cstdio>
@@ -101,7 +101,7 @@ int Run(const Options& options) {
     return std::move(*engine);
   };
 
-  // once to where timing begins, then every run from there
+  // run once to the start of the timing; every timed run begins there
   simulation::ContactModel ready;
   simulation::WorkloadPlayer start(work);
   simulation::CarvedState state;

@@ -1,9 +1,9 @@
-// How much memory the end of a long run takes: a recording of its length is made up and read as `osteon run`
-// reads it, each in a process of its own.
+// Measures the memory for the end of a long run: makes up a recording of that length and reads it as `osteon
+// run` does, each in a process of its own.
 //
 //     osteon_long_run_bench [HOURS] [FOLDER]
 //
-// Prints size, time and the most memory that was resident, of both. The recording stays in the folder.
+// Prints size, time and peak resident memory of both. The recording stays in the folder.
 
 #include <chrono>
 #include <cstdio>

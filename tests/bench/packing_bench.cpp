@@ -1,4 +1,4 @@
-// How long a packing file takes to open: osteon_packing_bench FILE [BALLS [POINTS]]
+// Measures how long a packing file takes to open: osteon_packing_bench FILE [BALLS [POINTS]]
 //
 // Writes a synthetic packing of that size to FILE, then opens it (maps it, verifies every checksum, checks
 // every value) ten times. Prints wall and processor time of each opening and their medians.

@@ -1,5 +1,5 @@
-// Coverage and surface gap against the number of spheres and against seconds: Osteon's packings beside
-// OpenVDB's fillWithSpheres, on the same meshes, in one run, in turns, measured alike (MeasurePacking).
+// Compares coverage and surface gap against the number of spheres and against time: Osteon's packings and
+// OpenVDB's fillWithSpheres, on the same meshes, alternating in one run, measured alike (MeasurePacking).
 //
 //     osteon_packing_chart MESH… --out DIR [--counts N,N…] [--full] [--samples N] [--threads N]
 //
@@ -102,7 +102,7 @@ struct Row {
   simulation::PackingQuality quality;
 };
 
-/// One way to pack: balls and the wall time to them.
+/// One packing method: its balls and its wall time.
 struct Method {
   std::string name;
   std::function<std::vector<simulation::Ball>(std::size_t count, double& seconds)> pack;
@@ -176,7 +176,7 @@ void AppendCsv(const std::string& mesh, const std::vector<Row>& rows, std::ostre
   }
 }
 
-/// Coverage and gap, each over the spheres and over seconds; both axes logarithmic but coverage's.
+/// Draws coverage and gap, each over spheres and over seconds; all axes logarithmic except coverage's.
 std::string Chart(const std::vector<Row>& rows) {
   std::vector<std::string> names;
   for (const Row& row : rows)

@@ -7,12 +7,12 @@
 
 #include "app/plan.h"
 
-// Twelve requests planned, carried out and measured, as `osteon plan --check` does one of them. CSV on
-// standard output:
+// Plans twelve requests, carries them out and measures the result, as `osteon plan --check` does for one. CSV
+// on standard output:
 //
 //     osteon_plan_table [DEVICE] > results/plan.csv
 //
-// Or, for the same requests, graded and split balls in turn: what a plan's choice between them rests on.
+// Or, for the same requests, times graded and split balls in turn: the basis of a plan's choice between them.
 //
 //     osteon_plan_table --kinds [DEVICE] > results/packing_kinds.csv
 

@@ -1,9 +1,9 @@
-// What recording costs the tick: Push at 1 kHz, with the writer's threads at work and a file behind them.
+// Measures the cost of recording in the tick: Push at 1 kHz, while the writer's threads write a file.
 //
 //     osteon_record_bench [SECONDS] [FILE]
 //
-// Prints median, 99 % and most of Push, of the inputs' copy into the record, and of the clock that measures
-// both, in ns; and how fast the file grows.
+// Prints median, 99th percentile and maximum of Push, of the copy of the inputs into the record, and of the
+// clock that measures both, in ns; and the growth of the file.
 
 #include <algorithm>
 #include <cstdio>

@@ -9,8 +9,8 @@
 #include "io/can/udp_can_codec.h"
 #include "tests/io/can_frames.h"
 
-// Fixed-seed fuzzing of what a bus or the tunnel may bring: answers of the right ids with bytes changed, and
-// noise.
+// Fixed-seed fuzzing of the data that a bus or the tunnel may deliver: answers with the right ids and changed
+// bytes, and noise.
 
 namespace osteon::io {
 namespace {
@@ -39,7 +39,7 @@ class Noise {
 
 bool Finite(const PlainWrench& F) { return Vector3(F.f).allFinite() && Vector3(F.t).allFinite(); }
 
-// Whatever comes, at any time, between what the client sends by itself.
+// Feeds arbitrary frames at arbitrary times, between the frames that the client sends by itself.
 template <class Client, class MakeFrame, class Check>
 void Fuzz(Client& client, int steps, MakeFrame&& make, Check&& check) {
   rt::Nanoseconds now = 0;
@@ -94,7 +94,7 @@ TEST(CanFuzz, AnAtiReadingIsFinite) {
   Fuzz(
       sensor, 200'000,
       [&](Noise& noise) {
-        // Mostly what it waits for, in order, with any content.
+        // Mostly the expected answer, in order, with any content.
         if (noise.Below(5) != 0) {
           constexpr std::array<int, 3> kRow{0x202, 0x203, 0x204};
           CanFrame frame = noise.Frame({0x200}, {0, 0x3F, 0x40});
@@ -129,7 +129,7 @@ TEST(CanFuzz, TheDriveIsNeverCommandedBeyondItsSpeedOrOutOfAFault) {
   for (int i = 0; i < 300'000; ++i) {
     now += static_cast<rt::Nanoseconds>(noise.Below(3)) * rt::kMillisecond;
     CanFrame frame = noise.Frame({0x090, 0x190, 0x290, 0x590, 0x710, 0x190}, {0x27, 0x43, 0x60, 0x80, 5, 0});
-    if (drive.phase() == DrivePhase::kStarting && noise.Below(20) != 0) {  // mostly as it should be
+    if (drive.phase() == DrivePhase::kStarting && noise.Below(20) != 0) {  // mostly correct
       frame = asked;
       frame.id = 0x590;
       frame.data[0] = asked.data[0] == 0x40 ? 0x43 : 0x60;
@@ -199,7 +199,7 @@ TEST(CanFuzz, TheTunnelTakesFramesAndNothingElse) {
     ++accepted;
     ASSERT_LE(message.frame.id, kCanMaxId);
     ASSERT_LE(message.frame.size, 8);
-    // What is taken is written again as it came.
+    // An accepted datagram is encoded again to the same bytes.
     std::array<std::uint8_t, kUdpCanMaxDatagram> again{};
     ASSERT_EQ(EncodeUdpCan(message, again), bytes.size());
     ASSERT_TRUE(std::equal(bytes.begin(), bytes.end(), again.begin()));

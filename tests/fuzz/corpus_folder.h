@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-// What make_corpus.cpp and make_file_corpus.cpp write with.
+// The output of make_corpus.cpp and make_file_corpus.cpp.
 
 namespace osteon {
 
@@ -24,7 +24,7 @@ class Corpus {
     std::ofstream out(folder_ / name, std::ios::binary);
     out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
-  /// Of a target whose first byte says what the rest is.
+  /// Writes a seed of a target whose first byte says what the rest is.
   void Write(const std::string& name, std::uint8_t first, const std::string& rest) const {
     Bytes bytes{first};
     bytes.insert(bytes.end(), rest.begin(), rest.end());
@@ -38,7 +38,7 @@ class Corpus {
   std::filesystem::path folder_;
 };
 
-/// The seeds of all that is a file: make_file_corpus.cpp.
+/// Writes the seeds of all targets that read files: make_file_corpus.cpp.
 void WriteFiles(const std::filesystem::path& root);
 
 }  // namespace osteon

@@ -8,8 +8,8 @@
 #include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/io/fri_oracle.h"
 
-// Fixed-seed fuzzing of what a socket may bring: valid messages with some bytes changed, cut or repeated, and
-// noise. OSTEON_FUZZ_RUNS sets the number of datagrams of each test, e.g. 1000000.
+// Fixed-seed fuzzing of the data that a socket may deliver: valid messages with some bytes changed, cut or
+// repeated, and noise. OSTEON_FUZZ_RUNS sets the number of datagrams of each test, e.g. 1000000.
 
 namespace osteon::io {
 namespace {
@@ -28,7 +28,7 @@ bool Finite(const std::optional<control::JointArray>& joints) {
 
 class Mutator {
  public:
-  // libprotobuf, the oracle, reports names that are no UTF-8 to stderr.
+  // libprotobuf, the oracle, reports names that are not UTF-8 to stderr.
   Mutator() { google::protobuf::SetLogHandler(nullptr); }
   std::vector<std::uint8_t> Change(std::vector<std::uint8_t> bytes) {
     const std::size_t changes = 1 + Below(6);
@@ -57,7 +57,7 @@ class Mutator {
     }
     return bytes;
   }
-  // The message changed, in a frame that fits it, or the frame changed: a CRC would keep all else out.
+  // Changes the message inside a valid frame, or the frame itself: the CRC would reject all other changes.
   std::vector<std::uint8_t> Change(FriFamily family, const fri::FRIMonitoringMessage& message) {
     if (family != FriFamily::k2_7 || Below(8) == 0) return Change(test::Datagram(family, message));
     return test::Framed(Change(test::Bytes(message)));
@@ -83,7 +83,8 @@ TEST(FriFuzz, AMessageCutAtAnyLengthIsRefusedOrWhole) {
       const CodecError error = DecodeMonitoring(family, cut, m);
       (void)TellFamily(cut);
       no_alloc.End();
-      // a bare message may end before its last field (5 or 6) and be one: what must be there, is
+      // a message without a frame may be accepted without its last field (5 or 6), if the required ones are
+      // there
       if (error == CodecError::kNone) {
         ASSERT_TRUE(m.q_meas && m.q_ipo) << size;
         ASSERT_TRUE(family != FriFamily::k2_7 || size == whole.size());
@@ -127,7 +128,7 @@ TEST(FriFuzz, WhatIsAcceptedIsFiniteAndInRange) {
       ASSERT_TRUE(X.matrix().allFinite() && std::abs(X.linear().determinant() - 1.0) < 0.01) << i;
     }
     for (const FriIo& io : m.ios) ASSERT_TRUE(std::isfinite(io.analog.value_or(0.0)));
-    // What libprotobuf refuses, we refuse: it is the looser reader (it knows no fixed sizes).
+    // We refuse whatever libprotobuf refuses: it is the more tolerant reader (it knows no fixed sizes).
     fri::FRIMonitoringMessage oracle;
     const auto inside = test::Inside(family, bytes);
     ASSERT_TRUE(oracle.ParseFromArray(inside.data(), static_cast<int>(inside.size()))) << i;

@@ -8,14 +8,14 @@
 #include "tests/io/fri_oracle.h"
 #include "tests/io/rsi_oracle.h"
 
-// osteon_fuzz_corpus FOLDER: writes the seeds of tests/fuzz/corpus, from the samples that io's tests use.
+// osteon_fuzz_corpus FOLDER: writes the seeds of tests/fuzz/corpus, from the samples of io's tests.
 
 namespace osteon {
 namespace {
 
 constexpr std::array kFamilies{io::FriFamily::k1, io::FriFamily::k2_5, io::FriFamily::k2_7};
 
-// What a step of fri_session and rsi is made of.
+// Encodes a step of fri_session and rsi.
 Bytes Step(unsigned op, const Bytes& datagram) {
   Bytes step{static_cast<std::uint8_t>(op), static_cast<std::uint8_t>(datagram.size()),
              static_cast<std::uint8_t>(datagram.size() >> 8)};
@@ -46,7 +46,7 @@ void WriteFri(const std::filesystem::path& root) {
     Append(one, io::test::Bytes(io::test::Monitoring(8, fri::MONITORING_READY, kFamilies[f])));
     decode.Write("monitoring_" + name, one);
 
-    // a session to its end, with a loop that follows the interpolator, is late, breaks and comes back
+    // a session to its end, with a loop that follows the interpolator, is late, breaks off and returns
     Bytes all{versions[f]};
     const struct {
       fri::SessionState state;
@@ -97,7 +97,7 @@ void WriteRsi(const std::filesystem::path& root) {
 
 // ---- CAN
 
-// A step of can: which of the device's ids, and the frame's bytes.
+// Encodes a step of can: the index of the device's id, and the frame's bytes.
 void Frame(Bytes& to, unsigned op, const Bytes& data) {
   to.push_back(static_cast<std::uint8_t>(op));
   to.push_back(static_cast<std::uint8_t>(data.size()));
@@ -114,7 +114,7 @@ void WriteCan(const std::filesystem::path& root) {
   constexpr unsigned kLater = 1u << 5;
 
   Bytes robotous{0};
-  for (int i = 0; i < 3; ++i) Frame(robotous, 2 | kLater, {});  // lets the time pass
+  for (int i = 0; i < 3; ++i) Frame(robotous, 2 | kLater, {});  // time passes
   for (const Bytes& answer : {Bytes{0x08, 1}, Bytes{0x09, 0}, Bytes{0x0F, 1}, Bytes{0x10, 8}}) {
     Frame(robotous, 0, Eight(answer));
     Frame(robotous, 1, Eight({}));
@@ -139,12 +139,12 @@ void WriteCan(const std::filesystem::path& root) {
     Frame(ati, 1, {0xFF, 0x38, 0, 10, 0xFF, 0xEC});
   }
   corpus.Write("ati", ati);
-  Bytes counts(ati.begin(), ati.begin() + 1 + 6 * 3 * 10);  // its matrix, then counts that are none
+  Bytes counts(ati.begin(), ati.begin() + 1 + 6 * 3 * 10);  // its matrix, then invalid counts
   Frame(counts, 5, {0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0});
   corpus.Write("ati_counts", counts);
 
   Bytes drive{2};
-  for (int i = 0; i < 40; ++i) drive.push_back(14 | kLater);  // all that it is asked, as it should be
+  for (int i = 0; i < 40; ++i) drive.push_back(14 | kLater);  // every expected answer, correct
   Frame(drive, 1, {5});                                       // operational
   for (const std::uint8_t state : Bytes{0x40, 0x21, 0x23, 0x27, 0x27, 0x27, 0x08}) {
     Frame(drive, 2, {state, 0x02, 3, 0x10, 0, 0, 0});
@@ -169,7 +169,7 @@ void WritePlc(const std::filesystem::path& root) {
   const auto blocks = [](std::initializer_list<std::array<std::uint16_t, 14>> list) {
     Bytes all;
     for (const auto& block : list) {
-      all.push_back(10);  // ms since the one before
+      all.push_back(10);  // ms since the previous block
       for (const std::uint16_t value : block) {
         all.push_back(static_cast<std::uint8_t>(value));
         all.push_back(static_cast<std::uint8_t>(value >> 8));

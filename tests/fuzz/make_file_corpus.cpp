@@ -16,13 +16,12 @@
 #include "tests/simulation/mesh_shapes.h"
 #include "tests/simulation/packing_samples.h"
 
-// The seeds of what is read from files: each valid, of a few kB, written by the program's own writers where
-// there are any.
+// The seeds of all file readers: each valid, of a few kB, by the program's own writers if any exist.
 
 namespace osteon {
 namespace {
 
-// ---- YAML that no shipped file has
+// ---- YAML constructs that no shipped file has
 
 constexpr const char* kYaml = R"(# every kind of value
 name: 'a: text'
@@ -65,7 +64,7 @@ void WriteConfig(const std::filesystem::path& root) {
   files.Write("calibration", kCalibration);
 }
 
-// The shipped tools, of few and coarse balls: a fuzzer has no time to fit many.
+// The shipped tools, with few and coarse balls: a fuzzer has no time to fit many.
 void WriteTools(const std::filesystem::path& root) {
   const std::array<std::pair<std::regex, const char*>, 3> changes{
       {{std::regex("_gap_ratio: [0-9.]+"), "_gap_ratio: 0.5"},
@@ -123,7 +122,7 @@ void WriteMeshes(const std::filesystem::path& root) {
                "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf -5 -8 -4 -1\n");
   corpus.Write("box_ply", 2, PlyText(box));
   corpus.Write("box_binary_ply", 2, BinaryPly(box));
-  // Kinds of files that once went through a check and broke what read them behind it.
+  // Kinds of files that once passed a check and broke the code behind it.
   const std::string obj = ObjText(box), ply = PlyText(box);
   const std::size_t faces = ply.find("element face"), end = ply.find("end_header\n");
   const std::string camera = "element camera 1\nproperty float view_px\nproperty list uchar short viewport\n";
@@ -146,7 +145,7 @@ void WriteMeshes(const std::filesystem::path& root) {
   corpus.Write("lfs_pointer_stl", 0, "version https://git-lfs.github.com/spec/v1\nsize 2500084\n");
 }
 
-// ---- what this program writes itself
+// ---- files that this program writes
 
 void WriteSimulation(const std::filesystem::path& root, const io::test::TemporaryFolder& folder) {
   using namespace simulation;
@@ -187,7 +186,7 @@ void WriteRecordings(const std::filesystem::path& root, const io::test::Temporar
   constexpr std::array<const char*, 4> kNames{"Session", "Tick", "Frame", "Event"};
   for (std::uint8_t i = 0; i < 4; ++i) Corpus(root, "recording_message").Write(kNames[i], i, messages[i]);
 
-  // without the schemas' text, which is 10 kB that no reader here looks at
+  // without the schemas' text, 10 kB that no reader here uses
   const auto path = folder.path() / "recording";
   auto writer = io::McapWriter::Create(path, "osteon", {.chunk_bytes = 2000, .compress = false});
   if (!writer) return;

@@ -6,9 +6,8 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/simulation/packing_samples.h"
 
-// Fixed-seed damage to a packing file. Unsealed, it is always refused, with byte and reason. Sealed again
-// (the checksums recomputed, as by somebody who wants it believed), it may be accepted; then every value is
-// one that an engine can work with.
+// Fixed-seed damage to a packing file. An unsealed file is always refused, with byte and reason. A resealed
+// file (with recomputed checksums, as by an attacker) may be accepted; then every value suits an engine.
 
 namespace osteon::simulation {
 namespace {
@@ -31,7 +30,7 @@ class PackingFuzz : public testing::Test {
     std::string bytes = whole_;
     const int times = 1 + static_cast<int>(random_() % 3);
     for (int i = 0; i < times && !bytes.empty(); ++i) {
-      // header and table are small: half of the damage goes there
+      // header and table are small, so half of the damage goes there
       const std::size_t at =
           random_() % (random_() % 2 == 0 ? std::min<std::size_t>(bytes.size(), 256) : bytes.size());
       switch (random_() % 6) {
@@ -47,7 +46,7 @@ class PackingFuzz : public testing::Test {
         case 3:
           bytes.insert(at, 1 + random_() % 8, static_cast<char>(random_() % 256));
           break;
-        case 4: {  // a number that somebody might trust
+        case 4: {  // a number that careless code might trust
           static constexpr std::uint64_t kNumbers[] = {0,          1,     0x7fffffff, 0xffffffff, 1ull << 32,
                                                        1ull << 60, ~0ull, ~0ull - 63, 0x7fc00000};
           const std::uint64_t number = kNumbers[random_() % std::size(kNumbers)];
@@ -64,7 +63,7 @@ class PackingFuzz : public testing::Test {
     return bytes;
   }
 
-  /// A bit of what the sections hold.
+  /// Changes a bit in the content of the sections.
   std::string Scratched() {
     std::string bytes = whole_;
     const std::size_t at = kTableAt + 6 * 32 + random_() % (bytes.size() - kTableAt - 6 * 32);
@@ -123,7 +122,7 @@ TEST_F(PackingFuzz, WhatIsAcceptedIsUsable) {
     for (const Material& material : bone.materials)
       ASSERT_TRUE(material.density_kg_per_m3 > 0.0 && std::isfinite(material.density_kg_per_m3));
   }
-  // both happen often enough for the test to say something
+  // both must be frequent enough for a meaningful test
   EXPECT_GT(accepted, 200);
   EXPECT_GT(refused, 200);
 }

@@ -7,8 +7,8 @@
 #include "tests/io/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
-// Fixed-seed damage to a recording. The reader may refuse it with byte and reason, or take it as torn; it
-// never crashes, and where it says "complete" the data are the ones recorded.
+// Fixed-seed damage to a recording. The reader may refuse it with byte and reason, or accept it as torn. It
+// never crashes, and if it says "complete" the data are those recorded.
 
 namespace osteon::io {
 namespace {
@@ -55,7 +55,7 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
         bytes.insert(at, 1 + random() % 4, static_cast<char>(random() % 256));
     }
     test::WriteAll(path, bytes);
-    // recovering never fails where a session is left, and what it writes is whole
+    // recovery never fails if a session is left, and its result is complete
     const auto recovery = RecoverRecording(path, folder.path() / "recovered.mcap");
     if (!recovery) {
       EXPECT_TRUE(recovery.error().find(": byte ") != std::string::npos ||
@@ -75,7 +75,7 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
       EXPECT_NE(recording.error().find(": byte "), std::string::npos) << recording.error();
     } else {
       ++torn;
-      // A file's CRC cannot see damage to itself when that turns it to 0 ("not available"); the odds are
+      // A file's CRC cannot detect damage that turns the CRC itself to 0 ("not available"); the odds are
       // 2^-30.
       ASSERT_FALSE(recording->complete) << "mutation " << i << " at byte " << at;
     }

@@ -6,8 +6,7 @@
 #include "io/rsi/rsi_session.h"
 #include "tests/io/rsi_oracle.h"
 
-// Fixed-seed fuzzing of RSI: valid messages with bytes changed, cut, repeated and moved, and noise of XML's
-// own characters.
+// Fixed-seed fuzzing of RSI: valid messages with bytes changed, cut, repeated and moved, and XML-like noise.
 
 namespace osteon::io {
 namespace {
@@ -39,7 +38,7 @@ class Mutator {
         case 5:
           if (Below(4) == 0) bytes.erase(here, bytes.end());
           break;
-        default:  // a piece of it once more
+        default:  // repeat a piece
           bytes.insert(here, std::min(here, there), std::min(std::min(here, there) + 20, bytes.end()));
           break;
       }
@@ -80,7 +79,7 @@ TEST(RsiFuzz, WhatIsAcceptedIsFiniteAndWhatAnotherReaderReads) {
     for (const auto& six :
          {m.axes_measured, m.axes_set, m.pose_measured, m.pose_set, m.external_axes, m.motor_currents})
       for (const double value : six.value_or(RsiAxes{})) ASSERT_LE(std::abs(value), 1e6);
-    // expat refuses more (entities, encodings); where it reads, it reads the same
+    // expat refuses more (entities, encodings); a text that it accepts, it reads identically
     std::string text = test::Text(bytes);
     while (!text.empty() && text.back() == '\0') text.pop_back();
     const auto read = test::ReadByExpat(text);

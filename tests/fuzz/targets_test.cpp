@@ -12,10 +12,10 @@
 
 #include <gtest/gtest.h>
 
-// Each libFuzzer target over its corpus, and over changes of it with a fixed seed: what an ordinary build,
-// without clang, can see of them. OSTEON_FUZZ_RUNS sets the number of changed inputs of each.
+// Runs each libFuzzer target over its corpus, and over changes of it with a fixed seed: all that a normal
+// build without clang can test. OSTEON_FUZZ_RUNS sets the number of changed inputs of each.
 
-// One function a target, renamed by this folder's CMakeLists.txt.
+// One function per target, renamed by this folder's CMakeLists.txt.
 extern "C" {
 int OsteonFuzz_fri_decode(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_fri_session(const std::uint8_t* data, std::size_t size);
@@ -49,7 +49,7 @@ struct Target {
 };
 void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
 
-// The files of the folders that seeds.txt names.
+// Reads the files of the folders that seeds.txt names.
 std::vector<Bytes> Corpus(const std::string& target) {
   const std::filesystem::path root(OSTEON_SOURCE_DIR);
   std::vector<std::filesystem::path> files;
@@ -71,7 +71,7 @@ std::vector<Bytes> Corpus(const std::string& target) {
   return corpus;
 }
 
-// As libFuzzer changes inputs, but for what it learns from them.
+// Changes inputs as libFuzzer does, but without feedback.
 class Mutator {
  public:
   std::size_t Below(std::size_t n) { return random_() % n; }
@@ -106,7 +106,7 @@ class Mutator {
                        piece.end());
           break;
         }
-        case 6: {  // the rest of another one
+        case 6: {  // append the rest of another input
           const Bytes& other = corpus[Below(corpus.size())];
           bytes.erase(here, bytes.end());
           const std::size_t from = Below(other.size() + 1);
@@ -126,9 +126,9 @@ class Mutator {
 
 class FuzzTarget : public testing::TestWithParam<Target> {
  protected:
-  // False where a claim did not hold; the input in hexadecimal.
+  // Runs a target. False if a claim did not hold; prints the input in hexadecimal.
   static bool Holds(const Bytes& bytes) {
-    const Bytes exact(bytes);  // so that a sanitizer sees a byte too far
+    const Bytes exact(bytes);  // exact size, so that a sanitizer detects a read beyond it
     try {
       GetParam().run(exact.data(), exact.size());
       return true;

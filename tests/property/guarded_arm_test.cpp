@@ -1,5 +1,5 @@
-// Whatever a controller sends, the simulated arm at any of its levels refuses what an arm refuses, and behind
-// the guard it stays within the cell's limits as well.
+// Whatever a controller sends, the simulated arm at each of its levels refuses what a real arm refuses, and
+// behind the guard it also stays within the cell's limits.
 
 #include <algorithm>
 #include <cmath>
@@ -29,11 +29,11 @@ using safety::GuardDecision;
 using safety::GuardSession;
 
 constexpr double kTool_m = 0.2;
-constexpr double kStepMargin = 1.1;  // of the arm's own, FriServerParams::step_margin
+constexpr double kStepMargin = 1.1;  // the arm's own, FriServerParams::step_margin
 constexpr double kRounding = 1.0 + 1e-6;
-constexpr double kLag_m = 1e-3;  // how far a lagging arm cuts the corners of its commands
+constexpr double kLag_m = 1e-3;  // by which a lagging arm may cut the corners of its commanded path
 
-// From kPushes on the controller drifts, below it something goes wrong.
+// Operations from kPushes on make the controller drift; the others are errors.
 constexpr int kPushes = 10, kKinds = 13;
 
 hil::FriServerParams Session() {
@@ -42,7 +42,7 @@ hil::FriServerParams Session() {
           .activate_after_mirrored_answers = 1};
 }
 
-// With up to three zones: about each of the guarded points, inside or outside of its bound at first.
+// Up to three zones, about any of the guarded points, which begin inside or outside.
 using ZoneChoices = std::vector<ZoneChoice>;
 rc::Gen<ZoneChoices> AnyZones() {
   return rc::gen::resize(3, rc::gen::container<ZoneChoices>(AnyZone(-1, 1)));
@@ -50,7 +50,7 @@ rc::Gen<ZoneChoices> AnyZones() {
 
 safety::GuardParams Guard(const ZoneChoices& zones) {
   safety::GuardParams params = GuardBench::Params();
-  params.workspace_margin_m = 0.3e-3;  // a case is .05 s: it is to get there
+  params.workspace_margin_m = 0.3e-3;  // a case lasts 0.05 s and has to reach it
   params.workspace.sphere_radius_m = 0.006;
   params.workspace.plane_offset_m = GuardBench::Start().translation().z() - 0.004;
   const ArmPoints start = PointsOfIiwa(GuardBench::StartJoints(), kTool_m);
@@ -70,7 +70,7 @@ std::unique_ptr<hil::SimulatedArm> Body(hil::ArmLevel level) {
   return hil::MakeSimulatedArm(params, 1e-3);
 }
 
-// A controller that does anything, the guard if there is one, the arm's session, and the arm.
+// The chain of a controller that does anything, the guard if there is one, the arm's session, and the arm.
 class Line {
  public:
   Line(hil::ArmLevel level, bool guarded, const ZoneChoices& zones)
@@ -89,12 +89,12 @@ class Line {
 
   [[nodiscard]] bool active() const { return server_.state() == SessionState::kCommandingActive; }
   [[nodiscard]] double most_way_m() const { return most_way_m_; }
-  /// 0 … : the zone that the guard stopped it at; -1: none.
+  /// Index of the zone at which the guard stopped it; -1: none.
   [[nodiscard]] int stopped_at_zone() const {
     return monitor_.reason().finding == safety::GuardFinding::kZone ? monitor_.reason().joint - 1 : -1;
   }
 
-  /// One period. @returns what the arm did that it must not, empty where nothing
+  /// Runs one period. @returns the arm's violation; empty if there is none
   [[nodiscard]] std::string Tick(const Op& op) {
     Cycle(op);
     return Judge();
@@ -126,7 +126,7 @@ class Line {
   }
 
   void Answer(const Op& op, std::uint32_t message) {
-    if (op.what >= kPushes)  // it drifts, up to twice what a joint may, until it drifts otherwise
+    if (op.what >= kPushes)  // drift at up to twice a joint's limit, until the next drift
       drift_[static_cast<std::size_t>(op.which)] = 1e-3 * std::clamp(op.value, -5.0, 5.0);
     if (op.what == 1) return;  // silence
     if (active())
@@ -164,7 +164,7 @@ class Line {
     }
     if (command.q) joints.assign(command.q->begin(), command.q->end());
     std::vector<std::uint8_t> datagram = hil::OverlayCommand(command.sequence, message, joints, wrench, tau);
-    if (op.what == 9) {  // damaged on its way, where no guard reads it
+    if (op.what == 9) {  // damaged in transit, where no guard reads it
       if (guarded_) return;
       datagram[which * datagram.size() / 7] ^= static_cast<std::uint8_t>(1u << which);
     }
@@ -176,7 +176,7 @@ class Line {
     JointArray told{}, q{};
     std::copy_n(server_.q_commanded().data(), 7, told.begin());
     std::copy_n(body_->q().data(), 7, q.begin());
-    // what is lost makes the next step longer
+    // a lost message makes the next step longer
     ++periods_;
     const double time_s = 1e-3 * periods_;
     for (std::size_t i = 0; i < 7; ++i) {
@@ -225,7 +225,7 @@ class Line {
     return {};
   }
 
-  // A zone counts once what is told, and then the arm, has been within its bound.
+  // A zone counts once the commanded and then the real position have been within its bound.
   void NoteZones(const ArmPoints& told, const ArmPoints& is) {
     for (std::size_t i = 0; i < been_in_.size(); ++i) {
       const safety::ZoneParams& zone = limits_.workspace.zones[i];
@@ -245,12 +245,12 @@ class Line {
   std::uint32_t arm_sequence_{0}, sequence_{0};
   JointArray q_{GuardBench::StartJoints()}, drift_{};
   JointArray told_{GuardBench::StartJoints()};
-  int periods_{0};  // since what the arm is told last changed
+  int periods_{0};  // since the command to the arm last changed
   double most_way_m_{0.0};
   struct BeenIn {
     bool told{false}, is{false};
   };
-  std::vector<BeenIn> been_in_;  // of each zone
+  std::vector<BeenIn> been_in_;  // one for each zone
 };
 
 void Holds(hil::ArmLevel level, bool guarded) {
@@ -294,7 +294,7 @@ TEST(ArmPropertyCases, MoveAndComeToTheirZones) {
     Line line(hil::ArmLevel::kKinematic, true, zones);
     for (const Op& op : ops) static_cast<void>(line.Tick(op));
     ++cases;
-    fast += line.most_way_m() > 0.1e-3;  // .1 m/s, of the .25 that it may
+    fast += line.most_way_m() > 0.1e-3;  // 0.1 m/s of the permitted 0.25 m/s
     if (const int zone = line.stopped_at_zone(); zone >= 0)
       ++stopped_at[static_cast<std::size_t>(zones[static_cast<std::size_t>(zone)].shape)];
   });
@@ -302,7 +302,7 @@ TEST(ArmPropertyCases, MoveAndComeToTheirZones) {
   for (const int stopped : stopped_at) EXPECT_GT(stopped, 2) << stopped << "of this shape of zone";
 }
 
-// The arm as its file describes it, whose joints' origins are not where the loop's closed form has them.
+// The arm as in its file, where the joints' origins differ from those of the loop's closed form.
 TEST(GuardOfShippedArms, LooksAtTheElbowThatTheLoopKeepsInItsZones) {
   for (const char* name : {"lbr_iiwa_14_r820", "lbr_iiwa_7_r800"}) {
     const auto robot = config::LoadRobot(std::string(OSTEON_SOURCE_DIR "/config/robots/") + name + ".yaml");

@@ -14,16 +14,16 @@ using control::JointArray;
 using control::Phase;
 
 constexpr double kReduced_m_per_s = 0.25;  // in T1, ISO 10218-1
-// A straight step of the tool and the joints' step for it differ by their second order: .25 mm and 1.5 mrad
-// at a reach of 1.2 m make 1 %, more where the arm is nearly stretched. Beyond a tenth the loop stops.
+// A straight step of the tool and the corresponding joint step differ in second order: 0.25 mm and 1.5 mrad
+// at a reach of 1.2 m make 1 %, and more if the arm is nearly stretched. Beyond 10 % the loop stops.
 constexpr double kCurved = 1.1;
 constexpr double kRounding = 1.0 + 1e-9;
-// A tick's way is known to its second order; its third, at a rad/s of every joint, is some nanometres.
+// A tick's path is known to second order; the third order, at 1 rad/s of every joint, is some nanometres.
 constexpr double kOnTheBound_m = 1e-8;
-// From .5 m/s to half of it, at the 34 rad/s^2 that a joint's speed may change by, at .3 m from its axis and
-// more.
+// Time to slow from 0.5 m/s to half of it, at a joint deceleration of 34 rad/s^2, at least 0.3 m from the
+// joint's axis.
 constexpr int kSlowingTicks = 20;
-constexpr double kAlmost_Nm = 1e-4;  // of a slope by differences
+constexpr double kAlmost_Nm = 1e-4;  // error of a slope by finite differences
 
 bool AllFinite(const JointArray& q) {
   return std::all_of(q.begin(), q.end(), [](double x) { return std::isfinite(x); });
@@ -62,8 +62,7 @@ void LoopOracle::Before(const control::ServoLoop& loop, const control::ArmState&
   from_ = before_;
   const bool read = received == control::ReceiveResult::kOk && AllFinite(state.q_meas) &&
                     (!state.has_ipo || AllFinite(state.q_ipo));
-  // an arm that never left the COMMANDING_ACTIVE that it was commanded in is held where it was last told to
-  // be
+  // an arm that has stayed in the COMMANDING_ACTIVE in which it was commanded holds its last command
   const bool active = state.session == control::SessionState::kCommandingActive;
   const bool other = state.activation != activation_ && (phase_before_ != Phase::kStopped || recovers_);
   const bool left = read && commanded_ && (!active || other);
@@ -71,7 +70,7 @@ void LoopOracle::Before(const control::ServoLoop& loop, const control::ArmState&
   const bool led = !active || left || ((phase_before_ == Phase::kWaiting || recovers_) && !commanded_);
   reduced_ticks_ = read && reduced_ ? reduced_ticks_ + 1 : read ? 0 : reduced_ticks_;
   NotePause(loop, read, asked);
-  // an arm that moves by itself is where it says it is; an idle one says nothing
+  // an arm that moves by itself is where its message says; an idle arm says nothing
   if (read && led && state.session != control::SessionState::kIdle)
     from_ = state.has_ipo ? state.q_ipo : state.q_meas;
   q_meas_ = state.q_meas;
@@ -79,7 +78,7 @@ void LoopOracle::Before(const control::ServoLoop& loop, const control::ArmState&
                 torques_.Beyond_Nm(*allowed_.body, from_.value_or(before_), state.tau_ext) > kAlmost_Nm;
 }
 
-// One that is asked for while the loop waits or moves holds from the next message on, until it is to go on.
+// A pause that is asked for while the loop waits or moves holds from the next message until a resume.
 void LoopOracle::NotePause(const control::ServoLoop& loop, bool read, const Asked& asked) {
   if (asked.resume || recovers_) paused_ = false;
   const safety::CellState state = loop.state();
@@ -90,7 +89,7 @@ void LoopOracle::NotePause(const control::ServoLoop& loop, bool read, const Aske
   pause_asked_ = false;
 }
 
-// What must not be where the loop was told to stand, or has just seen that it must.
+// Returns what must not happen while the loop has to stand still, or has just found that it must.
 std::string LoopOracle::Stands(const control::ServoLoop& loop, const control::TickRecord& record,
                                const control::ArmCommand& command) const {
   if (paused_ && (record.phase == Phase::kHaptic || record.phase == Phase::kAligning))
@@ -101,13 +100,13 @@ std::string LoopOracle::Stands(const control::ServoLoop& loop, const control::Ti
     return "moves in a pause";
   if (overloaded_ && (record.phase == Phase::kHaptic || record.phase == Phase::kAligning))
     return "goes on where a joint bears more than it holds";
-  // what is seen before anything is rendered; what came out of it is seen after
+  // faults found before rendering; those of the result are found afterwards
   constexpr auto kAfter = static_cast<std::uint32_t>(safety::Fault::kToolSpeed) |
                           static_cast<std::uint32_t>(safety::Fault::kWorkspace) |
                           static_cast<std::uint32_t>(safety::Fault::kJointLimit) |
                           static_cast<std::uint32_t>(safety::Fault::kInverseKinematics);
-  // its record has the force that was found, within the limits; it is not rendered: the cell has left
-  // rendering
+  // the record contains the force that was found, within the limits; it is not rendered, since the cell has
+  // left rendering
   const bool renders = safety::Renders(static_cast<safety::CellState>(record.cell_state));
   if ((record.faults & ~kAfter) != 0 && renders) return "renders on in the tick that sees a fault";
   return {};
@@ -148,7 +147,7 @@ std::string LoopOracle::Wrenches(const control::TickRecord& record,
   const Vector3 overlay(command.F.f), overlay_t(command.F.t);
   if (!(overlay.norm() <= allowed_.force_N * kRounding && overlay_t.norm() <= allowed_.torque_Nm * kRounding))
     return fmt::format("overlays {} N, {} Nm", overlay.norm(), overlay_t.norm());
-  // a wrench within the limits at the end of the longest lever, 1.15 m from the shoulder's axis
+  // a wrench at its limits, at the end of the longest lever, 1.15 m from the shoulder's axis
   const double most_Nm = 1.15 * allowed_.force_N + allowed_.torque_Nm;
   for (const double tau : command.tau)
     if (!(std::abs(tau) <= most_Nm)) return fmt::format("overlays {} Nm on a joint", tau);
@@ -172,7 +171,7 @@ std::string LoopOracle::Motion(const JointArray& to, Phase phase) {
   for (std::size_t i = 0; i < 7; ++i) {
     const kinematics::JointLimits& limit = allowed_.joints[i];
     const double most_rad = limit.velocity_rad_per_s * allowed_.joint_speed_share * dt_s;
-    // the command is a sum of steps: its last digit is that of the joint's angle
+    // the command is a sum of steps: its rounding error is that of the joint's angle
     const double digit_rad = 1e-15 * std::max(1.0, std::abs(from[i]));
     if (!(std::abs(to[i] - from[i]) <= most_rad * kRounding + digit_rad))
       return fmt::format("joint {} steps by {} rad, at most {}", i + 1, to[i] - from[i], most_rad);
@@ -187,14 +186,15 @@ std::string LoopOracle::Motion(const JointArray& to, Phase phase) {
   const double way_m = (b.p_tool_m - a.p_tool_m).norm();
   const double most_m =
       (reduced_ ? std::min(allowed_.speed_m_per_s, kReduced_m_per_s) : allowed_.speed_m_per_s) * dt_s;
-  // what is on its way when T1 is chosen brakes, as fast as the joints' accelerations let it
+  // a motion in progress when T1 is chosen brakes as fast as the joints' accelerations permit
   const double on_its_way_m = reduced_ticks_ <= kSlowingTicks ? way_before_m_ : 0.0;
   if (!(way_m <= std::max(most_m * kCurved, reduced_ ? on_its_way_m * kRounding : 0.0) + 1e-12))
     return fmt::format("the tool steps by {} m, at most {}", way_m, most_m);
   way_before_m_ = way_m;
   most_speed_ = std::max(most_speed_, way_m / most_m);
   const double turn_rad = Eigen::AngleAxisd(a.R_flange.transpose() * b.R_flange).angle();
-  if (!(turn_rad <= allowed_.turn_rad_per_s * dt_s * kCurved + 1e-7))  // an angle of a matrix: 1e-8
+  // Rounding error of a matrix's angle: 1e-8.
+  if (!(turn_rad <= allowed_.turn_rad_per_s * dt_s * kCurved + 1e-7))
     return fmt::format("the tool turns by {} rad, at most {}", turn_rad, allowed_.turn_rad_per_s * dt_s);
   const double elbow_m = (b.p_elbow_m - a.p_elbow_m).norm();
   if (allowed_.elbow_speed_m_per_s > 0.0 && !(elbow_m <= allowed_.elbow_speed_m_per_s * dt_s * kCurved))

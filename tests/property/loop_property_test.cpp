@@ -1,5 +1,5 @@
-// Whatever the servo loop is told, no command of it is beyond a limit or leaves the workspace, on the
-// simulated arm at any of its levels.
+// Whatever inputs the servo loop gets, none of its commands exceeds a limit or leaves the workspace, on the
+// simulated arm at each of its levels.
 
 #include "tests/property/property_check.h"
 #include "tests/property/wild_cell.h"
@@ -33,7 +33,7 @@ TEST(LoopPropertyLevels, NothingMakesItExceedALimitOnAnArmWithMasses) {
   CheckShard(101, 1, 1'000, [] { HoldsAtLevel(hil::ArmLevel::kDynamic); });
 }
 
-// What the cases reach, so that the properties above are about something.
+// Shows what the cases reach, so that the properties above are not vacuous.
 TEST(LoopPropertyCases, RenderAndComeToTheirLimits) {
   std::uint64_t rendered = 0, cases = 0, fast = 0;
   CheckShard(102, 1, 2'000, [&] {

@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-// How this folder runs rapidcheck: a fixed seed a shard, so many cases, and the smallest one that fails as
-// GoogleTest's failure. OSTEON_PROPERTY_CASES is the number of cases of each property instead of its own,
-// OSTEON_PROPERTY_SEED another seed.
+// Runs rapidcheck for this folder: a fixed seed per shard, a number of cases, and the smallest failing case
+// as GoogleTest's failure. OSTEON_PROPERTY_CASES overrides the number of cases of each property,
+// OSTEON_PROPERTY_SEED the seed.
 
 namespace osteon::property {
 
@@ -20,7 +20,7 @@ inline long long FromEnvironment(const char* name, long long own) {
   return wanted ? std::max(1ll, std::atoll(wanted)) : own;
 }
 
-/// One share of a property's cases: ctest runs the shards side by side.
+/// Runs one shard of a property's cases: ctest runs the shards in parallel.
 /// @param holds  takes generated arguments; fails by RC_ASSERT
 template <typename Property>
 void CheckShard(int shard, int shards, long long cases, const Property& holds) {

@@ -42,7 +42,7 @@ double TorqueOracle::Beyond_Nm(const kinematics::ChainParams<7>& arm, const cont
   double beyond_Nm = -std::numeric_limits<double>::infinity();
   const bool nothing =
       tau_external_Nm == control::JointArray{} && (!had_before || before_Nm_ == tau_external_Nm);
-  if (nothing) return beyond_Nm;  // an arm holds itself
+  if (nothing) return beyond_Nm;  // the arm holds its own weight
   const control::JointArray gravity_Nm = GravityByEnergy(arm, q);
   for (std::size_t i = 0; i < 7; ++i) {
     const double change_Nm = had_before ? tau_external_Nm[i] - before_Nm_[i] : 0.0;

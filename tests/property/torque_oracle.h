@@ -3,8 +3,8 @@
 #include "control/ports.h"
 #include "kinematics/chain_params.h"
 
-// What an arm's joints hold, known apart from the loop's dynamics: gravity's torques as the slope of the
-// potential energy.
+// The torques that an arm's joints hold, computed independently of the loop's dynamics: gravity's torques as
+// the slope of the potential energy.
 
 namespace osteon::property {
 
@@ -12,11 +12,11 @@ namespace osteon::property {
 [[nodiscard]] control::JointArray GravityByEnergy(const kinematics::ChainParams<7>& arm,
                                                   const control::JointArray& q);
 
-/// Follows what acts on the joints from outside, message by message.
+/// Follows the external torques on the joints, message by message.
 class TorqueOracle {
  public:
-  /// By how much [N·m] some joint will bear more than it holds a message from now, gravity's help not
-  /// counted, where its torque goes on as it came; negative: none will. NaN where the estimate is no number.
+  /// The torque [N·m] by which some joint will exceed its limit one message from now, without help from
+  /// gravity, if its torque keeps changing at the same rate; negative: none will. NaN if not finite.
   double Beyond_Nm(const kinematics::ChainParams<7>& arm, const control::JointArray& q,
                    const control::JointArray& tau_external_Nm);
 

@@ -16,8 +16,8 @@ using control::SessionState;
 
 constexpr double kTool_m = 0.2;
 constexpr double kSpindle_rad_per_s = 26.0;
-// How far a lagging arm cuts the corners of the path that its joints were commanded: (.25 m/s × 30 ms)^2 over
-// a reach of 1 m is 60 um.
+// Distance by which a lagging arm cuts the corners of the commanded joint path: (0.25 m/s × 30 ms)^2 over a
+// reach of 1 m is 60 um.
 constexpr double kLag_m = 1e-3;
 
 // Ready, stretched, folded, near the limits of two joints, near a singular posture of the wrist.
@@ -66,15 +66,15 @@ Allowed AllowedOf(const Choice& choice) {
   allowed.radius_m = 0.2;
   allowed.floor_m = start.p_tool_m.z() - 0.2;
   switch (choice.workspace) {
-    case 1:  // a bound right before the tool
+    case 1:  // a bound directly in front of the tool
       allowed.sphere_m -= 0.019 * start.R_flange.col(2);
       allowed.radius_m = 0.02;
       break;
-    case 2:  // into a corner
+    case 2:  // a corner
       allowed.radius_m = 0.004;
       allowed.floor_m = start.p_tool_m.z() - 0.001;
       break;
-    case 3:  // the flange has one as well
+    case 3:  // a bound on the flange as well
       allowed.radius_m = 0.05;
       allowed.flange_floor_m = start.p_flange_m.z() - 0.001;
       break;
@@ -93,7 +93,8 @@ control::ServoParams ParamsOf(const Choice& choice, const Allowed& allowed) {
   params.law = allowed.law;
   params.joints.limits = allowed.joints;
   params.twist.max_speed_m_per_s = allowed.speed_m_per_s;
-  if (allowed.speed_m_per_s > 0.25) params.model_sight_m = 2e-3;  // or the frames' age would hold it to .25
+  // Else the frames' age would limit it to 0.25 m/s.
+  if (allowed.speed_m_per_s > 0.25) params.model_sight_m = 2e-3;
   params.wrench = {.max_force_N = allowed.force_N, .max_torque_Nm = allowed.torque_Nm};
   params.workspace.sphere_center_W_m = allowed.sphere_m;
   params.workspace.sphere_radius_m = allowed.radius_m;
@@ -108,7 +109,7 @@ control::ServoParams ParamsOf(const Choice& choice, const Allowed& allowed) {
   params.has_interlock = (choice.devices & 2) != 0;
   if (allowed.body) params.arm_body = *allowed.body;
   if (choice.law >= 2) params.coupling.max_stiffness_N_per_m = 10e3;
-  params.coupling.ramp_s = 0.002;  // of .1: a case is over in .05
+  params.coupling.ramp_s = 0.002;  // instead of 0.1 s: a case lasts 0.05 s
   return params;
 }
 
@@ -168,7 +169,7 @@ WildCell::WildCell(const Choice& choice, hil::ArmLevel level)
   contact_.stiffness_N_per_m = 10e3;
 }
 
-// All is well, but for what lasts.
+// Sets all inputs to normal, except for lasting conditions.
 void WildCell::Nominal() {
   clock_ += rt::kMillisecond;
   now_ = clock_;
@@ -323,17 +324,17 @@ void WildCell::DisturbDevices(const Op& op) {
       try {
         loop_.RequestGains(gains);
       } catch (const std::invalid_argument&) {
-        // refused where they are asked for: the loop never sees them
+        // refused at the request: the loop never sees them
       }
       break;
     }
     case 16:
       if (op.which == 0) loop_.RequestStop();
       break;
-    case 6:  // one tick's is a jump of the estimate
+    case 6:  // in a single tick, a jump of the estimate
       state_.tau_ext[static_cast<std::size_t>(op.which)] = 10.0 * op.value;
       break;
-    case 7:  // and stays there
+    case 7:  // a lasting change
       operation_mode_ = state_.operation_mode = static_cast<std::uint8_t>(op.which % 3);
       break;
     case 8:
@@ -348,7 +349,7 @@ void WildCell::DisturbDevices(const Op& op) {
       asked_.recover = true;
       loop_.RequestRecovery();
       break;
-    case 18:  // a clock that jumps, either way, and stays there
+    case 18:  // a lasting jump of the clock, in either direction
       clock_ += std::isnan(op.value) ? -rt::kSecond
                                      : static_cast<rt::Nanoseconds>(std::clamp(op.value, -1e3, 1e3) * 1e6);
       now_ = clock_;
@@ -362,7 +363,7 @@ void WildCell::DisturbDevices(const Op& op) {
 }
 
 void WildCell::Disturb(const Op& op) {
-  if (op.what >= kPushes) {  // what a hand does: pushes anywhere, harder than some cells bear
+  if (op.what >= kPushes) {  // the hand: pushes anywhere, harder than some cells permit
     (op.which < 6 ? push_S_.f : push_S_.t)[op.which % 3] =
         std::clamp(100.0 * op.value, -240.0, 240.0) * (op.which < 6 ? 1.0 : 0.05);
     return;
@@ -372,7 +373,7 @@ void WildCell::Disturb(const Op& op) {
   DisturbModel(op);
 }
 
-// The arm follows while it is commanded. The link holds back what names another activation.
+// Moves the arm while it is commanded. The link holds back commands that name another activation.
 void WildCell::MoveArm() {
   if (session_ == SessionState::kCommandingActive && received_ == control::ReceiveResult::kOk &&
       command_.activation == state_.activation) {
@@ -387,7 +388,7 @@ void WildCell::MoveArm() {
   arm_->Step(drive_, {});
 }
 
-// An arm that said the truth is, lag and all, where its commands were.
+// Checks that an arm that told the truth is where its commands were, within its lag.
 std::string WildCell::WhereTheArmIs() const {
   if (arm_lied_ || allowed_.law != control::Law::kAdmittance) return {};
   JointArray q{};

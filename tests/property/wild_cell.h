@@ -8,16 +8,16 @@
 #include "tests/property/wild_values.h"
 #include "tests/property/wild_zone.h"
 
-// A servo loop with everything that it is told in the hands of a generator: arm, sensor, simulation, spindle,
-// PLC, clock, operator and who changes gains.
+// A servo loop whose inputs all come from a generator: arm, sensor, simulation, spindle, PLC, clock, operator
+// and changes of gains.
 
 namespace osteon::property {
 
-/// Which cell, each a choice of a few; 0 is the plainest.
+/// The choice of a cell, each field out of a few; 0 is the simplest.
 struct Choice {
   int law{0};        ///< 0, 1 admittance; 2 impedance by wrench, 3 by torques
   int start{0};      ///< of five postures
-  int workspace{0};  ///< wide, or with the tool 1 or 4 mm from a bound; 4, 5: near `zone`'s
+  int workspace{0};  ///< wide, or with the tool 1 or 4 mm from a bound; 4, 5: near the bound of `zone`
   int limits{0};     ///< of speed, force and elbow
   int devices{0};    ///< bit 0: a spindle with a drive, bit 1: a PLC
   int mode{0};       ///< 0 automatic at first, 1 T1
@@ -28,12 +28,12 @@ void showValue(const Choice& choice, std::ostream& out);
 
 class WildCell {
  public:
-  /// Of Op::what: from kPushes on the hand's, below it whatever goes wrong; what has no meaning is nothing.
+  /// Ranges of Op::what: from kPushes on the hand's pushes, below it errors; other values do nothing.
   static constexpr int kPushes = 44, kKinds = 48;
 
   WildCell(const Choice& choice, hil::ArmLevel level);
 
-  /// One tick with something done to it. @returns what the loop did that it must not, empty where nothing
+  /// Runs one tick with one operation on it. @returns the loop's violation; empty if there is none
   [[nodiscard]] std::string Tick(const Op& op);
 
   [[nodiscard]] const LoopOracle& oracle() const { return oracle_; }
@@ -53,7 +53,7 @@ class WildCell {
   std::unique_ptr<hil::SimulatedArm> arm_;
   hil::ArmDrive drive_;
 
-  // what the loop is told in this tick
+  // the loop's inputs in this tick
   control::ArmState state_;
   control::ReceiveResult received_{control::ReceiveResult::kOk};
   control::CellReadings readings_;
@@ -62,7 +62,7 @@ class WildCell {
   Asked asked_;
 
   control::ArmCommand command_;
-  // what lasts
+  // lasting conditions
   Wrench push_S_;
   Vector3 plane_W_m_, feed_W_;
   simulation::Contact contact_;
@@ -70,7 +70,8 @@ class WildCell {
   control::SessionState session_{control::SessionState::kCommandingActive};
   std::uint8_t operation_mode_{2};
   bool sensor_lives_{true}, simulation_lives_{true}, plc_permits_{true};
-  bool arm_lied_{false};  ///< about where it is: its own checks are then what keeps it (guarded_arm_test.cpp)
+  /// About its position: only the arm's own checks then protect it (guarded_arm_test.cpp).
+  bool arm_lied_{false};
   int ticks_{0};
 };
 

@@ -7,25 +7,25 @@
 #include <ostream>
 #include <vector>
 
-// What is done to a cell in a tick, generated: something, to one of several, by a wild value.
+// Generated operations on a cell in a tick: an operation, its target, and a wild value.
 
 namespace osteon::property {
 
 inline constexpr int kMostTicks = 50;
 
 struct Op {
-  int what{0};   ///< 0 is nothing: what cases shrink toward
-  int which{0};  ///< 0 … 6, of seven joints, say
+  int what{0};   ///< 0 does nothing: cases shrink toward it
+  int which{0};  ///< 0 … 6, for example one of seven joints
   double value{0.0};
 };
 inline void showValue(const Op& op, std::ostream& out) {
   out << "{" << op.what << ", " << op.which << ", " << op.value << "}";
 }
 
-/// Of any size from a tenth of a micro up to a hundred, of either sign; and what no number should be. Shrinks
+/// Generates values from 1e-7 to 100 of either sign, and special ones: NaN, infinities, extremes. Shrinks
 /// toward 0.
 inline rc::Gen<double> WildValue() {
-  constexpr int kSteps = 900;  // a hundred a decade
+  constexpr int kSteps = 900;  // a hundred per decade
   constexpr double kInf = std::numeric_limits<double>::infinity();
   const auto of_step = [](int step) {
     const double size = std::pow(10.0, (step / 2) / 100.0 - 7.0);
@@ -37,8 +37,8 @@ inline rc::Gen<double> WildValue() {
                             std::numeric_limits<double>::denorm_min(), 6.283185307179586, -0.0)}});
 }
 
-/// A tick each. Most are calm or pushed, so that what is wild meets a cell in motion.
-/// @param pushes, kinds  of Op::what, those from `pushes` on push
+/// Generates one operation per tick. Most do nothing or push, so that the wild ones meet a cell in motion.
+/// @param pushes, kinds  of Op::what; those from `pushes` on push
 inline rc::Gen<std::vector<Op>> WildOps(int pushes, int kinds) {
   const auto among = [](int from, int to) { return rc::gen::resize(100, rc::gen::inRange(from, to)); };
   return rc::gen::container<std::vector<Op>>(

@@ -10,7 +10,7 @@ namespace {
 
 using safety::ZoneShape;
 
-// Of the set itself: positive outside, by the face that p is beyond the most.
+// Distance outside the set: positive outside, by the face that p is farthest beyond.
 double Outside_m(const safety::ZoneParams& zone, const Vector3& p) {
   const Vector3 to = p - zone.p_W_m;
   const double x = zone.R_W.col(0).dot(to), y = zone.R_W.col(1).dot(to), z = zone.R_W.col(2).dot(to);
@@ -71,7 +71,7 @@ safety::ZoneParams ZoneOf(const ZoneChoice& choice, const ArmPoints& start) {
   zone.radius_m = size_m;
   zone.half_length_m = 0.8 * size_m;
 
-  // from the set's centre out to its surface, and on or back by the offset to where the point is
+  // from the set's centre to its surface, then by the offset to the point
   Vector3 out(choice.toward[0], choice.toward[1], choice.toward[2]);
   if (out.isZero() || zone.shape == ZoneShape::kHalfSpace) out = -Vector3::UnitZ();
   out = zone.R_W * out.normalized();

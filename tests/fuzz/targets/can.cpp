@@ -9,14 +9,15 @@
 #include "io/can/udp_can_codec.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// What may come on a CAN bus, to one device: byte 0 which (two bits). The sensors and the drive get frames
+// Data that may come on a CAN bus, for one device: byte 0 selects it (two bits). The sensors and the drive
+// get frames
 //
-//     byte  0     low four bits: which of the device's ids, 15: as in the next two bytes;
-//                 then what else happens
-//           1, 2  id, little-endian, where byte 0 says so
-//           then  size, and as many bytes
+//     byte  0     low four bits: index of the device's id, or 15: the id is in the next two bytes;
+//                 high bits: what else happens
+//           1, 2  id, little-endian, if byte 0 says so
+//           then  size, and that many bytes
 //
-// and the tunnel one datagram: all the rest.
+// and the tunnel gets one datagram: all the rest.
 
 namespace osteon::fuzz {
 namespace {
@@ -24,8 +25,8 @@ namespace {
 enum Op : unsigned {
   kGap = 1u << 4,      // frames before this one were lost
   kLater = 1u << 5,    // 10 ms later, else 1 ms
-  kExtra = 1u << 6,    // a bias; a fault reset
-  kRestart = 1u << 7,  // where the next bit is set too, else nothing
+  kExtra = 1u << 6,    // only together with kExtra
+  kRestart = 1u << 7,  // only if the next bit is set, too
 };
 constexpr std::size_t kMaxFrames = 4096;
 constexpr double kMaxSpeed_rad_per_s = 40.0, kGear = 20.0;
@@ -41,7 +42,7 @@ io::CanFrame NextFrame(Input& in, unsigned op, const std::array<std::uint16_t, N
   return frame;
 }
 
-// Everything that the client wants to send now; each frame to `look`.
+// Sends everything that the client wants to send now; calls `look` for each frame.
 template <class Client, class Look>
 void Send(Client& client, rt::Nanoseconds now, Look&& look) {
   io::CanFrame out;
@@ -86,7 +87,7 @@ void Drive(Input& in) {
   auto drive = *io::ReamerDrive::Make(
       {.node = 16, .gear_ratio = kGear, .rated_torque_Nm = 0.5, .max_speed_rad_per_s = kMaxSpeed_rad_per_s});
   const std::array<std::uint16_t, 8> ids{0x590, 0x710, 0x190, 0x290, 0x090, 0x000, 0x080, 0x390};
-  io::CanFrame asked;  // by the last SDO
+  io::CanFrame asked;  // by the newest SDO
   const auto next = [&](unsigned op) {
     if ((op & 15u) != 14) return NextFrame(in, op, ids);
     io::CanFrame answer = asked;

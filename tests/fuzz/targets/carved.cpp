@@ -7,7 +7,7 @@
 #include "tests/fuzz/targets/file_claims.h"
 #include "tests/simulation/carved_samples.h"
 
-// A carved state of a small bone: byte 0 whether its checksums are made right first (bit 0), then the file.
+// A carved state of a small bone: byte 0 (bit 0): its checksums are corrected first; then the file.
 
 namespace osteon::fuzz {
 namespace {
@@ -27,8 +27,8 @@ void Seal(std::string& bytes) {
   put(kHeaderCrcAt, 0, kHeaderCrcAt);
 }
 
-// An engine of this bone goes on from it, or says that it was of another tool or other SplitParams: of these
-// the file knows nothing.
+// An engine of this bone resumes from the state, or says that it belongs to another tool or other
+// SplitParams, which the file does not record.
 void ClaimResumes(const simulation::CarvedState& state) {
   using namespace simulation::test;
   simulation::ReferenceEngine engine(CarvedBone(), CarvedTool(), Pose::Identity(), CarvedParams());

@@ -3,8 +3,8 @@
 #include "safety/workspace.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// A whole cell's file; what it names is the repository's own, and its tool is always the reamer, which no
-// balls are fitted to. A cell that is accepted is one that a loop can be made of.
+// A whole cell's file. The files that it names are the repository's own, and its tool is always the reamer,
+// which needs no fitting of balls. From an accepted cell a loop can be made.
 
 namespace osteon::fuzz {
 namespace {

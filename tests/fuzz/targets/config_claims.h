@@ -7,12 +7,12 @@
 #include "config/reader.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// What the targets that read YAML share.
+// Shared parts of the targets that read YAML.
 
 namespace osteon::fuzz {
 
-/// An error names its file, and a line that is in it where it names one.
-/// @param name  of the file that is the fuzzer's; others are the repository's own
+/// Claims that an error names its file, and that a line number in it exists.
+/// @param name  of the fuzzer's file; others are the repository's own
 inline void ClaimNamesPlace(const config::ConfigError& error, const std::string& name,
                             std::string_view text) {
   const std::string_view what = error.what();
@@ -22,7 +22,7 @@ inline void ClaimNamesPlace(const config::ConfigError& error, const std::string&
   if (error.file() == name) ClaimNamesLine(what, name, text);
 }
 
-/// What `load` gives, or nothing where it refuses.
+/// Returns the result of `load`, or nothing if it refuses.
 template <typename Load>
 auto Loaded(const Load& load, const std::string& name, std::string_view text)
     -> std::optional<decltype(load())> {
@@ -34,7 +34,7 @@ auto Loaded(const Load& load, const std::string& name, std::string_view text)
   }
 }
 
-/// The repository's config/ with one more file, cells/fuzz.yaml. Files are found in there and nowhere else.
+/// The repository's config/ with one more file, cells/fuzz.yaml. Files are searched there only.
 class FuzzConfig {
  public:
   FuzzConfig() {
@@ -42,7 +42,7 @@ class FuzzConfig {
     for (const char* folder : {"robots", "tools", "scenes", "materials", "images"})
       std::filesystem::create_directory_symlink(Shipped() / folder, root() / folder);
   }
-  /// OSTEON_ROOT says where the repository is, if it is not where this was built.
+  /// The repository's folder: OSTEON_ROOT, or else where this was built.
   [[nodiscard]] static std::filesystem::path Shipped() {
     const char* moved = std::getenv("OSTEON_ROOT");
     return std::filesystem::path(moved ? moved : OSTEON_SOURCE_DIR) / "config";

@@ -4,8 +4,8 @@
 #include "config/read_gains.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// A file of every kind that a cell names but a tool (tool_file.cpp): robot, scene, materials, gains,
-// calibration. The text is read as each of them; of the three whole files it can only be one.
+// A file of each kind that a cell names except a tool (tool_file.cpp): robot, scene, materials, gains,
+// calibration. The text is read as each of them; it can be valid as at most one of the three complete files.
 
 namespace osteon::fuzz {
 namespace {
@@ -23,7 +23,7 @@ void ClaimLimits(const kinematics::ChainParams<kCount>& chain) {
           "a joint has a range and a speed");
 }
 
-// Whatever was laid over gains, the laws take them.
+// The laws accept gains with any accepted overrides.
 void Gains(const FuzzConfig& files, std::string_view text, const config::CellConfig& cell) {
   for (const control::Law law : {control::Law::kAdmittance, control::Law::kImpedance}) {
     control::AdmittanceParams admittance = cell.servo.admittance;

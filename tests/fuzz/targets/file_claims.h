@@ -9,17 +9,18 @@
 #include "tests/fuzz/targets/fuzz_input.h"
 #include "tests/io/temporary_folder.h"
 
-// What the targets that read files share: a file whose bytes are the fuzzer's, and what an error must name.
+// Shared parts of the targets that read files: a file with the fuzzer's bytes, and the place that an error
+// must name.
 
 namespace osteon::fuzz {
 
-/// Where files lie in memory, if the system has such a place: no disk waits for thousands of inputs.
+/// A folder in memory if the system has one, so that thousands of inputs need no disk.
 inline std::filesystem::path FastFolder() {
   const std::filesystem::path memory = "/dev/shm";
   return ::access(memory.c_str(), W_OK) == 0 ? memory : std::filesystem::temp_directory_path();
 }
 
-/// One file in a folder of its own, written anew for each input.
+/// One file in a folder of its own, rewritten for each input.
 class FuzzFile {
  public:
   explicit FuzzFile(const std::string& name) : path_(folder_.path() / name) {}
@@ -35,7 +36,7 @@ class FuzzFile {
 
 inline std::string Text(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
 
-/// The number that stands in `text` behind `before`; -1 where there is none.
+/// Returns the number that follows `before` in `text`; -1 if there is none.
 inline long long NumberBehind(std::string_view text, std::string_view before) {
   const std::size_t at = text.find(before);
   if (at == std::string_view::npos) return -1;
@@ -44,14 +45,14 @@ inline long long NumberBehind(std::string_view text, std::string_view before) {
   return number;
 }
 
-/// "FILE: byte N: …" with a byte that is in the file, or just behind it.
+/// Claims "FILE: byte N: …" with a byte in the file, or directly after its end.
 inline void ClaimNamesByte(std::string_view error, const std::filesystem::path& path, std::size_t size) {
   Claim(error.starts_with(path.string() + ": "), "an error names the file");
   const long long byte = NumberBehind(error, path.string() + ": byte ");
   Claim(byte >= 0 && static_cast<unsigned long long>(byte) <= size, "an error names a byte of the file");
 }
 
-/// "FILE:N: …" with a line that is in the text, or just behind it.
+/// Claims "FILE:N: …" with a line in the text, or directly after its end.
 inline void ClaimNamesLine(std::string_view error, const std::string& name, std::string_view text) {
   const auto is_end = [](char c) { return c == '\n' || c == '\r'; };  // a mesh's line may end in CR alone
   const auto lines = static_cast<long long>(std::count_if(text.begin(), text.end(), is_end)) + 1;

@@ -10,11 +10,11 @@
 #include "io/fri/frame.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// What holds of FRI's messages, whatever came in.
+// Claims about FRI's messages that hold for any input.
 
 namespace osteon::fuzz {
 
-/// The bytes in 2.7's frame, whose CRC-32 would keep nearly all else out.
+/// Puts the bytes into 2.7's frame, whose CRC-32 would otherwise reject nearly all input.
 inline std::vector<std::uint8_t> Framed(std::span<const std::uint8_t> body) {
   std::vector<std::uint8_t> datagram(body.size() + io::kFriFrameHead + io::kFriFrameTail);
   std::copy(body.begin(), body.end(), datagram.begin() + io::kFriFrameHead);
@@ -44,7 +44,7 @@ inline void ClaimPose(const std::optional<io::FriPose>& pose, io::FriFamily fami
   ClaimName(pose->name);
 }
 
-/// A message that was accepted.
+/// Claims about an accepted message.
 inline void ClaimAccepted(io::FriFamily family, const io::MonitoringMessage& m) {
   using control::SessionState;
   ClaimFinite(m.q_meas, "q_meas is finite");

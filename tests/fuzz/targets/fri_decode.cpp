@@ -1,6 +1,6 @@
 #include "tests/fuzz/targets/fri_claims.h"
 
-// One FRI datagram: byte 0 the family (two bits) and whether 2.7's frame goes around the rest (bit 2).
+// One FRI datagram: byte 0 gives the family (two bits) and whether 2.7's frame is added (bit 2).
 
 namespace osteon::fuzz {
 namespace {
@@ -9,7 +9,7 @@ constexpr std::array kFamilies{io::FriFamily::k1, io::FriFamily::k2_5, io::FriFa
                                io::FriFamily::k2_7};
 constexpr std::uint32_t kMark = 0xdecafbad;
 
-// What the arm sent, sent back: it fits the wire again, or there is no room for it.
+// Sends the arm's data back: the command fits into a datagram, or is refused for lack of space.
 void Return(io::FriFamily family, const io::MonitoringMessage& m) {
   io::CommandMessage answer{.sequence = m.sequence, .reflected_sequence = m.reflected_sequence};
   answer.q = m.q_ipo;
@@ -33,7 +33,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const unsigned first = in.Byte();
   const io::FriFamily family = fuzz::kFamilies[first & 3u];
   const auto rest = in.Rest();
-  // in memory of its own size, so that a sanitizer sees a byte too far
+  // in memory of its exact size, so that a sanitizer detects a read beyond it
   const std::vector<std::uint8_t> datagram =
       (first & 4u) != 0 ? fuzz::Framed(rest) : std::vector<std::uint8_t>(rest.begin(), rest.end());
 

@@ -2,11 +2,11 @@
 #include "io/fri/proto_reader.h"
 #include "tests/fuzz/targets/fri_claims.h"
 
-// A session of FRI datagrams, each answered: byte 0 the version, then of each datagram
+// A session of FRI datagrams, each answered: byte 0 the version, then for each datagram
 //
-//     byte  0     what the loop commands (Op) and what else happens
-//           1, 2  how many bytes follow, little-endian
-//           3     the datagram; 2.7's frame goes around it by itself
+//     byte  0     what the loop commands (Op), and what else happens
+//           1, 2  number of bytes that follow, little-endian
+//           3     the datagram, without 2.7's frame, which is added here
 
 namespace osteon::fuzz {
 namespace {
@@ -17,13 +17,13 @@ enum Op : unsigned {
   kCommandNaN = 1u << 1,       // with a NaN in it
   kCommandFar = 1u << 2,       // with a joint turned far
   kOldActivation = 1u << 3,    // naming another activation
-  kWrite = 1u << 4,            // the arm's outputs and frames are written
+  kWrite = 1u << 4,            // writes the arm's outputs and frames
   kStartOver = 1u << 5,
   kWait = 1u << 6,  // no answer to this one
   kBare = 1u << 7,  // no frame around it
 };
 
-// What an answer's protobuf holds of motion; the reader is the product's, whose own tests compare it with
+// The motion in an answer's protobuf. The decoder is the product's, whose own tests compare it with
 // libprotobuf.
 struct Answer {
   std::uint32_t id{0}, sequence{0}, reflected{0};
@@ -136,7 +136,7 @@ class Run {
     Claim(session_.Answer(command).empty(), "a message is answered once");
   }
 
-  // Nothing but what the loop may command, the arm's own positions, and what was sent before.
+  // Claims that only positions are sent that the loop may command: the arm's own, and those sent before.
   void ClaimPosition(const Answer& answer, const control::ArmCommand& command) {
     if (answer.joints == 0) return;
     Claim(answer.joints == 7, "seven joints or none");

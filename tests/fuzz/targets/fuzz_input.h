@@ -7,11 +7,12 @@
 #include <stdexcept>
 #include <vector>
 
-// What the fuzz targets share: a fuzzer's bytes taken piece by piece, and claims that hold whatever they are.
+// Shared parts of the fuzz targets: a reader that takes a fuzzer's bytes piece by piece, and claims that hold
+// for any input.
 
 namespace osteon::fuzz {
 
-/// Zeros once the bytes are used up.
+/// Returns zeros once the bytes are used up.
 class Input {
  public:
   Input(const std::uint8_t* data, std::size_t size) : rest_(data, size) {}
@@ -25,7 +26,7 @@ class Input {
     const unsigned low = Byte();
     return static_cast<std::uint16_t>(low | unsigned{Byte()} << 8);
   }
-  /// At most so many.
+  /// Returns at most `size` bytes.
   std::span<const std::uint8_t> Bytes(std::size_t size) {
     const auto bytes = rest_.first(std::min(size, rest_.size()));
     rest_ = rest_.subspan(bytes.size());
@@ -37,7 +38,8 @@ class Input {
   std::span<const std::uint8_t> rest_;
 };
 
-/// Ends the run of a target. libFuzzer takes what leaves a target for a crash and keeps the input.
+/// Ends a target's run if the claim is false. libFuzzer counts an exception that leaves a target as a crash
+/// and keeps the input.
 inline void Claim(bool holds, const char* claim) {
   if (!holds) throw std::logic_error(claim);
 }

@@ -4,15 +4,15 @@
 #include "simulation/mesh/mesh_file.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// A mesh file: byte 0 its extension, then the file.
+// A mesh file: byte 0 selects its extension, then the file.
 
 namespace osteon::fuzz {
 namespace {
 
 using simulation::MeshErrorKind;
 
-// Each format's reader names a line of a text, a byte of anything else. What is wrong with the surface
-// itself (open, wound both ways, …) is told by its place in mm: then file and reason.
+// Each format's reader names a line of a text, or a byte of other content. Defects of the surface itself
+// (open, wound both ways, …) are given by place in mm: then file and reason.
 void ClaimError(const simulation::MeshError& error, const std::filesystem::path& path,
                 std::string_view content) {
   const std::string name = path.string();
@@ -42,7 +42,7 @@ void ClaimClosed(const simulation::TriangleMesh& mesh) {
       Claim(corner < mesh.vertices_m.size(), "a corner is a vertex");
   for (const Vector3& vertex : mesh.vertices_m)
     Claim(vertex.cwiseAbs().maxCoeff() <= 10.0, "a vertex is within 10 m");
-  // each directed edge has its opposite, so that the triangles bound something
+  // each directed edge has its opposite, so that the triangles bound a volume
   std::vector<std::uint64_t> edges;
   for (const auto& t : mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k)

@@ -37,7 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   fuzz::ClaimAccepted(*motion);
-  // what is finer than the file's last digit is rounded, and may then break the rules; the second time never
+  // values finer than the file's last digit are rounded, and may then break the rules; but not a second time
   const std::string written = simulation::MotionText(*motion);
   const auto rounded = simulation::ParseMotion(written, name);
   if (rounded) fuzz::Claim(simulation::MotionText(*rounded) == written, "what was read can be written");

@@ -4,8 +4,7 @@
 #include "tests/fuzz/targets/file_claims.h"
 #include "tests/simulation/packing_samples.h"
 
-// A packing file: byte 0 whether its checksums are made right first (bit 0), as by somebody who wants it
-// believed; then the file.
+// A packing file: byte 0 (bit 0): its checksums are corrected first, as by an attacker; then the file.
 
 namespace osteon::fuzz {
 namespace {
@@ -24,11 +23,11 @@ void ClaimUsable(const simulation::Bone& bone) {
     Claim(std::abs(Vector3(bone.cup.axis).norm() - 1.0) <= 1e-6, "a site has an axis");
 }
 
-// What was accepted can be saved; and saved again, it is the same file.
+// Claims that an accepted file can be saved, and that saving it again gives the same file.
 void ClaimSavesToItself(const simulation::PackingFile& file, const simulation::Bone& bone) {
   static const FuzzFile saved("saved.osp");
   if (!simulation::WritePackingFile(saved.path(), bone, file.provenance()))
-    return;  // too wide for its middle
+    return;  // too wide to have a finite centre
   const std::string first = io::test::ReadAll(saved.path());
   const auto again = simulation::PackingFile::Open(saved.path(), 1);
   Claim(again.has_value(), "what was saved is accepted");

@@ -1,8 +1,8 @@
 #include "simulation/packing/packing_text.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// The two texts of a packing file: byte 0 which (bit 0: materials, else provenance), then the text. There is
-// one way to write a value, so that what is accepted is what the writer writes.
+// The two texts of a packing file: byte 0 selects one (bit 0: materials, else provenance), then the text.
+// Each value has a single notation, so that an accepted text equals the writer's output.
 
 namespace osteon::fuzz {
 namespace {

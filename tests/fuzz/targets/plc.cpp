@@ -5,8 +5,8 @@
 #include "tests/fuzz/targets/fuzz_input.h"
 
 // The PLC's registers 970 … 983 as a hostile server may answer them, block after block, two bytes each
-// (little-endian). What comes before them on the wire is libmodbus' (tests/io/modbus_client_test.cpp has
-// servers that misbehave).
+// (little-endian). The protocol below them is libmodbus's (tests/io/modbus_client_test.cpp has servers that
+// misbehave).
 
 namespace osteon::fuzz {
 namespace {
@@ -20,7 +20,7 @@ bool Same(const io::PlcInputs& a, const io::PlcInputs& b) {
          a.power_on == b.power_on;
 }
 
-// As the client does with each block (PlcClient::ReadBlock), without its connection.
+// Handles a block as the client does (PlcClient::ReadBlock), without its connection.
 void Block(Input& in, rt::Nanoseconds now, io::PlcReading& reading) {
   std::array<std::uint16_t, io::kPlcReadCount> block{};
   for (std::uint16_t& value : block) value = in.Word();

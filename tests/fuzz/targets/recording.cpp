@@ -4,8 +4,8 @@
 #include "io/recording/recovery.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// A recording: byte 0 whether its checksums are set to "not available" (bit 0), so that changed data are
-// looked at; then the file.
+// A recording: byte 0 says whether its checksums are set to "not available" (bit 0), so that changed data are
+// read; then the file.
 
 namespace osteon::fuzz {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kHead = 9, kChunkCrc = 24;  // opcode and length; two times and a size before the CRC
 constexpr std::uint8_t kChunk = 0x06, kDataEnd = 0x0f;
 
-// As docs/recording.md gives the layout, not as the reader under test has it.
+// Follows the layout in docs/recording.md, independently of the reader under test.
 void ForgoChecksums(std::string& bytes) {
   for (std::size_t at = 8; at + kHead <= bytes.size();) {
     const auto opcode = static_cast<std::uint8_t>(bytes[at]);
@@ -26,7 +26,7 @@ void ForgoChecksums(std::string& bytes) {
   }
 }
 
-// Four bytes of a zstd frame may hold 128 KiB of one byte, no more.
+// Four bytes of a zstd frame may expand to at most 128 KiB of one byte.
 constexpr std::size_t kMaxPacked = 32768;
 
 void ClaimAccepted(const io::Recording& recording, std::size_t size) {
@@ -37,7 +37,7 @@ void ClaimAccepted(const io::Recording& recording, std::size_t size) {
     Claim(tick.session_state <= 4, "a session's state exists");
 }
 
-// What is left of any file that has a session is made whole.
+// Claims that the remainder of any file with a session is recovered completely.
 void ClaimRecovers(const std::filesystem::path& path, const std::filesystem::path& to, std::size_t size,
                    const tl::expected<io::Recording, std::string>& recording) {
   const auto recovery = io::RecoverRecording(path, to);

@@ -1,7 +1,7 @@
 #include "io/recording/messages.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// One message of a recording: byte 0 which, then its bytes.
+// One message of a recording: byte 0 selects its kind, then its bytes.
 
 namespace osteon::fuzz {
 namespace {

@@ -8,8 +8,9 @@
 #include "io/rsi/xml_reader.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// RSI datagrams to the reader and to a session, each answered: byte 0 how the session is set up (Setup), then
-// of each datagram what the loop commands (Op), how many bytes follow (two, little-endian), and those.
+// RSI datagrams for the reader and for a session, each answered: byte 0 sets up the session (Setup); then for
+// each datagram what the loop commands (Op), the number of bytes that follow (two, little-endian), and those
+// bytes.
 
 namespace osteon::fuzz {
 namespace {
@@ -27,7 +28,7 @@ enum Op : unsigned {
 };
 constexpr double kRange_deg = 30.0;
 
-// The pieces of the text lie in it, and there is an end to them.
+// Claims that the pieces lie in the text and that their number is finite.
 void ReadPieces(std::string_view text) {
   using Event = io::XmlReader::Event;
   io::XmlReader reader(text);

@@ -3,7 +3,7 @@
 #include "config/load.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// A tool's file. Balls are fitted to what it describes, which takes longer than all that is read.
+// A tool's file. Fitting balls to its tool takes longer than all reading.
 
 namespace osteon::fuzz {
 namespace {

@@ -4,7 +4,7 @@
 #include "config/units.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// A text to the strict reader, and every question that it can be asked, about every key that is in the text.
+// A text for the strict reader, and every query of the reader for every key in the text.
 
 namespace osteon::fuzz {
 namespace {
