@@ -8,6 +8,7 @@
 #include <png.h>
 
 #include "report_synthetic.h"
+#include "tests/temporary_path.h"
 
 namespace osteon::app {
 namespace {
@@ -83,7 +84,7 @@ TEST(Render, CupFillsThePictureAndIsColouredByMaterial) {
 TEST(Png, IsReadBackByTheLibrary) {
   Image image{.width = 7, .height = 3};
   for (int i = 0; i < 63; ++i) image.rgb.push_back(static_cast<std::uint8_t>(i * 4));
-  const auto file = std::filesystem::path(testing::TempDir()) / "picture.png";
+  const auto file = TemporaryPath("picture.png");
   ASSERT_TRUE(WritePng(image, file).has_value());
   png_image read{};
   read.version = PNG_IMAGE_VERSION;

@@ -9,6 +9,7 @@
 
 #include "report_markup.h"
 #include "report_synthetic.h"
+#include "tests/temporary_path.h"
 
 namespace osteon::app {
 namespace {
@@ -288,7 +289,7 @@ TEST(Section, SvgIsWellFormed) {
   EXPECT_EQ(MarkupError(svg), "");
   EXPECT_EQ(TextOutside(svg), "");
   EXPECT_EQ(svg.find("nan"), std::string::npos);
-  const auto file = std::filesystem::path(testing::TempDir()) / "section.svg";
+  const auto file = TemporaryPath("section.svg");
   ASSERT_TRUE(WriteSectionSvg(section, run.bone, file).has_value());
   EXPECT_EQ(std::filesystem::file_size(file), svg.size());
   const auto refused = WriteSectionSvg(section, run.bone, "/no/such/folder/section.svg");

@@ -14,6 +14,7 @@
 #include "control/ports.h"
 #include "report_markup.h"
 #include "report_synthetic.h"
+#include "tests/temporary_path.h"
 
 namespace osteon::app {
 namespace {
@@ -89,7 +90,7 @@ TEST(Report, OfARunIsOneValidFileWithEverythingInIt) {
   ReportInput input = InputOf(run);
   input.pictures = {};
   ExpectValid(input);
-  const auto file = std::filesystem::path(testing::TempDir()) / "osteon_report.html";
+  const auto file = TemporaryPath("osteon_report.html");
   const auto figures = WriteReport(input, file);
   ASSERT_TRUE(figures.has_value()) << figures.error();
   EXPECT_GT(figures->cavity_section.samples, 100);

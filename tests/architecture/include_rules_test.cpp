@@ -1,4 +1,5 @@
 #include "tests/architecture/include_rules.h"
+#include "tests/temporary_path.h"
 
 #include <gtest/gtest.h>
 
@@ -129,7 +130,7 @@ TEST(IncludeRules, NameFileLineAndReason) {
 }
 
 TEST(IncludeRules, RejectALineWithoutAReason) {
-  const fs::path file = fs::path(testing::TempDir()) / "osteon_rules_without_reason.txt";
+  const fs::path file = TemporaryPath("osteon_rules_without_reason.txt");
   std::ofstream(file) << "# comment\n\nfolder a : b\n";
   try {
     ReadRules(file);

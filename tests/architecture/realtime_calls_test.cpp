@@ -13,6 +13,7 @@
 #include "tests/architecture/call_graph.h"
 #include "tests/architecture/include_rules.h"
 #include "tests/architecture/marked_functions.h"
+#include "tests/temporary_path.h"
 
 // OSTEON_RT promises no heap, lock, exception or system call. These tests check the promise against the calls
 // in the built command's machine code.
@@ -78,8 +79,7 @@ bool IsReadable() {
 }
 
 CallGraph GraphOf(const fs::path& program) {
-  const fs::path text =
-      fs::path(testing::TempDir()) / ("osteon_disassembly_" + program.filename().string() + ".txt");
+  const fs::path text = TemporaryPath("osteon_disassembly_" + program.filename().string() + ".txt");
   const std::string command =
       "'" OSTEON_OBJDUMP "' -d --no-show-raw-insn '" + program.string() + "' >'" + text.string() + "'";
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
@@ -238,7 +238,7 @@ Disassembly of section .text:
 }
 
 TEST(CallRules, RejectALineWithoutAReason) {
-  const fs::path file = fs::path(testing::TempDir()) / "osteon_calls_without_reason.txt";
+  const fs::path file = TemporaryPath("osteon_calls_without_reason.txt");
   std::ofstream(file) << "# comment\n\nallow malloc |\n";
   try {
     ReadCallRules(file);

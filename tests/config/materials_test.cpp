@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "config/load.h"
+#include "tests/temporary_path.h"
 
 namespace osteon::config {
 namespace {
@@ -41,8 +42,7 @@ std::string Refusal(const std::string& from, const std::string& to) {
   EXPECT_NE(at, std::string::npos) << from;
   if (at != std::string::npos) text.replace(at, from.size(), to);
   const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-  const auto path =
-      std::filesystem::path(testing::TempDir()) / (std::string("osteon_") + test->name() + ".yaml");
+  const auto path = TemporaryPath(std::string("osteon_") + test->name() + ".yaml");
   std::ofstream(path, std::ios::binary) << text;
   std::string what;
   try {
@@ -107,7 +107,7 @@ TEST(MaterialsConfig, ANameIsUsedOnce) {
   std::ifstream file(Shipped("tooth.yaml"));
   std::string text((std::istreambuf_iterator<char>(file)), {});
   text.replace(text.find("name: pulp"), 10, "name: enamel");
-  const auto path = std::filesystem::path(testing::TempDir()) / "osteon_twice.yaml";
+  const auto path = TemporaryPath("osteon_twice.yaml");
   std::ofstream(path) << text;
   try {
     static_cast<void>(LoadMaterials(path));

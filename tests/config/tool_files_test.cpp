@@ -9,6 +9,7 @@
 #include "simulation/reference_engine.h"
 #include "tests/config/cell_text.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/temporary_path.h"
 
 namespace osteon::config {
 namespace {
@@ -125,7 +126,7 @@ TEST(DemoCell, NeedsNoDiameter) {
   const std::size_t at = text.find("tool_diameter_mm");
   ASSERT_NE(at, std::string::npos);
   text.erase(at, text.find('\n', at) + 1 - at);
-  const std::string file = testing::TempDir() + "osteon_cell_without_diameter.yaml";
+  const std::string file = TemporaryPath("osteon_cell_without_diameter.yaml").string();
   std::ofstream(file) << text;
   EXPECT_EQ(LoadCell(file).tool.tool.name, "hemispherical reamer 50 mm");
 }

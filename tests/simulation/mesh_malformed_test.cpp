@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "mesh_shapes.h"
+#include "tests/temporary_path.h"
 
 // Files that give no solid, each with the smallest damage that shows the case. Each error names the file, the
 // place in it, what was found and what is accepted; no two are alike.
@@ -283,7 +284,7 @@ TEST(MeshMalformed, EachFileIsAnsweredWithItsOwnMessage) {
 }
 
 TEST(MeshMalformed, AFolderIsNoFile) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "osteon_folder.stl";
+  const std::filesystem::path folder = TemporaryPath("osteon_folder.stl");
   std::filesystem::create_directories(folder);
   const auto loaded = LoadMesh(folder);
   std::filesystem::remove(folder);

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "simulation/mesh/triangle_mesh.h"
+#include "tests/temporary_path.h"
 
 // Small meshes for tests, and mesh files of them. Sizes in metres, files in millimetres.
 
@@ -72,8 +73,7 @@ class TemporaryFile {
  public:
   TemporaryFile(const std::string& extension, const std::string& content) {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::path(testing::TempDir()) /
-            ("osteon_" + std::string(test->test_suite_name()) + "_" + test->name() + extension);
+    path_ = TemporaryPath("osteon_" + std::string(test->test_suite_name()) + "_" + test->name() + extension);
     std::ofstream(path_, std::ios::binary) << content;
   }
   ~TemporaryFile() { std::filesystem::remove(path_); }
