@@ -42,6 +42,7 @@ class LimitSet {
   constexpr void Add(Limit limit, bool acts = true) noexcept {
     if (acts) bits_ |= 1u << static_cast<unsigned>(limit);
   }
+  constexpr void Add(LimitSet others) noexcept { bits_ |= others.bits_; }
   [[nodiscard]] constexpr bool Has(Limit limit) const noexcept {
     return (bits_ >> static_cast<unsigned>(limit) & 1u) != 0;
   }

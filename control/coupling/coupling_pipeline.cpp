@@ -1,0 +1,87 @@
+#include "control/coupling/coupling_pipeline.h"
+
+namespace osteon::control {
+
+using safety::Limit;
+
+CouplingPipeline::CouplingPipeline(const ServoParams& params)
+    : params_(params),
+      limiter_(params.wrench),
+      stored_energy_limit_(params.energy.max_stored_J),
+      depth_limit_(params.depth),
+      force_limit_reaction_(params.on_force_limit, params.stop_deceleration_m_per_s2, params.period_s),
+      stabilisers_(params.stabilisers, LawOf(params), params.period_s) {
+  limiter_.Cap(ForceLimit_N(params));
+}
+
+void CouplingPipeline::Reset() OSTEON_RT {
+  state_ = {};
+  pressed_ = false;
+  stabilisers_.Reset();
+  stored_energy_limit_.Reset();
+  force_limit_reaction_.Reset();
+  depth_limit_.Reset();
+}
+
+void CouplingPipeline::OnGainsChanged() OSTEON_RT {
+  limiter_.Cap(ForceLimit_N(params_));
+  if (params_.law == Law::kAdmittance) stabilisers_.Follow(LawOf(params_.admittance, params_));
+}
+
+const CouplingOutput& CouplingPipeline::Evaluate(const CouplingInput& input, const ArmFollower& arm,
+                                                 safety::LimitSet& acting) OSTEON_RT {
+  X_WT_ = input.X_WT;
+  V_WT_ = input.V_WT;
+  output_ =
+      EvaluateCoupling(params_.coupling, input.model, X_WT_, V_WT_, input.now, input.spindle_turns, state_);
+  pressed_ = !output_.displacement_W.isZero(0.0);
+
+  const Wrench shaped = stabilisers_.Shape(output_, X_WT_, V_WT_);
+  const double spring_share = stored_energy_limit_.Step(output_.displacement_W.norm(), output_.potential_J);
+  if (spring_share == 1.0) {
+    limited_ = arm.Limit(limiter_, shaped);
+  } else {
+    acting.Add(Limit::kStoredEnergy);
+    limited_ = arm.Limit(limiter_, {.f = spring_share * shaped.f, .t = spring_share * shaped.t});
+    limited_.share *= spring_share;
+  }
+  force_limit_reaction_.Step({.displacement_W = output_.displacement_W,
+                              .rendered_share = limited_.share,
+                              .advance_m_per_s = input.spindle_turns ? input.model.advance_m_per_s : 0.0});
+  return output_;
+}
+
+safety::LimitedWrench CouplingPipeline::Render(const ArmFollower& arm, safety::LimitSet& acting) OSTEON_RT {
+  safety::LimitedWrench rendered{.F = stabilisers_.Calm(output_, X_WT_, V_WT_, limited_, limiter_)};
+  const Vector3 f_depth_W =
+      depth_limit_.Step(X_WT_.translation(), V_WT_.v, params_.coupling.max_stiffness_N_per_m);
+  if (depth_limit_.acts()) {
+    acting.Add(Limit::kDepth, depth_limit_.resists());
+    if (!f_depth_W.isZero(0.0))
+      rendered = arm.Limit(limiter_, {.f = rendered.F.f + output_.fade * f_depth_W, .t = rendered.F.t});
+  }
+  return rendered;
+}
+
+void CouplingPipeline::LimitPower(double power_share, safety::LimitedWrench& rendered,
+                                  safety::LimitSet& acting) OSTEON_RT {
+  if (!(power_share < 1.0)) return;
+  acting.Add(Limit::kPower);
+  rendered.F = {.f = power_share * rendered.F.f, .t = power_share * rendered.F.t};
+  rendered.share *= power_share;
+  stabilisers_.ScaleRendered(power_share);
+}
+
+void CouplingPipeline::AddActing(const safety::LimitedWrench& rendered,
+                                 safety::LimitSet& acting) const OSTEON_RT {
+  acting.Add(Limit::kWrench, rendered.share < 1.0);
+  acting.Add(Limit::kArmTorque, rendered.arm_share < 1.0);
+  acting.Add(Limit::kStoredEnergy,
+             rendered.share < 1.0 && limiter_.max_force_N() < params_.wrench.max_force_N);
+  acting.Add(Limit::kModelAge, output_.fade < 1.0);
+  acting.Add(Limit::kAgeGovernor, stabilisers_.governor().acted());
+  acting.Add(Limit::kPassivity, stabilisers_.passivity().acted());
+  acting.Add(Limit::kTank, stabilisers_.tank().acted());
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,125 @@
+#include "control/laws/admittance_renderer.h"
+
+#include <algorithm>
+
+#include "control/twist_parts.h"
+#include "safety/energy_limits.h"
+
+namespace osteon::control {
+namespace {
+
+constexpr double kMaxHandTorque_Nm = 100.0;  // beyond it a reading counts as this much
+// Many frames, or the speed limit would follow each one's age up and down.
+constexpr double kSightMemory_s = 0.1;
+
+}  // namespace
+
+AdmittanceRenderer::AdmittanceRenderer(const ServoParams& params)
+    : params_(params),
+      vibration_(params.vibration, params.period_s),
+      axis_lock_(params.admittance, params.period_s) {}
+
+void AdmittanceRenderer::Reset(const Pose& X_WT) OSTEON_RT {
+  axis_lock_.Reset(X_WT);
+  vibration_.Reset();
+  mass_factor_ = 1.0;
+  sight_age_s_ = 0.0;
+}
+
+AdmittanceStep AdmittanceRenderer::Step(const AdmittanceInput& input, CouplingPipeline& coupling,
+                                        CommandedTool& tool, TickRecord& record) OSTEON_RT {
+  AdmittanceStep step;
+  step.rendered = coupling.Render(tool.arm(), step.acting);
+  // a virtual tool that vibrates in the hand is heavier, and more damped
+  record.vibration_index = vibration_.Step(input.F_hand_T_W, input.spindle_rad_per_s);
+  record.vibration_reference_N = vibration_.reference_N();
+  tool.V_WT = AfterMassChange(tool.V_WT, vibration_.mass_factor() / mass_factor_);
+  mass_factor_ = vibration_.mass_factor();
+  Twist V_next_WT;
+  step.finite = ComputeTwist(input, tool, coupling, step, V_next_WT);
+  if (!step.finite) return step;
+  record.mass_factor = mass_factor_;
+  record.damping_factor = vibration_.damping_factor();
+
+  const CouplingOutput& output = coupling.output();
+  const double max_speed_m_per_s = MaxSpeed_m_per_s(output, tool.V_WT, input.reduced_speed);
+  tool.V_WT = LimitMotion(V_next_WT, max_speed_m_per_s, coupling, tool, step.acting);
+  tool.share = output.fade;
+  const FollowedTwist followed =
+      tool.Follow(ElbowSpeedLimit_m_per_s(params_, input.reduced_speed), /*elbow_moves=*/true);
+  step.fault = followed.fault;
+  step.acting.Add(followed.acting);
+  step.acting.Add(safety::Limit::kJoints, followed.joints_limited);
+  step.acting.Add(safety::Limit::kSensorAge, input.sensor_share < 1.0);
+  return step;
+}
+
+// The law's next velocity, and the rendered wrench with no more power to the hand than it may have. False
+// where the velocity would not be finite.
+bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const CommandedTool& tool,
+                                      CouplingPipeline& coupling, AdmittanceStep& step,
+                                      Twist& V_next_WT) OSTEON_RT {
+  const double fade = coupling.output().fade;
+  const double hand_share = fade * input.sensor_share;
+  const Wrench F_hand_T_W = PastDeadZone(
+      params_.admittance, safety::ScaleWrench(input.F_hand_T_W, input.max_hand_N, kMaxHandTorque_Nm).F);
+  const double damping_factor =
+      std::max(vibration_.damping_factor(), coupling.stabilisers().damping_factor());
+  const AdmittanceParams law = Times(params_.admittance, mass_factor_, damping_factor);
+  const Twist V_locked_C = axis_lock_.Correction(tool.X_WT());
+  safety::LimitedWrench& rendered = step.rendered;
+  const auto next_twist = [&](double coupling_share, Twist& V_WT) OSTEON_RT {
+    const Wrench F_T_W{.f = hand_share * F_hand_T_W.f + coupling_share * rendered.F.f,
+                       .t = hand_share * F_hand_T_W.t + coupling_share * rendered.F.t};
+    return NextTwist(law, tool.X_WT(), tool.V_WT, F_T_W, params_.period_s, V_WT, V_locked_C);
+  };
+  if (!next_twist(1.0, V_next_WT)) return false;
+
+  // power of the motion that the wrench itself makes: the law is affine in it
+  if (!(fade * Power(rendered.F, V_next_WT) > params_.energy.max_power_W)) return true;
+  Twist V_free_WT;
+  const bool finite = next_twist(0.0, V_free_WT);
+  const double max_power_W = params_.energy.max_power_W / fade;  // the tool moves by fade × V
+  coupling.LimitPower(
+      safety::PowerShare(Power(rendered.F, V_free_WT), Power(rendered.F, V_next_WT), max_power_W), rendered,
+      step.acting);
+  return finite && next_twist(1.0, V_next_WT);
+}
+
+// Of the cell, and by how far the tool gets before a frame tells what is there; slower no harder than a stop,
+// so that a simulation that stalls while the tool flies is outrun (the model's age then holds the tool).
+double AdmittanceRenderer::MaxSpeed_m_per_s(const CouplingOutput& coupling, const Twist& V_WT,
+                                            bool reduced_speed) OSTEON_RT {
+  const double dt_s = params_.period_s;
+  sight_age_s_ = std::max(std::min(coupling.age_s, params_.coupling.gone_s),
+                          (1.0 - dt_s / kSightMemory_s) * sight_age_s_);
+  const double sight_m_per_s = params_.model_sight_m / std::max(sight_age_s_, dt_s);
+  const double braked_m_per_s = V_WT.v.norm() - params_.stop_deceleration_m_per_s2 * dt_s;
+  return std::min(ToolSpeedLimit_m_per_s(params_, reduced_speed), std::max(sight_m_per_s, braked_m_per_s));
+}
+
+// The velocity within speed, bone entry and workspace; along locked axes it does not slide.
+Twist AdmittanceRenderer::LimitMotion(const Twist& V_next_WT, double max_speed_m_per_s,
+                                      const CouplingPipeline& coupling, const CommandedTool& tool,
+                                      safety::LimitSet& acting) const OSTEON_RT {
+  using safety::Limit;
+  const Vector3 p_WT = tool.X_WT().translation();
+  safety::TwistLimitParams max = params_.twist;
+  max.max_speed_m_per_s = max_speed_m_per_s;
+  safety::LimitedTwist slow = safety::LimitTwist(V_next_WT, max);
+  acting.Add(Limit::kToolSpeed, slow.share < 1.0);
+  acting.Add(Limit::kBoneEntry, coupling.force_limit_reaction().Limit(tool.V_WT.v, slow.V.v));
+  const safety::Workspace::Result inside = tool.workspace().Limit(p_WT, slow.V.v, params_.period_s);
+  acting.Add(Limit::kWorkspace, inside.acted);
+  if (!inside.acted || !axis_lock_.any()) return {.v = inside.v_WT, .w = slow.V.w};
+  // sliding along the bound could leave a locked line: the share of v that has no more than the bound's part
+  // of it, 1 - |removed|² / (v · removed)
+  const Vector3 removed = slow.V.v - inside.v_WT;
+  const double along = slow.V.v.dot(removed);
+  const double share = along > 0.0 ? std::max(0.0, 1.0 - removed.squaredNorm() / along) : 0.0;
+  Twist V_WT = Scaled(slow.V, share);
+  V_WT.v = tool.workspace().Limit(p_WT, V_WT.v, params_.period_s).v_WT;
+  return V_WT;
+}
+
+}  // namespace osteon::control

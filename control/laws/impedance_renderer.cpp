@@ -1,0 +1,105 @@
+#include "control/laws/impedance_renderer.h"
+
+#include <algorithm>
+
+#include "control/tool_speed_trip.h"
+#include "control/twist_parts.h"
+#include "safety/energy_limits.h"
+
+namespace osteon::control {
+namespace {
+
+using safety::Fault, safety::Limit;
+
+// Slower is standing, as a tool: joints that swing about a tool at rest are the arm's own affair.
+constexpr double kToolStands_m_per_s = 5e-3, kToolStands_rad_per_s = 0.5;
+
+}  // namespace
+
+void ImpedanceRenderer::Reset(const JointArray& q_meas) OSTEON_RT {
+  q_before_ = q_meas;
+  stop_ticks_ = 0;
+}
+
+ImpedanceMotion ImpedanceRenderer::FollowHand(const ArmSession& arm, const JointArray& q_meas,
+                                              bool reduced_speed, CommandedTool& tool) OSTEON_RT {
+  ImpedanceMotion motion;
+  const double dt_s = params_.period_s, elapsed_s = arm.elapsed_s();
+  const Vector3 p_WT = arm.X_WT().translation();
+  safety::TwistLimitParams max = params_.twist;
+  max.max_speed_m_per_s = ToolSpeedLimit_m_per_s(params_, reduced_speed);
+  safety::LimitedTwist slow = safety::LimitTwist(tool.V_WT, max);
+  motion.twist_limited = slow.share < 1.0;
+  // a period's step of the joints: messages that were lost make the way between two of them longer
+  JointArray q_step = q_meas;
+  for (std::size_t i = 0; i < q_step.size(); ++i)
+    q_step[i] -= (dt_s / elapsed_s) * (q_meas[i] - q_before_[i]);
+  const ZoneLook zones = tool.arm().LookAtZones(elapsed_s > dt_s ? q_step : q_before_, q_meas);
+  q_before_ = q_meas;
+  slow.V = Scaled(slow.V, zones.share);
+  motion.acting.Add(Limit::kZones, zones.share < 1.0);
+  const safety::Workspace::Result inside = tool.workspace().Limit(p_WT, slow.V.v, dt_s);
+  motion.workspace_limited = inside.acted;
+  motion.V_allowed_WT = {.v = inside.v_WT, .w = slow.V.w};
+  if (tool.V_WT.v.norm() > ToolSpeedTrip_m_per_s(params_)) motion.faults.Latch(Fault::kToolSpeed);
+  if (tool.workspace().Violated(p_WT) || zones.outside) motion.faults.Latch(Fault::kWorkspace);
+
+  // the equilibrium of the arm's own spring goes along
+  motion.faults.Latch(
+      tool.arm().FollowMeasured(q_meas, elapsed_s / (elapsed_s + params_.impedance.follow_s)));
+  return motion;
+}
+
+ImpedanceStep ImpedanceRenderer::Step(const ArmSession& arm, const Twist& V_before_WT,
+                                      const ImpedanceMotion& motion, CouplingPipeline& coupling,
+                                      const CommandedTool& tool) OSTEON_RT {
+  ImpedanceStep step;
+  step.acting.Add(Limit::kToolSpeed, motion.twist_limited);
+  step.acting.Add(Limit::kWorkspace, motion.workspace_limited);
+  const Twist& V_WT = tool.V_WT;
+  safety::LimitedWrench& rendered = step.rendered;
+  rendered = coupling.Render(tool.arm(), step.acting);
+  // the hand has the arm: its velocity in the tick to come is the measured one, going on as it came
+  const Twist V_next_WT{.v = 2.0 * V_WT.v - V_before_WT.v, .w = 2.0 * V_WT.w - V_before_WT.w};
+  const double max_power_W = params_.energy.max_power_W;
+  coupling.LimitPower(std::min(safety::PowerShare(rendered.F, V_WT, max_power_W),
+                               safety::PowerShare(rendered.F, V_next_WT, max_power_W)),
+                      rendered, step.acting);
+  const Wrench damping = DampingWrench(Times(params_.impedance, coupling.stabilisers().damping_factor()),
+                                       arm.X_WT().linear(), V_WT, motion.V_allowed_WT);
+  const safety::LimitedWrench sent =
+      tool.arm().Limit(coupling.limiter(), {.f = rendered.F.f + damping.f, .t = rendered.F.t + damping.t});
+  F_sent_T_W_ = sent.F;
+  step.acting.Add(Limit::kArmTorque, sent.arm_share < 1.0);
+  return step;
+}
+
+bool ImpedanceRenderer::Brake(const ArmSession& arm, const safety::WrenchLimiter& limiter,
+                              CommandedTool& tool) OSTEON_RT {
+  tool.V_WT = arm.V_WT();
+  // the last of a stop are ticks in a row in which it stands
+  const int braked = JointStopTicks(params_), whole_stop = braked + ArmSession::kStandingMessages;
+  const bool stands =
+      tool.V_WT.v.norm() <= kToolStands_m_per_s && tool.V_WT.w.norm() <= kToolStands_rad_per_s;
+  if (stop_ticks_ == 0) stop_brake_.Reset();
+  if (stop_ticks_ < braked)
+    F_sent_T_W_ =
+        tool.arm().Limit(limiter, stop_brake_.Step(params_.impedance, arm.X_WT().linear(), tool.V_WT)).F;
+  stop_ticks_ = stop_ticks_ < braked || stands ? stop_ticks_ + 1 : braked;
+  if (stop_ticks_ < whole_stop) return false;
+  F_sent_T_W_ = {};
+  return true;
+}
+
+void ImpedanceRenderer::FillWrenchOverlay(const ArmState& state, const Pose& X_WT_meas,
+                                          const ArmFollower& arm, ArmCommand& command) const OSTEON_RT {
+  command.F = {};
+  command.tau = {};
+  if (F_sent_T_W_.f.isZero(0.0) && F_sent_T_W_.t.isZero(0.0)) return;
+  const Matrix3 R_TW = X_WT_meas.linear().transpose();
+  if (state.command_mode == CommandMode::kWrench)
+    command.F = Wrench{.f = R_TW * F_sent_T_W_.f, .t = R_TW * F_sent_T_W_.t};
+  if (state.command_mode == CommandMode::kTorque) command.tau = arm.Torques(state.q_meas, F_sent_T_W_);
+}
+
+}  // namespace osteon::control

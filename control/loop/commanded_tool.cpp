@@ -1,0 +1,75 @@
+#include "control/loop/commanded_tool.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace osteon::control {
+namespace {
+
+constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;
+
+}  // namespace
+
+CommandedTool::CommandedTool(const ServoParams& params, std::unique_ptr<ArmFollower> arm)
+    : params_(params), arm_(std::move(arm)), workspace_(WorkspaceOf(params)) {}
+
+void CommandedTool::ResetToArmPose(const ArmState& state) OSTEON_RT {
+  HoldStill();
+  if (state.session == SessionState::kIdle) return;
+  arm_->Put(state.has_ipo ? state.q_ipo : state.q_meas);
+  has_pose_ = true;
+}
+
+void CommandedTool::HoldStill() OSTEON_RT {
+  V_WT = {};
+  share = 0.0;
+  arm_->Rest();
+}
+
+void CommandedTool::StartBraking() OSTEON_RT {
+  V_WT = Velocity();
+  share = 1.0;
+}
+
+FollowedTwist CommandedTool::Follow(double max_elbow_speed_m_per_s, bool elbow_moves) OSTEON_RT {
+  const Twist V_asked_WT = Velocity();
+  const Followed followed = arm_->Follow({.V_WT = V_asked_WT,
+                                          .elbow_share = share,
+                                          .max_elbow_speed_m_per_s = max_elbow_speed_m_per_s,
+                                          .elbow_moves = elbow_moves});
+  if (followed.fault != safety::Fault::kNone) return {.fault = followed.fault};
+  if (followed.limited || followed.zone_acted || followed.elbow_acted) {
+    // the law goes on from what the tool does; as the model's age fades the motion, so its reaction
+    V_WT.v += share * (followed.V_WT.v - V_asked_WT.v);
+    V_WT.w += share * (followed.V_WT.w - V_asked_WT.w);
+  }
+  FollowedTwist result{.joints_limited = followed.limited};
+  result.acting.Add(safety::Limit::kZones, followed.zone_acted);
+  result.acting.Add(safety::Limit::kElbowSpeed, followed.elbow_acted);
+  return result;
+}
+
+BrakingStep CommandedTool::Brake(double max_elbow_speed_m_per_s) OSTEON_RT {
+  if (arm_->braking_joints()) return {.at_rest = BrakeJoints()};
+  // the whole twist by one factor: the longer of the two halves' braking times counts
+  const double dt_s = params_.period_s;
+  const double time_s = std::max(V_WT.v.norm() / params_.stop_deceleration_m_per_s2,
+                                 V_WT.w.norm() / params_.stop_deceleration_rad_per_s2);
+  V_WT = Scaled(V_WT, time_s > dt_s ? 1.0 - dt_s / time_s : 0.0);
+  // a turn that takes longer to stop does not carry the apex over its bound
+  V_WT.v = workspace_.Limit(X_WT().translation(), V_WT.v, dt_s).v_WT;
+  if (V_WT.v.norm() < kRest_m_per_s && V_WT.w.norm() < kRest_rad_per_s) return {.at_rest = true};
+  const FollowedTwist followed = Follow(max_elbow_speed_m_per_s, false);
+  BrakingStep step{.fault = followed.fault, .acting = followed.acting};
+  if (step.fault != safety::Fault::kNone) step.at_rest = BrakeJoints();
+  return step;
+}
+
+bool CommandedTool::BrakeJoints() OSTEON_RT {
+  const Vector3 p_before_W = X_WT().translation();
+  const bool rests = arm_->BrakeJoints();
+  V_WT = {.v = (X_WT().translation() - p_before_W) / params_.period_s, .w = Vector3::Zero()};
+  return rests;
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <atomic>
+
+#include "control/rt/marker.h"
+
+namespace osteon::control {
+
+/// What is asked of the loop from outside its thread: from any thread, and from a signal handler.
+class MotionRequests {
+ public:
+  void AllowStart(bool allowed) OSTEON_RT { may_start_.store(allowed, std::memory_order_relaxed); }
+  void RequestStop() OSTEON_RT { stop_.store(true, std::memory_order_relaxed); }
+  void RequestRecovery() OSTEON_RT { recovery_.store(true, std::memory_order_relaxed); }
+  void RequestPause() OSTEON_RT { pause_.store(true, std::memory_order_relaxed); }
+  void RequestResume() OSTEON_RT { resume_.store(true, std::memory_order_relaxed); }
+
+  // The tick's: a stop stays asked for, the others are taken once.
+  [[nodiscard]] bool may_start() const OSTEON_RT { return may_start_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool stop() const OSTEON_RT { return stop_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool TakeRecovery() OSTEON_RT { return recovery_.exchange(false, std::memory_order_relaxed); }
+  [[nodiscard]] bool TakePause() OSTEON_RT { return pause_.exchange(false, std::memory_order_relaxed); }
+  [[nodiscard]] bool TakeResume() OSTEON_RT { return resume_.exchange(false, std::memory_order_relaxed); }
+
+ private:
+  std::atomic<bool> may_start_{true}, stop_{false}, recovery_{false}, pause_{false}, resume_{false};
+  static_assert(std::atomic<bool>::is_always_lock_free);
+};
+
+}  // namespace osteon::control

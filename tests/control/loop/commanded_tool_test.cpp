@@ -1,0 +1,73 @@
+#include "control/loop/commanded_tool.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/control/servo_parts.h"
+
+namespace osteon::control {
+namespace {
+
+CommandedTool Tool(const ServoParams& params) { return {params, Follower(params)}; }
+
+TEST(CommandedTool, FollowsAnArmThatMovesByItself) {
+  const ServoParams params = ServoBench::Params();
+  CommandedTool tool = Tool(params);
+  EXPECT_FALSE(tool.has_pose());
+  tool.ResetToArmPose({});
+  EXPECT_FALSE(tool.has_pose()) << "an idle arm does not say where it is";
+  tool.V_WT.v = Vector3(0.1, 0.0, 0.0);
+  tool.share = 1.0;
+  tool.ResetToArmPose(StandingArm());
+  EXPECT_TRUE(tool.has_pose());
+  EXPECT_EQ(tool.Velocity().v, Vector3::Zero());
+  EXPECT_LT((tool.X_WT().translation() - ServoBench::StartPose().translation()).norm(), 1e-12);
+}
+
+TEST(CommandedTool, MovesByItsShareOfTheLawsVelocity) {
+  const ServoParams params = ServoBench::Params();
+  CommandedTool tool = Tool(params);
+  const Vector3 p_before = tool.X_WT().translation();
+  tool.V_WT.v = Vector3(0.02, 0.0, 0.0);
+  tool.share = 0.5;
+  const FollowedTwist followed = tool.Follow(1.0, true);
+  EXPECT_EQ(followed.fault, safety::Fault::kNone);
+  EXPECT_FALSE(followed.joints_limited);
+  EXPECT_NEAR((tool.X_WT().translation() - p_before).x(), 1e-5, 1e-7);
+  EXPECT_NEAR(tool.V_WT.v.x(), 0.02, 1e-12) << "the law keeps its velocity";
+}
+
+// |v|² / 2a, along its own direction.
+TEST(CommandedTool, BrakesToRestAlongItsDirection) {
+  const ServoParams params = ServoBench::Params();
+  CommandedTool tool = Tool(params);
+  tool.V_WT.v = Vector3(0.06, 0.08, 0.0);
+  tool.share = 1.0;
+  for (int i = 0; i < 20; ++i) static_cast<void>(tool.Follow(1.0, true));  // up to speed
+  tool.V_WT.v = Vector3(0.06, 0.08, 0.0);
+  const Vector3 p_before = tool.X_WT().translation();
+  int ticks = 1;
+  tool.StartBraking();
+  BrakingStep step = tool.Brake(1.0);
+  for (; !step.at_rest && ticks < 1000; ++ticks) step = tool.Brake(1.0);
+  ASSERT_TRUE(step.at_rest);
+  EXPECT_EQ(step.fault, safety::Fault::kNone);
+  const Vector3 way = tool.X_WT().translation() - p_before;
+  const double wanted_m = 0.1 * 0.1 / (2.0 * params.stop_deceleration_m_per_s2);
+  EXPECT_NEAR(way.norm(), wanted_m, 0.05 * wanted_m + 1e-4);
+  EXPECT_GT(way.normalized().dot(Vector3(0.6, 0.8, 0.0)), 0.99);
+  EXPECT_NEAR(ticks, 1e3 * 0.1 / params.stop_deceleration_m_per_s2, 5.0);
+}
+
+TEST(CommandedTool, AStopBeginsWithTheVelocityThatTheToolHas) {
+  const ServoParams params = ServoBench::Params();
+  CommandedTool tool = Tool(params);
+  tool.V_WT.v = Vector3(0.1, 0.0, 0.0);
+  tool.share = 0.25;
+  tool.StartBraking();
+  EXPECT_EQ(tool.Velocity().v, Vector3(0.025, 0.0, 0.0));
+  tool.HoldStill();
+  EXPECT_EQ(tool.Velocity().v, Vector3::Zero());
+}
+
+}  // namespace
+}  // namespace osteon::control

@@ -1,0 +1,82 @@
+#include "control/loop/motion_supervisor.h"
+
+#include <gtest/gtest.h>
+
+namespace osteon::control {
+namespace {
+
+using safety::CellAction, safety::CellEvent, safety::CellState, safety::Fault;
+
+// To haptic, as a loop goes that everything permits.
+MotionSupervisor Rendering() {
+  MotionSupervisor supervisor;
+  static_cast<void>(supervisor.Apply(CellEvent::kArmSeen));
+  static_cast<void>(supervisor.Apply(CellEvent::kInOrder));
+  EXPECT_EQ(supervisor.Apply(CellEvent::kBeginThere), CellAction::kBeginRendering);
+  supervisor.SetRendered();
+  return supervisor;
+}
+
+TEST(MotionSupervisor, ComesToRenderingByTheTable) {
+  MotionSupervisor supervisor;
+  EXPECT_EQ(supervisor.state(), CellState::kOff);
+  EXPECT_FALSE(supervisor.moved());
+  supervisor = Rendering();
+  EXPECT_EQ(supervisor.state(), CellState::kHaptic);
+  EXPECT_EQ(supervisor.phase(), Phase::kHaptic);
+  EXPECT_TRUE(supervisor.moved());
+  EXPECT_TRUE(supervisor.MovesOrBrakes());
+  EXPECT_FALSE(supervisor.IsWaitingOrPaused());
+}
+
+TEST(MotionSupervisor, AFaultBrakesAndIsHeldUntilARecoveryClearsIt) {
+  MotionSupervisor supervisor = Rendering();
+  supervisor.Latch(Fault::kSession);
+  EXPECT_EQ(supervisor.Apply(CellEvent::kFault), CellAction::kBrake);
+  EXPECT_EQ(supervisor.phase(), Phase::kStopping);
+  EXPECT_EQ(supervisor.Apply(CellEvent::kRestFault), CellAction::kHold);
+  EXPECT_EQ(supervisor.state(), CellState::kFault);
+  ASSERT_TRUE(supervisor.CanRecover());
+  EXPECT_EQ(supervisor.Apply(CellEvent::kRecover), CellAction::kClearFaults);
+  EXPECT_FALSE(supervisor.faults().Any());
+  EXPECT_EQ(supervisor.state(), CellState::kRecovery);
+}
+
+TEST(MotionSupervisor, NoRecoveryOfAnotherFaultNorOfARunThatWasAskedToEnd) {
+  for (const bool stop_asked : {false, true}) {
+    MotionSupervisor supervisor = Rendering();
+    supervisor.Latch(stop_asked ? Fault::kSession : Fault::kWorkspace);
+    static_cast<void>(supervisor.Apply(CellEvent::kFault));
+    static_cast<void>(supervisor.Apply(CellEvent::kRestFault));
+    supervisor.SetStopAsked(stop_asked);
+    EXPECT_FALSE(supervisor.CanRecover());
+  }
+}
+
+// What stops on the way to the start stays on the path until it holds.
+TEST(MotionSupervisor, AStopOnTheWayToTheStartIsThatWaysPhase) {
+  MotionSupervisor supervisor;
+  static_cast<void>(supervisor.Apply(CellEvent::kArmSeen));
+  static_cast<void>(supervisor.Apply(CellEvent::kInOrder));
+  EXPECT_EQ(supervisor.Apply(CellEvent::kBeginAway), CellAction::kBeginPath);
+  supervisor.SetOnPath(true);
+  static_cast<void>(supervisor.Apply(CellEvent::kStopAsked));
+  EXPECT_EQ(supervisor.phase(), Phase::kAligning);
+  static_cast<void>(supervisor.Apply(CellEvent::kRest));
+  EXPECT_FALSE(supervisor.on_path());
+  EXPECT_EQ(supervisor.phase(), Phase::kStopped);
+}
+
+TEST(MotionSupervisor, APauseCountsWhileMotionIsUnderWayOrWaitedForAndOnce) {
+  MotionSupervisor supervisor = Rendering();
+  supervisor.AskForPause(true);
+  supervisor.AskForPause(false);
+  EXPECT_TRUE(supervisor.TakePauseAsked()) << "an asking stays until it is taken";
+  EXPECT_FALSE(supervisor.TakePauseAsked());
+  static_cast<void>(supervisor.Apply(CellEvent::kFault));
+  supervisor.AskForPause(true);
+  EXPECT_FALSE(supervisor.TakePauseAsked()) << "a stop is no motion that could pause";
+}
+
+}  // namespace
+}  // namespace osteon::control

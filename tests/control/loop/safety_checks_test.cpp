@@ -1,0 +1,100 @@
+#include "control/loop/safety_checks.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace osteon::control {
+namespace {
+
+using safety::Fault;
+
+constexpr rt::Nanoseconds kNow = 10 * rt::kSecond;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+ServoParams WithDevices() {
+  ServoParams params;
+  params.has_spindle = params.has_interlock = true;
+  return params;
+}
+
+CellReadings InOrder() {
+  CellReadings readings;
+  readings.force = {.stamp = kNow};
+  readings.spindle = {.stamp = kNow, .ready = true};
+  readings.interlock = {.stamp = kNow, .permitted = true, .enabled = true, .spindle_permitted = true};
+  return readings;
+}
+
+SafetyChecks Checks(const ServoParams& params) {
+  SafetyChecks checks(params, 200.0);
+  checks.StartRendering(0);  // long ago: no source has time to show up any more
+  return checks;
+}
+
+TEST(SafetyChecks, DevicesInOrderHaveNoFault) {
+  const ServoParams params = WithDevices();
+  SafetyChecks checks = Checks(params);
+  EXPECT_EQ(checks.CheckDevices(InOrder(), {}, kNow).bits(), 0u);
+  EXPECT_TRUE(checks.IsMotionPermitted(InOrder().interlock, kNow));
+  EXPECT_TRUE(checks.IsSensorReady(InOrder().force, kNow));
+  EXPECT_TRUE(checks.IsSpindleReady(InOrder().spindle, kNow));
+}
+
+TEST(SafetyChecks, EachDeviceHasItsOwnFault) {
+  const ServoParams params = WithDevices();
+  const auto faults = [&](auto&& change, InputAges ages = {}) {
+    SafetyChecks checks = Checks(params);
+    CellReadings readings = InOrder();
+    change(readings);
+    return checks.CheckDevices(readings, ages, kNow).bits();
+  };
+  const auto only = [](Fault fault) { return static_cast<std::uint32_t>(fault); };
+  EXPECT_EQ(faults([](CellReadings& r) { r.interlock.permitted = false; }), only(Fault::kInterlock));
+  EXPECT_EQ(faults([](CellReadings& r) { r.interlock.enabled = false; }), only(Fault::kInterlock));
+  EXPECT_EQ(faults([](CellReadings& r) { r.interlock.stamp -= rt::kSecond; }), only(Fault::kInterlock));
+  EXPECT_EQ(faults([](CellReadings& r) { r.spindle.ready = false; }), only(Fault::kSpindle));
+  EXPECT_EQ(faults([](CellReadings& r) { r.spindle.fault = true; }), only(Fault::kSpindle));
+  EXPECT_EQ(faults([](CellReadings& r) { r.spindle.stamp -= rt::kSecond; }), only(Fault::kSpindle));
+  EXPECT_EQ(faults([](CellReadings& r) { r.force.trusted = false; }), only(Fault::kSensorFault));
+  EXPECT_EQ(faults([](CellReadings&) {}, {.sensor_s = 0.2}), only(Fault::kSensorStale));
+  EXPECT_EQ(faults([](CellReadings&) {}, {.model_s = 0.3}), only(Fault::kModelStale));
+}
+
+TEST(SafetyChecks, ACellWithoutSpindleAndPlcDoesNotMissThem) {
+  const ServoParams params;
+  SafetyChecks checks = Checks(params);
+  EXPECT_EQ(checks.CheckDevices({.force = {.stamp = kNow}}, {}, kNow).bits(), 0u);
+  EXPECT_TRUE(checks.IsMotionPermitted({}, kNow));
+  EXPECT_TRUE(checks.IsSpindleReady({}, kNow));
+}
+
+TEST(SafetyChecks, AHandThatPushesTooHardForSomeTicksStops) {
+  const ServoParams params;
+  SafetyChecks checks = Checks(params);
+  const Wrench hard{.f = Vector3(checks.max_hand_N() + 1.0, 0.0, 0.0), .t = Vector3::Zero()};
+  for (int i = 1; i < params.sensor_force.ticks; ++i) EXPECT_FALSE(checks.CheckHand(hard).Any()) << i;
+  EXPECT_TRUE(checks.CheckHand(hard).Has(Fault::kSensorForce));
+  EXPECT_DOUBLE_EQ(checks.hand_N(), checks.max_hand_N() + 1.0);
+  EXPECT_TRUE(checks.CheckHand({.f = Vector3(kNaN, 0.0, 0.0), .t = Vector3::Zero()}).Has(Fault::kNotFinite));
+  EXPECT_DOUBLE_EQ(checks.hand_N(), checks.max_hand_N() + 1.0) << "a force that is not known is none";
+}
+
+TEST(SafetyChecks, AWrenchThatJumpsOrAModelThatIsNotCredibleStops) {
+  const ServoParams params;
+  SafetyChecks checks = Checks(params);
+  CouplingOutput coupling;
+  coupling.status = ModelStatus::kOk;
+  coupling.F_T_W.f = Vector3(0.9 * checks.max_wrench_growth_N(1e-3), 0.0, 0.0);
+  EXPECT_FALSE(checks.CheckCoupling(coupling, 1e-3).Any());
+  coupling.F_T_W.f = Vector3(-1.2 * checks.max_wrench_growth_N(1e-3), 0.0, 0.0);
+  EXPECT_TRUE(checks.CheckCoupling(coupling, 1e-3).Has(Fault::kWrenchRate)) << "it has turned round";
+  coupling = {};
+  coupling.status = ModelStatus::kDeviceLost;
+  EXPECT_TRUE(checks.CheckCoupling(coupling, 1e-3).Has(Fault::kDevice));
+  coupling.status = ModelStatus::kNotCredible;
+  EXPECT_TRUE(checks.CheckCoupling(coupling, 1e-3).Has(Fault::kNotFinite));
+}
+
+}  // namespace
+}  // namespace osteon::control
