@@ -138,7 +138,9 @@ TEST(RunServo, AnArmAtRestIsAnsweredAndRecordedForItsTime) {
                                        [](const TickRecord& tick) { return tick.phase == Phase::kStopped; });
     // one message per millisecond, fewer if the machine is late
     EXPECT_GE(at_rest, rest_s > 0.0 ? 20 : 1);
-    if (rest_s == 0.0) EXPECT_EQ(at_rest, 1);
+    if (rest_s == 0.0) {
+      EXPECT_EQ(at_rest, 1);
+    }
   }
 }
 

@@ -17,7 +17,9 @@ struct Contact {
   }
   safety::LimitedWrench Tick(double depth_m, const Twist& V_WT = {}) {
     now += rt::kMillisecond;
-    const simulation::ContactModel model = PlaneBehind(depth_m, now);
+    return Tick(PlaneBehind(depth_m, now), V_WT);
+  }
+  safety::LimitedWrench Tick(const simulation::ContactModel& model, const Twist& V_WT) {
     acting = {};
     static_cast<void>(pipeline.Evaluate(
         {.model = model, .X_WT = arm->X_WT(), .V_WT = V_WT, .now = now, .spindle_turns = false}, *arm,
@@ -105,8 +107,9 @@ TEST(CouplingPipeline, OtherGainsCountFromTheNextTickOn) {
 TEST(CouplingPipeline, AllocatesNothing) {
   Contact contact(ServoBench::Params());
   contact.Tick(1e-3);
+  const simulation::ContactModel model = PlaneBehind(2e-3, contact.now);
   const rt::CheckedNoAllocScope scope;
-  contact.Tick(2e-3);
+  contact.Tick(model, {});
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/control/servo_parts.h"
 
 namespace osteon::control {
@@ -40,10 +42,11 @@ TEST(CommandedTool, MovesByItsShareOfTheLawsVelocity) {
 TEST(CommandedTool, BrakesToRestAlongItsDirection) {
   const ServoParams params = ServoBench::Params();
   CommandedTool tool = Tool(params);
-  tool.V_WT.v = Vector3(0.06, 0.08, 0.0);
   tool.share = 1.0;
-  for (int i = 0; i < 20; ++i) static_cast<void>(tool.Follow(1.0, true));  // up to speed
-  tool.V_WT.v = Vector3(0.06, 0.08, 0.0);
+  for (int i = 1; i <= 300; ++i) {  // up to speed
+    tool.V_WT.v = std::min(1.0, i / 250.0) * Vector3(0.06, 0.08, 0.0);
+    EXPECT_FALSE(tool.Follow(1.0, true).joints_limited) << i;
+  }
   const Vector3 p_before = tool.X_WT().translation();
   int ticks = 1;
   tool.StartBraking();

@@ -60,6 +60,7 @@ TEST(MotionSupervisor, AStopOnTheWayToTheStartIsThatWaysPhase) {
   static_cast<void>(supervisor.Apply(CellEvent::kInOrder));
   EXPECT_EQ(supervisor.Apply(CellEvent::kBeginAway), CellAction::kBeginPath);
   supervisor.SetOnPath(true);
+  supervisor.SetStopAsked(true);
   static_cast<void>(supervisor.Apply(CellEvent::kStopAsked));
   EXPECT_EQ(supervisor.phase(), Phase::kAligning);
   static_cast<void>(supervisor.Apply(CellEvent::kRest));

@@ -20,7 +20,7 @@ ServoParams WithDevices() {
 
 CellReadings InOrder() {
   CellReadings readings;
-  readings.force = {.stamp = kNow};
+  readings.force.stamp = kNow;
   readings.spindle = {.stamp = kNow, .ready = true};
   readings.interlock = {.stamp = kNow, .permitted = true, .enabled = true, .spindle_permitted = true};
   return readings;
@@ -64,7 +64,9 @@ TEST(SafetyChecks, EachDeviceHasItsOwnFault) {
 TEST(SafetyChecks, ACellWithoutSpindleAndPlcDoesNotMissThem) {
   const ServoParams params;
   SafetyChecks checks = Checks(params);
-  EXPECT_EQ(checks.CheckDevices({.force = {.stamp = kNow}}, {}, kNow).bits(), 0u);
+  CellReadings readings;
+  readings.force.stamp = kNow;
+  EXPECT_EQ(checks.CheckDevices(readings, {}, kNow).bits(), 0u);
   EXPECT_TRUE(checks.IsMotionPermitted({}, kNow));
   EXPECT_TRUE(checks.IsSpindleReady({}, kNow));
 }
