@@ -46,7 +46,7 @@ tl::expected<simulation::Bone, std::string> LoadPacking(const MeshChoice& choice
 
 tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
   static constexpr std::array<const char*, 7> kNames{"X", "Y", "Z", "NX", "NY", "NZ", "R"};
-  static constexpr double kFar_mm = 2000.0, kLeastRadius_mm = 0.5, kMostRadius_mm = 60.0;
+  static constexpr double kFar_mm = 2000.0, kMinRadius_mm = 0.5, kMaxRadius_mm = 60.0;
   std::array<double, 7> values{};
   std::istringstream parts(text);
   std::string part;
@@ -69,9 +69,9 @@ tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
     if (std::abs(values[i]) > kFar_mm)
       return tl::make_unexpected(
           fmt::format("--cup: {}: found {} mm, accepted {} … {}", kNames[i], values[i], -kFar_mm, kFar_mm));
-  if (!(values[6] >= kLeastRadius_mm && values[6] <= kMostRadius_mm))
+  if (!(values[6] >= kMinRadius_mm && values[6] <= kMaxRadius_mm))
     return tl::make_unexpected(
-        fmt::format("--cup: R: found {} mm, accepted {} … {}", values[6], kLeastRadius_mm, kMostRadius_mm));
+        fmt::format("--cup: R: found {} mm, accepted {} … {}", values[6], kMinRadius_mm, kMaxRadius_mm));
   const Vector3 axis(values[3], values[4], values[5]);
   if (axis.stableNorm() < 1e-6)
     return tl::make_unexpected(

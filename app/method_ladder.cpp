@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kReamer_m = 25e-3, kZone_m = 6.5e-3;  // the cut is 5.5 mm deep at most
 // Least radius over the spacing; see SplitParams and SplitPackingParams.
-constexpr double kLeastSplit = 0.4 / 2.5;
+constexpr double kMinSplit = 0.4 / 2.5;
 
 double ToolRadius(const simulation::CutWorkload& work) { return work.tool.balls.front().radius_m; }
 
@@ -92,7 +92,7 @@ simulation::CuttingParams CuttingForStep(const MethodStep& step, const simulatio
   simulation::CuttingParams cutting = work.cutting;
   if (step.method != "split") return cutting;
   cutting.split.on = true;
-  cutting.split.least_radius_m = kLeastSplit * ScaledLength(step.length_m, work);
+  cutting.split.least_radius_m = kMinSplit * ScaledLength(step.length_m, work);
   cutting.split.pool_blocks = 16'384;  // the reamer's cut takes some thousand
   return cutting;
 }

@@ -49,13 +49,13 @@ std::string WrongPlace(const PackOptions& options) {
 /// Default spacing of the mass points: some 200 000 if even; below a zone the finest is at most 0.75 mm.
 simulation::MassPointParams PointParams(const PackOptions& options, const PackSource& source,
                                         double volume_m3) {
-  constexpr double kPoints = 200'000.0, kFinest_m = 0.1e-3, kCoarsest_m = 3e-3, kMostAtZone_m = 0.75e-3;
+  constexpr double kPoints = 200'000.0, kFinest_m = 0.1e-3, kCoarsest_m = 3e-3, kMaxAtZone_m = 0.75e-3;
   simulation::MassPointParams params;
   if (source.own && source.site.radius_m > 0.0)
     params = source.own->points;
   else {
     double spacing_m = std::clamp(std::cbrt(volume_m3 / kPoints), kFinest_m, kCoarsest_m);
-    if (!source.zone_is_uniform) spacing_m = std::min(spacing_m, kMostAtZone_m);
+    if (!source.zone_is_uniform) spacing_m = std::min(spacing_m, kMaxAtZone_m);
     params.cells.finest_m = spacing_m;
   }
   params.threads = options.threads;
@@ -269,8 +269,8 @@ int Run(const PackOptions& options) {
       fmt::format(
           "found a protrusion of {:.4g} mm and an overlap of {:.4g} mm; accepted {:g} mm, and {:g} mm "
           "in a disjoint packing",
-          result.quality.protrusion_max_m * 1e3, result.quality.overlap_max_m * 1e3, kMostProtrusion_m * 1e3,
-          kMostDisjointOverlap_m * 1e3),
+          result.quality.protrusion_max_m * 1e3, result.quality.overlap_max_m * 1e3, kMaxProtrusion_m * 1e3,
+          kMaxDisjointOverlap_m * 1e3),
       kFailed);
 }
 

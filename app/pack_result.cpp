@@ -63,8 +63,8 @@ std::string Percent(double share) { return fmt::format("{:+.3f} %", share * 100)
 }  // namespace
 
 bool KeepsTolerances(const PackResult& result) {
-  return result.quality.protrusion_max_m <= kMostProtrusion_m &&
-         (result.mode != "disjoint" || result.quality.overlap_max_m <= kMostDisjointOverlap_m);
+  return result.quality.protrusion_max_m <= kMaxProtrusion_m &&
+         (result.mode != "disjoint" || result.quality.overlap_max_m <= kMaxDisjointOverlap_m);
 }
 
 std::optional<MassComparison> CompareMass(const PackResult& result) {

@@ -10,7 +10,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMostCentre_m = 10.0;
+constexpr double kMaxCentre_m = 10.0;
 
 // A^T diag(linear, angular) A, A = [1 -c×; 0 1].
 Matrix6 AtOrigin(const Vector3& linear, const Vector3& angular, const Vector3& c) {
@@ -41,7 +41,7 @@ void Validate(const AdmittanceParams& params) {
   require("dead_zone_N", params.dead_zone_N, params.dead_zone_N >= 0.0, ">= 0");
   require("dead_zone_Nm", params.dead_zone_Nm, params.dead_zone_Nm >= 0.0, ">= 0");
   for (int i = 0; i < 3; ++i)
-    require("centre_T_m", params.centre_T_m[i], std::abs(params.centre_T_m[i]) <= kMostCentre_m,
+    require("centre_T_m", params.centre_T_m[i], std::abs(params.centre_T_m[i]) <= kMaxCentre_m,
             "-10 … 10 on every axis");
 }
 

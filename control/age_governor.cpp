@@ -9,20 +9,20 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMargin = 1.02;      // on the bound
-constexpr double kLeastPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
-constexpr double kDone = 1e-4;        // a factor this near to 1 counts as 1
-constexpr int kMostRows = 4;          // 3 normals; 1 normal and 2 tangents; 2 normals and 2 times 1 tangent
+constexpr double kMargin = 1.02;    // on the bound
+constexpr double kMinPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
+constexpr double kDone = 1e-4;      // a factor this near to 1 counts as 1
+constexpr int kMaxRows = 4;         // 3 normals; 1 normal and 2 tangents; 2 normals and 2 times 1 tangent
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 // Directions of motion d with weights w: sum w d d^T is the aged stiffness in units of the damping.
 struct Rows {
-  Eigen::Matrix<double, 6, kMostRows> d{Eigen::Matrix<double, 6, kMostRows>::Zero()};
+  Eigen::Matrix<double, 6, kMaxRows> d{Eigen::Matrix<double, 6, kMaxRows>::Zero()};
   int count{0};
 
   void Add(const Vector6& direction, double weight) OSTEON_RT {
-    if (count < kMostRows) d.col(count++) = std::sqrt(weight) * direction;
+    if (count < kMaxRows) d.col(count++) = std::sqrt(weight) * direction;
   }
 };
 
@@ -85,7 +85,7 @@ double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisD
       a -= along * e[i];
     }
     const double left2 = n.squaredNorm();
-    if (!(left2 > kLeastPivot)) continue;
+    if (!(left2 > kMinPivot)) continue;
     const double scale = 1.0 / std::sqrt(left2);
     normal[r] = scale * n;
     e[r] = scale * a;

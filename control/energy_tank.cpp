@@ -10,9 +10,9 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kLeastPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
+constexpr double kMinPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
 
-using Active = std::array<ActivePlane, CouplingOutput::kMostActive>;
+using Active = std::array<ActivePlane, CouplingOutput::kMaxActive>;
 
 // Energy of the pressing planes after a small step, if all of them keep pressing.
 struct Held {
@@ -40,7 +40,7 @@ Held After(const Active& active, int count, double potential_J, double fade, con
       out_m -= along * way_m[i];
     }
     const double left2 = n.squaredNorm();
-    if (!(left2 > kLeastPivot)) continue;
+    if (!(left2 > kMinPivot)) continue;
     const double scale = 1.0 / std::sqrt(left2);
     normal[static_cast<std::size_t>(rank)] = scale * n;
     way_m[static_cast<std::size_t>(rank)] = scale * out_m;

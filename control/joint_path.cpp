@@ -10,8 +10,8 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMostSlope = 15.0 / 8.0;                // maximum of s', in the middle
-constexpr double kMostCurvature = 5.773502691896257645;  // 10 / sqrt(3), maximum of |s''|
+constexpr double kMaxSlope = 15.0 / 8.0;                // maximum of s', in the middle
+constexpr double kMaxCurvature = 5.773502691896257645;  // 10 / sqrt(3), maximum of |s''|
 
 double Slope(double u) OSTEON_RT { return 30.0 * u * u * (1.0 - u) * (1.0 - u); }
 
@@ -55,7 +55,7 @@ JointPath<N>::JointPath(const JointPathParams& params, const kinematics::ChainPa
 
 template <int N>
 double JointPath<N>::JointDuration(const Joints& way) const OSTEON_RT {
-  const double pause = kMostSlope * PausableClock::MostRateSpeed(params_.pause_s);
+  const double pause = kMaxSlope * PausableClock::MostRateSpeed(params_.pause_s);
   double duration_s = 0.0;
   for (int i = 0; i < N; ++i) {
     const kinematics::JointLimits& limits = chain_.params().joints[static_cast<std::size_t>(i)].limits;
@@ -65,8 +65,8 @@ double JointPath<N>::JointDuration(const Joints& way) const OSTEON_RT {
     // the root of a T^2 - d pause T - d max|s''| = 0
     const double b = d * pause;
     const double slow =
-        (b + std::sqrt(b * b + 4.0 * acceleration * d * kMostCurvature)) / (2.0 * acceleration);
-    duration_s = std::max({duration_s, kMostSlope * d / speed, slow});
+        (b + std::sqrt(b * b + 4.0 * acceleration * d * kMaxCurvature)) / (2.0 * acceleration);
+    duration_s = std::max({duration_s, kMaxSlope * d / speed, slow});
   }
   return duration_s;
 }
@@ -95,7 +95,7 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
     second_m += d * (d + 2.0 * inner) * reach_m_[i];
     inner += d;
   }
-  const double change_m = second_m * kMostSlope * kMostSlope + first_m * kMostCurvature;
+  const double change_m = second_m * kMaxSlope * kMaxSlope + first_m * kMaxCurvature;
   return (most_m + change_m / (2.0 * kSamples)) / params_.tool_speed_m_per_s;
 }
 

@@ -12,7 +12,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMostOfRate = 0.4;         // largest edge of a filter, as a share of the rate
+constexpr double kMaxOfRate = 0.4;          // largest edge of a filter, as a share of the rate
 constexpr double kQ2 = 0.7071067811865476;  // Butterworth of order 2
 constexpr double kQDead = 0.5;              // critically damped: a jolt does not make it ring
 constexpr double kTurns =
@@ -33,7 +33,7 @@ HalfWaves Waves(const VibrationParams& params, double period_s) {
   return {0.5 / (kFaster * params.high_hz) - period_s, kSlower * 0.5 / params.low_hz + period_s};
 }
 
-double Edge(double hz, double period_s) { return std::min(hz, kMostOfRate / period_s); }
+double Edge(double hz, double period_s) { return std::min(hz, kMaxOfRate / period_s); }
 
 }  // namespace
 
@@ -105,7 +105,7 @@ VibrationIndex::VibrationIndex(const VibrationParams& params, double period_s)
       force_(rest_),
       torque_(rest_),
       reference_(params.reference) {
-  if (!(period_s > 0.0 && params.low_hz < kMostOfRate / period_s))
+  if (!(period_s > 0.0 && params.low_hz < kMaxOfRate / period_s))
     throw std::invalid_argument("vibration period_s: found " + std::to_string(period_s) +
                                 ", accepted > 0, and short enough for low_hz");
 }

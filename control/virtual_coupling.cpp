@@ -17,10 +17,10 @@ using simulation::ContactModel;
 using simulation::kMaxContacts;
 
 // Bounds of plausible values: beyond them a value comes from a broken sender, not from a bone in a cell.
-constexpr double kMostPosition_m = 10.0;
-constexpr double kMostStiffness_N_per_m = 1e7;
-constexpr double kMostAdvance_m_per_s = 1.0;
-constexpr double kMostTorque_Nm = 100.0;
+constexpr double kMaxPosition_m = 10.0;
+constexpr double kMaxStiffness_N_per_m = 1e7;
+constexpr double kMaxAdvance_m_per_s = 1.0;
+constexpr double kMaxTorque_Nm = 100.0;
 constexpr double kRounding_m = 1e-9;      // of a proxy on its plane
 constexpr double kLongestTick_s = 0.005;  // a longer gap between ticks was a stop of the loop, not cutting
 
@@ -35,14 +35,14 @@ ModelStatus Judge(const ContactModel& model) {
   if (model.status != simulation::EngineStatus::kOk) return ModelStatus::kNotCredible;
   if (model.frame == 0) return ModelStatus::kNone;
   if (model.contact_count < 0 || model.contact_count > kMaxContacts) return ModelStatus::kNotCredible;
-  if (!Within(model.spindle_torque_Nm, 0.0, kMostTorque_Nm) || !safety::IsFinite(Vector3(model.F_T_W.f)))
+  if (!Within(model.spindle_torque_Nm, 0.0, kMaxTorque_Nm) || !safety::IsFinite(Vector3(model.F_T_W.f)))
     return ModelStatus::kNotCredible;
   for (int j = 0; j < model.contact_count; ++j) {
     const Contact& c = model.contacts[static_cast<std::size_t>(j)];
-    if (!Within(Vector3(c.p_TP_m), kMostPosition_m) || !Within(Vector3(c.p_W_m), kMostPosition_m) ||
+    if (!Within(Vector3(c.p_TP_m), kMaxPosition_m) || !Within(Vector3(c.p_W_m), kMaxPosition_m) ||
         !Within(Vector3(c.n_W).norm(), 0.999, 1.001) ||
-        !Within(c.stiffness_N_per_m, 0.0, kMostStiffness_N_per_m) ||
-        !Within(c.advance_m_per_s, 0.0, kMostAdvance_m_per_s))
+        !Within(c.stiffness_N_per_m, 0.0, kMaxStiffness_N_per_m) ||
+        !Within(c.advance_m_per_s, 0.0, kMaxAdvance_m_per_s))
       return ModelStatus::kNotCredible;
   }
   return ModelStatus::kOk;
@@ -125,7 +125,7 @@ void Validate(const CouplingParams& params) {
       throw std::invalid_argument(std::string("coupling ") + name + ": found " + std::to_string(value) +
                                   ", accepted " + std::to_string(low) + " … " + std::to_string(high));
   };
-  require("max_stiffness_N_per_m", params.max_stiffness_N_per_m, 1.0, kMostStiffness_N_per_m);
+  require("max_stiffness_N_per_m", params.max_stiffness_N_per_m, 1.0, kMaxStiffness_N_per_m);
   require("damping_Ns_per_m", params.damping_Ns_per_m, 0.0, 1e4);
   require("damping_share", params.damping_share, 0.0, 0.25);
   require("fresh_s", params.fresh_s, 1e-3, 10.0);
@@ -215,7 +215,7 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
     const Vector3 f = out.normal_force_N[i] * planes[i].n;
     spring.f += f;
     spring.t += arm_W[i].cross(f);
-    if (proxy.multiplier[i] > 0.0 && out.active_planes < CouplingOutput::kMostActive)
+    if (proxy.multiplier[i] > 0.0 && out.active_planes < CouplingOutput::kMaxActive)
       out.active[static_cast<std::size_t>(out.active_planes++)] = {
           .n_W = planes[i].n,
           .arm_W = arm_W[i],

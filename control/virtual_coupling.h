@@ -77,7 +77,7 @@ struct ActivePlane {
 
 /// One tick's result.
 struct CouplingOutput {
-  static constexpr int kMostActive = 4;
+  static constexpr int kMaxActive = 4;
 
   Wrench F_T_W;             ///< on the tool, at To, in W; faded, not yet limited
   Wrench F_contact_T_W;     ///< part of it that the planes exert: without the spindle's torque
@@ -89,7 +89,7 @@ struct CouplingOutput {
   double fade{0.0};                                               ///< share rendered, 0 … 1
   Vector3 displacement_W{Vector3::Zero()};                        ///< delta: from the tool to its proxy [m]
   ModelStatus status{ModelStatus::kNone};
-  std::array<ActivePlane, kMostActive> active{};  ///< the first active_planes count
+  std::array<ActivePlane, kMaxActive> active{};  ///< the first active_planes count
   int active_planes{0};
   /// U = fade f_s·delta / 2: energy stored in the spring. With equal stiffnesses and planes at rest, its
   /// derivative along the tool's twist is minus the spring wrench, including levers and rotations.

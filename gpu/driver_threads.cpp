@@ -16,7 +16,7 @@ namespace osteon::gpu {
 namespace {
 
 constexpr const char* kTasks = "/proc/self/task";
-constexpr int kMostLooks = 15;
+constexpr int kMaxLooks = 15;
 constexpr std::chrono::milliseconds kLook{2};
 constexpr const char* kRasterizer = "llvmpipe-";  // prefix of a rasterizer thread's name, before its number
 
@@ -64,7 +64,7 @@ DriverThreads::Begun DriverThreads::Look() const {
 int DriverThreads::Spread() const {
   // a rasterizer names itself once it runs: on a busy machine some time after the device is open
   Begun begun = Look();
-  for (int look = 0; look < kMostLooks && begun.unnamed != begun.rasterizers; ++look) {
+  for (int look = 0; look < kMaxLooks && begun.unnamed != begun.rasterizers; ++look) {
     std::this_thread::sleep_for(kLook);
     begun = Look();
   }

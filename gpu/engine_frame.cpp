@@ -8,7 +8,7 @@ namespace osteon::gpu {
 
 // Largest number of a cluster's tool balls for one workgroup, which visits each four times for each of its
 // balls: beyond it, llvmpipe would end its loops.
-constexpr uint kMostRefsOfAWorkgroup = 1'800;
+constexpr uint kMaxRefsOfAWorkgroup = 1'800;
 
 // Stores the tool's balls at the proxy and at the tool's pose, for the device and for later steps.
 void VulkanEngine::Impl::Place(const Pose& pose) {
@@ -84,11 +84,11 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
 // llvmpipe ends all loops of an invocation after 65 535 iterations together; no pass needs more than thirty
 // iterations a pair.
 uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t span) const {
-  constexpr std::size_t kMostPairs = 2'000, kMostEntries = 4096, kWorkgroups = 4;
+  constexpr std::size_t kMaxPairs = 2'000, kMaxEntries = 4096, kWorkgroups = 4;
   const std::size_t lanes = program->lanes();
   if (program->for_gpu()) return 1;
   const std::size_t most =
-      std::clamp<std::size_t>(kMostPairs / std::max<std::size_t>(1, span), 1, kMostEntries);
+      std::clamp<std::size_t>(kMaxPairs / std::max<std::size_t>(1, span), 1, kMaxEntries);
   const std::size_t share = entries / (kWorkgroups * lanes) + 1;
   return static_cast<uint>(std::clamp(share, std::min<std::size_t>(16, most), most));
 }
@@ -209,7 +209,7 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
   for (const auto* list : {&ball_items, &point_items})
     for (const Item& item : *list) longest = std::max(longest, item.count);
   f.chunk = Chunk(std::numeric_limits<std::size_t>::max(), longest);
-  const uint parts = longest < kMostRefsOfAWorkgroup ? 1 : kGroupSize / program->lanes();
+  const uint parts = longest < kMaxRefsOfAWorkgroup ? 1 : kGroupSize / program->lanes();
   f.ball_items = static_cast<uint>(ball_items.size());
   f.point_items = static_cast<uint>(point_items.size());
   f.path_work = {.x = program->WithinLimit(ball_items.size()), .y = parts, .z = 1};

@@ -26,11 +26,10 @@ static_assert(kMaxMaterials == simulation::kMaxMaterials && kBins == simulation:
               kFaces == simulation::kMaxFaces && kCandidates == kBins + kRemembered);
 
 inline constexpr double kMillimetres = 1e3;
-inline constexpr double kLargestSummand =
-    4'194'304.0;  // 2^22 units: half of the range of a sum over a subgroup
+inline constexpr double kMaxSummand = 4'194'304.0;  // 2^22 units: half of the range of a sum over a subgroup
 // largest face weight: the largest lens in the middle of its cone
-inline constexpr double kLargestFaceWeight_mm3 =
-    simulation::kLargestLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
+inline constexpr double kMaxFaceWeight_mm3 =
+    simulation::kMaxLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
 // Time in which a lost device may finish the work that it was given.
 inline constexpr std::uint64_t kLostTimeout_ns = 20'000'000'000;
 inline constexpr std::uint64_t kWarmUpTimeout_ns =

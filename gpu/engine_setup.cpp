@@ -124,10 +124,10 @@ void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   for (const simulation::MassPoint& point : bone.points)
     largest_mm3 = std::max(largest_mm3, point.volume_m3 * 1e9);
   const double largest_mm2 = largest_mm3 / (params.engaged_layer_m * kMillimetres);
-  still.face_scale = static_cast<float>(kLargestSummand / kLargestFaceWeight_mm3);
-  still.face_point_scale = static_cast<float>(kLargestSummand / (kLargestFaceWeight_mm3 * reach_mm));
-  still.area_scale = static_cast<float>(kLargestSummand / largest_mm2);
-  still.moment_scale = static_cast<float>(kLargestSummand / (largest_mm2 * reach_mm));
+  still.face_scale = static_cast<float>(kMaxSummand / kMaxFaceWeight_mm3);
+  still.face_point_scale = static_cast<float>(kMaxSummand / (kMaxFaceWeight_mm3 * reach_mm));
+  still.area_scale = static_cast<float>(kMaxSummand / largest_mm2);
+  still.moment_scale = static_cast<float>(kMaxSummand / (largest_mm2 * reach_mm));
   still.tool_count = static_cast<uint>(tool.balls.size());
   still.cutter_count = static_cast<uint>(tool.cutter_count);
   still.ball_count = static_cast<uint>(AllBalls());

@@ -24,7 +24,7 @@
 namespace osteon::gpu {
 namespace {
 
-constexpr std::uint32_t kMostPasses = 16;
+constexpr std::uint32_t kMaxPasses = 16;
 
 // Bytes of each storage buffer, by binding.
 std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
@@ -115,7 +115,7 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
   if (params.time_passes && families[context_->queue_family].timestampValidBits != 0) {
     stamp_period_ns_ = context_->physical->getProperties().limits.timestampPeriod;
     stamps_ = vk::raii::QueryPool(*context_->device,
-                                  vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kMostPasses + 1));
+                                  vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kMaxPasses + 1));
   }
   MakeBuffers();
   NameForLayers(*context_, FrameBuffer(), kFrameBufferName);
@@ -312,7 +312,7 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
   const auto stamp = [&] {
     if (stamp_period_ns_ > 0.0) c.writeTimestamp(Stage::eBottomOfPipe, *stamps_, stamp_number++);
   };
-  if (stamp_period_ns_ > 0.0) c.resetQueryPool(*stamps_, 0, kMostPasses + 1);
+  if (stamp_period_ns_ > 0.0) c.resetQueryPool(*stamps_, 0, kMaxPasses + 1);
   if (copies_in_) {
     c.copyBuffer(*frame_in_.buffer, *frame.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
     barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader | Stage::eDrawIndirect,

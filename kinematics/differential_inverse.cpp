@@ -21,7 +21,7 @@ constexpr double kReturning_m = 0.05;      // curvature [m/rad] from which on a 
 constexpr double kDampedUpTo = 4.0;        // times the least damping: a larger singular value is undamped
 constexpr double kReturnTicks = 10.0;      // ticks in which an arm too near a singular posture returns
 constexpr double kRelief_rad_per_s = 4.0;  // speed of the yielding null motion per unit of n_i
-constexpr double kMostRelief_rad_per_s = 100.0;  // above any box's limit
+constexpr double kMaxRelief_rad_per_s = 100.0;  // above any box's limit
 constexpr double kTiny = 1e-12;
 constexpr double kRoundDown = 1.0 - 1e-12;  // on a speed limit: products must not round beyond it
 constexpr double kActs = 1e-9;              // a smaller reduction is rounding
@@ -297,7 +297,7 @@ typename DifferentialInverse<N>::Box DifferentialInverse<N>::BoxAt(const JointVe
 template <int N>
 double DifferentialInverse<N>::MostRelief(const Box& box, const JointVectorN<N>& task,
                                           const JointVectorN<N>& n, double r_wanted) const OSTEON_RT {
-  double most = kMostRelief_rad_per_s;
+  double most = kMaxRelief_rad_per_s;
   for (int i = 0; i < N; ++i) {
     const double asked = std::abs(task[i]), room = task[i] > 0.0 ? box.high[i] : -box.low[i];
     if (asked <= room) continue;

@@ -9,7 +9,7 @@
 namespace osteon::kinematics {
 namespace {
 
-constexpr int kMostSweeps = 30;               // cold start five or six, warm start one or two
+constexpr int kMaxSweeps = 30;                // cold start five or six, warm start one or two
 constexpr double kOrthogonal = 4e-15;         // cosine below which two rows count as orthogonal
 constexpr double kSmallTurn = 1e-4;           // tangent: t^4 is below a double's last bit
 constexpr double kNoDirection = 1e-14;        // of the largest singular value
@@ -72,7 +72,7 @@ JacobianDirections<N> DirectionsOf(const Eigen::Matrix<double, 6, N>& J,
   Eigen::Matrix<double, 6, 1> squares;
 
   bool turned = true;
-  while (turned && out.sweeps < kMostSweeps) {
+  while (turned && out.sweeps < kMaxSweeps) {
     turned = false;
     ++out.sweeps;
     for (int k = 0; k < 6; ++k) squares[k] = W.col(k).squaredNorm();

@@ -10,12 +10,12 @@
 namespace osteon::safety {
 namespace {
 
-constexpr std::uint32_t kMostPeriods = 10;  // longest time between two commands over which a speed is taken
-constexpr std::int32_t kSessionStep = 64;   // a counter further away belongs to another session
-constexpr double kRest_rad_per_s = 1e-3;    // the arm stands if slower than this
-constexpr double kRest_N = 1e-3;            // a smaller added wrench or torque counts as zero
-constexpr double kNormalTolerance = 1e-6;   // tolerance of the length of a direction
-constexpr double kDamping = 1e-4;  // of the hand's force near singular postures, underestimated there
+constexpr std::uint32_t kMaxPeriods = 10;  // longest time between two commands over which a speed is taken
+constexpr std::int32_t kSessionStep = 64;  // a counter further away belongs to another session
+constexpr double kRest_rad_per_s = 1e-3;   // the arm stands if slower than this
+constexpr double kRest_N = 1e-3;           // a smaller added wrench or torque counts as zero
+constexpr double kNormalTolerance = 1e-6;  // tolerance of the length of a direction
+constexpr double kDamping = 1e-4;          // of the hand's force near singular postures, underestimated there
 
 std::int32_t Ahead(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b); }
 
@@ -206,7 +206,7 @@ GuardReason GuardMonitor::Judge(const GuardCommand& command) OSTEON_RT {
     return {};
   }
 
-  const std::uint32_t periods = std::clamp(command.reflected - before_message_, 1u, kMostPeriods);
+  const std::uint32_t periods = std::clamp(command.reflected - before_message_, 1u, kMaxPeriods);
   const double time_s = periods * params_.period_s;
   if (const GuardReason reason = JudgeJoints(q, time_s); reason.finding != GuardFinding::kNone) return reason;
   if (const GuardReason reason = JudgeTool(q, time_s); reason.finding != GuardFinding::kNone) return reason;

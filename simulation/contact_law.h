@@ -84,7 +84,7 @@ struct Candidates {
   std::array<NearPair, kContactBins + kRememberedPairs> pairs{};
   std::array<double, kContactBins + kRememberedPairs> gap_m{};
   std::size_t count{0};
-  std::array<std::size_t, kMostHolding> held{};  ///< indices of those that held the tool in the frame before
+  std::array<std::size_t, kMaxHolding> held{};  ///< indices of those that held the tool in the frame before
   std::size_t held_count{0};
 };
 [[nodiscard]] Candidates FindCandidates(const NearField& near, double contact_tolerance_m);

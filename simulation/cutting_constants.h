@@ -23,10 +23,10 @@ OSTEON_CONST double kSameTouch_m = OSTEON_DECIMAL(1, 100000000);
 
 /// Upper limit of a lens volume in a normal [m^3]. Larger overlaps are no contacts any more, and the limit
 /// keeps the shaders' sums within their range.
-OSTEON_CONST double kLargestLensVolume = OSTEON_DECIMAL(5, 10) / 1000000000;
+OSTEON_CONST double kMaxLensVolume = OSTEON_DECIMAL(5, 10) / 1000000000;
 
 /// Balls smaller than this are gone [m].
-OSTEON_CONST double kLeastBallRadius = OSTEON_DECIMAL(1, 1000000);
+OSTEON_CONST double kMinBallRadius = OSTEON_DECIMAL(1, 1000000);
 /// Closer to a capsule's axis than this share of the capsule's radius, the direction from axis to centre
 /// needs a correction.
 OSTEON_CONST double kOnAxis = OSTEON_DECIMAL(1, 1000);
@@ -103,10 +103,9 @@ OSTEON_FUNCTION bool SlidesTurning(bool stopped, double way, double straight_way
 
 #ifdef __cplusplus
 // the quotients equal the decimal fractions
-static_assert(kSameTouch_m == 1e-8 && kLargestLensVolume == 0.5e-9 && kLeastBallRadius == 1e-6 &&
-              kOnAxis == 1e-3 && kMiddleWorth_m == 0.05e-3 && kFaceCosine == 0.866 && kHoldSlack == 1e-6 &&
-              kMinPivot == 1e-13 && kTurnWorth_m == 5e-6 && kTurnToleranceShare == 0.35 &&
-              kSlideShare == 0.8);
+static_assert(kSameTouch_m == 1e-8 && kMaxLensVolume == 0.5e-9 && kMinBallRadius == 1e-6 && kOnAxis == 1e-3 &&
+              kMiddleWorth_m == 0.05e-3 && kFaceCosine == 0.866 && kHoldSlack == 1e-6 && kMinPivot == 1e-13 &&
+              kTurnWorth_m == 5e-6 && kTurnToleranceShare == 0.35 && kSlideShare == 0.8);
 }  // namespace osteon::simulation
 #endif
 #undef OSTEON_DECIMAL

@@ -241,7 +241,7 @@ void CheckMemory(const CarvedState& state, std::size_t tool_balls) {
   const ContactMemory& contact = state.contact;
   CheckAtMost("contact pairs", contact.pair_count, kRememberedPairs);
   CheckAtMost("contact pairs that hold", contact.held_count,
-              std::min<std::int64_t>(contact.pair_count, kMostHolding));
+              std::min<std::int64_t>(contact.pair_count, kMaxHolding));
   CheckAtMost("contact faces", contact.face_count, kMaxFaces);
   const auto places = static_cast<std::int64_t>((state.balls.size() + state.split_slots.size()) / 4);
   for (const ContactPair& pair :

@@ -181,7 +181,7 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
       if (Nearer(pair, nearest)) nearest = pair;
       const double lens = std::min(LensVolume(pair.tool_radius_m + params_.normal_enlargement_m,
                                               balls_[b].radius_m, (at[t] - balls_[b].center_m).norm()),
-                                   kLargestLensVolume);
+                                   kMaxLensVolume);
       for (int f = 0; f < memory.face_count; ++f) {
         const auto i = static_cast<std::size_t>(f);
         near.faces[i].Add(lens, memory.face_n_G[i], pair);

@@ -219,10 +219,10 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
   auto solid = std::make_shared<const MeshSolid>(loaded, std::move(tissue));
   if (!site) return SceneSolid{.name = path.stem().string(), .solid = solid, .site = checked};
 
-  constexpr double kNear = 0.7, kFar = 1.3, kLeastShare = 0.25;
+  constexpr double kNear = 0.7, kFar = 1.3, kMinShare = 0.25;
   const double share =
       ShareWithBoneBetween(*solid, checked, kNear * checked.radius_m, kFar * checked.radius_m);
-  if (share < kLeastShare && !IsEntry(*solid, checked)) {
+  if (share < kMinShare && !IsEntry(*solid, checked)) {
     const Vector3 c = Vector3(checked.center_m) * 1e3;
     const Vector3 low = solid->Bounds().min() * 1e3, high = solid->Bounds().max() * 1e3;
     return tl::make_unexpected(MeshError{
@@ -233,14 +233,13 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
             "the surface {:.4g} mm from its centre, accepted a quarter of the radius with the outside "
             "above; the mesh spans ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm, the axis "
             "points out of the opening",
-            path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * share, 100 * kLeastShare,
+            path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * share, 100 * kMinShare,
             std::abs(solid->SignedDistance(checked.center_m)) * 1e3, low.x(), low.y(), low.z(), high.x(),
             high.y(), high.z())});
   }
   constexpr double kMaxFallenAway = 0.25;
-  const double fallen = share < kLeastShare && scene.zone.kind == ZoneParams::Kind::kCup
-                            ? ShareFallenAway(*solid, checked)
-                            : 0.0;
+  const double fallen =
+      share < kMinShare && scene.zone.kind == ZoneParams::Kind::kCup ? ShareFallenAway(*solid, checked) : 0.0;
   if (fallen > kMaxFallenAway) {
     const Vector3 c = Vector3(checked.center_m) * 1e3;
     return tl::make_unexpected(MeshError{

@@ -21,7 +21,7 @@ ToolPoints Between(const ToolPoints& a, const ToolPoints& b, double s) {
 
 int ChordCount(double turn_rad, double lever_m) {
   const double chords = std::ceil(turn_rad * std::sqrt(lever_m / (8.0 * kChordError_m)));
-  return chords >= 1.0 ? static_cast<int>(std::min<double>(chords, kMostChords)) : 1;
+  return chords >= 1.0 ? static_cast<int>(std::min<double>(chords, kMaxChords)) : 1;
 }
 
 double ToolLever(const Tool& tool) {

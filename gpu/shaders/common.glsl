@@ -73,8 +73,8 @@ layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
 
 // The same on a GPU, at most 2^49 each, for a workgroup: stores each subgroup's share, which GroupTotal adds up after a
 // barrier.
-const uint kMostSums = 16u;
-shared int64_t group_share[kMostSums][64];
+const uint kMaxSums = 16u;
+shared int64_t group_share[kMaxSums][64];
 #define SHARE(place, whole)                                                                     \
   {                                                                                             \
     int64_t own = (whole);                                                                      \
@@ -147,7 +147,7 @@ uvec4 SpanWords(uint k) { return texelFetch(span_texels, int(k / 4u)); }  // the
 uint SpanWord(uint k) { return SpanWords(k)[k % 4u]; }
 // Gap between a ball and a tool ball in units of a packed pair, rounded down.
 uint GapOfWord(vec4 ball, vec4 at) {
-  return uint(clamp((distance(ball.xyz, at.xyz) - at.w - ball.w) / kSpanGapUnit, 0.0, float(kLargestSpanGap)));
+  return uint(clamp((distance(ball.xyz, at.xyz) - at.w - ball.w) / kSpanGapUnit, 0.0, float(kMaxSpanGap)));
 }
 uint ToolOf(uint word) { return word & ((1u << kToolBits) - 1u); }
 vec4 AtContact(uint t, float s) {

@@ -44,7 +44,7 @@ OSTEON_CONST uint kToolBits = 14;    // for a tool ball's index in keys and pack
 // Subdivision of the units of face_scale, area_scale and moment_scale.
 OSTEON_CONST double kFiner = 262144.0;
 // Packed pair: 14-bit tool ball index, above it an 18-bit lower bound of the gap when the list was built.
-OSTEON_CONST uint kLargestSpanGap = (1u << (32u - kToolBits)) - 1u;
+OSTEON_CONST uint kMaxSpanGap = (1u << (32u - kToolBits)) - 1u;
 OSTEON_CONST float kSpanGapUnit = 1.0f / 32768.0f;  // mm
 
 // A sum in fixed point: high * 2^16 + low, in units of 1/scale. Integers add up to the same in any order, so

@@ -12,7 +12,7 @@
 #include "solve.glsl"
 
 const double kPi = 3.14159265358979323846lf;
-const double kLargestLens_mm3 = 1e9 * kLargestLensVolume;
+const double kMaxLens_mm3 = 1e9 * kMaxLensVolume;
 const double kMiddleWorth_mm = 1e3 * kMiddleWorth_m;
 const float kDirectionRounding = 1e-5;  // of a cosine in floats: this near to a bin's edge they cannot decide the side
 
@@ -21,7 +21,7 @@ double LensVolume(double r1, double r2, double d) {
   double dr = r1 - r2, least = min(r1, r2), over = r1 + r2 - d;
   double lens = kPi / 12.0lf * over * over * (d * d + 2.0lf * d * (r1 + r2) - 3.0lf * dr * dr) / max(d, 1e-20lf);
   double v = d <= abs(dr) ? 4.0lf / 3.0lf * kPi * least * least * least : lens;
-  return over <= 0.0lf ? 0.0lf : min(v, kLargestLens_mm3);
+  return over <= 0.0lf ? 0.0lf : min(v, kMaxLens_mm3);
 }
 
 // Equivalent to simulation::FindBin; u in T. In floats, with the approximate distance of the direction from another bin; and in
@@ -148,7 +148,7 @@ void TakeLeast() {
 
 // Sums of one face over this invocation's pairs, as integers: weight and weight·n (doubles hold integers up to 2^53),
 // weight·centre and weight·radius. At most 256 pairs, since every summand is below 2^44 or 2^23.
-const uint kMostSummands = 256u;
+const uint kMaxSummands = 256u;
 struct Part {
   dvec4 n;
   ivec4 c;
@@ -290,7 +290,7 @@ void main() {
     dvec4 exact_only = ExactAtContact(0, exact_s);
     uint slot = FirstEntry(), end = row == 0u && go ? frame.live_ball_count : 0u;
     while (slot < end) {
-      for (uint summands = 0u; summands < kMostSummands && slot < end; summands += kRoom) {
+      for (uint summands = 0u; summands < kMaxSummands && slot < end; summands += kRoom) {
         found.count = 0u;
         for (; found.count < kRoom && slot < end; slot += EntryStep())
           NoteIf(Touch(near, LiveBall(slot), only, true), slot, 0u);
@@ -312,7 +312,7 @@ void main() {
     uint farthest = WordGap(Drift(list == kCutting, s) + near.enlargement);
     Walk walk = BeginWalk(list, go);
     for (bool more = true; more;) {
-      for (uint summands = 0u; summands < kMostSummands && more; summands += kRoom) {
+      for (uint summands = 0u; summands < kMaxSummands && more; summands += kRoom) {
         found.count = 0u;
         while (found.count < kRoom) {
           more = NextPair(walk, farthest);

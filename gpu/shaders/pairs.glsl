@@ -11,7 +11,7 @@ float Drift(bool cutting, float s) {
 // Largest packed gap of a pair that may now be nearer than `gap_mm`.
 const float kSpanRounding_mm = 1e-3;  // many times the rounding of floats
 uint WordGap(float gap_mm) {
-  return uint(clamp((gap_mm + kSpanRounding_mm) / kSpanGapUnit + 1.0, 0.0, float(kLargestSpanGap)));
+  return uint(clamp((gap_mm + kSpanRounding_mm) / kSpanGapUnit + 1.0, 0.0, float(kMaxSpanGap)));
 }
 
 // Lists of pairs: of listed balls, of balls near tool balls that do not cut, of listed points. With one cutting ball the first

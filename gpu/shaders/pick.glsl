@@ -36,7 +36,7 @@ Span FindSpan(uint first, uint end, vec3 p, float r, float reach, float s, bool 
     return span;
   }
   span.first = place;
-  span.least = kLargestSpanGap;
+  span.least = kMaxSpanGap;
   for (uint ref = lowest; ref < highest; ++ref) {
     uint t = tool_refs[ref];
     vec4 ball = AtContact(t, s);

@@ -13,7 +13,7 @@ void main() {
   for (uint i = FirstEntry(); i < count; i += EntryStep()) {
     uvec4 entry = Entry(list, before + i);
     vec4 ball = list == kPoint ? vec4(LivePoint(i).xyz, 0.0) : LiveBall(list == kShaft ? entry.x : i);
-    uint least = kLargestSpanGap, last = entry.y + entry.z;
+    uint least = kMaxSpanGap, last = entry.y + entry.z;
     uvec4 words = uvec4(0u);
     for (uint k = entry.y; k < last; ++k) {
       words = k % 4u == 0u ? SpanWords(k) : words.yzwx;

@@ -13,7 +13,7 @@
 
 shared uint report_sum;
 
-const double kLeastBallRadius_mm = 1e3 * kLeastBallRadius;
+const double kMinBallRadius_mm = 1e3 * kMinBallRadius;
 
 // One piece of a cutting ball's path in floats, to test whether it may touch.
 struct Rough {
@@ -68,7 +68,7 @@ dvec4 Shrunk(dvec4 ball, Capsule c, bool all_cases, inout bool on_axis) {
   bool here = p > 0.0lf && d < kOnAxis * c.r;
   if (all_cases && here) u = OnAxis(c, ball.xyz, away, d);
   on_axis = on_axis || here;
-  bool gone = p > 0.0lf && (p >= 2.0lf * ball.w || ball.w - half_p < kLeastBallRadius_mm);
+  bool gone = p > 0.0lf && (p >= 2.0lf * ball.w || ball.w - half_p < kMinBallRadius_mm);
   return gone ? dvec4(ball.xyz, 0.0lf) : dvec4(ball.xyz + half_p * u, ball.w - half_p);
 }
 

@@ -48,8 +48,8 @@ Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, co
   if (held) room.zones.push_back(safety::ZoneOf(floor));
   const safety::Workspace workspace(room);
   double z = 0.05e-3, v = 0.0, broken_at_m = 0.0;
-  constexpr int kMost = 20'000;
-  for (int frame = 0; frame < kMost; ++frame) {
+  constexpr int kMax = 20'000;
+  for (int frame = 0; frame < kMax; ++frame) {
     const double spindle = depth_limit.stops_spindle() ? 0.0 : kScenarioSpindle_rad_per_s;
     const auto model = engine.Step(FrameAt(Downwards({0, 0, z}), spindle, kDt_s));
     const double proxy_m = Pose(model.X_WP).translation().z();

@@ -12,7 +12,7 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kMostAtOnce = 64;  // bounds the time that a flood can take
+constexpr std::size_t kMaxAtOnce = 64;  // bounds the time that a flood can take
 
 safety::GuardSession SessionOf(control::SessionState state) {
   switch (state) {
@@ -112,7 +112,7 @@ bool FriRelay::TakeMessage(std::span<const std::uint8_t> datagram, rt::Nanosecon
 }
 
 bool FriRelay::TakeAnswers() OSTEON_RT {
-  for (std::size_t left = kMostAtOnce; left > 0; --left) {
+  for (std::size_t left = kMaxAtOnce; left > 0; --left) {
     const Datagram answer = ReadDatagram(controller_, room_);
     if (answer.read == Datagram::Read::kNone) return true;
     if (answer.read == Datagram::Read::kGone) return false;

@@ -35,7 +35,7 @@ StampsEngine::Overlap StampsEngine::Deepest(const ToolPoints& at) const {
   });
   const double size = deepest.n.norm();
   deepest.n = size > 0.0 ? Vector3(deepest.n / size) : Vector3::Zero();
-  deepest.depth_m /= std::max(kLeastCosine, pair.dot(deepest.n));
+  deepest.depth_m /= std::max(kMinCosine, pair.dot(deepest.n));
   return deepest;
 }
 

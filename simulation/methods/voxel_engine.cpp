@@ -45,7 +45,7 @@ VoxelEngine::March VoxelEngine::MarchTowards(const ToolPoints& from, const ToolP
       break;
     }
     free = s;
-    if (s >= 1.0 || i >= kMostSteps) break;
+    if (s >= 1.0 || i >= kMaxSteps) break;
   }
   if (!march.blocked) {
     march.fraction = free;
@@ -62,7 +62,7 @@ VoxelEngine::March VoxelEngine::MarchTowards(const ToolPoints& from, const ToolP
 
 // Sums the density's gradient over the voxels that stop the tool.
 void VoxelEngine::FindNormal(const ToolPoints& at, March& march) const {
-  constexpr int kMostVoxels = 256;  // a pose deep inside has far more, and their mean gives nothing more
+  constexpr int kMaxVoxels = 256;  // a pose deep inside has far more, and their mean gives nothing more
   Vector3 sum = Vector3::Zero();
   int voxels = 0;
   for (std::size_t t = tool_.balls.size(); t-- > 0;) {
@@ -75,7 +75,7 @@ void VoxelEngine::FindNormal(const ToolPoints& at, March& march) const {
             if (d2 == 0 || d2 > kGradientReach * kGradientReach + 1) continue;
             if (grid_.IsSolid({v.x + x, v.y + y, v.z + z})) sum -= Vector3(x, y, z) / d2;
           }
-      return ++voxels < kMostVoxels;
+      return ++voxels < kMaxVoxels;
     });
   }
   const double size = sum.norm();

@@ -10,7 +10,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kLeastShare = 1e-3;  // share of the largest exact force below which a direction is not used
+constexpr double kMinShare = 1e-3;  // share of the largest exact force below which a direction is not used
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 double Angle_deg(const Vector3& a, const Vector3& b) {
@@ -34,7 +34,7 @@ ForceErrors CompareForces(std::span<const FeltForce> measured, std::span<const F
   if (count == 0) return errors;
   double greatest_N = 0.0, exact_sum = 0.0, force_sum = 0.0, torque_sum = 0.0, angle_sum = 0.0;
   for (const FeltForce& force : exact) greatest_N = std::max(greatest_N, force.f_N.norm());
-  const double least_N = kLeastShare * greatest_N;
+  const double least_N = kMinShare * greatest_N;
   const auto has_normal = [&](std::size_t k) {
     return exact[k].f_N.norm() > least_N && measured[k].f_N.norm() > least_N;
   };

@@ -101,8 +101,8 @@ bool WorkloadPlayer::AtEnd() const { return workload_->motion && frame_ >= workl
 
 bool Prepare(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& last,
              const std::function<bool()>& stop) {
-  constexpr int kMostFrames = 20'000;
-  for (int k = 0; k < kMostFrames && !player.Ready(last); ++k) {
+  constexpr int kMaxFrames = 20'000;
+  for (int k = 0; k < kMaxFrames && !player.Ready(last); ++k) {
     if (player.AtEnd() || (stop && stop())) return false;
     last = engine.Step(player.Next(last));
     if (last.status != EngineStatus::kOk) return false;

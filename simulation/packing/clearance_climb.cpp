@@ -74,8 +74,8 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double least_m) {
   Vector3 p = p_m;
   double most = 0.7 * scale_m;
   double clearance = Measure(p, 2.0 * most);
-  constexpr int kMostSteps = 40;  // five to ten are usual: balls curve; an optimum touches four obstacles
-  for (int i = 0; i < kMostSteps && !bounds_.empty(); ++i) {
+  constexpr int kMaxSteps = 40;  // five to ten are usual: balls curve; an optimum touches four obstacles
+  for (int i = 0; i < kMaxSteps && !bounds_.empty(); ++i) {
     if (clearance >= cap_.At(p)) return Settle(p, clearance);
     const auto [step, hoped] = WalkRidges(bounds_, most);
     const double gain = hoped - clearance;
@@ -105,8 +105,8 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double least_m) {
 Ball ClearanceClimb::Settle(const Vector3& p_m, double clearance_m) {
   const Ball unsettled{.center_m = p_m, .radius_m = std::min(clearance_m, cap_.At(p_m))};
   Vector3 p = p_m;
-  constexpr int kMostSteps = 12;
-  for (int i = 0; i < kMostSteps; ++i) {
+  constexpr int kMaxSteps = 12;
+  for (int i = 0; i < kMaxSteps; ++i) {
     const double radius = cap_.At(p);
     const double clearance = Measure(p, 3.0 * radius);
     const std::size_t count = std::min<std::size_t>(3, bounds_.size());

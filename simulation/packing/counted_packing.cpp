@@ -36,19 +36,19 @@ std::vector<Item> DescendLattice(const Solid& solid, const CutZone& zone, const 
     site(cell.least_corner(), solid.SignedDistance(cell.least_corner()));
   };
   return DescendGraded<Item>(solid, zone, {.finest_m = rule.spacing_m, .coarser_from_m = {}},
-                             CellsWanted::kSolid, threads, kMostBalls, add_leaf);
+                             CellsWanted::kSolid, threads, kMaxBalls, add_leaf);
 }
 
 // Finds the spacing whose packing has nearly the wanted number. Where a face is parallel to the lattice,
 // counts jump by a plane of balls. Guesses outside the known bracket are therefore replaced by its middle,
 // and the best guess is returned. `count_at` is called once a guess.
 double FindSpacing(double first_m, std::size_t wanted, const std::function<std::size_t(double)>& count_at) {
-  constexpr int kMostRounds = 12;
+  constexpr int kMaxRounds = 12;
   constexpr double kTolerance = 0.004, kExponent = 2.8;  // exponent: 3 within the solid, 2 along its surface
   const auto target = static_cast<double>(wanted);
   double spacing = first_m, best = first_m, best_error = HUGE_VAL;
   double too_fine = 0.0, too_coarse = HUGE_VAL;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const auto count = static_cast<double>(std::max<std::size_t>(1, count_at(spacing)));
     const double error = std::abs(count / target - 1.0);
     if (error < best_error) {
@@ -137,8 +137,8 @@ std::vector<Ball> UniformPacking(const Solid& solid, const PackingParams& base, 
 
 std::vector<Ball> BuildCountedPacking(const Solid& solid, const CutZone& zone, const PackingParams& base,
                                       std::size_t count, CountedGrade grade) {
-  if (count < 1 || count > kMostBalls)
-    throw std::invalid_argument(fmt::format("packing: count: found {}, accepted 1 … {}", count, kMostBalls));
+  if (count < 1 || count > kMaxBalls)
+    throw std::invalid_argument(fmt::format("packing: count: found {}, accepted 1 … {}", count, kMaxBalls));
   PackingParams params = base;
   params.count = 0;
   std::vector<Ball> balls = grade == CountedGrade::kUniform ? UniformPacking(solid, params, count)

@@ -207,9 +207,9 @@ class Packer {
 };
 
 void Check(const DisjointParams& p) {
-  if (p.count > kMostBalls)
+  if (p.count > kMaxBalls)
     throw std::invalid_argument(
-        fmt::format("disjoint packing: count: found {}, accepted 0 … {}", p.count, kMostBalls));
+        fmt::format("disjoint packing: count: found {}, accepted 0 … {}", p.count, kMaxBalls));
   CheckRangeMm("disjoint packing: least radius", p.least_radius_m, 0.001e-3, 0.1);
   CheckRangeMm("disjoint packing: greatest radius", p.greatest_radius_m, p.least_radius_m, 1.0);
   if (!(p.grade >= 0.0 && p.grade <= 1.0))

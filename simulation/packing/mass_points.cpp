@@ -16,10 +16,10 @@ namespace {
 
 constexpr std::uint64_t kSampleSalt = 16, kOrderSalt = 17;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr double kGreatestHole = 1.5;  // over the separation
-constexpr double kShareReach = 2.3;    // over the separation: points of a slab lie this far apart
-constexpr double kSlab = 0.2;          // over the cell's side
-constexpr double kByZone = 8.0;        // over the cell's side: depth up to which slabs follow the cut zone
+constexpr double kMaxHole = 1.5;     // over the separation
+constexpr double kShareReach = 2.3;  // over the separation: points of a slab lie this far apart
+constexpr double kSlab = 0.2;        // over the cell's side
+constexpr double kByZone = 8.0;      // over the cell's side: depth up to which slabs follow the cut zone
 
 /// A point, in the linked list of its cell's points.
 struct Site {
@@ -255,7 +255,7 @@ class Builder {
     first_site_.assign(cells_.size(), kNone);
     for (std::size_t i = 0; i < drawn.size(); ++i)
       if (inside[i]) AddSite(drawn[i].p_m, drawn[i].cell);
-    DrawRest(order, kGreatestHole, true);
+    DrawRest(order, kMaxHole, true);
   }
 
   [[nodiscard]] DepthPlane PlaneIn(const Cell& cell) const {

@@ -10,7 +10,7 @@
 
 namespace osteon::simulation {
 
-inline constexpr std::size_t kMostBalls = 100'000'000;  ///< of any packing: 7 GB where each ball has its foot
+inline constexpr std::size_t kMaxBalls = 100'000'000;  ///< of any packing: 7 GB where each ball has its foot
 
 /// Fineness of a packing. The defaults give about 30 000 balls in the default acetabulum.
 struct PackingParams {

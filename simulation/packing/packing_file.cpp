@@ -31,9 +31,9 @@ constexpr std::array<KindInfo, 6> kKinds{{
     {kBalls, "balls", sizeof(PackedBall), kAnyNumber, true},
     {kPoints, "mass points", sizeof(PackedPoint), kAnyNumber, false},
     {kPointMaterials, "materials of the points", sizeof(MaterialIndex), kAnyNumber, false},
-    {kMaterials, "materials", 1, kMostTextBytes, true},
+    {kMaterials, "materials", 1, kMaxTextBytes, true},
     {kSite, "site", sizeof(PackedSite), 1, false},
-    {kProvenance, "provenance", 1, kMostTextBytes, true},
+    {kProvenance, "provenance", 1, kMaxTextBytes, true},
 }};
 
 std::uint32_t Crc(std::uint32_t crc, const void* data, std::size_t bytes) {
@@ -120,9 +120,9 @@ class PackingReader {
   }
 
   void ReadTable() {
-    if (header_.sections < 1 || header_.sections > kMostSections)
+    if (header_.sections < 1 || header_.sections > kMaxSections)
       return Fail(offsetof(FileHeader, sections), "number of sections", std::to_string(header_.sections),
-                  fmt::format("1 … {}", kMostSections));
+                  fmt::format("1 … {}", kMaxSections));
     const std::size_t table_bytes = header_.sections * sizeof(SectionEntry);
     if (bytes_.size() < sizeof(FileHeader) + table_bytes)
       return Fail(bytes_.size(), "section table", "the end of the file",
@@ -240,8 +240,7 @@ class PackingReader {
         packing_.points_ = Records<PackedPoint>(
             entry,
             [](const PackedPoint& p) {
-              return InReach(p.x_mm, p.y_mm, p.z_mm) && p.volume_mm3 > 0.0f &&
-                     p.volume_mm3 <= kMostVolume_mm3;
+              return InReach(p.x_mm, p.y_mm, p.z_mm) && p.volume_mm3 > 0.0f && p.volume_mm3 <= kMaxVolume_mm3;
             },
             &PackingReader::FailPoint);
         break;
@@ -343,7 +342,7 @@ class PackingReader {
   void FailPoint(const PackedPoint& point, const std::string& where, std::uint64_t byte) {
     FailPlace({point.x_mm, point.y_mm, point.z_mm}, where, byte);
     Fail(byte + 12, where + ": volume", fmt::format("{} mm^3", point.volume_mm3),
-         fmt::format("above 0, up to {} mm^3", kMostVolume_mm3));
+         fmt::format("above 0, up to {} mm^3", kMaxVolume_mm3));
   }
   void FailText(const SectionEntry& entry, const TextError& error) {
     Fail(entry.offset + error.byte,

@@ -50,9 +50,9 @@ class PackingWriter {
     const auto provenance = ProvenanceToText({.name = bone_.name, .provenance = provenance_});
     if (!provenance) FailText("provenance", provenance.error());
     for (const auto* text : {&materials, &provenance})
-      if (*text && (*text)->size() > kMostTextBytes)
+      if (*text && (*text)->size() > kMaxTextBytes)
         Fail(text == &materials ? "materials" : "provenance", fmt::format("{} bytes", (*text)->size()),
-             fmt::format("up to {}", kMostTextBytes));
+             fmt::format("up to {}", kMaxTextBytes));
     if (error_) return tl::make_unexpected(*error_);
 
     Add(kBalls, std::as_bytes(std::span(balls_)), balls_.size());
@@ -140,9 +140,9 @@ class PackingWriter {
       const MassPoint& point = bone_.points[i];
       const Vector3 p = point.p_m;
       const auto volume_mm3 = static_cast<float>(point.volume_m3 * 1e9);
-      if (!(volume_mm3 > 0.0f && volume_mm3 <= kMostVolume_mm3))
+      if (!(volume_mm3 > 0.0f && volume_mm3 <= kMaxVolume_mm3))
         return Fail(fmt::format("mass point {}: volume", i), fmt::format("{} mm^3", point.volume_m3 * 1e9),
-                    fmt::format("above 0, up to {} mm^3", kMostVolume_mm3));
+                    fmt::format("above 0, up to {} mm^3", kMaxVolume_mm3));
       if (point.material >= bone_.materials.size())
         return Fail(fmt::format("mass point {}: material", i), fmt::format("{}", point.material),
                     fmt::format("less than {}: so many are listed", bone_.materials.size()));

@@ -129,7 +129,7 @@ RadialSpectrum ComputeRadialSpectrum(std::span<const Vector3> points_m,
 
 std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZone& zone,
                                                 const MassPointParams& params, std::size_t most) {
-  constexpr double kLeastWidth = 5.0;  // in spacings
+  constexpr double kMinWidth = 5.0;  // in spacings
   struct Room {
     Vector3 center;
     double half_m, width;  ///< half the side; the side in spacings
@@ -145,7 +145,7 @@ std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZon
     if (cell.level < static_cast<int>(from.size()))
       free = std::min(free, from[cell.level] - depth - 2.0 * cell.reach_m());
     const double half = free / std::sqrt(3.0);
-    if (2.0 * half >= kLeastWidth * cell.side_m)
+    if (2.0 * half >= kMinWidth * cell.side_m)
       rooms.push_back({cell.center(), half, 2.0 * half / cell.side_m});
   }
   std::stable_sort(rooms.begin(), rooms.end(),

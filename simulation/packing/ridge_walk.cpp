@@ -68,8 +68,8 @@ RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double most_m) {
     if (bounds[k].value_m < bounds[active[0]].value_m) active[0] = k;
   double t = bounds[active[0]].value_m;
 
-  constexpr int kMostTurns = 16;  // most walks need four to six
-  for (int turn = 0; turn < kMostTurns; ++turn) {
+  constexpr int kMaxTurns = 16;  // most walks need four to six
+  for (int turn = 0; turn < kMaxTurns; ++turn) {
     std::array<Vector3, 4> gradients;
     for (int i = 0; i < count; ++i) gradients[i] = bounds[active[i]].gradient;
     const Nearest up = OfHull(gradients, count);

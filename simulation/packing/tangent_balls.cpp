@@ -61,11 +61,11 @@ class Search {
   /// below the cap (a neighbour's radius) the ball grows until it is not empty.
   [[nodiscard]] std::optional<Ball> Largest(const Foot& foot, double cap_m, double guess_m,
                                             double slack_m2) const {
-    constexpr int kMostRounds = 40;
+    constexpr int kMaxRounds = 40;
     double radius = std::min(cap_m, guess_m);
     std::optional<Ball> empty;  // the largest ball known to be empty
     bool growing = true;
-    for (int round = 0; round < kMostRounds && radius >= params_.least_radius_m; ++round) {
+    for (int round = 0; round < kMaxRounds && radius >= params_.least_radius_m; ++round) {
       const Vector3 center = foot.p_m + radius * foot.inward;
       const SurfacePoint nearest = solid_.NearestSurface(center);
       const Vector3 chord = nearest.p_m - foot.p_m;
@@ -111,7 +111,7 @@ std::vector<TangentBall> FindTangentBalls(const Solid& solid, const CutZone& zon
     balls.push_back(
         {.foot_m = foot->p_m, .ball = *ball, .tolerance_m = static_cast<float>(params.SurfaceGapAt(depth))});
   };
-  return DescendGraded<TangentBall>(solid, zone, samples, CellsWanted::kSurface, params.threads, kMostBalls,
+  return DescendGraded<TangentBall>(solid, zone, samples, CellsWanted::kSurface, params.threads, kMaxBalls,
                                     add);
 }
 

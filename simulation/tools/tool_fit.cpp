@@ -16,8 +16,8 @@ std::optional<ToolBall> TangentBall(const Solid& solid, const SurfaceSample& sam
                                     double least_m) {
   const Vector3 inward = -sample.normal;
   double radius = largest_m;
-  constexpr int kMostRounds = 60;
-  for (int round = 0; round < kMostRounds && radius >= least_m; ++round) {
+  constexpr int kMaxRounds = 60;
+  for (int round = 0; round < kMaxRounds && radius >= least_m; ++round) {
     const Vector3 center = sample.p_m + radius * inward;
     const SurfacePoint nearest = solid.NearestSurface(center);
     const double clearance = -nearest.distance_m;

@@ -49,7 +49,7 @@ struct BonesApart {
 };
 inline BonesApart Compare(const simulation::Bone& uncut, const simulation::CarvedState& a,
                           const simulation::CarvedState& b) {
-  constexpr double kGone_mm = 1e3 * simulation::kLeastBallRadius + 1e-5;
+  constexpr double kGone_mm = 1e3 * simulation::kMinBallRadius + 1e-5;
   BonesApart apart;
   for (std::size_t i = 0; i < a.balls.size(); i += 4) {
     const float r = a.balls[i + 3], s = b.balls[i + 3];

@@ -124,7 +124,7 @@ constexpr Row kZones[] = {
     {Fault::kOutSphereOffset, "OutCapsuleOffset", ZoneShape::kCapsule, kOut},
     {Fault::kOutSphereSign, "OutSphereSign", ZoneShape::kSphere, kOut},
     {Fault::kGapsSign, "OutBoxSign", ZoneShape::kBox, kOut},
-    {Fault::kLargestOfAll, "LargestOfAll", ZoneShape::kBox, kIn},
+    {Fault::kMaxOfAll, "LargestOfAll", ZoneShape::kBox, kIn},
 };
 
 class GuardFaults : public testing::TestWithParam<Row> {

@@ -81,6 +81,6 @@ plant([=[return {.toward_Z = -beyond / distance_m, .distance_m = distance_m};]=]
 plant([=[return {.toward_Z = -out_Z[nearest], .distance_m = gap_m[nearest]};]=]
       [=[return {.toward_Z = (PLANTED(kGapsSign) ? 1.0 : -1.0) * out_Z[nearest], .distance_m = gap_m[nearest]};]=])
 plant([=[least_m = std::min(least_m, bounds_[i].distance_m);]=]
-      [=[least_m = PLANTED(kLargestOfAll) ? std::max(least_m, bounds_[i].distance_m)
+      [=[least_m = PLANTED(kMaxOfAll) ? std::max(least_m, bounds_[i].distance_m)
                                                  : std::min(least_m, bounds_[i].distance_m);]=])
 write_source(zone.cpp)
