@@ -105,7 +105,7 @@ void TakePauses(const CellRunParams& params, control::ServoLoop& loop) {
 class StartWatch {
  public:
   StartWatch(const CellSetup& setup, control::ServoLoop& loop) : setup_(setup), loop_(loop) {
-    loop_.AllowBegin(false);
+    loop_.AllowStart(false);
   }
 
   /// The arm's position: written by the servo thread, read by this one.
@@ -117,10 +117,10 @@ class StartWatch {
     const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(arm.q.data());
     if (looked_ && (q - looked_at_).cwiseAbs().maxCoeff() < kMoved_rad) return;
     looked_at_ = q;
-    loop_.AllowBegin(false);
+    loop_.AllowStart(false);
     why_not_ = WhyNotToStart(setup_, q);
     looked_ = true;
-    loop_.AllowBegin(why_not_.empty());
+    loop_.AllowStart(why_not_.empty());
   }
 
   [[nodiscard]] const std::string& why_not() const { return why_not_; }

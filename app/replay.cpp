@@ -110,7 +110,7 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
     if (!result.why_not.empty()) break;
 
     // run the tick again
-    TickRecord replayed = control::TickAgain(loop, recorded, *model, command);
+    TickRecord replayed = control::ReplayTick(loop, recorded, *model, command);
     replayed.q_cmd = command.q;  // the actual command, whatever the record holds
     replayed.activation_cmd = command.activation;
     replayed.F_cmd_T = command.F;

@@ -73,7 +73,7 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
   begun = rt::MonotonicNow();
   kinematics::MotionInput<7> wanted;
   wanted.J = J_B;
-  wanted.V_BT = control::Turned(X_BW_.linear(), input.V_WT);
+  wanted.V_BT = control::ExpressedIn(X_BW_.linear(), input.V_WT);
   wanted.q = input.q;
   wanted.qd_before = qd_before_;
   wanted.qd_null = load.qd;

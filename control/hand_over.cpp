@@ -43,7 +43,7 @@ void BeginHandOver(HandOver& hand_over, const HandOverRate& rate, const Wrench& 
   // frames that arrive during a turn do not slow it down
   hand_over = {.F_T_W = left,
                .spring_N = after.f.norm(),
-               .turn_N_per_s = std::max({turning_N_per_s, left_N / rate.return_s, rate.least_turn_N_per_s})};
+               .turn_N_per_s = std::max({turning_N_per_s, left_N / rate.return_s, rate.min_turn_N_per_s})};
 }
 
 Wrench ApplyHandOver(const HandOver& hand_over, const Wrench& after) OSTEON_RT {

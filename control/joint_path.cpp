@@ -55,7 +55,7 @@ JointPath<N>::JointPath(const JointPathParams& params, const kinematics::ChainPa
 
 template <int N>
 double JointPath<N>::JointDuration(const Joints& way) const OSTEON_RT {
-  const double pause = kMaxSlope * PausableClock::MostRateSpeed(params_.pause_s);
+  const double pause = kMaxSlope * PausableClock::MaxRateSpeed(params_.pause_s);
   double duration_s = 0.0;
   for (int i = 0; i < N; ++i) {
     const kinematics::JointLimits& limits = chain_.params().joints[static_cast<std::size_t>(i)].limits;

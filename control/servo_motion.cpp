@@ -25,7 +25,7 @@ bool ServoLoop::UpdateSession(const ArmState& state) OSTEON_RT {
     else
       FollowArm(state);
   }
-  if (supervisor_.stop_asked() && supervisor_.IsWaitingOrPaused()) ApplyEvent(CellEvent::kStopAsked);
+  if (supervisor_.stop_requested() && supervisor_.IsWaitingOrPaused()) ApplyEvent(CellEvent::kStopRequested);
   if (active && phase() != Phase::kStopped && !session_.HasPeriod(state)) {
     supervisor_.Latch(Fault::kPeriod);  // each tick steps by the loop's period: another one is another speed
     ApplyEvent(CellEvent::kArmLost);
@@ -74,7 +74,7 @@ void ServoLoop::StartMotionIfPermitted(const TickInputs& tick) OSTEON_RT {
 
 void ServoLoop::StartPath(const TickInputs& tick) OSTEON_RT {
   session_.StartCommanding(tick.state);
-  supervisor_.SetOnPath(tool_.arm().BeginStart());
+  supervisor_.SetOnPath(tool_.arm().BeginStartPath());
   checks_.StartMotion(tick.now);
   hand_.ResetMotion(session_.X_WT());
   if (supervisor_.on_path()) return;
@@ -94,9 +94,9 @@ void ServoLoop::StepStartPath(const TickInputs& tick) OSTEON_RT {
     supervisor_.Latch(step.refused);
     ApplyFault();
     FinishStop();
-  } else if (ends && step.rests) {
+  } else if (ends && step.paused) {
     FinishStop();
-  } else if (step.there && !ends && permits().All() &&
+  } else if (step.at_start && !ends && permits().All() &&
              ApplyEvent(CellEvent::kBeginThere) == CellAction::kBeginRendering) {
     supervisor_.SetOnPath(false);
     StartRendering(tick);
@@ -149,8 +149,8 @@ void ServoLoop::CheckMotion(const ArmState& state) OSTEON_RT {
   if (arm_overloaded_ && !paused) supervisor_.Latch(Fault::kJointLimit);
   if (faults().Any() && !safety::Renders(this->state()))
     ApplyFault();  // rendering checks more before it stops
-  if (supervisor_.stop_asked()) ApplyEvent(CellEvent::kStopAsked);
-  if (supervisor_.TakePauseAsked()) ApplyEvent(CellEvent::kPauseAsked);
+  if (supervisor_.stop_requested()) ApplyEvent(CellEvent::kStopRequested);
+  if (supervisor_.TakePauseRequest()) ApplyEvent(CellEvent::kPauseRequested);
 }
 
 // On the way to the start nothing is rendered: the model's age does not count, and without the PLC's

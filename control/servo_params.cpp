@@ -49,7 +49,7 @@ void Validate(const ServoParams& params) {
   require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
   require("period_s", params.period_s, 1e-4, 0.02);
   if (params.start) {
-    require("start there_rad", params.start->there_rad, 1e-6, 0.1);
+    require("start there_rad", params.start->tolerance_rad, 1e-6, 0.1);
     require("start pause_force_N", params.start->pause_force_N, 1.0, 500.0);
   }
 }
@@ -65,7 +65,7 @@ StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTE
   return {.damping = {.Ns_per_m = law.damping_Ns_per_m,
                       .Nms_per_rad = law.damping_Nms_per_rad,
                       .centre_T_m = law.centre_T_m},
-          .most_damping_Ns_per_m = with_lever_kg / params.period_s};
+          .max_damping_Ns_per_m = with_lever_kg / params.period_s};
 }
 
 StabilisedLaw LawOf(const ServoParams& params) {
@@ -83,7 +83,7 @@ StabilisedLaw LawOf(const ServoParams& params) {
   return {.damping = {.Ns_per_m = i.damping_Ns_per_m, .Nms_per_rad = i.damping_Nms_per_rad},
           .pose_age_s = 1.5 * params.period_s + i.twist_filter_s,
           .work = PortWork::kHeld,
-          .most_damping_Ns_per_m = std::max(1.0, i.brake_Ns_per_m)};
+          .max_damping_Ns_per_m = std::max(1.0, i.brake_Ns_per_m)};
 }
 
 double ToolSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT {

@@ -69,10 +69,10 @@ enum class ModelStatus : std::uint8_t {
 
 /// A plane that the proxy lies on: n_W·delta = -g.
 struct ActivePlane {
-  Vector3 n_W{Vector3::UnitZ()};   ///< unit, from bone to tool
-  Vector3 arm_W{Vector3::Zero()};  ///< from To to the contact point [m]
-  double stiffness_N_per_m{0.0};   ///< K_j, as rendered in full
-  double force_N{0.0};             ///< of the faded spring along n, without damping; > 0
+  Vector3 n_W{Vector3::UnitZ()};     ///< unit, from bone to tool
+  Vector3 lever_W{Vector3::Zero()};  ///< from To to the contact point [m]
+  double stiffness_N_per_m{0.0};     ///< K_j, as rendered in full
+  double force_N{0.0};               ///< of the faded spring along n, without damping; > 0
 };
 
 /// One tick's result.

@@ -22,20 +22,20 @@ struct Rule {
 constexpr Rule kRules[] = {
     {kOff, Event::kArmLost, kFault, Action::kHold},
     {kOff, Event::kFault, kFault, Action::kHold},
-    {kOff, Event::kPauseAsked, kPaused, Action::kHold},
+    {kOff, Event::kPauseRequested, kPaused, Action::kHold},
     {kOff, Event::kArmSeen, kChecking, Action::kFollowArm},
 
     {kChecking, Event::kArmLost, kFault, Action::kHold},
     {kChecking, Event::kFault, kFault, Action::kHold},
-    {kChecking, Event::kStopAsked, kOff, Action::kHold},
-    {kChecking, Event::kPauseAsked, kPaused, Action::kHold},
+    {kChecking, Event::kStopRequested, kOff, Action::kHold},
+    {kChecking, Event::kPauseRequested, kPaused, Action::kHold},
     {kChecking, Event::kArmIdle, kOff, Action::kFollowArm},
     {kChecking, Event::kInOrder, kReady, Action::kGoOn},
 
     {kReady, Event::kArmLost, kFault, Action::kHold},
     {kReady, Event::kFault, kFault, Action::kHold},
-    {kReady, Event::kStopAsked, kOff, Action::kHold},
-    {kReady, Event::kPauseAsked, kPaused, Action::kHold},
+    {kReady, Event::kStopRequested, kOff, Action::kHold},
+    {kReady, Event::kPauseRequested, kPaused, Action::kHold},
     {kReady, Event::kArmIdle, kOff, Action::kFollowArm},
     {kReady, Event::kNotInOrder, kChecking, Action::kGoOn},
     {kReady, Event::kBeginAway, kAligning, Action::kBeginPath},
@@ -44,27 +44,27 @@ constexpr Rule kRules[] = {
     {kAligning, Event::kArmLost, kStop0, Action::kHold},
     {kAligning, Event::kFault, kStop1, Action::kBrake},
     {kAligning, Event::kArmLeft, kChecking, Action::kFollowArm},
-    {kAligning, Event::kStopAsked, kStop1, Action::kBrake},
-    {kAligning, Event::kPauseAsked, kStop2, Action::kBrake},
+    {kAligning, Event::kStopRequested, kStop1, Action::kBrake},
+    {kAligning, Event::kPauseRequested, kStop2, Action::kBrake},
     {kAligning, Event::kBeginThere, kHaptic, Action::kBeginRendering},
 
     {kHaptic, Event::kArmLost, kStop0, Action::kHold},
     {kHaptic, Event::kFault, kStop1, Action::kBrake},
     {kHaptic, Event::kArmLeft, kStop0, Action::kFollowArm},
-    {kHaptic, Event::kStopAsked, kStop1, Action::kBrake},
-    {kHaptic, Event::kPauseAsked, kStop2, Action::kBrake},
+    {kHaptic, Event::kStopRequested, kStop1, Action::kBrake},
+    {kHaptic, Event::kPauseRequested, kStop2, Action::kBrake},
     {kHaptic, Event::kSpindleTurns, kCutting, Action::kGoOn},
 
     {kCutting, Event::kArmLost, kStop0, Action::kHold},
     {kCutting, Event::kFault, kStop1, Action::kBrake},
     {kCutting, Event::kArmLeft, kStop0, Action::kFollowArm},
-    {kCutting, Event::kStopAsked, kStop1, Action::kBrake},
-    {kCutting, Event::kPauseAsked, kStop2, Action::kBrake},
+    {kCutting, Event::kStopRequested, kStop1, Action::kBrake},
+    {kCutting, Event::kPauseRequested, kStop2, Action::kBrake},
     {kCutting, Event::kSpindleStill, kHaptic, Action::kGoOn},
 
     {kPaused, Event::kArmLost, kFault, Action::kHold},
     {kPaused, Event::kFault, kFault, Action::kHold},
-    {kPaused, Event::kStopAsked, kOff, Action::kHold},
+    {kPaused, Event::kStopRequested, kOff, Action::kHold},
     {kPaused, Event::kResume, kChecking, Action::kGoOn},
 
     {kStop0, Event::kRestFault, kFault, Action::kHold},
@@ -79,7 +79,7 @@ constexpr Rule kRules[] = {
     {kStop2, Event::kArmLost, kStop0, Action::kHold},
     {kStop2, Event::kFault, kStop1, Action::kBrake},
     {kStop2, Event::kArmLeft, kStop0, Action::kFollowArm},
-    {kStop2, Event::kStopAsked, kStop1, Action::kBrake},
+    {kStop2, Event::kStopRequested, kStop1, Action::kBrake},
     {kStop2, Event::kRestFault, kFault, Action::kHold},
     {kStop2, Event::kRest, kPaused, Action::kHold},
 
@@ -87,8 +87,8 @@ constexpr Rule kRules[] = {
 
     {kRecovery, Event::kArmLost, kFault, Action::kHold},
     {kRecovery, Event::kFault, kFault, Action::kHold},
-    {kRecovery, Event::kStopAsked, kOff, Action::kHold},
-    {kRecovery, Event::kPauseAsked, kPaused, Action::kHold},
+    {kRecovery, Event::kStopRequested, kOff, Action::kHold},
+    {kRecovery, Event::kPauseRequested, kPaused, Action::kHold},
     {kRecovery, Event::kBeginAway, kAligning, Action::kBeginPath},
     {kRecovery, Event::kBeginThere, kHaptic, Action::kBeginRendering},
 };
@@ -148,8 +148,8 @@ static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) 
 // A requested stop or pause ends every motion too.
 static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
   if (!IsMotion(from)) return true;
-  if (event == Event::kStopAsked) return to == CellTransition{kStop1, Action::kBrake};
-  if (event == Event::kPauseAsked) return to == CellTransition{kStop2, Action::kBrake};
+  if (event == Event::kStopRequested) return to == CellTransition{kStop1, Action::kBrake};
+  if (event == Event::kPauseRequested) return to == CellTransition{kStop2, Action::kBrake};
   return true;
 }));
 // A stop gets worse or ends at rest; it never turns into motion or a weaker stop.
@@ -223,9 +223,9 @@ CellEventText Describe(CellEvent event) {
       return {"fault", "a fault is latched, and the arm takes commands"};
     case Event::kArmLeft:
       return {"arm left", "a message of the arm says that it is not in COMMANDING_ACTIVE"};
-    case Event::kStopAsked:
+    case Event::kStopRequested:
       return {"stop asked", "an orderly end: Ctrl-C, or the run's time is over; lasts"};
-    case Event::kPauseAsked:
+    case Event::kPauseRequested:
       return {"pause asked", "SIGUSR1"};
     case Event::kRestFault:
       return {"rest, fault", "what is commanded rests (stop 0: the arm is measured to stand), with a fault"};

@@ -34,8 +34,8 @@ GuardMonitor::GuardMonitor(const GuardParams& params)
   positive("period_s", params.period_s);
   positive("max_speed_m_per_s", params.max_speed_m_per_s);
   positive("max_turn_rad_per_s", params.max_turn_rad_per_s);
-  positive("there_rad", params.there_rad);
-  positive("max_way_in_m_per_s", params.max_way_in_m_per_s);
+  positive("there_rad", params.tolerance_rad);
+  positive("max_way_in_m_per_s", params.max_start_path_speed_m_per_s);
   positive("max_tracking_error_m", params.max_tracking_error_m);
   positive("mirror_rad", params.mirror_rad);
   positive("max_force_N", params.max_force_N);
@@ -90,7 +90,7 @@ GuardDecision GuardMonitor::Arm(const GuardArmMessage& message, rt::Nanoseconds 
     been_in_zone_.fill(false);
     // zones that contain the arm when it is handed over count from now on
     static_cast<void>(JudgePlace(arm_.Place(q_before_)));
-    on_way_in_ = !AtStart(q_before_);
+    on_start_path_ = !AtStart(q_before_);
     rests_ = true;
   }
   arm_message_ = message;

@@ -24,18 +24,19 @@ struct GuardParams {
   double max_speed_m_per_s{0.25};    ///< of the apex; > 0
   double max_turn_rad_per_s{1.5};    ///< of the tool; > 0
   /// Posture to which the controller takes the arm first. From the handing over until every joint has been
-  /// within there_rad of it, max_way_in applies if it is the faster limit. Absent: there is no such path.
+  /// within tolerance_rad of it, max_start_path_speed applies if it is the faster limit. Absent: there is no
+  /// such path.
   std::optional<std::array<double, 7>> q_start{};
-  double there_rad{2e-3};             ///< > 0
-  double max_way_in_m_per_s{0.25};    ///< of the apex; > 0
-  double max_tracking_error_m{0.03};  ///< between commanded and measured apex; > 0
-  double mirror_rad{0.02};            ///< distance from the interpolator's position while the arm waits; > 0
-  WorkspaceParams workspace{};        ///< only its sphere and its plane
-  double workspace_margin_m{0.002};   ///< tolerance beyond them; >= 0
-  double max_force_N{200.0};          ///< of a wrench that the controller adds; > 0
-  double max_torque_Nm{20.0};         ///< > 0
-  double max_hand_force_N{250.0};     ///< by the arm's own estimate of its external torques ...
-  int hand_force_count{5};            ///< ... in so many messages in a row; >= 1
+  double tolerance_rad{2e-3};                 ///< > 0
+  double max_start_path_speed_m_per_s{0.25};  ///< of the apex; > 0
+  double max_tracking_error_m{0.03};          ///< between commanded and measured apex; > 0
+  double mirror_rad{0.02};           ///< distance from the interpolator's position while the arm waits; > 0
+  WorkspaceParams workspace{};       ///< only its sphere and its plane
+  double workspace_margin_m{0.002};  ///< tolerance beyond them; >= 0
+  double max_force_N{200.0};         ///< of a wrench that the controller adds; > 0
+  double max_torque_Nm{20.0};        ///< > 0
+  double max_hand_force_N{250.0};    ///< by the arm's own estimate of its external torques ...
+  int hand_force_count{5};           ///< ... in so many messages in a row; >= 1
   /// How far beyond the controller's own limits on motion and hand the guard intervenes, so that a controlled
   /// stop comes first: 0.25 is a quarter. Does not apply to the arm's own limits or to rendered forces.
   double margin{0.25};
@@ -191,7 +192,7 @@ class GuardMonitor {
 
   Joints q_before_{Joints::Zero()};             // last command
   std::uint32_t before_message_{0};             // message that it answered
-  bool on_way_in_{false};                       // the arm is still on its way to the start
+  bool on_start_path_{false};                   // the arm is still on its way to the start
   bool been_inside_{false};                     // in the workspace's sphere, since the arm was handed over
   std::array<bool, kMaxZones> been_in_zone_{};  // likewise for each zone
 };

@@ -48,9 +48,10 @@ GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
   // speed
   if (arm_message_.compliant && Relaxes(q)) return {};
   const GuardKinematics::Placement before = arm_.Place(q_before_);
-  on_way_in_ &= !AtStart(q_before_);
-  const double most_m_per_s = on_way_in_ ? std::max(params_.max_way_in_m_per_s, params_.max_speed_m_per_s)
-                                         : params_.max_speed_m_per_s;
+  on_start_path_ &= !AtStart(q_before_);
+  const double most_m_per_s = on_start_path_
+                                  ? std::max(params_.max_start_path_speed_m_per_s, params_.max_speed_m_per_s)
+                                  : params_.max_speed_m_per_s;
   if (const GuardReason reason =
           AtMost(GuardFinding::kToolSpeed, (p_WT - before.p_WT).norm() / time_s, more * most_m_per_s);
       reason.finding != GuardFinding::kNone)
@@ -92,7 +93,7 @@ GuardReason GuardMonitor::JudgeZones(const GuardKinematics::Placement& arm) OSTE
 }
 
 bool GuardMonitor::AtStart(const Joints& q) const OSTEON_RT {
-  return !params_.q_start || (q - ToJoints(*params_.q_start)).cwiseAbs().maxCoeff() <= params_.there_rad;
+  return !params_.q_start || (q - ToJoints(*params_.q_start)).cwiseAbs().maxCoeff() <= params_.tolerance_rad;
 }
 
 bool GuardMonitor::Relaxes(const Joints& q) const OSTEON_RT {

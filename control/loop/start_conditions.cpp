@@ -36,8 +36,9 @@ safety::MotionPermits EvaluatePermits(const TickInputs& tick, const StartConditi
               !c.arm_overloaded && (!renders_here || coupling.F_T_W.f.norm() <= c.max_force_N));
 
   const double error_m = (c.session.X_WT().translation() - c.arm.X_WT().translation()).norm();
-  permits.Put(MotionPermit::kPosePlausible, error_m <= c.params.max_tracking_error_m &&
-                                                FarthestJoint(c.arm.q(), state.q_meas) <= kPlausible_rad);
+  permits.Put(MotionPermit::kPosePlausible,
+              error_m <= c.params.max_tracking_error_m &&
+                  MaxJointDifference(c.arm.q(), state.q_meas) <= kPlausible_rad);
   return permits;
 }
 

@@ -40,7 +40,7 @@ std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& eng
   // the last safeguards are never needed
   EXPECT_EQ(result->statistics.limits.Of(safety::Limit::kPassivity).events, 0u);
   EXPECT_EQ(result->statistics.limits.Of(safety::Limit::kTank).events, 0u);
-  EXPECT_GT(result->statistics.least_tank_J, 0.0);
+  EXPECT_GT(result->statistics.min_tank_J, 0.0);
   return std::move(*result);
 }
 /// Runs 0.3 s on the reference engine.

@@ -146,8 +146,8 @@ TEST_F(ServoState, NothingMovesWithoutEachOfTheConditions) {
        [](Cell& c) { c.bench.plane_W += 0.02 * c.bench.feed_W; }},
       {MotionPermit::kSpindleReady, [](Cell& c) { c.spindle.ready = false; },
        [](Cell& c) { c.spindle.ready = true; }},
-      {MotionPermit::kWayLookedAt, [](Cell& c) { c.bench.loop.AllowBegin(false); },
-       [](Cell& c) { c.bench.loop.AllowBegin(true); }},
+      {MotionPermit::kWayLookedAt, [](Cell& c) { c.bench.loop.AllowStart(false); },
+       [](Cell& c) { c.bench.loop.AllowStart(true); }},
   };
   for (const Missing& missing : all) {
     Cell cell;

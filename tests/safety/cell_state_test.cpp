@@ -119,7 +119,7 @@ TEST(CellState, OutOfAFaultOnlyARecoveryLeads) {
 
 TEST(CellState, APauseIsLeftByNothingButAResumeAStopOrAFault) {
   const auto reached = Reached(CellState::kPaused, [](CellEvent event) {
-    return event != CellEvent::kResume && event != CellEvent::kStopAsked && event != CellEvent::kFault &&
+    return event != CellEvent::kResume && event != CellEvent::kStopRequested && event != CellEvent::kFault &&
            event != CellEvent::kArmLost;
   });
   EXPECT_EQ(reached, std::set<CellState>{CellState::kPaused});

@@ -71,7 +71,7 @@ TEST(GuardMonitor, WithholdsWhatIsNotFinite) {
 TEST(GuardMonitor, HoldsEachJointToItsSpeedAndItsRange) {
   const auto& limits = kinematics::Iiwa14().limits;
   GuardParams params = GuardBench::Params();
-  params.max_speed_m_per_s = params.max_way_in_m_per_s = params.max_turn_rad_per_s = 100.0;
+  params.max_speed_m_per_s = params.max_start_path_speed_m_per_s = params.max_turn_rad_per_s = 100.0;
   for (int joint = 0; joint < 7; ++joint) {
     const double step_rad = limits[static_cast<std::size_t>(joint)].velocity_rad_per_s * params.period_s;
     ExpectWithheld(Moved(joint, 1.01 * step_rad), GuardFinding::kJointSpeed, params);
@@ -423,8 +423,8 @@ TEST(GuardMonitor, RefusesEachNumberThatIsNoneByItsName) {
       {"period_s", &GuardParams::period_s},
       {"max_speed_m_per_s", &GuardParams::max_speed_m_per_s},
       {"max_turn_rad_per_s", &GuardParams::max_turn_rad_per_s},
-      {"there_rad", &GuardParams::there_rad},
-      {"max_way_in_m_per_s", &GuardParams::max_way_in_m_per_s},
+      {"there_rad", &GuardParams::tolerance_rad},
+      {"max_way_in_m_per_s", &GuardParams::max_start_path_speed_m_per_s},
       {"max_tracking_error_m", &GuardParams::max_tracking_error_m},
       {"mirror_rad", &GuardParams::mirror_rad},
       {"max_force_N", &GuardParams::max_force_N},

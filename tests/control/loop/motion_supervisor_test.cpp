@@ -43,12 +43,12 @@ TEST(MotionSupervisor, AFaultBrakesAndIsHeldUntilARecoveryClearsIt) {
 }
 
 TEST(MotionSupervisor, NoRecoveryOfAnotherFaultNorOfARunThatWasAskedToEnd) {
-  for (const bool stop_asked : {false, true}) {
+  for (const bool stop_requested : {false, true}) {
     MotionSupervisor supervisor = Rendering();
-    supervisor.Latch(stop_asked ? Fault::kSession : Fault::kWorkspace);
+    supervisor.Latch(stop_requested ? Fault::kSession : Fault::kWorkspace);
     static_cast<void>(supervisor.Apply(CellEvent::kFault));
     static_cast<void>(supervisor.Apply(CellEvent::kRestFault));
-    supervisor.SetStopAsked(stop_asked);
+    supervisor.SetStopRequested(stop_requested);
     EXPECT_FALSE(supervisor.CanRecover());
   }
 }
@@ -60,7 +60,7 @@ TEST(MotionSupervisor, AStopOnTheWayToTheStartIsThatWaysPhase) {
   static_cast<void>(supervisor.Apply(CellEvent::kInOrder));
   EXPECT_EQ(supervisor.Apply(CellEvent::kBeginAway), CellAction::kBeginPath);
   supervisor.SetOnPath(true);
-  static_cast<void>(supervisor.Apply(CellEvent::kStopAsked));
+  static_cast<void>(supervisor.Apply(CellEvent::kStopRequested));
   EXPECT_EQ(supervisor.phase(), Phase::kAligning);
   static_cast<void>(supervisor.Apply(CellEvent::kRest));
   EXPECT_FALSE(supervisor.on_path());
@@ -69,13 +69,13 @@ TEST(MotionSupervisor, AStopOnTheWayToTheStartIsThatWaysPhase) {
 
 TEST(MotionSupervisor, APauseCountsWhileMotionIsUnderWayOrWaitedForAndOnce) {
   MotionSupervisor supervisor = Rendering();
-  supervisor.AskForPause(true);
-  supervisor.AskForPause(false);
-  EXPECT_TRUE(supervisor.TakePauseAsked()) << "an asking stays until it is taken";
-  EXPECT_FALSE(supervisor.TakePauseAsked());
+  supervisor.RequestPause(true);
+  supervisor.RequestPause(false);
+  EXPECT_TRUE(supervisor.TakePauseRequest()) << "an asking stays until it is taken";
+  EXPECT_FALSE(supervisor.TakePauseRequest());
   static_cast<void>(supervisor.Apply(CellEvent::kFault));
-  supervisor.AskForPause(true);
-  EXPECT_FALSE(supervisor.TakePauseAsked()) << "a stop is no motion that could pause";
+  supervisor.RequestPause(true);
+  EXPECT_FALSE(supervisor.TakePauseRequest()) << "a stop is no motion that could pause";
 }
 
 }  // namespace
