@@ -73,7 +73,8 @@ std::string MissingPermits(safety::MotionPermits permits) {
   std::string missing;
   for (int bit = 0; bit < safety::kMotionPermits; ++bit) {
     const auto permit = static_cast<safety::MotionPermit>(1u << bit);
-    if (!permits.Has(permit)) missing += std::string(missing.empty() ? "" : ", ") + safety::Missing(permit);
+    if (!permits.Has(permit))
+      missing += std::string(missing.empty() ? "" : ", ") + safety::DescribeMissing(permit);
   }
   return missing.empty() ? "" : "motion lacked " + missing;
 }

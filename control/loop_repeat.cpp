@@ -20,7 +20,7 @@ TickRecord ReplayTick(ServoLoop& loop, const TickRecord& recorded, const simulat
                       ArmCommand& command) OSTEON_RT {
   const TickInput& in = recorded.input;
   if (recorded.cell_state != kNoCellState)  // an older recording: the loop could begin at any time
-    loop.AllowStart(safety::MotionPermits(recorded.permits).Has(safety::MotionPermit::kWayLookedAt));
+    loop.AllowStart(safety::MotionPermits(recorded.permits).Has(safety::MotionPermit::kPathChecked));
   if (in.stop) loop.RequestStop();
   if (in.recover) loop.RequestRecovery();
   if (in.pause) loop.RequestPause();

@@ -64,10 +64,10 @@ void ServoLoop::StartMotionIfPermitted(const TickInputs& tick) OSTEON_RT {
                                                   .arm_overloaded = arm_overloaded_}));
   if (!waits) return;
   ApplyEvent(tick.state.session == SessionState::kIdle ? CellEvent::kArmIdle : CellEvent::kArmSeen);
-  ApplyEvent(permits().InOrder() ? CellEvent::kInOrder : CellEvent::kNotInOrder);
+  ApplyEvent(permits().AllButHandedOver() ? CellEvent::kPermitsHold : CellEvent::kPermitsMissing);
   if (!permits().All()) return;
   const bool there = rendered || tool_.arm().AtStart();
-  const CellAction action = ApplyEvent(there ? CellEvent::kBeginThere : CellEvent::kBeginAway);
+  const CellAction action = ApplyEvent(there ? CellEvent::kBeginRendering : CellEvent::kBeginAligning);
   if (action == CellAction::kBeginRendering) StartRendering(tick);
   if (action == CellAction::kBeginPath) StartPath(tick);
 }
@@ -97,7 +97,7 @@ void ServoLoop::StepStartPath(const TickInputs& tick) OSTEON_RT {
   } else if (ends && step.paused) {
     FinishStop();
   } else if (step.at_start && !ends && permits().All() &&
-             ApplyEvent(CellEvent::kBeginThere) == CellAction::kBeginRendering) {
+             ApplyEvent(CellEvent::kBeginRendering) == CellAction::kBeginRendering) {
     supervisor_.SetOnPath(false);
     StartRendering(tick);
   }

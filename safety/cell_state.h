@@ -38,10 +38,10 @@ enum class CellEvent : std::uint8_t {
   kRest,            ///< at rest, without one
   kArmIdle,         ///< the arm does not report its position
   kArmSeen,         ///< the arm reports its position
-  kNotInOrder,      ///< a condition of motion is missing, other than the handing over
-  kInOrder,         ///< no condition is missing, other than the handing over
-  kBeginAway,       ///< every condition of motion holds; rendering begins elsewhere
-  kBeginThere,      ///< every condition of motion holds; rendering begins here
+  kPermitsMissing,  ///< a condition of motion is missing, other than the handing over
+  kPermitsHold,     ///< no condition is missing, other than the handing over
+  kBeginAligning,   ///< every condition of motion holds; rendering begins elsewhere
+  kBeginRendering,  ///< every condition of motion holds; rendering begins here
   kSpindleTurns,    ///< the spindle turns
   kSpindleStill,    ///< the spindle stands
   kRecover,         ///< a recovery was requested, and each latched fault allows one
@@ -51,7 +51,7 @@ inline constexpr int kCellEvents = 17;
 
 /// Action on a transition. Describe has what a state does from tick to tick.
 enum class CellAction : std::uint8_t {
-  kGoOn,            ///< nothing beyond what the state does
+  kNone,            ///< nothing beyond what the state does
   kFollowArm,       ///< commands the arm's own position
   kHold,            ///< keeps the command constant
   kBrake,           ///< brakes the commanded motion to rest
@@ -62,7 +62,7 @@ enum class CellAction : std::uint8_t {
 
 struct CellTransition {
   CellState state{CellState::kOff};
-  CellAction action{CellAction::kGoOn};
+  CellAction action{CellAction::kNone};
   friend constexpr bool operator==(const CellTransition&, const CellTransition&) = default;
 };
 

@@ -121,15 +121,15 @@ class GuardMonitor {
   explicit GuardMonitor(const GuardParams& params);
 
   /// Takes a message of the arm. kPass, or kDrop if it is not newer than the one before.
-  GuardDecision Arm(const GuardArmMessage& message, rt::Nanoseconds arrival) OSTEON_RT;
+  GuardDecision OnArmMessage(const GuardArmMessage& message, rt::Nanoseconds arrival) OSTEON_RT;
   /// Checks an answer of the controller at the time `now`. Unless passed, it must not reach the arm.
-  GuardDecision Command(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
+  GuardDecision OnCommand(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
   /// Latches a datagram of the controller that is not a command.
-  GuardDecision Unreadable(GuardFinding why) OSTEON_RT;
+  GuardDecision OnUnreadable(GuardFinding why) OSTEON_RT;
   /// Checks whether the controller is silent. To be called a few times within silence_s.
-  void Look(rt::Nanoseconds now) OSTEON_RT;
+  void CheckSilence(rt::Nanoseconds now) OSTEON_RT;
   /// Resets the session: the next messages are another arm's, or this arm's after a restart.
-  void StartOver() OSTEON_RT;
+  void ResetSession() OSTEON_RT;
 
   [[nodiscard]] bool latched() const OSTEON_RT { return reason_.finding != GuardFinding::kNone; }
   /// Whether the motion request stands: nothing is latched, and the controller has not left the arm alone. A
@@ -158,15 +158,15 @@ class GuardMonitor {
     return 0;
   }
   // guard_rules.cpp
-  [[nodiscard]] GuardReason JudgeJoints(const Joints& q, double time_s) const OSTEON_RT;
-  [[nodiscard]] GuardReason JudgeTool(const Joints& q, double time_s) OSTEON_RT;
-  [[nodiscard]] GuardReason JudgePlace(const GuardKinematics::Placement& arm) OSTEON_RT;
-  [[nodiscard]] GuardReason JudgeZones(const GuardKinematics::Placement& arm) OSTEON_RT;
-  [[nodiscard]] GuardReason JudgeOverlay(const GuardCommand& command) const OSTEON_RT;
+  [[nodiscard]] GuardReason CheckJoints(const Joints& q, double time_s) const OSTEON_RT;
+  [[nodiscard]] GuardReason CheckTool(const Joints& q, double time_s) OSTEON_RT;
+  [[nodiscard]] GuardReason CheckPlacement(const GuardKinematics::Placement& arm) OSTEON_RT;
+  [[nodiscard]] GuardReason CheckZones(const GuardKinematics::Placement& arm) OSTEON_RT;
+  [[nodiscard]] GuardReason CheckOverlay(const GuardCommand& command) const OSTEON_RT;
 
-  void TakeHandForce(const GuardArmMessage& message) OSTEON_RT;
+  void CheckHandForce(const GuardArmMessage& message) OSTEON_RT;
   bool IsFresh(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
-  [[nodiscard]] GuardReason Judge(const GuardCommand& command) OSTEON_RT;
+  [[nodiscard]] GuardReason CheckCommand(const GuardCommand& command) OSTEON_RT;
   [[nodiscard]] bool AtStart(const Joints& q) const OSTEON_RT;
   // Each joint moves from the last command toward its measured position, at most up to it.
   [[nodiscard]] bool Relaxes(const Joints& q) const OSTEON_RT;

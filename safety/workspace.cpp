@@ -49,10 +49,9 @@ Workspace::Workspace(const WorkspaceParams& params) : params_(params) {
 }
 
 double Workspace::Distance(const Vector3& p_WP, ZonePoint point) const OSTEON_RT {
-  double least_m = std::numeric_limits<double>::infinity();
-  for (const ZoneParams& zone : Bounds(point))
-    least_m = std::min(least_m, ZoneBounds(zone, p_WP).distance_m());
-  return least_m;
+  double min_m = std::numeric_limits<double>::infinity();
+  for (const ZoneParams& zone : Bounds(point)) min_m = std::min(min_m, ZoneBounds(zone, p_WP).distance_m());
+  return min_m;
 }
 
 bool Workspace::Violated(const Vector3& p_WP, ZonePoint point) const OSTEON_RT {

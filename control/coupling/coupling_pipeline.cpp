@@ -11,7 +11,7 @@ CouplingPipeline::CouplingPipeline(const ServoParams& params)
       depth_limit_(params.depth),
       force_limit_reaction_(params.on_force_limit, params.stop_deceleration_m_per_s2, params.period_s),
       stabilisers_(params.stabilisers, LawOf(params), params.period_s) {
-  limiter_.Cap(ForceLimit_N(params));
+  limiter_.LowerForceLimit(ForceLimit_N(params));
 }
 
 void CouplingPipeline::Reset() OSTEON_RT {
@@ -24,7 +24,7 @@ void CouplingPipeline::Reset() OSTEON_RT {
 }
 
 void CouplingPipeline::OnGainsChanged() OSTEON_RT {
-  limiter_.Cap(ForceLimit_N(params_));
+  limiter_.LowerForceLimit(ForceLimit_N(params_));
   if (params_.law == Law::kAdmittance) stabilisers_.SetLaw(LawOf(params_.admittance, params_));
 }
 

@@ -121,8 +121,8 @@ class Line {
                                                             : GuardSession::kMonitoring;
     std::copy_n(body_->q().data(), 7, seen.q_meas.begin());
     if (seen.session >= GuardSession::kWaiting) seen.q_ipo = GuardBench::StartJoints();
-    static_cast<void>(monitor_.Arm(seen, now_));
-    monitor_.Look(now_);
+    static_cast<void>(monitor_.OnArmMessage(seen, now_));
+    monitor_.CheckSilence(now_);
   }
 
   void Answer(const Op& op, std::uint32_t message) {
@@ -168,7 +168,7 @@ class Line {
       if (guarded_) return;
       datagram[which * datagram.size() / 7] ^= static_cast<std::uint8_t>(1u << which);
     }
-    if (guarded_ && monitor_.Command(command, now_ + 300'000) != GuardDecision::kPass) return;
+    if (guarded_ && monitor_.OnCommand(command, now_ + 300'000) != GuardDecision::kPass) return;
     static_cast<void>(server_.Receive(datagram));
   }
 

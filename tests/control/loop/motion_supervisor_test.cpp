@@ -11,8 +11,8 @@ using safety::CellAction, safety::CellEvent, safety::CellState, safety::Fault;
 MotionSupervisor Rendering() {
   MotionSupervisor supervisor;
   static_cast<void>(supervisor.Apply(CellEvent::kArmSeen));
-  static_cast<void>(supervisor.Apply(CellEvent::kInOrder));
-  EXPECT_EQ(supervisor.Apply(CellEvent::kBeginThere), CellAction::kBeginRendering);
+  static_cast<void>(supervisor.Apply(CellEvent::kPermitsHold));
+  EXPECT_EQ(supervisor.Apply(CellEvent::kBeginRendering), CellAction::kBeginRendering);
   supervisor.SetRendered();
   return supervisor;
 }
@@ -57,8 +57,8 @@ TEST(MotionSupervisor, NoRecoveryOfAnotherFaultNorOfARunThatWasAskedToEnd) {
 TEST(MotionSupervisor, AStopOnTheWayToTheStartIsThatWaysPhase) {
   MotionSupervisor supervisor;
   static_cast<void>(supervisor.Apply(CellEvent::kArmSeen));
-  static_cast<void>(supervisor.Apply(CellEvent::kInOrder));
-  EXPECT_EQ(supervisor.Apply(CellEvent::kBeginAway), CellAction::kBeginPath);
+  static_cast<void>(supervisor.Apply(CellEvent::kPermitsHold));
+  EXPECT_EQ(supervisor.Apply(CellEvent::kBeginAligning), CellAction::kBeginPath);
   supervisor.SetOnPath(true);
   static_cast<void>(supervisor.Apply(CellEvent::kStopRequested));
   EXPECT_EQ(supervisor.phase(), Phase::kAligning);
