@@ -56,7 +56,7 @@ struct Redundancy {
   double arm_angle_rad;  // wanted
   std::optional<kinematics::SerialChain<7>> body;
   std::optional<safety::JointTorqueLimit<7>> torques;  // if there is a body
-  kinematics::WantedLoad<7> load;                      // torque limits: of the drives
+  kinematics::LoadTarget<7> load;                      // torque limits: of the drives
   bool arrived{false};                                 // the wanted arm angle has been reached once
 };
 struct NoRedundancy {};
@@ -307,7 +307,7 @@ void JointFollower<Arm>::BrakeBeforeBounds(const kinematics::MotionInput<kN>& wa
   braking.V_BT.v = X_BW_.linear() * workspace_.Limit(X_WT_.translation(), v_before_WT, params_.period_s).v_WT;
   braking.V_BT.w = V_before.template tail<3>();
   braking.qd_null = wanted.qd_before;
-  braking.at_once = true;
+  braking.ignore_acceleration = true;
   kinematics::MotionOutput<kN> brakes = motion_.Step(braking);
   // Moves `more` toward `allowed` until it is allowed: bisection over the share of the difference.
   const auto add = [&](const kinematics::MotionOutput<kN>& allowed, kinematics::MotionOutput<kN>& more) {
@@ -382,8 +382,8 @@ typename Arm::Joints JointFollower<Arm>::NullSpaceVelocity(
       const double held =
           kinematics::HeldLoad<7>(elbow_.load, Jacobian(), Gravity(), X_BW_.linear() * X_WT_.linear().col(2))
               .value;
-      load =
-          kinematics::TowardsLoad<7>(params_.posture, *elbow_.body, elbow_.load, q_, null_direction_, held);
+      load = kinematics::LoadGradientMotion<7>(params_.posture, *elbow_.body, elbow_.load, q_,
+                                               null_direction_, held);
     }
     // an arm angle at which the arm cannot hold the load is not worth holding
     const double worth = 1.0 - load.depth * load.depth;

@@ -60,7 +60,7 @@ class Distances {
   [[nodiscard]] std::size_t size() const { return around_.balls.size() * things_; }
 
   std::vector<double> At(const kinematics::JointVectorN<N>& q) const {
-    const auto posture = chain_.Place(q);
+    const auto posture = chain_.ComputePosture(q);
     std::vector<double> d;
     d.reserve(size());
     for (const PathBall& ball : around_.balls) {

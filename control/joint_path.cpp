@@ -77,7 +77,7 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
   typename kinematics::SerialChain<N>::Posture posture;
   for (int k = 0; k <= kSamples; ++k) {
     const double u = static_cast<double>(k) / kSamples;
-    chain_.Place(q_from_ + Share(u) * way, posture);
+    chain_.ComputePosture(q_from_ + Share(u) * way, posture);
     const Vector3 p_BT = posture.X_BF * p_FT_m_;
     Vector3 v = Vector3::Zero(), w = Vector3::Zero();
     for (int i = 0; i < N; ++i) {

@@ -21,11 +21,11 @@ template <int N>
 void Complete(Eigen::Matrix<double, N, N>& V, int from) {
   for (int k = from; k < N; ++k) {
     int least = 0;
-    double least_in = std::numeric_limits<double>::infinity();
+    double min_in = std::numeric_limits<double>::infinity();
     for (int i = 0; i < N; ++i) {
       const double in = V.row(i).head(k).squaredNorm();
-      if (in >= least_in) continue;
-      least_in = in;
+      if (in >= min_in) continue;
+      min_in = in;
       least = i;
     }
     Eigen::Matrix<double, N, 1> v = Eigen::Matrix<double, N, 1>::Unit(least);

@@ -38,7 +38,7 @@ struct Place {
   double cost;
 
   Place(const SerialChain<N>& chain, const Pose& X_BD, double length_m, const JointVectorN<N>& at)
-      : q(at), posture(chain.Place(at)) {
+      : q(at), posture(chain.ComputePosture(at)) {
     const Matrix3 R_BF = posture.X_BF.linear();
     error.head<3>() = X_BD.translation() - posture.X_BF.translation();
     error.tail<3>() = length_m * (R_BF * LogRotation(R_BF.transpose() * X_BD.linear()));

@@ -262,7 +262,7 @@ TEST(GuardMonitor, HoldsForcesToTheCellsLimitWithoutAnyMargin) {
 TEST(GuardMonitor, TorquesOfAWrenchWithinTheLimitsAlwaysPass) {
   const kinematics::SerialChain<7> chain(GuardBench::Params().arm);
   const GuardJoints q = GuardBench::StartJoints();
-  const auto posture = chain.Place(Eigen::Map<const kinematics::JointVector>(q.data()));
+  const auto posture = chain.ComputePosture(Eigen::Map<const kinematics::JointVector>(q.data()));
   const auto J = chain.JacobianAt(posture, posture.X_BF * GuardBench::Params().X_FT.translation());
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
@@ -378,7 +378,7 @@ TEST(GuardMonitor, AnArmThatFallsSilentIsNotHeldAgainstTheController) {
 TEST(GuardMonitor, FindsAHandThatPushesBeyondItsLimitByTheArmsTorques) {
   const kinematics::SerialChain<7> chain(GuardBench::Params().arm);
   const auto J = chain.Jacobian(
-      chain.Place(Eigen::Map<const kinematics::JointVector>(GuardBench::StartJoints().data())));
+      chain.ComputePosture(Eigen::Map<const kinematics::JointVector>(GuardBench::StartJoints().data())));
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
   const auto push = [&](double force_N, int messages) {
