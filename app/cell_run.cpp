@@ -421,7 +421,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   result.recording = counts ? *counts : (*recorder)->counts();
   if (!counts) result.recording_error = counts.error();
   result.events = runner.events();
-  result.least_wall_m = watch.least_wall_m();
+  result.least_wall_m = watch.min_wall_m();
   return run;
 }
 

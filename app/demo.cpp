@@ -157,7 +157,7 @@ int RunDemo(const DemoOptions& options) {
   if (!engine) return Fail("demo", engine.error());
   const auto governor = MakeGovernor(*setup, options.device);
 
-  if (!setup->solid && setup->config.scene.events.least_wall_m > 0.0)
+  if (!setup->solid && setup->config.scene.events.min_wall_m > 0.0)
     fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
                setup->bone.name);
 

@@ -56,7 +56,7 @@ tl::expected<void, std::string> PrepareRunner(Runner& runner, const std::string&
     late = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count() > most_seconds;
     return late || Interrupted();
   };
-  if (simulation::Prepare(*runner.engine, runner.player, runner.last, stop)) return {};
+  if (simulation::RunUntilReady(*runner.engine, runner.player, runner.last, stop)) return {};
   if (Interrupted()) return tl::unexpected(method + ": ended by Ctrl-C before the tool was seated");
   if (late)
     return tl::unexpected(fmt::format("{}: the tool was not seated within {:g} s", method, most_seconds));

@@ -70,8 +70,8 @@ std::vector<simulation::Ball> Pack(const PackOptions& options, const PackSource&
   if (options.disjoint) {
     simulation::DisjointParams params{.seed = options.seed, .threads = options.threads};
     if (options.count) params.count = *options.count;
-    if (options.r_min_mm) params.least_radius_m = r_min_m;
-    if (options.r_max_mm) params.greatest_radius_m = r_max_m;
+    if (options.r_min_mm) params.min_radius_m = r_min_m;
+    if (options.r_max_mm) params.max_radius_m = r_max_m;
     params.grade = options.grade.value_or(0.0);
     return simulation::BuildDisjointPacking(*source.solid, *source.zone, params);
   }
@@ -86,8 +86,8 @@ std::vector<simulation::Ball> Pack(const PackOptions& options, const PackSource&
   return simulation::BuildPacking(*source.solid, *source.zone,
                                   simulation::OverlapParamsFor(*source.solid, *source.zone,
                                                                {.count = options.count.value_or(0),
-                                                                .least_radius_m = r_min_m,
-                                                                .greatest_radius_m = r_max_m,
+                                                                .min_radius_m = r_min_m,
+                                                                .max_radius_m = r_max_m,
                                                                 .grade = options.grade.value_or(0.0),
                                                                 .seed = options.seed,
                                                                 .threads = options.threads}));
@@ -213,7 +213,7 @@ int Run(const PackOptions& options) {
   PackResult result{.mode = options.disjoint ? "disjoint" : "overlap"};
   result.bone.name = source->name;
   result.bone.materials = source->materials;
-  result.bone.cup = source->site;
+  result.bone.site = source->site;
   result.zone = source->zone_text;
   result.triangles = source->triangles;
   result.even_solid = source->even;

@@ -194,7 +194,7 @@ std::optional<CoarserZones> CoarserFor(const PlanScene& scene, const FidelityPla
     const PackingLevel coarser = simulation::Scaled(level, factor, scene.cut);
     const double error_m =
         simulation::PredictRemovalError(coarser.fine, scene.cut).total_m() + plan.tool_gap_m;
-    if (!simulation::Holds(coarser, scene.cut) || error_m > kMaxError_m) return std::nullopt;
+    if (!simulation::IsInValidRange(coarser, scene.cut) || error_m > kMaxError_m) return std::nullopt;
     const double frame_us = slower * model_us(coarser);
     if (frame_us <= most_us)
       return CoarserZones{.level = coarser, .promised_m = error_m / kRemovalShare, .frame_us = frame_us};

@@ -111,8 +111,8 @@ void SummariseCut(const CellSetup& setup, const simulation::CarvedState& after, 
   const simulation::ApexDepth depth(setup.bone, tool);
   s.cup_depth_m = run.cup_depth_m;
   s.reamed_depth_m = run.reamed.depth_m();
-  const auto floor_m = simulation::FirstHit(simulation::LiveBalls(after), setup.bone.cup.center_m,
-                                            -Vector3(setup.bone.cup.axis));
+  const auto floor_m = simulation::FirstHit(simulation::LiveBalls(after), setup.bone.site.center_m,
+                                            -Vector3(setup.bone.site.axis));
   s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;
   s.state_hash = fmt::format("{:016x}", simulation::HashState(after));
 }

@@ -156,9 +156,9 @@ std::optional<ZoneGovernor::Made> ZoneGovernor::Take(const simulation::CuttingEn
     if (!simulation::CarveTrail(*making->carver, rest)) return refuse("a frame of the carving was refused");
     simulation::CarvedState carved = making->carver->Snapshot();
     const simulation::CarvedState counted = now.Snapshot();
-    if (!simulation::Arrived(carved, Pose(counted.X_GP), lever_m_, kArrived_m))
+    if (!simulation::ReachedPose(carved, Pose(counted.X_GP), lever_m_, kArrived_m))
       return refuse("bone that the tool does not cut is in its way");
-    making->made.engine->Restore(simulation::TakeOver(std::move(carved), counted));
+    making->made.engine->Restore(simulation::MergeBooks(std::move(carved), counted));
   } catch (const std::exception& error) {  // out of memory, for example: the run continues unchanged
     return refuse(error.what());
   }

@@ -140,7 +140,7 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
   if (!section.Has("split")) return;
   Reader split = section.Section("split");
   cutting.split.on = true;
-  cutting.split.least_radius_m = split.Number("least_radius_mm", 0.01, 10);
+  cutting.split.min_radius_m = split.Number("least_radius_mm", 0.01, 10);
   cutting.split.children = split.Whole("child_count", 8, 64);
   cutting.split.pool_blocks = static_cast<std::size_t>(split.Whole("pool_count", 1, 1'000'000));
 }

@@ -48,13 +48,13 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   f.exact.spindle_rad_per_s = input.spindle_rad_per_s;
   f.exact.dt_s = input.dt_s;
   f.exact.work_held_back =
-      memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres;
+      memory.energy_lead_J * std::min(1.0, input.dt_s / simulation::kEnergyLeadSeconds) * kMillimetres;
   double way_m = (X_GT.translation() - memory.X_GP.translation()).norm();
   for (std::size_t t = 0; t < start_m.size(); ++t) {
     way_m = std::max(way_m, (goal_m[t] - start_m[t]).norm());
   }
   f.rounding_mm = static_cast<float>(
-      kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / least_radius_m));
+      kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / min_radius_m));
   f.path_mm = static_cast<float>(way_m * kMillimetres);
   if (lists.made && !brute_force) MeasureDrift(f);
   // slide and advance together: at most max_slide; the immediate law goes all the way

@@ -110,7 +110,7 @@ struct VulkanEngine::Impl {
   std::size_t ball_clusters{0};   // with those of the pool
   double unit_mm3{1.0};
   // largest coordinate of a tool ball that can touch; smallest tool ball's radius
-  double extent_m{0.0}, least_radius_m{1.0};
+  double extent_m{0.0}, min_radius_m{1.0};
   bool lost{false}, brute_force{false};
   std::uint64_t frame_timeout_ns{0};
   FrameStats stats;

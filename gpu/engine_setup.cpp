@@ -65,7 +65,7 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   double largest_m = 0.0;
   for (const ToolLayout::Item& ball : tool.balls) {
     largest_m = std::max(largest_m, ball.radius_m);
-    least_radius_m = std::min(least_radius_m, ball.radius_m);
+    min_radius_m = std::min(min_radius_m, ball.radius_m);
   }
   extent_m += largest_m;
   data.resize(AllBalls(), vec4{0, 0, 0, 0});
@@ -132,7 +132,7 @@ void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   still.cutter_count = static_cast<uint>(tool.cutter_count);
   still.ball_count = static_cast<uint>(AllBalls());
   still.first_child = pool ? static_cast<uint>(pool->FirstCluster() * kGroupSize) : 0;
-  still.split_radius_mm = static_cast<float>(kMillimetres * params.split.least_radius_m);
+  still.split_radius_mm = static_cast<float>(kMillimetres * params.split.min_radius_m);
   still.point_count = static_cast<uint>(point_count);
   still.material_count = static_cast<uint>(materials.size());
   still.immediate = params.law == simulation::RemovalLaw::kImmediate ? 1 : 0;

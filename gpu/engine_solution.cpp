@@ -53,17 +53,17 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) {
   s.contact_fraction = std::min(1.0, std::bit_cast<double>(done.contact_key));
 
   ReadNearField(done, s.contact_fraction);
-  simulation::ContactHold held;
-  held.hold.count = static_cast<int>(done.hold_count);
+  simulation::ContactSolution held;
+  held.goal.count = static_cast<int>(done.hold_count);
   for (std::size_t k = 0; k < done.hold_count; ++k) {
-    held.hold.plane[k] = done.hold_candidate[k];  // the same indices as in FindCandidates
-    held.hold.multiplier_m[k] = done.exact.hold[k] / kMillimetres;
+    held.goal.plane[k] = done.hold_candidate[k];  // the same indices as in FindCandidates
+    held.goal.multiplier_m[k] = done.exact.hold[k] / kMillimetres;
     candidates.pairs[done.hold_candidate[k]].n = Direction(done.exact.hold_n[k]);
   }
   held.friction_m = ToMetres(done.friction_mm);
-  held.hold.point_m = ToMetres(done.exact.delta) - held.friction_m;
-  held.hold.slack_m = done.friction_mm.w / kMillimetres;
-  WeighHold(held);
+  held.goal.point_m = ToMetres(done.exact.delta) - held.friction_m;
+  held.goal.slack_m = done.friction_mm.w / kMillimetres;
+  ComputeForceCap(held);
   const Vector3 from_m = memory.X_GP.translation(), to_m = X_GT.translation();
   s.origin_contact = from_m + s.contact_fraction * (to_m - from_m);
   const simulation::ContactInput asked{
@@ -71,9 +71,9 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) {
       .motion_G_m = to_m - s.origin_contact,
       .turn_G = (1.0 - s.contact_fraction) * LogRotation(X_GT.linear() * memory.X_GP.linear().transpose()),
       .friction = done.friction};
-  simulation::ContactHold unturned;
+  simulation::ContactSolution unturned;
   unturned.friction_m = ToMetres(done.exact.shift) - asked.motion_G_m;
-  ReportContacts(params, near, candidates, held, unturned, asked, memory.contact, s);
+  FillContacts(params, near, candidates, held, unturned, asked, memory.contact, s);
   s.cutting_m = done.exact.cutting / kMillimetres;
   s.n = s.cutting_m > 0.0 ? Direction(done.exact.n) : Vector3::Zero();
   s.advance_m = done.exact.advance / kMillimetres;

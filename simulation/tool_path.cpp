@@ -13,7 +13,7 @@ ToolPoints PlaceTool(const Tool& tool, const Pose& X_GT) {
   return points;
 }
 
-ToolPoints Between(const ToolPoints& a, const ToolPoints& b, double s) {
+ToolPoints InterpolatePoints(const ToolPoints& a, const ToolPoints& b, double s) {
   ToolPoints points(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) points[i] = a[i] + s * (b[i] - a[i]);
   return points;

@@ -46,7 +46,7 @@ double ExactFirstContact(dvec3 D, dvec3 m, double R) {
 
 // The slide to perform: with the turn, or straight where bone keeps the tool from turning (equivalent to
 // ReferenceEngine::Frame).
-const double kTurnWorth_mm = 1e3 * kTurnWorth_m;
+const double kRotationBias_mm = 1e3 * kRotationBias_m;
 struct Slide {
   bool turns;
   double share;  // fraction of the way to the target
@@ -59,7 +59,7 @@ Slide ChosenSlide() {
   double full_way = full * frame.exact.way, straight_way = straight * frame.exact.straight_way;
   uint turning = frame.turning;
   dvec3 delta = frame.exact.delta, shift = frame.exact.shift;
-  bool turns = turning == 0u || SlidesTurning(met < limit, full_way, straight_way, kTurnWorth_mm);
+  bool turns = turning == 0u || SlidesTurning(met < limit, full_way, straight_way, kRotationBias_mm);
   return Slide(turns, turns ? full : straight, turns ? full_way : straight_way, turns ? delta : shift);
 }
 // Position of a tool ball after the slide, from its position at first contact.

@@ -210,9 +210,9 @@ struct SplitUpload {
 
 // A block of children.
 struct Block {
-  float least_mm;  // smaller children are dropped
-  uint live;       // number of children left
-  uint waits;      // 1: the children are not made yet
+  float min_mm;  // smaller children are dropped
+  uint live;     // number of children left
+  uint waits;    // 1: the children are not made yet
 };
 
 // A cluster of 64 balls or points, and the tool balls that can meet it: tool_refs[first …] in ascending

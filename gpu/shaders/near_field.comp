@@ -13,7 +13,7 @@
 
 const double kPi = 3.14159265358979323846lf;
 const double kMaxLens_mm3 = 1e9 * kMaxLensVolume;
-const double kMiddleWorth_mm = 1e3 * kMiddleWorth_m;
+const double kBinCentreBias_mm = 1e3 * kBinCentreBias_m;
 const float kDirectionRounding = 1e-5;  // of a cosine in floats: this near to a bin's edge they cannot decide the side
 
 // Equivalent to simulation::LensVolume, up to the largest volume that counts.
@@ -28,7 +28,7 @@ double LensVolume(double r1, double r2, double d) {
 // double precision.
 struct Bin {
   uint number;
-  float off_middle, inside;
+  float off_centre, inside;
 };
 Bin FindBin(vec3 u, bool cutting) {
   vec3 size = abs(u);
@@ -48,7 +48,7 @@ Bin FindBin(vec3 u, bool cutting) {
 }
 struct ExactBin {
   uint number;
-  double off_middle;
+  double off_centre;
 };
 ExactBin FindExactBin(dvec3 u, bool cutting) {
   dvec3 size = abs(u);
@@ -90,7 +90,7 @@ Pair Touch(Near near, vec4 ball, vec4 at, bool cutting) {
   vec3 n = from_bone * (1.0 / max(d, 1e-20));
   bool is_near = ball.w > 0.0 && gap < near.enlargement + near.rounding;
   Bin bin = FindBin(InTool(near, n), cutting);
-  float score = gap + float(kMiddleWorth_mm) * bin.off_middle - near.rounding;
+  float score = gap + float(kBinCentreBias_mm) * bin.off_centre - near.rounding;
   uint units = KeptUnits(ScoreUnits(score), kBoneBits);
   float most = max(max(dot(n, near.face_0), dot(n, near.face_1)), max(dot(n, near.face_2), dot(n, near.face_3)));
   // the smallest key so far, or an older one: the upper half of its 64 bits begins with the units
@@ -121,7 +121,7 @@ void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   if (exact.d <= 0.0lf || exact.gap >= near.exact_enlargement) return;
   ExactBin bin =
       FindExactBin(dvec3(dot(exact.n, near.exact_x), dot(exact.n, near.exact_y), dot(exact.n, near.exact_z)), cutting);
-  uint units = ScoreUnits(exact.gap + kMiddleWorth_mm * bin.off_middle);
+  uint units = ScoreUnits(exact.gap + kBinCentreBias_mm * bin.off_centre);
   // other invocations may have found nearer pairs since
   if (kKeysApart && KeptUnits(units, kBoneBits) > UnitsOfHalf(frame_halves[2u * bin.number + 1u], kBoneBits)) return;
   uint64_t key = BinKey(units, bone, t, kBoneBits);
@@ -135,15 +135,15 @@ void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   }
 }
 // Smallest key of a workgroup: the units decide first. Called by all its invocations.
-shared uint least_units[kBins];
+shared uint min_units[kBins];
 void TakeLeast() {
-  if (gl_LocalInvocationID.x < kBins) least_units[gl_LocalInvocationID.x] = 0xffffffffu;
+  if (gl_LocalInvocationID.x < kBins) min_units[gl_LocalInvocationID.x] = 0xffffffffu;
   barrier();
   bool waits = waiting.bin < kBins;
   uint units = UnitsOfKey(waiting.key, kBoneBits);
-  if (waits) atomicMin(least_units[waiting.bin], units);
+  if (waits) atomicMin(min_units[waiting.bin], units);
   barrier();
-  if (waits && units == least_units[waiting.bin]) atomicMin(frame.bin_keys[waiting.bin], waiting.key);
+  if (waits && units == min_units[waiting.bin]) atomicMin(frame.bin_keys[waiting.bin], waiting.key);
 }
 
 // Sums of one face over this invocation's pairs, as integers: weight and weight·n (doubles hold integers up to 2^53),

@@ -1,5 +1,5 @@
-// Pass 3, first half: how far bone gives way in this frame (equivalent to simulation::AdvanceOfFrame, StepOfAdvance and
-// EndOfAdvance). Every invocation computes it for itself, which is cheaper than a separate pass.
+// Pass 3, first half: how far bone gives way in this frame (equivalent to simulation::ComputeAdvance, ComputeAdvanceStep and
+// ComputeAdvanceEnd). Every invocation computes it for itself, which is cheaper than a separate pass.
 struct Advance {
   double advance_mm, edge_work_Nmm;
   dvec3 step_mm;
@@ -17,11 +17,11 @@ double OneLessExp(double y) {
   return q;
 }
 
-Advance AdvanceOfFrame(double at_contact, Slide slide) {
+Advance ComputeAdvance(double at_contact, Slide slide) {
   // load all values at once
   double x = frame.exact.cutting, advance = 0.0lf, edge_work = 0.0lf;
   double spindle_rad_per_s = abs(frame.exact.spindle_rad_per_s), dt_s = frame.exact.dt_s;
-  double stiffness = frame.exact.stiffness, most_force = frame.exact.max_force, most_slide = frame.exact.max_slide;
+  double stiffness = frame.exact.stiffness, limit_force = frame.exact.max_force, limit_slide = frame.exact.max_slide;
   double held_back = frame.exact.work_held_back;
   bool immediate = frame.immediate != 0u, turns = spindle_rad_per_s != 0.0lf && dt_s > 0.0lf;
   dvec3 n = frame.exact.n, delta = frame.exact.delta, start = frame.exact.start, goal = frame.exact.goal;
@@ -35,9 +35,9 @@ Advance AdvanceOfFrame(double at_contact, Slide slide) {
     work_per_mm += frame.exact.cutting_energy[m] * own;
   }
   if (x > 0.0lf && turns) {
-    double most = max(0.0lf, most_slide - slide.way_mm);
+    double most = max(0.0lf, limit_slide - slide.way_mm);
     double arm = area > 0.0lf ? moment / area : 0.0lf;
-    double force = min(stiffness * x, most_force);
+    double force = min(stiffness * x, limit_force);
     double work = force * spindle_rad_per_s * arm * dt_s;
     if (immediate) {
       advance = x;

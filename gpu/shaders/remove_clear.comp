@@ -159,7 +159,7 @@ void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
     }
     if (child) {
       uint block = (index - frame.first_child) / kGroupSize;
-      if (ball.w < blocks[block].least_mm) ball.w = 0.0;
+      if (ball.w < blocks[block].min_mm) ball.w = 0.0;
       if (ball.w == 0.0) atomicAdd(blocks[block].live, 0xffffffffu);
     }
   }
@@ -315,7 +315,7 @@ void main() {
   way.cutter = ToolOf(frame.touching);
   way.at_contact = ExactFraction();
   way.slid_by = ChosenSlide();
-  Advance advance = AdvanceOfFrame(way.at_contact, way.slid_by);
+  Advance advance = ComputeAdvance(way.at_contact, way.slid_by);
   way.step_mm = advance.step_mm;
   way.rounding = frame.rounding_mm;
   way.rough_contact = float(way.at_contact);

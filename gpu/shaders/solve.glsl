@@ -1,4 +1,4 @@
-// Pass 2, second half, in one workgroup (equivalent to simulation/contact_law.cpp and hold_point.cpp): the pairs that may hold
+// Pass 2, second half, in one workgroup (equivalent to simulation/contact_law.cpp and constrained_goal.cpp): the pairs that may hold
 // the tool, the point at which their planes hold it, friction, and the resultant of the cutting faces. In double precision: a
 // few dozen planes, whose active set depends on small differences.
 //
@@ -131,7 +131,7 @@ Held OfLane(Held own, uint lane) {
               subgroupBroadcast(own.point, lane), subgroupBroadcast(own.slack, lane));
 }
 
-// Equivalent to simulation::FindHoldPoint, about `shift` instead of the tool's pose: run by one subgroup, with the same result
+// Equivalent to simulation::FindConstrainedGoal, about `shift` instead of the tool's pose: run by one subgroup, with the same result
 // on every lane.
 Held FindHold(uint hold, dvec3 shift, bool start) {
   uint lane = gl_SubgroupInvocationID, rank = SubgroupRank(), workers = SubgroupWorkers();

@@ -7,7 +7,7 @@
 #include "first_contact.glsl"
 #include "pairs.glsl"
 
-const double kSameTouch_mm = 1e3 * kSameTouch_m;
+const double kTieTolerance_mm = 1e3 * kTieTolerance_m;
 
 // Smallest for the first in the tool's own order.
 uint KeyOf(uint t) { return uint(texelFetch(tool_texels, int(2u * t + 1u)).w) << kToolBits | t; }
@@ -24,7 +24,7 @@ bool Touches(vec4 ball, uint t, double last) {
 
 void main() {
   uint row = Row(), key = kNoToolBall;
-  double s = FromKey(frame.contact_key), last = min(1.0lf, s + kSameTouch_mm / double(frame.path_mm));
+  double s = FromKey(frame.contact_key), last = min(1.0lf, s + kTieTolerance_mm / double(frame.path_mm));
   bool met = s < 2.0lf;
   float rough_last = AtLeast(last), rounding = frame.rounding_mm;
   if (kOneCutter) {

@@ -30,10 +30,10 @@ PackingParams OverlapParams(const PackingLevel& level) {
   params.lattice = {.finest_m = a, .coarser_from_m = {fine_m, fine_m + 2.0 * r}};
   params.cup_radius_cap_m = r;
   params.cup_depth_m = d;
-  params.least_radius_m = std::max(0.001e-3, 0.1 * r);
+  params.min_radius_m = std::max(0.001e-3, 0.1 * r);
   params.surface_gap_m = level.fine.surface_gap_m;
   params.surface_gap_growth = kGapGrowth;
-  params.greatest_surface_gap_m = kMaxGap * a;
+  params.max_surface_gap_m = kMaxGap * a;
   params.samples = {.finest_m = a / 6.0, .coarser_from_m = {d + 0.5 * r, d + 3.0 * r}};
   if (level.kind == PackingKind::kUniform) params.lattice.coarser_from_m = params.samples.coarser_from_m = {};
   return params;
@@ -68,7 +68,7 @@ bool FitsWall(const PackingLevel& level, const CutShape& cut) {
          (cut.wall_m == 0.0 || level.fine.radius_m <= 0.5 * cut.wall_m);
 }
 
-bool Holds(const PackingLevel& level, const CutShape& cut) {
+bool IsInValidRange(const PackingLevel& level, const CutShape& cut) {
   const PackingFineness& fine = level.fine;
   if (!FitsWall(level, cut)) return false;
   if (level.kind == PackingKind::kSplit)
@@ -106,14 +106,14 @@ PackingLevel Scaled(const PackingLevel& level, double factor, const CutShape& cu
 std::optional<PackingLevel> CoarsestLevel(PackingKind kind, double error_m, const CutShape& cut,
                                           double zone_depth_m) {
   std::optional<PackingLevel> best;
-  const double most_ratio = cut.along_surface ? kMaxOverSpacing : kMaxInto;
-  for (double ratio = kMinOverSpacing; ratio < most_ratio + 0.05; ratio += 0.1) {
+  const double max_ratio = cut.along_surface ? kMaxOverSpacing : kMaxInto;
+  for (double ratio = kMinOverSpacing; ratio < max_ratio + 0.05; ratio += 0.1) {
     const auto level_of = [&](double spacing_m) {
       return MakeLevel(kind, spacing_m, ratio, cut, zone_depth_m);
     };
     const auto serves = [&](double spacing_m) {
       const PackingLevel level = level_of(spacing_m);
-      return Holds(level, cut) && PredictRemovalError(level.fine, cut).total_m() <= error_m;
+      return IsInValidRange(level, cut) && PredictRemovalError(level.fine, cut).total_m() <= error_m;
     };
     if (!serves(kFinest_m)) continue;
     double fine = kFinest_m, coarse = kCoarsest_m;
@@ -146,7 +146,7 @@ CuttingParams CuttingForLevel(const PackingLevel& level, const CutShape& cut, co
   params.split.on = level.kind == PackingKind::kSplit;
   if (!params.split.on) return params;
   params.split.children = level.fine.children;
-  params.split.least_radius_m = kMinSplit * level.fine.spacing_m;
+  params.split.min_radius_m = kMinSplit * level.fine.spacing_m;
   const double blocks = 1.5 * ExpectedChildren(level, cut) / level.fine.children;
   params.split.pool_blocks = static_cast<std::size_t>(std::clamp(blocks, 1024.0, 1e6));
   return params;

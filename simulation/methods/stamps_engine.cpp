@@ -69,7 +69,7 @@ MethodFrame StampsEngine::Solve(const Pose&, const Pose& X_GT, const FrameInput&
   if (free.back() != goal.back() && !Overlaps(free)) {
     ToolPoints blocked = goal;
     for (int i = 0; i < kHalvings; ++i) {
-      const ToolPoints middle = Between(blocked, free, 0.5);
+      const ToolPoints middle = InterpolatePoints(blocked, free, 0.5);
       (Overlaps(middle) ? blocked : free) = middle;
     }
   }

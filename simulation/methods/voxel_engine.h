@@ -40,7 +40,7 @@ class VoxelEngine final : public VoxelMethod {
     std::size_t tool_ball{0};    ///< the ball that was stopped
     Vector3 n{Vector3::Zero()};  ///< normal there; zero where the density has no gradient
   };
-  [[nodiscard]] bool Blocked(const ToolPoints& at) const;
+  [[nodiscard]] bool IsBlocked(const ToolPoints& at) const;
   [[nodiscard]] March MarchTowards(const ToolPoints& from, const ToolPoints& to) const;
   void FindNormal(const ToolPoints& at, March& march) const;
 };

@@ -26,9 +26,9 @@ void CheckGrade(const std::string& name, const GradeParams& grade, double min_m,
 std::vector<Cell> GradedRoots(const Solid& solid, const GradeParams& params) {
   // Start above the coarsest level, so that one query each decides large empty parts.
   const Eigen::AlignedBox3d box = solid.Bounds();
-  const double least_side = 0.125 * box.sizes().maxCoeff();
+  const double min_side = 0.125 * box.sizes().maxCoeff();
   int top = static_cast<int>(params.coarser_from_m.size());
-  while (std::ldexp(params.finest_m, top) < least_side) ++top;
+  while (std::ldexp(params.finest_m, top) < min_side) ++top;
   const double side = std::ldexp(params.finest_m, top);
   std::array<std::int32_t, 3> first{}, last{};
   for (int axis = 0; axis < 3; ++axis) {

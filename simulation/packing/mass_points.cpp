@@ -77,7 +77,7 @@ class Builder {
     Vector3 in_cell(i % n, i / n % n, i / (n * n));
     for (int axis = 0; axis < 3; ++axis)
       in_cell[axis] += Uniform(MixBits((cell_bits + 3 * i + axis) * kSplitMixStep));
-    return cell.least_corner() + cell.side_m / n * in_cell;
+    return cell.min_corner() + cell.side_m / n * in_cell;
   }
   [[nodiscard]] static std::uint64_t BitsOf(const Cell& cell) {
     return CellRandom(cell, kSampleSalt).NextBits();
@@ -137,7 +137,7 @@ class Builder {
   /// Calls visit(site, squared reach) for the sites nearer to the cell than `factor` separations.
   template <typename Visit>
   void ForEachSiteNear(const Cell& cell, double factor, const Visit& visit) const {
-    const Vector3 low = cell.least_corner(), high = low + Vector3::Constant(cell.side_m);
+    const Vector3 low = cell.min_corner(), high = low + Vector3::Constant(cell.side_m);
     for (int level = 0; level < lookup_.levels(); ++level) {
       const double reach = factor * 0.5 * kMassPointSeparation * (cell.side_m + lookup_.side_m(level));
       const Vector3 margin = Vector3::Constant(reach);

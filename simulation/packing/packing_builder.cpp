@@ -22,9 +22,9 @@ void Check(const PackingParams& p) {
   CheckGrade("packing: lattice", p.lattice, 0.02e-3, 0.500);
   CheckGrade("packing: surface samples", p.samples, 0.001e-3, 0.010);
   CheckRangeMm("packing: cup radius cap", p.cup_radius_cap_m, 0.56 * p.lattice.finest_m, 0.500);
-  CheckRangeMm("packing: least radius", p.least_radius_m, 0.001e-3, p.cup_radius_cap_m);
-  CheckRangeMm("packing: surface gap", p.surface_gap_m, 0.001e-3, p.greatest_surface_gap_m);
-  CheckRangeMm("packing: greatest surface gap", p.greatest_surface_gap_m, p.surface_gap_m, 0.050);
+  CheckRangeMm("packing: least radius", p.min_radius_m, 0.001e-3, p.cup_radius_cap_m);
+  CheckRangeMm("packing: surface gap", p.surface_gap_m, 0.001e-3, p.max_surface_gap_m);
+  CheckRangeMm("packing: greatest surface gap", p.max_surface_gap_m, p.surface_gap_m, 0.050);
   if (p.radius_growth && !(*p.radius_growth >= 0.0 && *p.radius_growth <= 1.0))
     throw std::invalid_argument(
         fmt::format("packing: radius growth: found {:g}, accepted 0 … 1", *p.radius_growth));
@@ -46,7 +46,7 @@ std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const Pa
     const double distance = solid.SignedDistance(cell.center());
     if (distance > cell.reach_m()) return;
     site(cell.center(), distance);
-    site(cell.least_corner(), solid.SignedDistance(cell.least_corner()));
+    site(cell.min_corner(), solid.SignedDistance(cell.min_corner()));
   };
   return DescendGraded<Ball>(solid, zone, params.lattice, CellsWanted::kSolid, params.threads, kMaxBalls,
                              add);
@@ -102,7 +102,7 @@ double PackingParams::RadiusCapAt(double depth_m, double spacing_m) const {
 double PackingParams::SurfaceGapAt(double depth_m) const {
   const std::vector<double>& from = lattice.coarser_from_m;
   const double below_finest = from.empty() ? 0.0 : std::max(0.0, depth_m - from.front());
-  return std::min(surface_gap_m + surface_gap_growth * below_finest, greatest_surface_gap_m);
+  return std::min(surface_gap_m + surface_gap_growth * below_finest, max_surface_gap_m);
 }
 
 std::vector<Ball> BuildPacking(const Solid& solid, const CutZone& zone, const PackingParams& asked) {

@@ -23,7 +23,7 @@ struct KindInfo {
   std::uint32_t kind;
   const char* name;
   std::size_t record_bytes;
-  std::size_t most_records;
+  std::size_t max_records;
   bool required;
 };
 constexpr std::size_t kAnyNumber = SIZE_MAX;
@@ -196,9 +196,9 @@ class PackingReader {
       Fail(at + offsetof(SectionEntry, offset), where,
            fmt::format("a gap before it: it begins at byte {}", entry.offset),
            fmt::format("byte {}", aligned));
-    if (entry.count < 1 || entry.count > info->most_records)
+    if (entry.count < 1 || entry.count > info->max_records)
       Fail(at + offsetof(SectionEntry, count), where, fmt::format("{} records", entry.count),
-           info->most_records == kAnyNumber ? "1 and more" : fmt::format("1 … {}", info->most_records));
+           info->max_records == kAnyNumber ? "1 and more" : fmt::format("1 … {}", info->max_records));
     // divide instead of multiplying, which could overflow: the count may be any number
     if (entry.bytes / info->record_bytes != entry.count || entry.bytes % info->record_bytes != 0)
       Fail(at + offsetof(SectionEntry, count), where,
@@ -377,7 +377,7 @@ class PackingReader {
     if (!(site.radius_m > 0.0 && site.radius_m <= 1.0))
       Fail(entry.offset + offsetof(PackedSite, radius_m), "site: radius", fmt::format("{} m", site.radius_m),
            "above 0, up to 1 m");
-    packing_.site_ = Cup{.center_m = center, .axis = axis, .radius_m = site.radius_m};
+    packing_.site_ = CutSite{.center_m = center, .axis = axis, .radius_m = site.radius_m};
   }
 
   [[nodiscard]] const SectionEntry* Entry(std::uint32_t kind) const {
@@ -405,7 +405,7 @@ Bone PackingFile::ToBone() const {
   const auto place = [this](float x, float y, float z) -> Vector3 {
     return (origin_mm_ + Vector3(x, y, z)) * 1e-3;
   };
-  Bone bone{.name = name_, .balls = {}, .points = {}, .materials = materials_, .cup = {}};
+  Bone bone{.name = name_, .balls = {}, .points = {}, .materials = materials_, .site = {}};
   bone.balls.resize(balls_.size());
   ParallelFor(
       balls_.size(), 0,
@@ -428,8 +428,8 @@ Bone PackingFile::ToBone() const {
         }
       },
       std::size_t{1} << 14);
-  bone.cup.radius_m = 0.0;
-  if (site_) bone.cup = *site_;
+  bone.site.radius_m = 0.0;
+  if (site_) bone.site = *site_;
   return bone;
 }
 

@@ -59,7 +59,7 @@ class PackingWriter {
     Add(kPoints, std::as_bytes(std::span(points_)), points_.size());
     Add(kPointMaterials, std::as_bytes(std::span(point_materials_)), point_materials_.size());
     Add(kMaterials, std::as_bytes(std::span(*materials)), materials->size());
-    if (bone_.cup.radius_m != 0.0) Add(kSite, std::as_bytes(std::span(&site_, 1)), 1);
+    if (bone_.site.radius_m != 0.0) Add(kSite, std::as_bytes(std::span(&site_, 1)), 1);
     Add(kProvenance, std::as_bytes(std::span(*provenance)), provenance->size());
     return WriteSections();
   }
@@ -155,7 +155,7 @@ class PackingWriter {
   }
 
   void PackSite() {
-    const Cup& cup = bone_.cup;
+    const CutSite& cup = bone_.site;
     if (cup.radius_m == 0.0) return;
     const Vector3 axis = cup.axis;
     if (!(cup.radius_m > 0.0 && cup.radius_m <= 1.0))

@@ -37,7 +37,7 @@ std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const Sp
   const double fine_cap = p.radius_over_spacing * p.spacing_m;
   std::vector<Ball> balls;
   for (const Cell& cell : DivideGraded(solid, zone, grade, CellsWanted::kSolid, p.threads))
-    for (const Vector3& site : {cell.center(), cell.least_corner()}) {
+    for (const Vector3& site : {cell.center(), cell.min_corner()}) {
       double cap = p.radius_over_spacing * cell.side_m;
       if (cell.level > 0)
         cap = std::min(cap, std::max(fine_cap, zone.DepthAt(site) - p.coarser_from_m + fine_cap));
@@ -63,10 +63,10 @@ std::vector<Ball> BuildSplitPacking(const Solid& solid, const CutZone& cut, cons
   surface.lattice = {.finest_m = p.spacing_m, .coarser_from_m = {p.coarser_from_m}};
   surface.cup_radius_cap_m = p.surface_radius_m;
   surface.radius_growth = kRadiusGrowth;
-  surface.least_radius_m = 0.1 * p.surface_radius_m;
+  surface.min_radius_m = 0.1 * p.surface_radius_m;
   surface.surface_gap_m = p.surface_gap_m;
   surface.surface_gap_growth = kGapGrowth;
-  surface.greatest_surface_gap_m = kMaxGap_m;
+  surface.max_surface_gap_m = kMaxGap_m;
   surface.seed = p.seed;
   surface.threads = p.threads;
   std::vector<TangentBall> samples = FindTangentBalls(

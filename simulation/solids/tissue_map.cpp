@@ -132,7 +132,7 @@ void CheckTissueMap(const TissueMap& map, std::size_t material_count) {
         fmt::format("tissue: lining_radii: found {:g}, accepted 1 … 2", map.lining->lining_radii));
 }
 
-TissueMap CupBoneTissue(const MeshTissue& tissue, const Cup& cup) {
+TissueMap CupBoneTissue(const MeshTissue& tissue, const CutSite& cup) {
   return {.shells = {{.layers = {{.material = kCortical, .thickness_m = tissue.cortical_m}},
                       .core = kCancellous,
                       .image = {}}},

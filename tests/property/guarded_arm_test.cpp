@@ -312,8 +312,9 @@ TEST(GuardOfShippedArms, LooksAtTheElbowThatTheLoopKeepsInItsZones) {
     std::srand(4);
     for (int i = 0; i < 1000; ++i) {
       const JointVector q = 2.0 * JointVector::Random();
-      EXPECT_LT((guard.Place(q).p_WElbow - loop.Points(q).p_BElbow).norm(), 1e-9) << name;
-      EXPECT_LT((guard.Place(q).p_WFlange - loop.FlangePose(q).translation()).norm(), 1e-9) << name;
+      EXPECT_LT((guard.ComputePlacement(q).p_WElbow - loop.Points(q).p_BElbow).norm(), 1e-9) << name;
+      EXPECT_LT((guard.ComputePlacement(q).p_WFlange - loop.FlangePose(q).translation()).norm(), 1e-9)
+          << name;
     }
   }
 }

@@ -1,4 +1,4 @@
-#include "simulation/hold_point.h"
+#include "simulation/constrained_goal.h"
 
 #include <algorithm>
 #include <limits>
@@ -78,7 +78,7 @@ Set Exchange(std::span<const HalfSpace> planes, const Set& held, std::size_t ent
 
 }  // namespace
 
-HoldPoint FindHoldPoint(std::span<const HalfSpace> planes, std::span<const std::size_t> start) {
+ConstrainedGoal FindConstrainedGoal(std::span<const HalfSpace> planes, std::span<const std::size_t> start) {
   Set held;
   if (!start.empty()) {
     Set likely;

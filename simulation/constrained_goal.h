@@ -11,7 +11,7 @@ namespace osteon::simulation {
 inline constexpr std::size_t kMaxHolding = 4;  ///< three planes fix a point, a fourth fixes the slack
 
 /// The point at which planes hold the origin back.
-struct HoldPoint {
+struct ConstrainedGoal {
   Vector3 point_m{Vector3::Zero()};
   double slack_m{0.0};  ///< length by which all planes yield
   int count{0};
@@ -30,7 +30,7 @@ struct HoldPoint {
 /// point is that of ClosestInHalfSpaces, but for the slack.
 /// @param start  planes that are likely to hold, at most four: where they hold by themselves, the search
 ///   begins with them
-[[nodiscard]] HoldPoint FindHoldPoint(std::span<const HalfSpace> planes,
-                                      std::span<const std::size_t> start = {});
+[[nodiscard]] ConstrainedGoal FindConstrainedGoal(std::span<const HalfSpace> planes,
+                                                  std::span<const std::size_t> start = {});
 
 }  // namespace osteon::simulation
