@@ -26,7 +26,7 @@ void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
   for (std::size_t f = 0; f < kFaces; ++f) {
     const auto weight = [&](std::size_t row, std::size_t column) {
       return static_cast<double>(done.exact.face_sums[(row * kFaces + f) * 4 + column]) /
-             (kFiner * done.face_scale);
+             (kUnitSubdivision * done.face_scale);
     };
     const auto place = [&](std::size_t row, std::size_t column) {
       return Total(done.face_sums[(row * kFaces + f) * kFaceColumns + column], done.face_point_scale) /
@@ -84,9 +84,10 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) {
       s.origin_contact + s.slide_fraction * (done.turns != 0 ? Vector3(asked.motion_G_m + s.delta) : s.shift);
   s.origin_end = s.origin_slid + ToMetres(done.exact.step);
   for (std::size_t m = 0; m < materials.size(); ++m) {
-    s.engaged_area_m2[m] = static_cast<double>(done.exact.engaged[2 * m]) / (kFiner * done.area_scale) * 1e-6;
+    s.engaged_area_m2[m] =
+        static_cast<double>(done.exact.engaged[2 * m]) / (kUnitSubdivision * done.area_scale) * 1e-6;
     s.engaged_moment_m3[m] =
-        static_cast<double>(done.exact.engaged[2 * m + 1]) / (kFiner * done.moment_scale) * 1e-9;
+        static_cast<double>(done.exact.engaged[2 * m + 1]) / (kUnitSubdivision * done.moment_scale) * 1e-9;
     s.removed_m3[m] = static_cast<double>(done.exact.removed[m]) * unit_mm3 * 1e-9;
   }
   return s;

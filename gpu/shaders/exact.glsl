@@ -15,11 +15,11 @@ vec4 InFloats(dvec4 v) { return vec4(vec3(v.xyz), float(v.w)); }
 
 // Tool ball t in double precision: floats plus their remainders.
 dvec4 ExactStart(uint t) {
-  return Exactly(texelFetch(tool_texels, int(2u * t))) + Exactly(texelFetch(tool_texels, int(kToolRest + 2u * t)));
+  return Exactly(texelFetch(tool_texels, int(2u * t))) + Exactly(texelFetch(tool_texels, int(kToolRemainder + 2u * t)));
 }
 dvec3 ExactGoal(uint t) {
   return dvec3(texelFetch(tool_texels, int(2u * t + 1u)).xyz) +
-         dvec3(texelFetch(tool_texels, int(kToolRest + 2u * t + 1u)).xyz);
+         dvec3(texelFetch(tool_texels, int(kToolRemainder + 2u * t + 1u)).xyz);
 }
 double ExactFraction() { return min(1.0lf, FromKey(frame.contact_key)); }
 dvec4 ExactAtContact(uint t, double s) {
