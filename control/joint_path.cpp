@@ -73,7 +73,7 @@ double JointPath<N>::JointDuration(const Joints& way) const OSTEON_RT {
 
 template <int N>
 double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
-  double most_m = 0.0;  // of |dp/du|
+  double max_m = 0.0;  // of |dp/du|
   typename kinematics::SerialChain<N>::Posture posture;
   for (int k = 0; k <= kSamples; ++k) {
     const double u = static_cast<double>(k) / kSamples;
@@ -86,7 +86,7 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
       v += turn.cross(p_BT - posture.p_BL[static_cast<std::size_t>(i)]);
     }
     const Vector3 v_flange = v + w.cross(posture.X_BF.translation() - p_BT);
-    most_m = std::max(most_m, Slope(u) * std::max(v.norm(), v_flange.norm()));
+    max_m = std::max(max_m, Slope(u) * std::max(v.norm(), v_flange.norm()));
   }
   double first_m = 0.0, second_m = 0.0, inner = 0.0;  // bounds of |dp/ds| and of its change
   for (int i = 0; i < N; ++i) {
@@ -96,7 +96,7 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
     inner += d;
   }
   const double change_m = second_m * kMaxSlope * kMaxSlope + first_m * kMaxCurvature;
-  return (most_m + change_m / (2.0 * kSamples)) / params_.tool_speed_m_per_s;
+  return (max_m + change_m / (2.0 * kSamples)) / params_.tool_speed_m_per_s;
 }
 
 template <int N>

@@ -46,7 +46,7 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
   for (const SolvedContact& from : solved) {
     Contact& contact = model.contacts[static_cast<std::size_t>(model.contact_count++)];
     contact.stiffness_N_per_m = params.stiffness_N_per_m;
-    const Vector3 n_W = X_WG.linear() * from.n, arm_W = X_WT.linear() * from.p_T_m;
+    const Vector3 n_W = X_WG.linear() * from.n, lever_W = X_WT.linear() * from.p_T_m;
     if (cutting && from.cutting)
       contact.advance_m_per_s = model.advance_m_per_s * std::max(0.0, from.n.dot(solution.n));
     // the bone cut in this frame is already gone, but never more than stood in the way
@@ -55,14 +55,14 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
       contact.gap_m = std::min(0.0, from.gap_m + contact.advance_m_per_s * dt_s);
     contact.p_TP_m = from.p_T_m;
     contact.n_W = n_W;
-    const Vector3 p_W = X_WT.translation() + arm_W - contact.gap_m * n_W;
+    const Vector3 p_W = X_WT.translation() + lever_W - contact.gap_m * n_W;
     contact.p_W_m = p_W;
     contact.material = from.cutting && engaged ? *engaged : map.At(X_GW * p_W);
     contact.mu = contact.material < materials.size() ? materials[contact.material].friction : 0.0;
     contact.weight = weight > 0.0 ? from.weight / weight : 0.0;
     const Vector3 f = params.stiffness_N_per_m * from.multiplier_m * n_W;
     F_T_W.f += f;
-    F_T_W.t += arm_W.cross(f);
+    F_T_W.t += lever_W.cross(f);
   }
   model.F_T_W = F_T_W;
 }
