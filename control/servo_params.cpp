@@ -58,10 +58,10 @@ StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTE
   // within a tick the damping may take at most all of the motion, on the lightest axis; with a centre off the
   // origin, the axis at the end of that lever counts
   const double lever_m = params.stabilisers.passivity.lever_m;
-  const double least_kg =
+  const double min_mass_kg =
       std::min(law.mass_kg.minCoeff(), law.inertia_kg_m2.minCoeff() / (lever_m * lever_m));
   const double centre2 = law.centre_T_m.squaredNorm();
-  const double with_lever_kg = 1.0 / (1.0 / least_kg + centre2 / law.inertia_kg_m2.minCoeff());
+  const double with_lever_kg = 1.0 / (1.0 / min_mass_kg + centre2 / law.inertia_kg_m2.minCoeff());
   return {.damping = {.Ns_per_m = law.damping_Ns_per_m,
                       .Nms_per_rad = law.damping_Nms_per_rad,
                       .centre_T_m = law.centre_T_m},

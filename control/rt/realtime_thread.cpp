@@ -102,8 +102,9 @@ bool KeepCpusAwake() noexcept {
   static const bool awake = [] {
     const int file = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
     if (file < 0) return false;
-    const std::int32_t most_us = 0;
-    if (write(file, &most_us, sizeof most_us) == sizeof most_us) return true;  // holds while the file is open
+    const std::int32_t max_latency_us = 0;
+    if (write(file, &max_latency_us, sizeof max_latency_us) == sizeof max_latency_us)
+      return true;  // holds while the file is open
     close(file);
     return false;
   }();
