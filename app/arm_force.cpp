@@ -41,7 +41,7 @@ ArmForce::ArmForce(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, c
 ArmForce::Held ArmForce::Hold(const JointVector& q, double base_turn_rad) const {
   JointVector q_hanging = q;
   q_hanging[0] += base_turn_rad;
-  const auto posture = chain_.Place(q);
+  const auto posture = chain_.ComputePosture(q);
   const Pose X_BT = posture.X_BF * X_FT_;
   return {.J_T_B = chain_.JacobianAt(posture, X_BT.translation()),
           .gravity_Nm = chain_.Gravity(q_hanging),
@@ -83,7 +83,7 @@ ToolForce ArmForce::At(const JointVector& q, double base_turn_rad) const {
 
 ArmForce::Places ArmForce::PlacesOf(const JointVector& q) const {
   // not the joints' described origins, which may be displaced along their axes
-  const auto posture = chain_.Place(q);
+  const auto posture = chain_.ComputePosture(q);
   const Vector3 p_B_wrist = posture.X_BF * Vector3(0.0, 0.0, -lbr_.wrist_to_flange_m);
   return {.p_B_elbow = p_B_wrist - lbr_.elbow_to_wrist_m * posture.axis_B(4), .p_B_wrist = p_B_wrist};
 }

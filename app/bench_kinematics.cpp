@@ -166,7 +166,7 @@ std::vector<Pairing> KinematicsPairings(const std::shared_ptr<Workload<N>>& work
     return w.J(0, 0);
   };
   const auto own_jacobian = [&w](std::size_t n) {
-    w.arm.Place(w.q[n], w.posture);
+    w.arm.ComputePosture(w.q[n], w.posture);
     w.arm.Jacobian(w.posture, w.own_J);
     return w.own_J(0, 0) + w.posture.X_BF.translation().x();
   };

@@ -207,7 +207,7 @@ class TickBench {
     const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(command_.q.data());
 
     // rehearse as RunServo does before a message is due
-    control::RehearseTick(loop_, repeat_, *link_, command_);
+    control::WarmUpTick(loop_, repeat_, *link_, command_);
     if (!wire_->Send(message)) throw std::runtime_error("the loopback took no message");
 
     std::array<rt::Nanoseconds, kStages.size() + 1> at{};
@@ -226,7 +226,7 @@ class TickBench {
     const bool recorded = recorder_->Push(record);
     at[5] = rt::MonotonicNow();
     const int calls = scope.heap_calls() + scope.locks();
-    repeat_.Saw(record, model);
+    repeat_.StoreTick(record, model);
 
     if (received != ReceiveResult::kOk || !answered) throw std::runtime_error("a message was not answered");
     message_bytes_ = message.size();

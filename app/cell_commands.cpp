@@ -19,7 +19,7 @@ CellCommands::CellCommands(CLI::App& app)
   };
   common(*cell_);
   cell_->add_option("--seconds", simulated_.seconds, "of what the operator does; without it the script's own")
-      ->check(NumberWithin(kLeastSeconds, kMostSeconds));
+      ->check(NumberWithin(kMinSeconds, kMaxSeconds));
   cell_
       ->add_option("--port", simulated_.port,
                    "the first of the cell's ports instead of its file's: FRI, PLC, two a CAN bus")
@@ -27,7 +27,7 @@ CellCommands::CellCommands(CLI::App& app)
   cell_
       ->add_option("--cpu", simulated_.cpu,
                    "its real-time threads run on this CPU, everything else stays off it: the controller's")
-      ->check(NumberWithin(0, rt::kMostCpu));
+      ->check(NumberWithin(0, rt::kMaxCpu));
   cell_->add_option("--json", simulated_.json, "write there at the end what the cell was");
   cell_->add_option(
       "--trace", simulated_.trace,
@@ -42,7 +42,7 @@ CellCommands::CellCommands(CLI::App& app)
       "--simulated", operate_.simulated,
       "start the simulated cell as well, and its guard where it has one, in processes of their own");
   run_->add_option("--seconds", operate_.seconds, "of rendering; without it until Ctrl-C")
-      ->check(NumberWithin(kLeastSeconds, kMostSeconds));
+      ->check(NumberWithin(kMinSeconds, kMaxSeconds));
   run_->add_option("--wait", operate_.wait_s,
                    "seconds for the arm and all conditions of motion, until rendering begins")
       ->capture_default_str()
@@ -66,7 +66,7 @@ CellCommands::CellCommands(CLI::App& app)
   run_->add_option("--cpu", operate_.cpu,
                    "the servo thread runs on this CPU, everything else stays off it; with --simulated the "
                    "cell's real-time threads share it")
-      ->check(NumberWithin(0, rt::kMostCpu));
+      ->check(NumberWithin(0, rt::kMaxCpu));
   AddFidelityOptions(*run_, operate_.fidelity);
   run_->add_option("--device", operate_.device, "part of a Vulkan device's name (osteon doctor lists them)");
   run_->add_option("--json", operate_.json, "write the figures there");

@@ -73,7 +73,8 @@ std::string MissingPermits(safety::MotionPermits permits) {
   std::string missing;
   for (int bit = 0; bit < safety::kMotionPermits; ++bit) {
     const auto permit = static_cast<safety::MotionPermit>(1u << bit);
-    if (!permits.Has(permit)) missing += std::string(missing.empty() ? "" : ", ") + safety::Missing(permit);
+    if (!permits.Has(permit))
+      missing += std::string(missing.empty() ? "" : ", ") + safety::DescribeMissing(permit);
   }
   return missing.empty() ? "" : "motion lacked " + missing;
 }
@@ -105,7 +106,7 @@ void TakePauses(const CellRunParams& params, control::ServoLoop& loop) {
 class StartWatch {
  public:
   StartWatch(const CellSetup& setup, control::ServoLoop& loop) : setup_(setup), loop_(loop) {
-    loop_.AllowBegin(false);
+    loop_.AllowStart(false);
   }
 
   /// The arm's position: written by the servo thread, read by this one.
@@ -117,10 +118,10 @@ class StartWatch {
     const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(arm.q.data());
     if (looked_ && (q - looked_at_).cwiseAbs().maxCoeff() < kMoved_rad) return;
     looked_at_ = q;
-    loop_.AllowBegin(false);
+    loop_.AllowStart(false);
     why_not_ = WhyNotToStart(setup_, q);
     looked_ = true;
-    loop_.AllowBegin(why_not_.empty());
+    loop_.AllowStart(why_not_.empty());
   }
 
   [[nodiscard]] const std::string& why_not() const { return why_not_; }
@@ -420,7 +421,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   result.recording = counts ? *counts : (*recorder)->counts();
   if (!counts) result.recording_error = counts.error();
   result.events = runner.events();
-  result.least_wall_m = watch.least_wall_m();
+  result.least_wall_m = watch.min_wall_m();
   return run;
 }
 

@@ -38,15 +38,15 @@ tl::expected<simulation::Bone, std::string> LoadPacking(const MeshChoice& choice
   if (!file->site() && !choice.cup) return refuse("a site", "one with it, or --cup");
   if (file->points().empty()) return refuse("mass points", "one with them (osteon pack without --no-points)");
   simulation::Bone bone = file->ToBone();
-  if (choice.cup) bone.cup = *choice.cup;
+  if (choice.cup) bone.site = *choice.cup;
   return bone;
 }
 
 }  // namespace
 
-tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
+tl::expected<simulation::CutSite, std::string> ParseCup(const std::string& text) {
   static constexpr std::array<const char*, 7> kNames{"X", "Y", "Z", "NX", "NY", "NZ", "R"};
-  static constexpr double kFar_mm = 2000.0, kLeastRadius_mm = 0.5, kMostRadius_mm = 60.0;
+  static constexpr double kFar_mm = 2000.0, kMinRadius_mm = 0.5, kMaxRadius_mm = 60.0;
   std::array<double, 7> values{};
   std::istringstream parts(text);
   std::string part;
@@ -69,16 +69,16 @@ tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
     if (std::abs(values[i]) > kFar_mm)
       return tl::make_unexpected(
           fmt::format("--cup: {}: found {} mm, accepted {} … {}", kNames[i], values[i], -kFar_mm, kFar_mm));
-  if (!(values[6] >= kLeastRadius_mm && values[6] <= kMostRadius_mm))
+  if (!(values[6] >= kMinRadius_mm && values[6] <= kMaxRadius_mm))
     return tl::make_unexpected(
-        fmt::format("--cup: R: found {} mm, accepted {} … {}", values[6], kLeastRadius_mm, kMostRadius_mm));
+        fmt::format("--cup: R: found {} mm, accepted {} … {}", values[6], kMinRadius_mm, kMaxRadius_mm));
   const Vector3 axis(values[3], values[4], values[5]);
   if (axis.stableNorm() < 1e-6)
     return tl::make_unexpected(
         std::string("--cup: NX,NY,NZ: found a zero vector, accepted the axis out of the opening"));
-  return simulation::Cup{.center_m = 1e-3 * Vector3(values[0], values[1], values[2]),
-                         .axis = Vector3(axis.stableNormalized()),
-                         .radius_m = 1e-3 * values[6]};
+  return simulation::CutSite{.center_m = 1e-3 * Vector3(values[0], values[1], values[2]),
+                             .axis = Vector3(axis.stableNormalized()),
+                             .radius_m = 1e-3 * values[6]};
 }
 
 tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& cell_yaml,
@@ -105,24 +105,24 @@ tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& ce
     if (!mesh) {
       made = simulation::MakeSceneSolid(scene);
     } else {
-      auto loaded =
-          simulation::LoadSceneSolid(mesh->file, mesh->scale, mesh->cup.value_or(simulation::Cup{}), scene);
+      auto loaded = simulation::LoadSceneSolid(mesh->file, mesh->scale,
+                                               mesh->cup.value_or(simulation::CutSite{}), scene);
       if (!loaded) return tl::make_unexpected(loaded.error().message);
       made = std::move(*loaded);
     }
     setup.bone.name = made.name;
-    setup.bone.cup = made.site;
+    setup.bone.site = made.site;
     setup.solid = made.solid;
   }
   // place the bone so that its site is where the cell wants it: the configuration's X_WG is the pose of the
   // site's frame
-  setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.cup).inverse();
+  setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.site).inverse();
   return setup;
 }
 
 void PackAsScene(CellSetup& setup) {
   if (!setup.solid) return;
-  setup.bone = simulation::PackScene({.name = setup.bone.name, .solid = setup.solid, .site = setup.bone.cup},
+  setup.bone = simulation::PackScene({.name = setup.bone.name, .solid = setup.solid, .site = setup.bone.site},
                                      setup.config.scene, setup.config.cutting.split.on);
 }
 

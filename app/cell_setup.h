@@ -20,13 +20,13 @@ namespace osteon::app {
 struct MeshChoice {
   std::filesystem::path file;
   /// The site to cut, in the file's frame, after scaling; a packing may have its own.
-  std::optional<simulation::Cup> cup{};
+  std::optional<simulation::CutSite> cup{};
   double scale{1.0};  ///< millimetres per unit of the file
 };
 
 /// Parses "X,Y,Z,NX,NY,NZ,R" (mm; the axis in any length). The error names the part, what was found and what
 /// is accepted.
-[[nodiscard]] tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text);
+[[nodiscard]] tl::expected<simulation::CutSite, std::string> ParseCup(const std::string& text);
 
 struct PlannedCell;
 

@@ -125,9 +125,9 @@ int TellResult(const DemoOptions& options, const CellSetup& setup, const simulat
 }  // namespace
 
 int RunDemo(const DemoOptions& options) {
-  if (!(options.seconds >= kLeastSeconds && options.seconds <= kMostSeconds))
-    return Fail("demo", fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kLeastSeconds,
-                                    kMostSeconds));
+  if (!(options.seconds >= kMinSeconds && options.seconds <= kMaxSeconds))
+    return Fail("demo", fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kMinSeconds,
+                                    kMaxSeconds));
   if (options.cpu >= 0 && options.virtual_time)
     return Fail("demo",
                 fmt::format("--cpu: found {} with --virtual-time, accepted in wall time", options.cpu));
@@ -157,7 +157,7 @@ int RunDemo(const DemoOptions& options) {
   if (!engine) return Fail("demo", engine.error());
   const auto governor = MakeGovernor(*setup, options.device);
 
-  if (!setup->solid && setup->config.scene.events.least_wall_m > 0.0)
+  if (!setup->solid && setup->config.scene.events.min_wall_m > 0.0)
     fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
                setup->bone.name);
 

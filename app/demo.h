@@ -9,7 +9,7 @@
 namespace osteon::app {
 
 /// The accepted range of DemoOptions::seconds.
-inline constexpr double kLeastSeconds = 0.1, kMostSeconds = 3600.0;
+inline constexpr double kMinSeconds = 0.1, kMaxSeconds = 3600.0;
 
 struct DemoOptions {
   double seconds{10.0};

@@ -136,7 +136,7 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
              accepted([](const Servo& p) { return p.wrench.max_force_N + p.sensor_force.margin_N; });
     case Fault::kToolSpeed:
       return fmt::format("{:.0f} mm/s", 1e3 * Vector3(tick.v_WT_cmd_m_per_s).norm()) +
-             accepted([](const Servo& p) { return 1e3 * control::ToolSpeedTrip_m_per_s(p); });
+             accepted([](const Servo& p) { return 1e3 * control::ToolSpeedTripLimit_m_per_s(p); });
     case Fault::kWorkspace:
       return Place(tick.X_WT_cmd);
     case Fault::kSession:

@@ -27,7 +27,7 @@ simulation::FrameRecord FrameRunner::Run(const simulation::ToolCommand& command)
                                 .stamp = command.stamp});
   if (record.model.status == simulation::EngineStatus::kOk) {
     const Pose X_GP = X_GW_ * Pose(record.model.X_WP);
-    deepest_m_ = std::max(deepest_m_.value_or(-1.0), depth_.Of(X_GP));
+    deepest_m_ = std::max(deepest_m_.value_or(-1.0), depth_.DepthAt(X_GP));
     for (simulation::SceneEvent& event : watch_.Step(X_GP, record.model.removed_volume_m3, command.stamp))
       new_events_.push_back(std::move(event));
   }

@@ -19,7 +19,7 @@ using simulation::CuttingEngine;
 using simulation::FrameWorkload;
 using simulation::WorkloadPlayer;
 
-constexpr std::size_t kLeastFrames = 20;
+constexpr std::size_t kMinFrames = 20;
 
 // A method under measurement.
 struct Runner {
@@ -56,7 +56,7 @@ tl::expected<void, std::string> PrepareRunner(Runner& runner, const std::string&
     late = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count() > most_seconds;
     return late || Interrupted();
   };
-  if (simulation::Prepare(*runner.engine, runner.player, runner.last, stop)) return {};
+  if (simulation::RunUntilReady(*runner.engine, runner.player, runner.last, stop)) return {};
   if (Interrupted()) return tl::unexpected(method + ": ended by Ctrl-C before the tool was seated");
   if (late)
     return tl::unexpected(fmt::format("{}: the tool was not seated within {:g} s", method, most_seconds));
@@ -156,7 +156,7 @@ tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorklo
   const auto begun = std::chrono::steady_clock::now();
   for (std::size_t k = 0; k < params.frames && !Interrupted(); ++k) {
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
-    if (k >= kLeastFrames && taken.count() > params.most_seconds) break;
+    if (k >= kMinFrames && taken.count() > params.most_seconds) break;
     if (std::ranges::all_of(runners, [](const Runner& runner) { return runner.player.AtEnd(); })) break;
     for (std::size_t i = 0; i < runners.size(); ++i) {
       const std::size_t which = (i + k) % runners.size();

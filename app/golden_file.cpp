@@ -15,9 +15,9 @@ namespace osteon::app {
 namespace {
 
 constexpr const char* kFirstLine = "osteon golden trace 1";
-constexpr std::uintmax_t kLargest = 8u << 20u;
+constexpr std::uintmax_t kMaxFileBytes = 8u << 20u;
 constexpr std::size_t kTicksALine = 8;
-constexpr std::uint64_t kMostTicks = 10'000'000;
+constexpr std::uint64_t kMaxTicks = 10'000'000;
 constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 // Makes one line of a user's text.
@@ -186,7 +186,7 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
       has_period = true;
     } else if (key == "ticks" || key == "active") {
       const auto count = lines.Number<std::uint64_t>();
-      if (!count || *count > kMostTicks) return lines.RefuseWord("ticks", "0 … 10000000");
+      if (!count || *count > kMaxTicks) return lines.RefuseWord("ticks", "0 … 10000000");
       (key == "ticks" ? trace.ticks : trace.active) = *count;
     } else if (key == "hash") {
       const auto hash = lines.Number<std::uint64_t>(16);
@@ -195,7 +195,7 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
       has_hash = true;
     } else if (key == "event") {
       const auto tick = lines.Number<std::uint64_t>();
-      if (!tick || *tick > kMostTicks) return lines.RefuseWord("event", kCount);
+      if (!tick || *tick > kMaxTicks) return lines.RefuseWord("event", kCount);
       trace.events.push_back({.tick = *tick, .what = std::string(lines.Rest())});
     } else if (key == "columns") {
       if (" " + std::string(lines.Rest()) != Columns())
@@ -210,7 +210,7 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
       (key == "least" ? trace.least : trace.greatest) = *values;
     } else if (key == "sample") {
       const auto tick = lines.Number<std::uint64_t>();
-      if (!tick || *tick > kMostTicks) return lines.RefuseWord("sample", kCount);
+      if (!tick || *tick > kMaxTicks) return lines.RefuseWord("sample", kCount);
       if (!trace.samples.empty() && *tick <= trace.samples.back().tick)
         return lines.RefuseWord("sample", "a tick after the one before");
       auto values = ReadValues(lines);
@@ -220,7 +220,7 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
       trace.samples.push_back({.tick = *tick, .values = std::move(*values)});
     } else if (key == "digests") {
       const auto tick = lines.Number<std::uint64_t>();
-      if (!tick || *tick > kMostTicks) return lines.RefuseWord("digests", kCount);
+      if (!tick || *tick > kMaxTicks) return lines.RefuseWord("digests", kCount);
       trace.first_tick = *tick;
       has_digests = true;
       while (lines.Next() && lines.Rest() != "end") {
@@ -251,7 +251,7 @@ tl::expected<Golden, std::string> ReadGolden(const std::filesystem::path& file) 
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
     return tl::make_unexpected(fmt::format("{}: no such file", file.string()));
-  if (std::filesystem::file_size(file, error) > kLargest)
+  if (std::filesystem::file_size(file, error) > kMaxFileBytes)
     return tl::make_unexpected(fmt::format("{}: larger than 8 MiB: no golden trace", file.string()));
   std::ifstream stream(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
@@ -261,11 +261,11 @@ tl::expected<Golden, std::string> ReadGolden(const std::filesystem::path& file) 
 
 std::vector<std::string> ReadReasons(const std::filesystem::path& file) {
   constexpr std::string_view kKey = "reason ";
-  constexpr std::size_t kMost = 1000;
+  constexpr std::size_t kMaxReasons = 1000;
   std::vector<std::string> reasons;
   std::ifstream stream(file, std::ios::binary);
   for (std::string line;
-       std::getline(stream, line) && !line.starts_with("columns") && reasons.size() < kMost;)
+       std::getline(stream, line) && !line.starts_with("columns") && reasons.size() < kMaxReasons;)
     if (line.starts_with(kKey)) reasons.push_back(line.substr(kKey.size()));
   return reasons;
 }

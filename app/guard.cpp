@@ -28,7 +28,7 @@ constexpr rt::Nanoseconds kEndWithin =
     3 * rt::kSecond;                      // time for the arm to rest after the guard was asked to end
 constexpr std::uint32_t kLastWrites = 2;  // heartbeats that carry the withdrawal before they stop
 // Number of answers for which a slow arm's controller may be silent.
-constexpr double kLeastSilenceAnswers = 10.0;
+constexpr double kMinSilenceAnswers = 10.0;
 
 void Say(const std::string& text) {
   fmt::print("osteon guard: {}\n", text);
@@ -157,7 +157,7 @@ safety::GuardParams GuardParamsOf(const config::CellConfig& cell) {
       .joint_speed_share = servo.joints.speed_share,
       .max_speed_m_per_s = servo.twist.max_speed_m_per_s,
       .max_turn_rad_per_s = servo.twist.max_turn_rad_per_s,
-      .max_way_in_m_per_s = start.path.tool_speed_m_per_s,
+      .max_start_path_speed_m_per_s = start.path.tool_speed_m_per_s,
       .max_tracking_error_m = servo.max_tracking_error_m,
       .mirror_rad = cell.link.fri()->entry_step_rad,
       .workspace = servo.workspace,
@@ -167,9 +167,9 @@ safety::GuardParams GuardParamsOf(const config::CellConfig& cell) {
       .hand_force_count = servo.sensor_force.ticks,
       .margin = guard.margin,
       .answer_age_s = servo.watchdog.arm_misses * servo.period_s,
-      .silence_s = std::max(guard.silence_s, kLeastSilenceAnswers * multiplier * servo.period_s)};
+      .silence_s = std::max(guard.silence_s, kMinSilenceAnswers * multiplier * servo.period_s)};
   Eigen::Map<kinematics::JointVector>(params.q_start.emplace().data()) = start.q;
-  params.there_rad = start.there_rad;
+  params.tolerance_rad = start.tolerance_rad;
   // the path to the start is bounded by joint limits, not by the tool's turn
   double turn_rad_per_s = 0.0;
   for (const kinematics::RevoluteJoint& joint : params.arm.joints)

@@ -17,7 +17,7 @@ GuardCommand::GuardCommand(CLI::App& app)
   sub_->add_option("--tool", tool_, "NAME[:DIAMETER]: as the controller was told; mm");
   sub_->add_option("--port", options_.port, "as `osteon cell --port`")->check(PortNumber());
   sub_->add_option("--cpu", options_.cpu, "the relay runs on this CPU, everything else of it stays off")
-      ->check(NumberWithin(0, rt::kMostCpu));
+      ->check(NumberWithin(0, rt::kMaxCpu));
   sub_->add_option("--json", options_.json, "write there at the end what it did");
   sub_->footer(
       "The arm sends to the guard, which sends on to the controller, and answers back, as long as they keep "

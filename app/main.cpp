@@ -225,7 +225,7 @@ int Run(int argc, char** argv) {
   double scale = 1.0;
   CLI::App* demo_app = app.add_subcommand("demo", "cuts bone on the simulated cell and leaves a report");
   demo_app->add_option("--seconds", demo.seconds, "time in COMMANDING_ACTIVE, 0.1 … 3600")
-      ->check(osteon::app::NumberWithin(osteon::app::kLeastSeconds, osteon::app::kMostSeconds))
+      ->check(osteon::app::NumberWithin(osteon::app::kMinSeconds, osteon::app::kMaxSeconds))
       ->capture_default_str();
   demo_app
       ->add_option("--out", demo.out,
@@ -264,7 +264,7 @@ int Run(int argc, char** argv) {
   demo_app
       ->add_option("--cpu", demo.cpu,
                    "servo thread and simulated arm share this CPU, everything else stays off it")
-      ->check(osteon::app::NumberWithin(0, osteon::rt::kMostCpu));
+      ->check(osteon::app::NumberWithin(0, osteon::rt::kMaxCpu));
   demo_app->add_option("--json", demo.json, "a further copy of summary.json");
   demo_app->add_option("--save-motion", demo.save_motion,
                        "write the tool's motion there (CSV), to be played again");

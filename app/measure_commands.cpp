@@ -5,7 +5,7 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kMostSpheres = 20e6;
+constexpr double kMaxSpheres = 20e6;
 
 CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
   CLI::App* sub = bench.add_subcommand("frame", "times one cutting frame");
@@ -17,7 +17,7 @@ CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
   sub->add_option(
          "--spheres", options.spheres,
          "of the bone; more than the scene's own fill the bone below the cut zone, which stays as it is")
-      ->check(NumberWithin(1, kMostSpheres));
+      ->check(NumberWithin(1, kMaxSpheres));
   sub->add_flag("--uniform", options.uniform, "all of the bone alike instead");
   sub->add_option("--tool-spheres", options.tool_spheres, "of the tool's head; 1: one analytic ball")
       ->check(NumberWithin(1, 10'000))
@@ -81,7 +81,7 @@ CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
   sub->add_option("--out", options.out, "folder for scaling.svg, .png, .csv, .json, .html")
       ->capture_default_str();
   sub->add_option("--max-spheres", options.max_spheres, "no more than these")
-      ->check(NumberWithin(1000, kMostSpheres))
+      ->check(NumberWithin(1000, kMaxSpheres))
       ->capture_default_str();
   sub->add_option("--device", options.device, "part of a Vulkan device's name (osteon doctor lists them)");
   sub->add_option("--frames", options.frames, "timed at each point")

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kReamer_m = 25e-3, kZone_m = 6.5e-3;  // the cut is 5.5 mm deep at most
 // Least radius over the spacing; see SplitParams and SplitPackingParams.
-constexpr double kLeastSplit = 0.4 / 2.5;
+constexpr double kMinSplit = 0.4 / 2.5;
 
 double ToolRadius(const simulation::CutWorkload& work) { return work.tool.balls.front().radius_m; }
 
@@ -25,7 +25,7 @@ std::vector<simulation::Ball> Overlapping(const simulation::CutWorkload& work, d
   params.lattice = {.finest_m = spacing_m, .coarser_from_m = {kZone_m}};
   params.cup_radius_cap_m = cap_m;
   params.cup_depth_m = kZone_m - cap_m;
-  params.least_radius_m = 0.1 * cap_m;
+  params.min_radius_m = 0.1 * cap_m;
   // the default scene's gap at its spacing of 1.5 mm
   params.surface_gap_m = std::clamp(0.04e-3 * spacing_m / 1.5e-3, 0.002e-3, 0.1e-3);
   params.samples = {.finest_m = spacing_m / 6.0, .coarser_from_m = {kZone_m}};
@@ -49,12 +49,9 @@ std::vector<simulation::Ball> ForSplitting(const simulation::CutWorkload& work, 
 
 std::vector<simulation::Ball> Disjoint(const simulation::CutWorkload& work, double radius_m,
                                        std::uint64_t seed) {
-  return simulation::BuildDisjointPacking(*work.solid, *work.zone,
-                                          {.count = 0,
-                                           .least_radius_m = radius_m / 3.0,
-                                           .greatest_radius_m = radius_m,
-                                           .grade = 0.3,
-                                           .seed = seed});
+  return simulation::BuildDisjointPacking(
+      *work.solid, *work.zone,
+      {.count = 0, .min_radius_m = radius_m / 3.0, .max_radius_m = radius_m, .grade = 0.3, .seed = seed});
 }
 
 }  // namespace
@@ -92,7 +89,7 @@ simulation::CuttingParams CuttingForStep(const MethodStep& step, const simulatio
   simulation::CuttingParams cutting = work.cutting;
   if (step.method != "split") return cutting;
   cutting.split.on = true;
-  cutting.split.least_radius_m = kLeastSplit * ScaledLength(step.length_m, work);
+  cutting.split.min_radius_m = kMinSplit * ScaledLength(step.length_m, work);
   cutting.split.pool_blocks = 16'384;  // the reamer's cut takes some thousand
   return cutting;
 }

@@ -49,13 +49,13 @@ std::string WrongPlace(const PackOptions& options) {
 /// Default spacing of the mass points: some 200 000 if even; below a zone the finest is at most 0.75 mm.
 simulation::MassPointParams PointParams(const PackOptions& options, const PackSource& source,
                                         double volume_m3) {
-  constexpr double kPoints = 200'000.0, kFinest_m = 0.1e-3, kCoarsest_m = 3e-3, kMostAtZone_m = 0.75e-3;
+  constexpr double kPoints = 200'000.0, kFinest_m = 0.1e-3, kCoarsest_m = 3e-3, kMaxAtZone_m = 0.75e-3;
   simulation::MassPointParams params;
   if (source.own && source.site.radius_m > 0.0)
     params = source.own->points;
   else {
     double spacing_m = std::clamp(std::cbrt(volume_m3 / kPoints), kFinest_m, kCoarsest_m);
-    if (!source.zone_is_uniform) spacing_m = std::min(spacing_m, kMostAtZone_m);
+    if (!source.zone_is_uniform) spacing_m = std::min(spacing_m, kMaxAtZone_m);
     params.cells.finest_m = spacing_m;
   }
   params.threads = options.threads;
@@ -70,8 +70,8 @@ std::vector<simulation::Ball> Pack(const PackOptions& options, const PackSource&
   if (options.disjoint) {
     simulation::DisjointParams params{.seed = options.seed, .threads = options.threads};
     if (options.count) params.count = *options.count;
-    if (options.r_min_mm) params.least_radius_m = r_min_m;
-    if (options.r_max_mm) params.greatest_radius_m = r_max_m;
+    if (options.r_min_mm) params.min_radius_m = r_min_m;
+    if (options.r_max_mm) params.max_radius_m = r_max_m;
     params.grade = options.grade.value_or(0.0);
     return simulation::BuildDisjointPacking(*source.solid, *source.zone, params);
   }
@@ -86,8 +86,8 @@ std::vector<simulation::Ball> Pack(const PackOptions& options, const PackSource&
   return simulation::BuildPacking(*source.solid, *source.zone,
                                   simulation::OverlapParamsFor(*source.solid, *source.zone,
                                                                {.count = options.count.value_or(0),
-                                                                .least_radius_m = r_min_m,
-                                                                .greatest_radius_m = r_max_m,
+                                                                .min_radius_m = r_min_m,
+                                                                .max_radius_m = r_max_m,
                                                                 .grade = options.grade.value_or(0.0),
                                                                 .seed = options.seed,
                                                                 .threads = options.threads}));
@@ -213,7 +213,7 @@ int Run(const PackOptions& options) {
   PackResult result{.mode = options.disjoint ? "disjoint" : "overlap"};
   result.bone.name = source->name;
   result.bone.materials = source->materials;
-  result.bone.cup = source->site;
+  result.bone.site = source->site;
   result.zone = source->zone_text;
   result.triangles = source->triangles;
   result.even_solid = source->even;
@@ -269,8 +269,8 @@ int Run(const PackOptions& options) {
       fmt::format(
           "found a protrusion of {:.4g} mm and an overlap of {:.4g} mm; accepted {:g} mm, and {:g} mm "
           "in a disjoint packing",
-          result.quality.protrusion_max_m * 1e3, result.quality.overlap_max_m * 1e3, kMostProtrusion_m * 1e3,
-          kMostDisjointOverlap_m * 1e3),
+          result.quality.protrusion_max_m * 1e3, result.quality.overlap_max_m * 1e3, kMaxProtrusion_m * 1e3,
+          kMaxDisjointOverlap_m * 1e3),
       kFailed);
 }
 

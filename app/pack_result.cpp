@@ -63,8 +63,8 @@ std::string Percent(double share) { return fmt::format("{:+.3f} %", share * 100)
 }  // namespace
 
 bool KeepsTolerances(const PackResult& result) {
-  return result.quality.protrusion_max_m <= kMostProtrusion_m &&
-         (result.mode != "disjoint" || result.quality.overlap_max_m <= kMostDisjointOverlap_m);
+  return result.quality.protrusion_max_m <= kMaxProtrusion_m &&
+         (result.mode != "disjoint" || result.quality.overlap_max_m <= kMaxDisjointOverlap_m);
 }
 
 std::optional<MassComparison> CompareMass(const PackResult& result) {
@@ -142,10 +142,10 @@ std::string ToJson(const PackResult& result) {
                              {"volume_error", compared->volume_error},
                              {"center_error_mm", compared->center_error_m * 1e3},
                              {"inertia_error", compared->inertia_error}};
-  if (result.bone.cup.radius_m > 0.0)
-    json["site"] = {{"center_mm", InMm(result.bone.cup.center_m)},
-                    {"axis", {result.bone.cup.axis.x, result.bone.cup.axis.y, result.bone.cup.axis.z}},
-                    {"radius_mm", result.bone.cup.radius_m * 1e3}};
+  if (result.bone.site.radius_m > 0.0)
+    json["site"] = {{"center_mm", InMm(result.bone.site.center_m)},
+                    {"axis", {result.bone.site.axis.x, result.bone.site.axis.y, result.bone.site.axis.z}},
+                    {"radius_mm", result.bone.site.radius_m * 1e3}};
   json["seconds_by_phase"] = nlohmann::json::object();
   for (const auto& phase : result.phases) json["seconds_by_phase"][phase.name] = phase.seconds;
   json["parameters"] = nlohmann::json::object();

@@ -38,7 +38,7 @@ struct PackResult {
 
 /// The product's tolerances: balls that reach farther out of their solid, or into each other, are a fault of
 /// the packing.
-inline constexpr double kMostProtrusion_m = 0.05e-3, kMostDisjointOverlap_m = 1e-6;
+inline constexpr double kMaxProtrusion_m = 0.05e-3, kMaxDisjointOverlap_m = 1e-6;
 [[nodiscard]] bool KeepsTolerances(const PackResult& result);
 
 /// Mass, centre and inertia of a homogeneous body: the points' values compared with the closed form's.

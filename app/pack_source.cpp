@@ -76,15 +76,15 @@ tl::expected<std::vector<Vector3>, std::string> ReadPath(const std::filesystem::
         fmt::format("--path {}: no such file, accepted a CSV file with lines x_mm,y_mm,z_mm", file.string()));
   std::vector<Vector3> points;
   std::string line;
-  constexpr std::size_t kMostPoints = 100'000;
+  constexpr std::size_t kMaxPoints = 100'000;
   for (int number = 1; std::getline(lines, line); ++number) {
     if (line.ends_with('\r')) line.pop_back();
     if (line.empty() || (number == 1 && line.find_first_of("xX") != line.npos)) continue;  // the header
     const auto values = ParseNumbers(line, 3, fmt::format("--path {}:{}", file.string(), number));
     if (!values) return tl::make_unexpected(values.error());
-    if (points.size() == kMostPoints)
+    if (points.size() == kMaxPoints)
       return tl::make_unexpected(fmt::format("--path {}:{}: found more points, accepted up to {}",
-                                             file.string(), number, kMostPoints));
+                                             file.string(), number, kMaxPoints));
     points.emplace_back(1e-3 * Vector3((*values)[0], (*values)[1], (*values)[2]));
   }
   if (points.empty())

@@ -29,7 +29,7 @@ struct SourceOptions {
   std::string scene;                ///< the scene whose place a mesh takes; empty: the acetabulum's
   std::optional<double> scale{};    ///< millimetres per unit of a mesh file
   std::filesystem::path materials;  ///< empty: those of config_root
-  std::optional<simulation::Cup> cup{};
+  std::optional<simulation::CutSite> cup{};
   std::optional<simulation::Ball> region{};
   std::optional<PathChoice> path{};
   bool graded{
@@ -43,7 +43,7 @@ struct PackSource {
   std::unique_ptr<simulation::CutZone> zone;
   std::string zone_text;       ///< for users and provenance
   bool zone_is_uniform{true};  ///< the depth is 0 everywhere
-  simulation::Cup site{
+  simulation::CutSite site{
       .center_m = {}, .axis = Vector3(Vector3::UnitZ()), .radius_m = 0.0};  ///< radius 0: none
   std::vector<simulation::Material> materials;
   std::optional<simulation::SceneParams> own;  ///< a scene's own packing and mass points

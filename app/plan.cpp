@@ -20,8 +20,8 @@ using simulation::PackingLevel;
 // Fractions of the demanded error. The closed forms are accurate to a fifth; the tool's part is added.
 constexpr double kRemovalShare = 0.8, kToolShare = 0.1;
 constexpr double kCoarser = 1.2;  // factor on the error if a frame takes too long
-constexpr double kMostError_m = 5e-3;
-constexpr double kMostBalls = 20e6;
+constexpr double kMaxError_m = 5e-3;
+constexpr double kMaxBalls = 20e6;
 // For the same error a frame of split balls takes 1.2 to 44 times as long as a frame of graded balls
 // (packing_kinds.csv). Having a tenth of the balls is no advantage by itself, except if it decides whether a
 // bone can be packed at all.
@@ -34,7 +34,7 @@ constexpr double kManyBalls = 500e3;
 std::optional<PackingLevel> ChooseLevel(const PlanScene& scene, const simulation::DepthVolumes& volumes,
                                         double error_m) {
   std::optional<PackingLevel> best;
-  double fewest = kMostBalls;
+  double fewest = kMaxBalls;
   for (const PackingKind kind : {PackingKind::kUniform, PackingKind::kGraded, PackingKind::kSplit}) {
     const auto level = simulation::CoarsestLevel(kind, error_m, scene.cut, scene.zone_depth_m);
     if (!level) continue;
@@ -139,7 +139,7 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
   std::map<PackingKind, Calibration> calibrations;
   std::optional<PackingLevel> level;
   std::optional<FidelityPlan> first;
-  for (double target_m = removal_m; target_m < kMostError_m; target_m *= kCoarser) {
+  for (double target_m = removal_m; target_m < kMaxError_m; target_m *= kCoarser) {
     const auto next = ChooseLevel(scene, volumes, target_m);
     if (!next) continue;  // no packing is that fine
     if (level && next->kind == level->kind && next->fine.spacing_m <= level->fine.spacing_m)
@@ -194,7 +194,7 @@ std::optional<CoarserZones> CoarserFor(const PlanScene& scene, const FidelityPla
     const PackingLevel coarser = simulation::Scaled(level, factor, scene.cut);
     const double error_m =
         simulation::PredictRemovalError(coarser.fine, scene.cut).total_m() + plan.tool_gap_m;
-    if (!simulation::Holds(coarser, scene.cut) || error_m > kMostError_m) return std::nullopt;
+    if (!simulation::IsInValidRange(coarser, scene.cut) || error_m > kMaxError_m) return std::nullopt;
     const double frame_us = slower * model_us(coarser);
     if (frame_us <= most_us)
       return CoarserZones{.level = coarser, .promised_m = error_m / kRemovalShare, .frame_us = frame_us};

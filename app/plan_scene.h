@@ -21,8 +21,8 @@ namespace osteon::app {
 struct PlanChoice {
   std::string scene;         ///< YAML file, or a name under scenes/; a mesh file (.stl, .obj, .ply)
   std::string mesh_scene{};  ///< the scene that a mesh replaces; empty: the acetabulum's
-  std::optional<simulation::Cup> site{};  ///< of a mesh, in its frame
-  std::optional<double> scale{};          ///< of a mesh: millimetres per unit of the file
+  std::optional<simulation::CutSite> site{};  ///< of a mesh, in its frame
+  std::optional<double> scale{};              ///< of a mesh: millimetres per unit of the file
   std::filesystem::path cell;  ///< tool, coupling and arm; empty: cells/SCENE.yaml, or else cells/demo.yaml
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
   std::filesystem::path config_root;

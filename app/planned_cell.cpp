@@ -34,7 +34,7 @@ tl::expected<void, std::string> PackCell(CellSetup& setup, const FidelityChoice&
     PackAsScene(setup);
     return {};
   }
-  const simulation::SceneSolid solid{.name = setup.bone.name, .solid = setup.solid, .site = setup.bone.cup};
+  const simulation::SceneSolid solid{.name = setup.bone.name, .solid = setup.solid, .site = setup.bone.site};
   auto planned = std::make_shared<PlannedCell>();
   planned->request = {
       .error_m = asked->error_m, .rate_hz = asked->rate_hz, .device = device, .rounds = 1, .timed = timed};

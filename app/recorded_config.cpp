@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostFiles = 1000;
+constexpr std::size_t kMaxFiles = 1000;
 
 // The common folder of all files.
 fs::path CommonFolder(const std::vector<config::FileScope::File>& files) {
@@ -40,8 +40,8 @@ bool StaysInside(const std::string& name) {
 
 // Writes the files. An empty string, or what is wrong.
 std::string WriteFiles(const io::ConfigSource& source, const fs::path& folder) {
-  if (source.files.size() > kMostFiles)
-    return fmt::format("found {} configuration files, accepted up to {}", source.files.size(), kMostFiles);
+  if (source.files.size() > kMaxFiles)
+    return fmt::format("found {} configuration files, accepted up to {}", source.files.size(), kMaxFiles);
   for (const io::ConfigFile& file : source.files) {
     if (!StaysInside(file.name))
       return fmt::format("configuration file \"{}\": accepted a name below its folder",

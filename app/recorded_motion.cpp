@@ -43,10 +43,10 @@ tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const std::file
         fmt::format("motion: found {} ticks that rendered, accepted at least 2", samples.size()));
   const double step_s = rt::ToSeconds(steps.At(steps.count() / 2));
   simulation::FittedMotion fitted = simulation::FitMotion(samples);
-  if (fitted.samples.size() > simulation::kMostMotionRows)
+  if (fitted.samples.size() > simulation::kMaxMotionRows)
     return tl::make_unexpected(
         fmt::format("motion: found {} samples to keep, accepted at most {}: a shorter run",
-                    fitted.samples.size(), simulation::kMostMotionRows));
+                    fitted.samples.size(), simulation::kMaxMotionRows));
   origin.error =
       fmt::format("{:.2f} um and {:.2f} urad at most, between {} samples and the {} recorded at {:.0f} Hz",
                   fitted.position_error_m * 1e6, fitted.rotation_error_rad * 1e6, fitted.samples.size(),

@@ -18,7 +18,7 @@ using control::TickRecord;
 using simulation::ContactModel;
 
 // A killed process loses its last frames, while the ticks that saw them may already be written.
-constexpr rt::Nanoseconds kMostTorn = rt::kSecond;
+constexpr rt::Nanoseconds kMaxTorn = rt::kSecond;
 
 // The contact models that ticks may have seen, found by a tick's description of its model.
 class Models {
@@ -57,8 +57,8 @@ std::uint64_t BitsOf(T value) {
 
 // Returns the first field whose bits differ, or nothing.
 std::optional<ReplayDifference> Compare(const TickRecord& recorded, const TickRecord& replayed) {
-  constexpr std::size_t kMost = 128;
-  std::array<std::uint64_t, kMost> bits{};
+  constexpr std::size_t kMax = 128;
+  std::array<std::uint64_t, kMax> bits{};
   std::size_t count = 0;
   VisitOutputs(recorded, [&](const FieldName&, auto value) { bits.at(count++) = BitsOf(value); });
   std::size_t at = 0, first = count;
@@ -105,12 +105,12 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
       result.why_not = fmt::format("tick {} saw frame {}, which is not in the recording", recorded.tick,
                                    recorded.model_frame);
       torn_end = recorded.model_frame > models.last_frame() &&
-                 recording.ticks.back().stamp - recorded.stamp <= kMostTorn;
+                 recording.ticks.back().stamp - recorded.stamp <= kMaxTorn;
     }
     if (!result.why_not.empty()) break;
 
     // run the tick again
-    TickRecord replayed = control::TickAgain(loop, recorded, *model, command);
+    TickRecord replayed = control::ReplayTick(loop, recorded, *model, command);
     replayed.q_cmd = command.q;  // the actual command, whatever the record holds
     replayed.activation_cmd = command.activation;
     replayed.F_cmd_T = command.F;

@@ -20,7 +20,7 @@ constexpr ArmShape kSixAxis{
 std::string WhyNotToStart(const CellSetup& setup, const kinematics::JointVector& q_from) {
   const config::CellConfig& cell = setup.config;
   const control::StartParams& start = *cell.servo.start;
-  if ((q_from - start.q).cwiseAbs().maxCoeff() <= start.there_rad) return {};
+  if ((q_from - start.q).cwiseAbs().maxCoeff() <= start.tolerance_rad) return {};
 
   const config::SixAxisConfig* six_axis = cell.robot.six_axis();
   const ArmShape& shape = six_axis ? kSixAxis : kLbr;

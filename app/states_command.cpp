@@ -30,7 +30,7 @@ void ForEachEvent(Each&& each) {
   for (int i = 0; i < safety::kCellEvents; ++i) each(static_cast<CellEvent>(i));
 }
 bool Stays(CellState state, const CellTransition& next) {
-  return next.state == state && next.action == CellAction::kGoOn;
+  return next.state == state && next.action == CellAction::kNone;
 }
 
 // Draws one arrow for each pair of states, with the events that cause it.
@@ -114,7 +114,8 @@ std::string StatesPage() {
       "All of these hold in one tick (bits of `permits` in the recording, as last looked at while nothing "
       "moves; `osteon run`\nnames what is missing):\n\n| bit | |\n|---|---|\n";
   for (int bit = 0; bit < safety::kMotionPermits; ++bit)
-    page += fmt::format("| {} | {} |\n", bit, safety::Missing(static_cast<safety::MotionPermit>(1u << bit)));
+    page += fmt::format("| {} | {} |\n", bit,
+                        safety::DescribeMissing(static_cast<safety::MotionPermit>(1u << bit)));
   page +=
       "\n## Events\n\nThe worst first: of several in a tick the first counts first.\n\n"
       "| event | when |\n|---|---|\n";

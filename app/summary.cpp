@@ -111,8 +111,8 @@ void SummariseCut(const CellSetup& setup, const simulation::CarvedState& after, 
   const simulation::ApexDepth depth(setup.bone, tool);
   s.cup_depth_m = run.cup_depth_m;
   s.reamed_depth_m = run.reamed.depth_m();
-  const auto floor_m = simulation::FirstHit(simulation::LiveBalls(after), setup.bone.cup.center_m,
-                                            -Vector3(setup.bone.cup.axis));
+  const auto floor_m = simulation::FirstHit(simulation::LiveBalls(after), setup.bone.site.center_m,
+                                            -Vector3(setup.bone.site.axis));
   s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;
   s.state_hash = fmt::format("{:016x}", simulation::HashState(after));
 }
@@ -261,11 +261,11 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.peak_tool_in_bone_m = result.statistics.peak_tool_in_bone_m;
   s.peak_power_W = result.statistics.peak_power_W;
   s.peak_measured_tool_speed_m_per_s = result.statistics.peak_measured_tool_speed_m_per_s;
-  s.least_tank_J = std::isfinite(result.statistics.least_tank_J) ? result.statistics.least_tank_J : 0.0;
+  s.least_tank_J = std::isfinite(result.statistics.min_tank_J) ? result.statistics.min_tank_J : 0.0;
   s.force_limit_N = control::ForceLimit_N(setup.config.servo);
   s.limits = EffectiveLimits(setup.config.servo);
   s.acted_limits = run.limits.Rows(setup.config.servo.period_s);
-  s.least_depth_left_m = result.statistics.least_depth_left_m;
+  s.least_depth_left_m = result.statistics.min_depth_left_m;
   SummariseRecording(run, !params.virtual_time, s);
   SummariseCut(setup, result.after, run, s);
   const rt::Nanoseconds start = run.curves.first_tick.value_or(0);

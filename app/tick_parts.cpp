@@ -66,14 +66,14 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
   const double held =
       kinematics::HeldLoad<7>(wanted_load_, J_B, gravity_Nm, X_BW_.linear() * X_WT.linear().col(2)).value;
   const kinematics::LoadPreference<7> load =
-      kinematics::TowardsLoad<7>(servo_.posture, body_, wanted_load_, input.q, null_direction_, held);
+      kinematics::LoadGradientMotion<7>(servo_.posture, body_, wanted_load_, input.q, null_direction_, held);
   sink_ = arm_.Inverse(X_BW_ * X_WT * X_FT_.inverse(), arm_angle_rad, input.q, q_there) ? q_there[0] : 0.0;
   us[3] = MicrosecondsSince(begun);
 
   begun = rt::MonotonicNow();
   kinematics::MotionInput<7> wanted;
   wanted.J = J_B;
-  wanted.V_BT = control::Turned(X_BW_.linear(), input.V_WT);
+  wanted.V_BT = control::ExpressedIn(X_BW_.linear(), input.V_WT);
   wanted.q = input.q;
   wanted.qd_before = qd_before_;
   wanted.qd_null = load.qd;

@@ -49,7 +49,7 @@ class TickParts {
   kinematics::LbrArm arm_;
   Pose X_WB_, X_BW_, X_FT_;
   kinematics::SerialChain<7> body_;
-  kinematics::WantedLoad<7> wanted_load_;
+  kinematics::LoadTarget<7> wanted_load_;
   safety::WrenchLimiter limiter_;
   kinematics::DifferentialInverse<7> motion_;
   safety::JointGuard<7> guard_;

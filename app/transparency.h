@@ -16,7 +16,7 @@ struct TransparencyOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"transparency"};
   std::filesystem::path json{};  ///< a second copy of transparency.json
-  int points{25};                ///< from kLeastHz to kMostHz, log-spaced
+  int points{25};                ///< from kMinHz to kMaxHz, log-spaced
   int sensor_delay_ticks{1};
   std::string command_line{};
 };

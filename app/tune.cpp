@@ -28,7 +28,7 @@ namespace {
 // Below 1 kg a hand's own mass dominates; above 5 kg the tool is no longer light.
 constexpr std::array kMasses_kg{1.0, 1.4, 1.7, 2.0, 2.4, 2.8, 3.4, 4.0, 5.0, 7.0};
 constexpr int kWalls = 32;  // of the map
-constexpr double kLeastDamping = 5.0, kMostDamping = 500.0;
+constexpr double kMinDamping = 5.0, kMaxDamping = 500.0;
 constexpr double kTie = 1.05;  // drags within this ratio count as equal: the lighter tool then wins
 
 // Everything that a result depends on, besides its own parameters. The number in front changes with the
@@ -108,8 +108,8 @@ class Study {
   [[nodiscard]] TuneMap Map(const TuneResult& r, const std::string& title,
                             const std::vector<hil::GridHand>& hands, int dampings) const {
     TuneMap map{.title = title,
-                .damping_from = kLeastDamping,
-                .damping_to = kMostDamping,
+                .damping_from = kMinDamping,
+                .damping_to = kMaxDamping,
                 .wall_to = r.most_wall_N_per_m,
                 .dampings = 2 * dampings,
                 .walls = kWalls,
@@ -185,8 +185,8 @@ void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& pro
   progress.Begin("boundaries, predicted and simulated");
   std::vector<double> dampings{r.recommended.damping_Ns_per_m};
   for (int i = 0; i < options.dampings; ++i)
-    dampings.push_back(kLeastDamping * std::pow(kMostDamping / kLeastDamping,
-                                                static_cast<double>(i) / (options.dampings - 1)));
+    dampings.push_back(kMinDamping *
+                       std::pow(kMaxDamping / kMinDamping, static_cast<double>(i) / (options.dampings - 1)));
   std::ranges::sort(dampings);
   r.firm = study.Boundaries(r, dampings, {hil::NamedHands()[1]});
   r.human = study.Boundaries(r, dampings, r.human_hands);

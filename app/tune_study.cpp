@@ -12,8 +12,8 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kMostDrag_Ns_per_m = 3000.0;
-constexpr double kLeastWall_N_per_m = 100.0;
+constexpr double kMaxDrag_Ns_per_m = 3000.0;
+constexpr double kMinWall_N_per_m = 100.0;
 constexpr double kGripSpeed_m_per_s = 0.04, kNoise_N = 0.1, kCarried_s = 10.0;
 constexpr double kCalm_N = 0.5, kEnlarged = 2.2;  // least limit; factor on the tremor that the index permits
 
@@ -112,7 +112,7 @@ double LeastDragFor(const TuneTask& task, double mass_kg, const std::vector<hil:
       [&](double inverse) {
         return StandsAll(task, {.mass_kg = mass_kg, .damping_Ns_per_m = 1.0 / inverse}, hands);
       },
-      {.from = 1.0 / kMostDrag_Ns_per_m, .to = 1.0, .factor = 1.25, .tolerance = 2e-3});
+      {.from = 1.0 / kMaxDrag_Ns_per_m, .to = 1.0, .factor = 1.25, .tolerance = 2e-3});
   if (found.value == 0.0) return std::numeric_limits<double>::infinity();
   return 1.0 / found.value;
 }
@@ -124,7 +124,7 @@ TuneBoundary BoundaryAt(const TuneTask& task, const TuneGains& gains, const std:
     const hil::AdmittanceLoopParams loop = LoopOf(task, gains, hands[i], 1.0);
     double most = 0.0;
     if (hil::AdmittanceLoop(loop).SpectralRadius() < 1.0)
-      most = hil::GreatestWall(loop, {.from = kLeastWall_N_per_m, .to = most_N_per_m, .factor = 1.1}).value;
+      most = hil::GreatestWall(loop, {.from = kMinWall_N_per_m, .to = most_N_per_m, .factor = 1.1}).value;
     if (i > 0 && most >= boundary.predicted_N_per_m) continue;
     boundary.predicted_N_per_m = most;
     boundary.hand = i;
@@ -133,9 +133,9 @@ TuneBoundary BoundaryAt(const TuneTask& task, const TuneGains& gains, const std:
   hil::AdmittanceRunParams run{.loop = LoopOf(task, gains, hands[boundary.hand], 1.0)};
   const auto seen = [&](double least_share) {
     if (hil::SimulatedGrowth(run) >= 0.0) return 0.0;
-    const double around = std::max(boundary.predicted_N_per_m, 10.0 * kLeastWall_N_per_m);
+    const double around = std::max(boundary.predicted_N_per_m, 10.0 * kMinWall_N_per_m);
     hil::AdmittanceRunParams walls = run;
-    return hil::SimulatedGreatestWall(walls, {.from = std::max(kLeastWall_N_per_m, least_share * around),
+    return hil::SimulatedGreatestWall(walls, {.from = std::max(kMinWall_N_per_m, least_share * around),
                                               .to = std::min(most_N_per_m, 1.6 * around),
                                               .factor = 1.08,
                                               .tolerance = 2e-3})

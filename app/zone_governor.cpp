@@ -13,9 +13,9 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kTrailShare = 0.2;           // of the error: tolerance of the thinned trail
-constexpr std::size_t kMostPlaces = 200'000;  // of the trail: minutes of carving
-constexpr std::size_t kCaughtUp = 4;          // places that the simulation's thread may carve itself
+constexpr double kTrailShare = 0.2;          // of the error: tolerance of the thinned trail
+constexpr std::size_t kMaxPlaces = 200'000;  // of the trail: minutes of carving
+constexpr std::size_t kCaughtUp = 4;         // places that the simulation's thread may carve itself
 constexpr double kArrived_m = 0.05e-3;
 
 }  // namespace
@@ -63,7 +63,7 @@ std::optional<double> ZoneGovernor::SlowMedian(double took_us) {
 void ZoneGovernor::Saw(const simulation::FrameRecord& record, double took_us) {
   {
     const std::scoped_lock lock(mutex_);
-    if (trail_.places().size() < kMostPlaces) trail_.Add(X_GW_ * Pose(record.model.X_WP));
+    if (trail_.places().size() < kMaxPlaces) trail_.Add(X_GW_ * Pose(record.model.X_WP));
   }
   if (ended_ || making_ || record.model.contact_count == 0) return;
   if (const auto slow_us = SlowMedian(took_us)) Begin(*slow_us);
@@ -76,7 +76,7 @@ void ZoneGovernor::Begin(double seen_us) {
   const auto zones = CoarserFor(setup_.planned->scene, setup_.planned->plan, level_, seen_us, most_us);
   const std::string slow = fmt::format("frames take {:.0f} us, {:.0f} us at {:g} Hz", seen_us,
                                        1e6 / params_.rate_hz, params_.rate_hz);
-  if (!zones || trail_.places().size() >= kMostPlaces) {
+  if (!zones || trail_.places().size() >= kMaxPlaces) {
     ended_ = true;
     Say(slow + (zones ? ": the tool has gone too long a way to carve coarser zones by"
                       : ": no coarser zones would have the rate"));
@@ -156,9 +156,9 @@ std::optional<ZoneGovernor::Made> ZoneGovernor::Take(const simulation::CuttingEn
     if (!simulation::CarveTrail(*making->carver, rest)) return refuse("a frame of the carving was refused");
     simulation::CarvedState carved = making->carver->Snapshot();
     const simulation::CarvedState counted = now.Snapshot();
-    if (!simulation::Arrived(carved, Pose(counted.X_GP), lever_m_, kArrived_m))
+    if (!simulation::ReachedPose(carved, Pose(counted.X_GP), lever_m_, kArrived_m))
       return refuse("bone that the tool does not cut is in its way");
-    making->made.engine->Restore(simulation::TakeOver(std::move(carved), counted));
+    making->made.engine->Restore(simulation::MergeBooks(std::move(carved), counted));
   } catch (const std::exception& error) {  // out of memory, for example: the run continues unchanged
     return refuse(error.what());
   }

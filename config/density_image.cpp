@@ -14,9 +14,9 @@
 namespace osteon::config {
 namespace {
 
-constexpr std::uintmax_t kLargestFile = 64u << 20u;  // bytes: more than 4096 × 4096 samples of 16 bits need
-constexpr std::uint32_t kMostSamples = 4096;         // along each side
-constexpr std::uint32_t kLeastRows = 2;
+constexpr std::uintmax_t kMaxFile = 64u << 20u;  // bytes: more than 4096 × 4096 samples of 16 bits need
+constexpr std::uint32_t kMaxSamples = 4096;      // along each side
+constexpr std::uint32_t kMinRows = 2;
 constexpr double kDensest_g_per_cm3 = 25.0;
 constexpr const char* kAccepted = "accepted a grey PNG without transparency";
 
@@ -64,9 +64,9 @@ tl::expected<void, std::string> CheckHeader(const png_image& header) {
   const bool transparent = (header.format & PNG_FORMAT_FLAG_ALPHA) != 0;
   if ((header.format & PNG_FORMAT_FLAG_COLOR) != 0) return Refusal("a PNG in colour");
   if (transparent) return Refusal("a PNG with transparency");
-  if (header.width > kMostSamples || header.height > kMostSamples || header.height < kLeastRows)
+  if (header.width > kMaxSamples || header.height > kMaxSamples || header.height < kMinRows)
     return tl::unexpected(fmt::format("found {} × {} pixels, accepted 1 … {} in width and {} … {} in height",
-                                      header.width, header.height, kMostSamples, kLeastRows, kMostSamples));
+                                      header.width, header.height, kMaxSamples, kMinRows, kMaxSamples));
   return {};
 }
 
@@ -119,8 +119,8 @@ tl::expected<GreyImage, std::string> ReadGreyPng(const std::filesystem::path& pa
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) return tl::unexpected(fmt::format("found no file {}, accepted a grey PNG", path.string()));
-  if (size > kLargestFile)
-    return tl::unexpected(fmt::format("found {} bytes, accepted at most {}", size, kLargestFile));
+  if (size > kMaxFile)
+    return tl::unexpected(fmt::format("found {} bytes, accepted at most {}", size, kMaxFile));
   std::ifstream stream(path, std::ios::binary);
   const Bytes bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   if (stream.bad() || !stream.is_open())

@@ -95,8 +95,8 @@ void ReadVibration(Reader section, control::VibrationParams& vibration) {
   vibration.alert_index = section.Number("alert_ratio", 0, 1);
   vibration.rise_s = section.Number("rise_ms", 1, 1000);
   vibration.decay_ratio = section.Number("decay_ratio", 1, 1000);
-  vibration.most_damping = section.Number("damping_ratio", 1, 1000);
-  vibration.most_mass = section.Number("mass_ratio", 1, 100);
+  vibration.max_damping_factor = section.Number("damping_ratio", 1, 1000);
+  vibration.max_mass_factor = section.Number("mass_ratio", 1, 100);
   vibration.notch_hz = section.Number("notch_hz", 0, 20);
   // absent in recorded cells from before the loop told a hand's tremor from its own vibration
   if (section.Has("tremor_N")) vibration.reference.tremor_N = section.Number("tremor_N", 0, 50);
@@ -105,8 +105,8 @@ void ReadVibration(Reader section, control::VibrationParams& vibration) {
 void ReadSensorBias(Reader section, control::BiasParams& bias) {
   bias.acts = section.Bool("acts");
   bias.rest_s = section.Number("rest_ms", 10, 60000);
-  bias.most_N = section.Number("most_N", 0, 100);
-  bias.most_Nm = section.Number("most_Nm", 0, 20);
+  bias.max_bias_N = section.Number("most_N", 0, 100);
+  bias.max_bias_Nm = section.Number("most_Nm", 0, 20);
   if (section.Has("max_creep_mm_per_s"))
     bias.max_creep_m_per_s = section.Number("max_creep_mm_per_s", 0.1, 1000);
   if (section.Has("max_creep_deg_per_s"))
@@ -140,7 +140,7 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
   if (!section.Has("split")) return;
   Reader split = section.Section("split");
   cutting.split.on = true;
-  cutting.split.least_radius_m = split.Number("least_radius_mm", 0.01, 10);
+  cutting.split.min_radius_m = split.Number("least_radius_mm", 0.01, 10);
   cutting.split.children = split.Whole("child_count", 8, 64);
   cutting.split.pool_blocks = static_cast<std::size_t>(split.Whole("pool_count", 1, 1'000'000));
 }

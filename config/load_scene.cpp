@@ -19,13 +19,13 @@ class Names {
 
   /// Reads the name of a material.
   simulation::MaterialIndex Read(Reader& section, const std::string& key) {
-    constexpr std::size_t kMost = 8;
+    constexpr std::size_t kMax = 8;
     const std::string name = section.Text(key);
     if (name.empty()) return 0;  // missing: Finish() reports it
     const auto at = std::find(names_.begin(), names_.end(), name);
     if (at == names_.end()) {
-      if (names_.size() == kMost)
-        section.Refuse(key, fmt::format("found {}, accepted at most {} materials a scene", name, kMost));
+      if (names_.size() == kMax)
+        section.Refuse(key, fmt::format("found {}, accepted at most {} materials a scene", name, kMax));
       names_.push_back(name);
       return static_cast<simulation::MaterialIndex>(names_.size() - 1);
     }
@@ -164,10 +164,10 @@ void ReadPacking(Reader& section, simulation::PackingParams& packing) {
   packing.cup_radius_cap_m = section.Number("cup_radius_cap_mm", 0.1, 50);
   packing.cup_depth_m = section.Number("cup_depth_mm", 0, 100);
   packing.radius_over_spacing = section.Number("radius_over_spacing_ratio", 0.56, 5);
-  packing.least_radius_m = section.Number("least_radius_mm", 0.01, 5);
+  packing.min_radius_m = section.Number("least_radius_mm", 0.01, 5);
   packing.surface_gap_m = section.Number("surface_gap_mm", 0.005, 5);
   packing.surface_gap_growth = section.Number("surface_gap_growth_ratio", 0, 1);
-  packing.greatest_surface_gap_m = section.Number("greatest_surface_gap_mm", 0.005, 10);
+  packing.max_surface_gap_m = section.Number("greatest_surface_gap_mm", 0.005, 10);
   packing.samples = ReadGrade(section, "sample_", 0.05, 10);
 }
 
@@ -184,8 +184,8 @@ simulation::FidelityRequest ReadFidelity(Reader section, const simulation::ZoneP
 // Checks the sizes of a shape against each other.
 void CheckShape(const Reader& section, const simulation::SceneShape& shape) {
   if (const auto* cup = std::get_if<simulation::AcetabulumShape>(&shape)) {
-    constexpr double kLeastWall_m = 0.002;  // bone beside and below the cup
-    const double most_m = std::min(0.5 * cup->width_m, cup->height_m) - kLeastWall_m;
+    constexpr double kMinWall_m = 0.002;  // bone beside and below the cup
+    const double most_m = std::min(0.5 * cup->width_m, cup->height_m) - kMinWall_m;
     if (cup->cup_radius_m > most_m)
       section.Refuse("cup_radius_mm",
                      fmt::format("found {:.10g}, accepted at most {:.10g}: 2 mm less than half the width "

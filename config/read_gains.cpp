@@ -82,7 +82,7 @@ control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law la
                               double most_stiffness_N_per_m) {
   control::AdmittanceParams admittance;
   control::CouplingParams coupling;
-  control::Lay(own, admittance, coupling);
+  control::ApplyGains(own, admittance, coupling);
   LayGainsOver(file, law, admittance, coupling, most_stiffness_N_per_m);
   // if the file does not set it, the cell's own is used, up to the allowed maximum
   coupling.max_stiffness_N_per_m = std::min(coupling.max_stiffness_N_per_m, most_stiffness_N_per_m);

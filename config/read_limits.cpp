@@ -109,7 +109,7 @@ void CompleteForceLimit(Reader limits, control::ServoParams& servo) {
 
 void ReadZones(Reader& cell, safety::WorkspaceParams& workspace) {
   if (!cell.Has("zones")) return;
-  for (Reader& section : cell.Sections("zones", 1, safety::Workspace::kMostZones - 1)) {
+  for (Reader& section : cell.Sections("zones", 1, safety::Workspace::kMaxZones - 1)) {
     safety::ZoneParams& zone = workspace.zones.emplace_back();
     zone.point = static_cast<safety::ZonePoint>(section.Choice("point", {"apex", "flange", "elbow"}));
     zone.side = static_cast<safety::ZoneSide>(section.Choice("keep", {"in", "out"}));

@@ -5,7 +5,7 @@ namespace {
 
 void ReadAgeGovernor(Reader section, control::Law law, control::AgeGovernorParams& governor) {
   governor.acts = section.Bool("acts");
-  governor.most_damping = section.Number("damping_ratio", 1, 1000);
+  governor.max_damping_factor = section.Number("damping_ratio", 1, 1000);
   governor.release_s = section.Number("release_ms", 1, 10000);
   if (law != control::Law::kImpedance)
     return;  // in position mode the arm has no damping of its own that acts on the tool
@@ -18,8 +18,8 @@ void ReadAgeGovernor(Reader section, control::Law law, control::AgeGovernorParam
 void ReadPassivity(Reader section, control::PassivityParams& passivity) {
   passivity.acts = section.Bool("acts");
   passivity.allowance_J = section.Number("allowance_J", 0, 1);
-  passivity.least_speed_m_per_s = section.Number("least_speed_mm_per_s", 0.1, 100);
-  passivity.most_damping_Ns_per_m = section.Number("damping_Ns_per_m", 0, 10000);
+  passivity.min_speed_m_per_s = section.Number("least_speed_mm_per_s", 0.1, 100);
+  passivity.max_damping_Ns_per_m = section.Number("damping_Ns_per_m", 0, 10000);
 }
 
 void ReadEnergyTank(Reader section, control::EnergyTankParams& tank) {

@@ -20,7 +20,7 @@
 namespace osteon::config {
 namespace {
 
-constexpr std::uintmax_t kLargestFile = 1 << 20;  // bytes; ours have a few kB
+constexpr std::uintmax_t kMaxFile = 1 << 20;  // bytes; ours have a few kB
 
 int LineOf(const YAML::Node& node) { return node.Mark().is_null() ? 0 : node.Mark().line + 1; }
 
@@ -206,7 +206,7 @@ struct Reader::Mapping {
 Reader Reader::Load(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw ConfigError(path.string(), 0, "no such file");
-  if (std::filesystem::file_size(path, error) > kLargestFile)
+  if (std::filesystem::file_size(path, error) > kMaxFile)
     throw ConfigError(path.string(), 0, "larger than 1 MiB: not a configuration");
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream text;

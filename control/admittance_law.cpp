@@ -10,7 +10,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMostCentre_m = 10.0;
+constexpr double kMaxCentre_m = 10.0;
 
 // A^T diag(linear, angular) A, A = [1 -c×; 0 1].
 Matrix6 AtOrigin(const Vector3& linear, const Vector3& angular, const Vector3& c) {
@@ -41,11 +41,11 @@ void Validate(const AdmittanceParams& params) {
   require("dead_zone_N", params.dead_zone_N, params.dead_zone_N >= 0.0, ">= 0");
   require("dead_zone_Nm", params.dead_zone_Nm, params.dead_zone_Nm >= 0.0, ">= 0");
   for (int i = 0; i < 3; ++i)
-    require("centre_T_m", params.centre_T_m[i], std::abs(params.centre_T_m[i]) <= kMostCentre_m,
+    require("centre_T_m", params.centre_T_m[i], std::abs(params.centre_T_m[i]) <= kMaxCentre_m,
             "-10 … 10 on every axis");
 }
 
-Wrench PastDeadZone(const AdmittanceParams& params, const Wrench& F_T_W) OSTEON_RT {
+Wrench SubtractDeadZone(const AdmittanceParams& params, const Wrench& F_T_W) OSTEON_RT {
   const auto shorten = [](const Vector3& v, double zone) -> Vector3 {
     const double size = v.norm();
     if (size <= zone) return Vector3::Zero();
@@ -54,7 +54,8 @@ Wrench PastDeadZone(const AdmittanceParams& params, const Wrench& F_T_W) OSTEON_
   return {.f = shorten(F_T_W.f, params.dead_zone_N), .t = shorten(F_T_W.t, params.dead_zone_Nm)};
 }
 
-AdmittanceParams Times(const AdmittanceParams& params, double mass_factor, double damping_factor) OSTEON_RT {
+AdmittanceParams ScaleLaw(const AdmittanceParams& params, double mass_factor,
+                          double damping_factor) OSTEON_RT {
   AdmittanceParams times = params;
   times.mass_kg *= mass_factor;
   times.inertia_kg_m2 *= mass_factor;
@@ -119,7 +120,7 @@ bool NextTwist(const AdmittanceParams& params, const Pose& X_WT, const Twist& V_
   return true;
 }
 
-Pose Move(const Pose& X_WT, const Twist& V_WT, double dt_s) OSTEON_RT {
+Pose IntegratePose(const Pose& X_WT, const Twist& V_WT, double dt_s) OSTEON_RT {
   Pose X_next = Pose::Identity();
   X_next.translation() = X_WT.translation() + dt_s * V_WT.v;
   // the quaternion's normalisation removes the rounding error that accumulates in the rotation
@@ -132,7 +133,7 @@ bool StepAdmittance(const AdmittanceParams& params, const Wrench& F_T_W, double 
                     AdmittanceState& state) OSTEON_RT {
   Twist V_next;
   if (!NextTwist(params, state.X_WT, state.V_WT, F_T_W, dt_s, V_next)) return false;
-  const Pose X_next = Move(state.X_WT, V_next, dt_s);
+  const Pose X_next = IntegratePose(state.X_WT, V_next, dt_s);
   if (!X_next.matrix().allFinite()) return false;
   state = {.X_WT = X_next, .V_WT = V_next};
   return true;

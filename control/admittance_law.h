@@ -30,11 +30,11 @@ struct AdmittanceParams {
 void Validate(const AdmittanceParams& params);
 
 /// Subtracts the dead zone from the operator's wrench: direction kept, zero inside the zone, continuous.
-[[nodiscard]] Wrench PastDeadZone(const AdmittanceParams& params, const Wrench& F_T_W) OSTEON_RT;
+[[nodiscard]] Wrench SubtractDeadZone(const AdmittanceParams& params, const Wrench& F_T_W) OSTEON_RT;
 
 /// Returns the same virtual tool with inertia and drag multiplied; both factors > 0.
-[[nodiscard]] AdmittanceParams Times(const AdmittanceParams& params, double mass_factor,
-                                     double damping_factor) OSTEON_RT;
+[[nodiscard]] AdmittanceParams ScaleLaw(const AdmittanceParams& params, double mass_factor,
+                                        double damping_factor) OSTEON_RT;
 
 /// Velocity of the virtual tool after its inertia was multiplied by `ratio`. Kinetic energy never grows: when
 /// the tool gets heavier the energy is kept, V / sqrt(ratio); when it gets lighter the velocity is kept.
@@ -64,9 +64,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 ///
 /// c_ is c at the time when V began. The tool has turned since: keeping To's velocity unchanged would throw
 /// the centre outward with m w^2 c and create energy. The step is implicit in the damping and explicit in the
-/// force; with Move below it is the semi-implicit scheme of Model B in the design's stability page. At C, by
-/// axis, |v+| is at most max(|v|, |F|/b) for any dt, so that V+^T M V+ <= sum m max(|v|, |F|/b)^2; without a
-/// force kinetic energy only falls.
+/// force; with IntegratePose below it is the semi-implicit scheme of Model B in the design's stability page.
+/// At C, by axis, |v+| is at most max(|v|, |F|/b) for any dt, so that V+^T M V+ <= sum m max(|v|, |F|/b)^2;
+/// without a force kinetic energy only falls.
 ///
 /// A locked axis keeps the velocity given for it. It feels no force and passes none to other axes.
 ///
@@ -80,7 +80,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
                              const Twist& V_held_C = {}) OSTEON_RT;
 
 /// Moves a pose with a velocity for one period: p + dt v, exp(dt w) R; R is orthonormalised.
-[[nodiscard]] Pose Move(const Pose& X_WT, const Twist& V_WT, double dt_s) OSTEON_RT;
+[[nodiscard]] Pose IntegratePose(const Pose& X_WT, const Twist& V_WT, double dt_s) OSTEON_RT;
 
 struct AdmittanceState {
   Pose X_WT{Pose::Identity()};

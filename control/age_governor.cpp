@@ -9,35 +9,35 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMargin = 1.02;      // on the bound
-constexpr double kLeastPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
-constexpr double kDone = 1e-4;        // a factor this near to 1 counts as 1
-constexpr int kMostRows = 4;          // 3 normals; 1 normal and 2 tangents; 2 normals and 2 times 1 tangent
+constexpr double kMargin = 1.02;    // on the bound
+constexpr double kMinPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
+constexpr double kDone = 1e-4;      // a factor this near to 1 counts as 1
+constexpr int kMaxRows = 4;         // 3 normals; 1 normal and 2 tangents; 2 normals and 2 times 1 tangent
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 // Directions of motion d with weights w: sum w d d^T is the aged stiffness in units of the damping.
 struct Rows {
-  Eigen::Matrix<double, 6, kMostRows> d{Eigen::Matrix<double, 6, kMostRows>::Zero()};
+  Eigen::Matrix<double, 6, kMaxRows> d{Eigen::Matrix<double, 6, kMaxRows>::Zero()};
   int count{0};
 
   void Add(const Vector6& direction, double weight) OSTEON_RT {
-    if (count < kMostRows) d.col(count++) = std::sqrt(weight) * direction;
+    if (count < kMaxRows) d.col(count++) = std::sqrt(weight) * direction;
   }
 };
 
-// The direction in which a force along u at arm_W works, at the damping's centre and divided by its root.
-Vector6 Seen(const Vector3& u_W, const Vector3& arm_W, const Matrix3& R_WT,
-             const AxisDamping& root) OSTEON_RT {
+// The direction in which a force along u at lever_W works, at the damping's centre and divided by its root.
+Vector6 ScaledForceDirection(const Vector3& u_W, const Vector3& lever_W, const Matrix3& R_WT,
+                             const AxisDamping& root) OSTEON_RT {
   Vector6 a;
   const Vector3 u_T = R_WT.transpose() * u_W;
-  const Vector3 arm_T = R_WT.transpose() * arm_W - root.centre_T_m;
-  a << u_T.cwiseQuotient(root.Ns_per_m), arm_T.cross(u_T).cwiseQuotient(root.Nms_per_rad);
+  const Vector3 lever_T = R_WT.transpose() * lever_W - root.centre_T_m;
+  a << u_T.cwiseQuotient(root.Ns_per_m), lever_T.cross(u_T).cwiseQuotient(root.Nms_per_rad);
   return a;
 }
 
 // Upper bound of the largest eigenvalue of sum d d^T.
-double Largest(const Rows& rows) OSTEON_RT {
+double EigenvalueBound(const Rows& rows) OSTEON_RT {
   Eigen::Matrix4d gram;
   gram.noalias() = rows.d.transpose().lazyProduct(rows.d);
   const double trace = gram.trace();
@@ -55,7 +55,7 @@ void Validate(const AgeGovernorParams& params) {
       throw std::invalid_argument(std::string("age governor ") + name + ": found " + std::to_string(value) +
                                   ", accepted " + std::to_string(low) + " … " + std::to_string(high));
   };
-  require("most_damping", params.most_damping, 1.0, 1000.0);
+  require("most_damping", params.max_damping_factor, 1.0, 1000.0);
   require("release_s", params.release_s, 1e-3, 10.0);
   require("tool_radius_m", params.tool_radius_m, 1e-5, 1.0);
   require("arm_damping_Ns_per_m", params.arm_damping_Ns_per_m, 0.0, 1e4);
@@ -78,14 +78,14 @@ double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisD
     const ActivePlane& plane = coupling.active[static_cast<std::size_t>(j)];
     const auto r = static_cast<std::size_t>(rank);
     Vector3 n = plane.n_W;
-    Vector6 a = Seen(plane.n_W, plane.arm_W, R_WT, root);
+    Vector6 a = ScaledForceDirection(plane.n_W, plane.lever_W, R_WT, root);
     for (std::size_t i = 0; i < r; ++i) {
       const double along = normal[i].dot(plane.n_W);
       n -= along * normal[i];
       a -= along * e[i];
     }
     const double left2 = n.squaredNorm();
-    if (!(left2 > kLeastPivot)) continue;
+    if (!(left2 > kMinPivot)) continue;
     const double scale = 1.0 / std::sqrt(left2);
     normal[r] = scale * n;
     e[r] = scale * a;
@@ -121,11 +121,12 @@ double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisD
       const double turning_N_per_m =
           std::min(more * plane.force_N / radius_m, coupling.fade * plane.stiffness_N_per_m);
       for (int i = 0; i < 3 - rank; ++i)
-        rows.Add(Seen(tangent[static_cast<std::size_t>(i)], plane.arm_W + radius_m * plane.n_W, R_WT, root),
+        rows.Add(ScaledForceDirection(tangent[static_cast<std::size_t>(i)],
+                                      plane.lever_W + radius_m * plane.n_W, R_WT, root),
                  kMargin * ages.planes_s * turning_N_per_m);
     }
   }
-  return Largest(rows);
+  return EigenvalueBound(rows);
 }
 
 AgeGovernor::AgeGovernor(const AgeGovernorParams& params, double period_s)
@@ -152,12 +153,12 @@ void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, cons
   const double ratio = AgeRatio(coupling, R_WT, D, ages, params_.tool_radius_m);
   if (ratio > 1.0) {
     // the law's damping must supply the arm's share too, on the axis where the law has the smallest part
-    double most_sum_over_law = 1.0;
+    double max_sum_over_law = 1.0;
     for (int i = 0; i < 3; ++i)
-      most_sum_over_law = std::max(
-          {most_sum_over_law, D.Ns_per_m[i] / law.Ns_per_m[i], D.Nms_per_rad[i] / law.Nms_per_rad[i]});
-    factor = std::min(1.0 + (ratio - 1.0) * most_sum_over_law, params_.most_damping);
-    if (factor == params_.most_damping) {
+      max_sum_over_law = std::max(
+          {max_sum_over_law, D.Ns_per_m[i] / law.Ns_per_m[i], D.Nms_per_rad[i] / law.Nms_per_rad[i]});
+    factor = std::min(1.0 + (ratio - 1.0) * max_sum_over_law, params_.max_damping_factor);
+    if (factor == params_.max_damping_factor) {
       const double left = AgeRatio(coupling, R_WT, with_arm(factor), ages, params_.tool_radius_m);
       if (left > 1.0) share = 1.0 / left;
     }

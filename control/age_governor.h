@@ -10,7 +10,7 @@ namespace osteon::control {
 struct AgeGovernorParams {
   bool acts{true};  ///< false: damping and coupling stay unchanged, and the factors stay 1
   /// Largest factor on the law's damping; >= 1. If this is not enough, the coupling is scaled down.
-  double most_damping{20.0};
+  double max_damping_factor{20.0};
   double release_s{0.2};        ///< time constant of the release; the rise is immediate
   double tool_radius_m{0.025};  ///< R: radius of the tool where it touches
   /// Impedance law: the arm's own damping that may be relied on, in every direction; 0: none.
@@ -59,7 +59,7 @@ struct StiffnessAges {
 /// Keeps D > a K, which is stable for every age up to a and every inertia. Raises the law's damping while the
 /// coupling's inputs are old, and scales the coupling down where that is not enough.
 ///
-///     ratio r = AgeRatio:   damping × min(r, most_damping),   coupling × min(1, most_damping / r)
+///     ratio r = AgeRatio:   damping × min(r, max_damping_factor),   coupling × min(1, max_damping_factor / r)
 ///
 /// Under the admittance law the planes are evaluated at a pose without age, so the stiffness of the planes
 /// themselves requires no damping (20 N/mm at 20 ms would require 400 N s/m). Under the impedance law it

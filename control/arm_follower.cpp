@@ -56,7 +56,7 @@ struct Redundancy {
   double arm_angle_rad;  // wanted
   std::optional<kinematics::SerialChain<7>> body;
   std::optional<safety::JointTorqueLimit<7>> torques;  // if there is a body
-  kinematics::WantedLoad<7> load;                      // torque limits: of the drives
+  kinematics::LoadTarget<7> load;                      // torque limits: of the drives
   bool arrived{false};                                 // the wanted arm angle has been reached once
 };
 struct NoRedundancy {};
@@ -96,19 +96,19 @@ class JointFollower final : public ArmFollower {
     return q;
   }
 
-  void Put(const JointArray& q) OSTEON_RT override {
+  void ResetTo(const JointArray& q) OSTEON_RT override {
     q_ = ToJoints(q);
     X_WT_ = PoseOf(q_);
-    Rest();
+    StopJoints();
   }
-  void Rest() OSTEON_RT override { q_step_.setZero(); }
+  void StopJoints() OSTEON_RT override { q_step_.setZero(); }
   void StartFollowing() OSTEON_RT override {
     motion_share_ = 1.0;
     moving_ = 0.0;
     if constexpr (kRedundant) elbow_.arrived = false;
   }
 
-  [[nodiscard]] Followed Follow(const FollowWish& wish) OSTEON_RT override;
+  [[nodiscard]] MotionResult Follow(const MotionRequest& request) OSTEON_RT override;
   [[nodiscard]] Fault FollowMeasured(const JointArray& q_meas, double share) OSTEON_RT override {
     const auto guard = guard_.Limit(q_, share * (ToJoints(q_meas) - q_), params_.period_s);
     if (guard.jump || guard.violated) return Fault::kJointLimit;
@@ -127,7 +127,8 @@ class JointFollower final : public ArmFollower {
     std::copy_n(tau.data(), kN, result.begin());
     return result;
   }
-  [[nodiscard]] bool TakeTorques([[maybe_unused]] const JointArray& tau_external_Nm) OSTEON_RT override {
+  [[nodiscard]] bool UpdateExternalTorques(
+      [[maybe_unused]] const JointArray& tau_external_Nm) OSTEON_RT override {
     if constexpr (kRedundant)
       return elbow_.torques && elbow_.torques->Check(Gravity(), ToJoints(tau_external_Nm));
     return false;
@@ -135,7 +136,7 @@ class JointFollower final : public ArmFollower {
   [[nodiscard]] bool BrakeJoints() OSTEON_RT override;
   [[nodiscard]] bool braking_joints() const OSTEON_RT override { return stop_ticks_ > 0; }
 
-  [[nodiscard]] ZoneLook LookAtZones(const JointArray& q, const JointArray& q_next) const OSTEON_RT override {
+  [[nodiscard]] ZoneCheck CheckZones(const JointArray& q, const JointArray& q_next) const OSTEON_RT override {
     if (!HasZones()) return {};
     const Joints from = ToJoints(q), to = ToJoints(q_next);
     const Points points = PointsOf(to);
@@ -148,9 +149,9 @@ class JointFollower final : public ArmFollower {
   void Prefetch() const OSTEON_RT override { rt::Prefetch(*this); }
 
   [[nodiscard]] bool AtStart() const OSTEON_RT override {
-    return !path_ || (q_ - Start()).cwiseAbs().maxCoeff() <= params_.start->there_rad;
+    return !path_ || (q_ - Start()).cwiseAbs().maxCoeff() <= params_.start->tolerance_rad;
   }
-  [[nodiscard]] bool BeginStart() OSTEON_RT override { return path_->Begin(q_, Start()); }
+  [[nodiscard]] bool BeginStartPath() OSTEON_RT override { return path_->Begin(q_, Start()); }
   [[nodiscard]] StartStep StepToStart(bool permitted) OSTEON_RT override;
 
   [[nodiscard]] safety::LimitedWrench Limit(const safety::WrenchLimiter& limiter,
@@ -184,7 +185,7 @@ class JointFollower final : public ArmFollower {
   [[nodiscard]] Joints Start() const OSTEON_RT { return params_.start->q.template head<kN>(); }
   void BrakeBeforeBounds(const kinematics::MotionInput<kN>& wanted,
                          kinematics::MotionOutput<kN>& moves) const OSTEON_RT;
-  [[nodiscard]] Joints WantedElbow(const FollowWish& wish) OSTEON_RT;
+  [[nodiscard]] Joints NullSpaceVelocity(const MotionRequest& request) OSTEON_RT;
 
   // Positions in W of the points with zones, by ZonePoint, and the flange pose that they come from.
   struct Points {
@@ -195,7 +196,8 @@ class JointFollower final : public ArmFollower {
     return points.p_W[static_cast<std::size_t>(point)];
   }
   [[nodiscard]] Points PointsOf(const Joints& q) const OSTEON_RT;
-  [[nodiscard]] double ElbowShare(const Points& from, const Points& to, double most_m_per_s) const OSTEON_RT;
+  [[nodiscard]] double ElbowShare(const Points& from, const Points& to,
+                                  double max_speed_m_per_s) const OSTEON_RT;
   [[nodiscard]] double ZoneShare(const Joints& q, const Joints& step, const Points& from, const Points& to,
                                  std::span<const ZonePoint> points) const OSTEON_RT;
   [[nodiscard]] bool HasZones() const OSTEON_RT {
@@ -229,29 +231,29 @@ class JointFollower final : public ArmFollower {
 };
 
 template <class Arm>
-Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
+MotionResult JointFollower<Arm>::Follow(const MotionRequest& request) OSTEON_RT {
   const double dt_s = params_.period_s;
-  Followed followed{.V_WT = wish.V_WT};
+  MotionResult result{.V_WT = request.V_WT};
   kinematics::MotionInput<kN> wanted;
   wanted.J = Jacobian();
-  wanted.V_BT = Turned(X_BW_.linear(), wish.V_WT);
+  wanted.V_BT = ExpressedIn(X_BW_.linear(), request.V_WT);
   wanted.q = q_;
   wanted.qd_before = q_step_ / dt_s;
   wanted.share_before = motion_share_;
-  wanted.qd_null = WantedElbow(wish);
+  wanted.qd_null = NullSpaceVelocity(request);
   wanted.dt_s = dt_s;
   wanted.U_before = directions_;
   kinematics::MotionOutput<kN> moves = motion_.Step(wanted);
   if (!moves.finite) {
-    followed.fault = Fault::kInverseKinematics;
-    return followed;
+    result.fault = Fault::kInverseKinematics;
+    return result;
   }
   if (moves.limit != kinematics::MotionLimit::kNone) BrakeBeforeBounds(wanted, moves);
   // an independent check of the limited motion
   const auto guard = guard_.Limit(q_, dt_s * moves.qd, dt_s);
   if (guard.jump || guard.violated) {
-    followed.fault = Fault::kJointLimit;
-    return followed;
+    result.fault = Fault::kJointLimit;
+    return result;
   }
   motion_share_ = moves.share;
   directions_ = moves.U;
@@ -261,13 +263,13 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   sigma_gradient_m_ = moves.sigma_gradient_m;
   null_direction_ = moves.null_direction;
   double elbow_share = 1.0, zone_share = 1.0;
-  if (HasZones() || std::isfinite(wish.max_elbow_speed_m_per_s)) {
+  if (HasZones() || std::isfinite(request.max_elbow_speed_m_per_s)) {
     if (q_ != points_q_) {
       points_ = PointsOf(q_);
       points_q_ = q_;
     }
     Points to = PointsOf(q_ + guard.step);
-    elbow_share = ElbowShare(points_, to, wish.max_elbow_speed_m_per_s);
+    elbow_share = ElbowShare(points_, to, request.max_elbow_speed_m_per_s);
     if (elbow_share < 1.0) to = PointsOf(q_ + elbow_share * guard.step);
     zone_share = ZoneShare(q_, elbow_share * guard.step, points_, to, kCarried);
     if (elbow_share == 1.0 && zone_share == 1.0) {  // the next tick begins from these points
@@ -279,12 +281,12 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   q_step_ = share * guard.step;
   q_ += q_step_;
   X_WT_ = points_q_ == q_ ? Pose(X_WB_ * points_.X_BF * X_FT_) : PoseOf(q_);
-  followed.limited = moves.limit != kinematics::MotionLimit::kNone || guard.share < 1.0;
-  followed.zone_acted = zone_share < 1.0;
-  followed.elbow_acted = elbow_share < 1.0;
-  if (followed.limited || share < 1.0)
-    followed.V_WT = Turned(X_WB_.linear(), Scaled(moves.V_BT, guard.share * share));
-  return followed;
+  result.limited = moves.limit != kinematics::MotionLimit::kNone || guard.share < 1.0;
+  result.zone_acted = zone_share < 1.0;
+  result.elbow_acted = elbow_share < 1.0;
+  if (result.limited || share < 1.0)
+    result.V_WT = ExpressedIn(X_WB_.linear(), Scaled(moves.V_BT, guard.share * share));
+  return result;
 }
 
 // Brakes before the apex's bounds when the joints' accelerations interfere. The requested twist brakes for
@@ -305,7 +307,7 @@ void JointFollower<Arm>::BrakeBeforeBounds(const kinematics::MotionInput<kN>& wa
   braking.V_BT.v = X_BW_.linear() * workspace_.Limit(X_WT_.translation(), v_before_WT, params_.period_s).v_WT;
   braking.V_BT.w = V_before.template tail<3>();
   braking.qd_null = wanted.qd_before;
-  braking.at_once = true;
+  braking.ignore_acceleration = true;
   kinematics::MotionOutput<kN> brakes = motion_.Step(braking);
   // Moves `more` toward `allowed` until it is allowed: bisection over the share of the difference.
   const auto add = [&](const kinematics::MotionOutput<kN>& allowed, kinematics::MotionOutput<kN>& more) {
@@ -333,10 +335,10 @@ typename JointFollower<Arm>::Points JointFollower<Arm>::PointsOf(const Joints& q
 
 template <class Arm>
 double JointFollower<Arm>::ElbowShare(const Points& from, const Points& to,
-                                      double most_m_per_s) const OSTEON_RT {
+                                      double max_speed_m_per_s) const OSTEON_RT {
   const double way_m = (At(to, ZonePoint::kElbow) - At(from, ZonePoint::kElbow)).norm();
-  const double most_m = most_m_per_s * params_.period_s;
-  return way_m > most_m ? most_m / way_m : 1.0;
+  const double max_m = max_speed_m_per_s * params_.period_s;
+  return way_m > max_m ? max_m / way_m : 1.0;
 }
 
 // Share of a joint step that keeps to the zones. Each trial is evaluated, as the points' paths are curved. A
@@ -360,35 +362,36 @@ double JointFollower<Arm>::ZoneShare(const Joints& q, const Joints& step, const 
 
 // Preferred joint velocities for the elbow's sake; only their null-space part has an effect.
 template <class Arm>
-typename Arm::Joints JointFollower<Arm>::WantedElbow([[maybe_unused]] const FollowWish& wish) OSTEON_RT {
+typename Arm::Joints JointFollower<Arm>::NullSpaceVelocity(
+    [[maybe_unused]] const MotionRequest& request) OSTEON_RT {
   Joints qd = Joints::Zero();
   if constexpr (kRedundant) {
     const double dt_s = params_.period_s;
     // twist that the limits will leave, estimated from the tick before: an elbow held for a tool that cannot
     // move would itself move
-    const Twist V_likely_WT = Scaled(wish.V_WT, motion_share_);
+    const Twist V_likely_WT = Scaled(request.V_WT, motion_share_);
 
     // the arm angle is held, and turned toward the wanted one
     const double arm_angle_rad = arm_.ArmAngle(q_);
     const double error_rad = WrapAngle(elbow_.arm_angle_rad - arm_angle_rad);
     elbow_.arrived |= std::abs(error_rad) < kElbowThere_rad;
-    const double most = params_.arm_angle_rate_rad_per_s;
-    const double share = !wish.elbow_moves ? 0.0 : elbow_.arrived ? moving_ : wish.elbow_share;
+    const double max_rate = params_.arm_angle_rate_rad_per_s;
+    const double share = !request.elbow_moves ? 0.0 : elbow_.arrived ? moving_ : request.elbow_share;
     kinematics::LoadPreference<7> load;
     if (elbow_.body && (share > 0.0 || moving_ > 0.0)) {
       const double held =
           kinematics::HeldLoad<7>(elbow_.load, Jacobian(), Gravity(), X_BW_.linear() * X_WT_.linear().col(2))
               .value;
-      load =
-          kinematics::TowardsLoad<7>(params_.posture, *elbow_.body, elbow_.load, q_, null_direction_, held);
+      load = kinematics::LoadGradientMotion<7>(params_.posture, *elbow_.body, elbow_.load, q_,
+                                               null_direction_, held);
     }
     // an arm angle at which the arm cannot hold the load is not worth holding
     const double worth = 1.0 - load.depth * load.depth;
-    const double turn = worth * share * std::clamp(kElbowRate_per_s * error_rad, -most, most);
+    const double turn = worth * share * std::clamp(kElbowRate_per_s * error_rad, -max_rate, max_rate);
     Joints q_there;
     if (turn == 0.0 && V_likely_WT.v.isZero(0.0) && V_likely_WT.w.isZero(0.0))
       return qd;  // avoids a motion by rounding
-    if (arm_.Inverse(X_BW_ * Move(X_WT_, V_likely_WT, dt_s) * X_TF_, arm_angle_rad + dt_s * turn, q_,
+    if (arm_.Inverse(X_BW_ * IntegratePose(X_WT_, V_likely_WT, dt_s) * X_TF_, arm_angle_rad + dt_s * turn, q_,
                      q_there) &&
         (q_there - q_).cwiseAbs().maxCoeff() < params_.joints.jump_rad)
       qd = (q_there - q_) / dt_s;
@@ -424,7 +427,7 @@ StartStep JointFollower<Arm>::StepToStart(bool permitted) OSTEON_RT {
     if (workspace_.LeavesZone(point, At(from, point), At(to, point))) return {.refused = Fault::kWorkspace};
   q_ = next.q;
   X_WT_ = PoseOf(q_);
-  return {.there = next.done, .rests = next.rate == 0.0};
+  return {.at_start = next.done, .paused = next.rate == 0.0};
 }
 
 template <class Arm>

@@ -16,7 +16,7 @@
 namespace osteon::control {
 
 /// Motion of the tool that is requested in a tick.
-struct FollowWish {
+struct MotionRequest {
   Twist V_WT;  ///< of the tool at To, in W
   /// Scales the elbow's speed toward its preferred place until it has been there, 0 … 1; 0 holds the elbow.
   double elbow_share{0.0};
@@ -25,7 +25,7 @@ struct FollowWish {
 };
 
 /// Motion of the tool that results.
-struct Followed {
+struct MotionResult {
   Twist V_WT;               ///< commanded tool: what is left of the request
   bool limited{false};      ///< joint limits, reach or a singular posture reduced the motion
   bool elbow_acted{false};  ///< the elbow's speed limit reduced the motion
@@ -34,7 +34,7 @@ struct Followed {
 };
 
 /// How flange and elbow keep to their zones over a joint motion.
-struct ZoneLook {
+struct ZoneCheck {
   double share{1.0};    ///< largest fraction of the motion that keeps to the zones, 0 … 1
   bool outside{false};  ///< flange or elbow is outside at its end
 };
@@ -43,8 +43,8 @@ struct ZoneLook {
 struct StartStep {
   /// kJointLimit or kWorkspace if the path asks for an inadmissible command; nothing has moved then.
   safety::Fault refused{safety::Fault::kNone};
-  bool there{false};
-  bool rests{false};  ///< paused, at rest
+  bool at_start{false};
+  bool paused{false};  ///< paused, at rest
 };
 
 /// The arm's joints under the servo loop: their commanded positions, and how they follow the tool. The
@@ -61,15 +61,15 @@ class ArmFollower {
   [[nodiscard]] const Pose& X_WT() const OSTEON_RT { return X_WT_; }
 
   /// Sets the commanded joints, at rest. @pre finite
-  virtual void Put(const JointArray& q) OSTEON_RT = 0;
+  virtual void ResetTo(const JointArray& q) OSTEON_RT = 0;
   /// Sets the joint velocities to zero.
-  virtual void Rest() OSTEON_RT = 0;
+  virtual void StopJoints() OSTEON_RT = 0;
   /// To be called before the first Follow and after each pause of following.
   virtual void StartFollowing() OSTEON_RT = 0;
 
   /// Moves the joints one tick along a twist (kinematics::DifferentialInverse), using the redundant joint's
   /// preferences if there is one.
-  [[nodiscard]] virtual Followed Follow(const FollowWish& wish) OSTEON_RT = 0;
+  [[nodiscard]] virtual MotionResult Follow(const MotionRequest& request) OSTEON_RT = 0;
 
   /// Moves the commanded joints of a compliant arm one tick toward the measured ones, by a share of the
   /// difference, within the joints' limits.
@@ -81,7 +81,7 @@ class ArmFollower {
   /// Whether the external torques on the joints, by the arm's estimate [N·m], will exceed what the joints can
   /// hold within a message (safety::JointTorqueLimit). Call once per message; false if the arm's torques are
   /// unknown.
-  [[nodiscard]] virtual bool TakeTorques(const JointArray& tau_external_Nm) OSTEON_RT = 0;
+  [[nodiscard]] virtual bool UpdateExternalTorques(const JointArray& tau_external_Nm) OSTEON_RT = 0;
 
   /// One tick of a stop in which the joints' own last motion is scaled down within ServoParams::joint_stop_s.
   /// Used where the tool's braking path has no joint solution. True at rest.
@@ -90,7 +90,7 @@ class ArmFollower {
   [[nodiscard]] virtual bool braking_joints() const OSTEON_RT = 0;
 
   /// Checks the zones of flange and elbow of a compliant arm between two ticks.
-  [[nodiscard]] virtual ZoneLook LookAtZones(const JointArray& q,
+  [[nodiscard]] virtual ZoneCheck CheckZones(const JointArray& q,
                                              const JointArray& q_next) const OSTEON_RT = 0;
 
   /// Loads its data into the cache, see ServoLoop::Prefetch.
@@ -99,7 +99,7 @@ class ArmFollower {
   /// Whether the arm is at ServoParams::start; true as well if no start is set.
   [[nodiscard]] virtual bool AtStart() const OSTEON_RT = 0;
   /// Begins the path to the start. False if the arm stands where no command may put it.
-  [[nodiscard]] virtual bool BeginStart() OSTEON_RT = 0;
+  [[nodiscard]] virtual bool BeginStartPath() OSTEON_RT = 0;
   [[nodiscard]] virtual StartStep StepToStart(bool permitted) OSTEON_RT = 0;
 
   /// Limits a wrench by the limiter, and to what the arm's torques can hold at the commanded joints, where

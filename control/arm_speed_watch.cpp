@@ -7,7 +7,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMostBetween_s = 0.1;  // limits the way allowed after a jump of the clock
+constexpr double kMaxBetween_s = 0.1;  // limits the way allowed after a jump of the clock
 
 void Require(bool accepted, const char* name, double found, const char* range) {
   if (!accepted)
@@ -29,7 +29,7 @@ bool ArmSpeedWatch::Check(const ArmState& state, const Vector3& p_W, double limi
   const double periods = gap_.Step(state);
   if (has_last_) {
     const double between_s = std::clamp(std::max(periods * period_s_, rt::ToSeconds(state.stamp - stamp_)),
-                                        period_s_, std::max(kMostBetween_s, period_s_));
+                                        period_s_, std::max(kMaxBetween_s, period_s_));
     const double way_m = (p_W - p_last_W_).norm();
     speed_m_per_s_ = way_m / between_s;
     excess_m_ = std::max(0.0, excess_m_ + way_m - params_.margin * limit_m_per_s * between_s);

@@ -6,7 +6,7 @@ namespace osteon::control {
 namespace {
 
 constexpr double kReturn_s = 0.010;
-constexpr double kMost_m_per_s = 0.020, kMost_rad_per_s = 0.1;
+constexpr double kMax_m_per_s = 0.020, kMax_rad_per_s = 0.1;
 
 Vector3 Within(const Vector3& v, double most) {
   const double size = v.norm();
@@ -41,8 +41,8 @@ Twist AxisLock::Correction(const Pose& X_WT) OSTEON_RT {
       R_W * position_.cwiseProduct(R_W.transpose() * (X_WC_.translation() - X_WC.translation()));
   X_WC_.translation() = X_WC.translation() + off_W;
 
-  return {.v = position_.cwiseProduct(Within(X_WC.linear().transpose() * off_W / return_s_, kMost_m_per_s)),
-          .w = Within(turn_C / return_s_, kMost_rad_per_s)};
+  return {.v = position_.cwiseProduct(Within(X_WC.linear().transpose() * off_W / return_s_, kMax_m_per_s)),
+          .w = Within(turn_C / return_s_, kMax_rad_per_s)};
 }
 
 }  // namespace osteon::control

@@ -13,7 +13,7 @@ namespace {
 Wrench Difference(const Wrench& a, const Wrench& b) { return {.f = a.f - b.f, .t = a.t - b.t}; }
 
 // The part of a reading without the tool's weight and the known bias, both of which HandWrench removes.
-Wrench Unknown(const ForceSensorParams& sensor, const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
+Wrench RemoveKnownLoad(const ForceSensorParams& sensor, const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
   return Difference(Difference(F_S, ToolWeight(sensor, X_WF)), sensor.bias_S);
 }
 
@@ -28,20 +28,20 @@ void Validate(const BiasParams& params) {
   require("rest_s", params.rest_s, 0.01, 60.0);
   require("spread_N", params.spread_N, 0.01, 100.0);
   require("spread_Nm", params.spread_Nm, 0.001, 10.0);
-  require("most_N", params.most_N, 0.0, 100.0);
-  require("most_Nm", params.most_Nm, 0.0, 20.0);
+  require("most_N", params.max_bias_N, 0.0, 100.0);
+  require("most_Nm", params.max_bias_Nm, 0.0, 20.0);
   require("max_creep_m_per_s", params.max_creep_m_per_s, 1e-4, 1.0);
   require("max_creep_rad_per_s", params.max_creep_rad_per_s, 1e-4, 10.0);
-  require("still_m", params.still_m, 1e-7, 0.01);
-  require("still_rad", params.still_rad, 1e-7, 0.1);
+  require("still_m", params.rest_motion_m, 1e-7, 0.01);
+  require("still_rad", params.rest_rotation_rad, 1e-7, 0.1);
 }
 
 BiasParams CreepBound(const BiasParams& params, const AdmittanceParams& law) {
   BiasParams bound = params;
-  bound.most_N =
-      std::min(params.most_N, law.dead_zone_N + law.damping_Ns_per_m.minCoeff() * params.max_creep_m_per_s);
-  bound.most_Nm = std::min(
-      params.most_Nm, law.dead_zone_Nm + law.damping_Nms_per_rad.minCoeff() * params.max_creep_rad_per_s);
+  bound.max_bias_N = std::min(params.max_bias_N,
+                              law.dead_zone_N + law.damping_Ns_per_m.minCoeff() * params.max_creep_m_per_s);
+  bound.max_bias_Nm = std::min(
+      params.max_bias_Nm, law.dead_zone_Nm + law.damping_Nms_per_rad.minCoeff() * params.max_creep_rad_per_s);
   return bound;
 }
 
@@ -51,30 +51,31 @@ BiasEstimator::BiasEstimator(const BiasParams& params, const ForceSensorParams& 
   Validate(sensor);
 }
 
-void BiasEstimator::Begin(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
+void BiasEstimator::StartRest(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
   resting_ = true;
   rested_s_ = 0.0;
   X_WF_ = X_WF;
-  mean_ = Unknown(sensor_, F_S, X_WF);
+  mean_ = RemoveKnownLoad(sensor_, F_S, X_WF);
 }
 
-void BiasEstimator::Rest(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
+void BiasEstimator::AddReading(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
   if (!params_.acts) return;
   if (!safety::IsFinite(F_S) || !X_WF.matrix().allFinite()) {
     resting_ = false;
     return;
   }
-  const bool still = resting_ && (X_WF.translation() - X_WF_.translation()).norm() <= params_.still_m &&
-                     LogRotation(X_WF_.linear().transpose() * X_WF.linear()).norm() <= params_.still_rad;
+  const bool still =
+      resting_ && (X_WF.translation() - X_WF_.translation()).norm() <= params_.rest_motion_m &&
+      LogRotation(X_WF_.linear().transpose() * X_WF.linear()).norm() <= params_.rest_rotation_rad;
   if (!still) {
-    Begin(F_S, X_WF);
+    StartRest(F_S, X_WF);
     return;
   }
-  const Wrench beyond = Difference(Unknown(sensor_, F_S, X_WF), mean_);
+  const Wrench beyond = Difference(RemoveKnownLoad(sensor_, F_S, X_WF), mean_);
   // wider tolerance at first: a mean of a few readings is uncertain
   const double room = rested_s_ < 0.1 * params_.rest_s ? 2.0 : 1.0;
   if (beyond.f.norm() > room * params_.spread_N || beyond.t.norm() > room * params_.spread_Nm) {
-    Begin(F_S, X_WF);
+    StartRest(F_S, X_WF);
     return;
   }
   rested_s_ += period_s_;
@@ -82,7 +83,7 @@ void BiasEstimator::Rest(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
   const double share = period_s_ / std::min(rested_s_ + period_s_, std::max(params_.rest_s, period_s_));
   mean_ = {.f = mean_.f + share * beyond.f, .t = mean_.t + share * beyond.t};
   if (rested_s_ < params_.rest_s) return;
-  in_doubt_ = mean_.f.norm() > params_.most_N || mean_.t.norm() > params_.most_Nm;
+  in_doubt_ = mean_.f.norm() > params_.max_bias_N || mean_.t.norm() > params_.max_bias_Nm;
   if (!in_doubt_) bias_ = mean_;
 }
 

@@ -9,25 +9,25 @@ namespace osteon::control {
 
 /// Tuning of BiasEstimator. Every field has a usable default.
 struct BiasParams {
-  bool acts{true};         ///< false: no bias is removed
-  double rest_s{0.5};      ///< a rest of this duration is accepted; also the time constant of the mean
-  double spread_N{1.5};    ///< a reading farther from the mean is not at rest: somebody touches the tool
-  double spread_Nm{0.15};  ///< the same for the torque
-  double most_N{10.0};     ///< largest bias that is accepted
-  double most_Nm{2.0};     ///< the same for the torque
+  bool acts{true};          ///< false: no bias is removed
+  double rest_s{0.5};       ///< a rest of this duration is accepted; also the time constant of the mean
+  double spread_N{1.5};     ///< a reading farther from the mean is not at rest: somebody touches the tool
+  double spread_Nm{0.15};   ///< the same for the torque
+  double max_bias_N{10.0};  ///< largest bias that is accepted
+  double max_bias_Nm{2.0};  ///< the same for the torque
   /// Bounds the creep of a free tool in case the estimate was a hand's push and the hand lets go. Together
   /// with the law's drag this bounds the accepted bias: CreepBound. > 0
   double max_creep_m_per_s{0.05};
   double max_creep_rad_per_s{0.25};  ///< the same for the rotation
-  double still_m{1e-4};              ///< the flange may move this far during a rest,
-  double still_rad{1e-3};            ///< and rotate this far
+  double rest_motion_m{1e-4};        ///< the flange may move this far during a rest,
+  double rest_rotation_rad{1e-3};    ///< and rotate this far
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const BiasParams& params);
 
-/// The same parameters with most_N and most_Nm lowered to what an admittance law tolerates: if the bias was a
-/// hand's push, the free tool creeps at most at max_creep_m_per_s once the hand lets go.
+/// The same parameters with max_bias_N and max_bias_Nm lowered to what an admittance law tolerates: if the
+/// bias was a hand's push, the free tool creeps at most at max_creep_m_per_s once the hand lets go.
 ///
 ///     |bias| <= dead zone + least drag × max_creep
 ///
@@ -52,12 +52,12 @@ void Validate(const BiasParams& params);
 /// for 30 s and 0.2 kg turned by 30 deg are 3 N + 1 N.
 class BiasEstimator {
  public:
-  /// @throws std::invalid_argument as Validate. @param period_s  of Rest, > 0
+  /// @throws std::invalid_argument as Validate. @param period_s  of AddReading, > 0
   BiasEstimator(const BiasParams& params, const ForceSensorParams& sensor, double period_s);
 
   /// One tick in which the loop does nothing. @param F_S  as the sensor reads it  @param X_WF  flange in
   /// world
-  void Rest(const Wrench& F_S, const Pose& X_WF) OSTEON_RT;
+  void AddReading(const Wrench& F_S, const Pose& X_WF) OSTEON_RT;
 
   /// The bias to subtract from a reading, in S at S's origin; zero until a rest was accepted.
   [[nodiscard]] const Wrench& bias() const OSTEON_RT { return bias_; }
@@ -65,7 +65,7 @@ class BiasEstimator {
   [[nodiscard]] bool in_doubt() const OSTEON_RT { return in_doubt_; }
 
  private:
-  void Begin(const Wrench& F_S, const Pose& X_WF) OSTEON_RT;
+  void StartRest(const Wrench& F_S, const Pose& X_WF) OSTEON_RT;
 
   BiasParams params_;
   ForceSensorParams sensor_;

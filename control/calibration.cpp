@@ -12,12 +12,12 @@
 namespace osteon::control {
 namespace {
 
-constexpr std::size_t kLeastPoses = 4;
-constexpr double kLeastMass_kg = 1e-3;
+constexpr std::size_t kMinPoses = 4;
+constexpr double kMinMass_kg = 1e-3;
 // Smallest singular value over the largest: directions that differ by less cannot be told apart by readings
 // with some percent of noise. Rotations of 20 deg either way about two axes give about 0.06 (payload), 0.1
 // (pivot).
-constexpr double kLeastSpread = 0.05;
+constexpr double kMinSpread = 0.05;
 
 Matrix3 Cross(const Vector3& v) {
   Matrix3 M;
@@ -26,13 +26,13 @@ Matrix3 Cross(const Vector3& v) {
 }
 
 tl::unexpected<std::string> TooFew(std::size_t count) {
-  return tl::unexpected(fmt::format("found {} poses at rest, accepted {} or more", count, kLeastPoses));
+  return tl::unexpected(fmt::format("found {} poses at rest, accepted {} or more", count, kMinPoses));
 }
 
 }  // namespace
 
 tl::expected<PayloadFit, std::string> FitPayload(std::span<const RestPose> poses) {
-  if (poses.size() < kLeastPoses) return TooFew(poses.size());
+  if (poses.size() < kMinPoses) return TooFew(poses.size());
   const auto rows = static_cast<Eigen::Index>(3 * poses.size());
   // unknowns of the forces: m, b_f; of the torques: m c, b_t
   Eigen::MatrixXd A_f(rows, 4), A_t(rows, 6), directions(static_cast<Eigen::Index>(poses.size()), 3);
@@ -54,22 +54,22 @@ tl::expected<PayloadFit, std::string> FitPayload(std::span<const RestPose> poses
   const Eigen::MatrixXd about_mean = directions.rowwise() - directions.colwise().mean();
   const Eigen::Vector3d spread =
       about_mean.jacobiSvd().singularValues() / std::sqrt(static_cast<double>(poses.size()));
-  if (!(spread[1] >= kLeastSpread))
+  if (!(spread[1] >= kMinSpread))
     return tl::unexpected(
         fmt::format("the poses turn the sensor about one axis or not at all: the second spread of gravity's "
                     "direction is {:.3f}, accepted {} or more; tilt it by 20 deg or more about two axes",
-                    spread[1], kLeastSpread));
+                    spread[1], kMinSpread));
 
   const auto forces = A_f.colPivHouseholderQr();
   const Eigen::Vector4d x = forces.solve(f);
   PayloadFit fit;
   fit.mass_kg = x[0];
   fit.bias_S.f = x.tail<3>();
-  if (!(fit.mass_kg >= kLeastMass_kg))
+  if (!(fit.mass_kg >= kMinMass_kg))
     return tl::unexpected(
         fmt::format("found a mass of {:.4f} kg, accepted {} or more: is the reading's sign as the sensor's "
                     "file says, and does it carry anything?",
-                    fit.mass_kg, kLeastMass_kg));
+                    fit.mass_kg, kMinMass_kg));
   const Eigen::Matrix<double, 6, 1> y = A_t.colPivHouseholderQr().solve(t);
   fit.center_S_m = y.head<3>() / fit.mass_kg;
   fit.bias_S.t = y.tail<3>();
@@ -89,7 +89,7 @@ tl::expected<PayloadFit, std::string> FitPayload(std::span<const RestPose> poses
 }
 
 tl::expected<PivotFit, std::string> FitPivot(std::span<const Pose> X_WF) {
-  if (X_WF.size() < kLeastPoses) return TooFew(X_WF.size());
+  if (X_WF.size() < kMinPoses) return TooFew(X_WF.size());
   const auto rows = static_cast<Eigen::Index>(3 * X_WF.size());
   Eigen::MatrixXd A(rows, 6);
   Eigen::VectorXd p(rows);
@@ -103,11 +103,11 @@ tl::expected<PivotFit, std::string> FitPivot(std::span<const Pose> X_WF) {
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const double spread = svd.singularValues()[5] / svd.singularValues()[0];
-  if (!(spread >= kLeastSpread))
+  if (!(spread >= kMinSpread))
     return tl::unexpected(fmt::format(
         "the poses turn the tool too little: their least spread is {:.3f}, accepted {} or more; turn "
         "it by 20 deg or more about two axes with its tip on the point",
-        spread, kLeastSpread));
+        spread, kMinSpread));
   const Eigen::Matrix<double, 6, 1> x = svd.solve(p);
   PivotFit fit;
   fit.p_FT_m = x.head<3>();

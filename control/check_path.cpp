@@ -60,7 +60,7 @@ class Distances {
   [[nodiscard]] std::size_t size() const { return around_.balls.size() * things_; }
 
   std::vector<double> At(const kinematics::JointVectorN<N>& q) const {
-    const auto posture = chain_.Place(q);
+    const auto posture = chain_.ComputePosture(q);
     std::vector<double> d;
     d.reserve(size());
     for (const PathBall& ball : around_.balls) {
@@ -91,7 +91,8 @@ class Distances {
 
 // "at 43 % of the path: found the head 12.0 mm inside the bone, accepted 10.0 mm clear of it"
 template <int N>
-std::string Met(const Distances<N>& at, std::size_t i, double share, double found_m, double accepted_m) {
+std::string DescribeViolation(const Distances<N>& at, std::size_t i, double share, double found_m,
+                              double accepted_m) {
   const char* where = found_m >= 0.0 ? "clear of" : at.is_plane(i) ? "beneath" : "inside";
   return fmt::format("at {:.0f} % of the path: found {} {:.1f} mm {} {}, accepted {}", 100.0 * share,
                      at.ball(i).name, 1e3 * std::abs(found_m), where, at.thing(i),
@@ -117,9 +118,9 @@ tl::expected<PathClearance, std::string> CheckPath(const kinematics::ChainParams
   std::vector<double> best = distances.At(q_from), goal = distances.At(q_goal);
   for (std::size_t i = 0; i < best.size(); ++i) {
     if (best[i] < 0.0 && !distances.is_plane(i))
-      return tl::unexpected(Met(distances, i, 0.0, best[i], 0.0) +
+      return tl::unexpected(DescribeViolation(distances, i, 0.0, best[i], 0.0) +
                             ": bring the tool out by hand, along its axis");
-    if (goal[i] < 0.0) return tl::unexpected(Met(distances, i, 1.0, goal[i], 0.0));
+    if (goal[i] < 0.0) return tl::unexpected(DescribeViolation(distances, i, 1.0, goal[i], 0.0));
   }
 
   // bound of any ball's travel over the whole path
@@ -128,11 +129,11 @@ tl::expected<PathClearance, std::string> CheckPath(const kinematics::ChainParams
   const double travel_m = way.cwiseAbs().dot((kinematics::ReachBeyond(chain).array() + ball_m).matrix());
 
   PathClearance found;
-  found.least_m = kInfinity;
+  found.min_distance_m = kInfinity;
   const auto note = [&](double s, const std::vector<double>& d) {
     ++found.places;
     for (std::size_t i = 0; i < d.size(); ++i)
-      if (d[i] < found.least_m)
+      if (d[i] < found.min_distance_m)
         found = {d[i], s, distances.ball(i).name + ", " + distances.thing(i), found.places};
   };
   for (double s = 0.0; s < 1.0;) {
@@ -142,7 +143,8 @@ tl::expected<PathClearance, std::string> CheckPath(const kinematics::ChainParams
     for (std::size_t i = 0; i < d.size(); ++i) {
       best[i] = std::max(best[i], d[i]);
       const double floor_m = std::min({around.clearance_m, goal[i], best[i]});
-      if (d[i] < floor_m - kRounding_m) return tl::unexpected(Met(distances, i, s, d[i], floor_m));
+      if (d[i] < floor_m - kRounding_m)
+        return tl::unexpected(DescribeViolation(distances, i, s, d[i], floor_m));
       gap_m = std::min(gap_m, d[i] - floor_m);
     }
     s += std::max(gap_m, 2.0 * around.resolution_m) / travel_m;

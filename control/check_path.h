@@ -49,10 +49,10 @@ struct PathSurroundings {
 /// Nearest approach over the checked places. Between two of them a ball may be nearer, but never beyond what
 /// CheckPath accepts.
 struct PathClearance {
-  double least_m{0.0};  ///< infinite if there are no obstacles
-  double share{0.0};    ///< position of the nearest approach along the path: 0 … 1
-  std::string between;  ///< "the tool's head, the bone"
-  int places{0};        ///< number of places checked
+  double min_distance_m{0.0};  ///< infinite if there are no obstacles
+  double share{0.0};           ///< position of the nearest approach along the path: 0 … 1
+  std::string between;         ///< "the tool's head, the bone"
+  int places{0};               ///< number of places checked
 };
 
 /// Checks q_from + s (q_goal - q_from), s in 0 … 1. Let d(s) be the distance of a ball from a plane, or from

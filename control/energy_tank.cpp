@@ -10,26 +10,27 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kLeastPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
+constexpr double kMinPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
 
-using Active = std::array<ActivePlane, CouplingOutput::kMostActive>;
+using Active = std::array<ActivePlane, CouplingOutput::kMaxActive>;
 
 // Energy of the pressing planes after a small step, if all of them keep pressing.
-struct Held {
+struct StoredEnergy {
   double potential_J{0.0};
   double work_J{0.0};  // of the force after the step, along the step
 };
 
 //     U' = U - F·dx + s/2,   F'·dx = F·dx - s,   s = k (J dx)^T (N^T N)^-1 (J dx)
 // by Gram-Schmidt of the normals.
-Held After(const Active& active, int count, double potential_J, double fade, const Twist& dx) OSTEON_RT {
+StoredEnergy EnergyAfterStep(const Active& active, int count, double potential_J, double fade,
+                             const Twist& dx) OSTEON_RT {
   std::array<Vector3, 3> normal;
   std::array<double, 3> way_m{};
   int rank = 0;
   double work_J = 0.0, stiffness_N_per_m = 0.0, squares_m2 = 0.0;
   for (int j = 0; j < count; ++j) {
     const ActivePlane& plane = active[static_cast<std::size_t>(j)];
-    double out_m = plane.n_W.dot(dx.v + dx.w.cross(plane.arm_W));
+    double out_m = plane.n_W.dot(dx.v + dx.w.cross(plane.lever_W));
     if (count == 1) out_m = std::min(out_m, plane.force_N / (fade * plane.stiffness_N_per_m));  // released
     work_J += plane.force_N * out_m;
     if (rank == 3) continue;
@@ -40,7 +41,7 @@ Held After(const Active& active, int count, double potential_J, double fade, con
       out_m -= along * way_m[i];
     }
     const double left2 = n.squaredNorm();
-    if (!(left2 > kLeastPivot)) continue;
+    if (!(left2 > kMinPivot)) continue;
     const double scale = 1.0 / std::sqrt(left2);
     normal[static_cast<std::size_t>(rank)] = scale * n;
     way_m[static_cast<std::size_t>(rank)] = scale * out_m;
@@ -57,7 +58,7 @@ Wrench SpringOf(const CouplingOutput& coupling) OSTEON_RT {
   for (int j = 0; j < coupling.active_planes; ++j) {
     const ActivePlane& plane = coupling.active[static_cast<std::size_t>(j)];
     F.f += plane.force_N * plane.n_W;
-    F.t += plane.arm_W.cross(plane.force_N * plane.n_W);
+    F.t += plane.lever_W.cross(plane.force_N * plane.n_W);
   }
   return F;
 }
@@ -99,7 +100,7 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
   const Twist dx = begun_ ? SmallStep(X_before_, X_WT) : Twist{};
   const Wrench spring = SpringOf(coupling);
   const double work_J = Power(spring, dx);
-  Held old = After(active_, active_planes_, potential_J_, fade_, dx);
+  StoredEnergy old = EnergyAfterStep(active_, active_planes_, potential_J_, fade_, dx);
   if (!coupling.new_planes && coupling.fade > 0.0) {  // planes that are touched now existed before
     const double faded = std::min(1.0, fade_ / coupling.fade);
     old.potential_J = std::max(old.potential_J, faded * coupling.potential_J);

@@ -65,7 +65,7 @@ class EnergyTank {
   // the tick before
   bool begun_{false};
   Pose X_before_{Pose::Identity()};
-  std::array<ActivePlane, CouplingOutput::kMostActive> active_{};
+  std::array<ActivePlane, CouplingOutput::kMaxActive> active_{};
   int active_planes_{0};
   double potential_J_{0.0}, fade_{0.0}, gain_{0.0};
   double hand_over_share_{1.0};

@@ -15,12 +15,12 @@ std::array<double, kGainCount> Numbers(const Gains& gains) {
 
 }  // namespace
 
-void GainRamp::Aim(const Gains& target) OSTEON_RT {
+void GainRamp::SetTarget(const Gains& target) OSTEON_RT {
   target_ = target;
   moves_ = true;
   const std::array<double, kGainCount> from = Numbers(now_), to = Numbers(target);
   for (std::size_t i = 0; i < kGainCount; ++i)
-    most_[i] = std::abs(to[i] - from[i]) * std::min(1.0, period_s_ / kRampSeconds);
+    max_step_[i] = std::abs(to[i] - from[i]) * std::min(1.0, period_s_ / kRampSeconds);
 }
 
 bool GainRamp::Step(bool pressed) OSTEON_RT {
@@ -32,9 +32,9 @@ bool GainRamp::Step(bool pressed) OSTEON_RT {
     const bool rising_spring = &value == &now_.max_stiffness_N_per_m && to[i] > value;
     if (value != to[i] && !(rising_spring && pressed)) {
       // the last step includes the rest left by rounding
-      value = std::abs(to[i] - value) <= (1.0 + 1e-6) * most_[i]
+      value = std::abs(to[i] - value) <= (1.0 + 1e-6) * max_step_[i]
                   ? to[i]
-                  : value + std::copysign(most_[i], to[i] - value);
+                  : value + std::copysign(max_step_[i], to[i] - value);
       changed = true;
     }
     there &= value == to[i];

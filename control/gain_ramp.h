@@ -26,7 +26,7 @@ class GainRamp {
   GainRamp(const Gains& begin, double period_s) : now_(begin), target_(begin), period_s_(period_s) {}
 
   /// Sets the gains to go to from now on. @pre valid gains
-  void Aim(const Gains& target) OSTEON_RT;
+  void SetTarget(const Gains& target) OSTEON_RT;
   /// One tick. @param pressed  the coupling's planes were penetrated in the tick before
   /// @returns whether any gain has changed
   bool Step(bool pressed) OSTEON_RT;
@@ -35,7 +35,7 @@ class GainRamp {
 
  private:
   Gains now_, target_;
-  std::array<double, kGainCount> most_{};  ///< largest change of each gain in a tick
+  std::array<double, kGainCount> max_step_{};  ///< largest change of each gain in a tick
   double period_s_;
   bool moves_{false};
 };

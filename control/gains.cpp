@@ -14,7 +14,7 @@ Gains GainsOf(const AdmittanceParams& admittance, const CouplingParams& coupling
           .damping_share = coupling.damping_share};
 }
 
-void Lay(const Gains& gains, AdmittanceParams& admittance, CouplingParams& coupling) OSTEON_RT {
+void ApplyGains(const Gains& gains, AdmittanceParams& admittance, CouplingParams& coupling) OSTEON_RT {
   admittance.mass_kg = gains.mass_kg;
   admittance.inertia_kg_m2 = gains.inertia_kg_m2;
   admittance.damping_Ns_per_m = gains.damping_Ns_per_m;
@@ -29,7 +29,7 @@ void Lay(const Gains& gains, AdmittanceParams& admittance, CouplingParams& coupl
 void Validate(const Gains& gains) {
   AdmittanceParams admittance;
   CouplingParams coupling;
-  Lay(gains, admittance, coupling);
+  ApplyGains(gains, admittance, coupling);
   Validate(admittance);
   Validate(coupling);
 }

@@ -38,7 +38,7 @@ inline constexpr std::size_t kGainCount = 17;
 /// Reads the gains from the laws' parameters.
 [[nodiscard]] Gains GainsOf(const AdmittanceParams& admittance, const CouplingParams& coupling) OSTEON_RT;
 /// Writes the gains into the laws' parameters; the other parameters stay.
-void Lay(const Gains& gains, AdmittanceParams& admittance, CouplingParams& coupling) OSTEON_RT;
+void ApplyGains(const Gains& gains, AdmittanceParams& admittance, CouplingParams& coupling) OSTEON_RT;
 
 /// @throws std::invalid_argument naming the field, the value and what is accepted, as the laws' own Validate.
 void Validate(const Gains& gains);

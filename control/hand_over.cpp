@@ -5,7 +5,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kLeastForce_N = 1e-9;  // below it a force has no direction
+constexpr double kMinForce_N = 1e-9;  // below it a force has no direction
 
 Wrench Scaled(const Wrench& F, double share) OSTEON_RT { return {.f = share * F.f, .t = share * F.t}; }
 
@@ -24,7 +24,7 @@ Wrench WithSizeOf(Wrench before, const Wrench& after) OSTEON_RT {
   before.f -=
       against_N / after_N * after.f;  // by rounding or motion: a force that has turned round is not kept
   const double before_N = before.f.norm();
-  if (before_N <= kLeastForce_N) return after;
+  if (before_N <= kMinForce_N) return after;
   const double share = std::min(1.0, after_N / before_N), rest = std::max(0.0, 1.0 - before_N / after_N);
   return {.f = share * before.f + rest * after.f, .t = share * before.t + rest * after.t};
 }
@@ -35,15 +35,15 @@ void BeginHandOver(HandOver& hand_over, const HandOverRate& rate, const Wrench& 
                    const Wrench& after) OSTEON_RT {
   const double turning_N_per_s = hand_over.turn_N_per_s;
   hand_over = {};
-  if (after.f.norm() <= kLeastForce_N) return;
+  if (after.f.norm() <= kMinForce_N) return;
   const Wrench held = WithSizeOf(before, after);
   const Wrench left{.f = held.f - after.f, .t = held.t - after.t};
   const double left_N = left.f.norm();
-  if (left_N <= kLeastForce_N) return;
+  if (left_N <= kMinForce_N) return;
   // frames that arrive during a turn do not slow it down
   hand_over = {.F_T_W = left,
                .spring_N = after.f.norm(),
-               .turn_N_per_s = std::max({turning_N_per_s, left_N / rate.return_s, rate.least_turn_N_per_s})};
+               .turn_N_per_s = std::max({turning_N_per_s, left_N / rate.return_s, rate.min_turn_N_per_s})};
 }
 
 Wrench ApplyHandOver(const HandOver& hand_over, const Wrench& after) OSTEON_RT {
@@ -59,7 +59,7 @@ Wrench StepHandOver(HandOver& hand_over, const Wrench& after, double dt_s) OSTEO
   if (hand_over.spring_N == 0.0) return after;
   hand_over = AtForce(hand_over, after.f.norm());
   const double left_N = hand_over.F_T_W.f.norm(), way_N = hand_over.turn_N_per_s * dt_s;
-  if (left_N <= way_N + kLeastForce_N) {
+  if (left_N <= way_N + kMinForce_N) {
     hand_over = {};
     return after;
   }

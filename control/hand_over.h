@@ -7,8 +7,8 @@ namespace osteon::control {
 
 /// How fast a change of planes may turn the coupling's force.
 struct HandOverRate {
-  double return_s{0.008};            ///< the turn ends within this time; > 0
-  double least_turn_N_per_s{500.0};  ///< least speed of the turn: a small turn ends sooner; > 0
+  double return_s{0.008};          ///< the turn ends within this time; > 0
+  double min_turn_N_per_s{500.0};  ///< least speed of the turn: a small turn ends sooner; > 0
 };
 
 /// The rest of a hand-over in progress. Plain data; none after construction.
@@ -30,7 +30,7 @@ struct HandOver {
 ///     F = F_2 + w E,   E = s F_1 + (1 - s |f_1|/|f_2|) F_2 - F_2,   s = min(1, |f_2|/|f_1|)
 ///
 /// starts with the old direction and the new size, and w goes from 1 to 0 at constant speed within return_s.
-/// A small turn goes at least_turn_N_per_s and so mostly within the tick itself. |f| <= |f_2| in every tick:
+/// A small turn goes at min_turn_N_per_s and so mostly within the tick itself. |f| <= |f_2| in every tick:
 /// nothing beyond the planes' own force is rendered. A force that falls, falls at once, because E shrinks
 /// with |f_2| and vanishes where the new planes release the tool. As the old proxy satisfies the new planes,
 /// f_1 pushes the tool out of each of them: nothing pulls. The energy tank pays for the work of w E.

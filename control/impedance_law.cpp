@@ -23,7 +23,7 @@ void Validate(const ImpedanceParams& params) {
   require("follow_s", params.follow_s, 1e-3, 10.0);
 }
 
-ImpedanceParams Times(const ImpedanceParams& params, double damping_factor) OSTEON_RT {
+ImpedanceParams ScaleLaw(const ImpedanceParams& params, double damping_factor) OSTEON_RT {
   ImpedanceParams times = params;
   times.damping_Ns_per_m *= damping_factor;
   times.damping_Nms_per_rad *= damping_factor;

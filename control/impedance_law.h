@@ -25,7 +25,7 @@ struct ImpedanceParams {
 void Validate(const ImpedanceParams& params);
 
 /// Returns the same law with its damping multiplied; its brake stays.
-[[nodiscard]] ImpedanceParams Times(const ImpedanceParams& params, double damping_factor) OSTEON_RT;
+[[nodiscard]] ImpedanceParams ScaleLaw(const ImpedanceParams& params, double damping_factor) OSTEON_RT;
 
 /// Velocity of the tool from its measured poses: pose difference over time, the rotation by its logarithm,
 /// then a first-order filter.

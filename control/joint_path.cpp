@@ -10,8 +10,8 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMostSlope = 15.0 / 8.0;                // maximum of s', in the middle
-constexpr double kMostCurvature = 5.773502691896257645;  // 10 / sqrt(3), maximum of |s''|
+constexpr double kMaxSlope = 15.0 / 8.0;                // maximum of s', in the middle
+constexpr double kMaxCurvature = 5.773502691896257645;  // 10 / sqrt(3), maximum of |s''|
 
 double Slope(double u) OSTEON_RT { return 30.0 * u * u * (1.0 - u) * (1.0 - u); }
 
@@ -55,7 +55,7 @@ JointPath<N>::JointPath(const JointPathParams& params, const kinematics::ChainPa
 
 template <int N>
 double JointPath<N>::JointDuration(const Joints& way) const OSTEON_RT {
-  const double pause = kMostSlope * PausableClock::MostRateSpeed(params_.pause_s);
+  const double pause = kMaxSlope * PausableClock::MaxRateSpeed(params_.pause_s);
   double duration_s = 0.0;
   for (int i = 0; i < N; ++i) {
     const kinematics::JointLimits& limits = chain_.params().joints[static_cast<std::size_t>(i)].limits;
@@ -65,19 +65,19 @@ double JointPath<N>::JointDuration(const Joints& way) const OSTEON_RT {
     // the root of a T^2 - d pause T - d max|s''| = 0
     const double b = d * pause;
     const double slow =
-        (b + std::sqrt(b * b + 4.0 * acceleration * d * kMostCurvature)) / (2.0 * acceleration);
-    duration_s = std::max({duration_s, kMostSlope * d / speed, slow});
+        (b + std::sqrt(b * b + 4.0 * acceleration * d * kMaxCurvature)) / (2.0 * acceleration);
+    duration_s = std::max({duration_s, kMaxSlope * d / speed, slow});
   }
   return duration_s;
 }
 
 template <int N>
 double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
-  double most_m = 0.0;  // of |dp/du|
+  double max_m = 0.0;  // of |dp/du|
   typename kinematics::SerialChain<N>::Posture posture;
   for (int k = 0; k <= kSamples; ++k) {
     const double u = static_cast<double>(k) / kSamples;
-    chain_.Place(q_from_ + Share(u) * way, posture);
+    chain_.ComputePosture(q_from_ + Share(u) * way, posture);
     const Vector3 p_BT = posture.X_BF * p_FT_m_;
     Vector3 v = Vector3::Zero(), w = Vector3::Zero();
     for (int i = 0; i < N; ++i) {
@@ -86,7 +86,7 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
       v += turn.cross(p_BT - posture.p_BL[static_cast<std::size_t>(i)]);
     }
     const Vector3 v_flange = v + w.cross(posture.X_BF.translation() - p_BT);
-    most_m = std::max(most_m, Slope(u) * std::max(v.norm(), v_flange.norm()));
+    max_m = std::max(max_m, Slope(u) * std::max(v.norm(), v_flange.norm()));
   }
   double first_m = 0.0, second_m = 0.0, inner = 0.0;  // bounds of |dp/ds| and of its change
   for (int i = 0; i < N; ++i) {
@@ -95,8 +95,8 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
     second_m += d * (d + 2.0 * inner) * reach_m_[i];
     inner += d;
   }
-  const double change_m = second_m * kMostSlope * kMostSlope + first_m * kMostCurvature;
-  return (most_m + change_m / (2.0 * kSamples)) / params_.tool_speed_m_per_s;
+  const double change_m = second_m * kMaxSlope * kMaxSlope + first_m * kMaxCurvature;
+  return (max_m + change_m / (2.0 * kSamples)) / params_.tool_speed_m_per_s;
 }
 
 template <int N>

@@ -16,11 +16,11 @@ bool Same(const T& a, const T& b) OSTEON_RT {
 
 }  // namespace
 
-TickRecord TickAgain(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
-                     ArmCommand& command) OSTEON_RT {
+TickRecord ReplayTick(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
+                      ArmCommand& command) OSTEON_RT {
   const TickInput& in = recorded.input;
   if (recorded.cell_state != kNoCellState)  // an older recording: the loop could begin at any time
-    loop.AllowBegin(safety::MotionPermits(recorded.permits).Has(safety::MotionPermit::kWayLookedAt));
+    loop.AllowStart(safety::MotionPermits(recorded.permits).Has(safety::MotionPermit::kPathChecked));
   if (in.stop) loop.RequestStop();
   if (in.recover) loop.RequestRecovery();
   if (in.pause) loop.RequestPause();
@@ -32,15 +32,15 @@ TickRecord TickAgain(ServoLoop& loop, const TickRecord& recorded, const simulati
                    in.now, command);
 }
 
-void LoopRepeat::Saw(const TickRecord& record, const simulation::ContactModel& model) OSTEON_RT {
+void LoopRepeat::StoreTick(const TickRecord& record, const simulation::ContactModel& model) OSTEON_RT {
   first_ = record;
   model_ = model;
   due_ = true;
 }
 
-bool LoopRepeat::Repeat() OSTEON_RT {
+bool LoopRepeat::ReplayStoredTick() OSTEON_RT {
   due_ = false;
-  const TickRecord again = TickAgain(second_, first_, model_, command_);
+  const TickRecord again = ReplayTick(second_, first_, model_, command_);
   return again.cell_state == first_.cell_state && again.faults == first_.faults &&
          again.limits == first_.limits && again.activation_cmd == first_.activation_cmd &&
          Same(command_.q, first_.q_cmd) && Same(command_.F, first_.F_cmd_T) &&
@@ -50,13 +50,13 @@ bool LoopRepeat::Repeat() OSTEON_RT {
          again.spindle_rad_per_s == first_.spindle_rad_per_s;
 }
 
-void RepeatIfDue(ServoLoop& first, LoopRepeat& repeat) OSTEON_RT {
-  if (repeat.due() && !repeat.Repeat()) first.ReportDifference();
+void ReplayIfDue(ServoLoop& first, LoopRepeat& repeat) OSTEON_RT {
+  if (repeat.due() && !repeat.ReplayStoredTick()) first.ReportDifference();
 }
 
-void RehearseTick(ServoLoop& first, LoopRepeat& repeat, ArmLink& link, const ArmCommand& command) OSTEON_RT {
-  RepeatIfDue(first, repeat);
-  link.Rehearse(command);
+void WarmUpTick(ServoLoop& first, LoopRepeat& repeat, ArmLink& link, const ArmCommand& command) OSTEON_RT {
+  ReplayIfDue(first, repeat);
+  link.WarmUp(command);
   first.Prefetch();
 }
 

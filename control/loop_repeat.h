@@ -9,8 +9,8 @@ namespace osteon::control {
 
 /// Computes a recorded tick again on another loop that has had all ticks before it. `model`: the tick's
 /// input.
-TickRecord TickAgain(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
-                     ArmCommand& command) OSTEON_RT;
+TickRecord ReplayTick(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
+                      ArmCommand& command) OSTEON_RT;
 
 /// Computes each tick a second time, shortly before the next message: another loop with the same parameters
 /// gets the inputs that the record holds for the first (as `osteon replay` does). This has two purposes:
@@ -27,13 +27,13 @@ class LoopRepeat {
   explicit LoopRepeat(ServoLoop& second) : second_(second) {}
 
   /// Stores a tick of the first loop, as recorded, with the contact model that it was given.
-  void Saw(const TickRecord& record, const simulation::ContactModel& model) OSTEON_RT;
+  void StoreTick(const TickRecord& record, const simulation::ContactModel& model) OSTEON_RT;
 
   /// Whether a stored tick has not been repeated yet.
   [[nodiscard]] bool due() const OSTEON_RT { return due_; }
 
   /// Repeats the stored tick. False if the result differs.
-  [[nodiscard]] bool Repeat() OSTEON_RT;
+  [[nodiscard]] bool ReplayStoredTick() OSTEON_RT;
 
  private:
   ServoLoop& second_;
@@ -44,9 +44,9 @@ class LoopRepeat {
 };
 
 /// Repeats a stored tick, if any, and reports a difference to the first loop.
-void RepeatIfDue(ServoLoop& first, LoopRepeat& repeat) OSTEON_RT;
+void ReplayIfDue(ServoLoop& first, LoopRepeat& repeat) OSTEON_RT;
 
 /// Warms the caches shortly before a message: repeats the tick before, then runs the link's message path.
-void RehearseTick(ServoLoop& first, LoopRepeat& repeat, ArmLink& link, const ArmCommand& command) OSTEON_RT;
+void WarmUpTick(ServoLoop& first, LoopRepeat& repeat, ArmLink& link, const ArmCommand& command) OSTEON_RT;
 
 }  // namespace osteon::control

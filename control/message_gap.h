@@ -16,7 +16,7 @@ class MessageGap {
  public:
   /// Call once per message. @returns periods since the message before, >= 1; 1 for the first
   double Step(const ArmState& state) OSTEON_RT {
-    const double skipped = known_ ? Counted(state.lost, lost_) + Counted(state.late, late_) : 0.0;
+    const double skipped = known_ ? Increase(state.lost, lost_) + Increase(state.late, late_) : 0.0;
     known_ = true;
     lost_ = state.lost;
     late_ = state.late;
@@ -26,7 +26,7 @@ class MessageGap {
 
  private:
   // Increase of a counter; a counter falls when a message that counted as lost comes late.
-  static double Counted(std::uint32_t now, std::uint32_t before) OSTEON_RT {
+  static double Increase(std::uint32_t now, std::uint32_t before) OSTEON_RT {
     return std::max(0.0, static_cast<double>(static_cast<std::int32_t>(now - before)));
   }
 

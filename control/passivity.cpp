@@ -22,17 +22,17 @@ void Validate(const PassivityParams& params) {
                                   ", accepted " + std::to_string(low) + " … " + std::to_string(high));
   };
   require("allowance_J", params.allowance_J, 0.0, 10.0);
-  require("least_speed_m_per_s", params.least_speed_m_per_s, 1e-5, 1.0);
-  require("most_damping_Ns_per_m", params.most_damping_Ns_per_m, 0.0, 1e5);
+  require("least_speed_m_per_s", params.min_speed_m_per_s, 1e-5, 1.0);
+  require("most_damping_Ns_per_m", params.max_damping_Ns_per_m, 0.0, 1e5);
   require("lever_m", params.lever_m, 1e-3, 1.0);
 }
 
 PassivityController::PassivityController(const PassivityParams& params, PortWork work, double period_s,
-                                         double most_Ns_per_m)
+                                         double max_Ns_per_m)
     : params_(params),
       work_(work),
       period_s_(period_s),
-      most_Ns_per_m_(std::min(params.most_damping_Ns_per_m, most_Ns_per_m)) {
+      max_Ns_per_m_(std::min(params.max_damping_Ns_per_m, max_Ns_per_m)) {
   Validate(params);
 }
 
@@ -44,7 +44,7 @@ void PassivityController::Reset() OSTEON_RT {
 }
 
 void PassivityController::SetMaxDamping(double max_Ns_per_m) OSTEON_RT {
-  most_Ns_per_m_ = std::min(params_.most_damping_Ns_per_m, max_Ns_per_m);
+  max_Ns_per_m_ = std::min(params_.max_damping_Ns_per_m, max_Ns_per_m);
 }
 
 void PassivityController::ScaleRendered(double share) OSTEON_RT {
@@ -81,10 +81,9 @@ Wrench PassivityController::Step(const PortTick& port) OSTEON_RT {
   // damping that takes it back
   const double lever2 = params_.lever_m * params_.lever_m;
   const double speed2 = port.V_WT.v.squaredNorm() + lever2 * port.V_WT.w.squaredNorm();
-  if (!params_.acts || !(energy_J_ > 0.0) ||
-      speed2 < params_.least_speed_m_per_s * params_.least_speed_m_per_s)
+  if (!params_.acts || !(energy_J_ > 0.0) || speed2 < params_.min_speed_m_per_s * params_.min_speed_m_per_s)
     return {};
-  damping_Ns_per_m_ = std::min(energy_J_ / (period_s_ * speed2), most_Ns_per_m_);
+  damping_Ns_per_m_ = std::min(energy_J_ / (period_s_ * speed2), max_Ns_per_m_);
   F_damping_before_ = {.f = -damping_Ns_per_m_ * port.V_WT.v, .t = -damping_Ns_per_m_ * lever2 * port.V_WT.w};
   return F_damping_before_;
 }

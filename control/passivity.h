@@ -11,8 +11,8 @@ struct PassivityParams {
   /// Dissipated energy that is remembered and may come back; >= 0. Errors of the trapezoids, of frames that
   /// replace each other and of the coupling's damping, which is a tick old, are smaller.
   double allowance_J{0.02};
-  double least_speed_m_per_s{0.005};  ///< below it the quotient is noise: the energy is kept for later; > 0
-  double most_damping_Ns_per_m{1000.0};
+  double min_speed_m_per_s{0.005};  ///< below it the quotient is noise: the energy is kept for later; > 0
+  double max_damping_Ns_per_m{1000.0};
   double lever_m{0.1};  ///< lever at which rotation counts as translation
 };
 
@@ -52,7 +52,7 @@ struct PortTick {
 /// long ago must not hide energy generated now (cutting dissipates for minutes): E remembers only what the
 /// planes store, U, and the allowance. When contact ends E starts again, with 2 mJ for the touch itself.
 ///
-/// The damping has two bounds: `most_Ns_per_m` of the constructor, so that it cannot reverse the motion
+/// The damping has two bounds: `max_Ns_per_m` of the constructor, so that it cannot reverse the motion
 /// within a tick (m/T of a virtual tool), and the params' bound. The caller limits the sum.
 ///
 /// Limits of the method: it sees energy only after it has come out, so a first impact is unchanged; it covers
@@ -62,8 +62,8 @@ struct PortTick {
 /// (from memory).
 class PassivityController {
  public:
-  /// @throws std::invalid_argument as Validate. @param most_Ns_per_m  > 0
-  PassivityController(const PassivityParams& params, PortWork work, double period_s, double most_Ns_per_m);
+  /// @throws std::invalid_argument as Validate. @param max_Ns_per_m  > 0
+  PassivityController(const PassivityParams& params, PortWork work, double period_s, double max_Ns_per_m);
 
   /// One tick. @returns the damping to add to F; zero while inactive.
   [[nodiscard]] Wrench Step(const PortTick& port) OSTEON_RT;
@@ -83,7 +83,7 @@ class PassivityController {
  private:
   PassivityParams params_;
   PortWork work_;
-  double period_s_, most_Ns_per_m_;
+  double period_s_, max_Ns_per_m_;
   bool begun_{false}, touched_{false};
   Pose X_before_{Pose::Identity()};
   Wrench F_before_, F_damping_before_;

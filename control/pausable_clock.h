@@ -27,7 +27,7 @@ class PausableClock {
   /// r' [1/s].
   [[nodiscard]] double rate_speed() const OSTEON_RT { return rate_speed_; }
   /// Largest |r'| [1/s] for a given pause.
-  [[nodiscard]] static double MostRateSpeed(double pause_s) OSTEON_RT { return 3.0 / pause_s; }
+  [[nodiscard]] static double MaxRateSpeed(double pause_s) OSTEON_RT { return 3.0 / pause_s; }
 
  private:
   [[nodiscard]] double Run(double dt_s, double acceleration_per_s2) OSTEON_RT;

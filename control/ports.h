@@ -106,7 +106,7 @@ class ArmLink {
   }
   /// Passes the message last received, and an answer to it, once more through the protocol and the system, on
   /// separate sockets, so that this path is warm for the next message. Nothing goes to the arm.
-  virtual void Rehearse(const ArmCommand& /*command*/) OSTEON_RT {}
+  virtual void WarmUp(const ArmCommand& /*command*/) OSTEON_RT {}
 };
 
 /// One reading of the force sensor.

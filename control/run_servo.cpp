@@ -63,7 +63,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
   for (;;) {
     // repeat the tick before
     if (repeat && due > 0 && !link.Await(due - kRepeatsBefore) && rt::MonotonicNow() < due - kTooLateBefore)
-      RehearseTick(loop, *repeat, link, command);
+      WarmUpTick(loop, *repeat, link, command);
 
     // one tick: receive, compute, answer
     const ReceiveResult received = link.Receive(state, rt::MonotonicNow() + deadline);
@@ -75,8 +75,8 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     const rt::Nanoseconds answered = rt::MonotonicNow();
     commands.Store(loop.tool_command());
     if (repeat) {
-      RepeatIfDue(loop, *repeat);  // if there was no time before the message
-      repeat->Saw(record, model);
+      ReplayIfDue(loop, *repeat);  // if there was no time before the message
+      repeat->StoreTick(record, model);
     }
     due = received == ReceiveResult::kOk ? state.stamp + ToNanoseconds(state.period_s) : 0;
 

@@ -73,14 +73,14 @@ simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
 
 CellCommands ServoLoop::cell_commands() const OSTEON_RT {
   const bool ends = phase() == Phase::kStopped || state() == CellState::kStop1;
-  const bool stop_asked = supervisor_.stop_asked();
+  const bool stop_requested = supervisor_.stop_requested();
   const bool spindle_on =
       safety::Renders(state()) && spindle_permitted_ && !coupling_.depth_limit().stops_spindle();
-  return {.motion_requested = !ends && !stop_asked,
+  return {.motion_requested = !ends && !stop_requested,
           .spindle_rad_per_s = spindle_on ? params_.spindle_rad_per_s : 0.0,
           .quick_stop = ends && faults().Any(),
-          .clear_faults = !stop_asked && (state() == CellState::kRecovery ||
-                                          (!supervisor_.moved() && safety::Waits(state())))};
+          .clear_faults = !stop_requested && (state() == CellState::kRecovery ||
+                                              (!supervisor_.moved() && safety::Waits(state())))};
 }
 
 void ServoLoop::Prefetch() const OSTEON_RT {
@@ -119,7 +119,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
 // What the tick was given.
 TickRecord ServoLoop::BeginRecord(const TickInputs& tick, ReceiveResult received) OSTEON_RT {
   const auto& [state, readings, model, now] = tick;
-  supervisor_.SetStopAsked(requests_.stop());
+  supervisor_.SetStopRequested(requests_.stop());
   TickRecord record;
   record.tick = tick_++;
   record.stamp = received == ReceiveResult::kOk ? state.stamp : now;
@@ -128,7 +128,7 @@ TickRecord ServoLoop::BeginRecord(const TickInputs& tick, ReceiveResult received
   record.model_frame = model.frame;
   record.model_age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
   record.sensor_age_s = safety::StampAge(now, readings.force.stamp);
-  record.input = InputOf(state, received, readings, model, now, supervisor_.stop_asked());
+  record.input = InputOf(state, received, readings, model, now, supervisor_.stop_requested());
   record.input.recover = requests_.TakeRecovery();
   record.input.pause = requests_.TakePause();
   record.input.resume = requests_.TakeResume();
@@ -141,8 +141,8 @@ TickRecord ServoLoop::BeginRecord(const TickInputs& tick, ReceiveResult received
 void ServoLoop::ApplyRequests(const TickInput& input) OSTEON_RT {
   if (input.recover && CanRecover()) ApplyEvent(CellEvent::kRecover);
   if (input.resume && !input.stop) ApplyEvent(CellEvent::kResume);
-  supervisor_.AskForPause(input.pause);
-  if (safety::Waits(state()) && supervisor_.TakePauseAsked()) ApplyEvent(CellEvent::kPauseAsked);
+  supervisor_.RequestPause(input.pause);
+  if (safety::Waits(state()) && supervisor_.TakePauseRequest()) ApplyEvent(CellEvent::kPauseRequested);
   if (input.repeat_differed) {
     supervisor_.Latch(Fault::kRepeatDiffers);
     ApplyFault();
@@ -166,14 +166,14 @@ void ServoLoop::OnMissedMessage(ReceiveResult received) OSTEON_RT {
       ApplyEvent(CellEvent::kArmLost);
     }
   }
-  if (supervisor_.stop_asked() && supervisor_.IsWaitingOrPaused()) ApplyEvent(CellEvent::kStopAsked);
+  if (supervisor_.stop_requested() && supervisor_.IsWaitingOrPaused()) ApplyEvent(CellEvent::kStopRequested);
 }
 
 // A tick whose message came and can be believed: what it says of the arm, what is asked for, what is done.
 void ServoLoop::ProcessArmMessage(const TickInputs& tick, TickRecord& record) OSTEON_RT {
   const ArmState& state = tick.state;
   const bool active = UpdateSession(state);
-  arm_overloaded_ = tool_.arm().TakeTorques(state.tau_ext);
+  arm_overloaded_ = tool_.arm().UpdateExternalTorques(state.tau_ext);
   if (!AllFinite(state.tau_ext)) {  // the trip on them cannot be counted on
     supervisor_.Latch(Fault::kNotFinite);
     ApplyFault();
@@ -260,11 +260,11 @@ void ServoLoop::StepGains(TickInput& input) OSTEON_RT {
     gains_taken_ = asked.number;
     input.has_gains = true;
     input.gains = asked.gains;
-    gain_ramp_.Aim(asked.gains);
+    gain_ramp_.SetTarget(asked.gains);
   }
   if (!gain_ramp_.Step(coupling_.pressed())) return;
   const AdmittanceParams before = params_.admittance;
-  Lay(gain_ramp_.now(), params_.admittance, params_.coupling);
+  ApplyGains(gain_ramp_.now(), params_.admittance, params_.coupling);
   coupling_.OnGainsChanged();
   if (safety::Renders(state()) && params_.law == Law::kAdmittance)
     tool_.V_WT = AfterMassChange(before, params_.admittance, tool_.X_WT().linear(), tool_.V_WT);

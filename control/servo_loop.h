@@ -86,7 +86,7 @@ class ServoLoop {
 
   /// Whether an arm that waits may begin to move; it may at first. From any thread: e.g. while the way to the
   /// start is looked at.
-  void AllowBegin(bool allowed) OSTEON_RT { requests_.AllowStart(allowed); }
+  void AllowStart(bool allowed) OSTEON_RT { requests_.AllowStart(allowed); }
 
   /// Orderly stop. From any thread, and from a signal handler.
   void RequestStop() OSTEON_RT { requests_.RequestStop(); }

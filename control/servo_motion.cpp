@@ -25,7 +25,7 @@ bool ServoLoop::UpdateSession(const ArmState& state) OSTEON_RT {
     else
       FollowArm(state);
   }
-  if (supervisor_.stop_asked() && supervisor_.IsWaitingOrPaused()) ApplyEvent(CellEvent::kStopAsked);
+  if (supervisor_.stop_requested() && supervisor_.IsWaitingOrPaused()) ApplyEvent(CellEvent::kStopRequested);
   if (active && phase() != Phase::kStopped && !session_.HasPeriod(state)) {
     supervisor_.Latch(Fault::kPeriod);  // each tick steps by the loop's period: another one is another speed
     ApplyEvent(CellEvent::kArmLost);
@@ -64,17 +64,17 @@ void ServoLoop::StartMotionIfPermitted(const TickInputs& tick) OSTEON_RT {
                                                   .arm_overloaded = arm_overloaded_}));
   if (!waits) return;
   ApplyEvent(tick.state.session == SessionState::kIdle ? CellEvent::kArmIdle : CellEvent::kArmSeen);
-  ApplyEvent(permits().InOrder() ? CellEvent::kInOrder : CellEvent::kNotInOrder);
+  ApplyEvent(permits().AllButHandedOver() ? CellEvent::kPermitsHold : CellEvent::kPermitsMissing);
   if (!permits().All()) return;
   const bool there = rendered || tool_.arm().AtStart();
-  const CellAction action = ApplyEvent(there ? CellEvent::kBeginThere : CellEvent::kBeginAway);
+  const CellAction action = ApplyEvent(there ? CellEvent::kBeginRendering : CellEvent::kBeginAligning);
   if (action == CellAction::kBeginRendering) StartRendering(tick);
   if (action == CellAction::kBeginPath) StartPath(tick);
 }
 
 void ServoLoop::StartPath(const TickInputs& tick) OSTEON_RT {
   session_.StartCommanding(tick.state);
-  supervisor_.SetOnPath(tool_.arm().BeginStart());
+  supervisor_.SetOnPath(tool_.arm().BeginStartPath());
   checks_.StartMotion(tick.now);
   hand_.ResetMotion(session_.X_WT());
   if (supervisor_.on_path()) return;
@@ -94,10 +94,10 @@ void ServoLoop::StepStartPath(const TickInputs& tick) OSTEON_RT {
     supervisor_.Latch(step.refused);
     ApplyFault();
     FinishStop();
-  } else if (ends && step.rests) {
+  } else if (ends && step.paused) {
     FinishStop();
-  } else if (step.there && !ends && permits().All() &&
-             ApplyEvent(CellEvent::kBeginThere) == CellAction::kBeginRendering) {
+  } else if (step.at_start && !ends && permits().All() &&
+             ApplyEvent(CellEvent::kBeginRendering) == CellAction::kBeginRendering) {
     supervisor_.SetOnPath(false);
     StartRendering(tick);
   }
@@ -149,8 +149,8 @@ void ServoLoop::CheckMotion(const ArmState& state) OSTEON_RT {
   if (arm_overloaded_ && !paused) supervisor_.Latch(Fault::kJointLimit);
   if (faults().Any() && !safety::Renders(this->state()))
     ApplyFault();  // rendering checks more before it stops
-  if (supervisor_.stop_asked()) ApplyEvent(CellEvent::kStopAsked);
-  if (supervisor_.TakePauseAsked()) ApplyEvent(CellEvent::kPauseAsked);
+  if (supervisor_.stop_requested()) ApplyEvent(CellEvent::kStopRequested);
+  if (supervisor_.TakePauseRequest()) ApplyEvent(CellEvent::kPauseRequested);
 }
 
 // On the way to the start nothing is rendered: the model's age does not count, and without the PLC's

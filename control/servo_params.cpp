@@ -49,7 +49,7 @@ void Validate(const ServoParams& params) {
   require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
   require("period_s", params.period_s, 1e-4, 0.02);
   if (params.start) {
-    require("start there_rad", params.start->there_rad, 1e-6, 0.1);
+    require("start there_rad", params.start->tolerance_rad, 1e-6, 0.1);
     require("start pause_force_N", params.start->pause_force_N, 1.0, 500.0);
   }
 }
@@ -58,14 +58,14 @@ StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTE
   // within a tick the damping may take at most all of the motion, on the lightest axis; with a centre off the
   // origin, the axis at the end of that lever counts
   const double lever_m = params.stabilisers.passivity.lever_m;
-  const double least_kg =
+  const double min_mass_kg =
       std::min(law.mass_kg.minCoeff(), law.inertia_kg_m2.minCoeff() / (lever_m * lever_m));
   const double centre2 = law.centre_T_m.squaredNorm();
-  const double with_lever_kg = 1.0 / (1.0 / least_kg + centre2 / law.inertia_kg_m2.minCoeff());
+  const double with_lever_kg = 1.0 / (1.0 / min_mass_kg + centre2 / law.inertia_kg_m2.minCoeff());
   return {.damping = {.Ns_per_m = law.damping_Ns_per_m,
                       .Nms_per_rad = law.damping_Nms_per_rad,
                       .centre_T_m = law.centre_T_m},
-          .most_damping_Ns_per_m = with_lever_kg / params.period_s};
+          .max_damping_Ns_per_m = with_lever_kg / params.period_s};
 }
 
 StabilisedLaw LawOf(const ServoParams& params) {
@@ -83,7 +83,7 @@ StabilisedLaw LawOf(const ServoParams& params) {
   return {.damping = {.Ns_per_m = i.damping_Ns_per_m, .Nms_per_rad = i.damping_Nms_per_rad},
           .pose_age_s = 1.5 * params.period_s + i.twist_filter_s,
           .work = PortWork::kHeld,
-          .most_damping_Ns_per_m = std::max(1.0, i.brake_Ns_per_m)};
+          .max_damping_Ns_per_m = std::max(1.0, i.brake_Ns_per_m)};
 }
 
 double ToolSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT {

@@ -29,7 +29,7 @@ struct StartParams {
   kinematics::JointVectorN<7> q{
       kinematics::JointVectorN<7>::Zero()};  ///< [rad]; of a six-axis arm the first six
   JointPathParams path;
-  double there_rad{2e-3};  ///< tolerance of each joint at the start; > 0
+  double tolerance_rad{2e-3};  ///< tolerance of each joint at the start; > 0
   /// If the hand pushes harder than this, the arm rests on its path until it lets go; > 0 [N].
   double pause_force_N{40.0};
 };

@@ -74,8 +74,8 @@ void ServoLoop::RenderAdmittance(const TickInputs& tick, TickRecord& record) OST
                                                coupling_, tool_, record);
   acting_.Add(step.acting);
   if (coupling_.depth_limit().acts())
-    statistics_.least_depth_left_m =
-        std::min(statistics_.least_depth_left_m, coupling_.depth_limit().distance_m());
+    statistics_.min_depth_left_m =
+        std::min(statistics_.min_depth_left_m, coupling_.depth_limit().distance_m());
   if (!step.finite) {
     supervisor_.Latch(Fault::kNotFinite);
     ApplyFault();
@@ -91,7 +91,7 @@ void ServoLoop::RenderAdmittance(const TickInputs& tick, TickRecord& record) OST
   // what came out
   const Pose& X_WT = tool_.X_WT();
   const double speed_m_per_s = (X_WT.translation() - X_before.translation()).norm() / params_.period_s;
-  if (speed_m_per_s > ToolSpeedTrip_m_per_s(params_)) supervisor_.Latch(Fault::kToolSpeed);
+  if (speed_m_per_s > ToolSpeedTripLimit_m_per_s(params_)) supervisor_.Latch(Fault::kToolSpeed);
   if (tool_.workspace().Violated(X_WT.translation())) supervisor_.Latch(Fault::kWorkspace);
   if (faults().Any()) ApplyFault();
   const double power_W = Power(step.rendered.F, SmallStep(X_before, X_WT)) / params_.period_s;
@@ -116,8 +116,8 @@ void ServoLoop::RenderImpedance(const TickInputs& tick, TickRecord& record) OSTE
   const ImpedanceStep step = impedance_.Step(session_, V_before_WT, motion, coupling_, tool_);
   acting_.Add(step.acting);
   if (coupling_.depth_limit().acts())
-    statistics_.least_depth_left_m =
-        std::min(statistics_.least_depth_left_m, coupling_.depth_limit().distance_m());
+    statistics_.min_depth_left_m =
+        std::min(statistics_.min_depth_left_m, coupling_.depth_limit().distance_m());
   FillRendered(step.rendered, record);
   CountRendered({.F = step.rendered.F, .share = record.wrench_scale, .arm_share = record.arm_share},
                 tool_.V_WT.v.norm());
@@ -132,7 +132,7 @@ void ServoLoop::StopRendering(TickRecord& record) OSTEON_RT {
 
 void ServoLoop::FillRendered(const safety::LimitedWrench& rendered, TickRecord& record) OSTEON_RT {
   record.F_coupling_T_W = rendered.F;
-  coupling_.stabilisers().Put(record);
+  coupling_.stabilisers().FillRecord(record);
   record.wrench_scale = std::min(coupling_.limited().share, rendered.share);
   record.arm_share = std::min(coupling_.limited().arm_share, rendered.arm_share);
 }
@@ -143,7 +143,7 @@ void ServoLoop::CountRendered(const safety::LimitedWrench& rendered, double spee
   s.peak_coupling_force_N = std::max(s.peak_coupling_force_N, rendered.F.f.norm());
   s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, rendered.F.t.norm());
   s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
-  s.least_tank_J = std::min(s.least_tank_J, coupling_.stabilisers().tank().energy_J());
+  s.min_tank_J = std::min(s.min_tank_J, coupling_.stabilisers().tank().energy_J());
   coupling_.AddActing(rendered, acting_);
 }
 

@@ -12,7 +12,7 @@ Stabilisers::Stabilisers(const StabiliserParams& params, const StabilisedLaw& la
     : law_(law),
       governor_(params.age_governor, period_s),
       tank_(params.energy_tank, period_s),
-      passivity_(params.passivity, law.work, period_s, law.most_damping_Ns_per_m) {}
+      passivity_(params.passivity, law.work, period_s, law.max_damping_Ns_per_m) {}
 
 void Stabilisers::Reset() OSTEON_RT {
   governor_.Reset();
@@ -20,34 +20,36 @@ void Stabilisers::Reset() OSTEON_RT {
   passivity_.Reset();
 }
 
-void Stabilisers::Follow(const StabilisedLaw& law) OSTEON_RT {
+void Stabilisers::SetLaw(const StabilisedLaw& law) OSTEON_RT {
   law_.damping = law.damping;
-  passivity_.SetMaxDamping(law.most_damping_Ns_per_m);
+  passivity_.SetMaxDamping(law.max_damping_Ns_per_m);
 }
 
 // Subtracts from a coupling wrench the part of a hand-over that the tank cannot pay for.
-Wrench Stabilisers::Paid(const CouplingOutput& coupling, const Wrench& F_T_W) const OSTEON_RT {
+Wrench Stabilisers::RemoveUnpaidHandOver(const CouplingOutput& coupling,
+                                         const Wrench& F_T_W) const OSTEON_RT {
   const double unpaid = 1.0 - tank_.hand_over_share();
   if (unpaid == 0.0) return F_T_W;
   return {.f = F_T_W.f - unpaid * coupling.F_hand_over_T_W.f,
           .t = F_T_W.t - unpaid * coupling.F_hand_over_T_W.t};
 }
 
-Wrench Stabilisers::Shape(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT) OSTEON_RT {
+Wrench Stabilisers::ScaleCoupling(const CouplingOutput& coupling, const Pose& X_WT,
+                                  const Twist& V_WT) OSTEON_RT {
   governor_.Step(
       coupling, X_WT.linear(), law_.damping,
       {.pose_s = law_.pose_age_s, .planes_s = coupling.age_s + coupling.hand_over_s + law_.pose_age_s});
   const double share = governor_.wrench_share() * tank_.Step(coupling, X_WT, V_WT, governor_.wrench_share());
-  const Wrench F_T_W = Paid(coupling, coupling.F_T_W);
+  const Wrench F_T_W = RemoveUnpaidHandOver(coupling, coupling.F_T_W);
   return {.f = share * F_T_W.f, .t = share * F_T_W.t};
 }
 
-Wrench Stabilisers::Calm(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT,
-                         const safety::LimitedWrench& limited,
-                         const safety::WrenchLimiter& limiter) OSTEON_RT {
+Wrench Stabilisers::AddPassivityDamping(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT,
+                                        const safety::LimitedWrench& limited,
+                                        const safety::WrenchLimiter& limiter) OSTEON_RT {
   const double share = governor_.wrench_share() * tank_.share();
   const double rendered = share * limited.share;
-  const Wrench F_contact_T_W = Paid(coupling, coupling.F_contact_T_W);
+  const Wrench F_contact_T_W = RemoveUnpaidHandOver(coupling, coupling.F_contact_T_W);
   const Wrench damping =
       passivity_.Step({.F_T_W = {.f = rendered * F_contact_T_W.f, .t = rendered * F_contact_T_W.t},
                        .potential_J = share * coupling.potential_J,
@@ -59,7 +61,7 @@ Wrench Stabilisers::Calm(const CouplingOutput& coupling, const Pose& X_WT, const
   return limiter.Limit({.f = limited.F.f + damping.f, .t = limited.F.t + damping.t}).F;
 }
 
-void Stabilisers::Put(TickRecord& record) const OSTEON_RT {
+void Stabilisers::FillRecord(TickRecord& record) const OSTEON_RT {
   record.age_damping_factor = governor_.damping_factor();
   record.age_wrench_share = governor_.wrench_share();
   record.passivity_energy_J = passivity_.energy_J();

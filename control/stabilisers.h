@@ -30,7 +30,7 @@ struct StabilisedLaw {
   AxisDamping damping;     ///< >= 0
   double pose_age_s{0.0};  ///< of the pose at which the planes are evaluated
   PortWork work{PortWork::kTrapezoid};
-  double most_damping_Ns_per_m{1e3};  ///< largest damping that a tick of the law tolerates; > 0
+  double max_damping_Ns_per_m{1e3};  ///< largest damping that a tick of the law tolerates; > 0
 };
 
 /// The three stabilisers in the order in which they act:
@@ -51,25 +51,26 @@ class Stabilisers {
   void Reset() OSTEON_RT;
 
   /// Takes the law's new gains from this tick on: its damping, and the largest damping that a tick tolerates.
-  void Follow(const StabilisedLaw& law) OSTEON_RT;
+  void SetLaw(const StabilisedLaw& law) OSTEON_RT;
 
   /// Scales the coupling, before the limits. @param X_WT, V_WT  at which the coupling was evaluated
   /// @returns the coupling's wrench with both shares; unchanged if they are 1.
-  [[nodiscard]] Wrench Shape(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT) OSTEON_RT;
+  [[nodiscard]] Wrench ScaleCoupling(const CouplingOutput& coupling, const Pose& X_WT,
+                                     const Twist& V_WT) OSTEON_RT;
 
   /// Adds the passivity controller's damping, after the limits, with the same coupling, pose and velocity.
-  /// @param limited  of Shape's result
+  /// @param limited  of ScaleCoupling's result
   /// @returns the wrench to render: limited.F, plus the damping if there is energy to take back, within the
   ///   limiter's force and torque
-  [[nodiscard]] Wrench Calm(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT,
-                            const safety::LimitedWrench& limited,
-                            const safety::WrenchLimiter& limiter) OSTEON_RT;
+  [[nodiscard]] Wrench AddPassivityDamping(const CouplingOutput& coupling, const Pose& X_WT,
+                                           const Twist& V_WT, const safety::LimitedWrench& limited,
+                                           const safety::WrenchLimiter& limiter) OSTEON_RT;
 
-  /// Tells that a limit after Calm passed only this share of its wrench, 0 … 1.
+  /// Tells that a limit after AddPassivityDamping passed only this share of its wrench, 0 … 1.
   void ScaleRendered(double share) OSTEON_RT { passivity_.ScaleRendered(share); }
 
   /// Writes the stabilisers' fields of the record.
-  void Put(TickRecord& record) const OSTEON_RT;
+  void FillRecord(TickRecord& record) const OSTEON_RT;
 
   /// Factor on the law's damping; >= 1.
   [[nodiscard]] double damping_factor() const OSTEON_RT { return governor_.damping_factor(); }
@@ -78,7 +79,8 @@ class Stabilisers {
   [[nodiscard]] const EnergyTank& tank() const OSTEON_RT { return tank_; }
 
  private:
-  [[nodiscard]] Wrench Paid(const CouplingOutput& coupling, const Wrench& F_T_W) const OSTEON_RT;
+  [[nodiscard]] Wrench RemoveUnpaidHandOver(const CouplingOutput& coupling,
+                                            const Wrench& F_T_W) const OSTEON_RT;
 
   StabilisedLaw law_;
   AgeGovernor governor_;

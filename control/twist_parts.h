@@ -6,7 +6,7 @@
 namespace osteon::control {
 
 /// Rotates a twist into the axes of another frame.
-[[nodiscard]] inline Twist Turned(const Matrix3& R_AB, const Twist& V_B) OSTEON_RT {
+[[nodiscard]] inline Twist ExpressedIn(const Matrix3& R_AB, const Twist& V_B) OSTEON_RT {
   return {.v = R_AB * V_B.v, .w = R_AB * V_B.w};
 }
 

@@ -12,7 +12,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMostOfRate = 0.4;         // largest edge of a filter, as a share of the rate
+constexpr double kMaxOfRate = 0.4;          // largest edge of a filter, as a share of the rate
 constexpr double kQ2 = 0.7071067811865476;  // Butterworth of order 2
 constexpr double kQDead = 0.5;              // critically damped: a jolt does not make it ring
 constexpr double kTurns =
@@ -28,12 +28,12 @@ const VibrationParams& Validated(const VibrationParams& params) {
   return params;
 }
 
-HalfWaves Waves(const VibrationParams& params, double period_s) {
+HalfWaves MakeHalfWaves(const VibrationParams& params, double period_s) {
   // a half period is measured to a tick at each end
   return {0.5 / (kFaster * params.high_hz) - period_s, kSlower * 0.5 / params.low_hz + period_s};
 }
 
-double Edge(double hz, double period_s) { return std::min(hz, kMostOfRate / period_s); }
+double LimitToRate(double hz, double period_s) { return std::min(hz, kMaxOfRate / period_s); }
 
 }  // namespace
 
@@ -55,8 +55,8 @@ void Validate(const VibrationParams& params) {
   require("alert_memory_s", params.alert_memory_s, 0.005, 1.0);
   require("rise_s", params.rise_s, 0.001, 1.0);
   require("decay_ratio", params.decay_ratio, 1.0, 1000.0);
-  require("most_damping", params.most_damping, 1.0, 1000.0);
-  require("most_mass", params.most_mass, 1.0, 100.0);
+  require("most_damping", params.max_damping_factor, 1.0, 1000.0);
+  require("most_mass", params.max_mass_factor, 1.0, 100.0);
   require("notch_hz", params.notch_hz, 0.0, 20.0);
   require("release_s", params.release_s, 0.001, 5.0);
   Validate(params.reference);
@@ -98,14 +98,15 @@ VibrationIndex::VibrationIndex(const VibrationParams& params, double period_s)
     : params_(Validated(params)),
       period_s_(period_s),
       rest_{.high = Biquad::HighPass(params.low_hz, kQDead, period_s),
-            .low = Biquad::LowPass(Edge(params.high_hz, period_s), kQ2, period_s),
+            .low = Biquad::LowPass(LimitToRate(params.high_hz, period_s), kQ2, period_s),
             .slow_high = Biquad::HighPass(params.slow_hz, kQ2, period_s),
             .slow_low = Biquad::LowPass(params.low_hz, kQ2, period_s),
-            .waves = {Waves(params, period_s), Waves(params, period_s), Waves(params, period_s)}},
+            .waves = {MakeHalfWaves(params, period_s), MakeHalfWaves(params, period_s),
+                      MakeHalfWaves(params, period_s)}},
       force_(rest_),
       torque_(rest_),
       reference_(params.reference) {
-  if (!(period_s > 0.0 && params.low_hz < kMostOfRate / period_s))
+  if (!(period_s > 0.0 && params.low_hz < kMaxOfRate / period_s))
     throw std::invalid_argument("vibration period_s: found " + std::to_string(period_s) +
                                 ", accepted > 0, and short enough for low_hz");
 }
@@ -121,7 +122,7 @@ void VibrationIndex::Reset() OSTEON_RT {
 }
 
 // Removes the spindle's harmonics from the band; each line's amplitudes adapt to the remainder.
-Vector3 VibrationIndex::WithoutSpindle(Lines& lines, const Vector3& x) const OSTEON_RT {
+Vector3 VibrationIndex::RemoveSpindleLines(Lines& lines, const Vector3& x) const OSTEON_RT {
   Vector3 rest = x;
   const auto count = static_cast<std::size_t>(to_ - from_);
   for (std::size_t i = 0; i < count; ++i) rest -= cos_[i] * lines.c[i] + sin_[i] * lines.s[i];
@@ -134,7 +135,7 @@ Vector3 VibrationIndex::WithoutSpindle(Lines& lines, const Vector3& x) const OST
 }
 
 // Advances the spindle's angle, and finds the harmonics in the band.
-void VibrationIndex::Turn(double spindle_rad_per_s) OSTEON_RT {
+void VibrationIndex::AdvanceSpindle(double spindle_rad_per_s) OSTEON_RT {
   const double hz = std::abs(spindle_rad_per_s) / (2.0 * std::numbers::pi);
   int from = 0, to = 0;
   // harmonics closer together than a notch's width would remove the whole band
@@ -160,17 +161,19 @@ void VibrationIndex::Turn(double spindle_rad_per_s) OSTEON_RT {
   sin_ = lines.sin;
 }
 
-void VibrationIndex::Filter(Channel& channel, const Vector3& x) OSTEON_RT {
+void VibrationIndex::FilterChannel(Channel& channel, const Vector3& x) OSTEON_RT {
   const Vector3 from_first = x - channel.first;
-  const Vector3 band = WithoutSpindle(channel.lines, channel.low.Step(channel.high.Step(from_first)));
+  const Vector3 band = RemoveSpindleLines(channel.lines, channel.low.Step(channel.high.Step(from_first)));
   const Vector3 slow = channel.slow_low.Step(channel.slow_high.Step(from_first));
-  channel.swings2 = 0.0;
+  channel.oscillation_energy = 0.0;
   for (int i = 0; i < 3; ++i) {
     const double amplitude = channel.waves[static_cast<std::size_t>(i)].Step(band[i], period_s_);
-    channel.swings2 += 0.5 * amplitude * amplitude;
+    channel.oscillation_energy += 0.5 * amplitude * amplitude;
   }
-  channel.band2 += std::min(1.0, period_s_ / params_.alert_memory_s) * (band.squaredNorm() - channel.band2);
-  channel.slow2 += std::min(1.0, period_s_ / params_.slow_memory_s) * (slow.squaredNorm() - channel.slow2);
+  channel.band_energy +=
+      std::min(1.0, period_s_ / params_.alert_memory_s) * (band.squaredNorm() - channel.band_energy);
+  channel.slow_energy +=
+      std::min(1.0, period_s_ / params_.slow_memory_s) * (slow.squaredNorm() - channel.slow_energy);
 }
 
 double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT {
@@ -181,12 +184,12 @@ double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT
     torque_.first = at_lever_N;
     begun_ = true;
   }
-  Turn(spindle_rad_per_s);
-  Filter(force_, F.f);
-  Filter(torque_, at_lever_N);
+  AdvanceSpindle(spindle_rad_per_s);
+  FilterChannel(force_, F.f);
+  FilterChannel(torque_, at_lever_N);
 
   const double floor2 = params_.floor_N * params_.floor_N;
-  const double others = force_.slow2 + torque_.slow2 + floor2;
+  const double others = force_.slow_energy + torque_.slow_energy + floor2;
   const auto wanted = [&](double energy) {
     const double beyond = std::max(0.0, energy - reference_.allowed2());
     const double share = beyond / (beyond + others);
@@ -196,11 +199,12 @@ double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT
     const double takes_s = goal > index ? params_.rise_s : falls_s;
     index += std::min(1.0, period_s_ / takes_s) * (goal - index);
   };
-  const double swings2 = force_.swings2 + torque_.swings2, band2 = force_.band2 + torque_.band2;
-  const double goal = wanted(swings2), alert = wanted(band2);
-  const double least2 =
+  const double oscillation_energy = force_.oscillation_energy + torque_.oscillation_energy,
+               band_energy = force_.band_energy + torque_.band_energy;
+  const double goal = wanted(oscillation_energy), alert = wanted(band_energy);
+  const double min_energy =
       params_.share_low / (1.0 - params_.share_low) * floor2;  // energies below it never raise the index
-  reference_.Step(swings2, goal, seen_, least2, period_s_);
+  reference_.Step(oscillation_energy, goal, seen_, min_energy, period_s_);
   toward(seen_, reference_.testing() ? 1.0 : goal,
          reference_.released() ? params_.release_s : params_.decay_ratio * params_.rise_s);
   toward(alert_, params_.alert_index * alert, kAlertFalls * params_.rise_s);
@@ -208,11 +212,11 @@ double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT
 }
 
 double VibrationIndex::damping_factor() const OSTEON_RT {
-  return params_.acts ? 1.0 + index() * (params_.most_damping - 1.0) : 1.0;
+  return params_.acts ? 1.0 + index() * (params_.max_damping_factor - 1.0) : 1.0;
 }
 
 double VibrationIndex::mass_factor() const OSTEON_RT {
-  return params_.acts ? 1.0 + index() * (params_.most_mass - 1.0) : 1.0;
+  return params_.acts ? 1.0 + index() * (params_.max_mass_factor - 1.0) : 1.0;
 }
 
 }  // namespace osteon::control

@@ -25,9 +25,9 @@ struct VibrationParams {
   double alert_memory_s{0.03};  ///< memory of the band's whole energy, which raises the alert
   double rise_s{0.02};          ///< time constant of the index upward
   double decay_ratio{60.0};     ///< ratio of the time constants downward and upward; >= 1
-  double most_damping{100.0};   ///< factor on the law's damping at index 1; >= 1
-  double most_mass{1.2};        ///< factor on the law's mass and inertia at index 1; >= 1
-  double notch_hz{1.5};         ///< width of each notch; 0: none
+  double max_damping_factor{100.0};  ///< factor on the law's damping at index 1; >= 1
+  double max_mass_factor{1.2};       ///< factor on the law's mass and inertia at index 1; >= 1
+  double notch_hz{1.5};              ///< width of each notch; 0: none
   double release_s{
       0.1};  ///< time constant of the index downward where no test has found the loop to oscillate
   ReferenceParams reference{};  ///< of the hand's own vibration
@@ -69,7 +69,7 @@ class HalfWaves {
 ///     S' = (w(E_b) - S) / rise_s upward, / (decay_ratio rise_s) downward;
 ///          while R is being found: to 1; where the hand's own was found: / release_s downward
 ///     A' = (alert_index w(E_a) - A) / rise_s upward, / (2 rise_s) downward
-///     index I = max(S, A):   damping × (1 + I (most_damping - 1)),  mass × (1 + I (most_mass - 1))
+///     index I = max(S, A):   damping × (1 + I (max_damping_factor - 1)),  mass × (1 + I (max_mass_factor - 1))
 ///
 /// Every push that begins, and every touch, has much energy in the band for some 20 ms, and drag raised by it
 /// would stay for a second. The index therefore asks for two half-waves, which costs a period of delay, in
@@ -121,11 +121,11 @@ class VibrationIndex {
     std::array<HalfWaves, 3> waves;
     Vector3 first{Vector3::Zero()};
     Lines lines{};
-    double swings2{0.0}, band2{0.0}, slow2{0.0};  ///< energies
+    double oscillation_energy{0.0}, band_energy{0.0}, slow_energy{0.0};  ///< energies
   };
-  void Filter(Channel& channel, const Vector3& x) OSTEON_RT;
-  [[nodiscard]] Vector3 WithoutSpindle(Lines& lines, const Vector3& x) const OSTEON_RT;
-  void Turn(double spindle_rad_per_s) OSTEON_RT;
+  void FilterChannel(Channel& channel, const Vector3& x) OSTEON_RT;
+  [[nodiscard]] Vector3 RemoveSpindleLines(Lines& lines, const Vector3& x) const OSTEON_RT;
+  void AdvanceSpindle(double spindle_rad_per_s) OSTEON_RT;
 
   VibrationParams params_;
   double period_s_;

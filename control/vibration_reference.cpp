@@ -43,7 +43,7 @@ VibrationReference::VibrationReference(const ReferenceParams& params)
 
 void VibrationReference::Reset() OSTEON_RT {
   reference2_ = params_.tremor_N * params_.tremor_N;
-  suspected_s_ = tested_s_ = calm_s_ = unconfirmed_s_ = before2_ = left2_ = most2_ = 0.0;
+  suspected_s_ = tested_s_ = calm_s_ = unconfirmed_s_ = before2_ = left2_ = beat_limit2_ = 0.0;
   since_s_ = 2.0 * kBeat_s;
   testing_ = watchful_ = released_ = false;
 }
@@ -51,7 +51,7 @@ void VibrationReference::Reset() OSTEON_RT {
 double VibrationReference::reference_N() const OSTEON_RT { return std::sqrt(reference2_); }
 
 // Judges the remaining energy at the end of a test.
-void VibrationReference::Judge() OSTEON_RT {
+void VibrationReference::EvaluateTest() OSTEON_RT {
   if (tested_s_ < params_.test_s) return;
   if (!watchful_) {
     watchful_ = kBeats * left2_ < before2_;
@@ -68,30 +68,30 @@ void VibrationReference::Judge() OSTEON_RT {
     released_ = !watchful_;
   }
   testing_ = false;
-  most2_ = params_.margin * params_.margin * reference2_;
+  beat_limit2_ = params_.margin * params_.margin * reference2_;
   suspected_s_ = calm_s_ = unconfirmed_s_ = since_s_ = before2_ = 0.0;
 }
 
-void VibrationReference::Step(double swings2, double suspicion, double index, double least2,
+void VibrationReference::Step(double oscillation_energy, double raw_index, double index, double min_energy,
                               double dt_s) OSTEON_RT {
   if (testing_) {
     tested_s_ += dt_s;
     const double from_s =
         tested_s_ > params_.test_s ? params_.test_s + kSettle_s : params_.test_s - params_.listen_s;
-    if (tested_s_ > from_s) left2_ = std::max(left2_, swings2);
-    Judge();
+    if (tested_s_ > from_s) left2_ = std::max(left2_, oscillation_energy);
+    EvaluateTest();
     return;
   }
   since_s_ += dt_s;
   if (since_s_ >= kBeat_s) {
-    if (suspicion > 0.0) released_ = false;
+    if (raw_index > 0.0) released_ = false;
   } else if (!watchful_) {
-    reference2_ = std::max(reference2_, std::min(swings2, most2_));
+    reference2_ = std::max(reference2_, std::min(oscillation_energy, beat_limit2_));
   }
   // oscillation comes and goes at the threshold
-  const bool suspected = suspicion > (watchful_ ? kSure : 0.0);
+  const bool suspected = raw_index > (watchful_ ? kSure : 0.0);
   suspected_s_ += suspected ? dt_s : -dt_s / kTrust_s * suspected_s_;
-  before2_ = std::max(swings2, before2_ - dt_s / kTrust_s * before2_);
+  before2_ = std::max(oscillation_energy, before2_ - dt_s / kTrust_s * before2_);
   if (suspected_s_ > params_.suspect_s) {
     testing_ = true;
     watchful_ = false;
@@ -99,9 +99,10 @@ void VibrationReference::Step(double swings2, double suspicion, double index, do
     return;
   }
 
-  calm_s_ = swings2 < least2 ? calm_s_ + dt_s : 0.0;
+  calm_s_ = oscillation_energy < min_energy ? calm_s_ + dt_s : 0.0;
   if (calm_s_ > params_.calm_s && index < kLight) watchful_ = false;
-  unconfirmed_s_ = swings2 * params_.margin * params_.margin < reference2_ ? unconfirmed_s_ + dt_s : 0.0;
+  unconfirmed_s_ =
+      oscillation_energy * params_.margin * params_.margin < reference2_ ? unconfirmed_s_ + dt_s : 0.0;
   const double prior2 = params_.tremor_N * params_.tremor_N;
   const bool down = reference2_ > prior2 && unconfirmed_s_ > params_.calm_s;
   const bool up = reference2_ < prior2 && !watchful_ && calm_s_ > params_.calm_s;

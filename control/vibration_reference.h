@@ -43,10 +43,11 @@ class VibrationReference {
   /// @throws std::invalid_argument as Validate.
   explicit VibrationReference(const ReferenceParams& params);
 
-  /// One tick. @param swings2  energy of the oscillation [N^2]
-  /// @param suspicion  index wanted for the energy beyond the reference, 0 … 1  @param index  present index
-  /// @param least2  energies below it count as nothing
-  void Step(double swings2, double suspicion, double index, double least2, double dt_s) OSTEON_RT;
+  /// One tick. @param oscillation_energy  energy of the oscillation [N^2]
+  /// @param raw_index  index wanted for the energy beyond the reference, 0 … 1  @param index  present index
+  /// @param min_energy  energies below it count as nothing
+  void Step(double oscillation_energy, double raw_index, double index, double min_energy,
+            double dt_s) OSTEON_RT;
   void Reset() OSTEON_RT;
 
   [[nodiscard]] double reference_N() const OSTEON_RT;
@@ -59,11 +60,11 @@ class VibrationReference {
   [[nodiscard]] bool released() const OSTEON_RT { return released_; }
 
  private:
-  void Judge() OSTEON_RT;
+  void EvaluateTest() OSTEON_RT;
 
   ReferenceParams params_;
   double reference2_;          ///< R^2
-  double most2_{0.0};          ///< up to which R follows beats
+  double beat_limit2_{0.0};    ///< up to which R follows beats
   double suspected_s_{0.0};    ///< time in which something vibrated
   double tested_s_{0.0};       ///< since the test began
   double since_s_{10.0};       ///< since it ended

@@ -17,39 +17,40 @@ using simulation::ContactModel;
 using simulation::kMaxContacts;
 
 // Bounds of plausible values: beyond them a value comes from a broken sender, not from a bone in a cell.
-constexpr double kMostPosition_m = 10.0;
-constexpr double kMostStiffness_N_per_m = 1e7;
-constexpr double kMostAdvance_m_per_s = 1.0;
-constexpr double kMostTorque_Nm = 100.0;
+constexpr double kMaxPosition_m = 10.0;
+constexpr double kMaxStiffness_N_per_m = 1e7;
+constexpr double kMaxAdvance_m_per_s = 1.0;
+constexpr double kMaxTorque_Nm = 100.0;
 constexpr double kRounding_m = 1e-9;      // of a proxy on its plane
 constexpr double kLongestTick_s = 0.005;  // a longer gap between ticks was a stop of the loop, not cutting
 
 bool Within(double value, double low, double high) { return value >= low && value <= high; }  // false for NaN
 
-bool Within(const Vector3& v, double most) {
-  return Within(v.x(), -most, most) && Within(v.y(), -most, most) && Within(v.z(), -most, most);
+bool Within(const Vector3& v, double max_abs) {
+  return Within(v.x(), -max_abs, max_abs) && Within(v.y(), -max_abs, max_abs) &&
+         Within(v.z(), -max_abs, max_abs);
 }
 
-ModelStatus Judge(const ContactModel& model) {
+ModelStatus CheckModel(const ContactModel& model) {
   if (model.status == simulation::EngineStatus::kDeviceLost) return ModelStatus::kDeviceLost;
   if (model.status != simulation::EngineStatus::kOk) return ModelStatus::kNotCredible;
   if (model.frame == 0) return ModelStatus::kNone;
   if (model.contact_count < 0 || model.contact_count > kMaxContacts) return ModelStatus::kNotCredible;
-  if (!Within(model.spindle_torque_Nm, 0.0, kMostTorque_Nm) || !safety::IsFinite(Vector3(model.F_T_W.f)))
+  if (!Within(model.spindle_torque_Nm, 0.0, kMaxTorque_Nm) || !safety::IsFinite(Vector3(model.F_T_W.f)))
     return ModelStatus::kNotCredible;
   for (int j = 0; j < model.contact_count; ++j) {
     const Contact& c = model.contacts[static_cast<std::size_t>(j)];
-    if (!Within(Vector3(c.p_TP_m), kMostPosition_m) || !Within(Vector3(c.p_W_m), kMostPosition_m) ||
+    if (!Within(Vector3(c.p_TP_m), kMaxPosition_m) || !Within(Vector3(c.p_W_m), kMaxPosition_m) ||
         !Within(Vector3(c.n_W).norm(), 0.999, 1.001) ||
-        !Within(c.stiffness_N_per_m, 0.0, kMostStiffness_N_per_m) ||
-        !Within(c.advance_m_per_s, 0.0, kMostAdvance_m_per_s))
+        !Within(c.stiffness_N_per_m, 0.0, kMaxStiffness_N_per_m) ||
+        !Within(c.advance_m_per_s, 0.0, kMaxAdvance_m_per_s))
       return ModelStatus::kNotCredible;
   }
   return ModelStatus::kOk;
 }
 
 // Time spent cutting up to a stamp: the newest sample that is not after it, or else the oldest sample.
-double CutUpTo(const CouplingState& state, rt::Nanoseconds stamp) {
+double CuttingTimeAt(const CouplingState& state, rt::Nanoseconds stamp) {
   double cut_s = state.cut_s;
   for (int back = 1; back <= CouplingState::kHistory; ++back) {
     const int i = (state.next - back + CouplingState::kHistory) % CouplingState::kHistory;
@@ -78,12 +79,12 @@ bool AnyHeldBack(const CouplingState& state) {
 // Spring wrench of the previous frame's planes at a pose, with their present recession and return.
 Wrench SpringOfFrame(const CouplingState& state, const Pose& X_WT) {
   std::array<HalfSpace, kMaxHalfSpaces> planes;
-  std::array<Vector3, kMaxContacts> arm_W;
+  std::array<Vector3, kMaxContacts> lever_W;
   const auto count = static_cast<std::size_t>(state.plane_count);
   for (std::size_t i = 0; i < count; ++i) {
     const FramePlane& plane = state.planes[i];
-    arm_W[i] = X_WT.linear() * plane.p_T_m;
-    const double gap_m = plane.n_W.dot(arm_W[i] + X_WT.translation() - plane.p_W_m);
+    lever_W[i] = X_WT.linear() * plane.p_T_m;
+    const double gap_m = plane.n_W.dot(lever_W[i] + X_WT.translation() - plane.p_W_m);
     planes[i] = {.n = plane.n_W, .offset = -(gap_m + state.recession_m[i] + state.held_back_m[i])};
   }
   const HalfSpaceProjection proxy = ClosestInHalfSpaces(planes, state.plane_count);
@@ -91,7 +92,7 @@ Wrench SpringOfFrame(const CouplingState& state, const Pose& X_WT) {
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3 f = state.planes[i].stiffness_N_per_m * proxy.multiplier[i] * planes[i].n;
     spring.f += f;
-    spring.t += arm_W[i].cross(f);
+    spring.t += lever_W[i].cross(f);
   }
   return spring;
 }
@@ -109,7 +110,7 @@ void StorePlanes(const CouplingParams& params, const ContactModel& model, Coupli
 }
 
 // Advances the return of the planes that are held back by one tick.
-void ComeBack(CouplingState& state, double dt_s, std::array<HalfSpace, kMaxHalfSpaces>& planes) {
+void ReleaseHeldPlanes(CouplingState& state, double dt_s, std::array<HalfSpace, kMaxHalfSpaces>& planes) {
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const double way_m = std::min(state.held_back_m[i], state.return_m_per_s * dt_s);
     state.held_back_m[i] -= way_m;
@@ -125,7 +126,7 @@ void Validate(const CouplingParams& params) {
       throw std::invalid_argument(std::string("coupling ") + name + ": found " + std::to_string(value) +
                                   ", accepted " + std::to_string(low) + " … " + std::to_string(high));
   };
-  require("max_stiffness_N_per_m", params.max_stiffness_N_per_m, 1.0, kMostStiffness_N_per_m);
+  require("max_stiffness_N_per_m", params.max_stiffness_N_per_m, 1.0, kMaxStiffness_N_per_m);
   require("damping_Ns_per_m", params.damping_Ns_per_m, 0.0, 1e4);
   require("damping_share", params.damping_share, 0.0, 0.25);
   require("fresh_s", params.fresh_s, 1e-3, 10.0);
@@ -142,11 +143,11 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
   const double dt_s = AdvanceTime(state, now);
 
   // weight of this model by its age
-  out.status = Judge(model);
+  out.status = CheckModel(model);
   out.age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
-  const double most_fade =
+  const double max_fade =
       out.status == ModelStatus::kOk ? safety::AgeShare(out.age_s, params.fresh_s, params.gone_s) : 0.0;
-  state.fade = std::min(most_fade, state.fade + dt_s / params.ramp_s);
+  state.fade = std::min(max_fade, state.fade + dt_s / params.ramp_s);
   out.fade = state.fade;
   const bool fresh = out.age_s <= params.fresh_s;
   if (out.status != ModelStatus::kOk || !safety::IsFinite(Vector3(X_WT.translation())) ||
@@ -160,7 +161,7 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
   // present positions of the planes: the frame's, receded
   const bool new_frame = model.frame != state.frame || model.pose_stamp != state.pose_stamp;
   const double cut_since_pose_s =
-      new_frame ? std::min(state.cut_s - CutUpTo(state, model.pose_stamp), params.fresh_s) : 0.0;
+      new_frame ? std::min(state.cut_s - CuttingTimeAt(state, model.pose_stamp), params.fresh_s) : 0.0;
   state.frame = model.frame;
   state.pose_stamp = model.pose_stamp;
   Wrench before;  // spring of the previous planes at this pose
@@ -171,13 +172,13 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
     state.held_back_m.fill(0.0);
   }
   std::array<HalfSpace, kMaxHalfSpaces> planes;
-  std::array<Vector3, kMaxContacts> arm_W;  // from To to the contact point
+  std::array<Vector3, kMaxContacts> lever_W;  // from To to the contact point
   for (int j = 0; j < model.contact_count; ++j) {
     const auto i = static_cast<std::size_t>(j);
     const Contact& c = model.contacts[i];
     const Vector3 n_W = Vector3(c.n_W).normalized();
-    arm_W[i] = X_WT.linear() * Vector3(c.p_TP_m);
-    double gap_m = n_W.dot(arm_W[i] + X_WT.translation() - Vector3(c.p_W_m));
+    lever_W[i] = X_WT.linear() * Vector3(c.p_TP_m);
+    double gap_m = n_W.dot(lever_W[i] + X_WT.translation() - Vector3(c.p_W_m));
 
     double& recession_m = state.recession_m[i];
     if (new_frame) recession_m = 0.0;
@@ -198,7 +199,7 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
     planes[i] = {.n = n_W, .offset = -gap_m};
   }
   out.new_planes = new_frame || AnyHeldBack(state);
-  ComeBack(state, dt_s, planes);
+  ReleaseHeldPlanes(state, dt_s, planes);
 
   // spring: the constrained proxy
   const HalfSpaceProjection proxy = ClosestInHalfSpaces(planes, model.contact_count);
@@ -214,11 +215,11 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
     out.normal_force_N[i] = k * proxy.multiplier[i];
     const Vector3 f = out.normal_force_N[i] * planes[i].n;
     spring.f += f;
-    spring.t += arm_W[i].cross(f);
-    if (proxy.multiplier[i] > 0.0 && out.active_planes < CouplingOutput::kMostActive)
+    spring.t += lever_W[i].cross(f);
+    if (proxy.multiplier[i] > 0.0 && out.active_planes < CouplingOutput::kMaxActive)
       out.active[static_cast<std::size_t>(out.active_planes++)] = {
           .n_W = planes[i].n,
-          .arm_W = arm_W[i],
+          .lever_W = lever_W[i],
           .stiffness_N_per_m = k,
           .force_N = state.fade * out.normal_force_N[i]};
   }
@@ -226,10 +227,10 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
 
   // the planes of a new frame turn the force over several ticks
   if (new_frame)
-    BeginHandOver(state.hand_over,
-                  {.return_s = params.return_s,
-                   .least_turn_N_per_s = params.max_stiffness_N_per_m * params.turn_m_per_s},
-                  before, spring);
+    BeginHandOver(
+        state.hand_over,
+        {.return_s = params.return_s, .min_turn_N_per_s = params.max_stiffness_N_per_m * params.turn_m_per_s},
+        before, spring);
   const Wrench of_planes = spring;
   spring = StepHandOver(state.hand_over, of_planes, dt_s);
   out.hand_over_s = TimeLeft_s(state.hand_over);

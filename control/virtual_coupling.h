@@ -69,15 +69,15 @@ enum class ModelStatus : std::uint8_t {
 
 /// A plane that the proxy lies on: n_W·delta = -g.
 struct ActivePlane {
-  Vector3 n_W{Vector3::UnitZ()};   ///< unit, from bone to tool
-  Vector3 arm_W{Vector3::Zero()};  ///< from To to the contact point [m]
-  double stiffness_N_per_m{0.0};   ///< K_j, as rendered in full
-  double force_N{0.0};             ///< of the faded spring along n, without damping; > 0
+  Vector3 n_W{Vector3::UnitZ()};     ///< unit, from bone to tool
+  Vector3 lever_W{Vector3::Zero()};  ///< from To to the contact point [m]
+  double stiffness_N_per_m{0.0};     ///< K_j, as rendered in full
+  double force_N{0.0};               ///< of the faded spring along n, without damping; > 0
 };
 
 /// One tick's result.
 struct CouplingOutput {
-  static constexpr int kMostActive = 4;
+  static constexpr int kMaxActive = 4;
 
   Wrench F_T_W;             ///< on the tool, at To, in W; faded, not yet limited
   Wrench F_contact_T_W;     ///< part of it that the planes exert: without the spindle's torque
@@ -89,7 +89,7 @@ struct CouplingOutput {
   double fade{0.0};                                               ///< share rendered, 0 … 1
   Vector3 displacement_W{Vector3::Zero()};                        ///< delta: from the tool to its proxy [m]
   ModelStatus status{ModelStatus::kNone};
-  std::array<ActivePlane, kMostActive> active{};  ///< the first active_planes count
+  std::array<ActivePlane, kMaxActive> active{};  ///< the first active_planes count
   int active_planes{0};
   /// U = fade f_s·delta / 2: energy stored in the spring. With equal stiffnesses and planes at rest, its
   /// derivative along the tool's twist is minus the spring wrench, including levers and rotations.

@@ -28,7 +28,8 @@ class ClusterTree {
   /// Calls visit(cluster) in ascending order for every cluster whose box a ball of `radius_mm` may meet on
   /// its way from a to b. Conservative: boxes that are near the way but not met may be included.
   template <class Visit>
-  void Meet(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float radius_mm, Visit visit) const {
+  void VisitOverlapping(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float radius_mm,
+                        Visit visit) const {
     if (levels_.empty()) return;
     Descend(levels_.size() - 1, 0, Sweep(a, b, radius_mm), visit);
   }
@@ -41,7 +42,7 @@ class ClusterTree {
           middle_(0.5f * (a + b)),
           radius_mm_(radius_mm + kRounding_mm),
           half_mm_(0.5f * (b - a).norm()) {}
-    [[nodiscard]] bool Meets(const Eigen::AlignedBox3f& other) const {
+    [[nodiscard]] bool Overlaps(const Eigen::AlignedBox3f& other) const {
       const float reach = radius_mm_ + half_mm_;
       return other.squaredExteriorDistance(box_) <= radius_mm_ * radius_mm_ &&
              other.squaredExteriorDistance(middle_) <= reach * reach;
@@ -54,8 +55,8 @@ class ClusterTree {
     float radius_mm_, half_mm_;
   };
   /// True where the sweep may meet the box of one cluster.
-  [[nodiscard]] bool Meets(const Sweep& sweep, uint cluster) const {
-    return sweep.Meets(levels_.front()[cluster]);
+  [[nodiscard]] bool Overlaps(const Sweep& sweep, uint cluster) const {
+    return sweep.Overlaps(levels_.front()[cluster]);
   }
 
  private:
@@ -63,7 +64,7 @@ class ClusterTree {
 
   template <class Visit>
   void Descend(std::size_t level, std::size_t node, const Sweep& sweep, Visit& visit) const {
-    if (!sweep.Meets(levels_[level][node])) return;
+    if (!sweep.Overlaps(levels_[level][node])) return;
     if (level == 0) {
       visit(static_cast<uint>(node));
       return;

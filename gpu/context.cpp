@@ -295,7 +295,7 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   }
   const DriverThreads threads;
   context->device.emplace(*context->physical, create);
-  threads.Spread();
+  threads.PinWorkers();
   context->queue.emplace(*context->device, context->queue_family, 0);
   return context;
 } catch (const std::exception& error) {

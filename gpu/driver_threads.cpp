@@ -16,7 +16,7 @@ namespace osteon::gpu {
 namespace {
 
 constexpr const char* kTasks = "/proc/self/task";
-constexpr int kMostLooks = 15;
+constexpr int kMaxLooks = 15;
 constexpr std::chrono::milliseconds kLook{2};
 constexpr const char* kRasterizer = "llvmpipe-";  // prefix of a rasterizer thread's name, before its number
 
@@ -44,7 +44,7 @@ std::string NameOf(int id) {
 
 DriverThreads::DriverThreads() : before_(Threads()) {}
 
-DriverThreads::Begun DriverThreads::Look() const {
+DriverThreads::Begun DriverThreads::FindWorkers() const {
   // a thread without its own name has its creator's
   const std::string own = NameOf(static_cast<int>(gettid()));
   std::vector<int> ids;
@@ -61,12 +61,12 @@ DriverThreads::Begun DriverThreads::Look() const {
   return begun;
 }
 
-int DriverThreads::Spread() const {
+int DriverThreads::PinWorkers() const {
   // a rasterizer names itself once it runs: on a busy machine some time after the device is open
-  Begun begun = Look();
-  for (int look = 0; look < kMostLooks && begun.unnamed != begun.rasterizers; ++look) {
+  Begun begun = FindWorkers();
+  for (int look = 0; look < kMaxLooks && begun.unnamed != begun.rasterizers; ++look) {
     std::this_thread::sleep_for(kLook);
-    begun = Look();
+    begun = FindWorkers();
   }
   const std::vector<int>& workers = begun.workers;
   cpu_set_t allowed;

@@ -20,14 +20,14 @@ class DriverThreads {
 
   /// Call once the device is open; waits at most 30 ms for its threads' names. @returns the number of pinned
   /// threads.
-  int Spread() const;
+  int PinWorkers() const;
 
  private:
   struct Begun {
     std::size_t rasterizers{0}, unnamed{0};
     std::vector<int> workers;  ///< unnamed threads after as many rasterizers, at most their number
   };
-  [[nodiscard]] Begun Look() const;
+  [[nodiscard]] Begun FindWorkers() const;
 
   std::vector<int> before_;  ///< thread ids, sorted
 };

@@ -8,10 +8,10 @@ namespace osteon::gpu {
 
 // Largest number of a cluster's tool balls for one workgroup, which visits each four times for each of its
 // balls: beyond it, llvmpipe would end its loops.
-constexpr uint kMostRefsOfAWorkgroup = 1'800;
+constexpr uint kMaxRefsOfAWorkgroup = 1'800;
 
 // Stores the tool's balls at the proxy and at the tool's pose, for the device and for later steps.
-void VulkanEngine::Impl::Place(const Pose& pose) {
+void VulkanEngine::Impl::PlaceToolBalls(const Pose& pose) {
   X_GT = pose;
   const std::size_t count = tool.balls.size();
   start_m.resize(count);
@@ -23,16 +23,16 @@ void VulkanEngine::Impl::Place(const Pose& pose) {
     goal_m[t] = X_GT * tool.balls[t].center_T_m;
     placed[2 * t] = ToMillimetres(start_m[t], tool.balls[t].radius_m * kMillimetres);
     placed[2 * t + 1] = ToMillimetres(goal_m[t], 0.0);
-    placed[2 * (count + t)] = Rest(start_m[t], tool.balls[t].radius_m, placed[2 * t]);
-    placed[2 * (count + t) + 1] = Rest(goal_m[t], 0.0, placed[2 * t + 1]);
+    placed[2 * (count + t)] = FloatRemainder(start_m[t], tool.balls[t].radius_m, placed[2 * t]);
+    placed[2 * (count + t) + 1] = FloatRemainder(goal_m[t], 0.0, placed[2 * t + 1]);
     placed[2 * t + 1].w = static_cast<float>(tool.number[t]);
   }
   std::memcpy(program->host<vec4>(kBindTool), placed.data(), placed.size() * sizeof(vec4));
 }
 
-Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
-  Place(X_WG.inverse() * Pose(input.X_WT));
-  Frame f = still;
+Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
+  PlaceToolBalls(X_WG.inverse() * Pose(input.X_WT));
+  Frame f = frame_constants;
   f.start = ToMillimetres(memory.X_GP.translation(), 0.0);
   f.goal = ToMillimetres(X_GT.translation(), 0.0);
   f.axis_x = Unscaled(X_GT.linear().col(0));
@@ -48,15 +48,15 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   f.exact.spindle_rad_per_s = input.spindle_rad_per_s;
   f.exact.dt_s = input.dt_s;
   f.exact.work_held_back =
-      memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres;
+      memory.energy_lead_J * std::min(1.0, input.dt_s / simulation::kEnergyLeadSeconds) * kMillimetres;
   double way_m = (X_GT.translation() - memory.X_GP.translation()).norm();
   for (std::size_t t = 0; t < start_m.size(); ++t) {
     way_m = std::max(way_m, (goal_m[t] - start_m[t]).norm());
   }
   f.rounding_mm = static_cast<float>(
-      kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / least_radius_m));
+      kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / min_radius_m));
   f.path_mm = static_cast<float>(way_m * kMillimetres);
-  if (lists.made && !brute_force) MeasureDrift(f);
+  if (lists.made && !brute_force) MeasureDisplacement(f);
   // slide and advance together: at most max_slide; the immediate law goes all the way
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
   f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
@@ -79,35 +79,36 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   return f;
 }
 
-// Number of list entries for one invocation, each with at most `span` tool balls: one on a GPU. A processor
+// Number of list entries for one invocation, each with at most `range` tool balls: one on a GPU. A processor
 // computes shared values once for each workgroup, so it gets few, long workgroups, but some for each core.
 // llvmpipe ends all loops of an invocation after 65 535 iterations together; no pass needs more than thirty
 // iterations a pair.
-uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t span) const {
-  constexpr std::size_t kMostPairs = 2'000, kMostEntries = 4096, kWorkgroups = 4;
+uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t range) const {
+  constexpr std::size_t kMaxPairs = 2'000, kMaxEntries = 4096, kWorkgroups = 4;
   const std::size_t lanes = program->lanes();
   if (program->for_gpu()) return 1;
-  const std::size_t most =
-      std::clamp<std::size_t>(kMostPairs / std::max<std::size_t>(1, span), 1, kMostEntries);
+  const std::size_t max_entries =
+      std::clamp<std::size_t>(kMaxPairs / std::max<std::size_t>(1, range), 1, kMaxEntries);
   const std::size_t share = entries / (kWorkgroups * lanes) + 1;
-  return static_cast<uint>(std::clamp(share, std::min<std::size_t>(16, most), most));
+  return static_cast<uint>(std::clamp(share, std::min<std::size_t>(16, max_entries), max_entries));
 }
 
-Groups VulkanEngine::Impl::Work(std::size_t entries, uint chunk, uint rows) const {
+DispatchArgs VulkanEngine::Impl::MakeDispatch(std::size_t entries, uint chunk, uint rows) const {
   const std::size_t share = std::size_t{program->lanes()} * chunk;
-  const std::size_t least = program->for_gpu() ? 1 : 0;  // the last workgroup continues, so there must be one
-  return {.x = program->WithinLimit(std::max(least, (entries + share - 1) / share)), .y = rows, .z = 1};
+  const std::size_t min_groups =
+      program->for_gpu() ? 1 : 0;  // the last workgroup continues, so there must be one
+  return {.x = program->WithinLimit(std::max(min_groups, (entries + share - 1) / share)), .y = rows, .z = 1};
 }
 
 // Prepares writing back the lists' balls, with the frame's chunk.
 void VulkanEngine::Impl::SetFlush(Frame& f) const {
   f.flush_count = lists.made ? lists.balls : 0;
-  f.flush_work = Work(f.flush_count, f.chunk, 1);
+  f.flush_work = MakeDispatch(f.flush_count, f.chunk, 1);
 }
 
 // Writes the lists' balls back to the buffers that Snapshot reads.
 bool VulkanEngine::Impl::Flush() const {
-  Frame f = still;
+  Frame f = frame_constants;
   f.chunk = Chunk(lists.balls, 1);
   SetFlush(f);
   SetUploads(f);
@@ -138,30 +139,30 @@ void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSol
     capsules.push_back({.a = contact_m, .b = slid_m, .radius_m = radius_m});
     capsules.push_back({.a = slid_m, .b = end_m, .radius_m = radius_m});
   }
-  const std::size_t count = std::min(done.request_count, still.request_capacity);
+  const std::size_t count = std::min(done.request_count, frame_constants.request_capacity);
   pool->EndFrame({program->host<SplitRequest>(kBindRequests), count}, capsules, Blocks());
 }
 
 // Measures the displacement of the tool's balls since the lists were built.
-void VulkanEngine::Impl::MeasureDrift(Frame& f) const {
-  f.cutting_drift_start_mm = FarthestFrom(lists.built_m, start_m, true);
-  f.cutting_drift_goal_mm = FarthestFrom(lists.built_m, goal_m, true);
-  f.shaft_drift_start_mm = FarthestFrom(lists.built_m, start_m, false);
-  f.shaft_drift_goal_mm = FarthestFrom(lists.built_m, goal_m, false);
-  f.cutting_words_start_mm = FarthestFrom(lists.words_m, start_m, true);
-  f.cutting_words_goal_mm = FarthestFrom(lists.words_m, goal_m, true);
-  f.shaft_words_start_mm = FarthestFrom(lists.words_m, start_m, false);
-  f.shaft_words_goal_mm = FarthestFrom(lists.words_m, goal_m, false);
+void VulkanEngine::Impl::MeasureDisplacement(Frame& f) const {
+  f.cutting_displacement_start_mm = MaxDisplacement_mm(lists.built_m, start_m, true);
+  f.cutting_displacement_goal_mm = MaxDisplacement_mm(lists.built_m, goal_m, true);
+  f.shaft_displacement_start_mm = MaxDisplacement_mm(lists.built_m, start_m, false);
+  f.shaft_displacement_goal_mm = MaxDisplacement_mm(lists.built_m, goal_m, false);
+  f.cutting_measured_start_mm = MaxDisplacement_mm(lists.measured_m, start_m, true);
+  f.cutting_measured_goal_mm = MaxDisplacement_mm(lists.measured_m, goal_m, true);
+  f.shaft_measured_start_mm = MaxDisplacement_mm(lists.measured_m, start_m, false);
+  f.shaft_measured_goal_mm = MaxDisplacement_mm(lists.measured_m, goal_m, false);
 }
 
 // Largest distance of a tool ball of a kind from its former position [mm].
-float VulkanEngine::Impl::FarthestFrom(const std::vector<Vector3>& was_m, const std::vector<Vector3>& is_m,
-                                       bool cuts) const {
-  double most = 0.0;
+float VulkanEngine::Impl::MaxDisplacement_mm(const std::vector<Vector3>& was_m,
+                                             const std::vector<Vector3>& is_m, bool cuts) const {
+  double max_m2 = 0.0;
   for (std::size_t t = cuts ? 0 : tool.cutter_count, end = cuts ? tool.cutter_count : is_m.size(); t < end;
        ++t)
-    most = std::max(most, (is_m[t] - was_m[t]).squaredNorm());
-  return static_cast<float>(kMillimetres * std::sqrt(most));
+    max_m2 = std::max(max_m2, (is_m[t] - was_m[t]).squaredNorm());
+  return static_cast<float>(kMillimetres * std::sqrt(max_m2));
 }
 
 // Finds the clusters that the tool can meet, within its reach, on its way or at its pose.
@@ -173,11 +174,11 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
     return BallSweep{.a = from, .b = whole_way ? to : from, .radius_mm = a.w + reach_mm};
   };
   const auto find = [&](const ClusterTree& tree, float reach_mm, bool cutting_only,
-                        std::vector<Item>& items) {
+                        std::vector<ClusterPairs>& items) {
     const auto sweep_of = [&](const Vector3& start, const Vector3& goal, double radius_m, bool cuts) {
       if (cutting_only && !cuts) return BallSweep{};
       return sweep(start, goal, radius_m,
-                   reach_mm + (cuts ? still.cutting_margin_mm : still.shaft_margin_mm));
+                   reach_mm + (cuts ? frame_constants.cutting_skin_mm : frame_constants.shaft_skin_mm));
     };
     for (std::size_t g = 0; g < tool.groups.size(); ++g) {
       const ToolLayout::Item& bound = tool.group_bounds[g];
@@ -189,31 +190,31 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
     work->Add(tree, group_sweeps, ball_sweeps, items);
   };
   work->Clear();
-  find(ball_tree, f.ball_reach_mm, false, ball_items);
+  find(ball_tree, f.ball_reach_mm, false, ball_cluster_pairs);
   // a block is in its parent's place
-  for (std::size_t i = 0, clusters = pool ? ball_items.size() : 0; i < clusters; ++i) {
-    const Item parents = ball_items[i];
+  for (std::size_t i = 0, clusters = pool ? ball_cluster_pairs.size() : 0; i < clusters; ++i) {
+    const ClusterPairs parents = ball_cluster_pairs[i];
     for (const uint block : pool->BlocksIn(parents.cluster))
-      ball_items.push_back({.cluster = static_cast<uint>(pool->FirstCluster()) + block,
-                            .first = parents.first,
-                            .cutters = parents.cutters,
-                            .count = parents.count});
+      ball_cluster_pairs.push_back({.cluster = static_cast<uint>(pool->FirstCluster()) + block,
+                                    .first = parents.first,
+                                    .cutters = parents.cutters,
+                                    .count = parents.count});
   }
-  find(point_tree, f.point_reach_mm, true, point_items);
-  Item* items = program->host<Item>(kBindItems);
-  std::copy(ball_items.begin(), ball_items.end(), items);
-  std::copy(point_items.begin(), point_items.end(), items + ball_clusters);
+  find(point_tree, f.point_reach_mm, true, point_cluster_pairs);
+  ClusterPairs* items = program->host<ClusterPairs>(kBindClusterPairs);
+  std::copy(ball_cluster_pairs.begin(), ball_cluster_pairs.end(), items);
+  std::copy(point_cluster_pairs.begin(), point_cluster_pairs.end(), items + ball_clusters);
   std::copy(work->refs().begin(), work->refs().end(), program->host<uint>(kBindToolRefs));
   // largest number of tool balls of one entry, and of one cluster
   uint longest = 1;
-  for (const auto* list : {&ball_items, &point_items})
-    for (const Item& item : *list) longest = std::max(longest, item.count);
+  for (const auto* list : {&ball_cluster_pairs, &point_cluster_pairs})
+    for (const ClusterPairs& item : *list) longest = std::max(longest, item.count);
   f.chunk = Chunk(std::numeric_limits<std::size_t>::max(), longest);
-  const uint parts = longest < kMostRefsOfAWorkgroup ? 1 : kGroupSize / program->lanes();
-  f.ball_items = static_cast<uint>(ball_items.size());
-  f.point_items = static_cast<uint>(point_items.size());
-  f.path_work = {.x = program->WithinLimit(ball_items.size()), .y = parts, .z = 1};
-  f.point_work = {.x = program->WithinLimit(point_items.size()), .y = parts, .z = 1};
+  const uint parts = longest < kMaxRefsOfAWorkgroup ? 1 : kGroupSize / program->lanes();
+  f.near_ball_clusters = static_cast<uint>(ball_cluster_pairs.size());
+  f.near_point_clusters = static_cast<uint>(point_cluster_pairs.size());
+  f.path_work = {.x = program->WithinLimit(ball_cluster_pairs.size()), .y = parts, .z = 1};
+  f.point_work = {.x = program->WithinLimit(point_cluster_pairs.size()), .y = parts, .z = 1};
 }
 
 // Runs a frame. False where the device is lost.
@@ -221,36 +222,36 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   Frame f = prepared;
   f.lists_at_contact = mode == FrameMode::kListsAtContact ? 1 : 0;
   if (mode == FrameMode::kLists && !program->for_gpu() && !brute_force && tool.cutter_count > 1 &&
-      f.cutting_words_start_mm > kWordDrift_mm) {
+      f.cutting_measured_start_mm > kRemeasureDisplacement_mm) {
     mode = FrameMode::kListsRefreshed;
-    lists.words_m = start_m;
-    MeasureDrift(f);
+    lists.measured_m = start_m;
+    MeasureDisplacement(f);
   }
   const bool keeps = mode == FrameMode::kLists || mode == FrameMode::kListsRefreshed;
   if (keeps) {
     const std::size_t pairs = std::max(lists.balls, lists.shaft),
                       all = std::max<std::size_t>(pairs, lists.points);
-    f.chunk = Chunk(all, lists.longest_span);
+    f.chunk = Chunk(all, lists.longest_pair_range);
     const uint shaft = lists.shaft > 0 ? 1 : 0;
-    f.pair_work = Work(pairs, f.chunk, 1 + shaft);
-    f.all_work = Work(all, f.chunk, 2 + shaft);
-    f.clear_work = Work(all, f.chunk, 2);
+    f.pair_work = MakeDispatch(pairs, f.chunk, 1 + shaft);
+    f.all_work = MakeDispatch(all, f.chunk, 2 + shaft);
+    f.clear_work = MakeDispatch(all, f.chunk, 2);
     f.live_ball_count = lists.balls;
     f.live_point_count = lists.points;
     f.shaft_count = lists.shaft;
-    f.span_count = lists.spans;
+    f.packed_pair_count = lists.packed_pairs;
   } else {
     FindWork(f, mode);
     SetUploads(f);
     SetFlush(f);
     // at least one workgroup where the last one continues
-    const uint least = program->for_gpu() ? 1 : 0;
-    f.pair_work = {.x = least, .y = 2, .z = 1};
-    f.all_work = {.x = least, .y = 3, .z = 1};
-    f.clear_work = {.x = least, .y = 2, .z = 1};
-    f.span_count = static_cast<uint>(WholeSpans());
-    lists.built_m = lists.words_m = start_m;
-    if (!brute_force) MeasureDrift(f);
+    const uint min_groups = program->for_gpu() ? 1 : 0;
+    f.pair_work = {.x = min_groups, .y = 2, .z = 1};
+    f.all_work = {.x = min_groups, .y = 3, .z = 1};
+    f.clear_work = {.x = min_groups, .y = 2, .z = 1};
+    f.packed_pair_count = static_cast<uint>(AllPackedPairs());
+    lists.built_m = lists.measured_m = start_m;
+    if (!brute_force) MeasureDisplacement(f);
   }
   if (!program->Run(f, mode,
                     brute_force         ? kBruteTimeout_ns
@@ -262,18 +263,18 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
       .active_balls = done.live_ball_count, .active_points = done.live_point_count, .lists_made = !keeps};
   if (keeps) return true;
   if (pool) pool->Uploaded();
-  lists.made = done.too_many == 0;
+  lists.made = done.list_overflow == 0;
   lists.ball_reach_mm = done.ball_reach_mm;
   lists.point_reach_mm = done.point_reach_mm;
-  lists.longest_span = done.longest_span;
+  lists.longest_pair_range = done.longest_pair_range;
   lists.balls = done.live_ball_count;
   lists.points = done.live_point_count;
   lists.shaft = done.shaft_count;
-  lists.spans = done.span_count;
+  lists.packed_pairs = done.packed_pair_count;
   if (mode == FrameMode::kListsAtProxy) return true;
   const double s = std::min(1.0, std::bit_cast<double>(done.contact_key));
   for (std::size_t t = 0; t < start_m.size(); ++t)
-    lists.built_m[t] = lists.words_m[t] = start_m[t] + s * (goal_m[t] - start_m[t]);
+    lists.built_m[t] = lists.measured_m[t] = start_m[t] + s * (goal_m[t] - start_m[t]);
   return true;
 }
 

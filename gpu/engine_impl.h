@@ -26,11 +26,10 @@ static_assert(kMaxMaterials == simulation::kMaxMaterials && kBins == simulation:
               kFaces == simulation::kMaxFaces && kCandidates == kBins + kRemembered);
 
 inline constexpr double kMillimetres = 1e3;
-inline constexpr double kLargestSummand =
-    4'194'304.0;  // 2^22 units: half of the range of a sum over a subgroup
+inline constexpr double kMaxSummand = 4'194'304.0;  // 2^22 units: half of the range of a sum over a subgroup
 // largest face weight: the largest lens in the middle of its cone
-inline constexpr double kLargestFaceWeight_mm3 =
-    simulation::kLargestLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
+inline constexpr double kMaxFaceWeight_mm3 =
+    simulation::kMaxLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
 // Time in which a lost device may finish the work that it was given.
 inline constexpr std::uint64_t kLostTimeout_ns = 20'000'000'000;
 inline constexpr std::uint64_t kWarmUpTimeout_ns =
@@ -40,14 +39,14 @@ inline constexpr std::uint64_t kBruteTimeout_ns =
 // Bounds on the rounding of a distance in floats: eight units in the last place of the coordinates and, along
 // a way that is long compared with the balls, of its square over the sum of radii.
 inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;
-// kCuttingMargin_m, kShaftMargin_m: largest displacement of the tool until the lists of balls and points are
-// rebuilt. Balls that do not cut are mostly far from bone, so their wide margin costs nothing. kWordDrift_mm:
-// beyond this displacement a software driver measures the lists' packed pairs anew; on a GPU that does not
-// pay.
-inline constexpr float kWordDrift_mm = 0.03f;
-inline constexpr double kCuttingMargin_m = 0.15e-3, kShaftMargin_m = 0.6e-3;
+// kCuttingSkin_m, kShaftSkin_m: largest displacement of the tool until the lists of balls and points are
+// rebuilt. Balls that do not cut are mostly far from bone, so their wide margin costs nothing.
+// kRemeasureDisplacement_mm: beyond this displacement a software driver measures the lists' packed pairs
+// anew; on a GPU that does not pay.
+inline constexpr float kRemeasureDisplacement_mm = 0.03f;
+inline constexpr double kCuttingSkin_m = 0.15e-3, kShaftSkin_m = 0.6e-3;
 // Capacity: tool balls in all list entries together, tool balls of all clusters together.
-inline constexpr std::size_t kSpans = 4'000'000, kToolRefs = 1'000'000;
+inline constexpr std::size_t kPackedPairs = 4'000'000, kToolRefs = 1'000'000;
 
 inline std::size_t ClusterCount(std::size_t count) { return (count + kGroupSize - 1) / kGroupSize; }
 
@@ -68,7 +67,7 @@ inline Vector3 Direction(const dvec3& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const dvec3& v) { return Direction(v) / kMillimetres; }
 // Remainder that ToMillimetres leaves. Volatile, since GCC 12.2 optimises the rounding away in some builds
 // where it sees both.
-inline vec4 Rest(const Vector3& v_m, double w_m, const vec4& rounded) {
+inline vec4 FloatRemainder(const Vector3& v_m, double w_m, const vec4& rounded) {
   const volatile float x = rounded.x, y = rounded.y, z = rounded.z, w = rounded.w;
   const dvec3 v = Exactly(v_m);
   return {static_cast<float>(v.x - static_cast<double>(x)), static_cast<float>(v.y - static_cast<double>(y)),
@@ -111,28 +110,28 @@ struct VulkanEngine::Impl {
   std::size_t ball_clusters{0};   // with those of the pool
   double unit_mm3{1.0};
   // largest coordinate of a tool ball that can touch; smallest tool ball's radius
-  double extent_m{0.0}, least_radius_m{1.0};
+  double extent_m{0.0}, min_radius_m{1.0};
   bool lost{false}, brute_force{false};
   std::uint64_t frame_timeout_ns{0};
   FrameStats stats;
   simulation::NearField near;  // of the last frame; only its faces are filled
   simulation::Candidates candidates;
 
-  Frame still{};  // constant part of every frame
+  Frame frame_constants{};  // constant part of every frame
   ClusterTree ball_tree, point_tree;
   std::unique_ptr<WorkList> work;
-  std::vector<Item> ball_items, point_items;
+  std::vector<ClusterPairs> ball_cluster_pairs, point_cluster_pairs;
   std::vector<BallSweep> group_sweeps, ball_sweeps;
 
   // the lists on the device, as the last frame that built them left them
   struct Lists {
     bool made{false};
     float ball_reach_mm{0.0f}, point_reach_mm{0.0f};
-    uint balls{0}, points{0}, shaft{0}, spans{0}, longest_span{1};
-    std::vector<Vector3> built_m;  // positions of the tool's balls when the lists were built
-    std::vector<Vector3> words_m;  // and when their packed pairs were measured
+    uint balls{0}, points{0}, shaft{0}, packed_pairs{0}, longest_pair_range{1};
+    std::vector<Vector3> built_m;     // positions of the tool's balls when the lists were built
+    std::vector<Vector3> measured_m;  // and when their packed pairs were measured
   } lists;
-  bool was_free{true};                        // the last frame had no contact
+  bool had_no_contact{true};                  // the last frame had no contact
   Pose X_GT;                                  // pose of the tool in this frame
   std::vector<Vector3> start_m, goal_m;       // positions of the tool's balls in this frame
   std::vector<vec4> placed;                   // the same for the device: in floats, then their remainders
@@ -141,11 +140,11 @@ struct VulkanEngine::Impl {
   std::string Open(std::unique_ptr<Context> context, const simulation::Bone& bone,
                    const VulkanParams& vulkan);
   void Upload(const simulation::Bone& bone);
-  void FillStill(const simulation::Bone& bone);
+  void FillFrameConstants(const simulation::Bone& bone);
   void ListEverything();
   bool WarmUp(const simulation::Bone& bone);
-  void Place(const Pose& pose);
-  [[nodiscard]] Frame Prepare(const simulation::FrameInput& input);
+  void PlaceToolBalls(const Pose& pose);
+  [[nodiscard]] Frame PrepareFrame(const simulation::FrameInput& input);
   void FindWork(Frame& f, FrameMode mode);
   bool RunFrame(const Frame& prepared, FrameMode mode);
   void SetUploads(Frame& f) const;
@@ -157,25 +156,26 @@ struct VulkanEngine::Impl {
   }
   // only the tool ball that touches first cuts
   [[nodiscard]] bool CutsAlone() const { return params.cutters == simulation::Cutters::kContactSphere; }
-  void MeasureDrift(Frame& f) const;
-  [[nodiscard]] float FarthestFrom(const std::vector<Vector3>& was_m, const std::vector<Vector3>& is_m,
-                                   bool cuts) const;
-  [[nodiscard]] uint Chunk(std::size_t entries, std::size_t span) const;
-  [[nodiscard]] Groups Work(std::size_t entries, uint chunk, uint rows) const;
+  void MeasureDisplacement(Frame& f) const;
+  [[nodiscard]] float MaxDisplacement_mm(const std::vector<Vector3>& was_m, const std::vector<Vector3>& is_m,
+                                         bool cuts) const;
+  [[nodiscard]] uint Chunk(std::size_t entries, std::size_t range) const;
+  [[nodiscard]] DispatchArgs MakeDispatch(std::size_t entries, uint chunk, uint rows) const;
   void SetFlush(Frame& f) const;
-  // Packed pairs of all tool balls of a kind: cutting balls, then the others. Spans begin at multiples of 4.
-  [[nodiscard]] std::ptrdiff_t FirstOfShaftSpan() const {
+  // Packed pairs of all tool balls of a kind: cutting balls, then the others. Ranges begin at multiples of 4.
+  [[nodiscard]] std::ptrdiff_t FirstShaftPackedPair() const {
     return static_cast<std::ptrdiff_t>((tool.cutter_count + 3) / 4 * 4);
   }
-  [[nodiscard]] std::size_t WholeSpans() const {
-    return (static_cast<std::size_t>(FirstOfShaftSpan()) + tool.balls.size() - tool.cutter_count + 3) / 4 * 4;
+  [[nodiscard]] std::size_t AllPackedPairs() const {
+    return (static_cast<std::size_t>(FirstShaftPackedPair()) + tool.balls.size() - tool.cutter_count + 3) /
+           4 * 4;
   }
   [[nodiscard]] bool Flush() const;  // false where the device is lost
   void ReadState(simulation::CarvedState& state) const;
   void WriteState(const simulation::CarvedState& state);
   // Device index of a tool ball of the tool's own list; tool_count where there is no such ball.
   [[nodiscard]] uint DeviceTool(uint number) const {
-    return number < device_tool.size() ? device_tool[number] : still.tool_count;
+    return number < device_tool.size() ? device_tool[number] : frame_constants.tool_count;
   }
   void ReadNearField(const Frame& done, double s);
   [[nodiscard]] simulation::FrameSolution Solution(const Frame& done);

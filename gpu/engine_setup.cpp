@@ -23,13 +23,13 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   sizes.materials = std::max<std::size_t>(1, bone.materials.size());
   sizes.tool_refs = tool.balls.size() + kToolRefs;
   sizes.live = brute_force ? longest : std::min(longest, std::max<std::size_t>(1, vulkan.list_capacity));
-  sizes.spans = WholeSpans() + kSpans;
+  sizes.packed_pairs = AllPackedPairs() + kPackedPairs;
   sizes.contact_sphere = CutsAlone();
   if (pool) {
     sizes.requests = std::min(ball_count, sizes.live);
     sizes.blocks = pool->block_count();
     sizes.uploads = sizes.blocks * (kGroupSize + 1);
-    still.request_capacity = static_cast<uint>(sizes.requests);
+    frame_constants.request_capacity = static_cast<uint>(sizes.requests);
   }
   if (std::string refusal = FrameProgram::Refusal(*context, sizes, vulkan.overrides); !refusal.empty())
     return refusal;
@@ -40,17 +40,17 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
     if (!again) return again.error();
     program = std::make_unique<FrameProgram>(std::move(*again), sizes, vulkan);
   }
-  still.live_capacity = static_cast<uint>(sizes.live);
-  still.span_capacity = static_cast<uint>(sizes.spans);
-  still.max_workgroups = program->max_workgroups();
+  frame_constants.live_capacity = static_cast<uint>(sizes.live);
+  frame_constants.packed_pair_capacity = static_cast<uint>(sizes.packed_pairs);
+  frame_constants.max_workgroups = program->max_workgroups();
   work =
       std::make_unique<WorkList>(std::max(sizes.ball_clusters, sizes.point_clusters), tool, sizes.tool_refs);
   group_sweeps.resize(tool.groups.size());
   ball_sweeps.resize(tool.balls.size());
-  ball_items.reserve(sizes.ball_clusters);
-  point_items.reserve(sizes.point_clusters);
+  ball_cluster_pairs.reserve(sizes.ball_clusters);
+  point_cluster_pairs.reserve(sizes.point_clusters);
   lists.built_m.resize(tool.balls.size());
-  lists.words_m.resize(tool.balls.size());
+  lists.measured_m.resize(tool.balls.size());
   return "";
 }
 
@@ -65,7 +65,7 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   double largest_m = 0.0;
   for (const ToolLayout::Item& ball : tool.balls) {
     largest_m = std::max(largest_m, ball.radius_m);
-    least_radius_m = std::min(least_radius_m, ball.radius_m);
+    min_radius_m = std::min(min_radius_m, ball.radius_m);
   }
   extent_m += largest_m;
   data.resize(AllBalls(), vec4{0, 0, 0, 0});
@@ -92,15 +92,15 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   point_tree = ClusterTree(data);
 
   // a span of each kind's balls, for brute force
-  std::vector<uint> whole(WholeSpans());
+  std::vector<uint> whole(AllPackedPairs());
   const auto middle = static_cast<std::ptrdiff_t>(tool.cutter_count);
   std::iota(whole.begin(), whole.begin() + middle, 0u);
-  std::iota(whole.begin() + FirstOfShaftSpan(), whole.end(), static_cast<uint>(tool.cutter_count));
-  program->Write(kBindSpans, whole.data(), whole.size() * sizeof(uint));
+  std::iota(whole.begin() + FirstShaftPackedPair(), whole.end(), static_cast<uint>(tool.cutter_count));
+  program->Write(kBindPackedPairs, whole.data(), whole.size() * sizeof(uint));
 }
 
-void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
-  Exact& exact = still.exact;
+void VulkanEngine::Impl::FillFrameConstants(const simulation::Bone& bone) {
+  DoublePrecision& exact = frame_constants.exact;
   for (std::size_t i = 0; i < materials.size(); ++i) {
     exact.cutting_energy[i] = materials[i].specific_cutting_energy_J_per_m3 * 1e-6;  // N/mm^2
     exact.force_ratio[i] = materials[i].cutting_force_ratio;
@@ -111,11 +111,11 @@ void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   exact.tolerance = params.contact_tolerance_m * kMillimetres;
   exact.layer = params.engaged_layer_m * kMillimetres;
   exact.max_slide = params.max_slide_m * kMillimetres;
-  still.enlargement_mm = static_cast<float>(params.normal_enlargement_m * kMillimetres);
-  still.tolerance_mm = static_cast<float>(params.contact_tolerance_m * kMillimetres);
-  still.layer_mm = static_cast<float>(params.engaged_layer_m * kMillimetres);
-  still.cutting_margin_mm = static_cast<float>(kMillimetres * kCuttingMargin_m);
-  still.shaft_margin_mm = static_cast<float>(kMillimetres * kShaftMargin_m);
+  frame_constants.enlargement_mm = static_cast<float>(params.normal_enlargement_m * kMillimetres);
+  frame_constants.tolerance_mm = static_cast<float>(params.contact_tolerance_m * kMillimetres);
+  frame_constants.layer_mm = static_cast<float>(params.engaged_layer_m * kMillimetres);
+  frame_constants.cutting_skin_mm = static_cast<float>(kMillimetres * kCuttingSkin_m);
+  frame_constants.shaft_skin_mm = static_cast<float>(kMillimetres * kShaftSkin_m);
   // the largest summands: a touching point at the tool's farthest reach, a whole mass point in the engaged
   // layer
   double reach_mm = 1.0, largest_mm3 = 1e-3;
@@ -124,32 +124,33 @@ void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   for (const simulation::MassPoint& point : bone.points)
     largest_mm3 = std::max(largest_mm3, point.volume_m3 * 1e9);
   const double largest_mm2 = largest_mm3 / (params.engaged_layer_m * kMillimetres);
-  still.face_scale = static_cast<float>(kLargestSummand / kLargestFaceWeight_mm3);
-  still.face_point_scale = static_cast<float>(kLargestSummand / (kLargestFaceWeight_mm3 * reach_mm));
-  still.area_scale = static_cast<float>(kLargestSummand / largest_mm2);
-  still.moment_scale = static_cast<float>(kLargestSummand / (largest_mm2 * reach_mm));
-  still.tool_count = static_cast<uint>(tool.balls.size());
-  still.cutter_count = static_cast<uint>(tool.cutter_count);
-  still.ball_count = static_cast<uint>(AllBalls());
-  still.first_child = pool ? static_cast<uint>(pool->FirstCluster() * kGroupSize) : 0;
-  still.split_radius_mm = static_cast<float>(kMillimetres * params.split.least_radius_m);
-  still.point_count = static_cast<uint>(point_count);
-  still.material_count = static_cast<uint>(materials.size());
-  still.immediate = params.law == simulation::RemovalLaw::kImmediate ? 1 : 0;
+  frame_constants.face_scale = static_cast<float>(kMaxSummand / kMaxFaceWeight_mm3);
+  frame_constants.face_point_scale = static_cast<float>(kMaxSummand / (kMaxFaceWeight_mm3 * reach_mm));
+  frame_constants.area_scale = static_cast<float>(kMaxSummand / largest_mm2);
+  frame_constants.moment_scale = static_cast<float>(kMaxSummand / (largest_mm2 * reach_mm));
+  frame_constants.tool_count = static_cast<uint>(tool.balls.size());
+  frame_constants.cutter_count = static_cast<uint>(tool.cutter_count);
+  frame_constants.ball_count = static_cast<uint>(AllBalls());
+  frame_constants.first_child = pool ? static_cast<uint>(pool->FirstCluster() * kGroupSize) : 0;
+  frame_constants.split_radius_mm = static_cast<float>(kMillimetres * params.split.min_radius_m);
+  frame_constants.point_count = static_cast<uint>(point_count);
+  frame_constants.material_count = static_cast<uint>(materials.size());
+  frame_constants.immediate = params.law == simulation::RemovalLaw::kImmediate ? 1 : 0;
 }
 
 // Brute force: lists everything, permanently.
 void VulkanEngine::Impl::ListEverything() {
   std::vector<vec4> copies(ball_count);
   ReadBalls(*program, copies.data(), ball_count);
-  std::vector<Live> entries(std::max(ball_count, point_count));
+  std::vector<ListEntry> entries(std::max(ball_count, point_count));
   for (std::size_t i = 0; i < entries.size(); ++i)
-    entries[i] = {.index = static_cast<uint>(i), .first = 0, .count = still.cutter_count, .more = 0};
+    entries[i] = {
+        .index = static_cast<uint>(i), .first = 0, .count = frame_constants.cutter_count, .more = 0};
   program->Write(kBindLiveBalls, copies.data(), ball_count * sizeof(vec4));
   std::vector<uint> slots(ball_count);
   std::iota(slots.begin(), slots.end(), 0u);
   program->Write(kBindSlots, slots.data(), slots.size() * sizeof(uint));
-  program->Write(kBindLiveEntries, entries.data(), ball_count * sizeof(Live));
+  program->Write(kBindLiveEntries, entries.data(), ball_count * sizeof(ListEntry));
   copies.resize(point_count);
   program->Read(kBindPoints, copies.data(), point_count * sizeof(vec4));
   std::vector<uint> states(point_count);
@@ -158,20 +159,21 @@ void VulkanEngine::Impl::ListEverything() {
     entries[i].more = states[i] & (kCleared - 1);
     if ((states[i] & kCleared) != 0) copies[i].w = -copies[i].w;
   }
-  program->Write(kBindPointEntries, entries.data(), point_count * sizeof(Live));
+  program->Write(kBindPointEntries, entries.data(), point_count * sizeof(ListEntry));
   program->Write(kBindLivePoints, copies.data(), point_count * sizeof(vec4));
   std::vector<ShaftPair> pairs;
-  if (still.tool_count > still.cutter_count)
+  if (frame_constants.tool_count > frame_constants.cutter_count)
     for (std::size_t i = 0; i < ball_count; ++i)
       pairs.push_back({.slot = static_cast<uint>(i),
-                       .first = static_cast<uint>(FirstOfShaftSpan()),
-                       .count = still.tool_count - still.cutter_count,
-                       .least = 0});
+                       .first = static_cast<uint>(FirstShaftPackedPair()),
+                       .count = frame_constants.tool_count - frame_constants.cutter_count,
+                       .min_gap = 0});
   program->Write(kBindLiveEntries, pairs.data(), pairs.size() * sizeof(ShaftPair),
-                 still.live_capacity * sizeof(Live));
+                 frame_constants.live_capacity * sizeof(ListEntry));
   lists.made = true;
   lists.ball_reach_mm = lists.point_reach_mm = std::numeric_limits<float>::max();
-  lists.longest_span = std::max(still.cutter_count, still.tool_count - still.cutter_count);
+  lists.longest_pair_range =
+      std::max(frame_constants.cutter_count, frame_constants.tool_count - frame_constants.cutter_count);
   lists.balls = static_cast<uint>(ball_count);
   lists.points = static_cast<uint>(point_count);
   lists.shaft = static_cast<uint>(pairs.size());
@@ -186,11 +188,11 @@ bool VulkanEngine::Impl::WarmUp(const simulation::Bone& bone) {
   input.X_WT = X_WG * at_ball;
   input.dt_s = 0.0;
   memory.X_GP = at_ball;
-  const Frame f = Prepare(input);
+  const Frame f = PrepareFrame(input);
   const bool done = RunFrame(f, FrameMode::kListsAtContact) && RunFrame(f, FrameMode::kListsAtProxy) &&
                     RunFrame(f, FrameMode::kLists);
   memory = {};
-  was_free = true;
+  had_no_contact = true;
   if (brute_force) ListEverything();
   return done;
 }

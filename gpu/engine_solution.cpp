@@ -26,7 +26,7 @@ void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
   for (std::size_t f = 0; f < kFaces; ++f) {
     const auto weight = [&](std::size_t row, std::size_t column) {
       return static_cast<double>(done.exact.face_sums[(row * kFaces + f) * 4 + column]) /
-             (kFiner * done.face_scale);
+             (kUnitSubdivision * done.face_scale);
     };
     const auto place = [&](std::size_t row, std::size_t column) {
       return Total(done.face_sums[(row * kFaces + f) * kFaceColumns + column], done.face_point_scale) /
@@ -53,17 +53,17 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) {
   s.contact_fraction = std::min(1.0, std::bit_cast<double>(done.contact_key));
 
   ReadNearField(done, s.contact_fraction);
-  simulation::ContactHold held;
-  held.hold.count = static_cast<int>(done.hold_count);
+  simulation::ContactSolution held;
+  held.goal.count = static_cast<int>(done.hold_count);
   for (std::size_t k = 0; k < done.hold_count; ++k) {
-    held.hold.plane[k] = done.hold_candidate[k];  // the same indices as in FindCandidates
-    held.hold.multiplier_m[k] = done.exact.hold[k] / kMillimetres;
+    held.goal.plane[k] = done.hold_candidate[k];  // the same indices as in FindCandidates
+    held.goal.multiplier_m[k] = done.exact.hold[k] / kMillimetres;
     candidates.pairs[done.hold_candidate[k]].n = Direction(done.exact.hold_n[k]);
   }
   held.friction_m = ToMetres(done.friction_mm);
-  held.hold.point_m = ToMetres(done.exact.delta) - held.friction_m;
-  held.hold.slack_m = done.friction_mm.w / kMillimetres;
-  WeighHold(held);
+  held.goal.point_m = ToMetres(done.exact.delta) - held.friction_m;
+  held.goal.slack_m = done.friction_mm.w / kMillimetres;
+  ComputeForceCap(held);
   const Vector3 from_m = memory.X_GP.translation(), to_m = X_GT.translation();
   s.origin_contact = from_m + s.contact_fraction * (to_m - from_m);
   const simulation::ContactInput asked{
@@ -71,9 +71,9 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) {
       .motion_G_m = to_m - s.origin_contact,
       .turn_G = (1.0 - s.contact_fraction) * LogRotation(X_GT.linear() * memory.X_GP.linear().transpose()),
       .friction = done.friction};
-  simulation::ContactHold unturned;
+  simulation::ContactSolution unturned;
   unturned.friction_m = ToMetres(done.exact.shift) - asked.motion_G_m;
-  ReportContacts(params, near, candidates, held, unturned, asked, memory.contact, s);
+  FillContacts(params, near, candidates, held, unturned, asked, memory.contact, s);
   s.cutting_m = done.exact.cutting / kMillimetres;
   s.n = s.cutting_m > 0.0 ? Direction(done.exact.n) : Vector3::Zero();
   s.advance_m = done.exact.advance / kMillimetres;
@@ -84,9 +84,10 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) {
       s.origin_contact + s.slide_fraction * (done.turns != 0 ? Vector3(asked.motion_G_m + s.delta) : s.shift);
   s.origin_end = s.origin_slid + ToMetres(done.exact.step);
   for (std::size_t m = 0; m < materials.size(); ++m) {
-    s.engaged_area_m2[m] = static_cast<double>(done.exact.engaged[2 * m]) / (kFiner * done.area_scale) * 1e-6;
+    s.engaged_area_m2[m] =
+        static_cast<double>(done.exact.engaged[2 * m]) / (kUnitSubdivision * done.area_scale) * 1e-6;
     s.engaged_moment_m3[m] =
-        static_cast<double>(done.exact.engaged[2 * m + 1]) / (kFiner * done.moment_scale) * 1e-9;
+        static_cast<double>(done.exact.engaged[2 * m + 1]) / (kUnitSubdivision * done.moment_scale) * 1e-9;
     s.removed_m3[m] = static_cast<double>(done.exact.removed[m]) * unit_mm3 * 1e-9;
   }
   return s;

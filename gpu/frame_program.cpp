@@ -24,14 +24,14 @@
 namespace osteon::gpu {
 namespace {
 
-constexpr std::uint32_t kMostPasses = 16;
+constexpr std::uint32_t kMaxPasses = 16;
 
 // Bytes of each storage buffer, by binding.
 std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
   std::array<std::size_t, kBindings> bytes{};
   bytes[kBindFrame] = sizeof(Frame);
   bytes[kBindTool] = 4 * n.tool_balls * sizeof(vec4);
-  bytes[kBindItems] = (n.ball_clusters + n.point_clusters) * sizeof(Item);
+  bytes[kBindClusterPairs] = (n.ball_clusters + n.point_clusters) * sizeof(ClusterPairs);
   bytes[kBindToolRefs] = n.tool_refs * sizeof(uint);
   bytes[kBindBalls] = std::min<std::size_t>(n.balls, kBallsPerBuffer) * sizeof(vec4);
   bytes[kBindMoreBalls] = (n.balls - std::min<std::size_t>(n.balls, kBallsPerBuffer)) * sizeof(vec4);
@@ -39,15 +39,15 @@ std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
   bytes[kBindPointStates] = n.points * sizeof(uint);
   bytes[kBindPointUnits] = n.points * sizeof(uint);
   bytes[kBindLiveBalls] = n.live * sizeof(vec4);
-  bytes[kBindLiveEntries] = n.live * (sizeof(Live) + sizeof(ShaftPair));
+  bytes[kBindLiveEntries] = n.live * (sizeof(ListEntry) + sizeof(ShaftPair));
   bytes[kBindLivePoints] = n.live * sizeof(vec4);
-  bytes[kBindPointEntries] = n.live * sizeof(Live);
-  bytes[kBindSpans] = n.spans * sizeof(uint);
+  bytes[kBindPointEntries] = n.live * sizeof(ListEntry);
+  bytes[kBindPackedPairs] = n.packed_pairs * sizeof(uint);
   bytes[kBindSlots] = n.balls * sizeof(uint);
   bytes[kBindRequests] = std::max<std::size_t>(1, n.requests) * sizeof(SplitRequest);
   bytes[kBindUploads] = std::max<std::size_t>(1, n.uploads) * sizeof(SplitUpload);
   bytes[kBindBlocks] = std::max<std::size_t>(1, n.blocks) * sizeof(Block);
-  bytes[kBindReport] = sizeof(Report) + 8;
+  bytes[kBindReadback] = sizeof(Readback) + 8;
   return bytes;
 }
 
@@ -72,7 +72,7 @@ std::string FrameProgram::Refusal(const Context& context, const ProgramSizes& si
   double needed = 0.0;
   const auto buffers = BufferBytes(sizes);
   for (const uint buffer :
-       {kBindLiveBalls, kBindLivePoints, kBindTool, kBindSpans, kBindLiveEntries, kBindPointEntries})
+       {kBindLiveBalls, kBindLivePoints, kBindTool, kBindPackedPairs, kBindLiveEntries, kBindPointEntries})
     if (buffers[buffer] / sizeof(vec4) > limits.maxTexelBufferElements)
       return fmt::format("{}: a texel buffer of {} elements, the device's largest has {}", what,
                          buffers[buffer] / sizeof(vec4), limits.maxTexelBufferElements);
@@ -115,7 +115,7 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
   if (params.time_passes && families[context_->queue_family].timestampValidBits != 0) {
     stamp_period_ns_ = context_->physical->getProperties().limits.timestampPeriod;
     stamps_ = vk::raii::QueryPool(*context_->device,
-                                  vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kMostPasses + 1));
+                                  vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kMaxPasses + 1));
   }
   MakeBuffers();
   NameForLayers(*context_, FrameBuffer(), kFrameBufferName);
@@ -128,12 +128,12 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
 void FrameProgram::MakeBuffers() {
   const auto bytes = BufferBytes(sizes_);
   for (uint i = 0; i < kBindings; ++i) {
-    const bool host = i == kBindTool || i == kBindItems || i == kBindToolRefs || i >= kBindRequests;
+    const bool host = i == kBindTool || i == kBindClusterPairs || i == kBindToolRefs || i >= kBindRequests;
     if (i != kBindFrame)
       buffers_[i] = MakeBuffer(*context_, bytes[i],
-                               i == kBindReport ? Placement::kReadBack
-                               : host           ? Placement::kShared
-                                                : Placement::kDevice);
+                               i == kBindReadback ? Placement::kReadBack
+                               : host             ? Placement::kShared
+                                                  : Placement::kDevice);
   }
   if (!gpu_) {
     frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kReadBack);
@@ -143,7 +143,7 @@ void FrameProgram::MakeBuffers() {
   frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kShared);
   copies_in_ = !frame_in_.device_local;
   if (copies_in_) buffers_[kBindFrame] = MakeBuffer(*context_, sizeof(Frame), Placement::kDevice);
-  std::memset(buffers_[kBindReport].mapped, 0, sizeof(Report));
+  std::memset(buffers_[kBindReadback].mapped, 0, sizeof(Readback));
 }
 
 void FrameProgram::Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size,
@@ -176,8 +176,8 @@ void FrameProgram::MakePipelines() {
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
   for (uint i = 0; i < kBindings; ++i)
     bindings.emplace_back(i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
-  for (const uint i : {kBindBallTexels, kBindPointTexels, kBindToolTexels, kBindSpanTexels, kBindEntryTexels,
-                       kBindPointEntryTexels})
+  for (const uint i : {kBindBallTexels, kBindPointTexels, kBindToolTexels, kBindPackedPairTexels,
+                       kBindEntryTexels, kBindPointEntryTexels})
     bindings.emplace_back(i, vk::DescriptorType::eUniformTexelBuffer, 1, vk::ShaderStageFlagBits::eCompute);
   set_layout_ = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
   layout_ = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout_));
@@ -291,7 +291,7 @@ void FrameProgram::MakePipelines() {
   view(kBindBallTexels, kBindLiveBalls, vk::Format::eR32G32B32A32Sfloat);
   view(kBindPointTexels, kBindLivePoints, vk::Format::eR32G32B32A32Sfloat);
   view(kBindToolTexels, kBindTool, vk::Format::eR32G32B32A32Sfloat);
-  view(kBindSpanTexels, kBindSpans, vk::Format::eR32G32B32A32Uint);
+  view(kBindPackedPairTexels, kBindPackedPairs, vk::Format::eR32G32B32A32Uint);
   view(kBindEntryTexels, kBindLiveEntries, vk::Format::eR32G32B32A32Uint);
   view(kBindPointEntryTexels, kBindPointEntries, vk::Format::eR32G32B32A32Uint);
 }
@@ -312,7 +312,7 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
   const auto stamp = [&] {
     if (stamp_period_ns_ > 0.0) c.writeTimestamp(Stage::eBottomOfPipe, *stamps_, stamp_number++);
   };
-  if (stamp_period_ns_ > 0.0) c.resetQueryPool(*stamps_, 0, kMostPasses + 1);
+  if (stamp_period_ns_ > 0.0) c.resetQueryPool(*stamps_, 0, kMaxPasses + 1);
   if (copies_in_) {
     c.copyBuffer(*frame_in_.buffer, *frame.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
     barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader | Stage::eDrawIndirect,
@@ -326,8 +326,8 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
     if (pass.groups == kOne) {
       c.dispatch(1, 1, 1);
     } else if (known) {
-      Groups groups;
-      std::memcpy(&groups, reinterpret_cast<const char*>(known) + pass.groups, sizeof(Groups));
+      DispatchArgs groups;
+      std::memcpy(&groups, reinterpret_cast<const char*>(known) + pass.groups, sizeof(DispatchArgs));
       c.dispatch((groups.x + pass.share - 1) / pass.share, groups.y, groups.z);
     } else
       c.dispatchIndirect(*frame.buffer, pass.groups);
@@ -350,7 +350,7 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
 // Records the passes over lists with constant sizes: the host knows them after the lists were built. Once for
 // each time they are built.
 void FrameProgram::RecordLists(const Frame& frame) {
-  const std::array<Groups, 3> groups{frame.pair_work, frame.all_work, frame.clear_work};
+  const std::array<DispatchArgs, 3> groups{frame.pair_work, frame.all_work, frame.clear_work};
   if (std::memcmp(&groups, &recorded_, sizeof(groups)) == 0) return;
   auto& commands = commands_[static_cast<std::size_t>(FrameMode::kLists)];
   commands = Record(run_passes_[static_cast<std::size_t>(FrameMode::kLists)], &frame);
@@ -366,16 +366,16 @@ bool FrameProgram::AwaitFence(std::uint64_t timeout_ns) {
   return context_->device->waitForFences(*fence_, VK_TRUE, timeout_ns) == vk::Result::eSuccess;
 }
 
-bool FrameProgram::AwaitReport(std::uint64_t timeout_ns) {
-  const volatile uint* number = &report().sequence;
+bool FrameProgram::AwaitReadback(std::uint64_t timeout_ns) {
+  const volatile uint* number = &readback().sequence;
   const auto is_here = [&] {
     if (*number != sequence_) return false;
     std::atomic_thread_fence(std::memory_order_acquire);
     std::array<uint, kFrameBytes / sizeof(uint)> words;
-    std::memcpy(words.data(), &report().frame, kFrameBytes);
+    std::memcpy(words.data(), &readback().frame, kFrameBytes);
     uint sum = 0;
     for (const uint word : words) sum += word;
-    return sum == report().sum;
+    return sum == readback().sum;
   };
   for (int i = 0; i < 1'000'000; ++i)  // some milliseconds
     if (is_here()) return true;
@@ -393,7 +393,7 @@ bool FrameProgram::Run(const Frame& frame, FrameMode mode, std::uint64_t timeout
   const vk::CommandBuffer raw = *commands_[static_cast<std::size_t>(mode)];
   context_->device->resetFences(*fence_);
   context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence_);
-  return policy_ == FencePolicy::kReport && mode != FrameMode::kFlush ? AwaitReport(timeout_ns)
+  return policy_ == FencePolicy::kReport && mode != FrameMode::kFlush ? AwaitReadback(timeout_ns)
                                                                       : AwaitFence(timeout_ns);
 } catch (const std::exception&) {
   return false;

@@ -21,7 +21,7 @@ struct ProgramSizes {
   std::size_t tool_balls{0}, cutters{0}, tool_refs{0}, materials{1};
   std::size_t live{0};                             ///< capacity of each list of balls or points near the tool
   std::size_t requests{0}, uploads{0}, blocks{0};  ///< of split balls; 0: none is split
-  std::size_t spans{0};                            ///< packed pairs of all list entries together
+  std::size_t packed_pairs{0};                     ///< packed pairs of all list entries together
   bool contact_sphere{false};                      ///< only the tool ball that touches first cuts
 };
 
@@ -45,10 +45,10 @@ class FrameProgram {
 
   /// Result of the last Run. Host memory.
   [[nodiscard]] const Frame& result() const {
-    return gpu_ ? report().frame : *static_cast<const Frame*>(frame_in_.mapped);
+    return gpu_ ? readback().frame : *static_cast<const Frame*>(frame_in_.mapped);
   }
-  /// Host memory of a buffer that is written before each frame (kBindTool, kBindItems, kBindToolRefs) or
-  /// shared by host and device (kBindRequests, kBindUploads, kBindBlocks).
+  /// Host memory of a buffer that is written before each frame (kBindTool, kBindClusterPairs, kBindToolRefs)
+  /// or shared by host and device (kBindRequests, kBindUploads, kBindBlocks).
   template <class T>
   [[nodiscard]] T* host(uint binding) {
     return static_cast<T*>(buffers_[binding].mapped);
@@ -97,8 +97,8 @@ class FrameProgram {
   };
   static constexpr std::size_t kOne = ~std::size_t{0};
 
-  [[nodiscard]] const Report& report() const {
-    return *static_cast<const Report*>(buffers_[kBindReport].mapped);
+  [[nodiscard]] const Readback& readback() const {
+    return *static_cast<const Readback*>(buffers_[kBindReadback].mapped);
   }
   void MakeBuffers();
   [[nodiscard]] const Buffer& FrameBuffer() const { return copies_in_ ? buffers_[kBindFrame] : frame_in_; }
@@ -109,7 +109,7 @@ class FrameProgram {
                                                const Frame* known) const;
   void RecordLists(const Frame& frame);
   [[nodiscard]] bool AwaitFence(std::uint64_t timeout_ns);
-  [[nodiscard]] bool AwaitReport(std::uint64_t timeout_ns);
+  [[nodiscard]] bool AwaitReadback(std::uint64_t timeout_ns);
   void Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size, vk::DeviceSize place) const;
 
   std::unique_ptr<Context> context_;
@@ -121,7 +121,7 @@ class FrameProgram {
   bool asks_subgroup_size_{false};  ///< explicitly, where the driver would choose another size
   double pipelines_s_{0.0};         // time for creating the pipelines
   bool copies_in_{false};           ///< the host cannot write to the memory that the passes read
-  uint sequence_{0};                ///< number of the last report
+  uint sequence_{0};                ///< number of the last readback
   std::vector<vk::raii::BufferView> views_;
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
   vk::raii::PipelineLayout layout_{nullptr};
@@ -131,7 +131,7 @@ class FrameProgram {
   std::vector<Pass> passes_;
   std::array<std::vector<std::size_t>, 5> run_passes_;  // by mode
   std::vector<vk::raii::CommandBuffer> commands_;
-  std::array<Groups, 3> recorded_{};  // workgroups in the recorded commands of kLists
+  std::array<DispatchArgs, 3> recorded_{};  // workgroups in the recorded commands of kLists
   FrameMode last_mode_{FrameMode::kLists};
   vk::raii::Fence fence_{nullptr};
   vk::raii::QueryPool stamps_{nullptr};

@@ -86,8 +86,9 @@ void SplitPool::EndFrame(std::span<const SplitRequest> requests,
       --free;
       waiting = Waiting{.ball = {.parent = request->parent, .root = ToState(request->before)}, .now = {}};
       const uint block = TakeBlock(request->parent);
-      blocks[block] = {
-          .least_mm = static_cast<float>(1e3 * splitter_.LeastChild(request->parent)), .live = 0, .waits = 1};
+      blocks[block] = {.min_mm = static_cast<float>(1e3 * splitter_.MinChildRadius_m(request->parent)),
+                       .live = 0,
+                       .waits = 1};
     } else {
       ++refused_;
     }
@@ -96,7 +97,7 @@ void SplitPool::EndFrame(std::span<const SplitRequest> requests,
     if (!waiting) continue;
     const std::uint32_t parent = waiting->ball.parent;
     if (may_split == 0) {
-      splitter_.Keep(capsules, waiting->now, waiting->ball);
+      splitter_.StoreCuts(capsules, waiting->now, waiting->ball);
       waiting_.push_back(std::move(*waiting));
       continue;
     }
@@ -156,7 +157,7 @@ std::vector<vec4> SplitPool::Load(const simulation::CarvedState& state, std::spa
     const uint block = TakeBlock(parent);
     const auto saved = std::span(state.split_slots).subspan(4 * slots * j, 4 * slots);
     blocks[block] = {
-        .least_mm = static_cast<float>(1e3 * splitter_.LeastChild(parent)), .live = 0, .waits = 0};
+        .min_mm = static_cast<float>(1e3 * splitter_.MinChildRadius_m(parent)), .live = 0, .waits = 0};
     if (state.split_cuts[j] > 0) {
       blocks[block].waits = 1;
       waiting_.push_back({.ball = BallSplitter::LoadWaiting(parent, state.split_cuts[j], saved),

@@ -43,7 +43,7 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
     if (const std::string refusal = impl->Open(std::move(*context), bone, vulkan); !refusal.empty())
       return tl::make_unexpected(refusal);
     impl->Upload(bone);
-    impl->FillStill(bone);
+    impl->FillFrameConstants(bone);
     if (!impl->WarmUp(bone))
       return tl::make_unexpected(std::string("the Vulkan device did not finish a frame"));
     return std::unique_ptr<VulkanEngine>(new VulkanEngine(std::move(impl)));
@@ -78,24 +78,24 @@ simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input)
 
 simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& input) {
   simulation::ContactModel refused;
-  const Frame prepared = Prepare(input);
+  const Frame prepared = PrepareFrame(input);
   const bool reach =
       prepared.ball_reach_mm <= lists.ball_reach_mm && prepared.point_reach_mm <= lists.point_reach_mm;
   const auto beyond = [&](float cutting_mm, float shaft_mm) {
-    return cutting_mm > still.cutting_margin_mm || shaft_mm > still.shaft_margin_mm;
+    return cutting_mm > frame_constants.cutting_skin_mm || shaft_mm > frame_constants.shaft_skin_mm;
   };
   // Lists serve while first contact is near where they were built. The host guesses where that is likely, and
   // the device checks it.
   FrameMode mode = FrameMode::kLists;
   const bool was_split = pool && !pool->uploads().empty();
-  if (was_free &&
-      (!lists.made || was_split || beyond(prepared.cutting_drift_goal_mm, prepared.shaft_drift_goal_mm)))
+  if (had_no_contact && (!lists.made || was_split ||
+                         beyond(prepared.cutting_displacement_goal_mm, prepared.shaft_displacement_goal_mm)))
     mode = FrameMode::kListsAtContact;
   else if (!lists.made || was_split || !reach ||
-           beyond(prepared.cutting_drift_start_mm, prepared.shaft_drift_start_mm))
+           beyond(prepared.cutting_displacement_start_mm, prepared.shaft_displacement_start_mm))
     mode = FrameMode::kListsAtProxy;
   bool done = RunFrame(prepared, mode);
-  if (done && program->result().is_void != 0 && mode != FrameMode::kListsAtContact)
+  if (done && program->result().needs_rebuild != 0 && mode != FrameMode::kListsAtContact)
     done = RunFrame(prepared, FrameMode::kListsAtContact);
   if (!done) {
     lost = true;
@@ -103,12 +103,12 @@ simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& 
     return refused;
   }
   const Frame& found = program->result();
-  if (found.is_void != 0) {
+  if (found.needs_rebuild != 0) {
     refused.status = simulation::EngineStatus::kOverloaded;
     return refused;
   }
   const simulation::FrameSolution solution = Solution(found);
-  was_free = solution.contact_fraction >= 1.0;
+  had_no_contact = solution.contact_fraction >= 1.0;
   if (pool && input.spindle_rad_per_s != 0.0) EndSplits(found, solution);
   simulation::ContactModel model = FinishFrame(params, materials, map, X_WG, input, solution, memory);
   if (pool) model.balls_not_split = pool->refused();
@@ -177,7 +177,7 @@ void VulkanEngine::Impl::WriteState(const simulation::CarvedState& state) {
   memory = simulation::ToMemory(state);
   if (pool) pool->FromSaved(memory.contact);
   lists.made = false;
-  was_free = true;
+  had_no_contact = true;
   if (brute_force) ListEverything();
 }
 

@@ -17,7 +17,7 @@ WorkList::WorkList(std::size_t largest_cluster_count, const ToolLayout& tool, st
 }
 
 void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
-                   std::span<const BallSweep> balls, std::vector<Item>& items) {
+                   std::span<const BallSweep> balls, std::vector<ClusterPairs>& items) {
   items.clear();
   near_.clear();
   end_.clear();
@@ -32,7 +32,7 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
   // cluster's list ascends
   for (const BallSweep& group : groups) {
     if (group.radius_mm >= 0.0f)
-      tree.Meet(group.a, group.b, group.radius_mm, [&](uint cluster) {
+      tree.VisitOverlapping(group.a, group.b, group.radius_mm, [&](uint cluster) {
         overflow = overflow || near_.size() == near_.capacity();
         if (!overflow)
           near_.push_back(cluster);
@@ -49,7 +49,7 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
     const uint g = tool_->group_of[t];
     for (std::size_t i = g == 0 ? 0 : end_[g - 1]; i < end_[g]; ++i) {
       const uint cluster = near_[i];
-      if (!tree.Meets(sweep, cluster)) continue;
+      if (!tree.Overlaps(sweep, cluster)) continue;
       add(cluster);
       if (tool_->Cuts(t)) ++counts_[cluster].cutters;
       if (hits_.size() < hits_.capacity()) hits_.push_back({.cluster = cluster, .ball = t});

@@ -30,7 +30,7 @@ class WorkList {
   /// Lists the clusters of one tree that the tool's balls meet.
   /// @param groups  the sweep of each group's bounding ball;  @param balls  of each tool ball
   void Add(const ClusterTree& tree, std::span<const BallSweep> groups, std::span<const BallSweep> balls,
-           std::vector<Item>& items);
+           std::vector<ClusterPairs>& items);
 
   [[nodiscard]] const std::vector<uint>& refs() const { return refs_; }
 

@@ -138,7 +138,7 @@ DynamicArm::Joints DynamicArm::Command(const ArmDrive& drive, const Joints& q,
 
 DynamicArm::Joints DynamicArm::CartesianTorque(const ArmDrive& drive, const Joints& q,
                                                const Joints& qd) const OSTEON_RT {
-  const Chain::Posture posture = model_.Place(q);
+  const Chain::Posture posture = model_.ComputePosture(q);
   const Vector3 p_B = posture.X_BF * p_FT_m_;
   const kinematics::JacobianN<7> J = model_.JacobianAt(posture, p_B);
   const Pose X_wanted = model_.FlangePose(drive.q_cmd);

@@ -44,7 +44,7 @@ FlexibleMount::FlexibleMount(const FlexibleMountParams& params, const kinematics
 FlexibleMount::Whole FlexibleMount::Sum(const kinematics::SerialChain<7>& chain, const Joints& q,
                                         const Joints& qd) const OSTEON_RT {
   Whole whole;
-  const kinematics::SerialChain<7>::Posture posture = chain.Place(q);
+  const kinematics::SerialChain<7>::Posture posture = chain.ComputePosture(q);
   Vector3 w = Vector3::Zero(), v = Vector3::Zero(), p_before = Vector3::Zero();
   for (int i = 0; i < 7; ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -91,7 +91,7 @@ void FlexibleMount::Step(const kinematics::SerialChain<7>& chain, const Joints& 
 
 FlexibleMount::Joints FlexibleMount::Torques(const kinematics::SerialChain<7>& chain,
                                              const Joints& q) const OSTEON_RT {
-  const kinematics::SerialChain<7>::Posture posture = chain.Place(q);
+  const kinematics::SerialChain<7>::Posture posture = chain.ComputePosture(q);
   const Vector3 a = acceleration_.head<3>(), alpha = acceleration_.tail<3>();
   // wrench that the links from joint i on need, about joint i
   Joints tau;

@@ -17,7 +17,7 @@ namespace osteon::hil {
 /// should answer, so the system drops datagrams from anybody else.
 class UdpClient {
  public:
-  static constexpr int kMostAtOnce = 64;  ///< bounds the time spent on a flood; the rest waits
+  static constexpr int kMaxAtOnce = 64;  ///< bounds the time spent on a flood; the rest waits
 
   /// @param who  "simulated arm", @param what  "client": for errors
   /// @throws std::invalid_argument on the address or port, std::system_error where there is no socket.
@@ -62,7 +62,7 @@ class UdpClient {
   template <class Take>
   std::uint64_t ReceiveAll(std::span<std::uint8_t> room, Take&& take) {
     std::uint64_t undelivered = 0;
-    for (int i = 0; i < kMostAtOnce; ++i) {
+    for (int i = 0; i < kMaxAtOnce; ++i) {
       const io::Datagram datagram = io::ReadDatagram(socket_, room);
       if (datagram.read == io::Datagram::Read::kReported)
         ++undelivered;

@@ -9,7 +9,7 @@ namespace osteon::kinematics {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kMostEnds = 2 * ArmAngleIntervals::kMost;
+constexpr int kMaxEnds = 2 * ArmAngleIntervals::kMax;
 
 // c cos(psi) + s sin(psi) + k
 struct Wave {
@@ -87,7 +87,7 @@ std::array<MovingJoint, 7> JointsOf(const ElbowTriangle& t, const ElbowCircle& c
 
 // Arm angles at which some joint meets a limit, sorted, each in [-pi, pi).
 struct Ends {
-  std::array<double, kMostEnds> at;
+  std::array<double, kMaxEnds> at;
   int count{0};
 
   void AddRootsOf(const Wave& wave) {

@@ -19,9 +19,9 @@ struct ArmAngleInterval {
 struct ArmAngleIntervals {
   /// Six joints follow the arm angle (A4 does not), and each meets each of its two limits at up to two
   /// angles: 24 ends.
-  static constexpr int kMost = 12;
+  static constexpr int kMax = 12;
 
-  std::array<ArmAngleInterval, kMost> interval;  ///< disjoint, by rising from_rad; the first `count` are set
+  std::array<ArmAngleInterval, kMax> interval;  ///< disjoint, by rising from_rad; the first `count` are set
   int count{0};
   double out_of_reach_m{0.0};  ///< as LbrSolutions::out_of_reach_m
 

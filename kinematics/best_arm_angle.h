@@ -39,29 +39,29 @@ template <class Value>
   constexpr double kTurn = 2.0 * std::numbers::pi;
   BestArmAngle best;
   int configuration = -1;
-  const auto look = [&](double angle, int only) {
+  const auto evaluate = [&](double angle, int only) {
     const LbrSolutions solutions = arm.Solve(X_BF, angle);
-    double most = -HUGE_VAL;
+    double best_here = -HUGE_VAL;
     for (int c = 0; solutions.reachable() && c < LbrSolutions::kConfigurations; ++c) {
       const LbrSolution& solution = solutions.configuration[static_cast<std::size_t>(c)];
       if ((only >= 0 && c != only) || !solution.valid()) continue;
       const double found = value(solution.q);
-      most = std::max(most, found);
+      best_here = std::max(best_here, found);
       if (best.found && !(found > best.value)) continue;
       best = {.found = true, .value = found, .arm_angle_rad = angle, .q = solution.q};
       configuration = c;
     }
-    return most;
+    return best_here;
   };
 
   const int steps = std::max(4, params.steps);
-  for (int k = 0; k < steps; ++k) look(kTurn * (static_cast<double>(k) / steps - 0.5), -1);
+  for (int k = 0; k < steps; ++k) evaluate(kTurn * (static_cast<double>(k) / steps - 0.5), -1);
   if (!best.found) {
     for (int c = 0; c < LbrSolutions::kConfigurations; ++c) {
       const ArmAngleIntervals intervals = FindArmAngleIntervals(arm, X_BF, c);
       for (int i = 0; i < intervals.count; ++i) {
         const ArmAngleInterval& interval = intervals.interval[static_cast<std::size_t>(i)];
-        look(0.5 * (interval.from_rad + interval.to_rad), c);
+        evaluate(0.5 * (interval.from_rad + interval.to_rad), c);
       }
     }
   }
@@ -79,24 +79,24 @@ template <class Value>
     break;
   }
   const int refined = configuration;
-  look(low, refined);
-  look(high, refined);
+  evaluate(low, refined);
+  evaluate(high, refined);
   constexpr double kGolden = 0.6180339887498949;
   double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
-  double at_a = look(a, refined), at_b = look(b, refined);
+  double at_a = evaluate(a, refined), at_b = evaluate(b, refined);
   while (high - low > params.tolerance_rad) {
     if (at_a >= at_b) {
       high = b;
       b = a;
       at_b = at_a;
       a = high - kGolden * (high - low);
-      at_a = look(a, refined);
+      at_a = evaluate(a, refined);
     } else {
       low = a;
       a = b;
       at_a = at_b;
       b = low + kGolden * (high - low);
-      at_b = look(b, refined);
+      at_b = evaluate(b, refined);
     }
   }
   best.arm_angle_rad = std::remainder(best.arm_angle_rad, kTurn);

@@ -39,7 +39,7 @@ template <int N>
 JointVectorN<N> SerialChain<N>::NewtonEuler(const Joints& q, const Joints& qd, const Joints& qdd,
                                             const Vector3& a_base) const noexcept {
   assert(params_.has_masses);
-  const SinCosN<kPadded> turn = Turns(q);
+  const SinCosN<kPadded> turn = SinCosOfTurns(q);
   std::array<Triple<Pair>, static_cast<std::size_t>(N)>
       loads;            // force and torque of each link, at its origin
   Triple<Pair> spin{};  // w and wd
@@ -101,7 +101,7 @@ JointVectorN<N> SerialChain<N>::Gather(const SinCosN<kPadded>& turn,
 template <int N>
 JointVectorN<N> SerialChain<N>::Gravity(const Joints& q) const noexcept {
   assert(params_.has_masses);
-  const SinCosN<kPadded> turn = Turns(q);
+  const SinCosN<kPadded> turn = SinCosOfTurns(q);
   std::array<Triple<Pair>, static_cast<std::size_t>(N)> loads;
   Triple<double> a = Copy(lift_K0_);
   for (std::size_t i = 0; i < N; ++i) {
@@ -124,7 +124,7 @@ JointVectorN<N> SerialChain<N>::InverseDynamics(const Joints& q, const Joints& q
 template <int N>
 JointVectorN<N> SerialChain<N>::InverseDynamics(const Joints& q, const Joints& qd, const Joints& qdd,
                                                 const Wrench& F_ext_B) const noexcept {
-  return NewtonEuler(q, qd, qdd, lift_K0_) - TorquesOf(Place(q), F_ext_B);
+  return NewtonEuler(q, qd, qdd, lift_K0_) - TorquesOf(ComputePosture(q), F_ext_B);
 }
 
 template <int N>

@@ -100,7 +100,7 @@ template <int N>
 JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& qd,
                                                 const Joints& tau) const noexcept {
   assert(params_.has_masses);
-  const SinCosN<kPadded> turn = Turns(q);
+  const SinCosN<kPadded> turn = SinCosOfTurns(q);
   std::array<Articulated, static_cast<std::size_t>(N)> bodies;
   std::array<Triple<double>, static_cast<std::size_t>(N)> wd_bias, a_bias;
   std::array<Triple<Pair>, static_cast<std::size_t>(N)>
@@ -193,7 +193,7 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
 template <int N>
 JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& qd, const Joints& tau,
                                                 const Wrench& F_ext_B) const noexcept {
-  return ForwardDynamics(q, qd, tau + TorquesOf(Place(q), F_ext_B));
+  return ForwardDynamics(q, qd, tau + TorquesOf(ComputePosture(q), F_ext_B));
 }
 
 // C = sum over the links k of J_k^T (I_k Jd_k + B_k J_k), with spatial vectors (rotation, then velocity at
@@ -201,7 +201,7 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
 template <int N>
 JointMatrixN<N> SerialChain<N>::CoriolisMatrix(const Joints& q, const Joints& qd) const noexcept {
   assert(params_.has_masses);
-  const Posture posture = Place(q);
+  const Posture posture = ComputePosture(q);
   std::array<Vector6, static_cast<std::size_t>(N)> S, S_dot;
   std::array<Matrix6, static_cast<std::size_t>(N)> I, B;
   Vector6 v = Vector6::Zero();

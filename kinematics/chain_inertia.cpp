@@ -52,7 +52,7 @@ struct Columns {
 template <int N>
 JointMatrixN<N> SerialChain<N>::MassMatrix(const Joints& q) const noexcept {
   assert(params_.has_masses);
-  const SinCosN<kPadded> turn = Turns(q);
+  const SinCosN<kPadded> turn = SinCosOfTurns(q);
   std::array<Columns, kPadded / 2> columns;
   Composite body;
   JointMatrixN<N> M;
@@ -102,12 +102,12 @@ Eigen::Matrix<double, 6, 6> SerialChain<N>::MobilityOf(const Joints& q,
 
 template <int N>
 Eigen::Matrix<double, 6, 6> SerialChain<N>::Mobility(const Joints& q) const noexcept {
-  return MobilityOf(q, Jacobian(Place(q)));
+  return MobilityOf(q, Jacobian(ComputePosture(q)));
 }
 
 template <int N>
 Eigen::Matrix<double, 6, 6> SerialChain<N>::Mobility(const Joints& q, const Vector3& p_B) const noexcept {
-  return MobilityOf(q, JacobianAt(Place(q), p_B));
+  return MobilityOf(q, JacobianAt(ComputePosture(q), p_B));
 }
 
 template <int N>
@@ -122,13 +122,13 @@ Eigen::Matrix<double, 6, 6> SerialChain<N>::OperationalInertia(const Joints& q,
 }
 
 template <int N>
-double SerialChain<N>::FeltMass(const Joints& q, const Vector3& u_B) const noexcept {
-  return FeltMass(q, u_B, Place(q).X_BF.translation());
+double SerialChain<N>::EffectiveMass(const Joints& q, const Vector3& u_B) const noexcept {
+  return EffectiveMass(q, u_B, ComputePosture(q).X_BF.translation());
 }
 
 template <int N>
-double SerialChain<N>::FeltMass(const Joints& q, const Vector3& u_B, const Vector3& p_B) const noexcept {
-  const JacobianN<N> J = JacobianAt(Place(q), p_B);
+double SerialChain<N>::EffectiveMass(const Joints& q, const Vector3& u_B, const Vector3& p_B) const noexcept {
+  const JacobianN<N> J = JacobianAt(ComputePosture(q), p_B);
   Joints y = J.template topRows<3>().transpose() * u_B;
   Eigen::LLT<JointMatrixN<N>>(MassMatrix(q)).matrixL().solveInPlace(y);
   return 1.0 / y.squaredNorm();
@@ -142,8 +142,8 @@ double SerialChain<N>::FeltMass(const Joints& q, const Vector3& u_B, const Vecto
   template Eigen::Matrix<double, 6, 6> SerialChain<N>::OperationalInertia(const Joints&) const noexcept; \
   template Eigen::Matrix<double, 6, 6> SerialChain<N>::OperationalInertia(const Joints&, const Vector3&) \
       const noexcept;                                                                                    \
-  template double SerialChain<N>::FeltMass(const Joints&, const Vector3&) const noexcept;                \
-  template double SerialChain<N>::FeltMass(const Joints&, const Vector3&, const Vector3&) const noexcept;
+  template double SerialChain<N>::EffectiveMass(const Joints&, const Vector3&) const noexcept;           \
+  template double SerialChain<N>::EffectiveMass(const Joints&, const Vector3&, const Vector3&) const noexcept;
 OSTEON_INSTANTIATE(6)
 OSTEON_INSTANTIATE(7)
 #undef OSTEON_INSTANTIATE

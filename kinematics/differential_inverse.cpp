@@ -21,7 +21,7 @@ constexpr double kReturning_m = 0.05;      // curvature [m/rad] from which on a 
 constexpr double kDampedUpTo = 4.0;        // times the least damping: a larger singular value is undamped
 constexpr double kReturnTicks = 10.0;      // ticks in which an arm too near a singular posture returns
 constexpr double kRelief_rad_per_s = 4.0;  // speed of the yielding null motion per unit of n_i
-constexpr double kMostRelief_rad_per_s = 100.0;  // above any box's limit
+constexpr double kMaxRelief_rad_per_s = 100.0;  // above any box's limit
 constexpr double kTiny = 1e-12;
 constexpr double kRoundDown = 1.0 - 1e-12;  // on a speed limit: products must not round beyond it
 constexpr double kActs = 1e-9;              // a smaller reduction is rounding
@@ -91,9 +91,9 @@ DifferentialInverse<N>::DifferentialInverse(const DifferentialInverseParams<N>& 
   require("speed_share", params.speed_share, params.speed_share > 0.0 && params.speed_share <= 1.0, "0 … 1");
   require("acceleration_share", params.acceleration_share, params.acceleration_share > 0.0, "> 0");
   require("turning_length_m", params.turning_length_m, params.turning_length_m > 0.0, "> 0");
-  require("least_damping_m", params.least_damping_m, params.least_damping_m > 0.0, "> 0");
+  require("least_damping_m", params.min_damping_m, params.min_damping_m > 0.0, "> 0");
   require("singular_zone_m", params.singular_zone_m,
-          params.singular_zone_m >= kDampedUpTo * params.least_damping_m, ">= 4 least_damping_m");
+          params.singular_zone_m >= kDampedUpTo * params.min_damping_m, ">= 4 least_damping_m");
   require("singular_margin_rad", params.singular_margin_rad, params.singular_margin_rad >= 0.0, ">= 0");
   require("singular_speed_share", params.singular_speed_share,
           params.singular_speed_share > 0.0 && params.singular_speed_share <= 1.0, "0 … 1");
@@ -180,8 +180,8 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
       continue;
     }
     const double curvature_m = scaled(u).dot(Curvature<N>(in.J, v));
-    const Vanishing y =
-        SpeedAlong(v, sigma[k], curvature_m, a, length, v.dot(in.qd_before), in.share_before, in.dt_s);
+    const DampedSpeed y = ComputeDampedSpeed(v, sigma[k], curvature_m, a, length, v.dot(in.qd_before),
+                                             in.share_before, in.dt_s);
     const double lost = a - (sigma[k] + 0.5 * curvature_m * y.speed * in.dt_s) * y.speed;
     task += y.speed * v;
     lost_squared += lost * lost;
@@ -193,9 +193,9 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   JointVectorN<N> n = JointVectorN<N>::Zero();
   if constexpr (N > 6) n = directions.col(6);
   out.null_direction = n;
-  const Box box = BoxAt(in.q, in.dt_s);
-  ScaleIntoBox(box, task, n, WantedNullSpeed(n, in), out);
-  if (!in.at_once) LimitChange(box, in.qd_before, in.dt_s, out);
+  const Box box = ComputeSpeedBox(in.q, in.dt_s);
+  ScaleIntoBox(box, task, n, LimitedNullSpeed(n, in), out);
+  if (!in.ignore_acceleration) LimitChange(box, in.qd_before, in.dt_s, out);
 
   const double lost_share = length > 0.0 ? std::min(1.0, out.lost_m_per_s / length) : 0.0;
   const double worst = std::max({lost_share, 1.0 - out.share, 1.0 - out.change_share});
@@ -213,19 +213,19 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
 
 // Joint speed of the wanted null motion along n, limited in size and change.
 template <int N>
-double DifferentialInverse<N>::WantedNullSpeed(const JointVectorN<N>& n,
-                                               const MotionInput<N>& in) const OSTEON_RT {
+double DifferentialInverse<N>::LimitedNullSpeed(const JointVectorN<N>& n,
+                                                const MotionInput<N>& in) const OSTEON_RT {
   double change = std::numeric_limits<double>::infinity();
   for (int i = 0; i < N; ++i)
     change = std::min(change, params_.null_acceleration_share * acceleration_rad_per_s2_[i] * in.dt_s /
                                   std::max(std::abs(n[i]), kTiny));
-  const double most = params_.null_speed_rad_per_s, before = n.dot(in.qd_before);
-  return std::clamp(std::clamp(n.dot(in.qd_null), -most, most), before - change, before + change);
+  const double max_speed = params_.null_speed_rad_per_s, before = n.dot(in.qd_before);
+  return std::clamp(std::clamp(n.dot(in.qd_null), -max_speed, max_speed), before - change, before + change);
 }
 
 // Joint speed along the unit direction v for the component a of the twist, where sigma is in the zone.
 template <int N>
-typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
+typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDampedSpeed(
     const JointVectorN<N>& v, double sigma_m, double curvature_m, double a_m_per_s, double twist_m_per_s,
     double before_rad_per_s, double share_before, double dt_s) const OSTEON_RT {
   double speed = std::numeric_limits<double>::infinity(), acceleration = speed, braking = speed;
@@ -236,7 +236,7 @@ typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
     braking =
         std::min(braking, 0.5 * params_.limits[static_cast<std::size_t>(i)].acceleration_rad_per_s2 / part);
   }
-  const double neutral_m = kDampedUpTo * params_.least_damping_m;
+  const double neutral_m = kDampedUpTo * params_.min_damping_m;
   const double bends = std::min(1.0, std::abs(curvature_m) / kReturning_m);
   const double zone_m = neutral_m + bends * (params_.singular_zone_m - neutral_m);
   if (sigma_m >= zone_m) return {.speed = a_m_per_s / sigma_m, .lambda = 0.0};
@@ -245,11 +245,11 @@ typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
 
   // damped; on the way back less, the more the direction bends, and including its second order
   const bool returns = a_m_per_s * curvature_m > 0.0;
-  const double deep = std::max(0.0, 1.0 - sigma_m / neutral_m) * params_.least_damping_m;
-  const double least = deep * deep * (returns ? 1.0 - bends : 1.0);
+  const double deep = std::max(0.0, 1.0 - sigma_m / neutral_m) * params_.min_damping_m;
+  const double min_damping2 = deep * deep * (returns ? 1.0 - bends : 1.0);
   double y = 0.0;
-  if (sigma_m > 0.0 || (returns && least == 0.0)) {
-    const double stiff = sigma_m + (least > 0.0 ? least / sigma_m : 0.0);
+  if (sigma_m > 0.0 || (returns && min_damping2 == 0.0)) {
+    const double stiff = sigma_m + (min_damping2 > 0.0 ? min_damping2 / sigma_m : 0.0);
     const double second = returns ? 2.0 * depth * curvature_m * a_m_per_s * dt_s : 0.0;
     y = 2.0 * a_m_per_s / (stiff + std::sqrt(stiff * stiff + second));
   }
@@ -264,10 +264,10 @@ typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
   if (std::abs(curvature_m) > kTiny) {
     const double away = std::copysign(1.0, curvature_m);  // sign of y that makes sigma larger
     const double distance = sigma_m / std::abs(curvature_m) - params_.singular_margin_rad;
-    const double least_away = distance > 0.0 ? -BrakingSpeed(distance, braking, dt_s) / depth
-                                             : std::min(-distance / (kReturnTicks * dt_s),
-                                                        twist_m_per_s / params_.turning_length_m);
-    y = away * std::max(away * y, least_away);
+    const double min_away = distance > 0.0 ? -BrakingSpeed(distance, braking, dt_s) / depth
+                                           : std::min(-distance / (kReturnTicks * dt_s),
+                                                      twist_m_per_s / params_.turning_length_m);
+    y = away * std::max(away * y, min_away);
   }
   const double ratio = y != 0.0 ? std::abs(a_m_per_s / y) : 0.0;
   const double damping_squared = sigma_m * (ratio - sigma_m);
@@ -275,8 +275,8 @@ typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
 }
 
 template <int N>
-typename DifferentialInverse<N>::Box DifferentialInverse<N>::BoxAt(const JointVectorN<N>& q,
-                                                                   double dt_s) const OSTEON_RT {
+typename DifferentialInverse<N>::Box DifferentialInverse<N>::ComputeSpeedBox(const JointVectorN<N>& q,
+                                                                             double dt_s) const OSTEON_RT {
   Box box;
   for (int i = 0; i < N; ++i) {
     const double up = std::max(0.0, high_rad_[i] - q[i]) / (braking_time_s_ + dt_s);
@@ -295,15 +295,15 @@ typename DifferentialInverse<N>::Box DifferentialInverse<N>::BoxAt(const JointVe
 // throw the arm from one side of that posture to the other. The limit is therefore proportional to n_i of
 // each such joint, and weaker the less the joint is overloaded.
 template <int N>
-double DifferentialInverse<N>::MostRelief(const Box& box, const JointVectorN<N>& task,
-                                          const JointVectorN<N>& n, double r_wanted) const OSTEON_RT {
-  double most = kMostRelief_rad_per_s;
+double DifferentialInverse<N>::MaxNullMotion(const Box& box, const JointVectorN<N>& task,
+                                             const JointVectorN<N>& n, double r_wanted) const OSTEON_RT {
+  double max_relief = kMaxRelief_rad_per_s;
   for (int i = 0; i < N; ++i) {
     const double asked = std::abs(task[i]), room = task[i] > 0.0 ? box.high[i] : -box.low[i];
     if (asked <= room) continue;
-    most = std::min(most, kRelief_rad_per_s * std::abs(n[i]) * asked / (asked - room));
+    max_relief = std::min(max_relief, kRelief_rad_per_s * std::abs(n[i]) * asked / (asked - room));
   }
-  return std::max(most, std::abs(r_wanted));
+  return std::max(max_relief, std::abs(r_wanted));
 }
 
 // Finds the largest s in [0, 1] for which some r keeps low <= s task + r n <= high. Each joint bounds r by
@@ -327,13 +327,13 @@ void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>&
   double s = 1.0;
   for (int i = 0; i < N; ++i) {
     if (std::abs(n[i]) > kFlat || task[i] == 0.0) continue;
-    const double most = (task[i] > 0.0 ? box.high[i] : box.low[i]) / task[i];
-    if (most >= s) continue;
-    s = most;
+    const double max_share = (task[i] > 0.0 ? box.high[i] : box.low[i]) / task[i];
+    if (max_share >= s) continue;
+    s = max_share;
     note(i);
   }
-  const double relief = MostRelief(box, task, n, r_wanted);
-  double least_r = 0.0, most_r = 0.0;
+  const double relief = MaxNullMotion(box, task, n, r_wanted);
+  double min_r = 0.0, max_r = 0.0;
   for (int step = 0; step <= 2 * N; ++step) {
     Line lower{-relief, 0.0, -1}, upper{relief, 0.0, -1};
     for (int i = 0; i < N; ++i) {
@@ -343,9 +343,9 @@ void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>&
       if (low.at_0 + low.slope * s > lower.at_0 + lower.slope * s) lower = low;
       if (high.at_0 + high.slope * s < upper.at_0 + upper.slope * s) upper = high;
     }
-    least_r = lower.at_0 + lower.slope * s;
-    most_r = upper.at_0 + upper.slope * s;
-    if (least_r <= most_r) break;
+    min_r = lower.at_0 + lower.slope * s;
+    max_r = upper.at_0 + upper.slope * s;
+    if (min_r <= max_r) break;
     const double meet = (upper.at_0 - lower.at_0) / (lower.slope - upper.slope);
     // of the two colliding joints, name the one with less room
     const auto room = [&](int i) {
@@ -353,14 +353,14 @@ void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>&
     };
     note(room(lower.joint) <= room(upper.joint) ? lower.joint : upper.joint);
     if (!(meet < s)) {  // rounding: the lines touch
-      least_r = most_r = 0.5 * (least_r + most_r);
+      min_r = max_r = 0.5 * (min_r + max_r);
       break;
     }
     s = std::max(0.0, meet);
-    least_r = most_r = lower.at_0 + lower.slope * s;
+    min_r = max_r = lower.at_0 + lower.slope * s;
   }
   out.share = s;
-  const double r = least_r < most_r ? std::clamp(r_wanted, least_r, most_r) : least_r;
+  const double r = min_r < max_r ? std::clamp(r_wanted, min_r, max_r) : min_r;
   out.qd = s * task + r * n;
 }
 
@@ -371,9 +371,9 @@ void DifferentialInverse<N>::LimitChange(const Box& box, const JointVectorN<N>& 
   double alpha = 1.0;
   int joint = -1;
   for (int i = 0; i < N; ++i) {
-    const double most = acceleration_rad_per_s2_[i] * dt_s;
-    if (alpha * std::abs(change[i]) <= most) continue;
-    alpha = most / std::abs(change[i]);
+    const double max_change = acceleration_rad_per_s2_[i] * dt_s;
+    if (alpha * std::abs(change[i]) <= max_change) continue;
+    alpha = max_change / std::abs(change[i]);
     joint = i;
   }
   // at least the change that position and speed limits require, whatever the acceleration

@@ -45,7 +45,7 @@ struct DifferentialInverseParams {
   /// Lambda at sigma = 0 where no motion along the direction brings it back (a straight wrist); singular
   /// values below four times this count as vanishing there. Small, because the tool's path is kept outside;
   /// 0.002 m is a wrist within about 2 deg of straight. > 0.
-  double least_damping_m{0.002};
+  double min_damping_m{0.002};
   /// Joint angle from the singular posture at which a motion toward the end of the reach stops; >= 0. A
   /// thousandth of a radian at an iiwa's elbow is 0.1 um of reach.
   double singular_margin_rad{2e-3};
@@ -67,8 +67,8 @@ struct MotionInput {
   /// Joint velocity that the null space should follow [rad/s], within its parameters. Only its null-space
   /// part is used, so a gradient will do. Without effect for 6 joints.
   JointVectorN<N> qd_null{JointVectorN<N>::Zero()};
-  double dt_s{0.001};   ///< > 0
-  bool at_once{false};  ///< make the whole change, ignoring acceleration limits
+  double dt_s{0.001};               ///< > 0
+  bool ignore_acceleration{false};  ///< make the whole change, ignoring acceleration limits
   /// MotionOutput::U of the tick before, or any orthogonal matrix: the closer, the faster.
   Eigen::Matrix<double, 6, 6> U_before{Eigen::Matrix<double, 6, 6>::Identity()};
 };
@@ -132,20 +132,21 @@ class DifferentialInverse {
   [[nodiscard]] MotionOutput<N> Step(const MotionInput<N>& in) const OSTEON_RT;
 
  private:
-  struct Vanishing {
+  struct DampedSpeed {
     double speed, lambda;
   };
-  [[nodiscard]] Vanishing SpeedAlong(const JointVectorN<N>& v, double sigma_m, double curvature_m,
-                                     double a_m_per_s, double twist_m_per_s, double before_rad_per_s,
-                                     double share_before, double dt_s) const OSTEON_RT;
-  [[nodiscard]] double WantedNullSpeed(const JointVectorN<N>& n, const MotionInput<N>& in) const OSTEON_RT;
+  [[nodiscard]] DampedSpeed ComputeDampedSpeed(const JointVectorN<N>& v, double sigma_m, double curvature_m,
+                                               double a_m_per_s, double twist_m_per_s,
+                                               double before_rad_per_s, double share_before,
+                                               double dt_s) const OSTEON_RT;
+  [[nodiscard]] double LimitedNullSpeed(const JointVectorN<N>& n, const MotionInput<N>& in) const OSTEON_RT;
   struct Box {
     JointVectorN<N> low, high;                                              ///< <= 0, >= 0 [rad/s]
     std::array<bool, static_cast<std::size_t>(N)> low_brakes, high_brakes;  ///< position, not speed
   };
-  [[nodiscard]] Box BoxAt(const JointVectorN<N>& q, double dt_s) const OSTEON_RT;
-  [[nodiscard]] double MostRelief(const Box& box, const JointVectorN<N>& task, const JointVectorN<N>& n,
-                                  double r_wanted) const OSTEON_RT;
+  [[nodiscard]] Box ComputeSpeedBox(const JointVectorN<N>& q, double dt_s) const OSTEON_RT;
+  [[nodiscard]] double MaxNullMotion(const Box& box, const JointVectorN<N>& task, const JointVectorN<N>& n,
+                                     double r_wanted) const OSTEON_RT;
   void ScaleIntoBox(const Box& box, const JointVectorN<N>& task, const JointVectorN<N>& n, double r_wanted,
                     MotionOutput<N>& out) const OSTEON_RT;
   void LimitChange(const Box& box, const JointVectorN<N>& qd_before, double dt_s,

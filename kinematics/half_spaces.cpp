@@ -6,22 +6,21 @@
 namespace osteon {
 namespace {
 
-constexpr int kLargestSet = 4;         // three planes fix a point, a fourth its slack
+constexpr int kMaxSet = 4;             // three planes fix a point, a fourth its slack
 constexpr double kTolerance = 1e-12;   // of a plane's offset [m] and of a multiplier [m]
 constexpr double kFeasible = 1e-9;     // a solved point may lie this far outside [m]
-constexpr double kLeastVolume = 1e-9;  // Gram determinant of unit normals below which planes are parallel
+constexpr double kMinVolume = 1e-9;    // Gram determinant of unit normals below which planes are parallel
 constexpr double kFlatShare = 1e-12;   // a smaller remainder of a normal counts as zero
-constexpr int kMostRounds = 24;        // three planes of eight are found in two to six
+constexpr int kMaxRounds = 24;         // three planes of eight are found in two to six
 constexpr double kSlackWeight = 1e-6;  // square of the slack's compliance over the point's
 
 using Planes = std::array<HalfSpace, kMaxHalfSpaces>;
-using SetVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kLargestSet, 1>;
-using SetMatrix =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kLargestSet, kLargestSet>;
+using SetVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxSet, 1>;
+using SetMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxSet, kMaxSet>;
 
 // A set of planes that the point lies on.
 struct Set {
-  std::array<std::size_t, kLargestSet> plane{};
+  std::array<std::size_t, kMaxSet> plane{};
   int size{0};
 };
 
@@ -38,7 +37,7 @@ bool SolveSet(const Planes& planes, const Set& set, double slack, SetVector& mul
       gram(i, j) = a.n.dot(planes[set.plane[static_cast<std::size_t>(j)]].n) + slack;
     multiplier[i] = direction ? a.n.dot(*direction) : a.offset;
   }
-  const double least = slack > 0.0 ? kLeastVolume * slack : kLeastVolume;
+  const double least = slack > 0.0 ? kMinVolume * slack : kMinVolume;
   double volume = 1.0;
   for (int k = 0; k < set.size; ++k) {
     volume *= gram(k, k);
@@ -71,8 +70,8 @@ double WorstViolation(const Planes& planes, int count, const Vector3& x) {
 // Programs, Math. Programming 27, 1983.
 bool FindActive(const Planes& planes, int count, Set& active) {
   Vector3 x = Vector3::Zero();
-  std::array<double, kLargestSet> pull{};  // multipliers of the active planes
-  for (int round = 0; round < kMostRounds; ++round) {
+  std::array<double, kMaxSet> pull{};  // multipliers of the active planes
+  for (int round = 0; round < kMaxRounds; ++round) {
     std::size_t worst = 0;
     double outside = kTolerance;
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
@@ -99,7 +98,7 @@ bool FindActive(const Planes& planes, int count, Set& active) {
         leaves = i;
       }
       const double room = active.size < 3 ? z.dot(in.n) : 0.0;
-      const bool moves = room > kLeastVolume;
+      const bool moves = room > kMinVolume;
       if (moves && (in.offset - in.n.dot(x)) / room <= step) {
         step = (in.offset - in.n.dot(x)) / room;
         leaves = -1;
@@ -179,7 +178,7 @@ HalfSpaceProjection ClosestInHalfSpaces(const Planes& planes, int count) noexcep
   // planes so nearly parallel that rounding decides, or an empty intersection: try every set
   if (Solve(planes, count, 0.0, 3, best)) return best;
   // empty (or so nearly parallel that only a distant point would do): share one slack among the planes
-  if (Solve(planes, count, kSlackWeight, kLargestSet, best)) return best;
+  if (Solve(planes, count, kSlackWeight, kMaxSet, best)) return best;
   best.violation = violation;
   return best;
 }

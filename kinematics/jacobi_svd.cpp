@@ -9,7 +9,7 @@
 namespace osteon::kinematics {
 namespace {
 
-constexpr int kMostSweeps = 30;               // cold start five or six, warm start one or two
+constexpr int kMaxSweeps = 30;                // cold start five or six, warm start one or two
 constexpr double kOrthogonal = 4e-15;         // cosine below which two rows count as orthogonal
 constexpr double kSmallTurn = 1e-4;           // tangent: t^4 is below a double's last bit
 constexpr double kNoDirection = 1e-14;        // of the largest singular value
@@ -21,11 +21,11 @@ template <int N>
 void Complete(Eigen::Matrix<double, N, N>& V, int from) {
   for (int k = from; k < N; ++k) {
     int least = 0;
-    double least_in = std::numeric_limits<double>::infinity();
+    double min_in = std::numeric_limits<double>::infinity();
     for (int i = 0; i < N; ++i) {
       const double in = V.row(i).head(k).squaredNorm();
-      if (in >= least_in) continue;
-      least_in = in;
+      if (in >= min_in) continue;
+      min_in = in;
       least = i;
     }
     Eigen::Matrix<double, N, 1> v = Eigen::Matrix<double, N, 1>::Unit(least);
@@ -72,7 +72,7 @@ JacobianDirections<N> DirectionsOf(const Eigen::Matrix<double, 6, N>& J,
   Eigen::Matrix<double, 6, 1> squares;
 
   bool turned = true;
-  while (turned && out.sweeps < kMostSweeps) {
+  while (turned && out.sweeps < kMaxSweeps) {
     turned = false;
     ++out.sweeps;
     for (int k = 0; k < 6; ++k) squares[k] = W.col(k).squaredNorm();

@@ -43,11 +43,11 @@ LbrArm::LbrArm(const LbrParams& params) : params_(Validated(params)), chain_(Cha
 Pose LbrArm::FlangePose(const JointVector& q) const OSTEON_RT { return chain_.FlangePose(q); }
 
 Jacobian LbrArm::FlangeJacobian(const JointVector& q) const OSTEON_RT {
-  return chain_.Jacobian(chain_.Place(q));
+  return chain_.Jacobian(chain_.ComputePosture(q));
 }
 
 Jacobian LbrArm::JacobianAt(const JointVector& q, const Vector3& p_F) const OSTEON_RT {
-  const SerialChain<7>::Posture posture = chain_.Place(q);
+  const SerialChain<7>::Posture posture = chain_.ComputePosture(q);
   return chain_.JacobianAt(posture, posture.X_BF * p_F);
 }
 
@@ -115,7 +115,7 @@ LbrSolutions LbrArm::Solve(const Pose& X_BF, double arm_angle_rad, const JointVe
   q[3] = std::atan2(triangle.sin_elbow, triangle.cos_elbow);
 
   // wrist: R_B4 = [m x f, m, f]
-  const WristAngles wrist = WristTo(m.cross(f), m, f, X_BF.linear(), seed[4]);
+  const WristAngles wrist = SolveWrist(m.cross(f), m, f, X_BF.linear(), seed[4]);
   q.tail<3>() << wrist.turn, wrist.tilt, wrist.twist;
 
   // the same joints with a neighbour flipped, and how far each is beyond its limits in both cases

@@ -76,7 +76,7 @@ class LbrArm {
     Vector3 p_BElbow;
   };
   [[nodiscard]] ArmPoints Points(const JointVector& q) const OSTEON_RT {
-    const SerialChain<7>::Posture posture = chain_.Place(q);
+    const SerialChain<7>::Posture posture = chain_.ComputePosture(q);
     return {.X_BF = posture.X_BF, .p_BElbow = posture.p_BL[3]};
   }
 

@@ -47,7 +47,7 @@ struct ElbowTriangle {
 
 inline ElbowTriangle TriangleTo(const LbrParams& params, const Vector3& p_SW) OSTEON_RT {
   const double upper = params.shoulder_to_elbow_m, fore = params.elbow_to_wrist_m, reach = p_SW.norm();
-  const TwoLinks links = TwoLinksTo(upper, fore, reach);
+  const TwoLinks links = SolveTwoLinks(upper, fore, reach);
   ElbowTriangle t;
   t.out_of_reach_m = links.out_of_reach_m;
   if (links.out_of_reach_m != 0.0) return t;

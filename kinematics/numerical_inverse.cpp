@@ -12,10 +12,10 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kLeastFactor = 1e-6;    // of the damping on the cost
-constexpr double kLeastDamping = 1e-14;  // keeps the matrix positive definite at a singularity [m^2]
-constexpr double kMostDamping = 1e3;     // a thousand arms squared: steepest descent with a tiny step [m^2]
-constexpr double kFlat = 1e-9;           // gradient over error below which there is no progress [m/rad]
+constexpr double kMinFactor = 1e-6;    // of the damping on the cost
+constexpr double kMinDamping = 1e-14;  // keeps the matrix positive definite at a singularity [m^2]
+constexpr double kMaxDamping = 1e3;    // a thousand arms squared: steepest descent with a tiny step [m^2]
+constexpr double kFlat = 1e-9;         // gradient over error below which there is no progress [m/rad]
 
 // Point of the Halton sequence in the unit cube.
 double Halton(int index, int dimension) {
@@ -38,7 +38,7 @@ struct Place {
   double cost;
 
   Place(const SerialChain<N>& chain, const Pose& X_BD, double length_m, const JointVectorN<N>& at)
-      : q(at), posture(chain.Place(at)) {
+      : q(at), posture(chain.ComputePosture(at)) {
     const Matrix3 R_BF = posture.X_BF.linear();
     error.head<3>() = X_BD.translation() - posture.X_BF.translation();
     error.tail<3>() = length_m * (R_BF * LogRotation(R_BF.transpose() * X_BD.linear()));
@@ -86,16 +86,16 @@ InverseStop Iterate(const SerialChain<N>& chain, const Pose& X_BD, const Numeric
     const JointMatrixN<N> normal = J.transpose() * J;
     while (true) {
       JointMatrixN<N> damped = normal;
-      damped.diagonal().array() += factor * at.cost + kLeastDamping;
+      damped.diagonal().array() += factor * at.cost + kMinDamping;
       const JointVectorN<N> step = damped.ldlt().solve(downhill);
       const Place<N> next(chain, X_BD, params.length_m, IntoLimits<N>(chain.params(), at.q + step));
       if (next.cost < at.cost) {
         at = next;
-        factor = std::max(kLeastFactor, 0.2 * factor);
+        factor = std::max(kMinFactor, 0.2 * factor);
         break;
       }
       factor *= 5.0;
-      if (!(factor * at.cost < kMostDamping)) return stuck;
+      if (!(factor * at.cost < kMaxDamping)) return stuck;
     }
   }
   return InverseStop::kMaxIterations;

@@ -19,21 +19,21 @@ constexpr double kPi = std::numbers::pi, kTurn = 2.0 * kPi;
 }
 
 // A joint value, chosen within the limits if an equivalent is, and how far it is beyond them (<= 0: within).
-struct Fitted {
+struct FittedJoint {
   double q, beyond;
 };
 
-Fitted Fit(double q, const JointLimits& limit) {
+FittedJoint FitToLimits(double q, const JointLimits& limit) {
   q = q > kPi ? q - kTurn : q < -kPi ? q + kTurn : q;
   if (q >= limit.lower_rad && q <= limit.upper_rad) return {q, 0.0};
   const double other = q < limit.lower_rad ? q + kTurn : q - kTurn;
   const double beyond = std::max(limit.lower_rad - q, q - limit.upper_rad);
   const double beyond_other = std::max(limit.lower_rad - other, other - limit.upper_rad);
-  return beyond_other < beyond ? Fitted{other, beyond_other} : Fitted{q, beyond};
+  return beyond_other < beyond ? FittedJoint{other, beyond_other} : FittedJoint{q, beyond};
 }
 
 // The equivalent of q nearest to seed that the limits allow; q itself is a candidate.
-double NearestName(double q, const JointLimits& limit, double seed) {
+double NearestEquivalent(double q, const JointLimits& limit, double seed) {
   double best = q;
   for (const double name : {q - 2.0 * kTurn, q - kTurn, q + kTurn, q + 2.0 * kTurn})
     if (name >= limit.lower_rad && name <= limit.upper_rad && std::abs(name - seed) < std::abs(best - seed))
@@ -82,7 +82,7 @@ OrthoParallelArm::OrthoParallelArm(const OrthoParallelParams& params)
       fore_rad_(std::atan2(params.a2_m, params.c3_m)) {}
 
 JacobianN<6> OrthoParallelArm::JacobianAt(const Joints& q, const Vector3& p_F) const OSTEON_RT {
-  const SerialChain<6>::Posture posture = chain_.Place(q);
+  const SerialChain<6>::Posture posture = chain_.ComputePosture(q);
   return chain_.JacobianAt(posture, posture.X_BF * p_F);
 }
 
@@ -132,7 +132,7 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
 
     // within this plane the two links reach from A2 to the wrist
     const double x = x_1 - params_.a1_m, z = wrist.z() - params_.c1_m, reach = std::hypot(x, z);
-    const TwoLinks links = TwoLinksTo(params_.c2_m, fore_m_, reach);
+    const TwoLinks links = SolveTwoLinks(params_.c2_m, fore_m_, reach);
     if (std::abs(links.out_of_reach_m) < std::abs(result.out_of_reach_m))
       result.out_of_reach_m = links.out_of_reach_m;
     if (links.out_of_reach_m != 0.0) continue;
@@ -155,7 +155,7 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
       const Angle pitch = Sum(Sum(tilt, gamma), {params_.c3_m / fore_m_, -params_.a2_m / fore_m_});
       const Vector3 x_c(turn.c * pitch.c, turn.s * pitch.c, -pitch.s), y_c(-turn.s, turn.c, 0.0);
       const Vector3 z_c(turn.c * pitch.s, turn.s * pitch.s, pitch.c);
-      const WristAngles hand = WristTo(x_c, y_c, z_c, X_BF.linear(), free_theta(3));
+      const WristAngles hand = SolveWrist(x_c, y_c, z_c, X_BF.linear(), free_theta(3));
       theta[3] = hand.turn, theta[4] = hand.tilt, theta[5] = hand.twist;
       SetPair(theta, result.configuration[side + 2u * bent_back],
               result.configuration[side + 2u * bent_back + 4u]);
@@ -169,7 +169,8 @@ void OrthoParallelArm::SetPair(const std::array<double, 6>& theta, OrthoParallel
                                OrthoParallelSolution& flipped) const OSTEON_RT {
   straight.exists = flipped.exists = true;
   const auto set = [this](std::size_t i, double angle, OrthoParallelSolution& solution) {
-    const Fitted fitted = Fit(params_.sign[i] * (angle + params_.offset_rad[i]), params_.limits[i]);
+    const FittedJoint fitted =
+        FitToLimits(params_.sign[i] * (angle + params_.offset_rad[i]), params_.limits[i]);
     solution.q[static_cast<int>(i)] = fitted.q;
     if (fitted.beyond <= 0.0) return;
     solution.beyond = static_cast<std::uint8_t>(solution.beyond | 1u << i);
@@ -193,7 +194,7 @@ bool OrthoParallelArm::Nearest(const OrthoParallelSolutions& solutions, const Jo
     if (!solution.valid()) continue;
     Joints candidate;
     for (int i = 0; i < 6; ++i)
-      candidate[i] = NearestName(solution.q[i], params_.limits[static_cast<std::size_t>(i)], seed[i]);
+      candidate[i] = NearestEquivalent(solution.q[i], params_.limits[static_cast<std::size_t>(i)], seed[i]);
     const double distance = (candidate - seed).squaredNorm();
     if (!(distance < best_distance)) continue;
     best = candidate;

@@ -58,7 +58,7 @@ class OrthoParallelArm {
     Vector3 p_BElbow;
   };
   [[nodiscard]] ArmPoints Points(const Joints& q) const OSTEON_RT {
-    const SerialChain<6>::Posture posture = chain_.Place(q);
+    const SerialChain<6>::Posture posture = chain_.ComputePosture(q);
     return {.X_BF = posture.X_BF, .p_BElbow = posture.p_BL[2]};
   }
 

@@ -30,32 +30,32 @@ JointVectorN<N> AwayFromSingularity(const PosturePreferenceParams& params, doubl
 }
 
 template <int N>
-CapabilityLimit HeldLoad(const WantedLoad<N>& wanted, const JacobianN<N>& J,
+CapabilityLimit HeldLoad(const LoadTarget<N>& target, const JacobianN<N>& J,
                          const JointVectorN<N>& gravity_Nm, const Vector3& axis) OSTEON_RT {
-  return ForceCapability<N>(J, gravity_Nm, wanted.torque_limit_Nm, GravityHelp::kNotCounted)
-      .Factor(axis, wanted.load);
+  return ForceCapability<N>(J, gravity_Nm, target.torque_limit_Nm, GravityHelp::kNotCounted)
+      .Factor(axis, target.load);
 }
 
 template <int N>
-CapabilityLimit HeldLoad(const SerialChain<N>& chain, const WantedLoad<N>& wanted,
+CapabilityLimit HeldLoad(const SerialChain<N>& chain, const LoadTarget<N>& target,
                          const JointVectorN<N>& q) OSTEON_RT {
-  const typename SerialChain<N>::Posture posture = chain.Place(q);
-  return HeldLoad<N>(wanted, chain.JacobianAt(posture, posture.X_BF * wanted.p_F), chain.Gravity(q),
-                     posture.X_BF.linear() * wanted.axis_F);
+  const typename SerialChain<N>::Posture posture = chain.ComputePosture(q);
+  return HeldLoad<N>(target, chain.JacobianAt(posture, posture.X_BF * target.p_F), chain.Gravity(q),
+                     posture.X_BF.linear() * target.axis_F);
 }
 
 template <int N>
-LoadPreference<N> TowardsLoad(const PosturePreferenceParams& params, const SerialChain<N>& chain,
-                              const WantedLoad<N>& wanted, const JointVectorN<N>& q, const JointVectorN<N>& n,
-                              double held) OSTEON_RT {
+LoadPreference<N> LoadGradientMotion(const PosturePreferenceParams& params, const SerialChain<N>& chain,
+                                     const LoadTarget<N>& target, const JointVectorN<N>& q,
+                                     const JointVectorN<N>& n, double held) OSTEON_RT {
   constexpr double kReach_rad = 0.02, kFlat_per_rad = 0.2;
   LoadPreference<N> result;
-  const bool asked = wanted.load.axial_N != 0.0 || wanted.load.lateral_N > 0.0 || wanted.load.torque_Nm > 0.0;
+  const bool asked = target.load.axial_N != 0.0 || target.load.lateral_N > 0.0 || target.load.torque_Nm > 0.0;
   if (!asked || !(params.load_speed_rad_per_s > 0.0) || n.isZero(0.0)) return result;
   if (held >= params.load_zone) return result;
   result.depth = std::min(1.0, (params.load_zone - held) / (params.load_zone - 1.0));
-  const double slope = (HeldLoad<N>(chain, wanted, q + kReach_rad * n).value -
-                        HeldLoad<N>(chain, wanted, q - kReach_rad * n).value) /
+  const double slope = (HeldLoad<N>(chain, target, q + kReach_rad * n).value -
+                        HeldLoad<N>(chain, target, q - kReach_rad * n).value) /
                        (2.0 * kReach_rad);
   result.qd = (params.load_speed_rad_per_s * result.depth * result.depth * slope /
                (std::abs(slope) + kFlat_per_rad)) *
@@ -71,19 +71,19 @@ template JointVectorN<6> AwayFromSingularity<6>(const PosturePreferenceParams&, 
                                                 const JointVectorN<6>&) OSTEON_RT;
 template JointVectorN<7> AwayFromSingularity<7>(const PosturePreferenceParams&, double,
                                                 const JointVectorN<7>&) OSTEON_RT;
-template CapabilityLimit HeldLoad<6>(const WantedLoad<6>&, const JacobianN<6>&, const JointVectorN<6>&,
+template CapabilityLimit HeldLoad<6>(const LoadTarget<6>&, const JacobianN<6>&, const JointVectorN<6>&,
                                      const Vector3&) OSTEON_RT;
-template CapabilityLimit HeldLoad<6>(const SerialChain<6>&, const WantedLoad<6>&,
+template CapabilityLimit HeldLoad<6>(const SerialChain<6>&, const LoadTarget<6>&,
                                      const JointVectorN<6>&) OSTEON_RT;
-template CapabilityLimit HeldLoad<7>(const WantedLoad<7>&, const JacobianN<7>&, const JointVectorN<7>&,
+template CapabilityLimit HeldLoad<7>(const LoadTarget<7>&, const JacobianN<7>&, const JointVectorN<7>&,
                                      const Vector3&) OSTEON_RT;
-template CapabilityLimit HeldLoad<7>(const SerialChain<7>&, const WantedLoad<7>&,
+template CapabilityLimit HeldLoad<7>(const SerialChain<7>&, const LoadTarget<7>&,
                                      const JointVectorN<7>&) OSTEON_RT;
-template LoadPreference<6> TowardsLoad<6>(const PosturePreferenceParams&, const SerialChain<6>&,
-                                          const WantedLoad<6>&, const JointVectorN<6>&,
-                                          const JointVectorN<6>&, double) OSTEON_RT;
-template LoadPreference<7> TowardsLoad<7>(const PosturePreferenceParams&, const SerialChain<7>&,
-                                          const WantedLoad<7>&, const JointVectorN<7>&,
-                                          const JointVectorN<7>&, double) OSTEON_RT;
+template LoadPreference<6> LoadGradientMotion<6>(const PosturePreferenceParams&, const SerialChain<6>&,
+                                                 const LoadTarget<6>&, const JointVectorN<6>&,
+                                                 const JointVectorN<6>&, double) OSTEON_RT;
+template LoadPreference<7> LoadGradientMotion<7>(const PosturePreferenceParams&, const SerialChain<7>&,
+                                                 const LoadTarget<7>&, const JointVectorN<7>&,
+                                                 const JointVectorN<7>&, double) OSTEON_RT;
 
 }  // namespace osteon::kinematics

@@ -17,13 +17,13 @@ struct PosturePreferenceParams {
   double singular_zone_m{0.07};          ///< smaller singular values than this are increased; > 0
   double singular_speed_rad_per_s{0.3};  ///< at a singular value of zero; >= 0
   double load_zone{
-      1.5};  ///< of the wanted load: a posture that holds less is led to one that holds more; > 1
+      1.5};  ///< of the load wanted: a posture that holds less is led to one that holds more; > 1
   double load_speed_rad_per_s{0.3};  ///< where no more than the load is held; >= 0
 };
 
 /// The load that a posture should be able to hold, and where it acts.
 template <int N>
-struct WantedLoad {
+struct LoadTarget {
   ToolLoad load;                                             ///< zero: no preference
   Vector3 p_F{Vector3::Zero()};                              ///< point of action, in the flange's frame [m]
   Vector3 axis_F{Vector3::UnitZ()};                          ///< its axis, unit, in the flange's frame
@@ -45,16 +45,16 @@ template <int N>
                                                   const JointVectorN<N>& sigma_gradient_m) OSTEON_RT;
 
 /// Largest multiple of the load that the arm holds, without relying on gravity's help.
-/// @param J           geometric, of the point wanted.p_F
+/// @param J           geometric, of the point target.p_F
 /// @param gravity_Nm  torques that hold the arm up
-/// @param axis        wanted.axis_F, unit, in J's frame
+/// @param axis        target.axis_F, unit, in J's frame
 template <int N>
-[[nodiscard]] CapabilityLimit HeldLoad(const WantedLoad<N>& wanted, const JacobianN<N>& J,
+[[nodiscard]] CapabilityLimit HeldLoad(const LoadTarget<N>& target, const JacobianN<N>& J,
                                        const JointVectorN<N>& gravity_Nm, const Vector3& axis) OSTEON_RT;
 
 /// The same at q, with everything computed from the chain. @pre chain.params().has_masses
 template <int N>
-[[nodiscard]] CapabilityLimit HeldLoad(const SerialChain<N>& chain, const WantedLoad<N>& wanted,
+[[nodiscard]] CapabilityLimit HeldLoad(const SerialChain<N>& chain, const LoadTarget<N>& target,
                                        const JointVectorN<N>& q) OSTEON_RT;
 
 template <int N>
@@ -74,9 +74,9 @@ struct LoadPreference {
 /// @param held  HeldLoad at q: in a tick its inputs are known already
 /// @pre chain.params().has_masses
 template <int N>
-[[nodiscard]] LoadPreference<N> TowardsLoad(const PosturePreferenceParams& params,
-                                            const SerialChain<N>& chain, const WantedLoad<N>& wanted,
-                                            const JointVectorN<N>& q, const JointVectorN<N>& n,
-                                            double held) OSTEON_RT;
+[[nodiscard]] LoadPreference<N> LoadGradientMotion(const PosturePreferenceParams& params,
+                                                   const SerialChain<N>& chain, const LoadTarget<N>& target,
+                                                   const JointVectorN<N>& q, const JointVectorN<N>& n,
+                                                   double held) OSTEON_RT;
 
 }  // namespace osteon::kinematics

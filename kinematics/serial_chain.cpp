@@ -102,7 +102,7 @@ SerialChain<N>::SerialChain(const ChainParams<N>& params, const Vector3& gravity
 template <int N>
 template <class Visit>
 [[gnu::always_inline]] inline Pose SerialChain<N>::Walk(const Joints& q, const Visit& visit) const noexcept {
-  const SinCosN<kPadded> turn = Turns(q);
+  const SinCosN<kPadded> turn = SinCosOfTurns(q);
   Walker at{R_BK0_.col(0), R_BK0_.col(1), R_BK0_.col(2), Vector3::Zero()};
   for (std::size_t i = 0; i < N; ++i) {
     at.Go(steps_[i].p, steps_[i].cos_alpha, steps_[i].sin_alpha, turn.cos[i], turn.sin[i]);
@@ -117,7 +117,7 @@ template <class Visit>
 }
 
 template <int N>
-void SerialChain<N>::Place(const Joints& q, Posture& posture) const noexcept {
+void SerialChain<N>::ComputePosture(const Joints& q, Posture& posture) const noexcept {
   posture.X_BF =
       Walk(q, [&](std::size_t i, const Vector3& x, const Vector3& y, const Vector3& z, const Vector3& p) {
         posture.R_BK[i].col(0) = x;
@@ -128,9 +128,9 @@ void SerialChain<N>::Place(const Joints& q, Posture& posture) const noexcept {
 }
 
 template <int N>
-typename SerialChain<N>::Posture SerialChain<N>::Place(const Joints& q) const noexcept {
+typename SerialChain<N>::Posture SerialChain<N>::ComputePosture(const Joints& q) const noexcept {
   Posture posture;
-  Place(q, posture);
+  ComputePosture(q, posture);
   return posture;
 }
 

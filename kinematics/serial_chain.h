@@ -12,9 +12,9 @@ namespace osteon::kinematics {
 
 /// Kinematics and dynamics of a serial arm of N revolute joints, N = 6 or 7.
 ///
-///     Place     X_B1 ... X_BN, X_BF           poses of the joint frames and of the flange
-///     Jacobian  V_BF = J qd                   rows v (3) then w (3), in B, of the flange's origin or a point
-///     dynamics  tau = M qdd + C qd + g - J^T F_ext        M with the rotors' inertia; friction separate
+///     ComputePosture  X_B1 ... X_BN, X_BF     poses of the joint frames and of the flange
+///     Jacobian        V_BF = J qd             rows v (3) then w (3), in B, of the flange's origin or a point
+///     dynamics        tau = M qdd + C qd + g - J^T F_ext  M with the rotors' inertia; friction separate
 ///
 /// The choice of frames makes it fast. Besides the described frame L_i each joint has a frame K_i with the
 /// same origin, z along the joint's axis and x along z_i × z_(i+1), so that
@@ -48,8 +48,8 @@ class SerialChain {
   };
 
   /// Forward kinematics of every joint frame at joint positions q [rad].
-  void Place(const Joints& q, Posture& posture) const OSTEON_RT;
-  [[nodiscard]] Posture Place(const Joints& q) const OSTEON_RT;
+  void ComputePosture(const Joints& q, Posture& posture) const OSTEON_RT;
+  [[nodiscard]] Posture ComputePosture(const Joints& q) const OSTEON_RT;
   /// X_BF alone: faster than a whole posture.
   [[nodiscard]] Pose FlangePose(const Joints& q) const OSTEON_RT;
   /// X_BL of link i = 0 … N-1 (of joint A1 … ), as described.
@@ -102,8 +102,8 @@ class SerialChain {
   [[nodiscard]] Eigen::Matrix<double, 6, 6> Mobility(const Joints& q, const Vector3& p_B) const OSTEON_RT;
   /// Mass [kg] felt by a force along the unit vector u_B at the flange's origin: 1 / (u^T J M^-1 J^T u). At a
   /// singularity it is infinite only in directions in which the arm cannot move at all.
-  [[nodiscard]] double FeltMass(const Joints& q, const Vector3& u_B) const OSTEON_RT;
-  [[nodiscard]] double FeltMass(const Joints& q, const Vector3& u_B, const Vector3& p_B) const OSTEON_RT;
+  [[nodiscard]] double EffectiveMass(const Joints& q, const Vector3& u_B) const OSTEON_RT;
+  [[nodiscard]] double EffectiveMass(const Joints& q, const Vector3& u_B, const Vector3& p_B) const OSTEON_RT;
 
  private:
   // From frame K(i-1) to K(i); K(0) is fixed to the base, at its origin, with z along the first axis.
@@ -127,7 +127,7 @@ class SerialChain {
   template <class Visit>
   Pose Walk(const Joints& q, const Visit& visit) const noexcept;
   // Sines and cosines of the angles that turn each K(i): q plus its offset.
-  SinCosN<kPadded> Turns(const Joints& q) const noexcept {
+  SinCosN<kPadded> SinCosOfTurns(const Joints& q) const noexcept {
     std::array<double, kPadded> angle{};
     for (std::size_t i = 0; i < N; ++i) angle[i] = q[static_cast<int>(i)] + steps_[i].offset_rad;
     return SinCos(angle);

@@ -36,13 +36,13 @@ template <std::size_t N>
   constexpr double kTwoOverPi = 6.36619772367581382433e-01;
   constexpr double kPi2High = 1.57079632673412561417e+00, kPi2Low = 6.07710050650619224932e-11;
   constexpr double kRound = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to the nearest integer
-  constexpr double kLargest_rad = 1e5;           // k < 2^20 there, with a margin
+  constexpr double kMax_rad = 1e5;               // k < 2^20 there, with a margin
 
   SinCosN<N> out;
   bool large = false;
   for (std::size_t i = 0; i < N; i += 2) {
     const Pair x{angle_rad[i], angle_rad[i + 1]};
-    large |= !(std::abs(x[0]) <= kLargest_rad) | !(std::abs(x[1]) <= kLargest_rad);
+    large |= !(std::abs(x[0]) <= kMax_rad) | !(std::abs(x[1]) <= kMax_rad);
 
     // quadrant k and remainder r
     const Pair rounded = x * kTwoOverPi + kRound;
@@ -80,7 +80,7 @@ template <std::size_t N>
   }
   if (large) [[unlikely]]
     for (std::size_t i = 0; i < N; ++i) {
-      if (std::abs(angle_rad[i]) <= kLargest_rad) continue;
+      if (std::abs(angle_rad[i]) <= kMax_rad) continue;
       out.sin[i] = std::sin(angle_rad[i]);
       out.cos[i] = std::cos(angle_rad[i]);
     }

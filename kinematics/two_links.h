@@ -23,21 +23,21 @@ struct TwoLinks {
 
 /// Solves the triangle by Heron's product, which keeps the sine's relative accuracy if the links are straight
 /// or folded; the cosine rule's arccosine would lose half the digits.
-inline TwoLinks TwoLinksTo(double upper_m, double fore_m, double reach_m) OSTEON_RT {
+inline TwoLinks SolveTwoLinks(double upper_m, double fore_m, double reach_m) OSTEON_RT {
   constexpr double kSlack_m = 1e-12;  // rounding of a stretched arm's own forward kinematics
-  const double most = upper_m + fore_m, difference = upper_m - fore_m, least = std::abs(difference);
+  const double max_reach = upper_m + fore_m, difference = upper_m - fore_m, min_reach = std::abs(difference);
   TwoLinks links;
-  links.out_of_reach_m = reach_m > most + kSlack_m    ? reach_m - most
-                         : reach_m < least - kSlack_m ? reach_m - least
-                                                      : reach_m - reach_m;
+  links.out_of_reach_m = reach_m > max_reach + kSlack_m   ? reach_m - max_reach
+                         : reach_m < min_reach - kSlack_m ? reach_m - min_reach
+                                                          : reach_m - reach_m;
   if (links.out_of_reach_m != 0.0) return links;
   // a reach within rounding of straight counts as straight: it determines the elbow to 1e-7 rad only, which
   // would turn the free joint of a wrist that is straight as well; the wrist moves by 1e-15 m
-  const double from_most = (most - reach_m) * (most + reach_m);
-  const double short_of_most = from_most < 4e-15 * most * most ? 0.0 : from_most;
-  const double above_least = std::max(0.0, (reach_m - difference) * (reach_m + difference));
-  links.four_areas_m2 = std::sqrt(short_of_most * above_least);
-  links.cos_elbow = (above_least - short_of_most) / (4.0 * upper_m * fore_m);
+  const double from_max = (max_reach - reach_m) * (max_reach + reach_m);
+  const double short_of_max = from_max < 4e-15 * max_reach * max_reach ? 0.0 : from_max;
+  const double above_min = std::max(0.0, (reach_m - difference) * (reach_m + difference));
+  links.four_areas_m2 = std::sqrt(short_of_max * above_min);
+  links.cos_elbow = (above_min - short_of_max) / (4.0 * upper_m * fore_m);
   links.sin_elbow = links.four_areas_m2 / (2.0 * upper_m * fore_m);
   return links;
 }
@@ -52,8 +52,8 @@ struct WristAngles {
 /// measured from the axes after the rounded turn, so that the product keeps R to rounding for every wrist,
 /// however straight.
 /// @param free_turn the turn to use if the wrist is straight.
-inline WristAngles WristTo(const Vector3& x, const Vector3& y, const Vector3& z, const Matrix3& R,
-                           double free_turn) OSTEON_RT {
+inline WristAngles SolveWrist(const Vector3& x, const Vector3& y, const Vector3& z, const Matrix3& R,
+                              double free_turn) OSTEON_RT {
   const double along_x = x.dot(R.col(2)), along_y = y.dot(R.col(2)), along_z = z.dot(R.col(2));
   const double sine = std::sqrt(along_x * along_x + along_y * along_y);
   WristAngles angles;

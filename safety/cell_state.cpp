@@ -18,54 +18,54 @@ struct Rule {
   CellAction action;
 };
 
-// Every transition of the table. All other events leave the state unchanged, with kGoOn.
+// Every transition of the table. All other events leave the state unchanged, with kNone.
 constexpr Rule kRules[] = {
     {kOff, Event::kArmLost, kFault, Action::kHold},
     {kOff, Event::kFault, kFault, Action::kHold},
-    {kOff, Event::kPauseAsked, kPaused, Action::kHold},
+    {kOff, Event::kPauseRequested, kPaused, Action::kHold},
     {kOff, Event::kArmSeen, kChecking, Action::kFollowArm},
 
     {kChecking, Event::kArmLost, kFault, Action::kHold},
     {kChecking, Event::kFault, kFault, Action::kHold},
-    {kChecking, Event::kStopAsked, kOff, Action::kHold},
-    {kChecking, Event::kPauseAsked, kPaused, Action::kHold},
+    {kChecking, Event::kStopRequested, kOff, Action::kHold},
+    {kChecking, Event::kPauseRequested, kPaused, Action::kHold},
     {kChecking, Event::kArmIdle, kOff, Action::kFollowArm},
-    {kChecking, Event::kInOrder, kReady, Action::kGoOn},
+    {kChecking, Event::kPermitsHold, kReady, Action::kNone},
 
     {kReady, Event::kArmLost, kFault, Action::kHold},
     {kReady, Event::kFault, kFault, Action::kHold},
-    {kReady, Event::kStopAsked, kOff, Action::kHold},
-    {kReady, Event::kPauseAsked, kPaused, Action::kHold},
+    {kReady, Event::kStopRequested, kOff, Action::kHold},
+    {kReady, Event::kPauseRequested, kPaused, Action::kHold},
     {kReady, Event::kArmIdle, kOff, Action::kFollowArm},
-    {kReady, Event::kNotInOrder, kChecking, Action::kGoOn},
-    {kReady, Event::kBeginAway, kAligning, Action::kBeginPath},
-    {kReady, Event::kBeginThere, kHaptic, Action::kBeginRendering},
+    {kReady, Event::kPermitsMissing, kChecking, Action::kNone},
+    {kReady, Event::kBeginAligning, kAligning, Action::kBeginPath},
+    {kReady, Event::kBeginRendering, kHaptic, Action::kBeginRendering},
 
     {kAligning, Event::kArmLost, kStop0, Action::kHold},
     {kAligning, Event::kFault, kStop1, Action::kBrake},
     {kAligning, Event::kArmLeft, kChecking, Action::kFollowArm},
-    {kAligning, Event::kStopAsked, kStop1, Action::kBrake},
-    {kAligning, Event::kPauseAsked, kStop2, Action::kBrake},
-    {kAligning, Event::kBeginThere, kHaptic, Action::kBeginRendering},
+    {kAligning, Event::kStopRequested, kStop1, Action::kBrake},
+    {kAligning, Event::kPauseRequested, kStop2, Action::kBrake},
+    {kAligning, Event::kBeginRendering, kHaptic, Action::kBeginRendering},
 
     {kHaptic, Event::kArmLost, kStop0, Action::kHold},
     {kHaptic, Event::kFault, kStop1, Action::kBrake},
     {kHaptic, Event::kArmLeft, kStop0, Action::kFollowArm},
-    {kHaptic, Event::kStopAsked, kStop1, Action::kBrake},
-    {kHaptic, Event::kPauseAsked, kStop2, Action::kBrake},
-    {kHaptic, Event::kSpindleTurns, kCutting, Action::kGoOn},
+    {kHaptic, Event::kStopRequested, kStop1, Action::kBrake},
+    {kHaptic, Event::kPauseRequested, kStop2, Action::kBrake},
+    {kHaptic, Event::kSpindleTurns, kCutting, Action::kNone},
 
     {kCutting, Event::kArmLost, kStop0, Action::kHold},
     {kCutting, Event::kFault, kStop1, Action::kBrake},
     {kCutting, Event::kArmLeft, kStop0, Action::kFollowArm},
-    {kCutting, Event::kStopAsked, kStop1, Action::kBrake},
-    {kCutting, Event::kPauseAsked, kStop2, Action::kBrake},
-    {kCutting, Event::kSpindleStill, kHaptic, Action::kGoOn},
+    {kCutting, Event::kStopRequested, kStop1, Action::kBrake},
+    {kCutting, Event::kPauseRequested, kStop2, Action::kBrake},
+    {kCutting, Event::kSpindleStill, kHaptic, Action::kNone},
 
     {kPaused, Event::kArmLost, kFault, Action::kHold},
     {kPaused, Event::kFault, kFault, Action::kHold},
-    {kPaused, Event::kStopAsked, kOff, Action::kHold},
-    {kPaused, Event::kResume, kChecking, Action::kGoOn},
+    {kPaused, Event::kStopRequested, kOff, Action::kHold},
+    {kPaused, Event::kResume, kChecking, Action::kNone},
 
     {kStop0, Event::kRestFault, kFault, Action::kHold},
     {kStop0, Event::kRest, kOff, Action::kHold},
@@ -79,7 +79,7 @@ constexpr Rule kRules[] = {
     {kStop2, Event::kArmLost, kStop0, Action::kHold},
     {kStop2, Event::kFault, kStop1, Action::kBrake},
     {kStop2, Event::kArmLeft, kStop0, Action::kFollowArm},
-    {kStop2, Event::kStopAsked, kStop1, Action::kBrake},
+    {kStop2, Event::kStopRequested, kStop1, Action::kBrake},
     {kStop2, Event::kRestFault, kFault, Action::kHold},
     {kStop2, Event::kRest, kPaused, Action::kHold},
 
@@ -87,10 +87,10 @@ constexpr Rule kRules[] = {
 
     {kRecovery, Event::kArmLost, kFault, Action::kHold},
     {kRecovery, Event::kFault, kFault, Action::kHold},
-    {kRecovery, Event::kStopAsked, kOff, Action::kHold},
-    {kRecovery, Event::kPauseAsked, kPaused, Action::kHold},
-    {kRecovery, Event::kBeginAway, kAligning, Action::kBeginPath},
-    {kRecovery, Event::kBeginThere, kHaptic, Action::kBeginRendering},
+    {kRecovery, Event::kStopRequested, kOff, Action::kHold},
+    {kRecovery, Event::kPauseRequested, kPaused, Action::kHold},
+    {kRecovery, Event::kBeginAligning, kAligning, Action::kBeginPath},
+    {kRecovery, Event::kBeginRendering, kHaptic, Action::kBeginRendering},
 };
 
 constexpr std::size_t At(CellState state) { return static_cast<std::size_t>(state); }
@@ -100,7 +100,7 @@ constexpr CellTable MakeTable() {
   CellTable table{};
   for (std::size_t s = 0; s < table.size(); ++s)
     for (CellTransition& cell : table[s])
-      cell = {.state = static_cast<CellState>(s), .action = Action::kGoOn};
+      cell = {.state = static_cast<CellState>(s), .action = Action::kNone};
   for (const Rule& rule : kRules)
     table[At(rule.from)][At(rule.event)] = {.state = rule.to, .action = rule.action};
   return table;
@@ -127,14 +127,14 @@ static_assert(NoRuleTwice());
 // Motion is entered only by the two events that stand for all conditions, and begins from rest.
 static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
   if (!IsMotion(to.state) || IsMotion(from)) return true;
-  return (event == Event::kBeginAway && to.action == Action::kBeginPath && to.state == kAligning) ||
-         (event == Event::kBeginThere && to.action == Action::kBeginRendering && to.state == kHaptic);
+  return (event == Event::kBeginAligning && to.action == Action::kBeginPath && to.state == kAligning) ||
+         (event == Event::kBeginRendering && to.action == Action::kBeginRendering && to.state == kHaptic);
 }));
-// Between states of motion, only kBeginThere leads from aligning to rendering; the spindle leads between
+// Between states of motion, only kBeginRendering leads from aligning to rendering; the spindle leads between
 // haptic and cutting.
 static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
   if (!IsMotion(from) || !IsMotion(to.state) || from == to.state) return true;
-  if (from == kAligning) return event == Event::kBeginThere && to.action == Action::kBeginRendering;
+  if (from == kAligning) return event == Event::kBeginRendering && to.action == Action::kBeginRendering;
   return Renders(to.state) && (event == Event::kSpindleTurns || event == Event::kSpindleStill);
 }));
 // A fault ends every motion: by braking if the arm takes commands, else by holding a void command.
@@ -148,8 +148,8 @@ static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) 
 // A requested stop or pause ends every motion too.
 static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
   if (!IsMotion(from)) return true;
-  if (event == Event::kStopAsked) return to == CellTransition{kStop1, Action::kBrake};
-  if (event == Event::kPauseAsked) return to == CellTransition{kStop2, Action::kBrake};
+  if (event == Event::kStopRequested) return to == CellTransition{kStop1, Action::kBrake};
+  if (event == Event::kPauseRequested) return to == CellTransition{kStop2, Action::kBrake};
   return true;
 }));
 // A stop gets worse or ends at rest; it never turns into motion or a weaker stop.
@@ -223,9 +223,9 @@ CellEventText Describe(CellEvent event) {
       return {"fault", "a fault is latched, and the arm takes commands"};
     case Event::kArmLeft:
       return {"arm left", "a message of the arm says that it is not in COMMANDING_ACTIVE"};
-    case Event::kStopAsked:
+    case Event::kStopRequested:
       return {"stop asked", "an orderly end: Ctrl-C, or the run's time is over; lasts"};
-    case Event::kPauseAsked:
+    case Event::kPauseRequested:
       return {"pause asked", "SIGUSR1"};
     case Event::kRestFault:
       return {"rest, fault", "what is commanded rests (stop 0: the arm is measured to stand), with a fault"};
@@ -235,13 +235,13 @@ CellEventText Describe(CellEvent event) {
       return {"arm idle", "a message of the arm does not say where it is"};
     case Event::kArmSeen:
       return {"arm seen", "a message of the arm says where it is"};
-    case Event::kNotInOrder:
+    case Event::kPermitsMissing:
       return {"not in order", "a condition of motion does not hold, the handing over apart"};
-    case Event::kInOrder:
+    case Event::kPermitsHold:
       return {"in order", "every condition of motion holds, the handing over apart"};
-    case Event::kBeginAway:
+    case Event::kBeginAligning:
       return {"begin, away", "every condition of motion holds; the start is elsewhere"};
-    case Event::kBeginThere:
+    case Event::kBeginRendering:
       return {"begin, there", "every condition of motion holds; at the start, or rendering was begun before"};
     case Event::kSpindleTurns:
       return {"spindle turns", "at more than a twentieth of what is wanted, measured where there is a drive"};
@@ -257,7 +257,7 @@ CellEventText Describe(CellEvent event) {
 
 const char* NameOf(CellAction action) {
   switch (action) {
-    case Action::kGoOn:
+    case Action::kNone:
       return "goes on";
     case Action::kFollowArm:
       return "follows the arm";

@@ -29,29 +29,29 @@ inline constexpr int kCellStates = 12;
 
 /// Events of the state machine, most severe first: if several occur in a tick, the first one counts first.
 enum class CellEvent : std::uint8_t {
-  kArmLost,       ///< the arm cannot be commanded: silent, closed, of another period or command mode
-  kFault,         ///< a fault is latched, and the arm takes commands
-  kArmLeft,       ///< a message says that the arm is not in COMMANDING_ACTIVE
-  kStopAsked,     ///< an orderly end was requested
-  kPauseAsked,    ///< the operator requested a pause
-  kRestFault,     ///< at rest, with a fault latched
-  kRest,          ///< at rest, without one
-  kArmIdle,       ///< the arm does not report its position
-  kArmSeen,       ///< the arm reports its position
-  kNotInOrder,    ///< a condition of motion is missing, other than the handing over
-  kInOrder,       ///< no condition is missing, other than the handing over
-  kBeginAway,     ///< every condition of motion holds; rendering begins elsewhere
-  kBeginThere,    ///< every condition of motion holds; rendering begins here
-  kSpindleTurns,  ///< the spindle turns
-  kSpindleStill,  ///< the spindle stands
-  kRecover,       ///< a recovery was requested, and each latched fault allows one
-  kResume,        ///< the operator ends the pause
+  kArmLost,         ///< the arm cannot be commanded: silent, closed, of another period or command mode
+  kFault,           ///< a fault is latched, and the arm takes commands
+  kArmLeft,         ///< a message says that the arm is not in COMMANDING_ACTIVE
+  kStopRequested,   ///< an orderly end was requested
+  kPauseRequested,  ///< the operator requested a pause
+  kRestFault,       ///< at rest, with a fault latched
+  kRest,            ///< at rest, without one
+  kArmIdle,         ///< the arm does not report its position
+  kArmSeen,         ///< the arm reports its position
+  kPermitsMissing,  ///< a condition of motion is missing, other than the handing over
+  kPermitsHold,     ///< no condition is missing, other than the handing over
+  kBeginAligning,   ///< every condition of motion holds; rendering begins elsewhere
+  kBeginRendering,  ///< every condition of motion holds; rendering begins here
+  kSpindleTurns,    ///< the spindle turns
+  kSpindleStill,    ///< the spindle stands
+  kRecover,         ///< a recovery was requested, and each latched fault allows one
+  kResume,          ///< the operator ends the pause
 };
 inline constexpr int kCellEvents = 17;
 
 /// Action on a transition. Describe has what a state does from tick to tick.
 enum class CellAction : std::uint8_t {
-  kGoOn,            ///< nothing beyond what the state does
+  kNone,            ///< nothing beyond what the state does
   kFollowArm,       ///< commands the arm's own position
   kHold,            ///< keeps the command constant
   kBrake,           ///< brakes the commanded motion to rest
@@ -62,7 +62,7 @@ enum class CellAction : std::uint8_t {
 
 struct CellTransition {
   CellState state{CellState::kOff};
-  CellAction action{CellAction::kGoOn};
+  CellAction action{CellAction::kNone};
   friend constexpr bool operator==(const CellTransition&, const CellTransition&) = default;
 };
 

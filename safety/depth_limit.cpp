@@ -10,7 +10,7 @@ namespace osteon::safety {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMostDampingShare = 0.25;  // of the spring's force, as for a contact
+constexpr double kMaxDampingShare = 0.25;  // of the spring's force, as for a contact
 
 DepthLimitParams Validated(const DepthLimitParams& params) {
   if (params.acts) Validate(params);
@@ -50,7 +50,7 @@ Vector3 DepthLimit::Step(const Vector3& p_WT, const Vector3& v_WT, double stiffn
         std::min(params_.stiffness_N_per_m, stiffness_N_per_m) * (params_.soft_m - bound.distance_m);
     if (!(spring_N > 0.0)) continue;
     const double damper_N = params_.damping_Ns_per_m * std::max(0.0, bound.toward_W.dot(v_WT));
-    f_W -= (spring_N + std::min(damper_N, kMostDampingShare * spring_N)) * bound.toward_W;
+    f_W -= (spring_N + std::min(damper_N, kMaxDampingShare * spring_N)) * bound.toward_W;
   }
   return f_W;
 }

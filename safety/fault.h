@@ -7,7 +7,7 @@ namespace osteon::safety {
 /// Faults are latched bits: a fault stays set until the cell is cleared. Comments give the cell's reaction.
 enum class Fault : std::uint32_t {
   kNone = 0,
-  kArmStale = 1u << 0,           ///< no arm message within its deadline: hold; Stop 1
+  kArmStale = 1u << 0,           ///< no arm message within its deadline, several times: hold; Stop 0
   kModelStale = 1u << 1,         ///< contact model too old: motion held, then Stop 1
   kSensorStale = 1u << 2,        ///< force sensor too old: Stop 1
   kWrenchRate = 1u << 3,         ///< coupling wrench changes faster than 1.5 K v_max: Stop 1
@@ -16,7 +16,7 @@ enum class Fault : std::uint32_t {
   kWorkspace = 1u << 6,          ///< tool left its workspace: Stop 1
   kJointLimit = 1u << 7,         ///< joint position, speed, step or torque at its limit: Stop 1
   kInverseKinematics = 1u << 8,  ///< no joint solution for the commanded pose: hold; Stop 1
-  kSession = 1u << 9,            ///< the arm left COMMANDING_ACTIVE: hold
+  kSession = 1u << 9,            ///< the arm left COMMANDING_ACTIVE: its own position is followed
   kDevice = 1u << 10,            ///< the simulation's device is lost: Stop 1
   kNotFinite = 1u << 11,         ///< a value from outside is not finite: Stop 1
   kTracking = 1u << 12,          ///< measured pose too far from the commanded one: Stop 1
@@ -38,7 +38,6 @@ class FaultSet {
  public:
   constexpr void Latch(Fault fault) noexcept { bits_ |= static_cast<std::uint32_t>(fault); }
   constexpr void Latch(FaultSet other) noexcept { bits_ |= other.bits_; }
-  constexpr void Unlatch(Fault fault) noexcept { bits_ &= ~static_cast<std::uint32_t>(fault); }
   constexpr void Clear() noexcept { bits_ = 0; }
   [[nodiscard]] constexpr bool Has(Fault fault) const noexcept {
     return (bits_ & static_cast<std::uint32_t>(fault)) != 0;

@@ -54,9 +54,9 @@ bool ForceLimitReaction::Limit(const Vector3& v_before_W, Vector3& v_W) const OS
   if (params_.reaction != OnForceLimit::kSlow || !saturated_) return false;
   const double into_m_per_s = into_bone_W_.dot(v_W);
   const double braked_m_per_s = into_bone_W_.dot(v_before_W) - deceleration_m_per_s2_ * period_s_;
-  const double most_m_per_s = std::max(allowed_m_per_s_, braked_m_per_s);
-  if (!(into_m_per_s > most_m_per_s)) return false;
-  v_W -= (into_m_per_s - most_m_per_s) * into_bone_W_;
+  const double max_speed_m_per_s = std::max(allowed_m_per_s_, braked_m_per_s);
+  if (!(into_m_per_s > max_speed_m_per_s)) return false;
+  v_W -= (into_m_per_s - max_speed_m_per_s) * into_bone_W_;
   return true;
 }
 

@@ -57,7 +57,7 @@ GuardKinematics::GuardKinematics(const kinematics::ChainParams<7>& chain, const 
   R_WT_ = R_WF * X_FT.linear();
 }
 
-GuardKinematics::Turns GuardKinematics::TurnsOf(const Joints& q) OSTEON_RT {
+GuardKinematics::Turns GuardKinematics::ComputeTurns(const Joints& q) OSTEON_RT {
   Turns turns;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double angle_rad = q[static_cast<Eigen::Index>(i)];
@@ -77,8 +77,8 @@ Vector3 GuardKinematics::TurnPoint(const Turns& turns, std::size_t count, Vector
   return p_W;
 }
 
-GuardKinematics::Placement GuardKinematics::Place(const Joints& q) const OSTEON_RT {
-  const Turns turns = TurnsOf(q);
+GuardKinematics::Placement GuardKinematics::ComputePlacement(const Joints& q) const OSTEON_RT {
+  const Turns turns = ComputeTurns(q);
   Placement placement;
   placement.p_WT = TurnPoint(turns, kJoints, p_WT_);
   placement.p_WFlange = TurnPoint(turns, kJoints, p_WFlange_);
@@ -88,8 +88,9 @@ GuardKinematics::Placement GuardKinematics::Place(const Joints& q) const OSTEON_
   return placement;
 }
 
-GuardKinematics::JointMotions GuardKinematics::Motions(const Joints& q, const Vector3& p_WP) const OSTEON_RT {
-  const Turns turns = TurnsOf(q);
+GuardKinematics::JointMotions GuardKinematics::ComputeJointMotions(const Joints& q,
+                                                                   const Vector3& p_WP) const OSTEON_RT {
+  const Turns turns = ComputeTurns(q);
   JointMotions motions;
   for (std::size_t i = 0; i < kJoints; ++i) {
     motions.w[i] = TurnDirection(turns, i, axis_W_[i]);

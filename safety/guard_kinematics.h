@@ -35,7 +35,7 @@ class GuardKinematics {
     Vector3 p_WElbow;   ///< the centre of the elbow: on the axis of A4, nearest to that of A3
     Matrix3 R_WT;
   };
-  [[nodiscard]] Placement Place(const Joints& q) const OSTEON_RT;
+  [[nodiscard]] Placement ComputePlacement(const Joints& q) const OSTEON_RT;
 
   /// Velocities per rad/s of each joint, in W: of a point that moves with the flange, and of the flange.
   struct JointMotions {
@@ -43,14 +43,14 @@ class GuardKinematics {
     std::array<Vector3, kJoints> w;  ///< the joint's axis, unit
   };
   /// @param p_WP position of the point at q
-  [[nodiscard]] JointMotions Motions(const Joints& q, const Vector3& p_WP) const OSTEON_RT;
+  [[nodiscard]] JointMotions ComputeJointMotions(const Joints& q, const Vector3& p_WP) const OSTEON_RT;
 
  private:
   struct Turn {  // of one joint
     double cosine, sine;
   };
   using Turns = std::array<Turn, kJoints>;
-  static Turns TurnsOf(const Joints& q) OSTEON_RT;
+  static Turns ComputeTurns(const Joints& q) OSTEON_RT;
   // Rotates a direction, or a point, by the first `count` joints.
   [[nodiscard]] Vector3 TurnDirection(const Turns& turns, std::size_t count, Vector3 v_W) const OSTEON_RT;
   [[nodiscard]] Vector3 TurnPoint(const Turns& turns, std::size_t count, Vector3 p_W) const OSTEON_RT;

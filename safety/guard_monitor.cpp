@@ -10,12 +10,12 @@
 namespace osteon::safety {
 namespace {
 
-constexpr std::uint32_t kMostPeriods = 10;  // longest time between two commands over which a speed is taken
-constexpr std::int32_t kSessionStep = 64;   // a counter further away belongs to another session
-constexpr double kRest_rad_per_s = 1e-3;    // the arm stands if slower than this
-constexpr double kRest_N = 1e-3;            // a smaller added wrench or torque counts as zero
-constexpr double kNormalTolerance = 1e-6;   // tolerance of the length of a direction
-constexpr double kDamping = 1e-4;  // of the hand's force near singular postures, underestimated there
+constexpr std::uint32_t kMaxPeriods = 10;  // longest time between two commands over which a speed is taken
+constexpr std::int32_t kSessionStep = 64;  // a counter further away belongs to another session
+constexpr double kRest_rad_per_s = 1e-3;   // the arm stands if slower than this
+constexpr double kRest_N = 1e-3;           // a smaller added wrench or torque counts as zero
+constexpr double kNormalTolerance = 1e-6;  // tolerance of the length of a direction
+constexpr double kDamping = 1e-4;          // of the hand's force near singular postures, underestimated there
 
 std::int32_t Ahead(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b); }
 
@@ -34,8 +34,8 @@ GuardMonitor::GuardMonitor(const GuardParams& params)
   positive("period_s", params.period_s);
   positive("max_speed_m_per_s", params.max_speed_m_per_s);
   positive("max_turn_rad_per_s", params.max_turn_rad_per_s);
-  positive("there_rad", params.there_rad);
-  positive("max_way_in_m_per_s", params.max_way_in_m_per_s);
+  positive("there_rad", params.tolerance_rad);
+  positive("max_way_in_m_per_s", params.max_start_path_speed_m_per_s);
   positive("max_tracking_error_m", params.max_tracking_error_m);
   positive("mirror_rad", params.mirror_rad);
   positive("max_force_N", params.max_force_N);
@@ -67,13 +67,13 @@ void GuardMonitor::Latch(const GuardReason& reason) OSTEON_RT {
   if (!latched()) reason_ = reason;
 }
 
-void GuardMonitor::StartOver() OSTEON_RT {
+void GuardMonitor::ResetSession() OSTEON_RT {
   has_arm_ = answered_ = commanding_ = unanswered_ = false;
   unanswered_since_.reset();
   hand_force_messages_ = 0;
 }
 
-GuardDecision GuardMonitor::Arm(const GuardArmMessage& message, rt::Nanoseconds arrival) OSTEON_RT {
+GuardDecision GuardMonitor::OnArmMessage(const GuardArmMessage& message, rt::Nanoseconds arrival) OSTEON_RT {
   const std::int32_t step = Ahead(message.sequence, arm_message_.sequence);
   const bool restarted = step <= -kSessionStep && !Commanded(message.session);
   if (has_arm_ && step <= 0 && !restarted) {
@@ -89,41 +89,42 @@ GuardDecision GuardMonitor::Arm(const GuardArmMessage& message, rt::Nanoseconds 
     been_inside_ = false;
     been_in_zone_.fill(false);
     // zones that contain the arm when it is handed over count from now on
-    static_cast<void>(JudgePlace(arm_.Place(q_before_)));
-    on_way_in_ = !AtStart(q_before_);
+    static_cast<void>(CheckPlacement(arm_.ComputePlacement(q_before_)));
+    on_start_path_ = !AtStart(q_before_);
     rests_ = true;
   }
   arm_message_ = message;
   arm_arrival_ = arrival;
   has_arm_ = true;
   unanswered_ |= message.session != GuardSession::kIdle;
-  TakeHandForce(message);
+  CheckHandForce(message);
   return GuardDecision::kPass;
 }
 
 // Estimates the force behind these torques on the joints by damped least squares: J^T F = tau.
-void GuardMonitor::TakeHandForce(const GuardArmMessage& message) OSTEON_RT {
+void GuardMonitor::CheckHandForce(const GuardArmMessage& message) OSTEON_RT {
   if (message.session != GuardSession::kActive || !message.tau_ext) {
     hand_force_messages_ = 0;
     return;
   }
   const Joints q = ToJoints(message.q_meas);
-  const GuardKinematics::JointMotions motions = arm_.Motions(q, arm_.Place(q).p_WFlange);
+  const GuardKinematics::JointMotions motions =
+      arm_.ComputeJointMotions(q, arm_.ComputePlacement(q).p_WFlange);
   Eigen::Matrix<double, 6, 7> J;
   for (std::size_t i = 0; i < GuardKinematics::kJoints; ++i)
     J.col(static_cast<Eigen::Index>(i)) << motions.v[i], motions.w[i];
   Eigen::Matrix<double, 6, 6> A = J * J.transpose();
   A.diagonal().array() += kDamping;
   const Eigen::Matrix<double, 6, 1> F = A.ldlt().solve(J * ToJoints(*message.tau_ext));
-  const GuardReason reason = AtMost(GuardFinding::kHandForce, F.head<3>().stableNorm(),
-                                    (1.0 + params_.margin) * params_.max_hand_force_N);
+  const GuardReason reason = CheckAtMost(GuardFinding::kHandForce, F.head<3>().stableNorm(),
+                                         (1.0 + params_.margin) * params_.max_hand_force_N);
   hand_force_messages_ = reason.finding == GuardFinding::kNone
                              ? 0
                              : std::min(hand_force_messages_ + 1, params_.hand_force_count);
   if (hand_force_messages_ == params_.hand_force_count) Latch(reason);
 }
 
-GuardDecision GuardMonitor::Unreadable(GuardFinding why) OSTEON_RT {
+GuardDecision GuardMonitor::OnUnreadable(GuardFinding why) OSTEON_RT {
   Latch({.finding = why});
   ++counters_.withheld;
   return GuardDecision::kWithhold;
@@ -139,7 +140,7 @@ bool GuardMonitor::IsFresh(const GuardCommand& command, rt::Nanoseconds now) OST
   if (ago < 0) {
     Latch({.finding = GuardFinding::kNeverSent,
            .found = static_cast<double>(command.reflected),
-           .most = static_cast<double>(arm_message_.sequence)});
+           .max = static_cast<double>(arm_message_.sequence)});
     return false;
   }
   if (answered_ && command.reflected == answered_message_) {
@@ -154,18 +155,18 @@ bool GuardMonitor::IsFresh(const GuardCommand& command, rt::Nanoseconds now) OST
   if (answered_ && commanding_ && Ahead(command.sequence, command_sequence_) <= 0) {
     Latch({.finding = GuardFinding::kSequence,
            .found = static_cast<double>(command.sequence),
-           .least = static_cast<double>(command_sequence_)});
+           .min = static_cast<double>(command_sequence_)});
     return false;
   }
   return true;
 }
 
-GuardDecision GuardMonitor::Command(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT {
+GuardDecision GuardMonitor::OnCommand(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT {
   if (!latched()) {
     const bool fresh = IsFresh(command, now);
     if (!fresh && !latched()) return GuardDecision::kDrop;
     if (fresh) {
-      const GuardReason reason = Judge(command);
+      const GuardReason reason = CheckCommand(command);
       if (reason.finding != GuardFinding::kNone) Latch(reason);
     }
   }
@@ -184,8 +185,8 @@ GuardDecision GuardMonitor::Command(const GuardCommand& command, rt::Nanoseconds
   return GuardDecision::kPass;
 }
 
-GuardReason GuardMonitor::Judge(const GuardCommand& command) OSTEON_RT {
-  if (const GuardReason reason = JudgeOverlay(command); reason.finding != GuardFinding::kNone) return reason;
+GuardReason GuardMonitor::CheckCommand(const GuardCommand& command) OSTEON_RT {
+  if (const GuardReason reason = CheckOverlay(command); reason.finding != GuardFinding::kNone) return reason;
   if (command.q) {
     const Joints q = ToJoints(*command.q);
     if (const int joint = FirstNotFinite(q); joint > 0)
@@ -199,17 +200,17 @@ GuardReason GuardMonitor::Judge(const GuardCommand& command) OSTEON_RT {
     const Joints q_ipo = ToJoints(arm_message_.q_ipo.value_or(arm_message_.q_meas));
     for (int i = 0; i < 7; ++i)
       if (const GuardReason reason =
-              AtMost(GuardFinding::kNotMirrored, std::abs(q[i] - q_ipo[i]), params_.mirror_rad, i + 1);
+              CheckAtMost(GuardFinding::kNotMirrored, std::abs(q[i] - q_ipo[i]), params_.mirror_rad, i + 1);
           reason.finding != GuardFinding::kNone)
         return reason;
     rests_ = true;
     return {};
   }
 
-  const std::uint32_t periods = std::clamp(command.reflected - before_message_, 1u, kMostPeriods);
+  const std::uint32_t periods = std::clamp(command.reflected - before_message_, 1u, kMaxPeriods);
   const double time_s = periods * params_.period_s;
-  if (const GuardReason reason = JudgeJoints(q, time_s); reason.finding != GuardFinding::kNone) return reason;
-  if (const GuardReason reason = JudgeTool(q, time_s); reason.finding != GuardFinding::kNone) return reason;
+  if (const GuardReason reason = CheckJoints(q, time_s); reason.finding != GuardFinding::kNone) return reason;
+  if (const GuardReason reason = CheckTool(q, time_s); reason.finding != GuardFinding::kNone) return reason;
   const auto adds = [](const auto& values) {
     return values &&
            std::any_of(values->begin(), values->end(), [](double x) { return std::abs(x) > kRest_N; });
@@ -221,7 +222,7 @@ GuardReason GuardMonitor::Judge(const GuardCommand& command) OSTEON_RT {
   return {};
 }
 
-void GuardMonitor::Look(rt::Nanoseconds now) OSTEON_RT {
+void GuardMonitor::CheckSilence(rt::Nanoseconds now) OSTEON_RT {
   // time from the check, not from the arrival: nobody could answer a message while the guard held it
   if (unanswered_ && !unanswered_since_) unanswered_since_ = now;
   if (!commanding_ || !unanswered_since_) return;
@@ -229,7 +230,7 @@ void GuardMonitor::Look(rt::Nanoseconds now) OSTEON_RT {
   if (!(silent_s > params_.silence_s)) return;
   commanding_ = false;
   left_alone_ = true;
-  if (!rests_) Latch({.finding = GuardFinding::kSilence, .found = silent_s, .most = params_.silence_s});
+  if (!rests_) Latch({.finding = GuardFinding::kSilence, .found = silent_s, .max = params_.silence_s});
 }
 
 }  // namespace osteon::safety

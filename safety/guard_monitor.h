@@ -24,18 +24,19 @@ struct GuardParams {
   double max_speed_m_per_s{0.25};    ///< of the apex; > 0
   double max_turn_rad_per_s{1.5};    ///< of the tool; > 0
   /// Posture to which the controller takes the arm first. From the handing over until every joint has been
-  /// within there_rad of it, max_way_in applies if it is the faster limit. Absent: there is no such path.
+  /// within tolerance_rad of it, max_start_path_speed applies if it is the faster limit. Absent: there is no
+  /// such path.
   std::optional<std::array<double, 7>> q_start{};
-  double there_rad{2e-3};             ///< > 0
-  double max_way_in_m_per_s{0.25};    ///< of the apex; > 0
-  double max_tracking_error_m{0.03};  ///< between commanded and measured apex; > 0
-  double mirror_rad{0.02};            ///< distance from the interpolator's position while the arm waits; > 0
-  WorkspaceParams workspace{};        ///< only its sphere and its plane
-  double workspace_margin_m{0.002};   ///< tolerance beyond them; >= 0
-  double max_force_N{200.0};          ///< of a wrench that the controller adds; > 0
-  double max_torque_Nm{20.0};         ///< > 0
-  double max_hand_force_N{250.0};     ///< by the arm's own estimate of its external torques ...
-  int hand_force_count{5};            ///< ... in so many messages in a row; >= 1
+  double tolerance_rad{2e-3};                 ///< > 0
+  double max_start_path_speed_m_per_s{0.25};  ///< of the apex; > 0
+  double max_tracking_error_m{0.03};          ///< between commanded and measured apex; > 0
+  double mirror_rad{0.02};           ///< distance from the interpolator's position while the arm waits; > 0
+  WorkspaceParams workspace{};       ///< only its sphere and its plane
+  double workspace_margin_m{0.002};  ///< tolerance beyond them; >= 0
+  double max_force_N{200.0};         ///< of a wrench that the controller adds; > 0
+  double max_torque_Nm{20.0};        ///< > 0
+  double max_hand_force_N{250.0};    ///< by the arm's own estimate of its external torques ...
+  int hand_force_count{5};           ///< ... in so many messages in a row; >= 1
   /// How far beyond the controller's own limits on motion and hand the guard intervenes, so that a controlled
   /// stop comes first: 0.25 is a quarter. Does not apply to the arm's own limits or to rendered forces.
   double margin{0.25};
@@ -120,15 +121,15 @@ class GuardMonitor {
   explicit GuardMonitor(const GuardParams& params);
 
   /// Takes a message of the arm. kPass, or kDrop if it is not newer than the one before.
-  GuardDecision Arm(const GuardArmMessage& message, rt::Nanoseconds arrival) OSTEON_RT;
+  GuardDecision OnArmMessage(const GuardArmMessage& message, rt::Nanoseconds arrival) OSTEON_RT;
   /// Checks an answer of the controller at the time `now`. Unless passed, it must not reach the arm.
-  GuardDecision Command(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
+  GuardDecision OnCommand(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
   /// Latches a datagram of the controller that is not a command.
-  GuardDecision Unreadable(GuardFinding why) OSTEON_RT;
+  GuardDecision OnUnreadable(GuardFinding why) OSTEON_RT;
   /// Checks whether the controller is silent. To be called a few times within silence_s.
-  void Look(rt::Nanoseconds now) OSTEON_RT;
+  void CheckSilence(rt::Nanoseconds now) OSTEON_RT;
   /// Resets the session: the next messages are another arm's, or this arm's after a restart.
-  void StartOver() OSTEON_RT;
+  void ResetSession() OSTEON_RT;
 
   [[nodiscard]] bool latched() const OSTEON_RT { return reason_.finding != GuardFinding::kNone; }
   /// Whether the motion request stands: nothing is latched, and the controller has not left the arm alone. A
@@ -157,15 +158,15 @@ class GuardMonitor {
     return 0;
   }
   // guard_rules.cpp
-  [[nodiscard]] GuardReason JudgeJoints(const Joints& q, double time_s) const OSTEON_RT;
-  [[nodiscard]] GuardReason JudgeTool(const Joints& q, double time_s) OSTEON_RT;
-  [[nodiscard]] GuardReason JudgePlace(const GuardKinematics::Placement& arm) OSTEON_RT;
-  [[nodiscard]] GuardReason JudgeZones(const GuardKinematics::Placement& arm) OSTEON_RT;
-  [[nodiscard]] GuardReason JudgeOverlay(const GuardCommand& command) const OSTEON_RT;
+  [[nodiscard]] GuardReason CheckJoints(const Joints& q, double time_s) const OSTEON_RT;
+  [[nodiscard]] GuardReason CheckTool(const Joints& q, double time_s) OSTEON_RT;
+  [[nodiscard]] GuardReason CheckPlacement(const GuardKinematics::Placement& arm) OSTEON_RT;
+  [[nodiscard]] GuardReason CheckZones(const GuardKinematics::Placement& arm) OSTEON_RT;
+  [[nodiscard]] GuardReason CheckOverlay(const GuardCommand& command) const OSTEON_RT;
 
-  void TakeHandForce(const GuardArmMessage& message) OSTEON_RT;
+  void CheckHandForce(const GuardArmMessage& message) OSTEON_RT;
   bool IsFresh(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
-  [[nodiscard]] GuardReason Judge(const GuardCommand& command) OSTEON_RT;
+  [[nodiscard]] GuardReason CheckCommand(const GuardCommand& command) OSTEON_RT;
   [[nodiscard]] bool AtStart(const Joints& q) const OSTEON_RT;
   // Each joint moves from the last command toward its measured position, at most up to it.
   [[nodiscard]] bool Relaxes(const Joints& q) const OSTEON_RT;
@@ -191,7 +192,7 @@ class GuardMonitor {
 
   Joints q_before_{Joints::Zero()};             // last command
   std::uint32_t before_message_{0};             // message that it answered
-  bool on_way_in_{false};                       // the arm is still on its way to the start
+  bool on_start_path_{false};                   // the arm is still on its way to the start
   bool been_inside_{false};                     // in the workspace's sphere, since the arm was handed over
   std::array<bool, kMaxZones> been_in_zone_{};  // likewise for each zone
 };

@@ -7,7 +7,7 @@ namespace {
 
 std::string Figures(const char* what, const GuardReason& r, double scale, const char* unit) {
   return fmt::format("{}: found {:.6g} {}, accepted {:.6g} … {:.6g} {}", what, scale * r.found, unit,
-                     scale * r.least, scale * r.most, unit);
+                     scale * r.min, scale * r.max, unit);
 }
 
 std::string OfJoint(const char* what, const GuardReason& r, const char* unit) {
@@ -27,10 +27,9 @@ std::string Describe(const GuardReason& r) {
     case GuardFinding::kNeverSent:
       return fmt::format(
           "the message answered: found number {:.0f}, accepted at most {:.0f}, the arm's newest", r.found,
-          r.most);
+          r.max);
     case GuardFinding::kSequence:
-      return fmt::format("the controller's counter: found {:.0f}, accepted more than {:.0f}", r.found,
-                         r.least);
+      return fmt::format("the controller's counter: found {:.0f}, accepted more than {:.0f}", r.found, r.min);
     case GuardFinding::kNoPosition:
       return "the command: found no joint position, accepted one while the arm is commanded";
     case GuardFinding::kCartesian:
@@ -54,10 +53,10 @@ std::string Describe(const GuardReason& r) {
       return Figures("apex from the centre of the workspace", r, 1e3, "mm");
     case GuardFinding::kPlane:
       return fmt::format("apex above the workspace's plane: found {:.6g} mm, accepted at least {:.6g} mm",
-                         1e3 * r.found, 1e3 * r.least);
+                         1e3 * r.found, 1e3 * r.min);
     case GuardFinding::kZone:
       return fmt::format("inside of zone {}: found {:.6g} mm, accepted at least {:.6g} mm", r.joint,
-                         1e3 * r.found, 1e3 * r.least);
+                         1e3 * r.found, 1e3 * r.min);
     case GuardFinding::kForce:
       return Figures("force added", r, 1.0, "N");
     case GuardFinding::kTorque:

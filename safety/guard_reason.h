@@ -39,14 +39,14 @@ struct GuardReason {
   GuardFinding finding{GuardFinding::kNone};
   int joint{0};  ///< 1 … 7 if it concerns one
   double found{0.0};
-  double least{0.0}, most{0.0};  ///< accepted range, if there is one
+  double min{0.0}, max{0.0};  ///< accepted range, if there is one
 };
 
-/// Returns the finding if `found` is outside 0 … `most` or NaN; kNone otherwise.
-[[nodiscard]] inline GuardReason AtMost(GuardFinding finding, double found, double most,
-                                        int joint = 0) OSTEON_RT {
-  if (found <= most) return {};
-  return {.finding = finding, .joint = joint, .found = found, .most = most};
+/// Returns the finding if `found` is outside 0 … `max` or NaN; kNone otherwise.
+[[nodiscard]] inline GuardReason CheckAtMost(GuardFinding finding, double found, double max,
+                                             int joint = 0) OSTEON_RT {
+  if (found <= max) return {};
+  return {.finding = finding, .joint = joint, .found = found, .max = max};
 }
 
 /// One line, e.g. "joint A4's speed: found 5.41 rad/s, accepted 0 … 1.31 rad/s". For screens and logs:

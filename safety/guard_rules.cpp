@@ -13,7 +13,7 @@ constexpr double kRounding = 1.0 + 1e-9;  // tolerance of differences between po
 
 }  // namespace
 
-GuardReason GuardMonitor::JudgeJoints(const Joints& q, double time_s) const OSTEON_RT {
+GuardReason GuardMonitor::CheckJoints(const Joints& q, double time_s) const OSTEON_RT {
   const double share = std::min(1.0, params_.joint_speed_share * (1.0 + params_.margin)) * kRounding;
   for (int i = 0; i < 7; ++i) {
     if (q[i] == q_before_[i]) continue;
@@ -22,58 +22,60 @@ GuardReason GuardMonitor::JudgeJoints(const Joints& q, double time_s) const OSTE
       return {.finding = GuardFinding::kJointPosition,
               .joint = i + 1,
               .found = q[i],
-              .least = limit.lower_rad,
-              .most = limit.upper_rad};
-    if (const GuardReason reason = AtMost(GuardFinding::kJointSpeed, std::abs(q[i] - q_before_[i]) / time_s,
-                                          share * limit.velocity_rad_per_s, i + 1);
+              .min = limit.lower_rad,
+              .max = limit.upper_rad};
+    if (const GuardReason reason =
+            CheckAtMost(GuardFinding::kJointSpeed, std::abs(q[i] - q_before_[i]) / time_s,
+                        share * limit.velocity_rad_per_s, i + 1);
         reason.finding != GuardFinding::kNone)
       return reason;
   }
   return {};
 }
 
-GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
-  const GuardKinematics::Placement arm = arm_.Place(q);
-  const Vector3 &p_WT = arm.p_WT, p_measured = arm_.Place(ToJoints(arm_message_.q_meas)).p_WT;
+GuardReason GuardMonitor::CheckTool(const Joints& q, double time_s) OSTEON_RT {
+  const GuardKinematics::Placement arm = arm_.ComputePlacement(q);
+  const Vector3 &p_WT = arm.p_WT, p_measured = arm_.ComputePlacement(ToJoints(arm_message_.q_meas)).p_WT;
   const double more = (1.0 + params_.margin) * kRounding;
-  if (const GuardReason reason =
-          AtMost(GuardFinding::kTracking, (p_WT - p_measured).norm(), more * params_.max_tracking_error_m);
+  if (const GuardReason reason = CheckAtMost(GuardFinding::kTracking, (p_WT - p_measured).norm(),
+                                             more * params_.max_tracking_error_m);
       reason.finding != GuardFinding::kNone)
     return reason;
 
-  const GuardReason place = JudgePlace(arm);
+  const GuardReason place = CheckPlacement(arm);
   if (q == q_before_) return {};
   if (place.finding != GuardFinding::kNone) return place;
 
   // speed
   if (arm_message_.compliant && Relaxes(q)) return {};
-  const GuardKinematics::Placement before = arm_.Place(q_before_);
-  on_way_in_ &= !AtStart(q_before_);
-  const double most_m_per_s = on_way_in_ ? std::max(params_.max_way_in_m_per_s, params_.max_speed_m_per_s)
-                                         : params_.max_speed_m_per_s;
-  if (const GuardReason reason =
-          AtMost(GuardFinding::kToolSpeed, (p_WT - before.p_WT).norm() / time_s, more * most_m_per_s);
+  const GuardKinematics::Placement before = arm_.ComputePlacement(q_before_);
+  on_start_path_ &= !AtStart(q_before_);
+  const double max_speed_m_per_s =
+      on_start_path_ ? std::max(params_.max_start_path_speed_m_per_s, params_.max_speed_m_per_s)
+                     : params_.max_speed_m_per_s;
+  if (const GuardReason reason = CheckAtMost(GuardFinding::kToolSpeed, (p_WT - before.p_WT).norm() / time_s,
+                                             more * max_speed_m_per_s);
       reason.finding != GuardFinding::kNone)
     return reason;
   const double turn_rad = Eigen::AngleAxisd(before.R_WT.transpose() * arm.R_WT).angle();
-  return AtMost(GuardFinding::kToolTurn, turn_rad / time_s, more * params_.max_turn_rad_per_s);
+  return CheckAtMost(GuardFinding::kToolTurn, turn_rad / time_s, more * params_.max_turn_rad_per_s);
 }
 
 // Checks the position. Sphere and zones count once the path from elsewhere has led into them.
-GuardReason GuardMonitor::JudgePlace(const GuardKinematics::Placement& arm) OSTEON_RT {
+GuardReason GuardMonitor::CheckPlacement(const GuardKinematics::Placement& arm) OSTEON_RT {
   const WorkspaceParams& w = params_.workspace;
   const Vector3& p_WT = arm.p_WT;
   const double out_m = (p_WT - w.sphere_center_W_m).norm(),
                above_m = w.plane_normal_W.dot(p_WT) - w.plane_offset_m;
   been_inside_ |= out_m <= w.sphere_radius_m;
-  if (const GuardReason reason = JudgeZones(arm); reason.finding != GuardFinding::kNone) return reason;
+  if (const GuardReason reason = CheckZones(arm); reason.finding != GuardFinding::kNone) return reason;
   if (!(above_m >= -params_.workspace_margin_m))
-    return {.finding = GuardFinding::kPlane, .found = above_m, .least = -params_.workspace_margin_m};
+    return {.finding = GuardFinding::kPlane, .found = above_m, .min = -params_.workspace_margin_m};
   if (!been_inside_) return {};
-  return AtMost(GuardFinding::kWorkspace, out_m, w.sphere_radius_m + params_.workspace_margin_m);
+  return CheckAtMost(GuardFinding::kWorkspace, out_m, w.sphere_radius_m + params_.workspace_margin_m);
 }
 
-GuardReason GuardMonitor::JudgeZones(const GuardKinematics::Placement& arm) OSTEON_RT {
+GuardReason GuardMonitor::CheckZones(const GuardKinematics::Placement& arm) OSTEON_RT {
   GuardReason reason;
   for (std::size_t i = 0; i < params_.workspace.zones.size(); ++i) {
     const ZoneParams& zone = params_.workspace.zones[i];
@@ -86,13 +88,13 @@ GuardReason GuardMonitor::JudgeZones(const GuardKinematics::Placement& arm) OSTE
       reason = {.finding = GuardFinding::kZone,
                 .joint = static_cast<int>(i) + 1,
                 .found = inside_m,
-                .least = -params_.workspace_margin_m};
+                .min = -params_.workspace_margin_m};
   }
   return reason;
 }
 
 bool GuardMonitor::AtStart(const Joints& q) const OSTEON_RT {
-  return !params_.q_start || (q - ToJoints(*params_.q_start)).cwiseAbs().maxCoeff() <= params_.there_rad;
+  return !params_.q_start || (q - ToJoints(*params_.q_start)).cwiseAbs().maxCoeff() <= params_.tolerance_rad;
 }
 
 bool GuardMonitor::Relaxes(const Joints& q) const OSTEON_RT {
@@ -102,18 +104,18 @@ bool GuardMonitor::Relaxes(const Joints& q) const OSTEON_RT {
   return true;
 }
 
-GuardReason GuardMonitor::JudgeOverlay(const GuardCommand& command) const OSTEON_RT {
+GuardReason GuardMonitor::CheckOverlay(const GuardCommand& command) const OSTEON_RT {
   if (command.wrench) {
     const Vector3 f = Eigen::Map<const Vector3>(command.wrench->data()),
                   t = Eigen::Map<const Vector3>(command.wrench->data() + 3);
     for (const double value : *command.wrench)
       if (!std::isfinite(value)) return {.finding = GuardFinding::kNotFinite, .found = value};
     if (const GuardReason reason =
-            AtMost(GuardFinding::kForce, f.stableNorm(), kRounding * params_.max_force_N);
+            CheckAtMost(GuardFinding::kForce, f.stableNorm(), kRounding * params_.max_force_N);
         reason.finding != GuardFinding::kNone)
       return reason;
     if (const GuardReason reason =
-            AtMost(GuardFinding::kTorque, t.stableNorm(), kRounding * params_.max_torque_Nm);
+            CheckAtMost(GuardFinding::kTorque, t.stableNorm(), kRounding * params_.max_torque_Nm);
         reason.finding != GuardFinding::kNone)
       return reason;
   }
@@ -122,13 +124,13 @@ GuardReason GuardMonitor::JudgeOverlay(const GuardCommand& command) const OSTEON
   if (const int joint = FirstNotFinite(tau); joint > 0)
     return {.finding = GuardFinding::kNotFinite, .joint = joint, .found = tau[joint - 1]};
   const Joints q = ToJoints(arm_message_.q_meas);
-  const GuardKinematics::JointMotions motions = arm_.Motions(q, arm_.Place(q).p_WT);
+  const GuardKinematics::JointMotions motions = arm_.ComputeJointMotions(q, arm_.ComputePlacement(q).p_WT);
   for (int i = 0; i < 7; ++i) {
     const auto joint = static_cast<std::size_t>(i);
-    const double most_Nm =
+    const double max_Nm =
         motions.v[joint].norm() * params_.max_force_N + motions.w[joint].norm() * params_.max_torque_Nm;
     if (const GuardReason reason =
-            AtMost(GuardFinding::kJointTorque, std::abs(tau[i]), kRounding * most_Nm, i + 1);
+            CheckAtMost(GuardFinding::kJointTorque, std::abs(tau[i]), kRounding * max_Nm, i + 1);
         reason.finding != GuardFinding::kNone)
       return reason;
   }

@@ -14,19 +14,18 @@ constexpr double kRoundDown = 1.0 - 1e-15;
 }  // namespace
 
 template <int N>
-JointTorqueLimit<N>::JointTorqueLimit(const Joints& most_Nm) : most_Nm_(most_Nm) {
+JointTorqueLimit<N>::JointTorqueLimit(const Joints& max_Nm) : max_Nm_(max_Nm) {
   for (int i = 0; i < N; ++i)
-    if (!(most_Nm[i] > 0.0) || !std::isfinite(most_Nm[i]))
+    if (!(max_Nm[i] > 0.0) || !std::isfinite(max_Nm[i]))
       throw std::invalid_argument("torque_Nm of joint " + std::to_string(i + 1) + ": found " +
-                                  std::to_string(most_Nm[i]) + ", accepted > 0: what the arm can hold");
+                                  std::to_string(max_Nm[i]) + ", accepted > 0: what the arm can hold");
 }
 
 template <int N>
 double JointTorqueLimit<N>::Share(const Joints& gravity_Nm, const Joints& tau_Nm) const OSTEON_RT {
   double share = 1.0;
   for (int i = 0; i < N; ++i) {
-    const double room_Nm = std::max(0.0, most_Nm_[i] - std::abs(gravity_Nm[i])),
-                 size_Nm = std::abs(tau_Nm[i]);
+    const double room_Nm = std::max(0.0, max_Nm_[i] - std::abs(gravity_Nm[i])), size_Nm = std::abs(tau_Nm[i]);
     if (!std::isfinite(size_Nm)) return 0.0;
     if (size_Nm > room_Nm) share = std::min(share, room_Nm / size_Nm * kRoundDown);
   }

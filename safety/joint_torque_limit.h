@@ -16,9 +16,9 @@ class JointTorqueLimit {
  public:
   using Joints = kinematics::JointVectorN<N>;
 
-  /// @param most_Nm  tau_max, the arm's own
+  /// @param max_Nm  tau_max, the arm's own
   /// @throws std::invalid_argument if a torque is not positive, naming the joint.
-  explicit JointTorqueLimit(const Joints& most_Nm);
+  explicit JointTorqueLimit(const Joints& max_Nm);
 
   /// Share of the torques that the joints can hold, 0 … 1: one factor for all, so that their effect keeps its
   /// direction. 0 if a torque is not finite.
@@ -33,7 +33,7 @@ class JointTorqueLimit {
   [[nodiscard]] bool Check(const Joints& gravity_Nm, const Joints& tau_external_Nm) OSTEON_RT;
 
  private:
-  Joints most_Nm_;
+  Joints max_Nm_;
   Joints before_Nm_{Joints::Zero()};
   bool has_before_{false};
 };

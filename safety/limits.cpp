@@ -47,7 +47,7 @@ LimitedWrench ScaleWrench(const Wrench& F, double max_force_N, double max_torque
 WrenchLimiter::WrenchLimiter(const WrenchLimitParams& params) : params_(params) {
   RequirePositive(params.max_force_N, "max_force_N");
   RequirePositive(params.max_torque_Nm, "max_torque_Nm");
-  most_force_N_ = params_.max_force_N = std::min(params.max_force_N, kForceCeiling_N);
+  force_limit_N_ = params_.max_force_N = std::min(params.max_force_N, kForceCeiling_N);
 }
 
 LimitedWrench WrenchLimiter::Limit(const Wrench& F) const OSTEON_RT {

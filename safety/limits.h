@@ -54,14 +54,14 @@ class WrenchLimiter {
   [[nodiscard]] LimitedWrench Limit(const Wrench& F,
                                     const kinematics::ForceCapability<7>& arm) const OSTEON_RT;
   /// Lowers the force limit to another bound's, from now on. A cap above the parameter has no effect.
-  void Cap(double force_N) OSTEON_RT { params_.max_force_N = std::min(most_force_N_, force_N); }
+  void LowerForceLimit(double force_N) OSTEON_RT { params_.max_force_N = std::min(force_limit_N_, force_N); }
   /// The limit in force: the smallest of the parameter, kForceCeiling_N and the cap.
   [[nodiscard]] double max_force_N() const OSTEON_RT { return params_.max_force_N; }
   [[nodiscard]] double max_torque_Nm() const OSTEON_RT { return params_.max_torque_Nm; }
 
  private:
   WrenchLimitParams params_;  // the limits in force
-  double most_force_N_;       // without a cap
+  double force_limit_N_;      // without a cap
 };
 
 /// Trips if the coupling force grows or turns faster than in any legitimate contact: above 1.5 K v_max.

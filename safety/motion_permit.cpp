@@ -2,7 +2,7 @@
 
 namespace osteon::safety {
 
-const char* Missing(MotionPermit permit) {
+const char* DescribeMissing(MotionPermit permit) {
   switch (permit) {
     case MotionPermit::kArmFresh:
       return "a message of the arm";
@@ -20,7 +20,7 @@ const char* Missing(MotionPermit permit) {
       return "a tool that does not stand deeper in bone than the force limit";
     case MotionPermit::kSpindleReady:
       return "the spindle's drive, ready and without a fault";
-    case MotionPermit::kWayLookedAt:
+    case MotionPermit::kPathChecked:
       return "the look along the way to the start, which is under way";
     case MotionPermit::kHandOff:
       return "a hand off the handle before the first motion: the force sensor reads a steady push at rest "

@@ -14,7 +14,7 @@ enum class MotionPermit : std::uint32_t {
   kPosePlausible = 1u << 5,     ///< the measured arm is where it would be commanded
   kNoResidualWrench = 1u << 6,  ///< the coupling begins at zero and fades in up to the cell's limits
   kSpindleReady = 1u << 7,      ///< its drive is in order, with fresh status; always true without a drive
-  kWayLookedAt = 1u << 8,       ///< the check of the path to the start has not forbidden it
+  kPathChecked = 1u << 8,       ///< the check of the path to the start has not forbidden it
   /// Before the first motion: the force sensor's reading at rest is its zero, not a hand resting on the
   /// handle.
   kHandOff = 1u << 9,
@@ -28,7 +28,7 @@ class MotionPermits {
 
   constexpr MotionPermits() noexcept = default;
   constexpr explicit MotionPermits(std::uint32_t bits) noexcept : bits_(bits & kAll) {}
-  constexpr void Put(MotionPermit permit, bool holds) noexcept {
+  constexpr void Set(MotionPermit permit, bool holds) noexcept {
     const auto bit = static_cast<std::uint32_t>(permit);
     bits_ = holds ? bits_ | bit : bits_ & ~bit;
   }
@@ -37,7 +37,7 @@ class MotionPermits {
   }
   [[nodiscard]] constexpr bool All() const noexcept { return bits_ == kAll; }
   /// Whether every condition holds, except perhaps that the arm is handed over.
-  [[nodiscard]] constexpr bool InOrder() const noexcept {
+  [[nodiscard]] constexpr bool AllButHandedOver() const noexcept {
     return (bits_ | static_cast<std::uint32_t>(MotionPermit::kHandedOver)) == kAll;
   }
   [[nodiscard]] constexpr std::uint32_t bits() const noexcept { return bits_; }
@@ -47,6 +47,6 @@ class MotionPermits {
 };
 
 /// Text for a missing condition, e.g. "a fresh force reading". For screens, not for the tick.
-[[nodiscard]] const char* Missing(MotionPermit permit);
+[[nodiscard]] const char* DescribeMissing(MotionPermit permit);
 
 }  // namespace osteon::safety

@@ -32,19 +32,14 @@ Watchdog::Watchdog(const WatchdogParams& params) : params_(params) {
 FaultSet Watchdog::Check(rt::Nanoseconds now, const Ages& ages) const OSTEON_RT {
   FaultSet faults;
   const double running_s = AgeSeconds(now, start_);
-  const auto watch = [&](double age_s, double most_s, Fault fault) {
-    if (std::min(age_s, running_s) > most_s) faults.Latch(fault);
+  const auto watch = [&](double age_s, double max_s, Fault fault) {
+    if (std::min(age_s, running_s) > max_s) faults.Latch(fault);
   };
   watch(ages.model_s, params_.model_stop_s, Fault::kModelStale);
   watch(ages.sensor_s, params_.sensor_stop_s, Fault::kSensorStale);
   watch(ages.spindle_s, params_.spindle_stop_s, Fault::kSpindle);
   watch(ages.interlock_s, params_.interlock_stop_s, Fault::kInterlock);
   return faults;
-}
-
-bool Watchdog::MissArm() OSTEON_RT {
-  misses_ = std::min(misses_ + 1, params_.arm_misses);
-  return misses_ >= params_.arm_misses;
 }
 
 }  // namespace osteon::safety

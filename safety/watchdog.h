@@ -47,14 +47,9 @@ class Watchdog {
     return AgeShare(sensor_age_s, params_.sensor_full_s, params_.sensor_stop_s);
   }
 
-  /// To be called when an arm message missed its deadline. True from the arm_misses-th in a row on.
-  bool MissArm() OSTEON_RT;
-  void MeetArm() OSTEON_RT { misses_ = 0; }
-
  private:
   WatchdogParams params_;
   rt::Nanoseconds start_{0};
-  int misses_{0};
 };
 
 }  // namespace osteon::safety

@@ -33,8 +33,8 @@ Workspace::Workspace(const WorkspaceParams& params) : params_(params) {
           "deceleration_m_per_s2: found " + std::to_string(params.deceleration_m_per_s2) + ", accepted > 0");
   require(std::isfinite(params.tolerance_m) && params.tolerance_m >= 0.0,
           "tolerance_m: found " + std::to_string(params.tolerance_m) + ", accepted >= 0");
-  require(params.zones.size() <= kMostZones, "zones: found " + std::to_string(params.zones.size()) +
-                                                 ", accepted at most " + std::to_string(kMostZones));
+  require(params.zones.size() <= kMaxZones, "zones: found " + std::to_string(params.zones.size()) +
+                                                ", accepted at most " + std::to_string(kMaxZones));
 
   std::vector<ZoneParams>& apex = bounds_[static_cast<std::size_t>(ZonePoint::kApex)];
   apex.push_back(
@@ -49,10 +49,9 @@ Workspace::Workspace(const WorkspaceParams& params) : params_(params) {
 }
 
 double Workspace::Distance(const Vector3& p_WP, ZonePoint point) const OSTEON_RT {
-  double least_m = std::numeric_limits<double>::infinity();
-  for (const ZoneParams& zone : Bounds(point))
-    least_m = std::min(least_m, ZoneBounds(zone, p_WP).distance_m());
-  return least_m;
+  double min_m = std::numeric_limits<double>::infinity();
+  for (const ZoneParams& zone : Bounds(point)) min_m = std::min(min_m, ZoneBounds(zone, p_WP).distance_m());
+  return min_m;
 }
 
 bool Workspace::Violated(const Vector3& p_WP, ZonePoint point) const OSTEON_RT {

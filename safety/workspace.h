@@ -16,7 +16,7 @@ struct WorkspaceParams {
   double sphere_radius_m{1.5};               ///< > 0
   Vector3 plane_normal_W{Vector3::UnitZ()};  ///< unit, pointing to the side to keep in
   double plane_offset_m{-1.0};               ///< keep in: normal·p >= offset
-  std::vector<ZoneParams> zones{};           ///< at most Workspace::kMostZones
+  std::vector<ZoneParams> zones{};           ///< at most Workspace::kMaxZones
   double deceleration_m_per_s2{3.0};         ///< deceleration that a stop can rely on; > 0
   double tolerance_m{1e-6};                  ///< a point outside by more than this is a fault; >= 0
 };
@@ -35,7 +35,7 @@ struct WorkspaceParams {
 /// the joints: for them the joint step is scaled as a whole.
 class Workspace {
  public:
-  static constexpr std::size_t kMostZones = 16;
+  static constexpr std::size_t kMaxZones = 16;
 
   /// @throws std::invalid_argument where a value is out of range.
   explicit Workspace(const WorkspaceParams& params);

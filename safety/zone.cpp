@@ -135,9 +135,9 @@ void ZoneBounds::KeepOut(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT {
 }
 
 double ZoneBounds::distance_m() const OSTEON_RT {
-  double least_m = bounds_[0].distance_m;
-  for (std::size_t i = 1; i < count_; ++i) least_m = std::min(least_m, bounds_[i].distance_m);
-  return least_m;
+  double min_m = bounds_[0].distance_m;
+  for (std::size_t i = 1; i < count_; ++i) min_m = std::min(min_m, bounds_[i].distance_m);
+  return min_m;
 }
 
 }  // namespace osteon::safety

@@ -48,7 +48,7 @@ struct ZoneBound {
 /// keep-out, the nearest place of the set. The zone is kept if no distance is negative.
 class ZoneBounds {
  public:
-  static constexpr std::size_t kMost = 6;
+  static constexpr std::size_t kMax = 6;
 
   /// @pre p_WP finite
   ZoneBounds(const ZoneParams& zone, const Vector3& p_WP) OSTEON_RT;
@@ -64,7 +64,7 @@ class ZoneBounds {
   void KeepIn(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT;
   void KeepOut(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT;
 
-  std::array<ZoneBound, kMost> bounds_{};
+  std::array<ZoneBound, kMax> bounds_{};
   std::size_t count_{0};
 };
 

@@ -49,7 +49,7 @@ void BallRemoval::Remove(std::span<const Capsule> capsules, std::vector<BallStat
     }
     if (waiting && may_split == 0) {
       Shrink(balls[i], capsules);
-      splitter_->Keep(capsules, balls[i], *waiting);
+      splitter_->StoreCuts(capsules, balls[i], *waiting);
       waiting_.push_back(std::move(*waiting));
       continue;
     }

@@ -48,7 +48,7 @@ class BallRemoval {
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
   [[nodiscard]] std::size_t blocks_in_use() const { return blocks_ - free_.size(); }
   /// Largest number of blocks that were in use at a time.
-  [[nodiscard]] std::size_t most_blocks() const { return blocks_; }
+  [[nodiscard]] std::size_t max_blocks_in_use() const { return blocks_; }
 
   /// Writes balls and blocks to a state. Blocks are in the order of their parents.
   void Save(const std::vector<BallState>& balls, CarvedState& state) const;

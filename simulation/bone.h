@@ -23,8 +23,8 @@ struct MassPoint {
   MaterialIndex material{0};
 };
 
-/// The hemispherical cup that is to be reamed, in G.
-struct Cup {
+/// The site that is cut, in G: a hemispherical cup that is reamed, or where a drill or burr enters.
+struct CutSite {
   PlainVector3 center_m;
   PlainVector3 axis{Vector3::UnitZ()};  ///< unit, out of the opening (+z of frame C)
   double radius_m{0.024};
@@ -37,7 +37,7 @@ struct Bone {
   std::vector<Ball> balls;
   std::vector<MassPoint> points;
   std::vector<Material> materials;
-  Cup cup;
+  CutSite site;
 };
 
 }  // namespace osteon::simulation

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "simulation/constrained_goal.h"
 #include "simulation/cutting_math.h"
-#include "simulation/hold_point.h"
 
 namespace osteon::simulation {
 namespace {
@@ -31,7 +31,7 @@ struct Faces {
   std::array<Face, kMaxFaces> face{};
   std::size_t count{0};
 };
-Faces FindFaces(const CuttingParams& params, const Candidates& candidates, const HoldPoint& hold,
+Faces FindFaces(const CuttingParams& params, const Candidates& candidates, const ConstrainedGoal& hold,
                 const ContactMemory& memory) {
   Faces faces;
   // strongest first, so that a new face forms around the plane that holds most
@@ -78,7 +78,7 @@ ContactBin FindBin(const Vector3& u_T, bool cutting) {
   const Vector3 size = u_T.cwiseAbs();
   const int axis = size.x() >= size.y() && size.x() >= size.z() ? 0 : size.y() >= size.z() ? 1 : 2;
   const int face = 2 * axis + (u_T[axis] < 0.0 ? 1 : 0);
-  if (!cutting) return {.number = kCuttingBins + face, .off_middle = 1.0 - size[axis]};
+  if (!cutting) return {.number = kCuttingBins + face, .off_centre = 1.0 - size[axis]};
   // thirds of the cube's face: one comparison each, so that both engines agree
   const auto third = [&](double x) { return 3.0 * x < -size[axis] ? 0 : 3.0 * x > size[axis] ? 2 : 1; };
   const double b = u_T[(axis + 1) % 3], c = u_T[(axis + 2) % 3];
@@ -86,7 +86,7 @@ ContactBin FindBin(const Vector3& u_T, bool cutting) {
   // the third's centre: two thirds of the way from the face's centre to its edge
   const double along = size[axis] + 2.0 / 3.0 * ((i - 1) * b + (j - 1) * c);
   const double length = std::sqrt(1.0 + 4.0 / 9.0 * ((i != 1) + (j != 1)));
-  return {.number = 9 * face + 3 * i + j, .off_middle = 1.0 - along / length};
+  return {.number = 9 * face + 3 * i + j, .off_centre = 1.0 - along / length};
 }
 
 bool Nearer(const NearPair& a, const NearPair& b) {
@@ -131,49 +131,50 @@ Candidates FindCandidates(const NearField& near, double tolerance_m) {
   return all;
 }
 
-void WeighHold(ContactHold& held) {
+void ComputeForceCap(ContactSolution& held) {
   held.normal_m = 0.0;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(held.hold.count); ++k)
-    held.normal_m += held.hold.multiplier_m[k];
-  held.most_m = ForceMultiplierCap(held.normal_m, held.hold.point_m.norm(), held.hold.slack_m);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(held.goal.count); ++k)
+    held.normal_m += held.goal.multiplier_m[k];
+  held.force_multiplier_cap_m =
+      ForceMultiplierCap(held.normal_m, held.goal.point_m.norm(), held.goal.slack_m);
 }
 
-ContactHold HoldTool(const Candidates& candidates, const ContactInput& input, bool turning) {
+ContactSolution SolveContacts(const Candidates& candidates, const ContactInput& input, bool turning) {
   const auto motion = [&](const NearPair& pair) { return turning ? pair.motion_m : input.motion_G_m; };
   std::array<HalfSpace, kContactBins + kRememberedPairs> planes;
   for (std::size_t i = 0; i < candidates.count; ++i) {
     const NearPair& pair = candidates.pairs[i];
     planes[i] = {.n = pair.n, .offset = -(candidates.gap_m[i] + pair.n.dot(motion(pair)))};
   }
-  ContactHold held;
-  held.hold = FindHoldPoint(std::span(planes.data(), candidates.count),
-                            std::span(candidates.held.data(), candidates.held_count));
-  WeighHold(held);
+  ContactSolution held;
+  held.goal = FindConstrainedGoal(std::span(planes.data(), candidates.count),
+                                  std::span(candidates.held.data(), candidates.held_count));
+  ComputeForceCap(held);
   if (held.normal_m <= 0.0 || input.friction <= 0.0) return held;
 
   Vector3 slip = Vector3::Zero();  // of the touching surface
-  for (std::size_t k = 0; k < static_cast<std::size_t>(held.hold.count); ++k) {
-    const NearPair& pair = candidates.pairs[held.hold.plane[k]];
-    Vector3 way = motion(pair) + held.hold.point_m;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(held.goal.count); ++k) {
+    const NearPair& pair = candidates.pairs[held.goal.plane[k]];
+    Vector3 way = motion(pair) + held.goal.point_m;
     if (turning) way -= pair.tool_radius_m * input.turn_G.cross(pair.n);
-    slip += held.hold.multiplier_m[k] * way;
+    slip += held.goal.multiplier_m[k] * way;
   }
   slip /= held.normal_m;
-  const Vector3 n = held.hold.point_m.normalized();
+  const Vector3 n = held.goal.point_m.normalized();
   slip -= n.dot(slip) * n;
   const double size = slip.norm();
   if (size <= 0.0) return held;
-  held.friction_m = -std::min(1.0, input.friction * held.most_m / size) * slip;
+  held.friction_m = -std::min(1.0, input.friction * held.force_multiplier_cap_m / size) * slip;
   // the friction's step back may lead into another plane by micrometres: move out again
   for (std::size_t i = 0; i < candidates.count; ++i) planes[i].offset -= planes[i].n.dot(held.point_m());
-  held.friction_m += FindHoldPoint(std::span(planes.data(), candidates.count)).point_m;
+  held.friction_m += FindConstrainedGoal(std::span(planes.data(), candidates.count)).point_m;
   return held;
 }
 
-void ReportContacts(const CuttingParams& params, const NearField& near, const Candidates& candidates,
-                    const ContactHold& held, const ContactHold& unturned, const ContactInput& input,
-                    ContactMemory& memory, FrameSolution& solution) {
-  const HoldPoint& hold = held.hold;
+void FillContacts(const CuttingParams& params, const NearField& near, const Candidates& candidates,
+                  const ContactSolution& held, const ContactSolution& unturned, const ContactInput& input,
+                  ContactMemory& memory, FrameSolution& solution) {
+  const ConstrainedGoal& hold = held.goal;
   solution.delta = held.point_m();
   solution.shift = input.motion_G_m + unturned.point_m();
   for (int bin = kCuttingBins; bin < kContactBins; ++bin) {
@@ -188,7 +189,7 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
   Vector3 cutting = Vector3::Zero(), at = Vector3::Zero();  // at: displacement from the tool's pose
   solution.contact_count = 0;
   ContactMemory next;
-  const double free_share = held.normal_m > 0.0 ? held.most_m / held.normal_m : 1.0;
+  const double free_share = held.normal_m > 0.0 ? held.force_multiplier_cap_m / held.normal_m : 1.0;
   double largest = 0.0;
   for (std::size_t f = 0; f < faces.count; ++f) largest = std::max(largest, faces.face[f].multiplier);
   for (std::size_t f = 0; f < faces.count; ++f) {

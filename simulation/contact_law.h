@@ -3,11 +3,11 @@
 #include <array>
 #include <limits>
 
+#include "simulation/constrained_goal.h"
 #include "simulation/contact_memory.h"
 #include "simulation/cutting_constants.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/frame_solution.h"
-#include "simulation/hold_point.h"
 
 // Pass 2: from the pairs near the tool at first contact to the constrained target and the reported contacts.
 //
@@ -27,7 +27,7 @@ inline constexpr int kCuttingBins = 54, kContactBins = 60;
 /// Bin of a pair, and how far the pair's direction is from the bin's centre (1 - cosine).
 struct ContactBin {
   int number;
-  double off_middle;
+  double off_centre;
 };
 /// @param u_T  unit, from bone to tool, in T.
 [[nodiscard]] ContactBin FindBin(const Vector3& u_T, bool cutting);
@@ -84,25 +84,25 @@ struct Candidates {
   std::array<NearPair, kContactBins + kRememberedPairs> pairs{};
   std::array<double, kContactBins + kRememberedPairs> gap_m{};
   std::size_t count{0};
-  std::array<std::size_t, kMostHolding> held{};  ///< indices of those that held the tool in the frame before
+  std::array<std::size_t, kMaxHolding> held{};  ///< indices of those that held the tool in the frame before
   std::size_t held_count{0};
 };
 [[nodiscard]] Candidates FindCandidates(const NearField& near, double contact_tolerance_m);
 
 /// Where planes hold a tool, and how far friction takes the tool back.
-struct ContactHold {
-  HoldPoint hold;        ///< relative to the unconstrained pose
+struct ContactSolution {
+  ConstrainedGoal goal;  ///< relative to the unconstrained pose
   double normal_m{0.0};  ///< sum of the multipliers
   /// Largest part of normal_m that counts as force. A tool that does not fit (turned askew in its own slot)
   /// is wedged between planes that all yield by the slack. Multipliers that balance each other then count
   /// only as far as the slack is worth at the coupling's stiffness.
-  double most_m{0.0};
+  double force_multiplier_cap_m{0.0};
   Vector3 friction_m{Vector3::Zero()};
 
-  [[nodiscard]] Vector3 point_m() const { return hold.point_m + friction_m; }
+  [[nodiscard]] Vector3 point_m() const { return goal.point_m + friction_m; }
 };
-/// Computes normal_m and most_m from the hold point.
-void WeighHold(ContactHold& held);
+/// Computes normal_m and force_multiplier_cap_m from the hold point.
+void ComputeForceCap(ContactSolution& held);
 
 /// Finds where the candidates' planes hold the tool.
 /// @param turning  true: for the tool's pose; false: for a motion of T's origin alone, with the orientation
@@ -110,13 +110,14 @@ void WeighHold(ContactHold& held);
 ///
 /// Friction (Coulomb, on the proxy) takes back part of the slip of the touching surface from first contact to
 /// the target: mu times the sum of the normal displacements, within what the planes allow.
-[[nodiscard]] ContactHold HoldTool(const Candidates& candidates, const ContactInput& input, bool turning);
+[[nodiscard]] ContactSolution SolveContacts(const Candidates& candidates, const ContactInput& input,
+                                            bool turning);
 
 /// Fills contacts, delta, shift, n, cutting_m and the shaft planes of the solution, and the memory for the
 /// next frame.
 /// @param held  with the tool's turn;  @param unturned  without it
-void ReportContacts(const CuttingParams& params, const NearField& near, const Candidates& candidates,
-                    const ContactHold& held, const ContactHold& unturned, const ContactInput& input,
-                    ContactMemory& memory, FrameSolution& solution);
+void FillContacts(const CuttingParams& params, const NearField& near, const Candidates& candidates,
+                  const ContactSolution& held, const ContactSolution& unturned, const ContactInput& input,
+                  ContactMemory& memory, FrameSolution& solution);
 
 }  // namespace osteon::simulation

@@ -19,14 +19,14 @@ namespace osteon::simulation {
 /// Tool balls whose first contacts lie within this length of the tool's way count as touching at the same
 /// time [m]. A cut ball lies this close to the ball that cut it, since it is stored in floats; without the
 /// tolerance, rounding would choose between them.
-OSTEON_CONST double kSameTouch_m = OSTEON_DECIMAL(1, 100000000);
+OSTEON_CONST double kTieTolerance_m = OSTEON_DECIMAL(1, 100000000);
 
 /// Upper limit of a lens volume in a normal [m^3]. Larger overlaps are no contacts any more, and the limit
 /// keeps the shaders' sums within their range.
-OSTEON_CONST double kLargestLensVolume = OSTEON_DECIMAL(5, 10) / 1000000000;
+OSTEON_CONST double kMaxLensVolume = OSTEON_DECIMAL(5, 10) / 1000000000;
 
 /// Balls smaller than this are gone [m].
-OSTEON_CONST double kLeastBallRadius = OSTEON_DECIMAL(1, 1000000);
+OSTEON_CONST double kMinBallRadius = OSTEON_DECIMAL(1, 1000000);
 /// Closer to a capsule's axis than this share of the capsule's radius, the direction from axis to centre
 /// needs a correction.
 OSTEON_CONST double kOnAxis = OSTEON_DECIMAL(1, 1000);
@@ -34,7 +34,7 @@ OSTEON_CONST double kOnAxis = OSTEON_DECIMAL(1, 1000);
 /// A bin's pair may be farther away by this length times (1 - cosine) if its direction is nearer to the bin's
 /// centre [m]. A cut wall touches with hundreds of balls at once, all equally far but for rounding; the
 /// direction then decides.
-OSTEON_CONST double kMiddleWorth_m = OSTEON_DECIMAL(5, 100000);
+OSTEON_CONST double kBinCentreBias_m = OSTEON_DECIMAL(5, 100000);
 
 /// Pairs belong to a face within a cone of 30 degrees half angle about its normal (its cosine).
 OSTEON_CONST double kFaceCosine = OSTEON_DECIMAL(866, 1000);
@@ -53,7 +53,7 @@ OSTEON_CONST int kMaxHoldRounds = 200;
 
 /// A turn counts as this length of travel: a resting tool then turns with the hand, whatever its micrometres
 /// of slide.
-OSTEON_CONST double kTurnWorth_m = OSTEON_DECIMAL(5, 1000000);
+OSTEON_CONST double kRotationBias_m = OSTEON_DECIMAL(5, 1000000);
 /// Share of the contact tolerance that a turn may use: the rest is for going along whatever holds it.
 OSTEON_CONST double kTurnToleranceShare = OSTEON_DECIMAL(35, 100);
 
@@ -65,8 +65,8 @@ OSTEON_CONST double kSlideShare = OSTEON_DECIMAL(8, 10);
 /// Gap at which a pair holds, where `room` is left between the pair and the one that faces it. Both yield
 /// until the tolerance is left, each by at most three quarters of it.
 OSTEON_FUNCTION double YieldingGap(double gap, double room, double tolerance) {
-  double most = 0.75 * tolerance, half_lack = 0.5 * (tolerance - room);
-  return gap + (half_lack < most ? half_lack : most);
+  double max_lack = 0.75 * tolerance, half_lack = 0.5 * (tolerance - room);
+  return gap + (half_lack < max_lack ? half_lack : max_lack);
 }
 
 /// Largest part of `normal`, the sum of the multipliers, that counts as force. Multipliers that balance each
@@ -96,16 +96,16 @@ OSTEON_FUNCTION double Exactness(double share, double width) {
 
 /// True where the tool slides with its turn rather than straight: unless bone stops the turning tool before
 /// half the straight way.
-/// @param way, straight_way  travel with the turn and without it;  @param turn_worth  kTurnWorth_m
-OSTEON_FUNCTION bool SlidesTurning(bool stopped, double way, double straight_way, double turn_worth) {
-  return !stopped || way + turn_worth > 0.5 * straight_way;
+/// @param way, straight_way  travel with the turn and without it;  @param rotation_bias  kRotationBias_m
+OSTEON_FUNCTION bool SlidesTurning(bool stopped, double way, double straight_way, double rotation_bias) {
+  return !stopped || way + rotation_bias > 0.5 * straight_way;
 }
 
 #ifdef __cplusplus
 // the quotients equal the decimal fractions
-static_assert(kSameTouch_m == 1e-8 && kLargestLensVolume == 0.5e-9 && kLeastBallRadius == 1e-6 &&
-              kOnAxis == 1e-3 && kMiddleWorth_m == 0.05e-3 && kFaceCosine == 0.866 && kHoldSlack == 1e-6 &&
-              kMinPivot == 1e-13 && kTurnWorth_m == 5e-6 && kTurnToleranceShare == 0.35 &&
+static_assert(kTieTolerance_m == 1e-8 && kMaxLensVolume == 0.5e-9 && kMinBallRadius == 1e-6 &&
+              kOnAxis == 1e-3 && kBinCentreBias_m == 0.05e-3 && kFaceCosine == 0.866 && kHoldSlack == 1e-6 &&
+              kMinPivot == 1e-13 && kRotationBias_m == 5e-6 && kTurnToleranceShare == 0.35 &&
               kSlideShare == 0.8);
 }  // namespace osteon::simulation
 #endif

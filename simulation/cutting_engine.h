@@ -40,9 +40,9 @@ enum class Cutters : std::uint8_t {
 /// How balls that are too large for a cut are replaced by children (ball_removal.h, split_template.h).
 struct SplitParams {
   bool on{false};
-  double least_radius_m{0.4e-3};    ///< balls that are smaller at first touch shrink whole
+  double min_radius_m{0.4e-3};      ///< balls that are smaller at first touch shrink whole
   int children{24};                 ///< number of children of a ball: 8 … 1024
-  double least_child_share{0.12};   ///< over the ball's first radius; smaller children are dropped: 0 … 0.5
+  double min_child_share{0.12};     ///< over the ball's first radius; smaller children are dropped: 0 … 0.5
   std::size_t pool_blocks{4096};    ///< balls that can be split at a time: 1 … 1 000 000
   std::size_t blocks_per_frame{0};  ///< most balls split in a frame, the others wait; 0: no limit
 };

@@ -75,7 +75,7 @@ inline bool ShrinkBall(Vector3& c, double& r, const Vector3& a, const Vector3& b
   const double distance = away.norm();
   const double p = r + r_t - distance;
   if (r <= 0.0 || p <= 0.0) return false;
-  if (p >= 2.0 * r || r - 0.5 * p < kLeastBallRadius) {
+  if (p >= 2.0 * r || r - 0.5 * p < kMinBallRadius) {
     r = 0.0;
     return true;
   }

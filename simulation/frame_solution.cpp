@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "simulation/hold_point.h"
+#include "simulation/constrained_goal.h"
 
 namespace osteon::simulation {
 namespace {
@@ -46,7 +46,7 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
   for (const SolvedContact& from : solved) {
     Contact& contact = model.contacts[static_cast<std::size_t>(model.contact_count++)];
     contact.stiffness_N_per_m = params.stiffness_N_per_m;
-    const Vector3 n_W = X_WG.linear() * from.n, arm_W = X_WT.linear() * from.p_T_m;
+    const Vector3 n_W = X_WG.linear() * from.n, lever_W = X_WT.linear() * from.p_T_m;
     if (cutting && from.cutting)
       contact.advance_m_per_s = model.advance_m_per_s * std::max(0.0, from.n.dot(solution.n));
     // the bone cut in this frame is already gone, but never more than stood in the way
@@ -55,14 +55,14 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
       contact.gap_m = std::min(0.0, from.gap_m + contact.advance_m_per_s * dt_s);
     contact.p_TP_m = from.p_T_m;
     contact.n_W = n_W;
-    const Vector3 p_W = X_WT.translation() + arm_W - contact.gap_m * n_W;
+    const Vector3 p_W = X_WT.translation() + lever_W - contact.gap_m * n_W;
     contact.p_W_m = p_W;
     contact.material = from.cutting && engaged ? *engaged : map.At(X_GW * p_W);
     contact.mu = contact.material < materials.size() ? materials[contact.material].friction : 0.0;
     contact.weight = weight > 0.0 ? from.weight / weight : 0.0;
     const Vector3 f = params.stiffness_N_per_m * from.multiplier_m * n_W;
     F_T_W.f += f;
-    F_T_W.t += arm_W.cross(f);
+    F_T_W.t += lever_W.cross(f);
   }
   model.F_T_W = F_T_W;
 }
@@ -98,13 +98,13 @@ void CheckAtMost(const char* what, Value found, std::int64_t most) {
 
 }  // namespace
 
-double MostSlide(const CuttingParams& params, const FrameInput& input) {
+double MaxSlide(const CuttingParams& params, const FrameInput& input) {
   const bool advances = params.law == RemovalLaw::kRate && input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;
   return params.max_slide_m * (advances ? kSlideShare : 1.0);
 }
 
-Vector3 StepOfAdvance(const CuttingParams& params, const FrameInput& input, const FrameSolution& solution,
-                      const Vector3& origin_goal) {
+Vector3 ComputeAdvanceStep(const CuttingParams& params, const FrameInput& input,
+                           const FrameSolution& solution, const Vector3& origin_goal) {
   const bool cutting = input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;
   const bool held_by_shaft_alone = solution.advance_m <= 0.0 && solution.delta != Vector3::Zero();
   if (params.law == RemovalLaw::kImmediate && cutting && !held_by_shaft_alone)
@@ -112,7 +112,7 @@ Vector3 StepOfAdvance(const CuttingParams& params, const FrameInput& input, cons
   return -solution.advance_m * solution.n;
 }
 
-Vector3 EndOfAdvance(const FrameSolution& solution) {
+Vector3 ComputeAdvanceEnd(const FrameSolution& solution) {
   Vector3 step = solution.step;
   for (int i = 0; i < solution.shaft_count; ++i) {
     const ShaftPlane& shaft = solution.shaft[static_cast<std::size_t>(i)];
@@ -123,9 +123,9 @@ Vector3 EndOfAdvance(const FrameSolution& solution) {
   return solution.origin_slid + step;
 }
 
-FrameAdvance AdvanceOfFrame(const CuttingParams& params, const std::vector<Material>& materials,
+FrameAdvance ComputeAdvance(const CuttingParams& params, const std::vector<Material>& materials,
                             const FrameSolution& solution, double spindle_rad_per_s, double dt_s,
-                            double debt_J) {
+                            double energy_lead_J) {
   const double x = solution.cutting_m;
   if (x <= 0.0 || spindle_rad_per_s == 0.0 || dt_s <= 0.0) return {};
   double work_per_m = 0.0;  // J per metre of advance
@@ -135,11 +135,11 @@ FrameAdvance AdvanceOfFrame(const CuttingParams& params, const std::vector<Mater
       CuttingForce(params, solution) * std::abs(spindle_rad_per_s) * CuttingArm(materials, solution) * dt_s;
   if (params.law == RemovalLaw::kImmediate) return {.advance_m = x, .edge_work_J = work_J};
   // remnants without mass do not hold the tool
-  const double most_m = std::max(0.0, params.max_slide_m - solution.slide_m);
-  if (work_per_m <= 0.0) return {.advance_m = std::min(x, most_m), .edge_work_J = 0.0};
-  const double paid_J = std::max(0.0, work_J - debt_J * std::min(1.0, dt_s / kDebtSeconds));
+  const double max_m = std::max(0.0, params.max_slide_m - solution.slide_m);
+  if (work_per_m <= 0.0) return {.advance_m = std::min(x, max_m), .edge_work_J = 0.0};
+  const double paid_J = std::max(0.0, work_J - energy_lead_J * std::min(1.0, dt_s / kEnergyLeadSeconds));
   const double linear_m = paid_J / work_per_m;
-  const double advance_m = std::min(x * -std::expm1(-linear_m / x), most_m);
+  const double advance_m = std::min(x * -std::expm1(-linear_m / x), max_m);
   return {.advance_m = advance_m, .edge_work_J = linear_m > 0.0 ? work_J * advance_m / linear_m : work_J};
 }
 
@@ -153,7 +153,7 @@ void BookRemoved(const CuttingParams& params, const std::vector<Material>& mater
     work_J += removed_m3[i] * materials[i].specific_cutting_energy_J_per_m3;
   }
   memory.cutting_work_J += work_J;
-  memory.debt_J = params.law == RemovalLaw::kRate ? memory.debt_J + work_J - edge_work_J : 0.0;
+  memory.energy_lead_J = params.law == RemovalLaw::kRate ? memory.energy_lead_J + work_J - edge_work_J : 0.0;
 }
 
 ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material>& materials,
@@ -221,7 +221,7 @@ void ToState(const FrameMemory& memory, CarvedState& state) {
   state.removed_volume_m3 = memory.removed_volume_m3;
   state.removed_mass_kg = memory.removed_mass_kg;
   state.cutting_work_J = memory.cutting_work_J;
-  state.cutting_debt_J = memory.debt_J;
+  state.cutting_debt_J = memory.energy_lead_J;
   state.contact = memory.contact;
   state.frame = memory.frame;
 }
@@ -233,7 +233,7 @@ FrameMemory ToMemory(const CarvedState& state) {
           .removed_volume_m3 = state.removed_volume_m3,
           .removed_mass_kg = state.removed_mass_kg,
           .cutting_work_J = state.cutting_work_J,
-          .debt_J = state.cutting_debt_J,
+          .energy_lead_J = state.cutting_debt_J,
           .frame = state.frame};
 }
 
@@ -241,7 +241,7 @@ void CheckMemory(const CarvedState& state, std::size_t tool_balls) {
   const ContactMemory& contact = state.contact;
   CheckAtMost("contact pairs", contact.pair_count, kRememberedPairs);
   CheckAtMost("contact pairs that hold", contact.held_count,
-              std::min<std::int64_t>(contact.pair_count, kMostHolding));
+              std::min<std::int64_t>(contact.pair_count, kMaxHolding));
   CheckAtMost("contact faces", contact.face_count, kMaxFaces);
   const auto places = static_cast<std::int64_t>((state.balls.size() + state.split_slots.size()) / 4);
   for (const ContactPair& pair :

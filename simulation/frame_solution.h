@@ -59,18 +59,18 @@ struct FrameSolution {
 };
 
 /// Longest slide of a frame: max_slide_m, or kSlideShare of it where the rate law cuts as well [m].
-[[nodiscard]] double MostSlide(const CuttingParams& params, const FrameInput& input);
+[[nodiscard]] double MaxSlide(const CuttingParams& params, const FrameInput& input);
 
 /// Step of the slid proxy where the bone gives way: the advance along -n. With the immediate law a cutting
 /// tool goes all the way to its pose, even if its slide was cut short or n is only a mean over many balls.
 /// The exception is a tool that only balls without a cutting edge hold.
-[[nodiscard]] Vector3 StepOfAdvance(const CuttingParams& params, const FrameInput& input,
-                                    const FrameSolution& solution, const Vector3& origin_goal);
+[[nodiscard]] Vector3 ComputeAdvanceStep(const CuttingParams& params, const FrameInput& input,
+                                         const FrameSolution& solution, const Vector3& origin_goal);
 
 /// Position of the slid proxy after its step, held back by the planes of the balls that do not cut.
-[[nodiscard]] Vector3 EndOfAdvance(const FrameSolution& solution);
+[[nodiscard]] Vector3 ComputeAdvanceEnd(const FrameSolution& solution);
 
-/// Result of AdvanceOfFrame.
+/// Result of ComputeAdvance.
 struct FrameAdvance {
   double advance_m{0.0};
   double edge_work_J{0.0};  ///< work of the cutting edge in this frame
@@ -82,18 +82,19 @@ struct FrameAdvance {
 /// with dA the engaged area projected on the plane normal to n (only that projection sweeps volume), and F =
 /// K x, at most max_force. For the penetration x the law x' = -c K x has the exact solution used here. The
 /// result therefore does not depend on the frame rate, and the advance never exceeds the penetration.
-/// `debt_J` is work of points cleared in excess of the balance; it is paid back over kDebtSeconds.
-[[nodiscard]] FrameAdvance AdvanceOfFrame(const CuttingParams& params, const std::vector<Material>& materials,
+/// `energy_lead_J` is work of points cleared in excess of the balance; it is paid back over
+/// kEnergyLeadSeconds.
+[[nodiscard]] FrameAdvance ComputeAdvance(const CuttingParams& params, const std::vector<Material>& materials,
                                           const FrameSolution& solution, double spindle_rad_per_s,
-                                          double dt_s, double debt_J);
-inline constexpr double kDebtSeconds = 0.1;
+                                          double dt_s, double energy_lead_J);
+inline constexpr double kEnergyLeadSeconds = 0.1;
 
 /// State of an engine from frame to frame, besides balls and points.
 struct FrameMemory {
   ContactMemory contact;
   Pose X_GP{Pose::Identity()};  ///< proxy in G
   bool has_proxy{false};
-  double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0}, debt_J{0.0};
+  double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0}, energy_lead_J{0.0};
   std::uint64_t frame{0};
 };
 

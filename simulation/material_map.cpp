@@ -31,15 +31,15 @@ MaterialMap::MaterialMap(const Bone& bone) {
 
   // counting sort by cell, which keeps the bone's order within each cell
   first_.assign(static_cast<std::size_t>(size_[0] * size_[1] * size_[2]) + 1, 0);
-  for (const MassPoint& point : bone.points) ++first_[Place(CellOf(point.p_m)) + 1];
+  for (const MassPoint& point : bone.points) ++first_[IndexOf(CellOf(point.p_m)) + 1];
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   points_.resize(bone.points.size());
   for (const MassPoint& point : bone.points)
-    points_[next[Place(CellOf(point.p_m))]++] = {.x = static_cast<float>(point.p_m.x),
-                                                 .y = static_cast<float>(point.p_m.y),
-                                                 .z = static_cast<float>(point.p_m.z),
-                                                 .material = point.material};
+    points_[next[IndexOf(CellOf(point.p_m))]++] = {.x = static_cast<float>(point.p_m.x),
+                                                   .y = static_cast<float>(point.p_m.y),
+                                                   .z = static_cast<float>(point.p_m.z),
+                                                   .material = point.material};
 }
 
 MaterialMap::CellIndex MaterialMap::CellOf(const Vector3& p_m) const {
@@ -53,7 +53,7 @@ MaterialMap::CellIndex MaterialMap::CellOf(const Vector3& p_m) const {
   return cell;
 }
 
-std::size_t MaterialMap::Place(const CellIndex& cell) const {
+std::size_t MaterialMap::IndexOf(const CellIndex& cell) const {
   return static_cast<std::size_t>((cell[2] * size_[1] + cell[1]) * size_[0] + cell[0]);
 }
 
@@ -63,7 +63,7 @@ MaterialIndex MaterialMap::At(const Vector3& p_m) const {
   double nearest = std::numeric_limits<double>::infinity();
   MaterialIndex material = only_;
   const auto visit = [&](const CellIndex& cell) {
-    const std::size_t place = Place(cell);
+    const std::size_t place = IndexOf(cell);
     for (std::uint32_t i = first_[place]; i < first_[place + 1]; ++i) {
       const double distance = (Vector3(points_[i].x, points_[i].y, points_[i].z) - p_m).squaredNorm();
       if (distance >= nearest) continue;

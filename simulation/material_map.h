@@ -29,7 +29,7 @@ class MaterialMap {
   using CellIndex = std::array<std::int64_t, 3>;
 
   [[nodiscard]] CellIndex CellOf(const Vector3& p_m) const;
-  [[nodiscard]] std::size_t Place(const CellIndex& cell) const;
+  [[nodiscard]] std::size_t IndexOf(const CellIndex& cell) const;
 
   MaterialIndex only_{0};  ///< material of all points; the grid is empty then
   Vector3 origin_m_{Vector3::Zero()};

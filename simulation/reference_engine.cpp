@@ -19,13 +19,13 @@ std::vector<BallState> StatesOf(const std::vector<Ball>& balls) {
   std::vector<BallState> states;
   states.reserve(balls.size());
   for (const Ball& ball : balls)
-    states.push_back(Stored({.center_m = ball.center_m, .radius_m = ball.radius_m}));
+    states.push_back(RoundToStored({.center_m = ball.center_m, .radius_m = ball.radius_m}));
   return states;
 }
 
 std::vector<MassPoint> StoredPoints(std::vector<MassPoint> points) {
   for (MassPoint& point : points) {
-    point.p_m = Stored({.center_m = point.p_m, .radius_m = 0.0}).center_m;
+    point.p_m = RoundToStored({.center_m = point.p_m, .radius_m = 0.0}).center_m;
     point.volume_m3 = 1e-9 * static_cast<float>(point.volume_m3 * 1e9);
   }
   return points;
@@ -65,10 +65,10 @@ ContactModel ReferenceEngine::Step(const FrameInput& input) {
   if (!memory_.has_proxy) memory_.X_GP = X_WG_.inverse() * Pose(input.X_WT);
   const Pose X_WP = X_WG_ * Pose(memory_.X_GP);
   return StepInParts(input, X_WP, SubframeCount(lever_m_, X_WP, Pose(input.X_WT)), memory_,
-                     [this](const FrameInput& part) { return Frame(part); });
+                     [this](const FrameInput& part) { return StepPart(part); });
 }
 
-ContactModel ReferenceEngine::Frame(const FrameInput& input) {
+ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   const Pose X_GT = X_WG_.inverse() * Pose(input.X_WT);
   const bool cutting = input.spindle_rad_per_s != 0.0;
   FrameSolution solution;
@@ -76,7 +76,7 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   // pass 1: how far the tool gets on its way from the last free pose
   const ToolPoints start = PlaceTool(tool_, memory_.X_GP), goal = PlaceTool(tool_, X_GT);
   solution.contact_fraction = std::min(1.0, FirstContact(start, goal, 0.0));
-  const ToolPoints contact = Between(start, goal, solution.contact_fraction);
+  const ToolPoints contact = InterpolatePoints(start, goal, solution.contact_fraction);
   solution.origin_contact = contact.back();
 
   // pass 2: the pairs near the tool there, the closest target that keeps their planes, and the way to it
@@ -88,33 +88,33 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   const bool turning = asked.turn_G != Vector3::Zero();
   const NearField near = FindNearField(contact, goal, asked.R_GT);
   const Candidates candidates = FindCandidates(near, params_.contact_tolerance_m);
-  const ContactHold held = HoldTool(candidates, asked, true);
-  ReportContacts(params_, near, candidates, held, turning ? HoldTool(candidates, asked, false) : held, asked,
-                 memory_.contact, solution);
+  const ContactSolution held = SolveContacts(candidates, asked, true);
+  FillContacts(params_, near, candidates, held, turning ? SolveContacts(candidates, asked, false) : held,
+               asked, memory_.contact, solution);
   ToolPoints target = goal, straight = contact;
   for (Vector3& point : target) point += solution.delta;
   for (Vector3& point : straight) point += solution.shift;
-  const double most_m = MostSlide(params_, input);
+  const double max_m = MaxSlide(params_, input);
   const Slid full =
-      Slide(contact, target, (turning ? kTurnToleranceShare : 1.0) * params_.contact_tolerance_m, most_m);
-  const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m, most_m) : full;
+      Slide(contact, target, (turning ? kTurnToleranceShare : 1.0) * params_.contact_tolerance_m, max_m);
+  const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m, max_m) : full;
   // where bone keeps the tool from turning, it still moves straight
-  const bool turns = SlidesTurning(full.stopped, full.way_m, unturned.way_m, kTurnWorth_m);
+  const bool turns = SlidesTurning(full.stopped, full.way_m, unturned.way_m, kRotationBias_m);
   const Slid& chosen = turns ? full : unturned;
   solution.slide_fraction = chosen.fraction;
   solution.turn_fraction = turns ? chosen.fraction : 0.0;
   solution.slide_m = chosen.way_m;
-  const ToolPoints slid = Between(contact, turns ? target : straight, chosen.fraction);
+  const ToolPoints slid = InterpolatePoints(contact, turns ? target : straight, chosen.fraction);
   solution.origin_slid = slid.back();
 
   // pass 3: how far bone gives way, and the removal
   MeasureEngagement(contact, X_GT.linear().col(2), solution);
-  const FrameAdvance advance =
-      AdvanceOfFrame(params_, materials_, solution, input.spindle_rad_per_s, input.dt_s, memory_.debt_J);
+  const FrameAdvance advance = ComputeAdvance(params_, materials_, solution, input.spindle_rad_per_s,
+                                              input.dt_s, memory_.energy_lead_J);
   solution.advance_m = advance.advance_m;
   solution.edge_work_J = advance.edge_work_J;
-  solution.step = StepOfAdvance(params_, input, solution, goal.back());
-  solution.origin_end = EndOfAdvance(solution);
+  solution.step = ComputeAdvanceStep(params_, input, solution, goal.back());
+  solution.origin_end = ComputeAdvanceEnd(solution);
   if (cutting) {
     ToolPoints end = slid;
     for (Vector3& point : end) point += solution.origin_end - solution.origin_slid;
@@ -144,9 +144,9 @@ double ReferenceEngine::FirstContact(const ToolPoints& from, const ToolPoints& t
 }
 
 ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m,
-                                             double most_m) const {
+                                             double max_m) const {
   const double longest = LongestWay(from, to);
-  const double limit = longest > most_m ? most_m / longest : 1.0;
+  const double limit = longest > max_m ? max_m / longest : 1.0;
   const double met = FirstContact(from, to, tolerance_m);
   const double fraction = std::min(limit, met);
   return {.fraction = fraction, .way_m = fraction * longest, .stopped = met < limit};
@@ -176,12 +176,12 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
       NearPair pair = pair_of(b, t);
       if (!pair.present || pair.gap_m >= params_.normal_enlargement_m) continue;
       const ContactBin bin = FindBin(bin_axes.transpose() * pair.n, pair.cutting);
-      pair.score_m = pair.gap_m + kMiddleWorth_m * bin.off_middle;
+      pair.score_m = pair.gap_m + kBinCentreBias_m * bin.off_centre;
       NearPair& nearest = near.nearest[static_cast<std::size_t>(bin.number)];
       if (Nearer(pair, nearest)) nearest = pair;
       const double lens = std::min(LensVolume(pair.tool_radius_m + params_.normal_enlargement_m,
                                               balls_[b].radius_m, (at[t] - balls_[b].center_m).norm()),
-                                   kLargestLensVolume);
+                                   kMaxLensVolume);
       for (int f = 0; f < memory.face_count; ++f) {
         const auto i = static_cast<std::size_t>(f);
         near.faces[i].Add(lens, memory.face_n_G[i], pair);
@@ -229,7 +229,7 @@ void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spi
 // Index of the tool ball that touches first on this way; among those that touch at the same time, the first
 // in the tool's order. The number of balls where none touches. @param first  the fraction of first contact
 std::size_t ReferenceEngine::TouchingBall(const ToolPoints& from, const ToolPoints& to, double first) const {
-  const double last = std::min(1.0, first + kSameTouch_m / LongestWay(from, to));
+  const double last = std::min(1.0, first + kTieTolerance_m / LongestWay(from, to));
   for (std::size_t t = 0; t < tool_.balls.size(); ++t)
     for (const BallState& ball : balls_) {
       if (ball.radius_m <= 0.0) continue;
@@ -253,7 +253,7 @@ void ReferenceEngine::AddCapsules(const ToolPoints& contact, const ToolPoints& s
 
 void ReferenceEngine::Remove(const std::vector<Capsule>& capsules, FrameSolution& solution) {
   removal_.Remove(capsules, balls_);
-  for (BallState& ball : balls_) ball = Stored(ball);
+  for (BallState& ball : balls_) ball = RoundToStored(ball);
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Vector3 p = points_[i].p_m;
     for (const Capsule& capsule : capsules) {

@@ -32,14 +32,14 @@ class ReferenceEngine final : public CuttingEngine {
   [[nodiscard]] std::string device() const override { return "CPU, double precision"; }
 
  private:
-  ContactModel Frame(const FrameInput& input);
+  ContactModel StepPart(const FrameInput& input);
   double FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const;
   /// The part of a way that contacts and max_slide_m allow.
   struct Slid {
     double fraction, way_m;  ///< way_m: of the point that moves farthest
     bool stopped;            ///< by a ball
   };
-  Slid Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m, double most_m) const;
+  Slid Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m, double max_m) const;
   NearField FindNearField(const ToolPoints& at, const ToolPoints& goal, const Matrix3& R_GT) const;
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G, FrameSolution& solution) const;
   [[nodiscard]] std::size_t TouchingBall(const ToolPoints& from, const ToolPoints& to, double first) const;

@@ -35,8 +35,8 @@ std::vector<OrientedPoint> PointsOf(const Bone& bone, MaterialIndex material) {
 }  // namespace
 
 SceneWatch::SceneWatch(const Solid* solid, const Bone& bone, const Tool& tool, const SceneEventParams& params)
-    : solid_(solid), site_(bone.cup), params_(params), walls_({}) {
-  CheckRangeMm("events: least_wall", params.least_wall_m, 0.0, 0.1);
+    : solid_(solid), site_(bone.site), params_(params), walls_({}) {
+  CheckRangeMm("events: least_wall", params.min_wall_m, 0.0, 0.1);
   if (!(params.opening_widening >= 1.0 && params.opening_widening <= 10.0))
     throw std::invalid_argument(
         fmt::format("events: opening_widening: found {:g}, accepted 1 … 10", params.opening_widening));
@@ -48,7 +48,7 @@ SceneWatch::SceneWatch(const Solid* solid, const Bone& bone, const Tool& tool, c
       region.points.emplace(PointsOf(bone, region.material));
     regions_.push_back(std::move(region));
   }
-  if (solid && params.least_wall_m > 0.0) {
+  if (solid && params.min_wall_m > 0.0) {
     std::vector<OrientedPoint> samples = PointsOfSurface(*solid, params.wall_spacing_m);
     std::erase_if(samples, [this](const OrientedPoint& sample) { return IsOpening(sample); });
     walls_ = SampleIndex(std::move(samples));
@@ -96,8 +96,8 @@ std::vector<SceneEvent> SceneWatch::Step(const Pose& X_GP, double removed_volume
     if (!region.reached) StepRegion(region, X_GP, stamp, events);
 
   if (const auto wall = ThinnestWall(X_GP)) {
-    least_wall_m_ = wall->thickness_m;
-    if (!wall_too_thin_ && wall->thickness_m < params_.least_wall_m) {
+    min_wall_m_ = wall->thickness_m;
+    if (!wall_too_thin_ && wall->thickness_m < params_.min_wall_m) {
       wall_too_thin_ = true;
       events.push_back({.name = "wall too thin",
                         .stamp = stamp,
@@ -141,7 +141,7 @@ std::optional<SceneWatch::Wall> SceneWatch::ThinnestWall(const Pose& X_GP) const
   for (const ToolBall& ball : cutting_) {
     const Vector3 c = X_GP * Vector3(ball.center_m);
     // a sample may be a spacing away from the foot that its refinement leads to
-    const std::optional<double> bound = thinnest ? thinnest->thickness_m : least_wall_m_;
+    const std::optional<double> bound = thinnest ? thinnest->thickness_m : min_wall_m_;
     const double limit_m = bound ? std::max(0.0, *bound) + ball.radius_m + params_.wall_spacing_m
                                  : std::numeric_limits<double>::infinity();
     const auto sample = walls_.Nearest(c, limit_m, true);

@@ -23,7 +23,7 @@ struct RegionWatch {
 /// Which events of a scene to watch for.
 struct SceneEventParams {
   std::vector<RegionWatch> regions{};
-  double least_wall_m{0.0};       ///< a wall thinner than this is an event; 0: walls are not watched
+  double min_wall_m{0.0};         ///< a wall thinner than this is an event; 0: walls are not watched
   double opening_widening{1.5};   ///< the opening reaches this many radii of the site from its axis
   double wall_spacing_m{0.5e-3};  ///< spacing of the surface's samples
 };
@@ -70,8 +70,8 @@ class SceneWatch {
                                              rt::Nanoseconds stamp);
 
   /// Thickness of the thinnest wall so far, 0 where the cut is through; nothing where no wall was seen.
-  [[nodiscard]] std::optional<double> least_wall_m() const {
-    return least_wall_m_ ? std::optional(std::max(0.0, *least_wall_m_)) : std::nullopt;
+  [[nodiscard]] std::optional<double> min_wall_m() const {
+    return min_wall_m_ ? std::optional(std::max(0.0, *min_wall_m_)) : std::nullopt;
   }
 
  private:
@@ -92,13 +92,13 @@ class SceneWatch {
   [[nodiscard]] double DepthOf(const Vector3& p_G) const;
 
   const Solid* solid_;
-  Cup site_;
+  CutSite site_;
   SceneEventParams params_;
   std::vector<ToolBall> cutting_;
   std::vector<Region> regions_;
   SampleIndex walls_;
   double removed_volume_m3_{0.0};
-  std::optional<double> least_wall_m_;
+  std::optional<double> min_wall_m_;
   bool wall_too_thin_{false}, broke_through_{false};
 };
 

@@ -33,10 +33,10 @@ Bone Assemble(const SceneSolid& solid, const SceneParams& scene, std::vector<Bal
           .balls = std::move(balls),
           .points = std::move(points),
           .materials = scene.materials,
-          .cup = solid.site};
+          .site = solid.site};
 }
 
-Cup Checked(Cup cup) {
+CutSite Checked(CutSite cup) {
   const Vector3 center = cup.center_m, axis = cup.axis;
   CheckRangeMm("cup: radius", cup.radius_m, 0.0005, 0.100);
   if (!center.allFinite() || center.cwiseAbs().maxCoeff() > 10.0)
@@ -52,7 +52,7 @@ Cup Checked(Cup cup) {
 
 /// Share of the directions into the cup's lower half in which bone begins between these two distances from
 /// the centre.
-double ShareWithBoneBetween(const Solid& solid, const Cup& cup, double near_m, double far_m) {
+double ShareWithBoneBetween(const Solid& solid, const CutSite& cup, double near_m, double far_m) {
   const Vector3 z = cup.axis, x = z.unitOrthogonal(), y = z.cross(x);
   constexpr int kDirections = 200;
   int found = 0;
@@ -69,7 +69,7 @@ double ShareWithBoneBetween(const Solid& solid, const Cup& cup, double near_m, d
 }
 
 /// True where the site's circle lies on the surface, with the outside above it.
-bool IsEntry(const Solid& solid, const Cup& site) {
+bool IsEntry(const Solid& solid, const CutSite& site) {
   const Vector3 center = site.center_m, up = site.radius_m * Vector3(site.axis);
   return std::abs(solid.SignedDistance(center)) <= 0.25 * site.radius_m &&
          solid.SignedDistance(center + up) > 0.0 && solid.SignedDistance(center - up) < 0.0;
@@ -77,7 +77,7 @@ bool IsEntry(const Solid& solid, const Cup& site) {
 
 /// Share of the site's circle at which the surface has fallen away by more than a quarter of its radius: all
 /// of it on a ball of less than 1.9 times that radius, none on a plane or in a hollow.
-double ShareFallenAway(const Solid& solid, const Cup& site) {
+double ShareFallenAway(const Solid& solid, const CutSite& site) {
   const Vector3 center = site.center_m, z = site.axis, x = z.unitOrthogonal(), y = z.cross(x);
   constexpr int kDirections = 48;
   int found = 0;
@@ -90,7 +90,7 @@ double ShareFallenAway(const Solid& solid, const Cup& site) {
 }
 
 /// Where the vertical line through the site first meets the solid from above.
-Cup SiteFromAbove(const SiteParams& site, const Solid& solid) {
+CutSite SiteFromAbove(const SiteParams& site, const Solid& solid) {
   CheckRangeMm("site: radius", site.radius_m, 0.0005, 0.100);
   const Eigen::AlignedBox3d box = solid.Bounds();
   constexpr double kStill_m = 1e-9;
@@ -114,7 +114,8 @@ bool SameWord(const std::string& a, const std::string& b) {
                     [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
-TissueMap TissueOf(const MeshSceneTissue& tissue, const std::vector<MeshRegion>& regions, const Cup& cup) {
+TissueMap TissueOf(const MeshSceneTissue& tissue, const std::vector<MeshRegion>& regions,
+                   const CutSite& cup) {
   TissueMap map;
   map.shells = {tissue.solid};
   for (const MeshRegion& region : regions) {
@@ -136,11 +137,11 @@ TissueMap TissueOf(const MeshSceneTissue& tissue, const std::vector<MeshRegion>&
 void CheckTissue(const MeshSceneTissue& tissue, std::size_t material_count) {
   std::vector<MeshRegion> all(tissue.regions.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i].name = tissue.regions[i].name;
-  CheckTissueMap(TissueOf(tissue, all, Cup{}), material_count);
+  CheckTissueMap(TissueOf(tissue, all, CutSite{}), material_count);
 }
 
 MeshSceneTissue AsSceneTissue(const MeshTissue& tissue) {
-  const TissueMap map = CupBoneTissue(tissue, Cup{});
+  const TissueMap map = CupBoneTissue(tissue, CutSite{});
   return {
       .solid = map.shells.front(),
       .regions = {},
@@ -200,7 +201,7 @@ SceneSolid MakeSceneSolid(const SceneParams& scene) {
 }
 
 tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& path, double scale,
-                                                   const Cup& site, const SceneParams& scene) {
+                                                   const CutSite& site, const SceneParams& scene) {
   // before loading the mesh, which takes longer
   CheckTissue(scene.mesh_tissue, scene.material_names.size());
   static_cast<void>(Checked(site));
@@ -210,19 +211,20 @@ tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& 
 }
 
 tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, const std::filesystem::path& path,
-                                                  const std::optional<Cup>& site, const SceneParams& scene) {
+                                                  const std::optional<CutSite>& site,
+                                                  const SceneParams& scene) {
   CheckTissue(scene.mesh_tissue, scene.material_names.size());
-  const Cup checked =
-      site ? Checked(*site) : Cup{.center_m = {}, .axis = Vector3(Vector3::UnitZ()), .radius_m = 0.0};
+  const CutSite checked =
+      site ? Checked(*site) : CutSite{.center_m = {}, .axis = Vector3(Vector3::UnitZ()), .radius_m = 0.0};
   TissueMap tissue = TissueOf(scene.mesh_tissue, loaded.regions, checked);
   if (!site) tissue.lining.reset();
   auto solid = std::make_shared<const MeshSolid>(loaded, std::move(tissue));
   if (!site) return SceneSolid{.name = path.stem().string(), .solid = solid, .site = checked};
 
-  constexpr double kNear = 0.7, kFar = 1.3, kLeastShare = 0.25;
+  constexpr double kNear = 0.7, kFar = 1.3, kMinShare = 0.25;
   const double share =
       ShareWithBoneBetween(*solid, checked, kNear * checked.radius_m, kFar * checked.radius_m);
-  if (share < kLeastShare && !IsEntry(*solid, checked)) {
+  if (share < kMinShare && !IsEntry(*solid, checked)) {
     const Vector3 c = Vector3(checked.center_m) * 1e3;
     const Vector3 low = solid->Bounds().min() * 1e3, high = solid->Bounds().max() * 1e3;
     return tl::make_unexpected(MeshError{
@@ -233,14 +235,13 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
             "the surface {:.4g} mm from its centre, accepted a quarter of the radius with the outside "
             "above; the mesh spans ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm, the axis "
             "points out of the opening",
-            path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * share, 100 * kLeastShare,
+            path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * share, 100 * kMinShare,
             std::abs(solid->SignedDistance(checked.center_m)) * 1e3, low.x(), low.y(), low.z(), high.x(),
             high.y(), high.z())});
   }
   constexpr double kMaxFallenAway = 0.25;
-  const double fallen = share < kLeastShare && scene.zone.kind == ZoneParams::Kind::kCup
-                            ? ShareFallenAway(*solid, checked)
-                            : 0.0;
+  const double fallen =
+      share < kMinShare && scene.zone.kind == ZoneParams::Kind::kCup ? ShareFallenAway(*solid, checked) : 0.0;
   if (fallen > kMaxFallenAway) {
     const Vector3 c = Vector3(checked.center_m) * 1e3;
     return tl::make_unexpected(MeshError{
@@ -255,7 +256,7 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
   return SceneSolid{.name = path.stem().string(), .solid = solid, .site = checked};
 }
 
-std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const Cup& site, const Solid& solid) {
+std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const CutSite& site, const Solid& solid) {
   switch (zone.kind) {
     case ZoneParams::Kind::kCup:
       return std::make_unique<CupZone>(site);
@@ -299,7 +300,7 @@ Bone MakeAcetabulum(const AcetabulumParams& params) {
   return PackScene(MakeSceneSolid(scene), scene);
 }
 
-tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path, const Cup& cup,
+tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path, const CutSite& cup,
                                                const MeshBoneParams& params) {
   SceneParams scene;
   scene.mesh_tissue = AsSceneTissue(params.tissue);

@@ -85,7 +85,7 @@ struct SceneParams {
 struct SceneSolid {
   std::string name;
   std::shared_ptr<const Solid> solid;
-  Cup site;  ///< in G
+  CutSite site;  ///< in G
 };
 
 /// Makes the scene's generated solid. The site's centre is where its vertical line first meets the solid from
@@ -103,19 +103,20 @@ struct SceneSolid {
 /// @param site  in G; its axis need not be of unit length
 /// @throws std::invalid_argument as MakeSceneSolid does.
 [[nodiscard]] tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& path,
-                                                                 double scale, const Cup& site,
+                                                                 double scale, const CutSite& site,
                                                                  const SceneParams& scene);
 
 /// The same for a mesh that was read before; the path serves only for names and messages. Without a site
 /// there is no lining and no check of the site's place; the site's radius is then 0.
 [[nodiscard]] tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded,
                                                                 const std::filesystem::path& path,
-                                                                const std::optional<Cup>& site,
+                                                                const std::optional<CutSite>& site,
                                                                 const SceneParams& scene);
 
 /// @param solid  must outlive the zone
 /// @throws std::invalid_argument as the zones do.
-[[nodiscard]] std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const Cup& site, const Solid& solid);
+[[nodiscard]] std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const CutSite& site,
+                                                const Solid& solid);
 
 /// Fills the solid with balls and mass points, as fine as the scene asks.
 /// @param split  the engine is going to split balls that a tool touches (SplitParams): the packing then has
@@ -152,6 +153,7 @@ struct MeshBoneParams {
 /// Packs a mesh file in millimetres below its cup; the bone takes the file's name.
 /// @throws std::invalid_argument as PackScene does.
 [[nodiscard]] tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path,
-                                                             const Cup& cup, const MeshBoneParams& params);
+                                                             const CutSite& cup,
+                                                             const MeshBoneParams& params);
 
 }  // namespace osteon::simulation

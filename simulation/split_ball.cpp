@@ -19,9 +19,9 @@ const SplitParams& Checked(const SplitParams& p) {
   const auto refuse = [](const char* name, auto found, const char* accepted) {
     throw std::invalid_argument(fmt::format("split: {}: found {}, accepted {}", name, found, accepted));
   };
-  if (!(p.least_radius_m >= 0.0)) refuse("least radius", p.least_radius_m, "0 m and more");
-  if (!(p.least_child_share >= 0.0 && p.least_child_share <= 0.5))
-    refuse("least child's share", p.least_child_share, "0 … 0.5");
+  if (!(p.min_radius_m >= 0.0)) refuse("least radius", p.min_radius_m, "0 m and more");
+  if (!(p.min_child_share >= 0.0 && p.min_child_share <= 0.5))
+    refuse("least child's share", p.min_child_share, "0 … 0.5");
   if (p.pool_blocks < 1 || p.pool_blocks > 1'000'000) refuse("pool", p.pool_blocks, "1 … 1000000 blocks");
   return p;
 }
@@ -69,7 +69,7 @@ BallState FromFloats(const float* four) {
 
 }  // namespace
 
-BallState Stored(const BallState& ball) {
+BallState RoundToStored(const BallState& ball) {
   float four[4];
   PutFloats(ball.center_m, ball.radius_m, four);
   // GCC 12.2 at -O3 optimises the rounding away where it sees both conversions
@@ -89,10 +89,10 @@ BallSplitter::BallSplitter(std::vector<Ball> uncut, const SplitParams& params)
     : params_(Checked(params)),
       template_(params.children),
       uncut_(std::move(uncut)),
-      shape_(SplitShapes(uncut_, params.least_radius_m)) {}
+      shape_(SplitShapes(uncut_, params.min_radius_m)) {}
 
 bool BallSplitter::IsTooLarge(const BallState& ball, std::span<const Capsule> capsules) const {
-  if (ball.radius_m <= params_.least_radius_m) return false;
+  if (ball.radius_m <= params_.min_radius_m) return false;
   bool touched = false;
   for (const Capsule& capsule : capsules) {
     const double p = Penetration(ball, capsule);
@@ -116,21 +116,21 @@ void BallSplitter::MakeChildren(const WaitingBall& waiting, std::span<BallState>
 
 bool BallSplitter::CutChildren(std::uint32_t parent, std::span<const Capsule> capsules,
                                std::span<BallState> children) const {
-  const double least_m = LeastChild(parent);
+  const double min_m = MinChildRadius_m(parent);
   bool any = false;
   for (BallState& child : children) {
     Shrink(child, capsules);
-    if (child.radius_m < least_m) child.radius_m = 0.0;
+    if (child.radius_m < min_m) child.radius_m = 0.0;
     any = any || child.radius_m > 0.0;
   }
   return any;
 }
 
-void BallSplitter::Keep(std::span<const Capsule> capsules, const BallState& shrunk,
-                        WaitingBall& waiting) const {
+void BallSplitter::StoreCuts(std::span<const Capsule> capsules, const BallState& shrunk,
+                             WaitingBall& waiting) const {
   for (const Capsule& capsule : capsules)
     if (Penetration(waiting.root, capsule) > 0.0) Append(capsule, waiting.cuts);
-  if (waiting.cuts.size() <= MostCuts()) return;
+  if (waiting.cuts.size() <= MaxCuts()) return;
   waiting.root = shrunk;
   waiting.cuts.clear();
 }
@@ -174,7 +174,7 @@ void BallSplitter::CheckState(const CarvedState& state) const {
         fmt::format("carved state: found {} split balls, accepted {} at most", blocks, params_.pool_blocks));
   for (std::size_t j = 0; j < blocks; ++j)
     if (state.split_balls[j] >= uncut_.size() ||
-        (j > 0 && state.split_balls[j] <= state.split_balls[j - 1]) || state.split_cuts[j] > 1 + MostCuts())
+        (j > 0 && state.split_balls[j] <= state.split_balls[j - 1]) || state.split_cuts[j] > 1 + MaxCuts())
       throw std::invalid_argument(fmt::format("carved state: split ball {} of {} is none", j, blocks));
 }
 

@@ -18,7 +18,7 @@ struct BallState {
 
 /// Rounds a ball as a carved state stores it: float32 millimetres. Both engines and every saved state then
 /// continue from the same bone; each frame computes in double precision. Idempotent.
-[[nodiscard]] BallState Stored(const BallState& ball);
+[[nodiscard]] BallState RoundToStored(const BallState& ball);
 
 /// Volume that one cutting ball sweeps on a straight piece of its way, in G.
 struct Capsule {
@@ -33,7 +33,7 @@ void Shrink(BallState& ball, std::span<const Capsule> capsules);
 struct WaitingBall {
   std::uint32_t parent{0};
   BallState root{};             ///< the ball that the children are made from
-  std::vector<Capsule> cuts{};  ///< capsules that have hit the root since; at most MostCuts()
+  std::vector<Capsule> cuts{};  ///< capsules that have hit the root since; at most MaxCuts()
 };
 
 /// Splits one ball and cuts its children: shared by both engines. It stores the uncut packing; the caller
@@ -47,10 +47,10 @@ class BallSplitter {
   /// Number of children of a ball.
   [[nodiscard]] std::size_t slots() const { return static_cast<std::size_t>(params_.children); }
   /// Number of capsules that a block has room for beside the root, two slots each.
-  [[nodiscard]] std::size_t MostCuts() const { return (slots() - 1) / 2; }
+  [[nodiscard]] std::size_t MaxCuts() const { return (slots() - 1) / 2; }
   /// Radius below which children are dropped [m].
-  [[nodiscard]] double LeastChild(std::uint32_t parent) const {
-    return params_.least_child_share * uncut_[parent].radius_m;
+  [[nodiscard]] double MinChildRadius_m(std::uint32_t parent) const {
+    return params_.min_child_share * uncut_[parent].radius_m;
   }
 
   /// True where the capsules touch a ball that is large enough to be split, and no capsule removes it as a
@@ -65,7 +65,7 @@ class BallSplitter {
                    std::span<BallState> children) const;
   /// Stores the capsules that hit the root. Where there are too many, the rest of the ball becomes the new
   /// root instead.
-  void Keep(std::span<const Capsule> capsules, const BallState& shrunk, WaitingBall& waiting) const;
+  void StoreCuts(std::span<const Capsule> capsules, const BallState& shrunk, WaitingBall& waiting) const;
 
   /// Writes a block as in CarvedState::split_slots: slots() × 4 floats [mm].
   void Save(const WaitingBall& waiting, std::span<float> block) const;

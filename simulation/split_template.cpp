@@ -113,7 +113,7 @@ SplitTemplate::SplitTemplate(int children) : children_(children) {
   }
 }
 
-std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double least_radius_m, int threads) {
+std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double min_radius_m, int threads) {
   constexpr std::uint32_t kLooks = 48;
   constexpr double kJustOutside = 1.001, kTouch_m = 1e-9;
   constexpr double kOneSided =
@@ -129,7 +129,7 @@ std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double least
       std::uint32_t shape = (static_cast<std::uint32_t>(i) * 2654435761u) >> 26;
       Vector3 bare = Vector3::Zero();
       int count = 0;
-      for (std::uint32_t k = 0; k < kLooks && balls[i].radius_m > least_radius_m; ++k) {
+      for (std::uint32_t k = 0; k < kLooks && balls[i].radius_m > min_radius_m; ++k) {
         const Vector3 d = OnSpiral(k, kLooks, -1.0);
         const Vector3 p = Vector3(balls[i].center_m) + kJustOutside * balls[i].radius_m * d;
         if (forest.Gap(p, kTouch_m) <= 0.0) continue;

@@ -52,9 +52,9 @@ class SplitTemplate {
 
 /// Computes the shape of each ball of a packing: the pole nearest to the mean direction in which no other
 /// ball covers its surface, or a rotation by its index where there is no such direction. Balls smaller than
-/// least_radius_m are never split and get rotations without a search. The same for any number of threads (0:
+/// min_radius_m are never split and get rotations without a search. The same for any number of threads (0:
 /// one a core).
-[[nodiscard]] std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double least_radius_m,
+[[nodiscard]] std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double min_radius_m,
                                                      int threads = 0);
 
 }  // namespace osteon::simulation

@@ -13,7 +13,7 @@ ToolPoints PlaceTool(const Tool& tool, const Pose& X_GT) {
   return points;
 }
 
-ToolPoints Between(const ToolPoints& a, const ToolPoints& b, double s) {
+ToolPoints InterpolatePoints(const ToolPoints& a, const ToolPoints& b, double s) {
   ToolPoints points(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) points[i] = a[i] + s * (b[i] - a[i]);
   return points;
@@ -21,7 +21,7 @@ ToolPoints Between(const ToolPoints& a, const ToolPoints& b, double s) {
 
 int ChordCount(double turn_rad, double lever_m) {
   const double chords = std::ceil(turn_rad * std::sqrt(lever_m / (8.0 * kChordError_m)));
-  return chords >= 1.0 ? static_cast<int>(std::min<double>(chords, kMostChords)) : 1;
+  return chords >= 1.0 ? static_cast<int>(std::min<double>(chords, kMaxChords)) : 1;
 }
 
 double ToolLever(const Tool& tool) {

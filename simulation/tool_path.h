@@ -12,11 +12,11 @@ using ToolPoints = std::vector<Vector3>;
 [[nodiscard]] ToolPoints PlaceTool(const Tool& tool, const Pose& X_GT);
 
 /// Points at fraction s on the chords between two placements.
-[[nodiscard]] ToolPoints Between(const ToolPoints& a, const ToolPoints& b, double s);
+[[nodiscard]] ToolPoints InterpolatePoints(const ToolPoints& a, const ToolPoints& b, double s);
 
 /// Largest distance of a chord from its arc [m].
 inline constexpr double kChordError_m = 10e-6;
-inline constexpr int kMostChords = 128;
+inline constexpr int kMaxChords = 128;
 
 /// Number of chords of a turn, so that each stays within kChordError_m of its arc:
 ///

@@ -152,12 +152,12 @@ std::vector<Ball> CarvedBalls(const Bone& bone, const simulation::CarvedState& s
 
 double SiteReach(const Bone& bone, double radii) {
   constexpr double kAround_m = 25e-3, kAtRadii = 3.2;
-  const Vector3 center = bone.cup.center_m;
+  const Vector3 center = bone.site.center_m;
   double farthest_m = 0.0;
   for (const Ball& ball : bone.balls)
     if (const Vector3 c = ball.center_m; c.allFinite())
       farthest_m = std::max(farthest_m, (c - center).norm() + ball.radius_m);
-  return std::max(radii * std::max(bone.cup.radius_m, 1e-3),
+  return std::max(radii * std::max(bone.site.radius_m, 1e-3),
                   std::min(farthest_m, kAround_m * radii / kAtRadii));
 }
 

@@ -91,10 +91,10 @@ std::string SectionFigure(const PackReportInput& input) {
   const CutAway plane = MiddlePlane(bone);
   const Eigen::AlignedBox3d box = input.solid.Bounds();
   const Vector3 middle = box.center() - (box.center() - plane.point).dot(plane.normal) * plane.normal;
-  Vector3 axis = input.bone.cup.radius_m > 0.0 ? Vector3(input.bone.cup.axis) : Vector3::UnitZ();
+  Vector3 axis = input.bone.site.radius_m > 0.0 ? Vector3(input.bone.site.axis) : Vector3::UnitZ();
   axis -= axis.dot(plane.normal) * plane.normal;
   if (axis.norm() < 0.1) axis = plane.normal.unitOrthogonal();
-  bone.cup = {.center_m = middle, .axis = axis.normalized(), .radius_m = 0.5 * box.diagonal().norm()};
+  bone.site = {.center_m = middle, .axis = axis.normalized(), .radius_m = 0.5 * box.diagonal().norm()};
   const Section section = ComputeSection(bone, {}, {}, {},
                                          {.step_m = box.diagonal().norm() / 900.0,
                                           .reach_in_cup_radii = 1.0,

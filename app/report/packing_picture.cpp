@@ -145,14 +145,14 @@ CutAway MiddlePlane(const simulation::Bone& bone) {
   Eigen::Index thinnest = 0;
   box.sizes().minCoeff(&thinnest);
   CutAway plane{.point = box.center(), .normal = Vector3::Unit(thinnest)};
-  if (bone.cup.radius_m > 0.0) {
-    const Vector3 axis = bone.cup.axis;
+  if (bone.site.radius_m > 0.0) {
+    const Vector3 axis = bone.site.axis;
     Vector3 across = plane.normal - plane.normal.dot(axis) * axis;
     if (across.norm() < 0.3) {  // the site's axis is along the thinnest extent: any plane that contains it
       const Vector3 other = Vector3::Unit((thinnest + 1) % 3);
       across = other - other.dot(axis) * axis;
     }
-    plane = {.point = bone.cup.center_m, .normal = across.normalized()};
+    plane = {.point = bone.site.center_m, .normal = across.normalized()};
   }
   return plane;
 }
@@ -162,7 +162,7 @@ Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int wid
   // up: the site's axis, or the longest extent
   Eigen::Index longest = 0;
   box.sizes().maxCoeff(&longest);
-  Vector3 up = bone.cup.radius_m > 0.0 ? Vector3(bone.cup.axis) : Vector3(Vector3::Unit(longest));
+  Vector3 up = bone.site.radius_m > 0.0 ? Vector3(bone.site.axis) : Vector3(Vector3::Unit(longest));
   up -= up.dot(plane.normal) * plane.normal;
   // The longest extent of a cube may be the thinnest as well.
   if (up.norm() < 0.1) up = plane.normal.unitOrthogonal();

@@ -180,7 +180,7 @@ Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& 
 }  // namespace
 
 Camera CupCamera(const simulation::Bone& bone, const RenderParams& params) {
-  Vector3 axis = Vector3(bone.cup.axis).normalized();
+  Vector3 axis = Vector3(bone.site.axis).normalized();
   if (!axis.allFinite() || axis.norm() < 0.5) axis = Vector3::UnitZ();
   const Vector3 other = std::abs(axis.x()) < 0.9 ? Vector3::UnitX() : Vector3::UnitY();
   const Vector3 u = (other - other.dot(axis) * axis).normalized(), w = axis.cross(u);
@@ -188,7 +188,7 @@ Camera CupCamera(const simulation::Bone& bone, const RenderParams& params) {
   const Vector3 towards = std::cos(params.tilt_rad) * axis - std::sin(params.tilt_rad) * w +
                           0.25 * std::sin(params.tilt_rad) * side;
   const double reach_m = SiteReach(bone, params.reach_in_cup_radii);
-  const Vector3 center = bone.cup.center_m;
+  const Vector3 center = bone.site.center_m;
   Camera camera =
       LookAt(center + 5.0 * reach_m * towards.normalized(), center, axis, 1.0, params.width, params.height);
 
@@ -226,7 +226,7 @@ Image RenderBone(const simulation::Bone& bone, std::span<const Ball> balls, cons
   Layer<LocalPlane> planes(camera.width, camera.height, {});
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) planes(x, y).z = depth.At(x, y);
-  const double mean_depth_m = (Vector3(bone.cup.center_m) - camera.eye).norm();
+  const double mean_depth_m = (Vector3(bone.site.center_m) - camera.eye).norm();
   const double px_per_mm = 1e-3 * camera.focal_px / mean_depth_m;
   const int reach_px = std::clamp(static_cast<int>(std::lround(1.1 * px_per_mm)), 3, 14);
   const int stride_px = std::max(1, reach_px / 4);
@@ -240,7 +240,7 @@ Image RenderBone(const simulation::Bone& bone, std::span<const Ball> balls, cons
   const double near_m = SiteReach(bone, 3.2), far_m = 18.75 * near_m;
   const int shadow_px = 700;
   const double reach_m = 1.25 * near_m;
-  const Camera light = LookAt(Vector3(bone.cup.center_m) + far_m * key_G, bone.cup.center_m, camera.up,
+  const Camera light = LookAt(Vector3(bone.site.center_m) + far_m * key_G, bone.site.center_m, camera.up,
                               0.5 * shadow_px * far_m / reach_m, shadow_px, shadow_px);
   const DepthBuffer shadow = RenderDepth(balls, light);
 

@@ -113,7 +113,7 @@ std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane
 
 /// The head's centre where it was deepest in the cup, in G.
 Vector3 DeepestHead(const Bone& bone, const simulation::ToolBall& head, std::span<const Pose> X_GP) {
-  const Vector3 axis = bone.cup.axis, center = bone.cup.center_m;
+  const Vector3 axis = bone.site.axis, center = bone.site.center_m;
   Vector3 deepest = X_GP.front() * Vector3(head.center_m);
   for (const Pose& X : X_GP) {
     const Vector3 at = X * Vector3(head.center_m);
@@ -187,7 +187,7 @@ std::vector<Polyline> SimplifyAll(const std::vector<Polyline>& lines, double tol
 }  // namespace
 
 SectionPlane ChooseSectionPlane(const Bone& bone, const simulation::Tool& tool, std::span<const Pose> X_GP) {
-  SectionPlane plane{.origin = bone.cup.center_m, .v = Vector3(bone.cup.axis).normalized()};
+  SectionPlane plane{.origin = bone.site.center_m, .v = Vector3(bone.site.axis).normalized()};
   if (!plane.v.allFinite() || plane.v.norm() < 0.5) plane.v = Vector3::UnitZ();
   Vector3 farthest = Vector3::Zero();
   if (const simulation::ToolBall* head = CuttingHead(tool)) {

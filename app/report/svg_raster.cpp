@@ -9,7 +9,7 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kMostPixels = 100e6;
+constexpr double kMaxPixels = 100e6;
 
 // Cairo's pixels are native-endian words xRGB.
 Image FromSurface(cairo_surface_t* surface) {
@@ -49,7 +49,7 @@ tl::expected<Image, std::string> Rasterise(const std::string& svg, double scale)
     return tl::unexpected(std::string("svg: found no size in pixels"));
   width = std::ceil(width * scale);
   height = std::ceil(height * scale);
-  if (!(width >= 1.0 && height >= 1.0 && width * height <= kMostPixels))
+  if (!(width >= 1.0 && height >= 1.0 && width * height <= kMaxPixels))
     return tl::unexpected(
         fmt::format("svg: found {:g} x {:g} pixels, accepted 1 to 100 million", width, height));
 

@@ -137,8 +137,8 @@ void AddToolSpeed(const control::ServoParams& servo, Panels& panels) {
   panels.Begin(measured ? "Speed of the tool's apex, measured" : "Speed of the commanded apex",
                "speed [mm/s]",
                {Limit(1e3 * servo.twist.max_speed_m_per_s, "mm/s"),
-                {1e3 * control::ToolSpeedTrip_m_per_s(servo),
-                 fmt::format("trip {:.4g} mm/s", 1e3 * control::ToolSpeedTrip_m_per_s(servo))}});
+                {1e3 * control::ToolSpeedTripLimit_m_per_s(servo),
+                 fmt::format("trip {:.4g} mm/s", 1e3 * control::ToolSpeedTripLimit_m_per_s(servo))}});
   panels.Curve("", kJointColors[0], [&](std::size_t i) {
     if (measured) return 1e3 * Vector3(panels[i].v_WT_cmd_m_per_s).norm();
     const Vector3 step_m =

@@ -11,7 +11,7 @@ CouplingPipeline::CouplingPipeline(const ServoParams& params)
       depth_limit_(params.depth),
       force_limit_reaction_(params.on_force_limit, params.stop_deceleration_m_per_s2, params.period_s),
       stabilisers_(params.stabilisers, LawOf(params), params.period_s) {
-  limiter_.Cap(ForceLimit_N(params));
+  limiter_.LowerForceLimit(ForceLimit_N(params));
 }
 
 void CouplingPipeline::Reset() OSTEON_RT {
@@ -24,8 +24,8 @@ void CouplingPipeline::Reset() OSTEON_RT {
 }
 
 void CouplingPipeline::OnGainsChanged() OSTEON_RT {
-  limiter_.Cap(ForceLimit_N(params_));
-  if (params_.law == Law::kAdmittance) stabilisers_.Follow(LawOf(params_.admittance, params_));
+  limiter_.LowerForceLimit(ForceLimit_N(params_));
+  if (params_.law == Law::kAdmittance) stabilisers_.SetLaw(LawOf(params_.admittance, params_));
 }
 
 const CouplingOutput& CouplingPipeline::Evaluate(const CouplingInput& input, const ArmFollower& arm,
@@ -36,7 +36,7 @@ const CouplingOutput& CouplingPipeline::Evaluate(const CouplingInput& input, con
       EvaluateCoupling(params_.coupling, input.model, X_WT_, V_WT_, input.now, input.spindle_turns, state_);
   pressed_ = !output_.displacement_W.isZero(0.0);
 
-  const Wrench shaped = stabilisers_.Shape(output_, X_WT_, V_WT_);
+  const Wrench shaped = stabilisers_.ScaleCoupling(output_, X_WT_, V_WT_);
   const double spring_share = stored_energy_limit_.Step(output_.displacement_W.norm(), output_.potential_J);
   if (spring_share == 1.0) {
     limited_ = arm.Limit(limiter_, shaped);
@@ -52,7 +52,8 @@ const CouplingOutput& CouplingPipeline::Evaluate(const CouplingInput& input, con
 }
 
 safety::LimitedWrench CouplingPipeline::Render(const ArmFollower& arm, safety::LimitSet& acting) OSTEON_RT {
-  safety::LimitedWrench rendered{.F = stabilisers_.Calm(output_, X_WT_, V_WT_, limited_, limiter_)};
+  safety::LimitedWrench rendered{
+      .F = stabilisers_.AddPassivityDamping(output_, X_WT_, V_WT_, limited_, limiter_)};
   const Vector3 f_depth_W =
       depth_limit_.Step(X_WT_.translation(), V_WT_.v, params_.coupling.max_stiffness_N_per_m);
   if (depth_limit_.acts()) {

@@ -61,11 +61,11 @@ bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const Comman
                                       Twist& V_next_WT) OSTEON_RT {
   const double fade = coupling.output().fade;
   const double hand_share = fade * input.sensor_share;
-  const Wrench F_hand_T_W = PastDeadZone(
+  const Wrench F_hand_T_W = SubtractDeadZone(
       params_.admittance, safety::ScaleWrench(input.F_hand_T_W, input.max_hand_N, kMaxHandTorque_Nm).F);
   const double damping_factor =
       std::max(vibration_.damping_factor(), coupling.stabilisers().damping_factor());
-  const AdmittanceParams law = Times(params_.admittance, mass_factor_, damping_factor);
+  const AdmittanceParams law = ScaleLaw(params_.admittance, mass_factor_, damping_factor);
   const Twist V_locked_C = axis_lock_.Correction(tool.X_WT());
   safety::LimitedWrench& rendered = step.rendered;
   const auto next_twist = [&](double coupling_share, Twist& V_WT) OSTEON_RT {

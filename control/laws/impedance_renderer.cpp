@@ -34,14 +34,14 @@ ImpedanceMotion ImpedanceRenderer::FollowHand(const ArmSession& arm, const Joint
   JointArray q_step = q_meas;
   for (std::size_t i = 0; i < q_step.size(); ++i)
     q_step[i] -= (dt_s / elapsed_s) * (q_meas[i] - q_before_[i]);
-  const ZoneLook zones = tool.arm().LookAtZones(elapsed_s > dt_s ? q_step : q_before_, q_meas);
+  const ZoneCheck zones = tool.arm().CheckZones(elapsed_s > dt_s ? q_step : q_before_, q_meas);
   q_before_ = q_meas;
   slow.V = Scaled(slow.V, zones.share);
   motion.acting.Add(Limit::kZones, zones.share < 1.0);
   const safety::Workspace::Result inside = tool.workspace().Limit(p_WT, slow.V.v, dt_s);
   motion.workspace_limited = inside.acted;
   motion.V_allowed_WT = {.v = inside.v_WT, .w = slow.V.w};
-  if (tool.V_WT.v.norm() > ToolSpeedTrip_m_per_s(params_)) motion.faults.Latch(Fault::kToolSpeed);
+  if (tool.V_WT.v.norm() > ToolSpeedTripLimit_m_per_s(params_)) motion.faults.Latch(Fault::kToolSpeed);
   if (tool.workspace().Violated(p_WT) || zones.outside) motion.faults.Latch(Fault::kWorkspace);
 
   // the equilibrium of the arm's own spring goes along
@@ -65,7 +65,7 @@ ImpedanceStep ImpedanceRenderer::Step(const ArmSession& arm, const Twist& V_befo
   coupling.LimitPower(std::min(safety::PowerShare(rendered.F, V_WT, max_power_W),
                                safety::PowerShare(rendered.F, V_next_WT, max_power_W)),
                       rendered, step.acting);
-  const Wrench damping = DampingWrench(Times(params_.impedance, coupling.stabilisers().damping_factor()),
+  const Wrench damping = DampingWrench(ScaleLaw(params_.impedance, coupling.stabilisers().damping_factor()),
                                        arm.X_WT().linear(), V_WT, motion.V_allowed_WT);
   const safety::LimitedWrench sent =
       tool.arm().Limit(coupling.limiter(), {.f = rendered.F.f + damping.f, .t = rendered.F.t + damping.t});

@@ -12,7 +12,7 @@ constexpr double kSamePeriod_s = 1e-6;
 
 }  // namespace
 
-double FarthestJoint(const JointArray& a, const JointArray& b) OSTEON_RT {
+double MaxJointDifference(const JointArray& a, const JointArray& b) OSTEON_RT {
   double max_rad = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) max_rad = std::max(max_rad, std::abs(a[i] - b[i]));
   return max_rad;
@@ -39,7 +39,7 @@ void ArmSession::OnMessage(const ArmState& state, const Pose& X_WT, rt::Nanoseco
 }
 
 void ArmSession::UpdateStandstill(const JointArray& q_meas) OSTEON_RT {
-  const bool stood = FarthestJoint(q_meas, q_seen_) <= kStands_rad_per_s * elapsed_s_;
+  const bool stood = MaxJointDifference(q_meas, q_seen_) <= kStands_rad_per_s * elapsed_s_;
   standing_ = stood ? std::min(standing_ + 1, kStandingMessages) : 0;
   q_seen_ = q_meas;
 }

@@ -71,6 +71,6 @@ class ArmSession {
 };
 
 /// The greatest distance of a joint of one array from the same of another [rad].
-[[nodiscard]] double FarthestJoint(const JointArray& a, const JointArray& b) OSTEON_RT;
+[[nodiscard]] double MaxJointDifference(const JointArray& a, const JointArray& b) OSTEON_RT;
 
 }  // namespace osteon::control

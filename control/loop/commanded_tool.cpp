@@ -16,14 +16,14 @@ CommandedTool::CommandedTool(const ServoParams& params, std::unique_ptr<ArmFollo
 void CommandedTool::ResetToArmPose(const ArmState& state) OSTEON_RT {
   HoldStill();
   if (state.session == SessionState::kIdle) return;
-  arm_->Put(state.has_ipo ? state.q_ipo : state.q_meas);
+  arm_->ResetTo(state.has_ipo ? state.q_ipo : state.q_meas);
   has_pose_ = true;
 }
 
 void CommandedTool::HoldStill() OSTEON_RT {
   V_WT = {};
   share = 0.0;
-  arm_->Rest();
+  arm_->StopJoints();
 }
 
 void CommandedTool::StartBraking() OSTEON_RT {
@@ -33,10 +33,10 @@ void CommandedTool::StartBraking() OSTEON_RT {
 
 FollowedTwist CommandedTool::Follow(double max_elbow_speed_m_per_s, bool elbow_moves) OSTEON_RT {
   const Twist V_asked_WT = Velocity();
-  const Followed followed = arm_->Follow({.V_WT = V_asked_WT,
-                                          .elbow_share = share,
-                                          .max_elbow_speed_m_per_s = max_elbow_speed_m_per_s,
-                                          .elbow_moves = elbow_moves});
+  const MotionResult followed = arm_->Follow({.V_WT = V_asked_WT,
+                                              .elbow_share = share,
+                                              .max_elbow_speed_m_per_s = max_elbow_speed_m_per_s,
+                                              .elbow_moves = elbow_moves});
   if (followed.fault != safety::Fault::kNone) return {.fault = followed.fault};
   if (followed.limited || followed.zone_acted || followed.elbow_acted) {
     // the law goes on from what the tool does; as the model's age fades the motion, so its reaction

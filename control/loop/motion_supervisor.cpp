@@ -15,16 +15,16 @@ CellAction MotionSupervisor::Apply(CellEvent event) OSTEON_RT {
   return next.action;
 }
 
-void MotionSupervisor::AskForPause(bool asked) OSTEON_RT {
-  pause_asked_ = (pause_asked_ || asked) && (safety::Waits(state_) || safety::IsMotion(state_));
+void MotionSupervisor::RequestPause(bool asked) OSTEON_RT {
+  pause_requested_ = (pause_requested_ || asked) && (safety::Waits(state_) || safety::IsMotion(state_));
 }
 
-bool MotionSupervisor::TakePauseAsked() OSTEON_RT { return std::exchange(pause_asked_, false); }
+bool MotionSupervisor::TakePauseRequest() OSTEON_RT { return std::exchange(pause_requested_, false); }
 
 Phase MotionSupervisor::phase() const OSTEON_RT {
   switch (state_) {
     case CellState::kOff:
-      return stop_asked_ ? Phase::kStopped : Phase::kWaiting;
+      return stop_requested_ ? Phase::kStopped : Phase::kWaiting;
     case CellState::kChecking:
     case CellState::kReady:
     case CellState::kRecovery:
@@ -46,7 +46,7 @@ Phase MotionSupervisor::phase() const OSTEON_RT {
 }
 
 bool MotionSupervisor::CanRecover() const OSTEON_RT {
-  return !stop_asked_ && safety::Next(state_, CellEvent::kRecover).state == CellState::kRecovery &&
+  return !stop_requested_ && safety::Next(state_, CellEvent::kRecover).state == CellState::kRecovery &&
          safety::AllowsRecovery(faults_);
 }
 

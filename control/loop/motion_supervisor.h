@@ -28,16 +28,16 @@ class MotionSupervisor {
   void SetRendered() OSTEON_RT { rendered_ = true; }
 
   /// An orderly stop was asked for: as this tick sees it.
-  void SetStopAsked(bool asked) OSTEON_RT { stop_asked_ = asked; }
-  /// A pause was asked for. It counts until TakePauseAsked, while motion is under way or waited for.
-  void AskForPause(bool asked) OSTEON_RT;
+  void SetStopRequested(bool asked) OSTEON_RT { stop_requested_ = asked; }
+  /// A pause was asked for. It counts until TakePauseRequest, while motion is under way or waited for.
+  void RequestPause(bool asked) OSTEON_RT;
   /// @returns whether a pause is to begin now, and forgets it
-  [[nodiscard]] bool TakePauseAsked() OSTEON_RT;
+  [[nodiscard]] bool TakePauseRequest() OSTEON_RT;
 
   [[nodiscard]] safety::CellState state() const OSTEON_RT { return state_; }
   [[nodiscard]] safety::FaultSet faults() const OSTEON_RT { return faults_; }
   [[nodiscard]] safety::MotionPermits permits() const OSTEON_RT { return permits_; }
-  [[nodiscard]] bool stop_asked() const OSTEON_RT { return stop_asked_; }
+  [[nodiscard]] bool stop_requested() const OSTEON_RT { return stop_requested_; }
   [[nodiscard]] bool on_path() const OSTEON_RT { return on_path_; }
   [[nodiscard]] bool rendered() const OSTEON_RT { return rendered_; }
   /// The arm was moved at least once: a fault of the drive then waits for a recovery.
@@ -64,7 +64,7 @@ class MotionSupervisor {
   safety::CellState state_{safety::CellState::kOff};
   safety::FaultSet faults_;
   safety::MotionPermits permits_;
-  bool stop_asked_{false}, pause_asked_{false};
+  bool stop_requested_{false}, pause_requested_{false};
   bool on_path_{false}, rendered_{false}, moved_{false};
 };
 

@@ -18,9 +18,9 @@ struct ServoStatistics {
   /// Between two messages, while the loop commands the arm: also on its way to the start and in a stop.
   double peak_measured_tool_speed_m_per_s{0.0};
   double peak_tracking_error_m{0.0};
-  safety::LimitCounts limits;                                          ///< while rendering
-  double least_depth_left_m{std::numeric_limits<double>::infinity()};  ///< to the reamer's depth limit
-  double least_tank_J{std::numeric_limits<double>::infinity()};
+  safety::LimitCounts limits;                                        ///< while rendering
+  double min_depth_left_m{std::numeric_limits<double>::infinity()};  ///< to the reamer's depth limit
+  double min_tank_J{std::numeric_limits<double>::infinity()};
   std::uint64_t active_ticks{0};     ///< messages answered in COMMANDING_ACTIVE, once the loop has begun
   std::uint64_t missed_messages{0};  ///< deadlines that passed without one, once commanding
 };

@@ -15,29 +15,30 @@ constexpr double kPlausible_rad = 0.1;
 safety::MotionPermits EvaluatePermits(const TickInputs& tick, const StartConditions& c) OSTEON_RT {
   const auto& [state, readings, model, now] = tick;
   safety::MotionPermits permits;
-  permits.Put(MotionPermit::kArmFresh, true);  // nobody asks where there is no message
-  permits.Put(MotionPermit::kHandedOver,
+  permits.Set(MotionPermit::kArmFresh, true);  // nobody asks where there is no message
+  permits.Set(MotionPermit::kHandedOver,
               state.session == SessionState::kCommandingActive && state.safety_state == 0);
-  permits.Put(MotionPermit::kRunPermitted, c.checks.IsMotionPermitted(readings.interlock, now));
-  permits.Put(MotionPermit::kSensorFresh, c.checks.IsSensorReady(readings.force, now));
-  permits.Put(MotionPermit::kSpindleReady, c.checks.IsSpindleReady(readings.spindle, now));
-  permits.Put(MotionPermit::kWayLookedAt, c.may_start);
-  permits.Put(MotionPermit::kHandOff, c.rendered || !c.bias_in_doubt);
+  permits.Set(MotionPermit::kRunPermitted, c.checks.IsMotionPermitted(readings.interlock, now));
+  permits.Set(MotionPermit::kSensorFresh, c.checks.IsSensorReady(readings.force, now));
+  permits.Set(MotionPermit::kSpindleReady, c.checks.IsSpindleReady(readings.spindle, now));
+  permits.Set(MotionPermit::kPathChecked, c.may_start);
+  permits.Set(MotionPermit::kHandOff, c.rendered || !c.bias_in_doubt);
 
   // the coupling as it would be in full: rendering begins with nothing of it
   CouplingState full;
   full.fade = 1.0;
   const CouplingOutput coupling =
       EvaluateCoupling(c.params.coupling, model, c.arm.X_WT(), {}, now, false, full);
-  permits.Put(MotionPermit::kModelFresh,
+  permits.Set(MotionPermit::kModelFresh,
               coupling.status == ModelStatus::kOk && coupling.age_s <= c.params.watchdog.model_stop_s);
   const bool renders_here = c.rendered || c.arm.AtStart();  // on the way to the start nothing is rendered
-  permits.Put(MotionPermit::kNoResidualWrench,
+  permits.Set(MotionPermit::kNoResidualWrench,
               !c.arm_overloaded && (!renders_here || coupling.F_T_W.f.norm() <= c.max_force_N));
 
   const double error_m = (c.session.X_WT().translation() - c.arm.X_WT().translation()).norm();
-  permits.Put(MotionPermit::kPosePlausible, error_m <= c.params.max_tracking_error_m &&
-                                                FarthestJoint(c.arm.q(), state.q_meas) <= kPlausible_rad);
+  permits.Set(MotionPermit::kPosePlausible,
+              error_m <= c.params.max_tracking_error_m &&
+                  MaxJointDifference(c.arm.q(), state.q_meas) <= kPlausible_rad);
   return permits;
 }
 

@@ -16,11 +16,11 @@
 namespace osteon::rt {
 namespace {
 
-constexpr std::size_t kMostPrefault = 1 << 20;  // a thread's stack has 8 MiB by default
-constexpr std::size_t kPage = 4096;             // the smallest page size
-constexpr unsigned kCapIpcLock = 14;            // linux/capability.h
+constexpr std::size_t kMaxPrefault = 1 << 20;  // a thread's stack has 8 MiB by default
+constexpr std::size_t kPage = 4096;            // the smallest page size
+constexpr unsigned kCapIpcLock = 14;           // linux/capability.h
 
-static_assert(kMostCpu == CPU_SETSIZE - 1);
+static_assert(kMaxCpu == CPU_SETSIZE - 1);
 
 void Require(const char* name, long value, long low, long high) {
   if (value < low || value > high)
@@ -36,7 +36,7 @@ cpu_set_t Alone(int cpu) noexcept {
 }
 
 bool Pin(int cpu) noexcept {
-  if (cpu < 0 || cpu > kMostCpu) return false;
+  if (cpu < 0 || cpu > kMaxCpu) return false;
   const cpu_set_t set = Alone(cpu);
   return pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0;
 }
@@ -69,7 +69,7 @@ bool LockMemory() noexcept {
 std::vector<int> CpusOfThisProcess(const cpu_set_t& present) {
   std::vector<int> cpus;
   const long count = sysconf(_SC_NPROCESSORS_CONF);
-  for (int cpu = 0; cpu < count && cpu <= kMostCpu; ++cpu)
+  for (int cpu = 0; cpu < count && cpu <= kMaxCpu; ++cpu)
     if (Pin(cpu)) cpus.push_back(cpu);
   pthread_setaffinity_np(pthread_self(), sizeof present, &present);
   return cpus;
@@ -92,8 +92,8 @@ std::string Ranges(const std::vector<int>& numbers) {
 
 void Validate(const RealtimeThreadParams& params) {
   Require("priority", params.priority, 0, 99);
-  Require("cpu", params.cpu, -1, kMostCpu);
-  Require("prefault_stack_bytes", static_cast<long>(params.prefault_stack_bytes), 0, kMostPrefault);
+  Require("cpu", params.cpu, -1, kMaxCpu);
+  Require("prefault_stack_bytes", static_cast<long>(params.prefault_stack_bytes), 0, kMaxPrefault);
 }
 
 void NameThread(const char* name) noexcept { pthread_setname_np(pthread_self(), name); }
@@ -102,8 +102,9 @@ bool KeepCpusAwake() noexcept {
   static const bool awake = [] {
     const int file = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
     if (file < 0) return false;
-    const std::int32_t most_us = 0;
-    if (write(file, &most_us, sizeof most_us) == sizeof most_us) return true;  // holds while the file is open
+    const std::int32_t max_latency_us = 0;
+    if (write(file, &max_latency_us, sizeof max_latency_us) == sizeof max_latency_us)
+      return true;  // holds while the file is open
     close(file);
     return false;
   }();
@@ -116,7 +117,7 @@ RealtimeGrant SetUpRealtimeThread(const RealtimeThreadParams& params) noexcept {
   grant.memory_locked = params.lock_memory && LockMemory();
   grant.cpus_awake = params.keep_cpus_awake && KeepCpusAwake();
   if (params.prefault_stack_bytes > 0)
-    TouchStack(params.prefault_stack_bytes < kMostPrefault ? params.prefault_stack_bytes : kMostPrefault);
+    TouchStack(params.prefault_stack_bytes < kMaxPrefault ? params.prefault_stack_bytes : kMaxPrefault);
   // last: the calls before it may take long
   const sched_param priority{.sched_priority = params.priority};
   grant.realtime = params.priority > 0 && pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;

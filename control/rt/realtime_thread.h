@@ -6,7 +6,7 @@
 namespace osteon::rt {
 
 /// The highest CPU number that fits the system's masks. ReserveCpu checks which CPUs exist.
-inline constexpr int kMostCpu = 1023;
+inline constexpr int kMaxCpu = 1023;
 
 /// What a thread with a deadline requests of the system. A refused request is missing in RealtimeGrant, and
 /// the thread runs nevertheless.

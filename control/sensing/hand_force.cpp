@@ -12,7 +12,7 @@ HandForce::HandForce(const ServoParams& params, const Pose& X_FT)
             params.sensor, params.period_s) {}
 
 void HandForce::EstimateBias(const ForceReading& reading, const Pose& X_WT) OSTEON_RT {
-  bias_.Rest(reading.F_S, X_WT * X_TF_);
+  bias_.AddReading(reading.F_S, X_WT * X_TF_);
 }
 
 void HandForce::ResetMotion(const Pose& X_WT) OSTEON_RT {

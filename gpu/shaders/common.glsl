@@ -18,15 +18,15 @@ layout(constant_id = 4) const bool kSplit = false;      // large balls are split
 layout(constant_id = 5) const bool kContactSphere = false;  // only the tool ball that touches first cuts
 layout(constant_id = 6) const uint kMaterials = kMaxMaterials;
 layout(constant_id = 7) const bool kOnGpu = false;
-layout(constant_id = 8) const uint kToolRest = 2;  // index of the first remainder (double minus float) among the tool's texels
+layout(constant_id = 8) const uint kToolRemainder = 2;  // index of the first remainder (double minus float) among the tool's texels
 layout(constant_id = 9) const uint kBoneBits = kMinBoneBits;  // bits of a bone ball's index in a key
 
 layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };
 layout(scalar, binding = kBindFrame) coherent buffer FreshFrameBuffer { Frame fresh; };  // reads what others wrote in this pass
 layout(scalar, binding = kBindFrame) coherent readonly buffer FrameWordBuffer { uvec4 frame_words[]; };
 layout(scalar, binding = kBindFrame) readonly buffer FrameHalfBuffer { uint frame_halves[]; };
-layout(scalar, binding = kBindReport) buffer ReportBuffer { uvec4 report_words[]; };
-layout(scalar, binding = kBindItems) readonly buffer ItemBuffer { Item items[]; };
+layout(scalar, binding = kBindReadback) buffer ReadbackBuffer { uvec4 readback_words[]; };
+layout(scalar, binding = kBindClusterPairs) readonly buffer ClusterPairsBuffer { ClusterPairs cluster_pairs[]; };
 layout(scalar, binding = kBindToolRefs) readonly buffer ToolRefBuffer { uint tool_refs[]; };
 layout(scalar, binding = kBindBalls) buffer BallBuffer { vec4 balls[]; };
 layout(scalar, binding = kBindMoreBalls) buffer MoreBallBuffer { vec4 more_balls[]; };
@@ -34,9 +34,9 @@ layout(scalar, binding = kBindPoints) readonly buffer PointBuffer { vec4 points[
 layout(scalar, binding = kBindPointStates) buffer PointStateBuffer { uint point_states[]; };
 layout(scalar, binding = kBindPointUnits) readonly buffer PointUnitBuffer { uint point_units[]; };
 layout(scalar, binding = kBindLiveBalls) buffer LiveBallBuffer { vec4 live_balls[]; };
-layout(scalar, binding = kBindLiveEntries) buffer LiveEntryBuffer { Live live_entries[]; };
+layout(scalar, binding = kBindLiveEntries) buffer LiveEntryBuffer { ListEntry live_entries[]; };
 layout(scalar, binding = kBindLivePoints) buffer LivePointBuffer { vec4 live_points[]; };
-layout(scalar, binding = kBindPointEntries) buffer PointEntryBuffer { Live point_entries[]; };
+layout(scalar, binding = kBindPointEntries) buffer PointEntryBuffer { ListEntry point_entries[]; };
 layout(scalar, binding = kBindSlots) buffer SlotBuffer { uint slots[]; };
 layout(scalar, binding = kBindRequests) buffer RequestBuffer { SplitRequest requests[]; };
 layout(scalar, binding = kBindUploads) readonly buffer UploadBuffer { SplitUpload uploads[]; };
@@ -44,10 +44,10 @@ layout(scalar, binding = kBindBlocks) buffer BlockBuffer { Block blocks[]; };
 layout(binding = kBindBallTexels) uniform samplerBuffer ball_texels;
 layout(binding = kBindPointTexels) uniform samplerBuffer point_texels;
 layout(binding = kBindToolTexels) uniform samplerBuffer tool_texels;
-layout(binding = kBindSpanTexels) uniform usamplerBuffer span_texels;
+layout(binding = kBindPackedPairTexels) uniform usamplerBuffer packed_pair_texels;
 layout(binding = kBindEntryTexels) uniform usamplerBuffer entry_texels;
 layout(binding = kBindPointEntryTexels) uniform usamplerBuffer point_entry_texels;
-layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
+layout(scalar, binding = kBindPackedPairs) buffer PackedPairBuffer { uint packed_pairs[]; };
 
 // Adds an integer of each invocation of the subgroup to a sum. All its invocations must call it.
 #define ADD_TO(sum, whole)                              \
@@ -73,8 +73,8 @@ layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
 
 // The same on a GPU, at most 2^49 each, for a workgroup: stores each subgroup's share, which GroupTotal adds up after a
 // barrier.
-const uint kMostSums = 16u;
-shared int64_t group_share[kMostSums][64];
+const uint kMaxSums = 16u;
+shared int64_t group_share[kMaxSums][64];
 #define SHARE(place, whole)                                                                     \
   {                                                                                             \
     int64_t own = (whole);                                                                      \
@@ -120,15 +120,15 @@ float ContactFraction() { return float(ExactFraction()); }
 
 // True where the frame is void: at first contact the tool is too far from where the lists were built (the host then runs the
 // frame again with new lists), or the lists are too short.
-bool IsVoid() {
+bool NeedsRebuild() {
   // Load before branching: && and || serialise the loads.
   float s = ContactFraction();
-  vec2 start = vec2(frame.cutting_drift_start_mm, frame.shaft_drift_start_mm),
-       goal = vec2(frame.cutting_drift_goal_mm, frame.shaft_drift_goal_mm),
-       margin = vec2(frame.cutting_margin_mm, frame.shaft_margin_mm);
-  uint at_contact = frame.lists_at_contact, too_many = frame.too_many;
-  bool far = any(greaterThan(mix(start, goal, s), margin));
-  return (at_contact == 0u && far) || too_many != 0u;
+  vec2 start = vec2(frame.cutting_displacement_start_mm, frame.shaft_displacement_start_mm),
+       goal = vec2(frame.cutting_displacement_goal_mm, frame.shaft_displacement_goal_mm),
+       skin = vec2(frame.cutting_skin_mm, frame.shaft_skin_mm);
+  uint at_contact = frame.lists_at_contact, list_overflow = frame.list_overflow;
+  bool far = any(greaterThan(mix(start, goal, s), skin));
+  return (at_contact == 0u && far) || list_overflow != 0u;
 }
 
 // A pass has rows of workgroups, one for each list; invocations go through a list's entries in strides. A software driver gives
@@ -143,21 +143,21 @@ uint EntryStep() { return gl_NumWorkGroups.x * kLanes; }
 // Tool ball t: centre at the proxy (w: radius) and at the tool's pose.
 vec4 Start(uint t) { return texelFetch(tool_texels, int(2u * t)); }
 vec3 Goal(uint t) { return texelFetch(tool_texels, int(2u * t + 1u)).xyz; }
-uvec4 SpanWords(uint k) { return texelFetch(span_texels, int(k / 4u)); }  // the four packed pairs from k on, a multiple of 4
-uint SpanWord(uint k) { return SpanWords(k)[k % 4u]; }
+uvec4 PackedPairsAt(uint k) { return texelFetch(packed_pair_texels, int(k / 4u)); }  // the four packed pairs from k on, a multiple of 4
+uint PackedPairAt(uint k) { return PackedPairsAt(k)[k % 4u]; }
 // Gap between a ball and a tool ball in units of a packed pair, rounded down.
-uint GapOfWord(vec4 ball, vec4 at) {
-  return uint(clamp((distance(ball.xyz, at.xyz) - at.w - ball.w) / kSpanGapUnit, 0.0, float(kLargestSpanGap)));
+uint PackGap(vec4 ball, vec4 at) {
+  return uint(clamp((distance(ball.xyz, at.xyz) - at.w - ball.w) / kPackedGapUnit, 0.0, float(kMaxPackedGap)));
 }
-uint ToolOf(uint word) { return word & ((1u << kToolBits) - 1u); }
+uint ToolOf(uint pair) { return pair & ((1u << kToolBits) - 1u); }
 vec4 AtContact(uint t, float s) {
   vec4 start = Start(t);
   return vec4(mix(start.xyz, Goal(t), s), start.w);
 }
 vec4 LiveBall(uint slot) { return texelFetch(ball_texels, int(slot)); }
-Live AsLive(uvec4 words) { return Live(words.x, words.y, words.z, words.w); }
-Live LiveEntry(uint slot) { return AsLive(texelFetch(entry_texels, int(slot))); }
-Live PointEntry(uint slot) { return AsLive(texelFetch(point_entry_texels, int(slot))); }
+ListEntry AsListEntry(uvec4 words) { return ListEntry(words.x, words.y, words.z, words.w); }
+ListEntry LiveEntry(uint slot) { return AsListEntry(texelFetch(entry_texels, int(slot))); }
+ListEntry PointEntry(uint slot) { return AsListEntry(texelFetch(point_entry_texels, int(slot))); }
 vec4 LivePoint(uint slot) { return texelFetch(point_texels, int(slot)); }
 
 vec4 BallAt(uint i) {

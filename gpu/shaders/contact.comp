@@ -32,22 +32,22 @@ void main() {
     }
   }
   for (uint list = FirstList(row, 1u); list <= LastList(row, 1u); ++list) {
-    float drift = Drift(list == kCutting, 0.0), path = frame.path_mm;
+    float displacement = Displacement(list == kCutting, 0.0), path = frame.path_mm;
     Walk walk = BeginWalk(list, true);
     for (bool more = true; more;) {
       vec4 ball;
       bool may = false;
       while (!may) {
-        more = NextPair(walk, WordGap(drift + first * path));
+        more = NextPair(walk, PackedGapLimit(displacement + first * path));
         if (!more) break;
         ball = LiveBall(walk.slot);
-        vec4 start = Start(ToolOf(walk.word));
-        vec3 m = Goal(ToolOf(walk.word)) - start.xyz;
+        vec4 start = Start(ToolOf(walk.pair));
+        vec3 m = Goal(ToolOf(walk.pair)) - start.xyz;
         may = ball.w > 0.0 && EarliestContact(ball.xyz - start.xyz, m, start.w + ball.w, rounding) < first;
       }
       if (!may) continue;
-      dvec4 start = ExactStart(ToolOf(walk.word));
-      dvec3 m = ExactGoal(ToolOf(walk.word)) - start.xyz;
+      dvec4 start = ExactStart(ToolOf(walk.pair));
+      dvec3 m = ExactGoal(ToolOf(walk.pair)) - start.xyz;
       s = min(s, ExactFirstContact(dvec3(ball.xyz) - start.xyz, m, start.w + double(ball.w)));
       first = AtLeast(s);
     }

@@ -15,11 +15,11 @@ vec4 InFloats(dvec4 v) { return vec4(vec3(v.xyz), float(v.w)); }
 
 // Tool ball t in double precision: floats plus their remainders.
 dvec4 ExactStart(uint t) {
-  return Exactly(texelFetch(tool_texels, int(2u * t))) + Exactly(texelFetch(tool_texels, int(kToolRest + 2u * t)));
+  return Exactly(texelFetch(tool_texels, int(2u * t))) + Exactly(texelFetch(tool_texels, int(kToolRemainder + 2u * t)));
 }
 dvec3 ExactGoal(uint t) {
   return dvec3(texelFetch(tool_texels, int(2u * t + 1u)).xyz) +
-         dvec3(texelFetch(tool_texels, int(kToolRest + 2u * t + 1u)).xyz);
+         dvec3(texelFetch(tool_texels, int(kToolRemainder + 2u * t + 1u)).xyz);
 }
 double ExactFraction() { return min(1.0lf, FromKey(frame.contact_key)); }
 dvec4 ExactAtContact(uint t, double s) {
@@ -46,7 +46,7 @@ double ExactFirstContact(dvec3 D, dvec3 m, double R) {
 
 // The slide to perform: with the turn, or straight where bone keeps the tool from turning (equivalent to
 // ReferenceEngine::Frame).
-const double kTurnWorth_mm = 1e3 * kTurnWorth_m;
+const double kRotationBias_mm = 1e3 * kRotationBias_m;
 struct Slide {
   bool turns;
   double share;  // fraction of the way to the target
@@ -59,7 +59,7 @@ Slide ChosenSlide() {
   double full_way = full * frame.exact.way, straight_way = straight * frame.exact.straight_way;
   uint turning = frame.turning;
   dvec3 delta = frame.exact.delta, shift = frame.exact.shift;
-  bool turns = turning == 0u || SlidesTurning(met < limit, full_way, straight_way, kTurnWorth_mm);
+  bool turns = turning == 0u || SlidesTurning(met < limit, full_way, straight_way, kRotationBias_mm);
   return Slide(turns, turns ? full : straight, turns ? full_way : straight_way, turns ? delta : shift);
 }
 // Position of a tool ball after the slide, from its position at first contact.

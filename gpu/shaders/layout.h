@@ -42,10 +42,10 @@ OSTEON_CONST uint kFaces = 4;
 OSTEON_CONST uint kFaceColumns = 4;  // weight centre (3), weight radius
 OSTEON_CONST uint kToolBits = 14;    // for a tool ball's index in keys and packed pairs
 // Subdivision of the units of face_scale, area_scale and moment_scale.
-OSTEON_CONST double kFiner = 262144.0;
+OSTEON_CONST double kUnitSubdivision = 262144.0;
 // Packed pair: 14-bit tool ball index, above it an 18-bit lower bound of the gap when the list was built.
-OSTEON_CONST uint kLargestSpanGap = (1u << (32u - kToolBits)) - 1u;
-OSTEON_CONST float kSpanGapUnit = 1.0f / 32768.0f;  // mm
+OSTEON_CONST uint kMaxPackedGap = (1u << (32u - kToolBits)) - 1u;
+OSTEON_CONST float kPackedGapUnit = 1.0f / 32768.0f;  // mm
 
 // A sum in fixed point: high * 2^16 + low, in units of 1/scale. Integers add up to the same in any order, so
 // a frame's result does not depend on scheduling.
@@ -55,7 +55,7 @@ struct Sum {
 };
 
 // Frame values that need double precision. Millimetres, newtons, seconds.
-struct Exact {
+struct DoublePrecision {
   dvec3 start, goal;  // T's origin at the proxy and at the tool's pose
   dvec3 axis;         // the spindle's
   double enlargement, tolerance, layer, max_slide;
@@ -74,16 +74,17 @@ struct Exact {
   OSTEON_ARRAY(dvec3, hold_n, 4);  // normals of the planes that hold the tool, with their multipliers below
   OSTEON_ARRAY(double, hold, 4);
   dvec3 step;  // of the proxy's advance
-  // area and moment by material, in units of 1 / (area_scale kFiner) and 1 / (moment_scale kFiner)
+  // area and moment by material, in units of 1 / (area_scale kUnitSubdivision) and 1 / (moment_scale
+  // kUnitSubdivision)
   OSTEON_ARRAY(int64_t, engaged, 2 * kMaxMaterials);
   OSTEON_ARRAY(uint64_t, removed, kMaxMaterials);  // cleared volume in the bone's units
-  // weight and weight n of each face, in units of 1 / (face_scale kFiner); row 0: balls that cut; row 1:
-  // those that do not
+  // weight and weight n of each face, in units of 1 / (face_scale kUnitSubdivision); row 0: balls that cut;
+  // row 1: those that do not
   OSTEON_ARRAY(int64_t, face_sums, 2 * kFaces * 4);
 };
 
 // Arguments of an indirect dispatch.
-struct Groups {
+struct DispatchArgs {
   uint x, y, z;
 };
 
@@ -102,19 +103,19 @@ struct Frame {
   // results: fractions of first contact, and of the slide's first contact with the turn and straight. Bits of
   // doubles: for one sign their order is that of the doubles
   uint64_t contact_key, slide_key, straight_key;
-  Exact exact;
+  DoublePrecision exact;
 
   // from bone, tool and parameters: constant over all frames
   float enlargement_mm;
   float tolerance_mm;
   float layer_mm;
   // units of the fixed-point sums: every summand is below 2^23 of them
-  float face_scale;         // per mm^3, of a face's weights
-  float face_point_scale;   // per mm^4, of weight times a position on the tool
-  float area_scale;         // per mm^2
-  float moment_scale;       // per mm^3
-  float cutting_margin_mm;  // allowed displacement of the tool since the lists were built, by kind of ball
-  float shaft_margin_mm;
+  float face_scale;        // per mm^3, of a face's weights
+  float face_point_scale;  // per mm^4, of weight times a position on the tool
+  float area_scale;        // per mm^2
+  float moment_scale;      // per mm^3
+  float cutting_skin_mm;   // allowed displacement of the tool since the lists were built, by kind of ball
+  float shaft_skin_mm;
   uint tool_count;
   uint cutter_count;  // tool balls 0 … cutter_count - 1 cut
   uint ball_count;
@@ -122,7 +123,7 @@ struct Frame {
   uint material_count;
   uint immediate;
   uint live_capacity;
-  uint span_capacity;
+  uint packed_pair_capacity;
   uint first_child;  // index of the first child ball; blocks of kGroupSize slots follow each other from here
   float split_radius_mm;  // larger balls request a split; huge where none is split
   uint request_capacity;
@@ -143,29 +144,30 @@ struct Frame {
   float ball_reach_mm;
   float point_reach_mm;
   // displacement since the lists were built of the tool ball that moved most
-  float cutting_drift_start_mm, cutting_drift_goal_mm, shaft_drift_start_mm, shaft_drift_goal_mm;
+  float cutting_displacement_start_mm, cutting_displacement_goal_mm, shaft_displacement_start_mm,
+      shaft_displacement_goal_mm;
   // the same since their packed pairs were measured: see refresh.comp
-  float cutting_words_start_mm, cutting_words_goal_mm, shaft_words_start_mm, shaft_words_goal_mm;
-  float path_mm;                 // of the tool point that moves farthest, from the proxy to the tool's pose
-  uint chunk;                    // list entries for one invocation
-  uint lists_at_contact;         // 1: the lists are built in this frame, at first contact
-  uint max_workgroups;           // of a pass, along x: further work loops over them
-  uint ball_items, point_items;  // clusters that the tool can meet
-  uint flush_count;              // balls of the previous lists, which flush.comp writes back
+  float cutting_measured_start_mm, cutting_measured_goal_mm, shaft_measured_start_mm, shaft_measured_goal_mm;
+  float path_mm;          // of the tool point that moves farthest, from the proxy to the tool's pose
+  uint chunk;             // list entries for one invocation
+  uint lists_at_contact;  // 1: the lists are built in this frame, at first contact
+  uint max_workgroups;    // of a pass, along x: further work loops over them
+  uint near_ball_clusters, near_point_clusters;  // clusters that the tool can meet
+  uint flush_count;                              // balls of the previous lists, which flush.comp writes back
   uint upload_count;
-  Groups upload_work;
-  Groups flush_work;
-  Groups path_work;   // clusters of balls, one workgroup each
-  Groups point_work;  // clusters of points
+  DispatchArgs upload_work;
+  DispatchArgs flush_work;
+  DispatchArgs path_work;   // clusters of balls, one workgroup each
+  DispatchArgs point_work;  // clusters of points
 
   // the lists, as the last frame that built them left them; x: chunks of the longest list; y: lists
-  Groups pair_work;   // listed balls, shaft pairs
-  Groups all_work;    // listed balls, listed points, shaft pairs
-  Groups clear_work;  // listed balls, listed points
-  uint live_ball_count, live_point_count, shaft_count, span_count;
-  uint longest_span;  // largest number of tool balls of an entry
-  uint too_many;      // set where the lists are too short: the frame is void
-  uint is_void;       // set where nothing was changed: see IsVoid
+  DispatchArgs pair_work;   // listed balls, shaft pairs
+  DispatchArgs all_work;    // listed balls, listed points, shaft pairs
+  DispatchArgs clear_work;  // listed balls, listed points
+  uint live_ball_count, live_point_count, shaft_count, packed_pair_count;
+  uint longest_pair_range;  // largest number of tool balls of an entry
+  uint list_overflow;       // set where the lists are too short: the frame is void
+  uint needs_rebuild;       // set where nothing was changed: see NeedsRebuild
 
   // results
   uint turns;        // whether the performed slide includes the turn
@@ -181,7 +183,7 @@ struct Frame {
   OSTEON_ARRAY(Sum, face_sums, 2 * kFaces * kFaceColumns);
   uint request_count;  // number of balls that should be split; may exceed the capacity
   uint groups_done;    // workgroups that have finished a pass whose last one continues: see IsLastGroup
-  uint sequence;       // number of the report
+  uint sequence;       // number of the readback
   // where one tool ball alone cuts: the ball that touches first. Upper bits: its index in the tool's own
   // list; lower kToolBits: its device index. kNoToolBall where nothing was touched
   uint touching;
@@ -190,8 +192,8 @@ struct Frame {
 OSTEON_CONST uint kFrameBytes = 4656u;
 
 // A frame as the host reads it: its bytes, then a checksum over their words, which reveals an incomplete
-// report, and its number.
-struct Report {
+// readback, and its number.
+struct Readback {
   Frame frame;
   uint sum, sequence;
 };
@@ -210,21 +212,21 @@ struct SplitUpload {
 
 // A block of children.
 struct Block {
-  float least_mm;  // smaller children are dropped
-  uint live;       // number of children left
-  uint waits;      // 1: the children are not made yet
+  float min_mm;  // smaller children are dropped
+  uint live;     // number of children left
+  uint waits;    // 1: the children are not made yet
 };
 
 // A cluster of 64 balls or points, and the tool balls that can meet it: tool_refs[first …] in ascending
 // order, so that cutting balls come first.
-struct Item {
+struct ClusterPairs {
   uint cluster;
   uint first, cutters, count;
 };
 
-// A ball or point within reach, and the cutting tool balls that can meet it: packed pairs spans[first …], in
-// ascending order.
-struct Live {
+// A ball or point within reach, and the cutting tool balls that can meet it: packed pairs packed_pairs[first
+// …], in ascending order.
+struct ListEntry {
   uint index;
   uint first, count;
   uint more;  // point: its material; ball: the smallest gap of its packed pairs
@@ -235,7 +237,7 @@ struct Live {
 struct ShaftPair {
   uint slot;
   uint first, count;
-  uint least;  // smallest gap of its packed pairs
+  uint min_gap;  // smallest gap of its packed pairs
 };
 
 // Storage buffers, in the order of their bindings.
@@ -243,43 +245,43 @@ OSTEON_CONST uint kBindFrame = 0;
 // a tool ball's centre at the proxy (w: radius) and at the tool's pose (w: its index in the tool's own list);
 // then the remainders (double minus float) of the centres and the radius
 OSTEON_CONST uint kBindTool = 1;
-OSTEON_CONST uint kBindItems = 2;     // clusters of balls, then (from ball cluster count on) of points
-OSTEON_CONST uint kBindToolRefs = 3;  // 0 … tool_count - 1 first
-OSTEON_CONST uint kBindReport = 4;
+OSTEON_CONST uint kBindClusterPairs = 2;  // clusters of balls, then (from ball cluster count on) of points
+OSTEON_CONST uint kBindToolRefs = 3;      // 0 … tool_count - 1 first
+OSTEON_CONST uint kBindReadback = 4;
 OSTEON_CONST uint kBindBalls = 5;         // centre, radius; radius 0: gone
 OSTEON_CONST uint kBindMoreBalls = 6;     // balls from kBallsPerBuffer on
 OSTEON_CONST uint kBindPoints = 7;        // position, volume [mm^3]
 OSTEON_CONST uint kBindPointStates = 8;   // material, and kCleared
 OSTEON_CONST uint kBindPointUnits = 9;    // volume in the bone's units
 OSTEON_CONST uint kBindLiveBalls = 10;    // copies of the listed balls
-OSTEON_CONST uint kBindLiveEntries = 11;  // Live, then ShaftPair: one buffer, since software drivers read
-                                          // every buffer that might be selected
-OSTEON_CONST uint kBindLivePoints = 12;   // copies of the listed points
+OSTEON_CONST uint kBindLiveEntries = 11;  // ListEntry, then ShaftPair: one buffer, since software drivers
+                                          // read every buffer that might be selected
+OSTEON_CONST uint kBindLivePoints = 12;  // copies of the listed points
 OSTEON_CONST uint kBindPointEntries = 13;
-OSTEON_CONST uint kBindSpans = 14;     // packed pairs; 0 … tool_count - 1 first
-OSTEON_CONST uint kBindSlots = 15;     // slot of each ball in the list
-OSTEON_CONST uint kBindRequests = 16;  // SplitRequest
-OSTEON_CONST uint kBindUploads = 17;   // SplitUpload
-OSTEON_CONST uint kBindBlocks = 18;    // Block
+OSTEON_CONST uint kBindPackedPairs = 14;  // packed pairs; 0 … tool_count - 1 first
+OSTEON_CONST uint kBindSlots = 15;        // slot of each ball in the list
+OSTEON_CONST uint kBindRequests = 16;     // SplitRequest
+OSTEON_CONST uint kBindUploads = 17;      // SplitUpload
+OSTEON_CONST uint kBindBlocks = 18;       // Block
 OSTEON_CONST uint kBindings = 19;
 // Read-only views of the lists' copies: software drivers fetch a texel at once, but a buffer's words one by
 // one.
 OSTEON_CONST uint kBindBallTexels = 19;
 OSTEON_CONST uint kBindPointTexels = 20;
 // read-only views of tool, packed pairs and list entries
-OSTEON_CONST uint kBindToolTexels = 21, kBindSpanTexels = 22, kBindEntryTexels = 23,
+OSTEON_CONST uint kBindToolTexels = 21, kBindPackedPairTexels = 22, kBindEntryTexels = 23,
                   kBindPointEntryTexels = 24;
 
 OSTEON_CONST uint kBallsPerBuffer = 8000000;  // a binding holds 128 MiB on every device
 OSTEON_CONST uint kCleared = 256;
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == kFrameBytes && kFrameBytes % 16 == 0 && sizeof(Report) == kFrameBytes + 8);
+static_assert(sizeof(Frame) == kFrameBytes && kFrameBytes % 16 == 0 && sizeof(Readback) == kFrameBytes + 8);
 static_assert(offsetof(Frame, exact) == 8 * 63);
-static_assert(sizeof(Exact) == 8 * (9 + 9 + 16 + 12 + 9 + 1 + 4 + 3 + 16 + 3 + 24 + 32));
+static_assert(sizeof(DoublePrecision) == 8 * (9 + 9 + 16 + 12 + 9 + 1 + 4 + 3 + 16 + 3 + 24 + 32));
 static_assert(sizeof(Candidate) == 32);
-static_assert(sizeof(Item) == 16 && sizeof(Live) == 16 && sizeof(ShaftPair) == sizeof(Live) &&
-              sizeof(Sum) == 8);
+static_assert(sizeof(ClusterPairs) == 16 && sizeof(ListEntry) == 16 &&
+              sizeof(ShaftPair) == sizeof(ListEntry) && sizeof(Sum) == 8);
 static_assert(sizeof(SplitRequest) == 36 && sizeof(SplitUpload) == 20 && sizeof(Block) == 12);
 }  // namespace osteon::gpu
 #endif

@@ -12,23 +12,23 @@
 #include "solve.glsl"
 
 const double kPi = 3.14159265358979323846lf;
-const double kLargestLens_mm3 = 1e9 * kLargestLensVolume;
-const double kMiddleWorth_mm = 1e3 * kMiddleWorth_m;
+const double kMaxLens_mm3 = 1e9 * kMaxLensVolume;
+const double kBinCentreBias_mm = 1e3 * kBinCentreBias_m;
 const float kDirectionRounding = 1e-5;  // of a cosine in floats: this near to a bin's edge they cannot decide the side
 
 // Equivalent to simulation::LensVolume, up to the largest volume that counts.
 double LensVolume(double r1, double r2, double d) {
-  double dr = r1 - r2, least = min(r1, r2), over = r1 + r2 - d;
+  double dr = r1 - r2, min_radius = min(r1, r2), over = r1 + r2 - d;
   double lens = kPi / 12.0lf * over * over * (d * d + 2.0lf * d * (r1 + r2) - 3.0lf * dr * dr) / max(d, 1e-20lf);
-  double v = d <= abs(dr) ? 4.0lf / 3.0lf * kPi * least * least * least : lens;
-  return over <= 0.0lf ? 0.0lf : min(v, kLargestLens_mm3);
+  double v = d <= abs(dr) ? 4.0lf / 3.0lf * kPi * min_radius * min_radius * min_radius : lens;
+  return over <= 0.0lf ? 0.0lf : min(v, kMaxLens_mm3);
 }
 
 // Equivalent to simulation::FindBin; u in T. In floats, with the approximate distance of the direction from another bin; and in
 // double precision.
 struct Bin {
   uint number;
-  float off_middle, inside;
+  float off_centre, inside;
 };
 Bin FindBin(vec3 u, bool cutting) {
   vec3 size = abs(u);
@@ -48,7 +48,7 @@ Bin FindBin(vec3 u, bool cutting) {
 }
 struct ExactBin {
   uint number;
-  double off_middle;
+  double off_centre;
 };
 ExactBin FindExactBin(dvec3 u, bool cutting) {
   dvec3 size = abs(u);
@@ -84,19 +84,19 @@ vec3 InTool(Near near, vec3 v) { return vec3(dot(v, near.axis_x), dot(v, near.ax
 struct Pair {
   bool nearest, in_face;
 };
-Pair Touch(Near near, vec4 ball, vec4 at, bool cutting) {
+Pair TestPair(Near near, vec4 ball, vec4 at, bool cutting) {
   vec3 from_bone = at.xyz - ball.xyz;
   float d = length(from_bone), gap = d - at.w - ball.w;
   vec3 n = from_bone * (1.0 / max(d, 1e-20));
   bool is_near = ball.w > 0.0 && gap < near.enlargement + near.rounding;
   Bin bin = FindBin(InTool(near, n), cutting);
-  float score = gap + float(kMiddleWorth_mm) * bin.off_middle - near.rounding;
+  float score = gap + float(kBinCentreBias_mm) * bin.off_centre - near.rounding;
   uint units = KeptUnits(ScoreUnits(score), kBoneBits);
-  float most = max(max(dot(n, near.face_0), dot(n, near.face_1)), max(dot(n, near.face_2), dot(n, near.face_3)));
+  float max_cosine = max(max(dot(n, near.face_0), dot(n, near.face_1)), max(dot(n, near.face_2), dot(n, near.face_3)));
   // the smallest key so far, or an older one: the upper half of its 64 bits begins with the units
   return Pair(is_near && (bin.inside < kDirectionRounding ||
                           units <= UnitsOfHalf(frame_halves[2u * bin.number + 1u], kBoneBits)),
-              is_near && most > float(kFaceCosine) - kDirectionRounding);
+              is_near && max_cosine > float(kFaceCosine) - kDirectionRounding);
 }
 
 // The same pair in double precision.
@@ -104,7 +104,7 @@ struct ExactPair {
   dvec3 n;
   double d, gap;
 };
-ExactPair LookAt(vec4 ball, dvec4 at) {
+ExactPair MeasurePair(vec4 ball, dvec4 at) {
   dvec3 from_bone = at.xyz - dvec3(ball.xyz);
   double d = length(from_bone);
   return ExactPair((1.0lf / max(d, 1e-20lf)) * from_bone, d, d - at.w - double(ball.w));
@@ -117,11 +117,11 @@ struct Waiting {
   uint bin;
   uint64_t key;
 } waiting;
-void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
+void AtomicMinKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   if (exact.d <= 0.0lf || exact.gap >= near.exact_enlargement) return;
   ExactBin bin =
       FindExactBin(dvec3(dot(exact.n, near.exact_x), dot(exact.n, near.exact_y), dot(exact.n, near.exact_z)), cutting);
-  uint units = ScoreUnits(exact.gap + kMiddleWorth_mm * bin.off_middle);
+  uint units = ScoreUnits(exact.gap + kBinCentreBias_mm * bin.off_centre);
   // other invocations may have found nearer pairs since
   if (kKeysApart && KeptUnits(units, kBoneBits) > UnitsOfHalf(frame_halves[2u * bin.number + 1u], kBoneBits)) return;
   uint64_t key = BinKey(units, bone, t, kBoneBits);
@@ -135,20 +135,20 @@ void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   }
 }
 // Smallest key of a workgroup: the units decide first. Called by all its invocations.
-shared uint least_units[kBins];
-void TakeLeast() {
-  if (gl_LocalInvocationID.x < kBins) least_units[gl_LocalInvocationID.x] = 0xffffffffu;
+shared uint min_units[kBins];
+void ReduceKeys() {
+  if (gl_LocalInvocationID.x < kBins) min_units[gl_LocalInvocationID.x] = 0xffffffffu;
   barrier();
   bool waits = waiting.bin < kBins;
   uint units = UnitsOfKey(waiting.key, kBoneBits);
-  if (waits) atomicMin(least_units[waiting.bin], units);
+  if (waits) atomicMin(min_units[waiting.bin], units);
   barrier();
-  if (waits && units == least_units[waiting.bin]) atomicMin(frame.bin_keys[waiting.bin], waiting.key);
+  if (waits && units == min_units[waiting.bin]) atomicMin(frame.bin_keys[waiting.bin], waiting.key);
 }
 
 // Sums of one face over this invocation's pairs, as integers: weight and weight·n (doubles hold integers up to 2^53),
 // weight·centre and weight·radius. At most 256 pairs, since every summand is below 2^44 or 2^23.
-const uint kMostSummands = 256u;
+const uint kMaxSummands = 256u;
 struct Part {
   dvec4 n;
   ivec4 c;
@@ -164,18 +164,18 @@ bool IsIdle(vec3 face) { return kOnGpu && face == vec3(0.0); }
 
 // Adds a pair to a face's sums. `lens`: 0 for a pair that does not count; `alone`: the only cutting ball's pair, whose centre
 // is known.
-void Gather(inout Part part, Near near, dvec3 face, dvec3 n, double lens, vec4 center, bool alone) {
+void AddToPart(inout Part part, Near near, dvec3 face, dvec3 n, double lens, vec4 center, bool alone) {
   double inside = max(0.0lf, dot(n, face) - kFaceCosine);
   double w = lens * inside * inside;
   part.n += Rounded(dvec4(w, w * n) * near.face_scale);
   if (!alone) part.c += ivec4(round(float(w) * center * near.face_point_scale));
 }
-void GatherAll(inout Parts parts, Near near, ExactPair exact, float r_b, double r_t, vec3 center, bool alone) {
+void AddToFaces(inout Parts parts, Near near, ExactPair exact, float r_b, double r_t, vec3 center, bool alone) {
   double lens = LensVolume(r_t + near.exact_enlargement, double(r_b), exact.d);
-  if (!IsIdle(near.face_0)) Gather(parts.part_0, near, near.exact_face_0, exact.n, lens, vec4(center, r_t), alone);
-  if (!IsIdle(near.face_1)) Gather(parts.part_1, near, near.exact_face_1, exact.n, lens, vec4(center, r_t), alone);
-  if (!IsIdle(near.face_2)) Gather(parts.part_2, near, near.exact_face_2, exact.n, lens, vec4(center, r_t), alone);
-  if (!IsIdle(near.face_3)) Gather(parts.part_3, near, near.exact_face_3, exact.n, lens, vec4(center, r_t), alone);
+  if (!IsIdle(near.face_0)) AddToPart(parts.part_0, near, near.exact_face_0, exact.n, lens, vec4(center, r_t), alone);
+  if (!IsIdle(near.face_1)) AddToPart(parts.part_1, near, near.exact_face_1, exact.n, lens, vec4(center, r_t), alone);
+  if (!IsIdle(near.face_2)) AddToPart(parts.part_2, near, near.exact_face_2, exact.n, lens, vec4(center, r_t), alone);
+  if (!IsIdle(near.face_3)) AddToPart(parts.part_3, near, near.exact_face_3, exact.n, lens, vec4(center, r_t), alone);
 }
 
 #define FLUSH(part, number)                                                  \
@@ -261,7 +261,7 @@ void main() {
   uint row = Row();
   double exact_s = ExactFraction();
   float s = float(exact_s);
-  bool go = !IsVoid();
+  bool go = !NeedsRebuild();
   Near near;
   near.axis_x = frame.axis_x.xyz;
   near.axis_y = frame.axis_y.xyz;
@@ -275,7 +275,7 @@ void main() {
   near.face_point_scale = frame.face_point_scale;
   near.rounding = frame.rounding_mm;
   near.exact_enlargement = frame.exact.enlargement;
-  near.face_scale = kFiner * double(frame.face_scale);
+  near.face_scale = kUnitSubdivision * double(frame.face_scale);
   near.exact_x = dvec3(near.axis_x);  // the bins' axes are defined by the floats
   near.exact_y = dvec3(near.axis_y);
   near.exact_z = dvec3(near.axis_z);
@@ -290,17 +290,17 @@ void main() {
     dvec4 exact_only = ExactAtContact(0, exact_s);
     uint slot = FirstEntry(), end = row == 0u && go ? frame.live_ball_count : 0u;
     while (slot < end) {
-      for (uint summands = 0u; summands < kMostSummands && slot < end; summands += kRoom) {
+      for (uint summands = 0u; summands < kMaxSummands && slot < end; summands += kRoom) {
         found.count = 0u;
         for (; found.count < kRoom && slot < end; slot += EntryStep())
-          NoteIf(Touch(near, LiveBall(slot), only, true), slot, 0u);
+          NoteIf(TestPair(near, LiveBall(slot), only, true), slot, 0u);
         for (uint i = 0u; kKeysApart && NextMarked(i); ++i)
-          TakeKey(near, LookAt(LiveBall(found.slot[InRoom(i)]), exact_only), true, LiveEntry(found.slot[InRoom(i)]).index, 0u);
+          AtomicMinKey(near, MeasurePair(LiveBall(found.slot[InRoom(i)]), exact_only), true, LiveEntry(found.slot[InRoom(i)]).index, 0u);
         for (uint i = 0u; i < found.count; ++i) {
           vec4 ball = LiveBall(found.slot[InRoom(i)]);
-          ExactPair exact = LookAt(ball, exact_only);
-          if (!kKeysApart && IsMarked(i)) TakeKey(near, exact, true, LiveEntry(found.slot[InRoom(i)]).index, 0u);
-          GatherAll(parts, near, exact, ball.w, exact_only.w, vec3(0.0), true);
+          ExactPair exact = MeasurePair(ball, exact_only);
+          if (!kKeysApart && IsMarked(i)) AtomicMinKey(near, exact, true, LiveEntry(found.slot[InRoom(i)]).index, 0u);
+          AddToFaces(parts, near, exact, ball.w, exact_only.w, vec3(0.0), true);
         }
       }
       if (kOnGpu && slot >= end) break;
@@ -309,29 +309,29 @@ void main() {
     }
   }
   for (uint list = FirstList(row, 1u); list <= LastList(row, 1u); ++list) {
-    uint farthest = WordGap(Drift(list == kCutting, s) + near.enlargement);
+    uint farthest = PackedGapLimit(Displacement(list == kCutting, s) + near.enlargement);
     Walk walk = BeginWalk(list, go);
     for (bool more = true; more;) {
-      for (uint summands = 0u; summands < kMostSummands && more; summands += kRoom) {
+      for (uint summands = 0u; summands < kMaxSummands && more; summands += kRoom) {
         found.count = 0u;
         while (found.count < kRoom) {
           more = NextPair(walk, farthest);
           if (!more) break;
-          uint t = ToolOf(walk.word);
-          NoteIf(Touch(near, LiveBall(walk.slot), AtContact(t, s), list == kCutting), walk.slot, t);
+          uint t = ToolOf(walk.pair);
+          NoteIf(TestPair(near, LiveBall(walk.slot), AtContact(t, s), list == kCutting), walk.slot, t);
         }
         for (uint i = 0u; kKeysApart && NextMarked(i); ++i) {
           uint t = ToolOf(found.what[InRoom(i)]);
-          TakeKey(near, LookAt(LiveBall(found.slot[InRoom(i)]), ExactAtContact(t, exact_s)), list == kCutting,
+          AtomicMinKey(near, MeasurePair(LiveBall(found.slot[InRoom(i)]), ExactAtContact(t, exact_s)), list == kCutting,
                   LiveEntry(found.slot[InRoom(i)]).index, t);
         }
         for (uint i = 0u; i < found.count; ++i) {
           uint t = ToolOf(found.what[InRoom(i)]);
           vec4 ball = LiveBall(found.slot[InRoom(i)]);
           dvec4 exact_at = ExactAtContact(t, exact_s);
-          ExactPair exact = LookAt(ball, exact_at);
-          if (!kKeysApart && IsMarked(i)) TakeKey(near, exact, list == kCutting, LiveEntry(found.slot[InRoom(i)]).index, t);
-          GatherAll(parts, near, exact, ball.w, exact_at.w, InTool(near, Goal(t) - near.origin), false);
+          ExactPair exact = MeasurePair(ball, exact_at);
+          if (!kKeysApart && IsMarked(i)) AtomicMinKey(near, exact, list == kCutting, LiveEntry(found.slot[InRoom(i)]).index, t);
+          AddToFaces(parts, near, exact, ball.w, exact_at.w, InTool(near, Goal(t) - near.origin), false);
         }
       }
       if (kOnGpu && !more) break;
@@ -340,7 +340,7 @@ void main() {
     }
   }
   if (!kOnGpu) return;
-  TakeLeast();
+  ReduceKeys();
   AddPartsOfGroup(parts, row == 1u, kOneCutter && row == 0u);
   if (IsLastGroup()) Solve();
 }

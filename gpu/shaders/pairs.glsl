@@ -2,16 +2,16 @@
 // the displacement since, and bone only shrinks, so pairs that are too far are skipped without reading the balls.
 
 // Displacement of the tool balls of a kind since their packed pairs were measured, at fraction s of the frame's way.
-float Drift(bool cutting, float s) {
+float Displacement(bool cutting, float s) {
   if (frame.lists_at_contact != 0u) return 0.0;  // only steps after first contact use it
-  return cutting ? mix(frame.cutting_words_start_mm, frame.cutting_words_goal_mm, s)
-                 : mix(frame.shaft_words_start_mm, frame.shaft_words_goal_mm, s);
+  return cutting ? mix(frame.cutting_measured_start_mm, frame.cutting_measured_goal_mm, s)
+                 : mix(frame.shaft_measured_start_mm, frame.shaft_measured_goal_mm, s);
 }
 
 // Largest packed gap of a pair that may now be nearer than `gap_mm`.
-const float kSpanRounding_mm = 1e-3;  // many times the rounding of floats
-uint WordGap(float gap_mm) {
-  return uint(clamp((gap_mm + kSpanRounding_mm) / kSpanGapUnit + 1.0, 0.0, float(kLargestSpanGap)));
+const float kPackedGapRounding_mm = 1e-3;  // many times the rounding of floats
+uint PackedGapLimit(float gap_mm) {
+  return uint(clamp((gap_mm + kPackedGapRounding_mm) / kPackedGapUnit + 1.0, 0.0, float(kMaxPackedGap)));
 }
 
 // Lists of pairs: of listed balls, of balls near tool balls that do not cut, of listed points. With one cutting ball the first
@@ -28,9 +28,9 @@ struct Walk {
   uint before;  // entries of another list in the same texels
   uint slot;  // slot of the current ball or point
   uint k, last;  // its packed pairs not read yet
-  uvec4 words;  // the four packed pairs before k
+  uvec4 pairs;  // the four packed pairs before k
   uint left;  // bits of those still to come
-  uint word;  // the current packed pair
+  uint pair;  // the current packed pair
 };
 uint EntriesBefore(uint list) { return list == kShaft ? frame.live_capacity : 0u; }
 Walk BeginWalk(uint list, bool any) {
@@ -53,14 +53,14 @@ bool NextPair(inout Walk walk, uint farthest) {
       walk.last = walk.list == kPoint || entry.w <= farthest ? entry.y + entry.z : entry.y;
       walk.next += EntryStep();
     }
-    walk.words = SpanWords(walk.k);
+    walk.pairs = PackedPairsAt(walk.k);
     uint count = min(walk.last - walk.k, 4u);
-    bvec4 near = lessThanEqual(walk.words >> kToolBits, uvec4(farthest));
+    bvec4 near = lessThanEqual(walk.pairs >> kToolBits, uvec4(farthest));
     walk.left = ((near.x ? 1u : 0u) | (near.y ? 2u : 0u) | (near.z ? 4u : 0u) | (near.w ? 8u : 0u)) & ((1u << count) - 1u);
     walk.k += count;
   }
-  uvec4 words = walk.words;
-  walk.word = (walk.left & 1u) != 0u ? words.x : (walk.left & 2u) != 0u ? words.y : (walk.left & 4u) != 0u ? words.z : words.w;
+  uvec4 pairs = walk.pairs;
+  walk.pair = (walk.left & 1u) != 0u ? pairs.x : (walk.left & 2u) != 0u ? pairs.y : (walk.left & 4u) != 0u ? pairs.z : pairs.w;
   bool found = walk.left != 0u;
   walk.left &= walk.left - 1u;
   return found;

@@ -9,8 +9,8 @@
 void main() {
   double s = 2.0lf;
   float first = 2.0, rounding = frame.rounding_mm;
-  for (uint number = gl_WorkGroupID.x; number < frame.ball_items; number += gl_NumWorkGroups.x) {
-    Item item = items[number];
+  for (uint number = gl_WorkGroupID.x; number < frame.near_ball_clusters; number += gl_NumWorkGroups.x) {
+    ClusterPairs item = cluster_pairs[number];
     for (uint k = gl_WorkGroupID.y * kLanes + gl_LocalInvocationID.x; k < kGroupSize; k += gl_NumWorkGroups.y * kLanes) {
       uint i = item.cluster * kGroupSize + k;
       vec4 ball = i < frame.ball_count ? BallAt(i) : vec4(0.0);

@@ -4,18 +4,18 @@
 
 // Finds the tool balls of tool_refs[first … end - 1] that come within `reach` of a ball (p, r) at first contact: counts them,
 // then writes their packed pairs.
-struct Span {
+struct PairRange {
   uint first, count;
-  uint least;  // smallest gap of its packed pairs
+  uint min_gap;  // smallest gap of its packed pairs
 };
-Span FindSpan(uint first, uint end, vec3 p, float r, float reach, float s, bool cut, bool live) {
-  Span span = Span(0u, 0u, 0u);
+PairRange FindPairRange(uint first, uint end, vec3 p, float r, float reach, float s, bool cut, bool live) {
+  PairRange range = PairRange(0u, 0u, 0u);
   if (kOneCutter && cut) {
     vec4 only = AtContact(0, s);
     float far = only.w + r + reach;
     vec3 away = p - only.xyz;
-    span.count = live && dot(away, away) <= far * far ? 1u : 0u;
-    return span;
+    range.count = live && dot(away, away) <= far * far ? 1u : 0u;
+    return range;
   }
   uint lowest = end, highest = first;
   for (uint ref = first; ref < end; ++ref) {
@@ -25,29 +25,29 @@ Span FindSpan(uint first, uint end, vec3 p, float r, float reach, float s, bool 
     if (!live || dot(away, away) > far * far) continue;
     lowest = min(lowest, ref);
     highest = ref + 1u;
-    ++span.count;
+    ++range.count;
   }
-  if (span.count == 0u) return span;
-  atomicMax(frame.longest_span, span.count);
-  uint room = (span.count + 3u) & ~3u;  // packed pairs are read by four
-  uint place = atomicAdd(frame.span_count, room);
-  if (place + room > frame.span_capacity) {
-    frame.too_many = 1u;
-    return span;
+  if (range.count == 0u) return range;
+  atomicMax(frame.longest_pair_range, range.count);
+  uint room = (range.count + 3u) & ~3u;  // packed pairs are read by four
+  uint place = atomicAdd(frame.packed_pair_count, room);
+  if (place + room > frame.packed_pair_capacity) {
+    frame.list_overflow = 1u;
+    return range;
   }
-  span.first = place;
-  span.least = kLargestSpanGap;
+  range.first = place;
+  range.min_gap = kMaxPackedGap;
   for (uint ref = lowest; ref < highest; ++ref) {
     uint t = tool_refs[ref];
     vec4 ball = AtContact(t, s);
     float far = ball.w + r + reach;
     vec3 away = p - ball.xyz;
     if (dot(away, away) > far * far) continue;
-    uint gap = GapOfWord(vec4(p, r), ball);
-    span.least = min(span.least, gap);
-    spans[place++] = gap << kToolBits | t;
+    uint gap = PackGap(vec4(p, r), ball);
+    range.min_gap = min(range.min_gap, gap);
+    packed_pairs[place++] = gap << kToolBits | t;
   }
-  return span;
+  return range;
 }
 
 // Takes the next slot of a list of length `count`, and adds the workgroup that covers it.

@@ -1,5 +1,5 @@
-// Pass 3, first half: how far bone gives way in this frame (equivalent to simulation::AdvanceOfFrame, StepOfAdvance and
-// EndOfAdvance). Every invocation computes it for itself, which is cheaper than a separate pass.
+// Pass 3, first half: how far bone gives way in this frame (equivalent to simulation::ComputeAdvance, ComputeAdvanceStep and
+// ComputeAdvanceEnd). Every invocation computes it for itself, which is cheaper than a separate pass.
 struct Advance {
   double advance_mm, edge_work_Nmm;
   dvec3 step_mm;
@@ -17,17 +17,17 @@ double OneLessExp(double y) {
   return q;
 }
 
-Advance AdvanceOfFrame(double at_contact, Slide slide) {
+Advance ComputeAdvance(double at_contact, Slide slide) {
   // load all values at once
   double x = frame.exact.cutting, advance = 0.0lf, edge_work = 0.0lf;
   double spindle_rad_per_s = abs(frame.exact.spindle_rad_per_s), dt_s = frame.exact.dt_s;
-  double stiffness = frame.exact.stiffness, most_force = frame.exact.max_force, most_slide = frame.exact.max_slide;
+  double stiffness = frame.exact.stiffness, max_force = frame.exact.max_force, max_slide = frame.exact.max_slide;
   double held_back = frame.exact.work_held_back;
   bool immediate = frame.immediate != 0u, turns = spindle_rad_per_s != 0.0lf && dt_s > 0.0lf;
   dvec3 n = frame.exact.n, delta = frame.exact.delta, start = frame.exact.start, goal = frame.exact.goal;
   uint first_shaft = frame.shaft_candidate, shaft_end = frame.shaft_end;
   double area = 0.0lf, moment = 0.0lf, work_per_mm = 0.0lf;
-  double per_area = 1.0lf / (kFiner * double(frame.area_scale)), per_moment = 1.0lf / (kFiner * double(frame.moment_scale));
+  double per_area = 1.0lf / (kUnitSubdivision * double(frame.area_scale)), per_moment = 1.0lf / (kUnitSubdivision * double(frame.moment_scale));
   for (uint m = 0; m < kMaterials; ++m) {
     double own = double(frame.exact.engaged[2 * m]) * per_area;
     area += own;
@@ -35,18 +35,18 @@ Advance AdvanceOfFrame(double at_contact, Slide slide) {
     work_per_mm += frame.exact.cutting_energy[m] * own;
   }
   if (x > 0.0lf && turns) {
-    double most = max(0.0lf, most_slide - slide.way_mm);
+    double max_advance = max(0.0lf, max_slide - slide.way_mm);
     double arm = area > 0.0lf ? moment / area : 0.0lf;
-    double force = min(stiffness * x, most_force);
+    double force = min(stiffness * x, max_force);
     double work = force * spindle_rad_per_s * arm * dt_s;
     if (immediate) {
       advance = x;
       edge_work = work;
     } else if (work_per_mm <= 0.0lf) {
-      advance = min(x, most);
+      advance = min(x, max_advance);
     } else {
       double linear = max(0.0lf, work - held_back) / work_per_mm;
-      advance = min(x * OneLessExp(linear / x), most);
+      advance = min(x * OneLessExp(linear / x), max_advance);
       edge_work = linear > 0.0lf ? work * advance / linear : work;
     }
   }

@@ -13,14 +13,14 @@ void main() {
   for (uint i = FirstEntry(); i < count; i += EntryStep()) {
     uvec4 entry = Entry(list, before + i);
     vec4 ball = list == kPoint ? vec4(LivePoint(i).xyz, 0.0) : LiveBall(list == kShaft ? entry.x : i);
-    uint least = kLargestSpanGap, last = entry.y + entry.z;
-    uvec4 words = uvec4(0u);
+    uint min_gap = kMaxPackedGap, last = entry.y + entry.z;
+    uvec4 pairs = uvec4(0u);
     for (uint k = entry.y; k < last; ++k) {
-      words = k % 4u == 0u ? SpanWords(k) : words.yzwx;
-      uint t = ToolOf(words.x), gap = GapOfWord(ball, Start(t));
-      least = min(least, gap);
-      spans[k] = gap << kToolBits | t;
+      pairs = k % 4u == 0u ? PackedPairsAt(k) : pairs.yzwx;
+      uint t = ToolOf(pairs.x), gap = PackGap(ball, Start(t));
+      min_gap = min(min_gap, gap);
+      packed_pairs[k] = gap << kToolBits | t;
     }
-    if (list != kPoint) live_entries[before + i].more = least;
+    if (list != kPoint) live_entries[before + i].more = min_gap;
   }
 }

@@ -11,21 +11,21 @@
 #include "pairs.glsl"
 #include "rate_law.glsl"
 
-shared uint report_sum;
+shared uint readback_sum;
 
-const double kLeastBallRadius_mm = 1e3 * kLeastBallRadius;
+const double kMinBallRadius_mm = 1e3 * kMinBallRadius;
 
 // One piece of a cutting ball's path in floats, to test whether it may touch.
-struct Rough {
+struct CapsuleF32 {
   vec3 a, m;  // from a to a + m
   float per_mm2;  // 1 / m²; 0 where nothing moves
 };
-Rough MakeRough(vec3 a, vec3 b) {
+CapsuleF32 MakeCapsuleF32(vec3 a, vec3 b) {
   vec3 m = b - a;
   float mm = dot(m, m);
-  return Rough(a, m, mm > 0.0 ? 1.0 / mm : 0.0);
+  return CapsuleF32(a, m, mm > 0.0 ? 1.0 / mm : 0.0);
 }
-float SquaredDistance(Rough c, vec3 p) {
+float SquaredDistance(CapsuleF32 c, vec3 p) {
   vec3 out_of_a = p - c.a, away = out_of_a - clamp(dot(out_of_a, c.m) * c.per_mm2, 0.0, 1.0) * c.m;
   return dot(away, away);
 }
@@ -68,12 +68,12 @@ dvec4 Shrunk(dvec4 ball, Capsule c, bool all_cases, inout bool on_axis) {
   bool here = p > 0.0lf && d < kOnAxis * c.r;
   if (all_cases && here) u = OnAxis(c, ball.xyz, away, d);
   on_axis = on_axis || here;
-  bool gone = p > 0.0lf && (p >= 2.0lf * ball.w || ball.w - half_p < kLeastBallRadius_mm);
+  bool gone = p > 0.0lf && (p >= 2.0lf * ball.w || ball.w - half_p < kMinBallRadius_mm);
   return gone ? dvec4(ball.xyz, 0.0lf) : dvec4(ball.xyz + half_p * u, ball.w - half_p);
 }
 
 // The frame's way of the tool.
-struct Way {
+struct SweptPath {
   double at_contact;
   Slide slid_by;
   dvec3 step_mm;
@@ -81,53 +81,53 @@ struct Way {
   uint farthest;  // largest packed gap of a pair that may meet on it
   uint cutter;  // with kContactSphere, the only cutting ball
   // in floats
-  float rough_contact, rough_share;
-  vec3 rough_move, rough_step;
+  float contact_f32, share_f32;
+  vec3 move_f32, step_f32;
 };
-bool Cuts(Way way, uint t) { return !kContactSphere || t == way.cutter; }
+bool IsCutter(SweptPath way, uint t) { return !kContactSphere || t == way.cutter; }
 // Both pieces of tool ball t's way.
-struct Pieces {
-  Capsule slide, give;
+struct CapsulePair {
+  Capsule slide, advance;
 };
-Pieces PiecesOf(Way way, uint t) {
+CapsulePair CapsulesOf(SweptPath way, uint t) {
   dvec4 contact = ExactAtContact(t, way.at_contact);
   dvec3 slid = AfterSlide(way.slid_by, contact.xyz, ExactGoal(t));
-  return Pieces(MakeCapsule(contact.xyz, slid, contact.w), MakeCapsule(slid, slid + way.step_mm, contact.w));
+  return CapsulePair(MakeCapsule(contact.xyz, slid, contact.w), MakeCapsule(slid, slid + way.step_mm, contact.w));
 }
-dvec4 Shrunk(dvec4 ball, Pieces pieces, bool all_cases, out bool on_axis) {
+dvec4 Shrunk(dvec4 ball, CapsulePair capsules, bool all_cases, out bool on_axis) {
   on_axis = false;
-  return Shrunk(Shrunk(ball, pieces.slide, all_cases, on_axis), pieces.give, all_cases, on_axis);
+  return Shrunk(Shrunk(ball, capsules.slide, all_cases, on_axis), capsules.advance, all_cases, on_axis);
 }
-bool Inside(Pieces pieces, dvec3 p) { return Inside(pieces.slide, p) || Inside(pieces.give, p); }
+bool Inside(CapsulePair capsules, dvec3 p) { return Inside(capsules.slide, p) || Inside(capsules.advance, p); }
 // The same in floats.
-struct RoughPieces {
-  Rough slide, give;
+struct CapsulePairF32 {
+  CapsuleF32 slide, advance;
   float r;
 };
-RoughPieces RoughPiecesOf(Way way, uint t) {
-  vec4 contact = AtContact(t, way.rough_contact);
-  vec3 target = (way.slid_by.turns ? Goal(t) : contact.xyz) + way.rough_move,
-       slid = mix(contact.xyz, target, way.rough_share);
-  return RoughPieces(MakeRough(contact.xyz, slid), MakeRough(slid, slid + way.rough_step), contact.w);
+CapsulePairF32 CapsulesF32Of(SweptPath way, uint t) {
+  vec4 contact = AtContact(t, way.contact_f32);
+  vec3 target = (way.slid_by.turns ? Goal(t) : contact.xyz) + way.move_f32,
+       slid = mix(contact.xyz, target, way.share_f32);
+  return CapsulePairF32(MakeCapsuleF32(contact.xyz, slid), MakeCapsuleF32(slid, slid + way.step_f32), contact.w);
 }
 // True where they may touch a ball, or a point of radius 0.
-bool MayTouch(Way way, RoughPieces pieces, vec3 p, float radius) {
-  float reach = pieces.r + radius + way.rounding;
-  return min(SquaredDistance(pieces.slide, p), SquaredDistance(pieces.give, p)) < reach * reach;
+bool MayTouch(SweptPath way, CapsulePairF32 capsules, vec3 p, float radius) {
+  float reach = capsules.r + radius + way.rounding;
+  return min(SquaredDistance(capsules.slide, p), SquaredDistance(capsules.advance, p)) < reach * reach;
 }
 
 // A ball after the frame, by its entry's packed pairs in order: both pieces of one tool ball's way before those of the next.
-vec4 Shrink(Way way, uint slot, vec4 ball) {
-  Live entry = LiveEntry(slot);
+vec4 Shrink(SweptPath way, uint slot, vec4 ball) {
+  ListEntry entry = LiveEntry(slot);
   uint last = entry.first + (ball.w > 0.0 && entry.more <= way.farthest ? entry.count : 0u);
   dvec4 exact_ball = Exactly(ball);
   for (uint k = entry.first; k < last; ++k) {
-    uint word = SpanWord(k);
-    bool may = (word >> kToolBits) <= way.farthest && Cuts(way, ToolOf(word)) &&
-               MayTouch(way, RoughPiecesOf(way, ToolOf(word)), ball.xyz, ball.w);
+    uint pair = PackedPairAt(k);
+    bool may = (pair >> kToolBits) <= way.farthest && IsCutter(way, ToolOf(pair)) &&
+               MayTouch(way, CapsulesF32Of(way, ToolOf(pair)), ball.xyz, ball.w);
     for (uint once = may ? 0 : 1; once < 1; ++once) {
       bool on_axis;
-      exact_ball = Shrunk(exact_ball, PiecesOf(way, ToolOf(word)), true, on_axis);
+      exact_ball = Shrunk(exact_ball, CapsulesOf(way, ToolOf(pair)), true, on_axis);
       ball = InFloats(exact_ball);
     }
   }
@@ -135,20 +135,20 @@ vec4 Shrink(Way way, uint slot, vec4 ball) {
 }
 
 // True where one piece of the way removes the whole original ball.
-bool IsSwallowed(Way way, uint slot, dvec4 whole) {
+bool IsSwallowed(SweptPath way, uint slot, dvec4 whole) {
   bool swallowed = false;
-  Live entry = LiveEntry(slot);
+  ListEntry entry = LiveEntry(slot);
   uint last = kOneCutter ? entry.first + 1u : entry.first + entry.count;
   for (uint k = entry.first; k < last; ++k) {
-    uint t = kOneCutter ? 0u : ToolOf(SpanWord(k));
-    Pieces pieces = PiecesOf(way, t);
-    swallowed = swallowed || (Cuts(way, t) && (Swallows(pieces.slide, whole) || Swallows(pieces.give, whole)));
+    uint t = kOneCutter ? 0u : ToolOf(PackedPairAt(k));
+    CapsulePair capsules = CapsulesOf(way, t);
+    swallowed = swallowed || (IsCutter(way, t) && (Swallows(capsules.slide, whole) || Swallows(capsules.advance, whole)));
   }
   return swallowed;
 }
 
 // Stores the ball's new state. A large ball is noted for the host to split, a small child is dropped.
-void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
+void StoreBall(SweptPath way, uint slot, vec4 whole, vec4 ball) {
   if (ball.w == whole.w) return;
   if (kSplit) {
     uint index = LiveEntry(slot).index;
@@ -159,7 +159,7 @@ void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
     }
     if (child) {
       uint block = (index - frame.first_child) / kGroupSize;
-      if (ball.w < blocks[block].least_mm) ball.w = 0.0;
+      if (ball.w < blocks[block].min_mm) ball.w = 0.0;
       if (ball.w == 0.0) atomicAdd(blocks[block].live, 0xffffffffu);
     }
   }
@@ -167,13 +167,13 @@ void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
 }
 
 // Removes with the only cutting ball, over this invocation's balls.
-void RemoveOnce(Way way, RoughPieces rough, Pieces only, uint end) {
+void RemoveOnce(SweptPath way, CapsulePairF32 only_f32, CapsulePair only, uint end) {
   uint slot = FirstEntry();
   while (slot < end) {
     found.count = 0u;
     for (; found.count < kRoom && slot < end; slot += EntryStep()) {
       vec4 ball = LiveBall(slot);
-      if (ball.w > 0.0 && MayTouch(way, rough, ball.xyz, ball.w)) Note(slot, 0u, false);
+      if (ball.w > 0.0 && MayTouch(way, only_f32, ball.xyz, ball.w)) Note(slot, 0u, false);
     }
     for (uint i = 0u; i < found.count;) {
       bool on_axis = false;
@@ -181,18 +181,18 @@ void RemoveOnce(Way way, RoughPieces rough, Pieces only, uint end) {
         vec4 ball = LiveBall(found.slot[InRoom(i)]);
         vec4 shrunk = InFloats(Shrunk(Exactly(ball), only, false, on_axis));
         if (on_axis) break;
-        Keep(way, found.slot[InRoom(i)], ball, shrunk);
+        StoreBall(way, found.slot[InRoom(i)], ball, shrunk);
       }
       if (!on_axis) break;
       vec4 ball = LiveBall(found.slot[InRoom(i)]);
-      Keep(way, found.slot[InRoom(i)], ball, InFloats(Shrunk(Exactly(ball), only, true, on_axis)));
+      StoreBall(way, found.slot[InRoom(i)], ball, InFloats(Shrunk(Exactly(ball), only, true, on_axis)));
       ++i;
     }
   }
 }
 
 // Removes with all cutting balls, over this invocation's balls: the tool balls of a ball in order, one after the other.
-void RemovePairs(Way way, bool go) {
+void RemovePairs(SweptPath way, bool go) {
   const uint kNoSlot = 0xffffffffu;
   Walk walk = BeginWalk(kCutting, go);
   uint slot = kNoSlot;
@@ -204,8 +204,8 @@ void RemovePairs(Way way, bool go) {
       more = NextPair(walk, way.farthest);
       if (!more) break;
       vec4 whole = LiveBall(walk.slot);
-      uint t = ToolOf(walk.word);
-      if (whole.w > 0.0 && Cuts(way, t) && MayTouch(way, RoughPiecesOf(way, t), whole.xyz, whole.w)) Note(walk.slot, t, false);
+      uint t = ToolOf(walk.pair);
+      if (whole.w > 0.0 && IsCutter(way, t) && MayTouch(way, CapsulesF32Of(way, t), whole.xyz, whole.w)) Note(walk.slot, t, false);
     }
     for (uint i = 0u; i < found.count;) {
       bool on_axis = false;
@@ -216,12 +216,12 @@ void RemovePairs(Way way, bool go) {
           ball = Exactly(LiveBall(slot));
           before = float(ball.w);
         }
-        dvec4 shrunk = Shrunk(ball, PiecesOf(way, found.what[InRoom(i)]), false, on_axis);
+        dvec4 shrunk = Shrunk(ball, CapsulesOf(way, found.what[InRoom(i)]), false, on_axis);
         if (on_axis) break;
         ball = shrunk;
       }
       if (!on_axis) break;
-      ball = Shrunk(ball, PiecesOf(way, found.what[InRoom(i)]), true, on_axis);
+      ball = Shrunk(ball, CapsulesOf(way, found.what[InRoom(i)]), true, on_axis);
       ++i;
     }
   }
@@ -237,21 +237,21 @@ void Clear(uint slot, vec4 point) {
 }
 
 // A workgroup's share of the listed balls (row 0) or points (row 1).
-void Remove(Way way) {
+void Remove(SweptPath way) {
   uint row = Row();
-  bool go = frame.is_void == 0u && frame.spindle_rad_per_s != 0.0;
+  bool go = frame.needs_rebuild == 0u && frame.spindle_rad_per_s != 0.0;
   if (kContactSphere) go = go && way.cutter < frame.cutter_count;  // a shaft cuts nothing
   // the only cutting ball's, where there is one
-  Pieces only = PiecesOf(way, 0u);
-  RoughPieces rough = RoughPiecesOf(way, 0u);
+  CapsulePair only = CapsulesOf(way, 0u);
+  CapsulePairF32 only_f32 = CapsulesF32Of(way, 0u);
 
   uint slot = FirstEntry(), end = row == 0u && go ? frame.live_ball_count : 0u;
   if (kOneCutter) {
-    RemoveOnce(way, rough, only, end);
+    RemoveOnce(way, only_f32, only, end);
   } else if (kSplit) {
     for (; slot < end; slot += EntryStep()) {
       vec4 ball = LiveBall(slot);
-      Keep(way, slot, ball, Shrink(way, slot, ball));
+      StoreBall(way, slot, ball, Shrink(way, slot, ball));
     }
   } else {
     RemovePairs(way, row == 0u && go);
@@ -267,7 +267,7 @@ void Remove(Way way) {
       while (slot < end && !touched) {
         own = slot;
         point = LivePoint(slot);
-        touched = point.w > 0.0 && MayTouch(way, rough, point.xyz, 0.0);
+        touched = point.w > 0.0 && MayTouch(way, only_f32, point.xyz, 0.0);
         slot += EntryStep();
       }
       if (touched && Inside(only, dvec3(point.xyz))) Clear(own, point);
@@ -282,10 +282,10 @@ void Remove(Way way) {
       more = NextPair(walk, way.farthest);
       if (!more) break;
       point = LivePoint(walk.slot);
-      touched = point.w > 0.0 && Cuts(way, ToolOf(walk.word)) &&
-                MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), point.xyz, 0.0);
+      touched = point.w > 0.0 && IsCutter(way, ToolOf(walk.pair)) &&
+                MayTouch(way, CapsulesF32Of(way, ToolOf(walk.pair)), point.xyz, 0.0);
     }
-    if (!touched || !Inside(PiecesOf(way, ToolOf(walk.word)), dvec3(point.xyz))) continue;
+    if (!touched || !Inside(CapsulesOf(way, ToolOf(walk.pair)), dvec3(point.xyz))) continue;
     Clear(walk.slot, point);
     walk.left = 0u;  // once cleared is enough
     walk.k = walk.last;
@@ -294,35 +294,35 @@ void Remove(Way way) {
 
 // Writes the frame to where the host reads it; a copy command takes four times as long on a GPU. The host polls the number and
 // then compares the checksum, so the words may arrive in any order.
-void ReportFrame() {
+void WriteReadback() {
   const uint count = kFrameBytes / 16u;
-  if (gl_LocalInvocationID.x == 0u) report_sum = 0u;
+  if (gl_LocalInvocationID.x == 0u) readback_sum = 0u;
   barrier();
   uint sum = 0u;
   for (uint i = gl_LocalInvocationID.x; i < count; i += kLanes) {
     uvec4 words = frame_words[i];
-    report_words[i] = words;
+    readback_words[i] = words;
     sum += words.x + words.y + words.z + words.w;
   }
   sum = subgroupAdd(sum);
-  if (subgroupElect()) atomicAdd(report_sum, sum);
+  if (subgroupElect()) atomicAdd(readback_sum, sum);
   barrier();
-  if (gl_LocalInvocationID.x == 0u) report_words[count] = uvec4(report_sum, frame.sequence, 0u, 0u);
+  if (gl_LocalInvocationID.x == 0u) readback_words[count] = uvec4(readback_sum, frame.sequence, 0u, 0u);
 }
 
 void main() {
-  Way way;
+  SweptPath way;
   way.cutter = ToolOf(frame.touching);
   way.at_contact = ExactFraction();
   way.slid_by = ChosenSlide();
-  Advance advance = AdvanceOfFrame(way.at_contact, way.slid_by);
+  Advance advance = ComputeAdvance(way.at_contact, way.slid_by);
   way.step_mm = advance.step_mm;
   way.rounding = frame.rounding_mm;
-  way.rough_contact = float(way.at_contact);
-  way.rough_share = float(way.slid_by.share);
-  way.rough_move = vec3(way.slid_by.move);
-  way.rough_step = vec3(way.step_mm);
-  way.farthest = WordGap(Drift(true, way.rough_contact) + float(way.slid_by.way_mm + length(advance.step_mm)));
+  way.contact_f32 = float(way.at_contact);
+  way.share_f32 = float(way.slid_by.share);
+  way.move_f32 = vec3(way.slid_by.move);
+  way.step_f32 = vec3(way.step_mm);
+  way.farthest = PackedGapLimit(Displacement(true, way.contact_f32) + float(way.slid_by.way_mm + length(advance.step_mm)));
   Remove(way);
   if (GroupNumber() == 0u && gl_LocalInvocationID.x == 0u) {
     frame.exact.advance = advance.advance_mm;
@@ -331,5 +331,5 @@ void main() {
     frame.turns = way.slid_by.turns ? 1u : 0u;
     frame.exact.slid_share = way.slid_by.share;
   }
-  if (kOnGpu && IsLastGroup()) ReportFrame();
+  if (kOnGpu && IsLastGroup()) WriteReadback();
 }

@@ -16,7 +16,7 @@
   }
 
 // The frame's slide, with the turn and straight, and its first contact, in double precision and as a float that is not less.
-struct Met {
+struct FirstHit {
   bool turning;
   float turn_tolerance, tolerance, rounding;
   vec3 delta, shift;
@@ -26,20 +26,20 @@ struct Met {
   float first, first_straight;
 };
 // True where the pair may be met before the first contact found so far.
-bool May(Met met, vec4 ball, vec4 at, vec3 goal) {
+bool MayHit(FirstHit hit, vec4 ball, vec4 at, vec3 goal) {
   vec3 D = ball.xyz - at.xyz;
   float R = at.w + ball.w;
   return ball.w > 0.0 &&
-         (EarliestContact(D, goal + met.delta - at.xyz, R - met.turn_tolerance, met.rounding) < met.first ||
-          (met.turning && EarliestContact(D, met.shift, R - met.tolerance, met.rounding) < met.first_straight));
+         (EarliestContact(D, goal + hit.delta - at.xyz, R - hit.turn_tolerance, hit.rounding) < hit.first ||
+          (hit.turning && EarliestContact(D, hit.shift, R - hit.tolerance, hit.rounding) < hit.first_straight));
 }
-void Meet(inout Met met, vec4 ball, dvec4 at, dvec3 goal) {
+void UpdateFirstHit(inout FirstHit hit, vec4 ball, dvec4 at, dvec3 goal) {
   dvec3 D = dvec3(ball.xyz) - at.xyz;
   double R = at.w + double(ball.w);
-  met.s = min(met.s, ExactFirstContact(D, goal + met.exact_delta - at.xyz, R - met.exact_turn_tolerance));
-  met.straight = min(met.straight, ExactFirstContact(D, met.exact_shift, R - met.exact_tolerance));
-  met.first = AtLeast(met.s);
-  met.first_straight = AtLeast(met.straight);
+  hit.s = min(hit.s, ExactFirstContact(D, goal + hit.exact_delta - at.xyz, R - hit.exact_turn_tolerance));
+  hit.straight = min(hit.straight, ExactFirstContact(D, hit.exact_shift, R - hit.exact_tolerance));
+  hit.first = AtLeast(hit.s);
+  hit.first_straight = AtLeast(hit.straight);
 }
 
 #define SHARE_MATERIAL(number)                   \
@@ -54,19 +54,19 @@ void FindSlide(uint row, bool go, double exact_s) {
   vec4 only = AtContact(0, at_contact);  // the only cutting ball, where there is one
   dvec4 exact_only = ExactAtContact(0, exact_s);
   // with a turn, which may use a share of the tolerance; and straight
-  Met met;
-  met.turning = frame.turning != 0u;
-  met.tolerance = frame.tolerance_mm;
-  met.turn_tolerance = met.turning ? float(kTurnToleranceShare) * met.tolerance : met.tolerance;
-  met.rounding = rounding;
-  met.delta = frame.delta.xyz;
-  met.shift = frame.shift_mm.xyz;
-  met.exact_tolerance = frame.exact.tolerance;
-  met.exact_turn_tolerance = met.turning ? kTurnToleranceShare * met.exact_tolerance : met.exact_tolerance;
-  met.exact_delta = frame.exact.delta;
-  met.exact_shift = frame.exact.shift;
-  met.s = met.straight = 2.0lf;
-  met.first = met.first_straight = 2.0;
+  FirstHit hit;
+  hit.turning = frame.turning != 0u;
+  hit.tolerance = frame.tolerance_mm;
+  hit.turn_tolerance = hit.turning ? float(kTurnToleranceShare) * hit.tolerance : hit.tolerance;
+  hit.rounding = rounding;
+  hit.delta = frame.delta.xyz;
+  hit.shift = frame.shift_mm.xyz;
+  hit.exact_tolerance = frame.exact.tolerance;
+  hit.exact_turn_tolerance = hit.turning ? kTurnToleranceShare * hit.exact_tolerance : hit.exact_tolerance;
+  hit.exact_delta = frame.exact.delta;
+  hit.exact_shift = frame.exact.shift;
+  hit.s = hit.straight = 2.0lf;
+  hit.first = hit.first_straight = 2.0;
   if (kOneCutter) {
     uint slot = FirstEntry(), end = row == 0u && go ? frame.live_ball_count : 0u;
     vec3 goal = Goal(0);
@@ -76,17 +76,17 @@ void FindSlide(uint row, bool go, double exact_s) {
       bool may = false, any = false;
       while (slot < end && !any) {
         ball = LiveBall(slot);
-        may = May(met, ball, only, goal);
+        may = MayHit(hit, ball, only, goal);
         any = subgroupAny(may);
         slot += EntryStep();
       }
-      if (may) Meet(met, ball, exact_only, exact_goal);
+      if (may) UpdateFirstHit(hit, ball, exact_only, exact_goal);
     }
   }
   // upper limit of a tool ball's travel
   float way = float(max(frame.exact.slide_limit * frame.exact.way, frame.exact.straight_limit * frame.exact.straight_way));
   for (uint list = FirstList(row, 2u); list <= LastList(row, 2u); ++list) {
-    uint farthest = WordGap(Drift(list == kCutting, at_contact) + way);
+    uint farthest = PackedGapLimit(Displacement(list == kCutting, at_contact) + way);
     Walk walk = BeginWalk(list, go && row != 1u);
     for (bool more = true; more;) {
       vec4 ball;
@@ -95,12 +95,12 @@ void FindSlide(uint row, bool go, double exact_s) {
         more = NextPair(walk, farthest);
         if (!more) break;
         ball = LiveBall(walk.slot);
-        may = May(met, ball, AtContact(ToolOf(walk.word), at_contact), Goal(ToolOf(walk.word)));
+        may = MayHit(hit, ball, AtContact(ToolOf(walk.pair), at_contact), Goal(ToolOf(walk.pair)));
       }
-      if (may) Meet(met, ball, ExactAtContact(ToolOf(walk.word), exact_s), ExactGoal(ToolOf(walk.word)));
+      if (may) UpdateFirstHit(hit, ball, ExactAtContact(ToolOf(walk.pair), exact_s), ExactGoal(ToolOf(walk.pair)));
     }
   }
-  double s = subgroupMin(met.s), straight = subgroupMin(met.straight);
+  double s = subgroupMin(hit.s), straight = subgroupMin(hit.straight);
   if (subgroupElect()) {
     if (s < 2.0lf) atomicMin(frame.slide_key, ToKey(s));
     if (straight < 2.0lf) atomicMin(frame.straight_key, ToKey(straight));
@@ -109,7 +109,7 @@ void FindSlide(uint row, bool go, double exact_s) {
 
 void main() {
   uint row = Row();
-  bool go = frame.is_void == 0u;
+  bool go = frame.needs_rebuild == 0u;
   double exact_s = ExactFraction();
   float at_contact = float(exact_s), rounding = frame.rounding_mm;
   vec4 only = AtContact(0, at_contact);  // the only cutting ball, where there is one
@@ -119,7 +119,7 @@ void main() {
   if (kOnGpu && row != 1u) return;
 
   double exact_layer = frame.exact.layer, per_layer = 1.0lf / exact_layer;
-  double area_scale = kFiner * double(frame.area_scale), moment_scale = kFiner * double(frame.moment_scale);
+  double area_scale = kUnitSubdivision * double(frame.area_scale), moment_scale = kUnitSubdivision * double(frame.moment_scale);
   dvec3 n = frame.exact.n, axis = frame.exact.axis, start = frame.exact.start,
         origin = start + exact_s * (frame.exact.goal - start);
   float layer = frame.layer_mm;
@@ -132,19 +132,19 @@ void main() {
     found.count = 0u;
     for (; found.count < kRoom && slot < end; slot += EntryStep()) {
       vec4 point = LivePoint(slot);
-      Live entry = PointEntry(slot);
+      ListEntry entry = PointEntry(slot);
       float nearest = layer + rounding, next = nearest;
       uint of = 0u, last = entry.first + (kOneCutter ? 1u : entry.count);
-      uvec4 words = uvec4(0u);
+      uvec4 pairs = uvec4(0u);
       for (uint k = entry.first; k < last; ++k) {
         vec4 at = only;
         if (!kOneCutter) {
-          words = k % 4u == 0u ? SpanWords(k) : words.yzwx;
-          at = AtContact(ToolOf(words.x), at_contact);
+          pairs = k % 4u == 0u ? PackedPairsAt(k) : pairs.yzwx;
+          at = AtContact(ToolOf(pairs.x), at_contact);
         }
         float gap = distance(point.xyz, at.xyz) - at.w;
         gap = gap > -layer - rounding ? gap : layer + rounding;
-        of = gap < nearest ? ToolOf(words.x) : of;
+        of = gap < nearest ? ToolOf(pairs.x) : of;
         next = min(next, max(gap, nearest));
         nearest = min(nearest, gap);
       }
@@ -153,11 +153,11 @@ void main() {
     }
     for (uint i = 0u; !kOneCutter && NextMarked(i); ++i) {
       vec4 point = LivePoint(found.slot[InRoom(i)]);
-      Live entry = PointEntry(found.slot[InRoom(i)]);
+      ListEntry entry = PointEntry(found.slot[InRoom(i)]);
       double nearest = exact_layer;
       uint of = ToolOf(found.what[InRoom(i)]);
       for (uint k = entry.first; k < entry.first + entry.count; ++k) {
-        uint t = ToolOf(SpanWord(k));
+        uint t = ToolOf(PackedPairAt(k));
         dvec4 at = ExactAtContact(t, exact_s);
         double gap = length(dvec3(point.xyz) - at.xyz) - at.w;
         bool nearer = abs(gap) < exact_layer && gap < nearest;

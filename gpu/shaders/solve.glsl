@@ -1,4 +1,4 @@
-// Pass 2, second half, in one workgroup (equivalent to simulation/contact_law.cpp and hold_point.cpp): the pairs that may hold
+// Pass 2, second half, in one workgroup (equivalent to simulation/contact_law.cpp and constrained_goal.cpp): the pairs that may hold
 // the tool, the point at which their planes hold it, friction, and the resultant of the cutting faces. In double precision: a
 // few dozen planes, whose active set depends on small differences.
 //
@@ -27,7 +27,7 @@ shared double plane_offset[2][kCandidates + 1];
 // ---- where planes hold a point
 
 // Up to four planes that hold a point, kNoPlane for none.
-struct Held {
+struct ActiveSet {
   uvec4 plane;
   dvec4 m;
   uint size;
@@ -35,13 +35,13 @@ struct Held {
   double slack;
 };
 
-double Violation(uint hold, Held held, uint i, dvec3 shift) {
+double Violation(uint hold, ActiveSet held, uint i, dvec3 shift) {
   return plane_offset[hold][i] - dot(plane_n[i], shift + held.point) - held.slack;
 }
 
 // Multipliers of the nearest point on all planes of a set, by elimination of the Gram matrix; empty places have a row of the
 // unit matrix. False where the planes are parallel or a multiplier is not positive.
-bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
+bool SolveSet(uint hold, uvec4 p, dvec3 shift, out ActiveSet set) {
   bvec4 is = notEqual(p, uvec4(kNoPlane));
   dvec3 a = plane_n[p.x], b = plane_n[p.y], c = plane_n[p.z], d = plane_n[p.w];
   dvec4 real = dvec4(is.x ? 1.0lf : 0.0lf, is.y ? 1.0lf : 0.0lf, is.z ? 1.0lf : 0.0lf, is.w ? 1.0lf : 0.0lf);
@@ -95,7 +95,7 @@ bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
 }
 
 // The planes of `held` selected by the mask, plus the entering one.
-uvec4 Chosen(Held held, uint mask, uint entering) {
+uvec4 SelectPlanes(ActiveSet held, uint mask, uint entering) {
   uvec4 p = uvec4((mask & 1u) != 0u ? held.plane.x : kNoPlane, (mask & 2u) != 0u ? held.plane.y : kNoPlane,
                   (mask & 4u) != 0u ? held.plane.z : kNoPlane, entering);
   if ((mask & 8u) != 0u) {
@@ -107,7 +107,7 @@ uvec4 Chosen(Held held, uint mask, uint entering) {
 }
 
 // Moves the planes to x, y, z, w without gaps, so that masks and the host's order agree.
-Held Packed(Held set) {
+ActiveSet CompactPlanes(ActiveSet set) {
   for (uint pass = 0; pass < 3; ++pass) {
     if (set.plane.x == kNoPlane) {
       set.plane.xy = set.plane.yx;
@@ -126,20 +126,20 @@ Held Packed(Held set) {
 }
 
 // Broadcasts one lane's set to the whole subgroup.
-Held OfLane(Held own, uint lane) {
-  return Held(subgroupBroadcast(own.plane, lane), subgroupBroadcast(own.m, lane), subgroupBroadcast(own.size, lane),
+ActiveSet BroadcastLane(ActiveSet own, uint lane) {
+  return ActiveSet(subgroupBroadcast(own.plane, lane), subgroupBroadcast(own.m, lane), subgroupBroadcast(own.size, lane),
               subgroupBroadcast(own.point, lane), subgroupBroadcast(own.slack, lane));
 }
 
-// Equivalent to simulation::FindHoldPoint, about `shift` instead of the tool's pose: run by one subgroup, with the same result
+// Equivalent to simulation::FindConstrainedGoal, about `shift` instead of the tool's pose: run by one subgroup, with the same result
 // on every lane.
-Held FindHold(uint hold, dvec3 shift, bool start) {
+ActiveSet FindConstrainedGoal(uint hold, dvec3 shift, bool start) {
   uint lane = gl_SubgroupInvocationID, rank = SubgroupRank(), workers = SubgroupWorkers();
-  Held held = Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf);
+  ActiveSet held = ActiveSet(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf);
   for (uint once = start ? 0 : 1; once < 1; ++once) {
-    Held likely;
+    ActiveSet likely;
     uvec4 planes = uvec4(start_plane[0], start_plane[1], start_plane[2], start_plane[3]);
-    if (SolveSet(hold, planes, shift, likely) && likely.size > 0u) held = Packed(likely);
+    if (SolveSet(hold, planes, shift, likely) && likely.size > 0u) held = CompactPlanes(likely);
   }
   for (uint round = 0; round < uint(kMaxHoldRounds); ++round) {
     // the most violated plane; among equal ones the first
@@ -153,17 +153,17 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
       entering = i;
     }
     // (integer reductions, which GPUs have in hardware)
-    float most = uintBitsToFloat(subgroupMax(floatBitsToUint(worst)));
+    float max_violation = uintBitsToFloat(subgroupMax(floatBitsToUint(worst)));
     // clamp, since software drivers continue with inactive lanes
-    entering = min(subgroupMin(worst == most ? entering : kNoPlane), kNoPlane);
+    entering = min(subgroupMin(worst == max_violation ? entering : kNoPlane), kNoPlane);
     if (entering == kNoPlane) break;
     // among the subsets of the holding planes, each with the entering one: the one whose point keeps the others
-    float least = 1e30;
+    float min_violation = 1e30;
     uint chosen = 16u;
-    Held own = held;
+    ActiveSet own = held;
     for (uint mask = rank; mask < (1u << held.size); mask += workers) {
-      Held set;
-      bool good = bitCount(mask) < 4 && SolveSet(hold, Chosen(held, mask, entering), shift, set);
+      ActiveSet set;
+      bool good = bitCount(mask) < 4 && SolveSet(hold, SelectPlanes(held, mask, entering), shift, set);
       double violation = 0.0lf;
       if (good) {
         if (held.size > 0u) violation = max(violation, Violation(hold, set, held.plane.x, shift));
@@ -171,45 +171,45 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
         if (held.size > 2u) violation = max(violation, Violation(hold, set, held.plane.z, shift));
         if (held.size > 3u) violation = max(violation, Violation(hold, set, held.plane.w, shift));
       }
-      if (!good || float(violation) >= least) continue;
-      least = float(violation);
+      if (!good || float(violation) >= min_violation) continue;
+      min_violation = float(violation);
       chosen = mask;
       own = set;
     }
-    float best = uintBitsToFloat(subgroupMin(floatBitsToUint(least)));
-    uint first = subgroupMin(least == best ? chosen : 16u);
+    float best = uintBitsToFloat(subgroupMin(floatBitsToUint(min_violation)));
+    uint first = subgroupMin(min_violation == best ? chosen : 16u);
     if (first == 16u) break;
     bool again = any(equal(held.plane, uvec4(entering)));
-    held = Packed(OfLane(own, subgroupMin(chosen == first ? lane : gl_SubgroupSize - 1u)));
+    held = CompactPlanes(BroadcastLane(own, subgroupMin(chosen == first ? lane : gl_SubgroupSize - 1u)));
     if (again) break;
   }
   return held;
 }
 
 // Where planes hold the tool, how far friction takes it back, and how much of the multipliers counts as force (equivalent to
-// simulation::HoldTool).
-struct Hold {
-  Held held;
-  double normal, most;
+// simulation::SolveContacts).
+struct ContactSolution {
+  ActiveSet held;
+  double normal, force_multiplier_cap;
   dvec3 friction;
 };
-shared Hold holds[2];  // with the turn; without
+shared ContactSolution solutions[2];  // with the turn; without
 
-void HoldTool(uint number, dvec3 origin_motion, double s, float friction) {
+void SolveContacts(uint number, dvec3 origin_motion, double s, float friction) {
   bool turning = number == 0u;
-  Hold hold;
+  ContactSolution hold;
   hold.friction = dvec3(0.0lf);
-  // then friction, if there is any; a loop, so that FindHold's code is instantiated once
+  // then friction, if there is any; a loop, so that FindConstrainedGoal's code is instantiated once
   dvec3 shift = dvec3(0.0lf);
   for (uint pass = 0; pass < 2; ++pass) {
-    Held found = FindHold(number, shift, pass == 0u);
+    ActiveSet found = FindConstrainedGoal(number, shift, pass == 0u);
     if (pass == 1u) {
       hold.friction += found.point;
       break;
     }
     hold.held = found;
     hold.normal = found.m.x + found.m.y + found.m.z + found.m.w;
-    hold.most = ForceMultiplierCap(hold.normal, length(found.point), found.slack);
+    hold.force_multiplier_cap = ForceMultiplierCap(hold.normal, length(found.point), found.slack);
     if (hold.normal <= 0.0lf || friction <= 0.0) break;
     dvec3 turn = turning ? (1.0lf - s) * dvec3(frame.turn.xyz) : dvec3(0.0lf), slip = dvec3(0.0lf);
     for (uint k = 0; k < found.size; ++k) {
@@ -222,18 +222,18 @@ void HoldTool(uint number, dvec3 origin_motion, double s, float friction) {
     slip -= dot(n, slip) * n;
     double size = length(slip);
     if (size <= 0.0lf) break;
-    hold.friction = -min(1.0lf, double(friction) * hold.most / size) * slip;
+    hold.friction = -min(1.0lf, double(friction) * hold.force_multiplier_cap / size) * slip;
     // friction's step back may lead into another plane by micrometres: move out again
     shift = found.point + hold.friction;
   }
-  if (subgroupElect()) holds[number] = hold;
+  if (subgroupElect()) solutions[number] = hold;
 }
 
 // ---- candidates
 
 // Loads the candidate of a bin, or a remembered pair, if it exists: not gone, and near the tool at first contact. Its buffer
 // loads do not depend on branches.
-void Take(uint source, double s, double enlargement) {
+void LoadCandidate(uint source, double s, double enlargement) {
   bool binned = source < kBins;
   uint k = binned ? 0u : source - kBins;
   uint64_t key = fresh.bin_keys[binned ? source : 0u];
@@ -269,7 +269,7 @@ shared dvec3 resultant_of[2 * kFaces];
 shared double longest_of[64];  // one for each subgroup
 
 // Index of a plane among the existing ones.
-uint Place(uint c) {
+uint IndexOfPlane(uint c) {
   uint place = 0u;
   for (uint w = 0; w < 3; ++w) {
     uint below = c >= 32u * (w + 1u) ? 0xffffffffu : c <= 32u * w ? 0u : (1u << (c - 32u * w)) - 1u;
@@ -299,8 +299,8 @@ void FindOldFaces() {
 
 // The faces' resultant, along these normals: run by one subgroup, one invocation a face. Never index `held` dynamically: it
 // must stay in registers.
-void FindResultant(Held held, double normal, double hold_most) {
-  // strongest first, so that a new face forms around the plane that holds most
+void FindResultant(ActiveSet held, double normal, double force_multiplier_cap) {
+  // strongest first, so that a new face forms around the plane that solutions most
   uvec4 plane = held.plane;
   dvec4 m = held.m;
   for (uint pass = 0; pass < 3; ++pass) {
@@ -348,7 +348,7 @@ void FindResultant(Held held, double normal, double hold_most) {
       }
     face = uvec4(of[0], of[1], of[2], of[3]);
   }
-  double per_normal = normal > 0.0lf ? 1.0lf / normal : 0.0lf, free_share = normal > 0.0lf ? hold_most * per_normal : 1.0lf;
+  double per_normal = normal > 0.0lf ? 1.0lf / normal : 0.0lf, free_share = normal > 0.0lf ? force_multiplier_cap * per_normal : 1.0lf;
   // sum of the multipliers of each plane's face
   dvec4 own = dvec4(dot(m, dvec4(equal(face, uvec4(face.x)))), dot(m, dvec4(equal(face, uvec4(face.y)))),
                     dot(m, dvec4(equal(face, uvec4(face.z)))), dot(m, dvec4(equal(face, uvec4(face.w)))));
@@ -376,15 +376,15 @@ void FindResultant(Held held, double normal, double hold_most) {
 // Called by all invocations of a workgroup.
 void Solve() {
   uint lane = gl_LocalInvocationID.x;
-  bool is_void = IsVoid();
+  bool needs_rebuild = NeedsRebuild();
   double s = ExactFraction(), tolerance = frame.exact.tolerance;
   bool advances = frame.immediate == 0u && frame.exact.spindle_rad_per_s != 0.0lf && frame.exact.dt_s > 0.0lf;
-  double most = frame.exact.max_slide * (advances ? kSlideShare : 1.0lf);
+  double max_slide = frame.exact.max_slide * (advances ? kSlideShare : 1.0lf);
   dvec3 motion = frame.exact.goal - (frame.exact.start + s * (frame.exact.goal - frame.exact.start));  // motion of T's origin
   uint hold_count = frame.turning != 0u ? 2u : 1u, held_count = frame.held_count;
   float friction_share = frame.friction;
   FindOldFaces();  // run by the last invocations, which have no pair to wait for
-  for (uint source = lane; source < kCandidates; source += kLanes) Take(source, s, frame.exact.enlargement);
+  for (uint source = lane; source < kCandidates; source += kLanes) LoadCandidate(source, s, frame.exact.enlargement);
   for (uint k = lane; k < kRemembered; k += kLanes) bin_of[k] = kNoPlane;
   if (lane < 4u) start_plane[lane] = kNoPlane;
   if (lane < 3u) there_bits[lane] = 0u;
@@ -409,8 +409,8 @@ void Solve() {
   }
   barrier();
   for (uint c = lane; c < kCandidates; c += kLanes)
-    if ((there_bits[c / 32u] >> (c % 32u) & 1u) != 0u) there[Place(c)] = c;
-  if (lane == 0u) there_count = Place(kCandidates);
+    if ((there_bits[c / 32u] >> (c % 32u) & 1u) != 0u) there[IndexOfPlane(c)] = c;
+  if (lane == 0u) there_count = IndexOfPlane(kCandidates);
   barrier();
   // Where two planes face each other with less than the tolerance between them, both yield. The available invocations share the
   // search for a plane's opposite ones.
@@ -418,17 +418,17 @@ void Solve() {
   for (uint begin = 0u; begin < count; begin += planes) {
     uint k = begin + lane / each, c = there[min(k, kCandidates - 1u)];
     dvec3 n = plane_n[k < count ? c : kNoPlane];
-    double least = tolerance + 1e3lf;
+    double min_gap = tolerance + 1e3lf;
     for (uint i = lane % each; i < count; i += each) {
       uint other = there[i];
       double gap = plane_gap[other];
-      least = dot(plane_n[other], n) < kOppositeCosine ? min(least, gap) : least;
+      min_gap = dot(plane_n[other], n) < kOppositeCosine ? min(min_gap, gap) : min_gap;
     }
-    opposite_gap[lane] = least;
+    opposite_gap[lane] = min_gap;
     barrier();
     if (lane % each == 0u && k < count && lane / each < planes) {
-      for (uint i = 1u; i < each; ++i) least = min(least, opposite_gap[lane + i]);
-      double room = min(tolerance, plane_gap[c] + least);
+      for (uint i = 1u; i < each; ++i) min_gap = min(min_gap, opposite_gap[lane + i]);
+      double room = min(tolerance, plane_gap[c] + min_gap);
       double yielding = YieldingGap(plane_gap[c], room, tolerance);
       yielding_gap[c] = yielding;
       plane_offset[0][c] = -(yielding + dot(n, plane_motion[c]));
@@ -436,26 +436,26 @@ void Solve() {
     }
     barrier();
   }
-  for (uint number = gl_SubgroupID; number < hold_count; number += gl_NumSubgroups) HoldTool(min(number, 1u), motion, s, friction_share);
-  for (uint k = kLanes - 1u - lane; k < (is_void ? 0u : there_count); k += kLanes) {
+  for (uint number = gl_SubgroupID; number < hold_count; number += gl_NumSubgroups) SolveContacts(min(number, 1u), motion, s, friction_share);
+  for (uint k = kLanes - 1u - lane; k < (needs_rebuild ? 0u : there_count); k += kLanes) {
     uint c = there[k];
     vec3 n = vec3(plane_n[c]);
     frame.candidates[k] = Candidate(n.x, n.y, n.z, float(plane_gap[c]), float(yielding_gap[c]), bone_ball[c],
                                            tool_ball[c], c);
   }
   barrier();
-  Hold hold = holds[0], unturned = holds[hold_count - 1u];
-  Held held = hold.held;
+  ContactSolution hold = solutions[0], unturned = solutions[hold_count - 1u];
+  ActiveSet held = hold.held;
   dvec3 friction = hold.friction, delta = held.point + friction;
   // one subgroup continues; the others compute what only the next pass needs
-  if (gl_SubgroupID == 0u) FindResultant(held, hold.normal, hold.most);
-  if (lane == kLanes - 1u && !is_void) {
+  if (gl_SubgroupID == 0u) FindResultant(held, hold.normal, hold.force_multiplier_cap);
+  if (lane == kLanes - 1u && !needs_rebuild) {
     frame.candidate_count = there_count;
-    frame.shaft_candidate = Place(kCuttingBinCount);
-    frame.shaft_end = Place(kBins);
+    frame.shaft_candidate = IndexOfPlane(kCuttingBinCount);
+    frame.shaft_end = IndexOfPlane(kBins);
     frame.hold_count = held.size;
     for (uint k = 0; k < 4; ++k) {
-      frame.hold_candidate[k] = held.plane[k] != kNoPlane ? Place(held.plane[k]) : kNoPlane;
+      frame.hold_candidate[k] = held.plane[k] != kNoPlane ? IndexOfPlane(held.plane[k]) : kNoPlane;
       frame.exact.hold[k] = held.m[k];
       frame.exact.hold_n[k] = plane_n[held.plane[k]];
     }
@@ -465,7 +465,7 @@ void Solve() {
     frame.exact.shift = shift;
     frame.shift_mm = vec4(vec3(shift), 0.0);
     frame.exact.straight_way = straight;
-    frame.exact.straight_limit = straight > most ? most / straight : 1.0lf;
+    frame.exact.straight_limit = straight > max_slide ? max_slide / straight : 1.0lf;
     frame.turns = 1u;
   }
   // travel to the target of the tool point that moves farthest
@@ -479,14 +479,14 @@ void Solve() {
   longest = subgroupMax(longest);
   if (subgroupElect()) longest_of[gl_SubgroupID] = longest;
   barrier();
-  if (lane == 0) frame.is_void = is_void ? 1u : 0u;
-  if (lane != 0 || is_void) return;
+  if (lane == 0) frame.needs_rebuild = needs_rebuild ? 1u : 0u;
+  if (lane != 0 || needs_rebuild) return;
   dvec3 cutting = dvec3(0.0lf);
   for (uint f = 0; f < 2u * kFaces; ++f) cutting += resultant_of[f];
   for (uint k = 0; k < gl_NumSubgroups; ++k) longest = max(longest, longest_of[k]);
   double size = length(cutting), per_size = size > 0.0lf ? 1.0lf / size : 0.0lf;
   frame.exact.way = longest;
-  frame.exact.slide_limit = longest > most ? most / longest : 1.0lf;
+  frame.exact.slide_limit = longest > max_slide ? max_slide / longest : 1.0lf;
   // results where no later pass has work to do
   frame.exact.slid_share = frame.exact.slide_limit;
   frame.exact.delta = delta;

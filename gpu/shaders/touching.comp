@@ -7,7 +7,7 @@
 #include "first_contact.glsl"
 #include "pairs.glsl"
 
-const double kSameTouch_mm = 1e3 * kSameTouch_m;
+const double kTieTolerance_mm = 1e3 * kTieTolerance_m;
 
 // Smallest for the first in the tool's own order.
 uint KeyOf(uint t) { return uint(texelFetch(tool_texels, int(2u * t + 1u)).w) << kToolBits | t; }
@@ -24,9 +24,9 @@ bool Touches(vec4 ball, uint t, double last) {
 
 void main() {
   uint row = Row(), key = kNoToolBall;
-  double s = FromKey(frame.contact_key), last = min(1.0lf, s + kSameTouch_mm / double(frame.path_mm));
+  double s = FromKey(frame.contact_key), last = min(1.0lf, s + kTieTolerance_mm / double(frame.path_mm));
   bool met = s < 2.0lf;
-  float rough_last = AtLeast(last), rounding = frame.rounding_mm;
+  float last_f32 = AtLeast(last), rounding = frame.rounding_mm;
   if (kOneCutter) {
     uint slot = FirstEntry(), end = row == 0u && met ? frame.live_ball_count : 0u;
     while (slot < end) {
@@ -34,7 +34,7 @@ void main() {
       bool may = false;
       while (slot < end && !may) {
         ball = LiveBall(slot);
-        may = MayTouch(ball, 0u, rough_last, rounding);
+        may = MayTouch(ball, 0u, last_f32, rounding);
         slot += EntryStep();
       }
       if (!may || !Touches(ball, 0u, last)) continue;
@@ -43,7 +43,7 @@ void main() {
     }
   }
   for (uint list = FirstList(row, 1u); list <= LastList(row, 1u); ++list) {
-    uint farthest = WordGap(Drift(list == kCutting, float(s)));
+    uint farthest = PackedGapLimit(Displacement(list == kCutting, float(s)));
     Walk walk = BeginWalk(list, met);
     for (bool more = true; more;) {
       vec4 ball;
@@ -52,9 +52,9 @@ void main() {
         more = NextPair(walk, farthest);
         if (!more) break;
         ball = LiveBall(walk.slot);
-        may = KeyOf(ToolOf(walk.word)) < key && MayTouch(ball, ToolOf(walk.word), rough_last, rounding);
+        may = KeyOf(ToolOf(walk.pair)) < key && MayTouch(ball, ToolOf(walk.pair), last_f32, rounding);
       }
-      if (may && Touches(ball, ToolOf(walk.word), last)) key = KeyOf(ToolOf(walk.word));
+      if (may && Touches(ball, ToolOf(walk.pair), last)) key = KeyOf(ToolOf(walk.pair));
     }
   }
   key = subgroupMin(key);

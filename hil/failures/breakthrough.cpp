@@ -32,7 +32,7 @@ struct Course {
 Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, const simulation::Solid& solid,
              double thickness_m, bool held, const simulation::CuttingParams& params) {
   const simulation::Tool tool = MakeBallTool(kRadius_m);
-  simulation::SceneWatch watch(&solid, wall, tool, {.least_wall_m = 1e-6});
+  simulation::SceneWatch watch(&solid, wall, tool, {.min_wall_m = 1e-6});
   Course course;
   const safety::DepthLimitParams floor{
       .acts = held,
@@ -48,8 +48,8 @@ Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, co
   if (held) room.zones.push_back(safety::ZoneOf(floor));
   const safety::Workspace workspace(room);
   double z = 0.05e-3, v = 0.0, broken_at_m = 0.0;
-  constexpr int kMost = 20'000;
-  for (int frame = 0; frame < kMost; ++frame) {
+  constexpr int kMax = 20'000;
+  for (int frame = 0; frame < kMax; ++frame) {
     const double spindle = depth_limit.stops_spindle() ? 0.0 : kScenarioSpindle_rad_per_s;
     const auto model = engine.Step(FrameAt(Downwards({0, 0, z}), spindle, kDt_s));
     const double proxy_m = Pose(model.X_WP).translation().z();
@@ -101,7 +101,7 @@ FailureResult RunBreakthrough(const FailureSetting& setting) {
     const Vector3 low(-kHalfWidth_m, -kHalfWidth_m, -thickness_m), high(kHalfWidth_m, kHalfWidth_m, 0.0);
     simulation::Bone wall =
         MakeBlock({.low_m = low, .high_m = high, .ball_radius_m = 0.4e-3, .point_spacing_m = 0.25e-3});
-    wall.cup = {.center_m = Vector3::Zero(), .axis = Vector3(Vector3::UnitZ()), .radius_m = kRadius_m};
+    wall.site = {.center_m = Vector3::Zero(), .axis = Vector3(Vector3::UnitZ()), .radius_m = kRadius_m};
     const simulation::BoxSolid solid(low, high);
     const auto run = [&](bool held) {
       return Drill(*setting.make_engine(wall, MakeBallTool(kRadius_m), Pose::Identity(), params), wall, solid,

@@ -97,7 +97,7 @@ Agreement Compare(const std::vector<simulation::ContactModel>& ours, const simul
     agreement.normal_deg =
         std::max(agreement.normal_deg, std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / M_PI);
   }
-  constexpr float kGone_mm = 1e-3f + 1e-5f;  // smaller balls count as gone (kLeastBallRadius)
+  constexpr float kGone_mm = 1e-3f + 1e-5f;  // smaller balls count as gone (kMinBallRadius)
   for (std::size_t i = 0; i + 3 < our_state.balls.size(); i += 4) {
     const float *a = &our_state.balls[i], *b = &reference_state.balls[i];
     if ((a[3] == 0.0f) != (b[3] == 0.0f)) {

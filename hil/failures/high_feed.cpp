@@ -12,8 +12,8 @@
 namespace osteon::hil {
 namespace {
 
-constexpr double kLength_m = 24e-3;      // of the block, along x
-constexpr double kLeastDrawn_mm = 1e-7;  // smaller values, or none, are drawn here
+constexpr double kLength_m = 24e-3;    // of the block, along x
+constexpr double kMinDrawn_mm = 1e-7;  // smaller values, or none, are drawn here
 
 struct Case {
   double radius_m, speed_m_per_s, rate_hz;
@@ -112,9 +112,9 @@ FailureResult RunHighFeed(const FailureSetting& setting) {
   std::ranges::sort(points);
   for (const auto& [step, theirs, mine] : points) {
     baseline_points.x.push_back(step);
-    baseline_points.y.push_back(std::max(kLeastDrawn_mm, theirs));
+    baseline_points.y.push_back(std::max(kMinDrawn_mm, theirs));
     our_points.x.push_back(step);
-    our_points.y.push_back(std::max(kLeastDrawn_mm, mine));
+    our_points.y.push_back(std::max(kMinDrawn_mm, mine));
   }
   result.baseline_fails = result.baseline > result.bound;
   // a law that cuts nothing leaves no residue on a path of no length, so every frame must end at the hand

@@ -19,7 +19,7 @@ using kinematics::JointVector;
 
 // Allowed reversals: a joint may turn back at the limit, where the hand turns, and after the elbow has made
 // way. A chattering joint reverses hundreds of times.
-constexpr int kMostReversals = 12;
+constexpr int kMaxReversals = 12;
 constexpr double kSpeed_m_per_s = 0.1, kRamp_s = 0.1, kRest_s = 0.3;
 
 struct Case {
@@ -182,7 +182,7 @@ FailureResult RunJointLimit(const FailureSetting& setting) {
   }
   result.baseline_fails = result.baseline > result.bound;
   result.ours_passes = complete && !faulted && result.ours <= result.bound && backward_m < 1e-6 &&
-                       beyond_rad <= -margin_rad + 1e-9 && force_step_N < 5.0 && reversals <= kMostReversals;
+                       beyond_rad <= -margin_rad + 1e-9 && force_step_N < 5.0 && reversals <= kMaxReversals;
   result.note = fmt::format(
       "{} approaches, the baseline fails in {}; with ours the tool comes back by {:.2g} um while the hand "
       "pushes "

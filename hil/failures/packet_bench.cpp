@@ -133,7 +133,8 @@ class Controller {
     F.f += f_hand;
     if (!control::NextTwist(law_, state_.X_WT, state_.V_WT, F, kDt_s, state_.V_WT))
       return;  // holds its place
-    state_.X_WT = control::Move(state_.X_WT, {.v = fade * state_.V_WT.v, .w = Vector3::Zero()}, kDt_s);
+    state_.X_WT =
+        control::IntegratePose(state_.X_WT, {.v = fade * state_.V_WT.v, .w = Vector3::Zero()}, kDt_s);
   }
 
   [[nodiscard]] Vector3 p_W_m() const { return state_.X_WT.translation(); }

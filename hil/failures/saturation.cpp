@@ -22,7 +22,7 @@ constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kPush_N = 200.0, kCeiling_N
 constexpr double kPress_s = 0.5, kDrawBack_s = 0.7, kEnd_s = 1.6;
 constexpr double kDeepest_m = 12e-3, kSoft_m = 7e-3;  // of the depth limit, from the wall's face
 constexpr double kWhole = 0.99;                       // share of the force from which it counts as back
-constexpr double kMostRecovery_s = 0.05;
+constexpr double kMaxRecovery_s = 0.05;
 constexpr double kCounts_N = 1.0;      // smallest force whose direction counts
 constexpr double kSlack = 1.0 + 1e-9;  // on a torque limit, for rounding
 
@@ -180,7 +180,7 @@ FailureResult RunSaturation(const FailureSetting& setting) {
                  .bound_is_on_y = true};
   result.baseline_fails = result.baseline > result.bound;
   result.ours_passes = complete && well && saturated > 0 && result.ours <= result.bound &&
-                       torque_share <= kSlack && most_N <= kCeiling_N && recovery_s <= kMostRecovery_s;
+                       torque_share <= kSlack && most_N <= kCeiling_N && recovery_s <= kMaxRecovery_s;
   result.note = fmt::format(
       "every second push meets the depth limit as well; {} of {} are more than the arm holds, {:.0f} N are "
       "rendered at most, {:.0f} % of what was to "

@@ -19,7 +19,7 @@ constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kBowl_m = 0.025, kPush_N = 
 constexpr double kPressed_s = 0.6;   // the tool rests there until the motion begins
 constexpr double kStalls_s = 0.65;   // 50 ms into the motion
 constexpr double kResumed_s = 0.15;  // after the stall: the ramp back has ended
-constexpr double kMostStep = 0.10;
+constexpr double kMaxStep = 0.10;
 
 enum class Motion { kOut, kDeeper, kAlong };
 struct Case {
@@ -165,7 +165,7 @@ FailureResult RunSimulationStall(const FailureSetting& setting) {
     }
   }
   result.baseline_fails = result.baseline > result.bound;
-  result.ours_passes = complete && !faulted && result.ours <= result.bound && step < kMostStep;
+  result.ours_passes = complete && !faulted && result.ours <= result.bound && step < kMaxStep;
   result.note = fmt::format(
       "{} stalls, the held force gives energy in {} of them; where frames come again the force changes by "
       "{:.1f} % in a "

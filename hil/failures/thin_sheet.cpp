@@ -14,7 +14,7 @@ namespace osteon::hil {
 namespace {
 
 constexpr double kThickness_m = 1e-3, kVoxel_m = 0.25e-3;
-constexpr double kAim_m = 3e-3, kHighest_m = 2e-3, kBeyond_m = 2e-3, kMostTilt_rad = M_PI / 6.0;
+constexpr double kAim_m = 3e-3, kHighest_m = 2e-3, kBeyond_m = 2e-3, kMaxTilt_rad = M_PI / 6.0;
 
 /// Travel of the hand below the start of a shot.
 double Below(double height_m, double tool_radius_m) {
@@ -24,7 +24,7 @@ double Below(double height_m, double tool_radius_m) {
 /// Wide enough that an inclined shot ends over the sheet, a millimetre from its edge, but no wider: the
 /// reference engine visits every ball in every frame.
 double HalfWidth(double tool_radius_m) {
-  return kAim_m + std::tan(kMostTilt_rad) * Below(kHighest_m, tool_radius_m) + 1e-3;
+  return kAim_m + std::tan(kMaxTilt_rad) * Below(kHighest_m, tool_radius_m) + 1e-3;
 }
 
 struct Shot {
@@ -42,7 +42,7 @@ Shot MakeShot(std::uint64_t n, double tool_radius_m) {
   Shot shot{};
   // one in five uniform in the logarithm: slow shots take most frames, and fast ones matter most
   shot.speed_m_per_s = n % 5 == 0 ? 0.01 * std::pow(100.0, uniform(0.0, 1.0)) : uniform(0.01, 1.0);
-  const double tilt = uniform(0.0, kMostTilt_rad), about = uniform(0.0, 2.0 * M_PI);
+  const double tilt = uniform(0.0, kMaxTilt_rad), about = uniform(0.0, 2.0 * M_PI);
   const Vector3 aim(uniform(-kAim_m, kAim_m), uniform(-kAim_m, kAim_m), 0.0);
   const Vector3 direction(std::sin(tilt) * std::cos(about), std::sin(tilt) * std::sin(about),
                           -std::cos(tilt));

@@ -127,7 +127,7 @@ AxisTick AdmittanceAxis::Step() {
     tick.reference_N = vibration_->reference_N();
     tool_.V_WT = control::AfterMassChange(tool_.V_WT, vibration_->mass_factor() / mass_factor_);
     mass_factor_ = vibration_->mass_factor();
-    law = control::Times(law_, mass_factor_, tick.damping_factor);
+    law = control::ScaleLaw(law_, mass_factor_, tick.damping_factor);
   }
   const double sum_N = told_N - preload_N_ + tick.wall_N;
   tick.valid = control::StepAdmittance(law, {.f = sum_N * axis_W, .t = Vector3::Zero()}, T, tool_);

@@ -14,7 +14,7 @@
 namespace osteon::hil {
 namespace {
 
-constexpr int kMostDelay = 1000;  // ticks: a second at 1 kHz
+constexpr int kMaxDelay = 1000;  // ticks: a second at 1 kHz
 
 const Matrix3& TurnedTool() {
   static const Matrix3 R = ExpRotation({0.3, -0.4, 0.2});
@@ -39,11 +39,11 @@ void Validate(const AdmittanceLoopParams& params) {
           ">= 0");
   require("wall damping_Ns_per_m", params.wall.damping_Ns_per_m, params.wall.damping_Ns_per_m >= 0.0, ">= 0");
   require("wall age_ticks", params.wall.age_ticks,
-          params.wall.age_ticks >= 0 && params.wall.age_ticks <= kMostDelay, "0 … 1000");
+          params.wall.age_ticks >= 0 && params.wall.age_ticks <= kMaxDelay, "0 … 1000");
   require("tool_mass_kg", params.tool_mass_kg, params.tool_mass_kg >= 0.0, ">= 0");
   require("inertia_share", params.inertia_share, params.inertia_share >= 0.0, ">= 0");
   require("acceleration_hz", params.acceleration_hz, params.acceleration_hz >= 1.0, ">= 1");
-  require("sensor_delay", params.sensor_delay, params.sensor_delay >= 0 && params.sensor_delay <= kMostDelay,
+  require("sensor_delay", params.sensor_delay, params.sensor_delay >= 0 && params.sensor_delay <= kMaxDelay,
           "0 … 1000");
 }
 

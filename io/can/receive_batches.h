@@ -27,7 +27,7 @@ CanResult ReceiveBatches(Batch& batch, int socket, std::size_t most_skipped, std
   count = 0;
   std::size_t left = room.size() + most_skipped;
   while (count < room.size() && left > 0) {
-    const std::size_t asked = std::min({room.size() - count, left, batch.kMost});
+    const std::size_t asked = std::min({room.size() - count, left, batch.kMax});
     const int taken = batch.Receive(socket, asked);
     if (taken <= 0) {
       const Taken why = judge();

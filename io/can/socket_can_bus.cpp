@@ -89,7 +89,7 @@ CanResult SocketCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
   };
   while (!frames.empty()) {
     std::size_t count = 0;  // valid frames before the first invalid one
-    for (; count < std::min(frames.size(), out_.kMost); ++count) {
+    for (; count < std::min(frames.size(), out_.kMax); ++count) {
       const CanFrame& frame = frames[count];
       if (frame.id > kCanMaxId || frame.size > CAN_MAX_DLEN) break;
       can_frame wire{};

@@ -68,7 +68,7 @@ CanResult UdpCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
   while (!frames.empty()) {
     // valid frames before the first invalid one; a frame that is not sent gets no sequence number
     std::size_t count = 0;
-    for (; count < std::min(frames.size(), out_.kMost); ++count) {
+    for (; count < std::min(frames.size(), out_.kMax); ++count) {
       const auto number = sequence_ + static_cast<std::uint32_t>(count);
       const std::size_t size =
           EncodeUdpCan({.frame = frames[count], .session = session_, .sequence = number}, out_.room(count));

@@ -21,7 +21,7 @@ bool FriLink::Send(const control::ArmCommand& command) OSTEON_RT {
   return answer.empty() || peer_.Send(answer);
 }
 
-void FriLink::Rehearse(const control::ArmCommand& command) OSTEON_RT {
+void FriLink::WarmUp(const control::ArmCommand& command) OSTEON_RT {
   if (rehearsal_) rehearsal_->Go(peer_.newest(), command);
   rt::Prefetch(session_);
 }

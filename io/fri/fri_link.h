@@ -43,7 +43,7 @@ class FriLink final : public control::ArmLink {
   bool Send(const control::ArmCommand& command) OSTEON_RT override;
 
   bool Await(rt::Nanoseconds time) OSTEON_RT override { return peer_.Await(time); }
-  void Rehearse(const control::ArmCommand& command) OSTEON_RT override;
+  void WarmUp(const control::ArmCommand& command) OSTEON_RT override;
 
   /// The bound port.
   [[nodiscard]] std::uint16_t port() const { return peer_.port(); }

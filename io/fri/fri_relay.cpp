@@ -12,7 +12,7 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kMostAtOnce = 64;  // bounds the time that a flood can take
+constexpr std::size_t kMaxAtOnce = 64;  // bounds the time that a flood can take
 
 safety::GuardSession SessionOf(control::SessionState state) {
   switch (state) {
@@ -42,7 +42,7 @@ struct FriRelay::Judge {
     return DecodeMonitoring(relay.family_, datagram, message) == CodecError::kNone;
   }
   void Reject() OSTEON_RT { ++relay.counters_.rejected; }
-  void StartOver() OSTEON_RT { relay.monitor_.StartOver(); }
+  void StartOver() OSTEON_RT { relay.monitor_.ResetSession(); }
   void Superseded() OSTEON_RT {}  // it was relayed as well: the controller counts it
 };
 
@@ -78,7 +78,7 @@ bool FriRelay::Serve(rt::Nanoseconds deadline) OSTEON_RT {
     if (!TakeAnswers()) return false;
     if (arm_.Receive(Judge{*this}, 0) == control::ReceiveResult::kClosed) return false;
     const rt::Nanoseconds now = rt::MonotonicNow();
-    monitor_.Look(now);
+    monitor_.CheckSilence(now);
     if (now >= deadline) return true;
     const rt::Nanoseconds left = deadline - now;
     const timespec wait{.tv_sec = left / rt::kSecond, .tv_nsec = left % rt::kSecond};
@@ -100,7 +100,7 @@ bool FriRelay::TakeMessage(std::span<const std::uint8_t> datagram, rt::Nanosecon
                                      .tau_ext = message_.tau_ext,
                                      .compliant = message_.command_mode == control::CommandMode::kWrench ||
                                                   message_.command_mode == control::CommandMode::kTorque};
-  if (monitor_.Arm(seen, arrival) != safety::GuardDecision::kPass) return true;
+  if (monitor_.OnArmMessage(seen, arrival) != safety::GuardDecision::kPass) return true;
   if (send(controller_, datagram.data(), datagram.size(), MSG_DONTWAIT | MSG_NOSIGNAL) !=
       static_cast<ssize_t>(datagram.size())) {
     ++counters_.undelivered;
@@ -112,7 +112,7 @@ bool FriRelay::TakeMessage(std::span<const std::uint8_t> datagram, rt::Nanosecon
 }
 
 bool FriRelay::TakeAnswers() OSTEON_RT {
-  for (std::size_t left = kMostAtOnce; left > 0; --left) {
+  for (std::size_t left = kMaxAtOnce; left > 0; --left) {
     const Datagram answer = ReadDatagram(controller_, room_);
     if (answer.read == Datagram::Read::kNone) return true;
     if (answer.read == Datagram::Read::kGone) return false;
@@ -127,10 +127,10 @@ void FriRelay::TakeAnswer(std::span<const std::uint8_t> datagram, rt::Nanosecond
     case FriCommandError::kNone:
       break;
     case FriCommandError::kChecksum:
-      (void)monitor_.Unreadable(safety::GuardFinding::kChecksum);
+      (void)monitor_.OnUnreadable(safety::GuardFinding::kChecksum);
       return;
     case FriCommandError::kMalformed:
-      (void)monitor_.Unreadable(safety::GuardFinding::kUnreadable);
+      (void)monitor_.OnUnreadable(safety::GuardFinding::kUnreadable);
       return;
   }
   const safety::GuardCommand seen{.sequence = command.sequence,
@@ -139,7 +139,7 @@ void FriRelay::TakeAnswer(std::span<const std::uint8_t> datagram, rt::Nanosecond
                                   .wrench = command.wrench,
                                   .tau = command.tau,
                                   .cartesian = command.cartesian};
-  if (monitor_.Command(seen, rt::MonotonicNow()) != safety::GuardDecision::kPass) return;
+  if (monitor_.OnCommand(seen, rt::MonotonicNow()) != safety::GuardDecision::kPass) return;
   if (!arm_.Send(datagram)) {
     ++counters_.undelivered;
     return;

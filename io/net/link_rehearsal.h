@@ -19,7 +19,7 @@ namespace osteon::io {
 /// caches. The session stays in step with the link's if it is given every message that the link has accepted;
 /// its results are discarded.
 /// @tparam Session  of a protocol: see SessionJudge
-template <class Session, std::size_t kMostBytes>
+template <class Session, std::size_t kMaxBytes>
 class LinkRehearsal {
  public:
   /// Null if the system provides no such sockets: then nothing is rehearsed.
@@ -60,11 +60,11 @@ class LinkRehearsal {
   LinkRehearsal(const BoundUdp& near, const BoundUdp& far, const Session& session)
       : near_(near), far_(far), session_(session) {}
 
-  UdpPeer<kMostBytes> near_;
+  UdpPeer<kMaxBytes> near_;
   BoundUdp far_;
   Session session_;
   control::ArmState state_;
-  std::array<std::uint8_t, kMostBytes> room_{};
+  std::array<std::uint8_t, kMaxBytes> room_{};
 };
 
 }  // namespace osteon::io

@@ -21,10 +21,10 @@ enum class Sender : std::uint8_t { kDropped, kKept };
 template <std::size_t kBytes, std::size_t kControl, Sender kSender = Sender::kDropped>
 class MessageBatch {
  public:
-  static constexpr std::size_t kMost = 32;
+  static constexpr std::size_t kMax = 32;
 
   MessageBatch() {
-    for (std::size_t i = 0; i < kMost; ++i) {
+    for (std::size_t i = 0; i < kMax; ++i) {
       parts_[i] = {.iov_base = bytes_[i].data(), .iov_len = kBytes};
       messages_[i].msg_hdr.msg_iov = &parts_[i];
       messages_[i].msg_hdr.msg_iovlen = 1;
@@ -34,10 +34,10 @@ class MessageBatch {
   MessageBatch(const MessageBatch&) = delete;
   MessageBatch& operator=(const MessageBatch&) = delete;
 
-  /// Takes the waiting messages, at most `most` (and kMost); never waits. @returns how many; below 0: errno
+  /// Takes the waiting messages, at most `most` (and kMax); never waits. @returns how many; below 0: errno
   /// gives the reason, EAGAIN if none waits.
   int Receive(int socket, std::size_t most) OSTEON_RT {
-    if (most > kMost) most = kMost;
+    if (most > kMax) most = kMax;
     // restore the headers that the system changed: the first ones, as many as came
     for (; used_ > 0; --used_) {
       msghdr& header = messages_[used_ - 1].msg_hdr;
@@ -50,7 +50,7 @@ class MessageBatch {
     const int came = recvmmsg(socket, messages_.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
     used_ = came < 0 ? 1 : static_cast<std::size_t>(came) + 1;  // the system may also have started one that
                                                                 // it did not take
-    if (used_ > kMost) used_ = kMost;
+    if (used_ > kMax) used_ = kMax;
     return came;
   }
   /// Bytes of message i as received; cut if the room was too small.
@@ -77,12 +77,12 @@ class MessageBatch {
   struct alignas(cmsghdr) Control {
     std::array<char, kControl> bytes;
   };
-  std::array<std::array<std::uint8_t, kBytes>, kMost> bytes_{};
-  std::array<Control, kControl == 0 ? 0 : kMost> control_{};
-  std::array<sockaddr_in, kSender == Sender::kKept ? kMost : 0> senders_{};
-  std::array<iovec, kMost> parts_{};
-  std::array<mmsghdr, kMost> messages_{};
-  std::size_t used_{kMost};  // headers to restore before the next call
+  std::array<std::array<std::uint8_t, kBytes>, kMax> bytes_{};
+  std::array<Control, kControl == 0 ? 0 : kMax> control_{};
+  std::array<sockaddr_in, kSender == Sender::kKept ? kMax : 0> senders_{};
+  std::array<iovec, kMax> parts_{};
+  std::array<mmsghdr, kMax> messages_{};
+  std::size_t used_{kMax};  // headers to restore before the next call
 };
 
 }  // namespace osteon::io

@@ -41,8 +41,8 @@ SessionJudge(Session&, control::ArmState&) -> SessionJudge<Session>;
 /// Others are rejected, until the peer has been silent for a second (a restarted peer may come back from
 /// another port). If several messages wait, the newest is used. One thread at a time; no allocation after
 /// opening, no system calls except the socket's and the clock's.
-/// @tparam kMostBytes  largest datagram; a longer one is cut
-template <std::size_t kMostBytes>
+/// @tparam kMaxBytes  largest datagram; a longer one is cut
+template <std::size_t kMaxBytes>
 class UdpPeer {
  public:
   static constexpr rt::Nanoseconds kSilence = rt::kSecond;
@@ -70,11 +70,11 @@ class UdpPeer {
   ///     void Superseded()  a valid message was overtaken by a newer one that was also waiting
   template <class Protocol>
   control::ReceiveResult Receive(Protocol&& protocol, rt::Nanoseconds deadline) OSTEON_RT {
-    constexpr std::size_t kMostAtOnce = 64;  // bounds the time that a flood can take
+    constexpr std::size_t kMaxAtOnce = 64;  // bounds the time that a flood can take
     for (;;) {
       bool received = false;
-      for (std::size_t left = kMostAtOnce; left > 0;) {
-        const std::size_t asked = std::min(left, Batch::kMost);
+      for (std::size_t left = kMaxAtOnce; left > 0;) {
+        const std::size_t asked = std::min(left, Batch::kMax);
         const int taken = in_.Receive(bound_.socket, asked);
         if (taken < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) break;
         if (taken < 0 && (errno == EBADF || errno == ENOTSOCK)) return control::ReceiveResult::kClosed;
@@ -132,7 +132,7 @@ class UdpPeer {
     return true;
   }
 
-  using Batch = MessageBatch<kMostBytes, CMSG_SPACE(sizeof(timespec)), Sender::kKept>;
+  using Batch = MessageBatch<kMaxBytes, CMSG_SPACE(sizeof(timespec)), Sender::kKept>;
 
   BoundUdp bound_;
   std::optional<in_addr> from_;

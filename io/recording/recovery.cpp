@@ -64,14 +64,14 @@ class Channels {
   explicit Channels(McapWriter& writer) : writer_(writer) {}
 
   tl::expected<std::uint16_t, std::string> IdOf(const McapChannel& channel) {
-    constexpr std::size_t kMostMeanings = 64, kMost = 60'000;
+    constexpr std::size_t kMaxMeanings = 64, kMax = 60'000;
     std::vector<Known>& meanings = known_[channel.id];
     for (const Known& known : meanings)
       if (known.channel == channel) return known.id;
-    if (meanings.size() == kMostMeanings || count_ == kMost)
+    if (meanings.size() == kMaxMeanings || count_ == kMax)
       return tl::unexpected("channel " + std::to_string(channel.id) + " is one of more than " +
-                            (count_ == kMost ? std::to_string(kMost) + " in the file"
-                                             : std::to_string(kMostMeanings) + " of that number"));
+                            (count_ == kMax ? std::to_string(kMax) + " in the file"
+                                            : std::to_string(kMaxMeanings) + " of that number"));
     ++count_;
     meanings.push_back({channel, writer_.AddChannel(channel.topic, channel.schema_name, channel.schema,
                                                     channel.schema_encoding, channel.message_encoding)});

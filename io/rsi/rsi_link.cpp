@@ -28,7 +28,7 @@ bool RsiLink::Send(const control::ArmCommand& command) OSTEON_RT {
   return answer.empty() || peer_.Send(answer);
 }
 
-void RsiLink::Rehearse(const control::ArmCommand& command) OSTEON_RT {
+void RsiLink::WarmUp(const control::ArmCommand& command) OSTEON_RT {
   if (rehearsal_) rehearsal_->Go(peer_.newest(), command);
   rt::Prefetch(session_);
 }

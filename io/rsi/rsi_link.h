@@ -41,7 +41,7 @@ class RsiLink final : public control::ArmLink {
   bool Send(const control::ArmCommand& command) OSTEON_RT override;
 
   bool Await(rt::Nanoseconds time) OSTEON_RT override { return peer_.Await(time); }
-  void Rehearse(const control::ArmCommand& command) OSTEON_RT override;
+  void WarmUp(const control::ArmCommand& command) OSTEON_RT override;
 
   /// See RsiSession::RequestStop.
   void RequestStop() OSTEON_RT { session_.RequestStop(); }

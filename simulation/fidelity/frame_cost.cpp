@@ -11,7 +11,7 @@ namespace osteon::simulation {
 namespace {
 
 // A frame counts as interrupted where its threads waited for a processor for more than both of these.
-constexpr double kLeastWait_us = 20.0, kLeastWaitShare = 0.05;
+constexpr double kMinWait_us = 20.0, kMinWaitShare = 0.05;
 
 }  // namespace
 
@@ -25,9 +25,9 @@ FrameGroup GroupOf(std::span<const FrameSample> samples) {
   FrameGroup group{.frames = samples.size(),
                    .active_balls = FiguresOf(std::move(balls)).p50_us,
                    .p50_us = FiguresOf(all).p50_us};
-  const double most_us = std::max(kLeastWait_us, kLeastWaitShare * group.p50_us);
+  const double max_us = std::max(kMinWait_us, kMinWaitShare * group.p50_us);
   for (const FrameSample& sample : samples)
-    if (sample.waited_us <= most_us) calm.push_back(sample.us);
+    if (sample.waited_us <= max_us) calm.push_back(sample.us);
   group.interrupted = samples.size() - calm.size();
   group.p999_us = FiguresOf(calm.empty() ? std::move(all) : std::move(calm)).p999_us;
   return group;

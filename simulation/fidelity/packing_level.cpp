@@ -10,10 +10,10 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kLeastOverSpacing = 1.2, kMostOverSpacing = 2.4, kMostInto = 1.5;
-constexpr double kGap = 0.04 / 1.5, kGapGrowth = 0.08, kGreatestGap = 0.5 / 1.5;  // over the spacing
+constexpr double kMinOverSpacing = 1.2, kMaxOverSpacing = 2.4, kMaxInto = 1.5;
+constexpr double kGap = 0.04 / 1.5, kGapGrowth = 0.08, kMaxGap = 0.5 / 1.5;  // over the spacing
 constexpr double kSplitRadius = 0.9, kSplitSurface = 1.2 / 2.5, kSplitGap = 0.06, kSplitCoarser = 1.5 / 2.5;
-constexpr double kLeastSplit = 0.4 / 2.5;
+constexpr double kMinSplit = 0.4 / 2.5;
 // Where the spacing doubles, split balls leave gaps. The doubling must be deeper than the reach of a touched
 // ball.
 constexpr double kSplitFineDepth = 1.5;  // over a ball's radius
@@ -21,7 +21,7 @@ constexpr double kCornerShare = 0.5;     // over the spacing
 constexpr int kChildren = 24;
 constexpr double kHoles = 0.56;  // smallest radius over spacing of a body-centred lattice without holes
 constexpr double kFinest_m = 0.02e-3, kCoarsest_m = 20e-3;
-constexpr double kMostOfTool = 0.6, kMostOfReamer = 0.2, kMostSplitOfTool = 0.75, kMostSplitOfDepth = 0.85;
+constexpr double kMaxOfTool = 0.6, kMaxOfReamer = 0.2, kMaxSplitOfTool = 0.75, kMaxSplitOfDepth = 0.85;
 
 PackingParams OverlapParams(const PackingLevel& level) {
   const double a = level.fine.spacing_m, r = level.fine.radius_m, d = level.zone_depth_m;
@@ -30,10 +30,10 @@ PackingParams OverlapParams(const PackingLevel& level) {
   params.lattice = {.finest_m = a, .coarser_from_m = {fine_m, fine_m + 2.0 * r}};
   params.cup_radius_cap_m = r;
   params.cup_depth_m = d;
-  params.least_radius_m = std::max(0.001e-3, 0.1 * r);
+  params.min_radius_m = std::max(0.001e-3, 0.1 * r);
   params.surface_gap_m = level.fine.surface_gap_m;
   params.surface_gap_growth = kGapGrowth;
-  params.greatest_surface_gap_m = kGreatestGap * a;
+  params.max_surface_gap_m = kMaxGap * a;
   params.samples = {.finest_m = a / 6.0, .coarser_from_m = {d + 0.5 * r, d + 3.0 * r}};
   if (level.kind == PackingKind::kUniform) params.lattice.coarser_from_m = params.samples.coarser_from_m = {};
   return params;
@@ -68,13 +68,13 @@ bool FitsWall(const PackingLevel& level, const CutShape& cut) {
          (cut.wall_m == 0.0 || level.fine.radius_m <= 0.5 * cut.wall_m);
 }
 
-bool Holds(const PackingLevel& level, const CutShape& cut) {
+bool IsInValidRange(const PackingLevel& level, const CutShape& cut) {
   const PackingFineness& fine = level.fine;
   if (!FitsWall(level, cut)) return false;
   if (level.kind == PackingKind::kSplit)
-    return fine.spacing_m <= kMostSplitOfTool * cut.tool_radius_m &&
-           (!cut.along_surface || fine.spacing_m <= kMostSplitOfDepth * cut.depth_m);
-  return fine.radius_m <= (cut.along_surface ? kMostOfReamer : kMostOfTool) * cut.tool_radius_m;
+    return fine.spacing_m <= kMaxSplitOfTool * cut.tool_radius_m &&
+           (!cut.along_surface || fine.spacing_m <= kMaxSplitOfDepth * cut.depth_m);
+  return fine.radius_m <= (cut.along_surface ? kMaxOfReamer : kMaxOfTool) * cut.tool_radius_m;
 }
 
 double ZoneDepthFor(const CutShape& cut, double zone_radius_m) {
@@ -91,7 +91,7 @@ PackingLevel MakeLevel(PackingKind kind, double spacing_m, double radius_over_sp
     fine.children = kChildren;
     return level;
   }
-  fine.radius_m = std::clamp(radius_over_spacing, kLeastOverSpacing, kMostOverSpacing) * spacing_m;
+  fine.radius_m = std::clamp(radius_over_spacing, kMinOverSpacing, kMaxOverSpacing) * spacing_m;
   if (cut.wall_m > 0.0) fine.radius_m = std::min(fine.radius_m, 0.5 * cut.wall_m);
   fine.surface_gap_m = kGap * spacing_m;
   if (!cut.along_surface) level.corner_m = kCornerShare * spacing_m;
@@ -106,14 +106,14 @@ PackingLevel Scaled(const PackingLevel& level, double factor, const CutShape& cu
 std::optional<PackingLevel> CoarsestLevel(PackingKind kind, double error_m, const CutShape& cut,
                                           double zone_depth_m) {
   std::optional<PackingLevel> best;
-  const double most_ratio = cut.along_surface ? kMostOverSpacing : kMostInto;
-  for (double ratio = kLeastOverSpacing; ratio < most_ratio + 0.05; ratio += 0.1) {
+  const double max_ratio = cut.along_surface ? kMaxOverSpacing : kMaxInto;
+  for (double ratio = kMinOverSpacing; ratio < max_ratio + 0.05; ratio += 0.1) {
     const auto level_of = [&](double spacing_m) {
       return MakeLevel(kind, spacing_m, ratio, cut, zone_depth_m);
     };
     const auto serves = [&](double spacing_m) {
       const PackingLevel level = level_of(spacing_m);
-      return Holds(level, cut) && PredictRemovalError(level.fine, cut).total_m() <= error_m;
+      return IsInValidRange(level, cut) && PredictRemovalError(level.fine, cut).total_m() <= error_m;
     };
     if (!serves(kFinest_m)) continue;
     double fine = kFinest_m, coarse = kCoarsest_m;
@@ -146,7 +146,7 @@ CuttingParams CuttingForLevel(const PackingLevel& level, const CutShape& cut, co
   params.split.on = level.kind == PackingKind::kSplit;
   if (!params.split.on) return params;
   params.split.children = level.fine.children;
-  params.split.least_radius_m = kLeastSplit * level.fine.spacing_m;
+  params.split.min_radius_m = kMinSplit * level.fine.spacing_m;
   const double blocks = 1.5 * ExpectedChildren(level, cut) / level.fine.children;
   params.split.pool_blocks = static_cast<std::size_t>(std::clamp(blocks, 1024.0, 1e6));
   return params;

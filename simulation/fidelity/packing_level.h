@@ -52,7 +52,7 @@ struct PackingLevel {
 /// True where the closed forms hold for the level: r <= 0.6 R (R/5 in a cut along the surface), a split
 /// lattice's spacing <= 0.75 R (and 0.85 of the depth of a cut along the surface), and the level fits the
 /// wall.
-[[nodiscard]] bool Holds(const PackingLevel& level, const CutShape& cut);
+[[nodiscard]] bool IsInValidRange(const PackingLevel& level, const CutShape& cut);
 
 /// Finds the coarsest level whose predicted removal error is at most `error_m` and for which the closed forms
 /// hold, with spacings from 0.02 to 20 mm. Large balls leave the finer face, small balls the finer rim. Among

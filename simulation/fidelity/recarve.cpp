@@ -35,11 +35,11 @@ bool CarveTrail(CuttingEngine& engine, std::span<const PlainPose> places) {
   return true;
 }
 
-bool Arrived(const CarvedState& carved, const Pose& X_GP, double lever_m, double tolerance_m) {
+bool ReachedPose(const CarvedState& carved, const Pose& X_GP, double lever_m, double tolerance_m) {
   return carved.has_proxy && WayBetween(Pose(carved.X_GP), X_GP, lever_m) <= tolerance_m;
 }
 
-CarvedState TakeOver(CarvedState carved, const CarvedState& counted) {
+CarvedState MergeBooks(CarvedState carved, const CarvedState& counted) {
   if (carved.cleared.size() != counted.cleared.size())
     throw std::invalid_argument(fmt::format("carved state: found {} mass points, accepted {}",
                                             counted.cleared.size(), carved.cleared.size()));

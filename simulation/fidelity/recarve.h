@@ -37,12 +37,13 @@ class ProxyTrail {
 [[nodiscard]] bool CarveTrail(CuttingEngine& engine, std::span<const PlainPose> places);
 
 /// True where the tool reached X_GP. Bone that its cutting balls do not reach may stop it before.
-[[nodiscard]] bool Arrived(const CarvedState& carved, const Pose& X_GP, double lever_m, double tolerance_m);
+[[nodiscard]] bool ReachedPose(const CarvedState& carved, const Pose& X_GP, double lever_m,
+                               double tolerance_m);
 
 /// Combines the state of a packing that was carved along a trail with the books of another packing of the
 /// same bone: cleared points, volume, mass, work.
 /// @param counted  with the same mass points; its proxy is the trail's end
 /// @throws std::invalid_argument where the numbers of points differ.
-[[nodiscard]] CarvedState TakeOver(CarvedState carved, const CarvedState& counted);
+[[nodiscard]] CarvedState MergeBooks(CarvedState carved, const CarvedState& counted);
 
 }  // namespace osteon::simulation

@@ -9,8 +9,7 @@ namespace {
 // Fitted to carved packings (tests/simulation/removal_error_test.cpp); 1/(2 π) is 0.159.
 constexpr double kAlong = 0.18, kInto = 0.13, kSplit = 0.08, kLeak = 0.16;
 constexpr double kRimAlong = 0.08, kRimInto = 0.14;  // area of the sliver that a rim loses, over r²
-constexpr double kLeastOfCap =
-    0.9;  // packing_builder.cpp: only balls that touch the surface are nearer to it
+constexpr double kMinOfCap = 0.9;  // packing_builder.cpp: only balls that touch the surface are nearer to it
 constexpr double kChildRadius = 0.36;  // over the spacing: 0.4 of a ball of 0.9 a
 
 double CentersPerVolume(const PackingFineness& fine) {
@@ -31,7 +30,7 @@ Points LeftPoints(const PackingFineness& fine, const CutShape& cut) {
   if (!cut.along_surface || fine.children > 0) return {.density_1_per_m2 = 2.0 * r * n, .radius_m = 0.5 * r};
   // lattice: centres from the beginning of the lattice to the end of the balls' reach; surface balls: all at
   // depth r
-  const double h = cut.depth_m, from = std::max(kLeastOfCap * r, h - r), layer = std::max(0.0, h + r - from);
+  const double h = cut.depth_m, from = std::max(kMinOfCap * r, h - r), layer = std::max(0.0, h + r - from);
   const double lattice = n * layer, lattice_r = r - 0.25 * layer;
   const double surface = h < 2.0 * r ? SurfaceDensity(fine) : 0.0, surface_r = r - 0.5 * h;
   const double s = lattice + surface;

@@ -13,9 +13,9 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include "simulation/constrained_goal.h"
 #include "simulation/files/mapped_file.h"
 #include "simulation/files/output_file.h"
-#include "simulation/hold_point.h"
 
 namespace osteon::simulation {
 namespace {
@@ -79,8 +79,8 @@ std::uint64_t Padded(std::uint64_t points) { return (points + 3) / 4 * 4; }
 
 /// Size of a file with these counts; nothing where it would exceed any memory.
 std::optional<std::uint64_t> FileSize(const CarvedHeader& h) {
-  constexpr std::uint64_t kMost = std::uint64_t{1} << 32;
-  if (h.balls > kMost || h.points > kMost || h.split_balls > h.balls || h.slots > 1024) return {};
+  constexpr std::uint64_t kMax = std::uint64_t{1} << 32;
+  if (h.balls > kMax || h.points > kMax || h.split_balls > h.balls || h.slots > 1024) return {};
   return sizeof(CarvedHeader) + 16 * h.balls + Padded(h.points) + h.split_balls * (8 + 16 * h.slots);
 }
 
@@ -169,10 +169,10 @@ class Reader {
     if (header_.pair_count > kRememberedPairs)
       return Fail(offsetof(CarvedHeader, pair_count), "contact pairs", fmt::format("{}", header_.pair_count),
                   fmt::format("0 … {}", kRememberedPairs));
-    if (header_.held_count > std::min<std::uint32_t>(header_.pair_count, kMostHolding))
+    if (header_.held_count > std::min<std::uint32_t>(header_.pair_count, kMaxHolding))
       return Fail(offsetof(CarvedHeader, held_count), "contact pairs that hold",
                   fmt::format("{}", header_.held_count),
-                  fmt::format("{} at most", std::min<std::uint32_t>(header_.pair_count, kMostHolding)));
+                  fmt::format("{} at most", std::min<std::uint32_t>(header_.pair_count, kMaxHolding)));
     if (header_.face_count > kMaxFaces)
       return Fail(offsetof(CarvedHeader, face_count), "contact faces", fmt::format("{}", header_.face_count),
                   fmt::format("0 … {}", kMaxFaces));

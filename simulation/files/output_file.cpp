@@ -87,9 +87,9 @@ void OutputFile::Close() {
 }
 
 void OutputFile::Write(std::span<const std::byte> bytes) {
-  constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;  // write(2) takes no more than 2 GiB
+  constexpr std::size_t kMaxAtOnce = std::size_t{1} << 30;  // write(2) takes no more than 2 GiB
   while (error_ == 0 && !bytes.empty()) {
-    const ssize_t count = write(fd_, bytes.data(), std::min(bytes.size(), kMostAtOnce));
+    const ssize_t count = write(fd_, bytes.data(), std::min(bytes.size(), kMaxAtOnce));
     if (count < 0) {
       if (errno != EINTR) error_ = errno;
       continue;

@@ -12,9 +12,9 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kLargestCoordinate_m = 10.0;
-constexpr double kLargestSize_m = 1.0;
-constexpr double kLeastVolume_m3 = 1e-9;
+constexpr double kMaxCoordinate_m = 10.0;
+constexpr double kMaxSize_m = 1.0;
+constexpr double kMinVolume_m3 = 1e-9;
 constexpr double kCrossingTolerance_m = 1e-5;
 
 constexpr const char* kUnits = "files are read in millimetres, times --scale";
@@ -32,15 +32,15 @@ Problem CheckCoordinates(const TriangleMesh& mesh, const std::string& name) {
     if (!v.allFinite())
       return MeshError{MeshErrorKind::kNotFinite,
                        fmt::format("{}: vertex {}: found {}, accepted finite coordinates", name, i, InMm(v))};
-    if (v.cwiseAbs().maxCoeff() > kLargestCoordinate_m)
+    if (v.cwiseAbs().maxCoeff() > kMaxCoordinate_m)
       return MeshError{MeshErrorKind::kTooLarge,
                        fmt::format("{}: vertex {}: found {}, accepted within ±{:g} mm", name, i, InMm(v),
-                                   kLargestCoordinate_m * 1e3)};
+                                   kMaxCoordinate_m * 1e3)};
   }
-  if (box.sizes().maxCoeff() > kLargestSize_m)
+  if (box.sizes().maxCoeff() > kMaxSize_m)
     return MeshError{MeshErrorKind::kTooLarge,
                      fmt::format("{}: found a size of {:.6g} mm, accepted up to {:g} mm ({})", name,
-                                 box.sizes().maxCoeff() * 1e3, kLargestSize_m * 1e3, kUnits)};
+                                 box.sizes().maxCoeff() * 1e3, kMaxSize_m * 1e3, kUnits)};
   return std::nullopt;
 }
 
@@ -166,7 +166,7 @@ tl::expected<LoadedMesh, MeshError> AcceptMesh(PartedMesh parted, const MeshRepo
   if (auto problem = CheckVertices(mesh, edges, name)) return tl::make_unexpected(*problem);
 
   const double volume = SignedVolume_m3(mesh);
-  if (!(std::abs(volume) >= kLeastVolume_m3)) {
+  if (!(std::abs(volume) >= kMinVolume_m3)) {
     Eigen::AlignedBox3d box;
     for (const Vector3& v : mesh.vertices_m) box.extend(v);
     const Vector3 size = box.sizes() * 1e3;
@@ -175,7 +175,7 @@ tl::expected<LoadedMesh, MeshError> AcceptMesh(PartedMesh parted, const MeshRepo
         fmt::format(
             "{}: found a volume of {:.3g} mm^3 in a box of {:.4g} x {:.4g} x {:.4g} mm, accepted {:g} "
             "mm^3 and more ({})",
-            name, std::abs(volume) * 1e9, size.x(), size.y(), size.z(), kLeastVolume_m3 * 1e9, kUnits)});
+            name, std::abs(volume) * 1e9, size.x(), size.y(), size.z(), kMinVolume_m3 * 1e9, kUnits)});
   }
   if (volume < 0.0) {
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);

@@ -10,9 +10,9 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::size_t kMostShells = 64;
-constexpr std::size_t kSamples = 15;      // odd, so that a majority decides
-constexpr double kLeastFullness = 1e-12;  // smallest volume over the cube of the box's diagonal
+constexpr std::size_t kMaxShells = 64;
+constexpr std::size_t kSamples = 15;    // odd, so that a majority decides
+constexpr double kMinFullness = 1e-12;  // smallest volume over the cube of the box's diagonal
 
 struct Shell {
   std::vector<std::uint32_t> triangles;
@@ -111,10 +111,10 @@ tl::expected<LoadedMesh, MeshError> SortShells(PartedMesh parted, MeshReport rep
   const auto refuse = [](MeshErrorKind kind, std::string message) {
     return tl::make_unexpected(MeshError{.kind = kind, .message = std::move(message)});
   };
-  if (shells.size() > kMostShells)
+  if (shells.size() > kMaxShells)
     return refuse(MeshErrorKind::kContradictory,
                   fmt::format("{}: found {} separate shells, accepted 1 … {} (remove the islands)", name,
-                              shells.size(), kMostShells));
+                              shells.size(), kMaxShells));
   std::vector<MeshShell>& found = report.shells;
   for (const Shell& shell : shells) {
     const std::uint32_t first = shell.triangles.front();
@@ -123,7 +123,7 @@ tl::expected<LoadedMesh, MeshError> SortShells(PartedMesh parted, MeshReport rep
                      .triangles = shell.triangles.size(),
                      .volume_m3 = std::abs(shell.volume_m3),
                      .parent = {}});
-    if (!(std::abs(shell.volume_m3) > kLeastFullness * std::pow(shell.box.diagonal().norm(), 3)))
+    if (!(std::abs(shell.volume_m3) > kMinFullness * std::pow(shell.box.diagonal().norm(), 3)))
       return refuse(MeshErrorKind::kNoVolume,
                     fmt::format("{}: shell {} '{}' at {}, triangle {}: found nothing enclosed, accepted a "
                                 "shell with a volume",

@@ -28,10 +28,10 @@ class Marching {
     for (int axis = 0; axis < 3; ++axis) {
       const double along = std::ceil(box.sizes()[axis] / step_m) + 1.0;
       count *= along;
-      if (!(count <= kMostVertices))
+      if (!(count <= kMaxVertices))
         throw std::invalid_argument(fmt::format(
             "mesh of a shape: found a step of {:g} mm, accepted one that makes at most {:g} grid points",
-            step_m * 1e3, kMostVertices));
+            step_m * 1e3, kMaxVertices));
       size_[axis] = static_cast<std::size_t>(along);
     }
     values_.resize(size_[0] * size_[1] * size_[2]);
@@ -55,7 +55,7 @@ class Marching {
   }
 
  private:
-  static constexpr double kMostVertices = 50e6;
+  static constexpr double kMaxVertices = 50e6;
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   [[nodiscard]] std::size_t Index(std::size_t x, std::size_t y, std::size_t z) const {

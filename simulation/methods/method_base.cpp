@@ -111,8 +111,8 @@ void MethodBase::Advance(const FrameInput& input, double slide_m, MethodFrame& f
   solution.slide_m = slide_m;
   solution.engaged_area_m2 = frame.engaged.area_m2;
   solution.engaged_moment_m3 = frame.engaged.moment_m3;
-  const FrameAdvance advance =
-      AdvanceOfFrame(params_, materials_, solution, input.spindle_rad_per_s, input.dt_s, memory_.debt_J);
+  const FrameAdvance advance = ComputeAdvance(params_, materials_, solution, input.spindle_rad_per_s,
+                                              input.dt_s, memory_.energy_lead_J);
   frame.advance_m = advance.advance_m;
   frame.edge_work_J = advance.edge_work_J;
 }

@@ -64,7 +64,7 @@ class MethodBase : public MethodEngine {
   ///   item
   void AddEngaged(const EngagedItem& item, double layer_m, std::size_t found_by, const ToolPoints& at,
                   const Vector3& spindle_axis, MethodFrame& frame) const;
-  /// Sets advance and edge work of a frame that cuts, by the law of `params` (AdvanceOfFrame).
+  /// Sets advance and edge work of a frame that cuts, by the law of `params` (ComputeAdvance).
   void Advance(const FrameInput& input, double slide_m, MethodFrame& frame) const;
   /// Applies the spring force `stiffness * depth` along n at `point_m`, at most the force limit.
   void PushAlongNormal(const Vector3& origin_T, MethodFrame& frame) const;

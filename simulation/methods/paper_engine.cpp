@@ -82,7 +82,7 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
   // the contact: its plane, and the distance of the requested pose beyond it
   frame.contact_fraction = touch->fraction;
   const std::size_t c = touch->tool_ball;
-  const ToolPoints contact = Between(start, goal, touch->fraction);
+  const ToolPoints contact = InterpolatePoints(start, goal, touch->fraction);
   frame.touches = true;
   frame.touch_cuts = tool_.balls[c].cutting;
   frame.n = Normal(contact, c);
@@ -96,13 +96,13 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
   double longest = 0.0;
   for (std::size_t t = 0; t < target.size(); ++t)
     longest = std::max(longest, (target[t] - contact[t]).norm());
-  const double most_m = MostSlide(params_, input);
-  double slide = longest > most_m ? most_m / longest : 1.0;
+  const double max_m = MaxSlide(params_, input);
+  double slide = longest > max_m ? max_m / longest : 1.0;
   // with a tolerance, a turning tool would cut that depth in every frame, whatever the law
   const bool cutting = input.spindle_rad_per_s != 0.0;
   if (const auto stop = FindTouch(contact, target, cutting ? 0.0 : params_.contact_tolerance_m))
     slide = std::min(slide, stop->fraction);
-  const ToolPoints slid = Between(contact, target, slide);
+  const ToolPoints slid = InterpolatePoints(contact, target, slide);
 
   // removal
   if (cutting && frame.touch_cuts) MeasureEngagement(contact, X_GT.linear().col(2), frame);
@@ -130,14 +130,14 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
 std::optional<PaperEngine::FirstTouch> PaperEngine::FindPrintedTouch(const ToolPoints& from,
                                                                      const ToolPoints& to) const {
   FirstTouch first{.fraction = kNoContact, .tool_ball = 0};
-  double least_m = std::numeric_limits<double>::infinity();
+  double min_m = std::numeric_limits<double>::infinity();
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
     const double r_t = tool_.balls[t].radius_m;
     const Vector3 m = to[t] - from[t];
     bone_.ForEachBallNear(from[t], to[t], r_t, [&](std::uint32_t, const BallBone::LiveBall& ball) {
       const double s = printed::ContactFraction(ball.center_m - from[t], m, r_t + ball.radius_m);
-      if (s < 0.0 || s * m.norm() >= least_m) return;
-      least_m = s * m.norm();
+      if (s < 0.0 || s * m.norm() >= min_m) return;
+      min_m = s * m.norm();
       first = {.fraction = s, .tool_ball = t};
     });
   }
@@ -183,7 +183,7 @@ MethodFrame PaperEngine::SolvePrinted(const Pose& X_GP, const Pose& X_GT, const 
   const std::size_t c = touch->tool_ball;
   const Vector3 path = goal[c] - start[c];
   const double s = std::max(0.0, touch->fraction - kStandOff_m / path.norm());
-  const ToolPoints proxy = Between(start, goal, s);
+  const ToolPoints proxy = InterpolatePoints(start, goal, s);
   frame.contact_fraction = touch->fraction;
   frame.touches = true;
   frame.touch_cuts = tool_.balls[c].cutting;

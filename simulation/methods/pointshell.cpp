@@ -14,16 +14,15 @@ namespace osteon::simulation {
 
 Pointshell MakePointshell(const Tool& tool, double spacing_m) {
   CheckRangeMm("pointshell: spacing", spacing_m, 0.01e-3, 5e-3);
-  constexpr double kMostPoints = 10e6;
+  constexpr double kMaxPoints = 10e6;
   Pointshell shell;
   for (std::size_t t = 0; t < tool.balls.size(); ++t) {
     const ToolBall& ball = tool.balls[t];
     const double wanted = std::max(
         12.0, std::ceil(4.0 * std::numbers::pi * ball.radius_m * ball.radius_m / (spacing_m * spacing_m)));
-    if (static_cast<double>(shell.points.size()) + wanted > kMostPoints)
-      throw std::invalid_argument(
-          fmt::format("pointshell: found a spacing of {:g} mm, accepted up to {:g} points", spacing_m * 1e3,
-                      kMostPoints));
+    if (static_cast<double>(shell.points.size()) + wanted > kMaxPoints)
+      throw std::invalid_argument(fmt::format(
+          "pointshell: found a spacing of {:g} mm, accepted up to {:g} points", spacing_m * 1e3, kMaxPoints));
     const auto count = static_cast<std::size_t>(wanted);
     for (std::size_t i = 0; i < count; ++i) {
       const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(count);

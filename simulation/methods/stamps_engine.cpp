@@ -35,7 +35,7 @@ StampsEngine::Overlap StampsEngine::Deepest(const ToolPoints& at) const {
   });
   const double size = deepest.n.norm();
   deepest.n = size > 0.0 ? Vector3(deepest.n / size) : Vector3::Zero();
-  deepest.depth_m /= std::max(kLeastCosine, pair.dot(deepest.n));
+  deepest.depth_m /= std::max(kMinCosine, pair.dot(deepest.n));
   return deepest;
 }
 
@@ -69,7 +69,7 @@ MethodFrame StampsEngine::Solve(const Pose&, const Pose& X_GT, const FrameInput&
   if (free.back() != goal.back() && !Overlaps(free)) {
     ToolPoints blocked = goal;
     for (int i = 0; i < kHalvings; ++i) {
-      const ToolPoints middle = Between(blocked, free, 0.5);
+      const ToolPoints middle = InterpolatePoints(blocked, free, 0.5);
       (Overlaps(middle) ? blocked : free) = middle;
     }
   }

@@ -21,7 +21,7 @@ class StampsEngine final : public BallMethod {
 
   static constexpr int kPushes = 8, kHalvings = 10;
   static constexpr double kFree_m = 1e-6;
-  static constexpr double kLeastCosine =
+  static constexpr double kMinCosine =
       0.3;  ///< smallest cosine between pair and normal in a push: limits its length
 
  protected:

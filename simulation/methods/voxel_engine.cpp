@@ -16,7 +16,7 @@ VoxelEngine::VoxelEngine(const Bone& bone, const Solid* solid, const Tool& tool,
                          const CuttingParams& params, double voxel_m)
     : VoxelMethod(Method::kVoxelProxy, bone, solid, tool, X_WG, params, voxel_m) {}
 
-bool VoxelEngine::Blocked(const ToolPoints& at) const {
+bool VoxelEngine::IsBlocked(const ToolPoints& at) const {
   for (std::size_t t = 0; t < tool_.balls.size(); ++t)
     if (!grid_.ForEachSolidNear(at[t], tool_.balls[t].radius_m, 0.0,
                                 [](const VoxelIndex&, double) { return false; }))
@@ -39,13 +39,13 @@ VoxelEngine::March VoxelEngine::MarchTowards(const ToolPoints& from, const ToolP
   double free = 0.0, blocked = 1.0;
   for (int i = 1;; ++i) {
     const double s = std::min(1.0, i * step);
-    if (Blocked(Between(from, to, s))) {
+    if (IsBlocked(InterpolatePoints(from, to, s))) {
       march.blocked = true;
       blocked = s;
       break;
     }
     free = s;
-    if (s >= 1.0 || i >= kMostSteps) break;
+    if (s >= 1.0 || i >= kMaxSteps) break;
   }
   if (!march.blocked) {
     march.fraction = free;
@@ -53,16 +53,16 @@ VoxelEngine::March VoxelEngine::MarchTowards(const ToolPoints& from, const ToolP
   }
   for (int i = 0; i < kHalvings; ++i) {
     const double s = 0.5 * (free + blocked);
-    (Blocked(Between(from, to, s)) ? blocked : free) = s;
+    (IsBlocked(InterpolatePoints(from, to, s)) ? blocked : free) = s;
   }
   march.fraction = free;
-  FindNormal(Between(from, to, blocked), march);
+  FindNormal(InterpolatePoints(from, to, blocked), march);
   return march;
 }
 
 // Sums the density's gradient over the voxels that stop the tool.
 void VoxelEngine::FindNormal(const ToolPoints& at, March& march) const {
-  constexpr int kMostVoxels = 256;  // a pose deep inside has far more, and their mean gives nothing more
+  constexpr int kMaxVoxels = 256;  // a pose deep inside has far more, and their mean gives nothing more
   Vector3 sum = Vector3::Zero();
   int voxels = 0;
   for (std::size_t t = tool_.balls.size(); t-- > 0;) {
@@ -75,7 +75,7 @@ void VoxelEngine::FindNormal(const ToolPoints& at, March& march) const {
             if (d2 == 0 || d2 > kGradientReach * kGradientReach + 1) continue;
             if (grid_.IsSolid({v.x + x, v.y + y, v.z + z})) sum -= Vector3(x, y, z) / d2;
           }
-      return ++voxels < kMostVoxels;
+      return ++voxels < kMaxVoxels;
     });
   }
   const double size = sum.norm();
@@ -90,7 +90,7 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
 
   // first constraint
   const March first = MarchTowards(proxy, goal);
-  proxy = Between(proxy, goal, first.fraction);
+  proxy = InterpolatePoints(proxy, goal, first.fraction);
   double turned = first.fraction;
   if (first.blocked) {
     frame.contact_fraction = first.fraction;
@@ -99,23 +99,23 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
       // off the plane a little, as far as that is free; then slide within it
       ToolPoints off = proxy;
       Move(off, kStandOff * grid_.voxel_m() * n1);
-      if (!Blocked(off)) proxy = off;
+      if (!IsBlocked(off)) proxy = off;
       ToolPoints target = goal;
       Move(target, n1.dot(proxy[first.tool_ball] - goal[first.tool_ball]) * n1);
       const March second = MarchTowards(proxy, target);
-      proxy = Between(proxy, target, second.fraction);
+      proxy = InterpolatePoints(proxy, target, second.fraction);
       turned += (1.0 - turned) * second.fraction;
       const Vector3 line = n1.cross(second.n);
       if (second.blocked && line.norm() > 1e-3) {
         const Vector3 along = line.normalized();
         ToolPoints end = proxy;
         Move(end, along.dot(goal[second.tool_ball] - proxy[second.tool_ball]) * along);
-        proxy = Between(proxy, end, MarchTowards(proxy, end).fraction);
+        proxy = InterpolatePoints(proxy, end, MarchTowards(proxy, end).fraction);
       }
       // back onto the surface: an offset from the plane would be felt but not cut
       ToolPoints down = proxy;
       Move(down, -2.0 * kStandOff * grid_.voxel_m() * n1);
-      proxy = Between(proxy, down, MarchTowards(proxy, down).fraction);
+      proxy = InterpolatePoints(proxy, down, MarchTowards(proxy, down).fraction);
     }
   }
   frame.X_GP.linear() =

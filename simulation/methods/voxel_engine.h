@@ -17,7 +17,7 @@ namespace osteon::simulation {
 ///
 /// Parameters: voxel edge (MethodParams::voxel_m); step 1 voxel (CHAI3D marches voxel by voxel); gradient
 /// over two voxels (assumed: CHAI3D's central differences of binary voxels give only 26 directions);
-/// stand-off 1/8 voxel off a plane before sliding (assumed; CHAI3D's epsilon); kMostSteps steps a march,
+/// stand-off 1/8 voxel off a plane before sliding (assumed; CHAI3D's epsilon); kMaxSteps steps a march,
 /// after which the proxy lags behind. Improvements on the original: empty bricks of voxels are skipped, so
 /// that a large tool's cost grows with its surface and not its volume; voxels are binary instead of 8 bits of
 /// density. The tool turns along with the march.
@@ -28,7 +28,7 @@ class VoxelEngine final : public VoxelMethod {
               const CuttingParams& params, double voxel_m);
 
   static constexpr double kStep = 1.0, kStandOff = 0.125;  ///< in voxels
-  static constexpr int kHalvings = 8, kGradientReach = 2, kMostSteps = 8192;
+  static constexpr int kHalvings = 8, kGradientReach = 2, kMaxSteps = 8192;
 
  protected:
   MethodFrame Solve(const Pose& X_GP, const Pose& X_GT, const FrameInput& input) override;
@@ -40,7 +40,7 @@ class VoxelEngine final : public VoxelMethod {
     std::size_t tool_ball{0};    ///< the ball that was stopped
     Vector3 n{Vector3::Zero()};  ///< normal there; zero where the density has no gradient
   };
-  [[nodiscard]] bool Blocked(const ToolPoints& at) const;
+  [[nodiscard]] bool IsBlocked(const ToolPoints& at) const;
   [[nodiscard]] March MarchTowards(const ToolPoints& from, const ToolPoints& to) const;
   void FindNormal(const ToolPoints& at, March& march) const;
 };

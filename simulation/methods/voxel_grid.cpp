@@ -15,7 +15,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kMostVoxels = 2147483648.0;
+constexpr double kMaxVoxels = 2147483648.0;
 
 // Fills voxels where there is no solid: from the union of balls, with the nearest mass point's material.
 class UnionOfBalls {
@@ -55,12 +55,12 @@ VoxelGrid::VoxelGrid(const Bone& bone, const Solid* solid, double voxel_m) : vox
   for (int axis = 0; axis < 3; ++axis) {
     const double count = kBrick * std::ceil(std::max(1.0, box.sizes()[axis] / voxel_m - 1e-6) / kBrick);
     voxels *= count;
-    if (voxels > kMostVoxels) break;
+    if (voxels > kMaxVoxels) break;
     size_[axis] = static_cast<std::int32_t>(count);
     bricks_[axis] = size_[axis] / kBrick;
     blocks_[axis] = (size_[axis] + kBlock - 1) / kBlock;
   }
-  if (voxels > kMostVoxels)
+  if (voxels > kMaxVoxels)
     throw std::invalid_argument(
         fmt::format("voxels: found an edge of {:g} mm in a box of {:.3g} × {:.3g} × {:.3g} mm, accepted up "
                     "to 2^31 voxels",

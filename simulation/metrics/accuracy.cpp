@@ -50,11 +50,11 @@ class Sampler {
           double layer_m)
       : solid_(solid), before_(before), after_(after), swept_(swept), layer_m_(layer_m) {}
 
-  [[nodiscard]] CellFinds Look(const Cell& cell, std::uint64_t seed) const {
+  [[nodiscard]] CellFinds SampleCell(const Cell& cell, std::uint64_t seed) const {
     CellFinds finds;
     CellRandom random(cell, seed);
     for (int i = 0; i < kSamplesPerCell; ++i) {
-      const Vector3 p = cell.least_corner() + cell.side_m * random.NextInUnitCube();
+      const Vector3 p = cell.min_corner() + cell.side_m * random.NextInUnitCube();
       if (solid_.SignedDistance(p) >= 0.0) continue;
       const SweptDistance to_cut = swept_.Nearest(p);
       const double d = to_cut.distance_m;
@@ -92,7 +92,7 @@ std::vector<CellFinds> LookEverywhere(const std::vector<Cell>& cells, const Samp
                                       const AccuracyParams& params) {
   std::vector<CellFinds> finds(cells.size());
   ParallelFor(cells.size(), params.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) finds[i] = sampler.Look(cells[i], params.seed);
+    for (std::size_t i = begin; i < end; ++i) finds[i] = sampler.SampleCell(cells[i], params.seed);
   });
   return finds;
 }
@@ -189,7 +189,7 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
   return result;
 }
 
-double GreatestOverlap(std::span<const Ball> balls, const SweptTool& swept) {
+double MaxOverlap(std::span<const Ball> balls, const SweptTool& swept) {
   double greatest = 0.0;
   for (const Ball& ball : balls)
     if (ball.radius_m > 0.0)

@@ -56,6 +56,6 @@ struct CutAccuracy {
                                      const SweptTool& swept, const AccuracyParams& params);
 
 /// Deepest overlap of a ball with the swept volume, exact; 0 where no ball overlaps.
-[[nodiscard]] double GreatestOverlap(std::span<const Ball> balls, const SweptTool& swept);
+[[nodiscard]] double MaxOverlap(std::span<const Ball> balls, const SweptTool& swept);
 
 }  // namespace osteon::simulation

@@ -54,13 +54,13 @@ std::vector<Ball> LiveBalls(const CarvedState& state) {
 }
 
 ApexDepth::ApexDepth(const Bone& bone, const Tool& tool)
-    : cup_(bone.cup),
+    : cup_(bone.site),
       head_T_m_(Head(tool).center_m),
       head_radius_m_(Head(tool).radius_m),
-      floor_m_(FirstHit(bone.balls, bone.cup.center_m, -Vector3(bone.cup.axis)).value_or(bone.cup.radius_m)) {
-}
+      floor_m_(
+          FirstHit(bone.balls, bone.site.center_m, -Vector3(bone.site.axis)).value_or(bone.site.radius_m)) {}
 
-double ApexDepth::Of(const Pose& X_GP) const {
+double ApexDepth::DepthAt(const Pose& X_GP) const {
   const double along = Vector3(cup_.axis).dot(X_GP * head_T_m_ - Vector3(cup_.center_m));
   return head_radius_m_ - along - floor_m_;
 }
@@ -75,7 +75,7 @@ ReamedDepth::ReamedDepth(const Bone& bone, const Tool& tool, const Pose& X_WG)
 void ReamedDepth::Add(const FrameRecord& frame) {
   constexpr double kStep_m = 0.25e-3;
   if (frame.model.frame == 0 || frame.model.status != EngineStatus::kOk) return;
-  const double here_m = apex_.Of(X_GW_ * Pose(frame.model.X_WP));
+  const double here_m = apex_.DepthAt(X_GW_ * Pose(frame.model.X_WP));
   if (!std::isfinite(here_m)) return;
   removed_m3_ = frame.model.removed_volume_m3;
   if (!touched_) {

@@ -28,12 +28,12 @@ class ApexDepth {
  public:
   ApexDepth(const Bone& bone, const Tool& tool);
   /// Depth at a pose; negative above the floor.
-  [[nodiscard]] double Of(const Pose& X_GP) const;
+  [[nodiscard]] double DepthAt(const Pose& X_GP) const;
   /// Distance of the first floor from the cup's centre.
   [[nodiscard]] double floor_m() const { return floor_m_; }
 
  private:
-  Cup cup_;
+  CutSite cup_;
   Vector3 head_T_m_;
   double head_radius_m_;
   double floor_m_;

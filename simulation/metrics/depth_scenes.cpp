@@ -78,7 +78,7 @@ DepthScene MakeCupScene() {
   scene.name = "cup";
   scene.solid = std::make_unique<ShellSolid>(25e-3, 33e-3);
   scene.zone = std::make_unique<CupZone>(
-      Cup{.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 25e-3});
+      CutSite{.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 25e-3});
   scene.tool = OneBall("ball of 25 mm", 25e-3);
   scene.corners_m = {{0, 0, 0}, {0, 0, -3e-3}};
   return scene;

@@ -26,7 +26,7 @@ std::vector<Ball> CarveAlong(const DepthScene& scene, const std::vector<Pose>& p
                             .radius_m = ball.radius_m});
     removal.Remove(capsules, states);
   }
-  row.blocks = removal.most_blocks();
+  row.blocks = removal.max_blocks_in_use();
   row.refused = removal.refused();
   std::vector<Ball> live;
   for (const BallState& state : states)
@@ -41,7 +41,7 @@ DepthRow MeasureDepth(const DepthScene& scene, const DepthMethod& method, double
   const std::vector<Ball> live = CarveAlong(scene, path, method, row);
   const SweptTool swept(scene.tool, path);
   row.live = live.size();
-  row.overlap_m = GreatestOverlap(live, swept);
+  row.overlap_m = MaxOverlap(live, swept);
   constexpr double kTouching_m = 1e-8;
   for (const Ball& ball : live)
     if (std::abs(swept.SignedDistance(ball.center_m) - ball.radius_m) < kTouching_m) ++row.touching;
@@ -61,10 +61,10 @@ DepthMethod RecommendedMethod(const DepthScene& scene) {
           .split = {.on = true}};
 }
 
-DepthMethod DisjointMethod(const DepthScene& scene, std::size_t count, double greatest_radius_m) {
-  return {.name = fmt::format("disjoint, r <= {:g} mm", greatest_radius_m * 1e3),
+DepthMethod DisjointMethod(const DepthScene& scene, std::size_t count, double max_radius_m) {
+  return {.name = fmt::format("disjoint, r <= {:g} mm", max_radius_m * 1e3),
           .balls = BuildDisjointPacking(*scene.solid, EverywhereZone(),
-                                        {.count = count, .greatest_radius_m = greatest_radius_m}),
+                                        {.count = count, .max_radius_m = max_radius_m}),
           .split = {}};
 }
 

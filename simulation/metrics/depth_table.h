@@ -43,7 +43,6 @@ struct DepthRow {
 [[nodiscard]] DepthMethod RecommendedMethod(const DepthScene& scene);
 
 /// The paper's packing: disjoint balls, each as large as fits up to the cap, that shrink.
-[[nodiscard]] DepthMethod DisjointMethod(const DepthScene& scene, std::size_t count,
-                                         double greatest_radius_m);
+[[nodiscard]] DepthMethod DisjointMethod(const DepthScene& scene, std::size_t count, double max_radius_m);
 
 }  // namespace osteon::simulation

@@ -10,7 +10,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kLeastShare = 1e-3;  // share of the largest exact force below which a direction is not used
+constexpr double kMinShare = 1e-3;  // share of the largest exact force below which a direction is not used
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 double Angle_deg(const Vector3& a, const Vector3& b) {
@@ -32,11 +32,11 @@ ForceErrors CompareForces(std::span<const FeltForce> measured, std::span<const F
   ForceErrors errors;
   const std::size_t count = exact.size();
   if (count == 0) return errors;
-  double greatest_N = 0.0, exact_sum = 0.0, force_sum = 0.0, torque_sum = 0.0, angle_sum = 0.0;
-  for (const FeltForce& force : exact) greatest_N = std::max(greatest_N, force.f_N.norm());
-  const double least_N = kLeastShare * greatest_N;
+  double max_N = 0.0, exact_sum = 0.0, force_sum = 0.0, torque_sum = 0.0, angle_sum = 0.0;
+  for (const FeltForce& force : exact) max_N = std::max(max_N, force.f_N.norm());
+  const double min_N = kMinShare * max_N;
   const auto has_normal = [&](std::size_t k) {
-    return exact[k].f_N.norm() > least_N && measured[k].f_N.norm() > least_N;
+    return exact[k].f_N.norm() > min_N && measured[k].f_N.norm() > min_N;
   };
 
   std::size_t normals = 0;
@@ -54,7 +54,7 @@ ForceErrors CompareForces(std::span<const FeltForce> measured, std::span<const F
   errors.torque_rms_Nm = std::sqrt(torque_sum / static_cast<double>(count));
   errors.force_relative = exact_sum > 0.0 ? std::sqrt(force_sum / exact_sum) : 0.0;
   if (normals > 0) errors.normal_rms_deg = std::sqrt(angle_sum / static_cast<double>(normals));
-  errors.touched = normals > 0 || !(greatest_N > 0.0);
+  errors.touched = normals > 0 || !(max_N > 0.0);
 
   const double per_ms = rate_hz * 1e-3;
   for (std::size_t k = 0; k + 1 < count; ++k) {

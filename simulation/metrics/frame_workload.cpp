@@ -45,7 +45,7 @@ FrameWorkload MakeFrameWorkload(const FrameWorkloadParams& params) {
   work.tool = MakeShellTool(params.tool, params.tool_spheres, params.shell);
   work.cutting = params.cutting;
   work.bone.name = scene.name;
-  work.bone.cup = scene.site;
+  work.bone.site = scene.site;
   work.bone.materials = params.scene.materials;
   if (params.disjoint)
     work.bone.balls = DisjointBalls(*scene.solid, *zone, params.spheres);
@@ -99,10 +99,10 @@ bool WorkloadPlayer::Ready(const ContactModel& last) const {
 
 bool WorkloadPlayer::AtEnd() const { return workload_->motion && frame_ >= workload_->motion->frame_count(); }
 
-bool Prepare(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& last,
-             const std::function<bool()>& stop) {
-  constexpr int kMostFrames = 20'000;
-  for (int k = 0; k < kMostFrames && !player.Ready(last); ++k) {
+bool RunUntilReady(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& last,
+                   const std::function<bool()>& stop) {
+  constexpr int kMaxFrames = 20'000;
+  for (int k = 0; k < kMaxFrames && !player.Ready(last); ++k) {
     if (player.AtEnd() || (stop && stop())) return false;
     last = engine.Step(player.Next(last));
     if (last.status != EngineStatus::kOk) return false;

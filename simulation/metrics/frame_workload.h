@@ -75,8 +75,8 @@ class WorkloadPlayer {
 /// Runs frames until the player is ready.
 /// @returns false where a motion's end, 20 000 frames, a refused frame or `stop` came first.
 /// @param stop  called before each frame; may be empty
-[[nodiscard]] bool Prepare(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& last,
-                           const std::function<bool()>& stop = {});
+[[nodiscard]] bool RunUntilReady(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& last,
+                                 const std::function<bool()>& stop = {});
 
 /// Percentiles of the frames' wall time [us]: median, 95th, 99th, 99.9th, and the maximum.
 struct TimeFigures {

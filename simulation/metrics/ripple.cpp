@@ -8,7 +8,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::size_t kLeastSamples = 8;
+constexpr std::size_t kMinSamples = 8;
 
 // Subtracts the least-squares line: a slow change of the mean would leak into the lowest bins.
 std::vector<double> WithoutTrend(std::span<const double> signal) {
@@ -42,7 +42,7 @@ double Power(const std::vector<double>& signal, const std::vector<std::complex<d
 
 double BandRms(std::span<const double> signal, double rate_hz, Band band) {
   const std::size_t count = signal.size();
-  if (count < kLeastSamples) return 0.0;
+  if (count < kMinSamples) return 0.0;
   std::vector<double> windowed = WithoutTrend(signal);
   std::vector<std::complex<double>> turn(count);
   double squares = 0.0;

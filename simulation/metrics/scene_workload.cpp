@@ -11,8 +11,8 @@ namespace osteon::simulation {
 namespace {
 
 constexpr double kLead_m = 0.5e-3;  // height above first contact at which a tool begins
-constexpr double kLeastStep_m = 0.02e-3, kMostStep_m = 0.2e-3;  // travel in a frame
-constexpr double kTilt_rad = 20.0 * std::numbers::pi / 180.0;   // angle of the offset from straight ahead
+constexpr double kMinStep_m = 0.02e-3, kMaxStep_m = 0.2e-3;    // travel in a frame
+constexpr double kTilt_rad = 20.0 * std::numbers::pi / 180.0;  // angle of the offset from straight ahead
 constexpr double kPressing_s = 0.05, kSettling_s = 0.05, kCircle_s = 0.2;
 
 /// Path of the head's centre, in the site's frame C.
@@ -60,8 +60,7 @@ CutWorkload MakeSceneWorkload(const SceneSolid& solid, const SceneParams& scene,
   const std::vector<Vector3> way_C = WayOf(solid, scene, *head);
   double length_m = 0.0;
   for (std::size_t i = 0; i + 1 < way_C.size(); ++i) length_m += (way_C[i + 1] - way_C[i]).norm();
-  const double step_m =
-      std::clamp(length_m / static_cast<double>(params.cut_frames), kLeastStep_m, kMostStep_m);
+  const double step_m = std::clamp(length_m / static_cast<double>(params.cut_frames), kMinStep_m, kMaxStep_m);
   const Pose X_GC = CupPose(solid.site);
   const Matrix3 R_CT = Eigen::DiagonalMatrix<double, 3>(1, -1, -1).toDenseMatrix();  // the feed points down
   const auto add = [&](const Vector3& center_C, bool cuts) {

@@ -213,7 +213,8 @@ CutWorkload MakeCutWorkload(CutTask task, const CutWorkloadParams& params) {
     case CutTask::kReam: {
       radius_m = kReamer_m;
       work.solid = std::make_shared<ShellSolid>(kReamer_m, kReamer_m + kShell_m);
-      work.zone = std::make_shared<CupZone>(Cup{.center_m = Vector3(Vector3::Zero()), .radius_m = kReamer_m});
+      work.zone =
+          std::make_shared<CupZone>(CutSite{.center_m = Vector3(Vector3::Zero()), .radius_m = kReamer_m});
       // The tool fits only on the cup's axis, so the seed turns nothing here but changes the depth.
       const double depth_m = 3e-3 - X.translation().z();
       way = {.start_m = Vector3(0, 0, 0.1e-3), .corner_m = Vector3(0, 0, -depth_m)};

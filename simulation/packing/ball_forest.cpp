@@ -140,7 +140,7 @@ double BallForest::Gap(const Vector3& p_m, double at_most_m) const {
   return gap;
 }
 
-double BallForest::GreatestOverlap(int threads) const {
+double BallForest::MaxOverlap(int threads) const {
   SharedMaximum worst(0.0);
   for (std::size_t t = 0; t < trees_.size(); ++t) {
     const std::vector<Ball>& balls = trees_[t].balls;
@@ -185,7 +185,7 @@ double BallForest::Separation(const Ball& one_of_them) const {
   return least;
 }
 
-double BallForest::GreatestProtrusion(const Solid& solid, int threads) const {
+double BallForest::MaxProtrusion(const Solid& solid, int threads) const {
   SharedMaximum worst(-kInfinity);
   const auto offer = [&](const Ball& ball) {
     worst.Offer(ball.radius_m + solid.SignedDistance(ball.center_m));

@@ -31,7 +31,7 @@ class BallForest {
                            double at_most_m = std::numeric_limits<double>::infinity()) const;
 
   /// Largest r + r' - |c - c'| over all pairs; 0 where none overlap.
-  [[nodiscard]] double GreatestOverlap(int threads) const;
+  [[nodiscard]] double MaxOverlap(int threads) const;
 
   /// Smallest |c - c'| / max(r, r') between one of the balls and the others; infinite where there is no
   /// other.
@@ -39,7 +39,7 @@ class BallForest {
 
   /// Largest radius + signed distance of the centre; minus infinity without balls. Relies on exact signed
   /// distances inside the solid: a box deep inside holds no ball that protrudes.
-  [[nodiscard]] double GreatestProtrusion(const Solid& solid, int threads) const;
+  [[nodiscard]] double MaxProtrusion(const Solid& solid, int threads) const;
 
  private:
   struct Node {

@@ -8,13 +8,13 @@
 
 namespace osteon::simulation {
 
-void ClearanceClimb::Look(const Vector3& p_m, double reach_m) {
-  seen_.clear();
+void ClearanceClimb::CacheNeighbours(const Vector3& p_m, double reach_m) {
+  cached_.clear();
   planes_.clear();
-  balls_.Gather(p_m, reach_m, seen_);
-  gaps_m_.resize(seen_.size());
-  looked_from_m_ = p_m;
-  looked_m_ = reach_m;
+  balls_.Gather(p_m, reach_m, cached_);
+  gaps_m_.resize(cached_.size());
+  cached_from_m_ = p_m;
+  cached_reach_m_ = reach_m;
 }
 
 /// Clearance at p; leaves in bounds_ the obstacles within `window` of it.
@@ -23,8 +23,8 @@ double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
   const double depth = depths_.LowerBound(p_m);
   while (true) {
     double clearance = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < seen_.size(); ++k) {
-      const Ball& ball = seen_[k];
+    for (std::size_t k = 0; k < cached_.size(); ++k) {
+      const Ball& ball = cached_[k];
       const double x = p_m.x() - ball.center_m.x, y = p_m.y() - ball.center_m.y,
                    z = p_m.z() - ball.center_m.z;
       gaps_m_[k] = std::sqrt(x * x + y * y + z * z) - ball.radius_m;
@@ -35,10 +35,10 @@ double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
     if (surface) clearance = std::min(clearance, -surface->distance_m);
     // Balls outside the cache lie farther than this. If that is not far enough, refill the cache; its reach
     // then suffices.
-    const double sure = looked_m_ - (p_m - looked_from_m_).norm();
+    const double sure = cached_reach_m_ - (p_m - cached_from_m_).norm();
     if (sure < clearance + window_m) {
       const std::vector<Plane> planes = std::move(planes_);
-      Look(p_m, 1.5 * (std::max(0.0, clearance) + window_m) + 1e-12);
+      CacheNeighbours(p_m, 1.5 * (std::max(0.0, clearance) + window_m) + 1e-12);
       planes_ = planes;
       continue;
     }
@@ -50,10 +50,10 @@ double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
     }
     if (window_m > 0.0) {
       bounds_.clear();
-      for (std::size_t k = 0; k < seen_.size(); ++k) {
-        const double distance = gaps_m_[k] + seen_[k].radius_m;
+      for (std::size_t k = 0; k < cached_.size(); ++k) {
+        const double distance = gaps_m_[k] + cached_[k].radius_m;
         if (gaps_m_[k] < clearance + window_m && distance > 0.0)
-          bounds_.push_back({gaps_m_[k], (p_m - Vector3(seen_[k].center_m)) / distance});
+          bounds_.push_back({gaps_m_[k], (p_m - Vector3(cached_[k].center_m)) / distance});
       }
       if (surface) AddPlanes(p_m, clearance, clearance + window_m);
     }
@@ -70,12 +70,12 @@ void ClearanceClimb::AddPlanes(const Vector3& p_m, double clearance_m, double wi
   }
 }
 
-Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double least_m) {
+Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double min_m) {
   Vector3 p = p_m;
   double most = 0.7 * scale_m;
   double clearance = Measure(p, 2.0 * most);
-  constexpr int kMostSteps = 40;  // five to ten are usual: balls curve; an optimum touches four obstacles
-  for (int i = 0; i < kMostSteps && !bounds_.empty(); ++i) {
+  constexpr int kMaxSteps = 40;  // five to ten are usual: balls curve; an optimum touches four obstacles
+  for (int i = 0; i < kMaxSteps && !bounds_.empty(); ++i) {
     if (clearance >= cap_.At(p)) return Settle(p, clearance);
     const auto [step, hoped] = WalkRidges(bounds_, most);
     const double gain = hoped - clearance;
@@ -89,7 +89,7 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double least_m) {
       clearance = there;
       if (!inner) most *= 2.0;
       // An optimum within reach that falls far short of `least`: only curvature is left to gain.
-      if (inner && there < 0.6 * least_m && gain < 0.1 * least_m) break;
+      if (inner && there < 0.6 * min_m && gain < 0.1 * min_m) break;
     } else {
       std::swap(bounds_, last_bounds_);
       AddPlanes(p, clearance, std::numeric_limits<double>::infinity());  // one plane may be new
@@ -105,8 +105,8 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double least_m) {
 Ball ClearanceClimb::Settle(const Vector3& p_m, double clearance_m) {
   const Ball unsettled{.center_m = p_m, .radius_m = std::min(clearance_m, cap_.At(p_m))};
   Vector3 p = p_m;
-  constexpr int kMostSteps = 12;
-  for (int i = 0; i < kMostSteps; ++i) {
+  constexpr int kMaxSteps = 12;
+  for (int i = 0; i < kMaxSteps; ++i) {
     const double radius = cap_.At(p);
     const double clearance = Measure(p, 3.0 * radius);
     const std::size_t count = std::min<std::size_t>(3, bounds_.size());

@@ -33,9 +33,9 @@ class ClearanceClimb {
       : solid_(solid), depths_(depths), balls_(balls), cap_(cap) {}
 
   /// Caches the balls whose surfaces come nearer than `reach` to p, and forgets all others.
-  void Look(const Vector3& p_m, double reach_m);
-  /// The balls that the last Look cached.
-  [[nodiscard]] std::span<const Ball> seen() const { return seen_; }
+  void CacheNeighbours(const Vector3& p_m, double reach_m);
+  /// The balls that the last CacheNeighbours cached.
+  [[nodiscard]] std::span<const Ball> cached() const { return cached_; }
 
   /// Returns the largest ball around the local maximum at which a climb from p ends. Where the clearance
   /// exceeds the cap, the climb ends as soon as the ball has room, and the ball settles: it comes to rest
@@ -44,7 +44,7 @@ class ClearanceClimb {
   /// The ball overlaps nothing by more than rounding. A climb that cannot reach `least` may be abandoned; the
   /// result's radius is then smaller.
   /// @param scale_m  about the expected radius: the first steps' length
-  [[nodiscard]] Ball Climb(const Vector3& p_m, double scale_m, double least_m);
+  [[nodiscard]] Ball Climb(const Vector3& p_m, double scale_m, double min_m);
 
   /// Clearance at p, negative outside the solid or within a ball.
   [[nodiscard]] double ClearanceAt(const Vector3& p_m) { return Measure(p_m, 0.0); }
@@ -63,9 +63,9 @@ class ClearanceClimb {
   const BallGrid& balls_;
   const RadiusCap& cap_;
 
-  Vector3 looked_from_m_{Vector3::Zero()};
-  double looked_m_{0.0};
-  std::vector<Ball> seen_;
+  Vector3 cached_from_m_{Vector3::Zero()};
+  double cached_reach_m_{0.0};
+  std::vector<Ball> cached_;
   std::vector<double> gaps_m_;  ///< to the cached balls, at the place of the last Measure
   std::vector<Plane> planes_;   ///< tangent planes of the surface that were met so far
   std::vector<ClearanceBound> bounds_, last_bounds_;

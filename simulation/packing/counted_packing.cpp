@@ -16,8 +16,8 @@ constexpr double kRadiusOverSpacing = 0.8;  // a body-centred lattice has no hol
 
 struct LatticeRule {
   double spacing_m{0.0};
-  double least_distance_m{0.0};  ///< from a centre to the surface
-  double least_depth_m{0.0};     ///< of a centre below the zone
+  double min_distance_m{0.0};  ///< from a centre to the surface
+  double min_depth_m{0.0};     ///< of a centre below the zone
 };
 
 // Calls add(Ball, items) for each ball of a body-centred lattice.
@@ -26,29 +26,29 @@ std::vector<Item> DescendLattice(const Solid& solid, const CutZone& zone, const 
                                  int threads, const Add& add) {
   const auto add_leaf = [&](const Cell& cell, std::vector<Item>& items) {
     const auto site = [&](const Vector3& p, double distance_m) {
-      if (-distance_m >= rule.least_distance_m && zone.DepthAt(p) >= rule.least_depth_m)
+      if (-distance_m >= rule.min_distance_m && zone.DepthAt(p) >= rule.min_depth_m)
         add(Ball{.center_m = p, .radius_m = std::min(kRadiusOverSpacing * rule.spacing_m, -distance_m)},
             items);
     };
     const double distance = solid.SignedDistance(cell.center());
     if (distance > cell.reach_m()) return;
     site(cell.center(), distance);
-    site(cell.least_corner(), solid.SignedDistance(cell.least_corner()));
+    site(cell.min_corner(), solid.SignedDistance(cell.min_corner()));
   };
   return DescendGraded<Item>(solid, zone, {.finest_m = rule.spacing_m, .coarser_from_m = {}},
-                             CellsWanted::kSolid, threads, kMostBalls, add_leaf);
+                             CellsWanted::kSolid, threads, kMaxBalls, add_leaf);
 }
 
 // Finds the spacing whose packing has nearly the wanted number. Where a face is parallel to the lattice,
 // counts jump by a plane of balls. Guesses outside the known bracket are therefore replaced by its middle,
 // and the best guess is returned. `count_at` is called once a guess.
 double FindSpacing(double first_m, std::size_t wanted, const std::function<std::size_t(double)>& count_at) {
-  constexpr int kMostRounds = 12;
+  constexpr int kMaxRounds = 12;
   constexpr double kTolerance = 0.004, kExponent = 2.8;  // exponent: 3 within the solid, 2 along its surface
   const auto target = static_cast<double>(wanted);
   double spacing = first_m, best = first_m, best_error = HUGE_VAL;
   double too_fine = 0.0, too_coarse = HUGE_VAL;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const auto count = static_cast<double>(std::max<std::size_t>(1, count_at(spacing)));
     const double error = std::abs(count / target - 1.0);
     if (error < best_error) {
@@ -84,18 +84,18 @@ std::vector<Ball> FixedZone(const Solid& solid, const CutZone& zone, const Packi
     coarser.count = count;
     return BuildPacking(solid, zone, coarser);
   }
-  LatticeRule rule{.least_depth_m = base.lattice.coarser_from_m.front()};
+  LatticeRule rule{.min_depth_m = base.lattice.coarser_from_m.front()};
   std::erase_if(balls,
-                [&](const Ball& ball) { return zone.DepthAt(Vector3(ball.center_m)) >= rule.least_depth_m; });
+                [&](const Ball& ball) { return zone.DepthAt(Vector3(ball.center_m)) >= rule.min_depth_m; });
   const auto with_spacing = [&rule](double spacing_m) {
     LatticeRule at = rule;
     at.spacing_m = spacing_m;
-    at.least_distance_m = 0.3 * spacing_m;
+    at.min_distance_m = 0.3 * spacing_m;
     return at;
   };
   const std::size_t wanted = count - balls.size();
-  const double first = std::cbrt(2.0 * VolumeBelow(solid, zone, rule.least_depth_m, base.threads) /
-                                 static_cast<double>(wanted));
+  const double first =
+      std::cbrt(2.0 * VolumeBelow(solid, zone, rule.min_depth_m, base.threads) / static_cast<double>(wanted));
   // one byte a ball is enough to count them
   const double spacing = FindSpacing(first, wanted, [&](double spacing_m) {
     return DescendLattice<char>(solid, zone, with_spacing(spacing_m), base.threads,
@@ -114,8 +114,8 @@ std::vector<Ball> UniformAt(const Solid& solid, const PackingParams& base, doubl
   PackingParams params = base;
   params.cup_radius_cap_m = kRadiusOverSpacing * spacing_m;
   params.radius_growth = 0.0;
-  params.least_radius_m = 0.1 * params.cup_radius_cap_m;
-  const LatticeRule rule{.spacing_m = spacing_m, .least_distance_m = 0.9 * params.cup_radius_cap_m};
+  params.min_radius_m = 0.1 * params.cup_radius_cap_m;
+  const LatticeRule rule{.spacing_m = spacing_m, .min_distance_m = 0.9 * params.cup_radius_cap_m};
   std::vector<Ball> balls =
       DescendLattice<Ball>(solid, everywhere, rule, base.threads,
                            [](const Ball& ball, std::vector<Ball>& items) { items.push_back(ball); });
@@ -137,8 +137,8 @@ std::vector<Ball> UniformPacking(const Solid& solid, const PackingParams& base, 
 
 std::vector<Ball> BuildCountedPacking(const Solid& solid, const CutZone& zone, const PackingParams& base,
                                       std::size_t count, CountedGrade grade) {
-  if (count < 1 || count > kMostBalls)
-    throw std::invalid_argument(fmt::format("packing: count: found {}, accepted 1 … {}", count, kMostBalls));
+  if (count < 1 || count > kMaxBalls)
+    throw std::invalid_argument(fmt::format("packing: count: found {}, accepted 1 … {}", count, kMaxBalls));
   PackingParams params = base;
   params.count = 0;
   std::vector<Ball> balls = grade == CountedGrade::kUniform ? UniformPacking(solid, params, count)

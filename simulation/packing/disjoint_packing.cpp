@@ -31,16 +31,16 @@ class Packer {
   Packer(const Solid& solid, const CutZone& zone, const DisjointParams& params)
       : solid_(solid),
         params_(params),
-        cap_{.zone = zone, .radius_m = params.greatest_radius_m, .grade = params.grade},
+        cap_{.zone = zone, .radius_m = params.max_radius_m, .grade = params.grade},
         depths_(solid, params.count > 0 && params.count < 20'000 ? 64 : 128, params.threads),
         balls_(solid.Bounds().center()),
-        least_m_(params.least_radius_m),
+        min_m_(params.min_radius_m),
         limit_m_(depths_.spacing_m()) {}
 
   std::vector<Ball> Build() {
     const std::vector<Vector3> starts = depths_.LocalMaxima();
     Search(starts.size(), [&](HoleSearch& search, std::size_t i, std::vector<Ball>& found) {
-      found.push_back(search.From(starts[i], depths_.spacing_m(), least_m_));
+      found.push_back(search.From(starts[i], depths_.spacing_m(), min_m_));
     });
     while (!Full()) {
       if (limit_m_ < dropped_m_ || holes_.empty()) {
@@ -70,7 +70,7 @@ class Packer {
         kChunk);
     for (const std::vector<Ball>& some : found)
       for (const Ball& hole : some)
-        if (hole.radius_m >= least_m_) holes_[ClassOf(hole.radius_m)].push_back(hole);
+        if (hole.radius_m >= min_m_) holes_[ClassOf(hole.radius_m)].push_back(hole);
   }
 
   [[nodiscard]] static int ClassOf(double radius_m) {
@@ -139,13 +139,13 @@ class Packer {
 
     EstimateLeast();
     Search(balls_.balls().size() - first, [&](HoleSearch& search, std::size_t i, std::vector<Ball>& found) {
-      search.AroundBall(first + i, least_m_, limit_m_, found);
+      search.AroundBall(first + i, min_m_, limit_m_, found);
     });
     Search(cut.size(), [&](HoleSearch& search, std::size_t i, std::vector<Ball>& found) {
       const Ball& hole = cut[i];
       // Most of the hole is filled: its rest lies beside the ball that fills it.
       if (balls_.Clearance(hole.center_m, hole.radius_m) < -0.5 * hole.radius_m) return;
-      found.push_back(search.From(hole.center_m, 0.5 * hole.radius_m, least_m_));
+      found.push_back(search.From(hole.center_m, 0.5 * hole.radius_m, min_m_));
     });
   }
 
@@ -159,8 +159,8 @@ class Packer {
   void EstimateLeast() {
     if (params_.count == 0) return;
     const double share = static_cast<double>(balls_.balls().size()) / static_cast<double>(params_.count);
-    least_m_ = std::max(params_.least_radius_m, 0.5 * limit_m_ * std::pow(share, 1.0 / 2.4));
-    dropped_m_ = std::max(dropped_m_, least_m_ > params_.least_radius_m ? least_m_ : 0.0);
+    min_m_ = std::max(params_.min_radius_m, 0.5 * limit_m_ * std::pow(share, 1.0 / 2.4));
+    dropped_m_ = std::max(dropped_m_, min_m_ > params_.min_radius_m ? min_m_ : 0.0);
   }
 
   /// Searches all of space for missed holes, of the largest sizes that may have been missed.
@@ -172,22 +172,22 @@ class Packer {
     for (int axis = 0; axis < 3; ++axis) count[axis] = static_cast<std::size_t>(box.sizes()[axis] / side) + 1;
     const std::size_t cubes = count[0] * count[1] * count[2];
     while (true) {
-      least_m_ = std::max(params_.least_radius_m, 0.7 * limit_m_);
-      dropped_m_ = least_m_ > params_.least_radius_m ? least_m_ : 0.0;
-      if (least_m_ != searched_m_) has_holes_.assign(cubes, 1);
-      searched_m_ = least_m_;
+      min_m_ = std::max(params_.min_radius_m, 0.7 * limit_m_);
+      dropped_m_ = min_m_ > params_.min_radius_m ? min_m_ : 0.0;
+      if (min_m_ != searched_m_) has_holes_.assign(cubes, 1);
+      searched_m_ = min_m_;
       Search(cubes, [&](HoleSearch& search, std::size_t i, std::vector<Ball>& found) {
         if (!has_holes_[i]) return;
         const std::size_t before = found.size();
         const Eigen::Array3d at =
             Eigen::Array<std::size_t, 3, 1>(i % count[0], i / count[0] % count[1], i / count[0] / count[1])
                 .cast<double>();
-        search.InCube(box.min() + side * (at + 0.5).matrix(), side, least_m_, found);
+        search.InCube(box.min() + side * (at + 0.5).matrix(), side, min_m_, found);
         has_holes_[i] = found.size() > before;
       });
       if (!holes_.empty()) return true;
-      if (least_m_ == params_.least_radius_m) return false;
-      limit_m_ = least_m_;
+      if (min_m_ == params_.min_radius_m) return false;
+      limit_m_ = min_m_;
     }
   }
 
@@ -198,7 +198,7 @@ class Packer {
   BallGrid balls_;
   std::map<int, std::vector<Ball>> holes_;  ///< by class, larger ones last
 
-  double least_m_;         ///< smaller holes are dropped
+  double min_m_;           ///< smaller holes are dropped
   double dropped_m_{0.0};  ///< holes up to this have been dropped
   double limit_m_;         ///< largest radius of the class that was filled last
 
@@ -207,11 +207,11 @@ class Packer {
 };
 
 void Check(const DisjointParams& p) {
-  if (p.count > kMostBalls)
+  if (p.count > kMaxBalls)
     throw std::invalid_argument(
-        fmt::format("disjoint packing: count: found {}, accepted 0 … {}", p.count, kMostBalls));
-  CheckRangeMm("disjoint packing: least radius", p.least_radius_m, 0.001e-3, 0.1);
-  CheckRangeMm("disjoint packing: greatest radius", p.greatest_radius_m, p.least_radius_m, 1.0);
+        fmt::format("disjoint packing: count: found {}, accepted 0 … {}", p.count, kMaxBalls));
+  CheckRangeMm("disjoint packing: least radius", p.min_radius_m, 0.001e-3, 0.1);
+  CheckRangeMm("disjoint packing: greatest radius", p.max_radius_m, p.min_radius_m, 1.0);
   if (!(p.grade >= 0.0 && p.grade <= 1.0))
     throw std::invalid_argument(fmt::format("disjoint packing: grade: found {:g}, accepted 0 … 1", p.grade));
   if (p.threads < 0 || p.threads > 1024)

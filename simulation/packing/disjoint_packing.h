@@ -12,9 +12,9 @@ namespace osteon::simulation {
 /// Number and radii of a disjoint packing's balls.
 struct DisjointParams {
   std::size_t count{10'000};  ///< 0: until no ball of the least radius fits any more
-  double least_radius_m{
-      0.02e-3};  ///< smaller holes stay empty, even if there are fewer balls than `count` then
-  double greatest_radius_m{1.0};  ///< at the cut zone and above it
+  double min_radius_m{
+      0.02e-3};              ///< smaller holes stay empty, even if there are fewer balls than `count` then
+  double max_radius_m{1.0};  ///< at the cut zone and above it
   double grade{
       0.0};  ///< the largest radius grows by this times the depth of the centre below the zone; 0: nowhere
   std::uint64_t seed{0};  ///< selects one of many equally good packings

@@ -8,17 +8,17 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::size_t kMostCells = 100'000'000;  // 4 GB
+constexpr std::size_t kMaxCells = 100'000'000;  // 4 GB
 
 }  // namespace
 
 void CheckGrade(const std::string& name, const GradeParams& grade, double min_m, double max_m) {
-  constexpr std::size_t kMostCoarser = 4;  // indices in halves of the finest cells stay far within 32 bits
+  constexpr std::size_t kMaxCoarser = 4;  // indices in halves of the finest cells stay far within 32 bits
   CheckRangeMm(name + ": finest side", grade.finest_m, min_m, max_m);
   const std::vector<double>& from = grade.coarser_from_m;
-  if (from.size() > kMostCoarser)
+  if (from.size() > kMaxCoarser)
     throw std::invalid_argument(
-        fmt::format("{}: found {} coarser levels, accepted 0 … {}", name, from.size(), kMostCoarser));
+        fmt::format("{}: found {} coarser levels, accepted 0 … {}", name, from.size(), kMaxCoarser));
   for (std::size_t i = 0; i < from.size(); ++i)
     CheckRangeMm(fmt::format("{}: depth of level {}", name, i + 1), from[i], i > 0 ? from[i - 1] : 0.0, 1.0);
 }
@@ -26,9 +26,9 @@ void CheckGrade(const std::string& name, const GradeParams& grade, double min_m,
 std::vector<Cell> GradedRoots(const Solid& solid, const GradeParams& params) {
   // Start above the coarsest level, so that one query each decides large empty parts.
   const Eigen::AlignedBox3d box = solid.Bounds();
-  const double least_side = 0.125 * box.sizes().maxCoeff();
+  const double min_side = 0.125 * box.sizes().maxCoeff();
   int top = static_cast<int>(params.coarser_from_m.size());
-  while (std::ldexp(params.finest_m, top) < least_side) ++top;
+  while (std::ldexp(params.finest_m, top) < min_side) ++top;
   const double side = std::ldexp(params.finest_m, top);
   std::array<std::int32_t, 3> first{}, last{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -52,7 +52,7 @@ std::vector<Cell> DivideGraded(const Solid& solid, const CutZone& zone, const Gr
     if (wanted == CellsWanted::kSurface && cell.signed_distance_m < -reach) return;
     cells.push_back(cell);
   };
-  return DescendGraded<Cell>(solid, zone, params, wanted, threads, kMostCells, add);
+  return DescendGraded<Cell>(solid, zone, params, wanted, threads, kMaxCells, add);
 }
 
 CellRandom::CellRandom(const Cell& cell, std::uint64_t salt) : state_(salt) {

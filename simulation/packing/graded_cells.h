@@ -28,8 +28,8 @@ struct Cell {
   double side_m{0.0};
   double signed_distance_m{0.0};  ///< of the centre
 
-  [[nodiscard]] Vector3 least_corner() const { return side_m * Vector3(index[0], index[1], index[2]); }
-  [[nodiscard]] Vector3 center() const { return least_corner() + Vector3::Constant(0.5 * side_m); }
+  [[nodiscard]] Vector3 min_corner() const { return side_m * Vector3(index[0], index[1], index[2]); }
+  [[nodiscard]] Vector3 center() const { return min_corner() + Vector3::Constant(0.5 * side_m); }
   /// Half the diagonal. Where the centre is farther than this from the surface, the whole cell is on one side
   /// of it.
   [[nodiscard]] double reach_m() const { return 0.8660254037844387 * side_m; }

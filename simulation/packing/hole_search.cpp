@@ -46,7 +46,7 @@ struct Lattice {
 
 }  // namespace
 
-void HoleSearch::AroundBall(std::size_t index, double least_m, double most_m, std::vector<Ball>& found) {
+void HoleSearch::AroundBall(std::size_t index, double min_m, double max_m, std::vector<Ball>& found) {
   static const Lattice<kDirections> lattice;
   const Ball ball = balls_.balls()[index];
   const Vector3 center = ball.center_m;
@@ -58,22 +58,22 @@ void HoleSearch::AroundBall(std::size_t index, double least_m, double most_m, st
     y_[j] = u.y();
     z_[j] = u.z();
   }
-  radius_m_.fill(most_m);
-  climb_.Look(center, r + 2.0 * most_m);
-  for (const Ball& other : climb_.seen())
+  radius_m_.fill(max_m);
+  climb_.CacheNeighbours(center, r + 2.0 * max_m);
+  for (const Ball& other : climb_.cached())
     if ((center - Vector3(other.center_m)).squaredNorm() > r * r) BoundByBall(ball, other);  // not itself
-  if (depths_.LowerBound(center) < r + 2.0 * most_m) BoundBySurface(ball, most_m);
-  const bool capped = BoundByCap(ball, most_m);
+  if (depths_.LowerBound(center) < r + 2.0 * max_m) BoundBySurface(ball, max_m);
+  const bool capped = BoundByCap(ball, max_m);
 
   const std::size_t first = found.size();
   const auto climb_from = [&](int j) {
     const Vector3 p = center + (r + radius_m_[j]) * Vector3(x_[j], y_[j], z_[j]);
-    Report(climb_.Climb(p, radius_m_[j], least_m), least_m, first, found);
+    AppendHole(climb_.Climb(p, radius_m_[j], min_m), min_m, first, found);
   };
   bool all_capped = true;
   for (int j = 0; j < kDirections; ++j) {
     all_capped &= capped_[j] != 0.0;
-    if (radius_m_[j] < 0.6 * least_m)
+    if (radius_m_[j] < 0.6 * min_m)
       continue;  // 0.6, because climbing on from there makes up for the lattice's coarseness
     bool is_maximum = true, at_rim = false;
     for (const int k : lattice.neighbors[j]) {
@@ -88,11 +88,11 @@ void HoleSearch::AroundBall(std::size_t index, double least_m, double most_m, st
 }
 
 /// Bounds the radii by the surface points nearest to a dozen places around the ball.
-void HoleSearch::BoundBySurface(const Ball& ball, double most_m) {
+void HoleSearch::BoundBySurface(const Ball& ball, double max_m) {
   constexpr int kProbes = 12;
   static const Lattice<kProbes> lattice;
   const Vector3 center = ball.center_m;
-  const double r = ball.radius_m, away = r + 0.5 * std::min(r, most_m);
+  const double r = ball.radius_m, away = r + 0.5 * std::min(r, max_m);
   std::array<Vector3, kProbes> normals;
   int count = 0;
   for (const Vector3& u : lattice.points) {
@@ -123,11 +123,11 @@ void HoleSearch::BoundByBall(const Ball& ball, const Ball& other) {
   }
 }
 
-bool HoleSearch::BoundByCap(const Ball& ball, double most_m) {
+bool HoleSearch::BoundByCap(const Ball& ball, double max_m) {
   capped_.fill(0.0);
   const Vector3 center = ball.center_m;
   const double cap = cap_.At(center), r = ball.radius_m;
-  if (cap - cap_.grade * (r + most_m) > most_m) return false;
+  if (cap - cap_.grade * (r + max_m) > max_m) return false;
   Vector3 slope =
       Vector3::Zero();  // of the cap; the zone's depth is not smooth everywhere, but suffices as a start
   if (cap_.grade > 0.0)
@@ -136,7 +136,7 @@ bool HoleSearch::BoundByCap(const Ball& ball, double most_m) {
   bool any = false;
   for (int j = 0; j < kDirections; ++j) {
     const double along = slope.x() * x_[j] + slope.y() * y_[j] + slope.z() * z_[j];
-    const double s = along < 1.0 ? std::max(cap_.radius_m, (cap + r * along) / (1.0 - along)) : most_m;
+    const double s = along < 1.0 ? std::max(cap_.radius_m, (cap + r * along) / (1.0 - along)) : max_m;
     if (s > radius_m_[j]) continue;
     radius_m_[j] = s;
     capped_[j] = 1.0;
@@ -146,8 +146,9 @@ bool HoleSearch::BoundByCap(const Ball& ball, double most_m) {
 }
 
 /// Appends the hole, unless it is too small or there already (at `first` or later).
-void HoleSearch::Report(const Ball& hole, double least_m, std::size_t first, std::vector<Ball>& found) const {
-  if (!(hole.radius_m >= least_m)) return;
+void HoleSearch::AppendHole(const Ball& hole, double min_m, std::size_t first,
+                            std::vector<Ball>& found) const {
+  if (!(hole.radius_m >= min_m)) return;
   for (std::size_t i = first; i < found.size(); ++i)
     if ((Vector3(hole.center_m) - Vector3(found[i].center_m)).squaredNorm() <
         1e-4 * hole.radius_m * hole.radius_m)
@@ -155,21 +156,21 @@ void HoleSearch::Report(const Ball& hole, double least_m, std::size_t first, std
   found.push_back(hole);
 }
 
-Ball HoleSearch::From(const Vector3& p_m, double scale_m, double least_m) {
-  climb_.Look(p_m, 3.0 * scale_m);
-  return climb_.Climb(p_m, scale_m, least_m);
+Ball HoleSearch::From(const Vector3& p_m, double scale_m, double min_m) {
+  climb_.CacheNeighbours(p_m, 3.0 * scale_m);
+  return climb_.Climb(p_m, scale_m, min_m);
 }
 
 struct HoleSearch::CubeSearch {
-  double least_m;
+  double min_m;
   std::size_t first;  ///< index of the first hole found here
   std::vector<Ball>& found;
   std::vector<Ball> near;  ///< a stack: the relevant balls of the cube, then those of its part, …
 };
 
-void HoleSearch::InCube(const Vector3& center_m, double side_m, double least_m, std::vector<Ball>& found) {
-  CubeSearch search{.least_m = least_m, .first = found.size(), .found = found, .near = {}};
-  balls_.Gather(center_m, kSure * least_m + std::sqrt(0.75) * side_m, search.near);
+void HoleSearch::InCube(const Vector3& center_m, double side_m, double min_m, std::vector<Ball>& found) {
+  CubeSearch search{.min_m = min_m, .first = found.size(), .found = found, .near = {}};
+  balls_.Gather(center_m, kSure * min_m + std::sqrt(0.75) * side_m, search.near);
   Divide(search, center_m, side_m, depths_.LowerBound(center_m), 0, search.near.size(), false);
 }
 
@@ -179,7 +180,7 @@ void HoleSearch::InCube(const Vector3& center_m, double side_m, double least_m, 
 void HoleSearch::Divide(CubeSearch& search, const Vector3& center_m, double side_m, double depth_m,
                         std::size_t first, std::size_t last, bool climbed) {
   // The clearance within the cube is at most its centre's plus half the diagonal.
-  const double reach = std::sqrt(0.75) * side_m, sure = kSure * search.least_m;
+  const double reach = std::sqrt(0.75) * side_m, sure = kSure * search.min_m;
   double clearance = sure + reach;
   const auto take = [&](const Ball& ball) {
     const double gap = (center_m - Vector3(ball.center_m)).norm() - ball.radius_m;
@@ -197,11 +198,11 @@ void HoleSearch::Divide(CubeSearch& search, const Vector3& center_m, double side
     clearance = std::min(clearance, depth_m);
   }
   if (clearance + reach >= sure) {
-    const bool sure_hole = clearance >= search.least_m;
-    if (sure_hole || (!climbed && clearance >= 0.8 * search.least_m)) {
+    const bool sure_hole = clearance >= search.min_m;
+    if (sure_hole || (!climbed && clearance >= 0.8 * search.min_m)) {
       climbed = true;
       const std::size_t before = search.found.size();
-      Report(From(center_m, search.least_m, search.least_m), search.least_m, search.first, search.found);
+      AppendHole(From(center_m, search.min_m, search.min_m), search.min_m, search.first, search.found);
       // the climb led back to a known hole: there is room for a second ball here
       if (sure_hole && search.found.size() == before)
         search.found.push_back({.center_m = center_m, .radius_m = std::min(clearance, cap_.At(center_m))});

@@ -28,15 +28,15 @@ class HoleSearch {
   /// holes found beside each new ball, with the holes left before, are therefore all that exist. The radius
   /// of the largest ball that touches this one in a given direction and nothing else has a closed form.
   /// Climbs begin at its local maxima over a few hundred directions, turned at random.
-  /// @param most_m  upper limit of a hole's radius
-  void AroundBall(std::size_t index, double least_m, double most_m, std::vector<Ball>& found);
+  /// @param max_m  upper limit of a hole's radius
+  void AroundBall(std::size_t index, double min_m, double max_m, std::vector<Ball>& found);
 
   /// Climbs from p.
-  [[nodiscard]] Ball From(const Vector3& p_m, double scale_m, double least_m);
+  [[nodiscard]] Ball From(const Vector3& p_m, double scale_m, double min_m);
 
   /// Appends holes in a cube that have room for a radius of `least` or more. Where it finds none, no ball of
   /// kSure times that radius fits with its centre in the cube.
-  void InCube(const Vector3& center_m, double side_m, double least_m, std::vector<Ball>& found);
+  void InCube(const Vector3& center_m, double side_m, double min_m, std::vector<Ball>& found);
   static constexpr double kSure = 1.02;
 
  private:
@@ -46,12 +46,12 @@ class HoleSearch {
   struct CubeSearch;
 
   void BoundByBall(const Ball& ball, const Ball& other);
-  void BoundBySurface(const Ball& ball, double most_m);
+  void BoundBySurface(const Ball& ball, double max_m);
   /// @returns whether the cap limits the radius in any direction
-  bool BoundByCap(const Ball& ball, double most_m);
+  bool BoundByCap(const Ball& ball, double max_m);
   void Divide(CubeSearch& search, const Vector3& center_m, double side_m, double depth_m, std::size_t first,
               std::size_t last, bool climbed);
-  void Report(const Ball& hole, double least_m, std::size_t first, std::vector<Ball>& found) const;
+  void AppendHole(const Ball& hole, double min_m, std::size_t first, std::vector<Ball>& found) const;
 
   const Solid& solid_;
   const DistanceGrid& depths_;

@@ -16,10 +16,10 @@ namespace {
 
 constexpr std::uint64_t kSampleSalt = 16, kOrderSalt = 17;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr double kGreatestHole = 1.5;  // over the separation
-constexpr double kShareReach = 2.3;    // over the separation: points of a slab lie this far apart
-constexpr double kSlab = 0.2;          // over the cell's side
-constexpr double kByZone = 8.0;        // over the cell's side: depth up to which slabs follow the cut zone
+constexpr double kMaxHole = 1.5;     // over the separation
+constexpr double kShareReach = 2.3;  // over the separation: points of a slab lie this far apart
+constexpr double kSlab = 0.2;        // over the cell's side
+constexpr double kByZone = 8.0;      // over the cell's side: depth up to which slabs follow the cut zone
 
 /// A point, in the linked list of its cell's points.
 struct Site {
@@ -77,7 +77,7 @@ class Builder {
     Vector3 in_cell(i % n, i / n % n, i / (n * n));
     for (int axis = 0; axis < 3; ++axis)
       in_cell[axis] += Uniform(MixBits((cell_bits + 3 * i + axis) * kSplitMixStep));
-    return cell.least_corner() + cell.side_m / n * in_cell;
+    return cell.min_corner() + cell.side_m / n * in_cell;
   }
   [[nodiscard]] static std::uint64_t BitsOf(const Cell& cell) {
     return CellRandom(cell, kSampleSalt).NextBits();
@@ -137,7 +137,7 @@ class Builder {
   /// Calls visit(site, squared reach) for the sites nearer to the cell than `factor` separations.
   template <typename Visit>
   void ForEachSiteNear(const Cell& cell, double factor, const Visit& visit) const {
-    const Vector3 low = cell.least_corner(), high = low + Vector3::Constant(cell.side_m);
+    const Vector3 low = cell.min_corner(), high = low + Vector3::Constant(cell.side_m);
     for (int level = 0; level < lookup_.levels(); ++level) {
       const double reach = factor * 0.5 * kMassPointSeparation * (cell.side_m + lookup_.side_m(level));
       const Vector3 margin = Vector3::Constant(reach);
@@ -255,7 +255,7 @@ class Builder {
     first_site_.assign(cells_.size(), kNone);
     for (std::size_t i = 0; i < drawn.size(); ++i)
       if (inside[i]) AddSite(drawn[i].p_m, drawn[i].cell);
-    DrawRest(order, kGreatestHole, true);
+    DrawRest(order, kMaxHole, true);
   }
 
   [[nodiscard]] DepthPlane PlaneIn(const Cell& cell) const {

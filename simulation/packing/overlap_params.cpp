@@ -66,11 +66,11 @@ PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone, const Ov
   params.seed = options.seed;
   params.threads = options.threads;
 
-  const double cap = options.greatest_radius_m != 0.0 ? options.greatest_radius_m : most;
+  const double cap = options.max_radius_m != 0.0 ? options.max_radius_m : most;
   CheckRangeMm("overlapping packing: greatest radius", cap, 0.05e-3, 0.500);
-  params.least_radius_m =
-      options.least_radius_m != 0.0 ? options.least_radius_m : std::min(params.least_radius_m, 0.1 * cap);
-  CheckRangeMm("overlapping packing: least radius", params.least_radius_m, 0.001e-3, cap);
+  params.min_radius_m =
+      options.min_radius_m != 0.0 ? options.min_radius_m : std::min(params.min_radius_m, 0.1 * cap);
+  CheckRangeMm("overlapping packing: least radius", params.min_radius_m, 0.001e-3, cap);
   if (!(options.grade >= 0.0 && options.grade <= 1.0))
     throw std::invalid_argument(
         fmt::format("overlapping packing: grade: found {:g}, accepted 0 … 1", options.grade));
@@ -82,7 +82,7 @@ PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone, const Ov
   params.samples.coarser_from_m = params.lattice.coarser_from_m;
   if (params.samples.coarser_from_m.size() > 2) params.samples.coarser_from_m.resize(2);
   params.surface_gap_growth = options.grade * params.surface_gap_m / params.cup_radius_cap_m;
-  params.greatest_surface_gap_m = 5.0 * params.surface_gap_m;
+  params.max_surface_gap_m = 5.0 * params.surface_gap_m;
 
   // At a spacing of half the cap, the lattice's balls overlap as heavily as a cut needs (1.5 mm for balls of
   // 3 mm).

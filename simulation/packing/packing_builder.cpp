@@ -16,21 +16,20 @@ namespace {
 /// otherwise.
 constexpr double kLatticeShare = 0.4, kLatticeShareWithHoles = 0.75;
 /// Fewer samples than this for each ball wanted from them give too little choice.
-constexpr double kLeastSamplesPerBall = 1.5;
+constexpr double kMinSamplesPerBall = 1.5;
 
 void Check(const PackingParams& p) {
   CheckGrade("packing: lattice", p.lattice, 0.02e-3, 0.500);
   CheckGrade("packing: surface samples", p.samples, 0.001e-3, 0.010);
   CheckRangeMm("packing: cup radius cap", p.cup_radius_cap_m, 0.56 * p.lattice.finest_m, 0.500);
-  CheckRangeMm("packing: least radius", p.least_radius_m, 0.001e-3, p.cup_radius_cap_m);
-  CheckRangeMm("packing: surface gap", p.surface_gap_m, 0.001e-3, p.greatest_surface_gap_m);
-  CheckRangeMm("packing: greatest surface gap", p.greatest_surface_gap_m, p.surface_gap_m, 0.050);
+  CheckRangeMm("packing: least radius", p.min_radius_m, 0.001e-3, p.cup_radius_cap_m);
+  CheckRangeMm("packing: surface gap", p.surface_gap_m, 0.001e-3, p.max_surface_gap_m);
+  CheckRangeMm("packing: greatest surface gap", p.max_surface_gap_m, p.surface_gap_m, 0.050);
   if (p.radius_growth && !(*p.radius_growth >= 0.0 && *p.radius_growth <= 1.0))
     throw std::invalid_argument(
         fmt::format("packing: radius growth: found {:g}, accepted 0 … 1", *p.radius_growth));
-  if (p.count > kMostBalls)
-    throw std::invalid_argument(
-        fmt::format("packing: count: found {}, accepted 0 … {}", p.count, kMostBalls));
+  if (p.count > kMaxBalls)
+    throw std::invalid_argument(fmt::format("packing: count: found {}, accepted 0 … {}", p.count, kMaxBalls));
 }
 
 /// Makes a body-centred lattice: each cell gives its centre and its lowest corner, where a ball of at least
@@ -39,17 +38,17 @@ void Check(const PackingParams& p) {
 std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const PackingParams& params) {
   const auto add = [&](const Cell& cell, std::vector<Ball>& balls) {
     const auto site = [&](const Vector3& p, double distance_m) {
-      constexpr double kLeastOfCap = 0.9;
+      constexpr double kMinOfCap = 0.9;
       const double cap = params.RadiusCapAt(zone.DepthAt(p), cell.side_m);
-      if (-distance_m >= kLeastOfCap * cap)
+      if (-distance_m >= kMinOfCap * cap)
         balls.push_back({.center_m = p, .radius_m = std::min(-distance_m, cap)});
     };
     const double distance = solid.SignedDistance(cell.center());
     if (distance > cell.reach_m()) return;
     site(cell.center(), distance);
-    site(cell.least_corner(), solid.SignedDistance(cell.least_corner()));
+    site(cell.min_corner(), solid.SignedDistance(cell.min_corner()));
   };
-  return DescendGraded<Ball>(solid, zone, params.lattice, CellsWanted::kSolid, params.threads, kMostBalls,
+  return DescendGraded<Ball>(solid, zone, params.lattice, CellsWanted::kSolid, params.threads, kMaxBalls,
                              add);
 }
 
@@ -74,16 +73,16 @@ std::vector<Ball> FittingLattice(const Solid& solid, const CutZone& zone, Packin
 std::vector<TangentBall> EnoughTangentBalls(const Solid& solid, const CutZone& zone,
                                             const PackingParams& params, std::size_t wanted) {
   GradeParams samples = params.samples;
-  constexpr int kMostRounds = 6;
+  constexpr int kMaxRounds = 6;
   for (int round = 0;; ++round) {
     std::vector<TangentBall> balls = FindTangentBalls(solid, zone, params, samples);
     const double per_ball =
         static_cast<double>(balls.size()) / static_cast<double>(std::max<std::size_t>(1, wanted));
-    if (wanted == 0 || per_ball >= kLeastSamplesPerBall || round == kMostRounds) {
+    if (wanted == 0 || per_ball >= kMinSamplesPerBall || round == kMaxRounds) {
       SortAlongMortonCurve(balls, solid.Bounds(), [](const TangentBall& ball) { return ball.foot_m; });
       return balls;
     }
-    samples.finest_m *= std::clamp(std::sqrt(per_ball / (1.3 * kLeastSamplesPerBall)), 0.2, 0.9);
+    samples.finest_m *= std::clamp(std::sqrt(per_ball / (1.3 * kMinSamplesPerBall)), 0.2, 0.9);
   }
 }
 
@@ -103,7 +102,7 @@ double PackingParams::RadiusCapAt(double depth_m, double spacing_m) const {
 double PackingParams::SurfaceGapAt(double depth_m) const {
   const std::vector<double>& from = lattice.coarser_from_m;
   const double below_finest = from.empty() ? 0.0 : std::max(0.0, depth_m - from.front());
-  return std::min(surface_gap_m + surface_gap_growth * below_finest, greatest_surface_gap_m);
+  return std::min(surface_gap_m + surface_gap_growth * below_finest, max_surface_gap_m);
 }
 
 std::vector<Ball> BuildPacking(const Solid& solid, const CutZone& zone, const PackingParams& asked) {

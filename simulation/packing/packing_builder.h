@@ -10,7 +10,7 @@
 
 namespace osteon::simulation {
 
-inline constexpr std::size_t kMostBalls = 100'000'000;  ///< of any packing: 7 GB where each ball has its foot
+inline constexpr std::size_t kMaxBalls = 100'000'000;  ///< of any packing: 7 GB where each ball has its foot
 
 /// Fineness of a packing. The defaults give about 30 000 balls in the default acetabulum.
 struct PackingParams {
@@ -23,13 +23,13 @@ struct PackingParams {
   /// Growth of the cap with the depth of a ball's centre below the cut zone, 0 … 1. The cap is then
   /// cup_radius_cap_m plus this times the depth, and the rules of the three values above do not apply.
   std::optional<double> radius_growth;
-  double least_radius_m{0.15e-3};
+  double min_radius_m{0.15e-3};
 
   /// Largest gap between the surface and the union of the balls, at the surface samples: its value near the
   /// cup, its growth with depth below the finest level, and its upper limit.
   double surface_gap_m{0.04e-3};
   double surface_gap_growth{0.08};
-  double greatest_surface_gap_m{0.5e-3};
+  double max_surface_gap_m{0.5e-3};
   /// Spacing of the surface samples.
   GradeParams samples{.finest_m = 0.25e-3, .coarser_from_m = {5.5e-3, 12e-3}};
 
@@ -47,12 +47,12 @@ struct PackingParams {
 
 /// Wanted properties of an overlapping packing; zero: a value that suits the solid.
 struct OverlapOptions {
-  std::size_t count{0};           ///< wanted number of balls; 0: as a gap of 0.04 mm needs
-  double least_radius_m{0.0};     ///< no ball is smaller
-  double greatest_radius_m{0.0};  ///< r0: cap on the radius at the cut zone; 0: as large as fits
-  double grade{0.0};              ///< a: the cap is r0 + a·depth below the cut zone; 0: uniform
-  std::uint64_t seed{0};          ///< moves the surface samples
-  int threads{0};                 ///< 0: one a core; the result does not depend on it
+  std::size_t count{0};      ///< wanted number of balls; 0: as a gap of 0.04 mm needs
+  double min_radius_m{0.0};  ///< no ball is smaller
+  double max_radius_m{0.0};  ///< r0: cap on the radius at the cut zone; 0: as large as fits
+  double grade{0.0};         ///< a: the cap is r0 + a·depth below the cut zone; 0: uniform
+  std::uint64_t seed{0};     ///< moves the surface samples
+  int threads{0};            ///< 0: one a core; the result does not depend on it
 };
 
 /// Parameters for BuildPacking that meet the options on this solid. The spacings of lattice and samples

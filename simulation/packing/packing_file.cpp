@@ -23,7 +23,7 @@ struct KindInfo {
   std::uint32_t kind;
   const char* name;
   std::size_t record_bytes;
-  std::size_t most_records;
+  std::size_t max_records;
   bool required;
 };
 constexpr std::size_t kAnyNumber = SIZE_MAX;
@@ -31,9 +31,9 @@ constexpr std::array<KindInfo, 6> kKinds{{
     {kBalls, "balls", sizeof(PackedBall), kAnyNumber, true},
     {kPoints, "mass points", sizeof(PackedPoint), kAnyNumber, false},
     {kPointMaterials, "materials of the points", sizeof(MaterialIndex), kAnyNumber, false},
-    {kMaterials, "materials", 1, kMostTextBytes, true},
+    {kMaterials, "materials", 1, kMaxTextBytes, true},
     {kSite, "site", sizeof(PackedSite), 1, false},
-    {kProvenance, "provenance", 1, kMostTextBytes, true},
+    {kProvenance, "provenance", 1, kMaxTextBytes, true},
 }};
 
 std::uint32_t Crc(std::uint32_t crc, const void* data, std::size_t bytes) {
@@ -120,9 +120,9 @@ class PackingReader {
   }
 
   void ReadTable() {
-    if (header_.sections < 1 || header_.sections > kMostSections)
+    if (header_.sections < 1 || header_.sections > kMaxSections)
       return Fail(offsetof(FileHeader, sections), "number of sections", std::to_string(header_.sections),
-                  fmt::format("1 … {}", kMostSections));
+                  fmt::format("1 … {}", kMaxSections));
     const std::size_t table_bytes = header_.sections * sizeof(SectionEntry);
     if (bytes_.size() < sizeof(FileHeader) + table_bytes)
       return Fail(bytes_.size(), "section table", "the end of the file",
@@ -196,9 +196,9 @@ class PackingReader {
       Fail(at + offsetof(SectionEntry, offset), where,
            fmt::format("a gap before it: it begins at byte {}", entry.offset),
            fmt::format("byte {}", aligned));
-    if (entry.count < 1 || entry.count > info->most_records)
+    if (entry.count < 1 || entry.count > info->max_records)
       Fail(at + offsetof(SectionEntry, count), where, fmt::format("{} records", entry.count),
-           info->most_records == kAnyNumber ? "1 and more" : fmt::format("1 … {}", info->most_records));
+           info->max_records == kAnyNumber ? "1 and more" : fmt::format("1 … {}", info->max_records));
     // divide instead of multiplying, which could overflow: the count may be any number
     if (entry.bytes / info->record_bytes != entry.count || entry.bytes % info->record_bytes != 0)
       Fail(at + offsetof(SectionEntry, count), where,
@@ -240,8 +240,7 @@ class PackingReader {
         packing_.points_ = Records<PackedPoint>(
             entry,
             [](const PackedPoint& p) {
-              return InReach(p.x_mm, p.y_mm, p.z_mm) && p.volume_mm3 > 0.0f &&
-                     p.volume_mm3 <= kMostVolume_mm3;
+              return InReach(p.x_mm, p.y_mm, p.z_mm) && p.volume_mm3 > 0.0f && p.volume_mm3 <= kMaxVolume_mm3;
             },
             &PackingReader::FailPoint);
         break;
@@ -343,7 +342,7 @@ class PackingReader {
   void FailPoint(const PackedPoint& point, const std::string& where, std::uint64_t byte) {
     FailPlace({point.x_mm, point.y_mm, point.z_mm}, where, byte);
     Fail(byte + 12, where + ": volume", fmt::format("{} mm^3", point.volume_mm3),
-         fmt::format("above 0, up to {} mm^3", kMostVolume_mm3));
+         fmt::format("above 0, up to {} mm^3", kMaxVolume_mm3));
   }
   void FailText(const SectionEntry& entry, const TextError& error) {
     Fail(entry.offset + error.byte,
@@ -378,7 +377,7 @@ class PackingReader {
     if (!(site.radius_m > 0.0 && site.radius_m <= 1.0))
       Fail(entry.offset + offsetof(PackedSite, radius_m), "site: radius", fmt::format("{} m", site.radius_m),
            "above 0, up to 1 m");
-    packing_.site_ = Cup{.center_m = center, .axis = axis, .radius_m = site.radius_m};
+    packing_.site_ = CutSite{.center_m = center, .axis = axis, .radius_m = site.radius_m};
   }
 
   [[nodiscard]] const SectionEntry* Entry(std::uint32_t kind) const {
@@ -406,7 +405,7 @@ Bone PackingFile::ToBone() const {
   const auto place = [this](float x, float y, float z) -> Vector3 {
     return (origin_mm_ + Vector3(x, y, z)) * 1e-3;
   };
-  Bone bone{.name = name_, .balls = {}, .points = {}, .materials = materials_, .cup = {}};
+  Bone bone{.name = name_, .balls = {}, .points = {}, .materials = materials_, .site = {}};
   bone.balls.resize(balls_.size());
   ParallelFor(
       balls_.size(), 0,
@@ -429,8 +428,8 @@ Bone PackingFile::ToBone() const {
         }
       },
       std::size_t{1} << 14);
-  bone.cup.radius_m = 0.0;
-  if (site_) bone.cup = *site_;
+  bone.site.radius_m = 0.0;
+  if (site_) bone.site = *site_;
   return bone;
 }
 

@@ -64,7 +64,7 @@ class PackingFile {
   [[nodiscard]] std::span<const MaterialIndex> point_materials() const { return point_materials_; }
   [[nodiscard]] const std::vector<Material>& materials() const { return materials_; }
   /// Where the bone is to be cut; absent where the packing was made for no particular site.
-  [[nodiscard]] const std::optional<Cup>& site() const { return site_; }
+  [[nodiscard]] const std::optional<CutSite>& site() const { return site_; }
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const PackingProvenance& provenance() const { return provenance_; }
 
@@ -81,7 +81,7 @@ class PackingFile {
   std::span<const PackedPoint> points_;
   std::span<const MaterialIndex> point_materials_;
   std::vector<Material> materials_;
-  std::optional<Cup> site_;
+  std::optional<CutSite> site_;
   std::string name_;
   PackingProvenance provenance_;
 };

@@ -26,12 +26,12 @@ inline constexpr std::array<unsigned char, 8> kMagic{0x89, 'O', 'S', 'P', '\r', 
 inline constexpr std::uint32_t kByteOrderMark = 0x01020304;
 inline constexpr std::uint32_t kVersion = 1;
 inline constexpr std::size_t kAlignment = 64;
-inline constexpr std::uint32_t kMostSections = 16;
+inline constexpr std::uint32_t kMaxSections = 16;
 
 inline constexpr double kGrid_mm = 0x1p-15;  ///< 31 nm; float32 holds its multiples up to 512 mm
 inline constexpr float kReach_mm = 512.0f;   ///< largest distance from the origin along an axis
-inline constexpr float kMostVolume_mm3 = 1e9f;
-inline constexpr std::size_t kMostTextBytes = std::size_t{1} << 20;
+inline constexpr float kMaxVolume_mm3 = 1e9f;
+inline constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;
 
 enum SectionKind : std::uint32_t {
   kBalls = 1,           ///< one PackedBall each

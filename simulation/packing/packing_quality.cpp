@@ -52,7 +52,7 @@ Samples SampleCells(const Solid& solid, CellsWanted wanted, double side_m, std::
   ParallelFor(cells.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       CellRandom random(cells[i], salt);
-      found[i] = cells[i].least_corner() + side_m * random.NextInUnitCube();
+      found[i] = cells[i].min_corner() + side_m * random.NextInUnitCube();
       kept[i] = keep(cells[i], found[i]) ? 1 : 0;
     }
   });
@@ -98,13 +98,13 @@ Samples SampleSurface(const Solid& solid, const QualityParams& params) {
                      });
 }
 
-std::vector<RadiusBin> Histogram(std::span<const Ball> balls, double least_m, double greatest_m) {
+std::vector<RadiusBin> Histogram(std::span<const Ball> balls, double min_m, double max_m) {
   constexpr int kBinsPerOctave = 8;
   const auto bin = [](double radius) {
     return static_cast<int>(std::floor(kBinsPerOctave * std::log2(radius)));
   };
-  const int first = bin(least_m);
-  std::vector<RadiusBin> bins(bin(greatest_m) - first + 1);
+  const int first = bin(min_m);
+  std::vector<RadiusBin> bins(bin(max_m) - first + 1);
   for (std::size_t i = 0; i < bins.size(); ++i) {
     bins[i].from_m = std::exp2(static_cast<double>(first + static_cast<int>(i)) / kBinsPerOctave);
     bins[i].to_m = std::exp2(static_cast<double>(first + static_cast<int>(i) + 1) / kBinsPerOctave);
@@ -157,8 +157,8 @@ PackingQuality MeasurePacking(const Solid& solid, std::span<const Ball> balls, c
   quality.r_min_m = least->radius_m;
   quality.r_max_m = greatest->radius_m;
   quality.radius_histogram = Histogram(balls, quality.r_min_m, quality.r_max_m);
-  quality.protrusion_max_m = forest.GreatestProtrusion(solid, params.threads);
-  quality.overlap_max_m = forest.GreatestOverlap(params.threads);
+  quality.protrusion_max_m = forest.MaxProtrusion(solid, params.threads);
+  quality.overlap_max_m = forest.MaxOverlap(params.threads);
   return quality;
 }
 

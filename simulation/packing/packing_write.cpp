@@ -50,16 +50,16 @@ class PackingWriter {
     const auto provenance = ProvenanceToText({.name = bone_.name, .provenance = provenance_});
     if (!provenance) FailText("provenance", provenance.error());
     for (const auto* text : {&materials, &provenance})
-      if (*text && (*text)->size() > kMostTextBytes)
+      if (*text && (*text)->size() > kMaxTextBytes)
         Fail(text == &materials ? "materials" : "provenance", fmt::format("{} bytes", (*text)->size()),
-             fmt::format("up to {}", kMostTextBytes));
+             fmt::format("up to {}", kMaxTextBytes));
     if (error_) return tl::make_unexpected(*error_);
 
     Add(kBalls, std::as_bytes(std::span(balls_)), balls_.size());
     Add(kPoints, std::as_bytes(std::span(points_)), points_.size());
     Add(kPointMaterials, std::as_bytes(std::span(point_materials_)), point_materials_.size());
     Add(kMaterials, std::as_bytes(std::span(*materials)), materials->size());
-    if (bone_.cup.radius_m != 0.0) Add(kSite, std::as_bytes(std::span(&site_, 1)), 1);
+    if (bone_.site.radius_m != 0.0) Add(kSite, std::as_bytes(std::span(&site_, 1)), 1);
     Add(kProvenance, std::as_bytes(std::span(*provenance)), provenance->size());
     return WriteSections();
   }
@@ -140,9 +140,9 @@ class PackingWriter {
       const MassPoint& point = bone_.points[i];
       const Vector3 p = point.p_m;
       const auto volume_mm3 = static_cast<float>(point.volume_m3 * 1e9);
-      if (!(volume_mm3 > 0.0f && volume_mm3 <= kMostVolume_mm3))
+      if (!(volume_mm3 > 0.0f && volume_mm3 <= kMaxVolume_mm3))
         return Fail(fmt::format("mass point {}: volume", i), fmt::format("{} mm^3", point.volume_m3 * 1e9),
-                    fmt::format("above 0, up to {} mm^3", kMostVolume_mm3));
+                    fmt::format("above 0, up to {} mm^3", kMaxVolume_mm3));
       if (point.material >= bone_.materials.size())
         return Fail(fmt::format("mass point {}: material", i), fmt::format("{}", point.material),
                     fmt::format("less than {}: so many are listed", bone_.materials.size()));
@@ -155,7 +155,7 @@ class PackingWriter {
   }
 
   void PackSite() {
-    const Cup& cup = bone_.cup;
+    const CutSite& cup = bone_.site;
     if (cup.radius_m == 0.0) return;
     const Vector3 axis = cup.axis;
     if (!(cup.radius_m > 0.0 && cup.radius_m <= 1.0))

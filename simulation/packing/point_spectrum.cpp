@@ -25,7 +25,7 @@ void Check(const SpectrumParams& p) {
     throw std::invalid_argument(
         fmt::format("spectrum: {}: found {:g}, accepted {:g} … {:g}", name, value, low, high));
   };
-  refuse("greatest frequency", p.greatest_frequency, 0.1, 10.0);
+  refuse("greatest frequency", p.max_frequency, 0.1, 10.0);
   refuse("bins", p.bins, 1, 1000);
   refuse("waves per bin", p.waves_per_bin, 1, 10'000);
 }
@@ -33,7 +33,7 @@ void Check(const SpectrumParams& p) {
 /// Draws up to waves_per_bin different wave vectors with lengths in bin b: random directions and lengths,
 /// each rounded to whole waves along the sides. A window has few of them in its lowest bins, or none.
 std::vector<Wave> DrawWaves(int b, double spacing_m, const Vector3& sides_m, const SpectrumParams& params) {
-  const double width = params.greatest_frequency / params.bins;
+  const double width = params.max_frequency / params.bins;
   CellRandom random({.index = {b, 0, 0}}, params.seed);
   std::vector<Wave> waves;
   for (int tried = 0; tried < 4 * params.waves_per_bin; ++tried) {
@@ -121,7 +121,7 @@ RadialSpectrum ComputeRadialSpectrum(std::span<const Vector3> points_m,
   RadialSpectrum spectrum;
   for (int b = 0; b < params.bins; ++b) {
     if (weight[b] == 0.0) continue;
-    spectrum.frequency_per_mean_spacing.push_back((b + 0.5) * params.greatest_frequency / params.bins);
+    spectrum.frequency_per_mean_spacing.push_back((b + 0.5) * params.max_frequency / params.bins);
     spectrum.power.push_back(power[b] / weight[b]);
   }
   return spectrum;
@@ -129,7 +129,7 @@ RadialSpectrum ComputeRadialSpectrum(std::span<const Vector3> points_m,
 
 std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZone& zone,
                                                 const MassPointParams& params, std::size_t most) {
-  constexpr double kLeastWidth = 5.0;  // in spacings
+  constexpr double kMinWidth = 5.0;  // in spacings
   struct Room {
     Vector3 center;
     double half_m, width;  ///< half the side; the side in spacings
@@ -145,7 +145,7 @@ std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZon
     if (cell.level < static_cast<int>(from.size()))
       free = std::min(free, from[cell.level] - depth - 2.0 * cell.reach_m());
     const double half = free / std::sqrt(3.0);
-    if (2.0 * half >= kLeastWidth * cell.side_m)
+    if (2.0 * half >= kMinWidth * cell.side_m)
       rooms.push_back({cell.center(), half, 2.0 * half / cell.side_m});
   }
   std::stable_sort(rooms.begin(), rooms.end(),
@@ -184,7 +184,7 @@ NeighborDistances MeasureNeighborDistances(std::span<const Vector3> points_m,
   ParallelFor(balls.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) separations[i] = forest.Separation(balls[i]);
   });
-  result.least_over_spacing = *std::min_element(separations.begin(), separations.end());
+  result.min_over_spacing = *std::min_element(separations.begin(), separations.end());
   for (const double separation : separations) {
     const auto bin = static_cast<std::size_t>(separation * kBinsPerSpacing);
     if (bin >= result.histogram.size()) result.histogram.resize(bin + 1, 0.0);

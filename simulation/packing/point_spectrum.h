@@ -19,11 +19,11 @@ struct RadialSpectrum {
 };
 
 struct SpectrumParams {
-  double greatest_frequency{3.0};  ///< per mean spacing; above 0, at most 10
-  int bins{60};                    ///< 1 … 1000
-  int waves_per_bin{48};           ///< wave vectors drawn in each bin and window; 1 … 10 000
-  std::uint64_t seed{1};           ///< of their directions
-  int threads{0};                  ///< 0: one a core. The result does not depend on it.
+  double max_frequency{3.0};  ///< per mean spacing; above 0, at most 10
+  int bins{60};               ///< 1 … 1000
+  int waves_per_bin{48};      ///< wave vectors drawn in each bin and window; 1 … 10 000
+  std::uint64_t seed{1};      ///< of their directions
+  int threads{0};             ///< 0: one a core. The result does not depend on it.
 };
 
 /// Radially averaged power spectrum of the points in each window, averaged over the windows with their number
@@ -48,7 +48,7 @@ struct SpectrumParams {
 /// Distance of points to their nearest neighbours over the mean spacing. The spacing is the cube root of the
 /// volume that a point stands for (for a pair, the larger of the two).
 struct NeighborDistances {
-  double least_over_spacing{0.0};
+  double min_over_spacing{0.0};
   double mean_over_spacing{0.0};  ///< independent points 0.554; face-centred lattice 1.122
   /// Share of the points whose distance over spacing is within [i, i + 1) / 20.
   std::vector<double> histogram;

@@ -60,7 +60,7 @@ Nearest OfHull(const std::array<Vector3, 4>& p, int count) {
 
 }  // namespace
 
-RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double most_m) {
+RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double max_m) {
   Vector3 step = Vector3::Zero();
   std::array<std::size_t, 4> active{};
   int count = 1;
@@ -68,8 +68,8 @@ RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double most_m) {
     if (bounds[k].value_m < bounds[active[0]].value_m) active[0] = k;
   double t = bounds[active[0]].value_m;
 
-  constexpr int kMostTurns = 16;  // most walks need four to six
-  for (int turn = 0; turn < kMostTurns; ++turn) {
+  constexpr int kMaxTurns = 16;  // most walks need four to six
+  for (int turn = 0; turn < kMaxTurns; ++turn) {
     std::array<Vector3, 4> gradients;
     for (int i = 0; i < count; ++i) gradients[i] = bounds[active[i]].gradient;
     const Nearest up = OfHull(gradients, count);
@@ -80,7 +80,7 @@ RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double most_m) {
     count = up.count;
 
     // length to where the next obstacle is as near, or to the end of the step
-    const double a = rate, b = step.dot(up.point), c = step.squaredNorm() - most_m * most_m;
+    const double a = rate, b = step.dot(up.point), c = step.squaredNorm() - max_m * max_m;
     double length = (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
     std::size_t next = bounds.size();
     for (std::size_t k = 0; k < bounds.size(); ++k) {

@@ -25,6 +25,6 @@ struct RidgeWalk {
 /// are dropped. The walk ends where the hull holds the origin, since no direction leads away from all of
 /// them, or at the allowed length.
 /// @pre at least one bound.
-[[nodiscard]] RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double most_m);
+[[nodiscard]] RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double max_m);
 
 }  // namespace osteon::simulation

@@ -12,8 +12,8 @@ namespace osteon::simulation {
 namespace {
 
 // Below this share of their cap's radius, lattice balls near the surface are left to surface balls.
-constexpr double kLeastOfCap = 0.6;
-constexpr double kRadiusGrowth = 0.5, kGapGrowth = 0.4, kGreatestGap_m = 2e-3;
+constexpr double kMinOfCap = 0.6;
+constexpr double kRadiusGrowth = 0.5, kGapGrowth = 0.4, kMaxGap_m = 2e-3;
 
 /// A zone extended by a depth: places less than this below the other zone count as in it.
 class FineZone final : public CutZone {
@@ -37,12 +37,12 @@ std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const Sp
   const double fine_cap = p.radius_over_spacing * p.spacing_m;
   std::vector<Ball> balls;
   for (const Cell& cell : DivideGraded(solid, zone, grade, CellsWanted::kSolid, p.threads))
-    for (const Vector3& site : {cell.center(), cell.least_corner()}) {
+    for (const Vector3& site : {cell.center(), cell.min_corner()}) {
       double cap = p.radius_over_spacing * cell.side_m;
       if (cell.level > 0)
         cap = std::min(cap, std::max(fine_cap, zone.DepthAt(site) - p.coarser_from_m + fine_cap));
       const double inside = -solid.SignedDistance(site);
-      if (inside >= kLeastOfCap * cap) balls.push_back({.center_m = site, .radius_m = std::min(cap, inside)});
+      if (inside >= kMinOfCap * cap) balls.push_back({.center_m = site, .radius_m = std::min(cap, inside)});
     }
   return balls;
 }
@@ -57,16 +57,16 @@ std::vector<Ball> BuildSplitPacking(const Solid& solid, const CutZone& cut, cons
   CheckRangeMm("split packing: lattice ball's radius", p.radius_over_spacing * p.spacing_m,
                0.56 * p.spacing_m, 2.0 * p.spacing_m);
   CheckRangeMm("split packing: surface radius", p.surface_radius_m, 0.02e-3, 0.100);
-  CheckRangeMm("split packing: surface gap", p.surface_gap_m, 0.001e-3, kGreatestGap_m);
+  CheckRangeMm("split packing: surface gap", p.surface_gap_m, 0.001e-3, kMaxGap_m);
 
   PackingParams surface;
   surface.lattice = {.finest_m = p.spacing_m, .coarser_from_m = {p.coarser_from_m}};
   surface.cup_radius_cap_m = p.surface_radius_m;
   surface.radius_growth = kRadiusGrowth;
-  surface.least_radius_m = 0.1 * p.surface_radius_m;
+  surface.min_radius_m = 0.1 * p.surface_radius_m;
   surface.surface_gap_m = p.surface_gap_m;
   surface.surface_gap_growth = kGapGrowth;
-  surface.greatest_surface_gap_m = kGreatestGap_m;
+  surface.max_surface_gap_m = kMaxGap_m;
   surface.seed = p.seed;
   surface.threads = p.threads;
   std::vector<TangentBall> samples = FindTangentBalls(

@@ -15,11 +15,11 @@ SurfaceGaps::SurfaceGaps(std::span<const TangentBall> samples, double first_gap_
   for (std::size_t i = 0; i < samples.size(); ++i) {
     Node& leaf = nodes_[leaves_ + i / kLeafSamples];
     leaf.box.extend((samples[i].foot_m - origin_m_).cast<float>());
-    leaf.greatest_m = gap_m_[i];
+    leaf.max_m = gap_m_[i];
   }
   for (std::size_t i = leaves_ - 1; i > 0; --i) {
     nodes_[i].box = nodes_[2 * i].box.merged(nodes_[2 * i + 1].box);
-    nodes_[i].greatest_m = std::max(nodes_[2 * i].greatest_m, nodes_[2 * i + 1].greatest_m);
+    nodes_[i].max_m = std::max(nodes_[2 * i].max_m, nodes_[2 * i + 1].max_m);
   }
 }
 
@@ -29,22 +29,22 @@ void SurfaceGaps::Add(const Ball& ball) {
 
 void SurfaceGaps::Visit(std::size_t node_index, const Ball& ball, const Eigen::Vector3f& center) {
   Node& node = nodes_[node_index];
-  if (node.greatest_m <= 0.0f) return;
-  const float reach = static_cast<float>(ball.radius_m) + node.greatest_m;
+  if (node.max_m <= 0.0f) return;
+  const float reach = static_cast<float>(ball.radius_m) + node.max_m;
   if (node.box.squaredExteriorDistance(center) >= reach * reach) return;
   if (node_index < leaves_) {
     Visit(2 * node_index, ball, center);
     Visit(2 * node_index + 1, ball, center);
-    node.greatest_m = std::max(nodes_[2 * node_index].greatest_m, nodes_[2 * node_index + 1].greatest_m);
+    node.max_m = std::max(nodes_[2 * node_index].max_m, nodes_[2 * node_index + 1].max_m);
     return;
   }
   const std::size_t begin = (node_index - leaves_) * kLeafSamples;
   const std::size_t end = std::min(begin + kLeafSamples, samples_.size());
-  node.greatest_m = 0.0f;
+  node.max_m = 0.0f;
   for (std::size_t i = begin; i < end; ++i) {
     const double distance = (samples_[i].foot_m - Vector3(ball.center_m)).norm() - ball.radius_m;
     gap_m_[i] = std::min(gap_m_[i], static_cast<float>(std::max(0.0, distance)));
-    node.greatest_m = std::max(node.greatest_m, gap_m_[i]);
+    node.max_m = std::max(node.max_m, gap_m_[i]);
   }
 }
 

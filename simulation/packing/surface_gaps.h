@@ -28,7 +28,7 @@ class SurfaceGaps {
  private:
   struct Node {
     Eigen::AlignedBox3f box;  ///< relative to origin_m_
-    float greatest_m{-1.0f};
+    float max_m{-1.0f};
   };
   void Visit(std::size_t node, const Ball& ball, const Eigen::Vector3f& center);
 

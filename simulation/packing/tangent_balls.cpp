@@ -21,7 +21,7 @@ struct Foot {
 /// then gets its samples only from its own cell.
 std::optional<Foot> SampleIn(const Cell& cell, const Solid& solid, std::uint64_t salt) {
   CellRandom random(cell, salt);
-  const Vector3 p = cell.least_corner() + cell.side_m * random.NextInUnitCube();
+  const Vector3 p = cell.min_corner() + cell.side_m * random.NextInUnitCube();
   const SurfacePoint foot = solid.NearestSurface(p);
   if (std::abs(foot.distance_m) < 1e-9) return {};  // too close to determine the normal
   for (int axis = 0; axis < 3; ++axis)
@@ -36,7 +36,7 @@ class Search {
         zone_(zone),
         params_(params),
         // no ball inside is larger
-        most_m_(0.5 * solid.Bounds().sizes().minCoeff()) {}
+        max_m_(0.5 * solid.Bounds().sizes().minCoeff()) {}
 
   /// Largest radius of a ball at the foot that the cap at its centre allows. Caps grow no faster than the
   /// depth, hence no faster than the radius: every smaller ball is within its cap, too.
@@ -45,8 +45,8 @@ class Search {
     const auto allowed = [&](double radius) {
       return radius <= params_.RadiusCapAt(zone_.DepthAt(foot.p_m + radius * foot.inward), spacing);
     };
-    if (allowed(most_m_)) return most_m_;
-    double low = std::min(most_m_, params_.cup_radius_cap_m), high = most_m_;
+    if (allowed(max_m_)) return max_m_;
+    double low = std::min(max_m_, params_.cup_radius_cap_m), high = max_m_;
     while (high - low > 1e-3 * low) {
       const double middle = 0.5 * (low + high);
       (allowed(middle) ? low : high) = middle;
@@ -61,11 +61,11 @@ class Search {
   /// below the cap (a neighbour's radius) the ball grows until it is not empty.
   [[nodiscard]] std::optional<Ball> Largest(const Foot& foot, double cap_m, double guess_m,
                                             double slack_m2) const {
-    constexpr int kMostRounds = 40;
+    constexpr int kMaxRounds = 40;
     double radius = std::min(cap_m, guess_m);
     std::optional<Ball> empty;  // the largest ball known to be empty
     bool growing = true;
-    for (int round = 0; round < kMostRounds && radius >= params_.least_radius_m; ++round) {
+    for (int round = 0; round < kMaxRounds && radius >= params_.min_radius_m; ++round) {
       const Vector3 center = foot.p_m + radius * foot.inward;
       const SurfacePoint nearest = solid_.NearestSurface(center);
       const Vector3 chord = nearest.p_m - foot.p_m;
@@ -74,7 +74,7 @@ class Search {
       double next = 0.0;
       if (-nearest.distance_m >= radius - slack || sagitta <= 0.0) {
         const double inside = std::min(radius, -nearest.distance_m);
-        if (inside < params_.least_radius_m) return {};
+        if (inside < params_.min_radius_m) return {};
         empty = Ball{.center_m = center, .radius_m = inside};
         if (!growing || radius >= cap_m) return empty;
         next = std::min(cap_m, 2.0 * radius);
@@ -92,7 +92,7 @@ class Search {
   const Solid& solid_;
   const CutZone& zone_;
   const PackingParams& params_;
-  double most_m_;
+  double max_m_;
 };
 
 }  // namespace
@@ -111,7 +111,7 @@ std::vector<TangentBall> FindTangentBalls(const Solid& solid, const CutZone& zon
     balls.push_back(
         {.foot_m = foot->p_m, .ball = *ball, .tolerance_m = static_cast<float>(params.SurfaceGapAt(depth))});
   };
-  return DescendGraded<TangentBall>(solid, zone, samples, CellsWanted::kSurface, params.threads, kMostBalls,
+  return DescendGraded<TangentBall>(solid, zone, samples, CellsWanted::kSurface, params.threads, kMaxBalls,
                                     add);
 }
 

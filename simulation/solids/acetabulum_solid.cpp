@@ -7,7 +7,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kLeastWall_m = 0.002;  // bone beside and below the cup
+constexpr double kMinWall_m = 0.002;  // bone beside and below the cup
 
 }  // namespace
 
@@ -15,7 +15,7 @@ void CheckShape(const AcetabulumShape& s) {
   CheckRangeMm("acetabulum: width", s.width_m, 0.010, 0.500);
   CheckRangeMm("acetabulum: height", s.height_m, 0.005, 0.500);
   CheckRangeMm("acetabulum: cup radius", s.cup_radius_m, 0.002,
-               std::min(0.5 * s.width_m, s.height_m) - kLeastWall_m);
+               std::min(0.5 * s.width_m, s.height_m) - kMinWall_m);
   CheckRangeMm("acetabulum: cartilage thickness", s.cartilage_m, 0.0, 0.020);
   CheckRangeMm("acetabulum: subchondral thickness", s.subchondral_m, 0.0, 0.020);
 }

@@ -30,11 +30,11 @@ class AcetabulumSolid final : public Solid {
   [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override;
   [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return block_; }
-  [[nodiscard]] const Cup& cup() const { return cup_; }
+  [[nodiscard]] const CutSite& cup() const { return cup_; }
 
  private:
   AcetabulumShape shape_;
-  Cup cup_;
+  CutSite cup_;
   CupZone zone_;
   Eigen::AlignedBox3d block_;
 };

@@ -7,7 +7,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kLeastSide_m = 0.1e-3, kGreatestSide_m = 1.0;
+constexpr double kMinSide_m = 0.1e-3, kMaxSide_m = 1.0;
 
 }  // namespace
 
@@ -16,10 +16,9 @@ BoxSolid::BoxSolid(const Vector3& low_m, const Vector3& high_m, std::vector<Tiss
     : box_(low_m, high_m), layers_(std::move(layers)), core_(core) {
   const Vector3 sides = high_m - low_m;
   for (int axis = 0; axis < 3; ++axis)
-    CheckRangeMm(fmt::format("box: side along {}", "xyz"[axis]), sides[axis], kLeastSide_m, kGreatestSide_m);
+    CheckRangeMm(fmt::format("box: side along {}", "xyz"[axis]), sides[axis], kMinSide_m, kMaxSide_m);
   for (std::size_t i = 0; i < layers_.size(); ++i)
-    CheckRangeMm(fmt::format("box: thickness of layer {}", i + 1), layers_[i].thickness_m, 0.0,
-                 kGreatestSide_m);
+    CheckRangeMm(fmt::format("box: thickness of layer {}", i + 1), layers_[i].thickness_m, 0.0, kMaxSide_m);
 }
 
 BoxSolid::BoxSolid(const BlockShape& shape)
@@ -31,7 +30,7 @@ SurfacePoint BoxSolid::NearestSurface(const Vector3& p_m) const {
     const Vector3 foot = p_m.cwiseMax(box_.min()).cwiseMin(box_.max());
     return {.p_m = foot, .distance_m = (p_m - foot).norm()};
   }
-  SurfacePoint nearest{.p_m = p_m, .distance_m = -kGreatestSide_m};
+  SurfacePoint nearest{.p_m = p_m, .distance_m = -kMaxSide_m};
   for (int axis = 0; axis < 3; ++axis)
     for (const double wall : {box_.min()[axis], box_.max()[axis]}) {
       const double distance = -std::abs(wall - p_m[axis]);
@@ -53,9 +52,9 @@ MaterialIndex BoxSolid::MaterialAt(const Vector3& p_m) const {
 }
 
 void CheckShape(const BlockShape& s) {
-  CheckRangeMm("block: width", s.width_m, kLeastSide_m, 0.500);
-  CheckRangeMm("block: depth", s.depth_m, kLeastSide_m, 0.500);
-  CheckRangeMm("block: height", s.height_m, kLeastSide_m, 0.500);
+  CheckRangeMm("block: width", s.width_m, kMinSide_m, 0.500);
+  CheckRangeMm("block: depth", s.depth_m, kMinSide_m, 0.500);
+  CheckRangeMm("block: height", s.height_m, kMinSide_m, 0.500);
   double layers_m = 0.0;
   for (const TissueLayer& layer : s.layers) layers_m += layer.thickness_m;
   CheckRangeMm("block: layers, in all", layers_m, 0.0, s.height_m);

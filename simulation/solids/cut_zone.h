@@ -33,7 +33,7 @@ class EverywhereZone final : public CutZone {
 /// centre along its axis, thickened by the radius).
 class CupZone final : public CutZone {
  public:
-  explicit CupZone(const Cup& cup) : cup_(cup) {}
+  explicit CupZone(const CutSite& cup) : cup_(cup) {}
   [[nodiscard]] double DepthAt(const Vector3& p_m) const override {
     const Vector3 d = p_m - Vector3(cup_.center_m);
     const double along = std::max(0.0, d.dot(Vector3(cup_.axis)));
@@ -41,7 +41,7 @@ class CupZone final : public CutZone {
   }
 
  private:
-  Cup cup_;
+  CutSite cup_;
 };
 
 /// A planned tool path: the distance to a polyline of the tool's centre, thickened by the tool's radius.

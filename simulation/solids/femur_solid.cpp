@@ -28,7 +28,7 @@ FemurSolid::Section SectionAt(const FemurShape& s, double z_m) {
 }  // namespace
 
 void CheckShape(const FemurShape& s) {
-  constexpr double kLeast_m = 0.2e-3;
+  constexpr double kMin_m = 0.2e-3;
   CheckRangeMm("femur: length", s.length_m, 0.020, 0.400);
   CheckRangeMm("femur: flare", s.flare_m, 0.005, s.length_m);
   CheckRangeMm("femur: shaft radius", s.shaft_radius_m, 0.005, 0.040);
@@ -36,12 +36,12 @@ void CheckShape(const FemurShape& s) {
   if (!(s.oval_ratio >= 1.0 && s.oval_ratio <= 1.6))
     throw std::invalid_argument(fmt::format("femur: oval_ratio: found {:g}, accepted 1 … 1.6", s.oval_ratio));
   CheckRangeMm("femur: medial shift", s.medial_shift_m, 0.0, 0.5 * s.top_radius_m);
-  CheckRangeMm("femur: shaft wall", s.shaft_wall_m, kLeast_m, 0.7 * s.shaft_radius_m);
-  CheckRangeMm("femur: top wall", s.top_wall_m, kLeast_m, 0.5 * s.top_radius_m);
+  CheckRangeMm("femur: shaft wall", s.shaft_wall_m, kMin_m, 0.7 * s.shaft_radius_m);
+  CheckRangeMm("femur: top wall", s.top_wall_m, kMin_m, 0.5 * s.top_radius_m);
   // room for lining and marrow, across the narrow side of the shaft
   const double room_m = 2.0 * s.shaft_radius_m / (1.0 + s.oval_ratio) - s.shaft_wall_m;
-  CheckRangeMm("femur: shaft lining", s.shaft_lining_m, 0.0, room_m - kLeast_m);
-  CheckRangeMm("femur: top marrow radius", s.top_marrow_radius_m, kLeast_m,
+  CheckRangeMm("femur: shaft lining", s.shaft_lining_m, 0.0, room_m - kMin_m);
+  CheckRangeMm("femur: top marrow radius", s.top_marrow_radius_m, kMin_m,
                s.top_radius_m - s.top_wall_m - s.medial_shift_m);
 }
 

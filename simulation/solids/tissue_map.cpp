@@ -10,7 +10,7 @@ namespace osteon::simulation {
 namespace {
 
 constexpr double kThickest_m = 0.100;
-constexpr int kMostSamples = 4096;  // along each side of an image
+constexpr int kMaxSamples = 4096;  // along each side of an image
 constexpr double kDensest_kg_per_m3 = 25000.0;
 
 /// The layer at this depth, if the depth lies in one.
@@ -39,9 +39,9 @@ void CheckLayers(const std::string& name, const std::vector<TissueLayer>& layers
 
 void CheckImage(const std::string& name, const DensityImage& image, std::size_t count) {
   const auto refuse = [&name](const std::string& what) { throw std::invalid_argument(name + ": " + what); };
-  if (image.rows < 2 || image.rows > kMostSamples || image.columns < 1 || image.columns > kMostSamples)
+  if (image.rows < 2 || image.rows > kMaxSamples || image.columns < 1 || image.columns > kMaxSamples)
     refuse(fmt::format("found {} × {} samples, accepted 2 … {} rows and 1 … {} columns", image.rows,
-                       image.columns, kMostSamples, kMostSamples));
+                       image.columns, kMaxSamples, kMaxSamples));
   if (image.density_kg_per_m3.size() != static_cast<std::size_t>(image.rows) * image.columns)
     refuse(fmt::format("found {} densities, accepted {} × {} = {}", image.density_kg_per_m3.size(),
                        image.rows, image.columns, static_cast<std::size_t>(image.rows) * image.columns));
@@ -132,7 +132,7 @@ void CheckTissueMap(const TissueMap& map, std::size_t material_count) {
         fmt::format("tissue: lining_radii: found {:g}, accepted 1 … 2", map.lining->lining_radii));
 }
 
-TissueMap CupBoneTissue(const MeshTissue& tissue, const Cup& cup) {
+TissueMap CupBoneTissue(const MeshTissue& tissue, const CutSite& cup) {
   return {.shells = {{.layers = {{.material = kCortical, .thickness_m = tissue.cortical_m}},
                       .core = kCancellous,
                       .image = {}}},

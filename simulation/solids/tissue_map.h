@@ -58,7 +58,7 @@ struct ShellTissue {
 /// The lining of a cup: other layers where the surface of the outermost shell lies within `lining_radii` cup
 /// radii of the cup's centre, not above its opening, and faces the centre.
 struct LiningTissue {
-  Cup cup;
+  CutSite cup;
   double lining_radii{1.25};
   std::vector<TissueLayer> layers;
   MaterialIndex core{0};
@@ -90,6 +90,6 @@ struct MeshTissue {
 };
 
 /// The same as a map onto the materials of BoneTissue.
-[[nodiscard]] TissueMap CupBoneTissue(const MeshTissue& tissue, const Cup& cup);
+[[nodiscard]] TissueMap CupBoneTissue(const MeshTissue& tissue, const CutSite& cup);
 
 }  // namespace osteon::simulation

@@ -37,7 +37,7 @@ MotionCurve::MotionCurve(std::span<const MotionSample> samples) {
     knots_[i].second = (knots_[i].second - step(i) * knots_[i + 1].second) / diagonal[i];
 }
 
-std::size_t MotionCurve::Before(double time_s) const {
+std::size_t MotionCurve::IndexBefore(double time_s) const {
   const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, time_s,
                                       [](double t, const Knot& knot) { return t < knot.time_s; });
   return static_cast<std::size_t>(after - knots_.begin()) - 1;
@@ -45,7 +45,7 @@ std::size_t MotionCurve::Before(double time_s) const {
 
 Pose MotionCurve::X_GT(double time_s) const {
   const double t = std::clamp(time_s, knots_.front().time_s, knots_.back().time_s);
-  const std::size_t i = Before(t);
+  const std::size_t i = IndexBefore(t);
   const Knot &a = knots_[i], &b = knots_[i + 1];
   const double h = b.time_s - a.time_s, u = (b.time_s - t) / h, v = (t - a.time_s) / h;
   const Channels value =
@@ -58,7 +58,7 @@ Pose MotionCurve::X_GT(double time_s) const {
 
 double MotionCurve::SpindleAt(double time_s) const {
   if (time_s >= knots_.back().time_s) return knots_.back().spindle_rad_per_s;
-  return knots_[Before(time_s)].spindle_rad_per_s;
+  return knots_[IndexBefore(time_s)].spindle_rad_per_s;
 }
 
 FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& params) {

@@ -29,7 +29,7 @@ class MotionCurve {
     double time_s, spindle_rad_per_s;
     Channels value, second;  // and second derivative
   };
-  [[nodiscard]] std::size_t Before(double time_s) const;
+  [[nodiscard]] std::size_t IndexBefore(double time_s) const;
   std::vector<Knot> knots_;
 };
 

@@ -10,10 +10,10 @@
 namespace osteon::simulation {
 
 Tool MakeShellTool(const Tool& tool, std::size_t count, ShellPart part) {
-  constexpr std::size_t kMost = 100'000;
+  constexpr std::size_t kMax = 100'000;
   constexpr double kRadiusOverDistance = 3.0;
-  if (count < 1 || count > kMost)
-    throw std::invalid_argument(fmt::format("tool balls: found {}, accepted 1 … {}", count, kMost));
+  if (count < 1 || count > kMax)
+    throw std::invalid_argument(fmt::format("tool balls: found {}, accepted 1 … {}", count, kMax));
   const auto cutting =
       std::count_if(tool.balls.begin(), tool.balls.end(), [](const ToolBall& b) { return b.cutting; });
   if (cutting != 1)

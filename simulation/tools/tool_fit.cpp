@@ -13,24 +13,24 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Finds the largest ball that touches the surface at the sample from inside: shrinking ball (Ma, Bae, Choi,
 // The Visual Computer 28, 2012).
 std::optional<ToolBall> TangentBall(const Solid& solid, const SurfaceSample& sample, double largest_m,
-                                    double least_m) {
+                                    double min_m) {
   const Vector3 inward = -sample.normal;
   double radius = largest_m;
-  constexpr int kMostRounds = 60;
-  for (int round = 0; round < kMostRounds && radius >= least_m; ++round) {
+  constexpr int kMaxRounds = 60;
+  for (int round = 0; round < kMaxRounds && radius >= min_m; ++round) {
     const Vector3 center = sample.p_m + radius * inward;
     const SurfacePoint nearest = solid.NearestSurface(center);
     const double clearance = -nearest.distance_m;
     if (clearance >= radius * (1.0 - 1e-4)) {  // a tenth of a micrometre at 1 mm
       const double inside = std::min(radius, clearance);
-      if (inside < least_m) return std::nullopt;
+      if (inside < min_m) return std::nullopt;
       return ToolBall{.center_m = center, .radius_m = inside, .cutting = sample.cutting};
     }
     const Vector3 chord = nearest.p_m - sample.p_m;
     const double sagitta = chord.dot(inward);
     // a foot beside the sample's own tangent plane gives no radius: the sample lies on an edge, or beyond it
     if (sagitta <= 1e-12) {
-      if (clearance < least_m) return std::nullopt;
+      if (clearance < min_m) return std::nullopt;
       radius = std::min(0.5 * radius, clearance);
       continue;
     }
@@ -42,7 +42,7 @@ std::optional<ToolBall> TangentBall(const Solid& solid, const SurfaceSample& sam
 // Finds the largest ball below an edge that leaves half the gap to it. Clearance is 1-Lipschitz, so the gap
 // grows with the depth of the centre: bisection.
 std::optional<ToolBall> BallBelowEdge(const Solid& solid, const SurfaceSample& sample, double largest_m,
-                                      double least_m) {
+                                      double min_m) {
   const auto clearance = [&](double depth_m) {
     return -solid.SignedDistance(sample.p_m - depth_m * sample.normal);
   };
@@ -52,7 +52,7 @@ std::optional<ToolBall> BallBelowEdge(const Solid& solid, const SurfaceSample& s
     (middle - clearance(middle) <= 0.5 * sample.gap_m ? low : high) = middle;
   }
   const double radius = clearance(low);
-  if (radius < least_m) return std::nullopt;
+  if (radius < min_m) return std::nullopt;
   return ToolBall{
       .center_m = sample.p_m - low * sample.normal, .radius_m = radius, .cutting = sample.cutting};
 }
@@ -69,23 +69,23 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
   std::vector<SurfaceSample> sorted(samples.begin(), samples.end());
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const SurfaceSample& a, const SurfaceSample& b) { return a.p_m.z() > b.p_m.z(); });
-  double greatest_gap_m = 0.0;
-  for (const SurfaceSample& sample : sorted) greatest_gap_m = std::max(greatest_gap_m, sample.gap_m);
+  double max_gap_m = 0.0;
+  for (const SurfaceSample& sample : sorted) max_gap_m = std::max(max_gap_m, sample.gap_m);
 
   const double largest_m = 0.5 * solid.Bounds().sizes().maxCoeff();
   std::vector<ToolBall> candidates;
   const std::size_t stride = std::clamp<std::size_t>(sorted.size() / 3000, 1, 4);
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     if (!sorted[i].edge && i % stride != 0) continue;
-    const auto ball = sorted[i].edge ? BallBelowEdge(solid, sorted[i], largest_m, params.least_radius_m)
-                                     : TangentBall(solid, sorted[i], largest_m, params.least_radius_m);
+    const auto ball = sorted[i].edge ? BallBelowEdge(solid, sorted[i], largest_m, params.min_radius_m)
+                                     : TangentBall(solid, sorted[i], largest_m, params.min_radius_m);
     if (ball) candidates.push_back(*ball);
   }
 
   std::vector<double> gap(sorted.size(), kInfinity);
   // calls visit(i) for the samples of the ball's kind near enough to be served, in order
   const auto for_near = [&](const ToolBall& ball, const auto& visit) {
-    const double reach = ball.radius_m + greatest_gap_m;
+    const double reach = ball.radius_m + max_gap_m;
     const auto begin = std::partition_point(sorted.begin(), sorted.end(), [&](const SurfaceSample& sample) {
       return sample.p_m.z() > ball.center_m.z + reach;
     });
@@ -103,7 +103,7 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
   for (const ToolBall& ball : first) add(ball);
 
   std::vector<const ToolBall*> serving;
-  for (std::size_t i = 0; i < sorted.size() && fit.balls.size() < params.greatest_count; ++i) {
+  for (std::size_t i = 0; i < sorted.size() && fit.balls.size() < params.max_count; ++i) {
     if (gap[i] <= sorted[i].gap_m) continue;
     serving.clear();
     const ToolBall* best = nullptr;

@@ -18,8 +18,8 @@ struct SurfaceSample {
 };
 
 struct ToolFitParams {
-  std::size_t greatest_count{64};  ///< most balls of the tool, including those it begins with
-  double least_radius_m{10e-6};
+  std::size_t max_count{64};  ///< most balls of the tool, including those it begins with
+  double min_radius_m{10e-6};
 };
 
 struct ToolFit {

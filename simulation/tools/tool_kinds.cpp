@@ -81,18 +81,18 @@ void CheckBallsAndHolder(const std::string& name, const BallParams& balls, const
                          double density_kg_per_m3) {
   CheckRangeMm(name + ": cutting gap", balls.cutting_gap_m, 1e-6, 5e-3);
   CheckRangeMm(name + ": touching gap", balls.touching_gap_m, 1e-6, 5e-3);
-  if (balls.greatest_count < 1 || balls.greatest_count > 10'000)
+  if (balls.max_count < 1 || balls.max_count > 10'000)
     throw std::invalid_argument(
-        fmt::format("{}: greatest count: found {}, accepted 1 … 10000", name, balls.greatest_count));
+        fmt::format("{}: greatest count: found {}, accepted 1 … 10000", name, balls.max_count));
   CheckHolder(name, holder);
   CheckDensity(name + ": density", density_kg_per_m3);
 }
 
 Tool FitBalls(const std::string& name, const Solid& solid,
               const std::function<std::vector<SurfaceSample>(std::size_t)>& sample,
-              const std::vector<ToolBall>& first, std::size_t greatest_count) {
+              const std::vector<ToolBall>& first, std::size_t max_count) {
   constexpr std::size_t kSamplesPerBall = 120;
-  const ToolFitParams params{.greatest_count = greatest_count};
+  const ToolFitParams params{.max_count = max_count};
   std::vector<SurfaceSample> samples;
   ToolFit fit;
   for (std::size_t count = 16'000;; count *= 4) {
@@ -111,7 +111,7 @@ Tool FitBalls(const std::string& name, const Solid& solid,
     throw std::invalid_argument(fmt::format(
         "{}: greatest count: found {}, accepted more: so many balls suffice for gaps {:.2g} times as "
         "large",
-        name, greatest_count, scale));
+        name, max_count, scale));
   }
   Tool tool{.name = name, .balls = std::move(fit.balls)};
   if (const ToolBall* head = CuttingHead(tool)) {
@@ -127,7 +127,7 @@ BuiltTool MakeTurnedTool(const std::string& name, std::vector<ProfilePiece> piec
   CheckBallsAndHolder(name, balls, holder, density_kg_per_m3);
   const auto profile = std::make_shared<const ToolProfile>(std::move(pieces));
   const auto sample = [&](std::size_t count) { return profile->Sample(count, 0); };
-  BuiltTool built{.tool = FitBalls(name, *profile, sample, first, balls.greatest_count),
+  BuiltTool built{.tool = FitBalls(name, *profile, sample, first, balls.max_count),
                   .length_m = profile->length_m() + holder.length_m,
                   .profile = profile};
   const std::array<MassProperties, 2> bodies{RevolvedMassProperties(profile->pieces(), density_kg_per_m3),

@@ -24,7 +24,7 @@ struct HolderParams {
 
 /// Limits for fitting balls to a turned tool: number of balls, and gaps between its surface and their union.
 struct BallParams {
-  std::size_t greatest_count{64};
+  std::size_t max_count{64};
   double cutting_gap_m{0.05e-3};
   double touching_gap_m{0.3e-3};
 };
@@ -86,7 +86,7 @@ struct TwistDrillParams {
   double flute_metal_ratio{0.6};         ///< share of the fluted cross-section that is metal
   double flute_gap_m{0.384e-3};          ///< as in BallParams, for the flutes; cutting_gap_m is for the point
   double density_kg_per_m3{7900.0};
-  BallParams balls{.greatest_count = 64, .cutting_gap_m = 0.128e-3, .touching_gap_m = 0.8e-3};
+  BallParams balls{.max_count = 64, .cutting_gap_m = 0.128e-3, .touching_gap_m = 0.8e-3};
   HolderParams holder{};
 };
 [[nodiscard]] BuiltTool MakeTwistDrill(const TwistDrillParams& params);
@@ -109,6 +109,6 @@ void CheckBallsAndHolder(const std::string& name, const BallParams& balls, const
 /// @throws std::invalid_argument where the balls do not suffice for the samples' gaps.
 [[nodiscard]] Tool FitBalls(const std::string& name, const Solid& solid,
                             const std::function<std::vector<SurfaceSample>(std::size_t count)>& sample,
-                            const std::vector<ToolBall>& first, std::size_t greatest_count);
+                            const std::vector<ToolBall>& first, std::size_t max_count);
 
 }  // namespace osteon::simulation

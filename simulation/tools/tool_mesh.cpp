@@ -66,7 +66,7 @@ BuiltTool MakeMeshTool(const TriangleMesh& mesh, const MeshToolParams& params) {
       MeshMassProperties(mesh, params.density_kg_per_m3),
       CylinderMassProperties(params.holder.radius_m, box.min().z(), box.min().z() - params.holder.length_m,
                              params.holder.density_kg_per_m3)};
-  BuiltTool built{.tool = FitBalls(params.name, solid, sample, {}, params.balls.greatest_count),
+  BuiltTool built{.tool = FitBalls(params.name, solid, sample, {}, params.balls.max_count),
                   .length_m = params.holder.length_m - box.min().z()};
   SetMass(Combine(bodies), built.tool);
   return built;

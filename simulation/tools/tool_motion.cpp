@@ -21,10 +21,10 @@ constexpr std::size_t kColumnCount = 9;
 constexpr std::array<std::string_view, kColumnCount> kColumnNames{
     "time_s", "x_mm", "y_mm", "z_mm", "q_w", "q_x", "q_y", "q_z", "spindle_rpm"};
 
-constexpr std::size_t kMostBytes = std::size_t{16} << 20;
-constexpr double kMostSeconds = 36000.0, kFar_mm = 10000.0, kMostRpm = 500'000.0;
+constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
+constexpr double kMaxSeconds = 36000.0, kFar_mm = 10000.0, kMaxRpm = 500'000.0;
 constexpr double kUnitTolerance = 1e-5;  // a rounding of 1e-7 in four values, with a margin
-constexpr double kMostSpeed_m_per_s = 5.0;
+constexpr double kMaxSpeed_m_per_s = 5.0;
 
 constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;  // rad/s
 
@@ -106,13 +106,13 @@ std::string ReadRow(std::string_view line, std::array<double, kColumnCount>& row
                ? std::string()
                : fmt::format("{}: found {}, accepted {} … {}", kColumnNames[i], row[i], low, high);
   };
-  if (auto wrong = within(0, 0.0, kMostSeconds); !wrong.empty()) return wrong;
+  if (auto wrong = within(0, 0.0, kMaxSeconds); !wrong.empty()) return wrong;
   for (std::size_t i = 1; i <= 3; ++i)
     if (auto wrong = within(i, -kFar_mm, kFar_mm); !wrong.empty()) return wrong;
   const double length = std::hypot(std::hypot(row[4], row[5]), std::hypot(row[6], row[7]));
   if (!(std::abs(length - 1.0) <= kUnitTolerance))
     return fmt::format("q_w … q_z: found a quaternion of length {:.7g}, accepted 1 ± 1e-05", length);
-  return within(8, 0.0, kMostRpm);
+  return within(8, 0.0, kMaxRpm);
 }
 
 // Checks two consecutive rows. @returns as CheckSample does.
@@ -122,9 +122,9 @@ std::string CheckStep(const MotionSample& before, const MotionSample& sample) {
     return fmt::format("time_s: found {}, accepted more than the {} of the row before", sample.time_s,
                        before.time_s);
   const double way_m = (sample.p_GT_m - before.p_GT_m).norm();
-  if (way_m > kMostSpeed_m_per_s * step_s)
+  if (way_m > kMaxSpeed_m_per_s * step_s)
     return fmt::format("x_mm … z_mm: found {:.6g} mm in {:.6g} s, accepted at most {} m/s", way_m * 1e3,
-                       step_s, kMostSpeed_m_per_s);
+                       step_s, kMaxSpeed_m_per_s);
   const double turn_rad = before.R_GT.angularDistance(sample.R_GT);
   if (turn_rad > std::numbers::pi / 2.0)
     return fmt::format("q_w … q_z: found a turn of {:.4g} deg from the row before, accepted at most 90",
@@ -162,9 +162,9 @@ tl::expected<ToolMotion, std::string> ParseMotion(const std::string& text, const
   const auto refuse = [&](const std::string& what) {
     return tl::make_unexpected(fmt::format("{}:{}: {}", name, lines.number(), what));
   };
-  if (text.size() > kMostBytes)
+  if (text.size() > kMaxBytes)
     return tl::make_unexpected(
-        fmt::format("{}: found {} bytes, accepted at most {}", name, text.size(), kMostBytes));
+        fmt::format("{}: found {} bytes, accepted at most {}", name, text.size(), kMaxBytes));
   if (!lines.Next(line)) return tl::make_unexpected(name + ": found an empty file, accepted a motion");
   if (line != kFirstLine)
     return refuse(fmt::format("found \"{}\", accepted \"{}\"", Shown(line), kFirstLine));
@@ -180,8 +180,8 @@ tl::expected<ToolMotion, std::string> ParseMotion(const std::string& text, const
   std::array<double, kColumnCount> row{};
   while (lines.Next(line)) {
     if (!lines.whole()) return refuse("found a row without a line end, accepted a file that is complete");
-    if (motion.samples.size() == kMostMotionRows)
-      return refuse(fmt::format("found more rows, accepted at most {}", kMostMotionRows));
+    if (motion.samples.size() == kMaxMotionRows)
+      return refuse(fmt::format("found more rows, accepted at most {}", kMaxMotionRows));
     if (const std::string wrong = ReadRow(line, row); !wrong.empty()) return refuse(wrong);
     const MotionSample sample = Sample(row);
     if (motion.samples.empty()) {
@@ -204,9 +204,9 @@ tl::expected<ToolMotion, std::string> LoadMotion(const std::filesystem::path& pa
     return tl::make_unexpected(name + ": found no file, accepted a motion");
   const auto bytes = std::filesystem::file_size(path, error);
   if (error) return tl::make_unexpected(name + ": can not be read: " + error.message());
-  if (bytes > kMostBytes)  // before it is read
+  if (bytes > kMaxBytes)  // before it is read
     return tl::make_unexpected(
-        fmt::format("{}: found {} bytes, accepted at most {}", name, bytes, kMostBytes));
+        fmt::format("{}: found {} bytes, accepted at most {}", name, bytes, kMaxBytes));
   std::ostringstream text;
   std::ifstream file(path, std::ios::binary);
   text << file.rdbuf();

@@ -36,7 +36,7 @@ struct ToolMotion {
 };
 
 /// Largest number of rows in a motion file.
-inline constexpr std::size_t kMostMotionRows = 200'000;
+inline constexpr std::size_t kMaxMotionRows = 200'000;
 
 /// Text of a motion file: a first line "# osteon motion 1", the origin in comment lines "# key: value", a
 /// line that names the columns, and a row a sample:

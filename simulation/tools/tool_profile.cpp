@@ -131,12 +131,12 @@ Eigen::AlignedBox3d ToolProfile::Bounds() const {
 }
 
 std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t seed) const {
-  constexpr std::size_t kLeast = 64;
+  constexpr std::size_t kMin = 64;
   // number of samples by area over gap: a scallop's depth grows with the square of the balls' spacing
   double total = 0.0;
   for (const ProfilePiece& piece : pieces_) total += Area(piece) / piece.gap_m;
   std::vector<SurfaceSample> samples;
-  samples.reserve(count + (kLeast + 64) * pieces_.size());
+  samples.reserve(count + (kMin + 64) * pieces_.size());
   const auto add = [&](const ProfilePiece& piece, const Point2& at, const Point2& normal, double turn,
                        bool edge) {
     const double phi = 2.0 * std::numbers::pi * turn;
@@ -156,7 +156,7 @@ std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t 
     const ProfilePiece& piece = pieces_[k];
     const double share = Area(piece) / piece.gap_m / total;
     const auto n =
-        std::max(std::max(kLeast, count / 8), static_cast<std::size_t>(share * static_cast<double>(count)));
+        std::max(std::max(kMin, count / 8), static_cast<std::size_t>(share * static_cast<double>(count)));
     for (std::size_t i = 1; i <= n; ++i) {
       const auto [at, normal] = AtShare(piece, fraction(start + kA1 * static_cast<double>(i)));
       add(piece, at, normal, fraction(start + kA2 * static_cast<double>(i)), false);
@@ -172,7 +172,7 @@ std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t 
         mean = (normal + AtShare(pieces_[k + 1], 0.0).second).normalized();
       else if (!back && k > 0)
         mean = (normal + AtShare(pieces_[k - 1], 1.0).second).normalized();
-      const std::size_t ring = apex ? 1 : std::max(4 * kLeast, n / 8);
+      const std::size_t ring = apex ? 1 : std::max(4 * kMin, n / 8);
       for (std::size_t i = 0; i < ring; ++i)
         add(piece, at, mean, fraction(start + static_cast<double>(i) / static_cast<double>(ring)), true);
     }

@@ -72,7 +72,7 @@ TEST(SetUpCell, PutsAMeshsCupWhereTheScenesWouldBe) {
       simulation::Join(simulation::MakeBox(center - half, center + half),
                        simulation::InsideOut(simulation::MakeIcosphere(center, 0.024, 3)));
   const simulation::TemporaryFile file(".obj", simulation::ObjText(mesh));
-  const simulation::Cup cup{.center_m = center, .axis = axis, .radius_m = 0.024};
+  const simulation::CutSite cup{.center_m = center, .axis = axis, .radius_m = 0.024};
 
   const auto setup = SetUpCell(kDemoCell, MeshChoice{.file = file.path(), .cup = cup});
   ASSERT_TRUE(setup) << setup.error();
@@ -92,15 +92,15 @@ TEST(SetUpCell, TakesAPackingFileWithItsOwnSite) {
   EXPECT_EQ(setup->bone.balls.size(), bone.balls.size());
   EXPECT_EQ(setup->bone.materials.size(), 3u);
   EXPECT_EQ(setup->solid, nullptr);
-  const Pose X_WC = setup->X_WG * simulation::CupPose(bone.cup);
+  const Pose X_WC = setup->X_WG * simulation::CupPose(bone.site);
   EXPECT_LT((X_WC.matrix() - setup->config.X_WG.matrix()).norm(), 1e-12);
 
   // a site other than the file's
-  const simulation::Cup other{
+  const simulation::CutSite other{
       .center_m = Vector3(0.1, 0.2, 0.3), .axis = Vector3(Vector3::UnitX()), .radius_m = 0.01};
   const auto moved = SetUpCell(kDemoCell, MeshChoice{.file = file, .cup = other});
   ASSERT_TRUE(moved) << moved.error();
-  EXPECT_EQ(moved->bone.cup.radius_m, 0.01);
+  EXPECT_EQ(moved->bone.site.radius_m, 0.01);
 }
 
 TEST(SetUpCell, SaysWhatAPackingFileLacks) {
@@ -112,7 +112,7 @@ TEST(SetUpCell, SaysWhatAPackingFileLacks) {
     return setup ? std::string("accepted") : setup.error();
   };
   simulation::Bone bone = simulation::test::SomeBone();
-  bone.cup.radius_m = 0.0;
+  bone.site.radius_m = 0.0;
   EXPECT_NE(refusal(bone).find("found a packing without a site, accepted one with it, or --cup"),
             std::string::npos);
   EXPECT_NE(refusal(simulation::test::SomeBone(5, 0)).find("without mass points"), std::string::npos);
@@ -148,7 +148,7 @@ TEST(SetUpCell, KeepsOnlyTheFilesThatTheCellRefersTo) {
 }
 
 TEST(SetUpCell, SaysWhyAMeshIsRefused) {
-  const simulation::Cup cup{};
+  const simulation::CutSite cup{};
   const auto missing = SetUpCell(kDemoCell, MeshChoice{.file = "missing.obj", .cup = cup});
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().find("missing.obj"), std::string::npos) << missing.error();

@@ -141,7 +141,7 @@ TEST(HipBoneOuterFaces, AreDrilledWithoutATrip) {
         {"twist_drill", 0.004},
         MeshChoice{
             .file = mesh,
-            .cup = simulation::Cup{.center_m = 1e-3 * site.p_mm, .axis = site.axis, .radius_m = 0.002}});
+            .cup = simulation::CutSite{.center_m = 1e-3 * site.p_mm, .axis = site.axis, .radius_m = 0.002}});
     for (const int frame_ms : {2, 8, 20}) {
       const Ridden ridden = Ride(setup, SecondsToBone(frame_ms), frame_ms, seed++);
       EXPECT_EQ(ridden.result.end, control::RunEnd::kSeconds) << frame_ms;

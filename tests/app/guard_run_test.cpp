@@ -48,10 +48,10 @@ void ExpectAllPasses(const std::string& name, const VirtualRide& ride, double ma
                                     .tau_ext = in.tau_ext,
                                     .compliant = cell.servo.law == control::Law::kImpedance};
     if (in.has_ipo) message.q_ipo = in.q_ipo;
-    ASSERT_EQ(monitor.Arm(message, in.now), safety::GuardDecision::kPass);
-    ASSERT_EQ(monitor.Command(AnswerOf(tick), in.now), safety::GuardDecision::kPass)
+    ASSERT_EQ(monitor.OnArmMessage(message, in.now), safety::GuardDecision::kPass);
+    ASSERT_EQ(monitor.OnCommand(AnswerOf(tick), in.now), safety::GuardDecision::kPass)
         << name << ", tick " << tick.tick << ": " << safety::Describe(monitor.reason());
-    monitor.Look(in.now);
+    monitor.CheckSilence(in.now);
     ++answers;
   }
   EXPECT_GT(answers, 1000u);

@@ -14,7 +14,7 @@ namespace {
 
 using Lossy = VirtualRide;
 
-constexpr double kMostStep_rad = 2e-3;  // one millisecond at 2 rad/s
+constexpr double kMaxStep_rad = 2e-3;  // one millisecond at 2 rad/s
 
 Lossy Ride(double loss, double from_s, double to_s, double seconds, int recoveries) {
   const auto lossy = [&](config::CellConfig& cell) {
@@ -42,7 +42,7 @@ TEST(LinkLoss, HalfAPercentEachWayIsHeldAndCountedExactly) {
       << "answers, as the arm reflects them";
   EXPECT_EQ(run.cell["arm"]["lost"].get<unsigned>(),
             in["lost"].get<unsigned>() + out["lost"].get<unsigned>());
-  ExpectNoJump(run.recording, kMostStep_rad);
+  ExpectNoJump(run.recording, kMaxStep_rad);
 }
 
 TEST(LinkLoss, ThreePercentEndCommandingAndItIsRecoveredWithoutAJump) {
@@ -56,7 +56,7 @@ TEST(LinkLoss, ThreePercentEndCommandingAndItIsRecoveredWithoutAJump) {
     activations = std::max(activations, tick.input.activation);
   EXPECT_EQ(activations, static_cast<std::uint32_t>(run.summary.recovered) + 1);
   EXPECT_EQ(run.summary.link.lost, run.cell["wires"]["arm_to_controller"]["lost"].get<unsigned>());
-  ExpectNoJump(run.recording, kMostStep_rad);
+  ExpectNoJump(run.recording, kMaxStep_rad);
 }
 
 TEST(LinkLoss, WithoutARecoveryTheFirstEndIsAFault) {

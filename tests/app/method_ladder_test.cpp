@@ -43,8 +43,8 @@ TEST(MethodLadder, SplittingIsOursWithLargeBallsAndRoomForTheirChildren) {
   // balls are split, except the smallest at the surface, which shrink
   const auto least = [](const auto& a, const auto& b) { return a.radius_m < b.radius_m; };
   const double least_m = std::min_element(large.bone.balls.begin(), large.bone.balls.end(), least)->radius_m;
-  EXPECT_GT(cutting.split.least_radius_m, least_m);
-  EXPECT_LT(cutting.split.least_radius_m, 0.25 * large.r_max_m);
+  EXPECT_GT(cutting.split.min_radius_m, least_m);
+  EXPECT_LT(cutting.split.min_radius_m, 0.25 * large.r_max_m);
   EXPECT_GT(cutting.split.pool_blocks, large.bone.balls.size());
 }
 

@@ -128,7 +128,7 @@ TEST(BallField, FirstHitAgreesWithBruteForceOnASyntheticCup) {
 /// the balls' roughness.
 SyntheticRun SphereCavity(double cavity_m, double tool_m) {
   SyntheticRun run;
-  run.bone.cup = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.004};
+  run.bone.site = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.004};
   const double spacing = 0.35e-3, radius = 0.34e-3;
   for (double z = -0.009; z < 0.0005; z += spacing)
     for (double y = -0.009; y < 0.009; y += spacing)
@@ -178,7 +178,7 @@ TEST(CavityError, CountsOnlyWhatWasCut) {
 // loss, but no error of the cavity's surface, which is a ball's thickness away from it.
 TEST(CavityError, LeavesOutTheFarFaceOfABallThatWasCut) {
   SyntheticRun run;
-  run.bone.cup = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.004};
+  run.bone.site = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.004};
   for (double x = -0.012; x <= 0.012; x += 0.5e-3)
     for (double y = -0.012; y <= 0.012; y += 0.5e-3)
       run.bone.balls.push_back({.center_m = Vector3(x, y, -0.008), .radius_m = 0.004});
@@ -232,7 +232,7 @@ TEST(Section, PoseOfThePackingMovesNothing) {
 // A 2 mm drill goes 40 mm deep: the window follows it to the hole's floor, and the detail shows the floor.
 TEST(Section, ADeepHoleShowsItsFloor) {
   SyntheticRun run;
-  run.bone.cup = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.002};
+  run.bone.site = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.002};
   for (double z = -0.050; z < 0.0005; z += 0.7e-3)
     for (double y = -0.005; y <= 0.005; y += 0.7e-3)
       for (double x = -0.005; x <= 0.005; x += 0.7e-3)

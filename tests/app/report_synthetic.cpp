@@ -70,7 +70,7 @@ SyntheticRun MakeSyntheticRun(const SyntheticParams& params) {
   SyntheticRun run;
   run.cell_m = params.spacing_m;
   run.bone.name = "synthetic cup";
-  run.bone.cup = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = params.cup_radius_m};
+  run.bone.site = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = params.cup_radius_m};
   run.bone.materials = {{.name = "cartilage"}, {.name = "subchondral cortical"}, {.name = "cancellous"}};
   EachLatticePoint(params.block_m, params.spacing_m, [&](const Vector3& p) {
     const double radius_m = std::min(params.cap_m, InsideBone(p, params));

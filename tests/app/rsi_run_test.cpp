@@ -23,7 +23,7 @@ io::RsiSessionParams& Session(config::CellConfig& cell) {
   return std::get<io::RsiSessionParams>(cell.link.session);
 }
 
-constexpr double kMostStep_rad = 4e-3;  // 4 ms at 1 rad/s
+constexpr double kMaxStep_rad = 4e-3;  // 4 ms at 1 rad/s
 
 TEST(RsiRun, TheShippedCellDrillsThroughItsPlateWithoutAFault) {
   const Ride run = RunKr(10.0, AsShipped);
@@ -42,7 +42,7 @@ TEST(RsiRun, TheShippedCellDrillsThroughItsPlateWithoutAFault) {
   EXPECT_EQ(run.cell["arm"]["delay"], 0);
   EXPECT_EQ(run.cell["arm"]["lost"], 0);
   EXPECT_EQ(run.summary.link.lost + run.summary.link.rejected, 0u);
-  ExpectNoJump(run.recording, kMostStep_rad);
+  ExpectNoJump(run.recording, kMaxStep_rad);
   for (const control::TickRecord& tick : run.recording.ticks) ASSERT_EQ(tick.q_cmd[6], 0.0);
 }
 
@@ -98,7 +98,7 @@ TEST(RsiRun, AnArmThatIsHandedOverElsewhereIsBroughtToTheStart) {
   for (const control::TickRecord& tick : run.recording.ticks)
     aligning |= tick.phase == control::Phase::kAligning;
   EXPECT_TRUE(aligning);
-  ExpectNoJump(run.recording, kMostStep_rad);
+  ExpectNoJump(run.recording, kMaxStep_rad);
 }
 
 hil::InjectionParams Loss(hil::Direction direction, double loss, double from_s, double to_s, int burst = 1) {
@@ -123,7 +123,7 @@ TEST(RsiRun, LossesBelowTheTimeoutAreHeldAndCountedExactly) {
   EXPECT_EQ(run.cell["arm"]["lost"].get<unsigned>(), in + out);
   EXPECT_EQ(run.cell["arm"]["delay"].get<unsigned>(), in + out);
   EXPECT_LT(in + out, 100u) << "the Timeout";
-  ExpectNoJump(run.recording, kMostStep_rad);
+  ExpectNoJump(run.recording, kMaxStep_rad);
 }
 
 // No answer arrives any more: Delay counts up to the Timeout, RSI ends, and its silence stops the loop.
@@ -139,7 +139,7 @@ TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
   EXPECT_EQ(run.cell["arm"]["session"], "IDLE");
   EXPECT_EQ(run.recording.ticks.back().phase, control::Phase::kStopped);
   EXPECT_LE(run.summary.peak_force_N, run.summary.force_limit_N);
-  ExpectNoJump(run.recording, kMostStep_rad);
+  ExpectNoJump(run.recording, kMaxStep_rad);
 
   // a person starts the program again, and the run may recover
   const Ride again = RunKr(
@@ -156,7 +156,7 @@ TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
   for (const control::TickRecord& tick : again.recording.ticks)
     activations = std::max(activations, tick.input.activation);
   EXPECT_EQ(activations, 2u);
-  ExpectNoJump(again.recording, kMostStep_rad);
+  ExpectNoJump(again.recording, kMaxStep_rad);
 }
 
 void NotHeld(config::CellConfig& cell, double axis_speed_ratio) {

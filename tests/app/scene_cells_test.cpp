@@ -40,7 +40,7 @@ std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& eng
   // the last safeguards are never needed
   EXPECT_EQ(result->statistics.limits.Of(safety::Limit::kPassivity).events, 0u);
   EXPECT_EQ(result->statistics.limits.Of(safety::Limit::kTank).events, 0u);
-  EXPECT_GT(result->statistics.least_tank_J, 0.0);
+  EXPECT_GT(result->statistics.min_tank_J, 0.0);
   return std::move(*result);
 }
 /// Runs 0.3 s on the reference engine.
@@ -53,7 +53,7 @@ TEST(SceneCells, EachRunsWithoutAFault) {
     const auto setup = SetUpCell(entry.path(), std::nullopt);
     ASSERT_TRUE(setup) << setup.error();
     // the tool points at the site along its axis, from outside the bone
-    const Pose X_WC = setup->X_WG * simulation::CupPose(setup->bone.cup);
+    const Pose X_WC = setup->X_WG * simulation::CupPose(setup->bone.site);
     const Pose& X_WT = setup->config.start.X_WT;
     EXPECT_NEAR(X_WT.linear().col(2).dot(X_WC.linear().col(2)), -1.0, 1e-9);
     const Vector3 p_CT = X_WC.inverse() * X_WT.translation();
@@ -110,9 +110,9 @@ class DataMeshes : public ::testing::Test {
     if (!data || !fs::exists(tooth_.file)) GTEST_SKIP() << "skipped, no anatomical meshes";
   }
   MeshChoice tooth_{.file = {},
-                    .cup = simulation::Cup{.center_m = Vector3(0, 0.0005, 0.0080),
-                                           .axis = Vector3(0, 0, 1),
-                                           .radius_m = 0.00175},
+                    .cup = simulation::CutSite{.center_m = Vector3(0, 0.0005, 0.0080),
+                                               .axis = Vector3(0, 0, 1),
+                                               .radius_m = 0.00175},
                     .scale = 0.041};
 };
 

@@ -108,10 +108,11 @@ TEST(RealtimeCalls, NothingMarkedReachesHeapLockOrExceptionInTheBuiltCommand) {
       << Join(check.forbidden) << "call something else, or give it a line with its reason in "
       << kRulesFile.string();
   // the tick's own entry points, and the implementations behind virtual functions
-  for (const char* name : {"osteon::control::ServoLoop::Tick", "osteon::control::LoopRepeat::Repeat",
-                           "osteon::io::FriLink::Receive", "osteon::io::FriLink::Send",
-                           "osteon::io::RsiLink::Receive", "osteon::io::RsiLink::Send",
-                           "osteon::safety::GuardMonitor::Command", "osteon::control::EvaluateCoupling"})
+  for (const char* name :
+       {"osteon::control::ServoLoop::Tick", "osteon::control::LoopRepeat::ReplayStoredTick",
+        "osteon::io::FriLink::Receive", "osteon::io::FriLink::Send", "osteon::io::RsiLink::Receive",
+        "osteon::io::RsiLink::Send", "osteon::safety::GuardMonitor::OnCommand",
+        "osteon::control::EvaluateCoupling"})
     EXPECT_TRUE(check.roots.contains(name)) << name << " is not found in the program";
   EXPECT_GT(check.roots.size(), 350u);
   EXPECT_GT(check.reached, 500u);

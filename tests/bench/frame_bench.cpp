@@ -107,7 +107,7 @@ int Run(const Options& options) {
   simulation::CarvedState state;
   {
     const auto engine = make(false, false);
-    if (!simulation::Prepare(*engine, start, ready))
+    if (!simulation::RunUntilReady(*engine, start, ready))
       throw std::runtime_error("the tool does not reach the bone");
     state = engine->Snapshot();
   }

@@ -38,7 +38,7 @@ Bone Synthetic(std::size_t balls, std::size_t points) {
     state = state * 6364136223846793005u + 1442695040888963407u;
     return low + (high - low) * static_cast<double>(state >> 11) * 0x1.0p-53;
   };
-  Bone bone{.name = "synthetic", .balls = {}, .points = {}, .materials = DefaultBoneMaterials(), .cup = {}};
+  Bone bone{.name = "synthetic", .balls = {}, .points = {}, .materials = DefaultBoneMaterials(), .site = {}};
   bone.balls.resize(balls);
   for (Ball& ball : bone.balls)
     ball = {.center_m = osteon::Vector3(uniform(-0.1, 0.1), uniform(-0.1, 0.1), uniform(-0.1, 0.1)),

@@ -13,10 +13,10 @@ std::string VdbVersion() { return OPENVDB_LIBRARY_VERSION_STRING; }
 
 VdbSpheres FillWithVdb(const simulation::TriangleMesh& mesh, std::size_t count, bool overlapping) {
   constexpr double kVoxel_mm = 0.5, kMm = 1e3;
-  constexpr float kBand_voxels = 3.0f, kLeastRadius_voxels = 0.1f;
+  constexpr float kBand_voxels = 3.0f, kMinRadius_voxels = 0.1f;
   // Number of candidate places for spheres. Too few reduce coverage (0.776 with 1 M against 0.717 with 100 k,
   // for 10 000 disjoint spheres in a hip bone); each candidate costs time for each sphere.
-  constexpr int kFewestInstances = 100'000, kMostInstances = 1'000'000;
+  constexpr int kFewestInstances = 100'000, kMaxInstances = 1'000'000;
   openvdb::initialize();
   using Clock = std::chrono::steady_clock;
   const auto seconds = [](Clock::duration d) { return std::chrono::duration<double>(d).count(); };
@@ -35,9 +35,9 @@ VdbSpheres FillWithVdb(const simulation::TriangleMesh& mesh, std::size_t count, 
 
   std::vector<openvdb::Vec4s> spheres;
   const int most = static_cast<int>(count);
-  openvdb::tools::fillWithSpheres(*grid, spheres, openvdb::Vec2i(1, most), overlapping, kLeastRadius_voxels,
+  openvdb::tools::fillWithSpheres(*grid, spheres, openvdb::Vec2i(1, most), overlapping, kMinRadius_voxels,
                                   std::numeric_limits<float>::max(), 0.0f,
-                                  std::clamp(100 * most, kFewestInstances, kMostInstances));
+                                  std::clamp(100 * most, kFewestInstances, kMaxInstances));
   result.fill_s = seconds(Clock::now() - filled_from);
   for (const openvdb::Vec4s& s : spheres)
     result.balls.push_back({.center_m = Vector3(s[0] / kMm, s[1] / kMm, s[2] / kMm), .radius_m = s[3] / kMm});

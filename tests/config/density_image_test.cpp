@@ -276,7 +276,7 @@ TEST_F(DensityImages, AMeshsMaterialFollowsItWithDepthAndHeight) {
   for (const std::string& name : params.material_names)
     params.materials.push_back(*std::ranges::find(materials, name, &simulation::Material::name));
   params.packing.lattice = {.finest_m = 1e-3, .coarser_from_m = {2e-3, 5e-3}};
-  params.packing.surface_gap_m = params.packing.greatest_surface_gap_m = 0.3e-3;
+  params.packing.surface_gap_m = params.packing.max_surface_gap_m = 0.3e-3;
   params.packing.samples = {.finest_m = 0.5e-3, .coarser_from_m = {2e-3, 5e-3}};
   params.points.cells = {.finest_m = 0.5e-3, .coarser_from_m = {2e-3, 5e-3}};
   const simulation::Bone bone = simulation::PackScene(*solid, params);

@@ -61,7 +61,7 @@ TEST_F(OverlayTest, SaysOtherwiseInTheCellAndInTheFilesThatItNames) {
       << "once it is gone nothing is laid over anything";
   EXPECT_DOUBLE_EQ(cell.tool.tool.balls.front().radius_m, 0.026);
   EXPECT_DOUBLE_EQ(cell.scene.packing.lattice.finest_m, 0.003);
-  EXPECT_DOUBLE_EQ(cell.scene.packing.least_radius_m, shipped.scene.packing.least_radius_m);
+  EXPECT_DOUBLE_EQ(cell.scene.packing.min_radius_m, shipped.scene.packing.min_radius_m);
   EXPECT_NEAR(cell.tool.spindle_rad_per_s, 300.0 * 2.0 * 3.14159265358979 / 60.0, 1e-9);
   EXPECT_EQ(cell.injections.injections.size(), 1u);
   EXPECT_EQ(cell.simulated.hand.incidents.count, 1u);

@@ -99,9 +99,9 @@ TEST(SceneFiles, EachCellsSceneIsPackedWithItsMaterialsWithin40000Balls) {
       ASSERT_LE(outside_m, 1e-9) << "ball " << i << " leaves the solid";
     }
     // the tool goes into bone, and starts outside of it
-    const Vector3 site = bone.cup.center_m, axis = bone.cup.axis;
+    const Vector3 site = bone.site.center_m, axis = bone.site.axis;
     EXPECT_GT(solid.solid->SignedDistance(site + 1e-3 * axis), 0.0);
-    EXPECT_LT(solid.solid->SignedDistance(site - 1.05 * bone.cup.radius_m * axis), 1.1e-3);
+    EXPECT_LT(solid.solid->SignedDistance(site - 1.05 * bone.site.radius_m * axis), 1.1e-3);
   }
 }
 

@@ -93,7 +93,7 @@ TEST(EventsSection, ComesInSI) {
   ASSERT_EQ(events.regions.size(), 1u);
   EXPECT_EQ(events.regions[0].name, "nerve");
   EXPECT_EQ(events.regions[0].material, "pulp");
-  EXPECT_DOUBLE_EQ(events.least_wall_m, 0.0008);
+  EXPECT_DOUBLE_EQ(events.min_wall_m, 0.0008);
   EXPECT_DOUBLE_EQ(events.opening_widening, 1.5);
   EXPECT_DOUBLE_EQ(events.wall_spacing_m, 0.0004);
 }

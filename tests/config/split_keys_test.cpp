@@ -46,7 +46,7 @@ TEST_F(SplitKeys, ReachTheEngine) {
   const simulation::SplitParams split =
       LoadWith("  split: {least_radius_mm: 0.3, child_count: 32, pool_count: 500}\n").cutting.split;
   EXPECT_TRUE(split.on);
-  EXPECT_DOUBLE_EQ(split.least_radius_m, 0.3e-3);
+  EXPECT_DOUBLE_EQ(split.min_radius_m, 0.3e-3);
   EXPECT_EQ(split.children, 32);
   EXPECT_EQ(split.pool_blocks, 500u);
 }

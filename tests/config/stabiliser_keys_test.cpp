@@ -32,13 +32,13 @@ TEST(StabiliserKeys, ReachTheLoop) {
   text = With(text, "\n  cap_J: 1 ", "\n  cap_J: 2 ");
   const control::StabiliserParams s = LoadText(text).servo.stabilisers;
   EXPECT_TRUE(s.age_governor.acts && s.passivity.acts && s.energy_tank.acts);
-  EXPECT_EQ(s.age_governor.most_damping, 7.0);
+  EXPECT_EQ(s.age_governor.max_damping_factor, 7.0);
   EXPECT_EQ(s.age_governor.release_s, 0.2);
   EXPECT_EQ(s.age_governor.arm_damping_Ns_per_m, 30.0);
   EXPECT_EQ(s.age_governor.arm_damping_Nms_per_rad, 0.5);
   EXPECT_EQ(s.passivity.allowance_J, 0.03);
-  EXPECT_EQ(s.passivity.least_speed_m_per_s, 0.005);
-  EXPECT_EQ(s.passivity.most_damping_Ns_per_m, 1000.0);
+  EXPECT_EQ(s.passivity.min_speed_m_per_s, 0.005);
+  EXPECT_EQ(s.passivity.max_damping_Ns_per_m, 1000.0);
   EXPECT_EQ(s.energy_tank.cap_J, 2.0);
   EXPECT_EQ(s.energy_tank.ramp_s, 0.1);
 }
@@ -60,12 +60,12 @@ TEST(StabiliserKeys, ASectionThatIsLeftOutIsAsTheShippedOnesAre) {
   const control::StabiliserParams shipped = LoadText(all).servo.stabilisers,
                                   absent = LoadText(none).servo.stabilisers;
   EXPECT_EQ(absent.age_governor.acts, shipped.age_governor.acts);
-  EXPECT_EQ(absent.age_governor.most_damping, shipped.age_governor.most_damping);
+  EXPECT_EQ(absent.age_governor.max_damping_factor, shipped.age_governor.max_damping_factor);
   EXPECT_EQ(absent.age_governor.release_s, shipped.age_governor.release_s);
   EXPECT_EQ(absent.passivity.acts, shipped.passivity.acts);
   EXPECT_EQ(absent.passivity.allowance_J, shipped.passivity.allowance_J);
-  EXPECT_EQ(absent.passivity.least_speed_m_per_s, shipped.passivity.least_speed_m_per_s);
-  EXPECT_EQ(absent.passivity.most_damping_Ns_per_m, shipped.passivity.most_damping_Ns_per_m);
+  EXPECT_EQ(absent.passivity.min_speed_m_per_s, shipped.passivity.min_speed_m_per_s);
+  EXPECT_EQ(absent.passivity.max_damping_Ns_per_m, shipped.passivity.max_damping_Ns_per_m);
   EXPECT_EQ(absent.energy_tank.acts, shipped.energy_tank.acts);
   EXPECT_EQ(absent.energy_tank.cap_J, shipped.energy_tank.cap_J);
   EXPECT_EQ(absent.energy_tank.ramp_s, shipped.energy_tank.ramp_s);

@@ -75,7 +75,7 @@ TEST(AdmittanceCentre, IsTheDenseSolutionOfTheFullMatrices) {
   for (int run = 0; run < 500; ++run) {
     const AdmittanceParams own = draw.Params();
     const double mass_factor = draw.Within(1.0, 3.0), damping_factor = draw.Within(1.0, 100.0);
-    const AdmittanceParams params = Times(own, mass_factor, damping_factor);
+    const AdmittanceParams params = ScaleLaw(own, mass_factor, damping_factor);
     const Matrix6 M = mass_factor * FullMatrix(own.mass_kg, own.inertia_kg_m2, own.centre_T_m);
     const Matrix6 D =
         damping_factor * FullMatrix(own.damping_Ns_per_m, own.damping_Nms_per_rad, own.centre_T_m);
@@ -177,7 +177,7 @@ TEST(AdmittanceCentre, AFreeBodyKeepsItsEnergyAndItsCentreWhileItTurns) {
     const double now = Energy(params, R, V);
     ASSERT_LE(now, energy * (1.0 + 1e-14)) << "tick " << i;
     energy = now;
-    state = {.X_WT = Move(state.X_WT, V, kDt_s), .V_WT = V};
+    state = {.X_WT = IntegratePose(state.X_WT, V, kDt_s), .V_WT = V};
   }
   EXPECT_NEAR(energy, first, 1e-6 * first) << "the drag is 1e-9";
   // Move takes To along a straight line where the centre's arc bends: w^2 c dt^2 / 2 per tick, always across

@@ -65,7 +65,8 @@ TEST(AdmittanceLaw, WithoutAForceKineticEnergyOnlyFalls) {
 
 TEST(AdmittanceLaw, RotationStaysOrthonormalOverAnHourOfTurning) {
   Pose X_WT = Pose::Identity();
-  for (int i = 0; i < 3'600'000; ++i) X_WT = Move(X_WT, {.v = Vector3::Zero(), .w = {0.7, -0.9, 0.4}}, kDt_s);
+  for (int i = 0; i < 3'600'000; ++i)
+    X_WT = IntegratePose(X_WT, {.v = Vector3::Zero(), .w = {0.7, -0.9, 0.4}}, kDt_s);
   EXPECT_LT((X_WT.linear() * X_WT.linear().transpose() - Matrix3::Identity()).norm(), 1e-14);
 }
 
@@ -73,7 +74,7 @@ TEST(AdmittanceLaw, RotationStaysOrthonormalOverAnHourOfTurning) {
 TEST(AdmittanceLaw, MoveIntegratesAConstantTurnExactly) {
   Pose X_WT = Pose::Identity();
   const Vector3 w(0.3, -0.2, 0.5);
-  for (int i = 0; i < 1000; ++i) X_WT = Move(X_WT, {.v = {0.1, 0.0, 0.0}, .w = w}, kDt_s);
+  for (int i = 0; i < 1000; ++i) X_WT = IntegratePose(X_WT, {.v = {0.1, 0.0, 0.0}, .w = w}, kDt_s);
   EXPECT_LT((X_WT.linear() - ExpRotation(w)).norm(), 1e-13);
   EXPECT_NEAR(X_WT.translation().x(), 0.1, 1e-13);
 }
@@ -95,8 +96,9 @@ TEST(AdmittanceLaw, DeadZoneIsContinuousAndKeepsTheDirection) {
   AdmittanceParams params;
   params.dead_zone_N = 2.0;
   params.dead_zone_Nm = 0.1;
-  EXPECT_TRUE(PastDeadZone(params, {.f = {1.2, 1.6, 0.0}, .t = {0.0, 0.0, 0.1}}).f.isZero(0.0)) << "|f| = 2";
-  const Wrench out = PastDeadZone(params, {.f = {3.0, 4.0, 0.0}, .t = {0.0, 0.0, 0.3}});
+  EXPECT_TRUE(SubtractDeadZone(params, {.f = {1.2, 1.6, 0.0}, .t = {0.0, 0.0, 0.1}}).f.isZero(0.0))
+      << "|f| = 2";
+  const Wrench out = SubtractDeadZone(params, {.f = {3.0, 4.0, 0.0}, .t = {0.0, 0.0, 0.3}});
   EXPECT_TRUE(out.f.isApprox(Vector3(1.8, 2.4, 0.0), 1e-14));
   EXPECT_NEAR(out.t.z(), 0.2, 1e-15);
 }

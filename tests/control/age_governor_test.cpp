@@ -38,7 +38,7 @@ class RandomContact {
     const double k = Spread(1e3, 80e3);
     for (int j = 0; j < out.active_planes; ++j)
       out.active[static_cast<std::size_t>(j)] = {.n_W = Direction(),
-                                                 .arm_W = Uniform(0.0, 0.15) * Direction(),
+                                                 .lever_W = Uniform(0.0, 0.15) * Direction(),
                                                  .stiffness_N_per_m = k,
                                                  .force_N = Uniform(1.0, 200.0)};
     return out;
@@ -60,7 +60,7 @@ Matrix6 AgedStiffness(const CouplingOutput& c, const StiffnessAges& ages, double
   for (int j = 0; j < m; ++j) {
     const ActivePlane& plane = c.active[static_cast<std::size_t>(j)];
     N.col(j) = plane.n_W;
-    A.col(j) << plane.n_W, plane.arm_W.cross(plane.n_W);
+    A.col(j) << plane.n_W, plane.lever_W.cross(plane.n_W);
   }
   const Eigen::MatrixXd inverse = (N.transpose() * N).inverse();
   const double k = c.fade * c.active[0].stiffness_N_per_m;
@@ -68,7 +68,7 @@ Matrix6 AgedStiffness(const CouplingOutput& c, const StiffnessAges& ages, double
   const Matrix3 P = Matrix3::Identity() - N * inverse * N.transpose();
   for (int j = 0; j < m; ++j) {
     const ActivePlane& plane = c.active[static_cast<std::size_t>(j)];
-    const Vector3 r = plane.arm_W + radius_m * plane.n_W;
+    const Vector3 r = plane.lever_W + radius_m * plane.n_W;
     Eigen::Matrix<double, 6, 3> B;
     B.topRows<3>().setIdentity();
     B.bottomRows<3>() << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
@@ -133,7 +133,7 @@ TEST(AgeGovernor, LeverArmAllowsTheDesignsStiffness) {
     coupling.fade = 1.0;
     coupling.active_planes = 1;
     coupling.active[0] = {
-        .n_W = Vector3::UnitX(), .arm_W = lever_m * Vector3::UnitZ(), .stiffness_N_per_m = most};
+        .n_W = Vector3::UnitX(), .lever_W = lever_m * Vector3::UnitZ(), .stiffness_N_per_m = most};
     const double ratio = AgeRatio(coupling, Matrix3::Identity(), D, {.pose_s = 5e-3}, 0.025);
     EXPECT_NEAR(ratio, 1.02, 1.02e-3) << lever_m;
   }
@@ -234,7 +234,7 @@ double SwingInABowl(bool governed, double age_s, double hold_s) {
     hand.z() = -kPush_N;
     const Wrench F{.f = hand + governor.wrench_share() * coupling.F_T_W.f,
                    .t = governor.wrench_share() * coupling.F_T_W.t};
-    if (!StepAdmittance(Times(law, 1.0, governor.damping_factor()), F, kT, tool)) return 1.0;
+    if (!StepAdmittance(ScaleLaw(law, 1.0, governor.damping_factor()), F, kT, tool)) return 1.0;
     const double off_m = tool.X_WT.translation().head<2>().norm();
     if (off_m > 0.02) return off_m;  // it climbs the bowl's wall
     if (i >= 1500) most_m = std::max(most_m, off_m);
@@ -270,7 +270,7 @@ TEST(AgeGovernor, DoesNotAllocate) {
 }
 
 TEST(AgeGovernor, RefusesParametersOutOfRange) {
-  EXPECT_THROW(AgeGovernor({.most_damping = 0.5}, kT), std::invalid_argument);
+  EXPECT_THROW(AgeGovernor({.max_damping_factor = 0.5}, kT), std::invalid_argument);
   EXPECT_THROW(AgeGovernor({.tool_radius_m = 0.0}, kT), std::invalid_argument);
   EXPECT_THROW(AgeGovernor({.release_s = std::nan("")}, kT), std::invalid_argument);
 }
@@ -287,13 +287,13 @@ TEST(AgeGovernor, FollowsTheLawsOwnDamping) {
   coupling.active_planes = 1;
   coupling.active[0] = {.n_W = Vector3::UnitX(), .stiffness_N_per_m = 15e3};
   const auto factor = [&](Stabilisers& stabilisers) {
-    (void)stabilisers.Shape(coupling, Pose::Identity(), {});
+    (void)stabilisers.ScaleCoupling(coupling, Pose::Identity(), {});
     return stabilisers.damping_factor();
   };
   Stabilisers stabilisers({}, with(20.0), kT);
   const double at_20 = factor(stabilisers);
   EXPECT_NEAR(at_20, 1.02 * 15e3 * 2e-3 / 20.0, 0.01) << "one direction: the bound is the eigenvalue";
-  stabilisers.Follow(with(10.0));
+  stabilisers.SetLaw(with(10.0));
   EXPECT_NEAR(factor(stabilisers), 2.0 * at_20, 0.02);
 }
 

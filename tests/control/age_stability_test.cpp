@@ -52,15 +52,15 @@ Matrix6 RandomSymmetric(std::mt19937_64& bits, double least, double most) {
 // Share of 1000 random systems that grow, with D a multiple of a_max K.
 int Growing(double factor) {
   constexpr double kStep_s = 1e-3;
-  constexpr int kMost = 9;  // samples: a_max is 10 ms
+  constexpr int kMax = 9;  // samples: a_max is 10 ms
   int growing = 0;
   for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
     std::mt19937_64 bits(seed);
     const Matrix6 M = RandomSymmetric(bits, 0.2, 5.0), K = RandomSymmetric(bits, 200.0, 2000.0);
-    const Matrix6 D = factor * (kMost + 1) * kStep_s * K;
-    EXPECT_EQ(AgeReserve(D, K, (kMost + 1) * kStep_s) > 0.0, factor > 1.0);
-    std::uniform_int_distribution<int> age(0, kMost);
-    if (Growth<6>(M, D, K, kStep_s, 6000, kMost, [&] { return age(bits); }) > 0.0) ++growing;
+    const Matrix6 D = factor * (kMax + 1) * kStep_s * K;
+    EXPECT_EQ(AgeReserve(D, K, (kMax + 1) * kStep_s) > 0.0, factor > 1.0);
+    std::uniform_int_distribution<int> age(0, kMax);
+    if (Growth<6>(M, D, K, kStep_s, 6000, kMax, [&] { return age(bits); }) > 0.0) ++growing;
   }
   return growing;
 }

@@ -35,7 +35,7 @@ TEST(AxisLock, WhatAddsUpOverALongWayIsDrawnBackToOneLine) {
     Twist V;
     ASSERT_TRUE(NextTwist(params, X_WT, {.v = 0.01 * X_WT.linear().col(2), .w = Vector3::Zero()},
                           {.f = 0.2 * X_WT.linear().col(2), .t = Vector3::Zero()}, kDt_s, V, held_C));
-    X_WT = Move(X_WT, V, kDt_s);
+    X_WT = IntegratePose(X_WT, V, kDt_s);
     X_WT.translation() += drift_m;
     X_WT.linear() = ExpRotation(turn_rad) * X_WT.linear();
   }
@@ -76,7 +76,7 @@ TEST(AxisLock, ATurnThatIsFreeIsNotDrawnBack) {
   for (int i = 0; i < 3000; ++i) {
     ASSERT_TRUE(NextTwist(params, X_WT, V, {.f = {30.0, 10.0, -40.0}, .t = {0.4, 0.3, 0.2}}, kDt_s, V,
                           lock.Correction(X_WT)));
-    X_WT = Move(X_WT, V, kDt_s);
+    X_WT = IntegratePose(X_WT, V, kDt_s);
   }
   EXPECT_GT(LogRotation(X_WT.linear()).norm(), 0.5) << "it pivots about its centre";
   EXPECT_LT((X_WT * params.centre_T_m - centre).norm(), 10e-6);

@@ -45,7 +45,7 @@ void Hang(BiasEstimator& estimator, double seconds, const Wrench& bias, double n
       F_S.f[k] += noise_N * noise(random);
       F_S.t[k] += 0.05 * noise_N * noise(random);
     }
-    estimator.Rest(F_S, Flange(turn_rad));
+    estimator.AddReading(F_S, Flange(turn_rad));
   }
 }
 
@@ -92,13 +92,13 @@ TEST(BiasEstimator, TooShortARestSaysNothing) {
 TEST(BiasEstimator, WhatMovesOrIsTouchedIsNoRest) {
   BiasEstimator moved({}, kSensor, kDt_s);
   for (int i = 0; i < 2000; ++i)
-    moved.Rest(Sum(kBias, ToolWeight(kSensor, Flange(1e-5 * i))), Flange(1e-5 * i));  // 0.01 rad/s
+    moved.AddReading(Sum(kBias, ToolWeight(kSensor, Flange(1e-5 * i))), Flange(1e-5 * i));  // 0.01 rad/s
   EXPECT_EQ(moved.bias().f, Vector3::Zero());
 
   BiasEstimator touched({}, kSensor, kDt_s);
   for (int i = 0; i < 2000; ++i) {
     const Wrench hand{.f = Vector3(0.0, 0.0, (i / 200) % 2 == 0 ? 0.0 : 4.0), .t = Vector3::Zero()};
-    touched.Rest(Sum(Sum(kBias, hand), ToolWeight(kSensor, Flange(0.3))), Flange(0.3));
+    touched.AddReading(Sum(Sum(kBias, hand), ToolWeight(kSensor, Flange(0.3))), Flange(0.3));
   }
   EXPECT_EQ(touched.bias().f, Vector3::Zero());
 }
@@ -111,13 +111,13 @@ TEST(BiasEstimator, TheLastRestThatWasBelievedCounts) {
   Hang(estimator, 2.0,
        {.f = {20.0, 0.0, 0.0}, .t = Vector3::Zero()});  // a hand that leans on it, or a broken sensor
   EXPECT_EQ(estimator.bias().f, believed.f);
-  estimator.Rest({.f = Vector3::Constant(std::numeric_limits<double>::quiet_NaN()), .t = Vector3::Zero()},
-                 Flange(0.3));
+  estimator.AddReading(
+      {.f = Vector3::Constant(std::numeric_limits<double>::quiet_NaN()), .t = Vector3::Zero()}, Flange(0.3));
   EXPECT_EQ(estimator.bias().f, believed.f);
 }
 
 TEST(BiasEstimator, ARestBeyondTheBoundIsInDoubtUntilOneWithinItIsBelieved) {
-  BiasEstimator estimator({.most_N = 2.0}, kSensor, kDt_s);
+  BiasEstimator estimator({.max_bias_N = 2.0}, kSensor, kDt_s);
   Hang(estimator, 1.0, kBias);
   EXPECT_TRUE(estimator.in_doubt());
   EXPECT_EQ(estimator.bias().f.norm(), 0.0);
@@ -132,8 +132,8 @@ TEST(BiasEstimator, TheBoundIsWhatTheLawsDragBearsAtACreep) {
   law.damping_Ns_per_m = {30.0, 20.0, 40.0};
   law.dead_zone_N = 0.5;
   const BiasParams bound = CreepBound({.max_creep_m_per_s = 0.05}, law);
-  EXPECT_DOUBLE_EQ(bound.most_N, 0.5 + 20.0 * 0.05);
-  EXPECT_EQ(CreepBound({.most_N = 0.7, .max_creep_m_per_s = 0.05}, law).most_N, 0.7);
+  EXPECT_DOUBLE_EQ(bound.max_bias_N, 0.5 + 20.0 * 0.05);
+  EXPECT_EQ(CreepBound({.max_bias_N = 0.7, .max_creep_m_per_s = 0.05}, law).max_bias_N, 0.7);
 }
 
 TEST(BiasEstimator, SwitchedOffItTakesNothing) {
@@ -144,13 +144,13 @@ TEST(BiasEstimator, SwitchedOffItTakesNothing) {
 
 TEST(BiasEstimator, RefusesWhatItCanNotBe) {
   EXPECT_THROW(BiasEstimator({.rest_s = 0.0}, kSensor, kDt_s), std::invalid_argument);
-  EXPECT_THROW(BiasEstimator({.most_N = -1.0}, kSensor, kDt_s), std::invalid_argument);
+  EXPECT_THROW(BiasEstimator({.max_bias_N = -1.0}, kSensor, kDt_s), std::invalid_argument);
 }
 
 TEST(BiasEstimator, DoesNotAllocate) {
   BiasEstimator estimator({}, kSensor, kDt_s);
   rt::CheckedNoAllocScope no_alloc;
-  for (int i = 0; i < 100; ++i) estimator.Rest(kBias, Flange(0.3));
+  for (int i = 0; i < 100; ++i) estimator.AddReading(kBias, Flange(0.3));
 }
 
 }  // namespace

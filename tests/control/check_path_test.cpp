@@ -41,7 +41,7 @@ TEST(CheckPath, FindsTheNearestApproachOfAnArcToASphere) {
   around.spheres = {{.center_W_m = {1.0 + kReach_m + 0.08, 2.0, 3.36}, .radius_m = 0.03}};
   const auto found = CheckPath<7>(kChain, StraightOut(-1.5), StraightOut(1.5), around);
   ASSERT_TRUE(found) << found.error();
-  EXPECT_NEAR(found->least_m, 0.08 - 0.03 - 0.01, around.resolution_m);
+  EXPECT_NEAR(found->min_distance_m, 0.08 - 0.03 - 0.01, around.resolution_m);
   EXPECT_NEAR(found->share, 0.5, 0.02);
   EXPECT_EQ(found->between, "the flange, the bone");
 }
@@ -151,7 +151,7 @@ TEST(CheckPath, AgreesWithDenseSampling) {
     if (found) {
       ++accepted;
       EXPECT_GE(worst_m, -around.resolution_m) << "trial " << trial;
-      EXPECT_GE(found->least_m, nearest_m - 1e-6);
+      EXPECT_GE(found->min_distance_m, nearest_m - 1e-6);
     } else {
       ++refused;
       EXPECT_LT(worst_m, 0.0) << "trial " << trial << ": " << found.error();
@@ -168,7 +168,7 @@ TEST(CheckPath, BallsOnLinksAreWhereTheLinksAre) {
   // the elbow of an arm stretched out horizontally, at the height of the shoulder
   const auto found = CheckPath<7>(kChain, StraightOut(0.0), StraightOut(1.0), around);
   ASSERT_TRUE(found) << found.error();
-  EXPECT_NEAR(found->least_m, 0.36 - 0.08, 1e-9);
+  EXPECT_NEAR(found->min_distance_m, 0.36 - 0.08, 1e-9);
 }
 
 TEST(CheckPath, RefusesWhatMakesNoSense) {

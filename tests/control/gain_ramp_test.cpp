@@ -22,7 +22,7 @@ TEST(GainRamp, ReachesEveryTargetAtABoundedRateAndThenRests) {
   target.damping_Nms_per_rad.y = 4.0;
   target.dead_zone_N = 2.0;
   target.max_stiffness_N_per_m = 5e3;
-  ramp.Aim(target);
+  ramp.SetTarget(target);
   double last = Own().mass_kg.x;
   int ticks = 0;
   while (ramp.Step(true)) {
@@ -41,11 +41,11 @@ TEST(GainRamp, ASpringGetsStifferOnlyWhileNothingPresses) {
   GainRamp ramp(Own(), kDt_s);
   Gains softer = Own(), stiffer = Own();
   softer.max_stiffness_N_per_m = 1e3;
-  ramp.Aim(softer);
+  ramp.SetTarget(softer);
   for (int i = 0; i < 1100; ++i) ramp.Step(true);
   ASSERT_EQ(ramp.now().max_stiffness_N_per_m, 1e3);
   stiffer.mass_kg.x = 5.0;
-  ramp.Aim(stiffer);
+  ramp.SetTarget(stiffer);
   for (int i = 0; i < 2000; ++i) ramp.Step(true);
   EXPECT_EQ(ramp.now().max_stiffness_N_per_m, 1e3);
   EXPECT_EQ(ramp.now().mass_kg.x, 5.0) << "the others go on";
@@ -69,7 +69,7 @@ TEST(GainRamp, StiffnessNeverMakesEnergy) {
       if (unit(random) < 0.002) {
         Gains target = Own();
         target.max_stiffness_N_per_m = 500.0 + 19'500.0 * unit(random);
-        ramp.Aim(target);
+        ramp.SetTarget(target);
       }
       const double before = ramp.now().max_stiffness_N_per_m;
       ramp.Step(pressed);
@@ -112,11 +112,11 @@ TEST(GainRamp, KineticEnergyNeverGrowsByAnyChange) {
       for (double* value : {&target.mass_kg.x, &target.mass_kg.y, &target.mass_kg.z, &target.inertia_kg_m2.x,
                             &target.inertia_kg_m2.y, &target.inertia_kg_m2.z})
         *value = 10.0 * unit(random);
-      ramp.Aim(target);
+      ramp.SetTarget(target);
     }
     ramp.Step(false);
     const AdmittanceParams before = law;
-    Lay(ramp.now(), law, coupling);
+    ApplyGains(ramp.now(), law, coupling);
     V = AfterMassChange(before, law, R, V);
     ASSERT_LE(energy(), last * (1.0 + 1e-12)) << i;
     last = energy();
@@ -139,7 +139,7 @@ TEST(GainRamp, DoesNotAllocate) {
   Gains target = Own();
   target.mass_kg.x = 1.0;
   rt::CheckedNoAllocScope no_alloc;
-  ramp.Aim(target);
+  ramp.SetTarget(target);
   ramp.Step(false);
 }
 

@@ -52,9 +52,9 @@ TEST(LoopRepeat, AWholeRunComesOutTheSame) {
     const bool lost = tick % 97 == 0 || (tick > 500 && tick < 504);
     const TickRecord record = bench.Tick(lost ? ReceiveResult::kTimeout : ReceiveResult::kOk);
     EXPECT_FALSE(repeat.due());
-    repeat.Saw(record, bench.model);
+    repeat.StoreTick(record, bench.model);
     ASSERT_TRUE(repeat.due());
-    ASSERT_TRUE(repeat.Repeat()) << tick;
+    ASSERT_TRUE(repeat.ReplayStoredTick()) << tick;
     rendered_again |= tick > 1700 && record.phase == Phase::kHaptic;
   }
   EXPECT_TRUE(rendered_again) << "the recovery was part of it";
@@ -81,8 +81,8 @@ TEST(LoopRepeat, TheLastBitOfAnythingThatComesOutCounts) {
     for (int tick = 0; tick < 300; ++tick) {
       TickRecord record = bench.Tick();
       if (tick == 250) damages[i](record);
-      repeat.Saw(record, bench.model);
-      ASSERT_EQ(repeat.Repeat(), tick != 250) << "damage " << i << ", tick " << tick;
+      repeat.StoreTick(record, bench.model);
+      ASSERT_EQ(repeat.ReplayStoredTick(), tick != 250) << "damage " << i << ", tick " << tick;
     }
   }
 }
@@ -99,8 +99,8 @@ TEST(LoopRepeat, AParameterThatDiffersByOneBitIsSeenOnceItCounts) {
   LoopRepeat repeat(second);
   int seen_at = -1;
   for (int tick = 0; tick < 400 && seen_at < 0; ++tick) {
-    repeat.Saw(bench.Tick(), bench.model);
-    if (!repeat.Repeat()) seen_at = tick;
+    repeat.StoreTick(bench.Tick(), bench.model);
+    if (!repeat.ReplayStoredTick()) seen_at = tick;
   }
   EXPECT_GE(seen_at, 1) << "nothing moves at once";
   EXPECT_LT(seen_at, 60) << "the tool moves";
@@ -122,8 +122,8 @@ TEST(LoopRepeat, ADifferenceStopsTheLoopAndTheStopComesOutTheSame) {
     }
     record = bench.Tick();
     EXPECT_EQ(record.input.repeat_differed, tick == 400);
-    repeat.Saw(record, bench.model);
-    ASSERT_TRUE(repeat.Repeat()) << tick;
+    repeat.StoreTick(record, bench.model);
+    ASSERT_TRUE(repeat.ReplayStoredTick()) << tick;
     if (tick >= 400) {
       ASSERT_EQ(record.faults, static_cast<std::uint32_t>(safety::Fault::kRepeatDiffers));
       if (stopped_after < 0 && record.phase == Phase::kStopped) stopped_after = tick - 400;
@@ -143,9 +143,9 @@ TEST(LoopRepeat, DoesNotAllocate) {
   for (int tick = 0; tick < 100; ++tick) {
     const TickRecord record = bench.Tick();
     rt::CheckedNoAllocScope no_alloc;
-    repeat.Saw(record, bench.model);
+    repeat.StoreTick(record, bench.model);
     bench.loop.Prefetch();
-    ASSERT_TRUE(repeat.Repeat());
+    ASSERT_TRUE(repeat.ReplayStoredTick());
   }
 }
 

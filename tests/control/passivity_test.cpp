@@ -99,7 +99,7 @@ TEST(Passivity, EnergyThatATankHasPaidForMayComeOut) {
 }
 
 TEST(Passivity, DoesNotActNearRestAndKeepsTheEnergyForLater) {
-  PassivityController controller({.allowance_J = 0.0, .least_speed_m_per_s = 0.005}, PortWork::kTrapezoid, kT,
+  PassivityController controller({.allowance_J = 0.0, .min_speed_m_per_s = 0.005}, PortWork::kTrapezoid, kT,
                                  1e6);
   static_cast<void>(controller.Step(At(0.0, 0.004, 100.0, 0.0)));
   EXPECT_TRUE(controller.Step(At(4e-6, 0.004, 100.0, 0.0)).f.isZero(0.0));
@@ -114,7 +114,7 @@ TEST(Passivity, DoesNotActNearRestAndKeepsTheEnergyForLater) {
 
 TEST(Passivity, DampingNeverTurnsTheMotionRoundWithinATick) {
   const AdmittanceParams law;
-  PassivityController controller({.allowance_J = 0.0, .most_damping_Ns_per_m = 1e5}, PortWork::kTrapezoid, kT,
+  PassivityController controller({.allowance_J = 0.0, .max_damping_Ns_per_m = 1e5}, PortWork::kTrapezoid, kT,
                                  law.mass_kg.x() / kT);
   AdmittanceState tool;
   tool.V_WT.v << 0.1, -0.05, 0.02;
@@ -133,8 +133,8 @@ TEST(Passivity, DampingNeverTurnsTheMotionRoundWithinATick) {
 }
 
 TEST(Passivity, OtherGainsKeepTheUsersBound) {
-  PassivityController controller({.allowance_J = 0.0, .most_damping_Ns_per_m = 50.0}, PortWork::kTrapezoid,
-                                 kT, 1e4);
+  PassivityController controller({.allowance_J = 0.0, .max_damping_Ns_per_m = 50.0}, PortWork::kTrapezoid, kT,
+                                 1e4);
   controller.SetMaxDamping(1e4);
   static_cast<void>(controller.Step(At(0.0, 0.1, 1000.0, 0.0)));
   static_cast<void>(controller.Step(At(1e-3, 0.1, 1000.0, 0.0)));  // 1 J made: 100 kN s/m would take it back
@@ -164,7 +164,7 @@ TEST(Passivity, DoesNotAllocate) {
 
 TEST(Passivity, RefusesParametersOutOfRange) {
   EXPECT_THROW(PassivityController({.allowance_J = -1.0}, PortWork::kHeld, kT, 1.0), std::invalid_argument);
-  EXPECT_THROW(PassivityController({.least_speed_m_per_s = 0.0}, PortWork::kHeld, kT, 1.0),
+  EXPECT_THROW(PassivityController({.min_speed_m_per_s = 0.0}, PortWork::kHeld, kT, 1.0),
                std::invalid_argument);
 }
 

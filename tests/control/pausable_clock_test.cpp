@@ -64,7 +64,7 @@ TEST(PausableClock, RestsWithinThePauseWheneverItIsTakenAway) {
     const double own_s = clock.Step(kDt_s, permitted);
     ASSERT_TRUE(own_s >= 0.0 && own_s <= kDt_s);
     ASSERT_TRUE(clock.rate() >= 0.0 && clock.rate() <= 1.0);
-    ASSERT_LE(std::abs(clock.rate_speed()), PausableClock::MostRateSpeed(kPause_s) * (1.0 + 1e-9));
+    ASSERT_LE(std::abs(clock.rate_speed()), PausableClock::MaxRateSpeed(kPause_s) * (1.0 + 1e-9));
     ASSERT_LE(std::abs(clock.rate_speed() - speed_before), change * kDt_s * (1.0 + 1e-9));
     speed_before = clock.rate_speed();
     released = permitted ? 0 : released + 1;

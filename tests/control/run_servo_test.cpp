@@ -163,7 +163,7 @@ TEST(RestTime, BeginsWhereNothingIsOutOfControlAndGivesUpOnAnArmThatIsNotSeenToS
 // Counts rehearsals.
 class RehearsedArm : public FakeArm {
  public:
-  void Rehearse(const ArmCommand&) OSTEON_RT override { ++rehearsed; }
+  void WarmUp(const ArmCommand&) OSTEON_RT override { ++rehearsed; }
   int rehearsed{0};
 };
 

@@ -131,7 +131,7 @@ struct Led {
 };
 Led LeadToAndFro(double load_speed_rad_per_s) {
   const kinematics::ChainParams<7> body = Body(kStrong_Nm);
-  kinematics::WantedLoad<7> wanted;
+  kinematics::LoadTarget<7> wanted;
   wanted.load = {.axial_N = 1.0, .lateral_N = 0.2};
   wanted.p_F = ServoBench::FlangeToTool().translation();
   for (int i = 0; i < 7; ++i)

@@ -81,7 +81,7 @@ TEST(ServoGains, TheSameTwiceAndAgainFromWhatWasRecorded) {
   ArmCommand command;
   for (std::size_t i = 0; i < once.ticks.size(); ++i) {
     const TickRecord& a = once.ticks[i];
-    const TickRecord again = TickAgain(loop, a, once.models[i], command);
+    const TickRecord again = ReplayTick(loop, a, once.models[i], command);
     for (std::size_t j = 0; j < 7; ++j) {
       ASSERT_EQ(std::bit_cast<std::uint64_t>(a.q_cmd[j]),
                 std::bit_cast<std::uint64_t>(twice.ticks[i].q_cmd[j]));

@@ -23,7 +23,7 @@ inline ArmState StandingArm(SessionState session = SessionState::kCommandingActi
 inline std::unique_ptr<ArmFollower> Follower(const ServoParams& params) {
   auto arm = MakeFollower(params, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
                           ServoBench::Arm().ArmAngle(ServoBench::StartJoints()));
-  arm->Put(StandingArm().q_meas);
+  arm->ResetTo(StandingArm().q_meas);
   arm->StartFollowing();
   return arm;
 }

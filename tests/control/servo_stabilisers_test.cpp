@@ -43,7 +43,7 @@ TEST(ServoStabilisers, PlanesOfTenMillisecondsRaiseTheDampingAndAreCounted) {
   EXPECT_GE(s.limits.Of(safety::Limit::kAgeGovernor).events, 1u);
   EXPECT_EQ(s.limits.Of(safety::Limit::kPassivity).events, 0u);
   EXPECT_EQ(s.limits.Of(safety::Limit::kTank).events, 0u);
-  EXPECT_EQ(s.least_tank_J, least_J);
+  EXPECT_EQ(s.min_tank_J, least_J);
   EXPECT_GT(least_J, 0.9);
 }
 

@@ -127,11 +127,11 @@ TEST_F(ServoStart, AnArmThatLeavesOnTheWayIsWaitedFor) {
 }
 
 TEST_F(ServoStart, NothingBeginsWhileItIsNotAllowed) {
-  bench.loop.AllowBegin(false);
+  bench.loop.AllowStart(false);
   bench.Activate();
   Run(50);
   EXPECT_EQ(bench.loop.phase(), Phase::kWaiting);
-  bench.loop.AllowBegin(true);
+  bench.loop.AllowStart(true);
   Run(2);
   EXPECT_EQ(bench.loop.phase(), Phase::kAligning);
 }

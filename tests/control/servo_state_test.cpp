@@ -146,8 +146,8 @@ TEST_F(ServoState, NothingMovesWithoutEachOfTheConditions) {
        [](Cell& c) { c.bench.plane_W += 0.02 * c.bench.feed_W; }},
       {MotionPermit::kSpindleReady, [](Cell& c) { c.spindle.ready = false; },
        [](Cell& c) { c.spindle.ready = true; }},
-      {MotionPermit::kWayLookedAt, [](Cell& c) { c.bench.loop.AllowBegin(false); },
-       [](Cell& c) { c.bench.loop.AllowBegin(true); }},
+      {MotionPermit::kPathChecked, [](Cell& c) { c.bench.loop.AllowStart(false); },
+       [](Cell& c) { c.bench.loop.AllowStart(true); }},
   };
   for (const Missing& missing : all) {
     Cell cell;
@@ -155,7 +155,7 @@ TEST_F(ServoState, NothingMovesWithoutEachOfTheConditions) {
     cell.bench.Activate();
     missing.spoil(cell);
     const TickRecord record = cell.Run(300);
-    const char* what = safety::Missing(missing.permit);
+    const char* what = safety::DescribeMissing(missing.permit);
     const bool only_handing = missing.permit == MotionPermit::kHandedOver;
     EXPECT_EQ(cell.state(), only_handing ? CellState::kReady : CellState::kChecking) << what;
     EXPECT_EQ(record.permits, safety::MotionPermits::kAll & ~static_cast<std::uint32_t>(missing.permit))

@@ -122,7 +122,7 @@ TEST(ServoZones, AStopAlongTheJointsEndsInsideThem) {
     for (int moment = 20; moment < 200; moment += 20) {
       const auto arm = MakeFollower(params, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
                                     ServoBench::Arm().ArmAngle(ServoBench::StartJoints()));
-      arm->Put(StartArray());
+      arm->ResetTo(StartArray());
       arm->StartFollowing();
       const safety::Workspace apex(params.workspace);
       for (int tick = 0; tick < moment; ++tick) {
@@ -145,7 +145,7 @@ TEST(ServoZones, AStopAlongTheJointsEndsBeforeTheDepthLimit) {
   const safety::Workspace bound(WorkspaceOf(params));
   const auto arm = MakeFollower(params, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
                                 ServoBench::Arm().ArmAngle(ServoBench::StartJoints()));
-  arm->Put(StartArray());
+  arm->ResetTo(StartArray());
   arm->StartFollowing();
   for (int tick = 0; tick < 60; ++tick) {
     const Vector3 v = bound.Limit(arm->X_WT().translation(), {0.0, 0.2, 0.0}, params.period_s).v_WT;

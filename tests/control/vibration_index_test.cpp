@@ -143,8 +143,8 @@ TEST(VibrationIndex, DecaysSixtyTimesSlowerThanItRises) {
   // it dies as soon as the tool is damped: the loop's own oscillation
   for (int i = 0; i < 1500; ++i) step(index.index() < 0.6 && i < 500 ? 5.0 * Sine(12.0, i * kDt_s) : 0.0);
   ASSERT_GT(index.index(), 0.5);
-  EXPECT_NEAR(index.damping_factor(), 1.0 + index.index() * (params.most_damping - 1.0), 1e-12);
-  EXPECT_NEAR(index.mass_factor(), 1.0 + index.index() * (params.most_mass - 1.0), 1e-12);
+  EXPECT_NEAR(index.damping_factor(), 1.0 + index.index() * (params.max_damping_factor - 1.0), 1e-12);
+  EXPECT_NEAR(index.mass_factor(), 1.0 + index.index() * (params.max_mass_factor - 1.0), 1e-12);
   for (int i = 0; i < 1000; ++i) step(0.0);  // the energies are forgotten
   const double before = index.index();
   for (int i = 0; i < 1000; ++i) step(0.0);
@@ -190,7 +190,7 @@ TEST(VibrationIndex, StaysFiniteWhateverItIsGiven) {
 TEST(VibrationIndex, RefusesWhatItCanNotBe) {
   EXPECT_THROW(VibrationIndex({.high_hz = 5.5}, kDt_s), std::invalid_argument);
   EXPECT_THROW(VibrationIndex({.decay_ratio = 0.5}, kDt_s), std::invalid_argument);
-  EXPECT_THROW(VibrationIndex({.most_mass = 0.9}, kDt_s), std::invalid_argument);
+  EXPECT_THROW(VibrationIndex({.max_mass_factor = 0.9}, kDt_s), std::invalid_argument);
   EXPECT_THROW(VibrationIndex({}, 0.1), std::invalid_argument) << "low_hz beyond what such a rate shows";
 }
 
@@ -209,8 +209,8 @@ TEST(AdmittanceLaw, AChangeOfMassMakesNoEnergy) {
     return 0.5 * (p.mass_kg.x() * V_WT.v.squaredNorm() + p.inertia_kg_m2.x() * V_WT.w.squaredNorm());
   };
   const double before = energy(params, V);
-  EXPECT_NEAR(energy(Times(params, 1.5, 7.0), AfterMassChange(V, 1.5)), before, 1e-15) << "heavier: kept";
-  EXPECT_LT(energy(Times(params, 0.5, 7.0), AfterMassChange(V, 0.5)), before);
+  EXPECT_NEAR(energy(ScaleLaw(params, 1.5, 7.0), AfterMassChange(V, 1.5)), before, 1e-15) << "heavier: kept";
+  EXPECT_LT(energy(ScaleLaw(params, 0.5, 7.0), AfterMassChange(V, 0.5)), before);
   EXPECT_EQ(AfterMassChange(V, 0.5).v, V.v) << "lighter: the tool does not jump";
   EXPECT_EQ(AfterMassChange(V, 1.0).w, V.w);
 }

@@ -48,16 +48,16 @@ TEST(VulkanEngine, GivesAHandTheForceThatTheReferenceGives) {
   const auto vulkan = Open(bone, tool);
   Hand hand, other;  // each follows its own engine's force
   ContactModel a, b;
-  double worst = 0.0, most_N = 0.0;
+  double worst = 0.0, max_N = 0.0;
   for (int i = 0; i < 300; ++i) {
     a = reference.Step(hand.Next(a.F_T_W.f));
     b = vulkan->Step(other.Next(b.F_T_W.f));
     const Vector3 f = a.F_T_W.f, g = b.F_T_W.f;
-    most_N = std::max(most_N, f.norm());
+    max_N = std::max(max_N, f.norm());
     if (f.norm() > 1.0) worst = std::max(worst, (f - g).norm() / f.norm());
   }
-  std::printf("closed loop, up to %.1f N: force %.1e of it\n", most_N, worst);
-  EXPECT_GT(most_N, 100.0);
+  std::printf("closed loop, up to %.1f N: force %.1e of it\n", max_N, worst);
+  EXPECT_GT(max_N, 100.0);
   EXPECT_LE(worst, 0.005);
 }
 

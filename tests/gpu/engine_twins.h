@@ -20,7 +20,7 @@ namespace osteon::gpu {
 struct Apart {
   double contact_mm{0.0};  ///< of the place of first contact on the frame's path
   double normal_deg{0.0};  ///< where there is a force of 1 N
-  double proxy_mm{0.0}, force_N{0.0}, torque_Nm{0.0}, most_N{0.0};
+  double proxy_mm{0.0}, force_N{0.0}, torque_Nm{0.0}, max_N{0.0};
   int touching{0}, counts{0};  ///< frames in contact; those of them with different numbers of contacts
   int unlike{0};               ///< frames whose status or number differs, or with a force in only one engine
 
@@ -33,7 +33,7 @@ struct Apart {
     proxy_mm = std::max(proxy_mm, 1e3 * (Vector3(a.X_WP.p) - Vector3(b.X_WP.p)).norm());
     force_N = std::max(force_N, (f - Vector3(b.F_T_W.f)).norm());
     torque_Nm = std::max(torque_Nm, (Vector3(a.F_T_W.t) - Vector3(b.F_T_W.t)).norm());
-    most_N = std::max(most_N, f.norm());
+    max_N = std::max(max_N, f.norm());
     touching += a.contact_count > 0 ? 1 : 0;
     counts += a.contact_count != b.contact_count ? 1 : 0;
     const bool alike = a.status == b.status && a.frame == b.frame && (n.norm() > 0.0) == (m.norm() > 0.0);
@@ -49,7 +49,7 @@ struct BonesApart {
 };
 inline BonesApart Compare(const simulation::Bone& uncut, const simulation::CarvedState& a,
                           const simulation::CarvedState& b) {
-  constexpr double kGone_mm = 1e3 * simulation::kLeastBallRadius + 1e-5;
+  constexpr double kGone_mm = 1e3 * simulation::kMinBallRadius + 1e-5;
   BonesApart apart;
   for (std::size_t i = 0; i < a.balls.size(); i += 4) {
     const float r = a.balls[i + 3], s = b.balls[i + 3];
@@ -76,7 +76,7 @@ inline void ExpectWithinTheBars(const Apart& frames, const BonesApart& bones,
       "up to %.1f N, %d frames in contact, %d balls cut, %d points cleared, %.1f mm^3\n"
       "worst: contact %.1e mm, normal %.1e deg, force %.1e N, torque %.1e Nm, proxy %.1e mm, contacts %d "
       "frames\nballs: worst %.1e mm, %d exempt; points %d; mass %.1e\n",
-      frames.most_N, frames.touching, bones.changed, bones.cleared, a.removed_volume_m3 * 1e9,
+      frames.max_N, frames.touching, bones.changed, bones.cleared, a.removed_volume_m3 * 1e9,
       frames.contact_mm, frames.normal_deg, frames.force_N, frames.torque_Nm, frames.proxy_mm, frames.counts,
       bones.ball_mm, bones.exempt, bones.points, std::abs(b.removed_mass_kg / a.removed_mass_kg - 1.0));
   EXPECT_EQ(frames.unlike, 0);
@@ -119,7 +119,7 @@ class Twins {
   };
   void ExpectWithinTheBars(const AtLeast& least) const {
     const BonesApart bones = Compare(bone_, reference_.Snapshot(), vulkan_->Snapshot());
-    EXPECT_GT(frames_.most_N, least.force_N);
+    EXPECT_GT(frames_.max_N, least.force_N);
     EXPECT_GT(frames_.touching, least.touching);
     EXPECT_GT(bones.changed, least.balls);
     EXPECT_GT(bones.cleared, least.points);

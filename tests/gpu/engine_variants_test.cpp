@@ -93,7 +93,7 @@ TEST(GpuPasses, ReamLikeTheReference) {
     a = reference.Step(input);
     apart.Add(path_m, a, gpu->Step(input));
   }
-  EXPECT_GT(apart.most_N, 80.0);
+  EXPECT_GT(apart.max_N, 80.0);
   EXPECT_EQ(apart.unlike, 0);
   EXPECT_LE(apart.proxy_mm, 1e-3);
   EXPECT_LE(apart.force_N, 0.02);

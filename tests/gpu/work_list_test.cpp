@@ -96,13 +96,13 @@ TEST(WorkList, EveryPairThatCanMeetIsListedInRisingOrderAndFewOthers) {
   const ToolLayout layout = LayOutTool(Spiral(300));
   const Sweeps sweeps = MakeSweeps(layout, {3e-3, -2e-3, 1e-3}, 0.4f);
   WorkList work(tree.cluster_count(), layout, 100'000);
-  std::vector<Item> found;
+  std::vector<ClusterPairs> found;
   for (int again = 0; again < 2; ++again) {  // the second time nothing of the first may remain
     work.Clear();
     work.Add(tree, sweeps.groups, sweeps.balls, found);
   }
   std::set<std::pair<uint, uint>> listed;
-  for (const Item& item : found)
+  for (const ClusterPairs& item : found)
     for (uint i = 0; i < item.count; ++i) {
       const uint t = work.refs()[item.first + i];
       EXPECT_TRUE(listed.insert({item.cluster, t}).second);
@@ -130,19 +130,19 @@ TEST(WorkList, WithoutRoomAllToolBallsStandForAny) {
   const ToolLayout layout = LayOutTool(Spiral(300));
   const Sweeps sweeps = MakeSweeps(layout, Vector3::Zero(), 0.4f);
   WorkList enough(tree.cluster_count(), layout, 100'000);
-  std::vector<Item> whole, found;
+  std::vector<ClusterPairs> whole, found;
   enough.Add(tree, sweeps.groups, sweeps.balls, whole);
   for (const std::size_t room : {300u, 310u, 500u}) {
     WorkList work(tree.cluster_count(), layout, room);
     work.Add(tree, sweeps.groups, sweeps.balls, found);
     std::set<uint> clusters;
-    for (const Item& item : found) {
+    for (const ClusterPairs& item : found) {
       clusters.insert(item.cluster);
       EXPECT_EQ(item.first, 0u);
       EXPECT_EQ(item.count, 300u);
       EXPECT_EQ(item.cutters, layout.cutter_count);
     }
-    for (const Item& item : whole) EXPECT_TRUE(clusters.contains(item.cluster)) << item.cluster;
+    for (const ClusterPairs& item : whole) EXPECT_TRUE(clusters.contains(item.cluster)) << item.cluster;
     for (uint t = 0; t < 300; ++t) EXPECT_EQ(work.refs()[t], t);
   }
 }

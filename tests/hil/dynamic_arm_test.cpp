@@ -59,7 +59,7 @@ Vector6 Stacked(const Wrench& F) {
 
 kinematics::Jacobian ToolJacobian(const JointVector& q) {
   const kinematics::SerialChain<7> chain(Iiwa());
-  const auto posture = chain.Place(q);
+  const auto posture = chain.ComputePosture(q);
   return chain.JacobianAt(posture, posture.X_BF * kTool_m);
 }
 
@@ -239,7 +239,7 @@ FreeFlight Fly(double push) {
     const Vector3 U = mount.rate().head<3>(), W = mount.rate().tail<3>();
     double sum = 0.5 * (kMass_kg * U.squaredNorm() + kInertia_kg_m2 * W.squaredNorm());
     Vector3 momentum = kMass_kg * U, v = Vector3::Zero(), w = Vector3::Zero(), before = Vector3::Zero();
-    const auto posture = chain.Place(q);
+    const auto posture = chain.ComputePosture(q);
     for (int i = 0; i < 7; ++i) {
       const auto at = static_cast<std::size_t>(i);
       v += w.cross(posture.p_BL[at] - before);

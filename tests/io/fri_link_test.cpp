@@ -197,7 +197,7 @@ TEST(FriLink, ARehearsalChangesNothingAndTellsTheArmNothing) {
   const auto link = OpenAnywhere(), plain = OpenAnywhere();
   const Peer arm(link->port()), plain_arm(plain->port());
   ArmState state, plain_state;
-  link->Rehearse(ArmCommand{});  // before any message
+  link->WarmUp(ArmCommand{});  // before any message
   for (std::uint32_t i = 1; i <= 50; ++i) {
     const auto session = i < 5 ? fri::COMMANDING_WAIT : fri::COMMANDING_ACTIVE;
     arm.Send(i, session);
@@ -211,7 +211,7 @@ TEST(FriLink, ARehearsalChangesNothingAndTellsTheArmNothing) {
     ASSERT_TRUE(plain->Send(command));
     EXPECT_EQ(arm.Answer(), plain_arm.Answer()) << i;
     rt::CheckedNoAllocScope no_alloc;
-    link->Rehearse(command);
+    link->WarmUp(command);
   }
   EXPECT_EQ(arm.Answer(), std::vector<std::uint8_t>{}) << "nothing more";
 }

@@ -181,7 +181,7 @@ TEST(ChainDynamics, FreeMotionKeepsItsEnergyToTheIntegratorsOrder) {
   const ChainParams<7> params = Iiwa14Chain();
   const SerialChain<7> arm(params);
   const auto energy = [&](const JointVectorN<7>& q, const JointVectorN<7>& qd) {
-    const auto posture = arm.Place(q);
+    const auto posture = arm.ComputePosture(q);
     double sum = 0.5 * qd.dot(arm.MassMatrix(q) * qd);
     for (int i = 0; i < 7; ++i) {
       const LinkInertia& link = params.joints[static_cast<std::size_t>(i)].link;
@@ -233,7 +233,7 @@ TEST(ChainDynamics, MobilityIsTheAccelerationForAWrench) {
   const SerialChain<7> arm(RandomChain<7>(random), Vector3::Zero());
   for (int n = 0; n < 100; ++n) {
     const JointVectorN<7> q = RandomJoints<7>(random, 3.0), rest = JointVectorN<7>::Zero();
-    const auto posture = arm.Place(q);
+    const auto posture = arm.ComputePosture(q);
     const Eigen::Matrix<double, 6, 1> F = RandomJoints<6>(random, 50.0);
     const JointVectorN<7> qdd = arm.ForwardDynamics(q, rest, rest, {.f = F.head<3>(), .t = F.tail<3>()});
     const Eigen::Matrix<double, 6, 1> expected = arm.Jacobian(posture) * qdd;
@@ -242,8 +242,9 @@ TEST(ChainDynamics, MobilityIsTheAccelerationForAWrench) {
     const Eigen::Matrix<double, 6, 6> unit = arm.OperationalInertia(q, p_B) * arm.Mobility(q, p_B);
     EXPECT_TRUE(unit.isIdentity(1e-6)) << unit;
     const Vector3 u = F.head<3>().normalized();
-    EXPECT_NEAR(arm.FeltMass(q, u, p_B) * u.dot(arm.Mobility(q, p_B).topLeftCorner<3, 3>() * u), 1.0, 1e-9);
-    EXPECT_NEAR(arm.FeltMass(q, u) * u.dot(arm.Mobility(q).topLeftCorner<3, 3>() * u), 1.0, 1e-9);
+    EXPECT_NEAR(arm.EffectiveMass(q, u, p_B) * u.dot(arm.Mobility(q, p_B).topLeftCorner<3, 3>() * u), 1.0,
+                1e-9);
+    EXPECT_NEAR(arm.EffectiveMass(q, u) * u.dot(arm.Mobility(q).topLeftCorner<3, 3>() * u), 1.0, 1e-9);
   }
 }
 
@@ -251,9 +252,9 @@ TEST(ChainDynamics, MobilityIsTheAccelerationForAWrench) {
 TEST(ChainDynamics, FeltMassIsFiniteAtASingularityWhereTheArmCanMove) {
   const SerialChain<7> arm(Iiwa14Chain());
   const JointVectorN<7> up = JointVectorN<7>::Zero();
-  EXPECT_GT(arm.FeltMass(up, Vector3::UnitX()), 0.1);
-  EXPECT_LT(arm.FeltMass(up, Vector3::UnitX()), 30.0);
-  EXPECT_GT(arm.FeltMass(up, Vector3::UnitZ()), 1e12);
+  EXPECT_GT(arm.EffectiveMass(up, Vector3::UnitX()), 0.1);
+  EXPECT_LT(arm.EffectiveMass(up, Vector3::UnitX()), 30.0);
+  EXPECT_GT(arm.EffectiveMass(up, Vector3::UnitZ()), 1e12);
 }
 
 // Tool and link as one body or as two: the torques of the whole are those of the bare arm plus those of the
@@ -266,7 +267,7 @@ TEST(ChainDynamics, PayloadActsOnTheFlangeAsItsWeightAndInertia) {
     const SerialChain<6> bare(bare_params), loaded(WithPayload(bare_params, payload));
     const JointVectorN<6> q = RandomJoints<6>(random, 3.0), qd = RandomJoints<6>(random, 2.0),
                           qdd = RandomJoints<6>(random, 5.0);
-    const auto posture = bare.Place(q);
+    const auto posture = bare.ComputePosture(q);
     const JacobianN<6> J = bare.Jacobian(posture), J_dot = bare.JacobianDot(posture, qd);
     const Eigen::Matrix<double, 6, 1> V = J * qd, A = J * qdd + J_dot * qd;
     const Matrix3 R = posture.X_BF.linear(), I = R * payload.I_LLcm_kg_m2 * R.transpose();
@@ -300,7 +301,7 @@ TEST(ChainDynamics, DoesNotAllocate) {
                         arm.ForwardDynamics(q, qd, q, F);
   sum += (arm.MassMatrix(q) + arm.CoriolisMatrix(q, qd)) * qd;
   const double total = sum.sum() + arm.OperationalInertia(q).sum() + arm.Mobility(q, F.f).sum() +
-                       arm.FeltMass(q, Vector3::UnitZ());
+                       arm.EffectiveMass(q, Vector3::UnitZ());
   no_alloc.End();
   EXPECT_TRUE(std::isfinite(total));
 }

@@ -304,7 +304,7 @@ class Iiwa14Force : public ::testing::Test {
   }
   // capability at the apex of a tool of length_m, and the tool's axis
   ForceCapability<7> At(const JointVectorN<7>& q, double length_m, GravityHelp help, Vector3& axis_B) const {
-    const SerialChain<7>::Posture posture = chain_.Place(q);
+    const SerialChain<7>::Posture posture = chain_.ComputePosture(q);
     axis_B = posture.X_BF.linear().col(2);
     return {chain_.JacobianAt(posture, posture.X_BF * Vector3(0.0, 0.0, length_m)), chain_.Gravity(q),
             torque_limit_, help};
@@ -323,7 +323,7 @@ TEST_F(Iiwa14Force, A6LimitsTheLateralForceToItsTorqueOverItsLever) {
   for (const double length_m : {0.10, 0.20, 0.30})
     for (int n = 0; n < 1000; ++n) {
       const JointVectorN<7> q = AnyPosture();
-      const SerialChain<7>::Posture posture = weightless.Place(q);
+      const SerialChain<7>::Posture posture = weightless.ComputePosture(q);
       const ForceCapability<7> arm(weightless.JacobianAt(posture, posture.X_BF * Vector3(0.0, 0.0, length_m)),
                                    weightless.Gravity(q), torque_limit_, GravityHelp::kNotCounted);
       const CapabilityLimit lateral = arm.LateralForce(posture.X_BF.linear().col(2));

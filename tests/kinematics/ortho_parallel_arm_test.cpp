@@ -122,7 +122,8 @@ void CheckPoses(const OrthoParallelParams& params, int poses) {
     if (!own.exists) ++missing;
     const double off = Off(own.q, q);
     if (off > 1e-12) {
-      const double sigma = Eigen::JacobiSVD<JacobianN<6>>(chain.Jacobian(chain.Place(q))).singularValues()[5];
+      const double sigma =
+          Eigen::JacobiSVD<JacobianN<6>>(chain.Jacobian(chain.ComputePosture(q))).singularValues()[5];
       worst_joint = std::max(worst_joint, off * sigma);
     }
   }

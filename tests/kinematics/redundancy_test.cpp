@@ -87,13 +87,13 @@ struct Pressing {
     wanted.torque_limit_Nm << 320.0, 320.0, 80.0, 80.0, 110.0, 40.0, 40.0;
   }
   std::optional<SerialChain<7>> chain;
-  WantedLoad<7> wanted;
+  LoadTarget<7> wanted;
 };
 
-JointVectorN<7> TowardsLoad(const PosturePreferenceParams& params, const Pressing& pressing,
-                            const JointVectorN<7>& q, const JointVectorN<7>& n) {
+JointVectorN<7> LoadGradientMotion(const PosturePreferenceParams& params, const Pressing& pressing,
+                                   const JointVectorN<7>& q, const JointVectorN<7>& n) {
   const double held = HeldLoad<7>(*pressing.chain, pressing.wanted, q).value;
-  return TowardsLoad<7>(params, *pressing.chain, pressing.wanted, q, n, held).qd;
+  return LoadGradientMotion<7>(params, *pressing.chain, pressing.wanted, q, n, held).qd;
 }
 
 // The flange stands still while the elbow follows the preference: the posture ends where it holds the zone's
@@ -124,7 +124,7 @@ TEST(Redundancy, TheElbowGoesUpToWhereTheArmHoldsMost) {
       const Pose X_now = lbr.FlangePose(in.q);
       in.V_BT = {.v = 10.0 * (X_BF.translation() - X_now.translation()),
                  .w = 10.0 * (X_now.linear() * LogRotation(X_now.linear().transpose() * X_BF.linear()))};
-      in.qd_null = TowardsLoad(preference, pressing, in.q, out.null_direction);
+      in.qd_null = LoadGradientMotion(preference, pressing, in.q, out.null_direction);
       out = motion.Step(in);
       in.q += in.dt_s * out.qd;
       in.qd_before = out.qd;
@@ -159,7 +159,7 @@ TEST(Redundancy, WhatHoldsEnoughOrNeedsNothingHasNoPreference) {
   q << 0.1, 0.5, 0.05, -1.4, 0.1, 0.9, 0.2;
   n << 0.5, -0.1, -0.6, 0.0, 0.4, 0.1, -0.45;
   n.normalize();
-  const auto led = [&] { return TowardsLoad(params, pressing, q, n).norm(); };
+  const auto led = [&] { return LoadGradientMotion(params, pressing, q, n).norm(); };
   const double k = HeldLoad<7>(*pressing.chain, pressing.wanted, q).value;
   const ToolLoad asked = pressing.wanted.load;
   const auto times = [&](double share) {
@@ -182,7 +182,7 @@ TEST(Redundancy, TheLoadsPreferenceDoesNotAllocate) {
   const PosturePreferenceParams params;
   JointVectorN<7> q = JointVectorN<7>::Constant(0.4), n = JointVectorN<7>::Constant(0.3);
   rt::CheckedNoAllocScope no_alloc;
-  EXPECT_TRUE(TowardsLoad(params, pressing, q, n).allFinite());
+  EXPECT_TRUE(LoadGradientMotion(params, pressing, q, n).allFinite());
 }
 
 }  // namespace

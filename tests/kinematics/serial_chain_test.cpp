@@ -46,7 +46,7 @@ Worst BesideKdl(const ChainParams<N>& params, int postures, std::mt19937_64& ran
     KDL::Frame frame;
     EXPECT_EQ(forward.JntToCart(joints, frame), 0);
     EXPECT_EQ(velocity.JntToJac(joints, J_kdl), 0);
-    const auto posture = arm.Place(q);
+    const auto posture = arm.ComputePosture(q);
     worst.pose =
         std::max({worst.pose, Difference(posture.X_BF, frame), Difference(arm.FlangePose(q), frame)});
     worst.jacobian = std::max(worst.jacobian, (arm.Jacobian(posture) - J_kdl.data).cwiseAbs().maxCoeff());
@@ -114,7 +114,7 @@ TEST(SerialChain, JacobianOfAPointFollowsFromTheFlanges) {
   std::mt19937_64 random{9};
   const SerialChain<7> arm(RandomChain<7>(random));
   for (int n = 0; n < 100; ++n) {
-    const auto posture = arm.Place(RandomJoints<7>(random, 3.0));
+    const auto posture = arm.ComputePosture(RandomJoints<7>(random, 3.0));
     const Vector3 p_FP(0.1, -0.3, 0.2), p_B = posture.X_BF * p_FP;
     JacobianN<7> expected = arm.Jacobian(posture);
     for (int i = 0; i < 7; ++i) {
@@ -136,11 +136,11 @@ double JacobianDotError(const ChainParams<N>& params, std::mt19937_64& random) {
     const JointVectorN<N> q = RandomJoints<N>(random, 3.0), qd = RandomJoints<N>(random, 2.0);
     const Vector3 p_FP = n % 2 == 0 ? Vector3(0, 0, 0) : Vector3(0.1, 0.05, -0.2);
     const auto at = [&](double t) {
-      const auto posture = arm.Place(q + t * qd);
+      const auto posture = arm.ComputePosture(q + t * qd);
       return arm.JacobianAt(posture, posture.X_BF * p_FP);
     };
     const JacobianN<N> expected = (at(h) - at(-h)) / (2.0 * h);
-    const auto posture = arm.Place(q);
+    const auto posture = arm.ComputePosture(q);
     const JacobianN<N> J_dot =
         n % 2 == 0 ? arm.JacobianDot(posture, qd) : arm.JacobianDotAt(posture, qd, posture.X_BF * p_FP);
     worst = std::max(worst, (J_dot - expected).cwiseAbs().maxCoeff());
@@ -161,8 +161,8 @@ TEST(SerialChain, SameJointsSameBits) {
   const SerialChain<7> arm(params), twin(params);
   for (int n = 0; n < 100; ++n) {
     const JointVectorN<7> q = RandomJoints<7>(random, 3.0);
-    EXPECT_EQ(arm.FlangePose(q).matrix(), twin.Place(q).X_BF.matrix());
-    EXPECT_EQ(arm.Jacobian(arm.Place(q)), twin.Jacobian(twin.Place(q)));
+    EXPECT_EQ(arm.FlangePose(q).matrix(), twin.ComputePosture(q).X_BF.matrix());
+    EXPECT_EQ(arm.Jacobian(arm.ComputePosture(q)), twin.Jacobian(twin.ComputePosture(q)));
   }
 }
 
@@ -208,7 +208,7 @@ TEST(SerialChain, DoesNotAllocate) {
   SerialChain<7>::Posture posture;
   JacobianN<7> J;
   rt::CheckedNoAllocScope no_alloc;
-  arm.Place(q, posture);
+  arm.ComputePosture(q, posture);
   arm.Jacobian(posture, J);
   J += arm.JacobianDot(posture, qd) + arm.JacobianAt(posture, Vector3(1, 2, 3));
   const double sum = J.sum() + arm.FlangePose(q).matrix().sum() + arm.LinkPose(posture, 3).matrix().sum();

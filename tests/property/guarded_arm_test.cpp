@@ -121,8 +121,8 @@ class Line {
                                                             : GuardSession::kMonitoring;
     std::copy_n(body_->q().data(), 7, seen.q_meas.begin());
     if (seen.session >= GuardSession::kWaiting) seen.q_ipo = GuardBench::StartJoints();
-    static_cast<void>(monitor_.Arm(seen, now_));
-    monitor_.Look(now_);
+    static_cast<void>(monitor_.OnArmMessage(seen, now_));
+    monitor_.CheckSilence(now_);
   }
 
   void Answer(const Op& op, std::uint32_t message) {
@@ -168,7 +168,7 @@ class Line {
       if (guarded_) return;
       datagram[which * datagram.size() / 7] ^= static_cast<std::uint8_t>(1u << which);
     }
-    if (guarded_ && monitor_.Command(command, now_ + 300'000) != GuardDecision::kPass) return;
+    if (guarded_ && monitor_.OnCommand(command, now_ + 300'000) != GuardDecision::kPass) return;
     static_cast<void>(server_.Receive(datagram));
   }
 
@@ -312,8 +312,9 @@ TEST(GuardOfShippedArms, LooksAtTheElbowThatTheLoopKeepsInItsZones) {
     std::srand(4);
     for (int i = 0; i < 1000; ++i) {
       const JointVector q = 2.0 * JointVector::Random();
-      EXPECT_LT((guard.Place(q).p_WElbow - loop.Points(q).p_BElbow).norm(), 1e-9) << name;
-      EXPECT_LT((guard.Place(q).p_WFlange - loop.FlangePose(q).translation()).norm(), 1e-9) << name;
+      EXPECT_LT((guard.ComputePlacement(q).p_WElbow - loop.Points(q).p_BElbow).norm(), 1e-9) << name;
+      EXPECT_LT((guard.ComputePlacement(q).p_WFlange - loop.FlangePose(q).translation()).norm(), 1e-9)
+          << name;
     }
   }
 }

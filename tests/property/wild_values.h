@@ -11,7 +11,7 @@
 
 namespace osteon::property {
 
-inline constexpr int kMostTicks = 50;
+inline constexpr int kMaxTicks = 50;
 
 struct Op {
   int what{0};   ///< 0 does nothing: cases shrink toward it
@@ -42,7 +42,7 @@ inline rc::Gen<double> WildValue() {
 inline rc::Gen<std::vector<Op>> WildOps(int pushes, int kinds) {
   const auto among = [](int from, int to) { return rc::gen::resize(100, rc::gen::inRange(from, to)); };
   return rc::gen::container<std::vector<Op>>(
-      kMostTicks,
+      kMaxTicks,
       rc::gen::build<Op>(rc::gen::set(&Op::what, rc::gen::weightedOneOf<int>({{75, rc::gen::just(0)},
                                                                               {20, among(pushes, kinds)},
                                                                               {5, among(0, pushes)}})),

@@ -49,10 +49,10 @@ CellTransition Read(CellState from, const std::string& cell) {
       {'P', CellState::kPaused},   {'0', CellState::kStop0},    {'1', CellState::kStop1},
       {'2', CellState::kStop2},    {'F', CellState::kFault},    {'Y', CellState::kRecovery}};
   static const std::map<char, CellAction> actions{
-      {'-', CellAction::kGoOn},       {'f', CellAction::kFollowArm}, {'h', CellAction::kHold},
+      {'-', CellAction::kNone},       {'f', CellAction::kFollowArm}, {'h', CellAction::kHold},
       {'b', CellAction::kBrake},      {'p', CellAction::kBeginPath}, {'r', CellAction::kBeginRendering},
       {'c', CellAction::kClearFaults}};
-  if (cell == ".") return {from, CellAction::kGoOn};
+  if (cell == ".") return {from, CellAction::kNone};
   return {states.at(cell[0]), actions.at(cell[1])};
 }
 
@@ -82,7 +82,9 @@ std::set<CellState> Reached(CellState from, Counts&& counts) {
   return reached;
 }
 
-bool Permits(CellEvent event) { return event == CellEvent::kBeginAway || event == CellEvent::kBeginThere; }
+bool Permits(CellEvent event) {
+  return event == CellEvent::kBeginAligning || event == CellEvent::kBeginRendering;
+}
 
 TEST(CellState, NoSequenceOfEventsWithoutEveryPermissionMovesAnArmThatRests) {
   for (int s = 0; s < kCellStates; ++s) {
@@ -119,7 +121,7 @@ TEST(CellState, OutOfAFaultOnlyARecoveryLeads) {
 
 TEST(CellState, APauseIsLeftByNothingButAResumeAStopOrAFault) {
   const auto reached = Reached(CellState::kPaused, [](CellEvent event) {
-    return event != CellEvent::kResume && event != CellEvent::kStopAsked && event != CellEvent::kFault &&
+    return event != CellEvent::kResume && event != CellEvent::kStopRequested && event != CellEvent::kFault &&
            event != CellEvent::kArmLost;
   });
   EXPECT_EQ(reached, std::set<CellState>{CellState::kPaused});
@@ -141,7 +143,8 @@ TEST(CellState, EachHasANameOfItsOwn) {
   EXPECT_EQ(states.size(), static_cast<std::size_t>(kCellStates));
   EXPECT_EQ(events.size(), static_cast<std::size_t>(kCellEvents));
   std::set<std::string> missing;
-  for (int i = 0; i < kMotionPermits; ++i) missing.insert(Missing(static_cast<MotionPermit>(1u << i)));
+  for (int i = 0; i < kMotionPermits; ++i)
+    missing.insert(DescribeMissing(static_cast<MotionPermit>(1u << i)));
   EXPECT_EQ(missing.size(), static_cast<std::size_t>(kMotionPermits));
   EXPECT_FALSE(missing.contains("an unknown condition"));
 }
@@ -150,11 +153,11 @@ TEST(MotionPermits, OneThatIsMissingIsNone) {
   for (int i = 0; i < kMotionPermits; ++i) {
     const auto permit = static_cast<MotionPermit>(1u << i);
     MotionPermits permits(MotionPermits::kAll);
-    EXPECT_TRUE(permits.All() && permits.InOrder());
-    permits.Put(permit, false);
+    EXPECT_TRUE(permits.All() && permits.AllButHandedOver());
+    permits.Set(permit, false);
     EXPECT_FALSE(permits.All());
-    EXPECT_EQ(permits.InOrder(), permit == MotionPermit::kHandedOver);
-    permits.Put(permit, true);
+    EXPECT_EQ(permits.AllButHandedOver(), permit == MotionPermit::kHandedOver);
+    permits.Set(permit, true);
     EXPECT_TRUE(permits.All());
   }
   EXPECT_EQ(MotionPermits(~0u).bits(), MotionPermits::kAll) << "bits that are not there";

@@ -36,13 +36,13 @@ class GuardBench {
     arm.session = session;
     ++arm.sequence;
     if (session >= GuardSession::kWaiting) arm.q_ipo = StartJoints();
-    return monitor.Arm(arm, now);
+    return monitor.OnArmMessage(arm, now);
   }
   /// The answer to the message, 0.3 ms later.
   GuardDecision Answer(GuardCommand command) {
     command.sequence = ++sequence;
     command.reflected = arm.sequence;
-    const GuardDecision decision = monitor.Command(command, now + 300'000);
+    const GuardDecision decision = monitor.OnCommand(command, now + 300'000);
     if (decision == GuardDecision::kPass && arm.session == GuardSession::kActive) arm.q_meas = *command.q;
     return decision;
   }

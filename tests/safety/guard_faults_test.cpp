@@ -124,7 +124,7 @@ constexpr Row kZones[] = {
     {Fault::kOutSphereOffset, "OutCapsuleOffset", ZoneShape::kCapsule, kOut},
     {Fault::kOutSphereSign, "OutSphereSign", ZoneShape::kSphere, kOut},
     {Fault::kGapsSign, "OutBoxSign", ZoneShape::kBox, kOut},
-    {Fault::kLargestOfAll, "LargestOfAll", ZoneShape::kBox, kIn},
+    {Fault::kMaxOfAll, "LargestOfAll", ZoneShape::kBox, kIn},
 };
 
 class GuardFaults : public testing::TestWithParam<Row> {
@@ -139,7 +139,7 @@ class GuardFaults : public testing::TestWithParam<Row> {
   GuardParams Limits() {
     GuardParams limits{.arm = kinematics::ChainFrom(kinematics::Iiwa14())};
     limits.X_FT = ToolOnFlange();
-    limits.max_speed_m_per_s = limits.max_way_in_m_per_s = kSpeed_m_per_s;
+    limits.max_speed_m_per_s = limits.max_start_path_speed_m_per_s = kSpeed_m_per_s;
     limits.max_turn_rad_per_s = kTurn_rad_per_s;
     limits.workspace.sphere_center_W_m = PointsAt(arm_, q_)[0];
     limits.workspace.sphere_radius_m = kReach_m;

@@ -63,7 +63,7 @@ double BesideKdl(const ChainParams<7>& chain, const Pose& X_WB, const Pose& X_FT
       for (int j = 0; j < 3; ++j) X_BF.linear()(i, j) = flange.M(i, j);
     X_BF.translation() = ToVector(flange.p);
 
-    const GuardKinematics::Placement at = arm.Place(q);
+    const GuardKinematics::Placement at = arm.ComputePlacement(q);
     compare(at.p_WFlange, Vector3(X_WB * X_BF.translation()));
     const Vector3 elbow =
         NearestOfLine(ToVector(a4.p), J.data.col(3).tail<3>(), ToVector(a3.p), J.data.col(2).tail<3>());
@@ -72,7 +72,7 @@ double BesideKdl(const ChainParams<7>& chain, const Pose& X_WB, const Pose& X_FT
     compare(at.R_WT, Matrix3((X_WB * X_BF * X_FT).linear()));
 
     const Vector3 lever_W = X_WB.linear() * (X_BF.linear() * Vector3(X_FT.translation()));
-    const GuardKinematics::JointMotions motions = arm.Motions(q, at.p_WT);
+    const GuardKinematics::JointMotions motions = arm.ComputeJointMotions(q, at.p_WT);
     for (int i = 0; i < 7; ++i) {
       const Vector3 v_W = X_WB.linear() * Vector3(J.data.col(i).head<3>()),
                     w_W = X_WB.linear() * Vector3(J.data.col(i).tail<3>());
@@ -103,7 +103,7 @@ TEST(GuardKinematics, OfAnIiwaIsAsWorkedOutByHand) {
   const GuardKinematics arm(chain, Pose::Identity(), X_FT);
   const auto expect = [&](const Joints& q, const Vector3& elbow, const Vector3& flange, const Vector3& apex,
                           const Vector3& tool_z) {
-    const GuardKinematics::Placement at = arm.Place(q);
+    const GuardKinematics::Placement at = arm.ComputePlacement(q);
     EXPECT_LT((at.p_WElbow - elbow).norm(), 1e-12) << at.p_WElbow.transpose();
     EXPECT_LT((at.p_WFlange - flange).norm(), 1e-12) << at.p_WFlange.transpose();
     EXPECT_LT((at.p_WT - apex).norm(), 1e-12) << at.p_WT.transpose();
@@ -129,7 +129,8 @@ TEST(GuardKinematics, OfAnIiwaIsAsWorkedOutByHand) {
   expect(q, 0.78 * z, 1.18 * z + 0.126 * y, 1.18 * z + 0.226 * y, y);
   q[6] = right;  // A7 about the hand's own axis turns the tool's x from -z to x
   expect(q, 0.78 * z, 1.18 * z + 0.126 * y, 1.18 * z + 0.226 * y, y);
-  EXPECT_LT((arm.Place(q).R_WT.col(0) - (-x)).norm(), 1e-12) << arm.Place(q).R_WT.col(0).transpose();
+  EXPECT_LT((arm.ComputePlacement(q).R_WT.col(0) - (-x)).norm(), 1e-12)
+      << arm.ComputePlacement(q).R_WT.col(0).transpose();
 }
 
 TEST(GuardKinematics, RefusesAnArmThatIsNone) {
@@ -153,7 +154,7 @@ TEST(GuardAlone, JudgesAnArmWithoutTheControllersCode) {
   GuardParams params{.arm = Iiwa14Chain()};
   const GuardJoints start{0.1, 0.6, -0.2, -1.3, 0.3, 0.9, -0.4};
   const Vector3 p = GuardKinematics(params.arm, params.X_WB, params.X_FT)
-                        .Place(Eigen::Map<const Joints>(start.data()))
+                        .ComputePlacement(Eigen::Map<const Joints>(start.data()))
                         .p_WT;
   params.workspace.zones = {{.shape = ZoneShape::kSphere, .p_W_m = p, .radius_m = 1e-3}};
   GuardMonitor monitor(params);
@@ -163,11 +164,11 @@ TEST(GuardAlone, JudgesAnArmWithoutTheControllersCode) {
   while (!monitor.latched() && now < 2 * rt::kSecond) {
     now += rt::kMillisecond;
     ++arm.sequence;
-    ASSERT_EQ(monitor.Arm(arm, now), GuardDecision::kPass);
+    ASSERT_EQ(monitor.OnArmMessage(arm, now), GuardDecision::kPass);
     ++command.sequence;
     command.reflected = arm.sequence;
     (*command.q)[0] += 1e-4;
-    if (monitor.Command(command, now) == GuardDecision::kPass) arm.q_meas = *command.q;
+    if (monitor.OnCommand(command, now) == GuardDecision::kPass) arm.q_meas = *command.q;
   }
   EXPECT_EQ(monitor.reason().finding, GuardFinding::kZone) << Describe(monitor.reason());
 }

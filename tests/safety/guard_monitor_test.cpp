@@ -71,7 +71,7 @@ TEST(GuardMonitor, WithholdsWhatIsNotFinite) {
 TEST(GuardMonitor, HoldsEachJointToItsSpeedAndItsRange) {
   const auto& limits = kinematics::Iiwa14().limits;
   GuardParams params = GuardBench::Params();
-  params.max_speed_m_per_s = params.max_way_in_m_per_s = params.max_turn_rad_per_s = 100.0;
+  params.max_speed_m_per_s = params.max_start_path_speed_m_per_s = params.max_turn_rad_per_s = 100.0;
   for (int joint = 0; joint < 7; ++joint) {
     const double step_rad = limits[static_cast<std::size_t>(joint)].velocity_rad_per_s * params.period_s;
     ExpectWithheld(Moved(joint, 1.01 * step_rad), GuardFinding::kJointSpeed, params);
@@ -262,7 +262,7 @@ TEST(GuardMonitor, HoldsForcesToTheCellsLimitWithoutAnyMargin) {
 TEST(GuardMonitor, TorquesOfAWrenchWithinTheLimitsAlwaysPass) {
   const kinematics::SerialChain<7> chain(GuardBench::Params().arm);
   const GuardJoints q = GuardBench::StartJoints();
-  const auto posture = chain.Place(Eigen::Map<const kinematics::JointVector>(q.data()));
+  const auto posture = chain.ComputePosture(Eigen::Map<const kinematics::JointVector>(q.data()));
   const auto J = chain.JacobianAt(posture, posture.X_BF * GuardBench::Params().X_FT.translation());
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
@@ -283,32 +283,32 @@ TEST(GuardMonitor, PassesAnswersToTheNewestMessageOnceAndInTime) {
   bench.Message(GuardSession::kActive);
   const GuardCommand old{.sequence = 90, .reflected = bench.arm.sequence, .q = GuardBench::StartJoints()};
   bench.Message(GuardSession::kActive);
-  EXPECT_EQ(bench.monitor.Command(old, bench.now), GuardDecision::kDrop) << "overtaken";
+  EXPECT_EQ(bench.monitor.OnCommand(old, bench.now), GuardDecision::kDrop) << "overtaken";
   const GuardCommand answer{.sequence = 91, .reflected = bench.arm.sequence, .q = GuardBench::StartJoints()};
-  EXPECT_EQ(bench.monitor.Command(answer, bench.now + 6 * rt::kMillisecond), GuardDecision::kDrop)
+  EXPECT_EQ(bench.monitor.OnCommand(answer, bench.now + 6 * rt::kMillisecond), GuardDecision::kDrop)
       << "too old";
-  EXPECT_EQ(bench.monitor.Command(answer, bench.now), GuardDecision::kPass);
-  EXPECT_EQ(bench.monitor.Command(answer, bench.now), GuardDecision::kDrop) << "replayed";
+  EXPECT_EQ(bench.monitor.OnCommand(answer, bench.now), GuardDecision::kPass);
+  EXPECT_EQ(bench.monitor.OnCommand(answer, bench.now), GuardDecision::kDrop) << "replayed";
   EXPECT_EQ(bench.monitor.counters().late, 2u);
   EXPECT_EQ(bench.monitor.counters().duplicate, 1u);
   EXPECT_TRUE(bench.monitor.permits()) << "what is late is no lie";
   bench.Message(GuardSession::kActive);
   GuardCommand back{.sequence = 91, .reflected = bench.arm.sequence, .q = GuardBench::StartJoints()};
-  EXPECT_EQ(bench.monitor.Command(back, bench.now), GuardDecision::kWithhold);
+  EXPECT_EQ(bench.monitor.OnCommand(back, bench.now), GuardDecision::kWithhold);
   EXPECT_EQ(Found(bench), GuardFinding::kSequence);
 
   GuardBench other;
   ASSERT_TRUE(other.WalkToActive());
   other.Message(GuardSession::kActive);
   GuardCommand ahead{.sequence = 99, .reflected = other.arm.sequence + 1, .q = GuardBench::StartJoints()};
-  EXPECT_EQ(other.monitor.Command(ahead, other.now), GuardDecision::kWithhold);
+  EXPECT_EQ(other.monitor.OnCommand(ahead, other.now), GuardDecision::kWithhold);
   EXPECT_EQ(Found(other), GuardFinding::kNeverSent);
 }
 
 TEST(GuardMonitor, DropsMessagesOfTheArmThatAreNotNewAndBelievesANewSession) {
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
-  EXPECT_EQ(bench.monitor.Arm(bench.arm, bench.now), GuardDecision::kDrop);
+  EXPECT_EQ(bench.monitor.OnArmMessage(bench.arm, bench.now), GuardDecision::kDrop);
   bench.arm.sequence -= 3;
   EXPECT_EQ(bench.Message(GuardSession::kWaiting), GuardDecision::kDrop);
   bench.arm.sequence = 0;
@@ -326,10 +326,10 @@ TEST(GuardMonitor, WithdrawsWhereTheControllerFallsSilentWhileTheArmMoves) {
   // the arm ends commanding after 20 messages without an answer, as real arms do
   for (int i = 1; i <= 51; ++i) {
     bench.Message(i < 20 ? GuardSession::kActive : GuardSession::kMonitoring);
-    bench.monitor.Look(bench.now);
+    bench.monitor.CheckSilence(bench.now);
     EXPECT_FALSE(bench.monitor.latched()) << i << " ms";
   }
-  bench.monitor.Look(bench.now + 1'000'001);
+  bench.monitor.CheckSilence(bench.now + 1'000'001);
   EXPECT_EQ(Found(bench), GuardFinding::kSilence);
   EXPECT_FALSE(bench.monitor.permits());
 }
@@ -343,7 +343,7 @@ TEST(GuardMonitor, AControllerThatEndsWithTheArmAtRestMayComeBack) {
   }
   for (int i = 0; i < 100; ++i) {
     bench.Message(GuardSession::kMonitoring);
-    bench.monitor.Look(bench.now);
+    bench.monitor.CheckSilence(bench.now);
   }
   EXPECT_FALSE(bench.monitor.latched());
   EXPECT_FALSE(bench.monitor.permits());
@@ -359,9 +359,9 @@ TEST(GuardMonitor, WhatTheGuardItselfKeptWaitingIsNotHeldAgainstTheController) {
   ASSERT_EQ(bench.Answer(Moved(0, 1e-4)), GuardDecision::kPass);
   bench.Message(GuardSession::kActive);  // the message arrived, and then the guard slept
   bench.now += 100 * rt::kMillisecond;
-  bench.monitor.Look(bench.now);
+  bench.monitor.CheckSilence(bench.now);
   EXPECT_TRUE(bench.monitor.permits());
-  bench.monitor.Look(bench.now + 51 * rt::kMillisecond);
+  bench.monitor.CheckSilence(bench.now + 51 * rt::kMillisecond);
   EXPECT_EQ(Found(bench), GuardFinding::kSilence);
 }
 
@@ -371,14 +371,14 @@ TEST(GuardMonitor, AnArmThatFallsSilentIsNotHeldAgainstTheController) {
   ASSERT_TRUE(bench.WalkToActive());
   bench.Message(GuardSession::kActive);
   ASSERT_EQ(bench.Answer(Moved(0, 1e-4)), GuardDecision::kPass);
-  bench.monitor.Look(bench.now + 10 * rt::kSecond);
+  bench.monitor.CheckSilence(bench.now + 10 * rt::kSecond);
   EXPECT_TRUE(bench.monitor.permits());
 }
 
 TEST(GuardMonitor, FindsAHandThatPushesBeyondItsLimitByTheArmsTorques) {
   const kinematics::SerialChain<7> chain(GuardBench::Params().arm);
   const auto J = chain.Jacobian(
-      chain.Place(Eigen::Map<const kinematics::JointVector>(GuardBench::StartJoints().data())));
+      chain.ComputePosture(Eigen::Map<const kinematics::JointVector>(GuardBench::StartJoints().data())));
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
   const auto push = [&](double force_N, int messages) {
@@ -423,8 +423,8 @@ TEST(GuardMonitor, RefusesEachNumberThatIsNoneByItsName) {
       {"period_s", &GuardParams::period_s},
       {"max_speed_m_per_s", &GuardParams::max_speed_m_per_s},
       {"max_turn_rad_per_s", &GuardParams::max_turn_rad_per_s},
-      {"there_rad", &GuardParams::there_rad},
-      {"max_way_in_m_per_s", &GuardParams::max_way_in_m_per_s},
+      {"there_rad", &GuardParams::tolerance_rad},
+      {"max_way_in_m_per_s", &GuardParams::max_start_path_speed_m_per_s},
       {"max_tracking_error_m", &GuardParams::max_tracking_error_m},
       {"mirror_rad", &GuardParams::mirror_rad},
       {"max_force_N", &GuardParams::max_force_N},
@@ -471,7 +471,7 @@ TEST(GuardMonitor, DoesNotAllocate) {
   rt::CheckedNoAllocScope no_alloc;
   bench.Message(GuardSession::kActive);
   (void)bench.Answer(command);
-  bench.monitor.Look(bench.now);
+  bench.monitor.CheckSilence(bench.now);
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ TEST(GuardWild, NoCommandBeyondALimitPassesWhateverComes) {
     for (int tick = 0; tick < 300; ++tick) {
       if (random() % 150 == 0) bench.arm.q_meas[random() % 7] += 0.01 * Wild(random);  // a wrong reading
       bench.Message(GuardSession::kActive);
-      bench.monitor.Look(bench.now);
+      bench.monitor.CheckSilence(bench.now);
       if (random() % 20 == 0) continue;  // silence
       for (std::size_t i = 0; i < 7; ++i) q[i] += drift[i];
       GuardCommand command{.q = q};
@@ -116,7 +116,7 @@ TEST(GuardWild, NoCommandBeyondALimitPassesWhateverComes) {
       command.sequence = ++bench.sequence;
       command.reflected = reflected;
       const bool was_latched = bench.monitor.latched();
-      const GuardDecision decision = bench.monitor.Command(command, bench.now + 300'000);
+      const GuardDecision decision = bench.monitor.OnCommand(command, bench.now + 300'000);
       if (decision != GuardDecision::kPass) {
         ++withheld;
         continue;

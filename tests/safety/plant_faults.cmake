@@ -80,7 +80,7 @@ plant([=[return {.toward_Z = -beyond / distance_m, .distance_m = distance_m};]=]
       [=[return {.toward_Z = (PLANTED(kGapsSign) ? 1.0 : -1.0) * beyond / distance_m, .distance_m = distance_m};]=])
 plant([=[return {.toward_Z = -out_Z[nearest], .distance_m = gap_m[nearest]};]=]
       [=[return {.toward_Z = (PLANTED(kGapsSign) ? 1.0 : -1.0) * out_Z[nearest], .distance_m = gap_m[nearest]};]=])
-plant([=[least_m = std::min(least_m, bounds_[i].distance_m);]=]
-      [=[least_m = PLANTED(kLargestOfAll) ? std::max(least_m, bounds_[i].distance_m)
-                                                 : std::min(least_m, bounds_[i].distance_m);]=])
+plant([=[min_m = std::min(min_m, bounds_[i].distance_m);]=]
+      [=[min_m = PLANTED(kMaxOfAll) ? std::max(min_m, bounds_[i].distance_m)
+                                                 : std::min(min_m, bounds_[i].distance_m);]=])
 write_source(zone.cpp)

@@ -35,7 +35,7 @@ enum class Fault {
   kOutSphereOffset,
   kOutSphereSign,  // as for the half-space
   kGapsSign,       // the same for boxes and cylinders
-  kLargestOfAll,   // distance_m: the farthest face instead of the nearest
+  kMaxOfAll,       // distance_m: the farthest face instead of the nearest
 };
 
 inline Fault fault = Fault::kNone;

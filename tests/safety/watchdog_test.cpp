@@ -44,16 +44,6 @@ TEST(Watchdog, GivesEverySourceItsFullTimeAfterTheStart) {
   EXPECT_FALSE(watchdog.Check(start + rt::kSecond, {0.010, 0.010}).Any());
 }
 
-TEST(Watchdog, CountsMissedArmMessagesInARow) {
-  Watchdog watchdog({.arm_misses = 3});
-  EXPECT_FALSE(watchdog.MissArm());
-  EXPECT_FALSE(watchdog.MissArm());
-  watchdog.MeetArm();
-  EXPECT_FALSE(watchdog.MissArm());
-  EXPECT_FALSE(watchdog.MissArm());
-  EXPECT_TRUE(watchdog.MissArm());
-}
-
 TEST(Watchdog, RefusesTimesInTheWrongOrder) {
   EXPECT_THROW(Watchdog({.sensor_full_s = 0.2, .sensor_stop_s = 0.1}), std::invalid_argument);
   EXPECT_THROW(Watchdog({.model_stop_s = 0.0}), std::invalid_argument);

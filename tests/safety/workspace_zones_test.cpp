@@ -11,7 +11,7 @@
 namespace osteon::safety {
 namespace {
 
-constexpr double kDt_s = 0.001, kStop_m_per_s2 = 3.0, kMost_m_per_s = 0.25;
+constexpr double kDt_s = 0.001, kStop_m_per_s2 = 3.0, kMax_m_per_s = 0.25;
 constexpr int kRooms = 300, kTicks = 1200;
 
 class Draw {
@@ -51,7 +51,7 @@ TEST(WorkspaceZones, NoSequenceOfWishesLeavesAnyRoom) {
     const Workspace room(draw.Room());
     Vector3 p = Vector3::Zero(), wish = Vector3::Zero();
     for (int tick = 0; tick < kTicks; ++tick) {
-      if (tick % 60 == 0) wish = draw.In(1.0).normalized() * draw.Within(0.0, kMost_m_per_s);
+      if (tick % 60 == 0) wish = draw.In(1.0).normalized() * draw.Within(0.0, kMax_m_per_s);
       p += kDt_s * room.Limit(p, wish, kDt_s).v_WT;
       ASSERT_GE(room.Distance(p), -1e-9) << "room " << i << ", tick " << tick;
     }
@@ -66,7 +66,7 @@ TEST(WorkspaceZones, AStopFromAnywhereEndsInside) {
   for (int i = 0; i < kRooms; ++i) {
     const Workspace room(draw.Room());
     Vector3 p = Vector3::Zero(), v = Vector3::Zero();
-    const Vector3 wish = draw.In(1.0).normalized() * draw.Within(0.05, kMost_m_per_s);
+    const Vector3 wish = draw.In(1.0).normalized() * draw.Within(0.05, kMax_m_per_s);
     const int ticks = draw.Whole(1, 600);
     for (int tick = 0; tick < ticks; ++tick) {
       v = room.Limit(p, wish, kDt_s).v_WT;
@@ -90,7 +90,7 @@ TEST(WorkspaceZones, AnArmThatLagsStaysInside) {
     std::deque<Vector3> on_the_way(static_cast<std::size_t>(draw.Whole(0, 20)), Vector3::Zero());
     Vector3 p = Vector3::Zero(), arm = p, wish = p;
     for (int tick = 0; tick < kTicks; ++tick) {
-      if (tick % 80 == 0) wish = draw.In(1.0).normalized() * draw.Within(0.0, kMost_m_per_s);
+      if (tick % 80 == 0) wish = draw.In(1.0).normalized() * draw.Within(0.0, kMax_m_per_s);
       p += kDt_s * room.Limit(p, wish, kDt_s).v_WT;
       on_the_way.push_back(p);
       arm += pole * (on_the_way.front() - arm);

@@ -102,13 +102,13 @@ TEST(CutAccuracy, DoesNotDependOnThreadsAndRefusesNoCut) {
   EXPECT_THROW((void)MeasureCut(*scene.solid, whole, after, Swept(scene), params), std::invalid_argument);
 }
 
-TEST(GreatestOverlap, IsExact) {
+TEST(MaxOverlap, IsExact) {
   const DepthScene scene = MakeBlockScene();
   const std::vector<Ball> balls{{.center_m = Vector3(0, 0, -7e-3), .radius_m = 1.5e-3},
                                 {.center_m = Vector3(0, 0, -7e-3), .radius_m = 2.25e-3},
                                 {.center_m = Vector3(0, 0, -3e-3), .radius_m = 0.0}};
-  EXPECT_NEAR(GreatestOverlap(balls, Swept(scene)), 0.25e-3, 1e-15);
-  EXPECT_EQ(GreatestOverlap({balls.data(), 1}, Swept(scene)), 0.0);
+  EXPECT_NEAR(MaxOverlap(balls, Swept(scene)), 0.25e-3, 1e-15);
+  EXPECT_EQ(MaxOverlap({balls.data(), 1}, Swept(scene)), 0.0);
 }
 
 TEST(ShellSolid, DistanceIsThatToTheNearestPointOfItsSurface) {

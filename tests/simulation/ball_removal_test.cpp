@@ -96,7 +96,7 @@ TEST(BallRemoval, LeavesNothingInAnyCapsuleAndTheUnionNeverGrows) {
     }
     EXPECT_GT(lost, 100u);
     EXPECT_LT(WorstOverlap(balls, capsules), 1e-12);
-    EXPECT_GT(removal.most_blocks(), 20u);
+    EXPECT_GT(removal.max_blocks_in_use(), 20u);
     EXPECT_EQ(removal.refused(), 0u);
     // every child lies in a parent that became its block; other parents only shrank
     for (std::size_t i = 0; i < balls.size(); ++i) {
@@ -145,7 +145,7 @@ TEST(BallRemoval, SplitsAtFirstTouchOnceAndOnlyLargeBalls) {
   BallRemoval other(alone, Split());
   const Capsule all{.a = {0, 0, 5e-3}, .b = {0, 0, 0}, .radius_m = 3e-3};
   other.Remove({&all, 1}, alone);
-  EXPECT_EQ(other.most_blocks(), 0u);
+  EXPECT_EQ(other.max_blocks_in_use(), 0u);
   EXPECT_EQ(alone[0].radius_m, 0.0);
 }
 
@@ -169,7 +169,7 @@ TEST(BallRemoval, BlocksOfClearedBallsAreUsedAgainFromTheNextFrameOn) {
   removal.Remove({&deeper, 1}, balls);
   EXPECT_EQ(removal.refused(), 1u);
   EXPECT_EQ(removal.blocks_in_use(), 1u);
-  EXPECT_EQ(removal.most_blocks(), 1u);
+  EXPECT_EQ(removal.max_blocks_in_use(), 1u);
   // children of a ball that was cut before lie in the rest of that ball
   for (std::size_t i = 2; i < balls.size(); ++i) {
     if (balls[i].radius_m > 0.0) {
@@ -360,10 +360,10 @@ TEST(BallRemoval, RefusesStatesAndParamsThatAreNone) {
     params.on = true;
     EXPECT_THROW(BallRemoval(balls, params), std::invalid_argument);
   };
-  bad({.least_radius_m = -1e-3});
-  bad({.least_radius_m = std::nan("")});
+  bad({.min_radius_m = -1e-3});
+  bad({.min_radius_m = std::nan("")});
   bad({.children = 7});
-  bad({.least_child_share = 0.6});
+  bad({.min_child_share = 0.6});
   bad({.pool_blocks = 0});
 }
 

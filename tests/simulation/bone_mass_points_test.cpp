@@ -138,7 +138,7 @@ TEST_F(MassPoints, KeepHalfTheMeanSpacingFromEachOther) {
   const std::vector<double> spacings =
       LeastSpacings(points_, CupZone{AcetabulumSolid{{}}.cup()}, MassPointParams{}.cells);
   const NeighborDistances distances = MeasureNeighborDistances(places, spacings);
-  EXPECT_GE(distances.least_over_spacing, 0.5);
+  EXPECT_GE(distances.min_over_spacing, 0.5);
   EXPECT_GE(distances.mean_over_spacing, 0.85);
 }
 

@@ -55,12 +55,12 @@ TriangleMesh MakeCupBlock() {
   return mesh;
 }
 
-const Cup kCup{.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 3), .radius_m = 0.02};
+const CutSite kCup{.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 3), .radius_m = 0.02};
 
 TEST(BoneScenes, AnAcetabulumHasBallsPointsAndTheThreeTissues) {
   const Bone bone = MakeAcetabulum({});
   EXPECT_EQ(bone.name, "acetabulum, cup 48 mm");
-  EXPECT_EQ(bone.cup.radius_m, 0.024);
+  EXPECT_EQ(bone.site.radius_m, 0.024);
   ASSERT_EQ(bone.materials.size(), 4u);
   EXPECT_EQ(bone.materials[kCortical].name, "cortical");
   std::array<int, 3> points{};
@@ -94,7 +94,7 @@ TEST(BoneScenes, AMeshOfACupBecomesTheBoneItBounds) {
   const TemporaryFile file(".obj", ObjText(mesh));
   const auto bone = MakeBoneFromMesh(file.path(), kCup, {});
   ASSERT_TRUE(bone) << bone.error().message;
-  EXPECT_NEAR(Vector3(bone->cup.axis).norm(), 1.0, 1e-15);
+  EXPECT_NEAR(Vector3(bone->site.axis).norm(), 1.0, 1e-15);
   const double exact = SignedVolume_m3(mesh);
   double volume = 0.0;
   for (const MassPoint& point : bone->points) volume += point.volume_m3;
@@ -110,20 +110,20 @@ TEST(BoneScenes, AMeshOfACupBecomesTheBoneItBounds) {
 
 TEST(BoneScenes, ACupThatIsNotThereIsRefusedWithWhatWasFound) {
   const TemporaryFile file(".obj", ObjText(MakeCupBlock()));
-  const auto refusal = [&](Cup cup) {
+  const auto refusal = [&](CutSite cup) {
     const auto bone = MakeBoneFromMesh(file.path(), cup, {});
     EXPECT_FALSE(bone);
     if (bone) return std::string();
     EXPECT_EQ(bone.error().kind, MeshErrorKind::kCupOffMesh);
     return bone.error().message;
   };
-  Cup away = kCup;
+  CutSite away = kCup;
   away.center_m = Vector3(0.2, 0, 0);
   EXPECT_THAT(refusal(away), HasSubstr("in 0 % of its lower half, accepted 25 % and more"));
-  Cup upside_down = kCup;
+  CutSite upside_down = kCup;
   upside_down.axis = Vector3(0, 0, -1);
   EXPECT_THAT(refusal(upside_down), HasSubstr("the axis points out of the opening"));
-  Cup buried = kCup;
+  CutSite buried = kCup;
   buried.center_m = Vector3(0, 0, -0.0255);
   buried.radius_m = 0.008;
   EXPECT_FALSE(refusal(buried).empty());
@@ -132,7 +132,7 @@ TEST(BoneScenes, ACupThatIsNotThereIsRefusedWithWhatWasFound) {
 // The top of a ball is an entry, but not a cup for a reamer's scene.
 TEST(BoneScenes, AConvexSiteIsNoCup) {
   const TemporaryFile file(".obj", ObjText(MakeIcosphere({0, 0, 0}, 0.024, 3)));
-  const Cup on_top{.center_m = Vector3(0, 0, 0.024), .axis = Vector3(0, 0, 1), .radius_m = 0.025};
+  const CutSite on_top{.center_m = Vector3(0, 0, 0.024), .axis = Vector3(0, 0, 1), .radius_m = 0.025};
   SceneParams scene;
   scene.material_names = {"bone"};
   scene.materials = {DefaultBoneMaterials().front()};
@@ -153,7 +153,7 @@ TEST(BoneScenes, AConvexSiteIsNoCup) {
 }
 
 TEST(BoneScenes, AWrongCupIsAnArgumentError) {
-  Cup cup = kCup;
+  CutSite cup = kCup;
   cup.radius_m = -0.02;
   EXPECT_THROW((void)MakeBoneFromMesh("bone.obj", cup, {}), std::invalid_argument);
   cup = kCup;

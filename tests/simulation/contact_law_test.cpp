@@ -31,9 +31,9 @@ TEST(FindBin, SharesOutAllDirections) {
     ++count[static_cast<std::size_t>(cutting.number)];
     ++count[static_cast<std::size_t>(shaft.number)];
     // a third of a cube's face extends 27 degrees from its centre, a whole face 55
-    ASSERT_GE(cutting.off_middle, -1e-12);
-    ASSERT_LT(cutting.off_middle, 1.0 - std::cos(27.0 * M_PI / 180.0));
-    ASSERT_LT(shaft.off_middle, 1.0 - std::cos(55.0 * M_PI / 180.0));
+    ASSERT_GE(cutting.off_centre, -1e-12);
+    ASSERT_LT(cutting.off_centre, 1.0 - std::cos(27.0 * M_PI / 180.0));
+    ASSERT_LT(shaft.off_centre, 1.0 - std::cos(55.0 * M_PI / 180.0));
   }
   for (std::size_t b = 0; b < kCuttingBins; ++b) {
     // 1000 on average; a face's middle third covers 1.72 times that, a corner's half
@@ -84,30 +84,30 @@ struct Scene {
                        .center_T_m = c_T,
                        .tool_radius_m = 5e-3};
   }
-  ContactHold Hold(bool turning = true) const {
-    return HoldTool(FindCandidates(near, kTolerance_m), input, turning);
+  ContactSolution Hold(bool turning = true) const {
+    return SolveContacts(FindCandidates(near, kTolerance_m), input, turning);
   }
   FrameSolution Report() {
     FrameSolution solution;
     const Candidates candidates = FindCandidates(near, kTolerance_m);
-    ReportContacts(params, near, candidates, HoldTool(candidates, input, true),
-                   HoldTool(candidates, input, false), input, memory, solution);
+    FillContacts(params, near, candidates, SolveContacts(candidates, input, true),
+                 SolveContacts(candidates, input, false), input, memory, solution);
     return solution;
   }
 };
 
-TEST(HoldTool, OnAPlaneIsTheDepthAlongItsNormal) {
+TEST(SolveContacts, OnAPlaneIsTheDepthAlongItsNormal) {
   Scene scene;
   scene.input.motion_G_m = Vector3(1e-3, 0, -3e-3);
   scene.Add(Vector3::UnitZ(), 0.1e-3);
-  const ContactHold held = scene.Hold();
+  const ContactSolution held = scene.Hold();
   EXPECT_LT((held.point_m() - Vector3(0, 0, 2.9e-3)).norm(), 2e-8);  // the slack
   EXPECT_NEAR(held.normal_m, 2.9e-3, 2e-8);
-  EXPECT_EQ(held.most_m, held.normal_m);
+  EXPECT_EQ(held.force_multiplier_cap_m, held.normal_m);
 }
 
 // Coulomb: a slip below mu times the depth does not happen; a larger one is reduced by that much.
-TEST(HoldTool, FrictionHoldsInsideTheConeAndLagsByItOutside) {
+TEST(SolveContacts, FrictionHoldsInsideTheConeAndLagsByItOutside) {
   for (const double slip_m : {0.2e-3, 0.5e-3, 0.7e-3, 3e-3}) {
     Scene scene;
     scene.input.motion_G_m = Vector3(slip_m, 0, -2e-3);
@@ -119,7 +119,7 @@ TEST(HoldTool, FrictionHoldsInsideTheConeAndLagsByItOutside) {
   }
 }
 
-TEST(HoldTool, FrictionCountsTheSurfacesSlipOfATurn) {
+TEST(SolveContacts, FrictionCountsTheSurfacesSlipOfATurn) {
   Scene scene;
   scene.input.motion_G_m = Vector3(0, 0, -2e-3);
   scene.input.turn_G = Vector3(0, 0.01, 0);  // about the ball's centre: its underside slips by -50 um
@@ -141,15 +141,16 @@ TEST(FindCandidates, LetsAToolAlongASlotOfItsOwnWidth) {
   EXPECT_GT(floor.Hold().point_m().norm(), 1e-6);
 }
 
-TEST(HoldTool, WedgedIsWorthItsOverlapAndNotWhatBalancesItself) {
+TEST(SolveContacts, WedgedIsWorthItsOverlapAndNotWhatBalancesItself) {
   Scene scene;
   scene.input.motion_G_m = Vector3(0, 0, -1e-3);
   scene.Add(Vector3::UnitX(), -0.1e-3);
   scene.Add(-Vector3::UnitX(), -0.1e-3);
   scene.Add(Vector3::UnitZ(), 0.0);
-  const ContactHold held = scene.Hold();
+  const ContactSolution held = scene.Hold();
   EXPECT_GT(held.normal_m, 10.0);  // metres, at which the planes' slack balances
-  EXPECT_LT(held.most_m, 2.2e-3);  // twice the millimetre that the tool is pressed, plus the overlap
+  EXPECT_LT(held.force_multiplier_cap_m,
+            2.2e-3);  // twice the millimetre that the tool is pressed, plus the overlap
   const FrameSolution solution = scene.Report();
   Vector3 sum = Vector3::Zero();
   double size = 0.0;
@@ -159,7 +160,7 @@ TEST(HoldTool, WedgedIsWorthItsOverlapAndNotWhatBalancesItself) {
     size += contact.multiplier_m;
   }
   EXPECT_LT(size, 4.5e-3);
-  EXPECT_LT((sum - held.hold.point_m).norm(), 0.05 * held.hold.point_m.norm());
+  EXPECT_LT((sum - held.goal.point_m).norm(), 0.05 * held.goal.point_m.norm());
 }
 
 // ---- contacts
@@ -174,7 +175,7 @@ HalfSpaceProjection AsTheServoLoopDoes(const FrameSolution& solution) {
   return ClosestInHalfSpaces(planes, solution.contact_count);
 }
 
-TEST(ReportContacts, GiveTheServoLoopTheFramesForce) {
+TEST(FillContacts, GiveTheServoLoopTheFramesForce) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(0.0, 1.0);
   int several = 0;
@@ -214,7 +215,7 @@ TEST(ReportContacts, GiveTheServoLoopTheFramesForce) {
 
 // A burr's edge and its shaft against one wall. As the edge's plane gives way the shaft's must stay;
 // otherwise the servo loop meets it some frames later, at the depth that the edge has reached meanwhile.
-TEST(ReportContacts, AShaftIsReportedBesideAnEdgeThatPressesTheSameWay) {
+TEST(FillContacts, AShaftIsReportedBesideAnEdgeThatPressesTheSameWay) {
   Scene scene;
   scene.input.motion_G_m = Vector3(0, 0, -0.2e-3);
   scene.Add({0, 0, 1}, 0.0);
@@ -231,7 +232,7 @@ TEST(ReportContacts, AShaftIsReportedBesideAnEdgeThatPressesTheSameWay) {
   EXPECT_EQ(scene.Report().contact_count, 1) << "nothing recedes: one plane of the face is enough";
 }
 
-TEST(ReportContacts, PointOfABallIsItsFootAlongTheContactsNormal) {
+TEST(FillContacts, PointOfABallIsItsFootAlongTheContactsNormal) {
   Scene scene;
   scene.input.R_GT = ExpRotation({0.3, -0.2, 0.1});
   scene.input.motion_G_m = Vector3(0, 0, -1e-3);
@@ -243,7 +244,7 @@ TEST(ReportContacts, PointOfABallIsItsFootAlongTheContactsNormal) {
   EXPECT_LT((solution.contacts[0].p_T_m - foot).norm(), 1e-12);
 }
 
-TEST(ReportContacts, RememberWhatHeldAndTheFacesDirection) {
+TEST(FillContacts, RememberWhatHeldAndTheFacesDirection) {
   Scene scene;
   scene.input.motion_G_m = Vector3(-1e-3, 0, -2e-3);
   scene.Add(Vector3::UnitY(), 0.1e-3);

@@ -88,11 +88,11 @@ TEST(CountedPacking, IsUniformToTheCount) {
     EXPECT_NEAR(static_cast<double>(balls.size()), static_cast<double>(count),
                 0.02 * static_cast<double>(count));
     ExpectInside(solid, balls);
-    double greatest_m = 0.0;
-    for (const Ball& ball : balls) greatest_m = std::max(greatest_m, ball.radius_m);
-    EXPECT_LT(greatest_m, last_m);
-    last_m = greatest_m;
-    EXPECT_EQ(ShareOutside(solid, balls, 1.2 * greatest_m), 0.0) << count;
+    double max_m = 0.0;
+    for (const Ball& ball : balls) max_m = std::max(max_m, ball.radius_m);
+    EXPECT_LT(max_m, last_m);
+    last_m = max_m;
+    EXPECT_EQ(ShareOutside(solid, balls, 1.2 * max_m), 0.0) << count;
   }
 }
 

@@ -50,18 +50,18 @@ Pose Down(const Vector3& p) {
 
 TEST(ApexDepth, CountsFromTheFirstFloorAlongTheCupsAxis) {
   Bone bone;
-  bone.cup = {.center_m = Vector3(0.1, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.024};
+  bone.site = {.center_m = Vector3(0.1, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.024};
   bone.balls = {BallAt({0.1, 0, -0.035}, 0.010)};  // its top lies 25 mm below the centre
   const ApexDepth depth(bone, MakeReamer(0.022, 0.008, 0.1, 0.9, Vector3::Zero()));
   EXPECT_NEAR(depth.floor_m(), 0.025, 1e-15);
-  EXPECT_NEAR(depth.Of(Down({0.1, 0, -0.025})), 0.0, 1e-15);
-  EXPECT_NEAR(depth.Of(Down({0.1, 0, -0.027})), 0.002, 1e-15);
-  EXPECT_NEAR(depth.Of(Down({0.1, 0, -0.020})), -0.005, 1e-15);
+  EXPECT_NEAR(depth.DepthAt(Down({0.1, 0, -0.025})), 0.0, 1e-15);
+  EXPECT_NEAR(depth.DepthAt(Down({0.1, 0, -0.027})), 0.002, 1e-15);
+  EXPECT_NEAR(depth.DepthAt(Down({0.1, 0, -0.020})), -0.005, 1e-15);
   // the depth of the head counts, however the tool is turned around it
   Pose tilted = Pose::Identity();
   tilted.linear() = ExpRotation({0, 0.3, 0}) * ExpRotation({M_PI, 0, 0});
   tilted.translation() = Vector3(0.1, 0, -0.005) - tilted.linear() * Vector3(0, 0, -0.022);
-  EXPECT_NEAR(depth.Of(tilted), 0.002, 1e-12);
+  EXPECT_NEAR(depth.DepthAt(tilted), 0.002, 1e-12);
 }
 
 TEST(ApexDepth, WithoutAFloorCountsFromTheCupsRadius) {

@@ -214,7 +214,7 @@ TEST(ShrinkBall, StaysInsideItsOldSelfAndLeavesTheSweep) {
       ++kept;
       ASSERT_EQ(after.c, c);
       ASSERT_EQ(after.r, r);
-    } else if (p >= 2.0 * r || r - 0.5 * p < kLeastBallRadius) {
+    } else if (p >= 2.0 * r || r - 0.5 * p < kMinBallRadius) {
       ++gone;
       ASSERT_EQ(after.r, 0.0);
     } else {

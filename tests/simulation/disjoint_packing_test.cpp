@@ -85,7 +85,7 @@ TEST(DisjointPacking, LiesInsideAndIsDisjointInEveryShape) {
   const MeshSolid mesh(MakeIcosphere(Vector3(0.1, 0, 0), 0.02, 1));
   for (const Solid* solid : std::initializer_list<const Solid*>{&acetabulum, &plate, &mesh})
     for (const double greatest : {1.0, 1.5e-3}) {
-      const DisjointParams params{.count = 800, .greatest_radius_m = greatest, .seed = 5};
+      const DisjointParams params{.count = 800, .max_radius_m = greatest, .seed = 5};
       const std::vector<Ball> balls = BuildDisjointPacking(*solid, EverywhereZone(), params);
       EXPECT_EQ(balls.size(), 800u);
       ExpectDisjointAndInside(*solid, balls);
@@ -104,7 +104,7 @@ TEST(DisjointPacking, StartsWithTheInscribedBallAndFillsTheCornersNext) {
 
 TEST(DisjointPacking, ABallTakesOneBallAndThenIsFull) {
   const std::vector<Ball> balls =
-      BuildDisjointPacking(BallSolid(0.02), EverywhereZone(), {.count = 0, .least_radius_m = 1e-3});
+      BuildDisjointPacking(BallSolid(0.02), EverywhereZone(), {.count = 0, .min_radius_m = 1e-3});
   ASSERT_EQ(balls.size(), 1u);
   EXPECT_NEAR(balls[0].radius_m, 0.02, 1e-6 * 0.02);
 }
@@ -130,7 +130,7 @@ TEST(DisjointPacking, WithoutACountGoesOnUntilNothingFits) {
     for (const double greatest : {1.0, 1.4e-3}) {
       const double least = 1.2e-3;
       const std::vector<Ball> balls = BuildDisjointPacking(
-          *solid, EverywhereZone(), {.count = 0, .least_radius_m = least, .greatest_radius_m = greatest});
+          *solid, EverywhereZone(), {.count = 0, .min_radius_m = least, .max_radius_m = greatest});
       EXPECT_GT(balls.size(), 100u);
       EXPECT_GE(RadiiDescending(balls).back(), least - 2e-12);
       EXPECT_LT(LargestHole_m(*solid, balls, 4000), 1.02 * least);
@@ -139,8 +139,8 @@ TEST(DisjointPacking, WithoutACountGoesOnUntilNothingFits) {
 
 TEST(DisjointPacking, SaysWithFewerBallsThatNoMoreFit) {
   const BoxSolid box = CenteredBox(Vector3(0.02, 0.02, 0.02));
-  const DisjointParams to_the_end{.count = 0, .least_radius_m = 1e-3};
-  const DisjointParams too_many{.count = 100'000, .least_radius_m = 1e-3};
+  const DisjointParams to_the_end{.count = 0, .min_radius_m = 1e-3};
+  const DisjointParams too_many{.count = 100'000, .min_radius_m = 1e-3};
   const auto full = BuildDisjointPacking(box, EverywhereZone(), to_the_end);
   const auto asked = BuildDisjointPacking(box, EverywhereZone(), too_many);
   EXPECT_LT(asked.size(), 1000u);
@@ -166,8 +166,8 @@ TEST(DisjointPacking, IsTheSameToTheBitForAnyNumberOfThreads) {
     }
   };
   expect_same(mesh, everywhere, {.count = 3000});
-  expect_same(acetabulum, cup, {.count = 2000, .greatest_radius_m = 1e-3, .grade = 0.2});
-  expect_same(acetabulum, everywhere, {.count = 0, .least_radius_m = 2.5e-3});
+  expect_same(acetabulum, cup, {.count = 2000, .max_radius_m = 1e-3, .grade = 0.2});
+  expect_same(acetabulum, everywhere, {.count = 0, .min_radius_m = 2.5e-3});
 }
 
 TEST(DisjointPacking, ASeedMakesAnotherPackingAsGood) {
@@ -184,7 +184,7 @@ TEST(DisjointPacking, ASeedMakesAnotherPackingAsGood) {
 TEST(DisjointPacking, RadiiGrowWithDepthAsTheyMay) {
   const AcetabulumSolid solid({});
   const CupZone zone(solid.cup());
-  const DisjointParams params{.count = 3000, .greatest_radius_m = 0.8e-3, .grade = 0.3};
+  const DisjointParams params{.count = 3000, .max_radius_m = 0.8e-3, .grade = 0.3};
   const std::vector<Ball> balls = BuildDisjointPacking(solid, zone, params);
   ExpectDisjointAndInside(solid, balls);
   int at_cap = 0;
@@ -203,7 +203,7 @@ TEST(DisjointPacking, RadiiGrowWithDepthAsTheyMay) {
 TEST(DisjointPacking, CappedBallsLieAsDenseAsPouredOnes) {
   const BoxSolid box = CenteredBox(Vector3(0.04, 0.04, 0.04));
   const std::vector<Ball> balls = BuildDisjointPacking(
-      box, EverywhereZone(), {.count = 0, .least_radius_m = 0.999e-3, .greatest_radius_m = 1e-3});
+      box, EverywhereZone(), {.count = 0, .min_radius_m = 0.999e-3, .max_radius_m = 1e-3});
   EXPECT_GT(Volume_m3(balls) / Volume_m3(box), 0.52);
 }
 
@@ -232,10 +232,9 @@ TEST(DisjointPacking, RefusesBadParameters) {
     return "accepted";
   };
   using testing::HasSubstr;
-  EXPECT_THAT(message({.least_radius_m = 0.0}),
-              HasSubstr("least radius: found 0 mm, accepted 0.001 … 100 mm"));
-  EXPECT_THAT(message({.least_radius_m = NAN}), HasSubstr("least radius: found nan mm"));
-  EXPECT_THAT(message({.least_radius_m = 2e-3, .greatest_radius_m = 1e-3}),
+  EXPECT_THAT(message({.min_radius_m = 0.0}), HasSubstr("least radius: found 0 mm, accepted 0.001 … 100 mm"));
+  EXPECT_THAT(message({.min_radius_m = NAN}), HasSubstr("least radius: found nan mm"));
+  EXPECT_THAT(message({.min_radius_m = 2e-3, .max_radius_m = 1e-3}),
               HasSubstr("greatest radius: found 1 mm, accepted 2 … 1000 mm"));
   EXPECT_THAT(message({.count = 200'000'000}), HasSubstr("count: found 200000000, accepted 0 … 100000000"));
   EXPECT_THAT(message({.grade = -0.1}), HasSubstr("grade: found -0.1, accepted 0 … 1"));

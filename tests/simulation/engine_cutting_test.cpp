@@ -234,7 +234,7 @@ TEST_P(EngineCutting, ClosedCyclesNeverReturnEnergy) {
   const auto engine = Make(Slab(16e-3, 4e-3), BallTool(6e-3));
   Vector3 p(0, 0, 0.5e-3), f = Vector3::Zero();
   engine->Step(At(Down(p), kSpindle_rad_per_s));
-  double work_J = 0.0, least_J = 0.0;
+  double work_J = 0.0, min_J = 0.0;
   for (int cycle = 0; cycle < 10; ++cycle) {
     const bool cutting = cycle % 2 == 0;
     for (int i = 1; i <= 60; ++i) {
@@ -248,9 +248,9 @@ TEST_P(EngineCutting, ClosedCyclesNeverReturnEnergy) {
       p = next;
     }
     // after each closed cycle; tolerance of a tenth of a millijoule for the trapezoidal rule
-    least_J = std::min(least_J, work_J);
+    min_J = std::min(min_J, work_J);
   }
-  EXPECT_GE(least_J, -1e-4);
+  EXPECT_GE(min_J, -1e-4);
   EXPECT_GT(work_J, 0.0);
 }
 

@@ -48,14 +48,14 @@ TEST_P(EngineLaw, AToolGoesFreelyAlongItsOwnHole) {
   const auto engine = Make(Slab(7e-3, 6e-3, false), drill, Immediate());
   engine->Step(At(Down({0, 0, 0.1e-3}), kSpindle_rad_per_s));
   for (int i = 0; i <= 100; ++i) engine->Step(At(Down({0, 0, -0.04e-3 * i}), kSpindle_rad_per_s));
-  double most_N = 0.0, lag_m = 0.0;
+  double max_N = 0.0, lag_m = 0.0;
   for (int i = 0; i <= 200; ++i) {
     const double z = -4e-3 + 3e-3 * std::abs(std::sin(M_PI * i / 200.0));  // out by 3 mm, and in again
     const ContactModel model = engine->Step(At(Down({0, 0, z})));
-    most_N = std::max(most_N, std::abs(model.F_T_W.f.z));
+    max_N = std::max(max_N, std::abs(model.F_T_W.f.z));
     lag_m = std::max(lag_m, std::abs(Vector3(model.X_WP.p).z() - z));
   }
-  EXPECT_LT(most_N, 0.5);
+  EXPECT_LT(max_N, 0.5);
   EXPECT_LT(lag_m, 0.03e-3);
 }
 

@@ -118,7 +118,7 @@ std::vector<Pose> Plunge(const DepthScene& scene) {
 }
 
 // Compares ball by ball; counts balls that only one engine has dropped.
-void ExpectSplitAlike(const Tool& tool, const CuttingParams& params, std::size_t least_children) {
+void ExpectSplitAlike(const Tool& tool, const CuttingParams& params, std::size_t min_children) {
   const DepthScene scene = MakeBlockScene();
   const Bone bone = Block();
   const auto reference = MakeEngine(EngineKind::kReference, bone, tool, params),
@@ -145,7 +145,7 @@ void ExpectSplitAlike(const Tool& tool, const CuttingParams& params, std::size_t
   std::printf(
       "%zu split, %zu children, %zu dropped by one engine alone, worst %.2g mm, proxies %.2g mm apart\n",
       one.split_balls.size(), compared, dropped, worst_mm, apart_mm);
-  EXPECT_GT(compared, least_children);
+  EXPECT_GT(compared, min_children);
   EXPECT_LE(dropped, 5u);
   EXPECT_LT(worst_mm, 1e-4 + 2.0 * apart_mm);
   EXPECT_LT(apart_mm, 1e-3);

@@ -23,24 +23,24 @@ TEST(PlaceTool, PutsBallsAndThenTheOriginIntoG) {
   ASSERT_EQ(points.size(), tool.balls.size() + 1);
   EXPECT_LT((points[0] - Vector3(0.1, 0.2, 0.325)).norm(), 1e-15);
   EXPECT_EQ(points.back(), Vector3(0.1, 0.2, 0.3));
-  const ToolPoints half = Between(points, PlaceTool(tool, Pose::Identity()), 0.5);
+  const ToolPoints half = InterpolatePoints(points, PlaceTool(tool, Pose::Identity()), 0.5);
   EXPECT_LT((half[0] - Vector3(0.05, 0.1, 0.15)).norm(), 1e-15);
 }
 
 // ---- the advance's end
 
-TEST(EndOfAdvance, IsHeldBackByThePlaneThatDoesNotCut) {
+TEST(ComputeAdvanceEnd, IsHeldBackByThePlaneThatDoesNotCut) {
   FrameSolution s;
   s.step = Vector3(0, 0, -0.2e-3);
-  EXPECT_LT((EndOfAdvance(s) - Vector3(0, 0, -0.2e-3)).norm(), 1e-18);
+  EXPECT_LT((ComputeAdvanceEnd(s) - Vector3(0, 0, -0.2e-3)).norm(), 1e-18);
   s.shaft_count = 1;
   s.shaft[0] = {.n = Vector3::UnitZ(), .gap_m = 0.05e-3};
-  EXPECT_LT((EndOfAdvance(s) - Vector3(0, 0, -0.05e-3)).norm(), 1e-18);
+  EXPECT_LT((ComputeAdvanceEnd(s) - Vector3(0, 0, -0.05e-3)).norm(), 1e-18);
   s.shaft[0] = {.n = Vector3::UnitX(), .gap_m = 0.0};  // a wall parallel to the motion does not matter
-  EXPECT_LT((EndOfAdvance(s) - Vector3(0, 0, -0.2e-3)).norm(), 1e-18);
+  EXPECT_LT((ComputeAdvanceEnd(s) - Vector3(0, 0, -0.2e-3)).norm(), 1e-18);
 }
 
-TEST(StepOfAdvance, GoesAlongTheNormalButAllTheWayWithTheImmediateLaw) {
+TEST(ComputeAdvanceStep, GoesAlongTheNormalButAllTheWayWithTheImmediateLaw) {
   FrameSolution s;
   s.n = Vector3::UnitZ();
   s.advance_m = 0.2e-3;
@@ -49,19 +49,20 @@ TEST(StepOfAdvance, GoesAlongTheNormalButAllTheWayWithTheImmediateLaw) {
   const Vector3 goal(4e-3, 0, -0.3e-3);
   const FrameInput cuts{.X_WT = Pose::Identity(), .spindle_rad_per_s = kSpindle}, still{};
   const CuttingParams immediate{.law = RemovalLaw::kImmediate};
-  EXPECT_EQ(StepOfAdvance({}, cuts, s, goal), Vector3(0, 0, -0.2e-3));
-  s.step = StepOfAdvance(immediate, cuts, s, goal);
-  EXPECT_LT((EndOfAdvance(s) - goal).norm(), 1e-18);
+  EXPECT_EQ(ComputeAdvanceStep({}, cuts, s, goal), Vector3(0, 0, -0.2e-3));
+  s.step = ComputeAdvanceStep(immediate, cuts, s, goal);
+  EXPECT_LT((ComputeAdvanceEnd(s) - goal).norm(), 1e-18);
   s.shaft_count = 1;
   s.shaft[0] = {.n = -Vector3::UnitX(), .gap_m = 2e-3};  // at first contact; the slide took half of it
-  EXPECT_LT((EndOfAdvance(s) - Vector3(2e-3, 0, -0.3e-3)).norm(), 1e-18);
+  EXPECT_LT((ComputeAdvanceEnd(s) - Vector3(2e-3, 0, -0.3e-3)).norm(), 1e-18);
 
   s.advance_m = 0.0;
-  EXPECT_EQ(StepOfAdvance(immediate, still, s, goal).norm(), 0.0);
-  EXPECT_EQ(StepOfAdvance(immediate, cuts, s, goal).norm(), 0.0);  // a ball that does not cut holds the tool
-  s.delta.setZero();                                               // passing contact: nothing holds the tool
-  EXPECT_EQ(StepOfAdvance(immediate, cuts, s, goal), goal - s.origin_slid);
-  EXPECT_EQ(StepOfAdvance({}, cuts, s, goal).norm(), 0.0);
+  EXPECT_EQ(ComputeAdvanceStep(immediate, still, s, goal).norm(), 0.0);
+  EXPECT_EQ(ComputeAdvanceStep(immediate, cuts, s, goal).norm(),
+            0.0);     // a ball that does not cut holds the tool
+  s.delta.setZero();  // passing contact: nothing holds the tool
+  EXPECT_EQ(ComputeAdvanceStep(immediate, cuts, s, goal), goal - s.origin_slid);
+  EXPECT_EQ(ComputeAdvanceStep({}, cuts, s, goal).norm(), 0.0);
 }
 
 // ---- the rate law
@@ -76,12 +77,12 @@ struct Cut {
     solution.engaged_area_m2[0] = 500e-6;
     solution.engaged_moment_m3[0] = 500e-6 * 15e-3;
   }
-  FrameAdvance Advance(double dt_s, double spindle = kSpindle, double debt_J = 0.0) const {
-    return AdvanceOfFrame(params, materials, solution, spindle, dt_s, debt_J);
+  FrameAdvance Advance(double dt_s, double spindle = kSpindle, double energy_lead_J = 0.0) const {
+    return ComputeAdvance(params, materials, solution, spindle, dt_s, energy_lead_J);
   }
 };
 
-TEST(AdvanceOfFrame, IsTheExactSolutionOfTheRateLaw) {
+TEST(ComputeAdvance, IsTheExactSolutionOfTheRateLaw) {
   const Cut cut;
   // x' = -c K x with c = mu_c r_eff w / (u_c A)
   const double c = 0.8 * 15e-3 * kSpindle / (50e6 * 500e-6);
@@ -91,7 +92,7 @@ TEST(AdvanceOfFrame, IsTheExactSolutionOfTheRateLaw) {
   }
 }
 
-TEST(AdvanceOfFrame, InTwoHalfStepsIsOneStep) {
+TEST(ComputeAdvance, InTwoHalfStepsIsOneStep) {
   for (const double dt : {1e-4, 1e-3, 10e-3}) {
     Cut cut;
     cut.params.max_slide_m = 1.0;  // the limit on a frame's travel is not part of the law
@@ -103,7 +104,7 @@ TEST(AdvanceOfFrame, InTwoHalfStepsIsOneStep) {
   }
 }
 
-TEST(AdvanceOfFrame, NeverExceedsThePenetration) {
+TEST(ComputeAdvance, NeverExceedsThePenetration) {
   Cut cut;
   cut.params.max_slide_m = 1.0;
   cut.materials[0].specific_cutting_energy_J_per_m3 = 1.0;  // almost no resistance
@@ -112,13 +113,13 @@ TEST(AdvanceOfFrame, NeverExceedsThePenetration) {
   EXPECT_EQ(cut.Advance(1.0).advance_m, cut.solution.cutting_m);
 }
 
-TEST(AdvanceOfFrame, IsHeldToTheLongestWayOfAFrame) {
+TEST(ComputeAdvance, IsHeldToTheLongestWayOfAFrame) {
   Cut cut;
   cut.materials[0].specific_cutting_energy_J_per_m3 = 1.0;
   EXPECT_EQ(cut.Advance(1.0).advance_m, cut.params.max_slide_m);
 }
 
-TEST(AdvanceOfFrame, OfAStillSpindleIsNone) {
+TEST(ComputeAdvance, OfAStillSpindleIsNone) {
   Cut cut;
   for (const RemovalLaw law : {RemovalLaw::kRate, RemovalLaw::kImmediate}) {
     cut.params.law = law;
@@ -128,18 +129,18 @@ TEST(AdvanceOfFrame, OfAStillSpindleIsNone) {
   }
 }
 
-TEST(AdvanceOfFrame, DoesNotDependOnTheSpindlesSense) {
+TEST(ComputeAdvance, DoesNotDependOnTheSpindlesSense) {
   const Cut cut;
   EXPECT_EQ(cut.Advance(1e-3, kSpindle).advance_m, cut.Advance(1e-3, -kSpindle).advance_m);
 }
 
-TEST(AdvanceOfFrame, WithTheImmediateLawGoesAllTheWay) {
+TEST(ComputeAdvance, WithTheImmediateLawGoesAllTheWay) {
   Cut cut;
   cut.params.law = RemovalLaw::kImmediate;
   EXPECT_EQ(cut.Advance(1e-3).advance_m, cut.solution.cutting_m);
 }
 
-TEST(AdvanceOfFrame, CountsOnNoMoreThanTheLargestForce) {
+TEST(ComputeAdvance, CountsOnNoMoreThanTheLargestForce) {
   Cut cut;
   cut.materials[0].specific_cutting_energy_J_per_m3 = 1e12;  // so hard that the law is linear
   cut.solution.cutting_m = 10e-3;                            // at the limit of 200 N
@@ -148,29 +149,29 @@ TEST(AdvanceOfFrame, CountsOnNoMoreThanTheLargestForce) {
   EXPECT_NEAR(cut.Advance(1e-3).advance_m, at_limit, 1e-6 * at_limit);
 }
 
-TEST(AdvanceOfFrame, WorkOfTheEdgeIsTheEnergyOfTheVolumeItSweeps) {
+TEST(ComputeAdvance, WorkOfTheEdgeIsTheEnergyOfTheVolumeItSweeps) {
   const Cut cut;
   const FrameAdvance frame = cut.Advance(1e-3);
   EXPECT_NEAR(frame.edge_work_J, 50e6 * 500e-6 * frame.advance_m, 1e-12);
 }
 
-TEST(AdvanceOfFrame, PaysItsDebtFirst) {
+TEST(ComputeAdvance, PaysItsDebtFirst) {
   const Cut cut;
   const double dt = 1e-3, work_J = 40.0 * 0.8 * 15e-3 * kSpindle * dt;
   const double free_m = cut.Advance(dt).advance_m;
   // a debt whose share in this frame takes half of the frame's work
-  const double debt_J = 0.5 * work_J * kDebtSeconds / dt;
-  const FrameAdvance paying = cut.Advance(dt, kSpindle, debt_J);
+  const double energy_lead_J = 0.5 * work_J * kEnergyLeadSeconds / dt;
+  const FrameAdvance paying = cut.Advance(dt, kSpindle, energy_lead_J);
   EXPECT_NEAR(paying.advance_m, 0.5 * free_m, 1e-2 * free_m);  // up to the law's curvature over the frame
   // and the edge has done the same work as without the debt, to the same accuracy
   EXPECT_NEAR(paying.edge_work_J, work_J, 1e-2 * work_J);
   // a debt beyond the frame's work holds the tool, while the edge still works
-  const FrameAdvance held = cut.Advance(dt, kSpindle, 10.0 * debt_J);
+  const FrameAdvance held = cut.Advance(dt, kSpindle, 10.0 * energy_lead_J);
   EXPECT_EQ(held.advance_m, 0.0);
   EXPECT_NEAR(held.edge_work_J, work_J, 1e-12);
 }
 
-TEST(AdvanceOfFrame, TorqueOfTheEdgeIsTheCuttingForceAtItsArm) {
+TEST(ComputeAdvance, TorqueOfTheEdgeIsTheCuttingForceAtItsArm) {
   const Cut cut;
   const double dt = 1e-9;  // so short that the force does not fall
   EXPECT_NEAR(cut.Advance(dt).edge_work_J / (kSpindle * dt), 0.8 * 40.0 * 15e-3, 1e-6);
@@ -319,7 +320,7 @@ TEST(FinishFrame, BooksVolumeMassWorkAndDebt) {
   EXPECT_NEAR(model.removed_volume_m3, 11e-9, 1e-20);
   EXPECT_NEAR(model.removed_mass_kg, 10e-9 * 1000 + 1e-9 * 2000, 1e-18);
   EXPECT_NEAR(model.cutting_work_J, 0.5 + 1.0, 1e-12);
-  EXPECT_NEAR(frame.memory.debt_J, 1.5 - 0.9, 1e-12);
+  EXPECT_NEAR(frame.memory.energy_lead_J, 1.5 - 0.9, 1e-12);
   model = frame.Finish();
   EXPECT_NEAR(model.removed_volume_m3, 22e-9, 1e-20);
   EXPECT_EQ(model.frame, 2u);
@@ -350,7 +351,7 @@ TEST(FrameMemory, SurvivesAState) {
                      .removed_volume_m3 = 1,
                      .removed_mass_kg = 2,
                      .cutting_work_J = 3,
-                     .debt_J = -4,
+                     .energy_lead_J = -4,
                      .frame = 5};
   memory.X_GP.translation() = Vector3(1, 2, 3);
   CarvedState state;
@@ -361,7 +362,7 @@ TEST(FrameMemory, SurvivesAState) {
   EXPECT_EQ(again.removed_volume_m3, 1);
   EXPECT_EQ(again.removed_mass_kg, 2);
   EXPECT_EQ(again.cutting_work_J, 3);
-  EXPECT_EQ(again.debt_J, -4);
+  EXPECT_EQ(again.energy_lead_J, -4);
   EXPECT_EQ(again.frame, 5u);
 }
 

@@ -51,7 +51,7 @@ TEST(FrameWorkload, SeatsTheReamerInTheCup) {
   ReferenceEngine engine(work.bone, work.tool, Pose::Identity(), work.cutting);
   WorkloadPlayer player(work);
   ContactModel last;
-  ASSERT_TRUE(Prepare(engine, player, last));
+  ASSERT_TRUE(RunUntilReady(engine, player, last));
   const double head_z_m = (Pose(last.X_WP) * Vector3(work.tool.balls.front().center_m)).z();
   EXPECT_NEAR(head_z_m, 0.0, 0.03e-3 + 100.0 / work.cutting.stiffness_N_per_m);
   EXPECT_NEAR(Vector3(last.F_T_W.f).norm(), 100.0, 10.0);
@@ -79,7 +79,7 @@ TEST(FrameWorkload, PlaysAMotionToItsEnd) {
   ReferenceEngine engine(work.bone, work.tool, Pose::Identity(), work.cutting);
   WorkloadPlayer player(work);
   ContactModel last;
-  ASSERT_TRUE(Prepare(engine, player, last));
+  ASSERT_TRUE(RunUntilReady(engine, player, last));
   EXPECT_GT(Vector3(last.F_T_W.f).norm(), 0.0);
   int left = 0;
   for (; !player.AtEnd(); ++left) last = engine.Step(player.Next(last));

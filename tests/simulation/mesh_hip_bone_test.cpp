@@ -19,9 +19,9 @@ class HipBone : public testing::Test {
     if (!folder || !std::filesystem::exists(path_)) GTEST_SKIP() << "no anatomical meshes";
   }
   std::filesystem::path path_;
-  Cup cup_{.center_m = Vector3(0.0088, -0.1319, 0.5179),
-           .axis = Vector3(Vector3(-0.983, -0.175, 0.052).normalized()),
-           .radius_m = 0.021};
+  CutSite cup_{.center_m = Vector3(0.0088, -0.1319, 0.5179),
+               .axis = Vector3(Vector3(-0.983, -0.175, 0.052).normalized()),
+               .radius_m = 0.021};
 };
 
 TEST_F(HipBone, IsClosedAndFreeOfContradictions) {
@@ -43,7 +43,7 @@ TEST_F(HipBone, BecomesAPackingThatFollowsItsCup) {
   const auto loaded = LoadMesh(path_);
   const TriangleMesh& mesh = loaded->mesh;
   const MeshSolid solid(mesh);
-  const CupZone zone(bone->cup);
+  const CupZone zone(bone->site);
   double volume = 0.0, protrusion = -1.0;
   for (const MassPoint& point : bone->points) volume += point.volume_m3;
   EXPECT_NEAR(volume, SignedVolume_m3(mesh), 0.005 * SignedVolume_m3(mesh));

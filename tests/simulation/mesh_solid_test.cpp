@@ -152,7 +152,7 @@ TEST(MeshBvh, FindsTheNearestOfAllTrianglesToTheLastBit) {
 
 TEST(MeshSolid, TissueOfACupInABlockIsLayeredAndTheRestHasACorticalShell) {
   // A hollow cup: a cavity (a whole sphere wound inwards) has the same floor as a sphere's lower half.
-  const Cup cup{.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.02};
+  const CutSite cup{.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.02};
   const TriangleMesh mesh =
       Join(MakeBox({-0.04, -0.04, -0.04}, {0.04, 0.04, 0.04}), InsideOut(MakeIcosphere({0, 0, 0}, 0.02, 4)));
   const MeshSolid solid(mesh, CupBoneTissue({}, cup));

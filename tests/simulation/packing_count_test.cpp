@@ -75,9 +75,9 @@ TEST(PackingCount, IsReachedExactly) {
   const AcetabulumSolid cup({});
   const CupZone zone(cup.cup());
   for (const std::size_t count : {1u, 10u, 300u, 4000u}) {
-    EXPECT_EQ(Pack(round, EverywhereZone(), {.count = count, .greatest_radius_m = kCap_m}).size(), count);
+    EXPECT_EQ(Pack(round, EverywhereZone(), {.count = count, .max_radius_m = kCap_m}).size(), count);
     EXPECT_EQ(Pack(cup, zone, {.count = count}).size(), count);
-    EXPECT_EQ(Pack(cup, zone, {.count = count, .greatest_radius_m = kCap_m, .grade = 0.3}).size(), count);
+    EXPECT_EQ(Pack(cup, zone, {.count = count, .max_radius_m = kCap_m, .grade = 0.3}).size(), count);
   }
 }
 
@@ -95,7 +95,7 @@ TEST(PackingCount, IsReachedFromParametersThatWereMadeForAnother) {
 // foot's area. The greedy choice may lose a quarter to this bound, which no arrangement can beat.
 TEST(PackingCount, CoversASphereNearlyAsWellAsHexagonsWould) {
   const std::vector<Ball> balls =
-      Pack(RoundSolid(kRound_m), EverywhereZone(), {.count = 8000, .greatest_radius_m = kCap_m});
+      Pack(RoundSolid(kRound_m), EverywhereZone(), {.count = 8000, .max_radius_m = kCap_m});
   double touching = 0.0;
   for (const Ball& ball : balls)
     touching += kRound_m - Vector3(ball.center_m).norm() - ball.radius_m < 1e-6 ? 1.0 : 0.0;
@@ -112,9 +112,8 @@ TEST(PackingCount, CoversASphereNearlyAsWellAsHexagonsWould) {
 TEST(PackingCount, MoreBallsLeaveSmallerGapsAndCoverMore) {
   Cover last{.gap_mean_m = 1.0, .coverage = 0.0};
   for (const std::size_t count : {250u, 1000u, 4000u}) {
-    const Cover cover =
-        Measure(Pack(RoundSolid(kRound_m), EverywhereZone(), {.count = count, .greatest_radius_m = kCap_m}),
-                kRound_m);
+    const Cover cover = Measure(
+        Pack(RoundSolid(kRound_m), EverywhereZone(), {.count = count, .max_radius_m = kCap_m}), kRound_m);
     // gaps are proportional to the area of a foot: a quarter each time
     EXPECT_LT(cover.gap_mean_m, 0.4 * last.gap_mean_m) << count;
     EXPECT_GE(cover.coverage, last.coverage) << count;
@@ -128,7 +127,7 @@ TEST(PackingCount, NoBitDependsOnTheNumberOfThreads) {
   const CupZone zone(cup.cup());
   const auto pack = [&](int threads) {
     return Pack(cup, zone,
-                {.count = 3000, .greatest_radius_m = 2e-3, .grade = 0.5, .seed = 4, .threads = threads});
+                {.count = 3000, .max_radius_m = 2e-3, .grade = 0.5, .seed = 4, .threads = threads});
   };
   const auto fill = [&](int threads) {
     PackingParams params;
@@ -145,7 +144,7 @@ TEST(PackingCount, NoBitDependsOnTheNumberOfThreads) {
 TEST(PackingCount, TheSeedMovesBallsButNotTheirQuality) {
   const auto pack = [](std::uint64_t seed) {
     return Pack(RoundSolid(kRound_m), EverywhereZone(),
-                {.count = 2000, .greatest_radius_m = kCap_m, .seed = seed});
+                {.count = 2000, .max_radius_m = kCap_m, .seed = seed});
   };
   const std::vector<Ball> one = pack(1), two = pack(2);
   EXPECT_FALSE(Same(one, two));
@@ -158,14 +157,13 @@ TEST(PackingCount, KeepsInsideTheSolidTheCapsAndTheGrade) {
   const AcetabulumSolid cup({});
   const CupZone zone(cup.cup());
   for (const double grade : {0.0, 0.2, 1.0}) {
-    const OverlapOptions options{
-        .count = 6000, .least_radius_m = 0.4e-3, .greatest_radius_m = 2e-3, .grade = grade};
+    const OverlapOptions options{.count = 6000, .min_radius_m = 0.4e-3, .max_radius_m = 2e-3, .grade = grade};
     double largest = 0.0;
     for (const Ball& ball : Pack(cup, zone, options)) {
       const Vector3 c = ball.center_m;
       ASSERT_LE(cup.SignedDistance(c) + ball.radius_m, 1e-12);
-      ASSERT_GE(ball.radius_m, options.least_radius_m);
-      ASSERT_LE(ball.radius_m, options.greatest_radius_m + grade * std::max(0.0, zone.DepthAt(c)) + 1e-15);
+      ASSERT_GE(ball.radius_m, options.min_radius_m);
+      ASSERT_LE(ball.radius_m, options.max_radius_m + grade * std::max(0.0, zone.DepthAt(c)) + 1e-15);
       largest = std::max(largest, ball.radius_m);
     }
     // the bone below the cup has room for balls of 18 mm, 20 mm deep
@@ -183,9 +181,9 @@ TEST(PackingCount, OptionsOutOfRangeAreNamed) {
       return error.what();
     }
   };
-  EXPECT_EQ(message({.count = 10, .greatest_radius_m = -1e-3}),
+  EXPECT_EQ(message({.count = 10, .max_radius_m = -1e-3}),
             "overlapping packing: greatest radius: found -1 mm, accepted 0.05 … 500 mm");
-  EXPECT_EQ(message({.count = 10, .least_radius_m = 4e-3, .greatest_radius_m = 3e-3}),
+  EXPECT_EQ(message({.count = 10, .min_radius_m = 4e-3, .max_radius_m = 3e-3}),
             "overlapping packing: least radius: found 4 mm, accepted 0.001 … 3 mm");
   EXPECT_EQ(message({.count = 10, .grade = 1.5}), "overlapping packing: grade: found 1.5, accepted 0 … 1");
   EXPECT_THAT(message({.count = 10, .grade = std::nan("")}), testing::HasSubstr("grade: found nan"));

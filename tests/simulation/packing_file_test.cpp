@@ -50,9 +50,9 @@ TEST_F(PackingFileTest, WhatIsSavedIsWhatIsLoaded) {
       EXPECT_EQ((loaded.materials[i].*source).assumed, (bone.materials[i].*source).assumed);
     }
   }
-  EXPECT_EQ(Vector3(loaded.cup.center_m), Vector3(bone.cup.center_m));
-  EXPECT_EQ(Vector3(loaded.cup.axis), Vector3(bone.cup.axis));
-  EXPECT_EQ(loaded.cup.radius_m, bone.cup.radius_m);
+  EXPECT_EQ(Vector3(loaded.site.center_m), Vector3(bone.site.center_m));
+  EXPECT_EQ(Vector3(loaded.site.axis), Vector3(bone.site.axis));
+  EXPECT_EQ(loaded.site.radius_m, bone.site.radius_m);
   EXPECT_EQ(loaded.name, bone.name);
   EXPECT_EQ(file->provenance(), SomeProvenance());
 }
@@ -146,13 +146,13 @@ TEST_F(PackingFileTest, TheBytesLieWhereTheFormatSays) {
 
 TEST_F(PackingFileTest, PointsAndSiteMayBeAbsent) {
   Bone bone = SomeBone(5, 0);
-  bone.cup.radius_m = 0.0;
+  bone.site.radius_m = 0.0;
   Saved(bone);
   const auto file = PackingFile::Open(Path());
   ASSERT_TRUE(file) << file.error().Text();
   EXPECT_FALSE(file->site());
   EXPECT_TRUE(file->points().empty());
-  EXPECT_EQ(file->ToBone().cup.radius_m, 0.0);
+  EXPECT_EQ(file->ToBone().site.radius_m, 0.0);
 }
 
 /// The verdict on a file is the same for any number of threads.
@@ -213,8 +213,8 @@ TEST_F(PackingFileTest, ABoneThatHasNoPlaceInAFileIsRefusedAndNothingIsLeft) {
   EXPECT_THAT(refused([](Bone& b) { b.materials[1].friction = kNan; }), HasSubstr("friction: found \"nan\""));
   EXPECT_THAT(refused([](Bone& b) { b.materials[1].density_source.text = "\xff"; }),
               HasSubstr("found \"\\xff\", accepted UTF-8"));
-  EXPECT_THAT(refused([](Bone& b) { b.cup.radius_m = -1; }), HasSubstr("site: radius: found -1 m"));
-  EXPECT_THAT(refused([](Bone& b) { b.cup.axis = Vector3(0, 0, 2); }),
+  EXPECT_THAT(refused([](Bone& b) { b.site.radius_m = -1; }), HasSubstr("site: radius: found -1 m"));
+  EXPECT_THAT(refused([](Bone& b) { b.site.axis = Vector3(0, 0, 2); }),
               HasSubstr("site: axis: found (0, 0, 2)"));
   PackingProvenance twice = SomeProvenance();
   twice.parameters.emplace_back("seed", "8");

@@ -127,7 +127,7 @@ TEST(BallForest, AnswersAsPlainLoopsDoForRadiiOverEightOctaves) {
       for (std::size_t j = 0; j < i; ++j)
         overlap = std::max(overlap, balls[i].radius_m + balls[j].radius_m -
                                         (Vector3(balls[i].center_m) - Vector3(balls[j].center_m)).norm());
-    EXPECT_EQ(forest.GreatestOverlap(3), overlap) << count;
+    EXPECT_EQ(forest.MaxOverlap(3), overlap) << count;
     std::mt19937 random(11);
     std::uniform_real_distribution<double> u(-0.07, 0.07);
     for (int i = 0; i < 500; ++i) {

@@ -40,9 +40,9 @@ inline Bone SomeBone(std::size_t balls = 40, std::size_t points = 25) {
     material.friction_source = {.text = "as bone", .assumed = true};
     bone.materials.push_back(material);
   }
-  bone.cup = {.center_m = middle + Vector3(0.01, 0.02, 0.03),
-              .axis = Vector3(1, 2, 3).normalized(),
-              .radius_m = 0.0237};
+  bone.site = {.center_m = middle + Vector3(0.01, 0.02, 0.03),
+               .axis = Vector3(1, 2, 3).normalized(),
+               .radius_m = 0.0237};
   return bone;
 }
 

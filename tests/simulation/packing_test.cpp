@@ -61,15 +61,14 @@ TEST_F(Packing, StaysInsideTheBone) {
     const double room =
         std::min({0.04 - std::abs(c.x()), 0.04 - std::abs(c.y()), -c.z(), c.z() + 0.06, c.norm() - kCup_m});
     ASSERT_LE(ball.radius_m, room + 1e-15);
-    ASSERT_GE(ball.radius_m, PackingParams{}.least_radius_m);
+    ASSERT_GE(ball.radius_m, PackingParams{}.min_radius_m);
   }
 }
 
 TEST_F(Packing, KeepsBallsSmallWhereAReamerCuts) {
   for (const Ball& ball : balls_) {
-    const double least_depth = Vector3(ball.center_m).norm() - kCup_m - ball.radius_m;
-    ASSERT_TRUE(ball.radius_m <= 3e-3 || least_depth >= 4e-3 - 1e-15)
-        << ball.radius_m << " at " << least_depth;
+    const double min_depth = Vector3(ball.center_m).norm() - kCup_m - ball.radius_m;
+    ASSERT_TRUE(ball.radius_m <= 3e-3 || min_depth >= 4e-3 - 1e-15) << ball.radius_m << " at " << min_depth;
   }
 }
 

@@ -49,7 +49,7 @@ TEST(RadialSpectrum, OfIndependentPointsIsWhite) {
 // A cubic lattice of spacing 1 has power at whole wave numbers alone: lengths 1, √2, √3, 2, √5 …
 TEST(RadialSpectrum, OfALatticeIsLines) {
   const RadialSpectrum spectrum = ComputeRadialSpectrum(
-      Lattice(10), std::vector{kBox}, {.greatest_frequency = 1.6, .bins = 32, .waves_per_bin = 4000});
+      Lattice(10), std::vector{kBox}, {.max_frequency = 1.6, .bins = 32, .waves_per_bin = 4000});
   double between = 0.0, line = 0.0;
   for (std::size_t i = 0; i < spectrum.power.size(); ++i) {
     const double f = spectrum.frequency_per_mean_spacing[i];
@@ -84,7 +84,7 @@ TEST(RadialSpectrum, OfTooFewPointsIsEmptyAndWrongParametersAreNamed) {
     return "accepted";
   };
   EXPECT_EQ(message({.bins = 0}), "spectrum: bins: found 0, accepted 1 … 1000");
-  EXPECT_EQ(message({.greatest_frequency = std::nan("")}),
+  EXPECT_EQ(message({.max_frequency = std::nan("")}),
             "spectrum: greatest frequency: found nan, accepted 0.1 … 10");
 }
 
@@ -116,7 +116,7 @@ TEST(NeighborDistances, OfALatticeAreItsSpacing) {
   const double side = kBox.sizes().x() / 9;
   const NeighborDistances d =
       MeasureNeighborDistances(points, std::vector<double>(points.size(), 2.0 * side));
-  EXPECT_NEAR(d.least_over_spacing, 0.5, 1e-12);
+  EXPECT_NEAR(d.min_over_spacing, 0.5, 1e-12);
   EXPECT_NEAR(d.mean_over_spacing, 0.5, 1e-12);
 }
 
@@ -127,7 +127,7 @@ TEST(NeighborDistances, OfIndependentPointsAreAsTheoryHasThem) {
   const NeighborDistances d =
       MeasureNeighborDistances(points, std::vector<double>(points.size(), kBox.sizes().x() / 20));
   EXPECT_NEAR(d.mean_over_spacing, 0.554, 0.02);
-  EXPECT_LT(d.least_over_spacing, 0.05);
+  EXPECT_LT(d.min_over_spacing, 0.05);
   double sum = 0.0;
   for (const double share : d.histogram) sum += share;
   EXPECT_NEAR(sum, 1.0, 1e-9);
@@ -135,9 +135,9 @@ TEST(NeighborDistances, OfIndependentPointsAreAsTheoryHasThem) {
 
 TEST(NeighborDistances, GoByTheGreaterSpacingOfAPairAndFindPointsInOnePlace) {
   const std::vector<Vector3> pair{{0, 0, 0}, {1e-3, 0, 0}};
-  EXPECT_NEAR(MeasureNeighborDistances(pair, std::vector{1e-3, 4e-3}).least_over_spacing, 0.25, 1e-15);
+  EXPECT_NEAR(MeasureNeighborDistances(pair, std::vector{1e-3, 4e-3}).min_over_spacing, 0.25, 1e-15);
   const std::vector<Vector3> same{{1, 2, 3}, {1, 2, 3}, {1, 2, 4}};
-  EXPECT_EQ(MeasureNeighborDistances(same, std::vector{1.0, 1.0, 1.0}).least_over_spacing, 0.0);
+  EXPECT_EQ(MeasureNeighborDistances(same, std::vector{1.0, 1.0, 1.0}).min_over_spacing, 0.0);
   EXPECT_THROW((void)MeasureNeighborDistances(same, std::vector{1.0}), std::invalid_argument);
   EXPECT_THROW((void)MeasureNeighborDistances(pair, std::vector{1.0, 0.0}), std::invalid_argument);
 }

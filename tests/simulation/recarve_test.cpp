@@ -81,9 +81,9 @@ TEST_F(Recarve, ACoarserPackingIsCarvedAsTheFinerOneWas) {
   ReferenceEngine coarse = Engine(bone);
   ASSERT_TRUE(CarveTrail(coarse, trail.places()));
   const CarvedState counted = fine.Snapshot(), carved = coarse.Snapshot();
-  EXPECT_TRUE(Arrived(carved, Pose(counted.X_GP), ToolLever(tool_), 1e-6));
-  EXPECT_FALSE(
-      Arrived(carved, Pose(counted.X_GP) * Pose(Eigen::Translation3d(0, 0, 2e-6)), ToolLever(tool_), 1e-6));
+  EXPECT_TRUE(ReachedPose(carved, Pose(counted.X_GP), ToolLever(tool_), 1e-6));
+  EXPECT_FALSE(ReachedPose(carved, Pose(counted.X_GP) * Pose(Eigen::Translation3d(0, 0, 2e-6)),
+                           ToolLever(tool_), 1e-6));
 
   // the remaining bone keeps clear of the tool's way, and lacks as much as if the tool had cut it directly
   ReferenceEngine direct = Engine(bone);
@@ -98,7 +98,7 @@ TEST_F(Recarve, ACoarserPackingIsCarvedAsTheFinerOneWas) {
   EXPECT_NEAR(cut.depth_error_m, own.depth_error_m, 0.05 * own.depth_error_m);
 
   // it continues from there: the books go on, and the tool finds the face at the same place
-  coarse.Restore(TakeOver(carved, counted));
+  coarse.Restore(MergeBooks(carved, counted));
   const FrameInput& pressed = work_.frames[work_.feel_begin];
   const ContactModel a = fine.Step(pressed), b = coarse.Step(pressed);
   EXPECT_EQ(b.frame, a.frame);
@@ -147,11 +147,11 @@ TEST(ProxyTrail, KeepsPlacesAStepApartAndAlwaysTheLast) {
   EXPECT_EQ(trail.settled(), trail.places().size() - 1);
 }
 
-TEST(TakeOver, RefusesAnotherBone) {
+TEST(MergeBooks, RefusesAnotherBone) {
   CarvedState a, b;
   a.cleared.resize(3);
   b.cleared.resize(4);
-  EXPECT_THROW((void)TakeOver(a, b), std::invalid_argument);
+  EXPECT_THROW((void)MergeBooks(a, b), std::invalid_argument);
 }
 
 }  // namespace

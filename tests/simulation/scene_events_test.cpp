@@ -39,13 +39,13 @@ Bone DentineAndPulp() {
   bone.materials.front().name = "dentine";
   bone.materials.push_back(bone.materials.front());
   bone.materials.back().name = "pulp";
-  bone.cup = {.center_m = Vector3::Zero(), .axis = Vector3::UnitZ(), .radius_m = 0.0015};
+  bone.site = {.center_m = Vector3::Zero(), .axis = Vector3::UnitZ(), .radius_m = 0.0015};
   return bone;
 }
 
 constexpr double kBurr_m = 0.001;
 const SceneEventParams kPulpAndWall{
-    .regions = {{.name = "pulp", .material = "pulp"}}, .least_wall_m = 0.0015, .wall_spacing_m = 0.5e-3};
+    .regions = {{.name = "pulp", .material = "pulp"}}, .min_wall_m = 0.0015, .wall_spacing_m = 0.5e-3};
 
 // Steps a burr through poses, each of which removes bone.
 class Burr {
@@ -93,7 +93,7 @@ TEST(SceneEvents, EachComesOnce) {
   EXPECT_TRUE(burr.At(in_the_pulp).empty());
   EXPECT_EQ(burr.At(at_the_wall).size(), 1u);
   EXPECT_TRUE(burr.At(at_the_wall + Vector3(1e-4, 0, 0)).empty());
-  EXPECT_NEAR(*burr.watch().least_wall_m(), 0.4e-3, 1e-9);  // the wall is still watched
+  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.4e-3, 1e-9);  // the wall is still watched
   EXPECT_TRUE(burr.At(in_the_pulp).empty());
 }
 
@@ -101,7 +101,7 @@ TEST(SceneEvents, NothingHappensWhereNothingIsCut) {
   Burr burr(kPulpAndWall);
   EXPECT_TRUE(burr.At({0, 0, -0.005}, false).empty());
   EXPECT_TRUE(burr.At({0.0035, 0, -0.003}, false).empty());
-  EXPECT_FALSE(burr.watch().least_wall_m());
+  EXPECT_FALSE(burr.watch().min_wall_m());
   EXPECT_FALSE(burr.At({0.0035, 0, -0.003}, true).empty());
 }
 
@@ -119,8 +119,8 @@ TEST(SceneEvents, WallOfASlotIsWhatIsLeftToTheSide) {
       const auto events = burr.At(apex);
       // the nearest of: +x side, +y side (4 - 0.3 mm away)
       const double wall_m = std::min(0.005 - x, 0.004 - 0.3e-3) - kBurr_m;
-      EXPECT_NEAR(*burr.watch().least_wall_m(), wall_m, 1e-9) << spacing_m << " " << x;
-      const bool thin = wall_m < params.least_wall_m;
+      EXPECT_NEAR(*burr.watch().min_wall_m(), wall_m, 1e-9) << spacing_m << " " << x;
+      const bool thin = wall_m < params.min_wall_m;
       EXPECT_EQ(!events.empty(), thin && !before) << x;
       if (!events.empty()) {
         EXPECT_EQ(events[0].name, "wall too thin");
@@ -135,9 +135,9 @@ TEST(SceneEvents, WallOfASlotIsWhatIsLeftToTheSide) {
     ASSERT_EQ(through.size(), 1u);
     EXPECT_EQ(through[0].name, "breakthrough");
     EXPECT_NEAR(through[0].value, 0.003 - kBurr_m, 1e-7);  // below the site, at the head's middle
-    EXPECT_EQ(*burr.watch().least_wall_m(), 0.0);
+    EXPECT_EQ(*burr.watch().min_wall_m(), 0.0);
     EXPECT_TRUE(burr.At({0.0045, 0, -0.003}).empty());
-    EXPECT_EQ(*burr.watch().least_wall_m(), 0.0);
+    EXPECT_EQ(*burr.watch().min_wall_m(), 0.0);
   }
 }
 
@@ -152,7 +152,7 @@ TEST(SceneEvents, AFastCutThroughIsTooThinAndThrough) {
   EXPECT_EQ(events[0].value, 0.0);
   EXPECT_EQ(events[1].name, "breakthrough");
   EXPECT_NEAR(events[1].value, 0.010, 1e-7);
-  EXPECT_EQ(*burr.watch().least_wall_m(), 0.0);
+  EXPECT_EQ(*burr.watch().min_wall_m(), 0.0);
 }
 
 // The floor is a wall, the face with the opening is not.
@@ -161,9 +161,9 @@ TEST(SceneEvents, OpeningIsNoWall) {
   params.regions.clear();
   Burr burr(params);
   burr.At({0, 0, -0.0022});
-  EXPECT_NEAR(*burr.watch().least_wall_m(), 0.003, 1e-9);  // to the sides along y; 0.2 mm below the top
+  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.003, 1e-9);  // to the sides along y; 0.2 mm below the top
   burr.At({0, 0, -0.0089});
-  EXPECT_NEAR(*burr.watch().least_wall_m(), 0.0011, 1e-9);  // to the floor at -10 mm
+  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.0011, 1e-9);  // to the floor at -10 mm
 }
 
 // Above a molar's site there are fissures and the cusps' steep inner slopes: none of them is a wall. The
@@ -172,17 +172,17 @@ TEST(SceneEvents, CuspsAreNoWall) {
   const MolarSolid molar({});
   Bone bone = DentineAndPulp();
   const double top_m = 0.0051;  // of the fissures
-  bone.cup = {.center_m = Vector3(0, 0, top_m), .axis = Vector3::UnitZ(), .radius_m = 0.00175};
-  SceneWatch watch(&molar, bone, BallTool(kBurr_m), {.least_wall_m = 1e-3, .wall_spacing_m = 0.25e-3});
+  bone.site = {.center_m = Vector3(0, 0, top_m), .axis = Vector3::UnitZ(), .radius_m = 0.00175};
+  SceneWatch watch(&molar, bone, BallTool(kBurr_m), {.min_wall_m = 1e-3, .wall_spacing_m = 0.25e-3});
   double volume_m3 = 0.0;
   for (double depth = 0.0; depth < 0.003; depth += 0.3e-3)
     for (double angle = 0.0; angle < 6.2; angle += 0.4) {
       const Vector3 apex(0.75e-3 * std::cos(angle), 0.75e-3 * std::sin(angle), top_m - depth);
       EXPECT_TRUE(watch.Step(Down(apex), volume_m3 += 1e-9, 1).empty()) << apex.transpose();
     }
-  ASSERT_TRUE(watch.least_wall_m());
-  EXPECT_GT(*watch.least_wall_m(), 0.002);
-  EXPECT_LT(*watch.least_wall_m(), 0.0045);
+  ASSERT_TRUE(watch.min_wall_m());
+  EXPECT_GT(*watch.min_wall_m(), 0.002);
+  EXPECT_LT(*watch.min_wall_m(), 0.0045);
 }
 
 // Cutting the wall from outside is not a cut behind it.
@@ -192,7 +192,7 @@ TEST(SceneEvents, WallIsSeenFromWithinOnly) {
   Burr burr(params);
   EXPECT_TRUE(burr.At({0.0055, 0, -0.003}).empty());
   EXPECT_TRUE(burr.At({0.0, 0.0045, -0.003}).empty());
-  EXPECT_FALSE(burr.watch().least_wall_m());
+  EXPECT_FALSE(burr.watch().min_wall_m());
 }
 
 // For a solid without distances to its tissues: the event occurs at the first mass point that is cut.
@@ -217,7 +217,7 @@ TEST(SceneEvents, WithoutASolidItsPointsStandForARegionAndNoWallIsWatched) {
   SceneWatch watch(nullptr, bone, BallTool(kBurr_m), kPulpAndWall);
   EXPECT_TRUE(watch.Step(Down({0, 0, -0.0042 + 1e-7}), 1e-9, 1).empty());
   EXPECT_EQ(watch.Step(Down({0, 0, -0.0042 - 1e-7}), 2e-9, 2).size(), 1u);
-  EXPECT_FALSE(watch.least_wall_m());
+  EXPECT_FALSE(watch.min_wall_m());
 }
 
 TEST(SceneEvents, RefusesWhatTheSceneHasNot) {
@@ -235,10 +235,10 @@ TEST(SceneEvents, RefusesWhatTheSceneHasNot) {
     EXPECT_STREQ(error.what(),
                  "events: region nerve: material: found \"enamel\", accepted one of dentine, pulp");
   }
-  EXPECT_THROW(make({.least_wall_m = -1e-3}), std::invalid_argument);
-  EXPECT_THROW(make({.least_wall_m = std::nan("")}), std::invalid_argument);
-  EXPECT_THROW(make({.least_wall_m = 1e-3, .opening_widening = 0.5}), std::invalid_argument);
-  EXPECT_THROW(make({.least_wall_m = 1e-3, .wall_spacing_m = 0.0}), std::invalid_argument);
+  EXPECT_THROW(make({.min_wall_m = -1e-3}), std::invalid_argument);
+  EXPECT_THROW(make({.min_wall_m = std::nan("")}), std::invalid_argument);
+  EXPECT_THROW(make({.min_wall_m = 1e-3, .opening_widening = 0.5}), std::invalid_argument);
+  EXPECT_THROW(make({.min_wall_m = 1e-3, .wall_spacing_m = 0.0}), std::invalid_argument);
 }
 
 // The generated molar knows its pulp exactly: the tissue is pulp exactly where the distance is negative, and

@@ -82,7 +82,7 @@ TEST(Scenes, APlaceBesideTheSolidIsRefused) {
 TEST(Scenes, ZonesAreRelativeToTheSite) {
   const BoxSolid solid(Vector3(-0.05, -0.05, -0.05), Vector3(0.05, 0.05, 0.05));
   // a site on the side of the box, looking along -x
-  const Cup site{.center_m = Vector3(-0.05, 0.01, 0.02), .axis = Vector3(-1, 0, 0), .radius_m = 0.003};
+  const CutSite site{.center_m = Vector3(-0.05, 0.01, 0.02), .axis = Vector3(-1, 0, 0), .radius_m = 0.003};
   const auto path =
       MakeZone({.kind = ZoneParams::Kind::kPath, .radius_m = 0.002, .path_C_m = {{0, 0, 0}, {0, 0, -0.01}}},
                site, solid);
@@ -119,7 +119,7 @@ TEST(Scenes, AreFineAtTheirSiteAndStayInTheSolid) {
   double volume = 0.0;
   for (const MassPoint& point : bone.points) volume += point.volume_m3;
   EXPECT_NEAR(volume, 0.8e-6, 0.005 * 0.8e-6);
-  EXPECT_EQ(Vector3(bone.cup.center_m), Vector3(solid.site.center_m));
+  EXPECT_EQ(Vector3(bone.site.center_m), Vector3(solid.site.center_m));
   EXPECT_EQ(bone.materials.size(), 1u);
 }
 
@@ -159,7 +159,7 @@ TEST(Scenes, BallsThatAreSplitAreFewerAndLoseLessToACut) {
   const auto measure = [&](bool split) {
     const DepthMethod method{.name = "",
                              .balls = PackScene(made, scene, split).balls,
-                             .split = {.on = split, .least_radius_m = 0.13e-3}};
+                             .split = {.on = split, .min_radius_m = 0.13e-3}};
     return MeasureDepth(cut, method, 0.05e-3, {.surface_cells = 8000});
   };
   const DepthRow whole = measure(false), split = measure(true);
@@ -216,7 +216,7 @@ SceneParams Tooth() {
   return scene;
 }
 
-const Cup kOnTop{.center_m = Vector3(0, 0, 0.010), .axis = Vector3(0, 0, 2), .radius_m = 0.00175};
+const CutSite kOnTop{.center_m = Vector3(0, 0, 0.010), .axis = Vector3(0, 0, 2), .radius_m = 0.00175};
 
 TEST(MeshScenes, ARegionHasTheTissueOfItsNameAndAScaleMakesTheSize) {
   const TemporaryFile file(".obj", NamedShells(0.04));
@@ -275,7 +275,7 @@ TEST(MeshScenes, TheMolarOfTheDataTellsItsPulpFromItsDentine) {
   if (!data || !std::filesystem::exists(file)) GTEST_SKIP() << "skipped, no anatomical meshes";
   SceneParams scene = Tooth();
   scene.mesh_tissue.solid.layers.clear();
-  const Cup site{.center_m = Vector3(0, 0.0005, 0.0080), .axis = Vector3(0, 0, 1), .radius_m = 0.00175};
+  const CutSite site{.center_m = Vector3(0, 0.0005, 0.0080), .axis = Vector3(0, 0, 1), .radius_m = 0.00175};
   const auto solid = LoadSceneSolid(file, 0.041, site, scene);
   ASSERT_TRUE(solid) << solid.error().message;
   EXPECT_NEAR(solid->solid->Bounds().sizes().z(), 0.0206, 0.1e-3);

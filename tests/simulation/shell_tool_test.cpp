@@ -10,11 +10,11 @@
 namespace osteon::simulation {
 namespace {
 
-// Depth of the hull's deepest dent at random points of the head's sphere with u_z >= least_z.
-double DeepestDent(const Tool& shell, const ToolBall& head, double least_z) {
+// Depth of the hull's deepest dent at random points of the head's sphere with u_z >= min_z.
+double DeepestDent(const Tool& shell, const ToolBall& head, double min_z) {
   double deepest_m = 0.0;
   for (std::uint64_t i = 0; i < 3000; ++i) {
-    const double z = 1.0 - (1.0 - least_z) * Uniform(Scramble(2 * i)),
+    const double z = 1.0 - (1.0 - min_z) * Uniform(Scramble(2 * i)),
                  turn = 2.0 * M_PI * Uniform(Scramble(2 * i + 1));
     const double across = std::sqrt(1.0 - z * z);
     const Vector3 p =

@@ -132,7 +132,7 @@ TEST(ToolMass, OfABurrsHeadAndConesIsTheIntegralOverItsOutline) {
                  .tip_diameter_m = 3e-3,
                  .neck_diameter_m = 2e-3,
                  .length_m = 30e-3};
-    p.balls = {.greatest_count = 100, .cutting_gap_m = 0.2e-3};
+    p.balls = {.max_count = 100, .cutting_gap_m = 0.2e-3};
     p.holder = {.radius_m = 1e-3, .length_m = 1e-3, .density_kg_per_m3 = 100.0};
     const BuiltTool built = MakeBurr(p);
     const auto density = [&](const Vector3& q) {

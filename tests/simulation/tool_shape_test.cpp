@@ -98,7 +98,7 @@ TEST(PackedBurr, UnionLiesWithinTheStatedGapOfItsOutlineAndNowhereOutside) {
     for (const double gap_m : {0.05e-3, 0.1e-3}) {
       BurrParams params{
           .shape = shape, .diameter_m = 2.3e-3, .head_length_m = 5e-3, .tip_diameter_m = 1.2e-3};
-      params.balls = {.greatest_count = 600, .cutting_gap_m = gap_m, .touching_gap_m = 0.15e-3};
+      params.balls = {.max_count = 600, .cutting_gap_m = gap_m, .touching_gap_m = 0.15e-3};
       const BuiltTool built = MakeBurr(params);
       const ToolQuality quality = MeasureTool(built.tool, *built.profile, built.profile->Sample(30'000, 7));
       EXPECT_LE(quality.cutting_gap_max_m, gap_m) << built.tool.name << " " << built.tool.balls.size();
@@ -112,18 +112,18 @@ TEST(PackedBurr, UnionLiesWithinTheStatedGapOfItsOutlineAndNowhereOutside) {
 TEST(PackedBurr, OfTwoHundredBallsIsFinerThanSixtyFourCanBe) {
   BurrParams params{
       .shape = BurrShape::kTaper, .diameter_m = 2.3e-3, .head_length_m = 5e-3, .tip_diameter_m = 1.2e-3};
-  params.balls = {.greatest_count = 200, .cutting_gap_m = 0.02e-3};
+  params.balls = {.max_count = 200, .cutting_gap_m = 0.02e-3};
   const BuiltTool built = MakeBurr(params);
   EXPECT_LE(built.tool.balls.size(), 200u);
   EXPECT_LE(MeasureTool(built.tool, *built.profile, built.profile->Sample(30'000, 7)).cutting_gap_max_m,
             0.02e-3);
-  params.balls.greatest_count = 64;
+  params.balls.max_count = 64;
   EXPECT_THROW(static_cast<void>(MakeBurr(params)), std::invalid_argument);
 }
 
 TEST(TwistDrill, PointsUnionLiesWithinTheStatedGapOfTheExactCone) {
   TwistDrillParams params;
-  params.balls = {.greatest_count = 100, .cutting_gap_m = 0.1e-3, .touching_gap_m = 0.5e-3};
+  params.balls = {.max_count = 100, .cutting_gap_m = 0.1e-3, .touching_gap_m = 0.5e-3};
   const BuiltTool built = MakeTwistDrill(params);
   const double R = 1.6e-3, half = 59.0 * kDegree, depth = R / std::tan(half);
   double worst = 0.0;
@@ -165,7 +165,7 @@ TEST(Fit, IsTheSameInEveryRun) {
 
 TEST(Fit, SaysHowMuchLargerTheGapsWouldHaveToBe) {
   TwistDrillParams params;
-  params.balls.greatest_count = 20;
+  params.balls.max_count = 20;
   try {
     static_cast<void>(MakeTwistDrill(params));
     FAIL();
@@ -189,7 +189,7 @@ TEST(Kinds, ImpossibleSizesAreRefused) {
   EXPECT_THROW(burr([](BurrParams& p) { p.head_length_m = 1e-3; }), std::invalid_argument);
   EXPECT_THROW(burr([](BurrParams& p) { p.length_m = 8e-3; }), std::invalid_argument);
   EXPECT_THROW(burr([](BurrParams& p) { p.density_kg_per_m3 = 0.0; }), std::invalid_argument);
-  EXPECT_THROW(burr([](BurrParams& p) { p.balls.greatest_count = 0; }), std::invalid_argument);
+  EXPECT_THROW(burr([](BurrParams& p) { p.balls.max_count = 0; }), std::invalid_argument);
   EXPECT_THROW(burr([](BurrParams& p) { p.holder.length_m = -1.0; }), std::invalid_argument);
   EXPECT_THROW(burr([](BurrParams& p) { p.diameter_m = std::nan(""); }), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(MakeTwistDrill({.point_rad = 3.2})), std::invalid_argument);
@@ -206,7 +206,7 @@ TEST(MeshTool, OfABallIsTheBallToWithinGapAndFacets) {
   // the mesh's facets lie below the ball by up to R (1 - cos(half the edge's angle)): 25 um here
   const double facets_m = R * 0.0085, gap_m = 0.05e-3;
   MeshToolParams params{.cutting_back_z_m = -R};
-  params.balls = {.greatest_count = 200, .cutting_gap_m = gap_m, .touching_gap_m = gap_m};
+  params.balls = {.max_count = 200, .cutting_gap_m = gap_m, .touching_gap_m = gap_m};
   Pose X = Pose::Identity();  // the highest vertex up, so that the apex is at z = 0
   X.linear() = Eigen::Quaterniond::FromTwoVectors(ball.vertices_m[0] - Vector3(0, 0, -R), Vector3::UnitZ())
                    .toRotationMatrix();
@@ -238,7 +238,7 @@ TEST(MeshTool, OfABallIsTheBallToWithinGapAndFacets) {
 TEST(MeshTool, OfABoxLiesWithinTheGapAndSaysWhatIsWrong) {
   const TriangleMesh box = MakeBox(Vector3(-4e-3, -3e-3, -20e-3), Vector3(4e-3, 3e-3, 0));
   MeshToolParams params{.name = "chisel", .cutting_back_z_m = -5e-3};
-  params.balls = {.greatest_count = 500, .cutting_gap_m = 0.4e-3, .touching_gap_m = 1e-3};
+  params.balls = {.max_count = 500, .cutting_gap_m = 0.4e-3, .touching_gap_m = 1e-3};
   const BuiltTool built = MakeMeshTool(box, params);
   const MeshSolid solid(box);
   const ToolQuality quality = MeasureTool(built.tool, solid, SampleMesh(box, params, 20'000, 7));
@@ -266,9 +266,8 @@ TEST(MeshTool, OfABoxLiesWithinTheGapAndSaysWhatIsWrong) {
               p.cutting_front_z_m = -0.4;
             }).find("nothing of the mesh lies in z -500 … -400 mm"),
             std::string::npos);
-  EXPECT_NE(
-      message([](TriangleMesh&, MeshToolParams& p) { p.balls.greatest_count = 10; }).find("accepted more"),
-      std::string::npos);
+  EXPECT_NE(message([](TriangleMesh&, MeshToolParams& p) { p.balls.max_count = 10; }).find("accepted more"),
+            std::string::npos);
 }
 
 TEST(CuttingHead, OfEqualBallsIsTheOneAhead) {

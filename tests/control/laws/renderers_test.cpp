@@ -69,7 +69,7 @@ TEST(AdmittanceRenderer, AHandThatPushesAFreeToolMovesItByTheLaw) {
   EXPECT_TRUE(step.finite);
   EXPECT_EQ(step.fault, safety::Fault::kNone);
   const Vector3 feed_W = ServoBench::StartPose().linear().col(2);
-  const Wrench past = PastDeadZone(bench.params.admittance, {.f = 1.0 * feed_W, .t = Vector3::Zero()});
+  const Wrench past = SubtractDeadZone(bench.params.admittance, {.f = 1.0 * feed_W, .t = Vector3::Zero()});
   const double drag = bench.params.admittance.damping_Ns_per_m.z();
   EXPECT_NEAR(bench.tool.V_WT.v.dot(feed_W), past.f.norm() / drag, 0.02 * past.f.norm() / drag);
   EXPECT_GT((bench.tool.X_WT().translation() - p_before).dot(feed_W), 0.0);

@@ -11,8 +11,8 @@ using safety::CellAction, safety::CellEvent, safety::CellState, safety::Fault;
 MotionSupervisor Rendering() {
   MotionSupervisor supervisor;
   static_cast<void>(supervisor.Apply(CellEvent::kArmSeen));
-  static_cast<void>(supervisor.Apply(CellEvent::kInOrder));
-  EXPECT_EQ(supervisor.Apply(CellEvent::kBeginThere), CellAction::kBeginRendering);
+  static_cast<void>(supervisor.Apply(CellEvent::kPermitsHold));
+  EXPECT_EQ(supervisor.Apply(CellEvent::kBeginRendering), CellAction::kBeginRendering);
   supervisor.SetRendered();
   return supervisor;
 }
@@ -43,12 +43,12 @@ TEST(MotionSupervisor, AFaultBrakesAndIsHeldUntilARecoveryClearsIt) {
 }
 
 TEST(MotionSupervisor, NoRecoveryOfAnotherFaultNorOfARunThatWasAskedToEnd) {
-  for (const bool stop_asked : {false, true}) {
+  for (const bool stop_requested : {false, true}) {
     MotionSupervisor supervisor = Rendering();
-    supervisor.Latch(stop_asked ? Fault::kSession : Fault::kWorkspace);
+    supervisor.Latch(stop_requested ? Fault::kSession : Fault::kWorkspace);
     static_cast<void>(supervisor.Apply(CellEvent::kFault));
     static_cast<void>(supervisor.Apply(CellEvent::kRestFault));
-    supervisor.SetStopAsked(stop_asked);
+    supervisor.SetStopRequested(stop_requested);
     EXPECT_FALSE(supervisor.CanRecover());
   }
 }
@@ -57,11 +57,11 @@ TEST(MotionSupervisor, NoRecoveryOfAnotherFaultNorOfARunThatWasAskedToEnd) {
 TEST(MotionSupervisor, AStopOnTheWayToTheStartIsThatWaysPhase) {
   MotionSupervisor supervisor;
   static_cast<void>(supervisor.Apply(CellEvent::kArmSeen));
-  static_cast<void>(supervisor.Apply(CellEvent::kInOrder));
-  EXPECT_EQ(supervisor.Apply(CellEvent::kBeginAway), CellAction::kBeginPath);
+  static_cast<void>(supervisor.Apply(CellEvent::kPermitsHold));
+  EXPECT_EQ(supervisor.Apply(CellEvent::kBeginAligning), CellAction::kBeginPath);
   supervisor.SetOnPath(true);
   supervisor.SetStopAsked(true);
-  static_cast<void>(supervisor.Apply(CellEvent::kStopAsked));
+  static_cast<void>(supervisor.Apply(CellEvent::kStopRequested));
   EXPECT_EQ(supervisor.phase(), Phase::kAligning);
   static_cast<void>(supervisor.Apply(CellEvent::kRest));
   EXPECT_FALSE(supervisor.on_path());
@@ -70,13 +70,13 @@ TEST(MotionSupervisor, AStopOnTheWayToTheStartIsThatWaysPhase) {
 
 TEST(MotionSupervisor, APauseCountsWhileMotionIsUnderWayOrWaitedForAndOnce) {
   MotionSupervisor supervisor = Rendering();
-  supervisor.AskForPause(true);
-  supervisor.AskForPause(false);
-  EXPECT_TRUE(supervisor.TakePauseAsked()) << "an asking stays until it is taken";
-  EXPECT_FALSE(supervisor.TakePauseAsked());
+  supervisor.RequestPause(true);
+  supervisor.RequestPause(false);
+  EXPECT_TRUE(supervisor.TakePauseRequest()) << "an asking stays until it is taken";
+  EXPECT_FALSE(supervisor.TakePauseRequest());
   static_cast<void>(supervisor.Apply(CellEvent::kFault));
-  supervisor.AskForPause(true);
-  EXPECT_FALSE(supervisor.TakePauseAsked()) << "a stop is no motion that could pause";
+  supervisor.RequestPause(true);
+  EXPECT_FALSE(supervisor.TakePauseRequest()) << "a stop is no motion that could pause";
 }
 
 }  // namespace

@@ -93,12 +93,12 @@ TEST(RealtimeThread, SharesTheOnlyCpuThatThereIs) {
 TEST(RealtimeThread, NamesTheCpusThatThereAreWhereOneIsNot) {
   InThread([] {
     const std::vector<int> before = AllowedCpus();
-    const std::string wrong = ReserveCpu(kMostCpu);
+    const std::string wrong = ReserveCpu(kMaxCpu);
     EXPECT_NE(wrong.find("found 1023, accepted " + std::to_string(before.front())), std::string::npos)
         << wrong;
     EXPECT_NE(wrong.find(std::to_string(before.back())), std::string::npos) << wrong;
     EXPECT_EQ(AllowedCpus(), before) << "asking changes nothing";
-    EXPECT_EQ(SetUpRealtimeThread({.priority = 0, .cpu = kMostCpu}).cpu, -1);
+    EXPECT_EQ(SetUpRealtimeThread({.priority = 0, .cpu = kMaxCpu}).cpu, -1);
     EXPECT_EQ(ReserveCpu(-1), "");
     EXPECT_EQ(AllowedCpus(), before);
   });

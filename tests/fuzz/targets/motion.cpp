@@ -9,7 +9,7 @@ namespace osteon::fuzz {
 namespace {
 
 void ClaimAccepted(const simulation::ToolMotion& motion) {
-  Claim(motion.samples.size() >= 2 && motion.samples.size() <= simulation::kMostMotionRows,
+  Claim(motion.samples.size() >= 2 && motion.samples.size() <= simulation::kMaxMotionRows,
         "a motion has 2 … 200000 rows");
   Claim(motion.samples.front().time_s == 0.0, "the first at time 0");
   double before_s = -1.0;

@@ -19,8 +19,8 @@ void ClaimUsable(const simulation::Bone& bone) {
               point.material < bone.materials.size(),
           "a mass point has a place, a volume and a material of the list");
   simulation::CheckMaterials(bone.materials);
-  if (bone.cup.radius_m > 0.0)
-    Claim(std::abs(Vector3(bone.cup.axis).norm() - 1.0) <= 1e-6, "a site has an axis");
+  if (bone.site.radius_m > 0.0)
+    Claim(std::abs(Vector3(bone.site.axis).norm() - 1.0) <= 1e-6, "a site has an axis");
 }
 
 // Claims that an accepted file can be saved, and that saving it again gives the same file.

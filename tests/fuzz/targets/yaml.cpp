@@ -9,15 +9,15 @@
 namespace osteon::fuzz {
 namespace {
 
-constexpr std::size_t kMostKeys = 16;
-constexpr int kDeepest = 3, kMostQuestions = 200;
-constexpr double kLeast = -1e3, kMost = 1e3;
+constexpr std::size_t kMaxKeys = 16;
+constexpr int kDeepest = 3, kMaxQuestions = 200;
+constexpr double kMin = -1e3, kMax = 1e3;
 const std::string kName = "fuzz.yaml";
 
 std::set<std::string> Keys(std::string_view text) {
   const auto of_key = [](char c) { return c == '_' || std::isalnum(static_cast<unsigned char>(c)) != 0; };
   std::set<std::string> keys;
-  for (std::size_t end = text.find(':'); end != std::string_view::npos && keys.size() < kMostKeys;
+  for (std::size_t end = text.find(':'); end != std::string_view::npos && keys.size() < kMaxKeys;
        end = text.find(':', end + 1)) {
     std::size_t begin = end;
     while (begin > 0 && of_key(text[begin - 1])) --begin;
@@ -37,7 +37,7 @@ class Questions {
 
   void Ask(const config::Reader& reader, int depth) {
     for (const std::string& key : keys_) {
-      if (++asked_ > kMostQuestions) return;
+      if (++asked_ > kMaxQuestions) return;
       AskNumbers(reader, key);
       AskWords(reader, key);
       if (depth < kDeepest) AskSections(reader, key, depth);
@@ -50,11 +50,11 @@ class Questions {
     const std::optional<double> unit = config::UnitOf(key);
     if (!unit) return;
     const auto within = [&](double value) {
-      return value >= kLeast * *unit * (1 + 1e-12) && value <= kMost * *unit * (1 + 1e-12);
+      return value >= kMin * *unit * (1 + 1e-12) && value <= kMax * *unit * (1 + 1e-12);
     };
-    if (const auto number = Try([&] { return reader.Number(key, kLeast, kMost); }))
+    if (const auto number = Try([&] { return reader.Number(key, kMin, kMax); }))
       Claim(within(*number), "a number is in its range");
-    if (const auto list = Try([&] { return reader.Numbers(key, 2, kLeast, kMost); }))
+    if (const auto list = Try([&] { return reader.Numbers(key, 2, kMin, kMax); }))
       Claim(list->size() == 2 && within((*list)[0]) && within((*list)[1]), "so are the numbers of a list");
     if (const auto way = Try([&] { return reader.Direction(key); }))
       Claim(std::abs(way->norm() - 1.0) <= 1e-12, "a direction has length 1");

@@ -1,4 +1,4 @@
-#include "simulation/hold_point.h"
+#include "simulation/constrained_goal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,21 +25,21 @@ std::vector<HalfSpace> RandomPlanes(std::mt19937& random, int count) {
   return planes;
 }
 
-double SumOfMultipliers(const HoldPoint& hold) {
+double SumOfMultipliers(const ConstrainedGoal& hold) {
   double sum = 0.0;
   for (int k = 0; k < hold.count; ++k) sum += hold.multiplier_m[static_cast<std::size_t>(k)];
   return sum;
 }
 
-TEST(FindHoldPoint, OfNoPlaneIsTheOrigin) {
-  const HoldPoint hold = FindHoldPoint({});
+TEST(FindConstrainedGoal, OfNoPlaneIsTheOrigin) {
+  const ConstrainedGoal hold = FindConstrainedGoal({});
   EXPECT_EQ(hold.point_m, Vector3::Zero());
   EXPECT_EQ(hold.count, 0);
-  EXPECT_EQ(FindHoldPoint(std::vector<HalfSpace>{{.n = Vector3::UnitZ(), .offset = -1e-3}}).count, 0);
+  EXPECT_EQ(FindConstrainedGoal(std::vector<HalfSpace>{{.n = Vector3::UnitZ(), .offset = -1e-3}}).count, 0);
 }
 
 // Oracle: the servo loop's projection, which tries every set of up to three planes.
-TEST(FindHoldPoint, OfUpToEightPlanesIsTheServoLoopsPoint) {
+TEST(FindConstrainedGoal, OfUpToEightPlanesIsTheServoLoopsPoint) {
   std::mt19937 random(1);
   for (int i = 0; i < kSets; ++i) {
     const int count = 1 + i % kMaxHalfSpaces;
@@ -48,7 +48,7 @@ TEST(FindHoldPoint, OfUpToEightPlanesIsTheServoLoopsPoint) {
     std::copy(planes.begin(), planes.end(), some.begin());
     const HalfSpaceProjection expected = ClosestInHalfSpaces(some, count);
     if (expected.violation > 0.0) continue;  // it gave up on planes that are nearly parallel
-    const HoldPoint hold = FindHoldPoint(planes);
+    const ConstrainedGoal hold = FindConstrainedGoal(planes);
     // all planes yield by the slack, which moves the point by the slack over the sine of the angle between
     // two of them
     double multipliers = 0.0;
@@ -59,11 +59,11 @@ TEST(FindHoldPoint, OfUpToEightPlanesIsTheServoLoopsPoint) {
 
 // Optimality conditions: the point satisfies all planes, lies on those that hold, and is a combination of
 // their normals.
-TEST(FindHoldPoint, OfSixtyPlanesKeepsThemAllAndIsMadeOfThoseThatHold) {
+TEST(FindConstrainedGoal, OfSixtyPlanesKeepsThemAllAndIsMadeOfThoseThatHold) {
   std::mt19937 random(2);
   for (int i = 0; i < kSets; ++i) {
     const std::vector<HalfSpace> planes = RandomPlanes(random, 60);
-    const HoldPoint hold = FindHoldPoint(planes);
+    const ConstrainedGoal hold = FindConstrainedGoal(planes);
     ASSERT_GE(hold.count, 1);
     ASSERT_LE(hold.count, 4);
     EXPECT_NEAR(hold.slack_m, kHoldSlack * SumOfMultipliers(hold), 1e-15);
@@ -81,21 +81,21 @@ TEST(FindHoldPoint, OfSixtyPlanesKeepsThemAllAndIsMadeOfThoseThatHold) {
   }
 }
 
-TEST(FindHoldPoint, DoesNotDependOnTheOrderOfPlanes) {
+TEST(FindConstrainedGoal, DoesNotDependOnTheOrderOfPlanes) {
   std::mt19937 random(3);
   for (int i = 0; i < 50; ++i) {
     std::vector<HalfSpace> planes = RandomPlanes(random, 40);
-    const Vector3 point = FindHoldPoint(planes).point_m;
+    const Vector3 point = FindConstrainedGoal(planes).point_m;
     std::shuffle(planes.begin(), planes.end(), random);
-    EXPECT_LT((FindHoldPoint(planes).point_m - point).norm(), 1e-9) << i;
+    EXPECT_LT((FindConstrainedGoal(planes).point_m - point).norm(), 1e-9) << i;
   }
 }
 
-TEST(FindHoldPoint, BetweenWallsThatLeaveNoRoomIsTheMiddle) {
+TEST(FindConstrainedGoal, BetweenWallsThatLeaveNoRoomIsTheMiddle) {
   const std::vector<HalfSpace> planes{{.n = Vector3::UnitX(), .offset = 1e-3},
                                       {.n = -Vector3::UnitX(), .offset = -0.8e-3},
                                       {.n = Vector3::UnitZ(), .offset = 2e-3}};
-  const HoldPoint hold = FindHoldPoint(planes);
+  const ConstrainedGoal hold = FindConstrainedGoal(planes);
   EXPECT_NEAR(hold.point_m.x(), 0.9e-3, 1e-8);
   EXPECT_NEAR(hold.point_m.z(), 2e-3 - 0.1e-3, 1e-8);  // yields like the walls
   EXPECT_NEAR(hold.slack_m, 0.1e-3, 1e-8);

@@ -1,4 +1,4 @@
-#include "simulation/hold_point.h"
+#include "simulation/constrained_goal.h"
 
 #include <algorithm>
 #include <limits>
@@ -8,8 +8,8 @@ namespace {
 
 // One set of planes and the point they hold.
 struct Set {
-  std::array<std::size_t, kMostHolding> plane{};
-  std::array<double, kMostHolding> multiplier{};
+  std::array<std::size_t, kMaxHolding> plane{};
+  std::array<double, kMaxHolding> multiplier{};
   int size{0};
   Vector3 point{Vector3::Zero()};
   double slack{0.0};
@@ -21,8 +21,8 @@ struct Set {
 // matrix, which is positive definite. False where the planes are parallel or a multiplier is not positive
 // (the plane would pull).
 bool Solve(std::span<const HalfSpace> planes, Set& set) {
-  std::array<std::array<double, kMostHolding>, kMostHolding> gram{};
-  std::array<double, kMostHolding> value{};
+  std::array<std::array<double, kMaxHolding>, kMaxHolding> gram{};
+  std::array<double, kMaxHolding> value{};
   const auto size = static_cast<std::size_t>(set.size);
   for (std::size_t i = 0; i < size; ++i) {
     for (std::size_t j = 0; j < size; ++j)
@@ -61,7 +61,7 @@ Set Exchange(std::span<const HalfSpace> planes, const Set& held, std::size_t ent
     Set set;
     for (int i = 0; i < held.size; ++i)
       if (mask >> i & 1u) {
-        if (set.size + 1 == static_cast<int>(kMostHolding)) break;
+        if (set.size + 1 == static_cast<int>(kMaxHolding)) break;
         set.plane[static_cast<std::size_t>(set.size++)] = held.plane[static_cast<std::size_t>(i)];
       }
     set.plane[static_cast<std::size_t>(set.size++)] = entering;
@@ -78,7 +78,7 @@ Set Exchange(std::span<const HalfSpace> planes, const Set& held, std::size_t ent
 
 }  // namespace
 
-HoldPoint FindHoldPoint(std::span<const HalfSpace> planes, std::span<const std::size_t> start) {
+ConstrainedGoal FindConstrainedGoal(std::span<const HalfSpace> planes, std::span<const std::size_t> start) {
   Set held;
   if (!start.empty()) {
     Set likely;

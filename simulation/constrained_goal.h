@@ -8,15 +8,15 @@
 
 namespace osteon::simulation {
 
-inline constexpr std::size_t kMostHolding = 4;  ///< three planes fix a point, a fourth fixes the slack
+inline constexpr std::size_t kMaxHolding = 4;  ///< three planes fix a point, a fourth fixes the slack
 
 /// The point at which planes hold the origin back.
-struct HoldPoint {
+struct ConstrainedGoal {
   Vector3 point_m{Vector3::Zero()};
   double slack_m{0.0};  ///< length by which all planes yield
   int count{0};
-  std::array<std::size_t, kMostHolding> plane{};    ///< the planes that hold, by index
-  std::array<double, kMostHolding> multiplier_m{};  ///< > 0; point = sum of multiplier n
+  std::array<std::size_t, kMaxHolding> plane{};    ///< the planes that hold, by index
+  std::array<double, kMaxHolding> multiplier_m{};  ///< > 0; point = sum of multiplier n
 };
 
 /// Finds the closest point to the origin in the intersection of any number of half-spaces. All yield together
@@ -30,7 +30,7 @@ struct HoldPoint {
 /// point is that of ClosestInHalfSpaces, but for the slack.
 /// @param start  planes that are likely to hold, at most four: where they hold by themselves, the search
 ///   begins with them
-[[nodiscard]] HoldPoint FindHoldPoint(std::span<const HalfSpace> planes,
-                                      std::span<const std::size_t> start = {});
+[[nodiscard]] ConstrainedGoal FindConstrainedGoal(std::span<const HalfSpace> planes,
+                                                  std::span<const std::size_t> start = {});
 
 }  // namespace osteon::simulation
