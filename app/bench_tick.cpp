@@ -67,7 +67,7 @@ class Devices {
       hil::MemoryCanBus &ours = our_ends_.emplace_back(now_), &theirs = their_ends_.emplace_back(now_);
       hil::MemoryCanBus::Join(ours, theirs);
       ends.push_back(&theirs);
-      clients_->PutOn(pumps_.emplace_back(ours), i);
+      clients_->AddToPump(pumps_.emplace_back(ours), i);
     }
     wires_.emplace(ends, devices_, cell.devices, hil::InjectionParams{}, &now_);
   }

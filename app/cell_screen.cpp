@@ -8,7 +8,7 @@ namespace osteon::app {
 namespace {
 
 using control::SessionState;
-using io::FriName;
+using io::SessionName;
 
 // Time without traffic after which the screen says what the cell waits for.
 constexpr double kPatience_s = 1.0;
@@ -68,12 +68,12 @@ std::vector<std::string> CellScreen::Lines(const hil::CellHostState& state, doub
 // "COMMANDING_ACTIVE -> MONITORING_WAIT: 5 answers in a row lost, …".
 std::string CellScreen::SessionLine(const hil::CellHostState& state) const {
   const hil::CellState& arm = state.arm.cell;
-  const std::string now = rsi_ ? RsiStateText(arm.session) : FriName(arm.session);
+  const std::string now = rsi_ ? RsiStateText(arm.session) : SessionName(arm.session);
   if (arm.session > session_) return now;
   std::string why = hil::DescribeStop(arm);
   if (why == hil::kNoPower && has_plc_)
     why += ": the PLC took it (" + hil::DescribeBlocks(state.plc.blocks) + ")";
-  const std::string before = rsi_ ? "" : std::string(FriName(session_)) + " -> ";
+  const std::string before = rsi_ ? "" : std::string(SessionName(session_)) + " -> ";
   return before + now + (why.empty() ? "" : ": " + why);
 }
 

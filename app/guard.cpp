@@ -64,7 +64,7 @@ class PlcBeat {
     const std::uint32_t writes = client_.Latest().counters.writes;
     client_.RequestMotion(monitor.permits() && !ending);
     if (!monitor.latched()) writes_before_ = writes;
-    if (!monitor.latched() || writes - writes_before_ < kLastWrites) client_.Beat();
+    if (!monitor.latched() || writes - writes_before_ < kLastWrites) client_.NotifyAlive();
   }
   io::PlcReading End() {
     const io::PlcReading last = client_.Latest();

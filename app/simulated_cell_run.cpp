@@ -52,7 +52,7 @@ std::string ToJson(const hil::CellHostState& state, const config::ArmLinkConfig&
   const nlohmann::ordered_json json{
       {"schema", "osteon.cell/1"},
       {"arm",
-       {{"session", io::FriName(arm.session)},
+       {{"session", io::SessionName(arm.session)},
         {"rsi",
          link.rsi() ? nlohmann::ordered_json(RsiStateText(arm.session)) : nlohmann::ordered_json(nullptr)},
         {"realtime_priority", state.arm.thread.realtime},

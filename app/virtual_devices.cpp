@@ -27,7 +27,7 @@ VirtualDevices::VirtualDevices(const config::CellConfig& cell, std::unique_ptr<i
     hil::MemoryCanBus &ours = controller_ends_.emplace_back(now_), &theirs = device_ends_.emplace_back(now_);
     hil::MemoryCanBus::Join(ours, theirs);
     ends.push_back(&theirs);
-    clients_->PutOn(pumps_.emplace_back(ours), i);
+    clients_->AddToPump(pumps_.emplace_back(ours), i);
   }
   wires_.emplace(ends, devices_, wires, cell.injections, &now_);
   if (!cell.simulated_plc) return;

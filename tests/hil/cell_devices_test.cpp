@@ -49,7 +49,7 @@ class Cell {
       MemoryCanBus &ours = buses_.emplace_back(now), &theirs = buses_.emplace_back(now);
       MemoryCanBus::Join(ours, theirs);
       ends.push_back(&theirs);
-      clients->PutOn(pumps_.emplace_back(ours), i);
+      clients->AddToPump(pumps_.emplace_back(ours), i);
     }
     wires_.emplace(ends, devices_, wires, injections, &now);
   }

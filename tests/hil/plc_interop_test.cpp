@@ -32,8 +32,8 @@ class PlcCell : public ::testing::Test {
   // Runs both loops until `holds` is true; false after a long time.
   bool Until(const std::function<bool()>& holds) {
     for (int i = 0; i < 20'000; ++i) {
-      if (controller_lives_) controller_->Beat();
-      if (guard_lives_) guard_->Beat();
+      if (controller_lives_) controller_->NotifyAlive();
+      if (guard_lives_) guard_->NotifyAlive();
       if (holds()) return true;
       rt::SleepUntil(rt::MonotonicNow() + rt::kMillisecond);
     }
