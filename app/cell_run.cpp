@@ -284,7 +284,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     cell.Step(now, [&](std::span<const std::uint8_t> message, rt::Nanoseconds arrival) {
       accepted |= session.Accept(message, arrival, state);
     });
-    if (cell.state().active_once) (*devices)->Begin(now);
+    if (cell.state().active_once) (*devices)->StartSchedule(now);
     (*devices)->SetLoad(cell.cell().force().F_S);
     const auto received = accepted ? control::ReceiveResult::kOk : control::ReceiveResult::kTimeout;
 

@@ -269,13 +269,13 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
                                kAxes[static_cast<std::size_t>(i)]));
     hil::HandleSweep sweep{.axis = i,
                            .frequencies_hz = Frequencies(options.points),
-                           .most_travel = kTravel_m,
-                           .most_speed = kSpeed_m_per_s,
-                           .most_wrench = kWrench_N};
+                           .max_travel = kTravel_m,
+                           .max_speed = kSpeed_m_per_s,
+                           .max_wrench = kWrench_N};
     if (i >= 3) {
-      sweep.most_travel = kTravel_rad;
-      sweep.most_speed = kSpeed_rad_per_s;
-      sweep.most_wrench = kWrench_Nm;
+      sweep.max_travel = kTravel_rad;
+      sweep.max_speed = kSpeed_rad_per_s;
+      sweep.max_wrench = kWrench_Nm;
     }
     TransparencyAxis axis{.axis = i, .points = SweepFree(bench, sweep), .fit = {}};
     axis.fit = hil::FitMassAndDrag(axis.points, kTransparencyFit_hz);

@@ -83,7 +83,7 @@ class Study {
   }
   [[nodiscard]] double Drag(double mass_kg, const std::vector<hil::GridHand>& hands) const {
     return One(fmt::format("drag {}{}", mass_kg, Text(hands)),
-               [&] { return LeastDragFor(task_, mass_kg, hands); });
+               [&] { return MinDragFor(task_, mass_kg, hands); });
   }
   [[nodiscard]] TuneBoundary BoundaryOf(const TuneGains& gains, const std::vector<hil::GridHand>& hands,
                                         double most_N_per_m) const {

@@ -220,7 +220,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
                                             {"calm_below_N", c.calm_N},
                                             {"force_from_half_s_N", Finite(c.run.half_s_N)},
                                             {"force_from_1_s_N", Finite(c.run.one_s_N)},
-                                            {"damping_most_ratio", c.run.most_damping},
+                                            {"damping_most_ratio", c.run.max_damping},
                                             {"damping_mean_ratio", c.run.mean_damping}});
   json["check"] = {{"runs", r.check.runs}, {"grew", r.check.grew}};
   return ResultText(Judge(r), json);
@@ -247,8 +247,7 @@ std::string CarriedTable(const TuneResult& r) {
   for (const TuneCarried& c : r.carried)
     table += fmt::format(
         "<tr><th>{}</th><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.0f} ×</td><td>{:.1f} ×</td></tr>\n",
-        Escape(c.hand.name), c.contact, c.run.half_s_N, c.run.one_s_N, c.run.most_damping,
-        c.run.mean_damping);
+        Escape(c.hand.name), c.contact, c.run.half_s_N, c.run.one_s_N, c.run.max_damping, c.run.mean_damping);
   return table + "</table>\n";
 }
 

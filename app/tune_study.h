@@ -55,8 +55,8 @@ struct TuneGains {
                                 const std::vector<hil::GridHand>& hands, double most = 5.0);
 
 /// The least drag with which a virtual mass is stable with all; infinity if 3000 N s/m are not enough.
-[[nodiscard]] double LeastDragFor(const TuneTask& task, double mass_kg,
-                                  const std::vector<hil::GridHand>& hands);
+[[nodiscard]] double MinDragFor(const TuneTask& task, double mass_kg,
+                                const std::vector<hil::GridHand>& hands);
 
 /// One damping of the map: the stiffest stable wall with the cell's own delays only.
 struct TuneBoundary {

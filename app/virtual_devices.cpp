@@ -35,9 +35,9 @@ VirtualDevices::VirtualDevices(const config::CellConfig& cell, std::unique_ptr<i
   plc_cycle_ = cell.simulated_plc->cycle_ms * rt::kMillisecond;
 }
 
-void VirtualDevices::Begin(rt::Nanoseconds now) {
-  wires_->Begin(now);
-  plc_faults_.Begin(now);
+void VirtualDevices::StartSchedule(rt::Nanoseconds now) {
+  wires_->StartSchedule(now);
+  plc_faults_.StartSchedule(now);
 }
 
 control::CellReadings VirtualDevices::Exchange(const control::CellCommands& commands,

@@ -181,10 +181,10 @@ TEST_F(PlcCell, APlcThatIsBusyKeepsItsConnectionAndItsReadingAges) {
 TEST_F(PlcCell, AServerThatHangsIsNoConnection) {
   Open(params_);
   ASSERT_TRUE(Start());
-  server_->Hang(true);
+  server_->SetHung(true);
   ASSERT_TRUE(Until([&] { return Verdict() == PlcVerdict::kNoConnection; }));
   EXPECT_GE(controller_->Latest().counters.timeouts, 1u);
-  server_->Hang(false);
+  server_->SetHung(false);
   EXPECT_TRUE(Until([&] { return controller_->Latest().link == PlcLink::kConnected; }));
 }
 
