@@ -16,7 +16,7 @@
 #include "app/output.h"
 #include "app/recorded_config.h"
 #include "app/summary.h"
-#include "config/file_scope.h"
+#include "config/config_file_tracker.h"
 #include "io/modbus/plc_client.h"
 
 namespace osteon::app {
@@ -220,7 +220,7 @@ int RunGuard(const GuardOptions& options) {
   config::CellConfig cell;
   GuardReport report;
   {
-    const config::FileScope files;
+    const config::ConfigFileTracker files;
     cell = config::LoadCell(options.cell, options.tool);
     const auto kept = KeepConfig(files, options.cell, options.tool, {});
     if (!kept) return Fail("guard", kept.error());
