@@ -57,7 +57,7 @@ std::vector<std::string> CellScreen::Lines(const hil::CellHostState& state, doub
     silence_.clear();
   }
   if (now_s - last_answer_s_ < kPatience_s) return lines;
-  std::string silence = Silence(state, last_undelivered_s_ >= last_answer_s_);
+  std::string silence = DescribeSilence(state, last_undelivered_s_ >= last_answer_s_);
   if (silence == silence_) return lines;
   silence_ = std::move(silence);
   lines.push_back(silence_);
@@ -78,7 +78,7 @@ std::string CellScreen::SessionLine(const hil::CellHostState& state) const {
 }
 
 // Says why nobody answers, as far as the arm and the PLC know it.
-std::string CellScreen::Silence(const hil::CellHostState& state, bool comes_back) const {
+std::string CellScreen::DescribeSilence(const hil::CellHostState& state, bool comes_back) const {
   const hil::CellState& arm = state.arm.cell;
   std::string text;
   if (arm.counters.sent == 0)

@@ -137,7 +137,7 @@ int RunFaultTable(const FaultTableOptions& options) {
   std::size_t begun = 0;
   const auto verdicts = hil::RunFaultMatrix(cases, [&](double) {
     if (Interrupted()) return false;
-    progress.Begin(cases[begun++].name);
+    progress.BeginPhase(cases[begun++].name);
     return true;
   });
   progress.Done();

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "app/arm_wire.h"
+#include "app/arm_connection.h"
 #include "app/cell_ports.h"
 #include "app/config_checksum.h"
 #include "app/exit_code.h"
@@ -22,7 +22,8 @@
 namespace osteon::app {
 namespace {
 
-constexpr rt::Nanoseconds kLook = 5 * rt::kMillisecond;  // how often PLC, silence and Ctrl-C are checked
+constexpr rt::Nanoseconds kPollInterval =
+    5 * rt::kMillisecond;          // how often PLC, silence and Ctrl-C are checked
 constexpr int kBeatEvery_ms = 10;  // longest time that a withdrawal waits for its heartbeat
 constexpr rt::Nanoseconds kEndWithin =
     3 * rt::kSecond;                      // time for the arm to rest after the guard was asked to end
@@ -122,7 +123,7 @@ class OrderlyEnd {
 // Prints each change once.
 class Changes {
  public:
-  void Look(const safety::GuardMonitor& monitor) {
+  void PrintChanges(const safety::GuardMonitor& monitor) {
     if (monitor.latched() && !latched_)
       fmt::print(
           stderr,
@@ -258,9 +259,9 @@ int RunGuard(const GuardOptions& options) {
   bool open = true;
   OrderlyEnd end(plc != nullptr);
   while (open && !end.IsReached(*monitor, rt::MonotonicNow())) {
-    open = (*relay)->Serve(rt::MonotonicNow() + kLook);
+    open = (*relay)->Serve(rt::MonotonicNow() + kPollInterval);
     if (plc) plc->Step(*monitor, end.began());
-    changes.Look(*monitor);
+    changes.PrintChanges(*monitor);
   }
 
   if (plc) report.plc = plc->End();
