@@ -11,7 +11,7 @@ using kinematics::GravityHelp;
 using kinematics::JointVector;
 
 template <typename Tag>
-void TakeLesser(double& mine, Tag& tag, double other, Tag other_tag) {
+void KeepLesser(double& mine, Tag& tag, double other, Tag other_tag) {
   if (!(other < mine)) return;
   mine = other;
   tag = other_tag;
@@ -20,10 +20,10 @@ void TakeLesser(double& mine, Tag& tag, double other, Tag other_tag) {
 }  // namespace
 
 void ToolForce::Worsen(const ToolForce& other) {
-  TakeLesser(axial_N, axial_joint, other.axial_N, other.axial_joint);
-  TakeLesser(lateral_N, lateral_joint, other.lateral_N, other.lateral_joint);
-  TakeLesser(factor, factor_joint, other.factor, other.factor_joint);
-  TakeLesser(joint_room_rad, room_joint, other.joint_room_rad, other.room_joint);
+  KeepLesser(axial_N, axial_joint, other.axial_N, other.axial_joint);
+  KeepLesser(lateral_N, lateral_joint, other.lateral_N, other.lateral_joint);
+  KeepLesser(factor, factor_joint, other.factor, other.factor_joint);
+  KeepLesser(joint_room_rad, room_joint, other.joint_room_rad, other.room_joint);
   pressed_lateral_N = std::min(pressed_lateral_N, other.pressed_lateral_N);
   axial_exact_N = std::min(axial_exact_N, other.axial_exact_N);
 }
@@ -75,7 +75,7 @@ ToolForce ArmForce::At(const JointVector& q, double base_turn_rad) const {
       .lateral_joint = lateral.joint};
   for (int i = 0; i < 7; ++i) {
     const kinematics::JointLimits& limits = chain_.params().joints[static_cast<std::size_t>(i)].limits;
-    TakeLesser(force.joint_room_rad, force.room_joint,
+    KeepLesser(force.joint_room_rad, force.room_joint,
                std::min(q[i] - limits.lower_rad, limits.upper_rad - q[i]), i);
   }
   return force;

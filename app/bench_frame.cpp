@@ -53,7 +53,7 @@ int Run(const BenchFrameOptions& options) {
                 fmt::format("--compare {}: works on another packing than {}: time it by itself",
                             options.compare, options.method));
   PhaseProgress progress("osteon bench frame", 4);
-  progress.Begin("pack");
+  progress.BeginPhase("pack");
   const auto begun = std::chrono::steady_clock::now();
   const simulation::FrameWorkload work = MakeBenchWorkload(options);
   const double pack_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
@@ -62,9 +62,9 @@ int Run(const BenchFrameOptions& options) {
   FrameTimingParams params{.methods = {options.method},
                            .device = options.device,
                            .frames = options.frames,
-                           .most_seconds = options.most_seconds,
+                           .max_seconds = options.max_seconds,
                            .voxel_m = 1e-3 * options.voxel_mm,
-                           .progress = [&](const std::string& phase) { progress.Begin(phase); }};
+                           .progress = [&](const std::string& phase) { progress.BeginPhase(phase); }};
   if (!options.compare.empty()) params.methods.push_back(options.compare);
   const auto timings = TimeFrames(work, params);
   progress.Done();

@@ -19,7 +19,7 @@ struct BenchFrameOptions {
   std::string compare{};  ///< a second method, timed in the same run; empty: none
   std::string device{};
   std::size_t frames{2000};
-  double most_seconds{60.0};
+  double max_seconds{60.0};
   double voxel_mm{0.25};
   std::filesystem::path json{};
 };

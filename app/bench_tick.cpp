@@ -18,11 +18,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "app/bare_exchange.h"
 #include "app/chart_files.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/json_text.h"
+#include "app/loopback_baseline.h"
 #include "app/recorded_config.h"
 #include "app/simulated_setup.h"
 #include "app/summary.h"
@@ -51,9 +51,9 @@ constexpr int kFrameTicks = 2;         // for a 500 Hz simulation
 constexpr double kPlaneTilt_rad = .6;  // of the eight planes' normals from the feed
 // Height of the planes above the place where the tool would meet the cup.
 constexpr double kEarly_m = 0.01;
-constexpr double kPresses_N = 1.0;     // coupling force from which a tick counts
-constexpr std::size_t kBareEvery = 8;  // ticks: then one period measures the kernel alone
-constexpr double kScriptShare = 4.0;   // length of the script over that of its timed part
+constexpr double kPresses_N = 1.0;         // coupling force from which a tick counts
+constexpr std::size_t kBaselineEvery = 8;  // ticks: then one period measures the kernel alone
+constexpr double kScriptShare = 4.0;       // length of the script over that of its timed part
 constexpr std::array<const char*, 5> kStages{"receive", "devices", "loop", "send", "record"};
 
 // The force sensor and the drive in memory, with both sides of each connection.
@@ -67,7 +67,7 @@ class Devices {
       hil::MemoryCanBus &ours = our_ends_.emplace_back(now_), &theirs = their_ends_.emplace_back(now_);
       hil::MemoryCanBus::Join(ours, theirs);
       ends.push_back(&theirs);
-      clients_->PutOn(pumps_.emplace_back(ours), i);
+      clients_->AddToPump(pumps_.emplace_back(ours), i);
     }
     wires_.emplace(ends, devices_, cell.devices, hil::InjectionParams{}, &now_);
   }
@@ -167,7 +167,7 @@ class TickBench {
     times.tick.reserve(ticks);
     for (auto& each : times.stages) each.reserve(ticks);
     for (auto& each : times.parts) each.reserve(ticks);
-    times.bare.reserve(ticks / kBareEvery + 1);
+    times.bare.reserve(ticks / kBaselineEvery + 1);
     const auto period = static_cast<rt::Nanoseconds>(arm_.period_s() * 1e9 + 0.5);
     rt::Nanoseconds due = 0;
     for (std::int64_t tick = 1; times.tick.size() < ticks && !Interrupted(); ++tick) {
@@ -175,8 +175,8 @@ class TickBench {
       if (!times.tick.empty()) {  // from here on at a run's pace, with caches as cold as in a run
         due = std::max(due + period, rt::MonotonicNow());
         rt::SleepUntil(due);
-        if (times.tick.size() / kBareEvery > times.bare.size()) {  // with caches as cold as in a tick
-          times.bare.push_back(bare_.Time(message_bytes_, answer_bytes_));
+        if (times.tick.size() / kBaselineEvery > times.bare.size()) {  // with caches as cold as in a tick
+          times.bare.push_back(baseline_.Time(message_bytes_, answer_bytes_));
           due += period;
           rt::SleepUntil(due);
         }
@@ -273,7 +273,7 @@ class TickBench {
   control::ArmState state_;
   control::ArmCommand command_;
   std::array<std::uint8_t, 2048> answer_{};
-  BareExchange bare_;
+  LoopbackBaseline baseline_;
   std::size_t message_bytes_{0}, answer_bytes_{0};
   Vector3 p_WBall_;
   double radius_m_{0.0};

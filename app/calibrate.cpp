@@ -29,8 +29,8 @@ bool Usable(const control::TickRecord& tick) {
 }
 
 // The mean of ticks [first, last).
-Rest MeanOf(const std::vector<control::TickRecord>& ticks, std::size_t first, std::size_t last) {
-  Rest rest;
+RestingPose MeanOf(const std::vector<control::TickRecord>& ticks, std::size_t first, std::size_t last) {
+  RestingPose rest;
   rest.begin_s = Seconds(ticks.front().stamp, ticks[first].stamp);
   rest.seconds = Seconds(ticks[first].stamp, ticks[last - 1].stamp);
   while (first + 1 < last && Seconds(ticks.front().stamp, ticks[first].stamp) < rest.begin_s + kSettle_s)
@@ -48,14 +48,14 @@ Rest MeanOf(const std::vector<control::TickRecord>& ticks, std::size_t first, st
   return rest;
 }
 
-bool SamePlace(const Rest& a, const Rest& b) {
+bool SamePlace(const RestingPose& a, const RestingPose& b) {
   for (std::size_t j = 0; j < a.q.size(); ++j)
     if (std::abs(a.q[j] - b.q[j]) > kSamePlace_rad) return false;
   return true;
 }
 
-void Keep(const Rest& rest, std::vector<Rest>& rests) {
-  for (Rest& known : rests) {
+void KeepLonger(const RestingPose& rest, std::vector<RestingPose>& rests) {
+  for (RestingPose& known : rests) {
     if (!SamePlace(known, rest)) continue;
     if (rest.seconds > known.seconds) known = rest;
     return;
@@ -63,7 +63,7 @@ void Keep(const Rest& rest, std::vector<Rest>& rests) {
   rests.push_back(rest);
 }
 
-Pose FlangePose(const config::CellConfig& cell, const Rest& rest) {
+Pose FlangePose(const config::CellConfig& cell, const RestingPose& rest) {
   if (const config::SixAxisConfig* arm = cell.robot.six_axis())
     return cell.X_WB * kinematics::OrthoParallelArm(arm->params)
                            .FlangePose(Eigen::Map<const kinematics::OrthoParallelArm::Joints>(rest.q.data()));
@@ -71,10 +71,10 @@ Pose FlangePose(const config::CellConfig& cell, const Rest& rest) {
                          .FlangePose(Eigen::Map<const kinematics::JointVector>(rest.q.data()));
 }
 
-tl::expected<std::vector<Rest>, std::string> RestsOf(const std::filesystem::path& file) {
+tl::expected<std::vector<RestingPose>, std::string> RestsOf(const std::filesystem::path& file) {
   const auto recording = io::ReadRecording(file);
   if (!recording) return tl::unexpected(recording.error());
-  std::vector<Rest> rests = FindRests(recording->ticks);
+  std::vector<RestingPose> rests = FindRestingPoses(recording->ticks);
   if (rests.empty())
     return tl::unexpected(fmt::format("{}: found no rest of {} s in {} ticks", file.string(), kRest_s,
                                       recording->ticks.size()));
@@ -168,12 +168,12 @@ void Print(const Result& result, const CalibrateOptions& options) {
 
 }  // namespace
 
-std::vector<Rest> FindRests(const std::vector<control::TickRecord>& ticks) {
-  std::vector<Rest> rests;
+std::vector<RestingPose> FindRestingPoses(const std::vector<control::TickRecord>& ticks) {
+  std::vector<RestingPose> rests;
   std::size_t first = 0;
   const auto end = [&](std::size_t last) {
     if (last > first && Seconds(ticks[first].stamp, ticks[last - 1].stamp) >= kRest_s)
-      Keep(MeanOf(ticks, first, last), rests);
+      KeepLonger(MeanOf(ticks, first, last), rests);
     first = last;
   };
   for (std::size_t i = 0; i < ticks.size(); ++i) {
@@ -200,7 +200,7 @@ int RunCalibrate(const CalibrateOptions& options) {
     if (!rests) return Fail("calibrate", rests.error());
     const Pose X_FS = cell.servo.sensor.X_FS;
     std::vector<control::RestPose> poses;
-    for (const Rest& rest : *rests)
+    for (const RestingPose& rest : *rests)
       poses.push_back({.R_WS = (FlangePose(cell, rest) * X_FS).linear(), .F_S = rest.F_S});
     const auto fit = control::FitPayload(poses);
     if (!fit) return Fail("calibrate", options.payload.string() + ": " + fit.error(), kFailed);
@@ -212,7 +212,7 @@ int RunCalibrate(const CalibrateOptions& options) {
     const auto rests = RestsOf(options.pivot);
     if (!rests) return Fail("calibrate", rests.error());
     std::vector<Pose> poses;
-    for (const Rest& rest : *rests) poses.push_back(FlangePose(cell, rest));
+    for (const RestingPose& rest : *rests) poses.push_back(FlangePose(cell, rest));
     const auto fit = control::FitPivot(poses);
     if (!fit) return Fail("calibrate", options.pivot.string() + ": " + fit.error(), kFailed);
     result.pivot = *fit;

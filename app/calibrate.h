@@ -21,7 +21,7 @@ struct CalibrateOptions {
 };
 
 /// One rest of the arm within a recording.
-struct Rest {
+struct RestingPose {
   double begin_s{0.0}, seconds{0.0};  ///< since the recording's first tick
   std::array<double, 7> q{};          ///< mean [rad]
   Wrench F_S;                         ///< mean reading of the force sensor
@@ -31,7 +31,7 @@ struct Rest {
 /// Finds the periods in which no joint moves by more than 0.5 mrad for half a second; the first 0.2 s of each
 /// are left out. Postures that differ by less than 20 mrad in every joint count once, with the longer period.
 /// A tick without a fresh sensor reading (20 ms) ends a rest.
-[[nodiscard]] std::vector<Rest> FindRests(const std::vector<control::TickRecord>& ticks);
+[[nodiscard]] std::vector<RestingPose> FindRestingPoses(const std::vector<control::TickRecord>& ticks);
 
 /// Runs `osteon calibrate CELL.yaml`: identifies what hangs on the flange from recorded poses. Prints a table
 /// and writes `out`, which the cell's file names as its `calibration`.

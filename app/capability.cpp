@@ -56,7 +56,7 @@ Matrix3 MountOf(const config::CellConfig& cell, Mount mount) {
   return cell.X_WB.linear();
 }
 
-BaseSearchParams SearchOf(const CapabilityOptions& options, const TaskVolume& task, const Vector3& now_W) {
+BasePlacementParams SearchOf(const CapabilityOptions& options, const TaskVolume& task, const Vector3& now_W) {
   const Vector3 site = task.X_WC.translation();
   const auto range = [](const std::optional<std::array<double, 2>>& asked_mm, double from_m, double to_m) {
     if (asked_mm) return AxisRange{1e-3 * (*asked_mm)[0], 1e-3 * (*asked_mm)[1]};
@@ -107,14 +107,14 @@ BasePanel Cropped(const BasePanel& panel) {
 }
 
 // Computes the guaranteed force over a plane of places, around the best one.
-BasePanel PanelAround(const BaseSearch& search, const BaseFigure& best, const CapabilityResult& result,
+BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const CapabilityResult& result,
                       bool vertical) {
   const Vector3 site = result.task.X_WC.translation(), p_best = best.X_WB.translation(),
                 p_own = result.X_WB.translation();
   BasePanel panel;
   panel.step_m = kPanelStep_m;
   Vector3 origin = site, u = Vector3::UnitX(), v = Vector3::UnitY();
-  const BaseSearchParams& s = result.search;
+  const BasePlacementParams& s = result.search;
   AxisRange across = {s.x_m.from - site.x(), s.x_m.to - site.x()},
             up = {s.y_m.from - site.y(), s.y_m.to - site.y()};
   if (vertical) {
@@ -168,14 +168,14 @@ void Search(const config::CellConfig& cell, const CapabilityOptions& options, Ph
             CapabilityResult& result) {
   result.searched = true;
   result.search = SearchOf(options, result.task, result.X_WB.translation());
-  const BaseSearch search(cell.robot.lbr()->chain, MountOf(cell, options.mount), cell.tool.X_FT, result.task,
-                          result.need, result.search);
-  progress.Begin("looking for a base");
+  const BasePlacement search(cell.robot.lbr()->chain, MountOf(cell, options.mount), cell.tool.X_FT,
+                             result.task, result.need, result.search);
+  progress.BeginPhase("looking for a base");
   const auto best = search.Best([] { return Interrupted().load(); });
   if (!best || Interrupted()) return;
   result.base = search.Centred(*best);
   result.base_force = search.Forces(*result.base);
-  progress.Begin("mapping the bases round it");
+  progress.BeginPhase("mapping the bases round it");
   result.base_panels = {PanelAround(search, *result.base, result, false),
                         PanelAround(search, *result.base, result, true)};
 }
@@ -205,7 +205,7 @@ std::string Page(const CapabilityResult& result, const CapabilityOptions& option
             "<p>Kept: {:g} deg from every joint limit, elbow and wrist bent by {:g} deg at least and on the "
             "workspace's side of its plane, the base's axis {:g} mm from the site. What the arm may "
             "collide with is not known here.</p>\n",
-            result.search.joint_margin_rad / kRadian, std::round(result.search.least_bend_rad / kRadian),
+            result.search.joint_margin_rad / kRadian, std::round(result.search.min_bend_rad / kRadian),
             result.search.clearance_m * 1e3);
   if (result.base) html += "<pre>" + Escape(BaseYaml(result, options.command_line)) + "</pre>\n";
   return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + kPageEnd;
@@ -235,7 +235,7 @@ tl::expected<void, std::string> Write(const CapabilityResult& result, const Capa
 }
 
 int Run(const CapabilityOptions& options) {
-  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty())
+  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
     return Fail("capability", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
   if (!cell.robot.lbr())
@@ -272,13 +272,13 @@ int Run(const CapabilityOptions& options) {
   InstallInterrupt();
   PhaseProgress progress("osteon capability", options.search ? 4 : 2);
   const CapabilityMap map(cell, result.task, result.need, options.threads);
-  progress.Begin("the task from this base");
+  progress.BeginPhase("the task from this base");
   result.best_angle = map.AtBestArmAngle();
   result.own_angle = map.AtOwnArmAngle();
   if (result.best_angle.poses == 0)
     return Fail("capability",
                 "the workspace allows no pose of the task; accepted a workspace that holds the site");
-  progress.Begin("mapping the workspace");
+  progress.BeginPhase("mapping the workspace");
   for (const MapPlane plane : {MapPlane::kVertical, MapPlane::kHorizontal})
     result.maps.push_back(map.Panel(plane, options.nodes, [] { return Interrupted().load(); }));
   if (options.search && !Interrupted()) Search(cell, options, progress, result);

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "app/base_search.h"
+#include "app/base_placement.h"
 
 namespace osteon::app {
 

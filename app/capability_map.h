@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/arm_force.h"
-#include "app/base_search.h"
+#include "app/base_placement.h"
 
 // The force capability of the arm over the cell's workspace, from its present base.
 

@@ -56,7 +56,7 @@ nlohmann::json ToJson(const Vector3& v, double scale) {
 }
 
 // Rounds to a whole number, without a negative zero.
-double Whole(double value) { return std::round(value) + 0.0; }
+double RoundToWhole(double value) { return std::round(value) + 0.0; }
 
 }  // namespace
 
@@ -70,7 +70,7 @@ Vector3 RollPitchYaw(const Matrix3& R) {
 namespace {
 
 // Says why the task can't be done with the needed forces at once; empty if it can.
-std::string WhyNotHeld(const CapabilityMap::Task& task, const CapabilityNeed& need) {
+std::string DescribeUnmetNeed(const CapabilityMap::Task& task, const CapabilityNeed& need) {
   if (task.unreachable == task.poses) return "no pose of the task has a posture within the joint limits";
   if (task.unreachable > 0)
     return fmt::format("{} of {} poses of the task have no posture within the joint limits", task.unreachable,
@@ -87,18 +87,19 @@ std::string WhyNotHeld(const CapabilityMap::Task& task, const CapabilityNeed& ne
 
 Verdict Judge(const CapabilityResult& r) {
   Verdict verdict;
-  const std::string best = WhyNotHeld(r.best_angle, r.need), own = WhyNotHeld(r.own_angle, r.need);
+  const std::string best = DescribeUnmetNeed(r.best_angle, r.need),
+                    own = DescribeUnmetNeed(r.own_angle, r.need);
   if (!best.empty())
     verdict.Add(VerdictLevel::kBad, "from the cell's base, at the best arm angles: " + best);
   else if (!own.empty())
-    verdict.Add(VerdictLevel::kLook,
+    verdict.Add(VerdictLevel::kWarning,
                 fmt::format("at the cell's arm angle of {:.0f} deg: {}; other arm angles do",
                             r.own_arm_angle_rad * kDegrees, own));
   if (r.searched && !r.base)
-    verdict.Add(VerdictLevel::kLook, "the task can be done from no base in the ranges that were searched");
+    verdict.Add(VerdictLevel::kWarning, "the task can be done from no base in the ranges that were searched");
   else if (r.searched && r.base_force.factor < 1.0)
     verdict.Add(
-        VerdictLevel::kLook,
+        VerdictLevel::kWarning,
         fmt::format(
             "the best base of the ranges that were searched holds {:.0f} N along the tool with {:.0f} N "
             "across it, {:.0f} % of what is needed",
@@ -130,11 +131,11 @@ std::vector<SummaryRow> Rows(const CapabilityResult& r) {
   const Vector3 p_mm = 1e3 * r.base->X_WB.translation(),
                 rpy_deg = kDegrees * RollPitchYaw(r.base->X_WB.linear());
   rows.push_back(
-      {"Best base",
-       fmt::format("{:.0f}, {:.0f}, {:.0f} mm, rpy {:.0f}, {:.0f}, {:.0f} deg, arm angle {:.0f} "
-                   "deg",
-                   Whole(p_mm.x()), Whole(p_mm.y()), Whole(p_mm.z()), Whole(rpy_deg.x()), Whole(rpy_deg.y()),
-                   Whole(rpy_deg.z()), Whole(r.base->arm_angle_rad * kDegrees))});
+      {"Best base", fmt::format("{:.0f}, {:.0f}, {:.0f} mm, rpy {:.0f}, {:.0f}, {:.0f} deg, arm angle {:.0f} "
+                                "deg",
+                                RoundToWhole(p_mm.x()), RoundToWhole(p_mm.y()), RoundToWhole(p_mm.z()),
+                                RoundToWhole(rpy_deg.x()), RoundToWhole(rpy_deg.y()),
+                                RoundToWhole(rpy_deg.z()), RoundToWhole(r.base->arm_angle_rad * kDegrees))});
   const ToolForce& f = r.base_force;
   rows.push_back(
       {"Guaranteed there",
@@ -189,12 +190,12 @@ std::string ToJson(const CapabilityResult& r, const std::string& command_line) {
                     {"z_mm", range(r.search.z_m)},
                     {"clearance_mm", r.search.clearance_m * 1e3},
                     {"joint_margin_deg", r.search.joint_margin_rad * kDegrees},
-                    {"least_bend_deg", r.search.least_bend_rad * kDegrees}};
+                    {"least_bend_deg", r.search.min_bend_rad * kDegrees}};
   if (!r.base) return ResultText(Judge(r), json);
   nlohmann::json base = ToJson(r.base_force, r.need);
   base["position_mm"] = ToJson(r.base->X_WB.translation(), 1e3);
   base["rpy_deg"] = ToJson(RollPitchYaw(r.base->X_WB.linear()), kDegrees);
-  base["arm_angle_deg"] = Whole(r.base->arm_angle_rad * kDegrees);
+  base["arm_angle_deg"] = RoundToWhole(r.base->arm_angle_rad * kDegrees);
   base["sufficient"] = r.base_force.factor >= 1.0;
   json["best_base"] = base;
   return ResultText(Judge(r), json);
@@ -224,8 +225,9 @@ std::string BaseYaml(const CapabilityResult& r, const std::string& command_line)
       "{:.0f}]\n"
       "  rpy_deg: [{:.0f}, {:.0f}, {:.0f}]\nstart:\n  arm_angle_deg: {:.0f}\n",
       command_line, r.base_force.factor * r.need.axial_N, r.base_force.factor * r.need.lateral_N,
-      r.base_force.axial_N, r.base_force.lateral_N, Whole(p_mm.x()), Whole(p_mm.y()), Whole(p_mm.z()),
-      Whole(rpy_deg.x()), Whole(rpy_deg.y()), Whole(rpy_deg.z()), Whole(r.base->arm_angle_rad * kDegrees));
+      r.base_force.axial_N, r.base_force.lateral_N, RoundToWhole(p_mm.x()), RoundToWhole(p_mm.y()),
+      RoundToWhole(p_mm.z()), RoundToWhole(rpy_deg.x()), RoundToWhole(rpy_deg.y()), RoundToWhole(rpy_deg.z()),
+      RoundToWhole(r.base->arm_angle_rad * kDegrees));
 }
 
 }  // namespace osteon::app

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/base_search.h"
+#include "app/base_placement.h"
 #include "app/capability_map.h"
 #include "app/report/report.h"
 #include "app/verdict.h"
@@ -32,7 +32,7 @@ struct CapabilityResult {
   double own_arm_angle_rad{0.0};
   CapabilityMap::Task best_angle, own_angle;
   std::vector<MapPanel> maps;
-  BaseSearchParams search;
+  BasePlacementParams search;
   bool searched{false};
   std::optional<BaseFigure> base;  ///< the best; nothing if none was looked for or found
   ToolForce base_force;

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "app/arm_wire.h"
+#include "app/arm_connection.h"
 #include "app/build_name.h"
 #include "app/chart_files.h"
 #include "app/each_fault.h"
@@ -32,7 +32,7 @@ namespace {
 
 constexpr double kVirtualGiveUp_s = 30.0;  // without COMMANDING_ACTIVE, or without rest after the end
 
-constexpr std::chrono::milliseconds kLook{10};  // how often a run is supervised
+constexpr std::chrono::milliseconds kSupervisionPeriod{10};  // how often a run is supervised
 
 rt::Nanoseconds UtcNow() {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
@@ -49,16 +49,16 @@ void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSe
 }
 
 // The connections of a run in wall time.
-struct Wires {
-  std::optional<ArmWire> arm;
+struct CellConnections {
+  std::optional<ArmConnection> arm;
   std::unique_ptr<io::WiredDevices> devices;
   std::unique_ptr<CellProcess> cell;  // null: this run did not start it
 };
 
-tl::expected<Wires, std::string> OpenWires(const CellSetup& setup) {
-  Wires wires;
+tl::expected<CellConnections, std::string> OpenConnections(const CellSetup& setup) {
+  CellConnections wires;
   // behind a guard, the guard receives the arm's messages
-  auto arm = ArmWire::Open(setup.config.link, setup.config.guard ? "" : setup.config.link.arm_host);
+  auto arm = ArmConnection::Open(setup.config.link, setup.config.guard ? "" : setup.config.link.arm_host);
   if (!arm) return tl::make_unexpected(arm.error());
   wires.arm = std::move(*arm);
   auto devices = io::WiredDevices::Open(setup.config.devices);
@@ -80,21 +80,21 @@ std::string MissingPermits(safety::MotionPermits permits) {
 }
 
 // Says why the arm's messages did not come: a guard that does not run lets none through.
-std::string WhyNoArm(const std::string& arm, const std::optional<config::GuardConfig>& guard,
-                     safety::MotionPermits permits) {
+std::string DescribeMissingArm(const std::string& arm, const std::optional<config::GuardConfig>& guard,
+                               safety::MotionPermits permits) {
   if (!guard || permits.Has(safety::MotionPermit::kArmFresh)) return arm;
   return fmt::format("{} The arm is reached through the guard on {}:{}: does `osteon guard` run?", arm,
                      guard->host, guard->port);
 }
 
-void PutWhyNot(CellRunResult& result, const std::string& arm, const std::string& devices,
-               safety::MotionPermits permits) {
+void AddDiagnosis(CellRunResult& result, const std::string& arm, const std::string& devices,
+                  safety::MotionPermits permits) {
   if (result.end != control::RunEnd::kNeverActive) return;
   for (const std::string& why : {arm, devices, MissingPermits(permits)})
     if (!why.empty()) result.diagnosis += (result.diagnosis.empty() ? "" : "; ") + why;
 }
 
-void TakePauses(const CellRunParams& params, control::ServoLoop& loop) {
+void ApplyPauseRequests(const CellRunParams& params, control::ServoLoop& loop) {
   if (!params.pauses) return;
   const bool pause = params.pauses->pause.exchange(false), resume = params.pauses->resume.exchange(false);
   if (resume) loop.RequestResume();
@@ -112,15 +112,15 @@ class StartWatch {
   /// The arm's position: written by the servo thread, read by this one.
   [[nodiscard]] rt::LatestValue<control::StandingArm>& standing() { return standing_; }
 
-  void Look() {
+  void Poll() {
     const control::StandingArm& arm = standing_.Load();
     if (!arm.known) return;
     const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(arm.q.data());
-    if (looked_ && (q - looked_at_).cwiseAbs().maxCoeff() < kMoved_rad) return;
-    looked_at_ = q;
+    if (checked_ && (q - checked_q_).cwiseAbs().maxCoeff() < kMoved_rad) return;
+    checked_q_ = q;
     loop_.AllowStart(false);
-    why_not_ = WhyNotToStart(setup_, q);
-    looked_ = true;
+    why_not_ = ValidateStartPath(setup_, q);
+    checked_ = true;
     loop_.AllowStart(why_not_.empty());
   }
 
@@ -131,8 +131,8 @@ class StartWatch {
   const CellSetup& setup_;
   control::ServoLoop& loop_;
   rt::LatestValue<control::StandingArm> standing_;
-  kinematics::JointVector looked_at_{kinematics::JointVector::Zero()};
-  bool looked_{false};
+  kinematics::JointVector checked_q_{kinematics::JointVector::Zero()};
+  bool checked_{false};
   std::string why_not_;
 };
 
@@ -143,7 +143,7 @@ double AtRest_s(const CellSetup& setup, const CellRunParams& params) {
 }
 
 // Says why a run ended that was ended only by its operator or its duration.
-std::string WhyEnded(const CellRunResult& result, double seconds) {
+std::string DescribeEnd(const CellRunResult& result, double seconds) {
   if (result.end == control::RunEnd::kSeconds) return fmt::format("{:g} s of rendering were over", seconds);
   const std::string signal = InterruptName();
   if (signal == "SIGINT") return "Ctrl-C (SIGINT)";
@@ -154,11 +154,12 @@ std::string WhyEnded(const CellRunResult& result, double seconds) {
 void RecordEnd(io::Recorder& recorder, rt::Nanoseconds stamp, const CellRunResult& result, double seconds) {
   if (result.faults.Any()) return;
   if (result.end == control::RunEnd::kSeconds || result.end == control::RunEnd::kStopFlag)
-    recorder.PushEvent(stamp, kEndEvent + WhyEnded(result, seconds));
+    recorder.PushEvent(stamp, kEndEvent + DescribeEnd(result, seconds));
 }
 
-tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameRunner& runner, Wires& wires,
-                                                  io::Recorder& recorder, const CellRunParams& params) {
+tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameRunner& runner,
+                                                  CellConnections& wires, io::Recorder& recorder,
+                                                  const CellRunParams& params) {
   CellRunResult result;
   control::ServoLoop loop = MakeServoLoop(setup.config), second = MakeServoLoop(setup.config);
   rt::LatestValue<simulation::ContactModel> models;
@@ -183,9 +184,9 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     servo_params.thread.cpu = params.cpu;
     const auto watch = [&] {
       cell_died |= !done.load() && wires.cell && wires.cell->Ended();
-      gains.Look(rt::ToSeconds(rt::MonotonicNow()));
-      TakePauses(params, loop);
-      if (rendered_s.load() == 0.0) start.Look();  // a recovery starts from the arm's present position
+      gains.Poll(rt::ToSeconds(rt::MonotonicNow()));
+      ApplyPauseRequests(params, loop);
+      if (rendered_s.load() == 0.0) start.Poll();  // a recovery starts from the arm's present position
       if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
       if (params.progress) params.progress(rendered_s.load());
     };
@@ -198,7 +199,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
       done.store(true);
     });
     while (!done.load()) {
-      std::this_thread::sleep_for(kLook);
+      std::this_thread::sleep_for(kSupervisionPeriod);
       if (!result.internal_error.empty()) continue;  // the arm is still braking
       try {
         watch();
@@ -219,8 +220,8 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     return tl::make_unexpected(CellRunError{.what = "the simulated cell has ended by itself", .begun = true});
   result.end = servo.end;
   const std::string arm = wires.arm->Diagnosis();
-  PutWhyNot(result, wires.cell ? arm : WhyNoArm(arm, setup.config.guard, loop.permits()),
-            wires.devices->Diagnosis(), loop.permits());
+  AddDiagnosis(result, wires.cell ? arm : DescribeMissingArm(arm, setup.config.guard, loop.permits()),
+               wires.devices->Diagnosis(), loop.permits());
   if (wires.cell) result.cell_report = wires.cell->End();
   result.faults = servo.faults;
   result.statistics = servo.statistics;
@@ -232,7 +233,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
   return result;
 }
 
-// Ends the session as ArmWire::End() does, if the arm's program can be asked to.
+// Ends the session as ArmConnection::End() does, if the arm's program can be asked to.
 void EndSession(ArmSession& session, hil::ImpairedCell& cell, rt::Nanoseconds period) {
   if (!session.RequestStop()) return;
   control::ArmState state;
@@ -254,7 +255,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   hil::ImpairedCell cell(MakeSimulatedCell(setup.config, params.seconds), setup.config.injections);
   const kinematics::JointVector q_first =
       Eigen::Map<const kinematics::JointVector>(setup.config.simulated.q_start.data());
-  if (const std::string why = WhyNotToStart(setup, q_first); !why.empty())
+  if (const std::string why = ValidateStartPath(setup, q_first); !why.empty())
     return tl::make_unexpected(CellRunError{.what = why});
   auto devices = VirtualDevices::Make(setup.config);
   if (!devices) return tl::make_unexpected(CellRunError{.what = devices.error()});
@@ -285,7 +286,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     cell.Step(now, [&](std::span<const std::uint8_t> message, rt::Nanoseconds arrival) {
       accepted |= session.Accept(message, arrival, state);
     });
-    if (cell.state().active_once) (*devices)->Begin(now);
+    if (cell.state().active_once) (*devices)->StartSchedule(now);
     (*devices)->SetLoad(cell.cell().force().F_S);
     const auto received = accepted ? control::ReceiveResult::kOk : control::ReceiveResult::kTimeout;
 
@@ -294,12 +295,12 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
       model = pending->model;
       pending->stamp = now;
       recorder.PushFrame(*pending);
-      if (params.frame_us) runner.Govern(*pending, params.frame_us(*pending));
+      if (params.frame_us) runner.AdaptResolution(*pending, params.frame_us(*pending));
       runner.RecordEvents(recorder, now);
       pending.reset();
     }
-    gains.Look(rt::ToSeconds(now));
-    TakePauses(params, loop);
+    gains.Poll(rt::ToSeconds(now));
+    ApplyPauseRequests(params, loop);
     const control::CellReadings readings = (*devices)->Exchange(loop.cell_commands(), now);
     const control::TickRecord record = loop.Tick(state, received, readings, model, now, command);
     recorder.Push(record);
@@ -336,7 +337,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
                : stopped_by_user                         ? control::RunEnd::kStopFlag
                : result.statistics.active_ticks < wanted ? control::RunEnd::kNeverActive
                                                          : control::RunEnd::kSeconds;
-  PutWhyNot(result, session.Diagnosis(), (*devices)->Diagnosis(), loop.permits());
+  AddDiagnosis(result, session.Diagnosis(), (*devices)->Diagnosis(), loop.permits());
   RecordEnd(recorder, cell.state().stamp, result, params.seconds);
   result.cell_report =
       ToJson(hil::CellHostState{.arm = {.cell = cell.state(), .thread = {}, .wires = cell.counters()},
@@ -355,12 +356,12 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
   simulation::SceneWatch watch(setup.solid.get(), setup.bone, setup.config.tool.tool,
                                setup.config.scene.events);
-  FrameRunner runner(engine, depth, watch, setup.X_WG, params.governor);
-  runner.TellOf(params.notice);
+  FrameRunner runner(engine, depth, watch, setup.X_WG, params.adaptive_resolution);
+  runner.SetNotice(params.notice);
   // checks that may refuse the run come first: only a run may overwrite an earlier recording
-  Wires wires;
+  CellConnections wires;
   if (!params.virtual_time) {
-    auto opened = OpenWires(setup);
+    auto opened = OpenConnections(setup);
     if (!opened) return tl::make_unexpected(CellRunError{.what = opened.error()});
     wires = std::move(*opened);
   }
@@ -412,7 +413,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   if (!run) return refuse(run.error());
   CellRunResult& result = *run;
   if (!params.virtual_time) {  // in virtual time no zones are in the making
-    runner.EndGoverning();
+    runner.EndAdaptiveResolution();
     runner.RecordEvents(**recorder, rt::MonotonicNow());
   }
   result.after = runner.engine().Snapshot();
@@ -421,7 +422,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   result.recording = counts ? *counts : (*recorder)->counts();
   if (!counts) result.recording_error = counts.error();
   result.events = runner.events();
-  result.least_wall_m = watch.min_wall_m();
+  result.min_wall_m = watch.min_wall_m();
   return run;
 }
 

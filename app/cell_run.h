@@ -9,10 +9,10 @@
 
 #include <tl/expected.hpp>
 
+#include "app/adaptive_resolution.h"
 #include "app/cell_process.h"
 #include "app/cell_setup.h"
 #include "app/interrupt.h"
-#include "app/zone_governor.h"
 #include "control/run_servo.h"
 #include "io/recording/recorder.h"
 #include "simulation/scene_events.h"
@@ -41,8 +41,9 @@ struct CellRunParams {
   std::function<void()> begins{};  ///< called once everything is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
-  ZoneGovernor* governor{nullptr};  ///< may coarsen the zones during the run; null: they stay
-  /// Virtual time: a frame's assumed time [us], for the governor; empty: none.
+  AdaptiveResolution* adaptive_resolution{
+      nullptr};  ///< may coarsen the zones during the run; null: they stay
+  /// Virtual time: a frame's assumed time [us], for the adaptive resolution; empty: none.
   std::function<double(const simulation::FrameRecord&)> frame_us{};
   /// Virtual time: called after each tick with the contact model that the tick saw.
   std::function<void(const control::TickRecord&, const simulation::ContactModel&)> ticked{};
@@ -65,7 +66,7 @@ struct CellRunResult {
   simulation::CarvedState after;
   std::vector<Rezoned> rezoned;  ///< zones that were coarsened; `after` then belongs to the last one's bone
   std::vector<simulation::SceneEvent> events;  ///< stamps as in the recording
-  std::optional<double> least_wall_m;          ///< thinnest wall beside the cut; nothing if none is watched
+  std::optional<double> min_wall_m;            ///< thinnest wall beside the cut; nothing if none is watched
   std::string cell_report;  ///< the simulated cell's, osteon.cell/1; empty if this run did not start it
 };
 

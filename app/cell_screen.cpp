@@ -8,7 +8,7 @@ namespace osteon::app {
 namespace {
 
 using control::SessionState;
-using io::FriName;
+using io::SessionName;
 
 // Time without traffic after which the screen says what the cell waits for.
 constexpr double kPatience_s = 1.0;
@@ -57,7 +57,7 @@ std::vector<std::string> CellScreen::Lines(const hil::CellHostState& state, doub
     silence_.clear();
   }
   if (now_s - last_answer_s_ < kPatience_s) return lines;
-  std::string silence = Silence(state, last_undelivered_s_ >= last_answer_s_);
+  std::string silence = DescribeSilence(state, last_undelivered_s_ >= last_answer_s_);
   if (silence == silence_) return lines;
   silence_ = std::move(silence);
   lines.push_back(silence_);
@@ -68,17 +68,17 @@ std::vector<std::string> CellScreen::Lines(const hil::CellHostState& state, doub
 // "COMMANDING_ACTIVE -> MONITORING_WAIT: 5 answers in a row lost, …".
 std::string CellScreen::SessionLine(const hil::CellHostState& state) const {
   const hil::CellState& arm = state.arm.cell;
-  const std::string now = rsi_ ? RsiStateText(arm.session) : FriName(arm.session);
+  const std::string now = rsi_ ? RsiStateText(arm.session) : SessionName(arm.session);
   if (arm.session > session_) return now;
   std::string why = hil::DescribeStop(arm);
   if (why == hil::kNoPower && has_plc_)
     why += ": the PLC took it (" + hil::DescribeBlocks(state.plc.blocks) + ")";
-  const std::string before = rsi_ ? "" : std::string(FriName(session_)) + " -> ";
+  const std::string before = rsi_ ? "" : std::string(SessionName(session_)) + " -> ";
   return before + now + (why.empty() ? "" : ": " + why);
 }
 
 // Says why nobody answers, as far as the arm and the PLC know it.
-std::string CellScreen::Silence(const hil::CellHostState& state, bool comes_back) const {
+std::string CellScreen::DescribeSilence(const hil::CellHostState& state, bool comes_back) const {
   const hil::CellState& arm = state.arm.cell;
   std::string text;
   if (arm.counters.sent == 0)

@@ -25,7 +25,7 @@ class CellScreen {
 
  private:
   [[nodiscard]] std::string SessionLine(const hil::CellHostState& state) const;
-  [[nodiscard]] std::string Silence(const hil::CellHostState& state, bool comes_back) const;
+  [[nodiscard]] std::string DescribeSilence(const hil::CellHostState& state, bool comes_back) const;
 
   bool rsi_, has_plc_;
   std::string controller_, plc_;  // address and port

@@ -88,7 +88,7 @@ tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& ce
   CellSetup setup;
   setup.cell_name = cell_yaml.stem().string();
   {
-    const config::FileScope files;
+    const config::ConfigFileTracker files;
     setup.config = config::LoadCell(cell_yaml, tool, gains);
     auto kept = KeepConfig(files, cell_yaml, tool, gains);
     if (!kept) return tl::make_unexpected(kept.error());

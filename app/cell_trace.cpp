@@ -17,7 +17,7 @@ constexpr const char* kHeader =
 
 // Takes a column off the row. False if it is not a number.
 template <class Number>
-bool Take(std::string_view& row, Number& number) {
+bool ParseField(std::string_view& row, Number& number) {
   const auto [end, error] = std::from_chars(row.data(), row.data() + row.size(), number);
   if (error != std::errc()) return false;
   row.remove_prefix(static_cast<std::size_t>(end - row.data()));
@@ -68,7 +68,7 @@ tl::expected<void, std::string> CellTraceWriter::Close() {
   return {};
 }
 
-void CellTraceReader::Look() {
+void CellTraceReader::Poll() {
   std::ifstream stream(file_);
   stream.seekg(at_);
   const std::string text(std::istreambuf_iterator<char>(stream), {});
@@ -77,12 +77,12 @@ void CellTraceReader::Look() {
     std::string_view row = rest.substr(0, end);
     CellCycle cycle;
     int session = 0;
-    if (!Take(row, cycle.stamp) || !Take(row, session)) continue;  // not a row: the header
+    if (!ParseField(row, cycle.stamp) || !ParseField(row, session)) continue;  // not a row: the header
     cycle.session = static_cast<control::SessionState>(session);
     bool whole = true;
     for (double* value : {&cycle.p_WT_m.x(), &cycle.p_WT_m.y(), &cycle.p_WT_m.z(), &cycle.speed_m_per_s,
                           &cycle.turn_rad_per_s, &cycle.hand_N})
-      whole = whole && Take(row, *value);
+      whole = whole && ParseField(row, *value);
     if (whole) cycles_.push_back(cycle);
   }
   at_ += static_cast<std::streamoff>(text.size() - rest.size());

@@ -58,7 +58,7 @@ class CellTraceReader {
   explicit CellTraceReader(std::filesystem::path file) : file_(std::move(file)) {}
 
   /// Reads the complete rows since the last call. The file may not exist yet.
-  void Look();
+  void Poll();
   [[nodiscard]] const std::vector<CellCycle>& cycles() const { return cycles_; }
 
  private:

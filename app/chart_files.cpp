@@ -46,22 +46,22 @@ std::string MachineName() {
                      system.machine);
 }
 
-std::string WhyNoFolder(const char* option, const std::filesystem::path& folder) {
+std::string ValidateOutputFolder(const char* option, const std::filesystem::path& folder) {
   std::error_code error;
   if (!std::filesystem::exists(folder, error) || std::filesystem::is_directory(folder, error)) return {};
   return fmt::format("{} {}: found a file, accepted a folder", option, folder.string());
 }
 
-std::string WhyNoParent(const char* option, const std::filesystem::path& file) {
+std::string ValidateParentFolder(const char* option, const std::filesystem::path& file) {
   std::error_code error;
   const std::filesystem::path parent = file.parent_path();
   if (parent.empty() || std::filesystem::is_directory(parent, error)) return {};
   return fmt::format("{} {}: no folder {}", option, file.string(), parent.string());
 }
 
-std::string WhyNoFile(const char* option, const std::filesystem::path& file) {
+std::string ValidateOutputFile(const char* option, const std::filesystem::path& file) {
   std::error_code error;
-  if (std::string wrong = WhyNoParent(option, file); !wrong.empty()) return wrong;
+  if (std::string wrong = ValidateParentFolder(option, file); !wrong.empty()) return wrong;
   if (!std::filesystem::is_directory(file, error)) return {};
   return fmt::format("{} {}: found a folder, accepted a file", option, file.string());
 }

@@ -14,13 +14,13 @@ namespace osteon::app {
 [[nodiscard]] std::string MachineName();
 
 /// Returns "OPTION FOLDER: found a file, accepted a folder"; empty if the name is free or is a folder's.
-[[nodiscard]] std::string WhyNoFolder(const char* option, const std::filesystem::path& folder);
+[[nodiscard]] std::string ValidateOutputFolder(const char* option, const std::filesystem::path& folder);
 
 /// Returns "OPTION FILE: no folder FOLDER"; empty if the file's folder exists, or no file is named.
-[[nodiscard]] std::string WhyNoParent(const char* option, const std::filesystem::path& file);
+[[nodiscard]] std::string ValidateParentFolder(const char* option, const std::filesystem::path& file);
 
 /// Checks the same, and returns "OPTION FILE: found a folder, accepted a file" if `file` is a folder.
-[[nodiscard]] std::string WhyNoFile(const char* option, const std::filesystem::path& file);
+[[nodiscard]] std::string ValidateOutputFile(const char* option, const std::filesystem::path& file);
 
 /// Writes FILE.svg and FILE.png. @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteDrawing(const std::string& svg,

@@ -31,7 +31,7 @@ void Say(const std::string& text) { fmt::print(stderr, "osteon chart scaling: {}
 class Scaling {
  public:
   explicit Scaling(const ScalingOptions& options) : options_(options) {
-    result_.most_spheres = options.max_spheres;
+    result_.max_spheres = options.max_spheres;
     result_.frames = options.frames;
   }
 
@@ -54,8 +54,8 @@ class Scaling {
     return {.methods = {method},
             .device = options_.device,
             .frames = frames,
-            .most_seconds = options_.most_seconds,
-            .most_seat_seconds = options_.most_seconds,
+            .max_seconds = options_.max_seconds,
+            .max_seat_seconds = options_.max_seconds,
             .pass_frames = 0,
             .progress = {}};
   }
@@ -106,7 +106,7 @@ class Scaling {
     const double expected_s = brute_us_per_sphere_ * 1e-6 * static_cast<double>(work.bone.balls.size()) *
                               static_cast<double>(kMinFrames);
     if (brute_refused_) return {};
-    if (expected_s > options_.most_seconds) {
+    if (expected_s > options_.max_seconds) {
       LeaveOut(kBrute, count, fmt::format("{} frames would take {:.0f} s", kMinFrames, expected_s));
       return {};
     }
@@ -154,7 +154,7 @@ std::vector<std::vector<std::string>> TableOf(const ScalingResult& result) {
 }
 
 int Run(const ScalingOptions& options) {
-  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty())
+  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
     return Fail("chart scaling", wrong);
   InstallInterrupt();
   const auto result = Scaling(options).Measure();
@@ -201,16 +201,16 @@ Verdict Judge(const ScalingResult& result) {
         fmt::format(
             "it was ended by a signal: the chart is incomplete, {} points were measured of those up to "
             "{} spheres",
-            result.points.size(), result.most_spheres));
+            result.points.size(), result.max_spheres));
   else if (result.ours_left_out > 0)
-    verdict.Add(VerdictLevel::kLook,
+    verdict.Add(VerdictLevel::kWarning,
                 fmt::format("the chart is incomplete: {} of our own points were not measured, see the notes",
                             result.ours_left_out));
   const auto few = std::ranges::count_if(result.points, [&](const ScalingPoint& point) {
     return point.series != kBrute && point.timing.frames < result.frames;
   });
   if (few > 0)
-    verdict.Add(VerdictLevel::kLook,
+    verdict.Add(VerdictLevel::kWarning,
                 fmt::format("{} of our own points were timed over fewer frames than the {} asked for", few,
                             result.frames));
   return verdict;

@@ -15,7 +15,7 @@ struct ScalingOptions {
   std::size_t max_spheres{10'000'000};
   std::string device{};
   std::size_t frames{1000};      ///< timed at each point
-  double most_seconds{120.0};    ///< per point; slower points are left out and listed
+  double max_seconds{120.0};     ///< per point; slower points are left out and listed
   std::filesystem::path json{};  ///< a second copy
 };
 
@@ -34,7 +34,7 @@ struct ScalingResult {
   std::vector<ScalingPoint> points;
   std::vector<std::string> left_out;  ///< points that were not measured, and why
   std::size_t ours_left_out{0};       ///< of these, points of our own series
-  std::size_t most_spheres{0};        ///< largest number that was asked for
+  std::size_t max_spheres{0};         ///< largest number that was asked for
   std::size_t frames{0};              ///< asked for at each of our points
   bool interrupted{false};            ///< a signal ended it before all was measured
   /// Returns the median frame time at the most spheres divided by that at 100 000 (or the nearest), with the

@@ -117,13 +117,13 @@ class Measurement {
         return {};
       }
       const auto before = ShapeOf(**engine);
-      const double end_s = Now_s() + options_.most_seconds;
+      const double end_s = Now_s() + options_.max_seconds;
       const simulation::WorkloadRun run =
           RunWorkload(**engine, task.work, [&](std::size_t) { return Interrupted() || Now_s() > end_s; });
       if (!run.complete) {
         if (Interrupted()) return {};
         LeaveOut(rung, fmt::format("{} was not done within {:g} s", TaskName(task.work.task),
-                                   options_.most_seconds));
+                                   options_.max_seconds));
         return {};
       }
       scores.push_back(ScoreWorkload(task.work, run, *before, *ShapeOf(**engine),
@@ -169,11 +169,11 @@ std::vector<std::vector<std::string>> TableOf(const SpeedAccuracyResult& result)
     rows.push_back({point.method, Number(static_cast<double>(point.spheres), 0),
                     Number(point.r_max_m * 1e3, 3), Number(FrameTimeOf(point).median),
                     Number(seed.frame_us.p999_us),
-                    fmt::format("{:.4f}", SpreadOf(point, ChartFigure::kDepth).median),
-                    fmt::format("{:.4f}", SpreadOf(point, ChartFigure::kVolume).median),
-                    fmt::format("{:.4f}", SpreadOf(point, ChartFigure::kForce).median),
+                    fmt::format("{:.4f}", SeedRangeOf(point, ChartFigure::kDepth).median),
+                    fmt::format("{:.4f}", SeedRangeOf(point, ChartFigure::kVolume).median),
+                    fmt::format("{:.4f}", SeedRangeOf(point, ChartFigure::kForce).median),
                     fmt::format("{:.2f}", seed.scores.force.normal_rms_deg),
-                    fmt::format("{:.4f}", SpreadOf(point, ChartFigure::kRipple).median)});
+                    fmt::format("{:.4f}", SeedRangeOf(point, ChartFigure::kRipple).median)});
   }
   return rows;
 }
@@ -197,7 +197,7 @@ std::string Csv(const SpeedAccuracyResult& result) {
 }
 
 int Run(const SpeedAccuracyOptions& options) {
-  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty())
+  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
     return Fail("chart speed-accuracy", wrong);
   InstallInterrupt();
   const auto result = Measurement(options).Measure();
@@ -259,11 +259,12 @@ Verdict Judge(const SpeedAccuracyResult& result) {
             "it was ended by a signal: the chart is incomplete, {} points were measured, of {} seeds each "
             "where all was done",
             result.points.size(), result.wanted_seeds));
-  for (const std::string& left : result.left_out) verdict.Add(VerdictLevel::kLook, "not measured: " + left);
+  for (const std::string& left : result.left_out)
+    verdict.Add(VerdictLevel::kWarning, "not measured: " + left);
   const auto few = std::ranges::count_if(
       result.points, [&](const SpeedAccuracyPoint& p) { return p.seeds.size() < result.wanted_seeds; });
   if (few > 0)
-    verdict.Add(VerdictLevel::kLook,
+    verdict.Add(VerdictLevel::kWarning,
                 fmt::format("{} points were measured over fewer than {} seeds", few, result.wanted_seeds));
   return verdict;
 }

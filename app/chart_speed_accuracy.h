@@ -18,7 +18,7 @@ struct SpeedAccuracyOptions {
   bool quick{false};  ///< fewer resolutions, 2 seeds
   std::string device{};
   std::size_t seeds{5};
-  double most_seconds{60.0};  ///< for a method's frames in one task; slower ones are left out and listed
+  double max_seconds{60.0};  ///< for a method's frames in one task; slower ones are left out and listed
   std::vector<std::string> methods{};  ///< empty: all
   std::filesystem::path json{};
 };
@@ -48,12 +48,12 @@ struct SpeedAccuracyResult {
 };
 
 /// A figure of a point: median and range over its seeds.
-struct Spread {
+struct SeedRange {
   double median{0.0}, low{0.0}, high{0.0};
 };
 enum class ChartFigure { kDepth, kVolume, kForce, kRipple };
-[[nodiscard]] Spread SpreadOf(const SpeedAccuracyPoint& point, ChartFigure figure);
-[[nodiscard]] Spread FrameTimeOf(const SpeedAccuracyPoint& point);
+[[nodiscard]] SeedRange SeedRangeOf(const SpeedAccuracyPoint& point, ChartFigure figure);
+[[nodiscard]] SeedRange FrameTimeOf(const SpeedAccuracyPoint& point);
 
 /// Bad if the chart was ended before all was measured; to be looked at if points are missing.
 [[nodiscard]] Verdict Judge(const SpeedAccuracyResult& result);

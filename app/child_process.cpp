@@ -13,7 +13,7 @@
 namespace osteon::app {
 namespace {
 
-constexpr std::chrono::milliseconds kLook{5};
+constexpr std::chrono::milliseconds kPollInterval{5};
 
 // Runs between fork and exec: calls only what is permitted there.
 void Redirect(const char* file, int descriptor) {
@@ -59,7 +59,7 @@ void ChildProcess::Send(int signal_number) const {
 
 int ChildProcess::End(std::chrono::milliseconds patience) {
   const auto until = std::chrono::steady_clock::now() + patience;
-  while (!Ended() && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(kLook);
+  while (!Ended() && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(kPollInterval);
   if (!ended_) {
     kill(pid_, SIGKILL);
     ended_ = waitpid(pid_, &status_, 0) == pid_;

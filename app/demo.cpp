@@ -27,16 +27,16 @@ namespace {
 // none.
 std::string WrongPlace(const DemoOptions& options) {
   if (options.out.empty()) return "--out: found no name, accepted a folder";
-  if (std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return wrong;
+  if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
   for (const auto& [name, file] :
        {std::pair("--json", options.json), std::pair("--save-motion", options.save_motion)})
-    if (std::string wrong = WhyNoFile(name, file); !wrong.empty()) return wrong;
+    if (std::string wrong = ValidateOutputFile(name, file); !wrong.empty()) return wrong;
   return "";
 }
 
 // Claims the folder for this process and moves an earlier demo's files out of the way.
 std::string MakeRoom(const DemoOptions& options, FolderClaim& claim) {
-  if (std::string wrong = claim.Take(options.out); !wrong.empty()) return wrong;
+  if (std::string wrong = claim.Acquire(options.out); !wrong.empty()) return wrong;
   if (options.overwrite) return RemoveFiles(FilesOfDemo(options.out));
   const auto earlier = KeepEarlierDemo(options.out);
   if (!earlier) return earlier.error();
@@ -87,17 +87,17 @@ ReportInput ReportOf(const DemoOptions& options, const CellSetup& setup, const C
 }
 
 // Shows the result; everything shown comes from the recording. @returns the exit code
-int TellResult(const DemoOptions& options, const CellSetup& setup, const simulation::CuttingEngine& engine,
-               const CellRunParams& params, const CellRunResult& result) {
+int PrintResult(const DemoOptions& options, const CellSetup& setup, const simulation::CuttingEngine& engine,
+                const CellRunParams& params, const CellRunResult& result) {
   PhaseProgress measuring("osteon demo", 3, false);
-  measuring.Begin("read the recording");
+  measuring.BeginPhase("read the recording");
   StopPages stops({.folder = options.out, .stem = params.recording.stem().string(), .cell = setup.config});
   auto run = ReadRun(params.recording, setup, stops);
-  std::string wrong = WhyNotRecorded(result, run ? "" : run.error());
+  std::string wrong = DescribeRecordingErrors(result, run ? "" : run.error());
   if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
-  measuring.Begin("measure the cut");
+  measuring.BeginPhase("measure the cut");
   RunSummary summary = Summarise(setup, engine, params, result, *run);
-  measuring.Begin("draw the report");
+  measuring.BeginPhase("draw the report");
   const std::filesystem::path page = options.out / "report.html";
   if (const auto figures = WriteReport(ReportOf(options, setup, result, *run, summary), page))
     summary.section = *figures;
@@ -139,7 +139,7 @@ int RunDemo(const DemoOptions& options) {
     return Fail("demo", "--cpu: " + wrong);
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("demo", wrong);
   FolderClaim claim;
-  if (const std::string wrong = claim.Take(options.out); !wrong.empty()) return Fail("demo", wrong);
+  if (const std::string wrong = claim.Acquire(options.out); !wrong.empty()) return Fail("demo", wrong);
   OutputThread output({.watch_stderr = true});
 
   auto setup = PrepareCell(options.cell, options.mesh, options.tool);
@@ -149,13 +149,13 @@ int RunDemo(const DemoOptions& options) {
   const bool timed = !options.virtual_time;
   PhaseProgress planning("osteon demo", timed ? 2 : 1, false);
   if (const auto packed = PackCell(*setup, options.fidelity, options.device, timed,
-                                   [&](const std::string& phase) { planning.Begin("plan: " + phase); });
+                                   [&](const std::string& phase) { planning.BeginPhase("plan: " + phase); });
       !packed)
     return Fail("demo", packed.error());
   planning.Done();
   auto engine = MakeEngine(*setup, options.engine, options.device);
   if (!engine) return Fail("demo", engine.error());
-  const auto governor = MakeGovernor(*setup, options.device);
+  const auto adaptive_resolution = MakeAdaptiveResolution(*setup, options.device);
 
   if (!setup->solid && setup->config.scene.events.min_wall_m > 0.0)
     fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
@@ -185,12 +185,12 @@ int RunDemo(const DemoOptions& options) {
       .begins = [&] { PrintLimits(setup->config.servo); },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon demo: {}\n", text); },
       .progress = [&](double at_s) { progress.Show(at_s); },
-      .governor = governor.get()};
+      .adaptive_resolution = adaptive_resolution.get()};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
   if (!result) return Fail("demo", result.error().what, result.error().begun ? kFailed : kBadInput);
 
-  return TellResult(options, *setup, **engine, params, *result);
+  return PrintResult(options, *setup, **engine, params, *result);
 }
 
 }  // namespace osteon::app

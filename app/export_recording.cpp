@@ -61,8 +61,8 @@ nlohmann::ordered_json ToJson(const io::Recovery& recovery) {
 
 // Checks the paths before anything is done. An empty string, or what is wrong.
 std::string WrongPlace(const ExportOptions& options, const std::filesystem::path& folder) {
-  if (std::string wrong = WhyNoFolder("--out", folder); !wrong.empty()) return wrong;
-  return WhyNoParent("--json", options.json);
+  if (std::string wrong = ValidateOutputFolder("--out", folder); !wrong.empty()) return wrong;
+  return ValidateParentFolder("--json", options.json);
 }
 
 }  // namespace

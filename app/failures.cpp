@@ -124,9 +124,9 @@ tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const 
 }
 
 std::string WrongPlace(const FailureOptions& options) {
-  if (std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return wrong;
-  if (std::string wrong = WhyNoParent("--json", options.json); !wrong.empty()) return wrong;
-  return WhyNoParent("--markdown", options.markdown);
+  if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
+  if (std::string wrong = ValidateParentFolder("--json", options.json); !wrong.empty()) return wrong;
+  return ValidateParentFolder("--markdown", options.markdown);
 }
 
 }  // namespace
@@ -183,7 +183,7 @@ int RunFailures(const FailureOptions& options) {
   std::vector<FailureRun> runs;
   PhaseProgress progress("osteon failures", static_cast<int>(chosen->size()));
   for (const FailureScenario& scenario : *chosen) {
-    progress.Begin(fmt::format("{} {}", scenario.id, scenario.name));
+    progress.BeginPhase(fmt::format("{} {}", scenario.id, scenario.name));
     const double begun_s = Now_s();
     FailureRun run;
     try {

@@ -142,7 +142,7 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
     case Fault::kSession:
       return tick.input.safety_state == 0
                  ? fmt::format("session state {} ({})", tick.session_state,
-                               io::FriName(static_cast<control::SessionState>(tick.session_state)))
+                               io::SessionName(static_cast<control::SessionState>(tick.session_state)))
                  : fmt::format("safety stop {}", tick.input.safety_state - 1);
     case Fault::kNotFinite:
       return NotFinite(tick);

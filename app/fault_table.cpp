@@ -87,7 +87,7 @@ std::string FaultTableText(std::span<const FaultVerdict> verdicts) {
         std::find_if(row, end, [](const FaultVerdict& v) { return v.state == CellState::kCutting; });
     if (cutting != end && cutting->expected.reaction == Reaction::kStops)
       text += fmt::format("{:>6} ms {:>5} ms {:>5.1f} mm {:>4.1f} mm", cutting->ticks,
-                          cutting->expected.ticks, 1e3 * cutting->distance_m, 1e3 * cutting->most_distance_m);
+                          cutting->expected.ticks, 1e3 * cutting->distance_m, 1e3 * cutting->max_distance_m);
     text += "\n";
     row = end;
   }
@@ -123,7 +123,7 @@ std::string FaultTableJson(std::span<const FaultVerdict> verdicts) {
     if (v.expected.reaction == Reaction::kStops)
       cell.update({{"stop", static_cast<int>(v.expected.stop)},
                    {"distance_mm", 1e3 * v.distance_m},
-                   {"stated_distance_mm", 1e3 * v.most_distance_m}});
+                   {"stated_distance_mm", 1e3 * v.max_distance_m}});
     if (!v.passed()) cell["wrong"] = v.wrong;
     json["faults"].push_back(std::move(cell));
   }
@@ -137,7 +137,7 @@ int RunFaultTable(const FaultTableOptions& options) {
   std::size_t begun = 0;
   const auto verdicts = hil::RunFaultMatrix(cases, [&](double) {
     if (Interrupted()) return false;
-    progress.Begin(cases[begun++].name);
+    progress.BeginPhase(cases[begun++].name);
     return true;
   });
   progress.Done();

@@ -8,13 +8,13 @@
 namespace osteon::app {
 
 FrameRunner::FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth,
-                         simulation::SceneWatch& watch, const Pose& X_WG, ZoneGovernor* governor,
-                         double dt_limit_s)
+                         simulation::SceneWatch& watch, const Pose& X_WG,
+                         AdaptiveResolution* adaptive_resolution, double dt_limit_s)
     : engine_(&engine),
       depth_(depth),
       watch_(watch),
       X_GW_(X_WG.inverse()),
-      governor_(governor),
+      adaptive_resolution_(adaptive_resolution),
       dt_limit_s_(dt_limit_s) {}
 
 simulation::FrameRecord FrameRunner::Run(const simulation::ToolCommand& command) {
@@ -35,23 +35,23 @@ simulation::FrameRecord FrameRunner::Run(const simulation::ToolCommand& command)
   return record;
 }
 
-void FrameRunner::Govern(const simulation::FrameRecord& record, double took_us) {
-  if (!governor_ || record.model.status != simulation::EngineStatus::kOk) return;
-  governor_->Saw(record, took_us);
-  if (auto made = governor_->Take(*engine_)) {
+void FrameRunner::AdaptResolution(const simulation::FrameRecord& record, double took_us) {
+  if (!adaptive_resolution_ || record.model.status != simulation::EngineStatus::kOk) return;
+  adaptive_resolution_->ObserveFrame(record, took_us);
+  if (auto made = adaptive_resolution_->TakeReplacement(*engine_)) {
     rezoned_engine_ = std::move(made->engine);
     engine_ = rezoned_engine_.get();
     made->rezoned.stamp = record.stamp;
     Say(RezonedText(made->rezoned));
     rezoned_.push_back(std::move(made->rezoned));
   }
-  Say(governor_->TakeNotice());
+  Say(adaptive_resolution_->TakeNotice());
 }
 
-void FrameRunner::EndGoverning() {
-  if (!governor_) return;
-  governor_->End();
-  Say(governor_->TakeNotice());
+void FrameRunner::EndAdaptiveResolution() {
+  if (!adaptive_resolution_) return;
+  adaptive_resolution_->End();
+  Say(adaptive_resolution_->TakeNotice());
 }
 
 void FrameRunner::Say(std::string text) {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/zone_governor.h"
+#include "app/adaptive_resolution.h"
 #include "io/recording/recorder.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/frame_record.h"
@@ -20,26 +20,27 @@ namespace osteon::app {
 class FrameRunner {
  public:
   /// @param watch  examines every frame's proxy
-  /// @param governor  coarsens zones when frames take too long; null: none
+  /// @param adaptive_resolution  coarsens zones when frames take too long; null: none
   /// @param dt_limit_s  the longest time that a single frame may cut for: a stall's cutting is not made up
   /// for
   FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth,
-              simulation::SceneWatch& watch, const Pose& X_WG, ZoneGovernor* governor = nullptr,
-              double dt_limit_s = 0.1);
+              simulation::SceneWatch& watch, const Pose& X_WG,
+              AdaptiveResolution* adaptive_resolution = nullptr, double dt_limit_s = 0.1);
 
   /// Steps the engine to the command. The first command must be the free pose at which the run begins.
   [[nodiscard]] simulation::FrameRecord Run(const simulation::ToolCommand& command);
 
-  /// Passes a frame made by Run to the governor, and switches to its coarser zones once they are ready.
+  /// Passes a frame made by Run to the adaptive resolution, and switches to its coarser zones once they are
+  /// ready.
   /// @param took_us  duration of the frame
-  void Govern(const simulation::FrameRecord& record, double took_us);
+  void AdaptResolution(const simulation::FrameRecord& record, double took_us);
 
-  /// Ends the governor, after the last frame. Waits until a packing in the making can be abandoned, which may
-  /// take seconds.
-  void EndGoverning();
+  /// Ends the adaptive resolution, after the last frame. Waits until a packing in the making can be
+  /// abandoned, which may take seconds.
+  void EndAdaptiveResolution();
 
   /// @param notice  called for coarser zones, on the frames' thread; may be empty
-  void TellOf(std::function<void(const std::string&)> notice) { notice_ = std::move(notice); }
+  void SetNotice(std::function<void(const std::string&)> notice) { notice_ = std::move(notice); }
 
   /// The engine that makes the frames now.
   [[nodiscard]] const simulation::CuttingEngine& engine() const { return *engine_; }
@@ -60,7 +61,7 @@ class FrameRunner {
   const simulation::ApexDepth& depth_;
   simulation::SceneWatch& watch_;
   Pose X_GW_;
-  ZoneGovernor* governor_;
+  AdaptiveResolution* adaptive_resolution_;
   double dt_limit_s_;
   std::vector<Rezoned> rezoned_;
   std::vector<std::string> new_texts_;

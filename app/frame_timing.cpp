@@ -48,18 +48,17 @@ tl::expected<std::unique_ptr<CuttingEngine>, std::string> EngineFor(const FrameW
 }
 
 // Runs a method from its first pose to the start of the timing.
-tl::expected<void, std::string> PrepareRunner(Runner& runner, const std::string& method,
-                                              double most_seconds) {
+tl::expected<void, std::string> PrepareRunner(Runner& runner, const std::string& method, double max_seconds) {
   const auto begun = std::chrono::steady_clock::now();
   bool late = false;
   const auto stop = [&] {
-    late = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count() > most_seconds;
+    late = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count() > max_seconds;
     return late || Interrupted();
   };
   if (simulation::RunUntilReady(*runner.engine, runner.player, runner.last, stop)) return {};
   if (Interrupted()) return tl::unexpected(method + ": ended by Ctrl-C before the tool was seated");
   if (late)
-    return tl::unexpected(fmt::format("{}: the tool was not seated within {:g} s", method, most_seconds));
+    return tl::unexpected(fmt::format("{}: the tool was not seated within {:g} s", method, max_seconds));
   return tl::unexpected(
       fmt::format("{}: the tool did not get to where timing begins within its frames (status {})", method,
                   static_cast<int>(runner.last.status)));
@@ -114,7 +113,7 @@ FrameTiming Finish(const Runner& runner, const std::string& method, const FrameW
 tl::expected<SeatedStart, std::string> Seat(const FrameWorkload& work, const FrameTimingParams& params) {
   auto runner = StartedRunner(work, params, "ours");
   if (!runner) return tl::unexpected(runner.error());
-  if (const auto prepared = PrepareRunner(*runner, "ours", params.most_seat_seconds); !prepared)
+  if (const auto prepared = PrepareRunner(*runner, "ours", params.max_seat_seconds); !prepared)
     return tl::unexpected(prepared.error());
   return SeatedStart{.state = runner->engine->Snapshot(), .player = runner->player, .last = runner->last};
 }
@@ -144,7 +143,7 @@ tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorklo
       runner->last = start->last;
     } else {
       say("seat " + method);
-      if (const auto prepared = PrepareRunner(*runner, method, params.most_seat_seconds); !prepared)
+      if (const auto prepared = PrepareRunner(*runner, method, params.max_seat_seconds); !prepared)
         return tl::unexpected(prepared.error());
     }
     runner->removed_before_m3 = runner->last.removed_volume_m3;
@@ -156,7 +155,7 @@ tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorklo
   const auto begun = std::chrono::steady_clock::now();
   for (std::size_t k = 0; k < params.frames && !Interrupted(); ++k) {
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
-    if (k >= kMinFrames && taken.count() > params.most_seconds) break;
+    if (k >= kMinFrames && taken.count() > params.max_seconds) break;
     if (std::ranges::all_of(runners, [](const Runner& runner) { return runner.player.AtEnd(); })) break;
     for (std::size_t i = 0; i < runners.size(); ++i) {
       const std::size_t which = (i + k) % runners.size();

@@ -17,12 +17,12 @@ namespace osteon::app {
 
 struct FrameTimingParams {
   std::vector<std::string> methods{"ours"};
-  std::string device;               ///< part of a Vulkan device's name
-  std::size_t frames{2000};         ///< to time
-  double most_seconds{60.0};        ///< of timing; at least 20 frames
-  double most_seat_seconds{600.0};  ///< limit for seating the tool; beyond it, seating fails
-  std::size_t pass_frames{200};     ///< frames of a second run with the device's time by pass; 0: none
-  double voxel_m{0.25e-3};          ///< of the methods that have voxels
+  std::string device;              ///< part of a Vulkan device's name
+  std::size_t frames{2000};        ///< to time
+  double max_seconds{60.0};        ///< of timing; at least 20 frames
+  double max_seat_seconds{600.0};  ///< limit for seating the tool; beyond it, seating fails
+  std::size_t pass_frames{200};    ///< frames of a second run with the device's time by pass; 0: none
+  double voxel_m{0.25e-3};         ///< of the methods that have voxels
   /// Receives progress text; may be empty.
   std::function<void(const std::string&)> progress;
 };

@@ -11,7 +11,7 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kLook_s = 0.5;
+constexpr double kPollInterval_s = 0.5;
 
 // Lists the gains that differ: "mass_x 3 -> 2 kg, …".
 std::string Changes(const control::Gains& before, const control::Gains& after) {
@@ -48,9 +48,9 @@ GainsWatch::GainsWatch(std::filesystem::path file, const config::CellConfig& cel
   if (!file_.empty()) read_ = seen_ = WrittenAt(file_, {});
 }
 
-void GainsWatch::Look(double at_s) {
+void GainsWatch::Poll(double at_s) {
   if (file_.empty() || at_s < next_s_) return;
-  next_s_ = at_s + kLook_s;
+  next_s_ = at_s + kPollInterval_s;
   const auto written = WrittenAt(file_, seen_);
   const bool rests = written == seen_;
   seen_ = written;

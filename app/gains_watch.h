@@ -11,7 +11,7 @@ namespace osteon::app {
 
 /// Watches a file of gains that may be saved again while the loop runs with it: `osteon run --gains`.
 ///
-/// Look() belongs to the thread that supervises the run, never to the tick. Twice a second it reads the
+/// Poll() belongs to the thread that supervises the run, never to the tick. Twice a second it reads the
 /// file's modification time. If the time has changed since the file was read and not since the last look (an
 /// editor may still be writing), the file is read and checked like the cell's own, and the loop ramps to the
 /// new gains (GainRamp). An error is reported, and the gains stay.
@@ -23,7 +23,7 @@ class GainsWatch {
              std::function<void(const std::string&)> notice);
 
   /// @param at_s  of any clock that does not go back
-  void Look(double at_s);
+  void Poll(double at_s);
 
  private:
   void Read();

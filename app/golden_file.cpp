@@ -56,7 +56,7 @@ class Lines {
     ++number_;
     return true;
   }
-  [[nodiscard]] std::string_view Rest() const { return line_; }
+  [[nodiscard]] std::string_view RestOfLine() const { return line_; }
   std::string_view Word() {
     const std::size_t end = std::min(line_.find(' '), line_.size());
     const std::string_view word = line_.substr(0, end);
@@ -101,7 +101,7 @@ std::optional<std::vector<double>> ReadValues(Lines& lines) {
     if (!value) return {};
     values.push_back(*value);
   }
-  if (!lines.Rest().empty()) return {};
+  if (!lines.RestOfLine().empty()) return {};
   return values;
 }
 
@@ -157,7 +157,7 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
   Golden golden;
   ScenarioTrace& trace = golden.trace;
   Lines lines(text, name);
-  if (!lines.Next() || lines.Rest() != kFirstLine)
+  if (!lines.Next() || lines.RestOfLine() != kFirstLine)
     return lines.Refuse(fmt::format("found no golden trace, accepted \"{}\" in the first line", kFirstLine));
 
   constexpr const char* kCount = "a whole number";
@@ -165,20 +165,20 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
   while (!ended && lines.Next()) {
     const std::string_view key = lines.Word();
     if (key == "scenario") {
-      golden.head.scenario = lines.Rest();
+      golden.head.scenario = lines.RestOfLine();
     } else if (key == "reason") {
-      golden.head.reasons.emplace_back(lines.Rest());
+      golden.head.reasons.emplace_back(lines.RestOfLine());
     } else if (key == "build") {
-      golden.head.build = lines.Rest();
+      golden.head.build = lines.RestOfLine();
     } else if (key == "machine") {
-      golden.head.machine = lines.Rest();
+      golden.head.machine = lines.RestOfLine();
     } else if (key == "engine") {
-      golden.head.engine = lines.Rest();
+      golden.head.engine = lines.RestOfLine();
     } else if (key == "file") {
       const std::string checksum(lines.Word());
-      golden.head.sources.push_back({.path = std::string(lines.Rest()), .checksum = checksum});
+      golden.head.sources.push_back({.path = std::string(lines.RestOfLine()), .checksum = checksum});
     } else if (key == "ended") {
-      trace.ended = lines.Rest();
+      trace.ended = lines.RestOfLine();
     } else if (key == "period_s") {
       const auto period = lines.Number<double>();
       if (!period || !(*period >= 1e-4 && *period <= 1.0)) return lines.RefuseWord("period_s", "0.0001 … 1");
@@ -196,9 +196,9 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
     } else if (key == "event") {
       const auto tick = lines.Number<std::uint64_t>();
       if (!tick || *tick > kMaxTicks) return lines.RefuseWord("event", kCount);
-      trace.events.push_back({.tick = *tick, .what = std::string(lines.Rest())});
+      trace.events.push_back({.tick = *tick, .what = std::string(lines.RestOfLine())});
     } else if (key == "columns") {
-      if (" " + std::string(lines.Rest()) != Columns())
+      if (" " + std::string(lines.RestOfLine()) != Columns())
         return lines.Refuse(
             "found other columns than this version samples: accept the trace anew (--update)");
       has_columns = true;
@@ -223,8 +223,8 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
       if (!tick || *tick > kMaxTicks) return lines.RefuseWord("digests", kCount);
       trace.first_tick = *tick;
       has_digests = true;
-      while (lines.Next() && lines.Rest() != "end") {
-        while (!lines.Rest().empty()) {
+      while (lines.Next() && lines.RestOfLine() != "end") {
+        while (!lines.RestOfLine().empty()) {
           const std::string_view word = lines.Word();
           const auto digest = ReadDigest(word);
           if (!digest)
@@ -233,7 +233,7 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
           trace.digests.push_back(*digest);
         }
       }
-      ended = lines.Rest() == "end";
+      ended = lines.RestOfLine() == "end";
     } else {
       return lines.Refuse(fmt::format("found \"{}\", accepted a key of a golden trace",
                                       OneLine(std::string(key.substr(0, 40)))));

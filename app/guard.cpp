@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "app/arm_wire.h"
+#include "app/arm_connection.h"
 #include "app/cell_ports.h"
 #include "app/config_checksum.h"
 #include "app/exit_code.h"
@@ -16,13 +16,14 @@
 #include "app/output.h"
 #include "app/recorded_config.h"
 #include "app/summary.h"
-#include "config/file_scope.h"
+#include "config/config_file_tracker.h"
 #include "io/modbus/plc_client.h"
 
 namespace osteon::app {
 namespace {
 
-constexpr rt::Nanoseconds kLook = 5 * rt::kMillisecond;  // how often PLC, silence and Ctrl-C are checked
+constexpr rt::Nanoseconds kPollInterval =
+    5 * rt::kMillisecond;          // how often PLC, silence and Ctrl-C are checked
 constexpr int kBeatEvery_ms = 10;  // longest time that a withdrawal waits for its heartbeat
 constexpr rt::Nanoseconds kEndWithin =
     3 * rt::kSecond;                      // time for the arm to rest after the guard was asked to end
@@ -64,7 +65,7 @@ class PlcBeat {
     const std::uint32_t writes = client_.Latest().counters.writes;
     client_.RequestMotion(monitor.permits() && !ending);
     if (!monitor.latched()) writes_before_ = writes;
-    if (!monitor.latched() || writes - writes_before_ < kLastWrites) client_.Beat();
+    if (!monitor.latched() || writes - writes_before_ < kLastWrites) client_.NotifyAlive();
   }
   io::PlcReading End() {
     const io::PlcReading last = client_.Latest();
@@ -122,7 +123,7 @@ class OrderlyEnd {
 // Prints each change once.
 class Changes {
  public:
-  void Look(const safety::GuardMonitor& monitor) {
+  void PrintChanges(const safety::GuardMonitor& monitor) {
     if (monitor.latched() && !latched_)
       fmt::print(
           stderr,
@@ -220,7 +221,7 @@ int RunGuard(const GuardOptions& options) {
   config::CellConfig cell;
   GuardReport report;
   {
-    const config::FileScope files;
+    const config::ConfigFileTracker files;
     cell = config::LoadCell(options.cell, options.tool);
     const auto kept = KeepConfig(files, options.cell, options.tool, {});
     if (!kept) return Fail("guard", kept.error());
@@ -258,9 +259,9 @@ int RunGuard(const GuardOptions& options) {
   bool open = true;
   OrderlyEnd end(plc != nullptr);
   while (open && !end.IsReached(*monitor, rt::MonotonicNow())) {
-    open = (*relay)->Serve(rt::MonotonicNow() + kLook);
+    open = (*relay)->Serve(rt::MonotonicNow() + kPollInterval);
     if (plc) plc->Step(*monitor, end.began());
-    changes.Look(*monitor);
+    changes.PrintChanges(*monitor);
   }
 
   if (plc) report.plc = plc->End();

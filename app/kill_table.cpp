@@ -125,7 +125,7 @@ int RunKillTable(const KillTableOptions& options) {
   for (int time = 0; time < options.times && !Interrupted(); ++time) {
     for (int v = 0; v < kKillVictims && !Interrupted(); ++v) {
       const auto victim = static_cast<KillVictim>(v);
-      progress.Begin(fmt::format("{} {} of {}", NameOf(victim), time + 1, options.times));
+      progress.BeginPhase(fmt::format("{} {} of {}", NameOf(victim), time + 1, options.times));
       KillRun run{.result = {.victim = victim}};
       try {
         auto result = RunKillTrial(victim, params);

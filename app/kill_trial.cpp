@@ -27,7 +27,7 @@ namespace {
 using std::chrono::milliseconds, std::chrono::seconds;
 
 constexpr int kAttempts = 3;
-constexpr milliseconds kLook{5};
+constexpr milliseconds kPollInterval{5};
 // Generous: a busy machine must not decide.
 constexpr seconds kReady{60}, kContact{120}, kRest{10}, kEnd{30};
 // Full contact: for this long, the hand's whole push meets a tool that hardly moves.
@@ -125,15 +125,15 @@ class Trial {
     guard_->Send(SIGTERM);
     guard_->End(kEnd);
 
-    TakeArm(result);
-    TakeRecording(result, !arm_lives);
-    TakeReports(result);
+    ReadArmTrace(result);
+    JudgeRecording(result, !arm_lives);
+    CollectReports(result);
     result.wrong = Wrong(result);
     return result;
   }
 
   /// The last line of a process that has ended by itself; empty if none has.
-  [[nodiscard]] std::string Complaint() const {
+  [[nodiscard]] std::string FindComplaint() const {
     for (const auto& [name, process] :
          {std::pair{"cell", cell_.get()}, {"guard", guard_.get()}, {"run", run_.get()}}) {
       if (!process || !process->Ended()) continue;
@@ -166,13 +166,13 @@ class Trial {
     const auto give_up = std::chrono::steady_clock::now() + limit;
     while (!condition()) {
       if ((params_.stop && params_.stop()) || std::chrono::steady_clock::now() > give_up) return false;
-      std::this_thread::sleep_for(kLook);
+      std::this_thread::sleep_for(kPollInterval);
     }
     return true;
   }
 
   bool Full() {
-    trace_.Look();
+    trace_.Poll();
     const auto& cycles = trace_.cycles();
     for (auto cycle = cycles.rbegin(); cycle != cycles.rend(); ++cycle) {
       if (cycle->session != control::SessionState::kCommandingActive ||
@@ -185,12 +185,12 @@ class Trial {
 
   // Time since the kill for which the arm has been at rest.
   rt::Nanoseconds RestsFor() {
-    trace_.Look();
+    trace_.Poll();
     return RestedFor(trace_.cycles(), killed_);
   }
 
-  void TakeArm(KillResult& result) {
-    trace_.Look();
+  void ReadArmTrace(KillResult& result) {
+    trace_.Poll();
     const CellCycle* at_kill = nullptr;
     for (const CellCycle& cycle : trace_.cycles()) {
       result.hand_N = std::max(result.hand_N, cycle.hand_N);
@@ -206,7 +206,7 @@ class Trial {
   }
 
   // Reads what the controller rendered; @param moves  its commands count as the arm's motion
-  void TakeRecording(KillResult& result, bool moves) {
+  void JudgeRecording(KillResult& result, bool moves) {
     const auto recording = io::ReadRecording(Folder("run") / "run.mcap");
     if (!recording) return;
     std::optional<Vector3> p_at_kill;
@@ -225,7 +225,7 @@ class Trial {
     }
   }
 
-  void TakeReports(KillResult& result) const {
+  void CollectReports(KillResult& result) const {
     if (const nlohmann::json run = ReadJson(Folder("run") / "run.json"); run.is_object())
       result.faults = run.at("faults").get<std::vector<std::string>>();
     if (const nlohmann::json guard = ReadJson(Folder("guard") / "guard.json");
@@ -338,7 +338,7 @@ tl::expected<KillResult, std::string> RunKillTrial(KillVictim victim, const Kill
     Trial trial(params);
     if (!trial.ReachFullContact()) {
       if (params.stop && params.stop()) return tl::make_unexpected("stopped");
-      why = trial.Complaint();
+      why = trial.FindComplaint();
       continue;
     }
     if (const std::string refused = trial.Kill(victim); !refused.empty()) return tl::make_unexpected(refused);

@@ -332,7 +332,7 @@ int Run(int argc, char** argv) {
     fmt::print(stderr, "{}", osteon::app::UsageError(app, error));
     return 2;
   }
-  if (const std::string wrong = osteon::app::WhyNotToBegin(app); !wrong.empty()) {
+  if (const std::string wrong = osteon::app::ValidateEnvironment(app); !wrong.empty()) {
     fmt::print(stderr, "{}", wrong);
     return 2;
   }

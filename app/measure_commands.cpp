@@ -29,7 +29,7 @@ CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
       ->check(OneOf(MethodNames()));
   sub->add_option("--device", options.device, "part of a Vulkan device's name (osteon doctor lists them)");
   sub->add_option("--frames", options.frames, "timed")->check(NumberWithin(20, 10e6))->capture_default_str();
-  sub->add_option("--most-seconds", options.most_seconds, "of timing; 20 frames at least")
+  sub->add_option("--most-seconds", options.max_seconds, "of timing; 20 frames at least")
       ->check(NumberWithin(0.1, 36e3))
       ->capture_default_str();
   sub->add_option("--voxel-mm", options.voxel_mm, "edge of a voxel, for the methods that have them")
@@ -87,7 +87,7 @@ CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
   sub->add_option("--frames", options.frames, "timed at each point")
       ->check(NumberWithin(20, 1e6))
       ->capture_default_str();
-  sub->add_option("--most-seconds", options.most_seconds, "of a point; what would take longer is left out")
+  sub->add_option("--most-seconds", options.max_seconds, "of a point; what would take longer is left out")
       ->check(NumberWithin(0.1, 36e3))
       ->capture_default_str();
   sub->add_option("--json", options.json, "a further copy of scaling.json");
@@ -111,7 +111,7 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) 
       ->check(NumberWithin(1, 100))
       ->capture_default_str();
   sub->add_option("--method", options.methods, "these alone; several times")->check(OneOf(LadderMethods()));
-  sub->add_option("--most-seconds", options.most_seconds,
+  sub->add_option("--most-seconds", options.max_seconds,
                   "of a method's frames in one task; what would take longer is left out")
       ->check(NumberWithin(0.1, 36e3))
       ->capture_default_str();

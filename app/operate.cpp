@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "app/arm_wire.h"
+#include "app/arm_connection.h"
 #include "app/cell_ports.h"
 #include "app/cell_run.h"
 #include "app/chart_files.h"
@@ -47,15 +47,15 @@ void PrintWires(const config::CellConfig& cell) {
 
 // Checks the output paths before anything runs.
 std::string WrongPlace(const OperateOptions& options) {
-  if (std::string wrong = WhyNoFile("--json", options.json); !wrong.empty()) return wrong;
+  if (std::string wrong = ValidateOutputFile("--json", options.json); !wrong.empty()) return wrong;
   std::error_code error;
   if (std::filesystem::is_directory(options.record, error))
     return fmt::format("--record {}: found a folder, accepted a file", options.record.string());
-  return options.overwrite ? "" : WhyNotToRecord(options.record);
+  return options.overwrite ? "" : ValidateRecordingName(options.record);
 }
 
 std::string MakeRoom(const OperateOptions& options) {
-  if (!options.overwrite) return WhyNotToRecord(options.record);
+  if (!options.overwrite) return ValidateRecordingName(options.record);
   // the recording itself is overwritten by the process that has locked it
   std::vector<std::filesystem::path> pages = FilesOfRun(options.record);
   std::erase(pages, options.record);
@@ -63,16 +63,17 @@ std::string MakeRoom(const OperateOptions& options) {
 }
 
 // Shows the result; everything shown comes from the recording. @returns the exit code
-int TellResult(const OperateOptions& options, const CellSetup& setup, const simulation::CuttingEngine& engine,
-               const CellRunParams& params, const CellRunResult& result) {
+int PrintResult(const OperateOptions& options, const CellSetup& setup,
+                const simulation::CuttingEngine& engine, const CellRunParams& params,
+                const CellRunResult& result) {
   PhaseProgress measuring("osteon run", 2, false);
-  measuring.Begin("read the recording");
+  measuring.BeginPhase("read the recording");
   StopPages stops(
       {.folder = options.record.parent_path(), .stem = options.record.stem().string(), .cell = setup.config});
   auto run = ReadRun(params.recording, setup, stops);
-  std::string wrong = WhyNotRecorded(result, run ? "" : run.error());
+  std::string wrong = DescribeRecordingErrors(result, run ? "" : run.error());
   if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
-  measuring.Begin("measure the cut");
+  measuring.BeginPhase("measure the cut");
   RunSummary summary = Summarise(setup, engine, params, result, *run);
   measuring.Done();
   if (auto pages = stops.Finish())
@@ -116,13 +117,13 @@ int RunOperate(const OperateOptions& asked) {
   }
   PhaseProgress planning("osteon run", 2, false);
   if (const auto packed = PackCell(*setup, options.fidelity, options.device, true,
-                                   [&](const std::string& phase) { planning.Begin("plan: " + phase); });
+                                   [&](const std::string& phase) { planning.BeginPhase("plan: " + phase); });
       !packed)
     return Fail("run", packed.error());
   planning.Done();
   auto engine = MakeEngine(*setup, "vulkan", options.device);
   if (!engine) return Fail("run", engine.error());
-  const auto governor = MakeGovernor(*setup, options.device);
+  const auto adaptive_resolution = MakeAdaptiveResolution(*setup, options.device);
   if (setup->planned) fmt::print(stderr, "osteon run: packing: {}\n", PlannedText(*setup->planned));
   PrintRegistration(setup->config);
   PrintWires(setup->config);
@@ -149,12 +150,12 @@ int RunOperate(const OperateOptions& asked) {
       .begins = [&] { PrintLimits(setup->config.servo); },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },
       .progress = [&](double at_s) { progress.Show(at_s); },
-      .governor = governor.get()};
+      .adaptive_resolution = adaptive_resolution.get()};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
   if (!result) return Fail("run", result.error().what, result.error().begun ? kFailed : kBadInput);
 
-  return TellResult(options, *setup, **engine, params, *result);
+  return PrintResult(options, *setup, **engine, params, *result);
 }
 
 }  // namespace osteon::app

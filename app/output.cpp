@@ -140,7 +140,7 @@ namespace {
 std::atomic<OutputQueue*> g_queue{nullptr};
 
 // The write function for stdio: always accepts all of the text.
-ssize_t TakeText(void* output, const char* text, std::size_t size) {
+ssize_t WriteToQueue(void* output, const char* text, std::size_t size) {
   const int kept = errno;
   try {
     if (OutputQueue* queue = g_queue.load())
@@ -155,7 +155,7 @@ ssize_t TakeText(void* output, const char* text, std::size_t size) {
 
 std::FILE* Stream(Output& output, int mode) {
   std::FILE* stream =
-      fopencookie(&output, "w", {.read = nullptr, .write = TakeText, .seek = nullptr, .close = nullptr});
+      fopencookie(&output, "w", {.read = nullptr, .write = WriteToQueue, .seek = nullptr, .close = nullptr});
   if (stream) setvbuf(stream, nullptr, mode, BUFSIZ);
   return stream;
 }

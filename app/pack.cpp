@@ -38,12 +38,12 @@ std::string WrongPlace(const PackOptions& options) {
                          output.string(), output.extension().string());
     if (std::filesystem::is_directory(output, error))
       return fmt::format("-o {}: found a folder, accepted a file", output.string());
-    if (std::string wrong = WhyNoParent("-o", output); !wrong.empty()) return wrong;
+    if (std::string wrong = ValidateParentFolder("-o", output); !wrong.empty()) return wrong;
     if (std::filesystem::equivalent(output, options.source.input, error))
       return fmt::format("-o {}: found the input, accepted another file", output.string());
   }
-  if (std::string wrong = WhyNoFolder("--report", options.report); !wrong.empty()) return wrong;
-  return WhyNoParent("--json", options.json);
+  if (std::string wrong = ValidateOutputFolder("--report", options.report); !wrong.empty()) return wrong;
+  return ValidateParentFolder("--json", options.json);
 }
 
 /// Default spacing of the mass points: some 200 000 if even; below a zone the finest is at most 0.75 mm.
@@ -204,7 +204,7 @@ int Run(const PackOptions& options) {
   // until something is written, Ctrl-C may end the process at once
   const bool report = !options.report.empty();
   PhaseProgress progress("osteon pack", 4 + (options.points ? 1 : 0) + (report ? 1 : 0));
-  progress.Begin("load");
+  progress.BeginPhase("load");
   auto source = LoadPackSource(options.source);
   if (!source) {
     progress.Done();
@@ -221,7 +221,7 @@ int Run(const PackOptions& options) {
   result.threads = simulation::ThreadCount(options.threads);
   result.outputs = options.outputs;
 
-  progress.Begin("pack");
+  progress.BeginPhase("pack");
   const double begun_s = Now_s();
   result.bone.balls = Pack(options, *source);
   result.seconds = Now_s() - begun_s;
@@ -230,12 +230,12 @@ int Run(const PackOptions& options) {
     return Fail("pack",
                 "no sphere of the radii that were asked for fits into it: accepted a lesser --r-min-mm");
   }
-  progress.Begin("measure");
+  progress.BeginPhase("measure");
   result.quality =
       simulation::MeasurePacking(*source->solid, result.bone.balls, {.threads = options.threads});
   result.point_params = PointParams(options, *source, result.quality.solid_volume_m3);
   if (options.points) {
-    progress.Begin("mass points");
+    progress.BeginPhase("mass points");
     result.bone.points = simulation::BuildMassPoints(*source->solid, *source->zone, result.point_params);
     result.mass = simulation::PointMassProperties(result.bone.points, result.bone.materials);
     result.even_points = EvenMass(result.bone);
@@ -244,7 +244,7 @@ int Run(const PackOptions& options) {
 
   InstallInterrupt();
   if (report) {
-    progress.Begin("report");
+    progress.BeginPhase("report");
     const auto written = WriteReportOf(options, *source, result, progress.phases());
     if (!written) {
       progress.Done();
@@ -256,7 +256,7 @@ int Run(const PackOptions& options) {
     progress.Done();
     return kExitInterrupted;
   }
-  progress.Begin("write");
+  progress.BeginPhase("write");
   result.phases = progress.phases();
   const auto written = WriteOutputs(options, result);
   progress.Done();

@@ -30,7 +30,7 @@ std::string Lower(std::string text) {
 }
 
 /// Finds the materials of these names in one file, or in the first file of the configuration that has them.
-tl::expected<std::vector<simulation::Material>, std::string> PickMaterials(
+tl::expected<std::vector<simulation::Material>, std::string> SelectMaterials(
     const SourceOptions& options, const std::vector<std::string>& names) {
   std::vector<simulation::Material> found;
   const auto files = options.materials.empty() ? config::YamlFilesIn(options.config_root / "materials")
@@ -171,7 +171,7 @@ tl::expected<void, std::string> LoadShape(const SourceOptions& options, PackSour
     source.solid = std::make_shared<simulation::BoxSolid>(-0.5 * size_m, 0.5 * size_m);
     source.even = EvenBox(size_m);
   }
-  auto materials = PickMaterials(options, {"cancellous"});
+  auto materials = SelectMaterials(options, {"cancellous"});
   if (!materials) return tl::make_unexpected(materials.error());
   source.materials = std::move(*materials);
   source.name = options.input;
@@ -183,7 +183,7 @@ tl::expected<void, std::string> LoadScene(const SourceOptions& options, PackSour
   const auto file = SceneFile(options, options.input, options.input);
   if (!file) return tl::make_unexpected(file.error());
   source.own = config::LoadScene(*file);
-  auto materials = PickMaterials(options, source.own->material_names);
+  auto materials = SelectMaterials(options, source.own->material_names);
   if (!materials) return tl::make_unexpected(materials.error());
   source.materials = std::move(*materials);
   const simulation::SceneSolid made = simulation::MakeSceneSolid(*source.own);
@@ -199,7 +199,7 @@ tl::expected<void, std::string> LoadMeshSource(const SourceOptions& options, Pac
   const auto scene_file = SceneFile(options, scene_name, "--scene " + scene_name);
   if (!scene_file) return tl::make_unexpected(scene_file.error());
   simulation::SceneParams scene = config::LoadScene(*scene_file);
-  auto materials = PickMaterials(options, scene.material_names);
+  auto materials = SelectMaterials(options, scene.material_names);
   if (!materials) return tl::make_unexpected(materials.error());
   source.materials = std::move(*materials);
 

@@ -26,7 +26,7 @@ PhaseProgress::PhaseProgress(std::string command, int phases, bool lines)
 
 PhaseProgress::~PhaseProgress() { Done(); }
 
-void PhaseProgress::Begin(const std::string& name) {
+void PhaseProgress::BeginPhase(const std::string& name) {
   const std::scoped_lock lock(mutex_);
   EndPhase();
   running_ = name;

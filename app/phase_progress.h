@@ -25,7 +25,7 @@ class PhaseProgress {
   PhaseProgress& operator=(const PhaseProgress&) = delete;
 
   /// Ends the previous phase and begins the next.
-  void Begin(const std::string& name);
+  void BeginPhase(const std::string& name);
   /// Ends the last phase and clears the bar.
   void Done();
   [[nodiscard]] const std::vector<Phase>& phases() const { return done_; }

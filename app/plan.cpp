@@ -135,7 +135,7 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
   const double removal_m = RemovalShare(request.error_m, model.tool_gap_m);
   plan.uniform_balls = UniformBalls(scene, volumes, removal_m);
   plan.disjoint_balls = simulation::PredictDisjointBalls(request.error_m, volumes.volume_m3());
-  const double most_us = 1e6 / request.rate_hz;
+  const double max_us = 1e6 / request.rate_hz;
   std::map<PackingKind, Calibration> calibrations;
   std::optional<PackingLevel> level;
   std::optional<FidelityPlan> first;
@@ -159,17 +159,17 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
     Time(plan, scene, calibrations.at(level->kind));
     if (!first) first = plan;
     // a frame that is too long even without bone is no reason for a coarser packing
-    if (plan.frame_us <= most_us || plan.cost.base_us >= most_us) break;
+    if (plan.frame_us <= max_us || plan.cost.base_us >= max_us) break;
   }
-  if (first && plan.frame_us > most_us) plan = std::move(*first);  // no coarser packing reaches the rate
+  if (first && plan.frame_us > max_us) plan = std::move(*first);  // no coarser packing reaches the rate
   if (!level) return tl::make_unexpected("no packing of this bone serves a cut by this tool");
   // a coarser packing promises the error for which it would have been chosen
   plan.promised_m = std::max(request.error_m, plan.error_m / kRemovalShare);
   if (plan.promised_m > (1.0 + 1e-6) * request.error_m)
-    plan.given_up.push_back(
+    plan.unmet.push_back(
         {.what = "error", .asked = request.error_m * 1e3, .predicted = plan.promised_m * 1e3});
-  if (plan.frame_us > most_us)
-    plan.given_up.push_back({.what = "rate", .asked = request.rate_hz, .predicted = 1e6 / plan.frame_us});
+  if (plan.frame_us > max_us)
+    plan.unmet.push_back({.what = "rate", .asked = request.rate_hz, .predicted = 1e6 / plan.frame_us});
 
   plan.arm = simulation::LowestArmLevel(scene.arm, request.error_m);
   plan.arm_error_m = simulation::ArmError(plan.arm, scene.arm);
@@ -182,7 +182,7 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
 }
 
 std::optional<CoarserZones> CoarserFor(const PlanScene& scene, const FidelityPlan& plan,
-                                       const PackingLevel& level, double seen_us, double most_us) {
+                                       const PackingLevel& level, double seen_us, double max_us) {
   // active balls of a level at the spacing a: the plan's at its own spacing, times (a_plan / a)²
   const double planned_m = plan.packed.level.fine.spacing_m;
   const auto model_us = [&](const PackingLevel& at) {
@@ -196,7 +196,7 @@ std::optional<CoarserZones> CoarserFor(const PlanScene& scene, const FidelityPla
         simulation::PredictRemovalError(coarser.fine, scene.cut).total_m() + plan.tool_gap_m;
     if (!simulation::IsInValidRange(coarser, scene.cut) || error_m > kMaxError_m) return std::nullopt;
     const double frame_us = slower * model_us(coarser);
-    if (frame_us <= most_us)
+    if (frame_us <= max_us)
       return CoarserZones{.level = coarser, .promised_m = error_m / kRemovalShare, .frame_us = frame_us};
   }
 }
@@ -220,15 +220,15 @@ tl::expected<PlanCheck, std::string> CheckPlan(const PlanScene& scene, const Pla
   for (std::size_t i = 1; i < runs->size(); ++i) others.push_back(simulation::GroupOf((*runs)[i].frames));
   check.same_time_us = simulation::FitFrameCost(others).At(plan.active_balls);
 
-  const auto gave_up = [&](const char* what) {
-    return std::ranges::any_of(plan.given_up, [&](const GivenUp& given) { return given.what == what; });
+  const auto is_unmet = [&](const char* what) {
+    return std::ranges::any_of(plan.unmet, [&](const UnmetDemand& demand) { return demand.what == what; });
   };
   if (check.error_m > plan.promised_m)
     check.missed.push_back(fmt::format("error: measured {:.4f} mm, promised {:.4f} mm", check.error_m * 1e3,
                                        plan.promised_m * 1e3));
-  if (const double most_us = 1e6 / request.rate_hz; check.frames.p50_us > most_us && !gave_up("rate"))
+  if (const double max_us = 1e6 / request.rate_hz; check.frames.p50_us > max_us && !is_unmet("rate"))
     check.missed.push_back(fmt::format("frame: measured {:.0f} us, {:.0f} us at {:g} Hz", check.frames.p50_us,
-                                       most_us, request.rate_hz));
+                                       max_us, request.rate_hz));
   return check;
 }
 

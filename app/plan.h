@@ -23,7 +23,7 @@ struct PlanRequest {
 };
 
 /// A demand that could not be met together with the other.
-struct GivenUp {
+struct UnmetDemand {
   std::string what;  ///< "error" [mm] or "rate" [Hz]
   double asked{0.0}, predicted{0.0};
 };
@@ -54,7 +54,7 @@ struct FidelityPlan {
   std::vector<simulation::FrameGroup> calibration;  ///< their frame times
   simulation::FrameCost cost;
   double active_balls{0.0}, frame_us{0.0}, frame_p999_us{0.0};
-  std::vector<GivenUp> given_up;  ///< empty: both demands are met
+  std::vector<UnmetDemand> unmet;  ///< empty: both demands are met
 };
 
 /// The coarsest model of tool and bone that meets an error, by the closed forms alone.
@@ -76,13 +76,13 @@ struct CoarserZones {
 };
 
 /// Finds the finest packing that is coarser than `level` by at least a fifth of its spacing, and whose frames
-/// are predicted to take at most `most_us`. The prediction is the plan's, scaled by the ratio of measured to
+/// are predicted to take at most `max_us`. The prediction is the plan's, scaled by the ratio of measured to
 /// planned time; the number of active balls goes with the spacing's square. Returns nothing if no packing
 /// within the validity of the closed forms is fast enough.
 /// @param plan  a timed plan  @param seen_us  measured frame time at `level`
 [[nodiscard]] std::optional<CoarserZones> CoarserFor(const PlanScene& scene, const FidelityPlan& plan,
                                                      const simulation::PackingLevel& level, double seen_us,
-                                                     double most_us);
+                                                     double max_us);
 
 /// Makes the plan. @param say  receives progress text; may be empty
 /// @returns an error if there is no device, or no packing serves at all.

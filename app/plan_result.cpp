@@ -18,13 +18,13 @@ std::size_t CuttingBalls(const simulation::Tool& tool) {
 }
 
 struct Radii {
-  double least_m{0.0}, greatest_m{0.0};
+  double min_m{0.0}, max_m{0.0};
 };
 
 Radii RadiiOf(const std::vector<simulation::Ball>& balls) {
   if (balls.empty()) return {};
   const auto [least, greatest] = std::ranges::minmax_element(balls, {}, &simulation::Ball::radius_m);
-  return {.least_m = least->radius_m, .greatest_m = greatest->radius_m};
+  return {.min_m = least->radius_m, .max_m = greatest->radius_m};
 }
 
 nlohmann::json GroupJson(const simulation::FrameGroup& group) {
@@ -51,9 +51,10 @@ FrameCounts CountsOf(const std::vector<simulation::FrameGroup>& groups) {
   return counts;
 }
 
-std::string GivenUpText(const GivenUp& given) {
-  return given.what == "rate" ? fmt::format("rate: {:.0f} Hz of {:g}", given.predicted, given.asked)
-                              : fmt::format("error: {:.4f} mm instead of {:g}", given.predicted, given.asked);
+std::string UnmetDemandText(const UnmetDemand& demand) {
+  return demand.what == "rate"
+             ? fmt::format("rate: {:.0f} Hz of {:g}", demand.predicted, demand.asked)
+             : fmt::format("error: {:.4f} mm instead of {:g}", demand.predicted, demand.asked);
 }
 
 std::string Row(const char* name, const std::string& value) {
@@ -67,13 +68,13 @@ Verdict Judge(const FidelityPlan& plan, const std::optional<PlanCheck>& check) {
   if (check)
     for (const std::string& missed : check->missed)
       verdict.Add(VerdictLevel::kBad, "measured otherwise than promised: " + missed);
-  for (const GivenUp& given : plan.given_up)
-    verdict.Add(VerdictLevel::kLook,
-                "error and rate can't both be had; given up is the " + GivenUpText(given));
+  for (const UnmetDemand& demand : plan.unmet)
+    verdict.Add(VerdictLevel::kWarning,
+                "error and rate can't both be had; given up is the " + UnmetDemandText(demand));
   const auto [frames, interrupted] = CountsOf(plan.calibration);
   if (static_cast<double>(interrupted) > kSomeInterrupted * static_cast<double>(frames))
     verdict.Add(
-        VerdictLevel::kLook,
+        VerdictLevel::kWarning,
         fmt::format("in {} of the {} frames that the predicted times come from, a thread waited for a "
                     "processor: other programs ran, or a software driver has more threads than there are "
                     "processors",
@@ -97,8 +98,8 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
                       {"spheres", plan.packed.balls.size()},
                       {"spheres_uniform", nullptr},
                       {"spheres_uniform_disjoint", static_cast<std::size_t>(plan.disjoint_balls)},
-                      {"r_min_mm", radii.least_m * 1e3},
-                      {"r_max_mm", radii.greatest_m * 1e3},
+                      {"r_min_mm", radii.min_m * 1e3},
+                      {"r_max_mm", radii.max_m * 1e3},
                       {"zone_spacing_mm", fine.spacing_m * 1e3},
                       {"zone_r_max_mm", fine.radius_m * 1e3},
                       {"zone_depth_mm", plan.packed.level.zone_depth_m * 1e3},
@@ -131,11 +132,11 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
   if (plan.uniform_balls > 0.0) json["spheres_uniform"] = static_cast<std::size_t>(plan.uniform_balls);
   for (const simulation::FrameGroup& group : plan.calibration)
     json["calibration"].push_back(GroupJson(group));
-  for (const GivenUp& given : plan.given_up)
-    json["given_up"].push_back({{"what", given.what},
-                                {"unit", given.what == "rate" ? "Hz" : "mm"},
-                                {"asked", given.asked},
-                                {"predicted", given.predicted}});
+  for (const UnmetDemand& demand : plan.unmet)
+    json["given_up"].push_back({{"what", demand.what},
+                                {"unit", demand.what == "rate" ? "Hz" : "mm"},
+                                {"asked", demand.asked},
+                                {"predicted", demand.predicted}});
   if (check) {
     json["check"] = {{"error_mm", check->error_m * 1e3}, {"standard_error_mm", check->standard_error_m * 1e3},
                      {"lost_mm", check->lost_m * 1e3},   {"left_mm", check->left_m * 1e3},
@@ -155,7 +156,7 @@ std::string PlanText(const PlanScene& scene, const PlanRequest& request, const F
   for (const SummaryRow& row : VerdictRows(Judge(plan, check))) text += Row(row.key.c_str(), row.value);
   text +=
       Row("packing", fmt::format("{}, {} spheres of {:.3f} to {:.2f} mm", simulation::KindName(level.kind),
-                                 plan.packed.balls.size(), radii.least_m * 1e3, radii.greatest_m * 1e3));
+                                 plan.packed.balls.size(), radii.min_m * 1e3, radii.max_m * 1e3));
   text += Row("zone",
               fmt::format("{:.3f} mm apart, radii up to {:.3f} mm, down to {:g} mm below it",
                           level.fine.spacing_m * 1e3, level.fine.radius_m * 1e3, level.zone_depth_m * 1e3));
@@ -184,8 +185,8 @@ std::string PlanText(const PlanScene& scene, const PlanRequest& request, const F
   const auto [frames, interrupted] = CountsOf(plan.calibration);
   text += Row("calibrated on", fmt::format("{} frames of {} other packings, {} of them interrupted", frames,
                                            plan.calibration.size(), interrupted));
-  if (plan.given_up.empty()) text += Row("given up", "nothing");
-  for (const GivenUp& given : plan.given_up) text += Row("given up", GivenUpText(given));
+  if (plan.unmet.empty()) text += Row("given up", "nothing");
+  for (const UnmetDemand& demand : plan.unmet) text += Row("given up", UnmetDemandText(demand));
   if (!check) return text;
   text += Row("measured error",
               fmt::format("{:.4f} ± {:.4f} mm: lost {:.4f}, left {:.4f}", check->error_m * 1e3,
@@ -205,15 +206,15 @@ std::string PlanText(const PlanScene& scene, const PlanRequest& request, const F
 int RunPlan(const PlanOptions& options) {
   InstallInterrupt();
   PhaseProgress progress("osteon plan", options.check ? 4 : 3);
-  progress.Begin("load");
+  progress.BeginPhase("load");
   const auto scene = LoadPlanScene(options.choice);
   if (!scene) return Fail("plan", scene.error());
   const auto plan =
-      MakePlan(*scene, options.request, [&](const std::string& phase) { progress.Begin(phase); });
+      MakePlan(*scene, options.request, [&](const std::string& phase) { progress.BeginPhase(phase); });
   if (!plan) return Fail("plan", plan.error(), Interrupted() ? kExitInterrupted : kFailed);
   std::optional<PlanCheck> check;
   if (options.check) {
-    progress.Begin("check");
+    progress.BeginPhase("check");
     auto checked = CheckPlan(*scene, options.request, *plan);
     if (!checked) return Fail("plan", checked.error(), Interrupted() ? kExitInterrupted : kFailed);
     check = std::move(*checked);
@@ -225,7 +226,7 @@ int RunPlan(const PlanOptions& options) {
             options.json, ResultText(Judge(*plan, check), PlanJson(*scene, options.request, *plan, check)));
         !written)
       return Fail("plan", written.error(), kFailed);
-  return plan->given_up.empty() && (!check || check->missed.empty()) ? 0 : 1;
+  return plan->unmet.empty() && (!check || check->missed.empty()) ? 0 : 1;
 }
 
 }  // namespace osteon::app

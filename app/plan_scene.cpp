@@ -128,7 +128,7 @@ tl::expected<std::vector<LevelRun>, std::string> RunLevels(const PlanScene& scen
         LevelRun& run = runs[which];
         for (std::size_t k = begin; k < end; ++k) {
           simulation::ContactModel model;
-          watch.Begin();
+          watch.Restart();
           const double us = simulation::TimedStep(engine, scene.work.frames[k], model);
           const double waited_us = watch.Waited_us();
           if (model.status != simulation::EngineStatus::kOk)

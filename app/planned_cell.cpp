@@ -62,9 +62,9 @@ std::string PlannedText(const PlannedCell& planned) {
                   planned.request.error_m * 1e3, planned.request.rate_hz, plan.error_m * 1e3);
   if (planned.request.timed) text += fmt::format(", {:.0f} us a frame", plan.frame_us);
   text += " expected";
-  for (const GivenUp& given : plan.given_up)
-    text += given.what == "rate" ? fmt::format("; the rate was given up, {:.0f} Hz", given.predicted)
-                                 : fmt::format("; the error was given up, {:.3f} mm", given.predicted);
+  for (const UnmetDemand& demand : plan.unmet)
+    text += demand.what == "rate" ? fmt::format("; the rate was given up, {:.0f} Hz", demand.predicted)
+                                  : fmt::format("; the error was given up, {:.3f} mm", demand.predicted);
   return text;
 }
 
@@ -81,7 +81,7 @@ nlohmann::json PlannedJson(const PlannedCell& planned) {
                       {"predicted_frame_us", nullptr},
                       {"given_up", nlohmann::json::array()}};
   if (planned.request.timed) json["predicted_frame_us"] = plan.frame_us;
-  for (const GivenUp& given : plan.given_up) json["given_up"].push_back(given.what);
+  for (const UnmetDemand& demand : plan.unmet) json["given_up"].push_back(demand.what);
   return json;
 }
 

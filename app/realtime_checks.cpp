@@ -25,7 +25,7 @@ namespace osteon::app {
 namespace {
 
 constexpr std::array<double, 3> kPeriods_s{1e-3, 2e-3, 5e-3};  // FRI periods that a cell may have
-constexpr std::chrono::milliseconds kLook{50};
+constexpr std::chrono::milliseconds kProgressInterval{50};
 
 std::string FirstLine(const std::filesystem::path& file) {
   std::ifstream in(file);
@@ -97,13 +97,13 @@ Check MemoryCheck() {
 // Names CPU 0's deepest idle state, and whether the loop prevents it.
 Check IdleCheck() {
   std::string deepest, device = "/dev/cpu_dma_latency";
-  long most_us = -1;
+  long max_us = -1;
   std::error_code error;
   for (const auto& state :
        std::filesystem::directory_iterator("/sys/devices/system/cpu/cpu0/cpuidle", error)) {
     const long latency_us = std::atol(FirstLine(state.path() / "latency").c_str());
-    if (FirstLine(state.path() / "disable") == "1" || latency_us <= most_us) continue;
-    most_us = latency_us;
+    if (FirstLine(state.path() / "disable") == "1" || latency_us <= max_us) continue;
+    max_us = latency_us;
     deepest = fmt::format("{}, {} µs to leave", FirstLine(state.path() / "name"), latency_us);
   }
   const bool awake = rt::KeepCpusAwake();
@@ -179,7 +179,7 @@ DurationFigures TimerLatency(double seconds, bool& realtime,
   });
   const rt::Nanoseconds begun = rt::MonotonicNow();
   while (!done.load()) {
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kProgressInterval);
     if (progress) progress(std::min(seconds, rt::ToSeconds(rt::MonotonicNow() - begun)));
   }
   sleeper.join();

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxFiles = 1000;
 
 // The common folder of all files.
-fs::path CommonFolder(const std::vector<config::FileScope::File>& files) {
+fs::path CommonFolder(const std::vector<config::ConfigFileTracker::File>& files) {
   fs::path common;
   for (const auto& file : files) {
     const fs::path folder = file.path.parent_path();
@@ -66,7 +66,7 @@ std::string WithoutFolder(std::string text, const fs::path& folder) {
 
 }  // namespace
 
-tl::expected<io::ConfigSource, std::string> KeepConfig(const config::FileScope& scope,
+tl::expected<io::ConfigSource, std::string> KeepConfig(const config::ConfigFileTracker& scope,
                                                        const fs::path& cell_yaml,
                                                        const std::optional<config::ToolChoice>& tool,
                                                        const fs::path& gains) {
@@ -107,7 +107,7 @@ tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigS
   if (std::string wrong = WriteFiles(source, folder.path()); !wrong.empty())
     return tl::make_unexpected(WithoutFolder(std::move(wrong), folder.path()));
 
-  const config::FileScope scope({.root = folder.path(), .once_at = source.folder});
+  const config::ConfigFileTracker scope({.root = folder.path(), .once_at = source.folder});
   std::optional<config::ToolChoice> tool;
   if (!source.tool_file.empty())
     tool = {.file = folder.path() / source.tool_file, .diameter_m = source.tool_diameter_m};

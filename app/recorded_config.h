@@ -6,7 +6,7 @@
 
 #include <tl/expected.hpp>
 
-#include "config/file_scope.h"
+#include "config/config_file_tracker.h"
 #include "config/load.h"
 #include "control/servo_loop.h"
 #include "io/recording/messages.h"
@@ -17,7 +17,7 @@ namespace osteon::app {
 /// @param scope  must have lived while the cell was loaded
 /// The error names a file that can no longer be read.
 [[nodiscard]] tl::expected<io::ConfigSource, std::string> KeepConfig(
-    const config::FileScope& scope, const std::filesystem::path& cell_yaml,
+    const config::ConfigFileTracker& scope, const std::filesystem::path& cell_yaml,
     const std::optional<config::ToolChoice>& tool, const std::filesystem::path& gains);
 
 /// Loads the cell that a recording was made with, from the recording alone. Its files lie in a temporary

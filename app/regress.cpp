@@ -36,9 +36,9 @@ std::string WrongOptions(const RegressOptions& options) {
   if (!options.update && !options.reason.empty()) return "--reason: found without --update, accepted with it";
   if (options.update && !options.set.empty())
     return "--update: found with --set, accepted without: a golden trace is of what the scenario's file says";
-  if (std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return wrong;
+  if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
   for (const auto& [name, file] : {std::pair("--json", options.json), std::pair("--junit", options.junit)})
-    if (std::string wrong = WhyNoFile(name, file); !wrong.empty()) return wrong;
+    if (std::string wrong = ValidateOutputFile(name, file); !wrong.empty()) return wrong;
   return "";
 }
 
@@ -86,7 +86,7 @@ std::vector<RegressResult> RunAll(const std::vector<config::ScenarioConfig>& sce
   const ScenarioRunParams params{.device = options.device, .set = options.set, .stop = &Interrupted()};
   const auto work = [&] {
     for (std::size_t i = next++; i < order.size() && !Interrupted(); i = next++) {
-      progress.Begin(scenarios[order[i]].name);
+      progress.BeginPhase(scenarios[order[i]].name);
       results[order[i]] = RunAndCompare(scenarios[order[i]], params);
     }
   };

@@ -89,12 +89,12 @@ void Print(const ReplayOptions& options, const io::Recording& recording, const R
 
 int RunReplay(const ReplayOptions& options) {
   PhaseProgress progress("osteon replay", 3);
-  progress.Begin("reading the recording");
+  progress.BeginPhase("reading the recording");
   const auto recording = io::ReadRecording(options.recording);
   if (!recording) return Fail("replay", recording.error());
   if (recording->ticks.empty())
     return Fail("replay", options.recording.string() + ": found no tick, accepted at least 1");
-  progress.Begin("reading the configuration");
+  progress.BeginPhase("reading the configuration");
   tl::expected<config::CellConfig, std::string> cell;
   if (options.cell.empty()) {
     cell = LoadRecordedCell(recording->session.config);
@@ -102,7 +102,7 @@ int RunReplay(const ReplayOptions& options) {
   } else {
     cell = config::LoadCell(options.cell);  // throws ConfigError, which main shows
   }
-  progress.Begin("running the controller");
+  progress.BeginPhase("running the controller");
   const ReplayResult result = Replay(*recording, *cell);
   progress.Done();
 

@@ -69,7 +69,7 @@ std::vector<fs::path> FilesOfRun(const fs::path& recording) {
   }
 }
 
-std::string WhyNotToRecord(const fs::path& recording) {
+std::string ValidateRecordingName(const fs::path& recording) {
   const std::vector<fs::path> files = FilesOfRun(recording);
   if (files.empty()) return "";
   return fmt::format("--record {}: found {}, of an earlier run; accepted a name that is free, or --overwrite",
@@ -90,7 +90,7 @@ FolderClaim::~FolderClaim() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-std::string FolderClaim::Take(const fs::path& folder) {
+std::string FolderClaim::Acquire(const fs::path& folder) {
   if (descriptor_ >= 0) return "";
   const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (opened < 0) return "";  // whoever creates or fills it reports the error

@@ -32,7 +32,7 @@ namespace osteon::app {
 [[nodiscard]] std::vector<std::filesystem::path> FilesOfRun(const std::filesystem::path& recording);
 
 /// Says why a run must not leave its files under this name: one of them exists. Empty if it may.
-[[nodiscard]] std::string WhyNotToRecord(const std::filesystem::path& recording);
+[[nodiscard]] std::string ValidateRecordingName(const std::filesystem::path& recording);
 
 /// Removes an earlier run's files. @returns the files that could not be removed, and why; empty: none
 [[nodiscard]] std::string RemoveFiles(const std::vector<std::filesystem::path>& files);
@@ -48,7 +48,7 @@ class FolderClaim {
 
   /// Claims the folder. A folder that does not exist need not be claimed; a second claim changes nothing.
   /// @returns an empty string, or the reason: another process has it.
-  [[nodiscard]] std::string Take(const std::filesystem::path& folder);
+  [[nodiscard]] std::string Acquire(const std::filesystem::path& folder);
 
  private:
   int descriptor_{-1};

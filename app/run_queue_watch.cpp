@@ -39,14 +39,14 @@ RunQueueWatch::RunQueueWatch() {
     const int file = ::open((task.path() / "schedstat").c_str(), O_RDONLY | O_CLOEXEC);
     if (file >= 0) files_.push_back(file);
   }
-  Begin();
+  Restart();
 }
 
 RunQueueWatch::~RunQueueWatch() {
   for (const int file : files_) ::close(file);
 }
 
-void RunQueueWatch::Begin() {
+void RunQueueWatch::Restart() {
   waited_ns_.clear();
   for (const int file : files_) waited_ns_.push_back(WaitedNs(file));
   switches_ = Switches();

@@ -17,8 +17,8 @@ class RunQueueWatch {
   RunQueueWatch& operator=(const RunQueueWatch&) = delete;
 
   /// Restarts the count. Takes about 2 us per thread.
-  void Begin();
-  /// Time since Begin, summed over the threads [us]. Without a kernel's count: 0, or infinity after an
+  void Restart();
+  /// Time since Restart, summed over the threads [us]. Without a kernel's count: 0, or infinity after an
   /// involuntary switch.
   [[nodiscard]] double Waited_us() const;
 

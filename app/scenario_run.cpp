@@ -37,15 +37,16 @@ double Cpu_s() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-void Lay(const config::ScenarioConfig& scenario, const ScenarioRunParams& params, config::Overlay& overlay) {
-  overlay.LayFile(scenario.file, config::kOverridesKey);
-  for (const std::string& assignment : params.set) overlay.Lay(assignment, "--set");
+void ApplyOverrides(const config::ScenarioConfig& scenario, const ScenarioRunParams& params,
+                    config::Overlay& overlay) {
+  overlay.SetFromFile(scenario.file, config::kOverridesKey);
+  for (const std::string& assignment : params.set) overlay.Set(assignment, "--set");
 }
 
 tl::expected<CellSetup, std::string> SetUp(const config::ScenarioConfig& scenario,
                                            const ScenarioRunParams& params) {
   config::Overlay overlay(scenario.cell);
-  Lay(scenario, params, overlay);
+  ApplyOverrides(scenario, params, overlay);
   auto setup = PrepareCell(scenario.cell, std::nullopt);
   overlay.Finish();
   if (!setup) return setup;
@@ -115,7 +116,7 @@ class Pauses {
 
 void CheckScenario(const config::ScenarioConfig& scenario, const ScenarioRunParams& params) {
   config::Overlay overlay(scenario.cell);
-  Lay(scenario, params, overlay);
+  ApplyOverrides(scenario, params, overlay);
   static_cast<void>(config::LoadCell(scenario.cell));
   overlay.Finish();
 }

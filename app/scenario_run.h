@@ -14,7 +14,7 @@ namespace osteon::app {
 /// Settings of a run beyond its scenario.
 struct ScenarioRunParams {
   std::string device{};            ///< part of a Vulkan device's name
-  std::vector<std::string> set{};  ///< KEY=VALUE each, overrides every scenario's cell (Overlay::Lay)
+  std::vector<std::string> set{};  ///< KEY=VALUE each, overrides every scenario's cell (Overlay::Set)
   const std::atomic<bool>* stop{nullptr};
 };
 

@@ -110,17 +110,17 @@ std::uint64_t DigestOf(const simulation::ContactModel& model) {
 
 constexpr double kMillimetres = 1e3, kCubicMillimetres = 1e9;
 
-// Calls take(name, kind, value in the quantity's unit) for each quantity.
-template <class Take>
-void VisitQuantities(const control::TickRecord& r, const simulation::ContactModel& model, Take&& take) {
+// Calls deliver(name, kind, value in the quantity's unit) for each quantity.
+template <class Deliver>
+void VisitQuantities(const control::TickRecord& r, const simulation::ContactModel& model, Deliver&& deliver) {
   using enum QuantityKind;
   const auto joints = [&](const char* name, const std::array<double, 7>& values, QuantityKind kind) {
-    for (std::size_t i = 0; i < values.size(); ++i) take(name, fields::kJoint[i], kind, values[i]);
+    for (std::size_t i = 0; i < values.size(); ++i) deliver(name, fields::kJoint[i], kind, values[i]);
   };
   const auto vector = [&](const char* name, const PlainVector3& v, QuantityKind kind, double scale = 1.0) {
-    take(name, "x", kind, scale * v.x);
-    take(name, "y", kind, scale * v.y);
-    take(name, "z", kind, scale * v.z);
+    deliver(name, "x", kind, scale * v.x);
+    deliver(name, "y", kind, scale * v.y);
+    deliver(name, "z", kind, scale * v.z);
   };
   joints("q_cmd", r.q_cmd, kAngle);
   vector("tool", r.X_WT_cmd.p, kPosition, kMillimetres);
@@ -134,12 +134,12 @@ void VisitQuantities(const control::TickRecord& r, const simulation::ContactMode
   vector("overlay", r.F_cmd_T.f, kForce);
   vector("overlay", r.F_cmd_T.t, kTorque);
   joints("tau_cmd", r.tau_cmd, kTorque);
-  take("tank", "", kEnergy, r.tank_J);
-  take("wrench_scale", "", kShare, r.wrench_scale);
-  take("spindle", "", kSpeed, r.input.spindle_meas_rad_per_s);
-  take("spindle_load", "", kTorque, model.spindle_torque_Nm);
-  take("removed", "", kVolume, kCubicMillimetres * model.removed_volume_m3);
-  take("cutting_work", "", kEnergy, model.cutting_work_J);
+  deliver("tank", "", kEnergy, r.tank_J);
+  deliver("wrench_scale", "", kShare, r.wrench_scale);
+  deliver("spindle", "", kSpeed, r.input.spindle_meas_rad_per_s);
+  deliver("spindle_load", "", kTorque, model.spindle_torque_Nm);
+  deliver("removed", "", kVolume, kCubicMillimetres * model.removed_volume_m3);
+  deliver("cutting_work", "", kEnergy, model.cutting_work_J);
 }
 
 }  // namespace

@@ -88,14 +88,14 @@ struct ScenarioTrace {
   [[nodiscard]] double TimeOf_s(std::uint64_t tick) const { return period_s * static_cast<double>(tick + 1); }
 };
 
-/// Calls take(golden's, now's) for each tick that both traces have sampled.
-template <class Take>
-void VisitCommonSamples(const ScenarioTrace& golden, const ScenarioTrace& now, Take&& take) {
+/// Calls deliver(golden's, now's) for each tick that both traces have sampled.
+template <class Deliver>
+void VisitCommonSamples(const ScenarioTrace& golden, const ScenarioTrace& now, Deliver&& deliver) {
   auto g = golden.samples.begin();
   for (const TraceSample& sample : now.samples) {
     while (g != golden.samples.end() && g->tick < sample.tick) ++g;
     if (g == golden.samples.end()) return;
-    if (g->tick == sample.tick) take(*g, sample);
+    if (g->tick == sample.tick) deliver(*g, sample);
   }
 }
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "app/arm_wire.h"
+#include "app/arm_connection.h"
 #include "app/cell_ports.h"
 #include "app/cell_screen.h"
 #include "app/cell_trace.h"
@@ -23,7 +23,7 @@ namespace osteon::app {
 namespace {
 
 // Short, since the arm's state must be read soon after its client has gone: see "stop" in ToJson.
-constexpr std::chrono::milliseconds kLook{2};
+constexpr std::chrono::milliseconds kPollInterval{2};
 
 nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
   return {{"pushed", n.pushed},         {"passed", n.passed},       {"lost", n.lost},
@@ -52,7 +52,7 @@ std::string ToJson(const hil::CellHostState& state, const config::ArmLinkConfig&
   const nlohmann::ordered_json json{
       {"schema", "osteon.cell/1"},
       {"arm",
-       {{"session", io::FriName(arm.session)},
+       {{"session", io::SessionName(arm.session)},
         {"rsi",
          link.rsi() ? nlohmann::ordered_json(RsiStateText(arm.session)) : nlohmann::ordered_json(nullptr)},
         {"realtime_priority", state.arm.thread.realtime},
@@ -121,7 +121,7 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
     CellScreen screen(cell);
     const rt::Nanoseconds begun = rt::MonotonicNow();
     while (!Interrupted().load()) {
-      std::this_thread::sleep_for(kLook);
+      std::this_thread::sleep_for(kPollInterval);
       state = host.State();
       if (trace) trace->Write();
       for (const std::string& line : screen.Lines(state, rt::ToSeconds(rt::MonotonicNow() - begun)))

@@ -39,7 +39,7 @@ void SimulationThread::Loop() {
     record.stamp = rt::MonotonicNow();
     record.duration_ns = record.stamp - start;
     recorder_.PushFrame(record);
-    runner_.Govern(record, 1e-3 * static_cast<double>(record.duration_ns));
+    runner_.AdaptResolution(record, 1e-3 * static_cast<double>(record.duration_ns));
     runner_.RecordEvents(recorder_, record.stamp);
     if (record.model.status == simulation::EngineStatus::kDeviceLost)
       return;  // the servo loop notices by the model's age, and stops

@@ -19,13 +19,13 @@ constexpr double kFloor = 1e-4;  // smallest value drawn on a logarithmic axis, 
 // Text column on GitHub: letters are not scaled below their size there.
 constexpr double kPageWidth_px = 830.0;
 
-struct MethodLook {
+struct MethodStyle {
   const char* method;
   const char* name;
   Marker marker;
   const char* color;
 };
-constexpr std::array<MethodLook, 7> kLooks{
+constexpr std::array<MethodStyle, 7> kMethodStyles{
     {{"ours", "ours", Marker::kCircle, kPalette[0]},
      {"split", "ours, split", Marker::kRing, kPalette[0]},
      {"stamps", "stamps at discrete poses", Marker::kDown, kPalette[5]},
@@ -49,7 +49,7 @@ double Of(const simulation::WorkloadScores& scores, ChartFigure figure) {
 }
 
 template <typename ValueOf>
-Spread Over(const SpeedAccuracyPoint& point, const ValueOf& value_of) {
+SeedRange RangeOverSeeds(const SpeedAccuracyPoint& point, const ValueOf& value_of) {
   std::vector<double> values;
   for (const SeedScores& seed : point.seeds) values.push_back(value_of(seed));
   if (values.empty()) return {};
@@ -100,20 +100,20 @@ LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure) {
   }
   std::vector<CostPoint> costs;
   for (const SpeedAccuracyPoint& point : result.points)
-    costs.push_back({FrameTimeOf(point).median, std::max(kFloor, SpreadOf(point, figure).median)});
+    costs.push_back({FrameTimeOf(point).median, std::max(kFloor, SeedRangeOf(point, figure).median)});
   const std::vector<bool> front = OnParetoFront(costs);
 
   double x_least = HUGE_VAL, x_most = 0.0, y_least = HUGE_VAL, y_most = 0.0;
   std::vector<CostPoint> steps;
-  for (const MethodLook& look : kLooks) {
+  for (const MethodStyle& style : kMethodStyles) {
     // one line per method, in the order of its resolutions; its points on the front strong, the others pale
-    Series line{.name = look.name, .color = look.color, .width_px = 1.0, .opacity = 0.45};
-    Series strong{.color = look.color, .width_px = 0.0, .marker = look.marker};
-    Series pale{.color = look.color, .width_px = 0.0, .marker = look.marker, .opacity = 0.4};
+    Series line{.name = style.name, .color = style.color, .width_px = 1.0, .opacity = 0.45};
+    Series strong{.color = style.color, .width_px = 0.0, .marker = style.marker};
+    Series pale{.color = style.color, .width_px = 0.0, .marker = style.marker, .opacity = 0.4};
     for (std::size_t i = 0; i < result.points.size(); ++i) {
       const SpeedAccuracyPoint& point = result.points[i];
-      if (point.method != look.method || !(costs[i].x > 0.0)) continue;
-      const Spread spread = SpreadOf(point, figure);
+      if (point.method != style.method || !(costs[i].x > 0.0)) continue;
+      const SeedRange spread = SeedRangeOf(point, figure);
       line.x.push_back(costs[i].x);
       line.y.push_back(costs[i].y);
       Series& drawn = front[i] ? strong : pale;
@@ -157,10 +157,12 @@ LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure) {
 
 std::vector<LegendEntry> LegendOf(const SpeedAccuracyResult& result) {
   std::vector<LegendEntry> legend;
-  for (const MethodLook& look : kLooks)
-    if (std::ranges::any_of(result.points, [&](const auto& point) { return point.method == look.method; }))
-      legend.push_back(
-          {.text = look.name, .color = look.color, .mark = LegendEntry::Mark::kNone, .marker = look.marker});
+  for (const MethodStyle& style : kMethodStyles)
+    if (std::ranges::any_of(result.points, [&](const auto& point) { return point.method == style.method; }))
+      legend.push_back({.text = style.name,
+                        .color = style.color,
+                        .mark = LegendEntry::Mark::kNone,
+                        .marker = style.marker});
   legend.push_back({.text = "best within a time", .color = kTextColor});
   return legend;
 }
@@ -182,16 +184,16 @@ nlohmann::json TaskJson(const simulation::WorkloadScores& s) {
           {"ripple", s.ripple}};
 }
 
-nlohmann::json SpreadJson(const Spread& spread) { return {spread.low, spread.high}; }
+nlohmann::json SeedRangeJson(const SeedRange& spread) { return {spread.low, spread.high}; }
 
 }  // namespace
 
-Spread SpreadOf(const SpeedAccuracyPoint& point, ChartFigure figure) {
-  return Over(point, [figure](const SeedScores& seed) { return Of(seed.scores, figure); });
+SeedRange SeedRangeOf(const SpeedAccuracyPoint& point, ChartFigure figure) {
+  return RangeOverSeeds(point, [figure](const SeedScores& seed) { return Of(seed.scores, figure); });
 }
 
-Spread FrameTimeOf(const SpeedAccuracyPoint& point) {
-  return Over(point, [](const SeedScores& seed) { return seed.frame_us.p50_us; });
+SeedRange FrameTimeOf(const SpeedAccuracyPoint& point) {
+  return RangeOverSeeds(point, [](const SeedScores& seed) { return seed.frame_us.p50_us; });
 }
 
 std::string SpeedAccuracySvg(const SpeedAccuracyResult& result) {
@@ -213,7 +215,7 @@ std::string SpeedAccuracyJson(const SpeedAccuracyResult& result) {
                       {"left_out", result.left_out},
                       {"points", nlohmann::json::array()}};
   for (const SpeedAccuracyPoint& point : result.points) {
-    const auto over = [&](const auto& value) { return Over(point, value); };
+    const auto over = [&](const auto& value) { return RangeOverSeeds(point, value); };
     nlohmann::json entry{
         {"method", point.method},
         {"device", point.device},
@@ -223,14 +225,14 @@ std::string SpeedAccuracyJson(const SpeedAccuracyResult& result) {
         {"seeds", point.seeds.size()},
         {"frame_us_p50", FrameTimeOf(point).median},
         {"frame_us_p999", over([](const SeedScores& s) { return s.frame_us.p999_us; }).median},
-        {"depth_error_mm", SpreadOf(point, ChartFigure::kDepth).median},
-        {"depth_error_range_mm", SpreadJson(SpreadOf(point, ChartFigure::kDepth))},
-        {"volume_error", SpreadOf(point, ChartFigure::kVolume).median},
-        {"volume_error_range", SpreadJson(SpreadOf(point, ChartFigure::kVolume))},
-        {"force_error", SpreadOf(point, ChartFigure::kForce).median},
-        {"force_error_range", SpreadJson(SpreadOf(point, ChartFigure::kForce))},
-        {"ripple", SpreadOf(point, ChartFigure::kRipple).median},
-        {"ripple_range", SpreadJson(SpreadOf(point, ChartFigure::kRipple))},
+        {"depth_error_mm", SeedRangeOf(point, ChartFigure::kDepth).median},
+        {"depth_error_range_mm", SeedRangeJson(SeedRangeOf(point, ChartFigure::kDepth))},
+        {"volume_error", SeedRangeOf(point, ChartFigure::kVolume).median},
+        {"volume_error_range", SeedRangeJson(SeedRangeOf(point, ChartFigure::kVolume))},
+        {"force_error", SeedRangeOf(point, ChartFigure::kForce).median},
+        {"force_error_range", SeedRangeJson(SeedRangeOf(point, ChartFigure::kForce))},
+        {"ripple", SeedRangeOf(point, ChartFigure::kRipple).median},
+        {"ripple_range", SeedRangeJson(SeedRangeOf(point, ChartFigure::kRipple))},
         {"normal_error_deg", over([](const SeedScores& s) { return s.scores.force.normal_rms_deg; }).median},
         {"lost_mm", over([](const SeedScores& s) { return s.scores.lost_m * 1e3; }).median},
         {"left_mm", over([](const SeedScores& s) { return s.scores.left_m * 1e3; }).median},

@@ -17,7 +17,7 @@ constexpr ArmShape kSixAxis{
 
 }  // namespace
 
-std::string WhyNotToStart(const CellSetup& setup, const kinematics::JointVector& q_from) {
+std::string ValidateStartPath(const CellSetup& setup, const kinematics::JointVector& q_from) {
   const config::CellConfig& cell = setup.config;
   const control::StartParams& start = *cell.servo.start;
   if ((q_from - start.q).cwiseAbs().maxCoeff() <= start.tolerance_rad) return {};

@@ -10,6 +10,6 @@ namespace osteon::app {
 /// and against the workspace's plane, taken as the table. Takes up to some seconds.
 /// @param q_from  the arm's present position [rad]; of six axes the first six
 /// @returns a text for the user that names the obstacle; empty if the path is free or not needed.
-[[nodiscard]] std::string WhyNotToStart(const CellSetup& setup, const kinematics::JointVector& q_from);
+[[nodiscard]] std::string ValidateStartPath(const CellSetup& setup, const kinematics::JointVector& q_from);
 
 }  // namespace osteon::app

@@ -67,7 +67,7 @@ std::string RestText(const StopRecord& stop) {
 StopPageInput PageOf(const StopRecord& stop, std::size_t number, const std::string& end_reason,
                      double force_limit_N, const TripLimits& limits) {
   const TickRecord& at = stop.ticks[stop.stop];
-  const std::string why = stop.IsOrderly() ? end_reason : stop.Why();
+  const std::string why = stop.IsOrderly() ? end_reason : stop.DescribeCause();
   return {
       .title = stop.IsOrderly()
                    ? fmt::format("How the run ended: {}", why)
@@ -88,7 +88,7 @@ StopPageInput PageOf(const StopRecord& stop, std::size_t number, const std::stri
 
 }  // namespace
 
-std::string StopRecord::Why() const {
+std::string StopRecord::DescribeCause() const {
   std::string why;
   ForEachFault(faults, [&](safety::Fault, const safety::FaultText& text) {
     why += (why.empty() ? "" : "; ") + std::string(text.name);
@@ -153,7 +153,7 @@ std::optional<StopRecord> StopFinder::Finish() {
 void StopPages::Add(const io::SessionInfo& session, const TickRecord& tick) {
   force_limit_N_ = session.force_limit_N;
   session_stamp_ = session.stamp;
-  Take(finder_.Add(tick));
+  AddStop(finder_.Add(tick));
 }
 
 void StopPages::Add(const io::RecordedEvent& event) {
@@ -161,13 +161,13 @@ void StopPages::Add(const io::RecordedEvent& event) {
 }
 
 tl::expected<std::vector<WrittenStop>, std::string> StopPages::Finish() {
-  Take(finder_.Finish());
+  AddStop(finder_.Finish());
   if (orderly_) Write(*std::exchange(orderly_, std::nullopt));
   if (!error_.empty()) return tl::make_unexpected(error_);
   return written_;
 }
 
-void StopPages::Take(std::optional<StopRecord> stop) {
+void StopPages::AddStop(std::optional<StopRecord> stop) {
   if (!stop) return;
   if (orderly_) Write(*std::exchange(orderly_, std::nullopt));
   if (stop->IsOrderly())

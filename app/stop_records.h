@@ -32,7 +32,7 @@ struct StopRecord {
   [[nodiscard]] bool IsOrderly() const { return asked && !faults.Any(); }
   [[nodiscard]] bool IsPause() const { return paused && !asked && !faults.Any(); }
   /// Reason of the stop: "arm message stale; motion not permitted", "asked for" or "a pause was asked for".
-  [[nodiscard]] std::string Why() const;
+  [[nodiscard]] std::string DescribeCause() const;
   /// "What led to the stop"; for a stop without a fault "How the run ended" or "How the pause began".
   [[nodiscard]] const char* Heading() const;
 };
@@ -89,7 +89,7 @@ class StopPages {
   [[nodiscard]] tl::expected<std::vector<WrittenStop>, std::string> Finish();
 
  private:
-  void Take(std::optional<StopRecord> stop);
+  void AddStop(std::optional<StopRecord> stop);
   void Write(const StopRecord& stop);
 
   StopPagesParams params_;

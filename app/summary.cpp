@@ -74,13 +74,13 @@ void SummariseRecording(const RunAccumulator& run, bool timed, RunSummary& s) {
   s.frames = run.frames;
   s.cut_ticks = active.cut;
   s.arm_cut_ticks = active.arm_cut;
-  s.least_wrench_share = active.min_wrench_share;
-  s.least_arm_share = active.min_arm_share;
+  s.min_wrench_share = active.min_wrench_share;
+  s.min_arm_share = active.min_arm_share;
   s.age_governor_ticks = active.age_governor;
   s.passivity_ticks = active.passivity;
   s.tank_ticks = active.tank;
-  s.most_age_damping = active.max_age_damping;
-  s.least_age_share = active.min_age_share;
+  s.max_age_damping = active.max_age_damping;
+  s.min_age_share = active.min_age_share;
   if (active.rendering > 0) {
     s.stale_share = static_cast<double>(active.stale) / static_cast<double>(active.rendering);
     s.sensor_late_share = static_cast<double>(active.sensor_late) / static_cast<double>(active.rendering);
@@ -139,10 +139,10 @@ nlohmann::json ToJson(const std::vector<DriveFaultRow>& rows) {
 // Says how much of the wrench limits withheld from the hand.
 std::string CutText(const RunSummary& s) {
   if (s.cut_ticks == 0) return "none";
-  return fmt::format("up to {:.0f} %, in {} ticks; {}", 100.0 * (1.0 - s.least_wrench_share), s.cut_ticks,
+  return fmt::format("up to {:.0f} %, in {} ticks; {}", 100.0 * (1.0 - s.min_wrench_share), s.cut_ticks,
                      s.arm_cut_ticks == 0 ? "the arm could have held all of it"
                                           : fmt::format("the arm could not hold up to {:.0f} %, in {} ticks",
-                                                        100.0 * (1.0 - s.least_arm_share), s.arm_cut_ticks));
+                                                        100.0 * (1.0 - s.min_arm_share), s.arm_cut_ticks));
 }
 
 // Says which limits acted, when, and for how long.
@@ -161,8 +161,8 @@ std::string StabiliserText(const RunSummary& s) {
   };
   return fmt::format("age governor: {}; passivity: {}; tank: {}, {:.2f} J at least",
                      times(s.age_governor_ticks, fmt::format(", damping × {:.1f} at most, coupling × {:.2f}",
-                                                             s.most_age_damping, s.least_age_share)),
-                     times(s.passivity_ticks, ""), times(s.tank_ticks, ""), s.least_tank_J);
+                                                             s.max_age_damping, s.min_age_share)),
+                     times(s.passivity_ticks, ""), times(s.tank_ticks, ""), s.min_tank_J);
 }
 
 std::string Text(const DurationFigures& d) {
@@ -261,18 +261,18 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.peak_tool_in_bone_m = result.statistics.peak_tool_in_bone_m;
   s.peak_power_W = result.statistics.peak_power_W;
   s.peak_measured_tool_speed_m_per_s = result.statistics.peak_measured_tool_speed_m_per_s;
-  s.least_tank_J = std::isfinite(result.statistics.min_tank_J) ? result.statistics.min_tank_J : 0.0;
+  s.min_tank_J = std::isfinite(result.statistics.min_tank_J) ? result.statistics.min_tank_J : 0.0;
   s.force_limit_N = control::ForceLimit_N(setup.config.servo);
   s.limits = EffectiveLimits(setup.config.servo);
   s.acted_limits = run.limits.Rows(setup.config.servo.period_s);
-  s.least_depth_left_m = result.statistics.min_depth_left_m;
+  s.min_depth_left_m = result.statistics.min_depth_left_m;
   SummariseRecording(run, !params.virtual_time, s);
   SummariseCut(setup, result.after, run, s);
   const rt::Nanoseconds start = run.curves.first_tick.value_or(0);
   s.faults = FaultRows(result.faults, run, setup.config.servo);
   s.drive_faults = run.drive_faults.rows();
   s.events = EventRows(result.events, run.pauses.rows(), start);
-  s.least_wall_m = result.least_wall_m;
+  s.min_wall_m = result.min_wall_m;
   s.planned = setup.planned;
   s.rezoned = RezonedRows(result.rezoned, start);
   s.assumptions = simulation::Assumptions(setup.bone.materials);
@@ -312,8 +312,8 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
   rows.push_back({"Force cut off by limits", CutText(s)});
   rows.push_back({"Stabilisers acted", StabiliserText(s)});
   rows.push_back({"Limits that acted", ActedText(s)});
-  if (std::isfinite(s.least_depth_left_m))
-    rows.push_back({"Left to the depth limit", fmt::format("{:.2f} mm", s.least_depth_left_m * 1e3)});
+  if (std::isfinite(s.min_depth_left_m))
+    rows.push_back({"Left to the depth limit", fmt::format("{:.2f} mm", s.min_depth_left_m * 1e3)});
   rows.push_back({"Peak sensor force", fmt::format("{:.1f} N", s.peak_sensor_force_N)});
   rows.push_back({"Deepest tool in bone", fmt::format("{:.2f} mm", s.peak_tool_in_bone_m * 1e3)});
   rows.push_back(
@@ -329,10 +329,9 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
                           : event.name == kResumeEvent ? " paused"
                                                        : "");
   if (!events.empty()) rows.push_back({"Events", events});
-  if (s.least_wall_m)
-    rows.push_back({"Thinnest wall left", *s.least_wall_m > 0.0
-                                              ? fmt::format("{:.2f} mm", *s.least_wall_m * 1e3)
-                                              : std::string("none: the cut is through")});
+  if (s.min_wall_m)
+    rows.push_back({"Thinnest wall left", *s.min_wall_m > 0.0 ? fmt::format("{:.2f} mm", *s.min_wall_m * 1e3)
+                                                              : std::string("none: the cut is through")});
   std::string faults;
   for (const FaultRow& fault : s.faults)
     faults += (faults.empty() ? "" : "; ") + fault.name + (fault.seen.empty() ? "" : " (" + fault.seen + ")");
@@ -357,7 +356,7 @@ void AddReason(std::string& reasons, const std::string& reason) {
   if (!reason.empty()) reasons += (reasons.empty() ? "" : "; ") + reason;
 }
 
-std::string WhyNotRecorded(const CellRunResult& result, const std::string& unreadable) {
+std::string DescribeRecordingErrors(const CellRunResult& result, const std::string& unreadable) {
   std::string why;
   AddReason(why, result.recording_error);
   AddReason(why, unreadable);
@@ -421,18 +420,18 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"peak_sensor_force_N", s.peak_sensor_force_N},
       {"force_limit_N", s.force_limit_N},
       {"wrench_cut_ticks", s.cut_ticks},
-      {"wrench_share_min", s.least_wrench_share},
+      {"wrench_share_min", s.min_wrench_share},
       {"arm_cut_ticks", s.arm_cut_ticks},
-      {"arm_share_min", s.least_arm_share},
+      {"arm_share_min", s.min_arm_share},
       {"age_governor_ticks", s.age_governor_ticks},
-      {"age_damping_max", s.most_age_damping},
-      {"age_wrench_share_min", s.least_age_share},
+      {"age_damping_max", s.max_age_damping},
+      {"age_wrench_share_min", s.min_age_share},
       {"passivity_ticks", s.passivity_ticks},
       {"tank_ticks", s.tank_ticks},
-      {"tank_min_J", s.least_tank_J},
+      {"tank_min_J", s.min_tank_J},
       {"limits", ToJson(s.limits, s.acted_limits)},
-      {"depth_left_min_mm", std::isfinite(s.least_depth_left_m) ? nlohmann::json(s.least_depth_left_m * 1e3)
-                                                                : nlohmann::json(nullptr)},
+      {"depth_left_min_mm", std::isfinite(s.min_depth_left_m) ? nlohmann::json(s.min_depth_left_m * 1e3)
+                                                              : nlohmann::json(nullptr)},
       {"peak_tool_speed_mm_per_s", s.peak_tool_speed_m_per_s * 1e3},
       {"peak_tool_in_bone_mm", s.peak_tool_in_bone_m * 1e3},
       {"peak_power_W", s.peak_power_W},
@@ -473,7 +472,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
   nlohmann::json stops = nlohmann::json::array();
   for (const WrittenStop& stop : s.stops) stops.push_back(stop.page.string());
   out["stops"] = stops;
-  out["least_wall_mm"] = s.least_wall_m ? nlohmann::json(*s.least_wall_m * 1e3) : nlohmann::json(nullptr);
+  out["least_wall_mm"] = s.min_wall_m ? nlohmann::json(*s.min_wall_m * 1e3) : nlohmann::json(nullptr);
   if (s.wakeup.count > 0) {
     out["wakeup_us"] = ToJson(s.wakeup);
     out["compute_us"] = ToJson(s.compute);

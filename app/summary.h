@@ -68,10 +68,10 @@ struct RunSummary {
   /// Number of ticks in which a limit reduced the coupling's wrench, and in which the arm's torques would
   /// have; then the least shares that were rendered and that the arm could hold.
   std::uint64_t cut_ticks{0}, arm_cut_ticks{0};
-  double least_wrench_share{1.0}, least_arm_share{1.0};
+  double min_wrench_share{1.0}, min_arm_share{1.0};
   /// Number of ticks in which each stabiliser acted, its extremes, and the tank's least energy in rendering.
   std::uint64_t age_governor_ticks{0}, passivity_ticks{0}, tank_ticks{0};
-  double most_age_damping{1.0}, least_age_share{1.0}, least_tank_J{0.0};
+  double max_age_damping{1.0}, min_age_share{1.0}, min_tank_J{0.0};
   bool rendered{false};  ///< at any time; if not, there is no cut to report
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
   /// Volume of the solid swept by the proxy's cutting surface; counted on a grid, without the engine.
@@ -86,14 +86,14 @@ struct RunSummary {
   std::string state_hash;                ///< of the carved state, hexadecimal
   std::vector<EffectiveLimit> limits;    ///< in force
   std::vector<ActedLimit> acted_limits;  ///< those that acted, when and for how long
-  double least_depth_left_m{0.0};        ///< to the reamer's depth limit; infinite if there is none
+  double min_depth_left_m{0.0};          ///< to the reamer's depth limit; infinite if there is none
   std::vector<FaultRow> faults;
   std::vector<DriveFaultRow> drive_faults;
   std::vector<EventRow> events;                ///< of the scene and of pauses, in their order
   std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
   std::vector<RezonedRow> rezoned;             ///< zones that were coarsened
   /// Thinnest wall beside the cut, 0: cut through; nothing: not watched.
-  std::optional<double> least_wall_m;
+  std::optional<double> min_wall_m;
   std::vector<std::string> assumptions;  ///< material figures that have no source
   std::vector<WrittenStop> stops;        ///< one page each
   std::string config_checksum;           ///< of the files that the cell was loaded from
@@ -120,7 +120,7 @@ void PrintTable(const RunSummary& summary, const std::string& title);
 [[nodiscard]] int ExitCode(const CellRunResult& result);
 
 /// Says why a run has no complete recording: the recorder's reason, and the reader's. Empty: it has one.
-[[nodiscard]] std::string WhyNotRecorded(const CellRunResult& result, const std::string& unreadable);
+[[nodiscard]] std::string DescribeRecordingErrors(const CellRunResult& result, const std::string& unreadable);
 /// Appends a reason: "before; reason", or the reason alone.
 void AddReason(std::string& reasons, const std::string& reason);
 

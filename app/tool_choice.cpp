@@ -13,8 +13,8 @@ namespace osteon::app {
 namespace {
 
 /// Suggests what was meant: "reamer54" is "reamer:54", "raemer" is "reamer". Empty if nothing is similar.
-std::string MeantTool(const std::filesystem::path& folder, const std::string& name,
-                      const std::string& diameter) {
+std::string NearestToolName(const std::filesystem::path& folder, const std::string& name,
+                            const std::string& diameter) {
   const std::size_t digits = name.find_last_not_of("0123456789.") + 1;
   const std::size_t letters = name.substr(0, digits).find_last_not_of("-_ ") + 1;
   if (diameter.empty() && digits > 0 && digits < name.size() && letters > 0 &&
@@ -45,7 +45,8 @@ tl::expected<config::ToolChoice, std::string> ParseTool(const std::string& text,
   const std::filesystem::path folder = config_root / "tools";
   const auto file = config::FindNamedFile(folder, name);
   if (!file) {
-    const std::string meant = MeantTool(folder, name, colon == std::string::npos ? "" : text.substr(colon));
+    const std::string meant =
+        NearestToolName(folder, name, colon == std::string::npos ? "" : text.substr(colon));
     return tl::make_unexpected(fmt::format("--tool {}: no file {}; {}accepted: a YAML file, or one of {}: {}",
                                            text, file.error().string(),
                                            meant.empty() ? "" : "did you mean \"" + meant + "\"? ",

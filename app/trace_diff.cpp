@@ -36,7 +36,7 @@ std::vector<PartDifference> CompareDigests(const ScenarioTrace& golden, const Sc
   return parts;
 }
 
-void Put(QuantityDifference& d, double golden, double now, std::uint64_t tick, bool between) {
+void UpdateWorst(QuantityDifference& d, double golden, double now, std::uint64_t tick, bool between) {
   const double error = std::abs(now - golden);
   // a value that is not finite is beyond any tolerance
   const double worst = std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
@@ -56,13 +56,14 @@ std::vector<QuantityDifference> CompareSamples(const ScenarioTrace& golden, cons
   for (std::size_t i = 0; i < all.size(); ++i)
     all[i] = {.quantity = i, .tolerance = ToleranceOf(quantities[i].kind, tolerances), .left_tick = {}};
   VisitCommonSamples(golden, now, [&](const TraceSample& was, const TraceSample& is) {
-    for (std::size_t i = 0; i < all.size(); ++i) Put(all[i], was.values[i], is.values[i], is.tick, false);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      UpdateWorst(all[i], was.values[i], is.values[i], is.tick, false);
   });
   // and the extremes, for what lies between samples
   if (!golden.least.empty() && !now.least.empty())
     for (std::size_t i = 0; i < all.size(); ++i) {
-      Put(all[i], golden.least[i], now.least[i], 0, true);
-      Put(all[i], golden.greatest[i], now.greatest[i], 0, true);
+      UpdateWorst(all[i], golden.least[i], now.least[i], 0, true);
+      UpdateWorst(all[i], golden.greatest[i], now.greatest[i], 0, true);
     }
   std::erase_if(
       all, [&](const QuantityDifference& d) { return d.worst <= Rounding(quantities[d.quantity].kind); });

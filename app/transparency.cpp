@@ -244,7 +244,7 @@ Verdict Judge(const TransparencyResult& result) {
   const double free = result.free_residual();
   if (!(free <= kNoticedFree))
     verdict.Add(
-        free <= kSomethingElse ? VerdictLevel::kLook : VerdictLevel::kBad,
+        free <= kSomethingElse ? VerdictLevel::kWarning : VerdictLevel::kBad,
         fmt::format(
             "in free motion the handle feels {:.0f} % off what the law asks for, a hand notices {:.0f} %: "
             "{:.2f} kg for {:.2f} kg, {:.1f} N s/m for {:.1f} N s/m at most",
@@ -252,7 +252,7 @@ Verdict Judge(const TransparencyResult& result) {
             result.drag_Ns_per_m(), result.axes[2].asked_drag));
   const double stiffness = std::abs(result.stiffness_N_per_m / result.asked_stiffness_N_per_m - 1.0);
   if (!(stiffness <= kNoticed))
-    verdict.Add(stiffness <= kSomethingElse ? VerdictLevel::kLook : VerdictLevel::kBad,
+    verdict.Add(stiffness <= kSomethingElse ? VerdictLevel::kWarning : VerdictLevel::kBad,
                 fmt::format("in contact the hand feels {:.2f} N/mm for {:.2f} N/mm",
                             1e-3 * result.stiffness_N_per_m, 1e-3 * result.asked_stiffness_N_per_m));
   return verdict;
@@ -265,17 +265,17 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
   result.cell = options.cell.stem().string();
   PhaseProgress progress("osteon transparency", 7);
   for (int i = 0; i < 6; ++i) {
-    progress.Begin(fmt::format("shaking the handle {} {}", i < 3 ? "along" : "turning",
-                               kAxes[static_cast<std::size_t>(i)]));
+    progress.BeginPhase(fmt::format("shaking the handle {} {}", i < 3 ? "along" : "turning",
+                                    kAxes[static_cast<std::size_t>(i)]));
     hil::HandleSweep sweep{.axis = i,
                            .frequencies_hz = Frequencies(options.points),
-                           .most_travel = kTravel_m,
-                           .most_speed = kSpeed_m_per_s,
-                           .most_wrench = kWrench_N};
+                           .max_travel = kTravel_m,
+                           .max_speed = kSpeed_m_per_s,
+                           .max_wrench = kWrench_N};
     if (i >= 3) {
-      sweep.most_travel = kTravel_rad;
-      sweep.most_speed = kSpeed_rad_per_s;
-      sweep.most_wrench = kWrench_Nm;
+      sweep.max_travel = kTravel_rad;
+      sweep.max_speed = kSpeed_rad_per_s;
+      sweep.max_wrench = kWrench_Nm;
     }
     TransparencyAxis axis{.axis = i, .points = SweepFree(bench, sweep), .fit = {}};
     axis.fit = hil::FitMassAndDrag(axis.points, kTransparencyFit_hz);
@@ -293,7 +293,7 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
     axis.residual = std::sqrt(sum / std::max(1, count));
     result.axes.push_back(std::move(axis));
   }
-  progress.Begin("pressing it against a plane");
+  progress.BeginPhase("pressing it against a plane");
   result.asked_stiffness_N_per_m = cell.servo.coupling.max_stiffness_N_per_m;
   result.asked_damping_Ns_per_m = cell.servo.coupling.damping_Ns_per_m;
   result.preload_N = kPreload * cell.servo.wrench.max_force_N;
@@ -310,7 +310,7 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
 }
 
 int RunTransparency(const TransparencyOptions& options) {
-  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty())
+  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
     return Fail("transparency", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
   if (!cell.robot.lbr())

@@ -60,7 +60,7 @@ class Study {
     if (auto found = cache_.Find(from)) return *found;
     if (Interrupted()) return {};
     std::vector<double> values = compute();
-    cache_.Put(from, values);
+    cache_.Store(from, values);
     return values;
   }
   template <typename Compute>
@@ -83,13 +83,13 @@ class Study {
   }
   [[nodiscard]] double Drag(double mass_kg, const std::vector<hil::GridHand>& hands) const {
     return One(fmt::format("drag {}{}", mass_kg, Text(hands)),
-               [&] { return LeastDragFor(task_, mass_kg, hands); });
+               [&] { return MinDragFor(task_, mass_kg, hands); });
   }
   [[nodiscard]] TuneBoundary BoundaryOf(const TuneGains& gains, const std::vector<hil::GridHand>& hands,
-                                        double most_N_per_m) const {
+                                        double max_N_per_m) const {
     const std::vector<double> v =
-        Get(fmt::format("boundary {}{}{}", most_N_per_m, Text(gains), Text(hands)), [&] {
-          const TuneBoundary b = BoundaryAt(task_, gains, hands, most_N_per_m);
+        Get(fmt::format("boundary {}{}{}", max_N_per_m, Text(gains), Text(hands)), [&] {
+          const TuneBoundary b = BoundaryAt(task_, gains, hands, max_N_per_m);
           return std::vector{b.predicted_N_per_m, b.simulated_N_per_m, b.degraded_N_per_m,
                              static_cast<double>(b.hand)};
         });
@@ -101,7 +101,7 @@ class Study {
                                                      const std::vector<hil::GridHand>& hands) const {
     std::vector<TuneBoundary> boundaries(dampings.size());
     ForEach(dampings.size(), [&](std::size_t i) {
-      boundaries[i] = BoundaryOf({r.recommended.mass_kg, dampings[i]}, hands, r.most_wall_N_per_m);
+      boundaries[i] = BoundaryOf({r.recommended.mass_kg, dampings[i]}, hands, r.max_wall_N_per_m);
     });
     return boundaries;
   }
@@ -110,7 +110,7 @@ class Study {
     TuneMap map{.title = title,
                 .damping_from = kMinDamping,
                 .damping_to = kMaxDamping,
-                .wall_to = r.most_wall_N_per_m,
+                .wall_to = r.max_wall_N_per_m,
                 .dampings = 2 * dampings,
                 .walls = kWalls,
                 .decay_per_s = {}};
@@ -160,29 +160,29 @@ void Recommend(const Study& study, TuneResult& r) {
   r.recommended = {chosen->mass_kg, std::ceil(chosen->human_Ns_per_m)};
 }
 
-void LookWithinBar(const Study& study, TuneResult& r) {
+void SearchWithinBar(const Study& study, TuneResult& r) {
   std::array<double, kMasses_kg.size()> margins{};
   study.ForEach(kMasses_kg.size(), [&](std::size_t i) {
-    if (kMasses_kg[i] <= r.task.most_mass_kg)
-      margins[i] = study.Margin({kMasses_kg[i], r.task.most_drag_Ns_per_m}, r.human_hands);
+    if (kMasses_kg[i] <= r.task.max_mass_kg)
+      margins[i] = study.Margin({kMasses_kg[i], r.task.max_drag_Ns_per_m}, r.human_hands);
   });
   const auto best = std::ranges::max_element(margins);
   r.within_bar_margin = *best;
-  r.within_bar = {kMasses_kg[static_cast<std::size_t>(best - margins.begin())], r.task.most_drag_Ns_per_m};
+  r.within_bar = {kMasses_kg[static_cast<std::size_t>(best - margins.begin())], r.task.max_drag_Ns_per_m};
 }
 
 void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& progress, TuneResult& r) {
-  progress.Begin("the cell's own gains, and the least drag by mass");
+  progress.BeginPhase("the cell's own gains, and the least drag by mass");
   r.own_margin = study.Margin({r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m}, r.human_hands);
   Recommend(study, r);
-  LookWithinBar(study, r);
+  SearchWithinBar(study, r);
   if (Interrupted() || !r.Stands()) return;
   r.recommended_margin = study.Margin(r.recommended, r.human_hands);
   r.stiffest_Ns_per_m = study.Drag(r.recommended.mass_kg, r.stiffest_hands);
   for (const hil::GridHand& hand : hil::NamedHands())
     if (hand.name == "clamp") r.clamp_Ns_per_m = study.Drag(r.recommended.mass_kg, {hand});
 
-  progress.Begin("boundaries, predicted and simulated");
+  progress.BeginPhase("boundaries, predicted and simulated");
   std::vector<double> dampings{r.recommended.damping_Ns_per_m};
   for (int i = 0; i < options.dampings; ++i)
     dampings.push_back(kMinDamping *
@@ -192,12 +192,12 @@ void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& pro
   r.human = study.Boundaries(r, dampings, r.human_hands);
   r.stiffest = study.Boundaries(r, dampings, r.stiffest_hands);
 
-  progress.Begin("the map");
+  progress.BeginPhase("the map");
   for (const auto& [hands, grip] : {std::pair{&r.human_hands, r.task.human_grip_N_per_m},
                                     {&r.stiffest_hands, r.task.stiffest_grip_N_per_m}})
     r.maps.push_back(study.Map(r, fmt::format("Grips up to {:g} N/m", grip), *hands, options.dampings));
 
-  progress.Begin("the recommended gains, run in time");
+  progress.BeginPhase("the recommended gains, run in time");
   r.check = CheckInTime(r.task, r.recommended, r.human_hands);
   r.carried = CarryStiffHands(r.task, r.recommended);
   r.human_index = IndexWith(r.task, r.recommended, r.human_hands);
@@ -298,7 +298,8 @@ tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const
 }
 
 int Run(const TuneOptions& options) {
-  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail("tune", wrong);
+  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
+    return Fail("tune", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
   const auto task = TaskOf(cell, options);
   if (!task) return Fail("tune", task.error());

@@ -47,7 +47,7 @@ std::optional<std::vector<double>> TuneCache::Find(const std::string& from) {
   return values;
 }
 
-void TuneCache::Put(const std::string& from, const std::vector<double>& values) {
+void TuneCache::Store(const std::string& from, const std::vector<double>& values) {
   const std::scoped_lock lock(mutex_);
   nlohmann::json list = nlohmann::json::array();
   for (const double value : values)

@@ -19,7 +19,7 @@ class TuneCache {
 
   /// Finds the numbers. @param from  everything that they depend on, as text
   [[nodiscard]] std::optional<std::vector<double>> Find(const std::string& from);
-  void Put(const std::string& from, const std::vector<double>& values);
+  void Store(const std::string& from, const std::vector<double>& values);
   /// Saves only the numbers that were found or put since construction. The error names the file.
   [[nodiscard]] tl::expected<void, std::string> Save() const;
 

@@ -31,12 +31,12 @@ Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBoundary::*
 }
 
 // Marks dampings at which even the stiffest wall that was tried is stable: a lower bound, not a measurement.
-Series AtLeast(const std::vector<TuneBoundary>& boundaries, double most_N_per_m, const std::string& color) {
+Series AtLeast(const std::vector<TuneBoundary>& boundaries, double max_N_per_m, const std::string& color) {
   Series series{.color = color, .width_px = 0.0, .marker = Marker::kOpenUp};
   for (const TuneBoundary& b : boundaries)
-    if (std::max({b.predicted_N_per_m, b.simulated_N_per_m, b.degraded_N_per_m}) >= most_N_per_m) {
+    if (std::max({b.predicted_N_per_m, b.simulated_N_per_m, b.degraded_N_per_m}) >= max_N_per_m) {
       series.x.push_back(b.damping_Ns_per_m);
-      series.y.push_back(1e-3 * most_N_per_m);
+      series.y.push_back(1e-3 * max_N_per_m);
     }
   return series;
 }
@@ -67,9 +67,9 @@ std::string MapSvg(const TuneResult& r) {
                       .ny = map.walls,
                       .values = map.decay_per_s,
                       .curves = {Curve(boundaries, &TuneBoundary::predicted_N_per_m, 1.0, "", kPredictedColor,
-                                       Marker::kNone, r.most_wall_N_per_m),
+                                       Marker::kNone, r.max_wall_N_per_m),
                                  Curve(boundaries, &TuneBoundary::simulated_N_per_m, 1.0, "", kPredictedColor,
-                                       Marker::kRing, r.most_wall_N_per_m),
+                                       Marker::kRing, r.max_wall_N_per_m),
                                  Series{.x = {r.recommended.damping_Ns_per_m},
                                         .y = {r.task.wall_N_per_m},
                                         .color = kChosenColor,
@@ -95,7 +95,7 @@ std::string WidthSvg(const TuneResult& r) {
   LineChart chart{.title = fmt::format("Greatest wall stiffness at {:.3g} kg", r.recommended.mass_kg),
                   .x_label = "drag of the virtual tool [N s/m]",
                   .y_label = "stiffness of the wall [kN/m]",
-                  .y = Range{10.0, 1.3e-3 * r.most_wall_N_per_m},
+                  .y = Range{10.0, 1.3e-3 * r.max_wall_N_per_m},
                   .y_from_zero = false,
                   .log_x = true,
                   .log_y = true,
@@ -109,12 +109,12 @@ std::string WidthSvg(const TuneResult& r) {
     const auto& name = groups[k].second;
     const std::string color = kPalette[k];
     const auto curve = [&](double TuneBoundary::*what, const std::string& shown, Marker marker) {
-      chart.series.push_back(Curve(*boundaries, what, 1e-3, shown, color, marker, r.most_wall_N_per_m));
+      chart.series.push_back(Curve(*boundaries, what, 1e-3, shown, color, marker, r.max_wall_N_per_m));
     };
     curve(&TuneBoundary::predicted_N_per_m, name + ", predicted", Marker::kNone);
     curve(&TuneBoundary::simulated_N_per_m, "", Marker::kRing);
     curve(&TuneBoundary::degraded_N_per_m, "", Marker::kCross);
-    chart.series.push_back(AtLeast(*boundaries, r.most_wall_N_per_m, color));
+    chart.series.push_back(AtLeast(*boundaries, r.max_wall_N_per_m, color));
   }
   chart.series.push_back(LegendOnly("simulated", Marker::kRing));
   chart.series.push_back(LegendOnly("with commands lost and late", Marker::kCross));
@@ -155,8 +155,8 @@ std::string TradeSvg(const TuneResult& r) {
                             .color = kChosenColor,
                             .width_px = 0.0,
                             .marker = Marker::kDiamond});
-  chart.limits = {{.value = r.task.most_drag_Ns_per_m, .label = "light below"}};
-  chart.x_limits = {{.value = r.task.most_mass_kg, .label = "light up to here"}};
+  chart.limits = {{.value = r.task.max_drag_Ns_per_m, .label = "light below"}};
+  chart.x_limits = {{.value = r.task.max_mass_kg, .label = "light up to here"}};
   return Svg(chart);
 }
 

@@ -46,7 +46,7 @@ void JudgeCarried(const TuneResult& r, Verdict& verdict) {
   const auto calm = std::ranges::count_if(r.carried, &TuneCarried::Calm);
   const bool shaken = !worst->run.valid || worst->run.one_s_N > kShaken_N;
   verdict.Add(
-      shaken ? VerdictLevel::kBad : VerdictLevel::kLook,
+      shaken ? VerdictLevel::kBad : VerdictLevel::kWarning,
       fmt::format("of {} hands stiffer than {:g} N/m, {} keep oscillating 1 s after the grip closed, though "
                   "the vibration index acts: the worst, {} ({}), {}",
                   r.carried.size(), r.task.human_grip_N_per_m,
@@ -83,22 +83,22 @@ Verdict Judge(const TuneResult& r) {
   JudgeCarried(r, verdict);
   if (!r.task.index_acts && !r.carried.empty())
     verdict.Add(
-        VerdictLevel::kLook,
+        VerdictLevel::kWarning,
         fmt::format("hands stiffer than {:g} N/m need the vibration index, which does not act in this cell "
                     "(vibration: acts: false)",
                     r.task.human_grip_N_per_m));
   if (!(r.own_margin >= r.task.margin))
     verdict.Add(
-        VerdictLevel::kLook,
+        VerdictLevel::kWarning,
         fmt::format("the cell's own gains, {:.3g} kg and {:.0f} N s/m, {}", r.task.loop.mass_kg,
                     r.task.loop.damping_Ns_per_m,
                     r.own_margin > 0.0 ? fmt::format("have a gain margin of {:.2f}, {:g} asked for",
                                                      r.own_margin, r.task.margin)
                                        : std::string("are not stable with all of these hands and contacts")));
   if (!r.WithinBar())
-    verdict.Add(VerdictLevel::kLook,
+    verdict.Add(VerdictLevel::kWarning,
                 fmt::format("the recommended tool is not light: {}, against {:g} kg and {:g} N s/m",
-                            Shown(r.recommended), r.task.most_mass_kg, r.task.most_drag_Ns_per_m));
+                            Shown(r.recommended), r.task.max_mass_kg, r.task.max_drag_Ns_per_m));
   return verdict;
 }
 
@@ -190,7 +190,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
       {"recommended", nullptr},
       {"within_bar", nullptr},
       {"bar",
-       {{"mass_kg", t.most_mass_kg}, {"damping_Ns_per_m", t.most_drag_Ns_per_m}, {"met", r.WithinBar()}}},
+       {{"mass_kg", t.max_mass_kg}, {"damping_Ns_per_m", t.max_drag_Ns_per_m}, {"met", r.WithinBar()}}},
       {"age_bound_Ns_per_m", r.age_bound_Ns_per_m},
       {"boundary", ToJson(r.human, r.human_hands)},
       {"boundary_stiffest", ToJson(r.stiffest, r.stiffest_hands)},
@@ -220,7 +220,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
                                             {"calm_below_N", c.calm_N},
                                             {"force_from_half_s_N", Finite(c.run.half_s_N)},
                                             {"force_from_1_s_N", Finite(c.run.one_s_N)},
-                                            {"damping_most_ratio", c.run.most_damping},
+                                            {"damping_most_ratio", c.run.max_damping},
                                             {"damping_mean_ratio", c.run.mean_damping}});
   json["check"] = {{"runs", r.check.runs}, {"grew", r.check.grew}};
   return ResultText(Judge(r), json);
@@ -247,8 +247,7 @@ std::string CarriedTable(const TuneResult& r) {
   for (const TuneCarried& c : r.carried)
     table += fmt::format(
         "<tr><th>{}</th><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.0f} ×</td><td>{:.1f} ×</td></tr>\n",
-        Escape(c.hand.name), c.contact, c.run.half_s_N, c.run.one_s_N, c.run.most_damping,
-        c.run.mean_damping);
+        Escape(c.hand.name), c.contact, c.run.half_s_N, c.run.one_s_N, c.run.max_damping, c.run.mean_damping);
   return table + "</table>\n";
 }
 

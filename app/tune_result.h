@@ -28,7 +28,7 @@ struct TuneMap {
 struct TuneResult {
   std::string cell;
   TuneTask task;
-  double most_wall_N_per_m{1e6};
+  double max_wall_N_per_m{1e6};
   std::vector<hil::GridHand> human_hands, stiffest_hands;
   std::vector<TuneTrade> trade;
   TuneGains recommended;  ///< zero: no gains are stable with all
@@ -49,8 +49,8 @@ struct TuneResult {
   /// The worst of the hands that the index stabilises; null if there are none.
   [[nodiscard]] const TuneCarried* WorstCarried() const;
   [[nodiscard]] bool WithinBar() const {
-    return Stands() && recommended.mass_kg <= task.most_mass_kg &&
-           recommended.damping_Ns_per_m <= task.most_drag_Ns_per_m;
+    return Stands() && recommended.mass_kg <= task.max_mass_kg &&
+           recommended.damping_Ns_per_m <= task.max_drag_Ns_per_m;
   }
 };
 

@@ -106,7 +106,7 @@ double GainMargin(const TuneTask& task, const TuneGains& gains, const std::vecto
       .value;
 }
 
-double LeastDragFor(const TuneTask& task, double mass_kg, const std::vector<hil::GridHand>& hands) {
+double MinDragFor(const TuneTask& task, double mass_kg, const std::vector<hil::GridHand>& hands) {
   // search downward in b, since larger drag may hide an unstable window below: upward in 1 / b
   const hil::Boundary found = hil::FirstCrossing(
       [&](double inverse) {
@@ -118,27 +118,27 @@ double LeastDragFor(const TuneTask& task, double mass_kg, const std::vector<hil:
 }
 
 TuneBoundary BoundaryAt(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
-                        double most_N_per_m) {
-  TuneBoundary boundary{.damping_Ns_per_m = gains.damping_Ns_per_m, .predicted_N_per_m = most_N_per_m};
+                        double max_N_per_m) {
+  TuneBoundary boundary{.damping_Ns_per_m = gains.damping_Ns_per_m, .predicted_N_per_m = max_N_per_m};
   for (std::size_t i = 0; i < hands.size(); ++i) {
     const hil::AdmittanceLoopParams loop = LoopOf(task, gains, hands[i], 1.0);
     double most = 0.0;
     if (hil::AdmittanceLoop(loop).SpectralRadius() < 1.0)
-      most = hil::GreatestWall(loop, {.from = kMinWall_N_per_m, .to = most_N_per_m, .factor = 1.1}).value;
+      most = hil::MaxWallStiffness(loop, {.from = kMinWall_N_per_m, .to = max_N_per_m, .factor = 1.1}).value;
     if (i > 0 && most >= boundary.predicted_N_per_m) continue;
     boundary.predicted_N_per_m = most;
     boundary.hand = i;
   }
 
   hil::AdmittanceRunParams run{.loop = LoopOf(task, gains, hands[boundary.hand], 1.0)};
-  const auto seen = [&](double least_share) {
+  const auto seen = [&](double min_share) {
     if (hil::SimulatedGrowth(run) >= 0.0) return 0.0;
     const double around = std::max(boundary.predicted_N_per_m, 10.0 * kMinWall_N_per_m);
     hil::AdmittanceRunParams walls = run;
-    return hil::SimulatedGreatestWall(walls, {.from = std::max(kMinWall_N_per_m, least_share * around),
-                                              .to = std::min(most_N_per_m, 1.6 * around),
-                                              .factor = 1.08,
-                                              .tolerance = 2e-3})
+    return hil::SimulatedMaxWallStiffness(walls, {.from = std::max(kMinWall_N_per_m, min_share * around),
+                                                  .to = std::min(max_N_per_m, 1.6 * around),
+                                                  .factor = 1.08,
+                                                  .tolerance = 2e-3})
         .value;
   };
   boundary.simulated_N_per_m = seen(0.6);
@@ -200,7 +200,7 @@ double IndexWith(const TuneTask& task, const TuneGains& gains, const std::vector
   double most = 0.0;
   for (const hil::GridHand& hand : hands)
     for (const Contact contact : kContacts)
-      most = std::max(most, hil::RunGrip(WithIndex(task, gains, hand, contact)).most_index);
+      most = std::max(most, hil::RunGrip(WithIndex(task, gains, hand, contact)).max_index);
   return most;
 }
 

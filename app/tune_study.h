@@ -22,12 +22,12 @@ struct TuneTask {
   double worst_age_s{0.002};
   double margin{1.1};  ///< gain margin: factor on hand and wall at which the loop must still be stable
   double command_loss{0.01};
-  int command_jitter{1};                               ///< [ticks]
-  double human_grip_N_per_m{3e3};                      ///< up to this grip the tool has to stay light ...
-  double stiffest_grip_N_per_m{10e3};                  ///< ... and up to this grip it has to be stable
-  double most_mass_kg{5.0}, most_drag_Ns_per_m{30.0};  ///< what counts as light
-  control::VibrationParams vibration{};                ///< the cell's, and acting
-  bool index_acts{true};                               ///< whether it acts in the cell as well
+  int command_jitter{1};                             ///< [ticks]
+  double human_grip_N_per_m{3e3};                    ///< up to this grip the tool has to stay light ...
+  double stiffest_grip_N_per_m{10e3};                ///< ... and up to this grip it has to be stable
+  double max_mass_kg{5.0}, max_drag_Ns_per_m{30.0};  ///< what counts as light
+  control::VibrationParams vibration{};              ///< the cell's, and acting
+  bool index_acts{true};                             ///< whether it acts in the cell as well
 };
 
 [[nodiscard]] TuneTask TuneTaskOf(const config::CellConfig& cell);
@@ -55,8 +55,8 @@ struct TuneGains {
                                 const std::vector<hil::GridHand>& hands, double most = 5.0);
 
 /// The least drag with which a virtual mass is stable with all; infinity if 3000 N s/m are not enough.
-[[nodiscard]] double LeastDragFor(const TuneTask& task, double mass_kg,
-                                  const std::vector<hil::GridHand>& hands);
+[[nodiscard]] double MinDragFor(const TuneTask& task, double mass_kg,
+                                const std::vector<hil::GridHand>& hands);
 
 /// One damping of the map: the stiffest stable wall with the cell's own delays only.
 struct TuneBoundary {
@@ -66,9 +66,9 @@ struct TuneBoundary {
   double degraded_N_per_m{0.0};   ///< the same, with commands lost and late
   std::size_t hand{0};            ///< the worst
 };
-/// Searches walls up to `most_N_per_m`: that value means "at least".
+/// Searches walls up to `max_N_per_m`: that value means "at least".
 [[nodiscard]] TuneBoundary BoundaryAt(const TuneTask& task, const TuneGains& gains,
-                                      const std::vector<hil::GridHand>& hands, double most_N_per_m);
+                                      const std::vector<hil::GridHand>& hands, double max_N_per_m);
 
 /// Decay rate of the slowest motion of the worst hand at a wall [1/s]; negative: it grows.
 [[nodiscard]] double DecayRate(const TuneTask& task, const TuneGains& gains,

@@ -78,7 +78,7 @@ std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{}: {} ({} --help shows all)\n", name, what, name);
 }
 
-std::string WhyNotToBegin(const CLI::App& app) {
+std::string ValidateEnvironment(const CLI::App& app) {
   const CLI::App* asked = &app;
   std::string name = app.get_name();
   for (auto chosen = app.get_subcommands(); !chosen.empty(); chosen = asked->get_subcommands()) {

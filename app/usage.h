@@ -21,6 +21,6 @@ namespace osteon::app {
 
 /// Says what prevents any subcommand from working (`--json -`, a missing folder for temporary files), after
 /// the name of the requested one. Empty: nothing does.
-[[nodiscard]] std::string WhyNotToBegin(const CLI::App& app);
+[[nodiscard]] std::string ValidateEnvironment(const CLI::App& app);
 
 }  // namespace osteon::app

@@ -28,14 +28,14 @@ void JudgeEnd(const RunSummary& s, Verdict& verdict) {
     for (const FaultRow& fault : s.faults) names += (names.empty() ? "" : ", ") + fault.name;
     verdict.Add(VerdictLevel::kBad, fmt::format("it ended with a fault: {}", names));
   } else if (s.end == control::RunEnd::kStopFlag && s.wanted_s > 0.0) {
-    verdict.Add(VerdictLevel::kLook,
+    verdict.Add(VerdictLevel::kWarning,
                 fmt::format("it was interrupted after {:.1f} s of {:.1f} s", s.seconds, s.wanted_s));
   } else if (s.end != control::RunEnd::kSeconds && s.end != control::RunEnd::kStopFlag) {
     verdict.Add(VerdictLevel::kBad, fmt::format("it did not end by itself: {}", s.ended));
   }
   if (!s.rendered) verdict.Add(VerdictLevel::kBad, "nothing was rendered: the arm never began to move");
   if (s.recovered > 0)
-    verdict.Add(VerdictLevel::kLook,
+    verdict.Add(VerdictLevel::kWarning,
                 fmt::format("rendering was interrupted by the connection and began anew {}",
                             s.recovered == 1 ? "once" : fmt::format("{} times", s.recovered)));
 }
@@ -44,24 +44,24 @@ void JudgeForce(const RunSummary& s, Verdict& verdict) {
   const double cut_s = s.period_s * static_cast<double>(s.cut_ticks);
   if (cut_s > kFelt_s)
     verdict.Add(
-        VerdictLevel::kLook,
+        VerdictLevel::kWarning,
         fmt::format(
             "the hand pushed beyond what may be rendered (force limit {:.0f} N) for {:.2f} s: it felt "
             "{:.0f} % of the coupling at least, and the tool went up to {:.2f} mm into bone",
-            s.force_limit_N, cut_s, 100.0 * s.least_wrench_share, 1e3 * s.peak_tool_in_bone_m));
+            s.force_limit_N, cut_s, 100.0 * s.min_wrench_share, 1e3 * s.peak_tool_in_bone_m));
   if (s.stale_share > kSomeStale)
     verdict.Add(
-        s.stale_share > kOftenStale ? VerdictLevel::kBad : VerdictLevel::kLook,
+        s.stale_share > kOftenStale ? VerdictLevel::kBad : VerdictLevel::kWarning,
         fmt::format(
             "the force was faded for {:.0f} % of the time, because frames of the simulation were late",
             100.0 * s.stale_share));
   if (s.sensor_late_share > kSomeStale)
-    verdict.Add(VerdictLevel::kLook,
+    verdict.Add(VerdictLevel::kWarning,
                 fmt::format("the hand's force counted in part for {:.0f} % of the time, because "
                             "readings of the sensor were late",
                             100.0 * s.sensor_late_share));
   if (s.passivity_ticks > 0)
-    verdict.Add(VerdictLevel::kLook,
+    verdict.Add(VerdictLevel::kWarning,
                 fmt::format("the passivity controller acted in {} ticks: the coupling made energy",
                             s.passivity_ticks));
 }
@@ -72,7 +72,7 @@ const char* NameOf(VerdictLevel level) {
   switch (level) {
     case VerdictLevel::kGood:
       return "good";
-    case VerdictLevel::kLook:
+    case VerdictLevel::kWarning:
       return "look";
     case VerdictLevel::kBad:
       break;
@@ -94,7 +94,7 @@ std::vector<SummaryRow> VerdictRows(const Verdict& verdict) {
 void PrintVerdict(const Verdict& verdict, int key_width) {
   const bool colours = isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
   const fmt::text_style style = verdict.level == VerdictLevel::kGood || !colours ? fmt::text_style{}
-                                : verdict.level == VerdictLevel::kLook
+                                : verdict.level == VerdictLevel::kWarning
                                     ? fmt::fg(fmt::terminal_color::yellow) | fmt::emphasis::bold
                                     : fmt::fg(fmt::terminal_color::red) | fmt::emphasis::bold;
   for (const SummaryRow& row : VerdictRows(verdict))
@@ -111,11 +111,13 @@ Verdict JudgeRun(const RunSummary& summary) {
   Verdict verdict;
   JudgeEnd(summary, verdict);
   JudgeForce(summary, verdict);
-  for (const std::string& warning : summary.warnings) verdict.Add(VerdictLevel::kLook, warning);
+  for (const std::string& warning : summary.warnings) verdict.Add(VerdictLevel::kWarning, warning);
   if (!summary.recording_error.empty())
-    verdict.Add(VerdictLevel::kLook, fmt::format("the recording is not whole: {}", summary.recording_error));
+    verdict.Add(VerdictLevel::kWarning,
+                fmt::format("the recording is not whole: {}", summary.recording_error));
   if (summary.dropped > 0)
-    verdict.Add(VerdictLevel::kLook, fmt::format("{} records are missing in the recording", summary.dropped));
+    verdict.Add(VerdictLevel::kWarning,
+                fmt::format("{} records are missing in the recording", summary.dropped));
   return verdict;
 }
 

@@ -13,9 +13,9 @@ struct RunSummary;
 
 /// How good a result is, for users and programs. Never better than what happened.
 enum class VerdictLevel {
-  kGood,  ///< nothing to look at
-  kLook,  ///< ended as it should, but with reductions; the reasons name them
-  kBad,   ///< a fault, no result, or a result that does not show what it should
+  kGood,     ///< nothing to look at
+  kWarning,  ///< ended as it should, but with reductions; the reasons name them
+  kBad,      ///< a fault, no result, or a result that does not show what it should
 };
 
 /// "good", "look", "bad".

@@ -27,7 +27,7 @@ VirtualDevices::VirtualDevices(const config::CellConfig& cell, std::unique_ptr<i
     hil::MemoryCanBus &ours = controller_ends_.emplace_back(now_), &theirs = device_ends_.emplace_back(now_);
     hil::MemoryCanBus::Join(ours, theirs);
     ends.push_back(&theirs);
-    clients_->PutOn(pumps_.emplace_back(ours), i);
+    clients_->AddToPump(pumps_.emplace_back(ours), i);
   }
   wires_.emplace(ends, devices_, wires, cell.injections, &now_);
   if (!cell.simulated_plc) return;
@@ -35,9 +35,9 @@ VirtualDevices::VirtualDevices(const config::CellConfig& cell, std::unique_ptr<i
   plc_cycle_ = cell.simulated_plc->cycle_ms * rt::kMillisecond;
 }
 
-void VirtualDevices::Begin(rt::Nanoseconds now) {
-  wires_->Begin(now);
-  plc_faults_.Begin(now);
+void VirtualDevices::StartSchedule(rt::Nanoseconds now) {
+  wires_->StartSchedule(now);
+  plc_faults_.StartSchedule(now);
 }
 
 control::CellReadings VirtualDevices::Exchange(const control::CellCommands& commands,

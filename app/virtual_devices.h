@@ -30,7 +30,7 @@ class VirtualDevices final : public control::CellDevices {
       const config::CellConfig& cell);
 
   /// Tells the devices that COMMANDING_ACTIVE is seen at `now`: injections begin. Later calls have no effect.
-  void Begin(rt::Nanoseconds now);
+  void StartSchedule(rt::Nanoseconds now);
 
   /// Sets the load on the force sensor, in S, from now on.
   void SetLoad(const Wrench& F_S) { devices_.SetLoad(F_S); }

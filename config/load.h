@@ -35,7 +35,7 @@ struct ToolChoice {
 /// Loads shape, site and resolution, and the names of the needed materials; the materials stay empty.
 [[nodiscard]] simulation::SceneParams LoadScene(const std::filesystem::path& path);
 /// Loads a cell and the robot, tool, scene and materials that it names.
-/// @param gains  a file with gains that override the cell's (LayGainsOver); empty: none
+/// @param gains  a file with gains that override the cell's (ApplyGainsFile); empty: none
 /// @throws ToolSizeError if `tool` does not come in the requested size.
 [[nodiscard]] CellConfig LoadCell(const std::filesystem::path& path,
                                   const std::optional<ToolChoice>& tool = {},

@@ -64,7 +64,7 @@ void ReadWatchdog(Reader section, safety::WatchdogParams& watchdog) {
   watchdog.model_stop_s = section.Number("model_stop_ms", 1, 1000);
   watchdog.sensor_full_s = section.Number("sensor_full_ms", 1, 1000);
   watchdog.sensor_stop_s = section.Number("sensor_stop_ms", 1, 1000);
-  watchdog.arm_misses = section.Whole("arm_miss_count", 1, 100);
+  watchdog.arm_misses = section.WholeNumber("arm_miss_count", 1, 100);
 }
 
 void ReadImpedance(Reader section, CellConfig& cell) {
@@ -141,8 +141,8 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
   Reader split = section.Section("split");
   cutting.split.on = true;
   cutting.split.min_radius_m = split.Number("least_radius_mm", 0.01, 10);
-  cutting.split.children = split.Whole("child_count", 8, 64);
-  cutting.split.pool_blocks = static_cast<std::size_t>(split.Whole("pool_count", 1, 1'000'000));
+  cutting.split.children = split.WholeNumber("child_count", 8, 64);
+  cutting.split.pool_blocks = static_cast<std::size_t>(split.WholeNumber("pool_count", 1, 1'000'000));
 }
 
 // Bone beyond the planes of a frame (normal_enlargement) is met as deep as the tool travels until the next
@@ -152,12 +152,12 @@ void CheckSight(const Reader& limits, const CellConfig& cell) {
   const control::ServoParams& servo = cell.servo;
   const double step_m =
       1.5 * servo.twist.max_speed_m_per_s * servo.period_s / (1.0 + servo.coupling.damping_share);
-  const double most_m = cell.cutting.normal_enlargement_m + step_m;
-  if (servo.model_sight_m > most_m)
+  const double max_m = cell.cutting.normal_enlargement_m + step_m;
+  if (servo.model_sight_m > max_m)
     limits.Refuse("model_sight_mm",
                   fmt::format("found {:.10g}, accepted at most {:.3g}: normal_enlargement_um + 1.5 "
                               "max_tool_speed_mm_per_s × period_ms / (1 + damping_share_ratio)",
-                              servo.model_sight_m * 1e3, most_m * 1e3));
+                              servo.model_sight_m * 1e3, max_m * 1e3));
 }
 
 // A frame moves the proxy by at most max_slide, and the coupling hands it over within its return time. A
@@ -165,14 +165,14 @@ void CheckSight(const Reader& limits, const CellConfig& cell) {
 void CheckSlide(const Reader& cutting, const CellConfig& cell) {
   const control::ServoParams& servo = cell.servo;
   const double hand_over_s = std::max(servo.coupling.return_s, servo.period_s);
-  const double most_m =
+  const double max_m =
       1.5 * servo.twist.max_speed_m_per_s * hand_over_s / (1.0 + servo.coupling.damping_share);
-  if (cell.cutting.max_slide_m > most_m)
+  if (cell.cutting.max_slide_m > max_m)
     cutting.Refuse(
         "max_slide_um",
         fmt::format("found {:.10g}, accepted at most {:.4g}: what a hand-over of {:g} ms takes without a "
                     "trip, 1.5 max_tool_speed_mm_per_s ({:g}) × {:g} ms / (1 + damping_share_ratio)",
-                    cell.cutting.max_slide_m * 1e6, most_m * 1e6, hand_over_s * 1e3,
+                    cell.cutting.max_slide_m * 1e6, max_m * 1e6, hand_over_s * 1e3,
                     servo.twist.max_speed_m_per_s * 1e3, hand_over_s * 1e3));
 }
 
@@ -257,10 +257,10 @@ void CarryPayload(const kinematics::LinkInertia& sensor_F, CellConfig& cell) {
 }
 
 // Selects the materials that a scene needs, in its order, from those of a file.
-std::vector<simulation::Material> Pick(const Reader& cell, const std::filesystem::path& file,
-                                       const std::vector<std::string>& names) {
+std::vector<simulation::Material> SelectMaterials(const Reader& cell, const std::filesystem::path& file,
+                                                  const std::vector<std::string>& names) {
   const std::vector<simulation::Material> found = LoadMaterials(file);
-  std::vector<simulation::Material> picked;
+  std::vector<simulation::Material> selected;
   for (const std::string& name : names) {
     const auto at =
         std::find_if(found.begin(), found.end(), [&](const auto& material) { return material.name == name; });
@@ -270,9 +270,9 @@ std::vector<simulation::Material> Pick(const Reader& cell, const std::filesystem
       cell.Refuse("materials", fmt::format("found {} with {}; accepted one with {}, which the scene needs",
                                            file.filename().string(), all, name));
     }
-    picked.push_back(*at);
+    selected.push_back(*at);
   }
-  return picked;
+  return selected;
 }
 
 // Loads the requested tool, or the cell's own.
@@ -286,7 +286,7 @@ ToolConfig ChooseTool(const Reader& reader, const ToolChoice& own, const std::op
 }
 
 // Copies values of one file to every place that uses them.
-void Spread(CellConfig& cell) {
+void PropagateSharedValues(CellConfig& cell) {
   control::ServoParams& servo = cell.servo;
   std::visit(
       [&](const auto& arm) {
@@ -373,7 +373,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
 
   CheckDepthLimit(reader, servo.depth, servo.coupling.max_stiffness_N_per_m);
   cell.own_gains = control::GainsOf(servo.admittance, servo.coupling);
-  if (!gains.empty()) LayGainsOver(gains, servo.law, servo.admittance, servo.coupling);
+  if (!gains.empty()) ApplyGainsFile(gains, servo.law, servo.admittance, servo.coupling);
 
   CompleteForceLimit(limits, servo);
   CheckBody(sensor, sensor_F, "force_sensor");
@@ -394,13 +394,13 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   servo.stabilisers.age_governor.tool_radius_m = HeadRadius(cell.tool.tool);
   CarryPayload(sensor_F, cell);
   CompleteDevices(devices, cell);
-  if (calibration) LayCalibrationOver(*calibration, cell);
+  if (calibration) ApplyCalibration(*calibration, cell);
   CompleteSimulatedArm(simulated_arm, cell);
   cell.scene = LoadScene(scene);
-  cell.scene.materials = Pick(reader, materials, cell.scene.material_names);
+  cell.scene.materials = SelectMaterials(reader, materials, cell.scene.material_names);
   CheckFrames(cell, reader);
   PlaceAtStart(reader, cell);
-  Spread(cell);
+  PropagateSharedValues(cell);
   CheckLoop(reader, servo);
   CheckStart(cell, reader);
   CheckScript(script, cell.script, hand, cell.simulated.hand.max_force_N);

@@ -40,7 +40,7 @@ ScenarioConfig LoadScenario(const std::filesystem::path& file) {
   scenario.sample_s = reader.Number("sample_ms", 1, 1000);
   if (reader.Has("frame_ms")) scenario.frame_s = reader.Number("frame_ms", 1, 100);
   if (reader.Has("packing")) scenario.planned = reader.Choice("packing", {"scene", "planned"}) == 1;
-  if (reader.Has("recovery_count")) scenario.recoveries = reader.Whole("recovery_count", 0, 100);
+  if (reader.Has("recovery_count")) scenario.recoveries = reader.WholeNumber("recovery_count", 0, 100);
   if (reader.Has("pause_s")) scenario.pause_s = reader.Number("pause_s", 0, 60);
   if (reader.Has("resume_s")) scenario.resume_s = reader.Number("resume_s", 0, 60);
   if (reader.Has("tolerances")) ReadTolerances(reader.Section("tolerances"), scenario.tolerances);

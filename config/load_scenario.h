@@ -4,7 +4,7 @@
 
 namespace osteon::config {
 
-/// Reads a scenario's own keys: `overrides` is applied only when the cell is read (Overlay::LayFile).
+/// Reads a scenario's own keys: `overrides` is applied only when the cell is read (Overlay::SetFromFile).
 ///
 ///     shows: the reamer meets bone, enters it and comes out again
 ///     cell: ../cells/demo.yaml

@@ -185,12 +185,12 @@ simulation::FidelityRequest ReadFidelity(Reader section, const simulation::ZoneP
 void CheckShape(const Reader& section, const simulation::SceneShape& shape) {
   if (const auto* cup = std::get_if<simulation::AcetabulumShape>(&shape)) {
     constexpr double kMinWall_m = 0.002;  // bone beside and below the cup
-    const double most_m = std::min(0.5 * cup->width_m, cup->height_m) - kMinWall_m;
-    if (cup->cup_radius_m > most_m)
+    const double max_m = std::min(0.5 * cup->width_m, cup->height_m) - kMinWall_m;
+    if (cup->cup_radius_m > max_m)
       section.Refuse("cup_radius_mm",
                      fmt::format("found {:.10g}, accepted at most {:.10g}: 2 mm less than half the width "
                                  "and the height",
-                                 cup->cup_radius_m * 1e3, most_m * 1e3));
+                                 cup->cup_radius_m * 1e3, max_m * 1e3));
   }
   try {
     simulation::CheckShape(shape);
@@ -226,7 +226,7 @@ SceneParams LoadScene(const std::filesystem::path& path) {
   if (reader.Has("fidelity")) scene.fidelity = ReadFidelity(reader.Section("fidelity"), scene.zone);
   Reader points = reader.Section("mass_points");
   scene.points.cells = ReadGrade(points, "", 0.1, 10);
-  scene.points.samples_along_axis = points.Whole("axis_sample_count", 2, 16);
+  scene.points.samples_along_axis = points.WholeNumber("axis_sample_count", 2, 16);
   scene.events = ReadEvents(reader.Section("events"));
   reader.Finish();
 

@@ -93,7 +93,7 @@ double ReadDensity(Reader& reader) { return reader.Number("density_g_per_cm3", 0
 
 // Reports a builder's refusal at the line of its input.
 template <typename Build>
-BuiltTool Built(const Reader& reader, const std::string& key, const Build& build) {
+BuiltTool BuildTool(const Reader& reader, const std::string& key, const Build& build) {
   try {
     return build();
   } catch (const std::invalid_argument& error) {
@@ -113,13 +113,13 @@ BuiltTool LoadReamer(Reader& reader, const std::optional<double>& diameter_m) {
   const Sizes sizes = ReadSteps(reader, 2, 200);
 
   // the thinnest head limits the shaft
-  const double least_radius_m = 0.5 * sizes.diameters_m.front();
-  if (params.shaft_radius_m >= least_radius_m)
+  const double min_radius_m = 0.5 * sizes.diameters_m.front();
+  if (params.shaft_radius_m >= min_radius_m)
     shaft.Refuse("radius_mm",
                  fmt::format("found {:.10g}, accepted less than the smallest head's {:.10g}",
-                             params.shaft_radius_m / kMillimetre_m, least_radius_m / kMillimetre_m));
+                             params.shaft_radius_m / kMillimetre_m, min_radius_m / kMillimetre_m));
   params.diameter_m = ChooseSize(reader, sizes, diameter_m);
-  return Built(reader, "head", [&] { return simulation::MakeReamer(params); });
+  return BuildTool(reader, "head", [&] { return simulation::MakeReamer(params); });
 }
 
 BuiltTool LoadBurr(Reader& reader, const std::optional<double>& diameter_m) {
@@ -146,7 +146,7 @@ BuiltTool LoadBurr(Reader& reader, const std::optional<double>& diameter_m) {
   Reader balls = reader.Section("balls");
   const double cutting_ratio = balls.Number("cutting_gap_ratio", 0.001, 0.5);
   params.balls.touching_gap_m = balls.Number("touching_gap_mm", 0.001, 5);
-  params.balls.max_count = static_cast<std::size_t>(balls.Whole("greatest_count", 1, 10'000));
+  params.balls.max_count = static_cast<std::size_t>(balls.WholeNumber("greatest_count", 1, 10'000));
   params.holder = ReadHolder(reader.Section("holder"));
   reader.Finish();
 
@@ -157,7 +157,7 @@ BuiltTool LoadBurr(Reader& reader, const std::optional<double>& diameter_m) {
   params.head_length_m = row.head_m;
   params.tip_diameter_m = row.tip_m;
   params.balls.cutting_gap_m = cutting_ratio * params.diameter_m;
-  return Built(sizes.rows[which], "diameter_mm", [&] { return simulation::MakeBurr(params); });
+  return BuildTool(sizes.rows[which], "diameter_mm", [&] { return simulation::MakeBurr(params); });
 }
 
 BuiltTool LoadTwistDrill(Reader& reader, const std::optional<double>& diameter_m) {
@@ -176,7 +176,7 @@ BuiltTool LoadTwistDrill(Reader& reader, const std::optional<double>& diameter_m
   const double point_ratio = balls.Number("point_gap_ratio", 0.001, 0.5),
                flute_ratio = balls.Number("flute_gap_ratio", 0.001, 0.5),
                shank_ratio = balls.Number("shank_gap_ratio", 0.001, 0.5);
-  params.balls.max_count = static_cast<std::size_t>(balls.Whole("greatest_count", 1, 10'000));
+  params.balls.max_count = static_cast<std::size_t>(balls.WholeNumber("greatest_count", 1, 10'000));
   params.holder = ReadHolder(reader.Section("holder"));
   reader.Finish();
 
@@ -188,7 +188,7 @@ BuiltTool LoadTwistDrill(Reader& reader, const std::optional<double>& diameter_m
   params.balls.cutting_gap_m = point_ratio * params.diameter_m;
   params.flute_gap_m = flute_ratio * params.diameter_m;
   params.balls.touching_gap_m = shank_ratio * params.diameter_m;
-  return Built(sizes.rows[which], "diameter_mm", [&] { return simulation::MakeTwistDrill(params); });
+  return BuildTool(sizes.rows[which], "diameter_mm", [&] { return simulation::MakeTwistDrill(params); });
 }
 
 BuiltTool LoadMeshTool(Reader& reader, const std::optional<double>& diameter_m) {
@@ -204,7 +204,7 @@ BuiltTool LoadMeshTool(Reader& reader, const std::optional<double>& diameter_m) 
   Reader balls = reader.Section("balls");
   params.balls.cutting_gap_m = balls.Number("cutting_gap_mm", 0.001, 5);
   params.balls.touching_gap_m = balls.Number("touching_gap_mm", 0.001, 5);
-  params.balls.max_count = static_cast<std::size_t>(balls.Whole("greatest_count", 1, 10'000));
+  params.balls.max_count = static_cast<std::size_t>(balls.WholeNumber("greatest_count", 1, 10'000));
   params.holder = ReadHolder(reader.Section("holder"));
   reader.Finish();
   if (diameter_m) throw ToolSizeError("found a diameter, accepted none: this tool comes in one size");
@@ -216,7 +216,7 @@ BuiltTool LoadMeshTool(Reader& reader, const std::optional<double>& diameter_m) 
   auto loaded = simulation::LoadMesh(file);
   if (!loaded) reader.Refuse("mesh", loaded.error().message);
   for (Vector3& vertex : loaded->mesh.vertices_m) vertex = X_TM * (scale * vertex);
-  return Built(reader, "mesh", [&] { return simulation::MakeMeshTool(loaded->mesh, params); });
+  return BuildTool(reader, "mesh", [&] { return simulation::MakeMeshTool(loaded->mesh, params); });
 }
 
 ToolDriveConfig ReadDrive(Reader section) {

@@ -15,7 +15,7 @@ namespace {
 
 thread_local Overlay* present = nullptr;
 
-std::filesystem::path Whole(const std::filesystem::path& path) {
+std::filesystem::path AbsolutePath(const std::filesystem::path& path) {
   return std::filesystem::absolute(path).lexically_normal();
 }
 
@@ -38,13 +38,13 @@ struct Overlay::Value {
 
 Overlay::Overlay(const std::filesystem::path& root) {
   if (present) throw std::logic_error("config: an Overlay inside another");
-  named_.push_back({.file = Whole(root), .place = ""});
+  named_.push_back({.file = AbsolutePath(root), .place = ""});
   present = this;
 }
 
 Overlay::~Overlay() { present = nullptr; }
 
-void Overlay::LayFile(const std::filesystem::path& file, const std::string& key) {
+void Overlay::SetFromFile(const std::filesystem::path& file, const std::string& key) {
   const YAML::Node all = YAML::LoadFile(file.string());
   const YAML::Node mapping = all[key];
   if (!mapping) return;
@@ -63,7 +63,7 @@ void Overlay::LayFile(const std::filesystem::path& file, const std::string& key)
   }
 }
 
-void Overlay::Lay(const std::string& assignment, const std::string& said_by) {
+void Overlay::Set(const std::string& assignment, const std::string& said_by) {
   const std::string name = said_by + " " + assignment;
   const std::size_t equal = assignment.find('=');
   const std::string key = assignment.substr(0, equal);
@@ -90,16 +90,16 @@ void Overlay::Finish() const {
 
 std::optional<std::string> Overlay::PlaceOf(const std::filesystem::path& file) {
   if (!present) return {};
-  const auto named = std::ranges::find(present->named_, Whole(file), &Named::file);
+  const auto named = std::ranges::find(present->named_, AbsolutePath(file), &Named::file);
   if (named == present->named_.end()) return {};
   return named->place;
 }
 
-void Overlay::Name(const std::filesystem::path& file, const std::string& place) {
-  if (present) present->named_.push_back({.file = Whole(file), .place = place});
+void Overlay::RecordNamedFile(const std::filesystem::path& file, const std::string& place) {
+  if (present) present->named_.push_back({.file = AbsolutePath(file), .place = place});
 }
 
-void Overlay::Over(const std::string& place, const std::function<void(const OverlaidValue&)>& take) {
+void Overlay::ApplyTo(const std::string& place, const std::function<void(const OverlaidValue&)>& take) {
   if (!present) return;
   for (Value& value : present->values_) {
     if (!value.key.starts_with(place)) continue;

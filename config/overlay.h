@@ -41,10 +41,10 @@ class Overlay {
 
   /// Overrides values of the root by the mapping `key` of a YAML file; does nothing without such a key.
   /// @throws ConfigError if it is not a mapping of different keys.
-  void LayFile(const std::filesystem::path& file, const std::string& key);
+  void SetFromFile(const std::filesystem::path& file, const std::string& key);
   /// Overrides one value of the root. @param assignment  "limits.max_force_N=150"; errors quote it, after
   /// `said_by`. @throws ConfigError if it is not an assignment.
-  void Lay(const std::string& assignment, const std::string& said_by);
+  void Set(const std::string& assignment, const std::string& said_by);
   /// Call after the root was read. @throws ConfigError if a value had no effect: a key that leads through a
   /// number, or into a file that was not read.
   void Finish() const;
@@ -52,9 +52,9 @@ class Overlay {
   /// For Reader: the prefix of the keys of a named file; empty if no override concerns it.
   [[nodiscard]] static std::optional<std::string> PlaceOf(const std::filesystem::path& file);
   /// For Reader: records that a key names a file. @param place  the key followed by a dot
-  static void Name(const std::filesystem::path& file, const std::string& place);
+  static void RecordNamedFile(const std::filesystem::path& file, const std::string& place);
   /// For Reader: passes on the values that override the mapping at a place.
-  static void Over(const std::string& place, const std::function<void(const OverlaidValue&)>& take);
+  static void ApplyTo(const std::string& place, const std::function<void(const OverlaidValue&)>& take);
 
  private:
   struct Value;

@@ -12,9 +12,9 @@ constexpr double kDegree = std::numbers::pi / 180.0, kMillimetre_m = 1e-3;
 
 io::FriSessionParams ReadFri(Reader section, hil::FriServerParams& arm) {
   io::FriSessionParams session;
-  arm.send_period_ms = section.Whole("period_ms", 1, 20);
+  arm.send_period_ms = section.WholeNumber("period_ms", 1, 20);
   if (section.Has("receive_multiplier_count"))
-    arm.receive_multiplier = section.Whole("receive_multiplier_count", 1, 10);
+    arm.receive_multiplier = section.WholeNumber("receive_multiplier_count", 1, 10);
   if (section.Has("version"))
     session.version = io::kFriVersions.at(
         section.Choice("version", {"1.11", "1.12", "1.13", "1.14", "1.15", "1.16", "2.5", "2.7"}));
@@ -28,12 +28,12 @@ io::FriSessionParams ReadFri(Reader section, hil::FriServerParams& arm) {
 
 void ReadLinkQuality(Reader section, hil::FriServerParams& fri) {
   hil::QualityPolicyParams& quality = fri.quality;
-  quality.fair_after_answers = section.Whole("fair_answered_count", 1, 1000);
-  quality.good_after_answers = section.Whole("good_answered_count", 1, 1000);
-  quality.excellent_after_answers = section.Whole("excellent_answered_count", 1, 1000);
-  quality.good_max_lost_per_s = section.Whole("good_lost_count", 0, 1000);
-  quality.end_after_lost_in_a_row = section.Whole("end_lost_in_a_row_count", 1, 1000);
-  quality.end_after_lost_per_s = section.Whole("end_lost_count", 1, 1000);
+  quality.fair_after_answers = section.WholeNumber("fair_answered_count", 1, 1000);
+  quality.good_after_answers = section.WholeNumber("good_answered_count", 1, 1000);
+  quality.excellent_after_answers = section.WholeNumber("excellent_answered_count", 1, 1000);
+  quality.good_max_lost_per_s = section.WholeNumber("good_lost_count", 0, 1000);
+  quality.end_after_lost_in_a_row = section.WholeNumber("end_lost_in_a_row_count", 1, 1000);
+  quality.end_after_lost_per_s = section.WholeNumber("end_lost_count", 1, 1000);
   quality.good_timeout_s = section.Number("good_timeout_s", 0.1, 600);
   if (section.Has("ask_again")) fri.request_again_after_loss = section.Bool("ask_again");
   if (section.Has("session_end"))
@@ -71,15 +71,15 @@ io::RsiSessionParams ReadRsi(Reader section, bool& jump_accepted) {
   jump_accepted =
       section.Has("accept_jump_after_lost_answers") && section.Bool("accept_jump_after_lost_answers");
   session.cycle_ms = section.Choice("cycle_ms", {"4", "12"}) == 0 ? 4 : 12;
-  session.ipoc_step = section.Whole("ipoc_step_count", 1, 12);
-  session.timeout_cycles = section.Whole("timeout_count", 1, 10'000);
+  session.ipoc_step = section.WholeNumber("ipoc_step_count", 1, 12);
+  session.timeout_cycles = section.WholeNumber("timeout_count", 1, 10'000);
   session.range = ReadCorrectionRange(section, "range", session.kind);
   if (section.Has("entry_step_deg"))
     session.entry_step_deg = section.Number("entry_step_deg", 0.01, 10) / kDegree;
-  if (section.Has("settle_count")) session.settle_messages = section.Whole("settle_count", 1, 1000);
+  if (section.Has("settle_count")) session.settle_messages = section.WholeNumber("settle_count", 1, 1000);
   if (section.Has("late_at_start_count"))
-    session.late_at_start = section.Whole("late_at_start_count", 0, 100);
-  if (section.Has("decimal_count")) session.decimals = section.Whole("decimal_count", 1, 9);
+    session.late_at_start = section.WholeNumber("late_at_start_count", 0, 100);
+  if (section.Has("decimal_count")) session.decimals = section.WholeNumber("decimal_count", 1, 9);
   return session;
 }
 
@@ -120,7 +120,7 @@ ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell) {
   ArmLinkSections sections{.link = cell_section.OneSection({"fri", "rsi"})};
   cell.link.host = sections.link.Text("host");
   if (sections.link.Has("arm_host")) cell.link.arm_host = sections.link.Text("arm_host");
-  cell.link.port = static_cast<std::uint16_t>(sections.link.Whole("port", 1024, 65535));
+  cell.link.port = static_cast<std::uint16_t>(sections.link.WholeNumber("port", 1024, 65535));
   if (cell_section.Has("rsi")) {
     const io::RsiSessionParams session = ReadRsi(sections.link, sections.jump_accepted);
     cell.simulated.kr = ArmEndOf(session);

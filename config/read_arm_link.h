@@ -11,9 +11,9 @@ namespace osteon::config {
 
 /// Parts of the file that the later checks need.
 struct ArmLinkSections {
-  Reader link;                    ///< `fri` or `rsi`
-  std::optional<Reader> quality;  ///< `link_quality`, beside fri
-  bool jump_accepted{false};      ///< of `rsi`: accept_jump_after_lost_answers
+  Reader link;                      ///< `fri` or `rsi`
+  std::optional<Reader> quality{};  ///< `link_quality`, beside fri
+  bool jump_accepted{false};        ///< of `rsi`: accept_jump_after_lost_answers
 };
 
 /// Reads section `fri`, with `link_quality`, or `rsi`: both ends of the wire to the arm. A cell has one of

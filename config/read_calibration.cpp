@@ -14,11 +14,11 @@ constexpr double kMaxMassOff_kg = 0.5, kMaxMassOff = 0.5, kMaxCenterOff_m = 0.05
 
 void ReadPayload(Reader section, control::ForceSensorParams& sensor) {
   const double mass_kg = section.Number("mass_kg", 0.001, 100);
-  const double most_off_kg = std::max(kMaxMassOff_kg, kMaxMassOff * sensor.tool_mass_kg);
-  if (!(std::abs(mass_kg - sensor.tool_mass_kg) <= most_off_kg))
+  const double max_off_kg = std::max(kMaxMassOff_kg, kMaxMassOff * sensor.tool_mass_kg);
+  if (!(std::abs(mass_kg - sensor.tool_mass_kg) <= max_off_kg))
     section.Refuse("mass_kg",
                    fmt::format("found {:g} kg, accepted {:.3g} ± {:.3g} kg, which the tool's file gives",
-                               mass_kg, sensor.tool_mass_kg, most_off_kg));
+                               mass_kg, sensor.tool_mass_kg, max_off_kg));
   const Vector3 center_F_m = section.Triple("center_mm", -1000, 1000);
   const double off_m = (center_F_m - Vector3(sensor.tool_center_F_m)).norm();
   if (!(off_m <= kMaxCenterOff_m))
@@ -33,7 +33,7 @@ void ReadPayload(Reader section, control::ForceSensorParams& sensor) {
 
 }  // namespace
 
-void LayCalibrationOver(const std::filesystem::path& file, CellConfig& cell) {
+void ApplyCalibration(const std::filesystem::path& file, CellConfig& cell) {
   Reader reader = Reader::Load(file);
   if (reader.Has("payload")) ReadPayload(reader.Section("payload"), cell.servo.sensor);
   if (reader.Has("tcp_mm")) {

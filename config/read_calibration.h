@@ -14,6 +14,6 @@ namespace osteon::config {
 ///
 /// @throws ConfigError naming file, line, what was found and what is accepted: a mass, a centre or an apex
 ///   far from the files of sensor and tool (0.5 kg or half of it, 50 mm, 20 mm) means another tool.
-void LayCalibrationOver(const std::filesystem::path& file, CellConfig& cell);
+void ApplyCalibration(const std::filesystem::path& file, CellConfig& cell);
 
 }  // namespace osteon::config

@@ -26,7 +26,7 @@ std::vector<io::CanBusParams> ReadBuses(Reader& cell) {
     if (section.Has("interface")) {
       bus.interface = section.Text("interface");
     } else {
-      bus.port = static_cast<std::uint16_t>(section.Whole("udp_port", 1024, 65534));
+      bus.port = static_cast<std::uint16_t>(section.WholeNumber("udp_port", 1024, 65534));
       bus.device_port = static_cast<std::uint16_t>(bus.port + 1);
     }
   }
@@ -67,7 +67,7 @@ void ReadSensor(Reader section, CellConfig& cell) {
   } else {
     io::AtiParams ati;
     hil::AtiDeviceParams device{.model = model};
-    if (section.Has("base_count")) device.base = section.Whole("base_count", 0, 127);
+    if (section.Has("base_count")) device.base = section.WholeNumber("base_count", 0, 127);
     ati.base = static_cast<std::uint8_t>(device.base);
     cell.devices.sensor = ati;
     cell.simulated_devices.sensor = device;
@@ -76,7 +76,7 @@ void ReadSensor(Reader section, CellConfig& cell) {
 
 void ReadDrive(Reader section, CellConfig& cell) {
   io::ReamerDriveParams& drive = cell.devices.drive.emplace();
-  drive.node = static_cast<std::uint8_t>(section.Whole("node_count", 1, 126));
+  drive.node = static_cast<std::uint8_t>(section.WholeNumber("node_count", 1, 126));
   drive.cycle = ToNanoseconds(section.Number("cycle_ms", 1, 50));
   drive.missed_cycles = static_cast<int>(
       std::lround(1e9 * section.Number("lost_ms", 5, 1000) / static_cast<double>(drive.cycle)));
@@ -86,7 +86,7 @@ void ReadDrive(Reader section, CellConfig& cell) {
 void ReadPlc(Reader section, CellConfig& cell) {
   io::PlcClientParams& plc = cell.devices.plc.emplace();
   plc.address = section.Text("host");
-  plc.port = static_cast<std::uint16_t>(section.Whole("port", 1, 65535));
+  plc.port = static_cast<std::uint16_t>(section.WholeNumber("port", 1, 65535));
   cell.devices.plc_max_age = ToNanoseconds(section.Number("max_age_ms", 20, 1000));
   hil::PlcServerParams& server = cell.simulated_plc.emplace();
   server.port = plc.port;

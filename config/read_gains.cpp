@@ -10,14 +10,16 @@ namespace {
 // Which keys must be present: all in a cell's file, any in a file that overrides it.
 enum class Keys { kAll, kAny };
 
-bool Wants(Reader& section, Keys keys, const char* key) { return keys == Keys::kAll || section.Has(key); }
+bool ShouldRead(Reader& section, Keys keys, const char* key) {
+  return keys == Keys::kAll || section.Has(key);
+}
 
 void ReadAdmittance(Reader section, Keys keys, control::AdmittanceParams& admittance) {
   const auto triple = [&](const char* key, double min, double max, Vector3& value) {
-    if (Wants(section, keys, key)) value = section.Triple(key, min, max);
+    if (ShouldRead(section, keys, key)) value = section.Triple(key, min, max);
   };
   const auto number = [&](const char* key, double min, double max, double& value) {
-    if (Wants(section, keys, key)) value = section.Number(key, min, max);
+    if (ShouldRead(section, keys, key)) value = section.Number(key, min, max);
   };
   triple("mass_kg", 0.1, 50, admittance.mass_kg);
   triple("inertia_kg_m2", 0.001, 5, admittance.inertia_kg_m2);
@@ -34,7 +36,7 @@ void ReadAdmittance(Reader section, Keys keys, control::AdmittanceParams& admitt
 
 void ReadForces(Reader& section, Keys keys, control::CouplingParams& coupling) {
   const auto number = [&](const char* key, double min, double max, double& value) {
-    if (Wants(section, keys, key)) value = section.Number(key, min, max);
+    if (ShouldRead(section, keys, key)) value = section.Number(key, min, max);
   };
   number("stiffness_N_per_mm", 0.1, 100, coupling.max_stiffness_N_per_m);
   number("damping_Ns_per_m", 0, 2000, coupling.damping_Ns_per_m);
@@ -54,8 +56,9 @@ void ReadCoupling(Reader section, control::CouplingParams& coupling) {
   coupling.ramp_s = section.Number("ramp_ms", 1, 10000);
 }
 
-void LayGainsOver(const std::filesystem::path& file, control::Law law, control::AdmittanceParams& admittance,
-                  control::CouplingParams& coupling, double most_stiffness_N_per_m) {
+void ApplyGainsFile(const std::filesystem::path& file, control::Law law,
+                    control::AdmittanceParams& admittance, control::CouplingParams& coupling,
+                    double max_stiffness_N_per_m) {
   Reader reader = Reader::Load(file);
   if (law == control::Law::kImpedance && reader.Has("admittance"))
     reader.Refuse(
@@ -67,11 +70,11 @@ void LayGainsOver(const std::filesystem::path& file, control::Law law, control::
   if (reader.Has("coupling")) {
     Reader section = reader.Section("coupling");
     ReadForces(section, Keys::kAny, forces);
-    if (section.Has("stiffness_N_per_mm") && forces.max_stiffness_N_per_m > most_stiffness_N_per_m)
+    if (section.Has("stiffness_N_per_mm") && forces.max_stiffness_N_per_m > max_stiffness_N_per_m)
       section.Refuse(
           "stiffness_N_per_mm",
           fmt::format("found {:.10g}, accepted at most {:.10g} while it runs: what it was started with",
-                      1e-3 * forces.max_stiffness_N_per_m, 1e-3 * most_stiffness_N_per_m));
+                      1e-3 * forces.max_stiffness_N_per_m, 1e-3 * max_stiffness_N_per_m));
   }
   reader.Finish();
   admittance = virtual_tool;
@@ -79,13 +82,13 @@ void LayGainsOver(const std::filesystem::path& file, control::Law law, control::
 }
 
 control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law law, const control::Gains& own,
-                              double most_stiffness_N_per_m) {
+                              double max_stiffness_N_per_m) {
   control::AdmittanceParams admittance;
   control::CouplingParams coupling;
   control::ApplyGains(own, admittance, coupling);
-  LayGainsOver(file, law, admittance, coupling, most_stiffness_N_per_m);
+  ApplyGainsFile(file, law, admittance, coupling, max_stiffness_N_per_m);
   // if the file does not set it, the cell's own is used, up to the allowed maximum
-  coupling.max_stiffness_N_per_m = std::min(coupling.max_stiffness_N_per_m, most_stiffness_N_per_m);
+  coupling.max_stiffness_N_per_m = std::min(coupling.max_stiffness_N_per_m, max_stiffness_N_per_m);
   return control::GainsOf(admittance, coupling);
 }
 

@@ -23,17 +23,17 @@ void ReadCoupling(Reader section, control::CouplingParams& coupling);
 /// except those that are no gains (admittance: centre_m, locked; coupling: fresh_ms, gone_ms, ramp_ms), in
 /// the same ranges. Absent keys keep their value.
 /// @param law  of the cell: `admittance` is accepted only with that law
-/// @param most_stiffness_N_per_m  largest value in the file
+/// @param max_stiffness_N_per_m  largest value in the file
 /// @throws ConfigError naming file, line, what was found and what is accepted.
-void LayGainsOver(const std::filesystem::path& file, control::Law law, control::AdmittanceParams& admittance,
-                  control::CouplingParams& coupling,
-                  double most_stiffness_N_per_m = std::numeric_limits<double>::infinity());
+void ApplyGainsFile(const std::filesystem::path& file, control::Law law,
+                    control::AdmittanceParams& admittance, control::CouplingParams& coupling,
+                    double max_stiffness_N_per_m = std::numeric_limits<double>::infinity());
 
 /// Reads the gains file again and applies it to the cell's gains: the values that a running loop may change
 /// to.
-/// @param own  of the cell's own file  @param most_stiffness_N_per_m  with which the simulation was started
+/// @param own  of the cell's own file  @param max_stiffness_N_per_m  with which the simulation was started
 /// @throws ConfigError naming file, line, what was found and what is accepted.
 [[nodiscard]] control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law law,
-                                            const control::Gains& own, double most_stiffness_N_per_m);
+                                            const control::Gains& own, double max_stiffness_N_per_m);
 
 }  // namespace osteon::config

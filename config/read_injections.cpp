@@ -18,9 +18,11 @@ constexpr std::array kFaults{"loss_ratio", "duplicate_ratio", "reorder_ratio", "
                              "delay_ms",   "jitter_ms",       "silence"};
 
 // Reads a share, 0 if absent.
-double Share(Reader& section, const char* key) { return section.Has(key) ? section.Number(key, 0, 1) : 0.0; }
+double ReadShare(Reader& section, const char* key) {
+  return section.Has(key) ? section.Number(key, 0, 1) : 0.0;
+}
 
-rt::Nanoseconds Time(Reader& section, const char* key) {
+rt::Nanoseconds ReadTime(Reader& section, const char* key) {
   return section.Has(key) ? std::llround(section.Number(key, 0, kLongest_ms) * 1e9) : 0;
 }
 
@@ -44,14 +46,14 @@ hil::Injection ReadInjection(Reader& section) {
   injection.from_s = section.Number("from_s", -1, kLongest_s);
   injection.to_s = section.Number("to_s", -1, kLongest_s);
   WireFaults& faults = injection.faults;
-  faults.loss = Share(section, "loss_ratio");
+  faults.loss = ReadShare(section, "loss_ratio");
   const bool has_burst = section.Has("burst_count");
-  if (has_burst) faults.burst = section.Whole("burst_count", 1, 1000);
-  faults.duplicate = Share(section, "duplicate_ratio");
-  faults.reorder = Share(section, "reorder_ratio");
-  faults.corrupt = Share(section, "corrupt_ratio");
-  faults.delay = Time(section, "delay_ms");
-  faults.jitter = Time(section, "jitter_ms");
+  if (has_burst) faults.burst = section.WholeNumber("burst_count", 1, 1000);
+  faults.duplicate = ReadShare(section, "duplicate_ratio");
+  faults.reorder = ReadShare(section, "reorder_ratio");
+  faults.corrupt = ReadShare(section, "corrupt_ratio");
+  faults.delay = ReadTime(section, "delay_ms");
+  faults.jitter = ReadTime(section, "jitter_ms");
   faults.silence = section.Has("silence") && section.Bool("silence");
   section.Finish();  // report a gap or a misspelt key first
 
@@ -71,7 +73,7 @@ hil::Injection ReadInjection(Reader& section) {
 hil::InjectionParams ReadInjections(Reader& cell) {
   hil::InjectionParams params;
   if (cell.Has("injection_seed"))
-    params.seed = static_cast<std::uint64_t>(cell.Whole("injection_seed", 0, 1'000'000'000));
+    params.seed = static_cast<std::uint64_t>(cell.WholeNumber("injection_seed", 0, 1'000'000'000));
   if (!cell.Has("injections")) return params;
   for (Reader& section : cell.Sections("injections", 0, 100))
     params.injections.push_back(ReadInjection(section));

@@ -50,7 +50,7 @@ void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
   servo.wrench.max_force_N = section.Number("max_force_N", 1, safety::kForceCeiling_N);
   servo.wrench.max_torque_Nm = section.Number("max_torque_Nm", 0.1, 50);
   servo.sensor_force.margin_N = section.Number("sensor_margin_N", 1, 200);
-  servo.sensor_force.ticks = section.Whole("sensor_trip_count", 1, 100);
+  servo.sensor_force.ticks = section.WholeNumber("sensor_trip_count", 1, 100);
   servo.twist.max_speed_m_per_s = section.Number("max_tool_speed_mm_per_s", 1, 1000);
   servo.twist.max_turn_rad_per_s = section.Number("max_tool_turn_deg_per_s", 1, 360);
   servo.stop_deceleration_m_per_s2 = section.Number("stop_deceleration_mm_per_s2", 100, 20000);

@@ -83,7 +83,7 @@ void ReadOperator(Reader section, hil::OperatorHandParams& hand) {
   hand.max_force_N = section.Number("max_force_N", 1, 500);
   hand.max_torque_Nm = section.Number("max_torque_Nm", 0.1, 50);
   hand.tremor_N = section.Number("tremor_N", 0, 50);
-  hand.tremor_seed = static_cast<std::uint64_t>(section.Whole("tremor_seed", 0, 1'000'000'000));
+  hand.tremor_seed = static_cast<std::uint64_t>(section.WholeNumber("tremor_seed", 0, 1'000'000'000));
   if (!section.Has("incidents")) return;
   section.Finish();  // the incidents are checked against the hand
   hand.incidents = ReadIncidents(section, hand.max_force_N);

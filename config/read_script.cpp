@@ -31,7 +31,7 @@ hil::DrillingScriptParams ReadDrilling(Reader& section) {
   hil::DrillingScriptParams script;
   ReadCommon(section, script);
   script.depth_m = section.Number("full_force_depth_mm", 0.1, 500);
-  script.pecks = section.Whole("peck_count", 1, 50);
+  script.pecks = section.WholeNumber("peck_count", 1, 50);
   script.peck_height_m = section.Number("peck_height_mm", 0, 100);
   return script;
 }
@@ -42,7 +42,7 @@ hil::OpeningScriptParams ReadOpening(Reader& section) {
   script.depth_m = section.Number("full_force_depth_mm", 0.1, 500);
   script.site_radius_m = section.Number("opening_radius_mm", 0.1, 100);
   script.loop_period_s = section.Number("loop_period_s", 0.05, 60);
-  script.turns = section.Whole("turn_count", 1, 50);
+  script.turns = section.WholeNumber("turn_count", 1, 50);
   return script;
 }
 

@@ -26,7 +26,7 @@ void ReadDynamicArm(Reader section, hil::DynamicArmParams& arm, SimulatedArmSect
   arm.stiffness_Nm_per_rad_turn = section.Number("stiffness_Nm_per_rad", 0, 1e3);
   arm.joint_damping_ratio = section.Number("damping_ratio", 0, 2);
   arm.cartesian_damping_ratio = arm.joint_damping_ratio;
-  arm.substeps = section.Whole("substep_count", 1, 1000);
+  arm.substeps = section.WholeNumber("substep_count", 1, 1000);
   if (section.Has("mount")) ReadMount(section.Section("mount"), arm.mount.emplace());
 }
 

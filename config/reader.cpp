@@ -12,7 +12,7 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
-#include "config/file_scope.h"
+#include "config/config_file_tracker.h"
 #include "config/nearest_key.h"
 #include "config/overlay.h"
 #include "config/units.h"
@@ -25,7 +25,7 @@ constexpr std::uintmax_t kMaxFile = 1 << 20;  // bytes; ours have a few kB
 int LineOf(const YAML::Node& node) { return node.Mark().is_null() ? 0 : node.Mark().line + 1; }
 
 // The user's input, shortened for an error.
-std::string Shown(const YAML::Node& node) {
+std::string DescribeNode(const YAML::Node& node) {
   if (node.IsMap()) return "a mapping";
   if (node.IsSequence()) return fmt::format("a list of {}", node.size());
   if (node.IsNull()) return "nothing";
@@ -63,7 +63,7 @@ class DocumentCounter final : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-std::string ShownRange(double min, double max) { return fmt::format("{:.10g} … {:.10g}", min, max); }
+std::string DescribeRange(double min, double max) { return fmt::format("{:.10g} … {:.10g}", min, max); }
 
 // Plain scalars only ("25" in quotes is a text); no locale, no hexadecimal, no nan or inf.
 template <typename T>
@@ -123,7 +123,7 @@ struct Reader::Mapping {
   Mapping(std::filesystem::path file_in, const YAML::Node& node, int line_in, const std::string& key,
           std::optional<std::string> place_in = {})
       : file(std::move(file_in)), place(std::move(place_in)), line(line_in) {
-    if (!node.IsMap()) Fail(line, fmt::format("{}found {}, accepted a mapping", key, Shown(node)));
+    if (!node.IsMap()) Fail(line, fmt::format("{}found {}, accepted a mapping", key, DescribeNode(node)));
     std::unordered_map<std::string, int> lines;  // of the keys; a map, as a hostile file may have a hundred
                                                  // thousand
     for (const auto& pair : node) {
@@ -135,7 +135,7 @@ struct Reader::Mapping {
       entries.push_back(entry);
     }
     if (!place) return;
-    Overlay::Over(*place, [&](const OverlaidValue& over) {
+    Overlay::ApplyTo(*place, [&](const OverlaidValue& over) {
       const Entry entry{over.key, over.line, over.value, over.file};
       const auto same = std::ranges::find(entries, over.key, &Entry::key);
       if (same == entries.end())
@@ -153,7 +153,7 @@ struct Reader::Mapping {
   [[noreturn]] void FailValue(const std::string& key, const YAML::Node& node,
                               const std::string& accepted) const {
     throw ConfigError(FileOf(key).string(), LineOfValue(key, node),
-                      fmt::format("{}: found {}, accepted {}", key, Shown(node), accepted));
+                      fmt::format("{}: found {}, accepted {}", key, DescribeNode(node), accepted));
   }
 
   [[nodiscard]] const std::filesystem::path& FileOf(const std::string& key) const {
@@ -180,7 +180,8 @@ struct Reader::Mapping {
 
   double NumberIn(const std::string& key, const YAML::Node& node, double min, double max) const {
     double value = 0.0;
-    if (!ParseNumber(node, value) || value < min || value > max) FailValue(key, node, ShownRange(min, max));
+    if (!ParseNumber(node, value) || value < min || value > max)
+      FailValue(key, node, DescribeRange(min, max));
     return value;
   }
 
@@ -212,7 +213,7 @@ Reader Reader::Load(const std::filesystem::path& path) {
   std::ostringstream text;
   text << stream.rdbuf();
   if (!stream) throw ConfigError(path.string(), 0, "can not be read");
-  FileScope::Note(path);
+  ConfigFileTracker::RecordFile(path);
   return Parse(text.str(), path);
 }
 
@@ -248,13 +249,13 @@ bool Reader::Has(const std::string& key) {
 
 double Reader::Number(const std::string& key, double min, double max) {
   const double unit = UnitOrThrow(key);
-  const Mapping::Entry* entry = mapping_->Find(key, ShownRange(min, max));
+  const Mapping::Entry* entry = mapping_->Find(key, DescribeRange(min, max));
   return unit * (entry ? mapping_->NumberIn(key, entry->value, min, max) : min);
 }
 
 std::vector<double> Reader::Numbers(const std::string& key, std::size_t size, double min, double max) {
   const double unit = UnitOrThrow(key);
-  const std::string accepted = fmt::format("a list of {} numbers {}", size, ShownRange(min, max));
+  const std::string accepted = fmt::format("a list of {} numbers {}", size, DescribeRange(min, max));
   std::vector<double> values(size, unit * min);
   const Mapping::Entry* entry = mapping_->Find(key, accepted);
   if (!entry) return values;
@@ -278,7 +279,7 @@ Vector3 Reader::Direction(const std::string& key) {
   return found.normalized();
 }
 
-int Reader::Whole(const std::string& key, int min, int max) {
+int Reader::WholeNumber(const std::string& key, int min, int max) {
   static_cast<void>(UnitOrThrow(key));
   const std::string accepted = fmt::format("a whole number {} … {}", min, max);
   const Mapping::Entry* entry = mapping_->Find(key, accepted);
@@ -337,12 +338,13 @@ std::filesystem::path Reader::File(const std::string& key) {
   if (!entry) return {};
   if (!entry->value.IsScalar() || entry->value.Scalar().empty())
     mapping_->FailValue(key, entry->value, "a file's path");
-  const std::filesystem::path path = FileScope::Find(entry->file.parent_path(), entry->value.Scalar());
+  const std::filesystem::path path =
+      ConfigFileTracker::ResolveNamed(entry->file.parent_path(), entry->value.Scalar());
   if (path.empty()) mapping_->FailValue(key, entry->value, "a file beside it (this one is not among them)");
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     mapping_->FailValue(key, entry->value, fmt::format("an existing file (there is no {})", path.string()));
-  if (mapping_->place) Overlay::Name(path, *mapping_->place + key + ".");
+  if (mapping_->place) Overlay::RecordNamedFile(path, *mapping_->place + key + ".");
   return path;
 }
 

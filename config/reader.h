@@ -56,7 +56,7 @@ class Reader {
   /// Reads three numbers of length 1 to within 1e-3. @returns them normalised.
   [[nodiscard]] Vector3 Direction(const std::string& key);
   /// Reads a whole number.
-  [[nodiscard]] int Whole(const std::string& key, int min, int max);
+  [[nodiscard]] int WholeNumber(const std::string& key, int min, int max);
   [[nodiscard]] bool Bool(const std::string& key);
   /// Reads a text that is not empty.
   [[nodiscard]] std::string Text(const std::string& key);

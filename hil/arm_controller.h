@@ -26,7 +26,7 @@ struct ArmStatus {
 [[nodiscard]] std::string DescribeStop(const ArmStatus& status);
 
 /// Expresses the same wrench in A.
-[[nodiscard]] inline Wrench Turned(const Matrix3& R_AB, const Wrench& F_B) {
+[[nodiscard]] inline Wrench ExpressedIn(const Matrix3& R_AB, const Wrench& F_B) {
   return {.f = R_AB * F_B.f, .t = R_AB * F_B.t};
 }
 

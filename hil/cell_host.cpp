@@ -60,8 +60,8 @@ void CellHost::RunDevices() {
     devices_.SetLoad(load.F_S);
     const rt::Nanoseconds now = rt::MonotonicNow();
     if (arm_->commanded()) {
-      wires.Begin(now);
-      if (plc_wire) plc_wire->Begin(now);
+      wires.StartSchedule(now);
+      if (plc_wire) plc_wire->StartSchedule(now);
     }
     wires.Pump(now);
     const DriveDevice* drive = devices_.drive();

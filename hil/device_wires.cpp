@@ -38,9 +38,9 @@ DeviceWires::DeviceWires(const std::vector<io::CanBus*>& buses, SimulatedDevices
   second.Add(*devices.drive());
 }
 
-void DeviceWires::Begin(rt::Nanoseconds now) {
-  sensor_->Begin(now);
-  if (drive_) drive_->Begin(now);
+void DeviceWires::StartSchedule(rt::Nanoseconds now) {
+  sensor_->StartSchedule(now);
+  if (drive_) drive_->StartSchedule(now);
 }
 
 void DeviceWires::Pump(rt::Nanoseconds now) {

@@ -29,7 +29,7 @@ class DeviceWires {
               const InjectionParams& injections, const rt::Nanoseconds* virtual_now = nullptr);
 
   /// Records `now` as the time at which COMMANDING_ACTIVE was seen; later calls change nothing.
-  void Begin(rt::Nanoseconds now);
+  void StartSchedule(rt::Nanoseconds now);
   /// Every device takes the frames received and sends those due.
   void Pump(rt::Nanoseconds now);
 

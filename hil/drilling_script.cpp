@@ -36,7 +36,7 @@ HandScript MakeDrillingScript(const DrillingScriptParams& p) {
     add(fmt::format("back {}", i), 0.15 * peck, tip(-depth_m), p.approach_force_N);
   }
   add("withdraw", 0.12, p.retract_height_m, p.approach_force_N);
-  return HandScript(p.X_WC, p.head_radius_m, p.tool_yaw_rad, 1.0, phases.start(), phases.Take());
+  return HandScript(p.X_WC, p.head_radius_m, p.tool_yaw_rad, 1.0, phases.start(), phases.ReleasePhases());
 }
 
 }  // namespace osteon::hil

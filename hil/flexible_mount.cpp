@@ -35,15 +35,15 @@ FlexibleMount::FlexibleMount(const FlexibleMountParams& params, const kinematics
   mount_inertia_.setZero();
   mount_inertia_.diagonal() << Vector3::Constant(params.mass_kg), Vector3::Constant(params.inertia_kg_m2);
   stiffness_ << Vector3::Constant(params.stiffness_N_per_m), Vector3::Constant(params.stiffness_Nm_per_rad);
-  const Whole whole = Sum(kinematics::SerialChain<7>(chain, gravity_B), q_start, Joints::Zero());
+  const RigidBodySum sum = SumLinks(kinematics::SerialChain<7>(chain, gravity_B), q_start, Joints::Zero());
   damping_ = 2.0 * params.damping_ratio *
-             (stiffness_.array() * (mount_inertia_ + whole.inertia).diagonal().array()).sqrt();
-  weight_start_ = whole.weight;
+             (stiffness_.array() * (mount_inertia_ + sum.inertia).diagonal().array()).sqrt();
+  weight_start_ = sum.weight;
 }
 
-FlexibleMount::Whole FlexibleMount::Sum(const kinematics::SerialChain<7>& chain, const Joints& q,
-                                        const Joints& qd) const OSTEON_RT {
-  Whole whole;
+FlexibleMount::RigidBodySum FlexibleMount::SumLinks(const kinematics::SerialChain<7>& chain, const Joints& q,
+                                                    const Joints& qd) const OSTEON_RT {
+  RigidBodySum sum;
   const kinematics::SerialChain<7>::Posture posture = chain.ComputePosture(q);
   Vector3 w = Vector3::Zero(), v = Vector3::Zero(), p_before = Vector3::Zero();
   for (int i = 0; i < 7; ++i) {
@@ -58,35 +58,34 @@ FlexibleMount::Whole FlexibleMount::Sum(const kinematics::SerialChain<7>& chain,
     const Matrix3 I = X_BL.linear() * link.I_LLcm_kg_m2 * X_BL.linear().transpose();
     const Vector3 momentum = link.mass_kg * (v + w.cross(r)), weight = link.mass_kg * gravity_B_;
     const Matrix3 C = Skew(c);
-    whole.inertia.topLeftCorner<3, 3>() += link.mass_kg * Matrix3::Identity();
-    whole.inertia.topRightCorner<3, 3>() -= link.mass_kg * C;
-    whole.inertia.bottomLeftCorner<3, 3>() += link.mass_kg * C;
-    whole.inertia.bottomRightCorner<3, 3>() += I - link.mass_kg * C * C;
-    whole.momentum.head<3>() += momentum;
-    whole.momentum.tail<3>() += c.cross(momentum) + I * w;
-    whole.weight.head<3>() += weight;
-    whole.weight.tail<3>() += c.cross(weight);
+    sum.inertia.topLeftCorner<3, 3>() += link.mass_kg * Matrix3::Identity();
+    sum.inertia.topRightCorner<3, 3>() -= link.mass_kg * C;
+    sum.inertia.bottomLeftCorner<3, 3>() += link.mass_kg * C;
+    sum.inertia.bottomRightCorner<3, 3>() += I - link.mass_kg * C * C;
+    sum.momentum.head<3>() += momentum;
+    sum.momentum.tail<3>() += c.cross(momentum) + I * w;
+    sum.weight.head<3>() += weight;
+    sum.weight.tail<3>() += c.cross(weight);
   }
-  return whole;
+  return sum;
 }
 
 void FlexibleMount::Step(const kinematics::SerialChain<7>& chain, const Joints& q, const Joints& qd,
                          const Wrench& F_B, const Vector3& p_B, double dt_s) OSTEON_RT {
-  const Whole whole = Sum(chain, q, qd);
+  const RigidBodySum sum = SumLinks(chain, q, qd);
   Vector6 outside;
   outside << F_B.f, F_B.t + p_B.cross(F_B.f);
-  const Matrix6 inertia = mount_inertia_ + whole.inertia;
+  const Matrix6 inertia = mount_inertia_ + sum.inertia;
 
   // backward Euler of the total momentum of base and arm, inertia × rate + H, under springs and weight
   Matrix6 left = inertia;
   left.diagonal() += dt_s * damping_ + dt_s * dt_s * stiffness_;
   const Vector6 rate = left.ldlt().solve(
-      momentum_ + dt_s * (outside + whole.weight - weight_start_ - stiffness_.cwiseProduct(d_)) -
-      whole.momentum);
+      momentum_ + dt_s * (outside + sum.weight - weight_start_ - stiffness_.cwiseProduct(d_)) - sum.momentum);
   acceleration_ = (rate - rate_) / dt_s;
   rate_ = rate;
   d_ += dt_s * rate_;
-  momentum_ = inertia * rate_ + whole.momentum;
+  momentum_ = inertia * rate_ + sum.momentum;
 }
 
 FlexibleMount::Joints FlexibleMount::Torques(const kinematics::SerialChain<7>& chain,

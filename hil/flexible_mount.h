@@ -49,12 +49,12 @@ class FlexibleMount {
  private:
   // The arm as one rigid body about B's origin, the momentum of its joints' motion, and the wrench of its
   // weight.
-  struct Whole {
+  struct RigidBodySum {
     Matrix6 inertia{Matrix6::Zero()};
     Vector6 momentum{Vector6::Zero()}, weight{Vector6::Zero()};
   };
-  [[nodiscard]] Whole Sum(const kinematics::SerialChain<7>& chain, const Joints& q,
-                          const Joints& qd) const OSTEON_RT;
+  [[nodiscard]] RigidBodySum SumLinks(const kinematics::SerialChain<7>& chain, const Joints& q,
+                                      const Joints& qd) const OSTEON_RT;
 
   std::array<kinematics::LinkInertia, 7> links_;
   Vector3 gravity_B_;

@@ -33,7 +33,7 @@ void FriArm::Move(bool client_had_its_time, const Wrench& F_T_B) {
   drive.control = server_.control_mode();
   drive.q_cmd = server_.q_commanded();
   drive.tau_Nm = server_.tau_commanded();
-  drive.F_T_B = Turned(R_BT, server_.F_commanded());
+  drive.F_T_B = ExpressedIn(R_BT, server_.F_commanded());
   body_->Step(drive, F_T_B);
 }
 

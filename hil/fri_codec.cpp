@@ -14,7 +14,7 @@ constexpr double kMmPerM = 1e3;
 constexpr std::size_t kHead = 4, kTail = 4;
 constexpr const char* kMotionCentre = "flange";  // name of the frame of the arm's poses
 
-void Put(const control::JointArray& from, fri::JointValues& to) {
+void FillJoints(const control::JointArray& from, fri::JointValues& to) {
   to.clear_value();
   for (const double v : from) to.add_value(v);
 }
@@ -33,17 +33,18 @@ void PutWord(std::uint32_t value, std::uint8_t* to) {
   for (int i = 0; i < 4; ++i) to[i] = static_cast<std::uint8_t>(value >> (8 * i));
 }
 
-std::uint32_t Word(const std::uint8_t* from) {
+std::uint32_t ReadWord(const std::uint8_t* from) {
   std::uint32_t value = 0;
   for (int i = 0; i < 4; ++i) value |= static_cast<std::uint32_t>(from[i]) << (8 * i);
   return value;
 }
 
 // The message without its frame; empty if the frame is wrong (an empty message has no header).
-std::span<const std::uint8_t> Unframed(std::span<const std::uint8_t> datagram) {
+std::span<const std::uint8_t> RemoveFrame(std::span<const std::uint8_t> datagram) {
   if (datagram.size() <= kHead + kTail) return {};
   const auto body = datagram.subspan(kHead, datagram.size() - kHead - kTail);
-  const bool whole = Word(datagram.data()) == body.size() && Word(body.data() + body.size()) == Crc32(body);
+  const bool whole =
+      ReadWord(datagram.data()) == body.size() && ReadWord(body.data() + body.size()) == Crc32(body);
   return whole ? body : std::span<const std::uint8_t>{};
 }
 
@@ -129,11 +130,11 @@ std::span<const std::uint8_t> FriCodec::Encode(const FriMonitoring& c) {
   robot.set_control_mode(static_cast<fri::ControlMode>(c.control_mode));
 
   fri::MonitorData& data = *m.mutable_monitor_data();
-  Put(c.q_meas, *data.mutable_measured_joint_position());
-  Put(c.tau_meas, *data.mutable_measured_torque());
-  if (!has_poses) Put(c.q_cmd, *data.mutable_commanded_joint_position());
-  Put(c.tau_cmd, *data.mutable_commanded_torque());
-  Put(c.tau_ext, *data.mutable_external_torque());
+  FillJoints(c.q_meas, *data.mutable_measured_joint_position());
+  FillJoints(c.tau_meas, *data.mutable_measured_torque());
+  if (!has_poses) FillJoints(c.q_cmd, *data.mutable_commanded_joint_position());
+  FillJoints(c.tau_cmd, *data.mutable_commanded_torque());
+  FillJoints(c.tau_ext, *data.mutable_external_torque());
   if (family_ == FriFamily::k2_7) {
     data.mutable_external_force()->clear_element();
     for (const double v : c.wire_force) data.mutable_external_force()->add_element(v);
@@ -155,7 +156,7 @@ std::span<const std::uint8_t> FriCodec::Encode(const FriMonitoring& c) {
 
   fri::IpoData& ipo = *m.mutable_ipo_data();
   if (c.has_ipo) {
-    Put(c.q_ipo, *ipo.mutable_joint_position());
+    FillJoints(c.q_ipo, *ipo.mutable_joint_position());
     if (has_poses) {
       PutPose(family_, kMotionCentre, c.X_ipo, *ipo.mutable_cartesian_pose());
       PutRedundancy(c.q_ipo, *ipo.mutable_redundancy());
@@ -195,7 +196,7 @@ bool FriCodec::Parse(std::span<const std::uint8_t> body) {
 
 std::optional<FriCommand> FriCodec::Decode(std::span<const std::uint8_t> datagram) {
   if (datagram.size() > kFriMaxDatagram) return std::nullopt;
-  if (!Parse(family_ == FriFamily::k2_7 ? Unframed(datagram) : datagram)) return std::nullopt;
+  if (!Parse(family_ == FriFamily::k2_7 ? RemoveFrame(datagram) : datagram)) return std::nullopt;
 
   const fri::CommandMessage& m = messages_->command;
   FriCommand command;
@@ -227,7 +228,7 @@ std::optional<FriCommand> FriCodec::Decode(std::span<const std::uint8_t> datagra
 
 bool FriCodec::IsOfOtherVersion(std::span<const std::uint8_t> datagram) {
   if (datagram.size() > kFriMaxDatagram) return false;
-  return Parse(family_ == FriFamily::k2_7 ? datagram : Unframed(datagram));
+  return Parse(family_ == FriFamily::k2_7 ? datagram : RemoveFrame(datagram));
 }
 
 }  // namespace osteon::hil

@@ -40,7 +40,7 @@ FriOutputs::FriOutputs(std::vector<ArmIo> ios, std::vector<ArmFrame> frames)
   RequireNames(frames_, kMaxFrames, "frames");
 }
 
-std::uint64_t FriOutputs::Take(const FriCommand& command) {
+std::uint64_t FriOutputs::ApplyRequests(const FriCommand& command) {
   std::uint64_t refused = 0;
   for (const ArmIo& io : command.ios) {
     const auto own = Find(ios_, io.name);

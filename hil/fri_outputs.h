@@ -18,7 +18,7 @@ class FriOutputs {
   FriOutputs(std::vector<ArmIo> ios, std::vector<ArmFrame> frames);
 
   /// Applies a command's requests. @returns how many were refused: no such name, an input, or another type.
-  std::uint64_t Take(const FriCommand& command);
+  std::uint64_t ApplyRequests(const FriCommand& command);
 
   /// An input of the robot changes. False where there is none of that name.
   bool SetInput(const ArmIo& input);

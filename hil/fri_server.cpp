@@ -43,7 +43,7 @@ bool IsCompliant(ControlMode mode) {
 }
 
 // The control mode that a command mode needs; the present one if any will do.
-ControlMode Needed(CommandMode command, ControlMode present) {
+ControlMode ControlModeFor(CommandMode command, ControlMode present) {
   if (command == CommandMode::kWrench) return ControlMode::kCartesianImpedance;
   if (command == CommandMode::kTorque) return ControlMode::kJointImpedance;
   return present == ControlMode::kNone ? ControlMode::kPosition : present;
@@ -208,7 +208,7 @@ void FriServer::EndCycle(bool client_had_its_time) {
   ++cycles_since_command_;
   drives_.Step(period_s());
   CountIgnored();
-  if (has_pending_) counters_.refused_outputs += outputs_.Take(pending_);
+  if (has_pending_) counters_.refused_outputs += outputs_.ApplyRequests(pending_);
   if (has_pending_ && Commanding() && !HasWhatModeNeeds()) {
     ++counters_.incomplete;
     has_pending_ = false;
@@ -220,13 +220,13 @@ void FriServer::EndCycle(bool client_had_its_time) {
       break;
     case SessionState::kMonitoringWait:
     case SessionState::kMonitoringReady:
-      WalkMonitoring();
+      StepMonitoring();
       break;
     case SessionState::kCommandingWait:
-      WalkCommandingWait();
+      StepCommandingWait();
       break;
     case SessionState::kCommandingActive:
-      if (has_pending_) Follow();
+      if (has_pending_) ApplyCommand();
       break;
   }
   if (Commanding()) EndOnLosses();
@@ -300,7 +300,7 @@ void FriServer::CountAnswer(bool client_had_its_time) {
   turn_answered_ = turn_excused_ = false;
 }
 
-void FriServer::WalkMonitoring() {
+void FriServer::StepMonitoring() {
   const bool good = quality_.level() >= kGood;
   was_good_ |= good;
   if (!was_good_ && cycles_in_session_ * period_s() >= params_.quality.good_timeout_s) {
@@ -323,7 +323,7 @@ void FriServer::EndSession() {
 }
 
 void FriServer::AskForCommanding() {
-  const ControlMode needed = Needed(params_.command_mode, params_.control_mode);
+  const ControlMode needed = ControlModeFor(params_.command_mode, params_.control_mode);
   if (params_.control_mode != needed) {
     stop_ = Report(StopReason::kControlMode, 0, static_cast<double>(params_.control_mode),
                    static_cast<double>(needed));
@@ -336,7 +336,7 @@ void FriServer::AskForCommanding() {
   mirrored_ = 0;
 }
 
-void FriServer::WalkCommandingWait() {
+void FriServer::StepCommandingWait() {
   if (has_pending_) {
     if (pending_.joint_count != control::kJoints)
       return SafetyStop(StopReason::kCount, 0, pending_.joint_count, control::kJoints);
@@ -356,7 +356,7 @@ void FriServer::WalkCommandingWait() {
   }
 }
 
-void FriServer::Follow() {
+void FriServer::ApplyCommand() {
   if (pending_.joint_count != control::kJoints)
     return SafetyStop(StopReason::kCount, 0, pending_.joint_count, control::kJoints);
   for (int i = 0; i < control::kJoints; ++i) {
@@ -373,13 +373,13 @@ void FriServer::Follow() {
     if (IsCompliant(params_.control_mode) && delta_rad > params_.max_axis_delta_rad)
       return SafetyStop(StopReason::kAxisDelta, i + 1, delta_rad, params_.max_axis_delta_rad);
   }
-  if (!TakeOverlay()) return;
+  if (!ApplyOverlay()) return;
   q_commanded_ = Eigen::Map<const JointVector>(pending_.q.data());
   cycles_since_command_ = 0;
 }
 
 // Applies the wrench or torque of the present mode. False if this stopped the arm.
-bool FriServer::TakeOverlay() {
+bool FriServer::ApplyOverlay() {
   if (params_.command_mode == CommandMode::kWrench) {
     if (pending_.wrench_count != kWrenchSize) {
       SafetyStop(StopReason::kCount, 0, pending_.wrench_count, kWrenchSize);

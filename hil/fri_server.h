@@ -169,12 +169,12 @@ class FriServer {
   void CountClientSequence(std::uint32_t sequence);
   void CountIgnored();
   [[nodiscard]] bool HasWhatModeNeeds() const;
-  void WalkMonitoring();
+  void StepMonitoring();
   void EndSession();
   void AskForCommanding();
-  void WalkCommandingWait();
-  void Follow();
-  [[nodiscard]] bool TakeOverlay();
+  void StepCommandingWait();
+  void ApplyCommand();
+  [[nodiscard]] bool ApplyOverlay();
   void LeaveCommanding();
   [[nodiscard]] bool ReportLosses();
   void EndOnLosses();

@@ -144,7 +144,8 @@ HandScript MakeReamingScript(const ReamingScriptParams& p) {
   add("upright", 0.08, push_height_m, p.push_force_N, 0.0);
   add("unload", 0.04, 0.0, p.approach_force_N, 0.0);
   add("retract", 0.08, p.retract_height_m, p.approach_force_N, 0.0);
-  return HandScript(p.X_WC, p.head_radius_m, p.tool_yaw_rad, p.whirl_period_s, phases.start(), phases.Take());
+  return HandScript(p.X_WC, p.head_radius_m, p.tool_yaw_rad, p.whirl_period_s, phases.start(),
+                    phases.ReleasePhases());
 }
 
 }  // namespace osteon::hil

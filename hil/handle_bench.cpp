@@ -73,7 +73,7 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
 
   const double dt_s = servo.period_s, w = kTau * shake.frequency_hz;
   const auto period_ns = static_cast<rt::Nanoseconds>(std::lround(1e9 * dt_s));
-  const double settle_s = std::max(shake.least_settle_s, shake.settle_periods / shake.frequency_hz);
+  const double settle_s = std::max(shake.min_settle_s, shake.settle_periods / shake.frequency_hz);
   const auto first = static_cast<std::size_t>(std::lround(settle_s / dt_s));
   const auto count =
       first + static_cast<std::size_t>(std::lround(shake.periods / (shake.frequency_hz * dt_s)));
@@ -128,7 +128,8 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
     const Pose X_WF = X_WT * X_TF;
     const Load& felt = loads.back();
     Wrench F_S = SensorLoad(servo.sensor, X_WT, X_WF, felt.F_T_W);
-    if (params.sensor_feels_inertia) F_S = LessInertia(servo.sensor, F_S, X_WT, X_WF, felt.V_WT, felt.A_WT);
+    if (params.sensor_feels_inertia)
+      F_S = SubtractInertia(servo.sensor, F_S, X_WT, X_WF, felt.V_WT, felt.A_WT);
 
     const rt::Nanoseconds now = rt::kSecond + static_cast<rt::Nanoseconds>(i) * period_ns;
     state.stamp = now;
@@ -167,21 +168,21 @@ std::vector<HandlePoint> SweepFree(const HandleBenchParams& params, const Handle
   std::vector<HandlePoint> points;
   for (const double hz : sweep.frequencies_hz) {
     const double z = std::abs(AskedImpedance(params.servo.admittance, sweep.axis, hz));
-    const double speed = std::min(sweep.most_speed, sweep.most_travel * kTau * hz);
+    const double speed = std::min(sweep.max_speed, sweep.max_travel * kTau * hz);
     points.push_back(
         Shake(params,
-              {.axis = sweep.axis, .frequency_hz = hz, .amplitude = std::min(sweep.most_wrench, z * speed)}));
+              {.axis = sweep.axis, .frequency_hz = hz, .amplitude = std::min(sweep.max_wrench, z * speed)}));
     if (progress)
       progress(static_cast<double>(points.size()) / static_cast<double>(sweep.frequencies_hz.size()));
   }
   return points;
 }
 
-HandleFit FitMassAndDrag(const std::vector<HandlePoint>& points, double most_hz) {
+HandleFit FitMassAndDrag(const std::vector<HandlePoint>& points, double max_hz) {
   // real and imaginary part are fitted separately: b to Re Z, m w to Im Z, each weighted by 1 / |Z|
   double drag = 0.0, drag_weight = 0.0, mass = 0.0, mass_weight = 0.0;
   for (const HandlePoint& point : points) {
-    if (point.frequency_hz > most_hz || point.fault) continue;
+    if (point.frequency_hz > max_hz || point.fault) continue;
     const double weight = 1.0 / std::norm(point.impedance), w = kTau * point.frequency_hz;
     drag += weight * point.impedance.real();
     drag_weight += weight;
@@ -195,7 +196,7 @@ HandleFit FitMassAndDrag(const std::vector<HandlePoint>& points, double most_hz)
   double sum = 0.0;
   int count = 0;
   for (const HandlePoint& point : points) {
-    if (point.frequency_hz > most_hz || point.fault) continue;
+    if (point.frequency_hz > max_hz || point.fault) continue;
     const std::complex<double> model(fit.drag, kTau * point.frequency_hz * fit.mass);
     sum += std::norm(point.impedance - model) / std::norm(point.impedance);
     ++count;

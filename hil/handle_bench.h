@@ -33,7 +33,7 @@ struct HandleShake {
   double amplitude{5.0};  ///< of the force [N] or torque [N·m]
   double bias{0.0};       ///< mean of the load
   int settle_periods{1}, periods{2};
-  double least_settle_s{1.0};
+  double min_settle_s{1.0};
 };
 
 /// A wall whose plane touches the apex at the start, n = -z of T. The loop knows it in every tick.
@@ -61,14 +61,14 @@ struct HandlePoint {
 [[nodiscard]] HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
                                 const std::optional<HandleWall>& wall = {});
 
-/// A sweep. Amplitudes are chosen so that the tool moves by at most `most_travel` and `most_speed` if it
+/// A sweep. Amplitudes are chosen so that the tool moves by at most `max_travel` and `max_speed` if it
 /// follows the law's own m i w + b.
 struct HandleSweep {
   int axis{2};
   std::vector<double> frequencies_hz{};
-  double most_travel{0.005};  ///< [m, rad]
-  double most_speed{0.05};    ///< [m/s, rad/s]
-  double most_wrench{20.0};   ///< [N, N·m]
+  double max_travel{0.005};  ///< [m, rad]
+  double max_speed{0.05};    ///< [m/s, rad/s]
+  double max_wrench{20.0};   ///< [N, N·m]
 };
 /// @param progress  receives the share that is done; may be empty
 [[nodiscard]] std::vector<HandlePoint> SweepFree(const HandleBenchParams& params, const HandleSweep& sweep,
@@ -86,6 +86,6 @@ struct HandleFit {
   double drag{0.0};      ///< [N s/m, N·m s/rad]
   double residual{0.0};  ///< rms of |Z - fit| / |Z|
 };
-[[nodiscard]] HandleFit FitMassAndDrag(const std::vector<HandlePoint>& points, double most_hz);
+[[nodiscard]] HandleFit FitMassAndDrag(const std::vector<HandlePoint>& points, double max_hz);
 
 }  // namespace osteon::hil

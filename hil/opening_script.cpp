@@ -16,10 +16,9 @@ HandScript MakeOpeningScript(const OpeningScriptParams& p) {
                   p.site_radius_m, fmt::format("the head's {} … 1", p.head_radius_m));
   RequireInScript(p.turns >= 1 && p.turns <= 50, "turns", p.turns, "1 … 50");
   const double widest_m = p.site_radius_m - p.head_radius_m;
-  const double least_period_s = 2.0 * std::numbers::pi * widest_m / p.max_target_m_per_s;
-  RequireInScript(p.loop_period_s > 0.0 && p.loop_period_s >= least_period_s, "loop_period_s",
-                  p.loop_period_s,
-                  fmt::format("> 0, and {} or more: the loop at max_target_m_per_s", least_period_s));
+  const double min_period_s = 2.0 * std::numbers::pi * widest_m / p.max_target_m_per_s;
+  RequireInScript(p.loop_period_s > 0.0 && p.loop_period_s >= min_period_s, "loop_period_s", p.loop_period_s,
+                  fmt::format("> 0, and {} or more: the loop at max_target_m_per_s", min_period_s));
 
   // the loops of a short script are limited by the radius from which it can return to the axis in time
   constexpr double kToAxis = 0.08;
@@ -49,7 +48,7 @@ HandScript MakeOpeningScript(const OpeningScriptParams& p) {
   add("round", 0.12, push(1.0), p.push_force_N, swing_m);
   add("to the axis", kToAxis, p.head_radius_m - kStraightIn * p.depth_m, p.approach_force_N, 0.0);
   add("out", 0.10, p.retract_height_m, p.approach_force_N, 0.0);
-  return HandScript(p.X_WC, p.head_radius_m, p.tool_yaw_rad, 1.0, phases.start(), phases.Take(),
+  return HandScript(p.X_WC, p.head_radius_m, p.tool_yaw_rad, 1.0, phases.start(), phases.ReleasePhases(),
                     p.loop_period_s);
 }
 

@@ -10,15 +10,15 @@
 namespace osteon::hil {
 namespace {
 
-Vector3 Limited(const Vector3& v, double max_size) {
+Vector3 LimitNorm(const Vector3& v, double max_size) {
   const double size = v.norm();
   return size > max_size ? Vector3(v * (max_size / size)) : v;
 }
 
 // Bounds the part along a unit axis and leaves the rest.
-Vector3 AxiallyLimited(const Vector3& f, const Vector3& axis, double most_N) {
+Vector3 LimitAxially(const Vector3& f, const Vector3& axis, double max_N) {
   const double axial_N = axis.dot(f);
-  return f + (std::clamp(axial_N, -most_N, most_N) - axial_N) * axis;
+  return f + (std::clamp(axial_N, -max_N, max_N) - axial_N) * axis;
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ OperatorHand::OperatorHand(const OperatorHandParams& params, HandScript script)
   CheckIncidents(params.incidents);
 }
 
-Wrench HandImpedance::Carry(double period_s, const Twist& V, double grip) noexcept {
+Wrench HandImpedance::StepMass(double period_s, const Twist& V, double grip) noexcept {
   if (grip == 0.0) {
     V_mass_ = {};
     return {};
@@ -61,13 +61,13 @@ Wrench HandImpedance::Carry(double period_s, const Twist& V, double grip) noexce
 
 Wrench HandImpedance::Step(double period_s, const Pose& X, const Twist& V, const Pose& X_target,
                            const Twist& V_target) noexcept {
-  const Wrench F_mass = Carry(period_s, V, 1.0);
+  const Wrench F_mass = StepMass(period_s, V, 1.0);
   const Wrench pull = params_.spring().Pull(X, V, X_target, V_target);
   return {.f = pull.f - F_mass.f, .t = pull.t - F_mass.t};
 }
 
-void OperatorHand::Begin() noexcept {
-  impedance_.Begin();
+void OperatorHand::Reset() noexcept {
+  impedance_.Reset();
   holding_ = IncidentMoment::kNone;
   kept_ = {};
 }
@@ -78,19 +78,19 @@ Wrench OperatorHand::Step(double time_s, double period_s, const Pose& X_WT, cons
   const Handle handle = HandleAt(time_s, period_s, moment.grip, target, X_WT, V_WT);
 
   // impedance at the head's centre
-  if (moment.holding != holding_) Change(moment, target.force_limit_N, handle);
+  if (moment.holding != holding_) ChangeSpring(moment, target.force_limit_N, handle);
   const double fade = 1.0 - moment.back;
-  const Wrench F = Exerted(holding_, moment.grip, handle, {.f = fade * kept_.f, .t = fade * kept_.t});
+  const Wrench F = ComputeWrench(holding_, moment.grip, handle, {.f = fade * kept_.f, .t = fade * kept_.t});
   if (moment.clamped) return {.f = F.f, .t = F.t + handle.p_T_head_W.cross(F.f)};
 
   // along the axis the hand pushes at most with the script's limit
-  const double most_N = moment.grip * std::lerp(params_.max_force_N, target.force_limit_N, moment.back);
-  Vector3 f = AxiallyLimited(F.f, script_.X_WC().linear().col(2), most_N);
+  const double max_N = moment.grip * std::lerp(params_.max_force_N, target.force_limit_N, moment.back);
+  Vector3 f = LimitAxially(F.f, script_.X_WC().linear().col(2), max_N);
 
   // and in total at most with the hand's own maximum
   const double grip = moment.after_clamp ? std::lerp(1.0, target.grip, moment.back) : target.grip;
-  f = Limited(grip * f + script_.X_WC().linear() * moment.jerk_C_N, params_.max_force_N);
-  return {.f = f, .t = Limited(grip * F.t + handle.p_T_head_W.cross(f), params_.max_torque_Nm)};
+  f = LimitNorm(grip * f + script_.X_WC().linear() * moment.jerk_C_N, params_.max_force_N);
+  return {.f = f, .t = LimitNorm(grip * F.t + handle.p_T_head_W.cross(f), params_.max_torque_Nm)};
 }
 
 OperatorHand::Handle OperatorHand::HandleAt(double time_s, double period_s, double grip,
@@ -108,12 +108,12 @@ OperatorHand::Handle OperatorHand::HandleAt(double time_s, double period_s, doub
                 .tremor_N = tremor_.At(time_s)};
   handle.X.translation() += p_T_head_W;
   handle.X_target.translation() += p_T_head_target_W;
-  handle.F_mass = impedance_.Carry(period_s, handle.V, grip);
+  handle.F_mass = impedance_.StepMass(period_s, handle.V, grip);
   return handle;
 }
 
-Wrench OperatorHand::Exerted(std::size_t holding, double grip, const Handle& handle,
-                             const Wrench& kept) const noexcept {
+Wrench OperatorHand::ComputeWrench(std::size_t holding, double grip, const Handle& handle,
+                                   const Wrench& kept) const noexcept {
   if (IsClamp(holding)) {
     const Wrench pull = SpringOf(params_.incidents.list[holding]).Pull(handle.X, handle.V, X_W_clamped_, {});
     return {.f = pull.f - handle.F_mass.f, .t = pull.t - handle.F_mass.t};
@@ -125,18 +125,19 @@ Wrench OperatorHand::Exerted(std::size_t holding, double grip, const Handle& han
           .t = grip * pull.t - handle.F_mass.t + kept.t};
 }
 
-void OperatorHand::Change(const IncidentMoment& moment, double force_limit_N, const Handle& handle) noexcept {
+void OperatorHand::ChangeSpring(const IncidentMoment& moment, double force_limit_N,
+                                const Handle& handle) noexcept {
   const bool own = holding_ == IncidentMoment::kNone;
   if (moment.clamped) {
     X_W_clamped_ = handle.X;
     kept_ = {};
   } else {
     // with the same bound as before the change
-    Wrench before = Exerted(holding_, moment.grip, handle, own ? Wrench{} : kept_);
-    if (own) before.f = AxiallyLimited(before.f, script_.X_WC().linear().col(2), force_limit_N);
-    before.f = Limited(before.f, params_.max_force_N);
-    before.t = Limited(before.t, params_.max_torque_Nm);
-    const Wrench after = Exerted(moment.holding, moment.grip, handle, {});
+    Wrench before = ComputeWrench(holding_, moment.grip, handle, own ? Wrench{} : kept_);
+    if (own) before.f = LimitAxially(before.f, script_.X_WC().linear().col(2), force_limit_N);
+    before.f = LimitNorm(before.f, params_.max_force_N);
+    before.t = LimitNorm(before.t, params_.max_torque_Nm);
+    const Wrench after = ComputeWrench(moment.holding, moment.grip, handle, {});
     kept_ = {.f = before.f - after.f, .t = before.t - after.t};
   }
   holding_ = moment.holding;

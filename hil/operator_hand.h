@@ -37,7 +37,7 @@ class HandImpedance {
   explicit HandImpedance(const OperatorHandParams& params) : params_(params) {}
 
   /// Sets the hand's mass to rest.
-  void Begin() noexcept { V_mass_ = {}; }
+  void Reset() noexcept { V_mass_ = {}; }
 
   /// One period. Poses at the point, velocities of the point, all in W. @param period_s > 0
   /// @returns what the hand exerts, at the point, in W.
@@ -48,7 +48,7 @@ class HandImpedance {
   /// @param grip  share of the hand that holds on, 0 … 1. It scales the damper between mass and handle. At 0
   ///   the mass comes to rest by itself, so no change of grip gives back more energy than was taken.
   /// @returns the wrench that moves the mass: the negative of what the mass exerts.
-  [[nodiscard]] Wrench Carry(double period_s, const Twist& V, double grip) noexcept;
+  [[nodiscard]] Wrench StepMass(double period_s, const Twist& V, double grip) noexcept;
 
  private:
   OperatorHandParams params_;
@@ -91,10 +91,10 @@ class OperatorHand {
   OperatorHand(const OperatorHandParams& params, HandScript script);
 
   /// Starts the script, with the tool and the hand at rest.
-  void Begin() noexcept;
+  void Reset() noexcept;
 
   /// Advances by one period.
-  /// @param time_s since Begin; @param period_s > 0.
+  /// @param time_s since Reset; @param period_s > 0.
   /// @param X_WT tool pose; @param V_WT velocity of T, in W.
   /// @returns F_T_W, what the hand exerts on the tool, at T's origin, in W. |f| <= max_force, |f·n| <= the
   ///   script's force limit at time_s, |t| <= max_torque, except for bounds that incidents lift. Finite for
@@ -116,10 +116,10 @@ class OperatorHand {
                                 const Pose& X_WT, const Twist& V_WT) noexcept;
   // The wrench at the handle: of an incident's spring (kNone: the hand's own), the mass, the tremor and a
   // kept wrench.
-  [[nodiscard]] Wrench Exerted(std::size_t holding, double grip, const Handle& handle,
-                               const Wrench& kept) const noexcept;
+  [[nodiscard]] Wrench ComputeWrench(std::size_t holding, double grip, const Handle& handle,
+                                     const Wrench& kept) const noexcept;
   // Changes the spring that holds the tool.
-  void Change(const IncidentMoment& moment, double force_limit_N, const Handle& handle) noexcept;
+  void ChangeSpring(const IncidentMoment& moment, double force_limit_N, const Handle& handle) noexcept;
   [[nodiscard]] bool IsClamp(std::size_t holding) const noexcept;
 
   OperatorHandParams params_;

@@ -46,7 +46,7 @@ class ScriptPhases {
   /// State at the end of the last phase.
   [[nodiscard]] const HandKey& key() const { return key_; }
   [[nodiscard]] const HandKey& start() const { return start_; }
-  [[nodiscard]] std::vector<HandPhase> Take() { return std::move(phases_); }
+  [[nodiscard]] std::vector<HandPhase> ReleasePhases() { return std::move(phases_); }
 
  private:
   ScriptBounds bounds_;

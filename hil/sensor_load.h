@@ -14,7 +14,8 @@ namespace osteon::hil {
 /// The same load without the wrench that accelerates the tool beyond the sensor: Newton's and Euler's
 /// equations at its centre of mass.
 /// @param F_S  SensorLoad  @param V_WT, A_WT  velocity of T and its rate of change, at To, in W
-[[nodiscard]] Wrench LessInertia(const control::ForceSensorParams& sensor, const Wrench& F_S,
-                                 const Pose& X_WT, const Pose& X_WF, const Twist& V_WT, const Twist& A_WT);
+[[nodiscard]] Wrench SubtractInertia(const control::ForceSensorParams& sensor, const Wrench& F_S,
+                                     const Pose& X_WT, const Pose& X_WF, const Twist& V_WT,
+                                     const Twist& A_WT);
 
 }  // namespace osteon::hil

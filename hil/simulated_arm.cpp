@@ -20,7 +20,7 @@ class StiffArm : public SimulatedArm {
   }
 
  protected:
-  void Feel(const Wrench& F_T_B) OSTEON_RT { F_T_B_ = F_T_B; }
+  void SetToolWrench(const Wrench& F_T_B) OSTEON_RT { F_T_B_ = F_T_B; }
 
  private:
   kinematics::LbrArm arm_;
@@ -36,7 +36,7 @@ class KinematicArm final : public StiffArm {
   void Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT override {
     qd_ = (drive.q_cmd - q_) / period_s_;
     q_ = drive.q_cmd;
-    Feel(F_T_B);
+    SetToolWrench(F_T_B);
   }
   [[nodiscard]] const JointVector& q() const OSTEON_RT override { return q_; }
   [[nodiscard]] const JointVector& qd() const OSTEON_RT override { return qd_; }
@@ -54,7 +54,7 @@ class LaggingArm final : public StiffArm {
 
   void Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT override {
     servo_.Step(drive.q_cmd);
-    Feel(F_T_B);
+    SetToolWrench(F_T_B);
   }
   [[nodiscard]] const JointVector& q() const OSTEON_RT override { return servo_.q(); }
   [[nodiscard]] const JointVector& qd() const OSTEON_RT override { return servo_.qd(); }

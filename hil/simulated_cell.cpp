@@ -60,7 +60,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   if (holds && !holds_) {
     held_cycles_ = 0;
     held_once_ = true;
-    hand_.Begin();
+    hand_.Reset();
   }
   holds_ = holds;
   if (holds) {
@@ -68,9 +68,9 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
     F_T_W = hand_.Step(state_.cell_time_s, period_s(), X_WT, V_WT);
   }
 
-  F_hand_T_B_ = Turned(X_WB_.linear().transpose(), F_T_W);
+  F_hand_T_B_ = ExpressedIn(X_WB_.linear().transpose(), F_T_W);
 
-  const auto datagram = arm_->Message(Turned(X_WT.linear().transpose(), F_T_W), now);
+  const auto datagram = arm_->Message(ExpressedIn(X_WT.linear().transpose(), F_T_W), now);
 
   ++state_.cycle;
   state_.stamp = now;
@@ -88,7 +88,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
     // acceleration over the past period; unknown in the first
     const Twist& V_before = has_twist_ ? V_WT_before_ : V_WT;
     const Twist A_WT{.v = (V_WT.v - V_before.v) / period_s(), .w = (V_WT.w - V_before.w) / period_s()};
-    state_.F_S = LessInertia(sensor_, state_.F_S, X_WT, X_WT * X_TF_, V_WT, A_WT);
+    state_.F_S = SubtractInertia(sensor_, state_.F_S, X_WT, X_WT * X_TF_, V_WT, A_WT);
     V_WT_before_ = V_WT;
     has_twist_ = true;
   }

@@ -54,7 +54,7 @@ void SimulatedCellThread::Run() {
     loads_.Store(cell_.force());  // before the message, so that the load is ready when the client answers
     answered_ = false;
     if (cell_.state().active_once) {
-      wires_.Begin(now);
+      wires_.StartSchedule(now);
       commanded_.store(true, std::memory_order_relaxed);
     }
     if (!datagram.empty()) wires_.to_controller.Push(datagram, now);

@@ -57,17 +57,17 @@ class UdpClient {
   /// Sleeps until `time` on CLOCK_MONOTONIC, or until something has come.
   void WaitUntil(rt::Nanoseconds time) const { static_cast<void>(io::WaitReadable(socket_, time)); }
 
-  /// Calls take(datagram) for each waiting datagram. @returns how many of ours were undeliverable, as far as
-  /// reported by now.
-  template <class Take>
-  std::uint64_t ReceiveAll(std::span<std::uint8_t> room, Take&& take) {
+  /// Calls deliver(datagram) for each waiting datagram. @returns how many of ours were undeliverable, as far
+  /// as reported by now.
+  template <class Deliver>
+  std::uint64_t ReceiveAll(std::span<std::uint8_t> room, Deliver&& deliver) {
     std::uint64_t undelivered = 0;
     for (int i = 0; i < kMaxAtOnce; ++i) {
       const io::Datagram datagram = io::ReadDatagram(socket_, room);
       if (datagram.read == io::Datagram::Read::kReported)
         ++undelivered;
       else if (datagram.read == io::Datagram::Read::kTaken)
-        take(datagram.bytes);
+        deliver(datagram.bytes);
       else
         break;
     }

@@ -138,26 +138,26 @@ std::string PathOf(const std::vector<PlotPoint>& points, std::string_view style)
 }
 
 /// The area occupied by a label or a mark of a panel [px].
-struct Taken {
+struct OccupiedBox {
   double left{0.0}, top{0.0}, right{0.0}, bottom{0.0};
-  [[nodiscard]] bool Meets(const Taken& other) const {
+  [[nodiscard]] bool Overlaps(const OccupiedBox& other) const {
     return left < other.right && other.left < right && top < other.bottom && other.top < bottom;
   }
 };
-using TakenList = std::vector<Taken>;
+using OccupiedBoxes = std::vector<OccupiedBox>;
 
-bool Meets(const TakenList& taken, const Taken& box) {
-  return std::ranges::any_of(taken, [&box](const Taken& other) { return other.Meets(box); });
+bool Overlaps(const OccupiedBoxes& taken, const OccupiedBox& box) {
+  return std::ranges::any_of(taken, [&box](const OccupiedBox& other) { return other.Overlaps(box); });
 }
 
 /// The area of a contour's number, about its middle.
-Taken NumberBox(const std::string& text, const PlotPoint& at) {
+OccupiedBox NumberBox(const std::string& text, const PlotPoint& at) {
   const double half = 0.5 * TextWidth(text, kLabelPx) + 3.0;
   return {.left = at.x - half, .top = at.y - 8.0, .right = at.x + half, .bottom = at.y + 8.0};
 }
 
 /// Draws the levels' lines, each with its number where there is room. @param taken  numbers are added
-std::string ContourLines(const HeatMap& map, const PlotArea& area, TakenList& taken) {
+std::string ContourLines(const HeatMap& map, const PlotArea& area, OccupiedBoxes& taken) {
   std::string out;
   for (const double level : map.contours) {
     std::vector<PlotPoint> longest;
@@ -193,12 +193,12 @@ std::string ContourLines(const HeatMap& map, const PlotArea& area, TakenList& ta
     for (std::size_t k = longest.size() / 5 + 2; k + 2 + longest.size() / 5 < longest.size(); ++k) {
       const double slope = std::abs(longest[k + 2].y - longest[k - 2].y) /
                            std::max(0.1, std::abs(longest[k + 2].x - longest[k - 2].x));
-      if (slope >= flattest || Meets(taken, NumberBox(number, place(k)))) continue;
+      if (slope >= flattest || Overlaps(taken, NumberBox(number, place(k)))) continue;
       flattest = slope;
       at = k;
     }
-    const Taken box = NumberBox(number, place(at));
-    if (Meets(taken, box)) continue;  // no free place: the line alone
+    const OccupiedBox box = NumberBox(number, place(at));
+    if (Overlaps(taken, box)) continue;  // no free place: the line alone
     taken.push_back(box);
     out += SvgText(place(at).x, place(at).y + 4.0, number, "middle", "#ffffff", kLabelPx,
                    R"(font-weight="600" stroke="#1b1f24" stroke-width="2.6" paint-order="stroke")");
@@ -221,7 +221,7 @@ std::string OverlayLines(const HeatMap& map, const PlotArea& area) {
 
 /// Draws marks, each with its label right, left, above or below, where the panel has room and nothing else
 /// is. @param taken  marks and labels are added to it
-std::string Marks(const HeatMap& map, const PlotArea& area, TakenList& taken) {
+std::string Marks(const HeatMap& map, const PlotArea& area, OccupiedBoxes& taken) {
   std::string out;
   const auto inside = [&map](const MapMark& mark) {
     return mark.x >= map.x.min && mark.x <= map.x.max && mark.y >= map.y.min && mark.y <= map.y.max;
@@ -248,9 +248,10 @@ std::string Marks(const HeatMap& map, const PlotArea& area, TakenList& taken) {
                                  {9.0, 17.0},
                                  {-9.0 - width, 17.0},
                                  {-0.5 * width, 31.0}}) {
-      const Taken box{.left = x + dx, .top = y + dy - 10.0, .right = x + dx + width, .bottom = y + dy + 2.0};
+      const OccupiedBox box{
+          .left = x + dx, .top = y + dy - 10.0, .right = x + dx + width, .bottom = y + dy + 2.0};
       if (box.left < area.left + 2.0 || box.right > area.left + area.width - 2.0 ||
-          box.top < area.top + 2.0 || box.bottom > area.top + area.height - 2.0 || Meets(taken, box))
+          box.top < area.top + 2.0 || box.bottom > area.top + area.height - 2.0 || Overlaps(taken, box))
         continue;
       taken.push_back(box);
       out += SvgText(box.left, y + dy, mark.label, "start", kTextColor, kLabelPx,
@@ -292,7 +293,7 @@ std::string DrawPanel(const HeatMap& map, const HeatScale& scale, const PlotArea
                              kFontPx, R"(font-weight="600")");
   body += fmt::format("<clipPath id=\"{}\">{}</clipPath>\n<g clip-path=\"url(#{})\">\n", id,
                       SvgRect(area.left, area.top, area.width, area.height, "#000000"), id);
-  TakenList taken;
+  OccupiedBoxes taken;
   const std::string marks = Marks(map, area, taken), contours = ContourLines(map, area, taken);
   body += Field(map, scale, area) + contours + OverlayLines(map, area) + marks + "</g>\n";
   body += SvgRect(area.left, area.top, area.width, area.height, "none",

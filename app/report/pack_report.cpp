@@ -30,7 +30,7 @@ std::string Head(const PackReportInput& input) {
 }
 
 /// A bar with the colours of the radii, on a logarithmic scale.
-std::string RadiusLegend(double least_mm, double greatest_mm) {
+std::string RadiusLegend(double min_mm, double max_mm) {
   std::string stops;
   for (int i = 0; i <= 8; ++i) {
     const Vector3 c = 255.0 * Viridis(i / 8.0);
@@ -46,7 +46,7 @@ std::string RadiusLegend(double least_mm, double greatest_mm) {
       Escape(kFontFamily), kTextColor, stops);
   for (int i = 0; i <= 2; ++i)
     out += fmt::format("<text x=\"{}\" y=\"34\" text-anchor=\"middle\">{} mm</text>", 60 + 150 * i,
-                       Number(least_mm * std::pow(greatest_mm / least_mm, i / 2.0)));
+                       Number(min_mm * std::pow(max_mm / min_mm, i / 2.0)));
   return out + "<text x=\"0\" y=\"15\">radius</text></svg>\n";
 }
 

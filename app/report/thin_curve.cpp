@@ -12,7 +12,7 @@ namespace {
 using Point = ThinCurve::Point;
 
 // Selects the points of a bucket that are kept, in their order.
-void KeepOf(std::span<const Point> bucket, std::vector<Point>& kept) {
+void AppendExtremes(std::span<const Point> bucket, std::vector<Point>& kept) {
   const std::size_t none = bucket.size();
   std::size_t first = none, least = none, greatest = none, last = none, gap = none;
   for (std::size_t i = 0; i < bucket.size(); ++i) {
@@ -51,7 +51,7 @@ void ThinCurve::Thin() {
   for (std::size_t begin = 0; begin < points_.size();) {
     std::size_t end = begin + 1;
     while (end < points_.size() && bucket_of(points_[end]) == bucket_of(points_[begin])) ++end;
-    KeepOf(std::span(points_).subspan(begin, end - begin), kept);
+    AppendExtremes(std::span(points_).subspan(begin, end - begin), kept);
     begin = end;
   }
   points_ = std::move(kept);

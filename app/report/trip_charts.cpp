@@ -35,7 +35,7 @@ class Panels {
   Panels(std::span<const TickRecord> ticks, const TimeAxis& time)
       : ticks_(ticks), time_(time), times_s_(time.Of(ticks)) {}
 
-  void Begin(std::string title, std::string y_label, std::vector<LimitLine> limits) {
+  void BeginPanel(std::string title, std::string y_label, std::vector<LimitLine> limits) {
     std::erase_if(limits, [](const LimitLine& limit) { return !std::isfinite(limit.value); });
     panels_.push_back({.title = std::move(title),
                        .y_label = std::move(y_label),
@@ -56,7 +56,7 @@ class Panels {
   /// Adds a panel of one curve with one limit.
   template <class Value>
   void One(std::string title, std::string y_label, LimitLine limit, const Value& value) {
-    Begin(std::move(title), std::move(y_label), {std::move(limit)});
+    BeginPanel(std::move(title), std::move(y_label), {std::move(limit)});
     Curve("", kJointColors[0], value);
   }
 
@@ -109,7 +109,7 @@ void AddAges(Fault fault, const TripLimits& limits, Panels& panels) {
 }
 
 void AddPermission(Panels& panels) {
-  panels.Begin("What the PLC says: 1 given, 0 not", "", {{1.0, "needed"}});
+  panels.BeginPanel("What the PLC says: 1 given, 0 not", "", {{1.0, "needed"}});
   panels.Curve("motion permitted", kJointColors[0],
                [&](std::size_t i) { return panels[i].input.permitted ? 1.0 : 0.0; });
   panels.Curve("enabling switch held", kJointColors[1],
@@ -117,7 +117,7 @@ void AddPermission(Panels& panels) {
 }
 
 void AddSpindleStatus(Panels& panels) {
-  panels.Begin("The drive's status: 1 in order, 0 not", "", {{1.0, "needed"}});
+  panels.BeginPanel("The drive's status: 1 in order, 0 not", "", {{1.0, "needed"}});
   panels.Curve("ready", kJointColors[0],
                [&](std::size_t i) { return panels[i].input.spindle_ready ? 1.0 : 0.0; });
   panels.Curve("without a fault", kJointColors[1],
@@ -134,11 +134,11 @@ void AddSpindleLimits(const safety::SpindleLimitParams& most, Panels& panels) {
 // Admittance: the commanded tool's speed from tick to tick, which the trip checks.
 void AddToolSpeed(const control::ServoParams& servo, Panels& panels) {
   const bool measured = servo.law == control::Law::kImpedance;
-  panels.Begin(measured ? "Speed of the tool's apex, measured" : "Speed of the commanded apex",
-               "speed [mm/s]",
-               {Limit(1e3 * servo.twist.max_speed_m_per_s, "mm/s"),
-                {1e3 * control::ToolSpeedTripLimit_m_per_s(servo),
-                 fmt::format("trip {:.4g} mm/s", 1e3 * control::ToolSpeedTripLimit_m_per_s(servo))}});
+  panels.BeginPanel(measured ? "Speed of the tool's apex, measured" : "Speed of the commanded apex",
+                    "speed [mm/s]",
+                    {Limit(1e3 * servo.twist.max_speed_m_per_s, "mm/s"),
+                     {1e3 * control::ToolSpeedTripLimit_m_per_s(servo),
+                      fmt::format("trip {:.4g} mm/s", 1e3 * control::ToolSpeedTripLimit_m_per_s(servo))}});
   panels.Curve("", kJointColors[0], [&](std::size_t i) {
     if (measured) return 1e3 * Vector3(panels[i].v_WT_cmd_m_per_s).norm();
     const Vector3 step_m =
@@ -148,10 +148,10 @@ void AddToolSpeed(const control::ServoParams& servo, Panels& panels) {
 }
 
 void AddArmSpeed(const TripLimits& limits, Panels& panels) {
-  const double most_mm_per_s =
+  const double max_mm_per_s =
       1e3 * limits.arm_speed_ratio * control::ToolSpeedLimit_m_per_s(limits.servo, false);
   panels.One("Speed of the measured apex between two messages; the trip comes 1 mm of way beyond the limit",
-             "speed [mm/s]", Limit(most_mm_per_s, "mm/s"),
+             "speed [mm/s]", Limit(max_mm_per_s, "mm/s"),
              [&](std::size_t i) { return 1e3 * panels[i].tool_speed_meas_m_per_s; });
 }
 
@@ -161,7 +161,7 @@ void AddJoints(std::string title, bool both_ways, const control::ServoParams& se
                Panels& panels) {
   std::vector<LimitLine> limits{{100.0, "limit 100 %"}};
   if (both_ways) limits.push_back({-100.0, "limit -100 %"});
-  panels.Begin(std::move(title), "share [%]", std::move(limits));
+  panels.BeginPanel(std::move(title), "share [%]", std::move(limits));
   for (std::size_t joint = 0; joint < kJointColors.size(); ++joint) {
     if (!(servo.joints.limits[joint].upper_rad > servo.joints.limits[joint].lower_rad)) continue;
     panels.Curve(fmt::format("A{}", joint + 1), kJointColors[joint],
@@ -182,9 +182,9 @@ void AddJointLimits(const TripLimits& limits, Panels& panels) {
   AddJoints(
       "Joint speeds, commanded: of what a command may use", false, limits.servo,
       [&](std::size_t i, std::size_t joint) {
-        const double most_rad_per_s = joints.speed_share * joints.limits[joint].velocity_rad_per_s;
+        const double max_rad_per_s = joints.speed_share * joints.limits[joint].velocity_rad_per_s;
         const double step_rad = panels[i].q_cmd[joint] - panels.Before(i).q_cmd[joint];
-        return 100.0 * std::abs(step_rad) / (limits.servo.period_s * most_rad_per_s);
+        return 100.0 * std::abs(step_rad) / (limits.servo.period_s * max_rad_per_s);
       },
       panels);
   if (!limits.gravity_Nm || !limits.servo.arm_body) return;
@@ -205,8 +205,8 @@ void AddJointLimits(const TripLimits& limits, Panels& panels) {
 
 void AddZones(const TripLimits& limits, Panels& panels) {
   const safety::Workspace workspace(control::WorkspaceOf(limits.servo));
-  panels.Begin("Distance to the nearest bound of workspace, zones and depth limit; negative: outside",
-               "distance [mm]", {{0.0, "limit 0 mm"}});
+  panels.BeginPanel("Distance to the nearest bound of workspace, zones and depth limit; negative: outside",
+                    "distance [mm]", {{0.0, "limit 0 mm"}});
   constexpr std::array<std::pair<safety::ZonePoint, const char*>, 3> kPoints{
       {{safety::ZonePoint::kApex, "apex"},
        {safety::ZonePoint::kFlange, "flange"},
@@ -220,18 +220,19 @@ void AddZones(const TripLimits& limits, Panels& panels) {
 }
 
 void AddSession(Panels& panels) {
-  panels.Begin("State of the arm's session: 4 is commanded (COMMANDING_ACTIVE)", "state", {{4.0, "needed"}});
+  panels.BeginPanel("State of the arm's session: 4 is commanded (COMMANDING_ACTIVE)", "state",
+                    {{4.0, "needed"}});
   panels.Curve("", kJointColors[0],
                [&](std::size_t i) { return static_cast<double>(panels[i].session_state); });
-  panels.Begin("Safety state of the arm: 0 is normal, beyond it a stop's level and 1", "state",
-               {{0.0, "needed"}});
+  panels.BeginPanel("Safety state of the arm: 0 is normal, beyond it a stop's level and 1", "state",
+                    {{0.0, "needed"}});
   panels.Curve("", kJointColors[1],
                [&](std::size_t i) { return static_cast<double>(panels[i].input.safety_state); });
 }
 
 void AddPeriod(double period_s, Panels& panels) {
-  panels.Begin("Period of the arm's messages", "period [ms]",
-               {{1e3 * period_s, fmt::format("the cell's {:g} ms", 1e3 * period_s)}});
+  panels.BeginPanel("Period of the arm's messages", "period [ms]",
+                    {{1e3 * period_s, fmt::format("the cell's {:g} ms", 1e3 * period_s)}});
   panels.Curve("as its messages say", kJointColors[0],
                [&](std::size_t i) { return 1e3 * panels[i].input.period_s; });
   // a tick without a message has the time of the last one
@@ -252,7 +253,7 @@ void AddForceLimitTime(const control::ServoParams& servo, Panels& panels) {
 }
 
 void AddWrenchRate(Panels& panels) {
-  panels.Begin("By how much the coupling's force grew or turned in a tick", "step [N]", {});
+  panels.BeginPanel("By how much the coupling's force grew or turned in a tick", "step [N]", {});
   panels.Curve("step", kJointColors[0], [&](std::size_t i) { return panels[i].wrench_step_N; });
   panels.Curve("limit (1.5 K v_max)", kJointColors[1], [&](std::size_t i) {
     return panels[i].wrench_step_limit_N > 0.0 ? panels[i].wrench_step_limit_N : kNothing;
@@ -272,7 +273,7 @@ void AddForces(Fault fault, const control::ServoParams& servo, Panels& panels) {
                  return control::HasMessage(panels[i]) ? 1e3 * panels[i].tool_in_bone_m : kNothing;
                });
   if (fault == Fault::kSensorFault) {
-    panels.Begin("The force sensor trusts its reading: 1 yes, 0 no", "", {{1.0, "needed"}});
+    panels.BeginPanel("The force sensor trusts its reading: 1 yes, 0 no", "", {{1.0, "needed"}});
     panels.Curve("", kJointColors[0],
                  [&](std::size_t i) { return panels[i].input.sensor_trusted ? 1.0 : 0.0; });
   }
@@ -297,8 +298,8 @@ void AddArm(Fault fault, const control::ServoParams& servo, Panels& panels) {
   if (fault == Fault::kPeriod) AddPeriod(servo.period_s, panels);
   if (fault == Fault::kCommandMode) {
     const bool impedance = servo.law == control::Law::kImpedance;
-    panels.Begin("Command mode that the arm's program asks for: 1 POSITION, 2 WRENCH, 3 TORQUE", "mode",
-                 {{impedance ? 2.0 : 1.0, impedance ? "needed: 2 or 3" : "needed: 1"}});
+    panels.BeginPanel("Command mode that the arm's program asks for: 1 POSITION, 2 WRENCH, 3 TORQUE", "mode",
+                      {{impedance ? 2.0 : 1.0, impedance ? "needed: 2 or 3" : "needed: 1"}});
     panels.Curve("", kJointColors[0],
                  [&](std::size_t i) { return static_cast<double>(panels[i].input.command_mode); });
   }

@@ -30,14 +30,14 @@ std::array<int, 2> TwoBytes(double gauge) {
 }
 
 // The gauges have a range, not the axes, so the model itself does not clamp.
-SensorModelParams Unclamped(SensorModelParams params) {
+SensorModelParams WithoutClamp(SensorModelParams params) {
   params.range_N = params.range_Nm = 1e9;
   return params;
 }
 
 }  // namespace
 
-AtiDevice::AtiDevice(const AtiDeviceParams& params) : params_(params), model_(Unclamped(params.model)) {
+AtiDevice::AtiDevice(const AtiDeviceParams& params) : params_(params), model_(WithoutClamp(params.model)) {
   if (params.base < 0 || params.base > 0x7F)
     throw std::invalid_argument("ATI sensor: base: found " + std::to_string(params.base) +
                                 ", accepted 0 … 127");

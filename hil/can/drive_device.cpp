@@ -79,7 +79,7 @@ void DriveDevice::SetCuttingTorque(double at_the_tool_Nm) {
   cutting_Nm_ = std::isfinite(at_the_tool_Nm) ? std::abs(at_the_tool_Nm) : 0.0;
 }
 
-void DriveDevice::Break(int error_code) {
+void DriveDevice::InjectFault(int error_code) {
   broken_ = error_code;
   Trip(error_code);
 }
@@ -228,15 +228,15 @@ void DriveDevice::Accept(const io::CanArrival& arrival) OSTEON_RT {
   if (frame.id == objects_.Get(0x1400, 1)) {
     rpdo_ = frame;
     rpdo_fresh_ = true;
-    if (objects_.Get(0x1400, 2) >= 254) TakeRpdo();
+    if (objects_.Get(0x1400, 2) >= 254) HandleRpdo();
   } else if (frame.id == 0x080) {
-    if (rpdo_fresh_) TakeRpdo();
+    if (rpdo_fresh_) HandleRpdo();
     for (const int number : {0, 1}) SendTpdo(number);
   }
 }
 
 // A PDO shorter than its mapping is refused (CiA 301: EMCY 8210).
-void DriveDevice::TakeRpdo() noexcept {
+void DriveDevice::HandleRpdo() noexcept {
   rpdo_fresh_ = false;
   const int count = static_cast<int>(objects_.Get(0x1600, 0));
   std::size_t at = 0;

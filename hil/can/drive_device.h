@@ -31,10 +31,10 @@ class DriveDevice final : public io::CanClient {
 
   /// Sets the cutting torque from now on: a braking torque at the tool; its sign is ignored.
   void SetCuttingTorque(double at_the_tool_Nm);
-  /// Starts a fault of the device, e.g. 0x4310 (drive too hot). It stays until `Mend`, and no reset clears
-  /// it.
-  void Break(int error_code);
-  void Mend() { broken_ = 0; }
+  /// Starts a fault of the device, e.g. 0x4310 (drive too hot). It stays until `ClearFault`, and no reset
+  /// clears it.
+  void InjectFault(int error_code);
+  void ClearFault() { broken_ = 0; }
   /// Sets a fault that the drive boots with from now on, e.g. 0x3220 (under-voltage of the DC link); a reset
   /// clears it. 0: none.
   void SetBootError(int error_code) { boot_error_ = error_code; }
@@ -71,7 +71,7 @@ class DriveDevice final : public io::CanClient {
   void Turn(double dt_s) noexcept;
   void Control(int word) noexcept;
   void Trip(int error_code) noexcept;
-  void TakeRpdo() noexcept;
+  void HandleRpdo() noexcept;
   void SendTpdo(int number) noexcept;
   void Refresh() noexcept;
   void Nmt(int command) noexcept;

@@ -16,15 +16,15 @@ void VirtualCan::Connect(const io::CanClient& node, bool connected) {
     if (n.client == &node) n.connected = connected;
 }
 
-bool VirtualCan::Happens(double share) {
+bool VirtualCan::DrawEvent(double share) {
   return share > 0.0 && static_cast<double>(random_()) < share * 4294967296.0;
 }
 
 void VirtualCan::Damage(std::vector<OnTheWire>& wire) {
   std::vector<OnTheWire> arriving;
   for (OnTheWire& item : wire) {
-    if (Happens(params_.loss)) continue;
-    if (Happens(params_.corrupt)) {
+    if (DrawEvent(params_.loss)) continue;
+    if (DrawEvent(params_.corrupt)) {
       if (random_() % 8 == 0)
         item.frame.size = static_cast<std::uint8_t>(random_() % 9);
       else
@@ -32,10 +32,10 @@ void VirtualCan::Damage(std::vector<OnTheWire>& wire) {
       for (std::size_t i = item.frame.size; i < 8; ++i) item.frame.data[i] = 0;
     }
     arriving.push_back(item);
-    if (Happens(params_.duplicate)) arriving.push_back(item);
+    if (DrawEvent(params_.duplicate)) arriving.push_back(item);
   }
   for (std::size_t i = 1; i < arriving.size(); ++i)
-    if (Happens(params_.reorder)) std::swap(arriving[i - 1], arriving[i]);
+    if (DrawEvent(params_.reorder)) std::swap(arriving[i - 1], arriving[i]);
   wire = std::move(arriving);
 }
 

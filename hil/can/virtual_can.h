@@ -48,7 +48,7 @@ class VirtualCan {
     io::CanFrame frame;
     const io::CanClient* from;
   };
-  [[nodiscard]] bool Happens(double share);
+  [[nodiscard]] bool DrawEvent(double share);
   void Damage(std::vector<OnTheWire>& wire);
 
   VirtualCanParams params_;

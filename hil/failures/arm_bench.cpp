@@ -44,7 +44,7 @@ std::vector<ArmRideTick> Ride(const ArmRideParams& params, const ArmScene& scene
 }
 
 // A hand that leads the tool along a path, at the tool's origin.
-ArmScene Led(const OperatorHandParams& params, const HandPath& path) {
+ArmScene SceneOf(const OperatorHandParams& params, const HandPath& path) {
   return {.hand = [params, path, hand = HandImpedance(params)](int tick, const Pose& X_WT,
                                                                const Twist& V_WT) mutable {
     const HandGoal goal = path(tick * kDt_s);
@@ -166,7 +166,7 @@ std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const ArmSce
 }
 
 std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const HandPath& path) {
-  return WithGoals(RideServoLoop(params, Led(params.hand, path)), path);
+  return WithGoals(RideServoLoop(params, SceneOf(params.hand, path)), path);
 }
 
 std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath& path,
@@ -187,7 +187,7 @@ std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath&
     if (!tick.fault) q += q_step;
     return q;
   };
-  return WithGoals(Ride(params, Led(params.hand, path), step), path);
+  return WithGoals(Ride(params, SceneOf(params.hand, path), step), path);
 }
 
 double JointSpeedShare(const kinematics::LbrParams& arm, const JointVector& qd) {

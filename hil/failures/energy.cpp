@@ -27,7 +27,7 @@ struct Ledger {
   }
   /// Energy that a cycle gave, over the spring's largest energy; below a thousandth it is the trapezoidal
   /// rule's error.
-  [[nodiscard]] double Returned() const { return returned_J / std::max(stored_J, 1e-12); }
+  [[nodiscard]] double ReturnedShare() const { return returned_J / std::max(stored_J, 1e-12); }
 };
 
 /// Position of a cycle's dimple on the surface.
@@ -101,7 +101,7 @@ FailureResult RunEnergy(const FailureSetting& setting) {
   static_cast<void>(setting.GoesOn(1.0));
 
   constexpr double kQuadrature = 1e-3;
-  const double returned = std::max(ours.Returned(), still.Returned());
+  const double returned = std::max(ours.ReturnedShare(), still.ReturnedShare());
   result.baseline = baseline.Imbalance();
   result.ours = ours.Imbalance();
   result.baseline_fails = result.baseline > result.bound;
@@ -110,7 +110,8 @@ FailureResult RunEnergy(const FailureSetting& setting) {
       "{} cycles; drive {:.3f} J, feed {:.3f} J, cut {:.3f} J; a closed cycle gave back {:.2g} of the "
       "spring's energy "
       "(spindle off: {:.2g}), the baseline {:.2g}",
-      cycles, ours.drive_J, ours.feed_J, ours.cut_J, ours.Returned(), still.Returned(), baseline.Returned());
+      cycles, ours.drive_J, ours.feed_J, ours.cut_J, ours.ReturnedShare(), still.ReturnedShare(),
+      baseline.ReturnedShare());
   baseline.drive_and_feed.name = "printed: drive and feed";
   baseline.cut.name = "printed: cut";
   ours.drive_and_feed.name = "ours: drive and feed";

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kRadius_m = 2e-3, kStall_s = 0.1;
 
-Pose Turned(double angle_rad) {
+Pose RotatedPose(double angle_rad) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation(Vector3(0, 0, angle_rad));
   return X;
@@ -32,17 +32,17 @@ struct Entry {
 };
 
 /// Turns the tool by `angle` in one frame.
-Entry TurnInto(simulation::CuttingEngine& engine, const simulation::Bone& bone, double lever_m,
-               double angle_rad) {
-  engine.Step(FrameAt(Turned(0.0)));
-  const auto model = engine.Step(FrameAt(Turned(angle_rad), 0.0, kStall_s));
+Entry RotateInto(simulation::CuttingEngine& engine, const simulation::Bone& bone, double lever_m,
+                 double angle_rad) {
+  engine.Step(FrameAt(RotatedPose(0.0)));
+  const auto model = engine.Step(FrameAt(RotatedPose(angle_rad), 0.0, kStall_s));
   const Vector3 ball_T(lever_m, 0, 0);
   Entry entry{.end_m = Overlap(bone, Pose(model.X_WP) * ball_T)};
   constexpr int kSamples = 2000;  // about 0.04 mm apart: the overlap of two balls there errs by less than 1
                                   // um
   for (int i = 0; i <= kSamples; ++i)
-    entry.arc_m = std::max(entry.arc_m,
-                           Overlap(bone, Turned(model.contact_fraction * angle_rad * i / kSamples) * ball_T));
+    entry.arc_m = std::max(
+        entry.arc_m, Overlap(bone, RotatedPose(model.contact_fraction * angle_rad * i / kSamples) * ball_T));
   return entry;
 }
 
@@ -76,15 +76,15 @@ FailureResult RunFastRotation(const FailureSetting& setting) {
                                          .high_m = {lever_m + kRadius_m + 3e-3, 1.5e-3, 2e-3},
                                          .ball_radius_m = 0.4e-3});
       for (simulation::Ball& ball : post.balls)
-        ball.center_m = Vector3(Turned(0.5 * angle) * Vector3(ball.center_m));
+        ball.center_m = Vector3(RotatedPose(0.5 * angle) * Vector3(ball.center_m));
       simulation::Tool tool = MakeBallTool(kRadius_m);
       tool.balls[0].center_m = Vector3(lever_m, 0, 0);
       const auto ours = setting.make_engine(post, tool, Pose::Identity(), {});
       const auto chord = simulation::MakeMethod(simulation::Method::kPaperCorrected, post, nullptr, tool,
                                                 Pose::Identity(), {}, {});
-      const Entry our_entry = TurnInto(*ours, post, lever_m, angle);
+      const Entry our_entry = RotateInto(*ours, post, lever_m, angle);
       const double our_mm = 1e3 * (our_entry.arc_m - allowed_m);
-      const double their_mm = 1e3 * (TurnInto(*chord, post, lever_m, angle).arc_m - allowed_m);
+      const double their_mm = 1e3 * (RotateInto(*chord, post, lever_m, angle).arc_m - allowed_m);
       end_m = std::max(end_m, our_entry.end_m);
       result.ours = std::max(result.ours, our_mm);
       result.baseline = std::max(result.baseline, their_mm);

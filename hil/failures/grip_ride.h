@@ -23,7 +23,7 @@ struct GripRideParams {
 struct GripRide {
   static constexpr double kWindow_s = 0.2, kEvery_s = 0.02;
   double calm_N{0.0};    ///< largest effective value of a window, from 0.5 s after the step on
-  double most_N{0.0};    ///< the same at any time
+  double max_N{0.0};     ///< the same at any time
   double tremor_N{0.0};  ///< the same for the tremor alone, at any time
   double index{0.0};     ///< largest
   double heavy_s{0.0};   ///< time with more than twice the law's drag

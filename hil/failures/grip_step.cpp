@@ -61,7 +61,7 @@ FailureResult RunGripStep(const FailureSetting& setting) {
 
   result.baseline = 1e9;
   bool complete = true, faulted = false, baselines_fail = true;
-  double most_N = 0.0, index = 0.0, end_index = 0.0;
+  double max_N = 0.0, index = 0.0, end_index = 0.0;
   std::string worst;
   for (std::size_t i = 0; i < cases.size() && complete; ++i) {
     GripRideParams ride{
@@ -70,12 +70,12 @@ FailureResult RunGripStep(const FailureSetting& setting) {
     ride.loop = Baseline();
     const GripRide fixed = RideGrip(ride);
     // a stopped cell shows no vibration, but it cannot be used either
-    const double fixed_N = fixed.fault ? fixed.most_N : fixed.calm_N;
+    const double fixed_N = fixed.fault ? fixed.max_N : fixed.calm_N;
     baselines_fail &= fixed_N > result.bound;
     result.baseline = std::min(result.baseline, fixed_N);
     if (ours.calm_N >= result.ours) worst = cases[i].hand.name;
     result.ours = std::max(result.ours, ours.calm_N);
-    most_N = std::max(most_N, ours.most_N);
+    max_N = std::max(max_N, ours.max_N);
     index = std::max(index, ours.index);
     end_index = std::max(end_index, ours.indices.back());
     faulted |= ours.fault;
@@ -93,7 +93,7 @@ FailureResult RunGripStep(const FailureSetting& setting) {
       "{} grips, the baseline's least shown; with ours \"{}\" is the worst, right after the step the force "
       "reaches {:.1f} "
       "N in 0.2 s, the index {:.2f} at most and {:.2f} at the end",
-      cases.size(), worst, most_N, index, end_index);
+      cases.size(), worst, max_N, index, end_index);
   return result;
 }
 

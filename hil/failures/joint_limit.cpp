@@ -49,7 +49,7 @@ Case MakeCase(int joint, double room_rad, double out_m) {
 }
 
 // Constant speed between short ramps: out, rest, back.
-HandPath There(const Case& c) {
+HandPath PathOf(const Case& c) {
   return [X_start = c.X_start, direction = c.direction, out_m = c.out_m](double t) {
     const double leg_s = out_m / kSpeed_m_per_s + kRamp_s;
     const auto way = [&](double s) {  // position and speed on one leg
@@ -149,8 +149,8 @@ FailureResult RunJointLimit(const FailureSetting& setting) {
       }
       return step;
     };
-    const std::vector<ArmRideTick> ours = RideServoLoop(c.params, There(c));
-    const std::vector<ArmRideTick> clamped = RideMethod(c.params, There(c), clamp);
+    const std::vector<ArmRideTick> ours = RideServoLoop(c.params, PathOf(c));
+    const std::vector<ArmRideTick> clamped = RideMethod(c.params, PathOf(c), clamp);
     const Measured m = Measure(c, ours), b = Measure(c, clamped);
     if (1e3 * b.beside_m > result.bound) ++baselines_fail;
     result.ours = std::max(result.ours, 1e3 * m.beside_m);

@@ -33,7 +33,7 @@ struct ForceDatagram {
 // message, a naive client the last one received.
 enum class Keep { kNewest, kLast };
 template <class T>
-bool TakeDue(ImpairedWire& wire, rt::Nanoseconds now, Keep keep, T& value) {
+bool ReceiveDue(ImpairedWire& wire, rt::Nanoseconds now, Keep keep, T& value) {
   static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= 1500);
   bool came = false;
   while (wire.NextDue() <= now) {
@@ -107,12 +107,12 @@ class Controller {
   void Tick(rt::Nanoseconds now, ImpairedWire& wall, ImpairedWire& hand, PacketRide& ride) {
     const bool planes = params_.method == WallMethod::kPlanes;
     const Keep keep = planes ? Keep::kNewest : Keep::kLast;
-    const bool hand_came = TakeDue(hand, now, keep, hand_);
+    const bool hand_came = ReceiveDue(hand, now, keep, hand_);
     Vector3 f_hand = hand_.f_W;
     double fade = 1.0;
     Wrench F;
     if (planes) {
-      TakeDue(wall, now, keep, model_);
+      ReceiveDue(wall, now, keep, model_);
       const control::CouplingOutput out = control::EvaluateCoupling(coupling_, model_.model, state_.X_WT,
                                                                     state_.V_WT, now, false, coupling_state_);
       // as in ServoLoop: age slows the hand's force and the motion by the same factor that fades the coupling
@@ -120,13 +120,13 @@ class Controller {
       const double hand_age_s = safety::AgeSeconds(now, hand_.stamp);
       f_hand *= fade * safety::AgeShare(hand_age_s, watchdog_.sensor_full_s, watchdog_.sensor_stop_s);
       F.f = out.F_T_W.f;
-      Note(now, model_.model.pose_stamp, F.f.norm(), ride);
+      RecordForce(now, model_.model.pose_stamp, F.f.norm(), ride);
     } else {
-      const bool wall_came = TakeDue(wall, now, keep, wall_);
+      const bool wall_came = ReceiveDue(wall, now, keep, wall_);
       const bool zeroed = params_.method == WallMethod::kZeroed;
       if (zeroed && !hand_came) f_hand.setZero();
       if (!zeroed || wall_came) F.f = wall_.f_W;
-      Note(now, wall_.pose_stamp, F.f.norm(), ride);
+      RecordForce(now, wall_.pose_stamp, F.f.norm(), ride);
     }
     if (hand_.pose_stamp >= 0)
       ride.hand_age_s = std::max(ride.hand_age_s, rt::ToSeconds(now - hand_.pose_stamp));
@@ -140,9 +140,9 @@ class Controller {
   [[nodiscard]] Vector3 p_W_m() const { return state_.X_WT.translation(); }
 
  private:
-  static void Note(rt::Nanoseconds now, rt::Nanoseconds pose_stamp, double force_N, PacketRide& ride) {
+  static void RecordForce(rt::Nanoseconds now, rt::Nanoseconds pose_stamp, double force_N, PacketRide& ride) {
     if (pose_stamp >= 0) ride.wall_age_s = std::max(ride.wall_age_s, rt::ToSeconds(now - pose_stamp));
-    ride.most_wall_N = std::max(ride.most_wall_N, force_N);
+    ride.max_wall_N = std::max(ride.max_wall_N, force_N);
   }
 
   PacketRideParams params_;
@@ -168,7 +168,7 @@ PacketRide RidePackets(const PacketRideParams& params) {
   ImpairedWire wall(of_simulation, Wire::kArm, Direction::kToController);
   ImpairedWire command(of_arm, Wire::kArm, Direction::kFromController);
   ImpairedWire force(of_arm, Wire::kArm, Direction::kToController);
-  for (ImpairedWire* wire : {&pose, &wall, &command, &force}) wire->Begin(0);
+  for (ImpairedWire* wire : {&pose, &wall, &command, &force}) wire->StartSchedule(0);
 
   PacketRide ride;
   Controller controller(params);
@@ -183,7 +183,7 @@ PacketRide RidePackets(const PacketRideParams& params) {
 
     // the simulation answers each new pose
     const rt::Nanoseconds before = seen.stamp;
-    TakeDue(pose, now, Keep::kNewest, seen);
+    ReceiveDue(pose, now, Keep::kNewest, seen);
     if (seen.stamp > before) {
       const ModelDatagram answer = Frame(params, seen, now, ++frame);
       const simulation::Contact& contact = answer.model.contacts[0];
@@ -197,7 +197,7 @@ PacketRide RidePackets(const PacketRideParams& params) {
     }
 
     // the arm has reached its command, and the sensor reads every period
-    TakeDue(command, now, Keep::kNewest, commanded);
+    ReceiveDue(command, now, Keep::kNewest, commanded);
     if (commanded.stamp >= 0) {
       const Vector3 spring = params.hand_N_per_m * (p_held - Vector3(commanded.p_W_m));
       const Vector3 f = spring + Vector3(0.0, 0.0, -params.push_N) + TapForce(t_s, params.step_s - 1.0) +
@@ -218,7 +218,7 @@ PacketRide RidePackets(const PacketRideParams& params) {
 
 double AgeMargin(const PacketRideParams& params, const PacketRide& ride) {
   const double wall_N_per_m =
-      params.method == WallMethod::kPlanes ? ride.most_wall_N / params.clearance_m : params.wall_N_per_m;
+      params.method == WallMethod::kPlanes ? ride.max_wall_N / params.clearance_m : params.wall_N_per_m;
   return params.damping_Ns_per_m - ride.wall_age_s * wall_N_per_m - ride.hand_age_s * params.hand_N_per_m;
 }
 

@@ -44,7 +44,7 @@ struct PacketRide {
   double end_m{0.0};           ///< swing in the last half second
   double wall_age_s{0.0};      ///< largest age of the pose that the wall's answer was computed from
   double hand_age_s{0.0};      ///< largest age of the hand's force
-  double most_wall_N{0.0};
+  double max_wall_N{0.0};
 
   [[nodiscard]] double Growth() const { return end_m / tap_m; }
 };

@@ -42,10 +42,10 @@ FailureSeries Distance(const std::string& name, const PacketRideParams& params, 
   const auto first = static_cast<std::size_t>(1e3 * (params.step_s - 1.0));
   const Vector3 rest = ride.p_W_m[first - 1];
   for (std::size_t i = first; i + kEach <= ride.p_W_m.size(); i += kEach) {
-    double most_m = 1e-9;
-    for (std::size_t k = i; k < i + kEach; ++k) most_m = std::max(most_m, (ride.p_W_m[k] - rest).norm());
+    double max_m = 1e-9;
+    for (std::size_t k = i; k < i + kEach; ++k) max_m = std::max(max_m, (ride.p_W_m[k] - rest).norm());
     series.x.push_back(1e-3 * static_cast<double>(i) - params.step_s);
-    series.y.push_back(1e3 * most_m);
+    series.y.push_back(1e3 * max_m);
   }
   return series;
 }
@@ -62,7 +62,7 @@ FailureResult RunPackets(const FailureSetting& setting) {
   const std::vector<Case> cases = MakeCases(setting.full());
   const std::uint64_t seeds = setting.full() ? 5 : 1;
   const double rides = static_cast<double>(cases.size() * seeds);
-  double held = 0.0, zeroed = 0.0, most_age_s = 0.0, beyond = 0.0;
+  double held = 0.0, zeroed = 0.0, max_age_s = 0.0, beyond = 0.0;
   int done = 0, claimed = 0, held_claimed = 0, held_grows = 0;
   bool complete = true, theorem_holds = true;
   std::string worst;
@@ -91,7 +91,7 @@ FailureResult RunPackets(const FailureSetting& setting) {
       const PacketRide of_planes = ride(WallMethod::kPlanes, "ours");
       if (AgeMargin(params, of_planes) > 0.0) {
         ++claimed;
-        most_age_s = std::max(most_age_s, of_planes.wall_age_s);
+        max_age_s = std::max(max_age_s, of_planes.wall_age_s);
         if (of_planes.Growth() >= result.ours) worst = c.name;
         result.ours = std::max(result.ours, of_planes.Growth());
       } else {
@@ -113,7 +113,7 @@ FailureResult RunPackets(const FailureSetting& setting) {
       "(the others: {:.2g}); held forces fulfil it in {} and grow in none of those, but in {} others (up to "
       "{:.3g}; "
       "zeroed ones up to {:.3g})",
-      done, claimed, 1e3 * most_age_s, worst, beyond, held_claimed, held_grows, held, zeroed);
+      done, claimed, 1e3 * max_age_s, worst, beyond, held_claimed, held_grows, held, zeroed);
   return result;
 }
 

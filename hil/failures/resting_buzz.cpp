@@ -27,7 +27,7 @@ struct Buzz {
   std::vector<Vector3> band;
 };
 
-Buzz Rest(double push_N, double stiffness_N_per_m, bool force_alone, double seconds) {
+Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, double seconds) {
   ArmRideParams params;
   params.arm = ScenarioArm();
   params.X_FT = ScenarioTool();
@@ -112,8 +112,8 @@ FailureResult RunRestingBuzz(const FailureSetting& setting) {
   for (const double push_N : {5.0, 50.0, 200.0}) {
     // at the limiter's 200 N the force is clipped, and a stiffness that is not felt does not ring
     const double above_N = std::min(push_N, 195.0);
-    const Buzz ours = Rest(push_N, kStable_N_per_m, false, seconds);
-    const Buzz above = Rest(above_N, kAbove_N_per_m, true, seconds);
+    const Buzz ours = SimulateResting(push_N, kStable_N_per_m, false, seconds);
+    const Buzz above = SimulateResting(above_N, kAbove_N_per_m, true, seconds);
     result.ours = std::max(result.ours, 1e6 * ours.amplitude_m);
     result.baseline = std::min(result.baseline, 1e6 * above.amplitude_m);
     baselines_fail &= 1e6 * above.amplitude_m > result.bound;

@@ -29,8 +29,8 @@ constexpr double kSlack = 1.0 + 1e-9;  // on a torque limit, for rounding
 struct Saturated {
   double angle_rad{0.0}, clipped_angle_rad{0.0};
   double torque_share{0.0};  // largest (|J^T F| + |g|) / limit
-  double least_share{1.0};   // of the wanted force that passed the limiter
-  double most_N{0.0}, most_wanted_N{0.0};
+  double min_share{1.0};     // of the wanted force that passed the limiter
+  double max_N{0.0}, max_wanted_N{0.0};
   double recovery_s{0.0};
   bool saturates{false}, recovers{false}, fault{false};
   std::vector<double> angle_deg, clipped_deg;  // by time
@@ -114,8 +114,8 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
       clipped[k] = std::clamp(tau_wanted[k], -room, room);
       can &= std::abs(tau_wanted[k]) <= room;
     }
-    result.most_N = std::max(result.most_N, f.norm());
-    result.most_wanted_N = std::max(result.most_wanted_N, wanted_N);
+    result.max_N = std::max(result.max_N, f.norm());
+    result.max_wanted_N = std::max(result.max_wanted_N, wanted_N);
     if (wanted_N > kCounts_N) {
       const Vector3 f_clipped =
           Eigen::Matrix<double, 7, 6>(J.transpose()).colPivHouseholderQr().solve(clipped).head<3>();
@@ -123,7 +123,7 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
       result.clipped_angle_rad = std::max(result.clipped_angle_rad, Angle(f_clipped, f_wanted));
       result.angle_deg.push_back(180.0 / std::numbers::pi * Angle(f, f_wanted));
       result.clipped_deg.push_back(180.0 / std::numbers::pi * Angle(f_clipped, f_wanted));
-      result.least_share = std::min(result.least_share, f.norm() / wanted_N);
+      result.min_share = std::min(result.min_share, f.norm() / wanted_N);
     } else {
       result.angle_deg.push_back(0.0);
       result.clipped_deg.push_back(0.0);
@@ -151,7 +151,7 @@ FailureResult RunSaturation(const FailureSetting& setting) {
   const int sides = setting.full() ? 12 : 3;
   const std::vector<double> tools_m = setting.full() ? std::vector{0.2, 0.3} : std::vector{0.3};
   Saturated worst;
-  double torque_share = 0.0, recovery_s = 0.0, least_share = 1.0, most_N = 0.0;
+  double torque_share = 0.0, recovery_s = 0.0, min_share = 1.0, max_N = 0.0;
   int done = 0, saturated = 0;
   bool complete = true, well = true;
   for (const double tool_m : tools_m) {
@@ -162,8 +162,8 @@ FailureResult RunSaturation(const FailureSetting& setting) {
       result.ours = std::max(result.ours, 180.0 / std::numbers::pi * s.angle_rad);
       torque_share = std::max(torque_share, s.torque_share);
       recovery_s = std::max(recovery_s, s.recovery_s);
-      least_share = std::min(least_share, s.least_share);
-      most_N = std::max(most_N, s.most_N);
+      min_share = std::min(min_share, s.min_share);
+      max_N = std::max(max_N, s.max_N);
       if (s.clipped_angle_rad >= worst.clipped_angle_rad) worst = s;
       complete =
           setting.GoesOn(++done / static_cast<double>(tools_m.size() * static_cast<std::size_t>(sides)));
@@ -180,7 +180,7 @@ FailureResult RunSaturation(const FailureSetting& setting) {
                  .bound_is_on_y = true};
   result.baseline_fails = result.baseline > result.bound;
   result.ours_passes = complete && well && saturated > 0 && result.ours <= result.bound &&
-                       torque_share <= kSlack && most_N <= kCeiling_N && recovery_s <= kMaxRecovery_s;
+                       torque_share <= kSlack && max_N <= kCeiling_N && recovery_s <= kMaxRecovery_s;
   result.note = fmt::format(
       "every second push meets the depth limit as well; {} of {} are more than the arm holds, {:.0f} N are "
       "rendered at most, {:.0f} % of what was to "
@@ -188,7 +188,7 @@ FailureResult RunSaturation(const FailureSetting& setting) {
       "joints carry {:.2f} % of their limit at most (gravity counted against them), and the whole force is "
       "back {:.0f} ms "
       "after the arm can hold it",
-      saturated, done, most_N, 100.0 * least_share, 100.0 * torque_share, 1e3 * recovery_s);
+      saturated, done, max_N, 100.0 * min_share, 100.0 * torque_share, 1e3 * recovery_s);
   return result;
 }
 

@@ -10,8 +10,8 @@ SingleContact::SingleContact(std::vector<simulation::Ball> balls, const simulati
                              const SingleContactParams& params)
     : balls_(std::move(balls)), tool_(tool), params_(params) {}
 
-SingleContact::Met SingleContact::FirstContact(const Pose& X_GA, const Pose& X_GB) const {
-  Met met{.fraction = simulation::kNoContact, .bone_ball = 0, .tool_ball = 0};
+SingleContact::FirstHit SingleContact::FirstContact(const Pose& X_GA, const Pose& X_GB) const {
+  FirstHit hit{.fraction = simulation::kNoContact, .bone_ball = 0, .tool_ball = 0};
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
     const Vector3 from = X_GA * Vector3(tool_.balls[t].center_m),
                   to = X_GB * Vector3(tool_.balls[t].center_m);
@@ -21,10 +21,10 @@ SingleContact::Met SingleContact::FirstContact(const Pose& X_GA, const Pose& X_G
       const double R = balls_[b].radius_m + tool_.balls[t].radius_m;
       if (params_.positive_roots_only && D.squaredNorm() < R * R) continue;
       const double s = simulation::FirstContactFraction(D, to - from, R);
-      if (s < met.fraction) met = {.fraction = s, .bone_ball = b, .tool_ball = t};
+      if (s < hit.fraction) hit = {.fraction = s, .bone_ball = b, .tool_ball = t};
     }
   }
-  return met;
+  return hit;
 }
 
 SingleContactFrame SingleContact::Step(const Pose& X_GT) {
@@ -34,16 +34,16 @@ SingleContactFrame SingleContact::Step(const Pose& X_GT) {
   Pose X_from = X_GP_, X_to = X_GT;
   Vector3 touching = Vector3::Zero();
   for (int leg = 0; leg <= params_.slides; ++leg) {
-    const Met met = FirstContact(X_from, X_to);
-    if (met.fraction > 1.0) {
+    const FirstHit hit = FirstContact(X_from, X_to);
+    if (hit.fraction > 1.0) {
       X_from = X_to;
       break;
     }
     Pose X_met = X_to;
-    X_met.translation() = X_from.translation() + met.fraction * (X_to.translation() - X_from.translation());
-    const simulation::ToolBall& ball = tool_.balls[met.tool_ball];
+    X_met.translation() = X_from.translation() + hit.fraction * (X_to.translation() - X_from.translation());
+    const simulation::ToolBall& ball = tool_.balls[hit.tool_ball];
     frame.touching = true;
-    frame.n = (X_met * Vector3(ball.center_m) - Vector3(balls_[met.bone_ball].center_m)).normalized();
+    frame.n = (X_met * Vector3(ball.center_m) - Vector3(balls_[hit.bone_ball].center_m)).normalized();
     touching = X_met * Vector3(ball.center_m) - ball.radius_m * frame.n;
     const Vector3 rest = X_to.translation() - X_met.translation();
     X_from = X_met;

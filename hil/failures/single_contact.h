@@ -42,11 +42,11 @@ class SingleContact {
   SingleContactFrame Step(const Pose& X_GT);
 
  private:
-  struct Met {
+  struct FirstHit {
     double fraction;
     std::size_t bone_ball, tool_ball;
   };
-  [[nodiscard]] Met FirstContact(const Pose& X_GA, const Pose& X_GB) const;
+  [[nodiscard]] FirstHit FirstContact(const Pose& X_GA, const Pose& X_GB) const;
 
   std::vector<simulation::Ball> balls_;
   simulation::Tool tool_;

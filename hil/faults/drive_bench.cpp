@@ -26,7 +26,7 @@ DriveBench::DriveBench(rt::Nanoseconds now) : now_(now), device_(DriveDevicePara
   clients_ = std::move(*made);
   MemoryCanBus::Join(controller_end_, drive_end_);
   pump_ = std::make_unique<io::CanPump>(controller_end_);
-  clients_->PutOn(*pump_, 0);
+  clients_->AddToPump(*pump_, 0);
 }
 
 control::SpindleReading DriveBench::RunTo(rt::Nanoseconds now, const control::CellCommands& commands) {

@@ -103,7 +103,7 @@ std::vector<FaultCase> DriveFaultCases() {
     FaultCase made = Drive(
         "drive boots in fault and stays in it", "0x4310, whatever is reset", kStatusLost, false,
         [](DriveBench& bench, int since, bool before_motion) {
-          if (since == 0) bench.device().Break(kTooHot);
+          if (since == 0) bench.device().InjectFault(kTooHot);
           Boot(bench, since, before_motion);
           if (since == kAllResets && before_motion && bench.device().resets() != io::DriveReset::kAttempts)
             throw std::logic_error("it was not reset as often as it may be");

@@ -33,15 +33,16 @@ class Trial {
   Trial(const FaultCase& fault, CellState state)
       : fault_(fault),
         state_(state),
-        way_(state == CellState::kAligning ? FaultRig::Way::kToStart : FaultRig::Way::kNone),
-        rig_(way_) {
+        start_path_(state == CellState::kAligning ? FaultRig::StartPath::kToStart
+                                                  : FaultRig::StartPath::kNone),
+        rig_(start_path_) {
     verdict_.fault = fault.name;
     verdict_.state = state;
     verdict_.expected = fault.In(state);
   }
 
   FaultVerdict Run() {
-    rig_.Lead(state_);
+    rig_.BringTo(state_);
     first_ = rig_.recorder().records.size();
     Inject();
     const std::size_t over = rig_.recorder().records.size();
@@ -53,7 +54,7 @@ class Trial {
         break;
       case Reaction::kWaits:
         Need(NoFault(over) && !Any(first_, over, safety::IsMotion), "it began");
-        Rehand();
+        HandOverAgain();
         rig_.Run(kAfter);
         Need(safety::IsMotion(rig_.loop().state()), "it did not begin afterwards");
         break;
@@ -69,7 +70,7 @@ class Trial {
       case Reaction::kBacksOff:
         Need(NoFault(over) && IsWaiting(StateAt(first_)), "it did not leave its way");
         Need(!Any(first_, over, safety::IsMotion), "it moved");
-        Rehand();
+        HandOverAgain();
         rig_.Run(kAfter);
         Need(safety::IsMotion(rig_.loop().state()), "it did not begin again");
         break;
@@ -79,7 +80,7 @@ class Trial {
       case Reaction::kAlignsOn:
         Need(NoFault(over), "a fault");
         Need(!Any(first_, over, safety::Renders), "it rendered");
-        Need(StateAt(over - 1) == CellState::kAligning && Stood(over - 1), "it is not at its start");
+        Need(StateAt(over - 1) == CellState::kAligning && IsAtRest(over - 1), "it is not at its start");
         rig_.Run(kAfter);
         Need(safety::Renders(rig_.loop().state()), "it did not render afterwards");
         break;
@@ -117,7 +118,7 @@ class Trial {
                         records().begin() + static_cast<std::ptrdiff_t>(to),
                         [](const TickRecord& r) { return r.faults != 0; });
   }
-  [[nodiscard]] bool Stood(std::size_t i) {
+  [[nodiscard]] bool IsAtRest(std::size_t i) {
     return Vector3(Apex(records()[i]) - Apex(records()[i - 1])).isZero(0.0);
   }
 
@@ -149,11 +150,11 @@ class Trial {
       verdict_.ticks = static_cast<int>(noticed_ - (noticed_ < begins_ ? first_ : begins_)) + 1;
     if (stops == over || stops == 0) return;
     const TickRecord& last = records()[stops - 1];
-    const double v = Vector3(last.v_WT_cmd_m_per_s).norm(), dt_s = FaultRig::Params(way_).period_s;
+    const double v = Vector3(last.v_WT_cmd_m_per_s).norm(), dt_s = FaultRig::Params(start_path_).period_s;
     const double way_v = stops < 2 ? 0.0 : (Apex(last) - Apex(records()[stops - 2])).norm() / dt_s;
-    const control::ServoParams params = FaultRig::Params(way_);
+    const control::ServoParams params = FaultRig::Params(start_path_);
     const bool on_path = state_ == CellState::kAligning;
-    verdict_.most_distance_m =
+    verdict_.max_distance_m =
         on_path ? way_v * params.start->path.pause_s + way_v * dt_s
                 : v * v / (2.0 * params.stop_deceleration_m_per_s2) + v * dt_s + kDistanceSlack_m;
     stops_ = stops;
@@ -176,11 +177,11 @@ class Trial {
   void JudgeDistance() {
     if (stops_ == 0) return;
     // ends where the tool follows the arm, as it is not commanded there
-    double most_m = 0.0;
+    double max_m = 0.0;
     for (std::size_t i = stops_; i < records().size() && safety::Brakes(StateAt(i)); ++i)
-      most_m = std::max(most_m, (Apex(records()[i]) - Apex(records()[stops_ - 1])).norm());
-    verdict_.distance_m = most_m;
-    Need(most_m <= verdict_.most_distance_m, "it went too far");
+      max_m = std::max(max_m, (Apex(records()[i]) - Apex(records()[stops_ - 1])).norm());
+    verdict_.distance_m = max_m;
+    Need(max_m <= verdict_.max_distance_m, "it went too far");
   }
 
   void JudgeStop(std::size_t over) {
@@ -217,7 +218,7 @@ class Trial {
     loop.RequestRecovery();
     rig_.Run(recovers ? kAfter : kRefused);
     Need(safety::IsMotion(loop.state()) == recovers, recovers ? "it did not recover" : "it recovered");
-    FaultRig next(way_, rig_.q());
+    FaultRig next(start_path_, rig_.q());
     next.Run(5);
     next.HandOver();
     next.Run(kAfter);
@@ -233,9 +234,9 @@ class Trial {
   void JudgePause(std::size_t over) {
     Need(NoFault(over), "a fault");
     Need(!Any(first_, over, [](CellState s) { return s != CellState::kAligning; }), "it left its way");
-    Need(Stood(over - 1), "it did not rest");
+    Need(IsAtRest(over - 1), "it did not rest");
     rig_.Run(kAfter);
-    Need(rig_.loop().state() == CellState::kAligning && !Stood(records().size() - 1), "it did not go on");
+    Need(rig_.loop().state() == CellState::kAligning && !IsAtRest(records().size() - 1), "it did not go on");
   }
 
   // Checks every tick of the run.
@@ -268,7 +269,7 @@ class Trial {
   }
 
   // Hands over again an arm whose messages said that it left.
-  void Rehand() {
+  void HandOverAgain() {
     if (rig_.last().session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive))
       return;
     rig_.TakeBack();
@@ -278,7 +279,7 @@ class Trial {
 
   const FaultCase& fault_;
   CellState state_;
-  FaultRig::Way way_;
+  FaultRig::StartPath start_path_;
   FaultRig rig_;
   FaultVerdict verdict_;
   std::size_t first_{0}, begins_{0}, noticed_{0}, stops_{0};

@@ -17,10 +17,10 @@ struct FaultVerdict {
   safety::FaultSet latched{};
   int ticks{-1};           ///< from the injection (if the cell waited: from the hand-over) to the latching
   double distance_m{0.0};  ///< travel of the commanded tool from there to rest
-  double most_distance_m{0.0};  ///< its bound: v^2 / 2a and a tick's travel; on the start path that of the
-                                ///< path's clock
-  double peak_force_N{0.0};     ///< rendered, over the whole run
-  std::string wrong;            ///< empty: as expected
+  double max_distance_m{0.0};  ///< its bound: v^2 / 2a and a tick's travel; on the start path that of the
+                               ///< path's clock
+  double peak_force_N{0.0};    ///< rendered, over the whole run
+  std::string wrong;           ///< empty: as expected
 
   [[nodiscard]] bool passed() const { return wrong.empty(); }
 };

@@ -35,7 +35,7 @@ JointVector FaultRig::StartJoints() {
   return q;
 }
 
-control::ServoParams FaultRig::Params(Way way) {
+control::ServoParams FaultRig::Params(StartPath start_path) {
   control::ServoParams params;
   params.joints.limits = ScenarioArm().limits;
   params.workspace.sphere_center_W_m = ToolAt(StartJoints()).translation();
@@ -48,7 +48,7 @@ control::ServoParams FaultRig::Params(Way way) {
   // the rig's hand pushes all the time: no bias is estimated, and the start path is followed in spite of the
   // push
   params.sensor_bias.acts = false;
-  if (way == Way::kToStart) {
+  if (start_path == StartPath::kToStart) {
     JointVector goal = StartJoints();
     goal[0] += 0.3;
     params.start = control::StartParams{.q = goal, .path = {}, .pause_force_N = 200.0};
@@ -56,17 +56,17 @@ control::ServoParams FaultRig::Params(Way way) {
   return params;
 }
 
-FaultRig::FaultRig(Way way, const JointVector& q)
+FaultRig::FaultRig(StartPath start_path, const JointVector& q)
     : kinematics_(ScenarioArm()),
       arm_(ServoArmParams{}, ScenarioArm().limits, kPeriod_s, q),
-      loop_(Params(way), kinematics_, Pose::Identity(), ScenarioTool(), kinematics_.ArmAngle(q)),
+      loop_(Params(start_path), kinematics_, Pose::Identity(), ScenarioTool(), kinematics_.ArmAngle(q)),
       q_told_(q),
       q_ipo_(q) {
   const Pose X_WT = ToolNow();
   feed_W_ = X_WT.linear().col(2);
   side_W_ = X_WT.linear().col(0);
   // on the start path nothing is near
-  plane_W_ = X_WT.translation() + (way == Way::kNone ? kPlaneAhead_m : 5.0) * feed_W_;
+  plane_W_ = X_WT.translation() + (start_path == StartPath::kNone ? kPlaneAhead_m : 5.0) * feed_W_;
 }
 
 Pose FaultRig::ToolNow() const { return kinematics_.FlangePose(arm_.q()) * ScenarioTool(); }
@@ -138,7 +138,7 @@ void FaultRig::Run(int ticks) {
   for (int i = 0; i < ticks; ++i) Tick();
 }
 
-void FaultRig::Lead(CellState state) {
+void FaultRig::BringTo(CellState state) {
   const RigInjection silent = [](RigInputs& in, int, FaultRig&) { in.received = ReceiveResult::kTimeout; };
   const auto render = [&] {
     Run(5);

@@ -44,17 +44,18 @@ class RigRecorder final : public control::TickRecorder {
 class FaultRig {
  public:
   static constexpr rt::Nanoseconds kTick = rt::kMillisecond;
-  enum class Way { kNone, kToStart };
+  enum class StartPath { kNone, kToStart };
 
   /// The loop's parameters of every run: the shipped limits, and a path to a start if requested.
-  [[nodiscard]] static control::ServoParams Params(Way way);
+  [[nodiscard]] static control::ServoParams Params(StartPath start_path);
   [[nodiscard]] static kinematics::JointVector StartJoints();
 
-  explicit FaultRig(Way way = Way::kNone, const kinematics::JointVector& q = StartJoints());
+  explicit FaultRig(StartPath start_path = StartPath::kNone,
+                    const kinematics::JointVector& q = StartJoints());
 
   /// Leads the cell into a state, as a user would.
   /// @throws std::logic_error if it does not get there.
-  void Lead(safety::CellState state);
+  void BringTo(safety::CellState state);
   /// Runs one tick and returns its record.
   const control::TickRecord& Tick(const RigInjection& inject = {}, int since = 0);
   void Run(int ticks);

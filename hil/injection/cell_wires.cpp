@@ -8,9 +8,9 @@ CellWires::CellWires(const InjectionParams& params)
     : to_controller(params, Wire::kArm, Direction::kToController),
       from_controller(params, Wire::kArm, Direction::kFromController, {.bytes = kFriMaxDatagram + 1}) {}
 
-void CellWires::Begin(rt::Nanoseconds now) OSTEON_RT {
-  to_controller.Begin(now);
-  from_controller.Begin(now);
+void CellWires::StartSchedule(rt::Nanoseconds now) OSTEON_RT {
+  to_controller.StartSchedule(now);
+  from_controller.StartSchedule(now);
 }
 
 }  // namespace osteon::hil

@@ -17,7 +17,7 @@ class CellWires {
   explicit CellWires(const InjectionParams& params);
 
   /// Records `now` as the time at which COMMANDING_ACTIVE was seen; later calls change nothing.
-  void Begin(rt::Nanoseconds now) OSTEON_RT;
+  void StartSchedule(rt::Nanoseconds now) OSTEON_RT;
 
   ImpairedWire to_controller;    ///< of the arm
   ImpairedWire from_controller;  ///< has room for a datagram that is too long, so that the receiver can

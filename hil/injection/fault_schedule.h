@@ -16,7 +16,7 @@ class FaultSchedule {
   FaultSchedule(const InjectionParams& params, Wire wire, Direction direction);
 
   /// Starts the schedule's time at `now`, when COMMANDING_ACTIVE is seen. Later calls change nothing.
-  void Begin(rt::Nanoseconds now) OSTEON_RT {
+  void StartSchedule(rt::Nanoseconds now) OSTEON_RT {
     if (!begun_) begun_at_ = now;
     begun_ = true;
   }

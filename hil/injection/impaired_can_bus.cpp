@@ -16,7 +16,7 @@ constexpr WireRoom kRoom{
 
 using Bytes = std::array<std::uint8_t, kIdBytes + 8>;
 
-std::span<const std::uint8_t> Put(const io::CanFrame& frame, Bytes& bytes) OSTEON_RT {
+std::span<const std::uint8_t> PackFrame(const io::CanFrame& frame, Bytes& bytes) OSTEON_RT {
   const std::size_t size = std::min<std::size_t>(frame.size, frame.data.size());
   bytes[0] = static_cast<std::uint8_t>(frame.id);
   bytes[1] = static_cast<std::uint8_t>(frame.id >> 8);
@@ -24,7 +24,7 @@ std::span<const std::uint8_t> Put(const io::CanFrame& frame, Bytes& bytes) OSTEO
   return {bytes.data(), kIdBytes + size};
 }
 
-io::CanFrame Take(std::span<const std::uint8_t> bytes) OSTEON_RT {
+io::CanFrame UnpackFrame(std::span<const std::uint8_t> bytes) OSTEON_RT {
   io::CanFrame frame{.id = static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8),
                      .size = static_cast<std::uint8_t>(bytes.size() - kIdBytes)};
   std::copy(bytes.begin() + kIdBytes, bytes.end(), frame.data.begin());
@@ -41,9 +41,9 @@ ImpairedCanBus::ImpairedCanBus(io::CanBus& bus, const InjectionParams& params, W
       to_controller_(params, wire, Direction::kToController, kRoom),
       from_controller_(params, wire, Direction::kFromController, kRoom) {}
 
-void ImpairedCanBus::Begin(rt::Nanoseconds now) OSTEON_RT {
-  to_controller_.Begin(now);
-  from_controller_.Begin(now);
+void ImpairedCanBus::StartSchedule(rt::Nanoseconds now) OSTEON_RT {
+  to_controller_.StartSchedule(now);
+  from_controller_.StartSchedule(now);
 }
 
 bool ImpairedCanBus::IsOfWire(const io::CanFrame& frame) const OSTEON_RT {
@@ -54,7 +54,7 @@ bool ImpairedCanBus::IsOfWire(const io::CanFrame& frame) const OSTEON_RT {
 
 CanResult ImpairedCanBus::SendDue(rt::Nanoseconds now) OSTEON_RT {
   while (to_controller_.NextDue() <= now) {
-    const CanResult result = bus_.Send(Take(to_controller_.Next(now)));
+    const CanResult result = bus_.Send(UnpackFrame(to_controller_.Next(now)));
     if (result != CanResult::kOk) return result;
   }
   return CanResult::kOk;
@@ -64,24 +64,25 @@ CanResult ImpairedCanBus::Send(const io::CanFrame& frame) OSTEON_RT {
   if (!IsOfWire(frame)) return bus_.Send(frame);
   const rt::Nanoseconds now = Now();
   Bytes bytes;
-  to_controller_.Push(Put(frame, bytes), now);
+  to_controller_.Push(PackFrame(frame, bytes), now);
   return SendDue(now);
 }
 
 // False if the frame is not one of the wire's.
-bool ImpairedCanBus::TakeIn(const io::CanArrival& arrival) OSTEON_RT {
+bool ImpairedCanBus::AcceptArrival(const io::CanArrival& arrival) OSTEON_RT {
   if (!IsOfWire(arrival.frame)) return false;
   gap_ |= arrival.after_gap;
   Bytes bytes;
-  from_controller_.Push(Put(arrival.frame, bytes), arrival.stamp);
+  from_controller_.Push(PackFrame(arrival.frame, bytes), arrival.stamp);
   return true;
 }
 
-bool ImpairedCanBus::TakeDue(rt::Nanoseconds now, io::CanArrival& arrival) OSTEON_RT {
+bool ImpairedCanBus::DeliverDue(rt::Nanoseconds now, io::CanArrival& arrival) OSTEON_RT {
   const rt::Nanoseconds due = from_controller_.NextDue();
   if (due > now) return false;
-  arrival = {
-      .frame = Take(from_controller_.Next(now)), .stamp = due, .after_gap = std::exchange(gap_, false)};
+  arrival = {.frame = UnpackFrame(from_controller_.Next(now)),
+             .stamp = due,
+             .after_gap = std::exchange(gap_, false)};
   return true;
 }
 
@@ -93,12 +94,12 @@ CanResult ImpairedCanBus::TryReceive(io::CanArrival& arrival) OSTEON_RT {
     const CanResult result = bus_.TryReceive(came);
     if (result == CanResult::kDown) return result;
     if (result != CanResult::kOk) break;
-    if (!TakeIn(came)) {
+    if (!AcceptArrival(came)) {
       arrival = came;
       return CanResult::kOk;
     }
   }
-  return TakeDue(now, arrival) ? CanResult::kOk : CanResult::kEmpty;
+  return DeliverDue(now, arrival) ? CanResult::kOk : CanResult::kEmpty;
 }
 
 CanResult ImpairedCanBus::Receive(io::CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT {
@@ -109,7 +110,7 @@ CanResult ImpairedCanBus::Receive(io::CanArrival& arrival, rt::Nanoseconds deadl
     io::CanArrival came;
     const CanResult waited = bus_.Receive(came, std::min(deadline, due));
     if (waited == CanResult::kDown) return waited;
-    if (waited == CanResult::kOk && !TakeIn(came)) {
+    if (waited == CanResult::kOk && !AcceptArrival(came)) {
       arrival = came;
       return waited;
     }

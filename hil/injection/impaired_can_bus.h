@@ -25,7 +25,7 @@ class ImpairedCanBus final : public io::CanBus {
                  std::vector<io::CanFilter> frames = {}, const rt::Nanoseconds* virtual_now = nullptr);
 
   /// Records `now` as the time at which COMMANDING_ACTIVE was seen; later calls change nothing.
-  void Begin(rt::Nanoseconds now) OSTEON_RT;
+  void StartSchedule(rt::Nanoseconds now) OSTEON_RT;
 
   io::CanResult Send(const io::CanFrame& frame) OSTEON_RT override;
   io::CanResult TryReceive(io::CanArrival& arrival) OSTEON_RT override;
@@ -42,8 +42,8 @@ class ImpairedCanBus final : public io::CanBus {
   }
   [[nodiscard]] bool IsOfWire(const io::CanFrame& frame) const OSTEON_RT;
   io::CanResult SendDue(rt::Nanoseconds now) OSTEON_RT;
-  [[nodiscard]] bool TakeIn(const io::CanArrival& arrival) OSTEON_RT;
-  [[nodiscard]] bool TakeDue(rt::Nanoseconds now, io::CanArrival& arrival) OSTEON_RT;
+  [[nodiscard]] bool AcceptArrival(const io::CanArrival& arrival) OSTEON_RT;
+  [[nodiscard]] bool DeliverDue(rt::Nanoseconds now, io::CanArrival& arrival) OSTEON_RT;
 
   io::CanBus& bus_;
   std::vector<io::CanFilter> frames_;

@@ -11,7 +11,7 @@ ImpairedCell::ImpairedCell(SimulatedCell cell, const InjectionParams& injections
 void ImpairedCell::StepCell(rt::Nanoseconds now) {
   while (wires_.from_controller.NextDue() <= now) cell_.Receive(wires_.from_controller.Next(now));
   const auto message = cell_.Step(now);
-  if (cell_.state().active_once) wires_.Begin(now);
+  if (cell_.state().active_once) wires_.StartSchedule(now);
   if (!message.empty()) wires_.to_controller.Push(message, now);
 }
 

@@ -24,17 +24,17 @@ class ImpairedCell {
   /// @throws std::invalid_argument from Validate(injections).
   ImpairedCell(SimulatedCell cell, const InjectionParams& injections);
 
-  /// Advances the cell by one period, then calls take(message, arrival) for each message that reaches the
+  /// Advances the cell by one period, then calls deliver(message, arrival) for each message that reaches the
   /// client before the next period. A message's span is valid during the call.
-  template <class Take>
-  void Step(rt::Nanoseconds now, Take&& take) {
+  template <class Deliver>
+  void Step(rt::Nanoseconds now, Deliver&& deliver) {
     StepCell(now);
     client_time_ = now + period_ - 1;  // without a message: the client has waited in vain
     const rt::Nanoseconds end = client_time_;
     for (rt::Nanoseconds due = wires_.to_controller.NextDue(); due <= end;
          due = wires_.to_controller.NextDue()) {
       client_time_ = due;
-      take(wires_.to_controller.Next(due), due);
+      deliver(wires_.to_controller.Next(due), due);
     }
   }
 

@@ -29,7 +29,7 @@ std::uint64_t ImpairedWire::Bits(Draw draw) const OSTEON_RT {
   return Scramble(seed_ ^ Scramble(8 * counters_.pushed + static_cast<std::uint64_t>(draw)));
 }
 
-bool ImpairedWire::Happens(Draw draw, double share) const OSTEON_RT { return Uniform(Bits(draw)) < share; }
+bool ImpairedWire::DrawEvent(Draw draw, double share) const OSTEON_RT { return Uniform(Bits(draw)) < share; }
 
 // Outside a burst, a new one begins with a chance p that makes `loss` the share in the long run: between two
 // bursts (1 - p) / p datagrams pass on average, so loss = b / (b + (1 - p) / p).
@@ -43,7 +43,7 @@ bool ImpairedWire::IsLost(const WireFaults& faults) OSTEON_RT {
     return true;
   }
   const double chance = faults.loss / (faults.loss + faults.burst * (1.0 - faults.loss));
-  if (!Happens(Draw::kLoss, chance)) return false;
+  if (!DrawEvent(Draw::kLoss, chance)) return false;
   burst_left_ = faults.burst - 1;
   return true;
 }
@@ -80,16 +80,16 @@ void ImpairedWire::Push(std::span<const std::uint8_t> datagram, rt::Nanoseconds 
   const std::span<std::uint8_t> held{in_hand.data() + room_.bytes, room_.bytes};
   std::copy(datagram.begin(), datagram.end(), in_hand.begin());
   std::size_t size = datagram.size();
-  if (Happens(Draw::kCorrupt, faults.corrupt)) size = Damage(in_hand.first(size));
+  if (DrawEvent(Draw::kCorrupt, faults.corrupt)) size = Damage(in_hand.first(size));
   int copies = 1;
-  if (Happens(Draw::kDuplicate, faults.duplicate)) {
+  if (DrawEvent(Draw::kDuplicate, faults.duplicate)) {
     ++counters_.duplicated;
     ++copies;
   }
   const auto jitter = static_cast<double>(faults.jitter) * Uniform(Bits(Draw::kJitter));
   const rt::Nanoseconds due = now + faults.delay + static_cast<rt::Nanoseconds>(jitter);
 
-  if (held_.copies == 0 && Happens(Draw::kReorder, faults.reorder)) {
+  if (held_.copies == 0 && DrawEvent(Draw::kReorder, faults.reorder)) {
     std::copy_n(in_hand.begin(), size, held.begin());
     held_ = {.copies = copies, .due = due, .size = size};
     return;

@@ -57,7 +57,7 @@ class ImpairedWire {
   ImpairedWire(const InjectionParams& params, Wire wire, Direction direction, const WireRoom& room = {});
 
   /// Starts the schedule at `now`, when COMMANDING_ACTIVE is seen; later calls change nothing.
-  void Begin(rt::Nanoseconds now) OSTEON_RT { schedule_.Begin(now); }
+  void StartSchedule(rt::Nanoseconds now) OSTEON_RT { schedule_.StartSchedule(now); }
 
   /// Sends a datagram at `now`, which does not decrease.
   void Push(std::span<const std::uint8_t> datagram, rt::Nanoseconds now) OSTEON_RT;
@@ -93,7 +93,7 @@ class ImpairedWire {
   enum class Draw : std::uint64_t { kLoss, kDuplicate, kReorder, kCorrupt, kDamage, kPlace, kJitter };
 
   [[nodiscard]] std::uint64_t Bits(Draw draw) const OSTEON_RT;
-  [[nodiscard]] bool Happens(Draw draw, double share) const OSTEON_RT;
+  [[nodiscard]] bool DrawEvent(Draw draw, double share) const OSTEON_RT;
   [[nodiscard]] bool IsLost(const WireFaults& faults) OSTEON_RT;
   [[nodiscard]] std::size_t Damage(std::span<std::uint8_t> datagram) OSTEON_RT;
   void Enqueue(std::span<const std::uint8_t> datagram, int copies, rt::Nanoseconds due,

@@ -24,7 +24,7 @@ PlcInjection::PlcInjection(PlcServer& server, const InjectionParams& params)
 void PlcInjection::Step(rt::Nanoseconds now) {
   const WireFaults faults = schedule_.At(now);
   if (faults.silence != before_.silence) {
-    server_.Hang(faults.silence);
+    server_.SetHung(faults.silence);
     hangs_ += faults.silence ? 1 : 0;
   }
   if (faults.loss > 0.0 && before_.loss <= 0.0) {

@@ -21,7 +21,7 @@ class PlcInjection {
   PlcInjection(PlcServer& server, const InjectionParams& params);
 
   /// Starts the schedule at `now`, when COMMANDING_ACTIVE is seen; later calls change nothing.
-  void Begin(rt::Nanoseconds now) { schedule_.Begin(now); }
+  void StartSchedule(rt::Nanoseconds now) { schedule_.StartSchedule(now); }
 
   /// Applies the scenario's faults of `now`, on CLOCK_MONOTONIC. Call it as often as its times must be
   /// accurate.

@@ -31,7 +31,8 @@ std::string DescribeBlocks(std::uint16_t blocks) {
   return text.empty() ? "none" : text;
 }
 
-bool PlcLogic::Heartbeat::Watch(rt::Nanoseconds now, std::uint16_t heartbeat, rt::Nanoseconds timeout) {
+bool PlcLogic::Heartbeat::UpdateHeartbeat(rt::Nanoseconds now, std::uint16_t heartbeat,
+                                          rt::Nanoseconds timeout) {
   if (seen && heartbeat != value) {
     lives = true;
     changed = now;
@@ -58,9 +59,9 @@ const PlcLogicOutputs& PlcLogic::Step(rt::Nanoseconds now, const PlcLogicInputs&
   // causes that latch
   std::uint16_t latching = 0;
   if (inputs.emergency_stop) latching |= Bit(PlcBlock::kEmergencyStop);
-  if (controller_.Watch(now_, inputs.controller_heartbeat, params_.heartbeat_timeout))
+  if (controller_.UpdateHeartbeat(now_, inputs.controller_heartbeat, params_.heartbeat_timeout))
     latching |= Bit(PlcBlock::kControllerLost);
-  if (params_.guard && guard_.Watch(now_, inputs.guard_heartbeat, params_.heartbeat_timeout))
+  if (params_.guard && guard_.UpdateHeartbeat(now_, inputs.guard_heartbeat, params_.heartbeat_timeout))
     latching |= Bit(PlcBlock::kGuardLost);
   if (params_.guard && guard_.lives && !inputs.guard_permits) latching |= Bit(PlcBlock::kGuardWithdrew);
   latched_ |= latching;

@@ -92,7 +92,7 @@ class PlcLogic {
     std::uint16_t value{0};
     rt::Nanoseconds changed{0};
     // True if it was alive and is no longer.
-    bool Watch(rt::Nanoseconds now, std::uint16_t heartbeat, rt::Nanoseconds timeout);
+    bool UpdateHeartbeat(rt::Nanoseconds now, std::uint16_t heartbeat, rt::Nanoseconds timeout);
   };
 
   PlcLogicParams params_;

@@ -43,7 +43,7 @@ class PlcServer {
   // Any thread.
   void SetPanel(const PlcPanel& panel);
   /// Fault: connections stay open without any answer. False ends it.
-  void Hang(bool hung) { hung_.store(hung, std::memory_order_relaxed); }
+  void SetHung(bool hung) { hung_.store(hung, std::memory_order_relaxed); }
   /// Fault: the program stands still while the server answers.
   void StopProgram(bool stopped) { program_stopped_.store(stopped, std::memory_order_relaxed); }
   /// Fault: all connections are closed now.

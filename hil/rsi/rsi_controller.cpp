@@ -203,11 +203,11 @@ void RsiController::Judge(bool client_had_its_time) {
   const Six correction = answered_ || params_.hold_on ? last_ : Six{};
   for (std::size_t i = 0; i < 6; ++i)
     state_.correction[i] = correction[i] + (params_.absolute ? 0.0 : state_.correction[i]);
-  Correct();
+  ApplyCorrection();
 }
 
 // Applies the monitors, and computes the set point of the correction in force.
-void RsiController::Correct() {
+void RsiController::ApplyCorrection() {
   const Six& correction = state_.correction;
   for (std::size_t i = 0; i < 6; ++i)
     if (!(std::abs(correction[i]) <= params_.range[i]))
@@ -231,10 +231,10 @@ void RsiController::Correct() {
       return End(RsiStopReason::kAxisLimit, static_cast<int>(i) + 1, at / kDegree,
                  (at < limit.lower_rad ? limit.lower_rad : limit.upper_rad) / kDegree);
     const double speed_rad_per_s = std::abs(at - q_set_[static_cast<int>(i)]) / period_s();
-    const double most_rad_per_s = params_.axis_speed_ratio * limit.velocity_rad_per_s;
-    if (speed_rad_per_s > most_rad_per_s)
+    const double max_rad_per_s = params_.axis_speed_ratio * limit.velocity_rad_per_s;
+    if (speed_rad_per_s > max_rad_per_s)
       return End(RsiStopReason::kAxisSpeed, static_cast<int>(i) + 1, speed_rad_per_s / kDegree,
-                 most_rad_per_s / kDegree);
+                 max_rad_per_s / kDegree);
   }
   q_set_ = q;
 }

@@ -127,7 +127,7 @@ class RsiController {
 
  private:
   void Judge(bool client_had_its_time);
-  void Correct();
+  void ApplyCorrection();
   void Drive();
   void End(RsiStopReason reason, int axis, double found, double accepted);
 

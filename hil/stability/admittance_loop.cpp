@@ -138,7 +138,7 @@ Eigen::MatrixXd AdmittanceLoop::Matrix() const {
   return LoopMatrix([this](const Eigen::VectorXd& s) { return Step(s); }, size());
 }
 
-Boundary GreatestWall(AdmittanceLoopParams params, const BoundaryScan& scan) {
+Boundary MaxWallStiffness(AdmittanceLoopParams params, const BoundaryScan& scan) {
   return FirstCrossing(
       [&](double stiffness) {
         params.wall.stiffness_N_per_m = stiffness;
@@ -147,7 +147,7 @@ Boundary GreatestWall(AdmittanceLoopParams params, const BoundaryScan& scan) {
       scan);
 }
 
-double LeastDrag(AdmittanceLoopParams params, const BoundaryScan& scan) {
+double MinDrag(AdmittanceLoopParams params, const BoundaryScan& scan) {
   // scans in 1 / b: an upward scan there is a downward scan in b
   const Boundary found = FirstCrossing(
       [&](double inverse) {

@@ -73,11 +73,11 @@ class AdmittanceLoop {
 [[nodiscard]] Eigen::Matrix<double, 2, 3> ServoStep(const ServoArmParams& params, double period_s);
 
 /// The largest wall stiffness before the first crossing [N/m].
-[[nodiscard]] Boundary GreatestWall(AdmittanceLoopParams params,
-                                    const BoundaryScan& scan = {.from = 100.0, .to = 2e6});
+[[nodiscard]] Boundary MaxWallStiffness(AdmittanceLoopParams params,
+                                        const BoundaryScan& scan = {.from = 100.0, .to = 2e6});
 /// The smallest drag b_v [N s/m] above which the loop is stable up to scan.to. Scans downward from there, as
 /// an upward scan could stop below a second unstable range. 0 if every drag of the scan is stable.
-[[nodiscard]] double LeastDrag(AdmittanceLoopParams params,
-                               const BoundaryScan& scan = {.from = 1.0, .to = 2000.0});
+[[nodiscard]] double MinDrag(AdmittanceLoopParams params,
+                             const BoundaryScan& scan = {.from = 1.0, .to = 2000.0});
 
 }  // namespace osteon::hil

@@ -66,7 +66,7 @@ double SimulatedGrowth(const AdmittanceRunParams& params) {
   return envelope.Growth();
 }
 
-Boundary SimulatedGreatestWall(AdmittanceRunParams params, const BoundaryScan& scan) {
+Boundary SimulatedMaxWallStiffness(AdmittanceRunParams params, const BoundaryScan& scan) {
   return FirstCrossing(
       [&](double stiffness) {
         params.loop.wall.stiffness_N_per_m = stiffness;

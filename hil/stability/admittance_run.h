@@ -11,6 +11,6 @@ namespace osteon::hil {
 [[nodiscard]] double SimulatedGrowth(const AdmittanceRunParams& params);
 
 /// The largest wall stiffness that is observed stable: scans upward, then bisects.
-[[nodiscard]] Boundary SimulatedGreatestWall(AdmittanceRunParams params, const BoundaryScan& scan);
+[[nodiscard]] Boundary SimulatedMaxWallStiffness(AdmittanceRunParams params, const BoundaryScan& scan);
 
 }  // namespace osteon::hil

@@ -32,16 +32,16 @@ GripRun RunGrip(const AdmittanceRunParams& params) {
     const AxisTick tick = axis.Step();
     run.valid = tick.valid && std::isfinite(tick.hand_N);
     hand_N.emplace_back(tick.hand_N, 0.0, 0.0);
-    run.most_index = std::max(run.most_index, tick.index);
+    run.max_index = std::max(run.max_index, tick.index);
     if (i >= in_ticks(0.5)) run.late_index = std::max(run.late_index, tick.index);
-    run.most_damping = std::max(run.most_damping, tick.damping_factor);
+    run.max_damping = std::max(run.max_damping, tick.damping_factor);
     if (i >= in_ticks(1.0)) sum += tick.damping_factor;
   }
   run.mean_damping = sum / static_cast<double>(ticks - in_ticks(1.0));
   const std::size_t window = in_ticks(kWindow_s), every = std::max<std::size_t>(1, in_ticks(kEvery_s));
   for (std::size_t i = 0; i + window <= hand_N.size(); i += every) {
     const double effective_N = EffectiveInBand(hand_N, i, window, kLow_hz, kHigh_hz, T);
-    run.most_N = std::max(run.most_N, effective_N);
+    run.max_N = std::max(run.max_N, effective_N);
     if (i >= in_ticks(0.5)) run.half_s_N = std::max(run.half_s_N, effective_N);
     if (i >= in_ticks(1.0)) run.one_s_N = std::max(run.one_s_N, effective_N);
     if (i + in_ticks(1.0) >= ticks) run.late_N = std::max(run.late_N, effective_N);

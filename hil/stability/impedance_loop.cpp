@@ -39,7 +39,7 @@ double ImpedanceLoop::SpectralRadius() const {
   return hil::SpectralRadius(LoopMatrix([this](const Eigen::VectorXd& s) { return Step(s); }, size()));
 }
 
-Boundary GreatestWall(ImpedanceLoopParams params, const BoundaryScan& scan) {
+Boundary MaxWallStiffness(ImpedanceLoopParams params, const BoundaryScan& scan) {
   return FirstCrossing(
       [&](double stiffness) {
         params.wall_stiffness_N_per_m = stiffness;

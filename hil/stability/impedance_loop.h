@@ -33,8 +33,8 @@ class ImpedanceLoop {
 };
 
 /// The largest wall stiffness before the first crossing [N/m].
-[[nodiscard]] Boundary GreatestWall(ImpedanceLoopParams params,
-                                    const BoundaryScan& scan = {.from = 1.0, .to = 1e6});
+[[nodiscard]] Boundary MaxWallStiffness(ImpedanceLoopParams params,
+                                        const BoundaryScan& scan = {.from = 1.0, .to = 1e6});
 
 /// The device's own damping that makes it passive in any hand, which is stricter than stable alone:
 ///

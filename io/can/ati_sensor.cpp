@@ -74,22 +74,22 @@ void AtiSensor::Accept(const CanArrival& arrival) OSTEON_RT {
     if (code > kReadingsRest)
       ++unexpected_;
     else if (joiner_.Add(arrival) == PairJoiner::Result::kJoined)
-      TakeReading();
+      HandleReading();
     return;
   }
   if (arrival.after_gap) next_part_ = 0;
   if (attempts_ > 0 && step_ < kStepCounts && code >= kMatrixRow && code <= kMatrixRowEnd)
-    TakeMatrix(frame, code - kMatrixRow);
+    HandleMatrix(frame, code - kMatrixRow);
   else if (attempts_ > 0 && step_ == kStepCounts && code == kCounts)
-    TakeCounts(frame);
+    HandleCounts(frame);
   else if (attempts_ > 0 && step_ == kStepUnits && code == kUnits)
-    TakeUnits(frame);
+    HandleUnits(frame);
   else
     ++unexpected_;
 }
 
 // A row is accepted as a whole: its three parts in order; otherwise it is requested again.
-void AtiSensor::TakeMatrix(const CanFrame& frame, std::size_t part) OSTEON_RT {
+void AtiSensor::HandleMatrix(const CanFrame& frame, std::size_t part) OSTEON_RT {
   if (frame.size != 8) {
     ++malformed_;
     next_part_ = 0;
@@ -109,7 +109,7 @@ void AtiSensor::TakeMatrix(const CanFrame& frame, std::size_t part) OSTEON_RT {
   if (next_part_ == 3) Advance();
 }
 
-void AtiSensor::TakeCounts(const CanFrame& frame) OSTEON_RT {
+void AtiSensor::HandleCounts(const CanFrame& frame) OSTEON_RT {
   if (frame.size != 8) {
     ++malformed_;
     return;
@@ -121,7 +121,7 @@ void AtiSensor::TakeCounts(const CanFrame& frame) OSTEON_RT {
   Advance();
 }
 
-void AtiSensor::TakeUnits(const CanFrame& frame) OSTEON_RT {
+void AtiSensor::HandleUnits(const CanFrame& frame) OSTEON_RT {
   if (frame.size != 2) {
     ++malformed_;
     return;
@@ -134,7 +134,7 @@ void AtiSensor::TakeUnits(const CanFrame& frame) OSTEON_RT {
   Advance();
 }
 
-void AtiSensor::TakeReading() OSTEON_RT {
+void AtiSensor::HandleReading() OSTEON_RT {
   const auto& bytes = joiner_.bytes();
   Values gauges{}, wrench{};
   for (std::size_t i = 0; i < 6; ++i)

@@ -61,10 +61,10 @@ class AtiSensor final : public WrenchSensor {
   using Values = std::array<double, 6>;
 
   explicit AtiSensor(const AtiParams& params);
-  void TakeMatrix(const CanFrame& frame, std::size_t part) OSTEON_RT;
-  void TakeCounts(const CanFrame& frame) OSTEON_RT;
-  void TakeUnits(const CanFrame& frame) OSTEON_RT;
-  void TakeReading() OSTEON_RT;
+  void HandleMatrix(const CanFrame& frame, std::size_t part) OSTEON_RT;
+  void HandleCounts(const CanFrame& frame) OSTEON_RT;
+  void HandleUnits(const CanFrame& frame) OSTEON_RT;
+  void HandleReading() OSTEON_RT;
   void Advance() OSTEON_RT;
   void Fail(Wrong wrong, double found, double other = 0.0) OSTEON_RT;
 

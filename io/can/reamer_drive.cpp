@@ -131,12 +131,12 @@ void ReamerDrive::Accept(const CanArrival& arrival) OSTEON_RT {
   if (phase_ == DrivePhase::kFailed) return;
   switch (frame.id - params_.node) {
     case canopen::kSdoAnswer:
-      return TakeSdo(frame);
+      return HandleSdo(frame);
     case canopen::kHeartbeat:
-      return TakeHeartbeat(frame, arrival.stamp);
+      return HandleHeartbeat(frame, arrival.stamp);
     case canopen::kTpdo1:
     case canopen::kTpdo2:
-      if (phase_ == DrivePhase::kReady) TakeStatus(frame, arrival.stamp);
+      if (phase_ == DrivePhase::kReady) HandleStatus(frame, arrival.stamp);
       return;
     case canopen::kEmergency:
       if (frame.size != 8) {
@@ -153,7 +153,7 @@ void ReamerDrive::Accept(const CanArrival& arrival) OSTEON_RT {
   }
 }
 
-void ReamerDrive::TakeSdo(const CanFrame& frame) OSTEON_RT {
+void ReamerDrive::HandleSdo(const CanFrame& frame) OSTEON_RT {
   const auto answer = canopen::DecodeSdo(frame);
   if (!answer) {
     ++rejected_;
@@ -176,7 +176,7 @@ void ReamerDrive::TakeSdo(const CanFrame& frame) OSTEON_RT {
   due_ = 0;
 }
 
-void ReamerDrive::TakeHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT {
+void ReamerDrive::HandleHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT {
   if (frame.size != 1) {
     ++rejected_;
     return;
@@ -202,7 +202,7 @@ void ReamerDrive::TakeHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) OS
   }
 }
 
-void ReamerDrive::TakeStatus(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT {
+void ReamerDrive::HandleStatus(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT {
   const std::uint8_t* data = frame.data.data();
   if (frame.id == canopen::kTpdo2 + params_.node) {
     if (frame.size != 6) {

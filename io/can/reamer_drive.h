@@ -140,9 +140,9 @@ class ReamerDrive final : public CanClient {
   enum class Wrong : std::uint8_t { kNothing, kSilent, kAborted, kValue, kNotStarted };
 
   explicit ReamerDrive(const ReamerDriveParams& params);
-  void TakeSdo(const CanFrame& frame) OSTEON_RT;
-  void TakeHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT;
-  void TakeStatus(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT;
+  void HandleSdo(const CanFrame& frame) OSTEON_RT;
+  void HandleHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT;
+  void HandleStatus(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT;
   void Watch(rt::Nanoseconds now) OSTEON_RT;
   [[nodiscard]] bool HeartbeatIsLost(rt::Nanoseconds now) const OSTEON_RT;
   [[nodiscard]] bool StatusIsLost(rt::Nanoseconds now) const OSTEON_RT;

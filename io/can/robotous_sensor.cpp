@@ -115,7 +115,7 @@ void RobotousSensor::Accept(const CanArrival& arrival) OSTEON_RT {
   const auto& bytes = joiner_.bytes();
   if (bytes[0] == kStartOutput && step_ >= Step::kStart) {
     if (step_ == Step::kStart && attempts_ == 0) return;  // not requested yet
-    TakeReading(bytes, joiner_.stamp());
+    HandleReading(bytes, joiner_.stamp());
   } else {
     Answer(bytes);
   }
@@ -141,7 +141,8 @@ void RobotousSensor::Answer(const std::array<std::uint8_t, 16>& bytes) OSTEON_RT
   Advance();
 }
 
-void RobotousSensor::TakeReading(const std::array<std::uint8_t, 16>& bytes, rt::Nanoseconds stamp) OSTEON_RT {
+void RobotousSensor::HandleReading(const std::array<std::uint8_t, 16>& bytes,
+                                   rt::Nanoseconds stamp) OSTEON_RT {
   if (step_ == Step::kStart) {
     Advance();
     rate_since_ = rate_last_ = stamp;

@@ -77,7 +77,7 @@ class RobotousSensor final : public WrenchSensor {
 
   void Fail(Wrong wrong, double found) OSTEON_RT;
   void Answer(const std::array<std::uint8_t, 16>& bytes) OSTEON_RT;
-  void TakeReading(const std::array<std::uint8_t, 16>& bytes, rt::Nanoseconds stamp) OSTEON_RT;
+  void HandleReading(const std::array<std::uint8_t, 16>& bytes, rt::Nanoseconds stamp) OSTEON_RT;
   void MeasureRate(rt::Nanoseconds stamp) OSTEON_RT;
   void Advance() OSTEON_RT;
   [[nodiscard]] CanFrame Command(Step step) const OSTEON_RT;

@@ -125,16 +125,18 @@ CanResult SocketCanBus::TryReceive(CanArrival& arrival) OSTEON_RT {
 
 CanResult SocketCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& count) OSTEON_RT {
   const auto judge = [] {
-    return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR ? Taken::kNothing : Taken::kDown;
+    return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR ? EmptyReceive::kNothing
+                                                                     : EmptyReceive::kDown;
   };
   const auto take = [this](std::size_t i, CanArrival& arrival) {
-    return Take(in_.bytes(i), in_.header(i), arrival);
+    return AcceptFrame(in_.bytes(i), in_.header(i), arrival);
   };
   return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, judge, take);
 }
 
 // Whether to deliver the frame; reports of kernel and controller are processed in any case.
-bool SocketCanBus::Take(std::span<const std::uint8_t> bytes, msghdr& message, CanArrival& arrival) OSTEON_RT {
+bool SocketCanBus::AcceptFrame(std::span<const std::uint8_t> bytes, msghdr& message,
+                               CanArrival& arrival) OSTEON_RT {
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
     std::uint32_t dropped = 0;
@@ -150,7 +152,7 @@ bool SocketCanBus::Take(std::span<const std::uint8_t> bytes, msghdr& message, Ca
     return false;
   }
   if ((wire.can_id & CAN_ERR_FLAG) != 0) {
-    TakeErrorFrame(wire.can_id & CAN_ERR_MASK, wire.data);
+    HandleErrorFrame(wire.can_id & CAN_ERR_MASK, wire.data);
     return false;
   }
   if ((wire.can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG)) != 0) {
@@ -176,7 +178,7 @@ CanResult SocketCanBus::Receive(CanArrival& arrival, rt::Nanoseconds deadline) O
   }
 }
 
-void SocketCanBus::TakeErrorFrame(std::uint32_t error_class, const std::uint8_t* data) OSTEON_RT {
+void SocketCanBus::HandleErrorFrame(std::uint32_t error_class, const std::uint8_t* data) OSTEON_RT {
   ++status_.error_frames;
   if ((error_class & CAN_ERR_BUSOFF) != 0) status_.bus_off = true;
   if ((error_class & CAN_ERR_RESTARTED) != 0)

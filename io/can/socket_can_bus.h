@@ -51,9 +51,9 @@ class SocketCanBus final : public CanBus {
 
  private:
   explicit SocketCanBus(int socket) : socket_(socket) {}
-  [[nodiscard]] bool Take(std::span<const std::uint8_t> bytes, msghdr& message,
-                          CanArrival& arrival) OSTEON_RT;
-  void TakeErrorFrame(std::uint32_t error_class, const std::uint8_t* data) OSTEON_RT;
+  [[nodiscard]] bool AcceptFrame(std::span<const std::uint8_t> bytes, msghdr& message,
+                                 CanArrival& arrival) OSTEON_RT;
+  void HandleErrorFrame(std::uint32_t error_class, const std::uint8_t* data) OSTEON_RT;
 
   int socket_;
   CanStatus status_;

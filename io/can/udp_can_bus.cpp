@@ -100,11 +100,11 @@ CanResult UdpCanBus::TryReceive(CanArrival& arrival) OSTEON_RT {
 
 CanResult UdpCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& count) OSTEON_RT {
   const auto judge = [] {
-    if (errno == EBADF || errno == ENOTSOCK) return Taken::kDown;
-    return errno == EAGAIN || errno == EWOULDBLOCK ? Taken::kNothing : Taken::kReport;
+    if (errno == EBADF || errno == ENOTSOCK) return EmptyReceive::kDown;
+    return errno == EAGAIN || errno == EWOULDBLOCK ? EmptyReceive::kNothing : EmptyReceive::kReport;
   };
   const auto take = [this](std::size_t i, CanArrival& arrival) {
-    if (!Take(in_.bytes(i), arrival)) return false;
+    if (!AcceptDatagram(in_.bytes(i), arrival)) return false;
     arrival.stamp = ArrivalTime(in_.header(i));
     return true;
   };
@@ -112,13 +112,13 @@ CanResult UdpCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& count) 
 }
 
 // Whether to deliver the frame.
-bool UdpCanBus::Take(std::span<const std::uint8_t> datagram, CanArrival& arrival) OSTEON_RT {
+bool UdpCanBus::AcceptDatagram(std::span<const std::uint8_t> datagram, CanArrival& arrival) OSTEON_RT {
   UdpCanMessage parsed;
   if (DecodeUdpCan(datagram, parsed) != UdpCanError::kNone) {
     ++status_.rejected;
     return false;
   }
-  if (!InOrder(parsed) || !Wanted(parsed.frame)) return false;
+  if (!InOrder(parsed) || !PassesFilter(parsed.frame)) return false;
   arrival = {.frame = parsed.frame, .stamp = 0, .after_gap = gap_};
   gap_ = false;
   ++status_.received;
@@ -153,7 +153,7 @@ bool UdpCanBus::InOrder(const UdpCanMessage& message) OSTEON_RT {
   return true;
 }
 
-bool UdpCanBus::Wanted(const CanFrame& frame) const OSTEON_RT {
+bool UdpCanBus::PassesFilter(const CanFrame& frame) const OSTEON_RT {
   if (filters_.empty()) return true;
   return std::any_of(filters_.begin(), filters_.end(), [&](const CanFilter& filter) {
     return (frame.id & filter.mask) == (filter.id & filter.mask);

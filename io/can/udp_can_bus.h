@@ -56,9 +56,9 @@ class UdpCanBus final : public CanBus {
 
  private:
   UdpCanBus(int socket, std::vector<CanFilter> filters);
-  [[nodiscard]] bool Take(std::span<const std::uint8_t> datagram, CanArrival& arrival) OSTEON_RT;
+  [[nodiscard]] bool AcceptDatagram(std::span<const std::uint8_t> datagram, CanArrival& arrival) OSTEON_RT;
   [[nodiscard]] bool InOrder(const UdpCanMessage& message) OSTEON_RT;
-  [[nodiscard]] bool Wanted(const CanFrame& frame) const OSTEON_RT;
+  [[nodiscard]] bool PassesFilter(const CanFrame& frame) const OSTEON_RT;
 
   int socket_;
   std::uint16_t port_{0};

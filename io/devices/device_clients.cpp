@@ -67,12 +67,12 @@ tl::expected<std::unique_ptr<DeviceClients>, std::string> DeviceClients::Make(co
   return clients;
 }
 
-void DeviceClients::PutOn(CanPump& pump, std::size_t bus) {
+void DeviceClients::AddToPump(CanPump& pump, std::size_t bus) {
   if (bus == params_.sensor_bus) pump.Add(*sensor_);
   if (drive_ && bus == params_.drive_bus) pump.Add(*drive_);
 }
 
-bool DeviceClients::Silence::Lasts(bool silent, rt::Nanoseconds now) OSTEON_RT {
+bool DeviceClients::SilenceTimer::HasExpired(bool silent, rt::Nanoseconds now) OSTEON_RT {
   if (!silent) since_ = -1;
   if (silent && since_ < 0) since_ = now;
   if (!silent || now - since_ < kAgainAfter) return false;
@@ -82,9 +82,9 @@ bool DeviceClients::Silence::Lasts(bool silent, rt::Nanoseconds now) OSTEON_RT {
 }
 
 void DeviceClients::Command(const control::CellCommands& commands, rt::Nanoseconds now) OSTEON_RT {
-  if (sensor_silence_.Lasts(sensor_->silent(), now)) sensor_->Restart();
+  if (sensor_silence_.HasExpired(sensor_->silent(), now)) sensor_->Restart();
   if (!drive_) return;
-  if (drive_silence_.Lasts(drive_->silent(), now)) drive_->Restart();
+  if (drive_silence_.HasExpired(drive_->silent(), now)) drive_->Restart();
   const bool turns = std::abs(drive_->status().speed_rad_per_s) > kStands_rad_per_s;
   DriveCommand command;
   if (commands.quick_stop)

@@ -22,7 +22,7 @@ class DeviceClients {
       const DeviceParams& params);
 
   /// Adds the devices of a bus (in DeviceParams::buses) to the pump of its end.
-  void PutOn(CanPump& pump, std::size_t bus);
+  void AddToPump(CanPump& pump, std::size_t bus);
 
   /// Commands the drive: the given speed, or ramp down and then off with speed 0. A drive with a fault is
   /// reset if the command allows it, at most DriveReset::kAttempts times. A device that never answered is set
@@ -45,9 +45,9 @@ class DeviceClients {
       : params_(params), sensor_(std::move(sensor)) {}
 
   /// Detects a device that has been silent for a second and must be set up again.
-  class Silence {
+  class SilenceTimer {
    public:
-    [[nodiscard]] bool Lasts(bool silent, rt::Nanoseconds now) OSTEON_RT;
+    [[nodiscard]] bool HasExpired(bool silent, rt::Nanoseconds now) OSTEON_RT;
     [[nodiscard]] int times() const { return times_; }
 
    private:
@@ -58,7 +58,7 @@ class DeviceClients {
   DeviceParams params_;
   std::unique_ptr<WrenchSensor> sensor_;
   std::optional<ReamerDrive> drive_;
-  Silence sensor_silence_, drive_silence_;
+  SilenceTimer sensor_silence_, drive_silence_;
   DriveReset drive_reset_;
   bool was_wanted_{false};
   rt::Nanoseconds asked_since_{0};

@@ -39,7 +39,7 @@ tl::expected<std::unique_ptr<WiredDevices>, std::string> WiredDevices::Open(cons
     auto bus = OpenBus(params.buses[i], filters);
     if (!bus) return tl::make_unexpected("CAN bus " + params.buses[i].name + ": " + bus.error());
     devices->buses_.push_back(std::move(*bus));
-    devices->clients_->PutOn(devices->pumps_.emplace_back(*devices->buses_.back()), i);
+    devices->clients_->AddToPump(devices->pumps_.emplace_back(*devices->buses_.back()), i);
   }
   if (params.plc) devices->plc_ = std::make_unique<PlcClient>(*params.plc);
   return devices;
@@ -51,7 +51,7 @@ control::CellReadings WiredDevices::Exchange(const control::CellCommands& comman
   for (CanPump& pump : pumps_) pump.Pump(now);
   const PlcReading& plc = plc_ ? plc_->Latest() : no_plc_;
   if (plc_) {
-    plc_->Beat();
+    plc_->NotifyAlive();
     plc_->RequestMotion(clients_->MotionRequest(commands, plc, now));
   }
   return clients_->Readings(plc, now);

@@ -76,7 +76,7 @@ const char* Describe(CodecError error) {
   return "unknown error";
 }
 
-std::optional<FriFamily> TellFamily(std::span<const std::uint8_t> datagram) OSTEON_RT {
+std::optional<FriFamily> DetectFamily(std::span<const std::uint8_t> datagram) OSTEON_RT {
   WireMonitoring framed;
   std::span<const std::uint8_t> body;
   if (Open(FriFamily::k2_7, datagram, body) == CodecError::kNone && Parse(body, framed) == CodecError::kNone)
@@ -95,7 +95,7 @@ CodecError ReadWire(FriFamily family, std::span<const std::uint8_t> datagram,
   CodecError parsed = Open(family, datagram, body);
   if (parsed == CodecError::kNone) parsed = Parse(body, wire);
   if (parsed == CodecError::kMalformed || parsed == CodecError::kWrongId)
-    return TellFamily(datagram).value_or(family) != family ? CodecError::kOtherVersion : parsed;
+    return DetectFamily(datagram).value_or(family) != family ? CodecError::kOtherVersion : parsed;
   if (parsed != CodecError::kNone) return parsed;
   const FriFamily bare = family == FriFamily::k2_7 ? FriFamily::k2_5 : family;
   if (FamilyOfFields(wire).value_or(bare) != bare) return CodecError::kOtherVersion;

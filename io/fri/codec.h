@@ -31,7 +31,7 @@ enum class CodecError : std::uint8_t {
   kOutOfRange,    ///< an enum, a period, a multiplier or a rotation that does not exist
   kNoSpace,       ///< the caller's buffer is too small, or the message exceeds 1500 bytes
   kChecksum,      ///< 2.7: the frame's CRC-32 does not match the message
-  kOtherVersion,  ///< a message of another family of versions: TellFamily says which
+  kOtherVersion,  ///< a message of another family of versions: DetectFamily says which
 };
 
 /// One line for screens and logs; not for the tick.
@@ -49,7 +49,7 @@ enum class CodecError : std::uint8_t {
 /// Which family a monitoring message comes from, by its frame and by the fields that only one has. Empty if
 /// it is no monitoring message, or has none of those fields (an arm that reports nothing but its session
 /// state).
-[[nodiscard]] std::optional<FriFamily> TellFamily(std::span<const std::uint8_t> datagram) OSTEON_RT;
+[[nodiscard]] std::optional<FriFamily> DetectFamily(std::span<const std::uint8_t> datagram) OSTEON_RT;
 
 /// Writes a client's answer; `size` is the datagram's length on kNone. Never encodes a value that is not
 /// finite. Poses are left out if the family has none.

@@ -66,7 +66,7 @@ class Fields {
 };
 
 /// Field numbers seen so far: a repeated field is refused.
-class Once {
+class SeenFields {
  public:
   bool operator()(std::uint32_t number) OSTEON_RT {
     const std::uint32_t bit = number < 32 ? 1u << number : 0u;
@@ -109,25 +109,25 @@ bool ReadDoubles(Bytes bytes, std::optional<std::array<double, N>>& values) OSTE
 
 bool ReadHeader(Bytes bytes, FriReadCommand& command) OSTEON_RT {
   Fields fields(bytes);
-  Once once;
+  SeenFields seen;
   std::uint64_t id = 0, sequence = 0, reflected = 0;
   for (std::uint32_t number = 0, type = 0; fields.Next(number, type);) {
-    if (type != kVarint || number > 3 || !once(number)) return false;
+    if (type != kVarint || number > 3 || !seen(number)) return false;
     (number == 1 ? id : number == 2 ? sequence : reflected) = fields.Varint();
   }
   command.sequence = static_cast<std::uint32_t>(sequence);
   command.reflected_sequence = static_cast<std::uint32_t>(reflected);
-  return fields.good() && once.Has(1) && once.Has(2) && once.Has(3) && id == kCommandId &&
+  return fields.good() && seen.Has(1) && seen.Has(2) && seen.Has(3) && id == kCommandId &&
          sequence <= UINT32_MAX && reflected <= UINT32_MAX;
 }
 
 // Frames and outputs for the robot's program (4, 5) may come several times; they move no joint.
 bool ReadData(FriFamily family, Bytes bytes, FriReadCommand& command) OSTEON_RT {
   Fields fields(bytes);
-  Once once;
+  SeenFields seen;
   for (std::uint32_t number = 0, type = 0; fields.Next(number, type);) {
     if (type != kBytes) return false;
-    if (number != 4 && number != 5 && !once(number)) return false;
+    if (number != 4 && number != 5 && !seen(number)) return false;
     const Bytes part = fields.Part();
     switch (number) {
       case 1:
@@ -166,16 +166,16 @@ FriCommandError ReadCommand(FriFamily family, Bytes datagram, FriReadCommand& co
   }
   FriReadCommand read;
   Fields fields(body);
-  Once once;
+  SeenFields seen;
   for (std::uint32_t number = 0, type = 0; fields.Next(number, type);) {
-    if (type != kBytes || !once(number)) return FriCommandError::kMalformed;
+    if (type != kBytes || !seen(number)) return FriCommandError::kMalformed;
     const Bytes part = fields.Part();
     const bool known = number == 1   ? ReadHeader(part, read)
                        : number == 2 ? ReadData(family, part, read)
                                      : number == 15 && family != FriFamily::k2_7;
     if (!known) return FriCommandError::kMalformed;
   }
-  if (!fields.good() || !once.Has(1)) return FriCommandError::kMalformed;
+  if (!fields.good() || !seen.Has(1)) return FriCommandError::kMalformed;
   command = read;
   return FriCommandError::kNone;
 }

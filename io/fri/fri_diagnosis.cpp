@@ -57,12 +57,13 @@ std::string FriSession::Diagnosis() const {
   if (last_.session == SessionState::kIdle) {
     say("The arm's session is IDLE" +
         (session_before_ == SessionState::kIdle ? std::string()
-                                                : std::string(", it was ") + FriName(session_before_)) +
+                                                : std::string(", it was ") + SessionName(session_before_)) +
         ": its program has ended it, or was cancelled; start the program again.");
     return text;
   }
   if (session_before_ >= SessionState::kCommandingWait && last_.session < SessionState::kCommandingWait)
-    say(std::string("The arm has left ") + FriName(session_before_) + " for " + FriName(last_.session) + ".");
+    say(std::string("The arm has left ") + SessionName(session_before_) + " for " +
+        SessionName(last_.session) + ".");
   if (last_.session < SessionState::kCommandingWait && last_.quality < FriQuality::kGood)
     say("The connection is " + std::string(last_.quality == FriQuality::kPoor ? "POOR" : "FAIR") +
         ", commanding needs GOOD: answers are missing or late.");

@@ -22,7 +22,7 @@ bool FriLink::Send(const control::ArmCommand& command) OSTEON_RT {
 }
 
 void FriLink::WarmUp(const control::ArmCommand& command) OSTEON_RT {
-  if (rehearsal_) rehearsal_->Go(peer_.newest(), command);
+  if (warmup_) warmup_->Run(peer_.newest(), command);
   rt::Prefetch(session_);
 }
 

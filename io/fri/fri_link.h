@@ -10,7 +10,7 @@
 
 #include "control/ports.h"
 #include "io/fri/fri_session.h"
-#include "io/net/link_rehearsal.h"
+#include "io/net/cache_warmup.h"
 #include "io/net/udp_peer.h"
 
 namespace osteon::io {
@@ -59,11 +59,11 @@ class FriLink final : public control::ArmLink {
   FriLink(const BoundUdp& bound, std::optional<in_addr> arm, const FriLinkParams& params)
       : peer_(bound, arm),
         session_(params.session),
-        rehearsal_(LinkRehearsal<FriSession, kRoom>::Make("rehearsal", session_)) {}
+        warmup_(CacheWarmup<FriSession, kRoom>::Make("rehearsal", session_)) {}
 
   UdpPeer<kRoom> peer_;
   FriSession session_;
-  std::unique_ptr<LinkRehearsal<FriSession, kRoom>> rehearsal_;
+  std::unique_ptr<CacheWarmup<FriSession, kRoom>> warmup_;
 };
 
 }  // namespace osteon::io

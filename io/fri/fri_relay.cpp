@@ -35,15 +35,15 @@ struct FriRelay::Judge {
   FriRelay& relay;
 
   bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT {
-    return relay.TakeMessage(datagram, arrival);
+    return relay.RelayMessage(datagram, arrival);
   }
   [[nodiscard]] bool IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_RT {
     MonitoringMessage message;
     return DecodeMonitoring(relay.family_, datagram, message) == CodecError::kNone;
   }
   void Reject() OSTEON_RT { ++relay.counters_.rejected; }
-  void StartOver() OSTEON_RT { relay.monitor_.ResetSession(); }
-  void Superseded() OSTEON_RT {}  // it was relayed as well: the controller counts it
+  void ResetSession() OSTEON_RT { relay.monitor_.ResetSession(); }
+  void OnOvertaken() OSTEON_RT {}  // it was relayed as well: the controller counts it
 };
 
 tl::expected<std::unique_ptr<FriRelay>, std::string> FriRelay::Open(const FriRelayParams& params,
@@ -75,7 +75,7 @@ FriRelay::~FriRelay() { close(controller_); }
 
 bool FriRelay::Serve(rt::Nanoseconds deadline) OSTEON_RT {
   for (;;) {
-    if (!TakeAnswers()) return false;
+    if (!ReceiveAnswers()) return false;
     if (arm_.Receive(Judge{*this}, 0) == control::ReceiveResult::kClosed) return false;
     const rt::Nanoseconds now = rt::MonotonicNow();
     monitor_.CheckSilence(now);
@@ -88,7 +88,7 @@ bool FriRelay::Serve(rt::Nanoseconds deadline) OSTEON_RT {
   }
 }
 
-bool FriRelay::TakeMessage(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT {
+bool FriRelay::RelayMessage(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT {
   if (DecodeMonitoring(family_, datagram, message_) != CodecError::kNone) {
     ++counters_.rejected;
     return false;
@@ -111,17 +111,17 @@ bool FriRelay::TakeMessage(std::span<const std::uint8_t> datagram, rt::Nanosecon
   return true;
 }
 
-bool FriRelay::TakeAnswers() OSTEON_RT {
+bool FriRelay::ReceiveAnswers() OSTEON_RT {
   for (std::size_t left = kMaxAtOnce; left > 0; --left) {
     const Datagram answer = ReadDatagram(controller_, room_);
     if (answer.read == Datagram::Read::kNone) return true;
     if (answer.read == Datagram::Read::kGone) return false;
-    if (answer.read == Datagram::Read::kTaken) TakeAnswer(answer.bytes, answer.arrival);
+    if (answer.read == Datagram::Read::kTaken) RelayAnswer(answer.bytes, answer.arrival);
   }
   return true;
 }
 
-void FriRelay::TakeAnswer(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT {
+void FriRelay::RelayAnswer(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT {
   FriReadCommand command;
   switch (ReadCommand(family_, datagram, command)) {
     case FriCommandError::kNone:

@@ -63,9 +63,9 @@ class FriRelay {
            safety::GuardMonitor& monitor)
       : arm_(arm, from), controller_(controller), family_(family), monitor_(monitor) {}
 
-  bool TakeMessage(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT;
-  bool TakeAnswers() OSTEON_RT;
-  void TakeAnswer(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT;
+  bool RelayMessage(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT;
+  bool ReceiveAnswers() OSTEON_RT;
+  void RelayAnswer(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT;
 
   struct Judge;  // UdpPeer's protocol interface
 

@@ -18,7 +18,7 @@ bool IsFinite(const JointArray& q) OSTEON_RT {
 
 bool IsFinite(const PlainWrench& F) OSTEON_RT { return Vector3(F.f).allFinite() && Vector3(F.t).allFinite(); }
 
-bool Near(const JointArray& a, const JointArray& b, double bound_rad) OSTEON_RT {
+bool AreClose(const JointArray& a, const JointArray& b, double bound_rad) OSTEON_RT {
   for (std::size_t i = 0; i < a.size(); ++i)
     if (!(std::abs(a[i] - b[i]) <= bound_rad)) return false;
   return true;
@@ -67,7 +67,7 @@ FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
     ++counters_.rejected;
     if (error == CodecError::kOtherVersion) {
       ++counters_.other_version;
-      other_family_ = TellFamily(datagram);
+      other_family_ = DetectFamily(datagram);
     }
     // the arm does not know its own posture: the loop must see which joint is concerned, and stops
     if (const auto q = has_last_ && error == CodecError::kNotFinite ? JointsNotFinite(family_, datagram)
@@ -207,9 +207,9 @@ std::span<const std::uint8_t> FriSession::Answer(const control::ArmCommand& comm
   return {buffer_.data(), size};
 }
 
-bool FriSession::Follows(const control::ArmCommand& command) OSTEON_RT {
+bool FriSession::AcceptCommand(const control::ArmCommand& command) OSTEON_RT {
   if (command.activation != activation_ || !IsFinite(command.q)) return false;
-  if (holding_ && !Near(command.q, *last_.q_ipo, params_.entry_step_rad)) return false;
+  if (holding_ && !AreClose(command.q, *last_.q_ipo, params_.entry_step_rad)) return false;
   holding_ = false;
   return true;
 }
@@ -221,7 +221,7 @@ void FriSession::PutMotion(const control::ArmCommand& command, CommandMessage& a
   }
   const bool cartesian = last_.command_mode == CommandMode::kCartesianPose;
   const bool active = last_.session == SessionState::kCommandingActive && !cartesian;
-  const bool follows = active && Follows(command);
+  const bool follows = active && AcceptCommand(command);
   if (follows)
     answer.q = command.q;
   else
@@ -284,7 +284,7 @@ void FriSession::CountRejected(control::ArmState& state) OSTEON_RT {
   PutCounters(state);
 }
 
-void FriSession::StartOver() OSTEON_RT { has_last_ = pending_ = false; }
+void FriSession::ResetSession() OSTEON_RT { has_last_ = pending_ = false; }
 
 void FriSession::PutCounters(control::ArmState& state) const OSTEON_RT {
   state.lost = counters_.lost;

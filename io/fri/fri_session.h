@@ -96,7 +96,7 @@ class FriSession {
   void CountRejected(control::ArmState& state) OSTEON_RT;
 
   /// Lets the next message begin a session, whatever its counter; the counts of ArmState continue.
-  void StartOver() OSTEON_RT;
+  void ResetSession() OSTEON_RT;
 
   /// Why the last kRejected datagram was refused.
   [[nodiscard]] CodecError last_error() const OSTEON_RT { return last_error_; }
@@ -117,7 +117,7 @@ class FriSession {
   void CheckReflected(const MonitoringMessage& message) OSTEON_RT;
   void CheckActivation(const MonitoringMessage& message) OSTEON_RT;
   void BeginSession() OSTEON_RT;
-  [[nodiscard]] bool Follows(const control::ArmCommand& command) OSTEON_RT;
+  [[nodiscard]] bool AcceptCommand(const control::ArmCommand& command) OSTEON_RT;
   void PutMotion(const control::ArmCommand& command, CommandMessage& answer) OSTEON_RT;
   void PutOutputs(FriOutputs& outputs) OSTEON_RT;
   void PutCounters(control::ArmState& state) const OSTEON_RT;

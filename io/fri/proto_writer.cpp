@@ -22,7 +22,7 @@ std::size_t VarintSize(std::uint64_t value) OSTEON_RT {
 
 }  // namespace
 
-std::uint8_t* ProtoWriter::Take(std::size_t bytes) OSTEON_RT {
+std::uint8_t* ProtoWriter::Reserve(std::size_t bytes) OSTEON_RT {
   ok_ = ok_ && bytes <= buffer_.size() - size_;
   if (!ok_) return nullptr;
   std::uint8_t* at = buffer_.data() + size_;
@@ -31,14 +31,14 @@ std::uint8_t* ProtoWriter::Take(std::size_t bytes) OSTEON_RT {
 }
 
 void ProtoWriter::PutVarint(std::uint64_t value) OSTEON_RT {
-  std::uint8_t* to = Take(VarintSize(value));
+  std::uint8_t* to = Reserve(VarintSize(value));
   if (to == nullptr) return;
   for (; value >= 0x80; value >>= 7) *to++ = static_cast<std::uint8_t>(value | 0x80);
   *to = static_cast<std::uint8_t>(value);
 }
 
 void ProtoWriter::PutBytes(const void* bytes, std::size_t size) OSTEON_RT {
-  std::uint8_t* to = Take(size);
+  std::uint8_t* to = Reserve(size);
   if (to != nullptr && size != 0) std::memcpy(to, bytes, size);
 }
 
@@ -69,18 +69,18 @@ void ProtoWriter::Packed(std::uint32_t number, std::span<const double> values) O
   PutBytes(values.data(), values.size_bytes());
 }
 
-std::size_t ProtoWriter::Begin(std::uint32_t number) OSTEON_RT {
+std::size_t ProtoWriter::BeginMessage(std::uint32_t number) OSTEON_RT {
   PutVarint(Tag(number, kBytes));
-  (void)Take(1);
+  (void)Reserve(1);
   return size_;
 }
 
-void ProtoWriter::End(std::size_t begin) OSTEON_RT {
+void ProtoWriter::EndMessage(std::size_t begin) OSTEON_RT {
   if (!ok_) return;
   // a length of more than 127 needs more than the one byte left for it
   std::uint64_t length = size_ - begin;
   const std::size_t more = VarintSize(length) - 1;
-  if (Take(more) == nullptr) return;
+  if (Reserve(more) == nullptr) return;
   std::uint8_t* to = buffer_.data() + begin;
   if (more != 0) std::memmove(to + more, to, static_cast<std::size_t>(length));
   for (--to; length >= 0x80; length >>= 7) *to++ = static_cast<std::uint8_t>(length | 0x80);

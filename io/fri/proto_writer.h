@@ -8,12 +8,13 @@
 #include "control/rt/marker.h"
 
 // Writes a protobuf message into the caller's memory, field by field in the order of the calls. A nested
-// message lies between Begin and End, which writes its length into the byte that Begin left free:
+// message lies between BeginMessage and EndMessage, which writes its length into the byte that BeginMessage
+// left free:
 //
 //     ProtoWriter out(buffer);
-//     const std::size_t header = out.Begin(1);
+//     const std::size_t header = out.BeginMessage(1);
 //     out.Varint(2, sequence);
-//     out.End(header);
+//     out.EndMessage(header);
 //     if (!out.ok()) …
 //
 // If the memory does not suffice, nothing more is written and ok() is false.
@@ -33,9 +34,9 @@ class ProtoWriter {
   /// A repeated field behind one tag; nothing if there are no values.
   void Packed(std::uint32_t number, std::span<const double> values) OSTEON_RT;
 
-  /// @returns the argument for End.
-  [[nodiscard]] std::size_t Begin(std::uint32_t number) OSTEON_RT;
-  void End(std::size_t begin) OSTEON_RT;
+  /// @returns the argument for EndMessage.
+  [[nodiscard]] std::size_t BeginMessage(std::uint32_t number) OSTEON_RT;
+  void EndMessage(std::size_t begin) OSTEON_RT;
 
   [[nodiscard]] bool ok() const OSTEON_RT { return ok_; }
   /// Bytes written.
@@ -43,7 +44,7 @@ class ProtoWriter {
 
  private:
   /// The next bytes, null if there is no room.
-  std::uint8_t* Take(std::size_t bytes) OSTEON_RT;
+  std::uint8_t* Reserve(std::size_t bytes) OSTEON_RT;
   void PutVarint(std::uint64_t value) OSTEON_RT;
   void PutBytes(const void* bytes, std::size_t size) OSTEON_RT;
 

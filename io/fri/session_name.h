@@ -5,7 +5,7 @@
 namespace osteon::io {
 
 /// A session state's name in FRI, "COMMANDING_ACTIVE"; "unknown" for an invalid number.
-[[nodiscard]] constexpr const char* FriName(control::SessionState state) {
+[[nodiscard]] constexpr const char* SessionName(control::SessionState state) {
   switch (state) {
     case control::SessionState::kIdle:
       return "IDLE";

@@ -9,34 +9,34 @@ namespace {
 // All except PutTime return false if a value is not finite.
 
 bool PutJoints(std::uint32_t number, const control::JointArray& joints, ProtoWriter& out) OSTEON_RT {
-  const std::size_t part = out.Begin(number);
+  const std::size_t part = out.BeginMessage(number);
   out.Unpacked(1, joints);
-  out.End(part);
+  out.EndMessage(part);
   return AllFinite(joints);
 }
 
 bool PutVector(std::uint32_t number, const std::array<double, 6>& vector, ProtoWriter& out) OSTEON_RT {
-  const std::size_t part = out.Begin(number);
+  const std::size_t part = out.BeginMessage(number);
   out.Packed(1, vector);
-  out.End(part);
+  out.EndMessage(part);
   return AllFinite(vector);
 }
 
 void PutTime(std::uint32_t number, const std::optional<FriTime>& time, ProtoWriter& out) OSTEON_RT {
   if (!time) return;
-  const std::size_t part = out.Begin(number);
+  const std::size_t part = out.BeginMessage(number);
   out.Varint(1, time->sec);
   out.Varint(2, time->nanosec);
-  out.End(part);
+  out.EndMessage(part);
 }
 
 bool PutElements(std::uint32_t number, const FriName& name, std::span<const double> elements,
                  const std::optional<FriTime>& time, ProtoWriter& out) OSTEON_RT {
-  const std::size_t part = out.Begin(number);
+  const std::size_t part = out.BeginMessage(number);
   out.Text(1, name.view());
   out.Packed(2, elements);
   PutTime(3, time, out);
-  out.End(part);
+  out.EndMessage(part);
   return AllFinite(elements);
 }
 
@@ -56,32 +56,32 @@ bool PutTransformation(std::uint32_t number, FriFamily family, const FriTransfor
 }
 
 bool PutIo(std::uint32_t number, const FriIo& value, ProtoWriter& out) OSTEON_RT {
-  const std::size_t part = out.Begin(number);
+  const std::size_t part = out.BeginMessage(number);
   out.Text(1, value.name.view());
   out.Varint(2, static_cast<std::uint64_t>(value.type));
   out.Varint(3, static_cast<std::uint64_t>(value.direction));
   if (value.digital) out.Varint(4, *value.digital);
   if (value.analog) out.Double(5, *value.analog);
-  out.End(part);
+  out.EndMessage(part);
   return std::isfinite(value.analog.value_or(0.0));
 }
 
 bool PutRedundancy(std::uint32_t number, const FriRedundancy& value, ProtoWriter& out) OSTEON_RT {
-  const std::size_t part = out.Begin(number);
+  const std::size_t part = out.BeginMessage(number);
   out.Varint(1, value.strategy);
   out.Double(2, value.value);
-  out.End(part);
+  out.EndMessage(part);
   return std::isfinite(value.value);
 }
 
 }  // namespace
 
 bool WriteCommand(FriFamily family, const CommandMessage& message, ProtoWriter& out) OSTEON_RT {
-  const std::size_t header = out.Begin(1);
+  const std::size_t header = out.BeginMessage(1);
   out.Varint(1, kFriCommandId);
   out.Varint(2, message.sequence);
   out.Varint(3, message.reflected_sequence);
-  out.End(header);
+  out.EndMessage(header);
 
   const FriOutputs& outputs = message.outputs;
   const bool pose = message.X && family != FriFamily::k1;
@@ -89,7 +89,7 @@ bool WriteCommand(FriFamily family, const CommandMessage& message, ProtoWriter& 
       outputs.writes.empty())
     return true;
   bool finite = true;
-  const std::size_t data = out.Begin(2);
+  const std::size_t data = out.BeginMessage(2);
   if (message.q) finite &= PutJoints(1, *message.q, out);
   if (message.wire_wrench) finite &= PutVector(2, *message.wire_wrench, out);
   if (message.tau) finite &= PutJoints(3, *message.tau, out);
@@ -100,7 +100,7 @@ bool WriteCommand(FriFamily family, const CommandMessage& message, ProtoWriter& 
     finite &= PutElements(6, message.X->name, message.X->element, message.X->time, out);
     if (message.X->redundancy) finite &= PutRedundancy(7, *message.X->redundancy, out);
   }
-  out.End(data);
+  out.EndMessage(data);
   return finite;
 }
 

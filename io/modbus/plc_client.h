@@ -44,8 +44,8 @@ struct PlcClientParams {
 /// - An answer that violates the protocol or a value that does not exist ends the connection, and the reading
 ///   is "not connected" from then until a block has been read.
 ///
-/// The heartbeat is the loop's, not this thread's: it is written only if Beat() was called since the last
-/// write. So the PLC notices a loop that hangs.
+/// The heartbeat is the loop's, not this thread's: it is written only if NotifyAlive() was called since the
+/// last write. So the PLC notices a loop that hangs.
 class PlcClient {
  public:
   /// Starts at once. @throws std::invalid_argument if a parameter is out of range, naming it.
@@ -58,7 +58,7 @@ class PlcClient {
   [[nodiscard]] const PlcReading& Latest() OSTEON_RT { return published_.Load(); }
 
   /// Called by the loop each tick to show that it is alive. Any thread.
-  void Beat() OSTEON_RT { beats_.fetch_add(1, std::memory_order_relaxed); }
+  void NotifyAlive() OSTEON_RT { beats_.fetch_add(1, std::memory_order_relaxed); }
 
   /// Sets MOTION_REQUEST (GUARD_PERMITS for a guard), written with the next heartbeat. Any thread.
   void RequestMotion(bool wanted) OSTEON_RT { motion_.store(wanted, std::memory_order_relaxed); }

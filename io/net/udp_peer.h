@@ -30,8 +30,8 @@ struct SessionJudge {
     return session.IsMessage(datagram);
   }
   void Reject() OSTEON_RT { session.CountRejected(state); }
-  void StartOver() OSTEON_RT { session.StartOver(); }
-  void Superseded() OSTEON_RT { session.CountLate(state); }
+  void ResetSession() OSTEON_RT { session.ResetSession(); }
+  void OnOvertaken() OSTEON_RT { session.CountLate(state); }
 };
 template <class Session>
 SessionJudge(Session&, control::ArmState&) -> SessionJudge<Session>;
@@ -65,9 +65,9 @@ class UdpPeer {
   ///
   ///     bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival)   valid?
   ///     bool IsMessage(std::span<const std::uint8_t> datagram)   could be valid; changes nothing
-  ///     void Reject()      a datagram from a stranger
-  ///     void StartOver()   the next message is from another peer than those before
-  ///     void Superseded()  a valid message was overtaken by a newer one that was also waiting
+  ///     void Reject()        a datagram from a stranger
+  ///     void ResetSession()  the next message is from another peer than those before
+  ///     void OnOvertaken()   a valid message was overtaken by a newer one that was also waiting
   template <class Protocol>
   control::ReceiveResult Receive(Protocol&& protocol, rt::Nanoseconds deadline) OSTEON_RT {
     constexpr std::size_t kMaxAtOnce = 64;  // bounds the time that a flood can take
@@ -80,8 +80,8 @@ class UdpPeer {
         if (taken < 0 && (errno == EBADF || errno == ENOTSOCK)) return control::ReceiveResult::kClosed;
         const std::size_t came = static_cast<std::size_t>(std::max(taken, 0));
         for (std::size_t i = 0; i < came; ++i) {
-          if (!Take(protocol, i)) continue;
-          if (received) protocol.Superseded();
+          if (!AcceptMessage(protocol, i)) continue;
+          if (received) protocol.OnOvertaken();
           received = true;
         }
         if (taken > 0 && came < asked) break;    // nothing more waits
@@ -112,7 +112,7 @@ class UdpPeer {
 
  private:
   template <class Protocol>
-  bool Take(Protocol& protocol, std::size_t i) OSTEON_RT {
+  bool AcceptMessage(Protocol& protocol, std::size_t i) OSTEON_RT {
     const sockaddr_in& sender = in_.sender(i);
     const rt::Nanoseconds arrival = ArrivalTime(in_.header(i));
     const bool known =
@@ -123,7 +123,7 @@ class UdpPeer {
       return false;
     }
     // only a possible message from a new sender starts a session: noise must not end the present one
-    if (!known && protocol.IsMessage(in_.bytes(i))) protocol.StartOver();
+    if (!known && protocol.IsMessage(in_.bytes(i))) protocol.ResetSession();
     if (!protocol.Accept(in_.bytes(i), arrival)) return false;
     newest_ = in_.bytes(i);
     peer_ = sender;

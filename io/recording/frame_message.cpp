@@ -25,13 +25,13 @@ void Encode(const FrameRecord& record, std::string& bytes) {
   message.set_cup_depth_m(record.cup_depth_m);
   message.set_pose_stamp_ns(model.pose_stamp);
   message.set_status(static_cast<Frame::Status>(model.status));
-  Put(model.X_WP, message.mutable_x_wp());
+  FillMessage(model.X_WP, message.mutable_x_wp());
   for (int i = 0; i < std::clamp(model.contact_count, 0, simulation::kMaxContacts); ++i) {
     const simulation::Contact& contact = model.contacts[static_cast<std::size_t>(i)];
     ContactPlane* plane = message.add_contacts();
-    Put(contact.p_TP_m, plane->mutable_p_tp_m());
-    Put(contact.p_W_m, plane->mutable_p_w_m());
-    Put(contact.n_W, plane->mutable_n_w());
+    FillMessage(contact.p_TP_m, plane->mutable_p_tp_m());
+    FillMessage(contact.p_W_m, plane->mutable_p_w_m());
+    FillMessage(contact.n_W, plane->mutable_n_w());
     plane->set_gap_m(contact.gap_m);
     plane->set_stiffness_n_per_m(contact.stiffness_N_per_m);
     plane->set_mu(contact.mu);
@@ -40,10 +40,10 @@ void Encode(const FrameRecord& record, std::string& bytes) {
     plane->set_material(contact.material);
   }
   if (model.contact_count != message.contacts_size()) message.set_contact_count(model.contact_count);
-  Put(model.n_W, message.mutable_n_w());
+  FillMessage(model.n_W, message.mutable_n_w());
   message.set_contact_fraction(model.contact_fraction);
-  Put(model.p_WS_m, message.mutable_p_ws());
-  Put(model.F_T_W, message.mutable_f_t_w());
+  FillMessage(model.p_WS_m, message.mutable_p_ws());
+  FillMessage(model.F_T_W, message.mutable_f_t_w());
   message.set_advance_m_per_s(model.advance_m_per_s);
   message.set_engaged_area_m2(model.engaged_area_m2);
   message.set_spindle_torque_nm(model.spindle_torque_Nm);

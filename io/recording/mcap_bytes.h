@@ -44,21 +44,21 @@ class Cursor {
   template <class T>
   T Int() {
     T value = 0;
-    const std::span<const char> bytes = Take(sizeof(T));
+    const std::span<const char> bytes = ReadBytes(sizeof(T));
     for (std::size_t i = 0; i < bytes.size(); ++i)
       value = static_cast<T>(value |
                              static_cast<T>(static_cast<T>(static_cast<unsigned char>(bytes[i])) << (8 * i)));
     return value;
   }
   std::string_view String() {
-    const std::span<const char> bytes = Take(Int<std::uint32_t>());
+    const std::span<const char> bytes = ReadBytes(Int<std::uint32_t>());
     return {bytes.data(), bytes.size()};
   }
   [[nodiscard]] std::span<const char> rest() const { return rest_; }
   [[nodiscard]] bool ok() const { return ok_; }
 
  private:
-  std::span<const char> Take(std::size_t size) {
+  std::span<const char> ReadBytes(std::size_t size) {
     if (size > rest_.size()) {
       ok_ = false;
       return {};

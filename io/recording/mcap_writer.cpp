@@ -59,7 +59,7 @@ tl::expected<McapWriter, std::string> McapWriter::Create(const std::filesystem::
   AppendString(header, library);
   std::string start(mcap::kMagic);
   AppendRecord(start, mcap::kHeader, header);
-  writer.Put(start);
+  writer.WriteBytes(start);
   return writer;
 }
 
@@ -136,7 +136,7 @@ void McapWriter::EndChunk() {
   AppendInt(content, std::uint64_t{stored.size()});
   content += stored;
   AppendRecord(record, mcap::kChunk, content);
-  Put(record);
+  WriteBytes(record);
   const std::uint64_t length = record.size(), indexes_start = size_;
   std::string index_offsets;
   PutMessageIndexes(index_offsets);
@@ -173,12 +173,12 @@ void McapWriter::PutMessageIndexes(std::string& offsets) {
     AppendInt(content, static_cast<std::uint16_t>(id));
     AppendString(content, channels_[id].chunk_index);
     AppendRecord(record, mcap::kMessageIndex, content);
-    Put(record);
+    WriteBytes(record);
     channels_[id].chunk_index.clear();
   }
 }
 
-void McapWriter::Put(std::string_view bytes) {
+void McapWriter::WriteBytes(std::string_view bytes) {
   if (failed()) return;
   crc_ = Crc(crc_, bytes);
   size_ += bytes.size();
@@ -192,7 +192,7 @@ void McapWriter::Flush() {
 }
 
 // A file that was removed or replaced still accepts every byte, and disappears when it is closed.
-std::string McapWriter::WhyGone() const {
+std::string McapWriter::ValidateStillAtPath() const {
   struct stat now, made;  // NOLINT: filled by the calls
   if (fstat(fileno(file_.get()), &made) != 0) return Explain(path_, "cannot write the recording", errno);
   if (stat(path_.c_str(), &now) != 0 || now.st_ino != made.st_ino || now.st_dev != made.st_dev)
@@ -201,8 +201,8 @@ std::string McapWriter::WhyGone() const {
 }
 
 std::string McapWriter::Sync() const {
-  std::string gone = WhyGone();
-  if (!gone.empty()) return gone;
+  std::string wrong = ValidateStillAtPath();
+  if (!wrong.empty()) return wrong;
   // a pipe or a device does not support fdatasync and has no disk to wait for
   if (fdatasync(fileno(file_.get())) != 0 && errno != EINVAL && errno != EROFS)
     return Explain(path_, "cannot bring the recording to the disk", errno);
@@ -214,7 +214,7 @@ tl::expected<std::uint64_t, std::string> McapWriter::Finish(bool to_disk) {
   std::string data_end, tail;
   AppendInt(data_end, crc_);
   AppendRecord(tail, mcap::kDataEnd, data_end);
-  Put(tail);
+  WriteBytes(tail);
 
   // summary: schemas and channels in use, statistics, chunks
   const std::uint64_t summary_start = size_;
@@ -250,10 +250,10 @@ tl::expected<std::uint64_t, std::string> McapWriter::Finish(bool to_disk) {
   summary.resize(summary.size() - sizeof(std::uint32_t));
   AppendInt(summary, Crc(0, summary));
   summary += mcap::kMagic;
-  Put(summary);
+  WriteBytes(summary);
 
   Flush();
-  if (!failed()) error_ = to_disk ? Sync() : WhyGone();
+  if (!failed()) error_ = to_disk ? Sync() : ValidateStillAtPath();
   if (std::fclose(file_.release()) != 0 && !failed()) Fail(errno);
   if (failed()) return tl::unexpected(error_);
   return size_;

@@ -85,9 +85,9 @@ class McapWriter {
   McapWriter(const std::filesystem::path& path, std::FILE* file, const McapWriterParams& params)
       : path_(path), file_(file), params_(params) {}
   void PutMessageIndexes(std::string& offsets);
-  void Put(std::string_view bytes);
+  void WriteBytes(std::string_view bytes);
   void Fail(int error);
-  [[nodiscard]] std::string WhyGone() const;
+  [[nodiscard]] std::string ValidateStillAtPath() const;
 
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, Close> file_;

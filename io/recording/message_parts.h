@@ -16,20 +16,20 @@ namespace osteon::io {
 
 // out: plain data to protobuf
 
-inline void Put(const PlainVector3& from, Vec3* to) {
+inline void FillMessage(const PlainVector3& from, Vec3* to) {
   to->set_x(from.x);
   to->set_y(from.y);
   to->set_z(from.z);
 }
 
-inline void Put(const PlainPose& from, Transform* to) {
+inline void FillMessage(const PlainPose& from, Transform* to) {
   to->mutable_rotation()->Assign(from.R.begin(), from.R.end());
-  Put(from.p, to->mutable_position_m());
+  FillMessage(from.p, to->mutable_position_m());
 }
 
-inline void Put(const PlainWrench& from, ForceTorque* to) {
-  Put(from.f, to->mutable_force_n());
-  Put(from.t, to->mutable_torque_nm());
+inline void FillMessage(const PlainWrench& from, ForceTorque* to) {
+  FillMessage(from.f, to->mutable_force_n());
+  FillMessage(from.t, to->mutable_torque_nm());
 }
 
 // in: protobuf to plain data; false where an array has the wrong length

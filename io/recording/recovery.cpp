@@ -12,11 +12,11 @@ namespace osteon::io {
 namespace {
 
 // Counts the messages kept. Returns an empty string, or why a message is invalid.
-class Census {
+class RecoveryCounts {
  public:
-  explicit Census(Recovery& recovery) : recovery_(recovery) {}
+  explicit RecoveryCounts(Recovery& recovery) : recovery_(recovery) {}
 
-  std::string Take(const McapMessage& message) {
+  std::string CountMessage(const McapMessage& message) {
     switch (TopicOf(*message.channel)) {
       case RecordedTopic::kSession: {
         std::string wrong = Decode(message.bytes, session_);
@@ -91,7 +91,7 @@ class Channels {
 // Why a file in which nothing was skipped still cannot be read as it is. A reader that skips damage also uses
 // the summary's schemas and channels, so it keeps a message whose channel is nowhere else; a strict reader
 // refuses that message.
-std::string WhyNotReadable(const std::filesystem::path& path) {
+std::string ValidateReadable(const std::filesystem::path& path) {
   auto stream = RecordingStream::Open(path);
   if (!stream) return stream.error();
   for (;;) {
@@ -121,7 +121,7 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
     std::filesystem::remove(part, ignored);
     return tl::unexpected(std::move(error));
   };
-  Census census(recovery);
+  RecoveryCounts counts(recovery);
   Channels channels(*writer);
   McapMessage message;
   for (;;) {
@@ -129,7 +129,7 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
     if (!more) return discard(more.error());
     if (!*more) break;
     const Recovery before = recovery;
-    if (const std::string wrong = census.Take(message); !wrong.empty()) {
+    if (const std::string wrong = counts.CountMessage(message); !wrong.empty()) {
       recovery = before;
       if (!message.checked) break;  // the file is truncated here
       recovery.damage.push_back({reader->message_offset(), message.bytes.size(), wrong});
@@ -142,13 +142,13 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
     ++recovery.messages;
     if (!message.checked) ++recovery.unchecked;
   }
-  if (!census.has_session())
+  if (!counts.has_session())
     return discard(from.string() + ": no osteon.Session left in it: nothing to recover");
   recovery.damage.insert(recovery.damage.end(), reader->damage().begin(), reader->damage().end());
   recovery.closed = reader->closed();
   recovery.was_whole = reader->complete() && recovery.damage.empty();
   if (recovery.was_whole)
-    if (std::string wrong = WhyNotReadable(from); !wrong.empty()) {
+    if (std::string wrong = ValidateReadable(from); !wrong.empty()) {
       recovery.damage.push_back({.offset = 0, .bytes = 0, .reason = std::move(wrong)});
       recovery.was_whole = false;
     }

@@ -10,11 +10,11 @@ using control::TickRecord;
 
 namespace {
 
-void Put(const control::Gains& from, osteon::Gains* to) {
-  io::Put(from.mass_kg, to->mutable_mass_kg());
-  io::Put(from.inertia_kg_m2, to->mutable_inertia_kg_m2());
-  io::Put(from.damping_Ns_per_m, to->mutable_damping_ns_per_m());
-  io::Put(from.damping_Nms_per_rad, to->mutable_damping_nms_per_rad());
+void FillMessage(const control::Gains& from, osteon::Gains* to) {
+  io::FillMessage(from.mass_kg, to->mutable_mass_kg());
+  io::FillMessage(from.inertia_kg_m2, to->mutable_inertia_kg_m2());
+  io::FillMessage(from.damping_Ns_per_m, to->mutable_damping_ns_per_m());
+  io::FillMessage(from.damping_Nms_per_rad, to->mutable_damping_nms_per_rad());
   to->set_dead_zone_n(from.dead_zone_N);
   to->set_dead_zone_nm(from.dead_zone_Nm);
   to->set_max_stiffness_n_per_m(from.max_stiffness_N_per_m);
@@ -41,7 +41,7 @@ std::string Get(const osteon::Gains& from, control::Gains& to) {
   return {};
 }
 
-void Put(const control::TickInput& from, osteon::TickInput* to) {
+void FillMessage(const control::TickInput& from, osteon::TickInput* to) {
   to->set_now_ns(from.now);
   to->set_arm_stamp_ns(from.arm_stamp);
   to->set_sequence(from.sequence);
@@ -63,7 +63,7 @@ void Put(const control::TickInput& from, osteon::TickInput* to) {
   if (from.has_ipo) to->mutable_q_ipo_rad()->Assign(from.q_ipo.begin(), from.q_ipo.end());
   to->mutable_tau_ext_nm()->Assign(from.tau_ext.begin(), from.tau_ext.end());
   to->set_sensor_stamp_ns(from.sensor_stamp);
-  io::Put(from.F_sensor_S, to->mutable_f_sensor_s());
+  io::FillMessage(from.F_sensor_S, to->mutable_f_sensor_s());
   to->set_model_pose_stamp_ns(from.model_pose_stamp);
   to->set_activation(from.activation);
   to->set_holding(from.holding);
@@ -90,7 +90,7 @@ void Put(const control::TickInput& from, osteon::TickInput* to) {
   to->set_enabled(from.enabled);
   to->set_spindle_permitted(from.spindle_permitted);
   to->set_interlock_reason(from.interlock_reason);
-  if (from.has_gains) Put(from.gains, to->mutable_gains());
+  if (from.has_gains) FillMessage(from.gains, to->mutable_gains());
 }
 
 // Returns an empty string, or the error.
@@ -186,12 +186,12 @@ void Encode(const TickRecord& record, std::string& bytes) {
   message.set_faults(record.faults);
   message.mutable_q_meas_rad()->Assign(record.q_meas.begin(), record.q_meas.end());
   message.mutable_q_cmd_rad()->Assign(record.q_cmd.begin(), record.q_cmd.end());
-  io::Put(record.X_WT_cmd, message.mutable_x_wt_cmd());
-  io::Put(record.X_WT_meas, message.mutable_x_wt_meas());
-  io::Put(record.v_WT_cmd_m_per_s, message.mutable_v_wt_cmd_m_per_s());
+  io::FillMessage(record.X_WT_cmd, message.mutable_x_wt_cmd());
+  io::FillMessage(record.X_WT_meas, message.mutable_x_wt_meas());
+  io::FillMessage(record.v_WT_cmd_m_per_s, message.mutable_v_wt_cmd_m_per_s());
   message.set_tool_speed_meas_m_per_s(record.tool_speed_meas_m_per_s);
-  io::Put(record.F_operator_T_W, message.mutable_f_operator_t_w());
-  io::Put(record.F_coupling_T_W, message.mutable_f_coupling_t_w());
+  io::FillMessage(record.F_operator_T_W, message.mutable_f_operator_t_w());
+  io::FillMessage(record.F_coupling_T_W, message.mutable_f_coupling_t_w());
   message.set_wrench_scale(record.wrench_scale);
   message.set_arm_share(record.arm_share);
   message.set_tool_in_bone_m(record.tool_in_bone_m);
@@ -204,9 +204,9 @@ void Encode(const TickRecord& record, std::string& bytes) {
   message.set_wakeup_ns(record.wakeup_ns);
   message.set_compute_ns(record.compute_ns);
   message.set_activation_cmd(record.activation_cmd);
-  io::Put(record.F_cmd_T, message.mutable_f_cmd_t());
+  io::FillMessage(record.F_cmd_T, message.mutable_f_cmd_t());
   message.mutable_tau_cmd_nm()->Assign(record.tau_cmd.begin(), record.tau_cmd.end());
-  Put(record.input, message.mutable_input());
+  FillMessage(record.input, message.mutable_input());
   message.set_vibration_index(record.vibration_index);
   message.set_vibration_reference_n(record.vibration_reference_N);
   message.set_mass_factor(record.mass_factor);
@@ -220,7 +220,7 @@ void Encode(const TickRecord& record, std::string& bytes) {
   if (record.cell_state != control::kNoCellState) message.set_cell_state(record.cell_state);
   message.set_permits(record.permits);
   message.set_tank_share(record.tank_share);
-  io::Put(record.F_bias_S, message.mutable_f_bias_s());
+  io::FillMessage(record.F_bias_S, message.mutable_f_bias_s());
   message.SerializeToString(&bytes);
 }
 

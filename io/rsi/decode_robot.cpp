@@ -80,7 +80,7 @@ struct Reading {
             .byte = static_cast<std::uint16_t>(byte)};
   }
 
-  void Keep(const ElementName& element, const std::array<double, 6>& values) OSTEON_RT {
+  void StoreElement(const ElementName& element, const std::array<double, 6>& values) OSTEON_RT {
     switch (element.element) {
       case RsiElement::kRIst:
         message.pose_measured = values;
@@ -157,7 +157,7 @@ RsiError Reading::ReadElement(XmlReader& reader) OSTEON_RT {
         for (int i = 0; i < 6; ++i)
           if (wanted & ~found & 1u << i)
             return Refuse(RsiErrorCode::kMissing, reader.at(), element, element->prefix == 0 ? 0 : i + 1);
-        Keep(*element, values);
+        StoreElement(*element, values);
         return {};
       }
       case Event::kOpen:

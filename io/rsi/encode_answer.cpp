@@ -37,11 +37,11 @@ class Writer {
     Text(text);
   }
 
-  void Integer(std::uint64_t value, std::size_t least_digits) OSTEON_RT {
+  void Integer(std::uint64_t value, std::size_t min_digits) OSTEON_RT {
     std::array<char, 20> digits;
     const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
     const auto size = static_cast<std::size_t>(end - digits.data());
-    for (std::size_t i = size; i < std::min<std::size_t>(least_digits, digits.size()); ++i) Text("0");
+    for (std::size_t i = size; i < std::min<std::size_t>(min_digits, digits.size()); ++i) Text("0");
     Text({digits.data(), size});
   }
 

@@ -29,7 +29,7 @@ bool RsiLink::Send(const control::ArmCommand& command) OSTEON_RT {
 }
 
 void RsiLink::WarmUp(const control::ArmCommand& command) OSTEON_RT {
-  if (rehearsal_) rehearsal_->Go(peer_.newest(), command);
+  if (warmup_) warmup_->Run(peer_.newest(), command);
   rt::Prefetch(session_);
 }
 

@@ -9,7 +9,7 @@
 #include <tl/expected.hpp>
 
 #include "control/ports.h"
-#include "io/net/link_rehearsal.h"
+#include "io/net/cache_warmup.h"
 #include "io/net/udp_peer.h"
 #include "io/rsi/rsi_session.h"
 
@@ -57,11 +57,11 @@ class RsiLink final : public control::ArmLink {
   RsiLink(const BoundUdp& bound, std::optional<in_addr> arm, const RsiLinkParams& params)
       : peer_(bound, arm),
         session_(params.session),
-        rehearsal_(LinkRehearsal<RsiSession, kRoom>::Make("rehearsal", session_)) {}
+        warmup_(CacheWarmup<RsiSession, kRoom>::Make("rehearsal", session_)) {}
 
   UdpPeer<kRoom> peer_;
   RsiSession session_;
-  std::unique_ptr<LinkRehearsal<RsiSession, kRoom>> rehearsal_;
+  std::unique_ptr<CacheWarmup<RsiSession, kRoom>> warmup_;
 };
 
 }  // namespace osteon::io

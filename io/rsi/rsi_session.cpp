@@ -30,7 +30,7 @@ kinematics::JointVectorN<6> ToRadians(const RsiAxes& axes_deg) OSTEON_RT {
 }
 
 // A, B, C [deg] of R = Rz(A) Ry(B) Rx(C); A = 0 where B is ±90 deg.
-std::array<double, 3> Abc(const Matrix3& R) OSTEON_RT {
+std::array<double, 3> ToAbcAngles(const Matrix3& R) OSTEON_RT {
   const double cos_b = std::hypot(R(0, 0), R(1, 0));
   const double b = std::atan2(-R(2, 0), cos_b) / kDegree;
   if (cos_b < 1e-9) return {0.0, b, std::atan2(-R(1, 2), R(1, 1)) / kDegree};
@@ -76,12 +76,12 @@ RsiAccept RsiSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
   if (joined_late_ && order == Order::kNext && !TooLate(message)) order = Order::kFirst;
   switch (order) {
     case Order::kFirst:
-      Begin(message);
+      BeginSession(message);
       begun_ = stamp;
       period_ms_ = params_.cycle_ms;
       break;
     case Order::kNext:
-      FollowSum(ahead, message.delay.value_or(status_.delay + ahead - 1));
+      TrackCorrectionSum(ahead, message.delay.value_or(status_.delay + ahead - 1));
       break;
     case Order::kDuplicate:
       ++counters_.duplicate;
@@ -174,7 +174,7 @@ bool RsiSession::TooLate(const RsiRobotMessage& first) const OSTEON_RT {
   return first.delay.value_or(0) > static_cast<std::uint32_t>(params_.late_at_start);
 }
 
-void RsiSession::Begin(const RsiRobotMessage& message) OSTEON_RT {
+void RsiSession::BeginSession(const RsiRobotMessage& message) OSTEON_RT {
   has_last_ = true;
   seen_ = 1;
   in_session_ = 0;
@@ -191,7 +191,7 @@ void RsiSession::Begin(const RsiRobotMessage& message) OSTEON_RT {
 
 // Computes the controller's sum after `ahead` cycles from the rise of Delay. Each cycle but the first
 // certainly had no answer, since its message never came; the first had one if ours was in time.
-void RsiSession::FollowSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT {
+void RsiSession::TrackCorrectionSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT {
   // Delay keeps counting, or (on other controllers) restarts after an answer in time.
   const std::uint32_t risen = delay >= status_.delay ? delay - status_.delay : delay;
   const bool in_time = awaiting_ && risen < ahead;
@@ -218,7 +218,7 @@ bool RsiSession::MayMove(const control::ArmCommand& command) OSTEON_RT {
 }
 
 // Computes the correction from the start pose for the command; false if it may not be sent.
-bool RsiSession::Wanted(const control::ArmCommand& command, Six& correction) OSTEON_RT {
+bool RsiSession::ComputeCorrection(const control::ArmCommand& command, Six& correction) OSTEON_RT {
   kinematics::JointVectorN<6> q;
   for (std::size_t i = 0; i < kAxes; ++i) q[static_cast<int>(i)] = command.q[i];
   if (!q.allFinite()) {
@@ -230,7 +230,7 @@ bool RsiSession::Wanted(const control::ArmCommand& command, Six& correction) OST
   } else {
     const Pose X_BF = chain_->FlangePose(q);
     const Vector3 p_mm = 1e3 * (X_BF.translation() - X_BF_start_.translation());
-    const std::array<double, 3> abc = Abc(X_BF.linear() * X_BF_start_.linear().transpose());
+    const std::array<double, 3> abc = ToAbcAngles(X_BF.linear() * X_BF_start_.linear().transpose());
     correction = {p_mm.x(), p_mm.y(), p_mm.z(), abc[0], abc[1], abc[2]};
   }
   for (std::size_t i = 0; i < kAxes; ++i) {
@@ -245,7 +245,7 @@ bool RsiSession::Wanted(const control::ArmCommand& command, Six& correction) OST
 std::span<const std::uint8_t> RsiSession::Answer(const control::ArmCommand& command) OSTEON_RT {
   if (!pending_) return {};
   Six total = total_;
-  if (!stop_ && !(MayMove(command) && Wanted(command, total))) total = total_;
+  if (!stop_ && !(MayMove(command) && ComputeCorrection(command, total))) total = total_;
 
   RsiAnswer answer{.layout = params_.layout,
                    .kind = params_.kind,

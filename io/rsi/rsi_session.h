@@ -117,7 +117,7 @@ class RsiSession {
   void CountRejected(control::ArmState& state) OSTEON_RT;
 
   /// Lets the next message begin a session, whatever its IPOC; the counts continue.
-  void StartOver() OSTEON_RT { has_last_ = pending_ = false; }
+  void ResetSession() OSTEON_RT { has_last_ = pending_ = false; }
 
   [[nodiscard]] const RsiStatus& status() const OSTEON_RT { return status_; }
   /// Why the last kRejected datagram was refused.
@@ -129,10 +129,10 @@ class RsiSession {
   Order CheckSequence(std::uint64_t ipoc, rt::Nanoseconds stamp, std::uint32_t& ahead) OSTEON_RT;
   bool TooLate(const RsiRobotMessage& first) const OSTEON_RT;
   double Period_s(rt::Nanoseconds stamp) OSTEON_RT;
-  void Begin(const RsiRobotMessage& message) OSTEON_RT;
-  void FollowSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT;
+  void BeginSession(const RsiRobotMessage& message) OSTEON_RT;
+  void TrackCorrectionSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT;
   bool MayMove(const control::ArmCommand& command) OSTEON_RT;
-  bool Wanted(const control::ArmCommand& command, std::array<double, 6>& correction) OSTEON_RT;
+  bool ComputeCorrection(const control::ArmCommand& command, std::array<double, 6>& correction) OSTEON_RT;
   void PutCounters(control::ArmState& state) const OSTEON_RT;
 
   struct Counters {

@@ -7,11 +7,13 @@ constexpr std::string_view kSpace = " \t\r\n";
 
 bool IsSpace(char c) OSTEON_RT { return kSpace.find(c) != std::string_view::npos; }
 
-bool BeginsName(char c) OSTEON_RT {
+bool IsNameStart(char c) OSTEON_RT {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == ':';
 }
 
-bool InName(char c) OSTEON_RT { return BeginsName(c) || (c >= '0' && c <= '9') || c == '.' || c == '-'; }
+bool IsNameCharacter(char c) OSTEON_RT {
+  return IsNameStart(c) || (c >= '0' && c <= '9') || c == '.' || c == '-';
+}
 
 // Characters that XML 1.0 allows; bytes from 0x80 on belong to UTF-8 and matter only in skipped parts.
 bool IsText(char c) OSTEON_RT { return static_cast<unsigned char>(c) >= 0x20 || IsSpace(c); }
@@ -24,7 +26,7 @@ XmlReader::Event XmlReader::Error() OSTEON_RT {
 }
 
 void XmlReader::SkipSpace() OSTEON_RT {
-  while (More() && IsSpace(text_[at_])) ++at_;
+  while (HasMore() && IsSpace(text_[at_])) ++at_;
 }
 
 // Skips begin … end, if that comes next and is complete.
@@ -37,9 +39,9 @@ bool XmlReader::Skip(std::string_view begin, std::string_view end) OSTEON_RT {
 }
 
 bool XmlReader::ReadName() OSTEON_RT {
-  if (!More() || !BeginsName(text_[at_])) return false;
+  if (!HasMore() || !IsNameStart(text_[at_])) return false;
   const std::size_t begin = at_;
-  while (More() && InName(text_[at_])) ++at_;
+  while (HasMore() && IsNameCharacter(text_[at_])) ++at_;
   name_ = text_.substr(begin, at_ - begin);
   return true;
 }
@@ -55,16 +57,16 @@ XmlReader::Event XmlReader::Next() OSTEON_RT {
   for (;;) {
     if (depth_ == 0) {
       SkipSpace();
-      while (had_root_ && More() && (text_[at_] == '\0' || IsSpace(text_[at_]))) ++at_;
-      if (!More()) return had_root_ ? Event::kEnd : Error();
+      while (had_root_ && HasMore() && (text_[at_] == '\0' || IsSpace(text_[at_]))) ++at_;
+      if (!HasMore()) return had_root_ ? Event::kEnd : Error();
       if (!had_root_ && Skip("<?xml", "?>")) continue;
     } else {
       const std::size_t begin = at_;
-      while (More() && text_[at_] != '<') {
+      while (HasMore() && text_[at_] != '<') {
         if (!IsText(text_[at_])) return Error();
         ++at_;
       }
-      if (!More()) return Error();
+      if (!HasMore()) return Error();
       value_ = text_.substr(begin, at_ - begin);
       while (!value_.empty() && IsSpace(value_.front())) value_.remove_prefix(1);
       while (!value_.empty() && IsSpace(value_.back())) value_.remove_suffix(1);
@@ -87,7 +89,7 @@ XmlReader::Event XmlReader::Next() OSTEON_RT {
 XmlReader::Event XmlReader::InTag() OSTEON_RT {
   const std::size_t before = at_;
   SkipSpace();
-  if (!More()) return Error();
+  if (!HasMore()) return Error();
   if (text_[at_] == '>') {
     ++at_;
     in_tag_ = false;
@@ -102,17 +104,17 @@ XmlReader::Event XmlReader::InTag() OSTEON_RT {
   }
   if (at_ == before || !ReadName()) return Error();  // an attribute must be preceded by white space
   SkipSpace();
-  if (!More() || text_[at_] != '=') return Error();
+  if (!HasMore() || text_[at_] != '=') return Error();
   ++at_;
   SkipSpace();
-  if (!More() || (text_[at_] != '"' && text_[at_] != '\'')) return Error();
+  if (!HasMore() || (text_[at_] != '"' && text_[at_] != '\'')) return Error();
   const char quote = text_[at_++];
   const std::size_t begin = at_;
-  while (More() && text_[at_] != quote) {
+  while (HasMore() && text_[at_] != quote) {
     if (text_[at_] == '<' || !IsText(text_[at_])) return Error();
     ++at_;
   }
-  if (!More()) return Error();
+  if (!HasMore()) return Error();
   value_ = text_.substr(begin, at_ - begin);
   ++at_;
   return Event::kAttribute;
@@ -127,7 +129,7 @@ XmlReader::Event XmlReader::CloseTag() OSTEON_RT {
     return Error();
   }
   SkipSpace();
-  if (!More() || text_[at_] != '>') return Error();
+  if (!HasMore() || text_[at_] != '>') return Error();
   ++at_;
   closing_ = true;
   return Event::kClose;

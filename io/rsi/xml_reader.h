@@ -44,7 +44,7 @@ class XmlReader {
   [[nodiscard]] std::size_t at() const OSTEON_RT { return at_; }
 
  private:
-  [[nodiscard]] bool More() const OSTEON_RT { return at_ < text_.size(); }
+  [[nodiscard]] bool HasMore() const OSTEON_RT { return at_ < text_.size(); }
   [[nodiscard]] bool Starts(std::string_view word) const OSTEON_RT {
     return text_.substr(at_).starts_with(word);
   }

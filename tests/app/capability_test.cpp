@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/base_search.h"
+#include "app/base_placement.h"
 #include "app/capability_map.h"
 #include "app/capability_result.h"
 #include "app/report/heat_map.h"
@@ -218,9 +218,9 @@ TEST(CapabilityMap, PanelNodesAreTheWorstOfTheirCone) {
   EXPECT_GT(there, 10);
 }
 
-BaseSearchParams Near(const config::CellConfig& cell) {
+BasePlacementParams Near(const config::CellConfig& cell) {
   const Vector3 site = cell.X_WG.translation();
-  BaseSearchParams params;
+  BasePlacementParams params;
   params.x_m = {site.x() - 0.8, site.x() - 0.3};
   params.y_m = {site.y() - 0.1, site.y() + 0.1};
   params.z_m = {site.z() - 0.4, site.z() + 0.4};
@@ -233,18 +233,18 @@ struct Searched {
   config::CellConfig cell = Demo();
   TaskVolume task = TaskOf(cell);
   CapabilityNeed need = NeedOf(cell);
-  BaseSearchParams params = Near(cell);
+  BasePlacementParams params = Near(cell);
 
-  [[nodiscard]] BaseSearch Search() const {
+  [[nodiscard]] BasePlacement Search() const {
     return {cell.robot.lbr()->chain, cell.X_WB.linear(), cell.tool.X_FT, task, need, params};
   }
 };
 
 const auto kNever = [] { return false; };
 
-TEST(BaseSearch, FindsABaseThatNoPlaceOfItsRangeBeats) {
+TEST(BasePlacement, FindsABaseThatNoPlaceOfItsRangeBeats) {
   const Searched s;
-  const BaseSearch search = s.Search();
+  const BasePlacement search = s.Search();
   const auto best = search.Best(kNever);
   ASSERT_TRUE(best);
   EXPECT_GT(best->factor, 1.0) << "200 N and their lateral share, throughout";
@@ -266,9 +266,9 @@ TEST(BaseSearch, FindsABaseThatNoPlaceOfItsRangeBeats) {
   EXPECT_GT(best->factor, search.Judge(s.cell.X_WB.translation()).factor);
 }
 
-TEST(BaseSearch, WhatItSaysHoldsAtTheBaseThatItWrites) {
+TEST(BasePlacement, WhatItSaysHoldsAtTheBaseThatItWrites) {
   const Searched s;
-  const BaseSearch search = s.Search();
+  const BasePlacement search = s.Search();
   const auto best = search.Best(kNever);
   ASSERT_TRUE(best);
   const BaseFigure base = search.Centred(*best);
@@ -314,7 +314,7 @@ TEST(BaseSearch, WhatItSaysHoldsAtTheBaseThatItWrites) {
   EXPECT_NEAR(least, force.factor, 1e-9);
 }
 
-TEST(BaseSearch, IsTheSameForAnyNumberOfThreads) {
+TEST(BasePlacement, IsTheSameForAnyNumberOfThreads) {
   Searched s;
   s.params.z_m = {s.params.z_m.from, s.params.z_m.from + 0.2};
   s.params.threads = 1;
@@ -327,16 +327,16 @@ TEST(BaseSearch, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one->factor, three->factor);
 }
 
-TEST(BaseSearch, FindsNothingWhereTheArmCannotReach) {
+TEST(BasePlacement, FindsNothingWhereTheArmCannotReach) {
   Searched s;
   s.params.x_m = {5.0, 5.2};
   EXPECT_FALSE(s.Search().Best(kNever));
 }
 
 // The demo's cup faces up, so all bases at one distance and height are equally good.
-TEST(BaseSearch, ACupThatLooksUpIsTheSameFromAllSides) {
+TEST(BasePlacement, ACupThatLooksUpIsTheSameFromAllSides) {
   const Searched s;
-  const BaseSearch search = s.Search();
+  const BasePlacement search = s.Search();
   const Vector3 site = s.cell.X_WG.translation();
   const BaseFigure from_behind = search.Judge(site + Vector3(-0.5, 0.0, 0.1));
   ASSERT_NE(from_behind.configurations, 0u);

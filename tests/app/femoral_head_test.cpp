@@ -35,7 +35,7 @@ CellSetup PlannedHead(const Tool& tool, const std::optional<MeshChoice>& mesh = 
   // radius above its apex
   const fs::path cell = kConfig / "cells/femoral_head.yaml";
   config::Overlay overlay(cell);
-  overlay.Lay(fmt::format("start.height_mm={}", tool.diameter_m > 0.02 ? 28 : 4), "the test");
+  overlay.Set(fmt::format("start.height_mm={}", tool.diameter_m > 0.02 ? 28 : 4), "the test");
   auto setup = PrepareCell(cell, mesh,
                            config::ToolChoice{.file = kConfig / "tools" / (std::string(tool.name) + ".yaml"),
                                               .diameter_m = tool.diameter_m});

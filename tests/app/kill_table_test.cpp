@@ -102,7 +102,7 @@ TEST(CellTrace, IsReadWhileItIsWritten) {
   const io::test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "trace.csv";
   CellTraceReader reader(file);
-  reader.Look();
+  reader.Poll();
   EXPECT_TRUE(reader.cycles().empty()) << "there is no file yet";
   auto writer = CellTraceWriter::Open(file);
   ASSERT_TRUE(writer) << writer.error();
@@ -115,15 +115,15 @@ TEST(CellTrace, IsReadWhileItIsWritten) {
     state.stamp = i * rt::kMillisecond;
     ASSERT_TRUE((*writer)->cycles().Push(state));
     (*writer)->Write();
-    reader.Look();
+    reader.Poll();
     ASSERT_EQ(reader.cycles().size(), static_cast<std::size_t>(i));
   }
   ASSERT_TRUE((*writer)->Close());
   std::ofstream(file, std::ios::app) << "4000000,4,0.1,-0.2";
-  reader.Look();
+  reader.Poll();
   ASSERT_EQ(reader.cycles().size(), 3u) << "half a row is none";
   std::ofstream(file, std::ios::app) << ",0.3,0.005,0,150\n";
-  reader.Look();
+  reader.Poll();
   ASSERT_EQ(reader.cycles().size(), 4u);
   for (const CellCycle& cycle : reader.cycles()) {
     EXPECT_EQ(cycle.session, control::SessionState::kCommandingActive);

@@ -80,12 +80,12 @@ TEST(SpeedAccuracyChart, NamesEveryMethodOfTheLadderAndBothEndsOfItsSeeds) {
       point.seeds.push_back(seed);
     }
     us *= 2.0;
-    const Spread depth = SpreadOf(point, ChartFigure::kDepth);
+    const SeedRange depth = SeedRangeOf(point, ChartFigure::kDepth);
     EXPECT_NEAR(depth.median, 0.03, 1e-12);
     EXPECT_NEAR(depth.low, 0.02, 1e-12);
     EXPECT_NEAR(depth.high, 0.05, 1e-12);
     point.seeds.pop_back();  // median of an even number: the mean of the middle two
-    EXPECT_NEAR(SpreadOf(point, ChartFigure::kDepth).median, 0.035, 1e-12);
+    EXPECT_NEAR(SeedRangeOf(point, ChartFigure::kDepth).median, 0.035, 1e-12);
     result.points.push_back(point);
   }
   const std::string svg = SpeedAccuracySvg(result);

@@ -27,20 +27,20 @@ TEST(RunFiles, ADatedNameHasDateAndTimeAndIsFree) {
 TEST(RunFiles, ANameThatAnEarlierRunHasLeftAnythingUnderIsRefused) {
   const TemporaryFolder folder;
   const fs::path recording = folder.path() / "today.mcap";
-  EXPECT_EQ(WhyNotToRecord(recording), "");
+  EXPECT_EQ(ValidateRecordingName(recording), "");
   WriteAll(folder.path() / "today_stop_2.html", "");
-  EXPECT_EQ(WhyNotToRecord(recording), "") << "no run leaves a second page without a first";
+  EXPECT_EQ(ValidateRecordingName(recording), "") << "no run leaves a second page without a first";
   WriteAll(folder.path() / "today_stop_1_ticks.csv", "");
   EXPECT_EQ(FilesOfRun(recording).size(), 2u);
-  EXPECT_EQ(WhyNotToRecord(recording),
+  EXPECT_EQ(ValidateRecordingName(recording),
             "--record " + recording.string() +
                 ": found today_stop_1_ticks.csv, of an earlier run; accepted a name that "
                 "is free, or --overwrite");
   WriteAll(recording, "");
-  EXPECT_NE(WhyNotToRecord(recording).find("found a recording, of an earlier run"), std::string::npos);
+  EXPECT_NE(ValidateRecordingName(recording).find("found a recording, of an earlier run"), std::string::npos);
   EXPECT_EQ(RemoveFiles(FilesOfRun(recording)), "");
   EXPECT_TRUE(fs::is_empty(folder.path()));
-  EXPECT_EQ(WhyNotToRecord("/dev/null"), "") << "a device keeps nothing";
+  EXPECT_EQ(ValidateRecordingName("/dev/null"), "") << "a device keeps nothing";
 }
 
 TEST(RunFiles, AnEarlierDemoIsMovedIntoAFolderOfItsTime) {
@@ -72,15 +72,15 @@ TEST(RunFiles, AnEarlierDemoIsMovedIntoAFolderOfItsTime) {
 TEST(RunFiles, AFolderIsClaimedOnce) {
   const TemporaryFolder folder;
   FolderClaim nowhere;
-  EXPECT_EQ(nowhere.Take(folder.path() / "not_there"), "");
+  EXPECT_EQ(nowhere.Acquire(folder.path() / "not_there"), "");
   {
     FolderClaim first, second;
-    EXPECT_EQ(first.Take(folder.path()), "");
-    EXPECT_EQ(first.Take(folder.path()), "") << "it has it";
-    EXPECT_NE(second.Take(folder.path()).find("another osteon writes into"), std::string::npos);
+    EXPECT_EQ(first.Acquire(folder.path()), "");
+    EXPECT_EQ(first.Acquire(folder.path()), "") << "it has it";
+    EXPECT_NE(second.Acquire(folder.path()).find("another osteon writes into"), std::string::npos);
   }
   FolderClaim after;
-  EXPECT_EQ(after.Take(folder.path()), "");
+  EXPECT_EQ(after.Acquire(folder.path()), "");
 }
 
 }  // namespace

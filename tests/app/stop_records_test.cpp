@@ -86,12 +86,12 @@ TEST(StopRecords, HoldFiveSecondsBeforeAndHalfASecondAtRest) {
   EXPECT_EQ(stops[0].ticks.front().tick, 3500u);
   EXPECT_EQ(stops[0].ticks.back().tick, 8600u + 500u) << "at rest from tick 8600 on";
   EXPECT_EQ(stops[0].ticks.size(), 9101u - 3500u);
-  EXPECT_EQ(stops[0].Why(), "arm left COMMANDING_ACTIVE; motion not permitted");
+  EXPECT_EQ(stops[0].DescribeCause(), "arm left COMMANDING_ACTIVE; motion not permitted");
   EXPECT_FALSE(stops[0].asked);
   EXPECT_EQ(stops[1].ticks[stops[1].stop].tick, 10900u);
   EXPECT_EQ(stops[1].ticks.front().tick, 5900u) << "what came before, the last stop included";
   EXPECT_EQ(stops[1].ticks.back().tick, ticks.back().tick);
-  EXPECT_EQ(stops[1].Why(), "asked for");
+  EXPECT_EQ(stops[1].DescribeCause(), "asked for");
   EXPECT_EQ(stops[0].ticks[stops[0].rest].tick, 8600u);
   EXPECT_FALSE(stops[0].cut_off);
   EXPECT_TRUE(stops[1].cut_off);
@@ -146,9 +146,9 @@ TEST(StopRecords, APauseIsSaidToBeOne) {
   std::vector<TickRecord> ticks;
   Add(ticks, 100, Phase::kHaptic);
   Add(ticks, 50, Phase::kStopping);
-  EXPECT_EQ(FindStops(ticks).at(0).Why(), "the arm ended the session");
+  EXPECT_EQ(FindStops(ticks).at(0).DescribeCause(), "the arm ended the session");
   ticks[100].input.pause = true;
-  EXPECT_EQ(FindStops(ticks).at(0).Why(), "a pause was asked for");
+  EXPECT_EQ(FindStops(ticks).at(0).DescribeCause(), "a pause was asked for");
 }
 
 // A motion braked within a tick: no tick is in the phase of stopping.

@@ -42,17 +42,17 @@ TEST(TuneVerdict, EachLevelHasItsReasons) {
 
   TuneResult heavy = GoodTuning();
   heavy.recommended.damping_Ns_per_m = 60.0;
-  EXPECT_EQ(Judge(heavy).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(heavy).level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(heavy), "not light")) << Judge(heavy).reasons.front();
 
   TuneResult own = GoodTuning();
   own.own_margin = 1.02;
-  EXPECT_EQ(Judge(own).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(own).level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(own), "gain margin of 1.02")) << Judge(own).reasons.front();
 
   TuneResult silent = GoodTuning();
   silent.task.index_acts = false;
-  EXPECT_EQ(Judge(silent).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(silent).level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(silent), "does not act"));
 
   TuneResult nothing = GoodTuning();
@@ -68,7 +68,7 @@ TEST(TuneVerdict, EachLevelHasItsReasons) {
 TEST(TuneVerdict, AHandThatKeepsOscillatingIsSaidWithItsForce) {
   TuneResult unquiet = GoodTuning();
   unquiet.carried[1].run.one_s_N = 1.5;
-  EXPECT_EQ(Judge(unquiet).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(unquiet).level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(unquiet), "1.50 N between 5 and 40 Hz"));
   TuneResult shaken = GoodTuning();
   shaken.carried[1].run.one_s_N = 109.0;
@@ -88,13 +88,13 @@ TEST(PlanVerdict, EachLevelHasItsReasons) {
   EXPECT_EQ(Judge(plan, PlanCheck{}).level, VerdictLevel::kGood);
 
   FidelityPlan slow = plan;
-  slow.given_up = {{.what = "rate", .asked = 1000.0, .predicted = 712.0}};
-  EXPECT_EQ(Judge(slow, {}).level, VerdictLevel::kLook);
+  slow.unmet = {{.what = "rate", .asked = 1000.0, .predicted = 712.0}};
+  EXPECT_EQ(Judge(slow, {}).level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(slow, {}), "rate: 712 Hz of 1000")) << Judge(slow, {}).reasons.front();
 
   FidelityPlan busy = plan;
   busy.calibration.front().interrupted = 400;
-  EXPECT_EQ(Judge(busy, {}).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(busy, {}).level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(busy, {}), "400 of the 1000 frames"));
 
   PlanCheck missed;
@@ -120,12 +120,12 @@ TEST(CapabilityVerdict, EachLevelHasItsReasons) {
 
   CapabilityResult turned = EnoughForce();
   turned.own_angle.force.factor = 0.9;
-  EXPECT_EQ(Judge(turned).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(turned).level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(turned), "90 N with 18 N are the most")) << Judge(turned).reasons.front();
 
   CapabilityResult nowhere = EnoughForce();
   nowhere.base.reset();
-  EXPECT_EQ(Judge(nowhere).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(nowhere).level, VerdictLevel::kWarning);
 
   CapabilityResult weak = EnoughForce();
   weak.best_angle.force.factor = weak.own_angle.force.factor = 0.5;
@@ -157,12 +157,12 @@ TEST(TransparencyVerdict, EachLevelHasItsReasons) {
 
   TransparencyResult heavy = Faithful();
   heavy.axes[1].residual = 0.5;
-  EXPECT_EQ(Judge(heavy).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(heavy).level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(heavy), "50 % off")) << Judge(heavy).reasons.front();
 
   TransparencyResult soft = Faithful();
   soft.stiffness_N_per_m = 12e3;
-  EXPECT_EQ(Judge(soft).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(soft).level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(soft), "12.00 N/mm for 20.00 N/mm"));
 
   TransparencyResult other = Faithful();
@@ -177,7 +177,7 @@ TEST(TransparencyVerdict, EachLevelHasItsReasons) {
 
 TEST(ScalingVerdict, EachLevelHasItsReasons) {
   ScalingResult r;
-  r.most_spheres = 1'000'000;
+  r.max_spheres = 1'000'000;
   r.frames = 1000;
   ScalingPoint point{.series = "ours, cut zone as it is", .spheres = 1000, .cut_zone_m = 1e-3, .timing = {}};
   point.timing.frames = 1000;
@@ -188,12 +188,12 @@ TEST(ScalingVerdict, EachLevelHasItsReasons) {
 
   ScalingResult few = r;
   few.points[1].timing.frames = 400;
-  EXPECT_EQ(Judge(few).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(few).level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(few), "fewer frames than the 1000"));
 
   ScalingResult missing = r;
   missing.ours_left_out = 2;
-  EXPECT_EQ(Judge(missing).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(missing).level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(missing), "2 of our own points"));
 
   ScalingResult ended = r;
@@ -210,12 +210,12 @@ TEST(SpeedAccuracyVerdict, EachLevelHasItsReasons) {
 
   SpeedAccuracyResult slow = r;
   slow.left_out = {"voxel at 0.1 mm: ream was not done within 60 s"};
-  EXPECT_EQ(Judge(slow).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(slow).level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(slow), "not done within 60 s"));
 
   SpeedAccuracyResult few = r;
   few.points.front().seeds.pop_back();
-  EXPECT_EQ(Judge(few).level, VerdictLevel::kLook);
+  EXPECT_EQ(Judge(few).level, VerdictLevel::kWarning);
 
   SpeedAccuracyResult ended = r;
   ended.interrupted = true;

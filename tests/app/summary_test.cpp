@@ -290,11 +290,11 @@ TEST(SummaryRows, SayWhatTheLimitsKeptFromTheHand) {
   RunSummary summary;
   EXPECT_EQ(RowOf(summary, "Force cut off by limits"), "none");
   summary.cut_ticks = 312;
-  summary.least_wrench_share = 0.76;
+  summary.min_wrench_share = 0.76;
   EXPECT_EQ(RowOf(summary, "Force cut off by limits"),
             "up to 24 %, in 312 ticks; the arm could have held all of it");
   summary.arm_cut_ticks = 110;
-  summary.least_arm_share = 0.9;
+  summary.min_arm_share = 0.9;
   EXPECT_EQ(RowOf(summary, "Force cut off by limits"),
             "up to 24 %, in 312 ticks; the arm could not hold up to 10 %, in 110 ticks");
   const nlohmann::json json = nlohmann::json::parse(ToJson(summary, "osteon.demo/1"));
@@ -306,12 +306,12 @@ TEST(SummaryRows, SayWhatTheLimitsKeptFromTheHand) {
 
 TEST(SummaryRows, SayWhatTheStabilisersDid) {
   RunSummary summary;
-  summary.least_tank_J = 0.75;
+  summary.min_tank_J = 0.75;
   EXPECT_EQ(RowOf(summary, "Stabilisers acted"),
             "age governor: no; passivity: no; tank: no, 0.75 J at least");
   summary.age_governor_ticks = 40;
-  summary.most_age_damping = 3.25;
-  summary.least_age_share = 0.9;
+  summary.max_age_damping = 3.25;
+  summary.min_age_share = 0.9;
   summary.passivity_ticks = 2;
   summary.tank_ticks = 3;
   EXPECT_EQ(

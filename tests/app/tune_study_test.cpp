@@ -40,23 +40,23 @@ TEST(TuneStudy, LeastDragOfAFirmGripIsTheDesigns) {
   task.command_jitter = 0;
   task.worst_age_s = 0.0;
   task.wall_N_per_m = task.plane_N_per_m = 1.0;
-  EXPECT_NEAR(LeastDragFor(task, 3.0, {{"firm grip", 3e3, 20.0, 1.5}}), 24.0, 0.02 * 24.0);
-  EXPECT_NEAR(LeastDragFor(task, 3.0, {{"firm grip", 10e3, 20.0, 1.5}}), 125.0, 0.02 * 125.0);
+  EXPECT_NEAR(MinDragFor(task, 3.0, {{"firm grip", 3e3, 20.0, 1.5}}), 24.0, 0.02 * 24.0);
+  EXPECT_NEAR(MinDragFor(task, 3.0, {{"firm grip", 10e3, 20.0, 1.5}}), 125.0, 0.02 * 125.0);
 }
 
 TEST(TuneStudy, LatenessAgeAndMarginEachCostDrag) {
   TuneTask task = DemoTask();
   const auto hands = HandsUpTo(3e3);
-  const double own = LeastDragFor(task, 2.8, hands);
+  const double own = MinDragFor(task, 2.8, hands);
   TuneTask harder = task;
   harder.command_jitter += 3;
-  EXPECT_GT(LeastDragFor(harder, 2.8, hands), 1.05 * own);
+  EXPECT_GT(MinDragFor(harder, 2.8, hands), 1.05 * own);
   harder = task;
   harder.worst_age_s = 0.006;
-  EXPECT_GT(LeastDragFor(harder, 2.8, hands), 1.05 * own);
+  EXPECT_GT(MinDragFor(harder, 2.8, hands), 1.05 * own);
   harder = task;
   harder.margin *= 1.3;
-  EXPECT_GT(LeastDragFor(harder, 2.8, hands), 1.05 * own);
+  EXPECT_GT(MinDragFor(harder, 2.8, hands), 1.05 * own);
   // and the result has exactly the demanded margin
   EXPECT_NEAR(GainMargin(task, {2.8, 1.005 * own}, hands), task.margin, 0.02 * task.margin);
   EXPECT_EQ(GainMargin(task, {2.8, 0.3 * own}, hands), 0.0);
@@ -79,7 +79,7 @@ TEST(TuneStudy, SimulatedBoundaryIsThePredictedOneWithinOnePercent) {
 TEST(TuneStudy, RunsInTimeSeeWhatIsNotStable) {
   const TuneTask task = DemoTask();
   const auto hands = HandsUpTo(3e3);
-  const TuneCheck good = CheckInTime(task, {2.4, std::ceil(LeastDragFor(task, 2.4, hands))}, hands);
+  const TuneCheck good = CheckInTime(task, {2.4, std::ceil(MinDragFor(task, 2.4, hands))}, hands);
   EXPECT_EQ(good.runs, 3 * hands.size());
   EXPECT_TRUE(good.grew.empty()) << good.grew.front();
   EXPECT_FALSE(CheckInTime(task, {2.4, 8.0}, hands).grew.empty());

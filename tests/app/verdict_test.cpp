@@ -39,10 +39,10 @@ TEST(RunVerdict, ACouplingAtItsForceLimitIsToBeLookedAt) {
   s.cut_ticks = 20;
   EXPECT_EQ(JudgeRun(s).level, VerdictLevel::kGood) << "20 ms are not felt";
   s.cut_ticks = 4000;
-  s.least_wrench_share = 0.3;
+  s.min_wrench_share = 0.3;
   s.peak_tool_in_bone_m = 14e-3;
   const Verdict verdict = JudgeRun(s);
-  EXPECT_EQ(verdict.level, VerdictLevel::kLook);
+  EXPECT_EQ(verdict.level, VerdictLevel::kWarning);
   EXPECT_TRUE(Says(verdict, "force limit 80 N")) << verdict.reasons.front();
   EXPECT_TRUE(Says(verdict, "14.00 mm"));
 }
@@ -52,7 +52,7 @@ TEST(RunVerdict, AForceThatCollapsesIsLookedAtAndThenBad) {
   s.stale_share = 0.01;
   EXPECT_EQ(JudgeRun(s).level, VerdictLevel::kGood);
   s.stale_share = 0.1;
-  EXPECT_EQ(JudgeRun(s).level, VerdictLevel::kLook);
+  EXPECT_EQ(JudgeRun(s).level, VerdictLevel::kWarning);
   s.stale_share = 0.5;
   EXPECT_EQ(JudgeRun(s).level, VerdictLevel::kBad);
 }
@@ -79,12 +79,12 @@ TEST(RunVerdict, WhatTookFromTheRunIsSaid) {
   s.passivity_ticks = 5;
   s.sensor_late_share = 0.1;
   const Verdict verdict = JudgeRun(s);
-  EXPECT_EQ(verdict.level, VerdictLevel::kLook);
+  EXPECT_EQ(verdict.level, VerdictLevel::kWarning);
   EXPECT_EQ(verdict.reasons.size(), 5u);
   RunSummary interrupted = Quiet();
   interrupted.end = control::RunEnd::kStopFlag;
   interrupted.seconds = 3.0;
-  EXPECT_EQ(JudgeRun(interrupted).level, VerdictLevel::kLook);
+  EXPECT_EQ(JudgeRun(interrupted).level, VerdictLevel::kWarning);
   interrupted.wanted_s = 0.0;
   EXPECT_EQ(JudgeRun(interrupted).level, VerdictLevel::kGood) << "until it was stopped: it was";
 }

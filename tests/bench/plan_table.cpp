@@ -79,7 +79,7 @@ int PlanAll(const std::string& device) {
     const auto check = CheckPlan(scene, request, *plan);
     if (!check) throw std::runtime_error(check.error());
     std::string given;
-    for (const GivenUp& each : plan->given_up) given += (given.empty() ? "" : " ") + each.what;
+    for (const UnmetDemand& each : plan->unmet) given += (given.empty() ? "" : " ") + each.what;
     std::printf("%s,%g,%g,%s,%zu,%zu,%s,%.4f,%.4f,%.4f,%.1f,%.1f,%.1f,%.1f,%zu,%zu,%s,%zu\n", row.scene,
                 row.error_mm, row.rate_hz, std::string(simulation::KindName(plan->packed.level.kind)).c_str(),
                 plan->packed.balls.size(), plan->tool.balls.size(),

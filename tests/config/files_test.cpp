@@ -38,7 +38,7 @@ void LoadAny(const fs::path& path) {
   if (folder == "scenarios") {
     const ScenarioConfig scenario = LoadScenario(path);
     Overlay overlay(scenario.cell);
-    overlay.LayFile(path, kOverridesKey);
+    overlay.SetFromFile(path, kOverridesKey);
     static_cast<void>(LoadCell(scenario.cell));
     return overlay.Finish();
   }

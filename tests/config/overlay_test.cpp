@@ -20,7 +20,7 @@ class OverlayTest : public testing::Test {
   CellConfig Load(const std::string& overrides) {
     io::test::WriteAll(File(), "shows: a test\n" + overrides);
     Overlay overlay(kCell);
-    overlay.LayFile(File(), "overrides");
+    overlay.SetFromFile(File(), "overrides");
     CellConfig cell = LoadCell(kCell);
     overlay.Finish();
     return cell;
@@ -98,11 +98,11 @@ TEST_F(OverlayTest, ARefusalOfTheCellsOwnKeyNamesTheCell) {
 
 TEST_F(OverlayTest, OneValueByCommand) {
   Overlay overlay(kCell);
-  overlay.Lay("limits.max_force_N=120", "--set");
+  overlay.Set("limits.max_force_N=120", "--set");
   EXPECT_DOUBLE_EQ(LoadCell(kCell).servo.wrench.max_force_N, 120.0);
-  overlay.Lay("limits.max_force_N=110", "--set");
+  overlay.Set("limits.max_force_N=110", "--set");
   EXPECT_DOUBLE_EQ(LoadCell(kCell).servo.wrench.max_force_N, 110.0) << "the last one counts";
-  overlay.Lay("limits.max_force_N=nothing", "--set");
+  overlay.Set("limits.max_force_N=nothing", "--set");
   try {
     static_cast<void>(LoadCell(kCell));
     FAIL();
@@ -110,7 +110,7 @@ TEST_F(OverlayTest, OneValueByCommand) {
     EXPECT_TRUE(std::string(error.what()).starts_with("--set limits.max_force_N=nothing")) << error.what();
   }
   for (const char* wrong : {"", "limits.max_force_N", "=5", "a.=5", "a=[1"})
-    EXPECT_THROW(overlay.Lay(wrong, "--set"), ConfigError) << wrong;
+    EXPECT_THROW(overlay.Set(wrong, "--set"), ConfigError) << wrong;
 }
 
 TEST_F(OverlayTest, OneAtATime) {

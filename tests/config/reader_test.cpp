@@ -54,7 +54,7 @@ TEST(ReaderTest, NumbersComeInSi) {
       Reader::Parse("radius_mm: 25\ntilt_deg: 90\nport: 30200\npoint_mm: [1, -2, .5e1]\non: true\n", kName);
   EXPECT_DOUBLE_EQ(reader.Number("radius_mm", 1, 100), 0.025);
   EXPECT_DOUBLE_EQ(reader.Number("tilt_deg", -90, 90), std::numbers::pi / 2.0);
-  EXPECT_EQ(reader.Whole("port", 1, 65535), 30200);
+  EXPECT_EQ(reader.WholeNumber("port", 1, 65535), 30200);
   EXPECT_LT((reader.Triple("point_mm", -5, 5) - Vector3(0.001, -0.002, 0.005)).norm(), 1e-18);
   EXPECT_TRUE(reader.Bool("on"));
   EXPECT_NO_THROW(reader.Finish());
@@ -142,7 +142,7 @@ TEST(ReaderTest, TextsWordsAndListsAreChecked) {
   const auto direction = [](Reader& reader) { static_cast<void>(reader.Direction("n_axis")); };
   EXPECT_EQ(ErrorOf("n_axis: [0, 0, 0.5]\n", direction),
             "config/tools/reamer.yaml:1: n_axis: found a length of 0.5, accepted 1");
-  const auto whole = [](Reader& reader) { static_cast<void>(reader.Whole("port", 1024, 65535)); };
+  const auto whole = [](Reader& reader) { static_cast<void>(reader.WholeNumber("port", 1024, 65535)); };
   EXPECT_EQ(ErrorOf("port: 80\n", whole),
             "config/tools/reamer.yaml:1: port: found 80, accepted a whole number 1024 … 65535");
   EXPECT_EQ(ErrorOf("port: 2000.5\n", whole),

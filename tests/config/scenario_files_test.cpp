@@ -53,7 +53,7 @@ TEST(ScenarioFiles, EveryShippedOneLoadsWithItsCell) {
     EXPECT_TRUE(fs::exists(scenario.golden())) << scenario.golden();
     EXPECT_LT(fs::file_size(scenario.golden()), 100'000u);
     Overlay overlay(scenario.cell);
-    overlay.LayFile(file, kOverridesKey);
+    overlay.SetFromFile(file, kOverridesKey);
     const CellConfig cell = LoadCell(scenario.cell);
     overlay.Finish();
     cells.insert(scenario.cell.stem().string());

@@ -79,7 +79,7 @@ struct WallRow {
 };
 void PrintTo(const WallRow& row, std::ostream* os) { *os << row.name; }
 
-class GreatestWallOfAFirmHand : public testing::TestWithParam<WallRow> {
+class MaxWallStiffnessOfAFirmHand : public testing::TestWithParam<WallRow> {
  protected:
   static AdmittanceLoopParams Loop() {
     AdmittanceLoopParams loop;
@@ -90,22 +90,22 @@ class GreatestWallOfAFirmHand : public testing::TestWithParam<WallRow> {
   }
 };
 
-TEST_P(GreatestWallOfAFirmHand, IsTheDesigns) {
-  const Boundary found = GreatestWall(Loop());
+TEST_P(MaxWallStiffnessOfAFirmHand, IsTheDesigns) {
+  const Boundary found = MaxWallStiffness(Loop());
   ASSERT_TRUE(found.crossed);
   EXPECT_NEAR(1e-3 * found.value, GetParam().most_kN_per_m, GetParam().tolerance * GetParam().most_kN_per_m);
 }
 
-TEST_P(GreatestWallOfAFirmHand, IsSeenWithinOnePercentWhenTheShippedPartsRun) {
-  const double predicted = GreatestWall(Loop()).value;
-  const Boundary seen = SimulatedGreatestWall(
+TEST_P(MaxWallStiffnessOfAFirmHand, IsSeenWithinOnePercentWhenTheShippedPartsRun) {
+  const double predicted = MaxWallStiffness(Loop()).value;
+  const Boundary seen = SimulatedMaxWallStiffness(
       {.loop = Loop()}, {.from = 0.7 * predicted, .to = 1.4 * predicted, .factor = 1.05, .tolerance = 1e-3});
   ASSERT_TRUE(seen.crossed);
   EXPECT_NEAR(seen.value, predicted, 0.01 * predicted);
 }
 
 // The design's figures come from its own scans; the row with 5 samples of sensor delay is the least accurate.
-INSTANTIATE_TEST_SUITE_P(Design, GreatestWallOfAFirmHand,
+INSTANTIATE_TEST_SUITE_P(Design, MaxWallStiffnessOfAFirmHand,
                          testing::Values(WallRow{"local", WallOn::kCommanded, 0, 1, 192, 0.0105},
                                          WallRow{"sensor_3_late", WallOn::kCommanded, 0, 3, 101, 0.01},
                                          WallRow{"sensor_5_late", WallOn::kCommanded, 0, 5, 67, 0.03},
@@ -133,7 +133,7 @@ TEST(AdmittanceStability, GripsAskForTheDesignsDrag) {
   const auto least = [](double k, double b, double m) {
     AdmittanceLoopParams loop;
     loop.hand = {"", k, b, m};
-    return LeastDrag(loop);
+    return MinDrag(loop);
   };
   EXPECT_NEAR(least(3e3, 20, 1.5), 24, 0.01 * 24);
   EXPECT_NEAR(least(10e3, 20, 1.5), 125, 0.01 * 125);
@@ -169,23 +169,23 @@ TEST(AdmittanceStability, FasterArmNeedsMoreVirtualMass) {
 TEST(AdmittanceStability, DampedWallIsSeenWherePredicted) {
   AdmittanceLoopParams loop;
   loop.wall.damping_Ns_per_m = 5.0;
-  const double predicted = GreatestWall(loop).value;
-  EXPECT_GT(predicted, 1.05 * GreatestWall(AdmittanceLoopParams{}).value) << "damping helps";
-  const Boundary seen = SimulatedGreatestWall(
+  const double predicted = MaxWallStiffness(loop).value;
+  EXPECT_GT(predicted, 1.05 * MaxWallStiffness(AdmittanceLoopParams{}).value) << "damping helps";
+  const Boundary seen = SimulatedMaxWallStiffness(
       {.loop = loop}, {.from = 0.7 * predicted, .to = 1.4 * predicted, .factor = 1.05, .tolerance = 1e-3});
   EXPECT_NEAR(seen.value, predicted, 0.01 * predicted);
 }
 
 TEST(AdmittanceStability, LostAndLateCommandsLowerTheBoundary) {
   AdmittanceLoopParams loop;
-  const double predicted = GreatestWall(loop).value;
+  const double predicted = MaxWallStiffness(loop).value;
   const BoundaryScan scan{.from = 0.1 * predicted, .to = 1.4 * predicted, .factor = 1.05, .tolerance = 1e-3};
-  const double late = SimulatedGreatestWall({.loop = loop, .command_jitter = 4}, scan).value;
+  const double late = SimulatedMaxWallStiffness({.loop = loop, .command_jitter = 4}, scan).value;
   EXPECT_LT(late, 0.97 * predicted);
   loop.arm.dead_cycles += 4;
-  EXPECT_GT(late, GreatestWall(loop).value) << "not as if every command came as late as the latest";
+  EXPECT_GT(late, MaxWallStiffness(loop).value) << "not as if every command came as late as the latest";
   loop = {};
-  EXPECT_LT(SimulatedGreatestWall({.loop = loop, .command_loss = 0.3}, scan).value, 0.99 * predicted);
+  EXPECT_LT(SimulatedMaxWallStiffness({.loop = loop, .command_loss = 0.3}, scan).value, 0.99 * predicted);
 }
 
 TEST(AdmittanceStability, RefusesWhatIsNoLoop) {

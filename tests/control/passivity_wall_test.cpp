@@ -102,7 +102,7 @@ Ripple Press(const AdmittanceLoopParams& p, bool acts) {
 }
 
 TEST(PassivityWall, AForceOf5MillisecondsIsStableUpTo3300NewtonsAMetre) {
-  EXPECT_NEAR(GreatestWall(OldWall(1e3)).value, 3300.0, 150.0);
+  EXPECT_NEAR(MaxWallStiffness(OldWall(1e3)).value, 3300.0, 150.0);
 }
 
 TEST(PassivityWall, StifferThanThatItRipplesWithoutTheControllerAndIsCalmWithIt) {

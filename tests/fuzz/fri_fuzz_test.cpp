@@ -81,7 +81,7 @@ TEST(FriFuzz, AMessageCutAtAnyLengthIsRefusedOrWhole) {
       MonitoringMessage m;
       rt::CheckedNoAllocScope no_alloc;
       const CodecError error = DecodeMonitoring(family, cut, m);
-      (void)TellFamily(cut);
+      (void)DetectFamily(cut);
       no_alloc.End();
       // a message without a frame may be accepted without its last field (5 or 6), if the required ones are
       // there

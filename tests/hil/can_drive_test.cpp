@@ -71,7 +71,7 @@ TEST(DriveDevice, HasTheObjectsThatEveryDeviceHas) {
   EXPECT_EQ(bench.Say("610#4018100400000000"), Frames{"590#4318100410000000"}) << "its node";
   EXPECT_EQ(bench.Say("610#4018100500000000"), Frames{"590#8018100511000906"}) << "no such sub-index";
   EXPECT_EQ(bench.Say("610#2F01100000000000"), Frames{"590#8001100002000106"}) << "read only";
-  bench.device.Break(0x4310);
+  bench.device.InjectFault(0x4310);
   static_cast<void>(Sent(bench.device, bench.now));  // its EMCY
   EXPECT_EQ(bench.Say("610#4001100000000000"), Frames{"590#4F01100001000000"}) << "the generic error";
 }
@@ -125,7 +125,7 @@ TEST(DriveDevice, EveryCommandInEveryStateGoesWhereCia402Says) {
 TEST(DriveDevice, AFaultNeedsARisingEdge) {
   Bench bench;
   bench.Say("610#2B40600080000000");
-  bench.device.Break(0x4310);
+  bench.device.InjectFault(0x4310);
   EXPECT_EQ(Sent(bench.device, bench.now), Frames{"090#1043010000000000"});
   EXPECT_EQ(bench.State(), "1802");
   for (const char* command : {"00", "06", "07", "0F"})
@@ -133,7 +133,7 @@ TEST(DriveDevice, AFaultNeedsARisingEdge) {
   EXPECT_EQ(bench.State(), "1802") << "nothing but a reset leads out";
   bench.Say("610#2B40600080000000");
   EXPECT_EQ(bench.State(), "1802") << "still broken";
-  bench.device.Mend();
+  bench.device.ClearFault();
   bench.Say("610#2B40600080000000");
   EXPECT_EQ(bench.State(), "1802") << "no edge";
   bench.Say("610#2B40600000000000");
@@ -278,7 +278,7 @@ TEST(Drive, AFaultWhileTurningBrakesFirst) {
   Cell cell;
   cell.Start();
   cell.Turn(30.0);
-  cell.device.Break(0x4310);
+  cell.device.InjectFault(0x4310);
   cell.Run(8);
   EXPECT_EQ(cell.status().state, DriveState::kFaultReaction);
   cell.Run(300);

@@ -49,7 +49,7 @@ class Cell {
       MemoryCanBus &ours = buses_.emplace_back(now), &theirs = buses_.emplace_back(now);
       MemoryCanBus::Join(ours, theirs);
       ends.push_back(&theirs);
-      clients->PutOn(pumps_.emplace_back(ours), i);
+      clients->AddToPump(pumps_.emplace_back(ours), i);
     }
     wires_.emplace(ends, devices_, wires, injections, &now);
   }
@@ -136,7 +136,7 @@ TEST(CellDevices, AFaultOfTheDriveStaysUntilARecoveryClearsIt) {
   Cell cell(false, false, silence);
   cell.commands.spindle_rad_per_s = kSpeed;
   cell.Run(1000);
-  cell.wires().Begin(cell.now);
+  cell.wires().StartSchedule(cell.now);
   EXPECT_TRUE(cell.Run(600).spindle.fault);
   cell.commands = {.motion_requested = true, .quick_stop = true};
   EXPECT_TRUE(cell.Run(1000).spindle.fault) << "heard again, it is still one";
@@ -177,7 +177,7 @@ TEST(CellDevices, ADriveThatBootsInFaultIsReset) {
 
 TEST(CellDevices, ADriveThatStaysInFaultIsResetThreeTimesAndThenLeftAlone) {
   Cell cell;
-  cell.drive().Break(0x4310);
+  cell.drive().InjectFault(0x4310);
   cell.WaitForTheFirstMotion();
   EXPECT_TRUE(cell.Run(5000).spindle.fault);
   EXPECT_EQ(cell.drive().resets(), io::DriveReset::kAttempts);
@@ -186,7 +186,7 @@ TEST(CellDevices, ADriveThatStaysInFaultIsResetThreeTimesAndThenLeftAlone) {
   EXPECT_NE(text.find("3 resets have not cleared it"), std::string::npos) << text;
   cell.commands.clear_faults = false;
   cell.Run(100);
-  cell.drive().Mend();
+  cell.drive().ClearFault();
   cell.WaitForTheFirstMotion();  // a recovery: the reset may be tried again
   EXPECT_FALSE(cell.Run(1000).spindle.fault);
 }
@@ -195,9 +195,9 @@ TEST(CellDevices, InMidRunNothingIsReset) {
   Cell cell;
   cell.commands = {.motion_requested = true, .spindle_rad_per_s = kSpeed};
   cell.Run(1000);
-  cell.drive().Break(0x4310);
+  cell.drive().InjectFault(0x4310);
   cell.Run(100);
-  cell.drive().Mend();
+  cell.drive().ClearFault();
   for (const bool quick : {true, false}) {
     cell.commands = {.motion_requested = true, .quick_stop = quick};
     EXPECT_TRUE(cell.Run(2000).spindle.fault);
@@ -225,7 +225,7 @@ TEST(CellDevices, ASilenceOfOneWireIsNoneOfTheOther) {
       .injections = {{.wire = Wire::kForceSensor, .from_s = 0.5, .faults = {.silence = true}}}};
   Cell cell(false, false, silence);
   cell.Run(600);
-  cell.wires().Begin(cell.now);
+  cell.wires().StartSchedule(cell.now);
   const control::CellReadings readings = cell.Run(1000);
   EXPECT_NEAR(rt::ToSeconds(cell.now - readings.force.stamp), 0.5, 0.003);
   EXPECT_LE(cell.now - readings.spindle.stamp, 8 * rt::kMillisecond);
@@ -270,7 +270,7 @@ TEST(CellDevices, OneThatIsSwitchedOnLateIsFoundAndOneThatWasRefusedIsNotAskedAg
       .injections = {{.wire = Wire::kForceSensor, .from_s = -1.0, .to_s = 2.0, .faults = {.silence = true}},
                      {.wire = Wire::kDrive, .from_s = -1.0, .to_s = 2.0, .faults = {.silence = true}}}};
   Cell cell(false, false, silence);
-  cell.wires().Begin(cell.now);
+  cell.wires().StartSchedule(cell.now);
   cell.Run(900);
   EXPECT_NE(cell.clients->Diagnosis({}, cell.now).find("force sensor"), std::string::npos);
   const control::CellReadings late = cell.Run(4000);

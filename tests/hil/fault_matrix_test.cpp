@@ -25,7 +25,7 @@ TEST_P(FaultMatrix, EveryFaultComesToWhatIsStated) {
     EXPECT_TRUE(verdict.passed()) << fault.name << " in " << safety::Describe(state).name << ", expected "
                                   << NameOf(verdict.expected.reaction) << ": " << verdict.wrong
                                   << "; noticed after " << verdict.ticks << " ticks, went "
-                                  << verdict.distance_m * 1e3 << " of " << verdict.most_distance_m * 1e3
+                                  << verdict.distance_m * 1e3 << " of " << verdict.max_distance_m * 1e3
                                   << " mm";
   }
 }

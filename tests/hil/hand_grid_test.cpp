@@ -49,16 +49,16 @@ TEST(HandGrid, OperatorKeepsWhatTheGridDoesNotSay) {
 // the tool's position and speed along an axis and the speed of the hand's mass.
 Eigen::Vector3d Next(const OperatorHandParams& params, const Eigen::Vector3d& s) {
   HandImpedance hand(params);
-  hand.Begin();
+  hand.Reset();
   // a mass that starts at rest and is dragged at v has the speed share v after a period
   const double share = kDt_s / (params.grip_time_s + kDt_s);
-  (void)hand.Carry(kDt_s, {.v = {s[2] / share, 0, 0}}, 1.0);
+  (void)hand.StepMass(kDt_s, {.v = {s[2] / share, 0, 0}}, 1.0);
   Pose X = Pose::Identity();
   X.translation().x() = s[0];
   const double f = hand.Step(kDt_s, X, {.v = {s[1], 0, 0}}, Pose::Identity(), {}).f.x();
   const double v = (s[1] + kDt_s / kToolMass_kg * f) / (1.0 + kDt_s * kToolDamping_Ns_per_m / kToolMass_kg);
   // if the handle is held at rest, the mass loses its share of its speed
-  const double given_Ns = -kDt_s * hand.Carry(kDt_s, {}, 1.0).f.x();
+  const double given_Ns = -kDt_s * hand.StepMass(kDt_s, {}, 1.0).f.x();
   return {s[0] + kDt_s * v, v, params.mass_kg > 0.0 ? given_Ns / params.mass_kg / share : 0.0};
 }
 

@@ -95,8 +95,7 @@ TEST(HandleBench, TheArmsLagIsFeltAsMassThatGrowsWithTheDrag) {
 TEST(HandleBench, TurningIsMeasuredAsWell) {
   const HandleBenchParams params = Params(ArmLevel::kKinematic);
   const std::vector<HandlePoint> points = SweepFree(
-      params,
-      {.axis = 4, .frequencies_hz = {1.0}, .most_travel = 0.02, .most_speed = 0.3, .most_wrench = 2.0});
+      params, {.axis = 4, .frequencies_hz = {1.0}, .max_travel = 0.02, .max_speed = 0.3, .max_wrench = 2.0});
   const Complex expected = ImpedanceOf(LawTravel(0.15, 1.5, 1, 1.0), 1.0);
   EXPECT_NEAR(std::abs(points[0].impedance / expected - 1.0), 0.0, 0.01);
 }
@@ -116,7 +115,7 @@ TEST(HandleBench, AFitGivesBackMassAndDrag) {
   std::vector<HandlePoint> points;
   for (const double hz : {0.1, 0.3, 1.0, 3.0, 20.0})
     points.push_back({.frequency_hz = hz, .impedance = {17.0, 2.0 * std::numbers::pi * hz * 4.0}});
-  points.back().impedance = 1e6;  // beyond most_hz
+  points.back().impedance = 1e6;  // beyond max_hz
   const HandleFit fit = FitMassAndDrag(points, 5.0);
   EXPECT_NEAR(fit.mass, 4.0, 1e-12);
   EXPECT_NEAR(fit.drag, 17.0, 1e-12);

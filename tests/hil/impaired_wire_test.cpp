@@ -167,7 +167,7 @@ TEST(ImpairedWire, DelayAndJitterKeepTheOrderAndTheirBounds) {
 TEST(ImpairedWire, WhatIsOnItsWayOutlivesTheDelayAndStaysAhead) {
   const InjectionParams params{.injections = {{.from_s = 0.0, .to_s = 0.1, .faults = {.delay = 10 * kMs}}}};
   ImpairedWire wire(params, Wire::kArm, Direction::kToController);
-  wire.Begin(0);
+  wire.StartSchedule(0);
   const auto arrived = Send(wire, 200);
   ASSERT_EQ(arrived.size(), 200u);
   for (std::size_t i = 0; i < arrived.size(); ++i) {
@@ -185,8 +185,8 @@ TEST(ImpairedWire, InjectsInItsTimeOnlyCountedFromTheBeginning) {
   ImpairedWire wire(params, Wire::kArm, Direction::kToController);
   std::vector<int> missing;
   for (int i = 0; i < 200; ++i) {
-    if (i == 100) wire.Begin(i * kMs);
-    if (i == 115) wire.Begin(i * kMs);  // commanding begins again: time continues
+    if (i == 100) wire.StartSchedule(i * kMs);
+    if (i == 115) wire.StartSchedule(i * kMs);  // commanding begins again: time continues
     const std::uint8_t byte = 1;
     wire.Push({&byte, 1}, i * kMs);
     if (wire.Next(i * kMs).empty()) missing.push_back(i);

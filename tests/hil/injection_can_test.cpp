@@ -147,7 +147,7 @@ TEST_F(InjectionCan, BeginsWithCommanding) {
   ImpairedCanBus bus(behind_, params, Wire::kForceSensor, {}, &virtual_now);
   bus.Send(Frame("001#0B"));
   EXPECT_EQ(behind_.sent.size(), 1u);
-  bus.Begin(virtual_now);
+  bus.StartSchedule(virtual_now);
   bus.Send(Frame("001#0B"));
   EXPECT_EQ(behind_.sent.size(), 1u);
 }

@@ -26,8 +26,8 @@ struct FriPair {
         server(Server(), kinematics::Iiwa14().limits, kinematics::JointVector::Constant(0.1)),
         session({.version = io::FriVersion::k2_7}) {  // its checksum finds every damage
     server.Open();
-    to_controller.Begin(0);
-    from_controller.Begin(0);
+    to_controller.StartSchedule(0);
+    from_controller.StartSchedule(0);
     for (int i = 0; i < count + 100; ++i) Step(i * rt::kMillisecond);
     EXPECT_TRUE(Balances(to_controller) && Balances(from_controller));
   }

@@ -117,7 +117,7 @@ TEST(HandScript, AnyLengthKeepsTheTargetsSpeed) {
 
 TEST(OperatorHand, PullsTheToolBackToItsTarget) {
   OperatorHand hand({}, Hold());
-  hand.Begin();
+  hand.Reset();
   Pose X_WT = Hold().Sample(0.0).X_WT;
   const Vector3 d(1e-3, -2e-3, 0.5e-3);
   X_WT.translation() += d;
@@ -137,7 +137,7 @@ TEST(OperatorHand, PullsTheToolBackToItsTarget) {
 // work at the head's centre.
 TEST(OperatorHand, WrenchIsThatOfTheHeadsCentreCarriedToT) {
   OperatorHand hand({}, Hold());
-  hand.Begin();
+  hand.Reset();
   Pose X_WT = Hold().Sample(0.0).X_WT;
   X_WT.translation() += Vector3(1e-3, 2e-3, 3e-3);  // pure translation: no torque at the head's centre
   const Wrench F = hand.Step(0.1, 1e-3, X_WT, {});
@@ -151,7 +151,7 @@ TEST(OperatorHand, WrenchIsThatOfTheHeadsCentreCarriedToT) {
 TEST(OperatorHand, PressesWithTheScriptedForceIntoWhatDoesNotYield) {
   const HandScript script = Reaming();
   OperatorHand hand({}, script);
-  hand.Begin();
+  hand.Reset();
   const Vector3 n = TiltedCup().linear().col(2);
   Pose X_WT = script.Sample(0.0).X_WT;
   X_WT.translation() -= 0.042 * n;  // 2 mm below height 0
@@ -179,7 +179,7 @@ TEST(OperatorHand, ForcesAreBoundedWhateverTheToolDoes) {
   for (const double seconds : {0.1, 2.0, 10.0}) {
     const HandScript script = Reaming(seconds);
     OperatorHand hand({.tremor_N = 3.0}, script);
-    hand.Begin();
+    hand.Reset();
     for (int k = 1; k <= 4000; ++k) {
       const double t = seconds * k / 3500.0, scale = std::pow(10.0, 3.0 * u(random) - 2.0);
       Pose X_WT = script.Sample(t).X_WT;
@@ -198,7 +198,7 @@ TEST(OperatorHand, TakesItsMassAlong) {
   OperatorHand hand(
       {.stiffness_N_per_m = 0, .damping_Ns_per_m = 0, .stiffness_Nm_per_rad = 0, .damping_Nms_per_rad = 0},
       Hold());
-  hand.Begin();
+  hand.Reset();
   const Vector3 a(2.0, -1.0, 3.0), alpha(1.0, 2.0, -0.5);
   const Pose X_WT = Hold().Sample(0.0).X_WT;
   const Vector3 p_T_head = HeadCenter(X_WT) - X_WT.translation();
@@ -224,7 +224,7 @@ TEST(OperatorHand, MassIsPassive) {
                        .max_force_N = 1e9,
                        .max_torque_Nm = 1e9},
                       Hold(1e9));
-    hand.Begin();
+    hand.Reset();
     const Pose X_WT = Hold().Sample(0.0).X_WT;
     double absorbed_J = 0.0;
     for (int k = 1; k <= 5000; ++k) {
@@ -238,7 +238,7 @@ TEST(OperatorHand, MassIsPassive) {
 TEST(OperatorHand, TremorIsSeededAndBounded) {
   const auto run = [](double tremor_N, std::uint64_t seed) {
     OperatorHand hand({.tremor_N = tremor_N, .tremor_seed = seed}, Hold());
-    hand.Begin();
+    hand.Reset();
     std::vector<Vector3> f;
     for (int k = 0; k < 1000; ++k) f.push_back(hand.Step(k * 1e-3, 1e-3, Hold().Sample(0.0).X_WT, {}).f);
     return f;
@@ -257,7 +257,7 @@ TEST(OperatorHand, DoesNotAllocate) {
   OperatorHand hand({.tremor_N = 1.0}, script);
   const Pose X_WT = script.Sample(0.0).X_WT;
   rt::CheckedNoAllocScope no_alloc;
-  hand.Begin();
+  hand.Reset();
   for (int k = 0; k < 100; ++k) (void)hand.Step(k * 0.1, 1e-3, X_WT, {});
 }
 

@@ -65,8 +65,8 @@ TEST(GripStep, ChangesTheHandAndNotItsWrench) {
                          .damping_Nms_per_rad = 3.0};
   stepped.incidents = Of({GripStep{.begin_s = 0.5, .end_s = 0.9, .return_s = 0.2, .spring = stiff}});
   OperatorHand hand(plain, script), gripping(stepped, script);
-  hand.Begin();
-  gripping.Begin();
+  hand.Reset();
+  gripping.Reset();
   const Pose X_WT = Hold().Sample(0.0).X_WT;
   const auto tool = [&](double t) {
     Pose X = Moved(X_WT, Shaken(t));
@@ -105,7 +105,7 @@ TEST(GripStep, DoesNotMoveATool) {
   OperatorHand hand({.stiffness_N_per_m = 300.0,
                      .incidents = Of({GripStep{.begin_s = 0.5, .end_s = 1.0, .return_s = 0.3}})},
                     Hold());
-  hand.Begin();
+  hand.Reset();
   FreeTool tool{.x = load / 300.0};
   for (int k = 1; k <= 2000; ++k) {
     tool.Step(hand, k * kDt_s, load);
@@ -120,7 +120,7 @@ TEST(GripStep, ResistsWithTheNewSpringWhateverTheScriptPresses) {
                      .mass_kg = 0.0,
                      .incidents = Of({GripStep{.begin_s = 0.1, .spring = {.stiffness_N_per_m = 6000.0}}})},
                     script);
-  hand.Begin();
+  hand.Reset();
   const Pose X_WT = Moved(Hold().Sample(0.0).X_WT, {1e-3, 0, 0});
   const Vector3 f = hand.Step(0.1, kDt_s, X_WT, {}).f;
   for (int i = 0; i < 3; ++i)
@@ -140,7 +140,7 @@ TEST(GripStep, ToolRingsAtTheFirmHandsFrequency) {
       params.incidents =
           Of({GripStep{.begin_s = 0.0, .spring = {.stiffness_N_per_m = 6000.0, .damping_Ns_per_m = 2.0}}});
     OperatorHand hand(params, Hold());
-    hand.Begin();
+    hand.Reset();
     FreeTool tool{.damping_Ns_per_m = 0.0, .v = {0.05, 0, 0}};
     std::vector<double> crossings_s;  // upward
     double x_before = -1.0;
@@ -163,7 +163,7 @@ TEST(RigidClamp, HoldsWithinForceByStiffness) {
   for (const double load_N : {80.0, 400.0}) {
     const Vector3 load = load_N * Vector3(2.0, -1.0, 2.0) / 3.0;
     OperatorHand hand({.max_force_N = 150.0, .incidents = Of({RigidClamp{.begin_s = 0.5}})}, Hold(10.0));
-    hand.Begin();
+    hand.Reset();
     FreeTool tool;
     Vector3 x_closed = Vector3::Zero();
     for (int k = 1; k <= 3000; ++k) {
@@ -183,7 +183,7 @@ TEST(RigidClamp, HoldsWithinForceByStiffness) {
 TEST(RigidClamp, ClosesWhereTheToolIsAndHandsOverSmoothly) {
   const Vector3 load(30.0, 0, -20.0);
   OperatorHand hand({.incidents = Of({RigidClamp{.begin_s = 0.5, .end_s = 1.5, .return_s = 0.4}})}, Hold());
-  hand.Begin();
+  hand.Reset();
   FreeTool tool{.x = load / 2000.0};
   Vector3 f_before = Vector3::Zero();
   for (int k = 1; k <= 6000; ++k) {
@@ -201,7 +201,7 @@ TEST(RigidClamp, ClosesWhereTheToolIsAndHandsOverSmoothly) {
 
 TEST(RigidClamp, NeitherTurnsNorTrembles) {
   OperatorHand hand({.tremor_N = 5.0, .incidents = Of({RigidClamp{.begin_s = 0.0}})}, Hold());
-  hand.Begin();
+  hand.Reset();
   Pose X_WT = Hold().Sample(0.0).X_WT;
   EXPECT_EQ(hand.Step(0.0, kDt_s, X_WT, {}).f, Vector3::Zero());
   const Vector3 turn(0.01, -0.02, 0.015), p_T_head = HeadCenter(X_WT) - X_WT.translation();
@@ -225,8 +225,8 @@ TEST(StartledRelease, JerksAsToldThenOpensInTime) {
   OperatorHandParams startled = plain;
   startled.incidents = Of({kStartled});
   OperatorHand hand(plain, Hold(60.0)), jumpy(startled, Hold(60.0));
-  hand.Begin();
-  jumpy.Begin();
+  hand.Reset();
+  jumpy.Reset();
   const Pose X_WT = Moved(Hold().Sample(0.0).X_WT, {0.01, 0.02, -0.01});
   Vector3 impulse_Ns = Vector3::Zero(), f_before = Vector3::Zero();
   for (int k = 1; k <= 1500; ++k) {
@@ -258,7 +258,7 @@ TEST(StartledRelease, ToolIsFreeAfterwards) {
   StartledRelease never = kStartled;
   never.away_s = std::numeric_limits<double>::infinity();
   OperatorHand hand({.tremor_N = 2.0, .incidents = Of({never})}, Hold());
-  hand.Begin();
+  hand.Reset();
   FreeTool tool{.x = {0.01, 0, 0}};
   for (int k = 1; k < 580; ++k) tool.Step(hand, k * kDt_s, Vector3::Zero());
   ASSERT_GT(tool.v.norm(), 0.01);
@@ -292,7 +292,7 @@ TEST(StartledRelease, MassStaysPassive) {
                        .max_torque_Nm = 1e9,
                        .incidents = incidents},
                       Hold(1e9));
-    hand.Begin();
+    hand.Reset();
     const Pose X_WT = Hold().Sample(0.0).X_WT;
     double absorbed_J = 0.0;
     for (int k = 0; k < 1600; ++k) {
@@ -325,7 +325,7 @@ TEST(HandIncidents, GiveNoEnergyButTheJerks) {
                        .max_torque_Nm = 1e9,
                        .incidents = incidents},
                       Hold());
-    hand.Begin();
+    hand.Reset();
     const Pose X_WT = Hold().Sample(0.0).X_WT;
     double held_J = 0.0, given_J = 0.0, jerked_J = 0.0;
     int ticks = 0;
@@ -360,7 +360,7 @@ TEST(HandIncidents, KeepTheHandsBounds) {
   OperatorHand hand({.tremor_N = 3.0,
                      .incidents = Of({GripStep{.begin_s = 0.1, .end_s = 0.3, .return_s = 0.1}, kStartled})},
                     script);
-  hand.Begin();
+  hand.Reset();
   const Vector3 n = TiltedCup().linear().col(2);
   for (int k = 1; k <= 4000; ++k) {
     const double t = k * 5e-4, scale = std::pow(10.0, 3.0 * u(random) - 2.0);
@@ -383,10 +383,10 @@ OperatorHandParams Eventful() {
                        RigidClamp{.begin_s = 1.1, .end_s = 1.3, .return_s = 0.1}, GripStep{.begin_s = 1.5}})};
 }
 
-// The same input gives the same bits, also after Begin(); and an incident still to come changes none of them.
+// The same input gives the same bits, also after Reset(); and an incident still to come changes none of them.
 TEST(HandIncidents, AreTheSameToTheBit) {
   const auto run = [](OperatorHand& hand) {
-    hand.Begin();
+    hand.Reset();
     std::vector<Vector3> wrenches;
     FreeTool tool;
     for (int k = 1; k <= 2000; ++k) {
@@ -411,7 +411,7 @@ TEST(HandIncidents, DoNotAllocate) {
   OperatorHand hand(Eventful(), Hold());
   const Pose X_WT = Hold().Sample(0.0).X_WT;
   rt::CheckedNoAllocScope no_alloc;
-  hand.Begin();
+  hand.Reset();
   for (int k = 0; k < 2000; ++k) (void)hand.Step(k * kDt_s, kDt_s, X_WT, {});
 }
 

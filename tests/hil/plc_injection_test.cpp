@@ -24,7 +24,7 @@ TEST(PlcInjection, ASilenceHangsTheServerAsLongAsItLasts) {
   const Context client = Connect(server, 5000);
   injection.Step(0);
   EXPECT_TRUE(Read(client)) << "not begun";
-  injection.Begin(0);
+  injection.StartSchedule(0);
   injection.Step(rt::kSecond);
   EXPECT_EQ(injection.hangs(), 1u);
   modbus_set_response_timeout(client.get(), 0, 50'000);
@@ -41,7 +41,7 @@ TEST(PlcInjection, ALossDropsConnectionsOnceWhenItBegins) {
   PlcInjection injection(server, Plc(0.0, 1.0, {.loss = 0.1}));
   const Context client = Connect(server, 5000), other = Connect(server, 5000);
   EXPECT_TRUE(Read(client) && Read(other));
-  injection.Begin(0);
+  injection.StartSchedule(0);
   for (int i = 0; i < 10; ++i) injection.Step(i * 10 * rt::kMillisecond);
   EXPECT_EQ(injection.drops(), 1u);
   while (server.counters().dropped == 0) rt::SleepUntil(rt::MonotonicNow() + rt::kMillisecond);
@@ -58,7 +58,7 @@ TEST(PlcInjection, AnswersComeSoMuchLaterInTheirOrder) {
   const Context client = Connect(server, 5000);
   EXPECT_TRUE(Read(client));
   EXPECT_EQ(server.counters().delayed, 0u);
-  injection.Begin(0);
+  injection.StartSchedule(0);
   for (int i = 0; i < 5; ++i) {
     injection.Step(i * rt::kMillisecond);
     const rt::Nanoseconds asked = rt::MonotonicNow();

@@ -32,8 +32,8 @@ class PlcCell : public ::testing::Test {
   // Runs both loops until `holds` is true; false after a long time.
   bool Until(const std::function<bool()>& holds) {
     for (int i = 0; i < 20'000; ++i) {
-      if (controller_lives_) controller_->Beat();
-      if (guard_lives_) guard_->Beat();
+      if (controller_lives_) controller_->NotifyAlive();
+      if (guard_lives_) guard_->NotifyAlive();
       if (holds()) return true;
       rt::SleepUntil(rt::MonotonicNow() + rt::kMillisecond);
     }
@@ -181,10 +181,10 @@ TEST_F(PlcCell, APlcThatIsBusyKeepsItsConnectionAndItsReadingAges) {
 TEST_F(PlcCell, AServerThatHangsIsNoConnection) {
   Open(params_);
   ASSERT_TRUE(Start());
-  server_->Hang(true);
+  server_->SetHung(true);
   ASSERT_TRUE(Until([&] { return Verdict() == PlcVerdict::kNoConnection; }));
   EXPECT_GE(controller_->Latest().counters.timeouts, 1u);
-  server_->Hang(false);
+  server_->SetHung(false);
   EXPECT_TRUE(Until([&] { return controller_->Latest().link == PlcLink::kConnected; }));
 }
 

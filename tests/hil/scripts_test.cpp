@@ -193,7 +193,7 @@ TEST(HandScript, RefusesToBeginOrEndOffTheAxis) {
 TEST(OpeningScript, HandPressesSidewaysWithItsSpring) {
   const HandScript script = MakeOpeningScript(Opening());
   OperatorHand hand({.damping_Ns_per_m = 0.0, .mass_kg = 0.0}, script);
-  hand.Begin();
+  hand.Reset();
   Pose X_WT = script.Sample(0.0).X_WT;
   X_WT.translation() = TiltedSite() * Vector3(0, 0, -0.001);
   const Wrench F = hand.Step(7.5, 1e-3, X_WT, {});
@@ -208,8 +208,8 @@ TEST(DrillingScript, TremorIsPhysiological) {
   const double force_N = 0.5;
   OperatorHand steady({.max_force_N = 1e6}, script),
       shaking({.max_force_N = 1e6, .tremor_N = force_N}, script);
-  steady.Begin();
-  shaking.Begin();
+  steady.Reset();
+  shaking.Reset();
   constexpr int kSteps = 10000;
   std::vector<double> along;  // one direction across the axis, where the force limit does not act
   const Vector3 x_W = TiltedSite().linear().col(0);

@@ -43,7 +43,7 @@ TEST(ToolInertiaLoad, TheControllerFindsTheHandInIt) {
   const Wrench hand{.f = {10.0, -20.0, 5.0}, .t = {0.5, 0.3, -0.7}};
 
   const Wrench F_S =
-      LessInertia(sensor, SensorLoad(sensor, X_WT, flange.X, hand), X_WT, flange.X, V_WT, A_WT);
+      SubtractInertia(sensor, SensorLoad(sensor, X_WT, flange.X, hand), X_WT, flange.X, V_WT, A_WT);
   const Wrench without = control::HandWrench(sensor, F_S, flange.X, X_WT.translation());
   const Wrench inertia = control::InertiaWrench(sensor, flange, X_WT.translation());
   EXPECT_GT((without.f - hand.f).norm(), 1.0) << "what moves the tool is in it";
@@ -94,9 +94,9 @@ TEST(HandleBenchInertia, AlsoWhereItTurns) {
     bench.sensor_feels_inertia = feels;
     return FitMassAndDrag(SweepFree(bench, {.axis = 4,
                                             .frequencies_hz = {0.1, 0.2},
-                                            .most_travel = 0.02,
-                                            .most_speed = 0.2,
-                                            .most_wrench = 2.0}),
+                                            .max_travel = 0.02,
+                                            .max_speed = 0.2,
+                                            .max_wrench = 2.0}),
                           2.0)
         .mass;
   };

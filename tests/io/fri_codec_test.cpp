@@ -110,17 +110,17 @@ TEST(FriGolden, MonitoringMessagesOfEveryVersion) {
 TEST(FriVersion, IsToldFromAMessage) {
   for (const FriFamily arm : kFamilies) {
     const auto bytes = Datagram(arm, Monitoring(8, fri::MONITORING_READY, arm));
-    EXPECT_EQ(TellFamily(bytes), arm) << Describe(arm);
+    EXPECT_EQ(DetectFamily(bytes), arm) << Describe(arm);
     for (const FriFamily client : kFamilies)
       EXPECT_EQ(ErrorOf(bytes, client), client == arm ? CodecError::kNone : CodecError::kOtherVersion)
           << Describe(arm) << " read as " << Describe(client);
   }
-  EXPECT_FALSE(TellFamily({}));
-  EXPECT_FALSE(TellFamily(Encoded(CommandMessage{}))) << "not a monitoring message";
+  EXPECT_FALSE(DetectFamily({}));
+  EXPECT_FALSE(DetectFamily(Encoded(CommandMessage{}))) << "not a monitoring message";
   fri::FRIMonitoringMessage idle;  // an idle arm need not report more than its state
   *idle.mutable_header() = Monitoring(1, fri::IDLE).header();
   *idle.mutable_connectioninfo() = Monitoring(1, fri::IDLE).connectioninfo();
-  EXPECT_FALSE(TellFamily(Bytes(idle)));
+  EXPECT_FALSE(DetectFamily(Bytes(idle)));
   EXPECT_EQ(ErrorOf(Bytes(idle), FriFamily::k1), CodecError::kNone);
   EXPECT_EQ(ErrorOf(Bytes(idle), FriFamily::k2_5), CodecError::kNone);
   EXPECT_EQ(ErrorOf(Datagram(FriFamily::k2_7, idle), FriFamily::k2_7), CodecError::kNone);
@@ -443,7 +443,7 @@ TEST(FriCodec, DoesNotAllocate) {
     MonitoringMessage m;
     rt::CheckedNoAllocScope no_alloc;
     const CodecError decoded = DecodeMonitoring(family, bytes, m);
-    const auto other = TellFamily(bytes);
+    const auto other = DetectFamily(bytes);
     const CodecError encoded = EncodeCommand(family, command, buffer, size);
     no_alloc.End();
     EXPECT_EQ(decoded, CodecError::kNone);

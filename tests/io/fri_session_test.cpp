@@ -223,7 +223,7 @@ TEST_F(FriSessionTest, ANewSessionHoldsNothingOfTheOneBefore) {
   bad.fill(std::numeric_limits<double>::quiet_NaN());
   Take(1000, fri::COMMANDING_ACTIVE);
   ASSERT_EQ(Position(Answer(Joints(0.9))), Joints(0.9));
-  session_.StartOver();
+  session_.ResetSession();
   Take(5, fri::COMMANDING_ACTIVE);
   EXPECT_EQ(Position(Answer(bad)), Joints(0.3)) << "the interpolator's";
 }

@@ -142,14 +142,14 @@ TEST(PlcClient, ReadsAndBeatsAgainstLibmodbus) {
   EXPECT_EQ(reading.counters.writes, 0u);
 
   client.RequestMotion(true);
-  client.Beat();
+  client.NotifyAlive();
   ASSERT_TRUE(Until(client, [&](const PlcReading&) { return plc.heartbeats == 1u << 16; }));
   EXPECT_EQ(plc.motion, 1);
   const std::uint32_t reads = client.Latest().counters.reads;
   ASSERT_TRUE(Until(client, [&](const PlcReading& r) { return r.counters.reads > reads + 15; }));
   EXPECT_EQ(plc.heartbeats, 1u << 16) << "one beat of the loop, one of the register";
   client.RequestMotion(false);
-  client.Beat();
+  client.NotifyAlive();
   ASSERT_TRUE(Until(client, [&](const PlcReading&) { return plc.heartbeats == 2u << 16; }));
   EXPECT_EQ(plc.motion, 0);
   client.Stop();
@@ -163,12 +163,12 @@ TEST(PlcClient, AGuardWritesItsOwnRegistersAlone) {
   params.role = PlcRole::kGuard;
   PlcClient client(params);
   client.RequestMotion(true);
-  client.Beat();
+  client.NotifyAlive();
   ASSERT_TRUE(Until(client, [&](const PlcReading&) { return plc.heartbeats == 1; }));
   EXPECT_EQ(plc.motion, 0);
   EXPECT_EQ(plc.guard_permits, 1);
   client.RequestMotion(false);
-  client.Beat();
+  client.NotifyAlive();
   ASSERT_TRUE(Until(client, [&](const PlcReading&) { return plc.heartbeats == 2; }));
   EXPECT_EQ(plc.guard_permits, 0) << "withdrawn";
 }
@@ -269,7 +269,7 @@ TEST(PlcClient, TheTickNeitherWaitsNorAllocates) {
   PlcVerdict verdict{};
   rt::CheckedNoAllocScope no_alloc;
   for (int i = 0; i < 1000; ++i) {
-    client.Beat();
+    client.NotifyAlive();
     client.RequestMotion(i % 2 == 0);
     verdict = Judge(client.Latest(), rt::MonotonicNow(), 100 * rt::kSecond);
   }

@@ -14,10 +14,10 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr AccuracyParams kLook{.probe_radii_m = {}, .surface_cells = 20'000, .probe_samples = 4000};
+constexpr AccuracyParams kMeasureParams{.probe_radii_m = {}, .surface_cells = 20'000, .probe_samples = 4000};
 
 DepthRow Row(const DepthScene& scene, const DepthMethod& method, double step_m = 0.1e-3) {
-  const DepthRow row = MeasureDepth(scene, method, step_m, kLook);
+  const DepthRow row = MeasureDepth(scene, method, step_m, kMeasureParams);
   const CutAccuracy& a = row.accuracy;
   std::printf(
       "%-5s %-22s %6zu balls, %6zu live, %6zu touch | depth error %.4f +- %.4f mm | probe R %.4f/%.4f "

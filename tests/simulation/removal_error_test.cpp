@@ -13,7 +13,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr AccuracyParams kLook{.probe_radii_m = {}, .surface_cells = 12'000, .probe_samples = 2000};
+constexpr AccuracyParams kMeasureParams{.probe_radii_m = {}, .surface_cells = 12'000, .probe_samples = 2000};
 
 struct Carved {
   RemovalError predicted;
@@ -39,7 +39,7 @@ Carved Carve(const DepthScene& scene, const CutShape& cut, const PackingLevel& l
   DepthMethod method{.name = std::string(KindName(level.kind)),
                      .balls = PackLevel(level, *scene.solid, *scene.zone),
                      .split = CuttingForLevel(level, cut, {}).split};
-  const DepthRow row = MeasureDepth(scene, method, 0.2e-3, kLook);
+  const DepthRow row = MeasureDepth(scene, method, 0.2e-3, kMeasureParams);
   EXPECT_EQ(row.refused, 0u) << "the pool has no room";
   const Carved carved{.predicted = PredictRemovalError(level.fine, cut),
                       .leak_m = PredictLeak(level.fine, cut, 1e-3),

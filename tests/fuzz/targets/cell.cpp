@@ -44,7 +44,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const fuzz::FuzzConfig files;
   const std::string text = fuzz::Text({data, size});
   files.Write(text);
-  const config::FileScope scope(files.scope());
+  const config::ConfigFileTracker scope(files.scope());
   static const config::ToolChoice reamer{.file = files.Beside("tools/reamer.yaml"), .diameter_m = {}};
   const auto cell =
       fuzz::Loaded([&] { return config::LoadCell(files.path(), reamer); }, files.path().string(), text);

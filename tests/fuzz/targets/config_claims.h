@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <optional>
 
-#include "config/file_scope.h"
+#include "config/config_file_tracker.h"
 #include "config/reader.h"
 #include "tests/fuzz/targets/file_claims.h"
 
@@ -51,7 +51,7 @@ class FuzzConfig {
   void Write(std::string_view text) const { io::test::WriteAll(path(), std::string(text)); }
   [[nodiscard]] std::filesystem::path path() const { return root() / "cells" / "fuzz.yaml"; }
   [[nodiscard]] std::filesystem::path Beside(const std::string& name) const { return root() / name; }
-  [[nodiscard]] config::FileScope::Params scope() const { return {.root = root()}; }
+  [[nodiscard]] config::ConfigFileTracker::Params scope() const { return {.root = root()}; }
 
  private:
   [[nodiscard]] std::filesystem::path root() const { return folder_.path() / "config"; }

@@ -28,14 +28,14 @@ void Gains(const FuzzConfig& files, std::string_view text, const config::CellCon
   for (const control::Law law : {control::Law::kAdmittance, control::Law::kImpedance}) {
     control::AdmittanceParams admittance = cell.servo.admittance;
     control::CouplingParams coupling = cell.servo.coupling;
-    if (Loaded([&] { return config::LayGainsOver(files.path(), law, admittance, coupling), true; },
+    if (Loaded([&] { return config::ApplyGainsFile(files.path(), law, admittance, coupling), true; },
                files.path().string(), text))
       control::Validate(control::GainsOf(admittance, coupling));
   }
 }
 
 void Calibration(const FuzzConfig& files, std::string_view text, config::CellConfig cell) {
-  if (!Loaded([&] { return config::LayCalibrationOver(files.path(), cell), true; }, files.path().string(),
+  if (!Loaded([&] { return config::ApplyCalibration(files.path(), cell), true; }, files.path().string(),
               text))
     return;
   control::Validate(cell.servo);
@@ -52,7 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       config::LoadCell(fuzz::FuzzConfig::Shipped() / "cells" / "demo.yaml");
   const std::string text = fuzz::Text({data, size}), name = files.path().string();
   files.Write(text);
-  const config::FileScope scope(files.scope());
+  const config::ConfigFileTracker scope(files.scope());
 
   const auto robot = fuzz::Loaded([&] { return config::LoadRobot(files.path()); }, name, text);
   if (robot) std::visit([](const auto& chain) { fuzz::ClaimLimits(chain); }, robot->chain);

@@ -40,7 +40,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   io::MonitoringMessage m;
   m.sequence = fuzz::kMark;
   const io::CodecError error = io::DecodeMonitoring(family, datagram, m);
-  const auto told = io::TellFamily(datagram);
+  const auto told = io::DetectFamily(datagram);
   fuzz::Claim(std::string_view(io::Describe(error)) != "unknown error", "an error has a text");
   if (error != io::CodecError::kNone) {
     fuzz::Claim(m.sequence == fuzz::kMark && !m.q_meas && m.ios.empty(), "an error leaves the message alone");

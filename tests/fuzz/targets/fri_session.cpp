@@ -18,7 +18,7 @@ enum Op : unsigned {
   kCommandFar = 1u << 2,       // with a joint turned far
   kOldActivation = 1u << 3,    // naming another activation
   kWrite = 1u << 4,            // writes the arm's outputs and frames
-  kStartOver = 1u << 5,
+  kResetSession = 1u << 5,
   kWait = 1u << 6,  // no answer to this one
   kBare = 1u << 7,  // no frame around it
 };
@@ -75,7 +75,7 @@ class Run {
     const auto body = in_.Bytes(in_.Word());
     const bool framed = io::FamilyOf(version_) == io::FriFamily::k2_7 && (op & kBare) == 0;
     const auto datagram = framed ? Framed(body) : std::vector<std::uint8_t>(body.begin(), body.end());
-    if ((op & kStartOver) != 0) session_.StartOver();
+    if ((op & kResetSession) != 0) session_.ResetSession();
     const control::ArmState before = state_;
     now_ += rt::kMillisecond;
     const io::FriAccept accepted = session_.Accept(datagram, now_, state_);

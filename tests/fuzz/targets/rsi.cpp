@@ -22,7 +22,7 @@ enum Op : unsigned {
   kFar = 1u << 2,
   kOldActivation = 1u << 3,
   kWait = 1u << 4,  // no answer to this one
-  kStartOver = 1u << 5,
+  kResetSession = 1u << 5,
   kStop = 1u << 6,
   kLate = 1u << 7,  // a second later
 };
@@ -90,7 +90,7 @@ class Run {
     else
       ClaimAccepted(message, needed);
 
-    if ((op & kStartOver) != 0) session_.StartOver();
+    if ((op & kResetSession) != 0) session_.ResetSession();
     if ((op & kStop) != 0) session_.RequestStop();
     now_ += (op & kLate) != 0 ? rt::kSecond : 4 * rt::kMillisecond;
     const control::ArmState before = state_;

@@ -25,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const fuzz::FuzzConfig files;
   const std::string text = fuzz::Text({data, size}), name = files.path().string();
   files.Write(text);
-  const config::FileScope scope(files.scope());
+  const config::ConfigFileTracker scope(files.scope());
   const auto tool = fuzz::Loaded([&] { return config::LoadTool(files.path()); }, name, text);
   if (tool) fuzz::ClaimTool(*tool);
   return 0;

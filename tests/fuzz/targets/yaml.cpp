@@ -58,7 +58,7 @@ class Questions {
       Claim(list->size() == 2 && within((*list)[0]) && within((*list)[1]), "so are the numbers of a list");
     if (const auto way = Try([&] { return reader.Direction(key); }))
       Claim(std::abs(way->norm() - 1.0) <= 1e-12, "a direction has length 1");
-    if (const auto whole = Try([&] { return reader.Whole(key, -5, 255); }))
+    if (const auto whole = Try([&] { return reader.WholeNumber(key, -5, 255); }))
       Claim(*whole >= -5 && *whole <= 255, "a whole number is in its range");
   }
 

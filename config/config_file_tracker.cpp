@@ -1,4 +1,4 @@
-#include "config/file_scope.h"
+#include "config/config_file_tracker.h"
 
 #include <algorithm>
 #include <stdexcept>
@@ -7,9 +7,9 @@
 namespace osteon::config {
 namespace {
 
-thread_local FileScope* present = nullptr;
+thread_local ConfigFileTracker* present = nullptr;
 
-std::filesystem::path Whole(const std::filesystem::path& path) {
+std::filesystem::path AbsolutePath(const std::filesystem::path& path) {
   return std::filesystem::absolute(path).lexically_normal();
 }
 
@@ -20,19 +20,19 @@ bool IsBelow(const std::filesystem::path& path, const std::filesystem::path& fol
 
 }  // namespace
 
-FileScope::FileScope() : FileScope(Params{}) {}
+ConfigFileTracker::ConfigFileTracker() : ConfigFileTracker(Params{}) {}
 
-FileScope::FileScope(Params params) : params_(std::move(params)) {
+ConfigFileTracker::ConfigFileTracker(Params params) : params_(std::move(params)) {
   if (present) throw std::logic_error("config: a FileScope inside another");
-  if (!params_.root.empty()) params_.root = Whole(params_.root);
+  if (!params_.root.empty()) params_.root = AbsolutePath(params_.root);
   present = this;
 }
 
-FileScope::~FileScope() { present = nullptr; }
+ConfigFileTracker::~ConfigFileTracker() { present = nullptr; }
 
-void FileScope::Note(const std::filesystem::path& path, bool by_whole_path) {
+void ConfigFileTracker::RecordFile(const std::filesystem::path& path, bool by_whole_path) {
   if (!present) return;
-  const std::filesystem::path whole = Whole(path);
+  const std::filesystem::path whole = AbsolutePath(path);
   const auto known = std::find_if(present->files_.begin(), present->files_.end(),
                                   [&](const File& f) { return f.path == whole; });
   if (known == present->files_.end())
@@ -41,18 +41,18 @@ void FileScope::Note(const std::filesystem::path& path, bool by_whole_path) {
     known->by_whole_path |= by_whole_path;
 }
 
-std::filesystem::path FileScope::Find(const std::filesystem::path& folder,
-                                      const std::filesystem::path& named) {
+std::filesystem::path ConfigFileTracker::ResolveNamed(const std::filesystem::path& folder,
+                                                      const std::filesystem::path& named) {
   const std::filesystem::path path = (folder / named).lexically_normal();
   if (!present || present->params_.root.empty()) {
-    Note(path, named.is_absolute());
+    RecordFile(path, named.is_absolute());
     return path;
   }
   const Params& params = present->params_;
   const std::filesystem::path found =
       named.is_absolute() && !params.once_at.empty() && IsBelow(named.lexically_normal(), params.once_at)
           ? params.root / named.lexically_normal().lexically_relative(params.once_at)
-          : Whole(path);
+          : AbsolutePath(path);
   return IsBelow(found, params.root) ? found : std::filesystem::path();
 }
 

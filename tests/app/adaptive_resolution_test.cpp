@@ -1,4 +1,4 @@
-#include "app/zone_governor.h"
+#include "app/adaptive_resolution.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,8 +15,8 @@
 #include "simulation/tools/swept_tool.h"
 #include "tests/app/virtual_ride.h"
 
-// A planned cell, and the governor that coarsens its zones. On Vulkan; frame times are made up, so that no
-// clock is involved.
+// A planned cell, and the adaptive resolution that coarsens its zones. On Vulkan; frame times are made up, so
+// that no clock is involved.
 
 namespace osteon::app {
 namespace {
@@ -62,11 +62,12 @@ Ride RideOf(const std::string& name, double error_m, double seconds, bool slow) 
   SayTimed(setup, 2000.0);
   auto engine = MakeEngine(setup, "vulkan", "");
   EXPECT_TRUE(engine) << engine.error();
-  ZoneGovernor governor(setup, {.rate_hz = kRate_hz, .window = 50, .device = {}, .at_once = true});
+  AdaptiveResolution adaptive_resolution(setup,
+                                         {.rate_hz = kRate_hz, .window = 50, .device = {}, .at_once = true});
   const io::test::TemporaryFolder folder;
   int contacts = 0;
   CellRunParams params{.seconds = seconds, .virtual_time = true, .recording = folder.path() / "r.mcap"};
-  params.governor = &governor;
+  params.adaptive_resolution = &adaptive_resolution;
   params.frame_us = [&](const simulation::FrameRecord& record) {
     contacts += record.model.contact_count > 0;
     return slow && contacts < 300 ? kSlow_us : kFast_us;
@@ -101,9 +102,9 @@ struct Case {
 
 void PrintTo(const Case& of, std::ostream* out) { *out << of.cell; }
 
-class ZoneGovernorRide : public testing::TestWithParam<Case> {};
+class AdaptiveResolutionRide : public testing::TestWithParam<Case> {};
 
-TEST_P(ZoneGovernorRide, CoarsensUnderLoadAndTheHandFeelsNoStep) {
+TEST_P(AdaptiveResolutionRide, CoarsensUnderLoadAndTheHandFeelsNoStep) {
   const Case asked = GetParam();
   const Ride ride = RideOf(asked.cell, 1e-3 * asked.error_mm, 3.0, true),
              calm = RideOf(asked.cell, 1e-3 * asked.error_mm, 3.0, false);
@@ -178,7 +179,7 @@ TEST_P(ZoneGovernorRide, CoarsensUnderLoadAndTheHandFeelsNoStep) {
   EXPECT_EQ(json["planned"]["rate_hz"], kRate_hz);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cells, ZoneGovernorRide,
+INSTANTIATE_TEST_SUITE_P(Cells, AdaptiveResolutionRide,
                          testing::Values(Case{"demo", 0.1, true}, Case{"femoral_canal", 0.06, false}),
                          [](const auto& of) { return std::string(of.param.cell); });
 
@@ -201,7 +202,7 @@ INSTANTIATE_TEST_SUITE_P(Cells, PlannedScript,
                          testing::Values("demo", "molar", "thin_plate", "sawbone_block", "femoral_canal"),
                          [](const auto& of) { return std::string(of.param); });
 
-TEST(ZoneGovernor, IsTheSameAgain) {
+TEST(AdaptiveResolution, IsTheSameAgain) {
   const Ride a = RideOf("demo", 0.1e-3, 1.5, true), b = RideOf("demo", 0.1e-3, 1.5, true);
   ASSERT_FALSE(a.result.rezoned.empty());
   EXPECT_EQ(a.summary.state_hash, b.summary.state_hash);
@@ -217,8 +218,8 @@ class Driven : public testing::Test {
     engine_ = std::move(*made);
   }
 
-  /// Whether the governor had a replacement within this many frames.
-  bool Drive(ZoneGovernor& governor, double us, std::size_t frames) {
+  /// Whether the adaptive resolution had a replacement within this many frames.
+  bool Drive(AdaptiveResolution& adaptive_resolution, double us, std::size_t frames) {
     const auto& way = setup_.planned->scene.work.frames;
     for (std::size_t k = 0; k < frames; ++k, ++at_) {
       simulation::FrameInput input = way[std::min(at_, setup_.planned->scene.work.cut_end - 1)];
@@ -226,8 +227,8 @@ class Driven : public testing::Test {
       simulation::FrameRecord record;
       record.model = (made_ ? *made_->engine : *engine_).Step(input);
       EXPECT_EQ(record.model.status, simulation::EngineStatus::kOk);
-      governor.Saw(record, us);
-      if (auto coarser = governor.Take(made_ ? *made_->engine : *engine_)) {
+      adaptive_resolution.ObserveFrame(record, us);
+      if (auto coarser = adaptive_resolution.TakeReplacement(made_ ? *made_->engine : *engine_)) {
         made_ = std::move(coarser);
         return true;
       }
@@ -237,20 +238,21 @@ class Driven : public testing::Test {
 
   CellSetup setup_;
   std::unique_ptr<simulation::CuttingEngine> engine_;
-  std::optional<ZoneGovernor::Made> made_;
+  std::optional<AdaptiveResolution::Made> made_;
   std::size_t at_{0};
 };
 
 TEST_F(Driven, TheNewPackingIsMadeBesideTheRun) {
-  ZoneGovernor governor(setup_, {.rate_hz = kRate_hz, .window = 50, .device = {}});
-  EXPECT_FALSE(Drive(governor, kFast_us, 200)) << "in time";
-  EXPECT_EQ(governor.TakeNotice(), "");
-  EXPECT_FALSE(Drive(governor, kSlow_us, 60)) << "made in a thread of its own";
-  EXPECT_THAT(governor.TakeNotice(), HasSubstr("frames take 4600 us, 4000 us at 250 Hz: coarser zones"));
+  AdaptiveResolution adaptive_resolution(setup_, {.rate_hz = kRate_hz, .window = 50, .device = {}});
+  EXPECT_FALSE(Drive(adaptive_resolution, kFast_us, 200)) << "in time";
+  EXPECT_EQ(adaptive_resolution.TakeNotice(), "");
+  EXPECT_FALSE(Drive(adaptive_resolution, kSlow_us, 60)) << "made in a thread of its own";
+  EXPECT_THAT(adaptive_resolution.TakeNotice(),
+              HasSubstr("frames take 4600 us, 4000 us at 250 Hz: coarser zones"));
   // the run continues meanwhile, and the new packing is carved along that path as well
   bool taken = false;
   for (int look = 0; look < 3000 && !taken; ++look) {
-    taken = Drive(governor, kFast_us, 1);
+    taken = Drive(adaptive_resolution, kFast_us, 1);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   ASSERT_TRUE(taken);
@@ -260,31 +262,33 @@ TEST_F(Driven, TheNewPackingIsMadeBesideTheRun) {
   EXPECT_EQ(after.frame, before.frame);
   EXPECT_EQ(after.removed_volume_m3, before.removed_volume_m3);
   // and the run continues from there
-  EXPECT_FALSE(Drive(governor, kFast_us, 100));
+  EXPECT_FALSE(Drive(adaptive_resolution, kFast_us, 100));
 }
 
 TEST_F(Driven, WhereNothingCoarserHelpsItSaysSoOnce) {
-  ZoneGovernor governor(setup_, {.rate_hz = kRate_hz, .window = 50, .device = {}, .at_once = true});
-  EXPECT_FALSE(Drive(governor, 100.0 * kSlow_us, 400));
-  EXPECT_THAT(governor.TakeNotice(), HasSubstr("no coarser zones would have the rate"));
-  EXPECT_FALSE(Drive(governor, 100.0 * kSlow_us, 100));
-  EXPECT_EQ(governor.TakeNotice(), "");
+  AdaptiveResolution adaptive_resolution(setup_,
+                                         {.rate_hz = kRate_hz, .window = 50, .device = {}, .at_once = true});
+  EXPECT_FALSE(Drive(adaptive_resolution, 100.0 * kSlow_us, 400));
+  EXPECT_THAT(adaptive_resolution.TakeNotice(), HasSubstr("no coarser zones would have the rate"));
+  EXPECT_FALSE(Drive(adaptive_resolution, 100.0 * kSlow_us, 100));
+  EXPECT_EQ(adaptive_resolution.TakeNotice(), "");
 }
 
 TEST_F(Driven, AFewSlowFramesAreNoReason) {
-  ZoneGovernor governor(setup_, {.rate_hz = kRate_hz, .window = 50, .device = {}, .at_once = true});
-  for (int k = 0; k < 400; ++k) EXPECT_FALSE(Drive(governor, k % 3 == 0 ? kSlow_us : kFast_us, 1));
-  EXPECT_EQ(governor.TakeNotice(), "");
+  AdaptiveResolution adaptive_resolution(setup_,
+                                         {.rate_hz = kRate_hz, .window = 50, .device = {}, .at_once = true});
+  for (int k = 0; k < 400; ++k) EXPECT_FALSE(Drive(adaptive_resolution, k % 3 == 0 ? kSlow_us : kFast_us, 1));
+  EXPECT_EQ(adaptive_resolution.TakeNotice(), "");
 }
 
 TEST_F(Driven, EndsWhileItMakesAPacking) {
-  ZoneGovernor governor(setup_, {.rate_hz = kRate_hz, .window = 50, .device = {}});
-  Drive(governor, kSlow_us, 60);
-  EXPECT_THAT(governor.TakeNotice(), HasSubstr("coarser zones are made"));
-  governor.End();
-  EXPECT_EQ(governor.TakeNotice(), "the run ended before the coarser zones were there");
-  EXPECT_FALSE(Drive(governor, kSlow_us, 60)) << "nothing is made any more";
-  EXPECT_EQ(governor.TakeNotice(), "");
+  AdaptiveResolution adaptive_resolution(setup_, {.rate_hz = kRate_hz, .window = 50, .device = {}});
+  Drive(adaptive_resolution, kSlow_us, 60);
+  EXPECT_THAT(adaptive_resolution.TakeNotice(), HasSubstr("coarser zones are made"));
+  adaptive_resolution.End();
+  EXPECT_EQ(adaptive_resolution.TakeNotice(), "the run ended before the coarser zones were there");
+  EXPECT_FALSE(Drive(adaptive_resolution, kSlow_us, 60)) << "nothing is made any more";
+  EXPECT_EQ(adaptive_resolution.TakeNotice(), "");
 }
 
 TEST(PackCell, IsPlannedWhereSceneOrChoiceAskForIt) {
@@ -294,7 +298,7 @@ TEST(PackCell, IsPlannedWhereSceneOrChoiceAskForIt) {
   EXPECT_EQ(planned.bone.balls.size(), planned.planned->plan.packed.balls.size());
   EXPECT_LE(planned.planned->plan.error_m, planned.planned->request.error_m);
   EXPECT_GT(planned.bone.points.size(), 1000u);
-  EXPECT_FALSE(MakeGovernor(planned, "")) << "by the closed forms alone: no clock";
+  EXPECT_FALSE(MakeAdaptiveResolution(planned, "")) << "by the closed forms alone: no clock";
 
   const CellSetup finer = Planned("demo", {.as_packed = false, .error_m = 0.05e-3, .rate_hz = {}});
   EXPECT_EQ(finer.planned->request.error_m, 0.05e-3);
@@ -320,7 +324,7 @@ TEST(PackCell, EveryShippedCellHasWhatItAsksFor) {
     const std::string name = entry.path().stem().string();
     const CellSetup setup = Planned(name);
     ASSERT_TRUE(setup.planned) << name;
-    EXPECT_TRUE(setup.planned->plan.given_up.empty()) << name;
+    EXPECT_TRUE(setup.planned->plan.unmet.empty()) << name;
     std::printf("%s: %s, %zu balls\n", name.c_str(), PlannedText(*setup.planned).c_str(),
                 setup.bone.balls.size());
   }

@@ -1,4 +1,4 @@
-#include "config/file_scope.h"
+#include "config/config_file_tracker.h"
 
 #include <gtest/gtest.h>
 
@@ -15,25 +15,25 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 
-std::vector<std::string> NamesOf(const FileScope& scope) {
+std::vector<std::string> NamesOf(const ConfigFileTracker& scope) {
   std::vector<std::string> names;
-  for (const FileScope::File& file : scope.files())
+  for (const ConfigFileTracker::File& file : scope.files())
     names.push_back(file.path.lexically_relative(kConfig.lexically_normal()).generic_string());
   std::sort(names.begin(), names.end());
   return names;
 }
 
-TEST(FileScope, NotesEveryFileOnce) {
-  const FileScope scope;
+TEST(ConfigFileTracker, NotesEveryFileOnce) {
+  const ConfigFileTracker scope;
   static_cast<void>(LoadCell(kConfig / "cells/demo.yaml"));
   EXPECT_EQ(NamesOf(scope), (std::vector<std::string>{"cells/demo.yaml", "materials/bone.yaml",
                                                       "robots/lbr_iiwa_14_r820.yaml",
                                                       "scenes/acetabulum.yaml", "tools/reamer.yaml"}));
-  for (const FileScope::File& file : scope.files()) EXPECT_FALSE(file.by_whole_path);
+  for (const ConfigFileTracker::File& file : scope.files()) EXPECT_FALSE(file.by_whole_path);
 }
 
-TEST(FileScope, NotesMeshesAndPictures) {
-  const FileScope scope;
+TEST(ConfigFileTracker, NotesMeshesAndPictures) {
+  const ConfigFileTracker scope;
   static_cast<void>(LoadTool(kConfig / "tools/broach.yaml"));
   static_cast<void>(LoadScene(kConfig / "scenes/acetabulum_density.yaml"));
   EXPECT_EQ(NamesOf(scope),
@@ -41,10 +41,10 @@ TEST(FileScope, NotesMeshesAndPictures) {
                                       "tools/broach.obj", "tools/broach.yaml"}));
 }
 
-TEST(FileScope, NotesNothingOutsideIt) {
-  { const FileScope scope; }
+TEST(ConfigFileTracker, NotesNothingOutsideIt) {
+  { const ConfigFileTracker scope; }
   static_cast<void>(LoadTool(kConfig / "tools/reamer.yaml"));
-  const FileScope scope;
+  const ConfigFileTracker scope;
   EXPECT_TRUE(scope.files().empty());
 }
 
@@ -55,13 +55,13 @@ class HeldToAFolder : public testing::Test {
     text_ = io::test::ReadAll(kConfig / "cells/demo.yaml");
   }
   // Loads the demo cell with another robot file from the folder; returns an empty string, or the error.
-  std::string Load(const std::string& robot, FileScope::Params params) {
+  std::string Load(const std::string& robot, ConfigFileTracker::Params params) {
     std::string text = text_;
     const std::string name = "../robots/lbr_iiwa_14_r820.yaml";
     text.replace(text.find(name), name.size(), robot);
     const fs::path cell = folder_.path() / "in/cells/demo.yaml";
     io::test::WriteAll(cell, text);
-    const FileScope scope(std::move(params));
+    const ConfigFileTracker scope(std::move(params));
     try {
       static_cast<void>(LoadCell(cell));
     } catch (const ConfigError& error) {
@@ -76,7 +76,7 @@ class HeldToAFolder : public testing::Test {
 TEST_F(HeldToAFolder, FilesOutsideAreRefused) {
   const std::string outside = (kConfig / "robots/lbr_iiwa_14_r820.yaml").lexically_normal().string();
   EXPECT_EQ(Load(outside, {}), "") << "without a root, anywhere";
-  const FileScope::Params held{.root = folder_.path() / "in"};
+  const ConfigFileTracker::Params held{.root = folder_.path() / "in"};
   EXPECT_EQ(Load("../robots/lbr_iiwa_14_r820.yaml", held), "");
   EXPECT_NE(Load(outside, held).find("robot: found " + outside.substr(0, 20)), std::string::npos)
       << Load(outside, held);
@@ -85,7 +85,7 @@ TEST_F(HeldToAFolder, FilesOutsideAreRefused) {
 }
 
 TEST_F(HeldToAFolder, AWholePathIsFoundWhereItsFilesAreNow) {
-  const FileScope::Params held{.root = folder_.path() / "in", .once_at = "/once/was/here"};
+  const ConfigFileTracker::Params held{.root = folder_.path() / "in", .once_at = "/once/was/here"};
   EXPECT_EQ(Load("/once/was/here/robots/lbr_iiwa_14_r820.yaml", held), "");
   EXPECT_NE(Load("/once/was/../robots/lbr_iiwa_14_r820.yaml", held), "");
 }

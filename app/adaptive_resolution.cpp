@@ -1,4 +1,4 @@
-#include "app/zone_governor.h"
+#include "app/adaptive_resolution.h"
 
 #include <algorithm>
 #include <exception>
@@ -21,7 +21,7 @@ constexpr double kArrived_m = 0.05e-3;
 }  // namespace
 
 // A packing in the making. The making thread owns it until `ready`.
-struct ZoneGovernor::Making {
+struct AdaptiveResolution::Making {
   Made made;
   std::unique_ptr<simulation::CuttingEngine> carver;  // cuts along the whole trail with the immediate law
   std::size_t carved{0};                              // places of the trail
@@ -29,7 +29,7 @@ struct ZoneGovernor::Making {
   std::atomic<bool> ready{false}, stop{false};
 };
 
-ZoneGovernor::ZoneGovernor(const CellSetup& setup, const ZoneGovernorParams& params)
+AdaptiveResolution::AdaptiveResolution(const CellSetup& setup, const AdaptiveResolutionParams& params)
     : setup_(setup),
       params_(params),
       X_GW_(setup.X_WG.inverse()),
@@ -37,9 +37,9 @@ ZoneGovernor::ZoneGovernor(const CellSetup& setup, const ZoneGovernorParams& par
       level_(setup.planned->plan.packed.level),
       trail_(lever_m_, kTrailShare * setup.planned->plan.promised_m) {}
 
-ZoneGovernor::~ZoneGovernor() { End(); }
+AdaptiveResolution::~AdaptiveResolution() { End(); }
 
-void ZoneGovernor::End() {
+void AdaptiveResolution::End() {
   ended_ = true;
   if (!making_) return;
   making_->stop.store(true);
@@ -48,7 +48,7 @@ void ZoneGovernor::End() {
   Say("the run ended before the coarser zones were there");
 }
 
-std::optional<double> ZoneGovernor::SlowMedian(double took_us) {
+std::optional<double> AdaptiveResolution::SlowMedian(double took_us) {
   if (times_us_.size() < params_.window)
     times_us_.push_back(took_us);
   else
@@ -60,20 +60,20 @@ std::optional<double> ZoneGovernor::SlowMedian(double took_us) {
   return *middle > 1e6 / params_.rate_hz ? std::optional(*middle) : std::nullopt;
 }
 
-void ZoneGovernor::Saw(const simulation::FrameRecord& record, double took_us) {
+void AdaptiveResolution::ObserveFrame(const simulation::FrameRecord& record, double took_us) {
   {
     const std::scoped_lock lock(mutex_);
     if (trail_.places().size() < kMaxPlaces) trail_.Add(X_GW_ * Pose(record.model.X_WP));
   }
   if (ended_ || making_ || record.model.contact_count == 0) return;
-  if (const auto slow_us = SlowMedian(took_us)) Begin(*slow_us);
+  if (const auto slow_us = SlowMedian(took_us)) StartCoarsening(*slow_us);
 }
 
-void ZoneGovernor::Begin(double seen_us) {
+void AdaptiveResolution::StartCoarsening(double seen_us) {
   times_us_.clear();  // the following frames are judged anew
   next_ = 0;
-  const double most_us = params_.within_ratio * 1e6 / params_.rate_hz;
-  const auto zones = CoarserFor(setup_.planned->scene, setup_.planned->plan, level_, seen_us, most_us);
+  const double max_us = params_.within_ratio * 1e6 / params_.rate_hz;
+  const auto zones = CoarserFor(setup_.planned->scene, setup_.planned->plan, level_, seen_us, max_us);
   const std::string slow = fmt::format("frames take {:.0f} us, {:.0f} us at {:g} Hz", seen_us,
                                        1e6 / params_.rate_hz, params_.rate_hz);
   if (!zones || trail_.places().size() >= kMaxPlaces) {
@@ -86,17 +86,17 @@ void ZoneGovernor::Begin(double seen_us) {
   making_ = std::make_unique<Making>();
   making_->made.rezoned = {.zones = *zones, .seen_us = seen_us, .bone = {}};
   if (params_.at_once) {
-    Make(*making_);
+    PackCoarser(*making_);
     return;
   }
   if (thread_.joinable()) thread_.join();
   thread_ = std::thread([this] {
     rt::NameThread("zones");
-    Make(*making_);
+    PackCoarser(*making_);
   });
 }
 
-void ZoneGovernor::Make(Making& making) {
+void AdaptiveResolution::PackCoarser(Making& making) {
   const PlanScene& scene = setup_.planned->scene;
   const simulation::PackingLevel& level = making.made.rezoned.zones.level;
   simulation::Bone& bone = making.made.rezoned.bone;
@@ -140,7 +140,8 @@ void ZoneGovernor::Make(Making& making) {
   making.ready.store(true, std::memory_order_release);
 }
 
-std::optional<ZoneGovernor::Made> ZoneGovernor::Take(const simulation::CuttingEngine& now) {
+std::optional<AdaptiveResolution::Made> AdaptiveResolution::TakeReplacement(
+    const simulation::CuttingEngine& now) {
   if (!making_ || !making_->ready.load(std::memory_order_acquire)) return std::nullopt;
   if (thread_.joinable()) thread_.join();
   const std::unique_ptr<Making> making = std::move(making_);
@@ -166,16 +167,17 @@ std::optional<ZoneGovernor::Made> ZoneGovernor::Take(const simulation::CuttingEn
   return std::move(making->made);
 }
 
-std::string ZoneGovernor::TakeNotice() { return std::exchange(notice_, std::string()); }
+std::string AdaptiveResolution::TakeNotice() { return std::exchange(notice_, std::string()); }
 
-void ZoneGovernor::Say(std::string text) { notice_ += (notice_.empty() ? "" : "; ") + std::move(text); }
+void AdaptiveResolution::Say(std::string text) { notice_ += (notice_.empty() ? "" : "; ") + std::move(text); }
 
-std::unique_ptr<ZoneGovernor> MakeGovernor(const CellSetup& setup, const std::string& device) {
+std::unique_ptr<AdaptiveResolution> MakeAdaptiveResolution(const CellSetup& setup,
+                                                           const std::string& device) {
   if (!setup.planned || !setup.planned->request.timed) return nullptr;
-  for (const GivenUp& given : setup.planned->plan.given_up)
-    if (given.what == "rate") return nullptr;
-  return std::make_unique<ZoneGovernor>(
-      setup, ZoneGovernorParams{.rate_hz = setup.planned->request.rate_hz, .device = device});
+  for (const UnmetDemand& demand : setup.planned->plan.unmet)
+    if (demand.what == "rate") return nullptr;
+  return std::make_unique<AdaptiveResolution>(
+      setup, AdaptiveResolutionParams{.rate_hz = setup.planned->request.rate_hz, .device = device});
 }
 
 std::string RezonedText(const Rezoned& rezoned) {

@@ -10,13 +10,13 @@ namespace osteon::app {
 
 /// Measures the kernel's own time for a tick's datagrams over loopback: one call receives a message that has
 /// arrived, one sends an answer, with nothing between them. No loop on this machine can be faster.
-class BareExchange {
+class LoopbackBaseline {
  public:
   /// @throws std::runtime_error if a socket can't be opened.
-  BareExchange();
-  ~BareExchange();
-  BareExchange(const BareExchange&) = delete;
-  BareExchange& operator=(const BareExchange&) = delete;
+  LoopbackBaseline();
+  ~LoopbackBaseline();
+  LoopbackBaseline(const LoopbackBaseline&) = delete;
+  LoopbackBaseline& operator=(const LoopbackBaseline&) = delete;
 
   /// Times one exchange. @param message, answer  sizes [bytes], at most 2000
   /// @returns the time of both calls [us]. @throws std::runtime_error if loopback loses a datagram.

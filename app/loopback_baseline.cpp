@@ -1,4 +1,4 @@
-#include "app/bare_exchange.h"
+#include "app/loopback_baseline.h"
 
 #include <unistd.h>
 
@@ -34,14 +34,14 @@ bool Read(const io::BoundUdp& at, std::span<std::uint8_t> room) {
 
 }  // namespace
 
-BareExchange::BareExchange() : ours_(Bind()), theirs_(Bind()) {}
+LoopbackBaseline::LoopbackBaseline() : ours_(Bind()), theirs_(Bind()) {}
 
-BareExchange::~BareExchange() {
+LoopbackBaseline::~LoopbackBaseline() {
   close(ours_.socket);
   close(theirs_.socket);
 }
 
-double BareExchange::Time(std::size_t message, std::size_t answer) {
+double LoopbackBaseline::Time(std::size_t message, std::size_t answer) {
   const std::span<std::uint8_t> bytes(bytes_);
   bool all = SendTo(theirs_, ours_, bytes.first(std::min(message, bytes.size())));
   const rt::Nanoseconds begun = rt::MonotonicNow();

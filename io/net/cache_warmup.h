@@ -20,10 +20,10 @@ namespace osteon::io {
 /// its results are discarded.
 /// @tparam Session  of a protocol: see SessionJudge
 template <class Session, std::size_t kMaxBytes>
-class LinkRehearsal {
+class CacheWarmup {
  public:
   /// Null if the system provides no such sockets: then nothing is rehearsed.
-  [[nodiscard]] static std::unique_ptr<LinkRehearsal> Make(const char* who, const Session& session) {
+  [[nodiscard]] static std::unique_ptr<CacheWarmup> Make(const char* who, const Session& session) {
     const auto near = BindUdp(who, kLoopback, 0);
     if (!near) return nullptr;
     const auto far = BindUdp(who, kLoopback, 0);
@@ -31,16 +31,16 @@ class LinkRehearsal {
       close(near->socket);
       return nullptr;
     }
-    auto made = std::unique_ptr<LinkRehearsal>(new LinkRehearsal(*near, *far, session));
+    auto made = std::unique_ptr<CacheWarmup>(new CacheWarmup(*near, *far, session));
     // connect them to each other: the system drops datagrams from anybody else
     return Join(near->socket, far->port) && Join(far->socket, near->port) ? std::move(made) : nullptr;
   }
-  ~LinkRehearsal() { close(far_.socket); }
-  LinkRehearsal(const LinkRehearsal&) = delete;
-  LinkRehearsal& operator=(const LinkRehearsal&) = delete;
+  ~CacheWarmup() { close(far_.socket); }
+  CacheWarmup(const CacheWarmup&) = delete;
+  CacheWarmup& operator=(const CacheWarmup&) = delete;
 
   /// @param message  the message that the link accepted last; empty: does nothing
-  void Go(std::span<const std::uint8_t> message, const control::ArmCommand& command) OSTEON_RT {
+  void Run(std::span<const std::uint8_t> message, const control::ArmCommand& command) OSTEON_RT {
     if (message.empty()) return;
     (void)send(far_.socket, message.data(), message.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     if (near_.Receive(SessionJudge{session_, state_}, 0) != control::ReceiveResult::kOk) return;
@@ -57,7 +57,7 @@ class LinkRehearsal {
     return there && connect(socket, reinterpret_cast<const sockaddr*>(&*there), sizeof *there) == 0;
   }
 
-  LinkRehearsal(const BoundUdp& near, const BoundUdp& far, const Session& session)
+  CacheWarmup(const BoundUdp& near, const BoundUdp& far, const Session& session)
       : near_(near), far_(far), session_(session) {}
 
   UdpPeer<kMaxBytes> near_;

@@ -1,4 +1,4 @@
-#include "app/base_search.h"
+#include "app/base_placement.h"
 
 #include <algorithm>
 #include <array>
@@ -30,8 +30,9 @@ kinematics::LbrParams DrawnIn(kinematics::LbrParams params, double margin_rad) {
   return params;
 }
 
-BaseSearch::BaseSearch(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, const Pose& X_FT,
-                       const TaskVolume& task, const CapabilityNeed& need, const BaseSearchParams& params)
+BasePlacement::BasePlacement(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, const Pose& X_FT,
+                             const TaskVolume& task, const CapabilityNeed& need,
+                             const BasePlacementParams& params)
     : arm_(DrawnIn(kinematics::LbrParamsFrom(arm), params.joint_margin_rad)),
       force_(arm, R_WB, X_FT, need),
       R_WB_(R_WB),
@@ -40,7 +41,7 @@ BaseSearch::BaseSearch(const kinematics::ChainParams<7>& arm, const Matrix3& R_W
       params_(params) {}
 
 // Returns the base's pose whose x axis (A1 = 0) points toward the site, the middle of A1's range.
-Pose BaseSearch::Facing(const Vector3& p_WB) const {
+Pose BasePlacement::Facing(const Vector3& p_WB) const {
   const Vector3 p_B_site = R_WB_.transpose() * (task_.X_WC.translation() - p_WB);
   const double turn = std::atan2(p_B_site.y(), p_B_site.x());
   Pose X_WB = Pose::Identity();
@@ -50,12 +51,12 @@ Pose BaseSearch::Facing(const Vector3& p_WB) const {
 }
 
 // Returns the base's turn about its own axis, from R_WB.
-double BaseSearch::TurnOf(const Pose& X_WB) const {
+double BasePlacement::TurnOf(const Pose& X_WB) const {
   const Matrix3 R = R_WB_.transpose() * X_WB.linear();
   return std::atan2(R(1, 0), R(0, 0));
 }
 
-bool BaseSearch::Stands(const Vector3& p_WB) const {
+bool BasePlacement::Stands(const Vector3& p_WB) const {
   const Vector3 p_B_site = R_WB_.transpose() * (task_.X_WC.translation() - p_WB);
   return std::hypot(p_B_site.x(), p_B_site.y()) >= params_.clearance_m;
 }
@@ -63,8 +64,8 @@ bool BaseSearch::Stands(const Vector3& p_WB) const {
 // All configurations of one arm angle put the links into the same places, so one of them is enough for the
 // factor. If the centres of mass lie off the axes the configurations differ slightly; Forces() accounts for
 // that exactly.
-BaseFigure BaseSearch::JudgeAt(const Pose& X_WB, double arm_angle_rad, const std::vector<Pose>& poses,
-                               double least) const {
+BaseFigure BasePlacement::JudgeAt(const Pose& X_WB, double arm_angle_rad, const std::vector<Pose>& poses,
+                                  double least) const {
   BaseFigure figure{.X_WB = X_WB, .arm_angle_rad = arm_angle_rad};
   const Pose X_BW = X_WB.inverse();
   const double turn = TurnOf(X_WB);
@@ -75,8 +76,8 @@ BaseFigure BaseSearch::JudgeAt(const Pose& X_WB, double arm_angle_rad, const std
     if (!solutions.reachable()) return figure;
     for (unsigned c = 0; c < kinematics::LbrSolutions::kConfigurations; ++c) {
       const kinematics::LbrSolution& solution = solutions.configuration[c];
-      if (!solution.valid() || std::abs(solution.q[3]) < params_.least_bend_rad ||
-          std::abs(solution.q[5]) < params_.least_bend_rad)
+      if (!solution.valid() || std::abs(solution.q[3]) < params_.min_bend_rad ||
+          std::abs(solution.q[5]) < params_.min_bend_rad)
         allowed &= ~(1u << c);
     }
     if (allowed == 0) return figure;
@@ -94,12 +95,12 @@ BaseFigure BaseSearch::JudgeAt(const Pose& X_WB, double arm_angle_rad, const std
   return figure;
 }
 
-BaseFigure BaseSearch::Judge(const Vector3& p_WB, double arm_angle_rad) const {
+BaseFigure BasePlacement::Judge(const Vector3& p_WB, double arm_angle_rad) const {
   if (!Stands(p_WB)) return {.X_WB = Facing(p_WB), .arm_angle_rad = arm_angle_rad};
   return JudgeAt(Facing(p_WB), arm_angle_rad, TaskPoses(task_, {}, DirectionOf(task_, p_WB)), 0.0);
 }
 
-BaseFigure BaseSearch::Judge(const Vector3& p_WB) const {
+BaseFigure BasePlacement::Judge(const Vector3& p_WB) const {
   BaseFigure best{.X_WB = Facing(p_WB)};
   if (!Stands(p_WB)) return best;
   const std::vector<Pose> poses = TaskPoses(task_, kCoarseTask, DirectionOf(task_, p_WB));
@@ -111,12 +112,12 @@ BaseFigure BaseSearch::Judge(const Vector3& p_WB) const {
   return best;
 }
 
-double BaseSearch::Score(const BaseFigure& figure) const {
+double BasePlacement::Score(const BaseFigure& figure) const {
   const double way_m = (figure.X_WB.translation() - params_.now_W_m).norm();
   return figure.factor * std::max(0.0, 1.0 - params_.moving_share_per_m * way_m);
 }
 
-std::optional<BaseFigure> BaseSearch::Best(const std::function<bool()>& stop) const {
+std::optional<BaseFigure> BasePlacement::Best(const std::function<bool()>& stop) const {
   // the grid; each place writes its own element, so that the result does not depend on the threads
   const std::size_t nx = Count(params_.x_m, params_.step_m), ny = Count(params_.y_m, params_.step_m),
                     nz = Count(params_.z_m, params_.step_m);
@@ -183,7 +184,7 @@ std::optional<BaseFigure> BaseSearch::Best(const std::function<bool()>& stop) co
   return *best;
 }
 
-BaseFigure BaseSearch::Centred(const BaseFigure& figure) const {
+BaseFigure BasePlacement::Centred(const BaseFigure& figure) const {
   const Pose X_BW = figure.X_WB.inverse();
   const double first_rad = DirectionOf(task_, figure.X_WB.translation());
   const auto solve = [&](const Pose& X_WT) { return arm_.Solve(X_BW * X_WT * X_TF_, figure.arm_angle_rad); };
@@ -214,7 +215,7 @@ BaseFigure BaseSearch::Centred(const BaseFigure& figure) const {
   return centred;
 }
 
-ToolForce BaseSearch::Forces(const BaseFigure& figure) const {
+ToolForce BasePlacement::Forces(const BaseFigure& figure) const {
   ToolForce worst;
   const Pose X_BW = figure.X_WB.inverse();
   const double turn = TurnOf(figure.X_WB);

@@ -15,7 +15,7 @@
 
 namespace osteon::app {
 
-struct ZoneGovernorParams {
+struct AdaptiveResolutionParams {
   double rate_hz{250.0};     ///< to be kept by the median frame
   std::size_t window{200};   ///< frames in contact for the median
   double within_ratio{0.9};  ///< part of the permitted frame time that a coarser packing may take
@@ -39,16 +39,16 @@ struct Rezoned {
 /// the existing face as well.
 ///
 /// One thread calls it, the simulation's; the packing is made meanwhile in a thread of its own.
-class ZoneGovernor {
+class AdaptiveResolution {
  public:
-  /// @param setup  with a timed plan; must outlive the governor
-  ZoneGovernor(const CellSetup& setup, const ZoneGovernorParams& params);
-  ~ZoneGovernor();
-  ZoneGovernor(const ZoneGovernor&) = delete;
-  ZoneGovernor& operator=(const ZoneGovernor&) = delete;
+  /// @param setup  with a timed plan; must outlive this object
+  AdaptiveResolution(const CellSetup& setup, const AdaptiveResolutionParams& params);
+  ~AdaptiveResolution();
+  AdaptiveResolution(const AdaptiveResolution&) = delete;
+  AdaptiveResolution& operator=(const AdaptiveResolution&) = delete;
 
   /// Takes each frame that was not refused. @param took_us  duration of the frame
-  void Saw(const simulation::FrameRecord& record, double took_us);
+  void ObserveFrame(const simulation::FrameRecord& record, double took_us);
 
   struct Made {
     std::unique_ptr<simulation::CuttingEngine> engine;
@@ -56,7 +56,7 @@ class ZoneGovernor {
   };
   /// Returns the engine that replaces `now`, once it is ready and carved up to the last seen frame; nothing
   /// before. Does not wait.
-  [[nodiscard]] std::optional<Made> Take(const simulation::CuttingEngine& now);
+  [[nodiscard]] std::optional<Made> TakeReplacement(const simulation::CuttingEngine& now);
 
   /// Ends the work after the last frame. Zones still in the making are abandoned, with a notice.
   void End();
@@ -68,12 +68,12 @@ class ZoneGovernor {
   struct Making;
 
   [[nodiscard]] std::optional<double> SlowMedian(double took_us);
-  void Begin(double seen_us);
-  void Make(Making& making);
+  void StartCoarsening(double seen_us);
+  void PackCoarser(Making& making);
   void Say(std::string text);
 
   const CellSetup& setup_;
-  ZoneGovernorParams params_;
+  AdaptiveResolutionParams params_;
   Pose X_GW_;
   double lever_m_;
   simulation::PackingLevel level_;  ///< of the present packing
@@ -88,9 +88,10 @@ class ZoneGovernor {
   std::string notice_;
 };
 
-/// Makes the governor of a cell with a timed plan; null for any other, and if the plan has given up the rate:
-/// then no coarser packing reaches it.
-[[nodiscard]] std::unique_ptr<ZoneGovernor> MakeGovernor(const CellSetup& setup, const std::string& device);
+/// Makes the adaptive resolution of a cell with a timed plan; null for any other, and if the plan has given
+/// up the rate: then no coarser packing reaches it.
+[[nodiscard]] std::unique_ptr<AdaptiveResolution> MakeAdaptiveResolution(const CellSetup& setup,
+                                                                         const std::string& device);
 
 /// Describes the change in one line.
 [[nodiscard]] std::string RezonedText(const Rezoned& rezoned);

@@ -50,12 +50,12 @@ class ArmSession {
 };
 
 /// The client's side in wall time, over a socket.
-class ArmWire {
+class ArmConnection {
  public:
   /// Opens the socket. The error names address and port, and says what to do.
   /// @param peer  IPv4 address of the only accepted sender; empty: the first sender
-  [[nodiscard]] static tl::expected<ArmWire, std::string> Open(const config::ArmLinkConfig& link,
-                                                               const std::string& peer);
+  [[nodiscard]] static tl::expected<ArmConnection, std::string> Open(const config::ArmLinkConfig& link,
+                                                                     const std::string& peer);
 
   [[nodiscard]] control::ArmLink& link();
 
@@ -68,7 +68,7 @@ class ArmWire {
 
  private:
   using Link = std::variant<std::unique_ptr<io::FriLink>, std::unique_ptr<io::RsiLink>>;
-  ArmWire(Link link, bool can_stop) : link_(std::move(link)), can_stop_(can_stop) {}
+  ArmConnection(Link link, bool can_stop) : link_(std::move(link)), can_stop_(can_stop) {}
 
   Link link_;
   bool can_stop_;

@@ -8,7 +8,7 @@ namespace osteon::config {
 /// While an object exists, records the files that this thread reads a configuration from. It may also
 /// restrict them to one folder, so that the files in a recording can be read again without any other. At most
 /// one in a thread at a time.
-class FileScope {
+class ConfigFileTracker {
  public:
   struct Params {
     /// Files are found only below this folder. Empty: anywhere.
@@ -21,20 +21,20 @@ class FileScope {
     bool by_whole_path{false};   ///< another file names it by its whole path
   };
 
-  FileScope();
-  explicit FileScope(Params params);
-  ~FileScope();
-  FileScope(const FileScope&) = delete;
-  FileScope& operator=(const FileScope&) = delete;
+  ConfigFileTracker();
+  explicit ConfigFileTracker(Params params);
+  ~ConfigFileTracker();
+  ConfigFileTracker(const ConfigFileTracker&) = delete;
+  ConfigFileTracker& operator=(const ConfigFileTracker&) = delete;
 
   /// Each file once, in the order in which they were first named.
   [[nodiscard]] const std::vector<File>& files() const { return files_; }
 
   /// For Reader: records a file that is read.
-  static void Note(const std::filesystem::path& path, bool by_whole_path = false);
+  static void RecordFile(const std::filesystem::path& path, bool by_whole_path = false);
   /// For Reader: the path of a file that another one, in `folder`, names. Empty: not below the root.
-  [[nodiscard]] static std::filesystem::path Find(const std::filesystem::path& folder,
-                                                  const std::filesystem::path& named);
+  [[nodiscard]] static std::filesystem::path ResolveNamed(const std::filesystem::path& folder,
+                                                          const std::filesystem::path& named);
 
  private:
   Params params_;

@@ -1,4 +1,4 @@
-#include "app/arm_wire.h"
+#include "app/arm_connection.h"
 
 #include <utility>
 
@@ -64,24 +64,25 @@ std::string ArmSession::Diagnosis() const {
   return DiagnosisOf(rsi.status(), rsi.last_error());
 }
 
-tl::expected<ArmWire, std::string> ArmWire::Open(const config::ArmLinkConfig& link, const std::string& peer) {
+tl::expected<ArmConnection, std::string> ArmConnection::Open(const config::ArmLinkConfig& link,
+                                                             const std::string& peer) {
   if (const io::FriSessionParams* fri = link.fri()) {
     auto opened = io::FriLink::Open(
         {.bind_address = link.host, .arm_address = peer, .port = link.port, .session = *fri});
     if (!opened) return tl::make_unexpected(opened.error());
-    return ArmWire(std::move(*opened), false);
+    return ArmConnection(std::move(*opened), false);
   }
   auto opened = io::RsiLink::Open(
       {.bind_address = link.host, .arm_address = peer, .port = link.port, .session = *link.rsi()});
   if (!opened) return tl::make_unexpected(opened.error());
-  return ArmWire(std::move(*opened), CanAskToEnd(link));
+  return ArmConnection(std::move(*opened), CanAskToEnd(link));
 }
 
-control::ArmLink& ArmWire::link() {
+control::ArmLink& ArmConnection::link() {
   return *std::visit([](auto& link) -> control::ArmLink* { return link.get(); }, link_);
 }
 
-void ArmWire::End() {
+void ArmConnection::End() {
   if (!can_stop_) return;
   io::RsiLink& rsi = *std::get<std::unique_ptr<io::RsiLink>>(link_);
   rsi.RequestStop();
@@ -92,7 +93,7 @@ void ArmWire::End() {
     static_cast<void>(rsi.Send({}));
 }
 
-std::string ArmWire::Diagnosis() const {
+std::string ArmConnection::Diagnosis() const {
   if (const auto* fri = std::get_if<std::unique_ptr<io::FriLink>>(&link_))
     return (*fri)->session().Diagnosis();
   const auto& rsi = std::get<std::unique_ptr<io::RsiLink>>(link_);

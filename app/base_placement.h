@@ -24,11 +24,11 @@ struct AxisRange {
   double from{0.0}, to{0.0};
 };
 
-struct BaseSearchParams {
+struct BasePlacementParams {
   AxisRange x_m, y_m, z_m;   ///< ranges of the base's origin, in W
   double clearance_m{0.35};  ///< least distance of the site's centre from the base's axis, across that axis
   double joint_margin_rad{0.0872664625997165};  ///< distance kept from the position limits (5 deg)
-  double least_bend_rad{0.261799387799149};     ///< of A4 and A6 from straight (15 deg)
+  double min_bend_rad{0.261799387799149};       ///< of A4 and A6 from straight (15 deg)
   Vector3 now_W_m{Vector3::Zero()};  ///< where the base stands now; of equally good places the nearest wins
   double moving_share_per_m{0.01};   ///< relative gain that a place must bring per metre of distance
   double step_m{0.05};               ///< of the first grid
@@ -46,11 +46,11 @@ struct BaseFigure {
   double factor{0.0};          ///< of the whole need at once, least over the task
 };
 
-class BaseSearch {
+class BasePlacement {
  public:
   /// @param arm  with payload  @param R_WB  direction of the base's axis; turns about that axis are free
-  BaseSearch(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, const Pose& X_FT,
-             const TaskVolume& task, const CapabilityNeed& need, const BaseSearchParams& params);
+  BasePlacement(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, const Pose& X_FT,
+                const TaskVolume& task, const CapabilityNeed& need, const BasePlacementParams& params);
 
   /// Judges a base at a place, turned so that A1 faces the site, at the best of the sampled arm angles.
   [[nodiscard]] BaseFigure Judge(const Vector3& p_WB) const;
@@ -83,7 +83,7 @@ class BaseSearch {
   Matrix3 R_WB_;
   Pose X_TF_;
   TaskVolume task_;
-  BaseSearchParams params_;
+  BasePlacementParams params_;
 };
 
 }  // namespace osteon::app
