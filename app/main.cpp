@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <exception>
+#include <memory>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -22,7 +23,9 @@
 #include "app/faults_command.h"
 #include "app/fidelity_options.h"
 #include "app/guard_command.h"
+#include "app/help_text.h"
 #include "app/kill_table.h"
+#include "app/manual_command.h"
 #include "app/measure_commands.h"
 #include "app/output.h"
 #include "app/pack.h"
@@ -207,18 +210,16 @@ int Run(int argc, char** argv) {
   std::filesystem::path config_root = std::filesystem::path(root ? root : ".") / "config";
 
   CLI::App app{"Osteon: haptic controller and cutting simulation for a hip-reaming robot cell", "osteon"};
-  app.set_version_flag("--version", "osteon " OSTEON_VERSION);
+  app.formatter(std::make_shared<osteon::app::HelpFormatter>());
+  app.set_help_flag("-h,--help", "print this text");
+  app.set_version_flag("--version", "osteon " OSTEON_VERSION, "print the version");
   app.require_subcommand(0, 1);
-  app.add_option("--config-root", config_root, "folder with cells/, robots/, tools/ …")
-      ->capture_default_str();
-  app.footer(
-      "The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
-      "  docs                        builds the documents as a site\n"
-      "  clean                       removes what was built\n\n"
-      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon run --help\n  osteon pack --help\n  osteon "
-      "bench frame\n  osteon "
-      "failures --help\n  "
-      "osteon doctor");
+  app.add_option("--config-root", config_root, "the folder with cells/, robots/, tools/ and so on")
+      ->type_name("FOLDER")
+      ->default_str("config/ of the project");
+  app.footer(osteon::app::LauncherFooter() +
+             "Examples:\n  osteon demo\n  osteon demo --help\n  osteon run demo --simulated --seconds 10\n"
+             "  osteon bench frame\n  osteon doctor");
 
   osteon::app::DemoOptions demo;
   std::string mesh, cup, tool, cell = "demo";
@@ -319,6 +320,7 @@ int Run(int argc, char** argv) {
   osteon::app::ExportCommand export_recording(app);
   osteon::app::ReplayCommand replay(app);
   osteon::app::RegressCommand regress(app);
+  osteon::app::ManualCommands manual(app);
 
   try {
     app.parse(argc, argv);
@@ -411,6 +413,10 @@ int Run(int argc, char** argv) {
   if (export_recording.asked()) return export_recording.Run();
   if (replay.asked()) return replay.Run(config_root);
   if (regress.asked()) return regress.Run(config_root, CommandLine(argc, argv));
+  if (manual.asked()) {
+    const CLI::App* const apps[] = {&app};
+    return manual.Run(apps);
+  }
   if (measure.asked()) return measure.Run(config_root);
   if (*states_app) return osteon::app::RunStates(states);
   if (*faults_app) return osteon::app::RunFaults(faults);
