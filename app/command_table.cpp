@@ -15,7 +15,7 @@ namespace {
 
 constexpr auto kCommonExitCodes = std::to_array<std::pair<int, std::string_view>>({
     {0, "done"},
-    {kFailed, "the requested work failed; the subcommand says below when"},
+    {kFailed, "the requested work failed; the section of the subcommand says when"},
     {kBadInput, "wrong usage or bad input; nothing was started"},
     {kInternalError, "a defect of the program: please report it"},
     {kNoMemory, "out of memory"},
@@ -80,6 +80,7 @@ OptionText DescribeOption(const CLI::Option& option, const std::vector<const CLI
     else if (type[i] != type[0])
       text.range = type[i];
   }
+  if (!text.words.empty()) text.value = "WORD";
   return text;
 }
 

@@ -26,7 +26,7 @@ struct ValueSource {
 };
 
 ValueSource SourceOf(const OptionText& option) {
-  if (option.value == "FILE") return {.names = "", .files = true};
+  if (option.value == "FILE" || option.value.starts_with("FILE ")) return {.names = "", .files = true};
   if (option.value == "FOLDER") return {.names = "", .folders = true};
   for (const char* kind : {"CELL", "TOOL", "SCENE", "SCENARIO", "ROBOT"})
     if (option.value == kind) {

@@ -14,6 +14,7 @@ namespace osteon::app {
 namespace {
 
 constexpr std::size_t kMinWidth = 50, kDefaultWidth = 80, kMaxWidth = 120;
+constexpr std::string_view kRangeMark = " … ";
 constexpr std::size_t kTextColumn = 26;      // where explanations begin
 constexpr std::size_t kMaxWordsInHead = 22;  // columns; longer lists of words stand in the explanation
 
@@ -64,7 +65,10 @@ std::string WrapText(std::string_view text, std::size_t indent, std::size_t widt
   std::string wrapped;
   std::size_t column = indent;
   while (!text.empty()) {
-    const std::size_t end = std::min(text.find(' '), text.size());
+    std::size_t end = std::min(text.find(' '), text.size());
+    // a range, "1 … 4", stays on one line
+    while (text.substr(end).starts_with(kRangeMark))
+      end = std::min(text.find(' ', end + kRangeMark.size()), text.size());
     const std::string_view word = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     if (word.empty()) continue;

@@ -12,7 +12,8 @@
 
 namespace osteon::app {
 
-/// Breaks a text into lines of at most `width` columns, between words. Each line but the first begins with
+/// Breaks a text into lines of at most `width` columns, between words, and not
+/// inside a range "1 … 4". Each line but the first begins with
 /// `indent` spaces, which count; the first begins at column `indent`. A word that is longer stands alone.
 [[nodiscard]] std::string WrapText(std::string_view text, std::size_t indent, std::size_t width);
 

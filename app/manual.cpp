@@ -148,6 +148,11 @@ std::string MarkdownTexts(const CommandText& command) {
   return text;
 }
 
+std::string Sentence(std::string text) {
+  if (text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text + ".";
+}
+
 // A heading's anchor, by GitHub's rule.
 std::string Anchor(const std::string& heading) {
   std::string anchor = heading;
@@ -197,7 +202,7 @@ std::string ManPage(const CommandText& command, const std::string& version) {
   page += ".SH OPTIONS\n" + RoffOptions(command);
   page += ".SH COMMANDS\n";
   for (const CommandText* leaf : Leaves(command)) {
-    page += fmt::format(".SS \"{}\"\n{}.\n", Roff(leaf->name), Roff(leaf->purpose));
+    page += fmt::format(".SS \"{}\"\n{}\n", Roff(leaf->name), Roff(Sentence(leaf->purpose)));
     page += RoffOptions(*leaf) + RoffTexts(*leaf);
   }
   page += ".SH \"EXIT STATUS\"\n";
@@ -234,15 +239,18 @@ std::string CommandsPage(const CommandText& command) {
   for (const auto& [code, meaning] : CommonExitCodes()) page += fmt::format("| {} | {} |\n", code, meaning);
   page +=
       "\n## Completion in the shell\n\n"
-      "The shell completes subcommands, options, their words, files, and the names of cells, tools, scenes "
-      "and\n"
-      "scenarios, once it has read the script that `osteon completion` prints. In the project's folder:\n\n"
-      "    source <(./osteon completion bash)            # bash, zsh: also in ~/.bashrc, ~/.zshrc, with the "
-      "full path\n"
-      "    ./osteon completion fish | source             # fish\n";
+      "The shell completes subcommands, options, their words, files, and the names of cells, tools, scenes,\n"
+      "scenarios and robots, once it has read the script that `osteon completion` prints. In the project's "
+      "folder:\n\n"
+      "    source <(./osteon completion bash)            # bash\n"
+      "    source <(./osteon completion zsh)             # zsh\n"
+      "    ./osteon completion fish | source             # fish\n\n"
+      "To have it in every shell, keep the script in a file; the shell then starts without a build:\n\n"
+      "    mkdir -p ~/.local/share/bash-completion/completions\n"
+      "    ./osteon completion bash > ~/.local/share/bash-completion/completions/osteon\n";
   for (const CommandText* leaf : Leaves(command)) {
-    page += fmt::format("\n## {}\n\n{}\n\n    {}\n", leaf->name, WrapText(leaf->purpose + ".", 0, kPageWidth),
-                        Synopsis(*leaf));
+    page += fmt::format("\n## {}\n\n{}\n\n    {}\n", leaf->name,
+                        WrapText(Sentence(leaf->purpose), 0, kPageWidth), Synopsis(*leaf));
     page += MarkdownOptions(*leaf) + MarkdownTexts(*leaf);
   }
   return page;

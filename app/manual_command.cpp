@@ -23,6 +23,7 @@ ManualCommands::ManualCommands(CLI::App& app)
   manual_->add_option("--json", json_, "write the table of subcommands and options there")->type_name("FILE");
   manual_->footer(
       "Without an option the manual page goes to stdout, as roff.\n\n"
+      "Exit code 1: a file could not be written\n\n"
       "Examples:\n  osteon manual | man -l -\n  osteon manual --man osteon.1 --json manual.json");
   completion_->add_option("shell", shell_, "the shell that reads the script")
       ->required()
@@ -30,8 +31,7 @@ ManualCommands::ManualCommands(CLI::App& app)
   completion_->footer(
       "Bash and zsh read the script by `source <(./osteon completion bash)`, fish by `./osteon completion "
       "fish | "
-      "source`; the line may stand in ~/.bashrc, ~/.zshrc or ~/.config/fish/config.fish, with the full "
-      "path.\n\n"
+      "source`. docs/commands.md says how to keep it for every shell.\n\n"
       "Examples:\n  osteon completion bash\n  osteon completion fish");
 }
 
