@@ -99,7 +99,9 @@ TEST_F(Manual, EveryOptionHasAHelpAndAKindOfValue) {
                    option.at("names").back().get<std::string>());
       EXPECT_NE(option.at("help"), "");
       // what a value looks like is said by Option::type_name, or by the accepted words
-      if (option.at("names").back() != "--reason") EXPECT_NE(option.at("value"), "TEXT");
+      if (option.at("names").back() != "--reason") {
+        EXPECT_NE(option.at("value"), "TEXT");
+      }
       ++options;
     }
   });
@@ -178,11 +180,13 @@ TEST_F(BashCompletionTest, CompletesNamesBelowConfigAndFiles) {
 TEST_F(Manual, TheScriptsAreReadWithoutError) {
   for (const std::string shell : {"bash", "zsh", "fish"}) {
     WriteAll(folder_.path() / shell, Output({"completion", shell}));
-    if (IsProgram(shell))
+    if (IsProgram(shell)) {
       EXPECT_EQ(Shell(shell + " -n '" + (folder_.path() / shell).string() + "'"), "") << shell;
+    }
   }
-  if (IsProgram("shellcheck"))
+  if (IsProgram("shellcheck")) {
     EXPECT_EQ(Shell("shellcheck -s bash '" + (folder_.path() / "bash").string() + "'"), "");
+  }
 }
 
 TEST_F(Manual, AnotherShellIsRefused) {
