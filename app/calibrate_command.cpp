@@ -8,20 +8,28 @@
 namespace osteon::app {
 
 CalibrateCommand::CalibrateCommand(CLI::App& app)
-    : sub_(app.add_subcommand("calibrate", "what hangs on the flange, from recorded poses")) {
-  sub_->add_option("cell", cell_, "a cell's YAML file, or a name under cells/")->required();
+    : sub_(app.add_subcommand("calibrate",
+                              "finds tool centre point, payload and sensor bias from recorded poses")) {
+  sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
+      ->type_name("CELL")
+      ->required();
   sub_->add_option("--payload", options_.payload,
-                   "a recording with 4 rests or more, tilted about two axes, nobody at the handle: mass, its "
-                   "centre, the sensor's bias")
+                   "recording with at least 4 rests, tilted about two axes, with no hand on the handle: "
+                   "gives mass, centre of mass and the sensor's bias")
+      ->type_name("FILE")
       ->check(CLI::ExistingFile);
   sub_->add_option("--pivot", options_.pivot,
-                   "a recording with 4 rests or more, the tool's tip on one point: where the tip is")
+                   "recording with at least 4 rests, the tool's tip on one point: gives the tip's place")
+      ->type_name("FILE")
       ->check(CLI::ExistingFile);
-  sub_->add_option("--out", options_.out, "what the cell's file names as its calibration")
+  sub_->add_option("--out", options_.out,
+                   "YAML file with the result, which the cell's file names as its calibration")
+      ->type_name("FILE")
       ->capture_default_str();
-  sub_->add_option("--json", options_.json, "write the figures there");
+  sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
   sub_->footer(
-      "Record with `osteon run CELL --record FILE`: half a second or more at each pose.\n\n"
+      "Record with `osteon run CELL --record FILE`: rest for at least half a second at each pose.\n\n"
+      "Exit code 1: the poses do not determine the result, or a file could not be written\n\n"
       "Examples:\n  osteon calibrate my_cell.yaml --payload weigh.mcap\n"
       "  osteon calibrate my_cell.yaml --payload weigh.mcap --pivot tip.mcap --out my_calibration.yaml");
 }

@@ -11,66 +11,80 @@
 namespace osteon::app {
 
 CellCommands::CellCommands(CLI::App& app)
-    : cell_(app.add_subcommand("cell", "the simulated cell alone, on its real protocols and ports")),
+    : cell_(app.add_subcommand("cell", "runs the simulated cell alone, on its real protocols and ports")),
       run_(app.add_subcommand("run", "operates a cell, real or simulated")) {
   const auto common = [this](CLI::App& sub) {
-    sub.add_option("cell", name_, "a cell's YAML file, or a name under cells/")->required();
-    sub.add_option("--tool", tool_, "NAME[:DIAMETER]: instead of the cell's; mm");
+    sub.add_option("cell", name_, "a name under cells/, or a cell's YAML file")
+        ->type_name("CELL")
+        ->required();
+    sub.add_option("--tool", tool_,
+                   "use this tool instead of the cell's: NAME or NAME:DIAMETER in mm; a name under tools/, "
+                   "or a YAML file")
+        ->type_name("TOOL");
   };
   common(*cell_);
-  cell_->add_option("--seconds", simulated_.seconds, "of what the operator does; without it the script's own")
+  cell_
+      ->add_option("--seconds", simulated_.seconds,
+                   "seconds of the operator's actions; without it as long as the script")
       ->check(NumberWithin(kMinSeconds, kMaxSeconds));
   cell_
-      ->add_option("--port", simulated_.port,
-                   "the first of the cell's ports instead of its file's: FRI, PLC, two a CAN bus")
+      ->add_option(
+          "--port", simulated_.port,
+          "first of the cell's ports, instead of the one in its file: FRI, PLC, then two for each CAN bus")
       ->check(PortNumber());
   cell_
       ->add_option("--cpu", simulated_.cpu,
-                   "its real-time threads run on this CPU, everything else stays off it: the controller's")
+                   "CPU of the cell's real-time threads; everything else stays off it")
       ->check(NumberWithin(0, rt::kMaxCpu));
-  cell_->add_option("--json", simulated_.json, "write there at the end what the cell was");
-  cell_->add_option(
-      "--trace", simulated_.trace,
-      "CSV file of each cycle of the arm while it runs: where the tool is, how fast, the hand's force");
+  cell_->add_option("--json", simulated_.json, "write a summary of the cell there at the end, as JSON")
+      ->type_name("FILE");
+  cell_
+      ->add_option("--trace", simulated_.trace,
+                   "write each cycle of the arm to a CSV file during the run: tool pose and velocity, the "
+                   "hand's force")
+      ->type_name("FILE");
   cell_->footer(
-      "The arm, the force sensor, the reamer drive and the PLC, an operator at the handle and one at the "
-      "buttons.\nAnother controller than Osteon's may be at the other end.\n\n"
+      "Simulates the arm, the force sensor, the reamer drive, the PLC, an operator at the handle and one at "
+      "the buttons. The controller at the other end need not be Osteon's.\n\n"
+      "Exit code 1: a file could not be written\n\n"
       "Examples:\n  osteon cell demo\n  osteon cell config/cells/molar.yaml --json cell.json");
 
   common(*run_);
-  run_->add_flag(
-      "--simulated", operate_.simulated,
-      "start the simulated cell as well, and its guard where it has one, in processes of their own");
-  run_->add_option("--seconds", operate_.seconds, "of rendering; without it until Ctrl-C")
+  run_->add_flag("--simulated", operate_.simulated,
+                 "start the simulated cell as well, and its guard if it has one, each as a process");
+  run_->add_option("--seconds", operate_.seconds, "seconds of rendering; without it until Ctrl-C")
       ->check(NumberWithin(kMinSeconds, kMaxSeconds));
-  run_->add_option("--wait", operate_.wait_s,
-                   "seconds for the arm and all conditions of motion, until rendering begins")
+  run_->add_option("--wait", operate_.wait_s, "seconds to wait for the arm and for all conditions of motion")
       ->capture_default_str()
       ->check(NumberWithin(1, 86'400));
-  run_->add_option(
-          "--recover", operate_.recoveries,
-          "begin again so often where the arm has left COMMANDING_ACTIVE, or was silent, and is back")
+  run_->add_option("--recover", operate_.recoveries,
+                   "how often rendering starts again after the arm left COMMANDING_ACTIVE or was silent, and "
+                   "came back")
       ->check(NumberWithin(0, 1000));
   run_->add_option("--record", operate_.record,
-                   "the recording, readable by `osteon export` and Foxglove; without it "
-                   "run_DATE_TIME.mcap in the working folder. A name that an earlier run has is refused");
+                   "the recording, for `osteon export` and Foxglove; without it run_DATE_TIME.mcap in the "
+                   "working folder. An existing name is refused")
+      ->type_name("FILE");
   run_->add_flag("--overwrite", operate_.overwrite,
-                 "an earlier run's recording and pages of that name are replaced");
-  run_->add_option(
-          "--gains", operate_.gains,
-          "YAML file laid over the cell's admittance and coupling, as `osteon tune` writes it; saved again "
-          "while it runs, the gains go there within a second")
+                 "replace an earlier recording of that name and its pages");
+  run_->add_option("--gains", operate_.gains,
+                   "YAML file that replaces the cell's admittance and coupling, as `osteon tune` writes it; "
+                   "if you save it during the run, its gains apply within a second")
+      ->type_name("FILE")
       ->check(CLI::ExistingFile);
-  run_->add_option("--port", operate_.port, "as `osteon cell --port`; with --simulated 0 takes any free ones")
+  run_->add_option("--port", operate_.port, "as `osteon cell --port`; 0 with --simulated: any free ports")
       ->check(PortNumber());
   run_->add_option("--cpu", operate_.cpu,
-                   "the servo thread runs on this CPU, everything else stays off it; with --simulated the "
-                   "cell's real-time threads share it")
+                   "CPU of the servo thread; everything else stays off it. With --simulated the cell's "
+                   "real-time threads share it")
       ->check(NumberWithin(0, rt::kMaxCpu));
   AddFidelityOptions(*run_, operate_.fidelity);
-  run_->add_option("--device", operate_.device, "part of a Vulkan device's name (osteon doctor lists them)");
-  run_->add_option("--json", operate_.json, "write the figures there");
+  run_->add_option("--device", operate_.device,
+                   "the Vulkan device: part of its name, as `osteon doctor` lists it")
+      ->type_name("NAME");
+  run_->add_option("--json", operate_.json, "also write the figures there, as JSON")->type_name("FILE");
   run_->footer(
+      "Exit code 1: a fault ended the run, the arm did not come in time, or a file could not be written\n\n"
       "Examples:\n  osteon run my_cell.yaml --record first.mcap\n  osteon run demo --simulated --seconds 10\n"
       "  osteon run demo --simulated --cpu 1\n"
       "  osteon cell demo &  osteon run demo --seconds 10");

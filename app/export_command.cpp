@@ -3,17 +3,20 @@
 namespace osteon::app {
 
 ExportCommand::ExportCommand(CLI::App& app)
-    : sub_(app.add_subcommand("export", "a recording as tables; a whole one of a torn one")) {
-  sub_->add_option("recording", options_.recording, "an .mcap file that a run has left")
+    : sub_(app.add_subcommand("export", "writes a recording as tables, or recovers a torn one")) {
+  sub_->add_option("recording", options_.recording, "the .mcap file of a run")
+      ->type_name("FILE")
       ->required()
       ->check(CLI::ExistingFile);
   sub_->add_flag("--csv", options_.csv,
-                 "RECORDING_ticks.csv, _frames.csv, _events.csv (also without any option)");
+                 "write RECORDING_ticks.csv, _frames.csv and _events.csv; the default without --recover");
   sub_->add_flag("--recover", options_.recover,
-                 "RECORDING_recovered.mcap: every complete message of a file that is torn or damaged");
-  sub_->add_option("--out", options_.out, "folder for them; without it the recording's own");
-  sub_->add_option("--json", options_.json, "write there what was done");
+                 "write RECORDING_recovered.mcap with every complete message of a torn or damaged file");
+  sub_->add_option("--out", options_.out, "folder for the files; without it the recording's own")
+      ->type_name("FOLDER");
+  sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
   sub_->footer(
+      "Exit code 1: a file could not be written\n\n"
       "Examples:\n  osteon export demo_out/recording.mcap\n"
       "  osteon export demo_out/recording.mcap --out tables --json export.json\n"
       "  osteon export torn.mcap --recover\n  osteon export torn.mcap --recover --csv");

@@ -10,22 +10,23 @@
 namespace osteon::app {
 
 GuardCommand::GuardCommand(CLI::App& app)
-    : sub_(
-          app.add_subcommand("guard", "the independent supervisor, in the line between arm and controller")) {
-  sub_->add_option("cell", name_, "a cell's YAML file, or a name under cells/; with a section guard")
+    : sub_(app.add_subcommand("guard", "runs the independent supervisor between arm and controller")) {
+  sub_->add_option("cell", name_, "a name under cells/, or a cell's YAML file; its file has a section guard")
+      ->type_name("CELL")
       ->required();
-  sub_->add_option("--tool", tool_, "NAME[:DIAMETER]: as the controller was told; mm");
+  sub_->add_option("--tool", tool_, "the tool that the controller was told: NAME or NAME:DIAMETER in mm")
+      ->type_name("TOOL");
   sub_->add_option("--port", options_.port, "as `osteon cell --port`")->check(PortNumber());
-  sub_->add_option("--cpu", options_.cpu, "the relay runs on this CPU, everything else of it stays off")
+  sub_->add_option("--cpu", options_.cpu, "CPU of the relay; everything else stays off it")
       ->check(NumberWithin(0, rt::kMaxCpu));
-  sub_->add_option("--json", options_.json, "write there at the end what it did");
+  sub_->add_option("--json", options_.json, "write a summary there at the end, as JSON")->type_name("FILE");
   sub_->footer(
-      "The arm sends to the guard, which sends on to the controller, and answers back, as long as they keep "
-      "the "
-      "cell's\nlimits. It is no certified safety function.\n\n"
-      "Exit code 1: a command was withheld, or the controller fell silent while the arm moved.\n\n"
+      "The guard passes the arm's messages on to the controller, and the controller's commands on to the arm "
+      "as "
+      "long as they keep the cell's limits. It is not a certified safety function.\n\n"
+      "Exit code 1: a command was withheld, or the controller fell silent while the arm moved\n\n"
       "Examples:\n  osteon guard my_cell.yaml --json guard.json\n"
-      "  osteon cell my_cell.yaml &  osteon guard my_cell.yaml &  osteon run my_cell.yaml --seconds 10");
+      "  osteon cell my_cell.yaml &\n  osteon guard my_cell.yaml &\n  osteon run my_cell.yaml --seconds 10");
 }
 
 int GuardCommand::Run(const std::filesystem::path& config_root) {

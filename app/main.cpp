@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <exception>
+#include <memory>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -22,7 +23,9 @@
 #include "app/faults_command.h"
 #include "app/fidelity_options.h"
 #include "app/guard_command.h"
+#include "app/help_text.h"
 #include "app/kill_table.h"
+#include "app/manual_command.h"
 #include "app/measure_commands.h"
 #include "app/output.h"
 #include "app/pack.h"
@@ -56,64 +59,76 @@ struct PackTexts {
 
 CLI::App* AddPack(CLI::App& app, osteon::app::PackOptions& pack, PackTexts& texts) {
   using osteon::app::NumberWithin;
-  CLI::App* sub =
-      app.add_subcommand("pack", "fills a mesh or shape with spheres and mass points, and says how well");
-  sub->add_option(
-         "input", pack.source.input,
-         "closed mesh (.stl, .obj, .ply, in mm), a scene's name or YAML, ball:R, box:X,Y,Z (mm), or a "
-         "packing (.osp) to be saved in another format")
+  CLI::App* sub = app.add_subcommand(
+      "pack", "fills a mesh or a shape with spheres and mass points, and measures the result");
+  sub->add_option("input", pack.source.input,
+                  "a closed mesh (.stl, .obj, .ply, in mm); a scene, by name or YAML file; ball:R or "
+                  "box:X,Y,Z (mm); or a packing (.osp) to convert")
+      ->type_name("SCENE")
       ->required();
-  sub->add_option("-o,--out", pack.outputs,
-                  "FILE.osp (packing), FILE.ply or FILE.csv (spheres alone); several times")
+  sub->add_option(
+         "-o,--out", pack.outputs,
+         "FILE.osp: the packing; FILE.ply or FILE.csv: its spheres alone; may be given several times")
+      ->type_name("FILE")
       ->required()
       ->expected(1)
       ->take_all();
   const auto packing = [&](CLI::Option* option) { return option->group("Packing"); };
-  packing(sub->add_option("--mode", texts.mode, "overlap (for cutting) or disjoint")
+  packing(sub->add_option("--mode", texts.mode,
+                          "overlap: spheres may overlap, for cutting; disjoint: they may not")
               ->check(osteon::app::OneOf({"overlap", "disjoint"}))
               ->capture_default_str());
   packing(sub->add_option("--count", pack.count,
-                          "spheres; without it what a gap of 0.08 mm asks for, or 10 000 "
-                          "disjoint ones")
+                          "number of spheres; without it as many as a surface gap of 0.08 mm needs, or 10 "
+                          "000 disjoint ones")
               ->check(NumberWithin(1, 100e6)));
-  packing(
-      sub->add_option("--r-min-mm", pack.r_min_mm, "no sphere is smaller")->check(NumberWithin(0.001, 100)));
-  packing(sub->add_option("--r-max-mm", pack.r_max_mm, "no sphere where it is cut is larger")
+  packing(sub->add_option("--r-min-mm", pack.r_min_mm, "smallest radius")->check(NumberWithin(0.001, 100)));
+  packing(sub->add_option("--r-max-mm", pack.r_max_mm, "largest radius in the cut zone")
               ->check(NumberWithin(0.001, 500)));
   packing(sub->add_option("--grade", pack.grade,
-                          "A: the greatest radius grows by this times the depth below where "
-                          "it is cut")
+                          "growth of the largest radius for each mm of depth below the cut zone, in mm")
               ->check(NumberWithin(0, 100)));
-  packing(sub->add_option("--seed", pack.seed, "another one, another packing that is as good")
-              ->capture_default_str());
-  packing(sub->add_option("--threads", pack.threads, "0: one a core; the result does not depend on it")
+  packing(
+      sub->add_option("--seed", pack.seed,
+                      "seed of the random numbers; another seed gives another packing of the same quality")
+          ->capture_default_str());
+  packing(sub->add_option("--threads", pack.threads,
+                          "number of threads; 0: one for each core. The result does not depend on it")
               ->check(NumberWithin(0, 1024))
               ->capture_default_str());
-  packing(sub->add_flag("--points,!--no-points", pack.points, "mass points as well (they are the default)"));
+  packing(sub->add_flag("--points,!--no-points", pack.points,
+                        "add mass points to the spheres, or leave them out; by default they are added"));
   packing(sub->add_option("--point-spacing-mm", pack.point_spacing_mm,
-                          "mean spacing of the mass points, where finest")
+                          "mean spacing of the mass points where they are finest")
               ->check(NumberWithin(0.02, 20)));
   const auto mesh = [](CLI::Option* option) { return option->group("Mesh and site"); };
-  mesh(sub->add_option("--scale", pack.source.scale, "millimetres to a unit of the mesh file")
+  mesh(sub->add_option("--scale", pack.source.scale, "mm for each unit of the mesh file")
            ->check(NumberWithin(1e-6, 1e6)));
   mesh(sub->add_option("--scene", pack.source.scene,
-                       "a mesh takes this scene's place: its tissue, and with --cup "
-                       "its zone (acetabulum)"));
-  mesh(sub->add_option("--materials", pack.source.materials, "YAML file with the materials"));
-  auto* cup = mesh(
-      sub->add_option("--cup", texts.cup, "X,Y,Z,NX,NY,NZ,R: the site that is cut, as a cup or entry; mm"));
-  auto* region =
-      mesh(sub->add_option("--region", texts.region, "X,Y,Z,R: the surface is cut within this ball; mm"));
-  auto* path = mesh(sub->add_option("--path", texts.path,
-                                    "FILE.csv R: it is cut along this path (x_mm,y_mm,z_mm) by a "
-                                    "tool of radius R mm")
-                        ->expected(2));
+                       "scene whose bone the mesh replaces: gives the tissue and, with --cup, the cut zone; "
+                       "without it acetabulum")
+           ->type_name("SCENE"));
+  mesh(sub->add_option("--materials", pack.source.materials, "YAML file with the materials")
+           ->type_name("FILE"));
+  auto* cup =
+      mesh(sub->add_option("--cup", texts.cup,
+                           "the cup, or the entry of a drill: centre, axis out of the bone, radius; mm")
+               ->type_name("X,Y,Z,NX,NY,NZ,R"));
+  auto* region = mesh(
+      sub->add_option("--region", texts.region, "ball within which the surface is cut: centre, radius; mm")
+          ->type_name("X,Y,Z,R"));
+  auto* path =
+      mesh(sub->add_option("--path", texts.path,
+                           "path of the cut, a CSV file with x_mm,y_mm,z_mm, and the tool's radius in mm")
+               ->type_name("FILE R")
+               ->expected(2));
   region->excludes(path);
   path->excludes(region);
   static_cast<void>(cup);
-  sub->add_option("--report", pack.report, "folder for report.html");
-  sub->add_option("--json", pack.json, "write the figures there");
+  sub->add_option("--report", pack.report, "folder for report.html")->type_name("FOLDER");
+  sub->add_option("--json", pack.json, "also write the figures there, as JSON")->type_name("FILE");
   sub->footer(
+      "Exit code 1: the packing protrudes or overlaps more than accepted, or a file could not be written\n\n"
       "Examples:\n  osteon pack hip.obj -o hip.osp --report hip_report\n"
       "  osteon pack hip.obj -o hip.osp --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21 --count 25000 --grade "
       "0.3\n"
@@ -159,42 +174,48 @@ struct FailureTables {
 };
 
 CLI::App* AddFailures(CLI::App& app, osteon::app::FailureOptions& failures, FailureTables& tables) {
-  CLI::App* sub =
-      app.add_subcommand("failures", "runs the scenarios in which cutting methods fail, and ours must not");
-  auto* ids = sub->add_option("scenarios", failures.ids, "their numbers; without any, all of them")
+  CLI::App* sub = app.add_subcommand(
+      "failures", "runs the scenarios in which plain cutting methods fail and Osteon must not");
+  auto* ids = sub->add_option("scenarios", failures.ids, "numbers of the scenarios; without any, all of them")
                   ->check(osteon::app::NumberWithin(1, 99));
   auto* out =
-      sub->add_option("--out", failures.out, "folder for failures.html and a picture of each scenario");
-  auto* faults =
-      sub->add_flag("--faults", tables.faults,
-                    "instead: every fault of the cell in every state of it, in virtual time (docs/states.md)")
+      sub->add_option("--out", failures.out, "folder for failures.html and a picture of each scenario")
+          ->type_name("FOLDER");
+  auto* faults = sub->add_flag("--faults", tables.faults,
+                               "instead of the scenarios: every fault of the cell in every state, in virtual "
+                               "time (docs/states.md)")
+                     ->excludes(ids)
+                     ->excludes(out);
+  auto* kill =
+      sub->add_flag("--kill", tables.kill,
+                    "instead of the scenarios: processes and threads are killed in full contact at 150 N: "
+                    "controller, servo loop, simulation, recorder, guard, cell (docs/guard.md)")
           ->excludes(ids)
-          ->excludes(out);
-  auto* kill = sub->add_flag("--kill", tables.kill,
-                             "instead: real processes die in full contact at 150 N: controller, loop, "
-                             "simulation, recorder, guard, cell (docs/guard.md)")
-                   ->excludes(ids)
-                   ->excludes(out)
-                   ->excludes(faults);
-  sub->add_option("--times", tables.times, "so often each, with --kill")
+          ->excludes(out)
+          ->excludes(faults);
+  sub->add_option("--times", tables.times, "number of trials of each kind")
       ->check(osteon::app::NumberWithin(1, 1000))
       ->needs(kill)
       ->capture_default_str();
-  sub->add_option("--markdown", failures.markdown, "a page with the pictures of --out, as docs/failures.md")
+  sub->add_option("--markdown", failures.markdown,
+                  "write a page with the pictures of --out there, as docs/failures.md")
+      ->type_name("FILE")
       ->needs(out);
-  sub->add_option("--json", failures.json, "write the figures there");
-  sub->add_option("--device", failures.device, "part of a Vulkan device's name (osteon doctor lists them)");
-  sub->add_option("--engine", failures.engine, "what must keep the bounds: vulkan, or reference (slow)")
+  sub->add_option("--json", failures.json, "also write the figures there, as JSON")->type_name("FILE");
+  sub->add_option("--device", failures.device,
+                  "the Vulkan device: part of its name, as `osteon doctor` lists it")
+      ->type_name("NAME");
+  sub->add_option("--engine", failures.engine, "the engine that must keep the bounds; reference is slow")
       ->check(osteon::app::OneOf({"vulkan", "reference"}))
       ->capture_default_str();
-  sub->add_flag("--quick", failures.quick, "small scenes, as the tests run them: seconds instead of minutes");
+  sub->add_flag("--quick", failures.quick, "small scenes, as in the tests: seconds instead of minutes");
   std::string list = "Scenarios:\n";
   for (const osteon::hil::FailureScenario& scenario : osteon::hil::FailureScenarios())
     list += fmt::format("  {:>2}  {}\n", scenario.id, scenario.name);
   sub->footer(
       list +
-      "\nExit code 1: a baseline did not fail, ours did not keep its bound, or a fault did not come to what "
-      "is stated,\nor the arm did not rest within its limits after a kill.\n\nExamples:\n"
+      "\nExit code 1: a baseline did not fail, Osteon exceeded a bound, a fault did not lead to the stated "
+      "reaction, or the arm did not stop within its limits after a kill\n\nExamples:\n"
       "  osteon failures\n  osteon failures 1 9 --out failures\n  osteon failures --quick --json "
       "failures.json\n"
       "  osteon failures 21 --device llvmpipe\n  osteon failures --faults --json faults.json\n"
@@ -206,69 +227,87 @@ int Run(int argc, char** argv) {
   const char* root = std::getenv("OSTEON_ROOT");
   std::filesystem::path config_root = std::filesystem::path(root ? root : ".") / "config";
 
-  CLI::App app{"Osteon: haptic controller and cutting simulation for a hip-reaming robot cell", "osteon"};
-  app.set_version_flag("--version", "osteon " OSTEON_VERSION);
+  CLI::App app{"haptic controller and cutting simulation for a hip-reaming robot cell", "osteon"};
+  app.formatter(std::make_shared<osteon::app::HelpFormatter>());
+  app.set_help_flag("-h,--help", "print this text");
+  app.set_version_flag("--version", "osteon " OSTEON_VERSION, "print the version");
   app.require_subcommand(0, 1);
-  app.add_option("--config-root", config_root, "folder with cells/, robots/, tools/ …")
-      ->capture_default_str();
-  app.footer(
-      "The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
-      "  docs                        builds the documents as a site\n"
-      "  clean                       removes what was built\n\n"
-      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon run --help\n  osteon pack --help\n  osteon "
-      "bench frame\n  osteon "
-      "failures --help\n  "
-      "osteon doctor");
+  app.add_option("--config-root", config_root, "the folder with cells/, robots/, tools/ and so on")
+      ->type_name("FOLDER")
+      ->default_str("config/ of the project");
+  app.footer(osteon::app::LauncherFooter() +
+             "Examples:\n  osteon demo\n  osteon demo --help\n  osteon run demo --simulated --seconds 10\n"
+             "  osteon bench frame\n  osteon doctor");
 
   osteon::app::DemoOptions demo;
   std::string mesh, cup, tool, cell = "demo";
   double scale = 1.0;
   CLI::App* demo_app = app.add_subcommand("demo", "cuts bone on the simulated cell and leaves a report");
-  demo_app->add_option("--seconds", demo.seconds, "time in COMMANDING_ACTIVE, 0.1 … 3600")
+  demo_app->add_option("--seconds", demo.seconds, "seconds of rendering (COMMANDING_ACTIVE)")
       ->check(osteon::app::NumberWithin(osteon::app::kMinSeconds, osteon::app::kMaxSeconds))
       ->capture_default_str();
   demo_app
       ->add_option("--out", demo.out,
-                   "folder for summary.json, report.html, recording.mcap; an earlier demo's are kept in "
-                   "earlier_DATE_TIME in it")
+                   "folder for summary.json, report.html and recording.mcap; files of an earlier demo move "
+                   "to earlier_DATE_TIME in it")
+      ->type_name("FOLDER")
       ->capture_default_str();
-  demo_app->add_flag("--overwrite", demo.overwrite, "an earlier demo's files in --out are replaced");
-  auto* mesh_option = demo_app->add_option(
-      "--mesh", mesh, "closed triangle mesh instead of the scene: STL, OBJ, PLY, in mm; or a packing: .osp");
-  auto* cup_option = demo_app->add_option("--cup", cup,
-                                          "X,Y,Z,NX,NY,NZ,R: its cup, or the circle where a drill enters: "
-                                          "centre, axis out of the bone, radius; mm");
-  auto* scale_option = demo_app->add_option("--scale", scale, "millimetres to a unit of the mesh");
+  demo_app->add_flag("--overwrite", demo.overwrite, "replace the files of an earlier demo in --out");
+  auto* mesh_option =
+      demo_app
+          ->add_option(
+              "--mesh", mesh,
+              "a closed mesh instead of the scene's bone: STL, OBJ or PLY in mm, or a packing (.osp)")
+          ->type_name("FILE");
+  auto* cup_option =
+      demo_app
+          ->add_option(
+              "--cup", cup,
+              "cup of the mesh, or the circle where a drill enters: centre, axis out of the bone, radius; mm")
+          ->type_name("X,Y,Z,NX,NY,NZ,R");
+  auto* scale_option = demo_app->add_option("--scale", scale, "mm for each unit of the mesh file");
   scale_option->check(osteon::app::NumberWithin(1e-4, 1e4))->needs(mesh_option)->capture_default_str();
   cup_option->needs(mesh_option);
   demo_app->add_flag("--virtual-time", demo.virtual_time,
-                     "lockstep, as fast as it goes; two runs give equal bits");
-  demo_app
-      ->add_option("--frame-ms", demo.frame_ms,
-                   "virtual time: what a frame of the simulation takes; default 2")
+                     "lockstep, as fast as the machine can; two runs give the same bits");
+  demo_app->add_option("--frame-ms", demo.frame_ms, "duration of a simulation frame in virtual time")
+      ->default_str("2")
       ->check(osteon::app::NumberWithin(1, 100));
   osteon::app::AddFidelityOptions(*demo_app, demo.fidelity);
-  demo_app->add_option("--device", demo.device, "part of a Vulkan device's name (osteon doctor lists them)");
   demo_app
-      ->add_option("--engine", demo.engine, "vulkan, or reference: double precision, slow, virtual time only")
-      ->check(osteon::app::OneOf({"vulkan", "reference"}))
-      ->capture_default_str();
-  demo_app->add_option("--cell", cell, "a name under cells/, or a YAML file")->capture_default_str();
-  auto* tool_option = demo_app->add_option(
-      "--tool", tool, "NAME[:DIAMETER]: instead of the cell's; a name under tools/, or a YAML file; mm");
+      ->add_option("--device", demo.device,
+                   "the Vulkan device: part of its name, as `osteon doctor` lists it")
+      ->type_name("NAME");
   demo_app
       ->add_option(
-          "--port", demo.port,
-          "the first of the cell's ports on loopback (FRI, PLC, CAN) instead of its file's; 0: any free ones")
+          "--engine", demo.engine,
+          "the cutting engine; reference computes in double precision, slowly, and in virtual time only")
+      ->check(osteon::app::OneOf({"vulkan", "reference"}))
+      ->capture_default_str();
+  demo_app->add_option("--cell", cell, "a name under cells/, or a cell's YAML file")
+      ->type_name("CELL")
+      ->capture_default_str();
+  auto* tool_option = demo_app
+                          ->add_option("--tool", tool,
+                                       "use this tool instead of the cell's: NAME or NAME:DIAMETER in mm; a "
+                                       "name under tools/, or a YAML file")
+                          ->type_name("TOOL");
+  demo_app
+      ->add_option("--port", demo.port,
+                   "first of the cell's ports, instead of the one in its file: FRI, PLC, then two for each "
+                   "CAN bus; 0: any free ports")
       ->check(osteon::app::PortNumber());
   demo_app
       ->add_option("--cpu", demo.cpu,
-                   "servo thread and simulated arm share this CPU, everything else stays off it")
+                   "CPU of the servo thread and the simulated arm; everything else stays off it")
       ->check(osteon::app::NumberWithin(0, osteon::rt::kMaxCpu));
-  demo_app->add_option("--json", demo.json, "a further copy of summary.json");
-  demo_app->add_option("--save-motion", demo.save_motion,
-                       "write the tool's motion there (CSV), to be played again");
+  demo_app->add_option("--json", demo.json, "write a further copy of summary.json there")->type_name("FILE");
+  demo_app
+      ->add_option("--save-motion", demo.save_motion,
+                   "write the tool's motion there (CSV), to be played again")
+      ->type_name("FILE");
   demo_app->footer(
+      "Exit code 1: a fault ended the run, or a file could not be written\n\n"
       "Examples:\n  osteon demo\n  osteon demo --seconds 5 --out my_run\n  osteon demo --virtual-time\n"
       "  osteon demo --error-mm 0.05 --rate-hz 500\n"
       "  osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21\n"
@@ -283,29 +322,36 @@ int Run(int argc, char** argv) {
   CLI::App* failures_app = AddFailures(app, failures, tables);
 
   osteon::app::DoctorOptions doctor;
-  CLI::App* doctor_app = app.add_subcommand("doctor", "what this machine can do, with a verdict each");
+  CLI::App* doctor_app =
+      app.add_subcommand("doctor", "checks what this machine can do, with a verdict for each item");
   doctor_app->add_option("--port", doctor.fri_port, "FRI port to try")
       ->check(osteon::app::PortNumber())
       ->capture_default_str();
   doctor_app
-      ->add_option("--seconds", doctor.seconds,
-                   "of timer latency, with SCHED_FIFO and as long without; hours are a measurement")
+      ->add_option(
+          "--seconds", doctor.seconds,
+          "duration of the timer test, once with SCHED_FIFO and once without; a measurement takes hours")
       ->check(osteon::app::NumberWithin(0.1, 86400))
       ->capture_default_str();
-  doctor_app->add_option("--json", doctor.json, "write the checks there");
-  doctor_app->footer("Examples:\n  osteon doctor\n  osteon doctor --seconds 3600 --json doctor.json");
+  doctor_app->add_option("--json", doctor.json, "also write the checks there, as JSON")->type_name("FILE");
+  doctor_app->footer(
+      "Exit code 1: there is no Vulkan device, or the FRI port is taken\n\n"
+      "Examples:\n  osteon doctor\n  osteon doctor --seconds 3600 --json doctor.json");
 
   osteon::app::FaultsOptions faults;
-  CLI::App* faults_app = app.add_subcommand("faults", "what can stop the cell, and how to go on");
-  faults_app->add_option("--markdown", faults.markdown, "write them there, as docs/faults.md");
-  faults_app->add_option("--json", faults.json, "write them there");
+  CLI::App* faults_app =
+      app.add_subcommand("faults", "lists the faults that stop the cell, and how to continue after each");
+  faults_app->add_option("--markdown", faults.markdown, "write the page there, as docs/faults.md")
+      ->type_name("FILE");
+  faults_app->add_option("--json", faults.json, "also write the faults there, as JSON")->type_name("FILE");
   faults_app->footer("Examples:\n  osteon faults\n  osteon faults --json faults.json");
 
   osteon::app::StatesOptions states;
   CLI::App* states_app =
-      app.add_subcommand("states", "what the cell does, and what leads from one state to another");
-  states_app->add_option("--markdown", states.markdown, "write them there, as docs/states.md");
-  states_app->add_option("--json", states.json, "write them there");
+      app.add_subcommand("states", "lists the states of the cell and what leads from one to another");
+  states_app->add_option("--markdown", states.markdown, "write the page there, as docs/states.md")
+      ->type_name("FILE");
+  states_app->add_option("--json", states.json, "also write the states there, as JSON")->type_name("FILE");
   states_app->footer("Examples:\n  osteon states\n  osteon states --json states.json");
 
   osteon::app::MeasureCommands measure(app);
@@ -319,6 +365,7 @@ int Run(int argc, char** argv) {
   osteon::app::ExportCommand export_recording(app);
   osteon::app::ReplayCommand replay(app);
   osteon::app::RegressCommand regress(app);
+  osteon::app::ManualCommands manual(app);
 
   try {
     app.parse(argc, argv);
@@ -411,6 +458,10 @@ int Run(int argc, char** argv) {
   if (export_recording.asked()) return export_recording.Run();
   if (replay.asked()) return replay.Run(config_root);
   if (regress.asked()) return regress.Run(config_root, CommandLine(argc, argv));
+  if (manual.asked()) {
+    const CLI::App* const apps[] = {&app};
+    return manual.Run(apps);
+  }
   if (measure.asked()) return measure.Run(config_root);
   if (*states_app) return osteon::app::RunStates(states);
   if (*faults_app) return osteon::app::RunFaults(faults);

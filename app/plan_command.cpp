@@ -10,36 +10,44 @@
 
 namespace osteon::app {
 PlanCommand::PlanCommand(CLI::App& app)
-    : sub_(app.add_subcommand("plan", "the coarsest model of a scene that has an error and a rate")) {
+    : sub_(app.add_subcommand("plan", "finds the coarsest model of a scene that meets an error and a rate")) {
   PlanOptions& o = options_;
   sub_->add_option("scene", o.choice.scene,
-                   "a scene's YAML file, or a name under scenes/; or a mesh (.stl, .obj, .ply) with --cup")
+                   "a name under scenes/, or a scene's YAML file; or a mesh (.stl, .obj, .ply) with --cup")
+      ->type_name("SCENE")
       ->required();
-  sub_->add_option("--cup", cup_, "X,Y,Z,NX,NY,NZ,R: a mesh's site, as a cup or entry; mm");
+  sub_->add_option("--cup", cup_,
+                   "the mesh's cup, or the entry of a drill: centre, axis out of the bone, radius; mm")
+      ->type_name("X,Y,Z,NX,NY,NZ,R");
   sub_->add_option("--scene", o.choice.mesh_scene,
-                   "a mesh takes this scene's place: its tissue and its cut (acetabulum)");
-  sub_->add_option("--scale", o.choice.scale, "millimetres to a unit of the mesh file")
+                   "scene whose bone the mesh replaces: gives tissue and cut; without it acetabulum")
+      ->type_name("SCENE");
+  sub_->add_option("--scale", o.choice.scale, "mm for each unit of the mesh file")
       ->check(NumberWithin(1e-6, 1e6));
-  sub_->add_option("--error-mm", error_mm_, "mean depth that a cut may be off the tool's sweep")
+  sub_->add_option("--error-mm", error_mm_, "accepted mean depth error of a cut")
       ->check(NumberWithin(0.001, 5))
       ->required();
-  sub_->add_option("--rate-hz", o.request.rate_hz, "frames a second")
+  sub_->add_option("--rate-hz", o.request.rate_hz, "frames per second")
       ->check(NumberWithin(1, 100e3))
       ->required();
   sub_->add_option(
-      "--cell", cell_,
-      "tool, coupling and arm: a cell's YAML file or name; without it the cell of the scene's own name, "
-      "or else demo");
+          "--cell", cell_,
+          "the cell with tool, coupling and arm; without it the cell of the scene's name, or else demo")
+      ->type_name("CELL");
   sub_->add_option("--tool", tool_,
-                   "NAME[:DIAMETER]: instead of the cell's; a name under tools/, or a YAML file; mm");
-  sub_->add_flag("--check", o.check, "carry the plan out, and measure what it predicts");
-  sub_->add_option("--device", o.request.device, "part of a Vulkan device's name (osteon doctor lists them)");
-  sub_->add_option("--json", o.json, "write the plan there");
+                   "use this tool instead of the cell's: NAME or NAME:DIAMETER in mm; a name under tools/, "
+                   "or a YAML file")
+      ->type_name("TOOL");
+  sub_->add_flag("--check", o.check, "carry the plan out and measure what it predicts");
+  sub_->add_option("--device", o.request.device,
+                   "the Vulkan device: part of its name, as `osteon doctor` lists it")
+      ->type_name("NAME");
+  sub_->add_option("--json", o.json, "also write the plan there, as JSON")->type_name("FILE");
   sub_->footer(
-      "Times two other packings on this machine first. Exit code 1: error and rate can't both be had (the "
-      "plan says "
-      "which\none it gave up, and by how much), or --check measured something else than was "
-      "promised.\n\nExamples:\n"
+      "The command first times two other packings on this machine.\n\n"
+      "Exit code 1: error and rate cannot both be met (the plan says which was given up, and by how much), "
+      "or "
+      "--check measured something else than the plan promised\n\nExamples:\n"
       "  osteon plan acetabulum --error-mm 0.1 --rate-hz 1000\n"
       "  osteon plan molar --error-mm 0.03 --rate-hz 1000 --check --json plan.json\n"
       "  osteon plan thin_plate --tool twist_drill:3.2 --error-mm 0.05 --rate-hz 500\n"

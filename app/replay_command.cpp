@@ -6,17 +6,19 @@
 namespace osteon::app {
 
 ReplayCommand::ReplayCommand(CLI::App& app)
-    : sub_(app.add_subcommand("replay", "runs the controller again on what a recording says it was given")) {
-  sub_->add_option("recording", options_.recording, "an .mcap file that a run has left; a torn one will do")
+    : sub_(app.add_subcommand("replay", "runs the controller again on a recording's inputs and compares")) {
+  sub_->add_option("recording", options_.recording, "the .mcap file of a run; it may be torn")
+      ->type_name("FILE")
       ->required()
       ->check(CLI::ExistingFile);
-  sub_->add_option(
-      "--cell", cell_,
-      "a cell's YAML file or name instead of the recorded configuration: what would have been otherwise");
-  sub_->add_option("--json", options_.json, "write the result there");
+  sub_->add_option("--cell", cell_,
+                   "a cell's name or YAML file, to be used instead of the recorded configuration: what would "
+                   "have been different")
+      ->type_name("CELL");
+  sub_->add_option("--json", options_.json, "also write the result there, as JSON")->type_name("FILE");
   sub_->footer(
-      "The recording holds every input of the servo loop and the configuration: nothing else is read.\n"
-      "Exit code 1: a bit differs, or a tick could not be run again.\n\n"
+      "The recording holds every input of the servo loop and the configuration: nothing else is read.\n\n"
+      "Exit code 1: a bit differs, or a tick could not be run again\n\n"
       "Examples:\n  osteon replay demo_out/recording.mcap\n"
       "  osteon replay demo_out/recording.mcap --json replay.json\n"
       "  osteon replay demo_out/recording.mcap --cell softer.yaml");

@@ -9,20 +9,25 @@ namespace osteon::app {
 
 TransparencyCommand::TransparencyCommand(CLI::App& app)
     : sub_(app.add_subcommand("transparency",
-                              "what a hand feels at the handle beside what the law asks for")) {
-  sub_->add_option("cell", cell_, "a cell's YAML file, or a name under cells/")->required();
-  sub_->add_option("--out", options_.out, "folder for transparency.svg, .png, .csv, .json, .html")
+                              "compares what a hand feels at the handle with what the law asks for")) {
+  sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
+      ->type_name("CELL")
+      ->required();
+  sub_->add_option("--out", options_.out, "folder for transparency.svg, .png, .csv, .json and .html")
+      ->type_name("FOLDER")
       ->capture_default_str();
-  sub_->add_option("--json", options_.json, "a further copy of transparency.json");
-  sub_->add_option("--points", options_.points, "frequencies from 0.1 to 30 Hz")
+  sub_->add_option("--json", options_.json, "write a further copy of transparency.json there")
+      ->type_name("FILE");
+  sub_->add_option("--points", options_.points, "number of frequencies from 0.1 to 30 Hz")
       ->check(NumberWithin(3, 200))
       ->capture_default_str();
   sub_->add_option("--sensor-delay-count", options_.sensor_delay_ticks,
-                   "ticks from the load on the sensor to the loop")
+                   "delay from the load on the sensor to the loop, in ticks")
       ->check(NumberWithin(0, 100))
       ->capture_default_str();
   sub_->footer(
       "Simulated arm, virtual time: a known wrench shakes the handle, one frequency after the other.\n\n"
+      "Exit code 1: the verdict is bad, or a file could not be written\n\n"
       "Examples:\n  osteon transparency demo\n  osteon transparency config/cells/molar.yaml --out molar "
       "--points 12");
 }

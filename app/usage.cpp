@@ -25,7 +25,7 @@ CLI::Validator Within(T min, T max) {
             const bool good = error == std::errc{} && rest == end && value >= min && value <= max;
             return good ? std::string() : fmt::format("found {}, accepted {}", text, range);
           },
-          ""};
+          range};
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ CLI::Validator OneOf(const std::vector<std::string>& words) {
                        ? std::string()
                        : fmt::format("found {}, accepted {}", text, fmt::join(words, ", "));
           },
-          ""};
+          fmt::format("{{{}}}", fmt::join(words, ","))};
 }
 
 std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {

@@ -5,7 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
-// Error texts for a wrong command line: found …, accepted …, in one line.
+// Error texts for a wrong command line: found …, accepted …, in one line. The validators' descriptions say
+// what is accepted; command_table.h reads them for help and manual.
 
 namespace osteon::app {
 

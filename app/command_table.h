@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+// The command line as data. The tree of CLI::App that parses it is the one source; help, manual and
+// completion are made from what is read from it here.
+//
+// How the tree says what CLI11 has no field for:
+//   Option::type_name     what a value is: FILE, FOLDER, CELL, TOOL, SCENE, SCENARIO, ROBOT, or a form as
+//   X,Y,Z Validator description what is accepted: "1 … 100", or "{a,b}" for one of several words (usage.h)
+//   App::footer           paragraphs, lists and exit codes, separated by blank lines: ParseFooter
+
+namespace osteon::app {
+
+struct OptionText {
+  std::vector<std::string> names;  ///< "-o", "--out"; of an argument only its name, "cell"
+  bool is_argument{false};
+  bool required{false};
+  bool repeats{false};              ///< takes several values, or may be given several times
+  std::string value;                ///< kind of the value: "FILE", "NUMBER"; empty: a flag
+  std::vector<std::string> words;   ///< the accepted words, where there is a list of them
+  std::string range;                ///< the accepted numbers, "1 … 100"; may be empty
+  std::string help, default_value;  ///< default_value: empty where there is none
+  std::string group;                ///< heading under which it is listed
+  std::vector<std::string> needs, excludes;
+};
+
+struct ListText {
+  std::string title;  ///< "Examples"
+  std::vector<std::string> lines;
+};
+
+struct CommandText {
+  std::string name;     ///< as it is typed: "osteon bench frame"
+  std::string purpose;  ///< one line
+  std::string group;    ///< heading under which the parent lists it
+  bool needs_command{false};
+  std::vector<OptionText> options;  ///< in the order of their definition
+  std::vector<std::string> paragraphs;
+  std::vector<ListText> lists;  ///< the last one: examples
+  std::map<int, std::string> exit_codes;
+  std::vector<CommandText> commands;
+
+  /// The word that its parent is followed by: "frame".
+  [[nodiscard]] std::string word() const { return name.substr(name.rfind(' ') + 1); }
+};
+
+[[nodiscard]] CommandText DescribeCommand(const CLI::App& app);
+
+/// Describes several executables as one command: name, options and texts of the first, subcommands of all.
+/// Where two have a subcommand of the same name, the one with more options counts; the other one only
+/// announces it.
+[[nodiscard]] CommandText DescribeCommands(std::span<const CLI::App* const> apps);
+
+/// Splits a footer into its parts. Blocks are separated by blank lines. A block whose first line ends with
+/// ':' and whose others are indented is a list. "Exit code N: meaning" describes an exit code. Others are
+/// paragraphs, whose line breaks do not count.
+void ParseFooter(const std::string& footer, CommandText& command);
+
+/// What is accepted, as text: the words, or the range; empty if everything is.
+[[nodiscard]] std::string AcceptedText(const OptionText& option);
+
+/// Exit codes that every subcommand has.
+[[nodiscard]] std::span<const std::pair<int, std::string_view>> CommonExitCodes();
+
+/// A command of the launcher ./osteon, which the built program does not know.
+struct LauncherCommand {
+  std::string_view name, arguments, purpose;
+};
+inline constexpr std::array kLauncherCommands = std::to_array<LauncherCommand>({
+    {"test", "[ctest arguments]", "builds and runs every test"},
+    {"docs", "", "builds the documents as a site"},
+    {"clean", "", "removes what was built"},
+});
+
+/// The list of the launcher's commands, as a block of a footer.
+[[nodiscard]] std::string LauncherFooter();
+
+}  // namespace osteon::app
