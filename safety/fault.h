@@ -38,7 +38,6 @@ class FaultSet {
  public:
   constexpr void Latch(Fault fault) noexcept { bits_ |= static_cast<std::uint32_t>(fault); }
   constexpr void Latch(FaultSet other) noexcept { bits_ |= other.bits_; }
-  constexpr void Unlatch(Fault fault) noexcept { bits_ &= ~static_cast<std::uint32_t>(fault); }
   constexpr void Clear() noexcept { bits_ = 0; }
   [[nodiscard]] constexpr bool Has(Fault fault) const noexcept {
     return (bits_ & static_cast<std::uint32_t>(fault)) != 0;
