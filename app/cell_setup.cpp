@@ -112,6 +112,7 @@ tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& ce
     }
     setup.bone.name = made.name;
     setup.bone.site = made.site;
+    setup.bone_warning = made.warning;
     setup.solid = made.solid;
   }
   // place the bone so that its site is where the cell wants it: the configuration's X_WG is the pose of the

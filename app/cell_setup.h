@@ -40,6 +40,7 @@ struct CellSetup {
   io::ConfigSource config_source;              ///< every file that was read, for the recording
   std::string cell_name;                       ///< the YAML file's
   std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
+  std::string bone_warning;                    ///< of the mesh (SceneSolid); empty: none
 };
 
 /// Loads the cell's YAML and the solid of its bone. The bone has no balls yet (PackAsScene, or PackCell of

@@ -161,6 +161,7 @@ int RunDemo(const DemoOptions& options) {
     fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
                setup->bone.name);
 
+  if (!setup->bone_warning.empty()) fmt::print(stderr, "osteon demo: warning: {}\n", setup->bone_warning);
   for (const std::string& warning : SetupWarnings(setup->config, false))
     fmt::print(stderr, "osteon demo: warning: {}\n", warning);
 

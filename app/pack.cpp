@@ -260,6 +260,7 @@ int Run(const PackOptions& options) {
   result.phases = progress.phases();
   const auto written = WriteOutputs(options, result);
   progress.Done();
+  if (!source->warning.empty()) fmt::print(stderr, "osteon pack: warning: {}\n", source->warning);
   if (!written) return Fail("pack", written.error(), kFailed);
   if (Interrupted()) return kExitInterrupted;
   PrintTable(result);

@@ -204,7 +204,7 @@ tl::expected<void, std::string> LoadMeshSource(const SourceOptions& options, Pac
   source.materials = std::move(*materials);
 
   const double scale = options.scale.value_or(1.0);
-  const auto loaded = simulation::LoadMesh(options.input, {.scale = scale});
+  const auto loaded = simulation::LoadMesh(options.input, {.scale = scale, .remake = true});
   if (!loaded) return tl::make_unexpected(loaded.error().message);
   const auto made = simulation::MakeMeshSolid(*loaded, options.input, options.cup, scene);
   if (!made) return tl::make_unexpected(made.error().message);
@@ -216,6 +216,10 @@ tl::expected<void, std::string> LoadMeshSource(const SourceOptions& options, Pac
   if (!options.scene.empty()) source.own = std::move(scene);
   source.provenance.parameters.emplace_back("tissue", io::Utf8(scene_file->filename().string()));
   if (options.scale) source.provenance.parameters.emplace_back("scale_mm", fmt::format("{}", scale));
+  if (loaded->report.remake) {
+    source.warning = made->warning;
+    source.provenance.parameters.emplace_back("remade", simulation::DescribeRemake(*loaded->report.remake));
+  }
   return {};
 }
 

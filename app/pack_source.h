@@ -50,6 +50,7 @@ struct PackSource {
   std::size_t triangles{0};                    ///< of a mesh
   /// Mass properties of the solid filled evenly with 1000 kg/m³, in closed form; absent if there is none.
   std::optional<simulation::MassProperties> even;
+  std::string warning;  ///< what was assumed of a mesh that bounds no solid; empty: nothing
   simulation::PackingProvenance provenance;  ///< source, and the parameters that are known here
 };
 

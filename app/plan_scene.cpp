@@ -90,6 +90,7 @@ tl::expected<PlanScene, std::string> LoadPlanScene(const PlanChoice& choice) {
     source = std::move(*loaded);
   else
     return tl::make_unexpected(loaded.error());
+  if (!source.warning.empty()) fmt::print(stderr, "osteon plan: warning: {}\n", source.warning);
   const std::filesystem::path cell_file = CellOf(choice);
   const config::CellConfig cell = config::LoadCell(cell_file, choice.tool);
   source.own->materials = source.materials;

@@ -248,6 +248,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.wanted_s = params.seconds;
   s.period_s = setup.config.servo.period_s;
   s.warnings = SetupWarnings(setup.config, !params.cell && !params.virtual_time);
+  if (!setup.bone_warning.empty()) s.warnings.push_back(setup.bone_warning);
   s.without_plc = !setup.config.devices.plc;
   s.servo_thread = result.servo_thread;
   s.balls = setup.bone.balls.size();

@@ -24,8 +24,6 @@ class PausableClock {
   [[nodiscard]] double Step(double dt_s, bool permitted) OSTEON_RT;
 
   [[nodiscard]] double rate() const OSTEON_RT { return rate_; }
-  /// r' [1/s].
-  [[nodiscard]] double rate_speed() const OSTEON_RT { return rate_speed_; }
   /// Largest |r'| [1/s] for a given pause.
   [[nodiscard]] static double MaxRateSpeed(double pause_s) OSTEON_RT { return 3.0 / pause_s; }
 

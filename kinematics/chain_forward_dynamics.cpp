@@ -3,19 +3,10 @@
 #include "kinematics/frame_turn.h"
 #include "kinematics/serial_chain.h"
 
-// Forward dynamics by articulated bodies, and the Coriolis matrix.
+// Forward dynamics by articulated bodies.
 
 namespace osteon::kinematics {
 namespace {
-
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-Matrix3 Cross(const Vector3& v) {
-  Matrix3 C;
-  C << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return C;
-}
 
 [[gnu::always_inline]] inline Triple<double> Copy(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -196,63 +187,11 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
   return ForwardDynamics(q, qd, tau + TorquesOf(ComputePosture(q), F_ext_B));
 }
 
-// C = sum over the links k of J_k^T (I_k Jd_k + B_k J_k), with spatial vectors (rotation, then velocity at
-// the base's origin), all in B, and B_k = 1/2 ((v ×*) I + (I v) ×̄* - I (v ×)).
-template <int N>
-JointMatrixN<N> SerialChain<N>::CoriolisMatrix(const Joints& q, const Joints& qd) const noexcept {
-  assert(params_.has_masses);
-  const Posture posture = ComputePosture(q);
-  std::array<Vector6, static_cast<std::size_t>(N)> S, S_dot;
-  std::array<Matrix6, static_cast<std::size_t>(N)> I, B;
-  Vector6 v = Vector6::Zero();
-  for (std::size_t i = 0; i < N; ++i) {
-    const Vector3 axis = posture.R_BK[i].col(2), p = posture.p_BL[i];
-    S[i] << axis, p.cross(axis);
-    v += qd[static_cast<int>(i)] * S[i];
-    Matrix6 motion;  // v ×
-    motion << Cross(v.template head<3>()), Matrix3::Zero(), Cross(v.template tail<3>()),
-        Cross(v.template head<3>());
-    S_dot[i].noalias() = motion.lazyProduct(S[i]);
-
-    // the link's inertia in B
-    const Body& body = bodies_[i];
-    const Matrix3& R = posture.R_BK[i];
-    const Vector3 turned = R * body.first_moment_kg_m, h = turned + body.mass_kg * p;
-    const Matrix3 second =
-        R * body.second_moment_kg_m2 * R.transpose() + turned * p.transpose() + p * h.transpose();
-    I[i] << second.trace() * Matrix3::Identity() - second, Cross(h), -Cross(h),
-        body.mass_kg * Matrix3::Identity();
-
-    const Vector6 momentum = I[i].lazyProduct(v);
-    Matrix6 momentum_cross;  // m -> m ×* (I v)
-    momentum_cross << -Cross(momentum.template head<3>()), -Cross(momentum.template tail<3>()),
-        -Cross(momentum.template tail<3>()), Matrix3::Zero();
-    const Matrix6 I_motion = I[i].lazyProduct(motion);  // (v ×*) = -(v ×)^T
-    B[i] = 0.5 * (momentum_cross - I_motion.transpose() - I_motion);
-  }
-
-  JointMatrixN<N> C;
-  for (std::size_t j = N; j-- > 0;) {
-    if (j + 1 < N) {
-      I[j] += I[j + 1];
-      B[j] += B[j + 1];
-    }
-    const Vector6 own = I[j].lazyProduct(S_dot[j]) + B[j].lazyProduct(S[j]);
-    const Vector6 inertial = I[j].lazyProduct(S[j]), turned = B[j].transpose().lazyProduct(S[j]);
-    for (std::size_t i = 0; i <= j; ++i) {
-      C(static_cast<int>(i), static_cast<int>(j)) = S[i].dot(own);
-      if (i < j) C(static_cast<int>(j), static_cast<int>(i)) = S_dot[i].dot(inertial) + S[i].dot(turned);
-    }
-  }
-  return C;
-}
-
 #define OSTEON_INSTANTIATE(N)                                                                           \
   template JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints&, const Joints&, const Joints&) \
       const noexcept;                                                                                   \
   template JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints&, const Joints&, const Joints&, \
-                                                           const Wrench&) const noexcept;               \
-  template JointMatrixN<N> SerialChain<N>::CoriolisMatrix(const Joints&, const Joints&) const noexcept;
+                                                           const Wrench&) const noexcept;
 OSTEON_INSTANTIATE(6)
 OSTEON_INSTANTIATE(7)
 #undef OSTEON_INSTANTIATE

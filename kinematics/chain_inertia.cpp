@@ -1,12 +1,11 @@
 #include <cassert>
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 
 #include "kinematics/frame_turn.h"
 #include "kinematics/serial_chain.h"
 
-// Mass matrix, and the inertia that the hand feels.
+// Mass matrix, and the mobility of a point of the flange.
 
 namespace osteon::kinematics {
 namespace {
@@ -93,57 +92,15 @@ JointMatrixN<N> SerialChain<N>::MassMatrix(const Joints& q) const noexcept {
 
 // J M^-1 J^T = Y^T Y with L Y = J^T, M = L L^T.
 template <int N>
-Eigen::Matrix<double, 6, 6> SerialChain<N>::MobilityOf(const Joints& q,
-                                                       const JacobianN<N>& J) const noexcept {
-  Eigen::Matrix<double, N, 6> Y = J.transpose();
+Eigen::Matrix<double, 6, 6> SerialChain<N>::Mobility(const Joints& q, const Vector3& p_B) const noexcept {
+  Eigen::Matrix<double, N, 6> Y = JacobianAt(Place(q), p_B).transpose();
   Eigen::LLT<JointMatrixN<N>>(MassMatrix(q)).matrixL().solveInPlace(Y);
   return Y.transpose().lazyProduct(Y);
 }
 
-template <int N>
-Eigen::Matrix<double, 6, 6> SerialChain<N>::Mobility(const Joints& q) const noexcept {
-  return MobilityOf(q, Jacobian(ComputePosture(q)));
-}
-
-template <int N>
-Eigen::Matrix<double, 6, 6> SerialChain<N>::Mobility(const Joints& q, const Vector3& p_B) const noexcept {
-  return MobilityOf(q, JacobianAt(ComputePosture(q), p_B));
-}
-
-template <int N>
-Eigen::Matrix<double, 6, 6> SerialChain<N>::OperationalInertia(const Joints& q) const noexcept {
-  return Mobility(q).inverse();
-}
-
-template <int N>
-Eigen::Matrix<double, 6, 6> SerialChain<N>::OperationalInertia(const Joints& q,
-                                                               const Vector3& p_B) const noexcept {
-  return Mobility(q, p_B).inverse();
-}
-
-template <int N>
-double SerialChain<N>::EffectiveMass(const Joints& q, const Vector3& u_B) const noexcept {
-  return EffectiveMass(q, u_B, ComputePosture(q).X_BF.translation());
-}
-
-template <int N>
-double SerialChain<N>::EffectiveMass(const Joints& q, const Vector3& u_B, const Vector3& p_B) const noexcept {
-  const JacobianN<N> J = JacobianAt(ComputePosture(q), p_B);
-  Joints y = J.template topRows<3>().transpose() * u_B;
-  Eigen::LLT<JointMatrixN<N>>(MassMatrix(q)).matrixL().solveInPlace(y);
-  return 1.0 / y.squaredNorm();
-}
-
-#define OSTEON_INSTANTIATE(N)                                                                            \
-  template JointMatrixN<N> SerialChain<N>::MassMatrix(const Joints&) const noexcept;                     \
-  template Eigen::Matrix<double, 6, 6> SerialChain<N>::Mobility(const Joints&) const noexcept;           \
-  template Eigen::Matrix<double, 6, 6> SerialChain<N>::Mobility(const Joints&, const Vector3&)           \
-      const noexcept;                                                                                    \
-  template Eigen::Matrix<double, 6, 6> SerialChain<N>::OperationalInertia(const Joints&) const noexcept; \
-  template Eigen::Matrix<double, 6, 6> SerialChain<N>::OperationalInertia(const Joints&, const Vector3&) \
-      const noexcept;                                                                                    \
-  template double SerialChain<N>::EffectiveMass(const Joints&, const Vector3&) const noexcept;           \
-  template double SerialChain<N>::EffectiveMass(const Joints&, const Vector3&, const Vector3&) const noexcept;
+#define OSTEON_INSTANTIATE(N)                                                        \
+  template JointMatrixN<N> SerialChain<N>::MassMatrix(const Joints&) const noexcept; \
+  template Eigen::Matrix<double, 6, 6> SerialChain<N>::Mobility(const Joints&, const Vector3&) const noexcept;
 OSTEON_INSTANTIATE(6)
 OSTEON_INSTANTIATE(7)
 #undef OSTEON_INSTANTIATE

@@ -32,12 +32,6 @@ class Least {
 // Length of v's component across a unit axis; |v|^2 - (v·a)^2 would lose half of the digits.
 double Across(const Vector3& v, const Vector3& axis) { return (v - v.dot(axis) * axis).norm(); }
 
-// max of w·u over unit u within the half angle of the axis
-double ConeSupport(const Vector3& w, const Vector3& axis, double cosine, double sine) {
-  const double along = w.dot(axis), size = w.norm();
-  return along >= size * cosine ? size : along * cosine + Across(w, axis) * sine;
-}
-
 // The largest factor whose force and torque stay within the caps.
 double CappedFactor(double force_N, double torque_Nm) {
   return std::min(force_N > 0.0 ? kForceCap_N / force_N : HUGE_VAL,
@@ -83,23 +77,6 @@ CapabilityLimit ForceCapability<N>::Factor(const Wrench& F) const OSTEON_RT {
   for (int i = 0; i < N; ++i) {
     const double load = J_.template block<3, 1>(0, i).dot(F.f) + J_.template block<3, 1>(3, i).dot(F.t);
     least.Add(load > 0.0 ? room_up_[i] : room_down_[i], std::abs(load), i);
-  }
-  return least.Result();
-}
-
-template <int N>
-CapabilityLimit ForceCapability<N>::ForceInCone(const Vector3& axis, double half_angle_rad,
-                                                double torque_Nm) const OSTEON_RT {
-  if (!holds_itself_ || !axis.allFinite() || !std::isfinite(half_angle_rad) || !std::isfinite(torque_Nm))
-    return {};
-  const double cosine = std::cos(half_angle_rad), sine = std::sin(half_angle_rad);
-  Least least(kForceCap_N);
-  for (int i = 0; i < N; ++i) {
-    const Vector3 Jv = J_.template block<3, 1>(0, i);
-    const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();
-    if (std::min(room_up_[i], room_down_[i]) < taken) return {.value = 0.0, .joint = i};
-    least.Add(room_up_[i] - taken, ConeSupport(Jv, axis, cosine, sine), i);
-    least.Add(room_down_[i] - taken, ConeSupport(-Jv, axis, cosine, sine), i);
   }
   return least.Result();
 }

@@ -62,16 +62,6 @@ class ForceCapability {
   /// Largest s such that s F is held; s |F.f| <= kForceCap_N and s |F.t| <= kTorqueCap_Nm. Zero for F = 0.
   [[nodiscard]] CapabilityLimit Factor(const Wrench& F) const OSTEON_RT;
 
-  /// Guaranteed force: the minimum of Force over all directions within half_angle_rad (0 … pi) of the axis
-  /// (unit). With pi, the radius of the largest ball of forces.
-  ///
-  ///     h±_i = max over the cone of ±Jv_i·u
-  ///          = |Jv_i|                                     if ±Jv_i lies in the cone
-  ///            ±Jv_i·a cos + |Jv_i - (Jv_i·a) a| sin      otherwise
-  ///     f = min over i and sign of (r±_i - torque |Jw_i|) / h±_i,   h > 0
-  [[nodiscard]] CapabilityLimit ForceInCone(const Vector3& axis, double half_angle_rad,
-                                            double torque_Nm = 0.0) const OSTEON_RT;
-
   /// Guaranteed lateral force: the minimum of Force over the circle of directions across the axis (unit),
   /// while axial_N (signed) acts along it.
   ///

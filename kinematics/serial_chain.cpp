@@ -169,38 +169,6 @@ JacobianN<N> SerialChain<N>::JacobianAt(const Posture& posture, const Vector3& p
 }
 
 template <int N>
-JacobianN<N> SerialChain<N>::JacobianDot(const Posture& posture, const Joints& qd) const noexcept {
-  return JacobianDotAt(posture, qd, posture.X_BF.translation());
-}
-
-// A column is (z × (p - p_i), z). With w the angular velocity of the link and v the velocity of the joint's
-// origin, its rate is (zd × (p - p_i) + z × (v_p - v), zd), where zd = w × z.
-template <int N>
-JacobianN<N> SerialChain<N>::JacobianDotAt(const Posture& posture, const Joints& qd,
-                                           const Vector3& p_B) const noexcept {
-  // velocities along the chain, outwards
-  std::array<Vector3, static_cast<std::size_t>(N)> w, v;
-  Vector3 w_link = Vector3::Zero(), v_link = Vector3::Zero(), p_link = Vector3::Zero();
-  for (std::size_t i = 0; i < N; ++i) {
-    v_link += w_link.cross(posture.p_BL[i] - p_link);
-    w_link += qd[static_cast<int>(i)] * posture.axis_B(static_cast<int>(i));
-    p_link = posture.p_BL[i];
-    w[i] = w_link;
-    v[i] = v_link;
-  }
-  const Vector3 v_point = v_link + w_link.cross(p_B - p_link);
-
-  JacobianN<N> J_dot;
-  for (std::size_t i = 0; i < N; ++i) {
-    const Vector3 axis = posture.axis_B(static_cast<int>(i)), axis_dot = w[i].cross(axis);
-    J_dot.col(static_cast<int>(i)).template head<3>() =
-        axis_dot.cross(p_B - posture.p_BL[i]) + axis.cross(v_point - v[i]);
-    J_dot.col(static_cast<int>(i)).template tail<3>() = axis_dot;
-  }
-  return J_dot;
-}
-
-template <int N>
 JointVectorN<N> SerialChain<N>::TorquesOf(const Posture& posture, const Wrench& F_B) const noexcept {
   Joints tau;
   for (int i = 0; i < N; ++i) {

@@ -60,11 +60,6 @@ class SerialChain {
   [[nodiscard]] JacobianN<N> Jacobian(const Posture& posture) const OSTEON_RT;
   /// The same for the point of the flange that is now at p_B.
   [[nodiscard]] JacobianN<N> JacobianAt(const Posture& posture, const Vector3& p_B) const OSTEON_RT;
-  /// dJ/dt of the flange's origin at joint velocities qd [rad/s].
-  [[nodiscard]] JacobianN<N> JacobianDot(const Posture& posture, const Joints& qd) const OSTEON_RT;
-  /// dJ/dt of the point of the flange that is now at p_B and moves with it.
-  [[nodiscard]] JacobianN<N> JacobianDotAt(const Posture& posture, const Joints& qd,
-                                           const Vector3& p_B) const OSTEON_RT;
 
   // --- dynamics: chain_dynamics.cpp, chain_inertia.cpp; @pre params().has_masses ---
 
@@ -77,10 +72,6 @@ class SerialChain {
   [[nodiscard]] Joints Gravity(const Joints& q) const OSTEON_RT;
   /// Centrifugal and Coriolis torques: C qd.
   [[nodiscard]] Joints Coriolis(const Joints& q, const Joints& qd) const OSTEON_RT;
-  /// The Coriolis matrix of the Christoffel symbols, or another with its properties: C qd is Coriolis(q, qd),
-  /// and dM/dt - 2 C is skew. Source: Echeandia and Wensing, Numerical Methods to Compute the Coriolis Matrix
-  /// and Christoffel Symbols for Rigid-Body Systems, J. Comput. Nonlinear Dyn. 16 (9), 2021.
-  [[nodiscard]] JointMatrixN<N> CoriolisMatrix(const Joints& q, const Joints& qd) const OSTEON_RT;
   /// Friction torques of the drives: viscous qd + coulomb tanh(qd / smoothing).
   [[nodiscard]] Joints Friction(const Joints& qd) const OSTEON_RT;
 
@@ -91,19 +82,9 @@ class SerialChain {
   [[nodiscard]] Joints ForwardDynamics(const Joints& q, const Joints& qd, const Joints& tau,
                                        const Wrench& F_ext_B) const OSTEON_RT;
 
-  /// Inertia felt by a hand on the flange, Lambda = (J M^-1 J^T)^-1, at the flange's origin or the point of
-  /// the flange at p_B; rows and columns v then w, in B. Grows without bound towards a singularity and is not
-  /// finite there: use Mobility instead.
-  [[nodiscard]] Eigen::Matrix<double, 6, 6> OperationalInertia(const Joints& q) const OSTEON_RT;
-  [[nodiscard]] Eigen::Matrix<double, 6, 6> OperationalInertia(const Joints& q,
-                                                               const Vector3& p_B) const OSTEON_RT;
-  /// Its inverse J M^-1 J^T: acceleration of the flange for a wrench on it. Finite everywhere.
-  [[nodiscard]] Eigen::Matrix<double, 6, 6> Mobility(const Joints& q) const OSTEON_RT;
+  /// Mobility J M^-1 J^T of the point of the flange at p_B: its acceleration, v then w in B, for a wrench on
+  /// it. Finite everywhere; the inverse of the inertia that a hand feels there.
   [[nodiscard]] Eigen::Matrix<double, 6, 6> Mobility(const Joints& q, const Vector3& p_B) const OSTEON_RT;
-  /// Mass [kg] felt by a force along the unit vector u_B at the flange's origin: 1 / (u^T J M^-1 J^T u). At a
-  /// singularity it is infinite only in directions in which the arm cannot move at all.
-  [[nodiscard]] double EffectiveMass(const Joints& q, const Vector3& u_B) const OSTEON_RT;
-  [[nodiscard]] double EffectiveMass(const Joints& q, const Vector3& u_B, const Vector3& p_B) const OSTEON_RT;
 
  private:
   // From frame K(i-1) to K(i); K(0) is fixed to the base, at its origin, with z along the first axis.
@@ -134,8 +115,6 @@ class SerialChain {
   }
   // J^T F, for the flange's origin.
   Joints TorquesOf(const Posture& posture, const Wrench& F_B) const noexcept;
-  // J M^-1 J^T.
-  Eigen::Matrix<double, 6, 6> MobilityOf(const Joints& q, const JacobianN<N>& J) const noexcept;
   // RNEA with the base accelerating by a, in K(0).
   Joints NewtonEuler(const Joints& q, const Joints& qd, const Joints& qdd, const Vector3& a) const noexcept;
   Joints Gather(const SinCosN<kPadded>& turn,

@@ -205,7 +205,7 @@ tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& 
   // before loading the mesh, which takes longer
   CheckTissue(scene.mesh_tissue, scene.material_names.size());
   static_cast<void>(Checked(site));
-  const auto loaded = LoadMesh(path, {.scale = scale});
+  const auto loaded = LoadMesh(path, {.scale = scale, .remake = true});
   if (!loaded) return tl::make_unexpected(loaded.error());
   return MakeMeshSolid(*loaded, path, site, scene);
 }
@@ -219,7 +219,10 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
   TissueMap tissue = TissueOf(scene.mesh_tissue, loaded.regions, checked);
   if (!site) tissue.lining.reset();
   auto solid = std::make_shared<const MeshSolid>(loaded, std::move(tissue));
-  if (!site) return SceneSolid{.name = path.stem().string(), .solid = solid, .site = checked};
+  SceneSolid made{.name = path.stem().string(), .solid = solid, .site = checked};
+  if (loaded.report.remake)
+    made.warning = fmt::format("{}: {}", path.string(), DescribeRemake(*loaded.report.remake));
+  if (!site) return made;
 
   constexpr double kNear = 0.7, kFar = 1.3, kMinShare = 0.25;
   const double share =
@@ -253,7 +256,7 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
             "is a path, such as femoral_head",
             path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * fallen, 100 * kMaxFallenAway)});
   }
-  return SceneSolid{.name = path.stem().string(), .solid = solid, .site = checked};
+  return made;
 }
 
 std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const CutSite& site, const Solid& solid) {

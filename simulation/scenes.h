@@ -85,7 +85,8 @@ struct SceneParams {
 struct SceneSolid {
   std::string name;
   std::shared_ptr<const Solid> solid;
-  CutSite site;  ///< in G
+  CutSite site;           ///< in G
+  std::string warning{};  ///< what was assumed of a mesh that bounds no solid; empty: nothing
 };
 
 /// Makes the scene's generated solid. The site's centre is where its vertical line first meets the solid from
@@ -94,7 +95,7 @@ struct SceneSolid {
 [[nodiscard]] SceneSolid MakeSceneSolid(const SceneParams& scene);
 
 /// Loads the solid of a mesh file (see LoadMesh) in place of the scene's generated solid. One unit of the
-/// file is `scale` millimetres; G is the file's frame, scaled.
+/// file is `scale` millimetres; G is the file's frame, scaled. A mesh that bounds no solid is remade.
 ///
 /// The site must be on the mesh, as a cup or as an entry. A cup: in at least a quarter of the directions into
 /// its lower half, bone begins between 70 and 130 % of its radius. An entry: its centre is within a quarter

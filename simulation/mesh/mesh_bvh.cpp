@@ -7,6 +7,8 @@
 
 #include <embree3/rtcore.h>
 
+#include "simulation/mesh/mesh_steps.h"
+
 namespace osteon::simulation {
 namespace {
 
@@ -124,7 +126,9 @@ TriangleHit MeshBvh::Nearest(const Vector3& p_m) const {
   return search.hit;
 }
 
-std::optional<MeshCrossing> MeshBvh::FindCrossing(double tolerance_m) const {
+std::optional<MeshCrossing> MeshBvh::CrossingOf(std::uint32_t triangle,
+                                                const std::array<std::uint32_t, 2>& edge,
+                                                double tolerance_m) const {
   struct Search {
     RTCIntersectContext context;  // first, so that Embree's pointer to it points to this struct, too
     const Impl* impl;
@@ -158,32 +162,45 @@ std::optional<MeshCrossing> MeshBvh::FindCrossing(double tolerance_m) const {
   Search search{.context = {},
                 .impl = impl_.get(),
                 .tolerance_m = tolerance_m,
-                .edge_triangle = 0,
-                .edge = {},
+                .edge_triangle = triangle,
+                .edge = edge,
                 .crossing = {}};
   rtcInitIntersectContext(&search.context);
   search.context.filter = decide;
-  for (std::uint32_t t = 0; t < impl_->mesh.triangles.size(); ++t) {
+  const Vector3 from = impl_->mesh.vertices_m[edge[0]] * kMm,
+                way = (impl_->mesh.vertices_m[edge[1]] * kMm) - from;
+  alignas(16) RTCRay ray{};
+  ray.org_x = static_cast<float>(from.x());
+  ray.org_y = static_cast<float>(from.y());
+  ray.org_z = static_cast<float>(from.z());
+  ray.dir_x = static_cast<float>(way.x());
+  ray.dir_y = static_cast<float>(way.y());
+  ray.dir_z = static_cast<float>(way.z());
+  ray.tfar = 1.0f;
+  ray.mask = ~0u;
+  rtcOccluded1(impl_->scene, &search.context, &ray);
+  return search.crossing;
+}
+
+std::optional<MeshCrossing> MeshBvh::FindCrossing(double tolerance_m) const {
+  for (std::uint32_t t = 0; t < impl_->mesh.triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t i = impl_->mesh.triangles[t][k], j = impl_->mesh.triangles[t][(k + 1) % 3];
       if (i > j) continue;  // each edge occurs twice, in both directions: use one
-      search.edge_triangle = t;
-      search.edge = {i, j};
-      const Vector3 from = impl_->mesh.vertices_m[i] * kMm, way = (impl_->mesh.vertices_m[j] * kMm) - from;
-      alignas(16) RTCRay ray{};
-      ray.org_x = static_cast<float>(from.x());
-      ray.org_y = static_cast<float>(from.y());
-      ray.org_z = static_cast<float>(from.z());
-      ray.dir_x = static_cast<float>(way.x());
-      ray.dir_y = static_cast<float>(way.y());
-      ray.dir_z = static_cast<float>(way.z());
-      ray.tfar = 1.0f;
-      ray.mask = ~0u;
-      rtcOccluded1(impl_->scene, &search.context, &ray);
-      if (search.crossing) return search.crossing;
+      if (const auto crossing = CrossingOf(t, {i, j}, tolerance_m)) return crossing;
     }
-  }
   return std::nullopt;
+}
+
+std::size_t MeshBvh::CountCrossings(double tolerance_m) const {
+  std::size_t count = 0;
+  const std::vector<MeshEdge> edges = SortedEdges(impl_->mesh);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const MeshEdge& edge = edges[i];
+    if (i > 0 && edges[i - 1].low == edge.low && edges[i - 1].high == edge.high) continue;
+    count += CrossingOf(edge.triangle, {edge.low, edge.high}, tolerance_m) ? 1 : 0;
+  }
+  return count;
 }
 
 }  // namespace osteon::simulation

@@ -45,8 +45,15 @@ class MeshBvh {
   /// than `tolerance_m` off the triangle's plane on both sides, and the crossing lies more than that inside
   /// its border.
   [[nodiscard]] std::optional<MeshCrossing> FindCrossing(double tolerance_m) const;
+  /// How many edges do so. Each edge counts once, however many triangles it has.
+  [[nodiscard]] std::size_t CountCrossings(double tolerance_m) const;
 
  private:
+  /// The crossing of an edge of a triangle, if it has one.
+  [[nodiscard]] std::optional<MeshCrossing> CrossingOf(std::uint32_t triangle,
+                                                       const std::array<std::uint32_t, 2>& edge,
+                                                       double tolerance_m) const;
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

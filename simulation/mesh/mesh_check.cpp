@@ -15,7 +15,6 @@ namespace {
 constexpr double kMaxCoordinate_m = 10.0;
 constexpr double kMaxSize_m = 1.0;
 constexpr double kMinVolume_m3 = 1e-9;
-constexpr double kCrossingTolerance_m = 1e-5;
 
 constexpr const char* kUnits = "files are read in millimetres, times --scale";
 

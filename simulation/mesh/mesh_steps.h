@@ -48,6 +48,13 @@ std::size_t WeldOpenEdges(PartedMesh& parted, double tolerance_m, MeshReport& re
 [[nodiscard]] tl::expected<LoadedMesh, MeshError> AcceptMesh(PartedMesh parted, const MeshReport& report,
                                                              const std::string& name);
 
+/// Deeper crossings are self-intersections.
+inline constexpr double kCrossingTolerance_m = 1e-5;
+
+/// Drops the smallest shells of a closed surface beyond the number that SortShells accepts.
+/// @returns how many.
+std::size_t KeepLargestShells(TriangleMesh& mesh);
+
 /// Finds how the shells nest; fills the report's shells and the regions.
 /// @pre `mesh` is manifold, its volume is not negative, and its shells do not cross each other.
 [[nodiscard]] tl::expected<LoadedMesh, MeshError> SortShells(PartedMesh parted, MeshReport report,

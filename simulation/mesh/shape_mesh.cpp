@@ -20,8 +20,8 @@ constexpr bool kEven[6] = {true, true, true, false, false, false};
 
 class Marching {
  public:
-  Marching(const LevelFunction& level, const Eigen::AlignedBox3d& box, double step_m)
-      : level_(level), low_(box.min()), step_m_(step_m) {
+  Marching(const LevelFunction& level, const Eigen::AlignedBox3d& box, double step_m, int rounds)
+      : level_(level), low_(box.min()), step_m_(step_m), rounds_(rounds) {
     if (!(step_m > 0.0) || !(box.sizes().minCoeff() > 0.0))
       throw std::invalid_argument("mesh of a shape: the step and the box must be positive");
     double count = 1.0;
@@ -121,8 +121,7 @@ class Marching {
     const std::size_t from = Corner(cube, a), to = Corner(cube, b);
     const Vector3 p_in = At(Inside(from) ? from : to), p_out = At(Inside(from) ? to : from);
     double in = 0.0, out = 1.0;
-    constexpr int kRounds = 20;
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < rounds_; ++round) {
       const double middle = 0.5 * (in + out);
       (level_(p_in + middle * (p_out - p_in)) < 0.0 ? in : out) = middle;
     }
@@ -136,6 +135,7 @@ class Marching {
   const LevelFunction& level_;
   Vector3 low_;
   double step_m_;
+  int rounds_;
   std::array<std::size_t, 3> size_{};
   std::vector<double> values_;
   std::vector<std::uint32_t> cuts_;
@@ -144,8 +144,9 @@ class Marching {
 
 }  // namespace
 
-TriangleMesh MeshOfLevel(const LevelFunction& level, const Eigen::AlignedBox3d& box, double step_m) {
-  return Marching(level, box, step_m).Run();
+TriangleMesh MeshOfLevel(const LevelFunction& level, const Eigen::AlignedBox3d& box, double step_m,
+                         int rounds) {
+  return Marching(level, box, step_m, rounds).Run();
 }
 
 TriangleMesh MeshOfRings(const std::vector<Ring>& rings) {

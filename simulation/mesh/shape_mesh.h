@@ -14,14 +14,15 @@ using LevelFunction = std::function<double(const Vector3& p_m)>;
 ///
 /// The mesh is closed, manifold and free of self-intersection by construction: neighbouring cubes cut their
 /// common face along the same diagonal, each edge of the grid carries at most one vertex, and each triangle
-/// stays within its tetrahedron. The vertices lie on the surface (bisection along the edges, to 1e-6 of the
-/// step), except near the grid's own vertices: from these they are moved away by up to a twentieth of the
-/// step to avoid needle-like triangles. Features thinner than the step may be lost.
+/// stays within its tetrahedron. The vertices lie on the surface (bisection along the edges, by default to
+/// 1e-6 of the step), except near the grid's own vertices: from these they are moved away by up to a
+/// twentieth of the step to avoid needle-like triangles. Features thinner than the step may be lost.
 /// @param box  must hold the surface with one step to spare; @param step_m  edge of the grid's cubes
+/// @param rounds  of the bisection
 /// @throws std::invalid_argument where the shape reaches the box's border, is empty, or the grid would have
 ///   more than 50 million vertices.
 [[nodiscard]] TriangleMesh MeshOfLevel(const LevelFunction& level, const Eigen::AlignedBox3d& box,
-                                       double step_m);
+                                       double step_m, int rounds = 20);
 
 /// A ring of points. All rings of a mesh have the same number of points.
 using Ring = std::vector<Vector3>;

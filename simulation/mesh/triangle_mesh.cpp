@@ -4,9 +4,20 @@
 
 #include "simulation/files/check_range.h"
 #include "simulation/mesh/mesh_file.h"
+#include "simulation/mesh/mesh_remake.h"
 #include "simulation/mesh/mesh_steps.h"
 
 namespace osteon::simulation {
+namespace {
+
+/// True where the triangles are in the bounds of coordinates and size, and only how they join was refused.
+bool MayBeRemade(MeshErrorKind kind) {
+  return kind == MeshErrorKind::kOpen || kind == MeshErrorKind::kNonManifold ||
+         kind == MeshErrorKind::kOrientation || kind == MeshErrorKind::kContradictory ||
+         kind == MeshErrorKind::kSelfIntersecting || kind == MeshErrorKind::kNoVolume;
+}
+
+}  // namespace
 
 tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path, const MeshParams& params) {
   if (!(params.scale >= 1e-6 && params.scale <= 1e6))
@@ -20,17 +31,21 @@ tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path, 
   PartedMesh parted = WeldParts(*raw, 1e-3 * params.scale, report);
   WeldOpenEdges(parted, 0.0, report);  // joins a surface spread over several groups
   auto accepted = AcceptMesh(parted, report, name);
-  if (accepted || accepted.error().kind != MeshErrorKind::kOpen || params.weld_tolerance_m == 0.0)
-    return accepted;
-
-  report.welded_vertices = WeldOpenEdges(parted, params.weld_tolerance_m, report);
-  if (report.welded_vertices > 0) {
-    auto repaired = AcceptMesh(std::move(parted), report, name);
-    if (repaired) return repaired;
+  if (accepted) return accepted;
+  if (accepted.error().kind == MeshErrorKind::kOpen && params.weld_tolerance_m > 0.0) {
+    report.welded_vertices = WeldOpenEdges(parted, params.weld_tolerance_m, report);
+    if (report.welded_vertices > 0) {
+      auto repaired = AcceptMesh(parted, report, name);
+      if (repaired) return repaired;
+    }
+    accepted.error().message +=
+        fmt::format("; welding within {:g} mm does not close them", params.weld_tolerance_m * 1e3);
   }
-  MeshError error = accepted.error();
-  error.message += fmt::format("; welding within {:g} mm does not close them", params.weld_tolerance_m * 1e3);
-  return tl::make_unexpected(error);
+  if (!params.remake || !MayBeRemade(accepted.error().kind)) return accepted;
+  auto remade = RemakeMesh(parted, report, params.remake_grid_points);
+  if (remade) return std::move(*remade);
+  accepted.error().message += "; no solid can be made of it: " + remade.error();
+  return accepted;
 }
 
 }  // namespace osteon::simulation

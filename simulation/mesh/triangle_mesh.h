@@ -56,6 +56,24 @@ struct MeshShell {
   ShellKind kind{ShellKind::kSolid};
 };
 
+/// What a file had that bounds no solid, and how RemakeMesh made a solid of it.
+struct MeshRemake {
+  std::size_t open_edges{0};      ///< with one triangle
+  std::size_t crowded_edges{0};   ///< with three triangles or more
+  std::size_t contrary_edges{0};  ///< between triangles wound in contrary senses
+  std::size_t crossings{0};       ///< edges that pass through a triangle
+  std::size_t shells{0};          ///< groups of triangles joined by edges of two
+  std::size_t turned_shells{0};   ///< that were inside out
+  std::size_t dropped_shells{0};  ///< of the remade surface, too small beside the others
+  double step_m{0.0};             ///< of the grid on which the surface was remade
+  double volume_m3{0.0};
+};
+
+/// "found 3 open edges, …".
+[[nodiscard]] std::string DescribeDefects(const MeshRemake& remake);
+/// The defects and what was assumed, for a warning.
+[[nodiscard]] std::string DescribeRemake(const MeshRemake& remake);
+
 /// Changes that loading made to the file's triangles.
 struct MeshReport {
   std::size_t dropped_triangles{0};    ///< triangles with two corners in one place
@@ -63,6 +81,7 @@ struct MeshReport {
   std::size_t welded_vertices{0};      ///< on the two sides of a slit, within the tolerance
   bool flipped{false};                 ///< the whole mesh was inside out
   std::vector<MeshShell> shells;       ///< in the order of their first triangles
+  std::optional<MeshRemake> remake;    ///< the surface is not the file's, but remade
 };
 
 /// A closed shell inside the solid that separates tissues and bounds no solid.
@@ -82,6 +101,9 @@ struct LoadedMesh {
 struct MeshParams {
   double scale{1.0};              ///< millimetres to a unit of the file; 1e-6 … 1e6
   double weld_tolerance_m{1e-6};  ///< largest distance of a slit's two sides; 0 … 0.1 mm
+  /// Makes a solid of a mesh that bounds none (RemakeMesh), where the other steps refuse it.
+  bool remake{false};
+  double remake_grid_points{6e6};  ///< largest number of points of the remade surface's grid
 };
 
 /// Reads one or more closed shells from an STL, OBJ or PLY file, with the reader of its format (mesh_file.h)
@@ -92,6 +114,8 @@ struct MeshParams {
 /// more is welded. Where edges are open, their ends are welded with those of other groups at exactly the same
 /// place and, if that is not enough, with those within the tolerance. Triangles that lose a corner, and
 /// copies of triangles, are dropped. The report counts all changes. T-junctions stay open.
+///
+/// A mesh that is still no solid is refused, or remade as one where the parameters ask for that.
 ///
 /// A shell inside another is a cavity where it is wound inwards. Wound outwards it is a region: it bounds no
 /// solid, but contains another tissue. Regions may lie in regions.

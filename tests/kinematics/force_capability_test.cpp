@@ -92,25 +92,6 @@ TYPED_TEST(ForceCapabilityOf, LargestWrenchPutsOneDriveAtItsLimitAndNoneBeyond) 
   }
 }
 
-// The cone's grid is 1 deg apart, so its minimum is within 1 - cos of that of the true minimum's scale.
-TYPED_TEST(ForceCapabilityOf, ConeGivesTheLeastOverItsDirections) {
-  constexpr int N = TypeParam::value;
-  constexpr double kStep = kPi / 180.0;
-  std::mt19937_64 random(13);
-  for (int n = 0; n < 30; ++n) {
-    const Drawn<N> d = Draw<N>(random);
-    const ForceCapability<N> arm = Exact(d);
-    const double half_angle = n % 5 == 0 ? kPi : (1 + n % 5) * 10.0 * kStep;
-    const double guaranteed = arm.ForceInCone(d.axis, half_angle).value;
-    double least = kForceCap_N;
-    for (double angle = 0.0; angle < half_angle + 0.5 * kStep; angle += kStep)
-      for (double turn = 0.0; turn < 2.0 * kPi; turn += kStep)
-        least = std::min(least, arm.Force(Around(d.axis, std::min(angle, half_angle), turn)).value);
-    ASSERT_GE(least, guaranteed * (1.0 - kRounding)) << "no direction of the cone is below";
-    ASSERT_LE(least, guaranteed * (1.0 + 2e-3)) << "and one attains it";
-  }
-}
-
 TYPED_TEST(ForceCapabilityOf, LateralForceIsTheLeastOverItsCircleUnderTheAxialForce) {
   constexpr int N = TypeParam::value;
   std::mt19937_64 random(14);
@@ -181,8 +162,6 @@ TYPED_TEST(ForceCapabilityOf, ABoundOnTheTorqueIsHeldWhateverTheTorque) {
       ASSERT_NEAR(least, 0.0, 320.0 * kRounding);
     }
     ASSERT_LE(f, Exact(d).Force(d.axis).value);
-    // with the same torque, cone and circle are bounded likewise: at most the value along their members
-    ASSERT_LE(Exact(d).ForceInCone(d.axis, 0.3, 20.0).value, f * (1.0 + kRounding));
     ASSERT_LE(Exact(d).LateralForce(d.axis, 0.0, 20.0).value, Exact(d).LateralForce(d.axis).value);
   }
 }
@@ -231,9 +210,8 @@ TYPED_TEST(ForceCapabilityOf, ALostDirectionIsCappedAndNoJointIsNamed) {
   const ForceCapability<N> arm = Exact(d);
   EXPECT_EQ(arm.Force(d.axis).value, kForceCap_N);
   EXPECT_EQ(arm.Force(d.axis).joint, -1);
-  EXPECT_EQ(arm.ForceInCone(d.axis, 0.0).value, kForceCap_N);
   EXPECT_EQ(arm.Factor({.f = 2.0 * d.axis, .t = {0, 0, 0}}).value, 0.5 * kForceCap_N);
-  EXPECT_LT(arm.ForceInCone(d.axis, 0.2).value, kForceCap_N) << "beside it there are limits";
+  EXPECT_LT(arm.LateralForce(d.axis).value, kForceCap_N) << "across it there are limits";
 }
 
 TYPED_TEST(ForceCapabilityOf, AnArmThatCannotHoldItselfHoldsNothing) {
@@ -245,7 +223,6 @@ TYPED_TEST(ForceCapabilityOf, AnArmThatCannotHoldItselfHoldsNothing) {
     const ForceCapability<N> arm(d.J, d.g, d.tau_max, help);
     EXPECT_FALSE(arm.holds_itself());
     EXPECT_EQ(arm.Force(d.axis).value, 0.0);
-    EXPECT_EQ(arm.ForceInCone(d.axis, kPi).value, 0.0);
     EXPECT_EQ(arm.LateralForce(d.axis).value, 0.0);
     EXPECT_EQ(arm.Factor(d.axis, {.axial_N = 1.0}).value, 0.0);
     EXPECT_EQ(arm.Share({.f = d.axis, .t = {0, 0, 0}}), 0.0);
@@ -283,7 +260,7 @@ TEST(ForceCapability, DoesNotAllocate) {
     rt::CheckedNoAllocScope no_alloc;
     const ForceCapability<7> arm = Exact(d);
     sum += arm.Force(d.axis, 1.0).value + arm.Factor({.f = d.axis, .t = d.axis}).value +
-           arm.ForceInCone(d.axis, 0.3).value + arm.LateralForce(d.axis, 10.0).value +
+           arm.LateralForce(d.axis, 10.0).value +
            arm.Factor(d.axis, {.axial_N = 100.0, .lateral_N = 30.0}).value +
            arm.Share({.f = d.axis, .t = d.axis});
   }

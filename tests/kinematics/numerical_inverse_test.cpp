@@ -1,4 +1,4 @@
-#include "kinematics/numerical_inverse.h"
+#include "tests/oracles/numerical_inverse.h"
 
 #include <cmath>
 #include <limits>

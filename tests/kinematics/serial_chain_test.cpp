@@ -9,6 +9,7 @@
 
 #include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/kinematics/chain_samples.h"
+#include "tests/oracles/jacobian_dot.h"
 
 namespace osteon::kinematics {
 namespace {
@@ -125,8 +126,9 @@ TEST(SerialChain, JacobianOfAPointFollowsFromTheFlanges) {
   }
 }
 
-// Central differences along qd with h = 1e-5 s: truncation h^2/6 times third derivatives of 100 (up to 2
-// rad/s, seven joints); rounding 1e-16/h; both below 1e-8.
+// The oracle of chain_dynamics_test.cpp, tested here. Central differences along qd with h = 1e-5 s:
+// truncation h^2/6 times third derivatives of 100 (up to 2 rad/s, seven joints); rounding 1e-16/h; both below
+// 1e-8.
 template <int N>
 double JacobianDotError(const ChainParams<N>& params, std::mt19937_64& random) {
   const SerialChain<N> arm(params);
@@ -141,8 +143,7 @@ double JacobianDotError(const ChainParams<N>& params, std::mt19937_64& random) {
     };
     const JacobianN<N> expected = (at(h) - at(-h)) / (2.0 * h);
     const auto posture = arm.ComputePosture(q);
-    const JacobianN<N> J_dot =
-        n % 2 == 0 ? arm.JacobianDot(posture, qd) : arm.JacobianDotAt(posture, qd, posture.X_BF * p_FP);
+    const JacobianN<N> J_dot = JacobianDot<N>(posture, qd, posture.X_BF * p_FP);
     worst = std::max(worst, (J_dot - expected).cwiseAbs().maxCoeff());
   }
   return worst;
@@ -204,13 +205,13 @@ TEST(SerialChain, RefusesAChainThatIsNone) {
 TEST(SerialChain, DoesNotAllocate) {
   std::mt19937_64 random{12};
   const SerialChain<7> arm(Iiwa14Chain());
-  const JointVectorN<7> q = RandomJoints<7>(random, 2.0), qd = RandomJoints<7>(random, 1.0);
+  const JointVectorN<7> q = RandomJoints<7>(random, 2.0);
   SerialChain<7>::Posture posture;
   JacobianN<7> J;
   rt::CheckedNoAllocScope no_alloc;
   arm.ComputePosture(q, posture);
   arm.Jacobian(posture, J);
-  J += arm.JacobianDot(posture, qd) + arm.JacobianAt(posture, Vector3(1, 2, 3));
+  J += arm.JacobianAt(posture, Vector3(1, 2, 3));
   const double sum = J.sum() + arm.FlangePose(q).matrix().sum() + arm.LinkPose(posture, 3).matrix().sum();
   no_alloc.End();
   EXPECT_TRUE(std::isfinite(sum));
