@@ -93,7 +93,7 @@ JointMatrixN<N> SerialChain<N>::MassMatrix(const Joints& q) const noexcept {
 // J M^-1 J^T = Y^T Y with L Y = J^T, M = L L^T.
 template <int N>
 Eigen::Matrix<double, 6, 6> SerialChain<N>::Mobility(const Joints& q, const Vector3& p_B) const noexcept {
-  Eigen::Matrix<double, N, 6> Y = JacobianAt(Place(q), p_B).transpose();
+  Eigen::Matrix<double, N, 6> Y = JacobianAt(ComputePosture(q), p_B).transpose();
   Eigen::LLT<JointMatrixN<N>>(MassMatrix(q)).matrixL().solveInPlace(Y);
   return Y.transpose().lazyProduct(Y);
 }
