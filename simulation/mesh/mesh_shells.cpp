@@ -106,16 +106,16 @@ TriangleMesh Extract(const TriangleMesh& mesh, const std::vector<Shell>& shells,
 
 std::size_t KeepLargestShells(TriangleMesh& mesh) {
   const std::vector<Shell> shells = SplitShells(mesh);
-  if (shells.size() <= kMostShells) return 0;
+  if (shells.size() <= kMaxShells) return 0;
   std::vector<std::size_t> order(shells.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&shells](std::size_t i, std::size_t k) {
     return std::abs(shells[i].volume_m3) > std::abs(shells[k].volume_m3);
   });
   std::vector<bool> kept(shells.size(), false);
-  for (std::size_t i = 0; i < kMostShells; ++i) kept[order[i]] = true;
+  for (std::size_t i = 0; i < kMaxShells; ++i) kept[order[i]] = true;
   mesh = Extract(mesh, shells, kept);
-  return shells.size() - kMostShells;
+  return shells.size() - kMaxShells;
 }
 
 tl::expected<LoadedMesh, MeshError> SortShells(PartedMesh parted, MeshReport report,
