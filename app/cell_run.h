@@ -41,8 +41,8 @@ struct CellRunParams {
   std::function<void()> begins{};  ///< called once everything is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
-  AdaptiveResolution* adaptive_resolution{
-      nullptr};  ///< may coarsen the zones during the run; null: they stay
+  /// May coarsen the zones during the run; null: they stay.
+  AdaptiveResolution* adaptive_resolution{nullptr};
   /// Virtual time: a frame's assumed time [us], for the adaptive resolution; empty: none.
   std::function<double(const simulation::FrameRecord&)> frame_us{};
   /// Virtual time: called after each tick with the contact model that the tick saw.

@@ -22,8 +22,8 @@
 namespace osteon::app {
 namespace {
 
-constexpr rt::Nanoseconds kPollInterval =
-    5 * rt::kMillisecond;          // how often PLC, silence and Ctrl-C are checked
+// how often PLC, silence and Ctrl-C are checked
+constexpr rt::Nanoseconds kPollInterval = 5 * rt::kMillisecond;
 constexpr int kBeatEvery_ms = 10;  // longest time that a withdrawal waits for its heartbeat
 constexpr rt::Nanoseconds kEndWithin =
     3 * rt::kSecond;                      // time for the arm to rest after the guard was asked to end
