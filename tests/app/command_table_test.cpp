@@ -116,7 +116,7 @@ TEST_F(CommandTable, HelpShowsFewWordsAtTheOption) {
 
 TEST(ManPage, EscapesWhatRoffWouldTakeForARequestOrAnotherCharacter) {
   const CommandText command{.name = "osteon",
-                            .purpose = ".it's a - b\\c …",
+                            .purpose = ".it's a - b\\c … ä",
                             .group = "",
                             .options = {},
                             .paragraphs = {},
@@ -124,7 +124,7 @@ TEST(ManPage, EscapesWhatRoffWouldTakeForARequestOrAnotherCharacter) {
                             .exit_codes = {},
                             .commands = {}};
   const std::string page = ManPage(command, "1");
-  EXPECT_NE(page.find("\\&.it\\(aqs a \\- b\\ec \\[u2026]"), std::string::npos) << page;
+  EXPECT_NE(page.find("\\&.it\\(aqs a \\- b\\ec ... \\[u00E4]"), std::string::npos) << page;
   EXPECT_TRUE(std::ranges::all_of(page, [](char c) { return static_cast<unsigned char>(c) < 0x80u; }));
 }
 
