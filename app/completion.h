@@ -4,8 +4,8 @@
 
 #include "app/command_table.h"
 
-// Scripts by which a shell completes the command: subcommands, options, words, files, and names below config/.
-// They are complete in themselves: nothing is started when a key is pressed.
+// Scripts by which a shell completes the command: subcommands, options, words, files, and names below
+// config/. They are complete in themselves: nothing is started when a key is pressed.
 
 namespace osteon::app {
 

@@ -70,6 +70,8 @@ std::string Roff(std::string_view text) {
       out += "\\(aq";
     else if (code == '`')
       out += "\\(ga";
+    else if (code == 0x2026u)
+      out += "...";  // not every output device of troff has the ellipsis
     else if (code < 0x80u)
       out += static_cast<char>(code);
     else

@@ -132,7 +132,8 @@ std::vector<std::string> PagesWithCommands(const std::filesystem::path& root) {
   std::vector<std::string> paths;
   for (const DocPage& page : DocPages(root)) {
     if (page.path != "README.md" && !page.path.starts_with("docs/")) continue;
-    if (page.path == "docs/commands.md") continue;  // written by the command; its examples are those of --help
+    if (page.path == "docs/commands.md")
+      continue;  // written by the command; its examples are those of --help
     const std::vector<DocCommand> commands = Commands(page);
     if (std::ranges::any_of(commands, &DocCommand::own_line)) paths.push_back(page.path);
   }
