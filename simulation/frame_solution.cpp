@@ -166,7 +166,10 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   // proxy: the turn proceeds by the same fractions as the two paths
   const double turned =
       solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.turn_fraction;
-  const Eigen::Quaterniond q_P(memory.X_GP.linear()), q_T(X_GT.linear());
+  // Normalised: the conversion from a matrix enlarges what is off in it, frame after frame, where the tool is
+  // held without turning.
+  const Eigen::Quaterniond q_P = Eigen::Quaterniond(memory.X_GP.linear()).normalized(),
+                           q_T = Eigen::Quaterniond(X_GT.linear()).normalized();
   memory.X_GP.linear() = q_P.slerp(turned, q_T).toRotationMatrix();
   memory.X_GP.translation() = solution.origin_end;
   memory.has_proxy = true;

@@ -337,6 +337,25 @@ TEST(FinishFrame, TurnsTheProxyAsFarAsItsPathWent) {
   EXPECT_LT((LogRotation(X_WP.linear()) - Vector3(0, 0, 0.3)).norm(), 1e-12);
 }
 
+// Bone that holds a tool for long keeps it from turning: its proxy's rotation stays one.
+TEST(FinishFrame, AProxyThatIsKeptFromTurningStaysAPose) {
+  std::mt19937 random(1);
+  std::normal_distribution<> normal;
+  for (int k = 0; k < 50; ++k) {
+    Frame frame;
+    const Matrix3 before = Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
+                               .normalized()
+                               .toRotationMatrix();
+    frame.memory.X_GP.linear() = before;
+    Pose X_WT = Pose::Identity();
+    X_WT.linear() = ExpRotation({0.1, 0.2, 0.0}) * before;
+    frame.input.X_WT = X_WT;
+    frame.solution.contact_fraction = frame.solution.turn_fraction = 0.0;
+    for (int i = 0; i < 2000; ++i) frame.Finish();
+    EXPECT_LT((frame.memory.X_GP.linear() - before).cwiseAbs().maxCoeff(), 1e-12) << k;
+  }
+}
+
 TEST(FinishFrame, SpindleTorqueIsTheEdgesWorkOverItsAngle) {
   Frame frame;
   frame.solution.edge_work_J = 0.05;
