@@ -13,6 +13,8 @@
 namespace osteon::simulation {
 namespace {
 
+constexpr double kMaxNormError = 1e-12;  // of a proxy's squared quaternion: beyond, it is normalised
+
 double Sum(const std::array<double, kMaxMaterials>& values) {
   double sum = 0.0;
   for (const double v : values) sum += v;
@@ -166,10 +168,11 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   // proxy: the turn proceeds by the same fractions as the two paths
   const double turned =
       solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.turn_fraction;
-  // Normalised: the conversion from a matrix enlarges what is off in it, frame after frame, where the tool is
-  // held without turning.
-  const Eigen::Quaterniond q_P = Eigen::Quaterniond(memory.X_GP.linear()).normalized(),
-                           q_T = Eigen::Quaterniond(X_GT.linear()).normalized();
+  Eigen::Quaterniond q_P(memory.X_GP.linear());
+  const Eigen::Quaterniond q_T(X_GT.linear());
+  // The way from matrix to quaternion and back enlarges what is off in the matrix, frame after frame, where
+  // the tool is held without turning.
+  if (std::abs(q_P.squaredNorm() - 1.0) > kMaxNormError) q_P.normalize();
   memory.X_GP.linear() = q_P.slerp(turned, q_T).toRotationMatrix();
   memory.X_GP.translation() = solution.origin_end;
   memory.has_proxy = true;
