@@ -60,7 +60,7 @@ TEST(MotionSupervisor, AStopOnTheWayToTheStartIsThatWaysPhase) {
   static_cast<void>(supervisor.Apply(CellEvent::kPermitsHold));
   EXPECT_EQ(supervisor.Apply(CellEvent::kBeginAligning), CellAction::kBeginPath);
   supervisor.SetOnPath(true);
-  supervisor.SetStopAsked(true);
+  supervisor.SetStopRequested(true);
   static_cast<void>(supervisor.Apply(CellEvent::kStopRequested));
   EXPECT_EQ(supervisor.phase(), Phase::kAligning);
   static_cast<void>(supervisor.Apply(CellEvent::kRest));
