@@ -256,7 +256,7 @@ OSTEON_CONST uint kBindPointUnits = 9;    // volume in the bone's units
 OSTEON_CONST uint kBindLiveBalls = 10;    // copies of the listed balls
 OSTEON_CONST uint kBindLiveEntries = 11;  // ListEntry, then ShaftPair: one buffer, since software drivers
                                           // read every buffer that might be selected
-OSTEON_CONST uint kBindLivePoints = 12;  // copies of the listed points
+OSTEON_CONST uint kBindLivePoints = 12;   // copies of the listed points
 OSTEON_CONST uint kBindPointEntries = 13;
 OSTEON_CONST uint kBindPackedPairs = 14;  // packed pairs; 0 … tool_count - 1 first
 OSTEON_CONST uint kBindSlots = 15;        // slot of each ball in the list

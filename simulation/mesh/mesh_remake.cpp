@@ -236,7 +236,8 @@ tl::expected<LoadedMesh, std::string> RemakeMesh(const PartedMesh& parted, const
         DescribeDefects(found), kSolidWinding, 100.0 * share, kInside, 100.0 * kMinSolidShare));
   TriangleMesh surface;
   try {
-    surface = MeshOfLevel([&level](const Vector3& p_m) { return level(p_m); }, box, found.step_m, kBisections);
+    surface =
+        MeshOfLevel([&level](const Vector3& p_m) { return level(p_m); }, box, found.step_m, kBisections);
   } catch (const std::invalid_argument& error) {
     return tl::make_unexpected(fmt::format("{}; {}", DescribeDefects(found), error.what()));
   }

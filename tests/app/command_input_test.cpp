@@ -137,10 +137,10 @@ TEST_F(WrongInput, Mesh) {
   const auto far = Write("far.obj", simulation::ObjText(box));
   ExpectRefused({"demo", "--mesh", far.string(), "--cup", "500,0,0,0,0,1,24"},
                 {far.string(), "cup at (500, 0, 0) mm", "accepted", "spans"});
-  box.triangles.pop_back();
-  const auto open = Write("open.obj", simulation::ObjText(box));
-  ExpectRefused({"demo", "--mesh", open.string(), "--cup", kGoodCup},
-                {open.string(), "open edges", "accepted 2"});
+  box.triangles.resize(2);  // one face: a sheet bounds no solid
+  const auto sheet = Write("sheet.obj", simulation::ObjText(box));
+  ExpectRefused({"demo", "--mesh", sheet.string(), "--cup", kGoodCup},
+                {sheet.string(), "open edges", "accepted 2", "no solid can be made of it"});
 }
 
 TEST_F(WrongInput, CellAndConfiguration) {

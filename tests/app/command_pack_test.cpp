@@ -212,15 +212,25 @@ TEST_F(PackCommand, WrongOptionsAreNamedWithWhatIsAccepted) {
   ExpectRefused({"ball:10", "-o", "out.osp", "--path", "path.csv", "3"}, {"path.csv:3", "found \"zero\""});
 }
 
+TEST_F(PackCommand, AMeshWithAHoleIsPackedAndTheWarningSaysWhatWasAssumed) {
+  simulation::TriangleMesh open = simulation::MakeBox(Vector3::Constant(-0.01), Vector3::Constant(0.01));
+  open.triangles.pop_back();
+  io::test::WriteAll(Path("open.obj"), simulation::ObjText(open));
+  const CommandResult run = Pack({"open.obj", "-o", "out.osp", "--count", "200", "--json", "out.json"});
+  EXPECT_NE(run.err.find("osteon pack: warning: open.obj: found 3 open edges"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("taken as solid where the winding number is above 0.5"), std::string::npos)
+      << run.err;
+}
+
 TEST_F(PackCommand, WrongFilesAreNamedWithWhatIsAccepted) {
   ExpectRefused({"none.obj", "-o", "out.osp"}, {"none.obj: no such file"});
   ExpectRefused({"none.osp", "-o", "out.ply"}, {"none.osp: found no such file"});
   io::test::WriteAll(Path("bad.osp"), "solid cube");
   ExpectRefused({"bad.osp", "-o", "out.ply"}, {"bad.osp: byte 0: found 73 6f 6c", "an STL mesh as text"});
   simulation::TriangleMesh open = simulation::MakeBox(Vector3::Constant(-0.01), Vector3::Constant(0.01));
-  open.triangles.pop_back();
-  io::test::WriteAll(Path("open.obj"), simulation::ObjText(open));
-  ExpectRefused({"open.obj", "-o", "out.osp"}, {"open.obj", "open"});
+  open.triangles.resize(2);  // one face: a sheet bounds no solid
+  io::test::WriteAll(Path("sheet.obj"), simulation::ObjText(open));
+  ExpectRefused({"sheet.obj", "-o", "out.osp"}, {"sheet.obj", "open edges", "no solid can be made of it"});
   Pack({"ball:10", "-o", "good.osp", "--count", "50", "--no-points"});
   ExpectRefused({"good.osp", "-o", "out.ply", "--count", "5"}, {"--count: found with a packing file"});
   ExpectRefused({"good.osp", "-o", "good.osp"}, {"-o good.osp: found the input, accepted another file"});
