@@ -84,10 +84,9 @@ std::string RoffOptions(const CommandText& command) {
   std::string text;
   for (const OptionText& option : command.options) {
     if (option.names.back() == "--help") continue;  // every command has it; said once
-    text +=
-        fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", Roff(fmt::format("{}", fmt::join(option.names, ", "))),
-                    Roff(OptionHead(option).substr(fmt::format("{}", fmt::join(option.names, ", ")).size())),
-                    Roff(OptionBody(option)));
+    const std::string names = fmt::format("{}", fmt::join(option.names, ", "));
+    text += fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", Roff(names), Roff(OptionHead(option).substr(names.size())),
+                        Roff(OptionBody(option)));
   }
   return text;
 }

@@ -43,10 +43,10 @@ namespace osteon::control {
 ///   safety::MotionPermits holds in one tick. The virtual tool starts from the commanded joints, at rest, the
 ///   coupling faded out: no jump. An arm that stayed in the same COMMANDING_ACTIVE through a pause or a loss
 ///   of messages is held where it was last told to be: its own interpolator stands where commanding began.
-/// - aligning goes to ServoParams::start along a joint path, where the arm was handed over elsewhere. It goes
-/// on
-///   while motion is permitted and pauses on its path where it is not; an arm that leaves COMMANDING_ACTIVE
-///   meanwhile is waited for anew. Once rendering has begun there is no way to the start any more.
+/// - aligning goes to ServoParams::start along a joint path, where the arm was handed over elsewhere. It
+///   goes on while motion is permitted and pauses on its path where it is not; an arm that leaves
+///   COMMANDING_ACTIVE meanwhile is waited for anew. Once rendering has begun there is no way to the start
+///   any more.
 /// - haptic and cutting render, the spindle still or turning (AdmittanceRenderer, ImpedanceRenderer).
 /// - stop 1 and stop 2 brake what is commanded, whichever state commanded it (CommandedTool::Brake,
 ///   ImpedanceRenderer::Brake); nothing is rendered and the spindle is still. On the way to the start the
@@ -132,7 +132,7 @@ class ServoLoop {
   [[nodiscard]] safety::CellState state() const OSTEON_RT { return supervisor_.state(); }
   /// The conditions of motion that held when they were last looked at: while nothing moves.
   [[nodiscard]] safety::MotionPermits permits() const OSTEON_RT { return supervisor_.permits(); }
-  /// What the recording calls the state.
+  /// The state's name in the recording.
   [[nodiscard]] Phase phase() const OSTEON_RT { return supervisor_.phase(); }
   [[nodiscard]] safety::FaultSet faults() const OSTEON_RT { return supervisor_.faults(); }
   [[nodiscard]] const ServoStatistics& statistics() const OSTEON_RT { return statistics_; }
@@ -180,8 +180,9 @@ class ServoLoop {
   void RenderAdmittance(const TickInputs& tick, TickRecord& record) OSTEON_RT;
   void RenderImpedance(const TickInputs& tick, TickRecord& record) OSTEON_RT;
   void StopRendering(TickRecord& record) OSTEON_RT;
-  void FillRendered(const safety::LimitedWrench& rendered, TickRecord& record) OSTEON_RT;
-  void CountRendered(const safety::LimitedWrench& rendered, double speed_m_per_s) OSTEON_RT;
+  void CountDepthLeft() OSTEON_RT;
+  void RecordRendered(const safety::LimitedWrench& rendered, double speed_m_per_s,
+                      TickRecord& record) OSTEON_RT;
   void BrakeForPause(const TickInputs& tick, TickRecord& record) OSTEON_RT;
   void Brake() OSTEON_RT;
   void BrakeJoints() OSTEON_RT;

@@ -1,4 +1,4 @@
-// What ServoLoop renders, by either law, and how it comes to rest.
+// ServoLoop's rendering by either law, and how it comes to rest.
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ void ServoLoop::UpdateSpindle(const CellReadings& readings) OSTEON_RT {
   ApplyEvent(spindle_rad_per_s_ > 0.0 ? CellEvent::kSpindleTurns : CellEvent::kSpindleStill);
 }
 
-// What the hand exerts on the tool; zero where no reading is to be trusted.
+// The hand's wrench on the tool; zero where no reading is to be trusted.
 Wrench ServoLoop::ComputeHandWrench(const ForceReading& reading, TickRecord& record) OSTEON_RT {
   const Wrench F_hand_T_W =
       hand_.Compute(reading, record.sensor_age_s, session_.X_WT(), session_.elapsed_s());
@@ -73,9 +73,7 @@ void ServoLoop::RenderAdmittance(const TickInputs& tick, TickRecord& record) OST
                                                 .reduced_speed = reduced_speed_},
                                                coupling_, tool_, record);
   acting_.Add(step.acting);
-  if (coupling_.depth_limit().acts())
-    statistics_.min_depth_left_m =
-        std::min(statistics_.min_depth_left_m, coupling_.depth_limit().distance_m());
+  CountDepthLeft();
   if (!step.finite) {
     supervisor_.Latch(Fault::kNotFinite);
     ApplyFault();
@@ -96,9 +94,7 @@ void ServoLoop::RenderAdmittance(const TickInputs& tick, TickRecord& record) OST
   if (faults().Any()) ApplyFault();
   const double power_W = Power(step.rendered.F, SmallStep(X_before, X_WT)) / params_.period_s;
   statistics_.peak_power_W = std::max(statistics_.peak_power_W, power_W);
-  FillRendered(step.rendered, record);
-  CountRendered({.F = step.rendered.F, .share = record.wrench_scale, .arm_share = record.arm_share},
-                speed_m_per_s);
+  RecordRendered(step.rendered, speed_m_per_s, record);
 }
 
 void ServoLoop::RenderImpedance(const TickInputs& tick, TickRecord& record) OSTEON_RT {
@@ -115,12 +111,8 @@ void ServoLoop::RenderImpedance(const TickInputs& tick, TickRecord& record) OSTE
   }
   const ImpedanceStep step = impedance_.Step(session_, V_before_WT, motion, coupling_, tool_);
   acting_.Add(step.acting);
-  if (coupling_.depth_limit().acts())
-    statistics_.min_depth_left_m =
-        std::min(statistics_.min_depth_left_m, coupling_.depth_limit().distance_m());
-  FillRendered(step.rendered, record);
-  CountRendered({.F = step.rendered.F, .share = record.wrench_scale, .arm_share = record.arm_share},
-                tool_.V_WT.v.norm());
+  CountDepthLeft();
+  RecordRendered(step.rendered, tool_.V_WT.v.norm(), record);
 }
 
 // A fault was found before anything was rendered in this tick.
@@ -130,21 +122,25 @@ void ServoLoop::StopRendering(TickRecord& record) OSTEON_RT {
   Brake();
 }
 
-void ServoLoop::FillRendered(const safety::LimitedWrench& rendered, TickRecord& record) OSTEON_RT {
+void ServoLoop::CountDepthLeft() OSTEON_RT {
+  const safety::DepthLimit& limit = coupling_.depth_limit();
+  if (limit.acts()) statistics_.min_depth_left_m = std::min(statistics_.min_depth_left_m, limit.distance_m());
+}
+
+// Records and counts what either law has rendered. The shares are those of the whole way from the coupling.
+void ServoLoop::RecordRendered(const safety::LimitedWrench& rendered, double speed_m_per_s,
+                               TickRecord& record) OSTEON_RT {
   record.F_coupling_T_W = rendered.F;
   coupling_.stabilisers().FillRecord(record);
   record.wrench_scale = std::min(coupling_.limited().share, rendered.share);
   record.arm_share = std::min(coupling_.limited().arm_share, rendered.arm_share);
-}
-
-// What either law has rendered. @param rendered  with the shares of the whole way from the coupling
-void ServoLoop::CountRendered(const safety::LimitedWrench& rendered, double speed_m_per_s) OSTEON_RT {
   ServoStatistics& s = statistics_;
   s.peak_coupling_force_N = std::max(s.peak_coupling_force_N, rendered.F.f.norm());
   s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, rendered.F.t.norm());
   s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
   s.min_tank_J = std::min(s.min_tank_J, coupling_.stabilisers().tank().energy_J());
-  coupling_.AddActing(rendered, acting_);
+  coupling_.AddActing({.F = rendered.F, .share = record.wrench_scale, .arm_share = record.arm_share},
+                      acting_);
 }
 
 // A stop 2: as long as the tool is not at rest, whatever ends rendering makes a stop 1 of it.
