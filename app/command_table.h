@@ -14,9 +14,9 @@
 // completion are made from what is read from it here.
 //
 // How the tree says what CLI11 has no field for:
-//   Option::type_name     what a value is: FILE, FOLDER, CELL, TOOL, SCENE, SCENARIO, ROBOT, or a form as
-//   X,Y,Z Validator description what is accepted: "1 … 100", or "{a,b}" for one of several words (usage.h)
-//   App::footer           paragraphs, lists and exit codes, separated by blank lines: ParseFooter
+// - Option::type_name: the value's kind (FILE, FOLDER, CELL, TOOL, SCENE, SCENARIO, ROBOT) or form (X,Y,Z).
+// - Validator description: the accepted values, "1 … 100", or "{a,b}" for one of several words (usage.h).
+// - App::footer: paragraphs, lists and exit codes, separated by blank lines (ParseFooter).
 
 namespace osteon::app {
 
@@ -65,7 +65,7 @@ struct CommandText {
 /// paragraphs, whose line breaks do not count.
 void ParseFooter(const std::string& footer, CommandText& command);
 
-/// What is accepted, as text: the words, or the range; empty if everything is.
+/// The accepted values as text: the words, or the range; empty if everything is accepted.
 [[nodiscard]] std::string AcceptedText(const OptionText& option);
 
 /// Exit codes that every subcommand has.

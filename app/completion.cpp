@@ -18,7 +18,7 @@ std::string Quoted(const std::string& text) {
 
 std::string Joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
-// What completes a value: a folder below config/ whose YAML files are names, "files", "folders", or nothing.
+// Source of a value's completions: YAML files of a folder below config/ by name, any files, folders, or none.
 struct ValueSource {
   std::string names;    // "cells"
   bool files{false};    // any file

@@ -56,7 +56,7 @@ std::vector<std::string> GroupsOf(const std::vector<OptionText>& options) {
 }  // namespace
 
 std::size_t ColumnsOf(std::string_view text) {
-  // bytes that continue a character in UTF-8 are 10xxxxxx
+  // in UTF-8 every byte but a character's first has the high bits 1 and 0
   return static_cast<std::size_t>(
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; }));
 }

@@ -116,7 +116,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   return record;
 }
 
-// What the tick was given.
+// Records the tick's inputs.
 TickRecord ServoLoop::BeginRecord(const TickInputs& tick, ReceiveResult received) OSTEON_RT {
   const auto& [state, readings, model, now] = tick;
   supervisor_.SetStopRequested(requests_.stop());
@@ -137,7 +137,7 @@ TickRecord ServoLoop::BeginRecord(const TickInputs& tick, ReceiveResult received
   return record;
 }
 
-// What was asked for from outside, as far as it does not end a motion: that comes in its place in the tick.
+// Applies requests from outside, but for those that end a motion: they come in their place in the tick.
 void ServoLoop::ApplyRequests(const TickInput& input) OSTEON_RT {
   if (input.recover && CanRecover()) ApplyEvent(CellEvent::kRecover);
   if (input.resume && !input.stop) ApplyEvent(CellEvent::kResume);
@@ -209,7 +209,7 @@ void ServoLoop::FillCommand(const ArmState& state, ArmCommand& command) const OS
   impedance_.FillWrenchOverlay(state, session_.X_WT(), tool_.arm(), command);
 }
 
-// What the tick came to.
+// Records the tick's results.
 void ServoLoop::FinishRecord(const ArmCommand& command, TickRecord& record) OSTEON_RT {
   statistics_.limits.Count(acting_);
   record.limits = acting_.bits();
@@ -239,7 +239,7 @@ CellAction ServoLoop::ApplyEvent(CellEvent event) OSTEON_RT {
   return action;
 }
 
-// What is commanded is at rest.
+// The commanded motion is at rest.
 void ServoLoop::FinishStop() OSTEON_RT {
   ApplyEvent(faults().Any() ? CellEvent::kRestFault : CellEvent::kRest);
 }

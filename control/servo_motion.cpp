@@ -9,7 +9,7 @@ namespace osteon::control {
 
 using safety::CellAction, safety::CellEvent, safety::CellState, safety::Fault;
 
-// What the arm's message decides. True where the arm takes commands.
+// Follows the arm's session. Returns true where the arm takes commands.
 bool ServoLoop::UpdateSession(const ArmState& state) OSTEON_RT {
   const bool active = session_.TakesCommands(state, supervisor_.MovesOrBrakes());
   if (!active) {

@@ -47,11 +47,11 @@ class CouplingPipeline {
   /// @param[in,out] acting  gains the limits that act
   const CouplingOutput& Evaluate(const CouplingInput& input, const ArmFollower& arm,
                                  safety::LimitSet& acting) OSTEON_RT;
-  /// Of the last Evaluate: the limited wrench, before the stabilisers' damping.
+  /// The limited wrench of the last Evaluate, before the stabilisers' damping.
   [[nodiscard]] const safety::LimitedWrench& limited() const OSTEON_RT { return limited_; }
   [[nodiscard]] const CouplingOutput& output() const OSTEON_RT { return output_; }
 
-  /// What is to be rendered of the last Evaluate: with the passivity controller's damping and the depth
+  /// The wrench to be rendered after the last Evaluate: with the passivity controller's damping and the depth
   /// limit's resistance, within the same limits.
   [[nodiscard]] safety::LimitedWrench Render(const ArmFollower& arm, safety::LimitSet& acting) OSTEON_RT;
   /// Scales a rendered wrench to `power_share` of it, 0 … 1, where that is less than 1.

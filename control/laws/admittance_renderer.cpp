@@ -86,8 +86,9 @@ bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const Comman
   return finite && next_twist(1.0, V_next_WT);
 }
 
-// Of the cell, and by how far the tool gets before a frame tells what is there; slower no harder than a stop,
-// so that a simulation that stalls while the tool flies is outrun (the model's age then holds the tool).
+// The cell's limit, and how far the tool gets before a frame tells what is there. It slows no harder than a
+// stop, so that a simulation that stalls while the tool flies is outrun (the model's age then holds the
+// tool).
 double AdmittanceRenderer::MaxSpeed_m_per_s(const CouplingOutput& coupling, const Twist& V_WT,
                                             bool reduced_speed) OSTEON_RT {
   const double dt_s = params_.period_s;

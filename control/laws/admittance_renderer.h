@@ -12,7 +12,7 @@
 
 namespace osteon::control {
 
-/// What the admittance law is given in a tick, beside the coupling that the pipeline has evaluated.
+/// Inputs of a tick of the admittance law, beside the coupling that the pipeline has evaluated.
 struct AdmittanceInput {
   Wrench F_hand_T_W;              ///< on T at To, in W
   double sensor_share{1.0};       ///< of it that its age lets through, 0 … 1

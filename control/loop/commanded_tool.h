@@ -13,7 +13,7 @@
 
 namespace osteon::control {
 
-/// What came of a step along the tool's twist.
+/// Result of a step along the tool's twist.
 struct FollowedTwist {
   /// kNone, or why nothing has moved: kInverseKinematics, kJointLimit.
   safety::Fault fault{safety::Fault::kNone};
@@ -21,14 +21,14 @@ struct FollowedTwist {
   safety::LimitSet acting{};   ///< zones and elbow speed
 };
 
-/// What came of a tick of braking.
+/// Result of a tick of braking.
 struct BrakingStep {
   safety::Fault fault{safety::Fault::kNone};  ///< found on the way; the joints are braked all the same
   bool at_rest{false};
   safety::LimitSet acting{};
 };
 
-/// What the loop commands: the arm's joints, the tool's pose there, and the tool's velocity. Pose and joints
+/// The loop's command: the arm's joints, the tool's pose there, and the tool's velocity. Pose and joints
 /// are one at every tick.
 ///
 /// V_WT is the law's velocity of T at To, in W, and `share` of it moves the tool. With the impedance law V_WT

@@ -6,7 +6,7 @@
 
 namespace osteon::control {
 
-/// What is asked of the loop from outside its thread: from any thread, and from a signal handler.
+/// Requests to the loop from outside its thread: from any thread, and from a signal handler.
 class MotionRequests {
  public:
   void AllowStart(bool allowed) OSTEON_RT { may_start_.store(allowed, std::memory_order_relaxed); }

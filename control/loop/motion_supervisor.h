@@ -22,7 +22,7 @@ class MotionSupervisor {
   void Latch(safety::FaultSet faults) OSTEON_RT { faults_.Latch(faults); }
 
   void SetPermits(safety::MotionPermits permits) OSTEON_RT { permits_ = permits; }
-  /// What is commanded is the way to the start.
+  /// The command follows the way to the start.
   void SetOnPath(bool on_path) OSTEON_RT { on_path_ = on_path; }
   /// Rendering begins: from now on there is no way to the start.
   void SetRendered() OSTEON_RT { rendered_ = true; }
@@ -43,7 +43,7 @@ class MotionSupervisor {
   /// The arm was moved at least once: a fault of the drive then waits for a recovery.
   [[nodiscard]] bool moved() const OSTEON_RT { return moved_; }
 
-  /// What the recording calls the state.
+  /// The state's name in the recording.
   [[nodiscard]] Phase phase() const OSTEON_RT;
   /// The arm is waited for, and its position is followed.
   [[nodiscard]] bool IsWaiting() const OSTEON_RT {

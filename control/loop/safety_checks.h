@@ -18,8 +18,8 @@ struct InputAges {
   double sensor_s{0.0};  ///< of the force reading
 };
 
-/// What must stop the cell, of devices, hand, coupling and arm. Each check returns the faults that it finds
-/// and moves nothing; which of them apply in a state is the servo loop's to say:
+/// Conditions that must stop the cell, of devices, hand, coupling and arm. Each check returns the faults that
+/// it finds and moves nothing; which of them apply in a state is the servo loop's to say:
 ///
 /// | the arm | sensor | spindle | interlock, model | hand | coupling | speed |
 /// |---|---|---|---|---|---|---|
@@ -66,7 +66,7 @@ class SafetyChecks {
 
   /// Share of the hand's force that the reading's age lets through, 0 … 1.
   [[nodiscard]] double SensorShare(double age_s) const OSTEON_RT { return watchdog_.SensorShare(age_s); }
-  /// Of the last CheckHand whose wrench was finite.
+  /// The hand's force in the last CheckHand whose wrench was finite.
   [[nodiscard]] double hand_N() const OSTEON_RT { return hand_N_; }
   /// Beyond it the hand pushes too hard.
   [[nodiscard]] double max_hand_N() const OSTEON_RT { return sensor_trip_.level_N(); }
@@ -76,7 +76,7 @@ class SafetyChecks {
   [[nodiscard]] double max_wrench_growth_N(double dt_s) const OSTEON_RT {
     return rate_trip_.max_rate_N_per_s() * dt_s;
   }
-  /// Of the last CheckArmSpeed.
+  /// The arm's speed in the last CheckArmSpeed.
   [[nodiscard]] double arm_speed_m_per_s() const OSTEON_RT { return arm_speed_.speed_m_per_s(); }
 
  private:

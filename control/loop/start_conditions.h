@@ -12,7 +12,7 @@
 
 namespace osteon::control {
 
-/// What a tick of the loop is given.
+/// Inputs of a tick of the loop.
 struct TickInputs {
   const ArmState& state;
   const CellReadings& readings;
@@ -20,7 +20,7 @@ struct TickInputs {
   rt::Nanoseconds now{0};
 };
 
-/// What the conditions of motion are judged by, beside a tick's inputs. Views must outlive the call.
+/// Inputs of the conditions of motion, beside a tick's inputs. Views must outlive the call.
 struct StartConditions {
   const ServoParams& params;
   const ArmSession& session;

@@ -56,7 +56,7 @@ struct MeshShell {
   ShellKind kind{ShellKind::kSolid};
 };
 
-/// What a file had that bounds no solid, and how RemakeMesh made a solid of it.
+/// Defects of a file that bounds no solid, and how RemakeMesh made a solid of it.
 struct MeshRemake {
   std::size_t open_edges{0};      ///< with one triangle
   std::size_t crowded_edges{0};   ///< with three triangles or more

@@ -124,7 +124,7 @@ TEST_F(Manual, HelpFitsTheTerminal) {
   });
 }
 
-// What bash offers for the last of the words.
+// Bash's offers for the last of the words.
 class BashCompletionTest : public Manual {
  protected:
   BashCompletionTest() { WriteAll(script_, Output({"completion", "bash"})); }

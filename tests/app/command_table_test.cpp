@@ -10,7 +10,7 @@
 #include "app/manual.h"
 #include "app/usage.h"
 
-// What is read from a CLI::App, on one that is made for it.
+// The texts that are read from a CLI::App, on one that is made for it.
 
 namespace osteon::app {
 namespace {

@@ -7,7 +7,7 @@
 #include "control/servo_params.h"
 #include "tests/control/servo_bench.h"
 
-// What the tests of the servo loop's parts share: parameters and an arm as ServoBench has them.
+// Shared by the tests of the servo loop's parts: parameters and an arm as ServoBench has them.
 
 namespace osteon::control {
 

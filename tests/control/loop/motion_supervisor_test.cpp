@@ -53,7 +53,7 @@ TEST(MotionSupervisor, NoRecoveryOfAnotherFaultNorOfARunThatWasAskedToEnd) {
   }
 }
 
-// What stops on the way to the start stays on the path until it holds.
+// A motion that stops on the way to the start stays on the path until it holds.
 TEST(MotionSupervisor, AStopOnTheWayToTheStartIsThatWaysPhase) {
   MotionSupervisor supervisor;
   static_cast<void>(supervisor.Apply(CellEvent::kArmSeen));
