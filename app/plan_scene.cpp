@@ -92,6 +92,7 @@ tl::expected<PlanScene, std::string> LoadPlanScene(const PlanChoice& choice) {
     return tl::make_unexpected(loaded.error());
   const std::filesystem::path cell_file = CellOf(choice);
   const config::CellConfig cell = config::LoadCell(cell_file, choice.tool);
+  config::RequireSimulation(cell, cell_file);
   source.own->materials = source.materials;
   return MakePlanScene({.name = source.name, .solid = source.solid, .site = source.site}, *source.own, cell,
                        cell_file.stem().string());

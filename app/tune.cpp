@@ -300,6 +300,7 @@ tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const
 int Run(const TuneOptions& options) {
   if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail("tune", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
+  config::RequireSimulation(cell, options.cell);
   const auto task = TaskOf(cell, options);
   if (!task) return Fail("tune", task.error());
   std::error_code error;
