@@ -138,6 +138,7 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
   if (present) throw std::logic_error("config: RecordKeys inside another");
   std::deque<Answers> waiting{{}};
   std::set<std::pair<std::string, std::size_t>> tried;
+  std::set<Answers> seen{{}};
   std::vector<KeyRecorder::Run> runs;
   const auto record = [&](const Answers& answers) {
     KeyRecorder recorder;
@@ -160,6 +161,13 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
     waiting.pop_front();
     const auto asked = record(answers);
     const bool ended = runs.back().mappings.contains("") && runs.back().mappings.at("").finished;
+    // the last question of a run without end is likely to have the answer that the others do not go with
+    if (!ended && !asked.empty())
+      for (std::size_t answer = 0; answer < asked.back().second; ++answer) {
+        Answers other = answers;
+        other[asked.back().first] = answer;
+        if (seen.insert(other).second) waiting.push_back(std::move(other));
+      }
     for (const auto& [question, count] : asked) {
       if (ended && question.starts_with(kChoice)) choices.try_emplace(question, answers, count);
       for (std::size_t answer = 1; answer < count; ++answer)
