@@ -238,6 +238,7 @@ int Run(const CapabilityOptions& options) {
   if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
     return Fail("capability", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
+  config::RequireSimulation(cell, options.cell);
   if (!cell.robot.lbr())
     return Fail("capability",
                 fmt::format("{}: found a {}, accepted an LBR: what torques an arm of six axes has is not "

@@ -82,7 +82,7 @@ tl::expected<simulation::CutSite, std::string> ParseCup(const std::string& text)
 }
 
 tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& cell_yaml,
-                                                 const std::optional<MeshChoice>& mesh,
+                                                 const std::optional<MeshChoice>& mesh_instead,
                                                  const std::optional<config::ToolChoice>& tool,
                                                  const std::filesystem::path& gains) {
   CellSetup setup;
@@ -96,6 +96,10 @@ tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& ce
   }
   setup.config_text = ConfigText(setup.config_source);
   const simulation::SceneParams& scene = setup.config.scene;
+  std::optional<MeshChoice> mesh = mesh_instead;
+  if (!mesh && setup.config.bone)
+    mesh = {
+        .file = setup.config.bone->file, .cup = setup.config.bone->cup, .scale = setup.config.bone->scale};
   if (mesh && mesh->file.extension() == ".osp") {
     auto bone = LoadPacking(*mesh);
     if (!bone) return tl::make_unexpected(bone.error());

@@ -46,12 +46,12 @@ struct CellSetup {
 /// Loads the cell's YAML and the solid of its bone. The bone has no balls yet (PackAsScene, or PackCell of
 /// planned_cell.h), unless they were loaded. A mesh is placed so that its site (a cup, or the circle where a
 /// drill enters) lies where the scene's would.
-/// @param config_root  the folder with cells/, robots/ …
+/// @param mesh_instead  of the cell's own `bone` or scene
 /// @param tool  replaces the cell's  @param gains  a file that overrides the cell's gains; empty: none
 /// @throws config::ConfigError; config::ToolSizeError if `tool` has no such size. Errors of the mesh are
 /// returned as text.
 [[nodiscard]] tl::expected<CellSetup, std::string> PrepareCell(
-    const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh,
+    const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh_instead,
     const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {});
 
 /// Packs a prepared cell's bone by the scene's own `packing`. A loaded bone stays.

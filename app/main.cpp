@@ -27,16 +27,19 @@
 #include "app/kill_table.h"
 #include "app/manual_command.h"
 #include "app/measure_commands.h"
+#include "app/new_cell_command.h"
 #include "app/output.h"
 #include "app/pack.h"
 #include "app/plan_command.h"
 #include "app/regress_command.h"
 #include "app/replay_command.h"
+#include "app/schema_command.h"
 #include "app/states_command.h"
 #include "app/tool_choice.h"
 #include "app/transparency_command.h"
 #include "app/tune_command.h"
 #include "app/usage.h"
+#include "config/config_file_tracker.h"
 #include "config/reader.h"
 
 namespace {
@@ -358,6 +361,8 @@ int Run(int argc, char** argv) {
   osteon::app::CellCommands cells(app);
   osteon::app::GuardCommand guard(app);
   osteon::app::CalibrateCommand calibrate(app);
+  const osteon::app::NewCellCommand new_cell(app);
+  const osteon::app::SchemaCommand schema(app);
   osteon::app::CapabilityCommand capability(app);
   osteon::app::TransparencyCommand transparency(app);
   osteon::app::PlanCommand plan(app);
@@ -383,6 +388,7 @@ int Run(int argc, char** argv) {
     fmt::print(stderr, "{}", wrong);
     return 2;
   }
+  osteon::config::SetShippedFolder(config_root);
   if (*demo_app) {
     demo.command_line = CommandLine(argc, argv);
     const auto found = osteon::app::FindCell(config_root, cell);
@@ -451,6 +457,8 @@ int Run(int argc, char** argv) {
   if (cells.asked()) return cells.Run(config_root);
   if (guard.asked()) return guard.Run(config_root);
   if (transparency.asked()) return transparency.Run(config_root, CommandLine(argc, argv));
+  if (new_cell.asked()) return new_cell.Run(config_root);
+  if (schema.asked()) return schema.Run(config_root);
   if (calibrate.asked()) return calibrate.Run(config_root, CommandLine(argc, argv));
   if (capability.asked()) return capability.Run(config_root, CommandLine(argc, argv));
   if (plan.asked()) return plan.Run(config_root);

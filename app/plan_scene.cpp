@@ -93,6 +93,7 @@ tl::expected<PlanScene, std::string> LoadPlanScene(const PlanChoice& choice) {
   if (!source.warning.empty()) fmt::print(stderr, "osteon plan: warning: {}\n", source.warning);
   const std::filesystem::path cell_file = CellOf(choice);
   const config::CellConfig cell = config::LoadCell(cell_file, choice.tool);
+  config::RequireSimulation(cell, cell_file);
   source.own->materials = source.materials;
   return MakePlanScene({.name = source.name, .solid = source.solid, .site = source.site}, *source.own, cell,
                        cell_file.stem().string());

@@ -117,7 +117,7 @@ class Pauses {
 void CheckScenario(const config::ScenarioConfig& scenario, const ScenarioRunParams& params) {
   config::Overlay overlay(scenario.cell);
   ApplyOverrides(scenario, params, overlay);
-  static_cast<void>(config::LoadCell(scenario.cell));
+  config::RequireSimulation(config::LoadCell(scenario.cell), scenario.cell);
   overlay.Finish();
 }
 

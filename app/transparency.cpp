@@ -313,6 +313,7 @@ int RunTransparency(const TransparencyOptions& options) {
   if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
     return Fail("transparency", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
+  config::RequireSimulation(cell, options.cell);
   if (!cell.robot.lbr())
     return Fail(
         "transparency",

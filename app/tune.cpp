@@ -301,6 +301,7 @@ int Run(const TuneOptions& options) {
   if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
     return Fail("tune", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
+  config::RequireSimulation(cell, options.cell);
   const auto task = TaskOf(cell, options);
   if (!task) return Fail("tune", task.error());
   std::error_code error;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <variant>
@@ -102,20 +103,32 @@ struct GuardConfig {
   double silence_s{0.05};  ///< largest silence of the controller
 };
 
+/// A mesh or a packing that takes the place of the scene's generated solid.
+struct BoneConfig {
+  std::filesystem::path file;  ///< a closed mesh, or a packing (.osp)
+  std::optional<simulation::CutSite>
+      cup{};          ///< the site, in the file's frame after scaling; a packing may have its own
+  double scale{1.0};  ///< millimetres to a unit of a mesh
+};
+
 /// A cell, with the contents of the files that it names.
 struct CellConfig {
   RobotConfig robot;
   ToolConfig tool;
-  simulation::SceneParams scene;  ///< with the materials that it needs
-  Pose X_WB{Pose::Identity()};    ///< robot base in world
-  Pose X_WG{Pose::Identity()};    ///< bone in world: the frame C of its site
+  simulation::SceneParams scene;   ///< with the materials that it needs
+  std::optional<BoneConfig> bone;  ///< absent: the scene's own solid
+  Pose X_WB{Pose::Identity()};     ///< robot base in world
+  Pose X_WG{Pose::Identity()};     ///< bone in world: the frame C of its site
   StartConfig start;
   control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
   control::Gains own_gains;           ///< from the cell's file, before a gains file overrides them
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   ArmLinkConfig link;
-  std::optional<GuardConfig> guard;    ///< absent: the arm sends to the link's address itself
-  io::DeviceParams devices;            ///< force sensor, reamer drive, PLC: their addresses
+  std::optional<GuardConfig> guard;  ///< absent: the arm sends to the link's address itself
+  io::DeviceParams devices;          ///< force sensor, reamer drive, PLC: their addresses
+  /// Whether the file has `operator`, `script` and `simulated_arm`. A cell for a real arm alone may do
+  /// without; what simulates it refuses it then (RequireSimulation).
+  bool has_simulation{true};
   hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that replace the real ones
   hil::SimulatedDeviceParams simulated_devices;  ///< simulation of the same devices
   std::optional<hil::PlcServerParams> simulated_plc;

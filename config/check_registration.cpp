@@ -28,12 +28,14 @@ double AngleBetween_deg(const Vector3& a, const Vector3& b) {
 }
 
 // Radius of the ball around the site that contains the work: the site's radius plus its depth.
-double WorkRadius(const simulation::SceneParams& scene) {
+double WorkRadius(const CellConfig& cell) {
+  const simulation::SceneParams& scene = cell.scene;
+  const simulation::CutSite* own = cell.bone && cell.bone->cup ? &*cell.bone->cup : nullptr;  // of a mesh
   if (const auto* cup = std::get_if<simulation::AcetabulumShape>(&scene.shape))
-    return 2.0 * cup->cup_radius_m;
+    return 2.0 * (own ? own->radius_m : cup->cup_radius_m);
   double depth_m = 0.0;
   for (const Vector3& p_C : scene.zone.path_C_m) depth_m = std::max(depth_m, -p_C.z());
-  return scene.site.radius_m + depth_m;
+  return (own ? own->radius_m : scene.site.radius_m) + depth_m;
 }
 
 // Origin of the arm's reach, and the largest distance of its flange from there.
@@ -84,7 +86,7 @@ std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
   const bool sphere_in_metres = center_mm > 0.0 && center_mm < kInMetres_mm;
   const double to_sphere_m = workspace.sphere_radius_m - (p_WC - workspace.sphere_center_W_m).norm(),
                to_plane_m = workspace.plane_normal_W.dot(p_WC) - workspace.plane_offset_m;
-  const double work_mm = WorkRadius(cell.scene) / kMillimetre_m;
+  const double work_mm = WorkRadius(cell) / kMillimetre_m;
 
   return {
       {.name = "from the arm's base to the site",

@@ -1,9 +1,16 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace osteon::config {
+
+/// The folder with the shipped cells/, robots/, tools/ …: $OSTEON_ROOT/config, or ./config without that
+/// variable, until SetShippedFolder says another.
+[[nodiscard]] std::filesystem::path ShippedFolder();
+/// Call before other threads exist.
+void SetShippedFolder(const std::filesystem::path& folder);
 
 /// While an object exists, records the files that this thread reads a configuration from. It may also
 /// restrict them to one folder, so that the files in a recording can be read again without any other. At most
@@ -35,6 +42,13 @@ class ConfigFileTracker {
   /// For Reader: the path of a file that another one, in `folder`, names. Empty: not below the root.
   [[nodiscard]] static std::filesystem::path ResolveNamed(const std::filesystem::path& folder,
                                                           const std::filesystem::path& named);
+  /// For Reader: the file that another one names by a word alone ("reamer"). It is looked for
+  /// in the sibling folder of its kind ("tools"), then in that of the shipped files; below a root, then in
+  /// any folder of that name. A cell is looked for beside the other file first.
+  /// @param by  the file that names it, which a cell of the same name does not mean
+  /// Empty: there is none.
+  [[nodiscard]] static std::filesystem::path FindByName(const std::filesystem::path& by,
+                                                        const std::string& kind, const std::string& name);
 
  private:
   Params params_;

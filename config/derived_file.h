@@ -13,7 +13,8 @@ struct YamlEdit {
 };
 
 /// Writes a configuration file that differs from its source in some values. Files that the source names
-/// relative to itself are named by whole paths. Comments are lost.
+/// relative to itself, or by a name alone, are named by whole paths; a cell that extends another (Reader) is
+/// written with all values. Comments are lost.
 /// @throws YAML::Exception or std::runtime_error naming the file that could not be read or written.
 void WriteDerived(const std::filesystem::path& source, const std::vector<YamlEdit>& edits,
                   const std::filesystem::path& target);

@@ -41,4 +41,8 @@ struct ToolChoice {
                                   const std::optional<ToolChoice>& tool = {},
                                   const std::filesystem::path& gains = {});
 
+/// Refuses a cell without `operator`, `script` and `simulated_arm`, for a command that simulates it.
+/// @param path  of its file  @throws ConfigError
+void RequireSimulation(const CellConfig& cell, const std::filesystem::path& path);
+
 }  // namespace osteon::config

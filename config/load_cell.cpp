@@ -53,11 +53,34 @@ void ReadPosture(Reader section, bool lbr, control::ServoParams& servo) {
   posture.load_speed_rad_per_s = section.Number("load_deg_per_s", 0, 100);
 }
 
-void ReadWorkspace(Reader section, safety::WorkspaceParams& workspace) {
+void ReadWorkspace(Reader section, const Pose& X_WG, safety::WorkspaceParams& workspace) {
   workspace.sphere_center_W_m = section.Triple("sphere_center_mm", -5000, 5000);
   workspace.sphere_radius_m = section.Number("sphere_radius_mm", 10, 2000);
   workspace.plane_normal_W = section.Direction("plane_normal_axis");
   workspace.plane_offset_m = section.Number("plane_offset_mm", -5000, 5000);
+  if (!IsInBoneFrame(section)) return;
+  workspace.sphere_center_W_m = X_WG * Vector3(workspace.sphere_center_W_m);
+  workspace.plane_normal_W = X_WG.linear() * Vector3(workspace.plane_normal_W);
+  workspace.plane_offset_m += workspace.plane_normal_W.dot(X_WG.translation());
+}
+
+// Reads the mesh or packing that takes the scene's place, and perhaps the scene itself.
+void ReadBone(Reader section, std::filesystem::path& scene, CellConfig& cell) {
+  if (section.Has("scene")) scene = section.File("scene", "scenes");
+  const bool has_mesh = section.Has("mesh");
+  if (has_mesh || section.Has("packing")) {
+    BoneConfig& bone = cell.bone.emplace();
+    if (has_mesh && section.Has("packing"))
+      section.Refuse("packing", "found beside mesh, accepted one of the two");
+    bone.file = section.File(has_mesh ? "mesh" : "packing");
+    if (has_mesh && section.Has("scale_ratio")) bone.scale = section.Number("scale_ratio", 1e-4, 1e4);
+    if (has_mesh || section.Has("cup")) {
+      Reader cup = section.Section("cup");
+      bone.cup = simulation::CutSite{.center_m = cup.Triple("center_mm", -2000, 2000),
+                                     .axis = cup.Direction("outward_axis"),
+                                     .radius_m = cup.Number("radius_mm", 0.5, 60)};
+    }
+  }
 }
 
 void ReadWatchdog(Reader section, safety::WatchdogParams& watchdog) {
@@ -324,16 +347,30 @@ void PropagateSharedValues(CellConfig& cell) {
       cell.script);
 }
 
-}  // namespace
+// The sections that a cell for a real arm alone may do without, all three.
+struct SimulationSections {
+  Reader hand, script;
+  SimulatedArmSection arm;
+};
 
-CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolChoice>& tool,
+std::optional<SimulationSections> ReadSimulation(Reader& reader, CellConfig& cell) {
+  if (!cell.has_simulation) return std::nullopt;
+  const Reader hand = reader.Section("operator"), script = reader.Section("script");
+  ReadOperator(hand, cell.simulated.hand);
+  cell.script = ReadScript(script);
+  return SimulationSections{hand, script, ReadSimulatedArm(reader.Section("simulated_arm"), cell)};
+}
+
+CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
                     const std::filesystem::path& gains) {
-  Reader reader = Reader::Load(path);
   CellConfig cell;
   control::ServoParams& servo = cell.servo;
-  const std::filesystem::path robot = reader.File("robot"), scene = reader.File("scene"),
-                              materials = reader.File("materials");
-  ToolChoice own_tool{.file = reader.File("tool")};
+  const std::filesystem::path robot = reader.File("robot", "robots"),
+                              materials = reader.File("materials", "materials");
+  std::filesystem::path scene = reader.File("scene", "scenes");
+  if (reader.Has("bone")) ReadBone(reader.Section("bone"), scene, cell);
+  cell.has_simulation = reader.Has("operator") || reader.Has("script") || reader.Has("simulated_arm");
+  ToolChoice own_tool{.file = reader.File("tool", "tools")};
   std::optional<std::filesystem::path> calibration;
   if (reader.Has("calibration")) calibration = reader.File("calibration");
   if (reader.Has("tool_diameter_mm")) own_tool.diameter_m = reader.Number("tool_diameter_mm", 0.1, 200);
@@ -351,9 +388,9 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   const Reader limits = reader.Section("limits");
   ReadLimits(limits, lbr, servo);
   ReadPosture(reader.Section("posture"), lbr, servo);
-  ReadWorkspace(reader.Section("workspace"), servo.workspace);
-  ReadZones(reader, servo.workspace);
-  ReadDepthLimit(reader, servo.depth);
+  ReadWorkspace(reader.Section("workspace"), cell.X_WG, servo.workspace);
+  ReadZones(reader, cell.X_WG, servo.workspace);
+  ReadDepthLimit(reader, cell.X_WG, servo.depth);
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
   ReadLaw(reader, cell);
@@ -364,10 +401,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadCoupling(coupling, servo.coupling);
   const Reader cutting = reader.Section("cutting");
   ReadCutting(cutting, cell.cutting);
-  const Reader hand = reader.Section("operator"), script = reader.Section("script");
-  ReadOperator(hand, cell.simulated.hand);
-  cell.script = ReadScript(script);
-  const SimulatedArmSection simulated_arm = ReadSimulatedArm(reader.Section("simulated_arm"), cell);
+  const std::optional<SimulationSections> simulation = ReadSimulation(reader, cell);
   cell.injections = ReadInjections(reader);
   reader.Finish();
 
@@ -395,7 +429,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   CarryPayload(sensor_F, cell);
   CompleteDevices(devices, cell);
   if (calibration) ApplyCalibration(*calibration, cell);
-  CompleteSimulatedArm(simulated_arm, cell);
+  if (simulation) CompleteSimulatedArm(simulation->arm, cell);
   cell.scene = LoadScene(scene);
   cell.scene.materials = SelectMaterials(reader, materials, cell.scene.material_names);
   CheckFrames(cell, reader);
@@ -403,8 +437,30 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   PropagateSharedValues(cell);
   CheckLoop(reader, servo);
   CheckStart(cell, reader);
-  CheckScript(script, cell.script, hand, cell.simulated.hand.max_force_N);
+  if (simulation)
+    CheckScript(simulation->script, cell.script, simulation->hand, cell.simulated.hand.max_force_N);
   return cell;
+}
+
+}  // namespace
+
+void RequireSimulation(const CellConfig& cell, const std::filesystem::path& path) {
+  if (!cell.has_simulation)
+    throw ConfigError(
+        path.string(), 0,
+        "found a cell without operator, script and simulated_arm, accepted one with them: it is "
+        "to be simulated");
+}
+
+CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolChoice>& tool,
+                    const std::filesystem::path& gains) {
+  const Reader reader = Reader::LoadExtending(path, "cells");
+  try {
+    return ReadCell(reader, tool, gains);
+  } catch (const ConfigError& error) {
+    if (reader.Extended().empty() || error.file() != reader.Extended().string()) throw;
+    throw error.With(fmt::format(" ({} extends it)", path.string()));
+  }
 }
 
 }  // namespace osteon::config

@@ -32,7 +32,7 @@ ScenarioConfig LoadScenario(const std::filesystem::path& file) {
   scenario.file = file;
   scenario.name = file.stem().string();
   scenario.shows = reader.Text("shows");
-  scenario.cell = reader.File("cell");
+  scenario.cell = reader.File("cell", "cells");
   scenario.engine =
       std::array{ScenarioEngine::kPlane, ScenarioEngine::kReference, ScenarioEngine::kVulkan}.at(
           reader.Choice("engine", {"plane", "reference", "vulkan"}));

@@ -129,8 +129,10 @@ ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell) {
   } else {
     cell.link.session = ReadFri(sections.link, cell.simulated.fri);
     cell.servo.period_s = 1e-3 * cell.simulated.fri.send_period_ms;
-    sections.quality = cell_section.Section("link_quality");
-    ReadLinkQuality(*sections.quality, cell.simulated.fri);
+    if (cell.has_simulation || cell_section.Has("link_quality")) {
+      sections.quality = cell_section.Section("link_quality");
+      ReadLinkQuality(*sections.quality, cell.simulated.fri);
+    }
   }
   return sections;
 }
@@ -144,6 +146,7 @@ void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell) {
                                      "datagrams of others are refused then",
                                      host));
   if (sections.quality) return CheckLinkQuality(*sections.quality, cell.simulated.fri);
+  if (!cell.link.rsi()) return;
   const Reader& link = sections.link;
   const io::RsiSessionParams& session = *cell.link.rsi();
   if (session.absolute && !session.hold_on && !sections.jump_accepted)
@@ -158,7 +161,7 @@ void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell) {
                 fmt::format("found {}, accepted 1, or cycle_ms ({})", session.ipoc_step, session.cycle_ms));
   const hil::Six& monitor = cell.simulated.kr->controller.range;
   for (std::size_t i = 0; i < 6; ++i)
-    if (session.range[i] > monitor[i])
+    if (cell.has_simulation && session.range[i] > monitor[i])
       link.Refuse(session.kind == io::RsiCorrection::kCartesian && i < 3 ? "range_mm" : "range_deg",
                   fmt::format("found {:.10g}, accepted at most {:.10g}: the simulated arm's monitor, which "
                               "ends RSI",

@@ -60,7 +60,8 @@ void ReadSensor(Reader section, CellConfig& cell) {
   cell.servo.sensor.X_FS = ReadPose(section);
   ReadToolInertia(section, cell.servo.sensor);
   const bool robotous = section.Choice("type", {"robotous", "ati"}) == 0;
-  const hil::SensorModelParams model = ReadSensorModel(section.Section("simulated"));
+  hil::SensorModelParams model;
+  if (cell.has_simulation || section.Has("simulated")) model = ReadSensorModel(section.Section("simulated"));
   if (robotous) {
     cell.devices.sensor = io::RobotousParams{};
     cell.simulated_devices.sensor = hil::RobotousDeviceParams{.model = model};

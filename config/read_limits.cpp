@@ -11,8 +11,8 @@ constexpr double kRoom_mm = 5000;
 // Default bound: twice the depth at which the coupling reaches its force limit, plus this.
 constexpr double kBeyondTwice_m = 3e-3;
 
-// Reads the shape's own keys, in W: a half-space's face or another shape's centre, and its dimensions.
-void ReadShape(Reader& section, safety::ZoneParams& zone) {
+// Reads the shape's own keys: a half-space's face or another shape's centre, and its dimensions.
+void ReadShapeKeys(Reader& section, safety::ZoneParams& zone) {
   using safety::ZoneShape;
   zone.shape =
       static_cast<ZoneShape>(section.Choice("shape", {"half_space", "sphere", "box", "cylinder", "capsule"}));
@@ -44,7 +44,19 @@ void ReadShape(Reader& section, safety::ZoneParams& zone) {
   }
 }
 
+// The same in W, whatever frame the keys are in.
+void ReadShape(Reader& section, const Pose& X_WG, safety::ZoneParams& zone) {
+  ReadShapeKeys(section, zone);
+  if (!IsInBoneFrame(section)) return;
+  zone.p_W_m = X_WG * Vector3(zone.p_W_m);
+  zone.R_W = X_WG.linear() * Matrix3(zone.R_W);
+}
+
 }  // namespace
+
+bool IsInBoneFrame(Reader& section) {
+  return section.Has("frame") && section.Choice("frame", {"world", "bone"}) == 1;
+}
 
 void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
   servo.wrench.max_force_N = section.Number("max_force_N", 1, safety::kForceCeiling_N);
@@ -107,21 +119,21 @@ void CompleteForceLimit(Reader limits, control::ServoParams& servo) {
   }
 }
 
-void ReadZones(Reader& cell, safety::WorkspaceParams& workspace) {
+void ReadZones(Reader& cell, const Pose& X_WG, safety::WorkspaceParams& workspace) {
   if (!cell.Has("zones")) return;
   for (Reader& section : cell.Sections("zones", 1, safety::Workspace::kMaxZones - 1)) {
     safety::ZoneParams& zone = workspace.zones.emplace_back();
     zone.point = static_cast<safety::ZonePoint>(section.Choice("point", {"apex", "flange", "elbow"}));
     zone.side = static_cast<safety::ZoneSide>(section.Choice("keep", {"in", "out"}));
-    ReadShape(section, zone);
+    ReadShape(section, X_WG, zone);
   }
 }
 
-void ReadDepthLimit(Reader& cell, safety::DepthLimitParams& depth) {
+void ReadDepthLimit(Reader& cell, const Pose& X_WG, safety::DepthLimitParams& depth) {
   if (!cell.Has("depth_limit")) return;
   Reader section = cell.Section("depth_limit");
   depth.acts = section.Bool("acts");
-  ReadShape(section, depth.bound);
+  ReadShape(section, X_WG, depth.bound);
   depth.soft_m = section.Number("soft_mm", 0.1, 100);
   depth.spindle_stop_m = section.Number("spindle_stop_mm", 0, 100);
   depth.stiffness_N_per_m = section.Number("stiffness_N_per_mm", 0.1, 100);

@@ -19,8 +19,12 @@ class ConfigError : public std::runtime_error {
 
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] int line() const { return line_; }
+  /// The same error with a remark at its end.
+  [[nodiscard]] ConfigError With(const std::string& remark) const;
 
  private:
+  ConfigError(const std::string& text, const ConfigError& error);
+
   std::string file_;
   int line_;
 };
@@ -40,6 +44,13 @@ class Reader {
   /// @throws ConfigError if the file cannot be read, is not YAML, not one document, or not a mapping with
   ///   unique keys.
   [[nodiscard]] static Reader Load(const std::filesystem::path& path);
+  /// The same for a file that may extend another of its kind. The key `extends` names the other file, whose
+  /// values hold where this file has none: by key, in sections too; a list is replaced as a whole. `remove`
+  /// lists keys of the other file ("start.arm_angle_deg") that do not hold here. Errors name the file that
+  /// has the value.
+  /// @param kind  the folder of such files, as in File()
+  /// @throws ConfigError as Load, or if the other file extends one itself.
+  [[nodiscard]] static Reader LoadExtending(const std::filesystem::path& path, const std::string& kind);
   /// The same for a text; `name` is the file name for errors and for the folder of File().
   [[nodiscard]] static Reader Parse(const std::string& text, const std::filesystem::path& name);
 
@@ -65,8 +76,11 @@ class Reader {
   /// Reads a list of some of the accepted words, none twice. @returns their indices among them, as listed.
   [[nodiscard]] std::vector<std::size_t> Words(const std::string& key,
                                                std::initializer_list<const char*> accepted);
-  /// Reads the name of an existing file, relative to this file's folder.
+  /// Reads the path of an existing file, relative to this file's folder.
   [[nodiscard]] std::filesystem::path File(const std::string& key);
+  /// The same, or a name alone ("reamer"), which is looked for in folders of a kind (ConfigFileTracker::FindByName).
+  /// @param kind  "robots", "tools", …
+  [[nodiscard]] std::filesystem::path File(const std::string& key, const std::string& kind);
 
   /// A mapping inside this one.
   [[nodiscard]] Reader Section(const std::string& key);
@@ -79,12 +93,17 @@ class Reader {
   ///   mapping and of those inside it.
   void Finish() const;
 
+  /// The file that this one extends (LoadExtending); empty: none.
+  [[nodiscard]] std::filesystem::path Extended() const;
+
   /// Refuses a key for a reason that only the caller can check, such as one value against another. @throws
   /// ConfigError at the key's line, with the key and `what`.
   [[noreturn]] void Refuse(const std::string& key, const std::string& what) const;
 
  private:
   struct Mapping;
+  // The file that a key names.
+  [[nodiscard]] std::filesystem::path FindFile(const std::string& key, const std::string& kind);
   explicit Reader(std::shared_ptr<Mapping> mapping) : mapping_(std::move(mapping)) {}
 
   std::shared_ptr<Mapping> mapping_;

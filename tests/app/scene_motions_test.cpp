@@ -68,9 +68,9 @@ TEST(SceneMotions, AreThereForTheSceneOfEveryCell) {
   for (const auto& entry : fs::directory_iterator(fs::path(OSTEON_SOURCE_DIR) / "config/cells")) {
     std::stringstream text;
     text << std::ifstream(entry.path()).rdbuf();
-    const std::string cell = text.str(), key = "scene: ../scenes/";
+    const std::string cell = text.str(), key = "\nscene: ";
     const std::size_t from = cell.find(key) + key.size();
-    const std::string name = cell.substr(from, cell.find(".yaml", from) - from);
+    const std::string name = cell.substr(from, cell.find('\n', from) - from);
     EXPECT_TRUE(std::ranges::binary_search(motions, name)) << "no config/motions/" << name << ".csv";
   }
 }
