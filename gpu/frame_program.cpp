@@ -103,10 +103,10 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
   max_workgroups_ = context_->physical->getProperties().limits.maxComputeWorkGroupCount[0];
   if (overrides.max_workgroups != 0) max_workgroups_ = std::min(max_workgroups_, overrides.max_workgroups);
   // data of split balls are in separate buffers, which the report's checksum does not cover
-  policy_ = params.fence != FencePolicy::kAuto ? params.fence
-            : !gpu_                            ? FencePolicy::kWait
-            : sizes.blocks > 0                 ? FencePolicy::kPoll
-                                               : FencePolicy::kReport;
+  policy_ = overrides.fence != FencePolicy::kAuto ? overrides.fence
+            : !gpu_                               ? FencePolicy::kWait
+            : sizes.blocks > 0                    ? FencePolicy::kPoll
+                                                  : FencePolicy::kReport;
   if (!gpu_ && policy_ == FencePolicy::kReport) policy_ = FencePolicy::kPoll;
   command_pool_ =
       vk::raii::CommandPool(*context_->device, vk::CommandPoolCreateInfo({}, context_->queue_family));

@@ -31,6 +31,7 @@ enum class PassVariant : std::uint8_t {
 /// device or a larger bone would run.
 struct VulkanOverrides {
   PassVariant variant{PassVariant::kAuto};
+  FencePolicy fence{FencePolicy::kAuto};
   std::uint32_t subgroup_size{0};   ///< 0: the device's own; other sizes need VK_EXT_subgroup_size_control
   std::uint32_t max_workgroups{0};  ///< of a pass, along x; 0: the device's limit
   std::uint32_t bone_ball_bits{0};  ///< of a bone ball's index in keys, 24 … 28; 0: as many as the bone needs
@@ -40,7 +41,6 @@ struct VulkanParams {
   std::string device;       ///< part of a device's name; empty: the default device
   bool validation{false};   ///< run under the validation layers, synchronisation included
   bool time_passes{false};  ///< timestamps between the passes; software drivers wait at each one
-  FencePolicy fence{FencePolicy::kAuto};
   bool brute_force{false};  ///< every pair in every pass: the baseline for culling
   /// Largest number of balls, or of mass points, within the tool's reach at once. Beyond it a frame is
   /// kOverloaded.

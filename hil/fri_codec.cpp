@@ -48,17 +48,10 @@ std::span<const std::uint8_t> RemoveFrame(std::span<const std::uint8_t> datagram
   return whole ? body : std::span<const std::uint8_t>{};
 }
 
-void PutPose(FriFamily family, const std::string& name, const Pose& X, fri::Transformation& to) {
+void PutPose(const Pose& X, fri::Transformation& to) {
   to.Clear();
-  to.set_name(name);
+  to.set_name(kMotionCentre);
   const Vector3 p_mm = kMmPerM * X.translation();
-  if (family == FriFamily::k1) {
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) to.add_element(X.linear()(row, column));
-      to.add_element(p_mm[row]);
-    }
-    return;
-  }
   const Eigen::Quaterniond q(Matrix3(X.linear()));
   for (const double element : {p_mm.x(), p_mm.y(), p_mm.z(), q.w(), q.x(), q.y(), q.z()})
     to.add_element(element);
@@ -68,36 +61,6 @@ void PutPose(FriFamily family, const std::string& name, const Pose& X, fri::Tran
 void PutRedundancy(const control::JointArray& q, fri::Redundancy& to) {
   to.set_strategy(0);
   to.set_value(q[2]);
-}
-
-std::optional<Pose> PoseOf(FriFamily family, const fri::Transformation& from) {
-  Pose X = Pose::Identity();
-  const auto& e = from.element();
-  if (family == FriFamily::k1) {
-    if (e.size() != 12) return std::nullopt;
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) X.linear()(row, column) = e[4 * row + column];
-      X.translation()[row] = e[4 * row + 3] / kMmPerM;
-    }
-  } else {
-    if (e.size() != 7) return std::nullopt;
-    X.translation() = Vector3(e[0], e[1], e[2]) / kMmPerM;
-    X.linear() = Eigen::Quaterniond(e[3], e[4], e[5], e[6]).toRotationMatrix();
-  }
-  const bool rigid = X.matrix().allFinite() &&
-                     (X.linear() * X.linear().transpose()).isApprox(Matrix3::Identity(), 1e-3) &&
-                     X.linear().determinant() > 0.0;
-  return rigid ? std::optional(X) : std::nullopt;
-}
-
-void PutIo(const ArmIo& from, fri::IoValue& to) {
-  to.set_name(from.name);
-  to.set_type(static_cast<fri::IoType>(from.type));
-  to.set_direction(from.output ? fri::OUTPUT : fri::INPUT);
-  if (from.type == ArmIo::Type::kAnalog)
-    to.set_analog_value(from.analog);
-  else
-    to.set_digital_value(from.digital);
 }
 
 }  // namespace
@@ -139,10 +102,8 @@ std::span<const std::uint8_t> FriCodec::Encode(const FriMonitoring& c) {
     data.mutable_external_force()->clear_element();
     for (const double v : c.wire_force) data.mutable_external_force()->add_element(v);
   }
-  data.clear_read_io_request();
-  for (const ArmIo& io : c.ios) PutIo(io, *data.add_read_io_request());
   if (has_poses) {
-    PutPose(family_, kMotionCentre, c.X_meas, *data.mutable_measured_cartesian_pose());
+    PutPose(c.X_meas, *data.mutable_measured_cartesian_pose());
     PutRedundancy(c.q_meas, *data.mutable_measured_redundancy());
   }
   data.mutable_timestamp()->set_sec(static_cast<std::uint32_t>(c.stamp / rt::kSecond));
@@ -158,7 +119,7 @@ std::span<const std::uint8_t> FriCodec::Encode(const FriMonitoring& c) {
   if (c.has_ipo) {
     FillJoints(c.q_ipo, *ipo.mutable_joint_position());
     if (has_poses) {
-      PutPose(family_, kMotionCentre, c.X_ipo, *ipo.mutable_cartesian_pose());
+      PutPose(c.X_ipo, *ipo.mutable_cartesian_pose());
       PutRedundancy(c.q_ipo, *ipo.mutable_redundancy());
     }
   } else {
@@ -170,9 +131,6 @@ std::span<const std::uint8_t> FriCodec::Encode(const FriMonitoring& c) {
                                         : fri::NO_COMMAND);
   ipo.set_overlay_type(c.has_ipo ? fri::JOINT_OVERLAY : fri::NO_OVERLAY);
   ipo.set_tracking_performance(c.tracking_performance);
-  m.clear_requested_transformations();
-  for (const ArmFrame& frame : c.frames)
-    PutPose(family_, frame.name, frame.X, *m.add_requested_transformations());
 
   const bool framed = family_ == FriFamily::k2_7;
   const std::size_t head = framed ? kHead : 0, around = framed ? kHead + kTail : 0;
@@ -215,14 +173,6 @@ std::optional<FriCommand> FriCodec::Decode(std::span<const std::uint8_t> datagra
   command.wrench_count = take(data.cartesian_wrench_feed_forward().element(), command.wire_wrench);
   command.has_torque = data.has_joint_torque();
   command.torque_count = take(data.joint_torque().value(), command.tau);
-  for (const fri::IoValue& io : data.write_io_request())
-    command.ios.push_back({.name = io.name(),
-                           .type = static_cast<ArmIo::Type>(io.type()),
-                           .output = io.direction() == fri::OUTPUT,
-                           .digital = io.digital_value(),
-                           .analog = io.analog_value()});
-  for (const fri::Transformation& frame : data.commanded_transformations())
-    if (const auto X = PoseOf(family_, frame)) command.frames.push_back({.name = frame.name(), .X = *X});
   return command;
 }
 

@@ -20,22 +20,6 @@ inline constexpr std::size_t kFriMaxDatagram = 1500;
 inline constexpr std::uint32_t kFriMonitoringId = 0x245142;
 inline constexpr std::uint32_t kFriCommandId = 0x34001;
 
-/// An input or output that the robot program registered. Only the value of its type counts.
-struct ArmIo {
-  enum class Type : std::uint8_t { kBoolean = 0, kDigital = 1, kAnalog = 2 };
-  std::string name;
-  Type type{Type::kBoolean};
-  bool output{false};
-  std::uint64_t digital{0};
-  double analog{0.0};
-};
-
-/// A frame that the robot program lets the client move.
-struct ArmFrame {
-  std::string name;
-  PlainPose X{};
-};
-
 /// Content of a monitoring message, as plain data. Joints in rad and N·m. Fields that a version does not have
 /// are not sent.
 struct FriMonitoring {
@@ -58,8 +42,6 @@ struct FriMonitoring {
   control::JointArray q_ipo{};
   double tracking_performance{0.0};
   rt::Nanoseconds stamp{0};  ///< >= 0
-  std::span<const ArmIo> ios{};
-  std::span<const ArmFrame> frames{};  ///< requested by the robot program, with their present values
 };
 
 /// Content of a client's command message. Values as sent: they may be NaN.
@@ -71,8 +53,6 @@ struct FriCommand {
   control::JointArray q{};                               ///< [rad]
   std::array<double, 6> wire_wrench{};                   ///< N, N·m in the wire's order
   control::JointArray tau{};                             ///< [N·m]
-  std::vector<ArmIo> ios;
-  std::vector<ArmFrame> frames;  ///< only those whose elements are a rigid motion
 };
 
 /// Writes monitoring messages and reads command messages with libprotobuf; for 2.7 it adds a frame with a

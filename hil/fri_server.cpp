@@ -73,7 +73,6 @@ FriServer::FriServer(const FriServerParams& params, const std::array<kinematics:
       codec_(params.version),
       quality_(params.quality, AnswersPerSecond(params)),
       drives_(params.drive_start_s),
-      outputs_(params.ios, params.frames),
       q_commanded_(q_start),
       q_ipo_(q_start),
       q_measured_(q_start) {
@@ -208,7 +207,6 @@ void FriServer::EndCycle(bool client_had_its_time) {
   ++cycles_since_command_;
   drives_.Step(period_s());
   CountIgnored();
-  if (has_pending_) counters_.refused_outputs += outputs_.ApplyRequests(pending_);
   if (has_pending_ && Commanding() && !HasWhatModeNeeds()) {
     ++counters_.incomplete;
     has_pending_ = false;
@@ -266,8 +264,6 @@ std::span<const std::uint8_t> FriServer::BeginCycle(const ArmMeasurement& measur
   m.wire_force = ToWire(measured.F_C_C, params_.torques_zyx);
   m.X_meas = measured.X_BC;
   m.X_ipo = X_ipo_;
-  m.ios = outputs_.ios();
-  m.frames = outputs_.frames();
   m.has_ipo = Commanding();
   if (m.has_ipo) m.q_ipo = ToArray(q_ipo_);
   if (state_ == SessionState::kCommandingActive) {

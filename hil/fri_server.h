@@ -9,7 +9,6 @@
 #include "control/rt/clock.h"
 #include "hil/fri_codec.h"
 #include "hil/fri_drives.h"
-#include "hil/fri_outputs.h"
 #include "hil/fri_stop.h"
 #include "hil/link_quality.h"
 #include "kinematics/lbr_arm.h"
@@ -53,8 +52,6 @@ struct FriServerParams {
   kinematics::JointVector external_torque_offset_Nm{
       kinematics::JointVector::Zero()};  ///< what the estimate reads with nobody touching, e.g. a wrong
                                          ///< payload
-  std::vector<ArmIo> ios{};              ///< at most 10
-  std::vector<ArmFrame> frames{};        ///< that the client is asked to move; at most 5
 };
 
 /// Datagrams so far.
@@ -67,12 +64,11 @@ struct FriCounters {
   std::uint64_t duplicate{0};      ///< second answers to one message
   std::uint64_t malformed{0};      ///< not a command message
   std::uint64_t other_version{0};  ///< part of malformed: a command message of another version
-  std::uint64_t incomplete{0};  ///< without the joint position, wrench or torque that state and mode require
-  std::uint64_t ignored{0};     ///< with a motion of its own while nothing is commanded, e.g. after a stop
-  std::uint64_t refused_outputs{0};  ///< requests for frames or outputs that do not exist
-  std::uint64_t client_gap{0};       ///< answers that the client numbered but that never arrived
-  std::uint64_t client_back{0};      ///< answers whose sequence number did not rise: two clients, or a new
-                                     ///< one
+  std::uint64_t incomplete{0};   ///< without the joint position, wrench or torque that state and mode require
+  std::uint64_t ignored{0};      ///< with a motion of its own while nothing is commanded, e.g. after a stop
+  std::uint64_t client_gap{0};   ///< answers that the client numbered but that never arrived
+  std::uint64_t client_back{0};  ///< answers whose sequence number did not rise: two clients, or a new
+                                 ///< one
 };
 
 /// The arm's measurements, sent with the next message.
@@ -132,8 +128,6 @@ class FriServer {
   /// Sets the modes, as the program does between two motions. Returns false without a change while
   /// commanding.
   bool SetModes(control::ControlMode control_mode, control::CommandMode command_mode);
-  /// Sets an input of the robot. False if there is none of that name and type.
-  bool SetInput(const ArmIo& input) { return outputs_.SetInput(input); }
 
   /// Takes one datagram of the client, however malformed. True if it answers the current message.
   bool Receive(std::span<const std::uint8_t> datagram);
@@ -155,8 +149,6 @@ class FriServer {
   [[nodiscard]] const kinematics::JointVector& tau_commanded() const { return tau_commanded_; }
   [[nodiscard]] control::ControlMode control_mode() const { return params_.control_mode; }
   [[nodiscard]] const FriDrives& drives() const { return drives_; }
-  [[nodiscard]] std::span<const ArmIo> ios() const { return outputs_.ios(); }
-  [[nodiscard]] std::span<const ArmFrame> frames() const { return outputs_.frames(); }
   [[nodiscard]] control::SessionState state() const { return state_; }
   [[nodiscard]] int quality() const { return quality_.level(); }
   [[nodiscard]] const FriCounters& counters() const { return counters_; }
@@ -191,7 +183,6 @@ class FriServer {
 
   control::SessionState state_{control::SessionState::kIdle};
   FriDrives drives_;
-  FriOutputs outputs_;
   bool program_asks_{true};
   int closing_cycles_{0};  // until IDLE; 0: not closing
   int idle_messages_{0};   // still to send in IDLE

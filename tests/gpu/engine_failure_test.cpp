@@ -84,7 +84,7 @@ TEST(VulkanEngine, AFrameInPartsThatHasCutIsNoOverloadedOne) {
 // A frame timeout of zero always expires, as with a device that hangs.
 VulkanParams Hanging() {
   VulkanParams params;
-  params.fence = FencePolicy::kWait;
+  params.overrides.fence = FencePolicy::kWait;
   params.frame_timeout_s = 0.0;
   return params;
 }

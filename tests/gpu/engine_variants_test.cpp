@@ -68,8 +68,8 @@ TEST(GpuPasses, GiveTheSameBitsWhereBallsAreSplit) {
 
 TEST(GpuPasses, GiveTheSameBitsHoweverTheirEndIsNoticed) {
   VulkanParams poll = With(kForGpu), wait = poll;
-  poll.fence = FencePolicy::kPoll;
-  wait.fence = FencePolicy::kWait;
+  poll.overrides.fence = FencePolicy::kPoll;
+  wait.overrides.fence = FencePolicy::kWait;
   const auto reported = Open(LongStrip(), Ball(6e-3), With(kForGpu)),
              polled = Open(LongStrip(), Ball(6e-3), poll), awaited = Open(LongStrip(), Ball(6e-3), wait);
   for (int i = 0; i < 60; ++i) {

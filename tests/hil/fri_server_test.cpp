@@ -138,19 +138,6 @@ TEST(FriServer, PeriodsAndMultipliersOfRealArmsReachActive) {
     }
 }
 
-TEST(FriServer, RefusesOutputsWithoutSense) {
-  const auto make = [](std::vector<ArmIo> ios, std::vector<ArmFrame> frames) {
-    FriServer({.ios = std::move(ios), .frames = std::move(frames)}, kinematics::Iiwa14().limits,
-              JointVector::Constant(0.5));
-  };
-  EXPECT_NO_THROW(make({{.name = "a"}, {.name = "b"}}, {{.name = "a"}}));
-  EXPECT_THROW(make({{.name = "a"}, {.name = "a"}}, {}), std::invalid_argument);
-  EXPECT_THROW(make({{.name = ""}}, {}), std::invalid_argument);
-  EXPECT_THROW(make({{.name = std::string(64, 'n')}}, {}), std::invalid_argument);
-  EXPECT_THROW(make(std::vector<ArmIo>(11), {}), std::invalid_argument);
-  EXPECT_THROW(make({}, std::vector<ArmFrame>(6)), std::invalid_argument);
-}
-
 TEST(FriServer, HostileBytesChangeNothingButACounter) {
   Session s;
   ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));

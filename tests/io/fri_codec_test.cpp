@@ -248,21 +248,12 @@ TEST(FriMonitoring, DecodesPosesForceAndOutputsOfTheVersionsThatHaveThem) {
   }
 }
 
-TEST(FriCommand, PosesAndOutputsAreReadAlikeByLibprotobuf) {
+TEST(FriCommand, PosesAreReadAlikeByLibprotobuf) {
   for (const FriFamily family : kFamilies) {
     SCOPED_TRACE(Describe(family));
     CommandMessage sent{.sequence = 1, .reflected_sequence = 2, .q = Joints(-0.4)};
     sent.X = FriPose{.name = FriName("flange"), .element = {1, 2, 3, 1, 0, 0, 0}};
     sent.X->redundancy = FriRedundancy{.strategy = 4, .value = 0.5};
-    FriTransformation frame{.name = FriName("cup"), .time = FriTime{7, 8}};
-    Pose X = Pose::Identity();
-    X.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-    X.translation() << 0.1, -0.2, 0.3505;
-    frame.X = X;
-    sent.outputs.transformations.Add(frame);
-    sent.outputs.writes.Add(
-        {.name = FriName("Drill.On"), .direction = FriIoDirection::kOutput, .digital = 1});
-
     const auto bytes = Encoded(sent, family);
     fri::FRICommandMessage oracle;
     const auto inside = test::Inside(family, bytes);
@@ -271,17 +262,6 @@ TEST(FriCommand, PosesAndOutputsAreReadAlikeByLibprotobuf) {
     const auto& data = oracle.commanddata();
     EXPECT_EQ(data.has_cartesianpose(), family != FriFamily::k1);
     EXPECT_EQ(data.has_redundancyinformation(), family != FriFamily::k1);
-    ASSERT_EQ(data.commandedtransformations_size(), 1);
-    const auto& element = data.commandedtransformations(0).element();
-    const std::vector<double> matrix{0, -1, 0, 100, 0, 0, -1, -200, 1, 0, 0, 350.5};
-    const std::vector<double> quaternion{100, -200, 350.5, .5, .5, -.5, .5};
-    EXPECT_EQ(std::vector<double>(element.begin(), element.end()),
-              family == FriFamily::k1 ? matrix : quaternion);
-    EXPECT_EQ(data.commandedtransformations(0).timestamp().nanosec(), 8u);
-    ASSERT_EQ(data.writeiorequest_size(), 1);
-    EXPECT_EQ(data.writeiorequest(0).name(), "Drill.On");
-    EXPECT_EQ(data.writeiorequest(0).digitalvalue(), 1u);
-    EXPECT_FALSE(data.writeiorequest(0).has_analogvalue());
   }
 }
 
@@ -436,8 +416,6 @@ TEST(FriCodec, DoesNotAllocate) {
   for (const FriFamily family : kFamilies) {
     const auto bytes = Datagram(family, Monitoring(8, fri::COMMANDING_ACTIVE, family));
     CommandMessage command{.q = Joints(0.5), .wire_wrench = std::array<double, 6>{}, .tau = Joints(1.0)};
-    command.outputs.transformations.Add({.name = FriName("cup")});
-    command.outputs.writes.Add({.name = FriName("Drill.On"), .digital = 1});
     std::array<std::uint8_t, kFriMaxDatagram> buffer{};
     std::size_t size = 0;
     MonitoringMessage m;

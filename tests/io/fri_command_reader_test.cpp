@@ -67,8 +67,6 @@ TEST(FriCommandReader, ReadsWhatTheControllerWritesInEveryFamily) {
     message.wire_wrench = {1.5, -2.5, 1e308, 0.0, -0.0, 3.0};
     message.tau = test::Joints(3.0);
     message.X = FriPose{.name = FriName("flange"), .element = {1, 2, 3, 1, 0, 0, 0}};
-    message.outputs.writes.Add(
-        {.name = FriName("Drill.On"), .direction = FriIoDirection::kOutput, .digital = 1});
     FriReadCommand command;
     ASSERT_EQ(ReadCommand(family, Written(family, message), command), FriCommandError::kNone)
         << Describe(family);
