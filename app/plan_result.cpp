@@ -137,6 +137,7 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
                                 {"unit", demand.what == "rate" ? "Hz" : "mm"},
                                 {"asked", demand.asked},
                                 {"predicted", demand.predicted}});
+  json["unmet"] = json["given_up"];  // the older name stays for programs that read it
   if (check) {
     json["check"] = {{"error_mm", check->error_m * 1e3}, {"standard_error_mm", check->standard_error_m * 1e3},
                      {"lost_mm", check->lost_m * 1e3},   {"left_mm", check->left_m * 1e3},

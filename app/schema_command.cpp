@@ -1,5 +1,6 @@
 #include "app/schema_command.h"
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <map>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "config/key_aliases.h"
 #include "config/key_table.h"
 #include "config/named_file.h"
 
@@ -116,16 +118,27 @@ Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, c
   return value;
 }
 
+Json Required(const std::string& key) { return {{"required", {key}}}; }
+
 Json Object(const KeyTable& table, const std::string& path, const Help& help, const fs::path& config_root,
             bool required) {
-  Json properties = Json::object(), needed = Json::array();
+  Json properties = Json::object(), needed = Json::array(), either = Json::array();
   for (const auto& [key, info] : table.keys) {
     properties[key] = Value(table, key, info, path, help, config_root, required);
-    if (info.required) needed.push_back(key);
+    const auto alias = std::ranges::find(config::KeyAliases(), key, &config::KeyAlias::name);
+    if (alias != config::KeyAliases().end()) {
+      const std::string old_name(alias->old_name);
+      properties[old_name] = properties[key];
+      properties[old_name]["deprecationMessage"] = "the older name of " + key;
+      if (info.required) either.push_back({{"oneOf", {Required(key), Required(old_name)}}});
+    } else if (info.required) {
+      needed.push_back(key);
+    }
   }
   Json object{{"type", "object"}, {"additionalProperties", false}, {"properties", properties}};
   if (!required) return object;
   if (!needed.empty()) object["required"] = needed;
+  if (!either.empty()) object["allOf"] = either;
   for (const config::KeyCase& one : table.cases) {
     Json unknown = Json::object();
     for (const std::string& key : one.excluded) unknown[key] = false;

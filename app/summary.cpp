@@ -473,7 +473,8 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
   nlohmann::json stops = nlohmann::json::array();
   for (const WrittenStop& stop : s.stops) stops.push_back(stop.page.string());
   out["stops"] = stops;
-  out["least_wall_mm"] = s.min_wall_m ? nlohmann::json(*s.min_wall_m * 1e3) : nlohmann::json(nullptr);
+  out["min_wall_mm"] = s.min_wall_m ? nlohmann::json(*s.min_wall_m * 1e3) : nlohmann::json(nullptr);
+  out["least_wall_mm"] = out["min_wall_mm"];  // its older name, which stays for programs that read it
   if (s.wakeup.count > 0) {
     out["wakeup_us"] = ToJson(s.wakeup);
     out["compute_us"] = ToJson(s.compute);

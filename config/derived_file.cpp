@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "config/config_file_tracker.h"
+#include "config/key_aliases.h"
 
 namespace osteon::config {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 void Set(YAML::Node node, const std::string& key, const std::string& value) {
   const std::size_t dot = key.find('.');
   if (dot == std::string::npos)
-    node[key] = YAML::Load(value);
+    node[WrittenKey(node, key)] = YAML::Load(value);
   else
     Set(node[key.substr(0, dot)], key.substr(dot + 1), value);
 }
@@ -22,7 +23,7 @@ void Set(YAML::Node node, const std::string& key, const std::string& value) {
 void Remove(YAML::Node node, const std::string& key) {
   const std::size_t dot = key.find('.');
   if (dot == std::string::npos)
-    node.remove(key);
+    node.remove(WrittenKey(node, key));
   else
     Remove(node[key.substr(0, dot)], key.substr(dot + 1));
 }
@@ -30,7 +31,7 @@ void Remove(YAML::Node node, const std::string& key) {
 // Sets the values of a mapping, in sections too.
 void Merge(const YAML::Node& values, YAML::Node node) {
   for (const auto& entry : values) {
-    const std::string key = entry.first.Scalar();
+    const std::string key = WrittenKey(node, entry.first.Scalar());
     if (entry.second.IsMap() && node[key] && node[key].IsMap())
       Merge(entry.second, node[key]);
     else

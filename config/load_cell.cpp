@@ -128,8 +128,8 @@ void ReadVibration(Reader section, control::VibrationParams& vibration) {
 void ReadSensorBias(Reader section, control::BiasParams& bias) {
   bias.acts = section.Bool("acts");
   bias.rest_s = section.Number("rest_ms", 10, 60000);
-  bias.max_bias_N = section.Number("most_N", 0, 100);
-  bias.max_bias_Nm = section.Number("most_Nm", 0, 20);
+  bias.max_bias_N = section.Number("max_N", 0, 100);
+  bias.max_bias_Nm = section.Number("max_Nm", 0, 20);
   if (section.Has("max_creep_mm_per_s"))
     bias.max_creep_m_per_s = section.Number("max_creep_mm_per_s", 0.1, 1000);
   if (section.Has("max_creep_deg_per_s"))
@@ -163,7 +163,7 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
   if (!section.Has("split")) return;
   Reader split = section.Section("split");
   cutting.split.on = true;
-  cutting.split.min_radius_m = split.Number("least_radius_mm", 0.01, 10);
+  cutting.split.min_radius_m = split.Number("min_radius_mm", 0.01, 10);
   cutting.split.children = split.WholeNumber("child_count", 8, 64);
   cutting.split.pool_blocks = static_cast<std::size_t>(split.WholeNumber("pool_count", 1, 1'000'000));
 }

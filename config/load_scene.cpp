@@ -164,10 +164,10 @@ void ReadPacking(Reader& section, simulation::PackingParams& packing) {
   packing.cup_radius_cap_m = section.Number("cup_radius_cap_mm", 0.1, 50);
   packing.cup_depth_m = section.Number("cup_depth_mm", 0, 100);
   packing.radius_over_spacing = section.Number("radius_over_spacing_ratio", 0.56, 5);
-  packing.min_radius_m = section.Number("least_radius_mm", 0.01, 5);
+  packing.min_radius_m = section.Number("min_radius_mm", 0.01, 5);
   packing.surface_gap_m = section.Number("surface_gap_mm", 0.005, 5);
   packing.surface_gap_growth = section.Number("surface_gap_growth_ratio", 0, 1);
-  packing.max_surface_gap_m = section.Number("greatest_surface_gap_mm", 0.005, 10);
+  packing.max_surface_gap_m = section.Number("max_surface_gap_mm", 0.005, 10);
   packing.samples = ReadGrade(section, "sample_", 0.05, 10);
 }
 

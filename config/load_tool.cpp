@@ -146,7 +146,7 @@ BuiltTool LoadBurr(Reader& reader, const std::optional<double>& diameter_m) {
   Reader balls = reader.Section("balls");
   const double cutting_ratio = balls.Number("cutting_gap_ratio", 0.001, 0.5);
   params.balls.touching_gap_m = balls.Number("touching_gap_mm", 0.001, 5);
-  params.balls.max_count = static_cast<std::size_t>(balls.WholeNumber("greatest_count", 1, 10'000));
+  params.balls.max_count = static_cast<std::size_t>(balls.WholeNumber("max_count", 1, 10'000));
   params.holder = ReadHolder(reader.Section("holder"));
   reader.Finish();
 
@@ -176,7 +176,7 @@ BuiltTool LoadTwistDrill(Reader& reader, const std::optional<double>& diameter_m
   const double point_ratio = balls.Number("point_gap_ratio", 0.001, 0.5),
                flute_ratio = balls.Number("flute_gap_ratio", 0.001, 0.5),
                shank_ratio = balls.Number("shank_gap_ratio", 0.001, 0.5);
-  params.balls.max_count = static_cast<std::size_t>(balls.WholeNumber("greatest_count", 1, 10'000));
+  params.balls.max_count = static_cast<std::size_t>(balls.WholeNumber("max_count", 1, 10'000));
   params.holder = ReadHolder(reader.Section("holder"));
   reader.Finish();
 
@@ -204,7 +204,7 @@ BuiltTool LoadMeshTool(Reader& reader, const std::optional<double>& diameter_m) 
   Reader balls = reader.Section("balls");
   params.balls.cutting_gap_m = balls.Number("cutting_gap_mm", 0.001, 5);
   params.balls.touching_gap_m = balls.Number("touching_gap_mm", 0.001, 5);
-  params.balls.max_count = static_cast<std::size_t>(balls.WholeNumber("greatest_count", 1, 10'000));
+  params.balls.max_count = static_cast<std::size_t>(balls.WholeNumber("max_count", 1, 10'000));
   params.holder = ReadHolder(reader.Section("holder"));
   reader.Finish();
   if (diameter_m) throw ToolSizeError("found a diameter, accepted none: this tool comes in one size");

@@ -18,7 +18,7 @@ void ReadAgeGovernor(Reader section, control::Law law, control::AgeGovernorParam
 void ReadPassivity(Reader section, control::PassivityParams& passivity) {
   passivity.acts = section.Bool("acts");
   passivity.allowance_J = section.Number("allowance_J", 0, 1);
-  passivity.min_speed_m_per_s = section.Number("least_speed_mm_per_s", 0.1, 100);
+  passivity.min_speed_m_per_s = section.Number("min_speed_mm_per_s", 0.1, 100);
   passivity.max_damping_Ns_per_m = section.Number("damping_Ns_per_m", 0, 10000);
 }
 

@@ -13,6 +13,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "config/config_file_tracker.h"
+#include "config/key_aliases.h"
 #include "config/key_table.h"
 #include "config/named_file.h"
 #include "config/nearest_key.h"
@@ -149,8 +150,8 @@ struct Reader::Mapping {
     if (base.node) Extend(*base.node);
     if (!place) return;
     Overlay::ApplyTo(*place, [&](const OverlaidValue& over) {
-      const Entry entry{over.key, over.line, over.value, over.file, {}};
-      const auto same = std::ranges::find(entries, over.key, &Entry::key);
+      const Entry entry{CurrentKey(over.key), over.line, over.value, over.file, {}};
+      const auto same = std::ranges::find(entries, entry.key, &Entry::key);
       if (same == entries.end())
         entries.push_back(entry);
       else if (!over.only_where_missing)
@@ -173,10 +174,13 @@ struct Reader::Mapping {
                                                  // thousand
     for (const auto& pair : node) {
       if (!pair.first.IsScalar()) Fail(LineOf(pair.first), "a key must be a word");
-      const Entry entry{pair.first.Scalar(), LineOf(pair.first), pair.second, file, {}};
+      const std::string& written = pair.first.Scalar();
+      const Entry entry{CurrentKey(written), LineOf(pair.first), pair.second, file, {}};
       const auto [earlier, is_new] = lines.try_emplace(entry.key, entry.line);
       if (!is_new)
-        Fail(entry.line, fmt::format("key \"{}\" again, first in line {}", entry.key, earlier->second));
+        Fail(entry.line, fmt::format("key \"{}\" again{}, first in line {}", entry.key,
+                                     written == entry.key ? "" : " (by its older name \"" + written + "\")",
+                                     earlier->second));
       entries.push_back(entry);
     }
   }
@@ -298,8 +302,8 @@ bool RemoveKey(YAML::Node mapping, const std::string& key) {
   if (!mapping.IsDefined() || !mapping.IsMap()) return false;
   const std::size_t dot = key.find('.');
   const std::string first = key.substr(0, dot);
-  if (!mapping[first].IsDefined()) return false;
-  return dot == std::string::npos ? mapping.remove(first) : RemoveKey(mapping[first], key.substr(dot + 1));
+  if (dot == std::string::npos) return mapping.remove(WrittenKey(mapping, first));
+  return RemoveKey(mapping[first], key.substr(dot + 1));
 }
 
 }  // namespace

@@ -110,7 +110,7 @@ void CopyConfig(const fs::path& to, const std::string& scene, const std::string&
 TEST(DemoEvents, BothEnginesSeeTheSame) {
   const TemporaryFolder folder;
   // a limit above the thickness beside the cup: an event at the first cut
-  CopyConfig(folder.path() / "config", "acetabulum", "least_wall_mm: 2 ", "least_wall_mm: 20 ");
+  CopyConfig(folder.path() / "config", "acetabulum", "min_wall_mm: 2 ", "min_wall_mm: 20 ");
   nlohmann::json of[2];
   for (const int i : {0, 1}) {
     const std::string engine = i == 0 ? "vulkan" : "reference";

@@ -69,7 +69,7 @@ void WriteTools(const std::filesystem::path& root) {
   const std::array<std::pair<std::regex, const char*>, 3> changes{
       {{std::regex("_gap_ratio: [0-9.]+"), "_gap_ratio: 0.5"},
        {std::regex("_gap_mm: [0-9.]+"), "_gap_mm: 5"},
-       {std::regex("greatest_count: [0-9]+"), "greatest_count: 20"}}};
+       {std::regex("max_count: [0-9]+"), "max_count: 20"}}};
   for (const char* name : {"reamer", "round_burr", "twist_drill"}) {
     std::string text = io::test::ReadAll(OSTEON_SOURCE_DIR "/config/tools/" + std::string(name) + ".yaml");
     for (const auto& [from, to] : changes) text = std::regex_replace(text, from, to);
