@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "simulation/ball_removal.h"
 #include "simulation/packing/disjoint_packing.h"
 #include "simulation/packing/packing_builder.h"
 #include "simulation/packing/split_packing.h"
+#include "simulation/removal/ball_removal.h"
 
 namespace osteon::simulation {
 

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "simulation/cutting_engine.h"
-#include "simulation/metrics/accuracy.h"
-#include "simulation/metrics/depth_scenes.h"
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/fidelity/accuracy.h"
+#include "simulation/fidelity/depth_scenes.h"
 
 namespace osteon::simulation {
 

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "base/parallel.h"
 #include "simulation/packing/ball_forest.h"
-#include "simulation/parallel.h"
 
 namespace osteon::simulation {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "app/golden_file.h"
+#include "studies/regress/golden_file.h"
 #include "tests/app/command.h"
 
 // Runs the command as a CI server does.

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "app/cell_setup.h"
+#include "session/setup/cell_setup.h"
 #include "simulation/tools/motion_player.h"
 #include "tests/app/command.h"
 

@@ -7,11 +7,11 @@
 #include <functional>
 #include <stdexcept>
 
-#include "app/cell_ports.h"
-#include "app/cell_run.h"
-#include "app/simulated_setup.h"
-#include "hil/plane_engine.h"
 #include "io/recording/recording_reader.h"
+#include "session/run/cell_ports.h"
+#include "session/run/cell_run.h"
+#include "session/run/simulated_setup.h"
+#include "studies/regress/plane_engine.h"
 #include "tests/io/temporary_folder.h"
 
 namespace osteon::app {

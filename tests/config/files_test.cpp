@@ -10,11 +10,11 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
-#include "config/load.h"
-#include "config/load_robot.h"
-#include "config/load_scenario.h"
-#include "config/overlay.h"
-#include "config/units.h"
+#include "config/reading/load.h"
+#include "config/reading/load_robot.h"
+#include "config/reading/load_scenario.h"
+#include "config/reading/strict/overlay.h"
+#include "config/reading/strict/units.h"
 
 namespace osteon::config {
 namespace {

@@ -1,4 +1,4 @@
-#include "config/key_aliases.h"
+#include "config/reading/strict/key_aliases.h"
 
 #include <filesystem>
 #include <string>
@@ -6,10 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "config/config_file_tracker.h"
-#include "config/derived_file.h"
-#include "config/load.h"
-#include "config/overlay.h"
+#include "config/reading/config_file_tracker.h"
+#include "config/reading/load.h"
+#include "config/reading/strict/derived_file.h"
+#include "config/reading/strict/overlay.h"
 #include "tests/io/temporary_folder.h"
 
 // A key that has a better name now is still read by its older one, wherever a key may stand.

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "config/read_events.h"
-#include "config/read_script.h"
+#include "config/reading/sections/read_events.h"
+#include "config/reading/simulated/read_script.h"
 
 namespace osteon::config {
 namespace {

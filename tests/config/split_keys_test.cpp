@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 
 // A cell may set how balls are split; most do not.
 

@@ -5,16 +5,16 @@
 
 #include "io/recording/mcap_writer.h"
 #include "io/recording/messages.h"
+#include "simulation/engine/reference_engine.h"
 #include "simulation/files/carved_file.h"
 #include "simulation/packing/packing_text.h"
-#include "simulation/reference_engine.h"
 #include "simulation/tools/tool_motion.h"
 #include "tests/fuzz/corpus_folder.h"
-#include "tests/io/recording_samples.h"
+#include "tests/io/recording/recording_samples.h"
 #include "tests/io/temporary_folder.h"
-#include "tests/simulation/carved_samples.h"
-#include "tests/simulation/mesh_shapes.h"
-#include "tests/simulation/packing_samples.h"
+#include "tests/simulation/files/carved_samples.h"
+#include "tests/simulation/mesh/mesh_shapes.h"
+#include "tests/simulation/packing/packing_samples.h"
 
 // The seeds of all file readers: each valid, of a few kB, by the program's own writers if any exist.
 

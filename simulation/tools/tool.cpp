@@ -1,0 +1,82 @@
+#include "simulation/tools/tool.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace osteon::simulation {
+
+Tool MakeReamer(double head_radius_m, double shaft_radius_m, double shaft_length_m, double mass_kg,
+                const Vector3& center_of_mass_m) {
+  if (!(head_radius_m > 0.0) || !(shaft_radius_m > 0.0) || !(shaft_length_m >= 0.0))
+    throw std::invalid_argument("reamer: radii must be positive and the shaft's length not negative");
+  if (shaft_radius_m >= head_radius_m)
+    throw std::invalid_argument("reamer: the shaft is as wide as the head");
+  if (!(mass_kg > 0.0) || !center_of_mass_m.allFinite())
+    throw std::invalid_argument("reamer: the mass must be positive and the centre of mass finite");
+  Tool tool;
+  tool.name = "hemispherical reamer " + std::to_string(std::lround(head_radius_m * 2000.0)) + " mm";
+  tool.balls.push_back(
+      {.center_m = Vector3(0, 0, -head_radius_m), .radius_m = head_radius_m, .cutting = true});
+  // shaft balls overlap by half, the first one inside the head, so that no bone passes between two of them
+  const int count = static_cast<int>(std::ceil(shaft_length_m / shaft_radius_m));
+  for (int i = 1; i <= count; ++i)
+    tool.balls.push_back({.center_m = Vector3(0, 0, -2.0 * head_radius_m - (i - 1) * shaft_radius_m),
+                          .radius_m = shaft_radius_m,
+                          .cutting = false});
+  tool.mass_kg = mass_kg;
+  tool.center_of_mass_m = center_of_mass_m;
+  return tool;
+}
+
+const ToolBall* CuttingHead(const Tool& tool) {
+  double largest_m = 0.0;
+  for (const ToolBall& ball : tool.balls)
+    if (ball.cutting) largest_m = std::max(largest_m, ball.radius_m);
+  const ToolBall* head = nullptr;
+  for (const ToolBall& ball : tool.balls)
+    if (ball.cutting && ball.radius_m >= 0.999 * largest_m &&
+        (head == nullptr || ball.center_m.z > head->center_m.z))
+      head = &ball;
+  return head;
+}
+
+double CuttingReach(const Tool& tool) {
+  double reach_m = 0.0;
+  for (const ToolBall& ball : tool.balls)
+    if (ball.cutting)
+      reach_m = std::max(reach_m, std::hypot(ball.center_m.x, ball.center_m.y) + ball.radius_m);
+  return reach_m;
+}
+
+double EffectiveCuttingRadius(const Tool& tool) {
+  std::vector<std::pair<double, double>> rings;  // inner and outer radius
+  for (const ToolBall& ball : tool.balls) {
+    if (!ball.cutting) continue;
+    const double middle_m = std::hypot(ball.center_m.x, ball.center_m.y);
+    rings.emplace_back(std::max(0.0, middle_m - ball.radius_m), middle_m + ball.radius_m);
+  }
+  std::sort(rings.begin(), rings.end());
+  double moment = 0.0, area = 0.0, done_m = 0.0;  // divided by pi
+  for (auto [inner_m, outer_m] : rings) {
+    inner_m = std::max(inner_m, done_m);
+    if (outer_m <= inner_m) continue;
+    moment += 2.0 / 3.0 * (std::pow(outer_m, 3) - std::pow(inner_m, 3));
+    area += outer_m * outer_m - inner_m * inner_m;
+    done_m = outer_m;
+  }
+  return area > 0.0 ? moment / area : 0.0;
+}
+
+Eigen::AlignedBox3d ToolBounds(const Tool& tool, ToolPart part) {
+  Eigen::AlignedBox3d box;
+  for (const ToolBall& ball : tool.balls) {
+    if (part != ToolPart::kAll && ball.cutting != (part == ToolPart::kCutting)) continue;
+    box.extend(Vector3(ball.center_m) - Vector3::Constant(ball.radius_m));
+    box.extend(Vector3(ball.center_m) + Vector3::Constant(ball.radius_m));
+  }
+  return box;
+}
+
+}  // namespace osteon::simulation
