@@ -48,8 +48,8 @@ TEST_F(KeyAliases, AnOverrideMayUseEitherName) {
 
 TEST_F(KeyAliases, BothNamesInOneMappingAreRefused) {
   try {
-    static_cast<void>(LoadCell(
-        Write("extends: demo\npassivity:\n  min_speed_mm_per_s: 5\n  least_speed_mm_per_s: 7\n")));
+    static_cast<void>(
+        LoadCell(Write("extends: demo\npassivity:\n  min_speed_mm_per_s: 5\n  least_speed_mm_per_s: 7\n")));
     ADD_FAILURE() << "accepted";
   } catch (const ConfigError& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("my.yaml:4: key \"min_speed_mm_per_s\" again"),

@@ -78,7 +78,8 @@ class Reader {
                                                std::initializer_list<const char*> accepted);
   /// Reads the path of an existing file, relative to this file's folder.
   [[nodiscard]] std::filesystem::path File(const std::string& key);
-  /// The same, or a name alone ("reamer"), which is looked for in folders of a kind (ConfigFileTracker::FindByName).
+  /// The same, or a name alone ("reamer"), which is looked for in folders of a kind
+  /// (ConfigFileTracker::FindByName).
   /// @param kind  "robots", "tools", …
   [[nodiscard]] std::filesystem::path File(const std::string& key, const std::string& kind);
 
