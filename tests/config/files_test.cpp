@@ -94,6 +94,7 @@ class ConfigFilesTest : public ::testing::Test {
   void TearDown() override { fs::remove_all(root_); }
 
   static void Write(const fs::path& path, const std::string& text) {
+    fs::remove(path);  // a file that is truncated and written again is flushed by ext4: milliseconds
     std::ofstream(path, std::ios::binary) << text;
   }
 
