@@ -202,11 +202,6 @@ void FriSession::PutMotion(const control::ArmCommand& command, CommandMessage& a
     answer.tau = follows && IsFinite(command.tau) ? command.tau : JointArray{};
 }
 
-std::optional<PlainWrench> FriSession::external_force() const OSTEON_RT {
-  if (!last_.wire_force) return std::nullopt;
-  return FromWire(*last_.wire_force, params_.torque_order);
-}
-
 void FriSession::CountLate(control::ArmState& state) OSTEON_RT {
   ++counters_.late;
   PutCounters(state);

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "simulation/metrics/depth_scenes.h"
+#include "simulation/metrics/shell_solid.h"
 #include "simulation/packing/scramble.h"
 #include "simulation/solids/box_solid.h"
 

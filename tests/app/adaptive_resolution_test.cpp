@@ -13,6 +13,7 @@
 #include "simulation/metrics/carved_shape.h"
 #include "simulation/metrics/cut_metrics.h"
 #include "simulation/tools/swept_tool.h"
+#include "tests/app/set_up_cell.h"
 #include "tests/app/virtual_ride.h"
 
 // A planned cell, and the adaptive resolution that coarsens its zones. On Vulkan; frame times are made up, so

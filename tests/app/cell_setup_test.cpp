@@ -4,6 +4,7 @@
 
 #include "config/load.h"
 #include "simulation/solids/cup_frame.h"
+#include "tests/app/set_up_cell.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/simulation/mesh_shapes.h"
 #include "tests/simulation/packing_samples.h"

@@ -12,6 +12,7 @@
 #include "app/simulated_setup.h"
 #include "hil/plane_engine.h"
 #include "io/recording/recording_reader.h"
+#include "tests/app/set_up_cell.h"
 #include "tests/io/temporary_folder.h"
 
 namespace osteon::app {

@@ -7,6 +7,7 @@
 
 #include "app/recorded_config.h"
 #include "app/replay.h"
+#include "tests/app/set_up_cell.h"
 #include "tests/app/virtual_ride.h"
 
 // A file of gains that is saved again during a run, in virtual time.

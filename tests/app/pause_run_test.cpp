@@ -7,6 +7,7 @@
 #include "app/replay.h"
 #include "app/stop_records.h"
 #include "safety/cell_state.h"
+#include "tests/app/set_up_cell.h"
 #include "tests/app/virtual_ride.h"
 
 namespace osteon::app {

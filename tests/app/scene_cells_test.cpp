@@ -7,6 +7,7 @@
 #include "app/cell_setup.h"
 #include "config/load.h"
 #include "simulation/solids/cup_frame.h"
+#include "tests/app/set_up_cell.h"
 #include "tests/io/temporary_folder.h"
 
 // Every cell of config/ starts, and so do the data set's meshes in a suitable cell.

@@ -9,6 +9,7 @@
 #include "app/cell_setup.h"
 #include "gpu/vulkan_engine.h"
 #include "simulation/tools/motion_player.h"
+#include "tests/app/set_up_cell.h"
 
 // Plays each motion under config/motions/ on its own scene.
 

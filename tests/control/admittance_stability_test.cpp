@@ -8,6 +8,7 @@
 
 #include "hil/stability/admittance_loop.h"
 #include "hil/stability/admittance_run.h"
+#include "tests/oracles/loop_growth.h"
 
 namespace osteon::hil {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "hil/hand_grid.h"
 #include "hil/stability/admittance_loop.h"
+#include "tests/oracles/loop_growth.h"
 
 namespace osteon::hil {
 namespace {

@@ -8,6 +8,7 @@
 #include "io/can/can_pump.h"
 #include "io/can/udp_can_bus.h"
 #include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/io/can_frames.h"
 #include "tests/io/loopback_socket.h"
 
 namespace osteon::io {

@@ -1,11 +1,12 @@
 #include "simulation/metrics/accuracy.h"
+#include "simulation/metrics/shell_solid.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "simulation/cutting_math.h"
-#include "simulation/metrics/depth_scenes.h"
+#include "tests/oracles/depth_table.h"
 
 // Shapes whose error is known exactly.
 

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "simulation/metrics/cut_metrics.h"
-#include "simulation/metrics/depth_scenes.h"
 #include "simulation/packing/split_packing.h"
 #include "simulation/tools/swept_tool.h"
+#include "tests/oracles/depth_table.h"
 #include "tests/simulation/engine_bench.h"
 
 // Splitting and the choice of cutters in the engine: contact, slide and removal together.

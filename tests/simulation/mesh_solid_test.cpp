@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "mesh_shapes.h"
+#include "tests/simulation/cup_bone.h"
 
 namespace osteon::simulation {
 namespace {

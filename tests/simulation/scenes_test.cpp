@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 
 #include "mesh_shapes.h"
-#include "simulation/metrics/depth_table.h"
 #include "simulation/solids/cup_frame.h"
+#include "tests/oracles/depth_table.h"
 
 namespace osteon::simulation {
 namespace {

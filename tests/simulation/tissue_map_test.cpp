@@ -6,6 +6,7 @@
 
 #include "mesh_shapes.h"
 #include "simulation/solids/mesh_solid.h"
+#include "tests/simulation/cup_bone.h"
 
 namespace osteon::simulation {
 namespace {

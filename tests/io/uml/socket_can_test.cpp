@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/io/can_frames.h"
 
 namespace osteon::io {
 namespace {

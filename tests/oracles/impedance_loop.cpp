@@ -1,4 +1,4 @@
-#include "hil/stability/impedance_loop.h"
+#include "tests/oracles/impedance_loop.h"
 
 #include <algorithm>
 #include <cmath>
