@@ -12,7 +12,7 @@
 #include "app/interrupt.h"
 #include "app/json_text.h"
 #include "app/phase_progress.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 #include "config/load.h"
 
 namespace osteon::app {

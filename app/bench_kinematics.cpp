@@ -25,7 +25,7 @@
 #include "app/interrupt.h"
 #include "app/json_text.h"
 #include "app/report/ticks.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 #include "config/load_robot.h"
 #include "control/rt/no_alloc_scope.h"
 #include "kinematics/lbr_arm.h"

@@ -9,7 +9,7 @@
 
 #include "app/exit_code.h"
 #include "app/json_text.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 #include "config/load.h"
 #include "control/calibration.h"
 #include "io/recording/recording_reader.h"

@@ -16,6 +16,7 @@
 #include "app/report/page.h"
 #include "app/report/svg_text.h"
 #include "app/summary.h"
+#include "app/write_text.h"
 #include "config/load.h"
 #include "io/recording/recording_reader.h"
 #include "simulation/parallel.h"

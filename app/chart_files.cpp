@@ -11,7 +11,7 @@
 #include "app/report/png_file.h"
 #include "app/report/svg_raster.h"
 #include "app/report/svg_text.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 
 namespace osteon::app {
 namespace {

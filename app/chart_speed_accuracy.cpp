@@ -15,7 +15,7 @@
 #include "app/interrupt.h"
 #include "app/method_engine.h"
 #include "app/report/svg_text.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 
 namespace osteon::app {
 namespace {

@@ -19,6 +19,7 @@
 #include "app/setup_warnings.h"
 #include "app/stop_records.h"
 #include "app/summary.h"
+#include "app/write_text.h"
 
 namespace osteon::app {
 namespace {

@@ -10,7 +10,7 @@
 #include "app/json_text.h"
 #include "app/realtime_checks.h"
 #include "app/run_progress.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 #include "gpu/devices.h"
 #include "io/can/has_socket_can.h"
 #include "io/fri/fri_link.h"

@@ -13,7 +13,7 @@
 #include "app/exit_code.h"
 #include "app/export_tables.h"
 #include "app/json_text.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 #include "io/recording/recovery.h"
 
 namespace osteon::app {

@@ -17,6 +17,7 @@
 #include "app/phase_progress.h"
 #include "app/report/failure_page.h"
 #include "app/summary.h"
+#include "app/write_text.h"
 #include "gpu/vulkan_engine.h"
 #include "simulation/reference_engine.h"
 

@@ -9,7 +9,7 @@
 
 #include "app/each_fault.h"
 #include "app/exit_code.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 
 namespace osteon::app {
 namespace {

@@ -15,7 +15,7 @@
 #include "app/json_text.h"
 #include "app/output.h"
 #include "app/recorded_config.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 #include "config/config_file_tracker.h"
 #include "io/modbus/plc_client.h"
 

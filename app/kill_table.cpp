@@ -9,8 +9,8 @@
 #include "app/interrupt.h"
 #include "app/json_text.h"
 #include "app/phase_progress.h"
-#include "app/summary.h"
 #include "app/work_folder.h"
+#include "app/write_text.h"
 
 namespace osteon::app {
 namespace {

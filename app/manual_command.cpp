@@ -8,8 +8,8 @@
 #include "app/completion.h"
 #include "app/exit_code.h"
 #include "app/manual.h"
-#include "app/summary.h"
 #include "app/usage.h"
+#include "app/write_text.h"
 
 namespace osteon::app {
 

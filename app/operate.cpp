@@ -20,6 +20,7 @@
 #include "app/setup_warnings.h"
 #include "app/stop_records.h"
 #include "app/summary.h"
+#include "app/write_text.h"
 #include "config/check_registration.h"
 
 namespace osteon::app {

@@ -15,6 +15,7 @@
 #include "app/phase_progress.h"
 #include "app/report/pack_report.h"
 #include "app/summary.h"
+#include "app/write_text.h"
 #include "simulation/packing/disjoint_packing.h"
 #include "simulation/packing/packing_export.h"
 #include "simulation/parallel.h"

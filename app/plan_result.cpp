@@ -7,7 +7,7 @@
 #include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 
 namespace osteon::app {
 namespace {

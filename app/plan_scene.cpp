@@ -1,7 +1,6 @@
 #include "app/plan_scene.h"
 
 #include <algorithm>
-#include <cctype>
 #include <limits>
 
 #include <fmt/format.h>
@@ -9,6 +8,7 @@
 #include "app/interrupt.h"
 #include "app/pack_source.h"
 #include "app/run_queue_watch.h"
+#include "app/text.h"
 #include "control/rt/realtime_thread.h"
 #include "gpu/vulkan_engine.h"
 #include "simulation/metrics/cut_metrics.h"
@@ -24,9 +24,7 @@ constexpr std::size_t kTurn = 25, kSettle = 3;
 constexpr double kFeed_m_per_s = 5e-3;  // assumed for a cutting tool
 
 bool IsMesh(const std::string& input) {
-  std::string extension = std::filesystem::path(input).extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = Lower(std::filesystem::path(input).extension().string());
   return extension == ".stl" || extension == ".obj" || extension == ".ply";
 }
 

@@ -16,7 +16,7 @@
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/regress_result.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 #include "config/load_scenario.h"
 #include "config/named_file.h"
 #include "config/reader.h"

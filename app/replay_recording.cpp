@@ -13,7 +13,7 @@
 #include "app/phase_progress.h"
 #include "app/recorded_config.h"
 #include "app/replay.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 
 namespace osteon::app {
 namespace {

@@ -16,7 +16,7 @@
 #include "app/json_text.h"
 #include "app/output.h"
 #include "app/simulated_setup.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 #include "io/fri/session_name.h"
 
 namespace osteon::app {

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/exit_code.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 #include "safety/cell_state.h"
 #include "safety/motion_permit.h"
 

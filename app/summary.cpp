@@ -13,7 +13,6 @@
 #include "app/json_text.h"
 #include "app/setup_warnings.h"
 #include "hil/fri_stop.h"
-#include "simulation/files/output_file.h"
 #include "simulation/metrics/cut_metrics.h"
 
 namespace osteon::app {
@@ -485,17 +484,6 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
   }
   if (!s.arm_stop.empty()) out["arm_stop"] = s.arm_stop;
   return JsonText(out);
-}
-
-tl::expected<void, std::string> WriteText(const std::filesystem::path& path, const std::string& text) {
-  const auto refuse = [&](const simulation::FileError& error) {
-    return tl::make_unexpected(path.string() + ": can't be written: " + error.found);
-  };
-  auto file = simulation::OutputFile::Create(path);
-  if (!file) return refuse(file.error());
-  file->Write(text);
-  if (const auto written = file->Commit(); !written) return refuse(written.error());
-  return {};
 }
 
 }  // namespace osteon::app

@@ -19,6 +19,7 @@
 #include "app/summary.h"
 #include "app/tune_cache.h"
 #include "app/tune_result.h"
+#include "app/write_text.h"
 #include "config/load.h"
 #include "simulation/parallel.h"
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "app/fnv1a.h"
-#include "app/summary.h"
+#include "app/write_text.h"
 
 namespace osteon::app {
 namespace {

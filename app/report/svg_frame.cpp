@@ -7,6 +7,7 @@
 
 #include "app/report/point_marks.h"
 #include "app/report/svg_text.h"
+#include "app/text.h"
 
 namespace osteon::app {
 namespace {
@@ -182,7 +183,7 @@ std::string Fit(std::string_view text, double width_px, double size_px) {
   std::string cut(text);
   while (!cut.empty() && TextWidth(cut, size_px) + size_px > width_px) {
     // whole characters: drop the tail bytes of a UTF-8 sequence with its first byte
-    while (!cut.empty() && (static_cast<unsigned char>(cut.back()) & 0xC0u) == 0x80u) cut.pop_back();
+    while (!cut.empty() && IsTailByte(cut.back())) cut.pop_back();
     if (!cut.empty()) cut.pop_back();
   }
   return cut + "\xE2\x80\xA6";

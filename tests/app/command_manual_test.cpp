@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/help_text.h"
+#include "app/text.h"
 #include "tests/app/command.h"
 
 // The manual, the completion and the help of the built command.

@@ -8,6 +8,7 @@
 #include "app/completion.h"
 #include "app/help_text.h"
 #include "app/manual.h"
+#include "app/text.h"
 #include "app/usage.h"
 
 // The texts that are read from a CLI::App, on one that is made for it.

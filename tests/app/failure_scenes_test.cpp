@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "app/report/failure_page.h"
+#include "app/text.h"
 #include "hil/failures/failure.h"
 #include "report_markup.h"
 
