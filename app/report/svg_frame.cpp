@@ -30,6 +30,12 @@ std::string SvgText(double x, double y, std::string_view text, std::string_view 
                      Escape(text));
 }
 
+std::string SvgTurnedText(double x, double y, std::string_view text, std::string_view anchor,
+                          std::string_view color, double size_px) {
+  return SvgText(x, y, text, anchor, color, size_px,
+                 fmt::format(R"x(transform="rotate(-90 {} {})")x", Pixels(x), Pixels(y)));
+}
+
 std::string SvgLine(double x1, double y1, double x2, double y2, std::string_view color, double width_px,
                     std::string_view dash) {
   return fmt::format(R"(<line x1="{}" y1="{}" x2="{}" y2="{}" stroke="{}" stroke-width="{}"{}/>)"
@@ -95,8 +101,7 @@ std::string DrawAxisLabels(const PlotArea& area, std::string_view x_label, doubl
     const std::vector<std::string> lines = AxisLabelLines(y_label, area.height);
     double x = y_label_x - kLabelLinePx * (static_cast<double>(lines.size()) - 1.0);
     for (const std::string& line : lines) {
-      out += SvgText(x, y, line, "middle", kTextColor, kFontPx,
-                     fmt::format(R"x(transform="rotate(-90 {} {})")x", Pixels(x), Pixels(y)));
+      out += SvgTurnedText(x, y, line, "middle", kTextColor);
       x += kLabelLinePx;
     }
   }
