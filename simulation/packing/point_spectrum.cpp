@@ -9,13 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "simulation/packing/ball_forest.h"
 #include "simulation/parallel.h"
 
 namespace osteon::simulation {
 namespace {
-
-constexpr double kBinsPerSpacing = 20.0;
 
 using Wave = std::array<int, 3>;  // waves along each side of a window
 

@@ -9,7 +9,6 @@
 
 #include "report_markup.h"
 #include "report_synthetic.h"
-#include "tests/temporary_path.h"
 
 namespace osteon::app {
 namespace {
