@@ -1,8 +1,6 @@
 #include "app/report/section.h"
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
 #include <gtest/gtest.h>

@@ -35,7 +35,7 @@ struct ToolQuality {
     double gap = std::numeric_limits<double>::infinity();
     for (const ToolBall& ball : tool.balls)
       if (ball.cutting == sample.cutting)
-        gap = std::min(gap, (sample.p_m - Vector3(ball.center_m)).norm() - ball.radius_m);
+        gap = std::min(gap, std::max(0.0, (sample.p_m - Vector3(ball.center_m)).norm() - ball.radius_m));
     ++(sample.cutting ? cutting : touching);
     double& mean = sample.cutting ? quality.cutting_gap_mean_m : quality.touching_gap_mean_m;
     double& max = sample.cutting ? quality.cutting_gap_max_m : quality.touching_gap_max_m;
