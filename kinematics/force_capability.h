@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/chain_params.h"
 
 // Force that an arm can hold at a posture, by its joint torques. A wrench F that the arm exerts at a point of

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "control/rt/clock.h"
-#include "control/rt/marker.h"
+#include "base/clock.h"
+#include "base/marker.h"
 
 namespace osteon::io {
 

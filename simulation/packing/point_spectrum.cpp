@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "simulation/parallel.h"
+#include "base/parallel.h"
 
 namespace osteon::simulation {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "simulation/bone.h"
+#include "simulation/bone/bone.h"
 
 namespace osteon::simulation {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "kinematics/spatial.h"
-#include "simulation/tool.h"
+#include "simulation/tools/tool.h"
 
 namespace osteon::simulation {
 

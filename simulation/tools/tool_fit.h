@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "simulation/solids/solid.h"
-#include "simulation/tool.h"
+#include "simulation/tools/tool.h"
 
 namespace osteon::simulation {
 

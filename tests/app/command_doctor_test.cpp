@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <set>
 
-#include "app/realtime_checks.h"
 #include "io/fri/fri_link.h"
+#include "session/setup/realtime_checks.h"
 #include "tests/app/command.h"
 
 namespace osteon::app {

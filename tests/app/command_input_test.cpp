@@ -4,7 +4,7 @@
 
 #include "io/fri/fri_link.h"
 #include "tests/app/command.h"
-#include "tests/simulation/mesh_shapes.h"
+#include "tests/simulation/mesh/mesh_shapes.h"
 
 // Wrong input: exit code 2, one line on stderr with the found and the accepted value, nothing done.
 

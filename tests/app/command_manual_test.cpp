@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "app/help_text.h"
-#include "app/text.h"
+#include "app/cli/help_text.h"
+#include "base/text.h"
 #include "tests/app/command.h"
 
 // The manual, the completion and the help of the built command.

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "config/config_file_tracker.h"
-#include "config/load.h"
+#include "config/reading/config_file_tracker.h"
+#include "config/reading/load.h"
 #include "tests/app/command.h"
 
 namespace osteon::app {

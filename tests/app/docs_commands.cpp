@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "tests/io/temporary_folder.h"
-#include "tests/simulation/mesh_shapes.h"
+#include "tests/simulation/mesh/mesh_shapes.h"
 
 namespace osteon::app {
 namespace {

@@ -10,7 +10,7 @@ trap 'rm -rf "$work"' EXIT
 checkout="$work/a checkout" # with a space
 fakes=$work/fakes
 export FAKES=$fakes
-COMMIT_STEP=$(sed -n 's/^add_custom_target(osteon_commit .*COMMENT "\(.*\)"$/\1/p' "$here/../../app/CMakeLists.txt")
+COMMIT_STEP=$(sed -n 's/^add_custom_target(osteon_commit .*COMMENT "\(.*\)"$/\1/p' "$here/../../session/CMakeLists.txt")
 export COMMIT_STEP # done in every build; the launcher does not show it
 mkdir "$checkout" "$fakes" "$work/elsewhere"
 cp "$here/../../osteon" "$checkout/"

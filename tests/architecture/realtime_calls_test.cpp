@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "tests/architecture/call_graph.h"
 #include "tests/architecture/include_rules.h"
 #include "tests/architecture/marked_functions.h"

@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "config/config_file_tracker.h"
-#include "config/load.h"
+#include "config/reading/config_file_tracker.h"
+#include "config/reading/load.h"
 #include "tests/io/temporary_folder.h"
 
 // A cell's own bone, bounds that follow it, and a cell for a real arm alone.

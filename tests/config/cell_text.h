@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "config/derived_file.h"
-#include "config/load.h"
+#include "config/reading/load.h"
+#include "config/reading/strict/derived_file.h"
 
 namespace osteon::config {
 

@@ -1,10 +1,10 @@
-#include "config/config_file_tracker.h"
+#include "config/reading/config_file_tracker.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/io/temporary_folder.h"
 
 // Records which files a configuration is read from, and restricts it to one folder.

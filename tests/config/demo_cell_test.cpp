@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/SVD>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/kinematics/iiwa14.h"
 
 namespace osteon::config {

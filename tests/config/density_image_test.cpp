@@ -1,4 +1,4 @@
-#include "config/density_image.h"
+#include "config/reading/sections/density_image.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "config/load.h"
-#include "simulation/scenes.h"
+#include "config/reading/load.h"
+#include "simulation/bone/scenes.h"
 
 namespace osteon::config {
 namespace {

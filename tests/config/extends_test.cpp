@@ -4,10 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "config/config_file_tracker.h"
-#include "config/load.h"
-#include "config/overlay.h"
-#include "config/reader.h"
+#include "config/reading/config_file_tracker.h"
+#include "config/reading/load.h"
+#include "config/reading/strict/overlay.h"
+#include "config/reading/strict/reader.h"
 #include "tests/io/temporary_folder.h"
 
 // A file says what differs from another one, which it extends.

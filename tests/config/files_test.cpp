@@ -10,11 +10,11 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
-#include "config/load.h"
-#include "config/load_robot.h"
-#include "config/load_scenario.h"
-#include "config/overlay.h"
-#include "config/units.h"
+#include "config/reading/load.h"
+#include "config/reading/load_robot.h"
+#include "config/reading/load_scenario.h"
+#include "config/reading/strict/overlay.h"
+#include "config/reading/strict/units.h"
 
 namespace osteon::config {
 namespace {
@@ -213,7 +213,7 @@ TEST_F(ConfigFilesTest, ValuesThatContradictEachOtherAreRefused) {
                 "default_diameter_mm: found 69, accepted 36 … 68 in steps of 1"},
            Case{"tools/round_burr.yaml", "neck_mm: 1.26", "neck_mm: 2.3",
                 "diameter_mm: round burr 2.3 mm: neck diameter"},
-           Case{"tools/taper_burr.yaml", "greatest_count: 64", "greatest_count: 40",
+           Case{"tools/taper_burr.yaml", "max_count: 64", "max_count: 40",
                 "diameter_mm: taper burr 2.1 mm: greatest count: found 40, accepted more"},
            Case{"tools/twist_drill.yaml", "flute_mm: 36", "flute_mm: 66",
                 "diameter_mm: twist drill 3.2 mm: length: found 65 mm, accepted 66"},

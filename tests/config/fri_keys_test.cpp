@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/config/cell_text.h"
 
 // Keys of a cell's link, which apply to both ends.

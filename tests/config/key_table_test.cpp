@@ -1,4 +1,4 @@
-#include "config/key_table.h"
+#include "config/reading/strict/key_table.h"
 
 #include <gtest/gtest.h>
 

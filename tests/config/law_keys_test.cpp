@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/config/cell_text.h"
 
 // A cell names one law, and its simulated arm is set up for it.

@@ -1,4 +1,4 @@
-#include "config/check_registration.h"
+#include "config/reading/check_registration.h"
 
 #include <filesystem>
 #include <fstream>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 
 // A cell whose poses do not fit each other is refused at the pose to blame.
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "config/load.h"
-#include "config/load_robot.h"
+#include "config/reading/load.h"
+#include "config/reading/load_robot.h"
 #include "kinematics/payload.h"
 #include "kinematics/serial_chain.h"
 #include "tests/kinematics/chain_samples.h"

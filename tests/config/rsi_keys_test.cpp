@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "kinematics/ortho_parallel_arm.h"
 #include "tests/config/cell_text.h"
 

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 
 // The scenes and cells of config/: each has the promised content, and errors of changed ones.
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/config/cell_text.h"
 
 // The sections of the stabilisers: each is optional, and reports at its line what it does not accept.

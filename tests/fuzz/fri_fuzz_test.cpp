@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "io/fri/fri_session.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
-#include "tests/io/fri_oracle.h"
+#include "tests/base/checked_no_alloc_scope.h"
+#include "tests/io/fri/fri_oracle.h"
 
 // Fixed-seed fuzzing of the data that a socket may deliver: valid messages with some bytes changed, cut or
 // repeated, and noise. OSTEON_FUZZ_RUNS sets the number of datagrams of each test, e.g. 1000000.

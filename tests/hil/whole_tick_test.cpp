@@ -7,14 +7,14 @@
 
 #include <gtest/gtest.h>
 
-#include "control/rt/latest_value.h"
-#include "control/servo_loop.h"
+#include "base/latest_value.h"
+#include "control/loop/servo_loop.h"
 #include "hil/simulated_cell.h"
 #include "io/fri/fri_link.h"
 #include "io/recording/recorder.h"
 #include "test_client.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
-#include "tests/io/loopback_socket.h"
+#include "tests/base/checked_no_alloc_scope.h"
+#include "tests/io/net/loopback_socket.h"
 #include "tests/io/temporary_folder.h"
 
 namespace osteon::hil {

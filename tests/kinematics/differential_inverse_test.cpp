@@ -13,7 +13,7 @@
 
 #include "iiwa14.h"
 #include "kinematics/lbr_arm.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 
 namespace osteon::kinematics {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "kinematics/best_arm_angle.h"
 #include "kinematics/serial_chain.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 #include "tests/kinematics/chain_samples.h"
 #include "tests/kinematics/iiwa14.h"
 

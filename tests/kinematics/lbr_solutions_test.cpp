@@ -7,7 +7,7 @@
 #include <Eigen/SVD>
 
 #include "kinematics/lbr_arm.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 #include "tests/kinematics/iiwa14.h"
 #include "tests/kinematics/near_singular.h"
 

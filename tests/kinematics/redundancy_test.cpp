@@ -10,7 +10,7 @@
 #include "iiwa14.h"
 #include "kinematics/differential_inverse.h"
 #include "kinematics/lbr_arm.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 
 namespace osteon::kinematics {
 namespace {

@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "simulation/ball_removal.h"
-#include "simulation/metrics/shell_solid.h"
 #include "simulation/packing/disjoint_packing.h"
 #include "simulation/packing/packing_builder.h"
 #include "simulation/packing/split_packing.h"
+#include "simulation/removal/ball_removal.h"
 #include "simulation/solids/box_solid.h"
+#include "simulation/solids/shell_solid.h"
 
 namespace osteon::simulation {
 namespace {

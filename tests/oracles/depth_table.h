@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "simulation/cutting_engine.h"
-#include "simulation/metrics/accuracy.h"
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/fidelity/accuracy.h"
 #include "simulation/solids/cut_zone.h"
 #include "simulation/solids/solid.h"
-#include "simulation/tool.h"
+#include "simulation/tools/tool.h"
 
 // Two cuts whose exact results are known, and how exactly ways of removal make them: judges ball removal and
 // its packings. Exact to the samples of CutAccuracy.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hil/stability/linear_loop.h"
+#include "studies/stability/linear_loop.h"
 
 namespace osteon::hil {
 

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <optional>
 
-#include "config/config_file_tracker.h"
-#include "config/reader.h"
+#include "config/reading/config_file_tracker.h"
+#include "config/reading/strict/reader.h"
 #include "tests/fuzz/targets/file_claims.h"
 
 // Shared parts of the targets that read YAML.
