@@ -1,3 +1,4 @@
+#include "base/write_text.h"
 #include "session/summary/summary.h"
 
 #include <fcntl.h>
