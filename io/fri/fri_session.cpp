@@ -29,14 +29,6 @@ std::array<double, 6> ToWire(const PlainWrench& F, FriTorqueOrder order) OSTEON_
   return {F.f.x, F.f.y, F.f.z, F.t.z, F.t.y, F.t.x};
 }
 
-PlainWrench FromWire(const std::array<double, 6>& wire, FriTorqueOrder order) OSTEON_RT {
-  const bool xyz = order == FriTorqueOrder::kXyz;
-  PlainWrench F;
-  F.f = Vector3(wire[0], wire[1], wire[2]);
-  F.t = Vector3(wire[xyz ? 3 : 5], wire[4], wire[xyz ? 5 : 3]);
-  return F;
-}
-
 }  // namespace
 
 FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp,
