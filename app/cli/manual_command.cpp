@@ -9,8 +9,8 @@
 #include "app/cli/manual.h"
 #include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
+#include "base/write_text.h"
 #include "session/process/exit_code.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 
