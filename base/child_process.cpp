@@ -29,6 +29,7 @@ tl::expected<std::unique_ptr<ChildProcess>, std::string> ChildProcess::Start(Chi
   for (std::string& word : params.words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   if (params.out.empty()) params.out = "/dev/null";
+  if (params.program.empty()) params.program = "/proc/self/exe";
 
   const pid_t parent = getpid();
   const pid_t pid = fork();
@@ -40,7 +41,7 @@ tl::expected<std::unique_ptr<ChildProcess>, std::string> ChildProcess::Start(Chi
     if (!params.folder.empty() && chdir(params.folder.c_str()) != 0) _exit(126);
     Redirect(params.out.c_str(), STDOUT_FILENO);
     if (!params.err.empty()) Redirect(params.err.c_str(), STDERR_FILENO);
-    execv("/proc/self/exe", arguments.data());
+    execv(params.program.c_str(), arguments.data());
     _exit(127);
   }
   return std::unique_ptr<ChildProcess>(new ChildProcess(pid));

@@ -14,13 +14,15 @@
 namespace osteon::app {
 
 struct ChildParams {
-  std::vector<std::string> words;  ///< of its command line, after the program's name
-  std::filesystem::path folder{};  ///< its working folder; empty: this process's
-  std::filesystem::path out{};     ///< file for its stdout; empty: discarded
-  std::filesystem::path err{};     ///< file for its stderr; empty: this process's
+  std::vector<std::string> words;   ///< of its command line, after the program's name
+  std::filesystem::path program{};  ///< file of the program; empty: this one
+  std::filesystem::path folder{};   ///< its working folder; empty: this process's
+  std::filesystem::path out{};      ///< file for its stdout; empty: discarded
+  std::filesystem::path err{};      ///< file for its stderr; empty: this process's
 };
 
-/// This program as another process. It ends with this one, however this one ends, and gets no Ctrl-C.
+/// This program, or another, as another process. It ends with this one, however this one ends, and gets no
+/// Ctrl-C.
 class ChildProcess {
  public:
   /// Starts it. The error says why that failed.

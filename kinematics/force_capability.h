@@ -52,8 +52,6 @@ class ForceCapability {
   ForceCapability(const JacobianN<N>& J, const JointVectorN<N>& gravity_Nm,
                   const JointVectorN<N>& torque_limit_Nm, GravityHelp help) OSTEON_RT;
 
-  [[nodiscard]] bool holds_itself() const OSTEON_RT { return holds_itself_; }
-
   /// Largest f such that f u is held together with any torque up to torque_Nm. u unit.
   ///
   ///     f = min_i (r_i - torque |Jw_i|) / |Jv_i·u|,   r_i on the side that u loads

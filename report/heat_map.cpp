@@ -265,10 +265,8 @@ std::string Marks(const HeatMap& map, const PlotArea& area, OccupiedBoxes& taken
 std::string ScaleBar(const HeatScale& scale, double left, double top, double height) {
   std::string out;
   const int bands = static_cast<int>(std::lround((scale.max - scale.min) / scale.step));
-  for (int b = 0; b < bands; ++b)
-    out += SvgRect(left, top + height * (1.0 - (b + 1.0) / bands), kScaleWidth, height / bands + 0.4,
-                   ViridisColor(bands > 1 ? static_cast<double>(b) / (bands - 1) : 0.0));
-  out += SvgRect(left, top, kScaleWidth, height, "none",
+  out += ViridisBands(left, top, kScaleWidth, height, bands) +
+         SvgRect(left, top, kScaleWidth, height, "none",
                  fmt::format(R"(stroke="{}" stroke-width="1")", kAxisColor));
   for (double value = scale.min; value <= scale.max + 1e-9; value += scale.tick_step) {
     const double y = top + height * (1.0 - (value - scale.min) / (scale.max - scale.min));
@@ -277,8 +275,7 @@ std::string ScaleBar(const HeatScale& scale, double left, double top, double hei
     out += SvgText(left + kScaleWidth + 9, y + 4.3, (last ? "\xE2\x89\xA5 " : "") + Number(value, 0));
   }
   const double x = left + kScaleWidth + 58, y = top + 0.5 * height;
-  return out + SvgText(x, y, Fit(scale.label, height), "middle", kTextColor, kFontPx,
-                       fmt::format(R"x(transform="rotate(-90 {} {})")x", Pixels(x), Pixels(y)));
+  return out + SvgTurnedText(x, y, Fit(scale.label, height), "middle", kTextColor);
 }
 
 std::string DrawPanel(const HeatMap& map, const HeatScale& scale, const PlotArea& area,
@@ -309,6 +306,18 @@ std::string ViridisColor(double share) {
   const std::array<double, 3> rgb = Viridis(share);
   return fmt::format("#{:02x}{:02x}{:02x}", static_cast<int>(std::lround(rgb[0])),
                      static_cast<int>(std::lround(rgb[1])), static_cast<int>(std::lround(rgb[2])));
+}
+
+std::string BandColor(int band, int bands) {
+  return ViridisColor(bands > 1 ? static_cast<double>(band) / (bands - 1) : 0.0);
+}
+
+std::string ViridisBands(double left, double top, double width, double height, int bands) {
+  std::string out;
+  for (int b = 0; b < bands; ++b)
+    out += SvgRect(left, top + height * (1.0 - (b + 1.0) / bands), width, height / bands + 0.4,
+                   BandColor(b, bands));
+  return out;
 }
 
 std::string HeatMapSvg(const std::vector<HeatMap>& panels, int columns, const std::vector<HeatScale>& scales,

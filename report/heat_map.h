@@ -52,6 +52,10 @@ struct HeatScale {
 
 /// The colour of a value: viridis (van der Walt and Smith, 2015), "#rrggbb".
 [[nodiscard]] std::string ViridisColor(double share);
+/// The colour of one of a scale's bands, numbered from its low end.
+[[nodiscard]] std::string BandColor(int band, int bands);
+/// The bands of a scale, one above the other, the low end below.
+[[nodiscard]] std::string ViridisBands(double left, double top, double width, double height, int bands);
 
 /// Draws panels in rows, under one title and one legend, each row with its scale at the right.
 /// @param scales  one per row; the last also serves the remaining rows

@@ -26,9 +26,8 @@ std::string Cells(const LevelMap& map, const LevelScale& scale, const PlotArea& 
       const double share = (value - scale.min) / (scale.max - scale.min) * scale.bands;
       const int band = std::min(scale.bands - 1, static_cast<int>(share));
       // a little larger than the cell, so that there are no seams between neighbours
-      out +=
-          SvgRect(area.left + i * width, area.top + area.height - (j + 1) * height, width + 0.4, height + 0.4,
-                  ViridisColor(scale.bands > 1 ? static_cast<double>(band) / (scale.bands - 1) : 0.0));
+      out += SvgRect(area.left + i * width, area.top + area.height - (j + 1) * height, width + 0.4,
+                     height + 0.4, BandColor(band, scale.bands));
     }
   return out;
 }
@@ -54,11 +53,8 @@ std::string Curves(const LevelMap& map, const PlotArea& area) {
 
 std::string ScaleBar(const LevelScale& scale, double left, double top, double height) {
   std::string out;
-  for (int b = 0; b < scale.bands; ++b)
-    out +=
-        SvgRect(left, top + height * (1.0 - (b + 1.0) / scale.bands), kScaleWidth, height / scale.bands + 0.4,
-                ViridisColor(scale.bands > 1 ? static_cast<double>(b) / (scale.bands - 1) : 0.0));
-  out += SvgRect(left, top, kScaleWidth, height, "none", fmt::format(R"(stroke="{}")", kAxisColor));
+  out += ViridisBands(left, top, kScaleWidth, height, scale.bands) +
+         SvgRect(left, top, kScaleWidth, height, "none", fmt::format(R"(stroke="{}")", kAxisColor));
   for (int b = 0; b <= scale.bands; b += 2) {
     const double y = top + height * (1.0 - static_cast<double>(b) / scale.bands);
     const double value = scale.min + (scale.max - scale.min) * b / scale.bands;
@@ -66,8 +62,7 @@ std::string ScaleBar(const LevelScale& scale, double left, double top, double he
                    (b == scale.bands ? "\xE2\x89\xA5 " : "") + Number(value, 0));
   }
   const double x = left + kScaleWidth + 56, y = top + 0.5 * height;
-  return out + SvgText(x, y, Fit(scale.label, height), "middle", kTextColor, kFontPx,
-                       fmt::format(R"x(transform="rotate(-90 {} {})")x", Pixels(x), Pixels(y)));
+  return out + SvgTurnedText(x, y, Fit(scale.label, height), "middle", kTextColor);
 }
 
 }  // namespace

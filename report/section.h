@@ -1,11 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <tl/expected.hpp>
 
 #include "report/bone_shape.h"
 #include "report/contour.h"
@@ -112,10 +109,5 @@ struct Section {
 /// Draws the section enlarged around the deepest place of the head's path; empty text if there is no path.
 [[nodiscard]] std::string SectionDetailSvg(const Section& section, const simulation::Bone& bone,
                                            double width_px = 920.0);
-
-/// Writes SectionSvg to a file. @returns an error that names the file.
-[[nodiscard]] tl::expected<void, std::string> WriteSectionSvg(const Section& section,
-                                                              const simulation::Bone& bone,
-                                                              const std::filesystem::path& path);
 
 }  // namespace osteon::app

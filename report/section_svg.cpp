@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <string>
 
@@ -133,15 +132,6 @@ std::string SectionDetailSvg(const Section& section, const simulation::Bone& bon
   const Vector2 low = middle - Vector2(half_m, 0.3 * half_m), high = middle + Vector2(half_m, 0.3 * half_m);
   return Draw(section, bone,
               {low, high, at_apex ? "Detail at the deepest place" : "Detail of the cut", false}, width_px);
-}
-
-tl::expected<void, std::string> WriteSectionSvg(const Section& section, const simulation::Bone& bone,
-                                                const std::filesystem::path& path) {
-  std::ofstream file(path, std::ios::binary);
-  file << SectionSvg(section, bone);
-  file.close();
-  if (!file) return tl::unexpected(path.string() + ": cannot write the section");
-  return {};
 }
 
 }  // namespace osteon::app

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "report/point_marks.h"
 #include "report/svg_text.h"
 
@@ -27,6 +28,12 @@ std::string SvgText(double x, double y, std::string_view text, std::string_view 
                      "\n",
                      Pixels(x), Pixels(y), anchor, color, Pixels(size_px), extra.empty() ? "" : " ", extra,
                      Escape(text));
+}
+
+std::string SvgTurnedText(double x, double y, std::string_view text, std::string_view anchor,
+                          std::string_view color, double size_px) {
+  return SvgText(x, y, text, anchor, color, size_px,
+                 fmt::format(R"x(transform="rotate(-90 {} {})")x", Pixels(x), Pixels(y)));
 }
 
 std::string SvgLine(double x1, double y1, double x2, double y2, std::string_view color, double width_px,
@@ -94,8 +101,7 @@ std::string DrawAxisLabels(const PlotArea& area, std::string_view x_label, doubl
     const std::vector<std::string> lines = AxisLabelLines(y_label, area.height);
     double x = y_label_x - kLabelLinePx * (static_cast<double>(lines.size()) - 1.0);
     for (const std::string& line : lines) {
-      out += SvgText(x, y, line, "middle", kTextColor, kFontPx,
-                     fmt::format(R"x(transform="rotate(-90 {} {})")x", Pixels(x), Pixels(y)));
+      out += SvgTurnedText(x, y, line, "middle", kTextColor);
       x += kLabelLinePx;
     }
   }
@@ -182,7 +188,7 @@ std::string Fit(std::string_view text, double width_px, double size_px) {
   std::string cut(text);
   while (!cut.empty() && TextWidth(cut, size_px) + size_px > width_px) {
     // whole characters: drop the tail bytes of a UTF-8 sequence with its first byte
-    while (!cut.empty() && (static_cast<unsigned char>(cut.back()) & 0xC0u) == 0x80u) cut.pop_back();
+    while (!cut.empty() && IsTailByte(cut.back())) cut.pop_back();
     if (!cut.empty()) cut.pop_back();
   }
   return cut + "\xE2\x80\xA6";

@@ -18,6 +18,9 @@ inline constexpr double kLegendRowPx = 20.0;
 [[nodiscard]] std::string SvgText(double x, double y, std::string_view text,
                                   std::string_view anchor = "start", std::string_view color = "#1b1f24",
                                   double size_px = kFontPx, std::string_view extra = {});
+/// The same, turned to run upward from (x, y).
+[[nodiscard]] std::string SvgTurnedText(double x, double y, std::string_view text, std::string_view anchor,
+                                        std::string_view color, double size_px = kFontPx);
 [[nodiscard]] std::string SvgLine(double x1, double y1, double x2, double y2, std::string_view color,
                                   double width_px = 1.0, std::string_view dash = {});
 [[nodiscard]] std::string SvgRect(double x, double y, double width, double height, std::string_view fill,

@@ -196,8 +196,7 @@ std::string DrawXLimits(const PlotArea& area, const LineChart& panel) {
     const double x = area.X(limit.value);
     const double y = NameBeside(area, panel, x, TextWidth(limit.label, kFontPx - 1.5));
     out += SvgLine(x, area.top, x, area.top + area.height, kLimitColor, 1.4, "7 4");
-    out += SvgText(x - 5, y, limit.label, "start", kLimitColor, kFontPx - 1.5,
-                   fmt::format(R"x(transform="rotate(-90 {} {})")x", Pixels(x - 5), Pixels(y)));
+    out += SvgTurnedText(x - 5, y, limit.label, "start", kLimitColor, kFontPx - 1.5);
   }
   return out;
 }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "base/utf8.h"
 
 namespace osteon::app {
@@ -54,7 +55,7 @@ std::string Escape(std::string_view text) {
 double TextWidth(std::string_view text, double size_px) {
   double em = 0.0;
   for (const char c : text)
-    if ((static_cast<unsigned char>(c) & 0xC0u) != 0x80u) em += CharacterWidth(static_cast<unsigned char>(c));
+    if (!IsTailByte(c)) em += CharacterWidth(static_cast<unsigned char>(c));
   return em * size_px;
 }
 

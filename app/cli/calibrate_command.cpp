@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include "app/cli/cell_file.h"
+#include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
 
 namespace osteon::app {
 
-CalibrateCommand::CalibrateCommand(CLI::App& app)
-    : sub_(app.add_subcommand("calibrate",
-                              "finds tool centre point, payload and sensor bias from recorded poses")) {
+CalibrateCommand::CalibrateCommand(CLI::App& app) : sub_(AddStudy(app, "calibrate")) {
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
       ->required();

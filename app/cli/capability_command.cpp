@@ -5,13 +5,12 @@
 #include <fmt/format.h>
 
 #include "app/cli/cell_file.h"
+#include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
 
 namespace osteon::app {
 
-CapabilityCommand::CapabilityCommand(CLI::App& app)
-    : sub_(app.add_subcommand("capability",
-                              "maps the force that the arm can hold, and finds a good place for its base")) {
+CapabilityCommand::CapabilityCommand(CLI::App& app) : sub_(AddStudy(app, "capability")) {
   CapabilityOptions& o = options_;
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/write_text.h"
 #include "session/process/exit_code.h"
 #include "session/summary/each_fault.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

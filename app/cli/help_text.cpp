@@ -10,11 +10,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/text.h"
+
 namespace osteon::app {
 namespace {
 
 constexpr std::size_t kMinWidth = 50, kDefaultWidth = 80, kMaxWidth = 120;
-constexpr std::string_view kRangeMark = " … ";
 constexpr std::size_t kTextColumn = 26;      // where explanations begin
 constexpr std::size_t kMaxWordsInHead = 22;  // columns; longer lists of words stand in the explanation
 
@@ -54,37 +55,6 @@ std::vector<std::string> GroupsOf(const std::vector<OptionText>& options) {
 }
 
 }  // namespace
-
-std::size_t ColumnsOf(std::string_view text) {
-  // in UTF-8 every byte but a character's first has the high bits 1 and 0
-  return static_cast<std::size_t>(
-      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; }));
-}
-
-std::string WrapText(std::string_view text, std::size_t indent, std::size_t width) {
-  std::string wrapped;
-  std::size_t column = indent;
-  while (!text.empty()) {
-    std::size_t end = std::min(text.find(' '), text.size());
-    // a range, "1 … 4", stays on one line
-    while (text.substr(end).starts_with(kRangeMark))
-      end = std::min(text.find(' ', end + kRangeMark.size()), text.size());
-    const std::string_view word = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (word.empty()) continue;
-    const std::size_t columns = ColumnsOf(word);
-    if (column > indent && column + 1 + columns > width) {
-      wrapped += "\n" + std::string(indent, ' ');
-      column = indent;
-    } else if (column > indent) {
-      wrapped += ' ';
-      ++column;
-    }
-    wrapped += word;
-    column += columns;
-  }
-  return wrapped;
-}
 
 std::string OptionHead(const OptionText& option) {
   std::string head = fmt::format("{}", fmt::join(option.names, ", "));

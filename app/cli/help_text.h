@@ -12,14 +12,6 @@
 
 namespace osteon::app {
 
-/// Breaks a text into lines of at most `width` columns, between words, and not inside a range "1 … 4". Each
-/// line but the first begins with `indent` spaces, which count; the first begins at column `indent`. A word
-/// that is longer stands alone.
-[[nodiscard]] std::string WrapText(std::string_view text, std::size_t indent, std::size_t width);
-
-/// Columns that a text takes on a terminal, where each of its characters takes one.
-[[nodiscard]] std::size_t ColumnsOf(std::string_view text);
-
 /// The option with its value: "-o, --out FILE". Few short words stand in the value's place: "--mode a|b".
 [[nodiscard]] std::string OptionHead(const OptionText& option);
 /// The option's explanation, then what is accepted, the default, and which options it needs or excludes.

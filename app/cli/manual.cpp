@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/help_text.h"
+#include "base/text.h"
 
 namespace osteon::app {
 namespace {
@@ -147,11 +148,6 @@ std::string MarkdownTexts(const CommandText& command) {
     for (const std::string& line : list.lines) text += "    " + line + "\n";
   }
   return text;
-}
-
-std::string Sentence(std::string text) {
-  if (text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
-  return text + ".";
 }
 
 // A heading's anchor, by GitHub's rule.

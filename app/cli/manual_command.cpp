@@ -7,16 +7,15 @@
 #include "app/cli/command_table.h"
 #include "app/cli/completion.h"
 #include "app/cli/manual.h"
+#include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
+#include "base/write_text.h"
 #include "session/process/exit_code.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 
 ManualCommands::ManualCommands(CLI::App& app)
-    : manual_(
-          app.add_subcommand("manual", "prints the manual page of all subcommands, or writes it to files")),
-      completion_(app.add_subcommand("completion", "prints the script by which a shell completes osteon")) {
+    : manual_(AddStudy(app, "manual")), completion_(AddStudy(app, "completion")) {
   manual_->add_option("--man", man_, "write the manual page there, as osteon.1")->type_name("FILE");
   manual_->add_option("--markdown", markdown_, "write the page there, as docs/commands.md")
       ->type_name("FILE");

@@ -1,5 +1,6 @@
 #include "app/cli/measure_commands.h"
 
+#include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
 
 namespace osteon::app {
@@ -141,11 +142,11 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) 
 }  // namespace
 
 MeasureCommands::MeasureCommands(CLI::App& app)
-    : bench_(app.add_subcommand("bench", "measures how long the parts take")),
+    : bench_(AddStudy(app, "bench")),
       frame_(AddBenchFrame(*bench_, frame_options_)),
       kinematics_(AddBenchKinematics(*bench_, kinematics_options_)),
       tick_(AddBenchTick(*bench_, tick_options_)),
-      chart_(app.add_subcommand("chart", "measures and draws charts")),
+      chart_(AddStudy(app, "chart")),
       scaling_(AddChartScaling(*chart_, scaling_options_)),
       accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)) {
   bench_->require_subcommand(1);

@@ -3,14 +3,14 @@
 #include <fmt/format.h>
 
 #include "app/cli/cell_file.h"
+#include "app/cli/study_commands.h"
 #include "app/cli/tool_choice.h"
 #include "app/cli/usage.h"
 #include "session/process/exit_code.h"
 #include "session/setup/cell_setup.h"
 
 namespace osteon::app {
-PlanCommand::PlanCommand(CLI::App& app)
-    : sub_(app.add_subcommand("plan", "finds the coarsest model of a scene that meets an error and a rate")) {
+PlanCommand::PlanCommand(CLI::App& app) : sub_(AddStudy(app, "plan")) {
   PlanOptions& o = options_;
   sub_->add_option("scene", o.choice.scene,
                    "a name under scenes/, or a scene's YAML file; or a mesh (.stl, .obj, .ply) with --cup")

@@ -1,12 +1,11 @@
 #include "app/cli/regress_command.h"
 
+#include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
 
 namespace osteon::app {
 
-RegressCommand::RegressCommand(CLI::App& app)
-    : sub_(app.add_subcommand("regress",
-                              "runs scenarios in virtual time and compares them with their golden traces")) {
+RegressCommand::RegressCommand(CLI::App& app) : sub_(AddStudy(app, "regress")) {
   RegressOptions& o = options_;
   sub_->add_option("scenarios", o.scenarios,
                    "names under scenarios/, YAML files or folders of them; without any, all of scenarios/")

@@ -8,10 +8,10 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "base/write_text.h"
 #include "safety/cell_state.h"
 #include "safety/motion_permit.h"
 #include "session/process/exit_code.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

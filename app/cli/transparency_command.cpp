@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include "app/cli/cell_file.h"
+#include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
 
 namespace osteon::app {
 
-TransparencyCommand::TransparencyCommand(CLI::App& app)
-    : sub_(app.add_subcommand("transparency",
-                              "compares what a hand feels at the handle with what the law asks for")) {
+TransparencyCommand::TransparencyCommand(CLI::App& app) : sub_(AddStudy(app, "transparency")) {
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
       ->required();

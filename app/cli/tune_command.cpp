@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include "app/cli/cell_file.h"
+#include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
 
 namespace osteon::app {
 
-TuneCommand::TuneCommand(CLI::App& app)
-    : sub_(app.add_subcommand("tune", "maps where the loop is stable, and recommends gains")) {
+TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
   TuneOptions& o = options_;
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")

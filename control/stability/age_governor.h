@@ -48,7 +48,7 @@ struct StiffnessAges {
 /// under force (advance) is neglected: K (K advance/f) a is at most 300 N/m in the demo's frames at their 3
 /// ms, compared with 4 800 N/m of K_2.
 ///
-/// Source: AgeReserve of studies/stability and control.md of the design. At most four directions are
+/// Source: AgeReserve of tests/oracles and control.md of the design. At most four directions are
 /// involved. The bound is the sixteenth root of the trace of the sixteenth power of their Gram matrix: never
 /// below the eigenvalue, and at most 9 % above it.
 /// @param R_WT  of the tool  @param radius_m  R > 0

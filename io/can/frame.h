@@ -28,9 +28,6 @@ struct CanArrival {
   bool after_gap{false};     ///< the transport knows that frames before this one were lost
 };
 
-/// The frame in the notation of candump and cansend, e.g. "064#0B00"; for errors and tests, not for the tick.
-[[nodiscard]] std::string ToText(const CanFrame& frame);
-
 /// An identifier as errors print it, e.g. "0x064".
 [[nodiscard]] std::string IdText(std::uint16_t id);
 

@@ -29,14 +29,6 @@ std::array<double, 6> ToWire(const PlainWrench& F, FriTorqueOrder order) OSTEON_
   return {F.f.x, F.f.y, F.f.z, F.t.z, F.t.y, F.t.x};
 }
 
-PlainWrench FromWire(const std::array<double, 6>& wire, FriTorqueOrder order) OSTEON_RT {
-  const bool xyz = order == FriTorqueOrder::kXyz;
-  PlainWrench F;
-  F.f = Vector3(wire[0], wire[1], wire[2]);
-  F.t = Vector3(wire[xyz ? 3 : 5], wire[4], wire[xyz ? 5 : 3]);
-  return F;
-}
-
 }  // namespace
 
 FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp,
@@ -200,11 +192,6 @@ void FriSession::PutMotion(const control::ArmCommand& command, CommandMessage& a
         ToWire(follows && IsFinite(command.F) ? command.F : PlainWrench{}, params_.torque_order);
   if (last_.command_mode == CommandMode::kTorque)
     answer.tau = follows && IsFinite(command.tau) ? command.tau : JointArray{};
-}
-
-std::optional<PlainWrench> FriSession::external_force() const OSTEON_RT {
-  if (!last_.wire_force) return std::nullopt;
-  return FromWire(*last_.wire_force, params_.torque_order);
 }
 
 void FriSession::CountLate(control::ArmState& state) OSTEON_RT {

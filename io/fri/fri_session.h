@@ -87,8 +87,6 @@ class FriSession {
   /// The message last accepted: robot info, inputs and outputs, and other content that ArmState does not
   /// have. Default-constructed before the first.
   [[nodiscard]] const MonitoringMessage& message() const OSTEON_RT { return last_; }
-  /// The arm's estimate of the external force at its motion centre, if it sends one (2.7).
-  [[nodiscard]] std::optional<PlainWrench> external_force() const OSTEON_RT;
   /// The arm's version family, if the arm was refused for another version than configured.
   [[nodiscard]] std::optional<FriFamily> other_family() const OSTEON_RT { return other_family_; }
 

@@ -9,6 +9,7 @@
 
 #include "base/interrupt.h"
 #include "base/json_text.h"
+#include "base/write_text.h"
 #include "config/reading/config_file_tracker.h"
 #include "io/modbus/plc_client.h"
 #include "session/process/exit_code.h"
@@ -17,7 +18,6 @@
 #include "session/run/cell_ports.h"
 #include "session/setup/config_checksum.h"
 #include "session/setup/recorded_config.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "base/mapped_file.h"
+#include "base/text.h"
 #include "base/utf8.h"
 #include "config/reading/load.h"
 #include "config/reading/named_file.h"
@@ -22,12 +23,6 @@ namespace {
 
 constexpr double kEvenDensity_kg_per_m3 = 1000.0;
 constexpr double kFarthest_mm = 10'000.0;
-
-std::string Lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 /// Finds the materials of these names in one file, or in the first file of the configuration that has them.
 tl::expected<std::vector<simulation::Material>, std::string> SelectMaterials(

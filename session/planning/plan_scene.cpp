@@ -1,13 +1,13 @@
 #include "session/planning/plan_scene.h"
 
 #include <algorithm>
-#include <cctype>
 #include <limits>
 
 #include <fmt/format.h>
 
 #include "base/interrupt.h"
 #include "base/realtime_thread.h"
+#include "base/text.h"
 #include "gpu/engine/vulkan_engine.h"
 #include "session/planning/pack_source.h"
 #include "session/planning/run_queue_watch.h"
@@ -24,9 +24,7 @@ constexpr std::size_t kTurn = 25, kSettle = 3;
 constexpr double kFeed_m_per_s = 5e-3;  // assumed for a cutting tool
 
 bool IsMesh(const std::string& input) {
-  std::string extension = std::filesystem::path(input).extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = Lower(std::filesystem::path(input).extension().string());
   return extension == ".stl" || extension == ".obj" || extension == ".ply";
 }
 

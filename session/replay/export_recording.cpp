@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json_text.h"
+#include "base/write_text.h"
 #include "io/recording/recovery.h"
 #include "session/process/exit_code.h"
 #include "session/replay/export_tables.h"
 #include "session/summary/chart_files.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

@@ -8,12 +8,12 @@
 
 #include "base/json_text.h"
 #include "base/phase_progress.h"
+#include "base/write_text.h"
 #include "session/process/exit_code.h"
 #include "session/replay/replay.h"
 #include "session/setup/build_name.h"
 #include "session/setup/recorded_config.h"
 #include "session/summary/chart_files.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

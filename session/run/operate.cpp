@@ -8,6 +8,7 @@
 #include "base/interrupt.h"
 #include "base/phase_progress.h"
 #include "base/run_progress.h"
+#include "base/write_text.h"
 #include "config/reading/check_registration.h"
 #include "session/process/exit_code.h"
 #include "session/process/output.h"

@@ -10,6 +10,7 @@
 
 #include "base/interrupt.h"
 #include "base/json_text.h"
+#include "base/write_text.h"
 #include "io/fri/session_name.h"
 #include "session/process/output.h"
 #include "session/run/arm_connection.h"
@@ -17,7 +18,6 @@
 #include "session/run/cell_screen.h"
 #include "session/run/cell_trace.h"
 #include "session/run/simulated_setup.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

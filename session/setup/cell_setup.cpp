@@ -131,15 +131,6 @@ void PackAsScene(CellSetup& setup) {
                                      setup.config.scene, setup.config.cutting.split.on);
 }
 
-tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell_yaml,
-                                               const std::optional<MeshChoice>& mesh,
-                                               const std::optional<config::ToolChoice>& tool,
-                                               const std::filesystem::path& gains) {
-  auto setup = PrepareCell(cell_yaml, mesh, tool, gains);
-  if (setup) PackAsScene(*setup);
-  return setup;
-}
-
 tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(const CellSetup& setup,
                                                                                  const std::string& engine,
                                                                                  const std::string& device) {

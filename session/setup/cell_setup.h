@@ -57,11 +57,6 @@ struct CellSetup {
 /// Packs a prepared cell's bone by the scene's own `packing`. A loaded bone stays.
 void PackAsScene(CellSetup& setup);
 
-/// Calls PrepareCell, then PackAsScene: the set-up that does not depend on the machine.
-[[nodiscard]] tl::expected<CellSetup, std::string> SetUpCell(
-    const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh,
-    const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {});
-
 /// @param engine  "vulkan" or "reference";  @param device  part of a Vulkan device's name, or empty
 [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(
     const CellSetup& setup, const std::string& engine, const std::string& device);

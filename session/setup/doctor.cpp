@@ -9,11 +9,11 @@
 
 #include "base/json_text.h"
 #include "base/run_progress.h"
+#include "base/write_text.h"
 #include "gpu/context/devices.h"
 #include "io/can/has_socket_can.h"
 #include "io/fri/fri_link.h"
 #include "session/setup/realtime_checks.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

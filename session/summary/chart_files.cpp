@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "base/write_text.h"
 #include "report/png_file.h"
 #include "report/svg_raster.h"
 #include "report/svg_text.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

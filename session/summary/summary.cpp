@@ -8,7 +8,6 @@
 
 #include "base/interrupt.h"
 #include "base/json_text.h"
-#include "base/output_file.h"
 #include "hil/fri/fri_stop.h"
 #include "session/setup/config_checksum.h"
 #include "session/setup/setup_warnings.h"
@@ -486,17 +485,6 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
   }
   if (!s.arm_stop.empty()) out["arm_stop"] = s.arm_stop;
   return JsonText(out);
-}
-
-tl::expected<void, std::string> WriteText(const std::filesystem::path& path, const std::string& text) {
-  const auto refuse = [&](const simulation::FileError& error) {
-    return tl::make_unexpected(path.string() + ": can't be written: " + error.found);
-  };
-  auto file = simulation::OutputFile::Create(path);
-  if (!file) return refuse(file.error());
-  file->Write(text);
-  if (const auto written = file->Commit(); !written) return refuse(written.error());
-  return {};
 }
 
 }  // namespace osteon::app

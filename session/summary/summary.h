@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -126,10 +125,5 @@ void AddReason(std::string& reasons, const std::string& reason);
 
 /// JSON object by the contract of docs/commands.md, with `schema`.
 [[nodiscard]] std::string ToJson(const RunSummary& summary, const std::string& schema);
-
-/// Writes text to a file, which appears complete or not at all. A link stays a link, and its target is
-/// written. An existing file's rights are kept. The error names the path.
-[[nodiscard]] tl::expected<void, std::string> WriteText(const std::filesystem::path& path,
-                                                        const std::string& text);
 
 }  // namespace osteon::app

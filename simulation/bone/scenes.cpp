@@ -140,15 +140,6 @@ void CheckTissue(const MeshSceneTissue& tissue, std::size_t material_count) {
   CheckTissueMap(TissueOf(tissue, all, CutSite{}), material_count);
 }
 
-MeshSceneTissue AsSceneTissue(const MeshTissue& tissue) {
-  const TissueMap map = CupBoneTissue(tissue, CutSite{});
-  return {
-      .solid = map.shells.front(),
-      .regions = {},
-      .lining = MeshSceneTissue::Lining{
-          .lining_radii = map.lining->lining_radii, .layers = map.lining->layers, .core = map.lining->core}};
-}
-
 /// Names of a bone's materials; the first three must be those of BoneTissue.
 std::vector<std::string> BoneNames(const std::vector<Material>& materials) {
   std::vector<std::string> names = MaterialNames(AcetabulumShape{});
@@ -301,19 +292,6 @@ Bone MakeAcetabulum(const AcetabulumParams& params) {
   scene.packing = params.packing;
   scene.points = params.points;
   return PackScene(MakeSceneSolid(scene), scene);
-}
-
-tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path, const CutSite& cup,
-                                               const MeshBoneParams& params) {
-  SceneParams scene;
-  scene.mesh_tissue = AsSceneTissue(params.tissue);
-  scene.material_names = BoneNames(params.materials);
-  scene.materials = params.materials;
-  scene.packing = params.packing;
-  scene.points = params.points;
-  const auto solid = LoadSceneSolid(path, 1.0, cup, scene);
-  if (!solid) return tl::make_unexpected(solid.error());
-  return PackScene(*solid, scene);
 }
 
 }  // namespace osteon::simulation

@@ -143,18 +143,4 @@ struct AcetabulumParams {
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] Bone MakeAcetabulum(const AcetabulumParams& params);
 
-/// Parameters of a bone with a cup from a mesh.
-struct MeshBoneParams {
-  MeshTissue tissue;
-  PackingParams packing;
-  MassPointParams points;
-  std::vector<Material> materials{DefaultBoneMaterials()};
-};
-
-/// Packs a mesh file in millimetres below its cup; the bone takes the file's name.
-/// @throws std::invalid_argument as PackScene does.
-[[nodiscard]] tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path,
-                                                             const CutSite& cup,
-                                                             const MeshBoneParams& params);
-
 }  // namespace osteon::simulation

@@ -73,17 +73,4 @@ ForceErrors CompareForces(std::span<const FeltForce> measured, std::span<const F
   return errors;
 }
 
-PathWork WorkAlong(std::span<const Pose> X_WT, std::span<const FeltForce> felt) {
-  CheckEqual(X_WT.size(), felt.size(), "poses and forces");
-  PathWork work;
-  for (std::size_t k = 0; k + 1 < X_WT.size(); ++k) {
-    const Eigen::AngleAxisd turn(X_WT[k + 1].linear() * X_WT[k].linear().transpose());
-    const double step_J =
-        0.5 * (felt[k].f_N + felt[k + 1].f_N).dot(X_WT[k + 1].translation() - X_WT[k].translation()) +
-        0.5 * turn.angle() * (felt[k].t_Nm + felt[k + 1].t_Nm).dot(turn.axis());
-    (step_J > 0.0 ? work.given_J : work.taken_J) += std::abs(step_J);
-  }
-  return work;
-}
-
 }  // namespace osteon::simulation

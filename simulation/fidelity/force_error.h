@@ -32,17 +32,4 @@ struct ForceErrors {
 [[nodiscard]] ForceErrors CompareForces(std::span<const FeltForce> measured, std::span<const FeltForce> exact,
                                         double rate_hz);
 
-/// Work of the coupling on the tool along a path of poses: positive is energy that the hand gets back.
-///
-///     W = sum (f_k + f_k+1)/2 · (p_k+1 - p_k) + (t_k + t_k+1)/2 · log(R_k+1 R_k^T)
-struct PathWork {
-  double given_J{0.0};  ///< from the coupling to the hand: the sum of the positive parts
-  double taken_J{0.0};  ///< from the hand to the coupling: minus the sum of the negative parts
-  /// Above zero where a closed cycle made energy.
-  [[nodiscard]] double net_J() const { return given_J - taken_J; }
-};
-
-/// @throws std::invalid_argument where the numbers differ.
-[[nodiscard]] PathWork WorkAlong(std::span<const Pose> X_WT, std::span<const FeltForce> felt);
-
 }  // namespace osteon::simulation

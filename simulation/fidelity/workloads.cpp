@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "base/scramble.h"
-#include "simulation/fidelity/depth_scenes.h"
 #include "simulation/solids/box_solid.h"
+#include "simulation/solids/shell_solid.h"
 
 namespace osteon::simulation {
 namespace {

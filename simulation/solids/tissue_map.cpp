@@ -132,15 +132,4 @@ void CheckTissueMap(const TissueMap& map, std::size_t material_count) {
         fmt::format("tissue: lining_radii: found {:g}, accepted 1 … 2", map.lining->lining_radii));
 }
 
-TissueMap CupBoneTissue(const MeshTissue& tissue, const CutSite& cup) {
-  return {.shells = {{.layers = {{.material = kCortical, .thickness_m = tissue.cortical_m}},
-                      .core = kCancellous,
-                      .image = {}}},
-          .lining = LiningTissue{.cup = cup,
-                                 .lining_radii = tissue.lining_radii,
-                                 .layers = {{.material = kCartilage, .thickness_m = tissue.cartilage_m},
-                                            {.material = kCortical, .thickness_m = tissue.subchondral_m}},
-                                 .core = kCancellous}};
-}
-
 }  // namespace osteon::simulation

@@ -50,33 +50,4 @@ double CuttingReach(const Tool& tool) {
   return reach_m;
 }
 
-double EffectiveCuttingRadius(const Tool& tool) {
-  std::vector<std::pair<double, double>> rings;  // inner and outer radius
-  for (const ToolBall& ball : tool.balls) {
-    if (!ball.cutting) continue;
-    const double middle_m = std::hypot(ball.center_m.x, ball.center_m.y);
-    rings.emplace_back(std::max(0.0, middle_m - ball.radius_m), middle_m + ball.radius_m);
-  }
-  std::sort(rings.begin(), rings.end());
-  double moment = 0.0, area = 0.0, done_m = 0.0;  // divided by pi
-  for (auto [inner_m, outer_m] : rings) {
-    inner_m = std::max(inner_m, done_m);
-    if (outer_m <= inner_m) continue;
-    moment += 2.0 / 3.0 * (std::pow(outer_m, 3) - std::pow(inner_m, 3));
-    area += outer_m * outer_m - inner_m * inner_m;
-    done_m = outer_m;
-  }
-  return area > 0.0 ? moment / area : 0.0;
-}
-
-Eigen::AlignedBox3d ToolBounds(const Tool& tool, ToolPart part) {
-  Eigen::AlignedBox3d box;
-  for (const ToolBall& ball : tool.balls) {
-    if (part != ToolPart::kAll && ball.cutting != (part == ToolPart::kCutting)) continue;
-    box.extend(Vector3(ball.center_m) - Vector3::Constant(ball.radius_m));
-    box.extend(Vector3(ball.center_m) + Vector3::Constant(ball.radius_m));
-  }
-  return box;
-}
-
 }  // namespace osteon::simulation

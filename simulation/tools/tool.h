@@ -45,17 +45,4 @@ struct Tool {
 /// tool drills.
 [[nodiscard]] double CuttingReach(const Tool& tool);
 
-/// Mean distance from the spindle's axis of a face that the whole tool cuts across, by area:
-///
-///     r_eff = ∫ r dA / ∫ dA     over the rings that the cutting balls sweep as the spindle turns
-///
-/// 2/3 of the reach where the tool cuts up to its axis. Zero without a cutting ball.
-[[nodiscard]] double EffectiveCuttingRadius(const Tool& tool);
-
-/// Selects balls of a tool.
-enum class ToolPart : std::uint8_t { kAll, kCutting, kTouching };
-
-/// Box around the selected balls of a tool, in T; empty where there are none.
-[[nodiscard]] Eigen::AlignedBox3d ToolBounds(const Tool& tool, ToolPart part = ToolPart::kAll);
-
 }  // namespace osteon::simulation

@@ -11,9 +11,9 @@
 #include "base/interrupt.h"
 #include "base/json_text.h"
 #include "base/phase_progress.h"
+#include "base/write_text.h"
 #include "config/reading/load.h"
 #include "session/process/exit_code.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

@@ -23,6 +23,7 @@
 #include "base/interrupt.h"
 #include "base/json_text.h"
 #include "base/no_alloc_scope.h"
+#include "base/write_text.h"
 #include "config/reading/load_robot.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
@@ -30,7 +31,6 @@
 #include "report/ticks.h"
 #include "session/process/exit_code.h"
 #include "session/summary/chart_files.h"
-#include "session/summary/summary.h"
 
 // The only file outside the tests that uses KDL: the reference for the speed of the arm's mathematics.
 

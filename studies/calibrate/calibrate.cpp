@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json_text.h"
+#include "base/write_text.h"
 #include "config/reading/load.h"
 #include "control/setup/calibration.h"
 #include "io/recording/recording_reader.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
 #include "session/process/exit_code.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

@@ -11,6 +11,7 @@
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "base/phase_progress.h"
+#include "base/write_text.h"
 #include "config/reading/load.h"
 #include "io/recording/recording_reader.h"
 #include "report/page.h"

@@ -11,10 +11,10 @@
 #include <fmt/ranges.h>
 
 #include "base/interrupt.h"
+#include "base/write_text.h"
 #include "report/svg_text.h"
 #include "session/process/exit_code.h"
 #include "session/summary/chart_files.h"
-#include "session/summary/summary.h"
 #include "studies/bench/method_engine.h"
 
 namespace osteon::app {

@@ -13,6 +13,7 @@
 #include "base/interrupt.h"
 #include "base/json_text.h"
 #include "base/phase_progress.h"
+#include "base/write_text.h"
 #include "gpu/engine/vulkan_engine.h"
 #include "session/process/exit_code.h"
 #include "session/summary/chart_files.h"

@@ -9,10 +9,10 @@
 #include "base/interrupt.h"
 #include "base/json_text.h"
 #include "base/phase_progress.h"
+#include "base/write_text.h"
 #include "safety/cell_state.h"
 #include "session/process/exit_code.h"
 #include "session/summary/each_fault.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

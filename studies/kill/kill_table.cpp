@@ -9,8 +9,8 @@
 #include "base/json_text.h"
 #include "base/phase_progress.h"
 #include "base/work_folder.h"
+#include "base/write_text.h"
 #include "session/process/exit_code.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

@@ -24,6 +24,11 @@
 namespace osteon::app {
 namespace {
 
+// The command that runs cells: it lies beside this one, which runs studies.
+std::filesystem::path OsteonBeside() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "osteon";
+}
+
 using std::chrono::milliseconds, std::chrono::seconds;
 
 constexpr int kAttempts = 3;
@@ -151,6 +156,7 @@ class Trial {
     std::vector<std::string> words{name, std::filesystem::absolute(params_.cell).string(), "--port", port_};
     words.insert(words.end(), more.begin(), more.end());
     auto process = ChildProcess::Start({.words = words,
+                                        .program = OsteonBeside(),
                                         .folder = Folder(name),
                                         .out = Folder(name) / "stdout",
                                         .err = Folder(name) / "stderr"});

@@ -11,6 +11,7 @@
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "base/phase_progress.h"
+#include "base/write_text.h"
 #include "session/process/exit_code.h"
 #include "session/summary/chart_files.h"
 #include "session/summary/summary.h"

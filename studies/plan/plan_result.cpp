@@ -6,8 +6,8 @@
 
 #include "base/interrupt.h"
 #include "base/phase_progress.h"
+#include "base/write_text.h"
 #include "session/process/exit_code.h"
-#include "session/summary/summary.h"
 
 namespace osteon::app {
 namespace {

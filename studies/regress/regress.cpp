@@ -12,13 +12,13 @@
 
 #include "base/interrupt.h"
 #include "base/phase_progress.h"
+#include "base/write_text.h"
 #include "config/reading/load_scenario.h"
 #include "config/reading/named_file.h"
 #include "config/reading/strict/reader.h"
 #include "session/process/exit_code.h"
 #include "session/setup/build_name.h"
 #include "session/summary/chart_files.h"
-#include "session/summary/summary.h"
 #include "studies/regress/regress_result.h"
 
 namespace osteon::app {

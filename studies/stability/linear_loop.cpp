@@ -15,23 +15,6 @@ double SpectralRadius(const Eigen::MatrixXd& loop) {
   return Eigen::EigenSolver<Eigen::MatrixXd>(loop, false).eigenvalues().cwiseAbs().maxCoeff();
 }
 
-double GrowthPerPeriod(const LoopStep& step, int size, int settle, int periods) {
-  Eigen::VectorXd state = Eigen::VectorXd::Unit(size, 0);
-  const auto run = [&](int count) {
-    double log_size = 0.0;
-    for (int i = 0; i < count; ++i) {
-      state = step(state);
-      const double norm = state.norm();
-      if (norm == 0.0) return -std::numeric_limits<double>::infinity();  // dead beat: nothing is left
-      log_size += std::log(norm);
-      state /= norm;
-    }
-    return log_size;
-  };
-  run(settle);
-  return run(periods) / periods;
-}
-
 Boundary FirstCrossing(const std::function<bool(double)>& stable, const BoundaryScan& scan) {
   if (!stable(scan.from)) return {.value = 0.0, .crossed = true};
   double low = scan.from, high = scan.from;

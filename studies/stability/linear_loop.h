@@ -19,11 +19,6 @@ using LoopStep = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
 /// factor in a period.
 [[nodiscard]] double SpectralRadius(const Eigen::MatrixXd& loop);
 
-/// Natural logarithm of the growth in a period, found by running the loop: the mean over `periods`, after
-/// `settle` periods in which all modes but the slowest die out. The state is normalised on the way, so
-/// neither growth nor decay leaves the range of numbers.
-[[nodiscard]] double GrowthPerPeriod(const LoopStep& step, int size, int settle, int periods);
-
 /// The first unstable value of an upward scan.
 struct Boundary {
   double value{0.0};    ///< the crossing; without one, the end of the scan

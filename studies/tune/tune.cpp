@@ -13,6 +13,7 @@
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "base/phase_progress.h"
+#include "base/write_text.h"
 #include "config/reading/load.h"
 #include "report/page.h"
 #include "report/svg_text.h"

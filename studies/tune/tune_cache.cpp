@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/fnv1a.h"
-#include "session/summary/summary.h"
+#include "base/write_text.h"
 
 namespace osteon::app {
 namespace {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/cli/help_text.h"
+#include "base/text.h"
 #include "tests/app/command.h"
 
 // The manual, the completion and the help of the built command.

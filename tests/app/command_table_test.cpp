@@ -9,6 +9,7 @@
 #include "app/cli/help_text.h"
 #include "app/cli/manual.h"
 #include "app/cli/usage.h"
+#include "base/text.h"
 
 // The texts that are read from a CLI::App, on one that is made for it.
 

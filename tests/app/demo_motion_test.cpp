@@ -8,6 +8,7 @@
 #include "session/setup/cell_setup.h"
 #include "simulation/tools/motion_player.h"
 #include "tests/app/command.h"
+#include "tests/session/set_up_cell.h"
 
 // Motions that the demo saves, and the events of a scene: in virtual time, run as a user does.
 

@@ -13,6 +13,7 @@
 #include "session/run/simulated_setup.h"
 #include "studies/regress/plane_engine.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/session/set_up_cell.h"
 
 namespace osteon::app {
 namespace {

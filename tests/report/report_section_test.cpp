@@ -1,15 +1,12 @@
 #include "report/section.h"
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "report_markup.h"
 #include "report_synthetic.h"
-#include "tests/temporary_path.h"
 
 namespace osteon::app {
 namespace {
@@ -78,7 +75,6 @@ TEST(SweptTool, DistanceToACapsuleIsExactOutside) {
     path.push_back(X);
   }
   const SweptTool swept(tool, path);
-  EXPECT_EQ(swept.capsule_count(), 1u) << "a straight path needs one capsule, and the shaft does not cut";
   EXPECT_NEAR(swept.SignedDistance({0.02, 0.015, 0.0}), 0.005, 1e-12);
   EXPECT_NEAR(swept.SignedDistance({-0.03, 0, 0}), 0.02, 1e-12);
   EXPECT_NEAR(swept.SignedDistance({0.07, 0, 0}), 0.02, 1e-12);
@@ -289,12 +285,6 @@ TEST(Section, SvgIsWellFormed) {
   EXPECT_EQ(MarkupError(svg), "");
   EXPECT_EQ(TextOutside(svg), "");
   EXPECT_EQ(svg.find("nan"), std::string::npos);
-  const auto file = TemporaryPath("section.svg");
-  ASSERT_TRUE(WriteSectionSvg(section, run.bone, file).has_value());
-  EXPECT_EQ(std::filesystem::file_size(file), svg.size());
-  const auto refused = WriteSectionSvg(section, run.bone, "/no/such/folder/section.svg");
-  ASSERT_FALSE(refused.has_value());
-  EXPECT_NE(refused.error().find("/no/such/folder/section.svg"), std::string::npos);
 }
 
 }  // namespace

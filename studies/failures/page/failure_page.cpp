@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "report/page.h"
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
@@ -29,11 +30,6 @@ std::string ShortValue(double value, const std::string& unit) {
   const std::string number =
       std::abs(value) >= 100.0 ? fmt::format("{:.0f}", value) : fmt::format("{:.2g}", value);
   return number + (unit == "1" ? "" : " " + unit);
-}
-std::string Sentence(std::string text) {
-  if (text.empty()) return text;
-  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  return text.ends_with('.') ? text : text + ".";
 }
 std::string Value(double value, const std::string& unit) { return Escape(ShortValue(value, unit)); }
 
@@ -120,37 +116,6 @@ tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntr
   html += fmt::format("<footer>Osteon {}: <code>{}</code></footer>\n", Escape(head.version),
                       Escape(head.command_line));
   return WritePage(html + kPageEnd, folder / "failures.html");
-}
-
-std::string WrapMarkdown(std::string_view paragraph) {
-  constexpr std::size_t kWidth = 120;
-  const auto width_of = [](std::string_view word) {  // characters of UTF-8
-    return static_cast<std::size_t>(
-        std::ranges::count_if(word, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
-  };
-  const auto first_word_of = [](std::string_view text) {  // `code with spaces` is one word
-    bool code = false;
-    const auto end = std::ranges::find_if(text, [&code](char c) {
-      code = code != (c == '`');
-      return c == ' ' && !code;
-    });
-    return text.substr(0, static_cast<std::size_t>(end - text.begin()));
-  };
-  std::string wrapped;
-  std::size_t column = 0;
-  while (!paragraph.empty()) {
-    const std::string_view word = first_word_of(paragraph);
-    paragraph.remove_prefix(std::min(paragraph.size(), word.size() + 1));
-    const std::size_t width = width_of(word);
-    if (column > 0) {
-      const bool fits = column + 1 + width <= kWidth;
-      wrapped += fits ? ' ' : '\n';
-      column = fits ? column + 1 : 0;
-    }
-    wrapped += word;
-    column += width;
-  }
-  return wrapped;
 }
 
 std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const FailurePageHead& head,

@@ -35,9 +35,6 @@ struct FailurePageHead {
                                                                const FailurePageHead& head,
                                                                const std::filesystem::path& folder);
 
-/// Wraps a paragraph of Markdown into lines of at most 120 characters, broken at spaces outside `code`.
-[[nodiscard]] std::string WrapMarkdown(std::string_view paragraph);
-
 /// The page as Markdown; its pictures lie in a folder given relative to the page's own.
 [[nodiscard]] std::string FailureMarkdown(std::span<const FailurePageEntry> entries,
                                           const FailurePageHead& head, const std::string& pictures);

@@ -13,6 +13,21 @@
 
 // Frames in the tests, in candump's notation: "064#0B00".
 
+namespace osteon::io {
+
+/// The frame in candump's notation.
+inline std::string ToText(const CanFrame& frame) {
+  constexpr const char* kDigits = "0123456789ABCDEF";
+  std::string text;
+  for (const int shift : {8, 4, 0}) text += kDigits[frame.id >> shift & 0xF];
+  text += '#';
+  for (std::size_t i = 0; i < std::min<std::size_t>(frame.size, frame.data.size()); ++i)
+    text += {kDigits[frame.data[i] >> 4], kDigits[frame.data[i] & 0xF]};
+  return text;
+}
+
+}  // namespace osteon::io
+
 namespace osteon::io::test {
 
 inline constexpr rt::Nanoseconds kMs = rt::kMillisecond;

@@ -8,6 +8,7 @@
 #include "io/can/can_pump.h"
 #include "io/can/udp_can_bus.h"
 #include "tests/base/checked_no_alloc_scope.h"
+#include "tests/io/can/can_frames.h"
 #include "tests/io/net/loopback_socket.h"
 
 namespace osteon::io {

@@ -14,6 +14,7 @@
 #include "simulation/removal/cut_metrics.h"
 #include "simulation/tools/swept_tool.h"
 #include "tests/session/run/virtual_ride.h"
+#include "tests/session/set_up_cell.h"
 
 // A planned cell, and the adaptive resolution that coarsens its zones. On Vulkan; frame times are made up, so
 // that no clock is involved.

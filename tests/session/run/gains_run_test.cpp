@@ -8,6 +8,7 @@
 #include "session/replay/replay.h"
 #include "session/setup/recorded_config.h"
 #include "tests/session/run/virtual_ride.h"
+#include "tests/session/set_up_cell.h"
 
 // A file of gains that is saved again during a run, in virtual time.
 

@@ -8,6 +8,7 @@
 #include "session/replay/replay.h"
 #include "session/stops/stop_records.h"
 #include "tests/session/run/virtual_ride.h"
+#include "tests/session/set_up_cell.h"
 
 namespace osteon::app {
 namespace {

@@ -8,6 +8,7 @@
 #include "session/setup/cell_setup.h"
 #include "simulation/solids/cup_frame.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/session/set_up_cell.h"
 
 // Every cell of config/ starts, and so do the data set's meshes in a suitable cell.
 

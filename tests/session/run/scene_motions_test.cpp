@@ -9,6 +9,7 @@
 #include "gpu/engine/vulkan_engine.h"
 #include "session/setup/cell_setup.h"
 #include "simulation/tools/motion_player.h"
+#include "tests/session/set_up_cell.h"
 
 // Plays each motion under config/motions/ on its own scene.
 

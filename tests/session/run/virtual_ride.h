@@ -13,6 +13,7 @@
 #include "session/summary/run_accumulator.h"
 #include "session/summary/summary.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/session/set_up_cell.h"
 
 namespace osteon::app {
 

@@ -5,6 +5,7 @@
 #include "config/reading/load.h"
 #include "simulation/solids/cup_frame.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/session/set_up_cell.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 #include "tests/simulation/packing/packing_samples.h"
 

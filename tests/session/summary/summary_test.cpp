@@ -13,6 +13,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/write_text.h"
 #include "tests/io/temporary_folder.h"
 
 namespace osteon::app {

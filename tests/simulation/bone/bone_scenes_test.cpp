@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/simulation/bone/cup_bone.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
 namespace osteon::simulation {
@@ -159,9 +160,7 @@ TEST(BoneScenes, AWrongCupIsAnArgumentError) {
   cup = kCup;
   cup.axis = Vector3(0, 0, 0);
   EXPECT_THROW((void)MakeBoneFromMesh("bone.obj", cup, {}), std::invalid_argument);
-  MeshBoneParams params;
-  params.tissue.cortical_m = -1.0;
-  EXPECT_THROW((void)MakeBoneFromMesh("bone.obj", kCup, params), std::invalid_argument);
+  EXPECT_THROW((void)MakeBoneFromMesh("bone.obj", kCup, {.cortical_m = -1.0}), std::invalid_argument);
 }
 
 TEST(BoneScenes, AMissingMeshFileIsAMeshError) {

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "simulation/metrics/depth_table.h"
 #include "simulation/solids/cup_frame.h"
+#include "tests/oracles/depth_table.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
 namespace osteon::simulation {

@@ -2,10 +2,10 @@
 #include <cstdio>
 #include <vector>
 
-#include "simulation/fidelity/depth_scenes.h"
 #include "simulation/packing/split_packing.h"
 #include "simulation/removal/cut_metrics.h"
 #include "simulation/tools/swept_tool.h"
+#include "tests/oracles/depth_table.h"
 #include "tests/simulation/engine/engine_bench.h"
 
 // Splitting and the choice of cutters in the engine: contact, slide and removal together.

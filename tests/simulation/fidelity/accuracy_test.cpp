@@ -5,7 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "simulation/contact/cutting_math.h"
-#include "simulation/fidelity/depth_scenes.h"
+#include "simulation/solids/shell_solid.h"
+#include "tests/oracles/depth_table.h"
 
 // Shapes whose error is known exactly.
 

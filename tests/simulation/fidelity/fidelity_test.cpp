@@ -5,13 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "simulation/fidelity/arm_level.h"
-#include "simulation/fidelity/depth_scenes.h"
 #include "simulation/fidelity/frame_cost.h"
 #include "simulation/fidelity/packing_level.h"
 #include "simulation/fidelity/scene_workload.h"
 #include "simulation/fidelity/thin_tool.h"
 #include "simulation/tools/swept_tool.h"
 #include "simulation/tools/tool_kinds.h"
+#include "tests/oracles/depth_table.h"
 
 // Parts of a plan: levels of packing and arm, a tool with fewer balls, the time of a frame.
 
@@ -78,7 +78,7 @@ TEST(ThinTool, LeavesOutWhatOthersHoldAndSaysWhatThatCosts) {
   EXPECT_LT(gap, 0.3e-3);
   // the head, and balls of both kinds, remain
   EXPECT_EQ(CuttingHead(thin)->radius_m, CuttingHead(drill)->radius_m);
-  EXPECT_EQ(EffectiveCuttingRadius(thin), EffectiveCuttingRadius(drill));
+  EXPECT_EQ(CuttingReach(thin), CuttingReach(drill));
   std::set<bool> kinds;
   for (const ToolBall& ball : thin.balls) kinds.insert(ball.cutting);
   EXPECT_EQ(kinds.size(), 2u);

@@ -72,53 +72,5 @@ TEST(ForceErrors, RefuseNumbersThatDiffer) {
                std::invalid_argument);
 }
 
-// A closed circle of poses around the origin, turned along.
-std::vector<Pose> Circle(double radius_m, int steps) {
-  std::vector<Pose> path;
-  for (int k = 0; k <= steps; ++k) {
-    const double angle = 2.0 * std::numbers::pi * k / steps;
-    Pose X = Pose::Identity();
-    X.linear() = Eigen::AngleAxisd(angle, Vector3::UnitZ()).toRotationMatrix();
-    X.translation() = radius_m * Vector3(std::cos(angle), std::sin(angle), 0);
-    path.push_back(X);
-  }
-  return path;
-}
-
-// A spring's field has no curl: it returns all energy that it takes. The trapezoidal rule is exact for a
-// linear force.
-TEST(PathWork, OfASpringOverAClosedCycleIsNothing) {
-  const std::vector<Pose> path = Circle(0.01, 200);
-  std::vector<FeltForce> felt;
-  for (const Pose& X : path) felt.push_back({.f_N = -2e4 * (X.translation() - Vector3(0.004, 0, 0))});
-  const PathWork work = WorkAlong(path, felt);
-  EXPECT_GT(work.given_J, 0.1);
-  EXPECT_NEAR(work.net_J(), 0.0, 1e-12);
-}
-
-// Stokes: the work of the field c (-y, x, 0) is 2 c times the polygon's area. Friction of size F takes F
-// times the path's length; a torque about z the turn times the torque.
-TEST(PathWork, OfKnownFieldsIsTheirs) {
-  constexpr double kRadius_m = 0.01;
-  constexpr int kSteps = 400;
-  const std::vector<Pose> path = Circle(kRadius_m, kSteps);
-  std::vector<FeltForce> curl, torque;
-  for (const Pose& X : path) {
-    const Vector3 p = X.translation();
-    curl.push_back({.f_N = 500.0 * Vector3(-p.y(), p.x(), 0)});
-    torque.push_back({.t_Nm = Vector3(0, 0, -0.3)});
-  }
-  const double angle = 2.0 * std::numbers::pi / kSteps;
-  const double area = 0.5 * kSteps * kRadius_m * kRadius_m * std::sin(angle);
-  EXPECT_NEAR(WorkAlong(path, curl).net_J(), 2.0 * 500.0 * area, 1e-12);
-  EXPECT_EQ(WorkAlong(path, curl).taken_J, 0.0);
-  EXPECT_NEAR(WorkAlong(path, torque).net_J(), -0.3 * 2.0 * std::numbers::pi, 1e-9);
-  EXPECT_EQ(WorkAlong(path, torque).given_J, 0.0);
-}
-
-TEST(PathWork, RefusesNumbersThatDiffer) {
-  EXPECT_THROW((void)WorkAlong(Circle(0.01, 4), std::vector<FeltForce>(3)), std::invalid_argument);
-}
-
 }  // namespace
 }  // namespace osteon::simulation

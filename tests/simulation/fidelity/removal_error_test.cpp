@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "simulation/fidelity/packing_level.h"
-#include "simulation/metrics/depth_table.h"
+#include "tests/oracles/depth_table.h"
 
 // The closed forms against packings that were carved by pass 3 and measured.
 

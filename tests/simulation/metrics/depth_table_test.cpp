@@ -1,4 +1,4 @@
-#include "simulation/metrics/depth_table.h"
+#include "tests/oracles/depth_table.h"
 
 #include <cmath>
 #include <cstdio>

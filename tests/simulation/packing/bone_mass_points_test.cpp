@@ -9,6 +9,7 @@
 
 #include "simulation/packing/point_spectrum.h"
 #include "simulation/solids/acetabulum_solid.h"
+#include "tests/oracles/neighbor_distances.h"
 #include "tests/simulation/engine/engine_bench.h"
 
 namespace osteon::simulation {

@@ -5,6 +5,7 @@
 
 #include "simulation/bone/scenes.h"
 #include "simulation/packing/cover_index.h"
+#include "tests/simulation/bone/cup_bone.h"
 
 // A real hip bone of 50 000 triangles, where the folder of anatomical meshes is available.
 

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 
 #include "simulation/solids/acetabulum_solid.h"
+#include "tests/oracles/neighbor_distances.h"
 
 namespace osteon::simulation {
 namespace {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/simulation/bone/cup_bone.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
 namespace osteon::simulation {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "simulation/solids/mesh_solid.h"
+#include "tests/simulation/bone/cup_bone.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
 namespace osteon::simulation {

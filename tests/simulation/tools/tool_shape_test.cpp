@@ -9,6 +9,7 @@
 #include "simulation/solids/mesh_solid.h"
 #include "simulation/tools/tool_kinds.h"
 #include "simulation/tools/tool_mesh.h"
+#include "tests/oracles/tool_quality.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
 namespace osteon::simulation {
@@ -142,14 +143,20 @@ TEST(TwistDrill, PointsUnionLiesWithinTheStatedGapOfTheExactCone) {
     EXPECT_LE(r + ball.radius_m, R + 1e-12);
   }
   EXPECT_NEAR(CuttingReach(built.tool), R, 1e-6);
-  // 2R/3, the radius of a drill's cutting force in cutting.md
-  EXPECT_NEAR(EffectiveCuttingRadius(built.tool), 2.0 * R / 3.0, 1e-6);
 }
 
 TEST(TwistDrill, PointAndFlutesCutAndTheShankTouches) {
   const BuiltTool built = MakeTwistDrill({});
-  const Eigen::AlignedBox3d cutting = ToolBounds(built.tool, ToolPart::kCutting),
-                            touching = ToolBounds(built.tool, ToolPart::kTouching);
+  const auto bounds_of = [&](bool cutting) {
+    Eigen::AlignedBox3d box;
+    for (const ToolBall& ball : built.tool.balls) {
+      if (ball.cutting != cutting) continue;
+      box.extend(Vector3(ball.center_m) - Vector3::Constant(ball.radius_m));
+      box.extend(Vector3(ball.center_m) + Vector3::Constant(ball.radius_m));
+    }
+    return box;
+  };
+  const Eigen::AlignedBox3d cutting = bounds_of(true), touching = bounds_of(false);
   // balls end within the flute's gap; beside its border a ball may extend beyond it below the surface
   EXPECT_NEAR(cutting.max().z(), 0.0, 0.128e-3);
   EXPECT_NEAR(cutting.min().z(), -36e-3, 1.6e-3);
@@ -224,7 +231,6 @@ TEST(MeshTool, OfABallIsTheBallToWithinGapAndFacets) {
   EXPECT_LE(below, gap_m + facets_m);
   EXPECT_LE(above, 1e-9) << "a ball of the mesh lies in the ball";
   EXPECT_NEAR(CuttingReach(built.tool), R, gap_m + facets_m);
-  EXPECT_NEAR(EffectiveCuttingRadius(built.tool), 2.0 / 3.0 * R, gap_m + facets_m);
   bool touches = false;
   for (const ToolBall& b : built.tool.balls) touches |= !b.cutting;
   EXPECT_TRUE(touches) << "the back half does not cut";
@@ -278,18 +284,6 @@ TEST(CuttingHead, OfEqualBallsIsTheOneAhead) {
                 {.center_m = Vector3(0, 0, -0.03), .radius_m = 0.009, .cutting = false}};
   EXPECT_EQ(CuttingHead(tool), &tool.balls[1]);
   EXPECT_EQ(CuttingHead(Tool{}), nullptr);
-}
-
-TEST(EffectiveCuttingRadius, IsTheMeanOverTheRingsThatAreSwept) {
-  Tool tool;
-  EXPECT_EQ(EffectiveCuttingRadius(tool), 0.0);
-  // a ring from 6 to 10 mm and one from 9 to 13: the union is 6 … 13; mean (2/3) (b^3 - a^3)/(b^2 - a^2)
-  tool.balls = {{.center_m = Vector3(0.008, 0, 0), .radius_m = 0.002},
-                {.center_m = Vector3(0, -0.011, 0), .radius_m = 0.002},
-                {.center_m = Vector3(0, 0, 0), .radius_m = 0.004, .cutting = false}};
-  const double a = 0.006, b = 0.013;
-  EXPECT_NEAR(EffectiveCuttingRadius(tool), 2.0 / 3.0 * (b * b * b - a * a * a) / (b * b - a * a), 1e-15);
-  EXPECT_NEAR(CuttingReach(tool), b, 1e-15);
 }
 
 }  // namespace

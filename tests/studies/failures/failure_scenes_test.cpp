@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/text.h"
 #include "studies/failures/failure.h"
 #include "studies/failures/page/failure_page.h"
 #include "tests/report/report_markup.h"

@@ -8,6 +8,7 @@
 
 #include "studies/stability/admittance_loop.h"
 #include "studies/stability/admittance_run.h"
+#include "tests/oracles/loop_growth.h"
 
 namespace osteon::hil {
 namespace {

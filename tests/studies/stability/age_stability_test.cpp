@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
-#include "studies/stability/age_bound.h"
+#include "tests/oracles/age_bound.h"
 
 namespace osteon::hil {
 namespace {

@@ -5,7 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "studies/stability/impedance_loop.h"
+#include "tests/oracles/impedance_loop.h"
+#include "tests/oracles/loop_growth.h"
 
 namespace osteon::hil {
 namespace {

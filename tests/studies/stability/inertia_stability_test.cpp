@@ -7,6 +7,7 @@
 
 #include "hil/operator/hand_grid.h"
 #include "studies/stability/admittance_loop.h"
+#include "tests/oracles/loop_growth.h"
 
 namespace osteon::hil {
 namespace {

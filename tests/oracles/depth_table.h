@@ -1,13 +1,39 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/fidelity/accuracy.h"
-#include "simulation/fidelity/depth_scenes.h"
+#include "simulation/solids/cut_zone.h"
+#include "simulation/solids/solid.h"
+#include "simulation/tools/tool.h"
+
+// Two cuts whose exact results are known, and how exactly ways of removal make them: judges ball removal and
+// its packings. Exact to the samples of CutAccuracy.
 
 namespace osteon::simulation {
+
+/// A cut with a known exact result, to measure removal. G and the path's frame coincide; the tool's feed
+/// points down.
+struct DepthScene {
+  std::string name;
+  std::unique_ptr<Solid> solid;
+  std::unique_ptr<CutZone> zone;  ///< region of a fine packing: around the cut, whatever its shape
+  Tool tool;
+  std::vector<Vector3> corners_m;  ///< of the polyline of the tool's centre
+
+  /// Poses along the polyline, at most `step_m` apart.
+  [[nodiscard]] std::vector<Pose> Path(double step_m) const;
+};
+
+/// A cube of 20 mm, its top face at z = 0; a ball of 5 mm plunges 5 mm deep and slides 6 mm. The tool is
+/// small: about as large as the bone's balls.
+[[nodiscard]] DepthScene MakeBlockScene();
+
+/// A shell of 25 to 33 mm; a ball of 25 mm goes 3 mm deeper, as a reamer in its cup.
+[[nodiscard]] DepthScene MakeCupScene();
 
 /// One way to represent and carve a bone.
 struct DepthMethod {

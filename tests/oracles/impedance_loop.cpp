@@ -1,4 +1,4 @@
-#include "studies/stability/impedance_loop.h"
+#include "tests/oracles/impedance_loop.h"
 
 #include <algorithm>
 #include <cmath>

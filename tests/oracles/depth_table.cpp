@@ -1,5 +1,6 @@
-#include "simulation/metrics/depth_table.h"
+#include "tests/oracles/depth_table.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -8,8 +9,59 @@
 #include "simulation/packing/packing_builder.h"
 #include "simulation/packing/split_packing.h"
 #include "simulation/removal/ball_removal.h"
+#include "simulation/solids/box_solid.h"
+#include "simulation/solids/shell_solid.h"
 
 namespace osteon::simulation {
+namespace {
+
+Tool OneBall(const char* name, double radius_m) {
+  Tool tool;
+  tool.name = name;
+  tool.balls = {{.center_m = Vector3(0, 0, -radius_m), .radius_m = radius_m, .cutting = true}};
+  return tool;
+}
+
+}  // namespace
+
+std::vector<Pose> DepthScene::Path(double step_m) const {
+  const Vector3 center_T = tool.balls.front().center_m;
+  std::vector<Pose> path;
+  const auto add = [&](const Vector3& center) {
+    Pose X = Pose::Identity();
+    X.linear() = Vector3(1, -1, -1).asDiagonal();
+    X.translation() = center - X.linear() * center_T;
+    path.push_back(X);
+  };
+  add(corners_m.front());
+  for (std::size_t i = 0; i + 1 < corners_m.size(); ++i) {
+    const Vector3 way = corners_m[i + 1] - corners_m[i];
+    const int steps = std::max(1, static_cast<int>(std::ceil(way.norm() / step_m - 1e-9)));
+    for (int k = 1; k <= steps; ++k) add(corners_m[i] + (static_cast<double>(k) / steps) * way);
+  }
+  return path;
+}
+
+DepthScene MakeBlockScene() {
+  DepthScene scene;
+  scene.name = "block";
+  scene.solid = std::make_unique<BoxSolid>(Vector3(-10e-3, -10e-3, -20e-3), Vector3(10e-3, 10e-3, 0.0));
+  scene.zone = std::make_unique<PathZone>(std::vector<Vector3>{Vector3::Zero()}, 9e-3);  // around the entry
+  scene.tool = OneBall("ball of 5 mm", 5e-3);
+  scene.corners_m = {{-3e-3, 0, 5.5e-3}, {-3e-3, 0, 0}, {3e-3, 0, 0}};
+  return scene;
+}
+
+DepthScene MakeCupScene() {
+  DepthScene scene;
+  scene.name = "cup";
+  scene.solid = std::make_unique<ShellSolid>(25e-3, 33e-3);
+  scene.zone = std::make_unique<CupZone>(
+      CutSite{.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 25e-3});
+  scene.tool = OneBall("ball of 25 mm", 25e-3);
+  scene.corners_m = {{0, 0, 0}, {0, 0, -3e-3}};
+  return scene;
+}
 
 std::vector<Ball> CarveAlong(const DepthScene& scene, const std::vector<Pose>& path,
                              const DepthMethod& method, DepthRow& row) {
