@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
 #include "base/write_text.h"
 #include "session/process/exit_code.h"
 #include "session/summary/each_fault.h"
@@ -33,14 +34,18 @@ std::string Json() {
 }  // namespace
 
 std::string FaultsPage() {
-  std::string page =
-      "# What can stop the cell\n\n"
-      "Written by `osteon faults --markdown docs/faults.md` from `safety/fault.cpp`. A fault is latched: it "
-      "stays until a new run.\nThe recording has the bits by tick (`faults`), `summary.json` the names and "
-      "what was seen, and each stop leaves its own\npage ([recording.md](recording.md)). What stop 0 and 1 "
-      "are: [states.md](states.md). Recovery: `--recover` may clear it within the\nrun.\n\n"
-      "| bit | fault | what was seen | stop | what the cell does | recovery | how to go on |\n"
-      "|---|---|---|---|---|---|---|\n";
+  std::string page = "# What can stop the cell\n\n" +
+                     WrapMarkdown(
+                         "Written by `osteon faults --markdown docs/faults.md` from `safety/fault.cpp`. A "
+                         "fault is latched: it "
+                         "stays until a new run. The recording has the bits by tick (`faults`), "
+                         "`summary.json` the names and "
+                         "what was seen, and each stop leaves its own page ([recording.md](recording.md)). "
+                         "What stop 0 and 1 "
+                         "are: [states.md](states.md). Recovery: `--recover` may clear it within the run.") +
+                     "\n\n"
+                     "| bit | fault | what was seen | stop | what the cell does | recovery | how to go on |\n"
+                     "|---|---|---|---|---|---|---|\n";
   ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
     page += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", BitOf(fault), text.name, text.cause,
                         static_cast<int>(safety::StopOf(fault)), text.reaction,

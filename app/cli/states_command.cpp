@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
 #include "base/write_text.h"
 #include "safety/cell_state.h"
 #include "safety/motion_permit.h"
@@ -101,18 +102,22 @@ std::string Json() {
 
 std::string StatesPage() {
   std::string page =
-      "# What the cell does, and what leads from one state to another\n\n"
-      "Written by `osteon states --markdown docs/states.md` from the table in `safety/cell_state.cpp`, by "
-      "which the servo loop\nlives. The recording has the number of the state by tick (`cell_state`).\n\n"
+      "# What the cell does, and what leads from one state to another\n\n" +
+      WrapMarkdown(
+          "Written by `osteon states --markdown docs/states.md` from the table in `safety/cell_state.cpp`, "
+          "by "
+          "which the servo loop lives. The recording has the number of the state by tick (`cell_state`).") +
+      "\n\n"
       "| | state | what is done from tick to tick | how it is left |\n|---|---|---|---|\n";
   ForEachState([&](CellState state) {
     const safety::CellStateText text = safety::Describe(state);
     page += fmt::format("| {} | {} | {} | {} |\n", static_cast<int>(state), text.name, text.does, text.leave);
   });
-  page +=
-      "\n## Before anything moves\n\n"
-      "All of these hold in one tick (bits of `permits` in the recording, as last looked at while nothing "
-      "moves; `osteon run`\nnames what is missing):\n\n| bit | |\n|---|---|\n";
+  page += "\n## Before anything moves\n\n" +
+          WrapMarkdown(
+              "All of these hold in one tick (bits of `permits` in the recording, as last looked at while "
+              "nothing moves; `osteon run` names what is missing):") +
+          "\n\n| bit | |\n|---|---|\n";
   for (int bit = 0; bit < safety::kMotionPermits; ++bit)
     page += fmt::format("| {} | {} |\n", bit,
                         safety::DescribeMissing(static_cast<safety::MotionPermit>(1u << bit)));
@@ -126,13 +131,14 @@ std::string StatesPage() {
   page += "\n## State × event: next state, and what is done then\n\nEmpty: it stays, and goes on.\n\n";
   page += Table();
   page +=
-      "\n## Stops\n\n"
-      "Stop 0: the arm is not under control (silent, or not in COMMANDING_ACTIVE); nothing that is commanded "
-      "counts. Stop 1:\nwhat is commanded brakes to rest, and the request for motion is withdrawn, so that "
-      "the PLC may cut the power. Stop 2: the\nsame under power, for a pause. Which fault leads to which: "
-      "[faults.md](faults.md). What is braked is what was commanded,\nthe tool's twist, the joints' last "
-      "step "
-      "or the path's clock, whatever the state was taken to be.\n\n"
+      "\n## Stops\n\n" +
+      WrapMarkdown(
+          "Stop 0: the arm is not under control (silent, or not in COMMANDING_ACTIVE); nothing that is "
+          "commanded counts. Stop 1: what is commanded brakes to rest, and the request for motion is "
+          "withdrawn, so that the PLC may cut the power. Stop 2: the same under power, for a pause. Which "
+          "fault leads to which: [faults.md](faults.md). What is braked is what was commanded, the tool's "
+          "twist, the joints' last step or the path's clock, whatever the state was taken to be.") +
+      "\n\n"
       "A pause is asked for with SIGUSR1 and ended with SIGUSR2 (`kill -USR1 PID`), of `osteon run` and "
       "`osteon demo`.\n\n"
       "## As a diagram\n\n";
