@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "session/planning/plan.h"
+#include "studies/plan/plan_result.h"
 
 namespace osteon::app {
 

@@ -108,14 +108,4 @@ struct PlanCheck {
                                                              const PlanRequest& request,
                                                              const FidelityPlan& plan);
 
-struct PlanOptions {
-  PlanChoice choice;
-  PlanRequest request;
-  bool check{false};
-  std::filesystem::path json;
-};
-
-/// Runs the subcommand `plan`. @returns the process's exit code.
-[[nodiscard]] int RunPlan(const PlanOptions& options);
-
 }  // namespace osteon::app

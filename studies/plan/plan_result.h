@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -21,5 +22,15 @@ namespace osteon::app {
 /// Text for the terminal, with the verdict.
 [[nodiscard]] std::string PlanText(const PlanScene& scene, const PlanRequest& request,
                                    const FidelityPlan& plan, const std::optional<PlanCheck>& check);
+
+struct PlanOptions {
+  PlanChoice choice;
+  PlanRequest request;
+  bool check{false};
+  std::filesystem::path json;
+};
+
+/// Runs the subcommand `plan`. @returns the process's exit code.
+[[nodiscard]] int RunPlan(const PlanOptions& options);
 
 }  // namespace osteon::app
