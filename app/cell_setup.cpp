@@ -9,9 +9,7 @@
 
 #include "app/recorded_config.h"
 #include "config/load.h"
-#include "gpu/vulkan_engine.h"
 #include "simulation/packing/packing_file.h"
-#include "simulation/reference_engine.h"
 #include "simulation/solids/cup_frame.h"
 
 namespace osteon::app {
@@ -137,16 +135,8 @@ tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell
 }
 
 tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(const CellSetup& setup,
-                                                                                 const std::string& engine,
-                                                                                 const std::string& device) {
-  const config::CellConfig& config = setup.config;
-  if (engine == "reference")
-    return std::make_unique<simulation::ReferenceEngine>(setup.bone, config.tool.tool, setup.X_WG,
-                                                         config.cutting);
-  auto made =
-      gpu::VulkanEngine::Create(setup.bone, config.tool.tool, setup.X_WG, config.cutting, {.device = device});
-  if (!made) return tl::make_unexpected(made.error());
-  return std::unique_ptr<simulation::CuttingEngine>(std::move(*made));
+                                                                                 const EngineChoice& choice) {
+  return MakeEngine(choice, setup.bone, setup.config.tool.tool, setup.X_WG, setup.config.cutting);
 }
 
 }  // namespace osteon::app

@@ -7,6 +7,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/engine_choice.h"
 #include "config/cell_config.h"
 #include "config/load.h"
 #include "io/recording/messages.h"
@@ -62,8 +63,8 @@ void PackAsScene(CellSetup& setup);
     const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh,
     const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {});
 
-/// @param engine  "vulkan" or "reference";  @param device  part of a Vulkan device's name, or empty
+/// Makes the engine for the cell's bone and tool.
 [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(
-    const CellSetup& setup, const std::string& engine, const std::string& device);
+    const CellSetup& setup, const EngineChoice& choice);
 
 }  // namespace osteon::app

@@ -16,6 +16,7 @@
 #include "app/cell_file.h"
 #include "app/demo.h"
 #include "app/doctor.h"
+#include "app/engine_choice.h"
 #include "app/exit_code.h"
 #include "app/export_command.h"
 #include "app/failures.h"
@@ -205,8 +206,10 @@ CLI::App* AddFailures(CLI::App& app, osteon::app::FailureOptions& failures, Fail
   sub->add_option("--device", failures.device,
                   "the Vulkan device: part of its name, as `osteon doctor` lists it")
       ->type_name("NAME");
-  sub->add_option("--engine", failures.engine, "the engine that must keep the bounds; reference is slow")
-      ->check(osteon::app::OneOf({"vulkan", "reference"}))
+  sub->add_option("--engine", failures.engine,
+                  "the engine that must keep the bounds; auto: Vulkan on a GPU, the CPU engine elsewhere; "
+                  "reference is slow")
+      ->check(osteon::app::OneOf(osteon::app::EngineNames()))
       ->capture_default_str();
   sub->add_flag("--quick", failures.quick, "small scenes, as in the tests: seconds instead of minutes");
   std::string list = "Scenarios:\n";
@@ -281,8 +284,9 @@ int Run(int argc, char** argv) {
   demo_app
       ->add_option(
           "--engine", demo.engine,
-          "the cutting engine; reference computes in double precision, slowly, and in virtual time only")
-      ->check(osteon::app::OneOf({"vulkan", "reference"}))
+          "the cutting engine; auto: Vulkan on a GPU, the CPU engine elsewhere; cpu: one thread, no GPU; "
+          "reference: plain double precision, slow, virtual time only")
+      ->check(osteon::app::OneOf(osteon::app::EngineNames()))
       ->capture_default_str();
   demo_app->add_option("--cell", cell, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
@@ -335,7 +339,7 @@ int Run(int argc, char** argv) {
       ->capture_default_str();
   doctor_app->add_option("--json", doctor.json, "also write the checks there, as JSON")->type_name("FILE");
   doctor_app->footer(
-      "Exit code 1: there is no Vulkan device, or the FRI port is taken\n\n"
+      "Exit code 1: the FRI port is taken\n\n"
       "Examples:\n  osteon doctor\n  osteon doctor --seconds 3600 --json doctor.json");
 
   osteon::app::FaultsOptions faults;
@@ -439,11 +443,19 @@ int Run(int argc, char** argv) {
     return osteon::app::RunPack(pack);
   }
   if (*failures_app && tables.faults) return osteon::app::RunFaultTable({.json = failures.json});
-  if (*failures_app && tables.kill)
+  if (*failures_app && tables.kill) {
+    if (failures.engine == "reference") {
+      fmt::print(
+          stderr,
+          "osteon failures: --engine reference: found --kill, accepted without it: too slow for wall time\n");
+      return 2;
+    }
     return osteon::app::RunKillTable({.config_root = config_root,
                                       .times = tables.times,
                                       .json = failures.json,
+                                      .engine = failures.engine,
                                       .device = failures.device});
+  }
   if (*failures_app) {
     failures.command_line = CommandLine(argc, argv);
     return osteon::app::RunFailures(failures);
