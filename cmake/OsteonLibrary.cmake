@@ -1,12 +1,11 @@
 # osteon_library(NAME SOURCES a.cpp … HEADERS a.h … [PRIVATE_HEADERS b.h …] [LINK osteon::x …] [PRIVATE yaml-cpp …])
-# Adds a folder's static library, with the alias osteon::NAME. HEADERS are included by other folders; they form a header
-# set, so that the target <name>_verify_interface_header_sets (all of them: all_verify_interface_header_sets) compiles
-# each alone, with LINK only. PRIVATE_HEADERS are internal, may use the libraries of PRIVATE, and are compiled alone by
-# the target osteon_verify_private_headers.
+# Adds a folder's static library, with the alias osteon::NAME. HEADERS are included by other folders and use only the
+# libraries of LINK. PRIVATE_HEADERS are internal and may use those of PRIVATE. The target osteon_verify_headers shows
+# that each compiles alone (osteon_verify_headers()).
 #
 # Sources between two "|" are compiled as one file (osteon_together): names in their unnamed namespaces must differ.
-set(CMAKE_VERIFY_INTERFACE_HEADER_SETS ON)
-add_custom_target(osteon_verify_private_headers)
+add_custom_target(osteon_verify_headers)
+file(WRITE ${CMAKE_BINARY_DIR}/verified_headers.txt "")  # their names, one a line
 
 # osteon_together(TARGET a.cpp b.cpp | c.cpp …): adds sources; each group between "|" is compiled as one file if
 # OSTEON_TOGETHER is ON. Most of a file's compile time goes into its headers' templates, compiled once per group.
@@ -23,6 +22,121 @@ function(osteon_together TARGET)
   set_target_properties(${TARGET} PROPERTIES UNITY_BUILD "${OSTEON_TOGETHER}" UNITY_BUILD_MODE GROUP)
 endfunction()
 
+# osteon_precompile(TARGET HOLDER): TARGET's sources find the headers of HOLDER (osteon_precompiled_headers) already
+# parsed. No difference if OSTEON_PRECOMPILE is OFF.
+function(osteon_precompile TARGET HOLDER)
+  if(OSTEON_PRECOMPILE)
+    target_precompile_headers(${TARGET} REUSE_FROM ${HOLDER})
+  endif()
+endfunction()
+
+# osteon_precompiled_headers(HOLDER HEADERS <a> … LINK x … OPTIONS -f…): parses system headers once for many targets.
+# GCC uses the result only where all options and every macro that these headers name are the same: OPTIONS makes them so.
+function(osteon_precompiled_headers HOLDER)
+  cmake_parse_arguments(ARG "" "" "HEADERS;LINK;OPTIONS" ${ARGN})
+  if(OSTEON_PRECOMPILE)
+    set(source ${CMAKE_CURRENT_BINARY_DIR}/${HOLDER}.cpp)  # a target with precompiled headers needs a source
+    file(CONFIGURE OUTPUT ${source} CONTENT "" @ONLY)
+    add_library(${HOLDER} OBJECT EXCLUDE_FROM_ALL ${source})
+    target_link_libraries(${HOLDER} PRIVATE osteon::options ${ARG_LINK})
+    target_compile_options(${HOLDER} PRIVATE ${ARG_OPTIONS})
+    target_precompile_headers(${HOLDER} PRIVATE ${ARG_HEADERS})
+  endif()
+endfunction()
+
+# What most sources of the folders outside the tick include. The folders of the tick have options of their own, and
+# together too few sources to pay for parsing these headers once more.
+set(OSTEON_COMMON_HEADERS <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <memory> <numbers> <optional>
+  <span> <string> <variant> <vector> <Eigen/Geometry>)
+
+# osteon_included(HEADER RESULT): HEADER (from the root) and all that it includes, as the #include lines name it.
+function(osteon_included HEADER RESULT)
+  get_property(included GLOBAL PROPERTY osteon_included_${HEADER})
+  if(NOT included)
+    set(included ${HEADER})
+    file(STRINGS ${PROJECT_SOURCE_DIR}/${HEADER} lines REGEX "^ *# *include ")
+    foreach(line ${lines})
+      if(NOT line MATCHES "include +[<\"]([^>\"]+)[>\"]")
+        continue()
+      endif()
+      set(name ${CMAKE_MATCH_1})
+      if(EXISTS ${PROJECT_SOURCE_DIR}/${name})
+        osteon_included(${name} more)
+        list(APPEND included ${more})
+      else()
+        list(APPEND included <${name}>)
+      endif()
+    endforeach()
+    list(REMOVE_DUPLICATES included)
+    set_property(GLOBAL PROPERTY osteon_included_${HEADER} ${included})
+  endif()
+  set(${RESULT} ${included} PARENT_SCOPE)
+endfunction()
+
+# osteon_verify_headers(TARGET LIBRARIES a.h …): the targets TARGET and TARGET_eigen compile the headers with LIBRARIES
+# so that one which does not compile alone is found. Most of such a compilation is Eigen and the standard library, so
+# several headers share one file where this hides nothing: a header may stand behind another that it includes itself,
+# for everything that is declared before it, it includes as well. In the same way a header that includes Eigen may find
+# Eigen parsed. (A header that needs what it does not include, but includes a header that needs it as well, is no
+# exception: there the included one is found.) This holds as long as all #include lines stand before the code.
+function(osteon_verify_headers TARGET LIBRARIES)
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE folder)
+  set(sorted)  # by the number of files included: "0012 folder/a.h"
+  foreach(header ${ARGN})
+    osteon_included(${folder}/${header} included)
+    list(LENGTH included length)
+    math(EXPR length "10000 + ${length}")
+    list(APPEND sorted "${length} ${folder}/${header}")
+    file(APPEND ${CMAKE_BINARY_DIR}/verified_headers.txt "${folder}/${header}\n")
+  endforeach()
+  list(SORT sorted)
+
+  set(files)  # each is named by its first header; last_<file> is its last entry of `sorted`, text_<file> its content
+  foreach(entry ${sorted})
+    string(SUBSTRING ${entry} 6 -1 header)
+    osteon_included(${header} included)
+    set(chosen ${header})
+    set(last "")
+    foreach(file ${files})
+      string(SUBSTRING ${last_${file}} 6 -1 last_header)
+      if(last_header IN_LIST included AND last_${file} STRGREATER last)
+        set(chosen ${file})
+        set(last ${last_${file}})
+      endif()
+    endforeach()
+    if(chosen STREQUAL header)
+      list(APPEND files ${header})
+      set(text_${header} "")
+    endif()
+    set(last_${chosen} ${entry})
+    string(APPEND text_${chosen} "#include \"${header}\"\n")
+  endforeach()
+
+  set(plain)
+  set(eigen)
+  foreach(file ${files})
+    set(source ${CMAKE_CURRENT_BINARY_DIR}/${TARGET}/${file}.cxx)
+    file(CONFIGURE OUTPUT ${source} CONTENT "${text_${file}}" @ONLY)
+    osteon_included(${file} included)
+    if(OSTEON_PRECOMPILE AND "<Eigen/Geometry>" IN_LIST included)
+      list(APPEND eigen ${source})
+    else()
+      list(APPEND plain ${source})
+    endif()
+  endforeach()
+  foreach(kind plain eigen)
+    if(${kind})
+      add_library(${TARGET}_${kind} OBJECT EXCLUDE_FROM_ALL ${${kind}})
+      target_link_libraries(${TARGET}_${kind} PRIVATE osteon::options ${LIBRARIES})
+      set_target_properties(${TARGET}_${kind} PROPERTIES COMPILE_OPTIONS "")  # the folder's own: GCC wants Eigen's options
+      add_dependencies(osteon_verify_headers ${TARGET}_${kind})
+    endif()
+  endforeach()
+  if(eigen)
+    osteon_precompile(${TARGET}_eigen osteon_eigen_headers)
+  endif()
+endfunction()
+
 function(osteon_library NAME)
   cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;PRIVATE_HEADERS;LINK;PRIVATE" ${ARGN})
   if(ARG_SOURCES)
@@ -30,6 +144,10 @@ function(osteon_library NAME)
     osteon_together(osteon_${NAME} ${ARG_SOURCES})
     target_link_libraries(osteon_${NAME} PUBLIC osteon::options ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
     set(scope PUBLIC)
+    get_directory_property(own_options COMPILE_OPTIONS)
+    if(NOT own_options)
+      osteon_precompile(osteon_${NAME} osteon_library_headers)
+    endif()
   else()
     add_library(osteon_${NAME} INTERFACE)
     target_link_libraries(osteon_${NAME} INTERFACE osteon::options ${ARG_LINK})
@@ -38,17 +156,6 @@ function(osteon_library NAME)
   add_library(osteon::${NAME} ALIAS osteon_${NAME})
   target_sources(osteon_${NAME} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
 
-  if(ARG_PRIVATE_HEADERS)
-    set(target osteon_${NAME}_verify_private_headers)
-    set(sources)
-    foreach(header ${ARG_PRIVATE_HEADERS})
-      cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE folder)
-      set(source ${CMAKE_CURRENT_BINARY_DIR}/${target}/${folder}/${header}.cxx)
-      file(CONFIGURE OUTPUT ${source} CONTENT "#include \"${folder}/${header}\"\n" @ONLY)
-      list(APPEND sources ${source})
-    endforeach()
-    add_library(${target} OBJECT EXCLUDE_FROM_ALL ${sources})
-    target_link_libraries(${target} PRIVATE osteon_${NAME} ${ARG_PRIVATE})
-    add_dependencies(osteon_verify_private_headers ${target})
-  endif()
+  osteon_verify_headers(osteon_${NAME}_verify_headers osteon_${NAME} ${ARG_HEADERS})
+  osteon_verify_headers(osteon_${NAME}_verify_private_headers "osteon_${NAME};${ARG_PRIVATE}" ${ARG_PRIVATE_HEADERS})
 endfunction()

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "control/rt/clock.h"
-#include "control/rt/marker.h"
+#include "base/clock.h"
+#include "base/marker.h"
 #include "control/tick_record.h"
 #include "kinematics/spatial.h"
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "control/gains.h"
-#include "control/rt/clock.h"
+#include "base/clock.h"
+#include "control/laws/gains.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::control {

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <span>
 
+#include "base/clock.h"
 #include "control/ports.h"
-#include "control/rt/clock.h"
-#include "hil/fri_server.h"
-#include "hil/fri_stop.h"
+#include "hil/fri/fri_server.h"
+#include "hil/fri/fri_stop.h"
 #include "hil/rsi/rsi_controller.h"
 #include "kinematics/spatial.h"
 

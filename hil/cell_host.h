@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "control/rt/latest_value.h"
+#include "base/latest_value.h"
 #include "hil/can/simulated_devices.h"
 #include "hil/device_wires.h"
 #include "hil/plc/panel_operator.h"

@@ -2,8 +2,8 @@
 
 #include <memory>
 
+#include "hil/arm/simulated_arm.h"
 #include "hil/arm_controller.h"
-#include "hil/simulated_arm.h"
 #include "kinematics/lbr_arm.h"
 
 namespace osteon::hil {

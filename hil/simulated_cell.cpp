@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "hil/sensor_load.h"
+#include "hil/arm/sensor_load.h"
 
 namespace osteon::hil {
 namespace {

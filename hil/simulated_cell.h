@@ -5,13 +5,13 @@
 #include <optional>
 #include <span>
 
-#include "control/hand_wrench.h"
 #include "control/ports.h"
+#include "control/sensing/hand_wrench.h"
+#include "hil/arm/simulated_arm.h"
 #include "hil/arm_controller.h"
 #include "hil/fri_arm.h"
-#include "hil/operator_hand.h"
-#include "hil/rsi/rsi_arm.h"
-#include "hil/simulated_arm.h"
+#include "hil/operator/operator_hand.h"
+#include "hil/rsi_arm.h"
 
 namespace osteon::hil {
 

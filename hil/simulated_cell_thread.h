@@ -6,10 +6,10 @@
 #include <string>
 #include <thread>
 
-#include "control/rt/latest_value.h"
-#include "control/rt/realtime_thread.h"
-#include "control/rt/spsc_ring.h"
-#include "hil/injection/cell_wires.h"
+#include "base/latest_value.h"
+#include "base/realtime_thread.h"
+#include "base/spsc_ring.h"
+#include "hil/cell_wires.h"
 #include "hil/simulated_cell.h"
 #include "hil/udp_client.h"
 

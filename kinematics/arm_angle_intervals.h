@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/lbr_arm.h"
 
 namespace osteon::kinematics {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 namespace osteon::kinematics {
 

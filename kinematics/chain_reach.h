@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/chain_params.h"
 
 namespace osteon::kinematics {

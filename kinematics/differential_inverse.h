@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/chain_params.h"
 #include "kinematics/spatial.h"
 

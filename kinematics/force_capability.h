@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/chain_params.h"
 
 // Force that an arm can hold at a posture, by its joint torques. A wrench F that the arm exerts at a point of
@@ -51,8 +51,6 @@ class ForceCapability {
   /// @param torque_limit_Nm  tau_max, >= 0
   ForceCapability(const JacobianN<N>& J, const JointVectorN<N>& gravity_Nm,
                   const JointVectorN<N>& torque_limit_Nm, GravityHelp help) OSTEON_RT;
-
-  [[nodiscard]] bool holds_itself() const OSTEON_RT { return holds_itself_; }
 
   /// Largest f such that f u is held together with any torque up to torque_Nm. u unit.
   ///

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::kinematics {

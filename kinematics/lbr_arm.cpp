@@ -42,10 +42,6 @@ LbrArm::LbrArm(const LbrParams& params) : params_(Validated(params)), chain_(Cha
 
 Pose LbrArm::FlangePose(const JointVector& q) const OSTEON_RT { return chain_.FlangePose(q); }
 
-Jacobian LbrArm::FlangeJacobian(const JointVector& q) const OSTEON_RT {
-  return chain_.Jacobian(chain_.ComputePosture(q));
-}
-
 Jacobian LbrArm::JacobianAt(const JointVector& q, const Vector3& p_F) const OSTEON_RT {
   const SerialChain<7>::Posture posture = chain_.ComputePosture(q);
   return chain_.JacobianAt(posture, posture.X_BF * p_F);

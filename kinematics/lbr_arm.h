@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/chain_params.h"
 #include "kinematics/lbr_params.h"
 #include "kinematics/serial_chain.h"
@@ -60,9 +60,8 @@ class LbrArm {
   /// X_BF of joint positions q [rad].
   [[nodiscard]] Pose FlangePose(const JointVector& q) const OSTEON_RT;
 
-  /// Geometric Jacobian of the flange's origin, in B: V_BF = J qd, rows v then w.
-  [[nodiscard]] Jacobian FlangeJacobian(const JointVector& q) const OSTEON_RT;
-  /// The same for a point of the flange, such as the origin of a tool. @param p_F  in the flange's frame
+  /// Geometric Jacobian of a point of the flange, in B: V = J qd, rows v then w.
+  /// @param p_F  such as the origin of a tool, in the flange's frame
   [[nodiscard]] Jacobian JacobianAt(const JointVector& q, const Vector3& p_F) const OSTEON_RT;
 
   /// Configuration number 0 … 7: bit 0 where q2 < 0, bit 1 where q4 < 0, bit 2 where q6 < 0.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/lbr_params.h"
 #include "kinematics/spatial.h"
 #include "kinematics/two_links.h"

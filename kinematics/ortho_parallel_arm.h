@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/ortho_parallel_params.h"
 #include "kinematics/serial_chain.h"
 #include "kinematics/spatial.h"

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/force_capability.h"
 #include "kinematics/serial_chain.h"
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/chain_params.h"
 #include "kinematics/frame_turn.h"
 #include "kinematics/sin_cos.h"

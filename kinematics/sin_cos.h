@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/pair.h"
 
 // Sine and cosine of all joints of an arm at once.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/spatial.h"
 
 // Shared by the closed-form inverses: two links that meet in an elbow, and a wrist whose three axes meet.

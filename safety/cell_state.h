@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 // The cell's state machine as data: one table of state × event → state, action. The servo loop runs on it,
 // and docs/states.md is written from it.

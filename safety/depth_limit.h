@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/spatial.h"
 #include "safety/zone.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/spatial.h"
 
 // Bounds on energy and power, as bounds on force and speed. Infinite: no bound.

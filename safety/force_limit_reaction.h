@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::safety {

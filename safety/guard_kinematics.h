@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/chain_params.h"
 
 namespace osteon::safety {

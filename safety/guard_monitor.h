@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "control/rt/clock.h"
-#include "control/rt/marker.h"
+#include "base/clock.h"
+#include "base/marker.h"
 #include "safety/guard_kinematics.h"
 #include "safety/guard_reason.h"
 #include "safety/workspace.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 namespace osteon::safety {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "safety/zone.h"
 
 // The guard's own zone test. It shares only the description of a zone (ZoneParams) with safety/zone.h.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/braking_speed.h"
 #include "kinematics/force_capability.h"
 #include "kinematics/spatial.h"

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 namespace osteon::safety {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "control/rt/clock.h"
-#include "control/rt/marker.h"
+#include "base/clock.h"
+#include "base/marker.h"
 #include "safety/fault.h"
 
 namespace osteon::safety {

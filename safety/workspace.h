@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/spatial.h"
 #include "safety/zone.h"
 

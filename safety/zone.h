@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/spatial.h"
 
 // Convex sets in space, and points of the arm that are kept in or out of them.

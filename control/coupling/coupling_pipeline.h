@@ -1,17 +1,17 @@
 #pragma once
 
-#include "control/arm_follower.h"
-#include "control/rt/marker.h"
-#include "control/servo_params.h"
-#include "control/stabilisers.h"
+#include "base/marker.h"
+#include "control/arm/arm_follower.h"
+#include "control/coupling/virtual_coupling.h"
+#include "control/setup/servo_params.h"
+#include "control/stability/stabilisers.h"
 #include "control/tick_record.h"
-#include "control/virtual_coupling.h"
 #include "safety/acting_limits.h"
 #include "safety/depth_limit.h"
 #include "safety/force_limit_reaction.h"
 #include "safety/limits.h"
 #include "safety/stored_energy_limit.h"
-#include "simulation/contact_model.h"
+#include "simulation/contact/contact_model.h"
 
 namespace osteon::control {
 

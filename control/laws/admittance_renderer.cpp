@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "control/twist_parts.h"
+#include "control/laws/twist_parts.h"
 #include "safety/energy_limits.h"
 
 namespace osteon::control {

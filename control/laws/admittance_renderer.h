@@ -1,12 +1,12 @@
 #pragma once
 
-#include "control/axis_lock.h"
+#include "base/marker.h"
 #include "control/coupling/coupling_pipeline.h"
+#include "control/laws/axis_lock.h"
 #include "control/loop/commanded_tool.h"
-#include "control/rt/marker.h"
-#include "control/servo_params.h"
+#include "control/setup/servo_params.h"
+#include "control/stability/vibration_index.h"
 #include "control/tick_record.h"
-#include "control/vibration_index.h"
 #include "safety/acting_limits.h"
 #include "safety/fault.h"
 

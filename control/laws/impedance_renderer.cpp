@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "control/tool_speed_trip.h"
-#include "control/twist_parts.h"
+#include "control/laws/twist_parts.h"
+#include "control/loop/tool_speed_trip.h"
 #include "safety/energy_limits.h"
 
 namespace osteon::control {

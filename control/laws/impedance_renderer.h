@@ -1,11 +1,11 @@
 #pragma once
 
+#include "base/marker.h"
 #include "control/coupling/coupling_pipeline.h"
+#include "control/laws/stop_brake.h"
 #include "control/loop/arm_session.h"
 #include "control/loop/commanded_tool.h"
-#include "control/rt/marker.h"
-#include "control/servo_params.h"
-#include "control/stop_brake.h"
+#include "control/setup/servo_params.h"
 #include "safety/acting_limits.h"
 #include "safety/fault.h"
 #include "safety/workspace.h"

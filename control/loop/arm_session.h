@@ -1,10 +1,10 @@
 #pragma once
 
-#include "control/impedance_law.h"
-#include "control/message_gap.h"
+#include "base/marker.h"
+#include "control/arm/message_gap.h"
+#include "control/laws/impedance_law.h"
 #include "control/ports.h"
-#include "control/rt/marker.h"
-#include "control/servo_params.h"
+#include "control/setup/servo_params.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::control {

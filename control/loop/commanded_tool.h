@@ -2,11 +2,11 @@
 
 #include <memory>
 
-#include "control/arm_follower.h"
+#include "base/marker.h"
+#include "control/arm/arm_follower.h"
+#include "control/laws/twist_parts.h"
 #include "control/ports.h"
-#include "control/rt/marker.h"
-#include "control/servo_params.h"
-#include "control/twist_parts.h"
+#include "control/setup/servo_params.h"
 #include "safety/acting_limits.h"
 #include "safety/fault.h"
 #include "safety/workspace.h"

@@ -2,7 +2,7 @@
 
 #include <atomic>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 namespace osteon::control {
 

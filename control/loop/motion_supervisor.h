@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "control/tick_record.h"
 #include "safety/cell_state.h"
 #include "safety/fault.h"

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "control/arm_speed_watch.h"
+#include "base/marker.h"
+#include "control/arm/arm_speed_watch.h"
+#include "control/coupling/virtual_coupling.h"
 #include "control/ports.h"
-#include "control/rt/marker.h"
-#include "control/servo_params.h"
-#include "control/virtual_coupling.h"
+#include "control/setup/servo_params.h"
 #include "safety/fault.h"
 #include "safety/limits.h"
 #include "safety/spindle_trip.h"

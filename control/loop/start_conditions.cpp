@@ -1,6 +1,6 @@
 #include "control/loop/start_conditions.h"
 
-#include "control/virtual_coupling.h"
+#include "control/coupling/virtual_coupling.h"
 
 namespace osteon::control {
 namespace {

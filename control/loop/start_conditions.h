@@ -1,14 +1,14 @@
 #pragma once
 
-#include "control/arm_follower.h"
+#include "base/marker.h"
+#include "control/arm/arm_follower.h"
 #include "control/coupling/coupling_pipeline.h"
 #include "control/loop/arm_session.h"
 #include "control/loop/safety_checks.h"
 #include "control/ports.h"
-#include "control/rt/marker.h"
-#include "control/servo_params.h"
+#include "control/setup/servo_params.h"
 #include "safety/motion_permit.h"
-#include "simulation/contact_model.h"
+#include "simulation/contact/contact_model.h"
 
 namespace osteon::control {
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "control/bias_estimator.h"
+#include "base/marker.h"
 #include "control/ports.h"
-#include "control/rt/marker.h"
-#include "control/servo_params.h"
-#include "control/tool_inertia.h"
+#include "control/sensing/bias_estimator.h"
+#include "control/sensing/tool_inertia.h"
+#include "control/setup/servo_params.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::control {

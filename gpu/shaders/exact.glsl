@@ -1,6 +1,6 @@
 // Decisions that need double precision: which pair is met first, which is nearest, how far the tool goes, how much a ball
 // shrinks. A float test with a margin for its rounding (frame.rounding_mm) comes first and rejects nearly all pairs, so that
-// few are tested twice. Equivalent to simulation/cutting_math.h and reference_engine.cpp.
+// few are tested twice. Equivalent to simulation/contact/cutting_math.h and reference_engine.cpp.
 
 // Converts fractions of a way to keys and back.
 uint64_t ToKey(double s) { return packUint2x32(unpackDouble2x32(s)); }

@@ -1,4 +1,4 @@
-// Pass 1, one pair (equation 3, corrected; equivalent to simulation/cutting_math.h FirstContactFraction), in floats. The result
+// Pass 1, one pair (equation 3, corrected; equivalent to simulation/contact/cutting_math.h FirstContactFraction), in floats. The result
 // is never later than the contact, for errors of the balls' positions up to `rounding`.
 float EarliestContact(vec3 D, vec3 m, float R, float rounding) {
   R += rounding;

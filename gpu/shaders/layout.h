@@ -3,7 +3,7 @@
 #ifndef OSTEON_GPU_LAYOUT_H
 #define OSTEON_GPU_LAYOUT_H
 
-#include "simulation/cutting_constants.h"
+#include "simulation/contact/cutting_constants.h"
 
 #ifdef __cplusplus
 #include <array>
@@ -33,7 +33,7 @@ OSTEON_CONST uint kWideLanes = 256;
 OSTEON_CONST uint kMaxToolBalls = 10000;
 OSTEON_CONST uint kNoToolBall = 0xffffffffu;
 OSTEON_CONST uint kMaxMaterials = 8;
-// as in simulation/contact_law.h
+// as in simulation/contact/contact_law.h
 OSTEON_CONST uint kBins = 60;  // directions; from kCuttingBinCount on for balls that do not cut
 OSTEON_CONST uint kCuttingBinCount = 54;
 OSTEON_CONST uint kRemembered = 8;

@@ -1,4 +1,4 @@
-// Pass 2, second half, in one workgroup (equivalent to simulation/contact_law.cpp and constrained_goal.cpp): the pairs that may hold
+// Pass 2, second half, in one workgroup (equivalent to simulation/contact/contact_law.cpp and constrained_goal.cpp): the pairs that may hold
 // the tool, the point at which their planes hold it, friction, and the resultant of the cutting faces. In double precision: a
 // few dozen planes, whose active set depends on small differences.
 //

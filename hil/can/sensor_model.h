@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <random>
 
-#include "control/rt/clock.h"
+#include "base/clock.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::hil {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "control/rt/clock.h"
-#include "control/rt/marker.h"
+#include "base/clock.h"
+#include "base/marker.h"
 #include "hil/injection/wire_faults.h"
 
 namespace osteon::hil {

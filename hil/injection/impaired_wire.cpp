@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "simulation/packing/scramble.h"
+#include "base/scramble.h"
 
 namespace osteon::hil {
 namespace {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "control/rt/clock.h"
-#include "control/rt/marker.h"
+#include "base/clock.h"
+#include "base/marker.h"
 #include "hil/injection/fault_schedule.h"
 #include "hil/injection/wire_faults.h"
 

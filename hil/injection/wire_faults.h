@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "control/rt/clock.h"
+#include "base/clock.h"
 
 // Faults that a scenario puts on the wires between devices and controller, as plain data.
 

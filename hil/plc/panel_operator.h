@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/rt/clock.h"
+#include "base/clock.h"
 #include "hil/plc/panel.h"
 
 namespace osteon::hil {

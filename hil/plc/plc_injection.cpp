@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "simulation/packing/scramble.h"
+#include "base/scramble.h"
 
 namespace osteon::hil {
 

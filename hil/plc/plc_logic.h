@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "control/rt/clock.h"
+#include "base/clock.h"
 
 namespace osteon::hil {
 

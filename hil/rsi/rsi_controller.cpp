@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "hil/fri_stop.h"
+#include "hil/fri/fri_stop.h"
 
 namespace osteon::hil {
 namespace {

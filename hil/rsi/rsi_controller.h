@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
-#include "hil/arm_model.h"
+#include "hil/arm/arm_model.h"
+#include "hil/arm/servo_arm.h"
 #include "hil/rsi/rsi_wire.h"
-#include "hil/servo_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
 #include "kinematics/serial_chain.h"
 

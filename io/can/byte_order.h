@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 // Integers in frames. Signed ones are converted through their unsigned type, as C++20 defines it.
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "control/rt/clock.h"
-#include "control/rt/marker.h"
+#include "base/clock.h"
+#include "base/marker.h"
 #include "io/can/frame.h"
 
 namespace osteon::io {

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstddef>
 
-#include "control/rt/clock.h"
-#include "control/rt/marker.h"
+#include "base/clock.h"
+#include "base/marker.h"
 #include "io/can/can_bus.h"
 
 namespace osteon::io {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "io/can/frame.h"
 
 // The part of CANopen (CiA 301) that a drive's client needs. Little-endian; n is the node, 1 … 127.

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 // CiA 402's state machine of a drive, from its client's side: states from the statusword (6041), commands by
 // the controlword (6040).

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "control/rt/clock.h"
-#include "control/rt/marker.h"
+#include "base/clock.h"
+#include "base/marker.h"
 
 namespace osteon::io {
 
@@ -27,9 +27,6 @@ struct CanArrival {
   rt::Nanoseconds stamp{0};  ///< arrival at this machine, CLOCK_MONOTONIC (or virtual time)
   bool after_gap{false};     ///< the transport knows that frames before this one were lost
 };
-
-/// The frame in the notation of candump and cansend, e.g. "064#0B00"; for errors and tests, not for the tick.
-[[nodiscard]] std::string ToText(const CanFrame& frame);
 
 /// An identifier as errors print it, e.g. "0x064".
 [[nodiscard]] std::string IdText(std::uint16_t id);

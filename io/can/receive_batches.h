@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "io/can/can_bus.h"
 
 namespace osteon::io {

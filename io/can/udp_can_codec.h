@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "io/can/frame.h"
 
 // The UDP tunnel's datagram: one CAN frame, for simulated cells on kernels without CAN. Our own format;

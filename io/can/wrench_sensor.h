@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "control/rt/clock.h"
+#include "base/clock.h"
 #include "io/can/can_pump.h"
 #include "kinematics/spatial.h"
 

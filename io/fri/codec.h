@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "io/fri/messages.h"
 #include "io/fri/version.h"
 

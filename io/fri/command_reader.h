@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "io/fri/version.h"
 
 // Reads a client's answer in the guard, which stands between client and arm. Shares no code with the writer

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 // FRI 2.7's frame around each message:
 //

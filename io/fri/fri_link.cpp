@@ -1,6 +1,6 @@
 #include "io/fri/fri_link.h"
 
-#include "control/rt/prefetch.h"
+#include "base/prefetch.h"
 
 namespace osteon::io {
 tl::expected<std::unique_ptr<FriLink>, std::string> FriLink::Open(const FriLinkParams& params) {

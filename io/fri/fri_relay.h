@@ -7,7 +7,7 @@
 
 #include <tl/expected.hpp>
 
-#include "control/rt/duration_histogram.h"
+#include "base/duration_histogram.h"
 #include "io/fri/codec.h"
 #include "io/fri/command_reader.h"
 #include "io/net/udp_peer.h"

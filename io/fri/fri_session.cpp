@@ -29,32 +29,6 @@ std::array<double, 6> ToWire(const PlainWrench& F, FriTorqueOrder order) OSTEON_
   return {F.f.x, F.f.y, F.f.z, F.t.z, F.t.y, F.t.x};
 }
 
-PlainWrench FromWire(const std::array<double, 6>& wire, FriTorqueOrder order) OSTEON_RT {
-  const bool xyz = order == FriTorqueOrder::kXyz;
-  PlainWrench F;
-  F.f = Vector3(wire[0], wire[1], wire[2]);
-  F.t = Vector3(wire[xyz ? 3 : 5], wire[4], wire[xyz ? 5 : 3]);
-  return F;
-}
-
-// The entry with this name, null if there is none.
-template <class List>
-auto* Find(const List& list, const FriName& name) OSTEON_RT {
-  const auto* at =
-      std::find_if(list.begin(), list.end(), [&](const auto& item) { return item.name == name; });
-  return at == list.end() ? nullptr : at;
-}
-
-// Replaces the list's item of the same name, or appends the item. False if the list is full.
-template <class List, class Item>
-bool Replace(List& list, const Item& item) OSTEON_RT {
-  List next;
-  for (const Item& other : list) next.Add(other.name == item.name ? item : other);
-  if (Find(list, item.name) == nullptr && !next.Add(item)) return false;
-  list = next;
-  return true;
-}
-
 }  // namespace
 
 FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp,
@@ -149,7 +123,6 @@ void FriSession::BeginSession() OSTEON_RT {
   held_.reset();  // it was sent to another arm, or to this one before it moved by itself
   first_answer_ = command_sequence_;
   any_reflected_ = active_ = false;
-  outputs_ = {};
 }
 
 // The arm reflects the newest of this session's answers that it has received.
@@ -167,11 +140,6 @@ void FriSession::CheckReflected(const MonitoringMessage& message) OSTEON_RT {
   if (step > 0) counters_.answers_lost += step - 1;
   any_reflected_ = true;
   reflected_ = message.reflected_sequence;
-  // the writes of this answer, or of an earlier one, have arrived
-  if (writes_sent_ && at >= writes_since_ - first_answer_) {
-    outputs_.writes.Clear();
-    writes_sent_ = false;
-  }
 }
 
 void FriSession::CheckActivation(const MonitoringMessage& message) OSTEON_RT {
@@ -189,17 +157,8 @@ std::span<const std::uint8_t> FriSession::Answer(const control::ArmCommand& comm
 
   CommandMessage answer{.sequence = command_sequence_, .reflected_sequence = last_.sequence};
   PutMotion(command, answer);
-  PutOutputs(answer.outputs);
   std::size_t size = 0;
-  CodecError error = EncodeCommand(family_, answer, buffer_, size);
-  if (error != CodecError::kNone) {  // the arm needs the motion; outputs that do not fit beside it wait
-    answer.outputs = {};
-    error = EncodeCommand(family_, answer, buffer_, size);
-  } else if (!answer.outputs.writes.empty() && !writes_sent_) {
-    writes_sent_ = true;
-    writes_since_ = command_sequence_;
-  }
-  if (error != CodecError::kNone) return {};
+  if (EncodeCommand(family_, answer, buffer_, size) != CodecError::kNone) return {};
   held_ = answer.q;
   pending_ = false;
   due_ = 0;
@@ -233,45 +192,6 @@ void FriSession::PutMotion(const control::ArmCommand& command, CommandMessage& a
         ToWire(follows && IsFinite(command.F) ? command.F : PlainWrench{}, params_.torque_order);
   if (last_.command_mode == CommandMode::kTorque)
     answer.tau = follows && IsFinite(command.tau) ? command.tau : JointArray{};
-}
-
-// The robot program accepts outputs once the connection is established.
-void FriSession::PutOutputs(FriOutputs& outputs) OSTEON_RT {
-  if (last_.session < SessionState::kMonitoringReady) return;
-  outputs.writes = outputs_.writes;
-  for (const FriTransformation& transformation : outputs_.transformations)
-    if (Find(last_.transformations, transformation.name) != nullptr)
-      outputs.transformations.Add(transformation);
-}
-
-FriOutputError FriSession::Write(const FriIo& output) OSTEON_RT {
-  const FriIo* known = Find(last_.ios, output.name);
-  if (known == nullptr) return FriOutputError::kUnknown;
-  if (known->direction != FriIoDirection::kOutput) return FriOutputError::kNotOutput;
-  const bool analog = known->type == FriIoType::kAnalog;
-  if (output.type != known->type || (analog ? !output.analog : !output.digital) ||
-      !std::isfinite(output.analog.value_or(0.0)))
-    return FriOutputError::kWrongType;
-  FriIo write{.name = output.name, .type = output.type, .direction = FriIoDirection::kOutput};
-  if (analog)
-    write.analog = output.analog;
-  else
-    write.digital = output.digital;
-  if (!Replace(outputs_.writes, write)) return FriOutputError::kFull;
-  writes_sent_ = false;
-  return FriOutputError::kNone;
-}
-
-FriOutputError FriSession::Transform(const FriTransformation& transformation) OSTEON_RT {
-  if (Find(last_.transformations, transformation.name) == nullptr) return FriOutputError::kUnknown;
-  const Pose X = transformation.X;
-  if (!X.matrix().allFinite()) return FriOutputError::kWrongType;
-  return Replace(outputs_.transformations, transformation) ? FriOutputError::kNone : FriOutputError::kFull;
-}
-
-std::optional<PlainWrench> FriSession::external_force() const OSTEON_RT {
-  if (!last_.wire_force) return std::nullopt;
-  return FromWire(*last_.wire_force, params_.torque_order);
 }
 
 void FriSession::CountLate(control::ArmState& state) OSTEON_RT {

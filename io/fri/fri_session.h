@@ -34,15 +34,6 @@ struct FriSessionParams {
   double entry_step_rad{0.02};
 };
 
-/// Why an output was refused.
-enum class FriOutputError : std::uint8_t {
-  kNone = 0,
-  kUnknown,    ///< the robot program registered no such name
-  kNotOutput,  ///< it is an input
-  kWrongType,  ///< boolean, digital or analog does not match the value
-  kFull,       ///< more than a message can carry
-};
-
 /// The client's side of an FRI session without the socket: FriLink drives it in wall time, memory in virtual
 /// time.
 ///
@@ -82,13 +73,6 @@ class FriSession {
   /// given. Valid until the next call.
   [[nodiscard]] std::span<const std::uint8_t> Answer(const control::ArmCommand& command) OSTEON_RT;
 
-  /// Sets an output of the robot's field buses, if the last message listed it. Sent with the answers until
-  /// the arm has received one of them.
-  FriOutputError Write(const FriIo& output) OSTEON_RT;
-
-  /// Moves a frame that the last message requested. Sent with each answer to a message that requests it.
-  FriOutputError Transform(const FriTransformation& transformation) OSTEON_RT;
-
   /// Counts the message accepted before the last as late: it was not used, as a newer one was already
   /// waiting.
   void CountLate(control::ArmState& state) OSTEON_RT;
@@ -103,8 +87,6 @@ class FriSession {
   /// The message last accepted: robot info, inputs and outputs, and other content that ArmState does not
   /// have. Default-constructed before the first.
   [[nodiscard]] const MonitoringMessage& message() const OSTEON_RT { return last_; }
-  /// The arm's estimate of the external force at its motion centre, if it sends one (2.7).
-  [[nodiscard]] std::optional<PlainWrench> external_force() const OSTEON_RT;
   /// The arm's version family, if the arm was refused for another version than configured.
   [[nodiscard]] std::optional<FriFamily> other_family() const OSTEON_RT { return other_family_; }
 
@@ -119,7 +101,6 @@ class FriSession {
   void BeginSession() OSTEON_RT;
   [[nodiscard]] bool AcceptCommand(const control::ArmCommand& command) OSTEON_RT;
   void PutMotion(const control::ArmCommand& command, CommandMessage& answer) OSTEON_RT;
-  void PutOutputs(FriOutputs& outputs) OSTEON_RT;
   void PutCounters(control::ArmState& state) const OSTEON_RT;
 
   struct Counters {
@@ -150,11 +131,6 @@ class FriSession {
   std::uint32_t activation_{0};
   bool active_{false};
   bool holding_{false};
-
-  // outputs that go with the answers
-  FriOutputs outputs_;
-  std::uint32_t writes_since_{0};  // the first answer that carried all of outputs_.writes
-  bool writes_sent_{false};
 
   std::array<std::uint8_t, kFriMaxDatagram> buffer_{};
 };

@@ -153,12 +153,6 @@ struct MonitoringMessage {
   FriTransformations transformations;  ///< frames that the robot program requests of the client
 };
 
-/// Outputs that a client may send with its motion.
-struct FriOutputs {
-  FriTransformations transformations;  ///< those that the arm requests
-  FriIos writes;                       ///< outputs to set
-};
-
 /// The client's answer. Without joint positions, torques and wrench it is the header alone.
 struct CommandMessage {
   std::uint32_t sequence{0};
@@ -168,7 +162,6 @@ struct CommandMessage {
   std::optional<std::array<double, 6>> wire_wrench{};
   std::optional<control::JointArray> tau{};  ///< [N·m]
   std::optional<FriPose> X{};                ///< 2.x
-  FriOutputs outputs{};
 };
 
 }  // namespace osteon::io

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 // Reads a protobuf message field by field, in place: no allocation, and every step advances, so the cost is
 // bounded by the message's length. The caller decides which fields exist:

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 // Writes a protobuf message into the caller's memory, field by field in the order of the calls. A nested
 // message lies between BeginMessage and EndMessage, which writes its length into the byte that BeginMessage

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
-#include <string_view>
 
 // The supported versions of FRI, and how they differ on the wire. Header only: the simulated arm uses it,
 // too.
@@ -27,13 +25,6 @@ inline constexpr std::array<FriVersion, 8> kFriVersions{
 [[nodiscard]] constexpr const char* Name(FriVersion version) noexcept {
   constexpr std::array<const char*, 8> names{"1.11", "1.12", "1.13", "1.14", "1.15", "1.16", "2.5", "2.7"};
   return names[static_cast<std::size_t>(version)];
-}
-
-/// Empty if it is none of kFriVersions.
-[[nodiscard]] constexpr std::optional<FriVersion> FriVersionNamed(std::string_view name) noexcept {
-  for (const FriVersion version : kFriVersions)
-    if (name == Name(version)) return version;
-  return std::nullopt;
 }
 
 [[nodiscard]] constexpr FriFamily FamilyOf(FriVersion version) noexcept {

@@ -40,32 +40,6 @@ bool PutElements(std::uint32_t number, const FriName& name, std::span<const doub
   return AllFinite(elements);
 }
 
-// A 3x4 matrix in 1.x, a quaternion in 2.x.
-bool PutTransformation(std::uint32_t number, FriFamily family, const FriTransformation& value,
-                       ProtoWriter& out) OSTEON_RT {
-  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R(value.X.R.data());
-  const Vector3 p_mm = kMmPerM * Vector3(value.X.p);
-  if (family == FriFamily::k1) {
-    std::array<double, kMatrixSize> element;
-    Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(element.data()) << R, p_mm;
-    return PutElements(number, value.name, element, value.time, out);
-  }
-  const Eigen::Quaterniond q{Matrix3(R)};
-  const std::array<double, kQuaternionSize> element{p_mm.x(), p_mm.y(), p_mm.z(), q.w(), q.x(), q.y(), q.z()};
-  return PutElements(number, value.name, element, value.time, out);
-}
-
-bool PutIo(std::uint32_t number, const FriIo& value, ProtoWriter& out) OSTEON_RT {
-  const std::size_t part = out.BeginMessage(number);
-  out.Text(1, value.name.view());
-  out.Varint(2, static_cast<std::uint64_t>(value.type));
-  out.Varint(3, static_cast<std::uint64_t>(value.direction));
-  if (value.digital) out.Varint(4, *value.digital);
-  if (value.analog) out.Double(5, *value.analog);
-  out.EndMessage(part);
-  return std::isfinite(value.analog.value_or(0.0));
-}
-
 bool PutRedundancy(std::uint32_t number, const FriRedundancy& value, ProtoWriter& out) OSTEON_RT {
   const std::size_t part = out.BeginMessage(number);
   out.Varint(1, value.strategy);
@@ -83,19 +57,13 @@ bool WriteCommand(FriFamily family, const CommandMessage& message, ProtoWriter& 
   out.Varint(3, message.reflected_sequence);
   out.EndMessage(header);
 
-  const FriOutputs& outputs = message.outputs;
   const bool pose = message.X && family != FriFamily::k1;
-  if (!message.q && !message.wire_wrench && !message.tau && !pose && outputs.transformations.empty() &&
-      outputs.writes.empty())
-    return true;
+  if (!message.q && !message.wire_wrench && !message.tau && !pose) return true;
   bool finite = true;
   const std::size_t data = out.BeginMessage(2);
   if (message.q) finite &= PutJoints(1, *message.q, out);
   if (message.wire_wrench) finite &= PutVector(2, *message.wire_wrench, out);
   if (message.tau) finite &= PutJoints(3, *message.tau, out);
-  for (const FriTransformation& transformation : outputs.transformations)
-    finite &= PutTransformation(4, family, transformation, out);
-  for (const FriIo& write : outputs.writes) finite &= PutIo(5, write, out);
   if (pose) {
     finite &= PutElements(6, message.X->name, message.X->element, message.X->time, out);
     if (message.X->redundancy) finite &= PutRedundancy(7, *message.X->redundancy, out);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "io/fri/messages.h"
 #include "io/fri/proto_writer.h"
 #include "io/fri/version.h"

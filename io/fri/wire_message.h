@@ -7,8 +7,8 @@
 #include <span>
 #include <string_view>
 
+#include "base/marker.h"
 #include "control/ports.h"
-#include "control/rt/marker.h"
 #include "io/fri/messages.h"
 
 // A monitoring message in the wire's format (fri.proto): the fields received, as numbers whose meaning is not

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 // Constants and helpers of both directions of the wire. Private to the codec.
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-#include "control/rt/latest_value.h"
+#include "base/latest_value.h"
 #include "io/modbus/plc_reading.h"
 
 namespace osteon::io {

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "control/rt/clock.h"
-#include "control/rt/marker.h"
+#include "base/clock.h"
+#include "base/marker.h"
 #include "io/modbus/register_map.h"
 
 namespace osteon::io {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 // The holding registers between the controller and the cell's PLC, defined only here. Addresses are those in
 // a Modbus frame, counted from 0. 970, 973, 974 and 977 are as in Pilz's published map for the PSS4000; the

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <span>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 namespace osteon::io {
 

@@ -10,8 +10,8 @@
 
 #include <tl/expected.hpp>
 
-#include "control/rt/clock.h"
-#include "control/rt/marker.h"
+#include "base/clock.h"
+#include "base/marker.h"
 
 // Common functions of all our sockets: opening with errors that say what to do, waiting with a deadline, and
 // the arrival time of a datagram.

@@ -2,8 +2,8 @@
 
 #include <google/protobuf/descriptor.pb.h>
 
+#include "base/utf8.h"
 #include "io/recording/message_parts.h"
-#include "io/recording/utf8.h"
 
 namespace osteon::io {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "control/tick_record.h"
-#include "simulation/frame_record.h"
+#include "simulation/engine/frame_record.h"
 
 // The records as recording.proto's messages. Only messages.cpp, tick_message.cpp and frame_message.cpp
 // include libprotobuf.

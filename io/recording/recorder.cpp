@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "control/rt/realtime_thread.h"
+#include "base/realtime_thread.h"
 
 namespace osteon::io {
 namespace {

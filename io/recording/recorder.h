@@ -13,11 +13,11 @@
 
 #include <tl/expected.hpp>
 
+#include "base/spsc_ring.h"
 #include "control/ports.h"
-#include "control/rt/spsc_ring.h"
 #include "io/recording/mcap_writer.h"
 #include "io/recording/messages.h"
-#include "simulation/frame_record.h"
+#include "simulation/engine/frame_record.h"
 
 namespace osteon::io {
 

@@ -10,7 +10,7 @@
 #include "control/tick_record.h"
 #include "io/recording/mcap_reader.h"
 #include "io/recording/messages.h"
-#include "simulation/frame_record.h"
+#include "simulation/engine/frame_record.h"
 
 namespace osteon::io {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "io/rsi/messages.h"
 
 // RSI datagrams to plain structs and back, in place, for the PC's side. The simulated controller (hil/rsi)

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "control/rt/prefetch.h"
+#include "base/prefetch.h"
 
 namespace osteon::io {
 tl::expected<std::unique_ptr<RsiLink>, std::string> RsiLink::Open(const RsiLinkParams& params) {

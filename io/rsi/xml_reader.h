@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 
 namespace osteon::io {
 

@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "simulation/bone.h"
+#include "simulation/bone/bone.h"
 #include "simulation/engine_cpu/aligned_array.h"
 #include "simulation/engine_cpu/box_tree.h"
 #include "simulation/engine_cpu/pass_data.h"
-#include "simulation/split_ball.h"
+#include "simulation/removal/split_ball.h"
 
 namespace osteon::simulation::cpu {
 

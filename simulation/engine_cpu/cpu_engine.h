@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "simulation/bone.h"
-#include "simulation/cutting_engine.h"
-#include "simulation/tool.h"
+#include "simulation/bone/bone.h"
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/tools/tool.h"
 
 namespace osteon::simulation {
 

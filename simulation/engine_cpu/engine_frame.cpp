@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/cutting_math.h"
+#include "simulation/contact/cutting_math.h"
 #include "simulation/engine_cpu/engine_impl.h"
 
 // A frame, pass by pass as ReferenceEngine::Frame does it.

@@ -6,10 +6,10 @@
 #include <chrono>
 #include <optional>
 
-#include "simulation/contact_law.h"
+#include "simulation/contact/contact_law.h"
+#include "simulation/engine/frame_solution.h"
 #include "simulation/engine_cpu/cpu_engine.h"
 #include "simulation/engine_cpu/list_keeper.h"
-#include "simulation/frame_solution.h"
 
 namespace osteon::simulation {
 

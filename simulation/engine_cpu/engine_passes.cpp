@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "simulation/cutting_math.h"
+#include "simulation/contact/cutting_math.h"
 #include "simulation/engine_cpu/engine_impl.h"
 #include "simulation/engine_cpu/rounding.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "simulation/engine_cpu/bone_store.h"
-#include "simulation/split_ball.h"
+#include "simulation/removal/split_ball.h"
 
 namespace osteon::simulation::cpu {
 

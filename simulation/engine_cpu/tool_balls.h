@@ -6,7 +6,7 @@
 
 #include "simulation/engine_cpu/aligned_array.h"
 #include "simulation/engine_cpu/kernels.h"
-#include "simulation/tool.h"
+#include "simulation/tools/tool.h"
 
 namespace osteon::simulation::cpu {
 

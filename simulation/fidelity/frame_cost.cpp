@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "simulation/metrics/frame_workload.h"
+#include "simulation/fidelity/frame_workload.h"
 
 namespace osteon::simulation {
 namespace {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "simulation/cutting_engine.h"
+#include "simulation/engine/cutting_engine.h"
 #include "simulation/fidelity/removal_error.h"
 #include "simulation/solids/cut_zone.h"
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "simulation/cutting_engine.h"
+#include "simulation/engine/cutting_engine.h"
 
 // Repacks a bone that is being cut: another packing of the same solid is carved in the same way, and replaces
 // the first one between two frames.

@@ -6,7 +6,7 @@
 namespace osteon::simulation {
 namespace {
 
-// Fitted to carved packings (tests/simulation/removal_error_test.cpp); 1/(2 π) is 0.159.
+// Fitted to carved packings (tests/simulation/fidelity/removal_error_test.cpp); 1/(2 π) is 0.159.
 constexpr double kAlong = 0.18, kInto = 0.13, kSplit = 0.08, kLeak = 0.16;
 constexpr double kRimAlong = 0.08, kRimInto = 0.14;  // area of the sliver that a rim loses, over r²
 constexpr double kMinOfCap = 0.9;  // packing_builder.cpp: only balls that touch the surface are nearer to it

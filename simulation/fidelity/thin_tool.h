@@ -1,6 +1,6 @@
 #pragma once
 
-#include "simulation/tool.h"
+#include "simulation/tools/tool.h"
 
 namespace osteon::simulation {
 

@@ -13,9 +13,9 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include "simulation/constrained_goal.h"
-#include "simulation/files/mapped_file.h"
-#include "simulation/files/output_file.h"
+#include "base/mapped_file.h"
+#include "base/output_file.h"
+#include "simulation/contact/constrained_goal.h"
 
 namespace osteon::simulation {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <tl/expected.hpp>
 
-#include "simulation/bone.h"
-#include "simulation/cutting_engine.h"
-#include "simulation/files/file_error.h"
+#include "base/file_error.h"
+#include "simulation/bone/bone.h"
+#include "simulation/engine/cutting_engine.h"
 
 // Carved states on disk: undo, save, resume.
 //

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
 #include "simulation/mesh/mesh_file.h"
 #include "simulation/mesh/mesh_remake.h"
 #include "simulation/mesh/mesh_steps.h"

@@ -3,7 +3,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "simulation/cutting_math.h"
+#include "simulation/contact/cutting_math.h"
 
 namespace osteon::simulation {
 

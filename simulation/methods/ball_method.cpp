@@ -1,6 +1,6 @@
 #include "simulation/methods/ball_method.h"
 
-#include "simulation/metrics/carved_shape.h"
+#include "simulation/fidelity/carved_shape.h"
 
 namespace osteon::simulation {
 

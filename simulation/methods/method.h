@@ -5,10 +5,10 @@
 #include <memory>
 #include <string_view>
 
-#include "simulation/bone.h"
-#include "simulation/cutting_engine.h"
+#include "simulation/bone/bone.h"
+#include "simulation/engine/cutting_engine.h"
 #include "simulation/solids/solid.h"
-#include "simulation/tool.h"
+#include "simulation/tools/tool.h"
 
 // The methods that the cutting engine is compared with. Each is built as its authors describe it, and states
 // every parameter in its own header. Each has the data structures of a competent implementation, since speed

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "simulation/frame_solution.h"
+#include "simulation/engine/frame_solution.h"
 #include "simulation/methods/method.h"
 
 namespace osteon::simulation {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "simulation/tool.h"
+#include "simulation/tools/tool.h"
 
 namespace osteon::simulation {
 

@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
+#include "base/parallel.h"
 #include "simulation/methods/ball_bone.h"
 #include "simulation/packing/ball_forest.h"
-#include "simulation/parallel.h"
 
 namespace osteon::simulation {
 namespace {

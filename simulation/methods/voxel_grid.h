@@ -8,8 +8,8 @@
 
 #include <Eigen/Geometry>
 
-#include "simulation/bone.h"
-#include "simulation/cutting_engine.h"
+#include "simulation/bone/bone.h"
+#include "simulation/engine/cutting_engine.h"
 #include "simulation/solids/solid.h"
 
 namespace osteon::simulation {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/metrics/carved_shape.h"
+#include "simulation/fidelity/carved_shape.h"
 
 namespace osteon::simulation {
 namespace {

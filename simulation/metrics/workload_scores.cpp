@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "simulation/metrics/accuracy.h"
+#include "simulation/fidelity/accuracy.h"
 #include "simulation/metrics/ripple.h"
 
 namespace osteon::simulation {

@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "simulation/metrics/carved_shape.h"
-#include "simulation/metrics/force_error.h"
-#include "simulation/metrics/workloads.h"
+#include "simulation/fidelity/carved_shape.h"
+#include "simulation/fidelity/force_error.h"
+#include "simulation/fidelity/workloads.h"
 
 namespace osteon::simulation {
 

@@ -7,8 +7,8 @@
 #include <map>
 #include <utility>
 
+#include "base/parallel.h"
 #include "simulation/packing/morton.h"
-#include "simulation/parallel.h"
 
 namespace osteon::simulation {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "simulation/bone.h"
+#include "simulation/bone/bone.h"
 #include "simulation/solids/solid.h"
 
 namespace osteon::simulation {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "simulation/bone.h"
+#include "simulation/bone/bone.h"
 
 namespace osteon::simulation {
 

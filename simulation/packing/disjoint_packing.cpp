@@ -10,12 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
+#include "base/parallel.h"
+#include "base/scramble.h"
 #include "simulation/packing/hole_search.h"
 #include "simulation/packing/morton.h"
 #include "simulation/packing/packing_builder.h"
-#include "simulation/packing/scramble.h"
-#include "simulation/parallel.h"
 
 namespace osteon::simulation {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
 #include "simulation/packing/graded_descent.h"
 
 namespace osteon::simulation {

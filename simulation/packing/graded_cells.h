@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation/packing/scramble.h"
+#include "base/scramble.h"
 #include "simulation/solids/cut_zone.h"
 
 namespace osteon::simulation {

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "base/parallel.h"
 #include "simulation/packing/graded_cells.h"
-#include "simulation/parallel.h"
 
 namespace osteon::simulation {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "simulation/packing/scramble.h"
+#include "base/scramble.h"
 
 namespace osteon::simulation {
 namespace {

@@ -5,11 +5,11 @@
 #include <limits>
 #include <span>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
+#include "base/parallel.h"
+#include "base/scramble.h"
 #include "simulation/packing/cell_lookup.h"
 #include "simulation/packing/morton.h"
-#include "simulation/packing/scramble.h"
-#include "simulation/parallel.h"
 
 namespace osteon::simulation {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
 #include "simulation/packing/packing_builder.h"
 
 namespace osteon::simulation {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
 #include "simulation/packing/graded_descent.h"
 #include "simulation/packing/morton.h"
 #include "simulation/packing/surface_gaps.h"

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "simulation/files/output_file.h"
+#include "base/output_file.h"
 
 namespace osteon::simulation {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <tl/expected.hpp>
 
-#include "simulation/bone.h"
-#include "simulation/files/file_error.h"
+#include "base/file_error.h"
+#include "simulation/bone/bone.h"
 
 // Balls for other programs, in millimetres and in G's own coordinates. Both files appear whole or not at all.
 

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "base/parallel.h"
 #include "simulation/packing/packing_layout.h"
 #include "simulation/packing/packing_text.h"
-#include "simulation/parallel.h"
 
 namespace osteon::simulation {
 

@@ -9,9 +9,9 @@
 
 #include <tl/expected.hpp>
 
-#include "simulation/bone.h"
-#include "simulation/files/file_error.h"
-#include "simulation/files/mapped_file.h"
+#include "base/file_error.h"
+#include "base/mapped_file.h"
+#include "simulation/bone/bone.h"
 
 namespace osteon::simulation {
 

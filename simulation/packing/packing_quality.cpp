@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "base/parallel.h"
 #include "simulation/packing/ball_forest.h"
 #include "simulation/packing/graded_cells.h"
-#include "simulation/parallel.h"
 
 namespace osteon::simulation {
 namespace {

@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "simulation/files/output_file.h"
+#include "base/output_file.h"
+#include "base/parallel.h"
 #include "simulation/packing/packing_file.h"
 #include "simulation/packing/packing_layout.h"
 #include "simulation/packing/packing_text.h"
-#include "simulation/parallel.h"
 
 namespace osteon::simulation {
 

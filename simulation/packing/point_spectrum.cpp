@@ -9,13 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "simulation/packing/ball_forest.h"
-#include "simulation/parallel.h"
+#include "base/parallel.h"
 
 namespace osteon::simulation {
 namespace {
-
-constexpr double kBinsPerSpacing = 20.0;
 
 using Wave = std::array<int, 3>;  // waves along each side of a window
 
@@ -160,38 +157,6 @@ std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZon
       windows.push_back(box);
   }
   return windows;
-}
-
-NeighborDistances MeasureNeighborDistances(std::span<const Vector3> points_m,
-                                           std::span<const double> spacing_m, int threads) {
-  if (points_m.size() != spacing_m.size())
-    throw std::invalid_argument(
-        fmt::format("neighbour distances: found {} spacings, accepted {}, one a point", spacing_m.size(),
-                    points_m.size()));
-  std::vector<Ball> balls(points_m.size());
-  for (std::size_t i = 0; i < balls.size(); ++i) {
-    if (!points_m[i].allFinite() || !(spacing_m[i] > 0.0) || !std::isfinite(spacing_m[i]))
-      throw std::invalid_argument(
-          fmt::format("neighbour distances: point {}: found a spacing of {:g} m at ({:g}, {:g}, {:g}) m, "
-                      "accepted finite ones above 0",
-                      i, spacing_m[i], points_m[i].x(), points_m[i].y(), points_m[i].z()));
-    balls[i] = {.center_m = points_m[i], .radius_m = spacing_m[i]};
-  }
-  NeighborDistances result;
-  if (balls.size() < 2) return result;
-  const BallForest forest(balls);
-  std::vector<double> separations(balls.size());
-  ParallelFor(balls.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) separations[i] = forest.Separation(balls[i]);
-  });
-  result.min_over_spacing = *std::min_element(separations.begin(), separations.end());
-  for (const double separation : separations) {
-    const auto bin = static_cast<std::size_t>(separation * kBinsPerSpacing);
-    if (bin >= result.histogram.size()) result.histogram.resize(bin + 1, 0.0);
-    result.histogram[bin] += 1.0 / static_cast<double>(balls.size());
-    result.mean_over_spacing += separation / static_cast<double>(balls.size());
-  }
-  return result;
 }
 
 }  // namespace osteon::simulation

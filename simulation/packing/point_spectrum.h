@@ -45,18 +45,4 @@ struct SpectrumParams {
                                                               const MassPointParams& params,
                                                               std::size_t most = 32);
 
-/// Distance of points to their nearest neighbours over the mean spacing. The spacing is the cube root of the
-/// volume that a point stands for (for a pair, the larger of the two).
-struct NeighborDistances {
-  double min_over_spacing{0.0};
-  double mean_over_spacing{0.0};  ///< independent points 0.554; face-centred lattice 1.122
-  /// Share of the points whose distance over spacing is within [i, i + 1) / 20.
-  std::vector<double> histogram;
-};
-
-/// Measures the neighbour distances; `spacing_m[i]` is the spacing at point i.
-/// @throws std::invalid_argument where the lengths differ or a spacing is not finite and positive.
-[[nodiscard]] NeighborDistances MeasureNeighborDistances(std::span<const Vector3> points_m,
-                                                         std::span<const double> spacing_m, int threads = 0);
-
 }  // namespace osteon::simulation

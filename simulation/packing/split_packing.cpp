@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
 #include "simulation/packing/graded_cells.h"
 #include "simulation/packing/morton.h"
 #include "simulation/packing/surface_gaps.h"

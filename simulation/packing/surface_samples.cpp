@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
+#include "base/parallel.h"
 #include "simulation/packing/morton.h"
-#include "simulation/parallel.h"
 
 namespace osteon::simulation {
 namespace {

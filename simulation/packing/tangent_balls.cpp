@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "base/scramble.h"
 #include "simulation/packing/graded_descent.h"
-#include "simulation/packing/scramble.h"
 
 namespace osteon::simulation {
 namespace {

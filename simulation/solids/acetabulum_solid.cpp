@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
 
 namespace osteon::simulation {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
 #include "simulation/solids/solid.h"
 
 namespace osteon::simulation {

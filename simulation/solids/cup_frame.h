@@ -1,6 +1,6 @@
 #pragma once
 
-#include "simulation/bone.h"
+#include "simulation/bone/bone.h"
 
 namespace osteon::simulation {
 

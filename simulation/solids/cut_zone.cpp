@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "simulation/cutting_math.h"
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
+#include "simulation/contact/cutting_math.h"
 
 namespace osteon::simulation {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/parallel.h"
+#include "base/parallel.h"
 
 namespace osteon::simulation {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
 #include "simulation/mesh/shape_mesh.h"
 
 namespace osteon::simulation {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
 #include "simulation/mesh/shape_mesh.h"
 
 namespace osteon::simulation {

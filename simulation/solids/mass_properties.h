@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "simulation/bone.h"
+#include "simulation/bone/bone.h"
 #include "simulation/mesh/triangle_mesh.h"
 
 namespace osteon::simulation {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
 #include "simulation/solids/solid.h"
 
 namespace osteon::simulation {
@@ -130,17 +130,6 @@ void CheckTissueMap(const TissueMap& map, std::size_t material_count) {
   if (!(map.lining->lining_radii >= 1.0 && map.lining->lining_radii <= 2.0))
     throw std::invalid_argument(
         fmt::format("tissue: lining_radii: found {:g}, accepted 1 … 2", map.lining->lining_radii));
-}
-
-TissueMap CupBoneTissue(const MeshTissue& tissue, const CutSite& cup) {
-  return {.shells = {{.layers = {{.material = kCortical, .thickness_m = tissue.cortical_m}},
-                      .core = kCancellous,
-                      .image = {}}},
-          .lining = LiningTissue{.cup = cup,
-                                 .lining_radii = tissue.lining_radii,
-                                 .layers = {{.material = kCartilage, .thickness_m = tissue.cartilage_m},
-                                            {.material = kCortical, .thickness_m = tissue.subchondral_m}},
-                                 .core = kCancellous}};
 }
 
 }  // namespace osteon::simulation

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "simulation/bone.h"
+#include "simulation/bone/bone.h"
 
 namespace osteon::simulation {
 
@@ -80,16 +80,5 @@ struct TissueMap {
 ///   materials below `material_count`, one shell and more, an image whose size, steps, densities and classes
 ///   fit together, lining_radii of 1 … 2.
 void CheckTissueMap(const TissueMap& map, std::size_t material_count);
-
-/// Tissue of a bone with a cup: thicknesses below its surface.
-struct MeshTissue {
-  double cartilage_m{0.002};    ///< inside the cup
-  double subchondral_m{0.001};  ///< cortical plate below the cartilage
-  double cortical_m{0.0015};    ///< shell everywhere else; cancellous below
-  double lining_radii{1.25};    ///< see LiningTissue
-};
-
-/// The same as a map onto the materials of BoneTissue.
-[[nodiscard]] TissueMap CupBoneTissue(const MeshTissue& tissue, const CutSite& cup);
 
 }  // namespace osteon::simulation

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "simulation/cutting_engine.h"
+#include "simulation/engine/cutting_engine.h"
 #include "simulation/tools/tool_motion.h"
 
 namespace osteon::simulation {

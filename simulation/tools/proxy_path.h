@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "kinematics/spatial.h"
-#include "simulation/frame_record.h"
-#include "simulation/tool.h"
+#include "simulation/engine/frame_record.h"
+#include "simulation/tools/tool.h"
 
 namespace osteon::simulation {
 

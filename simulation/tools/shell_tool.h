@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "simulation/tool.h"
+#include "simulation/tools/tool.h"
 
 namespace osteon::simulation {
 

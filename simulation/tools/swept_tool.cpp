@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "simulation/cutting_math.h"
+#include "simulation/contact/cutting_math.h"
 #include "simulation/tools/thin_path.h"
 
 namespace osteon::simulation {

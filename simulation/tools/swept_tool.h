@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "kinematics/spatial.h"
-#include "simulation/tool.h"
+#include "simulation/tools/tool.h"
 
 namespace osteon::simulation {
 
@@ -30,7 +30,6 @@ class SweptTool {
   /// A box around the swept volume; empty where nothing was swept.
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const;
   [[nodiscard]] bool empty() const { return capsules_.empty(); }
-  [[nodiscard]] std::size_t capsule_count() const { return capsules_.size(); }
 
  private:
   struct Capsule {

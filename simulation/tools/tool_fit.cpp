@@ -138,28 +138,4 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
   return fit;
 }
 
-ToolQuality MeasureTool(const Tool& tool, const Solid& solid, std::span<const SurfaceSample> samples) {
-  ToolQuality quality;
-  for (const ToolBall& ball : tool.balls) {
-    ++(ball.cutting ? quality.cutting_balls : quality.touching_balls);
-    quality.protrusion_max_m =
-        std::max(quality.protrusion_max_m, ball.radius_m + solid.SignedDistance(ball.center_m));
-  }
-  std::size_t cutting = 0, touching = 0;
-  for (const SurfaceSample& sample : samples) {
-    double gap = kInfinity;
-    for (const ToolBall& ball : tool.balls)
-      if (ball.cutting == sample.cutting) gap = std::min(gap, Gap(sample.p_m, ball));
-    ++(sample.cutting ? cutting : touching);
-    double& mean = sample.cutting ? quality.cutting_gap_mean_m : quality.touching_gap_mean_m;
-    double& max = sample.cutting ? quality.cutting_gap_max_m : quality.touching_gap_max_m;
-    mean += gap;
-    max = std::max(max, gap);
-    quality.worst_ratio = std::max(quality.worst_ratio, gap / sample.gap_m);
-  }
-  if (cutting > 0) quality.cutting_gap_mean_m /= static_cast<double>(cutting);
-  if (touching > 0) quality.touching_gap_mean_m /= static_cast<double>(touching);
-  return quality;
-}
-
 }  // namespace osteon::simulation

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "simulation/solids/solid.h"
-#include "simulation/tool.h"
+#include "simulation/tools/tool.h"
 
 namespace osteon::simulation {
 
@@ -40,19 +40,5 @@ struct ToolFit {
 /// The result depends on the arguments alone. Cost: about 10 distances for each sample; balls × samples.
 [[nodiscard]] ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
                               const std::vector<ToolBall>& first, const ToolFitParams& params);
-
-/// Deviation of a tool made of balls from its exact shape.
-struct ToolQuality {
-  std::size_t cutting_balls{0}, touching_balls{0};
-  /// From points of the exact surface to the union of the balls of that kind, for points that are not inside
-  /// it.
-  double cutting_gap_mean_m{0.0}, cutting_gap_max_m{0.0};
-  double touching_gap_mean_m{0.0}, touching_gap_max_m{0.0};
-  double protrusion_max_m{0.0};  ///< largest distance of a ball out of the solid
-  double worst_ratio{0.0};       ///< largest gap over the sample's accepted gap
-};
-
-[[nodiscard]] ToolQuality MeasureTool(const Tool& tool, const Solid& solid,
-                                      std::span<const SurfaceSample> samples);
 
 }  // namespace osteon::simulation

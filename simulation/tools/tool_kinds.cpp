@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
 
 namespace osteon::simulation {
 namespace {

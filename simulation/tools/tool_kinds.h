@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation/tool.h"
+#include "simulation/tools/tool.h"
 #include "simulation/tools/tool_fit.h"
 #include "simulation/tools/tool_mass.h"
 #include "simulation/tools/tool_profile.h"

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "simulation/solids/mass_properties.h"
-#include "simulation/tool.h"
+#include "simulation/tools/tool.h"
 #include "simulation/tools/tool_profile.h"
 
 namespace osteon::simulation {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "simulation/files/check_range.h"
+#include "base/check_range.h"
 #include "simulation/solids/mesh_solid.h"
 
 namespace osteon::simulation {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "io/recording/recorder.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/serial_chain.h"

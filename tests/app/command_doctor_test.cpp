@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <set>
 
-#include "app/realtime_checks.h"
 #include "io/fri/fri_link.h"
+#include "session/setup/realtime_checks.h"
 #include "tests/app/command.h"
 
 namespace osteon::app {
@@ -39,9 +39,9 @@ TEST(Doctor, GivesAVerdictForEachCheck) {
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
   const nlohmann::json doctor = ReadJson(folder.path() / "doctor.json");
   const std::set<std::string> names = ExpectChecks(doctor);
-  for (const char* name : {"System", "Vulkan device", "Cutting engine", "Real-time priority", "Timer latency, ordinary thread",
-                           "Servo periods", "Locked memory", "Idle states", "Kernel", "Isolated cores",
-                           "Frequency governor", "FRI port", "SocketCAN"})
+  for (const char* name : {"System", "Vulkan device", "Cutting engine", "Real-time priority",
+                           "Timer latency, ordinary thread", "Servo periods", "Locked memory", "Idle states",
+                           "Kernel", "Isolated cores", "Frequency governor", "FRI port", "SocketCAN"})
     EXPECT_TRUE(names.contains(name)) << name;
   for (const std::string& name : names) EXPECT_NE(run.out.find(name), std::string::npos) << name;
   EXPECT_EQ(VerdictOf(doctor, "FRI port"), "good");

@@ -3,11 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "app/failures.h"
-#include "app/fault_table.h"
+#include "studies/failures/failures.h"
+#include "studies/faults/fault_table.h"
 #include "tests/app/command.h"
 
-// Runs `osteon failures` as a user does. tests/hil/failures_test.cpp checks the scenarios' findings.
+// Runs `osteon failures` as a user does. tests/studies/failures/failures_test.cpp checks the scenarios'
+// findings.
 
 namespace osteon::app {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "io/fri/fri_link.h"
 #include "tests/app/command.h"
-#include "tests/simulation/mesh_shapes.h"
+#include "tests/simulation/mesh/mesh_shapes.h"
 
 // Wrong input: exit code 2, one line on stderr with the found and the accepted value, nothing done.
 
@@ -150,19 +150,20 @@ TEST_F(WrongInput, CellAndConfiguration) {
 
   std::string root = ConfigWith("tools/reamer.yaml", "radius_mm: 8", "raduis_mm: 8");
   ExpectRefused({"--config-root", root, "demo"},
-                {root + "/tools/reamer.yaml:21: ", "unknown key \"raduis_mm\"", "\"radius_mm\""});
+                {root + "/tools/reamer.yaml:22: ", "unknown key \"raduis_mm\"", "\"radius_mm\""});
   root = ConfigWith("tools/reamer.yaml", "radius_mm: 8", "radius_mm: -8");
   ExpectRefused({"--config-root", root, "demo"},
-                {root + "/tools/reamer.yaml:21: radius_mm: found -8, accepted 0.5 … 50"});
+                {root + "/tools/reamer.yaml:22: radius_mm: found -8, accepted 0.5 … 50"});
   root = ConfigWith("cells/demo.yaml", "tool_diameter_mm: 50", "tool_diameter_mm: 80");
   ExpectRefused({"--config-root", root, "demo"},
-                {root + "/cells/demo.yaml:5: tool_diameter_mm: found 80, accepted 36 … 68 in steps of 1"});
+                {root + "/cells/demo.yaml:6: tool_diameter_mm: found 80, accepted 36 … 68 in steps of 1"});
   root = ConfigWith("cells/demo.yaml", "max_force_N: 200", "max_force_N: 2000");
   ExpectRefused({"--config-root", root, "demo"}, {root + "/cells/demo.yaml:", "max_force_N: found 2000"});
   root = ConfigWith("cells/demo.yaml", "fri:", "fri: [");
   ExpectRefused({"--config-root", root, "demo"}, {root + "/cells/demo.yaml:"});
-  root = ConfigWith("cells/demo.yaml", "tools/reamer.yaml", "tools/rimmer.yaml");
-  ExpectRefused({"--config-root", root, "demo"}, {root + "/cells/demo.yaml:", "rimmer.yaml"});
+  root = ConfigWith("cells/demo.yaml", "tool: reamer", "tool: rimmer");
+  ExpectRefused({"--config-root", root, "demo"},
+                {root + "/cells/demo.yaml:", "tool: found rimmer, accepted a file"});
 }
 
 TEST_F(WrongInput, Tool) {

@@ -10,7 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "app/help_text.h"
+#include "app/cli/help_text.h"
+#include "base/text.h"
 #include "tests/app/command.h"
 
 // The manual, the completion and the help of the built command.
@@ -155,7 +156,8 @@ TEST_F(BashCompletionTest, CompletesSubcommandsOfTheCommandAndOfTheLauncher) {
 
 TEST_F(BashCompletionTest, CompletesOptionsAndTheirWords) {
   EXPECT_EQ(Offers("osteon demo --en"), std::vector<std::string>{"--engine"});
-  EXPECT_EQ(Offers("osteon demo --engine ''"), (std::vector<std::string>{"auto", "vulkan", "cpu", "reference"}));
+  EXPECT_EQ(Offers("osteon demo --engine ''"),
+            (std::vector<std::string>{"auto", "vulkan", "cpu", "reference"}));
   EXPECT_EQ(Offers("osteon demo --engine = r"), std::vector<std::string>{"reference"});
   EXPECT_TRUE(Has("osteon bench frame --method ''", "voxel"));
   EXPECT_TRUE(Has("osteon doctor ''", "--seconds")) << "nothing but options can stand here";

@@ -7,7 +7,7 @@
 
 #include "simulation/packing/packing_file.h"
 #include "tests/app/command.h"
-#include "tests/simulation/mesh_shapes.h"
+#include "tests/simulation/mesh/mesh_shapes.h"
 
 // Runs `osteon pack` as a user does: the files it writes, its messages, its refusals.
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/app/command.h"
-#include "tests/simulation/mesh_shapes.h"
+#include "tests/simulation/mesh/mesh_shapes.h"
 
 // Runs `osteon plan` as a user does. Times depend on this machine: none is compared with a bound.
 

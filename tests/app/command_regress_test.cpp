@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "app/golden_file.h"
+#include "studies/regress/golden_file.h"
 #include "tests/app/command.h"
 
 // Runs the command as a CI server does.
@@ -28,8 +28,8 @@ class Regress : public testing::Test {
                        "shows: a short push\ncell: " OSTEON_SOURCE_DIR
                        "/config/cells/demo.yaml\nengine: plane\nduration_s: 0.2\nsample_ms: 20\n"
                        "overrides:\n  scene.packing.spacing_mm: 5\n  scene.packing.surface_gap_mm: 2\n"
-                       "  scene.packing.greatest_surface_gap_mm: 2\n  scene.packing.sample_spacing_mm: 4\n"
-                       "  scene.mass_points.spacing_mm: 8\n  scene.events.least_wall_mm: 0\n" +
+                       "  scene.packing.max_surface_gap_mm: 2\n  scene.packing.sample_spacing_mm: 4\n"
+                       "  scene.mass_points.spacing_mm: 8\n  scene.events.min_wall_mm: 0\n" +
                            more);
     return "own.yaml";
   }

@@ -165,8 +165,8 @@ TEST_F(ReplayCommandTest, NeedsNothingButTheRecording) {
     ASSERT_NE(cell.find(from), std::string::npos) << from;
     cell.replace(cell.find(from), from.size(), to);
   };
-  replace("../robots", (root / "robots").string());
-  replace("acetabulum.yaml", "acetabulum_density.yaml");
+  replace("robot: lbr_iiwa_14_r820", "robot: " + (root / "robots/lbr_iiwa_14_r820.yaml").string());
+  replace("scene: acetabulum", "scene: acetabulum_density");
   io::test::WriteAll(root / "cells/mine.yaml", cell);
   for (const std::string tool : {"reamer:54", "broach"}) {
     const CommandResult run =

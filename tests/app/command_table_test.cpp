@@ -1,14 +1,15 @@
-#include "app/command_table.h"
+#include "app/cli/command_table.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <sstream>
 
-#include "app/completion.h"
-#include "app/help_text.h"
-#include "app/manual.h"
-#include "app/usage.h"
+#include "app/cli/completion.h"
+#include "app/cli/help_text.h"
+#include "app/cli/manual.h"
+#include "app/cli/usage.h"
+#include "base/text.h"
 
 // The texts that are read from a CLI::App, on one that is made for it.
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/app/command.h"
 
 // Runs `osteon tune` as a user does, at a small size.

@@ -5,9 +5,10 @@
 #include <fstream>
 #include <string>
 
-#include "app/cell_setup.h"
+#include "session/setup/cell_setup.h"
 #include "simulation/tools/motion_player.h"
 #include "tests/app/command.h"
+#include "tests/session/set_up_cell.h"
 
 // Motions that the demo saves, and the events of a scene: in virtual time, run as a user does.
 
@@ -110,7 +111,7 @@ void CopyConfig(const fs::path& to, const std::string& scene, const std::string&
 TEST(DemoEvents, BothEnginesSeeTheSame) {
   const TemporaryFolder folder;
   // a limit above the thickness beside the cup: an event at the first cut
-  CopyConfig(folder.path() / "config", "acetabulum", "least_wall_mm: 2 ", "least_wall_mm: 20 ");
+  CopyConfig(folder.path() / "config", "acetabulum", "min_wall_mm: 2 ", "min_wall_mm: 20 ");
   nlohmann::json of[2];
   for (const int i : {0, 1}) {
     const std::string engine = i == 0 ? "vulkan" : "reference";

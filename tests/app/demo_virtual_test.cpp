@@ -4,8 +4,8 @@
 #include <cmath>
 #include <csignal>
 
-#include "app/cell_run.h"
-#include "app/summary.h"
+#include "session/run/cell_run.h"
+#include "session/summary/summary.h"
 #include "tests/app/command.h"
 
 // The demo in virtual time: its files, and whether their content is true.

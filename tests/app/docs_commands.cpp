@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "tests/io/temporary_folder.h"
-#include "tests/simulation/mesh_shapes.h"
+#include "tests/simulation/mesh/mesh_shapes.h"
 
 namespace osteon::app {
 namespace {
@@ -37,15 +37,10 @@ DocRun Torn() {
 
 // The tutorial's cell: the demo's with another force limit.
 DocRun OwnCell() {
-  DocRun run =
-      As("demo --virtual-time --seconds 0.5 --cell config/cells/my_cell.yaml --tool reamer:54 --out my_out",
-         {"my_out/report.html"});
+  DocRun run = As("demo --virtual-time --seconds 0.5 --cell my_cell.yaml --tool reamer:54 --out my_out",
+                  {"my_out/report.html"});
   run.before = [](const std::filesystem::path& folder) {
-    std::string cell = ReadAll(folder / "config/cells/demo.yaml");
-    const std::string limit = "max_force_N: 200";
-    if (const std::size_t at = cell.find(limit); at != std::string::npos)
-      cell.replace(at, limit.size(), "max_force_N: 80");
-    WriteAll(folder / "config/cells/my_cell.yaml", cell);
+    WriteAll(folder / "my_cell.yaml", "extends: demo\nlimits: {max_force_N: 80}\n");
   };
   return run;
 }
@@ -54,9 +49,8 @@ const std::map<std::string, DocRun>& Runs() {
   static const std::map<std::string, DocRun> runs{
       {"osteon demo", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
       {"osteon demo --virtual-time", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
-      {"osteon demo --virtual-time --cell config/cells/my_cell.yaml --tool reamer:54 --out my_out",
-       OwnCell()},
-      {"osteon demo --virtual-time --cell config/cells/silent.yaml --out silent_out",
+      {"osteon demo --virtual-time --cell my_cell.yaml --tool reamer:54 --out my_out", OwnCell()},
+      {"osteon demo --virtual-time --cell silent.yaml --out silent_out",
        By("Regress.TheWholeSuitePasses")},  // its scenario sensor_silent
 
       {"osteon bench frame --spheres 300000 --tool-spheres 1000 --compare brute --frames 50",
@@ -87,6 +81,7 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon regress reaming_lbr --update --reason \"the reamer's mass was weighed anew\"",
        By("Regress.AChangeIsAcceptedWithAReason")},
 
+      {"osteon new-cell my_cell", As("new-cell my_cell", {"my_cell.yaml"})},
       {"osteon doctor", As("doctor --seconds 0.2")},
       {"osteon cell demo", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
       {"osteon run demo", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/failures/failure.h"
+#include "studies/failures/failure.h"
 #include "tests/app/command.h"
 #include "tests/app/doc_pages.h"
 #include "tests/app/docs_commands.h"

@@ -7,12 +7,13 @@
 #include <functional>
 #include <stdexcept>
 
-#include "app/cell_ports.h"
-#include "app/cell_run.h"
-#include "app/simulated_setup.h"
-#include "hil/plane_engine.h"
 #include "io/recording/recording_reader.h"
+#include "session/run/cell_ports.h"
+#include "session/run/cell_run.h"
+#include "session/run/simulated_setup.h"
+#include "studies/regress/plane_engine.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/session/set_up_cell.h"
 
 namespace osteon::app {
 namespace {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "control/rt/clock.h"
+#include "base/clock.h"
 #include "tests/app/command.h"
 
 // A run in wall time may stall because this machine is overloaded, and then proves nothing about the product.

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/rt/realtime_thread.h"
+#include "base/realtime_thread.h"
 
 namespace osteon::app {
 namespace {

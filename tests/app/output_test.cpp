@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/app/command.h"
-#include "tests/simulation/mesh_shapes.h"
+#include "tests/simulation/mesh/mesh_shapes.h"
 
 // A command's two outputs, and the files of earlier runs: none loses data to another.
 

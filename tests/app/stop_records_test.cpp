@@ -1,16 +1,16 @@
-#include "app/stop_records.h"
+#include "session/stops/stop_records.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "app/faults_command.h"
-#include "app/states_command.h"
-#include "config/load.h"
+#include "app/cli/faults_command.h"
+#include "app/cli/states_command.h"
+#include "config/reading/load.h"
 #include "control/ports.h"
 #include "safety/cell_state.h"
 #include "tests/app/command.h"
-#include "tests/app/report_markup.h"
+#include "tests/report/report_markup.h"
 
 namespace osteon::app {
 namespace {

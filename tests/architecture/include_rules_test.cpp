@@ -45,13 +45,13 @@ TEST(IncludeRules, TheTreeKeepsToThem) {
 
 // A test that counts allocations and does not check the count can never fail.
 TEST(IncludeRules, TestsCountAllocationsInACheckedScopeOnly) {
-  const std::string kChecked = "tests/control/rt/checked_no_alloc_scope.h";
+  const std::string kChecked = "tests/base/checked_no_alloc_scope.h";
   int users = 0;
   for (const std::string& file : SourceFiles(kRoot)) {
     if (!file.starts_with("tests/") || file == kChecked) continue;
     const std::string text = ReadText(kRoot / file);
-    EXPECT_EQ(text.find("#include \"control/rt/no_alloc_scope.h\""), std::string::npos)
-        << file << " includes control/rt/no_alloc_scope.h, accepted " << kChecked;
+    EXPECT_EQ(text.find("#include \"base/no_alloc_scope.h\""), std::string::npos)
+        << file << " includes base/no_alloc_scope.h, accepted " << kChecked;
     users += text.find("#include \"" + kChecked + "\"") != std::string::npos ? 1 : 0;
   }
   EXPECT_GT(users, 40) << "the search is broken";
@@ -71,13 +71,13 @@ TEST(IncludeRules, FindABackEdge) {
   EXPECT_NE(Verdict("kinematics/x.h", "#include \"control/ports.h\""), "");
   EXPECT_NE(Verdict("safety/x.h", "#include \"control/ports.h\""), "");
   EXPECT_NE(Verdict("io/fri/x.cpp", "#include \"hil/arm.h\""), "");
-  EXPECT_NE(Verdict("control/rt/x.h", "#include \"kinematics/spatial.h\""), "");
+  EXPECT_NE(Verdict("base/x.h", "#include \"kinematics/spatial.h\""), "");
   EXPECT_NE(Verdict("gpu/x.cpp", "  #  include \"app/main.h\"  // spaced"), "");
 }
 
 TEST(IncludeRules, OpenSingleHeadersOnly) {
-  EXPECT_EQ(Verdict("control/x.h", "#include \"simulation/contact_model.h\""), "");
-  EXPECT_NE(Verdict("control/x.h", "#include \"simulation/material.h\""), "");
+  EXPECT_EQ(Verdict("control/loop/x.h", "#include \"simulation/contact/contact_model.h\""), "");
+  EXPECT_NE(Verdict("control/x.h", "#include \"simulation/bone/material.h\""), "");
   EXPECT_EQ(Verdict("io/x.h", "#include \"control/ports.h\""), "");
   EXPECT_NE(Verdict("io/x.h", "#include \"control/ports.hpp\""), "");
 }
@@ -93,9 +93,9 @@ TEST(IncludeRules, LetTheGuardSeeParametersAlone) {
 }
 
 TEST(IncludeRules, LetEveryFolderIncludeTheRealTimeHeaders) {
-  for (const char* folder :
-       {"kinematics", "simulation", "gpu", "safety", "control", "io", "hil", "config", "app"}) {
-    EXPECT_EQ(Verdict(std::string(folder) + "/x.cpp", "#include \"control/rt/marker.h\""), "") << folder;
+  for (const char* folder : {"kinematics", "simulation", "gpu", "safety", "control", "io", "hil", "config",
+                             "report", "session", "app"}) {
+    EXPECT_EQ(Verdict(std::string(folder) + "/x.cpp", "#include \"base/marker.h\""), "") << folder;
   }
 }
 

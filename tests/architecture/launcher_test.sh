@@ -10,7 +10,7 @@ trap 'rm -rf "$work"' EXIT
 checkout="$work/a checkout" # with a space
 fakes=$work/fakes
 export FAKES=$fakes
-COMMIT_STEP=$(sed -n 's/^add_custom_target(osteon_commit .*COMMENT "\(.*\)"$/\1/p' "$here/../../app/CMakeLists.txt")
+COMMIT_STEP=$(sed -n 's/^add_custom_target(osteon_commit .*COMMENT "\(.*\)"$/\1/p' "$here/../../session/CMakeLists.txt")
 export COMMIT_STEP # done in every build; the launcher does not show it
 mkdir "$checkout" "$fakes" "$work/elsewhere"
 cp "$here/../../osteon" "$checkout/"
@@ -64,12 +64,13 @@ trap 'exit 2' TERM
 if [[ -e $FAKES/slow ]]; then touch "$FAKES/started"; for ((i = 0; i < 300; ++i)); do sleep 0.1; [[ -e $FAKES/slow ]] || break; done; fi
 if [[ -e $FAKES/broken ]]; then echo "[1/2] ok"; echo "FAILED: law.o"; echo "law.cpp:7: error: no such law"; exit 1; fi
 echo "ninja: Entering directory"; echo "[1/2] $COMMIT_STEP"
+if [[ ${*: -1} == osteon_studies ]]; then exit; fi
 if [[ -x $2/app/osteon ]]; then exit; fi
 echo "[2/2] Linking"
 mkdir -p "$2/app"
 # A command that still held the build's lock would keep every other launcher waiting.
 # shellcheck disable=SC2016
-printf '#!/usr/bin/env bash\n[[ ! -e /proc/$$/fd/9 ]] || echo "lock held"\necho "cwd=$PWD root=$OSTEON_ROOT"; printf "<%%s>" "$@"; exit ${RC:-0}\n' >"$2/app/osteon"
+printf '#!/usr/bin/env bash\n[[ ! -e /proc/$$/fd/9 ]] || echo "lock held"\nif [[ $1 == --executable-of ]]; then [[ $2 == tune ]] && echo osteon-studies || echo osteon; exit; fi\necho "cwd=$PWD root=$OSTEON_ROOT"; printf "<%%s>" "$@"; exit ${RC:-0}\n' >"$2/app/osteon"
 chmod +x "$2/app/osteon"
 F
 fake ctest <<'F'
@@ -119,6 +120,11 @@ expect 'no step has the lock, nor what it leaves running' lacks "$(calls)" 'lock
 
 run "$checkout/osteon" demo
 expect 'a second start is silent' equal "$err" ''
+expect 'a cell does without the studies' lacks "$(calls)" osteon_studies
+run "$checkout/osteon" tune demo
+expect 'a study builds the second executable' has "$(calls)" osteon_studies
+expect 'and reaches the command' has "$out" '<tune><demo>'
+run "$checkout/osteon" demo
 expect 'a second start asks neither apt nor cmake' equal "$(calls | cut -d' ' -f1)" ninja
 
 ln -s "$checkout/osteon" "$work/link"

@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "tests/architecture/call_graph.h"
 #include "tests/architecture/include_rules.h"
 #include "tests/architecture/marked_functions.h"
 #include "tests/temporary_path.h"
 
 // OSTEON_RT promises no heap, lock, exception or system call. These tests check the promise against the calls
-// in the built command's machine code.
+// in the machine code of both built programs.
 
 namespace osteon::architecture {
 
@@ -95,7 +95,7 @@ std::string Join(const std::vector<std::string>& lines) {
   return text;
 }
 
-TEST(RealtimeCalls, NothingMarkedReachesHeapLockOrExceptionInTheBuiltCommand) {
+TEST(RealtimeCalls, NothingMarkedReachesHeapLockOrExceptionInTheBuiltCommands) {
   if (!IsReadable()) GTEST_SKIP() << "skipped, this build's machine code is not what is shipped";
   std::set<std::string> marked;
   for (const std::string& file : SourceFiles(kRoot))
@@ -103,10 +103,12 @@ TEST(RealtimeCalls, NothingMarkedReachesHeapLockOrExceptionInTheBuiltCommand) {
   EXPECT_GT(marked.size(), 700u) << "the marks are no longer found";
 
   const std::vector<CallRule> rules = ReadCallRules(kRulesFile);
-  const CallCheck check = CheckCalls(GraphOf(OSTEON_BINARY), marked, rules);
-  EXPECT_TRUE(check.forbidden.empty())
-      << Join(check.forbidden) << "call something else, or give it a line with its reason in "
-      << kRulesFile.string();
+  CallCheck check = CheckCalls(GraphOf(OSTEON_BINARY), marked, rules);
+  const CallCheck studies = CheckCalls(GraphOf(OSTEON_STUDIES_BINARY), marked, rules);
+  for (const std::vector<std::string>& forbidden : {check.forbidden, studies.forbidden})
+    EXPECT_TRUE(forbidden.empty()) << Join(forbidden)
+                                   << "call something else, or give it a line with its reason in "
+                                   << kRulesFile.string();
   // the tick's own entry points, and the implementations behind virtual functions
   for (const char* name :
        {"osteon::control::ServoLoop::Tick", "osteon::control::LoopRepeat::ReplayStoredTick",
@@ -114,8 +116,11 @@ TEST(RealtimeCalls, NothingMarkedReachesHeapLockOrExceptionInTheBuiltCommand) {
         "osteon::io::RsiLink::Send", "osteon::safety::GuardMonitor::OnCommand",
         "osteon::control::EvaluateCoupling"})
     EXPECT_TRUE(check.roots.contains(name)) << name << " is not found in the program";
+  // of both programs together
+  check.roots.insert(studies.roots.begin(), studies.roots.end());
+  check.used.insert(studies.used.begin(), studies.used.end());
   EXPECT_GT(check.roots.size(), 350u);
-  EXPECT_GT(check.reached, 500u);
+  EXPECT_GT(check.reached + studies.reached, 500u);
   for (const CallRule& rule : rules)
     EXPECT_TRUE(!rule.opaque || check.used.contains(rule.pattern)) << "skips nothing: " << rule.pattern;
 }

@@ -61,5 +61,16 @@ echo 'osteon_library(control SOURCES law.cpp HEADERS law.h PRIVATE_HEADERS gain.
 expect 0 '' headers
 echo 'inline std::vector<int> Gain() { return {}; }' >"$tree/control/gain.h"
 expect 1 'gain\.h:1:.*std' headers
+# What another header of the library includes does not help; a header compiled behind one that it includes is fine.
+echo 'osteon_library(control SOURCES law.cpp HEADERS gain.h law.h)' >"$tree/control/CMakeLists.txt"
+printf '#pragma once\n#include <vector>\n' >"$tree/control/law.h"
+expect 1 'gain\.h:1:.*std' headers
+printf '#include "control/law.h"\ninline std::vector<int> Gain() { return {}; }\n' >"$tree/control/gain.h"
+cmake "$tree/build" >/dev/null
+expect 0 '' headers
+printf '#pragma once\ninline std::vector<int> Law() { return {}; }\n' >"$tree/control/law.h"
+expect 1 'law\.h:2:.*std' headers
+printf '#pragma once\ninline int Law() { return 1; }\n#include <vector>\n' >"$tree/control/law.h"
+expect 1 'control/law\.h:3: an #include behind code' headers
 
 exit "$failures"

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "control/rt/realtime_thread.h"
+#include "base/realtime_thread.h"
 #include "io/can/can_pump.h"
 #include "io/can/udp_can_bus.h"
 #include "tests/bench/quantile_row.h"

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "simulation/metrics/depth_table.h"
+#include "tests/oracles/depth_table.h"
 
 // Tabulates the accuracy of removal: both scenes, the recommended packings, splitting with more and fewer
 // children, and the paper's rule on its own packings. CSV on standard output:

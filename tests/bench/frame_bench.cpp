@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "config/load.h"
-#include "gpu/vulkan_engine.h"
-#include "simulation/metrics/frame_workload.h"
+#include "config/reading/load.h"
+#include "gpu/engine/vulkan_engine.h"
+#include "simulation/fidelity/frame_workload.h"
 
 namespace {
 

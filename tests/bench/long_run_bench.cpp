@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "tests/app/long_recording.h"
+#include "tests/session/summary/long_recording.h"
 
 using namespace osteon;
 

@@ -22,8 +22,8 @@
 
 #include <fmt/format.h>
 
-#include "app/report/svg_plot.h"
-#include "app/report/svg_text.h"
+#include "report/svg_plot.h"
+#include "report/svg_text.h"
 #include "simulation/packing/disjoint_packing.h"
 #include "simulation/packing/packing_builder.h"
 #include "simulation/packing/packing_quality.h"

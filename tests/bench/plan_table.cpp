@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/plan.h"
+#include "session/planning/plan.h"
 
 // Plans twelve requests, carries them out and measures the result, as `osteon plan --check` does for one. CSV
 // on standard output:

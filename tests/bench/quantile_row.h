@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "control/rt/clock.h"
+#include "base/clock.h"
 
 namespace osteon {
 

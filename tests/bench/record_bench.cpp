@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "control/rt/realtime_thread.h"
+#include "base/realtime_thread.h"
 #include "io/recording/recorder.h"
 #include "tests/bench/quantile_row.h"
-#include "tests/io/recording_samples.h"
+#include "tests/io/recording/recording_samples.h"
 
 using namespace osteon;
 

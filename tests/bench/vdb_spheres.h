@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation/bone.h"
+#include "simulation/bone/bone.h"
 #include "simulation/mesh/triangle_mesh.h"
 
 namespace osteon::bench {

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "config/load.h"
-#include "config/read_gains.h"
+#include "config/reading/load.h"
+#include "config/reading/sections/read_gains.h"
 #include "tests/config/cell_text.h"
 
 // The virtual tool's centre, its locked axes, the tool's inertia, and gains that are read again during a run.

@@ -8,17 +8,36 @@
 #include <stdexcept>
 #include <string>
 
-#include "config/load.h"
+#include "config/reading/load.h"
+#include "config/reading/strict/derived_file.h"
 
 namespace osteon::config {
 
-/// Text of a shipped cell's file, with whole paths for the files that it names, so that it can be read from
-/// any folder. @param name  under config/cells
+/// Text of a shipped cell with all values of the cell that it extends, and with whole paths for the files
+/// that it names, so that it can be read from any folder. The demo's own text has its comments, the others'
+/// have none.
+/// @param name  under config/cells
 inline std::string CellText(const std::string& name) {
-  std::ifstream stream(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml");
-  std::string text(std::istreambuf_iterator<char>(stream), {});
-  for (std::size_t at = 0; (at = text.find(": ../", at)) != std::string::npos;)
-    text.replace(at, 5, ": " OSTEON_SOURCE_DIR "/config/");
+  const std::filesystem::path shipped = OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml";
+  const auto read = [](const std::filesystem::path& file) {
+    std::ifstream stream(file);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+  };
+  if (name == "demo") {
+    std::string text = read(shipped);
+    for (const std::string kind : {"robots", "tools", "scenes", "materials"}) {
+      const std::string key = "\n" + (kind == "materials" ? kind : kind.substr(0, kind.size() - 1)) + ": ";
+      const std::size_t at = text.find(key) + key.size(), end = text.find('\n', at);
+      text.replace(at, end - at,
+                   OSTEON_SOURCE_DIR "/config/" + kind + "/" + text.substr(at, end - at) + ".yaml");
+    }
+    return text;
+  }
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("osteon_whole_cell_" + std::to_string(::getpid()) + ".yaml");
+  WriteDerived(shipped, {}, file);
+  std::string text = read(file);
+  std::filesystem::remove(file);
   return text;
 }
 

@@ -1,10 +1,10 @@
-#include "config/config_file_tracker.h"
+#include "config/reading/config_file_tracker.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/io/temporary_folder.h"
 
 // Records which files a configuration is read from, and restricts it to one folder.
@@ -57,7 +57,7 @@ class HeldToAFolder : public testing::Test {
   // Loads the demo cell with another robot file from the folder; returns an empty string, or the error.
   std::string Load(const std::string& robot, ConfigFileTracker::Params params) {
     std::string text = text_;
-    const std::string name = "../robots/lbr_iiwa_14_r820.yaml";
+    const std::string name = "lbr_iiwa_14_r820";
     text.replace(text.find(name), name.size(), robot);
     const fs::path cell = folder_.path() / "in/cells/demo.yaml";
     io::test::WriteAll(cell, text);
@@ -82,6 +82,23 @@ TEST_F(HeldToAFolder, FilesOutsideAreRefused) {
       << Load(outside, held);
   fs::copy_file(outside, folder_.path() / "beside.yaml");
   EXPECT_NE(Load("../../beside.yaml", held).find("accepted a file beside it"), std::string::npos);
+}
+
+TEST_F(HeldToAFolder, ANameIsFoundBesideTheCellsThenAmongTheShippedFiles) {
+  EXPECT_EQ(Load("lbr_iiwa_14_r820", {}), "");
+  const ConfigFileTracker::Params held{.root = folder_.path() / "in"};
+  EXPECT_EQ(Load("lbr_iiwa_14_r820", held), "");
+  fs::rename(folder_.path() / "in/robots", folder_.path() / "robots");
+  EXPECT_NE(
+      Load("lbr_iiwa_14_r820", held).find("robot: found lbr_iiwa_14_r820, accepted a file's path, or one of"),
+      std::string::npos)
+      << Load("lbr_iiwa_14_r820", held);
+  SetShippedFolder(kConfig);
+  EXPECT_EQ(Load("lbr_iiwa_14_r820", {}), "");
+  // a recording keeps the shipped file in a folder of its kind, wherever that is below the root
+  fs::create_directories(folder_.path() / "in/far/away");
+  fs::rename(folder_.path() / "robots", folder_.path() / "in/far/away/robots");
+  EXPECT_EQ(Load("lbr_iiwa_14_r820", held), "");
 }
 
 TEST_F(HeldToAFolder, AWholePathIsFoundWhereItsFilesAreNow) {

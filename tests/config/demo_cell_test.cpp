@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/SVD>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/kinematics/iiwa14.h"
 
 namespace osteon::config {
@@ -139,9 +139,7 @@ TEST_F(DemoCellTest, ArmReachesAllThatReamingNeedsFarFromLimitsAndSingularities)
             least_margin_rad = std::min(
                 least_margin_rad,
                 cell_.robot.lbr()->params.limits[static_cast<std::size_t>(i)].upper_rad - std::abs(q[i]));
-          kinematics::Jacobian J = arm.FlangeJacobian(q);
-          const Vector3 p_FT = arm.FlangePose(q).linear() * cell_.tool.X_FT.translation();
-          for (int i = 0; i < 7; ++i) J.col(i).head<3>() += Vector3(J.col(i).tail<3>()).cross(p_FT);
+          kinematics::Jacobian J = arm.JacobianAt(q, cell_.tool.X_FT.translation());
           J.bottomRows<3>() *= 0.1;
           least_singular =
               std::min(least_singular, Eigen::JacobiSVD<kinematics::Jacobian>(J).singularValues()[5]);

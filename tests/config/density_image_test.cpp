@@ -1,4 +1,4 @@
-#include "config/density_image.h"
+#include "config/reading/sections/density_image.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "config/load.h"
-#include "simulation/scenes.h"
+#include "config/reading/load.h"
+#include "simulation/bone/scenes.h"
 
 namespace osteon::config {
 namespace {
@@ -231,7 +231,7 @@ TEST_F(DensityImages, AMaterialThatTheCellDoesNotHaveIsRefused) {
   const fs::path root = folder_ / "config";
   fs::copy(kConfig, root, fs::copy_options::recursive);
   const fs::path cell = root / "cells/demo.yaml", file = root / "scenes/acetabulum_density.yaml";
-  WriteText(cell, Replaced(ReadText(cell), "scenes/acetabulum.yaml", "scenes/acetabulum_density.yaml"));
+  WriteText(cell, Replaced(ReadText(cell), "scene: acetabulum", "scene: acetabulum_density"));
   EXPECT_TRUE(LoadCell(cell).scene.mesh_tissue.solid.image);
   WriteText(file, Replaced(ReadText(file), "{material: cortical}", "{material: cortcal}"));
   try {

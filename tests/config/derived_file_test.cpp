@@ -1,4 +1,4 @@
-#include "config/derived_file.h"
+#include "config/reading/strict/derived_file.h"
 
 #include <gtest/gtest.h>
 

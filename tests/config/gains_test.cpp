@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 
 // Gains in a file of their own that overrides a cell's.
 

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "control/virtual_coupling.h"
+#include "control/coupling/virtual_coupling.h"
 #include "tests/config/cell_text.h"
 
 // A cell's own values against each other: how far a frame may move the proxy, and the trip on the wrench's

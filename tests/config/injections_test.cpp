@@ -1,4 +1,4 @@
-#include "config/read_injections.h"
+#include "config/reading/simulated/read_injections.h"
 
 #include <string>
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/config/cell_text.h"
 
 // A cell names one law, and its simulated arm is set up for it.
@@ -33,15 +33,21 @@ TEST(LawKeys, ImpedanceReachesLoopAndSimulatedArm) {
 
 TEST(LawKeys, OneLawAndAnArmThatHasIt) {
   const std::string cell = CellText("thin_plate_impedance"), admittance = CellText("thin_plate");
-  const std::size_t from = admittance.find("\nadmittance:"), to = admittance.find("\n#", from);
+  const auto end_of = [](const std::string& text, std::size_t section) {
+    std::size_t at = section;
+    do at = text.find('\n', at + 1);
+    while (text[at + 1] == ' ');
+    return at;
+  };
+  const std::size_t from = admittance.find("\nadmittance:"), to = end_of(admittance, from);
   EXPECT_THAT(Refusal(cell + admittance.substr(from, to - from) + "\n"), HasSubstr("admittance"));
   EXPECT_THAT(Refusal(With(cell, "level: dynamic", "level: servo")),
               AllOf(HasSubstr("level"), HasSubstr("dynamic")));
   EXPECT_THAT(Refusal(With(cell, "\n  overlay: wrench", "\n  overlay: position")), HasSubstr("wrench"));
   // an arm over RSI accepts only positions
-  const std::size_t law = cell.find("\nimpedance:"), law_end = cell.find("\n#", law);
+  const std::size_t law = cell.find("\nimpedance:"), law_end = end_of(cell, law);
   std::string kr = CellText("kr_16_thin_plate");
-  const std::size_t old = kr.find("\nadmittance:"), old_end = kr.find("\n#", old);
+  const std::size_t old = kr.find("\nadmittance:"), old_end = end_of(kr, old);
   kr.replace(old, old_end - old, cell.substr(law, law_end - law));
   EXPECT_THAT(Refusal(kr), AllOf(HasSubstr("impedance"), HasSubstr("rsi")));
 }

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/temporary_path.h"
 
 namespace osteon::config {

@@ -1,4 +1,4 @@
-#include "config/named_file.h"
+#include "config/reading/named_file.h"
 
 #include <gtest/gtest.h>
 

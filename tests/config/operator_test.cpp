@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "config/read_operator.h"
+#include "config/reading/simulated/read_operator.h"
 
 namespace osteon::config {
 namespace {

@@ -1,8 +1,8 @@
-#include "config/overlay.h"
+#include "config/reading/strict/overlay.h"
 
 #include <gtest/gtest.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/io/temporary_folder.h"
 
 // Overridden values are read, nothing else changes, and errors name the source of the value.

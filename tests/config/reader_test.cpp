@@ -1,11 +1,11 @@
-#include "config/reader.h"
+#include "config/reading/strict/reader.h"
 
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "config/nearest_key.h"
-#include "config/units.h"
+#include "config/reading/strict/nearest_key.h"
+#include "config/reading/strict/units.h"
 
 namespace osteon::config {
 namespace {

@@ -1,4 +1,4 @@
-#include "config/check_registration.h"
+#include "config/reading/check_registration.h"
 
 #include <filesystem>
 #include <fstream>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 
 // A cell whose poses do not fit each other is refused at the pose to blame.
 
@@ -70,7 +70,7 @@ std::string BoneAt(const std::string& position) {
 
 TEST_F(Registration, MetresInPlaceOfMillimetresAreNamed) {
   EXPECT_THAT(ErrorWith("cells/demo.yaml", kBone, BoneAt("[0.62, 0, 0.21]")),
-              AllOf(HasSubstr("demo.yaml:14: position_mm: found 0.654599 mm from the arm's base to the site, "
+              AllOf(HasSubstr("demo.yaml:15: position_mm: found 0.654599 mm from the arm's base to the site, "
                               "accepted at least 150 mm"),
                     HasSubstr("looks like metres where millimetres are expected")));
 }
@@ -90,7 +90,7 @@ TEST_F(Registration, ABoneOutOfTheArmsReachIsRefused) {
   // shoulder at 360 mm; 0.42 + 0.4 + 0.126 + 0.18 m of arm and tool
   EXPECT_THAT(
       ErrorWith("cells/demo.yaml", kBone, BoneAt("[1200, 0, 360]")),
-      HasSubstr("demo.yaml:14: position_mm: found 1200 mm from the arm's shoulder to the site, accepted "
+      HasSubstr("demo.yaml:15: position_mm: found 1200 mm from the arm's shoulder to the site, accepted "
                 "at most 1126 mm"));
 }
 
@@ -105,11 +105,11 @@ TEST_F(Registration, ABoneOutsideOfTheWorkspaceIsNamedAndNotTheWorkspace) {
   EXPECT_THAT(
       ErrorWith("cells/demo.yaml", kBone, BoneAt("[900, 0, 210]")),
       HasSubstr(
-          "demo.yaml:14: position_mm: found -134.429 mm from the site to the workspace's sphere, accepted "
+          "demo.yaml:15: position_mm: found -134.429 mm from the site to the workspace's sphere, accepted "
           "at least 48 mm: the site is outside of the workspace"));
   static_cast<void>(ErrorWith("cells/demo.yaml", "sphere_radius_mm: 150", "sphere_radius_mm: 400"));
   EXPECT_THAT(ErrorWith("cells/demo.yaml", BoneAt("[900, 0, 210]"), BoneAt("[620, 0, 130]")),
-              HasSubstr("demo.yaml:14: position_mm: found -10 mm from the site to the workspace's plane"));
+              HasSubstr("demo.yaml:15: position_mm: found -10 mm from the site to the workspace's plane"));
 }
 
 TEST_F(Registration, ABoneWhoseStartIsOutOfReachIsNamed) {
@@ -117,14 +117,14 @@ TEST_F(Registration, ABoneWhoseStartIsOutOfReachIsNamed) {
       ErrorWith("cells/demo.yaml", "sphere_center_mm: [620, 0, 260]", "sphere_center_mm: [1050, 0, 260]"));
   EXPECT_THAT(
       ErrorWith("cells/demo.yaml", kBone, BoneAt("[1050, 0, 210]")),
-      AllOf(HasSubstr("demo.yaml:14: position_mm: found 10"),
+      AllOf(HasSubstr("demo.yaml:15: position_mm: found 10"),
             HasSubstr("mm from the arm's shoulder to its flange at the start, accepted at most 946 mm")));
 }
 
 TEST_F(Registration, ABaseUpsideDownIsNamed) {
   EXPECT_THAT(ErrorWith("cells/demo.yaml", "base_in_world:\n  position_mm: [0, 0, 0]\n  rpy_deg: [0, 0, 0]",
                         "base_in_world:\n  position_mm: [0, 0, 0]\n  rpy_deg: [180, 0, 0]"),
-              AllOf(HasSubstr("demo.yaml:12: rpy_deg: found 180 deg from the vertical"),
+              AllOf(HasSubstr("demo.yaml:13: rpy_deg: found 180 deg from the vertical"),
                     HasSubstr("such as this one turned over: the arm can not be there")));
 }
 
@@ -146,14 +146,14 @@ TEST(RegistrationRows, ABaseInMetresIsNamed) {
                 cell.X_WB.translation() = 1e-3 * base;
               }),
       HasSubstr(
-          "demo.yaml:11: position_mm: found (0.9, 0, 0.4) mm, accepted millimetres: looks like metres"));
+          "demo.yaml:12: position_mm: found (0.9, 0, 0.4) mm, accepted millimetres: looks like metres"));
 }
 
 TEST_F(Registration, AToolAsLongAsAnArmIsRefused) {
   EXPECT_THAT(
       ErrorWith("tools/reamer.yaml", "mounting:\n  position_mm: [0, 0, 0]",
                 "mounting:\n  position_mm: [0, 0, 1800]"),
-      AllOf(HasSubstr("demo.yaml:4: tool: found 1980 mm from the flange to the tool's apex, accepted at "
+      AllOf(HasSubstr("demo.yaml:5: tool: found 1980 mm from the flange to the tool's apex, accepted at "
                       "most 600 mm"),
             HasSubstr("mounting's position_mm")));
 }
@@ -177,9 +177,9 @@ TEST_F(Registration, TheStartKeepsTheJointsMargin) {
 
 TEST(RegistrationRows, ARotationThatIsNoneIsRefused) {
   EXPECT_THAT(ErrorOf(CheckFrames, [](CellConfig& cell) { cell.tool.X_FT.linear() *= 1.01; }),
-              HasSubstr("demo.yaml:4: tool: found 0.0"));
+              HasSubstr("demo.yaml:5: tool: found 0.0"));
   EXPECT_THAT(ErrorOf(CheckFrames, [](CellConfig& cell) { cell.tool.X_FT.linear().col(0) *= -1.0; }),
-              HasSubstr("demo.yaml:4: tool: found 2 of the tool's rotation"));
+              HasSubstr("demo.yaml:5: tool: found 2 of the tool's rotation"));
 }
 
 TEST(RegistrationRows, ATiltedBaseIsNotedAndAccepted) {
@@ -207,7 +207,7 @@ TEST(RegistrationRows, TheStartIsMeasuredOnItsJoints) {
               [](CellConfig& cell) {
                 cell.X_WG.linear() = Eigen::AngleAxisd(1.1, Vector3::UnitX()) * cell.X_WG.linear();
               }),
-      HasSubstr("demo.yaml:15: rpy_deg: found 63.0254 deg from the tool's axis at the start to the way "
+      HasSubstr("demo.yaml:16: rpy_deg: found 63.0254 deg from the tool's axis at the start to the way "
                 "into the bone, accepted at most 60 deg"));
   EXPECT_THAT(ErrorOf(CheckStart,
                       [](CellConfig& cell) {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "config/load.h"
-#include "config/load_robot.h"
+#include "config/reading/load.h"
+#include "config/reading/load_robot.h"
 #include "kinematics/payload.h"
 #include "kinematics/serial_chain.h"
 #include "tests/kinematics/chain_samples.h"
@@ -150,22 +150,22 @@ TEST(RobotFiles, MalformedFilesAreRefusedWithTheirReason) {
   const fs::path file = folder / "arm.yaml";
   for (const Case& c : {
            Case{"lbr_iiwa_14_r820", "name: A3", "name: A4",
-                ":19: name: found A4, accepted A3: the joints from the base on"},
+                ":20: name: found A4, accepted A3: the joints from the base on"},
            Case{"lbr_iiwa_14_r820", "axis: [0, -1, 0]", "axis: [0, -1, 1]",
-                ":26: axis: found a length of 1.41421, accepted 1"},
+                ":27: axis: found a length of 1.41421, accepted 1"},
            Case{"lbr_iiwa_14_r820", "lower_deg: -175, upper_deg: 175", "lower_deg: 175, upper_deg: 175",
-                ":42: upper_deg: found 175, accepted more than lower_deg (175)"},
+                ":43: upper_deg: found 175, accepted more than lower_deg (175)"},
            Case{"lbr_iiwa_14_r820", "velocity_deg_per_s: 75", "velocity_deg_per_s: 0",
-                ":27: velocity_deg_per_s: found 0, accepted 1 … 1000"},
+                ":28: velocity_deg_per_s: found 0, accepted 1 … 1000"},
            Case{"lbr_iiwa_14_r820", "mass_kg: 5.289529", "mass_kg: -5.289529",
-                ":13: mass_kg: found -5.289529, accepted 0 … 1000"},
+                ":14: mass_kg: found -5.289529, accepted 0 … 1000"},
            Case{"lbr_iiwa_14_r820", "[0.000175, 0.000175, 0.000306", "[0.000175, 0.000175, 0.000406",
-                ":43: inertia_kg_m2: A7: principal moments of inertia [kg m^2]: found 0.000175"},
+                ":44: inertia_kg_m2: A7: principal moments of inertia [kg m^2]: found 0.000175"},
            Case{"lbr_iiwa_14_r820", "  masses: ", "# masses: ",
-                ":9: name: found A1 with a link, accepted one without: sources names no masses"},
+                ":10: name: found A1 with a link, accepted one without: sources names no masses"},
            Case{"lbr_iiwa_14_r820", "    link: {mass_kg: 0.265331", "   #link: {mass_kg: 0.265331",
-                ":39: name: found A7 without a link, accepted one with: sources names masses"},
-           Case{"lbr_iiwa_14_r820", "flange:", "flansch:", ":44: unknown key \"flansch\""},
+                ":40: name: found A7 without a link, accepted one with: sources names masses"},
+           Case{"lbr_iiwa_14_r820", "flange:", "flansch:", ":45: unknown key \"flansch\""},
            Case{"lbr_iiwa_14_r820", "joints:\n", "joints: []\nrest:\n",
                 "joints: found a list of 0, accepted a list of 6 … 7 mappings"},
            Case{"kr_6_r900_2", "c2_mm: 455", "c2_mm: -455", ": c2_mm: found -455, accepted 1 … 5000"},
@@ -215,7 +215,7 @@ TEST(RobotFiles, CellRefusesAnArmThatIsNoLbr) {
     return std::string("accepted");
   };
   EXPECT_NE(
-      refusal("kr_16_2").find("demo.yaml:3: robot: found KR 16-2 with 6 joints, accepted an LBR, which fri"),
+      refusal("kr_16_2").find("demo.yaml:4: robot: found KR 16-2 with 6 joints, accepted an LBR, which fri"),
       std::string::npos);
   std::ostringstream text;
   text << std::ifstream(root / "robots" / "lbr_iiwa_14_r820.yaml").rdbuf();
@@ -223,7 +223,7 @@ TEST(RobotFiles, CellRefusesAnArmThatIsNoLbr) {
   bent.replace(bent.find("[0, 10, 228]"), 12, "[5, 10, 228]");
   std::ofstream(copy / "robots" / "bent.yaml") << bent;
   EXPECT_NE(
-      refusal("bent").find("demo.yaml:3: robot: LBR iiwa 14 R820: arm is not spherical-revolute-spherical"),
+      refusal("bent").find("demo.yaml:4: robot: LBR iiwa 14 R820: arm is not spherical-revolute-spherical"),
       std::string::npos);
   fs::remove_all(copy);
 }

@@ -9,8 +9,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "kinematics/ortho_parallel_arm.h"
+#include "tests/config/cell_text.h"
 
 // A cell that chooses RSI: keys of its link and arm, and combinations that are refused.
 
@@ -31,9 +32,7 @@ class RsiKeys : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
   // Loads a cell with the first occurrences of texts in its file replaced.
   CellConfig LoadWith(const Edits& edits, const std::string& name = "kr_16_thin_plate") const {
-    std::stringstream text;
-    text << std::ifstream(folder_ / "cells" / (name + ".yaml")).rdbuf();
-    std::string edited = text.str();
+    std::string edited = CellText(name);
     for (const auto& [before, after] : edits) {
       const std::size_t at = edited.find(before);
       if (at == std::string::npos) throw std::logic_error(name + " has changed: " + before);
@@ -58,14 +57,14 @@ class RsiKeys : public testing::Test {
 
 TEST_F(RsiKeys, ReachLinkLoopAndSimulatedArm) {
   const CellConfig cell =
-      LoadWith({{"layout: im_free ", "layout: kroshu "},
-                {"absolute: true ", "absolute: false "},
-                {"hold_on: true ", "hold_on: false "},
-                {"cycle_ms: 4                      #", "cycle_ms: 12 #"},
-                {"ipoc_step_count: 4 ", "ipoc_step_count: 1 "},
-                {"timeout_count: 100 ",
+      LoadWith({{"layout: im_free\n", "layout: kroshu\n"},
+                {"absolute: true\n", "absolute: false\n"},
+                {"hold_on: true\n", "hold_on: false\n"},
+                {"  cycle_ms: 4\n  ipoc", "  cycle_ms: 12\n  ipoc"},
+                {"ipoc_step_count: 4\n", "ipoc_step_count: 1\n"},
+                {"timeout_count: 100\n",
                  "timeout_count: 50\n  entry_step_deg: 0.5\n  settle_count: 20\n"
-                 "  late_at_start_count: 3\n  decimal_count: 5 "},
+                 "  late_at_start_count: 3\n  decimal_count: 5\n"},
                 {"range_deg: [90, 90, 90, 90, 90, 90]", "range_deg: [1, 2, 3, 4, 5, 6]"}});
   ASSERT_NE(cell.link.rsi(), nullptr);
   EXPECT_EQ(cell.link.fri(), nullptr);
@@ -98,7 +97,7 @@ TEST_F(RsiKeys, ReachLinkLoopAndSimulatedArm) {
 
 TEST_F(RsiKeys, CartesianCorrectionsHaveWaysAndTurns) {
   const CellConfig cell = LoadWith(
-      {{"correction: axes ", "correction: cartesian "},
+      {{"correction: axes\n", "correction: cartesian\n"},
        {"range_deg: [90, 90, 90, 90, 90, 90]", "range_mm: [100, 110, 120]\n  range_deg: [10, 11, 12]"},
        {"monitor_deg: [91, 91, 91, 91, 91, 91]",
         "monitor_mm: [101, 111, 121]\n  monitor_deg: [13, 14, 15]"}});
@@ -114,23 +113,18 @@ TEST_F(RsiKeys, CartesianCorrectionsHaveWaysAndTurns) {
 TEST_F(RsiKeys, ACellHasOneLink) {
   EXPECT_THAT(Refusal({{"rsi:\n", "fri: {host: 127.0.0.1, port: 30200, period_ms: 1}\nrsi:\n"}}),
               HasSubstr("rsi: found beside fri, accepted one of fri, rsi"));
-  std::string text;
-  {
-    std::stringstream all;
-    all << std::ifstream(folder_ / "cells/thin_plate.yaml").rdbuf();
-    text = all.str();
-  }
-  const std::size_t from = text.find("fri:\n"), to = text.find("# The simulated hand");
+  const std::string text = CellText("thin_plate");
+  const std::size_t from = text.find("fri:\n"), to = text.find("operator:\n");
   EXPECT_THAT(Refusal({{text.substr(from, to - from), ""}}, "thin_plate"),
               HasSubstr("missing key \"fri\", accepted one of fri, rsi"));
 }
 
 TEST_F(RsiKeys, RobotAndLinkGoTogether) {
-  EXPECT_THAT(Refusal({{"../robots/kr_16_2.yaml", "../robots/lbr_iiwa_14_r820.yaml"}}),
-              AllOf(HasSubstr(":3: robot: found LBR iiwa 14 R820 with 7 joints"),
+  EXPECT_THAT(Refusal({{"/robots/kr_16_2.yaml", "/robots/lbr_iiwa_14_r820.yaml"}}),
+              AllOf(HasSubstr(": robot: found LBR iiwa 14 R820 with 7 joints"),
                     HasSubstr("an arm of six axes, which rsi drives; an LBR needs fri")));
-  EXPECT_THAT(Refusal({{"../robots/lbr_iiwa_14_r820.yaml", "../robots/kr_16_2.yaml"}}, "thin_plate"),
-              AllOf(HasSubstr(":3: robot: found KR 16-2 with 6 joints"),
+  EXPECT_THAT(Refusal({{"/robots/lbr_iiwa_14_r820.yaml", "/robots/kr_16_2.yaml"}}, "thin_plate"),
+              AllOf(HasSubstr(": robot: found KR 16-2 with 6 joints"),
                     HasSubstr("an LBR, which fri drives; an arm of six axes needs rsi")));
 }
 
@@ -144,13 +138,13 @@ TEST_F(RsiKeys, WhatTheOtherArmHasIsUnknown) {
 }
 
 TEST_F(RsiKeys, ValuesThatContradictEachOtherAreRefused) {
-  EXPECT_THAT(Refusal({{"cycle_ms: 4                      #", "cycle_ms: 8 #"}}),
+  EXPECT_THAT(Refusal({{"  cycle_ms: 4\n  ipoc", "  cycle_ms: 8\n  ipoc"}}),
               HasSubstr("cycle_ms: found 8, accepted 4, 12"));
   EXPECT_THAT(Refusal({{"ipoc_step_count: 4", "ipoc_step_count: 3"}}),
               HasSubstr("ipoc_step_count: found 3, accepted 1, or cycle_ms (4)"));
   EXPECT_THAT(Refusal({{"range_deg: [90, 90,", "range_deg: [90, 95,"}}),
               HasSubstr("range_deg: found 95, accepted at most 91: the simulated arm's monitor"));
-  EXPECT_THAT(Refusal({{"level: servo ", "level: dynamic "}}),
+  EXPECT_THAT(Refusal({{"level: servo\n", "level: dynamic\n"}}),
               HasSubstr("level: found dynamic, accepted kinematic or servo: no masses and torques of an arm "
                         "of six axes are published"));
   EXPECT_THAT(Refusal({{"position_mm: [1000, 0, 800]", "position_mm: [2000, 0, 800]"}}),
@@ -159,17 +153,17 @@ TEST_F(RsiKeys, ValuesThatContradictEachOtherAreRefused) {
 
 // A lost answer would move the arm abruptly back to RSI's start: this must not happen by oversight.
 TEST_F(RsiKeys, AbsoluteCorrectionsThatAreNotHeldNeedAWord) {
-  const std::pair<std::string, std::string> not_held{"hold_on: true ", "hold_on: false "};
+  const std::pair<std::string, std::string> not_held{"hold_on: true\n", "hold_on: false\n"};
   const std::pair<std::string, std::string> added{
-      "timeout_count: 100 ", "accept_jump_after_lost_answers: false\n  timeout_count: 100 "};
+      "timeout_count: 100\n", "accept_jump_after_lost_answers: false\n  timeout_count: 100\n"};
   EXPECT_THAT(
       Refusal({not_held}),
       AllOf(HasSubstr("hold_on: found false with absolute corrections, accepted true"),
             HasSubstr("jump back to where RSI began"), HasSubstr("accept_jump_after_lost_answers: true")));
   EXPECT_THAT(Refusal({not_held, added}), HasSubstr("hold_on: found false with absolute corrections"));
-  EXPECT_EQ(Refusal({not_held, {"absolute: true ", "absolute: false "}}), "") << "relative ones only rest";
+  EXPECT_EQ(Refusal({not_held, {"absolute: true\n", "absolute: false\n"}}), "") << "relative ones only rest";
   const CellConfig cell =
-      LoadWith({not_held, {added.first, "accept_jump_after_lost_answers: true\n  timeout_count: 100 "}});
+      LoadWith({not_held, {added.first, "accept_jump_after_lost_answers: true\n  timeout_count: 100\n"}});
   EXPECT_FALSE(cell.link.rsi()->hold_on);
   EXPECT_FALSE(cell.simulated.kr->controller.hold_on);
 }
@@ -189,7 +183,7 @@ TEST_F(RsiKeys, TheArmStartsInItsUsualPostureWithTheToolAtTheSite) {
 }
 
 TEST_F(RsiKeys, AnArmThatIsTooShortIsRefusedAtItsStart) {
-  EXPECT_THAT(Refusal({{"../robots/kr_16_2.yaml", "../robots/kr_6_r900_2.yaml"}}),
+  EXPECT_THAT(Refusal({{"/robots/kr_16_2.yaml", "/robots/kr_6_r900_2.yaml"}}),
               HasSubstr("out of the stretched arm's reach; base_in_world says where the arm stands"));
 }
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <set>
 
-#include "config/load.h"
-#include "config/load_scenario.h"
-#include "config/overlay.h"
-#include "config/reader.h"
+#include "config/reading/load.h"
+#include "config/reading/load_scenario.h"
+#include "config/reading/strict/overlay.h"
+#include "config/reading/strict/reader.h"
 #include "tests/io/temporary_folder.h"
 
 namespace osteon::config {

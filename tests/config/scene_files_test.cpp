@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 
 // The scenes and cells of config/: each has the promised content, and errors of changed ones.
 
@@ -174,7 +174,7 @@ TEST_F(SceneRefusals, NameFileLineValueAndWhatIsAccepted) {
            Case{"scenes/thin_plate.yaml", "lining: []", "lining: [1, 2]", "lining: found a list"},
            Case{"scenes/acetabulum.yaml", "reach_ratio: 1.25", "reach_ratio: 3",
                 "reach_ratio: found 3, accepted 1 … 2"},
-           Case{"cells/molar.yaml", "materials/tooth.yaml", "materials/bone.yaml",
+           Case{"cells/molar.yaml", "materials: tooth", "materials: bone",
                 "materials: found bone.yaml with cartilage, cortical, cancellous, marrow; accepted one with "
                 "enamel, which the scene needs"},
        }) {

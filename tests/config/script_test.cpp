@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "config/read_events.h"
-#include "config/read_script.h"
+#include "config/reading/sections/read_events.h"
+#include "config/reading/simulated/read_script.h"
 
 namespace osteon::config {
 namespace {
@@ -85,7 +85,7 @@ TEST(ScriptSection, IsCheckedAgainstToolAndHand) {
 
 TEST(EventsSection, ComesInSI) {
   Reader reader = Reader::Parse(
-      "events:\n  regions:\n    - {name: nerve, material: pulp}\n  least_wall_mm: 0.8\n"
+      "events:\n  regions:\n    - {name: nerve, material: pulp}\n  min_wall_mm: 0.8\n"
       "  opening_widening_ratio: 1.5\n  wall_spacing_mm: 0.4\n",
       "scene.yaml");
   const simulation::SceneEventParams events = ReadEvents(reader.Section("events"));

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 
 // A cell may set how balls are split; most do not.
 
@@ -44,7 +44,7 @@ TEST_F(SplitKeys, AreOffWhereACellDoesNotNameThem) { EXPECT_FALSE(LoadWith("").c
 
 TEST_F(SplitKeys, ReachTheEngine) {
   const simulation::SplitParams split =
-      LoadWith("  split: {least_radius_mm: 0.3, child_count: 32, pool_count: 500}\n").cutting.split;
+      LoadWith("  split: {min_radius_mm: 0.3, child_count: 32, pool_count: 500}\n").cutting.split;
   EXPECT_TRUE(split.on);
   EXPECT_DOUBLE_EQ(split.min_radius_m, 0.3e-3);
   EXPECT_EQ(split.children, 32);
@@ -61,7 +61,7 @@ TEST_F(SplitKeys, StandBesideTheContactSphereAlone) {
 
 TEST_F(SplitKeys, AreRefusedOutOfRangeWithWhatIsAccepted) {
   try {
-    static_cast<void>(LoadWith("  split: {least_radius_mm: 0.3, child_count: 65, pool_count: 500}\n"));
+    static_cast<void>(LoadWith("  split: {min_radius_mm: 0.3, child_count: 65, pool_count: 500}\n"));
     ADD_FAILURE() << "accepted";
   } catch (const ConfigError& error) {
     EXPECT_THAT(error.what(), HasSubstr("child_count: found 65, accepted a whole number 8 … 64"));

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/config/cell_text.h"
 
 // The sections of the stabilisers: each is optional, and reports at its line what it does not accept.
@@ -29,7 +29,7 @@ TEST(StabiliserKeys, ReachTheLoop) {
       text, "\nage_governor:", "\nage_governor:\n  arm_damping_Ns_per_m: 30\n  arm_damping_Nms_per_rad: 0.5");
   text = With(text, "\n  damping_ratio: 20", "\n  damping_ratio: 7");
   text = With(text, "\n  allowance_J: 0.02", "\n  allowance_J: 0.03");
-  text = With(text, "\n  cap_J: 1 ", "\n  cap_J: 2 ");
+  text = With(text, "\n  cap_J: 1\n", "\n  cap_J: 2\n");
   const control::StabiliserParams s = LoadText(text).servo.stabilisers;
   EXPECT_TRUE(s.age_governor.acts && s.passivity.acts && s.energy_tank.acts);
   EXPECT_EQ(s.age_governor.max_damping_factor, 7.0);

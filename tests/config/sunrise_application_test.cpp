@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "config/load.h"
-#include "config/load_robot.h"
+#include "config/reading/load.h"
+#include "config/reading/load_robot.h"
 #include "io/fri/fri_link.h"
 
 // The arm's program (config/controllers/sunrise) and its cell. Its constants are read as text: no Sunrise

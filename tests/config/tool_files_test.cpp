@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "gpu/shaders/layout.h"
-#include "simulation/reference_engine.h"
+#include "simulation/engine/reference_engine.h"
 #include "tests/config/cell_text.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/temporary_path.h"

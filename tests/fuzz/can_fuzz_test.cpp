@@ -7,7 +7,7 @@
 #include "io/can/reamer_drive.h"
 #include "io/can/robotous_sensor.h"
 #include "io/can/udp_can_codec.h"
-#include "tests/io/can_frames.h"
+#include "tests/io/can/can_frames.h"
 
 // Fixed-seed fuzzing of the data that a bus or the tunnel may deliver: answers with the right ids and changed
 // bytes, and noise.

@@ -5,8 +5,8 @@
 
 #include "io/can/udp_can_codec.h"
 #include "tests/fuzz/corpus_folder.h"
-#include "tests/io/fri_oracle.h"
-#include "tests/io/rsi_oracle.h"
+#include "tests/io/fri/fri_oracle.h"
+#include "tests/io/rsi/rsi_oracle.h"
 
 // osteon_fuzz_corpus FOLDER: writes the seeds of tests/fuzz/corpus, from the samples of io's tests.
 

@@ -5,16 +5,16 @@
 
 #include "io/recording/mcap_writer.h"
 #include "io/recording/messages.h"
+#include "simulation/engine/reference_engine.h"
 #include "simulation/files/carved_file.h"
 #include "simulation/packing/packing_text.h"
-#include "simulation/reference_engine.h"
 #include "simulation/tools/tool_motion.h"
 #include "tests/fuzz/corpus_folder.h"
-#include "tests/io/recording_samples.h"
+#include "tests/io/recording/recording_samples.h"
 #include "tests/io/temporary_folder.h"
-#include "tests/simulation/carved_samples.h"
-#include "tests/simulation/mesh_shapes.h"
-#include "tests/simulation/packing_samples.h"
+#include "tests/simulation/files/carved_samples.h"
+#include "tests/simulation/mesh/mesh_shapes.h"
+#include "tests/simulation/packing/packing_samples.h"
 
 // The seeds of all file readers: each valid, of a few kB, by the program's own writers if any exist.
 
@@ -69,7 +69,7 @@ void WriteTools(const std::filesystem::path& root) {
   const std::array<std::pair<std::regex, const char*>, 3> changes{
       {{std::regex("_gap_ratio: [0-9.]+"), "_gap_ratio: 0.5"},
        {std::regex("_gap_mm: [0-9.]+"), "_gap_mm: 5"},
-       {std::regex("greatest_count: [0-9]+"), "greatest_count: 20"}}};
+       {std::regex("max_count: [0-9]+"), "max_count: 20"}}};
   for (const char* name : {"reamer", "round_burr", "twist_drill"}) {
     std::string text = io::test::ReadAll(OSTEON_SOURCE_DIR "/config/tools/" + std::string(name) + ".yaml");
     for (const auto& [from, to] : changes) text = std::regex_replace(text, from, to);

@@ -4,7 +4,7 @@
 
 #include "simulation/packing/packing_file.h"
 #include "tests/io/temporary_folder.h"
-#include "tests/simulation/packing_samples.h"
+#include "tests/simulation/packing/packing_samples.h"
 
 // Fixed-seed damage to a packing file. An unsealed file is always refused, with byte and reason. A resealed
 // file (with recomputed checksums, as by an attacker) may be accepted; then every value suits an engine.

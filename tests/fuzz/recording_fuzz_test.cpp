@@ -4,7 +4,7 @@
 
 #include "io/recording/recording_reader.h"
 #include "io/recording/recovery.h"
-#include "tests/io/recording_samples.h"
+#include "tests/io/recording/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
 // Fixed-seed damage to a recording. The reader may refuse it with byte and reason, or accept it as torn. It

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "io/rsi/rsi_session.h"
-#include "tests/io/rsi_oracle.h"
+#include "tests/io/rsi/rsi_oracle.h"
 
 // Fixed-seed fuzzing of RSI: valid messages with bytes changed, cut, repeated and moved, and XML-like noise.
 

@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
-#include "config/load_robot.h"
-#include "control/servo_loop.h"
-#include "hil/dynamic_arm.h"
+#include "config/reading/load_robot.h"
+#include "control/loop/servo_loop.h"
+#include "hil/arm/dynamic_arm.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/payload.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 #include "tests/kinematics/iiwa14.h"
 
 namespace osteon::hil {

@@ -180,39 +180,6 @@ TEST(FriInterop, WrenchAndTorqueArriveInEveryVersion) {
   EXPECT_EQ(pair.cell.server().tau_commanded()[6], 7.0);
 }
 
-TEST(FriInterop, OutputsAndFramesCrossInEveryVersion) {
-  for (const io::FriVersion version : io::kFriVersions) {
-    SCOPED_TRACE(Name(version));
-    SimulatedCellParams params = CellParams();
-    params.fri.version = version;
-    params.fri.ios = {{.name = "Ready"},
-                      {.name = "Mode", .type = ArmIo::Type::kDigital, .output = true},
-                      {.name = "Flow", .type = ArmIo::Type::kAnalog, .output = true}};
-    params.fri.frames = {{.name = "cup"}};
-    Pair pair(params, {.version = version});
-    ASSERT_TRUE(pair.WalkTo(SessionState::kMonitoringReady));
-    EXPECT_EQ(pair.session.message().ios[0].digital, 0u);
-    ASSERT_TRUE(pair.cell.server().SetInput({.name = "Ready", .digital = 1}));
-    EXPECT_EQ(
-        pair.session.Write({.name = io::FriName("Mode"), .type = io::FriIoType::kDigital, .digital = 77}),
-        io::FriOutputError::kNone);
-    EXPECT_EQ(
-        pair.session.Write({.name = io::FriName("Flow"), .type = io::FriIoType::kAnalog, .analog = 0.25}),
-        io::FriOutputError::kNone);
-    Pose X = Pose::Identity();
-    X.linear() = ExpRotation({0.3, -0.4, 0.5});
-    X.translation() << 0.1, 0.2, 0.3;
-    EXPECT_EQ(pair.session.Transform({.name = io::FriName("cup"), .X = X}), io::FriOutputError::kNone);
-    for (int i = 0; i < 3; ++i) pair.Step();
-    EXPECT_EQ(pair.session.message().ios[0].digital, 1u);
-    EXPECT_EQ(pair.session.message().ios[1].digital, 77u);
-    EXPECT_EQ(pair.session.message().ios[2].analog, 0.25);
-    EXPECT_TRUE(Pose(pair.cell.server().frames()[0].X).isApprox(X, 1e-12));
-    EXPECT_TRUE(Pose(pair.session.message().transformations[0].X).isApprox(X, 1e-12));
-    EXPECT_EQ(pair.cell.state().counters.refused_outputs, 0u);
-  }
-}
-
 // Losses end the commanding, the arm comes back, and a loop that did not notice does not make it jump.
 TEST(FriInterop, ReEntryHoldsTheArmUntilTheLoopTakesIt) {
   SimulatedCellParams params = CellParams();

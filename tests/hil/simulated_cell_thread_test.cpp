@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "test_client.h"
-#include "tests/io/loopback_socket.h"
+#include "tests/io/net/loopback_socket.h"
 
 namespace osteon::hil {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "kinematics/payload.h"
 #include "kinematics/serial_chain.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 #include "tests/kinematics/chain_samples.h"
 #include "tests/kinematics/mujoco_arm.h"
 #include "tests/oracles/jacobian_dot.h"

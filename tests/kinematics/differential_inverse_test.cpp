@@ -13,7 +13,7 @@
 
 #include "iiwa14.h"
 #include "kinematics/lbr_arm.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 
 namespace osteon::kinematics {
 namespace {
@@ -49,9 +49,9 @@ JointVectorN<7> Seven(const JointVectorN<6>& q) {
 
 Pose FlangePose(const JointVectorN<7>& q) { return Arm().FlangePose(q); }
 Pose FlangePose(const JointVectorN<6>& q) { return Arm().FlangePose(Seven(q)); }
-JacobianN<7> Jacobian(const JointVectorN<7>& q) { return Arm().FlangeJacobian(q); }
+JacobianN<7> Jacobian(const JointVectorN<7>& q) { return Arm().JacobianAt(q, Vector3::Zero()); }
 JacobianN<6> Jacobian(const JointVectorN<6>& q) {
-  const JacobianN<7> all = Arm().FlangeJacobian(Seven(q));
+  const JacobianN<7> all = Arm().JacobianAt(Seven(q), Vector3::Zero());
   JacobianN<6> J;
   for (int i = 0; i < 6; ++i) J.col(i) = all.col(kWithoutA3[static_cast<std::size_t>(i)]);
   return J;

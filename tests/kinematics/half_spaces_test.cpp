@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 
 namespace osteon {
 namespace {

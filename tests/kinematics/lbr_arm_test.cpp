@@ -9,7 +9,7 @@
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 #include "tests/kinematics/iiwa14.h"
 
 namespace osteon::kinematics {
@@ -87,7 +87,8 @@ TEST_F(LbrArmTest, PoseAndJacobianEqualThoseOfTheDescribedChain) {
       for (int j = 0; j < 3; ++j)
         worst_pose = std::max(worst_pose, std::abs(X_BF.linear()(i, j) - frame.M(i, j)));
     }
-    worst_jacobian = std::max(worst_jacobian, (arm_.FlangeJacobian(q) - J_kdl.data).cwiseAbs().maxCoeff());
+    worst_jacobian =
+        std::max(worst_jacobian, (arm_.JacobianAt(q, Vector3::Zero()) - J_kdl.data).cwiseAbs().maxCoeff());
   }
   EXPECT_LT(worst_pose, 1e-12);
   EXPECT_LT(worst_jacobian, 1e-12);
@@ -105,7 +106,7 @@ TEST_F(LbrArmTest, JacobianIsTheDerivativeOfThePose) {
   const double h = 1e-5;
   for (int n = 0; n < 200; ++n) {
     const JointVector q = RandomPosture();
-    const Jacobian J = arm_.FlangeJacobian(q);
+    const Jacobian J = arm_.JacobianAt(q, Vector3::Zero());
     for (int i = 0; i < 7; ++i) {
       JointVector before = q, after = q;
       before[i] -= h;
@@ -263,7 +264,7 @@ TEST_F(LbrArmTest, DoesNotAllocate) {
   JointVector found = q;
   rt::CheckedNoAllocScope no_alloc;
   const bool reached = arm_.Inverse(arm_.FlangePose(q), arm_.ArmAngle(q), q, found);
-  const Jacobian J = arm_.FlangeJacobian(found);
+  const Jacobian J = arm_.JacobianAt(found, Vector3::Zero());
   no_alloc.End();
   EXPECT_TRUE(reached && J.allFinite());
 }

@@ -7,7 +7,7 @@
 #include <Eigen/SVD>
 
 #include "kinematics/lbr_arm.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 #include "tests/kinematics/iiwa14.h"
 #include "tests/kinematics/near_singular.h"
 
@@ -23,7 +23,7 @@ constexpr int kConfigurations = LbrSolutions::kConfigurations;
 double PoseError(const Pose& a, const Pose& b) { return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff(); }
 
 double LeastSingularValue(const LbrArm& arm, const JointVector& q) {
-  return Eigen::JacobiSVD<Jacobian>(arm.FlangeJacobian(q)).singularValues()[5];
+  return Eigen::JacobiSVD<Jacobian>(arm.JacobianAt(q, Vector3::Zero())).singularValues()[5];
 }
 
 const LbrSolution& Of(const LbrSolutions& solutions, int configuration) {

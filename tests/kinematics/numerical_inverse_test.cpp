@@ -8,7 +8,7 @@
 
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 #include "tests/kinematics/iiwa14.h"
 #include "tests/kinematics/kr_arms.h"
 

@@ -10,7 +10,7 @@
 #include <Eigen/SVD>
 
 #include "kinematics/serial_chain.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 #include "tests/kinematics/kr_arms.h"
 
 // All eight postures of a pose, compared with the forward kinematics of the chain made of the same

@@ -10,7 +10,7 @@
 #include "iiwa14.h"
 #include "kinematics/differential_inverse.h"
 #include "kinematics/lbr_arm.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 
 namespace osteon::kinematics {
 namespace {
@@ -119,7 +119,7 @@ TEST(Redundancy, TheElbowGoesUpToWhereTheArmHoldsMost) {
     in.dt_s = 0.001;
     MotionOutput<7> out;
     for (int tick = 0; tick < 15'000; ++tick) {
-      in.J = lbr.FlangeJacobian(in.q);
+      in.J = lbr.JacobianAt(in.q, Vector3::Zero());
       // the tick's third-order error is led back, so that the whole motion is one self-motion
       const Pose X_now = lbr.FlangePose(in.q);
       in.V_BT = {.v = 10.0 * (X_BF.translation() - X_now.translation()),

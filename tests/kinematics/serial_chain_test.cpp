@@ -7,7 +7,7 @@
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 #include "tests/kinematics/chain_samples.h"
 #include "tests/oracles/jacobian_dot.h"
 

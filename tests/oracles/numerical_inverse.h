@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/rt/marker.h"
+#include "base/marker.h"
 #include "kinematics/serial_chain.h"
 
 // Iterative inverse kinematics for an arm of 6 or 7 joints whose axes allow no closed form: a wrist whose

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "config/load_robot.h"
-#include "hil/fri_server.h"
-#include "hil/simulated_arm.h"
+#include "config/reading/load_robot.h"
+#include "hil/arm/simulated_arm.h"
+#include "hil/fri/fri_server.h"
 #include "kinematics/payload.h"
 #include "tests/hil/test_client.h"
 #include "tests/property/loop_oracle.h"

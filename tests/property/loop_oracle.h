@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "control/servo_loop.h"
+#include "control/loop/servo_loop.h"
 #include "kinematics/lbr_params.h"
 #include "safety/zone.h"
 #include "tests/property/torque_oracle.h"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "config/load_robot.h"
+#include "config/reading/load_robot.h"
 #include "kinematics/payload.h"
 #include "tests/kinematics/iiwa14.h"
 

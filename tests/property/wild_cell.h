@@ -3,7 +3,7 @@
 #include <memory>
 #include <ostream>
 
-#include "hil/simulated_arm.h"
+#include "hil/arm/simulated_arm.h"
 #include "tests/property/loop_oracle.h"
 #include "tests/property/wild_values.h"
 #include "tests/property/wild_zone.h"

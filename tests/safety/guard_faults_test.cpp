@@ -275,7 +275,7 @@ TEST(GuardJacobian, TheHandIsMeasuredWithoutTheControllersJacobian) {
       Eigen::Matrix<double, 6, 1> F = Eigen::Matrix<double, 6, 1>::Zero();
       F.head<3>() = ratio * 1.25 * 250.0 * Vector3(2.0, -1.0, 2.0) / 3.0;
       Eigen::Map<JointVector>(bench.arm.tau_ext.emplace().data()) =
-          arm.FlangeJacobian(ToVector(q)).transpose() * F;
+          arm.JacobianAt(ToVector(q), Vector3::Zero()).transpose() * F;
       const Plant plant(fault);
       for (int i = 0; i < 10; ++i) {
         bench.Message(GuardSession::kActive);

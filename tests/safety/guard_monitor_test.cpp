@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "guard_bench.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
 
 namespace osteon::safety {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/control/rt/checked_no_alloc_scope.h"
-#include "tests/control/servo_parts.h"
+#include "tests/base/checked_no_alloc_scope.h"
+#include "tests/control/loop/servo_parts.h"
 
 namespace osteon::control {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "control/laws/admittance_renderer.h"
 #include "control/laws/impedance_renderer.h"
-#include "tests/control/servo_parts.h"
+#include "tests/control/loop/servo_parts.h"
 
 namespace osteon::control {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/control/servo_parts.h"
+#include "tests/control/loop/servo_parts.h"
 
 namespace osteon::control {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tests/control/servo_parts.h"
+#include "tests/control/loop/servo_parts.h"
 
 namespace osteon::control {
 namespace {

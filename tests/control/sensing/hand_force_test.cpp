@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "control/hand_wrench.h"
+#include "control/sensing/hand_wrench.h"
 #include "safety/watchdog.h"
-#include "tests/control/servo_parts.h"
+#include "tests/control/loop/servo_parts.h"
 
 namespace osteon::control {
 namespace {

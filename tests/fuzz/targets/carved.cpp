@@ -2,10 +2,10 @@
 
 #include <cstring>
 
+#include "simulation/engine/reference_engine.h"
 #include "simulation/files/carved_file.h"
-#include "simulation/reference_engine.h"
 #include "tests/fuzz/targets/file_claims.h"
-#include "tests/simulation/carved_samples.h"
+#include "tests/simulation/files/carved_samples.h"
 
 // A carved state of a small bone: byte 0 (bit 0): its checksums are corrected first; then the file.
 

@@ -1,5 +1,5 @@
-#include "config/load.h"
-#include "control/servo_loop.h"
+#include "config/reading/load.h"
+#include "control/loop/servo_loop.h"
 #include "safety/workspace.h"
 #include "tests/fuzz/targets/config_claims.h"
 

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <optional>
 
-#include "config/config_file_tracker.h"
-#include "config/reader.h"
+#include "config/reading/config_file_tracker.h"
+#include "config/reading/strict/reader.h"
 #include "tests/fuzz/targets/file_claims.h"
 
 // Shared parts of the targets that read YAML.
@@ -41,6 +41,7 @@ class FuzzConfig {
     std::filesystem::create_directories(root() / "cells");
     for (const char* folder : {"robots", "tools", "scenes", "materials", "images"})
       std::filesystem::create_directory_symlink(Shipped() / folder, root() / folder);
+    std::filesystem::create_symlink(Shipped() / "cells/demo.yaml", root() / "cells/demo.yaml");  // extended
   }
   /// The repository's folder: OSTEON_ROOT, or else where this was built.
   [[nodiscard]] static std::filesystem::path Shipped() {

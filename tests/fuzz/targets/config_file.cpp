@@ -1,7 +1,7 @@
-#include "config/load.h"
-#include "config/load_robot.h"
-#include "config/read_calibration.h"
-#include "config/read_gains.h"
+#include "config/reading/load.h"
+#include "config/reading/load_robot.h"
+#include "config/reading/sections/read_calibration.h"
+#include "config/reading/sections/read_gains.h"
 #include "tests/fuzz/targets/config_claims.h"
 
 // A file of each kind that a cell names except a tool (tool_file.cpp): robot, scene, materials, gains,

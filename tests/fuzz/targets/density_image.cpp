@@ -1,4 +1,4 @@
-#include "config/density_image.h"
+#include "config/reading/sections/density_image.h"
 #include "tests/fuzz/targets/file_claims.h"
 
 // A density image: the bytes of a PNG.

@@ -16,7 +16,6 @@ void Return(io::FriFamily family, const io::MonitoringMessage& m) {
   answer.wire_wrench = m.wire_force;
   answer.tau = m.tau_ext;
   answer.X = m.X_ipo;
-  answer.outputs.writes = m.ios;
   std::array<std::uint8_t, io::kFriMaxDatagram> buffer;
   std::size_t size = 0;
   const io::CodecError error = io::EncodeCommand(family, answer, buffer, size);

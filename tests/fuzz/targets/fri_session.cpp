@@ -17,10 +17,9 @@ enum Op : unsigned {
   kCommandNaN = 1u << 1,       // with a NaN in it
   kCommandFar = 1u << 2,       // with a joint turned far
   kOldActivation = 1u << 3,    // naming another activation
-  kWrite = 1u << 4,            // writes the arm's outputs and frames
-  kResetSession = 1u << 5,
-  kWait = 1u << 6,  // no answer to this one
-  kBare = 1u << 7,  // no frame around it
+  kResetSession = 1u << 5,     // bit 4 is free
+  kWait = 1u << 6,             // no answer to this one
+  kBare = 1u << 7,             // no frame around it
 };
 
 // The motion in an answer's protobuf. The decoder is the product's, whose own tests compare it with
@@ -80,7 +79,6 @@ class Run {
     now_ += rt::kMillisecond;
     const io::FriAccept accepted = session_.Accept(datagram, now_, state_);
     ClaimState(before, accepted);
-    if ((op & kWrite) != 0) Write();
     if ((op & kWait) == 0) AnswerOnce(op);
   }
 
@@ -100,12 +98,6 @@ class Run {
           state_.stamp == before.stamp && state_.q_meas == before.q_meas && state_.session == before.session,
           "what is not accepted leaves the state alone");
     }
-  }
-
-  void Write() {
-    for (const io::FriIo& io : session_.message().ios) (void)session_.Write(io);
-    for (const io::FriTransformation& frame : session_.message().transformations)
-      (void)session_.Transform(frame);
   }
 
   control::ArmCommand Command(unsigned op) const {

@@ -2,7 +2,7 @@
 #include <limits>
 
 #include "tests/fuzz/targets/file_claims.h"
-#include "tests/simulation/packing_samples.h"
+#include "tests/simulation/packing/packing_samples.h"
 
 // A packing file: byte 0 (bit 0): its checksums are corrected first, as by an attacker; then the file.
 

@@ -5,8 +5,8 @@
 #include "tests/fuzz/targets/fuzz_input.h"
 
 // The PLC's registers 970 … 983 as a hostile server may answer them, block after block, two bytes each
-// (little-endian). The protocol below them is libmodbus's (tests/io/modbus_client_test.cpp has servers that
-// misbehave).
+// (little-endian). The protocol below them is libmodbus's (tests/io/modbus/modbus_client_test.cpp has servers
+// that misbehave).
 
 namespace osteon::fuzz {
 namespace {

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "config/load.h"
+#include "config/reading/load.h"
 #include "tests/fuzz/targets/config_claims.h"
 
 // A tool's file. Fitting balls to its tool takes longer than all reading.

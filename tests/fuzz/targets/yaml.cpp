@@ -1,7 +1,7 @@
 #include <cmath>
 #include <set>
 
-#include "config/units.h"
+#include "config/reading/strict/units.h"
 #include "tests/fuzz/targets/config_claims.h"
 
 // A text for the strict reader, and every query of the reader for every key in the text.

@@ -1,8 +1,6 @@
 // SocketCanBus on a real kernel's vcan, with can-utils as the other side. Runs in the guest of run_in_uml.sh,
 // or by hand on a machine with a vcan: OSTEON_VCAN=vcan0 (as root for the tests that set it down).
 
-#include "io/can/socket_can_bus.h"
-
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,7 +12,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/control/rt/checked_no_alloc_scope.h"
+#include "io/can/socket_can_bus.h"
+#include "tests/base/checked_no_alloc_scope.h"
+#include "tests/io/can/can_frames.h"
 
 namespace osteon::io {
 namespace {

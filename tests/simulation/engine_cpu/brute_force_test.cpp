@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/gpu/contract_bench.h"
-#include "tests/gpu/strip_bench.h"
+#include "tests/gpu/engine/contract_bench.h"
+#include "tests/gpu/engine/strip_bench.h"
 #include "tests/simulation/engine_cpu/equal_engines.h"
 #include "tests/simulation/engine_cpu/stroke_input.h"
 

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "simulation/engine/reference_engine.h"
 #include "simulation/engine_cpu/cpu_engine.h"
-#include "simulation/reference_engine.h"
 
 // The reference engine and the CPU engine with each instruction set, stepped alike: every number has to be
 // the same to the last bit.
@@ -128,8 +128,8 @@ class EqualEngines {
   }
   [[nodiscard]] const RunFacts& facts() const { return facts_; }
 
-  /// All go on from the reference's state, the reference too: blocks of split balls then have other numbers, and sums
-  /// another order.
+  /// All go on from the reference's state, the reference too: blocks of split balls then have other numbers,
+  /// and sums another order.
   void RestoreAll() {
     const CarvedState state = reference_.Snapshot();
     reference_.Restore(state);

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/gpu/contract_bench.h"
+#include "tests/gpu/engine/contract_bench.h"
 #include "tests/simulation/engine_cpu/equal_engines.h"
 
 // The CPU engine gives the reference engine's bits, with every instruction set.
@@ -33,7 +33,8 @@ TEST(CpuEngine, ReamsToTheReferencesBitsForTwoThousandFrames) {
   EqualEngines engines(gpu::DefaultBone(), gpu::DefaultReamer());
   gpu::Hand hand;
   for (int i = 0; i < 2000; ++i)
-    ASSERT_TRUE(engines.Step(hand.Next(engines.model().F_T_W.f))) << "frame " << i << "\n" << engines.differences();
+    ASSERT_TRUE(engines.Step(hand.Next(engines.model().F_T_W.f))) << "frame " << i << "\n"
+                                                                  << engines.differences();
   ExpectWorthComparing(engines, {.force_N = 100.0, .touching = 1980, .balls = 500, .points = 500});
 }
 
@@ -85,7 +86,8 @@ TEST(CpuEngine, FollowsTheImmediateLawToTheReferencesBits) {
     X.linear() = ExpRotation({M_PI, 0, 0});
     X.translation() = Vector3((i % 20 == 19 ? 6e-3 : 0.0) + 1e-5 * i, 0, -0.018 - 5e-5 * i);
     ASSERT_TRUE(engines.Step({.X_WT = X, .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = 1e-3}))
-        << "frame " << i << "\n" << engines.differences();
+        << "frame " << i << "\n"
+        << engines.differences();
   }
   ExpectWorthComparing(engines, {.force_N = 1.0, .touching = 50, .balls = 100, .points = 50});
 }

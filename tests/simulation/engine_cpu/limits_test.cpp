@@ -1,7 +1,7 @@
 #include <stdexcept>
 
-#include "tests/gpu/contract_bench.h"
-#include "tests/gpu/strip_bench.h"
+#include "tests/gpu/engine/contract_bench.h"
+#include "tests/gpu/engine/strip_bench.h"
 #include "tests/simulation/engine_cpu/equal_engines.h"
 #include "tests/simulation/engine_cpu/stroke_input.h"
 

@@ -1,7 +1,7 @@
-#include "control/rt/no_alloc_scope.h"
-#include "tests/control/rt/checked_no_alloc_scope.h"
-#include "tests/gpu/contract_bench.h"
-#include "tests/gpu/strip_bench.h"
+#include "base/no_alloc_scope.h"
+#include "tests/base/checked_no_alloc_scope.h"
+#include "tests/gpu/engine/contract_bench.h"
+#include "tests/gpu/engine/strip_bench.h"
 #include "tests/simulation/engine_cpu/equal_engines.h"
 
 // A frame allocates nothing, from the first one on: lists, new lists, cutting, clearing, splitting.

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "simulation/cutting_engine.h"
-#include "tests/gpu/contract_bench.h"
-#include "tests/gpu/strip_bench.h"
+#include "simulation/engine/cutting_engine.h"
+#include "tests/gpu/engine/contract_bench.h"
+#include "tests/gpu/engine/strip_bench.h"
 
 namespace osteon::simulation {
 

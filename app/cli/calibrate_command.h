@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "studies/calibrate/calibrate.h"
+
+namespace osteon::app {
+
+/// The subcommand `calibrate` of the command line.
+class CalibrateCommand {
+ public:
+  explicit CalibrateCommand(CLI::App& app);
+
+  [[nodiscard]] bool asked() const { return sub_->parsed(); }
+  /// @returns the process's exit code.
+  [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
+
+ private:
+  CalibrateOptions options_;
+  std::string cell_;
+  CLI::App* sub_;
+};
+
+}  // namespace osteon::app

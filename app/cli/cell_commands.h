@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "session/run/operate.h"
+#include "session/run/simulated_cell_run.h"
+
+namespace osteon::app {
+
+/// The subcommands `cell` and `run` of the command line: a cell's simulated side and its controller.
+class CellCommands {
+ public:
+  explicit CellCommands(CLI::App& app);
+
+  [[nodiscard]] bool asked() const { return cell_->parsed() || run_->parsed(); }
+  /// @returns the process's exit code.
+  [[nodiscard]] int Run(const std::filesystem::path& config_root);
+
+ private:
+  SimulatedCellOptions simulated_;
+  OperateOptions operate_;
+  std::string name_, tool_;
+  CLI::App *cell_, *run_;
+};
+
+}  // namespace osteon::app

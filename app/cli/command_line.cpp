@@ -1,0 +1,70 @@
+#include "app/cli/command_line.h"
+
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "app/cli/help_text.h"
+#include "app/cli/usage.h"
+#include "session/process/exit_code.h"
+#include "session/process/output.h"
+
+namespace osteon::app {
+
+std::string CommandLine(int argc, char** argv) {
+  std::string line = "./osteon";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = word.find_first_of(" \"'$\\") == std::string::npos;
+    line += plain ? " " + word : " '" + word + "'";
+  }
+  return line;
+}
+
+void PrepareTop(CLI::App& app, std::filesystem::path& config_root) {
+  const char* root = std::getenv("OSTEON_ROOT");
+  config_root = std::filesystem::path(root ? root : ".") / "config";
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.set_help_flag("-h,--help", "print this text");
+  app.set_version_flag("--version", "osteon " OSTEON_VERSION, "print the version");
+  app.require_subcommand(0, 1);
+  app.add_option("--config-root", config_root, "the folder with cells/, robots/, tools/ and so on")
+      ->type_name("FOLDER")
+      ->default_str("config/ of the project");
+}
+
+std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) {  // --help, --version
+      std::ostringstream text;
+      const int code = app.exit(error, text, text);
+      fmt::print("{}", text.str());
+      return code;
+    }
+    fmt::print(stderr, "{}", UsageError(app, error));
+    return 2;
+  }
+  if (const std::string wrong = ValidateEnvironment(app); !wrong.empty()) {
+    fmt::print(stderr, "{}", wrong);
+    return 2;
+  }
+  return {};
+}
+
+int RunMain(const std::function<int()>& run) {
+  InstallOutput();
+  try {
+    return OutputExitCode(run());
+  } catch (const std::exception& error) {
+    const Failure failure = Explain(error);
+    fmt::print(stderr, "osteon: {}\n", failure.text);
+    return failure.code;
+  }
+}
+
+}  // namespace osteon::app

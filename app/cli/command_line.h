@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+// What both executables need besides their subcommands.
+
+namespace osteon::app {
+
+/// The command line that repeats a run.
+[[nodiscard]] std::string CommandLine(int argc, char** argv);
+
+/// Prepares the top of a tree of subcommands: form of the help, --version, --config-root (by default config/
+/// below $OSTEON_ROOT, or below the working folder).
+void PrepareTop(CLI::App& app, std::filesystem::path& config_root);
+
+/// Reads a command line. @returns the exit code where nothing is left to do: help, version, a wrong word.
+[[nodiscard]] std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv);
+
+/// The body of a main function: installs the output, and turns exceptions into a message and an exit code.
+[[nodiscard]] int RunMain(const std::function<int()>& run);
+
+}  // namespace osteon::app

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "app/cli/command_table.h"
+
+// Scripts by which a shell completes the command: subcommands, options, words, files, and names below
+// config/. They are complete in themselves: nothing is started when a key is pressed.
+
+namespace osteon::app {
+
+[[nodiscard]] std::string BashCompletion(const CommandText& command);
+[[nodiscard]] std::string ZshCompletion(const CommandText& command);
+[[nodiscard]] std::string FishCompletion(const CommandText& command);
+
+}  // namespace osteon::app

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "session/replay/export_recording.h"
+
+namespace osteon::app {
+
+/// The subcommand `export` of the command line.
+class ExportCommand {
+ public:
+  explicit ExportCommand(CLI::App& app);
+
+  [[nodiscard]] bool asked() const { return sub_->parsed(); }
+  /// @returns the process's exit code.
+  [[nodiscard]] int Run() const { return RunExport(options_); }
+
+ private:
+  ExportOptions options_;
+  CLI::App* sub_;
+};
+
+}  // namespace osteon::app

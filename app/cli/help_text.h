@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include <CLI/CLI.hpp>
+
+#include "app/cli/command_table.h"
+
+// The text of --help. CLI11's own does not break lines; this one fits the terminal.
+
+namespace osteon::app {
+
+/// The option with its value: "-o, --out FILE". Few short words stand in the value's place: "--mode a|b".
+[[nodiscard]] std::string OptionHead(const OptionText& option);
+/// The option's explanation, then what is accepted, the default, and which options it needs or excludes.
+[[nodiscard]] std::string OptionBody(const OptionText& option);
+/// The line of use: "osteon run [options] cell".
+[[nodiscard]] std::string Synopsis(const CommandText& command);
+
+[[nodiscard]] std::string HelpText(const CommandText& command, std::size_t width);
+
+/// Columns of the terminal that stdout is, at most 120; COLUMNS if that is set; 80 otherwise.
+[[nodiscard]] std::size_t HelpWidth();
+
+/// Makes CLI11 print HelpText. Given to the top App before its subcommands are added, which take it over.
+class HelpFormatter : public CLI::FormatterBase {
+ public:
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
+};
+
+}  // namespace osteon::app

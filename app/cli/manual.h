@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "app/cli/command_table.h"
+
+// The manual of the command, in three forms, from the table that parses the command line.
+
+namespace osteon::app {
+
+/// The manual page osteon(1) as roff, for man, groff and mandoc. ASCII only; other characters become escapes.
+[[nodiscard]] std::string ManPage(const CommandText& command, const std::string& version);
+
+/// docs/commands.md: a section for each subcommand.
+[[nodiscard]] std::string CommandsPage(const CommandText& command);
+
+/// osteon.manual/1.
+[[nodiscard]] std::string ManualJson(const CommandText& command);
+
+}  // namespace osteon::app

@@ -1,0 +1,185 @@
+#include "app/cli/measure_commands.h"
+
+#include "app/cli/study_commands.h"
+#include "app/cli/usage.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kMaxSpheres = 20e6;
+
+CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
+  CLI::App* sub = bench.add_subcommand("frame", "times a cutting frame");
+  sub->add_option(
+         "--scene", options.scene,
+         "acetabulum: reamed at 100 N and 250 rpm once the head is seated; molar: its recorded motion")
+      ->check(OneOf({"acetabulum", "molar"}))
+      ->capture_default_str();
+  sub->add_option(
+         "--spheres", options.spheres,
+         "spheres of the bone; more than the scene has are added below the cut zone, which stays as it is")
+      ->check(NumberWithin(1, kMaxSpheres));
+  sub->add_flag("--uniform", options.uniform, "change all of the bone alike, the cut zone too");
+  sub->add_option("--tool-spheres", options.tool_spheres, "spheres of the tool's head; 1: one analytic ball")
+      ->check(NumberWithin(1, 10'000))
+      ->capture_default_str();
+  auto* method = sub->add_option("--method", options.method, "the cutting method; ours: on Vulkan");
+  method->check(OneOf(MethodNames()))->capture_default_str();
+  auto* compare = sub->add_option("--compare", options.compare,
+                                  "a second method, timed in turn with the first, frame by frame");
+  compare->check(OneOf(MethodNames()));
+  sub->add_option("--engines", options.engines,
+                  "instead of --method: cutting engines, timed in turn, frame by frame; separated by commas")
+      ->check(OneOf({"vulkan", "cpu", "reference"}))
+      ->delimiter(',')
+      ->expected(1)
+      ->take_all()
+      ->excludes(method)
+      ->excludes(compare);
+  sub->add_option("--device", options.device,
+                  "the Vulkan device: part of its name, as `osteon doctor` lists it")
+      ->type_name("NAME");
+  sub->add_option("--frames", options.frames, "frames to time")
+      ->check(NumberWithin(20, 10e6))
+      ->capture_default_str();
+  sub->add_option("--most-seconds", options.max_seconds,
+                  "longest time to measure; at least 20 frames are timed")
+      ->check(NumberWithin(0.1, 36e3))
+      ->capture_default_str();
+  sub->add_option("--voxel-mm", options.voxel_mm, "edge of a voxel, for methods with voxels")
+      ->check(NumberWithin(0.01, 5.0))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
+  sub->footer(
+      "A time is the wall time from submission to result; the rate is one over the median.\n\n"
+      "Examples:\n  osteon bench frame\n  osteon bench frame --spheres 1000000 --json frame.json\n"
+      "  osteon bench frame --spheres 300000 --tool-spheres 1000 --compare brute --frames 50\n"
+      "  osteon bench frame --scene molar --spheres 36000 --tool-spheres 200\n"
+      "  osteon bench frame --engines cpu,vulkan --spheres 300000 --json engines.json");
+  return sub;
+}
+
+CLI::App* AddBenchKinematics(CLI::App& bench, BenchKinematicsOptions& options) {
+  CLI::App* sub = bench.add_subcommand("kinematics", "times the arm's kinematics and dynamics beside KDL's");
+  sub->add_option("--robot", options.robot, "a name under robots/, or the robot's YAML file, joint by joint")
+      ->type_name("ROBOT")
+      ->default_str("lbr_iiwa_14_r820");
+  sub->add_option("--calls", options.calls, "calls of each function")
+      ->check(NumberWithin(1000, 1e9))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
+  sub->footer(
+      "Medians of 51 batches, Osteon's and KDL's in turn. Inverse kinematics: Osteon computes all solutions "
+      "and checks the limits of each; KDL's LMA searches for one and may fail. Dynamics need the links' "
+      "masses.\n\n"
+      "Examples:\n  osteon bench kinematics\n"
+      "  osteon bench kinematics --robot config/robots/kr_6_r900_2.yaml --json kr.json");
+  return sub;
+}
+
+CLI::App* AddBenchTick(CLI::App& bench, BenchTickOptions& options) {
+  CLI::App* sub = bench.add_subcommand("tick", "times the servo tick as a whole and in parts");
+  sub->add_option("--ticks", options.ticks,
+                  "ticks to time, one each millisecond; the tool presses on eight planes")
+      ->check(NumberWithin(100, 3'600'000))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
+  sub->footer(
+      "A tick is timed from the waiting message of the arm to the record in the ring, without the wake-up. "
+      "FRI runs over the loopback, the CAN devices in memory; the cell is cells/demo.yaml. As in a run, the "
+      "previous tick is computed a second time shortly before the message.\n\n"
+      "Examples:\n  osteon bench tick\n  osteon bench tick --ticks 60000 --json tick.json");
+  return sub;
+}
+
+CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
+  CLI::App* sub =
+      chart.add_subcommand("scaling", "draws frame rate against number of spheres, as the paper's figure 4");
+  sub->add_option("--out", options.out, "folder for scaling.svg, .png, .csv, .json and .html")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  sub->add_option("--max-spheres", options.max_spheres, "largest number of spheres")
+      ->check(NumberWithin(1000, kMaxSpheres))
+      ->capture_default_str();
+  sub->add_option("--device", options.device,
+                  "the Vulkan device: part of its name, as `osteon doctor` lists it")
+      ->type_name("NAME");
+  sub->add_option("--frames", options.frames, "frames to time at each point")
+      ->check(NumberWithin(20, 1e6))
+      ->capture_default_str();
+  sub->add_option("--most-seconds", options.max_seconds,
+                  "longest time for a point; points that would take longer are left out")
+      ->check(NumberWithin(0.1, 36e3))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "write a further copy of scaling.json there")->type_name("FILE");
+  sub->footer(
+      "From 1000 to 10 million spheres, in three series: only the bone below the cut zone is refined; all of "
+      "the bone is; and without culling.\n\nExamples:\n  osteon chart scaling\n"
+      "  osteon chart scaling --max-spheres 300000 --out my_scaling");
+  return sub;
+}
+
+CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) {
+  CLI::App* sub = chart.add_subcommand("speed-accuracy",
+                                       "draws frame time against depth, volume and force error and ripple, "
+                                       "for several methods and resolutions");
+  sub->add_option("--out", options.out, "folder for speed_accuracy.svg, .png, .csv, .json and .html")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  sub->add_flag("--quick", options.quick, "fewer resolutions, 2 seeds, a faster feed");
+  sub->add_option("--device", options.device,
+                  "the Vulkan device: part of its name, as `osteon doctor` lists it")
+      ->type_name("NAME");
+  sub->add_option("--seeds", options.seeds, "number of different paths and packings")
+      ->check(NumberWithin(1, 100))
+      ->capture_default_str();
+  sub->add_option("--method", options.methods, "only this method; may be given several times")
+      ->check(OneOf(LadderMethods()));
+  sub->add_option("--most-seconds", options.max_seconds,
+                  "longest time for a method's frames in a task; tasks that would take longer are left out")
+      ->check(NumberWithin(0.1, 36e3))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "write a further copy of speed_accuracy.json there")
+      ->type_name("FILE");
+  sub->footer(
+      "Examples:\n  osteon chart speed-accuracy --quick\n  osteon chart speed-accuracy --out my_chart\n"
+      "  osteon chart speed-accuracy --method ours --method voxel --seeds 2");
+  return sub;
+}
+
+}  // namespace
+
+MeasureCommands::MeasureCommands(CLI::App& app)
+    : bench_(AddStudy(app, "bench")),
+      frame_(AddBenchFrame(*bench_, frame_options_)),
+      kinematics_(AddBenchKinematics(*bench_, kinematics_options_)),
+      tick_(AddBenchTick(*bench_, tick_options_)),
+      chart_(AddStudy(app, "chart")),
+      scaling_(AddChartScaling(*chart_, scaling_options_)),
+      accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)) {
+  bench_->require_subcommand(1);
+  bench_->footer(
+      "Examples:\n  osteon bench frame\n  osteon bench kinematics\n  osteon bench tick\n  osteon bench frame "
+      "--help");
+  chart_->require_subcommand(1);
+  chart_->footer("Examples:\n  osteon chart scaling\n  osteon chart speed-accuracy --quick");
+}
+
+bool MeasureCommands::asked() const { return bench_->parsed() || chart_->parsed(); }
+
+int MeasureCommands::Run(const std::filesystem::path& config_root) {
+  if (scaling_->parsed()) return RunChartScaling(scaling_options_);
+  if (accuracy_->parsed()) return RunChartSpeedAccuracy(accuracy_options_);
+  if (kinematics_->parsed()) {
+    kinematics_options_.config_root = config_root;
+    return RunBenchKinematics(kinematics_options_);
+  }
+  if (tick_->parsed()) {
+    tick_options_.config_root = config_root;
+    return RunBenchTick(tick_options_);
+  }
+  frame_options_.config_root = config_root;
+  return RunBenchFrame(frame_options_);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+
+#include <CLI/CLI.hpp>
+
+#include "studies/bench/bench_frame.h"
+#include "studies/bench/bench_kinematics.h"
+#include "studies/bench/bench_tick.h"
+#include "studies/charts/chart_scaling.h"
+#include "studies/charts/chart_speed_accuracy.h"
+
+namespace osteon::app {
+
+/// The subcommands that measure: `bench frame`, `bench kinematics`, `bench tick`, `chart scaling`,
+/// `chart speed-accuracy`.
+class MeasureCommands {
+ public:
+  explicit MeasureCommands(CLI::App& app);
+
+  /// Whether one of them was on the command line.
+  [[nodiscard]] bool asked() const;
+  /// @returns the process's exit code.
+  [[nodiscard]] int Run(const std::filesystem::path& config_root);
+
+ private:
+  BenchFrameOptions frame_options_;  // before the members that point into it
+  BenchKinematicsOptions kinematics_options_;
+  BenchTickOptions tick_options_;
+  ScalingOptions scaling_options_;
+  SpeedAccuracyOptions accuracy_options_;
+  CLI::App *bench_, *frame_, *kinematics_, *tick_, *chart_, *scaling_, *accuracy_;
+};
+
+}  // namespace osteon::app

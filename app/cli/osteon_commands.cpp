@@ -1,0 +1,90 @@
+#include "app/cli/osteon_commands.h"
+
+#include <fmt/format.h>
+
+#include "app/cli/command_line.h"
+#include "app/cli/command_table.h"
+#include "app/cli/usage.h"
+#include "config/reading/config_file_tracker.h"
+
+namespace osteon::app {
+namespace {
+
+// Returns the app once its top is prepared: its subcommands take over the form of the help.
+CLI::App& Prepared(CLI::App& app, std::filesystem::path& config_root) {
+  PrepareTop(app, config_root);
+  return app;
+}
+
+}  // namespace
+
+OsteonCommands::OsteonCommands(CLI::App& app)
+    : app_(Prepared(app, config_root_)),
+      demo_(app),
+      pack_(app),
+      failures_(app, {"failures"}),
+      doctor_app_(
+          app.add_subcommand("doctor", "checks what this machine can do, with a verdict for each item")),
+      faults_app_(app.add_subcommand("faults",
+                                     "lists the faults that stop the cell, and how to continue after each")),
+      states_app_(
+          app.add_subcommand("states", "lists the states of the cell and what leads from one to another")),
+      bench_and_chart_(app, {"bench", "chart"}),
+      cells_(app),
+      guard_(app),
+      calibrate_(app, {"calibrate"}),
+      new_cell_(app),
+      schema_(app),
+      capability_to_tune_(app, {"capability", "transparency", "plan", "tune"}),
+      export_(app),
+      replay_(app),
+      regress_to_completion_(app, {"regress", "manual", "completion"}) {
+  app.footer(
+      "Benchmarks, charts, failures, studies and the manual are a second program, which ./osteon builds "
+      "when one of them is first asked for.\n\n" +
+      LauncherFooter() +
+      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon run demo --simulated --seconds 10\n"
+      "  osteon bench frame\n  osteon doctor");
+  doctor_app_->add_option("--port", doctor_.fri_port, "FRI port to try")
+      ->check(PortNumber())
+      ->capture_default_str();
+  doctor_app_
+      ->add_option(
+          "--seconds", doctor_.seconds,
+          "duration of the timer test, once with SCHED_FIFO and once without; a measurement takes hours")
+      ->check(NumberWithin(0.1, 86400))
+      ->capture_default_str();
+  doctor_app_->add_option("--json", doctor_.json, "also write the checks there, as JSON")->type_name("FILE");
+  doctor_app_->footer(
+      "Exit code 1: there is no Vulkan device, or the FRI port is taken\n\n"
+      "Examples:\n  osteon doctor\n  osteon doctor --seconds 3600 --json doctor.json");
+
+  faults_app_->add_option("--markdown", faults_.markdown, "write the page there, as docs/faults.md")
+      ->type_name("FILE");
+  faults_app_->add_option("--json", faults_.json, "also write the faults there, as JSON")->type_name("FILE");
+  faults_app_->footer("Examples:\n  osteon faults\n  osteon faults --json faults.json");
+
+  states_app_->add_option("--markdown", states_.markdown, "write the page there, as docs/states.md")
+      ->type_name("FILE");
+  states_app_->add_option("--json", states_.json, "also write the states there, as JSON")->type_name("FILE");
+  states_app_->footer("Examples:\n  osteon states\n  osteon states --json states.json");
+}
+
+int OsteonCommands::Run(const std::string& command_line) {
+  config::SetShippedFolder(config_root_);
+  if (demo_.asked()) return demo_.Run(config_root_, command_line);
+  if (pack_.asked()) return pack_.Run(config_root_, command_line);
+  if (cells_.asked()) return cells_.Run(config_root_);
+  if (guard_.asked()) return guard_.Run(config_root_);
+  if (new_cell_.asked()) return new_cell_.Run(config_root_);
+  if (schema_.asked()) return schema_.Run(config_root_);
+  if (export_.asked()) return export_.Run();
+  if (replay_.asked()) return replay_.Run(config_root_);
+  if (*states_app_) return RunStates(states_);
+  if (*faults_app_) return RunFaults(faults_);
+  if (*doctor_app_) return RunDoctor(doctor_);
+  fmt::print("{}", app_.help());
+  return 0;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "session/planning/plan.h"
+
+namespace osteon::app {
+
+/// The subcommand `plan` of the command line.
+class PlanCommand {
+ public:
+  explicit PlanCommand(CLI::App& app);
+
+  [[nodiscard]] bool asked() const { return sub_->parsed(); }
+  /// @returns the process's exit code.
+  [[nodiscard]] int Run(const std::filesystem::path& config_root);
+
+ private:
+  PlanOptions options_;
+  double error_mm_{0.0};
+  std::string cell_, tool_, cup_, engine_{"auto"}, device_;
+  CLI::App* sub_;
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,58 @@
+#include "app/cli/regress_command.h"
+
+#include "app/cli/study_commands.h"
+#include "app/cli/usage.h"
+
+namespace osteon::app {
+
+RegressCommand::RegressCommand(CLI::App& app) : sub_(AddStudy(app, "regress")) {
+  RegressOptions& o = options_;
+  sub_->add_option("scenarios", o.scenarios,
+                   "names under scenarios/, YAML files or folders of them; without any, all of scenarios/")
+      ->type_name("SCENARIO");
+  sub_->add_option("--junit", o.junit, "write the verdicts there, for a CI server")->type_name("FILE");
+  sub_->add_option("--json", o.json, "also write the figures there, as JSON")->type_name("FILE");
+  sub_->add_option("--out", o.out, "folder for regress.html, written if something differs")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  sub_->add_flag("--exact", o.exact,
+                 "also fail on a different bit; for the compiler and processor that made the golden traces");
+  auto* set = sub_->add_option("--set", o.set,
+                               "value laid over every scenario's cell, e.g. limits.max_force_N=150; may be "
+                               "given several times")
+                  ->type_name("KEY=VALUE")
+                  ->expected(1)
+                  ->take_all();
+  auto* update =
+      sub_->add_flag("--update", o.update,
+                     "replace the golden traces of scenarios that differ, or whose files have changed");
+  update->excludes(set);
+  sub_->add_flag("--all", o.all, "update all scenarios without naming them")->needs(update);
+  sub_->add_option("--reason", o.reason, "why the new traces are right; written into their heads");
+  sub_->add_option("--jobs", o.jobs,
+                   "scenarios at a time; 0: one for each core. The result does not depend on it")
+      ->check(NumberWithin(0, 1024))
+      ->capture_default_str();
+  sub_->add_option(
+          "--device", o.device,
+          "for scenarios of the engine vulkan: part of the device's name, as `osteon doctor` lists it")
+      ->type_name("NAME");
+  sub_->footer(
+      "A scenario passes if every sampled quantity is within its tolerance of the golden trace and every "
+      "event "
+      "comes at its tick. The table also tells whether every bit is the same: another compiler or processor "
+      "may round differently.\n\n"
+      "Exit code 1: a scenario differs, cannot be run, or has no golden trace\n\n"
+      "Examples:\n  osteon regress\n  osteon regress --junit regress.xml --json regress.json\n"
+      "  osteon regress reaming_lbr my_scenarios/wall.yaml\n"
+      "  osteon regress reaming_lbr --set coupling.stiffness_N_per_mm=20.2\n"
+      "  osteon regress reaming_lbr --update --reason \"the reamer's mass was weighed anew\"");
+}
+
+int RegressCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+  options_.config_root = config_root;
+  options_.command_line = command_line;
+  return RunRegress(options_);
+}
+
+}  // namespace osteon::app

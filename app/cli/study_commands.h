@@ -1,0 +1,40 @@
+#pragma once
+
+#include <initializer_list>
+#include <span>
+#include <string_view>
+
+#include <CLI/CLI.hpp>
+
+// The subcommands of the second executable, osteon-studies: benchmarks, charts, failures, studies, and the
+// manual, which describes both. Running a cell needs none of them, so `osteon` does not link them and hands
+// over.
+
+namespace osteon::app {
+
+/// A subcommand's name and its line of help.
+struct StudyCommand {
+  std::string_view name, what;
+};
+
+/// The only list of them: help, hand-over and launcher go by it.
+[[nodiscard]] std::span<const StudyCommand> StudyCommands();
+
+/// Adds a subcommand of the list, with its line of help: in osteon-studies to be given its options, in
+/// `osteon` to be announced. @throws std::out_of_range for a name that is not in the list.
+CLI::App* AddStudy(CLI::App& app, std::string_view name);
+
+/// Announces studies in the help of `osteon`, at the place where it is made.
+class AnnouncedStudies {
+ public:
+  AnnouncedStudies(CLI::App& app, std::initializer_list<std::string_view> names);
+};
+
+/// Whether a command line asks for one of them. Options of `osteon` itself may precede its name.
+[[nodiscard]] bool AsksForStudy(int argc, char** argv);
+
+/// Replaces this process by osteon-studies, which lies beside this program, with the same command line.
+/// @returns the exit code if that fails; stderr then says how it is built.
+[[nodiscard]] int BecomeStudies(char** argv);
+
+}  // namespace osteon::app

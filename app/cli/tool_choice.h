@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "config/reading/load.h"
+
+namespace osteon::app {
+
+/// Parses "NAME[:DIAMETER]": a name under tools/ or a YAML file, and one of the tool's diameters in mm. The
+/// error names the part, what was found and what is accepted.
+[[nodiscard]] tl::expected<config::ToolChoice, std::string> ParseTool(
+    const std::string& text, const std::filesystem::path& config_root);
+
+}  // namespace osteon::app

@@ -1,0 +1,67 @@
+// The command osteon-studies: benchmarks, charts, failures, studies, and the manual of both programs.
+// `osteon` hands over to it. Exit codes as in main.cpp.
+
+#include <filesystem>
+#include <string>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "app/cli/calibrate_command.h"
+#include "app/cli/capability_command.h"
+#include "app/cli/command_line.h"
+#include "app/cli/failures_command.h"
+#include "app/cli/manual_command.h"
+#include "app/cli/measure_commands.h"
+#include "app/cli/osteon_commands.h"
+#include "app/cli/plan_command.h"
+#include "app/cli/regress_command.h"
+#include "app/cli/transparency_command.h"
+#include "app/cli/tune_command.h"
+#include "config/reading/config_file_tracker.h"
+
+namespace {
+
+using osteon::app::OsteonCommands;
+
+int Run(int argc, char** argv) {
+  CLI::App app{"what measures and decides", OsteonCommands::kName};
+  std::filesystem::path config_root;
+  osteon::app::PrepareTop(app, config_root);
+
+  osteon::app::FailuresCommand failures(app);
+  osteon::app::MeasureCommands measure(app);
+  osteon::app::CalibrateCommand calibrate(app);
+  osteon::app::CapabilityCommand capability(app);
+  osteon::app::TransparencyCommand transparency(app);
+  osteon::app::PlanCommand plan(app);
+  osteon::app::TuneCommand tune(app);
+  osteon::app::RegressCommand regress(app);
+  osteon::app::ManualCommands manual(app);
+
+  if (const auto code = osteon::app::ParseCommandLine(app, argc, argv)) return *code;
+  osteon::config::SetShippedFolder(config_root);
+  const std::string command_line = osteon::app::CommandLine(argc, argv);
+  if (failures.asked()) return failures.Run(config_root, command_line);
+  if (measure.asked()) return measure.Run(config_root);
+  if (calibrate.asked()) return calibrate.Run(config_root, command_line);
+  if (capability.asked()) return capability.Run(config_root, command_line);
+  if (transparency.asked()) return transparency.Run(config_root, command_line);
+  if (plan.asked()) return plan.Run(config_root);
+  if (tune.asked()) return tune.Run(config_root, command_line);
+  if (regress.asked()) return regress.Run(config_root, command_line);
+  if (manual.asked()) {
+    CLI::App osteon{OsteonCommands::kDescription, OsteonCommands::kName};
+    const OsteonCommands commands(osteon);
+    const CLI::App* const both[] = {&osteon, &app};
+    return manual.Run(both);
+  }
+  fmt::print("{}", app.help());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return osteon::app::RunMain([&] { return Run(argc, argv); });
+}

@@ -1,0 +1,71 @@
+#include "base/child_process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <thread>
+
+namespace osteon::app {
+namespace {
+
+constexpr std::chrono::milliseconds kPollInterval{5};
+
+// Runs between fork and exec: calls only what is permitted there.
+void Redirect(const char* file, int descriptor) {
+  const int opened = open(file, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  if (opened >= 0) dup2(opened, descriptor);
+}
+
+}  // namespace
+
+tl::expected<std::unique_ptr<ChildProcess>, std::string> ChildProcess::Start(ChildParams params) {
+  params.words.insert(params.words.begin(), "osteon");
+  std::vector<char*> arguments;
+  for (std::string& word : params.words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  if (params.out.empty()) params.out = "/dev/null";
+  if (params.program.empty()) params.program = "/proc/self/exe";
+
+  const pid_t parent = getpid();
+  const pid_t pid = fork();
+  if (pid < 0) return tl::make_unexpected(std::string("cannot start a process: ") + std::strerror(errno));
+  if (pid == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent) _exit(1);
+    setpgid(0, 0);  // the parent gets Ctrl-C, and then ends it
+    if (!params.folder.empty() && chdir(params.folder.c_str()) != 0) _exit(126);
+    Redirect(params.out.c_str(), STDOUT_FILENO);
+    if (!params.err.empty()) Redirect(params.err.c_str(), STDERR_FILENO);
+    execv(params.program.c_str(), arguments.data());
+    _exit(127);
+  }
+  return std::unique_ptr<ChildProcess>(new ChildProcess(pid));
+}
+
+ChildProcess::~ChildProcess() { End(std::chrono::milliseconds(0)); }
+
+bool ChildProcess::Ended() {
+  if (!ended_) ended_ = waitpid(pid_, &status_, WNOHANG) == pid_;
+  return ended_;
+}
+
+void ChildProcess::Send(int signal_number) const {
+  if (!ended_) kill(pid_, signal_number);
+}
+
+int ChildProcess::End(std::chrono::milliseconds patience) {
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (!Ended() && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(kPollInterval);
+  if (!ended_) {
+    kill(pid_, SIGKILL);
+    ended_ = waitpid(pid_, &status_, 0) == pid_;
+  }
+  return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);
+}
+
+}  // namespace osteon::app

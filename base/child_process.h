@@ -1,0 +1,53 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace osteon::app {
+
+struct ChildParams {
+  std::vector<std::string> words;   ///< of its command line, after the program's name
+  std::filesystem::path program{};  ///< file of the program; empty: this one
+  std::filesystem::path folder{};   ///< its working folder; empty: this process's
+  std::filesystem::path out{};      ///< file for its stdout; empty: discarded
+  std::filesystem::path err{};      ///< file for its stderr; empty: this process's
+};
+
+/// This program, or another, as another process. It ends with this one, however this one ends, and gets no
+/// Ctrl-C.
+class ChildProcess {
+ public:
+  /// Starts it. The error says why that failed.
+  [[nodiscard]] static tl::expected<std::unique_ptr<ChildProcess>, std::string> Start(ChildParams params);
+  /// Kills it if it still runs.
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  /// Whether it has ended. One thread only.
+  [[nodiscard]] bool Ended();
+  /// Sends a signal; does nothing if it has ended. Any thread.
+  void Send(int signal_number) const;
+  /// Waits for its end, and kills it after `patience`.
+  /// @returns the exit code as a shell shows it: 128 + the signal if a signal ended it.
+  int End(std::chrono::milliseconds patience);
+
+  [[nodiscard]] pid_t pid() const { return pid_; }
+
+ private:
+  explicit ChildProcess(pid_t pid) : pid_(pid) {}
+
+  pid_t pid_;
+  int status_{0};
+  std::atomic<bool> ended_{false};
+};
+
+}  // namespace osteon::app

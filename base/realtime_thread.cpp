@@ -1,0 +1,139 @@
+#include "base/realtime_thread.h"
+
+#include <fcntl.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
+#include <cstdlib>  // alloca
+
+#include <cstdint>
+#include <cstdio>
+#include <stdexcept>
+#include <vector>
+
+namespace osteon::rt {
+namespace {
+
+constexpr std::size_t kMaxPrefault = 1 << 20;  // a thread's stack has 8 MiB by default
+constexpr std::size_t kPage = 4096;            // the smallest page size
+constexpr unsigned kCapIpcLock = 14;           // linux/capability.h
+
+static_assert(kMaxCpu == CPU_SETSIZE - 1);
+
+void Require(const char* name, long value, long low, long high) {
+  if (value < low || value > high)
+    throw std::invalid_argument(std::string(name) + ": found " + std::to_string(value) + ", accepted " +
+                                std::to_string(low) + " … " + std::to_string(high));
+}
+
+cpu_set_t Alone(int cpu) noexcept {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(static_cast<std::size_t>(cpu), &set);
+  return set;
+}
+
+bool Pin(int cpu) noexcept {
+  if (cpu < 0 || cpu > kMaxCpu) return false;
+  const cpu_set_t set = Alone(cpu);
+  return pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0;
+}
+
+// Whether this process may lock memory without limit, so that locking cannot make an allocation fail.
+bool LocksWithoutLimit() noexcept {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY) return true;
+  std::FILE* file = std::fopen("/proc/self/status", "r");
+  if (!file) return false;
+  unsigned long long capabilities = 0;
+  for (char line[256]; std::fgets(line, sizeof line, file);)
+    if (std::sscanf(line, "CapEff: %llx", &capabilities) == 1) break;
+  std::fclose(file);
+  return (capabilities >> kCapIpcLock & 1) != 0;
+}
+
+// On fault: the stacks of all threads and a graphics driver's reserves are address space, not used memory.
+bool LockMemory() noexcept {
+  return LocksWithoutLimit() && mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0;
+}
+
+[[gnu::noinline]] void TouchStack(std::size_t bytes) noexcept {
+  auto* const room = static_cast<volatile char*>(alloca(bytes));
+  for (std::size_t i = 0; i < bytes; i += kPage) room[i] = 0;
+}
+
+// The CPUs that the system lets this process use, whether or not they are in its present mask: a core
+// isolated from the scheduler (isolcpus) is not in it. Found by trying each, as there is no other way to ask.
+std::vector<int> CpusOfThisProcess(const cpu_set_t& present) {
+  std::vector<int> cpus;
+  const long count = sysconf(_SC_NPROCESSORS_CONF);
+  for (int cpu = 0; cpu < count && cpu <= kMaxCpu; ++cpu)
+    if (Pin(cpu)) cpus.push_back(cpu);
+  pthread_setaffinity_np(pthread_self(), sizeof present, &present);
+  return cpus;
+}
+
+// "0 … 3, 8"
+std::string Ranges(const std::vector<int>& numbers) {
+  std::string text;
+  for (std::size_t i = 0; i < numbers.size();) {
+    std::size_t last = i;
+    while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
+    text += (text.empty() ? "" : ", ") + std::to_string(numbers[i]);
+    if (last > i) text += " … " + std::to_string(numbers[last]);
+    i = last + 1;
+  }
+  return text;
+}
+
+}  // namespace
+
+void Validate(const RealtimeThreadParams& params) {
+  Require("priority", params.priority, 0, 99);
+  Require("cpu", params.cpu, -1, kMaxCpu);
+  Require("prefault_stack_bytes", static_cast<long>(params.prefault_stack_bytes), 0, kMaxPrefault);
+}
+
+void NameThread(const char* name) noexcept { pthread_setname_np(pthread_self(), name); }
+
+bool KeepCpusAwake() noexcept {
+  static const bool awake = [] {
+    const int file = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+    if (file < 0) return false;
+    const std::int32_t max_latency_us = 0;
+    if (write(file, &max_latency_us, sizeof max_latency_us) == sizeof max_latency_us)
+      return true;  // holds while the file is open
+    close(file);
+    return false;
+  }();
+  return awake;
+}
+
+RealtimeGrant SetUpRealtimeThread(const RealtimeThreadParams& params) noexcept {
+  RealtimeGrant grant;
+  if (Pin(params.cpu)) grant.cpu = params.cpu;
+  grant.memory_locked = params.lock_memory && LockMemory();
+  grant.cpus_awake = params.keep_cpus_awake && KeepCpusAwake();
+  if (params.prefault_stack_bytes > 0)
+    TouchStack(params.prefault_stack_bytes < kMaxPrefault ? params.prefault_stack_bytes : kMaxPrefault);
+  // last: the calls before it may take long
+  const sched_param priority{.sched_priority = params.priority};
+  grant.realtime = params.priority > 0 && pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
+  return grant;
+}
+
+std::string ReserveCpu(int cpu) {
+  if (cpu < 0) return {};
+  cpu_set_t mask;
+  CPU_ZERO(&mask);
+  pthread_getaffinity_np(pthread_self(), sizeof mask, &mask);
+  if (!Pin(cpu)) return "found " + std::to_string(cpu) + ", accepted " + Ranges(CpusOfThisProcess(mask));
+  CPU_CLR(static_cast<std::size_t>(cpu), &mask);
+  if (CPU_COUNT(&mask) == 0) mask = Alone(cpu);
+  pthread_setaffinity_np(pthread_self(), sizeof mask, &mask);
+  return {};
+}
+
+}  // namespace osteon::rt

@@ -1,0 +1,73 @@
+#include "base/text.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace osteon::app {
+namespace {
+
+constexpr std::string_view kRangeMark = " … ";
+
+/// Breaks a text into lines of at most `width` columns; `first_word` finds the word at the text's beginning.
+template <class FirstWord>
+std::string WrapWords(std::string_view text, std::size_t indent, std::size_t width, FirstWord first_word) {
+  std::string wrapped;
+  std::size_t column = indent;
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, first_word(text));
+    text.remove_prefix(std::min(word.size() + 1, text.size()));
+    if (word.empty()) continue;
+    const std::size_t columns = ColumnsOf(word);
+    if (column > indent && column + 1 + columns > width) {
+      wrapped += "\n" + std::string(indent, ' ');
+      column = indent;
+    } else if (column > indent) {
+      wrapped += ' ';
+      ++column;
+    }
+    wrapped += word;
+    column += columns;
+  }
+  return wrapped;
+}
+
+}  // namespace
+
+std::size_t ColumnsOf(std::string_view text) {
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return !IsTailByte(c); }));
+}
+
+std::string WrapText(std::string_view text, std::size_t indent, std::size_t width) {
+  return WrapWords(text, indent, width, [](std::string_view rest) {
+    std::size_t end = std::min(rest.find(' '), rest.size());
+    // a range, "1 … 4", stays on one line
+    while (rest.substr(end).starts_with(kRangeMark))
+      end = std::min(rest.find(' ', end + kRangeMark.size()), rest.size());
+    return end;
+  });
+}
+
+std::string WrapMarkdown(std::string_view paragraph) {
+  return WrapWords(paragraph, 0, 120, [](std::string_view rest) {  // `code with spaces` is one word
+    bool code = false;
+    const auto end = std::ranges::find_if(rest, [&code](char c) {
+      code = code != (c == '`');
+      return c == ' ' && !code;
+    });
+    return static_cast<std::size_t>(end - rest.begin());
+  });
+}
+
+std::string Sentence(std::string text) {
+  if (text.empty()) return text;
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text.ends_with('.') ? text : text + ".";
+}
+
+std::string Lower(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+// Plain text: columns, lines, sentences.
+
+namespace osteon::app {
+
+/// In UTF-8 every byte but a character's first has the high bits 1 and 0.
+[[nodiscard]] constexpr bool IsTailByte(char c) { return (static_cast<unsigned char>(c) & 0xC0u) == 0x80u; }
+
+/// Columns that a text takes on a terminal, where each of its characters takes one.
+[[nodiscard]] std::size_t ColumnsOf(std::string_view text);
+
+/// Breaks a text into lines of at most `width` columns, between words, and not inside a range "1 … 4". Each
+/// line but the first begins with `indent` spaces, which count; the first begins at column `indent`. A word
+/// that is longer stands alone.
+[[nodiscard]] std::string WrapText(std::string_view text, std::size_t indent, std::size_t width);
+
+/// Wraps a paragraph of Markdown into lines of at most 120 characters, broken at spaces outside `code`.
+[[nodiscard]] std::string WrapMarkdown(std::string_view paragraph);
+
+/// Begins a text with a capital and ends it with a full stop; an empty text stays empty.
+[[nodiscard]] std::string Sentence(std::string text);
+
+/// Returns a text with its ASCII letters in lower case.
+[[nodiscard]] std::string Lower(std::string text);
+
+}  // namespace osteon::app

@@ -1,0 +1,139 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "control/loop/servo_loop.h"
+#include "hil/can/simulated_devices.h"
+#include "hil/injection/wire_faults.h"
+#include "hil/operator/scripts.h"
+#include "hil/plc/plc_server.h"
+#include "hil/simulated_cell.h"
+#include "io/devices/device_params.h"
+#include "io/fri/fri_session.h"
+#include "io/rsi/rsi_session.h"
+#include "kinematics/chain_params.h"
+#include "kinematics/lbr_params.h"
+#include "kinematics/ortho_parallel_params.h"
+#include "simulation/bone/scenes.h"
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/tools/tool.h"
+
+// Content of the files under config/, in SI: the libraries' parameters, and values without a type in a
+// library. Plain data; the accepted ranges are in the loaders (load.h).
+
+namespace osteon::config {
+
+/// The motor that turns a tool.
+struct ToolDriveConfig {
+  double gear_ratio{1.0};  ///< turns of the motor for each turn of the tool
+  double rated_torque_Nm{0.0};
+  double spin_up_s{0.0};  ///< from rest to the spindle's speed
+};
+
+struct ToolConfig {
+  simulation::Tool tool;
+  Pose X_FT{Pose::Identity()};  ///< tool in the flange's frame
+  double spindle_rad_per_s{0.0};
+  ToolDriveConfig drive;
+};
+
+/// Where the arm begins: the tool points into the cup along its axis.
+struct StartConfig {
+  double height_m{0.0};           ///< of the head's centre above the cup's, along the cup's axis
+  double tool_yaw_rad{0.0};       ///< turns the tool about its axis: R_CT = Rx(pi) Rz(yaw)
+  Pose X_WT{Pose::Identity()};    ///< follows from the two
+  double arm_angle_rad{0.0};      ///< of an LBR
+  control::JointPathParams path;  ///< from another posture of the arm to the start
+  double pause_force_N{40.0};     ///< a hand that pushes harder pauses this path
+  /// The start as joints [rad]: the arm's solution nearest to zero, with six axes nearest to their usual
+  /// posture, 0 -90 90 0 90 0 deg. The seventh joint of a six-axis arm is 0.
+  kinematics::JointVector q{kinematics::JointVector::Zero()};
+};
+
+/// An arm of seven joints.
+struct LbrConfig {
+  kinematics::LbrParams params;
+  /// The same joint by joint; the last link includes the load on the flange: force sensor and tool.
+  kinematics::ChainParams<7> chain;
+};
+
+/// An arm of six axes; their masses are not published.
+struct SixAxisConfig {
+  kinematics::OrthoParallelParams params;
+  kinematics::ChainParams<6> chain;  ///< the same joint by joint
+};
+
+struct RobotConfig {
+  std::string name;
+  std::variant<LbrConfig, SixAxisConfig> arm;
+
+  /// Null if the arm is of the other kind.
+  [[nodiscard]] const LbrConfig* lbr() const { return std::get_if<LbrConfig>(&arm); }
+  [[nodiscard]] const SixAxisConfig* six_axis() const { return std::get_if<SixAxisConfig>(&arm); }
+};
+
+/// Where the arm's messages arrive, and their protocol; the simulated arm sends there. An LBR speaks FRI, an
+/// arm of six axes RSI.
+struct ArmLinkConfig {
+  std::string host;  ///< dotted IPv4, of this machine
+  std::string
+      arm_host{};  ///< dotted IPv4, of the arm: nobody else is heard. Empty: the first that speaks is it
+  std::uint16_t port{0};
+  std::variant<io::FriSessionParams, io::RsiSessionParams> session;
+
+  /// Null if it is the other one.
+  [[nodiscard]] const io::FriSessionParams* fri() const {
+    return std::get_if<io::FriSessionParams>(&session);
+  }
+  [[nodiscard]] const io::RsiSessionParams* rsi() const {
+    return std::get_if<io::RsiSessionParams>(&session);
+  }
+};
+
+/// The independent supervisor between arm and controller: the arm sends to it, and it relays to the link's
+/// address.
+struct GuardConfig {
+  std::string host;  ///< dotted IPv4, of this machine, where the arm's messages arrive
+  std::uint16_t port{0};
+  double margin{0.25};     ///< beyond the controller's own limits, as a share of them
+  double silence_s{0.05};  ///< largest silence of the controller
+};
+
+/// A mesh or a packing that takes the place of the scene's generated solid.
+struct BoneConfig {
+  std::filesystem::path file;  ///< a closed mesh, or a packing (.osp)
+  std::optional<simulation::CutSite>
+      cup{};          ///< the site, in the file's frame after scaling; a packing may have its own
+  double scale{1.0};  ///< millimetres to a unit of a mesh
+};
+
+/// A cell, with the contents of the files that it names.
+struct CellConfig {
+  RobotConfig robot;
+  ToolConfig tool;
+  simulation::SceneParams scene;   ///< with the materials that it needs
+  std::optional<BoneConfig> bone;  ///< absent: the scene's own solid
+  Pose X_WB{Pose::Identity()};     ///< robot base in world
+  Pose X_WG{Pose::Identity()};     ///< bone in world: the frame C of its site
+  StartConfig start;
+  control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
+  control::Gains own_gains;           ///< from the cell's file, before a gains file overrides them
+  simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
+  ArmLinkConfig link;
+  std::optional<GuardConfig> guard;  ///< absent: the arm sends to the link's address itself
+  io::DeviceParams devices;          ///< force sensor, reamer drive, PLC: their addresses
+  /// Whether the file has `operator`, `script` and `simulated_arm`. A cell for a real arm alone may do
+  /// without; what simulates it refuses it then (RequireSimulation).
+  bool has_simulation{true};
+  hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that replace the real ones
+  hil::SimulatedDeviceParams simulated_devices;  ///< simulation of the same devices
+  std::optional<hil::PlcServerParams> simulated_plc;
+  hil::InjectionParams injections;  ///< faults on the simulated cell's wires
+  hil::ScriptParams script;         ///< the operator's script
+};
+
+}  // namespace osteon::config

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "config/reading/cell_config.h"
+#include "config/reading/strict/reader.h"
+
+// Checks whether a cell's geometry (base X_WB, bone X_WG, tool X_FT, workspace, start) is consistent. A pose
+// that was measured wrongly, or written in another unit, is a valid pose: the error shows only beside the
+// others.
+
+namespace osteon::config {
+
+/// One quantity of a registration, and its accepted range. For a table before a run.
+struct RegistrationRow {
+  std::string name;   ///< "from the arm's base to the site"
+  double value{0.0};  ///< in `unit`
+  std::string unit;   ///< "mm", "deg"
+  double low{-std::numeric_limits<double>::infinity()};
+  double high{std::numeric_limits<double>::infinity()};
+  std::string section, key;  ///< place in the cell's file to blame if the row does not hold
+  std::string hint;          ///< likely cause of a failure; may be empty
+  std::string note;          ///< remark if the row holds; may be empty
+
+  [[nodiscard]] bool holds() const noexcept { return value >= low && value <= high; }
+  /// "150.0 … 1126.0 mm", "at least 1.0 deg"; "any" if nothing is refused.
+  [[nodiscard]] std::string accepted() const;
+  /// "ok", "note: …" or "refused: accepted …".
+  [[nodiscard]] std::string verdict() const;
+};
+
+struct RegistrationReport {
+  std::vector<RegistrationRow> rows;
+};
+
+/// All checks, measured on a cell that LoadCell has returned.
+///
+/// | what | accepted |
+/// |---|---|
+/// | base to site | the base's foot and a bone have room beside each other: 150 mm or more |
+/// | shoulder to site | the stretched arm's reach with the tool's apex |
+/// | flange to apex | below 600 mm |
+/// | the tool's rotation | a rotation, to 1e-6 |
+/// | the site's room in the workspace | site radius + depth of the work below it, to every bound |
+/// | the base's tilt from the vertical | any; noted, since the arm's own controller must know of it |
+/// | start: joints | joint_margin_deg or more from the limits |
+/// | start: the apex in the workspace | inside |
+/// | start: tool axis from the site's axis | points into the bone, to 60 deg |
+/// | start: flange above the workspace's plane | above |
+///
+/// The start's values come from its joints by forward kinematics, through W B F T, independently of the way
+/// in which the joints were found. A depth is that of the scene's zone: the deepest point of a path, the
+/// bottom of a cup.
+[[nodiscard]] RegistrationReport DescribeRegistration(const CellConfig& cell);
+
+/// Checks the rows of base, bone, tool and workspace before the arm is placed at the start, since a mistake
+/// in one of these makes the placement impossible without saying which.
+/// @param reader  of the cell's file
+/// @throws ConfigError at the first row that does not hold: file:line, key, found and accepted.
+void CheckFrames(const CellConfig& cell, const Reader& reader);
+/// Refuses the key that is to blame for an impossible start (the arm does not get there, or the apex would be
+/// outside the workspace). A pose of the registration is to blame if its correction alone, to millimetres or
+/// turned over, makes the start possible, or if no height above the site does; otherwise start.height_mm.
+/// @param is_possible  whether the arm can be placed in a cell, which the function may change
+/// @param what  the error at the start
+/// @throws ConfigError always.
+[[noreturn]] void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string& what,
+                              const std::function<bool(CellConfig&)>& is_possible);
+
+/// Checks the rows of the start, once cell.start.q is known. @throws as CheckFrames.
+void CheckStart(const CellConfig& cell, const Reader& reader);
+
+}  // namespace osteon::config

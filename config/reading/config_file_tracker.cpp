@@ -1,0 +1,111 @@
+#include "config/reading/config_file_tracker.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace osteon::config {
+namespace {
+
+thread_local ConfigFileTracker* present = nullptr;
+
+std::filesystem::path AbsolutePath(const std::filesystem::path& path) {
+  return std::filesystem::absolute(path).lexically_normal();
+}
+
+bool IsBelow(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  const std::filesystem::path relative = path.lexically_relative(folder);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+std::filesystem::path& Shipped() {
+  static std::filesystem::path folder = [] {
+    const char* root = std::getenv("OSTEON_ROOT");
+    return std::filesystem::path(root ? root : ".") / "config";
+  }();
+  return folder;
+}
+
+bool IsFile(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+// The first file of that name in a folder of that name anywhere below the root, in the order of the paths.
+std::filesystem::path FindBelow(const std::filesystem::path& root, const std::string& kind,
+                                const std::string& file) {
+  std::filesystem::path found;
+  std::error_code error;
+  for (std::filesystem::recursive_directory_iterator at(root, error), end; !error && at != end;
+       at.increment(error)) {
+    const std::filesystem::path& path = at->path();
+    if (path.filename() == file && path.parent_path().filename() == kind && (found.empty() || path < found))
+      found = path;
+  }
+  return found;
+}
+
+}  // namespace
+
+std::filesystem::path ShippedFolder() { return Shipped(); }
+
+void SetShippedFolder(const std::filesystem::path& folder) { Shipped() = folder; }
+
+ConfigFileTracker::ConfigFileTracker() : ConfigFileTracker(Params{}) {}
+
+ConfigFileTracker::ConfigFileTracker(Params params) : params_(std::move(params)) {
+  if (present) throw std::logic_error("config: a ConfigFileTracker inside another");
+  if (!params_.root.empty()) params_.root = AbsolutePath(params_.root);
+  present = this;
+}
+
+ConfigFileTracker::~ConfigFileTracker() { present = nullptr; }
+
+void ConfigFileTracker::RecordFile(const std::filesystem::path& path, bool by_whole_path) {
+  if (!present) return;
+  const std::filesystem::path whole = AbsolutePath(path);
+  const auto known = std::find_if(present->files_.begin(), present->files_.end(),
+                                  [&](const File& f) { return f.path == whole; });
+  if (known == present->files_.end())
+    present->files_.push_back({.path = whole, .by_whole_path = by_whole_path});
+  else
+    known->by_whole_path |= by_whole_path;
+}
+
+std::filesystem::path ConfigFileTracker::ResolveNamed(const std::filesystem::path& folder,
+                                                      const std::filesystem::path& named) {
+  const std::filesystem::path path = (folder / named).lexically_normal();
+  if (!present || present->params_.root.empty()) {
+    RecordFile(path, named.is_absolute());
+    return path;
+  }
+  const Params& params = present->params_;
+  const std::filesystem::path found =
+      named.is_absolute() && !params.once_at.empty() && IsBelow(named.lexically_normal(), params.once_at)
+          ? params.root / named.lexically_normal().lexically_relative(params.once_at)
+          : AbsolutePath(path);
+  return IsBelow(found, params.root) ? found : std::filesystem::path();
+}
+
+std::filesystem::path ConfigFileTracker::FindByName(const std::filesystem::path& by, const std::string& kind,
+                                                    const std::string& name) {
+  const std::string file = name + ".yaml";
+  const std::filesystem::path folder = by.parent_path(),
+                              sibling = kind == "cells" ? folder / file : folder / ".." / kind / file;
+  const bool confined = present && !present->params_.root.empty();
+  std::filesystem::path found = confined ? AbsolutePath(sibling) : sibling.lexically_normal();
+  const bool is_there = IsFile(found) && AbsolutePath(found) != AbsolutePath(by);
+  if (confined) {
+    if (!is_there || !IsBelow(found, present->params_.root))
+      found = FindBelow(present->params_.root, kind, file);
+  } else if (!is_there) {
+    found = (Shipped() / kind / file).lexically_normal();
+  }
+  if (found.empty() || !IsFile(found)) return {};
+  RecordFile(found);
+  return found;
+}
+
+}  // namespace osteon::config

@@ -1,0 +1,35 @@
+#include <fmt/format.h>
+
+#include "config/reading/load.h"
+
+namespace osteon::config {
+
+std::vector<simulation::Material> LoadMaterials(const std::filesystem::path& path) {
+  Reader reader = Reader::Load(path);
+  std::vector<Reader> list = reader.Sections("materials", 1, simulation::kMaxMaterials);
+  std::vector<simulation::Material> materials;
+  for (Reader& tissue : list) {
+    const auto source = [&tissue](const std::string& figure) {
+      return simulation::FigureSource{.text = tissue.Text(figure + "_source"),
+                                      .assumed = tissue.Bool(figure + "_assumed")};
+    };
+    materials.push_back(
+        {.name = tissue.Text("name"),
+         .density_kg_per_m3 = tissue.Number("density_g_per_cm3", 0.01, 10),
+         .specific_cutting_energy_J_per_m3 = tissue.Number("cutting_energy_J_per_mm3", 1e-4, 100),
+         .cutting_force_ratio = tissue.Number("cutting_force_ratio", 0.01, 5),
+         .friction = tissue.Number("friction_ratio", 0, 2),
+         .density_source = source("density"),
+         .cutting_energy_source = source("cutting_energy"),
+         .cutting_force_source = source("cutting_force"),
+         .friction_source = source("friction")});
+  }
+  reader.Finish();
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (materials[k].name == materials[i].name)
+        list[i].Refuse("name", fmt::format("found {} again, accepted another name", materials[i].name));
+  return materials;
+}
+
+}  // namespace osteon::config

@@ -1,0 +1,34 @@
+#include "config/reading/named_file.h"
+
+#include <algorithm>
+#include <system_error>
+
+namespace osteon::config {
+
+std::vector<std::filesystem::path> YamlFilesIn(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  std::ranges::sort(files);
+  return files;
+}
+
+std::string YamlNamesIn(const std::filesystem::path& folder) {
+  std::string names;
+  for (const std::filesystem::path& file : YamlFilesIn(folder))
+    names += (names.empty() ? "" : ", ") + file.stem().string();
+  return names.empty() ? "none" : names;
+}
+
+tl::expected<std::filesystem::path, std::filesystem::path> FindNamedFile(const std::filesystem::path& folder,
+                                                                         const std::string& name) {
+  std::error_code error;
+  const bool whole = name.ends_with(".yaml");
+  const std::filesystem::path named(whole ? name : name + ".yaml"), inside = folder / named;
+  if (whole && std::filesystem::is_regular_file(named, error)) return named;
+  if (!named.has_parent_path() && std::filesystem::is_regular_file(inside, error)) return inside;
+  return tl::make_unexpected(whole ? named : inside);
+}
+
+}  // namespace osteon::config

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace osteon::config {
+
+/// The engine of a scenario, which decides how the bone yields.
+enum class ScenarioEngine : std::uint8_t {
+  kPlane,      ///< a rigid plane at the site (studies/regress/plane_engine.h): tests control alone
+  kReference,  ///< the cutting model in double precision
+  kVulkan,     ///< the same on a device
+};
+
+/// Largest differences of a scenario's run from its golden trace, by kind of quantity, in SI. The defaults
+/// are far above the effect of another compiler or processor, and far below the effect of a change of the
+/// program.
+struct TraceTolerances {
+  double position_m{1e-6};
+  double angle_rad{1e-5};
+  double force_N{0.01};
+  double torque_Nm{1e-3};
+  double speed_rad_per_s{0.01};  ///< of the spindle
+  double volume_m3{1e-10};       ///< of bone removed
+  double energy_J{1e-4};
+  double share{1e-3};   ///< of quantities between 0 and 1
+  double event_s{0.0};  ///< difference in time of a state, a fault or an event of the scene
+};
+
+/// A scenario of `osteon regress`: a cell, the values that it overrides, and the duration in virtual time.
+struct ScenarioConfig {
+  std::filesystem::path file;
+  std::string name;   ///< of the file, without its extension
+  std::string shows;  ///< in one line
+  std::filesystem::path cell;
+  ScenarioEngine engine{ScenarioEngine::kReference};
+  double seconds{1.0};    ///< in COMMANDING_ACTIVE
+  double frame_s{0.002};  ///< from one frame of the simulation to the next, and from its pose to its model
+  bool planned{false};    ///< the bone is packed as `osteon demo` plans it, not as the scene's `packing` says
+  double sample_s{0.02};  ///< from one sample of the golden trace to the next
+  int recoveries{0};      ///< number of restarts of the loop after a stop by the connection to the arm
+  std::optional<double> pause_s, resume_s;  ///< an operator's pause and its end, after rendering began
+  TraceTolerances tolerances;
+
+  /// Path of its golden trace: in a folder beside the file.
+  [[nodiscard]] std::filesystem::path golden() const {
+    return file.parent_path() / "golden" / (name + ".txt");
+  }
+};
+
+/// The key of the mapping with the overridden values: config::Overlay.
+inline constexpr const char* kOverridesKey = "overrides";
+
+}  // namespace osteon::config

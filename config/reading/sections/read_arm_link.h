@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "config/reading/cell_config.h"
+#include "config/reading/strict/reader.h"
+
+namespace osteon::config {
+
+/// Parts of the file that the later checks need.
+struct ArmLinkSections {
+  Reader link;                      ///< `fri` or `rsi`
+  std::optional<Reader> quality{};  ///< `link_quality`, beside fri
+  bool jump_accepted{false};        ///< of `rsi`: accept_jump_after_lost_answers
+};
+
+/// Reads section `fri`, with `link_quality`, or `rsi`: both ends of the wire to the arm. A cell has one of
+/// the two.
+///
+///     fri: {host, port, period_ms, [arm_host], [version], [wrench_torques], [receive_multiplier_count]}
+///     rsi: {host, port, [arm_host], layout, correction, absolute, hold_on, cycle_ms, ipoc_step_count, timeout_count,
+///           range_deg: [A1 … A6], or of cartesian corrections range_mm: [X, Y, Z] and range_deg: [A, B, C],
+///           [entry_step_deg], [settle_count], [late_at_start_count], [decimal_count],
+///           [accept_jump_after_lost_answers]}
+///
+/// Absolute corrections without hold_on are refused unless that jump is accepted; an address other than the
+/// loopback's is refused without arm_host. Absent keys keep the libraries' defaults. Sets link,
+/// servo.period_s and the arm's end: simulated.fri, or simulated.kr.
+[[nodiscard]] ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell);
+
+/// After Finish(), with the simulated arm read: checks values against each other.
+void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell);
+
+/// With the robot read: an LBR speaks FRI, an arm of six axes RSI; both ends of RSI get the arm's geometry.
+void CompleteArmLink(const Reader& cell_section, CellConfig& cell);
+
+/// Reads keys NAME_deg (six), or for Cartesian corrections NAME_mm and NAME_deg (three each): bounds on
+/// corrections in both directions. @returns them in the wire's units, mm and deg.
+[[nodiscard]] std::array<double, 6> ReadCorrectionRange(Reader& section, const std::string& name,
+                                                        io::RsiCorrection kind);
+
+}  // namespace osteon::config

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "config/reading/cell_config.h"
+#include "config/reading/strict/reader.h"
+
+namespace osteon::config {
+
+/// A device's section, and the bus that it names.
+struct DeviceBus {
+  Reader section;
+  std::string name;
+};
+
+/// Parts of the file that CompleteDevices needs.
+struct DeviceSections {
+  Reader cell;
+  DeviceBus sensor;
+  std::optional<DeviceBus> drive;
+  bool without_plc{false};  ///< the file contains without_plc: accepted
+};
+
+/// Reads sections `can`, `force_sensor` (its bus, make and pose), `plc` or `without_plc`, and `drive` if
+/// there is one: both sides of each wire.
+[[nodiscard]] DeviceSections ReadDevices(Reader& cell_section, Reader& force_sensor, CellConfig& cell);
+
+/// After Finish() and with the tool loaded: completes the drive's values and the sensor's load, and checks
+/// the buses together. Refuses an unknown bus, devices that use the same identifiers, and a cell that has no
+/// PLC without saying so.
+void CompleteDevices(const DeviceSections& sections, CellConfig& cell);
+
+}  // namespace osteon::config

@@ -1,0 +1,95 @@
+#include "config/reading/sections/read_gains.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace osteon::config {
+namespace {
+
+// Which keys must be present: all in a cell's file, any in a file that overrides it.
+enum class Keys { kAll, kAny };
+
+bool ShouldRead(Reader& section, Keys keys, const char* key) {
+  return keys == Keys::kAll || section.Has(key);
+}
+
+void ReadAdmittance(Reader section, Keys keys, control::AdmittanceParams& admittance) {
+  const auto triple = [&](const char* key, double min, double max, Vector3& value) {
+    if (ShouldRead(section, keys, key)) value = section.Triple(key, min, max);
+  };
+  const auto number = [&](const char* key, double min, double max, double& value) {
+    if (ShouldRead(section, keys, key)) value = section.Number(key, min, max);
+  };
+  triple("mass_kg", 0.1, 50, admittance.mass_kg);
+  triple("inertia_kg_m2", 0.001, 5, admittance.inertia_kg_m2);
+  triple("damping_Ns_per_m", 1, 2000, admittance.damping_Ns_per_m);
+  triple("damping_Nms_per_rad", 0.01, 100, admittance.damping_Nms_per_rad);
+  number("dead_zone_N", 0, 50, admittance.dead_zone_N);
+  number("dead_zone_Nm", 0, 5, admittance.dead_zone_Nm);
+  if (keys != Keys::kAll) return;
+  if (section.Has("centre_m")) admittance.centre_T_m = section.Triple("centre_m", -2, 2);
+  if (section.Has("locked"))
+    for (const std::size_t axis : section.Words("locked", {"x", "y", "z", "rx", "ry", "rz"}))
+      admittance.locked[axis] = true;
+}
+
+void ReadForces(Reader& section, Keys keys, control::CouplingParams& coupling) {
+  const auto number = [&](const char* key, double min, double max, double& value) {
+    if (ShouldRead(section, keys, key)) value = section.Number(key, min, max);
+  };
+  number("stiffness_N_per_mm", 0.1, 100, coupling.max_stiffness_N_per_m);
+  number("damping_Ns_per_m", 0, 2000, coupling.damping_Ns_per_m);
+  number("damping_share_ratio", 0, 0.25, coupling.damping_share);
+}
+
+}  // namespace
+
+void ReadAdmittance(Reader section, control::AdmittanceParams& admittance) {
+  ReadAdmittance(section, Keys::kAll, admittance);
+}
+
+void ReadCoupling(Reader section, control::CouplingParams& coupling) {
+  ReadForces(section, Keys::kAll, coupling);
+  coupling.fresh_s = section.Number("fresh_ms", 1, 1000);
+  coupling.gone_s = section.Number("gone_ms", 2, 1000);
+  coupling.ramp_s = section.Number("ramp_ms", 1, 10000);
+}
+
+void ApplyGainsFile(const std::filesystem::path& file, control::Law law,
+                    control::AdmittanceParams& admittance, control::CouplingParams& coupling,
+                    double max_stiffness_N_per_m) {
+  Reader reader = Reader::Load(file);
+  if (law == control::Law::kImpedance && reader.Has("admittance"))
+    reader.Refuse(
+        "admittance",
+        "found for a cell with the impedance law, which has no virtual tool; accepted coupling alone");
+  control::AdmittanceParams virtual_tool = admittance;
+  control::CouplingParams forces = coupling;
+  if (reader.Has("admittance")) ReadAdmittance(reader.Section("admittance"), Keys::kAny, virtual_tool);
+  if (reader.Has("coupling")) {
+    Reader section = reader.Section("coupling");
+    ReadForces(section, Keys::kAny, forces);
+    if (section.Has("stiffness_N_per_mm") && forces.max_stiffness_N_per_m > max_stiffness_N_per_m)
+      section.Refuse(
+          "stiffness_N_per_mm",
+          fmt::format("found {:.10g}, accepted at most {:.10g} while it runs: what it was started with",
+                      1e-3 * forces.max_stiffness_N_per_m, 1e-3 * max_stiffness_N_per_m));
+  }
+  reader.Finish();
+  admittance = virtual_tool;
+  coupling = forces;
+}
+
+control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law law, const control::Gains& own,
+                              double max_stiffness_N_per_m) {
+  control::AdmittanceParams admittance;
+  control::CouplingParams coupling;
+  control::ApplyGains(own, admittance, coupling);
+  ApplyGainsFile(file, law, admittance, coupling, max_stiffness_N_per_m);
+  // if the file does not set it, the cell's own is used, up to the allowed maximum
+  coupling.max_stiffness_N_per_m = std::min(coupling.max_stiffness_N_per_m, max_stiffness_N_per_m);
+  return control::GainsOf(admittance, coupling);
+}
+
+}  // namespace osteon::config

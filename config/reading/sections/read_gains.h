@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+
+#include <limits>
+
+#include "config/reading/strict/reader.h"
+#include "control/coupling/virtual_coupling.h"
+#include "control/laws/admittance_law.h"
+#include "control/laws/gains.h"
+#include "control/setup/servo_params.h"
+
+// The loop's gains, in a cell's file or in a file of their own that overrides it.
+
+namespace osteon::config {
+
+/// Reads every key of the cell's section `admittance`.
+void ReadAdmittance(Reader section, control::AdmittanceParams& admittance);
+/// Reads every key of the cell's section `coupling`.
+void ReadCoupling(Reader section, control::CouplingParams& coupling);
+
+/// Overrides gains by a file: sections `admittance` and `coupling`, each with any of the cell's own keys
+/// except those that are no gains (admittance: centre_m, locked; coupling: fresh_ms, gone_ms, ramp_ms), in
+/// the same ranges. Absent keys keep their value.
+/// @param law  of the cell: `admittance` is accepted only with that law
+/// @param max_stiffness_N_per_m  largest value in the file
+/// @throws ConfigError naming file, line, what was found and what is accepted.
+void ApplyGainsFile(const std::filesystem::path& file, control::Law law,
+                    control::AdmittanceParams& admittance, control::CouplingParams& coupling,
+                    double max_stiffness_N_per_m = std::numeric_limits<double>::infinity());
+
+/// Reads the gains file again and applies it to the cell's gains: the values that a running loop may change
+/// to.
+/// @param own  of the cell's own file  @param max_stiffness_N_per_m  with which the simulation was started
+/// @throws ConfigError naming file, line, what was found and what is accepted.
+[[nodiscard]] control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law law,
+                                            const control::Gains& own, double max_stiffness_N_per_m);
+
+}  // namespace osteon::config

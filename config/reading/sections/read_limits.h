@@ -1,0 +1,27 @@
+#pragma once
+
+#include "config/reading/strict/reader.h"
+#include "control/setup/servo_params.h"
+
+namespace osteon::config {
+
+/// Whether a section's places are in the bone's frame (`frame: bone`) instead of the world's.
+[[nodiscard]] bool IsInBoneFrame(Reader& section);
+/// Reads the section `limits`. @param lbr the arm has a redundant elbow
+void ReadLimits(Reader section, bool lbr, control::ServoParams& servo);
+
+/// Checks the section's reaction at the coupling's force limit against law and coupling, once these are
+/// known, and sets the defaults: `slow` with the admittance law, `yield` with the impedance law; and for the
+/// tool's depth in bone, twice the depth at which the force limit is reached, plus 3 mm.
+void CompleteForceLimit(Reader limits, control::ServoParams& servo);
+
+/// Reads the cell's optional list `zones`: convex sets that apex, flange or elbow must stay in or out of.
+void ReadZones(Reader& cell, const Pose& X_WG, safety::WorkspaceParams& workspace);
+
+/// Reads the cell's optional section `depth_limit`.
+void ReadDepthLimit(Reader& cell, const Pose& X_WG, safety::DepthLimitParams& depth);
+/// Checks its values against each other, once all are known to be present. @param coupling_N_per_m the
+/// coupling's own stiffness; gains that lower it lower the depth limit's along with it
+void CheckDepthLimit(Reader cell, const safety::DepthLimitParams& depth, double coupling_N_per_m);
+
+}  // namespace osteon::config

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "config/reading/strict/reader.h"
+
+namespace osteon::config {
+
+/// Reads a section with position_mm and rpy_deg: rotations about the fixed x, then y, then z axis (as in
+/// URDF).
+[[nodiscard]] Pose ReadPose(Reader section);
+
+}  // namespace osteon::config

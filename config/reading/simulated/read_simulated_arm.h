@@ -1,0 +1,28 @@
+#pragma once
+
+#include "config/reading/cell_config.h"
+#include "config/reading/strict/reader.h"
+
+namespace osteon::config {
+
+/// Parts of the section that need the robot.
+struct SimulatedArmSection {
+  Reader section;
+  hil::ArmLevel level{};
+  double coulomb_share{0.0};  ///< friction, as a share of a drive's torque limit
+  double viscous_share{0.0};  ///< as a share of the torque limit, at the velocity limit
+};
+
+/// Reads section `simulated_arm`, after the link's (ReadArmLink):
+///
+///     level: kinematic | servo | dynamic, bandwidth_hz, damping_ratio, dead_time_ms, [start_offset_deg]
+///     dynamic: {…}, of an LBR
+///     monitor_deg, or of cartesian corrections monitor_mm and monitor_deg: where a KR's controller ends RSI,
+///     [delay_in_a_row], [ask_again], [start_again_s]
+[[nodiscard]] SimulatedArmSection ReadSimulatedArm(Reader section, CellConfig& cell);
+
+/// After Finish() and with the robot read: gives the simulated arm the robot's parameters, with friction.
+/// Refuses a level that needs masses if the robot has none.
+void CompleteSimulatedArm(const SimulatedArmSection& section, CellConfig& cell);
+
+}  // namespace osteon::config

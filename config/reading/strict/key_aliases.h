@@ -1,0 +1,29 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace YAML {
+class Node;
+}
+
+// Keys that have a better name now. A file with the older name is read as before: a key is a contract.
+
+namespace osteon::config {
+
+struct KeyAlias {
+  std::string_view old_name, name;
+};
+
+/// Every older name with today's.
+[[nodiscard]] std::span<const KeyAlias> KeyAliases();
+
+/// Today's name of a key, which is the key itself where it has no other.
+[[nodiscard]] std::string CurrentKey(const std::string& key);
+
+/// The name under which a mapping has a key: today's or its older one; `key` itself if the mapping has
+/// neither.
+[[nodiscard]] std::string WrittenKey(const YAML::Node& mapping, const std::string& key);
+
+}  // namespace osteon::config

@@ -1,0 +1,229 @@
+#include "config/reading/strict/key_table.h"
+
+#include <algorithm>
+#include <deque>
+#include <iterator>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "config/reading/load.h"
+#include "config/reading/load_robot.h"
+#include "config/reading/load_scenario.h"
+#include "config/reading/sections/read_calibration.h"
+#include "config/reading/sections/read_gains.h"
+#include "config/reading/strict/reader.h"
+
+namespace osteon::config {
+namespace {
+
+thread_local KeyRecorder* present = nullptr;
+
+constexpr std::size_t kMaxRuns = 5000;
+
+using Set = std::set<std::string>;
+
+Set Both(const Set& a, const Set& b) {
+  Set both;
+  std::ranges::set_intersection(a, b, std::inserter(both, both.end()));
+  return both;
+}
+
+// The table of a place such as "zones[].", made if it is not there.
+KeyTable& At(KeyTable& table, const std::string& place) {
+  KeyTable* at = &table;
+  for (std::size_t begin = 0; begin < place.size();) {
+    const std::size_t dot = place.find('.', begin);
+    std::string key = place.substr(begin, dot - begin);
+    if (key.ends_with("[]")) key.resize(key.size() - 2);
+    at = &at->inner[key];
+    begin = dot + 1;
+  }
+  return *at;
+}
+
+}  // namespace
+
+KeyRecorder* KeyRecorder::Present() { return present; }
+
+std::size_t KeyRecorder::Decide(const std::string& question, std::size_t answers) {
+  asked_.emplace_back(question, answers);
+  const auto answer = answers_.find(question);
+  return answer == answers_.end() ? 0 : std::min(answer->second, answers - 1);
+}
+
+void KeyRecorder::Note(const std::string& place, const std::string& key, KeyInfo info) {
+  run_.mappings[place].keys.insert_or_assign(key, std::move(info));
+}
+
+bool KeyRecorder::NoteOptional(const std::string& place, const std::string& key) {
+  const bool is_there = Decide("has " + place + key, 2) == 0;
+  run_.mappings[place].optional[key] = is_there;
+  return is_there;
+}
+
+void KeyRecorder::Choose(const std::string& place, const std::string& key, bool is_there) {
+  answers_["has " + place + key] = is_there ? 0 : 1;
+  run_.mappings[place].optional[key] = is_there;
+}
+
+void KeyRecorder::NoteWord(const std::string& place, const std::string& key, const std::string& word) {
+  run_.mappings[place].words[key] = word;
+}
+
+void KeyRecorder::Finish(const std::string& place) {
+  for (auto& [inner, mapping] : run_.mappings)
+    if (inner.starts_with(place)) mapping.finished = true;
+  if (place.empty()) throw Ended{};
+}
+
+namespace {
+
+using Answers = std::map<std::string, std::size_t>;
+
+Set KnownIn(const KeyRecorder::Mapping& mapping) {
+  Set known;
+  for (const auto& [key, ignored] : mapping.keys) known.insert(key);
+  return known;
+}
+
+Set NeededIn(const KeyRecorder::Mapping& mapping) {
+  Set needed;
+  for (const auto& [key, ignored] : mapping.keys)
+    if (!mapping.optional.contains(key)) needed.insert(key);
+  return needed;
+}
+
+// Adds the keys of a run's mappings to the table, as needed by every run.
+void AddKeys(const KeyRecorder::Run& run, std::map<std::string, Set>& required, KeyTable& table) {
+  for (const auto& [place, mapping] : run.mappings) {
+    KeyTable& at = At(table, place);
+    for (const auto& [key, info] : mapping.keys) {
+      KeyInfo& known = at.keys.try_emplace(key, info).first->second;
+      if (known.type == KeyInfo::Type::kAny) known = info;
+      known.min = std::min(known.min, info.min);  // another range after another answer: the wider one
+      known.max = std::max(known.max, info.max);
+      if (known.size != info.size) known.size = 0;
+    }
+    if (!mapping.finished) continue;
+    for (const auto& [key, is_there] : mapping.optional)  // known, and read elsewhere
+      if (is_there) at.keys.try_emplace(key, KeyInfo{.type = KeyInfo::Type::kAny});
+    const Set needed = NeededIn(mapping);
+    const auto [all, is_first] = required.try_emplace(place, needed);
+    if (!is_first) all->second = Both(all->second, needed);
+  }
+}
+
+// Adds what the words of one key decide on: runs that differ in this one answer.
+void AddCases(const std::string& place, const std::string& key,
+              const std::vector<const KeyRecorder::Mapping*>& runs, KeyTable& table) {
+  Set somewhere, everywhere = KnownIn(*runs.front()), always = NeededIn(*runs.front());
+  for (const KeyRecorder::Mapping* run : runs) {
+    somewhere.merge(KnownIn(*run));
+    everywhere = Both(everywhere, KnownIn(*run));
+    always = Both(always, NeededIn(*run));
+  }
+  for (const KeyRecorder::Mapping* run : runs) {
+    KeyCase one{.key = key, .word = run->words.at(key), .required = {}, .excluded = {}};
+    const Set known = KnownIn(*run), needed = NeededIn(*run);
+    std::ranges::set_difference(somewhere, known, std::inserter(one.excluded, one.excluded.end()));
+    std::ranges::set_difference(needed, always, std::inserter(one.required, one.required.end()));
+    if (!one.required.empty() || !one.excluded.empty()) At(table, place).cases.push_back(std::move(one));
+  }
+}
+
+}  // namespace
+
+KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& load) {
+  if (present) throw std::logic_error("config: RecordKeys inside another");
+  std::deque<Answers> waiting{{}};
+  std::set<std::pair<std::string, std::size_t>> tried;
+  std::set<Answers> seen{{}};
+  std::vector<KeyRecorder::Run> runs;
+  const auto record = [&](const Answers& answers) {
+    KeyRecorder recorder;
+    recorder.answers_ = answers;
+    present = &recorder;
+    try {
+      load("recorded.yaml");
+    } catch (const KeyRecorder::Ended&) {
+    } catch (const std::exception&) {  // these answers do not go together
+    }
+    present = nullptr;
+    runs.push_back(std::move(recorder.run_));
+    return std::move(recorder.asked_);
+  };
+  constexpr std::string_view kChoice = "choice ";
+  std::map<std::string, std::pair<Answers, std::size_t>> choices;  // of runs that ended, with their answers
+  while (!waiting.empty()) {
+    if (runs.size() == kMaxRuns) throw std::logic_error("config: a loader asks without end");
+    const Answers answers = std::move(waiting.front());
+    waiting.pop_front();
+    const auto asked = record(answers);
+    const bool ended = runs.back().mappings.contains("") && runs.back().mappings.at("").finished;
+    // the last question of a run without end is likely to have the answer that the others do not go with
+    if (!ended && !asked.empty())
+      for (std::size_t answer = 0; answer < asked.back().second; ++answer) {
+        Answers other = answers;
+        other[asked.back().first] = answer;
+        if (seen.insert(other).second) waiting.push_back(std::move(other));
+      }
+    for (const auto& [question, count] : asked) {
+      if (ended && question.starts_with(kChoice)) choices.try_emplace(question, answers, count);
+      for (std::size_t answer = 1; answer < count; ++answer)
+        if (tried.emplace(question, answer).second) {
+          waiting.push_back(answers);
+          waiting.back()[question] = answer;
+        }
+    }
+  }
+
+  KeyTable table;
+  for (const auto& [question, choice] : choices) {
+    const std::size_t dot = question.rfind('.');
+    const std::string key = question.substr(dot == std::string::npos ? kChoice.size() : dot + 1);
+    const std::string place = question.substr(kChoice.size(), question.size() - kChoice.size() - key.size());
+    const std::size_t first = runs.size();
+    for (std::size_t answer = 0; answer < choice.second; ++answer) {
+      Answers answers = choice.first;
+      answers[question] = answer;
+      static_cast<void>(record(answers));
+    }
+    std::vector<const KeyRecorder::Mapping*> same;
+    for (std::size_t i = first; i < runs.size(); ++i)
+      if (const auto at = runs[i].mappings.find(place); at != runs[i].mappings.end() && at->second.finished)
+        same.push_back(&at->second);
+    if (same.size() > 1) AddCases(place, key, same, table);
+  }
+  std::map<std::string, Set> required;  // by place
+  for (const KeyRecorder::Run& run : runs) AddKeys(run, required, table);
+  for (const KeyRecorder::Run& run : runs)
+    for (const auto& [place, ignored] : run.mappings)
+      for (auto& [key, info] : At(table, place).keys)
+        info.required = required[place].contains(key);  // none where no answers go together to the end
+  return table;
+}
+
+std::vector<FileKind> FileKinds() {
+  return {
+      {"cell", "cells", [](const auto& file) { static_cast<void>(LoadCell(file)); }},
+      {"robot", "robots", [](const auto& file) { static_cast<void>(LoadRobot(file)); }},
+      {"tool", "tools", [](const auto& file) { static_cast<void>(LoadTool(file)); }},
+      {"scene", "scenes", [](const auto& file) { static_cast<void>(LoadScene(file)); }},
+      {"materials", "materials", [](const auto& file) { static_cast<void>(LoadMaterials(file)); }},
+      {"scenario", "scenarios", [](const auto& file) { static_cast<void>(LoadScenario(file)); }},
+      {"gains", "",
+       [](const auto& file) {
+         control::AdmittanceParams admittance;
+         control::CouplingParams coupling;
+         ApplyGainsFile(file, control::Law::kAdmittance, admittance, coupling);
+       }},
+      {"calibration", "",
+       [](const auto& file) {
+         CellConfig cell;
+         ApplyCalibration(file, cell);
+       }},
+  };
+}
+
+}  // namespace osteon::config

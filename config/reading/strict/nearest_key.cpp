@@ -1,0 +1,43 @@
+#include "config/reading/strict/nearest_key.h"
+
+#include <algorithm>
+
+namespace osteon::config {
+namespace {
+
+constexpr std::size_t kLongestKey = 100;  // longer keys are not worth the quadratic work
+
+// Optimal string alignment distance: Levenshtein's with swaps of neighbours, by rows.
+std::size_t Distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, replaced});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    before.swap(last);
+    last.swap(row);
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+std::string NearestKey(const std::string& key, const std::vector<std::string>& candidates) {
+  if (key.size() > kLongestKey) return {};
+  std::string nearest;
+  std::size_t least = std::max<std::size_t>(1, key.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = Distance(key, candidate);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = candidate;
+  }
+  return nearest;
+}
+
+}  // namespace osteon::config

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "kinematics/spatial.h"
+
+namespace osteon::config {
+
+/// An error in a configuration file, as "file:line: key: found …, accepted …".
+class ConfigError : public std::runtime_error {
+ public:
+  /// @param line  counted from 1; 0 for the whole file, and then left out of the text.
+  ConfigError(const std::string& file, int line, const std::string& what);
+
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] int line() const { return line_; }
+  /// The same error with a remark at its end.
+  [[nodiscard]] ConfigError With(const std::string& remark) const;
+
+ private:
+  ConfigError(const std::string& text, const ConfigError& error);
+
+  std::string file_;
+  int line_;
+};
+
+/// Strict reader of one mapping of a YAML file.
+///
+///     Reader reader = Reader::Load("config/tools/reamer.yaml");
+///     const double radius_m = reader.Number("radius_mm", 1, 100);   // found in mm, given in m
+///     reader.Finish();                                              // refuses unknown and missing keys
+///
+/// A number's unit is the end of its key (units.h), and its value is returned in SI. A value of the wrong
+/// type or out of range throws at once. A missing key is noted, returns an accepted value, and throws in
+/// Finish(), where a typo can be told from a gap: so use no value before Finish() has returned. Copies are
+/// views of the same mapping. One thread at a time.
+class Reader {
+ public:
+  /// @throws ConfigError if the file cannot be read, is not YAML, not one document, or not a mapping with
+  ///   unique keys.
+  [[nodiscard]] static Reader Load(const std::filesystem::path& path);
+  /// The same for a file that may extend another of its kind. The key `extends` names the other file, whose
+  /// values hold where this file has none: by key, in sections too; a list is replaced as a whole. `remove`
+  /// lists keys of the other file ("start.arm_angle_deg") that do not hold here. Errors name the file that
+  /// has the value.
+  /// @param kind  the folder of such files, as in File()
+  /// @throws ConfigError as Load, or if the other file extends one itself.
+  [[nodiscard]] static Reader LoadExtending(const std::filesystem::path& path, const std::string& kind);
+  /// The same for a text; `name` is the file name for errors and for the folder of File().
+  [[nodiscard]] static Reader Parse(const std::string& text, const std::filesystem::path& name);
+
+  /// Whether the file has this optional key.
+  [[nodiscard]] bool Has(const std::string& key);
+
+  /// Reads a finite number, min and max in the unit of the key. @returns it in SI.
+  /// @throws std::logic_error if the key names no unit: a mistake of the program, not of the file.
+  [[nodiscard]] double Number(const std::string& key, double min, double max);
+  /// Reads a list of `size` numbers. @returns them in SI.
+  [[nodiscard]] std::vector<double> Numbers(const std::string& key, std::size_t size, double min, double max);
+  /// Reads three numbers. @returns them in SI.
+  [[nodiscard]] Vector3 Triple(const std::string& key, double min, double max);
+  /// Reads three numbers of length 1 to within 1e-3. @returns them normalised.
+  [[nodiscard]] Vector3 Direction(const std::string& key);
+  /// Reads a whole number.
+  [[nodiscard]] int WholeNumber(const std::string& key, int min, int max);
+  [[nodiscard]] bool Bool(const std::string& key);
+  /// Reads a text that is not empty.
+  [[nodiscard]] std::string Text(const std::string& key);
+  /// Reads one of the accepted words. @returns its index among them.
+  [[nodiscard]] std::size_t Choice(const std::string& key, std::initializer_list<const char*> accepted);
+  /// Reads a list of some of the accepted words, none twice. @returns their indices among them, as listed.
+  [[nodiscard]] std::vector<std::size_t> Words(const std::string& key,
+                                               std::initializer_list<const char*> accepted);
+  /// Reads the path of an existing file, relative to this file's folder.
+  [[nodiscard]] std::filesystem::path File(const std::string& key);
+  /// The same, or a name alone ("reamer"), which is looked for in folders of a kind
+  /// (ConfigFileTracker::FindByName).
+  /// @param kind  "robots", "tools", …
+  [[nodiscard]] std::filesystem::path File(const std::string& key, const std::string& kind);
+
+  /// A mapping inside this one.
+  [[nodiscard]] Reader Section(const std::string& key);
+  /// The one of these mappings that is present; refuses a second one.
+  [[nodiscard]] Reader OneSection(std::initializer_list<const char*> keys);
+  /// A list of mappings, min to max of them.
+  [[nodiscard]] std::vector<Reader> Sections(const std::string& key, std::size_t min, std::size_t max);
+
+  /// @throws ConfigError naming the first unknown key (with the nearest known one) or missing key of this
+  ///   mapping and of those inside it.
+  void Finish() const;
+
+  /// The file that this one extends (LoadExtending); empty: none.
+  [[nodiscard]] std::filesystem::path Extended() const;
+
+  /// Refuses a key for a reason that only the caller can check, such as one value against another. @throws
+  /// ConfigError at the key's line, with the key and `what`.
+  [[noreturn]] void Refuse(const std::string& key, const std::string& what) const;
+
+ private:
+  struct Mapping;
+  // The file that a key names.
+  [[nodiscard]] std::filesystem::path FindFile(const std::string& key, const std::string& kind);
+  explicit Reader(std::shared_ptr<Mapping> mapping) : mapping_(std::move(mapping)) {}
+
+  std::shared_ptr<Mapping> mapping_;
+};
+
+}  // namespace osteon::config

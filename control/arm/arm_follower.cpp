@@ -1,0 +1,486 @@
+#include "control/arm/arm_follower.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+
+#include "base/prefetch.h"
+#include "control/laws/twist_parts.h"
+#include "kinematics/force_capability.h"
+#include "kinematics/redundancy.h"
+#include "kinematics/serial_chain.h"
+#include "safety/joint_guard.h"
+#include "safety/joint_torque_limit.h"
+#include "safety/workspace.h"
+
+namespace osteon::control {
+namespace {
+
+using safety::Fault;
+
+constexpr double kElbowRate_per_s = 40.0;  // gain toward the wanted arm angle, near it
+constexpr double kElbowThere_rad = 1e-6;
+constexpr double kMoving_m_per_s = 0.02,
+                 kMoving_rad_per_s = 0.1;  // tool speed from which the elbow has its full speed
+constexpr double kStands = 1e-6;           // as a share of that: rounding
+constexpr int kBrakingHalvings = 10;       // bisections when motion is added to the braking
+constexpr int kZoneTries = 4;         // trial shares of a step; the first leaves only the curvature's error
+constexpr double kZoneSlack = 0.999;  // factor so that the next trial holds
+
+double WrapAngle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+
+// The additions of an LBR over six axes: an elbow that can move while the tool stays, and known torques.
+struct Redundancy {
+  Redundancy(const ServoParams& params, const Pose& X_WB, const Pose& X_FT, double wanted_arm_angle_rad)
+      : arm_angle_rad(wanted_arm_angle_rad) {
+    if (!std::isfinite(arm_angle_rad)) throw std::invalid_argument("arm_angle_rad: accepted a finite angle");
+    if (!params.arm_body || !params.arm_body->has_masses) return;
+    load.load = params.posture_load;
+    load.p_F = X_FT.translation();
+    load.axis_F = X_FT.linear().col(2);
+    kinematics::JointVectorN<7>& torque_limit_Nm = load.torque_limit_Nm;
+    for (int i = 0; i < 7; ++i) {
+      torque_limit_Nm[i] = params.arm_body->joints[static_cast<std::size_t>(i)].limits.torque_Nm;
+    }
+    torques.emplace(torque_limit_Nm);
+    body.emplace(*params.arm_body, X_WB.linear().transpose() * kinematics::kGravity_W_m_per_s2);
+  }
+
+  double arm_angle_rad;  // wanted
+  std::optional<kinematics::SerialChain<7>> body;
+  std::optional<safety::JointTorqueLimit<7>> torques;  // if there is a body
+  kinematics::LoadTarget<7> load;                      // torque limits: of the drives
+  bool arrived{false};                                 // the wanted arm angle has been reached once
+};
+struct NoRedundancy {};
+
+/// @tparam Arm  LbrArm or OrthoParallelArm
+template <class Arm>
+class JointFollower final : public ArmFollower {
+ public:
+  static constexpr int kN = Arm::kJoints;
+  static constexpr bool kRedundant = kN == 7;
+  using Joints = typename Arm::Joints;
+  using Elbow = std::conditional_t<kRedundant, Redundancy, NoRedundancy>;
+
+  JointFollower(const ServoParams& params, const Arm& arm, const kinematics::ChainParams<kN>* path_chain,
+                const Pose& X_WB, const Pose& X_FT, Elbow elbow)
+      : params_(params),
+        arm_(arm),
+        X_WB_(X_WB),
+        X_BW_(X_WB.inverse()),
+        X_FT_(X_FT),
+        X_TF_(X_FT.inverse()),
+        elbow_(std::move(elbow)),
+        motion_(MotionParams<kN>(params)),
+        guard_(params.joints),
+        workspace_(WorkspaceOf(params)) {
+    if (!params.start) return;
+    if (!path_chain)
+      throw std::invalid_argument(
+          "servo start: found no arm_body, accepted one: its path needs the arm's lengths");
+    path_.emplace(params.start->path, *path_chain, X_FT.translation());
+  }
+
+  [[nodiscard]] Pose ToolPose(const JointArray& q) const OSTEON_RT override { return PoseOf(ToJoints(q)); }
+  [[nodiscard]] JointArray q() const OSTEON_RT override {
+    JointArray q{};
+    std::copy_n(q_.data(), kN, q.begin());
+    return q;
+  }
+
+  void ResetTo(const JointArray& q) OSTEON_RT override {
+    q_ = ToJoints(q);
+    X_WT_ = PoseOf(q_);
+    StopJoints();
+  }
+  void StopJoints() OSTEON_RT override { q_step_.setZero(); }
+  void StartFollowing() OSTEON_RT override {
+    motion_share_ = 1.0;
+    moving_ = 0.0;
+    if constexpr (kRedundant) elbow_.arrived = false;
+  }
+
+  [[nodiscard]] MotionResult Follow(const MotionRequest& request) OSTEON_RT override;
+  [[nodiscard]] Fault FollowMeasured(const JointArray& q_meas, double share) OSTEON_RT override {
+    const auto guard = guard_.Limit(q_, share * (ToJoints(q_meas) - q_), params_.period_s);
+    if (guard.jump || guard.violated) return Fault::kJointLimit;
+    q_step_ = guard.step;
+    q_ += q_step_;
+    X_WT_ = PoseOf(q_);
+    return Fault::kNone;
+  }
+  [[nodiscard]] JointArray Torques(const JointArray& q, const Wrench& F_T_W) const OSTEON_RT override {
+    Eigen::Matrix<double, 6, 1> F_B;
+    F_B << X_BW_.linear() * F_T_W.f, X_BW_.linear() * F_T_W.t;
+    Joints tau = arm_.JacobianAt(ToJoints(q), X_FT_.translation()).transpose() * F_B;
+    if constexpr (kRedundant)
+      if (elbow_.torques) tau *= elbow_.torques->Share(elbow_.body->Gravity(ToJoints(q)), tau);
+    JointArray result{};
+    std::copy_n(tau.data(), kN, result.begin());
+    return result;
+  }
+  [[nodiscard]] bool UpdateExternalTorques(
+      [[maybe_unused]] const JointArray& tau_external_Nm) OSTEON_RT override {
+    if constexpr (kRedundant)
+      return elbow_.torques && elbow_.torques->Check(Gravity(), ToJoints(tau_external_Nm));
+    return false;
+  }
+  [[nodiscard]] bool BrakeJoints() OSTEON_RT override;
+  [[nodiscard]] bool braking_joints() const OSTEON_RT override { return stop_ticks_ > 0; }
+
+  [[nodiscard]] ZoneCheck CheckZones(const JointArray& q, const JointArray& q_next) const OSTEON_RT override {
+    if (!HasZones()) return {};
+    const Joints from = ToJoints(q), to = ToJoints(q_next);
+    const Points points = PointsOf(to);
+    return {.share = ZoneShare(from, to - from, PointsOf(from), points, kCarried),
+            .outside = std::any_of(kCarried.begin(), kCarried.end(), [&](ZonePoint point) {
+              return workspace_.Has(point) && workspace_.Violated(At(points, point), point);
+            })};
+  }
+
+  void Prefetch() const OSTEON_RT override { rt::Prefetch(*this); }
+
+  [[nodiscard]] bool AtStart() const OSTEON_RT override {
+    return !path_ || (q_ - Start()).cwiseAbs().maxCoeff() <= params_.start->tolerance_rad;
+  }
+  [[nodiscard]] bool BeginStartPath() OSTEON_RT override { return path_->Begin(q_, Start()); }
+  [[nodiscard]] StartStep StepToStart(bool permitted) OSTEON_RT override;
+
+  [[nodiscard]] safety::LimitedWrench Limit(const safety::WrenchLimiter& limiter,
+                                            const Wrench& F_T_W) const OSTEON_RT override;
+
+ private:
+  using ZonePoint = safety::ZonePoint;
+  static constexpr std::array<ZonePoint, 2> kCarried{ZonePoint::kFlange, ZonePoint::kElbow};  // by the joints
+  static constexpr std::array<ZonePoint, 3> kAll{ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow};
+
+  static Joints ToJoints(const JointArray& q) { return Eigen::Map<const Joints>(q.data()); }
+  [[nodiscard]] Pose PoseOf(const Joints& q) const OSTEON_RT { return X_WB_ * arm_.FlangePose(q) * X_FT_; }
+  // Jacobian of the apex at q_, cached: several callers use it in a tick.
+  [[nodiscard]] const kinematics::JacobianN<kN>& Jacobian() const OSTEON_RT {
+    if (jacobian_q_ != q_) {
+      jacobian_ = arm_.JacobianAt(q_, X_FT_.translation());
+      jacobian_q_ = q_;
+    }
+    return jacobian_;
+  }
+  // Torques that hold the arm at q_, cached as well. @pre its masses are known
+  [[nodiscard]] const Joints& Gravity() const OSTEON_RT {
+    if constexpr (kRedundant) {
+      if (gravity_q_ != q_) {
+        gravity_Nm_ = elbow_.body->Gravity(q_);
+        gravity_q_ = q_;
+      }
+    }
+    return gravity_Nm_;
+  }
+  [[nodiscard]] Joints Start() const OSTEON_RT { return params_.start->q.template head<kN>(); }
+  void BrakeBeforeBounds(const kinematics::MotionInput<kN>& wanted,
+                         kinematics::MotionOutput<kN>& moves) const OSTEON_RT;
+  [[nodiscard]] Joints NullSpaceVelocity(const MotionRequest& request) OSTEON_RT;
+
+  // Positions in W of the points with zones, by ZonePoint, and the flange pose that they come from.
+  struct Points {
+    std::array<Vector3, 3> p_W{};
+    Pose X_BF{Pose::Identity()};
+  };
+  static const Vector3& At(const Points& points, ZonePoint point) OSTEON_RT {
+    return points.p_W[static_cast<std::size_t>(point)];
+  }
+  [[nodiscard]] Points PointsOf(const Joints& q) const OSTEON_RT;
+  [[nodiscard]] double ElbowShare(const Points& from, const Points& to,
+                                  double max_speed_m_per_s) const OSTEON_RT;
+  [[nodiscard]] double ZoneShare(const Joints& q, const Joints& step, const Points& from, const Points& to,
+                                 std::span<const ZonePoint> points) const OSTEON_RT;
+  [[nodiscard]] bool HasZones() const OSTEON_RT {
+    return workspace_.Has(ZonePoint::kFlange) || workspace_.Has(ZonePoint::kElbow);
+  }
+
+  ServoParams params_;
+  Arm arm_;
+  Pose X_WB_, X_BW_, X_FT_, X_TF_;
+  [[no_unique_address]] Elbow elbow_;
+  kinematics::DifferentialInverse<kN> motion_;
+  safety::JointGuard<kN> guard_;
+  safety::Workspace workspace_;
+  std::optional<JointPath<kN>> path_;  // to the start
+
+  Joints q_{Joints::Zero()};
+  static inline const Joints kNowhere = Joints::Constant(std::numeric_limits<double>::quiet_NaN());
+  // of the last tick
+  Joints q_step_{Joints::Zero()};
+  double motion_share_{1.0};  // of the task
+  Points points_{};           // of these joints
+  Joints points_q_{kNowhere};
+  mutable kinematics::JacobianN<kN> jacobian_{kinematics::JacobianN<kN>::Zero()};
+  mutable Joints jacobian_q_{kNowhere};
+  mutable Joints gravity_Nm_{Joints::Zero()}, gravity_q_{kNowhere};
+  double moving_{0.0};  // 0 … 1: how much the tool moved
+  double sigma_min_m_{1.0};
+  Joints sigma_gradient_m_{Joints::Zero()}, null_direction_{Joints::Zero()};
+  Eigen::Matrix<double, 6, 6> directions_{Eigen::Matrix<double, 6, 6>::Identity()};  // of the Jacobian
+  int stop_ticks_{0};  // left of a stop along the joints; 0: none under way
+};
+
+template <class Arm>
+MotionResult JointFollower<Arm>::Follow(const MotionRequest& request) OSTEON_RT {
+  const double dt_s = params_.period_s;
+  MotionResult result{.V_WT = request.V_WT};
+  kinematics::MotionInput<kN> wanted;
+  wanted.J = Jacobian();
+  wanted.V_BT = ExpressedIn(X_BW_.linear(), request.V_WT);
+  wanted.q = q_;
+  wanted.qd_before = q_step_ / dt_s;
+  wanted.share_before = motion_share_;
+  wanted.qd_null = NullSpaceVelocity(request);
+  wanted.dt_s = dt_s;
+  wanted.U_before = directions_;
+  kinematics::MotionOutput<kN> moves = motion_.Step(wanted);
+  if (!moves.finite) {
+    result.fault = Fault::kInverseKinematics;
+    return result;
+  }
+  if (moves.limit != kinematics::MotionLimit::kNone) BrakeBeforeBounds(wanted, moves);
+  // an independent check of the limited motion
+  const auto guard = guard_.Limit(q_, dt_s * moves.qd, dt_s);
+  if (guard.jump || guard.violated) {
+    result.fault = Fault::kJointLimit;
+    return result;
+  }
+  motion_share_ = moves.share;
+  directions_ = moves.U;
+  moving_ = std::min(1.0, moves.V_BT.v.norm() / kMoving_m_per_s + moves.V_BT.w.norm() / kMoving_rad_per_s);
+  if (moving_ < kStands) moving_ = 0.0;
+  sigma_min_m_ = moves.sigma_min_m;
+  sigma_gradient_m_ = moves.sigma_gradient_m;
+  null_direction_ = moves.null_direction;
+  double elbow_share = 1.0, zone_share = 1.0;
+  if (HasZones() || std::isfinite(request.max_elbow_speed_m_per_s)) {
+    if (q_ != points_q_) {
+      points_ = PointsOf(q_);
+      points_q_ = q_;
+    }
+    Points to = PointsOf(q_ + guard.step);
+    elbow_share = ElbowShare(points_, to, request.max_elbow_speed_m_per_s);
+    if (elbow_share < 1.0) to = PointsOf(q_ + elbow_share * guard.step);
+    zone_share = ZoneShare(q_, elbow_share * guard.step, points_, to, kCarried);
+    if (elbow_share == 1.0 && zone_share == 1.0) {  // the next tick begins from these points
+      points_ = to;
+      points_q_ = q_ + guard.step;
+    }
+  }
+  const double share = elbow_share * zone_share;
+  q_step_ = share * guard.step;
+  q_ += q_step_;
+  X_WT_ = points_q_ == q_ ? Pose(X_WB_ * points_.X_BF * X_FT_) : PoseOf(q_);
+  result.limited = moves.limit != kinematics::MotionLimit::kNone || guard.share < 1.0;
+  result.zone_acted = zone_share < 1.0;
+  result.elbow_acted = elbow_share < 1.0;
+  if (result.limited || share < 1.0)
+    result.V_WT = ExpressedIn(X_WB_.linear(), Scaled(moves.V_BT, guard.share * share));
+  return result;
+}
+
+// Brakes before the apex's bounds when the joints' accelerations interfere. The requested twist brakes for
+// the bounds, but when the acceleration limits cut a change they cut its braking part as well: a hand that
+// pushes hard along a bound would take the arm over it. So the braking comes first: the previous motion,
+// braked as the bounds require, plus as much of the requested motion as they allow. Both keep to the
+// accelerations, as long as the braking alone does.
+template <class Arm>
+void JointFollower<Arm>::BrakeBeforeBounds(const kinematics::MotionInput<kN>& wanted,
+                                           kinematics::MotionOutput<kN>& moves) const OSTEON_RT {
+  const auto allows = [&](const Vector3& v_BT) {
+    return workspace_.Allows(X_WT_.translation(), X_WB_.linear() * v_BT, params_.period_s);
+  };
+  if (allows(moves.V_BT.v)) return;
+  const Eigen::Matrix<double, 6, 1> V_before = wanted.J * wanted.qd_before;
+  const Vector3 v_before_WT = X_WB_.linear() * V_before.template head<3>();
+  kinematics::MotionInput<kN> braking = wanted;
+  braking.V_BT.v = X_BW_.linear() * workspace_.Limit(X_WT_.translation(), v_before_WT, params_.period_s).v_WT;
+  braking.V_BT.w = V_before.template tail<3>();
+  braking.qd_null = wanted.qd_before;
+  braking.ignore_acceleration = true;
+  kinematics::MotionOutput<kN> brakes = motion_.Step(braking);
+  // Moves `more` toward `allowed` until it is allowed: bisection over the share of the difference.
+  const auto add = [&](const kinematics::MotionOutput<kN>& allowed, kinematics::MotionOutput<kN>& more) {
+    double share = 0.0, most = 1.0;
+    for (int i = 0; i < kBrakingHalvings; ++i) {
+      const double next = 0.5 * (share + most);
+      (allows(allowed.V_BT.v + next * (more.V_BT.v - allowed.V_BT.v)) ? share : most) = next;
+    }
+    more.qd = allowed.qd + share * (more.qd - allowed.qd);
+    more.V_BT = {.v = allowed.V_BT.v + share * (more.V_BT.v - allowed.V_BT.v),
+                 .w = allowed.V_BT.w + share * (more.V_BT.w - allowed.V_BT.w)};
+  };
+  if (!allows(brakes.V_BT.v))
+    add({}, brakes);  // near a singular posture: slower, along the braking joint motion
+  add(brakes, moves);
+}
+
+template <class Arm>
+typename JointFollower<Arm>::Points JointFollower<Arm>::PointsOf(const Joints& q) const OSTEON_RT {
+  const auto arm = arm_.Points(q);
+  return {
+      .p_W = {X_WB_ * (arm.X_BF * X_FT_.translation()), X_WB_ * arm.X_BF.translation(), X_WB_ * arm.p_BElbow},
+      .X_BF = arm.X_BF};
+}
+
+template <class Arm>
+double JointFollower<Arm>::ElbowShare(const Points& from, const Points& to,
+                                      double max_speed_m_per_s) const OSTEON_RT {
+  const double way_m = (At(to, ZonePoint::kElbow) - At(from, ZonePoint::kElbow)).norm();
+  const double max_m = max_speed_m_per_s * params_.period_s;
+  return way_m > max_m ? max_m / way_m : 1.0;
+}
+
+// Share of a joint step that keeps to the zones. Each trial is evaluated, as the points' paths are curved. A
+// step of zero is always allowed.
+template <class Arm>
+double JointFollower<Arm>::ZoneShare(const Joints& q, const Joints& step, const Points& from,
+                                     const Points& to, std::span<const ZonePoint> points) const OSTEON_RT {
+  double share = 1.0;
+  Points reached = to;
+  for (int tries = 0; tries < kZoneTries; ++tries) {
+    double more = 1.0;
+    for (const ZonePoint point : points)
+      if (workspace_.Has(point))
+        more = std::min(more, workspace_.Share(point, At(from, point), At(reached, point), params_.period_s));
+    if (more >= 1.0) return share;
+    share *= kZoneSlack * more;
+    reached = PointsOf(q + share * step);
+  }
+  return 0.0;
+}
+
+// Preferred joint velocities for the elbow's sake; only their null-space part has an effect.
+template <class Arm>
+typename Arm::Joints JointFollower<Arm>::NullSpaceVelocity(
+    [[maybe_unused]] const MotionRequest& request) OSTEON_RT {
+  Joints qd = Joints::Zero();
+  if constexpr (kRedundant) {
+    const double dt_s = params_.period_s;
+    // twist that the limits will leave, estimated from the tick before: an elbow held for a tool that cannot
+    // move would itself move
+    const Twist V_likely_WT = Scaled(request.V_WT, motion_share_);
+
+    // the arm angle is held, and turned toward the wanted one
+    const double arm_angle_rad = arm_.ArmAngle(q_);
+    const double error_rad = WrapAngle(elbow_.arm_angle_rad - arm_angle_rad);
+    elbow_.arrived |= std::abs(error_rad) < kElbowThere_rad;
+    const double max_rate = params_.arm_angle_rate_rad_per_s;
+    const double share = !request.elbow_moves ? 0.0 : elbow_.arrived ? moving_ : request.elbow_share;
+    kinematics::LoadPreference<7> load;
+    if (elbow_.body && (share > 0.0 || moving_ > 0.0)) {
+      const double held =
+          kinematics::HeldLoad<7>(elbow_.load, Jacobian(), Gravity(), X_BW_.linear() * X_WT_.linear().col(2))
+              .value;
+      load = kinematics::LoadGradientMotion<7>(params_.posture, *elbow_.body, elbow_.load, q_,
+                                               null_direction_, held);
+    }
+    // an arm angle at which the arm cannot hold the load is not worth holding
+    const double worth = 1.0 - load.depth * load.depth;
+    const double turn = worth * share * std::clamp(kElbowRate_per_s * error_rad, -max_rate, max_rate);
+    Joints q_there;
+    if (turn == 0.0 && V_likely_WT.v.isZero(0.0) && V_likely_WT.w.isZero(0.0))
+      return qd;  // avoids a motion by rounding
+    if (arm_.Inverse(X_BW_ * IntegratePose(X_WT_, V_likely_WT, dt_s) * X_TF_, arm_angle_rad + dt_s * turn, q_,
+                     q_there) &&
+        (q_there - q_).cwiseAbs().maxCoeff() < params_.joints.jump_rad)
+      qd = (q_there - q_) / dt_s;
+
+    qd += moving_ * kinematics::AwayFromLimits<7>(params_.posture, params_.joints.limits,
+                                                  params_.joints.position_margin_rad, q_);
+    qd += moving_ * kinematics::AwayFromSingularity<7>(params_.posture, sigma_min_m_, sigma_gradient_m_);
+    qd += moving_ * load.qd;
+  }
+  return qd;
+}
+
+template <class Arm>
+bool JointFollower<Arm>::BrakeJoints() OSTEON_RT {
+  if (stop_ticks_ == 0) stop_ticks_ = JointStopTicks(params_);
+  --stop_ticks_;
+  q_step_ *= static_cast<double>(stop_ticks_) / (stop_ticks_ + 1);
+  q_step_ = guard_.Limit(q_, q_step_, params_.period_s).step;
+  // the ramp takes time, and a bound may be nearer
+  q_step_ *= ZoneShare(q_, q_step_, PointsOf(q_), PointsOf(q_ + q_step_), kAll);
+  q_ += q_step_;
+  X_WT_ = PoseOf(q_);
+  return stop_ticks_ == 0;
+}
+
+template <class Arm>
+StartStep JointFollower<Arm>::StepToStart(bool permitted) OSTEON_RT {
+  const JointPathOutput<kN> next = path_->Step(params_.period_s, permitted);
+  const auto guard = guard_.Limit(q_, next.q - q_, params_.period_s);
+  if (guard.jump || guard.violated || guard.share < 1.0) return {.refused = Fault::kJointLimit};
+  const Points from = PointsOf(q_), to = PointsOf(next.q);
+  for (const ZonePoint point : kAll)
+    if (workspace_.LeavesZone(point, At(from, point), At(to, point))) return {.refused = Fault::kWorkspace};
+  q_ = next.q;
+  X_WT_ = PoseOf(q_);
+  return {.at_start = next.done, .paused = next.rate == 0.0};
+}
+
+template <class Arm>
+safety::LimitedWrench JointFollower<Arm>::Limit(const safety::WrenchLimiter& limiter,
+                                                const Wrench& F_T_W) const OSTEON_RT {
+  if constexpr (kRedundant) {
+    if (elbow_.body) {
+      const kinematics::Jacobian& J_B = Jacobian();
+      kinematics::Jacobian J_W;
+      J_W.topRows<3>() = X_WB_.linear() * J_B.topRows<3>();
+      J_W.bottomRows<3>() = X_WB_.linear() * J_B.bottomRows<3>();
+      return limiter.Limit(
+          F_T_W, {J_W, Gravity(), elbow_.load.torque_limit_Nm, kinematics::GravityHelp::kNotCounted});
+    }
+  }
+  return limiter.Limit(F_T_W);
+}
+
+}  // namespace
+
+template <int N>
+kinematics::DifferentialInverseParams<N> MotionParams(const ServoParams& params) {
+  kinematics::DifferentialInverseParams<N> motion;
+  std::copy_n(params.joints.limits.begin(), N, motion.limits.begin());
+  motion.position_margin_rad = params.joints.position_margin_rad;
+  motion.speed_share = params.joints.speed_share;
+  motion.acceleration_share = params.joint_acceleration_share;
+  motion.turning_length_m =
+      std::sqrt(params.admittance.inertia_kg_m2.mean() / params.admittance.mass_kg.mean());
+  return motion;
+}
+
+template kinematics::DifferentialInverseParams<6> MotionParams<6>(const ServoParams&);
+template kinematics::DifferentialInverseParams<7> MotionParams<7>(const ServoParams&);
+
+safety::WorkspaceParams WorkspaceOf(const ServoParams& params) {
+  safety::WorkspaceParams workspace = params.workspace;
+  if (params.depth.acts) workspace.zones.push_back(ZoneOf(params.depth));
+  return workspace;
+}
+
+std::unique_ptr<ArmFollower> MakeFollower(const ServoParams& params, const kinematics::LbrArm& arm,
+                                          const Pose& X_WB, const Pose& X_FT, double arm_angle_rad) {
+  return std::make_unique<JointFollower<kinematics::LbrArm>>(
+      params, arm, params.arm_body ? &*params.arm_body : nullptr, X_WB, X_FT,
+      Redundancy(params, X_WB, X_FT, arm_angle_rad));
+}
+
+std::unique_ptr<ArmFollower> MakeFollower(const ServoParams& params, const kinematics::OrthoParallelArm& arm,
+                                          const Pose& X_WB, const Pose& X_FT) {
+  const kinematics::ChainParams<6> chain = kinematics::ChainFrom(arm.params());
+  return std::make_unique<JointFollower<kinematics::OrthoParallelArm>>(params, arm, &chain, X_WB, X_FT,
+                                                                       NoRedundancy{});
+}
+
+}  // namespace osteon::control

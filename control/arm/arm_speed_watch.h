@@ -1,0 +1,54 @@
+#pragma once
+
+#include "base/marker.h"
+#include "control/arm/message_gap.h"
+#include "control/ports.h"
+#include "kinematics/spatial.h"
+
+namespace osteon::control {
+
+struct ArmSpeedParams {
+  double margin{1.5};     ///< factor on the tool's speed limit that the measured tool may keep up; >= 1
+  double excess_m{1e-3};  ///< distance beyond that until the trip; > 0
+};
+
+/// Monitors the measured speed of the tool, independently of the command: an arm that jumps by itself is
+/// faster than its command.
+///
+///     e = max(0, e + |p - p_before| - margin v_max T),   trip where e > excess_m
+///
+/// T is the time between the two messages on the arm's own clock: one period for each message, including
+/// those lost or overtaken in transit, and at least the time between the arrivals. Two messages that arrive
+/// together are still one period apart, so jitter never makes a tool look fast. Encoder noise is far below
+/// margin v_max T and adds nothing.
+class ArmSpeedWatch {
+ public:
+  /// @param period_s  of the arm's messages
+  /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
+  ArmSpeedWatch(const ArmSpeedParams& params, double period_s);
+
+  /// Checks one message of an arm that the loop commands. The first message after construction or Reset() has
+  /// no speed.
+  /// @param p_W  apex, as measured  @param limit_m_per_s  v_max
+  /// @returns true if the cell must stop.
+  [[nodiscard]] bool Check(const ArmState& state, const Vector3& p_W, double limit_m_per_s) OSTEON_RT;
+
+  /// To be called while the arm moves by itself or is unknown: the next message starts afresh.
+  void Reset() OSTEON_RT;
+
+  /// Speed between the last two messages; 0 if there were none.
+  [[nodiscard]] double speed_m_per_s() const OSTEON_RT { return speed_m_per_s_; }
+  /// Excess distance e.
+  [[nodiscard]] double excess_m() const OSTEON_RT { return excess_m_; }
+
+ private:
+  ArmSpeedParams params_;
+  double period_s_;
+  bool has_last_{false};
+  Vector3 p_last_W_{Vector3::Zero()};
+  rt::Nanoseconds stamp_{0};
+  MessageGap gap_;
+  double speed_m_per_s_{0.0}, excess_m_{0.0};
+};
+
+}  // namespace osteon::control

@@ -1,0 +1,74 @@
+#include "control/coupling/hand_over.h"
+
+#include <algorithm>
+
+namespace osteon::control {
+namespace {
+
+constexpr double kMinForce_N = 1e-9;  // below it a force has no direction
+
+Wrench Scaled(const Wrench& F, double share) OSTEON_RT { return {.f = share * F.f, .t = share * F.t}; }
+
+// Scales a hand-over down with a spring whose planes have since let go.
+HandOver AtForce(HandOver hand_over, double spring_N) OSTEON_RT {
+  if (spring_N >= hand_over.spring_N) return hand_over;
+  hand_over.F_T_W = Scaled(hand_over.F_T_W, spring_N / hand_over.spring_N);
+  hand_over.spring_N = spring_N;
+  return hand_over;
+}
+
+// Gives the first wrench, with its direction and line of action, the size of the second.
+Wrench WithSizeOf(Wrench before, const Wrench& after) OSTEON_RT {
+  const double after_N = after.f.norm();
+  const double against_N = std::min(0.0, before.f.dot(after.f) / after_N);
+  before.f -=
+      against_N / after_N * after.f;  // by rounding or motion: a force that has turned round is not kept
+  const double before_N = before.f.norm();
+  if (before_N <= kMinForce_N) return after;
+  const double share = std::min(1.0, after_N / before_N), rest = std::max(0.0, 1.0 - before_N / after_N);
+  return {.f = share * before.f + rest * after.f, .t = share * before.t + rest * after.t};
+}
+
+}  // namespace
+
+void BeginHandOver(HandOver& hand_over, const HandOverRate& rate, const Wrench& before,
+                   const Wrench& after) OSTEON_RT {
+  const double turning_N_per_s = hand_over.turn_N_per_s;
+  hand_over = {};
+  if (after.f.norm() <= kMinForce_N) return;
+  const Wrench held = WithSizeOf(before, after);
+  const Wrench left{.f = held.f - after.f, .t = held.t - after.t};
+  const double left_N = left.f.norm();
+  if (left_N <= kMinForce_N) return;
+  // frames that arrive during a turn do not slow it down
+  hand_over = {.F_T_W = left,
+               .spring_N = after.f.norm(),
+               .turn_N_per_s = std::max({turning_N_per_s, left_N / rate.return_s, rate.min_turn_N_per_s})};
+}
+
+Wrench ApplyHandOver(const HandOver& hand_over, const Wrench& after) OSTEON_RT {
+  if (hand_over.spring_N == 0.0) return after;
+  const double after_N = after.f.norm();
+  const Wrench left = AtForce(hand_over, after_N).F_T_W;
+  const Wrench sum{.f = after.f + left.f, .t = after.t + left.t};
+  const double sum_N = sum.f.norm();
+  return sum_N > after_N ? Scaled(sum, after_N / sum_N) : sum;
+}
+
+Wrench StepHandOver(HandOver& hand_over, const Wrench& after, double dt_s) OSTEON_RT {
+  if (hand_over.spring_N == 0.0) return after;
+  hand_over = AtForce(hand_over, after.f.norm());
+  const double left_N = hand_over.F_T_W.f.norm(), way_N = hand_over.turn_N_per_s * dt_s;
+  if (left_N <= way_N + kMinForce_N) {
+    hand_over = {};
+    return after;
+  }
+  hand_over.F_T_W = Scaled(hand_over.F_T_W, 1.0 - way_N / left_N);
+  return ApplyHandOver(hand_over, after);
+}
+
+double TimeLeft_s(const HandOver& hand_over) OSTEON_RT {
+  return hand_over.turn_N_per_s > 0.0 ? hand_over.F_T_W.f.norm() / hand_over.turn_N_per_s : 0.0;
+}
+
+}  // namespace osteon::control

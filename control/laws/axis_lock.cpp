@@ -1,0 +1,48 @@
+#include "control/laws/axis_lock.h"
+
+#include <algorithm>
+
+namespace osteon::control {
+namespace {
+
+constexpr double kReturn_s = 0.010;
+constexpr double kMax_m_per_s = 0.020, kMax_rad_per_s = 0.1;
+
+Vector3 Within(const Vector3& v, double most) {
+  const double size = v.norm();
+  return size > most ? Vector3(most / size * v) : v;
+}
+
+}  // namespace
+
+AxisLock::AxisLock(const AdmittanceParams& params, double period_s)
+    : centre_T_m_(params.centre_T_m),
+      return_s_(std::max(kReturn_s,
+                         period_s)),  // with a longer period the tool returns in one tick, without overshoot
+      any_(std::any_of(params.locked.begin(), params.locked.end(), [](bool locked) { return locked; })) {
+  for (int i = 0; i < 3; ++i) {
+    position_[i] = params.locked[static_cast<std::size_t>(i)] ? 1.0 : 0.0;
+    turn_[i] = params.locked[static_cast<std::size_t>(i) + 3] ? 1.0 : 0.0;
+  }
+}
+
+void AxisLock::Reset(const Pose& X_WT) OSTEON_RT { X_WC_ = X_WT * Eigen::Translation3d(centre_T_m_); }
+
+Twist AxisLock::Correction(const Pose& X_WT) OSTEON_RT {
+  if (!any_) return {};
+  const Pose X_WC = X_WT * Eigen::Translation3d(centre_T_m_);
+
+  // the reference keeps its locked axes and follows the tool on the free ones
+  const Vector3 turn_C =
+      turn_.cwiseProduct(LogRotation(X_WC.linear().transpose() * X_WC_.linear()));  // from tool to reference
+  if (!turn_.isOnes(0.0)) X_WC_.linear() = X_WC.linear() * ExpRotation(turn_C);
+  const Matrix3 R_W = X_WC_.linear();
+  const Vector3 off_W =
+      R_W * position_.cwiseProduct(R_W.transpose() * (X_WC_.translation() - X_WC.translation()));
+  X_WC_.translation() = X_WC.translation() + off_W;
+
+  return {.v = position_.cwiseProduct(Within(X_WC.linear().transpose() * off_W / return_s_, kMax_m_per_s)),
+          .w = Within(turn_C / return_s_, kMax_rad_per_s)};
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,63 @@
+#include "control/loop/loop_repeat.h"
+
+#include <cstring>
+
+#include "control/loop/tick_input.h"
+
+namespace osteon::control {
+namespace {
+
+// Compares doubles that are stored without gaps, as bits: a NaN equals itself.
+template <class T>
+bool Same(const T& a, const T& b) OSTEON_RT {
+  static_assert(sizeof(T) % sizeof(double) == 0);
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+}  // namespace
+
+TickRecord ReplayTick(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
+                      ArmCommand& command) OSTEON_RT {
+  const TickInput& in = recorded.input;
+  if (recorded.cell_state != kNoCellState)  // an older recording: the loop could begin at any time
+    loop.AllowStart(safety::MotionPermits(recorded.permits).Has(safety::MotionPermit::kPathChecked));
+  if (in.stop) loop.RequestStop();
+  if (in.recover) loop.RequestRecovery();
+  if (in.pause) loop.RequestPause();
+  if (in.resume) loop.RequestResume();
+  if (in.has_gains) loop.RequestGains(in.gains);
+  if (in.repeat_differed) loop.ReportDifference();
+  if (in.recorder_stalled) loop.ReportRecorder();
+  return loop.Tick(ArmStateOf(recorded), static_cast<ReceiveResult>(in.received), CellReadingsOf(in), model,
+                   in.now, command);
+}
+
+void LoopRepeat::StoreTick(const TickRecord& record, const simulation::ContactModel& model) OSTEON_RT {
+  first_ = record;
+  model_ = model;
+  due_ = true;
+}
+
+bool LoopRepeat::ReplayStoredTick() OSTEON_RT {
+  due_ = false;
+  const TickRecord again = ReplayTick(second_, first_, model_, command_);
+  return again.cell_state == first_.cell_state && again.faults == first_.faults &&
+         again.limits == first_.limits && again.activation_cmd == first_.activation_cmd &&
+         Same(command_.q, first_.q_cmd) && Same(command_.F, first_.F_cmd_T) &&
+         Same(command_.tau, first_.tau_cmd) && Same(again.X_WT_cmd, first_.X_WT_cmd) &&
+         Same(again.F_coupling_T_W, first_.F_coupling_T_W) &&
+         Same(again.v_WT_cmd_m_per_s, first_.v_WT_cmd_m_per_s) &&
+         again.spindle_rad_per_s == first_.spindle_rad_per_s;
+}
+
+void ReplayIfDue(ServoLoop& first, LoopRepeat& repeat) OSTEON_RT {
+  if (repeat.due() && !repeat.ReplayStoredTick()) first.ReportDifference();
+}
+
+void WarmUpTick(ServoLoop& first, LoopRepeat& repeat, ArmLink& link, const ArmCommand& command) OSTEON_RT {
+  ReplayIfDue(first, repeat);
+  link.WarmUp(command);
+  first.Prefetch();
+}
+
+}  // namespace osteon::control

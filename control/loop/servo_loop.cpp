@@ -1,0 +1,273 @@
+// ServoLoop's tick: what comes in, the cell's state, what goes out.
+
+#include "control/loop/servo_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "base/prefetch.h"
+#include "control/loop/tick_input.h"
+
+namespace osteon::control {
+namespace {
+
+using safety::CellAction, safety::CellEvent, safety::CellState, safety::Fault;
+
+constexpr std::uint8_t kT1 = 0;  // ArmState::operation_mode
+
+bool AllFinite(const JointArray& q) {
+  return std::all_of(q.begin(), q.end(), [](double value) { return std::isfinite(value); });
+}
+
+bool HasFiniteJoints(const ArmState& state) {
+  return AllFinite(state.q_meas) && (!state.has_ipo || AllFinite(state.q_ipo));
+}
+
+void RequirePose(const Pose& X, const char* name) {
+  const bool rotation = (X.linear() * X.linear().transpose() - Matrix3::Identity()).norm() < 1e-6 &&
+                        X.linear().determinant() > 0.0;
+  if (!X.matrix().allFinite() || !rotation)
+    throw std::invalid_argument(std::string(name) + ": accepted a finite position and a rotation");
+}
+
+const ServoParams& Validated(const ServoParams& params, const Pose& X_WB, const Pose& X_FT) {
+  Validate(params);
+  RequirePose(X_WB, "X_WB");
+  RequirePose(X_FT, "X_FT");
+  return params;
+}
+
+}  // namespace
+
+ServoLoop::ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, const Pose& X_WB,
+                     const Pose& X_FT, double arm_angle_rad)
+    : ServoLoop(params, MakeFollower(Validated(params, X_WB, X_FT), arm, X_WB, X_FT, arm_angle_rad), X_FT) {}
+
+ServoLoop::ServoLoop(const ServoParams& params, const kinematics::OrthoParallelArm& arm, const Pose& X_WB,
+                     const Pose& X_FT)
+    : ServoLoop(params, MakeFollower(Validated(params, X_WB, X_FT), arm, X_WB, X_FT), X_FT) {}
+
+ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm, const Pose& X_FT)
+    : params_(params),
+      session_(params_),
+      tool_(params_, std::move(arm)),
+      hand_(params_, X_FT),
+      coupling_(params_),
+      checks_(params_, safety::WrenchLimiter(params.wrench).max_force_N()),
+      admittance_(params_),
+      impedance_(params_),
+      max_stiffness_N_per_m_(params.coupling.max_stiffness_N_per_m),
+      gain_ramp_(GainsOf(params.admittance, params.coupling), params.period_s) {}
+
+simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
+  const bool renders = safety::Renders(state()), gives = params_.law == Law::kImpedance && renders;
+  return {.X_WT = gives ? session_.X_WT() : tool_.X_WT(),
+          .spindle_rad_per_s = renders ? spindle_rad_per_s_ : 0.0,
+          .stamp = !tool_.has_pose() ? 0
+                   : gives           ? session_.measured_at()
+                                     : now_};
+}
+
+CellCommands ServoLoop::cell_commands() const OSTEON_RT {
+  const bool ends = phase() == Phase::kStopped || state() == CellState::kStop1;
+  const bool stop_requested = supervisor_.stop_requested();
+  const bool spindle_on =
+      safety::Renders(state()) && spindle_permitted_ && !coupling_.depth_limit().stops_spindle();
+  return {.motion_requested = !ends && !stop_requested,
+          .spindle_rad_per_s = spindle_on ? params_.spindle_rad_per_s : 0.0,
+          .quick_stop = ends && faults().Any(),
+          .clear_faults = !stop_requested && (state() == CellState::kRecovery ||
+                                              (!supervisor_.moved() && safety::Waits(state())))};
+}
+
+void ServoLoop::Prefetch() const OSTEON_RT {
+  rt::Prefetch(*this);
+  tool_.arm().Prefetch();
+}
+
+TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const CellReadings& readings,
+                           const simulation::ContactModel& model, rt::Nanoseconds now,
+                           ArmCommand& command) OSTEON_RT {
+  const TickInputs tick{.state = state, .readings = readings, .model = model, .now = now};
+  now_ = now;
+  acting_ = {};
+  reduced_speed_ = state.operation_mode == kT1;
+  TickRecord record = BeginRecord(tick, received);
+  StepGains(record.input);
+  ApplyRequests(record.input);
+
+  if (received != ReceiveResult::kOk) {
+    OnMissedMessage(received);
+  } else if (!HasFiniteJoints(state)) {
+    supervisor_.Latch(Fault::kNotFinite);  // hold this tick: a position that is not known cannot be left
+    supervisor_.SetPermits({});
+    // as good as no message: the arm cannot be braked for long without one, and is then held for good
+    ApplyEvent(session_.OnMissedMessage() ? CellEvent::kArmLost : CellEvent::kFault);
+  } else {
+    session_.OnMessage(state, tool_.arm().ToolPose(state.q_meas), now);
+    ProcessArmMessage(tick, record);
+  }
+
+  FillCommand(state, command);
+  FinishRecord(command, record);
+  return record;
+}
+
+// Records the tick's inputs.
+TickRecord ServoLoop::BeginRecord(const TickInputs& tick, ReceiveResult received) OSTEON_RT {
+  const auto& [state, readings, model, now] = tick;
+  supervisor_.SetStopRequested(requests_.stop());
+  TickRecord record;
+  record.tick = tick_++;
+  record.stamp = received == ReceiveResult::kOk ? state.stamp : now;
+  record.session_state = static_cast<std::uint8_t>(state.session);
+  record.q_meas = state.q_meas;
+  record.model_frame = model.frame;
+  record.model_age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
+  record.sensor_age_s = safety::StampAge(now, readings.force.stamp);
+  record.input = InputOf(state, received, readings, model, now, supervisor_.stop_requested());
+  record.input.recover = requests_.TakeRecovery();
+  record.input.pause = requests_.TakePause();
+  record.input.resume = requests_.TakeResume();
+  record.input.repeat_differed = std::exchange(differed_, false);
+  record.input.recorder_stalled = std::exchange(recorder_stalled_, false);
+  return record;
+}
+
+// Applies requests from outside, but for those that end a motion: they come in their place in the tick.
+void ServoLoop::ApplyRequests(const TickInput& input) OSTEON_RT {
+  if (input.recover && CanRecover()) ApplyEvent(CellEvent::kRecover);
+  if (input.resume && !input.stop) ApplyEvent(CellEvent::kResume);
+  supervisor_.RequestPause(input.pause);
+  if (safety::Waits(state()) && supervisor_.TakePauseRequest()) ApplyEvent(CellEvent::kPauseRequested);
+  if (input.repeat_differed) {
+    supervisor_.Latch(Fault::kRepeatDiffers);
+    ApplyFault();
+  }
+  if (input.recorder_stalled) {
+    supervisor_.Latch(Fault::kRecorder);
+    ApplyFault();
+  }
+  impedance_.ClearWrench();
+}
+
+// Nothing can be answered: the arm holds the last command, and so does the virtual tool.
+void ServoLoop::OnMissedMessage(ReceiveResult received) OSTEON_RT {
+  supervisor_.SetPermits({});
+  const bool booting = safety::Waits(state()) && received == ReceiveResult::kTimeout;
+  if (!booting) {
+    ++statistics_.missed_messages;
+    const bool lost = session_.OnMissedMessage() || received != ReceiveResult::kTimeout;
+    if (lost && phase() != Phase::kStopped) {
+      supervisor_.Latch(Fault::kArmStale);
+      ApplyEvent(CellEvent::kArmLost);
+    }
+  }
+  if (supervisor_.stop_requested() && supervisor_.IsWaitingOrPaused()) ApplyEvent(CellEvent::kStopRequested);
+}
+
+// A tick whose message came and can be believed: what it says of the arm, what is asked for, what is done.
+void ServoLoop::ProcessArmMessage(const TickInputs& tick, TickRecord& record) OSTEON_RT {
+  const ArmState& state = tick.state;
+  const bool active = UpdateSession(state);
+  arm_overloaded_ = tool_.arm().UpdateExternalTorques(state.tau_ext);
+  if (!AllFinite(state.tau_ext)) {  // the trip on them cannot be counted on
+    supervisor_.Latch(Fault::kNotFinite);
+    ApplyFault();
+  }
+  CheckArmSpeed(state, active, record);
+
+  StartMotionIfPermitted(tick);
+  CheckMotion(state);
+  if (this->state() == CellState::kAligning) CheckOnPath(tick, record);
+  if (this->state() == CellState::kStop1) CheckInStop(tick, record);
+  if (supervisor_.on_path()) StepStartPath(tick);
+
+  const bool waited = phase() == Phase::kWaiting || phase() == Phase::kAligning;
+  if (active && !waited) ++statistics_.active_ticks;
+  if (safety::Renders(this->state())) {
+    UpdateSpindle(tick.readings);
+    if (params_.law == Law::kImpedance)
+      RenderImpedance(tick, record);
+    else
+      RenderAdmittance(tick, record);
+  } else if (this->state() == CellState::kStop2) {
+    BrakeForPause(tick, record);
+  } else if (this->state() == CellState::kStop1 && !supervisor_.on_path()) {
+    Brake();
+  }
+  session_.UpdateStandstill(state.q_meas);
+  if (this->state() == CellState::kStop0 && session_.stands()) FinishStop();
+}
+
+void ServoLoop::FillCommand(const ArmState& state, ArmCommand& command) const OSTEON_RT {
+  command.q = tool_.arm().q();
+  command.activation = session_.activation();
+  impedance_.FillWrenchOverlay(state, session_.X_WT(), tool_.arm(), command);
+}
+
+// Records the tick's results.
+void ServoLoop::FinishRecord(const ArmCommand& command, TickRecord& record) OSTEON_RT {
+  statistics_.limits.Count(acting_);
+  record.limits = acting_.bits();
+  record.phase = phase();
+  record.cell_state = static_cast<std::uint8_t>(state());
+  record.permits = permits().bits();
+  record.faults = faults().bits();
+  record.q_cmd = command.q;
+  record.activation_cmd = command.activation;
+  record.F_cmd_T = command.F;
+  record.tau_cmd = command.tau;
+  record.X_WT_cmd = tool_.X_WT();
+  record.X_WT_meas = session_.X_WT();
+  record.v_WT_cmd_m_per_s = Vector3(tool_.share * tool_.V_WT.v);
+  record.spindle_rad_per_s = tool_command().spindle_rad_per_s;
+  record.F_bias_S = hand_.bias();
+}
+
+// The one place where the state changes. What begins a motion is done by who calls.
+CellAction ServoLoop::ApplyEvent(CellEvent event) OSTEON_RT {
+  const CellAction action = supervisor_.Apply(event);
+  if (action == CellAction::kHold) tool_.HoldStill();
+  if (action == CellAction::kBrake) {
+    tool_.StartBraking();
+    impedance_.StartBraking();
+  }
+  return action;
+}
+
+// The commanded motion is at rest.
+void ServoLoop::FinishStop() OSTEON_RT {
+  ApplyEvent(faults().Any() ? CellEvent::kRestFault : CellEvent::kRest);
+}
+
+void ServoLoop::RequestGains(const Gains& gains) {
+  Validate(gains);
+  if (!(gains.max_stiffness_N_per_m <= max_stiffness_N_per_m_))
+    throw std::invalid_argument("coupling max_stiffness_N_per_m: found " +
+                                std::to_string(gains.max_stiffness_N_per_m) + ", accepted at most " +
+                                std::to_string(max_stiffness_N_per_m_) + ", what the loop was made with");
+  gains_asked_.Store({.number = ++gains_number_, .gains = gains});
+}
+
+// Gains that were asked for since the tick before, and a step of the way to those asked for last.
+void ServoLoop::StepGains(TickInput& input) OSTEON_RT {
+  const GainsRequest& asked = gains_asked_.Load();
+  if (asked.number != gains_taken_) {
+    gains_taken_ = asked.number;
+    input.has_gains = true;
+    input.gains = asked.gains;
+    gain_ramp_.SetTarget(asked.gains);
+  }
+  if (!gain_ramp_.Step(coupling_.pressed())) return;
+  const AdmittanceParams before = params_.admittance;
+  ApplyGains(gain_ramp_.now(), params_.admittance, params_.coupling);
+  coupling_.OnGainsChanged();
+  if (safety::Renders(state()) && params_.law == Law::kAdmittance)
+    tool_.V_WT = AfterMassChange(before, params_.admittance, tool_.X_WT().linear(), tool_.V_WT);
+}
+
+}  // namespace osteon::control

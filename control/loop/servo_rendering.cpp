@@ -1,0 +1,172 @@
+// ServoLoop's rendering by either law, and how it comes to rest.
+
+#include <algorithm>
+#include <cmath>
+
+#include "control/laws/twist_parts.h"
+#include "control/loop/servo_loop.h"
+#include "control/loop/tool_speed_trip.h"
+
+namespace osteon::control {
+namespace {
+
+using safety::CellEvent, safety::Fault;
+
+constexpr double kTurns = 0.05;  // of the wanted speed: below, a spindle counts as still
+
+}  // namespace
+
+void ServoLoop::UpdateSpindle(const CellReadings& readings) OSTEON_RT {
+  spindle_permitted_ = !params_.has_interlock || readings.interlock.spindle_permitted;
+  const double wanted = cell_commands().spindle_rad_per_s;
+  const double speed = params_.has_spindle ? readings.spindle.speed_rad_per_s : wanted;
+  // a positive turn is what the tool's edges are ground for
+  spindle_rad_per_s_ = std::isfinite(speed) && speed > kTurns * params_.spindle_rad_per_s ? speed : 0.0;
+  ApplyEvent(spindle_rad_per_s_ > 0.0 ? CellEvent::kSpindleTurns : CellEvent::kSpindleStill);
+}
+
+// The hand's wrench on the tool; zero where no reading is to be trusted.
+Wrench ServoLoop::ComputeHandWrench(const ForceReading& reading, TickRecord& record) OSTEON_RT {
+  const Wrench F_hand_T_W =
+      hand_.Compute(reading, record.sensor_age_s, session_.X_WT(), session_.elapsed_s());
+  if (safety::IsFinite(F_hand_T_W)) record.F_operator_T_W = F_hand_T_W;
+  return F_hand_T_W;
+}
+
+// Hand and coupling of this tick, and every check on them. @returns the hand's wrench
+Wrench ServoLoop::EvaluateContact(const TickInputs& tick, const ToolMotion& tool,
+                                  TickRecord& record) OSTEON_RT {
+  const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force, record);
+  const CouplingOutput& coupling = coupling_.Evaluate({.model = tick.model,
+                                                       .X_WT = tool.X_WT,
+                                                       .V_WT = tool.V_WT,
+                                                       .now = tick.now,
+                                                       .spindle_turns = spindle_rad_per_s_ > 0.0},
+                                                      tool_.arm(), acting_);
+  const safety::ForceLimitReaction& reaction = coupling_.force_limit_reaction();
+  record.model_age_s = coupling.age_s;
+  record.tool_in_bone_m = reaction.tool_in_bone_m();
+  statistics_.peak_tool_in_bone_m = std::max(statistics_.peak_tool_in_bone_m, reaction.tool_in_bone_m());
+
+  const InputAges ages{.model_s = coupling.age_s, .sensor_s = record.sensor_age_s};
+  supervisor_.Latch(checks_.CheckDevices(tick.readings, ages, tick.now));
+  supervisor_.Latch(checks_.CheckCoupling(coupling, CouplingStep_s()));
+  if (reaction.too_deep()) supervisor_.Latch(Fault::kToolInBone);
+  if (reaction.must_stop()) supervisor_.Latch(Fault::kForceLimit);
+  CheckHand(F_hand_T_W);
+  record.wrench_step_N = checks_.wrench_growth_N();
+  record.wrench_step_limit_N = checks_.max_wrench_growth_N(CouplingStep_s());
+  return F_hand_T_W;
+}
+
+void ServoLoop::RenderAdmittance(const TickInputs& tick, TickRecord& record) OSTEON_RT {
+  const Pose X_before = tool_.X_WT();
+  const Wrench F_hand_T_W = EvaluateContact(tick, {.X_WT = X_before, .V_WT = tool_.Velocity()}, record);
+  if (faults().Any()) {
+    StopRendering(record);
+    return;
+  }
+  const AdmittanceStep step = admittance_.Step({.F_hand_T_W = F_hand_T_W,
+                                                .sensor_share = checks_.SensorShare(record.sensor_age_s),
+                                                .max_hand_N = checks_.max_hand_N(),
+                                                .spindle_rad_per_s = spindle_rad_per_s_,
+                                                .reduced_speed = reduced_speed_},
+                                               coupling_, tool_, record);
+  acting_.Add(step.acting);
+  CountDepthLeft();
+  if (!step.finite) {
+    supervisor_.Latch(Fault::kNotFinite);
+    ApplyFault();
+    Brake();
+    return;
+  }
+  if (step.fault != Fault::kNone) {
+    supervisor_.Latch(step.fault);
+    ApplyFault();
+    BrakeJoints();
+  }
+
+  // what came out
+  const Pose& X_WT = tool_.X_WT();
+  const double speed_m_per_s = (X_WT.translation() - X_before.translation()).norm() / params_.period_s;
+  if (speed_m_per_s > ToolSpeedTripLimit_m_per_s(params_)) supervisor_.Latch(Fault::kToolSpeed);
+  if (tool_.workspace().Violated(X_WT.translation())) supervisor_.Latch(Fault::kWorkspace);
+  if (faults().Any()) ApplyFault();
+  const double power_W = Power(step.rendered.F, SmallStep(X_before, X_WT)) / params_.period_s;
+  statistics_.peak_power_W = std::max(statistics_.peak_power_W, power_W);
+  RecordRendered(step.rendered, speed_m_per_s, record);
+}
+
+void ServoLoop::RenderImpedance(const TickInputs& tick, TickRecord& record) OSTEON_RT {
+  const Twist V_before_WT = tool_.V_WT;
+  tool_.V_WT = session_.V_WT();
+  tool_.share = 1.0;
+  EvaluateContact(tick, {.X_WT = session_.X_WT(), .V_WT = tool_.V_WT}, record);
+  const ImpedanceMotion motion = impedance_.FollowHand(session_, record.q_meas, reduced_speed_, tool_);
+  acting_.Add(motion.acting);
+  supervisor_.Latch(motion.faults);
+  if (faults().Any()) {
+    StopRendering(record);
+    return;
+  }
+  const ImpedanceStep step = impedance_.Step(session_, V_before_WT, motion, coupling_, tool_);
+  acting_.Add(step.acting);
+  CountDepthLeft();
+  RecordRendered(step.rendered, tool_.V_WT.v.norm(), record);
+}
+
+// A fault was found before anything was rendered in this tick.
+void ServoLoop::StopRendering(TickRecord& record) OSTEON_RT {
+  record.F_coupling_T_W = coupling_.limited().F;
+  ApplyFault();
+  Brake();
+}
+
+void ServoLoop::CountDepthLeft() OSTEON_RT {
+  const safety::DepthLimit& limit = coupling_.depth_limit();
+  if (limit.acts()) statistics_.min_depth_left_m = std::min(statistics_.min_depth_left_m, limit.distance_m());
+}
+
+// Records and counts what either law has rendered. The shares are those of the whole way from the coupling.
+void ServoLoop::RecordRendered(const safety::LimitedWrench& rendered, double speed_m_per_s,
+                               TickRecord& record) OSTEON_RT {
+  record.F_coupling_T_W = rendered.F;
+  coupling_.stabilisers().FillRecord(record);
+  record.wrench_scale = std::min(coupling_.limited().share, rendered.share);
+  record.arm_share = std::min(coupling_.limited().arm_share, rendered.arm_share);
+  ServoStatistics& s = statistics_;
+  s.peak_coupling_force_N = std::max(s.peak_coupling_force_N, rendered.F.f.norm());
+  s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, rendered.F.t.norm());
+  s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
+  s.min_tank_J = std::min(s.min_tank_J, coupling_.stabilisers().tank().energy_J());
+  coupling_.AddActing({.F = rendered.F, .share = record.wrench_scale, .arm_share = record.arm_share},
+                      acting_);
+}
+
+// A stop 2: as long as the tool is not at rest, whatever ends rendering makes a stop 1 of it.
+void ServoLoop::BrakeForPause(const TickInputs& tick, TickRecord& record) OSTEON_RT {
+  const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force, record);
+  const InputAges ages{.model_s = record.model_age_s, .sensor_s = record.sensor_age_s};
+  supervisor_.Latch(checks_.CheckDevices(tick.readings, ages, tick.now));
+  CheckHand(F_hand_T_W);
+  if (tick.model.status == simulation::EngineStatus::kDeviceLost) supervisor_.Latch(Fault::kDevice);
+  if (faults().Any()) ApplyFault();
+  if (!supervisor_.on_path()) Brake();
+}
+
+void ServoLoop::Brake() OSTEON_RT {
+  if (params_.law == Law::kImpedance) {
+    if (impedance_.Brake(session_, coupling_.limiter(), tool_)) FinishStop();
+    return;
+  }
+  const BrakingStep step = tool_.Brake(ElbowSpeedLimit_m_per_s(params_, reduced_speed_));
+  acting_.Add(step.acting);
+  supervisor_.Latch(step.fault);
+  if (step.at_rest) FinishStop();
+}
+
+void ServoLoop::BrakeJoints() OSTEON_RT {
+  if (tool_.BrakeJoints()) FinishStop();
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "base/marker.h"
+
+namespace osteon::control {
+
+/// A clock that runs while permitted, and stops and restarts smoothly. Its rate r, 0 at rest and 1 in step
+/// with real time, reaches its target in the least time that a bounded second derivative allows:
+///
+///     |r''| <= A = 9 / pause^2        r'' = -A sign(x + r'|r'| / 2A), x = r - target
+///
+/// so r is in [0, 1], |r'| <= sqrt(A) = 3 / pause, and both are continuous. From full rate it rests after 2/3
+/// pause; the worst case, permission withdrawn while r' is largest, takes pause. Each step is integrated
+/// exactly, including the change of sign within it. Begins at rest.
+/// Source of the switching curve: Athans and Falb, Optimal Control, 1966, 7-2 (the double integrator).
+class PausableClock {
+ public:
+  /// @param pause_s  from the end of the permission to rest, at most; must be > 0 and finite (checked by the
+  ///   caller)
+  explicit PausableClock(double pause_s) OSTEON_RT : rate_change_per_s2_(9.0 / (pause_s * pause_s)) {}
+
+  /// @param dt_s  real time that passes; a value that is not > 0 counts as none
+  /// @returns the clock's own time that passes meanwhile [s], 0 … dt_s
+  [[nodiscard]] double Step(double dt_s, bool permitted) OSTEON_RT;
+
+  [[nodiscard]] double rate() const OSTEON_RT { return rate_; }
+  /// Largest |r'| [1/s] for a given pause.
+  [[nodiscard]] static double MaxRateSpeed(double pause_s) OSTEON_RT { return 3.0 / pause_s; }
+
+ private:
+  [[nodiscard]] double Run(double dt_s, double acceleration_per_s2) OSTEON_RT;
+
+  double rate_change_per_s2_;
+  double rate_{0.0};
+  double rate_speed_{0.0};
+};
+
+}  // namespace osteon::control

@@ -1,0 +1,109 @@
+#include "control/setup/servo_params.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::control {
+
+void Validate(const ServoParams& params) {
+  Validate(params.admittance);
+  Validate(params.impedance);
+  Validate(params.coupling);
+  Validate(params.sensor);
+  Validate(params.sensor_bias);
+  Validate(params.vibration);
+  Validate(params.stabilisers);
+  if (params.depth.acts) Validate(params.depth);
+  Validate(params.energy);
+  Validate(params.on_force_limit);
+  const auto require = [](const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high))
+      throw std::invalid_argument(std::string("servo ") + name + ": found " + std::to_string(value) +
+                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+  };
+  require("max_speed_m_per_s", params.twist.max_speed_m_per_s, 1e-3, 2.0);
+  require("max_turn_rad_per_s", params.twist.max_turn_rad_per_s, 1e-3, 10.0);
+  if (!(params.max_elbow_speed_m_per_s > 0.0))
+    throw std::invalid_argument("servo max_elbow_speed_m_per_s: found " +
+                                std::to_string(params.max_elbow_speed_m_per_s) + ", accepted > 0");
+  require("spindle_rad_per_s", params.spindle_rad_per_s, 0.0, 50000.0);
+  require("stop_deceleration_m_per_s2", params.stop_deceleration_m_per_s2, 0.01, 50.0);
+  require("stop_deceleration_rad_per_s2", params.stop_deceleration_rad_per_s2, 0.01, 200.0);
+  require("workspace deceleration_m_per_s2", params.workspace.deceleration_m_per_s2, 0.01,
+          params.stop_deceleration_m_per_s2);
+  require("joint_stop_s", params.joint_stop_s, 0.001, 2.0);
+  require("model_sight_m", params.model_sight_m, 1e-5, 1.0);
+  require("arm_angle_rate_rad_per_s", params.arm_angle_rate_rad_per_s, 0.0, 1.0);
+  require("joint_acceleration_share", params.joint_acceleration_share, 0.01, 1000.0);
+  require("posture limit_zone_rad", params.posture.limit_zone_rad, 1e-3, 3.0);
+  require("posture limit_speed_rad_per_s", params.posture.limit_speed_rad_per_s, 0.0, 2.0);
+  require("posture singular_zone_m", params.posture.singular_zone_m, 1e-3, 1.0);
+  require("posture singular_speed_rad_per_s", params.posture.singular_speed_rad_per_s, 0.0, 2.0);
+  require("posture load_zone", params.posture.load_zone, 1.01, 10.0);
+  require("posture load_speed_rad_per_s", params.posture.load_speed_rad_per_s, 0.0, 2.0);
+  require("posture_load axial_N", params.posture_load.axial_N, 0.0, 1000.0);
+  require("posture_load lateral_N", params.posture_load.lateral_N, 0.0, 1000.0);
+  require("posture_load torque_Nm", params.posture_load.torque_Nm, 0.0, 1000.0);
+  require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
+  require("period_s", params.period_s, 1e-4, 0.02);
+  if (params.start) {
+    require("start there_rad", params.start->tolerance_rad, 1e-6, 0.1);
+    require("start pause_force_N", params.start->pause_force_N, 1.0, 500.0);
+  }
+}
+
+StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTEON_RT {
+  // within a tick the damping may take at most all of the motion, on the lightest axis; with a centre off the
+  // origin, the axis at the end of that lever counts
+  const double lever_m = params.stabilisers.passivity.lever_m;
+  const double min_mass_kg =
+      std::min(law.mass_kg.minCoeff(), law.inertia_kg_m2.minCoeff() / (lever_m * lever_m));
+  const double centre2 = law.centre_T_m.squaredNorm();
+  const double with_lever_kg = 1.0 / (1.0 / min_mass_kg + centre2 / law.inertia_kg_m2.minCoeff());
+  return {.damping = {.Ns_per_m = law.damping_Ns_per_m,
+                      .Nms_per_rad = law.damping_Nms_per_rad,
+                      .centre_T_m = law.centre_T_m},
+          .max_damping_Ns_per_m = with_lever_kg / params.period_s};
+}
+
+StabilisedLaw LawOf(const ServoParams& params) {
+  if (params.law == Law::kAdmittance) return LawOf(params.admittance, params);
+  const ImpedanceParams& i = params.impedance;
+  const AgeGovernorParams& governor = params.stabilisers.age_governor;
+  const auto require = [&](const char* name, const Vector3& law, double arm) {
+    if (governor.acts && !(law.minCoeff() + arm > 0.0))
+      throw std::invalid_argument(std::string("impedance ") + name +
+                                  " with the arm's that the age governor counts on: found 0, accepted > 0");
+  };
+  require("damping_Ns_per_m", i.damping_Ns_per_m, governor.arm_damping_Ns_per_m);
+  require("damping_Nms_per_rad", i.damping_Nms_per_rad, governor.arm_damping_Nms_per_rad);
+  // the wrench takes effect a period after the pose, and lasts a period
+  return {.damping = {.Ns_per_m = i.damping_Ns_per_m, .Nms_per_rad = i.damping_Nms_per_rad},
+          .pose_age_s = 1.5 * params.period_s + i.twist_filter_s,
+          .work = PortWork::kHeld,
+          .max_damping_Ns_per_m = std::max(1.0, i.brake_Ns_per_m)};
+}
+
+double ToolSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT {
+  const double kinetic = safety::SpeedOfEnergy(params.energy.max_kinetic_J, params.energy.moving_mass_kg);
+  const double most = std::min(params.twist.max_speed_m_per_s, kinetic);
+  return reduced ? std::min(most, kReducedSpeed_m_per_s) : most;
+}
+
+double ElbowSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT {
+  return reduced ? std::min(params.max_elbow_speed_m_per_s, kReducedSpeed_m_per_s)
+                 : params.max_elbow_speed_m_per_s;
+}
+
+double ForceLimit_N(const ServoParams& params) OSTEON_RT {
+  return std::min({params.wrench.max_force_N, safety::kForceCeiling_N,
+                   safety::ForceOfEnergy(params.energy.max_stored_J, params.coupling.max_stiffness_N_per_m)});
+}
+
+int JointStopTicks(const ServoParams& params) OSTEON_RT {
+  return std::max(1, static_cast<int>(std::ceil(params.joint_stop_s / params.period_s)));
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "control/coupling/virtual_coupling.h"
+#include "control/laws/admittance_law.h"
+#include "control/laws/impedance_law.h"
+#include "control/sensing/bias_estimator.h"
+#include "control/sensing/hand_wrench.h"
+#include "control/setup/joint_path.h"
+#include "control/stability/stabilisers.h"
+#include "control/stability/vibration_index.h"
+#include "kinematics/chain_params.h"
+#include "kinematics/redundancy.h"
+#include "safety/depth_limit.h"
+#include "safety/energy_limits.h"
+#include "safety/force_limit_reaction.h"
+#include "safety/joint_guard.h"
+#include "safety/limits.h"
+#include "safety/spindle_trip.h"
+#include "safety/watchdog.h"
+#include "safety/workspace.h"
+
+namespace osteon::control {
+
+/// Where rendering begins. An arm that is handed over elsewhere moves there first.
+struct StartParams {
+  kinematics::JointVectorN<7> q{
+      kinematics::JointVectorN<7>::Zero()};  ///< [rad]; of a six-axis arm the first six
+  JointPathParams path;
+  double tolerance_rad{2e-3};  ///< tolerance of each joint at the start; > 0
+  /// If the hand pushes harder than this, the arm rests on its path until it lets go; > 0 [N].
+  double pause_force_N{40.0};
+};
+
+/// How the coupling reaches the hand.
+enum class Law : std::uint8_t {
+  kAdmittance,  ///< arm in position mode: it follows a virtual tool that hand and coupling move
+  kImpedance,   ///< arm in its own impedance control: the coupling is FRI's wrench or torque overlay
+};
+
+/// All parameters of the servo loop. All but the arm's limits (joints.limits) have usable defaults.
+struct ServoParams {
+  Law law{Law::kAdmittance};
+  AdmittanceParams admittance;
+  VibrationParams vibration;
+  StabiliserParams stabilisers;
+  ImpedanceParams impedance;
+  CouplingParams coupling;
+  safety::WrenchLimitParams wrench;
+  safety::SensorForceParams sensor_force;
+  safety::TwistLimitParams twist;
+  safety::WorkspaceParams workspace;  ///< deceleration: should not exceed the stop's
+  safety::JointGuardParams joints;    ///< limits: the arm's own, no default
+  safety::WatchdogParams watchdog;
+  safety::DepthLimitParams depth;
+  safety::EnergyLimitParams energy;
+  safety::ForceLimitReactionParams on_force_limit;  ///< kSlow needs the admittance law
+  safety::SpindleLimitParams spindle_limits;
+  double max_elbow_speed_m_per_s{std::numeric_limits<double>::infinity()};  ///< of an LBR; > 0
+  double spindle_rad_per_s{26.18};           ///< while rendering; 250 rpm; 0 for a still spindle
+  double stop_deceleration_m_per_s2{3.0};    ///< of the tool in a Stop 1
+  double stop_deceleration_rad_per_s2{8.0};  ///< the same for rotation
+  double joint_stop_s{0.1};                  ///< time to rest of a stop along the joints
+  /// How far the apex may travel between a frame's pose and the next frame's arrival. It may meet bone that
+  /// deep, because a frame's planes reach only e = CuttingParams::normal_enlargement_m beyond the tool. The
+  /// step stays below the trip on the wrench's rate up to e + 1.5 max_speed period / (1 + damping_share).
+  double model_sight_m{0.5e-3};
+  double arm_angle_rate_rad_per_s{0.1};  ///< limit of the turn to the wanted arm angle
+  /// How fast the commanded motion may change, as a share of joints.limits' accelerations; > 0. Above 1,
+  /// because the published figures are for planning: a virtual wall of 20 kN/m met at 0.25 m/s needs 3.4
+  /// times as much. With 1 the tool goes 7.1 mm deep instead of 3.9, which is a hidden limit on force.
+  double joint_acceleration_share{4.0};
+  kinematics::PosturePreferenceParams posture;
+  /// Load that the posture should hold, along the tool's z and across it at its origin; needs arm_body. If
+  /// zero, only limits and singular postures lead the elbow.
+  kinematics::ToolLoad posture_load;
+  double max_tracking_error_m{0.03};  ///< between the measured and the commanded tool
+  double period_s{0.001};             ///< of the arm's messages
+  ForceSensorParams sensor;
+  BiasParams sensor_bias;
+  std::optional<StartParams> start;  ///< absent: where the arm is handed over; for an LBR it needs arm_body
+  bool has_spindle{false};           ///< the spindle has a drive: its reported speed counts
+  bool has_interlock{false};         ///< the cell has a PLC: nothing moves without its permission
+  /// The LBR with sensor and tool as its payload: the coupling is scaled to what its torques can hold in the
+  /// posture. Absent, or without masses: the cell's limits alone.
+  std::optional<kinematics::ChainParams<7>> arm_body;
+};
+
+/// @throws std::invalid_argument naming the parameter, the value and what is accepted.
+void Validate(const ServoParams& params);
+
+/// What the stabilisers need to know of the law.
+/// @throws std::invalid_argument if the age governor is to act on a law without damping.
+[[nodiscard]] StabilisedLaw LawOf(const ServoParams& params);
+/// The same for an admittance law, whose gains may change in a tick.
+[[nodiscard]] StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTEON_RT;
+
+/// The lowest limit of the tool's speed: the cell's, that of the kinetic energy, and kReducedSpeed_m_per_s.
+/// @param reduced the arm is in T1, or does not report its operation mode
+[[nodiscard]] double ToolSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT;
+/// The same for the elbow.
+[[nodiscard]] double ElbowSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT;
+/// Limit of the coupling's force: the cell's, or that of the energy stored at the coupling's stiffness.
+[[nodiscard]] double ForceLimit_N(const ServoParams& params) OSTEON_RT;
+
+/// joint_stop_s in ticks, at least one.
+[[nodiscard]] int JointStopTicks(const ServoParams& params) OSTEON_RT;
+
+}  // namespace osteon::control

@@ -1,0 +1,91 @@
+#pragma once
+
+#include "control/stability/age_governor.h"
+#include "control/stability/energy_tank.h"
+#include "control/stability/passivity.h"
+#include "control/tick_record.h"
+#include "safety/limits.h"
+
+namespace osteon::control {
+
+/// What keeps the coupling stable, beside the vibration index. Every field has a usable default.
+struct StabiliserParams {
+  AgeGovernorParams age_governor;
+  PassivityParams passivity;
+  EnergyTankParams energy_tank;
+};
+
+/// All three switched off, to show what fails without them.
+[[nodiscard]] inline StabiliserParams NoStabilisers() {
+  StabiliserParams none;
+  none.age_governor.acts = none.passivity.acts = none.energy_tank.acts = false;
+  return none;
+}
+
+/// @throws std::invalid_argument naming the field, the value found and what is accepted.
+void Validate(const StabiliserParams& params);
+
+/// What the stabilisers need to know of the law.
+struct StabilisedLaw {
+  AxisDamping damping;     ///< >= 0
+  double pose_age_s{0.0};  ///< of the pose at which the planes are evaluated
+  PortWork work{PortWork::kTrapezoid};
+  double max_damping_Ns_per_m{1e3};  ///< largest damping that a tick of the law tolerates; > 0
+};
+
+/// The three stabilisers in the order in which they act:
+///
+///     coupling → age governor: share, damping → energy tank: share → limits → passivity: damping → law
+///
+/// The governor comes first, as it is a gain of the coupling; the tank pays for every gain's return. Both act
+/// before energy is out. The passivity controller sees the coupling after the limits of force, torque and
+/// stored energy; ScaleRendered tells it what the power limit takes from that. It does not see the depth
+/// limit's resistance, which is no force of the planes. The controller is the last resort: when the others
+/// have done their part it has nothing to do.
+class Stabilisers {
+ public:
+  /// @throws std::invalid_argument as Validate.
+  Stabilisers(const StabiliserParams& params, const StabilisedLaw& law, double period_s);
+
+  /// To be called when the loop starts rendering.
+  void Reset() OSTEON_RT;
+
+  /// Takes the law's new gains from this tick on: its damping, and the largest damping that a tick tolerates.
+  void SetLaw(const StabilisedLaw& law) OSTEON_RT;
+
+  /// Scales the coupling, before the limits. @param X_WT, V_WT  at which the coupling was evaluated
+  /// @returns the coupling's wrench with both shares; unchanged if they are 1.
+  [[nodiscard]] Wrench ScaleCoupling(const CouplingOutput& coupling, const Pose& X_WT,
+                                     const Twist& V_WT) OSTEON_RT;
+
+  /// Adds the passivity controller's damping, after the limits, with the same coupling, pose and velocity.
+  /// @param limited  of ScaleCoupling's result
+  /// @returns the wrench to render: limited.F, plus the damping if there is energy to take back, within the
+  ///   limiter's force and torque
+  [[nodiscard]] Wrench AddPassivityDamping(const CouplingOutput& coupling, const Pose& X_WT,
+                                           const Twist& V_WT, const safety::LimitedWrench& limited,
+                                           const safety::WrenchLimiter& limiter) OSTEON_RT;
+
+  /// Tells that a limit after AddPassivityDamping passed only this share of its wrench, 0 … 1.
+  void ScaleRendered(double share) OSTEON_RT { passivity_.ScaleRendered(share); }
+
+  /// Writes the stabilisers' fields of the record.
+  void FillRecord(TickRecord& record) const OSTEON_RT;
+
+  /// Factor on the law's damping; >= 1.
+  [[nodiscard]] double damping_factor() const OSTEON_RT { return governor_.damping_factor(); }
+  [[nodiscard]] const AgeGovernor& governor() const OSTEON_RT { return governor_; }
+  [[nodiscard]] const PassivityController& passivity() const OSTEON_RT { return passivity_; }
+  [[nodiscard]] const EnergyTank& tank() const OSTEON_RT { return tank_; }
+
+ private:
+  [[nodiscard]] Wrench RemoveUnpaidHandOver(const CouplingOutput& coupling,
+                                            const Wrench& F_T_W) const OSTEON_RT;
+
+  StabilisedLaw law_;
+  AgeGovernor governor_;
+  EnergyTank tank_;
+  PassivityController passivity_;
+};
+
+}  // namespace osteon::control

@@ -1,0 +1,112 @@
+#include "control/stability/vibration_reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::control {
+namespace {
+
+constexpr double kBeats = 2.0;     // a tremor's energy may fall by this factor within a moment
+constexpr double kLightens = 3.0;  // a light tool returns a tremor's energy times this
+constexpr double kTrust_s = 6.0;   // memory of suspicion: oscillation comes and goes
+constexpr double kLight = 0.01;    // index
+constexpr double kSettle_s = 0.15, kBeat_s = 1.0;
+constexpr double kSure = 0.9;  // of the index' suspicion: more than a damped loop reaches
+
+const ReferenceParams& Validated(const ReferenceParams& params) {
+  Validate(params);
+  return params;
+}
+
+}  // namespace
+
+void Validate(const ReferenceParams& params) {
+  const auto require = [](const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high))
+      throw std::invalid_argument(std::string("vibration ") + name + ": found " + std::to_string(value) +
+                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+  };
+  require("tremor_N", params.tremor_N, 0.0, 50.0);
+  require("margin", params.margin, 1.0, 10.0);
+  require("suspect_s", params.suspect_s, 0.01, 5.0);
+  require("test_s", params.test_s, 0.02, 5.0);
+  require("hold_s", params.hold_s, 0.2, 5.0);
+  require("listen_s", params.listen_s, 0.01, params.test_s);
+  require("calm_s", params.calm_s, 0.05, 60.0);
+  require("forget_s", params.forget_s, 0.1, 3600.0);
+}
+
+VibrationReference::VibrationReference(const ReferenceParams& params)
+    : params_(Validated(params)), reference2_(params.tremor_N * params.tremor_N) {}
+
+void VibrationReference::Reset() OSTEON_RT {
+  reference2_ = params_.tremor_N * params_.tremor_N;
+  suspected_s_ = tested_s_ = calm_s_ = unconfirmed_s_ = before2_ = left2_ = beat_limit2_ = 0.0;
+  since_s_ = 2.0 * kBeat_s;
+  testing_ = watchful_ = released_ = false;
+}
+
+double VibrationReference::reference_N() const OSTEON_RT { return std::sqrt(reference2_); }
+
+// Judges the remaining energy at the end of a test.
+void VibrationReference::EvaluateTest() OSTEON_RT {
+  if (tested_s_ < params_.test_s) return;
+  if (!watchful_) {
+    watchful_ = kBeats * left2_ < before2_;
+    if (watchful_) {
+      left2_ = 0.0;
+      return;
+    }
+    reference2_ = std::max({reference2_, left2_, before2_});
+    released_ = true;
+  } else {
+    if (tested_s_ < params_.test_s + params_.hold_s) return;
+    watchful_ = kLightens * left2_ < before2_;
+    reference2_ = left2_;
+    released_ = !watchful_;
+  }
+  testing_ = false;
+  beat_limit2_ = params_.margin * params_.margin * reference2_;
+  suspected_s_ = calm_s_ = unconfirmed_s_ = since_s_ = before2_ = 0.0;
+}
+
+void VibrationReference::Step(double oscillation_energy, double raw_index, double index, double min_energy,
+                              double dt_s) OSTEON_RT {
+  if (testing_) {
+    tested_s_ += dt_s;
+    const double from_s =
+        tested_s_ > params_.test_s ? params_.test_s + kSettle_s : params_.test_s - params_.listen_s;
+    if (tested_s_ > from_s) left2_ = std::max(left2_, oscillation_energy);
+    EvaluateTest();
+    return;
+  }
+  since_s_ += dt_s;
+  if (since_s_ >= kBeat_s) {
+    if (raw_index > 0.0) released_ = false;
+  } else if (!watchful_) {
+    reference2_ = std::max(reference2_, std::min(oscillation_energy, beat_limit2_));
+  }
+  // oscillation comes and goes at the threshold
+  const bool suspected = raw_index > (watchful_ ? kSure : 0.0);
+  suspected_s_ += suspected ? dt_s : -dt_s / kTrust_s * suspected_s_;
+  before2_ = std::max(oscillation_energy, before2_ - dt_s / kTrust_s * before2_);
+  if (suspected_s_ > params_.suspect_s) {
+    testing_ = true;
+    watchful_ = false;
+    tested_s_ = left2_ = 0.0;
+    return;
+  }
+
+  calm_s_ = oscillation_energy < min_energy ? calm_s_ + dt_s : 0.0;
+  if (calm_s_ > params_.calm_s && index < kLight) watchful_ = false;
+  unconfirmed_s_ =
+      oscillation_energy * params_.margin * params_.margin < reference2_ ? unconfirmed_s_ + dt_s : 0.0;
+  const double prior2 = params_.tremor_N * params_.tremor_N;
+  const bool down = reference2_ > prior2 && unconfirmed_s_ > params_.calm_s;
+  const bool up = reference2_ < prior2 && !watchful_ && calm_s_ > params_.calm_s;
+  if (down || up) reference2_ += dt_s / params_.forget_s * (prior2 - reference2_);
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,355 @@
+#include "gpu/context/context.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "gpu/context/driver_threads.h"
+#include "gpu/shaders/layout.h"
+
+namespace osteon::gpu {
+namespace {
+
+constexpr const char* kNoDriver =
+    "no Vulkan driver found; install one (mesa-vulkan-drivers has lavapipe, which needs no GPU)";
+
+std::string Lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+const vk::SubgroupFeatureFlags kSubgroupNeeds =
+    vk::SubgroupFeatureFlagBits::eBasic | vk::SubgroupFeatureFlagBits::eArithmetic |
+    vk::SubgroupFeatureFlagBits::eBallot | vk::SubgroupFeatureFlagBits::eVote;
+
+constexpr std::uint32_t kMinSubgroup = 4;        // the shared memory of a workgroup has room for 64 subgroups
+constexpr std::uint32_t kSharedMemory = 32'000;  // bytes
+
+int Rank(vk::PhysicalDeviceType type) {
+  switch (type) {
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      return 0;
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      return 1;
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      return 2;
+    case vk::PhysicalDeviceType::eCpu:
+      return 3;
+    default:
+      return 4;
+  }
+}
+
+std::optional<std::uint32_t> ComputeFamily(const vk::raii::PhysicalDevice& device) {
+  const auto families = device.getQueueFamilyProperties();
+  // a queue family for compute alone takes half the time for a submit
+  std::optional<std::uint32_t> found;
+  for (std::uint32_t i = 0; i < families.size(); ++i) {
+    const vk::QueueFlags flags = families[i].queueFlags;
+    if (!(flags & vk::QueueFlagBits::eCompute)) continue;
+    if (!(flags & vk::QueueFlagBits::eGraphics)) return i;
+    if (!found) found = i;
+  }
+  return found;
+}
+
+DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
+  const auto chain = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties,
+                                           vk::PhysicalDeviceSubgroupProperties>();
+  const vk::PhysicalDeviceProperties& p = chain.get<vk::PhysicalDeviceProperties2>().properties;
+  const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
+  const auto& subgroup = chain.get<vk::PhysicalDeviceSubgroupProperties>();
+  static constexpr const char* kKinds[] = {"discrete", "integrated", "virtual", "cpu", "other"};
+  DeviceInfo info{.name = p.deviceName.data(),
+                  .kind = kKinds[Rank(p.deviceType)],
+                  .api_version = std::to_string(VK_API_VERSION_MAJOR(p.apiVersion)) + "." +
+                                 std::to_string(VK_API_VERSION_MINOR(p.apiVersion)) + "." +
+                                 std::to_string(VK_API_VERSION_PATCH(p.apiVersion)),
+                  .driver = std::string(driver.driverName.data()) + " " + driver.driverInfo.data(),
+                  .refusal = ""};
+  const auto memory = device.getMemoryProperties();
+  for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
+    if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
+      info.memory_bytes = std::max(info.memory_bytes, static_cast<double>(memory.memoryHeaps[i].size));
+  if (p.apiVersion < VK_API_VERSION_1_2) {
+    info.refusal = "Vulkan " + info.api_version + ", 1.2 is needed";
+    return info;
+  }
+  const auto features =
+      device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
+  if (!features.get<vk::PhysicalDeviceVulkan12Features>().scalarBlockLayout)
+    info.refusal = "no scalarBlockLayout";
+  else if (const auto& core = features.get<vk::PhysicalDeviceFeatures2>().features;
+           !core.shaderFloat64 || !core.shaderInt64 ||
+           !features.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics)
+    info.refusal = "no 64-bit floats, integers and atomics in shaders";
+  else if (!ComputeFamily(device))
+    info.refusal = "no compute queue";
+  else if ((subgroup.supportedOperations & kSubgroupNeeds) != kSubgroupNeeds)
+    info.refusal = "no subgroup arithmetic, ballot and vote";
+  else if (subgroup.subgroupSize < kMinSubgroup || subgroup.subgroupSize > kGroupSize)
+    info.refusal =
+        fmt::format("subgroups of {}, accepted {} … {}", subgroup.subgroupSize, kMinSubgroup, kGroupSize);
+  else if (p.limits.maxComputeSharedMemorySize < kSharedMemory)
+    info.refusal = fmt::format("{} bytes of shared memory, accepted {} and more",
+                               p.limits.maxComputeSharedMemorySize, kSharedMemory);
+  else if (const std::uint32_t most =
+               std::min(p.limits.maxComputeWorkGroupInvocations, p.limits.maxComputeWorkGroupSize[0]);
+           p.deviceType != vk::PhysicalDeviceType::eCpu && most < kWideLanes)
+    info.refusal = fmt::format("workgroups of {} invocations, accepted {} and more", most, kWideLanes);
+  return info;
+}
+
+Subgroups FindSubgroups(const vk::raii::PhysicalDevice& device) {
+  Subgroups found{
+      .size = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
+                  .get<vk::PhysicalDeviceSubgroupProperties>()
+                  .subgroupSize};
+  const auto extensions = device.enumerateDeviceExtensionProperties();
+  if (std::ranges::none_of(extensions, [](const vk::ExtensionProperties& extension) {
+        return std::strcmp(extension.extensionName, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME) == 0;
+      }))
+    return found;
+  const auto features =
+      device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceSubgroupSizeControlFeatures>()
+          .get<vk::PhysicalDeviceSubgroupSizeControlFeatures>();
+  const auto sizes =
+      device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupSizeControlProperties>()
+          .get<vk::PhysicalDeviceSubgroupSizeControlProperties>();
+  found.can_choose =
+      features.subgroupSizeControl && (sizes.requiredSubgroupSizeStages & vk::ShaderStageFlagBits::eCompute);
+  found.can_be_full = features.computeFullSubgroups;
+  found.min_size = std::max(sizes.minSubgroupSize, kMinSubgroup);
+  found.max_size = std::min(sizes.maxSubgroupSize, kGroupSize);
+  return found;
+}
+
+std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance) {
+  vk::raii::PhysicalDevices found(instance);
+  std::vector<vk::raii::PhysicalDevice> devices;
+  for (auto& device : found) devices.push_back(std::move(device));
+  std::stable_sort(devices.begin(), devices.end(), [](const auto& a, const auto& b) {
+    return Rank(a.getProperties().deviceType) < Rank(b.getProperties().deviceType);
+  });
+  return devices;
+}
+
+// The layers treat a buffer as a whole. They miss a barrier where a dispatch reads its number of workgroups
+// from the frame after a pass that wrote other words of it. Only pick_points and earlier passes write those
+// words, and the barrier after pick_points includes indirect reads.
+bool IsOtherWordsOfFrame(const VkDebugUtilsMessengerCallbackDataEXT& data) {
+  return data.pMessageIdName != nullptr && std::strstr(data.pMessageIdName, "SYNC-HAZARD-READ-AFTER-WRITE") &&
+         std::strstr(data.pMessage, "for indirect VkBuffer") && data.objectCount > 0 &&
+         data.pObjects[0].pObjectName != nullptr &&
+         std::strcmp(data.pObjects[0].pObjectName, kFrameBufferName) == 0;
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL OnValidation(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                            VkDebugUtilsMessageTypeFlagsEXT,
+                                            const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  if (IsOtherWordsOfFrame(*data)) return VK_FALSE;
+  ++static_cast<SharedInstance*>(user)->messages;
+  std::fprintf(stderr, "vulkan validation: %s\n", data->pMessage);
+  return VK_FALSE;
+}
+
+/// Vulkan could not be opened, and the loader has reported why.
+class OpeningError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+VKAPI_ATTR VkBool32 VKAPI_CALL OnLoaderError(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                             VkDebugUtilsMessageTypeFlagsEXT,
+                                             const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  std::string& said = *static_cast<std::string*>(user);
+  const std::string_view message(data->pMessage);
+  if (message.find("Found no drivers") != message.npos) return VK_FALSE;  // the returned error says so
+  if (said.find(message) == said.npos) said.append(said.empty() ? " " : "; ").append(message);
+  return VK_FALSE;
+}
+
+/// Makes the instance; an error includes the loader's messages about each manifest and library.
+void Open(SharedInstance& made, vk::InstanceCreateInfo create, std::vector<const char*> extensions) {
+  std::string& said = made.loader_errors;
+  vk::DebugUtilsMessengerCreateInfoEXT listen({}, vk::DebugUtilsMessageSeverityFlagBitsEXT::eError,
+                                              vk::DebugUtilsMessageTypeFlagBitsEXT::eGeneral, OnLoaderError,
+                                              &said);
+  listen.pNext = create.pNext;
+  create.pNext = &listen;
+  extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  create.setPEnabledExtensionNames(extensions);
+  try {
+    made.instance.emplace(made.loader, create);
+  } catch (const vk::LayerNotPresentError&) {
+    throw;
+  } catch (const std::exception& error) {
+    if (said.empty()) throw;
+    throw OpeningError(OpeningFailure(error) + "; Vulkan's loader says:" + said);
+  }
+}
+
+std::shared_ptr<SharedInstance> MakeInstance(bool validation) {
+  auto made = std::make_shared<SharedInstance>();
+  const vk::ApplicationInfo application("osteon", 1, nullptr, 0, VK_API_VERSION_1_2);
+  std::vector<const char*> layers, extensions;
+  vk::InstanceCreateInfo create({}, &application);
+  const vk::ValidationFeatureEnableEXT synchronization =
+      vk::ValidationFeatureEnableEXT::eSynchronizationValidation;
+  const vk::ValidationFeaturesEXT features(synchronization);
+  if (validation) {
+    layers.push_back("VK_LAYER_KHRONOS_validation");
+    extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+    create.pNext = &features;
+  }
+  create.setPEnabledLayerNames(layers);
+  Open(*made, create, extensions);
+  if (!validation) return made;
+  using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
+  using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
+  made->messenger.emplace(*made->instance, vk::DebugUtilsMessengerCreateInfoEXT(
+                                               {}, Severity::eWarning | Severity::eError,
+                                               Type::eValidation | Type::eGeneral | Type::ePerformance,
+                                               OnValidation, made.get()));
+  return made;
+}
+
+// The process's instance, never released: unloading a driver at the process's end would destroy data that its
+// globals still use. Where it cannot be made (no driver, no layers) the next caller tries again.
+std::shared_ptr<SharedInstance> OpenInstance(bool validation) {
+  if (validation) {
+    static const auto& layered = *new std::shared_ptr<SharedInstance>(MakeInstance(true));
+    return layered;
+  }
+  static const auto& plain = *new std::shared_ptr<SharedInstance>(MakeInstance(false));
+  return plain;
+}
+
+}  // namespace
+
+tl::expected<std::vector<DeviceInfo>, std::string> ListDevices() try {
+  std::vector<DeviceInfo> infos;
+  for (const auto& device : Devices(*OpenInstance(false)->instance)) infos.push_back(Inspect(device));
+  if (infos.empty()) return tl::make_unexpected(std::string(kNoDriver));
+  return infos;
+} catch (const std::exception& error) {
+  return tl::make_unexpected(OpeningFailure(error));
+}
+
+std::string OpeningFailure(const std::exception& error) {
+  if (dynamic_cast<const vk::LayerNotPresentError*>(&error))
+    return "validation layers are not installed (package vulkan-validationlayers)";
+  if (dynamic_cast<const OpeningError*>(&error)) return error.what();
+  if (dynamic_cast<const vk::IncompatibleDriverError*>(&error)) return kNoDriver;
+  // the loader's library itself is missing: vulkan_raii throws its own error then
+  if (std::strstr(error.what(), "Failed to load vulkan library")) return kNoDriver;
+  return std::string("Vulkan could not be opened: ") + error.what();
+}
+
+tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name,
+                                                                bool validation) try {
+  auto context = std::make_unique<Context>();
+  context->shared = OpenInstance(validation);
+  context->validation = validation;
+  std::vector<vk::raii::PhysicalDevice> devices = Devices(*context->shared->instance);
+  if (devices.empty()) return tl::make_unexpected(std::string(kNoDriver));
+
+  std::string seen;
+  for (auto& device : devices) {
+    const DeviceInfo info = Inspect(device);
+    seen += "\n  " + info.name + (info.refusal.empty() ? "" : " (unusable: " + info.refusal + ")");
+    if (context->physical || !info.refusal.empty()) continue;
+    if (!name.empty() && Lower(info.name).find(Lower(name)) == std::string::npos) continue;
+    context->info = info;
+    context->physical = std::move(device);
+  }
+  if (!context->physical)
+    return tl::make_unexpected((name.empty() ? std::string("no usable Vulkan device")
+                                             : "no usable Vulkan device is called \"" + name + "\"") +
+                               "; found:" + seen);
+
+  context->queue_family = *ComputeFamily(*context->physical);
+  const float priority = 1.0f;
+  const vk::DeviceQueueCreateInfo queue({}, context->queue_family, 1, &priority);
+  vk::PhysicalDeviceVulkan12Features features;
+  features.scalarBlockLayout = VK_TRUE;
+  features.shaderBufferInt64Atomics = VK_TRUE;
+  vk::PhysicalDeviceFeatures core;
+  core.shaderFloat64 = VK_TRUE;
+  core.shaderInt64 = VK_TRUE;
+  vk::DeviceCreateInfo create({}, queue);
+  create.pEnabledFeatures = &core;
+  create.pNext = &features;
+  context->subgroups = FindSubgroups(*context->physical);
+  vk::PhysicalDeviceSubgroupSizeControlFeatures sizes(context->subgroups.can_choose,
+                                                      context->subgroups.can_be_full);
+  const char* const size_control = VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME;
+  if (sizes.subgroupSizeControl || sizes.computeFullSubgroups) {
+    create.setPEnabledExtensionNames(size_control);
+    features.pNext = &sizes;
+  }
+  const DriverThreads threads;
+  context->device.emplace(*context->physical, create);
+  threads.PinWorkers();
+  context->queue.emplace(*context->device, context->queue_family, 0);
+  return context;
+} catch (const std::exception& error) {
+  return tl::make_unexpected(OpeningFailure(error));
+}
+
+void NameForLayers(const Context& context, const Buffer& buffer, const char* name) {
+  if (!context.validation) return;
+  const auto handle = reinterpret_cast<std::uint64_t>(static_cast<VkBuffer>(*buffer.buffer));
+  context.device->setDebugUtilsObjectNameEXT({vk::ObjectType::eBuffer, handle, name});
+}
+
+std::vector<std::uint32_t> MemoryTypes(const vk::PhysicalDeviceMemoryProperties& memory,
+                                       const vk::MemoryRequirements& needs, Placement placement) {
+  using Property = vk::MemoryPropertyFlagBits;
+  // the placement's preferences, best first; the last one always exists
+  const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
+  const std::vector<vk::MemoryPropertyFlags> wishes =
+      placement == Placement::kDevice ? std::vector<vk::MemoryPropertyFlags>{Property::eDeviceLocal, {}}
+      : placement == Placement::kShared
+          ? std::vector<vk::MemoryPropertyFlags>{host | Property::eDeviceLocal, host}
+      : placement == Placement::kUpload
+          ? std::vector<vk::MemoryPropertyFlags>{host}
+          : std::vector<vk::MemoryPropertyFlags>{host | Property::eHostCached, host};
+  std::vector<std::uint32_t> types;
+  for (const vk::MemoryPropertyFlags wish : wishes)
+    for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
+      const vk::MemoryType& type = memory.memoryTypes[i];
+      if ((needs.memoryTypeBits & (1u << i)) && (type.propertyFlags & wish) == wish &&
+          memory.memoryHeaps[type.heapIndex].size >= needs.size && std::ranges::find(types, i) == types.end())
+        types.push_back(i);
+    }
+  return types;
+}
+
+Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placement) {
+  using Usage = vk::BufferUsageFlagBits;
+  Buffer made;
+  made.size = std::max<vk::DeviceSize>(size, 16);
+  made.buffer =
+      vk::raii::Buffer(*context.device, vk::BufferCreateInfo({}, made.size,
+                                                             Usage::eStorageBuffer | Usage::eIndirectBuffer |
+                                                                 Usage::eUniformTexelBuffer |
+                                                                 Usage::eTransferSrc | Usage::eTransferDst));
+  const vk::MemoryRequirements needs = made.buffer.getMemoryRequirements();
+  const vk::PhysicalDeviceMemoryProperties memory = context.physical->getMemoryProperties();
+  const std::uint32_t type = AllocateFromFirst(MemoryTypes(memory, needs, placement), [&](std::uint32_t i) {
+    made.memory = vk::raii::DeviceMemory(*context.device, vk::MemoryAllocateInfo(needs.size, i));
+  });
+  made.buffer.bindMemory(*made.memory, 0);
+  made.device_local =
+      static_cast<bool>(memory.memoryTypes[type].propertyFlags & vk::MemoryPropertyFlagBits::eDeviceLocal);
+  if (placement != Placement::kDevice) made.mapped = made.memory.mapMemory(0, VK_WHOLE_SIZE);
+  return made;
+}
+
+}  // namespace osteon::gpu

@@ -1,0 +1,88 @@
+#include "gpu/context/driver_threads.h"
+
+#include <sched.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+
+namespace osteon::gpu {
+namespace {
+
+constexpr const char* kTasks = "/proc/self/task";
+constexpr int kMaxLooks = 15;
+constexpr std::chrono::milliseconds kLook{2};
+constexpr const char* kRasterizer = "llvmpipe-";  // prefix of a rasterizer thread's name, before its number
+
+// This process's thread ids, sorted; none where the system does not list them.
+std::vector<int> Threads() {
+  std::vector<int> ids;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(kTasks, error)) {
+    const std::string text = entry.path().filename().string();
+    int id = 0;
+    if (std::from_chars(text.data(), text.data() + text.size(), id).ec == std::errc{}) ids.push_back(id);
+  }
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+std::string NameOf(int id) {
+  std::ifstream file(std::string(kTasks) + "/" + std::to_string(id) + "/comm");
+  std::string name;
+  std::getline(file, name);
+  return name;
+}
+
+}  // namespace
+
+DriverThreads::DriverThreads() : before_(Threads()) {}
+
+DriverThreads::Begun DriverThreads::FindWorkers() const {
+  // a thread without its own name has its creator's
+  const std::string own = NameOf(static_cast<int>(gettid()));
+  std::vector<int> ids;
+  const std::vector<int> now = Threads();
+  std::set_difference(now.begin(), now.end(), before_.begin(), before_.end(), std::back_inserter(ids));
+  Begun begun;
+  for (const int id : ids) {
+    const std::string name = NameOf(id);
+    if (name.starts_with(kRasterizer)) ++begun.rasterizers;
+    if (name != own) continue;
+    ++begun.unnamed;
+    if (begun.workers.size() < begun.rasterizers) begun.workers.push_back(id);
+  }
+  return begun;
+}
+
+int DriverThreads::PinWorkers() const {
+  // a rasterizer names itself once it runs: on a busy machine some time after the device is open
+  Begun begun = FindWorkers();
+  for (int look = 0; look < kMaxLooks && begun.unnamed != begun.rasterizers; ++look) {
+    std::this_thread::sleep_for(kLook);
+    begun = FindWorkers();
+  }
+  const std::vector<int>& workers = begun.workers;
+  cpu_set_t allowed;
+  if (workers.size() != begun.rasterizers || sched_getaffinity(0, sizeof allowed, &allowed) != 0 ||
+      static_cast<std::size_t>(CPU_COUNT(&allowed)) < workers.size())
+    return 0;
+
+  int spread = 0, core = 0;
+  for (const int id : workers) {
+    while (!CPU_ISSET(core, &allowed)) ++core;
+    cpu_set_t alone;
+    CPU_ZERO(&alone);
+    CPU_SET(core++, &alone);
+    if (sched_setaffinity(id, sizeof alone, &alone) == 0) ++spread;
+  }
+  return spread;
+}
+
+}  // namespace osteon::gpu

@@ -1,0 +1,281 @@
+#include "gpu/engine/engine_impl.h"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace osteon::gpu {
+
+// Largest number of a cluster's tool balls for one workgroup, which visits each four times for each of its
+// balls: beyond it, llvmpipe would end its loops.
+constexpr uint kMaxRefsOfAWorkgroup = 1'800;
+
+// Stores the tool's balls at the proxy and at the tool's pose, for the device and for later steps.
+void VulkanEngine::Impl::PlaceToolBalls(const Pose& pose) {
+  X_GT = pose;
+  const std::size_t count = tool.balls.size();
+  start_m.resize(count);
+  goal_m.resize(count);
+  // written once and never read back: a device's memory is slow to read, and may return an older value
+  placed.resize(4 * count);
+  for (std::size_t t = 0; t < count; ++t) {
+    start_m[t] = memory.X_GP * tool.balls[t].center_T_m;
+    goal_m[t] = X_GT * tool.balls[t].center_T_m;
+    placed[2 * t] = ToMillimetres(start_m[t], tool.balls[t].radius_m * kMillimetres);
+    placed[2 * t + 1] = ToMillimetres(goal_m[t], 0.0);
+    placed[2 * (count + t)] = FloatRemainder(start_m[t], tool.balls[t].radius_m, placed[2 * t]);
+    placed[2 * (count + t) + 1] = FloatRemainder(goal_m[t], 0.0, placed[2 * t + 1]);
+    placed[2 * t + 1].w = static_cast<float>(tool.number[t]);
+  }
+  std::memcpy(program->host<vec4>(kBindTool), placed.data(), placed.size() * sizeof(vec4));
+}
+
+Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
+  PlaceToolBalls(X_WG.inverse() * Pose(input.X_WT));
+  Frame f = frame_constants;
+  f.start = ToMillimetres(memory.X_GP.translation(), 0.0);
+  f.goal = ToMillimetres(X_GT.translation(), 0.0);
+  f.axis_x = Unscaled(X_GT.linear().col(0));
+  f.axis_y = Unscaled(X_GT.linear().col(1));
+  f.axis_z = Unscaled(X_GT.linear().col(2));
+  const Vector3 turn = LogRotation(X_GT.linear() * memory.X_GP.linear().transpose());
+  f.turn = Unscaled(turn);
+  f.turning = turn != Vector3::Zero() ? 1 : 0;
+  f.spindle_rad_per_s = static_cast<float>(input.spindle_rad_per_s);
+  f.exact.start = Exactly(memory.X_GP.translation());
+  f.exact.goal = Exactly(X_GT.translation());
+  f.exact.axis = {X_GT(0, 2), X_GT(1, 2), X_GT(2, 2)};
+  f.exact.spindle_rad_per_s = input.spindle_rad_per_s;
+  f.exact.dt_s = input.dt_s;
+  f.exact.work_held_back =
+      memory.energy_lead_J * std::min(1.0, input.dt_s / simulation::kEnergyLeadSeconds) * kMillimetres;
+  double way_m = (X_GT.translation() - memory.X_GP.translation()).norm();
+  for (std::size_t t = 0; t < start_m.size(); ++t) {
+    way_m = std::max(way_m, (goal_m[t] - start_m[t]).norm());
+  }
+  f.rounding_mm = static_cast<float>(
+      kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / min_radius_m));
+  f.path_mm = static_cast<float>(way_m * kMillimetres);
+  if (lists.made && !brute_force) MeasureDisplacement(f);
+  // slide and advance together: at most max_slide; the immediate law goes all the way
+  const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
+  f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
+  f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
+  f.contact_key = f.slide_key = f.straight_key = std::bit_cast<std::uint64_t>(simulation::kNoContact);
+  f.bin_keys.fill(std::numeric_limits<std::uint64_t>::max());
+  f.touching = kNoToolBall;
+  const simulation::ContactMemory& contact = memory.contact;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(contact.face_count); ++i) {
+    f.face_n[i] = Unscaled(contact.face_n_G[i]);
+    f.exact.face_n[i] = {contact.face_n_G[i].x, contact.face_n_G[i].y, contact.face_n_G[i].z};
+  }
+  f.remembered_count = static_cast<uint>(contact.pair_count);
+  f.held_count = static_cast<uint>(contact.held_count);
+  for (std::size_t i = 0; i < f.remembered_count; ++i) {
+    f.remembered_bone[i] = contact.pairs[i].bone_ball;
+    f.remembered_tool[i] = DeviceTool(contact.pairs[i].tool_ball);
+  }
+  f.friction = input.spindle_rad_per_s != 0.0 ? 0.0f : static_cast<float>(contact.friction);
+  return f;
+}
+
+// Number of list entries for one invocation, each with at most `range` tool balls: one on a GPU. A processor
+// computes shared values once for each workgroup, so it gets few, long workgroups, but some for each core.
+// llvmpipe ends all loops of an invocation after 65 535 iterations together; no pass needs more than thirty
+// iterations a pair.
+uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t range) const {
+  constexpr std::size_t kMaxPairs = 2'000, kMaxEntries = 4096, kWorkgroups = 4;
+  const std::size_t lanes = program->lanes();
+  if (program->for_gpu()) return 1;
+  const std::size_t max_entries =
+      std::clamp<std::size_t>(kMaxPairs / std::max<std::size_t>(1, range), 1, kMaxEntries);
+  const std::size_t share = entries / (kWorkgroups * lanes) + 1;
+  return static_cast<uint>(std::clamp(share, std::min<std::size_t>(16, max_entries), max_entries));
+}
+
+DispatchArgs VulkanEngine::Impl::MakeDispatch(std::size_t entries, uint chunk, uint rows) const {
+  const std::size_t share = std::size_t{program->lanes()} * chunk;
+  const std::size_t min_groups =
+      program->for_gpu() ? 1 : 0;  // the last workgroup continues, so there must be one
+  return {.x = program->WithinLimit(std::max(min_groups, (entries + share - 1) / share)), .y = rows, .z = 1};
+}
+
+// Prepares writing back the lists' balls, with the frame's chunk.
+void VulkanEngine::Impl::SetFlush(Frame& f) const {
+  f.flush_count = lists.made ? lists.balls : 0;
+  f.flush_work = MakeDispatch(f.flush_count, f.chunk, 1);
+}
+
+// Writes the lists' balls back to the buffers that Snapshot reads.
+bool VulkanEngine::Impl::Flush() const {
+  Frame f = frame_constants;
+  f.chunk = Chunk(lists.balls, 1);
+  SetFlush(f);
+  SetUploads(f);
+  return program->Run(f, FrameMode::kFlush, frame_timeout_ns);
+}
+
+// Prepares the upload of the children that the frame before has split.
+void VulkanEngine::Impl::SetUploads(Frame& f) const {
+  if (!pool) return;
+  const std::vector<SplitUpload>& uploads = pool->uploads();
+  std::ranges::copy(uploads, program->host<SplitUpload>(kBindUploads));
+  f.upload_count = static_cast<uint>(uploads.size());
+  f.upload_work = {
+      .x = program->WithinLimit((uploads.size() + program->lanes() - 1) / program->lanes()), .y = 1, .z = 1};
+}
+
+// Passes the frame's requests and the capsules of its cutting balls to the split pool.
+void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSolution& solution) {
+  capsules.clear();
+  for (std::size_t t = 0; t < tool.cutter_count; ++t) {
+    if (CutsAlone() && t != (done.touching & ((1u << kToolBits) - 1u))) continue;
+    const Vector3 contact_m = start_m[t] + solution.contact_fraction * (goal_m[t] - start_m[t]);
+    const Vector3 target_m =
+        done.turns != 0 ? Vector3(goal_m[t] + solution.delta) : Vector3(contact_m + solution.shift);
+    const Vector3 slid_m = contact_m + solution.slide_fraction * (target_m - contact_m);
+    const double radius_m = tool.balls[t].radius_m;
+    const Vector3 end_m = slid_m + solution.origin_end - solution.origin_slid;
+    capsules.push_back({.a = contact_m, .b = slid_m, .radius_m = radius_m});
+    capsules.push_back({.a = slid_m, .b = end_m, .radius_m = radius_m});
+  }
+  const std::size_t count = std::min(done.request_count, frame_constants.request_capacity);
+  pool->EndFrame({program->host<SplitRequest>(kBindRequests), count}, capsules, Blocks());
+}
+
+// Measures the displacement of the tool's balls since the lists were built.
+void VulkanEngine::Impl::MeasureDisplacement(Frame& f) const {
+  f.cutting_displacement_start_mm = MaxDisplacement_mm(lists.built_m, start_m, true);
+  f.cutting_displacement_goal_mm = MaxDisplacement_mm(lists.built_m, goal_m, true);
+  f.shaft_displacement_start_mm = MaxDisplacement_mm(lists.built_m, start_m, false);
+  f.shaft_displacement_goal_mm = MaxDisplacement_mm(lists.built_m, goal_m, false);
+  f.cutting_measured_start_mm = MaxDisplacement_mm(lists.measured_m, start_m, true);
+  f.cutting_measured_goal_mm = MaxDisplacement_mm(lists.measured_m, goal_m, true);
+  f.shaft_measured_start_mm = MaxDisplacement_mm(lists.measured_m, start_m, false);
+  f.shaft_measured_goal_mm = MaxDisplacement_mm(lists.measured_m, goal_m, false);
+}
+
+// Largest distance of a tool ball of a kind from its former position [mm].
+float VulkanEngine::Impl::MaxDisplacement_mm(const std::vector<Vector3>& was_m,
+                                             const std::vector<Vector3>& is_m, bool cuts) const {
+  double max_m2 = 0.0;
+  for (std::size_t t = cuts ? 0 : tool.cutter_count, end = cuts ? tool.cutter_count : is_m.size(); t < end;
+       ++t)
+    max_m2 = std::max(max_m2, (is_m[t] - was_m[t]).squaredNorm());
+  return static_cast<float>(kMillimetres * std::sqrt(max_m2));
+}
+
+// Finds the clusters that the tool can meet, within its reach, on its way or at its pose.
+void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
+  const bool whole_way = mode == FrameMode::kListsAtContact;
+  const auto sweep = [&](const Vector3& start, const Vector3& goal, double radius_m, float reach_mm) {
+    const vec4 a = ToMillimetres(start, radius_m * kMillimetres), b = ToMillimetres(goal, 0.0);
+    const Eigen::Vector3f from(a.x, a.y, a.z), to(b.x, b.y, b.z);
+    return BallSweep{.a = from, .b = whole_way ? to : from, .radius_mm = a.w + reach_mm};
+  };
+  const auto find = [&](const ClusterTree& tree, float reach_mm, bool cutting_only,
+                        std::vector<ClusterPairs>& items) {
+    const auto sweep_of = [&](const Vector3& start, const Vector3& goal, double radius_m, bool cuts) {
+      if (cutting_only && !cuts) return BallSweep{};
+      return sweep(start, goal, radius_m,
+                   reach_mm + (cuts ? frame_constants.cutting_skin_mm : frame_constants.shaft_skin_mm));
+    };
+    for (std::size_t g = 0; g < tool.groups.size(); ++g) {
+      const ToolLayout::Item& bound = tool.group_bounds[g];
+      group_sweeps[g] = sweep_of(memory.X_GP * bound.center_T_m, X_GT * bound.center_T_m, bound.radius_m,
+                                 tool.Cuts(tool.groups[g].front()));
+    }
+    for (std::size_t t = 0; t < start_m.size(); ++t)
+      ball_sweeps[t] = sweep_of(start_m[t], goal_m[t], tool.balls[t].radius_m, tool.Cuts(t));
+    work->Add(tree, group_sweeps, ball_sweeps, items);
+  };
+  work->Clear();
+  find(ball_tree, f.ball_reach_mm, false, ball_cluster_pairs);
+  // a block is in its parent's place
+  for (std::size_t i = 0, clusters = pool ? ball_cluster_pairs.size() : 0; i < clusters; ++i) {
+    const ClusterPairs parents = ball_cluster_pairs[i];
+    for (const uint block : pool->BlocksIn(parents.cluster))
+      ball_cluster_pairs.push_back({.cluster = static_cast<uint>(pool->FirstCluster()) + block,
+                                    .first = parents.first,
+                                    .cutters = parents.cutters,
+                                    .count = parents.count});
+  }
+  find(point_tree, f.point_reach_mm, true, point_cluster_pairs);
+  ClusterPairs* items = program->host<ClusterPairs>(kBindClusterPairs);
+  std::copy(ball_cluster_pairs.begin(), ball_cluster_pairs.end(), items);
+  std::copy(point_cluster_pairs.begin(), point_cluster_pairs.end(), items + ball_clusters);
+  std::copy(work->refs().begin(), work->refs().end(), program->host<uint>(kBindToolRefs));
+  // largest number of tool balls of one entry, and of one cluster
+  uint longest = 1;
+  for (const auto* list : {&ball_cluster_pairs, &point_cluster_pairs})
+    for (const ClusterPairs& item : *list) longest = std::max(longest, item.count);
+  f.chunk = Chunk(std::numeric_limits<std::size_t>::max(), longest);
+  const uint parts = longest < kMaxRefsOfAWorkgroup ? 1 : kGroupSize / program->lanes();
+  f.near_ball_clusters = static_cast<uint>(ball_cluster_pairs.size());
+  f.near_point_clusters = static_cast<uint>(point_cluster_pairs.size());
+  f.path_work = {.x = program->WithinLimit(ball_cluster_pairs.size()), .y = parts, .z = 1};
+  f.point_work = {.x = program->WithinLimit(point_cluster_pairs.size()), .y = parts, .z = 1};
+}
+
+// Runs a frame. False where the device is lost.
+bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
+  Frame f = prepared;
+  f.lists_at_contact = mode == FrameMode::kListsAtContact ? 1 : 0;
+  if (mode == FrameMode::kLists && !program->for_gpu() && !brute_force && tool.cutter_count > 1 &&
+      f.cutting_measured_start_mm > kRemeasureDisplacement_mm) {
+    mode = FrameMode::kListsRefreshed;
+    lists.measured_m = start_m;
+    MeasureDisplacement(f);
+  }
+  const bool keeps = mode == FrameMode::kLists || mode == FrameMode::kListsRefreshed;
+  if (keeps) {
+    const std::size_t pairs = std::max(lists.balls, lists.shaft),
+                      all = std::max<std::size_t>(pairs, lists.points);
+    f.chunk = Chunk(all, lists.longest_pair_range);
+    const uint shaft = lists.shaft > 0 ? 1 : 0;
+    f.pair_work = MakeDispatch(pairs, f.chunk, 1 + shaft);
+    f.all_work = MakeDispatch(all, f.chunk, 2 + shaft);
+    f.clear_work = MakeDispatch(all, f.chunk, 2);
+    f.live_ball_count = lists.balls;
+    f.live_point_count = lists.points;
+    f.shaft_count = lists.shaft;
+    f.packed_pair_count = lists.packed_pairs;
+  } else {
+    FindWork(f, mode);
+    SetUploads(f);
+    SetFlush(f);
+    // at least one workgroup where the last one continues
+    const uint min_groups = program->for_gpu() ? 1 : 0;
+    f.pair_work = {.x = min_groups, .y = 2, .z = 1};
+    f.all_work = {.x = min_groups, .y = 3, .z = 1};
+    f.clear_work = {.x = min_groups, .y = 2, .z = 1};
+    f.packed_pair_count = static_cast<uint>(AllPackedPairs());
+    lists.built_m = lists.measured_m = start_m;
+    if (!brute_force) MeasureDisplacement(f);
+  }
+  if (!program->Run(f, mode,
+                    brute_force         ? kBruteTimeout_ns
+                    : memory.frame == 0 ? kWarmUpTimeout_ns
+                                        : frame_timeout_ns))
+    return false;
+  const Frame& done = program->result();
+  stats = {
+      .active_balls = done.live_ball_count, .active_points = done.live_point_count, .lists_made = !keeps};
+  if (keeps) return true;
+  if (pool) pool->Uploaded();
+  lists.made = done.list_overflow == 0;
+  lists.ball_reach_mm = done.ball_reach_mm;
+  lists.point_reach_mm = done.point_reach_mm;
+  lists.longest_pair_range = done.longest_pair_range;
+  lists.balls = done.live_ball_count;
+  lists.points = done.live_point_count;
+  lists.shaft = done.shaft_count;
+  lists.packed_pairs = done.packed_pair_count;
+  if (mode == FrameMode::kListsAtProxy) return true;
+  const double s = std::min(1.0, std::bit_cast<double>(done.contact_key));
+  for (std::size_t t = 0; t < start_m.size(); ++t)
+    lists.built_m[t] = lists.measured_m[t] = start_m[t] + s * (goal_m[t] - start_m[t]);
+  return true;
+}
+
+}  // namespace osteon::gpu

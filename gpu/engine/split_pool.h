@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "gpu/shaders/layout.h"
+#include "simulation/removal/split_ball.h"
+
+namespace osteon::gpu {
+
+/// The host's books of split balls (simulation/removal/ball_removal.h defines the result that they must
+/// have).
+///
+///     device  balls  │ parents, up to a multiple of 64 │ block 0: 64 slots │ block 1 │ …
+///                      ▲ requests: parents that were touched and are too large, in any order
+///     host    sorted by parent ─▶ blocks ─▶ children, cut by the frame's capsules
+///                                          ─▶ the next frame's uploads
+///
+/// A block is a cluster of its own, in the same place as its parent's cluster, so culling and lists treat
+/// children like any cluster. The host makes the children, in a few microseconds a ball, before another frame
+/// can meet the ball.
+class SplitPool {
+ public:
+  /// @throws std::invalid_argument where params are not accepted, or children do not fit a cluster.
+  SplitPool(const std::vector<simulation::Ball>& uncut, const simulation::SplitParams& params);
+
+  /// Length of the device's list of balls: parents, and room for every block.
+  [[nodiscard]] std::size_t ball_count() const { return first_ + params().pool_blocks * kGroupSize; }
+  [[nodiscard]] std::size_t block_count() const { return params().pool_blocks; }
+  [[nodiscard]] std::size_t FirstCluster() const { return first_ / kGroupSize; }
+  /// Blocks whose parents lie in a cluster of parents.
+  [[nodiscard]] const std::vector<uint>& BlocksIn(uint cluster) const { return blocks_of_cluster_[cluster]; }
+
+  /// Ends a frame: serves its requests, frees empty blocks, and makes children.
+  /// @param blocks  state of each block, with its children as the device counts them
+  void EndFrame(std::span<const SplitRequest> requests, std::span<const simulation::Capsule> capsules,
+                std::span<Block> blocks);
+
+  /// Balls to send to the device before the next frame's lists are built.
+  [[nodiscard]] const std::vector<SplitUpload>& uploads() const { return uploads_; }
+  void Uploaded() { uploads_.clear(); }
+  [[nodiscard]] std::uint64_t refused() const { return refused_; }
+
+  /// Writes the state from the device's list of balls, after the uploads.
+  void Save(std::span<const vec4> balls, simulation::CarvedState& state) const;
+  /// Returns the device's list of balls for a state; clears all books.
+  /// @throws std::invalid_argument where the state belongs to another packing or other parameters.
+  [[nodiscard]] std::vector<vec4> Load(const simulation::CarvedState& state, std::span<Block> blocks);
+  /// Converts the indices of the contact memory's balls between a state and the device.
+  void ToSaved(simulation::ContactMemory& contact) const;
+  void FromSaved(simulation::ContactMemory& contact) const;
+
+ private:
+  struct Waiting {
+    simulation::WaitingBall ball;
+    simulation::BallState now;  ///< what the device has left of the ball
+  };
+  [[nodiscard]] const simulation::SplitParams& params() const { return splitter_.params(); }
+  uint TakeBlock(std::uint32_t parent);
+  void FreeBlock(uint block);
+
+  simulation::BallSplitter splitter_;
+  std::size_t parents_, first_;
+  std::vector<std::int32_t> block_;    ///< block of each parent; -1: none
+  std::vector<std::uint32_t> parent_;  ///< parent of each block that was ever in use
+  std::set<uint> free_;                ///< those of them that are free now
+  std::set<uint> in_use_;
+  std::vector<Waiting> waiting_;  ///< in ascending order of parents
+  std::vector<std::vector<uint>> blocks_of_cluster_;
+  std::vector<SplitUpload> uploads_;
+  std::uint64_t refused_{0};
+};
+
+}  // namespace osteon::gpu

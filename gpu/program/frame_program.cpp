@@ -1,0 +1,423 @@
+#include "gpu/program/frame_program.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "gpu/spirv/contact.h"
+#include "gpu/spirv/flush.h"
+#include "gpu/spirv/load_children.h"
+#include "gpu/spirv/near_field.h"
+#include "gpu/spirv/path_contact.h"
+#include "gpu/spirv/pick_balls.h"
+#include "gpu/spirv/pick_points.h"
+#include "gpu/spirv/refresh.h"
+#include "gpu/spirv/remove_clear.h"
+#include "gpu/spirv/slide_engage.h"
+#include "gpu/spirv/solve.h"
+#include "gpu/spirv/touching.h"
+
+namespace osteon::gpu {
+namespace {
+
+constexpr std::uint32_t kMaxPasses = 16;
+
+// Bytes of each storage buffer, by binding.
+std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
+  std::array<std::size_t, kBindings> bytes{};
+  bytes[kBindFrame] = sizeof(Frame);
+  bytes[kBindTool] = 4 * n.tool_balls * sizeof(vec4);
+  bytes[kBindClusterPairs] = (n.ball_clusters + n.point_clusters) * sizeof(ClusterPairs);
+  bytes[kBindToolRefs] = n.tool_refs * sizeof(uint);
+  bytes[kBindBalls] = std::min<std::size_t>(n.balls, kBallsPerBuffer) * sizeof(vec4);
+  bytes[kBindMoreBalls] = (n.balls - std::min<std::size_t>(n.balls, kBallsPerBuffer)) * sizeof(vec4);
+  bytes[kBindPoints] = n.points * sizeof(vec4);
+  bytes[kBindPointStates] = n.points * sizeof(uint);
+  bytes[kBindPointUnits] = n.points * sizeof(uint);
+  bytes[kBindLiveBalls] = n.live * sizeof(vec4);
+  bytes[kBindLiveEntries] = n.live * (sizeof(ListEntry) + sizeof(ShaftPair));
+  bytes[kBindLivePoints] = n.live * sizeof(vec4);
+  bytes[kBindPointEntries] = n.live * sizeof(ListEntry);
+  bytes[kBindPackedPairs] = n.packed_pairs * sizeof(uint);
+  bytes[kBindSlots] = n.balls * sizeof(uint);
+  bytes[kBindRequests] = std::max<std::size_t>(1, n.requests) * sizeof(SplitRequest);
+  bytes[kBindUploads] = std::max<std::size_t>(1, n.uploads) * sizeof(SplitUpload);
+  bytes[kBindBlocks] = std::max<std::size_t>(1, n.blocks) * sizeof(Block);
+  bytes[kBindReadback] = sizeof(Readback) + 8;
+  return bytes;
+}
+
+}  // namespace
+
+std::string FrameProgram::Refusal(const Context& context, const ProgramSizes& sizes,
+                                  const VulkanOverrides& overrides) {
+  const auto limits = context.physical->getProperties().limits;
+  const Subgroups& subgroups = context.subgroups;
+  if (overrides.subgroup_size != 0 && overrides.subgroup_size != subgroups.size &&
+      (!subgroups.can_choose || overrides.subgroup_size < subgroups.min_size ||
+       overrides.subgroup_size > subgroups.max_size || !std::has_single_bit(overrides.subgroup_size)))
+    return fmt::format("subgroups of {}: the device accepts {}", overrides.subgroup_size,
+                       subgroups.can_choose
+                           ? fmt::format("{} … {}, powers of two", subgroups.min_size, subgroups.max_size)
+                           : fmt::format("{}", subgroups.size));
+  if (overrides.bone_ball_bits != 0 &&
+      (overrides.bone_ball_bits < BoneBits(sizes.balls) || overrides.bone_ball_bits > kMaxBoneBits))
+    return fmt::format("{} bits for a bone ball, accepted {} … {}", overrides.bone_ball_bits,
+                       BoneBits(sizes.balls), kMaxBoneBits);
+  const std::string what = fmt::format("{} balls and {} mass points", sizes.balls, sizes.points);
+  double needed = 0.0;
+  const auto buffers = BufferBytes(sizes);
+  for (const uint buffer :
+       {kBindLiveBalls, kBindLivePoints, kBindTool, kBindPackedPairs, kBindLiveEntries, kBindPointEntries})
+    if (buffers[buffer] / sizeof(vec4) > limits.maxTexelBufferElements)
+      return fmt::format("{}: a texel buffer of {} elements, the device's largest has {}", what,
+                         buffers[buffer] / sizeof(vec4), limits.maxTexelBufferElements);
+  for (const std::size_t bytes : buffers) {
+    needed += static_cast<double>(bytes);
+    if (bytes > limits.maxStorageBufferRange)
+      return fmt::format("{}: a buffer of {:.0f} MB, the device's largest is {:.0f} MB", what,
+                         static_cast<double>(bytes) * 1e-6, limits.maxStorageBufferRange * 1e-6);
+  }
+  if (needed > context.info.memory_bytes)
+    return fmt::format("{} need {:.0f} MB, the device has {:.0f} MB", what, needed * 1e-6,
+                       context.info.memory_bytes * 1e-6);
+  if (limits.maxPerStageDescriptorStorageBuffers < kBindings)
+    return fmt::format("{} storage buffers a stage, {} are needed",
+                       limits.maxPerStageDescriptorStorageBuffers, kBindings);
+  return "";
+}
+
+FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& sizes,
+                           const VulkanParams& params)
+    : context_(std::move(opened)), sizes_(sizes) {
+  const VulkanOverrides& overrides = params.overrides;
+  gpu_ = overrides.variant == PassVariant::kGpu ||
+         (overrides.variant == PassVariant::kAuto && context_->info.kind != "cpu");
+  asks_subgroup_size_ = overrides.subgroup_size != 0 && overrides.subgroup_size != context_->subgroups.size;
+  subgroup_size_ = asks_subgroup_size_ ? overrides.subgroup_size : context_->subgroups.size;
+  bone_bits_ = overrides.bone_ball_bits != 0 ? overrides.bone_ball_bits : BoneBits(sizes.balls);
+  max_workgroups_ = context_->physical->getProperties().limits.maxComputeWorkGroupCount[0];
+  if (overrides.max_workgroups != 0) max_workgroups_ = std::min(max_workgroups_, overrides.max_workgroups);
+  // data of split balls are in separate buffers, which the report's checksum does not cover
+  policy_ = overrides.fence != FencePolicy::kAuto ? overrides.fence
+            : !gpu_                               ? FencePolicy::kWait
+            : sizes.blocks > 0                    ? FencePolicy::kPoll
+                                                  : FencePolicy::kReport;
+  if (!gpu_ && policy_ == FencePolicy::kReport) policy_ = FencePolicy::kPoll;
+  command_pool_ =
+      vk::raii::CommandPool(*context_->device, vk::CommandPoolCreateInfo({}, context_->queue_family));
+  fence_ = vk::raii::Fence(*context_->device, vk::FenceCreateInfo(vk::FenceCreateFlagBits::eSignaled));
+  const auto families = context_->physical->getQueueFamilyProperties();
+  if (params.time_passes && families[context_->queue_family].timestampValidBits != 0) {
+    stamp_period_ns_ = context_->physical->getProperties().limits.timestampPeriod;
+    stamps_ = vk::raii::QueryPool(*context_->device,
+                                  vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kMaxPasses + 1));
+  }
+  MakeBuffers();
+  NameForLayers(*context_, FrameBuffer(), kFrameBufferName);
+  const auto begun = std::chrono::steady_clock::now();
+  MakePipelines();
+  pipelines_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  for (const auto& passes : run_passes_) commands_.push_back(Record(passes, nullptr));
+}
+
+void FrameProgram::MakeBuffers() {
+  const auto bytes = BufferBytes(sizes_);
+  for (uint i = 0; i < kBindings; ++i) {
+    const bool host = i == kBindTool || i == kBindClusterPairs || i == kBindToolRefs || i >= kBindRequests;
+    if (i != kBindFrame)
+      buffers_[i] = MakeBuffer(*context_, bytes[i],
+                               i == kBindReadback ? Placement::kReadBack
+                               : host             ? Placement::kShared
+                                                  : Placement::kDevice);
+  }
+  if (!gpu_) {
+    frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kReadBack);
+    return;
+  }
+  // the host writes to the passes' memory where it can; the report is in memory that the host reads fast
+  frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kShared);
+  copies_in_ = !frame_in_.device_local;
+  if (copies_in_) buffers_[kBindFrame] = MakeBuffer(*context_, sizeof(Frame), Placement::kDevice);
+  std::memset(buffers_[kBindReadback].mapped, 0, sizeof(Readback));
+}
+
+void FrameProgram::Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size,
+                        vk::DeviceSize place) const {
+  vk::raii::CommandBuffers once(*context_->device, {*command_pool_, vk::CommandBufferLevel::ePrimary, 1});
+  once[0].begin(vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
+  once[0].copyBuffer(*from.buffer, *to.buffer, vk::BufferCopy(0, place, size));
+  once[0].end();
+  const vk::CommandBuffer raw = *once[0];
+  context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw));
+  context_->queue->waitIdle();
+}
+
+void FrameProgram::Write(uint binding, const void* data, std::size_t size, std::size_t place) const {
+  if (size == 0) return;
+  const Buffer staging = MakeBuffer(*context_, size, Placement::kUpload);
+  std::memcpy(staging.mapped, data, size);
+  Copy(staging, buffers_[binding], size, place);
+}
+
+void FrameProgram::Read(uint binding, void* data, std::size_t size) const {
+  if (size == 0) return;
+  const Buffer staging = MakeBuffer(*context_, size, Placement::kReadBack);
+  Copy(buffers_[binding], staging, size, 0);
+  std::memcpy(data, staging.mapped, size);
+}
+
+void FrameProgram::MakePipelines() {
+  const vk::raii::Device& device = *context_->device;
+  std::vector<vk::DescriptorSetLayoutBinding> bindings;
+  for (uint i = 0; i < kBindings; ++i)
+    bindings.emplace_back(i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
+  for (const uint i : {kBindBallTexels, kBindPointTexels, kBindToolTexels, kBindPackedPairTexels,
+                       kBindEntryTexels, kBindPointEntryTexels})
+    bindings.emplace_back(i, vk::DescriptorType::eUniformTexelBuffer, 1, vk::ShaderStageFlagBits::eCompute);
+  set_layout_ = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
+  layout_ = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout_));
+
+  struct Constants {
+    VkBool32 one_cutter;
+    uint ball_clusters;
+    uint lanes;
+    VkBool32 split;
+    VkBool32 contact_sphere;
+    uint materials;
+    VkBool32 on_gpu;
+    uint tool_rest;
+    uint bone_bits;
+  } const constants{.one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
+                    .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
+                    .lanes = lanes(),
+                    .split = sizes_.blocks > 0 ? VK_TRUE : VK_FALSE,
+                    .contact_sphere = sizes_.contact_sphere ? VK_TRUE : VK_FALSE,
+                    .materials = static_cast<uint>(sizes_.materials),
+                    .on_gpu = gpu_ ? VK_TRUE : VK_FALSE,
+                    .tool_rest = static_cast<uint>(2 * sizes_.tool_balls),
+                    .bone_bits = bone_bits_};
+  const std::array<vk::SpecializationMapEntry, 9> entries{
+      {{1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
+       {2, offsetof(Constants, ball_clusters), sizeof(uint)},
+       {3, offsetof(Constants, lanes), sizeof(uint)},
+       {4, offsetof(Constants, split), sizeof(VkBool32)},
+       {5, offsetof(Constants, contact_sphere), sizeof(VkBool32)},
+       {6, offsetof(Constants, materials), sizeof(uint)},
+       {7, offsetof(Constants, on_gpu), sizeof(VkBool32)},
+       {8, offsetof(Constants, tool_rest), sizeof(uint)},
+       {9, offsetof(Constants, bone_bits), sizeof(uint)}}};
+  Constants wide = constants;
+  if (gpu_) wide.lanes = kWideLanes;
+  const auto add = [&](const char* name, const auto& code, const Constants& own, std::size_t groups,
+                       Then then) {
+    const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                                sizeof(Constants), &own);
+    const vk::raii::ShaderModule module(device, vk::ShaderModuleCreateInfo({}, sizeof(code), code));
+    const vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo size(subgroup_size_);
+    vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
+                                            &specialization);
+    // without this feature a driver may leave invocations of a subgroup inactive, and the passes support that
+    if (context_->subgroups.can_be_full && own.lanes % subgroup_size_ == 0)
+      stage.flags = vk::PipelineShaderStageCreateFlagBits::eRequireFullSubgroups;
+    if (asks_subgroup_size_) stage.pNext = &size;
+    passes_.push_back(
+        {name, vk::raii::Pipeline(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout_)),
+         groups, then, std::max(1u, own.lanes / lanes())});
+    return passes_.size() - 1;
+  };
+  const std::size_t pairs = offsetof(Frame, pair_work), all = offsetof(Frame, all_work);
+  std::vector<std::size_t> rest = {add("near_field", kSpirv_near_field, wide, pairs, Then::kReads)};
+  if (!gpu_) {
+    // one subgroup computes the solution; on a GPU that of the near field's last workgroup
+    Constants alone = constants;
+    alone.lanes = subgroup_size_;
+    rest.push_back(add("solve", kSpirv_solve, alone, kOne, Then::kReads));
+  }
+  rest.push_back(add("slide_engage", kSpirv_slide_engage, wide, all, Then::kReads));
+  rest.push_back(add("remove_clear", kSpirv_remove_clear, wide, offsetof(Frame, clear_work), Then::kNothing));
+  if (sizes_.contact_sphere)
+    rest.insert(rest.begin(), add("touching", kSpirv_touching, constants, pairs, Then::kReads));
+  const std::size_t contact = add("contact", kSpirv_contact, constants, pairs, Then::kReads);
+  const std::size_t path =
+      add("path_contact", kSpirv_path_contact, constants, offsetof(Frame, path_work), Then::kReads);
+  const std::vector<std::size_t> pick = {
+      add("pick_balls", kSpirv_pick_balls, constants, offsetof(Frame, path_work), Then::kNothing),
+      add("pick_points", kSpirv_pick_points, constants, offsetof(Frame, point_work), Then::kGroups)};
+  std::vector<std::size_t> before = {
+      add("flush", kSpirv_flush, constants, offsetof(Frame, flush_work), Then::kReads)};
+  if (sizes_.blocks > 0)
+    before.push_back(
+        add("load_children", kSpirv_load_children, constants, offsetof(Frame, upload_work), Then::kReads));
+  const auto in_turn = [](std::initializer_list<std::vector<std::size_t>> parts) {
+    std::vector<std::size_t> whole;
+    for (const auto& part : parts) whole.insert(whole.end(), part.begin(), part.end());
+    return whole;
+  };
+  const auto run = [&](FrameMode mode) -> std::vector<std::size_t>& {
+    return run_passes_[static_cast<std::size_t>(mode)];
+  };
+  run(FrameMode::kLists) = in_turn({{contact}, rest});
+  run(FrameMode::kListsRefreshed) =
+      in_turn({{add("refresh", kSpirv_refresh, constants, all, Then::kReads)}, {contact}, rest});
+  run(FrameMode::kListsAtProxy) = in_turn({before, pick, {contact}, rest});
+  run(FrameMode::kListsAtContact) = in_turn({before, {path}, pick, rest});
+  run(FrameMode::kFlush) = before;
+
+  const std::array<vk::DescriptorPoolSize, 2> size{
+      {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 6}}};
+  pool_ = vk::raii::DescriptorPool(
+      device, vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
+  sets_ = vk::raii::DescriptorSets(device, vk::DescriptorSetAllocateInfo(*pool_, *set_layout_));
+  for (uint i = 0; i < kBindings; ++i) {
+    const Buffer& bound = i == kBindFrame ? FrameBuffer() : buffers_[i];
+    const vk::DescriptorBufferInfo info(*bound.buffer, 0, VK_WHOLE_SIZE);
+    device.updateDescriptorSets(
+        vk::WriteDescriptorSet(*sets_[0], i, 0, vk::DescriptorType::eStorageBuffer, nullptr, info), nullptr);
+  }
+  const auto view = [&](uint binding, uint buffer, vk::Format format) {
+    views_.emplace_back(device,
+                        vk::BufferViewCreateInfo({}, *buffers_[buffer].buffer, format, 0, VK_WHOLE_SIZE));
+    const vk::BufferView made = *views_.back();
+    device.updateDescriptorSets(
+        vk::WriteDescriptorSet(*sets_[0], binding, 0, vk::DescriptorType::eUniformTexelBuffer, nullptr,
+                               nullptr, made),
+        nullptr);
+  };
+  view(kBindBallTexels, kBindLiveBalls, vk::Format::eR32G32B32A32Sfloat);
+  view(kBindPointTexels, kBindLivePoints, vk::Format::eR32G32B32A32Sfloat);
+  view(kBindToolTexels, kBindTool, vk::Format::eR32G32B32A32Sfloat);
+  view(kBindPackedPairTexels, kBindPackedPairs, vk::Format::eR32G32B32A32Uint);
+  view(kBindEntryTexels, kBindLiveEntries, vk::Format::eR32G32B32A32Uint);
+  view(kBindPointEntryTexels, kBindPointEntries, vk::Format::eR32G32B32A32Uint);
+}
+
+vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& passes,
+                                             const Frame* known) const {
+  using Access = vk::AccessFlagBits;
+  using Stage = vk::PipelineStageFlagBits;
+  vk::raii::CommandBuffers made(*context_->device, {*command_pool_, vk::CommandBufferLevel::ePrimary, 1});
+  vk::raii::CommandBuffer c = std::move(made[0]);
+  const auto barrier = [&](vk::PipelineStageFlags from, vk::AccessFlags wrote, vk::PipelineStageFlags to,
+                           vk::AccessFlags reads) {
+    c.pipelineBarrier(from, to, {}, vk::MemoryBarrier(wrote, reads), nullptr, nullptr);
+  };
+  const Buffer& frame = FrameBuffer();
+  c.begin(vk::CommandBufferBeginInfo());
+  std::uint32_t stamp_number = 0;
+  const auto stamp = [&] {
+    if (stamp_period_ns_ > 0.0) c.writeTimestamp(Stage::eBottomOfPipe, *stamps_, stamp_number++);
+  };
+  if (stamp_period_ns_ > 0.0) c.resetQueryPool(*stamps_, 0, kMaxPasses + 1);
+  if (copies_in_) {
+    c.copyBuffer(*frame_in_.buffer, *frame.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
+    barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader | Stage::eDrawIndirect,
+            Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead);
+  }
+  stamp();
+  c.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *sets_[0], nullptr);
+  for (const std::size_t i : passes) {
+    const Pass& pass = passes_[i];
+    c.bindPipeline(vk::PipelineBindPoint::eCompute, *pass.pipeline);
+    if (pass.groups == kOne) {
+      c.dispatch(1, 1, 1);
+    } else if (known) {
+      DispatchArgs groups;
+      std::memcpy(&groups, reinterpret_cast<const char*>(known) + pass.groups, sizeof(DispatchArgs));
+      c.dispatch((groups.x + pass.share - 1) / pass.share, groups.y, groups.z);
+    } else
+      c.dispatchIndirect(*frame.buffer, pass.groups);
+    const vk::AccessFlags reads = Access::eShaderRead | Access::eShaderWrite;
+    if (pass.then == Then::kReads && i != passes.back())
+      barrier(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader, reads);
+    if (pass.then == Then::kGroups)
+      barrier(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eDrawIndirect,
+              reads | Access::eIndirectCommandRead);
+    stamp();
+  }
+  barrier(Stage::eComputeShader, Access::eShaderWrite,
+          Stage::eComputeShader | Stage::eDrawIndirect | Stage::eTransfer | Stage::eHost,
+          Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead | Access::eTransferRead |
+              Access::eHostRead);
+  c.end();
+  return c;
+}
+
+// Records the passes over lists with constant sizes: the host knows them after the lists were built. Once for
+// each time they are built.
+void FrameProgram::RecordLists(const Frame& frame) {
+  const std::array<DispatchArgs, 3> groups{frame.pair_work, frame.all_work, frame.clear_work};
+  if (std::memcmp(&groups, &recorded_, sizeof(groups)) == 0) return;
+  auto& commands = commands_[static_cast<std::size_t>(FrameMode::kLists)];
+  commands = Record(run_passes_[static_cast<std::size_t>(FrameMode::kLists)], &frame);
+  recorded_ = groups;
+}
+
+bool FrameProgram::AwaitFence(std::uint64_t timeout_ns) {
+  if (policy_ != FencePolicy::kWait) {
+    // a GPU answers within tens of microseconds: polling is faster than being woken
+    for (int i = 0; i < 20'000; ++i)
+      if (fence_.getStatus() == vk::Result::eSuccess) return true;
+  }
+  return context_->device->waitForFences(*fence_, VK_TRUE, timeout_ns) == vk::Result::eSuccess;
+}
+
+bool FrameProgram::AwaitReadback(std::uint64_t timeout_ns) {
+  const volatile uint* number = &readback().sequence;
+  const auto is_here = [&] {
+    if (*number != sequence_) return false;
+    std::atomic_thread_fence(std::memory_order_acquire);
+    std::array<uint, kFrameBytes / sizeof(uint)> words;
+    std::memcpy(words.data(), &readback().frame, kFrameBytes);
+    uint sum = 0;
+    for (const uint word : words) sum += word;
+    return sum == readback().sum;
+  };
+  for (int i = 0; i < 1'000'000; ++i)  // some milliseconds
+    if (is_here()) return true;
+  return AwaitFence(timeout_ns) && is_here();
+}
+
+bool FrameProgram::Run(const Frame& frame, FrameMode mode, std::uint64_t timeout_ns) try {
+  last_mode_ = mode;
+  // Wait for the last frame: its report may have arrived before its fence.
+  if (!AwaitFence(timeout_ns)) return false;
+  Frame asked = frame;
+  asked.sequence = ++sequence_;
+  std::memcpy(frame_in_.mapped, &asked, sizeof(Frame));
+  if (gpu_ && mode == FrameMode::kLists) RecordLists(frame);
+  const vk::CommandBuffer raw = *commands_[static_cast<std::size_t>(mode)];
+  context_->device->resetFences(*fence_);
+  context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence_);
+  return policy_ == FencePolicy::kReport && mode != FrameMode::kFlush ? AwaitReadback(timeout_ns)
+                                                                      : AwaitFence(timeout_ns);
+} catch (const std::exception&) {
+  return false;
+}
+
+bool FrameProgram::IsIdle(std::uint64_t timeout_ns) const try {
+  return context_->device->waitForFences(*fence_, VK_TRUE, timeout_ns) == vk::Result::eSuccess;
+} catch (const std::exception&) {
+  return true;  // a lost device has no more work
+}
+
+std::vector<PassTime> FrameProgram::PassTimes() const {
+  std::vector<PassTime> times;
+  if (stamp_period_ns_ <= 0.0) return times;
+  const std::vector<std::size_t>& passes = run_passes_[static_cast<std::size_t>(last_mode_)];
+  const std::size_t count = passes.size() + 1;
+  const auto [result, ticks] =
+      stamps_.getResults<std::uint64_t>(0, static_cast<std::uint32_t>(count), count * sizeof(std::uint64_t),
+                                        sizeof(std::uint64_t), vk::QueryResultFlagBits::e64);
+  if (result != vk::Result::eSuccess) return times;
+  for (std::size_t i = 0; i < passes.size(); ++i)
+    times.push_back(
+        {passes_[passes[i]].name, static_cast<double>(ticks[i + 1] - ticks[i]) * stamp_period_ns_ * 1e-9});
+  return times;
+}
+
+}  // namespace osteon::gpu

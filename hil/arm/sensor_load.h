@@ -1,0 +1,21 @@
+#pragma once
+
+#include "control/sensing/hand_wrench.h"
+#include "kinematics/spatial.h"
+
+namespace osteon::hil {
+
+/// The load of the sensor between flange and tool, by hand and weight, at S's origin, in S. Written
+/// independently of its inverse, control::HandWrench.
+/// @param F_hand_T_W  on T at To, in W
+[[nodiscard]] Wrench SensorLoad(const control::ForceSensorParams& sensor, const Pose& X_WT, const Pose& X_WF,
+                                const Wrench& F_hand_T_W);
+
+/// The same load without the wrench that accelerates the tool beyond the sensor: Newton's and Euler's
+/// equations at its centre of mass.
+/// @param F_S  SensorLoad  @param V_WT, A_WT  velocity of T and its rate of change, at To, in W
+[[nodiscard]] Wrench SubtractInertia(const control::ForceSensorParams& sensor, const Wrench& F_S,
+                                     const Pose& X_WT, const Pose& X_WF, const Twist& V_WT,
+                                     const Twist& A_WT);
+
+}  // namespace osteon::hil

@@ -1,0 +1,80 @@
+#include "hil/arm/servo_arm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::hil {
+namespace {
+
+// exp(A T) of e'' = -w^2 e - 2 z w e'. With a = z w and s^2 = a^2 - w^2 (negative: an oscillation), C =
+// cosh(s T) and S = sinh(s T) / s:   exp(A T) = e^(-a T) [C + a S, S; -w^2 S, C - a S].
+Eigen::Matrix2d Transition(double w, double z, double period_s) {
+  const double a = z * w, s2 = a * a - w * w, s = std::sqrt(std::abs(s2));
+  double C = 1.0, S = period_s;  // the limit at z = 1
+  if (s * period_s > 1e-9) {
+    C = s2 > 0.0 ? std::cosh(s * period_s) : std::cos(s * period_s);
+    S = (s2 > 0.0 ? std::sinh(s * period_s) : std::sin(s * period_s)) / s;
+  }
+  Eigen::Matrix2d M;
+  M << C + a * S, S, -w * w * S, C - a * S;
+  return std::exp(-a * period_s) * M;
+}
+
+}  // namespace
+
+ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::JointLimits, 7>& limits,
+                   double period_s, const kinematics::JointVector& q_start)
+    : period_s_(period_s),
+      max_acceleration_rad_per_s2_(params.max_acceleration_rad_per_s2),
+      q_(q_start),
+      qd_(kinematics::JointVector::Zero()),
+      delay_size_(static_cast<std::size_t>(params.dead_cycles) + 1) {
+  const auto refuse = [](const char* name, double found, const char* accepted) {
+    throw std::invalid_argument(std::string("simulated arm: ") + name + ": found " + std::to_string(found) +
+                                ", accepted " + accepted);
+  };
+  if (!(params.bandwidth_hz > 0.0 && params.bandwidth_hz <= 1000.0))
+    refuse("bandwidth_hz", params.bandwidth_hz, "0 … 1000, not 0");
+  if (!(params.damping_ratio >= 0.0 && params.damping_ratio <= 10.0))
+    refuse("damping_ratio", params.damping_ratio, "0 … 10");
+  if (params.dead_cycles < 0 || params.dead_cycles > kMaxDeadCycles)
+    refuse("dead_cycles", params.dead_cycles, "0 … 32");
+  if (!(params.max_acceleration_rad_per_s2 > 0.0))
+    refuse("max_acceleration_rad_per_s2", params.max_acceleration_rad_per_s2, "> 0");
+  if (!(period_s > 0.0 && period_s <= 0.1)) refuse("period_s", period_s, "0 … 0.1, not 0");
+  for (int i = 0; i < 7; ++i) {
+    max_speed_rad_per_s_[i] = limits[static_cast<std::size_t>(i)].velocity_rad_per_s;
+    if (!(max_speed_rad_per_s_[i] > 0.0)) refuse("velocity limit [rad/s]", max_speed_rad_per_s_[i], "> 0");
+  }
+  transition_ = Transition(2.0 * std::numbers::pi * params.bandwidth_hz, params.damping_ratio, period_s);
+  delay_.fill(q_start);
+}
+
+void ServoArm::Step(const kinematics::JointVector& q_cmd) OSTEON_RT {
+  // store the newest command, read the one of dead_cycles ago
+  delay_[next_] = q_cmd;
+  next_ = (next_ + 1) % delay_size_;
+  const kinematics::JointVector& target = delay_[next_];
+
+  for (int i = 0; i < 7; ++i) {
+    const Eigen::Vector2d x = transition_ * Eigen::Vector2d(q_[i] - target[i], qd_[i]);
+    const double wanted = (x[1] - qd_[i]) / period_s_;  // mean acceleration of the step
+    const double speed =
+        (target[i] + x[0] - q_[i]) / period_s_;  // mean velocity: its peak may lie within the step
+    if (std::abs(wanted) <= max_acceleration_rad_per_s2_ && std::abs(x[1]) <= max_speed_rad_per_s_[i] &&
+        std::abs(speed) <= max_speed_rad_per_s_[i]) {
+      q_[i] = target[i] + x[0];
+      qd_[i] = x[1];
+      continue;
+    }
+    const double a = std::clamp(wanted, -max_acceleration_rad_per_s2_, max_acceleration_rad_per_s2_);
+    const double qd = std::clamp(qd_[i] + a * period_s_, -max_speed_rad_per_s_[i], max_speed_rad_per_s_[i]);
+    q_[i] += 0.5 * (qd_[i] + qd) * period_s_;
+    qd_[i] = qd;
+  }
+}
+
+}  // namespace osteon::hil

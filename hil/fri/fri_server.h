@@ -1,0 +1,212 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/clock.h"
+#include "control/ports.h"
+#include "hil/fri/fri_codec.h"
+#include "hil/fri/fri_drives.h"
+#include "hil/fri/fri_stop.h"
+#include "hil/fri/link_quality.h"
+#include "kinematics/lbr_arm.h"
+
+namespace osteon::hil {
+
+/// How a session that the arm ends looks to its client.
+enum class SessionEnd : std::uint8_t {
+  kSilence,  ///< no further message
+  /// First a few messages that name the state IDLE, from MONITORING_READY on, as in a public log of an arm:
+  /// github.com/lbr-stack/lbr_fri_ros2_stack, issue 251.
+  kIdleMessages,
+};
+
+/// Parameters of the arm's side of a session.
+struct FriServerParams {
+  io::FriVersion version{io::FriVersion::k1_15};
+  int send_period_ms{1};      ///< 1, 2, 5, 10 on real arms; 1 … 100 here
+  int receive_multiplier{1};  ///< the client owes one answer for each group of this many messages
+  QualityPolicyParams quality{};
+  control::ControlMode control_mode{control::ControlMode::kPosition};
+  control::CommandMode command_mode{control::CommandMode::kPosition};  ///< kPosition, kWrench or kTorque
+  bool torques_zyx{true};  ///< torque order of wrenches on the wire: about z, y, x (KUKA's A, B, C), or x, y,
+                           ///< z
+  int request_after_good_cycles{
+      200};  ///< the robot program asks for commanding after so many cycles in MONITORING_READY
+  int activate_after_mirrored_answers{50};  ///< answers in COMMANDING_WAIT before the motion is handed over
+  bool request_again_after_loss{false};  ///< the robot program asks again after losses ended the commanding
+  /// A command may move a joint by at most velocity limit × time since the last command × this.
+  double step_margin{1.1};
+  double mirror_tolerance_rad{
+      1e-3};  ///< COMMANDING_WAIT: how far from the interpolator's position an answer may be
+  double tracking_error_zero_rad{
+      0.1};  ///< largest joint error at which trackingPerformance reads 0; 0 error reads 1
+  double max_axis_delta_rad{
+      0.1};  ///< in impedance control: how far from the measured position a joint may be commanded; assumed
+  double drive_start_s{0.5};  ///< from the acknowledgement of a stop until the drives are ACTIVE; assumed
+  double close_s{5.0};        ///< from Close() to IDLE
+  SessionEnd session_end{SessionEnd::kSilence};
+  double external_torque_cutoff_hz{0.0};  ///< low pass of the estimated external torque; 0: none
+  kinematics::JointVector external_torque_offset_Nm{
+      kinematics::JointVector::Zero()};  ///< what the estimate reads with nobody touching, e.g. a wrong
+                                         ///< payload
+};
+
+/// Datagrams so far.
+struct FriCounters {
+  std::uint64_t sent{0};
+  std::uint64_t answered{0};       ///< due answers that came in time and complete
+  std::uint64_t lost{0};           ///< due answers that did not
+  std::uint64_t excused{0};        ///< due answers that did not come because the arm itself was late
+  std::uint64_t stale{0};          ///< answers to a message that is no longer the current one
+  std::uint64_t duplicate{0};      ///< second answers to one message
+  std::uint64_t malformed{0};      ///< not a command message
+  std::uint64_t other_version{0};  ///< part of malformed: a command message of another version
+  std::uint64_t incomplete{0};   ///< without the joint position, wrench or torque that state and mode require
+  std::uint64_t ignored{0};      ///< with a motion of its own while nothing is commanded, e.g. after a stop
+  std::uint64_t client_gap{0};   ///< answers that the client numbered but that never arrived
+  std::uint64_t client_back{0};  ///< answers whose sequence number did not rise: two clients, or a new
+                                 ///< one
+};
+
+/// The arm's measurements, sent with the next message.
+struct ArmMeasurement {
+  kinematics::JointVector q{kinematics::JointVector::Zero()};  ///< [rad]
+  kinematics::JointVector tau_meas{
+      kinematics::JointVector::Zero()};  ///< [N·m] by the joints' sensors, if any
+  kinematics::JointVector tau_ext{kinematics::JointVector::Zero()};  ///< [N·m] by external loads
+  PlainPose X_BC{};     ///< of the motion centre C, in the robot's base
+  PlainWrench F_C_C{};  ///< external, on C, in C
+};
+
+/// The arm's end of FRI with joint overlay: bytes in, bytes out, no socket and no clock.
+///
+///     IDLE ──Open──▶ MONITORING_WAIT ◀──quality──▶ MONITORING_READY ──program asks──▶ COMMANDING_WAIT
+///       ▲                  ▲      │                                                       │ mirrored
+///       └── Close, timeout ┼──────┘                                                       │
+///                          └──────── losses, safety stop ──────── COMMANDING_ACTIVE ◀─────┘
+///
+/// A cycle, once each send period: Receive() for each datagram that came, EndCycle(), advance the arm toward
+/// q_commanded(), BeginCycle(). In IDLE the arm sends nothing except the messages of
+/// SessionEnd::kIdleMessages. An answer is judged by the state that its message names.
+///
+/// **Commanding begins** if quality is GOOD, the drives are active, no safety stop lasts, and the control
+/// mode fits the command mode: WRENCH needs Cartesian impedance, TORQUE joint impedance, POSITION any
+/// control. In WRENCH and TORQUE mode each answer in COMMANDING_* must carry a wrench or torques; otherwise
+/// it counts as lost.
+///
+/// In COMMANDING_ACTIVE a command must have seven finite joint values within the position limits. It may not
+/// move a joint further than its velocity limit allows since the last accepted command (lost ones lengthen
+/// that time). In impedance control it must stay near the measured position. A violation causes a safety stop
+/// that lasts until Acknowledge(). Without a new command, and in every other state, the arm holds the last
+/// accepted one, without wrench or torque. The interpolator's position (ipo) stays where commanding began.
+///
+/// Real arms interpolate and brake along a path, which is not modelled here.
+class FriServer {
+ public:
+  /// @param limits only position and velocity limits are used; lower < upper, velocity > 0.
+  /// @throws std::invalid_argument on a parameter out of range or q_start [rad] outside the limits.
+  FriServer(const FriServerParams& params, const std::array<kinematics::JointLimits, 7>& limits,
+            const kinematics::JointVector& q_start);
+
+  /// Opens the session, as the robot program does. Counters continue.
+  void Open();
+  /// Ends commanding at once and the session after close_s.
+  void Close() { CloseAfter(params_.close_s); }
+  /// As Close() after `seconds` >= 0, for example when the program is cancelled at the pad.
+  void CloseAfter(double seconds);
+  [[nodiscard]] SessionEnd session_end() const { return params_.session_end; }
+
+  /// Applies a safety stop from outside, e.g. the emergency stop. @param level 0 … 2
+  void EmergencyStop(int level);
+  /// Cuts the drives' power: a stop 0.
+  void PowerOff();
+  /// Acknowledges the stop and restarts the program.
+  void Acknowledge();
+  /// Sets the modes, as the program does between two motions. Returns false without a change while
+  /// commanding.
+  bool SetModes(control::ControlMode control_mode, control::CommandMode command_mode);
+
+  /// Takes one datagram of the client, however malformed. True if it answers the current message.
+  bool Receive(std::span<const std::uint8_t> datagram);
+
+  /// Judges what was received since BeginCycle and advances the session.
+  /// @param client_had_its_time false if the arm itself was late or early: a missing answer is then excused.
+  void EndCycle(bool client_had_its_time = true);
+
+  /// The next monitoring message, empty in IDLE; valid until the next call.
+  /// @param stamp goes out as the message's time stamp; >= 0.
+  [[nodiscard]] std::span<const std::uint8_t> BeginCycle(const ArmMeasurement& measured,
+                                                         rt::Nanoseconds stamp);
+
+  /// Target of the arm's servo [rad].
+  [[nodiscard]] const kinematics::JointVector& q_commanded() const { return q_commanded_; }
+  /// The client's wrench overlay: on the motion centre, in its frame; zero outside WRENCH mode.
+  [[nodiscard]] const Wrench& F_commanded() const { return F_commanded_; }
+  /// The client's torque overlay [N·m]; zero outside TORQUE mode.
+  [[nodiscard]] const kinematics::JointVector& tau_commanded() const { return tau_commanded_; }
+  [[nodiscard]] control::ControlMode control_mode() const { return params_.control_mode; }
+  [[nodiscard]] const FriDrives& drives() const { return drives_; }
+  [[nodiscard]] control::SessionState state() const { return state_; }
+  [[nodiscard]] int quality() const { return quality_.level(); }
+  [[nodiscard]] const FriCounters& counters() const { return counters_; }
+  [[nodiscard]] const StopReport& stop() const { return stop_; }  ///< the last stop; none once acknowledged
+  [[nodiscard]] double period_s() const { return 1e-3 * params_.send_period_ms; }
+
+ private:
+  [[nodiscard]] bool Commanding() const;
+  void CountAnswer(bool client_had_its_time);
+  void CountClientSequence(std::uint32_t sequence);
+  void CountIgnored();
+  [[nodiscard]] bool HasWhatModeNeeds() const;
+  void StepMonitoring();
+  void EndSession();
+  void AskForCommanding();
+  void StepCommandingWait();
+  void ApplyCommand();
+  [[nodiscard]] bool ApplyOverlay();
+  void LeaveCommanding();
+  [[nodiscard]] bool ReportLosses();
+  void EndOnLosses();
+  void SafetyStop(StopReason reason, int joint, double found, double accepted);
+  void SafetyStop(const StopReport& report, int level);
+  [[nodiscard]] StopReport Report(StopReason reason, int joint, double found, double accepted) const;
+
+  FriServerParams params_;
+  std::array<kinematics::JointLimits, 7> limits_;
+  FriCodec codec_;
+  LinkQuality quality_;
+  FriCounters counters_;
+  StopReport stop_;
+
+  control::SessionState state_{control::SessionState::kIdle};
+  FriDrives drives_;
+  bool program_asks_{true};
+  int closing_cycles_{0};  // until IDLE; 0: not closing
+  int idle_messages_{0};   // still to send in IDLE
+  int cycles_in_session_{0};
+  bool was_good_{false};
+  int good_cycles_{0};
+  int mirrored_{0};
+  int cycles_since_command_{0};
+  kinematics::JointVector q_commanded_, q_ipo_, q_measured_;
+  PlainPose X_measured_, X_ipo_;
+  kinematics::JointVector tau_estimated_{kinematics::JointVector::Zero()};  // without the offset
+  kinematics::JointVector tau_commanded_{kinematics::JointVector::Zero()};
+  Wrench F_commanded_;
+
+  std::uint32_t sequence_{0};           // of the message last sent
+  std::uint32_t client_sequence_{0};    // of the last accepted answer
+  std::uint32_t answered_sequence_{0};  // the message that this answer belongs to
+  bool any_answer_{false};
+  bool has_pending_{false};  // an answer since BeginCycle
+  FriCommand pending_;
+  // A turn: receive_multiplier cycles, in which one answer is due.
+  int cycles_in_turn_{0};
+  bool turn_answered_{false};
+  bool turn_excused_{false};
+};
+
+}  // namespace osteon::hil

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "hil/operator/hand_script.h"
+
+// Helpers that build the scripts of hand_script.h, drilling_script.h and opening_script.h.
+
+namespace osteon::hil {
+
+/// @throws std::invalid_argument "operator's script: NAME: found …, accepted RANGE" unless accepted.
+void RequireInScript(bool accepted, std::string_view name, double found, std::string_view range);
+
+/// Checks the parameters that all scripts share. @throws std::invalid_argument as RequireInScript does.
+template <typename Params>
+void RequireCommon(const Params& p) {
+  RequireInScript(p.seconds >= 0.1 && p.seconds <= 36000.0, "seconds", p.seconds, "0.1 … 36000");
+  RequireInScript(p.push_force_N > 0.0 && p.push_force_N <= 1000.0, "push_force_N", p.push_force_N,
+                  "0 … 1000, not 0");
+  RequireInScript(p.approach_force_N > 0.0 && p.approach_force_N <= p.push_force_N, "approach_force_N",
+                  p.approach_force_N, "0 … push_force_N, not 0");
+  RequireInScript(p.hand_stiffness_N_per_m > 0.0, "hand_stiffness_N_per_m", p.hand_stiffness_N_per_m, "> 0");
+  RequireInScript(p.max_target_m_per_s > 0.0, "max_target_m_per_s", p.max_target_m_per_s, "> 0");
+}
+
+struct ScriptBounds {
+  double seconds{10.0};            ///< of the whole script
+  double max_target_m_per_s{0.2};  ///< along the axis, and of a growing or shrinking swing
+  double max_tilt_rad_per_s{0.5};
+};
+
+/// Builds phases one after the other. Each goes as far toward its key as the bounds on the targets' speed
+/// allow: a short script stops short of its targets rather than move faster.
+class ScriptPhases {
+ public:
+  ScriptPhases(const ScriptBounds& bounds, const HandKey& start);
+
+  /// Largest travel of a target in a phase of this share.
+  [[nodiscard]] static double Reach(const ScriptBounds& bounds, double share);
+
+  /// Adds a phase of this share of the script, at full grip.
+  void Add(std::string_view name, double share, const HandKey& wanted);
+
+  /// State at the end of the last phase.
+  [[nodiscard]] const HandKey& key() const { return key_; }
+  [[nodiscard]] const HandKey& start() const { return start_; }
+  [[nodiscard]] std::vector<HandPhase> ReleasePhases() { return std::move(phases_); }
+
+ private:
+  ScriptBounds bounds_;
+  HandKey start_, key_;
+  std::vector<HandPhase> phases_;
+};
+
+}  // namespace osteon::hil

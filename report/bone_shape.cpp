@@ -1,0 +1,209 @@
+#include "report/bone_shape.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "simulation/removal/cut_metrics.h"
+
+namespace osteon::app {
+namespace {
+
+using simulation::Ball;
+using simulation::Bone;
+using simulation::MassPoint;
+using simulation::MaterialIndex;
+
+std::vector<CellGrid::Item> Boxes(std::span<const Ball> balls) {
+  std::vector<CellGrid::Item> items;
+  for (const Ball& ball : balls) {
+    const Vector3 c = ball.center_m, r = Vector3::Constant(ball.radius_m);
+    items.push_back({c - r, c + r});
+  }
+  return items;
+}
+
+std::vector<CellGrid::Item> Boxes(std::span<const MassPoint> points) {
+  std::vector<CellGrid::Item> items;
+  for (const MassPoint& point : points) items.push_back({point.p_m, point.p_m});
+  return items;
+}
+
+double MeanRadius(std::span<const Ball> balls) {
+  double sum = 0.0;
+  for (const Ball& ball : balls) sum += ball.radius_m;
+  return balls.empty() ? 1e-3 : sum / static_cast<double>(balls.size());
+}
+
+/// Edge of a cube with the median point's volume.
+double MedianSpacing(std::span<const MassPoint> points) {
+  if (points.empty()) return 1e-3;
+  std::vector<double> volumes;
+  for (const MassPoint& point : points) volumes.push_back(point.volume_m3);
+  const auto middle = volumes.begin() + static_cast<std::ptrdiff_t>(volumes.size() / 2);
+  std::nth_element(volumes.begin(), middle, volumes.end());
+  return std::cbrt(std::max(*middle, 1e-15));
+}
+
+bool Finite(const Vector3& v) { return v.allFinite(); }
+
+struct MaterialStyle {
+  std::string_view word;  ///< part of the material's name
+  const char* tint;
+  std::array<double, 3> color;
+};
+constexpr std::array<MaterialStyle, 11> kMaterialStyles{{{"cartilage", "#d3e6f3", {0.76, 0.87, 0.94}},
+                                                         {"subchondral", "#efe0b4", {0.95, 0.89, 0.72}},
+                                                         {"cortical", "#efe0b4", {0.95, 0.89, 0.72}},
+                                                         {"cancellous", "#f4cfb4", {0.88, 0.64, 0.50}},
+                                                         {"trabecular", "#f4cfb4", {0.88, 0.64, 0.50}},
+                                                         {"marrow", "#f3dc9c", {0.90, 0.72, 0.36}},
+                                                         {"enamel", "#e3ebf4", {0.93, 0.94, 0.95}},
+                                                         {"dentine", "#f3e3bf", {0.94, 0.84, 0.64}},
+                                                         {"pulp", "#f2bcb8", {0.82, 0.38, 0.36}},
+                                                         {"shell", "#d6e2cf", {0.74, 0.80, 0.66}},
+                                                         {"foam_20", "#f1e2b8", {0.90, 0.80, 0.56}}}};
+constexpr std::array<MaterialStyle, 4> kOtherStyles{{{"", "#e2d9ee", {0.78, 0.72, 0.86}},
+                                                     {"", "#d6ead3", {0.72, 0.84, 0.70}},
+                                                     {"", "#f0d7e0", {0.88, 0.70, 0.76}},
+                                                     {"", "#e6e6e6", {0.80, 0.80, 0.80}}}};
+
+const MaterialStyle& StyleOf(const Bone& bone, MaterialIndex material) {
+  if (material < bone.materials.size())
+    for (const MaterialStyle& style : kMaterialStyles)
+      if (bone.materials[material].name.find(style.word) != std::string::npos) return style;
+  return kOtherStyles[material % kOtherStyles.size()];
+}
+
+}  // namespace
+
+BallField::BallField(std::vector<Ball> balls) : balls_(std::move(balls)) {
+  std::erase_if(balls_, [](const Ball& ball) {
+    return !Finite(ball.center_m) || !(ball.radius_m > 0.0) || !std::isfinite(ball.radius_m);
+  });
+  const auto items = Boxes(balls_);
+  grid_ = CellGrid(items, 2.0 * MeanRadius(balls_));
+}
+
+double BallField::Depth(const Vector3& p_G) const {
+  double depth_m = -std::numeric_limits<double>::infinity();
+  const CellGrid::Index cell = grid_.At(p_G);
+  if (!grid_.Contains(cell)) return depth_m;
+  for (const std::uint32_t i : grid_[cell]) {
+    const double inside_m = balls_[i].radius_m - (p_G - Vector3(balls_[i].center_m)).norm();
+    if (inside_m >= 0.0) depth_m = std::max(depth_m, inside_m);
+  }
+  return depth_m;
+}
+
+// Source of the walk: Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics
+// 1987.
+std::optional<double> BallField::FirstHit(const Vector3& o_G, const Vector3& d_G, double max_m) const {
+  if (balls_.empty()) return std::nullopt;
+  // the ray's part in the grid's box
+  double from = 0.0, to = max_m;
+  for (int k = 0; k < 3; ++k) {
+    const double low = grid_.min()[k], high = low + grid_.cell_m() * grid_.size()[k];
+    if (std::abs(d_G[k]) < 1e-12) {
+      if (o_G[k] < low || o_G[k] > high) return std::nullopt;
+      continue;
+    }
+    const double a = (low - o_G[k]) / d_G[k], b = (high - o_G[k]) / d_G[k];
+    from = std::max(from, std::min(a, b));
+    to = std::min(to, std::max(a, b));
+  }
+  if (!(from <= to)) return std::nullopt;
+
+  CellGrid::Index cell = grid_.Clamped(o_G + from * d_G);
+  std::array<double, 3> next{}, step{};
+  for (int k = 0; k < 3; ++k) {
+    const bool up = d_G[k] > 0.0;
+    const double wall = grid_.min()[k] + grid_.cell_m() * (cell[k] + (up ? 1 : 0));
+    const bool flat = std::abs(d_G[k]) < 1e-12;
+    next[k] = flat ? std::numeric_limits<double>::infinity() : (wall - o_G[k]) / d_G[k];
+    step[k] = flat ? std::numeric_limits<double>::infinity() : grid_.cell_m() / std::abs(d_G[k]);
+  }
+  double best = std::numeric_limits<double>::infinity();
+  while (grid_.Contains(cell)) {
+    for (const std::uint32_t i : grid_[cell]) {
+      const Vector3 c = Vector3(balls_[i].center_m) - o_G;
+      const double r2 = balls_[i].radius_m * balls_[i].radius_m, middle = c.dot(d_G);
+      const double discriminant = middle * middle - c.squaredNorm() + r2;
+      if (c.squaredNorm() <= r2) return 0.0;
+      if (discriminant < 0.0 || middle < 0.0) continue;
+      best = std::min(best, middle - std::sqrt(discriminant));
+    }
+    const int k = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
+    if (best <= next[k] || next[k] > to) break;
+    cell[k] += d_G[k] > 0.0 ? 1 : -1;
+    next[k] += step[k];
+  }
+  if (best <= max_m) return best;
+  return std::nullopt;
+}
+
+std::vector<Ball> CarvedBalls(const Bone& bone, const simulation::CarvedState& state) {
+  if (state.balls.empty()) return bone.balls;
+  if (state.balls.size() != 4 * bone.balls.size()) return {};
+  return simulation::LiveBalls(state);
+}
+
+double SiteReach(const Bone& bone, double radii) {
+  constexpr double kAround_m = 25e-3, kAtRadii = 3.2;
+  const Vector3 center = bone.site.center_m;
+  double farthest_m = 0.0;
+  for (const Ball& ball : bone.balls)
+    if (const Vector3 c = ball.center_m; c.allFinite())
+      farthest_m = std::max(farthest_m, (c - center).norm() + ball.radius_m);
+  return std::max(radii * std::max(bone.site.radius_m, 1e-3),
+                  std::min(farthest_m, kAround_m * radii / kAtRadii));
+}
+
+MaterialMap::MaterialMap(std::span<const MassPoint> points, const simulation::Solid* solid) : solid_(solid) {
+  if (solid_) return;
+  for (const MassPoint& point : points)
+    if (Finite(point.p_m)) points_.push_back(point);
+  const auto items = Boxes(points_);
+  grid_ = CellGrid(items, 1.5 * MedianSpacing(points_));
+}
+
+std::optional<MaterialIndex> MaterialMap::At(const Vector3& p_G) const {
+  if (solid_) return solid_->MaterialAt(p_G);
+  if (grid_.empty()) return std::nullopt;
+  constexpr int kReach = 8;
+  const CellGrid::Index at = grid_.At(p_G);
+  double best = std::numeric_limits<double>::infinity();
+  MaterialIndex material = 0;
+  for (int ring = 0; ring <= kReach; ++ring) {
+    // items in a farther ring are at least this far away
+    const double least = (ring - 1) * grid_.cell_m();
+    if (least > 0.0 && best <= least * least) break;
+    for (int z = at[2] - ring; z <= at[2] + ring; ++z)
+      for (int y = at[1] - ring; y <= at[1] + ring; ++y) {
+        const bool face = std::abs(z - at[2]) == ring || std::abs(y - at[1]) == ring;
+        for (int x = at[0] - ring; x <= at[0] + ring; x += face || ring == 0 ? 1 : 2 * ring) {
+          if (!grid_.Contains({x, y, z})) continue;
+          for (const std::uint32_t i : grid_[{x, y, z}]) {
+            const double distance2 = (Vector3(points_[i].p_m) - p_G).squaredNorm();
+            if (distance2 < best) {
+              best = distance2;
+              material = points_[i].material;
+            }
+          }
+        }
+      }
+  }
+  if (!std::isfinite(best)) return std::nullopt;
+  return material;
+}
+
+const char* MaterialTint(const Bone& bone, MaterialIndex material) { return StyleOf(bone, material).tint; }
+
+Vector3 MaterialColor(const Bone& bone, MaterialIndex material) {
+  const auto& color = StyleOf(bone, material).color;
+  return {color[0], color[1], color[2]};
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kinematics/spatial.h"
+#include "simulation/bone/bone.h"
+
+namespace osteon::app {
+
+/// A pinhole camera in G. Pixel (0, 0) is top left; +y of the view is up.
+struct Camera {
+  Vector3 eye{0, 0, 1}, right{Vector3::UnitX()}, up{Vector3::UnitY()}, forward{-Vector3::UnitZ()};
+  double focal_px{1000.0};
+  double center_x_px{450.0}, center_y_px{350.0};
+  int width{900}, height{700};
+
+  /// The ray's direction through a point of the picture, scaled to length 1 along `forward`.
+  [[nodiscard]] Vector3 Ray(double x_px, double y_px) const {
+    return forward + (x_px - center_x_px) / focal_px * right - (y_px - center_y_px) / focal_px * up;
+  }
+  /// The picture coordinates of p, and its depth along `forward`.
+  [[nodiscard]] Vector3 Project(const Vector3& p_G) const {
+    const Vector3 p = p_G - eye;
+    const double z = p.dot(forward);
+    return {center_x_px + focal_px * p.dot(right) / z, center_y_px - focal_px * p.dot(up) / z, z};
+  }
+  /// The same view with `factor` times as many pixels in each direction.
+  [[nodiscard]] Camera Scaled(int factor) const;
+};
+
+/// A camera at `eye` that looks at `target`; the picture's vertical axis follows `up`, which must not be
+/// parallel to the view.
+[[nodiscard]] Camera LookAt(const Vector3& eye, const Vector3& target, const Vector3& up, double focal_px,
+                            int width, int height);
+
+/// The depth along the camera's axis of the first surface at each pixel's centre; kNothing if there is none.
+struct DepthBuffer {
+  static constexpr float kNothing = 1e30f;
+  int width{0}, height{0};
+  std::vector<float> depth_m{};
+
+  [[nodiscard]] float At(int x, int y) const { return depth_m[static_cast<std::size_t>(y) * width + x]; }
+  [[nodiscard]] bool Seen(int x, int y) const { return At(x, y) < kNothing; }
+};
+
+/// Intersects each pixel's ray exactly with each ball (one ball at a time over the pixels it can cover).
+/// Balls that reach behind the camera are left out.
+[[nodiscard]] DepthBuffer RenderDepth(std::span<const simulation::Ball> balls, const Camera& camera);
+
+}  // namespace osteon::app

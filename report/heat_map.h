@@ -1,0 +1,66 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/contour.h"
+#include "report/svg_frame.h"
+
+// A field over a plane as bands of colour with contour lines, equal axes, and a scale beside each row.
+//
+//     title                                     ┌──┐ 400
+//     ┌────────────────┐  ┌────────────────┐    │  │
+//     │   ▒▒▒▒▓▓▓▓     │  │                │    ├──┤ 200
+//     │  ▒▒▒▓▓▓▓▓▓─200─│  │                │    │  │
+//     └────────────────┘  └────────────────┘    └──┘ 0 N
+
+namespace osteon::app {
+
+/// A line drawn over a map, in its axes' units.
+struct MapLine {
+  Polyline line{};
+  std::string color{"#1b1f24"};
+  double width_px{1.4};
+  bool dashed{false};
+};
+
+struct MapMark {
+  double x{0.0}, y{0.0};
+  Marker marker{Marker::kCircle};
+  std::string color{"#1b1f24"};
+  std::string label{};
+};
+
+/// One panel. Node (i, j) lies at x.min + i (x.max - x.min) / (nx - 1), likewise y.
+struct HeatMap {
+  std::string title{};
+  std::string x_label{}, y_label{};  ///< with unit
+  Range x{}, y{};                    ///< equal units: drawn with equal axes
+  int nx{0}, ny{0};                  ///< >= 2
+  std::vector<double> values{};      ///< nx ny, rows of x; NaN: no value, drawn grey
+  std::vector<double> contours{};    ///< levels that get a line with a number
+  std::vector<MapLine> lines{};
+  std::vector<MapMark> marks{};
+};
+
+/// The colours of a row of panels: viridis in bands of `step`; values above max get the last band's colour.
+struct HeatScale {
+  std::string label{};  ///< with unit
+  double min{0.0}, max{400.0}, step{25.0};
+  double tick_step{100.0};
+};
+
+/// The colour of a value: viridis (van der Walt and Smith, 2015), "#rrggbb".
+[[nodiscard]] std::string ViridisColor(double share);
+/// The colour of one of a scale's bands, numbered from its low end.
+[[nodiscard]] std::string BandColor(int band, int bands);
+/// The bands of a scale, one above the other, the low end below.
+[[nodiscard]] std::string ViridisBands(double left, double top, double width, double height, int bands);
+
+/// Draws panels in rows, under one title and one legend, each row with its scale at the right.
+/// @param scales  one per row; the last also serves the remaining rows
+[[nodiscard]] std::string HeatMapSvg(const std::vector<HeatMap>& panels, int columns,
+                                     const std::vector<HeatScale>& scales, const std::string& title,
+                                     const std::vector<LegendEntry>& legend, double width_px = 920.0);
+
+}  // namespace osteon::app

@@ -1,0 +1,95 @@
+#include "report/page.h"
+
+#include <fmt/format.h>
+
+#include "base/output_file.h"
+#include "report/svg_text.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr const char* kStyle = R"(
+:root { color-scheme: light; }
+* { box-sizing: border-box; }
+body { margin: 0; background: #fff; color: #1b1f24; line-height: 1.5; font-size: 15px;
+  font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif; }
+main { width: 984px; max-width: 100%; margin: 0 auto; padding: 36px 32px 64px; }
+h1 { font-size: 27px; line-height: 1.2; margin: 0 0 4px; letter-spacing: -0.01em; }
+h2 { font-size: 18px; margin: 44px 0 10px; padding-bottom: 6px; border-bottom: 1px solid #d9dee3; }
+p { margin: 8px 0; max-width: 76ch; }
+.sub { color: #59636e; margin: 0 0 18px; }
+.verdict { display: inline-block; padding: 5px 13px; border-radius: 999px; font-weight: 600; font-size: 14px; }
+.good { background: #e2f2ea; color: #0b5a3c; } .bad { background: #fbe5e3; color: #8c1d18; }
+.look { background: #fdf0d5; color: #7a4b00; }
+.reasons { margin: 10px 0 0; padding-left: 20px; max-width: 92ch; }
+.summary { columns: 2; column-gap: 40px; margin: 18px 0 0; padding: 0; list-style: none; }
+.summary li { display: flex; justify-content: space-between; gap: 18px; padding: 5px 0; border-bottom: 1px solid #eceff2;
+  break-inside: avoid; }
+.summary span { color: #59636e; flex: none; max-width: 60%; }
+.summary b { font-weight: 600; text-align: right; overflow-wrap: anywhere; min-width: 0;
+  font-variant-numeric: tabular-nums; }
+figure { margin: 14px 0 0; break-inside: avoid; }
+figure svg, figure img { display: block; max-width: 100%; height: auto; }
+figcaption { color: #59636e; font-size: 13.5px; margin-top: 6px; max-width: 92ch; }
+.pair { display: grid; grid-template-columns: 1fr 1fr; gap: 20px; }
+table { border-collapse: collapse; width: 100%; margin-top: 10px; }
+th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid #eceff2; vertical-align: top; }
+th { color: #59636e; font-weight: 500; font-size: 13.5px; }
+td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
+td.n { white-space: nowrap; }
+.wide { overflow-x: auto; }
+pre { background: #f5f7f9; border-radius: 6px; padding: 12px 14px; font-size: 12.5px; line-height: 1.45;
+  white-space: pre-wrap; overflow-wrap: anywhere; }
+footer { margin-top: 44px; color: #59636e; font-size: 13px; }
+@media (max-width: 700px) { .summary { columns: 1; } .pair { grid-template-columns: 1fr; } main { padding: 20px 16px; }
+  table { display: block; overflow-x: auto; } figure { overflow-x: auto; } figure svg { max-width: none; } }
+@page { size: A4; margin: 14mm; }
+@media print { main { width: auto; padding: 0; } body { font-size: 10.5pt; } h2 { break-after: avoid; margin-top: 24px; }
+  .verdict { border: 1px solid currentColor; } pre { font-size: 8pt; } }
+)";
+
+}  // namespace
+
+std::string PageBegin(const std::string& title) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{}</title>\n"
+      "<style>{}</style>\n</head>\n<body>\n<main>\n",
+      Escape(title), kStyle);
+}
+
+std::string VerdictBadge(const ReportVerdict& verdict) {
+  std::string out =
+      fmt::format("<div class=\"verdict {}\">{}</div>\n", Escape(verdict.level), Escape(verdict.level));
+  if (verdict.reasons.empty()) return out;
+  out += "<ul class=\"reasons\">\n";
+  for (const std::string& reason : verdict.reasons) out += "<li>" + Escape(reason) + "</li>\n";
+  return out + "</ul>\n";
+}
+
+std::string Figure(const std::string& content, const std::string& caption) {
+  return fmt::format("<figure>\n{}{}</figure>\n", content,
+                     caption.empty() ? "" : "<figcaption>" + Escape(caption) + "</figcaption>\n");
+}
+
+tl::expected<std::string, std::string> Picture(const Image& image, const std::string& caption) {
+  const auto png = EncodePng(image);
+  if (!png) return tl::unexpected(png.error());
+  return Figure(fmt::format(R"(<img width="{}" height="{}" alt="{}" src="data:image/png;base64,{}"/>)"
+                            "\n",
+                            image.width, image.height, Escape(caption), Base64(*png)),
+                caption);
+}
+
+tl::expected<void, std::string> WritePage(const std::string& html, const std::filesystem::path& path) {
+  const auto refuse = [&](const simulation::FileError& error) {
+    return tl::unexpected(path.string() + ": cannot write the report: " + error.found);
+  };
+  auto file = simulation::OutputFile::Create(path);
+  if (!file) return refuse(file.error());
+  file->Write(html);
+  if (const auto written = file->Commit(); !written) return refuse(written.error());
+  return {};
+}
+
+}  // namespace osteon::app

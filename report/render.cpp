@@ -1,0 +1,295 @@
+#include "report/render.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace osteon::app {
+namespace {
+
+using simulation::Ball;
+using Vector3f = Eigen::Vector3f;
+
+/// One value a pixel.
+template <typename T>
+struct Layer {
+  int width, height;
+  std::vector<T> values;
+  Layer(int w, int h, const T& fill) : width(w), height(h), values(static_cast<std::size_t>(w) * h, fill) {}
+  T& operator()(int x, int y) { return values[static_cast<std::size_t>(y) * width + x]; }
+  const T& operator()(int x, int y) const { return values[static_cast<std::size_t>(y) * width + x]; }
+};
+
+/// The depth as a plane around each pixel: z(dx, dy) = z + gx dx + gy dy, pixels.
+struct LocalPlane {
+  float z{DepthBuffer::kNothing}, gx{0.0f}, gy{0.0f};
+};
+
+/// Fits planes by weighted least squares over a window of each pixel's neighbours. A neighbour's weight falls
+/// with its distance from the plane `guess`, so that the fit does not cross an edge.
+Layer<LocalPlane> FitPlanes(const DepthBuffer& depth, const Layer<LocalPlane>& guess, int reach_px,
+                            int stride_px, float tolerance_m) {
+  Layer<LocalPlane> fit(depth.width, depth.height, {});
+  const float inverse = 1.0f / (tolerance_m * tolerance_m),
+              reach2 = 1.3f * static_cast<float>(reach_px * reach_px);
+  for (int y = 0; y < depth.height; ++y) {
+    for (int x = 0; x < depth.width; ++x) {
+      if (!depth.Seen(x, y)) continue;
+      const LocalPlane& here = guess(x, y);
+      float w = 0, sx = 0, sy = 0, sz = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+      for (int dy = -reach_px; dy <= reach_px; dy += stride_px) {
+        const int v = y + dy;
+        if (v < 0 || v >= depth.height) continue;
+        for (int dx = -reach_px; dx <= reach_px; dx += stride_px) {
+          const int u = x + dx;
+          if (u < 0 || u >= depth.width || !depth.Seen(u, v)) continue;
+          const float fx = static_cast<float>(dx), fy = static_cast<float>(dy);
+          const float z = depth.At(u, v) - here.z, off = z - here.gx * fx - here.gy * fy;
+          const float space = 1.0f - (fx * fx + fy * fy) / reach2;
+          if (space <= 0.0f) continue;
+          const float range = 1.0f / (1.0f + off * off * inverse);
+          const float weight = space * range * range * range;
+          w += weight;
+          sx += weight * fx, sy += weight * fy, sz += weight * z;
+          xx += weight * fx * fx, xy += weight * fx * fy, yy += weight * fy * fy;
+          xz += weight * fx * z, yz += weight * fy * z;
+        }
+      }
+      // normal equations about the weighted mean
+      const float mx = sx / w, my = sy / w, mz = sz / w;
+      const float a = xx / w - mx * mx + 0.05f, b = xy / w - mx * my, c = yy / w - my * my + 0.05f;
+      const float px = xz / w - mx * mz, py = yz / w - my * mz, det = a * c - b * b;
+      LocalPlane& plane = fit(x, y);
+      plane.gx = (c * px - b * py) / det;
+      plane.gy = (a * py - b * px) / det;
+      plane.z = here.z + mz - plane.gx * mx - plane.gy * my;
+    }
+  }
+  return fit;
+}
+
+/// Normal in the camera's axes (right, up, towards the viewer).
+Vector3f NormalOf(const LocalPlane& plane, const Camera& camera, int x, int y) {
+  const float f = static_cast<float>(camera.focal_px);
+  const float rx = static_cast<float>((x + 0.5 - camera.center_x_px) / camera.focal_px);
+  const float ry = static_cast<float>((camera.center_y_px - (y + 0.5)) / camera.focal_px);
+  // tangents of p = z (rx, ry, 1) along the picture's axes; depth grows away from the viewer
+  const Vector3f along_x(plane.gx * rx + plane.z / f, plane.gx * ry, -plane.gx);
+  const Vector3f along_y(plane.gy * rx, plane.gy * ry - plane.z / f, -plane.gy);
+  const Vector3f normal = along_y.cross(along_x);
+  const float size = normal.norm();
+  return size > 0.0f ? Vector3f(normal / size) : Vector3f::UnitZ();
+}
+
+/// The fraction of the sky that neighbours leave open, 0 … 1: in each direction the steepest neighbour above
+/// the tangent plane.
+float OpenSky(const Layer<LocalPlane>& planes, const Camera& camera, const Vector3f& normal, int x, int y) {
+  constexpr std::array<float, 5> kRadii_m{0.7e-3f, 1.8e-3f, 4e-3f, 8e-3f, 14e-3f};
+  constexpr int kDirections = 12;
+  const LocalPlane& here = planes(x, y);
+  const float f = static_cast<float>(camera.focal_px), px_per_m = f / here.z;
+  const auto position = [&](int u, int v, float z) {
+    return Vector3f(z * (static_cast<float>(u) + 0.5f - static_cast<float>(camera.center_x_px)) / f,
+                    z * (static_cast<float>(camera.center_y_px) - static_cast<float>(v) - 0.5f) / f, -z);
+  };
+  const Vector3f p = position(x, y, here.z);
+  float blocked = 0.0f;
+  for (int d = 0; d < kDirections; ++d) {
+    const float angle = 2.0f * std::numbers::pi_v<float> * (static_cast<float>(d) + 0.5f) / kDirections;
+    const float cx = std::cos(angle), cy = std::sin(angle);
+    float horizon = 0.06f;  // lower neighbours are the fit's own unevenness
+    for (const float radius : kRadii_m) {
+      const int u = x + static_cast<int>(std::lround(cx * radius * px_per_m));
+      const int v = y + static_cast<int>(std::lround(cy * radius * px_per_m));
+      if (u < 0 || v < 0 || u >= planes.width || v >= planes.height) break;
+      const LocalPlane& there = planes(u, v);
+      if (there.z >= DepthBuffer::kNothing) continue;
+      const Vector3f to = position(u, v, there.z) - p;
+      const float distance = to.norm();
+      if (distance < 1e-6f) continue;
+      // a neighbour much nearer to the viewer than its distance in the picture does not close the sky
+      const float fade = std::clamp(2.0f - distance / (2.0f * radius), 0.0f, 1.0f);
+      horizon = std::max(horizon, fade * to.dot(normal) / distance);
+    }
+    blocked += horizon * horizon;
+  }
+  return 1.0f - blocked / kDirections;
+}
+
+/// The light that reaches a point past the balls, 0 … 1, softened over the shadow map's neighbouring pixels.
+float Lit(const DepthBuffer& shadow, const Camera& light, const Vector3& p_G) {
+  constexpr int kSoft = 3;
+  const Vector3 at = light.Project(p_G);
+  const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
+  float lit = 0.0f;
+  int count = 0;
+  for (int v = y - kSoft; v <= y + kSoft; ++v)
+    for (int u = x - kSoft; u <= x + kSoft; ++u) {
+      ++count;
+      const bool outside = u < 0 || v < 0 || u >= shadow.width || v >= shadow.height;
+      const double off = outside ? 1.0 : shadow.At(u, v) - at.z() + 0.9e-3;
+      lit += static_cast<float>(std::clamp(off / 0.5e-3, 0.0, 1.0));
+    }
+  return lit / static_cast<float>(count);
+}
+
+float ToLinear(double srgb) { return static_cast<float>(std::pow(srgb, 2.2)); }
+std::uint8_t ToSrgb(float linear) {
+  return static_cast<std::uint8_t>(
+      std::lround(255.0f * std::pow(std::clamp(linear, 0.0f, 1.0f), 1.0f / 2.2f)));
+}
+
+/// Colours by material, smoothed over neighbours of about the same depth.
+Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& materials,
+                               const Camera& camera, const Layer<LocalPlane>& planes) {
+  constexpr double kBelow_m = 0.3e-3;  // look up the material a little below the surface, inside the bone
+  constexpr int kReach = 5;
+  std::array<Vector3f, 256> table;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const Vector3 color = MaterialColor(bone, static_cast<simulation::MaterialIndex>(i));
+    table[i] = {ToLinear(color.x()), ToLinear(color.y()), ToLinear(color.z())};
+  }
+  Layer<Vector3f> raw(planes.width, planes.height, Vector3f(0.6f, 0.57f, 0.5f)), smooth = raw;
+  for (int y = 0; y < planes.height; ++y)
+    for (int x = 0; x < planes.width; ++x) {
+      if (planes(x, y).z >= DepthBuffer::kNothing) continue;
+      const Vector3f n = NormalOf(planes(x, y), camera, x, y);
+      const Vector3 n_G = n.x() * camera.right + n.y() * camera.up - n.z() * camera.forward;
+      const Vector3 p_G = camera.eye + planes(x, y).z * camera.Ray(x + 0.5, y + 0.5) - kBelow_m * n_G;
+      if (const auto material = materials.At(p_G)) raw(x, y) = table[*material];
+    }
+  for (int y = 0; y < planes.height; ++y)
+    for (int x = 0; x < planes.width; ++x) {
+      if (planes(x, y).z >= DepthBuffer::kNothing) continue;
+      Vector3f sum = Vector3f::Zero();
+      float total = 0.0f;
+      for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, planes.height - 1); ++v)
+        for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, planes.width - 1); ++u) {
+          if (std::abs(planes(u, v).z - planes(x, y).z) > 1.5e-3f) continue;
+          const auto weight =
+              static_cast<float>((kReach + 1 - std::abs(u - x)) * (kReach + 1 - std::abs(v - y)));
+          sum += weight * raw(u, v);
+          total += weight;
+        }
+      smooth(x, y) = sum / total;
+    }
+  return smooth;
+}
+
+}  // namespace
+
+Camera CupCamera(const simulation::Bone& bone, const RenderParams& params) {
+  Vector3 axis = Vector3(bone.site.axis).normalized();
+  if (!axis.allFinite() || axis.norm() < 0.5) axis = Vector3::UnitZ();
+  const Vector3 other = std::abs(axis.x()) < 0.9 ? Vector3::UnitX() : Vector3::UnitY();
+  const Vector3 u = (other - other.dot(axis) * axis).normalized(), w = axis.cross(u);
+  const Vector3 side = std::cos(params.turn_rad) * u - std::sin(params.turn_rad) * w;
+  const Vector3 towards = std::cos(params.tilt_rad) * axis - std::sin(params.tilt_rad) * w +
+                          0.25 * std::sin(params.tilt_rad) * side;
+  const double reach_m = SiteReach(bone, params.reach_in_cup_radii);
+  const Vector3 center = bone.site.center_m;
+  Camera camera =
+      LookAt(center + 5.0 * reach_m * towards.normalized(), center, axis, 1.0, params.width, params.height);
+
+  // focal length and centre: the surroundings of the cup fill the picture up to a margin
+  Vector3 low = Vector3::Constant(1e9), high = -low;
+  for (const Ball& ball : bone.balls) {
+    const Vector3 c = ball.center_m;
+    if (!c.allFinite() || (c - center).norm() > reach_m) continue;
+    const Vector3 at = camera.Project(c);
+    const double r = ball.radius_m / at.z();
+    low = low.cwiseMin(at - Vector3::Constant(r));
+    high = high.cwiseMax(at + Vector3::Constant(r));
+  }
+  const bool any = low.x() <= high.x();
+  if (!any) {
+    camera.focal_px = params.width;
+    return camera;
+  }
+  constexpr double kMargin = 0.96;
+  camera.focal_px =
+      kMargin * std::min(params.width / (high.x() - low.x()), params.height / (high.y() - low.y()));
+  camera.center_x_px =
+      params.width / 2.0 - camera.focal_px * (0.5 * (low.x() + high.x()) - params.width / 2.0);
+  camera.center_y_px =
+      params.height / 2.0 - camera.focal_px * (0.5 * (low.y() + high.y()) - params.height / 2.0);
+  return camera;
+}
+
+Image RenderBone(const simulation::Bone& bone, std::span<const Ball> balls, const MaterialMap& materials,
+                 const Camera& camera) {
+  constexpr int kFine = 2;  // depth samples a pixel, each way, for smooth outlines
+  const DepthBuffer depth = RenderDepth(balls, camera), fine = RenderDepth(balls, camera.Scaled(kFine));
+
+  // surface: first a wide fit, then one that preserves edges
+  Layer<LocalPlane> planes(camera.width, camera.height, {});
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) planes(x, y).z = depth.At(x, y);
+  const double mean_depth_m = (Vector3(bone.site.center_m) - camera.eye).norm();
+  const double px_per_mm = 1e-3 * camera.focal_px / mean_depth_m;
+  const int reach_px = std::clamp(static_cast<int>(std::lround(1.1 * px_per_mm)), 3, 14);
+  const int stride_px = std::max(1, reach_px / 4);
+  planes = FitPlanes(depth, planes, reach_px, stride_px, 1.2e-3f);
+  planes = FitPlanes(depth, planes, reach_px, stride_px, 0.3e-3f);
+  const Layer<Vector3f> colors = MaterialColors(bone, materials, camera, planes);
+
+  // light from the upper left, far enough away to be nearly parallel
+  const Vector3f key = Vector3f(-0.55f, 0.62f, 0.56f).normalized();
+  const Vector3 key_G = key.x() * camera.right + key.y() * camera.up - key.z() * camera.forward;
+  const double near_m = SiteReach(bone, 3.2), far_m = 18.75 * near_m;
+  const int shadow_px = 700;
+  const double reach_m = 1.25 * near_m;
+  const Camera light = LookAt(Vector3(bone.site.center_m) + far_m * key_G, bone.site.center_m, camera.up,
+                              0.5 * shadow_px * far_m / reach_m, shadow_px, shadow_px);
+  const DepthBuffer shadow = RenderDepth(balls, light);
+
+  Layer<Vector3f> shaded(camera.width, camera.height, Vector3f::Ones());
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      if (!depth.Seen(x, y)) continue;
+      const Vector3f n = NormalOf(planes(x, y), camera, x, y);
+      const float sky = OpenSky(planes, camera, n, x, y);
+      const Vector3 p_G = camera.eye + planes(x, y).z * camera.Ray(x + 0.5, y + 0.5);
+      const float direct = std::max(n.dot(key), 0.0f) * Lit(shadow, light, p_G);
+      const float fill = 0.5f + 0.5f * n.y();
+      const Vector3f half = (key + Vector3f::UnitZ()).normalized();
+      const float gloss =
+          0.10f * std::pow(std::max(n.dot(half), 0.0f), 30.0f) * (direct > 0.0f ? 1.0f : 0.0f);
+      const float strength = 0.60f * direct + sky * sky * (0.26f + 0.12f * fill + 0.30f * n.z());
+      shaded(x, y) = colors(x, y) * strength + Vector3f::Constant(gloss * direct);
+    }
+  }
+
+  // each fine sample takes the colour of the neighbouring pixel that is nearest to it in depth
+  Image image{.width = camera.width, .height = camera.height};
+  image.rgb.resize(3 * static_cast<std::size_t>(camera.width) * camera.height);
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      Vector3f sum = Vector3f::Zero();
+      for (int s = 0; s < kFine * kFine; ++s) {
+        const float z = fine.At(kFine * x + s % kFine, kFine * y + s / kFine);
+        Vector3f color = Vector3f::Ones();
+        if (z < DepthBuffer::kNothing) {
+          float best = DepthBuffer::kNothing;
+          for (int v = std::max(y - 1, 0); v <= std::min(y + 1, camera.height - 1); ++v)
+            for (int u = std::max(x - 1, 0); u <= std::min(x + 1, camera.width - 1); ++u) {
+              // the pixel itself is preferred among neighbours on the same surface
+              const float off = std::abs(depth.At(u, v) - z) + (u == x && v == y ? 0.0f : 0.5e-3f);
+              if (depth.Seen(u, v) && off < best) {
+                best = off;
+                color = shaded(u, v);
+              }
+            }
+        }
+        sum += color;
+      }
+      for (int k = 0; k < 3; ++k)
+        image.rgb[3 * (static_cast<std::size_t>(y) * camera.width + x) + k] =
+            ToSrgb(sum[k] / static_cast<float>(kFine * kFine));
+    }
+  }
+  return image;
+}
+
+}  // namespace osteon::app

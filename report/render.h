@@ -1,0 +1,26 @@
+#pragma once
+
+#include "report/bone_shape.h"
+#include "report/depth_buffer.h"
+#include "report/png_file.h"
+
+namespace osteon::app {
+
+struct RenderParams {
+  int width{860}, height{700};
+  double tilt_rad{0.62};           ///< angle of the view to the cup's axis
+  double turn_rad{0.45};           ///< turn of the view about the cup's axis
+  double reach_in_cup_radii{3.2};  ///< parts farther from the cup's centre may lie outside the picture
+};
+
+/// A camera that looks obliquely into the cup, with the bone around it in view.
+[[nodiscard]] Camera CupCamera(const simulation::Bone& bone, const RenderParams& params = {});
+
+/// Draws a shaded picture of the balls as bone. The bumps of the depth buffer are smoothed by fitting a plane
+/// to each pixel's neighbourhood, with edges preserved. Light comes from the upper left with a soft shadow,
+/// crevices are darker (horizon-based), colour follows the material of the nearest mass point. White if there
+/// is no bone.
+[[nodiscard]] Image RenderBone(const simulation::Bone& bone, std::span<const simulation::Ball> balls,
+                               const MaterialMap& materials, const Camera& camera);
+
+}  // namespace osteon::app

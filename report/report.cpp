@@ -1,0 +1,184 @@
+#include "report/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "report/run_charts.h"
+#include "report/svg_plot.h"
+#include "report/svg_text.h"
+
+namespace osteon::app {
+namespace {
+
+std::string Head(const ReportInput& input) {
+  std::string out = fmt::format("<header>\n<h1>{}</h1>\n", Escape(input.title));
+  if (!input.subtitle.empty()) out += fmt::format("<p class=\"sub\">{}</p>\n", Escape(input.subtitle));
+  out += VerdictBadge(input.verdict);
+  if (!input.summary.empty()) {
+    out += "<ul class=\"summary\">\n";
+    for (const SummaryRow& row : input.summary)
+      out += fmt::format("<li><span>{}</span> <b>{}</b></li>\n", Escape(row.key), Escape(row.value));
+    out += "</ul>\n";
+  }
+  return out + "</header>\n";
+}
+
+std::string Faults(const ReportInput& input) {
+  if (input.faults.empty()) return {};
+  std::string out =
+      "<h2>Faults</h2>\n<table>\n<tr><th class=\"n\">time [s]</th><th>fault</th><th>what was "
+      "seen</th><th>reaction</th></tr>\n";
+  for (const FaultRow& fault : input.faults)
+    out +=
+        fmt::format("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                    Number(fault.time_s, 3), Escape(fault.name), Escape(fault.seen), Escape(fault.reaction));
+  return out + "</table>\n";
+}
+
+std::string ErrorTable(const ReportFigures& figures) {
+  std::string out =
+      "<table>\n<tr><th>cavity against swept tool [mm]</th><th class=\"n\">mean, signed</th><th "
+      "class=\"n\">mean size</th>"
+      "<th class=\"n\">95 % below</th><th class=\"n\">most over-cut</th><th class=\"n\">most "
+      "under-cut</th></tr>\n";
+  const auto row = [&out](const char* name, const CavityError& error) {
+    out += fmt::format("<tr><td>{}</td>", name);
+    for (const double value_m :
+         {error.mean_m, error.mean_abs_m, error.p95_m, error.max_over_m, error.max_under_m})
+      out += fmt::format("<td class=\"n\">{}</td>",
+                         error.samples > 0 ? Number(1e3 * value_m, 3) : "nothing cut");
+    out += "</tr>\n";
+  };
+  row("along this section", figures.cavity_section);
+  row("over directions in space", figures.cavity_direction);
+  return out + "</table>\n";
+}
+
+/// Error of the cut surface over the angle about the head's centre.
+std::string ErrorChart(const Section& section) {
+  Series series{.color = "#0072b2", .width_px = 1.1};
+  for (const ErrorSample& sample : section.samples) {
+    // a stretch that was not cut interrupts the line
+    const double angle_deg = sample.angle_rad * 180.0 / std::numbers::pi;
+    if (!series.x.empty() && angle_deg - series.x.back() > 2.0) {
+      series.x.push_back(angle_deg);
+      series.y.push_back(std::nan(""));
+    }
+    series.x.push_back(angle_deg);
+    series.y.push_back(1e3 * sample.error_m);
+  }
+  LineChart chart{.title = "Cavity against swept tool along this section",
+                  .x_label = "angle about the head's centre, 0 along the axis into the bone [°]",
+                  .y_label = "error [mm]",
+                  .series = {std::move(series)},
+                  .plot_height_px = 150.0};
+  // at the rim whole balls are removed with the edge: such a peak must not flatten the rest
+  const CavityError& error = section.error;
+  const double shown_m = 4.0 * error.p95_m;
+  if (shown_m > 0.0 && std::max(error.max_over_m, -error.max_under_m) > 1.5 * shown_m) {
+    chart.y = NiceRange({1e3 * std::max(-shown_m, std::min(error.max_under_m, 0.0)),
+                         1e3 * std::min(shown_m, error.max_over_m)},
+                        4);
+    chart.title += fmt::format(" (peaks run off the axis: {} to {} mm)", Number(1e3 * error.max_under_m, 2),
+                               Number(1e3 * error.max_over_m, 2));
+  }
+  return Svg(chart);
+}
+
+std::string Timing(const ReportInput& input) {
+  const std::string wakeup = WakeupHistogram(input.run), compute = ComputeHistogram(input.run);
+  const std::string frame = FrameTimeHistogram(input.run);
+  std::string out = "<h2>Timing</h2>\n";
+  if (wakeup.empty() && compute.empty() && frame.empty())
+    return out + "<p>Virtual time: not measured. Ticks and frames ran in lockstep, without a clock.</p>\n";
+  out += "<div class=\"pair\">\n";
+  for (const std::string* svg : {&wakeup, &compute, &frame})
+    if (!svg->empty()) out += Figure(*svg, "");
+  return out +
+         "</div>\n<p class=\"sub\">Counts on a logarithmic axis, so that a single late tick is seen.</p>\n";
+}
+
+/// The material figures that have no source.
+std::string Assumed(const simulation::Bone& bone) {
+  const std::vector<std::string> assumptions = simulation::Assumptions(bone.materials);
+  if (assumptions.empty()) return {};
+  std::string out =
+      "<h2>Assumed</h2>\n<p>No source was found for these figures; in brackets, what was gone "
+      "by.</p>\n<ul>\n";
+  for (const std::string& line : assumptions) out += "<li>" + Escape(line) + "</li>\n";
+  return out + "</ul>\n";
+}
+
+}  // namespace
+
+tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
+  Report report;
+
+  // pictures
+  const MaterialMap materials(input.bone.points, input.solid);
+  const Camera camera = CupCamera(input.bone, input.pictures);
+  const auto before = Picture(RenderBone(input.bone, input.bone.balls, materials, camera), "Before");
+  if (!before) return tl::unexpected(before.error());
+  const auto after =
+      Picture(RenderBone(input.bone, CarvedBalls(input.bone, input.after), materials, camera), "After");
+  if (!after) return tl::unexpected(after.error());
+
+  // section
+  const Section section =
+      ComputeSection(input.bone, input.after, input.tool, input.X_GP, {.solid = input.solid});
+  report.figures.cavity_section = section.error;
+  report.figures.cavity_direction = CavityErrorByDirection(input.bone, input.after, input.tool, input.X_GP);
+
+  std::string& html = report.html;
+  html = PageBegin(input.title);
+  html += Head(input);
+  html += Faults(input);
+  html += "<h2>The bone</h2>\n<div class=\"pair\">\n" + *before + *after + "</div>\n";
+  std::string tints;
+  for (const simulation::Material& material : input.bone.materials)
+    tints += (tints.empty() ? "" : ", ") + material.name;
+  if (!tints.empty())
+    html += fmt::format(
+        "<p class=\"sub\">Coloured by material: {}. The surface is smoothed for the picture; the section "
+        "below shows the balls as they are.</p>\n",
+        Escape(tints));
+  html += "<h2>Section</h2>\n";
+  html += Figure(SectionSvg(section, input.bone),
+                 "In the plane of the site's axis and of the path's farthest point from it. Balls cut by the "
+                 "plane; the swept "
+                 "tool is the union of the tool's head over every recorded proxy pose.");
+  if (section.error.samples > 0)
+    html += Figure(SectionDetailSvg(section, input.bone), "") +
+            Figure(ErrorChart(section),
+                   "Positive: the cavity is larger than the swept tool. Only where bone was cut; at the rim "
+                   "the balls that made up the edge are gone.");
+  html += ErrorTable(report.figures);
+  html += "<h2>Force</h2>\n" + Figure(ForceChart(input.run, input.force_limit_N), "");
+  html += "<h2>Progress</h2>\n" + Figure(ProgressChart(input.run), "");
+  html += "<h2>Motion</h2>\n" +
+          Figure(MotionChart(input.run, input.tool_speed_limit_m_per_s, input.max_tool_in_bone_m), "");
+  html += Timing(input);
+  html += Assumed(input.bone);
+  if (!input.command_line.empty())
+    html += "<h2>How to repeat it</h2>\n<pre>" + Escape(input.command_line) + "</pre>\n";
+  if (!input.config_text.empty())
+    html += "<h2>Configuration</h2>\n<pre>" + Escape(input.config_text) + "</pre>\n";
+  if (!input.version.empty()) html += "<footer>Osteon " + Escape(input.version) + "</footer>\n";
+  html += kPageEnd;
+  return report;
+}
+
+tl::expected<ReportFigures, std::string> WriteReport(const ReportInput& input,
+                                                     const std::filesystem::path& path) {
+  const auto report = MakeReport(input);
+  if (!report) return tl::unexpected(path.string() + ": " + report.error());
+  if (const auto written = WritePage(report->html, path); !written) return tl::unexpected(written.error());
+  return report->figures;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "report/page.h"
+#include "report/render.h"
+#include "report/run_curves.h"
+#include "report/section.h"
+#include "simulation/bone/bone.h"
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/tools/tool.h"
+
+namespace osteon::app {
+
+/// A row of the summary: a name, and a value with its unit.
+struct SummaryRow {
+  std::string key, value;
+};
+
+/// A fault in the report.
+struct FaultRow {
+  std::string name;
+  double time_s{0.0};    ///< since the run's start; not finite: unknown
+  std::string reaction;  ///< what the cell did
+  std::string seen{};    ///< what was measured, with figures, if known
+};
+
+/// The contents of a report. Views must outlive the call.
+struct ReportInput {
+  std::string title{"Reaming an acetabulum"};
+  std::string subtitle{};  ///< e.g. engine, device, date
+  ReportVerdict verdict{};
+  std::vector<SummaryRow> summary{};  ///< as the terminal shows it
+  const RunCurves& run;               ///< its ticks and frames
+  std::span<const Pose> X_GP{};       ///< the proxy's path
+  const simulation::Bone& bone;       ///< before the run
+  const simulation::CarvedState& after;
+  const simulation::Tool& tool;
+  const simulation::Solid* solid{
+      nullptr};  ///< the bone was packed from it; gives sharp material boundaries; may be null
+  double force_limit_N{200.0};
+  double tool_speed_limit_m_per_s{0.0};                                ///< 0: no line drawn
+  double max_tool_in_bone_m{std::numeric_limits<double>::infinity()};  ///< infinite: no line drawn
+  std::vector<FaultRow> faults{};
+  std::string config_text{};   ///< the configuration as read
+  std::string command_line{};  ///< the command that repeats the run
+  std::string version{};
+  RenderParams pictures{};
+};
+
+/// The figures that the report computes itself.
+struct ReportFigures {
+  CavityError cavity_section;    ///< along the section's outline
+  CavityError cavity_direction;  ///< over directions in space
+};
+
+/// The report as one HTML page: no script, no reference to anything outside the file.
+struct Report {
+  std::string html;
+  ReportFigures figures;
+};
+[[nodiscard]] tl::expected<Report, std::string> MakeReport(const ReportInput& input);
+
+/// Writes MakeReport's page to a file, complete or not at all. @returns an error that names the file.
+[[nodiscard]] tl::expected<ReportFigures, std::string> WriteReport(const ReportInput& input,
+                                                                   const std::filesystem::path& path);
+
+}  // namespace osteon::app

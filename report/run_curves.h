@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "control/tick_record.h"
+#include "report/duration_counts.h"
+#include "report/thin_curve.h"
+#include "simulation/engine/frame_record.h"
+
+namespace osteon::app {
+
+/// A part of a run in one phase, paused or not.
+struct PhaseStretch {
+  control::Phase phase{control::Phase::kWaiting};
+  bool paused{false};  ///< by the operator
+  /// Stamps of its first tick and of the tick after it; of the run's last tick if it is the last part.
+  rt::Nanoseconds begin{0}, end{0};
+};
+
+/// The data for a run's charts (run_charts.h), collected tick by tick and frame by frame. Memory stays at
+/// some 20 MB, also for a run of hours.
+struct RunCurves {
+  void Add(const control::TickRecord& tick);
+  void Add(const simulation::FrameRecord& frame);
+
+  /// The stamp at which time is 0: the first tick's, or the first frame's if there is no tick.
+  [[nodiscard]] rt::Nanoseconds Start() const;
+
+  // of the ticks
+  std::optional<rt::Nanoseconds> first_tick, last_tick;  ///< stamps
+  std::vector<PhaseStretch> phases;
+  ThinCurve coupling_N, axial_N, hand_N;  ///< NaN if nothing was computed
+  /// The parts of the coupling's wrench that are rendered, and that the arm can hold.
+  ThinCurve rendered_percent, arm_percent;
+  ThinCurve speed_mm_per_s, in_bone_mm, model_age_ms;
+  bool wrench_cut{false};  ///< in any tick; if not, rendered_percent has no meaning
+  DurationCounts wakeup, compute;
+
+  // of the frames
+  std::optional<rt::Nanoseconds> first_frame;  ///< stamp
+  ThinCurve depth_mm, volume_mm3;              ///< depth: NaN before the first touch
+  bool touched{false};
+  DurationCounts frame;  ///< time to compute one
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "report/ticks.h"
+
+// The parts of every plot: elements, the plot area with its axes, and a legend that wraps.
+
+namespace osteon::app {
+
+inline constexpr double kFontPx = 12.5;
+inline constexpr double kTitlePx = 14.5;
+inline constexpr double kLegendRowPx = 20.0;
+
+/// One <text> element. `anchor` is start, middle or end; `extra` further attributes.
+[[nodiscard]] std::string SvgText(double x, double y, std::string_view text,
+                                  std::string_view anchor = "start", std::string_view color = "#1b1f24",
+                                  double size_px = kFontPx, std::string_view extra = {});
+/// The same, turned to run upward from (x, y).
+[[nodiscard]] std::string SvgTurnedText(double x, double y, std::string_view text, std::string_view anchor,
+                                        std::string_view color, double size_px = kFontPx);
+[[nodiscard]] std::string SvgLine(double x1, double y1, double x2, double y2, std::string_view color,
+                                  double width_px = 1.0, std::string_view dash = {});
+[[nodiscard]] std::string SvgRect(double x, double y, double width, double height, std::string_view fill,
+                                  std::string_view extra = {});
+/// <svg …> body </svg>, on white.
+[[nodiscard]] std::string SvgDocument(double width, double height, std::string_view title,
+                                      std::string_view body);
+
+/// The area between the axes and the values at its edges.
+struct PlotArea {
+  double left{0.0}, top{0.0}, width{0.0}, height{0.0};  ///< [px]
+  Range x{}, y{};
+  bool log_x{false}, log_y{false};
+
+  [[nodiscard]] double X(double value) const;
+  [[nodiscard]] double Y(double value) const;
+};
+
+/// Draws the grid lines and the frame around the area, below the data.
+[[nodiscard]] std::string DrawGrid(const PlotArea& area, const Ticks& x, const Ticks& y);
+/// Draws the texts of the ticks and the axis labels, above the data. `y_label_x` is the middle of the turned
+/// y label, or of its last line if it wraps (AxisLabelLines).
+[[nodiscard]] std::string DrawTickTexts(const PlotArea& area, const Ticks& x, const Ticks& y);
+[[nodiscard]] std::string DrawAxisLabels(const PlotArea& area, std::string_view x_label, double x_label_y,
+                                         std::string_view y_label, double y_label_x);
+/// Wraps a y label for an area of that height.
+[[nodiscard]] std::vector<std::string> AxisLabelLines(std::string_view y_label, double height_px);
+inline constexpr double kLabelLinePx = 15.0;  ///< from one line of a wrapped text to the next
+/// Width of the widest of the labels [px].
+[[nodiscard]] double WidestLabel(const Ticks& ticks);
+/// Drops labels (not marks) of x ticks that would come closer than a digit to their neighbour.
+void SpreadLabels(const PlotArea& area, Ticks& x);
+
+/// The shape of a single point (point_marks.h).
+enum class Marker { kNone, kCircle, kRing, kSquare, kTriangle, kDiamond, kDown, kCross, kOpenUp };
+
+/// A legend's entry: a line, a dashed line, a filled square or a marker alone, and a text.
+struct LegendEntry {
+  enum class Mark { kLine, kDash, kFill, kNone };
+  std::string text{};
+  std::string color{};
+  Mark mark{Mark::kLine};
+  Marker marker{Marker::kNone};  ///< over the line
+};
+
+struct LegendBlock {
+  std::string svg{};
+  double height_px{0.0};
+};
+
+/// Draws title and legend from (x, y) down, within `width_px`; the title wraps into lines and the entries
+/// into rows. An entry too wide for a row is cut with an ellipsis.
+[[nodiscard]] LegendBlock DrawLegend(double x, double y, double width_px, std::string_view title,
+                                     const std::vector<LegendEntry>& entries);
+
+/// Breaks `text` at spaces into lines of at most `width_px`; a single wider word is cut (Fit).
+[[nodiscard]] std::vector<std::string> Wrap(std::string_view text, double width_px, double size_px = kFontPx);
+
+/// Returns `text`, cut with an ellipsis if it is wider than `width_px`.
+[[nodiscard]] std::string Fit(std::string_view text, double width_px, double size_px = kFontPx);
+
+}  // namespace osteon::app

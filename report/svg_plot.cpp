@@ -1,0 +1,466 @@
+#include "report/svg_plot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "report/point_marks.h"
+#include "report/svg_frame.h"
+#include "report/svg_text.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kLabelStrip =
+    19.0;  ///< height of the strip for the names of spans, width of a turned axis label
+
+struct Extent {
+  double min{std::numeric_limits<double>::infinity()}, max{-std::numeric_limits<double>::infinity()};
+  void Add(double value) {
+    if (!std::isfinite(value)) return;
+    min = std::min(min, value);
+    max = std::max(max, value);
+  }
+  [[nodiscard]] bool Any() const { return min <= max; }
+};
+
+/// A range a little larger than the data, which are positive.
+Range LogRange(const Extent& extent) {
+  constexpr double kMargin = 1.15;
+  if (!extent.Any()) return {1.0, 10.0};
+  return {extent.min / kMargin, extent.max * kMargin};
+}
+
+Range CommonX(std::span<const LineChart> panels) {
+  Extent extent;
+  for (const LineChart& panel : panels) {
+    if (panel.x) return *panel.x;
+    for (const Series& series : panel.series)
+      for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i)
+        if (std::isfinite(series.y[i]) && (!panels.front().log_x || series.x[i] > 0.0))
+          extent.Add(series.x[i]);
+  }
+  if (!panels.empty() && panels.front().log_x) return LogRange(extent);
+  if (!extent.Any()) return {0.0, 1.0};
+  if (!(extent.max > extent.min)) return NiceRange({extent.min, extent.max}, 5);
+  // a run of 9.999 s ends at its tick of 10 s
+  const Range nice = NiceRange({extent.min, extent.max}, 10);
+  const double near = 0.01 * (extent.max - extent.min);
+  return {extent.min - nice.min < near ? nice.min : extent.min,
+          nice.max - extent.max < near ? nice.max : extent.max};
+}
+
+/// The y range, up to the next tick.
+Range YRange(const LineChart& panel, int max_ticks) {
+  if (panel.y) return *panel.y;
+  Extent extent;
+  for (const Series& series : panel.series)
+    for (const double y : series.y)
+      if (!panel.log_y || y > 0.0) extent.Add(y);
+  if (panel.log_y) return LogRange(extent);
+  // Keeps the line off the frame.
+  for (const LimitLine& limit : panel.limits) extent.Add(1.05 * limit.value);
+  if (panel.y_from_zero) extent.Add(0.0);
+  if (!extent.Any()) return {0.0, 1.0};
+  if (panel.y_from_zero && extent.min == 0.0 && extent.max == 0.0) return {0.0, 1.0};
+  return NiceRange({extent.min, extent.max}, max_ticks);
+}
+
+std::string DrawSeries(const PlotArea& area, const Series& series, const std::string& color) {
+  if (!(series.width_px > 0.0)) return {};
+  std::string path;
+  bool any = false;
+  const int columns = std::max(1, static_cast<int>(area.width));
+  // columns of pixels are evenly spaced in the logarithm if the axis is logarithmic
+  std::vector<double> at = series.x;
+  Range range = area.x;
+  if (area.log_x) {
+    for (double& x : at) x = x > 0.0 ? std::log(x) : -std::numeric_limits<double>::infinity();
+    range = {std::log(range.min), std::log(range.max)};
+  }
+  for (auto& run : DecimateMinMax(at, series.y, range, columns)) {
+    if (area.log_x)
+      for (PlotPoint& point : run) point.x = std::exp(point.x);
+    char command = 'M';
+    for (const PlotPoint& point : run) {
+      if ((area.log_x && !(point.x > 0.0)) || (area.log_y && !(point.y > 0.0))) continue;
+      path += fmt::format("{}{} {}", command, Pixels(area.X(point.x)),
+                          Pixels(area.Y(std::clamp(point.y, area.y.min, area.y.max))));
+      command = 'L';
+      any = true;
+    }
+    if (run.size() == 1) path += "h0.1";  // a lone point is a dot
+  }
+  if (!any) return {};
+  return fmt::format(R"(<path d="{}" fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round" )"
+                     R"(stroke-linecap="round"{}{}/>)"
+                     "\n",
+                     path, color, Pixels(series.width_px),
+                     series.dash.empty() ? "" : fmt::format(R"( stroke-dasharray="{}")", series.dash),
+                     series.opacity < 1.0 ? fmt::format(R"( opacity="{:.2f}")", series.opacity) : "");
+}
+
+bool Drawable(const PlotArea& area, double x, double y) {
+  const auto within = [](double value, Range range) { return value >= range.min && value <= range.max; };
+  return within(x, area.x) && within(y, area.y) && (!area.log_x || x > 0.0) && (!area.log_y || y > 0.0);
+}
+
+/// Draws error bars and markers of every series, the pale ones first, then the names for which there is room.
+std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::vector<std::string>& colors) {
+  constexpr std::size_t kMaxPieces = 500;  // into which a line is cut, so that names avoid it
+  std::string out;
+  if (std::ranges::none_of(panel.series, [](const Series& series) { return series.marker != Marker::kNone; }))
+    return out;
+  LabelPlacer labels(area);
+  for (const LimitLine& limit : panel.limits)
+    if (limit.value > area.y.min && limit.value < area.y.max)
+      labels.BlockLine(area.left, area.Y(limit.value), area.left + area.width, area.Y(limit.value));
+  for (const LimitLine& limit : panel.x_limits)
+    if (limit.value > area.x.min && limit.value < area.x.max)
+      labels.Block(area.X(limit.value) - kFontPx - 5, area.top, kFontPx + 7, area.height);
+  for (const Series& series : panel.series)
+    for (std::size_t i = 1;
+         series.width_px > 0.0 && i < std::min({series.x.size(), series.y.size(), kMaxPieces}); ++i)
+      if (Drawable(area, series.x[i - 1], series.y[i - 1]) && Drawable(area, series.x[i], series.y[i]))
+        labels.BlockLine(area.X(series.x[i - 1]), area.Y(series.y[i - 1]), area.X(series.x[i]),
+                         area.Y(series.y[i]));
+  std::vector<std::size_t> order(panel.series.size());
+  for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return panel.series[a].opacity < panel.series[b].opacity;
+  });
+  const auto each = [&](const auto& body) {
+    for (const std::size_t s : order) {
+      const Series& series = panel.series[s];
+      if (series.marker == Marker::kNone) continue;
+      for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i)
+        if (Drawable(area, series.x[i], series.y[i]))
+          body(series, s, i, area.X(series.x[i]), area.Y(series.y[i]));
+    }
+  };
+  each([&](const Series& series, std::size_t s, std::size_t i, double x, double y) {
+    if (i < series.y_low.size() && i < series.y_high.size()) {
+      const double low = area.Y(std::clamp(series.y_low[i], area.y.min, area.y.max));
+      const double high = area.Y(std::clamp(series.y_high[i], area.y.min, area.y.max));
+      if (low - high > 1.0) {
+        out += DrawWhisker(x, low, high, colors[s], series.opacity);
+        labels.Block(x - 3, high, 6, low - high);
+      }
+    }
+    labels.Block(x - 5, y - 5, 10, 10);
+  });
+  each([&](const Series& series, std::size_t s, std::size_t, double x, double y) {
+    out += DrawMarker(x, y, series.marker, colors[s], series.opacity);
+  });
+  std::reverse(order.begin(), order.end());  // names of strong points first
+  each([&](const Series& series, std::size_t s, std::size_t i, double x, double y) {
+    if (i < series.labels.size() && !series.labels[i].empty())
+      out += labels.Place(x, y, series.labels[i], colors[s], series.opacity >= 1.0);
+  });
+  return out;
+}
+
+/// Finds where the name of a vertical line at `x` begins (it runs upward): the lowest place where no curve
+/// and no limit crosses it; at the bottom if there is none.
+double NameBeside(const PlotArea& area, const LineChart& panel, double x, double length_px) {
+  std::vector<PlotPoint> taken;  // points of curves and limits near x, every few pixels
+  const double left = x - kFontPx - 7.0;
+  for (const LimitLine& limit : panel.limits) taken.push_back({x, area.Y(limit.value)});
+  for (const Series& series : panel.series)
+    for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
+      if (!Drawable(area, series.x[i], series.y[i])) continue;
+      const PlotPoint to{area.X(series.x[i]), area.Y(series.y[i])};
+      const bool joined = i > 0 && series.width_px > 0.0 && Drawable(area, series.x[i - 1], series.y[i - 1]);
+      const PlotPoint from = joined ? PlotPoint{area.X(series.x[i - 1]), area.Y(series.y[i - 1])} : to;
+      const int pieces = 1 + static_cast<int>(std::hypot(to.x - from.x, to.y - from.y) / 3.0);
+      for (int k = 0; k <= pieces; ++k) {
+        const double t = static_cast<double>(k) / pieces;
+        const PlotPoint at{std::lerp(from.x, to.x, t), std::lerp(from.y, to.y, t)};
+        if (at.x > left - 4.0 && at.x < x) taken.push_back(at);
+      }
+    }
+  const double bottom = area.top + area.height - 6.0;
+  for (double y = bottom; y - length_px > area.top; y -= 4.0)
+    if (std::ranges::none_of(taken,
+                             [&](const PlotPoint& p) { return p.y < y + 5.0 && p.y > y - length_px - 5.0; }))
+      return y;
+  return bottom;
+}
+
+std::string DrawXLimits(const PlotArea& area, const LineChart& panel) {
+  std::string out;
+  for (const LimitLine& limit : panel.x_limits) {
+    if (!(limit.value > area.x.min && limit.value < area.x.max)) continue;
+    const double x = area.X(limit.value);
+    const double y = NameBeside(area, panel, x, TextWidth(limit.label, kFontPx - 1.5));
+    out += SvgLine(x, area.top, x, area.top + area.height, kLimitColor, 1.4, "7 4");
+    out += SvgTurnedText(x - 5, y, limit.label, "start", kLimitColor, kFontPx - 1.5);
+  }
+  return out;
+}
+
+/// Draws the limits' names in the right margin, moved apart if they would overlap.
+std::string DrawLimits(const PlotArea& area, std::vector<LimitLine> limits) {
+  std::string out;
+  std::erase_if(limits, [&area](const LimitLine& limit) {
+    return !(limit.value >= area.y.min && limit.value <= area.y.max);
+  });
+  std::sort(limits.begin(), limits.end(), [](const auto& a, const auto& b) { return a.value > b.value; });
+  double free_from = -1e9;
+  for (const LimitLine& limit : limits) {
+    const double y = area.Y(limit.value), right = area.left + area.width;
+    out += SvgLine(area.left, y, right, y, kLimitColor, 1.4, "7 4");
+    const double baseline = std::max(y + 4.3, free_from);
+    out += SvgText(right + 6, baseline, limit.label, "start", kLimitColor);
+    free_from = baseline + kFontPx + 2.0;
+  }
+  return out;
+}
+
+/// A value of a histogram and how often it occurred.
+struct CountedValue {
+  double value;
+  std::uint64_t times;
+};
+
+/// The finite values, ascending.
+std::vector<CountedValue> Counted(const Histogram& histogram) {
+  std::vector<CountedValue> counted;
+  for (std::size_t i = 0; i < histogram.values.size(); ++i)
+    if (std::isfinite(histogram.values[i]))
+      counted.push_back({histogram.values[i], histogram.times.empty() ? 1 : histogram.times[i]});
+  std::sort(counted.begin(), counted.end(),
+            [](const CountedValue& a, const CountedValue& b) { return a.value < b.value; });
+  return counted;
+}
+
+/// The quantile, as Percentile (ticks.h); `values` must not be empty.
+double PercentileOf(const std::vector<CountedValue>& values, double p) {
+  std::uint64_t total = 0, before = 0;
+  for (const CountedValue& each : values) total += each.times;
+  const double rank = std::max(1.0, std::ceil(p * static_cast<double>(total)));
+  for (const CountedValue& each : values) {
+    before += each.times;
+    if (static_cast<double>(before) >= rank) return each.value;
+  }
+  return values.back().value;
+}
+
+struct PanelPlan {
+  PlotArea area;
+  Ticks y_ticks;
+  std::vector<LegendEntry> legend;
+  std::vector<std::string> colors;
+  bool strip{false};  ///< at least one span is wide enough for its name
+  bool data{false};
+};
+
+}  // namespace
+
+namespace {
+
+/// Draws panels one above the other. @returns elements without a document, and their height.
+LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
+  const Range x = CommonX(panels);
+  std::vector<PanelPlan> plans;
+  double left = 0.0, right = 16.0, label_lines = 1.0;
+
+  // margins that serve every panel
+  for (const LineChart& panel : panels) {
+    PanelPlan plan;
+    const int max_ticks = std::max(2, static_cast<int>(panel.plot_height_px / 34.0));
+    plan.area = {.height = panel.plot_height_px,
+                 .x = x,
+                 .y = YRange(panel, max_ticks),
+                 .log_x = panels.front().log_x,
+                 .log_y = panel.log_y};
+    plan.y_ticks =
+        panel.log_y ? LogTicks(plan.area.y, max_ticks + 1) : LinearTicks(plan.area.y, max_ticks + 1);
+    left = std::max(left, WidestLabel(plan.y_ticks));
+    label_lines = std::max(label_lines,
+                           static_cast<double>(AxisLabelLines(panel.y_label, panel.plot_height_px).size()));
+    for (const LimitLine& limit : panel.limits)
+      right = std::max(right, TextWidth(limit.label, kFontPx) + 12.0);
+    plans.push_back(std::move(plan));
+  }
+  const double y_label_x = 14.0 + kLabelLinePx * (label_lines - 1.0);
+  left += y_label_x + kLabelStrip;
+  right = std::min(right, width_px / 3);
+  Ticks x_ticks = !panels.empty() && panels.front().log_x ? LogTicks(x, 10) : LinearTicks(x, 10);
+  if (!x_ticks.labels.empty()) right = std::max(right, TextWidth(x_ticks.labels.back(), kFontPx) / 2 + 4.0);
+
+  std::string body;
+  double cursor = 2.0;
+  for (std::size_t p = 0; p < panels.size(); ++p) {
+    const LineChart& panel = panels[p];
+    PanelPlan& plan = plans[p];
+    plan.area.left = left;
+    plan.area.width = width_px - left - right;
+
+    // legend: series, then spans too narrow for their name
+    for (std::size_t s = 0; s < panel.series.size(); ++s) {
+      const Series& series = panel.series[s];
+      plan.colors.push_back(series.color.empty() ? kPalette[s % kPalette.size()] : series.color);
+      if (!series.name.empty() && panel.legend)
+        plan.legend.push_back({.text = series.name,
+                               .color = plan.colors.back(),
+                               .mark = !(series.width_px > 0.0) ? LegendEntry::Mark::kNone
+                                       : series.dash.empty()    ? LegendEntry::Mark::kLine
+                                                                : LegendEntry::Mark::kDash,
+                               .marker = series.marker});
+      plan.data |= std::any_of(series.y.begin(), series.y.end(), [](double y) { return std::isfinite(y); });
+    }
+    std::vector<std::string> named;
+    for (const NamedSpan& span : panel.spans) {
+      const double pixels = plan.area.X(std::min(span.end, x.max)) - plan.area.X(std::max(span.begin, x.min));
+      if (TextWidth(span.name, kFontPx) + 8.0 <= pixels) {
+        plan.strip = true;
+      } else if (pixels > 0.0 && std::find(named.begin(), named.end(), span.name) == named.end()) {
+        plan.legend.push_back({.text = span.name, .color = span.color, .mark = LegendEntry::Mark::kFill});
+        named.push_back(span.name);
+      }
+    }
+    const LegendBlock legend =
+        DrawLegend(left, cursor, plan.area.width + right - 4.0, panel.title, plan.legend);
+    body += legend.svg;
+    plan.area.top = cursor + legend.height_px + (plan.strip ? kLabelStrip : 6.0);
+
+    // spans, grid, data, limits, texts
+    for (const NamedSpan& span : panel.spans) {
+      const double begin = plan.area.X(std::max(span.begin, x.min)),
+                   end = plan.area.X(std::min(span.end, x.max));
+      if (!(end > begin)) continue;
+      body +=
+          SvgRect(begin, plan.area.top, end - begin, plan.area.height, span.color, R"(fill-opacity="0.65")");
+      if (TextWidth(span.name, kFontPx) + 8.0 <= end - begin)
+        body += SvgText((begin + end) / 2, plan.area.top - 5, span.name, "middle", kMutedColor);
+    }
+    body += DrawGrid(plan.area, x_ticks, plan.y_ticks);
+    for (std::size_t s = 0; s < panel.series.size(); ++s)
+      body += DrawSeries(plan.area, panel.series[s], plan.colors[s]);
+    body += DrawLimits(plan.area, panel.limits);
+    body += DrawXLimits(plan.area, panel);
+    body += DrawPoints(plan.area, panel, plan.colors);
+    if (!plan.data)
+      body += SvgText(left + plan.area.width / 2, plan.area.top + plan.area.height / 2, "no data", "middle",
+                      kMutedColor);
+    const bool last = p + 1 == panels.size();
+    Ticks shown = x_ticks;
+    if (!last) std::fill(shown.labels.begin(), shown.labels.end(), std::string());
+    SpreadLabels(plan.area, shown);
+    body += DrawTickTexts(plan.area, shown, plan.y_ticks);
+    const double bottom = plan.area.top + plan.area.height;
+    body += DrawAxisLabels(plan.area, last ? panel.x_label : "", bottom + 38, panel.y_label, y_label_x);
+    cursor = bottom + (last ? 46.0 : 16.0);
+  }
+  return {.svg = body, .height_px = cursor};
+}
+
+}  // namespace
+
+std::string Svg(std::span<const LineChart> panels, double width_px) {
+  const LegendBlock drawn = DrawPanels(panels, width_px);
+  return SvgDocument(width_px, drawn.height_px, panels.empty() ? "" : panels.front().title, drawn.svg);
+}
+
+std::string SvgGrid(std::span<const LineChart> panels, int columns, const std::string& title,
+                    const std::vector<LegendEntry>& legend, double width_px) {
+  constexpr double kGap = 14.0, kMargin = 10.0;
+  const auto count = static_cast<double>(std::max(1, columns));
+  const double width = (width_px - 2.0 * kMargin - (count - 1.0) * kGap) / count;
+  const LegendBlock heading = DrawLegend(kMargin + 4.0, 4.0, width_px - 2.0 * kMargin, title, {});
+  const LegendBlock names =
+      DrawLegend(kMargin + 4.0, 4.0 + heading.height_px, width_px - 2.0 * kMargin, "", legend);
+  std::string body = heading.svg + names.svg;
+  double top = 10.0 + heading.height_px + names.height_px, row_height = 0.0;
+  for (std::size_t p = 0; p < panels.size(); ++p) {
+    const auto column = static_cast<double>(p % static_cast<std::size_t>(std::max(1, columns)));
+    if (column == 0.0 && p > 0) {
+      top += row_height + kGap;
+      row_height = 0.0;
+    }
+    const LegendBlock drawn = DrawPanels(panels.subspan(p, 1), width);
+    row_height = std::max(row_height, drawn.height_px);
+    body += fmt::format("<g transform=\"translate({} {})\">\n{}</g>\n",
+                        Pixels(kMargin + column * (width + kGap)), Pixels(top), drawn.svg);
+  }
+  return SvgDocument(width_px, top + row_height + 4.0, title, body);
+}
+
+std::string Svg(const Histogram& histogram, double width_px) {
+  const std::vector<CountedValue> values = Counted(histogram);
+  Extent extent;
+  for (const CountedValue& each : values)
+    if (!histogram.log_x || each.value > 0.0) extent.Add(each.value);
+  const bool log_x = histogram.log_x && extent.Any();
+
+  // bins
+  PlotArea area{.height = histogram.plot_height_px, .log_x = log_x, .log_y = histogram.log_y};
+  area.x = extent.Any() ? Range{extent.min, extent.max} : Range{0.0, 1.0};
+  if (log_x) {
+    area.x = {area.x.min * 0.9, area.x.max * 1.1};
+  } else {
+    area.x = NiceRange(area.x, 6);
+  }
+  const int bins = std::max(1, histogram.bins);
+  std::vector<std::uint64_t> counts(static_cast<std::size_t>(bins), 0);
+  const PlotArea unit{.width = static_cast<double>(bins), .x = area.x, .log_x = log_x};
+  for (const auto& [value, times] : values) {
+    const double at = log_x && !(value > 0.0) ? 0.0 : unit.X(value);
+    counts[static_cast<std::size_t>(std::clamp(static_cast<int>(at), 0, bins - 1))] += times;
+  }
+  const double highest =
+      static_cast<double>(std::max<std::uint64_t>(1, *std::max_element(counts.begin(), counts.end())));
+  area.y = histogram.log_y ? Range{0.7, std::max(highest * 1.4, 10.0)} : NiceRange({0.0, highest}, 5);
+  const Ticks y_ticks = histogram.log_y ? LogTicks(area.y, 8) : LinearTicks(area.y, 6);
+
+  // legend with the percentiles
+  struct PercentileLine {
+    double at;
+    const char* color;
+  };
+  std::vector<LegendEntry> legend;
+  std::vector<PercentileLine> markers;
+  if (histogram.percentiles && !values.empty()) {
+    const auto add = [&](const char* name, double p, const char* color) {
+      const double at = PercentileOf(values, p);
+      legend.push_back({.text = fmt::format("{} {} {}", name, Number(at), histogram.unit),
+                        .color = color,
+                        .mark = LegendEntry::Mark::kDash});
+      markers.push_back({at, color});
+    };
+    add("median", 0.5, kPalette[2]);
+    add("99 %", 0.99, kPalette[4]);
+    add("99.9 %", 0.999, kPalette[1]);
+    add("max", 1.0, kLimitColor);
+  }
+  area.left = WidestLabel(y_ticks) + 14.0 + kLabelStrip;
+  area.width = width_px - area.left - 22.0;
+  const LegendBlock title = DrawLegend(area.left, 2.0, area.width + 18.0, histogram.title, {});
+  const LegendBlock block = DrawLegend(area.left, 2.0 + title.height_px, area.width + 18.0, "", legend);
+  area.top = 2.0 + title.height_px + block.height_px + 6.0;
+  Ticks x_ticks = log_x ? LogTicks(area.x, 9) : LinearTicks(area.x, 6);
+  SpreadLabels(area, x_ticks);
+
+  std::string body = title.svg + block.svg + DrawGrid(area, x_ticks, y_ticks);
+  const double base = area.top + area.height;
+  for (int i = 0; i < bins; ++i) {
+    const auto count = static_cast<double>(counts[static_cast<std::size_t>(i)]);
+    if (count == 0.0) continue;
+    const double x0 = area.left + area.width * i / bins, x1 = area.left + area.width * (i + 1) / bins;
+    const double top = area.Y(count);
+    body += SvgRect(x0 + 0.4, top, x1 - x0 - 0.8, base - top, kPalette[0]);
+  }
+  for (const PercentileLine& marker : markers)
+    if (!log_x || marker.at > 0.0)
+      body += SvgLine(area.X(marker.at), area.top, area.X(marker.at), base, marker.color, 1.5, "5 3");
+  if (values.empty())
+    body += SvgText(area.left + area.width / 2, area.top + area.height / 2, "no data", "middle", kMutedColor);
+  body += DrawTickTexts(area, x_ticks, y_ticks);
+  body += DrawAxisLabels(area, histogram.x_label, base + 38, histogram.y_label, 14.0);
+  return SvgDocument(width_px, base + 46.0, histogram.title, body);
+}
+
+}  // namespace osteon::app

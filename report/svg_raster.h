@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "report/png_file.h"
+
+namespace osteon::app {
+
+/// Renders an SVG document to pixels, on white.
+/// @param scale  pixels per px of the document, 0.1 … 10
+/// @returns librsvg's message if it is no SVG, or a message if the picture would have more than 100 million
+///   pixels.
+[[nodiscard]] tl::expected<Image, std::string> Rasterise(const std::string& svg, double scale = 2.0);
+
+}  // namespace osteon::app

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "base/realtime_thread.h"
+#include "config/reading/cell_config.h"
+#include "config/reading/load.h"
+#include "io/fri/fri_relay.h"
+#include "io/modbus/plc_reading.h"
+#include "safety/guard_monitor.h"
+
+namespace osteon::app {
+
+struct GuardOptions {
+  std::filesystem::path cell;                ///< its YAML
+  std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
+  std::optional<std::uint16_t> port{};       ///< for a simulated cell: the first of its ports
+  int cpu{-1};                               ///< the relay is pinned to it; -1: any
+  std::filesystem::path json{};
+};
+
+/// Derives from the cell's file what the guard enforces on the cell's controller.
+/// @pre the cell has an LBR and a guard; the loader checks this
+[[nodiscard]] safety::GuardParams GuardParamsOf(const config::CellConfig& cell);
+
+/// The result of a guard's run.
+struct GuardReport {
+  std::string cell, config_checksum, version;
+  std::string arm_side, controller_side;  ///< "127.0.0.1:30209"
+  io::FriRelayCounters relayed;
+  safety::GuardCounters judged;
+  safety::GuardReason reason;  ///< kNone: nothing was latched
+  rt::DurationHistogram message_delay, answer_delay;
+  rt::RealtimeGrant thread;
+  std::optional<io::PlcReading> plc;  ///< absent: the cell has none
+};
+
+/// One JSON object, schema osteon.guard/1.
+[[nodiscard]] std::string ToJson(const GuardReport& report);
+
+/// Runs `osteon guard`: stands between arm and controller until Ctrl-C. It then withdraws the motion request
+/// and keeps relaying until the arm is no longer commanded, at most 3 s; without a PLC it ends at once.
+/// @returns the process's exit code: 0 nothing was withheld; 1 a datagram was withheld, and the motion
+/// request was withdrawn; 2 wrong input; 129 its terminal was closed, 141 nobody reads its stdout.
+[[nodiscard]] int RunGuard(const GuardOptions& options);
+
+}  // namespace osteon::app

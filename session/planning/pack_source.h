@@ -1,0 +1,69 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "simulation/bone/scenes.h"
+#include "simulation/packing/packing_file.h"
+#include "simulation/solids/cut_zone.h"
+#include "simulation/solids/mass_properties.h"
+
+namespace osteon::app {
+
+/// A planned tool path: a CSV file with a line "x_mm,y_mm,z_mm" for each place of the tool's centre.
+struct PathChoice {
+  std::filesystem::path file;
+  double radius_m{0.0};  ///< of the tool
+};
+
+/// The object to pack, as stated on the command line.
+struct SourceOptions {
+  std::string input;        ///< mesh file, scene's YAML or name, ball:R or box:X,Y,Z (mm)
+  bool scenes_only{false};  ///< the input can only be a scene
+  std::filesystem::path config_root;
+  std::string scene;                ///< the scene whose place a mesh takes; empty: the acetabulum's
+  std::optional<double> scale{};    ///< millimetres per unit of a mesh file
+  std::filesystem::path materials;  ///< empty: those of config_root
+  std::optional<simulation::CutSite> cup{};
+  std::optional<simulation::Ball> region{};
+  std::optional<PathChoice> path{};
+  bool graded{
+      false};  ///< the packing grows coarser with depth: below the whole surface if nothing else is named
+};
+
+/// The loaded object to pack: a solid, where it is cut, and its materials.
+struct PackSource {
+  std::string name;  ///< of the bone
+  std::shared_ptr<const simulation::Solid> solid;
+  std::unique_ptr<simulation::CutZone> zone;
+  std::string zone_text;       ///< for users and provenance
+  bool zone_is_uniform{true};  ///< the depth is 0 everywhere
+  simulation::CutSite site{
+      .center_m = {}, .axis = Vector3(Vector3::UnitZ()), .radius_m = 0.0};  ///< radius 0: none
+  std::vector<simulation::Material> materials;
+  std::optional<simulation::SceneParams> own;  ///< a scene's own packing and mass points
+  std::size_t triangles{0};                    ///< of a mesh
+  /// Mass properties of the solid filled evenly with 1000 kg/m³, in closed form; absent if there is none.
+  std::optional<simulation::MassProperties> even;
+  std::string warning;  ///< what was assumed of a mesh that bounds no solid; empty: nothing
+  simulation::PackingProvenance provenance;  ///< source, and the parameters that are known here
+};
+
+/// @returns an error that names the option or file, what was found and what is accepted.
+/// @throws config::ConfigError, std::invalid_argument
+[[nodiscard]] tl::expected<PackSource, std::string> LoadPackSource(const SourceOptions& options);
+
+/// Parses "X,Y,Z,R" (mm).
+[[nodiscard]] tl::expected<simulation::Ball, std::string> ParseRegion(const std::string& text);
+
+/// Parses a given count of numbers between commas. @param what  begins the error, such as "--region"
+[[nodiscard]] tl::expected<std::vector<double>, std::string> ParseNumbers(const std::string& text,
+                                                                          std::size_t count,
+                                                                          const std::string& what);
+
+}  // namespace osteon::app

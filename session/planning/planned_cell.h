@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+#include <tl/expected.hpp>
+
+#include "session/planning/plan.h"
+#include "session/setup/cell_setup.h"
+
+namespace osteon::app {
+
+/// How fine a run's bone is, as stated on the command line.
+struct FidelityChoice {
+  bool as_packed{false};                   ///< pack by the scene's own `packing`
+  std::optional<double> error_m, rate_hz;  ///< replaces the scene's `fidelity`
+};
+
+/// The demands that a cell's bone was planned for, and the plan.
+struct PlannedCell {
+  PlanScene scene;
+  PlanRequest request;
+  FidelityPlan plan;
+};
+
+/// Packs the bone of a prepared cell as coarsely as its error and rate allow (plan.h), and sets the cell's
+/// tool and cutting to the plan's. Uses the scene's own packing if the choice says so, or if neither scene
+/// nor choice demands anything. A loaded bone stays.
+/// @param timed  measure frame times of the engine first; false: the closed forms alone decide, alike on any
+/// machine
+/// @returns an error if the plan fails, or if an error or a rate is demanded of a loaded bone or of a scene
+/// that is cut along neither cup nor path.
+[[nodiscard]] tl::expected<void, std::string> PackCell(
+    CellSetup& setup, const FidelityChoice& choice, const EngineChoice& engine, bool timed,
+    const std::function<void(const std::string&)>& say = {});
+
+/// The plan in one line, for summary and recording.
+[[nodiscard]] std::string PlannedText(const PlannedCell& planned);
+/// The plan as keys of a run's summary.
+[[nodiscard]] nlohmann::json PlannedJson(const PlannedCell& planned);
+
+}  // namespace osteon::app

@@ -1,0 +1,141 @@
+#include "session/replay/export_recording.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/json_text.h"
+#include "base/write_text.h"
+#include "io/recording/recovery.h"
+#include "session/process/exit_code.h"
+#include "session/replay/export_tables.h"
+#include "session/summary/chart_files.h"
+
+namespace osteon::app {
+namespace {
+
+// Shows a bar on a terminal; nothing elsewhere, where it would be one line among many.
+void ShowProgress(double share) {
+  constexpr int kWidth = 40;
+  static const bool terminal = isatty(STDERR_FILENO) != 0;
+  if (!terminal) return;
+  fmt::print(stderr, "\r[{:{}}] {:3.0f} %", std::string(static_cast<std::size_t>(share * kWidth), '#'),
+             kWidth, 100.0 * share);
+  if (share >= 1.0) fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+}
+
+void Print(const io::Recovery& recovery, const std::filesystem::path& file) {
+  if (recovery.was_whole) {
+    fmt::print("  {:<12} the recording is whole: nothing to recover\n", "Recovered");
+    return;
+  }
+  fmt::print("  {:<12} {}: {} messages, ticks from {:.3f} s to {:.3f} s\n", "Recovered", file.string(),
+             recovery.messages, recovery.first_s, recovery.last_s);
+  fmt::print("  {:<12} {} bytes {}; {} ticks missing in between\n", "Lost", recovery.tail_bytes,
+             recovery.closed ? "behind the recording's end" : "of a message that was cut off",
+             recovery.missing_ticks);
+  if (recovery.unchecked > 0)
+    fmt::print("  {:<12} {} messages of the chunk that was being written: complete, but no CRC covers them\n",
+               "Unchecked", recovery.unchecked);
+  for (const io::McapDamage& damage : recovery.damage)
+    fmt::print("  {:<12} byte {}: {}; {} bytes passed over\n", "Damaged", damage.offset, damage.reason,
+               damage.bytes);
+}
+
+nlohmann::ordered_json ToJson(const io::Recovery& recovery) {
+  nlohmann::ordered_json json{{"messages", recovery.messages},
+                              {"unchecked_messages", recovery.unchecked},
+                              {"missing_ticks", recovery.missing_ticks},
+                              {"cut_off_bytes", recovery.tail_bytes},
+                              {"damage", nlohmann::ordered_json::array()}};
+  for (const io::McapDamage& damage : recovery.damage)
+    json["damage"].push_back({{"byte", damage.offset}, {"bytes", damage.bytes}, {"reason", damage.reason}});
+  return json;
+}
+
+// Checks the paths before anything is done. An empty string, or what is wrong.
+std::string WrongPlace(const ExportOptions& options, const std::filesystem::path& folder) {
+  if (std::string wrong = ValidateOutputFolder("--out", folder); !wrong.empty()) return wrong;
+  return ValidateParentFolder("--json", options.json);
+}
+
+}  // namespace
+
+int RunExport(const ExportOptions& options) {
+  const bool csv = options.csv || !options.recover;
+  std::filesystem::path folder = options.out.empty() ? options.recording.parent_path() : options.out;
+  if (folder.empty()) folder = ".";
+  if (const std::string wrong = WrongPlace(options, folder); !wrong.empty()) return Fail("export", wrong);
+  // checks that may refuse come first: a wrong file leaves no folder behind
+  if (const auto file = io::McapReader::Open(options.recording); !file) return Fail("export", file.error());
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return Fail("export", folder.string() + ": cannot make the folder: " + error.message());
+  const std::string stem = options.recording.stem().string();
+  nlohmann::ordered_json json{{"schema", "osteon.export/1"}, {"recording", options.recording.string()}};
+
+  // rebuild the complete recording first; everything else then comes from it
+  std::filesystem::path source = options.recording;
+  std::optional<io::Recovery> recovery;
+  if (options.recover) {
+    const std::filesystem::path whole = folder / (stem + "_recovered.mcap");
+    auto recovered = io::RecoverRecording(options.recording, whole);
+    if (!recovered) return Fail("export", recovered.error());
+    recovery = std::move(*recovered);
+    if (!recovery->was_whole) source = whole;
+  }
+  const bool recovered = recovery && !recovery->was_whole;
+
+  std::optional<ExportedTables> tables;
+  if (csv) {
+    auto written = ExportTables(source, folder, stem, ShowProgress);
+    ShowProgress(1.0);
+    if (!written) {
+      const bool of_the_recording = written.error().starts_with(source.string() + ": byte");
+      return Fail(
+          "export",
+          written.error() + (of_the_recording ? "; `osteon export --recover` keeps what is sound" : ""),
+          of_the_recording ? kBadInput : kFailed);
+    }
+    tables = std::move(*written);
+  }
+
+  // the results
+  json["ticks"] = tables ? tables->ticks : recovery->ticks;
+  json["frames"] = tables ? tables->frames : recovery->frames;
+  json["events"] = tables ? tables->events : recovery->events;
+  json["complete"] = recovery ? recovery->was_whole : tables->complete;
+  json["recovered"] = recovered;
+  json["recovered_file"] = recovered ? nlohmann::ordered_json(source.string()) : nlohmann::ordered_json();
+  if (recovery) json["recovery"] = ToJson(*recovery);
+  json["tables"] = nlohmann::ordered_json::array();
+  fmt::print("Osteon export: {}\n", options.recording.string());
+  if (recovery) Print(*recovery, source);
+  if (tables) {
+    for (const auto& file : tables->files) json["tables"].push_back(file.string());
+    fmt::print("  {:<12} {} ticks, {} frames, {} events\n", "Tables", tables->ticks, tables->frames,
+               tables->events);
+    for (const auto& file : tables->files) fmt::print("  {:<12} {}\n", "", file.string());
+    if (!tables->complete)
+      fmt::print("  {:<12} {}\n", "Torn",
+                 tables->closed
+                     ? fmt::format("{} bytes are behind the recording's end: somebody else wrote them, or "
+                                   "another recording was here",
+                                   tables->tail_bytes)
+                     : fmt::format("the recording ends early; {} bytes at its end are of a message that is "
+                                   "cut off",
+                                   tables->tail_bytes));
+  }
+  if (!options.json.empty())
+    if (const auto written = WriteText(options.json, JsonText(json)); !written)
+      return Fail("export", written.error(), kFailed);
+  return 0;
+}
+
+}  // namespace osteon::app

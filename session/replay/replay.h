@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/reading/cell_config.h"
+#include "io/recording/recording_reader.h"
+
+namespace osteon::app {
+
+/// The first value that differs in the replay.
+struct ReplayDifference {
+  std::uint64_t tick{0};
+  std::string field;               ///< name of its column in the exported ticks
+  std::string recorded, replayed;  ///< decimal, enough digits to tell them apart
+};
+
+struct ReplayResult {
+  std::uint64_t ticks{0};            ///< replayed
+  std::uint64_t different_ticks{0};  ///< of them
+  std::optional<ReplayDifference> first_difference;
+  std::uint64_t not_run{0};  ///< ticks at the end that could not be replayed
+  std::string why_not;       ///< why they could not
+  /// True if every tick that could be replayed gave the same bits and the only ticks that could not be
+  /// replayed are those of the last second that saw a frame newer than the last recorded one: the end of a
+  /// run that was killed.
+  bool identical{false};
+};
+
+/// Runs a new servo loop of `cell` on the recorded inputs and compares commands and records bit for bit. The
+/// inputs are the arm's message or its absence, the force reading, the contact model that the tick saw, the
+/// time, and whether a stop had been asked for.
+///
+/// Ends early if an input is missing: a tick that the recorder had no room for, a contact model whose frame
+/// is missing, a recording from before inputs were kept. The bits depend on this program and this kind of
+/// processor: the C library chooses its sine by the processor's features.
+[[nodiscard]] ReplayResult Replay(const io::Recording& recording, const config::CellConfig& cell);
+
+}  // namespace osteon::app

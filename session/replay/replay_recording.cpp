@@ -1,0 +1,116 @@
+#include "session/replay/replay_recording.h"
+
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/json_text.h"
+#include "base/phase_progress.h"
+#include "base/write_text.h"
+#include "session/process/exit_code.h"
+#include "session/replay/replay.h"
+#include "session/setup/build_name.h"
+#include "session/setup/recorded_config.h"
+#include "session/summary/chart_files.h"
+
+namespace osteon::app {
+namespace {
+
+// A JSON number if JSON has it; nan and inf as text.
+nlohmann::ordered_json Number(const std::string& text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return text;
+  return nlohmann::ordered_json::parse(text, nullptr, false);
+}
+
+nlohmann::ordered_json ToJson(const ReplayOptions& options, const io::Recording& recording,
+                              const ReplayResult& result) {
+  nlohmann::ordered_json json{
+      {"schema", "osteon.replay/1"},
+      {"recording", options.recording.string()},
+      {"complete", recording.complete},
+      {"ticks", result.ticks},
+      {"identical", result.identical},
+      {"first_difference", nullptr},
+      {"different_ticks", result.different_ticks},
+      {"not_run_ticks", result.not_run},
+      {"not_run_reason",
+       result.why_not.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(result.why_not)},
+      {"recorded_by", recording.session.version},
+      {"recorded_build", recording.session.build},
+      {"recorded_machine", recording.session.machine},
+      {"replayed_by", OSTEON_VERSION},
+      {"replayed_build", BuildName()},
+      {"replayed_machine", MachineName()}};
+  if (const auto& difference = result.first_difference)
+    json["first_difference"] = {{"tick", difference->tick},
+                                {"field", difference->field},
+                                {"recorded", Number(difference->recorded)},
+                                {"replayed", Number(difference->replayed)}};
+  return json;
+}
+
+// Makes a text of the file safe to print on a terminal.
+std::string Shown(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return text.substr(0, 200);
+}
+
+void Print(const ReplayOptions& options, const io::Recording& recording, const ReplayResult& result) {
+  fmt::print("Osteon replay: {}\n", options.recording.string());
+  fmt::print("  {:<18} {} ({})\n", "Recorded by", Shown(recording.session.version),
+             Shown(recording.session.build));
+  fmt::print("  {:<18} {}\n", "Ticks run again", result.ticks);
+  if (result.not_run > 0)
+    fmt::print("  {:<18} {}: {}{}\n", "Not run", result.not_run, result.why_not,
+               result.identical ? " (the run was killed)" : "");
+  if (const auto& difference = result.first_difference) {
+    fmt::print("  {:<18} {} ticks\n", "Different", result.different_ticks);
+    fmt::print("  {:<18} tick {}, {}: recorded {}, replayed {}\n", "First difference", difference->tick,
+               difference->field, difference->recorded, difference->replayed);
+    if (recording.session.build != BuildName())
+      fmt::print("  {:<18} this is {}: another program may round otherwise\n", "", BuildName());
+    if (recording.session.machine != MachineName())
+      fmt::print("  {:<18} recorded on {}, this is {}: so may another processor\n", "",
+                 Shown(recording.session.machine), MachineName());
+  }
+  fmt::print("  {:<18} {}\n", "Verdict",
+             result.identical          ? result.not_run == 0 ? "identical, bit for bit"
+                                                             : "identical, bit for bit, as far as it goes"
+             : result.first_difference ? "not identical"
+                                       : "not shown: not every tick could be run again");
+}
+
+}  // namespace
+
+int RunReplay(const ReplayOptions& options) {
+  PhaseProgress progress("osteon replay", 3);
+  progress.BeginPhase("reading the recording");
+  const auto recording = io::ReadRecording(options.recording);
+  if (!recording) return Fail("replay", recording.error());
+  if (recording->ticks.empty())
+    return Fail("replay", options.recording.string() + ": found no tick, accepted at least 1");
+  progress.BeginPhase("reading the configuration");
+  tl::expected<config::CellConfig, std::string> cell;
+  if (options.cell.empty()) {
+    cell = LoadRecordedCell(recording->session.config);
+    if (!cell) return Fail("replay", options.recording.string() + ": " + cell.error());
+  } else {
+    cell = config::LoadCell(options.cell);  // throws ConfigError, which main shows
+  }
+  progress.BeginPhase("running the controller");
+  const ReplayResult result = Replay(*recording, *cell);
+  progress.Done();
+
+  Print(options, *recording, result);
+  if (!options.json.empty())
+    if (const auto written = WriteText(options.json, JsonText(ToJson(options, *recording, result))); !written)
+      return Fail("replay", written.error());
+  return result.identical ? 0 : kFailed;
+}
+
+}  // namespace osteon::app

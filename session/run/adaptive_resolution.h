@@ -1,0 +1,99 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "session/planning/planned_cell.h"
+#include "simulation/engine/frame_record.h"
+#include "simulation/fidelity/recarve.h"
+
+namespace osteon::app {
+
+struct AdaptiveResolutionParams {
+  double rate_hz{250.0};     ///< to be kept by the median frame
+  std::size_t window{200};   ///< frames in contact for the median
+  double within_ratio{0.9};  ///< part of the permitted frame time that a coarser packing may take
+  EngineChoice engine;       ///< of the coarser packing
+  /// Make the new packing in the calling thread, between two frames: for virtual time.
+  bool at_once{false};
+};
+
+/// A coarser packing that replaced a run's packing.
+struct Rezoned {
+  CoarserZones zones;
+  double seen_us{0.0};       ///< median of the frames that led to it
+  simulation::Bone bone;     ///< as packed, before it was carved
+  rt::Nanoseconds stamp{0};  ///< of the last frame before the change
+};
+
+/// Watches the frames of a planned run. If they keep taking longer than the rate allows, the zones are
+/// coarsened: the bone is packed again on a wider lattice of the same kind, carved along the tool's path so
+/// far, and exchanged for the old packing between two frames. Stiffness, law and tool stay; volume, mass and
+/// work continue. Earlier cuts were made with the earlier error; from here on the coarser error holds, for
+/// the existing face as well.
+///
+/// One thread calls it, the simulation's; the packing is made meanwhile in a thread of its own.
+class AdaptiveResolution {
+ public:
+  /// @param setup  with a timed plan; must outlive this object
+  AdaptiveResolution(const CellSetup& setup, const AdaptiveResolutionParams& params);
+  ~AdaptiveResolution();
+  AdaptiveResolution(const AdaptiveResolution&) = delete;
+  AdaptiveResolution& operator=(const AdaptiveResolution&) = delete;
+
+  /// Takes each frame that was not refused. @param took_us  duration of the frame
+  void ObserveFrame(const simulation::FrameRecord& record, double took_us);
+
+  struct Made {
+    std::unique_ptr<simulation::CuttingEngine> engine;
+    Rezoned rezoned;
+  };
+  /// Returns the engine that replaces `now`, once it is ready and carved up to the last seen frame; nothing
+  /// before. Does not wait.
+  [[nodiscard]] std::optional<Made> TakeReplacement(const simulation::CuttingEngine& now);
+
+  /// Ends the work after the last frame. Zones still in the making are abandoned, with a notice.
+  void End();
+
+  /// Returns the notice since the last call: coarser zones are being made, or why they can't. Empty: none.
+  [[nodiscard]] std::string TakeNotice();
+
+ private:
+  struct Making;
+
+  [[nodiscard]] std::optional<double> SlowMedian(double took_us);
+  void StartCoarsening(double seen_us);
+  void PackCoarser(Making& making);
+  void Say(std::string text);
+
+  const CellSetup& setup_;
+  AdaptiveResolutionParams params_;
+  Pose X_GW_;
+  double lever_m_;
+  simulation::PackingLevel level_;  ///< of the present packing
+  std::vector<double> times_us_;    ///< of frames in contact; a ring
+  std::size_t next_{0};
+  bool ended_{false};  ///< no coarser packing would help or is possible
+
+  std::mutex mutex_;  ///< guards the trail
+  simulation::ProxyTrail trail_;
+  std::unique_ptr<Making> making_;
+  std::thread thread_;
+  std::string notice_;
+};
+
+/// Makes the adaptive resolution of a cell with a timed plan; null for any other, and if the plan has given
+/// up the rate: then no coarser packing reaches it.
+[[nodiscard]] std::unique_ptr<AdaptiveResolution> MakeAdaptiveResolution(const CellSetup& setup,
+                                                                         const EngineChoice& engine);
+
+/// Describes the change in one line.
+[[nodiscard]] std::string RezonedText(const Rezoned& rezoned);
+
+}  // namespace osteon::app

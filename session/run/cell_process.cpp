@@ -1,0 +1,75 @@
+#include "session/run/cell_process.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace osteon::app {
+namespace {
+
+constexpr std::chrono::seconds kPatience{5};
+
+std::string ToolText(const config::ToolChoice& tool) {
+  const std::string file = std::filesystem::absolute(tool.file).string();
+  return tool.diameter_m ? fmt::format("{}:{:.10g}", file, *tool.diameter_m * 1e3) : file;
+}
+
+}  // namespace
+
+tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const CellProcessParams& params) {
+  std::string report = (std::filesystem::temp_directory_path() / "osteon_cell_XXXXXX").string();
+  const int file = mkstemp(report.data());
+  if (file < 0) return tl::make_unexpected(report + ": cannot make a file: " + std::strerror(errno));
+  close(file);
+
+  std::unique_ptr<CellProcess> cell(new CellProcess(report));
+  std::vector<std::string> both{std::filesystem::absolute(params.cell).string()};
+  if (params.first_port != 0) both.insert(both.end(), {"--port", std::to_string(params.first_port)});
+  if (params.tool) both.insert(both.end(), {"--tool", ToolText(*params.tool)});
+  const auto start = [&both](std::vector<std::string> words) {
+    words.insert(words.end(), both.begin(), both.end());
+    return ChildProcess::Start({.words = std::move(words)});
+  };
+
+  std::vector<std::string> words{"cell", "--json", report};
+  if (params.seconds > 0.0) words.insert(words.end(), {"--seconds", fmt::format("{:.17g}", params.seconds)});
+  if (params.cpu >= 0) words.insert(words.end(), {"--cpu", std::to_string(params.cpu)});
+  auto process = start(std::move(words));
+  if (!process) return tl::make_unexpected(process.error());
+  cell->process_ = std::move(*process);
+  if (params.guard) {
+    auto guard = start({"guard"});
+    if (!guard) return tl::make_unexpected(guard.error());
+    cell->guard_ = std::move(*guard);
+  }
+  return cell;
+}
+
+CellProcess::~CellProcess() {
+  if (process_) AskToEnd();
+  static_cast<void>(End());
+  std::error_code error;
+  std::filesystem::remove(report_, error);
+}
+
+std::string CellProcess::End() {
+  if (process_) process_->End(kPatience);
+  if (guard_) {
+    guard_->Send(SIGTERM);
+    guard_->End(kPatience);
+  }
+  std::ostringstream text;
+  text << std::ifstream(report_).rdbuf();
+  return text.str();
+}
+
+}  // namespace osteon::app

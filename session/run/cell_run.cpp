@@ -1,0 +1,429 @@
+#include "session/run/cell_run.h"
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "base/clock.h"
+#include "control/loop/rest_time.h"
+#include "hil/impaired_cell.h"
+#include "io/devices/wired_devices.h"
+#include "session/run/arm_connection.h"
+#include "session/run/frame_runner.h"
+#include "session/run/gains_watch.h"
+#include "session/run/simulated_cell_run.h"
+#include "session/run/simulated_setup.h"
+#include "session/run/simulation_thread.h"
+#include "session/run/start_path.h"
+#include "session/run/virtual_devices.h"
+#include "session/setup/build_name.h"
+#include "session/setup/recorded_config.h"
+#include "session/stops/stop_records.h"
+#include "session/summary/chart_files.h"
+#include "session/summary/each_fault.h"
+#include "session/summary/limit_rows.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kVirtualGiveUp_s = 30.0;  // without COMMANDING_ACTIVE, or without rest after the end
+
+constexpr std::chrono::milliseconds kSupervisionPeriod{10};  // how often a run is supervised
+
+rt::Nanoseconds UtcNow() {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
+}
+
+void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSet faults,
+                  safety::FaultSet& known) {
+  ForEachFault(faults, [&](safety::Fault fault, const safety::FaultText& text) {
+    if (known.Has(fault)) return;
+    known.Latch(fault);
+    recorder.PushEvent(stamp, std::string("fault: ") + text.name + "; " + text.reaction);
+  });
+}
+
+// The connections of a run in wall time.
+struct CellConnections {
+  std::optional<ArmConnection> arm;
+  std::unique_ptr<io::WiredDevices> devices;
+  std::unique_ptr<CellProcess> cell;  // null: this run did not start it
+};
+
+tl::expected<CellConnections, std::string> OpenConnections(const CellSetup& setup) {
+  CellConnections wires;
+  // behind a guard, the guard receives the arm's messages
+  auto arm = ArmConnection::Open(setup.config.link, setup.config.guard ? "" : setup.config.link.arm_host);
+  if (!arm) return tl::make_unexpected(arm.error());
+  wires.arm = std::move(*arm);
+  auto devices = io::WiredDevices::Open(setup.config.devices);
+  if (!devices) return tl::make_unexpected(devices.error());
+  wires.devices = std::move(*devices);
+  return wires;
+}
+
+// Names the permits that were missing in the loop's last tick, as long as it did not move.
+std::string MissingPermits(safety::MotionPermits permits) {
+  if (!permits.Has(safety::MotionPermit::kArmFresh)) return "";  // no message: the arm's diagnosis says why
+  std::string missing;
+  for (int bit = 0; bit < safety::kMotionPermits; ++bit) {
+    const auto permit = static_cast<safety::MotionPermit>(1u << bit);
+    if (!permits.Has(permit))
+      missing += std::string(missing.empty() ? "" : ", ") + safety::DescribeMissing(permit);
+  }
+  return missing.empty() ? "" : "motion lacked " + missing;
+}
+
+// Says why the arm's messages did not come: a guard that does not run lets none through.
+std::string DescribeMissingArm(const std::string& arm, const std::optional<config::GuardConfig>& guard,
+                               safety::MotionPermits permits) {
+  if (!guard || permits.Has(safety::MotionPermit::kArmFresh)) return arm;
+  return fmt::format("{} The arm is reached through the guard on {}:{}: does `osteon guard` run?", arm,
+                     guard->host, guard->port);
+}
+
+void AddDiagnosis(CellRunResult& result, const std::string& arm, const std::string& devices,
+                  safety::MotionPermits permits) {
+  if (result.end != control::RunEnd::kNeverActive) return;
+  for (const std::string& why : {arm, devices, MissingPermits(permits)})
+    if (!why.empty()) result.diagnosis += (result.diagnosis.empty() ? "" : "; ") + why;
+}
+
+void ApplyPauseRequests(const CellRunParams& params, control::ServoLoop& loop) {
+  if (!params.pauses) return;
+  const bool pause = params.pauses->pause.exchange(false), resume = params.pauses->resume.exchange(false);
+  if (resume) loop.RequestResume();
+  if (pause) loop.RequestPause();
+  if (params.notice && (pause || resume)) params.notice(pause ? "a pause was asked for" : "asked to go on");
+}
+
+// Checks the path to the start while the arm waits, and again if somebody has moved the arm since.
+class StartWatch {
+ public:
+  StartWatch(const CellSetup& setup, control::ServoLoop& loop) : setup_(setup), loop_(loop) {
+    loop_.AllowStart(false);
+  }
+
+  /// The arm's position: written by the servo thread, read by this one.
+  [[nodiscard]] rt::LatestValue<control::StandingArm>& standing() { return standing_; }
+
+  void Poll() {
+    const control::StandingArm& arm = standing_.Load();
+    if (!arm.known) return;
+    const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(arm.q.data());
+    if (checked_ && (q - checked_q_).cwiseAbs().maxCoeff() < kMoved_rad) return;
+    checked_q_ = q;
+    loop_.AllowStart(false);
+    why_not_ = ValidateStartPath(setup_, q);
+    checked_ = true;
+    loop_.AllowStart(why_not_.empty());
+  }
+
+  [[nodiscard]] const std::string& why_not() const { return why_not_; }
+
+ private:
+  static constexpr double kMoved_rad = 0.02;
+  const CellSetup& setup_;
+  control::ServoLoop& loop_;
+  rt::LatestValue<control::StandingArm> standing_;
+  kinematics::JointVector checked_q_{kinematics::JointVector::Zero()};
+  bool checked_{false};
+  std::string why_not_;
+};
+
+// Time for which an arm is still answered and recorded at rest. An arm whose program can be asked to end is
+// asked at once, before a PLC switches off its power.
+double AtRest_s(const CellSetup& setup, const CellRunParams& params) {
+  return CanAskToEnd(setup.config.link) ? 0.0 : params.at_rest_s;
+}
+
+// Says why a run ended that was ended only by its operator or its duration.
+std::string DescribeEnd(const CellRunResult& result, double seconds) {
+  if (result.end == control::RunEnd::kSeconds) return fmt::format("{:g} s of rendering were over", seconds);
+  const std::string signal = InterruptName();
+  if (signal == "SIGINT") return "Ctrl-C (SIGINT)";
+  if (signal == "SIGHUP") return "the terminal was closed (SIGHUP)";
+  return signal.empty() ? "a stop was asked for" : "a signal of another program (" + signal + ")";
+}
+
+void RecordEnd(io::Recorder& recorder, rt::Nanoseconds stamp, const CellRunResult& result, double seconds) {
+  if (result.faults.Any()) return;
+  if (result.end == control::RunEnd::kSeconds || result.end == control::RunEnd::kStopFlag)
+    recorder.PushEvent(stamp, kEndEvent + DescribeEnd(result, seconds));
+}
+
+tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameRunner& runner,
+                                                  CellConnections& wires, io::Recorder& recorder,
+                                                  const CellRunParams& params) {
+  CellRunResult result;
+  control::ServoLoop loop = MakeServoLoop(setup.config), second = MakeServoLoop(setup.config);
+  rt::LatestValue<simulation::ContactModel> models;
+  rt::LatestValue<simulation::ToolCommand> commands;
+  control::RunServoResult servo;
+  bool cell_died = false;
+  StartWatch start(setup, loop);
+  GainsWatch gains(params.gains, setup.config, loop, params.notice);
+  {
+    SimulationThread simulation(runner, commands, models, recorder);
+    std::atomic<bool> done{false}, stop{false};
+    std::atomic<double> rendered_s{0.0};
+    control::RunServoParams servo_params{.deadline_s = kArmDeadlinePeriods * setup.config.servo.period_s,
+                                         .seconds = params.seconds,
+                                         .give_up_s = params.wait_s,
+                                         .at_rest_s = AtRest_s(setup, params),
+                                         .recoveries = params.recoveries,
+                                         .standing = &start.standing(),
+                                         .second = &second,
+                                         .rendered_s = &rendered_s,
+                                         .stop = &stop};
+    servo_params.thread.cpu = params.cpu;
+    const auto watch = [&] {
+      cell_died |= !done.load() && wires.cell && wires.cell->Ended();
+      gains.Poll(rt::ToSeconds(rt::MonotonicNow()));
+      ApplyPauseRequests(params, loop);
+      if (rendered_s.load() == 0.0) start.Poll();  // a recovery starts from the arm's present position
+      if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
+      if (params.progress) params.progress(rendered_s.load());
+    };
+    std::thread servo_thread([&] {
+      rt::NameThread("servo");
+      servo = RunServo(loop, wires.arm->link(), *wires.devices, models, commands, recorder, servo_params);
+      wires.arm->End();
+      // At once, so that the arm does not count our end as a lost client.
+      if (wires.cell) wires.cell->AskToEnd();
+      done.store(true);
+    });
+    while (!done.load()) {
+      std::this_thread::sleep_for(kSupervisionPeriod);
+      if (!result.internal_error.empty()) continue;  // the arm is still braking
+      try {
+        watch();
+      } catch (const std::exception& error) {  // the arm moves and must still come to rest
+        result.internal_error = error.what();
+        stop.store(true);
+      }
+    }
+    servo_thread.join();
+    simulation.Stop();
+    if (!simulation.error().empty()) result.internal_error = "simulation: " + simulation.error();
+  }
+  // the input is right, but the arm stands in the wrong place
+  if (!start.why_not().empty())
+    return tl::make_unexpected(
+        CellRunError{.what = start.why_not() + " (a simulated cell: start it anew)", .begun = true});
+  if (cell_died && servo.statistics.active_ticks == 0)
+    return tl::make_unexpected(CellRunError{.what = "the simulated cell has ended by itself", .begun = true});
+  result.end = servo.end;
+  const std::string arm = wires.arm->Diagnosis();
+  AddDiagnosis(result, wires.cell ? arm : DescribeMissingArm(arm, setup.config.guard, loop.permits()),
+               wires.devices->Diagnosis(), loop.permits());
+  if (wires.cell) result.cell_report = wires.cell->End();
+  result.faults = servo.faults;
+  result.statistics = servo.statistics;
+  result.servo_thread = servo.thread;
+  result.recovered = servo.recovered;
+  safety::FaultSet known;
+  RecordFaults(recorder, rt::MonotonicNow(), servo.faults, known);
+  RecordEnd(recorder, rt::MonotonicNow(), result, params.seconds);
+  return result;
+}
+
+// Ends the session as ArmConnection::End() does, if the arm's program can be asked to.
+void EndSession(ArmSession& session, hil::ImpairedCell& cell, rt::Nanoseconds period) {
+  if (!session.RequestStop()) return;
+  control::ArmState state;
+  rt::Nanoseconds now = cell.state().stamp;
+  for (const rt::Nanoseconds end = now + kEndWithin; now < end;) {
+    bool accepted = false;
+    cell.Step(now += period, [&](std::span<const std::uint8_t> message, rt::Nanoseconds arrival) {
+      accepted |= session.Accept(message, arrival, state);
+    });
+    if (cell.state().session == control::SessionState::kIdle) return;
+    if (accepted) cell.Receive(session.Answer({}));
+  }
+}
+
+tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, FrameRunner& runner,
+                                                     io::Recorder& recorder, const CellRunParams& params) {
+  CellRunResult result;
+  control::ServoLoop loop = MakeServoLoop(setup.config);
+  hil::ImpairedCell cell(MakeSimulatedCell(setup.config, params.seconds), setup.config.injections);
+  const kinematics::JointVector q_first =
+      Eigen::Map<const kinematics::JointVector>(setup.config.simulated.q_start.data());
+  if (const std::string why = ValidateStartPath(setup, q_first); !why.empty())
+    return tl::make_unexpected(CellRunError{.what = why});
+  auto devices = VirtualDevices::Make(setup.config);
+  if (!devices) return tl::make_unexpected(CellRunError{.what = devices.error()});
+  ArmSession session(setup.config.link);
+  GainsWatch gains(params.gains, setup.config, loop, params.notice);
+  control::ArmState state;
+  control::ArmCommand command;
+  simulation::ContactModel model;
+  std::optional<simulation::FrameRecord> pending;
+  safety::FaultSet known;
+  bool stopped_by_user = false;
+
+  const auto period = static_cast<rt::Nanoseconds>(cell.period_s() * 1e9);
+  const auto frame_ticks = std::max<std::int64_t>(1, std::llround(params.frame_s / cell.period_s()));
+  const auto wanted = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
+  const auto patience = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
+  std::int64_t since_progress = 0;
+  std::uint64_t active_before = 0;
+  bool recovering = false;
+  control::RestTime rest(static_cast<rt::Nanoseconds>(std::llround(AtRest_s(setup, params) * 1e9)));
+  const auto is_over = [&](rt::Nanoseconds now) {
+    return !recovering && loop.phase() == control::Phase::kStopped && rest.IsOver(loop.state(), now);
+  };
+  for (std::int64_t tick = 1; !is_over((tick - 1) * period) && since_progress < patience; ++tick) {
+    const rt::Nanoseconds now = tick * period;
+    cell.cell().SetPower((*devices)->power());
+    bool accepted = false;
+    cell.Step(now, [&](std::span<const std::uint8_t> message, rt::Nanoseconds arrival) {
+      accepted |= session.Accept(message, arrival, state);
+    });
+    if (cell.state().active_once) (*devices)->StartSchedule(now);
+    (*devices)->SetLoad(cell.cell().force().F_S);
+    const auto received = accepted ? control::ReceiveResult::kOk : control::ReceiveResult::kTimeout;
+
+    // the previous frame has arrived
+    if (tick % frame_ticks == 0 && pending) {
+      model = pending->model;
+      pending->stamp = now;
+      recorder.PushFrame(*pending);
+      if (params.frame_us) runner.AdaptResolution(*pending, params.frame_us(*pending));
+      runner.RecordEvents(recorder, now);
+      pending.reset();
+    }
+    gains.Poll(rt::ToSeconds(now));
+    ApplyPauseRequests(params, loop);
+    const control::CellReadings readings = (*devices)->Exchange(loop.cell_commands(), now);
+    const control::TickRecord record = loop.Tick(state, received, readings, model, now, command);
+    recorder.Push(record);
+    if (params.ticked) params.ticked(record, model);
+    recovering = false;
+    if (const auto answer = session.Answer(command); accepted && !answer.empty()) cell.Receive(answer);
+    // without a pose there is nothing to render, and a frame would drag the proxy through the bone
+    if (tick % frame_ticks == 0 && loop.tool_command().stamp != 0) pending = runner.Run(loop.tool_command());
+
+    RecordFaults(recorder, now, loop.faults(), known);
+    if (loop.CanRecover() && result.recovered < params.recoveries &&
+        loop.statistics().active_ticks < wanted) {
+      ++result.recovered;
+      loop.RequestRecovery();
+      recovering = true;
+      known.Clear();
+      continue;
+    }
+    if (loop.phase() != control::Phase::kStopped) stopped_by_user = params.stop && params.stop->load();
+    const std::uint64_t active = loop.statistics().active_ticks;
+    const bool progress = active > active_before || loop.state() == safety::CellState::kPaused;
+    active_before = active;
+    since_progress = progress && active < wanted && !stopped_by_user ? 0 : since_progress + 1;
+    if (active >= wanted || stopped_by_user) loop.RequestStop();
+    if (tick % 100 == 0) {
+      recorder.Drain();
+      if (params.progress) params.progress(cell.state().cell_time_s);
+    }
+  }
+  EndSession(session, cell, period);
+  result.faults = loop.faults();
+  result.statistics = loop.statistics();
+  result.end = result.faults.Any()                       ? control::RunEnd::kFault
+               : stopped_by_user                         ? control::RunEnd::kStopFlag
+               : result.statistics.active_ticks < wanted ? control::RunEnd::kNeverActive
+                                                         : control::RunEnd::kSeconds;
+  AddDiagnosis(result, session.Diagnosis(), (*devices)->Diagnosis(), loop.permits());
+  RecordEnd(recorder, cell.state().stamp, result, params.seconds);
+  result.cell_report =
+      ToJson(hil::CellHostState{.arm = {.cell = cell.state(), .thread = {}, .wires = cell.counters()},
+                                .devices = (*devices)->counters(),
+                                .plc = (*devices)->plc(),
+                                .plc_counters = {},
+                                .tool_speed_rad_per_s = (*devices)->tool_speed_rad_per_s()},
+             setup.config.link);
+  return result;
+}
+
+}  // namespace
+
+tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simulation::CuttingEngine& engine,
+                                                  const CellRunParams& params) {
+  const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
+  simulation::SceneWatch watch(setup.solid.get(), setup.bone, setup.config.tool.tool,
+                               setup.config.scene.events);
+  FrameRunner runner(engine, depth, watch, setup.X_WG, params.adaptive_resolution);
+  runner.SetNotice(params.notice);
+  // checks that may refuse the run come first: only a run may overwrite an earlier recording
+  CellConnections wires;
+  if (!params.virtual_time) {
+    auto opened = OpenConnections(setup);
+    if (!opened) return tl::make_unexpected(CellRunError{.what = opened.error()});
+    wires = std::move(*opened);
+  }
+  if (const auto folder = params.recording.parent_path(); !folder.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error)
+      return tl::make_unexpected(
+          CellRunError{.what = folder.string() + ": cannot make the folder: " + error.message()});
+  }
+  if (params.make_room)
+    if (std::string wrong = params.make_room(); !wrong.empty())
+      return tl::make_unexpected(CellRunError{.what = std::move(wrong)});
+  auto recorder = io::Recorder::Open({.path = params.recording, .writer_thread = !params.virtual_time},
+                                     {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
+                                      .version = OSTEON_VERSION,
+                                      .engine = engine.name(),
+                                      .device = engine.device(),
+                                      .scene = setup.bone.name,
+                                      .tool = setup.config.tool.tool.name,
+                                      .force_limit_N = control::ForceLimit_N(setup.config.servo),
+                                      .limits = LimitLines(setup.config.servo),
+                                      .config_text = setup.config_text,
+                                      .config = setup.config_source,
+                                      .utc = params.virtual_time ? 0 : UtcNow(),
+                                      .build = BuildName(),
+                                      .machine = MachineName()});
+  if (!recorder) return tl::make_unexpected(CellRunError{.what = recorder.error()});
+
+  // a refused run leaves no empty recording
+  const auto refuse = [&](CellRunError error) {
+    recorder->reset();
+    std::error_code ignored;
+    if (!error.begun && std::filesystem::is_regular_file(params.recording, ignored))
+      std::filesystem::remove(params.recording, ignored);
+    return tl::make_unexpected(std::move(error));
+  };
+  if (params.cell && !params.virtual_time) {
+    auto cell = CellProcess::Start(*params.cell);
+    if (!cell) return refuse({.what = cell.error()});
+    wires.cell = std::move(*cell);
+  }
+  if (setup.planned)
+    (*recorder)->PushEvent(params.virtual_time ? 0 : rt::MonotonicNow(),
+                           "packing: " + PlannedText(*setup.planned));
+  if (params.begins) params.begins();
+  auto run = params.virtual_time ? RunVirtual(setup, runner, **recorder, params)
+                                 : RunWall(setup, runner, wires, **recorder, params);
+  if (!run) return refuse(run.error());
+  CellRunResult& result = *run;
+  if (!params.virtual_time) {  // in virtual time no zones are in the making
+    runner.EndAdaptiveResolution();
+    runner.RecordEvents(**recorder, rt::MonotonicNow());
+  }
+  result.after = runner.engine().Snapshot();
+  result.rezoned = runner.TakeRezoned();
+  const auto counts = (*recorder)->Close();
+  result.recording = counts ? *counts : (*recorder)->counts();
+  if (!counts) result.recording_error = counts.error();
+  result.events = runner.events();
+  result.min_wall_m = watch.min_wall_m();
+  return run;
+}
+
+}  // namespace osteon::app

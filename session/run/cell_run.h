@@ -1,0 +1,94 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "base/interrupt.h"
+#include "control/loop/run_servo.h"
+#include "io/recording/recorder.h"
+#include "session/run/adaptive_resolution.h"
+#include "session/run/cell_process.h"
+#include "session/setup/cell_setup.h"
+#include "simulation/bone/scene_events.h"
+
+namespace osteon::app {
+
+struct CellRunParams {
+  double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
+  bool virtual_time{false};
+  double frame_s{0.002};  ///< virtual time: interval of frames, and delay from a frame's pose to its model
+  int recoveries{0};      ///< restarts of the loop after the connection to the arm has ended rendering
+  double wait_s{30.0};    ///< wall time: if rendering has not begun by then, the run ends
+  /// Time for which the arm is still answered and recorded once it has come to rest at the end. Not used if
+  /// its program can be asked to end (CanAskToEnd).
+  double at_rest_s{0.5};
+  int cpu{-1};  ///< wall time: the servo thread is pinned to it; -1: any
+  /// Wall time: the simulated cell to start as a process of its own; absent: connected devices are used.
+  std::optional<CellProcessParams> cell{};
+  std::filesystem::path recording;  ///< the MCAP file to write
+  /// Called after everything could be opened and the recording's folder exists, before the recording is made
+  /// or overwritten. @returns the reason if the recording must not be made; else empty.
+  std::function<std::string()> make_room{};
+  const std::atomic<bool>* stop{nullptr};
+  PauseSignals* pauses{nullptr};   ///< an operator's pause and its end; null: no pauses
+  std::filesystem::path gains{};   ///< a file of gains that is read again whenever it is saved; empty: none
+  std::function<void()> begins{};  ///< called once everything is open, before anything moves
+  std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event
+  std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
+  /// May coarsen the zones during the run; null: they stay.
+  AdaptiveResolution* adaptive_resolution{nullptr};
+  /// Virtual time: a frame's assumed time [us], for the adaptive resolution; empty: none.
+  std::function<double(const simulation::FrameRecord&)> frame_us{};
+  /// Virtual time: called after each tick with the contact model that the tick saw.
+  std::function<void(const control::TickRecord&, const simulation::ContactModel&)> ticked{};
+};
+
+/// Wall time: a message of the arm counts as missed after this many of its periods. Virtual time: after one.
+inline constexpr double kArmDeadlinePeriods = 5.0;
+
+/// The result of a run besides its recording.
+struct CellRunResult {
+  control::RunEnd end{control::RunEnd::kSeconds};
+  std::string diagnosis;  ///< if rendering never began: what kept arm or devices from it
+  safety::FaultSet faults;
+  control::ServoStatistics statistics;
+  int recovered{0};                ///< number of restarts
+  rt::RealtimeGrant servo_thread;  ///< wall time: scheduling that the system granted
+  io::RecordingCounts recording;
+  std::string recording_error;  ///< why the recording could not be written to its end; empty if it was
+  std::string internal_error;   ///< an exception that stopped the run in order; empty: none
+  simulation::CarvedState after;
+  std::vector<Rezoned> rezoned;  ///< zones that were coarsened; `after` then belongs to the last one's bone
+  std::vector<simulation::SceneEvent> events;  ///< stamps as in the recording
+  std::optional<double> min_wall_m;            ///< thinnest wall beside the cut; nothing if none is watched
+  std::string cell_report;  ///< the simulated cell's, osteon.cell/1; empty if this run did not start it
+};
+
+/// Why there is no result.
+struct CellRunError {
+  std::string what;
+  bool begun{false};  ///< false: it was refused before it ran, and there is no recording
+};
+
+/// Operates a cell: servo loop, cutting engine, and the devices that are connected.
+///
+/// In wall time, servo loop and simulation have threads of their own. Arm, force sensor, spindle and PLC are
+/// behind their protocols; they are real, or simulated in a separate process.
+///
+/// In virtual time, the simulated cell is part of this process and everything runs in lockstep in the calling
+/// thread, with the same datagrams and frames passed in memory. The simulation takes a command every frame_s,
+/// and its result becomes visible frame_s later (at least one tick), as if the frame had taken that long.
+///
+/// The recording's folder is created if needed. If a recording can't be written to its end (a full disk), the
+/// run continues and its result says so. The error says what could not be opened or started.
+[[nodiscard]] tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup,
+                                                                simulation::CuttingEngine& engine,
+                                                                const CellRunParams& params);
+
+}  // namespace osteon::app

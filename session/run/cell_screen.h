@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "config/reading/cell_config.h"
+#include "hil/cell_host.h"
+
+namespace osteon::app {
+
+/// Says in words what RSI does in a state of hil::RsiArm: "RSI is on, no answer yet".
+[[nodiscard]] const char* RsiStateText(control::SessionState state);
+
+/// Makes the lines that `osteon cell` prints while it runs: each new state of the arm's session with the
+/// reason for leaving the last one, and, after a second without traffic, what the cell waits for: an arm
+/// controller that answers, or a PLC master.
+///
+/// An arm on FRI is described by FRI's session states, an arm on RSI by what RSI does.
+class CellScreen {
+ public:
+  explicit CellScreen(const config::CellConfig& cell);
+
+  /// Returns a line for each change since the last call. @param now_s  since the cell began
+  [[nodiscard]] std::vector<std::string> Lines(const hil::CellHostState& state, double now_s);
+
+ private:
+  [[nodiscard]] std::string SessionLine(const hil::CellHostState& state) const;
+  [[nodiscard]] std::string DescribeSilence(const hil::CellHostState& state, bool comes_back) const;
+
+  bool rsi_, has_plc_;
+  std::string controller_, plc_;  // address and port
+  control::SessionState session_{control::SessionState::kIdle};
+  bool told_{false};  // a state was printed before anybody had answered
+  std::uint64_t answered_{0}, undelivered_{0};
+  double last_answer_s_{0.0}, last_undelivered_s_{-1.0};
+  std::string silence_;  // last printed
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,200 @@
+#include "session/run/demo.h"
+
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/interrupt.h"
+#include "base/phase_progress.h"
+#include "base/run_progress.h"
+#include "base/write_text.h"
+#include "session/process/exit_code.h"
+#include "session/process/output.h"
+#include "session/replay/recorded_motion.h"
+#include "session/run/cell_ports.h"
+#include "session/run/cell_run.h"
+#include "session/setup/setup_warnings.h"
+#include "session/stops/stop_records.h"
+#include "session/summary/chart_files.h"
+#include "session/summary/run_accumulator.h"
+#include "session/summary/run_files.h"
+#include "session/summary/summary.h"
+
+namespace osteon::app {
+namespace {
+
+// Checks the output paths before anything runs. RunCell creates the folder, so that a refused run leaves
+// none.
+std::string WrongPlace(const DemoOptions& options) {
+  if (options.out.empty()) return "--out: found no name, accepted a folder";
+  if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
+  for (const auto& [name, file] :
+       {std::pair("--json", options.json), std::pair("--save-motion", options.save_motion)})
+    if (std::string wrong = ValidateOutputFile(name, file); !wrong.empty()) return wrong;
+  return "";
+}
+
+// Claims the folder for this process and moves an earlier demo's files out of the way.
+std::string MakeRoom(const DemoOptions& options, FolderClaim& claim) {
+  if (std::string wrong = claim.Acquire(options.out); !wrong.empty()) return wrong;
+  if (options.overwrite) return RemoveFiles(FilesOfDemo(options.out));
+  const auto earlier = KeepEarlierDemo(options.out);
+  if (!earlier) return earlier.error();
+  if (!earlier->empty())
+    fmt::print(stderr, "osteon demo: the demo that was there is kept in {}\n", earlier->string());
+  return "";
+}
+
+// Saves the tool's motion as a file that can be played again; an empty string, or what is wrong.
+std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const RunSummary& summary,
+                       const std::filesystem::path& recording) {
+  const auto motion =
+      RecordedMotion(recording, setup.X_WG,
+                     {.made_by = "osteon " OSTEON_VERSION
+                                 ": the simulated operator of hil/, at the simulated cell; no person's hand",
+                      .scene = summary.scene,
+                      .cell = "config/cells/" + options.cell.filename().string(),
+                      .tool = summary.tool,
+                      .engine = summary.engine + " on " + summary.device,
+                      .clock = summary.virtual_time ? "virtual time" : "wall time",
+                      .command = options.command_line,
+                      .error = {}});
+  if (!motion) return motion.error();
+  const auto written = WriteText(options.save_motion, simulation::MotionText(*motion));
+  return written ? std::string() : written.error();
+}
+
+ReportInput ReportOf(const DemoOptions& options, const CellSetup& setup, const CellRunResult& result,
+                     const RunAccumulator& run, const RunSummary& summary) {
+  return {
+      .title = "Osteon demo: " + summary.scene,
+      .subtitle = summary.engine + " on " + summary.device + (options.virtual_time ? ", virtual time" : ""),
+      .verdict = summary.verdict.ForReport(),
+      .summary = Rows(summary),
+      .run = run.curves,
+      .X_GP = run.path.X_GP(),
+      .bone = result.rezoned.empty() ? setup.bone : result.rezoned.back().bone,
+      .after = result.after,
+      .tool = setup.config.tool.tool,
+      .solid = setup.solid.get(),
+      .force_limit_N = summary.force_limit_N,
+      .tool_speed_limit_m_per_s = setup.config.servo.twist.max_speed_m_per_s,
+      .max_tool_in_bone_m = setup.config.servo.on_force_limit.max_tool_in_bone_m,
+      .faults = summary.faults,
+      .config_text = setup.config_text,
+      .command_line = options.command_line,
+      .version = OSTEON_VERSION};
+}
+
+// Shows the result; everything shown comes from the recording. @returns the exit code
+int PrintResult(const DemoOptions& options, const CellSetup& setup, const simulation::CuttingEngine& engine,
+                const CellRunParams& params, const CellRunResult& result) {
+  PhaseProgress measuring("osteon demo", 3, false);
+  measuring.BeginPhase("read the recording");
+  StopPages stops({.folder = options.out, .stem = params.recording.stem().string(), .cell = setup.config});
+  auto run = ReadRun(params.recording, setup, stops);
+  std::string wrong = DescribeRecordingErrors(result, run ? "" : run.error());
+  if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
+  measuring.BeginPhase("measure the cut");
+  RunSummary summary = Summarise(setup, engine, params, result, *run);
+  measuring.BeginPhase("draw the report");
+  const std::filesystem::path page = options.out / "report.html";
+  if (const auto figures = WriteReport(ReportOf(options, setup, result, *run, summary), page))
+    summary.section = *figures;
+  else
+    AddReason(wrong, figures.error());
+  measuring.Done();
+  if (auto pages = stops.Finish())
+    summary.stops = std::move(*pages);
+  else
+    AddReason(wrong, pages.error());
+
+  const std::string json = ToJson(summary, "osteon.demo/1");
+  for (const std::filesystem::path& file : {options.out / "summary.json", options.json}) {
+    if (file.empty()) continue;
+    if (const auto written = WriteText(file, json); !written) AddReason(wrong, written.error());
+  }
+  if (!options.save_motion.empty()) AddReason(wrong, SaveMotion(options, setup, summary, params.recording));
+  PrintTable(summary, "Osteon demo");
+  fmt::print("  {:<30} {}\n", "Report", page.string());
+  if (!result.internal_error.empty())
+    return Fail("demo", "internal error: " + result.internal_error, kInternalError);
+  return wrong.empty() ? ExitCode(result) : Fail("demo", wrong, kFailed);
+}
+
+}  // namespace
+
+int RunDemo(const DemoOptions& options) {
+  if (!(options.seconds >= kMinSeconds && options.seconds <= kMaxSeconds))
+    return Fail("demo", fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kMinSeconds,
+                                    kMaxSeconds));
+  if (options.cpu >= 0 && options.virtual_time)
+    return Fail("demo",
+                fmt::format("--cpu: found {} with --virtual-time, accepted in wall time", options.cpu));
+  if (options.frame_ms && !options.virtual_time)
+    return Fail("demo", fmt::format("--frame-ms: found {:g} in wall time, accepted with --virtual-time",
+                                    *options.frame_ms));
+  // before any other thread exists
+  if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
+    return Fail("demo", "--cpu: " + wrong);
+  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("demo", wrong);
+  FolderClaim claim;
+  if (const std::string wrong = claim.Acquire(options.out); !wrong.empty()) return Fail("demo", wrong);
+  OutputThread output({.watch_stderr = true});
+
+  auto setup = PrepareCell(options.cell, options.mesh, options.tool);
+  if (!setup) return Fail("demo", setup.error());
+  const auto first_port = UseSimulated(setup->config, options.port);
+  if (!first_port) return Fail("demo", first_port.error());
+  const bool timed = !options.virtual_time;
+  const EngineChoice choice = ChooseEngine(options.engine, options.device);
+  PhaseProgress planning("osteon demo", timed ? 2 : 1, false);
+  if (const auto packed = PackCell(*setup, options.fidelity, choice, timed,
+                                   [&](const std::string& phase) { planning.BeginPhase("plan: " + phase); });
+      !packed)
+    return Fail("demo", packed.error());
+  planning.Done();
+  auto engine = MakeEngine(*setup, choice);
+  if (!engine) return Fail("demo", engine.error());
+  const auto adaptive_resolution = MakeAdaptiveResolution(*setup, choice);
+  fmt::print(stderr, "osteon demo: engine: {}\n", EngineText(choice, (*engine)->device()));
+
+  if (!setup->solid && setup->config.scene.events.min_wall_m > 0.0)
+    fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
+               setup->bone.name);
+
+  if (!setup->bone_warning.empty()) fmt::print(stderr, "osteon demo: warning: {}\n", setup->bone_warning);
+  for (const std::string& warning : SetupWarnings(setup->config, false))
+    fmt::print(stderr, "osteon demo: warning: {}\n", warning);
+
+  InstallInterrupt();
+  InstallPause();
+  RunProgress progress("osteon demo", options.seconds);
+  const CellRunParams params{
+      .seconds = options.seconds,
+      .virtual_time = options.virtual_time,
+      .frame_s = options.frame_ms ? 1e-3 * *options.frame_ms : CellRunParams{}.frame_s,
+      .cpu = options.cpu,
+      .cell = CellProcessParams{.cell = options.cell,
+                                .tool = options.tool,
+                                .seconds = options.seconds,
+                                .first_port = *first_port,
+                                .cpu = options.cpu,
+                                .guard = setup->config.guard.has_value()},
+      .recording = options.out / "recording.mcap",
+      .make_room = [&] { return MakeRoom(options, claim); },
+      .stop = &Interrupted(),
+      .pauses = &AskedPauses(),
+      .begins = [&] { PrintLimits(setup->config.servo); },
+      .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon demo: {}\n", text); },
+      .progress = [&](double at_s) { progress.Show(at_s); },
+      .adaptive_resolution = adaptive_resolution.get()};
+  auto result = RunCell(*setup, **engine, params);
+  progress.Done();
+  if (!result) return Fail("demo", result.error().what, result.error().begun ? kFailed : kBadInput);
+
+  return PrintResult(options, *setup, **engine, params, *result);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "session/planning/planned_cell.h"
+
+namespace osteon::app {
+
+/// The accepted range of DemoOptions::seconds.
+inline constexpr double kMinSeconds = 0.1, kMaxSeconds = 3600.0;
+
+struct DemoOptions {
+  double seconds{10.0};
+  std::filesystem::path out{"demo_out"};
+  bool overwrite{false};  ///< an earlier demo's files in `out`; false: they are moved into a folder there
+  std::filesystem::path cell;  ///< the cell's YAML
+  std::optional<MeshChoice> mesh{};
+  std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
+  FidelityChoice fidelity{};                 ///< how fine the bone is
+  bool virtual_time{false};
+  std::optional<double>
+      frame_ms{};              ///< virtual time: duration of a frame; absent: the default of CellRunParams
+  std::string device{};        ///< part of a Vulkan device's name
+  std::string engine{"auto"};  ///< one of EngineNames
+  std::optional<std::uint16_t> port{};  ///< replaces the cell's
+  int cpu{-1};                   ///< for servo thread and simulated arm; all others stay off it; -1: any
+  std::filesystem::path json{};  ///< a second copy of summary.json
+  std::filesystem::path save_motion{};  ///< file for the tool's motion, which can be played again
+  std::string command_line{};
+};
+
+/// Runs the whole cell, simulated; writes summary.json, report.html and the recording into `out`, and prints
+/// the summary.
+/// @returns the process's exit code: 0 done; 1 ended by a fault, or a result could not be written; 2 wrong
+/// input, nothing was run (both said on stderr); 130 ended by Ctrl-C, 129 because the terminal was closed,
+/// 141 because nobody reads its output any more, each with everything written.
+[[nodiscard]] int RunDemo(const DemoOptions& options);
+
+}  // namespace osteon::app

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "io/recording/recorder.h"
+#include "session/run/adaptive_resolution.h"
+#include "simulation/bone/scene_events.h"
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/engine/frame_record.h"
+#include "simulation/removal/cut_metrics.h"
+
+namespace osteon::app {
+
+/// Runs one frame after the other and makes its record. Used in wall time and in virtual time.
+class FrameRunner {
+ public:
+  /// @param watch  examines every frame's proxy
+  /// @param adaptive_resolution  coarsens zones when frames take too long; null: none
+  /// @param dt_limit_s  the longest time that a single frame may cut for: a stall's cutting is not made up
+  /// for
+  FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth,
+              simulation::SceneWatch& watch, const Pose& X_WG,
+              AdaptiveResolution* adaptive_resolution = nullptr, double dt_limit_s = 0.1);
+
+  /// Steps the engine to the command. The first command must be the free pose at which the run begins.
+  [[nodiscard]] simulation::FrameRecord Run(const simulation::ToolCommand& command);
+
+  /// Passes a frame made by Run to the adaptive resolution, and switches to its coarser zones once they are
+  /// ready.
+  /// @param took_us  duration of the frame
+  void AdaptResolution(const simulation::FrameRecord& record, double took_us);
+
+  /// Ends the adaptive resolution, after the last frame. Waits until a packing in the making can be
+  /// abandoned, which may take seconds.
+  void EndAdaptiveResolution();
+
+  /// @param notice  called for coarser zones, on the frames' thread; may be empty
+  void SetNotice(std::function<void(const std::string&)> notice) { notice_ = std::move(notice); }
+
+  /// The engine that makes the frames now.
+  [[nodiscard]] const simulation::CuttingEngine& engine() const { return *engine_; }
+  /// Returns the coarsened zones, in their order. Call it after the last frame.
+  [[nodiscard]] std::vector<Rezoned> TakeRezoned() { return std::move(rezoned_); }
+
+  /// Records the events of the frames since the last call, at `stamp`, which replaces their own stamps.
+  void RecordEvents(io::Recorder& recorder, rt::Nanoseconds stamp);
+  /// All events recorded so far. Read it after the simulation's thread has ended.
+  [[nodiscard]] const std::vector<simulation::SceneEvent>& events() const { return events_; }
+
+ private:
+  void Say(std::string text);
+
+  simulation::CuttingEngine* engine_;
+  // Replaces the constructor's engine after the first change.
+  std::unique_ptr<simulation::CuttingEngine> rezoned_engine_;
+  const simulation::ApexDepth& depth_;
+  simulation::SceneWatch& watch_;
+  Pose X_GW_;
+  AdaptiveResolution* adaptive_resolution_;
+  double dt_limit_s_;
+  std::vector<Rezoned> rezoned_;
+  std::vector<std::string> new_texts_;
+  std::function<void(const std::string&)> notice_;
+  rt::Nanoseconds last_stamp_{0};
+  std::optional<double> deepest_m_;
+  std::vector<simulation::SceneEvent> new_events_, events_;
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,83 @@
+#include "session/run/gains_watch.h"
+
+#include <exception>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "config/reading/sections/read_gains.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kPollInterval_s = 0.5;
+
+// Lists the gains that differ: "mass_x 3 -> 2 kg, …".
+std::string Changes(const control::Gains& before, const control::Gains& after) {
+  std::vector<double> was;
+  control::VisitGains(before,
+                      [&](const char*, const char*, const char*, double value) { was.push_back(value); });
+  std::string text;
+  std::size_t i = 0;
+  control::VisitGains(after, [&](const char* name, const char* axis, const char* unit, double value) {
+    const double from = was[i++];
+    if (from == value) return;
+    text += fmt::format("{}{}{}{} {:g} -> {:g}{}{}", text.empty() ? "" : ", ", name, *axis ? "_" : "", axis,
+                        from, value, *unit ? " " : "", unit);
+  });
+  return text;
+}
+
+std::filesystem::file_time_type WrittenAt(const std::filesystem::path& file,
+                                          std::filesystem::file_time_type otherwise) {
+  std::error_code error;  // a file that is being replaced is absent for a moment
+  const auto time = std::filesystem::last_write_time(file, error);
+  return error ? otherwise : time;
+}
+
+}  // namespace
+
+GainsWatch::GainsWatch(std::filesystem::path file, const config::CellConfig& cell, control::ServoLoop& loop,
+                       std::function<void(const std::string&)> notice)
+    : file_(std::move(file)),
+      cell_(cell),
+      loop_(loop),
+      notice_(std::move(notice)),
+      asked_(control::GainsOf(cell.servo.admittance, cell.servo.coupling)) {
+  if (!file_.empty()) read_ = seen_ = WrittenAt(file_, {});
+}
+
+void GainsWatch::Poll(double at_s) {
+  if (file_.empty() || at_s < next_s_) return;
+  next_s_ = at_s + kPollInterval_s;
+  const auto written = WrittenAt(file_, seen_);
+  const bool rests = written == seen_;
+  seen_ = written;
+  if (rests && written != read_) {
+    read_ = written;
+    Read();
+  }
+}
+
+void GainsWatch::Read() {
+  const auto say = [this](const std::string& text) {
+    if (notice_) notice_(text);
+  };
+  try {
+    const control::Gains gains = config::ReadGainsAgain(file_, cell_.servo.law, cell_.own_gains,
+                                                        cell_.servo.coupling.max_stiffness_N_per_m);
+    const std::string changes = Changes(asked_, gains);
+    if (changes.empty()) {
+      say(fmt::format("gains: {} read again, nothing has changed", file_.string()));
+      return;
+    }
+    loop_.RequestGains(gains);
+    asked_ = gains;
+    say(fmt::format("gains: {} within {:g} s", changes, control::GainRamp::kRampSeconds));
+  } catch (const std::exception& error) {
+    say(fmt::format("gains stay as they are: {}", error.what()));
+  }
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "config/reading/cell_config.h"
+#include "control/loop/servo_loop.h"
+
+namespace osteon::app {
+
+/// Watches a file of gains that may be saved again while the loop runs with it: `osteon run --gains`.
+///
+/// Poll() belongs to the thread that supervises the run, never to the tick. Twice a second it reads the
+/// file's modification time. If the time has changed since the file was read and not since the last look (an
+/// editor may still be writing), the file is read and checked like the cell's own, and the loop ramps to the
+/// new gains (GainRamp). An error is reported, and the gains stay.
+class GainsWatch {
+ public:
+  /// @param file  as read at the start; empty: nothing to watch
+  /// @param notice  called with one line about a change or an error; may be empty
+  GainsWatch(std::filesystem::path file, const config::CellConfig& cell, control::ServoLoop& loop,
+             std::function<void(const std::string&)> notice);
+
+  /// @param at_s  of any clock that does not go back
+  void Poll(double at_s);
+
+ private:
+  void Read();
+
+  std::filesystem::path file_;
+  const config::CellConfig& cell_;
+  control::ServoLoop& loop_;
+  std::function<void(const std::string&)> notice_;
+  control::Gains asked_;                    ///< the gains last given to the loop
+  std::filesystem::file_time_type read_{};  ///< modification time of the file as last read
+  std::filesystem::file_time_type seen_{};  ///< modification time at the last look
+  double next_s_{0.0};
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,164 @@
+#include "session/run/operate.h"
+
+#include <chrono>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/interrupt.h"
+#include "base/phase_progress.h"
+#include "base/run_progress.h"
+#include "base/write_text.h"
+#include "config/reading/check_registration.h"
+#include "session/process/exit_code.h"
+#include "session/process/output.h"
+#include "session/run/arm_connection.h"
+#include "session/run/cell_ports.h"
+#include "session/run/cell_run.h"
+#include "session/setup/config_checksum.h"
+#include "session/setup/setup_warnings.h"
+#include "session/stops/stop_records.h"
+#include "session/summary/chart_files.h"
+#include "session/summary/run_accumulator.h"
+#include "session/summary/run_files.h"
+#include "session/summary/summary.h"
+
+namespace osteon::app {
+namespace {
+
+// Prints what the user should check before anything moves: poses and the addresses of the connections.
+void PrintRegistration(const config::CellConfig& cell) {
+  for (const config::RegistrationRow& row : config::DescribeRegistration(cell).rows)
+    fmt::print(stderr, "osteon run: {:<42} {:8.1f} {:<4} {}\n", row.name, row.value, row.unit, row.verdict());
+}
+
+void PrintWires(const config::CellConfig& cell) {
+  fmt::print(stderr, "osteon run: {} on {}:{}\n", Describe(cell.link), cell.link.host, cell.link.port);
+  if (cell.guard)
+    fmt::print(stderr, "osteon run: the arm is reached through the guard, which listens on {}:{}\n",
+               cell.guard->host, cell.guard->port);
+  for (const io::CanBusParams& bus : cell.devices.buses)
+    fmt::print(stderr, "osteon run: CAN bus {}: {}\n", bus.name,
+               bus.interface.empty() ? fmt::format("tunnel on 127.0.0.1:{}", bus.port) : bus.interface);
+  if (cell.devices.plc)
+    fmt::print(stderr, "osteon run: PLC {}:{}\n", cell.devices.plc->address, cell.devices.plc->port);
+  else
+    fmt::print(stderr, "osteon run: PLC none (without_plc: accepted)\n");
+}
+
+// Checks the output paths before anything runs.
+std::string WrongPlace(const OperateOptions& options) {
+  if (std::string wrong = ValidateOutputFile("--json", options.json); !wrong.empty()) return wrong;
+  std::error_code error;
+  if (std::filesystem::is_directory(options.record, error))
+    return fmt::format("--record {}: found a folder, accepted a file", options.record.string());
+  return options.overwrite ? "" : ValidateRecordingName(options.record);
+}
+
+std::string MakeRoom(const OperateOptions& options) {
+  if (!options.overwrite) return ValidateRecordingName(options.record);
+  // the recording itself is overwritten by the process that has locked it
+  std::vector<std::filesystem::path> pages = FilesOfRun(options.record);
+  std::erase(pages, options.record);
+  return RemoveFiles(pages);
+}
+
+// Shows the result; everything shown comes from the recording. @returns the exit code
+int PrintResult(const OperateOptions& options, const CellSetup& setup,
+                const simulation::CuttingEngine& engine, const CellRunParams& params,
+                const CellRunResult& result) {
+  PhaseProgress measuring("osteon run", 2, false);
+  measuring.BeginPhase("read the recording");
+  StopPages stops(
+      {.folder = options.record.parent_path(), .stem = options.record.stem().string(), .cell = setup.config});
+  auto run = ReadRun(params.recording, setup, stops);
+  std::string wrong = DescribeRecordingErrors(result, run ? "" : run.error());
+  if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
+  measuring.BeginPhase("measure the cut");
+  RunSummary summary = Summarise(setup, engine, params, result, *run);
+  measuring.Done();
+  if (auto pages = stops.Finish())
+    summary.stops = std::move(*pages);
+  else
+    AddReason(wrong, pages.error());
+  if (!options.json.empty())
+    if (const auto written = WriteText(options.json, ToJson(summary, "osteon.run/1")); !written)
+      AddReason(wrong, written.error());
+  PrintTable(summary, "Osteon run");
+  if (!result.internal_error.empty())
+    return Fail("run", "internal error: " + result.internal_error, kInternalError);
+  return wrong.empty() ? ExitCode(result) : Fail("run", wrong, kFailed);
+}
+
+}  // namespace
+
+int RunOperate(const OperateOptions& asked) {
+  OperateOptions options = asked;
+  if (options.record.empty()) options.record = DatedRecording("", std::chrono::system_clock::now());
+  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("run", wrong);
+  // before any other thread exists
+  if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
+    return Fail("run", "--cpu: " + wrong);
+  OutputThread output({.watch_stderr = true});
+  auto setup = PrepareCell(options.cell, {}, options.tool, options.gains);
+  if (!setup) return Fail("run", setup.error());
+  std::optional<CellProcessParams> cell;
+  if (options.simulated) {
+    const auto first_port = UseSimulated(setup->config, options.port);
+    if (!first_port) return Fail("run", first_port.error());
+    cell = CellProcessParams{.cell = options.cell,
+                             .tool = options.tool,
+                             .seconds = options.seconds,
+                             .first_port = *first_port,
+                             .cpu = options.cpu,
+                             .guard = setup->config.guard.has_value()};
+  } else if (options.port) {
+    if (const std::string wrong = UseSimulatedWires(setup->config, options.port); !wrong.empty())
+      return Fail("run", wrong);
+  }
+  const EngineChoice choice = ChooseEngine(options.engine, options.device);
+  PhaseProgress planning("osteon run", 2, false);
+  if (const auto packed = PackCell(*setup, options.fidelity, choice, true,
+                                   [&](const std::string& phase) { planning.BeginPhase("plan: " + phase); });
+      !packed)
+    return Fail("run", packed.error());
+  planning.Done();
+  auto engine = MakeEngine(*setup, choice);
+  if (!engine) return Fail("run", engine.error());
+  const auto adaptive_resolution = MakeAdaptiveResolution(*setup, choice);
+  fmt::print(stderr, "osteon run: engine: {}\n", EngineText(choice, (*engine)->device()));
+  if (setup->planned) fmt::print(stderr, "osteon run: packing: {}\n", PlannedText(*setup->planned));
+  PrintRegistration(setup->config);
+  PrintWires(setup->config);
+  fmt::print(stderr, "osteon run: configuration {}\nosteon run: waits {:g} s for the arm\n",
+             ConfigChecksum(setup->config_source), options.wait_s);
+
+  for (const std::string& warning : SetupWarnings(setup->config, !cell))
+    fmt::print(stderr, "osteon run: warning: {}\n", warning);
+
+  InstallInterrupt();
+  InstallPause();
+  RunProgress progress("osteon run", options.seconds);
+  const CellRunParams params{
+      .seconds = options.seconds,
+      .recoveries = options.recoveries,
+      .wait_s = options.wait_s,
+      .cpu = options.cpu,
+      .cell = cell,
+      .recording = options.record,
+      .make_room = [&] { return MakeRoom(options); },
+      .stop = &Interrupted(),
+      .pauses = &AskedPauses(),
+      .gains = options.gains,
+      .begins = [&] { PrintLimits(setup->config.servo); },
+      .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },
+      .progress = [&](double at_s) { progress.Show(at_s); },
+      .adaptive_resolution = adaptive_resolution.get()};
+  auto result = RunCell(*setup, **engine, params);
+  progress.Done();
+  if (!result) return Fail("run", result.error().what, result.error().begun ? kFailed : kBadInput);
+
+  return PrintResult(options, *setup, **engine, params, *result);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "session/planning/planned_cell.h"
+
+namespace osteon::app {
+
+struct OperateOptions {
+  std::filesystem::path cell;      ///< its YAML
+  bool simulated{false};           ///< start the simulated cell, and its guard, as well
+  double seconds{0.0};             ///< of rendering; 0: until Ctrl-C
+  double wait_s{30.0};             ///< for the arm and all conditions of motion, before rendering begins
+  int recoveries{0};               ///< number of restarts after the connection to the arm has ended rendering
+  std::filesystem::path record{};  ///< the recording; empty: DatedRecording in the working folder
+  bool overwrite{false};           ///< replace an earlier run's files of that name; false: refuse
+  std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
+  FidelityChoice fidelity{};                 ///< how fine the bone is
+  std::filesystem::path gains{};             ///< overrides the cell's gains; empty: none
+  std::optional<std::uint16_t> port{};       ///< of a simulated cell: the first of its ports
+  int cpu{-1};                 ///< the servo thread is pinned to it, all others stay off it; -1: any
+  std::string engine{"auto"};  ///< one of EngineNames but "reference", which is too slow for wall time
+  std::string device{};        ///< part of a Vulkan device's name
+  std::filesystem::path json{};
+};
+
+/// Runs `osteon run`: operates a cell, real or simulated, by the connections that its file names.
+/// @returns the process's exit code: 0 done; 1 ended by a fault, never begun, or not recorded; 2 wrong input;
+/// 130 ended by Ctrl-C, 129 because the terminal was closed, 141 because nobody reads its output.
+[[nodiscard]] int RunOperate(const OperateOptions& options);
+
+}  // namespace osteon::app

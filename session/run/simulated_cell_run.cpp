@@ -1,0 +1,149 @@
+#include "session/run/simulated_cell_run.h"
+
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/interrupt.h"
+#include "base/json_text.h"
+#include "base/write_text.h"
+#include "io/fri/session_name.h"
+#include "session/process/output.h"
+#include "session/run/arm_connection.h"
+#include "session/run/cell_ports.h"
+#include "session/run/cell_screen.h"
+#include "session/run/cell_trace.h"
+#include "session/run/simulated_setup.h"
+
+namespace osteon::app {
+namespace {
+
+// Short, since the arm's state must be read soon after its client has gone: see "stop" in ToJson.
+constexpr std::chrono::milliseconds kPollInterval{2};
+
+nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
+  return {{"pushed", n.pushed},         {"passed", n.passed},       {"lost", n.lost},
+          {"duplicated", n.duplicated}, {"reordered", n.reordered}, {"corrupted", n.corrupted},
+          {"delayed", n.delayed},       {"silenced", n.silenced},   {"overflow", n.overflow}};
+}
+
+void PrintWires(const config::CellConfig& cell) {
+  fmt::print("osteon cell: the arm sends {} to {}:{}{}\n", Describe(cell.link),
+             cell.guard ? cell.guard->host : cell.link.host, cell.guard ? cell.guard->port : cell.link.port,
+             cell.guard ? ", the guard's" : "");
+  for (const io::CanBusParams& bus : cell.devices.buses)
+    fmt::print("osteon cell: CAN bus {} is a tunnel between 127.0.0.1:{} and the devices' {}\n", bus.name,
+               bus.port, bus.device_port);
+  if (cell.devices.plc)
+    fmt::print("osteon cell: the PLC listens on {}:{}\n", cell.devices.plc->address, cell.devices.plc->port);
+  fmt::print("osteon cell: Ctrl-C ends it\n");
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+std::string ToJson(const hil::CellHostState& state, const config::ArmLinkConfig& link) {
+  const hil::CellState& arm = state.arm.cell;
+  const hil::FriCounters& c = arm.counters;
+  const nlohmann::ordered_json json{
+      {"schema", "osteon.cell/1"},
+      {"arm",
+       {{"session", io::SessionName(arm.session)},
+        {"rsi",
+         link.rsi() ? nlohmann::ordered_json(RsiStateText(arm.session)) : nlohmann::ordered_json(nullptr)},
+        {"realtime_priority", state.arm.thread.realtime},
+        {"cpu", state.arm.thread.cpu >= 0 ? nlohmann::ordered_json(state.arm.thread.cpu)
+                                          : nlohmann::ordered_json(nullptr)},
+        {"stop", hil::DescribeStop(arm)},
+        {"commanding_s", arm.cell_time_s},
+        {"script_done", arm.script_done},
+        {"overruns", state.arm.overruns},
+        {"undelivered", state.arm.undelivered},
+        {"sent", c.sent},
+        {"answered", c.answered},
+        {"lost", c.lost},
+        {"excused", c.excused},
+        {"stale", c.stale},
+        {"duplicate", c.duplicate},
+        {"malformed", c.malformed},
+        {"client_gap", c.client_gap},
+        {"client_back", c.client_back},
+        {"delay", arm.delay}}},
+      {"plc",
+       {{"run_permitted", state.plc.run_permitted},
+        {"power_on", state.plc.power_on},
+        {"blocks", hil::DescribeBlocks(state.plc.blocks)},
+        {"requests", state.plc_counters.requests},
+        {"connections", state.plc_counters.connections}}},
+      {"wires",
+       {{"arm_to_controller", WireJson(state.arm.wires.arm_to_controller)},
+        {"arm_from_controller", WireJson(state.arm.wires.arm_from_controller)},
+        {"sensor_to_controller", WireJson(state.devices.sensor_to_controller)},
+        {"sensor_from_controller", WireJson(state.devices.sensor_from_controller)},
+        {"drive_to_controller", WireJson(state.devices.drive_to_controller)},
+        {"drive_from_controller", WireJson(state.devices.drive_from_controller)}}},
+      {"spindle", {{"speed_rad_per_s", state.tool_speed_rad_per_s}}}};
+  return JsonText(json);
+}
+
+int RunSimulatedCell(const SimulatedCellOptions& options) {
+  if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty()) {
+    fmt::print(stderr, "osteon cell: --cpu: {}\n", wrong);
+    return 2;
+  }
+  OutputThread output;
+  InstallInterrupt();
+  config::CellConfig cell = config::LoadCell(options.cell, options.tool);
+  if (const std::string wrong = UseSimulatedWires(cell, options.port); !wrong.empty()) {
+    fmt::print(stderr, "osteon cell: {}\n", wrong);
+    return 2;
+  }
+  hil::CellHostState state;
+  std::unique_ptr<CellTraceWriter> trace;
+  if (!options.trace.empty()) {
+    auto opened = CellTraceWriter::Open(options.trace);
+    if (!opened) {
+      fmt::print(stderr, "osteon cell: --trace {}\n", opened.error());
+      return 2;
+    }
+    trace = std::move(*opened);
+  }
+  try {
+    hil::CellHostParams params = HostParams(cell);
+    params.arm.thread.cpu = params.device_thread.cpu = options.cpu;
+    if (trace) params.arm.cycles = &trace->cycles();
+    hil::CellHost host(params, MakeSimulatedCell(cell, options.seconds));
+    PrintWires(cell);
+    CellScreen screen(cell);
+    const rt::Nanoseconds begun = rt::MonotonicNow();
+    while (!Interrupted().load()) {
+      std::this_thread::sleep_for(kPollInterval);
+      state = host.State();
+      if (trace) trace->Write();
+      for (const std::string& line : screen.Lines(state, rt::ToSeconds(rt::MonotonicNow() - begun)))
+        fmt::print("osteon cell: {}\n", line);
+      std::fflush(stdout);
+    }
+    state = host.State();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "osteon cell: {}\n", error.what());
+    return 2;
+  }
+  if (trace)
+    if (const auto closed = trace->Close(); !closed) {
+      fmt::print(stderr, "osteon cell: --trace {}\n", closed.error());
+      return 1;
+    }
+  if (options.json.empty()) return 0;
+  if (const auto written = WriteText(options.json, ToJson(state, cell.link)); !written) {
+    fmt::print(stderr, "osteon cell: {}\n", written.error());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "config/reading/load.h"
+#include "hil/cell_host.h"
+
+namespace osteon::app {
+
+struct SimulatedCellOptions {
+  std::filesystem::path cell;                ///< its YAML
+  std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
+  double seconds{0.0};                       ///< of the operator's script; 0: as the file says
+  std::optional<std::uint16_t> port{};       ///< the first of its ports; replaces the file's
+  /// Its real-time threads are pinned to it, all others stay off it; -1: any.
+  int cpu{-1};
+  std::filesystem::path json{};   ///< report, written at its end
+  std::filesystem::path trace{};  ///< CSV file of each of its cycles, written while it runs; empty: none
+};
+
+/// Runs `osteon cell`: the simulated cell alone, on its real protocols, until Ctrl-C. Prints the addresses of
+/// its devices, each new state of the arm's session, and what it waits for (CellScreen).
+/// @returns the process's exit code: 0 ended by Ctrl-C or SIGTERM; 1 the JSON could not be written; 2 wrong
+/// input, or a port is taken.
+[[nodiscard]] int RunSimulatedCell(const SimulatedCellOptions& options);
+
+/// JSON object, schema osteon.cell/1. For an arm on RSI, `arm.rsi` says in words what `arm.session` is; for
+/// an arm on FRI it is null.
+[[nodiscard]] std::string ToJson(const hil::CellHostState& state, const config::ArmLinkConfig& link);
+
+}  // namespace osteon::app

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "config/reading/cell_config.h"
+#include "hil/cell_host.h"
+#include "hil/simulated_cell.h"
+
+namespace osteon::app {
+
+/// Makes a cell's arm and operator. @param seconds  of the operator's script; 0: as its file says
+[[nodiscard]] hil::SimulatedCell MakeSimulatedCell(const config::CellConfig& cell, double seconds);
+
+/// Parameters of the process that plays a cell in wall time, on the connections that the configuration names.
+[[nodiscard]] hil::CellHostParams HostParams(const config::CellConfig& cell);
+
+}  // namespace osteon::app

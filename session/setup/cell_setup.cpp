@@ -1,0 +1,137 @@
+#include "session/setup/cell_setup.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "config/reading/load.h"
+#include "session/setup/recorded_config.h"
+#include "simulation/packing/packing_file.h"
+#include "simulation/solids/cup_frame.h"
+
+namespace osteon::app {
+namespace {
+
+// Joins the YAML files of a configuration that were read, one after the other.
+std::string ConfigText(const io::ConfigSource& source) {
+  std::string text;
+  for (const io::ConfigFile& file : source.files)
+    if (const std::string extension = std::filesystem::path(file.name).extension().string();
+        extension == ".yaml" || extension == ".yml")
+      text += fmt::format("# {}\n{}\n", file.name, file.content);
+  return text;
+}
+
+// Loads a bone that `osteon pack` has saved.
+tl::expected<simulation::Bone, std::string> LoadPacking(const MeshChoice& choice) {
+  const auto file = simulation::PackingFile::Open(choice.file);
+  if (!file) return tl::make_unexpected(file.error().Text());
+  const auto refuse = [&](const char* found, const char* accepted) {
+    return tl::make_unexpected(
+        fmt::format("{}: found a packing without {}, accepted {}", choice.file.string(), found, accepted));
+  };
+  if (!file->site() && !choice.cup) return refuse("a site", "one with it, or --cup");
+  if (file->points().empty()) return refuse("mass points", "one with them (osteon pack without --no-points)");
+  simulation::Bone bone = file->ToBone();
+  if (choice.cup) bone.site = *choice.cup;
+  return bone;
+}
+
+}  // namespace
+
+tl::expected<simulation::CutSite, std::string> ParseCup(const std::string& text) {
+  static constexpr std::array<const char*, 7> kNames{"X", "Y", "Z", "NX", "NY", "NZ", "R"};
+  static constexpr double kFar_mm = 2000.0, kMinRadius_mm = 0.5, kMaxRadius_mm = 60.0;
+  std::array<double, 7> values{};
+  std::istringstream parts(text);
+  std::string part;
+  std::size_t count = 0;
+  while (std::getline(parts, part, ',')) {
+    if (count < values.size()) {
+      const char* end = part.data() + part.size();
+      const auto [rest, error] = std::from_chars(part.data(), end, values[count]);
+      if (error != std::errc{} || rest != end || !std::isfinite(values[count]))
+        return tl::make_unexpected(
+            fmt::format("--cup: {}: found \"{}\", accepted a number", kNames[count], part));
+    }
+    ++count;
+  }
+  if (text.ends_with(',')) ++count;  // getline omits an empty last part
+  if (count != values.size())
+    return tl::make_unexpected(
+        fmt::format("--cup: found {} values in \"{}\", accepted 7: X,Y,Z,NX,NY,NZ,R in mm", count, text));
+  for (std::size_t i = 0; i < 3; ++i)
+    if (std::abs(values[i]) > kFar_mm)
+      return tl::make_unexpected(
+          fmt::format("--cup: {}: found {} mm, accepted {} … {}", kNames[i], values[i], -kFar_mm, kFar_mm));
+  if (!(values[6] >= kMinRadius_mm && values[6] <= kMaxRadius_mm))
+    return tl::make_unexpected(
+        fmt::format("--cup: R: found {} mm, accepted {} … {}", values[6], kMinRadius_mm, kMaxRadius_mm));
+  const Vector3 axis(values[3], values[4], values[5]);
+  if (axis.stableNorm() < 1e-6)
+    return tl::make_unexpected(
+        std::string("--cup: NX,NY,NZ: found a zero vector, accepted the axis out of the opening"));
+  return simulation::CutSite{.center_m = 1e-3 * Vector3(values[0], values[1], values[2]),
+                             .axis = Vector3(axis.stableNormalized()),
+                             .radius_m = 1e-3 * values[6]};
+}
+
+tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& cell_yaml,
+                                                 const std::optional<MeshChoice>& mesh_instead,
+                                                 const std::optional<config::ToolChoice>& tool,
+                                                 const std::filesystem::path& gains) {
+  CellSetup setup;
+  setup.cell_name = cell_yaml.stem().string();
+  {
+    const config::ConfigFileTracker files;
+    setup.config = config::LoadCell(cell_yaml, tool, gains);
+    auto kept = KeepConfig(files, cell_yaml, tool, gains);
+    if (!kept) return tl::make_unexpected(kept.error());
+    setup.config_source = std::move(*kept);
+  }
+  setup.config_text = ConfigText(setup.config_source);
+  const simulation::SceneParams& scene = setup.config.scene;
+  std::optional<MeshChoice> mesh = mesh_instead;
+  if (!mesh && setup.config.bone)
+    mesh = {
+        .file = setup.config.bone->file, .cup = setup.config.bone->cup, .scale = setup.config.bone->scale};
+  if (mesh && mesh->file.extension() == ".osp") {
+    auto bone = LoadPacking(*mesh);
+    if (!bone) return tl::make_unexpected(bone.error());
+    setup.bone = std::move(*bone);
+  } else {
+    simulation::SceneSolid made;
+    if (!mesh) {
+      made = simulation::MakeSceneSolid(scene);
+    } else {
+      auto loaded = simulation::LoadSceneSolid(mesh->file, mesh->scale,
+                                               mesh->cup.value_or(simulation::CutSite{}), scene);
+      if (!loaded) return tl::make_unexpected(loaded.error().message);
+      made = std::move(*loaded);
+    }
+    setup.bone.name = made.name;
+    setup.bone.site = made.site;
+    setup.bone_warning = made.warning;
+    setup.solid = made.solid;
+  }
+  // place the bone so that its site is where the cell wants it: the configuration's X_WG is the pose of the
+  // site's frame
+  setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.site).inverse();
+  return setup;
+}
+
+void PackAsScene(CellSetup& setup) {
+  if (!setup.solid) return;
+  setup.bone = simulation::PackScene({.name = setup.bone.name, .solid = setup.solid, .site = setup.bone.site},
+                                     setup.config.scene, setup.config.cutting.split.on);
+}
+
+tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(const CellSetup& setup,
+                                                                                 const EngineChoice& choice) {
+  return MakeEngine(choice, setup.bone, setup.config.tool.tool, setup.X_WG, setup.config.cutting);
+}
+
+}  // namespace osteon::app

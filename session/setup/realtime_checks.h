@@ -1,0 +1,33 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "session/setup/doctor.h"
+#include "session/summary/summary.h"
+
+namespace osteon::app {
+
+/// Whether a machine whose threads wake this late can serve a servo loop of this period:
+///
+///     p99.9 < period / 10   and   max < period / 2
+///
+/// A tick takes some tens of microseconds, and the arm needs its answer within the period. A wake-up that is
+/// late by half a period leaves no time for both a slow tick and the network.
+[[nodiscard]] bool Serves(const DurationFigures& late, double period_s);
+
+/// Measures how late a thread wakes that sleeps to absolute times, a millisecond apart, for `seconds`. Runs
+/// in a thread of its own.
+/// @param[in,out] realtime  in: ask for SCHED_FIFO, as the servo thread does; out: granted
+/// @param progress  called now and then with the time spent; may be empty
+[[nodiscard]] DurationFigures TimerLatency(double seconds, bool& realtime,
+                                           const std::function<void(double at_s)>& progress = {});
+
+/// Examines what a 1 kHz loop needs of a machine: timer latency under this user's rights with and without
+/// SCHED_FIFO, each for `seconds` with the CPUs awake as in a run, and the periods that this latency can
+/// serve; priority and memory rights, idle states, kernel, isolated cores, governor.
+/// @param progress  called now and then with the time spent, out of 2 `seconds`; may be empty
+void ExamineRealtime(std::vector<Check>& checks, double seconds,
+                     const std::function<void(double at_s)>& progress);
+
+}  // namespace osteon::app

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "config/reading/config_file_tracker.h"
+#include "config/reading/load.h"
+#include "control/loop/servo_loop.h"
+#include "io/recording/messages.h"
+
+namespace osteon::app {
+
+/// Reads the files that a cell was just loaded from, in their present state, for its recording.
+/// @param scope  must have lived while the cell was loaded
+/// The error names a file that can no longer be read.
+[[nodiscard]] tl::expected<io::ConfigSource, std::string> KeepConfig(
+    const config::ConfigFileTracker& scope, const std::filesystem::path& cell_yaml,
+    const std::optional<config::ToolChoice>& tool, const std::filesystem::path& gains);
+
+/// Loads the cell that a recording was made with, from the recording alone. Its files lie in a temporary
+/// folder during the call. The error says what is missing or wrong: a recording without configuration, a name
+/// that leads out of the folder, a file that this version does not accept.
+[[nodiscard]] tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigSource& source);
+
+/// Makes a cell's servo loop, as a run and its replay need it.
+[[nodiscard]] control::ServoLoop MakeServoLoop(const config::CellConfig& cell);
+
+}  // namespace osteon::app

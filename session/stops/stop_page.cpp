@@ -1,0 +1,49 @@
+#include "session/stops/stop_page.h"
+
+#include <fmt/format.h>
+
+#include "report/page.h"
+#include "report/run_charts.h"
+#include "report/svg_text.h"
+
+namespace osteon::app {
+namespace {
+
+std::string FaultTable(const StopPageInput& input) {
+  if (input.faults.empty()) return "<p>" + Escape(input.no_fault_text) + "</p>\n";
+  std::string out =
+      "<table>\n<tr><th>fault</th><th>what was seen</th><th>what the cell does</th><th>how to go "
+      "on</th></tr>\n";
+  for (const StopFaultRow& row : input.faults)
+    out += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", Escape(row.name),
+                       Escape(row.seen), Escape(row.reaction), Escape(row.clearing));
+  return out + "</table>\n";
+}
+
+std::string TripFigures(const StopPageInput& input) {
+  std::string out;
+  for (const StopFaultRow& row : input.faults) {
+    const std::string chart = TripChart(row.fault, input.ticks, input.limits, input.time);
+    if (!chart.empty()) out += Figure(chart, "What tripped: " + row.name + ".");
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string MakeStopPage(const StopPageInput& input) {
+  const control::ServoParams& servo = input.limits.servo;
+  RunCurves curves;
+  for (const control::TickRecord& tick : input.ticks) curves.Add(tick);
+  std::string page = PageBegin(input.title);
+  page += fmt::format("<h1>{}</h1>\n<p>{}</p>\n", Escape(input.title), Escape(input.where));
+  page += fmt::format("<h2>{}</h2>\n", Escape(input.heading)) + FaultTable(input) + TripFigures(input);
+  page += "<h2>Forces and motion</h2>\n";
+  page += Figure(ForceChart(curves, input.force_limit_N, input.time), "Forces on the tool.");
+  page += Figure(
+      MotionChart(curves, servo.twist.max_speed_m_per_s, servo.on_force_limit.max_tool_in_bone_m, input.time),
+      "Tool speed, how deep the tool is in bone, and the contact model's age.");
+  return page + kPageEnd;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "control/tick_record.h"
+#include "report/time_axis.h"
+#include "safety/fault.h"
+#include "session/stops/trip_charts.h"
+
+namespace osteon::app {
+
+/// A fault on a stop's page.
+struct StopFaultRow {
+  safety::Fault fault{safety::Fault::kNone};
+  std::string name, seen, reaction, clearing;
+};
+
+/// The contents of the page of a stop, a pause or a run's end. Views must outlive the call.
+struct StopPageInput {
+  std::string title;    ///< "Stop no. 1: force sensor stale"
+  std::string heading;  ///< of the part that gives the reason: "What led to the stop", "How the run ended"
+  std::string where;    ///< the recording, the time, and the part shown: sentences
+  std::string no_fault_text{"No fault."};  ///< printed if there are no faults
+  std::vector<StopFaultRow> faults{};
+  std::span<const control::TickRecord> ticks{};
+  TimeAxis time{};  ///< 0 is the stop
+  double force_limit_N{0.0};
+  const TripLimits& limits;
+};
+
+/// Makes one HTML page: the faults, the quantity that tripped each of them with its limit, forces and motion.
+[[nodiscard]] std::string MakeStopPage(const StopPageInput& input);
+
+}  // namespace osteon::app

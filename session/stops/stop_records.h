@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "config/reading/cell_config.h"
+#include "control/tick_record.h"
+#include "io/recording/messages.h"
+#include "safety/fault.h"
+
+namespace osteon::app {
+
+/// The ticks of a stop within a recording: the last five seconds before it, and after it until half a second
+/// at rest.
+struct StopRecord {
+  std::vector<control::TickRecord> ticks;
+  std::size_t stop{0};             ///< index of the first tick in which the loop no longer moved as asked
+  std::size_t rest{0};             ///< index of the first tick at rest; beyond the last if there is none
+  rt::Nanoseconds first_stamp{0};  ///< of the recording's first tick
+  bool cut_off{false};             ///< the recording ends before the stop is complete
+  safety::FaultSet faults;
+  bool asked{false};   ///< for by the run's end or Ctrl-C
+  bool paused{false};  ///< by the operator
+
+  [[nodiscard]] bool IsOrderly() const { return asked && !faults.Any(); }
+  [[nodiscard]] bool IsPause() const { return paused && !asked && !faults.Any(); }
+  /// Reason of the stop: "arm message stale; motion not permitted", "asked for" or "a pause was asked for".
+  [[nodiscard]] std::string DescribeCause() const;
+  /// "What led to the stop"; for a stop without a fault "How the run ended" or "How the pause began".
+  [[nodiscard]] const char* Heading() const;
+};
+
+/// Finds every stop of a recording, tick by tick: a change of the loop from moving (aligning, haptic) to
+/// stopping, stopped or paused. Holds the ticks of the last five seconds, and those of a stop in progress: at
+/// most kMaxTicks of each.
+class StopFinder {
+ public:
+  static constexpr std::size_t kMaxTicks = 20'000;  ///< 20 s at 1 kHz
+
+  /// @returns the stop that ended before this tick.
+  [[nodiscard]] std::optional<StopRecord> Add(const control::TickRecord& tick);
+  /// Ends the recording. @returns the stop that is not complete. Call it once.
+  [[nodiscard]] std::optional<StopRecord> Finish();
+
+ private:
+  bool AppendToStop(const control::TickRecord& tick);
+
+  std::deque<control::TickRecord> last_;  // five seconds
+  std::optional<rt::Nanoseconds> first_stamp_;
+  std::optional<StopRecord> stop_;        // in progress
+  std::optional<rt::Nanoseconds> until_;  // set at rest: ticks are collected until then
+};
+
+/// The recording's event of an orderly end begins with this; the reason follows.
+inline constexpr const char* kEndEvent = "end: ";
+
+/// The page of a stop with its heading.
+struct WrittenStop {
+  std::filesystem::path page;
+  std::string heading;  ///< StopRecord::Heading
+};
+
+struct StopPagesParams {
+  std::filesystem::path folder;
+  std::string stem;
+  const config::CellConfig& cell;  ///< of the run: its limits are drawn; must outlive the pages' writer
+};
+
+/// Writes each stop of a recording once it is complete: a page with its plots and faults,
+/// `<stem>_stop_1.html`, and a table of all its ticks, `<stem>_stop_1_ticks.csv`. Touches no other file;
+/// run_files.h keeps the files of different runs apart.
+class StopPages {
+ public:
+  explicit StopPages(StopPagesParams params) : params_(std::move(params)) {}
+
+  /// Adds the next tick of this session's recording. After a failed write it writes nothing more.
+  void Add(const io::SessionInfo& session, const control::TickRecord& tick);
+  /// Adds the next event; one of them says why the run ended.
+  void Add(const io::RecordedEvent& event);
+
+  /// Completes the last stop. Call it once. @returns the pages; an error names the file.
+  [[nodiscard]] tl::expected<std::vector<WrittenStop>, std::string> Finish();
+
+ private:
+  void AddStop(std::optional<StopRecord> stop);
+  void Write(const StopRecord& stop);
+
+  StopPagesParams params_;
+  StopFinder finder_;
+  double force_limit_N_{0.0};
+  rt::Nanoseconds session_stamp_{0};
+  std::optional<StopRecord> orderly_;  // waits for the event with the reason
+  std::string end_reason_{"a stop was asked for"};
+  std::vector<WrittenStop> written_;
+  std::string error_;
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,323 @@
+#include "session/stops/trip_charts.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "control/arm/arm_follower.h"
+#include "control/loop/tick_state.h"
+#include "control/loop/tool_speed_trip.h"
+#include "control/ports.h"
+#include "report/svg_plot.h"
+#include "safety/limits.h"
+#include "safety/watchdog.h"
+#include "safety/workspace.h"
+
+namespace osteon::app {
+namespace {
+
+using control::TickRecord;
+using safety::Fault;
+
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  // leaves a gap in the curve
+constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;
+constexpr std::array<const char*, 7> kJointColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                                  "#e69f00", "#56b4e9", "#555555"};
+
+// Panels over the same ticks, one above the other.
+class Panels {
+ public:
+  Panels(std::span<const TickRecord> ticks, const TimeAxis& time)
+      : ticks_(ticks), time_(time), times_s_(time.Of(ticks)) {}
+
+  void BeginPanel(std::string title, std::string y_label, std::vector<LimitLine> limits) {
+    std::erase_if(limits, [](const LimitLine& limit) { return !std::isfinite(limit.value); });
+    panels_.push_back({.title = std::move(title),
+                       .y_label = std::move(y_label),
+                       .limits = std::move(limits),
+                       .plot_height_px = 170.0});
+    if (!time_.mark.empty()) panels_.back().x_limits = {{0.0, time_.mark}};
+  }
+
+  /// Adds a curve to the newest panel. @param value  (std::size_t tick) -> double
+  template <class Value>
+  void Curve(std::string name, const char* color, const Value& value) {
+    Series series{
+        .name = std::move(name), .x = times_s_, .y = {}, .color = std::string(color), .width_px = 1.2};
+    for (std::size_t i = 0; i < ticks_.size(); ++i) series.y.push_back(value(i));
+    panels_.back().series.push_back(std::move(series));
+  }
+
+  /// Adds a panel of one curve with one limit.
+  template <class Value>
+  void One(std::string title, std::string y_label, LimitLine limit, const Value& value) {
+    BeginPanel(std::move(title), std::move(y_label), {std::move(limit)});
+    Curve("", kJointColors[0], value);
+  }
+
+  [[nodiscard]] std::string Draw() {
+    if (panels_.empty()) return {};
+    panels_.back().x_label = time_.label;
+    return Svg(panels_);
+  }
+
+  [[nodiscard]] std::size_t size() const { return ticks_.size(); }
+  [[nodiscard]] const TickRecord& operator[](std::size_t i) const { return ticks_[i]; }
+  /// The previous tick; the first tick is its own.
+  [[nodiscard]] const TickRecord& Before(std::size_t i) const { return ticks_[i == 0 ? 0 : i - 1]; }
+
+ private:
+  std::span<const TickRecord> ticks_;
+  const TimeAxis& time_;
+  std::vector<double> times_s_;
+  std::vector<LineChart> panels_;
+};
+
+LimitLine Limit(double value, const char* unit) {
+  return {value, fmt::format("limit {:.4g} {}", value, unit)};
+}
+
+// [ms]; NaN if there is no value yet.
+double Age_ms(double age_s) { return age_s < safety::kNoAge_s ? 1e3 * age_s : kNothing; }
+
+void AddAges(Fault fault, const TripLimits& limits, Panels& panels) {
+  const safety::WatchdogParams& most = limits.servo.watchdog;
+  const auto age = [&](const char* title, double limit_s, const auto& age_s) {
+    panels.One(title, "age [ms]", Limit(1e3 * limit_s, "ms"),
+               [&](std::size_t i) { return Age_ms(age_s(panels[i])); });
+  };
+  if (fault == Fault::kArmStale)
+    age("Age of the arm's last message", limits.arm_silence_s,
+        [](const TickRecord& tick) { return safety::StampAge(tick.input.now, tick.input.arm_stamp); });
+  if (fault == Fault::kModelStale)
+    age("Age of the contact model", most.model_stop_s,
+        [](const TickRecord& tick) { return tick.model_age_s; });
+  if (fault == Fault::kSensorStale)
+    age("Age of the force sensor's reading", most.sensor_stop_s,
+        [](const TickRecord& tick) { return tick.sensor_age_s; });
+  if (fault == Fault::kInterlock)
+    age("Age of the PLC's word", most.interlock_stop_s,
+        [](const TickRecord& tick) { return safety::StampAge(tick.input.now, tick.input.interlock_stamp); });
+  if (fault == Fault::kSpindle)
+    age("Age of the drive's status", most.spindle_stop_s,
+        [](const TickRecord& tick) { return safety::StampAge(tick.input.now, tick.input.spindle_stamp); });
+}
+
+void AddPermission(Panels& panels) {
+  panels.BeginPanel("What the PLC says: 1 given, 0 not", "", {{1.0, "needed"}});
+  panels.Curve("motion permitted", kJointColors[0],
+               [&](std::size_t i) { return panels[i].input.permitted ? 1.0 : 0.0; });
+  panels.Curve("enabling switch held", kJointColors[1],
+               [&](std::size_t i) { return panels[i].input.enabled ? 1.0 : 0.0; });
+}
+
+void AddSpindleStatus(Panels& panels) {
+  panels.BeginPanel("The drive's status: 1 in order, 0 not", "", {{1.0, "needed"}});
+  panels.Curve("ready", kJointColors[0],
+               [&](std::size_t i) { return panels[i].input.spindle_ready ? 1.0 : 0.0; });
+  panels.Curve("without a fault", kJointColors[1],
+               [&](std::size_t i) { return panels[i].input.spindle_fault ? 0.0 : 1.0; });
+}
+
+void AddSpindleLimits(const safety::SpindleLimitParams& most, Panels& panels) {
+  panels.One("Torque of the spindle", "torque [N·m]", Limit(most.max_torque_Nm, "N·m"),
+             [&](std::size_t i) { return std::abs(panels[i].input.spindle_torque_Nm); });
+  panels.One("Speed of the spindle", "speed [rpm]", Limit(most.max_speed_rad_per_s / kRpm, "rpm"),
+             [&](std::size_t i) { return std::abs(panels[i].input.spindle_meas_rad_per_s) / kRpm; });
+}
+
+// Admittance: the commanded tool's speed from tick to tick, which the trip checks.
+void AddToolSpeed(const control::ServoParams& servo, Panels& panels) {
+  const bool measured = servo.law == control::Law::kImpedance;
+  panels.BeginPanel(measured ? "Speed of the tool's apex, measured" : "Speed of the commanded apex",
+                    "speed [mm/s]",
+                    {Limit(1e3 * servo.twist.max_speed_m_per_s, "mm/s"),
+                     {1e3 * control::ToolSpeedTripLimit_m_per_s(servo),
+                      fmt::format("trip {:.4g} mm/s", 1e3 * control::ToolSpeedTripLimit_m_per_s(servo))}});
+  panels.Curve("", kJointColors[0], [&](std::size_t i) {
+    if (measured) return 1e3 * Vector3(panels[i].v_WT_cmd_m_per_s).norm();
+    const Vector3 step_m =
+        Pose(panels[i].X_WT_cmd).translation() - Pose(panels.Before(i).X_WT_cmd).translation();
+    return 1e3 * step_m.norm() / servo.period_s;
+  });
+}
+
+void AddArmSpeed(const TripLimits& limits, Panels& panels) {
+  const double max_mm_per_s =
+      1e3 * limits.arm_speed_ratio * control::ToolSpeedLimit_m_per_s(limits.servo, false);
+  panels.One("Speed of the measured apex between two messages; the trip comes 1 mm of way beyond the limit",
+             "speed [mm/s]", Limit(max_mm_per_s, "mm/s"),
+             [&](std::size_t i) { return 1e3 * panels[i].tool_speed_meas_m_per_s; });
+}
+
+// A panel with a curve per joint, in percent of the accepted value.
+template <class Percent>
+void AddJoints(std::string title, bool both_ways, const control::ServoParams& servo, const Percent& percent,
+               Panels& panels) {
+  std::vector<LimitLine> limits{{100.0, "limit 100 %"}};
+  if (both_ways) limits.push_back({-100.0, "limit -100 %"});
+  panels.BeginPanel(std::move(title), "share [%]", std::move(limits));
+  for (std::size_t joint = 0; joint < kJointColors.size(); ++joint) {
+    if (!(servo.joints.limits[joint].upper_rad > servo.joints.limits[joint].lower_rad)) continue;
+    panels.Curve(fmt::format("A{}", joint + 1), kJointColors[joint],
+                 [&](std::size_t i) { return percent(i, joint); });
+  }
+}
+
+void AddJointLimits(const TripLimits& limits, Panels& panels) {
+  const safety::JointGuardParams& joints = limits.servo.joints;
+  AddJoints(
+      "Joint positions, commanded: from the middle of a joint's range to its end", true, limits.servo,
+      [&](std::size_t i, std::size_t joint) {
+        const kinematics::JointLimits& limit = joints.limits[joint];
+        const double middle_rad = 0.5 * (limit.upper_rad + limit.lower_rad);
+        return 200.0 * (panels[i].q_cmd[joint] - middle_rad) / (limit.upper_rad - limit.lower_rad);
+      },
+      panels);
+  AddJoints(
+      "Joint speeds, commanded: of what a command may use", false, limits.servo,
+      [&](std::size_t i, std::size_t joint) {
+        const double max_rad_per_s = joints.speed_share * joints.limits[joint].velocity_rad_per_s;
+        const double step_rad = panels[i].q_cmd[joint] - panels.Before(i).q_cmd[joint];
+        return 100.0 * std::abs(step_rad) / (limits.servo.period_s * max_rad_per_s);
+      },
+      panels);
+  if (!limits.gravity_Nm || !limits.servo.arm_body) return;
+  std::vector<control::JointArray> gravity_Nm;  // once a tick, for all joints
+  for (std::size_t i = 0; i < panels.size(); ++i) gravity_Nm.push_back(limits.gravity_Nm(panels[i].q_cmd));
+  AddJoints(
+      "Joint torques from outside, as they would be a message later: of what gravity leaves", false,
+      limits.servo,
+      [&](std::size_t i, std::size_t joint) {
+        const double tau_Nm = panels[i].input.tau_ext[joint],
+                     before_Nm = panels.Before(i).input.tau_ext[joint];
+        const double room_Nm =
+            limits.servo.arm_body->joints[joint].limits.torque_Nm - std::abs(gravity_Nm[i][joint]);
+        return room_Nm > 0.0 ? 100.0 * (std::abs(tau_Nm) + std::abs(tau_Nm - before_Nm)) / room_Nm : kNothing;
+      },
+      panels);
+}
+
+void AddZones(const TripLimits& limits, Panels& panels) {
+  const safety::Workspace workspace(control::WorkspaceOf(limits.servo));
+  panels.BeginPanel("Distance to the nearest bound of workspace, zones and depth limit; negative: outside",
+                    "distance [mm]", {{0.0, "limit 0 mm"}});
+  constexpr std::array<std::pair<safety::ZonePoint, const char*>, 3> kPoints{
+      {{safety::ZonePoint::kApex, "apex"},
+       {safety::ZonePoint::kFlange, "flange"},
+       {safety::ZonePoint::kElbow, "elbow"}}};
+  for (std::size_t k = 0; k < kPoints.size(); ++k)
+    if (const safety::ZonePoint point = kPoints[k].first; workspace.Has(point))
+      panels.Curve(kPoints[k].second, kJointColors[k], [&](std::size_t i) {
+        const Vector3 p_WP = limits.p_WP(panels[i], point);
+        return p_WP.allFinite() ? 1e3 * workspace.Distance(p_WP, point) : kNothing;
+      });
+}
+
+void AddSession(Panels& panels) {
+  panels.BeginPanel("State of the arm's session: 4 is commanded (COMMANDING_ACTIVE)", "state",
+                    {{4.0, "needed"}});
+  panels.Curve("", kJointColors[0],
+               [&](std::size_t i) { return static_cast<double>(panels[i].session_state); });
+  panels.BeginPanel("Safety state of the arm: 0 is normal, beyond it a stop's level and 1", "state",
+                    {{0.0, "needed"}});
+  panels.Curve("", kJointColors[1],
+               [&](std::size_t i) { return static_cast<double>(panels[i].input.safety_state); });
+}
+
+void AddPeriod(double period_s, Panels& panels) {
+  panels.BeginPanel("Period of the arm's messages", "period [ms]",
+                    {{1e3 * period_s, fmt::format("the cell's {:g} ms", 1e3 * period_s)}});
+  panels.Curve("as its messages say", kJointColors[0],
+               [&](std::size_t i) { return 1e3 * panels[i].input.period_s; });
+  // a tick without a message has the time of the last one
+  panels.Curve("as they came", kJointColors[1], [&](std::size_t i) {
+    const rt::Nanoseconds apart = panels[i].input.arm_stamp - panels.Before(i).input.arm_stamp;
+    return apart > 0 ? 1e3 * rt::ToSeconds(apart) : kNothing;
+  });
+}
+
+// The time at the force limit without interruption, in ticks of the run's own period.
+void AddForceLimitTime(const control::ServoParams& servo, Panels& panels) {
+  double at_limit_s = 0.0;
+  panels.One("Time that the coupling stayed at its force limit", "time [ms]",
+             Limit(1e3 * servo.on_force_limit.stop_after_s, "ms"), [&](std::size_t i) {
+               at_limit_s = panels[i].wrench_scale < 1.0 ? at_limit_s + servo.period_s : 0.0;
+               return 1e3 * at_limit_s;
+             });
+}
+
+void AddWrenchRate(Panels& panels) {
+  panels.BeginPanel("By how much the coupling's force grew or turned in a tick", "step [N]", {});
+  panels.Curve("step", kJointColors[0], [&](std::size_t i) { return panels[i].wrench_step_N; });
+  panels.Curve("limit (1.5 K v_max)", kJointColors[1], [&](std::size_t i) {
+    return panels[i].wrench_step_limit_N > 0.0 ? panels[i].wrench_step_limit_N : kNothing;
+  });
+}
+
+void AddForces(Fault fault, const control::ServoParams& servo, Panels& panels) {
+  if (fault == Fault::kWrenchRate) AddWrenchRate(panels);
+  if (fault == Fault::kForceLimit) AddForceLimitTime(servo, panels);
+  if (fault == Fault::kSensorForce)
+    panels.One("Force of the hand", "force [N]",
+               Limit(servo.wrench.max_force_N + servo.sensor_force.margin_N, "N"),
+               [&](std::size_t i) { return Vector3(panels[i].F_operator_T_W.f).norm(); });
+  if (fault == Fault::kToolInBone)
+    panels.One("Commanded tool beyond its collision-free pose", "in bone [mm]",
+               Limit(1e3 * servo.on_force_limit.max_tool_in_bone_m, "mm"), [&](std::size_t i) {
+                 return control::HasMessage(panels[i]) ? 1e3 * panels[i].tool_in_bone_m : kNothing;
+               });
+  if (fault == Fault::kSensorFault) {
+    panels.BeginPanel("The force sensor trusts its reading: 1 yes, 0 no", "", {{1.0, "needed"}});
+    panels.Curve("", kJointColors[0],
+                 [&](std::size_t i) { return panels[i].input.sensor_trusted ? 1.0 : 0.0; });
+  }
+}
+
+void AddMotion(Fault fault, const TripLimits& limits, Panels& panels) {
+  if (fault == Fault::kToolSpeed) AddToolSpeed(limits.servo, panels);
+  if (fault == Fault::kArmSpeed) AddArmSpeed(limits, panels);
+  if (fault == Fault::kWorkspace) AddZones(limits, panels);
+  if (fault == Fault::kJointLimit || fault == Fault::kInverseKinematics) AddJointLimits(limits, panels);
+  if (fault == Fault::kTracking)
+    panels.One(
+        "From the commanded to the measured apex", "distance [mm]",
+        Limit(1e3 * limits.servo.max_tracking_error_m, "mm"), [&](std::size_t i) {
+          return 1e3 *
+                 (Pose(panels[i].X_WT_cmd).translation() - Pose(panels[i].X_WT_meas).translation()).norm();
+        });
+}
+
+void AddArm(Fault fault, const control::ServoParams& servo, Panels& panels) {
+  if (fault == Fault::kSession) AddSession(panels);
+  if (fault == Fault::kPeriod) AddPeriod(servo.period_s, panels);
+  if (fault == Fault::kCommandMode) {
+    const bool impedance = servo.law == control::Law::kImpedance;
+    panels.BeginPanel("Command mode that the arm's program asks for: 1 POSITION, 2 WRENCH, 3 TORQUE", "mode",
+                      {{impedance ? 2.0 : 1.0, impedance ? "needed: 2 or 3" : "needed: 1"}});
+    panels.Curve("", kJointColors[0],
+                 [&](std::size_t i) { return static_cast<double>(panels[i].input.command_mode); });
+  }
+}
+
+}  // namespace
+
+std::string TripChart(Fault fault, std::span<const TickRecord> ticks, const TripLimits& limits,
+                      const TimeAxis& time) {
+  Panels panels(ticks, time);
+  AddAges(fault, limits, panels);
+  if (fault == Fault::kInterlock) AddPermission(panels);
+  if (fault == Fault::kSpindle) AddSpindleStatus(panels);
+  if (fault == Fault::kSpindleLimit) AddSpindleLimits(limits.servo.spindle_limits, panels);
+  AddForces(fault, limits.servo, panels);
+  AddMotion(fault, limits, panels);
+  AddArm(fault, limits.servo, panels);
+  return panels.Draw();
+}
+
+}  // namespace osteon::app

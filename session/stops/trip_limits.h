@@ -1,0 +1,12 @@
+#pragma once
+
+#include "config/reading/cell_config.h"
+#include "session/stops/trip_charts.h"
+
+namespace osteon::app {
+
+/// Collects the limits that a cell's stop pages show. @param virtual_time  a message is missed after one
+/// period
+[[nodiscard]] TripLimits TripLimitsOf(const config::CellConfig& cell, bool virtual_time);
+
+}  // namespace osteon::app

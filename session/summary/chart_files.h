@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "report/page.h"
+
+namespace osteon::app {
+
+/// A machine's name in a chart: processor, cores, system.
+[[nodiscard]] std::string MachineName();
+
+/// Returns "OPTION FOLDER: found a file, accepted a folder"; empty if the name is free or is a folder's.
+[[nodiscard]] std::string ValidateOutputFolder(const char* option, const std::filesystem::path& folder);
+
+/// Returns "OPTION FILE: no folder FOLDER"; empty if the file's folder exists, or no file is named.
+[[nodiscard]] std::string ValidateParentFolder(const char* option, const std::filesystem::path& file);
+
+/// Checks the same, and returns "OPTION FILE: found a folder, accepted a file" if `file` is a folder.
+[[nodiscard]] std::string ValidateOutputFile(const char* option, const std::filesystem::path& file);
+
+/// Writes FILE.svg and FILE.png. @returns an error that names the file.
+[[nodiscard]] tl::expected<void, std::string> WriteDrawing(const std::string& svg,
+                                                           const std::filesystem::path& file);
+
+/// A chart in its five forms, side by side in one folder.
+struct ChartFiles {
+  std::string name;   ///< of the files, without an extension
+  std::string title;  ///< of the page
+  ReportVerdict verdict;
+  std::string svg;
+  std::string caption;
+  std::string csv;
+  std::string json;
+  std::filesystem::path json_copy;              ///< a second copy of the JSON; empty: none
+  std::vector<std::vector<std::string>> table;  ///< the first row names the columns; the first column is text
+  std::vector<std::string> notes;               ///< paragraphs below the chart
+};
+
+/// Writes NAME.svg, .png, .csv, .json, .html; each file appears complete or not at all. Creates the folder.
+/// @returns an error that names the file.
+[[nodiscard]] tl::expected<void, std::string> WriteChart(const ChartFiles& chart,
+                                                         const std::filesystem::path& folder);
+
+}  // namespace osteon::app

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "control/setup/servo_params.h"
+#include "control/tick_record.h"
+#include "safety/fault.h"
+
+namespace osteon::app {
+
+/// Finds the first tick that has the fault; null: none does.
+[[nodiscard]] const control::TickRecord* FirstWith(safety::Fault fault,
+                                                   std::span<const control::TickRecord> ticks);
+
+/// Describes what was measured when a fault was latched, e.g. "RUN_PERMITTED (974) is 0; the PLC's word: 8 ms
+/// old", if a tick's record tells it; else empty.
+/// @param tick  the first one that has the fault
+/// @param servo  the cell's: the accepted value is then stated as well, "the reading is 101 ms old, accepted
+/// 100"; null: not known
+[[nodiscard]] std::string SeenAt(safety::Fault fault, const control::TickRecord& tick,
+                                 const control::ServoParams* servo = nullptr);
+
+}  // namespace osteon::app

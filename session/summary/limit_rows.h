@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "control/setup/servo_params.h"
+#include "control/tick_record.h"
+#include "safety/acting_limits.h"
+
+namespace osteon::app {
+
+/// A limit in force: the tightest of several bounds on one quantity.
+struct EffectiveLimit {
+  std::string name;   ///< "force", "tool speed" …
+  double value{0.0};  ///< infinite: none
+  std::string unit;
+  std::string from;  ///< which bound it is, and which others there are
+};
+
+/// Collects every limit in force, trips and ages included. @param reduced  the arm is in T1
+[[nodiscard]] std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& params,
+                                                          bool reduced = false);
+
+/// Lists the finite limits, as "force 200 N (cell)", and where apex, flange and elbow may be.
+[[nodiscard]] std::vector<std::string> LimitLines(const control::ServoParams& params);
+
+/// The actions of one limit in a run.
+struct ActedLimit {
+  std::string name;  ///< safety::kLimitNames
+  std::uint64_t ticks{0}, events{0};
+  double first_s{0.0};    ///< since the first tick
+  double longest_s{0.0};  ///< of one event
+};
+
+/// Collects, tick by tick, which limits acted in a run.
+class ActedLimits {
+ public:
+  void Add(const control::TickRecord& tick);
+  /// Returns the limits that acted, in the order of their numbers. @param period_s  of a tick
+  [[nodiscard]] std::vector<ActedLimit> Rows(double period_s) const;
+
+ private:
+  safety::LimitCounts counts_;
+  std::array<double, safety::kLimitCount> first_s_{};
+  std::optional<rt::Nanoseconds> start_;  // the first tick's stamp
+};
+
+/// {effective: [{name, value, unit, from}], acted: [{name, ticks, events, first_s, longest_s}]}; an infinite
+/// value is null.
+[[nodiscard]] nlohmann::json ToJson(const std::vector<EffectiveLimit>& effective,
+                                    const std::vector<ActedLimit>& acted);
+
+/// Prints the limits before a run begins; above them, for a cell without a PLC, a line that says so.
+void PrintLimits(const control::ServoParams& params);
+
+/// Text about the permission of motion in a cell without a PLC, for screen and summary.
+inline constexpr const char* kWithoutPlc =
+    "without a PLC (without_plc: accepted): only the arm's own safety controller and its enabling switch "
+    "keep it from moving";
+
+}  // namespace osteon::app

@@ -1,0 +1,27 @@
+#include "session/summary/pause_events.h"
+
+#include "control/loop/tick_state.h"
+
+namespace osteon::app {
+
+void PauseEvents::Add(const control::TickRecord& tick) {
+  if (!start_) start_ = tick.stamp;
+  const bool paused = control::IsPaused(tick);
+  const auto row = [&](const char* name, rt::Nanoseconds at, rt::Nanoseconds lasted) {
+    rows_.push_back(
+        {.name = name, .time_s = rt::ToSeconds(at - *start_), .value = rt::ToSeconds(lasted), .unit = "s"});
+  };
+  if (tick.input.pause && !paused_at_) asked_at_ = asked_at_.value_or(tick.stamp);
+  if (paused && !paused_at_) {
+    paused_at_ = tick.stamp;
+    const rt::Nanoseconds at = asked_at_.value_or(tick.stamp);
+    row(kPauseEvent, at, tick.stamp - at);
+    asked_at_.reset();
+  }
+  if (!paused && paused_at_) {  // by a resume; or the run ended in the pause, which makes no event
+    if (tick.input.resume) row(kResumeEvent, tick.stamp, tick.stamp - *paused_at_);
+    paused_at_.reset();
+  }
+}
+
+}  // namespace osteon::app

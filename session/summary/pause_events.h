@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "control/tick_record.h"
+#include "session/summary/event_row.h"
+
+namespace osteon::app {
+
+inline constexpr const char *kPauseEvent = "pause", *kResumeEvent = "resume";
+
+/// Finds an operator's pauses and their ends in a run's ticks, as rows among the run's events.
+///
+///     "pause"    at the request, with the time until the arm was at rest [s]
+///     "resume"   at the request, with the time for which the cell had been paused [s]
+///
+/// A request without effect (a pause of a paused cell, a resume of a moving one) makes no row.
+class PauseEvents {
+ public:
+  /// Takes the next tick of a run.
+  void Add(const control::TickRecord& tick);
+
+  /// The complete rows so far, in order; times count from the first tick.
+  [[nodiscard]] const std::vector<EventRow>& rows() const { return rows_; }
+
+ private:
+  std::vector<EventRow> rows_;
+  std::optional<rt::Nanoseconds> start_, asked_at_, paused_at_;
+};
+
+}  // namespace osteon::app

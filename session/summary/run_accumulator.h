@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "report/run_curves.h"
+#include "session/setup/cell_setup.h"
+#include "session/stops/stop_records.h"
+#include "session/summary/drive_fault_rows.h"
+#include "session/summary/limit_rows.h"
+#include "session/summary/pause_events.h"
+#include "simulation/removal/cut_metrics.h"
+#include "simulation/tools/proxy_path.h"
+
+namespace osteon::app {
+
+/// Figures of the ticks in which the arm was commanded (COMMANDING_ACTIVE).
+struct ActiveTicks {
+  void Add(const control::TickRecord& tick);
+
+  double fresh_s{0.0}, sensor_full_s{0.0};     ///< ages up to which model and sensor count in full
+  std::optional<rt::Nanoseconds> first, last;  ///< stamps
+  /// Stamp of the last tick in which the loop was not at rest after a stop.
+  rt::Nanoseconds stopped_at{0};
+  DurationCounts step, wakeup, compute;  ///< step: from one stamp to the next
+  /// Number of ticks in which a limit reduced the coupling's wrench, and in which the arm's torques would
+  /// have; then the least shares that were rendered and that the arm could hold.
+  std::uint64_t cut{0}, arm_cut{0};
+  double min_wrench_share{1.0}, min_arm_share{1.0};
+  /// Number of ticks in which each stabiliser acted, and its extremes.
+  std::uint64_t age_governor{0}, passivity{0}, tank{0};
+  double max_age_damping{1.0}, min_age_share{1.0};
+  std::uint64_t rendering{0}, stale{0},
+      sensor_late{0};  ///< ticks: all, with an older model, with an older sensor reading
+};
+
+/// Gathers everything that a run's summary needs from its recording, in one pass over ticks and frames.
+/// Memory does not grow with the run, except for a few bytes per change of phase: series are counted
+/// (DurationCounts), thinned (RunCurves, ProxyPath), or only their first and last values are kept.
+struct RunAccumulator {
+  explicit RunAccumulator(const CellSetup& setup);
+  void Add(const control::TickRecord& tick);
+  void Add(const simulation::FrameRecord& frame);
+
+  RunCurves curves;
+  simulation::ProxyPath path;
+
+  // of the ticks
+  std::uint64_t ticks{0};
+  ActiveTicks active;
+  ActedLimits limits;
+  DriveFaultRows drive_faults;
+  PauseEvents pauses;
+  std::map<safety::Fault, control::TickRecord> first_with;  ///< the first tick that has each fault
+  std::uint32_t seen_faults{0};                             ///< the keys of first_with, as bits
+  control::TickInput last_input;
+
+  // of the frames
+  std::uint64_t frames{0};
+  DurationCounts frame_step;  ///< from one stamp to the next
+  std::optional<rt::Nanoseconds> last_frame;
+  simulation::ReamedDepth reamed;
+  double cup_depth_m{0.0};  ///< of the last frame
+};
+
+/// Reads a recording in one pass; its ticks and events go to `stops` as well.
+/// The error names the file, the byte and the reason.
+[[nodiscard]] tl::expected<RunAccumulator, std::string> ReadRun(const std::filesystem::path& recording,
+                                                                const CellSetup& setup, StopPages& stops);
+
+}  // namespace osteon::app

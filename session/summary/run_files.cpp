@@ -1,0 +1,139 @@
+#include "session/summary/run_files.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <ctime>
+#include <system_error>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::chrono::system_clock::time_point WrittenAt(const fs::path& file) {
+  struct stat status {};
+  return std::chrono::system_clock::from_time_t(stat(file.c_str(), &status) == 0 ? status.st_mtime : 0);
+}
+
+// Returns the first free name among NAME, NAME_2, NAME_3 …
+template <class IsFree>
+std::string FirstFree(const std::string& name, const IsFree& is_free) {
+  std::string free = name;
+  for (int number = 2; !is_free(free); ++number) free = fmt::format("{}_{}", name, number);
+  return free;
+}
+
+}  // namespace
+
+fs::path StopPage(const fs::path& folder, const std::string& stem, std::size_t number) {
+  return folder / fmt::format("{}_stop_{}.html", stem, number);
+}
+
+fs::path StopTable(const fs::path& folder, const std::string& stem, std::size_t number) {
+  return folder / fmt::format("{}_stop_{}_ticks.csv", stem, number);
+}
+
+std::string DateAndTime(std::chrono::system_clock::time_point time) {
+  return fmt::format("{:%Y-%m-%d_%H-%M-%S}", fmt::localtime(std::chrono::system_clock::to_time_t(time)));
+}
+
+fs::path DatedRecording(const fs::path& folder, std::chrono::system_clock::time_point time) {
+  return folder /
+         (FirstFree("run_" + DateAndTime(time),
+                    [&](const std::string& name) { return FilesOfRun(folder / (name + ".mcap")).empty(); }) +
+          ".mcap");
+}
+
+std::vector<fs::path> FilesOfRun(const fs::path& recording) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  const auto add = [&](const fs::path& file) {
+    const bool there = fs::is_regular_file(file, error);
+    if (there) files.push_back(file);
+    return there;
+  };
+  add(recording);
+  const fs::path folder = recording.parent_path();
+  const std::string stem = recording.stem().string();
+  for (std::size_t number = 1;; ++number) {
+    const bool page = add(StopPage(folder, stem, number)), table = add(StopTable(folder, stem, number));
+    if (!page && !table) return files;
+  }
+}
+
+std::string ValidateRecordingName(const fs::path& recording) {
+  const std::vector<fs::path> files = FilesOfRun(recording);
+  if (files.empty()) return "";
+  return fmt::format("--record {}: found {}, of an earlier run; accepted a name that is free, or --overwrite",
+                     recording.string(),
+                     files.front() == recording ? "a recording" : files.front().filename().string());
+}
+
+std::string RemoveFiles(const std::vector<fs::path>& files) {
+  for (const fs::path& file : files) {
+    std::error_code error;
+    fs::remove(file, error);
+    if (error) return file.string() + ": can't be removed: " + error.message();
+  }
+  return "";
+}
+
+FolderClaim::~FolderClaim() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+std::string FolderClaim::Acquire(const fs::path& folder) {
+  if (descriptor_ >= 0) return "";
+  const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (opened < 0) return "";  // whoever creates or fills it reports the error
+  if (flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    close(opened);
+    return fmt::format("--out {}: found a folder that another osteon writes into, accepted another one",
+                       folder.string());
+  }
+  descriptor_ = opened;
+  return "";
+}
+
+std::vector<fs::path> FilesOfDemo(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (!entry->is_regular_file(error)) continue;
+    const bool of_recording = name.starts_with("recording.") || name.starts_with("recording_");
+    if (of_recording || name == "summary.json" || name == "report.html") files.push_back(entry->path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+tl::expected<fs::path, std::string> KeepEarlierDemo(const fs::path& folder) {
+  const std::vector<fs::path> files = FilesOfDemo(folder);
+  if (files.empty()) return fs::path();
+  auto newest = WrittenAt(files.front());
+  for (const fs::path& file : files) newest = std::max(newest, WrittenAt(file));
+  std::error_code error;
+  const fs::path earlier = folder / FirstFree("earlier_" + DateAndTime(newest), [&](const std::string& name) {
+                             return !fs::exists(folder / name, error);
+                           });
+  fs::create_directory(earlier, error);
+  if (error) return tl::make_unexpected(earlier.string() + ": cannot make the folder: " + error.message());
+  for (const fs::path& file : files) {
+    fs::rename(file, earlier / file.filename(), error);
+    if (error)
+      return tl::make_unexpected(file.string() + ": cannot be moved to " + earlier.string() + ": " +
+                                 error.message());
+  }
+  return earlier;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,129 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "report/report.h"
+#include "session/planning/plan.h"
+#include "session/planning/planned_cell.h"
+#include "session/run/cell_run.h"
+#include "session/stops/stop_records.h"
+#include "session/summary/event_row.h"
+#include "session/summary/limit_rows.h"
+#include "session/summary/run_accumulator.h"
+#include "session/summary/verdict.h"
+
+namespace osteon::app {
+
+/// Median and tail of a duration, from the recording [s]. Zero count: not measured (virtual time).
+struct DurationFigures {
+  std::size_t count{0};
+  double p50_s{0.0}, p99_s{0.0}, p999_s{0.0}, max_s{0.0};
+};
+[[nodiscard]] DurationFigures Quantiles(const DurationCounts& durations);
+
+/// A coarsening of zones, at its time since the run's start.
+struct RezonedRow {
+  double time_s{0.0};
+  std::size_t balls{0};
+  CoarserZones zones;
+  double seen_us{0.0};  ///< frame time that led to it
+  std::string text;
+};
+
+/// Says in one to three words how a run ended.
+[[nodiscard]] const char* EndText(control::RunEnd end);
+
+/// The figures of a run, as the terminal, summary.json and the report show them.
+struct RunSummary {
+  std::string engine, device, scene, tool, recording, ended;
+  std::string recording_error;        ///< why the recording is not complete; empty: it is
+  std::string ended_by;               ///< the signal that asked for the end, "SIGHUP"; empty: none
+  Verdict verdict;                    ///< JudgeRun of the other figures
+  std::vector<std::string> warnings;  ///< of the set-up: figures of the cell that contradict each other
+  bool virtual_time{false};
+  control::RunEnd end{control::RunEnd::kSeconds};
+  double wanted_s{0.0};            ///< asked for; 0: until it is stopped
+  double period_s{0.0};            ///< of a tick
+  bool without_plc{false};         ///< the cell has no PLC that would have to permit motion
+  rt::RealtimeGrant servo_thread;  ///< wall time: scheduling that the system granted
+  std::size_t balls{0}, points{0};
+  double seconds{0.0};  ///< in COMMANDING_ACTIVE, without the rest at the end
+  std::uint64_t ticks{0}, frames{0}, dropped{0};
+  double servo_rate_hz{0.0};       ///< 1 / median period of the arm's messages in COMMANDING_ACTIVE
+  double simulation_rate_hz{0.0};  ///< 1 / median interval between frames
+  double peak_force_N{0.0}, peak_torque_Nm{0.0}, peak_sensor_force_N{0.0}, force_limit_N{0.0};
+  double peak_tool_in_bone_m{0.0};  ///< from the commanded tool to its collision-free pose
+  double peak_power_W{0.0};         ///< from the coupling to the hand
+  /// Part of the rendering time in which the contact model was too old to count in full.
+  double stale_share{0.0};
+  /// Part of the rendering time in which the sensor's reading was too old to count in full.
+  double sensor_late_share{0.0};
+  double peak_tool_speed_m_per_s{0.0};           ///< commanded, while it rendered
+  double peak_measured_tool_speed_m_per_s{0.0};  ///< measured, while the arm was commanded
+  /// Number of ticks in which a limit reduced the coupling's wrench, and in which the arm's torques would
+  /// have; then the least shares that were rendered and that the arm could hold.
+  std::uint64_t cut_ticks{0}, arm_cut_ticks{0};
+  double min_wrench_share{1.0}, min_arm_share{1.0};
+  /// Number of ticks in which each stabiliser acted, its extremes, and the tank's least energy in rendering.
+  std::uint64_t age_governor_ticks{0}, passivity_ticks{0}, tank_ticks{0};
+  double max_age_damping{1.0}, min_age_share{1.0}, min_tank_J{0.0};
+  bool rendered{false};  ///< at any time; if not, there is no cut to report
+  double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
+  /// Volume of the solid swept by the proxy's cutting surface; counted on a grid, without the engine.
+  double swept_volume_m3{0.0};
+  double swept_path_tolerance_m{
+      0.0};                    ///< by which the proxy's path was thinned; 0: each frame's pose is in it
+  double cup_depth_m{0.0};     ///< deepest proxy apex below the cup's first floor; negative: it stayed above
+  double reamed_depth_m{0.0};  ///< how far the apex went into the bone while it cut (simulation::ReamedDepth)
+  double cavity_depth_m{0.0};  ///< floor of the carved balls below the first floor; < 0: carved through
+  ReportFigures section;
+  DurationFigures wakeup, compute, frame;
+  std::string state_hash;                ///< of the carved state, hexadecimal
+  std::vector<EffectiveLimit> limits;    ///< in force
+  std::vector<ActedLimit> acted_limits;  ///< those that acted, when and for how long
+  double min_depth_left_m{0.0};          ///< to the reamer's depth limit; infinite if there is none
+  std::vector<FaultRow> faults;
+  std::vector<DriveFaultRow> drive_faults;
+  std::vector<EventRow> events;                ///< of the scene and of pauses, in their order
+  std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
+  std::vector<RezonedRow> rezoned;             ///< zones that were coarsened
+  /// Thinnest wall beside the cut, 0: cut through; nothing: not watched.
+  std::optional<double> min_wall_m;
+  std::vector<std::string> assumptions;  ///< material figures that have no source
+  std::vector<WrittenStop> stops;        ///< one page each
+  std::string config_checksum;           ///< of the files that the cell was loaded from
+  int recovered{0};                      ///< number of times that rendering began again
+  std::string cell_report;               ///< report of the simulated cell, osteon.cell/1
+  control::TickInput link;               ///< of the last tick: counts of messages and answers
+  std::string arm_stop;                  ///< why the simulated arm ended the session; empty if it did not
+};
+
+/// Computes the summary from the recording (`run`: ReadRun) and the carved state; the caller fills `section`
+/// and `stops`.
+[[nodiscard]] RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& engine,
+                                   const CellRunParams& params, const CellRunResult& result,
+                                   const RunAccumulator& run);
+
+/// Rows for the terminal and the report.
+[[nodiscard]] std::vector<SummaryRow> Rows(const RunSummary& summary);
+
+/// Prints the rows on the terminal, under `title`, scene and tool.
+void PrintTable(const RunSummary& summary, const std::string& title);
+
+/// Exit code of a process that ran: 0 done, 1 ended by a fault or never begun, InterruptExitCode() by a
+/// signal.
+[[nodiscard]] int ExitCode(const CellRunResult& result);
+
+/// Says why a run has no complete recording: the recorder's reason, and the reader's. Empty: it has one.
+[[nodiscard]] std::string DescribeRecordingErrors(const CellRunResult& result, const std::string& unreadable);
+/// Appends a reason: "before; reason", or the reason alone.
+void AddReason(std::string& reasons, const std::string& reason);
+
+/// JSON object by the contract of docs/commands.md, with `schema`.
+[[nodiscard]] std::string ToJson(const RunSummary& summary, const std::string& schema);
+
+}  // namespace osteon::app

@@ -1,0 +1,124 @@
+#include "session/summary/verdict.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+#include <fmt/color.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/json_text.h"
+#include "session/summary/summary.h"
+
+namespace osteon::app {
+namespace {
+
+// A shorter action is not felt: a limit that acts for a few ticks.
+constexpr double kFelt_s = 0.02;
+// Fractions of the rendering time in which an old model may fade the force: the first is what a shared
+// machine costs now and then; from the second on, the force is mostly missing.
+constexpr double kSomeStale = 0.02, kOftenStale = 0.2;
+
+void JudgeEnd(const RunSummary& s, Verdict& verdict) {
+  if (!s.faults.empty()) {
+    std::string names;
+    for (const FaultRow& fault : s.faults) names += (names.empty() ? "" : ", ") + fault.name;
+    verdict.Add(VerdictLevel::kBad, fmt::format("it ended with a fault: {}", names));
+  } else if (s.end == control::RunEnd::kStopFlag && s.wanted_s > 0.0) {
+    verdict.Add(VerdictLevel::kWarning,
+                fmt::format("it was interrupted after {:.1f} s of {:.1f} s", s.seconds, s.wanted_s));
+  } else if (s.end != control::RunEnd::kSeconds && s.end != control::RunEnd::kStopFlag) {
+    verdict.Add(VerdictLevel::kBad, fmt::format("it did not end by itself: {}", s.ended));
+  }
+  if (!s.rendered) verdict.Add(VerdictLevel::kBad, "nothing was rendered: the arm never began to move");
+  if (s.recovered > 0)
+    verdict.Add(VerdictLevel::kWarning,
+                fmt::format("rendering was interrupted by the connection and began anew {}",
+                            s.recovered == 1 ? "once" : fmt::format("{} times", s.recovered)));
+}
+
+void JudgeForce(const RunSummary& s, Verdict& verdict) {
+  const double cut_s = s.period_s * static_cast<double>(s.cut_ticks);
+  if (cut_s > kFelt_s)
+    verdict.Add(
+        VerdictLevel::kWarning,
+        fmt::format(
+            "the hand pushed beyond what may be rendered (force limit {:.0f} N) for {:.2f} s: it felt "
+            "{:.0f} % of the coupling at least, and the tool went up to {:.2f} mm into bone",
+            s.force_limit_N, cut_s, 100.0 * s.min_wrench_share, 1e3 * s.peak_tool_in_bone_m));
+  if (s.stale_share > kSomeStale)
+    verdict.Add(
+        s.stale_share > kOftenStale ? VerdictLevel::kBad : VerdictLevel::kWarning,
+        fmt::format(
+            "the force was faded for {:.0f} % of the time, because frames of the simulation were late",
+            100.0 * s.stale_share));
+  if (s.sensor_late_share > kSomeStale)
+    verdict.Add(VerdictLevel::kWarning,
+                fmt::format("the hand's force counted in part for {:.0f} % of the time, because "
+                            "readings of the sensor were late",
+                            100.0 * s.sensor_late_share));
+  if (s.passivity_ticks > 0)
+    verdict.Add(VerdictLevel::kWarning,
+                fmt::format("the passivity controller acted in {} ticks: the coupling made energy",
+                            s.passivity_ticks));
+}
+
+}  // namespace
+
+const char* NameOf(VerdictLevel level) {
+  switch (level) {
+    case VerdictLevel::kGood:
+      return "good";
+    case VerdictLevel::kWarning:
+      return "look";
+    case VerdictLevel::kBad:
+      break;
+  }
+  return "bad";
+}
+
+void Verdict::Add(VerdictLevel at_least, std::string reason) {
+  level = std::max(level, at_least);
+  reasons.push_back(std::move(reason));
+}
+
+std::vector<SummaryRow> VerdictRows(const Verdict& verdict) {
+  std::vector<SummaryRow> rows{{"Verdict", NameOf(verdict.level)}};
+  for (const std::string& reason : verdict.reasons) rows.push_back({"", reason});
+  return rows;
+}
+
+void PrintVerdict(const Verdict& verdict, int key_width) {
+  const bool colours = isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
+  const fmt::text_style style = verdict.level == VerdictLevel::kGood || !colours ? fmt::text_style{}
+                                : verdict.level == VerdictLevel::kWarning
+                                    ? fmt::fg(fmt::terminal_color::yellow) | fmt::emphasis::bold
+                                    : fmt::fg(fmt::terminal_color::red) | fmt::emphasis::bold;
+  for (const SummaryRow& row : VerdictRows(verdict))
+    fmt::print("  {:<{}} {}\n", row.key, key_width, fmt::styled(row.value, style));
+}
+
+std::string ResultText(const Verdict& verdict, const nlohmann::ordered_json& result) {
+  nlohmann::ordered_json out{{"verdict", {{"level", NameOf(verdict.level)}, {"reasons", verdict.reasons}}}};
+  out.update(result);
+  return JsonText(out);
+}
+
+Verdict JudgeRun(const RunSummary& summary) {
+  Verdict verdict;
+  JudgeEnd(summary, verdict);
+  JudgeForce(summary, verdict);
+  for (const std::string& warning : summary.warnings) verdict.Add(VerdictLevel::kWarning, warning);
+  if (!summary.recording_error.empty())
+    verdict.Add(VerdictLevel::kWarning,
+                fmt::format("the recording is not whole: {}", summary.recording_error));
+  if (summary.dropped > 0)
+    verdict.Add(VerdictLevel::kWarning,
+                fmt::format("{} records are missing in the recording", summary.dropped));
+  return verdict;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "report/report.h"
+
+namespace osteon::app {
+
+struct RunSummary;
+
+/// How good a result is, for users and programs. Never better than what happened.
+enum class VerdictLevel {
+  kGood,     ///< nothing to look at
+  kWarning,  ///< ended as it should, but with reductions; the reasons name them
+  kBad,      ///< a fault, no result, or a result that does not show what it should
+};
+
+/// "good", "look", "bad".
+[[nodiscard]] const char* NameOf(VerdictLevel level);
+
+struct Verdict {
+  VerdictLevel level{VerdictLevel::kGood};
+  std::vector<std::string> reasons;  ///< sentences, in the order in which they were found; empty if good
+
+  /// Makes the level at least this bad, and adds the reason.
+  void Add(VerdictLevel at_least, std::string reason);
+
+  [[nodiscard]] ReportVerdict ForReport() const { return {.level = NameOf(level), .reasons = reasons}; }
+};
+
+/// Table rows of the level and its reasons, for the top of a table.
+[[nodiscard]] std::vector<SummaryRow> VerdictRows(const Verdict& verdict);
+
+/// Prints VerdictRows on stdout, keys `key_width` wide; a level other than good is coloured on a terminal
+/// with colours (unless NO_COLOR is set).
+void PrintVerdict(const Verdict& verdict, int key_width);
+
+/// A command's result as a JSON file's text: `verdict: {level, reasons}` first, then the fields of `result`.
+[[nodiscard]] std::string ResultText(const Verdict& verdict, const nlohmann::ordered_json& result);
+
+/// Judges a run by its figures: how it ended, its faults, how long a limit or an old model kept force from
+/// the hand, and losses of the recording.
+[[nodiscard]] Verdict JudgeRun(const RunSummary& summary);
+
+}  // namespace osteon::app

@@ -1,0 +1,107 @@
+#include "simulation/bone/material.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace osteon::simulation {
+
+void CheckMaterials(const std::vector<Material>& materials) {
+  if (materials.empty() || materials.size() > kMaxMaterials)
+    throw std::invalid_argument(
+        fmt::format("bone: materials: found {}, accepted 1 … {}", materials.size(), kMaxMaterials));
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    const Material& m = materials[i];
+    if (m.name.empty())
+      throw std::invalid_argument(fmt::format("bone: material {}: found no name, accepted one", i));
+    for (std::size_t k = 0; k < i; ++k)
+      if (materials[k].name == m.name)
+        throw std::invalid_argument(fmt::format(
+            "bone: material {}: found name '{}' of material {}, accepted different names", i, m.name, k));
+    const auto positive = [&m](const char* what, double value) {
+      if (!(value > 0.0) || !std::isfinite(value))
+        throw std::invalid_argument(
+            fmt::format("bone: {}: {}: found {:g}, accepted > 0", m.name, what, value));
+    };
+    positive("density_kg_per_m3", m.density_kg_per_m3);
+    positive("specific_cutting_energy_J_per_m3", m.specific_cutting_energy_J_per_m3);
+    positive("cutting_force_ratio", m.cutting_force_ratio);
+    if (!(m.friction >= 0.0 && m.friction <= 2.0))
+      throw std::invalid_argument(
+          fmt::format("bone: {}: friction: found {:g}, accepted 0 … 2", m.name, m.friction));
+  }
+}
+
+std::vector<std::string> Assumptions(const std::vector<Material>& materials) {
+  std::vector<std::string> lines;
+  for (const Material& m : materials) {
+    const auto add = [&](const FigureSource& source, const std::string& figure) {
+      if (source.assumed)
+        lines.push_back(fmt::format("{}: {}{}", m.name, figure,
+                                    source.text.empty() ? "" : fmt::format(" ({})", source.text)));
+    };
+    add(m.density_source, fmt::format("density {:g} g/cm^3", m.density_kg_per_m3 * 1e-3));
+    add(m.cutting_energy_source,
+        fmt::format("cutting energy {:g} J/mm^3", m.specific_cutting_energy_J_per_m3 * 1e-9));
+    add(m.cutting_force_source, fmt::format("cutting-force ratio {:g}", m.cutting_force_ratio));
+    add(m.friction_source, fmt::format("friction {:g}", m.friction));
+  }
+  return lines;
+}
+
+std::vector<Material> DefaultBoneMaterials() {
+  const FigureSource as_cortical{.text = "as cortical bone", .assumed = true};
+  const FigureSource still_tool{.text = "metal on wet bone, unlubricated", .assumed = true};
+  return {
+      {.name = "cartilage",
+       .density_kg_per_m3 = 1100.0,
+       .specific_cutting_energy_J_per_m3 = 0.02e9,
+       .cutting_force_ratio = 0.8,
+       .friction = 0.05,
+       .density_source = {.text = "a little above water", .assumed = true},
+       .cutting_energy_source = {.text = "softer than cancellous bone: a third", .assumed = true},
+       .cutting_force_source = as_cortical,
+       .friction_source = {.text = "lubricated", .assumed = true}},
+      {.name = "cortical",
+       .density_kg_per_m3 = 1850.0,
+       .specific_cutting_energy_J_per_m3 = 1.3e9,
+       .cutting_force_ratio = 0.8,
+       .friction = 0.3,
+       .density_source = {.text = "middle of 1.7 to 2.0 g/cm^3, reported for human cortical bone",
+                          .assumed = false},
+       .cutting_energy_source = {.text =
+                                     "human femoral cortex, 1.24 to 1.39 J/mm^3, from the drilling figures "
+                                     "of MacAvelia et al. 2012",
+                                 .assumed = false},
+       .cutting_force_source = {.text = "0.75 to 0.88 at two thirds of the radius, from the same drilling "
+                                        "figures",
+                                .assumed = false},
+       .friction_source = still_tool},
+      {.name = "cancellous",
+       .density_kg_per_m3 = 300.0,
+       .specific_cutting_energy_J_per_m3 = 0.06e9,
+       .cutting_force_ratio = 0.8,
+       .friction = 0.3,
+       .density_source = {.text = "upper half of 0.09 to 0.35 g/cm^3, reported for vertebral trabecular bone",
+                          .assumed = false},
+       .cutting_energy_source =
+           {.text = "between cortical bone's scaled by density, 0.21, and by its square, 0.03",
+            .assumed = true},
+       .cutting_force_source = as_cortical,
+       .friction_source = still_tool},
+      {.name = "marrow",
+       .density_kg_per_m3 = 980.0,
+       .specific_cutting_energy_J_per_m3 = 0.001e9,
+       .cutting_force_ratio = 0.8,
+       .friction = 0.05,
+       .density_source = {.text = "yellow marrow, from memory of ICRU Report 46: not looked up",
+                          .assumed = true},
+       .cutting_energy_source = {.text = "all but none, so that a tool falls into the canal",
+                                 .assumed = true},
+       .cutting_force_source = as_cortical,
+       .friction_source = {.text = "lubricated", .assumed = true}},
+  };
+}
+
+}  // namespace osteon::simulation

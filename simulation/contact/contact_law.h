@@ -1,0 +1,123 @@
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "simulation/contact/constrained_goal.h"
+#include "simulation/contact/contact_memory.h"
+#include "simulation/contact/cutting_constants.h"
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/engine/frame_solution.h"
+
+// Pass 2: from the pairs near the tool at first contact to the constrained target and the reported contacts.
+//
+//     pairs ─┬─▶ the nearest in each of 60 bins of direction ─┐
+//            │   the pairs that held the frame before        ─┴─▶ planes ─▶ nearest target ─▶ friction ─┐
+//            └─▶ lens-weighted sums about each face's normal ─▶ normal and point of the face ───────────┴─▶ contacts
+//
+// The position comes from the pairs themselves, so it is exact. Direction and point of action are means over
+// the balls around, so they change smoothly while the tool passes from one ball to the next.
+
+namespace osteon::simulation {
+
+/// Bins of direction: nine for each face of a cube for balls that cut, one for each face for balls that do
+/// not.
+inline constexpr int kCuttingBins = 54, kContactBins = 60;
+
+/// Bin of a pair, and how far the pair's direction is from the bin's centre (1 - cosine).
+struct ContactBin {
+  int number;
+  double off_centre;
+};
+/// @param u_T  unit, from bone to tool, in T.
+[[nodiscard]] ContactBin FindBin(const Vector3& u_T, bool cutting);
+
+/// A pair near the tool at first contact, in G.
+struct NearPair {
+  ContactPair pair;
+  bool present{false}, cutting{true};
+  Vector3 n{Vector3::Zero()};  ///< unit, from bone to tool
+  double gap_m{std::numeric_limits<double>::infinity()};
+  double score_m{std::numeric_limits<double>::infinity()};  ///< gap plus the direction's cost
+  Vector3 motion_m{Vector3::Zero()};    ///< of the tool ball's centre, from first contact to the tool's pose
+  Vector3 center_T_m{Vector3::Zero()};  ///< tool ball, in T
+  double tool_radius_m{0.0};
+};
+
+/// True where a has the lower score. Equal scores are decided by the smaller indices, so that the order of
+/// visits does not matter.
+[[nodiscard]] bool Nearer(const NearPair& a, const NearPair& b);
+
+/// Lens-weighted sums over the pairs in the cone around a face's normal.
+struct FaceSums {
+  double weight{0.0};
+  Vector3 n{Vector3::Zero()};
+  Vector3 center_T{Vector3::Zero()};  ///< of the tool balls' centres
+  double radius{0.0};                 ///< of the tool balls' radii
+
+  /// @param lens_m3  weight of the pair; @param face_n  the face's direction in the frame before
+  void Add(double lens_m3, const Vector3& face_n, const NearPair& pair);
+};
+
+/// Pairs near the tool that pass 2 found.
+struct NearField {
+  std::array<NearPair, kContactBins> nearest{};
+  std::array<NearPair, kRememberedPairs> remembered{};
+  int held_count{0};  ///< the first held_count remembered pairs held the tool in the frame before
+  std::array<FaceSums, kMaxFaces> faces{};
+};
+
+/// Further inputs of a frame's contact problem, besides the near field.
+struct ContactInput {
+  Matrix3 R_GT{Matrix3::Identity()};    ///< at the tool's pose
+  Vector3 motion_G_m{Vector3::Zero()};  ///< of T's origin, from first contact to the tool's pose
+  Vector3 turn_G{Vector3::Zero()};      ///< rotation vector from first contact to the tool's pose
+  double friction{0.0};  ///< mu; 0 while the spindle turns, since the surface then slips along its own speed
+};
+
+/// The pairs that may hold the tool, without duplicates, and their gaps at first contact.
+///
+/// Where two pairs face each other with less than the contact tolerance between them, both yield until the
+/// tolerance is left, but each by at most three quarters of the tolerance. A tool then moves freely along a
+/// hole of its own width; otherwise it would catch on the hole's balls one by one.
+struct Candidates {
+  std::array<NearPair, kContactBins + kRememberedPairs> pairs{};
+  std::array<double, kContactBins + kRememberedPairs> gap_m{};
+  std::size_t count{0};
+  std::array<std::size_t, kMaxHolding> held{};  ///< indices of those that held the tool in the frame before
+  std::size_t held_count{0};
+};
+[[nodiscard]] Candidates FindCandidates(const NearField& near, double contact_tolerance_m);
+
+/// Where planes hold a tool, and how far friction takes the tool back.
+struct ContactSolution {
+  ConstrainedGoal goal;  ///< relative to the unconstrained pose
+  double normal_m{0.0};  ///< sum of the multipliers
+  /// Largest part of normal_m that counts as force. A tool that does not fit (turned askew in its own slot)
+  /// is wedged between planes that all yield by the slack. Multipliers that balance each other then count
+  /// only as far as the slack is worth at the coupling's stiffness.
+  double force_multiplier_cap_m{0.0};
+  Vector3 friction_m{Vector3::Zero()};
+
+  [[nodiscard]] Vector3 point_m() const { return goal.point_m + friction_m; }
+};
+/// Computes normal_m and force_multiplier_cap_m from the hold point.
+void ComputeForceCap(ContactSolution& held);
+
+/// Finds where the candidates' planes hold the tool.
+/// @param turning  true: for the tool's pose; false: for a motion of T's origin alone, with the orientation
+///   of first contact
+///
+/// Friction (Coulomb, on the proxy) takes back part of the slip of the touching surface from first contact to
+/// the target: mu times the sum of the normal displacements, within what the planes allow.
+[[nodiscard]] ContactSolution SolveContacts(const Candidates& candidates, const ContactInput& input,
+                                            bool turning);
+
+/// Fills contacts, delta, shift, n, cutting_m and the shaft planes of the solution, and the memory for the
+/// next frame.
+/// @param held  with the tool's turn;  @param unturned  without it
+void FillContacts(const CuttingParams& params, const NearField& near, const Candidates& candidates,
+                  const ContactSolution& held, const ContactSolution& unturned, const ContactInput& input,
+                  ContactMemory& memory, FrameSolution& solution);
+
+}  // namespace osteon::simulation

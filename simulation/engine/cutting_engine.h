@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "simulation/contact/contact_memory.h"
+#include "simulation/contact/contact_model.h"
+
+namespace osteon::simulation {
+
+/// A tool pose that the servo loop sends to the simulation; handed over through rt::LatestValue.
+struct ToolCommand {
+  PlainPose X_WT;  ///< the commanded tool pose (admittance) or the measured one (impedance)
+  double spindle_rad_per_s{0.0};
+  rt::Nanoseconds stamp{0};
+};
+
+/// Input of one frame. Its path runs from the previous frame's proxy to X_WT.
+struct FrameInput {
+  PlainPose X_WT;
+  double spindle_rad_per_s{0.0};
+  double dt_s{0.001};        ///< time in which the bone can give way in this frame
+  rt::Nanoseconds stamp{0};  ///< of X_WT
+};
+
+/// How bone gives way.
+enum class RemovalLaw : std::uint8_t {
+  kRate,       ///< by energy balance: power of the edge over specific cutting energy
+  kImmediate,  ///< up to the tool's pose in every frame (the paper), however far
+};
+
+/// Which of the tool's cutting balls remove bone.
+enum class Cutters : std::uint8_t {
+  kAll,            ///< all, along the proxy's whole way
+  kContactSphere,  ///< only the ball that touched first, the first of equals (the paper): leaves bone in its
+                   ///< way
+};
+
+/// How balls that are too large for a cut are replaced by children (ball_removal.h, split_template.h).
+struct SplitParams {
+  bool on{false};
+  double min_radius_m{0.4e-3};      ///< balls that are smaller at first touch shrink whole
+  int children{24};                 ///< number of children of a ball: 8 … 1024
+  double min_child_share{0.12};     ///< over the ball's first radius; smaller children are dropped: 0 … 0.5
+  std::size_t pool_blocks{4096};    ///< balls that can be split at a time: 1 … 1 000 000
+  std::size_t blocks_per_frame{0};  ///< most balls split in a frame, the others wait; 0: no limit
+};
+
+struct CuttingParams {
+  double stiffness_N_per_m{20e3};  ///< of the virtual coupling
+  double max_force_N{200.0};       ///< largest coupling force that the rate law assumes
+  double normal_enlargement_m{
+      0.24e-3};                         ///< e of the lens-weighted normal; planes are reported up to this gap
+  double contact_tolerance_m{0.02e-3};  ///< overlap that may remain when the tool slides over balls
+  /// Longest travel of the proxy in one frame, by its slide and, with the rate law, its advance. While the
+  /// tool cuts, a fifth of it is reserved for the advance (kSlideShare).
+  double max_slide_m{0.25e-3};
+  double engaged_layer_m{0.5e-3};  ///< depth of the layer that measures the engaged area
+  RemovalLaw law{RemovalLaw::kRate};
+  Cutters cutters{Cutters::kAll};
+  SplitParams split{};
+};
+
+/// The carved state: everything that a frame changes.
+struct CarvedState {
+  std::vector<float> balls;           ///< x y z r [mm] in G for each ball; r = 0 where it is gone
+  std::vector<std::uint8_t> cleared;  ///< 1 for each mass point that is gone
+  /// Indices of split balls, ascending. Empty where none is split.
+  std::vector<std::uint32_t> split_balls;
+  /// For each split ball: 0 where its block holds children; 1 + n where the ball waits for them and its block
+  /// holds the n capsules that will cut them.
+  std::vector<std::uint32_t> split_cuts;
+  /// Blocks of SplitParams::children × 4 floats [mm] in G, one for each split ball. Children: x y z r of
+  /// each, r = 0 where it is gone. Waiting ball: x y z r of the ball from which children will be made, then a
+  /// x y z R, b x y z 0 of each capsule, then zeros.
+  std::vector<float> split_slots;
+  PlainPose X_GP;  ///< proxy in G
+  bool has_proxy{false};
+  double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
+  double cutting_debt_J{0.0};  ///< work of cleared points that the edge has not yet done
+  ContactMemory contact;       ///< what held the tool
+  std::uint64_t frame{0};
+};
+
+/// The cutting model: collision, contact, removal. One thread at a time.
+class CuttingEngine {
+ public:
+  virtual ~CuttingEngine() = default;
+
+  /// Computes one frame; never throws. The first frame takes X_WT as free of contact.
+  virtual ContactModel Step(const FrameInput& input) = 0;
+
+  [[nodiscard]] virtual CarvedState Snapshot() const = 0;
+  /// @throws std::invalid_argument where the state belongs to another bone or tool; the engine is unchanged
+  ///   then.
+  virtual void Restore(const CarvedState& state) = 0;
+
+  /// "reference", "vulkan" or "cpu".
+  [[nodiscard]] virtual std::string name() const = 0;
+  /// The hardware or driver that it runs on, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)".
+  [[nodiscard]] virtual std::string device() const = 0;
+};
+
+/// FNV-1a over balls, split balls in the order of their parents, and cleared points: equal for equal carved
+/// states on any machine.
+[[nodiscard]] std::uint64_t HashState(const CarvedState& state);
+
+}  // namespace osteon::simulation

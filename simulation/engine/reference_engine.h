@@ -1,0 +1,63 @@
+#pragma once
+
+#include <vector>
+
+#include "simulation/contact/contact_law.h"
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/engine/frame_solution.h"
+#include "simulation/removal/ball_removal.h"
+
+namespace osteon::simulation {
+
+/// The oracle: the cutting model in double precision by plain loops over every pair, without any culling.
+/// Every other engine must reproduce these passes:
+///
+///     1  first contact    P ──▶ T, every tool ball against every bone ball
+///     2  normals, slide   lens-weighted planes around the tool there, then the closest target that
+///                         keeps them all; first contact again, from there to that target
+///     3  advance, removal by energy balance; every cutting ball's capsule, then the mass points in it
+///
+/// Sources: Kaluschke et al. 2019 (passes 1 to 3), Zilles and Salisbury 1995 (god-object on several planes).
+class ReferenceEngine final : public CuttingEngine {
+ public:
+  /// @param X_WG  pose of the bone in the world
+  /// @throws std::invalid_argument where the bone has more than kMaxMaterials materials, the tool has no
+  ///   ball, or params.split is not accepted.
+  ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG, const CuttingParams& params);
+
+  ContactModel Step(const FrameInput& input) override;
+  [[nodiscard]] CarvedState Snapshot() const override;
+  void Restore(const CarvedState& state) override;
+  [[nodiscard]] std::string name() const override { return "reference"; }
+  [[nodiscard]] std::string device() const override { return "CPU, double precision"; }
+
+ private:
+  ContactModel StepPart(const FrameInput& input);
+  double FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const;
+  /// The part of a way that contacts and max_slide_m allow.
+  struct Slid {
+    double fraction, way_m;  ///< way_m: of the point that moves farthest
+    bool stopped;            ///< by a ball
+  };
+  Slid Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m, double max_m) const;
+  NearField FindNearField(const ToolPoints& at, const ToolPoints& goal, const Matrix3& R_GT) const;
+  void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G, FrameSolution& solution) const;
+  [[nodiscard]] std::size_t TouchingBall(const ToolPoints& from, const ToolPoints& to, double first) const;
+  void AddCapsules(const ToolPoints& contact, const ToolPoints& slid, const ToolPoints& end, std::size_t only,
+                   std::vector<Capsule>& capsules) const;
+  void Remove(const std::vector<Capsule>& capsules, FrameSolution& solution);
+
+  Tool tool_;
+  double lever_m_;
+  std::vector<Material> materials_;
+  MaterialMap map_;
+  std::vector<MassPoint> points_;
+  Pose X_WG_;
+  CuttingParams params_;
+  std::vector<BallState> balls_;  ///< the bone's own, then the children of split balls
+  BallRemoval removal_;
+  std::vector<std::uint8_t> cleared_;
+  FrameMemory memory_;
+};
+
+}  // namespace osteon::simulation

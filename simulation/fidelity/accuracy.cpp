@@ -1,0 +1,200 @@
+#include "simulation/fidelity/accuracy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "base/check_range.h"
+#include "base/parallel.h"
+#include "simulation/packing/graded_cells.h"
+
+namespace osteon::simulation {
+namespace {
+
+constexpr double kTouch = 1e-9;      // nearer than this counts as inside
+constexpr double kProbeStop = 1e-7;  // a probe this near has arrived
+constexpr int kSamplesPerCell = 2;   // the difference of two gives the standard error
+
+/// A zone that is fine on both sides of the swept volume's surface.
+class SweepZone final : public CutZone {
+ public:
+  explicit SweepZone(const SweptTool& swept) : swept_(swept) {}
+  [[nodiscard]] double DepthAt(const Vector3& p_m) const override {
+    return std::abs(swept_.SignedDistance(p_m));
+  }
+
+ private:
+  const SweptTool& swept_;
+};
+
+/// Divides the solid: cells of side h up to 4 h from the swept surface, cells of 2 h up to 8 h …
+std::vector<Cell> CellsAround(const Solid& solid, const SweptTool& swept, double finest_m, int threads) {
+  GradeParams grade{.finest_m = finest_m, .coarser_from_m = {}};
+  for (int level = 1; level <= 3; ++level)
+    grade.coarser_from_m.push_back(finest_m * std::ldexp(4.0, level - 1));
+  return DivideGraded(solid, SweepZone(swept), grade, CellsWanted::kSolid, threads);
+}
+
+/// Results of one cell's samples.
+struct CellFinds {
+  std::uint8_t lost{0}, swept{0}, left{0}, at_surface{0};
+  double left_depth_m{0.0};
+  bool has_place{false};
+  Vector3 place_m{Vector3::Zero()}, into_bone{Vector3::Zero()};  // on the exact cut, for probes
+  double tool_radius_m{0.0};                                     // tool radius of the cut there
+};
+
+class Sampler {
+ public:
+  Sampler(const Solid& solid, const CarvedShape& before, const CarvedShape& after, const SweptTool& swept,
+          double layer_m)
+      : solid_(solid), before_(before), after_(after), swept_(swept), layer_m_(layer_m) {}
+
+  [[nodiscard]] CellFinds SampleCell(const Cell& cell, std::uint64_t seed) const {
+    CellFinds finds;
+    CellRandom random(cell, seed);
+    for (int i = 0; i < kSamplesPerCell; ++i) {
+      const Vector3 p = cell.min_corner() + cell.side_m * random.NextInUnitCube();
+      if (solid_.SignedDistance(p) >= 0.0) continue;
+      const SweptDistance to_cut = swept_.Nearest(p);
+      const double d = to_cut.distance_m;
+      if (std::abs(d) < layer_m_) ++finds.at_surface;
+      const bool left = Holds(after_, p);
+      if (d <= 0.0) {
+        ++finds.swept;
+        if (!left || d > -kTouch) continue;
+        ++finds.left;
+        finds.left_depth_m = std::max(finds.left_depth_m, -d);
+        continue;
+      }
+      if (!left && Holds(before_, p)) ++finds.lost;
+      if (d < layer_m_ && !finds.has_place) {
+        const Vector3 out = p - to_cut.axis_G;
+        finds.into_bone = out.normalized();
+        finds.place_m = p - d * finds.into_bone;
+        finds.tool_radius_m = out.norm() - d;
+        finds.has_place = solid_.SignedDistance(finds.place_m) < 0.0;
+      }
+    }
+    return finds;
+  }
+
+ private:
+  static bool Holds(const CarvedShape& shape, const Vector3& p) { return shape.Distance(p, kTouch) < kTouch; }
+
+  const Solid& solid_;
+  const CarvedShape &before_, &after_;
+  const SweptTool& swept_;
+  double layer_m_;
+};
+
+std::vector<CellFinds> LookEverywhere(const std::vector<Cell>& cells, const Sampler& sampler,
+                                      const AccuracyParams& params) {
+  std::vector<CellFinds> finds(cells.size());
+  ParallelFor(cells.size(), params.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) finds[i] = sampler.SampleCell(cells[i], params.seed);
+  });
+  return finds;
+}
+
+/// Distance that a probe moves from the exact cut until it touches. Sphere tracing: a step as long as the
+/// clearance meets nothing.
+double GapAt(const CarvedShape& shape, const CellFinds& at, double radius_m, double deepest_m) {
+  const Vector3 start = at.place_m - radius_m * at.into_bone;
+  double gap = 0.0;
+  while (gap < deepest_m) {
+    const double clear =
+        shape.Distance(start + gap * at.into_bone, radius_m + deepest_m - gap + kProbeStop) - radius_m;
+    if (clear < kProbeStop) break;
+    gap += clear;
+  }
+  return std::min(gap, deepest_m);
+}
+
+ProbeGap Feel(const CarvedShape& shape, const std::vector<const CellFinds*>& places, double radius_m,
+              const AccuracyParams& params) {
+  std::vector<double> gaps(places.size());
+  ParallelFor(
+      places.size(), params.threads,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          gaps[i] = GapAt(shape, *places[i], radius_m, params.deepest_gap_m);
+      },
+      16);
+  ProbeGap felt{.radius_m = radius_m, .samples = gaps.size()};
+  if (gaps.empty()) return felt;
+  std::sort(gaps.begin(), gaps.end());
+  for (const double gap : gaps) felt.mean_m += gap;
+  felt.mean_m /= static_cast<double>(gaps.size());
+  felt.p95_m = gaps[static_cast<std::size_t>(0.95 * static_cast<double>(gaps.size() - 1))];
+  felt.max_m = gaps.back();
+  return felt;
+}
+
+double AreaOf(const std::vector<Cell>& cells, const std::vector<CellFinds>& finds, double layer_m) {
+  double volume = 0.0;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    volume += std::pow(cells[i].side_m, 3) * finds[i].at_surface / kSamplesPerCell;
+  return volume / (2.0 * layer_m);
+}
+
+}  // namespace
+
+CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const CarvedShape& after,
+                       const SweptTool& swept, const AccuracyParams& params) {
+  for (const double radius : params.probe_radii_m)
+    CheckRangeMm("accuracy: probe's radius", radius, 1e-6, 1.0);
+  const Eigen::AlignedBox3d box = swept.Bounds().intersection(solid.Bounds());
+  if (swept.empty() || box.isEmpty()) throw std::invalid_argument("accuracy: nothing was swept");
+
+  // a coarse measurement of the cut's area gives the size of the cells
+  const double coarse_m = box.sizes().maxCoeff() / 40.0;
+  std::vector<Cell> cells = CellsAround(solid, swept, coarse_m, params.threads);
+  std::vector<CellFinds> finds =
+      LookEverywhere(cells, Sampler(solid, before, after, swept, coarse_m), params);
+  const double area = std::max(AreaOf(cells, finds, coarse_m), coarse_m * coarse_m);
+  const double finest_m =
+      std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, params.surface_cells)));
+  cells = CellsAround(solid, swept, finest_m, params.threads);
+  finds = LookEverywhere(cells, Sampler(solid, before, after, swept, finest_m), params);
+
+  CutAccuracy result;
+  result.cut_area_m2 = AreaOf(cells, finds, finest_m);
+  double variance = 0.0;
+  std::vector<const CellFinds*> places;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const double share = std::pow(cells[i].side_m, 3) / kSamplesPerCell;
+    const CellFinds& found = finds[i];
+    result.lost_m3 += share * found.lost;
+    result.swept_volume_m3 += share * found.swept;
+    result.left_volume_m3 += share * found.left;
+    result.left_depth_m = std::max(result.left_depth_m, found.left_depth_m);
+    if (found.lost == 1) variance += share * share;  // (a - b)^2 / 4 of two samples that stand for 2 shares
+    if (found.has_place) places.push_back(&found);
+  }
+  if (result.cut_area_m2 > 0.0) {
+    result.depth_error_m = result.lost_m3 / result.cut_area_m2;
+    result.depth_error_se_m = std::sqrt(variance) / result.cut_area_m2;
+  }
+  for (const double radius : params.probe_radii_m) {
+    std::vector<const CellFinds*> fitting;
+    for (const CellFinds* place : places)
+      if (place->tool_radius_m >= radius - kProbeStop) fitting.push_back(place);
+    const std::size_t most = std::max<std::size_t>(1, params.probe_samples);
+    const std::size_t stride = (fitting.size() + most - 1) / most;
+    std::vector<const CellFinds*> some;
+    for (std::size_t i = 0; i < fitting.size(); i += stride) some.push_back(fitting[i]);
+    result.probes.push_back(Feel(after, some, radius, params));
+  }
+  return result;
+}
+
+double MaxOverlap(std::span<const Ball> balls, const SweptTool& swept) {
+  double greatest = 0.0;
+  for (const Ball& ball : balls)
+    if (ball.radius_m > 0.0)
+      greatest = std::max(greatest, ball.radius_m - swept.SignedDistance(Vector3(ball.center_m)));
+  return greatest;
+}
+
+}  // namespace osteon::simulation

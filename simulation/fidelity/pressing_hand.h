@@ -1,0 +1,43 @@
+#pragma once
+
+#include "simulation/engine/cutting_engine.h"
+
+namespace osteon::simulation {
+
+/// A hand that presses a spinning tool along its feed with a given force, as in an admittance law: the tool
+/// moves along that line alone, with mass M and drag D.
+///
+///     M a = F(t) - D v - f·(-feed)      F rises at ramp_N_per_s up to force_N
+///
+/// Semi-implicit steps: velocity before position, the drag at the step's end; stable for any drag.
+struct PressingHandParams {
+  Pose X_WT{Pose::Identity()};  ///< start pose; the feed is T's +z
+  double force_N{100.0};
+  double ramp_N_per_s{400.0};
+  double spindle_rad_per_s{26.179938779914945};  ///< 250 rpm
+  double mass_kg{3.0};
+  double drag_Ns_per_m{300.0};
+  double dt_s{1e-3};
+};
+
+class PressingHand {
+ public:
+  /// @throws std::invalid_argument where mass or time step is not positive, or force, ramp or drag negative.
+  explicit PressingHand(const PressingHandParams& params);
+
+  /// Computes the next frame's input from the last frame's force.
+  /// @param F_T_W  the coupling's force of the last frame, on T, in W
+  [[nodiscard]] FrameInput Next(const Vector3& F_T_W);
+
+  /// Distance travelled along the feed since the start.
+  [[nodiscard]] double feed_m() const { return feed_m_; }
+  [[nodiscard]] double speed_m_per_s() const { return speed_m_per_s_; }
+
+ private:
+  PressingHandParams params_;
+  Vector3 feed_W_;
+  double feed_m_{0.0}, speed_m_per_s_{0.0};
+  std::int64_t frame_{0};
+};
+
+}  // namespace osteon::simulation

@@ -1,0 +1,149 @@
+#include "simulation/removal/cut_metrics.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "base/parallel.h"
+#include "simulation/tools/swept_tool.h"
+
+namespace osteon::simulation {
+namespace {
+
+constexpr int kBlock = 8;  // SweptVolume decides blocks of this many cells along each edge at once
+
+// The largest cutting ball; a tool that does not cut is measured by its first ball.
+ToolBall Head(const Tool& tool) {
+  const ToolBall* head = CuttingHead(tool);
+  return head ? *head : tool.balls.front();
+}
+
+}  // namespace
+
+std::optional<double> FirstHit(std::span<const Ball> balls, const Vector3& origin_m,
+                               const Vector3& direction) {
+  std::optional<double> first;
+  for (const Ball& ball : balls) {
+    const Vector3 D = Vector3(ball.center_m) - origin_m;
+    const double along = D.dot(direction), gap = D.squaredNorm() - ball.radius_m * ball.radius_m;
+    if (ball.radius_m <= 0.0) continue;
+    if (gap <= 0.0) return 0.0;
+    const double discriminant = along * along - gap;
+    if (along <= 0.0 || discriminant < 0.0) continue;
+    const double t = along - std::sqrt(discriminant);
+    if (!first || t < *first) first = t;
+  }
+  return first;
+}
+
+std::vector<Ball> LiveBalls(const CarvedState& state) {
+  std::vector<Ball> balls;
+  const auto add = [&balls](const float* four) {
+    if (four[3] > 0.0f)
+      balls.push_back({.center_m = 1e-3 * Vector3(four[0], four[1], four[2]), .radius_m = 1e-3 * four[3]});
+  };
+  for (std::size_t i = 0; i + 3 < state.balls.size(); i += 4) add(&state.balls[i]);
+  const std::size_t slots =
+      state.split_balls.empty() ? 0 : state.split_slots.size() / state.split_balls.size();
+  for (std::size_t j = 0; j < state.split_balls.size(); ++j)
+    for (std::size_t k = 0; state.split_cuts[j] == 0 && k + 3 < slots; k += 4)
+      add(&state.split_slots[j * slots + k]);
+  return balls;
+}
+
+ApexDepth::ApexDepth(const Bone& bone, const Tool& tool)
+    : cup_(bone.site),
+      head_T_m_(Head(tool).center_m),
+      head_radius_m_(Head(tool).radius_m),
+      floor_m_(
+          FirstHit(bone.balls, bone.site.center_m, -Vector3(bone.site.axis)).value_or(bone.site.radius_m)) {}
+
+double ApexDepth::DepthAt(const Pose& X_GP) const {
+  const double along = Vector3(cup_.axis).dot(X_GP * head_T_m_ - Vector3(cup_.center_m));
+  return head_radius_m_ - along - floor_m_;
+}
+
+ReamedDepth::ReamedDepth(const Bone& bone, const Tool& tool, const Pose& X_WG)
+    : apex_(bone, tool), X_GW_(X_WG.inverse()) {
+  constexpr double kMinShare = 0.005, kMinArea_m2 = 0.2e-6;
+  const double radius_m = Head(tool).radius_m;
+  min_area_m2_ = std::max(kMinArea_m2, kMinShare * std::numbers::pi * radius_m * radius_m);
+}
+
+void ReamedDepth::Add(const FrameRecord& frame) {
+  constexpr double kStep_m = 0.25e-3;
+  if (frame.model.frame == 0 || frame.model.status != EngineStatus::kOk) return;
+  const double here_m = apex_.DepthAt(X_GW_ * Pose(frame.model.X_WP));
+  if (!std::isfinite(here_m)) return;
+  removed_m3_ = frame.model.removed_volume_m3;
+  if (!touched_) {
+    touched_ = Vector3(frame.model.F_T_W.f).norm() > 0.0;
+    from_m_ = deepest_m_ = here_m;
+    from_m3_ = removed_m3_;
+    return;
+  }
+  deepest_m_ = std::max(deepest_m_, here_m);
+  if (deepest_m_ - from_m_ < kStep_m) return;
+  cuts_ = Cuts();
+  if (cuts_) reamed_m_ += deepest_m_ - from_m_;
+  from_m_ = deepest_m_;
+  from_m3_ = removed_m3_;
+}
+
+// True where enough bone was removed in the current step.
+bool ReamedDepth::Cuts() const { return removed_m3_ - from_m3_ >= min_area_m2_ * (deepest_m_ - from_m_); }
+
+double ReamedDepth::depth_m() const {
+  // the rest is shorter than a step; it counts where the step before it did
+  return deepest_m_ > from_m_ && (cuts_ || Cuts()) ? reamed_m_ + (deepest_m_ - from_m_) : reamed_m_;
+}
+
+double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP, double cell_m,
+                   int threads) {
+  const SweptTool swept(tool, X_GP);
+  const Eigen::AlignedBox3d cells = swept.Bounds().intersection(solid.Bounds());
+  if (swept.empty() || cells.isEmpty()) return 0.0;
+  const Eigen::Vector3i count = (cells.sizes() / cell_m).array().ceil().max(1.0).cast<int>();
+  const Vector3 step = cells.sizes().array() / count.cast<double>().array();
+  // Both distances change no faster than the place. A block of cells whose centre is farther outside than its
+  // corners are from the centre therefore holds nothing; far inside, all its cells count.
+  const Eigen::Vector3i blocks = (count + Eigen::Vector3i::Constant(kBlock - 1)) / kBlock;
+  const double reach_m = 0.5 * (kBlock - 1) * step.norm() * (1.0 + 1e-9);
+  const auto block_count = static_cast<std::size_t>(blocks.x()) * static_cast<std::size_t>(blocks.y()) *
+                           static_cast<std::size_t>(blocks.z());
+  std::atomic<std::int64_t> inside{0};
+  ParallelFor(
+      block_count, threads,
+      [&](std::size_t begin, std::size_t end) {
+        std::int64_t found = 0;
+        for (std::size_t block = begin; block < end; ++block) {
+          const auto plane = static_cast<std::size_t>(blocks.x()) * static_cast<std::size_t>(blocks.y());
+          const Eigen::Vector3i first =
+              kBlock * Eigen::Vector3i(static_cast<int>(block % static_cast<std::size_t>(blocks.x())),
+                                       static_cast<int>(block % plane / static_cast<std::size_t>(blocks.x())),
+                                       static_cast<int>(block / plane));
+          const Eigen::Vector3i last = (first + Eigen::Vector3i::Constant(kBlock)).cwiseMin(count);
+          const Vector3 middle =
+              cells.min() + step.cwiseProduct(first.cast<double>() + Vector3::Constant(0.5 * kBlock));
+          const double to_sweep_m = swept.SignedDistance(middle);
+          if (to_sweep_m > reach_m) continue;
+          const double to_solid_m = solid.SignedDistance(middle);
+          const bool all_swept = to_sweep_m < -reach_m, all_solid = to_solid_m < -reach_m;
+          for (int k = first.z(); k < last.z(); ++k)
+            for (int j = first.y(); j < last.y(); ++j)
+              for (int i = first.x(); i < last.x(); ++i) {
+                const Vector3 p = cells.min() + step.cwiseProduct(Vector3(i + 0.5, j + 0.5, k + 0.5));
+                if ((all_swept || swept.SignedDistance(p) < 0.0) &&
+                    (all_solid || solid.SignedDistance(p) < 0.0))
+                  ++found;
+              }
+        }
+        inside += found;
+      },
+      8);
+  return static_cast<double>(inside.load()) * step.prod();
+}
+
+}  // namespace osteon::simulation

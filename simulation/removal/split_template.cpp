@@ -1,0 +1,151 @@
+#include "simulation/removal/split_template.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "base/parallel.h"
+#include "base/scramble.h"
+#include "simulation/packing/ball_forest.h"
+
+namespace osteon::simulation {
+namespace {
+
+constexpr double kReach = 0.6;  // largest distance of the centres: a smaller one loses more to a cut, a
+                                // larger one leaves the rim bare
+constexpr double kCapRadius = 0.25, kCapAngle = 35.0 / 180.0 * std::numbers::pi;
+const double kGoldenAngle = std::numbers::pi * (3.0 - std::sqrt(5.0));
+
+/// Point i of n spread evenly over the sphere's cap from the pole down to z = lowest: a spiral.
+Vector3 OnSpiral(std::uint32_t i, std::uint32_t n, double lowest) {
+  const double z = 1.0 - (1.0 - lowest) * (i + 0.5) / n, across = std::sqrt(1.0 - z * z);
+  return {across * std::cos(kGoldenAngle * i), across * std::sin(kGoldenAngle * i), z};
+}
+
+/// A cubic lattice of about `count` points in the ball.
+std::vector<Vector3> LatticeInBall(double radius, double count) {
+  const double side = radius * std::cbrt(4.0 / 3.0 * std::numbers::pi / count);
+  const int n = static_cast<int>(std::ceil(radius / side)) + 1;
+  std::vector<Vector3> points;
+  for (int k = -n; k <= n; ++k)
+    for (int j = -n; j <= n; ++j)
+      for (int i = -n; i <= n; ++i) {
+        const Vector3 p = side * Vector3(i + 0.31, j + 0.17, k + 0.43);  // offset that breaks every symmetry
+        if (p.norm() <= radius) points.push_back(p);
+      }
+  return points;
+}
+
+/// Lloyd's relaxation from random places: each centre moves to the mean of the points nearest to it.
+std::vector<Vector3> SpreadInBall(int count, double radius) {
+  const std::vector<Vector3> space = LatticeInBall(radius, 60.0 * count);
+  std::vector<Vector3> centers;
+  std::uint64_t state = 2024;
+  while (centers.size() < static_cast<std::size_t>(count)) {
+    Vector3 p;
+    for (int axis = 0; axis < 3; ++axis)
+      p[axis] = radius * (2.0 * Uniform(MixBits(state += kSplitMixStep)) - 1.0);
+    if (p.norm() <= radius) centers.push_back(p);
+  }
+  constexpr int kRounds = 40;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<Vector3> sum(centers.size(), Vector3::Zero());
+    std::vector<int> members(centers.size(), 0);
+    for (const Vector3& p : space) {
+      std::size_t nearest = 0;
+      for (std::size_t i = 1; i < centers.size(); ++i)
+        if ((p - centers[i]).squaredNorm() < (p - centers[nearest]).squaredNorm()) nearest = i;
+      sum[nearest] += p;
+      ++members[nearest];
+    }
+    for (std::size_t i = 0; i < centers.size(); ++i)
+      if (members[i] > 0) centers[i] = sum[i] / members[i];
+  }
+  return centers;
+}
+
+/// Uniformly distributed rotation: Shoemake, Uniform Random Rotations, Graphics Gems III, 1992.
+Matrix3 RandomRotation(std::uint32_t index) {
+  std::uint64_t state = index;
+  const double u = Uniform(MixBits(state += kSplitMixStep)), v = Uniform(MixBits(state += kSplitMixStep)),
+               w = Uniform(MixBits(state += kSplitMixStep));
+  const double turn = 2.0 * std::numbers::pi;
+  return Eigen::Quaterniond(std::sqrt(u) * std::cos(turn * w), std::sqrt(1.0 - u) * std::sin(turn * v),
+                            std::sqrt(1.0 - u) * std::cos(turn * v), std::sqrt(u) * std::sin(turn * w))
+      .toRotationMatrix();
+}
+
+Vector3 Pole(std::uint32_t i) { return OnSpiral(i, SplitTemplate::kPoles, -1.0); }
+
+double ToFloat(double value) { return static_cast<double>(static_cast<float>(value)); }
+
+SplitChild Child(const Vector3& x, double largest) {
+  SplitChild child{.x = Vector3(ToFloat(x.x()), ToFloat(x.y()), ToFloat(x.z()))};
+  child.radius = ToFloat(std::min(largest, 1.0 - child.x.norm()) * (1.0 - 1e-6));
+  return child;
+}
+
+}  // namespace
+
+SplitTemplate::SplitTemplate(int children) : children_(children) {
+  if (children < 8 || children > 1024)
+    throw std::invalid_argument(fmt::format("split: children: found {}, accepted 8 … 1024", children));
+  const int small = 3 * children / 8;
+  const std::vector<Vector3> all = SpreadInBall(children, kReach),
+                             others = SpreadInBall(children - small, kReach);
+  table_.reserve(kShapes * all.size());
+  for (std::uint32_t rotation = 0; rotation < kRotations; ++rotation) {
+    const Matrix3 R = RandomRotation(rotation);
+    for (const Vector3& x : all) table_.push_back(Child(R * x, 1.0));
+  }
+  for (std::uint32_t pole = 0; pole < kPoles; ++pole) {
+    const Matrix3 R = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), Pole(pole)).toRotationMatrix() *
+                      Eigen::AngleAxisd(kGoldenAngle * pole, Vector3::UnitZ()).toRotationMatrix();
+    const auto n = static_cast<std::uint32_t>(small);
+    for (std::uint32_t i = 0; i < n; ++i)
+      table_.push_back(Child((1.0 - kCapRadius) * (R * OnSpiral(i, n, std::cos(kCapAngle))), kCapRadius));
+    for (const Vector3& x : others) table_.push_back(Child(R * x, 1.0));
+  }
+}
+
+std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double min_radius_m, int threads) {
+  constexpr std::uint32_t kLooks = 48;
+  constexpr double kJustOutside = 1.001, kTouch_m = 1e-9;
+  constexpr double kOneSided =
+      0.3;  // below this mean length of the bare directions' sum, they point everywhere
+  std::vector<Ball> solid;
+  std::copy_if(balls.begin(), balls.end(), std::back_inserter(solid),
+               [](const Ball& b) { return b.radius_m > 0.0; });
+  const BallForest forest(solid);
+  std::vector<std::uint16_t> shapes(balls.size());
+  ParallelFor(balls.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      // Fibonacci hashing: the upper six bits of 32
+      std::uint32_t shape = (static_cast<std::uint32_t>(i) * 2654435761u) >> 26;
+      Vector3 bare = Vector3::Zero();
+      int count = 0;
+      for (std::uint32_t k = 0; k < kLooks && balls[i].radius_m > min_radius_m; ++k) {
+        const Vector3 d = OnSpiral(k, kLooks, -1.0);
+        const Vector3 p = Vector3(balls[i].center_m) + kJustOutside * balls[i].radius_m * d;
+        if (forest.Gap(p, kTouch_m) <= 0.0) continue;
+        bare += d;
+        ++count;
+      }
+      if (count > 0 && bare.norm() > kOneSided * count) {
+        std::uint32_t nearest = 0;
+        for (std::uint32_t pole = 1; pole < SplitTemplate::kPoles; ++pole)
+          if (Pole(pole).dot(bare) > Pole(nearest).dot(bare)) nearest = pole;
+        shape = SplitTemplate::kRotations + nearest;
+      }
+      shapes[i] = static_cast<std::uint16_t>(shape);
+    }
+  });
+  return shapes;
+}
+
+}  // namespace osteon::simulation

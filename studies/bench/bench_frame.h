@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "studies/bench/frame_timing.h"
+
+namespace osteon::app {
+
+/// Options of `osteon bench frame`.
+struct BenchFrameOptions {
+  std::filesystem::path config_root;
+  std::string scene{"acetabulum"};  ///< or "molar": its recorded motion and its burr
+  std::size_t spheres{0};           ///< 0: the scene's own packing
+  bool uniform{false};
+  std::size_t tool_spheres{1};
+  std::string method{"ours"};
+  std::string compare{};  ///< a second method, timed in the same run; empty: none
+  /// Engines that are timed in turn instead of methods: "vulkan", "cpu", "reference"; empty: none.
+  std::vector<std::string> engines{};
+  std::string device{};
+  std::size_t frames{2000};
+  double max_seconds{60.0};
+  double voxel_mm{0.25};
+  std::filesystem::path json{};
+};
+
+/// Makes and packs the workload that the options describe.
+/// @throws std::invalid_argument naming the parameter, its value and what is accepted.
+[[nodiscard]] simulation::FrameWorkload MakeBenchWorkload(const BenchFrameOptions& options);
+
+/// Times the workload's frames and prints the figures.
+/// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.
+[[nodiscard]] int RunBenchFrame(const BenchFrameOptions& options);
+
+/// Peak memory of this process so far [MB].
+[[nodiscard]] double PeakMemory_MB();
+
+}  // namespace osteon::app

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "simulation/fidelity/frame_workload.h"
+#include "studies/bench/method_engine.h"
+
+namespace osteon::app {
+
+struct FrameTimingParams {
+  std::vector<std::string> methods{"ours"};
+  std::string device;              ///< part of a Vulkan device's name
+  std::size_t frames{2000};        ///< to time
+  double max_seconds{60.0};        ///< of timing; at least 20 frames
+  double max_seat_seconds{600.0};  ///< limit for seating the tool; beyond it, seating fails
+  std::size_t pass_frames{200};    ///< frames of a second run that measures each pass or stage; 0: none
+  double voxel_m{0.25e-3};         ///< of the methods that have voxels
+  /// Receives progress text; may be empty.
+  std::function<void(const std::string&)> progress;
+};
+
+/// The frame times of one method.
+struct FrameTiming {
+  std::string method, device;
+  std::size_t elements{0};  ///< spheres, or voxels
+  std::size_t frames{0};
+  simulation::TimeFigures frame_us{};
+  double mean_us{0.0};
+  std::optional<double>
+      active_spheres_mean{};  ///< spheres that a frame worked on; nothing if the method does not report it
+  std::map<std::string, double> pass_us{};  ///< medians
+  double force_N{0.0};                      ///< mean coupling force, which shows that the tool pressed
+  double removed_mm3{0.0};                  ///< while the frames were timed
+  [[nodiscard]] double rate_hz() const { return frame_us.p50_us > 0.0 ? 1e6 / frame_us.p50_us : 0.0; }
+};
+
+/// The start of the timing, as the CPU engine has carved it where it is timed, and "ours" elsewhere.
+struct SeatedStart {
+  simulation::CarvedState state;
+  simulation::WorkloadPlayer player;
+  simulation::ContactModel last;
+};
+[[nodiscard]] tl::expected<SeatedStart, std::string> Seat(const simulation::FrameWorkload& work,
+                                                          const FrameTimingParams& params);
+
+/// Times the methods' frames on one workload, in this process and alternating frame by frame, so that other
+/// load on the machine affects all alike. The CPUs are kept awake as in a run (rt::KeepCpusAwake). Methods
+/// that share their state begin from the one that Seat carved until the tool was seated; the others carve
+/// their own. On Ctrl-C it ends early, with the frames so far.
+/// @param start  result of Seat on the same workload; null: made here if a method needs it
+[[nodiscard]] tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(
+    const simulation::FrameWorkload& work, const FrameTimingParams& params,
+    const SeatedStart* start = nullptr);
+
+}  // namespace osteon::app

@@ -1,0 +1,66 @@
+#include "studies/bench/method_engine.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "gpu/engine/vulkan_engine.h"
+#include "simulation/engine/reference_engine.h"
+#include "simulation/engine_cpu/cpu_engine.h"
+#include "simulation/methods/method.h"
+#include "simulation/removal/cut_metrics.h"
+
+namespace osteon::app {
+
+const std::vector<std::string>& MethodNames() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all{"ours", "brute", "cpu", "reference"};
+    for (const simulation::Method method : simulation::kMethods) all.emplace_back(MethodName(method));
+    return all;
+  }();
+  return names;
+}
+
+bool SharesState(const std::string& method) {
+  return method == "ours" || method == "brute" || method == "cpu" || method == "reference";
+}
+
+bool WantsDisjoint(const std::string& method) { return method == "paper" || method == "paper-printed"; }
+
+bool WantsVoxels(const std::string& method) { return method == "voxel" || method == "pointshell"; }
+
+tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeMethodEngine(
+    const simulation::Bone& bone, const simulation::Solid* solid, const simulation::Tool& tool,
+    const simulation::CuttingParams& cutting, const MethodChoice& choice) {
+  const Pose X_WG = Pose::Identity();
+  try {
+    if (choice.method == "reference")
+      return std::make_unique<simulation::ReferenceEngine>(bone, tool, X_WG, cutting);
+    if (choice.method == "cpu")
+      return std::make_unique<simulation::CpuEngine>(
+          bone, tool, X_WG, cutting, simulation::CpuParams{.time_stages = choice.time_passes});
+    for (const simulation::Method method : simulation::kMethods)
+      if (choice.method == MethodName(method))
+        return simulation::MakeMethod(method, bone, solid, tool, X_WG, cutting,
+                                      {.voxel_m = choice.voxel_m, .point_spacing_m = choice.voxel_m});
+  } catch (const std::invalid_argument& error) {
+    return tl::unexpected(choice.method + ": " + error.what());
+  }
+  auto engine = gpu::VulkanEngine::Create(
+      bone, tool, X_WG, cutting,
+      {.device = choice.device, .time_passes = choice.time_passes, .brute_force = choice.method == "brute"});
+  if (!engine) return tl::unexpected(engine.error());
+  return std::unique_ptr<simulation::CuttingEngine>(std::move(*engine));
+}
+
+std::unique_ptr<simulation::CarvedShape> ShapeOf(const simulation::CuttingEngine& engine) {
+  if (const auto* method = dynamic_cast<const simulation::MethodEngine*>(&engine)) return method->Shape();
+  return std::make_unique<simulation::BallUnion>(simulation::LiveBalls(engine.Snapshot()));
+}
+
+std::size_t ElementsOf(const simulation::CuttingEngine& engine, const simulation::Bone& bone) {
+  if (const auto* method = dynamic_cast<const simulation::MethodEngine*>(&engine))
+    return method->ElementCount();
+  return std::max(bone.balls.size(), simulation::LiveBalls(engine.Snapshot()).size());
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,230 @@
+#include "studies/calibrate/calibrate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/json_text.h"
+#include "base/write_text.h"
+#include "config/reading/load.h"
+#include "control/setup/calibration.h"
+#include "io/recording/recording_reader.h"
+#include "kinematics/lbr_arm.h"
+#include "kinematics/ortho_parallel_arm.h"
+#include "session/process/exit_code.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kStill_rad = 5e-4, kRest_s = 0.5, kSettle_s = 0.2, kSamePlace_rad = 0.02;
+constexpr double kFresh_s = 0.02;
+
+double Seconds(rt::Nanoseconds from, rt::Nanoseconds to) { return 1e-9 * static_cast<double>(to - from); }
+
+bool Usable(const control::TickRecord& tick) {
+  return tick.sensor_age_s <= kFresh_s && tick.input.sensor_trusted && tick.session_state != 0;
+}
+
+// The mean of ticks [first, last).
+RestingPose MeanOf(const std::vector<control::TickRecord>& ticks, std::size_t first, std::size_t last) {
+  RestingPose rest;
+  rest.begin_s = Seconds(ticks.front().stamp, ticks[first].stamp);
+  rest.seconds = Seconds(ticks[first].stamp, ticks[last - 1].stamp);
+  while (first + 1 < last && Seconds(ticks.front().stamp, ticks[first].stamp) < rest.begin_s + kSettle_s)
+    ++first;
+  const auto count = static_cast<double>(last - first);
+  Vector3 squares = Vector3::Zero();
+  for (std::size_t i = first; i < last; ++i) {
+    for (std::size_t j = 0; j < rest.q.size(); ++j) rest.q[j] += ticks[i].q_meas[j] / count;
+    rest.F_S.f += Vector3(ticks[i].input.F_sensor_S.f) / count;
+    rest.F_S.t += Vector3(ticks[i].input.F_sensor_S.t) / count;
+  }
+  for (std::size_t i = first; i < last; ++i)
+    squares += (Vector3(ticks[i].input.F_sensor_S.f) - rest.F_S.f).cwiseAbs2() / count;
+  rest.force_sd_N = std::sqrt(squares.maxCoeff());
+  return rest;
+}
+
+bool SamePlace(const RestingPose& a, const RestingPose& b) {
+  for (std::size_t j = 0; j < a.q.size(); ++j)
+    if (std::abs(a.q[j] - b.q[j]) > kSamePlace_rad) return false;
+  return true;
+}
+
+void KeepLonger(const RestingPose& rest, std::vector<RestingPose>& rests) {
+  for (RestingPose& known : rests) {
+    if (!SamePlace(known, rest)) continue;
+    if (rest.seconds > known.seconds) known = rest;
+    return;
+  }
+  rests.push_back(rest);
+}
+
+Pose FlangePose(const config::CellConfig& cell, const RestingPose& rest) {
+  if (const config::SixAxisConfig* arm = cell.robot.six_axis())
+    return cell.X_WB * kinematics::OrthoParallelArm(arm->params)
+                           .FlangePose(Eigen::Map<const kinematics::OrthoParallelArm::Joints>(rest.q.data()));
+  return cell.X_WB * kinematics::LbrArm(cell.robot.lbr()->params)
+                         .FlangePose(Eigen::Map<const kinematics::JointVector>(rest.q.data()));
+}
+
+tl::expected<std::vector<RestingPose>, std::string> RestsOf(const std::filesystem::path& file) {
+  const auto recording = io::ReadRecording(file);
+  if (!recording) return tl::unexpected(recording.error());
+  std::vector<RestingPose> rests = FindRestingPoses(recording->ticks);
+  if (rests.empty())
+    return tl::unexpected(fmt::format("{}: found no rest of {} s in {} ticks", file.string(), kRest_s,
+                                      recording->ticks.size()));
+  return rests;
+}
+
+nlohmann::ordered_json Triple(const Vector3& v, double scale) {
+  return nlohmann::ordered_json::array({scale * v.x(), scale * v.y(), scale * v.z()});
+}
+std::string Text(const Vector3& v, double scale) {
+  return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", scale * v.x(), scale * v.y(), scale * v.z());
+}
+
+struct Result {
+  std::optional<control::PayloadFit> payload;
+  Vector3 center_F_m{Vector3::Zero()};
+  std::size_t payload_poses{0};
+  std::optional<control::PivotFit> pivot;
+  std::size_t pivot_poses{0};
+};
+
+std::string ToYaml(const Result& result, const std::string& command_line) {
+  std::string yaml = "# What hangs on the flange, as measured. Written by\n#   " + command_line +
+                     "\n# A cell's file names it: calibration: FILE\n";
+  if (result.payload)
+    yaml += fmt::format(
+        "# {} poses; residual {:.3g} N, {:.3g} N·m\npayload:\n  mass_kg: {:.6g}\n  center_mm: {}\n  bias_N: "
+        "{}\n"
+        "  bias_Nm: {}\n",
+        result.payload_poses, result.payload->residual_N, result.payload->residual_Nm,
+        result.payload->mass_kg, Text(result.center_F_m, 1e3), Text(result.payload->bias_S.f, 1.0),
+        Text(result.payload->bias_S.t, 1.0));
+  if (result.pivot)
+    yaml += fmt::format("# {} poses; residual {:.3g} mm, worst {:.3g} mm\ntcp_mm: {}\n", result.pivot_poses,
+                        1e3 * result.pivot->residual_m, 1e3 * result.pivot->worst_m,
+                        Text(result.pivot->p_FT_m, 1e3));
+  return yaml;
+}
+
+nlohmann::ordered_json ToJson(const Result& result, const CalibrateOptions& options) {
+  nlohmann::ordered_json json{{"schema", "osteon.calibrate/1"},
+                              {"cell", options.cell.string()},
+                              {"tcp", nullptr},
+                              {"payload", nullptr},
+                              {"residual", nlohmann::ordered_json::object()},
+                              {"overlay", options.out.string()},
+                              {"command", options.command_line}};
+  if (const auto& payload = result.payload) {
+    json["payload"] = {{"mass_kg", payload->mass_kg},
+                       {"mass_sd_kg", payload->mass_sd_kg},
+                       {"center_mm", Triple(result.center_F_m, 1e3)},
+                       {"center_sd_mm", 1e3 * payload->center_sd_m},
+                       {"bias_N", Triple(payload->bias_S.f, 1.0)},
+                       {"bias_Nm", Triple(payload->bias_S.t, 1.0)},
+                       {"poses", result.payload_poses}};
+    json["residual"]["payload_N"] = payload->residual_N;
+    json["residual"]["payload_Nm"] = payload->residual_Nm;
+  }
+  if (const auto& pivot = result.pivot) {
+    json["tcp"] = {{"position_mm", Triple(pivot->p_FT_m, 1e3)},
+                   {"sd_mm", 1e3 * pivot->sd_m},
+                   {"point_in_world_mm", Triple(pivot->p_WT_m, 1e3)},
+                   {"poses", result.pivot_poses}};
+    json["residual"]["tcp_mm"] = 1e3 * pivot->residual_m;
+    json["residual"]["tcp_worst_mm"] = 1e3 * pivot->worst_m;
+  }
+  return json;
+}
+
+void Print(const Result& result, const CalibrateOptions& options) {
+  const auto row = [](const char* name, const std::string& value) {
+    fmt::print("  {:<22} {}\n", name, value);
+  };
+  fmt::print("Osteon calibrate: {}\n", options.cell.stem().string());
+  if (const auto& payload = result.payload) {
+    row("Payload", fmt::format("{:.3f} ± {:.3f} kg, from {} poses", payload->mass_kg, payload->mass_sd_kg,
+                               result.payload_poses));
+    row("Its centre, in F",
+        fmt::format("{} ± {:.2f} mm", Text(result.center_F_m, 1e3), 1e3 * payload->center_sd_m));
+    row("Bias", fmt::format("{} N, {} N·m", Text(payload->bias_S.f, 1.0), Text(payload->bias_S.t, 1.0)));
+    row("Residual", fmt::format("{:.3f} N, {:.4f} N·m rms", payload->residual_N, payload->residual_Nm));
+  }
+  if (const auto& pivot = result.pivot) {
+    row("Tool's apex, in F", fmt::format("{} ± {:.3f} mm, from {} poses", Text(pivot->p_FT_m, 1e3),
+                                         1e3 * pivot->sd_m, result.pivot_poses));
+    row("Residual",
+        fmt::format("{:.3f} mm rms, {:.3f} mm at worst", 1e3 * pivot->residual_m, 1e3 * pivot->worst_m));
+  }
+  row("Written", options.out.string() + ": name it in the cell's file as its `calibration`");
+}
+
+}  // namespace
+
+std::vector<RestingPose> FindRestingPoses(const std::vector<control::TickRecord>& ticks) {
+  std::vector<RestingPose> rests;
+  std::size_t first = 0;
+  const auto end = [&](std::size_t last) {
+    if (last > first && Seconds(ticks[first].stamp, ticks[last - 1].stamp) >= kRest_s)
+      KeepLonger(MeanOf(ticks, first, last), rests);
+    first = last;
+  };
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    if (!Usable(ticks[i])) {
+      end(i);
+      first = i + 1;
+      continue;
+    }
+    for (std::size_t j = 0; j < ticks[i].q_meas.size(); ++j)
+      if (!(std::abs(ticks[i].q_meas[j] - ticks[first].q_meas[j]) <= kStill_rad)) {
+        end(i);
+        break;
+      }
+  }
+  end(ticks.size());
+  return rests;
+}
+
+int RunCalibrate(const CalibrateOptions& options) {
+  const config::CellConfig cell = config::LoadCell(options.cell);
+  Result result;
+  if (!options.payload.empty()) {
+    const auto rests = RestsOf(options.payload);
+    if (!rests) return Fail("calibrate", rests.error());
+    const Pose X_FS = cell.servo.sensor.X_FS;
+    std::vector<control::RestPose> poses;
+    for (const RestingPose& rest : *rests)
+      poses.push_back({.R_WS = (FlangePose(cell, rest) * X_FS).linear(), .F_S = rest.F_S});
+    const auto fit = control::FitPayload(poses);
+    if (!fit) return Fail("calibrate", options.payload.string() + ": " + fit.error(), kFailed);
+    result.payload = *fit;
+    result.center_F_m = X_FS * fit->center_S_m;
+    result.payload_poses = poses.size();
+  }
+  if (!options.pivot.empty()) {
+    const auto rests = RestsOf(options.pivot);
+    if (!rests) return Fail("calibrate", rests.error());
+    std::vector<Pose> poses;
+    for (const RestingPose& rest : *rests) poses.push_back(FlangePose(cell, rest));
+    const auto fit = control::FitPivot(poses);
+    if (!fit) return Fail("calibrate", options.pivot.string() + ": " + fit.error(), kFailed);
+    result.pivot = *fit;
+    result.pivot_poses = poses.size();
+  }
+  if (const auto written = WriteText(options.out, ToYaml(result, options.command_line)); !written)
+    return Fail("calibrate", written.error(), kFailed);
+  if (!options.json.empty())
+    if (const auto written = WriteText(options.json, JsonText(ToJson(result, options))); !written)
+      return Fail("calibrate", written.error(), kFailed);
+  Print(result, options);
+  return 0;
+}
+
+}  // namespace osteon::app

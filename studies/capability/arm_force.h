@@ -1,0 +1,68 @@
+#pragma once
+
+#include <limits>
+
+#include "kinematics/force_capability.h"
+#include "kinematics/lbr_arm.h"
+#include "kinematics/serial_chain.h"
+#include "studies/capability/capability_task.h"
+
+namespace osteon::app {
+
+/// The forces at the tool's apex that an arm can hold in one posture, or the least over several [N]. Help
+/// from gravity counts only in axial_exact_N; the others are what the servo loop's limiter permits.
+struct ToolForce {
+  double axial_N{std::numeric_limits<double>::infinity()};  ///< along the tool, no other load
+  double lateral_N{
+      std::numeric_limits<double>::infinity()};  ///< across it, in the weakest direction, no other load
+  double pressed_lateral_N{
+      std::numeric_limits<double>::infinity()};  ///< across it while the needed axial force and torque act
+  double axial_exact_N{
+      std::numeric_limits<double>::infinity()};  ///< resisting along the tool, gravity's help counted
+  /// Fraction of the whole need, applied at once, that can be held: at least 1 if the arm is sufficient.
+  double factor{std::numeric_limits<double>::infinity()};
+  int factor_joint{-1}, axial_joint{-1},
+      lateral_joint{-1};  ///< 0 … 6: the joint that reaches its torque limit first; -1: the cap
+  double joint_room_rad{
+      std::numeric_limits<double>::infinity()};  ///< distance to the arm's nearest own position limit
+  int room_joint{-1};
+
+  /// Keeps the lesser of each figure.
+  void Worsen(const ToolForce& other);
+};
+
+/// The force capability of an arm with payload and tool, on a base that is fixed in the world.
+class ArmForce {
+ public:
+  /// @throws std::invalid_argument if the arm is not an LBR or has no masses or torque limits.
+  /// @param arm  with sensor and tool as payload  @param R_WB  orientation of its base
+  ArmForce(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, const Pose& X_FT,
+           const CapabilityNeed& need);
+
+  /// Computes all figures at joint positions q. @param base_turn_rad  turn of the base about its own axis,
+  /// from R_WB
+  [[nodiscard]] ToolForce At(const kinematics::JointVector& q, double base_turn_rad = 0.0) const;
+  /// Computes At(q).factor alone; faster.
+  [[nodiscard]] double Factor(const kinematics::JointVector& q, double base_turn_rad = 0.0) const;
+  /// The centres of elbow and wrist, in B.
+  struct Places {
+    Vector3 p_B_elbow, p_B_wrist;
+  };
+  [[nodiscard]] Places PlacesOf(const kinematics::JointVector& q) const;
+
+ private:
+  struct Held {
+    kinematics::Jacobian J_T_B;
+    kinematics::JointVector gravity_Nm;
+    Vector3 axis_B;
+  };
+  [[nodiscard]] Held Hold(const kinematics::JointVector& q, double base_turn_rad) const;
+
+  kinematics::SerialChain<7> chain_;
+  kinematics::LbrParams lbr_;
+  Pose X_FT_;
+  CapabilityNeed need_;
+  kinematics::JointVector torque_limit_Nm_;
+};
+
+}  // namespace osteon::app

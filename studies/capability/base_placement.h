@@ -1,0 +1,89 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "studies/capability/arm_force.h"
+
+// Searches the place in the room for an LBR's base from which its tool's forces are available throughout a
+// task.
+//
+// A base is judged at one arm angle and one configuration, since the servo loop keeps both through a run. Its
+// value is the factor of the whole need (ArmForce::Factor), least over all poses of the task, at the best arm
+// angle. The value is zero if a pose can't be reached within the joint margin, if elbow or wrist is
+// straighter than the least bend (near a straight joint the force along the arm and the joint speeds grow
+// without bound), or if elbow or wrist would lie beyond the workspace's plane.
+
+namespace osteon::app {
+
+/// Returns the arm with its position limits narrowed by a margin on both sides.
+[[nodiscard]] kinematics::LbrParams DrawnIn(kinematics::LbrParams params, double margin_rad);
+
+struct AxisRange {
+  double from{0.0}, to{0.0};
+};
+
+struct BasePlacementParams {
+  AxisRange x_m, y_m, z_m;   ///< ranges of the base's origin, in W
+  double clearance_m{0.35};  ///< least distance of the site's centre from the base's axis, across that axis
+  double joint_margin_rad{0.0872664625997165};  ///< distance kept from the position limits (5 deg)
+  double min_bend_rad{0.261799387799149};       ///< of A4 and A6 from straight (15 deg)
+  Vector3 now_W_m{Vector3::Zero()};  ///< where the base stands now; of equally good places the nearest wins
+  double moving_share_per_m{0.01};   ///< relative gain that a place must bring per metre of distance
+  double step_m{0.05};               ///< of the first grid
+  double final_step_m{0.005};
+  int arm_angles{36};  ///< samples of the elbow's circle
+  int starts{6};       ///< grid places that are refined
+  int threads{2};
+};
+
+/// A base and its value.
+struct BaseFigure {
+  Pose X_WB{Pose::Identity()};
+  double arm_angle_rad{0.0};
+  unsigned configurations{0};  ///< bit c: configuration c does the whole task; 0: none does
+  double factor{0.0};          ///< of the whole need at once, least over the task
+};
+
+class BasePlacement {
+ public:
+  /// @param arm  with payload  @param R_WB  direction of the base's axis; turns about that axis are free
+  BasePlacement(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, const Pose& X_FT,
+                const TaskVolume& task, const CapabilityNeed& need, const BasePlacementParams& params);
+
+  /// Judges a base at a place, turned so that A1 faces the site, at the best of the sampled arm angles.
+  [[nodiscard]] BaseFigure Judge(const Vector3& p_WB) const;
+  /// Judges it at a given arm angle, with the task sampled finely.
+  [[nodiscard]] BaseFigure Judge(const Vector3& p_WB, double arm_angle_rad) const;
+
+  /// Searches a grid, then refines its best places by compass search over x, y, z and the arm angle, with the
+  /// task sampled finely. The result is rounded to whole millimetres and degrees, and judged as rounded.
+  /// Deterministic.
+  /// @returns nothing if the task can't be done from any place within the ranges.
+  [[nodiscard]] std::optional<BaseFigure> Best(const std::function<bool()>& stop) const;
+
+  /// Turns the base about its axis, by whole degrees, until A1's range over the task is centred in its
+  /// limits.
+  [[nodiscard]] BaseFigure Centred(const BaseFigure& figure) const;
+
+  /// The worst of each figure over the finely sampled task, in the first of the base's configurations.
+  [[nodiscard]] ToolForce Forces(const BaseFigure& figure) const;
+
+ private:
+  [[nodiscard]] Pose Facing(const Vector3& p_WB) const;
+  [[nodiscard]] double TurnOf(const Pose& X_WB) const;
+  [[nodiscard]] double Score(const BaseFigure& figure) const;
+  [[nodiscard]] bool Stands(const Vector3& p_WB) const;
+  [[nodiscard]] BaseFigure JudgeAt(const Pose& X_WB, double arm_angle_rad, const std::vector<Pose>& poses,
+                                   double least) const;
+
+  kinematics::LbrArm arm_;  ///< limits narrowed by the margin
+  ArmForce force_;
+  Matrix3 R_WB_;
+  Pose X_TF_;
+  TaskVolume task_;
+  BasePlacementParams params_;
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "studies/capability/base_placement.h"
+
+namespace osteon::app {
+
+/// Direction of the base's axis.
+enum class Mount { kCell, kFloor, kCeiling };
+
+struct CapabilityOptions {
+  std::filesystem::path cell;
+  std::filesystem::path out{"capability"};
+  std::filesystem::path json{};  ///< a second copy of capability.json
+  std::filesystem::path
+      recording{};  ///< of a run: gives the lateral force that its tool needed; empty: the cell's limits
+  std::optional<double> axial_N{}, lateral_N{}, radius_mm{};
+  double torque_Nm{0.0};
+  Mount mount{Mount::kCell};
+  std::optional<std::array<double, 2>> x_mm{}, y_mm{}, z_mm{};  ///< where the base may stand, in W
+  double clearance_mm{350.0};
+  double joint_margin_deg{5.0};
+  int nodes{61};      ///< of a map, across the workspace
+  bool search{true};  ///< look for a better base
+  int threads{2};
+  std::string command_line{};
+};
+
+/// Runs `osteon capability CELL.yaml`: maps the force that the arm can hold over the cell's task, and
+/// searches for the base from which it holds most. Writes capability.json, .csv, .html, pictures, and
+/// base.yaml into a folder.
+/// @returns the process's exit code: 0, whatever the verdict; 1 if a file can't be written; 2 bad input;
+/// 130 ended by Ctrl-C.
+[[nodiscard]] int RunCapability(const CapabilityOptions& options);
+
+}  // namespace osteon::app

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "report/report.h"
+#include "session/summary/verdict.h"
+#include "studies/capability/base_placement.h"
+#include "studies/capability/capability_map.h"
+
+// The result of `osteon capability` and its forms: rows, JSON, CSV, pictures, an overlay for the cell.
+
+namespace osteon::app {
+
+/// How the forces depend on the base's place: the guaranteed axial force while the whole need acts at once
+/// [N]; NaN if the task can't be done.
+struct BasePanel {
+  std::string title, x_label, y_label;
+  double x_from_m{0.0}, y_from_m{0.0}, step_m{0.0};
+  int nx{0}, ny{0};
+  std::vector<double> force_N;
+  std::array<double, 2> site{}, own{}, best{};  ///< [m]
+};
+
+struct CapabilityResult {
+  std::string cell, tool;
+  TaskVolume task;
+  CapabilityNeed need;
+  Pose X_WB{Pose::Identity()};
+  double own_arm_angle_rad{0.0};
+  CapabilityMap::Task best_angle, own_angle;
+  std::vector<MapPanel> maps;
+  BasePlacementParams search;
+  bool searched{false};
+  std::optional<BaseFigure> base;  ///< the best; nothing if none was looked for or found
+  ToolForce base_force;
+  std::vector<BasePanel> base_panels;
+};
+
+/// Bad if the arm can't hold both needs over the whole task from the cell's own base at any arm angle. To be
+/// looked at if it can, but not at the cell's arm angle, or if no better base was found.
+[[nodiscard]] Verdict Judge(const CapabilityResult& result);
+
+[[nodiscard]] std::vector<SummaryRow> Rows(const CapabilityResult& result);
+/// JSON, schema osteon.capability/1.
+[[nodiscard]] std::string ToJson(const CapabilityResult& result, const std::string& command_line);
+/// The map's nodes as CSV, one a line.
+[[nodiscard]] std::string MapCsv(const CapabilityResult& result);
+/// YAML that replaces the corresponding lines of the cell's file.
+[[nodiscard]] std::string BaseYaml(const CapabilityResult& result, const std::string& command_line);
+
+/// Draws axial and lateral force on two planes.
+[[nodiscard]] std::string MapSvg(const CapabilityResult& result, bool own_arm_angle);
+/// Draws the base panels; empty if there are none.
+[[nodiscard]] std::string BaseSvg(const CapabilityResult& result);
+
+/// A base's rotation as turns about the fixed x, then y, then z axis, as the cell's file states them.
+[[nodiscard]] Vector3 RollPitchYaw(const Matrix3& R);
+
+}  // namespace osteon::app

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/reading/cell_config.h"
+
+// Where the tool of a cell goes and what it must be able to press: the demand of a capability study on the
+// arm.
+//
+//        ┆ tilt cone ┆     the tool's axis, within `tilt` of the site's
+//         ╲    │    ╱
+//       ┌──╲───│───╱──┐ top      where the script begins, above the site's centre
+//       │   ╲  │  ╱   │
+//       │    ╲ │ ╱    │          the centre of the tool's head: a cylinder about the site's axis
+//       │      ●      │ 0
+//       └─────────────┘ bottom   where the push ends
+//        ◀─ radius ─▶
+
+namespace osteon::app {
+
+/// The forces and the torque that the arm has to resist at the tool's apex.
+struct CapabilityNeed {
+  double axial_N{0.0};       ///< resisted along the tool
+  double lateral_N{0.0};     ///< across it, in any direction, at the same time
+  double torque_Nm{0.0};     ///< about any axis, at the same time
+  std::string lateral_from;  ///< source of lateral_N
+};
+
+/// The working volume and the tilt cone, in the site's frame C. Without poses whose apex lies outside the
+/// workspace.
+struct TaskVolume {
+  Pose X_WC{Pose::Identity()};
+  double radius_m{0.0};
+  double bottom_m{0.0}, top_m{0.0};
+  double tilt_rad{0.0};
+  double head_radius_m{0.0};  ///< distance of the apex ahead of the head's centre
+  double tool_yaw_rad{0.0};
+  safety::WorkspaceParams workspace;
+};
+
+/// Derives the task from a cell's script.
+/// @param radius_m  of the cylinder; none: the head's radius plus the script's swing, so that the site may
+/// lie one
+///   head radius beside its planned place
+[[nodiscard]] TaskVolume TaskOf(const config::CellConfig& cell, const std::optional<double>& radius_m = {});
+
+/// The need of a cell: its force limit along the tool, and across the tool the lateral force of its posture.
+[[nodiscard]] CapabilityNeed NeedOf(const config::CellConfig& cell);
+
+/// Sampling of a task.
+struct TaskFineness {
+  int heights{3}, around{8}, azimuths{8};
+};
+inline constexpr TaskFineness kCoarseTask{.heights = 2, .around = 4, .azimuths = 4};
+
+/// Returns X_WT with the head's centre at a place: the tool along the site's axis first, then tilted to the
+/// cone's edge all round.
+/// @param first_rad  azimuth of the first tilt about the site's axis, from its x. Pass the direction of the
+/// base:
+///   then the arm's worst directions (toward the base, away from it, to the sides) are among the samples
+[[nodiscard]] std::vector<Pose> TiltCone(const TaskVolume& task, const Vector3& p_W_head, int azimuths,
+                                         double first_rad);
+
+/// Azimuth of a base about the site's axis, from the site's x.
+[[nodiscard]] double DirectionOf(const TaskVolume& task, const Vector3& p_WB);
+
+/// Samples X_WT over the volume: each height's centre and rim, each with its tilt cone. The forces are worst
+/// at the volume's edges, where the levers are longest, so inside only the axis is sampled.
+[[nodiscard]] std::vector<Pose> TaskPoses(const TaskVolume& task, const TaskFineness& fineness,
+                                          double first_rad);
+
+}  // namespace osteon::app

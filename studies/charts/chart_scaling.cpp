@@ -1,0 +1,304 @@
+#include "studies/charts/chart_scaling.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/interrupt.h"
+#include "report/svg_plot.h"
+#include "report/svg_text.h"
+#include "session/process/exit_code.h"
+#include "session/summary/chart_files.h"
+#include "session/summary/summary.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr const char* kFixed = "ours, cut zone as it is";
+constexpr const char* kUniform = "ours, all of the bone alike";
+constexpr const char* kBrute = "the same without culling";
+constexpr std::array<std::size_t, 9> kCounts{1'000,   3'000,     10'000,    30'000,    100'000,
+                                             300'000, 1'000'000, 3'000'000, 10'000'000};
+constexpr std::size_t kBruteFrames = 60, kMinFrames = 20;
+
+void Say(const std::string& text) { fmt::print(stderr, "osteon chart scaling: {}\n", text); }
+
+class Scaling {
+ public:
+  explicit Scaling(const ScalingOptions& options) : options_(options) {
+    result_.max_spheres = options.max_spheres;
+    result_.frames = options.frames;
+  }
+
+  // Measures everything; an error if nothing can be measured here.
+  tl::expected<ScalingResult, std::string> Measure() {
+    for (const std::size_t count : kCounts) {
+      if (count > options_.max_spheres || Interrupted()) break;
+      for (const bool uniform : {false, true}) {
+        if (Interrupted()) break;
+        if (const auto measured = MeasureCount(count, uniform); !measured)
+          return tl::unexpected(measured.error());
+      }
+    }
+    result_.interrupted = Interrupted();
+    return std::move(result_);
+  }
+
+ private:
+  FrameTimingParams Params(const std::string& method, std::size_t frames) const {
+    return {.methods = {method},
+            .device = options_.device,
+            .frames = frames,
+            .max_seconds = options_.max_seconds,
+            .max_seat_seconds = options_.max_seconds,
+            .pass_frames = 0,
+            .progress = {}};
+  }
+
+  // Adds a point; leaves it out if there are too few frames for a median (a signal may end the timing before
+  // the first frame). @returns whether it was added
+  bool Add(const char* series, std::size_t count, const simulation::FrameWorkload& work,
+           const FrameTiming& timing) {
+    if (timing.frames < kMinFrames) {
+      LeaveOut(series, count, "it was ended before there were enough frames");
+      return false;
+    }
+    result_.device = timing.device;
+    result_.tool_spheres = work.cutting_balls;
+    result_.points.push_back({.series = series,
+                              .spheres = work.bone.balls.size(),
+                              .cut_zone_m = work.cut_zone_m,
+                              .timing = timing});
+    Say(fmt::format("{}: {} spheres: {:.1f} us a frame", series, work.bone.balls.size(),
+                    timing.frame_us.p50_us));
+    return true;
+  }
+
+  void LeaveOut(const char* series, std::size_t count, const std::string& why) {
+    result_.left_out.push_back(fmt::format("{}, {} spheres: {}", series, count, why));
+    if (std::string_view(series) != kBrute) ++result_.ours_left_out;
+    Say("left out: " + result_.left_out.back());
+  }
+
+  tl::expected<void, std::string> MeasureCount(std::size_t count, bool uniform) {
+    const char* series = uniform ? kUniform : kFixed;
+    simulation::FrameWorkloadParams params = simulation::CupWorkload();
+    params.spheres = count;
+    if (uniform) params.grade = simulation::CountedGrade::kUniform;
+    const simulation::FrameWorkload work = simulation::MakeFrameWorkload(params);
+    const auto seated = Seat(work, Params("ours", options_.frames));
+    if (!seated) {
+      if (result_.points.empty() && !Interrupted()) return tl::unexpected(seated.error());
+      LeaveOut(series, count, seated.error());
+      return {};
+    }
+    const auto timed = TimeFrames(work, Params("ours", options_.frames), &*seated);
+    if (!timed) return tl::unexpected(timed.error());
+    if (!Add(series, count, work, timed->front()) || uniform) return {};
+
+    // without culling a frame's time is proportional to the number of spheres: skip points that would take
+    // too long
+    const double expected_s = brute_us_per_sphere_ * 1e-6 * static_cast<double>(work.bone.balls.size()) *
+                              static_cast<double>(kMinFrames);
+    if (brute_refused_) return {};
+    if (expected_s > options_.max_seconds) {
+      LeaveOut(kBrute, count, fmt::format("{} frames would take {:.0f} s", kMinFrames, expected_s));
+      return {};
+    }
+    const auto brute = TimeFrames(work, Params("brute", kBruteFrames), &*seated);
+    if (!brute) {
+      brute_refused_ = true;
+      LeaveOut(kBrute, count, brute.error());
+      return {};
+    }
+    if (!Add(kBrute, count, work, brute->front())) return {};
+    brute_us_per_sphere_ = brute->front().frame_us.p50_us / static_cast<double>(work.bone.balls.size());
+    return {};
+  }
+
+  const ScalingOptions& options_;
+  ScalingResult result_;
+  double brute_us_per_sphere_{0.0};
+  bool brute_refused_{false};
+};
+
+std::string Csv(const ScalingResult& result) {
+  std::string csv =
+      "series,spheres,tool_spheres,cut_zone_mm,frames,rate_hz,frame_us_p50,frame_us_p95,frame_us_p99,frame_"
+      "us_p999,"
+      "active_spheres_mean\n";
+  for (const ScalingPoint& point : result.points) {
+    const FrameTiming& t = point.timing;
+    csv += fmt::format("\"{}\",{},{},{:.4f},{},{:.2f},{:.1f},{:.1f},{:.1f},{:.1f},{}\n", point.series,
+                       point.spheres, result.tool_spheres, point.cut_zone_m * 1e3, t.frames, t.rate_hz(),
+                       t.frame_us.p50_us, t.frame_us.p95_us, t.frame_us.p99_us, t.frame_us.p999_us,
+                       t.active_spheres_mean ? fmt::format("{:.1f}", *t.active_spheres_mean) : "");
+  }
+  return csv;
+}
+
+std::vector<std::vector<std::string>> TableOf(const ScalingResult& result) {
+  std::vector<std::vector<std::string>> rows{
+      {"series", "spheres", "spacing where it is cut [mm]", "frames", "rate [Hz]", "p50 [us]", "p99 [us]"}};
+  for (const ScalingPoint& point : result.points)
+    rows.push_back({point.series, Number(static_cast<double>(point.spheres), 0),
+                    Number(point.cut_zone_m * 1e3), Number(static_cast<double>(point.timing.frames), 0),
+                    Number(point.timing.rate_hz()), Number(point.timing.frame_us.p50_us),
+                    Number(point.timing.frame_us.p99_us)});
+  return rows;
+}
+
+int Run(const ScalingOptions& options) {
+  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
+    return Fail("chart scaling", wrong);
+  InstallInterrupt();
+  const auto result = Scaling(options).Measure();
+  if (!result) return Fail("chart scaling", result.error(), kFailed);
+  if (result->points.empty())
+    return Interrupted() ? kExitInterrupted : Fail("chart scaling", "nothing was measured", kFailed);
+
+  const Verdict verdict = Judge(*result);
+  const std::string machine = MachineName(), json = ScalingJson(*result, machine);
+  std::vector<std::string> notes{
+      fmt::format("{}; {}. A 50 mm reamer, pressed into the cup by 100 N at 250 rpm, is timed once it is "
+                  "seated. With the cut "
+                  "zone as it is, more spheres fill the bone below it; from 100 000 spheres to the most the "
+                  "median frame grows "
+                  "by {:.2f}. Rates are one over the median; bars reach to the 95th percentile.",
+                  result->device, machine, result->Growth())};
+  for (const std::string& left : result->left_out) notes.push_back("Not measured: " + left);
+  const ChartFiles chart{.name = "scaling",
+                         .title = "Frame rate against number of spheres",
+                         .verdict = verdict.ForReport(),
+                         .svg = ScalingSvg(*result),
+                         .caption = "After figure 4 of Kaluschke et al., IEEE VR 2019.",
+                         .csv = Csv(*result),
+                         .json = json,
+                         .json_copy = options.json,
+                         .table = TableOf(*result),
+                         .notes = notes};
+  if (const auto written = WriteChart(chart, options.out); !written)
+    return Fail("chart scaling", written.error(), kFailed);
+  PrintVerdict(verdict, 28);
+  for (const auto& row : chart.table)
+    fmt::print("{:<28} {:>12} {:>10} {:>12} {:>12}\n", row[0], row[1], row[4].substr(0, 12), row[5], row[6]);
+  fmt::print("{}\n", (options.out / "scaling.html").string());
+  return Interrupted() ? kExitInterrupted : 0;
+}
+
+}  // namespace
+
+Verdict Judge(const ScalingResult& result) {
+  Verdict verdict;
+  if (result.interrupted)
+    verdict.Add(
+        VerdictLevel::kBad,
+        fmt::format(
+            "it was ended by a signal: the chart is incomplete, {} points were measured of those up to "
+            "{} spheres",
+            result.points.size(), result.max_spheres));
+  else if (result.ours_left_out > 0)
+    verdict.Add(VerdictLevel::kWarning,
+                fmt::format("the chart is incomplete: {} of our own points were not measured, see the notes",
+                            result.ours_left_out));
+  const auto few = std::ranges::count_if(result.points, [&](const ScalingPoint& point) {
+    return point.series != kBrute && point.timing.frames < result.frames;
+  });
+  if (few > 0)
+    verdict.Add(VerdictLevel::kWarning,
+                fmt::format("{} of our own points were timed over fewer frames than the {} asked for", few,
+                            result.frames));
+  return verdict;
+}
+
+double ScalingResult::Growth() const {
+  const ScalingPoint *first = nullptr, *last = nullptr;
+  const auto off = [](const ScalingPoint& point) {
+    return std::abs(std::log(static_cast<double>(point.spheres) / 1e5));
+  };
+  for (const ScalingPoint& point : points) {
+    if (point.series != kFixed) continue;
+    if (first == nullptr || off(point) < off(*first)) first = &point;
+    last = &point;
+  }
+  return first == last || !(first->timing.frame_us.p50_us > 0.0)
+             ? 0.0
+             : last->timing.frame_us.p50_us / first->timing.frame_us.p50_us;
+}
+
+std::string ScalingSvg(const ScalingResult& result) {
+  LineChart chart{.title = "Cutting frames a second",
+                  .x_label = "spheres in the bone",
+                  .y_label = "frame rate [Hz]",
+                  .log_x = true,
+                  .log_y = true,
+                  .plot_height_px = 380.0};
+  const std::pair<const char*, Marker> series[] = {
+      {kFixed, Marker::kCircle}, {kUniform, Marker::kSquare}, {kBrute, Marker::kTriangle}};
+  double least = HUGE_VAL, most = 0.0;
+  for (const auto& [name, marker] : series) {
+    Series drawn{.name = name, .width_px = 1.8, .marker = marker};
+    for (const ScalingPoint& point : result.points) {
+      if (point.series != name) continue;
+      drawn.x.push_back(static_cast<double>(point.spheres));
+      drawn.y.push_back(point.timing.rate_hz());
+      drawn.y_low.push_back(1e6 / point.timing.frame_us.p95_us);
+      drawn.y_high.push_back(point.timing.rate_hz());
+      least = std::min(least, drawn.y_low.back());
+      most = std::max(most, drawn.y.back());
+    }
+    if (!drawn.x.empty()) chart.series.push_back(std::move(drawn));
+  }
+  chart.series.push_back({.name = "the paper: 1 kHz up to 300 000 (GTX 1080 Ti)",
+                          .x = {300e3},
+                          .y = {1e3},
+                          .color = kTextColor,
+                          .width_px = 0.0,
+                          .marker = Marker::kCross});
+  chart.limits.push_back({.value = 1e3, .label = "1 kHz"});
+  chart.y = Range{std::min(least, 500.0) / 1.4, std::max(most, 1.5e3) * 1.4};
+  return Svg(chart, 860.0);
+}
+
+std::string ScalingJson(const ScalingResult& result, const std::string& machine) {
+  nlohmann::ordered_json json{{"schema", "osteon.chart.scaling/1"},
+                              {"subcommand", "chart scaling"},
+                              {"device", result.device},
+                              {"machine", machine},
+                              {"tool_spheres", result.tool_spheres},
+                              {"growth", result.Growth()},
+                              {"left_out", result.left_out},
+                              {"points", nlohmann::ordered_json::array()}};
+  for (const ScalingPoint& point : result.points) {
+    const FrameTiming& t = point.timing;
+    nlohmann::ordered_json entry{{"series", point.series},
+                                 {"method", t.method},
+                                 {"spheres", point.spheres},
+                                 {"cut_zone_mm", point.cut_zone_m * 1e3},
+                                 {"frames", t.frames},
+                                 {"rate_hz", t.rate_hz()},
+                                 {"frame_us_p50", t.frame_us.p50_us},
+                                 {"frame_us_p95", t.frame_us.p95_us},
+                                 {"frame_us_p99", t.frame_us.p99_us},
+                                 {"frame_us_p999", t.frame_us.p999_us},
+                                 {"active_spheres_mean", nullptr}};
+    if (t.active_spheres_mean) entry["active_spheres_mean"] = *t.active_spheres_mean;
+    json["points"].push_back(std::move(entry));
+  }
+  return ResultText(Judge(result), json);
+}
+
+int RunChartScaling(const ScalingOptions& options) {
+  try {
+    return Run(options);
+  } catch (const std::invalid_argument& error) {
+    return Fail("chart scaling", error.what());
+  }
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "session/summary/verdict.h"
+#include "simulation/fidelity/frame_workload.h"
+#include "simulation/metrics/workload_scores.h"
+#include "studies/charts/method_ladder.h"
+
+namespace osteon::app {
+
+/// Options of `osteon chart speed-accuracy`: methods × resolutions on one workload.
+struct SpeedAccuracyOptions {
+  std::filesystem::path out{"speed_accuracy"};
+  bool quick{false};  ///< fewer resolutions, 2 seeds
+  std::string device{};
+  std::size_t seeds{5};
+  double max_seconds{60.0};  ///< for a method's frames in one task; slower ones are left out and listed
+  std::vector<std::string> methods{};  ///< empty: all
+  std::filesystem::path json{};
+};
+
+/// The scores of one method at one resolution and one seed, over all tasks.
+struct SeedScores {
+  simulation::WorkloadScores scores;
+  simulation::TimeFigures frame_us;
+};
+
+/// One point of the chart.
+struct SpeedAccuracyPoint {
+  std::string method, device;
+  double length_m{0.0};    ///< of its MethodStep
+  std::size_t spheres{0};  ///< or voxels, of the four bones together, seed 0
+  double r_max_m{0.0};     ///< at the reamer; for voxels half the edge
+  std::vector<SeedScores> seeds{};
+  std::map<std::string, simulation::WorkloadScores> tasks{};  ///< of the first seed
+};
+
+struct SpeedAccuracyResult {
+  std::string machine, device;
+  std::vector<SpeedAccuracyPoint> points;
+  std::vector<std::string> left_out;  ///< points that were not measured, and why
+  std::size_t wanted_seeds{0};        ///< for each point
+  bool interrupted{false};            ///< a signal ended it before all was measured
+};
+
+/// A figure of a point: median and range over its seeds.
+struct SeedRange {
+  double median{0.0}, low{0.0}, high{0.0};
+};
+enum class ChartFigure { kDepth, kVolume, kForce, kRipple };
+[[nodiscard]] SeedRange SeedRangeOf(const SpeedAccuracyPoint& point, ChartFigure figure);
+[[nodiscard]] SeedRange FrameTimeOf(const SpeedAccuracyPoint& point);
+
+/// Bad if the chart was ended before all was measured; to be looked at if points are missing.
+[[nodiscard]] Verdict Judge(const SpeedAccuracyResult& result);
+
+/// Draws the depth error alone, at the width of a page's column.
+[[nodiscard]] std::string DepthOverTimeSvg(const SpeedAccuracyResult& result);
+/// Draws four panels, log-log, one below the other.
+[[nodiscard]] std::string SpeedAccuracySvg(const SpeedAccuracyResult& result);
+/// JSON, schema osteon.chart.speed-accuracy/1.
+[[nodiscard]] std::string SpeedAccuracyJson(const SpeedAccuracyResult& result);
+
+/// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.
+[[nodiscard]] int RunChartSpeedAccuracy(const SpeedAccuracyOptions& options);
+
+}  // namespace osteon::app

@@ -1,0 +1,135 @@
+#include "studies/charts/method_ladder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/packing/disjoint_packing.h"
+#include "simulation/packing/mass_points.h"
+#include "simulation/packing/packing_builder.h"
+#include "simulation/packing/split_packing.h"
+#include "studies/bench/method_engine.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kReamer_m = 25e-3, kZone_m = 6.5e-3;  // the cut is 5.5 mm deep at most
+// Least radius over the spacing; see SplitParams and SplitPackingParams.
+constexpr double kMinSplit = 0.4 / 2.5;
+
+double ToolRadius(const simulation::CutWorkload& work) { return work.tool.balls.front().radius_m; }
+
+std::vector<simulation::Ball> Overlapping(const simulation::CutWorkload& work, double spacing_m,
+                                          std::uint64_t seed) {
+  simulation::PackingParams params;
+  const double cap_m = std::max(1.2 * spacing_m, std::min(2.0 * spacing_m, 0.2 * ToolRadius(work)));
+  params.lattice = {.finest_m = spacing_m, .coarser_from_m = {kZone_m}};
+  params.cup_radius_cap_m = cap_m;
+  params.cup_depth_m = kZone_m - cap_m;
+  params.min_radius_m = 0.1 * cap_m;
+  // the default scene's gap at its spacing of 1.5 mm
+  params.surface_gap_m = std::clamp(0.04e-3 * spacing_m / 1.5e-3, 0.002e-3, 0.1e-3);
+  params.samples = {.finest_m = spacing_m / 6.0, .coarser_from_m = {kZone_m}};
+  params.seed = seed;
+  return simulation::BuildPacking(*work.solid, *work.zone, params);
+}
+
+// Packs large balls in the proportions of SplitPackingParams, fine to the depth of the cut.
+std::vector<simulation::Ball> ForSplitting(const simulation::CutWorkload& work, double spacing_m,
+                                           std::uint64_t seed) {
+  simulation::SplitPackingParams params;
+  const double scale = spacing_m / params.spacing_m;
+  params.spacing_m = spacing_m;
+  params.fine_depth_m = kZone_m;
+  params.coarser_from_m *= scale;
+  params.surface_radius_m *= scale;
+  params.surface_gap_m *= scale;
+  params.seed = seed;
+  return simulation::BuildSplitPacking(*work.solid, *work.zone, params);
+}
+
+std::vector<simulation::Ball> Disjoint(const simulation::CutWorkload& work, double radius_m,
+                                       std::uint64_t seed) {
+  return simulation::BuildDisjointPacking(
+      *work.solid, *work.zone,
+      {.count = 0, .min_radius_m = radius_m / 3.0, .max_radius_m = radius_m, .grade = 0.3, .seed = seed});
+}
+
+}  // namespace
+
+std::vector<MethodStep> MethodLadder(bool quick) {
+  struct Rungs {
+    const char* method;
+    std::vector<double> lengths_mm, quick_mm;
+  };
+  static const std::vector<Rungs> all{
+      {"ours", {4.0, 3.0, 2.0, 1.5, 1.0}, {3.0, 1.5}},     {"split", {8.0, 5.6, 4.0}, {8.0, 5.6}},
+      {"stamps", {4.0, 2.0, 1.5, 1.0}, {3.0, 1.5}},        {"paper", {4.0, 2.0, 1.4, 1.0}, {4.0, 2.0}},
+      {"paper-printed", {4.0, 2.0, 1.4, 1.0}, {4.0, 2.0}}, {"voxel", {1.0, 0.5, 0.25, 0.125}, {1.0, 0.5}},
+      {"pointshell", {1.0, 0.5, 0.25, 0.125}, {1.0, 0.5}}};
+  std::vector<MethodStep> ladder;
+  for (const Rungs& rungs : all)
+    for (const double length_mm : quick ? rungs.quick_mm : rungs.lengths_mm)
+      ladder.push_back({.method = rungs.method, .length_m = 1e-3 * length_mm});
+  return ladder;
+}
+
+const std::vector<std::string>& LadderMethods() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const MethodStep& step : MethodLadder(true))
+      if (all.empty() || all.back() != step.method) all.push_back(step.method);
+    return all;
+  }();
+  return names;
+}
+
+std::string EngineOfStep(const MethodStep& step) { return step.method == "split" ? "ours" : step.method; }
+
+simulation::CuttingParams CuttingForStep(const MethodStep& step, const simulation::CutWorkload& work) {
+  simulation::CuttingParams cutting = work.cutting;
+  if (step.method != "split") return cutting;
+  cutting.split.on = true;
+  cutting.split.min_radius_m = kMinSplit * ScaledLength(step.length_m, work);
+  cutting.split.pool_blocks = 16'384;  // the reamer's cut takes some thousand
+  return cutting;
+}
+
+double ScaledLength(double length_m, const simulation::CutWorkload& work) {
+  return length_m * std::sqrt(ToolRadius(work) / kReamer_m);
+}
+
+LadderBone PackForStep(const MethodStep& step, const simulation::CutWorkload& work,
+                       const std::vector<simulation::MassPoint>& points, std::uint64_t seed) {
+  LadderBone made;
+  made.bone.name = std::string(TaskName(work.task));
+  made.bone.materials = work.materials;
+  made.bone.points = points;
+  const double length_m = ScaledLength(step.length_m, work);
+  if (WantsVoxels(step.method)) {
+    made.r_max_m = 0.5 * length_m;
+    return made;
+  }
+  made.bone.balls = step.method == "split"       ? ForSplitting(work, length_m, seed)
+                    : WantsDisjoint(step.method) ? Disjoint(work, length_m, seed)
+                                                 : Overlapping(work, length_m, seed);
+  // among the balls that a cut can meet: deeper ones may be larger
+  for (const simulation::Ball& ball : made.bone.balls)
+    if (work.zone->DepthAt(Vector3(ball.center_m)) - ball.radius_m < 3e-3)
+      made.r_max_m = std::max(made.r_max_m, ball.radius_m);
+  return made;
+}
+
+bool SharePacking(const MethodStep& a, const MethodStep& b) {
+  const auto kind = [](const MethodStep& step) {
+    return step.method == "split" ? 3 : WantsVoxels(step.method) ? 2 : WantsDisjoint(step.method) ? 1 : 0;
+  };
+  return a.length_m == b.length_m && kind(a) == kind(b);
+}
+
+std::vector<simulation::MassPoint> LadderPoints(const simulation::CutWorkload& work) {
+  simulation::MassPointParams params;
+  params.cells = {.finest_m = ScaledLength(0.75e-3, work), .coarser_from_m = {kZone_m}};
+  return simulation::BuildMassPoints(*work.solid, *work.zone, params);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,127 @@
+#include "studies/failures/cutting/energy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "simulation/methods/method.h"
+#include "studies/failures/scenario_bench.h"
+
+namespace osteon::hil {
+namespace {
+
+constexpr double kRadius_m = 2e-3, kTop_m = 0.3e-3, kDepth_m = 1.6e-3, kRowStep_m = 1.5e-3;
+constexpr int kFramesPerCycle = 300, kRow = 5;
+constexpr double kSpindle_rad_per_s = 4000.0 * 2.0 * M_PI / 60.0;
+constexpr double kCuttingEnergy_J_per_m3 = 0.48e9;  // sawbones, MacAvelia 2012: 0.45 to 0.53 J/mm³
+
+struct Ledger {
+  double drive_J{0.0}, feed_J{0.0}, cut_J{0.0};
+  double returned_J{0.0};  ///< largest energy that a closed cycle gave to the hand; never negative
+  double stored_J{0.0};    ///< largest energy stored in the coupling's spring
+  FailureSeries drive_and_feed, cut;
+
+  [[nodiscard]] double Imbalance() const {
+    return std::abs(drive_J + feed_J - cut_J) / std::max(cut_J, 1e-12);
+  }
+  /// Energy that a cycle gave, over the spring's largest energy; below a thousandth it is the trapezoidal
+  /// rule's error.
+  [[nodiscard]] double ReturnedShare() const { return returned_J / std::max(stored_J, 1e-12); }
+};
+
+/// Position of a cycle's dimple on the surface.
+Vector3 PlaceOf(int cycle) {
+  return {(cycle % kRow - kRow / 2) * kRowStep_m, cycle / kRow * kRowStep_m, 0.0};
+}
+
+/// Apex at a share of a cycle: down, sideways and round, up, back to the same place.
+Vector3 OnCycle(int cycle, double depth_m, double share) {
+  const double phase = 2.0 * M_PI * share;
+  return PlaceOf(cycle) + Vector3(0.3e-3 * std::sin(phase), 0.15e-3 * std::sin(2.0 * phase),
+                                  0.5 * (kTop_m - depth_m) + 0.5 * (kTop_m + depth_m) * std::cos(phase));
+}
+
+Ledger Work(simulation::CuttingEngine& engine, int cycles, double depth_m, double spindle_rad_per_s,
+            double stiffness_N_per_m) {
+  Ledger ledger;
+  Vector3 p = OnCycle(0, depth_m, 0.0), f = Vector3::Zero();
+  engine.Step(FrameAt(Downwards(p), spindle_rad_per_s));
+  for (int cycle = 0; cycle < cycles; ++cycle) {
+    double onto_hand_J = 0.0;
+    for (int i = 1; i <= kFramesPerCycle; ++i) {
+      const Vector3 next = OnCycle(cycle, depth_m, static_cast<double>(i) / kFramesPerCycle);
+      const auto model = engine.Step(FrameAt(Downwards(next), spindle_rad_per_s));
+      const Vector3 force = model.F_T_W.f;
+      onto_hand_J += 0.5 * (f + force).dot(next - p);
+      ledger.drive_J += model.spindle_torque_Nm * std::abs(spindle_rad_per_s) * 1e-3;
+      ledger.stored_J = std::max(ledger.stored_J, 0.5 * force.squaredNorm() / stiffness_N_per_m);
+      ledger.cut_J = model.cutting_work_J;
+      f = force;
+      p = next;
+    }
+    ledger.feed_J -= onto_hand_J;
+    ledger.returned_J = std::max(ledger.returned_J, onto_hand_J);
+    ledger.drive_and_feed.x.push_back(cycle + 1.0);
+    ledger.drive_and_feed.y.push_back(ledger.drive_J + ledger.feed_J);
+    ledger.cut.x.push_back(cycle + 1.0);
+    ledger.cut.y.push_back(ledger.cut_J);
+  }
+  return ledger;
+}
+
+}  // namespace
+
+FailureResult RunEnergy(const FailureSetting& setting) {
+  FailureResult result{.id = 20,
+                       .name = "energy",
+                       .metric = "drive's and feed's work against the cutting energy",
+                       .unit = "1",
+                       .baseline_name = "the paper as printed",
+                       .bound = 0.05};
+  const int cycles = setting.full() ? 100 : 30;
+  const double half_width_m = kRow / 2 * kRowStep_m + kRadius_m + 1e-3;
+  const simulation::Bone block =
+      MakeBlock({.low_m = {-half_width_m, -kRadius_m - 1e-3, -3e-3},
+                 .high_m = {half_width_m, PlaceOf(cycles).y() + kRadius_m + 1e-3, 0.0},
+                 .ball_radius_m = 0.6e-3,
+                 .point_spacing_m = 0.4e-3,
+                 .specific_cutting_energy_J_per_m3 = kCuttingEnergy_J_per_m3});
+  const simulation::Tool tool = MakeBallTool(kRadius_m);
+  const simulation::CuttingParams params;
+  const auto ours_engine = setting.make_engine(block, tool, Pose::Identity(), params);
+  Ledger ours = Work(*ours_engine, cycles, kDepth_m, kSpindle_rad_per_s, params.stiffness_N_per_m);
+  bool complete = setting.GoesOn(0.6);
+  const Ledger still = Work(*setting.make_engine(block, tool, Pose::Identity(), params),
+                            setting.full() ? 20 : 4, 0.5e-3, 0.0, params.stiffness_N_per_m);
+  complete = setting.GoesOn(0.8) && complete;
+  const auto printed = simulation::MakeMethod(simulation::Method::kPaperPrinted, block, nullptr, tool,
+                                              Pose::Identity(), params, {});
+  Ledger baseline = Work(*printed, cycles, kDepth_m, kSpindle_rad_per_s, params.stiffness_N_per_m);
+  static_cast<void>(setting.GoesOn(1.0));
+
+  constexpr double kQuadrature = 1e-3;
+  const double returned = std::max(ours.ReturnedShare(), still.ReturnedShare());
+  result.baseline = baseline.Imbalance();
+  result.ours = ours.Imbalance();
+  result.baseline_fails = result.baseline > result.bound;
+  result.ours_passes = complete && result.ours <= result.bound && returned <= kQuadrature && ours.cut_J > 0.0;
+  result.note = fmt::format(
+      "{} cycles; drive {:.3f} J, feed {:.3f} J, cut {:.3f} J; a closed cycle gave back {:.2g} of the "
+      "spring's energy "
+      "(spindle off: {:.2g}), the baseline {:.2g}",
+      cycles, ours.drive_J, ours.feed_J, ours.cut_J, ours.ReturnedShare(), still.ReturnedShare(),
+      baseline.ReturnedShare());
+  baseline.drive_and_feed.name = "printed: drive and feed";
+  baseline.cut.name = "printed: cut";
+  ours.drive_and_feed.name = "ours: drive and feed";
+  ours.cut.name = "ours: cut";
+  ours.drive_and_feed.ours = ours.cut.ours = true;
+  result.plot = {.x_label = "cycle",
+                 .y_label = "work and cutting energy [J]",
+                 .series = {std::move(baseline.drive_and_feed), std::move(baseline.cut),
+                            std::move(ours.drive_and_feed), std::move(ours.cut)}};
+  return result;
+}
+
+}  // namespace osteon::hil

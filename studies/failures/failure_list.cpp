@@ -1,0 +1,57 @@
+#include <array>
+
+#include "studies/failures/cutting/breakthrough.h"
+#include "studies/failures/cutting/concave_cup.h"
+#include "studies/failures/cutting/contact_switch.h"
+#include "studies/failures/cutting/corner.h"
+#include "studies/failures/cutting/determinism.h"
+#include "studies/failures/cutting/energy.h"
+#include "studies/failures/cutting/fast_rotation.h"
+#include "studies/failures/cutting/frame_rate.h"
+#include "studies/failures/cutting/high_feed.h"
+#include "studies/failures/cutting/leak.h"
+#include "studies/failures/cutting/material_step.h"
+#include "studies/failures/cutting/own_slot.h"
+#include "studies/failures/cutting/thin_sheet.h"
+#include "studies/failures/failure.h"
+#include "studies/failures/loop/cogging.h"
+#include "studies/failures/loop/grip_step.h"
+#include "studies/failures/loop/joint_limit.h"
+#include "studies/failures/loop/packets.h"
+#include "studies/failures/loop/resting_buzz.h"
+#include "studies/failures/loop/saturation.h"
+#include "studies/failures/loop/sensor_errors.h"
+#include "studies/failures/loop/simulation_stall.h"
+#include "studies/failures/loop/singularity.h"
+
+namespace osteon::hil {
+
+std::span<const FailureScenario> FailureScenarios() {
+  static const std::array scenarios{
+      FailureScenario{.id = 1, .name = "thin sheet", .run = RunThinSheet},
+      FailureScenario{.id = 2, .name = "contact switch", .run = RunContactSwitch},
+      FailureScenario{.id = 3, .name = "concave cup", .run = RunConcaveCup},
+      FailureScenario{.id = 4, .name = "corner", .run = RunCorner},
+      FailureScenario{.id = 5, .name = "own slot", .run = RunOwnSlot},
+      FailureScenario{.id = 6, .name = "resting buzz", .run = RunRestingBuzz},
+      FailureScenario{.id = 7, .name = "cogging", .run = RunCogging},
+      FailureScenario{.id = 8, .name = "leak", .run = RunLeak},
+      FailureScenario{.id = 9, .name = "high feed", .run = RunHighFeed},
+      FailureScenario{.id = 10, .name = "simulation stalls", .run = RunSimulationStall},
+      FailureScenario{.id = 11, .name = "fast rotation", .run = RunFastRotation},
+      FailureScenario{.id = 12, .name = "singularity", .run = RunSingularity},
+      FailureScenario{.id = 13, .name = "joint limit", .run = RunJointLimit},
+      FailureScenario{.id = 14, .name = "packets", .run = RunPackets},
+      FailureScenario{.id = 15, .name = "sensor", .run = RunSensorErrors},
+      FailureScenario{.id = 16, .name = "grip", .run = RunGripStep},
+      FailureScenario{.id = 17, .name = "saturation", .run = RunSaturation},
+      FailureScenario{.id = 18, .name = "material step", .run = RunMaterialStep},
+      FailureScenario{.id = 19, .name = "breakthrough", .run = RunBreakthrough},
+      FailureScenario{.id = 20, .name = "energy", .run = RunEnergy},
+      FailureScenario{.id = 21, .name = "determinism", .run = RunDeterminism},
+      FailureScenario{.id = 22, .name = "frame rate", .run = RunFrameRate},
+  };
+  return scenarios;
+}
+
+}  // namespace osteon::hil

@@ -1,0 +1,212 @@
+#include "studies/failures/failures.h"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "base/interrupt.h"
+#include "base/json_text.h"
+#include "base/phase_progress.h"
+#include "base/write_text.h"
+#include "session/process/exit_code.h"
+#include "session/setup/engine_choice.h"
+#include "session/summary/chart_files.h"
+#include "session/summary/summary.h"
+#include "studies/failures/page/failure_page.h"
+
+namespace osteon::app {
+namespace {
+
+using hil::FailureResult;
+using hil::FailureScenario;
+
+double Now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Makes engines for "ours", and remembers their device.
+class Engines {
+ public:
+  explicit Engines(const FailureOptions& options) : choice_(ChooseEngine(options.engine, options.device)) {}
+
+  std::unique_ptr<simulation::CuttingEngine> Make(const simulation::Bone& bone, const simulation::Tool& tool,
+                                                  const Pose& X_WG, const simulation::CuttingParams& params) {
+    auto engine = MakeEngine(choice_, bone, tool, X_WG, params);
+    if (!engine) throw std::runtime_error(engine.error());
+    device_ = (*engine)->device();
+    return std::move(*engine);
+  }
+  [[nodiscard]] const EngineChoice& choice() const { return choice_; }
+  [[nodiscard]] const std::string& device() const { return device_; }
+
+ private:
+  EngineChoice choice_;
+  std::string device_;
+};
+
+/// Returns the scenarios of these numbers; an error text if a number has none.
+tl::expected<std::vector<FailureScenario>, std::string> Choose(const std::vector<int>& ids) {
+  const auto all = hil::FailureScenarios();
+  if (ids.empty()) return std::vector<FailureScenario>(all.begin(), all.end());
+  std::vector<int> known;
+  for (const FailureScenario& scenario : all) known.push_back(scenario.id);
+  std::vector<FailureScenario> chosen;
+  const std::set<int> wanted(ids.begin(), ids.end());
+  for (const int id : wanted) {
+    const auto found = std::ranges::find(all, id, &FailureScenario::id);
+    if (found == all.end())
+      return tl::make_unexpected(fmt::format("scenario: found {}, accepted {}", id, fmt::join(known, ", ")));
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+std::string OutcomeText(const FailureRun& run) {
+  if (!run.error.empty()) return "no result";
+  if (!run.result.baseline_fails) return "BASELINE DOES NOT FAIL";
+  return run.result.ours_passes ? "passes" : "FAILS";
+}
+
+void PrintTable(const std::vector<FailureRun>& runs) {
+  std::size_t width = 8;
+  for (const FailureRun& run : runs) width = std::max(width, run.result.name.size());
+  fmt::print("{:>3}  {:<{}}  {:>10}  {:>10}  {:>10}  {:<5}  {}\n", "", "scenario", width, "bound", "baseline",
+             "ours", "unit", "verdict");
+  for (const FailureRun& run : runs) {
+    const FailureResult& r = run.result;
+    if (run.error.empty())
+      fmt::print("{:>3}  {:<{}}  {:>10.4g}  {:>10.4g}  {:>10.4g}  {:<5}  {}\n", r.id, r.name, width, r.bound,
+                 r.baseline, r.ours, r.unit == "1" ? "" : r.unit, OutcomeText(run));
+    else
+      fmt::print("{:>3}  {:<{}}  {:>10}  {:>10}  {:>10}  {:<5}  {}: {}\n", r.id, r.name, width, "-", "-", "-",
+                 "", OutcomeText(run), run.error);
+  }
+  const auto passed = std::ranges::count_if(runs, &FailureRun::passed);
+  fmt::print("{} of {} kept, with their baselines seen to fail\n", passed, runs.size());
+}
+
+/// Writes a run's files. @returns an error that names the file.
+tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const std::vector<FailureRun>& runs,
+                                           const EngineChoice& choice, const std::string& device) {
+  if (!options.json.empty()) {
+    const auto written = WriteText(options.json, FailuresJson(runs, choice.engine, device, options.quick));
+    if (!written) return written;
+  }
+  if (options.out.empty()) return {};
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  if (error) return tl::make_unexpected(fmt::format("--out {}: {}", options.out.string(), error.message()));
+  std::vector<FailurePageEntry> entries;
+  for (const FailureRun& run : runs)
+    entries.push_back(
+        {.result = run.result, .passed = run.passed(), .error = run.error, .seconds = run.seconds});
+  const FailurePageHead head{.engine = choice.engine,
+                             .device = device,
+                             .command_line = options.command_line,
+                             .version = OSTEON_VERSION,
+                             .quick = options.quick};
+  if (auto written = WriteFailurePage(entries, head, options.out); !written) return written;
+  if (options.markdown.empty()) return {};
+  const auto from = std::filesystem::absolute(options.markdown).parent_path();
+  const auto pictures = std::filesystem::absolute(options.out).lexically_proximate(from);
+  return WriteText(options.markdown, FailureMarkdown(entries, head, pictures.generic_string()));
+}
+
+std::string WrongPlace(const FailureOptions& options) {
+  if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
+  if (std::string wrong = ValidateParentFolder("--json", options.json); !wrong.empty()) return wrong;
+  return ValidateParentFolder("--markdown", options.markdown);
+}
+
+}  // namespace
+
+std::string FailuresJson(const std::vector<FailureRun>& runs, const std::string& engine,
+                         const std::string& device, bool quick) {
+  nlohmann::json json{{"schema", "osteon.failures/1"},
+                      {"engine", engine},
+                      {"device", device},
+                      {"size", quick ? "quick" : "full"},
+                      {"passed", std::ranges::all_of(runs, &FailureRun::passed)},
+                      {"scenarios", nlohmann::json::array()}};
+  for (const FailureRun& run : runs) {
+    const FailureResult& r = run.result;
+    nlohmann::json scenario{
+        {"id", r.id}, {"name", r.name}, {"seconds", run.seconds}, {"passed", run.passed()}};
+    if (run.error.empty()) {
+      scenario.update({{"metric", r.metric},
+                       {"unit", r.unit},
+                       {"bound", r.bound},
+                       {"baseline", r.baseline},
+                       {"baseline_name", r.baseline_name},
+                       {"ours", r.ours},
+                       {"baseline_fails", r.baseline_fails},
+                       {"ours_passes", r.ours_passes},
+                       {"note", r.note}});
+    } else {
+      scenario["error"] = run.error;
+    }
+    json["scenarios"].push_back(std::move(scenario));
+  }
+  return JsonText(json);
+}
+
+int RunFailures(const FailureOptions& options) {
+  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("failures", wrong);
+  const auto chosen = Choose(options.ids);
+  if (!chosen) return Fail("failures", chosen.error());
+
+  // an engine that cannot run on this machine is not a failed scenario
+  Engines engines(options);
+  simulation::Bone pebble;
+  pebble.balls = {{.center_m = {}, .radius_m = 1e-3}};
+  pebble.materials = {{.name = "bone"}};
+  simulation::Tool probe;
+  probe.balls = {{.center_m = {}, .radius_m = 1e-3, .cutting = true}};
+  try {
+    const auto tried = engines.Make(pebble, probe, Pose::Identity(), {});
+    fmt::print(stderr, "osteon failures: engine: {}\n", EngineText(engines.choice(), tried->device()));
+  } catch (const std::exception& error) {
+    return Fail("failures", error.what());
+  }
+
+  InstallInterrupt();
+  std::vector<FailureRun> runs;
+  PhaseProgress progress("osteon failures", static_cast<int>(chosen->size()));
+  for (const FailureScenario& scenario : *chosen) {
+    progress.BeginPhase(fmt::format("{} {}", scenario.id, scenario.name));
+    const double begun_s = Now_s();
+    FailureRun run;
+    try {
+      run.result = scenario.run({.make_engine =
+                                     [&engines](const simulation::Bone& bone, const simulation::Tool& tool,
+                                                const Pose& X_WG, const simulation::CuttingParams& params) {
+                                       return engines.Make(bone, tool, X_WG, params);
+                                     },
+                                 .size = options.quick ? hil::FailureSize::kTest : hil::FailureSize::kFull,
+                                 .progress = [](double) { return !Interrupted(); }});
+    } catch (const std::exception& error) {
+      run.error = error.what();
+    }
+    run.result.id = scenario.id;
+    run.result.name = scenario.name;
+    run.seconds = Now_s() - begun_s;
+    if (Interrupted()) break;  // an incomplete scenario does not count
+    runs.push_back(std::move(run));
+  }
+  progress.Done();
+
+  if (!runs.empty()) PrintTable(runs);
+  if (const auto written = WriteFiles(options, runs, engines.choice(), engines.device()); !written)
+    return Fail("failures", written.error(), kFailed);
+  if (Interrupted()) return kExitInterrupted;
+  if (!options.out.empty()) fmt::print("report: {}\n", (options.out / "failures.html").string());
+  return std::ranges::all_of(runs, &FailureRun::passed) ? 0 : kFailed;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,90 @@
+#include "studies/failures/loop/grip_ride.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "hil/operator/tremor.h"
+#include "studies/failures/arm_bench.h"
+#include "studies/stability/force_band.h"
+
+namespace osteon::hil {
+namespace {
+
+constexpr double kDt_s = 1e-3, kCalm_s = 0.5;
+constexpr double kLow_hz = 5.0, kHigh_hz = 40.0, kNoise_N = 0.1, kNoise_Nm = 0.005;
+constexpr double kSwing_m = 0.03, kSwing_hz = 0.5;
+
+}  // namespace
+
+GripRide RideGrip(const GripRideParams& params) {
+  ArmRideParams arm;
+  arm.arm = ScenarioArm();
+  arm.X_FT = ScenarioTool();
+  arm.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
+  arm.seconds = params.step_s + params.seconds;
+  arm.loop = params.loop;
+  const Pose X_start = kinematics::LbrArm(arm.arm).FlangePose(arm.q_start) * arm.X_FT;
+  const Vector3 along = (X_start.linear() * Vector3(0.6, 0.0, 0.8)).normalized();
+
+  const OperatorHandParams loose = OperatorWith({"loose", 300.0, 13.0, 1.1}),
+                           tight = OperatorWith(params.after);
+  HandImpedance loose_mass(loose), tight_mass(tight);
+  bool stepped = false;
+  Pose X_held = X_start;
+  Wrench kept;
+  SensorModel sensor({.noise_N = kNoise_N, .noise_Nm = kNoise_Nm, .seed = 16});
+  const Tremor tremor(params.tremor_N, 1);
+  std::vector<Vector3> exerted, shaken;
+  const ArmScene scene{
+      .hand =
+          [&](int tick, const Pose& X_WT, const Twist& V_WT) {
+            const double t = tick * kDt_s, turn = 2.0 * std::numbers::pi * kSwing_hz;
+            Pose X_goal = X_start;
+            X_goal.translation() += 0.5 * kSwing_m * (1.0 - std::cos(turn * t)) * along;
+            const Twist V_goal{.v = 0.5 * kSwing_m * turn * std::sin(turn * t) * along, .w = Vector3::Zero()};
+            Wrench F;
+            if (t < params.step_s) {
+              F = loose_mass.Step(kDt_s, X_WT, V_WT, X_goal, V_goal);
+            } else {
+              if (!stepped) {  // the hand's wrench is kept; a clamp has no muscles
+                stepped = true;
+                X_held = X_WT;
+                const Wrench before = loose.spring().Pull(X_WT, V_WT, X_goal, V_goal);
+                const Wrench now = tight.spring().Pull(X_WT, V_WT, X_held, {});
+                if (!params.clamp) kept = {.f = before.f - now.f, .t = before.t - now.t};
+              }
+              F = tight_mass.Step(kDt_s, X_WT, V_WT, X_held, {});
+              F = {.f = F.f + kept.f, .t = F.t + kept.t};
+            }
+            shaken.push_back(t < params.tremor_from_s ? Vector3(Vector3::Zero()) : tremor.At(t));
+            F.f += shaken.back();
+            exerted.push_back(F.f);
+            return F;
+          },
+      .sensor = [&](int tick, const Pose&, const Wrench& F) { return ReadBy(sensor, tick, F); }};
+
+  GripRide result;
+  for (const ArmRideTick& tick : RideServoLoop(arm, scene)) {
+    result.fault |= tick.fault;
+    result.index = std::max(result.index, tick.vibration_index);
+    result.indices.push_back(tick.vibration_index);
+    result.references_N.push_back(tick.vibration_reference_N);
+    result.damping_factors.push_back(tick.damping_factor);
+    if (tick.damping_factor > 2.0) result.heavy_s += kDt_s;
+  }
+  const auto window = static_cast<std::size_t>(GripRide::kWindow_s / kDt_s),
+             every = static_cast<std::size_t>(GripRide::kEvery_s / kDt_s);
+  for (std::size_t i = 0; i + window <= exerted.size(); i += every) {
+    const double effective_N = EffectiveInBand(exerted, i, window, kLow_hz, kHigh_hz, kDt_s);
+    result.window_N.push_back(effective_N);
+    result.max_N = std::max(result.max_N, effective_N);
+    result.tremor_N = std::max(result.tremor_N, EffectiveInBand(shaken, i, window, kLow_hz, kHigh_hz, kDt_s));
+    if (static_cast<double>(i) * kDt_s >= params.step_s + kCalm_s - 1e-9)
+      result.calm_N = std::max(result.calm_N, effective_N);
+  }
+  return result;
+}
+
+}  // namespace osteon::hil

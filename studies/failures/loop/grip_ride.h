@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "control/setup/servo_params.h"
+#include "hil/operator/hand_grid.h"
+
+namespace osteon::hil {
+
+/// A hand of 300 N/m swings the tool of an arm of 15 Hz through free space, at 0.5 Hz over 30 mm, through the
+/// servo loop; the sensor's noise is 0.1 N rms. At step_s the hand stiffens with the same wrench, or a clamp
+/// closes.
+struct GripRideParams {
+  GridHand after{"stiff", 6000.0, 13.0, 1.1};
+  bool clamp{false};  ///< without the hand's wrench of that moment
+  control::ServoParams loop{};
+  double step_s{1.3};
+  double seconds{4.0};   ///< after the step
+  double tremor_N{0.0};  ///< peak along each axis (hil/operator/tremor.h)
+  double tremor_from_s{0.0};
+};
+
+struct GripRide {
+  static constexpr double kWindow_s = 0.2, kEvery_s = 0.02;
+  double calm_N{0.0};    ///< largest effective value of a window, from 0.5 s after the step on
+  double max_N{0.0};     ///< the same at any time
+  double tremor_N{0.0};  ///< the same for the tremor alone, at any time
+  double index{0.0};     ///< largest
+  double heavy_s{0.0};   ///< time with more than twice the law's drag
+  bool fault{false};
+  std::vector<double> window_N;               ///< effective value of the hand's force between 5 and 40 Hz,
+                                              ///< every kEvery_s
+  std::vector<double> indices, references_N;  ///< of the vibration index, for each tick
+  std::vector<double> damping_factors;
+};
+
+/// Simulates the ride. Deterministic.
+[[nodiscard]] GripRide RideGrip(const GripRideParams& params);
+
+}  // namespace osteon::hil

@@ -1,0 +1,195 @@
+#include "studies/failures/loop/saturation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include <fmt/format.h>
+#include <Eigen/QR>
+
+#include "hil/operator/quintic.h"
+#include "kinematics/serial_chain.h"
+#include "studies/failures/arm_bench.h"
+
+namespace osteon::hil {
+namespace {
+
+using kinematics::JointVector;
+
+constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kPush_N = 200.0, kCeiling_N = 200.0;
+constexpr double kPress_s = 0.5, kDrawBack_s = 0.7, kEnd_s = 1.6;
+constexpr double kDeepest_m = 12e-3, kSoft_m = 7e-3;  // of the depth limit, from the wall's face
+constexpr double kWhole = 0.99;                       // share of the force from which it counts as back
+constexpr double kMaxRecovery_s = 0.05;
+constexpr double kCounts_N = 1.0;      // smallest force whose direction counts
+constexpr double kSlack = 1.0 + 1e-9;  // on a torque limit, for rounding
+
+struct Saturated {
+  double angle_rad{0.0}, clipped_angle_rad{0.0};
+  double torque_share{0.0};  // largest (|J^T F| + |g|) / limit
+  double min_share{1.0};     // of the wanted force that passed the limiter
+  double max_N{0.0}, max_wanted_N{0.0};
+  double recovery_s{0.0};
+  bool saturates{false}, recovers{false}, fault{false};
+  std::vector<double> angle_deg, clipped_deg;  // by time
+};
+
+double Angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+// @param depth_limited  the depth limit's resistance adds to the wall's, from half the depth on
+Saturated Press(double tool_m, double side_rad, bool depth_limited) {
+  ArmRideParams params;
+  params.arm = ScenarioArm();
+  params.X_FT.translation() = Vector3(0.0, 0.0, tool_m);
+  params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
+  params.hand.max_force_N = kPush_N;
+  params.seconds = kEnd_s;
+  params.loop.arm_body = ScenarioBody();
+  params.loop.twist.max_speed_m_per_s = 0.25;
+  const kinematics::LbrArm arm(params.arm);
+  const kinematics::SerialChain<7> body(ScenarioBody());
+  const Pose X_start = arm.FlangePose(params.q_start) * params.X_FT;
+  // direction out of the plane, across the tool
+  const Vector3 n = X_start.linear() * Vector3(std::cos(side_rad), std::sin(side_rad), 0.0);
+
+  if (depth_limited)
+    params.loop.depth = {.acts = true,
+                         .bound = {.shape = safety::ZoneShape::kHalfSpace,
+                                   .p_W_m = X_start.translation() - kDeepest_m * n,
+                                   .R_W = safety::RotationAlong(n)},
+                         .soft_m = kSoft_m,
+                         .spindle_stop_m = 0.0,
+                         .stiffness_N_per_m = kWall_N_per_m,
+                         .damping_Ns_per_m = 0.0};
+  const double pressed_m = kPush_N / params.hand.stiffness_N_per_m + kPush_N / kWall_N_per_m;
+  const HandPath path = [&](double t) {
+    const auto led = [](double share) { return Quintic(std::clamp(share, 0.0, 1.0)).s; };
+    HandGoal goal{.X_WT = X_start};
+    goal.X_WT.translation() -= pressed_m * (led(t / kPress_s) - led((t - kDrawBack_s) / kPress_s)) * n;
+    return goal;
+  };
+  HandImpedance hand(params.hand);
+  const ArmScene scene{.hand =
+                           [&](int tick, const Pose& X_WT, const Twist& V_WT) {
+                             const HandGoal goal = path(tick * kDt_s);
+                             return safety::ScaleWrench(hand.Step(kDt_s, X_WT, V_WT, goal.X_WT, goal.V_WT),
+                                                        kPush_N, params.hand.max_torque_Nm)
+                                 .F;
+                           },
+                       .bone =
+                           [&](int tick, rt::Nanoseconds now, const Pose&) {
+                             const simulation::Contact plane =
+                                 PlaneAt(X_start.translation(), n, kWall_N_per_m);
+                             return FreshModel(static_cast<std::uint64_t>(tick + 1), now, {&plane, 1});
+                           }};
+  // test the limiter alone: a force that returns adds energy, which the passivity controller would damp
+  params.loop.stabilisers.passivity.acts = false;
+  params.loop.coupling.damping_Ns_per_m = 0.0;  // without damping the wanted force follows from the pose
+                                                // alone
+  const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
+
+  Saturated result;
+  double could_since_s = 0.0;  // start of the time in which the arm could hold the whole force
+  bool whole = true;
+  for (std::size_t i = 1; i < ride.size(); ++i) {
+    const ArmRideTick& tick = ride[i];
+    result.fault |= tick.fault;
+    // the wanted force: of the planes at the pose commanded before
+    const double depth_m = -n.dot(ride[i - 1].X_WT.translation() - X_start.translation());
+    double wanted_N = kWall_N_per_m * std::max(0.0, depth_m);
+    if (depth_limited) wanted_N += kWall_N_per_m * std::max(0.0, depth_m - (kDeepest_m - kSoft_m));
+    const Vector3 f_wanted = wanted_N * n, f = tick.f_coupling_N;
+    const JointVector g = body.Gravity(ride[i - 1].q);
+    const kinematics::Jacobian J = arm.JacobianAt(ride[i - 1].q, params.X_FT.translation());
+    const JointVector tau_wanted = J.topRows<3>().transpose() * f_wanted;
+    const JointVector tau = J.topRows<3>().transpose() * f;
+    JointVector clipped = tau_wanted;
+    bool can = wanted_N <= kCeiling_N;
+    for (std::size_t j = 0; j < 7; ++j) {
+      const auto k = static_cast<Eigen::Index>(j);
+      const double limit = params.arm.limits[j].torque_Nm, room = limit - std::abs(g[k]);
+      result.torque_share = std::max(result.torque_share, (std::abs(tau[k]) + std::abs(g[k])) / limit);
+      clipped[k] = std::clamp(tau_wanted[k], -room, room);
+      can &= std::abs(tau_wanted[k]) <= room;
+    }
+    result.max_N = std::max(result.max_N, f.norm());
+    result.max_wanted_N = std::max(result.max_wanted_N, wanted_N);
+    if (wanted_N > kCounts_N) {
+      const Vector3 f_clipped =
+          Eigen::Matrix<double, 7, 6>(J.transpose()).colPivHouseholderQr().solve(clipped).head<3>();
+      result.angle_rad = std::max(result.angle_rad, Angle(f, f_wanted));
+      result.clipped_angle_rad = std::max(result.clipped_angle_rad, Angle(f_clipped, f_wanted));
+      result.angle_deg.push_back(180.0 / std::numbers::pi * Angle(f, f_wanted));
+      result.clipped_deg.push_back(180.0 / std::numbers::pi * Angle(f_clipped, f_wanted));
+      result.min_share = std::min(result.min_share, f.norm() / wanted_N);
+    } else {
+      result.angle_deg.push_back(0.0);
+      result.clipped_deg.push_back(0.0);
+    }
+    // and the time until the whole force is back
+    result.saturates |= !can;
+    if (!can) could_since_s = static_cast<double>(i + 1) * kDt_s;
+    if (can && result.saturates && f.norm() < kWhole * wanted_N)
+      result.recovery_s = std::max(result.recovery_s, static_cast<double>(i + 1) * kDt_s - could_since_s);
+    whole = can && f.norm() >= kWhole * wanted_N;
+  }
+  result.recovers = whole;
+  return result;
+}
+
+}  // namespace
+
+FailureResult RunSaturation(const FailureSetting& setting) {
+  FailureResult result{.id = 17,
+                       .name = "saturation",
+                       .metric = "angle of the rendered force to the one that was to be",
+                       .unit = "deg",
+                       .baseline_name = "each joint's torque clipped at its limit",
+                       .bound = 1.0};
+  const int sides = setting.full() ? 12 : 3;
+  const std::vector<double> tools_m = setting.full() ? std::vector{0.2, 0.3} : std::vector{0.3};
+  Saturated worst;
+  double torque_share = 0.0, recovery_s = 0.0, min_share = 1.0, max_N = 0.0;
+  int done = 0, saturated = 0;
+  bool complete = true, well = true;
+  for (const double tool_m : tools_m) {
+    for (int side = 0; side < sides && complete; ++side) {
+      const Saturated s = Press(tool_m, 2.0 * std::numbers::pi * (side + 0.3) / sides, side % 2 == 1);
+      saturated += s.saturates ? 1 : 0;
+      well &= s.recovers && !s.fault;
+      result.ours = std::max(result.ours, 180.0 / std::numbers::pi * s.angle_rad);
+      torque_share = std::max(torque_share, s.torque_share);
+      recovery_s = std::max(recovery_s, s.recovery_s);
+      min_share = std::min(min_share, s.min_share);
+      max_N = std::max(max_N, s.max_N);
+      if (s.clipped_angle_rad >= worst.clipped_angle_rad) worst = s;
+      complete =
+          setting.GoesOn(++done / static_cast<double>(tools_m.size() * static_cast<std::size_t>(sides)));
+    }
+  }
+  result.baseline = 180.0 / std::numbers::pi * worst.clipped_angle_rad;
+  FailureSeries ours{.name = "ours", .y = worst.angle_deg, .ours = true};
+  FailureSeries clipped{.name = "torques clipped alone", .y = worst.clipped_deg};
+  for (std::size_t i = 0; i < ours.y.size(); ++i) ours.x.push_back(static_cast<double>(i) * kDt_s);
+  clipped.x = ours.x;
+  result.plot = {.x_label = "time [s]; pressed until 0.7 s, drawn back until 1.2 s",
+                 .y_label = "angle to the force that was to be [deg]",
+                 .series = {clipped, ours},
+                 .bound_is_on_y = true};
+  result.baseline_fails = result.baseline > result.bound;
+  result.ours_passes = complete && well && saturated > 0 && result.ours <= result.bound &&
+                       torque_share <= kSlack && max_N <= kCeiling_N && recovery_s <= kMaxRecovery_s;
+  result.note = fmt::format(
+      "every second push meets the depth limit as well; {} of {} are more than the arm holds, {:.0f} N are "
+      "rendered at most, {:.0f} % of what was to "
+      "be at least; "
+      "joints carry {:.2f} % of their limit at most (gravity counted against them), and the whole force is "
+      "back {:.0f} ms "
+      "after the arm can hold it",
+      saturated, done, max_N, 100.0 * min_share, 100.0 * torque_share, 1e3 * recovery_s);
+  return result;
+}
+
+}  // namespace osteon::hil

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <tl/expected.hpp>
+
+#include "studies/failures/failure.h"
+
+namespace osteon::app {
+
+/// A scenario on the page.
+struct FailurePageEntry {
+  hil::FailureResult result;
+  bool passed{false};
+  std::string error{};  ///< instead of a result; may be empty
+  double seconds{0.0};
+};
+
+struct FailurePageHead {
+  std::string engine, device, command_line, version;
+  bool quick{false};
+};
+
+/// One scenario's chart: the baseline's lines, ours, and the bound if it is a value of y. Its title names the
+/// plotted quantity: the metric if the bound is a value of y, else the y axis.
+[[nodiscard]] std::string FailureSvg(const hil::FailureResult& result);
+
+/// Writes into an existing folder failures.html (table, every scene and every chart) and for each scenario
+/// NN_name.svg, its chart, and NN_name_scene.svg, its sketch (failure_scenes.h). Files appear complete or not
+/// at all. @returns an error that names the file.
+[[nodiscard]] tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntry> entries,
+                                                               const FailurePageHead& head,
+                                                               const std::filesystem::path& folder);
+
+/// The page as Markdown; its pictures lie in a folder given relative to the page's own.
+[[nodiscard]] std::string FailureMarkdown(std::span<const FailurePageEntry> entries,
+                                          const FailurePageHead& head, const std::string& pictures);
+
+}  // namespace osteon::app

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "studies/failures/page/scene_sketch.h"
+
+// A scenario of studies/failures as a sketch of what happens: the baseline on the left, ours on the right.
+//
+//     baseline                      ours
+//       ○ frame n                     ○ proxy
+//     ══════ sheet                  ══════ sheet
+//       ○ next frame                  ◌ the hand's tool
+//     what goes wrong               what prevents it
+//
+// Black is the hand, orange the baseline, blue our method; dashed lines show intended or earlier positions.
+
+namespace osteon::app {
+
+/// The sketch of a scenario. `draw` is called once for each half.
+struct FailureScene {
+  int id{0};  ///< FailureScenario::id
+  void (*draw)(SceneSketch&){nullptr};
+  std::string_view baseline{}, ours{};  ///< captions below the halves: what goes wrong, and what prevents it
+};
+
+[[nodiscard]] std::span<const FailureScene> ContactScenes();  ///< the tool against bone that does not change
+[[nodiscard]] std::span<const FailureScene> CuttingScenes();  ///< bone that is cut
+[[nodiscard]] std::span<const FailureScene> ArmScenes();      ///< arm, sensor, hand and connections
+
+/// Draws both halves with their captions, 820 px wide. @returns one <svg>; empty if no scene has that number.
+[[nodiscard]] std::string FailureSceneSvg(int id, const std::string& name);
+
+}  // namespace osteon::app

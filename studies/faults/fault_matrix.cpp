@@ -1,0 +1,309 @@
+#include "studies/faults/fault_matrix.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "studies/failures/arm_bench.h"
+
+namespace osteon::hil {
+namespace {
+
+using control::TickRecord;
+using safety::CellState;
+using Records = std::vector<TickRecord>;
+
+constexpr int kBefore = 300;   // ticks of a fault before a waiting cell may begin
+constexpr int kAfter = 80;     // ticks until it begins after the fault
+constexpr int kSettles = 200;  // until everything is at rest
+constexpr int kRefused = 20;   // ticks for which a forbidden recovery is attempted
+constexpr double kSlack = 1.0 + 1e-9;
+constexpr double kStands_rad_per_s = 1e-3;
+constexpr double kDistanceSlack_m = 20e-6;  // the plane's spring turns the velocity a little
+
+CellState StateOf(const TickRecord& record) { return static_cast<CellState>(record.cell_state); }
+Vector3 Apex(const TickRecord& record) { return Pose(record.X_WT_cmd).translation(); }
+bool IsWaiting(CellState state) { return safety::Waits(state); }
+
+/// One run, and the first error found in it.
+class Trial {
+ public:
+  Trial(const FaultCase& fault, CellState state)
+      : fault_(fault),
+        state_(state),
+        start_path_(state == CellState::kAligning ? FaultRig::StartPath::kToStart
+                                                  : FaultRig::StartPath::kNone),
+        rig_(start_path_) {
+    verdict_.fault = fault.name;
+    verdict_.state = state;
+    verdict_.expected = fault.In(state);
+  }
+
+  FaultVerdict Run() {
+    rig_.BringTo(state_);
+    first_ = rig_.recorder().records.size();
+    Inject();
+    const std::size_t over = rig_.recorder().records.size();
+    Measure(over);
+    const Expected& expected = verdict_.expected;
+    switch (expected.reaction) {
+      case Reaction::kGoesOn:
+        JudgeGoesOn(over);
+        break;
+      case Reaction::kWaits:
+        Need(NoFault(over) && !Any(first_, over, safety::IsMotion), "it began");
+        HandOverAgain();
+        rig_.Run(kAfter);
+        Need(safety::IsMotion(rig_.loop().state()), "it did not begin afterwards");
+        break;
+      case Reaction::kStops:
+        JudgeStop(over);
+        break;
+      case Reaction::kFaults:
+        Need(!Any(first_, over, safety::IsMotion), "it moved");
+        JudgeLatched();
+        rig_.Run(kSettles);
+        JudgeEnd();
+        break;
+      case Reaction::kBacksOff:
+        Need(NoFault(over) && IsWaiting(StateAt(first_)), "it did not leave its way");
+        Need(!Any(first_, over, safety::IsMotion), "it moved");
+        HandOverAgain();
+        rig_.Run(kAfter);
+        Need(safety::IsMotion(rig_.loop().state()), "it did not begin again");
+        break;
+      case Reaction::kPauses:
+        JudgePause(over);
+        break;
+      case Reaction::kAlignsOn:
+        Need(NoFault(over), "a fault");
+        Need(!Any(first_, over, safety::Renders), "it rendered");
+        Need(StateAt(over - 1) == CellState::kAligning && IsAtRest(over - 1), "it is not at its start");
+        rig_.Run(kAfter);
+        Need(safety::Renders(rig_.loop().state()), "it did not render afterwards");
+        break;
+      case Reaction::kBrakesOn:
+        Need(!Any(first_, over, safety::IsMotion), "it moved on");
+        Need(NoFault(over), "a fault");
+        Need(rig_.loop().state() == (state_ == CellState::kStop2 ? CellState::kPaused : CellState::kOff),
+             "the stop did not end");
+        JudgeDistance();
+        break;
+      case Reaction::kRests:
+        Need(!Any(first_, over, safety::IsMotion), "it moved");
+        break;
+    }
+    JudgeAll();
+    return verdict_;
+  }
+
+ private:
+  void Need(bool holds, const char* wrong) {
+    if (!holds && verdict_.wrong.empty())
+      verdict_.wrong = fmt::format("{} (ends in state {}, faults {:#x})", wrong,
+                                   safety::Describe(rig_.loop().state()).name, rig_.loop().faults().bits());
+  }
+  [[nodiscard]] const Records& records() { return rig_.recorder().records; }
+  [[nodiscard]] CellState StateAt(std::size_t i) { return StateOf(records()[i]); }
+  template <class Holds>
+  [[nodiscard]] bool Any(std::size_t from, std::size_t to, Holds&& holds) {
+    for (std::size_t i = from; i < to; ++i)
+      if (holds(StateAt(i))) return true;
+    return false;
+  }
+  [[nodiscard]] bool NoFault(std::size_t to) {
+    return std::none_of(records().begin() + static_cast<std::ptrdiff_t>(first_),
+                        records().begin() + static_cast<std::ptrdiff_t>(to),
+                        [](const TickRecord& r) { return r.faults != 0; });
+  }
+  [[nodiscard]] bool IsAtRest(std::size_t i) {
+    return Vector3(Apex(records()[i]) - Apex(records()[i - 1])).isZero(0.0);
+  }
+
+  // Injects the fault for its time. In the middle of it a waiting cell is handed over and a pause ends.
+  void Inject() {
+    const bool waits = IsWaiting(state_), pauses = state_ == CellState::kPaused;
+    const bool to_its_end = verdict_.expected.reaction == Reaction::kAlignsOn;
+    const int begins = waits || pauses ? kBefore : 0;
+    const int lasts = to_its_end ? 3500 : begins + std::max(fault_.lasts, kSettles);
+    for (int since = 0; since < lasts; ++since) {
+      if (since == begins && waits) {
+        rig_.permitted = true;
+        rig_.HandOver();
+      }
+      if (since == begins && pauses) rig_.loop().RequestResume();
+      rig_.Tick(fault_.inject, since);
+    }
+    begins_ = first_ + static_cast<std::size_t>(begins);
+  }
+
+  // Measures when the fault was noticed, and the tool's travel from there.
+  void Measure(std::size_t over) {
+    const std::uint32_t before = first_ == 0 ? 0 : records()[first_ - 1].faults;
+    noticed_ = over;
+    for (std::size_t i = first_; i < over && noticed_ == over; ++i)
+      if ((records()[i].faults & ~before) != 0) noticed_ = i;
+    const std::size_t stops = Brakes() ? first_ : noticed_;
+    if (noticed_ < over)
+      verdict_.ticks = static_cast<int>(noticed_ - (noticed_ < begins_ ? first_ : begins_)) + 1;
+    if (stops == over || stops == 0) return;
+    const TickRecord& last = records()[stops - 1];
+    const double v = Vector3(last.v_WT_cmd_m_per_s).norm(), dt_s = FaultRig::Params(start_path_).period_s;
+    const double way_v = stops < 2 ? 0.0 : (Apex(last) - Apex(records()[stops - 2])).norm() / dt_s;
+    const control::ServoParams params = FaultRig::Params(start_path_);
+    const bool on_path = state_ == CellState::kAligning;
+    verdict_.max_distance_m =
+        on_path ? way_v * params.start->path.pause_s + way_v * dt_s
+                : v * v / (2.0 * params.stop_deceleration_m_per_s2) + v * dt_s + kDistanceSlack_m;
+    stops_ = stops;
+  }
+  [[nodiscard]] bool Brakes() const { return safety::Brakes(state_); }
+
+  void JudgeLatched() {
+    const Expected& expected = verdict_.expected;
+    verdict_.latched = rig_.loop().faults();
+    if (expected.faults.Any()) {
+      Need(verdict_.ticks >= 0, "not noticed");
+      Need(verdict_.ticks <= expected.ticks, "noticed late");
+      Need((verdict_.latched.bits() & expected.faults.bits()) != 0, "another fault");
+      Need((verdict_.latched.bits() & ~expected.faults.bits()) == 0, "a fault too many");
+    } else {
+      Need(!verdict_.latched.Any(), "a fault");
+    }
+  }
+
+  void JudgeDistance() {
+    if (stops_ == 0) return;
+    // ends where the tool follows the arm, as it is not commanded there
+    double max_m = 0.0;
+    for (std::size_t i = stops_; i < records().size() && safety::Brakes(StateAt(i)); ++i)
+      max_m = std::max(max_m, (Apex(records()[i]) - Apex(records()[stops_ - 1])).norm());
+    verdict_.distance_m = max_m;
+    Need(max_m <= verdict_.max_distance_m, "it went too far");
+  }
+
+  void JudgeStop(std::size_t over) {
+    JudgeLatched();
+    const Expected& expected = verdict_.expected;
+    const std::size_t at = expected.faults.Any() ? noticed_ : first_;
+    if (at < over) {
+      const CellState then = StateAt(at);
+      const bool hard = expected.stop == safety::StopCategory::kStop0;
+      const CellState end = expected.faults.Any() ? CellState::kFault : CellState::kOff;
+      Need(then == (hard ? CellState::kStop0 : CellState::kStop1) || then == end, "another stop");
+      Need(!Any(at, over, safety::IsMotion), "it moved on");
+    }
+    JudgeDistance();
+    rig_.Run(kSettles);
+    JudgeEnd();
+  }
+
+  // Checks that the cell is at rest, and how it can continue.
+  void JudgeEnd() {
+    control::ServoLoop& loop = rig_.loop();
+    const bool faulty = verdict_.expected.faults.Any();
+    Need(loop.state() == (faulty ? CellState::kFault : CellState::kOff), "not at rest");
+    Need(rig_.qd().cwiseAbs().maxCoeff() < kStands_rad_per_s, "the arm moves");
+    Need(!loop.cell_commands().motion_requested, "it still asks for motion");
+    // a cell that was asked to end does not begin again
+    const bool recovers = safety::AllowsRecovery(loop.faults()) && state_ != CellState::kStop1;
+    Need(loop.CanRecover() == recovers, "recovery");
+    rig_.TakeBack();
+    rig_.Run(5);
+    rig_.HandOver();
+    rig_.Run(kRefused);
+    Need(!safety::IsMotion(loop.state()), "it went on by itself");
+    loop.RequestRecovery();
+    rig_.Run(recovers ? kAfter : kRefused);
+    Need(safety::IsMotion(loop.state()) == recovers, recovers ? "it did not recover" : "it recovered");
+    FaultRig next(start_path_, rig_.q());
+    next.Run(5);
+    next.HandOver();
+    next.Run(kAfter);
+    Need(safety::IsMotion(next.loop().state()), "a new run did not begin");
+  }
+
+  void JudgeGoesOn(std::size_t over) {
+    Need(NoFault(over), "a fault");
+    Need(safety::IsMotion(rig_.loop().state()), "it does not go on");
+    if (safety::IsMotion(state_)) Need(!Any(first_, over, safety::IsStop), "it stopped");
+  }
+
+  void JudgePause(std::size_t over) {
+    Need(NoFault(over), "a fault");
+    Need(!Any(first_, over, [](CellState s) { return s != CellState::kAligning; }), "it left its way");
+    Need(IsAtRest(over - 1), "it did not rest");
+    rig_.Run(kAfter);
+    Need(rig_.loop().state() == CellState::kAligning && !IsAtRest(records().size() - 1), "it did not go on");
+  }
+
+  // Checks every tick of the run.
+  void JudgeAll() {
+    const auto& limits = ScenarioArm().limits;
+    std::uint64_t gaps = 0;
+    for (std::size_t i = 0; i < records().size(); ++i) {
+      const TickRecord& r = records()[i];
+      const double force_N = Vector3(r.F_coupling_T_W.f).norm();
+      verdict_.peak_force_N = std::max(verdict_.peak_force_N, force_N);
+      Need(force_N <= rig_.loop().max_force_N() * kSlack, "more force than the limit");
+      Need(std::all_of(r.q_cmd.begin(), r.q_cmd.end(), [](double q) { return std::isfinite(q); }),
+           "a command that is none");
+      if (i == 0) {
+        gaps = r.tick;
+        continue;
+      }
+      const TickRecord& before = records()[i - 1];
+      gaps += r.tick - before.tick - 1;
+      const bool commanded = safety::IsMotion(StateOf(r)) || safety::Brakes(StateOf(r));
+      const bool was = safety::IsMotion(StateOf(before)) || safety::Brakes(StateOf(before));
+      if (!commanded || !was || r.tick != before.tick + 1 || r.activation_cmd != before.activation_cmd)
+        continue;
+      for (std::size_t j = 0; j < limits.size(); ++j)
+        Need(std::abs(r.q_cmd[j] - before.q_cmd[j]) <= limits[j].velocity_rad_per_s * 1e-3 * kSlack,
+             "a joint faster than its limit");
+    }
+    Need(rig_.recorder().pushed == rig_.ticks(), "a tick that was not handed to the recorder");
+    Need(records().size() + gaps == rig_.ticks(), "a tick that was neither recorded nor refused");
+  }
+
+  // Hands over again an arm whose messages said that it left.
+  void HandOverAgain() {
+    if (rig_.last().session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive))
+      return;
+    rig_.TakeBack();
+    rig_.Run(5);
+    rig_.HandOver();
+  }
+
+  const FaultCase& fault_;
+  CellState state_;
+  FaultRig::StartPath start_path_;
+  FaultRig rig_;
+  FaultVerdict verdict_;
+  std::size_t first_{0}, begins_{0}, noticed_{0}, stops_{0};
+};
+
+}  // namespace
+
+FaultVerdict RunFault(const FaultCase& fault, CellState state) {
+  try {
+    return Trial(fault, state).Run();
+  } catch (const std::logic_error& error) {
+    return {.fault = fault.name, .state = state, .expected = fault.In(state), .wrong = error.what()};
+  }
+}
+
+std::vector<FaultVerdict> RunFaultMatrix(std::span<const FaultCase> faults,
+                                         const std::function<bool(double)>& progress) {
+  std::vector<FaultVerdict> verdicts;
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    if (progress && !progress(static_cast<double>(i) / static_cast<double>(faults.size()))) break;
+    for (int s = 0; s < safety::kCellStates; ++s)
+      verdicts.push_back(RunFault(faults[i], static_cast<CellState>(s)));
+  }
+  return verdicts;
+}
+
+}  // namespace osteon::hil

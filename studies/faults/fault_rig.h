@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "control/loop/servo_loop.h"
+#include "hil/arm/servo_arm.h"
+#include "kinematics/lbr_arm.h"
+#include "safety/cell_state.h"
+
+// The cell that faults are injected into: the servo loop on a simulated arm with lag, a drive, a PLC, a hand
+// and a plane of bone, in virtual time.
+
+namespace osteon::hil {
+
+/// Inputs of a tick. An injection changes them between the cell and the loop.
+struct RigInputs {
+  control::ArmState arm;
+  control::ReceiveResult received{control::ReceiveResult::kOk};
+  control::CellReadings readings;
+  simulation::ContactModel model;
+  rt::Nanoseconds now{0};
+};
+
+class FaultRig;
+/// @param since  ticks since the injection began, from 0
+using RigInjection = std::function<void(RigInputs& inputs, int since, FaultRig& rig)>;
+
+/// Records every tick.
+class RigRecorder final : public control::TickRecorder {
+ public:
+  bool Push(const control::TickRecord& record) OSTEON_RT override {
+    ++pushed;
+    records.push_back(record);
+    return true;
+  }
+  [[nodiscard]] bool Stalled() const OSTEON_RT override { return stalled; }
+  std::vector<control::TickRecord> records;
+  std::uint64_t pushed{0};
+  bool stalled{false};
+};
+
+class FaultRig {
+ public:
+  static constexpr rt::Nanoseconds kTick = rt::kMillisecond;
+  enum class StartPath { kNone, kToStart };
+
+  /// The loop's parameters of every run: the shipped limits, and a path to a start if requested.
+  [[nodiscard]] static control::ServoParams Params(StartPath start_path);
+  [[nodiscard]] static kinematics::JointVector StartJoints();
+
+  explicit FaultRig(StartPath start_path = StartPath::kNone,
+                    const kinematics::JointVector& q = StartJoints());
+
+  /// Leads the cell into a state, as a user would.
+  /// @throws std::logic_error if it does not get there.
+  void BringTo(safety::CellState state);
+  /// Runs one tick and returns its record.
+  const control::TickRecord& Tick(const RigInjection& inject = {}, int since = 0);
+  void Run(int ticks);
+  /// Hands the arm over, from another session state; a new activation.
+  void HandOver();
+  /// Takes the arm back.
+  void TakeBack() { session_ = control::SessionState::kCommandingWait; }
+
+  [[nodiscard]] control::ServoLoop& loop() { return loop_; }
+  [[nodiscard]] const control::ServoLoop& loop() const { return loop_; }
+  [[nodiscard]] const kinematics::JointVector& q() const { return arm_.q(); }
+  [[nodiscard]] const kinematics::JointVector& qd() const { return arm_.qd(); }
+  [[nodiscard]] RigRecorder& recorder() { return recorder_; }
+  [[nodiscard]] const control::TickRecord& last() const { return last_; }
+  [[nodiscard]] const Vector3& feed_W() const { return feed_W_; }
+  [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
+  [[nodiscard]] control::ArmCommand command() const { return command_; }
+
+  bool permitted{true};              ///< by the PLC
+  double spindle_rad_per_s{25.0};    ///< while it is asked to turn
+  double push_N{40.0}, side_N{3.0};  ///< the hand, along the feed and across it
+  rt::Nanoseconds clock_offset{0};   ///< added to the loop's clock, from now on
+
+ private:
+  [[nodiscard]] Pose ToolNow() const;
+  [[nodiscard]] RigInputs Inputs();
+  void Simulate(rt::Nanoseconds now);
+
+  kinematics::LbrArm kinematics_;
+  ServoArm arm_;
+  control::ServoLoop loop_;
+  RigRecorder recorder_;
+  Vector3 feed_W_, side_W_, plane_W_;
+  kinematics::JointVector q_told_, q_ipo_;
+  control::SessionState session_{control::SessionState::kCommandingWait};
+  std::uint32_t activation_{0}, sequence_{0};
+  control::ArmCommand command_;
+  simulation::ContactModel model_;
+  control::TickRecord last_;
+  rt::Nanoseconds time_{rt::kSecond};
+  std::uint64_t ticks_{0};
+};
+
+}  // namespace osteon::hil

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "studies/kill/kill_trial.h"
+
+namespace osteon::app {
+
+/// Options of `osteon failures --kill`: real processes are killed in full contact, in wall time.
+struct KillTableOptions {
+  std::filesystem::path config_root;
+  int times{20};                 ///< for each victim
+  std::filesystem::path json{};  ///< empty: none
+  std::string engine{"auto"};    ///< one that `osteon run` accepts
+  std::string device{};          ///< part of a Vulkan device's name
+};
+
+/// One trial: its result, or why there is none.
+struct KillRun {
+  KillResult result;
+  std::string error{};  ///< why there was no trial; empty if there was one
+  [[nodiscard]] bool passed() const { return error.empty() && result.passed(); }
+};
+
+/// Runs the trials and prints a table.
+/// @returns the process's exit code: 0 the arm came to rest each time, within every limit; 1 otherwise, or
+/// the file could not be written; 130 ended by Ctrl-C, with the finished trials written.
+[[nodiscard]] int RunKillTable(const KillTableOptions& options);
+
+/// The printed table: a row per victim, and below it what is wrong.
+[[nodiscard]] std::string KillTableText(std::span<const KillRun> runs);
+
+/// JSON object, schema osteon.failures/1, without scenarios and with each trial in `kills`.
+[[nodiscard]] std::string KillTableJson(std::span<const KillRun> runs);
+
+}  // namespace osteon::app

@@ -1,0 +1,367 @@
+#include "studies/kill/kill_trial.h"
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/child_process.h"
+#include "base/clock.h"
+#include "base/halted_thread.h"
+#include "config/reading/load.h"
+#include "config/reading/strict/derived_file.h"
+#include "io/recording/recording_reader.h"
+#include "safety/fault.h"
+#include "session/run/cell_ports.h"
+#include "session/run/cell_trace.h"
+
+namespace osteon::app {
+namespace {
+
+// The command that runs cells: it lies beside this one, which runs studies.
+std::filesystem::path OsteonBeside() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "osteon";
+}
+
+using std::chrono::milliseconds, std::chrono::seconds;
+
+constexpr int kAttempts = 3;
+constexpr milliseconds kPollInterval{5};
+// Generous: a busy machine must not decide.
+constexpr seconds kReady{60}, kContact{120}, kRest{10}, kEnd{30};
+// Full contact: for this long, the hand's whole push meets a tool that hardly moves.
+constexpr double kFullShare = 0.97, kPressedIn_m_per_s = 0.01;
+constexpr rt::Nanoseconds kFullFor = 100 * rt::kMillisecond;
+constexpr double kRest_m_per_s = 0.002;  // speed of a commanded tool at rest
+// Time for which the rest is watched; within it the PLC misses the heartbeats (0.25 s).
+constexpr rt::Nanoseconds kRestFor = 800 * rt::kMillisecond;
+constexpr double kStands_rad_per_s = 0.5;  // spindle speed at standstill
+
+std::string ReadAll(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+nlohmann::json ReadJson(const std::filesystem::path& file) {
+  return nlohmann::json::parse(ReadAll(file), nullptr, false);
+}
+
+double MetresPerSecond(const PlainVector3& v) { return Vector3(v).norm(); }
+
+// The fault in which the victim's death must end; empty: any watchdog may be first.
+std::string OwnFault(KillVictim victim) {
+  if (victim == KillVictim::kSimulation) return safety::Describe(safety::Fault::kModelStale).name;
+  if (victim == KillVictim::kRecorder) return safety::Describe(safety::Fault::kRecorder).name;
+  return "";
+}
+
+const char* ThreadOf(KillVictim victim) { return victim == KillVictim::kLoop ? "servo" : NameOf(victim); }
+
+// The three processes, each in a folder of its own.
+class Trial {
+ public:
+  explicit Trial(const KillTrialParams& params) : params_(params), trace_(Folder("cell") / "trace.csv") {
+    config::CellConfig cell = config::LoadCell(params.cell);
+    const auto port = UseSimulated(cell, 0);
+    if (!port) throw std::runtime_error(port.error());
+    port_ = std::to_string(*port);
+    for (const char* name : {"cell", "guard", "run"}) {
+      std::filesystem::remove_all(Folder(name));
+      std::filesystem::create_directories(Folder(name));
+    }
+  }
+
+  /// Starts all processes and waits for full contact. False if it was not reached.
+  bool ReachFullContact() {
+    cell_ = Start("cell", {"--trace", "trace.csv", "--json", "cell.json"});
+    if (!Until(kReady, [&] { return Says("cell", "Ctrl-C ends it") || cell_->Ended(); })) return false;
+    guard_ = Start("guard", {"--json", "guard.json"});
+    if (!Until(kReady, [&] { return Says("guard", "Ctrl-C ends it") || guard_->Ended(); })) return false;
+    std::vector<std::string> more{"--record", "run.mcap", "--json", "run.json", "--engine", params_.engine};
+    if (!params_.device.empty()) more.insert(more.end(), {"--device", params_.device});
+    run_ = Start("run", more);
+    return Until(kContact, [&] { return Full() || run_->Ended() || guard_->Ended() || cell_->Ended(); }) &&
+           Full() && !run_->Ended();
+  }
+
+  /// Kills the victim. @returns an empty string, or why it could not.
+  std::string Kill(KillVictim victim) {
+    switch (victim) {
+      case KillVictim::kController:
+        run_->Send(SIGKILL);
+        break;
+      case KillVictim::kGuard:
+        guard_->Send(SIGKILL);
+        break;
+      case KillVictim::kCell:
+        cell_->Send(SIGKILL);
+        break;
+      case KillVictim::kLoop:
+      case KillVictim::kSimulation:
+      case KillVictim::kRecorder: {
+        auto halted = HaltedThread::Halt(run_->pid(), ThreadOf(victim));
+        if (!halted) return halted.error();
+        halted_ = std::move(*halted);
+        break;
+      }
+    }
+    killed_ = rt::MonotonicNow();
+    return "";
+  }
+
+  /// Watches until the arm rests, ends the remaining processes, and collects the result.
+  KillResult Watch(KillVictim victim) {
+    const bool arm_lives = victim != KillVictim::kCell;
+    if (arm_lives) static_cast<void>(Until(kRest, [&] { return RestsFor() > kRestFor; }));
+    cell_->Send(SIGTERM);  // first, so that actions of a released thread do not count
+    cell_->End(kEnd);
+    halted_.reset();  // so that the process can end
+    KillResult result{.victim = victim};
+    if (victim == KillVictim::kController)
+      run_->End(seconds(0));
+    else
+      result.run_exit = run_->End(kEnd);
+    guard_->Send(SIGTERM);
+    guard_->End(kEnd);
+
+    ReadArmTrace(result);
+    JudgeRecording(result, !arm_lives);
+    CollectReports(result);
+    result.wrong = Wrong(result);
+    return result;
+  }
+
+  /// The last line of a process that has ended by itself; empty if none has.
+  [[nodiscard]] std::string FindComplaint() const {
+    for (const auto& [name, process] :
+         {std::pair{"cell", cell_.get()}, {"guard", guard_.get()}, {"run", run_.get()}}) {
+      if (!process || !process->Ended()) continue;
+      std::string err = ReadAll(Folder(name) / "stderr");
+      while (err.ends_with('\n')) err.pop_back();
+      return err.substr(err.rfind('\n') + 1);
+    }
+    return "";
+  }
+
+ private:
+  [[nodiscard]] std::filesystem::path Folder(const std::string& name) const { return params_.folder / name; }
+
+  std::unique_ptr<ChildProcess> Start(const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> words{name, std::filesystem::absolute(params_.cell).string(), "--port", port_};
+    words.insert(words.end(), more.begin(), more.end());
+    auto process = ChildProcess::Start({.words = words,
+                                        .program = OsteonBeside(),
+                                        .folder = Folder(name),
+                                        .out = Folder(name) / "stdout",
+                                        .err = Folder(name) / "stderr"});
+    if (!process) throw std::runtime_error(process.error());
+    return std::move(*process);
+  }
+
+  [[nodiscard]] bool Says(const char* name, const char* words) const {
+    return ReadAll(Folder(name) / "stdout").find(words) != std::string::npos;
+  }
+
+  bool Until(milliseconds limit, const std::function<bool()>& condition) {
+    const auto give_up = std::chrono::steady_clock::now() + limit;
+    while (!condition()) {
+      if ((params_.stop && params_.stop()) || std::chrono::steady_clock::now() > give_up) return false;
+      std::this_thread::sleep_for(kPollInterval);
+    }
+    return true;
+  }
+
+  bool Full() {
+    trace_.Poll();
+    const auto& cycles = trace_.cycles();
+    for (auto cycle = cycles.rbegin(); cycle != cycles.rend(); ++cycle) {
+      if (cycle->session != control::SessionState::kCommandingActive ||
+          cycle->hand_N < kFullShare * params_.push_N || cycle->speed_m_per_s > kPressedIn_m_per_s)
+        return false;
+      if (cycles.back().stamp - cycle->stamp > kFullFor) return true;
+    }
+    return false;
+  }
+
+  // Time since the kill for which the arm has been at rest.
+  rt::Nanoseconds RestsFor() {
+    trace_.Poll();
+    return RestedFor(trace_.cycles(), killed_);
+  }
+
+  void ReadArmTrace(KillResult& result) {
+    trace_.Poll();
+    const CellCycle* at_kill = nullptr;
+    for (const CellCycle& cycle : trace_.cycles()) {
+      result.hand_N = std::max(result.hand_N, cycle.hand_N);
+      if (cycle.stamp <= killed_) {
+        at_kill = &cycle;
+        result.hand_at_kill_N = cycle.hand_N;
+        continue;
+      }
+      if (Moves(cycle)) result.rest_ms = rt::ToSeconds(cycle.stamp - killed_) * 1e3;
+      if (at_kill) result.distance_m = std::max(result.distance_m, (cycle.p_WT_m - at_kill->p_WT_m).norm());
+    }
+    result.at_rest = at_kill && RestsFor() > kRestFor;
+  }
+
+  // Reads what the controller rendered; @param moves  its commands count as the arm's motion
+  void JudgeRecording(KillResult& result, bool moves) {
+    const auto recording = io::ReadRecording(Folder("run") / "run.mcap");
+    if (!recording) return;
+    std::optional<Vector3> p_at_kill;
+    for (const control::TickRecord& tick : recording->ticks) {
+      result.coupling_N = std::max(result.coupling_N, Wrench(tick.F_coupling_T_W).f.norm());
+      if (!moves) continue;
+      const Vector3 p_WT = Pose(tick.X_WT_cmd).translation();
+      if (tick.stamp <= killed_) {
+        p_at_kill = p_WT;
+        continue;
+      }
+      const double speed = MetresPerSecond(tick.v_WT_cmd_m_per_s);
+      if (speed > kRest_m_per_s) result.rest_ms = rt::ToSeconds(tick.stamp - killed_) * 1e3;
+      if (p_at_kill) result.distance_m = std::max(result.distance_m, (p_WT - *p_at_kill).norm());
+      result.at_rest = speed <= kRest_m_per_s;
+    }
+  }
+
+  void CollectReports(KillResult& result) const {
+    if (const nlohmann::json run = ReadJson(Folder("run") / "run.json"); run.is_object())
+      result.faults = run.at("faults").get<std::vector<std::string>>();
+    if (const nlohmann::json guard = ReadJson(Folder("guard") / "guard.json");
+        guard.is_object() && guard.at("reason").is_string())
+      result.guard = guard.at("reason");
+    if (const nlohmann::json cell = ReadJson(Folder("cell") / "cell.json"); cell.is_object()) {
+      result.permitted = cell.at("plc").at("run_permitted").get<bool>();
+      result.blocks = cell.at("plc").at("blocks");
+      result.spindle_rad_per_s = cell.at("spindle").at("speed_rad_per_s");
+    }
+  }
+
+  [[nodiscard]] std::string Wrong(const KillResult& r) const {
+    std::string wrong;
+    const auto add = [&](bool is, const std::string& what) {
+      if (is) wrong += (wrong.empty() ? "" : "; ") + what;
+    };
+    add(!r.at_rest, "no rest");
+    add(r.hand_N > params_.limit_N, fmt::format("the hand felt {:.1f} N", r.hand_N));
+    add(r.coupling_N > params_.limit_N, fmt::format("{:.1f} N were rendered", r.coupling_N));
+    add(r.victim != KillVictim::kCell && !r.permitted, "the cell left no report");
+    add(r.permitted.value_or(false), "the PLC permits motion still");
+    const auto misses = [&r](const char* whose) {
+      return r.blocks.find(std::string(whose) + "'s heartbeat lost") == std::string::npos;
+    };
+    if (r.victim == KillVictim::kController || r.victim == KillVictim::kLoop)
+      add(misses("controller"), "the PLC did not miss the controller's heartbeat");
+    if (r.victim == KillVictim::kGuard) add(misses("guard"), "the PLC did not miss the guard's heartbeat");
+    add(std::abs(r.spindle_rad_per_s) > kStands_rad_per_s, "the spindle turns still");
+    if (r.victim != KillVictim::kController) {
+      add(r.run_exit != 1, fmt::format("the controller ended with {}", r.run_exit.value_or(-1)));
+      add(r.faults.empty(), "the controller named no fault");
+    }
+    return wrong;
+  }
+
+  const KillTrialParams& params_;
+  CellTraceReader trace_;
+  std::string port_;
+  std::unique_ptr<ChildProcess> cell_, guard_, run_;
+  std::unique_ptr<HaltedThread> halted_;  // destroyed before its process
+  rt::Nanoseconds killed_{0};
+};
+
+}  // namespace
+
+bool AnotherFaultFirst(const KillResult& result) {
+  const std::string own = OwnFault(result.victim);
+  return result.passed() && !own.empty() && result.faults.front() != own;
+}
+
+const char* NameOf(KillVictim victim) {
+  switch (victim) {
+    case KillVictim::kController:
+      return "controller";
+    case KillVictim::kLoop:
+      return "loop";
+    case KillVictim::kSimulation:
+      return "simulation";
+    case KillVictim::kRecorder:
+      return "recorder";
+    case KillVictim::kGuard:
+      return "guard";
+    case KillVictim::kCell:
+      return "cell";
+  }
+  return "unknown";
+}
+
+const char* Describe(KillVictim victim) {
+  switch (victim) {
+    case KillVictim::kController:
+      return "SIGKILL to osteon run";
+    case KillVictim::kLoop:
+      return "the servo thread of osteon run halted";
+    case KillVictim::kSimulation:
+      return "the simulation's thread of osteon run halted";
+    case KillVictim::kRecorder:
+      return "the recorder's thread of osteon run halted";
+    case KillVictim::kGuard:
+      return "SIGKILL to osteon guard";
+    case KillVictim::kCell:
+      return "SIGKILL to osteon cell: arm, sensor, drive and PLC gone";
+  }
+  return "unknown";
+}
+
+void WriteKillCell(const std::filesystem::path& source, double push_N, double limit_N,
+                   const std::filesystem::path& folder) {
+  const std::filesystem::path shipped = source.parent_path() / "../scenes/thin_plate.yaml";
+  // 5 mm of cortical bone: at 150 N the drill needs some four seconds to go through
+  config::WriteDerived(shipped, {{"shape.height_mm", "5"}}, folder / "plate.yaml");
+  const auto number = [](double value) { return fmt::format("{}", value); };
+  config::WriteDerived(source,
+                       {{"scene", (folder / "plate.yaml").string()},
+                        {"plc.guard", "true"},
+                        {"guard", "{port: 30209}"},
+                        {"limits.max_force_N", number(limit_N)},
+                        {"limits.max_stored_J", "0.3"},  // so that the spring can hold the limit
+                        {"operator.max_force_N", number(2.0 * push_N)},
+                        {"script.push_force_N", number(push_N)},
+                        {"script.full_force_depth_mm", "15"},
+                        {"script.duration_s", "6"}},
+                       folder / "cell.yaml");
+}
+
+tl::expected<KillResult, std::string> RunKillTrial(KillVictim victim, const KillTrialParams& params) {
+  std::string why;
+  for (int attempt = 1; attempt <= kAttempts; ++attempt) {
+    Trial trial(params);
+    if (!trial.ReachFullContact()) {
+      if (params.stop && params.stop()) return tl::make_unexpected("stopped");
+      why = trial.FindComplaint();
+      continue;
+    }
+    if (const std::string refused = trial.Kill(victim); !refused.empty()) return tl::make_unexpected(refused);
+    KillResult result = trial.Watch(victim);
+    result.attempts = attempt;
+    if (AnotherFaultFirst(result)) {
+      if (attempt < kAttempts) continue;
+      result.wrong = fmt::format("not for \"{}\" but for \"{}\", in the last of {} attempts",
+                                 OwnFault(victim), fmt::join(result.faults, ", "), kAttempts);
+    }
+    return result;
+  }
+  return tl::make_unexpected(fmt::format(
+      "no full contact in {} attempts{}", kAttempts,
+      why.empty()
+          ? ": this machine is too busy; fewer programs beside it, or real-time rights, help (osteon doctor)"
+          : ": " + why));
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/phase_progress.h"
+#include "report/report.h"
+#include "simulation/packing/mass_points.h"
+#include "simulation/packing/packing_file.h"
+#include "simulation/packing/packing_quality.h"
+#include "simulation/solids/mass_properties.h"
+
+namespace osteon::app {
+
+/// The result of `osteon pack` with its quality, as terminal, JSON and report show it.
+struct PackResult {
+  simulation::Bone bone{};
+  std::string mode{};     ///< overlap, disjoint; of a packing file: as stored there
+  bool converted{false};  ///< read from a packing file: nothing was packed, and some figures are unknown
+  simulation::PackingQuality quality{};
+  simulation::PackingProvenance provenance{};
+  std::size_t triangles{0};
+  std::uint64_t seed{0};
+  int threads{0};
+  std::string zone{};
+  simulation::MassPointParams point_params{};
+  simulation::MassProperties mass{};  ///< of the mass points, with their materials
+  /// The same points with every material at 1000 kg/m³.
+  std::optional<simulation::MassProperties> even_points{};
+  std::optional<simulation::MassProperties> even_solid{};  ///< in closed form
+  double seconds{0.0};                                     ///< of the packing itself
+  std::vector<PhaseProgress::Phase> phases{};
+  std::vector<std::filesystem::path> outputs{};
+};
+
+/// The product's tolerances: balls that reach farther out of their solid, or into each other, are a fault of
+/// the packing.
+inline constexpr double kMaxProtrusion_m = 0.05e-3, kMaxDisjointOverlap_m = 1e-6;
+[[nodiscard]] bool KeepsTolerances(const PackResult& result);
+
+/// Mass, centre and inertia of a homogeneous body: the points' values compared with the closed form's.
+struct MassComparison {
+  double volume_error{0.0};  ///< relative, signed
+  double center_error_m{0.0};
+  double inertia_error{0.0};  ///< greatest difference of an element, divided by the greatest element
+};
+[[nodiscard]] std::optional<MassComparison> CompareMass(const PackResult& result);
+
+/// Rows for the terminal and the report.
+[[nodiscard]] std::vector<SummaryRow> Rows(const PackResult& result);
+
+/// One JSON object, schema osteon.pack/1.
+[[nodiscard]] std::string ToJson(const PackResult& result);
+
+/// Converts the known quality figures of a packing to parameters of its provenance, and back.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> QualityParameters(
+    const simulation::PackingQuality& quality);
+void ReadQualityParameters(const simulation::PackingProvenance& provenance,
+                           simulation::PackingQuality& quality);
+
+}  // namespace osteon::app

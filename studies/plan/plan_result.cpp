@@ -1,0 +1,236 @@
+#include "studies/plan/plan_result.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/interrupt.h"
+#include "base/phase_progress.h"
+#include "base/write_text.h"
+#include "session/process/exit_code.h"
+
+namespace osteon::app {
+namespace {
+
+std::size_t CuttingBalls(const simulation::Tool& tool) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(tool.balls, [](const simulation::ToolBall& ball) { return ball.cutting; }));
+}
+
+struct Radii {
+  double min_m{0.0}, max_m{0.0};
+};
+
+Radii RadiiOf(const std::vector<simulation::Ball>& balls) {
+  if (balls.empty()) return {};
+  const auto [least, greatest] = std::ranges::minmax_element(balls, {}, &simulation::Ball::radius_m);
+  return {.min_m = least->radius_m, .max_m = greatest->radius_m};
+}
+
+nlohmann::json GroupJson(const simulation::FrameGroup& group) {
+  return {{"frames", group.frames},
+          {"frames_interrupted", group.interrupted},
+          {"active_spheres", group.active_balls},
+          {"frame_us_p50", group.p50_us},
+          {"frame_us_p999", group.p999_us}};
+}
+
+// Fraction of the timed frames in which a thread may wait for a processor.
+constexpr double kSomeInterrupted = 0.2;
+
+struct FrameCounts {
+  std::size_t frames{0}, interrupted{0};
+};
+
+FrameCounts CountsOf(const std::vector<simulation::FrameGroup>& groups) {
+  FrameCounts counts;
+  for (const simulation::FrameGroup& group : groups) {
+    counts.frames += group.frames;
+    counts.interrupted += group.interrupted;
+  }
+  return counts;
+}
+
+std::string UnmetDemandText(const UnmetDemand& demand) {
+  return demand.what == "rate"
+             ? fmt::format("rate: {:.0f} Hz of {:g}", demand.predicted, demand.asked)
+             : fmt::format("error: {:.4f} mm instead of {:g}", demand.predicted, demand.asked);
+}
+
+std::string Row(const char* name, const std::string& value) {
+  return fmt::format("  {:<18} {}\n", name, value);
+}
+
+}  // namespace
+
+Verdict Judge(const FidelityPlan& plan, const std::optional<PlanCheck>& check) {
+  Verdict verdict;
+  if (check)
+    for (const std::string& missed : check->missed)
+      verdict.Add(VerdictLevel::kBad, "measured otherwise than promised: " + missed);
+  for (const UnmetDemand& demand : plan.unmet)
+    verdict.Add(VerdictLevel::kWarning,
+                "error and rate can't both be had; given up is the " + UnmetDemandText(demand));
+  const auto [frames, interrupted] = CountsOf(plan.calibration);
+  if (static_cast<double>(interrupted) > kSomeInterrupted * static_cast<double>(frames))
+    verdict.Add(
+        VerdictLevel::kWarning,
+        fmt::format("in {} of the {} frames that the predicted times come from, a thread waited for a "
+                    "processor: other programs ran, or a software driver has more threads than there are "
+                    "processors",
+                    interrupted, frames));
+  return verdict;
+}
+
+nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, const FidelityPlan& plan,
+                        const std::optional<PlanCheck>& check) {
+  const Radii radii = RadiiOf(plan.packed.balls);
+  const simulation::PackingFineness& fine = plan.packed.level.fine;
+  nlohmann::json json{{"schema", "osteon.plan/1"},
+                      {"subcommand", "plan"},
+                      {"scene", scene.name},
+                      {"cell", scene.cell_name},
+                      {"tool", scene.work.tool.name},
+                      {"engine", plan.engine},
+                      {"device", plan.device},
+                      {"error_mm", request.error_m * 1e3},
+                      {"rate_hz", request.rate_hz},
+                      {"packing", std::string(simulation::KindName(plan.packed.level.kind))},
+                      {"spheres", plan.packed.balls.size()},
+                      {"spheres_uniform", nullptr},
+                      {"spheres_uniform_disjoint", static_cast<std::size_t>(plan.disjoint_balls)},
+                      {"r_min_mm", radii.min_m * 1e3},
+                      {"r_max_mm", radii.max_m * 1e3},
+                      {"zone_spacing_mm", fine.spacing_m * 1e3},
+                      {"zone_r_max_mm", fine.radius_m * 1e3},
+                      {"zone_depth_mm", plan.packed.level.zone_depth_m * 1e3},
+                      {"surface_gap_mm", fine.surface_gap_m * 1e3},
+                      {"children", fine.children},
+                      {"tool_spheres", CuttingBalls(plan.tool)},
+                      {"tool_touching_spheres", plan.tool.balls.size() - CuttingBalls(plan.tool)},
+                      {"arm_level", std::string(simulation::ArmFidelityName(plan.arm))},
+                      {"turn_parts", plan.turn_parts},
+                      {"predicted_error_mm", plan.error_m * 1e3},
+                      {"promised_error_mm", plan.promised_m * 1e3},
+                      {"predicted_error_parts_mm",
+                       {{"face", plan.removal.face_m * 1e3},
+                        {"rim", plan.removal.rim_m * 1e3},
+                        {"tool", plan.tool_gap_m * 1e3}}},
+                      {"predicted_arm_error_mm", plan.arm_error_m * 1e3},
+                      {"predicted_leak_mm", plan.leak_m * 1e3},
+                      {"leak_probe_mm", plan.leak_probe_m * 1e3},
+                      {"predicted_cogging", plan.cogging},
+                      {"predicted_active_spheres", plan.active_balls},
+                      {"predicted_frame_us", plan.frame_us},
+                      {"predicted_frame_us_p999", plan.frame_p999_us},
+                      {"frame_cost",
+                       {{"base_us", plan.cost.base_us},
+                        {"sphere_us", plan.cost.ball_us},
+                        {"tail_ratio", plan.cost.tail_ratio}}},
+                      {"calibration", nlohmann::json::array()},
+                      {"given_up", nlohmann::json::array()},
+                      {"check", nullptr}};
+  if (plan.uniform_balls > 0.0) json["spheres_uniform"] = static_cast<std::size_t>(plan.uniform_balls);
+  for (const simulation::FrameGroup& group : plan.calibration)
+    json["calibration"].push_back(GroupJson(group));
+  for (const UnmetDemand& demand : plan.unmet)
+    json["given_up"].push_back({{"what", demand.what},
+                                {"unit", demand.what == "rate" ? "Hz" : "mm"},
+                                {"asked", demand.asked},
+                                {"predicted", demand.predicted}});
+  json["unmet"] = json["given_up"];  // the older name stays for programs that read it
+  if (check) {
+    json["check"] = {{"error_mm", check->error_m * 1e3}, {"standard_error_mm", check->standard_error_m * 1e3},
+                     {"lost_mm", check->lost_m * 1e3},   {"left_mm", check->left_m * 1e3},
+                     {"leak_mm", check->leak_m * 1e3},   {"frame_us_by_others_in_turn", check->same_time_us},
+                     {"missed", check->missed}};
+    json["check"].update(GroupJson(check->frames));
+  }
+  return json;
+}
+
+std::string PlanText(const PlanScene& scene, const PlanRequest& request, const FidelityPlan& plan,
+                     const std::optional<PlanCheck>& check) {
+  const Radii radii = RadiiOf(plan.packed.balls);
+  const simulation::PackingLevel& level = plan.packed.level;
+  std::string text =
+      fmt::format("Osteon plan: {}, {}, {:g} mm at {:g} Hz, {} on {}\n", scene.name, scene.work.tool.name,
+                  request.error_m * 1e3, request.rate_hz, plan.engine, plan.device);
+  for (const SummaryRow& row : VerdictRows(Judge(plan, check))) text += Row(row.key.c_str(), row.value);
+  text +=
+      Row("packing", fmt::format("{}, {} spheres of {:.3f} to {:.2f} mm", simulation::KindName(level.kind),
+                                 plan.packed.balls.size(), radii.min_m * 1e3, radii.max_m * 1e3));
+  text += Row("zone",
+              fmt::format("{:.3f} mm apart, radii up to {:.3f} mm, down to {:g} mm below it",
+                          level.fine.spacing_m * 1e3, level.fine.radius_m * 1e3, level.zone_depth_m * 1e3));
+  if (level.fine.children > 0)
+    text += Row("splitting", fmt::format("{} children of a ball that is touched", level.fine.children));
+  const auto alike = [&](const char* name, double balls) {
+    return Row(name, fmt::format("{:.0f} spheres, {:.1f} times as many", balls,
+                                 balls / static_cast<double>(plan.packed.balls.size())));
+  };
+  if (plan.uniform_balls > 0.0) text += alike("all of it alike", plan.uniform_balls);
+  text += alike("and disjoint", plan.disjoint_balls);
+  text += Row("tool", fmt::format("{} spheres that cut, {} that touch; {:g} frames a turn at most",
+                                  CuttingBalls(plan.tool), plan.tool.balls.size() - CuttingBalls(plan.tool),
+                                  static_cast<double>(plan.turn_parts)));
+  text += Row("arm", fmt::format("{}, off by {:.3f} mm", simulation::ArmFidelityName(plan.arm),
+                                 plan.arm_error_m * 1e3));
+  text += Row("predicted error",
+              fmt::format("{:.4f} mm: face {:.4f}, rim {:.4f}, tool {:.4f}", plan.error_m * 1e3,
+                          plan.removal.face_m * 1e3, plan.removal.rim_m * 1e3, plan.tool_gap_m * 1e3));
+  text += Row("leak, cogging", fmt::format("{:.4f} mm of a {:g} mm probe; {:.1f} % of the normal force",
+                                           plan.leak_m * 1e3, plan.leak_probe_m * 1e3, plan.cogging * 100.0));
+  text += Row(
+      "predicted frame",
+      fmt::format("{:.0f} us, p99.9 {:.0f} us: {:.0f} + {:.4f} us times {:.0f} active spheres", plan.frame_us,
+                  plan.frame_p999_us, plan.cost.base_us, plan.cost.ball_us, plan.active_balls));
+  const auto [frames, interrupted] = CountsOf(plan.calibration);
+  text += Row("calibrated on", fmt::format("{} frames of {} other packings, {} of them interrupted", frames,
+                                           plan.calibration.size(), interrupted));
+  if (plan.unmet.empty()) text += Row("given up", "nothing");
+  for (const UnmetDemand& demand : plan.unmet) text += Row("given up", UnmetDemandText(demand));
+  if (!check) return text;
+  text += Row("measured error",
+              fmt::format("{:.4f} ± {:.4f} mm: lost {:.4f}, left {:.4f}", check->error_m * 1e3,
+                          check->standard_error_m * 1e3, check->lost_m * 1e3, check->left_m * 1e3));
+  text += Row("measured leak", fmt::format("{:.4f} mm", check->leak_m * 1e3));
+  text += Row("measured frame",
+              fmt::format("{:.0f} us, p99.9 {:.0f} us; {:.0f} active spheres; {} of {} frames interrupted",
+                          check->frames.p50_us, check->frames.p999_us, check->frames.active_balls,
+                          check->frames.interrupted, check->frames.frames));
+  text += Row("", fmt::format("{:+.0f} % of the prediction, {:+.0f} % of what the others in turn with it say",
+                              100.0 * (check->frames.p50_us / plan.frame_us - 1.0),
+                              100.0 * (check->frames.p50_us / check->same_time_us - 1.0)));
+  for (const std::string& missed : check->missed) text += Row("missed", missed);
+  return text;
+}
+
+int RunPlan(const PlanOptions& options) {
+  InstallInterrupt();
+  PhaseProgress progress("osteon plan", options.check ? 4 : 3);
+  progress.BeginPhase("load");
+  const auto scene = LoadPlanScene(options.choice);
+  if (!scene) return Fail("plan", scene.error());
+  const auto plan =
+      MakePlan(*scene, options.request, [&](const std::string& phase) { progress.BeginPhase(phase); });
+  if (!plan) return Fail("plan", plan.error(), Interrupted() ? kExitInterrupted : kFailed);
+  std::optional<PlanCheck> check;
+  if (options.check) {
+    progress.BeginPhase("check");
+    auto checked = CheckPlan(*scene, options.request, *plan);
+    if (!checked) return Fail("plan", checked.error(), Interrupted() ? kExitInterrupted : kFailed);
+    check = std::move(*checked);
+  }
+  progress.Done();
+  fmt::print(stderr, "osteon plan: engine: {}\n", EngineText(options.request.engine, plan->device));
+  fmt::print("{}", PlanText(*scene, options.request, *plan, check));
+  if (!options.json.empty())
+    if (const auto written = WriteText(
+            options.json, ResultText(Judge(*plan, check), PlanJson(*scene, options.request, *plan, check)));
+        !written)
+      return Fail("plan", written.error(), kFailed);
+  return plan->unmet.empty() && (!check || check->missed.empty()) ? 0 : 1;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "session/planning/plan.h"
+#include "session/summary/verdict.h"
+
+namespace osteon::app {
+
+/// Bad if a check measured something else than was promised. To be looked at if error or rate were given up,
+/// or if threads waited for a processor in frames that the predicted times come from.
+[[nodiscard]] Verdict Judge(const FidelityPlan& plan, const std::optional<PlanCheck>& check);
+
+/// JSON of `osteon plan --json`, schema osteon.plan/1, without the verdict.
+[[nodiscard]] nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request,
+                                      const FidelityPlan& plan, const std::optional<PlanCheck>& check);
+
+/// Text for the terminal, with the verdict.
+[[nodiscard]] std::string PlanText(const PlanScene& scene, const PlanRequest& request,
+                                   const FidelityPlan& plan, const std::optional<PlanCheck>& check);
+
+}  // namespace osteon::app

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "studies/regress/scenario_trace.h"
+
+namespace osteon::app {
+
+/// A configuration file that a trace depends on.
+struct GoldenSource {
+  std::string path;      ///< below the configuration's root
+  std::string checksum;  ///< of its bytes: FNV-1a, 16 hexadecimal digits
+
+  bool operator==(const GoldenSource&) const = default;
+};
+
+/// The origin of a golden trace.
+struct GoldenHead {
+  std::string scenario;
+  std::vector<std::string>
+      reasons;  ///< "2026-11-23 commit 0123: why", one for each time that it was accepted, the oldest first
+  std::string build, machine, engine;
+  std::vector<GoldenSource> sources;
+};
+
+struct Golden {
+  GoldenHead head;
+  ScenarioTrace trace;
+};
+
+/// Writes the file's text. Values are rounded to DecimalsOf, far below any tolerance; the hash is exact.
+///
+///     osteon golden trace 1
+///     scenario reaming_lbr
+///     reason 2026-11-23 commit 0123456789ab: first trace
+///     build …
+///     …
+///     event 1012 state haptic
+///     columns q_cmd_1_rad …
+///     sample 1020 -0.1132003 …
+///     digests 1003
+///     AbCdEfGhIjKlMn …           seven parts of two characters (base64) a tick, eight ticks a line
+///     end
+[[nodiscard]] std::string GoldenText(const Golden& golden);
+
+/// Parses such a text. The text is not trusted: every count, number and name is checked, all sizes too.
+/// @param name  the file's name, for errors
+/// @returns an error "file:line: what was found, what is accepted".
+[[nodiscard]] tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std::string& name);
+
+/// @returns an error that names the file. A file larger than 8 MiB is not read.
+[[nodiscard]] tl::expected<Golden, std::string> ReadGolden(const std::filesystem::path& file);
+
+/// Reads the reasons alone, even from a golden trace of another version; none if there is no file.
+[[nodiscard]] std::vector<std::string> ReadReasons(const std::filesystem::path& file);
+
+}  // namespace osteon::app

@@ -1,0 +1,234 @@
+#include "studies/regress/regress.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "base/interrupt.h"
+#include "base/phase_progress.h"
+#include "base/write_text.h"
+#include "config/reading/load_scenario.h"
+#include "config/reading/named_file.h"
+#include "config/reading/strict/reader.h"
+#include "session/process/exit_code.h"
+#include "session/setup/build_name.h"
+#include "session/summary/chart_files.h"
+#include "studies/regress/regress_result.h"
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Checks the options before anything runs.
+std::string WrongOptions(const RegressOptions& options) {
+  if (options.update && options.scenarios.empty() && !options.all)
+    return "--update: found no scenario, accepted with the names of those that are to be accepted, or --all";
+  if (options.update && options.reason.find_first_not_of(" \t\n") == std::string::npos)
+    return "--update: found no reason, accepted with --reason and one: what has changed, and why that is "
+           "right";
+  if (!options.update && !options.reason.empty()) return "--reason: found without --update, accepted with it";
+  if (options.update && !options.set.empty())
+    return "--update: found with --set, accepted without: a golden trace is of what the scenario's file says";
+  if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
+  for (const auto& [name, file] : {std::pair("--json", options.json), std::pair("--junit", options.junit)})
+    if (std::string wrong = ValidateOutputFile(name, file); !wrong.empty()) return wrong;
+  return "";
+}
+
+// Whether all bits are the same although a source file has changed since: later differences would be blamed
+// on it.
+bool IsOfOtherFiles(const RegressResult& result) {
+  return result.identical() && !ChangedSources(result.golden->head.sources, result.run->sources).empty();
+}
+
+// Makes the run the golden trace of later ones. @returns what is wrong.
+std::string Accept(const RegressOptions& options, RegressResult& result) {
+  const auto now = std::chrono::system_clock::now();
+  Golden golden{.head = {.scenario = result.scenario.name,
+                         .reasons = ReadReasons(result.scenario.golden()),
+                         .build = BuildName(),
+                         .machine = MachineName(),
+                         .engine = result.run->engine,
+                         .sources = result.run->sources},
+                .trace = result.run->trace};
+  golden.head.reasons.push_back(
+      fmt::format("{:%Y-%m-%d} commit {}: {}", fmt::gmtime(now), CommitName(), options.reason));
+  const fs::path file = result.scenario.golden();
+  std::error_code error;
+  fs::create_directories(file.parent_path(), error);
+  const auto written = WriteText(file, GoldenText(golden));
+  if (!written) return written.error();
+  result.updated = true;
+  return "";
+}
+
+// Runs several scenarios at a time, each in one thread, the long ones first.
+std::vector<RegressResult> RunAll(const std::vector<config::ScenarioConfig>& scenarios,
+                                  const RegressOptions& options) {
+  std::vector<std::size_t> order(scenarios.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    const auto rank = [&](std::size_t i) {
+      return std::pair(scenarios[i].engine == config::ScenarioEngine::kPlane, -scenarios[i].seconds);
+    };
+    return rank(a) < rank(b);
+  });
+  std::vector<RegressResult> results(scenarios.size());
+  PhaseProgress progress("osteon regress", static_cast<int>(scenarios.size()));
+  std::atomic<std::size_t> next{0};
+  const ScenarioRunParams params{.device = options.device, .set = options.set, .stop = &Interrupted()};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < order.size() && !Interrupted(); i = next++) {
+      progress.BeginPhase(scenarios[order[i]].name);
+      results[order[i]] = RunAndCompare(scenarios[order[i]], params);
+    }
+  };
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const int jobs = std::min<int>(options.jobs > 0 ? options.jobs : cores, static_cast<int>(scenarios.size()));
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
+    work();
+  }
+  progress.Done();
+  return results;
+}
+
+}  // namespace
+
+bool RegressResult::Passed(bool exact) const {
+  return error.empty() && difference.passed && (difference.identical || !exact);
+}
+
+tl::expected<std::vector<fs::path>, std::string> FindScenarios(const fs::path& config_root,
+                                                               const std::vector<std::string>& asked) {
+  const fs::path folder = config_root / "scenarios";
+  std::error_code error;
+  std::vector<fs::path> files;
+  if (asked.empty()) files = config::YamlFilesIn(folder);
+  for (const std::string& name : asked) {
+    const fs::path path(name);
+    if (fs::is_directory(path, error)) {
+      const auto inside = config::YamlFilesIn(path);
+      if (inside.empty())
+        return tl::make_unexpected(name + ": found a folder without scenarios, accepted *.yaml in it");
+      files.insert(files.end(), inside.begin(), inside.end());
+    } else if (fs::is_regular_file(path, error)) {
+      files.push_back(path);
+    } else if (const auto named = config::FindNamedFile(folder, name)) {
+      files.push_back(*named);
+    } else {
+      return tl::make_unexpected(
+          fmt::format("{}: found no such scenario, accepted a file, a folder, or one of {}", name,
+                      config::YamlNamesIn(folder)));
+    }
+  }
+  if (files.empty())
+    return tl::make_unexpected(folder.string() + ": found no scenario there, accepted *.yaml");
+  std::set<fs::path> known;
+  for (const fs::path& file : files)
+    if (!known.insert(fs::weakly_canonical(file, error)).second)
+      return tl::make_unexpected(fmt::format("{}: found twice, accepted once", file.string()));
+  return files;
+}
+
+RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const ScenarioRunParams& params) {
+  RegressResult result;
+  result.scenario = scenario;
+  try {
+    auto run = RunScenario(scenario, params);
+    if (!run) {
+      result.error = run.error();
+      return result;
+    }
+    result.run = std::move(*run);
+  } catch (const std::exception& error) {
+    result.error = error.what();
+    return result;
+  }
+  std::error_code error;
+  const fs::path file = scenario.golden();
+  if (!fs::exists(file, error)) {
+    result.error = fmt::format("no golden trace {} yet: osteon regress {} --update --reason \"…\" makes it",
+                               file.string(), scenario.file.string());
+    return result;
+  }
+  auto golden = ReadGolden(file);
+  if (!golden) {
+    result.error = golden.error();
+    return result;
+  }
+  result.golden = std::move(*golden);
+  result.difference = Compare(result.golden->trace, result.run->trace, scenario.tolerances);
+  result.explained = Explain(result.difference, result.run->trace);
+  if (result.identical()) return result;
+
+  // possible causes outside the program
+  std::vector<std::string>& lines = result.explained;
+  const auto changed = ChangedSources(result.golden->head.sources, result.run->sources);
+  for (const std::string& assignment : params.set) lines.push_back("laid over it: " + assignment);
+  if (!changed.empty())
+    lines.push_back(fmt::format("files changed since the golden trace: {}", fmt::join(changed, ", ")));
+  if (result.golden->head.build != BuildName())
+    lines.push_back(fmt::format("golden by {}; this is {}", result.golden->head.build, BuildName()));
+  if (result.golden->head.machine != MachineName())
+    lines.push_back(fmt::format("golden on {}; this is {}", result.golden->head.machine, MachineName()));
+  if (result.golden->head.engine != result.run->engine)
+    lines.push_back(
+        fmt::format("golden by engine {}; this is {}", result.golden->head.engine, result.run->engine));
+  return result;
+}
+
+int RunRegress(const RegressOptions& options) {
+  if (const std::string wrong = WrongOptions(options); !wrong.empty()) return Fail("regress", wrong);
+  const auto files = FindScenarios(options.config_root, options.scenarios);
+  if (!files) return Fail("regress", files.error());
+  std::vector<config::ScenarioConfig> scenarios;
+  try {
+    for (const fs::path& file : *files) {
+      scenarios.push_back(config::LoadScenario(file));
+      CheckScenario(scenarios.back(), {.set = options.set});
+    }
+  } catch (const config::ConfigError& error) {
+    const std::string what = error.what();
+    const bool named = options.set.empty() || what.find("--set") != std::string::npos;
+    return Fail("regress",
+                named ? what : fmt::format("{} (with --set {})", what, fmt::join(options.set, " --set ")));
+  }
+
+  InstallInterrupt();
+  const auto begun = std::chrono::steady_clock::now();
+  std::vector<RegressResult> results = RunAll(scenarios, options);
+  if (Interrupted()) return kExitInterrupted;
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+
+  if (options.update)
+    for (RegressResult& result : results)
+      if (result.run && (!result.Passed(options.exact) || IsOfOtherFiles(result)))
+        if (const std::string wrong = Accept(options, result); !wrong.empty())
+          return Fail("regress", wrong, kFailed);
+
+  const RegressSummary summary{.results = results, .options = options, .seconds = seconds};
+  fmt::print("{}", RegressTable(summary));
+  for (const auto& [file, text] :
+       {std::pair(options.json, RegressJson(summary)), std::pair(options.junit, RegressJunit(summary))})
+    if (!file.empty())
+      if (const auto written = WriteText(file, text); !written)
+        return Fail("regress", written.error(), kFailed);
+  const auto page = WriteRegressReport(summary);
+  if (!page) return Fail("regress", page.error(), kFailed);
+  if (!page->empty()) fmt::print("report: {}\n", page->string());
+  return std::ranges::all_of(results,
+                             [&](const RegressResult& r) { return r.updated || r.Passed(options.exact); })
+             ? 0
+             : kFailed;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/reading/scenario_config.h"
+#include "studies/regress/golden_file.h"
+#include "studies/regress/scenario_run.h"
+#include "studies/regress/trace_diff.h"
+
+namespace osteon::app {
+
+struct RegressOptions {
+  std::filesystem::path config_root;
+  std::vector<std::string> scenarios;  ///< files, folders, or names under scenarios/; none: all of scenarios/
+  std::filesystem::path out{"regress_out"};  ///< for the page of differences
+  std::filesystem::path json, junit;
+  bool update{false};
+  std::string reason;            ///< for accepting new traces
+  bool all{false};               ///< the update is of all scenarios, although none is named
+  bool exact{false};             ///< fail if any bit differs
+  int jobs{0};                   ///< scenarios in parallel; 0: one per core
+  std::string device;            ///< part of a Vulkan device's name
+  std::vector<std::string> set;  ///< KEY=VALUE, overrides every scenario's cell
+  std::string command_line;
+};
+
+/// The outcome of one scenario.
+struct RegressResult {
+  config::ScenarioConfig scenario;
+  std::string error;  ///< why there is no run, or no golden trace to compare with; empty if there are both
+  std::optional<ScenarioRun> run;
+  std::optional<Golden> golden;  ///< as it was before an update
+  TraceDifference difference;    ///< valid if there are both
+  std::vector<std::string>
+      explained;        ///< a few lines, the most informative first; empty if all bits are the same
+  bool updated{false};  ///< this run has become its golden trace
+
+  /// @param exact  fail if any bit differs
+  [[nodiscard]] bool Passed(bool exact) const;
+  [[nodiscard]] bool identical() const { return error.empty() && difference.identical; }
+};
+
+/// Finds the scenarios that were asked for; sorted by name if all were.
+/// @returns an error that lists the available scenarios.
+[[nodiscard]] tl::expected<std::vector<std::filesystem::path>, std::string> FindScenarios(
+    const std::filesystem::path& config_root, const std::vector<std::string>& asked);
+
+/// Runs a scenario and compares it with its golden trace. Writes nothing.
+[[nodiscard]] RegressResult RunAndCompare(const config::ScenarioConfig& scenario,
+                                          const ScenarioRunParams& params);
+
+/// Runs `osteon regress`.
+/// @returns the process's exit code: 0 all passed; 1 at least one failed; 2 wrong options or files (said on
+/// stderr); 130 Ctrl-C.
+[[nodiscard]] int RunRegress(const RegressOptions& options);
+
+}  // namespace osteon::app

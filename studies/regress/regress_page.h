@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "report/svg_plot.h"
+
+namespace osteon::app {
+
+/// A scenario that differs from its golden trace.
+struct RegressPageEntry {
+  struct Row {
+    std::string name{};
+    bool beyond{false};
+    std::optional<double> left_s{};  ///< when a sample first left the tolerance
+    double worst{0.0}, tolerance{0.0}, golden{0.0}, now{0.0};
+  };
+  std::string name{}, shows{}, verdict{};
+  bool good{false};
+  std::vector<std::string> lines{};    ///< explanation, the most informative line first
+  std::vector<std::string> reasons{};  ///< given when the golden trace was accepted, the oldest first
+  std::vector<Row> rows{};
+  std::vector<LineChart> panels{};  ///< in pairs: values, and their difference
+};
+
+struct RegressPage {
+  std::vector<RegressPageEntry> entries{};
+  std::size_t passed{0}, scenarios{0};
+  std::string command_line{}, version{};
+};
+
+/// @returns an error that names the file.
+[[nodiscard]] tl::expected<void, std::string> WriteRegressPage(const RegressPage& page,
+                                                               const std::filesystem::path& file);
+
+}  // namespace osteon::app

@@ -1,0 +1,179 @@
+#include "studies/regress/scenario_run.h"
+
+#include <time.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/fnv1a.h"
+#include "base/work_folder.h"
+#include "config/reading/load.h"
+#include "config/reading/strict/overlay.h"
+#include "session/planning/planned_cell.h"
+#include "session/run/cell_run.h"
+#include "session/setup/cell_setup.h"
+#include "session/summary/summary.h"
+#include "simulation/bone/scene_events.h"
+#include "studies/regress/plane_engine.h"
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+double Now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// CPU time of the calling thread.
+double Cpu_s() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+void ApplyOverrides(const config::ScenarioConfig& scenario, const ScenarioRunParams& params,
+                    config::Overlay& overlay) {
+  overlay.SetFromFile(scenario.file, config::kOverridesKey);
+  for (const std::string& assignment : params.set) overlay.Set(assignment, "--set");
+}
+
+tl::expected<CellSetup, std::string> SetUp(const config::ScenarioConfig& scenario,
+                                           const ScenarioRunParams& params) {
+  config::Overlay overlay(scenario.cell);
+  ApplyOverrides(scenario, params, overlay);
+  auto setup = PrepareCell(scenario.cell, std::nullopt);
+  overlay.Finish();
+  if (!setup) return setup;
+  // by the closed forms alone, whose results are the same on any machine
+  if (const auto packed =
+          PackCell(*setup, {.as_packed = !scenario.planned, .error_m = {}, .rate_hz = {}}, {}, false);
+      !packed)
+    return tl::make_unexpected(packed.error());
+  return setup;
+}
+
+tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> EngineOf(
+    const config::ScenarioConfig& scenario, const CellSetup& setup, const std::string& device) {
+  const Pose& X_WC = setup.config.X_WG;  // of the site
+  switch (scenario.engine) {
+    case config::ScenarioEngine::kPlane:
+      return std::make_unique<hil::PlaneEngine>(setup.config.tool.tool, X_WC.translation(),
+                                                X_WC.linear().col(2), setup.config.cutting);
+    case config::ScenarioEngine::kReference:
+      // the reference engine's bits, in a fraction of its time
+      return MakeEngine(setup, {.engine = "cpu"});
+    case config::ScenarioEngine::kVulkan:
+      return MakeEngine(setup, {.engine = "vulkan", .device = device});
+  }
+  return tl::make_unexpected(std::string("no engine"));
+}
+
+std::string Checksum(const std::string& bytes) {
+  Fnv1a hash;
+  hash.Add(bytes);
+  return fmt::format("{:016x}", hash.hash());
+}
+
+// Lists the scenario's file and the files that its cell was read from.
+std::vector<GoldenSource> SourcesOf(const config::ScenarioConfig& scenario, const CellSetup& setup) {
+  std::vector<GoldenSource> sources;
+  std::ifstream stream(scenario.file, std::ios::binary);
+  const std::string text(std::istreambuf_iterator<char>(stream), {});
+  sources.push_back({.path = scenario.file.filename().string(), .checksum = Checksum(text)});
+  for (const io::ConfigFile& file : setup.config_source.files)
+    sources.push_back({.path = file.name, .checksum = Checksum(file.content)});
+  return sources;
+}
+
+// Applies an operator's pause and its end, by the ticks since rendering began.
+class Pauses {
+ public:
+  Pauses(const config::ScenarioConfig& scenario, double period_s)
+      : pause_(TickOf(scenario.pause_s, period_s)), resume_(TickOf(scenario.resume_s, period_s)) {}
+
+  void Tick(const control::TickRecord& record) {
+    if (rendering_ < 0 && record.phase != control::Phase::kHaptic) return;
+    ++rendering_;
+    if (rendering_ == pause_) signals_.pause.store(true);
+    if (rendering_ == resume_) signals_.resume.store(true);
+  }
+  [[nodiscard]] PauseSignals* signals() { return &signals_; }
+
+ private:
+  static std::int64_t TickOf(const std::optional<double>& time_s, double period_s) {
+    return time_s ? std::llround(*time_s / period_s) : -1;
+  }
+  std::int64_t pause_, resume_, rendering_{-1};
+  PauseSignals signals_;
+};
+
+}  // namespace
+
+void CheckScenario(const config::ScenarioConfig& scenario, const ScenarioRunParams& params) {
+  config::Overlay overlay(scenario.cell);
+  ApplyOverrides(scenario, params, overlay);
+  config::RequireSimulation(config::LoadCell(scenario.cell), scenario.cell);
+  overlay.Finish();
+}
+
+tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig& scenario,
+                                                   const ScenarioRunParams& params) {
+  ScenarioRun run;
+  const double begun_s = Now_s(), begun_cpu_s = Cpu_s();
+  auto setup = SetUp(scenario, params);
+  if (!setup) return tl::make_unexpected(setup.error());
+  auto engine = EngineOf(scenario, *setup, params.device);
+  if (!engine) return tl::make_unexpected(engine.error());
+  run.sources = SourcesOf(scenario, *setup);
+  run.engine = fmt::format("{} on {}", (*engine)->name(), (*engine)->device());
+  run.seconds_set_up = Now_s() - begun_s;
+
+  const WorkFolder folder("regress");
+  if (folder.path().empty())
+    return tl::make_unexpected(fs::temp_directory_path().string() + ": cannot make a temporary folder");
+  const double period_s = setup->config.servo.period_s;
+  TraceRecorder recorder(period_s, scenario.sample_s);
+  Pauses pauses(scenario, period_s);
+  const auto result =
+      RunCell(*setup, **engine,
+              {.seconds = scenario.seconds,
+               .virtual_time = true,
+               .frame_s = scenario.frame_s,
+               .recoveries = scenario.recoveries,
+               .at_rest_s = 0.0,  // a trace ends at the arm's rest
+               .recording = folder.path() / "recording.mcap",
+               .stop = params.stop,
+               .pauses = pauses.signals(),
+               .ticked = [&](const control::TickRecord& record, const simulation::ContactModel& model) {
+                 recorder.Tick(record, model);
+                 pauses.Tick(record);
+               }});
+  if (!result) return tl::make_unexpected(result.error().what);
+  for (const simulation::SceneEvent& event : result->events) recorder.SceneEvent(event.stamp, event.name);
+  const bool cuts = scenario.engine != config::ScenarioEngine::kPlane;
+  run.trace =
+      recorder.Finish(EndText(result->end) + (result->diagnosis.empty() ? "" : ": " + result->diagnosis),
+                      result->statistics.active_ticks, cuts ? simulation::HashState(result->after) : 0);
+  run.seconds_simulated = period_s * static_cast<double>(run.trace.ticks);
+  run.seconds_wall = Now_s() - begun_s;
+  run.seconds_cpu = Cpu_s() - begun_cpu_s;
+  return run;
+}
+
+std::vector<std::string> ChangedSources(const std::vector<GoldenSource>& golden,
+                                        const std::vector<GoldenSource>& now) {
+  std::vector<std::string> changed;
+  for (const GoldenSource& source : now) {
+    const auto before = std::ranges::find(golden, source.path, &GoldenSource::path);
+    if (before == golden.end() || before->checksum != source.checksum) changed.push_back(source.path);
+  }
+  return changed;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "config/reading/scenario_config.h"
+#include "studies/regress/golden_file.h"
+#include "studies/regress/scenario_trace.h"
+
+namespace osteon::app {
+
+/// Settings of a run beyond its scenario.
+struct ScenarioRunParams {
+  std::string device{};            ///< part of a Vulkan device's name
+  std::vector<std::string> set{};  ///< KEY=VALUE each, overrides every scenario's cell (Overlay::Set)
+  const std::atomic<bool>* stop{nullptr};
+};
+
+struct ScenarioRun {
+  ScenarioTrace trace;
+  std::vector<GoldenSource> sources;  ///< the files that the run was made from
+  std::string engine;                 ///< "reference on CPU, double precision"
+  double seconds_simulated{0.0};      ///< virtual time in all
+  double seconds_wall{0.0};           ///< wall time in all
+  double seconds_cpu{0.0};            ///< time for which its thread had a core: less on a busy machine
+  double seconds_set_up{0.0};         ///< wall time of the set-up: reading files, packing bone
+};
+
+/// Reads a scenario's cell with the overrides, without running anything, so that errors are found early.
+/// @throws config::ConfigError
+void CheckScenario(const config::ScenarioConfig& scenario, const ScenarioRunParams& params);
+
+/// Runs a scenario in virtual time, in the calling thread, with its recording in a temporary folder. Two runs
+/// give equal bits, whatever runs beside them.
+/// @returns an error if the cell cannot be set up or run.
+[[nodiscard]] tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig& scenario,
+                                                                 const ScenarioRunParams& params);
+
+/// Names the files that changed since the golden trace was made.
+[[nodiscard]] std::vector<std::string> ChangedSources(const std::vector<GoldenSource>& golden,
+                                                      const std::vector<GoldenSource>& now);
+
+}  // namespace osteon::app

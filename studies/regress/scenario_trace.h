@@ -1,0 +1,129 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/fnv1a.h"
+#include "config/reading/scenario_config.h"
+#include "control/tick_record.h"
+#include "simulation/contact/contact_model.h"
+
+namespace osteon::app {
+
+/// The parts of a tick, in the order in which each follows from those before: the first three are the loop's
+/// inputs, the others its results. A digest of each part in every tick shows where a difference began.
+enum class TracePart : std::uint8_t {
+  kArm,       ///< its message, and what became of earlier answers
+  kDevices,   ///< force sensor, drive, PLC; requests
+  kBone,      ///< the contact model
+  kHand,      ///< the loop's estimate of the hand's wrench, and the vibration in it
+  kCoupling,  ///< what is rendered, and what limited it
+  kState,     ///< of the cell; faults, limits
+  kCommand,   ///< the commands to arm and spindle
+};
+inline constexpr int kTraceParts = 7;
+inline constexpr int kTraceInputs = 3;  ///< the number of inputs, which come first
+/// Names a part: "arm's message".
+[[nodiscard]] const char* NameOf(TracePart part);
+
+/// 12 bits for each part.
+using TickDigest = std::array<std::uint16_t, kTraceParts>;
+
+/// The tolerance that applies to a quantity.
+enum class QuantityKind : std::uint8_t {
+  kPosition,
+  kAngle,
+  kForce,
+  kTorque,
+  kSpeed,
+  kVolume,
+  kEnergy,
+  kShare,
+};
+
+/// A sampled quantity. Its values are in its unit everywhere in a trace.
+struct TraceQuantity {
+  std::string name;    ///< with the unit at its end, as in tables: tool_z_mm
+  std::string family;  ///< the common name of its axes or joints: tool
+  QuantityKind kind{QuantityKind::kPosition};
+};
+/// Lists the quantities in the order of a sample's values.
+[[nodiscard]] std::span<const TraceQuantity> TraceQuantities();
+/// Returns "mm" or the like; empty for a pure number.
+[[nodiscard]] const char* UnitOf(QuantityKind kind);
+/// Decimals of the values in a file: well below the tolerances.
+[[nodiscard]] int DecimalsOf(QuantityKind kind);
+/// Returns the tolerance in the quantity's unit.
+[[nodiscard]] double ToleranceOf(QuantityKind kind, const config::TraceTolerances& tolerances);
+
+struct TraceSample {
+  std::uint64_t tick{0};
+  std::vector<double> values;  ///< one for each of TraceQuantities
+};
+
+/// A discrete event, which either happened or did not.
+struct TraceEvent {
+  std::uint64_t tick{0};
+  std::string what;  ///< "state haptic", "fault sensor_silent", "scene pulp reached"
+};
+
+/// A scenario's run, reduced to what is compared.
+struct ScenarioTrace {
+  double period_s{0.0};     ///< of a tick
+  std::uint64_t ticks{0};   ///< of the run
+  std::uint64_t active{0};  ///< those that rendered
+  std::uint64_t hash{
+      0};  ///< over every bit of every tick's record, of the models that ticks saw and of the carved bone
+  std::string ended;  ///< how it ended: "completed", or what never came
+  std::vector<TraceEvent> events;
+  std::vector<TraceSample> samples;     ///< at multiples of the interval, from the arm's first motion on
+  std::vector<double> least, greatest;  ///< of each quantity, over all ticks from then on
+  std::uint64_t first_tick{0};          ///< of the digests
+  std::vector<TickDigest> digests;      ///< of every tick from first_tick on
+
+  /// Returns a tick's time; the first tick is at one period.
+  [[nodiscard]] double TimeOf_s(std::uint64_t tick) const { return period_s * static_cast<double>(tick + 1); }
+};
+
+/// Calls deliver(golden's, now's) for each tick that both traces have sampled.
+template <class Deliver>
+void VisitCommonSamples(const ScenarioTrace& golden, const ScenarioTrace& now, Deliver&& deliver) {
+  auto g = golden.samples.begin();
+  for (const TraceSample& sample : now.samples) {
+    while (g != golden.samples.end() && g->tick < sample.tick) ++g;
+    if (g == golden.samples.end()) return;
+    if (g->tick == sample.tick) deliver(*g, sample);
+  }
+}
+
+/// Makes a trace from a run in virtual time.
+class TraceRecorder {
+ public:
+  /// @param sample_s  sampling interval; rounded to a multiple of the period
+  TraceRecorder(double period_s, double sample_s);
+
+  /// Adds one tick and the contact model that it saw.
+  void Tick(const control::TickRecord& record, const simulation::ContactModel& model);
+  /// Adds an event of the scene. @param stamp  its virtual time [ns]
+  void SceneEvent(std::int64_t stamp, const std::string& name);
+  /// Completes the trace. @param carved  hash of the carved bone
+  [[nodiscard]] ScenarioTrace Finish(std::string ended, std::uint64_t active, std::uint64_t carved);
+
+ private:
+  void NoteState(const control::TickRecord& record);
+  void Sample(const control::TickRecord& record, const simulation::ContactModel& model);
+
+  ScenarioTrace trace_;
+  std::uint64_t sample_ticks_;
+  bool begun_{false};
+  Fnv1a hash_;
+  int cell_state_{-1};
+  std::uint32_t faults_{0};
+  bool active_{false};
+  std::vector<double> values_;
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,140 @@
+#include "studies/stability/admittance_axis.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace osteon::hil {
+namespace {
+
+const AdmittanceRunParams& Validated(const AdmittanceRunParams& params) {
+  Validate(params.loop);
+  if (!(params.command_loss >= 0.0 && params.command_loss < 1.0))
+    throw std::invalid_argument(
+        fmt::format("admittance run: command_loss: found {:g}, accepted 0 … 1, not 1", params.command_loss));
+  return params;
+}
+
+// One axis of the shipped arm, without a speed limit.
+ServoArm Arm(const AdmittanceLoopParams& loop) {
+  std::array<kinematics::JointLimits, 7> unlimited;
+  for (kinematics::JointLimits& limits : unlimited)
+    limits.velocity_rad_per_s = std::numeric_limits<double>::max();
+  return {loop.arm, unlimited, loop.period_s, kinematics::JointVector::Zero()};
+}
+
+// The plane z = 0 of a rotated frame, as an engine would report it, always fresh.
+simulation::ContactModel Plane(const Vector3& n_W, double stiffness_N_per_m) {
+  simulation::ContactModel model;
+  model.frame = 1;
+  model.contact_count = 1;
+  model.contacts[0].n_W = n_W;
+  model.contacts[0].stiffness_N_per_m = stiffness_N_per_m;
+  return model;
+}
+
+}  // namespace
+
+// Positions are relative to the rest position, so small motions keep their digits.
+AdmittanceAxis::AdmittanceAxis(const AdmittanceRunParams& params)
+    : params_(Validated(params)),
+      preload_N_(params.loop.wall.stiffness_N_per_m > 0.0 ? params.preload_N : 0.0),
+      rest_m_(preload_N_ > 0.0 ? -preload_N_ / params.loop.wall.stiffness_N_per_m : 0.0),
+      R_WT_(ExpRotation({0.3, -0.4, 0.2})),
+      arm_(Arm(params.loop)),
+      targets_(params.loop.arm.dead_cycles),
+      felt_(params.loop.sensor_delay),
+      poses_(params.loop.wall.age_ticks),
+      speeds_(params.loop.wall.age_ticks),
+      commands_(params.command_jitter),
+      v_c_m_per_s_(params.kick_m_per_s),
+      bits_(params.seed),
+      plane_(Plane(R_WT_.col(2), params.loop.wall.stiffness_N_per_m)) {
+  coupling_.max_stiffness_N_per_m = std::max(1.0, params.loop.wall.stiffness_N_per_m);
+  coupling_.damping_Ns_per_m = params.loop.wall.damping_Ns_per_m;
+  coupling_state_.fade = 1.0;
+  law_.mass_kg.z() = params.loop.mass_kg;
+  law_.damping_Ns_per_m.z() = params.loop.damping_Ns_per_m;
+  tool_.X_WT.linear() = R_WT_;
+  if (params.vibration) vibration_.emplace(*params.vibration, params.loop.period_s);
+}
+
+double AdmittanceAxis::Uniform() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
+
+// Sends the command to the arm, with losses and jitter.
+void AdmittanceAxis::SendCommand() {
+  commands_.Push(x_c_m_);
+  late_ = params_.command_jitter == 0
+              ? 0
+              : std::min(late_ + 1, static_cast<int>(Uniform() * (params_.command_jitter + 1)));
+  if (params_.command_loss == 0.0 || Uniform() >= params_.command_loss) told_arm_m_ = commands_.at(late_);
+  targets_.Push(told_arm_m_);
+}
+
+double AdmittanceAxis::HandForce() const {
+  const AdmittanceLoopParams& p = params_.loop;
+  const double w = 2.0 * std::numbers::pi * p.arm.bandwidth_hz;
+  const double x = arm_.q()[0], v = arm_.qd()[0];
+  const double a = w * w * (targets_.at(p.arm.dead_cycles) - x) - 2.0 * p.arm.damping_ratio * w * v;
+  return -(p.hand.stiffness_N_per_m * x + p.hand.damping_Ns_per_m * v + p.hand.mass_kg * a);
+}
+
+// The shipped coupling, at the pose that the wall acts on.
+double AdmittanceAxis::WallForce(std::int64_t tick) {
+  const LoopWall& wall = params_.loop.wall;
+  poses_.Push(x_c_m_);
+  speeds_.Push(v_c_m_per_s_);
+  if (!(wall.stiffness_N_per_m > 0.0)) return 0.0;
+  const bool measured = wall.on == WallOn::kMeasured;
+  const Vector3 axis_W = R_WT_.col(2);
+  Pose X_WT = Pose::Identity();
+  X_WT.linear() = R_WT_;
+  X_WT.translation() = (rest_m_ + (measured ? arm_.q()[0] : poses_.at(wall.age_ticks))) * axis_W;
+  const Twist V_WT{.v = (measured ? arm_.qd()[0] : speeds_.at(wall.age_ticks)) * axis_W,
+                   .w = Vector3::Zero()};
+  const auto now =
+      static_cast<rt::Nanoseconds>(std::llround(1e9 * params_.loop.period_s * static_cast<double>(tick + 1)));
+  plane_.pose_stamp = now;
+  plane_.frame = static_cast<std::uint64_t>(tick) + 1;
+  return axis_W.dot(
+      control::EvaluateCoupling(coupling_, plane_, X_WT, V_WT, now, false, coupling_state_).F_T_W.f);
+}
+
+AxisTick AdmittanceAxis::Step() {
+  const double T = params_.loop.period_s;
+  const Vector3 axis_W = R_WT_.col(2);
+  SendCommand();
+  AxisTick tick{.hand_N = HandForce()};
+  double read_N = tick.hand_N;
+  if (params_.noise_N > 0.0) read_N += params_.noise_N * std::sqrt(12.0) * (Uniform() - 0.5);
+  felt_.Push(read_N);
+  tick.wall_N = WallForce(tick_);
+  ++tick_;
+
+  const double told_N = felt_.at(params_.loop.sensor_delay);
+  arm_.Step(kinematics::JointVector::Constant(told_arm_m_));
+  tool_.X_WT.translation() = x_c_m_ * axis_W;
+  tool_.V_WT.v = v_c_m_per_s_ * axis_W;
+  control::AdmittanceParams law = law_;
+  if (vibration_) {  // as in ServoLoop
+    tick.index = vibration_->Step({.f = (told_N - preload_N_) * axis_W, .t = Vector3::Zero()}, 0.0);
+    tick.damping_factor = vibration_->damping_factor();
+    tick.reference_N = vibration_->reference_N();
+    tool_.V_WT = control::AfterMassChange(tool_.V_WT, vibration_->mass_factor() / mass_factor_);
+    mass_factor_ = vibration_->mass_factor();
+    law = control::ScaleLaw(law_, mass_factor_, tick.damping_factor);
+  }
+  const double sum_N = told_N - preload_N_ + tick.wall_N;
+  tick.valid = control::StepAdmittance(law, {.f = sum_N * axis_W, .t = Vector3::Zero()}, T, tool_);
+  x_c_m_ = axis_W.dot(tool_.X_WT.translation());
+  v_c_m_per_s_ = axis_W.dot(tool_.V_WT.v);
+  tick.x_m = x_c_m_;
+  return tick;
+}
+
+}  // namespace osteon::hil

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <random>
+
+#include "control/coupling/virtual_coupling.h"
+#include "control/laws/admittance_law.h"
+#include "control/stability/vibration_index.h"
+#include "studies/stability/admittance_loop.h"
+
+namespace osteon::hil {
+
+/// Parameters of Model B as a simulation in time of the real parts, including effects that the loop's matrix
+/// leaves out.
+struct AdmittanceRunParams {
+  AdmittanceLoopParams loop;
+  double preload_N{60.0};     ///< force of the hand on the wall; without a wall there is no preload
+  double kick_m_per_s{1e-4};  ///< initial velocity of the virtual tool
+  double command_loss{0.0};   ///< share of commands that never reach the arm, which then holds its last one
+  int command_jitter{0};      ///< a command is late by 0 … this many ticks more; the order stays
+  double seconds{4.0};        ///< growth is measured over the second half
+  std::uint64_t seed{1};
+  double noise_N{0.0};                                  ///< of the sensor, rms
+  std::optional<control::VibrationParams> vibration{};  ///< raises drag and mass; none: the law unchanged
+};
+
+/// State of the axis in a tick.
+struct AxisTick {
+  double x_m{0.0};     ///< of the virtual tool, from its rest position
+  double hand_N{0.0};  ///< force of the hand, less its preload
+  double wall_N{0.0};
+  double index{0.0}, damping_factor{1.0}, reference_N{0.0};  ///< of the vibration index
+  bool valid{true};                                          ///< false: the law refused its input
+};
+
+/// One axis of the cell: EvaluateCoupling on a plane (a wall for commanded poses of the given age),
+/// VibrationIndex and StepAdmittance, ServoArm with its dead time, the hand's linear spring, damper and mass,
+/// and commands that get lost or come late. Deterministic.
+class AdmittanceAxis {
+ public:
+  /// @throws std::invalid_argument on a parameter out of range.
+  explicit AdmittanceAxis(const AdmittanceRunParams& params);
+
+  [[nodiscard]] AxisTick Step();
+
+ private:
+  // The newest values of a signal, the present one first.
+  class History {
+   public:
+    explicit History(int oldest) : values_(static_cast<std::size_t>(oldest) + 1, 0.0) {}
+    void Push(double value) {
+      values_.push_front(value);
+      values_.pop_back();
+    }
+    [[nodiscard]] double at(int ticks_ago) const { return values_[static_cast<std::size_t>(ticks_ago)]; }
+
+   private:
+    std::deque<double> values_;
+  };
+  void SendCommand();
+  [[nodiscard]] double HandForce() const;
+  [[nodiscard]] double WallForce(std::int64_t tick);
+  [[nodiscard]] double Uniform();
+
+  AdmittanceRunParams params_;
+  double preload_N_, rest_m_;  ///< rest_m_: x in equilibrium
+  Matrix3 R_WT_;               ///< the axis is z of a rotated tool, so the law's changes of frame are
+                               ///< exercised
+  ServoArm arm_;
+  History targets_, felt_, poses_, speeds_, commands_;
+  double x_c_m_{0.0}, v_c_m_per_s_, told_arm_m_{0.0};
+  int late_{0};
+  std::int64_t tick_{0};
+  std::mt19937_64 bits_;
+  control::CouplingParams coupling_;
+  control::CouplingState coupling_state_;
+  simulation::ContactModel plane_;
+  control::AdmittanceParams law_;
+  control::AdmittanceState tool_;
+  std::optional<control::VibrationIndex> vibration_;
+  double mass_factor_{1.0};
+};
+
+}  // namespace osteon::hil

@@ -1,0 +1,78 @@
+#include "studies/stability/admittance_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace osteon::hil {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kDied = 1e-9;      // share of the largest motion, below which only rounding is left
+constexpr double kOutgrown = 0.5;   // share of the preload, from which on the wall is no longer a linear
+                                    // spring
+constexpr double kFarFree_m = 0.1;  // without a wall: the size that a kick of 0.1 mm/s has grown to
+
+// Growth of a run's second half: of an oscillation, from its first to its last turning point there; of a
+// motion that does not turn, from the middle to the end.
+class Envelope {
+ public:
+  explicit Envelope(int ticks) : middle_(ticks / 2), end_(ticks - 1) {}
+
+  void Add(int tick, double x) {
+    const double size = std::abs(x);
+    most_ = std::max(most_, size);
+    if (tick == middle_) first_ = {tick, size};
+    if (tick == end_) last_ = {tick, size};
+    if (tick > middle_ && before_ > before_that_ && before_ >= size) {
+      if (turns_++ == 0) first_turn_ = {tick - 1, before_};
+      last_turn_ = {tick - 1, before_};
+    }
+    before_that_ = std::exchange(before_, size);
+  }
+  [[nodiscard]] double Growth() const {
+    const auto [from, to] = turns_ >= 2 ? std::pair(first_turn_, last_turn_) : std::pair(first_, last_);
+    if (!(to.size > kDied * most_)) return -kInfinity;
+    return std::log(to.size / from.size) / (to.tick - from.tick);
+  }
+
+ private:
+  struct Point {
+    int tick{0};
+    double size{0.0};
+  };
+  int middle_, end_, turns_{0};
+  double before_{0.0}, before_that_{0.0}, most_{0.0};
+  Point first_, last_, first_turn_, last_turn_;
+};
+
+}  // namespace
+
+double SimulatedGrowth(const AdmittanceRunParams& params) {
+  AdmittanceAxis axis(params);
+  const bool wall = params.loop.wall.stiffness_N_per_m > 0.0;
+  const int ticks = static_cast<int>(params.seconds / params.loop.period_s);
+  Envelope envelope(ticks);
+  double x_m = 0.0;
+  for (int k = 0; k < ticks; ++k) {
+    if (!wall && std::abs(x_m) > kFarFree_m) return kInfinity;
+    const AxisTick tick = axis.Step();
+    if (wall && std::abs(tick.wall_N - params.preload_N) > kOutgrown * params.preload_N) return kInfinity;
+    if (!tick.valid) return kInfinity;
+    x_m = tick.x_m;
+    envelope.Add(k, x_m);
+  }
+  return envelope.Growth();
+}
+
+Boundary SimulatedMaxWallStiffness(AdmittanceRunParams params, const BoundaryScan& scan) {
+  return FirstCrossing(
+      [&](double stiffness) {
+        params.loop.wall.stiffness_N_per_m = stiffness;
+        return SimulatedGrowth(params) < 0.0;
+      },
+      scan);
+}
+
+}  // namespace osteon::hil

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include "control/stability/biquad.h"
+#include "kinematics/spatial.h"
+
+// Filters that measure vibration.
+
+namespace osteon::hil {
+
+/// A series of vectors, filtered to a band of frequencies: fourth-order Butterworth above low_hz and below
+/// high_hz. Starts at rest at the series' first value.
+[[nodiscard]] inline std::vector<Vector3> Band(const std::vector<Vector3>& series, double low_hz,
+                                               double high_hz, double period_s) {
+  constexpr double kQa = 0.5411961001461970, kQb = 1.3065629648763766;
+  using control::Biquad;
+  Biquad high_a = Biquad::HighPass(low_hz, kQa, period_s), high_b = Biquad::HighPass(low_hz, kQb, period_s);
+  Biquad low_a = Biquad::LowPass(high_hz, kQa, period_s), low_b = Biquad::LowPass(high_hz, kQb, period_s);
+  std::vector<Vector3> band;
+  band.reserve(series.size());
+  for (const Vector3& v : series)
+    band.push_back(low_b.Step(low_a.Step(high_b.Step(high_a.Step(v - series.front())))));
+  return band;
+}
+
+/// Effective value of a part of a series; 0 if that part is empty.
+[[nodiscard]] inline double EffectiveValue(const std::vector<Vector3>& series, std::size_t from,
+                                           std::size_t to) {
+  double sum = 0.0;
+  for (std::size_t i = from; i < to; ++i) sum += series[i].squaredNorm();
+  return to > from ? std::sqrt(sum / static_cast<double>(to - from)) : 0.0;
+}
+
+/// Effective value of a part of a series between two frequencies, without ringing from earlier values.
+/// Applies a Hann window to `count` values less their regression line, and a discrete Fourier transform (bins
+/// at multiples of 1 / duration).
+[[nodiscard]] inline double EffectiveInBand(const std::vector<Vector3>& series, std::size_t from,
+                                            std::size_t count, double low_hz, double high_hz,
+                                            double period_s) {
+  const double middle = 0.5 * static_cast<double>(count - 1), turn = 2.0 * std::numbers::pi;
+  const auto n = static_cast<double>(count);
+  const auto window = [&](std::size_t i) {
+    return 0.5 - 0.5 * std::cos(turn * (static_cast<double>(i) + 0.5) / n);
+  };
+  Vector3 mean = Vector3::Zero(), slope = Vector3::Zero();
+  double weight = 0.0, weight_tt = 0.0, power = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double t = static_cast<double>(i) - middle, w = window(i);
+    mean += w * series[from + i];
+    slope += w * t * series[from + i];
+    weight += w;
+    weight_tt += w * t * t;
+    power += w * w;
+  }
+  mean /= weight;
+  slope /= weight_tt;
+  double energy = 0.0;
+  const double bin_hz = 1.0 / (n * period_s);
+  for (int k = static_cast<int>(std::ceil(low_hz / bin_hz - 1e-9)); k * bin_hz <= high_hz * (1.0 + 1e-9);
+       ++k) {
+    Vector3 c = Vector3::Zero(), s = Vector3::Zero();
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vector3 x = window(i) * (series[from + i] - mean - (static_cast<double>(i) - middle) * slope);
+      c += std::cos(turn * k * static_cast<double>(i) / n) * x;
+      s += std::sin(turn * k * static_cast<double>(i) / n) * x;
+    }
+    energy += 2.0 * (c.squaredNorm() + s.squaredNorm());
+  }
+  return std::sqrt(energy / (n * power));
+}
+
+}  // namespace osteon::hil

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "control/setup/servo_params.h"
+#include "hil/arm/simulated_arm.h"
+#include "kinematics/lbr_params.h"
+
+// Measures how the handle feels: a known wrench shakes the servo loop and a simulated arm, and the tool's
+// response is measured at one frequency after the other.
+
+namespace osteon::hil {
+
+struct HandleBenchParams {
+  control::ServoParams servo;  ///< drive, PLC and start path have no effect
+  SimulatedArmParams arm;      ///< q_start: the posture of the measurement; chain and gravity as the arm's
+                               ///< level needs them
+  Pose X_WB{Pose::Identity()};
+  Pose X_FT{Pose::Identity()};
+  double arm_angle_rad{0.0};
+  int sensor_delay_ticks{1};  ///< from the load to the loop's reading; 0 … 100
+  /// True: the sensor carries the tool of servo.sensor and its inertia. False: the hand's wrench alone.
+  bool sensor_feels_inertia{false};
+};
+
+/// A sinusoidal load in one of the tool's six directions: 0 … 2 along x y z of T, 3 … 5 about them.
+struct HandleShake {
+  int axis{2};
+  double frequency_hz{1.0};
+  double amplitude{5.0};  ///< of the force [N] or torque [N·m]
+  double bias{0.0};       ///< mean of the load
+  int settle_periods{1}, periods{2};
+  double min_settle_s{1.0};
+};
+
+/// A wall whose plane touches the apex at the start, n = -z of T. The loop knows it in every tick.
+struct HandleWall {
+  double stiffness_N_per_m{0.0};
+};
+
+/// The result at one frequency.
+struct HandlePoint {
+  double frequency_hz{0.0};
+  /// The hand's wrench divided by the tool's velocity [N s/m, N·m s/rad]: m i w + b in free motion, K / (i w)
+  /// in contact.
+  std::complex<double> impedance;
+  double travel{0.0};  ///< amplitude of the tool's motion [m, rad]
+  double harmonics{
+      0.0};  ///< share of the motion that is not at this frequency: what the linear figure leaves out
+  bool fault{false};  ///< the loop stopped: the result is invalid
+};
+
+/// Shakes the handle and measures the arm's true (not the commanded) motion: a least-squares fit of bias,
+/// drift, sine and cosine over whole periods. Deterministic.
+///
+/// The hand is a pure wrench here, so the result describes the cell alone. @throws std::invalid_argument if a
+/// parameter is out of range.
+[[nodiscard]] HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
+                                const std::optional<HandleWall>& wall = {});
+
+/// A sweep. Amplitudes are chosen so that the tool moves by at most `max_travel` and `max_speed` if it
+/// follows the law's own m i w + b.
+struct HandleSweep {
+  int axis{2};
+  std::vector<double> frequencies_hz{};
+  double max_travel{0.005};  ///< [m, rad]
+  double max_speed{0.05};    ///< [m/s, rad/s]
+  double max_wrench{20.0};   ///< [N, N·m]
+};
+/// @param progress  receives the share that is done; may be empty
+[[nodiscard]] std::vector<HandlePoint> SweepFree(const HandleBenchParams& params, const HandleSweep& sweep,
+                                                 const std::function<void(double)>& progress = {});
+
+/// The impedance that the law asks for along an axis of T when it is pushed at To alone: m i w + b if the
+/// virtual tool's centre is there; otherwise 1 / (the axis' element of (i w M + D)^-1), as the tool turns as
+/// well. Without the dead zone.
+[[nodiscard]] std::complex<double> AskedImpedance(const control::AdmittanceParams& law, int axis,
+                                                  double frequency_hz);
+
+/// Mass (or inertia) and drag of the best fit m i w + b ~ Z, each point weighted by 1 / |Z|.
+struct HandleFit {
+  double mass{0.0};      ///< [kg, kg m^2]
+  double drag{0.0};      ///< [N s/m, N·m s/rad]
+  double residual{0.0};  ///< rms of |Z - fit| / |Z|
+};
+[[nodiscard]] HandleFit FitMassAndDrag(const std::vector<HandlePoint>& points, double max_hz);
+
+}  // namespace osteon::hil

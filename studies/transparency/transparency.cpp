@@ -1,0 +1,352 @@
+#include "studies/transparency/transparency.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/phase_progress.h"
+#include "config/reading/load.h"
+#include "report/svg_plot.h"
+#include "session/process/exit_code.h"
+#include "session/summary/chart_files.h"
+#include "session/summary/summary.h"
+
+namespace osteon::app {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kTau = 2.0 * std::numbers::pi;
+constexpr std::array<const char*, 6> kAxes{"x", "y", "z", "about x", "about y", "about z"};
+constexpr std::array<const char*, 3> kColors{"#0072b2", "#d55e00", "#009e73"};
+constexpr const char* kAskedColor = "#777777";
+// Travel and speed of the hand: small compared with a joint's range, large compared with rounding.
+constexpr double kTravel_m = 0.005, kSpeed_m_per_s = 0.05, kWrench_N = 20.0;
+constexpr double kTravel_rad = 0.02, kSpeed_rad_per_s = 0.2, kWrench_Nm = 2.0;
+// Tolerances relative to the requested impedance: rms in free motion, and of the stiffness. A hand
+// distinguishes stiffnesses from a difference of about 23 % (L. A. Jones and I. W. Hunter, Exp. Brain Res.
+// 79, 1990) and damping from 34 % (the same, 1993). An error as large as the request is something else.
+constexpr double kNoticed = 0.23, kNoticedFree = 0.34, kSomethingElse = 1.0;
+// In contact: fractions of the cell's force limit.
+constexpr double kPreload = 0.3, kSwing = 0.1;
+
+std::vector<double> Frequencies(int count) {
+  std::vector<double> hz;
+  const double ratio = kTransparencyMost_hz / kTransparencyLeast_hz;
+  for (int i = 0; i < count; ++i)
+    hz.push_back(kTransparencyLeast_hz * std::pow(ratio, static_cast<double>(i) / (count - 1)));
+  return hz;
+}
+
+hil::HandleBenchParams BenchOf(const config::CellConfig& cell, const TransparencyOptions& options) {
+  hil::HandleBenchParams bench;
+  bench.servo = cell.servo;
+  bench.arm = hil::BodyOf(cell.simulated);
+  bench.X_WB = cell.X_WB;
+  bench.X_FT = cell.tool.X_FT;
+  bench.arm_angle_rad = cell.start.arm_angle_rad;
+  bench.sensor_feels_inertia = cell.simulated.sensor_feels_inertia;
+  bench.servo.admittance.locked = {};  // measures an axis as if it were not locked
+  bench.sensor_delay_ticks = options.sensor_delay_ticks;
+  return bench;
+}
+
+double Degrees(const Complex& z) { return std::arg(z) * 360.0 / kTau; }
+
+// Impedance that law and coupling request while the tool touches the plane.
+Complex AskedInContact(const TransparencyResult& result, const hil::HandlePoint& point) {
+  const TransparencyAxis& z = result.axes[2];
+  const double w = kTau * point.frequency_hz;
+  return {z.asked_drag + result.asked_damping_Ns_per_m,
+          w * z.asked_mass - result.asked_stiffness_N_per_m / w};
+}
+
+// Unwraps the phase: no jumps of a whole turn between frequencies.
+Series Unwrapped(Series series) {
+  for (std::size_t i = 1; i < series.y.size(); ++i)
+    series.y[i] -= 360.0 * std::round((series.y[i] - series.y[i - 1]) / 360.0);
+  return series;
+}
+
+Series Curve(const std::string& name, const std::string& color, const std::vector<hil::HandlePoint>& points,
+             const std::function<double(const hil::HandlePoint&)>& value, double opacity = 1.0) {
+  Series series{.name = name, .color = color, .opacity = opacity};
+  for (const hil::HandlePoint& point : points) {
+    series.x.push_back(point.frequency_hz);
+    series.y.push_back(value(point));
+  }
+  return series;
+}
+
+std::string Plot(const TransparencyResult& result) {
+  std::array<LineChart, 4> panels{
+      LineChart{.title = "Free motion, along the tool's axes", .y_label = "|F/v| [N s/m]"},
+      LineChart{.y_label = "phase [deg]", .y_from_zero = false, .legend = false},
+      LineChart{.title = fmt::format("In contact along z: {:g} N/mm, {:.0f} N ± {:.0f} N",
+                                     1e-3 * result.asked_stiffness_N_per_m, result.preload_N,
+                                     result.contact_amplitude_N),
+                .y_label = "|F/v| [N s/m]"},
+      LineChart{
+          .x_label = "frequency [Hz]", .y_label = "phase [deg]", .y_from_zero = false, .legend = false}};
+  for (LineChart& panel : panels) {
+    panel.log_x = true;
+    panel.plot_height_px = 160.0;
+  }
+  panels[0].log_y = panels[2].log_y = true;
+  // the three curves may coincide: z is drawn solid, y dashed and x dotted on top, so that each is visible
+  constexpr std::array<const char*, 3> kDash{"0.1 14", "12 26", ""};
+  constexpr std::array<double, 3> kWidth_px{4.4, 2.8, 1.8};
+  for (const std::size_t i : {2u, 1u, 0u}) {
+    const TransparencyAxis& axis = result.axes[i];
+    Series magnitude =
+        Curve(kAxes[i], kColors[i], axis.points, [](const auto& point) { return std::abs(point.impedance); });
+    Series phase = Unwrapped(
+        Curve(kAxes[i], kColors[i], axis.points, [](const auto& point) { return Degrees(point.impedance); }));
+    magnitude.width_px = phase.width_px = kWidth_px[i];
+    magnitude.dash = phase.dash = kDash[i];
+    panels[0].series.push_back(std::move(magnitude));
+    panels[1].series.push_back(std::move(phase));
+  }
+  const auto asked = [&](const hil::HandlePoint& point) {
+    return Complex(result.axes[2].asked_drag, kTau * point.frequency_hz * result.axes[2].asked_mass);
+  };
+  const auto contact = [&](const hil::HandlePoint& point) { return AskedInContact(result, point); };
+  panels[0].series.push_back(Curve("asked for (z)", kAskedColor, result.axes[2].points,
+                                   [&](const auto& point) { return std::abs(asked(point)); }));
+  panels[1].series.push_back(Unwrapped(Curve("asked for (z)", kAskedColor, result.axes[2].points,
+                                             [&](const auto& point) { return Degrees(asked(point)); })));
+  panels[2].series = {
+      Curve("z", kColors[2], result.contact, [](const auto& point) { return std::abs(point.impedance); }),
+      Curve("asked for", kAskedColor, result.contact,
+            [&](const auto& point) { return std::abs(contact(point)); })};
+  panels[3].series = {Unwrapped(Curve("z", kColors[2], result.contact,
+                                      [](const auto& point) { return Degrees(point.impedance); })),
+                      Unwrapped(Curve("asked for", kAskedColor, result.contact,
+                                      [&](const auto& point) { return Degrees(contact(point)); }))};
+  return Svg(panels);
+}
+
+nlohmann::ordered_json PointJson(const char* mode, const char* axis, const hil::HandlePoint& point,
+                                 const Complex& asked) {
+  const double w = kTau * point.frequency_hz;
+  return {{"mode", mode},
+          {"axis", axis},
+          {"frequency_hz", point.frequency_hz},
+          {"magnitude", std::abs(point.impedance)},
+          {"phase_deg", Degrees(point.impedance)},
+          {"asked_magnitude", std::abs(asked)},
+          {"asked_phase_deg", Degrees(asked)},
+          {"drag", point.impedance.real()},
+          {"reactance", point.impedance.imag()},
+          {"stiffness", (point.impedance * Complex(0.0, w)).real()},
+          {"travel", point.travel},
+          {"harmonics", point.harmonics}};
+}
+
+nlohmann::ordered_json ToJson(const TransparencyResult& result, const TransparencyOptions& options) {
+  nlohmann::ordered_json axes = nlohmann::ordered_json::array(), points = nlohmann::ordered_json::array();
+  for (const TransparencyAxis& axis : result.axes) {
+    const char* name = kAxes[static_cast<std::size_t>(axis.axis)];
+    const bool turns = axis.axis >= 3;
+    axes.push_back({{"axis", name},
+                    {turns ? "asked_inertia_kg_m2" : "asked_mass_kg", axis.asked_mass},
+                    {turns ? "apparent_inertia_kg_m2" : "apparent_mass_kg", axis.fit.mass},
+                    {turns ? "asked_drag_Nms_per_rad" : "asked_drag_Ns_per_m", axis.asked_drag},
+                    {turns ? "drag_Nms_per_rad" : "drag_Ns_per_m", axis.fit.drag},
+                    {"residual", axis.residual}});
+    for (const hil::HandlePoint& point : axis.points)
+      points.push_back(
+          PointJson("free", name, point, {axis.asked_drag, kTau * point.frequency_hz * axis.asked_mass}));
+  }
+  for (const hil::HandlePoint& point : result.contact)
+    points.push_back(PointJson("contact", kAxes[2], point, AskedInContact(result, point)));
+  return {{"schema", "osteon.transparency/1"},
+          {"cell", result.cell},
+          {"apparent_mass_kg", result.apparent_mass_kg()},
+          {"drag_Ns_per_m", result.drag_Ns_per_m()},
+          {"free_residual", result.free_residual()},
+          {"fit_to_hz", kTransparencyFit_hz},
+          {"stiffness_N_per_m", result.stiffness_N_per_m},
+          {"asked_stiffness_N_per_m", result.asked_stiffness_N_per_m},
+          {"sensor_delay_ticks", options.sensor_delay_ticks},
+          {"fault", result.fault()},
+          {"axes", axes},
+          {"points", points},
+          {"command", options.command_line}};
+}
+
+std::string ToCsv(const TransparencyResult& result) {
+  std::string csv = "mode,axis,frequency_hz,impedance_real,impedance_imag,travel,harmonics\n";
+  const auto add = [&](const char* mode, const char* axis, const hil::HandlePoint& point) {
+    csv += fmt::format("{},{},{:.6g},{:.9g},{:.9g},{:.6g},{:.3g}\n", mode, axis, point.frequency_hz,
+                       point.impedance.real(), point.impedance.imag(), point.travel, point.harmonics);
+  };
+  for (const TransparencyAxis& axis : result.axes)
+    for (const hil::HandlePoint& point : axis.points)
+      add("free", kAxes[static_cast<std::size_t>(axis.axis)], point);
+  for (const hil::HandlePoint& point : result.contact) add("contact", kAxes[2], point);
+  return csv;
+}
+
+std::vector<std::vector<std::string>> Table(const TransparencyResult& result) {
+  std::vector<std::vector<std::string>> rows{
+      {"axis", "mass asked", "felt", "drag asked", "felt", "residual [%]"}};
+  for (const TransparencyAxis& axis : result.axes) {
+    const bool turns = axis.axis >= 3;
+    const char* mass = turns ? "{:.3f} kg m²" : "{:.2f} kg";
+    const char* drag = turns ? "{:.2f} N m s" : "{:.1f} N s/m";
+    rows.push_back(
+        {kAxes[static_cast<std::size_t>(axis.axis)], fmt::format(fmt::runtime(mass), axis.asked_mass),
+         fmt::format(fmt::runtime(mass), axis.fit.mass), fmt::format(fmt::runtime(drag), axis.asked_drag),
+         fmt::format(fmt::runtime(drag), axis.fit.drag), fmt::format("{:.1f}", 100.0 * axis.residual)});
+  }
+  return rows;
+}
+
+void Print(const TransparencyResult& result) {
+  fmt::print("Osteon transparency: {}\n", result.cell);
+  PrintVerdict(Judge(result), 12);
+  for (const std::vector<std::string>& row : Table(result))
+    fmt::print("  {:<10} {:>13} {:>13} {:>13} {:>13} {:>13}\n", row[0], row[1], row[2], row[3], row[4],
+               row[5]);
+  fmt::print("  In contact   {:.2f} N/mm felt, {:.2f} N/mm asked for\n", 1e-3 * result.stiffness_N_per_m,
+             1e-3 * result.asked_stiffness_N_per_m);
+  fmt::print("  Residual     {:.1f} % of the impedance asked for, {:g} … {:g} Hz, worst of x y z\n",
+             100.0 * result.free_residual(), kTransparencyLeast_hz, kTransparencyFit_hz);
+}
+
+}  // namespace
+
+double TransparencyResult::free_residual() const {
+  return std::max({axes[0].residual, axes[1].residual, axes[2].residual});
+}
+double TransparencyResult::apparent_mass_kg() const {
+  return std::max({axes[0].fit.mass, axes[1].fit.mass, axes[2].fit.mass});
+}
+double TransparencyResult::drag_Ns_per_m() const {
+  return std::max({axes[0].fit.drag, axes[1].fit.drag, axes[2].fit.drag});
+}
+bool TransparencyResult::fault() const {
+  const auto any = [](const std::vector<hil::HandlePoint>& points) {
+    return std::any_of(points.begin(), points.end(), [](const auto& point) { return point.fault; });
+  };
+  return any(contact) ||
+         std::any_of(axes.begin(), axes.end(), [&](const auto& axis) { return any(axis.points); });
+}
+
+Verdict Judge(const TransparencyResult& result) {
+  Verdict verdict;
+  if (result.fault()) verdict.Add(VerdictLevel::kBad, "the loop stopped with a fault: the figures are void");
+  const double free = result.free_residual();
+  if (!(free <= kNoticedFree))
+    verdict.Add(
+        free <= kSomethingElse ? VerdictLevel::kWarning : VerdictLevel::kBad,
+        fmt::format(
+            "in free motion the handle feels {:.0f} % off what the law asks for, a hand notices {:.0f} %: "
+            "{:.2f} kg for {:.2f} kg, {:.1f} N s/m for {:.1f} N s/m at most",
+            100.0 * free, 100.0 * kNoticedFree, result.apparent_mass_kg(), result.axes[2].asked_mass,
+            result.drag_Ns_per_m(), result.axes[2].asked_drag));
+  const double stiffness = std::abs(result.stiffness_N_per_m / result.asked_stiffness_N_per_m - 1.0);
+  if (!(stiffness <= kNoticed))
+    verdict.Add(stiffness <= kSomethingElse ? VerdictLevel::kWarning : VerdictLevel::kBad,
+                fmt::format("in contact the hand feels {:.2f} N/mm for {:.2f} N/mm",
+                            1e-3 * result.stiffness_N_per_m, 1e-3 * result.asked_stiffness_N_per_m));
+  return verdict;
+}
+
+TransparencyResult MeasureTransparency(const config::CellConfig& cell, const TransparencyOptions& options) {
+  const hil::HandleBenchParams bench = BenchOf(cell, options);
+  const control::AdmittanceParams& law = cell.servo.admittance;
+  TransparencyResult result;
+  result.cell = options.cell.stem().string();
+  PhaseProgress progress("osteon transparency", 7);
+  for (int i = 0; i < 6; ++i) {
+    progress.BeginPhase(fmt::format("shaking the handle {} {}", i < 3 ? "along" : "turning",
+                                    kAxes[static_cast<std::size_t>(i)]));
+    hil::HandleSweep sweep{.axis = i,
+                           .frequencies_hz = Frequencies(options.points),
+                           .max_travel = kTravel_m,
+                           .max_speed = kSpeed_m_per_s,
+                           .max_wrench = kWrench_N};
+    if (i >= 3) {
+      sweep.max_travel = kTravel_rad;
+      sweep.max_speed = kSpeed_rad_per_s;
+      sweep.max_wrench = kWrench_Nm;
+    }
+    TransparencyAxis axis{.axis = i, .points = SweepFree(bench, sweep), .fit = {}};
+    axis.fit = hil::FitMassAndDrag(axis.points, kTransparencyFit_hz);
+    const Complex asked = hil::AskedImpedance(law, i, 1.0);
+    axis.asked_drag = asked.real();
+    axis.asked_mass = asked.imag() / kTau;
+    double sum = 0.0;
+    int count = 0;
+    for (const hil::HandlePoint& point : axis.points) {
+      if (point.frequency_hz > kTransparencyFit_hz) continue;
+      const Complex wanted = hil::AskedImpedance(law, i, point.frequency_hz);
+      sum += std::norm(point.impedance - wanted) / std::norm(wanted);
+      ++count;
+    }
+    axis.residual = std::sqrt(sum / std::max(1, count));
+    result.axes.push_back(std::move(axis));
+  }
+  progress.BeginPhase("pressing it against a plane");
+  result.asked_stiffness_N_per_m = cell.servo.coupling.max_stiffness_N_per_m;
+  result.asked_damping_Ns_per_m = cell.servo.coupling.damping_Ns_per_m;
+  result.preload_N = kPreload * cell.servo.wrench.max_force_N;
+  result.contact_amplitude_N = kSwing * cell.servo.wrench.max_force_N;
+  for (const double hz : Frequencies(options.points))
+    result.contact.push_back(hil::Shake(
+        bench,
+        {.axis = 2, .frequency_hz = hz, .amplitude = result.contact_amplitude_N, .bias = result.preload_N},
+        hil::HandleWall{result.asked_stiffness_N_per_m}));
+  const hil::HandlePoint& slowest = result.contact.front();
+  result.stiffness_N_per_m = (slowest.impedance * Complex(0.0, kTau * slowest.frequency_hz)).real();
+  progress.Done();
+  return result;
+}
+
+int RunTransparency(const TransparencyOptions& options) {
+  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
+    return Fail("transparency", wrong);
+  const config::CellConfig cell = config::LoadCell(options.cell);
+  config::RequireSimulation(cell, options.cell);
+  if (!cell.robot.lbr())
+    return Fail(
+        "transparency",
+        fmt::format("{}: found a {}, accepted an LBR: the simulated arm of the others is not measured here",
+                    options.cell.string(), cell.robot.name));
+  if (cell.servo.law == control::Law::kImpedance)
+    return Fail("transparency",
+                fmt::format("{}: found a cell with the impedance law, which asks for no mass and "
+                            "drag to compare with; accepted the admittance law",
+                            options.cell.string()));
+  const TransparencyResult result = MeasureTransparency(cell, options);
+  const Verdict verdict = Judge(result);
+  const std::string json = ResultText(verdict, ToJson(result, options));
+  const auto written = WriteChart(
+      {.name = "transparency",
+       .title = "Transparency of " + result.cell,
+       .verdict = verdict.ForReport(),
+       .svg = Plot(result),
+       .caption = "The hand's wrench over the tool's velocity, one frequency after the other: as felt at the "
+                  "handle, and as the law asks for. The arm's lag is felt as mass in free motion (drag times "
+                  "lag) and as damping in contact (stiffness times lag).",
+       .csv = ToCsv(result),
+       .json = json,
+       .json_copy = options.json,
+       .table = Table(result),
+       .notes = {fmt::format("Simulated arm as the cell has it. Mass and drag are fitted up to {:g} Hz; the "
+                             "residual is the rms of |Z - asked| / |asked| there, worst of x y z: {:.1f} %.",
+                             kTransparencyFit_hz, 100.0 * result.free_residual()),
+                 options.command_line}},
+      options.out);
+  if (!written) return Fail("transparency", written.error(), kFailed);
+  Print(result);
+  return verdict.level == VerdictLevel::kBad ? kFailed : 0;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "config/reading/cell_config.h"
+#include "session/summary/verdict.h"
+#include "studies/transparency/handle_bench.h"
+
+namespace osteon::app {
+
+struct TransparencyOptions {
+  std::filesystem::path cell;
+  std::filesystem::path out{"transparency"};
+  std::filesystem::path json{};  ///< a second copy of transparency.json
+  int points{25};                ///< from kMinHz to kMaxHz, log-spaced
+  int sensor_delay_ticks{1};
+  std::string command_line{};
+};
+
+inline constexpr double kTransparencyLeast_hz = 0.1, kTransparencyMost_hz = 30.0;
+/// Mass and drag are fitted, and the residual is computed, up to this frequency: the band of hand motion.
+inline constexpr double kTransparencyFit_hz = 3.0;
+
+/// The measurement of one direction of the tool in free motion.
+struct TransparencyAxis {
+  int axis{0};  ///< 0 … 2 along x y z of T, 3 … 5 about them
+  std::vector<hil::HandlePoint> points;
+  hil::HandleFit fit;
+  double asked_mass{0.0}, asked_drag{0.0};  ///< [kg, N s/m], about an axis [kg m^2, N m s/rad]
+  /// rms over the band of |Z - asked| / |asked|: felt, but not asked for by the law.
+  double residual{0.0};
+};
+
+struct TransparencyResult {
+  std::string cell;
+  std::vector<TransparencyAxis> axes;     ///< six
+  std::vector<hil::HandlePoint> contact;  ///< along z, against a plane across z
+  double asked_stiffness_N_per_m{0.0};    ///< of the plane
+  /// The coupling's damping, as long as it adds less than its share of the force.
+  double asked_damping_Ns_per_m{0.0};
+  double stiffness_N_per_m{0.0};  ///< as felt at the lowest frequency
+  double preload_N{0.0}, contact_amplitude_N{0.0};
+  /// The headline figure: the worst residual of the three directions along which the tool is led.
+  [[nodiscard]] double free_residual() const;
+  [[nodiscard]] double apparent_mass_kg() const;  ///< the largest of the three
+  [[nodiscard]] double drag_Ns_per_m() const;     ///< likewise
+  [[nodiscard]] bool fault() const;
+};
+
+/// Bad if the loop stopped, or if the hand feels something entirely different from the law's request. To be
+/// looked at if, in free motion or in contact, a hand may notice the difference.
+[[nodiscard]] Verdict Judge(const TransparencyResult& result);
+
+/// Excites the cell's own loop and simulated arm at the cell's start. The hand is a known wrench, so the
+/// result does not contain a hand's mass and stiffness.
+[[nodiscard]] TransparencyResult MeasureTransparency(const config::CellConfig& cell,
+                                                     const TransparencyOptions& options);
+
+/// Runs `osteon transparency CELL.yaml`: writes transparency.svg, .png, .csv, .json, .html into a folder and
+/// a table to stdout.
+/// @returns the process's exit code: 0; 1 if the verdict is bad or a file can't be written; 2 bad input.
+[[nodiscard]] int RunTransparency(const TransparencyOptions& options);
+
+}  // namespace osteon::app

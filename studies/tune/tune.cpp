@@ -1,0 +1,352 @@
+#include "studies/tune/tune.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/interrupt.h"
+#include "base/parallel.h"
+#include "base/phase_progress.h"
+#include "base/write_text.h"
+#include "config/reading/load.h"
+#include "report/page.h"
+#include "report/svg_text.h"
+#include "session/process/exit_code.h"
+#include "session/summary/chart_files.h"
+#include "session/summary/summary.h"
+#include "studies/tune/tune_cache.h"
+#include "studies/tune/tune_result.h"
+
+namespace osteon::app {
+namespace {
+
+// Below 1 kg a hand's own mass dominates; above 5 kg the tool is no longer light.
+constexpr std::array kMasses_kg{1.0, 1.4, 1.7, 2.0, 2.4, 2.8, 3.4, 4.0, 5.0, 7.0};
+constexpr int kWalls = 32;  // of the map
+constexpr double kMinDamping = 5.0, kMaxDamping = 500.0;
+constexpr double kTie = 1.05;  // drags within this ratio count as equal: the lighter tool then wins
+
+// Everything that a result depends on, besides its own parameters. The number in front changes with the
+// method.
+std::string Text(const TuneTask& t) {
+  return fmt::format("1 {} {} {} {} {} {} {} {} {} {} {}", t.loop.arm.bandwidth_hz, t.loop.arm.damping_ratio,
+                     t.loop.arm.dead_cycles, t.loop.sensor_delay, t.loop.period_s, t.wall_N_per_m,
+                     t.plane_N_per_m, t.worst_age_s, t.margin, t.command_loss, t.command_jitter);
+}
+
+std::string Text(const std::vector<hil::GridHand>& hands) {
+  std::string text;
+  for (const hil::GridHand& h : hands)
+    text += fmt::format(" {} {} {}", h.stiffness_N_per_m, h.damping_Ns_per_m, h.mass_kg);
+  return text;
+}
+
+std::string Text(const TuneGains& g) { return fmt::format(" {} {}", g.mass_kg, g.damping_Ns_per_m); }
+
+// Reuses earlier results if nothing has changed, and computes the others in parallel.
+class Study {
+ public:
+  Study(const TuneTask& task, TuneCache& cache, int threads)
+      : task_(task), cache_(cache), threads_(threads) {}
+
+  template <typename Compute>
+  std::vector<double> Get(const std::string& what, const Compute& compute) const {
+    const std::string from = what + ": " + Text(task_);
+    if (auto found = cache_.Find(from)) return *found;
+    if (Interrupted()) return {};
+    std::vector<double> values = compute();
+    cache_.Store(from, values);
+    return values;
+  }
+  template <typename Compute>
+  double One(const std::string& what, const Compute& compute) const {
+    const std::vector<double> values = Get(what, [&] { return std::vector<double>{compute()}; });
+    return values.size() == 1 ? values[0] : 0.0;
+  }
+  template <typename Each>
+  void ForEach(std::size_t count, const Each& each) const {
+    simulation::ParallelFor(
+        count, threads_,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end && !Interrupted(); ++i) each(i);
+        },
+        1);
+  }
+
+  [[nodiscard]] double Margin(const TuneGains& gains, const std::vector<hil::GridHand>& hands) const {
+    return One("margin" + Text(gains) + Text(hands), [&] { return GainMargin(task_, gains, hands); });
+  }
+  [[nodiscard]] double Drag(double mass_kg, const std::vector<hil::GridHand>& hands) const {
+    return One(fmt::format("drag {}{}", mass_kg, Text(hands)),
+               [&] { return MinDragFor(task_, mass_kg, hands); });
+  }
+  [[nodiscard]] TuneBoundary BoundaryOf(const TuneGains& gains, const std::vector<hil::GridHand>& hands,
+                                        double max_N_per_m) const {
+    const std::vector<double> v =
+        Get(fmt::format("boundary {}{}{}", max_N_per_m, Text(gains), Text(hands)), [&] {
+          const TuneBoundary b = BoundaryAt(task_, gains, hands, max_N_per_m);
+          return std::vector{b.predicted_N_per_m, b.simulated_N_per_m, b.degraded_N_per_m,
+                             static_cast<double>(b.hand)};
+        });
+    if (v.size() != 4 || !(v[3] >= 0.0 && v[3] < static_cast<double>(hands.size())))
+      return {.damping_Ns_per_m = gains.damping_Ns_per_m};
+    return {gains.damping_Ns_per_m, v[0], v[1], v[2], static_cast<std::size_t>(v[3])};
+  }
+  [[nodiscard]] std::vector<TuneBoundary> Boundaries(const TuneResult& r, const std::vector<double>& dampings,
+                                                     const std::vector<hil::GridHand>& hands) const {
+    std::vector<TuneBoundary> boundaries(dampings.size());
+    ForEach(dampings.size(), [&](std::size_t i) {
+      boundaries[i] = BoundaryOf({r.recommended.mass_kg, dampings[i]}, hands, r.max_wall_N_per_m);
+    });
+    return boundaries;
+  }
+  [[nodiscard]] TuneMap Map(const TuneResult& r, const std::string& title,
+                            const std::vector<hil::GridHand>& hands, int dampings) const {
+    TuneMap map{.title = title,
+                .damping_from = kMinDamping,
+                .damping_to = kMaxDamping,
+                .wall_to = r.max_wall_N_per_m,
+                .dampings = 2 * dampings,
+                .walls = kWalls,
+                .decay_per_s = {}};
+    const auto columns = static_cast<std::size_t>(map.dampings);
+    map.decay_per_s.assign(columns * static_cast<std::size_t>(map.walls), std::nan(""));
+    ForEach(static_cast<std::size_t>(map.walls), [&](std::size_t row) {
+      const double wall =
+          map.wall_from * std::pow(map.wall_to / map.wall_from, (static_cast<double>(row) + 0.5) / map.walls);
+      const auto values = Get(fmt::format("row {} {} {} {}{}", wall, map.dampings, map.damping_from,
+                                          r.recommended.mass_kg, Text(hands)),
+                              [&] {
+                                std::vector<double> decay;
+                                for (int i = 0; i < map.dampings; ++i) {
+                                  const double b =
+                                      map.damping_from *
+                                      std::pow(map.damping_to / map.damping_from, (i + 0.5) / map.dampings);
+                                  decay.push_back(DecayRate(task_, {r.recommended.mass_kg, b}, hands, wall));
+                                }
+                                return decay;
+                              });
+      if (values.size() == columns)
+        std::ranges::copy(values, map.decay_per_s.begin() + static_cast<std::ptrdiff_t>(row * columns));
+    });
+    return map;
+  }
+
+ private:
+  const TuneTask& task_;
+  TuneCache& cache_;
+  int threads_;
+};
+
+// Chooses the mass that needs least drag; among masses that need about the same, the lightest.
+void Recommend(const Study& study, TuneResult& r) {
+  r.trade.resize(kMasses_kg.size());
+  for (std::size_t i = 0; i < kMasses_kg.size(); ++i) r.trade[i].mass_kg = kMasses_kg[i];
+  study.ForEach(2 * kMasses_kg.size(), [&](std::size_t i) {
+    TuneTrade& trade = r.trade[i / 2];
+    (i % 2 == 0 ? trade.human_Ns_per_m : trade.stiffest_Ns_per_m) =
+        study.Drag(trade.mass_kg, i % 2 == 0 ? r.human_hands : r.stiffest_hands);
+  });
+  const auto least =
+      std::ranges::min_element(r.trade, {}, [](const TuneTrade& t) { return t.human_Ns_per_m; });
+  if (!std::isfinite(least->human_Ns_per_m)) return;
+  const auto chosen = std::ranges::find_if(
+      r.trade, [&](const TuneTrade& t) { return t.human_Ns_per_m <= kTie * least->human_Ns_per_m; });
+  r.recommended = {chosen->mass_kg, std::ceil(chosen->human_Ns_per_m)};
+}
+
+void SearchWithinBar(const Study& study, TuneResult& r) {
+  std::array<double, kMasses_kg.size()> margins{};
+  study.ForEach(kMasses_kg.size(), [&](std::size_t i) {
+    if (kMasses_kg[i] <= r.task.max_mass_kg)
+      margins[i] = study.Margin({kMasses_kg[i], r.task.max_drag_Ns_per_m}, r.human_hands);
+  });
+  const auto best = std::ranges::max_element(margins);
+  r.within_bar_margin = *best;
+  r.within_bar = {kMasses_kg[static_cast<std::size_t>(best - margins.begin())], r.task.max_drag_Ns_per_m};
+}
+
+void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& progress, TuneResult& r) {
+  progress.BeginPhase("the cell's own gains, and the least drag by mass");
+  r.own_margin = study.Margin({r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m}, r.human_hands);
+  Recommend(study, r);
+  SearchWithinBar(study, r);
+  if (Interrupted() || !r.Stands()) return;
+  r.recommended_margin = study.Margin(r.recommended, r.human_hands);
+  r.stiffest_Ns_per_m = study.Drag(r.recommended.mass_kg, r.stiffest_hands);
+  for (const hil::GridHand& hand : hil::NamedHands())
+    if (hand.name == "clamp") r.clamp_Ns_per_m = study.Drag(r.recommended.mass_kg, {hand});
+
+  progress.BeginPhase("boundaries, predicted and simulated");
+  std::vector<double> dampings{r.recommended.damping_Ns_per_m};
+  for (int i = 0; i < options.dampings; ++i)
+    dampings.push_back(kMinDamping *
+                       std::pow(kMaxDamping / kMinDamping, static_cast<double>(i) / (options.dampings - 1)));
+  std::ranges::sort(dampings);
+  r.firm = study.Boundaries(r, dampings, {hil::NamedHands()[1]});
+  r.human = study.Boundaries(r, dampings, r.human_hands);
+  r.stiffest = study.Boundaries(r, dampings, r.stiffest_hands);
+
+  progress.BeginPhase("the map");
+  for (const auto& [hands, grip] : {std::pair{&r.human_hands, r.task.human_grip_N_per_m},
+                                    {&r.stiffest_hands, r.task.stiffest_grip_N_per_m}})
+    r.maps.push_back(study.Map(r, fmt::format("Grips up to {:g} N/m", grip), *hands, options.dampings));
+
+  progress.BeginPhase("the recommended gains, run in time");
+  r.check = CheckInTime(r.task, r.recommended, r.human_hands);
+  r.carried = CarryStiffHands(r.task, r.recommended);
+  r.human_index = IndexWith(r.task, r.recommended, r.human_hands);
+}
+
+std::string Page(const TuneResult& r, const TuneOptions& options, const std::string& map,
+                 const std::string& width, const std::string& trade) {
+  const std::string title = "Gains for " + r.cell;
+  std::string html = PageBegin(title) + "<h1>" + Escape(title) + "</h1>\n" +
+                     VerdictBadge(Judge(r).ForReport()) + "<table>\n";
+  for (const SummaryRow& row : Rows(r))
+    html += "<tr><th>" + Escape(row.key) + "</th><td>" + Escape(row.value) + "</td></tr>\n";
+  html += "</table>\n";
+  if (!map.empty())
+    html +=
+        "<h2>How stiff a wall may be</h2>\n" +
+        Figure(width,
+               "The greatest stiffness of a wall that the tick evaluates, before the first crossing, at the "
+               "recommended mass. Lines: spectral radius of the closed loop's matrix. Circles: the shipped "
+               "parts run in time. Crosses: the same with commands lost and late. Where a line ends at the "
+               "left, "
+               "the loop is unstable without any wall; at the top, it is stable as far as was looked.") +
+        Figure(map,
+               "How fast the slowest motion of the worst hand dies out. Grey: it grows. The loop is not "
+               "monotone in stiffness: above a grey band it may be stable again, where no one gets to.");
+  html +=
+      "<h2>What it costs</h2>\n" +
+      Figure(trade,
+             "The least drag that stands all of it, by virtual mass: a tool that is too light follows the "
+             "hand's own mass, a heavier one is slower than the arm's lag. What is below both lines counts "
+             "as light.");
+  if (r.Stands())
+    html +=
+        "<h2>Stiffer hands, with the vibration index</h2>\n<p>The grip closes on a tool that moves with 40 "
+        "mm/s. Force of the hand between 5 and 40 Hz, effective over 0.2 s, the greatest; drag as a "
+        "multiple of the recommended, the greatest and the mean from 1 s on, to 10 s.</p>\n" +
+        CarriedTable(r);
+  if (r.Stands()) html += "<pre>" + Escape(GainsYaml(r, options.command_line)) + "</pre>\n";
+  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + kPageEnd;
+}
+
+tl::expected<void, std::string> Write(const TuneResult& r, const TuneOptions& options) {
+  const std::string map = r.Stands() ? MapSvg(r) : "", width = r.Stands() ? WidthSvg(r) : "",
+                    trade = TradeSvg(r);
+  for (const auto& [name, svg] : {std::pair{"tune", &map}, {"tune_width", &width}, {"tune_trade", &trade}}) {
+    if (svg->empty()) continue;
+    if (const auto written = WriteDrawing(*svg, options.out / name); !written) return written;
+  }
+  const std::string json = ToJson(r, options.command_line);
+  if (const auto written = WriteText(options.out / "tune.csv", BoundaryCsv(r)); !written) return written;
+  if (const auto written = WriteText(options.out / "tune.json", json); !written) return written;
+  if (r.Stands())
+    if (const auto written = WriteText(options.out / "gains.yaml", GainsYaml(r, options.command_line));
+        !written)
+      return written;
+  if (!options.json.empty())
+    if (const auto written = WriteText(options.json, json); !written) return written;
+  return WritePage(Page(r, options, map, width, trade), options.out / "tune.html");
+}
+
+// Converts to whole ticks; an error names the option.
+tl::expected<int, std::string> Ticks(const char* option, double ms, double period_s) {
+  const double ticks = 1e-3 * ms / period_s;
+  if (std::abs(ticks - std::round(ticks)) > 1e-6)
+    return tl::unexpected(fmt::format("{}: found {:g}, accepted a multiple of the cell's period, {:g} ms",
+                                      option, ms, 1e3 * period_s));
+  return static_cast<int>(std::lround(ticks));
+}
+
+tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const TuneOptions& options) {
+  if (cell.servo.law == control::Law::kImpedance)
+    return tl::unexpected(fmt::format(
+        "{}: found a cell with the impedance law, which has no virtual tool; accepted the admittance law",
+        options.cell.string()));
+  TuneTask task = TuneTaskOf(cell);
+  const double late_ms = std::max(1.0, 1e3 * task.loop.period_s);
+  const double jitter_ms = options.jitter_ms.value_or(late_ms);
+  const auto jitter = Ticks("--jitter-ms", jitter_ms, task.loop.period_s);
+  if (!jitter) return tl::unexpected(jitter.error());
+  const auto sensor =
+      Ticks("--sensor-delay-ms", options.sensor_delay_ms.value_or(late_ms), task.loop.period_s);
+  if (!sensor) return tl::unexpected(sensor.error());
+  task.command_jitter = *jitter;
+  task.loop.sensor_delay = *sensor;
+  if (task.loop.arm.dead_cycles + task.command_jitter > hil::ServoArm::kMaxDeadCycles)
+    return tl::unexpected(
+        fmt::format("--jitter-ms: found {:g}, accepted at most {:g} with the arm's dead time", jitter_ms,
+                    1e3 * task.loop.period_s * (hil::ServoArm::kMaxDeadCycles - task.loop.arm.dead_cycles)));
+  if (options.human_grip_N_per_m > options.stiffest_grip_N_per_m)
+    return tl::unexpected(fmt::format("--grip: found {:g}, accepted at most --stiffest-grip ({:g})",
+                                      options.human_grip_N_per_m, options.stiffest_grip_N_per_m));
+  task.worst_age_s = 1e-3 * options.worst_age_ms;
+  task.margin = options.margin;
+  task.command_loss = options.loss;
+  task.human_grip_N_per_m = options.human_grip_N_per_m;
+  task.stiffest_grip_N_per_m = options.stiffest_grip_N_per_m;
+  return task;
+}
+
+int Run(const TuneOptions& options) {
+  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
+    return Fail("tune", wrong);
+  const config::CellConfig cell = config::LoadCell(options.cell);
+  config::RequireSimulation(cell, options.cell);
+  const auto task = TaskOf(cell, options);
+  if (!task) return Fail("tune", task.error());
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  if (error) return Fail("tune", options.out.string() + ": " + error.message(), kFailed);
+
+  TuneResult result;
+  result.cell = options.cell.stem().string();
+  result.task = *task;
+  result.human_hands = HandsUpTo(task->human_grip_N_per_m);
+  result.stiffest_hands = HandsUpTo(task->stiffest_grip_N_per_m);
+  result.age_bound_Ns_per_m = task->worst_age_s * task->plane_N_per_m;
+
+  InstallInterrupt();
+  TuneCache cache(options.out / "results.json");
+  PhaseProgress progress("osteon tune", 4);
+  StudyAll(Study(result.task, cache, options.threads), options, progress, result);
+  progress.Done();
+  // computed numbers are kept, even if the user did not wait for the rest
+  if (const auto saved = cache.Save(); !saved) return Fail("tune", saved.error(), kFailed);
+  if (Interrupted()) return kExitInterrupted;
+  result.found = cache.found();
+  result.computed = cache.computed();
+
+  if (const auto written = Write(result, options); !written) return Fail("tune", written.error(), kFailed);
+  const Verdict verdict = Judge(result);
+  PrintVerdict(verdict, 26);
+  for (const SummaryRow& row : Rows(result)) fmt::print("  {:<26} {}\n", row.key, row.value);
+  fmt::print("  {:<26} {}\n", "Report", (options.out / "tune.html").string());
+  if (result.Stands())
+    fmt::print("  {:<26} {}\n", "For osteon run --gains", (options.out / "gains.yaml").string());
+  return verdict.level == VerdictLevel::kBad ? kFailed : 0;
+}
+
+}  // namespace
+
+int RunTune(const TuneOptions& options) {
+  try {
+    return Run(options);
+  } catch (const config::ConfigError& error) {
+    return Fail("tune", error.what());
+  } catch (const std::invalid_argument& error) {
+    return Fail("tune", error.what());
+  }
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,64 @@
+#include "studies/tune/tune_cache.h"
+
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/fnv1a.h"
+#include "base/write_text.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr const char* kSchema = "osteon.tune_cache/1";
+
+}  // namespace
+
+TuneCache::TuneCache(std::filesystem::path file)
+    : file_(std::move(file)), before_(nlohmann::json::object()), now_(nlohmann::json::object()) {
+  std::ifstream stream(file_);
+  const nlohmann::json read = nlohmann::json::parse(stream, nullptr, false);
+  if (!read.is_object() || read.value("schema", "") != kSchema || !read.contains("values")) return;
+  if (read["values"].is_object()) before_ = read["values"];
+}
+
+std::string TuneCache::Key(const std::string& from) {
+  Fnv1a hash;
+  hash.Add(from);
+  return fmt::format("{:016x}", hash.hash());
+}
+
+std::optional<std::vector<double>> TuneCache::Find(const std::string& from) {
+  const std::scoped_lock lock(mutex_);
+  const auto at = before_.find(Key(from));
+  if (at == before_.end() || !at->is_array()) return {};
+  std::vector<double> values;
+  for (const nlohmann::json& value : *at) {
+    if (!value.is_number() && !value.is_null()) return {};
+    // JSON has no infinity
+    values.push_back(value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>());
+  }
+  now_[Key(from)] = *at;
+  ++found_;
+  return values;
+}
+
+void TuneCache::Store(const std::string& from, const std::vector<double>& values) {
+  const std::scoped_lock lock(mutex_);
+  nlohmann::json list = nlohmann::json::array();
+  for (const double value : values)
+    list.push_back(std::isfinite(value) ? nlohmann::json(value) : nlohmann::json());
+  now_[Key(from)] = list;
+  ++computed_;
+}
+
+tl::expected<void, std::string> TuneCache::Save() const {
+  const std::scoped_lock lock(mutex_);
+  return WriteText(file_, nlohmann::json{{"schema", kSchema}, {"values", now_}}.dump(1) + "\n");
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/report.h"
+#include "session/summary/verdict.h"
+#include "studies/tune/tune_study.h"
+
+// The result of `osteon tune` and its forms: rows, JSON, CSV, pictures, an overlay for the cell.
+
+namespace osteon::app {
+
+/// The least drag for one virtual mass that is stable with every hand at the margin; infinite if none.
+struct TuneTrade {
+  double mass_kg{0.0};
+  double human_Ns_per_m{0.0}, stiffest_Ns_per_m{0.0};
+};
+
+/// Decay rates over damping (rows) and wall stiffness, both evenly spaced in the logarithm.
+struct TuneMap {
+  std::string title;
+  double damping_from{5.0}, damping_to{500.0}, wall_from{1e3}, wall_to{1e6};
+  int dampings{0}, walls{0};
+  std::vector<double> decay_per_s;  ///< one row of dampings per wall
+};
+
+struct TuneResult {
+  std::string cell;
+  TuneTask task;
+  double max_wall_N_per_m{1e6};
+  std::vector<hil::GridHand> human_hands, stiffest_hands;
+  std::vector<TuneTrade> trade;
+  TuneGains recommended;  ///< zero: no gains are stable with all
+  double recommended_margin{0.0};
+  double own_margin{0.0};  ///< of the cell's own gains
+  TuneGains within_bar;    ///< of all gains that count as light, those with the greatest margin
+  double within_bar_margin{0.0};
+  double stiffest_Ns_per_m{0.0}, clamp_Ns_per_m{0.0};  ///< drag that these need at the recommended mass
+  double age_bound_Ns_per_m{0.0};                      ///< a_max K of the planes: by itself enough at any age
+  std::vector<TuneBoundary> human, stiffest, firm;     ///< at the recommended mass
+  std::vector<TuneMap> maps;
+  TuneCheck check;
+  std::vector<TuneCarried> carried;  ///< hands that depend on the vibration index
+  double human_index{0.0};           ///< the greatest index that a hand within the human grip raises
+  int found{0}, computed{0};
+
+  [[nodiscard]] bool Stands() const { return recommended.mass_kg > 0.0; }
+  /// The worst of the hands that the index stabilises; null if there are none.
+  [[nodiscard]] const TuneCarried* WorstCarried() const;
+  [[nodiscard]] bool WithinBar() const {
+    return Stands() && recommended.mass_kg <= task.max_mass_kg &&
+           recommended.damping_Ns_per_m <= task.max_drag_Ns_per_m;
+  }
+};
+
+/// Bad if no gains are stable with what was asked for, if the loop grew in simulation, or if a stiff hand
+/// keeps oscillating. To be looked at if the cell's own gains are stable with less, if the tool is not light,
+/// or if hands depend on a vibration index that does not act.
+[[nodiscard]] Verdict Judge(const TuneResult& result);
+
+[[nodiscard]] std::vector<SummaryRow> Rows(const TuneResult& result);
+/// JSON, schema osteon.tune/1.
+[[nodiscard]] std::string ToJson(const TuneResult& result, const std::string& command_line);
+/// The boundaries as CSV, one damping a line.
+[[nodiscard]] std::string BoundaryCsv(const TuneResult& result);
+/// The hands that the index stabilises, as rows of an HTML table.
+[[nodiscard]] std::string CarriedTable(const TuneResult& result);
+/// A gains file for `osteon run --gains`.
+[[nodiscard]] std::string GainsYaml(const TuneResult& result, const std::string& command_line);
+
+[[nodiscard]] std::string MapSvg(const TuneResult& result);
+[[nodiscard]] std::string WidthSvg(const TuneResult& result);
+[[nodiscard]] std::string TradeSvg(const TuneResult& result);
+
+}  // namespace osteon::app

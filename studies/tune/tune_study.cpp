@@ -1,0 +1,207 @@
+#include "studies/tune/tune_study.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "simulation/tools/tool.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kMaxDrag_Ns_per_m = 3000.0;
+constexpr double kMinWall_N_per_m = 100.0;
+constexpr double kGripSpeed_m_per_s = 0.04, kNoise_N = 0.1, kCarried_s = 10.0;
+constexpr double kCalm_N = 0.5, kEnlarged = 2.2;  // least limit; factor on the tremor that the index permits
+
+enum class Contact { kFree, kWall, kPlanes };
+constexpr std::array<Contact, 3> kContacts{Contact::kFree, Contact::kWall, Contact::kPlanes};
+constexpr std::array<const char*, 3> kContactNames{"free", "wall", "planes"};
+
+int WorstAge(const TuneTask& task) {
+  return static_cast<int>(std::ceil(task.worst_age_s / task.loop.period_s - 1e-9));
+}
+
+hil::LoopWall WallOf(const TuneTask& task, Contact contact, double gain) {
+  if (contact == Contact::kFree) return {};
+  // the coupling's own damping is limited to a part of the force, so the analysis ignores it
+  if (contact == Contact::kWall) return {.stiffness_N_per_m = gain * task.wall_N_per_m};
+  return {.stiffness_N_per_m = gain * task.plane_N_per_m, .age_ticks = WorstAge(task)};
+}
+
+hil::AdmittanceLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, const hil::GridHand& hand,
+                                 double gain) {
+  hil::AdmittanceLoopParams loop = task.loop;
+  loop.mass_kg = gains.mass_kg;
+  loop.damping_Ns_per_m = gains.damping_Ns_per_m;
+  loop.hand = {hand.name, gain * hand.stiffness_N_per_m, gain * hand.damping_Ns_per_m, gain * hand.mass_kg};
+  return loop;
+}
+
+// Parameters of a simulated run with lost and late commands, noise, and the cell's vibration index.
+hil::AdmittanceRunParams WithIndex(const TuneTask& task, const TuneGains& gains, const hil::GridHand& hand,
+                                   Contact contact) {
+  hil::AdmittanceRunParams run{.loop = LoopOf(task, gains, hand, 1.0),
+                               .command_loss = task.command_loss,
+                               .command_jitter = task.command_jitter,
+                               .noise_N = kNoise_N,
+                               .vibration = task.vibration};
+  run.loop.wall = WallOf(task, contact, 1.0);
+  return run;
+}
+
+// The greatest delay of a command. Lost commands are simulated only: a matrix has no chance events.
+int LatestDeadCycles(const TuneTask& task) { return task.loop.arm.dead_cycles + task.command_jitter; }
+
+}  // namespace
+
+TuneTask TuneTaskOf(const config::CellConfig& cell) {
+  TuneTask task;
+  task.loop.arm = cell.simulated.servo;
+  task.loop.period_s = cell.servo.period_s;
+  task.loop.mass_kg = cell.servo.admittance.mass_kg.z();
+  task.loop.damping_Ns_per_m = cell.servo.admittance.damping_Ns_per_m.z();
+  task.wall_N_per_m = cell.servo.coupling.max_stiffness_N_per_m;
+  const simulation::ToolBall* head = simulation::CuttingHead(cell.tool.tool);
+  const double radius_m = head ? head->radius_m : cell.tool.tool.balls.front().radius_m;
+  task.plane_N_per_m = cell.servo.wrench.max_force_N / radius_m;
+  task.vibration = cell.servo.vibration;
+  task.index_acts = task.vibration.acts;
+  task.vibration.acts = true;
+  return task;
+}
+
+std::vector<hil::GridHand> HandsUpTo(double stiffness_N_per_m) {
+  std::vector<hil::GridHand> hands = hil::HandGrid();
+  std::erase_if(hands, [&](const hil::GridHand& hand) { return hand.stiffness_N_per_m > stiffness_N_per_m; });
+  hands.push_back({fmt::format("{:g} N/m, firm", stiffness_N_per_m), stiffness_N_per_m, 20.0, 1.5});
+  // test the decisive hands first, so that an unstable loop is found early
+  std::ranges::stable_sort(hands, std::ranges::greater{}, &hil::GridHand::stiffness_N_per_m);
+  return hands;
+}
+
+bool StandsAll(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
+               double gain) {
+  for (const Contact contact : kContacts)
+    for (const hil::GridHand& hand : hands) {
+      hil::AdmittanceLoopParams loop = LoopOf(task, gains, hand, gain);
+      loop.arm.dead_cycles = LatestDeadCycles(task);
+      loop.wall = WallOf(task, contact, gain);
+      if (!(hil::AdmittanceLoop(loop).SpectralRadius() < 1.0)) return false;
+    }
+  return true;
+}
+
+bool StandsAll(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands) {
+  return StandsAll(task, gains, hands, task.margin) && StandsAll(task, gains, hands, 1.0);
+}
+
+double GainMargin(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
+                  double most) {
+  return hil::FirstCrossing([&](double gain) { return StandsAll(task, gains, hands, gain); },
+                            {.from = 1.0, .to = most, .factor = 1.1, .tolerance = 1e-3})
+      .value;
+}
+
+double MinDragFor(const TuneTask& task, double mass_kg, const std::vector<hil::GridHand>& hands) {
+  // search downward in b, since larger drag may hide an unstable window below: upward in 1 / b
+  const hil::Boundary found = hil::FirstCrossing(
+      [&](double inverse) {
+        return StandsAll(task, {.mass_kg = mass_kg, .damping_Ns_per_m = 1.0 / inverse}, hands);
+      },
+      {.from = 1.0 / kMaxDrag_Ns_per_m, .to = 1.0, .factor = 1.25, .tolerance = 2e-3});
+  if (found.value == 0.0) return std::numeric_limits<double>::infinity();
+  return 1.0 / found.value;
+}
+
+TuneBoundary BoundaryAt(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
+                        double max_N_per_m) {
+  TuneBoundary boundary{.damping_Ns_per_m = gains.damping_Ns_per_m, .predicted_N_per_m = max_N_per_m};
+  for (std::size_t i = 0; i < hands.size(); ++i) {
+    const hil::AdmittanceLoopParams loop = LoopOf(task, gains, hands[i], 1.0);
+    double most = 0.0;
+    if (hil::AdmittanceLoop(loop).SpectralRadius() < 1.0)
+      most = hil::MaxWallStiffness(loop, {.from = kMinWall_N_per_m, .to = max_N_per_m, .factor = 1.1}).value;
+    if (i > 0 && most >= boundary.predicted_N_per_m) continue;
+    boundary.predicted_N_per_m = most;
+    boundary.hand = i;
+  }
+
+  hil::AdmittanceRunParams run{.loop = LoopOf(task, gains, hands[boundary.hand], 1.0)};
+  const auto seen = [&](double min_share) {
+    if (hil::SimulatedGrowth(run) >= 0.0) return 0.0;
+    const double around = std::max(boundary.predicted_N_per_m, 10.0 * kMinWall_N_per_m);
+    hil::AdmittanceRunParams walls = run;
+    return hil::SimulatedMaxWallStiffness(walls, {.from = std::max(kMinWall_N_per_m, min_share * around),
+                                                  .to = std::min(max_N_per_m, 1.6 * around),
+                                                  .factor = 1.08,
+                                                  .tolerance = 2e-3})
+        .value;
+  };
+  boundary.simulated_N_per_m = seen(0.6);
+  run.command_loss = task.command_loss;
+  run.command_jitter = task.command_jitter;
+  boundary.degraded_N_per_m = seen(0.2);
+  return boundary;
+}
+
+double DecayRate(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
+                 double wall_N_per_m) {
+  double worst = 0.0;
+  for (const hil::GridHand& hand : hands) {
+    hil::AdmittanceLoopParams loop = LoopOf(task, gains, hand, 1.0);
+    loop.wall.stiffness_N_per_m = wall_N_per_m;
+    worst = std::max(worst, hil::AdmittanceLoop(loop).SpectralRadius());
+  }
+  return -std::log(worst) / task.loop.period_s;
+}
+
+TuneCheck CheckInTime(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands) {
+  TuneCheck check;
+  for (std::size_t c = 0; c < kContacts.size(); ++c)
+    for (const hil::GridHand& hand : hands) {
+      hil::AdmittanceRunParams run{.loop = LoopOf(task, gains, hand, 1.0),
+                                   .command_loss = task.command_loss,
+                                   .command_jitter = task.command_jitter};
+      run.loop.wall = WallOf(task, kContacts[c], 1.0);
+      ++check.runs;
+      if (hil::SimulatedGrowth(run) >= 0.0)
+        check.grew.push_back(fmt::format("{}, {}", hand.name, kContactNames[c]));
+    }
+  return check;
+}
+
+std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& gains) {
+  const double calm_N = std::max(kCalm_N, kEnlarged * task.vibration.reference.tremor_N);
+  std::vector<TuneCarried> list;
+  for (const hil::GridHand& hand : hil::HandGrid()) {
+    if (hand.stiffness_N_per_m <= task.human_grip_N_per_m) continue;
+    TuneCarried worst{.hand = hand, .contact = {}, .run = {}, .calm_N = calm_N};
+    for (std::size_t c = 0; c < kContacts.size(); ++c) {
+      hil::AdmittanceRunParams run = WithIndex(task, gains, hand, kContacts[c]);
+      run.kick_m_per_s = kGripSpeed_m_per_s;
+      run.seconds = kCarried_s;
+      const hil::GripRun found = hil::RunGrip(run);
+      if (!worst.contact.empty() && worst.run.valid && found.valid && found.one_s_N <= worst.run.one_s_N)
+        continue;
+      worst.contact = kContactNames[c];
+      worst.run = found;
+      if (!found.valid) break;
+    }
+    list.push_back(worst);
+  }
+  return list;
+}
+
+double IndexWith(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands) {
+  double most = 0.0;
+  for (const hil::GridHand& hand : hands)
+    for (const Contact contact : kContacts)
+      most = std::max(most, hil::RunGrip(WithIndex(task, gains, hand, contact)).max_index);
+  return most;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "config/reading/cell_config.h"
+#include "studies/stability/admittance_run.h"
+#include "studies/stability/grip_run.h"
+
+// The questions of `osteon tune` to the loop (which hands, which contacts, which delays) and the answers.
+
+namespace osteon::app {
+
+/// A cell's loop along one axis of its tool, and the conditions in which its gains must be stable.
+struct TuneTask {
+  hil::AdmittanceLoopParams loop;  ///< arm, delays, period and virtual tool of the cell; no hand, no wall
+  double wall_N_per_m{20e3};       ///< the coupling's stiffness: planes are evaluated in the tick
+  /// Stiffness of the planes' own motion across the contact: the force limit over the radius of the tool's
+  /// head. It acts through poses as old as a contact model may be.
+  double plane_N_per_m{8e3};
+  double worst_age_s{0.002};
+  double margin{1.1};  ///< gain margin: factor on hand and wall at which the loop must still be stable
+  double command_loss{0.01};
+  int command_jitter{1};                             ///< [ticks]
+  double human_grip_N_per_m{3e3};                    ///< up to this grip the tool has to stay light ...
+  double stiffest_grip_N_per_m{10e3};                ///< ... and up to this grip it has to be stable
+  double max_mass_kg{5.0}, max_drag_Ns_per_m{30.0};  ///< what counts as light
+  control::VibrationParams vibration{};              ///< the cell's, and acting
+  bool index_acts{true};                             ///< whether it acts in the cell as well
+};
+
+[[nodiscard]] TuneTask TuneTaskOf(const config::CellConfig& cell);
+
+/// Returns every hand of the grid up to a stiffness, and one of exactly that stiffness with a firm hand's
+/// damping and mass.
+[[nodiscard]] std::vector<hil::GridHand> HandsUpTo(double stiffness_N_per_m);
+
+/// The mass and drag of a virtual tool.
+struct TuneGains {
+  double mass_kg{0.0}, damping_Ns_per_m{0.0};
+};
+
+/// Checks all hands and contacts (free, wall evaluated in the tick, planes at their greatest age) with the
+/// greatest delay of every command; hand and wall are multiplied by `gain`.
+/// @returns whether all are stable.
+[[nodiscard]] bool StandsAll(const TuneTask& task, const TuneGains& gains,
+                             const std::vector<hil::GridHand>& hands, double gain);
+/// Checks at gain 1 and at the margin.
+[[nodiscard]] bool StandsAll(const TuneTask& task, const TuneGains& gains,
+                             const std::vector<hil::GridHand>& hands);
+
+/// The greatest gain at which all are stable; 0: not even at gain 1. At most `most`.
+[[nodiscard]] double GainMargin(const TuneTask& task, const TuneGains& gains,
+                                const std::vector<hil::GridHand>& hands, double most = 5.0);
+
+/// The least drag with which a virtual mass is stable with all; infinity if 3000 N s/m are not enough.
+[[nodiscard]] double MinDragFor(const TuneTask& task, double mass_kg,
+                                const std::vector<hil::GridHand>& hands);
+
+/// One damping of the map: the stiffest stable wall with the cell's own delays only.
+struct TuneBoundary {
+  double damping_Ns_per_m{0.0};
+  double predicted_N_per_m{0.0};  ///< 0: unstable without a wall
+  double simulated_N_per_m{0.0};  ///< with the hand that the prediction finds worst
+  double degraded_N_per_m{0.0};   ///< the same, with commands lost and late
+  std::size_t hand{0};            ///< the worst
+};
+/// Searches walls up to `max_N_per_m`: that value means "at least".
+[[nodiscard]] TuneBoundary BoundaryAt(const TuneTask& task, const TuneGains& gains,
+                                      const std::vector<hil::GridHand>& hands, double max_N_per_m);
+
+/// Decay rate of the slowest motion of the worst hand at a wall [1/s]; negative: it grows.
+[[nodiscard]] double DecayRate(const TuneTask& task, const TuneGains& gains,
+                               const std::vector<hil::GridHand>& hands, double wall_N_per_m);
+
+/// Simulations of the shipped parts with lost and late commands, one for each hand and contact.
+struct TuneCheck {
+  std::size_t runs{0};
+  std::vector<std::string> grew;  ///< hand and contact whose motion grew
+};
+[[nodiscard]] TuneCheck CheckInTime(const TuneTask& task, const TuneGains& gains,
+                                    const std::vector<hil::GridHand>& hands);
+
+/// A hand that only the vibration index makes stable, in its worst contact.
+struct TuneCarried {
+  hil::GridHand hand;
+  std::string contact;
+  hil::GripRun run;
+  double calm_N{0.5};  ///< limit of the force between 5 and 40 Hz, from 1 s on: below it the loop is calm
+  [[nodiscard]] bool Calm() const { return run.valid && run.one_s_N < calm_N; }
+};
+/// Simulates the shipped parts with the cell's vibration index for every hand of the grid beyond
+/// human_grip_N_per_m, fixture and clamp included, 10 s each. The grip closes on a tool that moves at 40
+/// mm/s, the sensor's noise is 0.1 N, commands are lost and late. The index permits a loop as much vibration
+/// as a hand's tremor (VibrationReference), and a loop close to oscillating reaches up to twice that: calm is
+/// below 2.2 tremor_N, at least 0.5 N.
+[[nodiscard]] std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& gains);
+
+/// The greatest index that any of these hands raises by itself (kick of 0.1 mm/s, the same noise): 0 if the
+/// gains alone stabilise them.
+[[nodiscard]] double IndexWith(const TuneTask& task, const TuneGains& gains,
+                               const std::vector<hil::GridHand>& hands);
+
+}  // namespace osteon::app

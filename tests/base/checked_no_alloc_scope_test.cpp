@@ -1,0 +1,43 @@
+#include "tests/base/checked_no_alloc_scope.h"
+
+#include <mutex>
+#include <new>
+
+#include <gtest/gtest-spi.h>
+#include <gtest/gtest.h>
+
+namespace osteon::rt {
+namespace {
+
+// A new-expression may be optimised away; a call of the function may not.
+void CallTheHeap() { ::operator delete(::operator new(8)); }
+
+TEST(CheckedNoAllocScope, ItsEndFailsTheTestWhereTheHeapWasCalled) {
+  if (!NoAllocScope::Counts()) GTEST_SKIP() << "skipped, under a sanitizer: it has a heap of its own";
+  EXPECT_NONFATAL_FAILURE(
+      {
+        CheckedNoAllocScope no_alloc;
+        CallTheHeap();
+      },
+      "heap calls in a scope that allows none");
+}
+
+TEST(CheckedNoAllocScope, ItsEndFailsTheTestWhereAMutexWasLocked) {
+  if (!NoAllocScope::Counts()) GTEST_SKIP() << "skipped, under a sanitizer: nothing is counted";
+  std::mutex mutex;
+  EXPECT_NONFATAL_FAILURE(
+      {
+        CheckedNoAllocScope no_alloc;
+        const std::lock_guard lock(mutex);
+      },
+      "mutex locks in a scope that allows none");
+}
+
+TEST(CheckedNoAllocScope, WhatFollowsItsEndIsNotCounted) {
+  CheckedNoAllocScope no_alloc;
+  no_alloc.End();
+  CallTheHeap();
+}
+
+}  // namespace
+}  // namespace osteon::rt

@@ -1,0 +1,294 @@
+#include "control/loop/run_servo.h"
+
+#include <algorithm>
+
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "control/loop/rest_time.h"
+
+#include "base/clock.h"
+#include "servo_bench.h"
+
+namespace osteon::control {
+namespace {
+
+// An arm behind the port: paces the loop by sleeping, becomes active after some messages, follows at once.
+class FakeArm : public ArmLink {
+ public:
+  explicit FakeArm(int active_after = 3, int closes_after = 1 << 30)
+      : active_after_(active_after), closes_after_(closes_after) {
+    Eigen::Map<kinematics::JointVector>(state_.q_meas.data()) = ServoBench::StartJoints();
+    next_ = rt::MonotonicNow();
+  }
+
+  ReceiveResult Receive(ArmState& state, rt::Nanoseconds deadline) OSTEON_RT override {
+    if (received >= closes_after_) return ReceiveResult::kClosed;
+    if (silent) {
+      rt::SleepUntil(deadline);
+      return ReceiveResult::kTimeout;
+    }
+    next_ += rt::kMillisecond;
+    rt::SleepUntil(next_);
+    state_.session =
+        received < active_after_ ? SessionState::kCommandingWait : SessionState::kCommandingActive;
+    state_.stamp = next_;
+    state_.q_ipo = state_.q_meas;
+    state_.has_ipo = true;
+    ++state_.sequence;
+    ++received;
+    state = state_;
+    return ReceiveResult::kOk;
+  }
+  bool Send(const ArmCommand& command) OSTEON_RT override {
+    state_.q_meas = command.q;
+    ++sent;
+    return true;
+  }
+
+  int received{0}, sent{0};
+  bool silent{false};
+
+ private:
+  int active_after_, closes_after_;
+  ArmState state_;
+  rt::Nanoseconds next_;
+};
+
+// A pushing hand, which is the simulation as well: a fresh model of free space at each reading.
+class FakeWorld : public CellDevices {
+ public:
+  explicit FakeWorld(rt::LatestValue<simulation::ContactModel>& models) : models_(models) {}
+  CellReadings Exchange(const CellCommands&, rt::Nanoseconds) OSTEON_RT override {
+    const rt::Nanoseconds now = rt::MonotonicNow();
+    if (frames_left > 0) {
+      --frames_left;
+      ++model_.frame;
+      model_.pose_stamp = now;
+      models_.Store(model_);
+    }
+    const Wrench F_T_W{.f = {0.0, 0.5, 0.0}, .t = Vector3::Zero()};
+    return {.force = {.stamp = now, .F_S = ServoBench::OnTheSensor(F_T_W, ServoBench::StartPose())}};
+  }
+  int frames_left{1'000'000};
+
+ private:
+  rt::LatestValue<simulation::ContactModel>& models_;
+  simulation::ContactModel model_;
+};
+
+class FakeRecorder : public TickRecorder {
+ public:
+  FakeRecorder() { records.reserve(20'000); }
+  bool Push(const TickRecord& record) OSTEON_RT override {
+    if (records.size() == records.capacity()) return false;
+    records.push_back(record);
+    return true;
+  }
+  std::vector<TickRecord> records;
+};
+
+struct Rig {
+  ServoLoop loop{ServoBench::Params(), ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
+                 ServoBench::Arm().ArmAngle(ServoBench::StartJoints())};
+  ServoLoop second{ServoBench::Params(), ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
+                   ServoBench::Arm().ArmAngle(ServoBench::StartJoints())};
+  rt::LatestValue<simulation::ContactModel> models;
+  rt::LatestValue<simulation::ToolCommand> commands;
+  FakeWorld world{models};
+  FakeRecorder recorder;
+
+  RunServoResult Run(FakeArm& arm, RunServoParams params) {
+    params.thread = {.priority = 0};
+    return RunServo(loop, arm, world, models, commands, recorder, params);
+  }
+};
+
+TEST(RunServo, RunsItsSecondsThenStopsInOrderAndAnswersEveryMessage) {
+  Rig rig;
+  FakeArm arm;
+  const RunServoResult result = rig.Run(arm, {.seconds = 0.2});
+  EXPECT_EQ(result.end, RunEnd::kSeconds);
+  EXPECT_EQ(result.faults.bits(), 0u);
+  EXPECT_EQ(arm.sent, arm.received) << "to the last one";
+  EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
+  EXPECT_EQ(result.ticks, rig.recorder.records.size());
+  EXPECT_EQ(rig.recorder.records.back().phase, Phase::kStopped);
+  EXPECT_EQ(result.wakeup.count(), static_cast<std::uint64_t>(arm.received));
+  EXPECT_EQ(result.period.count(), result.statistics.active_ticks - 1);
+  // the fake arm's stamps are exactly 1 ms apart, however late the machine wakes up: only the histogram's bin
+  // remains as an error
+  EXPECT_NEAR(1e9 / static_cast<double>(result.period.Quantile(0.5)), 1000.0, 5.0);
+  EXPECT_EQ(rig.commands.Load().stamp, rig.loop.tool_command().stamp);
+}
+
+// A recording of the arm at rest.
+TEST(RunServo, AnArmAtRestIsAnsweredAndRecordedForItsTime) {
+  for (const double rest_s : {0.0, 0.1}) {
+    Rig rig;
+    FakeArm arm;
+    const RunServoResult result = rig.Run(arm, {.seconds = 0.2, .at_rest_s = rest_s});
+    EXPECT_EQ(result.end, RunEnd::kSeconds);
+    EXPECT_EQ(result.faults.bits(), 0u);
+    EXPECT_EQ(arm.sent, arm.received);
+    const auto at_rest = std::count_if(rig.recorder.records.begin(), rig.recorder.records.end(),
+                                       [](const TickRecord& tick) { return tick.phase == Phase::kStopped; });
+    // one message per millisecond, fewer if the machine is late
+    EXPECT_GE(at_rest, rest_s > 0.0 ? 20 : 1);
+    if (rest_s == 0.0) {
+      EXPECT_EQ(at_rest, 1);
+    }
+  }
+}
+
+TEST(RestTime, BeginsWhereNothingIsOutOfControlAndGivesUpOnAnArmThatIsNotSeenToStand) {
+  using safety::CellState;
+  RestTime seen(100);
+  EXPECT_FALSE(seen.IsOver(CellState::kStop0, 1000)) << "not yet measured to stand";
+  EXPECT_FALSE(seen.IsOver(CellState::kStop0, 1150));
+  EXPECT_FALSE(seen.IsOver(CellState::kFault, 1200));
+  EXPECT_FALSE(seen.IsOver(CellState::kFault, 1299));
+  EXPECT_TRUE(seen.IsOver(CellState::kFault, 1300));
+  RestTime silent(100);
+  EXPECT_FALSE(silent.IsOver(CellState::kStop0, 1000));
+  EXPECT_FALSE(silent.IsOver(CellState::kStop0, 1399));
+  EXPECT_TRUE(silent.IsOver(CellState::kStop0, 1400));
+  RestTime none(0);
+  EXPECT_TRUE(none.IsOver(CellState::kStop0, 1000));
+}
+
+// Counts rehearsals.
+class RehearsedArm : public FakeArm {
+ public:
+  void WarmUp(const ArmCommand&) OSTEON_RT override { ++rehearsed; }
+  int rehearsed{0};
+};
+
+TEST(RunServo, RepeatsEachTickAndRehearsesBeforeTheNext) {
+  Rig rig;
+  RehearsedArm arm;
+  const RunServoResult result = rig.Run(arm, {.seconds = 0.3, .second = &rig.second});
+  EXPECT_EQ(result.end, RunEnd::kSeconds);
+  EXPECT_EQ(result.faults.bits(), 0u);
+  EXPECT_EQ(arm.sent, arm.received);
+  EXPECT_GT(arm.rehearsed, 0) << "where the machine woke it in time";
+  EXPECT_EQ(rig.second.statistics().active_ticks + 1, rig.loop.statistics().active_ticks)
+      << "in step; after the last tick there is no next message to repeat it before";
+}
+
+TEST(RunServo, ATickThatComesOutOtherwiseTheSecondTimeEndsTheRun) {
+  Rig rig;
+  ServoParams other = ServoBench::Params();
+  other.admittance.mass_kg.y() *= 1.0 + 1e-15;  // the hand pushes along y
+  ServoLoop differs(other, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
+                    ServoBench::Arm().ArmAngle(ServoBench::StartJoints()));
+  FakeArm arm;
+  const RunServoResult result = rig.Run(arm, {.seconds = 5.0, .second = &differs});
+  EXPECT_EQ(result.end, RunEnd::kFault);
+  EXPECT_TRUE(result.faults.Has(safety::Fault::kRepeatDiffers));
+  EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
+}
+
+// A recorder that stands still stops the cell in the tick after the finding, and the tick's second
+// computation has the same inputs.
+TEST(RunServo, ARecorderThatStandsStillEndsTheRun) {
+  constexpr std::size_t kSeen = 300;
+  struct Stalls : FakeRecorder {
+    [[nodiscard]] bool Stalled() const OSTEON_RT override { return records.size() >= kSeen; }
+  };
+  Rig rig;
+  Stalls recorder;
+  FakeArm arm;
+  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.models, rig.commands, recorder,
+                                         {.seconds = 5.0, .give_up_s = 5.0, .second = &rig.second});
+  EXPECT_EQ(result.end, RunEnd::kFault);
+  EXPECT_EQ(result.faults.bits(), static_cast<std::uint32_t>(safety::Fault::kRecorder));
+  EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
+  ASSERT_GT(recorder.records.size(), kSeen);
+  EXPECT_EQ(recorder.records[kSeen - 1].faults, 0u);
+  EXPECT_TRUE(recorder.records[kSeen].input.recorder_stalled);
+  EXPECT_EQ(recorder.records[kSeen].faults, static_cast<std::uint32_t>(safety::Fault::kRecorder));
+}
+
+// A full recorder stops it as well.
+TEST(RunServo, ATickThatIsRefusedEndsTheRun) {
+  struct Full : FakeRecorder {
+    bool Push(const TickRecord& record) OSTEON_RT override {
+      return records.size() < 300 && FakeRecorder::Push(record);
+    }
+  };
+  Rig rig;
+  Full recorder;
+  FakeArm arm;
+  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.models, rig.commands, recorder,
+                                         {.seconds = 5.0, .give_up_s = 5.0});
+  EXPECT_EQ(result.end, RunEnd::kFault);
+  EXPECT_TRUE(result.faults.Has(safety::Fault::kRecorder));
+  EXPECT_GT(result.unrecorded, 0u);
+}
+
+TEST(RunServo, AStopFlagStopsInOrder) {
+  Rig rig;
+  FakeArm arm;
+  std::atomic<bool> stop{false};
+  struct StopAfter : FakeRecorder {
+    std::atomic<bool>* flag{nullptr};
+    bool Push(const TickRecord& record) OSTEON_RT override {
+      if (records.size() == 50) flag->store(true);
+      return FakeRecorder::Push(record);
+    }
+  } recorder;
+  recorder.flag = &stop;
+  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.models, rig.commands, recorder,
+                                         {.seconds = 0.0, .thread = {.priority = 0}, .stop = &stop});
+  EXPECT_EQ(result.end, RunEnd::kStopFlag);
+  EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
+  EXPECT_EQ(result.faults.bits(), 0u);
+}
+
+TEST(RunServo, AFaultEndsItByName) {
+  Rig rig;
+  rig.world.frames_left = 100;
+  FakeArm arm;
+  const RunServoResult result = rig.Run(arm, {.seconds = 5.0});
+  EXPECT_EQ(result.end, RunEnd::kFault);
+  EXPECT_TRUE(result.faults.Has(safety::Fault::kModelStale));
+}
+
+TEST(RunServo, WithoutASimulationItNeverBeginsAndKnowsWhy) {
+  Rig rig;
+  rig.world.frames_left = 0;
+  FakeArm arm;
+  const RunServoResult result = rig.Run(arm, {.seconds = 5.0, .give_up_s = 0.2});
+  EXPECT_EQ(result.end, RunEnd::kNeverActive);
+  EXPECT_EQ(result.faults.bits(), 0u);
+  EXPECT_EQ(rig.loop.permits().bits(),
+            safety::MotionPermits::kAll & ~static_cast<std::uint32_t>(safety::MotionPermit::kModelFresh));
+}
+
+TEST(RunServo, AnArmThatNeverComesOrGoesAwayEndsIt) {
+  Rig silent;
+  FakeArm nobody;
+  nobody.silent = true;
+  EXPECT_EQ(silent.Run(nobody, {.give_up_s = 0.05}).end, RunEnd::kNeverActive);
+  EXPECT_FALSE(silent.loop.faults().Any()) << "nothing was started, nothing failed";
+
+  Rig closing;
+  FakeArm closes(3, 40);
+  const RunServoResult result = closing.Run(closes, {.seconds = 5.0});
+  EXPECT_EQ(result.end, RunEnd::kLinkClosed);
+  EXPECT_TRUE(result.faults.Has(safety::Fault::kArmStale));
+}
+
+TEST(RunServo, RefusesParametersOutOfRange) {
+  Rig rig;
+  FakeArm arm;
+  EXPECT_THROW(rig.Run(arm, {.deadline_s = 0.0}), std::invalid_argument);
+  EXPECT_THROW(rig.Run(arm, {.seconds = -1.0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace osteon::control

@@ -1,0 +1,268 @@
+#include "control/stability/energy_tank.h"
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "control/laws/admittance_law.h"
+#include "safety/limits.h"
+#include "tests/base/checked_no_alloc_scope.h"
+
+namespace osteon::control {
+namespace {
+
+constexpr double kT = 1e-3;
+constexpr double kSoft = 2e3, kStiff = 20e3;
+
+// A wall at z = 0 with changing planes, a tank, and the shipped law.
+struct Bench {
+  CouplingParams params;
+  CouplingState state;
+  EnergyTank tank;
+  simulation::ContactModel model;
+  AdmittanceState tool;
+  AdmittanceParams law;
+  int tick{1000};
+  double made_J{0.0};  ///< given to the tool so far, by trapezoids
+  CouplingOutput coupling;
+  Vector3 f_W{Vector3::Zero()};
+
+  explicit Bench(const EnergyTankParams& tank_params) : tank(tank_params, kT) {
+    params.damping_Ns_per_m = 0.0;
+    state.fade = 1.0;
+    model.contact_count = 1;
+    model.contacts[0].n_W = Vector3(0.0, 0.0, 1.0);
+    model.contacts[0].stiffness_N_per_m = kSoft;
+    law.damping_Ns_per_m.setConstant(1e-6);
+  }
+  [[nodiscard]] double z() const { return tool.X_WT.translation().z(); }
+  [[nodiscard]] double kinetic_J() const { return 0.5 * law.mass_kg.z() * tool.V_WT.v.squaredNorm(); }
+
+  /// A new frame with this plane.
+  void Frame(double stiffness, double height_m = 0.0) {
+    ++model.frame;
+    model.contacts[0].stiffness_N_per_m = stiffness;
+    model.contacts[0].p_W_m = Vector3(0.0, 0.0, height_m);
+  }
+  void Tick(double push_N) {
+    const rt::Nanoseconds now = ++tick * rt::kMillisecond;
+    model.pose_stamp = now;
+    coupling = EvaluateCoupling(params, model, tool.X_WT, tool.V_WT, now, false, state);
+    const double share = tank.Step(coupling, tool.X_WT, tool.V_WT, 1.0);
+    const Vector3 f_before_W = f_W, p_before_W = p_W_;
+    f_W = share * coupling.F_T_W.f;
+    p_W_ = tool.X_WT.translation();
+    made_J += 0.5 * (f_W + f_before_W).dot(p_W_ - p_before_W);
+    ASSERT_TRUE(StepAdmittance(law, {.f = f_W - push_N * Vector3::UnitZ(), .t = {}}, kT, tool));
+  }
+
+ private:
+  Vector3 p_W_{Vector3::Zero()};
+};
+
+// A wall that is soft on the way in and ten times as stiff on the way out; a tool that weighs 20 N bounces on
+// it.
+// @returns total energy that the wall has given [J]
+double Pumped(bool acts, int ticks, double* least_J = nullptr) {
+  Bench bench({.acts = acts});
+  bench.tool.X_WT.translation().z() = 5e-3;
+  for (int i = 0; i < ticks; ++i) {
+    bench.Frame(bench.tool.V_WT.v.z() > 0.0 ? kStiff : kSoft);
+    bench.Tick(20.0);
+    if (testing::Test::HasFatalFailure()) break;
+    if (least_J) *least_J = std::min(*least_J, bench.tank.energy_J());
+  }
+  return bench.made_J;
+}
+
+TEST(EnergyTank, AWallThatIsSoftWhenEnteredAndStiffWhenLeftGivesNoMoreThanTheTankHeld) {
+  double least_J = 1.0;
+  const double without = Pumped(false, 20'000), with = Pumped(true, 20'000, &least_J);
+  RecordProperty("made_without_J", std::to_string(without));
+  RecordProperty("made_with_J", std::to_string(with));
+  EXPECT_GT(without, 5.0) << "thrown more than 25 cm high";
+  // the cap, the spring's own energy at the end, and the error of a plane that is touched in a frame's tick
+  EXPECT_LT(with, 1.0 + 0.05);
+  EXPECT_EQ(least_J, 0.0) << "it was emptied";
+}
+
+TEST(EnergyTank, OnceEmptyTheSamePumpingMakesNothing) {
+  Bench bench({});
+  bench.tool.X_WT.translation().z() = 5e-3;
+  double emptied_at_J = -1.0, most_J = 0.0;
+  for (int i = 0; i < 40'000; ++i) {
+    bench.Frame(bench.tool.V_WT.v.z() > 0.0 ? kStiff : kSoft);
+    bench.Tick(20.0);
+    if (emptied_at_J < 0.0 && bench.tank.acted()) emptied_at_J = bench.made_J;
+    if (emptied_at_J >= 0.0) most_J = std::max(most_J, bench.made_J);
+  }
+  ASSERT_GE(emptied_at_J, -1.0);
+  EXPECT_LT(most_J, 1.05);
+}
+
+// Random planes: 200 walls a second at random heights and stiffnesses, under a hand that swings.
+TEST(EnergyTank, NeverGivesOutMoreThanWentInAndTheCap) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 bits(seed);
+    const auto uniform = [&](double low, double high) {
+      return std::uniform_real_distribution<double>(low, high)(bits);
+    };
+    Bench with({.cap_J = 0.3}), without({.acts = false});
+    double most_J = 0.0;
+    for (int i = 0; i < 10'000; ++i) {
+      const double push = 30.0 + 25.0 * std::sin(0.02 * i);
+      if (i % 5 == 0) {
+        const double k = uniform(2e3, 20e3), height = uniform(-1e-3, 1e-3);
+        with.Frame(k, height);
+        without.Frame(k, height);
+      }
+      with.Tick(push);
+      without.Tick(push);
+      most_J = std::max(most_J, with.made_J);
+      // damped by a hand, or the tool would be lost
+      with.tool.V_WT.v *= 0.995;
+      without.tool.V_WT.v *= 0.995;
+    }
+    EXPECT_LE(most_J, 0.3 * 1.05) << "seed " << seed;
+    EXPECT_GT(without.made_J, 0.3 * 1.5) << "seed " << seed << ": the walls do pump";
+  }
+}
+
+TEST(EnergyTank, AHandOverItCanPayForIsRenderedAtOnceAndTheForceGoesOnWhereItCanNot) {
+  double left_J = 0.0;
+  const auto hand_over = [&](double cap_J) {
+    Bench bench({.cap_J = cap_J});
+    bench.Frame(kSoft);
+    bench.Tick(0.0);                            // touches
+    bench.tool.X_WT.translation().z() = -5e-3;  // 10 N, set directly
+    bench.Tick(10.0);
+    bench.tool.V_WT = {};
+    const double before_N = bench.f_W.z();
+    bench.Frame(kStiff);
+    bench.Tick(10.0);
+    left_J = bench.tank.energy_J();
+    return bench.f_W.z() / before_N;
+  };
+  EXPECT_NEAR(hand_over(1.0), 10.0, 0.01);
+  EXPECT_NEAR(left_J, 1.0 - 0.5 * (kStiff - kSoft) * 25e-6, 1e-4) << "225 mJ";
+  EXPECT_NEAR(hand_over(0.0), 1.0, 0.01) << "no step";
+}
+
+// The share returns no faster than the trip on the force's rate allows: 1.5 K v_max.
+TEST(EnergyTank, ReturnsWithoutAStep) {
+  Bench bench({.cap_J = 1.0});
+  bench.Frame(kSoft);
+  bench.Tick(0.0);
+  bench.tool.X_WT.translation().z() = -9e-3;
+  safety::WrenchRateTrip trip(kStiff, 0.25);
+  for (int i = 0; i < 3; ++i) bench.Tick(18.0);
+  bench.tool.V_WT = {};
+  // empty the tank: the tool is held while planes alternate
+  for (int i = 0; i < 8; ++i) {
+    bench.Frame(i % 2 == 0 ? kStiff : kSoft);
+    bench.Tick(18.0);
+    bench.tool.X_WT.translation().z() = -9e-3 - 0.1e-3 * i;
+  }
+  bench.Frame(kStiff);
+  bench.Tick(18.0);
+  trip.Reset();
+  static_cast<void>(trip.Check(bench.f_W, 1.0));
+  for (int i = 0; i < 300; ++i) {
+    bench.Tick(bench.f_W.z());
+    ASSERT_FALSE(trip.Check(bench.f_W, kT))
+        << i << ": " << bench.f_W.z() << " N, share " << bench.tank.share();
+  }
+}
+
+// A wall pressed with 60 N while its frames differ by 20 um, as a real engine's do. A tank of 1 J has no
+// visible effect, one of 0.1 mJ softens a wall that is stable.
+TEST(EnergyTank, TooSmallATankSpoilsAStableWall) {
+  const auto depth_error = [](double cap_J, double* least_share) {
+    Bench bench({.cap_J = cap_J});
+    bench.law.damping_Ns_per_m.setConstant(200.0);
+    std::mt19937_64 bits(5);
+    std::uniform_real_distribution<double> ripple(-20e-6, 20e-6);
+    double worst_m = 0.0;
+    *least_share = 1.0;
+    for (int i = 0; i < 4000; ++i) {
+      if (i % 4 == 0) bench.Frame(kStiff, ripple(bits));
+      bench.Tick(60.0);
+      *least_share = std::min(*least_share, bench.tank.share());
+      if (i > 2000) worst_m = std::max(worst_m, std::abs(bench.z() + 60.0 / kStiff));
+    }
+    return worst_m;
+  };
+  double share = 0.0;
+  const double enough_m = depth_error(1.0, &share);
+  EXPECT_EQ(share, 1.0);
+  EXPECT_LT(enough_m, 50e-6);
+  const double small_m = depth_error(1e-4, &share);
+  EXPECT_LT(share, 0.9);
+  EXPECT_GT(small_m, 3.0 * enough_m);
+  RecordProperty("off_um_at_1_J", std::to_string(1e6 * enough_m));
+  RecordProperty("off_um_at_.1_mJ", std::to_string(1e6 * small_m));
+}
+
+// Closed paths in all six axes over planes at rest: U is a potential, so nothing is paid, and the tank keeps
+// its energy except for losses at a plane's edge.
+TEST(EnergyTank, PlanesThatRestCostNothing) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 bits(seed);
+    std::normal_distribution<double> normal;
+    const auto direction = [&] {
+      return Vector3::NullaryExpr([&] { return normal(bits); }).normalized().eval();
+    };
+    CouplingParams params;
+    params.damping_Ns_per_m = 0.0;
+    CouplingState state;
+    state.fade = 1.0;
+    simulation::ContactModel model;
+    model.contact_count = 3;
+    for (int j = 0; j < 3; ++j) {
+      simulation::Contact& c = model.contacts[static_cast<std::size_t>(j)];
+      const Vector3 n = (Vector3::UnitZ() + 0.6 * direction()).normalized();
+      c.n_W = n;
+      c.p_TP_m = Vector3(-0.025 * n);
+      c.p_W_m = Vector3(-0.023 * n);
+      c.stiffness_N_per_m = kStiff;
+    }
+    EnergyTank tank({.cap_J = 1.0}, kT);
+    const Vector3 way = direction(), turn = direction();
+    double least_J = 1.0, begun_J = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+      const double phase = 2.0 * M_PI * i / 500.0;
+      Pose X_WT = Pose::Identity();
+      X_WT.translation() = 0.5e-3 * std::sin(phase) * way;
+      X_WT.linear() = ExpRotation(0.02 * (1.0 - std::cos(phase)) * turn);
+      model.frame = static_cast<std::uint64_t>(i + 1);  // the same planes, but a new frame each time
+      const rt::Nanoseconds now = (i + 1000) * rt::kMillisecond;
+      model.pose_stamp = now;
+      const CouplingOutput coupling = EvaluateCoupling(params, model, X_WT, {}, now, false, state);
+      ASSERT_EQ(tank.Step(coupling, X_WT, {}, 1.0), 1.0);
+      if (i == 0) begun_J = tank.energy_J();  // planes that appear with the tool already in them cost energy
+      least_J = std::min(least_J, tank.energy_J());
+    }
+    EXPECT_GT(least_J, begun_J - 2e-3) << "seed " << seed << ": of some 70 mJ that go in and out";
+  }
+}
+
+TEST(EnergyTank, DoesNotAllocate) {
+  Bench bench({});
+  bench.tool.X_WT.translation().z() = -1e-3;
+  bench.Frame(kStiff);
+  bench.Tick(20.0);
+  rt::CheckedNoAllocScope no_alloc;
+  for (int i = 0; i < 10; ++i)
+    static_cast<void>(bench.tank.Step(bench.coupling, bench.tool.X_WT, bench.tool.V_WT, 1.0));
+}
+
+TEST(EnergyTank, RefusesParametersOutOfRange) {
+  EXPECT_THROW(EnergyTank({.cap_J = -1.0}, kT), std::invalid_argument);
+  EXPECT_THROW(EnergyTank({.ramp_s = 0.0}, kT), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace osteon::control

@@ -1,0 +1,128 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <gtest/gtest.h>
+
+#include "tests/gpu/engine/engine_twins.h"
+
+// The Vulkan engine's contract: the reference's results, the same bits in every run, and no validation
+// messages.
+
+namespace osteon::gpu {
+namespace {
+
+using simulation::ContactModel;
+using simulation::FrameInput;
+
+constexpr int kFrames = 500;
+
+TEST(VulkanEngine, ReamsLikeTheReferenceForTwoThousandFrames) {
+  Twins twins(DefaultBone(), DefaultReamer());
+  Hand hand;
+  Vector3 f_W = Vector3::Zero();
+  for (int i = 0; i < 2000; ++i) f_W = twins.Step(hand.Next(f_W)).F_T_W.f;
+  twins.ExpectWithinTheBars({.force_N = 100.0, .touching = 1980, .balls = 500, .points = 500});
+}
+
+// A burr in bone of balls not much smaller than itself: the balls that hold it change all the time.
+TEST(VulkanEngine, BurrsLikeTheReferenceForTwoThousandFrames) {
+  simulation::Tool tool;
+  tool.balls.push_back({.center_m = Vector3(0, 0, 4e-3), .radius_m = 4e-3, .cutting = true});
+  Twins twins(DefaultBone(), tool);
+  for (int i = 0; i < 2000; ++i) {
+    // down into the rim, then along a figure of eight
+    const double phase = 4.0 * M_PI * i / 2000.0, down = std::min(1.0, 3.0 * i / 2000.0);
+    FrameInput input{.X_WT = Pose::Identity(), .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = Hand::kDt};
+    input.X_WT.p =
+        Vector3(0.029 + 1.5e-3 * std::sin(phase), 0.8e-3 * std::sin(2.0 * phase), 0.4e-3 - 2e-3 * down);
+    twins.Step(input);
+  }
+  twins.ExpectWithinTheBars({.force_N = 5.0, .touching = 1500, .balls = 50, .points = 5});
+}
+
+TEST(VulkanEngine, GivesAHandTheForceThatTheReferenceGives) {
+  const simulation::Bone bone = DefaultBone();
+  const simulation::Tool tool = DefaultReamer();
+  simulation::ReferenceEngine reference(bone, tool, Pose::Identity(), {});
+  const auto vulkan = Open(bone, tool);
+  Hand hand, other;  // each follows its own engine's force
+  ContactModel a, b;
+  double worst = 0.0, max_N = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    a = reference.Step(hand.Next(a.F_T_W.f));
+    b = vulkan->Step(other.Next(b.F_T_W.f));
+    const Vector3 f = a.F_T_W.f, g = b.F_T_W.f;
+    max_N = std::max(max_N, f.norm());
+    if (f.norm() > 1.0) worst = std::max(worst, (f - g).norm() / f.norm());
+  }
+  std::printf("closed loop, up to %.1f N: force %.1e of it\n", max_N, worst);
+  EXPECT_GT(max_N, 100.0);
+  EXPECT_LE(worst, 0.005);
+}
+
+TEST(VulkanEngine, TwoRunsAreBitIdentical) {
+  const simulation::Bone bone = DefaultBone();
+  const auto one = Open(bone, DefaultReamer()), two = Open(bone, DefaultReamer());
+  Hand hand;
+  ExpectSameBits(*one, *two, kFrames, [&](int, const ContactModel& m) { return hand.Next(m.F_T_W.f); });
+}
+
+// Sums over thousands of contacts at once: the scheduler decides the order of additions, which must not
+// change the sum.
+TEST(VulkanEngine, TwoSeatedRunsAreBitIdentical) {
+  const simulation::Bone bone = DefaultBone();
+  const simulation::Tool fits = simulation::MakeReamer(0.0238, 0.008, 0.12, 0.9, Vector3::Zero());
+  const auto one = Open(bone, fits), two = Open(bone, fits);
+  Pose X_WT = Pose::Identity();
+  X_WT.linear() = Eigen::DiagonalMatrix<double, 3>(1, -1, -1);
+  const ContactModel last = ExpectSameBits(*one, *two, 80, [&](int i, const ContactModel&) {
+    // from just above the floor to 6 mm into it, and a little aside
+    X_WT.translation() = Vector3(2e-4 * std::sin(0.1 * i), 0, -0.0236 - std::min(6e-3, 2e-4 * i));
+    return FrameInput{
+        .X_WT = X_WT, .spindle_rad_per_s = 26.0, .dt_s = i == 0 ? 0.0 : 2e-3, .stamp = i * 2'000'000};
+  });
+  // seated: a tenth of the cup's hemisphere, 2 pi R^2, not merely a rim or a point of it
+  EXPECT_GT(last.engaged_area_m2, 0.1 * 2.0 * std::numbers::pi * 0.024 * 0.024);
+}
+
+TEST(VulkanEngine, ResultsDoNotDependOnTheListsKeptBetweenFrames) {
+  const simulation::Bone bone = DefaultBone();
+  const auto keeping = Open(bone, DefaultReamer()), dropping = Open(bone, DefaultReamer());
+  Hand hand;
+  ExpectSameBits(*keeping, *dropping, kFrames / 2, [&](int i, const ContactModel& model) {
+    if (i % 7 == 6)
+      dropping->Restore(dropping->Snapshot());  // restoring its own state changes only the lists
+    return hand.Next(model.F_T_W.f);
+  });
+}
+
+TEST(VulkanEngine, HasNothingForTheValidationLayersToSay) {
+  auto opened = VulkanEngine::Create(DefaultBone(), DefaultReamer(), Pose::Identity(), {},
+                                     {.device = "", .validation = true, .time_passes = true});
+  if (!opened && opened.error().find("vulkan-validationlayers") != std::string::npos)
+    GTEST_SKIP() << opened.error();
+  ASSERT_TRUE(opened.has_value()) << opened.error();
+  VulkanEngine& engine = **opened;
+  Hand hand;
+  ContactModel model;
+  for (int i = 0; i < 120; ++i) model = engine.Step(hand.Next(model.F_T_W.f));
+  EXPECT_GT(model.contact_count, 0);
+  // taken out, and laid on its side over the block, so that the shaft touches
+  simulation::CarvedState state = engine.Snapshot();
+  state.has_proxy = false;
+  engine.Restore(state);
+  Pose X_WT = Pose::Identity();
+  X_WT.linear() = ExpRotation({0, 0.5 * M_PI, 0});
+  for (int i = 0; i < 60; ++i) {
+    X_WT.translation() = Vector3(0.115, 0, 0.10 - 0.0016 * i);
+    model = engine.Step({.X_WT = X_WT, .spindle_rad_per_s = kSpindle_rad_per_s});
+  }
+  EXPECT_GT(model.contact_count, 0);
+  EXPECT_EQ(model.spindle_torque_Nm, 0.0) << "it was the head that touched";
+  EXPECT_FALSE(engine.LastPassTimes().empty());
+  EXPECT_EQ(engine.validation_messages(), 0);
+}
+
+}  // namespace
+}  // namespace osteon::gpu

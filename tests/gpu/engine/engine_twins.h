@@ -1,0 +1,178 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "simulation/contact/cutting_math.h"
+#include "simulation/engine/reference_engine.h"
+#include "tests/gpu/engine/contract_bench.h"
+
+// Runs two engines on the same poses and measures how far the Vulkan engine is from the reference, or checks
+// that two engines agree to the last bit.
+
+namespace osteon::gpu {
+
+/// Largest differences between the engines over the frames of a run.
+struct Apart {
+  double contact_mm{0.0};  ///< of the place of first contact on the frame's path
+  double normal_deg{0.0};  ///< where there is a force of 1 N
+  double proxy_mm{0.0}, force_N{0.0}, torque_Nm{0.0}, max_N{0.0};
+  int touching{0}, counts{0};  ///< frames in contact; those of them with different numbers of contacts
+  int unlike{0};               ///< frames whose status or number differs, or with a force in only one engine
+
+  /// Adds one frame. @param path_m  from the previous frame's proxy to the pose
+  void Add(double path_m, const simulation::ContactModel& a, const simulation::ContactModel& b) {
+    const Vector3 f = a.F_T_W.f, n = a.n_W, m = b.n_W;
+    contact_mm = std::max(contact_mm, 1e3 * path_m * std::abs(a.contact_fraction - b.contact_fraction));
+    if (f.norm() > 1.0)
+      normal_deg = std::max(normal_deg, std::atan2(n.cross(m).norm(), n.dot(m)) * 180.0 / M_PI);
+    proxy_mm = std::max(proxy_mm, 1e3 * (Vector3(a.X_WP.p) - Vector3(b.X_WP.p)).norm());
+    force_N = std::max(force_N, (f - Vector3(b.F_T_W.f)).norm());
+    torque_Nm = std::max(torque_Nm, (Vector3(a.F_T_W.t) - Vector3(b.F_T_W.t)).norm());
+    max_N = std::max(max_N, f.norm());
+    touching += a.contact_count > 0 ? 1 : 0;
+    counts += a.contact_count != b.contact_count ? 1 : 0;
+    const bool alike = a.status == b.status && a.frame == b.frame && (n.norm() > 0.0) == (m.norm() > 0.0);
+    unlike += alike ? 0 : 1;
+  }
+};
+
+/// Differences between the engines' carved states.
+struct BonesApart {
+  double ball_mm{0.0};  ///< of centre or radius, over all balls
+  int exempt{0};  ///< balls gone in only one engine, within 1e-5 mm of the radius at which a ball is dropped
+  int points{0}, changed{0}, cleared{0};
+};
+inline BonesApart Compare(const simulation::Bone& uncut, const simulation::CarvedState& a,
+                          const simulation::CarvedState& b) {
+  constexpr double kGone_mm = 1e3 * simulation::kMinBallRadius + 1e-5;
+  BonesApart apart;
+  for (std::size_t i = 0; i < a.balls.size(); i += 4) {
+    const float r = a.balls[i + 3], s = b.balls[i + 3];
+    apart.changed += r < static_cast<float>(uncut.balls[i / 4].radius_m * 1e3) ? 1 : 0;
+    if (r == 0.0f && s == 0.0f) continue;
+    if ((r == 0.0f || s == 0.0f) && std::max(r, s) <= kGone_mm) {
+      ++apart.exempt;
+      continue;
+    }
+    for (std::size_t k = i; k < i + 4; ++k)
+      apart.ball_mm = std::max(apart.ball_mm, std::abs(static_cast<double>(a.balls[k]) - b.balls[k]));
+  }
+  for (std::size_t i = 0; i < a.cleared.size(); ++i) {
+    apart.points += a.cleared[i] != b.cleared[i] ? 1 : 0;
+    apart.cleared += a.cleared[i];
+  }
+  return apart;
+}
+
+/// Tolerances from the issue.
+inline void ExpectWithinTheBars(const Apart& frames, const BonesApart& bones,
+                                const simulation::ContactModel& a, const simulation::ContactModel& b) {
+  std::printf(
+      "up to %.1f N, %d frames in contact, %d balls cut, %d points cleared, %.1f mm^3\n"
+      "worst: contact %.1e mm, normal %.1e deg, force %.1e N, torque %.1e Nm, proxy %.1e mm, contacts %d "
+      "frames\nballs: worst %.1e mm, %d exempt; points %d; mass %.1e\n",
+      frames.max_N, frames.touching, bones.changed, bones.cleared, a.removed_volume_m3 * 1e9,
+      frames.contact_mm, frames.normal_deg, frames.force_N, frames.torque_Nm, frames.proxy_mm, frames.counts,
+      bones.ball_mm, bones.exempt, bones.points, std::abs(b.removed_mass_kg / a.removed_mass_kg - 1.0));
+  EXPECT_EQ(frames.unlike, 0);
+  EXPECT_LE(frames.contact_mm, 1e-4);
+  EXPECT_LE(frames.normal_deg, 0.05);
+  EXPECT_LE(bones.ball_mm, 1e-4);
+  EXPECT_LE(bones.exempt, 3);
+  EXPECT_NEAR(b.removed_mass_kg, a.removed_mass_kg, 1e-5 * a.removed_mass_kg);
+  // tolerances that follow from these: the coupling's force on the proxy (20 N/mm), the torque at 150 mm
+  EXPECT_LE(frames.proxy_mm, 1e-3);
+  EXPECT_LE(frames.force_N, 0.02);
+  EXPECT_LE(frames.torque_Nm, 3e-3);
+  EXPECT_LE(frames.counts, 20);
+  EXPECT_EQ(bones.points, 0);
+  EXPECT_NEAR(b.cutting_work_J, a.cutting_work_J, 1e-5 * a.cutting_work_J);
+  EXPECT_NEAR(b.spindle_torque_Nm, a.spindle_torque_Nm, 1e-4 * a.spindle_torque_Nm);
+  EXPECT_NEAR(b.engaged_area_m2, a.engaged_area_m2, 1e-4 * a.engaged_area_m2);
+}
+
+/// The reference and the Vulkan engine, stepped with the same inputs.
+class Twins {
+ public:
+  Twins(simulation::Bone bone, const simulation::Tool& tool, const simulation::CuttingParams& params = {})
+      : bone_(std::move(bone)),
+        reference_(bone_, tool, Pose::Identity(), params),
+        vulkan_(Open(bone_, tool, {}, params)) {}
+
+  /// @returns the reference's model.
+  const simulation::ContactModel& Step(const simulation::FrameInput& input) {
+    const double path_m = a_.frame > 0 ? (Vector3(input.X_WT.p) - Vector3(a_.X_WP.p)).norm() : 0.0;
+    a_ = reference_.Step(input);
+    b_ = vulkan_->Step(input);
+    frames_.Add(path_m, a_, b_);
+    return a_;
+  }
+  /// Ends the run: checks the issue's tolerances, and that the run had enough contact and cutting.
+  struct AtLeast {
+    double force_N;
+    int touching, balls, points;
+  };
+  void ExpectWithinTheBars(const AtLeast& least) const {
+    const BonesApart bones = Compare(bone_, reference_.Snapshot(), vulkan_->Snapshot());
+    EXPECT_GT(frames_.max_N, least.force_N);
+    EXPECT_GT(frames_.touching, least.touching);
+    EXPECT_GT(bones.changed, least.balls);
+    EXPECT_GT(bones.cleared, least.points);
+    gpu::ExpectWithinTheBars(frames_, bones, a_, b_);
+  }
+
+ private:
+  simulation::Bone bone_;
+  simulation::ReferenceEngine reference_;
+  std::unique_ptr<VulkanEngine> vulkan_;
+  Apart frames_;
+  simulation::ContactModel a_, b_;
+};
+
+/// Compares every number of a model, without its padding.
+inline bool Identical(const simulation::ContactModel& a, const simulation::ContactModel& b) {
+  const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
+  bool equal = same(a.X_WP, b.X_WP) && a.contact_count == b.contact_count && a.status == b.status &&
+               same(a.n_W, b.n_W) && same(a.contact_fraction, b.contact_fraction) && same(a.F_T_W, b.F_T_W) &&
+               same(a.advance_m_per_s, b.advance_m_per_s) && same(a.engaged_area_m2, b.engaged_area_m2) &&
+               same(a.spindle_torque_Nm, b.spindle_torque_Nm) &&
+               same(a.removed_volume_m3, b.removed_volume_m3) && same(a.removed_mass_kg, b.removed_mass_kg) &&
+               same(a.cutting_work_J, b.cutting_work_J) && a.pose_stamp == b.pose_stamp && a.frame == b.frame;
+  for (std::size_t i = 0; i < a.contacts.size(); ++i) {
+    const simulation::Contact &p = a.contacts[i], &q = b.contacts[i];
+    equal = equal && same(p.p_TP_m, q.p_TP_m) && same(p.p_W_m, q.p_W_m) && same(p.n_W, q.n_W) &&
+            same(p.gap_m, q.gap_m) && same(p.stiffness_N_per_m, q.stiffness_N_per_m) && same(p.mu, q.mu) &&
+            same(p.advance_m_per_s, q.advance_m_per_s) && same(p.weight, q.weight) &&
+            p.material == q.material;
+  }
+  return equal;
+}
+
+/// Steps two engines by `input_of(i, model of the frame before)` and compares every number of every model,
+/// and the carved states. The tool must touch and cut, because idle engines would agree, too. @returns the
+/// last model.
+template <class InputOf>
+simulation::ContactModel ExpectSameBits(simulation::CuttingEngine& one, simulation::CuttingEngine& two,
+                                        int frames, InputOf&& input_of) {
+  simulation::ContactModel model;
+  int touching = 0;
+  for (int i = 0; i < frames; ++i) {
+    const simulation::FrameInput input = input_of(i, model);
+    model = one.Step(input);
+    touching += model.contact_count > 0 ? 1 : 0;
+    if (Identical(model, two.Step(input))) continue;
+    ADD_FAILURE() << "frame " << i;
+    return model;
+  }
+  EXPECT_EQ(simulation::HashState(one.Snapshot()), simulation::HashState(two.Snapshot()));
+  EXPECT_GT(touching, frames / 2);
+  EXPECT_GT(model.removed_volume_m3, 0.0);
+  return model;
+}
+
+}  // namespace osteon::gpu

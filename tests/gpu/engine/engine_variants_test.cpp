@@ -1,0 +1,200 @@
+#include <cstdio>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "gpu/context/context.h"
+#include "tests/gpu/engine/engine_twins.h"
+#include "tests/gpu/engine/strip_bench.h"
+
+// Variants for other devices, run on the present device: the passes for a GPU (whose last workgroup solves
+// and reports), every subgroup size, few workgroups, keys for more balls. All give the same bits, or the
+// reference's results.
+
+namespace osteon::gpu {
+namespace {
+
+using simulation::ContactModel;
+using simulation::CuttingParams;
+using simulation::FrameInput;
+
+VulkanParams With(const VulkanOverrides& overrides) {
+  VulkanParams params;
+  params.overrides = overrides;
+  return params;
+}
+constexpr VulkanOverrides kForGpu{.variant = PassVariant::kGpu},
+    kForProcessor{.variant = PassVariant::kProcessor};
+
+FrameInput StrokeInput(int i) {
+  return {.X_WT = Stroke(i), .spindle_rad_per_s = i % 50 == 49 ? 0.0 : kSpindle_rad_per_s};
+}
+
+// A strip of bone with balls for more than one workgroup, and mass points in the tool's way.
+simulation::Bone LongStrip() {
+  simulation::Bone bone = Strip(150);
+  for (simulation::MassPoint& point : bone.points) point.p_m.z = -0.1e-3;
+  return bone;
+}
+
+TEST(GpuPasses, GiveTheSameBitsAsThoseForAProcessor) {
+  for (const int balls : {1, 60}) {  // one cutting ball, which needs no packed pairs; several, and a shaft
+    const simulation::Tool tool = balls == 1 ? Ball(6e-3) : Shell(balls);
+    const auto gpu = Open(LongStrip(), tool, With(kForGpu)),
+               processor = Open(LongStrip(), tool, With(kForProcessor));
+    const ContactModel last =
+        ExpectSameBits(*gpu, *processor, 150, [](int i, const ContactModel&) { return StrokeInput(i); });
+    EXPECT_GT(last.removed_volume_m3, 1e-9) << "something was cut";
+  }
+}
+
+TEST(GpuPasses, GiveTheSameBitsWithTheContactSphere) {
+  const CuttingParams params{.law = simulation::RemovalLaw::kImmediate,
+                             .cutters = simulation::Cutters::kContactSphere};
+  const auto gpu = Open(LongStrip(), Shell(60), With(kForGpu), params),
+             processor = Open(LongStrip(), Shell(60), With(kForProcessor), params);
+  ExpectSameBits(*gpu, *processor, 120, [](int i, const ContactModel&) { return StrokeInput(i); });
+}
+
+TEST(GpuPasses, GiveTheSameBitsWhereBallsAreSplit) {
+  CuttingParams params;
+  params.split.on = true;
+  params.split.pool_blocks = 64;
+  const auto gpu = Open(LongStrip(), Ball(6e-3), With(kForGpu), params),
+             processor = Open(LongStrip(), Ball(6e-3), With(kForProcessor), params);
+  ExpectSameBits(*gpu, *processor, 120, [](int i, const ContactModel&) { return StrokeInput(i); });
+  EXPECT_FALSE(gpu->Snapshot().split_balls.empty());
+}
+
+TEST(GpuPasses, GiveTheSameBitsHoweverTheirEndIsNoticed) {
+  VulkanParams poll = With(kForGpu), wait = poll;
+  poll.overrides.fence = FencePolicy::kPoll;
+  wait.overrides.fence = FencePolicy::kWait;
+  const auto reported = Open(LongStrip(), Ball(6e-3), With(kForGpu)),
+             polled = Open(LongStrip(), Ball(6e-3), poll), awaited = Open(LongStrip(), Ball(6e-3), wait);
+  for (int i = 0; i < 60; ++i) {
+    const ContactModel one = reported->Step(StrokeInput(2 * i));
+    ASSERT_TRUE(Identical(one, polled->Step(StrokeInput(2 * i)))) << i;
+    ASSERT_TRUE(Identical(one, awaited->Step(StrokeInput(2 * i)))) << i;
+  }
+}
+
+// A seated reamer with thousands of pairs: the sums of all workgroups are combined.
+TEST(GpuPasses, ReamLikeTheReference) {
+  const simulation::Bone bone = DefaultBone();
+  simulation::ReferenceEngine reference(bone, DefaultReamer(), Pose::Identity(), {});
+  const auto gpu = Open(bone, DefaultReamer(), With(kForGpu));
+  Hand hand;
+  ContactModel a;
+  Apart apart;
+  for (int i = 0; i < 200; ++i) {
+    const FrameInput input = hand.Next(a.F_T_W.f);
+    const double path_m = a.frame > 0 ? (Vector3(input.X_WT.p) - Vector3(a.X_WP.p)).norm() : 0.0;
+    a = reference.Step(input);
+    apart.Add(path_m, a, gpu->Step(input));
+  }
+  EXPECT_GT(apart.max_N, 80.0);
+  EXPECT_EQ(apart.unlike, 0);
+  EXPECT_LE(apart.proxy_mm, 1e-3);
+  EXPECT_LE(apart.force_N, 0.02);
+}
+
+TEST(Workgroups, FewerThanAPassAsksForGoRound) {
+  CuttingParams params;
+  params.split.on = true;  // workgroups load children, too
+  params.split.pool_blocks = 64;
+  for (const VulkanOverrides& variant : {kForGpu, kForProcessor}) {
+    VulkanOverrides few = variant;
+    few.max_workgroups = 1;
+    const auto one = Open(LongStrip(), Shell(60), With(few), params),
+               all = Open(LongStrip(), Shell(60), With(variant), params);
+    const ContactModel last =
+        ExpectSameBits(*one, *all, 40, [](int i, const ContactModel&) { return StrokeInput(3 * i); });
+    EXPECT_GT(last.removed_volume_m3, 1e-9);
+  }
+}
+
+// Keys for a bone of 2^28 balls have units of 2^-23 mm: the contacts are the same to within that.
+TEST(BoneBallBits, OfTheLargestBoneHoldTheToolLikeTheReference) {
+  VulkanOverrides wide;
+  wide.bone_ball_bits = 28;
+  simulation::ReferenceEngine reference(LongStrip(), Ball(6e-3), Pose::Identity(), {});
+  const auto vulkan = Open(LongStrip(), Ball(6e-3), With(wide));
+  for (int i = 0; i < 150; ++i) {
+    const ContactModel a = reference.Step(StrokeInput(i)), b = vulkan->Step(StrokeInput(i));
+    ASSERT_TRUE(HoldAlike(a, b)) << i;
+    ASSERT_EQ(a.contact_count > 0, b.contact_count > 0) << i;
+  }
+}
+
+// ---- subgroup sizes
+
+// llvmpipe reads its vector width from the environment when it is loaded, so each width needs its own
+// process.
+int CutsAtVectorWidth(const char* bits) {
+  setenv("LP_NATIVE_VECTOR_WIDTH", bits, 1);
+  const auto context = OpenContext("llvmpipe", false);
+  if (!context) {
+    std::fprintf(stderr, "no llvmpipe: %s\n", context.error().c_str());
+    return 0;
+  }
+  const Subgroups& offered = (*context)->subgroups;
+  std::fprintf(stderr, "subgroups of %u, full ones %s\n", offered.size,
+               offered.can_be_full ? "asked for" : "not known");
+  const simulation::Tool tool = Shell(40);
+  const simulation::Bone bone = Strip(40);
+  for (std::uint32_t size = offered.can_choose ? offered.min_size : offered.size;
+       size <= (offered.can_choose ? offered.max_size : offered.size); size *= 2)
+    for (const PassVariant variant : {PassVariant::kGpu, PassVariant::kProcessor}) {
+      VulkanParams params = With({.variant = variant, .subgroup_size = size});
+      params.device = "llvmpipe";
+      simulation::ReferenceEngine reference(bone, tool, Pose::Identity(), {});
+      const auto vulkan = Open(bone, tool, params);
+      for (int i = 0; i < 60; ++i) {
+        const ContactModel a = reference.Step(StrokeInput(2 * i)), b = vulkan->Step(StrokeInput(2 * i));
+        if (HoldAlike(a, b)) continue;
+        std::fprintf(stderr, "subgroups of %u, passes of kind %d, frame %d differ\n", size,
+                     static_cast<int>(variant), i);
+        return 1;
+      }
+    }
+  return 0;
+}
+
+class SubgroupSizeDeathTest : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(, SubgroupSizeDeathTest, testing::Values(128, 256, 512));
+
+// (Opens no device before the fork, since this runs in the new process too.)
+TEST_P(SubgroupSizeDeathTest, HoldsTheToolLikeTheReference) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(std::exit(CutsAtVectorWidth(std::to_string(GetParam()).c_str())), testing::ExitedWithCode(0),
+              "subgroups of " + std::to_string(GetParam() / 32) + ",|no llvmpipe");
+}
+
+TEST(SubgroupSize, ThatTheDeviceHasNotIsRefused) {
+  const auto engine =
+      VulkanEngine::Create(Strip(2), Ball(3e-3), Pose::Identity(), {}, With({.subgroup_size = 3}));
+  ASSERT_FALSE(engine.has_value());
+  EXPECT_NE(engine.error().find("subgroups of 3: the device accepts "), std::string::npos) << engine.error();
+}
+
+TEST(GpuPasses, HaveNothingForTheValidationLayersToSay) {
+  for (const bool contact_sphere : {false, true}) {
+    VulkanParams params = With(kForGpu);
+    params.validation = true;
+    CuttingParams cutting;
+    if (contact_sphere) cutting.cutters = simulation::Cutters::kContactSphere;
+    auto opened = VulkanEngine::Create(LongStrip(), Shell(60), Pose::Identity(), cutting, params);
+    if (!opened && opened.error().find("vulkan-validationlayers") != std::string::npos)
+      GTEST_SKIP() << opened.error();
+    ASSERT_TRUE(opened.has_value()) << opened.error();
+    const int before = (*opened)->validation_messages();
+    for (int i = 0; i < 100; ++i) (*opened)->Step(StrokeInput(i));
+    (*opened)->Restore((*opened)->Snapshot());
+    EXPECT_EQ((*opened)->validation_messages(), before);
+    EXPECT_EQ(before, 0);
+  }
+}
+
+}  // namespace
+}  // namespace osteon::gpu

@@ -1,0 +1,397 @@
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "hil/can/drive_device.h"
+#include "hil/can/robotous_device.h"
+#include "hil/can/virtual_can.h"
+#include "io/can/reamer_drive.h"
+#include "io/can/robotous_sensor.h"
+#include "tests/base/checked_no_alloc_scope.h"
+#include "tests/io/can/can_frames.h"
+
+// The simulated drive: its frames as in CiA 301 and 402, its physics, and client against drive in virtual
+// time.
+
+namespace osteon::hil {
+namespace {
+
+using io::DriveGoal;
+using io::DrivePhase;
+using io::DriveState;
+using io::test::At;
+using io::test::Frames;
+using io::test::kMs;
+using io::test::Sent;
+
+// The device alone, driven by frames.
+struct Bench {
+  Bench() {
+    Sent(device, 0);
+    EXPECT_EQ(Sent(device, now), Frames{"710#00"}) << "boot-up";
+  }
+  Frames Say(const std::string& frame) {
+    device.Accept(At(now, frame));
+    return Sent(device, now);
+  }
+  std::string State() {
+    const Frames answer = Say("610#4041600000000000");
+    return answer.empty() ? "" : answer.front().substr(12, 4);
+  }
+  rt::Nanoseconds now{100 * kMs};
+  DriveDevice device{{}};
+};
+
+TEST(DriveDevice, AnswersSdoAsCia301Says) {
+  Bench bench;
+  EXPECT_EQ(bench.Say("610#4000100000000000"), Frames{"590#4300100092010200"});
+  EXPECT_EQ(bench.Say("610#4076600000000000"), Frames{"590#43766000F4010000"}) << "0.5 N·m in mN·m";
+  EXPECT_EQ(bench.Say("610#4061600000000000"), Frames{"590#4F61600003000000"});
+  EXPECT_EQ(bench.Say("610#2F60600009000000"), Frames{"590#6060600000000000"});
+  EXPECT_EQ(bench.Say("610#4060600000000000"), Frames{"590#4F60600009000000"});
+  EXPECT_EQ(bench.Say("610#4099990000000000"), Frames{"590#8099990000000206"}) << "no such object";
+  EXPECT_EQ(bench.Say("610#4076600500000000"), Frames{"590#8076600511000906"}) << "no such sub-index";
+  EXPECT_EQ(bench.Say("610#2376600001000000"), Frames{"590#8076600002000106"}) << "read only";
+  EXPECT_EQ(bench.Say("610#2B60600003000000"), Frames{"590#8060600010000706"}) << "two bytes for one";
+  EXPECT_EQ(bench.Say("610#2F60600007000000"), Frames{"590#8060600030000906"}) << "no such mode";
+  EXPECT_EQ(bench.Say("610#2176600000000000"), Frames{"590#8076600001000405"}) << "segmented";
+  EXPECT_EQ(bench.Say("610#40"), Frames{}) << "an SDO has 8 bytes";
+  EXPECT_EQ(bench.Say("611#4000100000000000"), Frames{}) << "another node's";
+}
+
+// CiA 301 requires 1000, 1001 and 1018 of every device, and any CANopen master reads them.
+TEST(DriveDevice, HasTheObjectsThatEveryDeviceHas) {
+  Bench bench;
+  EXPECT_EQ(bench.Say("610#4001100000000000"), Frames{"590#4F01100000000000"}) << "no error";
+  EXPECT_EQ(bench.Say("610#4018100000000000"), Frames{"590#4F18100004000000"}) << "four entries of identity";
+  EXPECT_EQ(bench.Say("610#4018100100000000"), Frames{"590#4318100100000000"}) << "no registered vendor";
+  EXPECT_EQ(bench.Say("610#4018100200000000"), Frames{"590#431810024454534F"}) << "OSTD";
+  EXPECT_EQ(bench.Say("610#4018100300000000"), Frames{"590#4318100300000100"});
+  EXPECT_EQ(bench.Say("610#4018100400000000"), Frames{"590#4318100410000000"}) << "its node";
+  EXPECT_EQ(bench.Say("610#4018100500000000"), Frames{"590#8018100511000906"}) << "no such sub-index";
+  EXPECT_EQ(bench.Say("610#2F01100000000000"), Frames{"590#8001100002000106"}) << "read only";
+  bench.device.InjectFault(0x4310);
+  static_cast<void>(Sent(bench.device, bench.now));  // its EMCY
+  EXPECT_EQ(bench.Say("610#4001100000000000"), Frames{"590#4F01100001000000"}) << "the generic error";
+}
+
+TEST(DriveDevice, ChangesAPdoOnlyWhileItIsOff) {
+  Bench bench;
+  EXPECT_EQ(bench.Say("610#2F00160000000000"), Frames{"590#8000160022000008"}) << "it is on";
+  EXPECT_EQ(bench.Say("610#2300140110020080"), Frames{"590#6000140100000000"});
+  EXPECT_EQ(bench.Say("610#2300160110004060"), Frames{"590#8000160122000008"}) << "its count is not 0";
+  EXPECT_EQ(bench.Say("610#2F00160000000000"), Frames{"590#6000160000000000"});
+  EXPECT_EQ(bench.Say("610#2300160110004160"), Frames{"590#8000160141000406"})
+      << "a status cannot be commanded";
+  EXPECT_EQ(bench.Say("610#230016012000FF60"), Frames{"590#6000160100000000"});
+  EXPECT_EQ(bench.Say("610#230016022000FF60"), Frames{"590#6000160200000000"});
+  EXPECT_EQ(bench.Say("610#2300160310004060"), Frames{"590#6000160300000000"});
+  EXPECT_EQ(bench.Say("610#2F00160003000000"), Frames{"590#8000160042000406"}) << "80 bits";
+  EXPECT_EQ(bench.Say("000#0110"), Frames{});
+  EXPECT_EQ(bench.Say("610#2F00160000000000"), Frames{"590#8000160022000008"}) << "operational";
+}
+
+// Every command in every state, by SDO: the transitions of CiA 402's state machine.
+TEST(DriveDevice, EveryCommandInEveryStateGoesWhereCia402Says) {
+  const std::string path[]{"610#2B40600006000000", "610#2B40600007000000", "610#2B4060000F000000",
+                           "610#2B40600002000000"};
+  struct Row {
+    const char* name;
+    int steps;             // along the path
+    const char* after[6];  // 00, 06, 07, 0F, 02, 80
+  };
+  // Statuswords as they stand in the frame: low byte, high byte.
+  const char *disabled = "5002", *ready = "3102", *on = "3302", *enabled = "3702", *stop = "1702";
+  const Row rows[]{
+      {"disabled", 0, {disabled, ready, disabled, disabled, disabled, disabled}},
+      {"ready", 1, {disabled, ready, on, on, disabled, disabled}},
+      {"switched on", 2, {disabled, ready, on, enabled, disabled, disabled}},
+      {"enabled", 3, {disabled, ready, on, enabled, stop, disabled}},
+      {"quick stop", 4, {disabled, stop, stop, enabled, stop, disabled}},
+  };
+  const char* commands[]{"00", "06", "07", "0F", "02", "80"};
+  for (const Row& row : rows) {
+    for (int c = 0; c < 6; ++c) {
+      SCOPED_TRACE(std::string(row.name) + " " + commands[c]);
+      Bench bench;
+      for (int i = 0; i < row.steps; ++i) bench.Say(path[i]);
+      bench.Say(std::string("610#2B406000") + commands[c] + "000000");
+      EXPECT_EQ(bench.State(), row.after[c]);
+    }
+  }
+}
+
+TEST(DriveDevice, AFaultNeedsARisingEdge) {
+  Bench bench;
+  bench.Say("610#2B40600080000000");
+  bench.device.InjectFault(0x4310);
+  EXPECT_EQ(Sent(bench.device, bench.now), Frames{"090#1043010000000000"});
+  EXPECT_EQ(bench.State(), "1802");
+  for (const char* command : {"00", "06", "07", "0F"})
+    bench.Say(std::string("610#2B406000") + command + "000000");
+  EXPECT_EQ(bench.State(), "1802") << "nothing but a reset leads out";
+  bench.Say("610#2B40600080000000");
+  EXPECT_EQ(bench.State(), "1802") << "still broken";
+  bench.device.ClearFault();
+  bench.Say("610#2B40600080000000");
+  EXPECT_EQ(bench.State(), "1802") << "no edge";
+  bench.Say("610#2B40600000000000");
+  EXPECT_EQ(bench.Say("610#2B40600080000000"), (Frames{"590#6040600000000000", "090#0000000000000000"}));
+  EXPECT_EQ(bench.State(), "5002");
+}
+
+io::ReamerDriveParams Params() {
+  return {.node = 16, .gear_ratio = 20.0, .rated_torque_Nm = 0.5, .max_speed_rad_per_s = 40.0};
+}
+
+// The client and the drive on one bus.
+struct Cell {
+  explicit Cell(const io::ReamerDriveParams& params = Params(), const DriveDeviceParams& device_params = {})
+      : device(device_params), drive(*io::ReamerDrive::Make(params)) {
+    bus.Add(drive);
+    bus.Add(device);
+  }
+  void Run(int milliseconds) {
+    for (int i = 0; i < milliseconds; ++i) bus.Step(now += kMs);
+  }
+  void Start() {
+    for (int i = 0; i < 5000 && drive.phase() == DrivePhase::kStarting; ++i) Run(1);
+  }
+  void Turn(double speed) {
+    drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = speed});
+    Run(1000);
+  }
+  [[nodiscard]] const io::DriveStatus& status() const { return drive.status(); }
+
+  DriveDevice device;
+  io::ReamerDrive drive;
+  VirtualCan bus;
+  rt::Nanoseconds now{0};
+};
+
+// One rpm of the motor and one per mille of its torque, at the tool.
+constexpr double kSpeedStep = 2 * std::numbers::pi / 60 / 20;
+constexpr double kTorqueStep = 0.001 * 0.5 * 20;
+
+TEST(Drive, StartsTurnsAndReports) {
+  Cell cell;
+  cell.Start();
+  ASSERT_EQ(cell.drive.phase(), DrivePhase::kReady) << cell.drive.failure();
+  for (const double speed : {26.18, -10.0, 0.0}) {
+    cell.Turn(speed);
+    EXPECT_EQ(cell.status().state, DriveState::kEnabled);
+    EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), speed, kSpeedStep);
+    EXPECT_NEAR(cell.status().speed_rad_per_s, speed, kSpeedStep);
+  }
+  EXPECT_EQ(cell.status().faults, 0u);
+  EXPECT_EQ(cell.status().temperature, 250.0);
+  EXPECT_GT(cell.status().stamp, cell.now - 5 * kMs);
+}
+
+TEST(Drive, InSteadyTurningTheReportedTorqueIsTheCuttingTorque) {
+  Cell cell;
+  cell.Start();
+  for (const double torque : {0.0, 1.0, 4.0, 9.5}) {
+    for (const double speed : {26.0, -26.0}) {
+      cell.device.SetCuttingTorque(torque);
+      cell.Turn(speed);
+      EXPECT_NEAR(cell.status().torque_Nm, std::copysign(torque, speed), kTorqueStep) << "against the cut";
+      EXPECT_NEAR(cell.status().speed_rad_per_s, speed, kSpeedStep);
+    }
+  }
+}
+
+TEST(Drive, PowerAtTheToolIsWhatTheCutTakes) {
+  Cell cell;
+  cell.Start();
+  cell.device.SetCuttingTorque(5.0);
+  cell.Turn(20.0);
+  double work = 0;
+  for (int i = 0; i < 1000; ++i) {
+    cell.Run(1);
+    work += cell.status().torque_Nm * cell.status().speed_rad_per_s * 1e-3;
+  }
+  EXPECT_NEAR(work, 5.0 * 20.0, 0.01 * 100.0);
+}
+
+TEST(Drive, RampsAsConfigured) {
+  Cell cell;
+  cell.Start();
+  cell.Turn(0.0);
+  cell.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 30});
+  cell.Run(4);  // one cycle
+  const double start = cell.device.tool_speed_rad_per_s();
+  cell.Run(100);
+  // 100 rad/s² for 0.1 s, less the loop's lag (20 Hz): at most 2/w of the ramp.
+  EXPECT_NEAR(cell.device.tool_speed_rad_per_s() - start, 10.0, 100.0 * 2 / (2 * std::numbers::pi * 20));
+}
+
+TEST(Drive, QuickStopBrakesAlongItsRampAndStays) {
+  Cell cell;
+  cell.Start();
+  cell.Turn(20.0);
+  cell.drive.Command({.goal = DriveGoal::kQuickStop});
+  cell.Run(8);
+  EXPECT_EQ(cell.status().state, DriveState::kQuickStop);
+  const double before = cell.device.tool_speed_rad_per_s();
+  cell.Run(20);
+  EXPECT_NEAR(before - cell.device.tool_speed_rad_per_s(), 400 * 0.020, 2.5) << "400 rad/s²";
+  cell.Run(200);
+  EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);
+  EXPECT_EQ(cell.status().state, DriveState::kQuickStop);
+  // Not directly to enabled: through off.
+  cell.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 20});
+  cell.Run(4);
+  EXPECT_NE(cell.status().state, DriveState::kEnabled);
+  cell.Run(1000);
+  EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 20.0, 0.1) << "a new command may start it";
+  EXPECT_EQ(cell.status().faults, 0u);
+}
+
+TEST(Drive, AStalledToolIsAFaultWithTheTorqueLimitReported) {
+  Cell cell;
+  cell.Start();
+  cell.Turn(26.0);
+  cell.device.SetCuttingTorque(40.0);  // 2 N·m at the motor, whose limit is 1.5
+  cell.Run(150);
+  EXPECT_NEAR(cell.status().torque_Nm, 3.0 * 0.5 * 20, kTorqueStep) << "while it tries";
+  cell.Run(400);
+  EXPECT_EQ(cell.status().emergency_code, 0x7121);
+  EXPECT_EQ(cell.status().error_code, 0x7121);
+  EXPECT_EQ(cell.status().state, DriveState::kFault);
+  EXPECT_EQ(cell.status().faults, io::kDriveEmergency | io::kDriveInFault);
+  // With the torque removed and the fault reset, it waits for a command.
+  cell.device.SetCuttingTorque(0.0);
+  cell.drive.Command({.goal = DriveGoal::kOff});
+  cell.Run(10);
+  ASSERT_TRUE(cell.drive.ResetFaults());
+  cell.Run(100);
+  EXPECT_EQ(cell.status().state, DriveState::kDisabled);
+  EXPECT_EQ(cell.status().faults, 0u);
+  EXPECT_EQ(cell.device.tool_speed_rad_per_s(), 0.0);
+  cell.Turn(10.0);
+  EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 10.0, 0.1);
+}
+
+TEST(Drive, AFaultWhileTurningBrakesFirst) {
+  Cell cell;
+  cell.Start();
+  cell.Turn(30.0);
+  cell.device.InjectFault(0x4310);
+  cell.Run(8);
+  EXPECT_EQ(cell.status().state, DriveState::kFaultReaction);
+  cell.Run(300);
+  EXPECT_EQ(cell.status().state, DriveState::kFault);
+  EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);
+}
+
+TEST(Drive, WhenTheControllerFallsSilentTheDriveStops) {
+  Cell cell;
+  cell.Start();
+  cell.Turn(30.0);
+  cell.bus.Connect(cell.drive, false);
+  cell.Run(95);
+  EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 30.0, 0.1) << "two heartbeats of 50 ms may miss";
+  cell.Run(200);
+  EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);
+  EXPECT_EQ(cell.device.statusword() & 0x4F, 0x08);
+  EXPECT_NE(cell.status().faults & (io::kDriveHeartbeatLost | io::kDriveStatusLost), 0u) << "and we know";
+  // After reconnection, nothing turns by itself.
+  cell.bus.Connect(cell.drive, true);
+  cell.Run(1000);
+  EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);
+}
+
+TEST(Drive, ADriveThatLostItsSupplyIsNoticedAndConfiguredAgain) {
+  Cell cell;
+  cell.Start();
+  cell.Turn(30.0);
+  cell.device.SetPower(false);
+  cell.Run(30);
+  cell.device.SetPower(true);
+  cell.Run(400);
+  EXPECT_NE(cell.status().faults & io::kDriveRestarted, 0u);
+  cell.drive.Command({.goal = DriveGoal::kOff});
+  cell.drive.Restart();
+  cell.Start();
+  ASSERT_EQ(cell.drive.phase(), DrivePhase::kReady) << cell.drive.failure();
+  ASSERT_TRUE(cell.drive.ResetFaults());
+  cell.Turn(10.0);
+  EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 10.0, 0.1);
+}
+
+TEST(Drive, AnotherMotorThanConfiguredIsRefused) {
+  auto params = Params();
+  params.rated_torque_Nm = 0.6;
+  Cell cell(params);
+  cell.Start();
+  EXPECT_NE(cell.drive.failure().find("its rated torque (object 6076:00) is 500 mN·m, accepted 600 mN·m"),
+            std::string::npos)
+      << cell.drive.failure();
+  auto elsewhere = Params();
+  elsewhere.node = 17;
+  Cell absent(elsewhere);
+  absent.Start();
+  EXPECT_NE(absent.drive.failure().find("no answer about object 1000:00"), std::string::npos);
+}
+
+TEST(Drive, SurvivesLossDuplicationAndReorder) {
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    SCOPED_TRACE(seed);
+    Cell cell;
+    cell.Start();
+    cell.bus.SetParams({.loss = 0.1, .duplicate = 0.1, .reorder = 0.1, .seed = seed});
+    cell.device.SetCuttingTorque(3.0);
+    cell.Turn(20.0);
+    EXPECT_EQ(cell.status().faults, 0u) << "a tenth lost is not a loss";
+    EXPECT_NEAR(cell.status().torque_Nm, 3.0, kTorqueStep);
+    EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 20.0, 0.1);
+  }
+}
+
+TEST(Drive, IsConfiguredOverALossyBusToo) {
+  Cell cell;
+  cell.bus.SetParams({.loss = 0.05, .seed = 5});
+  cell.Start();
+  EXPECT_EQ(cell.drive.phase(), DrivePhase::kReady) << cell.drive.failure();
+}
+
+TEST(Drive, SharesABusWithTheForceSensor) {
+  Cell cell;
+  RobotousDevice sensor_device({});
+  auto sensor = *io::RobotousSensor::Make({});
+  cell.bus.Add(sensor);
+  cell.bus.Add(sensor_device);
+  cell.Start();
+  sensor_device.SetLoad({.f = {0, 0, -120}, .t = {0, 0, 3}});
+  cell.device.SetCuttingTorque(3.0);
+  rt::Nanoseconds busiest = 0;
+  cell.Turn(26.0);
+  for (int i = 0; i < 100; ++i) {
+    cell.Run(1);
+    busiest = std::max(busiest, cell.bus.busy());
+  }
+  EXPECT_EQ(Wrench(sensor.Latest().F_S).f.z(), -120.0);
+  EXPECT_NEAR(cell.status().torque_Nm, 3.0, kTorqueStep);
+  EXPECT_LT(busiest, kMs) << "it has to fit the wire";
+}
+
+TEST(Drive, DoesNotAllocate) {
+  Cell cell;
+  cell.Start();
+  cell.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 20});
+  {
+    rt::CheckedNoAllocScope no_alloc;
+    io::CanFrame frame;
+    for (int i = 0; i < 200; ++i) {
+      cell.now += kMs;
+      while (cell.drive.Next(cell.now, frame)) cell.device.Accept({.frame = frame, .stamp = cell.now});
+      while (cell.device.Next(cell.now, frame)) cell.drive.Accept({.frame = frame, .stamp = cell.now});
+    }
+  }
+  EXPECT_EQ(cell.status().state, DriveState::kEnabled);
+}
+
+}  // namespace
+}  // namespace osteon::hil

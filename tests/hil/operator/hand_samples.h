@@ -1,0 +1,26 @@
+#pragma once
+
+#include "hil/operator/hand_script.h"
+
+// Helpers of the tests of the operator's hand.
+
+namespace osteon::hil {
+
+/// A cup with a general orientation.
+inline Pose TiltedCup() {
+  Pose X_WC = Pose::Identity();
+  X_WC.linear() = ExpRotation({0.7, -0.4, 0.3});
+  X_WC.translation() = Vector3(0.5, -0.2, 0.4);
+  return X_WC;
+}
+
+/// Centre of the head that the scripts below guide.
+inline Vector3 HeadCenter(const Pose& X_WT) { return X_WT * Vector3(0.0, 0.0, -0.025); }
+
+/// A hand that only holds: one key, everything at full grip.
+inline HandScript Hold(double force_limit_N = 1e6, double height_m = 0.0) {
+  const HandKey key{.height_m = height_m, .force_limit_N = force_limit_N, .tilt_rad = 0.0, .grip = 1.0};
+  return HandScript(TiltedCup(), 0.025, 0.0, 2.0, key, {{"hold", 1.0, key}});
+}
+
+}  // namespace osteon::hil

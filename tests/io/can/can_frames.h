@@ -1,0 +1,65 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "io/can/can_pump.h"
+
+// Frames in the tests, in candump's notation: "064#0B00".
+
+namespace osteon::io {
+
+/// The frame in candump's notation.
+inline std::string ToText(const CanFrame& frame) {
+  constexpr const char* kDigits = "0123456789ABCDEF";
+  std::string text;
+  for (const int shift : {8, 4, 0}) text += kDigits[frame.id >> shift & 0xF];
+  text += '#';
+  for (std::size_t i = 0; i < std::min<std::size_t>(frame.size, frame.data.size()); ++i)
+    text += {kDigits[frame.data[i] >> 4], kDigits[frame.data[i] & 0xF]};
+  return text;
+}
+
+}  // namespace osteon::io
+
+namespace osteon::io::test {
+
+inline constexpr rt::Nanoseconds kMs = rt::kMillisecond;
+inline constexpr rt::Nanoseconds kFrameTime = 130'000;  ///< of 8 bytes on a bus of 1 Mbit/s
+
+inline CanFrame Frame(const std::string& text) {
+  const std::size_t hash = text.find('#');
+  CanFrame frame{.id = static_cast<std::uint16_t>(std::stoul(text.substr(0, hash), nullptr, 16))};
+  for (std::size_t at = hash + 1; at + 1 < text.size(); at += 2)
+    frame.data.at(frame.size++) = static_cast<std::uint8_t>(std::stoul(text.substr(at, 2), nullptr, 16));
+  return frame;
+}
+
+inline CanArrival At(rt::Nanoseconds stamp, const std::string& text, bool after_gap = false) {
+  return {.frame = Frame(text), .stamp = stamp, .after_gap = after_gap};
+}
+
+/// Frames that the client sends now.
+inline std::vector<std::string> Sent(CanClient& client, rt::Nanoseconds now) {
+  std::vector<std::string> frames;
+  for (CanFrame frame; frames.size() < 100 && client.Next(now, frame);) frames.push_back(ToText(frame));
+  return frames;
+}
+
+using Frames = std::vector<std::string>;
+
+/// A sensor's client with valid parameters.
+template <class Sensor, class Params>
+[[nodiscard]] Sensor Made(const Params& params) {
+  auto sensor = Sensor::Make(params);
+  EXPECT_TRUE(sensor) << sensor.error();
+  return *sensor;
+}
+
+}  // namespace osteon::io::test

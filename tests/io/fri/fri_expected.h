@@ -1,0 +1,245 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/fri/codec.h"
+#include "tests/io/fri/fri_wide_oracle.h"
+
+// Content of a monitoring message according to libprotobuf, and the codec's rules (codec.h) written a second
+// time.
+
+namespace osteon::io::test {
+
+/// The rules in their order: the first broken one is the codec's answer.
+class Expected {
+ public:
+  Expected(FriFamily family, std::span<const std::uint8_t> inside, const WideOracle& oracle)
+      : family_(family), message_(oracle.Parse(inside)) {
+    error_ = message_ == nullptr ? CodecError::kMalformed : Whole(WirePart(message_.get()));
+  }
+
+  [[nodiscard]] CodecError error() const { return error_; }
+  /// The bytes that libprotobuf writes for what it read.
+  [[nodiscard]] std::vector<std::uint8_t> Rewritten() const {
+    const std::string text = message_->SerializePartialAsString();
+    return {text.begin(), text.end()};
+  }
+  [[nodiscard]] WirePart message() const { return WirePart(message_.get()); }
+
+  /// Compares the codec's message with libprotobuf's, to the last bit except for poses, whose lengths are
+  /// scaled. Empty if they are equal, else the differing fields.
+  [[nodiscard]] std::string Difference(const MonitoringMessage& m) const {
+    const WirePart w = message(), header = w.Part("header"), connection = w.Part("connectionInfo"),
+                   robot = w.Part("robotInfo"), monitor = w.Part("monitorData"), ipo = w.Part("ipoData");
+    std::string wrong;
+    const auto same = [&](const char* what, auto ours, auto theirs) {
+      if (!(ours == static_cast<decltype(ours)>(theirs))) wrong += std::string(what) + " ";
+    };
+    const auto number = [](const WirePart& part, const char* name, std::uint64_t otherwise) {
+      return part.Has(name) ? part.Int(name) : otherwise;
+    };
+    same("sequence", m.sequence, header.Int("sequenceCounter"));
+    same("reflected", m.reflected_sequence, header.Int("reflectedSequenceCounter"));
+    same("session", m.session, connection.Int("sessionState"));
+    same("quality", m.quality, connection.Int("quality"));
+    same("period", m.send_period_ms, number(connection, "sendPeriod", 1));
+    same("multiplier", m.receive_multiplier, number(connection, "receiveMultiplier", 1));
+    same("safety", m.safety, number(robot, "safetyState", 0));
+    same("operation", m.operation, number(robot, "operationMode", 0));
+    same("control", m.control, number(robot, "controlMode", 0));
+    const auto drives = robot.Ints("driveState");
+    for (std::size_t i = 0; i < m.drives.size(); ++i)
+      same("drive", m.drives[i], drives.empty() ? 0 : drives[i]);
+    same("q_meas", Listed(m.q_meas), Vector(monitor, "measuredJointPosition", "value"));
+    same("tau_meas", Listed(m.tau_meas), Vector(monitor, "measuredTorque", "value"));
+    same("q_cmd", Listed(m.q_cmd), Vector(monitor, "commandedJointPosition", "value"));
+    same("tau_cmd", Listed(m.tau_cmd), Vector(monitor, "commandedTorque", "value"));
+    same("tau_ext", Listed(m.tau_ext), Vector(monitor, "externalTorque", "value"));
+    same("q_ipo", Listed(m.q_ipo), Vector(ipo, "jointPosition", "value"));
+    if (family_ == FriFamily::k2_7)
+      same("force", Listed(m.wire_force), Vector(monitor, "externalForce", "element"));
+    same("time", m.time, Time(monitor));
+    same("X_meas", PoseText(m.X_meas),
+         PoseText(monitor, "measuredCartesianPose", "measuredRedundancyInformation"));
+    same("X_ipo", PoseText(m.X_ipo), PoseText(ipo, "cartesianPose", "redundancyInformation"));
+    same("mode", m.command_mode, number(ipo, "clientCommandMode", 0));
+    same("overlay", m.overlay, number(ipo, "overlayType", 0));
+    same("tracking", m.tracking_performance,
+         ipo.Has("trackingPerformance") ? ipo.Real("trackingPerformance") : 0.0);
+    const auto ios = monitor.Parts("readIORequest");
+    same("ios", m.ios.size(), ios.size());
+    for (std::size_t i = 0; i < std::min(m.ios.size(), ios.size()); ++i) {
+      same("name", std::string(m.ios[i].name.view()), UpToNul(ios[i].Text("name")));
+      same("type", m.ios[i].type, ios[i].Int("type"));
+      same("direction", m.ios[i].direction, ios[i].Int("direction"));
+      same("digital", m.ios[i].digital.value_or(0), number(ios[i], "digitalValue", 0));
+      same("has digital", m.ios[i].digital.has_value(), ios[i].Has("digitalValue"));
+      same("analog", m.ios[i].analog,
+           ios[i].Has("analogValue") ? std::optional(ios[i].Real("analogValue")) : std::nullopt);
+    }
+    const auto frames = w.Parts("requestedTransformations");
+    same("frames", m.transformations.size(), frames.size());
+    for (std::size_t i = 0; i < std::min(m.transformations.size(), frames.size()); ++i) {
+      const FriTransformation& frame = m.transformations[i];
+      same("name", std::string(frame.name.view()), UpToNul(frames[i].Text("name")));
+      same("time", frame.time, Time(frames[i]));
+      auto element = frames[i].Reals("element");
+      const Pose X = frame.X;
+      if (element.empty()) same("identity", X.isApprox(Pose::Identity(), 0.0), true);
+      if (element.size() == 7)  // the quaternion's lengths come first, the matrix's are its last column
+        same("position", X.translation().isApprox(Vector3(element[0], element[1], element[2]) * 1e-3, 1e-14),
+             true);
+      if (element.size() == 12)
+        same("position", X.translation().isApprox(Vector3(element[3], element[7], element[11]) * 1e-3, 1e-14),
+             true);
+    }
+    return wrong;
+  }
+
+ private:
+  using Values = std::optional<std::vector<double>>;
+
+  template <std::size_t N>
+  static Values Listed(const std::optional<std::array<double, N>>& values) {
+    return values ? Values(std::vector<double>(values->begin(), values->end())) : std::nullopt;
+  }
+  static Values Vector(const WirePart& part, const char* name, const char* values) {
+    return part.Has(name) ? Values(part.Part(name).Reals(values)) : std::nullopt;
+  }
+  static std::optional<FriTime> Time(const WirePart& part) {
+    if (!part.Has("timestamp")) return std::nullopt;
+    const WirePart time = part.Part("timestamp");
+    return FriTime{static_cast<std::uint32_t>(time.Int("sec")),
+                   static_cast<std::uint32_t>(time.Int("nanosec"))};
+  }
+  static std::string UpToNul(const std::string& text) { return text.c_str(); }
+  static std::string PoseText(const std::string& name, const std::vector<double>& element,
+                              const std::optional<FriTime>& time,
+                              const std::optional<FriRedundancy>& redundancy) {
+    std::string text = name + "|";
+    const auto put = [&](const auto& value) {
+      text.append(reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    for (const double x : element) put(x);
+    if (time) put(time->sec), put(time->nanosec);
+    text += "|";
+    if (redundancy) put(redundancy->strategy), put(redundancy->value);
+    return text;
+  }
+  static std::string PoseText(const std::optional<FriPose>& pose) {
+    if (!pose) return {};
+    return PoseText(std::string(pose->name.view()), {pose->element.begin(), pose->element.end()}, pose->time,
+                    pose->redundancy);
+  }
+  static std::string PoseText(const WirePart& part, const char* name, const char* redundancy) {
+    if (!part.Has(name)) return {};
+    const WirePart pose = part.Part(name), elbow = part.Part(redundancy);
+    return PoseText(UpToNul(pose.Text("name")), pose.Reals("element"), Time(pose),
+                    elbow.there()
+                        ? std::optional(FriRedundancy{static_cast<std::uint32_t>(elbow.Int("strategy")),
+                                                      elbow.Real("value")})
+                        : std::nullopt);
+  }
+
+  // The rules. Each adds its reason if it is broken, and the first one is kept.
+
+  void Need(bool holds, CodecError reason) {
+    if (!holds && first_ == CodecError::kNone) first_ = reason;
+  }
+  static bool Finite(const std::vector<double>& values) {
+    return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
+  }
+  void Enum(const WirePart& part, const char* name, std::uint64_t largest) {
+    if (part.Has(name)) Need(part.Int(name) <= largest, CodecError::kOutOfRange);
+  }
+  void Vector(const WirePart& part, const char* name, const char* values, std::size_t size) {
+    if (!part.Has(name)) return;
+    const auto listed = part.Part(name).Reals(values);
+    Need(listed.size() == size, CodecError::kWrongCount);
+    Need(listed.size() != size || Finite(listed), CodecError::kNotFinite);
+  }
+  void Elements(const std::vector<double>& element, std::size_t size) {
+    Need(element.size() == size, CodecError::kWrongCount);
+    if (element.size() != size) return;
+    Need(Finite(element), CodecError::kNotFinite);
+    if (!Finite(element)) return;
+    if (size == 7) {
+      const double norm = std::hypot(std::hypot(element[3], element[4]), std::hypot(element[5], element[6]));
+      return Need(std::abs(norm - 1.0) <= 1e-3, CodecError::kOutOfRange);
+    }
+    const auto row = [&](std::size_t i) {
+      return Vector3(element[4 * i], element[4 * i + 1], element[4 * i + 2]);
+    };
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        Need(std::abs(row(i).dot(row(j)) - (i == j ? 1.0 : 0.0)) < 1e-3, CodecError::kOutOfRange);
+    Need(row(0).cross(row(1)).dot(row(2)) > 0.0, CodecError::kOutOfRange);
+  }
+  void Pose2x(const WirePart& part, const char* name, const char* redundancy) {
+    if (!part.Has(name)) return;
+    Elements(part.Part(name).Reals("element"), 7);
+    if (part.Has(redundancy) && part.Part(name).Reals("element").size() == 7 &&
+        Finite(part.Part(name).Reals("element")))
+      Need(std::isfinite(part.Part(redundancy).Real("value")), CodecError::kNotFinite);
+  }
+
+  CodecError Whole(const WirePart& w) {
+    if (w.Part("header").Int("messageIdentifier") != kFriMonitoringId) return CodecError::kWrongId;
+    const WirePart connection = w.Part("connectionInfo"), robot = w.Part("robotInfo"),
+                   monitor = w.Part("monitorData"), ipo = w.Part("ipoData");
+    const bool later = monitor.Has("measuredCartesianPose") || monitor.Has("measuredRedundancyInformation") ||
+                       ipo.Has("cartesianPose") || ipo.Has("redundancyInformation");
+    const bool first = family_ == FriFamily::k1;
+    if (first ? later : !later && monitor.Has("commandedJointPosition")) return CodecError::kOtherVersion;
+    if (!connection.there()) return CodecError::kMissingField;
+
+    Enum(connection, "sessionState", 4);
+    Enum(connection, "quality", 3);
+    for (const char* name : {"sendPeriod", "receiveMultiplier"})
+      if (connection.Has(name))
+        Need(connection.Int(name) >= 1 && connection.Int(name) <= 100, CodecError::kOutOfRange);
+    if (robot.Has("numberOfJoints")) Need(robot.Int32("numberOfJoints") == 7, CodecError::kWrongCount);
+    Enum(robot, "safetyState", 3);
+    Enum(robot, "operationMode", 2);
+    Enum(robot, "controlMode", 3);
+    const auto drives = robot.Ints("driveState");
+    Need(drives.empty() || drives.size() == 7, CodecError::kWrongCount);
+    for (const std::uint64_t drive : drives) Need(drive <= 2, CodecError::kOutOfRange);
+
+    for (const char* name : {"measuredJointPosition", "measuredTorque", "commandedJointPosition",
+                             "commandedTorque", "externalTorque"})
+      Vector(monitor, name, "value", 7);
+    if (family_ == FriFamily::k2_7) Vector(monitor, "externalForce", "element", 6);
+    Pose2x(monitor, "measuredCartesianPose", "measuredRedundancyInformation");
+    for (const WirePart& io : monitor.Parts("readIORequest")) {
+      Enum(io, "type", 2);
+      Enum(io, "direction", 1);
+      if (io.Has("analogValue")) Need(std::isfinite(io.Real("analogValue")), CodecError::kNotFinite);
+    }
+
+    Vector(ipo, "jointPosition", "value", 7);
+    Pose2x(ipo, "cartesianPose", "redundancyInformation");
+    Enum(ipo, "clientCommandMode", first ? 3 : 4);
+    Enum(ipo, "overlayType", 2);
+    if (ipo.Has("trackingPerformance"))
+      Need(std::isfinite(ipo.Real("trackingPerformance")), CodecError::kNotFinite);
+    for (const WirePart& frame : w.Parts("requestedTransformations"))
+      if (!frame.Reals("element").empty()) Elements(frame.Reals("element"), first ? 12 : 7);
+
+    const std::uint64_t session = connection.Int("sessionState");
+    Need(session == 0 || monitor.Has("measuredJointPosition"), CodecError::kMissingField);
+    Need(session < 3 || ipo.Has("jointPosition"), CodecError::kMissingField);
+    return first_;
+  }
+
+  FriFamily family_;
+  std::unique_ptr<google::protobuf::Message> message_;
+  CodecError first_{CodecError::kNone}, error_{CodecError::kNone};
+};
+
+}  // namespace osteon::io::test

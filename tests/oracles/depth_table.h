@@ -1,0 +1,74 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/fidelity/accuracy.h"
+#include "simulation/solids/cut_zone.h"
+#include "simulation/solids/solid.h"
+#include "simulation/tools/tool.h"
+
+// Two cuts whose exact results are known, and how exactly ways of removal make them: judges ball removal and
+// its packings. Exact to the samples of CutAccuracy.
+
+namespace osteon::simulation {
+
+/// A cut with a known exact result, to measure removal. G and the path's frame coincide; the tool's feed
+/// points down.
+struct DepthScene {
+  std::string name;
+  std::unique_ptr<Solid> solid;
+  std::unique_ptr<CutZone> zone;  ///< region of a fine packing: around the cut, whatever its shape
+  Tool tool;
+  std::vector<Vector3> corners_m;  ///< of the polyline of the tool's centre
+
+  /// Poses along the polyline, at most `step_m` apart.
+  [[nodiscard]] std::vector<Pose> Path(double step_m) const;
+};
+
+/// A cube of 20 mm, its top face at z = 0; a ball of 5 mm plunges 5 mm deep and slides 6 mm. The tool is
+/// small: about as large as the bone's balls.
+[[nodiscard]] DepthScene MakeBlockScene();
+
+/// A shell of 25 to 33 mm; a ball of 25 mm goes 3 mm deeper, as a reamer in its cup.
+[[nodiscard]] DepthScene MakeCupScene();
+
+/// One way to represent and carve a bone.
+struct DepthMethod {
+  std::string name;
+  std::vector<Ball> balls;
+  SplitParams split;
+};
+
+/// A method's result in a scene, and the accuracy of its cut.
+struct DepthRow {
+  std::string scene, method;
+  std::size_t balls{0};     ///< in the uncut packing
+  std::size_t live{0};      ///< remaining balls after the cut
+  std::size_t touching{0};  ///< remaining balls that touch the swept volume
+  std::size_t blocks{0};    ///< most blocks of the pool in use at a time
+  std::uint64_t refused{0};
+  double overlap_m{0.0};   ///< deepest overlap of a remaining ball with the swept volume, exact
+  CutAccuracy accuracy{};  ///< with probes of the tool's radius, half of it, and 1 mm
+};
+
+/// Carves a packing along the scene's path, in steps. Only pass 3 runs, because removal alone is measured.
+/// @returns the remaining balls.
+[[nodiscard]] std::vector<Ball> CarveAlong(const DepthScene& scene, const std::vector<Pose>& path,
+                                           const DepthMethod& method, DepthRow& row);
+
+/// Carves a packing and measures the result.
+/// @param step_m  of the path;  @param params  its probes are replaced by the scene's
+[[nodiscard]] DepthRow MeasureDepth(const DepthScene& scene, const DepthMethod& method, double step_m,
+                                    const AccuracyParams& params);
+
+/// The recommended packing for each scene: `split` on a graded packing for a tool not much larger than the
+/// balls, heavy overlap without splitting for a reamer.
+[[nodiscard]] DepthMethod RecommendedMethod(const DepthScene& scene);
+
+/// The paper's packing: disjoint balls, each as large as fits up to the cap, that shrink.
+[[nodiscard]] DepthMethod DisjointMethod(const DepthScene& scene, std::size_t count, double max_radius_m);
+
+}  // namespace osteon::simulation

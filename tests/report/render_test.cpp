@@ -1,0 +1,110 @@
+#include "report/render.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include "report_synthetic.h"
+#include "tests/temporary_path.h"
+
+namespace osteon::app {
+namespace {
+
+// Oracle: the ray through a pixel's centre meets |s d - c| = r at the nearer root of the quadratic.
+TEST(Render, DepthOfASphereIsAnalytic) {
+  const Camera camera = LookAt({0.02, -0.3, 0.25}, {0, 0, 0}, Vector3::UnitZ(), 900.0, 240, 180);
+  const Vector3 center(0.01, 0.005, -0.008);
+  const double radius = 0.03;
+  const std::vector<simulation::Ball> balls{{.center_m = center, .radius_m = radius}};
+  const DepthBuffer depth = RenderDepth(balls, camera);
+  int seen = 0;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const Vector3 ray = camera.Ray(x + 0.5, y + 0.5), d = ray.normalized(), c = center - camera.eye;
+      const double from_axis = (c - c.dot(d) * d).norm();
+      ASSERT_EQ(depth.Seen(x, y), from_axis < radius) << x << " " << y;
+      if (!depth.Seen(x, y)) continue;
+      ++seen;
+      const double along = c.dot(d) - std::sqrt(radius * radius - from_axis * from_axis);
+      EXPECT_NEAR(depth.At(x, y), along / ray.norm(), 1e-6)
+          << "float's resolution at .4 m: 3e-8, near the rim more";
+    }
+  EXPECT_GT(seen, 10'000);
+}
+
+TEST(Render, ProjectAndRayAreInverse) {
+  const Camera camera = LookAt({0.1, -0.3, 0.25}, {0.01, 0, 0}, Vector3::UnitZ(), 700.0, 300, 200);
+  const Vector3 p(0.013, -0.021, 0.004), at = camera.Project(p);
+  EXPECT_TRUE((camera.eye + at.z() * camera.Ray(at.x(), at.y())).isApprox(p, 1e-12));
+}
+
+TEST(Render, NearerBallHidesTheFarther) {
+  const Camera camera = LookAt({0, 0, 0.5}, {0, 0, 0}, Vector3::UnitY(), 500.0, 101, 101);
+  const std::vector<simulation::Ball> balls{{.center_m = Vector3(0, 0, -0.1), .radius_m = 0.05},
+                                            {.center_m = Vector3(0, 0, 0), .radius_m = 0.02}};
+  EXPECT_NEAR(RenderDepth(balls, camera).At(50, 50), 0.48, 1e-6);
+}
+
+TEST(Render, BallsBehindOrWithoutRadiusAreLeftOut) {
+  const Camera camera = LookAt({0, 0, 0.5}, {0, 0, 0}, Vector3::UnitY(), 500.0, 51, 51);
+  const std::vector<simulation::Ball> balls{{.center_m = Vector3(0, 0, 0.9), .radius_m = 0.05},
+                                            {.center_m = Vector3(0, 0, 0.49), .radius_m = 0.05},
+                                            {.center_m = Vector3(0, 0, 0), .radius_m = 0.0},
+                                            {.center_m = Vector3(NAN, 0, 0), .radius_m = 0.1}};
+  for (const float z : RenderDepth(balls, camera).depth_m) EXPECT_EQ(z, DepthBuffer::kNothing);
+}
+
+TEST(Render, CupFillsThePictureAndIsColouredByMaterial) {
+  const SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
+  const MaterialMap materials(run.bone.points);
+  const Camera camera = CupCamera(run.bone);
+  const Image before = RenderBone(run.bone, run.bone.balls, materials, camera);
+  const Image after = RenderBone(run.bone, CarvedBalls(run.bone, run.after), materials, camera);
+  ASSERT_EQ(before.rgb.size(), 3u * 860u * 700u);
+  std::size_t covered = 0, border = 0;
+  double warm_before = 0.0, warm_after = 0.0;
+  for (int y = 0; y < before.height; ++y)
+    for (int x = 0; x < before.width; ++x) {
+      const std::uint8_t* b = before.rgb.data() + 3 * (y * before.width + x);
+      const std::uint8_t* a = after.rgb.data() + 3 * (y * before.width + x);
+      const bool bone = b[0] != 255 || b[1] != 255 || b[2] != 255;
+      covered += bone ? 1 : 0;
+      if (x == 0 || y == 0 || x + 1 == before.width || y + 1 == before.height) border += bone ? 1 : 0;
+      warm_before += bone ? b[0] - b[2] : 0;
+      warm_after += bone ? a[0] - a[2] : 0;
+    }
+  EXPECT_GT(covered, 860u * 700u / 3);
+  EXPECT_EQ(border, 0u) << "nothing of the block is cut off";
+  EXPECT_GT(warm_after, 1.05 * warm_before) << "the cut lays reddish bone bare below the bluish cartilage";
+}
+
+TEST(Png, IsReadBackByTheLibrary) {
+  Image image{.width = 7, .height = 3};
+  for (int i = 0; i < 63; ++i) image.rgb.push_back(static_cast<std::uint8_t>(i * 4));
+  const auto file = TemporaryPath("picture.png");
+  ASSERT_TRUE(WritePng(image, file).has_value());
+  png_image read{};
+  read.version = PNG_IMAGE_VERSION;
+  ASSERT_NE(png_image_begin_read_from_file(&read, file.c_str()), 0);
+  read.format = PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> rgb(PNG_IMAGE_SIZE(read));
+  ASSERT_NE(png_image_finish_read(&read, nullptr, rgb.data(), 0, nullptr), 0);
+  EXPECT_EQ(rgb, image.rgb);
+  EXPECT_FALSE(EncodePng({.width = 2, .height = 2, .rgb = {1, 2, 3}}).has_value());
+  EXPECT_FALSE(WritePng(image, "/no/such/folder/p.png").has_value());
+}
+
+TEST(Base64, Rfc4648Vectors) {
+  const auto of = [](std::string_view text) { return Base64({text.begin(), text.end()}); };
+  EXPECT_EQ(of(""), "");
+  EXPECT_EQ(of("f"), "Zg==");
+  EXPECT_EQ(of("fo"), "Zm8=");
+  EXPECT_EQ(of("foo"), "Zm9v");
+  EXPECT_EQ(of("foobar"), "Zm9vYmFy");
+}
+
+}  // namespace
+}  // namespace osteon::app

@@ -1,0 +1,230 @@
+#include "report/report.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <list>
+#include <regex>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "control/ports.h"
+#include "report/run_charts.h"
+#include "report_markup.h"
+#include "report_synthetic.h"
+#include "tests/temporary_path.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+RunCurves CurvesOf(const SyntheticRun& run) {
+  RunCurves curves;
+  for (const control::TickRecord& tick : run.ticks) curves.Add(tick);
+  for (const simulation::FrameRecord& frame : run.frames) curves.Add(frame);
+  return curves;
+}
+
+// Makes an input whose views live as long as the program.
+ReportInput InputOf(const SyntheticRun& run) {
+  static std::list<RunCurves> curves;
+  static std::list<std::vector<Pose>> paths;
+  return {.subtitle = "reference engine",
+          .summary = {{"ticks", "2000"}, {"peak force", "126.0 N"}, {"removed volume", "2400 mm³"}},
+          .run = curves.emplace_back(CurvesOf(run)),
+          .X_GP = paths.emplace_back(PathOf(run)),
+          .bone = run.bone,
+          .after = run.after,
+          .tool = run.tool,
+          .tool_speed_limit_m_per_s = 0.25,
+          .faults = {},
+          .config_text = "tool: reamer_50.yaml\n",
+          .command_line = "./osteon demo --seconds 2",
+          .version = "0.1.0",
+          .pictures = {.width = 240, .height = 190}};
+}
+
+/// Returns a reference of a page that a browser would fetch.
+std::string OutsideReference(const std::string& html) {
+  static const std::regex address("(https?:)?//[a-zA-Z0-9]");
+  const std::string xmlns = "xmlns=\"http://www.w3.org/2000/svg\"";
+  std::string rest = html;
+  for (std::size_t at = rest.find(xmlns); at != std::string::npos; at = rest.find(xmlns, at))
+    rest.erase(at, xmlns.size());
+  // base64 may hold any letters and slashes
+  rest = std::regex_replace(rest, std::regex("base64,[A-Za-z0-9+/=]*"), "");
+  std::smatch match;
+  if (std::regex_search(rest, match, address)) return match.str();
+  for (const char* word : {"<script", "<link", "<iframe", "@import", "url(http"})
+    if (rest.find(word) != std::string::npos) return word;
+  return {};
+}
+
+std::string WithoutPictures(const std::string& html) {
+  std::string out;
+  std::size_t from = 0;
+  for (std::size_t at = html.find("base64,"); at != std::string::npos; at = html.find("base64,", from)) {
+    out += html.substr(from, at - from);
+    from = html.find('"', at);
+  }
+  return out + html.substr(from);
+}
+
+void ExpectValid(const ReportInput& input) {
+  const auto report = MakeReport(input);
+  ASSERT_TRUE(report.has_value()) << report.error();
+  const std::string html = WithoutPictures(report->html);
+  EXPECT_EQ(MarkupError(html), "");
+  EXPECT_EQ(OutsideReference(html), "");
+  static const std::regex not_finite("[\" ,>(-](nan|inf)[\" ,<)]");
+  std::smatch match;
+  EXPECT_FALSE(std::regex_search(html, match, not_finite))
+      << match.prefix().str().substr(match.prefix().length() - 60);
+}
+
+TEST(Report, OfARunIsOneValidFileWithEverythingInIt) {
+  const SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
+  ReportInput input = InputOf(run);
+  input.pictures = {};
+  ExpectValid(input);
+  const auto file = TemporaryPath("osteon_report.html");
+  const auto figures = WriteReport(input, file);
+  ASSERT_TRUE(figures.has_value()) << figures.error();
+  EXPECT_GT(figures->cavity_section.samples, 100);
+  EXPECT_LT(figures->cavity_section.mean_abs_m, 0.3e-3);
+  EXPECT_GT(figures->cavity_direction.samples, 100);
+  EXPECT_LT(figures->cavity_direction.mean_abs_m, 0.3e-3);
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  const std::string html = text.str();
+  for (const char* part : {"limit 200 N", "Removed volume", "Deepest apex below the first floor",
+                           "message to wake-up", "wake-up to answer", "Simulation frame", "swept by the tool",
+                           "class=\"verdict good\"", "Commanded tool beyond its collision-free pose",
+                           "./osteon demo --seconds 2", "reamer_50.yaml", "data:image/png;base64,"})
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  EXPECT_LT(html.size(), 4u << 20u);
+  for (const auto& entry : std::filesystem::directory_iterator(file.parent_path()))
+    EXPECT_FALSE(entry.path().filename().string().starts_with("osteon_report.html.")) << entry.path();
+}
+
+TEST(Report, ShowsWhatTheLimitsCutOffWhereTheyDid) {
+  SyntheticRun run = MakeSyntheticRun();
+  const std::string title = "Share of the coupling";
+  const auto whole = MakeReport(InputOf(run));
+  ASSERT_TRUE(whole) << whole.error();
+  EXPECT_EQ(whole->html.find(title), std::string::npos) << "nothing was cut off";
+  run.ticks[1000].wrench_scale = 0.6;
+  run.ticks[1000].arm_share = 0.8;
+  const auto cut = MakeReport(InputOf(run));
+  ASSERT_TRUE(cut) << cut.error();
+  EXPECT_NE(cut->html.find(title), std::string::npos);
+  EXPECT_NE(cut->html.find("arm&#39;s torques can hold"), std::string::npos);
+}
+
+// A lost message is not a moment without force: the values of such a tick were never rendered.
+TEST(Report, ATickWithoutTheArmsMessageIsNoForceOfZero) {
+  SyntheticRun run = MakeSyntheticRun();
+  control::TickRecord& silent = run.ticks.at(run.ticks.size() / 2);
+  ASSERT_GT(Wrench(silent.F_coupling_T_W).f.norm(), 10.0);
+  silent.input.received = static_cast<std::uint8_t>(control::ReceiveResult::kTimeout);
+  const std::string chart = ForceChart(CurvesOf(run), 200.0);
+  silent.F_coupling_T_W = silent.F_operator_T_W = {};
+  EXPECT_EQ(ForceChart(CurvesOf(run), 200.0), chart);
+  silent.input.received = static_cast<std::uint8_t>(control::ReceiveResult::kOk);
+  EXPECT_NE(ForceChart(CurvesOf(run), 200.0), chart) << "a force of 0 that was rendered is drawn";
+}
+
+TEST(Report, ListsTheFiguresWithoutASource) {
+  SyntheticRun run = MakeSyntheticRun(
+      {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
+  for (simulation::Material& material : run.bone.materials)
+    material.density_source = material.cutting_energy_source = material.cutting_force_source =
+        material.friction_source = {.text = "measured", .assumed = false};
+  const auto sourced = MakeReport(InputOf(run));
+  ASSERT_TRUE(sourced.has_value());
+  EXPECT_EQ(sourced->html.find("<h2>Assumed</h2>"), std::string::npos);
+  run.bone.materials[2].friction = 0.25;
+  run.bone.materials[2].friction_source = {.text = "wet & rough", .assumed = true};
+  ExpectValid(InputOf(run));
+  const auto report = MakeReport(InputOf(run));
+  EXPECT_NE(report->html.find("<li>cancellous: friction 0.25 (wet &amp; rough)</li>"), std::string::npos);
+  EXPECT_EQ(report->html.find("cartilage: friction"), std::string::npos);
+}
+
+TEST(Report, VirtualTimeSaysThatNothingWasMeasured) {
+  SyntheticRun run = MakeSyntheticRun(
+      {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 50, .frames = 20});
+  for (control::TickRecord& tick : run.ticks) tick.wakeup_ns = tick.compute_ns = 0;
+  for (simulation::FrameRecord& frame : run.frames) frame.duration_ns = 0;
+  const auto report = MakeReport(InputOf(run));
+  ASSERT_TRUE(report.has_value());
+  EXPECT_NE(report->html.find("Virtual time: not measured"), std::string::npos);
+  EXPECT_EQ(report->html.find("99.9 %"), std::string::npos);
+}
+
+TEST(Report, EmptyRunsAreReportedToo) {
+  const SyntheticParams coarse{
+      .spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5};
+  SyntheticRun run = MakeSyntheticRun(coarse);
+  run.ticks.clear();
+  ExpectValid(InputOf(run));
+  run.frames.clear();
+  ExpectValid(InputOf(run));
+  run.after = {};
+  ExpectValid(InputOf(run));
+  run.bone.points.clear();
+  ExpectValid(InputOf(run));
+  run.bone.balls.clear();
+  run.tool.balls.clear();
+  ExpectValid(InputOf(run));
+
+  SyntheticRun gone = MakeSyntheticRun(coarse);
+  for (float& value : gone.after.balls) value = 0.0f;
+  ExpectValid(InputOf(gone));
+  gone.after.balls.resize(7);
+  ExpectValid(InputOf(gone));
+}
+
+TEST(Report, ValuesThatAreNotFiniteLeaveGaps) {
+  SyntheticRun run = MakeSyntheticRun(
+      {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 60, .frames = 30});
+  run.ticks[7].F_coupling_T_W.f.x = kNaN;
+  run.ticks[9].v_WT_cmd_m_per_s.y = std::numeric_limits<double>::infinity();
+  run.frames[3].model.X_WP.p.z = kNaN;
+  run.frames[4].cup_depth_m = kNaN;
+  run.frames[5].model.removed_volume_m3 = -std::numeric_limits<double>::infinity();
+  run.bone.balls[11].center_m.x = kNaN;
+  run.after.balls[3] = std::numeric_limits<float>::quiet_NaN();
+  run.bone.points[2].p_m.y = kNaN;
+  ReportInput input = InputOf(run);
+  input.faults = {{"contact model stale", kNaN, "Stop 1"}};
+  input.force_limit_N = kNaN;
+  ExpectValid(input);
+}
+
+TEST(Report, TextIsEscaped) {
+  SyntheticRun run = MakeSyntheticRun(
+      {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
+  run.bone.materials[0].name = "<script>alert(1)</script> & cartilage";
+  ReportInput input = InputOf(run);
+  input.title = "a \"title\" <b>";
+  input.summary.push_back({"<i>", "1 < 2 & 3 > 2"});
+  input.faults = {{"<fault>", 1.5, "\"Stop\" & 'hold'"}};
+  input.command_line = "./osteon demo --out '<here>'";
+  input.config_text = "a: <b>\nc: \xff\n";
+  ExpectValid(input);
+}
+
+TEST(Report, UnwritablePathIsNamed) {
+  const SyntheticRun run = MakeSyntheticRun(
+      {.spacing_m = 3e-3, .cap_m = 2.8e-3, .point_spacing_m = 3e-3, .ticks = 1, .frames = 1});
+  const auto result = WriteReport(InputOf(run), "/no/such/folder/report.html");
+  ASSERT_FALSE(result.has_value());
+  EXPECT_NE(result.error().find("/no/such/folder/report.html"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace osteon::app

@@ -1,0 +1,121 @@
+#include <gtest/gtest.h>
+
+#include "session/guard/guard.h"
+#include "session/setup/config_checksum.h"
+#include "tests/session/run/virtual_ride.h"
+
+// The guard on runs of the shipped cells, in virtual time: it gets the controller's recorded answers.
+
+namespace osteon::app {
+namespace {
+
+using control::SessionState;
+
+// The link's answer to a tick's command: FriSession mirrors, and holds until the loop names the activation.
+safety::GuardCommand AnswerOf(const control::TickRecord& tick) {
+  const control::TickInput& in = tick.input;
+  const bool mirrors = tick.session_state != static_cast<std::uint8_t>(SessionState::kCommandingActive) ||
+                       tick.activation_cmd != in.activation;
+  safety::GuardCommand command{
+      .sequence = in.sequence, .reflected = in.sequence, .q = in.has_ipo && mirrors ? in.q_ipo : tick.q_cmd};
+  const Vector3 f(tick.F_cmd_T.f), t(tick.F_cmd_T.t);
+  if (in.command_mode == static_cast<std::uint8_t>(control::CommandMode::kWrench))
+    command.wrench = {f.x(), f.y(), f.z(), t.z(), t.y(), t.x()};
+  if (in.command_mode == static_cast<std::uint8_t>(control::CommandMode::kTorque)) command.tau = tick.tau_cmd;
+  return command;
+}
+
+safety::GuardSession SessionOf(std::uint8_t state) {
+  if (state == static_cast<std::uint8_t>(SessionState::kCommandingActive))
+    return safety::GuardSession::kActive;
+  return state == static_cast<std::uint8_t>(SessionState::kCommandingWait)
+             ? safety::GuardSession::kWaiting
+             : safety::GuardSession::kMonitoring;
+}
+
+// Passes every tick of a recording through that cell's guard, with a margin on its limits.
+void ExpectAllPasses(const std::string& name, const VirtualRide& ride, double margin) {
+  config::CellConfig cell = config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml");
+  cell.guard = config::GuardConfig{.host = "127.0.0.1", .port = 30209, .margin = margin};
+  safety::GuardMonitor monitor(GuardParamsOf(cell));
+  std::uint64_t answers = 0;
+  for (const control::TickRecord& tick : ride.recording.ticks) {
+    const control::TickInput& in = tick.input;
+    if (in.received != 0 || tick.session_state == 0) continue;
+    safety::GuardArmMessage message{.sequence = in.sequence,
+                                    .session = SessionOf(tick.session_state),
+                                    .q_meas = tick.q_meas,
+                                    .tau_ext = in.tau_ext,
+                                    .compliant = cell.servo.law == control::Law::kImpedance};
+    if (in.has_ipo) message.q_ipo = in.q_ipo;
+    ASSERT_EQ(monitor.OnArmMessage(message, in.now), safety::GuardDecision::kPass);
+    ASSERT_EQ(monitor.OnCommand(AnswerOf(tick), in.now), safety::GuardDecision::kPass)
+        << name << ", tick " << tick.tick << ": " << safety::Describe(monitor.reason());
+    monitor.CheckSilence(in.now);
+    ++answers;
+  }
+  EXPECT_GT(answers, 1000u);
+  EXPECT_TRUE(monitor.permits()) << safety::Describe(monitor.reason());
+  EXPECT_EQ(monitor.counters().withheld + monitor.counters().late + monitor.counters().duplicate, 0u);
+}
+
+TEST(GuardRun, NothingOfTheWholeDemoIsWithheld) {
+  const VirtualRide ride = RideVirtually("demo", 10.0, [](config::CellConfig&) {});
+  EXPECT_EQ(ride.summary.ended, "completed");
+  ExpectAllPasses("demo", ride, 0.25);
+}
+
+TEST(GuardRun, NothingOfTheOtherCellsIsWithheld) {
+  for (const char* name : {"molar", "femoral_canal", "thin_plate", "sawbone_block", "thin_plate_impedance"}) {
+    SCOPED_TRACE(name);
+    const VirtualRide ride = RideVirtually(name, 4.0, [](config::CellConfig&) {});
+    EXPECT_TRUE(ride.summary.faults.empty());
+    ExpectAllPasses(name, ride, 0.25);
+  }
+}
+
+TEST(GuardRun, NothingOfTheTorqueOverlayIsWithheld) {
+  const VirtualRide ride = RideVirtually("thin_plate_impedance", 4.0, [](config::CellConfig& cell) {
+    cell.simulated.fri.command_mode = control::CommandMode::kTorque;
+    cell.simulated.fri.control_mode = control::ControlMode::kJointImpedance;
+    cell.simulated.dynamic.stiffness_Nm_per_rad.setConstant(100.0);
+  });
+  ExpectAllPasses("thin_plate_impedance", ride, 0.25);
+}
+
+// From outside the workspace, along a joint path.
+TEST(GuardRun, NothingOfTheWayToTheStartIsWithheld) {
+  const VirtualRide ride = RideVirtually("thin_plate", 2.0, [](config::CellConfig& cell) {
+    cell.simulated.q_start[0] += 0.3;
+    cell.simulated.q_start[1] -= 0.15;
+  });
+  EXPECT_TRUE(ride.summary.faults.empty());
+  ExpectAllPasses("thin_plate", ride, 0.25);
+}
+
+TEST(ConfigChecksum, IsOfNamesAndBytesWhereverTheFilesLieAndWithoutGains) {
+  io::ConfigSource source;
+  source.files = {{.name = "cells/a.yaml", .content = "x: 1\n"}, {.name = "robots/b.yaml", .content = "y"}};
+  source.cell_file = "cells/a.yaml";
+  const std::string sum = ConfigChecksum(source);
+  EXPECT_EQ(sum.size(), 16u);
+  io::ConfigSource elsewhere = source;
+  std::swap(elsewhere.files[0], elsewhere.files[1]);
+  for (io::ConfigFile& file : elsewhere.files) file.name = "other/" + file.name;
+  elsewhere.files.push_back({.name = "g.yaml", .content = "mass"});
+  elsewhere.gains_file = "g.yaml";
+  EXPECT_EQ(ConfigChecksum(elsewhere), sum);
+  for (const auto& change : {+[](io::ConfigSource& s) { s.files[0].content[0] = 'z'; },
+                             +[](io::ConfigSource& s) { s.files[0].name = "cells/c.yaml"; },
+                             +[](io::ConfigSource& s) { s.files.pop_back(); },
+                             +[](io::ConfigSource& s) { s.files.push_back({.name = "d", .content = ""}); }}) {
+    io::ConfigSource other = source;
+    change(other);
+    EXPECT_NE(ConfigChecksum(other), sum);
+  }
+  // FNV-1a of 64 bits, computed independently: empty input gives the offset basis
+  EXPECT_EQ(ConfigChecksum({}), "cbf29ce484222325");
+}
+
+}  // namespace
+}  // namespace osteon::app

@@ -1,0 +1,51 @@
+#include <gtest/gtest.h>
+
+#include "session/replay/replay.h"
+#include "session/setup/recorded_config.h"
+#include "tests/session/run/virtual_ride.h"
+
+// The shipped cell with the impedance law, in virtual time, over FRI's wrench and torque overlays.
+
+namespace osteon::app {
+namespace {
+
+using Ride = VirtualRide;
+
+Ride RunImpedance(double seconds, bool torque = false) {
+  return RideVirtually("thin_plate_impedance", seconds, [&](config::CellConfig& cell) {
+    if (!torque) return;
+    cell.simulated.fri.command_mode = control::CommandMode::kTorque;
+    cell.simulated.fri.control_mode = control::ControlMode::kJointImpedance;
+    cell.simulated.dynamic.stiffness_Nm_per_rad.setConstant(100.0);
+  });
+}
+
+void ExpectWhole(const Ride& ride) {
+  EXPECT_EQ(ride.result.end, control::RunEnd::kSeconds);
+  EXPECT_EQ(ride.result.faults.bits(), 0u);
+  EXPECT_GT(ride.result.after.removed_volume_m3, 2e-9) << "it cuts";
+  double rendered_N = 0.0, sent = 0.0;
+  for (const control::TickRecord& tick : ride.recording.ticks) {
+    rendered_N = std::max(rendered_N, Vector3(tick.F_coupling_T_W.f).norm());
+    sent = std::max(sent, Vector3(tick.F_cmd_T.f).norm() +
+                              Eigen::Map<const Eigen::VectorXd>(tick.tau_cmd.data(), 7).norm());
+    ASSERT_LE(Vector3(tick.F_cmd_T.f).norm(), ride.recording.session.force_limit_N * (1.0 + 1e-12));
+  }
+  EXPECT_GT(rendered_N, 10.0);
+  EXPECT_GT(sent, 5.0) << "as an overlay";
+}
+
+TEST(ImpedanceRun, DrillsOverTheWrenchOverlayWithoutAFaultAndReplaysBitForBit) {
+  const Ride ride = RunImpedance(6.0);
+  ExpectWhole(ride);
+  const auto cell = LoadRecordedCell(ride.recording.session.config);
+  ASSERT_TRUE(cell) << cell.error();
+  const ReplayResult replay = Replay(ride.recording, *cell);
+  EXPECT_TRUE(replay.identical) << replay.why_not;
+  EXPECT_EQ(replay.ticks, ride.recording.ticks.size());
+}
+
+TEST(ImpedanceRun, DrillsOverTheTorqueOverlayAsWell) { ExpectWhole(RunImpedance(6.0, true)); }
+
+}  // namespace
+}  // namespace osteon::app

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "io/recording/recording_reader.h"
+#include "session/run/cell_run.h"
+#include "session/setup/cell_setup.h"
+#include "session/summary/run_accumulator.h"
+#include "session/summary/summary.h"
+#include "tests/io/temporary_folder.h"
+#include "tests/session/set_up_cell.h"
+
+namespace osteon::app {
+
+/// Collects a recording in memory as a run's end does from the file.
+inline RunAccumulator Gathered(const CellSetup& setup, const io::Recording& recording) {
+  RunAccumulator run(setup);
+  for (const control::TickRecord& tick : recording.ticks) run.Add(tick);
+  for (const simulation::FrameRecord& frame : recording.frames) run.Add(frame);
+  return run;
+}
+
+/// A run of a shipped cell in virtual time, in this process, with its results.
+struct VirtualRide {
+  CellRunResult result;
+  RunSummary summary;
+  io::Recording recording;
+  nlohmann::json cell;  ///< osteon.cell/1
+};
+
+/// @param name  under config/cells  @param change  (config::CellConfig&), called before the run
+template <class Change>
+VirtualRide RideVirtually(const std::string& name, double seconds, const Change& change, int recoveries = 0) {
+  auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml", std::nullopt);
+  EXPECT_TRUE(setup) << setup.error();
+  change(setup->config);
+  auto engine = MakeEngine(*setup, {});
+  EXPECT_TRUE(engine) << engine.error();
+  const io::test::TemporaryFolder folder;
+  const CellRunParams params{.seconds = seconds,
+                             .virtual_time = true,
+                             .recoveries = recoveries,
+                             .recording = folder.path() / "r.mcap"};
+  auto result = RunCell(*setup, **engine, params);
+  EXPECT_TRUE(result) << result.error().what;
+  auto recording = io::ReadRecording(params.recording);
+  EXPECT_TRUE(recording) << recording.error();
+  VirtualRide ride;
+  ride.summary = Summarise(*setup, **engine, params, *result, Gathered(*setup, *recording));
+  ride.recording = std::move(*recording);
+  ride.cell = nlohmann::json::parse(ride.summary.cell_report);
+  ride.result = std::move(*result);
+  return ride;
+}
+
+/// Checks that the commanded joints never jump while the arm follows them. @param most_rad  per tick
+inline void ExpectNoJump(const io::Recording& recording, double most_rad) {
+  const auto active = [](const control::TickRecord& tick) {
+    return tick.session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive);
+  };
+  for (std::size_t i = 1; i < recording.ticks.size(); ++i) {
+    const control::TickRecord &a = recording.ticks[i - 1], &b = recording.ticks[i];
+    if (!active(a) || !active(b)) continue;
+    for (std::size_t j = 0; j < 7; ++j)
+      ASSERT_LT(std::abs(b.q_cmd[j] - a.q_cmd[j]), most_rad) << "tick " << b.tick << ", joint " << j + 1;
+  }
+}
+
+}  // namespace osteon::app

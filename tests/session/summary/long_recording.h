@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "session/setup/cell_setup.h"
+
+// A synthetic recording of a long run, and the memory that reading it takes.
+
+namespace osteon::app {
+
+/// Makes a shipped cell with a reamer and without a bone: enough for reading a recording.
+[[nodiscard]] CellSetup SetupOfLongRun();
+
+/// Writes ticks and frames at 1 kHz with their own clock: a hand that wanders, presses and trembles,
+/// durations that scatter to the nanosecond, a pause every two minutes, a lost message now and then. Equal
+/// arguments give equal bytes.
+void WriteLongRecording(const std::filesystem::path& path, double seconds);
+
+/// Does what `osteon run` does with a recording at its end, without a bone: one pass, stop pages,
+/// percentiles, the report's charts, the path's sweep. Files go into `folder`. @returns the ticks, frames and
+/// stops
+struct LongRunEnd {
+  std::uint64_t ticks{0}, frames{0};
+  std::size_t stops{0};
+  double path_tolerance_m{0.0};
+};
+LongRunEnd EndLongRun(const std::filesystem::path& recording, const std::filesystem::path& folder);
+
+/// Returns the peak resident memory of a separate process that does this work [bytes]; 0: it failed.
+[[nodiscard]] std::uint64_t PeakMemory(const std::function<void()>& work);
+
+}  // namespace osteon::app

@@ -1,0 +1,60 @@
+#include "simulation/bone/material.h"
+
+#include <functional>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+
+namespace osteon::simulation {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Materials, EachFigureWithoutASourceIsListedWithItsValue) {
+  const std::vector<Material> materials{{.name = "foam",
+                                         .density_kg_per_m3 = 320.0,
+                                         .specific_cutting_energy_J_per_m3 = 0.05e9,
+                                         .cutting_force_ratio = 0.7,
+                                         .friction = 0.25,
+                                         .density_source = {.text = "ASTM F1839", .assumed = false},
+                                         .cutting_energy_source = {.text = "a guess", .assumed = true},
+                                         .cutting_force_source = {.text = "measured", .assumed = false},
+                                         .friction_source = {}}};
+  EXPECT_THAT(Assumptions(materials),
+              testing::ElementsAre("foam: cutting energy 0.05 J/mm^3 (a guess)", "foam: friction 0.25"));
+}
+
+TEST(Materials, OfBonesAreSoundAndSayWhatIsAssumed) {
+  const std::vector<Material> bone = DefaultBoneMaterials();
+  EXPECT_NO_THROW(CheckMaterials(bone));
+  const std::vector<std::string> assumed = Assumptions(bone);
+  EXPECT_THAT(assumed, testing::Contains(HasSubstr("cancellous: cutting energy 0.06 J/mm^3")));
+  EXPECT_THAT(assumed, testing::Not(testing::Contains(HasSubstr("cortical: density"))));
+}
+
+TEST(Materials, AListIsOneToEightNamesWithPositiveFigures) {
+  const auto refusal = [](const std::function<void(std::vector<Material>&)>& change) -> std::string {
+    std::vector<Material> materials = DefaultBoneMaterials();
+    change(materials);
+    try {
+      CheckMaterials(materials);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  using List = std::vector<Material>&;
+  EXPECT_EQ(refusal([](List m) { m.clear(); }), "bone: materials: found 0, accepted 1 … 8");
+  EXPECT_EQ(refusal([](List m) { m.resize(9); }), "bone: materials: found 9, accepted 1 … 8");
+  EXPECT_EQ(refusal([](List m) { m[1].name = "cartilage"; }),
+            "bone: material 1: found name 'cartilage' of material 0, accepted different names");
+  EXPECT_EQ(refusal([](List m) { m[3].name = ""; }), "bone: material 3: found no name, accepted one");
+  EXPECT_EQ(refusal([](List m) { m[0].cutting_force_ratio = 0; }),
+            "bone: cartilage: cutting_force_ratio: found 0, accepted > 0");
+  EXPECT_THAT(refusal([](List m) { m[2].specific_cutting_energy_J_per_m3 = -1; }),
+              HasSubstr("found -1, accepted > 0"));
+  EXPECT_THAT(refusal([](List m) { m[2].friction = 2.5; }), HasSubstr("friction: found 2.5, accepted 0 … 2"));
+}
+
+}  // namespace
+}  // namespace osteon::simulation

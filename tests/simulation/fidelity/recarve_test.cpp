@@ -1,0 +1,158 @@
+#include "simulation/fidelity/recarve.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "simulation/engine/reference_engine.h"
+#include "simulation/fidelity/accuracy.h"
+#include "simulation/fidelity/carved_shape.h"
+#include "simulation/fidelity/packing_level.h"
+#include "simulation/fidelity/scene_workload.h"
+#include "simulation/removal/cut_metrics.h"
+#include "simulation/tools/swept_tool.h"
+#include "simulation/tools/tool_path.h"
+
+// Repacking during a cut: another packing of the same solid, carved as the first one was, replaces it.
+
+namespace osteon::simulation {
+namespace {
+
+constexpr double kHead_m = 3e-3;
+
+SceneParams BlockScene() {
+  SceneParams scene;
+  scene.shape = BlockShape{.width_m = 20e-3, .depth_m = 20e-3, .height_m = 10e-3, .layers = {}, .core = 0};
+  scene.site = {.x_m = 0.0, .y_m = 0.0, .radius_m = kHead_m};
+  scene.zone = {.kind = ZoneParams::Kind::kPath,
+                .radius_m = kHead_m,
+                .path_C_m = {Vector3(-5e-3, 0, 4e-3), Vector3(-5e-3, 0, 0), Vector3(5e-3, 0, -1e-3)}};
+  scene.material_names = {"bone"};
+  scene.materials = {DefaultBoneMaterials().front()};
+  scene.materials.front().name = "bone";
+  scene.points.cells = {.finest_m = 1e-3, .coarser_from_m = {3e-3, 5e-3}};
+  return scene;
+}
+
+Tool RoundBurr() {
+  Tool tool;
+  tool.name = "ball";
+  tool.balls = {{.center_m = {}, .radius_m = kHead_m, .cutting = true}};
+  return tool;
+}
+
+class Recarve : public testing::Test {
+ protected:
+  Recarve()
+      : scene_(BlockScene()),
+        solid_(MakeSceneSolid(scene_)),
+        tool_(RoundBurr()),
+        work_(MakeSceneWorkload(solid_, scene_, tool_, {})),
+        cut_(ShapeOfCut(work_, scene_)) {}
+
+  Bone Packed(double spacing_m) const {
+    const PackingLevel level = MakeLevel(PackingKind::kGraded, spacing_m, 1.2, cut_, 0.0);
+    return SceneBone(solid_, scene_, PackLevel(level, *solid_.solid, *work_.zone),
+                     BuildMassPoints(*solid_.solid, *work_.zone, scene_.points));
+  }
+  ReferenceEngine Engine(const Bone& bone) const { return {bone, tool_, Pose::Identity(), work_.cutting}; }
+
+  SceneParams scene_;
+  SceneSolid solid_;
+  Tool tool_;
+  CutWorkload work_;
+  CutShape cut_;
+};
+
+TEST_F(Recarve, ACoarserPackingIsCarvedAsTheFinerOneWas) {
+  const double fine_m = 0.8e-3, coarse_m = 1.3e-3;
+  ReferenceEngine fine = Engine(Packed(fine_m));
+  ProxyTrail trail(ToolLever(tool_), 20e-6);
+  ContactModel last;
+  for (std::size_t k = 0; k < work_.cut_end; ++k) {
+    last = fine.Step(work_.frames[k]);
+    ASSERT_EQ(last.status, EngineStatus::kOk);
+    trail.Add(last.X_WP);
+  }
+  ASSERT_GT(last.removed_volume_m3, 100e-9);
+
+  const Bone bone = Packed(coarse_m);
+  ReferenceEngine coarse = Engine(bone);
+  ASSERT_TRUE(CarveTrail(coarse, trail.places()));
+  const CarvedState counted = fine.Snapshot(), carved = coarse.Snapshot();
+  EXPECT_TRUE(ReachedPose(carved, Pose(counted.X_GP), ToolLever(tool_), 1e-6));
+  EXPECT_FALSE(ReachedPose(carved, Pose(counted.X_GP) * Pose(Eigen::Translation3d(0, 0, 2e-6)),
+                           ToolLever(tool_), 1e-6));
+
+  // the remaining bone keeps clear of the tool's way, and lacks as much as if the tool had cut it directly
+  ReferenceEngine direct = Engine(bone);
+  for (std::size_t k = 0; k < work_.cut_end; ++k) direct.Step(work_.frames[k]);
+  const auto measured = [&](const ReferenceEngine& engine) {
+    return MeasureCut(*solid_.solid, BallUnion(bone.balls), BallUnion(LiveBalls(engine.Snapshot())),
+                      SweptTool(tool_, work_.CutPath()),
+                      {.probe_radii_m = {}, .surface_cells = 12'000, .probe_samples = 2000});
+  };
+  const CutAccuracy cut = measured(coarse), own = measured(direct);
+  EXPECT_LT(cut.MeanLeft_m(), 0.02e-3);
+  EXPECT_NEAR(cut.depth_error_m, own.depth_error_m, 0.05 * own.depth_error_m);
+
+  // it continues from there: the books go on, and the tool finds the face at the same place
+  coarse.Restore(MergeBooks(carved, counted));
+  const FrameInput& pressed = work_.frames[work_.feel_begin];
+  const ContactModel a = fine.Step(pressed), b = coarse.Step(pressed);
+  EXPECT_EQ(b.frame, a.frame);
+  EXPECT_NEAR(b.removed_volume_m3, a.removed_volume_m3, 1e-15);
+  EXPECT_NEAR(b.removed_mass_kg, a.removed_mass_kg, 1e-12);
+  const double moved_m = (Vector3(a.X_WP.p) - Vector3(b.X_WP.p)).norm();
+  EXPECT_LT(moved_m, 2.0 * own.depth_error_m);
+  const double depth_m = (Pose(pressed.X_WT).translation() - Vector3(b.X_WP.p)).norm();
+  EXPECT_GT(depth_m, 0.1e-3) << "it holds the tool";
+}
+
+// A packing that was not carved would stand in the tool's way; only carving along the trail makes it free.
+TEST_F(Recarve, WhatTheToolHasNotGoneStays) {
+  ReferenceEngine fine = Engine(Packed(0.8e-3));
+  ProxyTrail half(ToolLever(tool_), 20e-6);
+  for (std::size_t k = 0; k < work_.cut_end / 2; ++k) half.Add(fine.Step(work_.frames[k]).X_WP);
+  const Bone bone = Packed(1.3e-3);
+  ReferenceEngine coarse = Engine(bone);
+  ASSERT_TRUE(CarveTrail(coarse, half.places()));
+  const BallUnion left(LiveBalls(coarse.Snapshot()));
+  const auto center = [&](std::size_t k) {
+    return Vector3(Pose(work_.frames[k].X_WT) * Vector3(CuttingHead(tool_)->center_m));
+  };
+  EXPECT_GE(left.Distance(center(work_.cut_end / 2 - 1), 1.0), kHead_m - 1e-5) << "gone";
+  EXPECT_LT(left.Distance(center(work_.cut_end - 1), 1.0), 0.5 * kHead_m) << "not gone";
+}
+
+TEST(ProxyTrail, KeepsPlacesAStepApartAndAlwaysTheLast) {
+  ProxyTrail trail(10e-3, 0.1e-3);
+  EXPECT_EQ(trail.settled(), 0u);
+  Pose X = Pose::Identity();
+  for (int k = 0; k <= 100; ++k) {
+    X.translation().x() = 0.01e-3 * k;
+    trail.Add(X);
+  }
+  EXPECT_NEAR(static_cast<double>(trail.places().size()), 11.0, 1.0);
+  EXPECT_EQ(Vector3(trail.places().back().p).x(), 1e-3);
+  for (std::size_t i = 1; i < trail.places().size(); ++i)
+    EXPECT_LE(trail.places()[i].p.x - trail.places()[i - 1].p.x, 0.1e-3 + 1e-12);
+  const std::size_t before = trail.places().size();
+  X.rotate(Eigen::AngleAxisd(0.1, Vector3::UnitX()));  // 1 mm of the tool's farthest point
+  trail.Add(X);
+  X.rotate(Eigen::AngleAxisd(0.1, Vector3::UnitX()));
+  trail.Add(X);
+  EXPECT_GE(trail.places().size(), before + 1);
+  EXPECT_EQ(trail.settled(), trail.places().size() - 1);
+}
+
+TEST(MergeBooks, RefusesAnotherBone) {
+  CarvedState a, b;
+  a.cleared.resize(3);
+  b.cleared.resize(4);
+  EXPECT_THROW((void)MergeBooks(a, b), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace osteon::simulation

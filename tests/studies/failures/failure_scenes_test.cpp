@@ -1,0 +1,93 @@
+#include "studies/failures/page/failure_scenes.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "base/text.h"
+#include "studies/failures/failure.h"
+#include "studies/failures/page/failure_page.h"
+#include "tests/report/report_markup.h"
+
+namespace osteon::app {
+namespace {
+
+TEST(FailureScenes, EveryScenarioHasOneWhoseTextsCanBeRead) {
+  std::set<std::string> drawn;
+  for (const hil::FailureScenario& scenario : hil::FailureScenarios()) {
+    const std::string svg = FailureSceneSvg(scenario.id, scenario.name);
+    ASSERT_FALSE(svg.empty()) << scenario.id << " " << scenario.name
+                              << " has no scene: see studies/failures/page/failure_scenes.h";
+    EXPECT_EQ(MarkupError(svg), "") << scenario.name;
+    EXPECT_EQ(TextOutside(svg), "") << scenario.name;
+    EXPECT_EQ(TextsOverlapping(svg), "") << scenario.name;
+    for (const TextBox& box : TextBoxes(svg))
+      EXPECT_GE(box.size_px, 11.0) << scenario.name << ": " << box.text;
+    EXPECT_EQ(svg.find("\xE2\x80\xA6"), std::string::npos) << scenario.name << ": a text is cut";
+    EXPECT_NE(svg.find(kWrongColor), std::string::npos) << scenario.name;
+    EXPECT_NE(svg.find(kRightColor), std::string::npos) << scenario.name;
+    EXPECT_TRUE(drawn.insert(svg).second) << scenario.name;
+  }
+}
+
+TEST(FailureScenes, NoNumberIsDrawnTwiceOrForNoScenario) {
+  std::set<int> scenarios, scenes;
+  for (const hil::FailureScenario& scenario : hil::FailureScenarios()) scenarios.insert(scenario.id);
+  for (const auto& list : {ContactScenes(), CuttingScenes(), ArmScenes()})
+    for (const FailureScene& scene : list) EXPECT_TRUE(scenes.insert(scene.id).second) << scene.id;
+  EXPECT_EQ(scenes, scenarios);
+  EXPECT_EQ(FailureSceneSvg(0, "none"), "");
+}
+
+hil::FailureResult Example() {
+  return {.id = 15,
+          .name = "sensor",
+          .metric = "speed of a tool that nobody holds",
+          .unit = "mm/s",
+          .bound = 1.0,
+          .baseline = 16.84,
+          .ours = 1.592e-14,
+          .plot = {.x_label = "time [s]",
+                   .y_label = "a name of an axis that is longer than the axis is high [mm]",
+                   .series = {{.name = "no dead zone", .x = {0, 1}, .y = {0, 17}},
+                              {.name = "ours", .x = {0, 1}, .y = {0, 0}, .ours = true}}}};
+}
+
+TEST(FailureChart, TitleSaysWhatIsPlotted) {
+  hil::FailureResult result = Example();
+  EXPECT_NE(FailureSvg(result).find(">15 sensor: a name of an axis"), std::string::npos);
+  result.plot.bound_is_on_y = true;
+  EXPECT_NE(FailureSvg(result).find(">15 sensor: speed of a tool"), std::string::npos);
+  EXPECT_NE(FailureSvg(result).find(">bound 1 mm/s<"), std::string::npos);
+}
+
+TEST(FailureChart, CutsNoText) {
+  hil::FailureResult result = Example();
+  result.plot.bound_is_on_y = true;
+  result.metric +=
+      ", in a scene whose name and metric together are far too long for a single line of a title";
+  const std::string svg = FailureSvg(result);
+  EXPECT_EQ(svg.find("\xE2\x80\xA6"), std::string::npos);
+  EXPECT_EQ(TextOutside(svg), "");
+  EXPECT_EQ(TextsOverlapping(svg), "");
+}
+
+TEST(FailureTable, ParagraphsAreInLinesOf120Characters) {
+  EXPECT_EQ(WrapMarkdown(""), "");
+  EXPECT_EQ(WrapMarkdown("short"), "short");
+  const std::string word(59, 'a'), micro = std::string(58, 'b') + "\xC2\xB5";
+  EXPECT_EQ(WrapMarkdown(word + " " + micro + " c"), word + " " + micro + "\nc") << "59 + 1 + 59 characters";
+  EXPECT_EQ(WrapMarkdown(word + " " + word + " `ls -l`"), word + " " + word + "\n`ls -l`");
+  EXPECT_EQ(WrapMarkdown(std::string(130, 'd') + " e"), std::string(130, 'd') + "\ne") << "a word is not cut";
+}
+
+TEST(FailureTable, NumbersAreShort) {
+  const FailurePageEntry entry{.result = Example(), .passed = true, .seconds = 1.0};
+  const std::string page = FailureMarkdown({&entry, 1}, {}, "pictures");
+  EXPECT_NE(page.find("| 17 mm/s | 1.6e-14 mm/s | passes |"), std::string::npos) << page;
+  EXPECT_NE(page.find("](pictures/15_sensor_scene.svg)"), std::string::npos);
+  EXPECT_NE(page.find("](pictures/15_sensor.svg)"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace osteon::app

@@ -1,0 +1,45 @@
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "config/reading/load.h"
+#include "studies/failures/loop/grip_ride.h"
+
+// The shipped cells' laws in a hand that stiffens, on an arm that lags.
+
+namespace osteon::app {
+namespace {
+
+const hil::GridHand kStiff{"stiff", 6000.0, 13.0, 1.1};
+const hil::GridHand kClamp{"clamp", 50000.0, 50.0, 0.0};
+
+class StiffGrip : public testing::TestWithParam<const char*> {};
+
+// A cell tolerates a tremor of tremor_N before it tests whether the vibration is the hand's; an oscillating
+// loop is held at about that force.
+TEST_P(StiffGrip, IsHeldAtAboutTheTremorThatTheCellAllows) {
+  const control::ServoParams cell =
+      config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells" / GetParam()).servo;
+  ASSERT_TRUE(cell.vibration.acts);
+  for (const hil::GridHand& hand : {kStiff, kClamp}) {
+    hil::GripRideParams params{.after = hand, .clamp = hand.name == "clamp"};
+    params.loop.admittance = cell.admittance;
+    params.loop.vibration = cell.vibration;
+    const hil::GripRide ride = hil::RideGrip(params);
+    EXPECT_FALSE(ride.fault) << hand.name;
+    EXPECT_LT(ride.calm_N, 3.0 * cell.vibration.reference.tremor_N) << hand.name;
+    params.loop.vibration.acts = false;
+    const hil::GripRide without = hil::RideGrip(params);
+    if (hand.name == "clamp") {
+      EXPECT_TRUE(without.fault || without.calm_N > 2.0 * ride.calm_N)
+          << "the law alone: " << without.calm_N << " N, with: " << ride.calm_N;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Cells, StiffGrip,
+                         testing::Values("demo.yaml", "femoral_canal.yaml", "molar.yaml",
+                                         "sawbone_block.yaml", "thin_plate.yaml"));
+
+}  // namespace
+}  // namespace osteon::app

@@ -1,0 +1,88 @@
+// Compensation of the tool's own inertia in the sensor's reading: positive feedback through the virtual mass.
+// The loop's matrix steps the shipped law, arm and StepMotion.
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "hil/operator/hand_grid.h"
+#include "studies/stability/admittance_loop.h"
+#include "tests/oracles/loop_growth.h"
+
+namespace osteon::hil {
+namespace {
+
+const GridHand kFree{"nobody", 0.0, 0.0, 0.0}, kFirm{"firm", 500.0, 20.0, 1.5};
+
+AdmittanceLoopParams Loop(const GridHand& hand, double tool_kg, double share, double hz = 15.0) {
+  AdmittanceLoopParams params{.hand = hand, .wall = {}, .arm = {}};
+  params.tool_mass_kg = tool_kg;
+  params.inertia_share = share;
+  params.acceleration_hz = hz;
+  return params;
+}
+
+// The largest stable share.
+double GreatestShare(const GridHand& hand, double tool_kg, double hz = 15.0) {
+  return FirstCrossing(
+             [&](double share) {
+               return AdmittanceLoop(Loop(hand, tool_kg, share, hz)).SpectralRadius() < 1.0 + 1e-9;
+             },
+             {.from = 0.01, .to = 20.0, .factor = 1.02, .tolerance = 1e-4})
+      .value;
+}
+
+TEST(InertiaStability, WithoutAShareItIsTheLoopOfAHeavierHand) {
+  AdmittanceLoopParams heavier = Loop(kFirm, 0.0, 0.0);
+  heavier.hand.mass_kg += 1.2;
+  EXPECT_NEAR(AdmittanceLoop(Loop(kFirm, 1.2, 0.0)).SpectralRadius(),
+              AdmittanceLoop(heavier).SpectralRadius(), 1e-12);
+}
+
+// Beyond 1 + m_v / m_t the virtual tool has negative mass. The arm's lag, which also acts on the sensor's
+// side of the loop, puts the crossing somewhat higher; a hand hardly moves it.
+TEST(InertiaStability, TheGreatestShareIsWhereTheVirtualMassIsUsedUp) {
+  for (const double tool_kg : {0.5, 1.2, 2.5}) {
+    const double used_up = 1.0 + 3.0 / tool_kg;
+    for (const double hz : {10.0, 15.0, 60.0})
+      for (const GridHand& hand : {kFree, kFirm}) {
+        const double bound = GreatestShare(hand, tool_kg, hz);
+        EXPECT_GT(bound, used_up) << tool_kg << " kg, " << hz << " Hz, " << hand.name;
+        EXPECT_LT(bound, 1.3 * used_up) << tool_kg << " kg, " << hz << " Hz, " << hand.name;
+      }
+  }
+}
+
+TEST(InertiaStability, AShareBeyondItGrowsInTimeAndOneBelowDecays) {
+  const double bound = GreatestShare(kFirm, 2.5);
+  const auto growth = [&](double share) {
+    const AdmittanceLoop loop(Loop(kFirm, 2.5, share));
+    return GrowthPerPeriod([&](const Eigen::VectorXd& s) { return loop.Step(s); }, loop.size(), 2000, 20'000);
+  };
+  EXPECT_LT(growth(0.95 * bound), -1e-5);
+  EXPECT_GT(growth(1.05 * bound), 1e-5);
+}
+
+// In a cell the hands decide, not that limit: the filters' lag is a negative drag, which the virtual tool's
+// drag has to compensate. Every hand up to 3 kN/m, a tool of 1.2 kg on a virtual tool of 3 kg.
+TEST(InertiaStability, EveryHandStandsSevenTenthsAtThirtyNewtonSecondsPerMeterAndNotTheWhole) {
+  const auto unstable_hands = [](double share, double damping_Ns_per_m) {
+    int count = 0;
+    for (const GridHand& hand : HandGrid()) {
+      if (hand.stiffness_N_per_m > 3000.0) continue;
+      AdmittanceLoopParams loop = Loop(hand, 1.2, share);
+      loop.damping_Ns_per_m = damping_Ns_per_m;
+      if (AdmittanceLoop(loop).SpectralRadius() >= 1.0) ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(unstable_hands(0.0, 20.0), 0);
+  EXPECT_GT(unstable_hands(0.7, 20.0), 0) << "it costs drag";
+  EXPECT_EQ(unstable_hands(0.7, 30.0), 0);
+  EXPECT_EQ(unstable_hands(0.7 * 1.25, 30.0), 0) << "with margin";
+  EXPECT_GT(unstable_hands(1.0, 30.0), 0);
+  EXPECT_EQ(unstable_hands(1.0, 150.0), 0) << "a cell with more drag stands the whole";
+}
+
+}  // namespace
+}  // namespace osteon::hil
