@@ -79,6 +79,11 @@ CellCommands::CellCommands(CLI::App& app)
                    "real-time threads share it")
       ->check(NumberWithin(0, rt::kMaxCpu));
   AddFidelityOptions(*run_, operate_.fidelity);
+  run_->add_option("--engine", operate_.engine,
+                   "the cutting engine; auto: Vulkan on a GPU, the CPU engine elsewhere; cpu: one thread, no "
+                   "GPU")
+      ->check(OneOf({"auto", "vulkan", "cpu"}))
+      ->capture_default_str();
   run_->add_option("--device", operate_.device,
                    "the Vulkan device: part of its name, as `osteon doctor` lists it")
       ->type_name("NAME");

@@ -9,6 +9,7 @@
 #include "base/realtime_thread.h"
 #include "config/reading/load.h"
 #include "session/setup/cell_setup.h"
+#include "session/setup/engine_choice.h"
 
 namespace osteon::app {
 
@@ -47,8 +48,9 @@ DemoCommand::DemoCommand(CLI::App& app)
       ->type_name("NAME");
   sub_->add_option(
           "--engine", options_.engine,
-          "the cutting engine; reference computes in double precision, slowly, and in virtual time only")
-      ->check(OneOf({"vulkan", "reference"}))
+          "the cutting engine; auto: Vulkan on a GPU, the CPU engine elsewhere; cpu: one thread, no GPU; "
+          "reference: plain double precision, slow, virtual time only")
+      ->check(OneOf(EngineNames()))
       ->capture_default_str();
   sub_->add_option("--cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")

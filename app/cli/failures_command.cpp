@@ -4,6 +4,7 @@
 
 #include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
+#include "session/setup/engine_choice.h"
 #include "studies/failures/failure.h"
 #include "studies/faults/fault_table.h"
 #include "studies/kill/kill_table.h"
@@ -42,8 +43,10 @@ FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")
   sub_->add_option("--device", options_.device,
                    "the Vulkan device: part of its name, as `osteon doctor` lists it")
       ->type_name("NAME");
-  sub_->add_option("--engine", options_.engine, "the engine that must keep the bounds; reference is slow")
-      ->check(OneOf({"vulkan", "reference"}))
+  sub_->add_option("--engine", options_.engine,
+                   "the engine that must keep the bounds; auto: Vulkan on a GPU, the CPU engine elsewhere; "
+                   "reference is slow")
+      ->check(OneOf(EngineNames()))
       ->capture_default_str();
   sub_->add_flag("--quick", options_.quick, "small scenes, as in the tests: seconds instead of minutes");
   std::string list = "Scenarios:\n";
@@ -61,11 +64,19 @@ FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")
 
 int FailuresCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
   if (tables_.faults) return RunFaultTable({.json = options_.json});
-  if (tables_.kill)
+  if (tables_.kill) {
+    if (options_.engine == "reference") {
+      fmt::print(
+          stderr,
+          "osteon failures: --engine reference: found --kill, accepted without it: too slow for wall time\n");
+      return 2;
+    }
     return RunKillTable({.config_root = config_root,
                          .times = tables_.times,
                          .json = options_.json,
+                         .engine = options_.engine,
                          .device = options_.device});
+  }
   options_.command_line = command_line;
   return RunFailures(options_);
 }

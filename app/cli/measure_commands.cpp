@@ -23,12 +23,19 @@ CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
   sub->add_option("--tool-spheres", options.tool_spheres, "spheres of the tool's head; 1: one analytic ball")
       ->check(NumberWithin(1, 10'000))
       ->capture_default_str();
-  sub->add_option("--method", options.method, "the cutting method")
-      ->check(OneOf(MethodNames()))
-      ->capture_default_str();
-  sub->add_option("--compare", options.compare,
-                  "a second method, timed in turn with the first, frame by frame")
-      ->check(OneOf(MethodNames()));
+  auto* method = sub->add_option("--method", options.method, "the cutting method; ours: on Vulkan");
+  method->check(OneOf(MethodNames()))->capture_default_str();
+  auto* compare = sub->add_option("--compare", options.compare,
+                                  "a second method, timed in turn with the first, frame by frame");
+  compare->check(OneOf(MethodNames()));
+  sub->add_option("--engines", options.engines,
+                  "instead of --method: cutting engines, timed in turn, frame by frame; separated by commas")
+      ->check(OneOf({"vulkan", "cpu", "reference"}))
+      ->delimiter(',')
+      ->expected(1)
+      ->take_all()
+      ->excludes(method)
+      ->excludes(compare);
   sub->add_option("--device", options.device,
                   "the Vulkan device: part of its name, as `osteon doctor` lists it")
       ->type_name("NAME");
@@ -47,7 +54,8 @@ CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
       "A time is the wall time from submission to result; the rate is one over the median.\n\n"
       "Examples:\n  osteon bench frame\n  osteon bench frame --spheres 1000000 --json frame.json\n"
       "  osteon bench frame --spheres 300000 --tool-spheres 1000 --compare brute --frames 50\n"
-      "  osteon bench frame --scene molar --spheres 36000 --tool-spheres 200");
+      "  osteon bench frame --scene molar --spheres 36000 --tool-spheres 200\n"
+      "  osteon bench frame --engines cpu,vulkan --spheres 300000 --json engines.json");
   return sub;
 }
 

@@ -39,8 +39,11 @@ PlanCommand::PlanCommand(CLI::App& app) : sub_(AddStudy(app, "plan")) {
                    "or a YAML file")
       ->type_name("TOOL");
   sub_->add_flag("--check", o.check, "carry the plan out and measure what it predicts");
-  sub_->add_option("--device", o.request.device,
-                   "the Vulkan device: part of its name, as `osteon doctor` lists it")
+  sub_->add_option("--engine", engine_,
+                   "the cutting engine that is timed; auto: Vulkan on a GPU, the CPU engine elsewhere")
+      ->check(OneOf({"auto", "vulkan", "cpu"}))
+      ->capture_default_str();
+  sub_->add_option("--device", device_, "the Vulkan device: part of its name, as `osteon doctor` lists it")
       ->type_name("NAME");
   sub_->add_option("--json", o.json, "also write the plan there, as JSON")->type_name("FILE");
   sub_->footer(
@@ -58,6 +61,7 @@ PlanCommand::PlanCommand(CLI::App& app) : sub_(AddStudy(app, "plan")) {
 int PlanCommand::Run(const std::filesystem::path& config_root) {
   options_.choice.config_root = config_root;
   options_.request.error_m = 1e-3 * error_mm_;
+  options_.request.engine = ChooseEngine(engine_, device_);
   if (!cup_.empty()) {
     const auto site = ParseCup(cup_);
     if (!site) return Fail("plan", site.error());

@@ -21,7 +21,7 @@ class PlanCommand {
  private:
   PlanOptions options_;
   double error_mm_{0.0};
-  std::string cell_, tool_, cup_;
+  std::string cell_, tool_, cup_, engine_{"auto"}, device_;
   CLI::App* sub_;
 };
 

@@ -55,7 +55,7 @@ double UniformBalls(const PlanScene& scene, const simulation::DepthVolumes& volu
 
 /// Two packings of one kind, with their times.
 struct Calibration {
-  std::string device;
+  std::string engine, device;
   std::vector<PackedLevel> others;
   std::vector<simulation::FrameGroup> groups;
   double reach_ratio{1.0};  ///< balls that a frame worked on, over the balls within reach before the cut
@@ -75,8 +75,9 @@ tl::expected<Calibration, std::string> Calibrate(const PlanScene& scene, const P
   std::vector<PackedLevel>& others = calibration.others;
   for (const double factor : factors)
     others.push_back(Packed(scene, simulation::Scaled(level, factor, scene.cut)));
-  const auto runs = RunLevels(scene, others, tool, request.device, request.rounds);
+  const auto runs = RunLevels(scene, others, tool, request.engine, request.rounds);
   if (!runs) return tl::make_unexpected(runs.error());
+  calibration.engine = runs->front().engine;
   calibration.device = runs->front().device;
   double ratios = 0.0;
   for (std::size_t i = 0; i < others.size(); ++i) {
@@ -95,6 +96,7 @@ void Pack(FidelityPlan& plan, const PlanScene& scene, const PackingLevel& level)
 
 /// Predicts the frame time of the packed level.
 void Time(FidelityPlan& plan, const PlanScene& scene, const Calibration& calibration) {
+  plan.engine = calibration.engine;
   plan.device = calibration.device;
   plan.others = calibration.others;
   plan.calibration = calibration.groups;
@@ -205,7 +207,7 @@ tl::expected<PlanCheck, std::string> CheckPlan(const PlanScene& scene, const Pla
                                                const FidelityPlan& plan) {
   std::vector<PackedLevel> levels{plan.packed};
   levels.insert(levels.end(), plan.others.begin(), plan.others.end());
-  const auto runs = RunLevels(scene, levels, plan.tool, request.device, request.rounds);
+  const auto runs = RunLevels(scene, levels, plan.tool, request.engine, request.rounds);
   if (!runs) return tl::make_unexpected(runs.error());
   const LevelRun& run = runs->front();
   const simulation::CutAccuracy cut = MeasureLevel(scene, plan.packed, run, plan.leak_probe_m);

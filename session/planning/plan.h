@@ -16,8 +16,8 @@ namespace osteon::app {
 struct PlanRequest {
   double error_m{0.1e-3};  ///< mean depth by which a cut may differ from its sweep
   double rate_hz{1000.0};
-  std::string device;  ///< part of a Vulkan device's name
-  int rounds{3};       ///< number of times that the scene's cut is timed
+  EngineChoice engine;  ///< that is timed
+  int rounds{3};        ///< number of times that the scene's cut is timed
   /// False: plan by the closed forms alone, alike on any machine; no frame times, the rate is ignored.
   bool timed{true};
 };
@@ -30,7 +30,7 @@ struct UnmetDemand {
 
 /// The coarsest model that meets the demands, and its predicted figures.
 struct FidelityPlan {
-  std::string device;
+  std::string engine, device;  ///< that was timed; empty where none was
   PackedLevel packed;
   simulation::Tool tool;
   double tool_gap_m{0.0};  ///< mean gap between its cutting surface and the scene tool's
@@ -85,7 +85,7 @@ struct CoarserZones {
                                                      double max_us);
 
 /// Makes the plan. @param say  receives progress text; may be empty
-/// @returns an error if there is no device, or no packing serves at all.
+/// @returns an error if the engine can't be made, or no packing serves at all.
 [[nodiscard]] tl::expected<FidelityPlan, std::string> MakePlan(
     const PlanScene& scene, const PlanRequest& request,
     const std::function<void(const std::string&)>& say = {});

@@ -8,7 +8,6 @@
 #include "base/interrupt.h"
 #include "base/realtime_thread.h"
 #include "base/text.h"
-#include "gpu/engine/vulkan_engine.h"
 #include "session/planning/pack_source.h"
 #include "session/planning/run_queue_watch.h"
 #include "simulation/fidelity/frame_workload.h"
@@ -100,20 +99,19 @@ tl::expected<PlanScene, std::string> LoadPlanScene(const PlanChoice& choice) {
 tl::expected<std::vector<LevelRun>, std::string> RunLevels(const PlanScene& scene,
                                                            const std::vector<PackedLevel>& levels,
                                                            const simulation::Tool& tool,
-                                                           const std::string& device, int rounds) {
+                                                           const EngineChoice& choice, int rounds) {
   rt::KeepCpusAwake();
   std::vector<LevelRun> runs(levels.size());
   for (int round = 0; round < rounds; ++round) {
-    std::vector<std::unique_ptr<gpu::VulkanEngine>> engines;
+    std::vector<std::unique_ptr<simulation::CuttingEngine>> engines;
     for (const PackedLevel& packed : levels) {
       simulation::Bone bone;
       bone.name = scene.name;
       bone.balls = packed.balls;
       bone.points = scene.points;
       bone.materials = scene.materials;
-      auto made = gpu::VulkanEngine::Create(
-          bone, tool, Pose::Identity(),
-          simulation::CuttingForLevel(packed.level, scene.cut, scene.work.cutting), {.device = device});
+      auto made = MakeEngine(choice, bone, tool, Pose::Identity(),
+                             simulation::CuttingForLevel(packed.level, scene.cut, scene.work.cutting));
       if (!made) return tl::make_unexpected(made.error());
       engines.push_back(std::move(*made));
     }
@@ -124,7 +122,7 @@ tl::expected<std::vector<LevelRun>, std::string> RunLevels(const PlanScene& scen
       const std::size_t end = std::min(begin + kTurn, scene.work.frames.size());
       for (std::size_t i = 0; i < engines.size(); ++i) {
         const std::size_t which = (i + begin / kTurn) % engines.size();
-        gpu::VulkanEngine& engine = *engines[which];
+        simulation::CuttingEngine& engine = *engines[which];
         LevelRun& run = runs[which];
         for (std::size_t k = begin; k < end; ++k) {
           simulation::ContactModel model;
@@ -135,7 +133,7 @@ tl::expected<std::vector<LevelRun>, std::string> RunLevels(const PlanScene& scen
             return tl::make_unexpected("a frame was refused, or the device is lost");
           if (model.contact_count > 0 && k < scene.work.cut_end && k >= begin + kSettle)
             run.frames.push_back({.us = us,
-                                  .active_balls = static_cast<double>(engine.LastFrameStats().active_balls),
+                                  .active_balls = ActiveBalls(engine, levels[which].balls.size()),
                                   .waited_us = waited_us});
           if (k >= scene.work.feel_begin)
             run.felt.push_back({.f_N = Vector3(model.F_T_W.f), .t_Nm = Vector3(model.F_T_W.t)});
@@ -143,6 +141,7 @@ tl::expected<std::vector<LevelRun>, std::string> RunLevels(const PlanScene& scen
       }
     }
     for (std::size_t i = 0; i < engines.size(); ++i) {
+      runs[i].engine = engines[i]->name();
       runs[i].device = engines[i]->device();
       runs[i].left = simulation::LiveBalls(engines[i]->Snapshot());
     }

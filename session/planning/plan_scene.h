@@ -9,6 +9,7 @@
 #include <tl/expected.hpp>
 
 #include "config/reading/load.h"
+#include "session/setup/engine_choice.h"
 #include "simulation/fidelity/accuracy.h"
 #include "simulation/fidelity/arm_level.h"
 #include "simulation/fidelity/frame_cost.h"
@@ -58,23 +59,23 @@ struct PackedLevel {
 
 /// The frames of an engine that carved one fineness along the scene's cut.
 struct LevelRun {
-  std::string device;
+  std::string engine, device;
   std::vector<simulation::FrameSample> frames;  ///< only frames of the cut in which the tool touched
   /// Measured after the cut, with the tool pressed off its path.
   std::vector<simulation::FeltForce> felt;
   std::vector<simulation::Ball> left;
 };
 
-/// Runs the scene's cut on Vulkan at several finenesses. The CPUs are kept awake as in a run
+/// Runs the scene's cut on one engine at several finenesses. The CPUs are kept awake as in a run
 /// (rt::KeepCpusAwake). Frames of the finenesses alternate in short turns, so that other load on the machine
 /// affects all alike; the first frames of a turn, with another engine's data in the caches, do not count.
 /// @param tool    replaces the scene's own
-/// @param device  part of a Vulkan device's name
+/// @param choice  of the engine; one for each fineness
 /// @param rounds  number of times that the whole cut runs; forces and remaining balls are those of the last
-/// @returns an error if there is no such device, a frame was refused, or Ctrl-C came.
+/// @returns an error if an engine can't be made, a frame was refused, or Ctrl-C came.
 [[nodiscard]] tl::expected<std::vector<LevelRun>, std::string> RunLevels(
     const PlanScene& scene, const std::vector<PackedLevel>& levels, const simulation::Tool& tool,
-    const std::string& device, int rounds);
+    const EngineChoice& choice, int rounds);
 
 /// Compares a level's cut with the exact sweep of the scene's whole tool.
 /// @param probe_m  radius of the ball that probes the remaining bone

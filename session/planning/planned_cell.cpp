@@ -23,7 +23,7 @@ std::optional<simulation::FidelityRequest> Asked(const CellSetup& setup, const F
 }  // namespace
 
 tl::expected<void, std::string> PackCell(CellSetup& setup, const FidelityChoice& choice,
-                                         const std::string& device, bool timed,
+                                         const EngineChoice& engine, bool timed,
                                          const std::function<void(const std::string&)>& say) {
   if (!setup.solid && (choice.error_m || choice.rate_hz))
     return tl::make_unexpected(
@@ -37,7 +37,7 @@ tl::expected<void, std::string> PackCell(CellSetup& setup, const FidelityChoice&
   const simulation::SceneSolid solid{.name = setup.bone.name, .solid = setup.solid, .site = setup.bone.site};
   auto planned = std::make_shared<PlannedCell>();
   planned->request = {
-      .error_m = asked->error_m, .rate_hz = asked->rate_hz, .device = device, .rounds = 1, .timed = timed};
+      .error_m = asked->error_m, .rate_hz = asked->rate_hz, .engine = engine, .rounds = 1, .timed = timed};
   try {
     planned->scene = MakePlanScene(solid, setup.config.scene, setup.config, setup.cell_name);
   } catch (const std::invalid_argument& error) {

@@ -28,12 +28,12 @@ struct PlannedCell {
 /// Packs the bone of a prepared cell as coarsely as its error and rate allow (plan.h), and sets the cell's
 /// tool and cutting to the plan's. Uses the scene's own packing if the choice says so, or if neither scene
 /// nor choice demands anything. A loaded bone stays.
-/// @param timed  measure frame times on the device first; false: the closed forms alone decide, alike on any
+/// @param timed  measure frame times of the engine first; false: the closed forms alone decide, alike on any
 /// machine
 /// @returns an error if the plan fails, or if an error or a rate is demanded of a loaded bone or of a scene
 /// that is cut along neither cup nor path.
 [[nodiscard]] tl::expected<void, std::string> PackCell(
-    CellSetup& setup, const FidelityChoice& choice, const std::string& device, bool timed,
+    CellSetup& setup, const FidelityChoice& choice, const EngineChoice& engine, bool timed,
     const std::function<void(const std::string&)>& say = {});
 
 /// The plan in one line, for summary and recording.

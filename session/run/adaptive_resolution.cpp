@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "base/realtime_thread.h"
-#include "gpu/engine/vulkan_engine.h"
 #include "simulation/tools/tool_path.h"
 
 namespace osteon::app {
@@ -103,8 +102,7 @@ void AdaptiveResolution::PackCoarser(Making& making) {
   const auto engine_of = [&](const Pose& X_WG, simulation::RemovalLaw law) {
     simulation::CuttingParams cutting = simulation::CuttingForLevel(level, scene.cut, setup_.config.cutting);
     cutting.law = law;
-    return gpu::VulkanEngine::Create(bone, setup_.config.tool.tool, X_WG, cutting,
-                                     {.device = params_.device});
+    return MakeEngine(params_.engine, bone, setup_.config.tool.tool, X_WG, cutting);
   };
   try {
     bone = setup_.bone;
@@ -172,12 +170,12 @@ std::string AdaptiveResolution::TakeNotice() { return std::exchange(notice_, std
 void AdaptiveResolution::Say(std::string text) { notice_ += (notice_.empty() ? "" : "; ") + std::move(text); }
 
 std::unique_ptr<AdaptiveResolution> MakeAdaptiveResolution(const CellSetup& setup,
-                                                           const std::string& device) {
+                                                           const EngineChoice& engine) {
   if (!setup.planned || !setup.planned->request.timed) return nullptr;
   for (const UnmetDemand& demand : setup.planned->plan.unmet)
     if (demand.what == "rate") return nullptr;
   return std::make_unique<AdaptiveResolution>(
-      setup, AdaptiveResolutionParams{.rate_hz = setup.planned->request.rate_hz, .device = device});
+      setup, AdaptiveResolutionParams{.rate_hz = setup.planned->request.rate_hz, .engine = engine});
 }
 
 std::string RezonedText(const Rezoned& rezoned) {

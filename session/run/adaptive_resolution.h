@@ -19,7 +19,7 @@ struct AdaptiveResolutionParams {
   double rate_hz{250.0};     ///< to be kept by the median frame
   std::size_t window{200};   ///< frames in contact for the median
   double within_ratio{0.9};  ///< part of the permitted frame time that a coarser packing may take
-  std::string device;        ///< part of a Vulkan device's name
+  EngineChoice engine;       ///< of the coarser packing
   /// Make the new packing in the calling thread, between two frames: for virtual time.
   bool at_once{false};
 };
@@ -91,7 +91,7 @@ class AdaptiveResolution {
 /// Makes the adaptive resolution of a cell with a timed plan; null for any other, and if the plan has given
 /// up the rate: then no coarser packing reaches it.
 [[nodiscard]] std::unique_ptr<AdaptiveResolution> MakeAdaptiveResolution(const CellSetup& setup,
-                                                                         const std::string& device);
+                                                                         const EngineChoice& engine);
 
 /// Describes the change in one line.
 [[nodiscard]] std::string RezonedText(const Rezoned& rezoned);

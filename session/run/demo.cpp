@@ -148,15 +148,17 @@ int RunDemo(const DemoOptions& options) {
   const auto first_port = UseSimulated(setup->config, options.port);
   if (!first_port) return Fail("demo", first_port.error());
   const bool timed = !options.virtual_time;
+  const EngineChoice choice = ChooseEngine(options.engine, options.device);
   PhaseProgress planning("osteon demo", timed ? 2 : 1, false);
-  if (const auto packed = PackCell(*setup, options.fidelity, options.device, timed,
+  if (const auto packed = PackCell(*setup, options.fidelity, choice, timed,
                                    [&](const std::string& phase) { planning.BeginPhase("plan: " + phase); });
       !packed)
     return Fail("demo", packed.error());
   planning.Done();
-  auto engine = MakeEngine(*setup, options.engine, options.device);
+  auto engine = MakeEngine(*setup, choice);
   if (!engine) return Fail("demo", engine.error());
-  const auto adaptive_resolution = MakeAdaptiveResolution(*setup, options.device);
+  const auto adaptive_resolution = MakeAdaptiveResolution(*setup, choice);
+  fmt::print(stderr, "osteon demo: engine: {}\n", EngineText(choice, (*engine)->device()));
 
   if (!setup->solid && setup->config.scene.events.min_wall_m > 0.0)
     fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",

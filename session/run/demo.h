@@ -21,9 +21,9 @@ struct DemoOptions {
   FidelityChoice fidelity{};                 ///< how fine the bone is
   bool virtual_time{false};
   std::optional<double>
-      frame_ms{};  ///< virtual time: duration of a frame; absent: the default of CellRunParams
-  std::string device{};
-  std::string engine{"vulkan"};
+      frame_ms{};              ///< virtual time: duration of a frame; absent: the default of CellRunParams
+  std::string device{};        ///< part of a Vulkan device's name
+  std::string engine{"auto"};  ///< one of EngineNames
   std::optional<std::uint16_t> port{};  ///< replaces the cell's
   int cpu{-1};                   ///< for servo thread and simulated arm; all others stay off it; -1: any
   std::filesystem::path json{};  ///< a second copy of summary.json

@@ -116,15 +116,17 @@ int RunOperate(const OperateOptions& asked) {
     if (const std::string wrong = UseSimulatedWires(setup->config, options.port); !wrong.empty())
       return Fail("run", wrong);
   }
+  const EngineChoice choice = ChooseEngine(options.engine, options.device);
   PhaseProgress planning("osteon run", 2, false);
-  if (const auto packed = PackCell(*setup, options.fidelity, options.device, true,
+  if (const auto packed = PackCell(*setup, options.fidelity, choice, true,
                                    [&](const std::string& phase) { planning.BeginPhase("plan: " + phase); });
       !packed)
     return Fail("run", packed.error());
   planning.Done();
-  auto engine = MakeEngine(*setup, "vulkan", options.device);
+  auto engine = MakeEngine(*setup, choice);
   if (!engine) return Fail("run", engine.error());
-  const auto adaptive_resolution = MakeAdaptiveResolution(*setup, options.device);
+  const auto adaptive_resolution = MakeAdaptiveResolution(*setup, choice);
+  fmt::print(stderr, "osteon run: engine: {}\n", EngineText(choice, (*engine)->device()));
   if (setup->planned) fmt::print(stderr, "osteon run: packing: {}\n", PlannedText(*setup->planned));
   PrintRegistration(setup->config);
   PrintWires(setup->config);

@@ -8,9 +8,7 @@
 #include <fmt/format.h>
 
 #include "config/reading/load.h"
-#include "gpu/engine/vulkan_engine.h"
 #include "session/setup/recorded_config.h"
-#include "simulation/engine/reference_engine.h"
 #include "simulation/packing/packing_file.h"
 #include "simulation/solids/cup_frame.h"
 
@@ -132,16 +130,8 @@ void PackAsScene(CellSetup& setup) {
 }
 
 tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(const CellSetup& setup,
-                                                                                 const std::string& engine,
-                                                                                 const std::string& device) {
-  const config::CellConfig& config = setup.config;
-  if (engine == "reference")
-    return std::make_unique<simulation::ReferenceEngine>(setup.bone, config.tool.tool, setup.X_WG,
-                                                         config.cutting);
-  auto made =
-      gpu::VulkanEngine::Create(setup.bone, config.tool.tool, setup.X_WG, config.cutting, {.device = device});
-  if (!made) return tl::make_unexpected(made.error());
-  return std::unique_ptr<simulation::CuttingEngine>(std::move(*made));
+                                                                                 const EngineChoice& choice) {
+  return MakeEngine(choice, setup.bone, setup.config.tool.tool, setup.X_WG, setup.config.cutting);
 }
 
 }  // namespace osteon::app

@@ -10,6 +10,7 @@
 #include "config/reading/cell_config.h"
 #include "config/reading/load.h"
 #include "io/recording/messages.h"
+#include "session/setup/engine_choice.h"
 #include "simulation/bone/bone.h"
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/solids/solid.h"
@@ -57,8 +58,8 @@ struct CellSetup {
 /// Packs a prepared cell's bone by the scene's own `packing`. A loaded bone stays.
 void PackAsScene(CellSetup& setup);
 
-/// @param engine  "vulkan" or "reference";  @param device  part of a Vulkan device's name, or empty
+/// Makes the engine for the cell's bone and tool.
 [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(
-    const CellSetup& setup, const std::string& engine, const std::string& device);
+    const CellSetup& setup, const EngineChoice& choice);
 
 }  // namespace osteon::app

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "simulation/contact/constrained_goal.h"
 #include "simulation/contact/cutting_math.h"
@@ -34,11 +35,15 @@ struct Faces {
 Faces FindFaces(const CuttingParams& params, const Candidates& candidates, const ConstrainedGoal& hold,
                 const ContactMemory& memory) {
   Faces faces;
-  // strongest first, so that a new face forms around the plane that holds most
+  // Strongest first, so that a new face forms around the plane that holds most. Insertion in place:
+  // std::stable_sort allocates.
   std::array<int, 4> order{0, 1, 2, 3};
-  std::stable_sort(order.begin(), order.begin() + hold.count, [&](int a, int b) {
-    return hold.multiplier_m[static_cast<std::size_t>(a)] > hold.multiplier_m[static_cast<std::size_t>(b)];
-  });
+  const auto multiplier = [&](std::size_t place) {
+    return hold.multiplier_m[static_cast<std::size_t>(order[place])];
+  };
+  for (std::size_t k = 1; k < static_cast<std::size_t>(hold.count); ++k)
+    for (std::size_t j = k; j > 0 && multiplier(j) > multiplier(j - 1); --j)
+      std::swap(order[j], order[j - 1]);
   for (int k = 0; k < hold.count; ++k) {
     const auto i = static_cast<std::size_t>(order[static_cast<std::size_t>(k)]);
     const NearPair& pair = candidates.pairs[hold.plane[i]];

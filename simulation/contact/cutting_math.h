@@ -16,6 +16,19 @@ namespace osteon::simulation {
 /// Marks a path without contact: larger than any fraction.
 inline constexpr double kNoContact = 2.0;
 
+/// The matrix as floats hold it, again in double precision: what a device is given.
+/// The float is volatile because GCC 12 otherwise drops both conversions where it vectorises the product that
+/// follows, from -O2 on with Eigen's cast<float>().cast<double>(), at -O3 with a plain loop as well.
+[[nodiscard]] inline Matrix3 RoundToFloat(const Matrix3& m) {
+  Matrix3 rounded;
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) {
+      const volatile float value = static_cast<float>(m(row, column));
+      rounded(row, column) = static_cast<double>(value);
+    }
+  return rounded;
+}
+
 /// Pass 1. Fraction of a tool ball's path at which it first touches a bone ball (equation 3).
 ///
 ///     s = [ D·m - sqrt((D·m)^2 - m^2 (D^2 - R^2)) ] / m^2

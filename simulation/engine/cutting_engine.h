@@ -96,7 +96,7 @@ class CuttingEngine {
   ///   then.
   virtual void Restore(const CarvedState& state) = 0;
 
-  /// "reference" or "vulkan".
+  /// "reference", "vulkan" or "cpu".
   [[nodiscard]] virtual std::string name() const = 0;
   /// The hardware or driver that it runs on, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)".
   [[nodiscard]] virtual std::string device() const = 0;

@@ -15,18 +15,6 @@ namespace {
 
 constexpr std::size_t kEveryBall = std::numeric_limits<std::size_t>::max();
 
-// The matrix as floats hold it. Each float is volatile because GCC 12 otherwise drops both conversions where
-// it vectorises the product that follows: from -O2 on with Eigen's cast<float>().cast<double>(), at -O3 with
-// a plain loop as well.
-Matrix3 RoundToFloat(const Matrix3& m) {
-  Matrix3 rounded;
-  for (int i = 0; i < 9; ++i) {
-    const volatile float value = static_cast<float>(m.data()[i]);
-    rounded.data()[i] = static_cast<double>(value);
-  }
-  return rounded;
-}
-
 std::vector<BallState> StatesOf(const std::vector<Ball>& balls) {
   std::vector<BallState> states;
   states.reserve(balls.size());

@@ -36,12 +36,32 @@ nlohmann::json TimingJson(const FrameTiming& timing) {
   return json;
 }
 
-std::string Row(const FrameTiming& timing) {
+// The engine's name of a method; other methods keep theirs.
+std::string EngineOfMethod(const std::string& method) { return method == "ours" ? "vulkan" : method; }
+
+std::string Row(const std::string& name, const FrameTiming& timing) {
   const simulation::TimeFigures& us = timing.frame_us;
-  return fmt::format("{:<14} {:>7} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.0f} {:>9}\n",
-                     timing.method, timing.frames, us.p50_us, us.p95_us, us.p99_us, us.p999_us, us.max_us,
-                     timing.rate_hz(),
+  return fmt::format("{:<14} {:>7} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.0f} {:>9}\n", name,
+                     timing.frames, us.p50_us, us.p95_us, us.p99_us, us.p999_us, us.max_us, timing.rate_hz(),
                      timing.active_spheres_mean ? fmt::format("{:.0f}", *timing.active_spheres_mean) : "-");
+}
+
+// Prints the times of engines that were timed in turn, relative to the first. @returns them as JSON
+nlohmann::json CompareEngines(const std::vector<FrameTiming>& timings) {
+  nlohmann::json engines = nlohmann::json::array();
+  const FrameTiming& first = timings.front();
+  for (const FrameTiming& timing : timings) {
+    nlohmann::json json = TimingJson(timing);
+    json["engine"] = EngineOfMethod(timing.method);
+    json["ratio"] = timing.frame_us.p50_us / first.frame_us.p50_us;
+    json["ratio_p999"] = timing.frame_us.p999_us / first.frame_us.p999_us;
+    engines.push_back(json);
+    if (&timing == &first) continue;
+    fmt::print("\n{} on {} takes {:.2f} times as long as {} (99.9th percentile {:.2f} times)\n",
+               EngineOfMethod(timing.method), timing.device, json["ratio"].get<double>(),
+               EngineOfMethod(first.method), json["ratio_p999"].get<double>());
+  }
+  return engines;
 }
 
 int Run(const BenchFrameOptions& options) {
@@ -66,6 +86,9 @@ int Run(const BenchFrameOptions& options) {
                            .voxel_m = 1e-3 * options.voxel_mm,
                            .progress = [&](const std::string& phase) { progress.BeginPhase(phase); }};
   if (!options.compare.empty()) params.methods.push_back(options.compare);
+  if (!options.engines.empty()) params.methods.clear();
+  for (const std::string& engine : options.engines)
+    params.methods.push_back(engine == "vulkan" ? "ours" : engine);
   const auto timings = TimeFrames(work, params);
   progress.Done();
   if (!timings) return Fail("bench frame", timings.error(), kFailed);
@@ -78,7 +101,8 @@ int Run(const BenchFrameOptions& options) {
       work.cut_zone_m * 1e3, work.cut_zone_depth_m * 1e3, own.force_N, pack_s);
   fmt::print("{:<14} {:>7} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "method", "frames", "p50 us", "p95",
              "p99", "p99.9", "max", "rate Hz", "active");
-  for (const FrameTiming& timing : *timings) fmt::print("{}", Row(timing));
+  for (const FrameTiming& timing : *timings)
+    fmt::print("{}", Row(options.engines.empty() ? timing.method : EngineOfMethod(timing.method), timing));
   for (const auto& [pass, us] : own.pass_us) fmt::print("  {:<24} {:>9.1f} us\n", pass, us);
 
   nlohmann::json json = TimingJson(own);
@@ -94,7 +118,9 @@ int Run(const BenchFrameOptions& options) {
   json["hand_force_N"] = options.scene == "acetabulum" ? nlohmann::json(work.hand.force_N) : nlohmann::json();
   json["pack_seconds"] = pack_s;
   json["peak_memory_MB"] = PeakMemory_MB();
-  if (timings->size() > 1) {
+  if (!options.engines.empty()) {
+    json["engines"] = CompareEngines(*timings);
+  } else if (timings->size() > 1) {
     const FrameTiming& other = timings->back();
     const double ratio = other.frame_us.p50_us / own.frame_us.p50_us;
     fmt::print("\n{} takes {:.2f} times as long as {}\n", other.method, ratio, own.method);

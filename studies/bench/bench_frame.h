@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "studies/bench/frame_timing.h"
 
@@ -17,6 +18,8 @@ struct BenchFrameOptions {
   std::size_t tool_spheres{1};
   std::string method{"ours"};
   std::string compare{};  ///< a second method, timed in the same run; empty: none
+  /// Engines that are timed in turn instead of methods: "vulkan", "cpu", "reference"; empty: none.
+  std::vector<std::string> engines{};
   std::string device{};
   std::size_t frames{2000};
   double max_seconds{60.0};

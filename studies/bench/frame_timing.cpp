@@ -10,6 +10,8 @@
 #include "base/interrupt.h"
 #include "base/realtime_thread.h"
 #include "gpu/engine/vulkan_engine.h"
+#include "session/setup/engine_choice.h"
+#include "simulation/engine_cpu/cpu_engine.h"
 
 namespace osteon::app {
 namespace {
@@ -32,10 +34,9 @@ struct Runner {
 };
 
 std::optional<double> ActiveOf(const std::string& method, const CuttingEngine& engine, std::size_t spheres) {
-  if (method == "brute" || method == "reference") return static_cast<double>(spheres);
-  if (const auto* vulkan = dynamic_cast<const gpu::VulkanEngine*>(&engine))
-    return static_cast<double>(vulkan->LastFrameStats().active_balls);
-  return std::nullopt;
+  if (method == "brute") return static_cast<double>(spheres);
+  if (!SharesState(method)) return std::nullopt;
+  return ActiveBalls(engine, spheres);
 }
 
 tl::expected<std::unique_ptr<CuttingEngine>, std::string> EngineFor(const FrameWorkload& work,
@@ -71,21 +72,32 @@ tl::expected<Runner, std::string> StartedRunner(const FrameWorkload& work, const
   return Runner{.engine = std::move(*engine), .player = WorkloadPlayer(work), .last = {}, .times_us = {}};
 }
 
-// Measures the device's time by pass, from the same start.
+// Adds the last frame's time by pass or stage.
+void AddPassTimes(const CuttingEngine& engine, std::map<std::string, std::vector<double>>& times) {
+  if (const auto* vulkan = dynamic_cast<const gpu::VulkanEngine*>(&engine))
+    for (const gpu::PassTime& pass : vulkan->LastPassTimes()) times[pass.pass].push_back(pass.seconds * 1e6);
+  if (const auto* cpu = dynamic_cast<const simulation::CpuEngine*>(&engine)) {
+    const auto& stage_s = cpu->LastFrameStats().stage_s;
+    for (std::size_t i = 0; i < stage_s.size(); ++i)
+      times[simulation::NameOf(static_cast<simulation::CpuStage>(i))].push_back(stage_s[i] * 1e6);
+  }
+}
+
+// Measures the time by pass, from the same start.
 tl::expected<std::map<std::string, double>, std::string> TimePasses(const FrameWorkload& work,
                                                                     const FrameTimingParams& params,
                                                                     const std::string& method,
                                                                     const SeatedStart& start) {
   auto made = EngineFor(work, params, method, true);
   if (!made) return tl::unexpected(made.error());
-  auto& engine = dynamic_cast<gpu::VulkanEngine&>(**made);
+  CuttingEngine& engine = **made;
   engine.Restore(start.state);
   WorkloadPlayer player = start.player;
   ContactModel last = start.last;
   std::map<std::string, std::vector<double>> times;
   for (std::size_t k = 0; k < params.pass_frames && !player.AtEnd() && !Interrupted(); ++k) {
     last = engine.Step(player.Next(last));
-    for (const gpu::PassTime& pass : engine.LastPassTimes()) times[pass.pass].push_back(pass.seconds * 1e6);
+    AddPassTimes(engine, times);
   }
   std::map<std::string, double> medians;
   for (auto& [pass, us] : times) medians[pass] = simulation::FiguresOf(std::move(us)).p50_us;
@@ -111,9 +123,10 @@ FrameTiming Finish(const Runner& runner, const std::string& method, const FrameW
 }  // namespace
 
 tl::expected<SeatedStart, std::string> Seat(const FrameWorkload& work, const FrameTimingParams& params) {
-  auto runner = StartedRunner(work, params, "ours");
+  const std::string method = std::ranges::count(params.methods, "cpu") > 0 ? "cpu" : "ours";
+  auto runner = StartedRunner(work, params, method);
   if (!runner) return tl::unexpected(runner.error());
-  if (const auto prepared = PrepareRunner(*runner, "ours", params.max_seat_seconds); !prepared)
+  if (const auto prepared = PrepareRunner(*runner, method, params.max_seat_seconds); !prepared)
     return tl::unexpected(prepared.error());
   return SeatedStart{.state = runner->engine->Snapshot(), .player = runner->player, .last = runner->last};
 }
@@ -177,7 +190,7 @@ tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorklo
     timings.push_back(Finish(runners[i], params.methods[i], work));
 
   for (std::size_t i = 0; i < runners.size() && params.pass_frames > 0; ++i) {
-    if (params.methods[i] != "ours") continue;
+    if (params.methods[i] != "ours" && params.methods[i] != "cpu") continue;
     say("time by pass");
     auto passes = TimePasses(work, params, params.methods[i], *start);
     if (!passes) return tl::unexpected(passes.error());

@@ -21,7 +21,7 @@ struct FrameTimingParams {
   std::size_t frames{2000};        ///< to time
   double max_seconds{60.0};        ///< of timing; at least 20 frames
   double max_seat_seconds{600.0};  ///< limit for seating the tool; beyond it, seating fails
-  std::size_t pass_frames{200};    ///< frames of a second run with the device's time by pass; 0: none
+  std::size_t pass_frames{200};    ///< frames of a second run that measures each pass or stage; 0: none
   double voxel_m{0.25e-3};         ///< of the methods that have voxels
   /// Receives progress text; may be empty.
   std::function<void(const std::string&)> progress;
@@ -42,7 +42,7 @@ struct FrameTiming {
   [[nodiscard]] double rate_hz() const { return frame_us.p50_us > 0.0 ? 1e6 / frame_us.p50_us : 0.0; }
 };
 
-/// The start of the timing, as "ours" has carved it.
+/// The start of the timing, as the CPU engine has carved it where it is timed, and "ours" elsewhere.
 struct SeatedStart {
   simulation::CarvedState state;
   simulation::WorkloadPlayer player;
@@ -53,7 +53,7 @@ struct SeatedStart {
 
 /// Times the methods' frames on one workload, in this process and alternating frame by frame, so that other
 /// load on the machine affects all alike. The CPUs are kept awake as in a run (rt::KeepCpusAwake). Methods
-/// that share their state begin from the one that "ours" carved until the tool was seated; the others carve
+/// that share their state begin from the one that Seat carved until the tool was seated; the others carve
 /// their own. On Ctrl-C it ends early, with the frames so far.
 /// @param start  result of Seat on the same workload; null: made here if a method needs it
 [[nodiscard]] tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(

@@ -5,6 +5,7 @@
 
 #include "gpu/engine/vulkan_engine.h"
 #include "simulation/engine/reference_engine.h"
+#include "simulation/engine_cpu/cpu_engine.h"
 #include "simulation/methods/method.h"
 #include "simulation/removal/cut_metrics.h"
 
@@ -12,7 +13,7 @@ namespace osteon::app {
 
 const std::vector<std::string>& MethodNames() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all{"ours", "brute", "reference"};
+    std::vector<std::string> all{"ours", "brute", "cpu", "reference"};
     for (const simulation::Method method : simulation::kMethods) all.emplace_back(MethodName(method));
     return all;
   }();
@@ -20,7 +21,7 @@ const std::vector<std::string>& MethodNames() {
 }
 
 bool SharesState(const std::string& method) {
-  return method == "ours" || method == "brute" || method == "reference";
+  return method == "ours" || method == "brute" || method == "cpu" || method == "reference";
 }
 
 bool WantsDisjoint(const std::string& method) { return method == "paper" || method == "paper-printed"; }
@@ -34,6 +35,9 @@ tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeMethod
   try {
     if (choice.method == "reference")
       return std::make_unique<simulation::ReferenceEngine>(bone, tool, X_WG, cutting);
+    if (choice.method == "cpu")
+      return std::make_unique<simulation::CpuEngine>(
+          bone, tool, X_WG, cutting, simulation::CpuParams{.time_stages = choice.time_passes});
     for (const simulation::Method method : simulation::kMethods)
       if (choice.method == MethodName(method))
         return simulation::MakeMethod(method, bone, solid, tool, X_WG, cutting,

@@ -14,8 +14,9 @@
 
 namespace osteon::app {
 
-/// The names that `--method` accepts: ours (Vulkan), brute (the same engine without culling), reference
-/// (double precision), and the methods of comparison (simulation/methods/method.h).
+/// The names that `--method` accepts: ours (Vulkan), brute (the same engine without culling), cpu (one thread
+/// of the processor), reference (double precision), and the methods of comparison
+/// (simulation/methods/method.h).
 [[nodiscard]] const std::vector<std::string>& MethodNames();
 /// Whether the method works on our packings and their state: it can continue another such method's carving.
 [[nodiscard]] bool SharesState(const std::string& method);
@@ -28,7 +29,7 @@ struct MethodChoice {
   std::string method{"ours"};
   std::string device{};     ///< part of a Vulkan device's name
   double voxel_m{0.25e-3};  ///< edge of a voxel, and spacing of the tool's points
-  bool time_passes{false};  ///< Vulkan: timestamps between the passes
+  bool time_passes{false};  ///< measure the passes or stages of a frame
 };
 
 /// Makes an engine by its method's name, with the bone's frame G in W.

@@ -14,11 +14,10 @@
 #include "base/json_text.h"
 #include "base/phase_progress.h"
 #include "base/write_text.h"
-#include "gpu/engine/vulkan_engine.h"
 #include "session/process/exit_code.h"
+#include "session/setup/engine_choice.h"
 #include "session/summary/chart_files.h"
 #include "session/summary/summary.h"
-#include "simulation/engine/reference_engine.h"
 #include "studies/failures/page/failure_page.h"
 
 namespace osteon::app {
@@ -34,25 +33,20 @@ double Now_s() {
 /// Makes engines for "ours", and remembers their device.
 class Engines {
  public:
-  explicit Engines(const FailureOptions& options) : options_(options) {}
+  explicit Engines(const FailureOptions& options) : choice_(ChooseEngine(options.engine, options.device)) {}
 
   std::unique_ptr<simulation::CuttingEngine> Make(const simulation::Bone& bone, const simulation::Tool& tool,
                                                   const Pose& X_WG, const simulation::CuttingParams& params) {
-    std::unique_ptr<simulation::CuttingEngine> engine;
-    if (options_.engine == "reference") {
-      engine = std::make_unique<simulation::ReferenceEngine>(bone, tool, X_WG, params);
-    } else {
-      auto made = gpu::VulkanEngine::Create(bone, tool, X_WG, params, {.device = options_.device});
-      if (!made) throw std::runtime_error(made.error());
-      engine = std::move(*made);
-    }
-    device_ = engine->device();
-    return engine;
+    auto engine = MakeEngine(choice_, bone, tool, X_WG, params);
+    if (!engine) throw std::runtime_error(engine.error());
+    device_ = (*engine)->device();
+    return std::move(*engine);
   }
+  [[nodiscard]] const EngineChoice& choice() const { return choice_; }
   [[nodiscard]] const std::string& device() const { return device_; }
 
  private:
-  const FailureOptions& options_;
+  EngineChoice choice_;
   std::string device_;
 };
 
@@ -99,9 +93,9 @@ void PrintTable(const std::vector<FailureRun>& runs) {
 
 /// Writes a run's files. @returns an error that names the file.
 tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const std::vector<FailureRun>& runs,
-                                           const std::string& device) {
+                                           const EngineChoice& choice, const std::string& device) {
   if (!options.json.empty()) {
-    const auto written = WriteText(options.json, FailuresJson(runs, options.engine, device, options.quick));
+    const auto written = WriteText(options.json, FailuresJson(runs, choice.engine, device, options.quick));
     if (!written) return written;
   }
   if (options.out.empty()) return {};
@@ -112,7 +106,7 @@ tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const 
   for (const FailureRun& run : runs)
     entries.push_back(
         {.result = run.result, .passed = run.passed(), .error = run.error, .seconds = run.seconds});
-  const FailurePageHead head{.engine = options.engine,
+  const FailurePageHead head{.engine = choice.engine,
                              .device = device,
                              .command_line = options.command_line,
                              .version = OSTEON_VERSION,
@@ -175,7 +169,8 @@ int RunFailures(const FailureOptions& options) {
   simulation::Tool probe;
   probe.balls = {{.center_m = {}, .radius_m = 1e-3, .cutting = true}};
   try {
-    static_cast<void>(engines.Make(pebble, probe, Pose::Identity(), {}));
+    const auto tried = engines.Make(pebble, probe, Pose::Identity(), {});
+    fmt::print(stderr, "osteon failures: engine: {}\n", EngineText(engines.choice(), tried->device()));
   } catch (const std::exception& error) {
     return Fail("failures", error.what());
   }
@@ -207,7 +202,7 @@ int RunFailures(const FailureOptions& options) {
   progress.Done();
 
   if (!runs.empty()) PrintTable(runs);
-  if (const auto written = WriteFiles(options, runs, engines.device()); !written)
+  if (const auto written = WriteFiles(options, runs, engines.choice(), engines.device()); !written)
     return Fail("failures", written.error(), kFailed);
   if (Interrupted()) return kExitInterrupted;
   if (!options.out.empty()) fmt::print("report: {}\n", (options.out / "failures.html").string());

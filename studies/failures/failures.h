@@ -14,7 +14,7 @@ struct FailureOptions {
   std::filesystem::path markdown{};  ///< a page that shows the pictures of `out`; empty: none
   std::filesystem::path json{};      ///< empty: none
   std::string device{};              ///< part of a Vulkan device's name; empty: the best there is
-  std::string engine{"vulkan"};      ///< "ours": vulkan or reference
+  std::string engine{"auto"};        ///< "ours": one of EngineNames
   bool quick{false};                 ///< the tests' size: seconds instead of minutes
   std::string command_line{};        ///< the command that repeats the run
 };

@@ -118,6 +118,7 @@ int RunKillTable(const KillTableOptions& options) {
                                .push_N = kPush_N,
                                .limit_N = kLimit_N,
                                .folder = scratch.path(),
+                               .engine = options.engine,
                                .device = options.device,
                                .stop = [] { return Interrupted().load(); }};
   std::vector<KillRun> runs;

@@ -14,6 +14,7 @@ struct KillTableOptions {
   std::filesystem::path config_root;
   int times{20};                 ///< for each victim
   std::filesystem::path json{};  ///< empty: none
+  std::string engine{"auto"};    ///< one that `osteon run` accepts
   std::string device{};          ///< part of a Vulkan device's name
 };
 

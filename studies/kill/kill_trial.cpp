@@ -83,7 +83,7 @@ class Trial {
     if (!Until(kReady, [&] { return Says("cell", "Ctrl-C ends it") || cell_->Ended(); })) return false;
     guard_ = Start("guard", {"--json", "guard.json"});
     if (!Until(kReady, [&] { return Says("guard", "Ctrl-C ends it") || guard_->Ended(); })) return false;
-    std::vector<std::string> more{"--record", "run.mcap", "--json", "run.json"};
+    std::vector<std::string> more{"--record", "run.mcap", "--json", "run.json", "--engine", params_.engine};
     if (!params_.device.empty()) more.insert(more.end(), {"--device", params_.device});
     run_ = Start("run", more);
     return Until(kContact, [&] { return Full() || run_->Ended() || guard_->Ended() || cell_->Ended(); }) &&

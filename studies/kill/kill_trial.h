@@ -30,6 +30,7 @@ struct KillTrialParams {
   double push_N{0.0};            ///< force with which its hand presses
   double limit_N{0.0};           ///< limit for hand and coupling
   std::filesystem::path folder;  ///< existing folder for the files of the processes
+  std::string engine{"auto"};    ///< one that `osteon run` accepts
   std::string device{};          ///< part of a Vulkan device's name
   std::function<bool()> stop{};  ///< polled now and then; true ends the trial early
 };

@@ -91,6 +91,7 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
                       {"scene", scene.name},
                       {"cell", scene.cell_name},
                       {"tool", scene.work.tool.name},
+                      {"engine", plan.engine},
                       {"device", plan.device},
                       {"error_mm", request.error_m * 1e3},
                       {"rate_hz", request.rate_hz},
@@ -152,8 +153,9 @@ std::string PlanText(const PlanScene& scene, const PlanRequest& request, const F
                      const std::optional<PlanCheck>& check) {
   const Radii radii = RadiiOf(plan.packed.balls);
   const simulation::PackingLevel& level = plan.packed.level;
-  std::string text = fmt::format("Osteon plan: {}, {}, {:g} mm at {:g} Hz on {}\n", scene.name,
-                                 scene.work.tool.name, request.error_m * 1e3, request.rate_hz, plan.device);
+  std::string text =
+      fmt::format("Osteon plan: {}, {}, {:g} mm at {:g} Hz, {} on {}\n", scene.name, scene.work.tool.name,
+                  request.error_m * 1e3, request.rate_hz, plan.engine, plan.device);
   for (const SummaryRow& row : VerdictRows(Judge(plan, check))) text += Row(row.key.c_str(), row.value);
   text +=
       Row("packing", fmt::format("{}, {} spheres of {:.3f} to {:.2f} mm", simulation::KindName(level.kind),
@@ -221,6 +223,7 @@ int RunPlan(const PlanOptions& options) {
     check = std::move(*checked);
   }
   progress.Done();
+  fmt::print(stderr, "osteon plan: engine: {}\n", EngineText(options.request.engine, plan->device));
   fmt::print("{}", PlanText(*scene, options.request, *plan, check));
   if (!options.json.empty())
     if (const auto written = WriteText(

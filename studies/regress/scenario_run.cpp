@@ -52,7 +52,7 @@ tl::expected<CellSetup, std::string> SetUp(const config::ScenarioConfig& scenari
   if (!setup) return setup;
   // by the closed forms alone, whose results are the same on any machine
   if (const auto packed =
-          PackCell(*setup, {.as_packed = !scenario.planned, .error_m = {}, .rate_hz = {}}, "", false);
+          PackCell(*setup, {.as_packed = !scenario.planned, .error_m = {}, .rate_hz = {}}, {}, false);
       !packed)
     return tl::make_unexpected(packed.error());
   return setup;
@@ -66,9 +66,10 @@ tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> EngineOf(
       return std::make_unique<hil::PlaneEngine>(setup.config.tool.tool, X_WC.translation(),
                                                 X_WC.linear().col(2), setup.config.cutting);
     case config::ScenarioEngine::kReference:
-      return MakeEngine(setup, "reference", "");
+      // the reference engine's bits, in a fraction of its time
+      return MakeEngine(setup, {.engine = "cpu"});
     case config::ScenarioEngine::kVulkan:
-      return MakeEngine(setup, "vulkan", device);
+      return MakeEngine(setup, {.engine = "vulkan", .device = device});
   }
   return tl::make_unexpected(std::string("no engine"));
 }

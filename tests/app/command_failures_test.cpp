@@ -73,7 +73,7 @@ TEST(FailuresCommand, SaysWhatItDoesNotTake) {
   };
   refused({"98"}, "found 98, accepted 1,");
   refused({"one"}, "found one, accepted 1");
-  refused({"1", "--engine", "abacus"}, "found abacus, accepted vulkan, reference");
+  refused({"1", "--engine", "abacus"}, "found abacus, accepted auto, vulkan, cpu, reference");
   refused({"1", "--device", "no such device"}, "no such device");
   refused({"1", "--json", "nowhere/f.json"}, "no folder nowhere");
   refused({"1", "--out", "report", "--markdown", "nowhere/page.md"}, "no folder nowhere");

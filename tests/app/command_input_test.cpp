@@ -86,7 +86,7 @@ TEST_F(WrongInput, OptionsAndSubcommands) {
   }
   ExpectRefused({"demo", "--cpu", "1023"}, {"--cpu", "found 1023", "accepted"});
   ExpectRefused({"demo", "--cpu", "0", "--virtual-time"}, {"--cpu", "--virtual-time", "wall time"});
-  ExpectRefused({"demo", "--engine", "cuda"}, {"--engine", "cuda", "vulkan", "reference"});
+  ExpectRefused({"demo", "--engine", "cuda"}, {"--engine", "cuda", "auto, vulkan, cpu, reference"});
   ExpectRefused({"demo", "--frame-ms", "8"}, {"--frame-ms", "8", "--virtual-time"});
   ExpectRefused({"demo", "--virtual-time", "--frame-ms", "0.5"}, {"--frame-ms", "0.5", "1 … 100"});
   ExpectRefused({"demo", "--engine", "reference"}, {"--engine reference", "--virtual-time"});

@@ -156,7 +156,8 @@ TEST_F(BashCompletionTest, CompletesSubcommandsOfTheCommandAndOfTheLauncher) {
 
 TEST_F(BashCompletionTest, CompletesOptionsAndTheirWords) {
   EXPECT_EQ(Offers("osteon demo --en"), std::vector<std::string>{"--engine"});
-  EXPECT_EQ(Offers("osteon demo --engine ''"), (std::vector<std::string>{"vulkan", "reference"}));
+  EXPECT_EQ(Offers("osteon demo --engine ''"),
+            (std::vector<std::string>{"auto", "vulkan", "cpu", "reference"}));
   EXPECT_EQ(Offers("osteon demo --engine = r"), std::vector<std::string>{"reference"});
   EXPECT_TRUE(Has("osteon bench frame --method ''", "voxel"));
   EXPECT_TRUE(Has("osteon doctor ''", "--seconds")) << "nothing but options can stand here";

@@ -58,6 +58,23 @@ TEST(BenchFrame, ComparesAMethodFrameByFrame) {
   EXPECT_NE(run.out.find("times as long as"), std::string::npos);
 }
 
+TEST(BenchFrame, TimesEnginesInTurn) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"bench", "frame", "--spheres", "1000", "--frames", "20", "--engines",
+                                 "cpu,reference", "--json", "f.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json engines = ReadJson(folder.path() / "f.json").at("engines");
+  ASSERT_EQ(engines.size(), 2u);
+  EXPECT_EQ(engines[0].at("engine"), "cpu");
+  EXPECT_EQ(engines[0].at("ratio"), 1.0);
+  EXPECT_FALSE(engines[0].at("pass_us").empty());
+  EXPECT_EQ(engines[1].at("engine"), "reference");
+  for (const nlohmann::json& engine : engines) ExpectTimes(engine.at("frame_us"));
+  EXPECT_EQ(engines[0].at("removed_mm3"), engines[1].at("removed_mm3")) << "the same bits";
+  EXPECT_NE(run.out.find("times as long as cpu"), std::string::npos) << run.out;
+}
+
 TEST(BenchFrame, SaysWhatItDoesNotTake) {
   const TemporaryFolder folder;
   struct Case {
@@ -68,6 +85,7 @@ TEST(BenchFrame, SaysWhatItDoesNotTake) {
                                 {{"--method", "magic"}, "found magic, accepted ours, brute"},
                                 {{"--frames", "3"}, "--frames: found 3, accepted 20"},
                                 {{"--scene", "moon"}, "found moon, accepted acetabulum, molar"},
+                                {{"--engines", "cpu,cuda"}, "found cuda, accepted vulkan, cpu, reference"},
                                 {{"--compare", "ours"}, "found the method itself"},
                                 {{"--compare", "paper"}, "works on another packing"},
                                 {{"--sphere", "100"}, "did you mean --spheres?"}};

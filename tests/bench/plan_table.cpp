@@ -38,7 +38,7 @@ PlanScene Load(const Row& row) {
   return std::move(*scene);
 }
 
-int CompareKinds(const std::string& device) {
+int CompareKinds(const EngineChoice& engine) {
   std::printf("scene,error_mm,packing,zone_spacing_mm,spheres,active_spheres,frame_us,frames\n");
   for (const Row& row : kRows) {
     const PlanScene scene = Load(row);
@@ -50,7 +50,7 @@ int CompareKinds(const std::string& device) {
       if (!level) continue;
       levels.push_back({.level = *level, .balls = PackLevel(*level, *scene.work.solid, *scene.work.zone)});
     }
-    const auto runs = RunLevels(scene, levels, model.tool, device, 1);
+    const auto runs = RunLevels(scene, levels, model.tool, engine, 1);
     if (!runs) throw std::runtime_error(runs.error());
     for (std::size_t i = 0; i < levels.size(); ++i) {
       const simulation::FrameGroup frames = simulation::GroupOf((*runs)[i].frames);
@@ -64,7 +64,7 @@ int CompareKinds(const std::string& device) {
   return 0;
 }
 
-int PlanAll(const std::string& device) {
+int PlanAll(const EngineChoice& engine) {
   std::printf(
       "scene,error_mm,rate_hz,packing,spheres,tool_spheres,arm_level,predicted_error_mm,measured_error_mm,"
       "standard_error_mm,predicted_frame_us,frame_us_by_others_in_turn,measured_frame_us,frame_us_p999,"
@@ -73,7 +73,7 @@ int PlanAll(const std::string& device) {
   int missed = 0;
   for (const Row& row : kRows) {
     const PlanScene scene = Load(row);
-    const PlanRequest request{.error_m = 1e-3 * row.error_mm, .rate_hz = row.rate_hz, .device = device};
+    const PlanRequest request{.error_m = 1e-3 * row.error_mm, .rate_hz = row.rate_hz, .engine = engine};
     const auto plan = MakePlan(scene, request);
     if (!plan) throw std::runtime_error(plan.error());
     const auto check = CheckPlan(scene, request, *plan);
@@ -99,8 +99,8 @@ int PlanAll(const std::string& device) {
 int main(int argc, char** argv) {
   try {
     const bool kinds = argc > 1 && std::string(argv[1]) == "--kinds";
-    const std::string device = argc > 1 + kinds ? argv[1 + kinds] : "";
-    return kinds ? osteon::app::CompareKinds(device) : osteon::app::PlanAll(device);
+    const auto engine = osteon::app::ChooseEngine("auto", argc > 1 + kinds ? argv[1 + kinds] : "");
+    return kinds ? osteon::app::CompareKinds(engine) : osteon::app::PlanAll(engine);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "osteon_plan_table: %s\n", error.what());
     return 1;

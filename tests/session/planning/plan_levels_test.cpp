@@ -20,7 +20,7 @@ struct Level {
 
 Level Measure(const PlanScene& scene, const simulation::Tool& tool, const simulation::PackingLevel& level) {
   PackedLevel packed{.level = level, .balls = PackLevel(level, *scene.work.solid, *scene.work.zone)};
-  auto runs = RunLevels(scene, {packed}, tool, "", 1);
+  auto runs = RunLevels(scene, {packed}, tool, {}, 1);
   if (!runs) throw std::runtime_error(runs.error());
   const auto cut = MeasureLevel(scene, packed, runs->front(), std::min(1e-3, 0.5 * scene.cut.tool_radius_m));
   const double left_m = cut.MeanLeft_m();
@@ -87,7 +87,7 @@ TEST(PlanLevel, SamplesAreTheFramesThatTouchButTheFirstThreeOfATurn) {
   const simulation::PackingLevel level =
       MakeLevel(simulation::PackingKind::kGraded, 0.5e-3, 1.5, scene->cut, scene->zone_depth_m);
   const PackedLevel packed{.level = level, .balls = PackLevel(level, *scene->work.solid, *scene->work.zone)};
-  const auto runs = RunLevels(*scene, {packed}, scene->work.tool, "", 1);
+  const auto runs = RunLevels(*scene, {packed}, scene->work.tool, {}, 1);
   ASSERT_TRUE(runs) << runs.error();
 
   simulation::Bone bone;

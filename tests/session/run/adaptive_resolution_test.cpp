@@ -33,7 +33,7 @@ std::filesystem::path CellFile(const std::string& name) {
 CellSetup Planned(const std::string& name, const FidelityChoice& choice = {}) {
   auto setup = PrepareCell(CellFile(name), std::nullopt);
   EXPECT_TRUE(setup) << setup.error();
-  const auto packed = PackCell(*setup, choice, "", false);
+  const auto packed = PackCell(*setup, choice, {}, false);
   EXPECT_TRUE(packed) << packed.error();
   return std::move(*setup);
 }
@@ -61,10 +61,10 @@ struct Ride {
 Ride RideOf(const std::string& name, double error_m, double seconds, bool slow) {
   CellSetup setup = Planned(name, {.as_packed = false, .error_m = error_m, .rate_hz = {}});
   SayTimed(setup, 2000.0);
-  auto engine = MakeEngine(setup, "vulkan", "");
+  auto engine = MakeEngine(setup, {});
   EXPECT_TRUE(engine) << engine.error();
   AdaptiveResolution adaptive_resolution(setup,
-                                         {.rate_hz = kRate_hz, .window = 50, .device = {}, .at_once = true});
+                                         {.rate_hz = kRate_hz, .window = 50, .engine = {}, .at_once = true});
   const io::test::TemporaryFolder folder;
   int contacts = 0;
   CellRunParams params{.seconds = seconds, .virtual_time = true, .recording = folder.path() / "r.mcap"};
@@ -214,7 +214,7 @@ class Driven : public testing::Test {
  protected:
   Driven() : setup_(Planned("demo")) {
     SayTimed(setup_, 2000.0);
-    auto made = MakeEngine(setup_, "vulkan", "");
+    auto made = MakeEngine(setup_, {});
     EXPECT_TRUE(made) << made.error();
     engine_ = std::move(*made);
   }
@@ -244,7 +244,7 @@ class Driven : public testing::Test {
 };
 
 TEST_F(Driven, TheNewPackingIsMadeBesideTheRun) {
-  AdaptiveResolution adaptive_resolution(setup_, {.rate_hz = kRate_hz, .window = 50, .device = {}});
+  AdaptiveResolution adaptive_resolution(setup_, {.rate_hz = kRate_hz, .window = 50, .engine = {}});
   EXPECT_FALSE(Drive(adaptive_resolution, kFast_us, 200)) << "in time";
   EXPECT_EQ(adaptive_resolution.TakeNotice(), "");
   EXPECT_FALSE(Drive(adaptive_resolution, kSlow_us, 60)) << "made in a thread of its own";
@@ -268,7 +268,7 @@ TEST_F(Driven, TheNewPackingIsMadeBesideTheRun) {
 
 TEST_F(Driven, WhereNothingCoarserHelpsItSaysSoOnce) {
   AdaptiveResolution adaptive_resolution(setup_,
-                                         {.rate_hz = kRate_hz, .window = 50, .device = {}, .at_once = true});
+                                         {.rate_hz = kRate_hz, .window = 50, .engine = {}, .at_once = true});
   EXPECT_FALSE(Drive(adaptive_resolution, 100.0 * kSlow_us, 400));
   EXPECT_THAT(adaptive_resolution.TakeNotice(), HasSubstr("no coarser zones would have the rate"));
   EXPECT_FALSE(Drive(adaptive_resolution, 100.0 * kSlow_us, 100));
@@ -277,13 +277,13 @@ TEST_F(Driven, WhereNothingCoarserHelpsItSaysSoOnce) {
 
 TEST_F(Driven, AFewSlowFramesAreNoReason) {
   AdaptiveResolution adaptive_resolution(setup_,
-                                         {.rate_hz = kRate_hz, .window = 50, .device = {}, .at_once = true});
+                                         {.rate_hz = kRate_hz, .window = 50, .engine = {}, .at_once = true});
   for (int k = 0; k < 400; ++k) EXPECT_FALSE(Drive(adaptive_resolution, k % 3 == 0 ? kSlow_us : kFast_us, 1));
   EXPECT_EQ(adaptive_resolution.TakeNotice(), "");
 }
 
 TEST_F(Driven, EndsWhileItMakesAPacking) {
-  AdaptiveResolution adaptive_resolution(setup_, {.rate_hz = kRate_hz, .window = 50, .device = {}});
+  AdaptiveResolution adaptive_resolution(setup_, {.rate_hz = kRate_hz, .window = 50, .engine = {}});
   Drive(adaptive_resolution, kSlow_us, 60);
   EXPECT_THAT(adaptive_resolution.TakeNotice(), HasSubstr("coarser zones are made"));
   adaptive_resolution.End();
@@ -299,7 +299,7 @@ TEST(PackCell, IsPlannedWhereSceneOrChoiceAskForIt) {
   EXPECT_EQ(planned.bone.balls.size(), planned.planned->plan.packed.balls.size());
   EXPECT_LE(planned.planned->plan.error_m, planned.planned->request.error_m);
   EXPECT_GT(planned.bone.points.size(), 1000u);
-  EXPECT_FALSE(MakeAdaptiveResolution(planned, "")) << "by the closed forms alone: no clock";
+  EXPECT_FALSE(MakeAdaptiveResolution(planned, {})) << "by the closed forms alone: no clock";
 
   const CellSetup finer = Planned("demo", {.as_packed = false, .error_m = 0.05e-3, .rate_hz = {}});
   EXPECT_EQ(finer.planned->request.error_m, 0.05e-3);
@@ -335,7 +335,7 @@ TEST(PackCell, RefusesWhatCanNotBePlanned) {
   auto setup = PrepareCell(CellFile("demo"), std::nullopt);
   ASSERT_TRUE(setup);
   setup->config.scene.zone.kind = simulation::ZoneParams::Kind::kEverywhere;
-  const auto packed = PackCell(*setup, {}, "", false);
+  const auto packed = PackCell(*setup, {}, {}, false);
   ASSERT_FALSE(packed);
   EXPECT_THAT(packed.error(), HasSubstr("accepted cup, path"));
   EXPECT_FALSE(setup->planned);
@@ -343,8 +343,8 @@ TEST(PackCell, RefusesWhatCanNotBePlanned) {
   auto loaded = PrepareCell(CellFile("demo"), std::nullopt);
   ASSERT_TRUE(loaded);
   loaded->solid = nullptr;
-  EXPECT_TRUE(PackCell(*loaded, {}, "", false));
-  const auto asked = PackCell(*loaded, {.as_packed = false, .error_m = 1e-4, .rate_hz = {}}, "", false);
+  EXPECT_TRUE(PackCell(*loaded, {}, {}, false));
+  const auto asked = PackCell(*loaded, {.as_packed = false, .error_m = 1e-4, .rate_hz = {}}, {}, false);
   ASSERT_FALSE(asked);
   EXPECT_THAT(asked.error(), HasSubstr("--error-mm"));
 }

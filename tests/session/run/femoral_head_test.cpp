@@ -41,7 +41,7 @@ CellSetup PlannedHead(const Tool& tool, const std::optional<MeshChoice>& mesh = 
                                               .diameter_m = tool.diameter_m});
   EXPECT_TRUE(setup) << setup.error();
   overlay.Finish();
-  const auto packed = PackCell(*setup, {}, "", false);
+  const auto packed = PackCell(*setup, {}, {}, false);
   EXPECT_TRUE(packed) << packed.error();
   EXPECT_TRUE(setup->planned);
   return std::move(*setup);
@@ -56,7 +56,7 @@ struct Ridden {
 /// @param seed  for the hand's tremor
 Ridden Ride(CellSetup& setup, double seconds, int frame_ms, int seed) {
   setup.config.simulated.hand.tremor_seed = static_cast<std::uint64_t>(seed);
-  auto engine = MakeEngine(setup, "vulkan", "");
+  auto engine = MakeEngine(setup, {});
   EXPECT_TRUE(engine) << engine.error();
   const io::test::TemporaryFolder folder;
   Ridden ridden;

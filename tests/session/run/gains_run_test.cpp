@@ -39,7 +39,7 @@ GainsRide Ride() {
   auto setup =
       SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt, std::nullopt, gains);
   EXPECT_TRUE(setup) << setup.error();
-  auto engine = MakeEngine(*setup, "vulkan", "");
+  auto engine = MakeEngine(*setup, {});
   EXPECT_TRUE(engine) << engine.error();
   GainsRide ride;
   int saved = 0;

@@ -18,7 +18,7 @@ using safety::CellState;
 TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
   auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt);
   ASSERT_TRUE(setup) << setup.error();
-  auto engine = MakeEngine(*setup, "vulkan", "");
+  auto engine = MakeEngine(*setup, {});
   ASSERT_TRUE(engine) << engine.error();
   const io::test::TemporaryFolder folder;
   PauseSignals pauses;

@@ -22,7 +22,7 @@ const fs::path kCells = OSTEON_SOURCE_DIR "/config/cells";
 /// Runs in virtual time. @returns nothing if it could not run.
 std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& engine_name, double seconds) {
   const io::test::TemporaryFolder folder;
-  auto engine = MakeEngine(setup, engine_name, "");
+  auto engine = MakeEngine(setup, {.engine = engine_name});
   if (!engine) {
     ADD_FAILURE() << engine.error();
     return std::nullopt;

@@ -39,7 +39,7 @@ VirtualRide RideVirtually(const std::string& name, double seconds, const Change&
   auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml", std::nullopt);
   EXPECT_TRUE(setup) << setup.error();
   change(setup->config);
-  auto engine = MakeEngine(*setup, "vulkan", "");
+  auto engine = MakeEngine(*setup, {});
   EXPECT_TRUE(engine) << engine.error();
   const io::test::TemporaryFolder folder;
   const CellRunParams params{.seconds = seconds,

@@ -155,10 +155,19 @@ TEST(SetUpCell, SaysWhyAMeshIsRefused) {
   EXPECT_NE(missing.error().find("missing.obj"), std::string::npos) << missing.error();
 }
 
+TEST(MakeEngine, OfTheCpuNeedsNoDevice) {
+  CellSetup setup;
+  setup.config = config::LoadCell(kDemoCell);
+  const auto engine = MakeEngine(setup, {.engine = "cpu", .device = "no such device"});
+  ASSERT_TRUE(engine) << engine.error();
+  EXPECT_EQ((*engine)->name(), "cpu");
+  EXPECT_EQ((*engine)->device().rfind("one thread, ", 0), 0u) << (*engine)->device();
+}
+
 TEST(MakeEngine, NamesTheDevicesWhereNoneIsCalledThat) {
   CellSetup setup;
   setup.config = config::LoadCell(kDemoCell);
-  const auto engine = MakeEngine(setup, "vulkan", "no such device");
+  const auto engine = MakeEngine(setup, {.engine = "vulkan", .device = "no such device"});
   ASSERT_FALSE(engine);
   EXPECT_NE(engine.error().find("\"no such device\""), std::string::npos) << engine.error();
 }

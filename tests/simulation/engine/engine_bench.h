@@ -1,13 +1,19 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#ifdef OSTEON_TEST_CPU_ENGINE
+#include "simulation/engine_cpu/cpu_engine.h"
+#else
 #include "gpu/engine/vulkan_engine.h"
+#endif
 #include "simulation/engine/reference_engine.h"
 #include "simulation/packing/mass_points.h"
 #include "simulation/solids/box_solid.h"
@@ -88,7 +94,38 @@ inline FrameInput At(const Pose& X_WT, double spindle_rad_per_s = 0.0, double dt
   return {.X_WT = X_WT, .spindle_rad_per_s = spindle_rad_per_s, .dt_s = dt_s};
 }
 
-enum class EngineKind { kReference, kVulkan };
+/// The engines that tests are run on. The CPU engine, with the best instruction set and others, has an
+/// executable of its own (tests/simulation/engine_cpu), which needs no Vulkan.
+enum class EngineKind { kReference, kVulkan, kCpu, kCpuAvx2, kCpuPlain };
+
+inline std::string NameOfEngine(const testing::TestParamInfo<EngineKind>& info) {
+  static constexpr const char* kNames[] = {"reference", "vulkan", "cpu", "cpu_avx2", "cpu_plain"};
+  return kNames[static_cast<std::size_t>(info.param)];
+}
+
+#ifdef OSTEON_TEST_CPU_ENGINE
+/// What the reference is compared with.
+inline constexpr EngineKind kOtherEngine = EngineKind::kCpu;
+inline const auto kEveryEngine =
+    testing::Values(EngineKind::kCpu, EngineKind::kCpuAvx2, EngineKind::kCpuPlain);
+
+/// AVX2 or plain C++ where the processor has them; its best otherwise.
+inline CpuParams CpuParamsOf(EngineKind kind) {
+  const std::vector<std::string> sets = CpuInstructionSets();
+  if (kind == EngineKind::kCpuPlain) return {.instruction_set = sets.back()};
+  if (kind == EngineKind::kCpuAvx2 && std::find(sets.begin(), sets.end(), "N_AVX2") != sets.end())
+    return {.instruction_set = "N_AVX2"};
+  return {};
+}
+inline std::unique_ptr<CuttingEngine> MakeEngine(EngineKind kind, const Bone& bone, const Tool& tool,
+                                                 const CuttingParams& params = {}) {
+  if (kind == EngineKind::kReference)
+    return std::make_unique<ReferenceEngine>(bone, tool, Pose::Identity(), params);
+  return std::make_unique<CpuEngine>(bone, tool, Pose::Identity(), params, CpuParamsOf(kind));
+}
+#else
+inline constexpr EngineKind kOtherEngine = EngineKind::kVulkan;
+inline const auto kEveryEngine = testing::Values(EngineKind::kReference, EngineKind::kVulkan);
 
 inline std::unique_ptr<CuttingEngine> MakeEngine(EngineKind kind, const Bone& bone, const Tool& tool,
                                                  const CuttingParams& params = {}) {
@@ -98,8 +135,9 @@ inline std::unique_ptr<CuttingEngine> MakeEngine(EngineKind kind, const Bone& bo
   if (!engine) throw std::runtime_error(engine.error());
   return std::move(*engine);
 }
+#endif
 
-/// Every test of this suite runs on the reference and on the default Vulkan device.
+/// Every test of this suite runs on every engine of the executable.
 class Engine : public testing::TestWithParam<EngineKind> {
  protected:
   static std::unique_ptr<CuttingEngine> Make(const Bone& bone, const Tool& tool,
@@ -107,12 +145,7 @@ class Engine : public testing::TestWithParam<EngineKind> {
     return MakeEngine(GetParam(), bone, tool, params);
   }
 };
-inline std::string NameOfEngine(const testing::TestParamInfo<EngineKind>& info) {
-  return info.param == EngineKind::kReference ? "reference" : "vulkan";
-}
-#define OSTEON_ON_BOTH_ENGINES(suite)                                                             \
-  INSTANTIATE_TEST_SUITE_P(, suite, testing::Values(EngineKind::kReference, EngineKind::kVulkan), \
-                           NameOfEngine)
+#define OSTEON_ON_EVERY_ENGINE(suite) INSTANTIATE_TEST_SUITE_P(, suite, kEveryEngine, NameOfEngine)
 
 /// Angle between two directions [deg].
 inline double Degrees(const Vector3& a, const Vector3& b) {

@@ -11,7 +11,7 @@ namespace osteon::simulation {
 namespace {
 
 using EngineContact = Engine;
-OSTEON_ON_BOTH_ENGINES(EngineContact);
+OSTEON_ON_EVERY_ENGINE(EngineContact);
 
 /// Overlap that the slide may leave, plus the depth to which a tool of 10 mm sinks between the lattice's
 /// balls.

@@ -14,7 +14,7 @@ namespace osteon::simulation {
 namespace {
 
 using EngineCutting = Engine;
-OSTEON_ON_BOTH_ENGINES(EngineCutting);
+OSTEON_ON_EVERY_ENGINE(EngineCutting);
 
 /// split.md: float32 within 30 mm leaves overlaps up to 5.5e-6 mm; the proxy's path itself is known to 4e-6
 /// mm.

@@ -11,7 +11,7 @@ namespace osteon::simulation {
 namespace {
 
 using EngineLaw = Engine;
-OSTEON_ON_BOTH_ENGINES(EngineLaw);
+OSTEON_ON_EVERY_ENGINE(EngineLaw);
 
 constexpr double kStiffness = 20e3;
 /// Overlap that the slide may leave, plus the depth to which a tool of 2 mm sinks into the lattice (0.5^2/8 /

@@ -47,7 +47,7 @@ CuttingParams Immediate() {
 }
 
 using EngineSplit = Engine;
-OSTEON_ON_BOTH_ENGINES(EngineSplit);
+OSTEON_ON_EVERY_ENGINE(EngineSplit);
 
 TEST_P(EngineSplit, NothingIsLeftInTheProxysPathAndMassIsTheSweptVolumes) {
   const DepthScene scene = MakeBlockScene();
@@ -122,14 +122,14 @@ void ExpectSplitAlike(const Tool& tool, const CuttingParams& params, std::size_t
   const DepthScene scene = MakeBlockScene();
   const Bone bone = Block();
   const auto reference = MakeEngine(EngineKind::kReference, bone, tool, params),
-             vulkan = MakeEngine(EngineKind::kVulkan, bone, tool, params);
+             other = MakeEngine(kOtherEngine, bone, tool, params);
   double apart_mm = 0.0;
   for (const Pose& X : Plunge(scene)) {
     const Vector3 one(reference->Step(At(X, kSpindle_rad_per_s)).X_WP.p),
-        two(vulkan->Step(At(X, kSpindle_rad_per_s)).X_WP.p);
+        two(other->Step(At(X, kSpindle_rad_per_s)).X_WP.p);
     apart_mm = std::max(apart_mm, 1e3 * (one - two).norm());
   }
-  const CarvedState one = reference->Snapshot(), two = vulkan->Snapshot();
+  const CarvedState one = reference->Snapshot(), two = other->Snapshot();
   ASSERT_EQ(one.split_balls, two.split_balls);
   ASSERT_EQ(one.split_cuts, two.split_cuts);
   ASSERT_EQ(one.split_slots.size(), two.split_slots.size());
@@ -208,7 +208,7 @@ TEST(SplitState, HashTellsSplitStatesApart) {
 }
 
 using EngineCutters = Engine;
-OSTEON_ON_BOTH_ENGINES(EngineCutters);
+OSTEON_ON_EVERY_ENGINE(EngineCutters);
 
 CuttingParams Alone() {
   CuttingParams params;

@@ -10,7 +10,7 @@ namespace osteon::simulation {
 namespace {
 
 using EngineState = Engine;
-OSTEON_ON_BOTH_ENGINES(EngineState);
+OSTEON_ON_EVERY_ENGINE(EngineState);
 
 /// A frame of a cut that moves down and along, turns a little, and stops the spindle now and then.
 FrameInput Frame(int i) {
@@ -149,7 +149,8 @@ TEST_P(EngineState, BadInputChangesNothingAndTheNextFrameWorks) {
 
 TEST_P(EngineState, SaysWhatItIs) {
   const auto engine = Make(Bench(), BallTool(4e-3));
-  EXPECT_EQ(engine->name(), GetParam() == EngineKind::kReference ? "reference" : "vulkan");
+  const bool is_cpu = GetParam() != EngineKind::kReference && GetParam() != EngineKind::kVulkan;
+  EXPECT_EQ(engine->name(), is_cpu ? "cpu" : GetParam() == EngineKind::kReference ? "reference" : "vulkan");
   EXPECT_FALSE(engine->device().empty());
 }
 

@@ -139,7 +139,7 @@ TEST(MotionPlayer, PlaysAtAnyRate) {
 }
 
 class PlayedMotion : public Engine {};
-OSTEON_ON_BOTH_ENGINES(PlayedMotion);
+OSTEON_ON_EVERY_ENGINE(PlayedMotion);
 
 // A ball is moved 1 mm into a slab and across it: the proxy follows the motion at 250 and at 1000 frames a
 // second, and the cuts are equal.

@@ -1,0 +1,71 @@
+#include "session/setup/engine_choice.h"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "gpu/engine/vulkan_engine.h"
+#include "simulation/engine/reference_engine.h"
+#include "simulation/engine_cpu/cpu_engine.h"
+
+namespace osteon::app {
+
+const std::vector<std::string>& EngineNames() {
+  static const std::vector<std::string> names{"auto", "vulkan", "cpu", "reference"};
+  return names;
+}
+
+bool IsGpu(const gpu::DeviceInfo& device) { return device.kind == "discrete" || device.kind == "integrated"; }
+
+EngineChoice ChooseEngine(const std::string& engine, const std::string& device,
+                          const tl::expected<std::vector<gpu::DeviceInfo>, std::string>& devices) {
+  if (engine != "auto") return {.engine = engine, .device = device};
+  if (!device.empty()) return {.engine = "vulkan", .device = device, .reason = "--device names a device"};
+  if (!devices) return {.engine = "cpu", .reason = "Vulkan has no device here"};
+  std::string others;
+  for (const gpu::DeviceInfo& found : *devices) {
+    const bool is_gpu = IsGpu(found);
+    // the engine opens the first device that is not refused
+    if (is_gpu && found.refusal.empty()) return {.engine = "vulkan", .reason = "the device is a GPU"};
+    others += fmt::format("{}{} {}", others.empty() ? "" : "; ", found.name,
+                          is_gpu ? "can't run the passes: " + found.refusal : "computes on the processor");
+  }
+  return {.engine = "cpu", .reason = "no GPU for Vulkan: " + (others.empty() ? "no device" : others)};
+}
+
+EngineChoice ChooseEngine(const std::string& engine, const std::string& device) {
+  if (engine != "auto" || !device.empty())
+    return ChooseEngine(engine, device, std::vector<gpu::DeviceInfo>());
+  return ChooseEngine(engine, device, gpu::ListDevices());
+}
+
+std::string EngineText(const EngineChoice& choice, const std::string& device) {
+  std::string text = fmt::format("{} on {}", choice.engine, device);
+  if (!choice.reason.empty()) text += fmt::format(" (--engine auto: {})", choice.reason);
+  return text;
+}
+
+tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(
+    const EngineChoice& choice, const simulation::Bone& bone, const simulation::Tool& tool, const Pose& X_WG,
+    const simulation::CuttingParams& cutting) {
+  try {
+    if (choice.engine == "reference")
+      return std::make_unique<simulation::ReferenceEngine>(bone, tool, X_WG, cutting);
+    if (choice.engine == "cpu") return std::make_unique<simulation::CpuEngine>(bone, tool, X_WG, cutting);
+  } catch (const std::invalid_argument& error) {
+    return tl::make_unexpected(std::string(error.what()));
+  }
+  auto made = gpu::VulkanEngine::Create(bone, tool, X_WG, cutting, {.device = choice.device});
+  if (!made) return tl::make_unexpected(made.error());
+  return std::unique_ptr<simulation::CuttingEngine>(std::move(*made));
+}
+
+double ActiveBalls(const simulation::CuttingEngine& engine, std::size_t balls) {
+  if (const auto* vulkan = dynamic_cast<const gpu::VulkanEngine*>(&engine))
+    return static_cast<double>(vulkan->LastFrameStats().active_balls);
+  if (const auto* cpu = dynamic_cast<const simulation::CpuEngine*>(&engine))
+    return static_cast<double>(cpu->LastFrameStats().listed_balls);
+  return static_cast<double>(balls);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "simulation/bone/bone.h"
+#include "simulation/engine_cpu/aligned_array.h"
+#include "simulation/engine_cpu/box_tree.h"
+#include "simulation/engine_cpu/pass_data.h"
+#include "simulation/removal/split_ball.h"
+
+namespace osteon::simulation::cpu {
+
+/// The bone as it is now: balls in blocks of eight, the bone's own and behind them the children of split
+/// ones; mass points; and the trees over both.
+class BoneStore {
+ public:
+  /// @param layer_m  depth of the engaged layer;  @param max_child_blocks  blocks of children at a time at
+  /// most
+  BoneStore(const Bone& bone, double layer_m, std::size_t max_child_blocks);
+
+  // ---- balls; numbers count lanes
+  [[nodiscard]] std::size_t ball_count() const { return ball_count_; }
+  [[nodiscard]] BallBlock* blocks() { return blocks_.data(); }
+  [[nodiscard]] const BallBlock* blocks() const { return blocks_.data(); }
+  [[nodiscard]] std::uint32_t block_count() const { return block_count_; }
+  /// The first block of children.
+  [[nodiscard]] std::uint32_t first_child_block() const { return first_child_block_; }
+  /// Children blocks that are in use, from first_child_block() on; new ones hold nothing.
+  void SetChildBlocks(std::uint32_t count);
+  [[nodiscard]] BallState BallAt(std::size_t ball) const;
+  void PutBall(std::size_t ball, const BallState& state);
+  /// x y z r [mm], as CarvedState has them.
+  void ReadFloats(std::size_t ball, float* four) const;
+  void WriteFloats(std::size_t ball, const float* four);
+  [[nodiscard]] float RadiusOf(std::size_t ball) const { return blocks_[ball / 8].r[ball % 8]; }
+  void Remove(std::size_t ball) { blocks_[ball / 8].r[ball % 8] = 0.0f; }
+  [[nodiscard]] bool AnyLeft(std::uint32_t first_block, std::uint32_t end_block) const;
+  [[nodiscard]] double max_radius_mm() const { return max_radius_mm_; }
+
+  // ---- mass points
+  [[nodiscard]] std::size_t point_count() const { return cleared_.size(); }
+  [[nodiscard]] std::size_t material_count() const { return material_points_.size(); }
+  /// Points of a material, and an upper bound of the blocks that they may take in a list.
+  [[nodiscard]] std::size_t MaxPointBlocks(std::size_t material) const;
+  [[nodiscard]] const float* point_mm(int axis) const { return point_mm_[axis].data(); }
+  [[nodiscard]] double volume_m3(std::size_t i) const { return volume_m3_[i]; }
+  [[nodiscard]] double layer_area_m2(std::size_t i) const { return layer_area_m2_[i]; }
+  [[nodiscard]] MaterialIndex material(std::size_t i) const { return material_[i]; }
+  [[nodiscard]] bool is_cleared(std::size_t i) const { return cleared_[i] != 0; }
+  void Clear(std::size_t i);
+  [[nodiscard]] std::uint32_t PointsLeft(std::uint32_t cluster) const { return points_left_[cluster]; }
+  [[nodiscard]] const std::vector<std::uint8_t>& cleared() const { return cleared_; }
+  void SetCleared(const std::vector<std::uint8_t>& cleared);
+
+  BoxTree ball_tree, point_tree;
+
+ private:
+  void TakePoints(const Bone& bone, double layer_m);
+
+  std::size_t ball_count_;
+  std::uint32_t first_child_block_, block_count_;
+  AlignedArray<BallBlock> blocks_;
+  double max_radius_mm_{0.0};
+  AlignedArray<float> point_mm_[3];
+  std::vector<double> volume_m3_, layer_area_m2_;
+  std::vector<MaterialIndex> material_;
+  std::vector<std::size_t> material_points_, material_clusters_;
+  std::vector<std::uint8_t> cleared_;
+  std::vector<std::uint32_t> points_left_;  // of each cluster
+};
+
+}  // namespace osteon::simulation::cpu

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "simulation/engine_cpu/box_tree.h"
+#include "simulation/engine_cpu/tool_balls.h"
+
+namespace osteon::simulation::cpu {
+
+/// How far a list looks around each tool ball [mm]: its reach and its skin.
+struct ListReach {
+  float cutting_mm{0.0f}, shaft_mm{0.0f};
+};
+
+/// Clusters near the tool, ascending, each with the groups of tool balls that are near it.
+struct NearClusters {
+  std::vector<std::uint32_t> cluster, first;  ///< groups first[i] … first[i + 1] - 1 are of cluster[i]
+  std::vector<std::uint16_t> group;
+  std::size_t next{0};  ///< the first that has not been gone through
+
+  [[nodiscard]] std::size_t left() const { return cluster.size() - next; }
+};
+
+/// Finds clusters near the tool, and of a cluster the tool balls near it. Room is taken at set-up.
+class ClusterSearch {
+ public:
+  ClusterSearch(const ToolBalls& tool, std::size_t max_clusters, std::size_t max_hits);
+
+  /// Room for all that Find may put there.
+  void Reserve(NearClusters& clusters) const;
+  /// @returns false where there are more hits of groups and clusters than there is room for.
+  [[nodiscard]] bool Find(const Kernels& kernels, const BoxTree& tree, const ToolPlacement& at,
+                          const ListReach& reach, bool cutting_only, NearClusters& found);
+  /// Tool balls that may be near a cluster, ascending; valid until the next call.
+  [[nodiscard]] std::span<const std::uint16_t> ToolsNear(const Kernels& kernels, const BoxTree& tree,
+                                                         const NearClusters& clusters, std::size_t place,
+                                                         const RowMaker& maker);
+
+ private:
+  void AddHit(std::uint32_t cluster, std::size_t group);
+  void Collect(NearClusters& found);
+
+  const ToolBalls& tool_;
+  std::size_t max_hits_;
+  std::vector<std::uint64_t> cluster_bits_, tool_bits_;
+  std::vector<std::uint32_t> first_hit_, next_hit_;  // a list of hits for each cluster
+  std::vector<std::uint16_t> hit_group_, tools_, some_tools_;
+};
+
+}  // namespace osteon::simulation::cpu

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "simulation/engine_cpu/pass_data.h"
+
+namespace osteon::simulation::cpu {
+
+/// The passes for one instruction set. All sets give the same bits: doubles are computed in the reference
+/// engine's order, one operation one rounding, and what floats exclude plays no part.
+struct Kernels {
+  const char* name;
+
+  void (*place)(const double R[9], const double p[3], const ToolView& tool, Places to);
+  void (*between)(Places a, Places b, double s, std::uint32_t count, Places to);
+  void (*shifted)(Places a, const double v[3], std::uint32_t count, Places to);
+  /// Largest distance of a place from another [m], of the numbers first … last - 1.
+  double (*farthest)(Places a, Places b, std::uint32_t first, std::uint32_t last);
+  void (*ways)(Places a, Places b, std::uint32_t count, float* x_mm, float* y_mm, float* z_mm);
+
+  /// The least fraction, if below `first`; else `first`.
+  double (*first_contact)(const ContactPass& pass, double first);
+  double (*block_contact)(const ContactPass& pass, std::uint32_t block, std::uint32_t tool, double first);
+  double (*pair_contact)(const ContactPass& pass, std::uint32_t ball, std::uint32_t tool);
+
+  /// @param likely_place, likely_tool  pairs that are likely to be near; a multiple of eight is read
+  void (*near_field)(NearFieldPass& pass, const std::uint32_t* likely_place, const std::uint32_t* likely_tool,
+                     std::size_t likely_count);
+  void (*engagement)(EngagementPass& pass);
+  void (*removal)(RemovalPass& pass);
+  void (*large_balls)(LargeBallPass& pass);
+  void (*clearing)(ClearingPass& pass);
+
+  /// @returns the number of rows made.
+  std::size_t (*ball_rows)(const RowMaker& maker, const BallBlock& block, const std::uint16_t* tools,
+                           std::size_t count);
+  std::size_t (*point_rows)(const RowMaker& maker, const PointBlock& block, const std::uint16_t* tools,
+                            std::size_t count);
+  /// Which of eight points are within reach of a tool ball of the list: bits.
+  unsigned (*points_near)(const RowMaker& maker, const float* x, const float* y, const float* z,
+                          const std::uint16_t* tools, std::size_t count);
+  /// Those tool balls of a list that may be within reach of a box; @returns how many.
+  std::size_t (*tools_near_box)(const RowMaker& maker, const float low[3], const float high[3],
+                                const std::uint16_t* tools, std::size_t count, std::uint16_t* out);
+  /// Which of eight boxes are within `radius_mm` of another box: bits.
+  unsigned (*boxes_near)(const float boxes[6][8], const float low[3], const float high[3], float radius_mm);
+};
+
+/// The instruction sets that this processor has and this program was built for, best first. The names are
+/// Highway's: "AVX3" is AVX-512, "EMU128" is plain C++.
+[[nodiscard]] const std::vector<const Kernels*>& AvailableKernels();
+
+}  // namespace osteon::simulation::cpu

@@ -1,0 +1,373 @@
+// Eight floats or eight doubles and their masks, of Highway's vectors: one vector with AVX-512, two or four
+// where vectors are narrower. Compiled once for each instruction set (kernels.cpp).
+#if defined(OSTEON_CPU_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef OSTEON_CPU_LANES_INL_H
+#undef OSTEON_CPU_LANES_INL_H
+#else
+#define OSTEON_CPU_LANES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <cstddef>
+#include <cstdint>
+
+HWY_BEFORE_NAMESPACE();
+namespace osteon::simulation::cpu {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// One vector of N lanes, which the instruction set has.
+template <class T, std::size_t N>
+struct One {
+  using Tag = hn::CappedTag<T, N>;
+  hn::Vec<Tag> v;
+};
+template <class T, std::size_t N>
+struct OneMask {
+  using Tag = hn::CappedTag<T, N>;
+  hn::Mask<Tag> m;
+};
+// Two halves, each one vector or two halves.
+template <class Half>
+struct Two {
+  Half a, b;
+};
+
+template <class T, std::size_t N>
+inline constexpr bool kFits = hn::MaxLanes(hn::CappedTag<T, N>()) >= N;
+template <class T, std::size_t N, bool fits>
+struct Choose {
+  using Vector = One<T, N>;
+  using Mask = OneMask<T, N>;
+};
+template <class T, std::size_t N>
+struct Choose<T, N, false> {
+  using Vector = Two<typename Choose<T, N / 2, kFits<T, N / 2>>::Vector>;
+  using Mask = Two<typename Choose<T, N / 2, kFits<T, N / 2>>::Mask>;
+};
+template <class T, std::size_t N>
+using Vector = typename Choose<T, N, kFits<T, N>>::Vector;
+template <class T, std::size_t N>
+using MaskOf = typename Choose<T, N, kFits<T, N>>::Mask;
+
+using F8 = Vector<float, 8>;
+using F16 = Vector<float, 16>;
+using D8 = Vector<double, 8>;
+using MF = MaskOf<float, 8>;
+using MD = MaskOf<double, 8>;
+
+// Size and mask of a vector.
+template <class V>
+struct Traits;
+template <class T, std::size_t N>
+struct Traits<One<T, N>> {
+  static constexpr std::size_t kSize = N;
+  using Scalar = T;
+  using Mask = OneMask<T, N>;
+};
+template <class H>
+struct Traits<Two<H>> {
+  static constexpr std::size_t kSize = 2 * Traits<H>::kSize;
+  using Scalar = typename Traits<H>::Scalar;
+  using Mask = Two<typename Traits<H>::Mask>;
+};
+template <class M>
+struct MaskTraits;
+template <class T, std::size_t N>
+struct MaskTraits<OneMask<T, N>> {
+  static constexpr std::size_t kSize = N;
+};
+template <class H>
+struct MaskTraits<Two<H>> {
+  static constexpr std::size_t kSize = 2 * MaskTraits<H>::kSize;
+};
+
+// ---- what makes a vector, and what it is written to
+
+template <class V>
+struct Make;
+template <class T, std::size_t N>
+struct Make<One<T, N>> {
+  using Tag = hn::CappedTag<T, N>;
+  static HWY_INLINE One<T, N> Of(T x) { return {hn::Set(Tag(), x)}; }
+  static HWY_INLINE One<T, N> From(const T* p) { return {hn::LoadU(Tag(), p)}; }
+};
+template <class H>
+struct Make<Two<H>> {
+  using T = typename Traits<H>::Scalar;
+  static HWY_INLINE Two<H> Of(T x) { return {Make<H>::Of(x), Make<H>::Of(x)}; }
+  static HWY_INLINE Two<H> From(const T* p) {
+    return {Make<H>::From(p), Make<H>::From(p + Traits<H>::kSize)};
+  }
+};
+HWY_INLINE F8 F(float x) { return Make<F8>::Of(x); }
+HWY_INLINE D8 D(double x) { return Make<D8>::Of(x); }
+HWY_INLINE F8 Load(const float* p) { return Make<F8>::From(p); }
+HWY_INLINE D8 Load(const double* p) { return Make<D8>::From(p); }
+// As many lanes as another vector has.
+template <class V>
+HWY_INLINE V Like(V, float x) {
+  return Make<V>::Of(x);
+}
+
+template <class T, std::size_t N>
+HWY_INLINE void Store(T* p, One<T, N> a) {
+  hn::StoreU(a.v, hn::CappedTag<T, N>(), p);
+}
+template <class H>
+HWY_INLINE void Store(typename Traits<H>::Scalar* p, Two<H> a) {
+  Store(p, a.a), Store(p + Traits<H>::kSize, a.b);
+}
+
+// ---- arithmetic, one operation one rounding
+
+#define OSTEON_BINARY(name, highway)                    \
+  template <class T, std::size_t N>                     \
+  HWY_INLINE One<T, N> name(One<T, N> a, One<T, N> b) { \
+    return {hn::highway(a.v, b.v)};                     \
+  }                                                     \
+  template <class H>                                    \
+  HWY_INLINE Two<H> name(Two<H> a, Two<H> b) {          \
+    return {name(a.a, b.a), name(a.b, b.b)};            \
+  }
+OSTEON_BINARY(operator+, Add)
+OSTEON_BINARY(operator-, Sub)
+OSTEON_BINARY(operator*, Mul)
+OSTEON_BINARY(operator/, Div)
+OSTEON_BINARY(Min, Min)
+OSTEON_BINARY(Max, Max)
+OSTEON_BINARY(CopySignOf, CopySign)
+#undef OSTEON_BINARY
+
+#define OSTEON_UNARY(name, highway)        \
+  template <class T, std::size_t N>        \
+  HWY_INLINE One<T, N> name(One<T, N> a) { \
+    return {hn::highway(a.v)};             \
+  }                                        \
+  template <class H>                       \
+  HWY_INLINE Two<H> name(Two<H> a) {       \
+    return {name(a.a), name(a.b)};         \
+  }
+OSTEON_UNARY(Sqrt, Sqrt)
+OSTEON_UNARY(Abs, Abs)
+OSTEON_UNARY(Negative, Neg)
+#undef OSTEON_UNARY
+
+// Fused where the processor can: for floats, which only exclude, and for quotients that are exact either way.
+#define OSTEON_FUSED(name, highway)                                  \
+  template <class T, std::size_t N>                                  \
+  HWY_INLINE One<T, N> name(One<T, N> a, One<T, N> b, One<T, N> c) { \
+    return {hn::highway(a.v, b.v, c.v)};                             \
+  }                                                                  \
+  template <class H>                                                 \
+  HWY_INLINE Two<H> name(Two<H> a, Two<H> b, Two<H> c) {             \
+    return {name(a.a, b.a, c.a), name(a.b, b.b, c.b)};               \
+  }
+OSTEON_FUSED(MulAdd, MulAdd)
+OSTEON_FUSED(NegMulAdd, NegMulAdd)
+#undef OSTEON_FUSED
+
+// ---- comparisons and masks
+
+#define OSTEON_COMPARE(op, highway)                                          \
+  template <class T, std::size_t N>                                          \
+  HWY_INLINE OneMask<T, N> operator op(One<T, N> a, One<T, N> b) {           \
+    return {hn::highway(a.v, b.v)};                                          \
+  }                                                                          \
+  template <class H>                                                         \
+  HWY_INLINE typename Traits<Two<H>>::Mask operator op(Two<H> a, Two<H> b) { \
+    return {a.a op b.a, a.b op b.b};                                         \
+  }
+OSTEON_COMPARE(<, Lt)
+OSTEON_COMPARE(<=, Le)
+OSTEON_COMPARE(>, Gt)
+OSTEON_COMPARE(>=, Ge)
+#undef OSTEON_COMPARE
+
+#define OSTEON_LOGIC(op, highway)                                          \
+  template <class T, std::size_t N>                                        \
+  HWY_INLINE OneMask<T, N> operator op(OneMask<T, N> a, OneMask<T, N> b) { \
+    return {hn::highway(a.m, b.m)};                                        \
+  }
+OSTEON_LOGIC(&, And)
+OSTEON_LOGIC(|, Or)
+#undef OSTEON_LOGIC
+template <class T, std::size_t N>
+HWY_INLINE OneMask<T, N> operator!(OneMask<T, N> a) {
+  return {hn::Not(a.m)};
+}
+template <class T, std::size_t N>
+HWY_INLINE unsigned Bits(OneMask<T, N> a) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(hn::CappedTag<T, N>(), a.m, bytes);
+  return N > 8 ? bytes[0] | unsigned{bytes[1]} << 8 : bytes[0];
+}
+template <class H>
+HWY_INLINE Two<H> operator&(Two<H> a, Two<H> b) {
+  return {a.a & b.a, a.b & b.b};
+}
+template <class H>
+HWY_INLINE Two<H> operator|(Two<H> a, Two<H> b) {
+  return {a.a | b.a, a.b | b.b};
+}
+template <class H>
+HWY_INLINE Two<H> operator!(Two<H> a) {
+  return {!a.a, !a.b};
+}
+template <class H>
+HWY_INLINE unsigned Bits(Two<H> a) {
+  return Bits(a.a) | Bits(a.b) << MaskTraits<H>::kSize;
+}
+
+template <class M>
+struct FromBits;
+template <class T, std::size_t N>
+struct FromBits<OneMask<T, N>> {
+  static HWY_INLINE OneMask<T, N> Of(unsigned bits) {
+    const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(bits >> 8)};
+    return {hn::LoadMaskBits(hn::CappedTag<T, N>(), bytes)};
+  }
+};
+template <class H>
+struct FromBits<Two<H>> {
+  static HWY_INLINE Two<H> Of(unsigned bits) {
+    constexpr unsigned kLow = (1u << MaskTraits<H>::kSize) - 1u;
+    return {FromBits<H>::Of(bits & kLow), FromBits<H>::Of(bits >> MaskTraits<H>::kSize)};
+  }
+};
+HWY_INLINE MD MaskD(unsigned bits) { return FromBits<MD>::Of(bits); }
+HWY_INLINE MF MaskF(unsigned bits) { return FromBits<MF>::Of(bits); }
+
+template <class T, std::size_t N>
+HWY_INLINE One<T, N> Select(OneMask<T, N> m, One<T, N> yes, One<T, N> no) {
+  return {hn::IfThenElse(m.m, yes.v, no.v)};
+}
+template <class H>
+HWY_INLINE Two<H> Select(typename Traits<Two<H>>::Mask m, Two<H> yes, Two<H> no) {
+  return {Select(m.a, yes.a, no.a), Select(m.b, yes.b, no.b)};
+}
+
+template <std::size_t N>
+HWY_INLINE float Least(One<float, N> a) {
+  return hn::GetLane(hn::MinOfLanes(hn::CappedTag<float, N>(), a.v));
+}
+template <class H>
+HWY_INLINE float Least(Two<H> a) {
+  return Least(Min(a.a, a.b));
+}
+
+// ---- between floats and doubles
+
+template <class To>
+struct Convert;
+template <std::size_t N>
+struct Convert<One<double, N>> {
+  static HWY_INLINE One<double, N> Of(One<float, N> a) {
+    return {hn::PromoteTo(hn::CappedTag<double, N>(), a.v)};
+  }
+};
+template <std::size_t N>
+struct Convert<One<float, N>> {
+  static HWY_INLINE One<float, N> Of(One<double, N> a) {
+    return {hn::DemoteTo(hn::CappedTag<float, N>(), a.v)};
+  }
+#if HWY_TARGET != HWY_SCALAR  // one vector of floats from two of doubles
+  template <class Half>
+  static HWY_INLINE One<float, N> Of(Two<Half> a) {
+    using To = Convert<One<float, N / 2>>;
+    return {hn::Combine(hn::CappedTag<float, N>(), To::Of(a.b).v, To::Of(a.a).v)};
+  }
+#endif
+};
+template <class H>
+struct Convert<Two<H>> {
+  template <class Half>
+  static HWY_INLINE Two<H> Of(Two<Half> a) {
+    return {Convert<H>::Of(a.a), Convert<H>::Of(a.b)};
+  }
+#if HWY_TARGET != HWY_SCALAR  // two vectors of doubles from one of floats
+  template <std::size_t N>
+  static HWY_INLINE Two<H> Of(One<float, N> a) {
+    const hn::CappedTag<float, N / 2> half;
+    return {Convert<H>::Of(One<float, N / 2>{hn::LowerHalf(half, a.v)}),
+            Convert<H>::Of(One<float, N / 2>{hn::UpperHalf(half, a.v)})};
+  }
+#endif
+};
+HWY_INLINE D8 ToD(F8 a) { return Convert<D8>::Of(a); }
+HWY_INLINE F8 ToF(D8 a) { return Convert<F8>::Of(a); }
+
+// ---- lanes of a table, and lanes moved together
+
+// base[index[k]] for each lane.
+template <class T, std::size_t N>
+HWY_INLINE void GatherInto(One<T, N>& to, const T* base, const std::uint32_t* index) {
+  const hn::CappedTag<T, N> tag;
+  const hn::Rebind<hwy::MakeSigned<T>, decltype(tag)> places;
+  if constexpr (sizeof(T) == 4) {
+    to.v = hn::GatherIndex(tag, base, hn::LoadU(places, reinterpret_cast<const std::int32_t*>(index)));
+  } else {
+    const hn::Rebind<std::int32_t, decltype(tag)> narrow;
+    to.v = hn::GatherIndex(
+        tag, base, hn::PromoteTo(places, hn::LoadU(narrow, reinterpret_cast<const std::int32_t*>(index))));
+  }
+}
+template <class T, class H>
+HWY_INLINE void GatherInto(Two<H>& to, const T* base, const std::uint32_t* index) {
+  GatherInto(to.a, base, index), GatherInto(to.b, base, index + Traits<H>::kSize);
+}
+HWY_INLINE F8 Gather(const float* base, const std::uint32_t* index) {
+  F8 to;
+  GatherInto(to, base, index);
+  return to;
+}
+HWY_INLINE D8 Gather(const double* base, const std::uint32_t* index) {
+  D8 to;
+  GatherInto(to, base, index);
+  return to;
+}
+
+// table[number] for lanes that hold whole numbers.
+template <std::size_t N>
+HWY_INLINE One<float, N> LookUp(const float* table, One<float, N> number) {
+  const hn::CappedTag<float, N> tag;
+  return {hn::GatherIndex(tag, table, hn::ConvertTo(hn::Rebind<std::int32_t, decltype(tag)>(), number.v))};
+}
+template <class H>
+HWY_INLINE Two<H> LookUp(const float* table, Two<H> number) {
+  return {LookUp(table, number.a), LookUp(table, number.b)};
+}
+
+// Writes the lanes of a mask, moved together; places behind them are written, too (eight in all).
+template <class T, std::size_t N>
+HWY_INLINE std::size_t Pack(T* to, One<T, N> a, OneMask<T, N> m) {
+  const hn::CappedTag<T, N> tag;
+  hn::StoreU(hn::Compress(a.v, m.m), tag, to);
+  return hn::CountTrue(tag, m.m);
+}
+template <class H>
+HWY_INLINE std::size_t Pack(typename Traits<H>::Scalar* to, Two<H> a, typename Traits<Two<H>>::Mask m) {
+  const std::size_t first = Pack(to, a.a, m.a);
+  return first + Pack(to + first, a.b, m.b);
+}
+
+// ---- three of them
+
+struct F3 {
+  F8 x, y, z;
+};
+struct D3 {
+  D8 x, y, z;
+};
+HWY_INLINE F3 operator-(const F3& a, const F3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+HWY_INLINE D3 operator-(const D3& a, const D3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+HWY_INLINE F8 Dot(const F3& a, const F3& b) { return MulAdd(a.z, b.z, MulAdd(a.y, b.y, a.x * b.x)); }
+// in the order in which Eigen adds up a Vector3
+HWY_INLINE D8 Dot(const D3& a, const D3& b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
+HWY_INLINE D3 Metres(const F3& mm) { return {D(1e-3) * ToD(mm.x), D(1e-3) * ToD(mm.y), D(1e-3) * ToD(mm.z)}; }
+
+}  // namespace HWY_NAMESPACE
+}  // namespace osteon::simulation::cpu
+HWY_AFTER_NAMESPACE();
+#endif

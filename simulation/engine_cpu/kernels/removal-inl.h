@@ -1,0 +1,204 @@
+// Pass 3: balls shrink out of what was swept.
+#if defined(OSTEON_CPU_REMOVAL_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef OSTEON_CPU_REMOVAL_INL_H
+#undef OSTEON_CPU_REMOVAL_INL_H
+#else
+#define OSTEON_CPU_REMOVAL_INL_H
+#endif
+
+#include <algorithm>
+
+#include "simulation/engine_cpu/kernels/exact_pairs-inl.h"
+#include "simulation/engine_cpu/kernels/sweep-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace osteon::simulation::cpu {
+namespace HWY_NAMESPACE {
+
+constexpr std::uint32_t kWorkBlocks = 24;
+
+// Blocks in work, as doubles. A seated reamer touches thousands of balls in every frame: roots and quotients
+// of several blocks at once hide each other's latency.
+class BallShrinking {
+ public:
+  explicit BallShrinking(RemovalPass& pass) : p_(pass) {}
+  void Run();
+
+ private:
+  struct alignas(64) Work {
+    double x[8], y[8], z[8], r[8];
+  };
+  struct alignas(64) Away {
+    double x[8], y[8], z[8], square[8];
+  };
+  void AddBlock(std::uint32_t b, float limit);
+  void FinishWork();
+  void ShrinkByRounds();
+  void Shrink(const TouchingRow* rows, std::uint32_t count, const Places& a, const Places& b);
+  void ShrinkTouched(const TouchingRow& row, const Away& away, const Places& a, const Places& b);
+  void DropSmallChildren();
+  void WriteBack();
+
+  RemovalPass& p_;
+  Work work_[kWorkBlocks];
+  std::uint32_t block_[kWorkBlocks];
+  std::uint32_t count_{0}, rows_{0}, max_rounds_{0};
+};
+
+inline void BallShrinking::Run() {
+  const float limit = SweepLimit(p_.sweep);
+  std::uint32_t b = 0;
+  for (BoundCursor blocks = BlocksOf(p_.rows); blocks.Next(limit, b);) AddBlock(b, limit);
+  FinishWork();
+}
+
+HWY_INLINE void BallShrinking::AddBlock(std::uint32_t b, float limit) {
+  const std::uint32_t number = p_.rows.block[b];
+  const BallBlock& block = p_.balls[number];
+  const F3 c = CentersOf(block);
+  const F8 r = Load(block.r), reach = F(ReachOf(p_.sweep));
+  const MF live = r > F(0.0f);
+  if (rows_ + (p_.rows.first[b + 1] - p_.rows.first[b]) > p_.scratch_capacity) FinishWork();
+  std::uint32_t rounds = 0, row = 0;
+  for (BoundCursor rows = RowsOf(p_.rows, b); rows.Next(limit, row);) {
+    const unsigned t = p_.rows.tool[row];
+    if (!Cuts(p_.sweep, t)) continue;
+    const unsigned lanes = Bits(live & (GapAtContact(p_.sweep, t, c, r) <= reach));
+    if (lanes == 0) continue;
+    p_.scratch[rows_++] = {static_cast<std::uint16_t>(count_), static_cast<std::uint16_t>(t),
+                           static_cast<std::uint8_t>(lanes)};
+    ++rounds;
+  }
+  if (rounds == 0) return;
+  max_rounds_ = std::max(max_rounds_, rounds);
+  Work& w = work_[count_];
+  const D3 center = Metres(c);
+  Store(w.x, center.x), Store(w.y, center.y), Store(w.z, center.z), Store(w.r, D(1e-3) * ToD(r));
+  block_[count_++] = number;
+  if (count_ == kWorkBlocks) FinishWork();
+}
+
+inline void BallShrinking::FinishWork() {
+  if (count_ == 0) return;
+  if (max_rounds_ == 1) {
+    Shrink(p_.scratch, rows_, p_.sweep.contact, p_.sweep.slid);
+    Shrink(p_.scratch, rows_, p_.sweep.slid, p_.sweep.end);
+  } else {
+    ShrinkByRounds();
+  }
+  if (p_.touched_children != nullptr) DropSmallChildren();
+  WriteBack();
+  count_ = rows_ = max_rounds_ = 0;
+}
+
+// A ball meets the tool balls in their order, each on both pieces of its way. Rows lie block after block: in
+// each round every block takes its next one.
+inline void BallShrinking::ShrinkByRounds() {
+  TouchingRow round[kWorkBlocks];
+  std::uint32_t next[kWorkBlocks], end[kWorkBlocks];
+  for (std::uint32_t i = 0, slot = 0; slot < count_; ++slot) {
+    next[slot] = i;
+    while (i < rows_ && p_.scratch[i].slot == slot) ++i;
+    end[slot] = i;
+  }
+  for (;;) {
+    std::uint32_t n = 0;
+    for (std::uint32_t slot = 0; slot < count_; ++slot)
+      if (next[slot] < end[slot]) round[n++] = p_.scratch[next[slot]++];
+    if (n == 0) return;
+    Shrink(round, n, p_.sweep.contact, p_.sweep.slid);
+    Shrink(round, n, p_.sweep.slid, p_.sweep.end);
+  }
+}
+
+// One capsule of each row; the rows are of different blocks. Of most blocks none is touched, which their
+// squared distances tell: with S = RN(r + R), a penetration S - RN(√dd) > 0 means dd < S² (1 + 2^-51), and S²
+// computed is low by 2^-53 of it at most, so dd < S² (1 + 2^-49) as well.
+inline void BallShrinking::Shrink(const TouchingRow* rows, std::uint32_t count, const Places& a,
+                                  const Places& b) {
+  Away away[kWorkBlocks];
+  const TouchingRow* touched[kWorkBlocks];
+  std::uint32_t touched_count = 0;
+  unsigned known = ~0u;
+  Segment segment{};
+  D8 R{};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (rows[i].tool != known) {
+      known = rows[i].tool;
+      segment = SegmentOf(a, b, known);
+      R = D(p_.sweep.tool.r[known]);
+    }
+    const Work& w = work_[rows[i].slot];
+    const D8 r = Load(w.r), sum = r + R;
+    const D3 out = AwayFrom(segment, {Load(w.x), Load(w.y), Load(w.z)});
+    const D8 square = Dot(out, out);
+    const unsigned may = Bits((r > D(0.0)) & (square < sum * sum * D(1.0 + 0x1p-49))) & rows[i].lanes;
+    if (may == 0) continue;
+    Away& to = away[touched_count];
+    Store(to.x, out.x), Store(to.y, out.y), Store(to.z, out.z), Store(to.square, square);
+    touched[touched_count++] = &rows[i];
+  }
+  for (std::uint32_t i = 0; i < touched_count; ++i) ShrinkTouched(*touched[i], away[i], a, b);
+  p_.pairs_examined += 8 * touched_count;
+}
+
+// ShrinkBall of cutting_math.h, to the same bits.
+HWY_INLINE void BallShrinking::ShrinkTouched(const TouchingRow& row, const Away& from, const Places& a,
+                                             const Places& b) {
+  Work& w = work_[row.slot];
+  const double tool_radius = p_.sweep.tool.r[row.tool];
+  const D3 away{Load(from.x), Load(from.y), Load(from.z)};
+  const D8 R = D(tool_radius), r = Load(w.r), d = Sqrt(Load(from.square)), penetration = r + R - d,
+           zero = D(0.0);
+  const MD hit = MaskD(row.lanes) & (r > zero) & (penetration > zero);
+  const D8 half = D(0.5) * penetration, left = r - half;
+  const MD gone = hit & ((penetration >= D(2.0) * r) | (left < D(p_.min_radius_m)));
+  // so close to the axis the direction needs care
+  const MD close = hit & (!gone) & (d < D(p_.on_axis_share * tool_radius));
+  const MD moved = hit & (!gone) & (!close);
+  for (unsigned bits = Bits(close); bits != 0; bits &= bits - 1) {
+    const unsigned k = Lowest(bits), t = row.tool;
+    double center[3] = {w.x[k], w.y[k], w.z[k]};
+    const double start[3] = {a.x[t], a.y[t], a.z[t]}, end[3] = {b.x[t], b.y[t], b.z[t]};
+    p_.shrink_on_axis(center, &w.r[k], start, end, tool_radius);
+    w.x[k] = center[0], w.y[k] = center[1], w.z[k] = center[2];
+  }
+  const Divisor by(d);
+  const D8 x = Load(w.x), y = Load(w.y), z = Load(w.z), now = Load(w.r);
+  Store(w.x, Select(moved, x + half * by.Of(away.x), x));
+  Store(w.y, Select(moved, y + half * by.Of(away.y), y));
+  Store(w.z, Select(moved, z + half * by.Of(away.z), z));
+  Store(w.r, Select(gone, zero, Select(moved, left, now)));
+}
+
+inline void BallShrinking::DropSmallChildren() {
+  for (std::uint32_t slot = 0; slot < count_; ++slot) {
+    const std::uint32_t block = block_[slot];
+    if (block < p_.first_child) continue;
+    const D8 r = Load(work_[slot].r);
+    Store(work_[slot].r,
+          Select(r < D(p_.min_child_m[(block - p_.first_child) / p_.child_stride]), D(0.0), r));
+    p_.touched_children[p_.touched_count++] = block;
+  }
+}
+
+// As RoundToStored() rounds: balls that nothing has touched keep their floats.
+inline void BallShrinking::WriteBack() {
+  for (std::uint32_t slot = 0; slot < count_; ++slot) {
+    const Work& w = work_[slot];
+    BallBlock& block = p_.balls[block_[slot]];
+    const F8 left = ToF(Load(w.r) * D(1e3));
+    p_.balls_changed += CountOf(Bits(left < Load(block.r)));
+    Store(block.x, ToF(Load(w.x) * D(1e3)));
+    Store(block.y, ToF(Load(w.y) * D(1e3)));
+    Store(block.z, ToF(Load(w.z) * D(1e3)));
+    Store(block.r, left);
+  }
+}
+
+inline void RemoveBalls(RemovalPass& pass) { BallShrinking(pass).Run(); }
+
+}  // namespace HWY_NAMESPACE
+}  // namespace osteon::simulation::cpu
+HWY_AFTER_NAMESPACE();
+#endif

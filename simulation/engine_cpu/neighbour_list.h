@@ -1,0 +1,93 @@
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "simulation/engine_cpu/bone_store.h"
+#include "simulation/engine_cpu/cluster_search.h"
+#include "simulation/engine_cpu/pair_row_list.h"
+#include "simulation/engine_cpu/split_blocks.h"
+
+namespace osteon::simulation::cpu {
+
+/// What lists are made from.
+struct ListSources {
+  const Kernels& kernels;
+  const ToolBalls& tool;
+  BoneStore& bone;
+  SplitBlocks* split;  ///< null: no ball is split
+  ClusterSearch& search;
+};
+
+/// Mass points of one material near the cutting balls, in blocks of eight.
+struct PointList {
+  AlignedArray<PointBlock> blocks;
+  std::size_t block_count{0};
+  PairRowList rows;
+};
+
+/// A Verlet neighbour list: every pair of a block of eight balls or points and a tool ball that can come
+/// within a reach of each other while the tool stays within a skin of where it was.
+///
+///     Begin(place) ─▶ Continue … ─▶ End        at once, or in slices over several frames
+///
+/// While it is made in slices, bone goes on being cut; what that changes is made good in End.
+class NeighbourList {
+ public:
+  /// @param max_rows  of balls, and of points of each material, at most
+  NeighbourList(const ListSources& sources, std::size_t max_rows);
+
+  /// @param reach, point_reach  with the skin
+  void Begin(const ToolPlacement& at, const ListReach& reach, const ListReach& point_reach);
+  /// Goes through the next so many clusters of each kind.
+  void Continue(std::size_t ball_clusters, std::size_t point_clusters);
+  [[nodiscard]] bool all_visited() const;
+  void End();
+  void Discard() { is_begun_ = is_made_ = false; }
+
+  [[nodiscard]] bool is_begun() const { return is_begun_; }
+  [[nodiscard]] bool is_made() const { return is_made_; }
+  /// More pairs were found than there is room for: the list is no use.
+  [[nodiscard]] bool overflowed() const { return overflowed_; }
+  [[nodiscard]] std::size_t ball_clusters() const { return balls_.cluster.size() + children_.size(); }
+  [[nodiscard]] std::size_t point_clusters() const { return points_.cluster.size(); }
+  [[nodiscard]] const ToolPlacement& built_at() const { return built_at_; }
+  [[nodiscard]] PairRowList& ball_rows() { return ball_rows_; }
+  [[nodiscard]] std::vector<PointList>& point_lists() { return point_lists_; }
+  [[nodiscard]] std::size_t ball_row_count() const { return ball_rows_.row_count(); }
+  [[nodiscard]] std::size_t ball_block_count() const { return ball_rows_.block_count(); }
+  [[nodiscard]] std::size_t listed_points() const { return listed_points_; }
+
+  /// New children of a split ball come into the list.
+  void AddChildren(std::uint32_t number);
+  /// What was cleared or split while the list was begun.
+  void NoteCleared(std::uint32_t point) { cleared_since_.push_back(point); }
+  void NoteSplit(std::uint32_t number) { split_since_.push_back(number); }
+
+ private:
+  void ListBlocks(std::uint32_t first_block, std::uint32_t end_block, std::span<const std::uint16_t> tools,
+                  bool& any);
+  void ListBallCluster();
+  void ListChild();
+  void ListPointCluster();
+  void AddPoint(std::uint32_t point, std::span<const std::uint16_t> tools, std::uint32_t& lanes);
+  void ClosePointBlock(PointList& list, std::span<const std::uint16_t> tools, std::uint32_t& lanes);
+  [[nodiscard]] RowMaker MakerOf(const ListReach& reach) const;
+
+  const ListSources& from_;
+  bool is_begun_{false}, is_made_{false}, overflowed_{false};
+  ToolPlacement built_at_;
+  ListReach reach_, point_reach_;
+  PairRowList ball_rows_;
+  std::vector<PointList> point_lists_;  // by material
+  NearClusters balls_, points_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> children_;  // number, place of the parent's cluster
+  std::size_t next_child_{0}, listed_points_{0};
+  std::vector<std::uint32_t> place_of_point_;  // block · 8 + lane in its material's list
+  std::vector<std::uint32_t> cleared_since_, split_since_;
+  std::vector<std::uint16_t> new_tools_;
+  std::vector<float> new_bounds_;
+};
+
+}  // namespace osteon::simulation::cpu

@@ -1,0 +1,181 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+// What the engine hands to its kernels: plain data in structures of arrays, eight lanes at a time. Places are
+// kept twice, as doubles in metres, which decide, and as floats in millimetres, which only exclude
+// (rounding.h).
+
+namespace osteon::simulation::cpu {
+
+inline constexpr std::size_t kLanes = 8;
+/// "Nothing": larger than any gap.
+inline constexpr float kNever = 3e38f;
+/// Where a mass point is put that is gone, and the lanes of a block that hold none [mm].
+inline constexpr float kFarAway_mm = 1e15f;
+
+/// Eight bone balls [mm] in G; r = 0: gone.
+struct alignas(64) BallBlock {
+  float x[kLanes], y[kLanes], z[kLanes], r[kLanes];
+};
+/// A lane's place in an array of blocks, counted in floats from the first block's x. Rises with the ball's
+/// number.
+[[nodiscard]] constexpr std::uint32_t PlaceOfBall(std::uint32_t ball) { return ball / 8 * 32 + ball % 8; }
+[[nodiscard]] constexpr std::uint32_t BallAtPlace(std::uint32_t place) { return place / 32 * 8 + place % 32; }
+
+/// Eight mass points of one material [mm] in G, and their numbers in the bone.
+struct alignas(64) PointBlock {
+  float x[kLanes], y[kLanes], z[kLanes];
+  std::uint32_t index[kLanes];
+  double area_m2[kLanes];  ///< volume over the depth of the engaged layer
+};
+
+/// Centres of the tool's balls, then T's origin, in G.
+struct Places {
+  double *x, *y, *z;          ///< [m]
+  float *x_mm, *y_mm, *z_mm;  ///< the same, rounded
+};
+
+/// The tool's balls.
+struct ToolView {
+  std::uint32_t count;             ///< of balls; T's origin is number `count` of a Places
+  const double *r, *tx, *ty, *tz;  ///< radius; centre in T [m]
+  const float* r_mm;
+  const float* rounding_mm;  ///< what floats may make of a gap to this ball, in this frame
+  const std::uint8_t* cutting;
+};
+
+/// Rows of a neighbour list: a block of eight balls or points and a tool ball that may come near one of them.
+///
+/// A row's bound is the least gap of its eight pairs when it was last computed, plus the tool's displacement
+/// up to then. A gap closes no faster than the tool moves, and bone only shrinks, so no pair of the row can
+/// be nearer now than bound - displacement.
+struct PairRows {
+  std::uint32_t block_count;
+  const std::uint32_t* block;  ///< ascending
+  const std::uint32_t* first;  ///< rows first[b] … first[b + 1] - 1 are of block[b], by rising tool ball
+  float* block_bound;          ///< the least bound of the block's rows
+  const std::uint16_t* tool;
+  float* bound;
+};
+
+/// Pass 1, and the slide: the first contact of the tool on straight ways.
+struct ContactPass {
+  const BallBlock* balls;
+  PairRows rows;
+  ToolView tool;
+  Places from, to;
+  const float *way_x_mm, *way_y_mm, *way_z_mm;  ///< of each tool ball
+  double tolerance_m;                           ///< overlap that is no contact yet
+  float tolerance_mm, displacement_mm, longest_way_mm, rounding_mm;
+  bool every_row;  ///< brute force: bounds exclude nothing
+};
+
+inline constexpr std::size_t kBinCount = 60, kFaceCount = 4;
+
+/// Pass 2: the nearest pair of each bin of direction, and the sums about each face's normal.
+struct NearFieldPass {
+  const BallBlock* balls;
+  PairRows rows;
+  ToolView tool;
+  Places at;
+  double enlargement_m, middle_worth_m, face_cosine, max_lens_m3;
+  float enlargement_mm, displacement_mm, rounding_mm;
+  bool every_row;
+  double axes[9];  ///< T's axes in G as floats have them, by columns
+  double face_n[kFaceCount][3];
+  std::int32_t face_count;
+
+  /// Scratch: pairs that doubles have to look at. Room for kNearCapacity, for kConeCapacity and all pairs of
+  /// a block, and for all pairs of a block.
+  std::uint32_t *near_place, *cone_place, *block_place;
+  std::uint16_t *near_tool, *cone_tool, *block_tool;
+  float* near_score;
+  std::uint8_t* near_bin;
+
+  /// Results. An infinite score: none. A bin's best pair is given by PlaceOfBall and tool ball.
+  double score[kBinCount];
+  std::uint32_t best_place[kBinCount];
+  std::uint16_t best_tool[kBinCount];
+  double sums[kFaceCount][8];  ///< weight, n, centre in T, radius: as FaceSums
+};
+inline constexpr std::size_t kNearCapacity = 4096, kConeCapacity = 2048;
+
+/// Pass 3: area of the cutting surface that lies in bone, of the points of one material.
+struct EngagementPass {
+  const PointBlock* points;
+  PairRows rows;
+  ToolView tool;
+  Places at;
+  double layer_m, n[3], origin[3], axis[3];
+  float layer_mm, displacement_mm, rounding_mm;
+  bool every_row;
+  double area_m2, moment_m3;  ///< added to
+};
+
+/// What the cutting balls sweep: two straight pieces, contact ─▶ slid ─▶ end.
+struct SweepView {
+  ToolView tool;
+  Places contact, slid, end;
+  float displacement_mm, way_mm, rounding_mm;  ///< way: from contact to end at most
+  std::int32_t only;                           ///< the tool ball that cuts; -1: all
+  bool every_row;
+};
+
+/// ShrinkBall for one ball whose centre lies close to the way's axis. All in metres.
+using ShrinkOnAxis = void (*)(double* center, double* radius, const double* a, const double* b,
+                              double tool_radius);
+
+/// A block in work and a tool ball that may touch some of its balls.
+struct TouchingRow {
+  std::uint16_t slot, tool;
+  std::uint8_t lanes;
+};
+
+struct RemovalPass {
+  SweepView sweep;
+  BallBlock* balls;
+  PairRows rows;
+  double min_radius_m, on_axis_share;
+  ShrinkOnAxis shrink_on_axis;
+  /// Children of split balls: blocks from first_child on, child_stride of them to a split ball. Those below
+  /// min_child_m are dropped. Blocks that were touched are reported; null: no ball is split.
+  std::uint32_t first_child, child_stride;
+  const double* min_child_m;
+  std::uint32_t* touched_children;
+  TouchingRow* scratch;  ///< room for scratch_capacity, at least the rows of one block
+  std::uint32_t scratch_capacity;
+  std::size_t touched_count, pairs_examined, balls_changed;  ///< results
+};
+
+/// Large balls that the sweep may touch, ascending.
+struct LargeBallPass {
+  SweepView sweep;
+  const BallBlock* balls;
+  PairRows rows;
+  float larger_than_mm;
+  std::uint32_t end_block;  ///< only blocks before this one
+  std::uint32_t* ball;      ///< room for every ball
+  std::size_t count;
+};
+
+/// Points inside the sweep, ascending: block · 8 + lane.
+struct ClearingPass {
+  SweepView sweep;
+  const PointBlock* points;
+  PairRows rows;
+  std::uint32_t* cleared;  ///< room for every point
+  std::size_t count;
+};
+
+/// Makes the rows of one block with the tool balls of a list.
+struct RowMaker {
+  ToolView tool;
+  Places at;
+  float cutting_reach_mm, shaft_reach_mm;
+  std::uint16_t* out_tool;
+  float* out_bound;
+};
+
+}  // namespace osteon::simulation::cpu

@@ -1,0 +1,93 @@
+#include <stdexcept>
+
+#include "tests/gpu/engine/contract_bench.h"
+#include "tests/gpu/engine/strip_bench.h"
+#include "tests/simulation/engine_cpu/equal_engines.h"
+#include "tests/simulation/engine_cpu/stroke_input.h"
+
+// Sizes, refusals and what is said of them.
+
+namespace osteon::simulation {
+namespace {
+
+template <class Make>
+std::string RefusalOf(Make&& make) {
+  try {
+    make();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(CpuEngineLimits, RefusalsNameWhatWasFoundAndWhatIsAccepted) {
+  const auto make = [](const Bone& bone, const Tool& tool, const CuttingParams& params = {},
+                       const CpuParams& cpu = {}) {
+    return RefusalOf([&] { CpuEngine(bone, tool, Pose::Identity(), params, cpu); });
+  };
+  EXPECT_EQ(make(gpu::Strip(2), Tool{}), "tool: found 0 balls, accepted 1 … 10000");
+  EXPECT_EQ(make(gpu::Strip(2), gpu::Shell(10'001)), "tool: found 10001 balls, accepted 1 … 10000");
+  EXPECT_EQ(make(gpu::Strip(2), gpu::Ball(1e-3), {}, {.instruction_set = "MMX"})
+                .rfind("CPU engine: instruction set: found \"MMX\", accepted one of N_", 0),
+            0u);
+  CuttingParams split;
+  split.split = {.on = true, .pool_blocks = 0};
+  EXPECT_NE(make(gpu::Strip(2), gpu::Ball(1e-3), split).find("split: pool: found 0"), std::string::npos);
+}
+
+TEST(CpuEngineLimits, ItSaysWhatItRunsOn) {
+  for (const std::string& set : CpuInstructionSets()) {
+    const CpuEngine engine(gpu::Strip(2), gpu::Ball(1e-3), Pose::Identity(), {}, {.instruction_set = set});
+    EXPECT_EQ(engine.name(), "cpu");
+    EXPECT_EQ(engine.device().rfind("one thread, ", 0), 0u) << engine.device();
+  }
+}
+
+// More pairs than there is room for: the frame changes nothing, and the engine goes on where it has room
+// again.
+TEST(CpuEngineLimits, AnOverloadedFrameChangesNothing) {
+  const Bone bone = gpu::Strip(100);
+  CpuEngine engine(bone, gpu::Shell(400), Pose::Identity(), {}, {.list_capacity = 20});
+  const FrameInput far{.X_WT = gpu::Down({0, 0, 50e-3}), .spindle_rad_per_s = 1.0, .dt_s = 1e-3};
+  EXPECT_EQ(engine.Step(far).status, EngineStatus::kOk);
+  const CarvedState before = engine.Snapshot();
+  const FrameInput deep{.X_WT = gpu::Down({0, 0, -3e-3}), .spindle_rad_per_s = 1.0, .dt_s = 1e-3};
+  EXPECT_EQ(engine.Step(deep).status, EngineStatus::kOverloaded);
+  EXPECT_TRUE(Identical(before, engine.Snapshot()));
+  EXPECT_EQ(engine.Step(far).status, EngineStatus::kOk);
+}
+
+TEST(CpuEngineLimits, ToolsOfTenThousandBallsGiveTheReferencesBits) {
+  EqualEngines engines(gpu::Strip(40), gpu::Shell(10'000));
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(engines.Step(StrokeInput(5 * i))) << "frame " << i;
+  EXPECT_TRUE(engines.SameStates());
+  EXPECT_GT(engines.facts().touching, 5);
+}
+
+TEST(CpuEngineLimits, EmptyBonesAndOddSizesGiveTheReferencesBits) {
+  for (const int balls : {0, 1, 7, 8, 9, 63, 64, 65, 129}) {
+    for (const int tool_balls : {1, 7, 8, 9}) {
+      EqualEngines engines(gpu::Strip(balls), gpu::Shell(tool_balls));
+      for (int i = 0; i < 30; ++i)
+        ASSERT_TRUE(engines.Step(StrokeInput(4 * i))) << balls << " and " << tool_balls << ", frame " << i;
+      EXPECT_TRUE(engines.SameStates()) << balls << " and " << tool_balls;
+    }
+  }
+}
+
+TEST(CpuEngineLimits, AStateThatIsRefusedChangesNothing) {
+  CpuEngine engine(gpu::Strip(40), gpu::Ball(6e-3), Pose::Identity(), {}),
+      other(gpu::Strip(41), gpu::Ball(6e-3), Pose::Identity(), {});
+  for (int i = 0; i < 60; ++i) engine.Step(StrokeInput(2 * i));
+  const CarvedState before = engine.Snapshot();
+  EXPECT_THROW(engine.Restore(other.Snapshot()), std::invalid_argument);
+  CarvedState bad = before;
+  bad.contact.pair_count = 99;
+  EXPECT_THROW(engine.Restore(bad), std::invalid_argument);
+  EXPECT_TRUE(Identical(before, engine.Snapshot()));
+  engine.Restore(before);
+  EXPECT_TRUE(Identical(before, engine.Snapshot()));
+}
+
+}  // namespace
+}  // namespace osteon::simulation
