@@ -394,7 +394,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
   ReadLaw(reader, cell);
-  servo.vibration.acts = false;  // where a cell has no such section: see control/README.md, "Whose vibration"
+  servo.vibration.acts = false;  // where a cell has no such section: see docs/tuning.md
   if (reader.Has("vibration")) ReadVibration(reader.Section("vibration"), servo.vibration);
   ReadStabilisers(reader, servo.law, servo.stabilisers);
   if (reader.Has("sensor_bias")) ReadSensorBias(reader.Section("sensor_bias"), servo.sensor_bias);
