@@ -18,6 +18,9 @@
 
 namespace osteon::kinematics {
 
+template <int N>
+struct JacobianDirections;
+
 /// The limit that reduced the motion; of several, the one that reduced it the most.
 enum class MotionLimit : std::uint8_t {
   kNone,
