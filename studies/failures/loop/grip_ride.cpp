@@ -58,7 +58,7 @@ GripRide RideGrip(const GripRideParams& params) {
               F = tight_mass.Step(kDt_s, X_WT, V_WT, X_held, {});
               F = {.f = F.f + kept.f, .t = F.t + kept.t};
             }
-            shaken.push_back(t < params.tremor_from_s ? Vector3(Vector3::Zero()) : tremor.At(t));
+            shaken.push_back(t < params.tremor_from_s ? Vector3(Vector3::Zero()) : tremor.ForceAt(t));
             F.f += shaken.back();
             exerted.push_back(F.f);
             return F;
