@@ -136,7 +136,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
     twist.template tail<3>() *= length_m;
     return twist;
   };
-  const JacobianDirections<N> svd = DirectionsOf<N>(J, in.U_before);
+  const JacobianSvd<N> svd = ComputeJacobianSvd<N>(J, in.U_before);
   const Vector6& sigma = svd.sigma;
   Eigen::Matrix<double, N, N> directions = svd.V;
   out.U = svd.U;
