@@ -166,7 +166,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   // the six directions, with rotations scaled by the turning length
   JacobianN<N> J = in.J;
   J.template bottomRows<3>() *= params_.turning_length_m;
-  JacobianDirections<N> svd = DirectionsOf<N>(J, in.U_before);
+  JacobianSvd<N> svd = ComputeJacobianSvd<N>(J, in.U_before);
   out.U = svd.U;
   const Vector6 u_min = Scaled(svd.U.col(5), params_.turning_length_m);
   if constexpr (N > 6)
@@ -202,7 +202,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
 // Joint velocity of the wanted twist: exact in the directions whose singular value is outside the zone,
 // damped in the others.
 template <int N>
-JointVectorN<N> DifferentialInverse<N>::DampedTask(const MotionInput<N>& in, const JacobianDirections<N>& svd,
+JointVectorN<N> DifferentialInverse<N>::DampedTask(const MotionInput<N>& in, const JacobianSvd<N>& svd,
                                                    const Eigen::Matrix<double, 6, 1>& V_scaled,
                                                    MotionOutput<N>& out) const OSTEON_RT {
   JointVectorN<N> task = JointVectorN<N>::Zero();

@@ -19,7 +19,7 @@
 namespace osteon::kinematics {
 
 template <int N>
-struct JacobianDirections;
+struct JacobianSvd;
 
 /// The limit that reduced the motion; of several, the one that reduced it the most.
 enum class MotionLimit : std::uint8_t {
@@ -142,7 +142,7 @@ class DifferentialInverse {
                                                double a_m_per_s, double twist_m_per_s,
                                                double before_rad_per_s, double share_before,
                                                double dt_s) const OSTEON_RT;
-  [[nodiscard]] JointVectorN<N> DampedTask(const MotionInput<N>& in, const JacobianDirections<N>& svd,
+  [[nodiscard]] JointVectorN<N> DampedTask(const MotionInput<N>& in, const JacobianSvd<N>& svd,
                                            const Eigen::Matrix<double, 6, 1>& V_scaled,
                                            MotionOutput<N>& out) const OSTEON_RT;
   [[nodiscard]] double LimitedNullSpeed(const JointVectorN<N>& n, const MotionInput<N>& in) const OSTEON_RT;
