@@ -58,7 +58,7 @@ std::string WrapMarkdown(std::string_view paragraph) {
   });
 }
 
-std::string Sentence(std::string text) {
+std::string ToSentence(std::string text) {
   if (text.empty()) return text;
   text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text.ends_with('.') ? text : text + ".";

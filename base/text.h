@@ -23,7 +23,7 @@ namespace osteon::app {
 [[nodiscard]] std::string WrapMarkdown(std::string_view paragraph);
 
 /// Begins a text with a capital and ends it with a full stop; an empty text stays empty.
-[[nodiscard]] std::string Sentence(std::string text);
+[[nodiscard]] std::string ToSentence(std::string text);
 
 /// Returns a text with its ASCII letters in lower case.
 [[nodiscard]] std::string Lower(std::string text);

@@ -123,6 +123,7 @@ bool Within(const std::array<MovingJoint, 7>& joints, const std::array<double, 7
 
 }  // namespace
 
+// More than 60 lines: one derivation, joint by joint, whose coefficients the next joint needs.
 ArmAngleIntervals FindArmAngleIntervals(const LbrArm& arm, const Pose& X_BF, int configuration,
                                         const JointVector& seed) OSTEON_RT {
   const LbrParams& params = arm.params();

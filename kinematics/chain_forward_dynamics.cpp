@@ -87,6 +87,8 @@ struct Articulated {
 
 // Accelerations are those of the link's origin and of its rotation, not spatial ones: the bias of a body is w
 // × J w and w × (w × h), and that of a joint w × z qd and w × (w × p).
+// More than 60 lines: the three passes of one algorithm over the same arrays; only the simulated arm calls
+// it.
 template <int N>
 JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& qd,
                                                 const Joints& tau) const noexcept {

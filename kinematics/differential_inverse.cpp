@@ -63,6 +63,41 @@ JointVectorN<N> SingularValueGradient(const JacobianN<N>& J, const Vector6& u, c
   return gradient;
 }
 
+// A twist whose rotation is scaled by the turning length.
+Vector6 Scaled(Vector6 twist, double length_m) {
+  twist.tail<3>() *= length_m;
+  return twist;
+}
+
+// Exactly singular: of the two directions without motion, which are not distinct, the one with the larger
+// curvature along u_min becomes the last singular direction, column 5.
+template <int N>
+void SeparateByCurvature(const JacobianN<N>& J, const Vector6& u_min,
+                         Eigen::Matrix<double, N, N>& directions) {
+  const JointVectorN<N> v = directions.col(5), n = directions.col(6);
+  const double vv = u_min.dot(Curvature<N>(J, v)), nn = u_min.dot(Curvature<N>(J, n));
+  const double vn = 0.5 * (u_min.dot(Curvature<N>(J, JointVectorN<N>(v + n))) - vv - nn);
+  double angle = 0.5 * std::atan2(2.0 * vn, vv - nn);
+  if (vv + nn < 0.0) angle += 0.5 * std::numbers::pi;
+  directions.col(5) = std::cos(angle) * v + std::sin(angle) * n;
+  directions.col(6) = std::cos(angle) * n - std::sin(angle) * v;
+}
+
+// Names the limit that took the largest part of a twist of that length, in `out`: the singularity, or what
+// the limits of the joints have named.
+template <int N>
+void NameLimit(double length_m_per_s, MotionOutput<N>& out) {
+  const double lost_share = length_m_per_s > 0.0 ? std::min(1.0, out.lost_m_per_s / length_m_per_s) : 0.0;
+  const double worst = std::max({lost_share, 1.0 - out.share, 1.0 - out.change_share});
+  if (worst < kActs) {
+    out.limit = MotionLimit::kNone;
+    out.joint = -1;
+  } else if (worst == lost_share) {
+    out.limit = MotionLimit::kSingularity;
+    out.joint = -1;
+  }
+}
+
 }  // namespace
 
 const char* Name(MotionLimit limit) noexcept {
@@ -119,7 +154,6 @@ DifferentialInverse<N>::DifferentialInverse(const DifferentialInverseParams<N>& 
 template <int N>
 MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OSTEON_RT {
   MotionOutput<N> out;
-  const double length_m = params_.turning_length_m;
   Vector6 V;
   V << in.V_BT.v, in.V_BT.w;
   if (!in.J.allFinite() || !V.allFinite() || !in.q.allFinite() || !in.qd_before.allFinite() ||
@@ -131,84 +165,67 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
 
   // the six directions, with rotations scaled by the turning length
   JacobianN<N> J = in.J;
-  J.template bottomRows<3>() *= length_m;
-  const auto scaled = [length_m](Vector6 twist) {
-    twist.template tail<3>() *= length_m;
-    return twist;
-  };
-  const JacobianDirections<N> svd = DirectionsOf<N>(J, in.U_before);
-  const Vector6& sigma = svd.sigma;
-  Eigen::Matrix<double, N, N> directions = svd.V;
+  J.template bottomRows<3>() *= params_.turning_length_m;
+  JacobianSvd<N> svd = ComputeJacobianSvd<N>(J, in.U_before);
   out.U = svd.U;
-  const Vector6 u_min = scaled(svd.U.col(5));
-  if constexpr (N > 6) {
-    // exactly singular: of the two directions without motion, the one with the larger curvature becomes v
-    if (sigma[5] < kUnresolved * sigma[0]) {
-      const JointVectorN<N> v = directions.col(5), n = directions.col(6);
-      const double vv = u_min.dot(Curvature<N>(in.J, v)), nn = u_min.dot(Curvature<N>(in.J, n));
-      const double vn = 0.5 * (u_min.dot(Curvature<N>(in.J, JointVectorN<N>(v + n))) - vv - nn);
-      double angle = 0.5 * std::atan2(2.0 * vn, vv - nn);
-      if (vv + nn < 0.0) angle += 0.5 * std::numbers::pi;
-      directions.col(5) = std::cos(angle) * v + std::sin(angle) * n;
-      directions.col(6) = std::cos(angle) * n - std::sin(angle) * v;
-    }
-  }
-  out.sigma_min_m = sigma[5];
-  out.sigma_gradient_m = SingularValueGradient<N>(in.J, u_min, directions.col(5));
+  const Vector6 u_min = Scaled(svd.U.col(5), params_.turning_length_m);
+  if constexpr (N > 6)
+    if (svd.sigma[5] < kUnresolved * svd.sigma[0]) SeparateByCurvature<N>(in.J, u_min, svd.V);
+  out.sigma_min_m = svd.sigma[5];
+  out.sigma_gradient_m = SingularValueGradient<N>(in.J, u_min, svd.V.col(5));
 
   // The tool's path is curved when joints turn, by half a tick of J' qd: correct the twist so that its mean
   // over the tick is the wanted one, with qd as it will be without limits.
   JointVectorN<N> qd_free = in.qd_before;
   for (int k = 0; k < 6; ++k) {
-    if (sigma[k] < params_.singular_zone_m) continue;
-    const double a = svd.U.col(k).dot(scaled(V));
-    qd_free += (a / sigma[k] - directions.col(k).dot(in.qd_before)) * directions.col(k);
+    if (svd.sigma[k] < params_.singular_zone_m) continue;
+    const double a = svd.U.col(k).dot(Scaled(V, params_.turning_length_m));
+    qd_free += (a / svd.sigma[k] - svd.V.col(k).dot(in.qd_before)) * svd.V.col(k);
   }
   V -= 0.5 * in.dt_s * Curvature<N>(in.J, qd_free);
-  const Vector6 V_scaled = scaled(V);
+  const Vector6 V_scaled = Scaled(V, params_.turning_length_m);
+  const JointVectorN<N> task = DampedTask(in, svd, V_scaled, out);
 
-  // the task
+  // null space, limits
+  JointVectorN<N> n = JointVectorN<N>::Zero();
+  if constexpr (N > 6) n = svd.V.col(6);
+  out.null_direction = n;
+  const Box box = ComputeSpeedBox(in.q, in.dt_s);
+  ScaleIntoBox(box, task, n, LimitedNullSpeed(n, in), out);
+  if (!in.ignore_acceleration) LimitChange(box, in.qd_before, in.dt_s, out);
+  NameLimit(V_scaled.norm(), out);
+  const Vector6 V_out = in.J * out.qd + 0.5 * in.dt_s * Curvature<N>(in.J, out.qd);
+  out.V_BT = {.v = V_out.head<3>(), .w = V_out.tail<3>()};
+  return out;
+}
+
+// Joint velocity of the wanted twist: exact in the directions whose singular value is outside the zone,
+// damped in the others.
+template <int N>
+JointVectorN<N> DifferentialInverse<N>::DampedTask(const MotionInput<N>& in, const JacobianSvd<N>& svd,
+                                                   const Eigen::Matrix<double, 6, 1>& V_scaled,
+                                                   MotionOutput<N>& out) const OSTEON_RT {
   JointVectorN<N> task = JointVectorN<N>::Zero();
   const double length = V_scaled.norm();
   double lost_squared = 0.0;
   for (int k = 0; k < 6; ++k) {
     const Vector6 u = svd.U.col(k);
-    const JointVectorN<N> v = directions.col(k);
-    const double a = u.dot(V_scaled);
-    if (sigma[k] >= params_.singular_zone_m) {
-      task += (a / sigma[k]) * v;
+    const JointVectorN<N> v = svd.V.col(k);
+    const double sigma = svd.sigma[k], a = u.dot(V_scaled);
+    if (sigma >= params_.singular_zone_m) {
+      task += (a / sigma) * v;
       continue;
     }
-    const double curvature_m = scaled(u).dot(Curvature<N>(in.J, v));
-    const DampedSpeed y = ComputeDampedSpeed(v, sigma[k], curvature_m, a, length, v.dot(in.qd_before),
-                                             in.share_before, in.dt_s);
-    const double lost = a - (sigma[k] + 0.5 * curvature_m * y.speed * in.dt_s) * y.speed;
+    const double curvature_m = Scaled(u, params_.turning_length_m).dot(Curvature<N>(in.J, v));
+    const DampedSpeed y =
+        ComputeDampedSpeed(v, sigma, curvature_m, a, length, v.dot(in.qd_before), in.share_before, in.dt_s);
+    const double lost = a - (sigma + 0.5 * curvature_m * y.speed * in.dt_s) * y.speed;
     task += y.speed * v;
     lost_squared += lost * lost;
     out.damping_m = std::max(out.damping_m, y.lambda);
   }
   out.lost_m_per_s = std::sqrt(lost_squared);
-
-  // null space, limits
-  JointVectorN<N> n = JointVectorN<N>::Zero();
-  if constexpr (N > 6) n = directions.col(6);
-  out.null_direction = n;
-  const Box box = ComputeSpeedBox(in.q, in.dt_s);
-  ScaleIntoBox(box, task, n, LimitedNullSpeed(n, in), out);
-  if (!in.ignore_acceleration) LimitChange(box, in.qd_before, in.dt_s, out);
-
-  const double lost_share = length > 0.0 ? std::min(1.0, out.lost_m_per_s / length) : 0.0;
-  const double worst = std::max({lost_share, 1.0 - out.share, 1.0 - out.change_share});
-  if (worst < kActs) {
-    out.limit = MotionLimit::kNone;
-    out.joint = -1;
-  } else if (worst == lost_share) {
-    out.limit = MotionLimit::kSingularity;
-    out.joint = -1;
-  }
-  const Vector6 V_out = in.J * out.qd + 0.5 * in.dt_s * Curvature<N>(in.J, out.qd);
-  out.V_BT = {.v = V_out.head<3>(), .w = V_out.tail<3>()};
-  return out;
+  return task;
 }
 
 // Joint speed of the wanted null motion along n, limited in size and change.

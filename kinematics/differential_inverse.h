@@ -18,6 +18,9 @@
 
 namespace osteon::kinematics {
 
+template <int N>
+struct JacobianSvd;
+
 /// The limit that reduced the motion; of several, the one that reduced it the most.
 enum class MotionLimit : std::uint8_t {
   kNone,
@@ -139,6 +142,9 @@ class DifferentialInverse {
                                                double a_m_per_s, double twist_m_per_s,
                                                double before_rad_per_s, double share_before,
                                                double dt_s) const OSTEON_RT;
+  [[nodiscard]] JointVectorN<N> DampedTask(const MotionInput<N>& in, const JacobianSvd<N>& svd,
+                                           const Eigen::Matrix<double, 6, 1>& V_scaled,
+                                           MotionOutput<N>& out) const OSTEON_RT;
   [[nodiscard]] double LimitedNullSpeed(const JointVectorN<N>& n, const MotionInput<N>& in) const OSTEON_RT;
   struct Box {
     JointVectorN<N> low, high;                                              ///< <= 0, >= 0 [rad/s]

@@ -62,9 +62,9 @@ void MakeOrthonormal(Eigen::Matrix<double, 6, 6>& U) {
 }  // namespace
 
 template <int N>
-JacobianDirections<N> DirectionsOf(const Eigen::Matrix<double, 6, N>& J,
-                                   const Eigen::Matrix<double, 6, 6>& near) OSTEON_RT {
-  JacobianDirections<N> out;
+JacobianSvd<N> ComputeJacobianSvd(const Eigen::Matrix<double, 6, N>& J,
+                                  const Eigen::Matrix<double, 6, 6>& near) OSTEON_RT {
+  JacobianSvd<N> out;
   Eigen::Matrix<double, 6, 6> U = near;
   if ((U.transpose() * U - Eigen::Matrix<double, 6, 6>::Identity()).cwiseAbs().maxCoeff() > kStillOrthogonal)
     MakeOrthonormal(U);
@@ -116,9 +116,9 @@ JacobianDirections<N> DirectionsOf(const Eigen::Matrix<double, 6, N>& J,
   return out;
 }
 
-template JacobianDirections<6> DirectionsOf<6>(const Eigen::Matrix<double, 6, 6>&,
-                                               const Eigen::Matrix<double, 6, 6>&) OSTEON_RT;
-template JacobianDirections<7> DirectionsOf<7>(const Eigen::Matrix<double, 6, 7>&,
-                                               const Eigen::Matrix<double, 6, 6>&) OSTEON_RT;
+template JacobianSvd<6> ComputeJacobianSvd<6>(const Eigen::Matrix<double, 6, 6>&,
+                                              const Eigen::Matrix<double, 6, 6>&) OSTEON_RT;
+template JacobianSvd<7> ComputeJacobianSvd<7>(const Eigen::Matrix<double, 6, 7>&,
+                                              const Eigen::Matrix<double, 6, 6>&) OSTEON_RT;
 
 }  // namespace osteon::kinematics

@@ -5,25 +5,26 @@
 
 namespace osteon::kinematics {
 
-/// J = U diag(sigma) V^T of a Jacobian, 6 x N with N >= 6.
+/// Singular value decomposition J = U diag(sigma) V^T of a Jacobian, 6 x N with N >= 6.
 template <int N>
-struct JacobianDirections {
-  Eigen::Matrix<double, 6, 6> U{Eigen::Matrix<double, 6, 6>::Identity()};  ///< columns: left directions
+struct JacobianSvd {
+  Eigen::Matrix<double, 6, 6> U{Eigen::Matrix<double, 6, 6>::Identity()};  ///< columns: left singular vectors
   Eigen::Matrix<double, 6, 1> sigma{Eigen::Matrix<double, 6, 1>::Zero()};  ///< descending, >= 0
-  Eigen::Matrix<double, N, N> V{Eigen::Matrix<double, N, N>::Identity()};  ///< right; beyond 6: null space
-  int sweeps{0};                                                           ///< number of sweeps done
+  /// Columns: right singular vectors; those after the sixth span the null space.
+  Eigen::Matrix<double, N, N> V{Eigen::Matrix<double, N, N>::Identity()};
+  int sweeps{0};  ///< sweeps over all pairs of rows until they were orthogonal
 };
 
-/// Singular values and directions by one-sided Jacobi rotations: pairs of rows of U^T J are rotated against
-/// each other until all are orthogonal. Small singular values are as accurate as large ones. Directions with
-/// a sigma below 1e-14 of the largest are completed to a basis. `near`, the left directions of a similar
+/// Computes the decomposition by one-sided Jacobi rotations: pairs of rows of U^T J are rotated against
+/// each other until all are orthogonal. Small singular values are as accurate as large ones. Vectors with
+/// a sigma below 1e-14 of the largest are completed to a basis. `near`, the U of a similar
 /// Jacobian (the tick before), saves most of the sweeps; any orthogonal matrix gives the same values.
 ///
 /// Source: Hestenes, Inversion of Matrices by Biorthogonalization, J. SIAM 6, 1958; Demmel and Veselić,
 /// Jacobi's Method Is More Accurate than QR, SIAM J. Matrix Anal. 13, 1992.
 /// @pre J and near finite, near orthogonal to 1e-9.
 template <int N>
-[[nodiscard]] JacobianDirections<N> DirectionsOf(const Eigen::Matrix<double, 6, N>& J,
-                                                 const Eigen::Matrix<double, 6, 6>& near) OSTEON_RT;
+[[nodiscard]] JacobianSvd<N> ComputeJacobianSvd(const Eigen::Matrix<double, 6, N>& J,
+                                                const Eigen::Matrix<double, 6, 6>& near) OSTEON_RT;
 
 }  // namespace osteon::kinematics

@@ -76,6 +76,7 @@ const LbrSolution* LbrSolutions::Nearest(const JointVector& seed) const OSTEON_R
   return best;
 }
 
+// More than 60 lines: one solution from shoulder to wrist; each joint needs the frames of those before it.
 LbrSolutions LbrArm::Solve(const Pose& X_BF, double arm_angle_rad, const JointVector& seed) const OSTEON_RT {
   LbrSolutions result;
 

@@ -97,6 +97,7 @@ int OrthoParallelArm::Configuration(const Joints& q) const OSTEON_RT {
   return (front < 0.0 ? 1 : 0) + (std::sin(gamma) < 0.0 ? 2 : 0) + (std::sin(theta(4)) < 0.0 ? 4 : 0);
 }
 
+// More than 60 lines: the eight solutions of one paper, in its order and with its symbols.
 OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& seed) const OSTEON_RT {
   OrthoParallelSolutions result;
   const Vector3 wrist = X_BF.translation() - params_.c4_m * X_BF.linear().col(2);

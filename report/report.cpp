@@ -15,7 +15,7 @@
 namespace osteon::app {
 namespace {
 
-std::string Head(const ReportInput& input) {
+std::string HeadHtml(const ReportInput& input) {
   std::string out = fmt::format("<header>\n<h1>{}</h1>\n", Escape(input.title));
   if (!input.subtitle.empty()) out += fmt::format("<p class=\"sub\">{}</p>\n", Escape(input.subtitle));
   out += VerdictBadge(input.verdict);
@@ -28,7 +28,7 @@ std::string Head(const ReportInput& input) {
   return out + "</header>\n";
 }
 
-std::string Faults(const ReportInput& input) {
+std::string FaultsHtml(const ReportInput& input) {
   if (input.faults.empty()) return {};
   std::string out =
       "<h2>Faults</h2>\n<table>\n<tr><th class=\"n\">time [s]</th><th>fault</th><th>what was "
@@ -77,7 +77,8 @@ std::string ErrorChart(const Section& section) {
                   .y_label = "error [mm]",
                   .series = {std::move(series)},
                   .plot_height_px = 150.0};
-  // at the rim whole balls are removed with the edge: such a peak must not flatten the rest
+  // at the rim whole balls are removed, which gives an error of their size: such a peak must not flatten the
+  // rest
   const CavityError& error = section.error;
   const double shown_m = 4.0 * error.p95_m;
   if (shown_m > 0.0 && std::max(error.max_over_m, -error.max_under_m) > 1.5 * shown_m) {
@@ -90,7 +91,7 @@ std::string ErrorChart(const Section& section) {
   return Svg(chart);
 }
 
-std::string Timing(const ReportInput& input) {
+std::string TimingHtml(const ReportInput& input) {
   const std::string wakeup = WakeupHistogram(input.run), compute = ComputeHistogram(input.run);
   const std::string frame = FrameTimeHistogram(input.run);
   std::string out = "<h2>Timing</h2>\n";
@@ -103,8 +104,8 @@ std::string Timing(const ReportInput& input) {
          "</div>\n<p class=\"sub\">Counts on a logarithmic axis, so that a single late tick is seen.</p>\n";
 }
 
-/// The material figures that have no source.
-std::string Assumed(const simulation::Bone& bone) {
+/// Lists the material properties that are assumed, because no source was found for them.
+std::string AssumptionsHtml(const simulation::Bone& bone) {
   const std::vector<std::string> assumptions = simulation::Assumptions(bone.materials);
   if (assumptions.empty()) return {};
   std::string out =
@@ -136,8 +137,8 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
 
   std::string& html = report.html;
   html = PageBegin(input.title);
-  html += Head(input);
-  html += Faults(input);
+  html += HeadHtml(input);
+  html += FaultsHtml(input);
   html += "<h2>The bone</h2>\n<div class=\"pair\">\n" + *before + *after + "</div>\n";
   std::string tints;
   for (const simulation::Material& material : input.bone.materials)
@@ -162,8 +163,8 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   html += "<h2>Progress</h2>\n" + Figure(ProgressChart(input.run), "");
   html += "<h2>Motion</h2>\n" +
           Figure(MotionChart(input.run, input.tool_speed_limit_m_per_s, input.max_tool_in_bone_m), "");
-  html += Timing(input);
-  html += Assumed(input.bone);
+  html += TimingHtml(input);
+  html += AssumptionsHtml(input.bone);
   if (!input.command_line.empty())
     html += "<h2>How to repeat it</h2>\n<pre>" + Escape(input.command_line) + "</pre>\n";
   if (!input.config_text.empty())

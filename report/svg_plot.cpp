@@ -13,8 +13,8 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kLabelStrip =
-    19.0;  ///< height of the strip for the names of spans, width of a turned axis label
+/// Height of the strip for the names of spans; also the width of a turned axis label.
+constexpr double kLabelStrip = 19.0;
 
 struct Extent {
   double min{std::numeric_limits<double>::infinity()}, max{-std::numeric_limits<double>::infinity()};
@@ -33,7 +33,7 @@ Range LogRange(const Extent& extent) {
   return {extent.min / kMargin, extent.max * kMargin};
 }
 
-Range CommonX(std::span<const LineChart> panels) {
+Range CommonXRange(std::span<const LineChart> panels) {
   Extent extent;
   for (const LineChart& panel : panels) {
     if (panel.x) return *panel.x;
@@ -45,14 +45,14 @@ Range CommonX(std::span<const LineChart> panels) {
   if (!panels.empty() && panels.front().log_x) return LogRange(extent);
   if (!extent.Any()) return {0.0, 1.0};
   if (!(extent.max > extent.min)) return NiceRange({extent.min, extent.max}, 5);
-  // a run of 9.999 s ends at its tick of 10 s
+  // extend the range to a tick mark that is close: the axis of a run of 9.999 s ends at 10 s
   const Range nice = NiceRange({extent.min, extent.max}, 10);
   const double near = 0.01 * (extent.max - extent.min);
   return {extent.min - nice.min < near ? nice.min : extent.min,
           nice.max - extent.max < near ? nice.max : extent.max};
 }
 
-/// The y range, up to the next tick.
+/// The y range, extended to tick marks.
 Range YRange(const LineChart& panel, int max_ticks) {
   if (panel.y) return *panel.y;
   Extent extent;
@@ -60,7 +60,7 @@ Range YRange(const LineChart& panel, int max_ticks) {
     for (const double y : series.y)
       if (!panel.log_y || y > 0.0) extent.Add(y);
   if (panel.log_y) return LogRange(extent);
-  // Keeps the line off the frame.
+  // keep limit lines away from the frame
   for (const LimitLine& limit : panel.limits) extent.Add(1.05 * limit.value);
   if (panel.y_from_zero) extent.Add(0.0);
   if (!extent.Any()) return {0.0, 1.0};
@@ -102,14 +102,14 @@ std::string DrawSeries(const PlotArea& area, const Series& series, const std::st
                      series.opacity < 1.0 ? fmt::format(R"( opacity="{:.2f}")", series.opacity) : "");
 }
 
-bool Drawable(const PlotArea& area, double x, double y) {
+bool IsDrawable(const PlotArea& area, double x, double y) {
   const auto within = [](double value, Range range) { return value >= range.min && value <= range.max; };
   return within(x, area.x) && within(y, area.y) && (!area.log_x || x > 0.0) && (!area.log_y || y > 0.0);
 }
 
 /// Draws error bars and markers of every series, the pale ones first, then the names for which there is room.
 std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::vector<std::string>& colors) {
-  constexpr std::size_t kMaxPieces = 500;  // into which a line is cut, so that names avoid it
+  constexpr std::size_t kMaxPoints = 500;  // points of a series whose line the names avoid
   std::string out;
   if (std::ranges::none_of(panel.series, [](const Series& series) { return series.marker != Marker::kNone; }))
     return out;
@@ -122,8 +122,8 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
       labels.Block(area.X(limit.value) - kFontPx - 5, area.top, kFontPx + 7, area.height);
   for (const Series& series : panel.series)
     for (std::size_t i = 1;
-         series.width_px > 0.0 && i < std::min({series.x.size(), series.y.size(), kMaxPieces}); ++i)
-      if (Drawable(area, series.x[i - 1], series.y[i - 1]) && Drawable(area, series.x[i], series.y[i]))
+         series.width_px > 0.0 && i < std::min({series.x.size(), series.y.size(), kMaxPoints}); ++i)
+      if (IsDrawable(area, series.x[i - 1], series.y[i - 1]) && IsDrawable(area, series.x[i], series.y[i]))
         labels.BlockLine(area.X(series.x[i - 1]), area.Y(series.y[i - 1]), area.X(series.x[i]),
                          area.Y(series.y[i]));
   std::vector<std::size_t> order(panel.series.size());
@@ -131,16 +131,16 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return panel.series[a].opacity < panel.series[b].opacity;
   });
-  const auto each = [&](const auto& body) {
+  const auto for_each_point = [&](const auto& body) {
     for (const std::size_t s : order) {
       const Series& series = panel.series[s];
       if (series.marker == Marker::kNone) continue;
       for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i)
-        if (Drawable(area, series.x[i], series.y[i]))
+        if (IsDrawable(area, series.x[i], series.y[i]))
           body(series, s, i, area.X(series.x[i]), area.Y(series.y[i]));
     }
   };
-  each([&](const Series& series, std::size_t s, std::size_t i, double x, double y) {
+  for_each_point([&](const Series& series, std::size_t s, std::size_t i, double x, double y) {
     if (i < series.y_low.size() && i < series.y_high.size()) {
       const double low = area.Y(std::clamp(series.y_low[i], area.y.min, area.y.max));
       const double high = area.Y(std::clamp(series.y_high[i], area.y.min, area.y.max));
@@ -151,11 +151,11 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
     }
     labels.Block(x - 5, y - 5, 10, 10);
   });
-  each([&](const Series& series, std::size_t s, std::size_t, double x, double y) {
+  for_each_point([&](const Series& series, std::size_t s, std::size_t, double x, double y) {
     out += DrawMarker(x, y, series.marker, colors[s], series.opacity);
   });
-  std::reverse(order.begin(), order.end());  // names of strong points first
-  each([&](const Series& series, std::size_t s, std::size_t i, double x, double y) {
+  std::reverse(order.begin(), order.end());  // names of the most opaque points first
+  for_each_point([&](const Series& series, std::size_t s, std::size_t i, double x, double y) {
     if (i < series.labels.size() && !series.labels[i].empty())
       out += labels.Place(x, y, series.labels[i], colors[s], series.opacity >= 1.0);
   });
@@ -164,15 +164,16 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
 
 /// Finds where the name of a vertical line at `x` begins (it runs upward): the lowest place where no curve
 /// and no limit crosses it; at the bottom if there is none.
-double NameBeside(const PlotArea& area, const LineChart& panel, double x, double length_px) {
+double FindNameStart(const PlotArea& area, const LineChart& panel, double x, double length_px) {
   std::vector<PlotPoint> taken;  // points of curves and limits near x, every few pixels
   const double left = x - kFontPx - 7.0;
   for (const LimitLine& limit : panel.limits) taken.push_back({x, area.Y(limit.value)});
   for (const Series& series : panel.series)
     for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
-      if (!Drawable(area, series.x[i], series.y[i])) continue;
+      if (!IsDrawable(area, series.x[i], series.y[i])) continue;
       const PlotPoint to{area.X(series.x[i]), area.Y(series.y[i])};
-      const bool joined = i > 0 && series.width_px > 0.0 && Drawable(area, series.x[i - 1], series.y[i - 1]);
+      const bool joined =
+          i > 0 && series.width_px > 0.0 && IsDrawable(area, series.x[i - 1], series.y[i - 1]);
       const PlotPoint from = joined ? PlotPoint{area.X(series.x[i - 1]), area.Y(series.y[i - 1])} : to;
       const int pieces = 1 + static_cast<int>(std::hypot(to.x - from.x, to.y - from.y) / 3.0);
       for (int k = 0; k <= pieces; ++k) {
@@ -194,14 +195,14 @@ std::string DrawXLimits(const PlotArea& area, const LineChart& panel) {
   for (const LimitLine& limit : panel.x_limits) {
     if (!(limit.value > area.x.min && limit.value < area.x.max)) continue;
     const double x = area.X(limit.value);
-    const double y = NameBeside(area, panel, x, TextWidth(limit.label, kFontPx - 1.5));
+    const double y = FindNameStart(area, panel, x, TextWidth(limit.label, kFontPx - 1.5));
     out += SvgLine(x, area.top, x, area.top + area.height, kLimitColor, 1.4, "7 4");
     out += SvgTurnedText(x - 5, y, limit.label, "start", kLimitColor, kFontPx - 1.5);
   }
   return out;
 }
 
-/// Draws the limits' names in the right margin, moved apart if they would overlap.
+/// Draws horizontal limit lines, with their names in the right margin, moved apart if they would overlap.
 std::string DrawLimits(const PlotArea& area, std::vector<LimitLine> limits) {
   std::string out;
   std::erase_if(limits, [&area](const LimitLine& limit) {
@@ -225,8 +226,8 @@ struct CountedValue {
   std::uint64_t times;
 };
 
-/// The finite values, ascending.
-std::vector<CountedValue> Counted(const Histogram& histogram) {
+/// The finite values with their counts, ascending.
+std::vector<CountedValue> SortedCounts(const Histogram& histogram) {
   std::vector<CountedValue> counted;
   for (std::size_t i = 0; i < histogram.values.size(); ++i)
     if (std::isfinite(histogram.values[i]))
@@ -263,11 +264,11 @@ namespace {
 
 /// Draws panels one above the other. @returns elements without a document, and their height.
 LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
-  const Range x = CommonX(panels);
+  const Range x = CommonXRange(panels);
   std::vector<PanelPlan> plans;
   double left = 0.0, right = 16.0, label_lines = 1.0;
 
-  // margins that serve every panel
+  // axis ranges, and margins that are wide enough for every panel
   for (const LineChart& panel : panels) {
     PanelPlan plan;
     const int max_ticks = std::max(2, static_cast<int>(panel.plot_height_px / 34.0));
@@ -390,7 +391,7 @@ std::string SvgGrid(std::span<const LineChart> panels, int columns, const std::s
 }
 
 std::string Svg(const Histogram& histogram, double width_px) {
-  const std::vector<CountedValue> values = Counted(histogram);
+  const std::vector<CountedValue> values = SortedCounts(histogram);
   Extent extent;
   for (const CountedValue& each : values)
     if (!histogram.log_x || each.value > 0.0) extent.Add(each.value);

@@ -18,7 +18,7 @@ struct Rule {
   CellAction action;
 };
 
-// Every transition of the table. All other events leave the state unchanged, with kNone.
+// Every transition of the table. Any other event leaves the state unchanged and asks for no action (kNone).
 constexpr Rule kRules[] = {
     {kOff, Event::kArmLost, kFault, Action::kHold},
     {kOff, Event::kFault, kFault, Action::kHold},
@@ -93,8 +93,8 @@ constexpr Rule kRules[] = {
     {kRecovery, Event::kBeginRendering, kHaptic, Action::kBeginRendering},
 };
 
-constexpr std::size_t At(CellState state) { return static_cast<std::size_t>(state); }
-constexpr std::size_t At(CellEvent event) { return static_cast<std::size_t>(event); }
+constexpr std::size_t IndexOf(CellState state) { return static_cast<std::size_t>(state); }
+constexpr std::size_t IndexOf(CellEvent event) { return static_cast<std::size_t>(event); }
 
 constexpr CellTable MakeTable() {
   CellTable table{};
@@ -102,43 +102,45 @@ constexpr CellTable MakeTable() {
     for (CellTransition& cell : table[s])
       cell = {.state = static_cast<CellState>(s), .action = Action::kNone};
   for (const Rule& rule : kRules)
-    table[At(rule.from)][At(rule.event)] = {.state = rule.to, .action = rule.action};
+    table[IndexOf(rule.from)][IndexOf(rule.event)] = {.state = rule.to, .action = rule.action};
   return table;
 }
 constexpr CellTable kTable = MakeTable();
 
-// Whether each(state, event, transition) holds for every cell of the table.
+// Whether holds(state, event, transition) is true for every cell of the table.
 template <class Holds>
-constexpr bool Everywhere(Holds&& holds) {
+constexpr bool HoldsForAllTransitions(Holds&& holds) {
   for (std::size_t s = 0; s < kTable.size(); ++s)
     for (std::size_t e = 0; e < kTable[s].size(); ++e)
       if (!holds(static_cast<CellState>(s), static_cast<CellEvent>(e), kTable[s][e])) return false;
   return true;
 }
 
-constexpr bool NoRuleTwice() {
+constexpr bool IsEachRuleUnique() {
   for (std::size_t i = 0; i < std::size(kRules); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (kRules[i].from == kRules[j].from && kRules[i].event == kRules[j].event) return false;
   return true;
 }
-static_assert(NoRuleTwice());
+static_assert(IsEachRuleUnique());
 
-// Motion is entered only by the two events that stand for all conditions, and begins from rest.
-static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
+// From a state of rest, only kBeginAligning and kBeginRendering lead to motion. The caller raises these two
+// events only when every condition of motion holds.
+static_assert(HoldsForAllTransitions([](CellState from, CellEvent event, CellTransition to) {
   if (!IsMotion(to.state) || IsMotion(from)) return true;
   return (event == Event::kBeginAligning && to.action == Action::kBeginPath && to.state == kAligning) ||
          (event == Event::kBeginRendering && to.action == Action::kBeginRendering && to.state == kHaptic);
 }));
-// Between states of motion, only kBeginRendering leads from aligning to rendering; the spindle leads between
-// haptic and cutting.
-static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
+// Between states of motion: only kBeginRendering leads from aligning to haptic, and only the spindle's start
+// and stop change between haptic and cutting.
+static_assert(HoldsForAllTransitions([](CellState from, CellEvent event, CellTransition to) {
   if (!IsMotion(from) || !IsMotion(to.state) || from == to.state) return true;
   if (from == kAligning) return event == Event::kBeginRendering && to.action == Action::kBeginRendering;
   return Renders(to.state) && (event == Event::kSpindleTurns || event == Event::kSpindleStill);
 }));
-// A fault ends every motion: by braking if the arm takes commands, else by holding a void command.
-static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
+// A fault ends every motion: the arm brakes if it takes commands. If the arm is lost, the last command is
+// kept, which has no effect on the arm.
+static_assert(HoldsForAllTransitions([](CellState from, CellEvent event, CellTransition to) {
   const bool moves = IsMotion(from) || from == kStop2;
   if (moves && event == Event::kFault) return to == CellTransition{kStop1, Action::kBrake};
   if ((moves || from == kStop1) && event == Event::kArmLost)
@@ -146,23 +148,23 @@ static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) 
   return true;
 }));
 // A requested stop or pause ends every motion too.
-static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
+static_assert(HoldsForAllTransitions([](CellState from, CellEvent event, CellTransition to) {
   if (!IsMotion(from)) return true;
   if (event == Event::kStopRequested) return to == CellTransition{kStop1, Action::kBrake};
   if (event == Event::kPauseRequested) return to == CellTransition{kStop2, Action::kBrake};
   return true;
 }));
-// A stop gets worse or ends at rest; it never turns into motion or a weaker stop.
-static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
+// A stop becomes more severe or ends at rest; it never turns into motion or into a less severe stop.
+static_assert(HoldsForAllTransitions([](CellState from, CellEvent event, CellTransition to) {
   if (!IsStop(from) || to.state == from) return true;
-  if (IsStop(to.state)) return At(to.state) < At(from);  // stop 0 is the most severe
+  if (IsStop(to.state)) return IndexOf(to.state) < IndexOf(from);  // stop 0 is the most severe
   if (from == kStop0 && event == Event::kRecover) return to.state == kRecovery;
   return event == Event::kRest        ? to.state == (from == kStop2 ? kPaused : kOff)
          : event == Event::kRestFault ? to.state == kFault
                                       : false;
 }));
-// From a latched fault only a recovery leads on, and only a recovery clears faults.
-static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
+// Only a recovery leads out of kFault, and only a recovery clears faults.
+static_assert(HoldsForAllTransitions([](CellState from, CellEvent event, CellTransition to) {
   if (to.action == Action::kClearFaults) return event == Event::kRecover && to.state == kRecovery;
   return from != kFault || to.state == kFault;
 }));
@@ -171,7 +173,9 @@ static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) 
 
 const CellTable kCellTable = kTable;
 
-CellTransition Next(CellState state, CellEvent event) OSTEON_RT { return kTable[At(state)][At(event)]; }
+CellTransition Next(CellState state, CellEvent event) OSTEON_RT {
+  return kTable[IndexOf(state)][IndexOf(event)];
+}
 
 CellStateText Describe(CellState state) {
   switch (state) {

@@ -8,7 +8,8 @@
 namespace osteon::safety {
 namespace {
 
-// Rounding in quotient and product may each add half an ulp; this keeps the result below the limit.
+// Rounding of the quotient, and of the product with a torque, may each add half an ulp. This factor keeps the
+// scaled torque below the limit.
 constexpr double kRoundDown = 1.0 - 1e-15;
 
 }  // namespace
@@ -22,18 +23,18 @@ JointTorqueLimit<N>::JointTorqueLimit(const Joints& max_Nm) : max_Nm_(max_Nm) {
 }
 
 template <int N>
-double JointTorqueLimit<N>::Share(const Joints& gravity_Nm, const Joints& tau_Nm) const OSTEON_RT {
-  double share = 1.0;
+double JointTorqueLimit<N>::MaxScale(const Joints& gravity_Nm, const Joints& tau_Nm) const OSTEON_RT {
+  double scale = 1.0;
   for (int i = 0; i < N; ++i) {
     const double room_Nm = std::max(0.0, max_Nm_[i] - std::abs(gravity_Nm[i])), size_Nm = std::abs(tau_Nm[i]);
     if (!std::isfinite(size_Nm)) return 0.0;
-    if (size_Nm > room_Nm) share = std::min(share, room_Nm / size_Nm * kRoundDown);
+    if (size_Nm > room_Nm) scale = std::min(scale, room_Nm / size_Nm * kRoundDown);
   }
-  return share;
+  return scale;
 }
 
 template <int N>
-bool JointTorqueLimit<N>::Check(const Joints& gravity_Nm, const Joints& tau_external_Nm) OSTEON_RT {
+bool JointTorqueLimit<N>::PredictOverload(const Joints& gravity_Nm, const Joints& tau_external_Nm) OSTEON_RT {
   if (!tau_external_Nm.allFinite()) {
     has_before_ = false;
     return false;
@@ -41,7 +42,7 @@ bool JointTorqueLimit<N>::Check(const Joints& gravity_Nm, const Joints& tau_exte
   const Joints change_Nm = has_before_ ? Joints(tau_external_Nm - before_Nm_) : Joints(Joints::Zero());
   before_Nm_ = tau_external_Nm;
   has_before_ = true;
-  return Share(gravity_Nm, tau_external_Nm.cwiseAbs() + change_Nm.cwiseAbs()) < 1.0;
+  return MaxScale(gravity_Nm, tau_external_Nm.cwiseAbs() + change_Nm.cwiseAbs()) < 1.0;
 }
 
 template class JointTorqueLimit<7>;

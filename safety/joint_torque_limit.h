@@ -20,9 +20,9 @@ class JointTorqueLimit {
   /// @throws std::invalid_argument if a torque is not positive, naming the joint.
   explicit JointTorqueLimit(const Joints& max_Nm);
 
-  /// Share of the torques that the joints can hold, 0 … 1: one factor for all, so that their effect keeps its
-  /// direction. 0 if a torque is not finite.
-  [[nodiscard]] double Share(const Joints& gravity_Nm, const Joints& tau_Nm) const OSTEON_RT;
+  /// Largest factor, 0 … 1, by which the torques can be scaled so that every joint holds its own. One factor
+  /// for all joints keeps the direction of their force at the tool. 0 if a torque is not finite.
+  [[nodiscard]] double MaxScale(const Joints& gravity_Nm, const Joints& tau_Nm) const OSTEON_RT;
 
   /// True if the external torques on the joints, extrapolated linearly, will exceed what the joints can hold
   /// one message from now:
@@ -30,7 +30,7 @@ class JointTorqueLimit {
   ///     |tau_i| + |tau_i - tau_i before| > room_i
   ///
   /// Call once per message, with the arm's estimate; an estimate that is not finite is ignored and not kept.
-  [[nodiscard]] bool Check(const Joints& gravity_Nm, const Joints& tau_external_Nm) OSTEON_RT;
+  [[nodiscard]] bool PredictOverload(const Joints& gravity_Nm, const Joints& tau_external_Nm) OSTEON_RT;
 
  private:
   Joints max_Nm_;

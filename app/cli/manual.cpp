@@ -199,7 +199,7 @@ std::string ManPage(const CommandText& command, const std::string& version) {
   page += ".SH OPTIONS\n" + RoffOptions(command);
   page += ".SH COMMANDS\n";
   for (const CommandText* leaf : Leaves(command)) {
-    page += fmt::format(".SS \"{}\"\n{}\n", Roff(leaf->name), Roff(Sentence(leaf->purpose)));
+    page += fmt::format(".SS \"{}\"\n{}\n", Roff(leaf->name), Roff(ToSentence(leaf->purpose)));
     page += RoffOptions(*leaf) + RoffTexts(*leaf);
   }
   page += ".SH \"EXIT STATUS\"\n";
@@ -247,7 +247,7 @@ std::string CommandsPage(const CommandText& command) {
       "    ./osteon completion bash > ~/.local/share/bash-completion/completions/osteon\n";
   for (const CommandText* leaf : Leaves(command)) {
     page += fmt::format("\n## {}\n\n{}\n\n    {}\n", leaf->name,
-                        WrapText(Sentence(leaf->purpose), 0, kPageWidth), Synopsis(*leaf));
+                        WrapText(ToSentence(leaf->purpose), 0, kPageWidth), Synopsis(*leaf));
     page += MarkdownOptions(*leaf) + MarkdownTexts(*leaf);
   }
   return page;

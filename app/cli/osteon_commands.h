@@ -20,11 +20,11 @@
 
 namespace osteon::app {
 
-/// The subcommands of `osteon`: what runs a cell, and what reads or writes its files. Those of osteon-studies
-/// are announced among them, in the order of the help.
+/// The subcommands of `osteon`: those that run a cell, and those that read or write its files. The help also
+/// lists the subcommands of osteon-studies, the second executable; `osteon` hands them over to it.
 class OsteonCommands {
  public:
-  /// @param app  with the name and the description below; must outlive this object
+  /// @param app  made with kName and kDescription; must outlive this object
   explicit OsteonCommands(CLI::App& app);
 
   static constexpr const char* kName = "osteon";
@@ -40,7 +40,7 @@ class OsteonCommands {
   DoctorOptions doctor_;
   FaultsOptions faults_;
   StatesOptions states_;
-  // In the order of the help, in which their constructors add them.
+  // Each constructor adds its subcommands to the help, so the order of these members is the help's order.
   DemoCommand demo_;
   PackCommand pack_;
   AnnouncedStudies failures_;

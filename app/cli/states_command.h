@@ -14,6 +14,7 @@ struct StatesOptions {
 /// Renders the state machine's table as the page docs/states.md.
 [[nodiscard]] std::string StatesPage();
 
+/// Prints the states with their transitions, and writes the files that the options name.
 /// @returns the process's exit code.
 [[nodiscard]] int RunStates(const StatesOptions& options);
 

@@ -10,8 +10,8 @@ namespace osteon::config {
 namespace {
 
 void ReadTolerances(Reader section, TraceTolerances& tolerances) {
-  const auto read = [&](const char* key, double& value, double most) {
-    if (section.Has(key)) value = section.Number(key, 0, most);
+  const auto read = [&](const char* key, double& value, double max) {
+    if (section.Has(key)) value = section.Number(key, 0, max);
   };
   read("position_um", tolerances.position_m, 1e4);
   read("angle_rad", tolerances.angle_rad, 1);
@@ -44,7 +44,7 @@ ScenarioConfig LoadScenario(const std::filesystem::path& file) {
   if (reader.Has("pause_s")) scenario.pause_s = reader.Number("pause_s", 0, 60);
   if (reader.Has("resume_s")) scenario.resume_s = reader.Number("resume_s", 0, 60);
   if (reader.Has("tolerances")) ReadTolerances(reader.Section("tolerances"), scenario.tolerances);
-  static_cast<void>(reader.Has(kOverridesKey));  // known, but read by the overlay
+  static_cast<void>(reader.Has(kOverridesKey));  // accept this key: the overlay of overrides reads it
   reader.Finish();
 
   if (scenario.resume_s && !(scenario.pause_s && *scenario.pause_s < *scenario.resume_s))

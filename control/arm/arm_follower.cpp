@@ -122,7 +122,7 @@ class JointFollower final : public ArmFollower {
     F_B << X_BW_.linear() * F_T_W.f, X_BW_.linear() * F_T_W.t;
     Joints tau = arm_.JacobianAt(ToJoints(q), X_FT_.translation()).transpose() * F_B;
     if constexpr (kRedundant)
-      if (elbow_.torques) tau *= elbow_.torques->Share(elbow_.body->Gravity(ToJoints(q)), tau);
+      if (elbow_.torques) tau *= elbow_.torques->MaxScale(elbow_.body->Gravity(ToJoints(q)), tau);
     JointArray result{};
     std::copy_n(tau.data(), kN, result.begin());
     return result;
@@ -130,7 +130,7 @@ class JointFollower final : public ArmFollower {
   [[nodiscard]] bool UpdateExternalTorques(
       [[maybe_unused]] const JointArray& tau_external_Nm) OSTEON_RT override {
     if constexpr (kRedundant)
-      return elbow_.torques && elbow_.torques->Check(Gravity(), ToJoints(tau_external_Nm));
+      return elbow_.torques && elbow_.torques->PredictOverload(Gravity(), ToJoints(tau_external_Nm));
     return false;
   }
   [[nodiscard]] bool BrakeJoints() OSTEON_RT override;

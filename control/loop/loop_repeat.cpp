@@ -7,9 +7,9 @@
 namespace osteon::control {
 namespace {
 
-// Compares doubles that are stored without gaps, as bits: a NaN equals itself.
+// Whether two values, made of doubles without padding, are equal bit for bit. A NaN equals itself.
 template <class T>
-bool Same(const T& a, const T& b) OSTEON_RT {
+bool HasSameBits(const T& a, const T& b) OSTEON_RT {
   static_assert(sizeof(T) % sizeof(double) == 0);
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
@@ -19,7 +19,8 @@ bool Same(const T& a, const T& b) OSTEON_RT {
 TickRecord ReplayTick(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
                       ArmCommand& command) OSTEON_RT {
   const TickInput& in = recorded.input;
-  if (recorded.cell_state != kNoCellState)  // an older recording: the loop could begin at any time
+  // recordings without cell states come from a loop that needed no permission to start
+  if (recorded.cell_state != kNoCellState)
     loop.AllowStart(safety::MotionPermits(recorded.permits).Has(safety::MotionPermit::kPathChecked));
   if (in.stop) loop.RequestStop();
   if (in.recover) loop.RequestRecovery();
@@ -40,14 +41,14 @@ void LoopRepeat::StoreTick(const TickRecord& record, const simulation::ContactMo
 
 bool LoopRepeat::ReplayStoredTick() OSTEON_RT {
   due_ = false;
-  const TickRecord again = ReplayTick(second_, first_, model_, command_);
-  return again.cell_state == first_.cell_state && again.faults == first_.faults &&
-         again.limits == first_.limits && again.activation_cmd == first_.activation_cmd &&
-         Same(command_.q, first_.q_cmd) && Same(command_.F, first_.F_cmd_T) &&
-         Same(command_.tau, first_.tau_cmd) && Same(again.X_WT_cmd, first_.X_WT_cmd) &&
-         Same(again.F_coupling_T_W, first_.F_coupling_T_W) &&
-         Same(again.v_WT_cmd_m_per_s, first_.v_WT_cmd_m_per_s) &&
-         again.spindle_rad_per_s == first_.spindle_rad_per_s;
+  const TickRecord replayed = ReplayTick(second_, first_, model_, command_);
+  return replayed.cell_state == first_.cell_state && replayed.faults == first_.faults &&
+         replayed.limits == first_.limits && replayed.activation_cmd == first_.activation_cmd &&
+         HasSameBits(command_.q, first_.q_cmd) && HasSameBits(command_.F, first_.F_cmd_T) &&
+         HasSameBits(command_.tau, first_.tau_cmd) && HasSameBits(replayed.X_WT_cmd, first_.X_WT_cmd) &&
+         HasSameBits(replayed.F_coupling_T_W, first_.F_coupling_T_W) &&
+         HasSameBits(replayed.v_WT_cmd_m_per_s, first_.v_WT_cmd_m_per_s) &&
+         replayed.spindle_rad_per_s == first_.spindle_rad_per_s;
 }
 
 void ReplayIfDue(ServoLoop& first, LoopRepeat& repeat) OSTEON_RT {

@@ -1,4 +1,5 @@
-// ServoLoop's tick: what comes in, the cell's state, what goes out.
+// ServoLoop's tick: records the inputs, applies requests and events, fills the command and the record. The
+// motions are in servo_motion.cpp, the rendering in servo_rendering.cpp.
 
 #include "control/loop/servo_loop.h"
 
@@ -63,22 +64,23 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       gain_ramp_(GainsOf(params.admittance, params.coupling), params.period_s) {}
 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
-  const bool renders = safety::Renders(state()), gives = params_.law == Law::kImpedance && renders;
-  return {.X_WT = gives ? session_.X_WT() : tool_.X_WT(),
+  const bool renders = safety::Renders(state());
+  const bool use_measured = params_.law == Law::kImpedance && renders;
+  return {.X_WT = use_measured ? session_.X_WT() : tool_.X_WT(),
           .spindle_rad_per_s = renders ? spindle_rad_per_s_ : 0.0,
           .stamp = !tool_.has_pose() ? 0
-                   : gives           ? session_.measured_at()
+                   : use_measured    ? session_.measured_at()
                                      : now_};
 }
 
 CellCommands ServoLoop::cell_commands() const OSTEON_RT {
-  const bool ends = phase() == Phase::kStopped || state() == CellState::kStop1;
+  const bool stopping = phase() == Phase::kStopped || state() == CellState::kStop1;
   const bool stop_requested = supervisor_.stop_requested();
   const bool spindle_on =
       safety::Renders(state()) && spindle_permitted_ && !coupling_.depth_limit().stops_spindle();
-  return {.motion_requested = !ends && !stop_requested,
+  return {.motion_requested = !stopping && !stop_requested,
           .spindle_rad_per_s = spindle_on ? params_.spindle_rad_per_s : 0.0,
-          .quick_stop = ends && faults().Any(),
+          .quick_stop = stopping && faults().Any(),
           .clear_faults = !stop_requested && (state() == CellState::kRecovery ||
                                               (!supervisor_.moved() && safety::Waits(state())))};
 }
@@ -95,16 +97,17 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   now_ = now;
   acting_ = {};
   reduced_speed_ = state.operation_mode == kT1;
-  TickRecord record = BeginRecord(tick, received);
+  TickRecord record = RecordInputs(tick, received);
   StepGains(record.input);
   ApplyRequests(record.input);
+  impedance_.ClearWrench();
 
   if (received != ReceiveResult::kOk) {
     OnMissedMessage(received);
   } else if (!HasFiniteJoints(state)) {
-    supervisor_.Latch(Fault::kNotFinite);  // hold this tick: a position that is not known cannot be left
+    supervisor_.Latch(Fault::kNotFinite);  // the arm's position is unknown: the last command is held
     supervisor_.SetPermits({});
-    // as good as no message: the arm cannot be braked for long without one, and is then held for good
+    // Such a message counts as missed: the arm is lost after several in a row, and brakes before that.
     ApplyEvent(session_.OnMissedMessage() ? CellEvent::kArmLost : CellEvent::kFault);
   } else {
     session_.OnMessage(state, tool_.arm().ToolPose(state.q_meas), now);
@@ -116,8 +119,8 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   return record;
 }
 
-// Records the tick's inputs.
-TickRecord ServoLoop::BeginRecord(const TickInputs& tick, ReceiveResult received) OSTEON_RT {
+// Records the tick's inputs, among them the requests made since the last tick, which are thereby taken.
+TickRecord ServoLoop::RecordInputs(const TickInputs& tick, ReceiveResult received) OSTEON_RT {
   const auto& [state, readings, model, now] = tick;
   supervisor_.SetStopRequested(requests_.stop());
   TickRecord record;
@@ -137,7 +140,8 @@ TickRecord ServoLoop::BeginRecord(const TickInputs& tick, ReceiveResult received
   return record;
 }
 
-// Applies requests from outside, but for those that end a motion: they come in their place in the tick.
+// Applies the recorded requests. A stop, and a pause of a motion, are applied later in the tick
+// (CheckMotion).
 void ServoLoop::ApplyRequests(const TickInput& input) OSTEON_RT {
   if (input.recover && CanRecover()) ApplyEvent(CellEvent::kRecover);
   if (input.resume && !input.stop) ApplyEvent(CellEvent::kResume);
@@ -151,10 +155,10 @@ void ServoLoop::ApplyRequests(const TickInput& input) OSTEON_RT {
     supervisor_.Latch(Fault::kRecorder);
     ApplyFault();
   }
-  impedance_.ClearWrench();
 }
 
-// Nothing can be answered: the arm holds the last command, and so does the virtual tool.
+// Without a message there is nothing to answer: the last command stays, and the virtual tool does not move.
+// Several missed messages in a row, or a broken link, mean that the arm is lost.
 void ServoLoop::OnMissedMessage(ReceiveResult received) OSTEON_RT {
   supervisor_.SetPermits({});
   const bool booting = safety::Waits(state()) && received == ReceiveResult::kTimeout;
@@ -169,12 +173,13 @@ void ServoLoop::OnMissedMessage(ReceiveResult received) OSTEON_RT {
   if (supervisor_.stop_requested() && supervisor_.IsWaitingOrPaused()) ApplyEvent(CellEvent::kStopRequested);
 }
 
-// A tick whose message came and can be believed: what it says of the arm, what is asked for, what is done.
+// Processes a message with finite joint positions: checks the arm, applies the events that follow from it,
+// then moves the virtual tool as the cell's state demands.
 void ServoLoop::ProcessArmMessage(const TickInputs& tick, TickRecord& record) OSTEON_RT {
   const ArmState& state = tick.state;
   const bool active = UpdateSession(state);
   arm_overloaded_ = tool_.arm().UpdateExternalTorques(state.tau_ext);
-  if (!AllFinite(state.tau_ext)) {  // the trip on them cannot be counted on
+  if (!AllFinite(state.tau_ext)) {  // without finite torques an overload would not be detected
     supervisor_.Latch(Fault::kNotFinite);
     ApplyFault();
   }
@@ -186,8 +191,8 @@ void ServoLoop::ProcessArmMessage(const TickInputs& tick, TickRecord& record) OS
   if (this->state() == CellState::kStop1) CheckInStop(tick, record);
   if (supervisor_.on_path()) StepStartPath(tick);
 
-  const bool waited = phase() == Phase::kWaiting || phase() == Phase::kAligning;
-  if (active && !waited) ++statistics_.active_ticks;
+  const bool waiting = phase() == Phase::kWaiting || phase() == Phase::kAligning;
+  if (active && !waiting) ++statistics_.active_ticks;
   if (safety::Renders(this->state())) {
     UpdateSpindle(tick.readings);
     if (params_.law == Law::kImpedance)
@@ -228,7 +233,8 @@ void ServoLoop::FinishRecord(const ArmCommand& command, TickRecord& record) OSTE
   record.F_bias_S = hand_.bias();
 }
 
-// The one place where the state changes. What begins a motion is done by who calls.
+// The only place where the cell's state changes. It also starts a hold or a braking; the caller carries out
+// the other actions that the transition returns.
 CellAction ServoLoop::ApplyEvent(CellEvent event) OSTEON_RT {
   const CellAction action = supervisor_.Apply(event);
   if (action == CellAction::kHold) tool_.HoldStill();
@@ -239,7 +245,7 @@ CellAction ServoLoop::ApplyEvent(CellEvent event) OSTEON_RT {
   return action;
 }
 
-// The commanded motion is at rest.
+// Ends a stop once the commanded motion is at rest (in stop 0: once the arm stands).
 void ServoLoop::FinishStop() OSTEON_RT {
   ApplyEvent(faults().Any() ? CellEvent::kRestFault : CellEvent::kRest);
 }
@@ -253,7 +259,8 @@ void ServoLoop::RequestGains(const Gains& gains) {
   gains_asked_.Store({.number = ++gains_number_, .gains = gains});
 }
 
-// Gains that were asked for since the tick before, and a step of the way to those asked for last.
+// Takes gains requested since the last tick as the new target of the gain ramp, and advances the ramp by one
+// step.
 void ServoLoop::StepGains(TickInput& input) OSTEON_RT {
   const GainsRequest& asked = gains_asked_.Load();
   if (asked.number != gains_taken_) {

@@ -142,7 +142,7 @@ class ServoLoop {
   ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm, const Pose& X_FT);
 
   // a tick, in order
-  [[nodiscard]] TickRecord BeginRecord(const TickInputs& tick, ReceiveResult received) OSTEON_RT;
+  [[nodiscard]] TickRecord RecordInputs(const TickInputs& tick, ReceiveResult received) OSTEON_RT;
   void ApplyRequests(const TickInput& input) OSTEON_RT;
   void StepGains(TickInput& input) OSTEON_RT;
   void OnMissedMessage(ReceiveResult received) OSTEON_RT;

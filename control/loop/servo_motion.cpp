@@ -9,7 +9,8 @@ namespace osteon::control {
 
 using safety::CellAction, safety::CellEvent, safety::CellState, safety::Fault;
 
-// Follows the arm's session. Returns true where the arm takes commands.
+// Updates the loop's view of the arm's session, and ends motion if the session ended. Returns true if the arm
+// takes commands.
 bool ServoLoop::UpdateSession(const ArmState& state) OSTEON_RT {
   const bool active = session_.TakesCommands(state, supervisor_.MovesOrBrakes());
   if (!active) {
@@ -27,7 +28,8 @@ bool ServoLoop::UpdateSession(const ArmState& state) OSTEON_RT {
   }
   if (supervisor_.stop_requested() && supervisor_.IsWaitingOrPaused()) ApplyEvent(CellEvent::kStopRequested);
   if (active && phase() != Phase::kStopped && !session_.HasPeriod(state)) {
-    supervisor_.Latch(Fault::kPeriod);  // each tick steps by the loop's period: another one is another speed
+    // the tool's speed is wrong if the arm's period differs from the loop's
+    supervisor_.Latch(Fault::kPeriod);
     ApplyEvent(CellEvent::kArmLost);
   }
   if (active && phase() != Phase::kStopped && !session_.HasCommandMode(state.command_mode)) {
@@ -37,15 +39,15 @@ bool ServoLoop::UpdateSession(const ArmState& state) OSTEON_RT {
   return active;
 }
 
-// The arm moves by itself, or rests: what it commands itself is commanded.
+// Sets the command to the pose that the arm itself commands. Used while the arm rests or moves by itself.
 void ServoLoop::FollowArm(const ArmState& state) OSTEON_RT {
   tool_.ResetToArmPose(state);
   session_.StopCommanding();
   supervisor_.SetOnPath(false);
 }
 
-// Judges the conditions of motion, and begins it once all of them hold: to the start, or on from where the
-// arm is.
+// Evaluates the conditions of motion. Once all hold, starts the path to the start, or rendering from the
+// arm's present pose.
 void ServoLoop::StartMotionIfPermitted(const TickInputs& tick) OSTEON_RT {
   const bool waits = supervisor_.IsWaiting(), rendered = supervisor_.rendered();
   const ForceReading& force = tick.readings.force;
@@ -78,13 +80,14 @@ void ServoLoop::StartPath(const TickInputs& tick) OSTEON_RT {
   checks_.StartMotion(tick.now);
   hand_.ResetMotion(session_.X_WT());
   if (supervisor_.on_path()) return;
-  supervisor_.Latch(Fault::kJointLimit);  // the arm stands where no command may put it
+  // no path: the arm stands outside the range of positions that may be commanded
+  supervisor_.Latch(Fault::kJointLimit);
   ApplyFault();
   FinishStop();
 }
 
-// A step of the way to the start. Whatever stops the arm stops the path's clock. A hand in the arm's way
-// makes it rest on its path.
+// Advances the path to the start by one step. The path is paused while the PLC withholds its permission,
+// while a hand pushes against the arm, and during a stop. Rendering starts at the path's end.
 void ServoLoop::StepStartPath(const TickInputs& tick) OSTEON_RT {
   const bool ends = safety::Brakes(state());
   const bool permitted = checks_.IsMotionPermitted(tick.readings.interlock, tick.now);
@@ -115,8 +118,8 @@ void ServoLoop::StartRendering(const TickInputs& tick) OSTEON_RT {
   checks_.StartRendering(tick.now);
 }
 
-// How fast the arm is measured to be, as long as the loop is answerable for it. The way to the start has a
-// speed of its own.
+// Checks the measured speed of the arm while the loop commands it. The path to the start has a speed limit of
+// its own.
 void ServoLoop::CheckArmSpeed(const ArmState& state, bool active, TickRecord& record) OSTEON_RT {
   const bool commanded = supervisor_.MovesOrBrakes() ||
                          (this->state() == CellState::kPaused && session_.IsSameActivation(state));
@@ -133,8 +136,8 @@ void ServoLoop::CheckArmSpeed(const ArmState& state, bool active, TickRecord& re
   peak_m_per_s = std::max(peak_m_per_s, record.tool_speed_meas_m_per_s);
 }
 
-// Whether a motion must end: the arm is not where it is commanded, it has stopped itself, its joints bear too
-// much, or an end was asked for.
+// Ends a motion if the arm is too far from its command, has stopped by itself, or has overloaded joints, or
+// if a stop or a pause was requested.
 void ServoLoop::CheckMotion(const ArmState& state) OSTEON_RT {
   const bool paused = this->state() == CellState::kPaused;
   if (!safety::IsMotion(this->state()) && this->state() != CellState::kStop2 &&
@@ -142,9 +145,9 @@ void ServoLoop::CheckMotion(const ArmState& state) OSTEON_RT {
     return;
   const double error_m = (session_.X_WT().translation() - tool_.X_WT().translation()).norm();
   statistics_.peak_tracking_error_m = std::max(statistics_.peak_tracking_error_m, error_m);
-  // an arm that gives is displaced by whoever leans on it while nothing is rendered
-  const bool gives = params_.law == Law::kImpedance && !safety::IsMotion(this->state());
-  if (!gives && !(error_m <= params_.max_tracking_error_m)) supervisor_.Latch(Fault::kTracking);
+  // under the impedance law the arm is compliant: a hand may displace it while nothing is rendered
+  const bool compliant = params_.law == Law::kImpedance && !safety::IsMotion(this->state());
+  if (!compliant && !(error_m <= params_.max_tracking_error_m)) supervisor_.Latch(Fault::kTracking);
   if (state.safety_state != 0 && !paused) supervisor_.Latch(Fault::kSession);
   if (arm_overloaded_ && !paused) supervisor_.Latch(Fault::kJointLimit);
   if (faults().Any() && !safety::Renders(this->state()))
@@ -153,8 +156,8 @@ void ServoLoop::CheckMotion(const ArmState& state) OSTEON_RT {
   if (supervisor_.TakePauseRequest()) ApplyEvent(CellEvent::kPauseRequested);
 }
 
-// On the way to the start nothing is rendered: the model's age does not count, and without the PLC's
-// permission the arm rests on its path.
+// Checks sensor, spindle and hand on the path to the start. Nothing is rendered there, so the model's age is
+// not checked; without the PLC's permission the path is paused (StepStartPath).
 void ServoLoop::CheckOnPath(const TickInputs& tick, TickRecord& record) OSTEON_RT {
   const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force, record);
   supervisor_.Latch(checks_.CheckSensor(tick.readings.force, record.sensor_age_s, tick.now));
@@ -163,7 +166,8 @@ void ServoLoop::CheckOnPath(const TickInputs& tick, TickRecord& record) OSTEON_R
   if (faults().Any()) ApplyFault();
 }
 
-// While the arm brakes to rest, spindle and PLC have been told to end as well; hand and sensor go on.
+// Checks hand and sensor while the arm brakes to rest. Spindle and PLC are not checked: they are stopping as
+// well.
 void ServoLoop::CheckInStop(const TickInputs& tick, TickRecord& record) OSTEON_RT {
   const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force, record);
   supervisor_.Latch(checks_.CheckSensor(tick.readings.force, record.sensor_age_s, tick.now));

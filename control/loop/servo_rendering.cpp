@@ -12,7 +12,7 @@ namespace {
 
 using safety::CellEvent, safety::Fault;
 
-constexpr double kTurns = 0.05;  // of the wanted speed: below, a spindle counts as still
+constexpr double kMinSpeedRatio = 0.05;  // a spindle below this fraction of its set speed counts as still
 
 }  // namespace
 
@@ -20,12 +20,13 @@ void ServoLoop::UpdateSpindle(const CellReadings& readings) OSTEON_RT {
   spindle_permitted_ = !params_.has_interlock || readings.interlock.spindle_permitted;
   const double wanted = cell_commands().spindle_rad_per_s;
   const double speed = params_.has_spindle ? readings.spindle.speed_rad_per_s : wanted;
-  // a positive turn is what the tool's edges are ground for
-  spindle_rad_per_s_ = std::isfinite(speed) && speed > kTurns * params_.spindle_rad_per_s ? speed : 0.0;
+  // only a positive direction counts: the tool's edges cut in no other
+  spindle_rad_per_s_ =
+      std::isfinite(speed) && speed > kMinSpeedRatio * params_.spindle_rad_per_s ? speed : 0.0;
   ApplyEvent(spindle_rad_per_s_ > 0.0 ? CellEvent::kSpindleTurns : CellEvent::kSpindleStill);
 }
 
-// The hand's wrench on the tool; zero where no reading is to be trusted.
+// Computes and records the hand's wrench on the tool; zero if no reading can be trusted.
 Wrench ServoLoop::ComputeHandWrench(const ForceReading& reading, TickRecord& record) OSTEON_RT {
   const Wrench F_hand_T_W =
       hand_.Compute(reading, record.sensor_age_s, session_.X_WT(), session_.elapsed_s());
@@ -33,7 +34,7 @@ Wrench ServoLoop::ComputeHandWrench(const ForceReading& reading, TickRecord& rec
   return F_hand_T_W;
 }
 
-// Hand and coupling of this tick, and every check on them. @returns the hand's wrench
+// Computes the hand's and the coupling's wrench, and runs all checks on both. @returns the hand's wrench
 Wrench ServoLoop::EvaluateContact(const TickInputs& tick, const ToolMotion& tool,
                                   TickRecord& record) OSTEON_RT {
   const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force, record);
@@ -86,7 +87,7 @@ void ServoLoop::RenderAdmittance(const TickInputs& tick, TickRecord& record) OST
     BrakeJoints();
   }
 
-  // what came out
+  // check and record the resulting motion
   const Pose& X_WT = tool_.X_WT();
   const double speed_m_per_s = (X_WT.translation() - X_before.translation()).norm() / params_.period_s;
   if (speed_m_per_s > ToolSpeedTripLimit_m_per_s(params_)) supervisor_.Latch(Fault::kToolSpeed);
@@ -115,7 +116,7 @@ void ServoLoop::RenderImpedance(const TickInputs& tick, TickRecord& record) OSTE
   RecordRendered(step.rendered, tool_.V_WT.v.norm(), record);
 }
 
-// A fault was found before anything was rendered in this tick.
+// Ends rendering because of a fault that was found before this tick rendered a wrench.
 void ServoLoop::StopRendering(TickRecord& record) OSTEON_RT {
   record.F_coupling_T_W = coupling_.limited().F;
   ApplyFault();
@@ -127,7 +128,8 @@ void ServoLoop::CountDepthLeft() OSTEON_RT {
   if (limit.acts()) statistics_.min_depth_left_m = std::min(statistics_.min_depth_left_m, limit.distance_m());
 }
 
-// Records and counts what either law has rendered. The shares are those of the whole way from the coupling.
+// Records the rendered wrench of either law, and updates the statistics. The recorded scales cover all limits
+// from the coupling to the arm.
 void ServoLoop::RecordRendered(const safety::LimitedWrench& rendered, double speed_m_per_s,
                                TickRecord& record) OSTEON_RT {
   record.F_coupling_T_W = rendered.F;
@@ -143,7 +145,8 @@ void ServoLoop::RecordRendered(const safety::LimitedWrench& rendered, double spe
                       acting_);
 }
 
-// A stop 2: as long as the tool is not at rest, whatever ends rendering makes a stop 1 of it.
+// Brakes in stop 2. Until the tool is at rest, any fault that would end rendering turns this stop into a
+// stop 1.
 void ServoLoop::BrakeForPause(const TickInputs& tick, TickRecord& record) OSTEON_RT {
   const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force, record);
   const InputAges ages{.model_s = record.model_age_s, .sensor_s = record.sensor_age_s};

@@ -36,6 +36,41 @@ Vector6 ScaledForceDirection(const Vector3& u_W, const Vector3& lever_W, const M
   return a;
 }
 
+// Orthonormal directions of the active planes' normals, each with the force direction that goes with it.
+struct NormalBasis {
+  std::array<Vector3, 3> normal;
+  std::array<Vector6, 3> e;
+  int rank{0};
+  double stiffness_N_per_m{0.0};  // of the stiffest of these planes, as the coupling fades it
+};
+
+// Gram-Schmidt of the normals, each with its lever: A (N^T N)^-1 A^T = sum e e^T.
+NormalBasis OrthogonalNormals(const CouplingOutput& coupling, const Matrix3& R_WT,
+                              const AxisDamping& root) OSTEON_RT {
+  NormalBasis basis;
+  auto& [normal, e, rank, stiffness_N_per_m] = basis;
+  for (int j = 0; j < coupling.active_planes && rank < 3; ++j) {
+    const ActivePlane& plane = coupling.active[static_cast<std::size_t>(j)];
+    const auto r = static_cast<std::size_t>(rank);
+    Vector3 n = plane.n_W;
+    Vector6 a = ScaledForceDirection(plane.n_W, plane.lever_W, R_WT, root);
+    for (std::size_t i = 0; i < r; ++i) {
+      const double along = normal[i].dot(plane.n_W);
+      n -= along * normal[i];
+      a -= along * e[i];
+    }
+    const double left2 = n.squaredNorm();
+    if (!(left2 > kMinPivot)) continue;
+    const double scale = 1.0 / std::sqrt(left2);
+    normal[r] = scale * n;
+    e[r] = scale * a;
+    ++rank;
+    stiffness_N_per_m = std::max(stiffness_N_per_m, plane.stiffness_N_per_m);
+  }
+  stiffness_N_per_m *= coupling.fade;
+  return basis;
+}
+
 // Upper bound of the largest eigenvalue of sum d d^T.
 double EigenvalueBound(const Rows& rows) OSTEON_RT {
   Eigen::Matrix4d gram;
@@ -69,35 +104,13 @@ double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisD
                          .Nms_per_rad = D.Nms_per_rad.cwiseSqrt(),
                          .centre_T_m = D.centre_T_m};
 
-  // Gram-Schmidt of the normals, each with its lever: A (N^T N)^-1 A^T = sum e e^T
-  std::array<Vector3, 3> normal;
-  std::array<Vector6, 3> e;
-  int rank = 0;
-  double stiffness_N_per_m = 0.0;
-  for (int j = 0; j < coupling.active_planes && rank < 3; ++j) {
-    const ActivePlane& plane = coupling.active[static_cast<std::size_t>(j)];
-    const auto r = static_cast<std::size_t>(rank);
-    Vector3 n = plane.n_W;
-    Vector6 a = ScaledForceDirection(plane.n_W, plane.lever_W, R_WT, root);
-    for (std::size_t i = 0; i < r; ++i) {
-      const double along = normal[i].dot(plane.n_W);
-      n -= along * normal[i];
-      a -= along * e[i];
-    }
-    const double left2 = n.squaredNorm();
-    if (!(left2 > kMinPivot)) continue;
-    const double scale = 1.0 / std::sqrt(left2);
-    normal[r] = scale * n;
-    e[r] = scale * a;
-    ++rank;
-    stiffness_N_per_m = std::max(stiffness_N_per_m, plane.stiffness_N_per_m);
-  }
-  stiffness_N_per_m *= coupling.fade;
-
+  const NormalBasis basis = OrthogonalNormals(coupling, R_WT, root);
+  const std::array<Vector3, 3>& normal = basis.normal;
+  const int rank = basis.rank;
   Rows rows;
   if (ages.pose_s > 0.0)
     for (int i = 0; i < rank; ++i)
-      rows.Add(e[static_cast<std::size_t>(i)], kMargin * ages.pose_s * stiffness_N_per_m);
+      rows.Add(basis.e[static_cast<std::size_t>(i)], kMargin * ages.pose_s * basis.stiffness_N_per_m);
 
   // the surface turns across the normals
   if (rank < 3) {

@@ -17,8 +17,8 @@ struct DeviceInfo {
   std::string refusal;       ///< why the cutting engine cannot use it; empty where it can
 };
 
-/// Lists all Vulkan devices, the default one first (discrete before integrated, virtual and cpu). An error
-/// where there is no loader or no driver, with what to install.
+/// Lists all Vulkan devices, the default one first (discrete before integrated, virtual and cpu).
+/// @returns an error that says what to install if there is no Vulkan loader or no driver.
 [[nodiscard]] tl::expected<std::vector<DeviceInfo>, std::string> ListDevices();
 
 }  // namespace osteon::gpu

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Finds the tool ball that touches first, where it alone cuts; among those that touch at the same time, the first in the tool's
-// own order (equivalent to ReferenceEngine::TouchingBall). First contact is known, and the lists hold whatever touches there.
+// own order (equivalent to ReferenceEngine::FirstTouchingBall). First contact is known, and the lists hold whatever touches there.
 // Row 0: listed balls with the cutting balls; row 1: pairs with balls that do not cut.
 #include "common.glsl"
 #include "first_contact.glsl"

@@ -105,21 +105,21 @@ OperatorHand::Handle OperatorHand::HandleAt(double time_s, double period_s, doub
                 .V = {.v = V_WT.v + V_WT.w.cross(p_T_head_W), .w = V_WT.w},
                 .V_target = {.v = target.V_WT.v + target.V_WT.w.cross(p_T_head_target_W), .w = target.V_WT.w},
                 .F_mass = {},
-                .tremor_N = tremor_.At(time_s)};
+                .tremor_N = tremor_.ForceAt(time_s)};
   handle.X.translation() += p_T_head_W;
   handle.X_target.translation() += p_T_head_target_W;
   handle.F_mass = impedance_.StepMass(period_s, handle.V, grip);
   return handle;
 }
 
-Wrench OperatorHand::ComputeWrench(std::size_t holding, double grip, const Handle& handle,
+Wrench OperatorHand::ComputeWrench(std::size_t incident, double grip, const Handle& handle,
                                    const Wrench& kept) const noexcept {
-  if (IsClamp(holding)) {
-    const Wrench pull = SpringOf(params_.incidents.list[holding]).Pull(handle.X, handle.V, X_W_clamped_, {});
+  if (IsClamp(incident)) {
+    const Wrench pull = SpringOf(params_.incidents.list[incident]).Pull(handle.X, handle.V, X_W_clamped_, {});
     return {.f = pull.f - handle.F_mass.f, .t = pull.t - handle.F_mass.t};
   }
   const HandSpring spring =
-      holding == IncidentMoment::kNone ? params_.spring() : SpringOf(params_.incidents.list[holding]);
+      incident == IncidentMoment::kNone ? params_.spring() : SpringOf(params_.incidents.list[incident]);
   const Wrench pull = spring.Pull(handle.X, handle.V, handle.X_target, handle.V_target);
   return {.f = grip * pull.f - handle.F_mass.f + grip * handle.tremor_N + kept.f,
           .t = grip * pull.t - handle.F_mass.t + kept.t};
@@ -143,9 +143,9 @@ void OperatorHand::ChangeSpring(const IncidentMoment& moment, double force_limit
   holding_ = moment.holding;
 }
 
-bool OperatorHand::IsClamp(std::size_t holding) const noexcept {
-  return holding != IncidentMoment::kNone &&
-         std::holds_alternative<RigidClamp>(params_.incidents.list[holding]);
+bool OperatorHand::IsClamp(std::size_t incident) const noexcept {
+  return incident != IncidentMoment::kNone &&
+         std::holds_alternative<RigidClamp>(params_.incidents.list[incident]);
 }
 
 }  // namespace osteon::hil

@@ -19,7 +19,7 @@ struct OperatorHandParams {
   double damping_Nms_per_rad{0.8};
   double inertia_kgm2{0.01};
   double grip_time_s{0.005};  ///< time constant with which the hand's mass follows the handle
-  double max_force_N{150.0};  ///< the hand's own maximum; directions are kept
+  double max_force_N{150.0};  ///< largest force of the hand; a larger one is scaled, direction kept
   double max_torque_Nm{10.0};
   double tremor_N{0.0};  ///< peak of the tremor's force along each axis; 0: none
   std::uint64_t tremor_seed{1};
@@ -45,8 +45,9 @@ class HandImpedance {
                             const Twist& V_target) noexcept;
 
   /// Advances the mass alone by one period.
-  /// @param grip  share of the hand that holds on, 0 … 1. It scales the damper between mass and handle. At 0
-  ///   the mass comes to rest by itself, so no change of grip gives back more energy than was taken.
+  /// @param grip  0 … 1; scales the damper between mass and handle. At 0 the mass is set to rest: it loses
+  /// its
+  ///   energy and returns none to the handle.
   /// @returns the wrench that moves the mass: the negative of what the mass exerts.
   [[nodiscard]] Wrench StepMass(double period_s, const Twist& V, double grip) noexcept;
 
@@ -63,17 +64,17 @@ class HandImpedance {
 ///     f = k (x_target - x) + b (v_target - v) - f_mass,   n·f bounded by the script's force limit
 ///     t = k_r R_WT log(R_T,target) + b_r (w_target - w) - t_mass
 ///
-/// **The push** is that bound: the script's target lies out of reach, so the hand presses at the script's
-/// limit, and across the axis it follows with its spring. **The mass** is not measured acceleration times
-/// mass, which would need a derivative of a measured speed and would close a loop of gain mass / virtual mass
-/// through the arm's lag. Instead it is coupled to the handle by a damper, like flesh, and its own speed v_m
-/// is the state,
+/// **The push** is that bound: the script's target lies out of reach, so along the axis the hand presses with
+/// the script's limit, and across the axis it follows with its spring. **The mass's force** is not computed
+/// as mass times measured acceleration: this would differentiate a measured speed, and would close a loop of
+/// gain mass / virtual mass through the arm's lag. Instead the mass is coupled to the handle by a damper,
+/// like flesh, and its own speed v_m is the state,
 ///
 ///     f_mass = m v_m' = (m / tau) (v - v_m),   tau = grip_time_s
 ///
 /// passive for every tau > 0, and a pure mass below 1 / (2 pi tau) = 32 Hz. The step is backward Euler,
-/// stable and passive at any period. Then f and t are carried to the tool's origin, scaled by the grip, and
-/// limited to what a hand can do.
+/// stable and passive at any period. Then f and t are transferred to the tool's origin, scaled by the grip,
+/// and limited to max_force_N and max_torque_Nm.
 ///
 /// **Incidents** (operator_incidents.h) change the hand for a while. With c the progress of the return to the
 /// script, from 0 to 1, and G the remaining grip:
@@ -83,8 +84,8 @@ class HandImpedance {
 ///
 /// f_kept keeps the wrench continuous across a change of spring, so the change itself moves nothing. A
 /// stiffer spring under the same force stores less energy, a softer one more: f^2 / 2 (1/k' - 1/k), which
-/// muscles supply. Apart from this, the moving target, the jerk, the return and the tremor, the hand is
-/// passive.
+/// muscles supply. Energy can also come from the moving target, an incident's jerk, the return to the script
+/// and the tremor. Apart from these sources the hand is passive.
 class OperatorHand {
  public:
   /// @throws std::invalid_argument on a parameter out of range.
@@ -109,26 +110,26 @@ class OperatorHand {
     Vector3 p_T_head_W;
     Pose X, X_target;
     Twist V, V_target;
-    Wrench F_mass;  // moves the mass
+    Wrench F_mass;  // the wrench that moves the hand's mass
     Vector3 tremor_N;
   };
   [[nodiscard]] Handle HandleAt(double time_s, double period_s, double grip, const HandTarget& target,
                                 const Pose& X_WT, const Twist& V_WT) noexcept;
-  // The wrench at the handle: of an incident's spring (kNone: the hand's own), the mass, the tremor and a
-  // kept wrench.
-  [[nodiscard]] Wrench ComputeWrench(std::size_t holding, double grip, const Handle& handle,
+  // The wrench at the handle: the sum of the spring's (the given incident's; kNone: the hand's own), the
+  // mass's, the tremor's and the kept wrench.
+  [[nodiscard]] Wrench ComputeWrench(std::size_t incident, double grip, const Handle& handle,
                                      const Wrench& kept) const noexcept;
-  // Changes the spring that holds the tool.
+  // Switches to the spring of the moment's incident, and sets the kept wrench for continuity.
   void ChangeSpring(const IncidentMoment& moment, double force_limit_N, const Handle& handle) noexcept;
-  [[nodiscard]] bool IsClamp(std::size_t holding) const noexcept;
+  [[nodiscard]] bool IsClamp(std::size_t incident) const noexcept;
 
   OperatorHandParams params_;
   HandScript script_;
   HandImpedance impedance_;  // at the head's centre
   Tremor tremor_;
   std::size_t holding_{IncidentMoment::kNone};  // the incident whose spring holds the tool
-  Wrench kept_;                                 // offset to that spring
-  Pose X_W_clamped_{Pose::Identity()};          // where the head was when it was clamped
+  Wrench kept_;  // added to that spring's wrench, for continuity when the spring changed
+  Pose X_W_clamped_{Pose::Identity()};  // where the head was when it was clamped
 };
 
 }  // namespace osteon::hil

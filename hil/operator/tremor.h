@@ -11,8 +11,8 @@
 
 namespace osteon::hil {
 
-/// A hand's physiological tremor as a force: along each axis three lines between 8 and 12 Hz, each with its
-/// own phase, so that it beats.
+/// A hand's physiological tremor as a force. Along each axis it is the sum of three sinusoids between 8 and
+/// 12 Hz with phases of their own, so its amplitude rises and falls as a beat.
 class Tremor {
  public:
   /// @param peak_N  along each axis; 0: none
@@ -23,7 +23,7 @@ class Tremor {
       for (double& phase : axis) phase = 2.0 * std::numbers::pi * static_cast<double>(bits() >> 11) * 0x1p-53;
   }
 
-  [[nodiscard]] Vector3 At(double time_s) const noexcept {
+  [[nodiscard]] Vector3 ForceAt(double time_s) const noexcept {
     Vector3 f = Vector3::Zero();
     if (peak_N_ == 0.0) return f;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -36,7 +36,7 @@ class Tremor {
  private:
   static constexpr std::array<double, 3> kHz{8.3, 9.7, 11.1};
   double peak_N_;
-  std::array<std::array<double, 3>, 3> phase_rad_{};  // axis, line of the spectrum
+  std::array<std::array<double, 3>, 3> phase_rad_{};  // by axis, then by sinusoid
 };
 
 }  // namespace osteon::hil

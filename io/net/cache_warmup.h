@@ -14,15 +14,15 @@
 
 namespace osteon::io {
 
-/// Keeps the message path warm: sends a message through the system, the protocol and back, over two loopback
-/// sockets and a session of their own. Done shortly before the next message, it leaves code and tables in the
-/// caches. The session stays in step with the link's if it is given every message that the link has accepted;
-/// its results are discarded.
-/// @tparam Session  of a protocol: see SessionJudge
+/// Keeps the code and tables of the message path in the processor's caches: shortly before the next message,
+/// sends the last one through the kernel's loopback, decodes it, and encodes and sends an answer. Two sockets
+/// and a session are used for this alone, and their results are discarded. The session stays in step with the
+/// link's if every message that the link has accepted is passed to Run.
+/// @tparam Session  the protocol's session, FRI or RSI (see SessionJudge)
 template <class Session, std::size_t kMaxBytes>
 class CacheWarmup {
  public:
-  /// Null if the system provides no such sockets: then nothing is rehearsed.
+  /// Opens the two sockets. Null if the system provides none: the caller then runs without a warm-up.
   [[nodiscard]] static std::unique_ptr<CacheWarmup> Make(const char* who, const Session& session) {
     const auto near = BindUdp(who, kLoopback, 0);
     if (!near) return nullptr;
@@ -33,7 +33,8 @@ class CacheWarmup {
     }
     auto made = std::unique_ptr<CacheWarmup>(new CacheWarmup(*near, *far, session));
     // connect them to each other: the system drops datagrams from anybody else
-    return Join(near->socket, far->port) && Join(far->socket, near->port) ? std::move(made) : nullptr;
+    return ConnectTo(far->port, near->socket) && ConnectTo(near->port, far->socket) ? std::move(made)
+                                                                                    : nullptr;
   }
   ~CacheWarmup() { close(far_.socket); }
   CacheWarmup(const CacheWarmup&) = delete;
@@ -46,13 +47,13 @@ class CacheWarmup {
     if (near_.Receive(SessionJudge{session_, state_}, 0) != control::ReceiveResult::kOk) return;
     const std::span<const std::uint8_t> answer = session_.Answer(command);
     if (answer.empty() || !near_.Send(answer)) return;
-    (void)ReadDatagram(far_.socket, room_);
+    (void)ReadDatagram(far_.socket, buffer_);
   }
 
  private:
   static constexpr const char* kLoopback = "127.0.0.1";
 
-  static bool Join(int socket, std::uint16_t port) {
+  static bool ConnectTo(std::uint16_t port, int socket) {
     const auto there = Ipv4("rehearsal", kLoopback, port);
     return there && connect(socket, reinterpret_cast<const sockaddr*>(&*there), sizeof *there) == 0;
   }
@@ -64,7 +65,7 @@ class CacheWarmup {
   BoundUdp far_;
   Session session_;
   control::ArmState state_;
-  std::array<std::uint8_t, kMaxBytes> room_{};
+  std::array<std::uint8_t, kMaxBytes> buffer_{};
 };
 
 }  // namespace osteon::io

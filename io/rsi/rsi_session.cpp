@@ -104,32 +104,39 @@ RsiAccept RsiSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
     }
   }
   if (result == RsiAccept::kAccepted) {
-    const auto settled = static_cast<std::uint32_t>(params_.settle_messages);
     ++in_session_;
-    if (in_session_ == settled + 1) {
+    if (in_session_ == static_cast<std::uint32_t>(params_.settle_messages) + 1) {
       ++activation_;
       holding_ = true;
     }
-    state.activation = activation_;
-    state.holding = holding_;
-    state.stamp = stamp;
-    state.sequence = static_cast<std::uint32_t>(message.ipoc);
-    state.session = in_session_ <= settled ? SessionState::kCommandingWait : SessionState::kCommandingActive;
-    state.quality = 3;
-    state.safety_state = 0;
-    state.drives_active = true;  // RSI runs only in motion
-    state.control_mode = control::ControlMode::kPosition;
-    state.command_mode = control::CommandMode::kPosition;
-    state.period_s = Period_s(stamp);
-    state.q_meas = state.q_ipo = state.tau_ext = {};
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      state.q_meas[i] = (*message.axes_measured)[i] * kDegree;
-      state.q_ipo[i] = start_deg_[i] * kDegree;
-    }
-    state.has_ipo = true;
+    PutMessage(message, stamp, state);
   }
   PutCounters(state);
   return result;
+}
+
+// What an accepted message says of the arm, with what RSI leaves unsaid: it runs only in motion, in position
+// control.
+void RsiSession::PutMessage(const RsiRobotMessage& message, rt::Nanoseconds stamp,
+                            control::ArmState& state) OSTEON_RT {
+  const bool settling = in_session_ <= static_cast<std::uint32_t>(params_.settle_messages);
+  state.activation = activation_;
+  state.holding = holding_;
+  state.stamp = stamp;
+  state.sequence = static_cast<std::uint32_t>(message.ipoc);
+  state.session = settling ? SessionState::kCommandingWait : SessionState::kCommandingActive;
+  state.quality = 3;
+  state.safety_state = 0;
+  state.drives_active = true;
+  state.control_mode = control::ControlMode::kPosition;
+  state.command_mode = control::CommandMode::kPosition;
+  state.period_s = Period_s(stamp);
+  state.q_meas = state.q_ipo = state.tau_ext = {};
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    state.q_meas[i] = (*message.axes_measured)[i] * kDegree;
+    state.q_ipo[i] = start_deg_[i] * kDegree;
+  }
+  state.has_ipo = true;
 }
 
 bool RsiSession::IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_RT {

@@ -130,6 +130,7 @@ class RsiSession {
   bool TooLate(const RsiRobotMessage& first) const OSTEON_RT;
   double Period_s(rt::Nanoseconds stamp) OSTEON_RT;
   void BeginSession(const RsiRobotMessage& message) OSTEON_RT;
+  void PutMessage(const RsiRobotMessage& message, rt::Nanoseconds stamp, control::ArmState& state) OSTEON_RT;
   void TrackCorrectionSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT;
   bool MayMove(const control::ArmCommand& command) OSTEON_RT;
   bool ComputeCorrection(const control::ArmCommand& command, std::array<double, 6>& correction) OSTEON_RT;

@@ -18,7 +18,7 @@ using control::TickRecord;
 using simulation::ContactModel;
 
 // A killed process loses its last frames, while the ticks that saw them may already be written.
-constexpr rt::Nanoseconds kMaxTorn = rt::kSecond;
+constexpr rt::Nanoseconds kMaxTornEnd = rt::kSecond;
 
 // The contact models that ticks may have seen, found by a tick's description of its model.
 class Models {
@@ -31,7 +31,7 @@ class Models {
     }
   }
 
-  // Null if its frame is not in the recording.
+  // Finds the model that a tick used. Null if the model's frame is not in the recording.
   [[nodiscard]] const ContactModel* Find(const TickRecord& tick) {
     const auto found = models_.find({tick.model_frame, tick.input.model_pose_stamp, tick.input.model_status});
     if (found != models_.end()) return found->second;
@@ -56,7 +56,7 @@ std::uint64_t BitsOf(T value) {
 }
 
 // Returns the first field whose bits differ, or nothing.
-std::optional<ReplayDifference> Compare(const TickRecord& recorded, const TickRecord& replayed) {
+std::optional<ReplayDifference> FirstDifference(const TickRecord& recorded, const TickRecord& replayed) {
   constexpr std::size_t kMax = 128;
   std::array<std::uint64_t, kMax> bits{};
   std::size_t count = 0;
@@ -93,7 +93,7 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
   control::ArmCommand command;
   bool torn_end = false;
   for (const TickRecord& recorded : recording.ticks) {
-    // the tick's inputs
+    // refuse a tick whose inputs are incomplete
     const ContactModel* model = models.Find(recorded);
     if (recorded.input.now == 0) {
       result.why_not = fmt::format("tick {} has no inputs: they were not recorded yet then", recorded.tick);
@@ -105,13 +105,13 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
       result.why_not = fmt::format("tick {} saw frame {}, which is not in the recording", recorded.tick,
                                    recorded.model_frame);
       torn_end = recorded.model_frame > models.last_frame() &&
-                 recording.ticks.back().stamp - recorded.stamp <= kMaxTorn;
+                 recording.ticks.back().stamp - recorded.stamp <= kMaxTornEnd;
     }
     if (!result.why_not.empty()) break;
 
-    // run the tick again
     TickRecord replayed = control::ReplayTick(loop, recorded, *model, command);
-    replayed.q_cmd = command.q;  // the actual command, whatever the record holds
+    // compare the command as it is sent, not the loop's own record of it
+    replayed.q_cmd = command.q;
     replayed.activation_cmd = command.activation;
     replayed.F_cmd_T = command.F;
     replayed.tau_cmd = command.tau;
@@ -120,7 +120,7 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
       replayed.permits = recorded.permits;
     }
     ++result.ticks;
-    auto difference = Compare(recorded, replayed);
+    auto difference = FirstDifference(recorded, replayed);
     if (!difference) continue;
     ++result.different_ticks;
     if (!result.first_difference) result.first_difference = std::move(difference);

@@ -33,32 +33,32 @@ std::string Describe(const config::ArmLinkConfig& link) {
 }
 
 // Only KROSHU's message layout has a <Stop>.
-bool CanAskToEnd(const config::ArmLinkConfig& link) {
+bool CanRequestStop(const config::ArmLinkConfig& link) {
   return link.rsi() && link.rsi()->layout == io::RsiLayout::kKroshu;
 }
 
-ArmSession::ArmSession(const config::ArmLinkConfig& link)
+ArmProtocolSession::ArmProtocolSession(const config::ArmLinkConfig& link)
     : session_(link.fri() ? std::variant<io::FriSession, io::RsiSession>(io::FriSession(*link.fri()))
                           : io::RsiSession(*link.rsi())),
-      can_stop_(CanAskToEnd(link)) {}
+      can_stop_(CanRequestStop(link)) {}
 
-bool ArmSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp,
-                        control::ArmState& state) {
+bool ArmProtocolSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp,
+                                control::ArmState& state) {
   if (auto* fri = std::get_if<io::FriSession>(&session_))
     return fri->Accept(datagram, stamp, state) == io::FriAccept::kAccepted;
   return std::get<io::RsiSession>(session_).Accept(datagram, stamp, state) == io::RsiAccept::kAccepted;
 }
 
-std::span<const std::uint8_t> ArmSession::Answer(const control::ArmCommand& command) {
+std::span<const std::uint8_t> ArmProtocolSession::Answer(const control::ArmCommand& command) {
   return std::visit([&](auto& session) { return session.Answer(command); }, session_);
 }
 
-bool ArmSession::RequestStop() {
+bool ArmProtocolSession::RequestStop() {
   if (can_stop_) std::get<io::RsiSession>(session_).RequestStop();
   return can_stop_;
 }
 
-std::string ArmSession::Diagnosis() const {
+std::string ArmProtocolSession::Diagnosis() const {
   if (const auto* fri = std::get_if<io::FriSession>(&session_)) return fri->Diagnosis();
   const auto& rsi = std::get<io::RsiSession>(session_);
   return DiagnosisOf(rsi.status(), rsi.last_error());
@@ -75,19 +75,19 @@ tl::expected<ArmConnection, std::string> ArmConnection::Open(const config::ArmLi
   auto opened = io::RsiLink::Open(
       {.bind_address = link.host, .arm_address = peer, .port = link.port, .session = *link.rsi()});
   if (!opened) return tl::make_unexpected(opened.error());
-  return ArmConnection(std::move(*opened), CanAskToEnd(link));
+  return ArmConnection(std::move(*opened), CanRequestStop(link));
 }
 
 control::ArmLink& ArmConnection::link() {
   return *std::visit([](auto& link) -> control::ArmLink* { return link.get(); }, link_);
 }
 
-void ArmConnection::End() {
+void ArmConnection::EndSession() {
   if (!can_stop_) return;
   io::RsiLink& rsi = *std::get<std::unique_ptr<io::RsiLink>>(link_);
   rsi.RequestStop();
   control::ArmState state;
-  const rt::Nanoseconds until = rt::MonotonicNow() + kEndWithin;
+  const rt::Nanoseconds until = rt::MonotonicNow() + kMaxEndDelay;
   // an arm that has ended is silent; if an answer was lost, the arm asks again
   while (rsi.Receive(state, until) == control::ReceiveResult::kOk && rt::MonotonicNow() < until)
     static_cast<void>(rsi.Send({}));

@@ -20,22 +20,23 @@ namespace osteon::app {
 /// Names the protocol: "FRI 1.15", "RSI im_free, axes, 4 ms". Warns if a lost answer makes the arm jump.
 [[nodiscard]] std::string Describe(const config::ArmLinkConfig& link);
 
-/// Whether the arm's program can be asked to end the session. If not, it has to notice by itself.
-[[nodiscard]] bool CanAskToEnd(const config::ArmLinkConfig& link);
+/// Whether the protocol can ask the arm's program to end the session. If not, the program has to notice by
+/// itself that the answers have stopped.
+[[nodiscard]] bool CanRequestStop(const config::ArmLinkConfig& link);
 
-/// Time that an arm's program is given to end the session after it was asked to.
-inline constexpr rt::Nanoseconds kEndWithin = 100 * rt::kMillisecond;
+/// Longest wait for the arm's program to end the session after it was asked to.
+inline constexpr rt::Nanoseconds kMaxEndDelay = 100 * rt::kMillisecond;
 
 /// The client's side of the connection in virtual time: datagrams are passed in memory.
-class ArmSession {
+class ArmProtocolSession {
  public:
-  explicit ArmSession(const config::ArmLinkConfig& link);
+  explicit ArmProtocolSession(const config::ArmLinkConfig& link);
 
   /// Decodes a datagram. Returns true if `state` now holds its content. See io::FriSession::Accept,
   /// io::RsiSession::Accept.
   bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp, control::ArmState& state);
   /// Returns the datagram that answers the last accepted message; empty if no answer is due. Valid until the
-  /// next.
+  /// next call.
   [[nodiscard]] std::span<const std::uint8_t> Answer(const control::ArmCommand& command);
 
   /// Makes the next answers ask the arm's program to end the session. False if the protocol cannot.
@@ -60,8 +61,8 @@ class ArmConnection {
   [[nodiscard]] control::ArmLink& link();
 
   /// Asks the arm's program to end the session, if the protocol can, and waits for that end, at most
-  /// kEndWithin: an arm that gets no answers any more ends with a fault of its own.
-  void End();
+  /// kMaxEndDelay. Without this, the arm misses its answers and stops with a fault of its own.
+  void EndSession();
 
   /// Says what keeps the arm from being commanded; empty if nothing does.
   [[nodiscard]] std::string Diagnosis() const;

@@ -139,7 +139,7 @@ class StartWatch {
 // Time for which an arm is still answered and recorded at rest. An arm whose program can be asked to end is
 // asked at once, before a PLC switches off its power.
 double AtRest_s(const CellSetup& setup, const CellRunParams& params) {
-  return CanAskToEnd(setup.config.link) ? 0.0 : params.at_rest_s;
+  return CanRequestStop(setup.config.link) ? 0.0 : params.at_rest_s;
 }
 
 // Says why a run ended that was ended only by its operator or its duration.
@@ -193,7 +193,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     std::thread servo_thread([&] {
       rt::NameThread("servo");
       servo = RunServo(loop, wires.arm->link(), *wires.devices, models, commands, recorder, servo_params);
-      wires.arm->End();
+      wires.arm->EndSession();
       // At once, so that the arm does not count our end as a lost client.
       if (wires.cell) wires.cell->AskToEnd();
       done.store(true);
@@ -233,12 +233,12 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
   return result;
 }
 
-// Ends the session as ArmConnection::End() does, if the arm's program can be asked to.
-void EndSession(ArmSession& session, hil::ImpairedCell& cell, rt::Nanoseconds period) {
+// Ends the session as ArmConnection::EndSession() does, if the arm's program can be asked to.
+void EndSession(ArmProtocolSession& session, hil::ImpairedCell& cell, rt::Nanoseconds period) {
   if (!session.RequestStop()) return;
   control::ArmState state;
   rt::Nanoseconds now = cell.state().stamp;
-  for (const rt::Nanoseconds end = now + kEndWithin; now < end;) {
+  for (const rt::Nanoseconds end = now + kMaxEndDelay; now < end;) {
     bool accepted = false;
     cell.Step(now += period, [&](std::span<const std::uint8_t> message, rt::Nanoseconds arrival) {
       accepted |= session.Accept(message, arrival, state);
@@ -259,7 +259,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     return tl::make_unexpected(CellRunError{.what = why});
   auto devices = VirtualDevices::Make(setup.config);
   if (!devices) return tl::make_unexpected(CellRunError{.what = devices.error()});
-  ArmSession session(setup.config.link);
+  ArmProtocolSession session(setup.config.link);
   GainsWatch gains(params.gains, setup.config, loop, params.notice);
   control::ArmState state;
   control::ArmCommand command;

@@ -26,7 +26,7 @@ struct CellRunParams {
   int recoveries{0};      ///< restarts of the loop after the connection to the arm has ended rendering
   double wait_s{30.0};    ///< wall time: if rendering has not begun by then, the run ends
   /// Time for which the arm is still answered and recorded once it has come to rest at the end. Not used if
-  /// its program can be asked to end (CanAskToEnd).
+  /// its program can be asked to end (CanRequestStop).
   double at_rest_s{0.5};
   int cpu{-1};  ///< wall time: the servo thread is pinned to it; -1: any
   /// Wall time: the simulated cell to start as a process of its own; absent: connected devices are used.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kEveryBall = std::numeric_limits<std::size_t>::max();
 
-std::vector<BallState> StatesOf(const std::vector<Ball>& balls) {
+std::vector<BallState> InitialBallStates(const std::vector<Ball>& balls) {
   std::vector<BallState> states;
   states.reserve(balls.size());
   for (const Ball& ball : balls)
@@ -23,7 +23,7 @@ std::vector<BallState> StatesOf(const std::vector<Ball>& balls) {
   return states;
 }
 
-std::vector<MassPoint> StoredPoints(std::vector<MassPoint> points) {
+std::vector<MassPoint> RoundPoints(std::vector<MassPoint> points) {
   for (MassPoint& point : points) {
     point.p_m = RoundToStored({.center_m = point.p_m, .radius_m = 0.0}).center_m;
     point.volume_m3 = 1e-9 * static_cast<float>(point.volume_m3 * 1e9);
@@ -32,7 +32,7 @@ std::vector<MassPoint> StoredPoints(std::vector<MassPoint> points) {
 }
 
 // Path length of the tool point that moves farthest.
-double LongestWay(const ToolPoints& from, const ToolPoints& to) {
+double LongestPath(const ToolPoints& from, const ToolPoints& to) {
   double longest = 0.0;
   for (std::size_t t = 0; t < to.size(); ++t) longest = std::max(longest, (to[t] - from[t]).norm());
   return longest;
@@ -46,10 +46,10 @@ ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose&
       lever_m_(ToolLever(tool)),
       materials_(bone.materials),
       map_(bone),
-      points_(StoredPoints(bone.points)),
+      points_(RoundPoints(bone.points)),
       X_WG_(X_WG),
       params_(params),
-      balls_(StatesOf(bone.balls)),
+      balls_(InitialBallStates(bone.balls)),
       removal_(balls_, params.split),
       cleared_(bone.points.size(), 0) {
   if (materials_.size() > kMaxMaterials) throw std::invalid_argument("bone: more than 8 materials");
@@ -73,13 +73,14 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   const bool cutting = input.spindle_rad_per_s != 0.0;
   FrameSolution solution;
 
-  // pass 1: how far the tool gets on its way from the last free pose
+  // pass 1: first contact on the straight path from the proxy's pose to the tool's
   const ToolPoints start = PlaceTool(tool_, memory_.X_GP), goal = PlaceTool(tool_, X_GT);
   solution.contact_fraction = std::min(1.0, FirstContact(start, goal, 0.0));
   const ToolPoints contact = InterpolatePoints(start, goal, solution.contact_fraction);
   solution.origin_contact = contact.back();
 
-  // pass 2: the pairs near the tool there, the closest target that keeps their planes, and the way to it
+  // pass 2: find the pairs near the tool at first contact, and the pose closest to the goal that violates no
+  // plane of theirs; then move the proxy towards that pose
   const ContactInput asked{.R_GT = X_GT.linear(),
                            .motion_G_m = goal.back() - contact.back(),
                            .turn_G = (1.0 - solution.contact_fraction) *
@@ -98,7 +99,7 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   const Slid full =
       Slide(contact, target, (turning ? kTurnToleranceShare : 1.0) * params_.contact_tolerance_m, max_m);
   const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m, max_m) : full;
-  // where bone keeps the tool from turning, it still moves straight
+  // if bone keeps the tool from turning, the tool still moves without turning
   const bool turns = SlidesTurning(full.stopped, full.way_m, unturned.way_m, kRotationBias_m);
   const Slid& chosen = turns ? full : unturned;
   solution.slide_fraction = chosen.fraction;
@@ -107,7 +108,7 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   const ToolPoints slid = InterpolatePoints(contact, turns ? target : straight, chosen.fraction);
   solution.origin_slid = slid.back();
 
-  // pass 3: how far bone gives way, and the removal
+  // pass 3: how far the cutting edge advances into bone, and the removal
   MeasureEngagement(contact, X_GT.linear().col(2), solution);
   const FrameAdvance advance = ComputeAdvance(params_, materials_, solution, input.spindle_rad_per_s,
                                               input.dt_s, memory_.energy_lead_J);
@@ -119,7 +120,7 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
     ToolPoints end = slid;
     for (Vector3& point : end) point += solution.origin_end - solution.origin_slid;
     const std::size_t only = params_.cutters == Cutters::kContactSphere
-                                 ? TouchingBall(start, goal, solution.contact_fraction)
+                                 ? FirstTouchingBall(start, goal, solution.contact_fraction)
                                  : kEveryBall;
     std::vector<Capsule> capsules;
     AddCapsules(contact, slid, end, only, capsules);
@@ -130,8 +131,8 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   return model;
 }
 
-// Smallest fraction over all pairs. Pairs that overlap by less than the tolerance may move to an overlap of
-// that size.
+// Fraction of the motion at which the first pair of balls overlaps by the tolerance. Pairs that overlap by
+// less may still approach.
 double ReferenceEngine::FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const {
   double first = kNoContact;
   for (const BallState& ball : balls_) {
@@ -145,7 +146,7 @@ double ReferenceEngine::FirstContact(const ToolPoints& from, const ToolPoints& t
 
 ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m,
                                              double max_m) const {
-  const double longest = LongestWay(from, to);
+  const double longest = LongestPath(from, to);
   const double limit = longest > max_m ? max_m / longest : 1.0;
   const double met = FirstContact(from, to, tolerance_m);
   const double fraction = std::min(limit, met);
@@ -194,7 +195,7 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
     if (known.bone_ball < balls_.size() && known.tool_ball < tool_.balls.size())
       near.remembered[static_cast<std::size_t>(k)] = pair_of(known.bone_ball, known.tool_ball);
   }
-  // pairs that the tool has left behind hold it no more
+  // remembered pairs that the tool has left behind no longer constrain it
   for (NearPair& pair : near.remembered)
     pair.present = pair.present && pair.gap_m < params_.normal_enlargement_m;
   return near;
@@ -226,10 +227,12 @@ void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spi
   }
 }
 
-// Index of the tool ball that touches first on this way; among those that touch at the same time, the first
-// in the tool's order. The number of balls where none touches. @param first  the fraction of first contact
-std::size_t ReferenceEngine::TouchingBall(const ToolPoints& from, const ToolPoints& to, double first) const {
-  const double last = std::min(1.0, first + kTieTolerance_m / LongestWay(from, to));
+// Index of the tool ball that touches first on this motion; among those that touch at the same time, the
+// first in the tool's order. If none touches, the number of tool balls. @param first  the fraction of first
+// contact
+std::size_t ReferenceEngine::FirstTouchingBall(const ToolPoints& from, const ToolPoints& to,
+                                               double first) const {
+  const double last = std::min(1.0, first + kTieTolerance_m / LongestPath(from, to));
   for (std::size_t t = 0; t < tool_.balls.size(); ++t)
     for (const BallState& ball : balls_) {
       if (ball.radius_m <= 0.0) continue;
@@ -240,7 +243,8 @@ std::size_t ReferenceEngine::TouchingBall(const ToolPoints& from, const ToolPoin
   return tool_.balls.size();
 }
 
-// Adds the cutting balls' capsules on both pieces of the proxy's way, one ball after the other.
+// Adds the volumes that the cutting balls sweep on both pieces of the proxy's path, one ball after the other.
+// @param only  the one ball to add, or kEveryBall
 void ReferenceEngine::AddCapsules(const ToolPoints& contact, const ToolPoints& slid, const ToolPoints& end,
                                   std::size_t only, std::vector<Capsule>& capsules) const {
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
@@ -269,7 +273,8 @@ CarvedState ReferenceEngine::Snapshot() const {
   removal_.Save(balls_, state);
   state.cleared = cleared_;
   ToState(memory_, state);
-  // indices of the pairs that held the tool, by their place in the state, where blocks have other numbers
+  // Renumber the bone balls of the remembered pairs: the saved state numbers the children of split balls
+  // differently. Pairs whose ball is not saved are dropped.
   ContactMemory& contact = state.contact;
   const std::int32_t count = std::exchange(contact.pair_count, 0),
                      held = std::exchange(contact.held_count, 0);

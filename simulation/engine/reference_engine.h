@@ -42,7 +42,8 @@ class ReferenceEngine final : public CuttingEngine {
   Slid Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m, double max_m) const;
   NearField FindNearField(const ToolPoints& at, const ToolPoints& goal, const Matrix3& R_GT) const;
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G, FrameSolution& solution) const;
-  [[nodiscard]] std::size_t TouchingBall(const ToolPoints& from, const ToolPoints& to, double first) const;
+  [[nodiscard]] std::size_t FirstTouchingBall(const ToolPoints& from, const ToolPoints& to,
+                                              double first) const;
   void AddCapsules(const ToolPoints& contact, const ToolPoints& slid, const ToolPoints& end, std::size_t only,
                    std::vector<Capsule>& capsules) const;
   void Remove(const std::vector<Capsule>& capsules, FrameSolution& solution);

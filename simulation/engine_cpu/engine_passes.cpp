@@ -174,7 +174,7 @@ void CpuEngine::Impl::MeasureEngagement(const Vector3& spindle_axis_G, FrameSolu
   }
 }
 
-// ReferenceEngine::TouchingBall. Where the list was made at first contact, what touches there is in it.
+// ReferenceEngine::FirstTouchingBall. Where the list was made at first contact, what touches there is in it.
 std::size_t CpuEngine::Impl::TouchingBall(double first) {
   const double longest_m = LongestWay(start, goal), last = std::min(1.0, first + kTieTolerance_m / longest_m);
   const cpu::ContactPass pass = PassOf(start, goal, 0.0, longest_m);

@@ -99,7 +99,7 @@ void SplitBlocks::Begin(std::span<const std::uint32_t> large, std::span<const Ca
     }
     if (number_of_[parent] >= 0) continue;
     const BallState ball = bone_.BallAt(parent);
-    if (!splitter_.IsTooLarge(ball, capsules)) continue;
+    if (!splitter_.ShouldSplit(ball, capsules)) continue;
     if (free == 0) {
       ++refused_;
       continue;

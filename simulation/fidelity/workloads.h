@@ -24,10 +24,10 @@
 namespace osteon::simulation {
 
 enum class CutTask : std::uint8_t {
-  kPlunge,   ///< a ball of 5 mm, 5 mm deep into a block
-  kSlide,    ///< the same, then 6 mm along: a trench
-  kReam,     ///< a reamer of 25 mm in a cup of its own radius, 3 mm deeper
-  kChannel,  ///< a burr of 1.5 mm, 2 mm deep, along an arc of 9 mm
+  kPlunge,   ///< a ball of 5 mm radius, 5 mm deep into a block
+  kSlide,    ///< the same, then 6 mm sideways: a trench
+  kReam,     ///< a reamer of 25 mm radius in a cup of the same radius, 3 mm deeper
+  kChannel,  ///< a burr of 1.5 mm radius, 2 mm deep, along an arc of 9.4 mm
   kScene,    ///< a scene's own cut (scene_workload.h); methods are not compared on it
 };
 inline constexpr std::array kCutTasks{CutTask::kPlunge, CutTask::kSlide, CutTask::kReam, CutTask::kChannel};
@@ -53,7 +53,7 @@ struct CutWorkload {
 
 /// Parameters of a workload's motion.
 struct CutWorkloadParams {
-  std::uint64_t seed{0};  ///< moves and turns the path relative to packing and voxels; 0: as drawn
+  std::uint64_t seed{0};  ///< moves and turns the path relative to packing and voxels; 0: does neither
   double rate_hz{1000.0};
   double feed_m_per_s{0.020};  ///< of the cut
   double feel_m_per_s{0.040};  ///< speed of the way back
@@ -68,7 +68,7 @@ struct CutWorkloadParams {
 struct WorkloadRun {
   std::vector<double> frame_us;   ///< of frames in which the tool touched
   std::vector<FeltForce> felt;    ///< from feel_begin on
-  double removed_volume_m3{0.0};  ///< by the engine's own books, at the cut's end
+  double removed_volume_m3{0.0};  ///< as the engine itself counts it, at the cut's end
   bool complete{false};           ///< false: a frame was refused, or `stop` ended the run
 };
 /// Runs a workload on an engine.

@@ -13,17 +13,17 @@
 namespace osteon::simulation {
 namespace {
 
-using Record = std::array<float, 4>;
+using Record = std::array<float, 4>;  // x, y, z, radius [mm]
 static_assert(sizeof(Record) == 16);
 
-Record InMm(const Ball& ball) {
+Record ToRecord(const Ball& ball) {
   const Vector3 p = Vector3(ball.center_m) * 1e3;
   return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()),
           static_cast<float>(ball.radius_m * 1e3)};
 }
 
 /// Number of balls that are formatted and written at once.
-constexpr std::size_t kAtOnce = 1 << 16;
+constexpr std::size_t kBallsPerWrite = 1 << 16;
 
 }  // namespace
 
@@ -36,10 +36,10 @@ tl::expected<void, FileError> WritePly(const std::filesystem::path& path, std::s
                   "radius\nend_header\n",
                   balls.size()));
   std::vector<Record> records;
-  for (std::size_t i = 0; i < balls.size(); i += kAtOnce) {
-    const auto part = balls.subspan(i, std::min(kAtOnce, balls.size() - i));
+  for (std::size_t i = 0; i < balls.size(); i += kBallsPerWrite) {
+    const auto part = balls.subspan(i, std::min(kBallsPerWrite, balls.size() - i));
     records.clear();
-    std::ranges::transform(part, std::back_inserter(records), InMm);
+    std::ranges::transform(part, std::back_inserter(records), ToRecord);
     file->Write(std::as_bytes(std::span(records)));
   }
   return file->Commit();
@@ -51,9 +51,9 @@ tl::expected<void, FileError> WriteCsv(const std::filesystem::path& path, std::s
   file->Write("x_mm,y_mm,z_mm,r_mm\n");
   std::string text;
   for (std::size_t i = 0; i < balls.size(); ++i) {
-    const Record r = InMm(balls[i]);
+    const Record r = ToRecord(balls[i]);
     fmt::format_to(std::back_inserter(text), "{},{},{},{}\n", r[0], r[1], r[2], r[3]);
-    if (i % kAtOnce != kAtOnce - 1 && i + 1 != balls.size()) continue;
+    if (i % kBallsPerWrite != kBallsPerWrite - 1 && i + 1 != balls.size()) continue;
     file->Write(text);
     text.clear();
   }

@@ -19,18 +19,18 @@ using namespace packing_layout;
 
 namespace {
 
-/// Largest distance of a coordinate from G's origin, so that its multiple of the grid stays an exact double.
+/// Largest coordinate in G that is accepted. As a multiple of the grid it is still an exact double.
 constexpr double kFarthest_mm = 1e6;
 
-/// Limit on the error of a multiple of the grid, in grids, on its way to metres and back in double precision:
-/// 1e6 mm is 2^35 grids, a double holds 53 bits.
+/// Limit on the rounding error of a length that is a multiple of the grid, after its conversion to metres and
+/// back in double precision, in grid steps: 1e6 mm is 2^35 grid steps, and a double holds 53 bits.
 constexpr double kRounding_grids = 1e-4;
 
 double ToGrid(double length_m) { return std::nearbyint(length_m * 1e3 / kGrid_mm); }
 
-/// A multiple of the grid, in millimetres from the origin; minus zero becomes zero, because it would not
-/// survive a reload.
-float FromOrigin(double grids, double origin_mm) {
+/// Converts a multiple of the grid to millimetres from the origin. Minus zero becomes zero, because a reload
+/// would lose its sign.
+float MmFromOrigin(double grids, double origin_mm) {
   return static_cast<float>(grids * kGrid_mm - origin_mm + 0.0);
 }
 
@@ -55,12 +55,12 @@ class PackingWriter {
              fmt::format("up to {}", kMaxTextBytes));
     if (error_) return tl::make_unexpected(*error_);
 
-    Add(kBalls, std::as_bytes(std::span(balls_)), balls_.size());
-    Add(kPoints, std::as_bytes(std::span(points_)), points_.size());
-    Add(kPointMaterials, std::as_bytes(std::span(point_materials_)), point_materials_.size());
-    Add(kMaterials, std::as_bytes(std::span(*materials)), materials->size());
-    if (bone_.site.radius_m != 0.0) Add(kSite, std::as_bytes(std::span(&site_, 1)), 1);
-    Add(kProvenance, std::as_bytes(std::span(*provenance)), provenance->size());
+    AddSection(kBalls, std::as_bytes(std::span(balls_)), balls_.size());
+    AddSection(kPoints, std::as_bytes(std::span(points_)), points_.size());
+    AddSection(kPointMaterials, std::as_bytes(std::span(point_materials_)), point_materials_.size());
+    AddSection(kMaterials, std::as_bytes(std::span(*materials)), materials->size());
+    if (bone_.site.radius_m != 0.0) AddSection(kSite, std::as_bytes(std::span(&site_, 1)), 1);
+    AddSection(kProvenance, std::as_bytes(std::span(*provenance)), provenance->size());
     return WriteSections();
   }
 
@@ -122,9 +122,9 @@ class PackingWriter {
             // the saved ball lies within the given ball
             const double moved = (grids - p * (1e3 / kGrid_mm)).norm();
             const double radius = std::floor(ball.radius_m * 1e3 / kGrid_mm - moved + 2.0 * kRounding_grids);
-            balls_[i] = {.x_mm = FromOrigin(grids.x(), origin_mm_[0]),
-                         .y_mm = FromOrigin(grids.y(), origin_mm_[1]),
-                         .z_mm = FromOrigin(grids.z(), origin_mm_[2]),
+            balls_[i] = {.x_mm = MmFromOrigin(grids.x(), origin_mm_[0]),
+                         .y_mm = MmFromOrigin(grids.y(), origin_mm_[1]),
+                         .z_mm = MmFromOrigin(grids.z(), origin_mm_[2]),
                          .radius_mm = static_cast<float>(radius * kGrid_mm)};
           }
         },
@@ -146,31 +146,31 @@ class PackingWriter {
       if (point.material >= bone_.materials.size())
         return Fail(fmt::format("mass point {}: material", i), fmt::format("{}", point.material),
                     fmt::format("less than {}: so many are listed", bone_.materials.size()));
-      points_.push_back({.x_mm = FromOrigin(ToGrid(p.x()), origin_mm_[0]),
-                         .y_mm = FromOrigin(ToGrid(p.y()), origin_mm_[1]),
-                         .z_mm = FromOrigin(ToGrid(p.z()), origin_mm_[2]),
+      points_.push_back({.x_mm = MmFromOrigin(ToGrid(p.x()), origin_mm_[0]),
+                         .y_mm = MmFromOrigin(ToGrid(p.y()), origin_mm_[1]),
+                         .z_mm = MmFromOrigin(ToGrid(p.z()), origin_mm_[2]),
                          .volume_mm3 = volume_mm3});
       point_materials_.push_back(point.material);
     }
   }
 
   void PackSite() {
-    const CutSite& cup = bone_.site;
-    if (cup.radius_m == 0.0) return;
-    const Vector3 axis = cup.axis;
-    if (!(cup.radius_m > 0.0 && cup.radius_m <= 1.0))
-      Fail("site: radius", fmt::format("{} m", cup.radius_m), "0 (no site), or up to 1 m");
+    const CutSite& site = bone_.site;
+    if (site.radius_m == 0.0) return;
+    const Vector3 axis = site.axis;
+    if (!(site.radius_m > 0.0 && site.radius_m <= 1.0))
+      Fail("site: radius", fmt::format("{} m", site.radius_m), "0 (no site), or up to 1 m");
     if (!(std::abs(axis.norm() - 1.0) <= 1e-6))
       Fail("site: axis", fmt::format("({}, {}, {})", axis.x(), axis.y(), axis.z()), "a length of 1");
-    if (!(Vector3(cup.center_m).cwiseAbs().maxCoeff() <= 1e3) || !Vector3(cup.center_m).allFinite())
-      Fail("site: centre", fmt::format("({}, {}, {}) m", cup.center_m.x, cup.center_m.y, cup.center_m.z),
+    if (!(Vector3(site.center_m).cwiseAbs().maxCoeff() <= 1e3) || !Vector3(site.center_m).allFinite())
+      Fail("site: centre", fmt::format("({}, {}, {}) m", site.center_m.x, site.center_m.y, site.center_m.z),
            "within ±1000 m");
-    site_ = {.center_m = {cup.center_m.x, cup.center_m.y, cup.center_m.z},
+    site_ = {.center_m = {site.center_m.x, site.center_m.y, site.center_m.z},
              .axis = {axis.x(), axis.y(), axis.z()},
-             .radius_m = cup.radius_m};
+             .radius_m = site.radius_m};
   }
 
-  void Add(SectionKind kind, std::span<const std::byte> bytes, std::size_t count) {
+  void AddSection(SectionKind kind, std::span<const std::byte> bytes, std::size_t count) {
     if (count == 0) return;
     const auto crc = crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
     sections_.push_back({.entry = {.kind = kind,

@@ -36,7 +36,7 @@ void BallRemoval::Remove(std::span<const Capsule> capsules, std::vector<BallStat
     if (next != waited.end() && next->parent == i) {
       waiting = std::move(*next++);
     } else if (block_[i] == kNone) {
-      const bool wanted = splitter_->IsTooLarge(balls[i], capsules);
+      const bool wanted = splitter_->ShouldSplit(balls[i], capsules);
       if (wanted && free > 0) {
         --free;
         TakeBlock(i, balls);

@@ -11,8 +11,9 @@
 namespace osteon::simulation {
 namespace {
 
-/// Largest distance of two capsules' joint from the straight line for joining them into one [m]: single
-/// precision's error on a straight way 30 mm from the origin. This much may then overlap.
+/// Two consecutive capsules are joined into one if the point where they meet lies within this distance of the
+/// straight line between their outer ends [m]. It is the error of single precision 30 mm from the origin. The
+/// children may then overlap by as much.
 constexpr double kCollinear_m = 2e-8;
 
 const SplitParams& Checked(const SplitParams& p) {
@@ -58,7 +59,7 @@ void ShrinkInto(const BallState& ball, BallState& other) {
   other.center_m += 0.5 * out / distance * way;
 }
 
-void PutFloats(const Vector3& p_m, double r_m, float* four) {
+void ToFloats(const Vector3& p_m, double r_m, float* four) {
   for (int axis = 0; axis < 3; ++axis) four[axis] = static_cast<float>(p_m[axis] * 1e3);
   four[3] = static_cast<float>(r_m * 1e3);
 }
@@ -71,7 +72,7 @@ BallState FromFloats(const float* four) {
 
 BallState RoundToStored(const BallState& ball) {
   float four[4];
-  PutFloats(ball.center_m, ball.radius_m, four);
+  ToFloats(ball.center_m, ball.radius_m, four);
   // GCC 12.2 at -O3 optimises the rounding away where it sees both conversions
   const volatile float* rounded = four;
   const float read[4] = {rounded[0], rounded[1], rounded[2], rounded[3]};
@@ -91,7 +92,7 @@ BallSplitter::BallSplitter(std::vector<Ball> uncut, const SplitParams& params)
       uncut_(std::move(uncut)),
       shape_(SplitShapes(uncut_, params.min_radius_m)) {}
 
-bool BallSplitter::IsTooLarge(const BallState& ball, std::span<const Capsule> capsules) const {
+bool BallSplitter::ShouldSplit(const BallState& ball, std::span<const Capsule> capsules) const {
   if (ball.radius_m <= params_.min_radius_m) return false;
   bool touched = false;
   for (const Capsule& capsule : capsules) {
@@ -138,16 +139,16 @@ void BallSplitter::StoreCuts(std::span<const Capsule> capsules, const BallState&
 void BallSplitter::Save(const WaitingBall& waiting, std::span<float> block) const {
   std::ranges::fill(block, 0.0f);
   float* slot = block.data();
-  PutFloats(waiting.root.center_m, waiting.root.radius_m, slot);
+  ToFloats(waiting.root.center_m, waiting.root.radius_m, slot);
   for (const Capsule& cut : waiting.cuts) {
-    PutFloats(cut.a, cut.radius_m, slot += 4);
-    PutFloats(cut.b, 0.0, slot += 4);
+    ToFloats(cut.a, cut.radius_m, slot += 4);
+    ToFloats(cut.b, 0.0, slot += 4);
   }
 }
 
 void BallSplitter::Save(std::span<const BallState> children, std::span<float> block) {
   for (std::size_t k = 0; k < children.size(); ++k)
-    PutFloats(children[k].center_m, children[k].radius_m, &block[4 * k]);
+    ToFloats(children[k].center_m, children[k].radius_m, &block[4 * k]);
 }
 
 WaitingBall BallSplitter::LoadWaiting(std::uint32_t parent, std::uint32_t cuts,

@@ -55,7 +55,7 @@ class BallSplitter {
 
   /// True where the capsules touch a ball that is large enough to be split, and no capsule removes it as a
   /// whole.
-  [[nodiscard]] bool IsTooLarge(const BallState& ball, std::span<const Capsule> capsules) const;
+  [[nodiscard]] bool ShouldSplit(const BallState& ball, std::span<const Capsule> capsules) const;
 
   /// Makes the children: each as large as the template and the root allow, then cut by the stored capsules.
   void MakeChildren(const WaitingBall& waiting, std::span<BallState> children) const;

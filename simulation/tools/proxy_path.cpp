@@ -32,31 +32,33 @@ void ProxyPath::Add(const FrameRecord& frame) {
   X_GP_.push_back(X_GP);
   if (X_GP_.size() < max_poses_) return;
   Thin(thinned_ == 0 ? 0 : thinned_ - 1);
-  // each doubled tolerance adds to the path's error: 1 + 2 + 4 + … times the first
+  // the errors of successive thinnings add up: 1 + 2 + 4 + … times the first tolerance
   while (X_GP_.size() > max_poses_ / 2) {
     step_m_ *= 2.0;
     Thin(0);
   }
 }
 
-// Largest distance of a corner from its place on the chord from A to B, at the fraction of the chord that is
-// nearest for the first corner. A pose maps points of the tool affinely, so no ball between the corners is
-// farther off.
-double ProxyPath::OffChord(const Pose& X, const Pose& A, const Pose& B) const {
+// Distance of pose X from the chord from A to B: the largest over the corners of the tool's box, each against
+// its own interpolated position. All corners use one fraction of the chord, at which the first corner is
+// nearest. A pose is an affine map, so the centre of a ball inside the box is no farther off than the
+// corners.
+double ProxyPath::DistanceFromChord(const Pose& X, const Pose& A, const Pose& B) const {
   const Vector3 a = A * corners_T_.front(), along = B * corners_T_.front() - a;
   const double length2 = along.squaredNorm();
-  const double share =
+  const double fraction =
       length2 > 0.0 ? std::clamp(along.dot(X * corners_T_.front() - a) / length2, 0.0, 1.0) : 0.0;
   double off_m = 0.0;
   for (const Vector3& corner : corners_T_)
-    off_m = std::max(off_m, (X * corner - (1.0 - share) * (A * corner) - share * (B * corner)).norm());
+    off_m = std::max(off_m, (X * corner - (1.0 - fraction) * (A * corner) - fraction * (B * corner)).norm());
   return off_m;
 }
 
 void ProxyPath::Thin(std::size_t first) {
   const std::vector<Pose> rest(X_GP_.begin() + static_cast<std::ptrdiff_t>(first), X_GP_.end());
-  const std::vector<Pose> thin = ThinPath(
-      rest, step_m_, [this](const Pose& X, const Pose& A, const Pose& B) { return OffChord(X, A, B); });
+  const std::vector<Pose> thin = ThinPath(rest, step_m_, [this](const Pose& X, const Pose& A, const Pose& B) {
+    return DistanceFromChord(X, A, B);
+  });
   X_GP_.resize(first);
   X_GP_.insert(X_GP_.end(), thin.begin(), thin.end());
   thinned_ = X_GP_.size();

@@ -30,7 +30,7 @@ class ProxyPath {
  private:
   static constexpr double kFirstStep_m = 0.125e-6;
 
-  [[nodiscard]] double OffChord(const Pose& X, const Pose& A, const Pose& B) const;
+  [[nodiscard]] double DistanceFromChord(const Pose& X, const Pose& A, const Pose& B) const;
   void Thin(std::size_t first);
 
   Pose X_GW_;

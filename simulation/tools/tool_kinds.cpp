@@ -13,9 +13,9 @@
 namespace osteon::simulation {
 namespace {
 
-// Balls are fitted to this share of the accepted gap at the samples; the rest is a margin for the surface
-// between them.
-constexpr double kFitShare = 0.85;
+// Fraction of the accepted gap that is allowed at the samples; the rest is a margin for the surface between
+// samples.
+constexpr double kSampleGapFraction = 0.85;
 
 void CheckDensity(const std::string& name, double density_kg_per_m3) {
   if (density_kg_per_m3 >= 100.0 && density_kg_per_m3 <= 25'000.0) return;
@@ -34,18 +34,18 @@ MassProperties HolderMass(const HolderParams& holder, double front_z_m) {
                                 holder.density_kg_per_m3);
 }
 
-/// Builds an outline from the apex back.
+/// Builds a turned tool's outline, (z, r), from the apex towards the holder.
 class Outline {
  public:
   explicit Outline(const BallParams& balls) : balls_(balls) {}
 
   /// Adds a straight line to the point (z, r), unless it would have no length.
-  Outline& To(double z_m, double r_m, bool cutting) {
+  Outline& LineTo(double z_m, double r_m, bool cutting) {
     constexpr double kNothing_m = 1e-9;
     if (std::abs(z_m - z_m_) < kNothing_m && std::abs(r_m - r_m_) < kNothing_m) return *this;
     return Add({.back_z_m = z_m, .back_r_m = r_m, .cutting = cutting});
   }
-  /// Adds an arc of a ball on the axis, to z.
+  /// Adds an arc to the height z. Its circle is centred on the axis.
   Outline& ArcTo(double z_m, double center_z_m, double radius_m, bool cutting) {
     const double dz = z_m - center_z_m;
     return Add({.back_z_m = z_m,
@@ -57,7 +57,7 @@ class Outline {
   ProfilePiece& last() { return pieces_.back(); }
   [[nodiscard]] double z_m() const { return z_m_; }
   [[nodiscard]] double r_m() const { return r_m_; }
-  [[nodiscard]] std::vector<ProfilePiece> Done() { return std::move(pieces_); }
+  [[nodiscard]] std::vector<ProfilePiece> TakePieces() { return std::move(pieces_); }
 
  private:
   Outline& Add(ProfilePiece piece) {
@@ -97,12 +97,12 @@ Tool FitBalls(const std::string& name, const Solid& solid,
   ToolFit fit;
   for (std::size_t count = 16'000;; count *= 4) {
     samples = sample(count);
-    for (SurfaceSample& s : samples) s.gap_m *= kFitShare;
+    for (SurfaceSample& s : samples) s.gap_m *= kSampleGapFraction;
     fit = FitTool(solid, samples, first, params);
     if (fit.worst_ratio > 1.0 || fit.balls.size() * kSamplesPerBall <= count) break;
   }
   if (fit.worst_ratio > 1.0) {
-    double scale = 1.0;  // factor on the gaps for which the balls suffice
+    double scale = 1.0;  // factor on the gaps at which max_count balls suffice
     while (fit.worst_ratio > 1.0 && scale < 1e3) {
       scale *= 1.2;
       for (SurfaceSample& s : samples) s.gap_m *= 1.2;
@@ -173,12 +173,13 @@ BuiltTool MakeBurr(const BurrParams& p) {
   constexpr double kBackSlope = 0.36397023426620234;  // tan 20 deg
   Outline outline(p.balls);
   std::vector<ToolBall> first;
-  // a ball of radius tip_m at the tip, and its tangent cone back to the radius back_m: angles at the ball's
-  // centre, from -z
-  const auto ball_and_cone = [&](double tip_m, double back_m) {
+  // Adds a ball of radius tip_m at the tip and the cone that is tangent to it, back to the radius back_m at
+  // the head's end. `angle` is that of the tangent point, seen from the ball's centre and measured from -z.
+  const auto add_ball_and_cone = [&](double tip_m, double back_m) {
     const double behind_m = p.head_length_m - tip_m;
     const double angle = std::atan2(back_m, behind_m) + std::acos(tip_m / std::hypot(back_m, behind_m));
-    outline.ArcTo(-tip_m - tip_m * std::cos(angle), -tip_m, tip_m, true).To(-p.head_length_m, back_m, true);
+    outline.ArcTo(-tip_m - tip_m * std::cos(angle), -tip_m, tip_m, true)
+        .LineTo(-p.head_length_m, back_m, true);
   };
   switch (p.shape) {
     case BurrShape::kRound:
@@ -186,25 +187,25 @@ BuiltTool MakeBurr(const BurrParams& p) {
       first.push_back({.center_m = Vector3(0, 0, -R), .radius_m = R, .cutting = true});
       break;
     case BurrShape::kPear:
-      ball_and_cone(R, neck_m);
+      add_ball_and_cone(R, neck_m);
       break;
     case BurrShape::kCylinder:
-      ball_and_cone(R, R);
+      add_ball_and_cone(R, R);
       break;
     case BurrShape::kTaper:
       CheckRangeMm(name + ": tip diameter", p.tip_diameter_m, 0.1e-3, p.diameter_m);
-      ball_and_cone(0.5 * p.tip_diameter_m, R);
+      add_ball_and_cone(0.5 * p.tip_diameter_m, R);
       break;
     case BurrShape::kFlatCylinder:
-      outline.To(0.0, R, true).To(-p.head_length_m, R, true);
+      outline.LineTo(0.0, R, true).LineTo(-p.head_length_m, R, true);
       break;
   }
-  outline.To(outline.z_m() - (outline.r_m() - neck_m) / kBackSlope, neck_m, true);
-  outline.To(outline.z_m() - p.neck_length_m, neck_m, false);
-  outline.To(outline.z_m() - (shank_m - neck_m) / kBackSlope, shank_m, false);
+  outline.LineTo(outline.z_m() - (outline.r_m() - neck_m) / kBackSlope, neck_m, true);
+  outline.LineTo(outline.z_m() - p.neck_length_m, neck_m, false);
+  outline.LineTo(outline.z_m() - (shank_m - neck_m) / kBackSlope, shank_m, false);
   CheckRangeMm(name + ": length", p.length_m, -outline.z_m() + 1e-3, 0.3);
-  outline.To(-p.length_m, shank_m, false);
-  return MakeTurnedTool(name, outline.Done(), p.density_kg_per_m3, p.balls, p.holder, first);
+  outline.LineTo(-p.length_m, shank_m, false);
+  return MakeTurnedTool(name, outline.TakePieces(), p.density_kg_per_m3, p.balls, p.holder, first);
 }
 
 BuiltTool MakeTwistDrill(const TwistDrillParams& p) {
@@ -220,13 +221,13 @@ BuiltTool MakeTwistDrill(const TwistDrillParams& p) {
   CheckRangeMm(name + ": flute gap", p.flute_gap_m, 1e-6, 5e-3);
 
   Outline outline(p.balls);
-  outline.To(-point_m, R, true);
+  outline.LineTo(-point_m, R, true);
   outline.last().metal_ratio = p.flute_metal_ratio;
-  outline.To(-p.flute_length_m, R, true);
+  outline.LineTo(-p.flute_length_m, R, true);
   outline.last().metal_ratio = p.flute_metal_ratio;
   outline.last().gap_m = p.flute_gap_m;
-  outline.To(-p.length_m, R, false);
-  return MakeTurnedTool(name, outline.Done(), p.density_kg_per_m3, p.balls, p.holder);
+  outline.LineTo(-p.length_m, R, false);
+  return MakeTurnedTool(name, outline.TakePieces(), p.density_kg_per_m3, p.balls, p.holder);
 }
 
 }  // namespace osteon::simulation

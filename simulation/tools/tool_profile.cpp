@@ -24,7 +24,7 @@ double Area(const ProfilePiece& p) {
          std::hypot(p.front_r_m - p.back_r_m, p.front_z_m - p.back_z_m);
 }
 
-Point2 NearestOn(const ProfilePiece& piece, const Point2& q) {
+Point2 NearestPointOn(const ProfilePiece& piece, const Point2& q) {
   const Point2 front(piece.front_r_m, piece.front_z_m), back(piece.back_r_m, piece.back_z_m);
   if (piece.sphere_radius_m > 0.0) {
     const Point2 center(0.0, piece.sphere_z_m), out = q - center;
@@ -38,15 +38,15 @@ Point2 NearestOn(const ProfilePiece& piece, const Point2& q) {
   return front + std::clamp((q - front).dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
 }
 
-// Outward normal and place of a point at share u of the piece's area.
-std::pair<Point2, Point2> AtShare(const ProfilePiece& p, double u) {
+// The point of the piece before which the fraction u of its area lies, and the outward normal there.
+std::pair<Point2, Point2> PointAndNormalAt(const ProfilePiece& p, double u) {
   if (p.sphere_radius_m > 0.0) {
     const double z = p.front_z_m + u * (p.back_z_m - p.front_z_m), dz = z - p.sphere_z_m;
     const double r = std::sqrt(std::max(0.0, p.sphere_radius_m * p.sphere_radius_m - dz * dz));
     return {{r, z}, Point2(r, dz) / p.sphere_radius_m};
   }
   const double dr = p.back_r_m - p.front_r_m, dz = p.back_z_m - p.front_z_m;
-  // area grows with the square of the radius
+  // the area from the cone's apex grows with the square of the radius
   const double r =
       std::sqrt(p.front_r_m * p.front_r_m + u * (p.back_r_m * p.back_r_m - p.front_r_m * p.front_r_m));
   const double t = std::abs(dr) > kJoin_m ? (r - p.front_r_m) / dr : u;
@@ -109,18 +109,18 @@ SurfacePoint ToolProfile::NearestSurface(const Vector3& p_m) const {
   const Vector3 out =
       q.x() > 0.0 ? Vector3(p_m.x() / q.x(), p_m.y() / q.x(), 0.0) : Vector3(Vector3::UnitX());
   const ProfilePiece& last = pieces_.back();
-  const ProfilePiece held{.front_z_m = last.back_z_m,
-                          .front_r_m = last.back_r_m,
-                          .back_z_m = end_z_m_,
-                          .back_r_m = last.back_r_m};
+  const ProfilePiece holder{.front_z_m = last.back_z_m,
+                            .front_r_m = last.back_r_m,
+                            .back_z_m = end_z_m_,
+                            .back_r_m = last.back_r_m};
   Point2 nearest(std::min(q.x(), last.back_r_m), end_z_m_);  // the face at the holder's end
   double least = (q - nearest).norm();
-  const auto nearer = [&](const Point2& on) {
+  const auto consider = [&](const Point2& on) {
     const double distance = (q - on).norm();
     if (distance < least) least = distance, nearest = on;
   };
-  for (const ProfilePiece& piece : pieces_) nearer(NearestOn(piece, q));
-  if (last.back_r_m > 0.0) nearer(NearestOn(held, q));
+  for (const ProfilePiece& piece : pieces_) consider(NearestPointOn(piece, q));
+  if (last.back_r_m > 0.0) consider(NearestPointOn(holder, q));
   const double radius = q.y() >= last.back_z_m ? RadiusAt(q.y()) : last.back_r_m;
   const bool inside = q.y() <= 0.0 && q.y() >= end_z_m_ && q.x() < radius;
   return {.p_m = nearest.x() * out + nearest.y() * Vector3::UnitZ(), .distance_m = inside ? -least : least};
@@ -132,7 +132,8 @@ Eigen::AlignedBox3d ToolProfile::Bounds() const {
 
 std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t seed) const {
   constexpr std::size_t kMin = 64;
-  // number of samples by area over gap: a scallop's depth grows with the square of the balls' spacing
+  // The number of samples is proportional to area over gap, because the depth of a scallop between two balls
+  // grows with the square of their spacing.
   double total = 0.0;
   for (const ProfilePiece& piece : pieces_) total += Area(piece) / piece.gap_m;
   std::vector<SurfaceSample> samples;
@@ -158,20 +159,20 @@ std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t 
     const auto n =
         std::max(std::max(kMin, count / 8), static_cast<std::size_t>(share * static_cast<double>(count)));
     for (std::size_t i = 1; i <= n; ++i) {
-      const auto [at, normal] = AtShare(piece, fraction(start + kA1 * static_cast<double>(i)));
+      const auto [at, normal] = PointAndNormalAt(piece, fraction(start + kA1 * static_cast<double>(i)));
       add(piece, at, normal, fraction(start + kA2 * static_cast<double>(i)), false);
     }
-    // its two edges, where the gap is largest: rings, or the apex
+    // samples on the piece's two edges, where the gap is largest: a ring each, or the apex
     for (const bool back : {false, true}) {
-      const auto [at, normal] = AtShare(piece, back ? 1.0 : 0.0);
+      const auto [at, normal] = PointAndNormalAt(piece, back ? 1.0 : 0.0);
       const bool apex = at.x() <= kJoin_m;
       Point2 mean = normal;
       if (apex)
         mean = Point2::UnitY();
       else if (back && k + 1 < pieces_.size())
-        mean = (normal + AtShare(pieces_[k + 1], 0.0).second).normalized();
+        mean = (normal + PointAndNormalAt(pieces_[k + 1], 0.0).second).normalized();
       else if (!back && k > 0)
-        mean = (normal + AtShare(pieces_[k - 1], 1.0).second).normalized();
+        mean = (normal + PointAndNormalAt(pieces_[k - 1], 1.0).second).normalized();
       const std::size_t ring = apex ? 1 : std::max(4 * kMin, n / 8);
       for (std::size_t i = 0; i < ring; ++i)
         add(piece, at, mean, fraction(start + static_cast<double>(i) / static_cast<double>(ring)), true);

@@ -11,15 +11,15 @@ using kinematics::GravityHelp;
 using kinematics::JointVector;
 
 template <typename Tag>
-void KeepLesser(double& mine, Tag& tag, double other, Tag other_tag) {
-  if (!(other < mine)) return;
-  mine = other;
+void KeepLesser(double& value, Tag& tag, double other, Tag other_tag) {
+  if (!(other < value)) return;
+  value = other;
   tag = other_tag;
 }
 
 }  // namespace
 
-void ToolForce::Worsen(const ToolForce& other) {
+void ToolForce::LowerTo(const ToolForce& other) {
   KeepLesser(axial_N, axial_joint, other.axial_N, other.axial_joint);
   KeepLesser(lateral_N, lateral_joint, other.lateral_N, other.lateral_joint);
   KeepLesser(factor, factor_joint, other.factor, other.factor_joint);
@@ -38,7 +38,7 @@ ArmForce::ArmForce(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, c
 }
 
 // Turning the base about A1's axis changes the gravity torques as turning A1 by the same angle would.
-ArmForce::Held ArmForce::Hold(const JointVector& q, double base_turn_rad) const {
+ArmForce::Statics ArmForce::ComputeStatics(const JointVector& q, double base_turn_rad) const {
   JointVector q_hanging = q;
   q_hanging[0] += base_turn_rad;
   const auto posture = chain_.ComputePosture(q);
@@ -48,27 +48,29 @@ ArmForce::Held ArmForce::Hold(const JointVector& q, double base_turn_rad) const 
           .axis_B = X_BT.linear().col(2)};
 }
 
-double ArmForce::Factor(const JointVector& q, double base_turn_rad) const {
-  const Held held = Hold(q, base_turn_rad);
-  return ForceCapability<7>(held.J_T_B, held.gravity_Nm, torque_limit_Nm_, GravityHelp::kNotCounted)
-      .Factor(held.axis_B,
+double ArmForce::NeedFactor(const JointVector& q, double base_turn_rad) const {
+  const Statics statics = ComputeStatics(q, base_turn_rad);
+  return ForceCapability<7>(statics.J_T_B, statics.gravity_Nm, torque_limit_Nm_, GravityHelp::kNotCounted)
+      .Factor(statics.axis_B,
               {.axial_N = need_.axial_N, .lateral_N = need_.lateral_N, .torque_Nm = need_.torque_Nm})
       .value;
 }
 
-ToolForce ArmForce::At(const JointVector& q, double base_turn_rad) const {
-  const Held held = Hold(q, base_turn_rad);
-  const ForceCapability<7> cautious(held.J_T_B, held.gravity_Nm, torque_limit_Nm_, GravityHelp::kNotCounted);
-  const ForceCapability<7> exact(held.J_T_B, held.gravity_Nm, torque_limit_Nm_, GravityHelp::kCounted);
-  const CapabilityLimit axial = cautious.Force(held.axis_B), lateral = cautious.LateralForce(held.axis_B);
+ToolForce ArmForce::ForceAt(const JointVector& q, double base_turn_rad) const {
+  const Statics statics = ComputeStatics(q, base_turn_rad);
+  const ForceCapability<7> cautious(statics.J_T_B, statics.gravity_Nm, torque_limit_Nm_,
+                                    GravityHelp::kNotCounted);
+  const ForceCapability<7> exact(statics.J_T_B, statics.gravity_Nm, torque_limit_Nm_, GravityHelp::kCounted);
+  const CapabilityLimit axial = cautious.Force(statics.axis_B),
+                        lateral = cautious.LateralForce(statics.axis_B);
   const CapabilityLimit factor = cautious.Factor(
-      held.axis_B, {.axial_N = need_.axial_N, .lateral_N = need_.lateral_N, .torque_Nm = need_.torque_Nm});
+      statics.axis_B, {.axial_N = need_.axial_N, .lateral_N = need_.lateral_N, .torque_Nm = need_.torque_Nm});
   ToolForce force{
       .axial_N = axial.value,
       .lateral_N = lateral.value,
-      .pressed_lateral_N = cautious.LateralForce(held.axis_B, need_.axial_N, need_.torque_Nm).value,
-      // the arm can push the hand as bone pushes the tool: away from the bone
-      .axial_exact_N = exact.Force(-held.axis_B).value,
+      .pressed_lateral_N = cautious.LateralForce(statics.axis_B, need_.axial_N, need_.torque_Nm).value,
+      // the arm resists the hand as bone resists the tool: with a force that points away from the bone
+      .axial_exact_N = exact.Force(-statics.axis_B).value,
       .factor = factor.value,
       .factor_joint = factor.joint,
       .axial_joint = axial.joint,
@@ -81,8 +83,8 @@ ToolForce ArmForce::At(const JointVector& q, double base_turn_rad) const {
   return force;
 }
 
-ArmForce::Places ArmForce::PlacesOf(const JointVector& q) const {
-  // not the joints' described origins, which may be displaced along their axes
+ArmForce::ElbowAndWrist ArmForce::ElbowAndWristAt(const JointVector& q) const {
+  // computed from the wrist back: an arm's file may place a joint's origin anywhere along the joint's axis
   const auto posture = chain_.ComputePosture(q);
   const Vector3 p_B_wrist = posture.X_BF * Vector3(0.0, 0.0, -lbr_.wrist_to_flange_m);
   return {.p_B_elbow = p_B_wrist - lbr_.elbow_to_wrist_m * posture.axis_B(4), .p_B_wrist = p_B_wrist};

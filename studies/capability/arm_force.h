@@ -27,8 +27,8 @@ struct ToolForce {
       std::numeric_limits<double>::infinity()};  ///< distance to the arm's nearest own position limit
   int room_joint{-1};
 
-  /// Keeps the lesser of each figure.
-  void Worsen(const ToolForce& other);
+  /// Lowers each figure to the other's where the other's is less.
+  void LowerTo(const ToolForce& other);
 };
 
 /// The force capability of an arm with payload and tool, on a base that is fixed in the world.
@@ -41,22 +41,23 @@ class ArmForce {
 
   /// Computes all figures at joint positions q. @param base_turn_rad  turn of the base about its own axis,
   /// from R_WB
-  [[nodiscard]] ToolForce At(const kinematics::JointVector& q, double base_turn_rad = 0.0) const;
-  /// Computes At(q).factor alone; faster.
-  [[nodiscard]] double Factor(const kinematics::JointVector& q, double base_turn_rad = 0.0) const;
+  [[nodiscard]] ToolForce ForceAt(const kinematics::JointVector& q, double base_turn_rad = 0.0) const;
+  /// Computes ForceAt(q).factor alone; faster.
+  [[nodiscard]] double NeedFactor(const kinematics::JointVector& q, double base_turn_rad = 0.0) const;
   /// The centres of elbow and wrist, in B.
-  struct Places {
+  struct ElbowAndWrist {
     Vector3 p_B_elbow, p_B_wrist;
   };
-  [[nodiscard]] Places PlacesOf(const kinematics::JointVector& q) const;
+  [[nodiscard]] ElbowAndWrist ElbowAndWristAt(const kinematics::JointVector& q) const;
 
  private:
-  struct Held {
+  /// Jacobian, gravity torques and tool axis in one posture.
+  struct Statics {
     kinematics::Jacobian J_T_B;
     kinematics::JointVector gravity_Nm;
     Vector3 axis_B;
   };
-  [[nodiscard]] Held Hold(const kinematics::JointVector& q, double base_turn_rad) const;
+  [[nodiscard]] Statics ComputeStatics(const kinematics::JointVector& q, double base_turn_rad) const;
 
   kinematics::SerialChain<7> chain_;
   kinematics::LbrParams lbr_;

@@ -83,11 +83,11 @@ BaseFigure BasePlacement::JudgeAt(const Pose& X_WB, double arm_angle_rad, const 
     if (allowed == 0) return figure;
     const unsigned first = static_cast<unsigned>(std::countr_zero(allowed));
     const kinematics::JointVector& q = solutions.configuration[first].q;
-    const ArmForce::Places places = force_.PlacesOf(q);
+    const ArmForce::ElbowAndWrist centers = force_.ElbowAndWristAt(q);
     const safety::WorkspaceParams& space = task_.workspace;
-    for (const Vector3& p_B : {places.p_B_elbow, places.p_B_wrist})
+    for (const Vector3& p_B : {centers.p_B_elbow, centers.p_B_wrist})
       if (space.plane_normal_W.dot(X_WB * p_B) < space.plane_offset_m) return figure;
-    factor = std::min(factor, force_.Factor(q, turn));
+    factor = std::min(factor, force_.NeedFactor(q, turn));
     if (factor < least) return figure;
   }
   figure.configurations = allowed;
@@ -222,7 +222,7 @@ ToolForce BasePlacement::Forces(const BaseFigure& figure) const {
   const auto configuration = static_cast<std::size_t>(std::countr_zero(figure.configurations));
   for (const Pose& X_WT : TaskPoses(task_, {}, DirectionOf(task_, figure.X_WB.translation()))) {
     const kinematics::LbrSolutions solutions = arm_.Solve(X_BW * X_WT * X_TF_, figure.arm_angle_rad);
-    worst.Worsen(force_.At(solutions.configuration[configuration].q, turn));
+    worst.LowerTo(force_.ForceAt(solutions.configuration[configuration].q, turn));
   }
   return worst;
 }

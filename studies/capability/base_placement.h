@@ -10,8 +10,8 @@
 // task.
 //
 // A base is judged at one arm angle and one configuration, since the servo loop keeps both through a run. Its
-// value is the factor of the whole need (ArmForce::Factor), least over all poses of the task, at the best arm
-// angle. The value is zero if a pose can't be reached within the joint margin, if elbow or wrist is
+// value is the factor of the whole need (ArmForce::NeedFactor), least over all poses of the task, at the best
+// arm angle. The value is zero if a pose can't be reached within the joint margin, if elbow or wrist is
 // straighter than the least bend (near a straight joint the force along the arm and the joint speeds grow
 // without bound), or if elbow or wrist would lie beyond the workspace's plane.
 

@@ -32,16 +32,16 @@ CapabilityMap::CapabilityMap(const config::CellConfig& cell, const TaskVolume& t
 
 std::optional<ToolForce> CapabilityMap::Best(const Pose& X_WT) const {
   const kinematics::BestArmAngle best = kinematics::FindBestArmAngle(
-      arm_, X_BW_ * X_WT * X_TF_, [this](const kinematics::JointVector& q) { return force_.Factor(q); });
+      arm_, X_BW_ * X_WT * X_TF_, [this](const kinematics::JointVector& q) { return force_.NeedFactor(q); });
   if (!best.found) return std::nullopt;
-  return force_.At(best.q);
+  return force_.ForceAt(best.q);
 }
 
 std::optional<ToolForce> CapabilityMap::Own(const Pose& X_WT) const {
   const kinematics::LbrSolutions solutions = arm_.Solve(X_BW_ * X_WT * X_TF_, own_arm_angle_rad_);
   const kinematics::LbrSolution& solution = solutions.configuration[own_configuration_];
   if (!solutions.reachable() || !solution.valid()) return std::nullopt;
-  return force_.At(solution.q);
+  return force_.ForceAt(solution.q);
 }
 
 CapabilityMap::Task CapabilityMap::AtBestArmAngle() const {
@@ -56,7 +56,7 @@ CapabilityMap::Task CapabilityMap::AtBestArmAngle() const {
   Task task{.force = {}, .poses = poses.size(), .unreachable = 0};
   for (const std::optional<ToolForce>& force : forces) {
     if (force)
-      task.force.Worsen(*force);
+      task.force.LowerTo(*force);
     else
       ++task.unreachable;
   }
@@ -68,7 +68,7 @@ CapabilityMap::Task CapabilityMap::AtOwnArmAngle() const {
   for (const Pose& X_WT : TaskPoses(task_, {}, first_rad_)) {
     ++task.poses;
     if (const auto force = Own(X_WT))
-      task.force.Worsen(*force);
+      task.force.LowerTo(*force);
     else
       ++task.unreachable;
   }
@@ -109,7 +109,7 @@ MapPanel CapabilityMap::Panel(MapPlane plane, int nodes, const std::function<boo
     for (const Pose& X_WT : cone) {
       const std::optional<ToolForce> at = force_of(X_WT);
       if (!at) return;
-      force.Worsen(*at);
+      force.LowerTo(*at);
     }
     axial = force.axial_N;
     lateral = force.lateral_N;

@@ -9,25 +9,25 @@
 
 namespace osteon::app {
 
-/// The half-space that is cut away, (p - point)·normal > 0. In G.
+/// The half-space that a picture leaves out, (p - point)·normal > 0. In G, the geometry's frame.
 struct CutAway {
   Vector3 point{Vector3::Zero()}, normal{Vector3::UnitZ()};
 };
 
-/// The plane that shows most of a packing: through its middle, across its thinnest extent; through the site's
-/// axis if there is a site.
+/// The plane in which a packing shows most of its balls: through the packing's middle, normal to its thinnest
+/// extent. If the bone has a cut site, the plane passes through the site's axis.
 [[nodiscard]] CutAway MiddlePlane(const simulation::Bone& bone);
 
-/// A camera that sees that plane from the side that is cut away, from a little above, all of the packing in
-/// view.
+/// A camera that looks at that plane from the side that is left out, from a little above, with the whole
+/// packing in view.
 [[nodiscard]] Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int width, int height);
 
 /// The colour (sRGB 0 … 1) of ball i at a place on its surface, or in the plane that cuts the ball. Called
 /// from several threads.
 using BallColor = std::function<Vector3(std::size_t i, const Vector3& p_G)>;
 
-/// Draws a shaded picture of the balls, each exact to the pixel. Parts in the half-space that is cut away are
-/// left out, and balls that the plane passes through show their inside, flat, with a darker rim.
+/// Draws a shaded picture of the balls, each exact to the pixel. Parts in the half-space `cut` are left
+/// out, and balls that its plane passes through show their inside, flat, with a darker rim.
 [[nodiscard]] Image RenderPacking(std::span<const simulation::Ball> balls, const Camera& camera,
                                   const std::optional<CutAway>& cut, const BallColor& color, int threads = 0);
 

@@ -19,7 +19,7 @@ struct RegressOptions {
   std::filesystem::path json, junit;
   bool update{false};
   std::string reason;            ///< for accepting new traces
-  bool all{false};               ///< the update is of all scenarios, although none is named
+  bool all{false};               ///< permits an update without named scenarios: all are updated
   bool exact{false};             ///< fail if any bit differs
   int jobs{0};                   ///< scenarios in parallel; 0: one per core
   std::string device;            ///< part of a Vulkan device's name
@@ -33,18 +33,18 @@ struct RegressResult {
   std::string error;  ///< why there is no run, or no golden trace to compare with; empty if there are both
   std::optional<ScenarioRun> run;
   std::optional<Golden> golden;  ///< as it was before an update
-  TraceDifference difference;    ///< valid if there are both
+  TraceDifference difference;    ///< valid if there are both a run and a golden trace
   std::vector<std::string>
       explained;        ///< a few lines, the most informative first; empty if all bits are the same
-  bool updated{false};  ///< this run has become its golden trace
+  bool updated{false};  ///< this run has replaced the golden trace
 
   /// @param exact  fail if any bit differs
   [[nodiscard]] bool Passed(bool exact) const;
   [[nodiscard]] bool identical() const { return error.empty() && difference.identical; }
 };
 
-/// Finds the scenarios that were asked for; sorted by name if all were.
-/// @returns an error that lists the available scenarios.
+/// Finds the files of the scenarios asked for; if none is named, of all scenarios, sorted by name.
+/// @returns the files, or an error that lists the available scenarios.
 [[nodiscard]] tl::expected<std::vector<std::filesystem::path>, std::string> FindScenarios(
     const std::filesystem::path& config_root, const std::vector<std::string>& asked);
 

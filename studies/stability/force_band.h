@@ -12,10 +12,10 @@
 
 namespace osteon::hil {
 
-/// A series of vectors, filtered to a band of frequencies: fourth-order Butterworth above low_hz and below
-/// high_hz. Starts at rest at the series' first value.
-[[nodiscard]] inline std::vector<Vector3> Band(const std::vector<Vector3>& series, double low_hz,
-                                               double high_hz, double period_s) {
+/// Filters a series of vectors to a band of frequencies: a fourth-order Butterworth high-pass at low_hz and a
+/// low-pass at high_hz. The filters start at rest at the series' first value.
+[[nodiscard]] inline std::vector<Vector3> BandPass(const std::vector<Vector3>& series, double low_hz,
+                                                   double high_hz, double period_s) {
   constexpr double kQa = 0.5411961001461970, kQb = 1.3065629648763766;
   using control::Biquad;
   Biquad high_a = Biquad::HighPass(low_hz, kQa, period_s), high_b = Biquad::HighPass(low_hz, kQb, period_s);
@@ -27,20 +27,18 @@ namespace osteon::hil {
   return band;
 }
 
-/// Effective value of a part of a series; 0 if that part is empty.
-[[nodiscard]] inline double EffectiveValue(const std::vector<Vector3>& series, std::size_t from,
-                                           std::size_t to) {
+/// Root mean square of the values [from, to); 0 if there are none.
+[[nodiscard]] inline double Rms(const std::vector<Vector3>& series, std::size_t from, std::size_t to) {
   double sum = 0.0;
   for (std::size_t i = from; i < to; ++i) sum += series[i].squaredNorm();
   return to > from ? std::sqrt(sum / static_cast<double>(to - from)) : 0.0;
 }
 
-/// Effective value of a part of a series between two frequencies, without ringing from earlier values.
-/// Applies a Hann window to `count` values less their regression line, and a discrete Fourier transform (bins
-/// at multiples of 1 / duration).
-[[nodiscard]] inline double EffectiveInBand(const std::vector<Vector3>& series, std::size_t from,
-                                            std::size_t count, double low_hz, double high_hz,
-                                            double period_s) {
+/// Root mean square of `count` values within a band of frequencies. Values before `from` have no influence,
+/// as they would have through a filter: applies a Hann window to the values less their regression line, and a
+/// discrete Fourier transform (bins at multiples of 1 / duration).
+[[nodiscard]] inline double RmsInBand(const std::vector<Vector3>& series, std::size_t from, std::size_t count,
+                                      double low_hz, double high_hz, double period_s) {
   const double middle = 0.5 * static_cast<double>(count - 1), turn = 2.0 * std::numbers::pi;
   const auto n = static_cast<double>(count);
   const auto window = [&](std::size_t i) {

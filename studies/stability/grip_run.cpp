@@ -40,7 +40,7 @@ GripRun RunGrip(const AdmittanceRunParams& params) {
   run.mean_damping = sum / static_cast<double>(ticks - in_ticks(1.0));
   const std::size_t window = in_ticks(kWindow_s), every = std::max<std::size_t>(1, in_ticks(kEvery_s));
   for (std::size_t i = 0; i + window <= hand_N.size(); i += every) {
-    const double effective_N = EffectiveInBand(hand_N, i, window, kLow_hz, kHigh_hz, T);
+    const double effective_N = RmsInBand(hand_N, i, window, kLow_hz, kHigh_hz, T);
     run.max_N = std::max(run.max_N, effective_N);
     if (i >= in_ticks(0.5)) run.half_s_N = std::max(run.half_s_N, effective_N);
     if (i >= in_ticks(1.0)) run.one_s_N = std::max(run.one_s_N, effective_N);

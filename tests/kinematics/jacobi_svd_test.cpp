@@ -32,8 +32,7 @@ class RandomJacobians {
 
 // The defining properties of a decomposition; tolerance for rounding of 6 x 7 sums of products of order one.
 template <int N>
-void ExpectDecomposes(const Eigen::Matrix<double, 6, N>& J, const JacobianDirections<N>& d,
-                      double tolerance) {
+void ExpectDecomposes(const Eigen::Matrix<double, 6, N>& J, const JacobianSvd<N>& d, double tolerance) {
   EXPECT_LT((d.U.transpose() * d.U - Matrix6::Identity()).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_LT((d.V.transpose() * d.V - Eigen::Matrix<double, N, N>::Identity()).cwiseAbs().maxCoeff(), 1e-13);
   const Eigen::Matrix<double, 6, N> again =
@@ -50,12 +49,12 @@ TEST(JacobiSvd, SingularValuesAreThoseOfAnotherAlgorithm) {
   RandomJacobians<6> six;
   for (int n = 0; n < 2000; ++n) {
     const auto J = seven.Next();
-    const auto d = DirectionsOf<7>(J, Matrix6::Identity());
+    const auto d = ComputeJacobianSvd<7>(J, Matrix6::Identity());
     ExpectDecomposes<7>(J, d, 1e-13);
     const Eigen::JacobiSVD<Eigen::Matrix<double, 6, 7>> eigen(J);
     EXPECT_LT((d.sigma - eigen.singularValues()).cwiseAbs().maxCoeff(), 1e-13);
     const auto K = six.Next();
-    ExpectDecomposes<6>(K, DirectionsOf<6>(K, Matrix6::Identity()), 1e-13);
+    ExpectDecomposes<6>(K, ComputeJacobianSvd<6>(K, Matrix6::Identity()), 1e-13);
     if (HasFailure()) FAIL() << "matrix " << n;
   }
 }
@@ -68,7 +67,7 @@ TEST(JacobiSvd, SmallSingularValuesAreExact) {
     sigma << 2.0, 1.5, 1.5, 0.3, 0.3, least;
     for (int n = 0; n < 100; ++n) {
       const auto J = random.With(sigma);
-      const auto d = DirectionsOf<7>(J, Matrix6::Identity());
+      const auto d = ComputeJacobianSvd<7>(J, Matrix6::Identity());
       ExpectDecomposes<7>(J, d, 1e-13);
       EXPECT_LT((d.sigma - sigma).cwiseAbs().maxCoeff(), 3e-15 * 6.0) << "the matrix itself is rounded";
       if (::testing::Test::HasFailure()) FAIL() << "least " << least;
@@ -83,7 +82,7 @@ TEST(JacobiSvd, RankIsNotAskedFor) {
     sigma.tail(6 - rank).setZero();
     const auto J =
         rank == 0 ? Eigen::Matrix<double, 6, 7>(Eigen::Matrix<double, 6, 7>::Zero()) : random.With(sigma);
-    ExpectDecomposes<7>(J, DirectionsOf<7>(J, Matrix6::Identity()), 1e-13);
+    ExpectDecomposes<7>(J, ComputeJacobianSvd<7>(J, Matrix6::Identity()), 1e-13);
   }
 }
 
@@ -93,9 +92,9 @@ TEST(JacobiSvd, TheTickBeforeSavesSweeps) {
   int cold = 0, warm = 0;
   for (int n = 0; n < 200; ++n) {
     const auto J = random.Next();
-    const auto d = DirectionsOf<7>(J, Matrix6::Identity());
+    const auto d = ComputeJacobianSvd<7>(J, Matrix6::Identity());
     const Eigen::Matrix<double, 6, 7> next = J + 1e-4 * random.Next();
-    const auto again = DirectionsOf<7>(next, d.U);
+    const auto again = ComputeJacobianSvd<7>(next, d.U);
     ExpectDecomposes<7>(next, again, 1e-13);
     cold += d.sweeps;
     warm += again.sweeps;
@@ -111,16 +110,16 @@ TEST(JacobiSvd, HandedOnDirectionsStayOrthogonal) {
   Matrix6 near = Matrix6::Identity();
   for (int n = 0; n < 200'000; ++n) {
     J += drift * ((n / 20'000) % 2 == 0 ? 1.0 : -1.0);
-    near = DirectionsOf<7>(J, near).U;
+    near = ComputeJacobianSvd<7>(J, near).U;
   }
-  ExpectDecomposes<7>(J, DirectionsOf<7>(J, near), 1e-11);
+  ExpectDecomposes<7>(J, ComputeJacobianSvd<7>(J, near), 1e-11);
 }
 
 TEST(JacobiSvd, DoesNotAllocate) {
   RandomJacobians<7> random;
   const auto J = random.Next();
   rt::CheckedNoAllocScope no_alloc;
-  const auto d = DirectionsOf<7>(J, Matrix6::Identity());
+  const auto d = ComputeJacobianSvd<7>(J, Matrix6::Identity());
   no_alloc.End();
   EXPECT_GT(d.sigma[0], 0.0);
 }

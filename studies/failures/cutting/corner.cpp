@@ -45,14 +45,14 @@ FailureResult RunCorner(const FailureSetting& setting) {
     const Vector3 from(kWall_m + kRadius_m + 3e-3, y, 2e-3);
     const Vector3 goal(kWall_m + kRadius_m - kIntoWall_m[c], y + 0.3e-3, -kIntoFloor_m[c]);
     const Vector3 expected = kStiffness_N_per_m * Vector3(kIntoWall_m[c], 0, kIntoFloor_m[c]);
-    constexpr int kWay = 60, kRest = 80, kHeld = 60;
+    constexpr int kMoveFrames = 60, kSettleFrames = 80, kHoldFrames = 60;
     Vector3 low = Vector3::Constant(1e9), high = -low, ours = Vector3::Zero(), one = Vector3::Zero();
-    for (int i = 0; i < kWay + kRest + kHeld; ++i) {
-      const Pose X_WT = Down(from + std::min(1.0, static_cast<double>(i) / kWay) * (goal - from));
+    for (int i = 0; i < kMoveFrames + kSettleFrames + kHoldFrames; ++i) {
+      const Pose X_WT = Down(from + std::min(1.0, static_cast<double>(i) / kMoveFrames) * (goal - from));
       const simulation::ContactModel model = engine->Step(FrameAt(X_WT));
       ours = model.F_T_W.f;
       one = baseline.Step(X_WT).F_T_G.f;
-      if (i < kWay + kRest) continue;
+      if (i < kMoveFrames + kSettleFrames) continue;
       low = low.cwiseMin(Vector3(model.X_WP.p));
       high = high.cwiseMax(Vector3(model.X_WP.p));
     }

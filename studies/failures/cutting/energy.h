@@ -4,17 +4,22 @@
 
 namespace osteon::hil {
 
-/// 20, energy. A burr touches, cuts a dimple and retracts, a hundred times in rows, at 4 000 rpm in a bone
-/// with the cutting energy of sawbones (a third of cortical bone's). Metric: |W_drive + W_feed - W_cut| /
-/// W_cut, with the drive's work (torque × angle), the feed's work (force × travel of the hand), and the
-/// cutting energy of the cleared points W_cut = Σ u_c dV. Baseline: the paper as printed (its equation 5, at
-/// once). Bound: 5 %. Ours passes only if, in addition, no closed cycle gives energy to the hand: neither
-/// these cycles, nor loops with the spindle off. Work is summed by the trapezoidal rule; the tolerance is a
-/// thousandth of the largest energy that the spring held.
+/// Scenario 20, energy: a burr touches, cuts a dimple and retracts, a hundred times along rows, at 4000 rpm
+/// in a bone with the cutting energy of sawbones (a third of cortical bone's). Metric:
 ///
-/// The rate law charges a shallow cut for more bone than it meets (its engaged area is that of a layer) and
-/// pays the difference back over 0.1 s of cutting (cutting_debt_J, negative). About half a joule is
-/// outstanding at any time and counts against ours here; the many cuts make its share small.
+///     |W_drive + W_feed - W_cut| / W_cut
+///
+/// with the drive's work (torque × angle), the feed's work (force × travel of the hand), and the cutting
+/// energy of the cleared points W_cut = Σ u_c dV. Baseline: the cutting paper as printed (equation 5,
+/// immediate removal). Bound: 5 %.
+///
+/// In addition, our engine passes only if no closed cycle gives energy to the hand, with the spindle on or
+/// off. Work is summed by the trapezoidal rule; the tolerance is a thousandth of the spring's largest energy.
+///
+/// The rate law measures the engaged area in a layer of finite depth. For a cut shallower than the layer it
+/// spends more energy than the cleared bone needs, and recovers the difference within 0.1 s of cutting
+/// (cutting_debt_J, negative). About half a joule is outstanding at any time and counts as imbalance here;
+/// because there are many cuts, its share is small.
 [[nodiscard]] FailureResult RunEnergy(const FailureSetting& setting);
 
 }  // namespace osteon::hil

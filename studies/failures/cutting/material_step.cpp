@@ -13,24 +13,28 @@ namespace osteon::hil {
 namespace {
 
 constexpr double kRadius_m = 3e-3, kDepth_m = 1e-3, kDt_s = 1e-3;
-constexpr int kPress = 100, kDraw = 200, kLift = 100, kBack = 100, kCycle = kPress + kDraw + kLift + kBack;
+// numbers of frames
+constexpr int kPress = 100, kTraverse = 200, kLift = 100, kBack = 100,
+              kCycle = kPress + kTraverse + kLift + kBack;
 constexpr double kFrom_m = -3e-3, kTo_m = 3e-3;  // the border is x = 0
 
 // The hand's cycle: down on the soft half, along to the hard one, up, and back.
-Vector3 HandAt(int frame) {
+Vector3 HandPosition(int frame) {
   const int i = frame % kCycle;
   const double up = 0.5e-3;
   const auto smooth = [](double s) { return s * s * (3.0 - 2.0 * s); };
   if (i < kPress) return {kFrom_m, 0, up - (kDepth_m + up) * smooth(static_cast<double>(i) / kPress)};
-  if (i < kPress + kDraw)
-    return {kFrom_m + (kTo_m - kFrom_m) * smooth(static_cast<double>(i - kPress) / kDraw), 0, -kDepth_m};
-  if (i < kPress + kDraw + kLift)
-    return {kTo_m, 0, -kDepth_m + (kDepth_m + up) * smooth(static_cast<double>(i - kPress - kDraw) / kLift)};
-  return {kTo_m + (kFrom_m - kTo_m) * smooth(static_cast<double>(i - kPress - kDraw - kLift) / kBack), 0, up};
+  if (i < kPress + kTraverse)
+    return {kFrom_m + (kTo_m - kFrom_m) * smooth(static_cast<double>(i - kPress) / kTraverse), 0, -kDepth_m};
+  if (i < kPress + kTraverse + kLift)
+    return {kTo_m, 0,
+            -kDepth_m + (kDepth_m + up) * smooth(static_cast<double>(i - kPress - kTraverse) / kLift)};
+  return {kTo_m + (kFrom_m - kTo_m) * smooth(static_cast<double>(i - kPress - kTraverse - kLift) / kBack), 0,
+          up};
 }
 
-// A penalty along +z whose stiffness follows the density of the nearest ball: 2 N/mm in the soft half, 20 in
-// the hard.
+// The baseline's force: a penalty along +z whose stiffness follows the density of the nearest ball: 2 N/mm in
+// the soft half, 20 in the hard.
 Vector3 DensityPenalty(const simulation::Bone& bone, const Vector3& apex) {
   if (apex.z() >= 0.0) return Vector3::Zero();
   const Vector3 center = apex + Vector3(0, 0, kRadius_m);
@@ -93,12 +97,12 @@ FailureResult RunMaterialStep(const FailureSetting& setting) {
   double crossing_ms = 0.0, last_off_ms = 0.0;
   const double final_N = 20e3 * kDepth_m;
   for (int i = 0; i <= cycles * kCycle && complete; ++i) {
-    const Vector3 p = HandAt(i);
+    const Vector3 p = HandPosition(i);
     const Vector3 f = engine->Step(FrameAt(Downwards(p), 0.0, kDt_s)).F_T_W.f;
     const Vector3 other = DensityPenalty(bone, p);
     ours.Add(p, f);
     baseline.Add(p, other);
-    if (i >= kPress && i < kPress + kDraw) {
+    if (i >= kPress && i < kPress + kTraverse) {
       if (p.x() < 0.0) crossing_ms = i * kDt_s * 1e3;
       if (p.x() >= 0.0 && std::abs(f.norm() - final_N) > 0.05 * final_N) last_off_ms = i * kDt_s * 1e3;
     }

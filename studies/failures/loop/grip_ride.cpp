@@ -58,7 +58,7 @@ GripRide RideGrip(const GripRideParams& params) {
               F = tight_mass.Step(kDt_s, X_WT, V_WT, X_held, {});
               F = {.f = F.f + kept.f, .t = F.t + kept.t};
             }
-            shaken.push_back(t < params.tremor_from_s ? Vector3(Vector3::Zero()) : tremor.At(t));
+            shaken.push_back(t < params.tremor_from_s ? Vector3(Vector3::Zero()) : tremor.ForceAt(t));
             F.f += shaken.back();
             exerted.push_back(F.f);
             return F;
@@ -77,10 +77,10 @@ GripRide RideGrip(const GripRideParams& params) {
   const auto window = static_cast<std::size_t>(GripRide::kWindow_s / kDt_s),
              every = static_cast<std::size_t>(GripRide::kEvery_s / kDt_s);
   for (std::size_t i = 0; i + window <= exerted.size(); i += every) {
-    const double effective_N = EffectiveInBand(exerted, i, window, kLow_hz, kHigh_hz, kDt_s);
+    const double effective_N = RmsInBand(exerted, i, window, kLow_hz, kHigh_hz, kDt_s);
     result.window_N.push_back(effective_N);
     result.max_N = std::max(result.max_N, effective_N);
-    result.tremor_N = std::max(result.tremor_N, EffectiveInBand(shaken, i, window, kLow_hz, kHigh_hz, kDt_s));
+    result.tremor_N = std::max(result.tremor_N, RmsInBand(shaken, i, window, kLow_hz, kHigh_hz, kDt_s));
     if (static_cast<double>(i) * kDt_s >= params.step_s + kCalm_s - 1e-9)
       result.calm_N = std::max(result.calm_N, effective_N);
   }

@@ -79,9 +79,9 @@ Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, 
   }
   buzz.push_N = ride.back().f_coupling_N.norm();
   const auto from = static_cast<std::size_t>(kStart_s / kDt_s);
-  buzz.band = Band(handle, kLow_hz, kHigh_hz, kDt_s);
-  buzz.amplitude_m = std::numbers::sqrt2 * EffectiveValue(buzz.band, from, buzz.band.size());
-  buzz.all_m = EffectiveValue(Band(handle, 5.0, 400.0, kDt_s), from, handle.size());
+  buzz.band = BandPass(handle, kLow_hz, kHigh_hz, kDt_s);
+  buzz.amplitude_m = std::numbers::sqrt2 * Rms(buzz.band, from, buzz.band.size());
+  buzz.all_m = Rms(BandPass(handle, 5.0, 400.0, kDt_s), from, handle.size());
   return buzz;
 }
 
@@ -90,7 +90,7 @@ FailureSeries Drawn(const char* name, const Buzz& buzz, bool ours) {
   FailureSeries series{.name = name, .ours = ours};
   for (std::size_t i = 0; i + kEach <= buzz.band.size(); i += kEach) {
     series.x.push_back(1e-3 * static_cast<double>(i));
-    series.y.push_back(std::max(1e-6, 1e6 * std::numbers::sqrt2 * EffectiveValue(buzz.band, i, i + kEach)));
+    series.y.push_back(std::max(1e-6, 1e6 * std::numbers::sqrt2 * Rms(buzz.band, i, i + kEach)));
   }
   return series;
 }

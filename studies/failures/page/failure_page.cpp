@@ -107,7 +107,7 @@ tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntr
     const std::string scene = FailureSceneSvg(entry.result.id, entry.result.name);
     html += fmt::format("<h2>{} {}</h2>\n", entry.result.id, Escape(entry.result.name)) + Figure(scene, "") +
             Figure(svg, fmt::format("Baseline: {}. {}{}It took {:.1f} s.", entry.result.baseline_name,
-                                    Sentence(entry.result.note), entry.result.note.empty() ? "" : " ",
+                                    ToSentence(entry.result.note), entry.result.note.empty() ? "" : " ",
                                     entry.seconds));
     if (const auto written = WritePage(svg, folder / FileName(entry.result)); !written) return written;
     if (const auto written = WritePage(scene, folder / FileName(entry.result, "_scene")); !written)
@@ -146,7 +146,7 @@ std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const Fai
     const FailureResult& r = entry.result;
     if (!entry.error.empty()) continue;
     page += fmt::format("\n## {} {}\n\n{}\n\n![{}: the scene, baseline and ours]({}/{})\n\n", r.id, r.name,
-                        WrapMarkdown(fmt::format("Baseline: {}. {}", r.baseline_name, Sentence(r.note))),
+                        WrapMarkdown(fmt::format("Baseline: {}. {}", r.baseline_name, ToSentence(r.note))),
                         r.name, pictures, FileName(r, "_scene"));
     page += WrapMarkdown(fmt::format("![{}: {}, baseline and ours]({}/{})", r.name, Plotted(r), pictures,
                                      FileName(r))) +

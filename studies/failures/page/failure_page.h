@@ -11,7 +11,7 @@
 
 namespace osteon::app {
 
-/// A scenario on the page.
+/// One scenario of the page.
 struct FailurePageEntry {
   hil::FailureResult result;
   bool passed{false};
@@ -35,7 +35,7 @@ struct FailurePageHead {
                                                                const FailurePageHead& head,
                                                                const std::filesystem::path& folder);
 
-/// The page as Markdown; its pictures lie in a folder given relative to the page's own.
+/// Makes the page as Markdown. @param pictures  the folder of the pictures, relative to the page's folder
 [[nodiscard]] std::string FailureMarkdown(std::span<const FailurePageEntry> entries,
                                           const FailurePageHead& head, const std::string& pictures);
 

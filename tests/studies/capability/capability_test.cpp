@@ -101,11 +101,12 @@ TEST(ArmForce, ABaseTurnedAboutItsAxisWeighsTheSame) {
     q_back[0] -= turn;
     const ArmForce upright(arm, R_WB, X_FT, need),
         turned(arm, R_WB * ExpRotation({0.0, 0.0, turn}), X_FT, need);
-    const ToolForce expected = upright.At(q), by_hand = turned.At(q_back), by_turn = upright.At(q_back, turn);
+    const ToolForce expected = upright.ForceAt(q), by_hand = turned.ForceAt(q_back),
+                    by_turn = upright.ForceAt(q_back, turn);
     ASSERT_NEAR(by_hand.factor, expected.factor, 1e-9 * expected.factor);
     ASSERT_NEAR(by_turn.factor, expected.factor, 1e-9 * expected.factor);
     ASSERT_NEAR(by_turn.axial_exact_N, expected.axial_exact_N, 1e-9 * expected.axial_exact_N);
-    ASSERT_EQ(upright.Factor(q), expected.factor);
+    ASSERT_EQ(upright.NeedFactor(q), expected.factor);
     ASSERT_GE(expected.axial_exact_N, expected.axial_N * (1.0 - 1e-12));
   }
 }
@@ -115,9 +116,9 @@ TEST(ArmForce, ElbowAndWristAreALinkApart) {
   const ArmForce force(arm, Matrix3::Identity(), Pose::Identity(), {});
   kinematics::JointVector q;
   q << 0.3, 0.7, -0.4, -1.2, 0.5, 0.8, 0.1;
-  const ArmForce::Places places = force.PlacesOf(q);
-  EXPECT_NEAR((places.p_B_elbow - Vector3(0, 0, 0.360)).norm(), 0.420, 1e-12);
-  EXPECT_NEAR((places.p_B_wrist - places.p_B_elbow).norm(), 0.400, 1e-12);
+  const ArmForce::ElbowAndWrist centers = force.ElbowAndWristAt(q);
+  EXPECT_NEAR((centers.p_B_elbow - Vector3(0, 0, 0.360)).norm(), 0.420, 1e-12);
+  EXPECT_NEAR((centers.p_B_wrist - centers.p_B_elbow).norm(), 0.400, 1e-12);
 }
 
 // control.md: the smaller arm holds 200 N axially in 95 % of its postures.
@@ -133,7 +134,7 @@ TEST(ArmForce, TheIiwa7Holds200NewtonAxiallyInAlmostEveryPosture) {
       const kinematics::JointLimits& limits = arm.joints[static_cast<std::size_t>(i)].limits;
       q[i] = std::uniform_real_distribution<double>(limits.lower_rad, limits.upper_rad)(random);
     }
-    const ToolForce held = force.At(q);
+    const ToolForce held = force.ForceAt(q);
     if (held.axial_exact_N >= 200.0) ++enough;
     if (held.axial_N >= 200.0) ++cautious;
   }
@@ -164,7 +165,7 @@ TEST(CapabilityMap, NoPoseWithinTheTaskHoldsLessThanTheGuarantee) {
     kinematics::JointVector q;
     ASSERT_TRUE(arm.Inverse(cell.X_WB.inverse() * X_WT * cell.tool.X_FT.inverse(), cell.start.arm_angle_rad,
                             cell.start.q, q));
-    const ToolForce held = force.At(q);
+    const ToolForce held = force.ForceAt(q);
     // 0.5 %: the worst of a smooth field may lie between samples that are a few centimetres apart
     ASSERT_GE(held.axial_N, 0.995 * own.force.axial_N);
     ASSERT_GE(held.lateral_N, 0.995 * own.force.lateral_N);
@@ -211,7 +212,7 @@ TEST(CapabilityMap, PanelNodesAreTheWorstOfTheirCone) {
       kinematics::JointVector q;
       ASSERT_TRUE(arm.Inverse(cell.X_WB.inverse() * X_WT * cell.tool.X_FT.inverse(), cell.start.arm_angle_rad,
                               cell.start.q, q));
-      least = std::min(least, force.At(q).axial_N);
+      least = std::min(least, force.ForceAt(q).axial_N);
     }
     EXPECT_NEAR(panel.own_axial_N[i], least, 1e-6 * least);
   }
@@ -309,7 +310,7 @@ TEST(BasePlacement, WhatItSaysHoldsAtTheBaseThatItWrites) {
       EXPECT_LE(std::abs(solution.q[i]),
                 cell.robot.lbr()->params.limits[static_cast<std::size_t>(i)].upper_rad -
                     s.params.joint_margin_rad + 0.01);
-    least = std::min(least, held.At(solution.q).factor);
+    least = std::min(least, held.ForceAt(solution.q).factor);
   }
   EXPECT_NEAR(least, force.factor, 1e-9);
 }
