@@ -10,9 +10,9 @@
 
 namespace osteon::app {
 
-/// One run in virtual time that cuts bone for a while, with helpers for its recording. ctest makes it once, by
-/// the test app_recording.TheRun.IsMade; a suite that is started by hand without it, or after a newer build,
-/// makes its own.
+/// One run in virtual time that cuts bone for a while, with helpers for its recording. ctest makes it once,
+/// by the test app_recording.TheRun.IsMade; a suite that is started by hand without it, or after a newer
+/// build, makes its own.
 class RecordedRun : public testing::Test {
  protected:
   static void SetUpTestSuite() {
