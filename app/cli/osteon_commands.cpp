@@ -56,7 +56,7 @@ OsteonCommands::OsteonCommands(CLI::App& app)
       ->capture_default_str();
   doctor_app_->add_option("--json", doctor_.json, "also write the checks there, as JSON")->type_name("FILE");
   doctor_app_->footer(
-      "Exit code 1: there is no Vulkan device, or the FRI port is taken\n\n"
+      "Exit code 1: the FRI port is taken\n\n"
       "Examples:\n  osteon doctor\n  osteon doctor --seconds 3600 --json doctor.json");
 
   faults_app_->add_option("--markdown", faults_.markdown, "write the page there, as docs/faults.md")
