@@ -1,7 +1,11 @@
 #include "base/text.h"
 
+#include <sys/ioctl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 
 namespace osteon::app {
 namespace {
@@ -45,6 +49,22 @@ std::string WrapText(std::string_view text, std::size_t indent, std::size_t widt
       end = std::min(rest.find(' ', end + kRangeMark.size()), rest.size());
     return end;
   });
+}
+
+std::optional<std::size_t> TerminalColumns() {
+  if (const char* columns = std::getenv("COLUMNS"))
+    if (const long value = std::strtol(columns, nullptr, 10); value > 0)
+      return static_cast<std::size_t>(value);
+  winsize size{};
+  if (isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0)
+    return size.ws_col;
+  return std::nullopt;
+}
+
+std::string WrapForTerminal(const std::string& text, std::size_t indent) {
+  constexpr std::size_t kMinText = 20;  // columns; a narrower strip is no help
+  const auto columns = isatty(STDOUT_FILENO) != 0 ? TerminalColumns() : std::nullopt;
+  return columns && *columns >= indent + kMinText ? WrapText(text, indent, *columns) : text;
 }
 
 std::string WrapMarkdown(std::string_view paragraph) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,6 +19,13 @@ namespace osteon::app {
 /// line but the first begins with `indent` spaces, which count; the first begins at column `indent`. A word
 /// that is longer stands alone.
 [[nodiscard]] std::string WrapText(std::string_view text, std::size_t indent, std::size_t width);
+
+/// Columns of the terminal that standard output leads to; $COLUMNS, where it is set, counts first. None: no
+/// terminal.
+[[nodiscard]] std::optional<std::size_t> TerminalColumns();
+
+/// WrapText for the terminal that standard output leads to; in a file or a pipe the text stays one line.
+[[nodiscard]] std::string WrapForTerminal(const std::string& text, std::size_t indent);
 
 /// Wraps a paragraph of Markdown into lines of at most 120 characters, broken at spaces outside `code`.
 [[nodiscard]] std::string WrapMarkdown(std::string_view paragraph);

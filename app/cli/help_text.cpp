@@ -1,10 +1,6 @@
 #include "app/cli/help_text.h"
 
-#include <sys/ioctl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <vector>
 
 #include <fmt/format.h>
@@ -129,13 +125,7 @@ std::string HelpText(const CommandText& command, std::size_t width) {
 }
 
 std::size_t HelpWidth() {
-  if (const char* columns = std::getenv("COLUMNS"))
-    if (const long value = std::strtol(columns, nullptr, 10); value > 0)
-      return std::clamp<std::size_t>(static_cast<std::size_t>(value), kMinWidth, kMaxWidth);
-  winsize size{};
-  if (isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0)
-    return std::clamp<std::size_t>(size.ws_col, kMinWidth, kMaxWidth);
-  return kDefaultWidth;
+  return std::clamp(TerminalColumns().value_or(kDefaultWidth), kMinWidth, kMaxWidth);
 }
 
 std::string HelpFormatter::make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const {

@@ -107,8 +107,9 @@ struct GuardConfig {
 struct BoneConfig {
   std::filesystem::path file;  ///< a closed mesh, or a packing (.osp)
   std::optional<simulation::CutSite>
-      cup{};          ///< the site, in the file's frame after scaling; a packing may have its own
-  double scale{1.0};  ///< millimetres to a unit of a mesh
+      cup{};            ///< the site, in the file's frame after scaling; a packing may have its own
+  double scale{1.0};    ///< millimetres to a unit of a mesh
+  std::string place{};  ///< where the cell names cup or file, "my.yaml:12": for errors of the mesh
 };
 
 /// A cell, with the contents of the files that it names.

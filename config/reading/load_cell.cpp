@@ -73,6 +73,7 @@ void ReadBone(Reader section, std::filesystem::path& scene, CellConfig& cell) {
     if (has_mesh && section.Has("packing"))
       section.Refuse("packing", "found beside mesh, accepted one of the two");
     bone.file = section.File(has_mesh ? "mesh" : "packing");
+    bone.place = section.PlaceOf(section.Has("cup") ? "cup" : has_mesh ? "mesh" : "packing");
     if (has_mesh && section.Has("scale_ratio")) bone.scale = section.Number("scale_ratio", 1e-4, 1e4);
     if (has_mesh || section.Has("cup")) {
       Reader cup = section.Section("cup");

@@ -95,12 +95,15 @@ tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& ce
   setup.config_text = ConfigText(setup.config_source);
   const simulation::SceneParams& scene = setup.config.scene;
   std::optional<MeshChoice> mesh = mesh_instead;
-  if (!mesh && setup.config.bone)
+  std::string place;  // in the cell's file
+  if (!mesh && setup.config.bone) {
+    place = setup.config.bone->place + ": ";
     mesh = {
         .file = setup.config.bone->file, .cup = setup.config.bone->cup, .scale = setup.config.bone->scale};
+  }
   if (mesh && mesh->file.extension() == ".osp") {
     auto bone = LoadPacking(*mesh);
-    if (!bone) return tl::make_unexpected(bone.error());
+    if (!bone) return tl::make_unexpected(place + bone.error());
     setup.bone = std::move(*bone);
   } else {
     simulation::SceneSolid made;
@@ -109,7 +112,7 @@ tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& ce
     } else {
       auto loaded = simulation::LoadSceneSolid(mesh->file, mesh->scale,
                                                mesh->cup.value_or(simulation::CutSite{}), scene);
-      if (!loaded) return tl::make_unexpected(loaded.error().message);
+      if (!loaded) return tl::make_unexpected(place + loaded.error().message);
       made = std::move(*loaded);
     }
     setup.bone.name = made.name;

@@ -8,6 +8,7 @@
 
 #include "base/interrupt.h"
 #include "base/json_text.h"
+#include "base/text.h"
 #include "hil/fri/fri_stop.h"
 #include "session/setup/config_checksum.h"
 #include "session/setup/setup_warnings.h"
@@ -349,7 +350,9 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
 void PrintTable(const RunSummary& summary, const std::string& title) {
   fmt::print("{}: {} with a {}\n", title, summary.scene, summary.tool);
   PrintVerdict(summary.verdict, 30);
-  for (const SummaryRow& row : Rows(summary)) fmt::print("  {:<30} {}\n", row.key, row.value);
+  constexpr std::size_t kKeyColumns = 30;
+  for (const SummaryRow& row : Rows(summary))
+    fmt::print("  {:<{}} {}\n", row.key, kKeyColumns, WrapForTerminal(row.value, kKeyColumns + 3));
 }
 
 void AddReason(std::string& reasons, const std::string& reason) {

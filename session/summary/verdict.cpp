@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json_text.h"
+#include "base/text.h"
 #include "session/summary/summary.h"
 
 namespace osteon::app {
@@ -98,7 +99,8 @@ void PrintVerdict(const Verdict& verdict, int key_width) {
                                     ? fmt::fg(fmt::terminal_color::yellow) | fmt::emphasis::bold
                                     : fmt::fg(fmt::terminal_color::red) | fmt::emphasis::bold;
   for (const SummaryRow& row : VerdictRows(verdict))
-    fmt::print("  {:<{}} {}\n", row.key, key_width, fmt::styled(row.value, style));
+    fmt::print("  {:<{}} {}\n", row.key, key_width,
+               fmt::styled(WrapForTerminal(row.value, static_cast<std::size_t>(key_width) + 3), style));
 }
 
 std::string ResultText(const Verdict& verdict, const nlohmann::ordered_json& result) {

@@ -117,6 +117,21 @@ TEST_F(WrongInput, Cup) {
   }
 }
 
+TEST_F(WrongInput, ACupOfACellOffItsMesh) {
+  Write("box.obj",
+        simulation::ObjText(simulation::MakeBox(Vector3::Constant(-0.03), Vector3::Constant(0.03))));
+  const auto cell = Write("my.yaml",
+                          "extends: demo\nbone:\n  mesh: box.obj\n  cup: {center_mm: [300, 300, 300], "
+                          "outward_axis: [0, 0, 1], radius_mm: 24}\n");
+  ExpectRefused({"demo", "--virtual-time", "--cell", cell.string()},
+                {cell.string() + ":4: ", "box.obj", "cup at (300, 300, 300) mm", "accepted"});
+}
+
+TEST_F(WrongInput, AFolderAsACell) {
+  ExpectRefused({"demo", "--cell", folder_.path().string()},
+                {folder_.path().string(), "found a folder", "demo"});
+}
+
 TEST_F(WrongInput, AScaleOfAPacking) {
   const auto packing = Write("bone.osp", "");
   ExpectRefused({"demo", "--mesh", packing.string(), "--scale", "2"},

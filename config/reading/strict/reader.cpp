@@ -584,6 +584,10 @@ void Reader::Finish() const {
   mapping_->Finish();
 }
 
+std::string Reader::PlaceOf(const std::string& key) const {
+  return fmt::format("{}:{}", mapping_->FileOf(key).string(), mapping_->LineOfKey(key));
+}
+
 void Reader::Refuse(const std::string& key, const std::string& what) const {
   throw ConfigError(mapping_->FileOf(key).string(), mapping_->LineOfKey(key),
                     fmt::format("{}: {}", key, what));

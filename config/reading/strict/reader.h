@@ -100,6 +100,8 @@ class Reader {
   /// Refuses a key for a reason that only the caller can check, such as one value against another. @throws
   /// ConfigError at the key's line, with the key and `what`.
   [[noreturn]] void Refuse(const std::string& key, const std::string& what) const;
+  /// Where a key stands, "my.yaml:12", for what is found out later than while reading.
+  [[nodiscard]] std::string PlaceOf(const std::string& key) const;
 
  private:
   struct Mapping;
