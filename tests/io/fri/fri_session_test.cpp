@@ -254,7 +254,7 @@ TEST_F(FriSessionTest, NeitherAllocatesNorLocksInAnyVersionAndMode) {
           session.Answer({.q = state_.q_ipo, .activation = state_.activation, .tau = state_.tau_ext}).size();
       no_alloc.End();
       EXPECT_EQ(accepted, FriAccept::kAccepted);
-      EXPECT_GT(size, 77u);
+      EXPECT_GE(size, 77u) << "a command has seven joints at least";
     }
 }
 
