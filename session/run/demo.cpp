@@ -158,7 +158,6 @@ int RunDemo(const DemoOptions& options) {
   auto engine = MakeEngine(*setup, choice);
   if (!engine) return Fail("demo", engine.error());
   const auto adaptive_resolution = MakeAdaptiveResolution(*setup, choice);
-  fmt::print(stderr, "osteon demo: engine: {}\n", EngineText(choice, (*engine)->device()));
 
   if (!setup->solid && setup->config.scene.events.min_wall_m > 0.0)
     fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
@@ -186,7 +185,11 @@ int RunDemo(const DemoOptions& options) {
       .make_room = [&] { return MakeRoom(options, claim); },
       .stop = &Interrupted(),
       .pauses = &AskedPauses(),
-      .begins = [&] { PrintLimits(setup->config.servo); },
+      .begins =
+          [&] {
+            fmt::print(stderr, "osteon demo: engine: {}\n", EngineText(choice, (*engine)->device()));
+            PrintLimits(setup->config.servo);
+          },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon demo: {}\n", text); },
       .progress = [&](double at_s) { progress.Show(at_s); },
       .adaptive_resolution = adaptive_resolution.get()};
