@@ -200,7 +200,7 @@ TEST_F(WrongInput, Device) {
 }
 
 TEST_F(WrongInput, NoVulkanDriver) {
-  ExpectRefused({"demo"}, {"no Vulkan driver", "install", "mesa-vulkan-drivers"},
+  ExpectRefused({"demo", "--engine", "vulkan"}, {"no Vulkan driver", "install", "mesa-vulkan-drivers"},
                 {"VK_DRIVER_FILES=/nonexistent", "VK_ICD_FILENAMES=/nonexistent"});
 }
 
