@@ -50,8 +50,12 @@ std::string CopyOf(const fs::path& file, const std::string& schema) {
 
 NewCellCommand::NewCellCommand(CLI::App& app)
     : sub_(app.add_subcommand("new-cell", "writes a short cell of your own to begin with")) {
-  sub_->add_option("name", name_, "the file, NAME.yaml; anywhere, with folders if you like")->required();
-  sub_->add_option("--from", from_, "a name under cells/, or a YAML file")->capture_default_str();
+  sub_->add_option("name", name_, "the file, NAME.yaml; anywhere, with folders if you like")
+      ->type_name("FILE")
+      ->required();
+  sub_->add_option("--from", from_, "a name under cells/, or a YAML file")
+      ->type_name("CELL")
+      ->capture_default_str();
   sub_->footer(
       "The file extends the other cell, or is a copy of it where that one extends another itself.\n\n"
       "Examples:\n  osteon new-cell my_cell\n  osteon new-cell ~/lab/tooth --from molar");

@@ -186,7 +186,9 @@ Json SchemaOf(const config::FileKind& kind, const fs::path& config_root) {
 
 SchemaCommand::SchemaCommand(CLI::App& app)
     : sub_(app.add_subcommand("schema", "JSON Schema of every kind of YAML file, for editors")) {
-  sub_->add_option("--out", out_, "folder for cell.json, robot.json, …")->capture_default_str();
+  sub_->add_option("--out", out_, "folder for cell.json, robot.json, …")
+      ->type_name("FOLDER")
+      ->capture_default_str();
   sub_->footer(
       "Editors with yaml-language-server complete and check a file that begins with\n"
       "  # yaml-language-server: $schema=PATH/cell.json\n\nExamples:\n  osteon schema --out schemas");
