@@ -1,4 +1,3 @@
-#include "base/no_alloc_scope.h"
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/gpu/engine/contract_bench.h"
 #include "tests/gpu/engine/strip_bench.h"
