@@ -1,7 +1,8 @@
-# osteon_library(NAME SOURCES a.cpp … HEADERS a.h … [PRIVATE_HEADERS b.h …] [LINK osteon::x …] [PRIVATE yaml-cpp …])
+# osteon_library(NAME SOURCES a.cpp … HEADERS a.h … [PRIVATE_HEADERS b.h …] [LINK osteon::x …] [PRIVATE yaml-cpp …]
+#                [PRECOMPILED holder])
 # Adds a folder's static library, with the alias osteon::NAME. HEADERS are included by other folders and use only the
 # libraries of LINK. PRIVATE_HEADERS are internal and may use those of PRIVATE. The target osteon_verify_headers shows
-# that each compiles alone (osteon_verify_headers()).
+# that each compiles alone (osteon_verify_headers()). PRECOMPILED names other precompiled headers than the usual ones.
 #
 # Sources between two "|" are compiled as one file (osteon_together): names in their unnamed namespaces must differ.
 add_custom_target(osteon_verify_headers)
@@ -44,8 +45,8 @@ function(osteon_precompiled_headers HOLDER)
   endif()
 endfunction()
 
-# What most sources of the folders outside the tick include. The folders of the tick have options of their own, and
-# together too few sources to pay for parsing these headers once more.
+# What most sources include. They are parsed twice: for the folders of the tick, which have options of their own, and for
+# the others.
 set(OSTEON_COMMON_HEADERS <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <memory> <numbers> <optional>
   <span> <string> <variant> <vector> <Eigen/Geometry>)
 
@@ -138,15 +139,19 @@ function(osteon_verify_headers TARGET LIBRARIES)
 endfunction()
 
 function(osteon_library NAME)
-  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;PRIVATE_HEADERS;LINK;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "PRECOMPILED" "SOURCES;HEADERS;PRIVATE_HEADERS;LINK;PRIVATE" ${ARGN})
   if(ARG_SOURCES)
     add_library(osteon_${NAME} STATIC)
     osteon_together(osteon_${NAME} ${ARG_SOURCES})
     target_link_libraries(osteon_${NAME} PUBLIC osteon::options ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
     set(scope PUBLIC)
     get_directory_property(own_options COMPILE_OPTIONS)
-    if(NOT own_options)
+    if(ARG_PRECOMPILED)
+      osteon_precompile(osteon_${NAME} ${ARG_PRECOMPILED})
+    elseif(NOT own_options)
       osteon_precompile(osteon_${NAME} osteon_library_headers)
+    elseif(own_options STREQUAL OSTEON_TICK_OPTIONS)
+      osteon_precompile(osteon_${NAME} osteon_tick_headers)
     endif()
   else()
     add_library(osteon_${NAME} INTERFACE)

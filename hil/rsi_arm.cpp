@@ -1,15 +1,14 @@
 #include "hil/rsi_arm.h"
 
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "base/units.h"
+
 namespace osteon::hil {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 RsiControllerParams At(RsiControllerParams params, const control::JointArray& q_start) {
   for (std::size_t i = 0; i < 6; ++i) params.start_deg[i] = q_start[i] / kDegree;

@@ -17,9 +17,8 @@ std::unique_ptr<ArmController> ArmOf(const SimulatedCellParams& params) {
 }
 
 bool IsNear(const Pose& X_WT, const Pose& X_WT_start, double distance_m, double angle_rad) {
-  const Eigen::AngleAxisd turn(X_WT.linear().transpose() * X_WT_start.linear());
   return (X_WT.translation() - X_WT_start.translation()).norm() < distance_m &&
-         std::abs(turn.angle()) < angle_rad;
+         RotationAngle(X_WT.linear().transpose() * X_WT_start.linear()) < angle_rad;
 }
 
 }  // namespace

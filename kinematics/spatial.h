@@ -4,6 +4,8 @@
 
 #include <Eigen/Geometry>
 
+#include "base/marker.h"
+
 // Spatial types and the letters of the frames. Monogram notation (Drake's): X_AB is the pose of frame B in
 // frame A, p_AB_C the position from A's origin to B's expressed in C, so X_AC = X_AB * X_BC checks by
 // matching letters.
@@ -18,20 +20,24 @@
 
 namespace osteon {
 
+// Almost every source includes this header. Its inline functions therefore name coefficients, since each
+// Eigen expression here would be compiled some seventy times; what needs more than that stands in
+// spatial.cpp.
+
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 using Pose = Eigen::Isometry3d;
 
 /// Velocity of a frame.
 struct Twist {
-  Vector3 v{Vector3::Zero()};  ///< linear [m/s]
-  Vector3 w{Vector3::Zero()};  ///< angular [rad/s]
+  Vector3 v{0.0, 0.0, 0.0};  ///< linear [m/s]
+  Vector3 w{0.0, 0.0, 0.0};  ///< angular [rad/s]
 };
 
 /// Force and torque on a frame's origin.
 struct Wrench {
-  Vector3 f{Vector3::Zero()};  ///< force [N]
-  Vector3 t{Vector3::Zero()};  ///< torque [N·m]
+  Vector3 f{0.0, 0.0, 0.0};  ///< force [N]
+  Vector3 t{0.0, 0.0, 0.0};  ///< torque [N·m]
 };
 
 /// A Vector3 that is trivially copyable (Eigen's is not), for data that crosses a thread or goes to disk.
@@ -39,6 +45,7 @@ struct PlainVector3 {
   double x{0.0}, y{0.0}, z{0.0};
 
   PlainVector3() = default;
+  PlainVector3(double x_in, double y_in, double z_in) : x(x_in), y(y_in), z(z_in) {}
   template <class Derived>
   PlainVector3(const Eigen::MatrixBase<Derived>& v)
       : x(v(0)), y(v(1)), z(v(2)) {}              // NOLINT: conversion is the point
@@ -51,13 +58,14 @@ struct PlainPose {
   PlainVector3 p;
 
   PlainPose() = default;
-  PlainPose(const Pose& X) : p(Vector3(X.translation())) {  // NOLINT: conversion is the point
-    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data()) = X.linear();
+  PlainPose(const Pose& X) : p(X(0, 3), X(1, 3), X(2, 3)) {  // NOLINT: conversion is the point
+    for (int i = 0; i < 9; ++i) R[static_cast<std::size_t>(i)] = X(i / 3, i % 3);
   }
   operator Pose() const {  // NOLINT
-    Pose X = Pose::Identity();
-    X.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data());
-    X.translation() = Vector3(p);
+    Pose X;
+    for (int i = 0; i < 9; ++i) X(i / 3, i % 3) = R[static_cast<std::size_t>(i)];
+    X(0, 3) = p.x, X(1, 3) = p.y, X(2, 3) = p.z;
+    X.makeAffine();
     return X;
   }
 };
@@ -72,7 +80,9 @@ struct PlainInertia {
       : xx(I(0, 0)), yy(I(1, 1)), zz(I(2, 2)), xy(I(0, 1)), xz(I(0, 2)), yz(I(1, 2)) {}
   operator Matrix3() const {  // NOLINT
     Matrix3 I;
-    I << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    I(0, 0) = xx, I(0, 1) = xy, I(0, 2) = xz;
+    I(1, 0) = xy, I(1, 1) = yy, I(1, 2) = yz;
+    I(2, 0) = xz, I(2, 1) = yz, I(2, 2) = zz;
     return I;
   }
 };
@@ -88,16 +98,16 @@ struct PlainWrench {
 
 /// Rotation vector (axis times angle, |.| <= pi) of a rotation matrix. At an angle of pi the sign is
 /// arbitrary.
-[[nodiscard]] inline Vector3 LogRotation(const Matrix3& R) {
-  const Eigen::AngleAxisd a{R};
-  return a.angle() * a.axis();
-}
+[[nodiscard]] Vector3 LogRotation(const Matrix3& R) OSTEON_RT;
 
 /// Rotation matrix of a rotation vector; the identity for zero.
-[[nodiscard]] inline Matrix3 ExpRotation(const Vector3& r) {
-  const double angle = r.norm();
-  if (angle == 0.0) return Matrix3::Identity();
-  return Eigen::AngleAxisd(angle, r / angle).toRotationMatrix();
-}
+[[nodiscard]] Matrix3 ExpRotation(const Vector3& r) OSTEON_RT;
+
+/// Angle of a rotation matrix [rad], 0 … pi.
+[[nodiscard]] double RotationAngle(const Matrix3& R) OSTEON_RT;
+
+/// The smallest rotation that turns the +z axis into a direction. `axis` need not be a unit vector; it must
+/// not be zero.
+[[nodiscard]] Matrix3 RotationFromZTo(const Vector3& axis);
 
 }  // namespace osteon

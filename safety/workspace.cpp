@@ -41,7 +41,7 @@ Workspace::Workspace(const WorkspaceParams& params) : params_(params) {
       {.shape = ZoneShape::kSphere, .p_W_m = params.sphere_center_W_m, .radius_m = params.sphere_radius_m});
   apex.push_back({.shape = ZoneShape::kHalfSpace,
                   .p_W_m = params.plane_offset_m * params.plane_normal_W,
-                  .R_W = RotationAlong(params.plane_normal_W)});
+                  .R_W = RotationFromZTo(params.plane_normal_W)});
   for (const ZoneParams& zone : params.zones) {
     Validate(zone);
     bounds_[static_cast<std::size_t>(zone.point)].push_back(zone);

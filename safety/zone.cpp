@@ -67,10 +67,6 @@ void Validate(const ZoneParams& zone) {
   if (zone.shape != ZoneShape::kSphere) length("half_length_m", zone.half_length_m);
 }
 
-Matrix3 RotationAlong(const Vector3& axis_W) {
-  return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), axis_W).toRotationMatrix();
-}
-
 ZoneBounds::ZoneBounds(const ZoneParams& zone, const Vector3& p_WP) OSTEON_RT {
   const Vector3 p_Z = zone.R_W.transpose() * (p_WP - zone.p_W_m);
   if (zone.side == ZoneSide::kKeepIn)

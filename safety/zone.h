@@ -35,9 +35,6 @@ struct ZoneParams {
 /// @throws std::invalid_argument naming the field, the value and what is accepted.
 void Validate(const ZoneParams& zone);
 
-/// A ZoneParams::R_W whose column 2 is the given unit vector, with any rotation about it.
-[[nodiscard]] Matrix3 RotationAlong(const Vector3& axis_W);
-
 /// One face near a point: its direction and distance.
 struct ZoneBound {
   Vector3 toward_W{Vector3::Zero()};  ///< unit, from the allowed side to the forbidden side

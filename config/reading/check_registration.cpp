@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/units.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
 #include "kinematics/serial_chain.h"
@@ -14,7 +15,6 @@
 namespace osteon::config {
 namespace {
 
-constexpr double kMillimetre_m = 1e-3, kDegree = std::numbers::pi / 180.0;
 constexpr double kFoot_mm = 150.0;  // half of an arm's foot, and half of a small bone beside it
 constexpr double kLongestTool_mm = 600.0;
 constexpr double kInMetres_mm = 5.0;    // a cell is smaller than 5 m and larger than 5 mm

@@ -1,13 +1,13 @@
 #include "config/reading/load_robot.h"
 
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "base/units.h"
 #include "config/reading/sections/read_pose.h"
 #include "kinematics/check_chain.h"
 
@@ -21,7 +21,6 @@ using kinematics::OrthoParallelParams;
 using kinematics::RevoluteJoint;
 
 constexpr double kTurn_deg = 360.0;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 JointLimits ReadLimits(Reader section) {
   JointLimits limits;

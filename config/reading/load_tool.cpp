@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
+#include "base/units.h"
 #include "config/reading/load.h"
 #include "config/reading/sections/read_pose.h"
 #include "simulation/tools/tool_kinds.h"
@@ -16,7 +16,6 @@ using simulation::BallParams;
 using simulation::BuiltTool;
 using simulation::HolderParams;
 
-constexpr double kMillimetre_m = 1e-3;
 constexpr double kSameSize_m = 1e-9;
 
 // The sizes that a tool comes in, and the requested one.

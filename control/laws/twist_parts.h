@@ -6,32 +6,19 @@
 namespace osteon::control {
 
 /// Rotates a twist into the axes of another frame.
-[[nodiscard]] inline Twist ExpressedIn(const Matrix3& R_AB, const Twist& V_B) OSTEON_RT {
-  return {.v = R_AB * V_B.v, .w = R_AB * V_B.w};
-}
+[[nodiscard]] Twist ExpressedIn(const Matrix3& R_AB, const Twist& V_B) OSTEON_RT;
 
-[[nodiscard]] inline Twist Scaled(const Twist& V, double share) OSTEON_RT {
-  return {.v = share * V.v, .w = share * V.w};
-}
+[[nodiscard]] Twist Scaled(const Twist& V, double share) OSTEON_RT;
 
 /// Displacement between two poses that are less than a degree apart: dp, and the rotation as a vector in W,
 /// by the rotation's skew part (5e-5 too short at a degree).
-[[nodiscard]] inline Twist SmallStep(const Pose& X_from, const Pose& X_to) OSTEON_RT {
-  const Matrix3 R = X_to.linear() * X_from.linear().transpose();
-  return {.v = X_to.translation() - X_from.translation(),
-          .w = 0.5 * Vector3(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1))};
-}
+[[nodiscard]] Twist SmallStep(const Pose& X_from, const Pose& X_to) OSTEON_RT;
 
 /// f·v + t·w: power for a twist, work for a small step.
-[[nodiscard]] inline double Power(const Wrench& F, const Twist& V) OSTEON_RT {
-  return F.f.dot(V.v) + F.t.dot(V.w);
-}
+[[nodiscard]] double Power(const Wrench& F, const Twist& V) OSTEON_RT;
 
 /// Velocity that leads from one pose to another within a time: the position by its difference, the rotation
 /// by its logarithm.
-[[nodiscard]] inline Twist TwistBetween(const Pose& X_before, const Pose& X, double dt_s) OSTEON_RT {
-  return {.v = (X.translation() - X_before.translation()) / dt_s,
-          .w = LogRotation(X.linear() * X_before.linear().transpose()) / dt_s};
-}
+[[nodiscard]] Twist TwistBetween(const Pose& X_before, const Pose& X, double dt_s) OSTEON_RT;
 
 }  // namespace osteon::control

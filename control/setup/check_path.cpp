@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "base/units.h"
 #include "kinematics/chain_reach.h"
 #include "kinematics/serial_chain.h"
 
@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding_m = 1e-9;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 template <int N>
 void CheckSurroundings(const PathSurroundings& around) {

@@ -3,15 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
+#include "base/units.h"
 #include "hil/fri/fri_stop.h"
 
 namespace osteon::hil {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 kinematics::JointVectorN<6> ToRadians(const Six& axes_deg) {
   return kDegree * Eigen::Map<const kinematics::JointVectorN<6>>(axes_deg.data());

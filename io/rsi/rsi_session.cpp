@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
+
+#include "base/units.h"
 
 namespace osteon::io {
 namespace {
 
 using control::SessionState;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::int64_t kWindow = 64;  // messages that seen_ remembers
 constexpr std::size_t kAxes = kRsiAxes;
 // The period is measured over this many messages; a different period deviates at least by this factor.

@@ -9,13 +9,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/units.h"
 #include "control/arm/arm_speed_watch.h"
 #include "safety/acting_limits.h"
 
 namespace osteon::app {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0, kRpm = 2.0 * std::numbers::pi / 60.0;
+constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;
 
 struct Bound {
   double value;
@@ -170,7 +171,7 @@ std::vector<std::string> LimitLines(const control::ServoParams& params) {
   lines.push_back(Text(
       {.shape = safety::ZoneShape::kSphere, .p_W_m = w.sphere_center_W_m, .radius_m = w.sphere_radius_m}));
   lines.push_back(
-      Text({.p_W_m = w.plane_offset_m * w.plane_normal_W, .R_W = safety::RotationAlong(w.plane_normal_W)}));
+      Text({.p_W_m = w.plane_offset_m * w.plane_normal_W, .R_W = RotationFromZTo(w.plane_normal_W)}));
   for (const safety::ZoneParams& zone : w.zones) lines.push_back(Text(zone));
   if (params.depth.acts) lines.push_back("depth limit: " + Text(safety::ZoneOf(params.depth)));
   return lines;

@@ -10,7 +10,7 @@ namespace {
 
 // Upper bound of the distance that a tool's points move from one pose to another.
 double WayBetween(const Pose& a, const Pose& b, double lever_m) {
-  const double turn = Eigen::AngleAxisd(Matrix3(a.linear().transpose() * b.linear())).angle();
+  const double turn = RotationAngle(a.linear().transpose() * b.linear());
   return (b.translation() - a.translation()).norm() + lever_m * turn;
 }
 

@@ -104,7 +104,7 @@ SplitTemplate::SplitTemplate(int children) : children_(children) {
     for (const Vector3& x : all) table_.push_back(Child(R * x, 1.0));
   }
   for (std::uint32_t pole = 0; pole < kPoles; ++pole) {
-    const Matrix3 R = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), Pole(pole)).toRotationMatrix() *
+    const Matrix3 R = RotationFromZTo(Pole(pole)) *
                       Eigen::AngleAxisd(kGoldenAngle * pole, Vector3::UnitZ()).toRotationMatrix();
     const auto n = static_cast<std::uint32_t>(small);
     for (std::uint32_t i = 0; i < n; ++i)

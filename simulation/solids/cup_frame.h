@@ -7,8 +7,7 @@ namespace osteon::simulation {
 /// X_GC: pose of a cup's frame C in G, +z along its axis, turned from G's z by the shortest rotation.
 [[nodiscard]] inline Pose CupPose(const CutSite& cup) {
   Pose X_GC = Pose::Identity();
-  X_GC.linear() =
-      Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), Vector3(cup.axis).normalized()).toRotationMatrix();
+  X_GC.linear() = RotationFromZTo(Vector3(cup.axis).normalized());
   X_GC.translation() = Vector3(cup.center_m);
   return X_GC;
 }

@@ -32,7 +32,7 @@ class Draw {
       ZoneParams zone{.shape = static_cast<ZoneShape>(Whole(0, 4)),
                       .side = static_cast<ZoneSide>(Whole(0, 1)),
                       .p_W_m = In(0.15),
-                      .R_W = RotationAlong(In(1.0).normalized()),
+                      .R_W = RotationFromZTo(In(1.0).normalized()),
                       .half_edge_m = {Within(0.01, 0.2), Within(0.01, 0.2), Within(0.01, 0.2)},
                       .radius_m = Within(0.01, 0.2),
                       .half_length_m = Within(0.01, 0.2)};
@@ -108,7 +108,7 @@ TEST(WorkspaceZones, PushedAtASlantTheToolSlides) {
   for (int i = 0; i < kRooms; ++i) {
     const Vector3 inward = draw.In(1.0).normalized();
     WorkspaceParams params{.deceleration_m_per_s2 = kStop_m_per_s2};
-    params.zones.push_back({.p_W_m = draw.In(0.5), .R_W = RotationAlong(inward)});
+    params.zones.push_back({.p_W_m = draw.In(0.5), .R_W = RotationFromZTo(inward)});
     const Workspace room(params);
     const Vector3 along = inward.cross(draw.In(1.0)).normalized() * draw.Within(0.0, 0.2);
     const Vector3 wish = along - draw.Within(0.01, 0.15) * inward;

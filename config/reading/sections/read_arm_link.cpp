@@ -1,14 +1,13 @@
 #include "config/reading/sections/read_arm_link.h"
 
 #include <algorithm>
-#include <numbers>
 
 #include <fmt/format.h>
 
+#include "base/units.h"
+
 namespace osteon::config {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0, kMillimetre_m = 1e-3;
 
 io::FriSessionParams ReadFri(Reader section, hil::FriServerParams& arm) {
   io::FriSessionParams session;

@@ -19,7 +19,7 @@ void ReadShapeKeys(Reader& section, safety::ZoneParams& zone) {
   zone.p_W_m = section.Triple("at_mm", -kRoom_mm, kRoom_mm);
   switch (zone.shape) {
     case ZoneShape::kHalfSpace:
-      zone.R_W = safety::RotationAlong(section.Direction("inward_axis"));
+      zone.R_W = RotationFromZTo(section.Direction("inward_axis"));
       return;
     case ZoneShape::kSphere:
       zone.radius_m = section.Number("radius_mm", 1, kRoom_mm);
@@ -37,7 +37,7 @@ void ReadShapeKeys(Reader& section, safety::ZoneParams& zone) {
     }
     case ZoneShape::kCylinder:
     case ZoneShape::kCapsule:
-      zone.R_W = safety::RotationAlong(section.Direction("along_axis"));
+      zone.R_W = RotationFromZTo(section.Direction("along_axis"));
       zone.radius_m = section.Number("radius_mm", 1, kRoom_mm);
       zone.half_length_m = 0.5 * section.Number("length_mm", 1, 2 * kRoom_mm);
       return;

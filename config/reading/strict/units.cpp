@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "base/units.h"
+
 namespace osteon::config {
 namespace {
 
@@ -9,8 +11,6 @@ struct Unit {
   std::string_view ending;
   double to_si;
 };
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 constexpr Unit kUnits[] = {
     // length, volume, angle, time

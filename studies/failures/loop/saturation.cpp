@@ -58,7 +58,7 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
     params.loop.depth = {.acts = true,
                          .bound = {.shape = safety::ZoneShape::kHalfSpace,
                                    .p_W_m = X_start.translation() - kDeepest_m * n,
-                                   .R_W = safety::RotationAlong(n)},
+                                   .R_W = RotationFromZTo(n)},
                          .soft_m = kSoft_m,
                          .spindle_stop_m = 0.0,
                          .stiffness_N_per_m = kWall_N_per_m,

@@ -38,7 +38,7 @@ ZoneParams Wall(ZonePoint point, const Vector3& p_W, const Vector3& way, double 
           .side = ZoneSide::kKeepIn,
           .point = point,
           .p_W_m = p_W + before_m * way,
-          .R_W = safety::RotationAlong(-way)};
+          .R_W = RotationFromZTo(-way)};
 }
 
 // A hand pushes and tips the tool at random.

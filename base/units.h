@@ -1,0 +1,12 @@
+#pragma once
+
+#include <numbers>
+
+// Factors from the units that files, manuals and wires use to SI.
+
+namespace osteon {
+
+inline constexpr double kDegree = std::numbers::pi / 180.0;  ///< [rad]
+inline constexpr double kMillimetre_m = 1e-3;
+
+}  // namespace osteon
