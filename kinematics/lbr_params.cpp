@@ -45,7 +45,7 @@ LbrParams LbrParamsFrom(const ChainParams<7>& chain) {
   std::array<Line, 7> axis;
   for (std::size_t i = 0; i < 7; ++i) {
     const RevoluteJoint& joint = chain.joints[i];
-    const std::string name = "A" + std::to_string(i + 1);
+    const std::string name{'A', static_cast<char>('1' + i)};
     X_BL = X_BL * joint.X_PJ;
     axis[i] = {.point = X_BL.translation(), .direction = X_BL.linear() * joint.axis_J};
     const double tilt_rad = AngleBetween(axis[i].direction, expected[i]);

@@ -1,5 +1,7 @@
 #include "kinematics/spatial.h"
 
+#include <cmath>
+
 namespace osteon {
 
 Vector3 LogRotation(const Matrix3& R) OSTEON_RT {
@@ -15,8 +17,18 @@ Matrix3 ExpRotation(const Vector3& r) OSTEON_RT {
 
 double RotationAngle(const Matrix3& R) OSTEON_RT { return Eigen::AngleAxisd(R).angle(); }
 
+// As Eigen's Quaterniond::FromTwoVectors, whose singular value decomposition for opposite vectors would take
+// 5 s to compile.
 Matrix3 RotationFromZTo(const Vector3& axis) {
-  return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), axis).toRotationMatrix();
+  constexpr double kOpposite = 1e-12;
+  const Vector3 z = Vector3::UnitZ(), to = axis.normalized();
+  const double c = to.dot(z);
+  if (c < kOpposite - 1.0) return Vector3(1.0, -1.0, -1.0).asDiagonal();  // half a turn about x
+  const double s = std::sqrt((1.0 + c) * 2.0), inverse = 1.0 / s;
+  Eigen::Quaterniond q;
+  q.vec() = z.cross(to) * inverse;
+  q.w() = s * 0.5;
+  return q.toRotationMatrix();
 }
 
 }  // namespace osteon

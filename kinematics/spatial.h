@@ -106,8 +106,8 @@ struct PlainWrench {
 /// Angle of a rotation matrix [rad], 0 … pi.
 [[nodiscard]] double RotationAngle(const Matrix3& R) OSTEON_RT;
 
-/// The smallest rotation that turns the +z axis into a direction. `axis` need not be a unit vector; it must
-/// not be zero.
+/// The smallest rotation that turns the +z axis into a direction; for -z, half a turn about x. `axis` need
+/// not be a unit vector; it must not be zero.
 [[nodiscard]] Matrix3 RotationFromZTo(const Vector3& axis);
 
 }  // namespace osteon

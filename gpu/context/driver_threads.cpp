@@ -34,7 +34,7 @@ std::vector<int> Threads() {
 }
 
 std::string NameOf(int id) {
-  std::ifstream file(std::string(kTasks) + "/" + std::to_string(id) + "/comm");
+  std::ifstream file(std::filesystem::path(kTasks) / std::to_string(id) / "comm");
   std::string name;
   std::getline(file, name);
   return name;

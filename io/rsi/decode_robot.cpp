@@ -3,6 +3,8 @@
 #include <cmath>
 #include <string_view>
 
+#include <fmt/format.h>
+
 #include "io/rsi/codec.h"
 #include "io/rsi/xml_reader.h"
 
@@ -223,16 +225,16 @@ std::string Describe(const RsiError& error) {
       else if (element.prefix == 'D')
         of += "D";
       else
-        of += std::string(1, element.prefix) + std::to_string(error.attribute);
+        of += fmt::format("{}{}", element.prefix, error.attribute);
       of += " ";
     }
   }
-  const std::string where = " (byte " + std::to_string(error.byte) + ")";
+  const std::string where = fmt::format(" (byte {})", error.byte);
   switch (error.code) {
     case RsiErrorCode::kNone:
       return "none";
     case RsiErrorCode::kTooLong:
-      return "longer than " + std::to_string(kRsiMaxDatagram) + " bytes";
+      return fmt::format("longer than {} bytes", kRsiMaxDatagram);
     case RsiErrorCode::kMalformed:
       return of + "not well-formed XML, or cut off" + where;
     case RsiErrorCode::kWrongRoot:

@@ -1,0 +1,34 @@
+#include "app/cli/osteon_program.h"
+
+#include <string_view>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "app/cli/command_line.h"
+#include "app/cli/osteon_commands.h"
+#include "app/cli/study_commands.h"
+
+namespace osteon::app {
+namespace {
+
+int ParseAndRun(int argc, char** argv) {
+  CLI::App app{OsteonCommands::kDescription, OsteonCommands::kName};
+  OsteonCommands commands(app);
+  if (const auto code = ParseCommandLine(app, argc, argv)) return *code;
+  return commands.Run(CommandLine(argc, argv));
+}
+
+}  // namespace
+
+int RunOsteon(int argc, char** argv) {
+  // the launcher asks what has to be built
+  if (argc > 1 && std::string_view(argv[1]) == "--executable-of") {
+    fmt::print("{}\n", AsksForStudy(argc - 1, argv + 1) ? "osteon-studies" : "osteon");
+    return 0;
+  }
+  if (AsksForStudy(argc, argv)) return BecomeStudies(argv);
+  return RunMain([&] { return ParseAndRun(argc, argv); });
+}
+
+}  // namespace osteon::app
