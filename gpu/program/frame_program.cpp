@@ -85,9 +85,6 @@ std::string FrameProgram::Refusal(const Context& context, const ProgramSizes& si
   if (needed > context.info.memory_bytes)
     return fmt::format("{} need {:.0f} MB, the device has {:.0f} MB", what, needed * 1e-6,
                        context.info.memory_bytes * 1e-6);
-  if (limits.maxPerStageDescriptorStorageBuffers < kBindings)
-    return fmt::format("{} storage buffers a stage, {} are needed",
-                       limits.maxPerStageDescriptorStorageBuffers, kBindings);
   return "";
 }
 
