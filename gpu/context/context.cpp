@@ -7,8 +7,6 @@
 #include <stdexcept>
 #include <string_view>
 
-#include <fmt/format.h>
-
 #include "gpu/context/driver_threads.h"
 #include "gpu/shaders/layout.h"
 
@@ -22,13 +20,6 @@ std::string Lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
 }
-
-const vk::SubgroupFeatureFlags kSubgroupNeeds =
-    vk::SubgroupFeatureFlagBits::eBasic | vk::SubgroupFeatureFlagBits::eArithmetic |
-    vk::SubgroupFeatureFlagBits::eBallot | vk::SubgroupFeatureFlagBits::eVote;
-
-constexpr std::uint32_t kMinSubgroup = 4;        // the shared memory of a workgroup has room for 64 subgroups
-constexpr std::uint32_t kSharedMemory = 32'000;  // bytes
 
 int Rank(vk::PhysicalDeviceType type) {
   switch (type) {
@@ -59,49 +50,22 @@ std::optional<std::uint32_t> ComputeFamily(const vk::raii::PhysicalDevice& devic
 }
 
 DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
-  const auto chain = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties,
-                                           vk::PhysicalDeviceSubgroupProperties>();
+  const auto chain =
+      device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
   const vk::PhysicalDeviceProperties& p = chain.get<vk::PhysicalDeviceProperties2>().properties;
   const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
-  const auto& subgroup = chain.get<vk::PhysicalDeviceSubgroupProperties>();
   static constexpr const char* kKinds[] = {"discrete", "integrated", "virtual", "cpu", "other"};
   DeviceInfo info{.name = p.deviceName.data(),
                   .kind = kKinds[Rank(p.deviceType)],
-                  .api_version = std::to_string(VK_API_VERSION_MAJOR(p.apiVersion)) + "." +
-                                 std::to_string(VK_API_VERSION_MINOR(p.apiVersion)) + "." +
-                                 std::to_string(VK_API_VERSION_PATCH(p.apiVersion)),
+                  .api_version = ApiVersionText(p.apiVersion),
                   .driver = std::string(driver.driverName.data()) + " " + driver.driverInfo.data(),
                   .refusal = ""};
   const auto memory = device.getMemoryProperties();
   for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
     if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
       info.memory_bytes = std::max(info.memory_bytes, static_cast<double>(memory.memoryHeaps[i].size));
-  if (p.apiVersion < VK_API_VERSION_1_2) {
-    info.refusal = "Vulkan " + info.api_version + ", 1.2 is needed";
-    return info;
-  }
-  const auto features =
-      device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
-  if (!features.get<vk::PhysicalDeviceVulkan12Features>().scalarBlockLayout)
-    info.refusal = "no scalarBlockLayout";
-  else if (const auto& core = features.get<vk::PhysicalDeviceFeatures2>().features;
-           !core.shaderFloat64 || !core.shaderInt64 ||
-           !features.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics)
-    info.refusal = "no 64-bit floats, integers and atomics in shaders";
-  else if (!ComputeFamily(device))
-    info.refusal = "no compute queue";
-  else if ((subgroup.supportedOperations & kSubgroupNeeds) != kSubgroupNeeds)
-    info.refusal = "no subgroup arithmetic, ballot and vote";
-  else if (subgroup.subgroupSize < kMinSubgroup || subgroup.subgroupSize > kGroupSize)
-    info.refusal =
-        fmt::format("subgroups of {}, accepted {} … {}", subgroup.subgroupSize, kMinSubgroup, kGroupSize);
-  else if (p.limits.maxComputeSharedMemorySize < kSharedMemory)
-    info.refusal = fmt::format("{} bytes of shared memory, accepted {} and more",
-                               p.limits.maxComputeSharedMemorySize, kSharedMemory);
-  else if (const std::uint32_t most =
-               std::min(p.limits.maxComputeWorkGroupInvocations, p.limits.maxComputeWorkGroupSize[0]);
-           p.deviceType != vk::PhysicalDeviceType::eCpu && most < kWideLanes)
-    info.refusal = fmt::format("workgroups of {} invocations, accepted {} and more", most, kWideLanes);
+  info.unmet = UnmetNeeds(ReportOf(device));
+  info.refusal = RefusalText(info.unmet);
   return info;
 }
 
@@ -232,6 +196,24 @@ std::shared_ptr<SharedInstance> OpenInstance(bool validation) {
 
 }  // namespace
 
+DeviceReport ReportOf(const vk::raii::PhysicalDevice& device) {
+  const auto properties =
+      device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>();
+  DeviceReport report{.properties = properties.get<vk::PhysicalDeviceProperties2>().properties,
+                      .subgroups = properties.get<vk::PhysicalDeviceSubgroupProperties>(),
+                      .features = {},
+                      .has_compute_queue = ComputeFamily(device).has_value()};
+  report.subgroups.pNext = nullptr;
+  // a device of an older API has no such features to ask for
+  if (report.properties.apiVersion < VK_API_VERSION_1_2) return report;
+  const auto features =
+      device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
+  report.features = {.core = features.get<vk::PhysicalDeviceFeatures2>().features,
+                     .vulkan12 = features.get<vk::PhysicalDeviceVulkan12Features>()};
+  report.features.vulkan12.pNext = nullptr;
+  return report;
+}
+
 tl::expected<std::vector<DeviceInfo>, std::string> ListDevices() try {
   std::vector<DeviceInfo> infos;
   for (const auto& device : Devices(*OpenInstance(false)->instance)) infos.push_back(Inspect(device));
@@ -276,22 +258,17 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   context->queue_family = *ComputeFamily(*context->physical);
   const float priority = 1.0f;
   const vk::DeviceQueueCreateInfo queue({}, context->queue_family, 1, &priority);
-  vk::PhysicalDeviceVulkan12Features features;
-  features.scalarBlockLayout = VK_TRUE;
-  features.shaderBufferInt64Atomics = VK_TRUE;
-  vk::PhysicalDeviceFeatures core;
-  core.shaderFloat64 = VK_TRUE;
-  core.shaderInt64 = VK_TRUE;
+  DeviceFeatures features = NeededFeatures();
   vk::DeviceCreateInfo create({}, queue);
-  create.pEnabledFeatures = &core;
-  create.pNext = &features;
+  create.pEnabledFeatures = &features.core;
+  create.pNext = &features.vulkan12;
   context->subgroups = FindSubgroups(*context->physical);
   vk::PhysicalDeviceSubgroupSizeControlFeatures sizes(context->subgroups.can_choose,
                                                       context->subgroups.can_be_full);
   const char* const size_control = VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME;
   if (sizes.subgroupSizeControl || sizes.computeFullSubgroups) {
     create.setPEnabledExtensionNames(size_control);
-    features.pNext = &sizes;
+    features.vulkan12.pNext = &sizes;
   }
   const DriverThreads threads;
   context->device.emplace(*context->physical, create);

@@ -13,6 +13,7 @@
 #include <tl/expected.hpp>
 #include <vulkan/vulkan_raii.hpp>
 
+#include "gpu/context/device_needs.h"
 #include "gpu/context/devices.h"
 
 namespace osteon::gpu {
@@ -46,6 +47,9 @@ struct Context {
   DeviceInfo info;
   Subgroups subgroups;
 };
+
+/// What a device says of itself.
+[[nodiscard]] DeviceReport ReportOf(const vk::raii::PhysicalDevice& device);
 
 /// @param name  part of a device's name, in any case; empty: the default device.
 [[nodiscard]] tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name,

@@ -7,14 +7,23 @@
 
 namespace osteon::gpu {
 
+/// A feature or limit that the cutting engine needs and that a device lacks.
+struct UnmetNeed {
+  std::string name;      ///< e.g. "shaderFloat64"
+  std::string found;     ///< e.g. "no"
+  std::string accepted;  ///< e.g. "yes"
+  std::string why;       ///< what the engine needs it for
+};
+
 /// One Vulkan device of this machine.
 struct DeviceInfo {
-  std::string name;          ///< as the driver reports it, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)"
-  std::string kind;          ///< "discrete", "integrated", "virtual", "cpu" or "other"
-  std::string api_version;   ///< e.g. "1.3.239"
-  std::string driver;        ///< e.g. "llvmpipe Mesa 22.3.6"
-  double memory_bytes{0.0};  ///< of its largest device-local heap
-  std::string refusal;       ///< why the cutting engine cannot use it; empty where it can
+  std::string name;                ///< as the driver reports it, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string kind;                ///< "discrete", "integrated", "virtual", "cpu" or "other"
+  std::string api_version;         ///< e.g. "1.3.239"
+  std::string driver;              ///< e.g. "llvmpipe Mesa 22.3.6"
+  double memory_bytes{0.0};        ///< of its largest device-local heap
+  std::string refusal;             ///< why the cutting engine cannot use it, in one line; empty where it can
+  std::vector<UnmetNeed> unmet{};  ///< the same, each need for itself
 };
 
 /// Lists all Vulkan devices, the default one first (discrete before integrated, virtual and cpu).

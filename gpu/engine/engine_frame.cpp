@@ -125,8 +125,10 @@ void VulkanEngine::Impl::SetUploads(Frame& f) const {
       .x = program->WithinLimit((uploads.size() + program->lanes() - 1) / program->lanes()), .y = 1, .z = 1};
 }
 
-// Passes the frame's requests and the capsules of its cutting balls to the split pool.
+// Passes the frame's events and the capsules of its cutting balls to the split pool.
 void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSolution& solution) {
+  const std::span<const SplitEvent> events = program->split_events();
+  if (events.empty() && pool->IsIdle()) return;
   capsules.clear();
   for (std::size_t t = 0; t < tool.cutter_count; ++t) {
     if (CutsAlone() && t != (done.touching & ((1u << kToolBits) - 1u))) continue;
@@ -139,8 +141,7 @@ void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSol
     capsules.push_back({.a = contact_m, .b = slid_m, .radius_m = radius_m});
     capsules.push_back({.a = slid_m, .b = end_m, .radius_m = radius_m});
   }
-  const std::size_t count = std::min(done.request_count, frame_constants.request_capacity);
-  pool->EndFrame({program->host<SplitRequest>(kBindRequests), count}, capsules, Blocks());
+  pool->EndFrame(events, capsules);
 }
 
 // Measures the displacement of the tool's balls since the lists were built.

@@ -151,9 +151,6 @@ struct VulkanEngine::Impl {
   void EndSplits(const Frame& done, const simulation::FrameSolution& solution);
   // length of the device's list of balls
   [[nodiscard]] std::size_t AllBalls() const { return pool ? pool->ball_count() : ball_count; }
-  [[nodiscard]] std::span<Block> Blocks() const {
-    return {program->host<Block>(kBindBlocks), pool->block_count()};
-  }
   // only the tool ball that touches first cuts
   [[nodiscard]] bool CutsAlone() const { return params.cutters == simulation::Cutters::kContactSphere; }
   void MeasureDisplacement(Frame& f) const;

@@ -26,10 +26,10 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   sizes.packed_pairs = AllPackedPairs() + kPackedPairs;
   sizes.contact_sphere = CutsAlone();
   if (pool) {
-    sizes.requests = std::min(ball_count, sizes.live);
     sizes.blocks = pool->block_count();
-    sizes.uploads = sizes.blocks * (kGroupSize + 1);
-    frame_constants.request_capacity = static_cast<uint>(sizes.requests);
+    sizes.split_events = std::min(ball_count, sizes.live) + sizes.blocks;
+    sizes.uploads = sizes.blocks * SplitPool::kUploadsOfASplit;
+    frame_constants.split_event_capacity = static_cast<uint>(sizes.split_events);
   }
   if (std::string refusal = FrameProgram::Refusal(*context, sizes, vulkan.overrides); !refusal.empty())
     return refusal;

@@ -58,16 +58,18 @@ void SplitPool::FreeBlock(uint block) {
   std::erase(blocks_of_cluster_[parent / kGroupSize], block);
 }
 
-void SplitPool::EndFrame(std::span<const SplitRequest> requests,
-                         std::span<const simulation::Capsule> capsules, std::span<Block> blocks) {
-  std::vector<SplitRequest> sorted(requests.begin(), requests.end());
-  std::ranges::sort(sorted, {}, &SplitRequest::parent);
+void SplitPool::EndFrame(std::span<const SplitEvent> events, std::span<const simulation::Capsule> capsules) {
+  std::vector<SplitEvent> sorted;
+  for (const SplitEvent& event : events) {
+    if (event.index >= kEmptiedBlock)
+      emptied_.push_back(event.index - kEmptiedBlock);
+    else
+      sorted.push_back(event);
+  }
+  std::ranges::sort(sorted, {}, &SplitEvent::index);
   std::size_t free = params().pool_blocks - in_use_.size();
   std::size_t may_split =
       params().blocks_per_frame > 0 ? params().blocks_per_frame : std::numeric_limits<std::size_t>::max();
-  std::vector<uint> emptied;
-  for (const uint block : in_use_)
-    if (blocks[block].live == 0 && blocks[block].waits == 0) emptied.push_back(block);
 
   // waiting balls and requests together, in the order of their parents
   std::vector<Waiting> waited;
@@ -78,17 +80,14 @@ void SplitPool::EndFrame(std::span<const SplitRequest> requests,
   while (next != waited.end() || request != sorted.end()) {
     std::optional<Waiting> waiting;
     const bool has_waited =
-        next != waited.end() && (request == sorted.end() || next->ball.parent <= request->parent);
-    const bool asks = request != sorted.end() && (!has_waited || request->parent == next->ball.parent);
+        next != waited.end() && (request == sorted.end() || next->ball.parent <= request->index);
+    const bool asks = request != sorted.end() && (!has_waited || request->index == next->ball.parent);
     if (has_waited) {
       waiting = std::move(*next++);
     } else if (free > 0) {
       --free;
-      waiting = Waiting{.ball = {.parent = request->parent, .root = ToState(request->before)}, .now = {}};
-      const uint block = TakeBlock(request->parent);
-      blocks[block] = {.min_mm = static_cast<float>(1e3 * splitter_.MinChildRadius_m(request->parent)),
-                       .live = 0,
-                       .waits = 1};
+      waiting = Waiting{.ball = {.parent = request->index, .root = ToState(request->before)}, .now = {}};
+      TakeBlock(request->index);
     } else {
       ++refused_;
     }
@@ -105,18 +104,20 @@ void SplitPool::EndFrame(std::span<const SplitRequest> requests,
     splitter_.MakeChildren(waiting->ball, children);
     splitter_.CutChildren(parent, capsules, children);
     const auto block = static_cast<uint>(block_[parent]);
-    blocks[block].waits = 0;
-    blocks[block].live = 0;
+    std::size_t live = 0;
     uploads_.push_back({.index = parent, .ball = {0, 0, 0, 0}});
     for (std::size_t k = 0; k < kGroupSize; ++k) {
       const BallState child = k < children.size() ? children[k] : BallState{};
       uploads_.push_back(
           {.index = static_cast<uint>(first_ + block * kGroupSize + k), .ball = ToBall(child)});
-      if (child.radius_m > 0.0) ++blocks[block].live;
+      if (child.radius_m > 0.0) ++live;
     }
-    if (blocks[block].live == 0) emptied.push_back(block);
+    uploads_.push_back({.index = static_cast<uint>(ball_count() + block),
+                        .ball = {MinChildRadius_mm(parent), static_cast<float>(live), 0, 0}});
+    if (live == 0) emptied_.push_back(block);
   }
-  for (const uint block : emptied) FreeBlock(block);
+  for (const uint block : emptied_) FreeBlock(block);
+  emptied_.clear();
 }
 
 void SplitPool::Save(std::span<const vec4> balls, simulation::CarvedState& state) const {
@@ -140,7 +141,7 @@ void SplitPool::Save(std::span<const vec4> balls, simulation::CarvedState& state
   }
 }
 
-std::vector<vec4> SplitPool::Load(const simulation::CarvedState& state, std::span<Block> blocks) {
+SplitPool::DeviceState SplitPool::Load(const simulation::CarvedState& state) {
   splitter_.CheckState(state);
   const std::size_t slots = splitter_.slots();
   std::ranges::fill(block_, -1);
@@ -148,26 +149,29 @@ std::vector<vec4> SplitPool::Load(const simulation::CarvedState& state, std::spa
   parent_.clear();
   free_.clear();
   in_use_.clear();
+  emptied_.clear();
   waiting_.clear();
   uploads_.clear();
-  std::vector<vec4> balls(ball_count(), vec4{0, 0, 0, 0});
+  DeviceState loaded{.balls = std::vector<vec4>(ball_count(), vec4{0, 0, 0, 0}),
+                     .blocks = std::vector<Block>(block_count(), Block{.min_mm = 0, .live = 0})};
+  std::vector<vec4>& balls = loaded.balls;
   std::copy_n(state.balls.begin(), 4 * parents_, &balls[0].x);
   for (std::size_t j = 0; j < state.split_balls.size(); ++j) {
     const std::uint32_t parent = state.split_balls[j];
     const uint block = TakeBlock(parent);
     const auto saved = std::span(state.split_slots).subspan(4 * slots * j, 4 * slots);
-    blocks[block] = {
-        .min_mm = static_cast<float>(1e3 * splitter_.MinChildRadius_m(parent)), .live = 0, .waits = 0};
+    Block& books = loaded.blocks[block];
+    books.min_mm = MinChildRadius_mm(parent);
     if (state.split_cuts[j] > 0) {
-      blocks[block].waits = 1;
       waiting_.push_back({.ball = BallSplitter::LoadWaiting(parent, state.split_cuts[j], saved),
                           .now = ToState(balls[parent])});
       continue;
     }
     std::copy_n(saved.begin(), 4 * slots, &balls[first_ + block * kGroupSize].x);
-    for (std::size_t k = 0; k < slots; ++k) blocks[block].live += saved[4 * k + 3] > 0.0f ? 1 : 0;
+    for (std::size_t k = 0; k < slots; ++k) books.live += saved[4 * k + 3] > 0.0f ? 1 : 0;
+    if (books.live == 0) emptied_.push_back(block);
   }
-  return balls;
+  return loaded;
 }
 
 void SplitPool::ToSaved(simulation::ContactMemory& contact) const {

@@ -14,13 +14,15 @@ namespace osteon::gpu {
 /// have).
 ///
 ///     device  balls  │ parents, up to a multiple of 64 │ block 0: 64 slots │ block 1 │ …
-///                      ▲ requests: parents that were touched and are too large, in any order
+///             blocks │ number of children left, by block
+///                      ▲ events, in any order: parents that were touched and are too large, blocks that
+///                        have lost their last child
 ///     host    sorted by parent ─▶ blocks ─▶ children, cut by the frame's capsules
 ///                                          ─▶ the next frame's uploads
 ///
 /// A block is a cluster of its own, in the same place as its parent's cluster, so culling and lists treat
 /// children like any cluster. The host makes the children, in a few microseconds a ball, before another frame
-/// can meet the ball.
+/// can meet the ball. It reads nothing of a frame without events but the number of events.
 class SplitPool {
  public:
   /// @throws std::invalid_argument where params are not accepted, or children do not fit a cluster.
@@ -33,10 +35,13 @@ class SplitPool {
   /// Blocks whose parents lie in a cluster of parents.
   [[nodiscard]] const std::vector<uint>& BlocksIn(uint cluster) const { return blocks_of_cluster_[cluster]; }
 
-  /// Ends a frame: serves its requests, frees empty blocks, and makes children.
-  /// @param blocks  state of each block, with its children as the device counts them
-  void EndFrame(std::span<const SplitRequest> requests, std::span<const simulation::Capsule> capsules,
-                std::span<Block> blocks);
+  /// Number of uploads for one ball that is split: the ball, its children and its block.
+  static constexpr std::size_t kUploadsOfASplit = 1 + kGroupSize + 1;
+
+  /// True where EndFrame has nothing to do in a frame without events.
+  [[nodiscard]] bool IsIdle() const { return waiting_.empty() && emptied_.empty(); }
+  /// Ends a frame: serves the balls that are to be split, frees empty blocks, and makes children.
+  void EndFrame(std::span<const SplitEvent> events, std::span<const simulation::Capsule> capsules);
 
   /// Balls to send to the device before the next frame's lists are built.
   [[nodiscard]] const std::vector<SplitUpload>& uploads() const { return uploads_; }
@@ -45,9 +50,14 @@ class SplitPool {
 
   /// Writes the state from the device's list of balls, after the uploads.
   void Save(std::span<const vec4> balls, simulation::CarvedState& state) const;
-  /// Returns the device's list of balls for a state; clears all books.
+  /// The device's lists.
+  struct DeviceState {
+    std::vector<vec4> balls;
+    std::vector<Block> blocks;
+  };
+  /// Returns the device's lists for a state; clears all books.
   /// @throws std::invalid_argument where the state belongs to another packing or other parameters.
-  [[nodiscard]] std::vector<vec4> Load(const simulation::CarvedState& state, std::span<Block> blocks);
+  [[nodiscard]] DeviceState Load(const simulation::CarvedState& state);
   /// Converts the indices of the contact memory's balls between a state and the device.
   void ToSaved(simulation::ContactMemory& contact) const;
   void FromSaved(simulation::ContactMemory& contact) const;
@@ -58,6 +68,9 @@ class SplitPool {
     simulation::BallState now;  ///< what the device has left of the ball
   };
   [[nodiscard]] const simulation::SplitParams& params() const { return splitter_.params(); }
+  [[nodiscard]] float MinChildRadius_mm(std::uint32_t parent) const {
+    return static_cast<float>(1e3 * splitter_.MinChildRadius_m(parent));
+  }
   uint TakeBlock(std::uint32_t parent);
   void FreeBlock(uint block);
 
@@ -67,6 +80,7 @@ class SplitPool {
   std::vector<std::uint32_t> parent_;  ///< parent of each block that was ever in use
   std::set<uint> free_;                ///< those of them that are free now
   std::set<uint> in_use_;
+  std::vector<uint> emptied_;     ///< blocks without children, to be freed at the end of the next frame
   std::vector<Waiting> waiting_;  ///< in ascending order of parents
   std::vector<std::vector<uint>> blocks_of_cluster_;
   std::vector<SplitUpload> uploads_;

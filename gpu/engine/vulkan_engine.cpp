@@ -164,8 +164,9 @@ void VulkanEngine::Restore(const simulation::CarvedState& state) {
 
 void VulkanEngine::Impl::WriteState(const simulation::CarvedState& state) {
   if (pool) {
-    const std::vector<vec4> balls = pool->Load(state, Blocks());
-    WriteBalls(*program, balls.data(), balls.size());
+    const SplitPool::DeviceState loaded = pool->Load(state);
+    WriteBalls(*program, loaded.balls.data(), loaded.balls.size());
+    program->Write(kBindBlocks, loaded.blocks.data(), loaded.blocks.size() * sizeof(Block));
   } else {
     WriteBalls(*program, state.balls.data(), ball_count);
   }

@@ -14,8 +14,8 @@ namespace osteon::gpu {
 
 /// How the host detects the end of a frame.
 enum class FencePolicy : std::uint8_t {
-  kAuto,    ///< on a GPU kReport (kPoll where balls are split), on a processor kWait
-  kReport,  ///< poll the frame's report in memory, before the fence
+  kAuto,    ///< on a GPU kReport, on a processor kWait
+  kReport,  ///< poll the frame's report in memory; only a frame that splits balls waits for the fence, too
   kPoll,    ///< poll the fence
   kWait,    ///< wait for the fence
 };

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstring>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "gpu/context/context.h"
@@ -19,10 +20,10 @@ namespace osteon::gpu {
 struct ProgramSizes {
   std::size_t balls{0}, points{0}, ball_clusters{0}, point_clusters{0};
   std::size_t tool_balls{0}, cutters{0}, tool_refs{0}, materials{1};
-  std::size_t live{0};                             ///< capacity of each list of balls or points near the tool
-  std::size_t requests{0}, uploads{0}, blocks{0};  ///< of split balls; 0: none is split
-  std::size_t packed_pairs{0};                     ///< packed pairs of all list entries together
-  bool contact_sphere{false};                      ///< only the tool ball that touches first cuts
+  std::size_t live{0};  ///< capacity of each list of balls or points near the tool
+  std::size_t split_events{0}, uploads{0}, blocks{0};  ///< of split balls; 0: none is split
+  std::size_t packed_pairs{0};                         ///< packed pairs of all list entries together
+  bool contact_sphere{false};                          ///< only the tool ball that touches first cuts
 };
 
 enum class FrameMode : std::size_t {
@@ -47,8 +48,13 @@ class FrameProgram {
   [[nodiscard]] const Frame& result() const {
     return gpu_ ? readback().frame : *static_cast<const Frame*>(frame_in_.mapped);
   }
-  /// Host memory of a buffer that is written before each frame (kBindTool, kBindClusterPairs, kBindToolRefs)
-  /// or shared by host and device (kBindRequests, kBindUploads, kBindBlocks).
+  /// The last Run's events of split balls, in any order. Host memory.
+  [[nodiscard]] std::span<const SplitEvent> split_events() const {
+    return {static_cast<const SplitEvent*>(buffers_[kBindSplitEvents].mapped),
+            std::min<std::size_t>(result().split_event_count, sizes_.split_events)};
+  }
+  /// Host memory of a buffer that is written before a frame (kBindTool, kBindClusterPairs, kBindToolRefs,
+  /// kBindUploads).
   template <class T>
   [[nodiscard]] T* host(uint binding) {
     return static_cast<T*>(buffers_[binding].mapped);

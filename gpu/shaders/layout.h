@@ -126,7 +126,7 @@ struct Frame {
   uint packed_pair_capacity;
   uint first_child;  // index of the first child ball; blocks of kGroupSize slots follow each other from here
   float split_radius_mm;  // larger balls request a split; huge where none is split
-  uint request_capacity;
+  uint split_event_capacity;
 
   // inputs of this frame
   vec4 start, goal;                    // T's origin at the proxy and at the tool's pose
@@ -181,9 +181,9 @@ struct Frame {
   OSTEON_ARRAY(Candidate, candidates, kCandidates);
   // row 0: balls that cut (unused with a single one); row 1: those that do not
   OSTEON_ARRAY(Sum, face_sums, 2 * kFaces * kFaceColumns);
-  uint request_count;  // number of balls that should be split; may exceed the capacity
-  uint groups_done;    // workgroups that have finished a pass whose last one continues: see IsLastGroup
-  uint sequence;       // number of the readback
+  uint split_event_count;
+  uint groups_done;  // workgroups that have finished a pass whose last one continues: see IsLastGroup
+  uint sequence;     // number of the readback
   // where one tool ball alone cuts: the ball that touches first. Upper bits: its index in the tool's own
   // list; lower kToolBits: its device index. kNoToolBall where nothing was touched
   uint touching;
@@ -198,13 +198,16 @@ struct Readback {
   uint sum, sequence;
 };
 
-// A touched ball that is large enough to be split.
-struct SplitRequest {
-  uint parent;
+// What the host's books of split balls need to know of a frame: a touched ball that is large enough to be
+// split, or a block whose last child has gone (its number with kEmptiedBlock added, no balls).
+struct SplitEvent {
+  uint index;
   vec4 before, after;
 };
+OSTEON_CONST uint kEmptiedBlock = 0x80000000u;
 
-// A child ball from the host.
+// A ball from the host: a split parent or a child. From index ball_count on a block instead, as (min_mm,
+// live).
 struct SplitUpload {
   uint index;
   vec4 ball;
@@ -214,7 +217,6 @@ struct SplitUpload {
 struct Block {
   float min_mm;  // smaller children are dropped
   uint live;     // number of children left
-  uint waits;    // 1: the children are not made yet
 };
 
 // A cluster of 64 balls or points, and the tool balls that can meet it: tool_refs[first …] in ascending
@@ -260,7 +262,7 @@ OSTEON_CONST uint kBindLivePoints = 12;   // copies of the listed points
 OSTEON_CONST uint kBindPointEntries = 13;
 OSTEON_CONST uint kBindPackedPairs = 14;  // packed pairs; 0 … tool_count - 1 first
 OSTEON_CONST uint kBindSlots = 15;        // slot of each ball in the list
-OSTEON_CONST uint kBindRequests = 16;     // SplitRequest
+OSTEON_CONST uint kBindSplitEvents = 16;  // SplitEvent
 OSTEON_CONST uint kBindUploads = 17;      // SplitUpload
 OSTEON_CONST uint kBindBlocks = 18;       // Block
 OSTEON_CONST uint kBindings = 19;
@@ -282,7 +284,7 @@ static_assert(sizeof(DoublePrecision) == 8 * (9 + 9 + 16 + 12 + 9 + 1 + 4 + 3 + 
 static_assert(sizeof(Candidate) == 32);
 static_assert(sizeof(ClusterPairs) == 16 && sizeof(ListEntry) == 16 &&
               sizeof(ShaftPair) == sizeof(ListEntry) && sizeof(Sum) == 8);
-static_assert(sizeof(SplitRequest) == 36 && sizeof(SplitUpload) == 20 && sizeof(Block) == 12);
+static_assert(sizeof(SplitEvent) == 36 && sizeof(SplitUpload) == 20 && sizeof(Block) == 8);
 }  // namespace osteon::gpu
 #endif
 #undef OSTEON_CONST

@@ -147,20 +147,25 @@ bool IsSwallowed(SweptPath way, uint slot, dvec4 whole) {
   return swallowed;
 }
 
-// Stores the ball's new state. A large ball is noted for the host to split, a small child is dropped.
+// Notes an event for the host's books of split balls.
+void NoteSplit(uint index, vec4 before, vec4 after) {
+  uint place = atomicAdd(frame.split_event_count, 1u);
+  if (place < frame.split_event_capacity) split_events[place] = SplitEvent(index, before, after);
+}
+
+// Stores the ball's new state. A large ball is noted for the host to split, a small child is dropped, and a block's last child
+// is noted for the host to free the block.
 void StoreBall(SweptPath way, uint slot, vec4 whole, vec4 ball) {
   if (ball.w == whole.w) return;
   if (kSplit) {
     uint index = LiveEntry(slot).index;
     bool child = index >= frame.first_child;
-    if (!child && whole.w > frame.split_radius_mm && !IsSwallowed(way, slot, Exactly(whole))) {
-      uint place = atomicAdd(frame.request_count, 1u);
-      if (place < frame.request_capacity) requests[place] = SplitRequest(index, whole, ball);
-    }
+    if (!child && whole.w > frame.split_radius_mm && !IsSwallowed(way, slot, Exactly(whole))) NoteSplit(index, whole, ball);
     if (child) {
       uint block = (index - frame.first_child) / kGroupSize;
       if (ball.w < blocks[block].min_mm) ball.w = 0.0;
-      if (ball.w == 0.0) atomicAdd(blocks[block].live, 0xffffffffu);
+      if (ball.w == 0.0 && atomicAdd(blocks[block].live, 0xffffffffu) == 1u)
+        NoteSplit(kEmptiedBlock + block, vec4(0.0), vec4(0.0));
     }
   }
   live_balls[slot] = ball;

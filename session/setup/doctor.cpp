@@ -34,10 +34,14 @@ void ExamineVulkan(std::vector<Check>& checks) {
          !runs ? kCheckMissing
          : gpu ? kCheckGood
                : kCheckUsable,
-         !runs   ? "refused: " + device.refusal
+         !runs   ? "refused for what the next lines name; the CPU engine needs no device"
          : !gpu  ? "computes on the processor: for the shaders' tests; the CPU engine is faster"
          : first ? "taken by default"
                  : "choose it with --device"});
+    for (const gpu::UnmetNeed& need : device.unmet)
+      checks.push_back({"Vulkan need",
+                        fmt::format("{}: found {}, accepted {}", need.name, need.found, need.accepted),
+                        kCheckMissing, need.why});
     first = false;
   }
   const EngineChoice choice = ChooseEngine("auto", "", devices);

@@ -179,11 +179,13 @@ TEST(SubgroupSize, ThatTheDeviceHasNotIsRefused) {
 }
 
 TEST(GpuPasses, HaveNothingForTheValidationLayersToSay) {
-  for (const bool contact_sphere : {false, true}) {
+  CuttingParams contact_sphere, split;
+  contact_sphere.cutters = simulation::Cutters::kContactSphere;
+  split.split.on = true;
+  split.split.pool_blocks = 64;
+  for (const CuttingParams& cutting : {CuttingParams{}, contact_sphere, split}) {
     VulkanParams params = With(kForGpu);
     params.validation = true;
-    CuttingParams cutting;
-    if (contact_sphere) cutting.cutters = simulation::Cutters::kContactSphere;
     auto opened = VulkanEngine::Create(LongStrip(), Shell(60), Pose::Identity(), cutting, params);
     if (!opened && opened.error().find("vulkan-validationlayers") != std::string::npos)
       GTEST_SKIP() << opened.error();

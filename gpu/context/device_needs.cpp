@@ -1,0 +1,152 @@
+#include "gpu/context/device_needs.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "gpu/shaders/layout.h"
+
+namespace osteon::gpu {
+namespace {
+
+const vk::SubgroupFeatureFlags kSubgroupNeeds =
+    vk::SubgroupFeatureFlagBits::eBasic | vk::SubgroupFeatureFlagBits::eArithmetic |
+    vk::SubgroupFeatureFlagBits::eBallot | vk::SubgroupFeatureFlagBits::eVote;
+
+constexpr std::uint32_t kSharedMemory = 32'000;  // bytes
+
+// On a GPU some passes have workgroups of kWideLanes; on a processor all have fewer than Vulkan's minimum.
+std::uint32_t MaxInvocations(const DeviceReport& report) {
+  const vk::PhysicalDeviceLimits& limits = report.properties.limits;
+  return std::min(limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]);
+}
+
+std::vector<DeviceNeed> MakeNeeds() {
+  return {
+      {.name = "Vulkan",
+       .accepted = "1.2 and later",
+       .why = "layouts, subgroups and features are those of its core",
+       .is_met =
+           [](const DeviceReport& device) { return device.properties.apiVersion >= VK_API_VERSION_1_2; },
+       .found = [](const DeviceReport& device) { return ApiVersionText(device.properties.apiVersion); }},
+      {.name = "compute queue",
+       .accepted = "yes",
+       .why = "every pass is a compute shader",
+       .is_met = [](const DeviceReport& device) { return device.has_compute_queue; },
+       .found = [](const DeviceReport&) { return std::string("no"); }},
+      {.name = "scalarBlockLayout",
+       .accepted = "yes",
+       .why = "a buffer has the same layout in shaders and in C++",
+       .feature = [](DeviceFeatures& f) { return &f.vulkan12.scalarBlockLayout; }},
+      {.name = "shaderFloat64",
+       .accepted = "yes",
+       .why = "double precision decides what floats can't tell",
+       .feature = [](DeviceFeatures& f) { return &f.core.shaderFloat64; }},
+      {.name = "shaderInt64",
+       .accepted = "yes",
+       .why = "keys of pairs and exact sums have 64 bits",
+       .feature = [](DeviceFeatures& f) { return &f.core.shaderInt64; }},
+      {.name = "shaderBufferInt64Atomics",
+       .accepted = "yes",
+       .why = "all workgroups find one smallest key and add to one exact sum",
+       .feature = [](DeviceFeatures& f) { return &f.vulkan12.shaderBufferInt64Atomics; }},
+      {.name = "subgroup operations",
+       .accepted = "Basic, Vote, Arithmetic and Ballot in compute shaders",
+       .why = "a subgroup combines its results before it writes them",
+       .is_met =
+           [](const DeviceReport& device) {
+             return (device.subgroups.supportedOperations & kSubgroupNeeds) == kSubgroupNeeds &&
+                    (device.subgroups.supportedStages & vk::ShaderStageFlagBits::eCompute);
+           },
+       .found =
+           [](const DeviceReport& device) {
+             return vk::to_string(device.subgroups.supportedOperations & kSubgroupNeeds) + " in stages " +
+                    vk::to_string(device.subgroups.supportedStages);
+           }},
+      {.name = "subgroup size",
+       .accepted = fmt::format("{} … {}", kMinSubgroup, kGroupSize),
+       .why = "shared memory has places for 64 subgroups, and a cluster is one workgroup",
+       .is_met =
+           [](const DeviceReport& device) {
+             return device.subgroups.subgroupSize >= kMinSubgroup &&
+                    device.subgroups.subgroupSize <= kGroupSize;
+           },
+       .found = [](const DeviceReport& device) { return fmt::to_string(device.subgroups.subgroupSize); }},
+      {.name = "shared memory",
+       .accepted = fmt::format("at least {} bytes", kSharedMemory),
+       .why = "a workgroup combines its keys and sums there",
+       .is_met =
+           [](const DeviceReport& device) {
+             return device.properties.limits.maxComputeSharedMemorySize >= kSharedMemory;
+           },
+       .found =
+           [](const DeviceReport& device) {
+             return fmt::format("{} bytes", device.properties.limits.maxComputeSharedMemorySize);
+           }},
+      {.name = "workgroup size",
+       .accepted = fmt::format("at least {} invocations on a GPU", kWideLanes),
+       .why = "wide workgroups need fewer atomic additions",
+       .is_met =
+           [](const DeviceReport& device) {
+             return device.properties.deviceType == vk::PhysicalDeviceType::eCpu ||
+                    MaxInvocations(device) >= kWideLanes;
+           },
+       .found =
+           [](const DeviceReport& device) { return fmt::format("{} invocations", MaxInvocations(device)); }},
+      {.name = "storage buffers of a stage",
+       .accepted = fmt::format("at least {}", kBindings),
+       .why = "all passes share one set of buffers",
+       .is_met =
+           [](const DeviceReport& device) {
+             return device.properties.limits.maxPerStageDescriptorStorageBuffers >= kBindings;
+           },
+       .found =
+           [](const DeviceReport& device) {
+             return fmt::to_string(device.properties.limits.maxPerStageDescriptorStorageBuffers);
+           }},
+  };
+}
+
+}  // namespace
+
+std::string ApiVersionText(std::uint32_t version) {
+  return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
+                     VK_API_VERSION_PATCH(version));
+}
+
+std::span<const DeviceNeed> DeviceNeeds() {
+  static const std::vector<DeviceNeed> needs = MakeNeeds();
+  return needs;
+}
+
+std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report) {
+  std::vector<UnmetNeed> unmet;
+  DeviceFeatures features = report.features;
+  for (const DeviceNeed& need : DeviceNeeds()) {
+    const bool met = need.feature ? *need.feature(features) == VK_TRUE : need.is_met(report);
+    if (met) continue;
+    unmet.push_back({.name = need.name,
+                     .found = need.found ? need.found(report) : "no",
+                     .accepted = need.accepted,
+                     .why = need.why});
+    if (&need == &DeviceNeeds().front()) break;
+  }
+  return unmet;
+}
+
+DeviceFeatures NeededFeatures() {
+  DeviceFeatures features;
+  for (const DeviceNeed& need : DeviceNeeds())
+    if (need.feature) *need.feature(features) = VK_TRUE;
+  return features;
+}
+
+std::string RefusalText(std::span<const UnmetNeed> unmet) {
+  std::string text;
+  for (const UnmetNeed& need : unmet)
+    text += fmt::format("{}{}: found {}, accepted {}", text.empty() ? "" : "; ", need.name, need.found,
+                        need.accepted);
+  return text;
+}
+
+}  // namespace osteon::gpu

@@ -1,0 +1,58 @@
+#pragma once
+
+// Inside gpu only: this header brings vulkan.hpp.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <vulkan/vulkan.hpp>
+
+#include "gpu/context/devices.h"
+
+namespace osteon::gpu {
+
+/// Smallest subgroup that the passes run in: shared memory has places for kWideLanes / 4 subgroups.
+inline constexpr std::uint32_t kMinSubgroup = 4;
+
+/// Features that a device offers, or that are asked for when it opens.
+struct DeviceFeatures {
+  vk::PhysicalDeviceFeatures core;
+  vk::PhysicalDeviceVulkan12Features vulkan12;
+};
+
+/// What a device says of itself, as far as the engine's needs go.
+struct DeviceReport {
+  vk::PhysicalDeviceProperties properties;
+  vk::PhysicalDeviceSubgroupProperties subgroups;
+  DeviceFeatures features;
+  bool has_compute_queue{false};
+};
+
+/// One thing that the cutting engine needs of a device: a feature, which is also asked for when the device
+/// opens, or another property.
+struct DeviceNeed {
+  std::string name, accepted, why;
+  vk::Bool32* (*feature)(DeviceFeatures&){nullptr};    ///< nullptr for another property
+  bool (*is_met)(const DeviceReport&){nullptr};        ///< nullptr for a feature
+  std::string (*found)(const DeviceReport&){nullptr};  ///< nullptr for a feature
+};
+
+/// All needs, in the order of docs/theory/gpu_frames.md#limits. The first one is the API's version: a device
+/// that does not have it is not asked for the others.
+[[nodiscard]] std::span<const DeviceNeed> DeviceNeeds();
+
+/// A version that Vulkan packs into one number, as "1.3.239".
+[[nodiscard]] std::string ApiVersionText(std::uint32_t version);
+
+/// The needs that a device does not meet; empty where the engine can use it.
+[[nodiscard]] std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report);
+
+/// The features that the engine asks for.
+[[nodiscard]] DeviceFeatures NeededFeatures();
+
+/// "shaderFloat64: found no, accepted yes; …"; empty where all needs are met.
+[[nodiscard]] std::string RefusalText(std::span<const UnmetNeed> unmet);
+
+}  // namespace osteon::gpu

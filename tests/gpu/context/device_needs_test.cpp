@@ -1,0 +1,124 @@
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "gpu/context/context.h"
+#include "gpu/shaders/layout.h"
+
+// The table of what the engine needs of a device, with each need in turn taken from a device that meets all.
+
+namespace osteon::gpu {
+namespace {
+
+DeviceReport OfAUsableDevice() {
+  const auto context = OpenContext("", false);
+  if (!context) throw std::runtime_error(context.error());
+  return ReportOf(*(*context)->physical);
+}
+
+// How a device falls short of a need that is no feature, and what is then found.
+struct Shortfall {
+  std::function<void(DeviceReport&)> take;
+  std::string found;
+};
+const std::map<std::string, Shortfall>& Shortfalls() {
+  static const std::map<std::string, Shortfall> shortfalls{
+      {"Vulkan",
+       {[](DeviceReport& r) { r.properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 1, 7); }, "1.1.7"}},
+      {"compute queue", {[](DeviceReport& r) { r.has_compute_queue = false; }, "no"}},
+      {"subgroup operations",
+       {[](DeviceReport& r) { r.subgroups.supportedOperations = vk::SubgroupFeatureFlagBits::eBasic; },
+        "{ Basic } in stages"}},
+      {"subgroup size", {[](DeviceReport& r) { r.subgroups.subgroupSize = 128; }, "128"}},
+      {"shared memory",
+       {[](DeviceReport& r) { r.properties.limits.maxComputeSharedMemorySize = 16'384; }, "16384 bytes"}},
+      {"workgroup size",
+       {[](DeviceReport& r) {
+          r.properties.deviceType = vk::PhysicalDeviceType::eDiscreteGpu;
+          r.properties.limits.maxComputeWorkGroupInvocations = 128;
+        },
+        "128 invocations"}},
+      {"storage buffers of a stage",
+       {[](DeviceReport& r) { r.properties.limits.maxPerStageDescriptorStorageBuffers = kBindings - 1; },
+        std::to_string(kBindings - 1)}},
+  };
+  return shortfalls;
+}
+
+TEST(DeviceNeeds, AreAllMetByADeviceThatOpens) { EXPECT_TRUE(UnmetNeeds(OfAUsableDevice()).empty()); }
+
+TEST(DeviceNeeds, EachIsToldAloneWhereItAloneIsMissing) {
+  const DeviceReport usable = OfAUsableDevice();
+  std::set<std::string> names;
+  for (const DeviceNeed& need : DeviceNeeds()) {
+    EXPECT_TRUE(names.insert(need.name).second) << need.name << " stands twice";
+    EXPECT_NE(need.feature != nullptr, need.is_met != nullptr && need.found != nullptr) << need.name;
+    DeviceReport device = usable;
+    std::string found = "no";
+    if (need.feature) {
+      *need.feature(device.features) = VK_FALSE;
+    } else {
+      ASSERT_TRUE(Shortfalls().contains(need.name)) << "no device of this test lacks " << need.name;
+      Shortfalls().at(need.name).take(device);
+      found = Shortfalls().at(need.name).found;
+    }
+    const std::vector<UnmetNeed> unmet = UnmetNeeds(device);
+    ASSERT_EQ(unmet.size(), 1u) << need.name;
+    EXPECT_EQ(unmet[0].name, need.name);
+    EXPECT_TRUE(unmet[0].found.starts_with(found)) << unmet[0].found;
+    EXPECT_FALSE(unmet[0].why.empty());
+    EXPECT_EQ(RefusalText(unmet), need.name + ": found " + unmet[0].found + ", accepted " + need.accepted);
+  }
+  EXPECT_GE(names.size(), 11u);
+}
+
+TEST(DeviceNeeds, AreToldTogetherWhereSeveralAreMissing) {
+  DeviceReport device = OfAUsableDevice();
+  device.features.core.shaderFloat64 = VK_FALSE;
+  device.features.vulkan12.shaderBufferInt64Atomics = VK_FALSE;
+  EXPECT_EQ(RefusalText(UnmetNeeds(device)),
+            "shaderFloat64: found no, accepted yes; shaderBufferInt64Atomics: found no, accepted yes");
+}
+
+// An older device reports no features of Vulkan 1.2: that it lacks them all would say nothing.
+TEST(DeviceNeeds, OfADeviceOfAnOlderVulkanAreItsVersionAlone) {
+  DeviceReport device;
+  device.properties.apiVersion = VK_API_VERSION_1_1;
+  EXPECT_EQ(RefusalText(UnmetNeeds(device)), "Vulkan: found 1.1.0, accepted 1.2 and later");
+}
+
+TEST(DeviceNeeds, OfAProcessorAreWithoutWideWorkgroups) {
+  DeviceReport device = OfAUsableDevice();
+  Shortfalls().at("workgroup size").take(device);
+  device.properties.deviceType = vk::PhysicalDeviceType::eCpu;
+  EXPECT_TRUE(UnmetNeeds(device).empty());
+}
+
+TEST(DeviceNeeds, FeaturesAreAskedForWhereTheTableHasThem) {
+  DeviceFeatures asked = NeededFeatures();
+  int count = 0;
+  for (const DeviceNeed& need : DeviceNeeds()) {
+    if (!need.feature) continue;
+    EXPECT_EQ(*need.feature(asked), VK_TRUE) << need.name;
+    ++count;
+  }
+  EXPECT_EQ(count, 4);
+  EXPECT_EQ(asked.core.geometryShader, VK_FALSE) << "nothing else is asked for";
+}
+
+TEST(DeviceNeeds, StandInTheDocument) {
+  std::ifstream file(OSTEON_SOURCE_DIR "/docs/theory/gpu_frames.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  ASSERT_FALSE(page.empty());
+  std::string rows;
+  for (const DeviceNeed& need : DeviceNeeds())
+    rows += "| " + need.name + " | " + need.accepted + " | " + need.why + " |\n";
+  EXPECT_NE(page.find(rows), std::string::npos) << "the table of needs should be:\n" << rows;
+}
+
+}  // namespace
+}  // namespace osteon::gpu
