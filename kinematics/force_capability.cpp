@@ -30,7 +30,7 @@ class Least {
 };
 
 // Length of v's component across a unit axis; |v|^2 - (v·a)^2 would lose half of the digits.
-double Across(const Vector3& v, const Vector3& axis) { return (v - v.dot(axis) * axis).norm(); }
+double LengthAcross(const Vector3& v, const Vector3& axis) { return (v - v.dot(axis) * axis).norm(); }
 
 // The largest factor whose force and torque stay within the caps.
 double CappedFactor(double force_N, double torque_Nm) {
@@ -92,7 +92,7 @@ CapabilityLimit ForceCapability<N>::LateralForce(const Vector3& axis, double axi
     const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();
     const double room = std::min(room_up_[i] - axial, room_down_[i] + axial) - taken;
     if (room < 0.0) return {.value = 0.0, .joint = i};
-    least.Add(room, Across(Jv, axis), i);
+    least.Add(room, LengthAcross(Jv, axis), i);
   }
   return least.Result();
 }
@@ -108,7 +108,7 @@ CapabilityLimit ForceCapability<N>::Factor(const Vector3& axis, const ToolLoad& 
     const Vector3 Jv = J_.template block<3, 1>(0, i);
     const double axial = load.axial_N * Jv.dot(axis);
     const double rest =
-        load.lateral_N * Across(Jv, axis) + load.torque_Nm * J_.template block<3, 1>(3, i).norm();
+        load.lateral_N * LengthAcross(Jv, axis) + load.torque_Nm * J_.template block<3, 1>(3, i).norm();
     least.Add(room_up_[i], std::max(0.0, axial) + rest, i);
     least.Add(room_down_[i], std::max(0.0, -axial) + rest, i);
   }
@@ -116,7 +116,7 @@ CapabilityLimit ForceCapability<N>::Factor(const Vector3& axis, const ToolLoad& 
 }
 
 template <int N>
-double ForceCapability<N>::Share(const Wrench& F) const OSTEON_RT {
+double ForceCapability<N>::HoldableShare(const Wrench& F) const OSTEON_RT {
   if (F.f.isZero(0.0) && F.t.isZero(0.0)) return 1.0;
   return std::min(1.0, Factor(F).value);
 }

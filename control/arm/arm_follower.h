@@ -81,7 +81,7 @@ class ArmFollower {
   /// Whether the external torques on the joints, by the arm's estimate [N·m], will exceed what the joints can
   /// hold within a message (safety::JointTorqueLimit). Call once per message; false if the arm's torques are
   /// unknown.
-  [[nodiscard]] virtual bool UpdateExternalTorques(const JointArray& tau_external_Nm) OSTEON_RT = 0;
+  [[nodiscard]] virtual bool PredictOverload(const JointArray& tau_external_Nm) OSTEON_RT = 0;
 
   /// One tick of a stop in which the joints' own last motion is scaled down within ServoParams::joint_stop_s.
   /// Used where the tool's braking path has no joint solution. True at rest.
@@ -118,7 +118,7 @@ class ArmFollower {
 /// vanishing direction then takes from the twist what a smooth stop would take from a body of that mass and
 /// inertia. @tparam N number of joints, 6 or 7
 template <int N>
-[[nodiscard]] kinematics::DifferentialInverseParams<N> MotionParams(const ServoParams& params);
+[[nodiscard]] kinematics::DifferentialInverseParams<N> DifferentialInverseParamsOf(const ServoParams& params);
 
 /// @param X_WB robot base in world  @param X_FT tool on the flange  @param arm_angle_rad wanted in the run
 /// @throws std::invalid_argument naming the parameter, the value and what is accepted.

@@ -34,9 +34,9 @@ class SafetyChecks {
   SafetyChecks(const ServoParams& params, double max_force_N);
 
   /// Motion begins: each source has its full time to show up, and the spindle's torque is forgotten.
-  void StartMotion(rt::Nanoseconds now) OSTEON_RT;
+  void OnMotionStarted(rt::Nanoseconds now) OSTEON_RT;
   /// Rendering begins: the next force of the coupling counts from zero.
-  void StartRendering(rt::Nanoseconds now) OSTEON_RT;
+  void OnRenderingStarted(rt::Nanoseconds now) OSTEON_RT;
 
   /// Ages, sensor, spindle and the PLC's permission of a cell that renders or brakes for a pause.
   [[nodiscard]] safety::FaultSet CheckDevices(const CellReadings& readings, const InputAges& ages,

@@ -11,9 +11,9 @@ namespace osteon::control {
 
 /// Collects all of a tick's arguments that its record does not hold elsewhere.
 /// @param stop  an orderly stop was requested
-[[nodiscard]] TickInput InputOf(const ArmState& state, ReceiveResult received, const CellReadings& readings,
-                                const simulation::ContactModel& model, rt::Nanoseconds now,
-                                bool stop) OSTEON_RT;
+[[nodiscard]] TickInput MakeTickInput(const ArmState& state, ReceiveResult received,
+                                      const CellReadings& readings, const simulation::ContactModel& model,
+                                      rt::Nanoseconds now, bool stop) OSTEON_RT;
 
 /// Restores the arm's message of a tick.
 [[nodiscard]] ArmState ArmStateOf(const TickRecord& tick) OSTEON_RT;

@@ -52,12 +52,14 @@ class VibrationReference {
 
   [[nodiscard]] double reference_N() const OSTEON_RT;
   /// Energy up to which nothing counts as vibration.
-  [[nodiscard]] double allowed2() const OSTEON_RT { return params_.margin * params_.margin * reference2_; }
+  [[nodiscard]] double allowed_energy() const OSTEON_RT {
+    return params_.margin * params_.margin * reference2_;
+  }
   /// Whether a test is under way, which needs much drag.
   [[nodiscard]] bool testing() const OSTEON_RT { return testing_; }
   /// Whether the last test found the hand's own vibration, and nothing is suspected since its beats are
   /// known.
-  [[nodiscard]] bool released() const OSTEON_RT { return released_; }
+  [[nodiscard]] bool attributed_to_hand() const OSTEON_RT { return attributed_to_hand_; }
 
  private:
   void EvaluateTest() OSTEON_RT;
@@ -71,7 +73,7 @@ class VibrationReference {
   double calm_s_{0.0};         ///< since something vibrated
   double unconfirmed_s_{0.0};  ///< since vibration as large as R
   double before2_{0.0}, left2_{0.0};
-  bool testing_{false}, watchful_{false}, released_{false};
+  bool testing_{false}, watchful_{false}, attributed_to_hand_{false};
 };
 
 }  // namespace osteon::control

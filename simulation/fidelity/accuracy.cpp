@@ -88,8 +88,8 @@ class Sampler {
   double layer_m_;
 };
 
-std::vector<CellFinds> LookEverywhere(const std::vector<Cell>& cells, const Sampler& sampler,
-                                      const AccuracyParams& params) {
+std::vector<CellFinds> SampleCells(const std::vector<Cell>& cells, const Sampler& sampler,
+                                   const AccuracyParams& params) {
   std::vector<CellFinds> finds(cells.size());
   ParallelFor(cells.size(), params.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) finds[i] = sampler.SampleCell(cells[i], params.seed);
@@ -111,8 +111,8 @@ double GapAt(const CarvedShape& shape, const CellFinds& at, double radius_m, dou
   return std::min(gap, deepest_m);
 }
 
-ProbeGap Feel(const CarvedShape& shape, const std::vector<const CellFinds*>& places, double radius_m,
-              const AccuracyParams& params) {
+ProbeGap MeasureProbeGap(const CarvedShape& shape, const std::vector<const CellFinds*>& places,
+                         double radius_m, const AccuracyParams& params) {
   std::vector<double> gaps(places.size());
   ParallelFor(
       places.size(), params.threads,
@@ -150,13 +150,12 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
   // a coarse measurement of the cut's area gives the size of the cells
   const double coarse_m = box.sizes().maxCoeff() / 40.0;
   std::vector<Cell> cells = CellsAround(solid, swept, coarse_m, params.threads);
-  std::vector<CellFinds> finds =
-      LookEverywhere(cells, Sampler(solid, before, after, swept, coarse_m), params);
+  std::vector<CellFinds> finds = SampleCells(cells, Sampler(solid, before, after, swept, coarse_m), params);
   const double area = std::max(AreaOf(cells, finds, coarse_m), coarse_m * coarse_m);
   const double finest_m =
       std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, params.surface_cells)));
   cells = CellsAround(solid, swept, finest_m, params.threads);
-  finds = LookEverywhere(cells, Sampler(solid, before, after, swept, finest_m), params);
+  finds = SampleCells(cells, Sampler(solid, before, after, swept, finest_m), params);
 
   CutAccuracy result;
   result.cut_area_m2 = AreaOf(cells, finds, finest_m);
@@ -184,7 +183,7 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
     const std::size_t stride = (fitting.size() + most - 1) / most;
     std::vector<const CellFinds*> some;
     for (std::size_t i = 0; i < fitting.size(); i += stride) some.push_back(fitting[i]);
-    result.probes.push_back(Feel(after, some, radius, params));
+    result.probes.push_back(MeasureProbeGap(after, some, radius, params));
   }
   return result;
 }

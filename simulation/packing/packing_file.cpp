@@ -48,7 +48,7 @@ std::string Hex(std::span<const std::byte> bytes) {
 }
 
 /// Guesses the kind of a file that is no packing.
-std::string Guess(std::span<const std::byte> bytes) {
+std::string GuessFileKind(std::span<const std::byte> bytes) {
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()),
                                std::min<std::size_t>(bytes.size(), 16));
   struct Known {
@@ -83,7 +83,7 @@ class PackingReader {
   tl::expected<PackingFile, FileError> Read() {
     ReadHeader();
     if (!error_) ReadTable();
-    if (!error_) CheckWhole();
+    if (!error_) CheckContents();
     for (const SectionEntry& entry : table_)
       if (!error_) ReadSection(entry);
     if (error_) return tl::make_unexpected(std::move(*error_));
@@ -103,7 +103,7 @@ class PackingReader {
     if (bytes_.empty()) return Fail({}, "", "an empty file", "a packing file");
     const std::size_t magic_bytes = std::min(bytes_.size(), kMagic.size());
     if (std::memcmp(bytes_.data(), kMagic.data(), magic_bytes) != 0)
-      return Fail(0, "", Hex(bytes_.first(magic_bytes)) + Guess(bytes_), accepted_magic);
+      return Fail(0, "", Hex(bytes_.first(magic_bytes)) + GuessFileKind(bytes_), accepted_magic);
     if (bytes_.size() < sizeof(FileHeader))
       return Fail(bytes_.size(), "header", "the end of the file",
                   fmt::format("{} bytes: the file was cut off", sizeof(FileHeader)));
@@ -208,7 +208,7 @@ class PackingReader {
   }
 
   /// Checks the file's contents against its table, which was found good.
-  void CheckWhole() {
+  void CheckContents() {
     if (bytes_.size() > header_.file_bytes)
       return Fail(header_.file_bytes, "end of the file",
                   fmt::format("{} bytes more", bytes_.size() - header_.file_bytes),
@@ -229,7 +229,7 @@ class PackingReader {
   void ReadSection(const SectionEntry& entry) {
     switch (entry.kind) {
       case kBalls:
-        packing_.balls_ = Records<PackedBall>(
+        packing_.balls_ = ReadRecords<PackedBall>(
             entry,
             [](const PackedBall& b) {
               return InReach(b.x_mm, b.y_mm, b.z_mm) && b.radius_mm > 0.0f && b.radius_mm <= kReach_mm;
@@ -237,7 +237,7 @@ class PackingReader {
             &PackingReader::FailBall);
         break;
       case kPoints:
-        packing_.points_ = Records<PackedPoint>(
+        packing_.points_ = ReadRecords<PackedPoint>(
             entry,
             [](const PackedPoint& p) {
               return InReach(p.x_mm, p.y_mm, p.z_mm) && p.volume_mm3 > 0.0f && p.volume_mm3 <= kMaxVolume_mm3;
@@ -246,7 +246,7 @@ class PackingReader {
         break;
       case kPointMaterials:
         // the valid indices follow from the materials, which come later
-        packing_.point_materials_ = Records<MaterialIndex>(
+        packing_.point_materials_ = ReadRecords<MaterialIndex>(
             entry, [](MaterialIndex) { return true; }, nullptr);
         break;
       case kMaterials:
@@ -277,9 +277,9 @@ class PackingReader {
 
   /// A section's records; checks checksum and values in one pass over the bytes, in pieces on all threads.
   template <typename Record, typename Good>
-  std::span<const Record> Records(const SectionEntry& entry, const Good& good,
-                                  void (PackingReader::*fail)(const Record&, const std::string&,
-                                                              std::uint64_t)) {
+  std::span<const Record> ReadRecords(const SectionEntry& entry, const Good& good,
+                                      void (PackingReader::*fail)(const Record&, const std::string&,
+                                                                  std::uint64_t)) {
     // sections begin at multiples of 64 bytes of a mapping, which begins at a page
     const std::span<const Record> records(reinterpret_cast<const Record*>(bytes_.data() + entry.offset),
                                           static_cast<std::size_t>(entry.count));
