@@ -6,21 +6,22 @@
 namespace osteon::kinematics {
 namespace {
 
-// Minimum of room / load over the half-spaces that a load approaches.
+// Finds the joint that limits a load: the minimum of room / load over all half-spaces toward whose border the
+// load acts.
 class Least {
  public:
   explicit Least(double cap) : limit_{.value = cap, .joint = -1} {}
 
   void Add(double room, double load, int joint) {
     if (load <= 0.0) return;
-    // a load beyond the largest double, or inf - inf on the way, leaves no room
+    // an infinite load, or a NaN from inf - inf, leaves no room
     const double value = load < HUGE_VAL ? room / load : 0.0;
     if (value >= limit_.value) return;
     limit_ = {.value = value, .joint = joint};
   }
 
   [[nodiscard]] CapabilityLimit Result() const {
-    // below zero: the accompanying load is too much already
+    // negative room: the accompanying load alone is too much
     if (!(limit_.value > 0.0)) return {.value = 0.0, .joint = limit_.joint};
     return limit_;
   }
@@ -29,7 +30,8 @@ class Least {
   CapabilityLimit limit_;
 };
 
-// Length of v's component across a unit axis; |v|^2 - (v·a)^2 would lose half of the digits.
+// Length of v's component perpendicular to a unit axis. The shorter |v|^2 - (v·a)^2 would lose half of the
+// digits.
 double LengthAcross(const Vector3& v, const Vector3& axis) { return (v - v.dot(axis) * axis).norm(); }
 
 // The largest factor whose force and torque stay within the caps.
@@ -61,7 +63,7 @@ CapabilityLimit ForceCapability<N>::Force(const Vector3& u, double torque_Nm) co
   for (int i = 0; i < N; ++i) {
     const double load = J_.template block<3, 1>(0, i).dot(u);
     const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();
-    // the torque's own load counts on both sides, even where the force loads neither
+    // the torque may have either sign, so both sides need room for it, even if the force loads neither
     if (std::min(room_up_[i], room_down_[i]) < taken) return {.value = 0.0, .joint = i};
     least.Add((load > 0.0 ? room_up_[i] : room_down_[i]) - taken, std::abs(load), i);
   }

@@ -184,7 +184,7 @@ void CpuEngine::Restore(const CarvedState& state) {
 }
 
 std::string CpuDeviceText(const std::string& instruction_set) {
-  // Highway's name of AVX-512, and of plain C++
+  // Highway's names of AVX-512 and of plain C++
   const std::string& name = instruction_set;
   const std::string plain = name == "N_AVX3"                           ? "AVX-512"
                             : name == "N_SCALAR" || name == "N_EMU128" ? "plain C++"

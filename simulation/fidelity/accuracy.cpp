@@ -11,11 +11,11 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kTouch = 1e-9;      // nearer than this counts as inside
-constexpr double kProbeStop = 1e-7;  // a probe this near has arrived
-constexpr int kSamplesPerCell = 2;   // the difference of two gives the standard error
+constexpr double kTouch = 1e-9;      // points nearer than this [m] count as inside
+constexpr double kProbeStop = 1e-7;  // a probe this near [m] touches
+constexpr int kSamplesPerCell = 2;   // two: their difference gives the standard error
 
-/// A zone that is fine on both sides of the swept volume's surface.
+/// Zone of fine cells: both sides of the swept volume's surface.
 class SweepZone final : public CutZone {
  public:
   explicit SweepZone(const SweptTool& swept) : swept_(swept) {}
@@ -97,8 +97,8 @@ std::vector<CellFinds> SampleCells(const std::vector<Cell>& cells, const Sampler
   return finds;
 }
 
-/// Distance that a probe moves from the exact cut until it touches. Sphere tracing: a step as long as the
-/// clearance meets nothing.
+/// Distance that a probe moves from the exact cut into the bone until it touches. Found by sphere tracing: a
+/// step as long as the present clearance cannot hit anything.
 double GapAt(const CarvedShape& shape, const CellFinds& at, double radius_m, double deepest_m) {
   const Vector3 start = at.place_m - radius_m * at.into_bone;
   double gap = 0.0;
@@ -168,7 +168,7 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
     result.swept_volume_m3 += share * found.swept;
     result.left_volume_m3 += share * found.left;
     result.left_depth_m = std::max(result.left_depth_m, found.left_depth_m);
-    if (found.lost == 1) variance += share * share;  // (a - b)^2 / 4 of two samples that stand for 2 shares
+    if (found.lost == 1) variance += share * share;  // var of share (a + b): share^2 (a - b)^2
     if (found.has_place) places.push_back(&found);
   }
   if (result.cut_area_m2 > 0.0) {

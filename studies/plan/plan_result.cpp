@@ -35,7 +35,7 @@ nlohmann::json GroupJson(const simulation::FrameGroup& group) {
           {"frame_us_p999", group.p999_us}};
 }
 
-// Fraction of the timed frames in which a thread may wait for a processor.
+// Fraction of the timed frames that other programs may interrupt before the verdict warns.
 constexpr double kSomeInterrupted = 0.2;
 
 struct FrameCounts {
@@ -138,7 +138,7 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
                                 {"unit", demand.what == "rate" ? "Hz" : "mm"},
                                 {"asked", demand.asked},
                                 {"predicted", demand.predicted}});
-  json["unmet"] = json["given_up"];  // the older name stays for programs that read it
+  json["unmet"] = json["given_up"];  // the older key, kept for programs that read it
   if (check) {
     json["check"] = {{"error_mm", check->error_m * 1e3}, {"standard_error_mm", check->standard_error_m * 1e3},
                      {"lost_mm", check->lost_m * 1e3},   {"left_mm", check->left_m * 1e3},
