@@ -177,7 +177,7 @@ class TickBench {
       if (!times.tick.empty()) {
         due = std::max(due + period, rt::MonotonicNow());
         rt::SleepUntil(due);
-        if (times.tick.size() / kBaselineEvery > times.bare.size()) {  // from caches as cold
+        if (times.tick.size() / kBaselineEvery > times.bare.size()) {  // also with cold caches
           times.bare.push_back(baseline_.Time(message_bytes_, answer_bytes_));
           due += period;
           rt::SleepUntil(due);
