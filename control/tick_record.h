@@ -62,8 +62,8 @@ inline constexpr std::uint8_t kNoCellState = 255;
 /// One tick of the servo loop as it is recorded. Plain data.
 struct TickRecord {
   std::uint64_t tick{0};
-  rt::Nanoseconds stamp{
-      0};  ///< time of the arm message that this tick answers; without a message, of the tick
+  /// Time of the arm message that this tick answers; without a message, of the tick.
+  rt::Nanoseconds stamp{0};
   Phase phase{Phase::kWaiting};
   std::uint8_t session_state{0};   ///< FRI session state, 0 … 4
   std::uint32_t faults{0};         ///< safety::FaultSet bits

@@ -11,8 +11,8 @@ struct PassivityParams {
   /// Dissipated energy that is remembered and may come back; >= 0. Larger than the errors of the trapezoidal
   /// sum, of changes between frames, and of the coupling's damping, which is one tick old.
   double allowance_J{0.02};
-  double min_speed_m_per_s{
-      0.005};  ///< at a lower speed the energy is kept for later: E / |V|^2 would be noise; > 0
+  /// Below this speed the energy is kept for later, because E / |V|^2 would be noise; > 0.
+  double min_speed_m_per_s{0.005};
   double max_damping_Ns_per_m{1000.0};
   double lever_m{0.1};  ///< lever at which rotation counts as translation
 };
