@@ -140,8 +140,9 @@ ContactModel CpuEngine::Step(const FrameInput& input) {
   it.lists.BeginFrame();
   if (!it.memory.has_proxy) it.memory.X_GP = it.X_WG.inverse() * Pose(input.X_WT);
   const Pose X_WP = it.X_WG * Pose(it.memory.X_GP);
-  const ContactModel model = StepInParts(input, X_WP, SubframeCount(it.lever_m, X_WP, Pose(input.X_WT)),
-                                         it.memory, [&it](const FrameInput& part) { return it.Frame(part); });
+  const ContactModel model =
+      StepInParts(input, X_WP, SubframeCount(it.lever_m, X_WP, Pose(input.X_WT)), it.memory,
+                  [&it](const FrameInput& part) { return it.ComputeFrame(part); });
   it.stats.lists_made = it.lists.made_in_frame();
   it.stats.ball_rows = it.lists.ball_row_count();
   it.stats.listed_balls = cpu::kLanes * it.lists.ball_block_count();

@@ -59,7 +59,7 @@ struct CpuEngine::Impl {
   void ReserveScratch();
 
   // ---- engine_frame.cpp
-  ContactModel Frame(const FrameInput& input);
+  ContactModel ComputeFrame(const FrameInput& input);
   double PlaceTool(const Pose& X_GT);
   [[nodiscard]] bool FindContact(double path_m, FrameSolution& solution);
   [[nodiscard]] bool SolveContacts(const FrameInput& input, const Matrix3& R_GT, FrameSolution& solution);
@@ -75,13 +75,13 @@ struct CpuEngine::Impl {
     bool stopped;            ///< a ball stopped the slide
   };
   [[nodiscard]] double LongestWay(const cpu::ToolPlacement& a, const cpu::ToolPlacement& b) const;
-  [[nodiscard]] cpu::ContactPass PassOf(const cpu::ToolPlacement& from, const cpu::ToolPlacement& to,
-                                        double tolerance_m, double longest_m);
+  [[nodiscard]] cpu::ContactPass MakeContactPass(const cpu::ToolPlacement& from, const cpu::ToolPlacement& to,
+                                                 double tolerance_m, double longest_m);
   [[nodiscard]] double FirstContactOnWay(const cpu::ContactPass& pass) const;
   [[nodiscard]] Slid SlideTo(const cpu::ToolPlacement& to, double tolerance_m, double max_m);
   [[nodiscard]] NearPair PairOf(std::size_t ball, std::size_t tool_ball) const;
   void FindNearField(const Matrix3& R_GT);
-  void TakeNearField(const cpu::NearFieldPass& pass);
+  void StoreNearField(const cpu::NearFieldPass& pass);
   void MeasureEngagement(const Vector3& spindle_axis_G, FrameSolution& solution);
   [[nodiscard]] std::size_t TouchingBall(double first);
   void Remove(std::int32_t only, double way_m, FrameSolution& solution);

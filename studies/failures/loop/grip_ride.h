@@ -12,7 +12,7 @@ namespace osteon::hil {
 /// closes.
 struct GripRideParams {
   GridHand after{"stiff", 6000.0, 13.0, 1.1};
-  bool clamp{false};  ///< without the hand's wrench of that moment
+  bool clamp{false};  ///< a clamp closes and does not keep the hand's wrench; false: the hand stiffens
   control::ServoParams loop{};
   double step_s{1.3};
   double seconds{4.0};   ///< after the step
@@ -30,7 +30,7 @@ struct GripRide {
   bool fault{false};
   std::vector<double> window_N;               ///< RMS value of the hand's force between 5 and 40 Hz,
                                               ///< every kEvery_s
-  std::vector<double> indices, references_N;  ///< of the vibration index, for each tick
+  std::vector<double> indices, references_N;  ///< vibration index and its reference, for each tick
   std::vector<double> damping_factors;
 };
 
