@@ -88,8 +88,8 @@ class Sampler {
   double layer_m_;
 };
 
-std::vector<CellFinds> SampleCells(const std::vector<Cell>& cells, const Sampler& sampler,
-                                   const AccuracyParams& params) {
+std::vector<CellFinds> SampleSweepCells(const std::vector<Cell>& cells, const Sampler& sampler,
+                                        const AccuracyParams& params) {
   std::vector<CellFinds> finds(cells.size());
   ParallelFor(cells.size(), params.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) finds[i] = sampler.SampleCell(cells[i], params.seed);
@@ -150,12 +150,13 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
   // a coarse measurement of the cut's area gives the size of the cells
   const double coarse_m = box.sizes().maxCoeff() / 40.0;
   std::vector<Cell> cells = CellsAround(solid, swept, coarse_m, params.threads);
-  std::vector<CellFinds> finds = SampleCells(cells, Sampler(solid, before, after, swept, coarse_m), params);
+  std::vector<CellFinds> finds =
+      SampleSweepCells(cells, Sampler(solid, before, after, swept, coarse_m), params);
   const double area = std::max(AreaOf(cells, finds, coarse_m), coarse_m * coarse_m);
   const double finest_m =
       std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, params.surface_cells)));
   cells = CellsAround(solid, swept, finest_m, params.threads);
-  finds = SampleCells(cells, Sampler(solid, before, after, swept, finest_m), params);
+  finds = SampleSweepCells(cells, Sampler(solid, before, after, swept, finest_m), params);
 
   CutAccuracy result;
   result.cut_area_m2 = AreaOf(cells, finds, finest_m);

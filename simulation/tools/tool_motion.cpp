@@ -66,9 +66,9 @@ std::string Shortened(std::string_view text) {
 }
 
 // Reads a text line by line.
-class LineReader {
+class MotionLines {
  public:
-  explicit LineReader(std::string_view text) : rest_(text) {}
+  explicit MotionLines(std::string_view text) : rest_(text) {}
   // Reads the next line. False at the end. Accepts LF and CRLF.
   bool Next(std::string_view& line) {
     if (rest_.empty()) return false;
@@ -159,7 +159,7 @@ std::string MotionText(const ToolMotion& motion) {
 
 tl::expected<ToolMotion, std::string> ParseMotion(const std::string& text, const std::string& name) {
   ToolMotion motion;
-  LineReader lines(text);
+  MotionLines lines(text);
   std::string_view line;
   const auto refuse = [&](const std::string& what) {
     return tl::make_unexpected(fmt::format("{}:{}: {}", name, lines.number(), what));
