@@ -8,8 +8,8 @@ namespace osteon::rt {
 /// The highest CPU number that fits the system's masks. ReserveCpu checks which CPUs exist.
 inline constexpr int kMaxCpu = 1023;
 
-/// What a thread with a deadline requests of the system. A refused request is missing in RealtimeGrant, and
-/// the thread runs nevertheless.
+/// Settings that a thread with a deadline requests of the system. A refused request is missing in
+/// RealtimeGrant, and the thread runs nevertheless.
 struct RealtimeThreadParams {
   int priority{80};  ///< SCHED_FIFO, 1 … 99; 0: not requested
   int cpu{-1};       ///< the only CPU that the thread may run on, in the system's numbering; -1: any
@@ -23,7 +23,7 @@ struct RealtimeThreadParams {
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const RealtimeThreadParams& params);
 
-/// What the system granted.
+/// Settings that the system granted.
 struct RealtimeGrant {
   bool realtime{false};  ///< SCHED_FIFO at the priority
   int cpu{-1};           ///< the CPU that the thread is pinned to; -1: it may run anywhere

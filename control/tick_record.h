@@ -9,7 +9,7 @@
 
 namespace osteon::control {
 
-/// What the loop does, in short; safety::CellState has the details.
+/// Phase of a run, a summary of safety::CellState.
 enum class Phase : std::uint8_t {
   kWaiting,   ///< the arm is not yet handed over, or the cell is paused
   kHaptic,    ///< rendering
@@ -23,7 +23,7 @@ enum class Phase : std::uint8_t {
 struct TickInput {
   rt::Nanoseconds now{0};        ///< time given to the tick; 0: the recording is older than this field
   rt::Nanoseconds arm_stamp{0};  ///< ArmState::stamp
-  // Of ArmState.
+  // copied from ArmState
   std::uint32_t sequence{0}, activation{0};
   std::uint32_t lost{0}, duplicate{0}, late{0}, reordered{0}, rejected{0}, other_version{0};
   std::uint32_t answers_lost{0}, answers_foreign{0};
@@ -31,18 +31,18 @@ struct TickInput {
   bool drives_active{false}, holding{false}, has_ipo{false};
   std::uint8_t received{0};          ///< ReceiveResult
   bool stop{false};                  ///< an orderly stop was requested
-  bool recover{false};               ///< a recovery was requested since the tick before
+  bool recover{false};               ///< a recovery was requested since the previous tick
   bool pause{false}, resume{false};  ///< likewise for a pause and its end
-  bool repeat_differed{false};       ///< the repetition of the tick before gave a different result
-  bool recorder_stalled{false};      ///< the recorder stood still, or refused the tick before
+  bool repeat_differed{false};       ///< the repetition of the previous tick gave a different result
+  bool recorder_stalled{false};      ///< the recorder stalled, or refused the previous tick
   std::uint8_t model_status{0};      ///< simulation::EngineStatus
-  double period_s{0.0};              ///< of ArmState
+  double period_s{0.0};              ///< ArmState::period_s
   std::array<double, 7> q_ipo{};     ///< [rad]
   std::array<double, 7> tau_ext{};   ///< [N·m]
-  rt::Nanoseconds sensor_stamp{0};   ///< of the force reading
-  PlainWrench F_sensor_S;            ///< the reading as it came; F_operator_T_W is computed from it
+  rt::Nanoseconds sensor_stamp{0};   ///< ForceReading::stamp
+  PlainWrench F_sensor_S;            ///< the raw reading; F_operator_T_W is computed from it
   bool sensor_trusted{true};
-  // Of SpindleReading and InterlockReading.
+  // copied from SpindleReading and InterlockReading
   rt::Nanoseconds spindle_stamp{0};
   double spindle_meas_rad_per_s{0.0}, spindle_torque_Nm{0.0};
   bool spindle_ready{false}, spindle_fault{false};
@@ -52,7 +52,7 @@ struct TickInput {
   bool permitted{false}, enabled{false}, spindle_permitted{false};
   std::uint8_t interlock_reason{0};
   rt::Nanoseconds model_pose_stamp{0};
-  bool has_gains{false};  ///< new gains were requested since the tick before, and accepted:
+  bool has_gains{false};  ///< `gains` were requested since the previous tick, and accepted
   Gains gains{};
 };
 
@@ -62,7 +62,8 @@ inline constexpr std::uint8_t kNoCellState = 255;
 /// One tick of the servo loop as it is recorded. Plain data.
 struct TickRecord {
   std::uint64_t tick{0};
-  rt::Nanoseconds stamp{0};  ///< time of the arm message that this tick answers; without one, of the tick
+  /// Time of the arm message that this tick answers; without a message, of the tick.
+  rt::Nanoseconds stamp{0};
   Phase phase{Phase::kWaiting};
   std::uint8_t session_state{0};   ///< FRI session state, 0 … 4
   std::uint32_t faults{0};         ///< safety::FaultSet bits
@@ -70,33 +71,33 @@ struct TickRecord {
   std::array<double, 7> q_cmd{};   ///< [rad]
   PlainPose X_WT_cmd, X_WT_meas;   ///< tool in world, commanded and measured
   PlainVector3 v_WT_cmd_m_per_s;   ///< velocity of the tool's apex
-  /// Speed of the measured apex since the message before, while the loop commands the arm; else 0.
+  /// Measured speed of the apex since the previous message, while the loop commands the arm; else 0.
   double tool_speed_meas_m_per_s{0.0};
-  PlainWrench F_operator_T_W;  ///< exerted by the hand, from the sensor, on T, in W
-  /// Rendered: after every limit, as integrated. In the tick of a fault: what would have been rendered,
-  /// within the limits.
+  PlainWrench F_operator_T_W;  ///< the hand's wrench on T at To, in W, from the sensor
+  /// The rendered coupling wrench, after all limits. In the tick of a fault: the limited wrench that would
+  /// have been rendered.
   PlainWrench F_coupling_T_W;
   double wrench_step_N{0.0};        ///< growth or turn of the coupling's force (safety::WrenchRateTrip)
-  double wrench_step_limit_N{0.0};  ///< its limit for a tick
+  double wrench_step_limit_N{0.0};  ///< limit of wrench_step_N
   double wrench_scale{1.0};         ///< share of the coupling wrench that the limits passed, 0 … 1
-  double arm_share{1.0};            ///< share of it that the arm's torques can hold in this posture, 0 … 1
-  double tool_in_bone_m{0.0};       ///< distance of the tool from its collision-free pose, while rendering
-  double vibration_index{0.0};      ///< 0 … 1
-  /// Effective value up to which vibration counts as the hand's own.
+  double arm_share{1.0};  ///< share of the coupling wrench that the arm can hold in this posture, 0 … 1
+  double tool_in_bone_m{0.0};   ///< distance of the tool from its collision-free pose, while rendering
+  double vibration_index{0.0};  ///< 0 … 1
+  /// RMS force up to which vibration counts as the hand's own.
   double vibration_reference_N{0.0};
-  double mass_factor{1.0};                 ///< factor of the vibration index on the virtual tool's inertia,
-  double damping_factor{1.0};              ///< and on its drag
-  double age_damping_factor{1.0};          ///< factor of the age governor on the law's damping,
-  double age_wrench_share{1.0};            ///< and on the coupling
-  double passivity_energy_J{0.0};          ///< that the planes have given to the tool: E > 0 was generated
+  double mass_factor{1.0};         ///< factor of the vibration index on the virtual tool's inertia,
+  double damping_factor{1.0};      ///< and on its drag
+  double age_damping_factor{1.0};  ///< factor of the age governor on the law's damping,
+  double age_wrench_share{1.0};    ///< and on the coupling
+  double passivity_energy_J{0.0};  ///< energy that the planes have given to the tool; E > 0 was generated
   double passivity_damping_Ns_per_m{0.0};  ///< damping that takes E back; 0: inactive
-  double tank_J{0.0};                      ///< while rendering
+  double tank_J{0.0};                      ///< energy in the tank, while rendering
   double tank_share{1.0};                  ///< share of the coupling that the tank could pay for
   std::uint32_t limits{0};                 ///< safety::LimitSet: the limits that acted in this tick
   std::uint8_t cell_state{kNoCellState};   ///< safety::CellState
-  std::uint32_t permits{0};                ///< safety::MotionPermits, as last evaluated: while nothing moves
-  PlainWrench F_bias_S;                    ///< subtracted from the sensor's readings
-  double model_age_s{0.0};                 ///< of the contact model's pose
+  std::uint32_t permits{0};                ///< safety::MotionPermits, as last evaluated
+  PlainWrench F_bias_S;                    ///< bias subtracted from the sensor's readings, in S
+  double model_age_s{0.0};                 ///< age of the pose that the contact model was computed for
   double sensor_age_s{0.0};
   std::uint64_t model_frame{0};
   double spindle_rad_per_s{0.0};

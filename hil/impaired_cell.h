@@ -5,8 +5,9 @@
 
 namespace osteon::hil {
 
-/// A simulated cell in virtual time behind impaired wires. Used in lockstep like the cell itself, except that
-/// none, one or several messages reach the client in a period, each at its own time.
+/// A simulated cell in virtual time behind impaired wires: messages get lost, delayed or changed on their
+/// way. It is used in lockstep like the cell itself, except that none, one or several messages reach the
+/// client in a period, each at its own time.
 ///
 ///     ImpairedCell cell(SimulatedCell(params, script), injections);
 ///     for (rt::Nanoseconds now = 0; …; now += period) {
@@ -29,7 +30,7 @@ class ImpairedCell {
   template <class Deliver>
   void Step(rt::Nanoseconds now, Deliver&& deliver) {
     StepCell(now);
-    client_time_ = now + period_ - 1;  // without a message: the client has waited in vain
+    client_time_ = now + period_ - 1;  // if no message comes, the client waits until the period's end
     const rt::Nanoseconds end = client_time_;
     for (rt::Nanoseconds due = wires_.to_controller.NextDue(); due <= end;
          due = wires_.to_controller.NextDue()) {
@@ -38,7 +39,7 @@ class ImpairedCell {
     }
   }
 
-  /// Takes the client's answer to the newest message. Empty: nothing.
+  /// Takes the client's answer to the newest message. An empty answer is ignored.
   void Receive(std::span<const std::uint8_t> answer) {
     if (!answer.empty()) wires_.from_controller.Push(answer, client_time_);
   }

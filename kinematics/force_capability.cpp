@@ -6,21 +6,22 @@
 namespace osteon::kinematics {
 namespace {
 
-// Minimum of room / load over the half-spaces that a load approaches.
+// Finds the joint that limits a load: the minimum of room / load over all half-spaces toward whose border the
+// load acts.
 class Least {
  public:
   explicit Least(double cap) : limit_{.value = cap, .joint = -1} {}
 
   void Add(double room, double load, int joint) {
     if (load <= 0.0) return;
-    // a load beyond the largest double, or inf - inf on the way, leaves no room
+    // an infinite load, or a NaN from inf - inf, leaves no room
     const double value = load < HUGE_VAL ? room / load : 0.0;
     if (value >= limit_.value) return;
     limit_ = {.value = value, .joint = joint};
   }
 
   [[nodiscard]] CapabilityLimit Result() const {
-    // below zero: the accompanying load is too much already
+    // negative room: the accompanying load alone is too much
     if (!(limit_.value > 0.0)) return {.value = 0.0, .joint = limit_.joint};
     return limit_;
   }
@@ -29,8 +30,9 @@ class Least {
   CapabilityLimit limit_;
 };
 
-// Length of v's component across a unit axis; |v|^2 - (v·a)^2 would lose half of the digits.
-double Across(const Vector3& v, const Vector3& axis) { return (v - v.dot(axis) * axis).norm(); }
+// Length of v's component perpendicular to a unit axis. The shorter |v|^2 - (v·a)^2 would lose half of the
+// digits.
+double LengthAcross(const Vector3& v, const Vector3& axis) { return (v - v.dot(axis) * axis).norm(); }
 
 // The largest factor whose force and torque stay within the caps.
 double CappedFactor(double force_N, double torque_Nm) {
@@ -61,7 +63,7 @@ CapabilityLimit ForceCapability<N>::Force(const Vector3& u, double torque_Nm) co
   for (int i = 0; i < N; ++i) {
     const double load = J_.template block<3, 1>(0, i).dot(u);
     const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();
-    // the torque's own load counts on both sides, even where the force loads neither
+    // the torque may have either sign, so both sides need room for it, even if the force loads neither
     if (std::min(room_up_[i], room_down_[i]) < taken) return {.value = 0.0, .joint = i};
     least.Add((load > 0.0 ? room_up_[i] : room_down_[i]) - taken, std::abs(load), i);
   }
@@ -92,7 +94,7 @@ CapabilityLimit ForceCapability<N>::LateralForce(const Vector3& axis, double axi
     const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();
     const double room = std::min(room_up_[i] - axial, room_down_[i] + axial) - taken;
     if (room < 0.0) return {.value = 0.0, .joint = i};
-    least.Add(room, Across(Jv, axis), i);
+    least.Add(room, LengthAcross(Jv, axis), i);
   }
   return least.Result();
 }
@@ -108,7 +110,7 @@ CapabilityLimit ForceCapability<N>::Factor(const Vector3& axis, const ToolLoad& 
     const Vector3 Jv = J_.template block<3, 1>(0, i);
     const double axial = load.axial_N * Jv.dot(axis);
     const double rest =
-        load.lateral_N * Across(Jv, axis) + load.torque_Nm * J_.template block<3, 1>(3, i).norm();
+        load.lateral_N * LengthAcross(Jv, axis) + load.torque_Nm * J_.template block<3, 1>(3, i).norm();
     least.Add(room_up_[i], std::max(0.0, axial) + rest, i);
     least.Add(room_down_[i], std::max(0.0, -axial) + rest, i);
   }
@@ -116,7 +118,7 @@ CapabilityLimit ForceCapability<N>::Factor(const Vector3& axis, const ToolLoad& 
 }
 
 template <int N>
-double ForceCapability<N>::Share(const Wrench& F) const OSTEON_RT {
+double ForceCapability<N>::HoldableShare(const Wrench& F) const OSTEON_RT {
   if (F.f.isZero(0.0) && F.t.isZero(0.0)) return 1.0;
   return std::min(1.0, Factor(F).value);
 }

@@ -77,7 +77,7 @@ class ForceCapability {
 
   /// The share of F that the arm can hold, s = min(1, Factor(F)): the pose-dependent scale of a wrench
   /// limiter. 1 for F = 0.
-  [[nodiscard]] double Share(const Wrench& F) const OSTEON_RT;
+  [[nodiscard]] double HoldableShare(const Wrench& F) const OSTEON_RT;
 
  private:
   JacobianN<N> J_;

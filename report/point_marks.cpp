@@ -78,7 +78,7 @@ void LabelPlacer::BlockLine(double x1, double y1, double x2, double y2) {
   }
 }
 
-bool LabelPlacer::Free(const Box& box) const {
+bool LabelPlacer::IsFree(const Box& box) const {
   if (box.left < area_.left + 2 || box.right > area_.left + area_.width - 2 || box.top < area_.top + 2 ||
       box.bottom > area_.top + area_.height - 2)
     return false;
@@ -108,7 +108,7 @@ std::string LabelPlacer::Place(double x, double y, std::string_view text, std::s
           places.push_back({side * (0.5 * width + (up == 0.0 ? out : 0.5 * out)), up * out, true});
   for (const Place& place : places) {
     const double left = x + place.dx - 0.5 * width, top = y + place.dy - 0.5 * height;
-    if (!Free({left, top, left + width, top + height})) continue;
+    if (!IsFree({left, top, left + width, top + height})) continue;
     std::string svg;
     if (place.line) {
       const double end_x = std::clamp(x, left, left + width), end_y = std::clamp(y, top, top + height);

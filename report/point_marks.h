@@ -37,7 +37,7 @@ class LabelPlacer {
   struct Box {
     double left, top, right, bottom;
   };
-  [[nodiscard]] bool Free(const Box& box) const;
+  [[nodiscard]] bool IsFree(const Box& box) const;
 
   PlotArea area_;
   std::vector<Box> taken_;

@@ -38,9 +38,9 @@ struct ReportInput {
   std::string subtitle{};  ///< e.g. engine, device, date
   ReportVerdict verdict{};
   std::vector<SummaryRow> summary{};  ///< as the terminal shows it
-  const RunCurves& run;               ///< its ticks and frames
+  const RunCurves& run;               ///< curves of the run's ticks and frames
   std::span<const Pose> X_GP{};       ///< the proxy's path
-  const simulation::Bone& bone;       ///< before the run
+  const simulation::Bone& bone;       ///< the bone before the run
   const simulation::CarvedState& after;
   const simulation::Tool& tool;
   const simulation::Solid* solid{

@@ -11,7 +11,8 @@ namespace {
 
 using Point = ThinCurve::Point;
 
-// Selects the points of a bucket that are kept, in their order.
+// Appends the points of a bucket that are kept, in their order: the first, smallest, largest and last finite
+// point, and the first gap.
 void AppendExtremes(std::span<const Point> bucket, std::vector<Point>& kept) {
   const std::size_t none = bucket.size();
   std::size_t first = none, least = none, greatest = none, last = none, gap = none;
@@ -37,7 +38,7 @@ void AppendExtremes(std::span<const Point> bucket, std::vector<Point>& kept) {
 void ThinCurve::Add(rt::Nanoseconds stamp, double value) {
   points_.push_back({stamp, value});
   if (points_.size() < kMaxPoints) return;
-  // buckets are aligned: buckets thinned before stay unchanged, or become halves of new ones
+  // a wider bucket is two of the former ones, so points that were thinned before can be thinned again
   for (Thin(); points_.size() > kMaxPoints / 2; Thin()) ++shift_;
 }
 

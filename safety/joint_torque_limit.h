@@ -5,8 +5,8 @@
 
 namespace osteon::safety {
 
-/// What an arm's joints can hold in addition to the arm itself, by joint torque. Gravity may help in one
-/// direction, but that is not relied on: its torque is subtracted on both sides.
+/// Joint torques that an arm can hold in addition to its own weight. Gravity may help in one direction, but
+/// that is not relied on: its torque is subtracted in both directions.
 ///
 ///     room_i = max(0, tau_max_i - |g_i|)
 ///

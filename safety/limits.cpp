@@ -57,7 +57,7 @@ LimitedWrench WrenchLimiter::Limit(const Wrench& F) const OSTEON_RT {
 LimitedWrench WrenchLimiter::Limit(const Wrench& F,
                                    const kinematics::ForceCapability<7>& arm) const OSTEON_RT {
   LimitedWrench limited = Limit(F);
-  limited.arm_share = IsFinite(F) ? arm.Share(F) : 0.0;
+  limited.arm_share = IsFinite(F) ? arm.HoldableShare(F) : 0.0;
   if (limited.arm_share >= limited.share) return limited;
   limited.share = limited.arm_share;
   limited.F = {.f = limited.share * F.f, .t = limited.share * F.t};

@@ -48,7 +48,7 @@ class WrenchLimiter {
   [[nodiscard]] LimitedWrench Limit(const Wrench& F) const OSTEON_RT;
   /// The same, limited also to what the arm can hold in its posture:
   ///
-  ///     s = min(arm.Share(F), max_force_N / |f|, max_torque_Nm / |t|),   F' = s F
+  ///     s = min(arm.HoldableShare(F), max_force_N / |f|, max_torque_Nm / |t|),   F' = s F
   ///
   /// @param arm  of the point that F acts on, in F's frame
   [[nodiscard]] LimitedWrench Limit(const Wrench& F,

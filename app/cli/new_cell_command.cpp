@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A cell that extends another one, with what is mostly changed as comments.
+// Returns the text of a cell that extends another one. Keys that users often change are in it as comments.
 std::string ShortCell(const config::CellConfig& cell, const std::string& from, const std::string& schema) {
   const Vector3 base_mm = 1e3 * cell.X_WB.translation(), bone_mm = 1e3 * cell.X_WG.translation();
   return fmt::format(
@@ -37,7 +37,7 @@ std::string ShortCell(const config::CellConfig& cell, const std::string& from, c
       cell.servo.wrench.max_force_N, schema);
 }
 
-// A copy, with the place of the schema as seen from anywhere.
+// Returns a copy of a cell file in which the path of the schema is absolute.
 std::string CopyOf(const fs::path& file, const std::string& schema) {
   std::ifstream stream(file, std::ios::binary);
   std::string text(std::istreambuf_iterator<char>(stream), {});
@@ -85,7 +85,7 @@ int NewCellCommand::Run(const std::filesystem::path& config_root) const {
   if (!stream) return refuse(file.string() + ": cannot write it");
   try {
     static_cast<void>(config::LoadCell(file));
-  } catch (const config::ConfigError& wrong) {  // a copy whose paths led from the other folder
+  } catch (const config::ConfigError& wrong) {  // relative paths in a copy are wrong in another folder
     fs::remove(file, error);
     return refuse(fmt::format("{}: it names files beside it, accepted names or whole paths", wrong.what()));
   }

@@ -79,7 +79,7 @@ class JointFollower final : public ArmFollower {
         X_FT_(X_FT),
         X_TF_(X_FT.inverse()),
         elbow_(std::move(elbow)),
-        motion_(MotionParams<kN>(params)),
+        motion_(DifferentialInverseParamsOf<kN>(params)),
         guard_(params.joints),
         workspace_(WorkspaceOf(params)) {
     if (!params.start) return;
@@ -127,8 +127,7 @@ class JointFollower final : public ArmFollower {
     std::copy_n(tau.data(), kN, result.begin());
     return result;
   }
-  [[nodiscard]] bool UpdateExternalTorques(
-      [[maybe_unused]] const JointArray& tau_external_Nm) OSTEON_RT override {
+  [[nodiscard]] bool PredictOverload([[maybe_unused]] const JointArray& tau_external_Nm) OSTEON_RT override {
     if constexpr (kRedundant)
       return elbow_.torques && elbow_.torques->PredictOverload(Gravity(), ToJoints(tau_external_Nm));
     return false;
@@ -449,7 +448,7 @@ safety::LimitedWrench JointFollower<Arm>::Limit(const safety::WrenchLimiter& lim
 }  // namespace
 
 template <int N>
-kinematics::DifferentialInverseParams<N> MotionParams(const ServoParams& params) {
+kinematics::DifferentialInverseParams<N> DifferentialInverseParamsOf(const ServoParams& params) {
   kinematics::DifferentialInverseParams<N> motion;
   std::copy_n(params.joints.limits.begin(), N, motion.limits.begin());
   motion.position_margin_rad = params.joints.position_margin_rad;
@@ -460,8 +459,8 @@ kinematics::DifferentialInverseParams<N> MotionParams(const ServoParams& params)
   return motion;
 }
 
-template kinematics::DifferentialInverseParams<6> MotionParams<6>(const ServoParams&);
-template kinematics::DifferentialInverseParams<7> MotionParams<7>(const ServoParams&);
+template kinematics::DifferentialInverseParams<6> DifferentialInverseParamsOf<6>(const ServoParams&);
+template kinematics::DifferentialInverseParams<7> DifferentialInverseParamsOf<7>(const ServoParams&);
 
 safety::WorkspaceParams WorkspaceOf(const ServoParams& params) {
   safety::WorkspaceParams workspace = params.workspace;

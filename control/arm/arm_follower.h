@@ -17,34 +17,36 @@ namespace osteon::control {
 
 /// Motion of the tool that is requested in a tick.
 struct MotionRequest {
-  Twist V_WT;  ///< of the tool at To, in W
-  /// Scales the elbow's speed toward its preferred place until it has been there, 0 … 1; 0 holds the elbow.
+  Twist V_WT;  ///< requested velocity of the tool at To, in W
+  /// Scales the speed at which the arm angle turns toward the wanted one, 0 … 1; 0 holds the elbow. It counts
+  /// until the wanted angle has been reached once; from then on the elbow moves only while the tool does.
   double elbow_share{0.0};
   double max_elbow_speed_m_per_s{std::numeric_limits<double>::infinity()};
-  bool elbow_moves{false};  ///< false: the elbow is held on its circle, however the tool moves
+  bool elbow_moves{false};  ///< false: the arm angle is held while the tool moves
 };
 
-/// Motion of the tool that results.
+/// The tool's motion after all limits.
 struct MotionResult {
-  Twist V_WT;               ///< commanded tool: what is left of the request
+  Twist V_WT;               ///< commanded velocity: the request after all limits
   bool limited{false};      ///< joint limits, reach or a singular posture reduced the motion
   bool elbow_acted{false};  ///< the elbow's speed limit reduced the motion
   bool zone_acted{false};   ///< a zone of flange or elbow reduced the motion
-  safety::Fault fault{safety::Fault::kNone};  ///< nothing has moved: kInverseKinematics, kJointLimit
+  /// kInverseKinematics or kJointLimit if the joints could not follow; nothing has moved then.
+  safety::Fault fault{safety::Fault::kNone};
 };
 
-/// How flange and elbow keep to their zones over a joint motion.
+/// Whether flange and elbow stay in their zones during a joint motion.
 struct ZoneCheck {
-  double share{1.0};    ///< largest fraction of the motion that keeps to the zones, 0 … 1
-  bool outside{false};  ///< flange or elbow is outside at its end
+  double share{1.0};    ///< largest fraction of the motion that stays in the zones, 0 … 1
+  bool outside{false};  ///< at the end of the motion, flange or elbow is outside its zone
 };
 
-/// Result of a tick of the motion to the start.
+/// Result of one tick of the path to the start.
 struct StartStep {
   /// kJointLimit or kWorkspace if the path asks for an inadmissible command; nothing has moved then.
   safety::Fault refused{safety::Fault::kNone};
   bool at_start{false};
-  bool paused{false};  ///< paused, at rest
+  bool paused{false};  ///< the path is paused, and the arm has come to rest on it
 };
 
 /// The arm's joints under the servo loop: their commanded positions, and how they follow the tool. The
@@ -81,7 +83,7 @@ class ArmFollower {
   /// Whether the external torques on the joints, by the arm's estimate [N·m], will exceed what the joints can
   /// hold within a message (safety::JointTorqueLimit). Call once per message; false if the arm's torques are
   /// unknown.
-  [[nodiscard]] virtual bool UpdateExternalTorques(const JointArray& tau_external_Nm) OSTEON_RT = 0;
+  [[nodiscard]] virtual bool PredictOverload(const JointArray& tau_external_Nm) OSTEON_RT = 0;
 
   /// One tick of a stop in which the joints' own last motion is scaled down within ServoParams::joint_stop_s.
   /// Used where the tool's braking path has no joint solution. True at rest.
@@ -98,12 +100,14 @@ class ArmFollower {
 
   /// Whether the arm is at ServoParams::start; true as well if no start is set.
   [[nodiscard]] virtual bool AtStart() const OSTEON_RT = 0;
-  /// Begins the path to the start. False if the arm stands where no command may put it.
+  /// Begins the path to the start. False if the present joint positions are outside the range that may be
+  /// commanded.
   [[nodiscard]] virtual bool BeginStartPath() OSTEON_RT = 0;
+  /// Advances the path to the start by one tick. If motion is not permitted, the path is paused.
   [[nodiscard]] virtual StartStep StepToStart(bool permitted) OSTEON_RT = 0;
 
-  /// Limits a wrench by the limiter, and to what the arm's torques can hold at the commanded joints, where
-  /// the arm will be when the wrench arrives; the latter only as far as the torques are known.
+  /// Limits a wrench by the limiter and, if the arm's masses and torques are known, to what it can hold.
+  /// The posture is the commanded one, because the arm will be there when the wrench arrives.
   [[nodiscard]] virtual safety::LimitedWrench Limit(const safety::WrenchLimiter& limiter,
                                                     const Wrench& F_T_W) const OSTEON_RT = 0;
 
@@ -111,21 +115,24 @@ class ArmFollower {
   Pose X_WT_{Pose::Identity()};
 };
 
-/// The cell's workspace; if the reamer's depth limit acts, with its bound as a zone of the apex.
+/// The cell's workspace. If the reamer's depth limit is on, its bound is added as a zone of the apex.
 [[nodiscard]] safety::WorkspaceParams WorkspaceOf(const ServoParams& params);
 
-/// Parameters of the differential inverse. A radian weighs as the virtual tool's radius of gyration: a
-/// vanishing direction then takes from the twist what a smooth stop would take from a body of that mass and
-/// inertia. @tparam N number of joints, 6 or 7
+/// Parameters of the differential inverse kinematics. Rotations are weighted against translations by the
+/// virtual tool's radius of gyration. When a singular posture blocks a direction, the twist then changes as
+/// the velocity of a free body of that mass and inertia would if a smooth wall stopped it.
+/// @tparam N number of joints, 6 or 7
 template <int N>
-[[nodiscard]] kinematics::DifferentialInverseParams<N> MotionParams(const ServoParams& params);
+[[nodiscard]] kinematics::DifferentialInverseParams<N> DifferentialInverseParamsOf(const ServoParams& params);
 
-/// @param X_WB robot base in world  @param X_FT tool on the flange  @param arm_angle_rad wanted in the run
+/// @param X_WB robot base in world  @param X_FT tool on the flange  @param arm_angle_rad arm angle to be kept
+/// in the run
 /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
 [[nodiscard]] std::unique_ptr<ArmFollower> MakeFollower(const ServoParams& params,
                                                         const kinematics::LbrArm& arm, const Pose& X_WB,
                                                         const Pose& X_FT, double arm_angle_rad);
-/// An arm without a redundant joint and with unknown torques: ignores posture, posture_load and arm_body.
+/// A follower for a six-axis arm. Such an arm has no redundant joint, and its torques are unknown: posture,
+/// posture_load and arm_body are ignored.
 [[nodiscard]] std::unique_ptr<ArmFollower> MakeFollower(const ServoParams& params,
                                                         const kinematics::OrthoParallelArm& arm,
                                                         const Pose& X_WB, const Pose& X_FT);

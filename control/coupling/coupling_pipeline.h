@@ -15,49 +15,50 @@
 
 namespace osteon::control {
 
-/// Where and when the coupling is evaluated.
+/// Inputs of the coupling in a tick.
 struct CouplingInput {
-  const simulation::ContactModel& model;  ///< the newest; must outlive the call
-  Pose X_WT{Pose::Identity()};            ///< of the tool: commanded (admittance) or measured (impedance)
+  const simulation::ContactModel& model;  ///< newest contact model; must outlive the call
+  Pose X_WT{Pose::Identity()};            ///< tool pose: commanded (admittance) or measured (impedance)
   Twist V_WT;                             ///< velocity of T at To, in W
   rt::Nanoseconds now{0};
   bool spindle_turns{false};
 };
 
-/// The coupling from the contact model to the wrench that a law renders, once for both laws:
+/// Computes, from the contact model, the wrench that a law renders. Both laws use it:
 ///
 ///     contact model → virtual coupling → age governor, energy tank → stored energy, force, torque, arm
 ///                   → passivity damping → depth limit → power
 ///
-/// Evaluate, then Render, then LimitPower, each at most once a tick. Whatever these return is within the
-/// cell's limits of force and torque.
+/// Call Evaluate, Render and LimitPower in this order, each at most once per tick. All wrenches that they
+/// return are within the cell's limits of force and torque.
 class CouplingPipeline {
  public:
-  /// @param params  of the loop, whose gains may change between ticks (OnGainsChanged); must outlive this
+  /// @param params  the loop's parameters; gains in them may change between ticks (OnGainsChanged). Must
+  /// outlive this object.
   /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
   explicit CouplingPipeline(const ServoParams& params);
 
-  /// The tool takes up rendering.
+  /// Returns to the state without contact. Call when rendering begins.
   void Reset() OSTEON_RT;
-  /// The loop's parameters have other gains from this tick on.
+  /// Call when gains in the loop's parameters have changed.
   void OnGainsChanged() OSTEON_RT;
 
-  /// The coupling of this tick, limited to what its spring may store, the cell may render and the arm can
-  /// hold.
-  /// @param[in,out] acting  gains the limits that act
+  /// Evaluates the coupling of this tick and limits it: by the energy that its spring may store, the cell's
+  /// force and torque limits, and what the arm can hold.
+  /// @param[in,out] acting  the limits that act are added
   const CouplingOutput& Evaluate(const CouplingInput& input, const ArmFollower& arm,
                                  safety::LimitSet& acting) OSTEON_RT;
   /// The limited wrench of the last Evaluate, before the stabilisers' damping.
   [[nodiscard]] const safety::LimitedWrench& limited() const OSTEON_RT { return limited_; }
   [[nodiscard]] const CouplingOutput& output() const OSTEON_RT { return output_; }
 
-  /// The wrench to be rendered after the last Evaluate: with the passivity controller's damping and the depth
-  /// limit's resistance, within the same limits.
+  /// Returns the wrench to render: that of the last Evaluate plus the passivity controller's damping and the
+  /// depth limit's resistance, within the same limits.
   [[nodiscard]] safety::LimitedWrench Render(const ArmFollower& arm, safety::LimitSet& acting) OSTEON_RT;
-  /// Scales a rendered wrench to `power_share` of it, 0 … 1, where that is less than 1.
+  /// Multiplies a rendered wrench by `power_share`, 0 … 1, if that is less than 1.
   void LimitPower(double power_share, safety::LimitedWrench& rendered, safety::LimitSet& acting) OSTEON_RT;
 
-  /// Limits that acted on a rendered wrench, by its shares and by the stabilisers.
+  /// Adds the limits that acted on a rendered wrench, as its shares and the stabilisers show.
   void AddActing(const safety::LimitedWrench& rendered, safety::LimitSet& acting) const OSTEON_RT;
 
   [[nodiscard]] const safety::WrenchLimiter& limiter() const OSTEON_RT { return limiter_; }
@@ -66,7 +67,7 @@ class CouplingPipeline {
   [[nodiscard]] const safety::ForceLimitReaction& force_limit_reaction() const OSTEON_RT {
     return force_limit_reaction_;
   }
-  /// A plane was penetrated in the last Evaluate.
+  /// Whether a plane was penetrated in the last Evaluate.
   [[nodiscard]] bool pressed() const OSTEON_RT { return pressed_; }
 
  private:

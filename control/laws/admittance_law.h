@@ -7,39 +7,44 @@
 
 namespace osteon::control {
 
-/// Virtual tool: inertia and drag by axis of T, at a point of the tool. Every field has a usable default.
+/// Virtual tool: inertia and drag about a point of the tool, for each axis of T. Every field has a usable
+/// default.
 ///
 /// The rotational defaults suit a hand of at most 3 kN/m, 60 N s/m and 3 kg that holds the tool 0.25 m above
-/// its apex: seen from there, they are about 2.4 kg and 24 N s/m.
+/// its apex. At that height they correspond to about 2.4 kg and 24 N s/m.
 struct AdmittanceParams {
   Vector3 mass_kg{3.0, 3.0, 3.0};
   Vector3 inertia_kg_m2{0.15, 0.15, 0.15};
   Vector3 damping_Ns_per_m{20.0, 20.0, 20.0};
   Vector3 damping_Nms_per_rad{1.5, 1.5, 1.5};
-  double dead_zone_N{0.0};   ///< of the operator's force
-  double dead_zone_Nm{0.0};  ///< of the operator's torque
-  /// The point C at which the values above hold, e.g. the handle, from T's origin. A push at C along an axis
-  /// meets only that axis' mass and turns nothing; at To inertia and drag are full 6x6 (MassMatrix).
+  double dead_zone_N{0.0};   ///< dead zone of the operator's force
+  double dead_zone_Nm{0.0};  ///< dead zone of the operator's torque
+  /// Position in T of the point C to which inertia and drag refer, e.g. the handle. A push at C along an axis
+  /// moves only that axis' mass and turns nothing. At To, inertia and drag are full 6x6 matrices
+  /// (MassMatrix).
   Vector3 centre_T_m{Vector3::Zero()};
-  /// Locked axes: x y z of C along T's axes, then the rotations about them.
+  /// Locked axes: motion of C along x, y, z of T, then the rotations about them.
   std::array<bool, 6> locked{};
 };
 
-/// @throws std::invalid_argument naming the field: inertias and damping must be > 0, dead zones >= 0, the
-///   centre within 10 m of the origin.
+/// @throws std::invalid_argument naming the field, unless inertias and damping are > 0, dead zones >= 0, and
+/// the
+///   centre is within 10 m of the origin.
 void Validate(const AdmittanceParams& params);
 
-/// Subtracts the dead zone from the operator's wrench: direction kept, zero inside the zone, continuous.
+/// Subtracts the dead zone from the operator's wrench. The direction is kept; inside the zone the result is
+/// zero; the result is continuous.
 [[nodiscard]] Wrench SubtractDeadZone(const AdmittanceParams& params, const Wrench& F_T_W) OSTEON_RT;
 
 /// Returns the same virtual tool with inertia and drag multiplied; both factors > 0.
 [[nodiscard]] AdmittanceParams ScaleLaw(const AdmittanceParams& params, double mass_factor,
                                         double damping_factor) OSTEON_RT;
 
-/// Velocity of the virtual tool after its inertia was multiplied by `ratio`. Kinetic energy never grows: when
-/// the tool gets heavier the energy is kept, V / sqrt(ratio); when it gets lighter the velocity is kept.
+/// Velocity of the virtual tool after its inertia was multiplied by `ratio`, such that kinetic energy never
+/// grows: a tool that gets heavier keeps its energy, V / sqrt(ratio); one that gets lighter keeps its
+/// velocity.
 [[nodiscard]] Twist AfterMassChange(const Twist& V_WT, double ratio) OSTEON_RT;
-/// The same for inertias that change by axis of T, at the centre, which must be the same before and after.
+/// The same, for inertias that change differently for each axis of T. The centre must not change.
 [[nodiscard]] Twist AfterMassChange(const AdmittanceParams& before, const AdmittanceParams& after,
                                     const Matrix3& R_WT, const Twist& V_WT) OSTEON_RT;
 
@@ -49,7 +54,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 ///
 ///     v_C = v + w × c,   w_C = w
 ///
-/// Rows and columns: force or velocity first, then torque or rotation. Symmetric and positive definite.
+/// Translation comes first, then rotation. Symmetric and positive definite.
 [[nodiscard]] Matrix6 MassMatrix(const AdmittanceParams& params);
 [[nodiscard]] Matrix6 DampingMatrix(const AdmittanceParams& params);
 
@@ -57,29 +62,30 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 ///
 ///     (M + dt D) V+ = M V + dt F                M, D at To: MassMatrix, DampingMatrix
 ///
-/// Both are diagonal at C, so the axes at C are the modes of the pair (D, M), whatever factors multiply the
-/// two. The equation is solved exactly, without a factorisation:
+/// M and D are diagonal at C, so the equation separates by axis there and is solved exactly, without a
+/// factorisation:
 ///
 ///     v_C = v + w × c_,  t_C = t - c × f        by axis of T at C:  v+ = (v + (dt/m) F) / (1 + (dt/m) b)
 ///
-/// c_ is c at the time when V began. The tool has turned since: keeping To's velocity unchanged would throw
-/// the centre outward with m w^2 c and create energy. The step is implicit in the damping and explicit in the
-/// force; with IntegratePose below it is the semi-implicit scheme of Model B in the design's stability page.
-/// At C, by axis, |v+| is at most max(|v|, |F|/b) for any dt, so that V+^T M V+ <= sum m max(|v|, |F|/b)^2;
-/// without a force kinetic energy only falls.
+/// c is the vector from To to C, and c_ is the same vector one period earlier, when V began. The tool has
+/// turned since: with c instead, C would be thrown outward with m w^2 c, which creates energy.
 ///
-/// A locked axis keeps the velocity given for it. It feels no force and passes none to other axes.
+/// The step is implicit in the damping and explicit in the force. Together with IntegratePose it is the
+/// semi-implicit Euler scheme. For each axis at C, |v+| <= max(|v|, |F|/b) for any dt, so that V+^T M V+ <=
+/// sum m max(|v|, |F|/b)^2. Without a force, kinetic energy never grows.
 ///
-/// @param X_WT  tool pose  @param V_WT  velocity of T at To, in W  @param F_T_W  sum of all wrenches on T at
-/// To, in W
+/// A locked axis gets the velocity given for it. No force moves it, and it passes none to other axes.
+///
+/// @param X_WT  tool pose  @param V_WT  velocity of T at To, in W
+/// @param F_T_W  sum of all wrenches on T at To, in W
 /// @param[out] V_next_WT  the new velocity, in W; unchanged if the result would not be finite
-/// @param V_held_C  velocity of the locked axes, at C, in T
+/// @param V_held_C  velocity to give to the locked axes, at C, in T
 /// @returns false if the result would not be finite
 [[nodiscard]] bool NextTwist(const AdmittanceParams& params, const Pose& X_WT, const Twist& V_WT,
                              const Wrench& F_T_W, double dt_s, Twist& V_next_WT,
                              const Twist& V_held_C = {}) OSTEON_RT;
 
-/// Moves a pose with a velocity for one period: p + dt v, exp(dt w) R; R is orthonormalised.
+/// Moves a pose by one period of a velocity: p + dt v, exp(dt w) R, with R orthonormalised.
 [[nodiscard]] Pose IntegratePose(const Pose& X_WT, const Twist& V_WT, double dt_s) OSTEON_RT;
 
 struct AdmittanceState {
@@ -87,8 +93,8 @@ struct AdmittanceState {
   Twist V_WT;
 };
 
-/// One full step, without limits between velocity and pose. Returns false, with the state unchanged, if the
-/// result would not be finite.
+/// One step of velocity and pose, with no limit applied between the two.
+/// @returns false, with the state unchanged, if the result would not be finite
 [[nodiscard]] bool StepAdmittance(const AdmittanceParams& params, const Wrench& F_T_W, double dt_s,
                                   AdmittanceState& state) OSTEON_RT;
 

@@ -8,8 +8,8 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMaxHandTorque_Nm = 100.0;  // beyond it a reading counts as this much
-// Many frames, or the speed limit would follow each one's age up and down.
+constexpr double kMaxHandTorque_Nm = 100.0;  // a larger hand torque is scaled to this
+// Long compared with a frame, so that the speed limit does not follow the age within each frame.
 constexpr double kSightMemory_s = 0.1;
 
 }  // namespace
@@ -30,7 +30,7 @@ AdmittanceStep AdmittanceRenderer::Step(const AdmittanceInput& input, CouplingPi
                                         CommandedTool& tool, TickRecord& record) OSTEON_RT {
   AdmittanceStep step;
   step.rendered = coupling.Render(tool.arm(), step.acting);
-  // a virtual tool that vibrates in the hand is heavier, and more damped
+  // vibration in the hand makes the virtual tool heavier and more damped
   record.vibration_index = vibration_.Step(input.F_hand_T_W, input.spindle_rad_per_s);
   record.vibration_reference_N = vibration_.reference_N();
   tool.V_WT = AfterMassChange(tool.V_WT, vibration_.mass_factor() / mass_factor_);
@@ -54,8 +54,8 @@ AdmittanceStep AdmittanceRenderer::Step(const AdmittanceInput& input, CouplingPi
   return step;
 }
 
-// The law's next velocity, and the rendered wrench with no more power to the hand than it may have. False
-// where the velocity would not be finite.
+// Computes the law's next velocity, and scales the rendered wrench so that its power to the hand stays within
+// the limit. Returns false if the velocity would not be finite.
 bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const CommandedTool& tool,
                                       CouplingPipeline& coupling, AdmittanceStep& step,
                                       Twist& V_next_WT) OSTEON_RT {
@@ -75,7 +75,7 @@ bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const Comman
   };
   if (!next_twist(1.0, V_next_WT)) return false;
 
-  // power of the motion that the wrench itself makes: the law is affine in it
+  // the wrench itself changes the velocity, and so its power; the velocity is affine in the wrench
   if (!(fade * Power(rendered.F, V_next_WT) > params_.energy.max_power_W)) return true;
   Twist V_free_WT;
   const bool finite = next_twist(0.0, V_free_WT);
@@ -86,9 +86,9 @@ bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const Comman
   return finite && next_twist(1.0, V_next_WT);
 }
 
-// The cell's limit, and how far the tool gets before a frame tells what is there. It slows no harder than a
-// stop, so that a simulation that stalls while the tool flies is outrun (the model's age then holds the
-// tool).
+// Speed limit: the cell's, or that at which the tool moves by model_sight_m within the contact model's age.
+// The latter slows the tool no harder than a stop does. If the simulation stalls while the tool is fast, the
+// tool therefore moves beyond the known contacts for a moment, until the model's age holds it.
 double AdmittanceRenderer::MaxSpeed_m_per_s(const CouplingOutput& coupling, const Twist& V_WT,
                                             bool reduced_speed) OSTEON_RT {
   const double dt_s = params_.period_s;
@@ -99,7 +99,8 @@ double AdmittanceRenderer::MaxSpeed_m_per_s(const CouplingOutput& coupling, cons
   return std::min(ToolSpeedLimit_m_per_s(params_, reduced_speed), std::max(sight_m_per_s, braked_m_per_s));
 }
 
-// The velocity within speed, bone entry and workspace; along locked axes it does not slide.
+// Limits the velocity by speed, bone entry and workspace. With locked axes the tool slows down at a bound
+// instead of sliding along it.
 Twist AdmittanceRenderer::LimitMotion(const Twist& V_next_WT, double max_speed_m_per_s,
                                       const CouplingPipeline& coupling, const CommandedTool& tool,
                                       safety::LimitSet& acting) const OSTEON_RT {
@@ -113,8 +114,8 @@ Twist AdmittanceRenderer::LimitMotion(const Twist& V_next_WT, double max_speed_m
   const safety::Workspace::Result inside = tool.workspace().Limit(p_WT, slow.V.v, params_.period_s);
   acting.Add(Limit::kWorkspace, inside.acted);
   if (!inside.acted || !axis_lock_.any()) return {.v = inside.v_WT, .w = slow.V.w};
-  // sliding along the bound could leave a locked line: the share of v that has no more than the bound's part
-  // of it, 1 - |removed|² / (v · removed)
+  // sliding along the bound could leave a locked line, so scale the whole velocity: the factor that removes
+  // as much toward the bound as the workspace did is 1 - |removed|² / (v · removed)
   const Vector3 removed = slow.V.v - inside.v_WT;
   const double along = slow.V.v.dot(removed);
   const double share = along > 0.0 ? std::max(0.0, 1.0 - removed.squaredNorm() / along) : 0.0;

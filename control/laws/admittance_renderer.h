@@ -12,41 +12,42 @@
 
 namespace osteon::control {
 
-/// Inputs of a tick of the admittance law, beside the coupling that the pipeline has evaluated.
+/// Inputs of the admittance law in a tick, beside the coupling wrench that CouplingPipeline has evaluated.
 struct AdmittanceInput {
-  Wrench F_hand_T_W;              ///< on T at To, in W
-  double sensor_share{1.0};       ///< of it that its age lets through, 0 … 1
-  double max_hand_N{0.0};         ///< beyond it a reading counts as this much
-  double spindle_rad_per_s{0.0};  ///< what it does
-  bool reduced_speed{false};      ///< the arm is in T1, or does not say
+  Wrench F_hand_T_W;              ///< hand's wrench on T at To, in W
+  double sensor_share{1.0};       ///< factor on the hand's wrench by its age, 0 … 1
+  double max_hand_N{0.0};         ///< a larger hand force is scaled to this
+  double spindle_rad_per_s{0.0};  ///< actual speed
+  bool reduced_speed{false};      ///< the arm is in operation mode T1 or reports no mode
 };
 
-/// A tick of the admittance law.
+/// Result of a tick of the admittance law.
 struct AdmittanceStep {
-  bool finite{true};                          ///< false: nothing was moved
-  safety::Fault fault{safety::Fault::kNone};  ///< of the joints: nothing was moved
-  safety::LimitedWrench rendered;             ///< what was integrated
-  safety::LimitSet acting;
+  bool finite{true};                          ///< false: the result was not finite, and nothing was moved
+  safety::Fault fault{safety::Fault::kNone};  ///< the joints could not follow; nothing was moved
+  safety::LimitedWrench rendered;             ///< coupling wrench that was integrated
+  safety::LimitSet acting;                    ///< limits that acted
 };
 
-/// The admittance law of an arm in position mode:
+/// Renders by the admittance law, for an arm in position mode:
 ///
-///     M a + D v = F_hand + F_coupling    M, D by the vibration index and the stabilisers
+///     M a + D v = F_hand + F_coupling    M, D scaled by the vibration index and the stabilisers
 ///     → power limit → tool speed, bone entry, workspace, locked axes → differential inverse → command
 ///
-/// The age of the contact model slows the motion down: with s the coupling's fade, the hand's force counts s
-/// F, the coupling s F_c (in EvaluateCoupling), the tool moves by s v dt. At s = 0 the tool is held, whoever
-/// pushes, and no energy can be made of a force that is not known.
+/// An old contact model slows the motion down. With s the coupling's fade by age, the hand's force counts as
+/// s F and the coupling's as s F_c (EvaluateCoupling), and the tool moves by s v dt. At s = 0 the tool is
+/// held, however hard the hand pushes, so that an unknown contact force cannot create energy.
 class AdmittanceRenderer {
  public:
-  /// @param params  of the loop, whose gains may change between ticks; must outlive this
+  /// @param params  the loop's parameters; gains in them may change between ticks. Must outlive this object.
   explicit AdmittanceRenderer(const ServoParams& params);
 
-  /// The tool takes up rendering at this pose.
+  /// Call when rendering begins, with the tool's pose.
   void Reset(const Pose& X_WT) OSTEON_RT;
 
-  /// One tick, after CouplingPipeline::Evaluate at the commanded pose and velocity: moves the tool.
-  /// @param[in,out] record  gets what the law and the coupling did
+  /// Computes one tick and moves the tool. Call after CouplingPipeline::Evaluate at the commanded pose and
+  /// velocity.
+  /// @param[in,out] record  receives the values of law and vibration index
   [[nodiscard]] AdmittanceStep Step(const AdmittanceInput& input, CouplingPipeline& coupling,
                                     CommandedTool& tool, TickRecord& record) OSTEON_RT;
 
@@ -63,8 +64,8 @@ class AdmittanceRenderer {
   const ServoParams& params_;
   VibrationIndex vibration_;
   AxisLock axis_lock_;
-  double mass_factor_{1.0};  // of the virtual tool, in the last tick
-  double sight_age_s_{0.0};  // the models' greatest age of late
+  double mass_factor_{1.0};  // factor on the virtual tool's mass in the last tick
+  double sight_age_s_{0.0};  // peak age of recent contact models, slowly decaying
 };
 
 }  // namespace osteon::control

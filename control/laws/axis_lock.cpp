@@ -17,8 +17,8 @@ Vector3 Within(const Vector3& v, double most) {
 
 AxisLock::AxisLock(const AdmittanceParams& params, double period_s)
     : centre_T_m_(params.centre_T_m),
-      return_s_(std::max(kReturn_s,
-                         period_s)),  // with a longer period the tool returns in one tick, without overshoot
+      // at a period longer than kReturn_s the tool returns in one tick, without overshoot
+      return_s_(std::max(kReturn_s, period_s)),
       any_(std::any_of(params.locked.begin(), params.locked.end(), [](bool locked) { return locked; })) {
   for (int i = 0; i < 3; ++i) {
     position_[i] = params.locked[static_cast<std::size_t>(i)] ? 1.0 : 0.0;
@@ -32,7 +32,7 @@ Twist AxisLock::Correction(const Pose& X_WT) OSTEON_RT {
   if (!any_) return {};
   const Pose X_WC = X_WT * Eigen::Translation3d(centre_T_m_);
 
-  // the reference keeps its locked axes and follows the tool on the free ones
+  // the reference stands still on locked axes and follows the tool on free axes
   const Vector3 turn_C =
       turn_.cwiseProduct(LogRotation(X_WC.linear().transpose() * X_WC_.linear()));  // from tool to reference
   if (!turn_.isOnes(0.0)) X_WC_.linear() = X_WC.linear() * ExpRotation(turn_C);

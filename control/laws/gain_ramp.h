@@ -7,30 +7,35 @@
 
 namespace osteon::control {
 
-/// Changes the acting gains to others without creating energy.
+/// Moves the acting gains to their targets without creating energy.
 ///
-/// Each gain moves linearly to its target within kRampSeconds, with two rules:
+/// Each gain moves linearly to its target within kRampSeconds. Two rules apply:
 ///
-/// - The coupling's stiffness **rises only while nothing presses** (no plane is penetrated). A spring that is
-/// compressed by d and gets stiffer by dK stores dK d^2 / 2 more than was put in; at d = 0 this is zero, and
-/// a spring that gets softer stores less. Under this rule a spring never returns more energy than was put in
-/// (test StiffnessNeverMakesEnergy).
-/// - Mass and inertia change as AfterMassChange says, which the loop applies: kinetic energy never grows.
+/// - The coupling's stiffness **rises only while nothing presses** (no plane is penetrated). A spring
+/// compressed
+///   by d whose stiffness rises by dK stores dK d^2 / 2 more than was put in; at d = 0 this is zero. A spring
+///   that gets softer stores less. So the spring never returns more energy than was put in (test
+///   StiffnessNeverMakesEnergy).
+/// - When mass and inertia change, the loop changes the velocity by AfterMassChange, so that kinetic energy
+/// never
+///   grows.
 ///
-/// Damping, its share and the dead zones store no energy.
+/// Damping, its share and the dead zones store no energy, so no rule is needed for them.
 class GainRamp {
  public:
   static constexpr double kRampSeconds = 1.0;
 
-  /// @param period_s  of Step, > 0
+  /// @param begin  acting gains at first  @param period_s  period of Step, > 0
   GainRamp(const Gains& begin, double period_s) : now_(begin), target_(begin), period_s_(period_s) {}
 
-  /// Sets the gains to go to from now on. @pre valid gains
+  /// Sets the target gains. @pre valid gains
   void SetTarget(const Gains& target) OSTEON_RT;
-  /// One tick. @param pressed  the coupling's planes were penetrated in the tick before
+  /// Advances the ramp by one tick. @param pressed  in the previous tick a plane of the coupling was
+  /// penetrated
   /// @returns whether any gain has changed
   bool Step(bool pressed) OSTEON_RT;
 
+  /// The acting gains.
   [[nodiscard]] const Gains& now() const OSTEON_RT { return now_; }
 
  private:

@@ -7,9 +7,9 @@
 
 namespace osteon::control {
 
-/// Gains that may change while the loop renders. Plain data; the defaults are the laws'.
+/// Gains that may change while the loop renders. Plain data; read the laws' defaults with GainsOf.
 struct Gains {
-  PlainVector3 mass_kg, inertia_kg_m2;  ///< of the virtual tool, by axis of T at its centre
+  PlainVector3 mass_kg, inertia_kg_m2;  ///< of the virtual tool, for each axis of T, at its centre
   PlainVector3 damping_Ns_per_m, damping_Nms_per_rad;
   double dead_zone_N{0.0}, dead_zone_Nm{0.0};
   double max_stiffness_N_per_m{0.0}, coupling_damping_Ns_per_m{0.0}, damping_share{0.0};
@@ -37,10 +37,11 @@ inline constexpr std::size_t kGainCount = 17;
 
 /// Reads the gains from the laws' parameters.
 [[nodiscard]] Gains GainsOf(const AdmittanceParams& admittance, const CouplingParams& coupling) OSTEON_RT;
-/// Writes the gains into the laws' parameters; the other parameters stay.
+/// Writes the gains into the laws' parameters; other parameters are unchanged.
 void ApplyGains(const Gains& gains, AdmittanceParams& admittance, CouplingParams& coupling) OSTEON_RT;
 
-/// @throws std::invalid_argument naming the field, the value and what is accepted, as the laws' own Validate.
+/// @throws std::invalid_argument naming the field, the value and what is accepted: the same as Validate of
+/// the laws' parameters.
 void Validate(const Gains& gains);
 
 }  // namespace osteon::control

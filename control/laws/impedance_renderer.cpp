@@ -11,7 +11,7 @@ namespace {
 
 using safety::Fault, safety::Limit;
 
-// Slower is standing, as a tool: joints that swing about a tool at rest are the arm's own affair.
+// A tool slower than this stands. Its joints may still swing: only the arm's own damping stops that.
 constexpr double kToolStands_m_per_s = 5e-3, kToolStands_rad_per_s = 0.5;
 
 }  // namespace
@@ -30,7 +30,7 @@ ImpedanceMotion ImpedanceRenderer::FollowHand(const ArmSession& arm, const Joint
   max.max_speed_m_per_s = ToolSpeedLimit_m_per_s(params_, reduced_speed);
   safety::LimitedTwist slow = safety::LimitTwist(tool.V_WT, max);
   motion.twist_limited = slow.share < 1.0;
-  // a period's step of the joints: messages that were lost make the way between two of them longer
+  // scale the joints' step to one period: it is longer if messages were lost
   JointArray q_step = q_meas;
   for (std::size_t i = 0; i < q_step.size(); ++i)
     q_step[i] -= (dt_s / elapsed_s) * (q_meas[i] - q_before_[i]);
@@ -44,7 +44,7 @@ ImpedanceMotion ImpedanceRenderer::FollowHand(const ArmSession& arm, const Joint
   if (tool.V_WT.v.norm() > ToolSpeedTripLimit_m_per_s(params_)) motion.faults.Latch(Fault::kToolSpeed);
   if (tool.workspace().Violated(p_WT) || zones.outside) motion.faults.Latch(Fault::kWorkspace);
 
-  // the equilibrium of the arm's own spring goes along
+  // let the equilibrium of the arm's own spring follow the measured joints
   motion.faults.Latch(
       tool.arm().FollowMeasured(q_meas, elapsed_s / (elapsed_s + params_.impedance.follow_s)));
   return motion;
@@ -59,7 +59,7 @@ ImpedanceStep ImpedanceRenderer::Step(const ArmSession& arm, const Twist& V_befo
   const Twist& V_WT = tool.V_WT;
   safety::LimitedWrench& rendered = step.rendered;
   rendered = coupling.Render(tool.arm(), step.acting);
-  // the hand has the arm: its velocity in the tick to come is the measured one, going on as it came
+  // the hand moves the arm: the velocity in the next tick is extrapolated from the last two measured ones
   const Twist V_next_WT{.v = 2.0 * V_WT.v - V_before_WT.v, .w = 2.0 * V_WT.w - V_before_WT.w};
   const double max_power_W = params_.energy.max_power_W;
   coupling.LimitPower(std::min(safety::PowerShare(rendered.F, V_WT, max_power_W),
@@ -77,7 +77,7 @@ ImpedanceStep ImpedanceRenderer::Step(const ArmSession& arm, const Twist& V_befo
 bool ImpedanceRenderer::Brake(const ArmSession& arm, const safety::WrenchLimiter& limiter,
                               CommandedTool& tool) OSTEON_RT {
   tool.V_WT = arm.V_WT();
-  // the last of a stop are ticks in a row in which it stands
+  // a stop is `braked` ticks of braking, then kStandingMessages ticks in a row in which the tool stands
   const int braked = JointStopTicks(params_), whole_stop = braked + ArmSession::kStandingMessages;
   const bool stands =
       tool.V_WT.v.norm() <= kToolStands_m_per_s && tool.V_WT.w.norm() <= kToolStands_rad_per_s;

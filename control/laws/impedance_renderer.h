@@ -12,63 +12,66 @@
 
 namespace osteon::control {
 
-/// How an arm that the hand carries moves, and what of it is allowed.
+/// Measured motion of the arm that the hand moves, and how much of it is allowed.
 struct ImpedanceMotion {
-  Twist V_allowed_WT;  ///< within speed, zones and workspace: the tool is braked to it
+  Twist V_allowed_WT;  ///< part of the tool's twist within speed limit, zones and workspace
   bool twist_limited{false}, workspace_limited{false};
-  safety::FaultSet faults;  ///< too fast, outside, or where no command may put the joints
-  safety::LimitSet acting;  ///< the zones of flange and elbow
+  safety::FaultSet faults;  ///< too fast, outside workspace or zones, or joints out of range
+  safety::LimitSet acting;  ///< zones of flange and elbow, if they acted
 };
 
-/// A tick of the impedance law.
+/// Result of a tick of the impedance law.
 struct ImpedanceStep {
-  safety::LimitedWrench rendered;  ///< of the coupling
-  safety::LimitSet acting;
+  safety::LimitedWrench rendered;  ///< coupling wrench after its limits
+  safety::LimitSet acting;         ///< limits that acted
 };
 
-/// The impedance law: the arm carries itself and is where the hand has it, so that there is no commanded
-/// pose. Coupling, speed and workspace count where the arm is measured. The wrench goes out as FRI's overlay
-/// (on T, or as Jᵀ F); the joints' command, the equilibrium of the arm's own spring, goes along. Beyond the
-/// tool's speed and at the workspace's bounds it is braked, at half as much again it stops.
+/// Renders by the impedance law. The arm carries its own weight and goes where the hand moves it, so there is
+/// no commanded pose: coupling, speed limit and workspace refer to the measured pose. The wrench is sent as
+/// FRI's overlay, on T or as joint torques Jᵀ F. The commanded joints are the equilibrium of the arm's own
+/// spring and follow the measured joints. Beyond the tool's speed limit and at the workspace's bounds the
+/// tool is braked; at 1.5 times the speed limit, or outside the workspace, the cell stops.
 class ImpedanceRenderer {
  public:
-  /// @param params  of the loop, whose gains may change between ticks; must outlive this
+  /// @param params  the loop's parameters; gains in them may change between ticks. Must outlive this object.
   explicit ImpedanceRenderer(const ServoParams& params) : params_(params) {}
 
-  /// The tool takes up rendering with these measured joints.
+  /// Call when rendering begins, with the measured joints.
   void Reset(const JointArray& q_meas) OSTEON_RT;
-  /// A stop begins.
+  /// Begins a stop.
   void StartBraking() OSTEON_RT { stop_ticks_ = 0; }
-  /// A tick begins: a wrench counts for the tick that it was made in.
+  /// Clears the wrench of the previous tick. Call at the beginning of each tick.
   void ClearWrench() OSTEON_RT { F_sent_T_W_ = {}; }
 
-  /// The measured motion of this tick, and the arm's own spring led along with it.
-  /// @param reduced_speed  the arm is in T1, or does not say
+  /// Computes how much of the measured motion is allowed, and moves the equilibrium of the arm's own spring
+  /// toward the measured joints.
+  /// @param reduced_speed  the arm is in operation mode T1 or reports no mode
   [[nodiscard]] ImpedanceMotion FollowHand(const ArmSession& arm, const JointArray& q_meas,
                                            bool reduced_speed, CommandedTool& tool) OSTEON_RT;
-  /// One tick, after CouplingPipeline::Evaluate at the measured pose and velocity and after FollowHand.
-  /// @param V_before_WT  measured in the tick before
+  /// Computes the wrench of one tick. Call after CouplingPipeline::Evaluate at the measured pose and
+  /// velocity, and after FollowHand.
+  /// @param V_before_WT  velocity measured in the previous tick
   [[nodiscard]] ImpedanceStep Step(const ArmSession& arm, const Twist& V_before_WT,
                                    const ImpedanceMotion& motion, CouplingPipeline& coupling,
                                    const CommandedTool& tool) OSTEON_RT;
 
-  /// One tick of a stop: the arm's own spring holds it where it is now, and what still moves is braked for
-  /// the stop's time. A hand that leads the tool on keeps the stop under way.
+  /// One tick of a stop. The arm's own spring holds its present position, and remaining motion is braked for
+  /// the duration of a joint stop. The stop goes on while a hand moves the tool.
   /// @returns true once the tool is measured to stand
   [[nodiscard]] bool Brake(const ArmSession& arm, const safety::WrenchLimiter& limiter,
                            CommandedTool& tool) OSTEON_RT;
 
-  /// Puts this tick's wrench into the command, by what the arm's program takes; zero where nothing was
-  /// rendered.
+  /// Writes this tick's wrench into the command, as a wrench or as joint torques, as the arm's program asks;
+  /// zero if nothing was rendered.
   void FillWrenchOverlay(const ArmState& state, const Pose& X_WT_meas, const ArmFollower& arm,
                          ArmCommand& command) const OSTEON_RT;
 
  private:
   const ServoParams& params_;
-  JointArray q_before_{};  // [rad] measured in the message before
-  Wrench F_sent_T_W_;      // of this tick: coupling, damping and braking, within the limits
+  JointArray q_before_{};  // [rad] measured in the previous message
+  Wrench F_sent_T_W_;      // wrench of this tick: coupling, damping and brake, limited
   StopBrake stop_brake_;
-  int stop_ticks_{0};  // of a stop so far
+  int stop_ticks_{0};  // ticks of the present stop so far
 };
 
 }  // namespace osteon::control

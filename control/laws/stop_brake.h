@@ -6,18 +6,19 @@
 
 namespace osteon::control {
 
-/// The brake of a stop under the impedance law: damping and braking toward standstill, at a share of their
-/// gains. Its wrench acts through the arm's delay, so gains that hold a tool with a hand on it shake a tool
-/// without one. The share is halved each time the tool is found to move against its last motion, and grows no
-/// more until the next stop; the arm's own spring and damping stop the rest.
+/// The brake of a stop under the impedance law: damping and brake toward standstill, with their gains
+/// multiplied by a share. The wrench acts through the arm's delay, so gains that suit a tool held by a hand
+/// make a free tool oscillate. The share is therefore halved each time the tool reverses its motion, and does
+/// not grow again until the next stop. The arm's own spring and damping stop the remaining motion.
 class StopBrake {
  public:
   /// Begins a stop.
   void Reset() OSTEON_RT;
-  /// Call once per tick of the stop. @param V_WT  measured velocity of T at To, in W
-  /// @returns the wrench on the tool at To, in W, not limited
+  /// Computes the brake's wrench; call once per tick of the stop. @param V_WT  measured velocity of T at To,
+  /// in W
+  /// @returns the wrench on the tool at To, in W, not yet limited
   [[nodiscard]] Wrench Step(const ImpedanceParams& params, const Matrix3& R_WT, const Twist& V_WT) OSTEON_RT;
-  /// Acting share of the gains, 0 … 1.
+  /// Present share of the gains, 0 … 1.
   [[nodiscard]] double share() const OSTEON_RT { return share_; }
 
  private:

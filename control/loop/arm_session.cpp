@@ -6,8 +6,10 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMaxPeriods = 10.0;        // between two messages, that a velocity is taken over
-constexpr double kStands_rad_per_s = 0.02;  // slower is standing: an encoder's step, not a coasting arm
+// Longest gap between two messages that counts in a velocity.
+constexpr double kMaxPeriods = 10.0;
+// A slower joint stands: more than an encoder's step, less than a coasting arm.
+constexpr double kStands_rad_per_s = 0.02;
 constexpr double kSamePeriod_s = 1e-6;
 
 }  // namespace

@@ -9,50 +9,52 @@
 
 namespace osteon::control {
 
-/// The connection to the arm, as its messages tell it: whether the arm takes commands, whether it is still
-/// the activation that was commanded, how far and how fast it has moved, whether it stands, and how many
-/// messages were missed.
+/// State of the connection to the arm, derived from its messages: whether the arm takes commands, whether it
+/// has stayed in the activation in which motion began, its measured pose and velocity, whether it stands, and
+/// how many messages were missed. An activation is one period in COMMANDING_ACTIVE (ArmState::activation).
 class ArmSession {
  public:
   explicit ArmSession(const ServoParams& params);
 
-  /// No message came by the deadline, or one that says nothing. @returns true from the
-  /// WatchdogParams::arm_misses-th in a row on
+  /// Call if no message came by the deadline, or one without finite joint positions.
+  /// @returns true once WatchdogParams::arm_misses messages in a row were missed
   bool OnMissedMessage() OSTEON_RT;
-  /// A message with finite joints. @param X_WT  of its measured joints
+  /// Call with each message whose joint positions are finite. @param X_WT  tool pose at the measured joints
   void OnMessage(const ArmState& state, const Pose& X_WT, rt::Nanoseconds now) OSTEON_RT;
-  /// To be called at the end of a tick with a message: counts messages in a row in which the arm stood.
+  /// Counts messages in a row in which the arm stood. Call at the end of each tick with a message.
   void UpdateStandstill(const JointArray& q_meas) OSTEON_RT;
 
-  /// The arm takes commands. One that is moved or braked (`moves`) must not have left COMMANDING_ACTIVE and
-  /// come back unseen.
+  /// Whether the arm takes commands.
+  /// @param moves  the loop moves or brakes the arm: then false also if the arm has left COMMANDING_ACTIVE
+  /// and come back since motion began
   [[nodiscard]] bool TakesCommands(const ArmState& state, bool moves) const OSTEON_RT;
-  /// The arm has been in the same COMMANDING_ACTIVE since motion began: it is where it was last told to be,
-  /// and its interpolator where commanding began.
+  /// Whether the arm has stayed in the activation in which motion began. It is then still at the last
+  /// command, while its interpolator reports the position at which commanding began.
   [[nodiscard]] bool IsSameActivation(const ArmState& state) const OSTEON_RT;
-  /// The message's period is the loop's: each tick steps by it.
+  /// Whether the arm's message period equals the loop's period, by which each tick advances.
   [[nodiscard]] bool HasPeriod(const ArmState& state) const OSTEON_RT;
-  /// The arm's program asks for the overlay that the law sends.
+  /// Whether the arm's program asks for the kind of command that the law sends: a wrench or torque overlay
+  /// for the impedance law, positions alone for the admittance law.
   [[nodiscard]] bool HasCommandMode(CommandMode mode) const OSTEON_RT;
 
-  /// Motion begins in this activation.
+  /// Call when motion begins: remembers the activation.
   void StartCommanding(const ArmState& state) OSTEON_RT;
-  /// The arm moves by itself.
+  /// Call while the loop does not command the arm.
   void StopCommanding() OSTEON_RT { commanded_ = false; }
-  /// Rendering begins: the tool rests where it was measured last.
+  /// Sets the measured velocity to zero at the last measured pose. Call when rendering begins.
   void ResetTwist() OSTEON_RT { twist_.Reset(X_WT_); }
 
-  /// That motion began with last.
+  /// Activation in which motion last began.
   [[nodiscard]] std::uint32_t activation() const OSTEON_RT { return activation_; }
-  /// The tool as measured in the last message.
+  /// Tool pose measured in the last message.
   [[nodiscard]] const Pose& X_WT() const OSTEON_RT { return X_WT_; }
-  /// Its velocity, filtered: of T at To, in W.
+  /// Measured velocity of T at To, in W, filtered.
   [[nodiscard]] const Twist& V_WT() const OSTEON_RT { return twist_.V(); }
-  /// Between the last two messages, a multiple of the period [s].
+  /// Time between the last two messages, a multiple of the period [s].
   [[nodiscard]] double elapsed_s() const OSTEON_RT { return elapsed_s_; }
-  /// The tick of the last message; 0: none yet.
+  /// Time of the tick with the last message; 0: none yet.
   [[nodiscard]] rt::Nanoseconds measured_at() const OSTEON_RT { return measured_at_; }
-  /// The arm has stood for kStandingMessages in a row.
+  /// Whether the arm stood in each of the last kStandingMessages messages.
   [[nodiscard]] bool stands() const OSTEON_RT { return standing_ == kStandingMessages; }
 
   static constexpr int kStandingMessages = 10;
@@ -64,13 +66,13 @@ class ArmSession {
   Pose X_WT_{Pose::Identity()};
   rt::Nanoseconds measured_at_{0};
   double elapsed_s_{0.0};
-  JointArray q_seen_{};  // [rad] measured in the message before
+  JointArray q_seen_{};  // [rad] measured in the previous message
   int standing_{0}, missed_{0};
   std::uint32_t activation_{0};
-  bool commanded_{false};  // motion began, and no message has said since that the arm left
+  bool commanded_{false};  // motion began in activation_, and the arm has not been seen to leave it
 };
 
-/// The greatest distance of a joint of one array from the same of another [rad].
+/// Largest difference between the positions of the same joint in two arrays [rad].
 [[nodiscard]] double MaxJointDifference(const JointArray& a, const JointArray& b) OSTEON_RT;
 
 }  // namespace osteon::control

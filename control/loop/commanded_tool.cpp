@@ -39,7 +39,7 @@ FollowedTwist CommandedTool::Follow(double max_elbow_speed_m_per_s, bool elbow_m
                                               .elbow_moves = elbow_moves});
   if (followed.fault != safety::Fault::kNone) return {.fault = followed.fault};
   if (followed.limited || followed.zone_acted || followed.elbow_acted) {
-    // the law goes on from what the tool does; as the model's age fades the motion, so its reaction
+    // the law continues from the motion that the arm made; the correction is faded as the motion is
     V_WT.v += share * (followed.V_WT.v - V_asked_WT.v);
     V_WT.w += share * (followed.V_WT.w - V_asked_WT.w);
   }
@@ -51,12 +51,12 @@ FollowedTwist CommandedTool::Follow(double max_elbow_speed_m_per_s, bool elbow_m
 
 BrakingStep CommandedTool::Brake(double max_elbow_speed_m_per_s) OSTEON_RT {
   if (arm_->braking_joints()) return {.at_rest = BrakeJoints()};
-  // the whole twist by one factor: the longer of the two halves' braking times counts
+  // one factor for the whole twist: the longer braking time of translation and rotation counts
   const double dt_s = params_.period_s;
   const double time_s = std::max(V_WT.v.norm() / params_.stop_deceleration_m_per_s2,
                                  V_WT.w.norm() / params_.stop_deceleration_rad_per_s2);
   V_WT = Scaled(V_WT, time_s > dt_s ? 1.0 - dt_s / time_s : 0.0);
-  // a turn that takes longer to stop does not carry the apex over its bound
+  // if the rotation takes longer to stop than the translation, the apex still stops before its bound
   V_WT.v = workspace_.Limit(X_WT().translation(), V_WT.v, dt_s).v_WT;
   if (V_WT.v.norm() < kRest_m_per_s && V_WT.w.norm() < kRest_rad_per_s) return {.at_rest = true};
   const FollowedTwist followed = Follow(max_elbow_speed_m_per_s, false);

@@ -13,54 +13,57 @@
 
 namespace osteon::control {
 
-/// Result of a step along the tool's twist.
+/// Result of moving the tool by one tick along a twist.
 struct FollowedTwist {
-  /// kNone, or why nothing has moved: kInverseKinematics, kJointLimit.
+  /// kInverseKinematics or kJointLimit if the joints could not follow; nothing has moved then.
   safety::Fault fault{safety::Fault::kNone};
-  bool joints_limited{false};  ///< joints, reach or a singular posture took of the twist
-  safety::LimitSet acting{};   ///< zones and elbow speed
+  bool joints_limited{false};  ///< joint limits, reach or a singular posture reduced the motion
+  safety::LimitSet acting{};   ///< those of zones and elbow speed that acted
 };
 
 /// Result of a tick of braking.
 struct BrakingStep {
-  safety::Fault fault{safety::Fault::kNone};  ///< found on the way; the joints are braked all the same
+  safety::Fault fault{safety::Fault::kNone};  ///< as FollowedTwist::fault; the joints are braked nevertheless
   bool at_rest{false};
   safety::LimitSet acting{};
 };
 
-/// The loop's command: the arm's joints, the tool's pose there, and the tool's velocity. Pose and joints
-/// are one at every tick.
+/// The commanded state: joint positions, tool pose and tool velocity. The pose is always that of the
+/// commanded joints.
 ///
-/// V_WT is the law's velocity of T at To, in W, and `share` of it moves the tool. With the impedance law V_WT
-/// is the measured velocity while the loop renders, and the pose is the equilibrium of the arm's own spring.
+/// With the admittance law, V_WT is the law's velocity of T at To, in W, and the tool moves by share × V_WT.
+/// With the impedance law, while the loop renders, V_WT is the measured velocity, and the commanded joints
+/// are the equilibrium of the arm's own spring.
 class CommandedTool {
  public:
   CommandedTool(const ServoParams& params, std::unique_ptr<ArmFollower> arm);
 
-  /// The arm moves by itself: what it commands itself is commanded. An idle arm need not say where it is.
+  /// Sets the command to the position that the arm commands itself; the tool rests. Used while the loop does
+  /// not command the arm. In an idle session the joints stay, because an idle arm may report no position.
   void ResetToArmPose(const ArmState& state) OSTEON_RT;
-  /// The commanded joints stand.
+  /// Sets the commanded velocities to zero; the joints stay.
   void HoldStill() OSTEON_RT;
-  /// A stop begins: from here on V_WT is the velocity of the commanded tool itself.
+  /// Begins a stop: V_WT becomes share × V_WT, the velocity at which the tool moves, and share becomes 1.
   void StartBraking() OSTEON_RT;
 
-  /// One tick along share × V_WT. What the arm did not do is taken from V_WT.
-  /// @param max_elbow_speed_m_per_s > 0  @param elbow_moves  false: it is held on its circle
+  /// Moves the tool by one tick along share × V_WT. If the arm's limits reduce the motion, V_WT is reduced as
+  /// well.
+  /// @param max_elbow_speed_m_per_s > 0  @param elbow_moves  false: the arm angle is held
   [[nodiscard]] FollowedTwist Follow(double max_elbow_speed_m_per_s, bool elbow_moves) OSTEON_RT;
 
-  /// One tick of braking along the tool's own direction, |v|² / 2a; where the tool's path has no joints,
-  /// along the joints' own last motion.
+  /// One tick of braking at constant deceleration a along the tool's twist: the tool stops within |v|² / 2a.
+  /// If the joints cannot follow that path, they are braked along their own last motion (BrakeJoints).
   [[nodiscard]] BrakingStep Brake(double max_elbow_speed_m_per_s) OSTEON_RT;
-  /// One tick of braking along the joints' last motion. @returns true at rest
+  /// One tick of braking along the joints' last motion. @returns whether they are at rest
   [[nodiscard]] bool BrakeJoints() OSTEON_RT;
 
   [[nodiscard]] ArmFollower& arm() OSTEON_RT { return *arm_; }
   [[nodiscard]] const ArmFollower& arm() const OSTEON_RT { return *arm_; }
   [[nodiscard]] const Pose& X_WT() const OSTEON_RT { return arm_->X_WT(); }
   [[nodiscard]] const safety::Workspace& workspace() const OSTEON_RT { return workspace_; }
-  /// The arm has said where it is.
+  /// Whether the arm has reported its position.
   [[nodiscard]] bool has_pose() const OSTEON_RT { return has_pose_; }
-  /// share × V_WT.
+  /// Velocity at which the tool moves: share × V_WT.
   [[nodiscard]] Twist Velocity() const OSTEON_RT { return Scaled(V_WT, share); }
 
   Twist V_WT;

@@ -6,7 +6,7 @@
 
 namespace osteon::control {
 
-/// Requests to the loop from outside its thread: from any thread, and from a signal handler.
+/// Requests to the loop. Any thread may make them, and a signal handler may.
 class MotionRequests {
  public:
   void AllowStart(bool allowed) OSTEON_RT { may_start_.store(allowed, std::memory_order_relaxed); }
@@ -15,7 +15,7 @@ class MotionRequests {
   void RequestPause() OSTEON_RT { pause_.store(true, std::memory_order_relaxed); }
   void RequestResume() OSTEON_RT { resume_.store(true, std::memory_order_relaxed); }
 
-  // The tick's: a stop stays asked for, the others are taken once.
+  // For the tick. A stop request stays set; each of the other requests is returned once.
   [[nodiscard]] bool may_start() const OSTEON_RT { return may_start_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool stop() const OSTEON_RT { return stop_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool TakeRecovery() OSTEON_RT { return recovery_.exchange(false, std::memory_order_relaxed); }

@@ -8,30 +8,32 @@
 
 namespace osteon::control {
 
-/// Leads the cell's state by safety::kCellTable: the one place where an event is applied. Holds the latched
-/// faults, the conditions of motion, and what was asked for.
+/// The cell's state machine: the only place where an event changes the state, by safety::kCellTable. Also
+/// holds the latched faults, the conditions of motion, and the pending requests.
 ///
-/// Each tick derives events from its inputs, the most severe first, and applies them; whatever begins or ends
-/// a motion is the caller's to do, by the action that Apply returns.
+/// Each tick derives events from its inputs, most severe first, and applies them. Apply returns the action of
+/// the transition; the caller carries it out, and so begins or ends a motion.
 class MotionSupervisor {
  public:
-  /// @returns what is to be done. Clears the faults where that is kClearFaults.
+  /// Applies an event to the state. If the transition's action is kClearFaults, clears the latched faults.
+  /// @returns the action, for the caller to carry out
   [[nodiscard]] safety::CellAction Apply(safety::CellEvent event) OSTEON_RT;
 
   void Latch(safety::Fault fault) OSTEON_RT { faults_.Latch(fault); }
   void Latch(safety::FaultSet faults) OSTEON_RT { faults_.Latch(faults); }
 
   void SetPermits(safety::MotionPermits permits) OSTEON_RT { permits_ = permits; }
-  /// The command follows the way to the start.
+  /// Sets whether the command follows the path to the start.
   void SetOnPath(bool on_path) OSTEON_RT { on_path_ = on_path; }
-  /// Rendering begins: from now on there is no way to the start.
+  /// Call when rendering begins. From then on the loop takes no path to the start any more.
   void SetRendered() OSTEON_RT { rendered_ = true; }
 
-  /// An orderly stop was asked for: as this tick sees it.
+  /// Sets whether an orderly stop is requested in this tick.
   void SetStopRequested(bool asked) OSTEON_RT { stop_requested_ = asked; }
-  /// A pause was asked for. It counts until TakePauseRequest, while motion is under way or waited for.
+  /// Stores a pause request (`asked`), until TakePauseRequest. Drops it in a state without motion that does
+  /// not wait for motion either.
   void RequestPause(bool asked) OSTEON_RT;
-  /// @returns whether a pause is to begin now, and forgets it
+  /// Returns whether a pause request is stored, and clears it.
   [[nodiscard]] bool TakePauseRequest() OSTEON_RT;
 
   [[nodiscard]] safety::CellState state() const OSTEON_RT { return state_; }
@@ -40,24 +42,25 @@ class MotionSupervisor {
   [[nodiscard]] bool stop_requested() const OSTEON_RT { return stop_requested_; }
   [[nodiscard]] bool on_path() const OSTEON_RT { return on_path_; }
   [[nodiscard]] bool rendered() const OSTEON_RT { return rendered_; }
-  /// The arm was moved at least once: a fault of the drive then waits for a recovery.
+  /// Whether the loop has ever moved the arm. Before that, faults of the drive are cleared automatically;
+  /// afterwards only in a recovery.
   [[nodiscard]] bool moved() const OSTEON_RT { return moved_; }
 
-  /// The state's name in the recording.
+  /// Phase of the run in the recording; follows from the state.
   [[nodiscard]] Phase phase() const OSTEON_RT;
-  /// The arm is waited for, and its position is followed.
+  /// Whether the loop waits for the arm and follows its position.
   [[nodiscard]] bool IsWaiting() const OSTEON_RT {
     return safety::Waits(state_) && phase() != Phase::kStopped;
   }
-  /// Nothing is moved or braked, and no fault is latched.
+  /// Whether nothing is moved or braked, and no fault is latched.
   [[nodiscard]] bool IsWaitingOrPaused() const OSTEON_RT {
     return safety::Waits(state_) || state_ == safety::CellState::kPaused;
   }
-  /// The arm is moved, or what is commanded is being braked.
+  /// Whether the arm is moved, or its commanded motion is being braked.
   [[nodiscard]] bool MovesOrBrakes() const OSTEON_RT {
     return safety::IsMotion(state_) || safety::Brakes(state_);
   }
-  /// A recovery would have an effect now.
+  /// Whether a recovery request would have an effect now.
   [[nodiscard]] bool CanRecover() const OSTEON_RT;
 
  private:

@@ -6,16 +6,16 @@
 
 namespace osteon::control {
 
-/// Tells how long a stopped loop still runs, so that its recording shows the arm at rest.
+/// Decides when a stopped loop may end, so that its recording shows the arm at rest for a while.
 ///
-/// Rest begins with the first stopped tick that is no longer in stop 0: an arm that is not under control
-/// counts as at rest only once it is measured to stand. If it is never measured to stand (a silent arm), the
-/// loop ends after kMaxTimes the rest.
+/// Rest begins with the first stopped tick that is not in stop 0. In stop 0 the arm is not under control, and
+/// the state lasts until the arm is measured to stand. If that never happens (a silent arm), the loop ends
+/// after kMaxTimes the rest time.
 class RestTime {
  public:
   static constexpr int kMaxTimes = 4;
 
-  /// @param rest  how long to run after rest has begun, >= 0; 0: not at all
+  /// @param rest  rest time: how long the loop still runs after rest has begun, >= 0; 0: it ends at once
   explicit RestTime(rt::Nanoseconds rest) : rest_(rest) {}
 
   /// Call once per tick of a loop in Phase::kStopped. @returns true if the run may end.

@@ -12,13 +12,13 @@ SafetyChecks::SafetyChecks(const ServoParams& params, double max_force_N)
       watchdog_(params.watchdog),
       arm_speed_(ArmSpeedParams{}, params.period_s) {}
 
-void SafetyChecks::StartMotion(rt::Nanoseconds now) OSTEON_RT {
+void SafetyChecks::OnMotionStarted(rt::Nanoseconds now) OSTEON_RT {
   watchdog_.Start(now);
   spindle_trip_.Reset();
 }
 
-void SafetyChecks::StartRendering(rt::Nanoseconds now) OSTEON_RT {
-  StartMotion(now);
+void SafetyChecks::OnRenderingStarted(rt::Nanoseconds now) OSTEON_RT {
+  OnMotionStarted(now);
   rate_trip_.Reset();
 }
 

@@ -12,71 +12,78 @@
 
 namespace osteon::control {
 
-/// Ages of what a tick was given [s]; safety::kNoAge_s: there is none.
+/// Ages of a tick's inputs [s]; safety::kNoAge_s stands for an input that never came.
 struct InputAges {
-  double model_s{0.0};   ///< of the contact model's pose
-  double sensor_s{0.0};  ///< of the force reading
+  double model_s{0.0};   ///< age of the pose that the contact model was computed for
+  double sensor_s{0.0};  ///< age of the force reading
 };
 
-/// Conditions that must stop the cell, of devices, hand, coupling and arm. Each check returns the faults that
-/// it finds and moves nothing; which of them apply in a state is the servo loop's to say:
+/// Checks for conditions that must stop the cell: in the devices, the hand's force, the coupling and the arm.
+/// Each check returns the faults that it finds and moves nothing. The servo loop decides which checks run in
+/// a state:
 ///
 /// | the arm | sensor | spindle | interlock, model | hand | coupling | speed |
 /// |---|---|---|---|---|---|---|
-/// | goes to its start | x | x | it rests instead | x | | x |
+/// | goes to its start | x | x | the path pauses instead | x | | x |
 /// | renders | x | x | x | x | x | x |
-/// | brakes for a pause (stop 2) | x | x | x | x | device lost | x |
-/// | brakes for good (stop 1) | x | | | x | | x |
+/// | brakes for a pause (stop 2) | x | x | x | x | lost device only | x |
+/// | brakes to end the motion (stop 1) | x | | | x | | x |
 class SafetyChecks {
  public:
-  /// @param max_force_N  that the coupling may render
+  /// @param max_force_N  largest force that the coupling may render
   /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
   SafetyChecks(const ServoParams& params, double max_force_N);
 
-  /// Motion begins: each source has its full time to show up, and the spindle's torque is forgotten.
-  void StartMotion(rt::Nanoseconds now) OSTEON_RT;
-  /// Rendering begins: the next force of the coupling counts from zero.
-  void StartRendering(rt::Nanoseconds now) OSTEON_RT;
+  /// Call when motion starts. Gives each input its full time limit again to deliver a first value, and resets
+  /// the check of the spindle's torque.
+  void OnMotionStarted(rt::Nanoseconds now) OSTEON_RT;
+  /// Call when rendering starts: as OnMotionStarted, and the growth of the coupling's force is then measured
+  /// from zero.
+  void OnRenderingStarted(rt::Nanoseconds now) OSTEON_RT;
 
-  /// Ages, sensor, spindle and the PLC's permission of a cell that renders or brakes for a pause.
+  /// Checks the inputs' ages, the sensor, the spindle and the PLC's permission, while the cell renders or
+  /// brakes for a pause.
   [[nodiscard]] safety::FaultSet CheckDevices(const CellReadings& readings, const InputAges& ages,
                                               rt::Nanoseconds now) OSTEON_RT;
-  /// The force sensor: young enough, and trusted by itself.
+  /// Checks that the force reading is recent, and that the sensor itself reports it as valid.
   [[nodiscard]] safety::FaultSet CheckSensor(const ForceReading& reading, double age_s,
                                              rt::Nanoseconds now) const OSTEON_RT;
-  /// The reamer's drive: young enough, in order, within its torque. Nothing where the cell has none.
+  /// Checks that the drive's reading is recent and without a fault, and that the torque is within its limits.
+  /// A cell without a drive has no faults here.
   [[nodiscard]] safety::FaultSet CheckSpindle(const SpindleReading& reading, rt::Nanoseconds now) OSTEON_RT;
-  /// The hand's force. @param F_hand_T_W  on the tool
+  /// Checks that the hand's wrench on the tool is finite, and its force not too large.
   [[nodiscard]] safety::FaultSet CheckHand(const Wrench& F_hand_T_W) OSTEON_RT;
-  /// The coupling before its limits: credible, and not faster than any contact.
-  /// @param dt_s  between the tool's poses of this coupling and of the last
+  /// Checks the coupling's wrench before it is limited: finite, from a credible contact model, and growing no
+  /// faster than a real contact can make it (safety::WrenchRateTrip).
+  /// @param dt_s  time between the tool poses of this wrench and of the one checked before
   [[nodiscard]] safety::FaultSet CheckCoupling(const CouplingOutput& coupling, double dt_s) OSTEON_RT;
-  /// How fast the arm is measured to move the tool. @param limit_m_per_s  that the loop keeps
+  /// Checks the measured speed of the tool. @param limit_m_per_s  speed limit that the loop keeps
   [[nodiscard]] safety::FaultSet CheckArmSpeed(const ArmState& state, const Vector3& p_WT,
                                                double limit_m_per_s) OSTEON_RT;
-  /// The arm moves by itself: nobody is answerable for its speed.
+  /// Call while the loop does not command the arm: its speed is not checked then.
   void ResetArmSpeed() OSTEON_RT { arm_speed_.Reset(); }
 
-  /// The PLC permits motion, freshly, and the enabling switch is held; of a cell without one always.
+  /// Whether a recent reading of the PLC permits motion and the enabling switch is held. True if the cell has
+  /// no PLC.
   [[nodiscard]] bool IsMotionPermitted(const InterlockReading& reading, rt::Nanoseconds now) const OSTEON_RT;
-  /// A reading at rest with which motion may begin.
+  /// Whether motion may begin with this force reading: recent, valid, finite and not too large.
   [[nodiscard]] bool IsSensorReady(const ForceReading& reading, rt::Nanoseconds now) const OSTEON_RT;
-  /// A drive with which motion may begin; of a cell without one always.
+  /// Whether motion may begin with the drive in this state. True if the cell has no drive.
   [[nodiscard]] bool IsSpindleReady(const SpindleReading& reading, rt::Nanoseconds now) const OSTEON_RT;
 
-  /// Share of the hand's force that the reading's age lets through, 0 … 1.
+  /// Factor on the hand's force by the age of its reading, 0 … 1: an old reading is faded out.
   [[nodiscard]] double SensorShare(double age_s) const OSTEON_RT { return watchdog_.SensorShare(age_s); }
-  /// The hand's force in the last CheckHand whose wrench was finite.
+  /// The hand's force as of the last CheckHand with a finite wrench.
   [[nodiscard]] double hand_N() const OSTEON_RT { return hand_N_; }
-  /// Beyond it the hand pushes too hard.
+  /// Force of the hand beyond which CheckHand finds a fault.
   [[nodiscard]] double max_hand_N() const OSTEON_RT { return sensor_trip_.level_N(); }
-  /// By which the coupling's force grew or turned in the last CheckCoupling [N].
+  /// Growth of the coupling's force found by the last CheckCoupling [N]; a turning force grows as well.
   [[nodiscard]] double wrench_growth_N() const OSTEON_RT { return rate_trip_.growth_N(); }
-  /// And by which it may within dt_s.
+  /// Largest growth of the coupling's force within dt_s that is no fault [N].
   [[nodiscard]] double max_wrench_growth_N(double dt_s) const OSTEON_RT {
     return rate_trip_.max_rate_N_per_s() * dt_s;
   }
-  /// The arm's speed in the last CheckArmSpeed.
+  /// The tool's measured speed as of the last CheckArmSpeed.
   [[nodiscard]] double arm_speed_m_per_s() const OSTEON_RT { return arm_speed_.speed_m_per_s(); }
 
  private:

@@ -131,7 +131,7 @@ TickRecord ServoLoop::RecordInputs(const TickInputs& tick, ReceiveResult receive
   record.model_frame = model.frame;
   record.model_age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
   record.sensor_age_s = safety::StampAge(now, readings.force.stamp);
-  record.input = InputOf(state, received, readings, model, now, supervisor_.stop_requested());
+  record.input = MakeTickInput(state, received, readings, model, now, supervisor_.stop_requested());
   record.input.recover = requests_.TakeRecovery();
   record.input.pause = requests_.TakePause();
   record.input.resume = requests_.TakeResume();
@@ -178,7 +178,7 @@ void ServoLoop::OnMissedMessage(ReceiveResult received) OSTEON_RT {
 void ServoLoop::ProcessArmMessage(const TickInputs& tick, TickRecord& record) OSTEON_RT {
   const ArmState& state = tick.state;
   const bool active = UpdateSession(state);
-  arm_overloaded_ = tool_.arm().UpdateExternalTorques(state.tau_ext);
+  arm_overloaded_ = tool_.arm().PredictOverload(state.tau_ext);
   if (!AllFinite(state.tau_ext)) {  // without finite torques an overload would not be detected
     supervisor_.Latch(Fault::kNotFinite);
     ApplyFault();

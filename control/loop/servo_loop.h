@@ -28,111 +28,117 @@
 
 namespace osteon::control {
 
-/// The servo loop: one arm message a tick, an LBR each millisecond, a KR each 4 or 12. Knows no socket and no
-/// clock. It calls its parts in order and assembles the tick's record from what they return:
+/// The servo loop. Each tick answers one message of the arm: an LBR sends one per millisecond, a KR one every
+/// 4 or 12 ms. The loop uses no socket and no clock. It calls its parts in order and assembles the tick's
+/// record from their outputs:
 ///
-///     ArmState ─▶ ArmSession ─▶ MotionSupervisor ─▶ renderer | way to the start | braking ─▶ CommandedTool ─▶ ArmCommand
+///     ArmState ─▶ ArmSession ─▶ MotionSupervisor ─▶ renderer | start path | braking ─▶ CommandedTool ─▶ ArmCommand
 ///     CellReadings ─▶ HandForce ─▶ SafetyChecks ─▶ MotionSupervisor
 ///     ContactModel ─▶ CouplingPipeline ─▶ AdmittanceRenderer | ImpedanceRenderer
 ///
-/// **State.** safety::CellState is the authority, led by one table (safety/cell_state.h, docs/states.md); the
-/// recorded Phase follows from it. Each tick derives events from its inputs, the most severe first
-/// (ApplyEvent).
+/// **State.** safety::CellState decides what the loop does. One table changes it (safety/cell_state.h,
+/// docs/states.md), and the recorded Phase follows from it. Each tick derives events from its inputs, most
+/// severe first, and applies them (ApplyEvent).
 ///
-/// - off, checking, ready and recovery follow the arm's own position. Nothing moves before every condition of
-///   safety::MotionPermits holds in one tick. The virtual tool starts from the commanded joints, at rest, the
-///   coupling faded out: no jump. An arm that stayed in the same COMMANDING_ACTIVE through a pause or a loss
-///   of messages is held where it was last told to be: its own interpolator stands where commanding began.
-/// - aligning goes to ServoParams::start along a joint path, where the arm was handed over elsewhere. It
-///   goes on while motion is permitted and pauses on its path where it is not; an arm that leaves
-///   COMMANDING_ACTIVE meanwhile is waited for anew. Once rendering has begun there is no way to the start
-///   any more.
-/// - haptic and cutting render, the spindle still or turning (AdmittanceRenderer, ImpedanceRenderer).
-/// - stop 1 and stop 2 brake what is commanded, whichever state commanded it (CommandedTool::Brake,
-///   ImpedanceRenderer::Brake); nothing is rendered and the spindle is still. On the way to the start the
-///   path's clock is braked.
-/// - stop 0: the arm takes no commands. It is over once the arm is measured to stand.
-/// - paused and fault hold, and follow the arm where it leaves COMMANDING_ACTIVE. Only RequestResume(), a
-///   recovery, or a new loop goes on. A hand that leans on a paused arm of the impedance law displaces it:
-///   that is no fault, it only keeps the arm from going on.
+/// - off, checking, ready and recovery: the command follows the arm's own position. Motion begins only once
+///   every condition of safety::MotionPermits holds in one tick. The virtual tool then starts from the
+///   commanded joints, at rest and with the coupling faded out, so that nothing jumps. If the arm stayed in
+///   the same activation through a pause or a loss of messages, the last command is held, because the arm's
+///   interpolator still reports the position at which commanding began.
+/// - aligning: if the arm was handed over elsewhere, it moves to ServoParams::start along a joint path. The
+///   path is paused while motion is not permitted. If the arm leaves COMMANDING_ACTIVE, the loop waits for it
+///   again. Once rendering has begun, the loop takes no path to the start any more.
+/// - haptic and cutting: the loop renders, with the spindle still or turning (AdmittanceRenderer,
+///   ImpedanceRenderer).
+/// - stop 1 and stop 2: the commanded motion is braked, whichever state commanded it (CommandedTool::Brake,
+///   ImpedanceRenderer::Brake). Nothing is rendered, and the spindle is stopped. On the path to the start,
+///   the path's clock is braked.
+/// - stop 0: the arm takes no commands. The state ends once the arm is measured to stand.
+/// - paused and fault: the command is held; if the arm leaves COMMANDING_ACTIVE, the command follows it. Only
+///   RequestResume(), a recovery or a new loop ends these states. Under the impedance law a hand may displace
+///   a paused arm: this is no fault, but the arm cannot resume meanwhile.
 ///
-/// Before its first motion the sensor's bias is estimated while the tool rests. Wherever the arm moves or is
-/// braked, hand and sensor are checked; while it moves by itself or renders, the spindle as well
-/// (SafetyChecks).
+/// **Checks** (SafetyChecks). The sensor's bias is estimated before the first motion, while the tool rests.
+/// Whenever the arm moves or brakes, hand and sensor are checked; on the path to the start and while
+/// rendering, the spindle as well.
 ///
-/// After limiting, the virtual tool's state is set to the commanded motion: commanded and integrated pose are
-/// one at every tick. The joints follow the tool's twist (DifferentialInverse), so that the end of the reach,
-/// a singular posture and a joint's limit are places where the tool slides or slows down, not faults; the
-/// pose that is commanded is the one that these joints have. The closed-form inverse says where the elbow
-/// should go: it is held where it is on its circle while the tool moves, and goes to the wanted arm angle;
-/// once it has been there, it moves only while the tool does.
+/// **Motion.** After limiting, the virtual tool's state is set to the commanded motion, so the integrated
+/// pose never drifts from the commanded one. The joints follow the tool's twist (DifferentialInverse), and
+/// the commanded pose is that of the joints. At the end of the reach, at a singular posture or at a joint
+/// limit the tool therefore slides or slows down; none of these is a fault. The closed-form inverse
+/// kinematics guides the elbow: the arm angle is kept while the tool moves, and turned to the wanted angle.
+/// Once that has been reached, the elbow moves only while the tool does.
 class ServoLoop {
  public:
-  /// @param X_WB robot base in world  @param X_FT tool on the flange  @param arm_angle_rad wanted in the run
+  /// @param X_WB robot base in world  @param X_FT tool on the flange  @param arm_angle_rad arm angle to be
+  /// kept in the run
   /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
   ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, const Pose& X_WB, const Pose& X_FT,
             double arm_angle_rad);
-  /// The same of a six-axis arm: no elbow to lead, and its torques are not known.
+  /// A loop for a six-axis arm, which has no redundant joint, and whose torques are unknown.
   ServoLoop(const ServoParams& params, const kinematics::OrthoParallelArm& arm, const Pose& X_WB,
             const Pose& X_FT);
   ServoLoop(const ServoLoop&) = delete;
   ServoLoop& operator=(const ServoLoop&) = delete;
 
-  /// One tick. `state` counts where `received` is kOk; otherwise the loop holds.
-  /// @param now on the clock of all stamps
-  /// @param[out] command what to answer; always finite, once one message with finite joints was seen
+  /// Computes one tick. `state` is used only if `received` is kOk; otherwise the last command is held.
+  /// @param now time of the tick, on the clock of all stamps
+  /// @param[out] command answer to the arm; always finite after the first message with finite joints
+  /// @returns the tick's record
   TickRecord Tick(const ArmState& state, ReceiveResult received, const CellReadings& readings,
                   const simulation::ContactModel& model, rt::Nanoseconds now, ArmCommand& command) OSTEON_RT;
 
-  /// Whether an arm that waits may begin to move; it may at first. From any thread: e.g. while the way to the
-  /// start is looked at.
+  /// Allows or forbids that a waiting arm begins to move; allowed at first. Forbidden e.g. while the path to
+  /// the start is being checked. From any thread.
   void AllowStart(bool allowed) OSTEON_RT { requests_.AllowStart(allowed); }
 
-  /// Orderly stop. From any thread, and from a signal handler.
+  /// Requests an orderly stop. From any thread, and from a signal handler.
   void RequestStop() OSTEON_RT { requests_.RequestStop(); }
 
-  /// Begin again after a stop that the connection to the arm brought about (Fault::kSession, kArmStale) and
-  /// nothing else: waits for the arm, and then renders from where it stands. Without effect otherwise. From
-  /// any thread.
+  /// Requests a new beginning after a stop that only the connection to the arm has caused (Fault::kSession,
+  /// kArmStale): the loop waits for the arm, then renders from the arm's present position. No effect after
+  /// other stops. From any thread.
   void RequestRecovery() OSTEON_RT { requests_.RequestRecovery(); }
-  /// An operator's pause: brakes to rest (stop 2) and holds, until RequestResume(). From any thread, and from
-  /// a signal handler.
+  /// Requests an operator's pause: brakes to rest (stop 2) and holds, until RequestResume(). From any thread,
+  /// and from a signal handler.
   void RequestPause() OSTEON_RT { requests_.RequestPause(); }
-  /// Ends a pause: from where the tool stands, once every condition of motion holds. Without effect where the
-  /// cell is not paused. From any thread, and from a signal handler.
+  /// Requests the end of a pause: once every condition of motion holds, the loop continues from the tool's
+  /// present pose. No effect if the cell is not paused. From any thread, and from a signal handler.
   void RequestResume() OSTEON_RT { requests_.RequestResume(); }
-  /// Whether it would have an effect now.
+  /// Whether RequestRecovery would have an effect now.
   [[nodiscard]] bool CanRecover() const OSTEON_RT { return supervisor_.CanRecover(); }
 
-  /// A tick that was computed again came out otherwise (LoopRepeat): the next one latches
+  /// Reports that a repeated tick gave another result (LoopRepeat): the next tick latches
   /// Fault::kRepeatDiffers. From the tick's thread.
   void ReportDifference() OSTEON_RT { differed_ = true; }
 
-  /// The recorder stands still or refuses ticks: the next tick latches Fault::kRecorder. From the tick's
-  /// thread.
+  /// Reports that the recorder stalls or refuses ticks: the next tick latches Fault::kRecorder. From the
+  /// tick's thread.
   void ReportRecorder() OSTEON_RT { recorder_stalled_ = true; }
 
-  /// Asks for what the next tick reads of this loop to be near the processor by then. From the tick's thread.
+  /// Loads this loop's data into the processor's cache for the next tick. From the tick's thread.
   void Prefetch() const OSTEON_RT;
 
-  /// Other gains from the next tick on, reached within GainRamp::kRampSeconds and without making energy. A
-  /// later request before a tick has taken it replaces it. From any one thread, not the tick's.
-  /// @throws std::invalid_argument naming the field, the value and what is accepted: the coupling's stiffness
-  /// at most what the loop was made with, which its trips and the simulation count on.
+  /// Requests other gains. They are reached within GainRamp::kRampSeconds from the next tick on, without
+  /// creating energy. A later request replaces one that no tick has taken yet. From one thread, not the
+  /// tick's.
+  /// @throws std::invalid_argument naming the field, the value and what is accepted. The coupling's stiffness
+  /// may be at most that at construction, because trips and simulation rely on it.
   void RequestGains(const Gains& gains);
 
-  /// What the simulation should follow: the commanded tool pose of the last tick; with the impedance law the
-  /// measured one, stamped with the tick whose message it came with. Its stamp is 0 until the arm has said
-  /// where it is: there is no pose yet.
+  /// The tool pose that the simulation should follow: with the admittance law the commanded pose of the last
+  /// tick, with the impedance law the measured pose, stamped with the tick of its message. The stamp is 0,
+  /// and the pose invalid, until the arm has reported its position.
   [[nodiscard]] simulation::ToolCommand tool_command() const OSTEON_RT;
 
-  /// What the cell's devices should do now.
+  /// Commands to the cell's devices.
   [[nodiscard]] CellCommands cell_commands() const OSTEON_RT;
 
   [[nodiscard]] safety::CellState state() const OSTEON_RT { return supervisor_.state(); }
-  /// The conditions of motion that held when they were last looked at: while nothing moves.
+  /// The conditions of motion, as last evaluated. They are evaluated while the loop waits, is paused, or is
+  /// on the path to the start.
   [[nodiscard]] safety::MotionPermits permits() const OSTEON_RT { return supervisor_.permits(); }
-  /// The state's name in the recording.
+  /// Phase of the run in the recording; follows from the state.
   [[nodiscard]] Phase phase() const OSTEON_RT { return supervisor_.phase(); }
   [[nodiscard]] safety::FaultSet faults() const OSTEON_RT { return supervisor_.faults(); }
   [[nodiscard]] const ServoStatistics& statistics() const OSTEON_RT { return statistics_; }
@@ -141,7 +147,7 @@ class ServoLoop {
  private:
   ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm, const Pose& X_FT);
 
-  // a tick, in order
+  // steps of a tick, in order
   [[nodiscard]] TickRecord RecordInputs(const TickInputs& tick, ReceiveResult received) OSTEON_RT;
   void ApplyRequests(const TickInput& input) OSTEON_RT;
   void StepGains(TickInput& input) OSTEON_RT;
@@ -150,7 +156,7 @@ class ServoLoop {
   void FillCommand(const ArmState& state, ArmCommand& command) const OSTEON_RT;
   void FinishRecord(const ArmCommand& command, TickRecord& record) OSTEON_RT;
 
-  // the state, and what it does to what is commanded
+  // the state, and its effect on the command
   safety::CellAction ApplyEvent(safety::CellEvent event) OSTEON_RT;
   void ApplyFault() OSTEON_RT { ApplyEvent(safety::CellEvent::kFault); }
   void FinishStop() OSTEON_RT;
@@ -161,17 +167,17 @@ class ServoLoop {
   void StepStartPath(const TickInputs& tick) OSTEON_RT;
   void StartRendering(const TickInputs& tick) OSTEON_RT;
 
-  // what is checked
+  // checks
   void CheckArmSpeed(const ArmState& state, bool active, TickRecord& record) OSTEON_RT;
   void CheckMotion(const ArmState& state) OSTEON_RT;
   void CheckOnPath(const TickInputs& tick, TickRecord& record) OSTEON_RT;
   void CheckInStop(const TickInputs& tick, TickRecord& record) OSTEON_RT;
   void CheckHand(const Wrench& F_hand_T_W) OSTEON_RT;
 
-  // what is rendered, and how it ends
+  // rendering and braking
   [[nodiscard]] Wrench ComputeHandWrench(const ForceReading& reading, TickRecord& record) OSTEON_RT;
   void UpdateSpindle(const CellReadings& readings) OSTEON_RT;
-  /// Where the coupling counts: the commanded tool, with the impedance law the measured one.
+  /// The tool motion at which the coupling is evaluated: commanded (admittance) or measured (impedance).
   struct ToolMotion {
     const Pose& X_WT;
     Twist V_WT;
@@ -186,13 +192,13 @@ class ServoLoop {
   void BrakeForPause(const TickInputs& tick, TickRecord& record) OSTEON_RT;
   void Brake() OSTEON_RT;
   void BrakeJoints() OSTEON_RT;
-  /// Time between the tool's poses of this coupling and of the last: a commanded tool stands while messages
-  /// are lost, a measured one goes on.
+  /// Time between the tool poses of this and the previous coupling. While messages are lost, a commanded tool
+  /// stands, whereas a measured tool moves on.
   [[nodiscard]] double CouplingStep_s() const OSTEON_RT {
     return params_.law == Law::kImpedance ? session_.elapsed_s() : params_.period_s;
   }
 
-  ServoParams params_;  // the parts refer to it: their gains change with it
+  ServoParams params_;  // the parts refer to these, so StepGains changes theirs as well
   MotionRequests requests_;
   MotionSupervisor supervisor_;
   ArmSession session_;
@@ -205,12 +211,12 @@ class ServoLoop {
   ServoStatistics statistics_;
 
   struct GainsRequest {
-    std::uint64_t number{0};  ///< counts them; 0: none
+    std::uint64_t number{0};  ///< number of the request; 0: none
     Gains gains;
   };
   rt::LatestValue<GainsRequest> gains_asked_;
-  std::uint64_t gains_number_{0};  ///< the asking thread's
-  std::uint64_t gains_taken_{0};   ///< of the last one taken
+  std::uint64_t gains_number_{0};  ///< last request made; belongs to the requesting thread
+  std::uint64_t gains_taken_{0};   ///< last request that a tick has taken
   double max_stiffness_N_per_m_{0.0};
   GainRamp gain_ramp_;
 
@@ -218,11 +224,11 @@ class ServoLoop {
   rt::Nanoseconds now_{0};
   bool differed_{false};           ///< ReportDifference since the last tick
   bool recorder_stalled_{false};   ///< ReportRecorder since the last tick
-  bool spindle_permitted_{true};   ///< by the PLC
-  double spindle_rad_per_s_{0.0};  ///< what it does: measured where there is a drive
-  bool arm_overloaded_{false};     ///< the arm's joints are about to bear more than they hold
-  bool reduced_speed_{false};      ///< the arm is in T1, or does not say
-  safety::LimitSet acting_;        ///< in this tick
+  bool spindle_permitted_{true};   ///< the PLC permits the spindle
+  double spindle_rad_per_s_{0.0};  ///< actual speed: measured if there is a drive
+  bool arm_overloaded_{false};     ///< the joints' load is about to exceed what they can hold
+  bool reduced_speed_{false};      ///< the arm is in operation mode T1 or reports no mode
+  safety::LimitSet acting_;        ///< limits that act in this tick
 };
 
 }  // namespace osteon::control

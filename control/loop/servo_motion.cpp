@@ -77,7 +77,7 @@ void ServoLoop::StartMotionIfPermitted(const TickInputs& tick) OSTEON_RT {
 void ServoLoop::StartPath(const TickInputs& tick) OSTEON_RT {
   session_.StartCommanding(tick.state);
   supervisor_.SetOnPath(tool_.arm().BeginStartPath());
-  checks_.StartMotion(tick.now);
+  checks_.OnMotionStarted(tick.now);
   hand_.ResetMotion(session_.X_WT());
   if (supervisor_.on_path()) return;
   // no path: the arm stands outside the range of positions that may be commanded
@@ -115,7 +115,7 @@ void ServoLoop::StartRendering(const TickInputs& tick) OSTEON_RT {
   coupling_.Reset();
   admittance_.Reset(tool_.X_WT());
   impedance_.Reset(tick.state.q_meas);
-  checks_.StartRendering(tick.now);
+  checks_.OnRenderingStarted(tick.now);
 }
 
 // Checks the measured speed of the arm while the loop commands it. The path to the start has a speed limit of

@@ -9,20 +9,22 @@ namespace osteon::control {
 
 /// Peaks and counts since the start.
 struct ServoStatistics {
-  double peak_coupling_force_N{0.0};  ///< rendered: after every limit, as integrated
+  double peak_coupling_force_N{0.0};  ///< rendered force, after all limits
   double peak_coupling_torque_Nm{0.0};
-  double peak_sensor_force_N{0.0};      ///< what the sensor said
-  double peak_tool_speed_m_per_s{0.0};  ///< commanded
-  double peak_tool_in_bone_m{0.0};      ///< from the tool to its collision-free pose
-  double peak_power_W{0.0};             ///< from the coupling to the hand, of the motion that was commanded
-  /// Between two messages, while the loop commands the arm: also on its way to the start and in a stop.
+  double peak_sensor_force_N{0.0};      ///< hand's force, from the sensor
+  double peak_tool_speed_m_per_s{0.0};  ///< commanded speed
+  double peak_tool_in_bone_m{0.0};      ///< distance from the tool to its collision-free pose
+  double peak_power_W{0.0};             ///< power from the coupling to the hand, in the commanded motion
+  /// Measured between two messages while the loop commands the arm, also on the path to the start and in a
+  /// stop.
   double peak_measured_tool_speed_m_per_s{0.0};
   double peak_tracking_error_m{0.0};
-  safety::LimitCounts limits;                                        ///< while rendering
-  double min_depth_left_m{std::numeric_limits<double>::infinity()};  ///< to the reamer's depth limit
+  safety::LimitCounts limits;                                        ///< ticks in which each limit acted
+  double min_depth_left_m{std::numeric_limits<double>::infinity()};  ///< distance to the reamer's depth limit
   double min_tank_J{std::numeric_limits<double>::infinity()};
-  std::uint64_t active_ticks{0};     ///< messages answered in COMMANDING_ACTIVE, once the loop has begun
-  std::uint64_t missed_messages{0};  ///< deadlines that passed without one, once commanding
+  /// Messages in COMMANDING_ACTIVE, except while waiting or on the path to the start.
+  std::uint64_t active_ticks{0};
+  std::uint64_t missed_messages{0};  ///< deadlines that passed without a message, except while waiting
 };
 
 }  // namespace osteon::control

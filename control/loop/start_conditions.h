@@ -20,21 +20,22 @@ struct TickInputs {
   rt::Nanoseconds now{0};
 };
 
-/// Inputs of the conditions of motion, beside a tick's inputs. Views must outlive the call.
+/// What the conditions of motion depend on, beside a tick's inputs. References must outlive the call.
 struct StartConditions {
   const ServoParams& params;
   const ArmSession& session;
   const SafetyChecks& checks;
   const ArmFollower& arm;
-  double max_force_N{0.0};     ///< that the coupling may render
-  bool may_start{true};        ///< whoever checks the way to the start has not forbidden it
-  bool rendered{false};        ///< at least once: there is no way to the start any more
-  bool bias_in_doubt{false};   ///< a hand rests on the handle
-  bool arm_overloaded{false};  ///< the arm's joints are about to bear more than they hold
+  double max_force_N{0.0};  ///< largest force that the coupling may render
+  /// False while ServoLoop::AllowStart forbids motion, e.g. until the path to the start is checked.
+  bool may_start{true};
+  bool rendered{false};        ///< rendered at least once: the loop takes no path to the start any more
+  bool bias_in_doubt{false};   ///< the sensor's bias is unknown: a hand may rest on the handle
+  bool arm_overloaded{false};  ///< the joints' load is about to exceed what they can hold
 };
 
-/// The conditions of motion in a tick whose message came. A condition that would stop motion also prevents
-/// its start.
+/// Evaluates the conditions of motion, in a tick with a message. A condition that would stop motion also
+/// prevents its start.
 [[nodiscard]] safety::MotionPermits EvaluatePermits(const TickInputs& tick,
                                                     const StartConditions& conditions) OSTEON_RT;
 

@@ -4,7 +4,7 @@
 #include "control/tick_record.h"
 #include "safety/cell_state.h"
 
-// Interpretation of the numbers of a recorded tick.
+// What the numbers in a recorded tick mean.
 
 namespace osteon::control {
 
@@ -13,7 +13,7 @@ namespace osteon::control {
   return tick.cell_state == static_cast<std::uint8_t>(safety::CellState::kPaused);
 }
 
-/// Whether the arm's message of this tick came; otherwise nothing was computed or sent.
+/// Whether the tick had a message from the arm. Without one, nothing was computed or sent.
 [[nodiscard]] inline bool HasMessage(const TickRecord& tick) {
   return tick.input.received == static_cast<std::uint8_t>(ReceiveResult::kOk);
 }

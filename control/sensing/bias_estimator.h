@@ -10,56 +10,57 @@ namespace osteon::control {
 /// Tuning of BiasEstimator. Every field has a usable default.
 struct BiasParams {
   bool acts{true};          ///< false: no bias is removed
-  double rest_s{0.5};       ///< a rest of this duration is accepted; also the time constant of the mean
-  double spread_N{1.5};     ///< a reading farther from the mean is not at rest: somebody touches the tool
-  double spread_Nm{0.15};   ///< the same for the torque
+  double rest_s{0.5};       ///< required duration of a rest; also the time constant of the mean
+  double spread_N{1.5};     ///< a reading farther from the mean ends the rest: someone touches the tool
+  double spread_Nm{0.15};   ///< as spread_N, for the torque
   double max_bias_N{10.0};  ///< largest bias that is accepted
-  double max_bias_Nm{2.0};  ///< the same for the torque
-  /// Bounds the creep of a free tool in case the estimate was a hand's push and the hand lets go. Together
-  /// with the law's drag this bounds the accepted bias: CreepBound. > 0
+  double max_bias_Nm{2.0};  ///< as max_bias_N, for the torque
+  /// If a hand's push was taken for a bias and the hand lets go, the free tool may creep at most at this
+  /// speed. Together with the law's drag this bounds the accepted bias (CreepBound). > 0
   double max_creep_m_per_s{0.05};
-  double max_creep_rad_per_s{0.25};  ///< the same for the rotation
-  double rest_motion_m{1e-4};        ///< the flange may move this far during a rest,
-  double rest_rotation_rad{1e-3};    ///< and rotate this far
+  double max_creep_rad_per_s{0.25};  ///< as max_creep_m_per_s, for the rotation
+  double rest_motion_m{1e-4};        ///< largest motion of the flange during a rest
+  double rest_rotation_rad{1e-3};    ///< largest rotation of the flange during a rest
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const BiasParams& params);
 
-/// The same parameters with max_bias_N and max_bias_Nm lowered to what an admittance law tolerates: if the
-/// bias was a hand's push, the free tool creeps at most at max_creep_m_per_s once the hand lets go.
+/// Returns the parameters with max_bias_N and max_bias_Nm lowered so that, if the bias was a hand's push, the
+/// free tool creeps no faster than max_creep_m_per_s once the hand lets go:
 ///
-///     |bias| <= dead zone + least drag × max_creep
+///     |bias| <= dead zone + smallest drag × max_creep
 ///
-/// @param law  of the virtual tool
+/// @param law  admittance law of the virtual tool
 [[nodiscard]] BiasParams CreepBound(const BiasParams& params, const AdmittanceParams& law);
 
-/// Offset of a force sensor, estimated while the tool hangs at rest and nobody holds it.
+/// Estimates the bias of a force sensor while the tool hangs at rest and nobody holds it.
 ///
 ///     bias = mean over the rest of (F_S - weight of the tool at this posture - ForceSensorParams::bias_S)
 ///
-/// The loop estimates until it renders for the first time and keeps the bias from then on: after a pause or
+/// The loop estimates the bias until it renders for the first time, then keeps it, because after a pause or
 /// in a recovery a hand may be at the handle. **Nobody may hold the handle before the first motion.**
-/// Readings alone cannot tell a steady push from a bias. A rest is therefore accepted up to a bound only
-/// (CreepBound). A steady reading beyond the bound is in_doubt(): the loop does not begin to move until the
-/// hand lets go or the sensor's zero is calibrated. A reading that moves, trembles or is pushed unevenly does
-/// not count as rest.
 ///
-/// It removes the offset of the zero, and the error of the payload's mass at that posture. It cannot follow a
-/// drift during use, or a payload error as the tool turns. Both look like a hand that pushes lightly, and a
-/// slow high-pass that removed them would also remove a constant push. The dead zone has to cover them
-/// (AdmittanceParams): drift times the length of the run, and 2 sin(turn / 2) g times the mass error; 0.1 N/s
-/// for 30 s and 0.2 kg turned by 30 deg are 3 N + 1 N.
+/// Readings alone do not distinguish a steady push from a bias. A bias is therefore accepted only up to a
+/// bound (CreepBound). Beyond the bound, in_doubt() is true, and the loop does not begin to move until the
+/// hand lets go or the sensor's zero is calibrated. Unsteady readings, as of a hand that trembles or pushes
+/// unevenly, do not count as rest.
+///
+/// Subtracting the bias removes the sensor's zero offset and the error of the payload's mass at that posture.
+/// It does not remove a drift during use, or the payload's error as the tool turns. Both look like a light
+/// push of a hand, and a slow high-pass filter against them would also remove a constant push. The dead zone
+/// has to cover them (AdmittanceParams): drift times the duration of the run, plus 2 sin(turn / 2) g times
+/// the mass error. For example, 0.1 N/s for 30 s and 0.2 kg turned by 30 deg give 3 N + 1 N.
 class BiasEstimator {
  public:
-  /// @throws std::invalid_argument as Validate. @param period_s  of AddReading, > 0
+  /// @param period_s  period of AddReading, > 0  @throws std::invalid_argument as Validate.
   BiasEstimator(const BiasParams& params, const ForceSensorParams& sensor, double period_s);
 
-  /// One tick in which the loop does nothing. @param F_S  as the sensor reads it  @param X_WF  flange in
-  /// world
+  /// Adds the reading of a tick in which the loop waits.
+  /// @param F_S  the sensor's reading  @param X_WF  flange in world
   void AddReading(const Wrench& F_S, const Pose& X_WF) OSTEON_RT;
 
-  /// The bias to subtract from a reading, in S at S's origin; zero until a rest was accepted.
+  /// Bias to subtract from a reading, in S at S's origin; zero until a rest has been accepted.
   [[nodiscard]] const Wrench& bias() const OSTEON_RT { return bias_; }
   /// Whether the last rest exceeded the accepted bound, and none has been accepted since.
   [[nodiscard]] bool in_doubt() const OSTEON_RT { return in_doubt_; }
@@ -70,11 +71,11 @@ class BiasEstimator {
   BiasParams params_;
   ForceSensorParams sensor_;
   double period_s_;
-  Wrench bias_;  ///< accepted
-  Wrench mean_;  ///< of this rest
+  Wrench bias_;  ///< of the last accepted rest
+  Wrench mean_;  ///< of the present rest
   double rested_s_{0.0};
   bool resting_{false}, in_doubt_{false};
-  Pose X_WF_{Pose::Identity()};  ///< at the beginning of the rest
+  Pose X_WF_{Pose::Identity()};  ///< flange pose at the beginning of the rest
 };
 
 }  // namespace osteon::control

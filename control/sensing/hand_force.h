@@ -9,32 +9,33 @@
 
 namespace osteon::control {
 
-/// Computes what the hand exerts on the tool from the force sensor's readings: without the sensor's zero bias
-/// (BiasEstimator), the tool's weight (HandWrench) and a share of its inertia (tool_inertia.h).
+/// Computes the hand's wrench on the tool from the force sensor's readings. Removes the sensor's bias
+/// (BiasEstimator), the tool's weight (HandWrench) and a share of the tool's inertial force (tool_inertia.h).
 class HandForce {
  public:
   /// @throws std::invalid_argument as Validate(BiasParams). @param X_FT  tool on the flange
   HandForce(const ServoParams& params, const Pose& X_FT);
 
-  /// One message in which the tool hangs at rest before its first motion, and nobody holds it.
-  /// @param X_WT  measured
+  /// Adds a reading to the estimate of the bias. Call with each message before the first motion, while the
+  /// tool hangs at rest and nobody holds it.
+  /// @param X_WT  measured tool pose
   void EstimateBias(const ForceReading& reading, const Pose& X_WT) OSTEON_RT;
 
-  /// Motion begins at this measured pose, at rest.
+  /// Restarts the acceleration estimate, at rest at this measured pose. Call when motion begins.
   void ResetMotion(const Pose& X_WT) OSTEON_RT;
 
-  /// One message of a moving arm.
-  /// @param age_s      of the reading; safety::kNoAge_s: there is none
-  /// @param X_WT       measured
-  /// @param elapsed_s  since the message before, > 0
-  /// @returns the hand's wrench on T at To, in W; zero where no reading is to be trusted; not finite where
-  /// the reading is not
+  /// Computes the hand's wrench; call once per message.
+  /// @param age_s      age of the reading; safety::kNoAge_s: there is none
+  /// @param X_WT       measured tool pose
+  /// @param elapsed_s  time since the previous message, > 0
+  /// @returns the hand's wrench on T at To, in W; zero without a valid reading; not finite if the reading is
+  /// not finite
   [[nodiscard]] Wrench Compute(const ForceReading& reading, double age_s, const Pose& X_WT,
                                double elapsed_s) OSTEON_RT;
 
-  /// In S, taken from every reading.
+  /// Bias that is subtracted from every reading, in S.
   [[nodiscard]] const Wrench& bias() const OSTEON_RT { return bias_.bias(); }
-  /// The reading at rest is larger than a bias may be: a hand rests on the handle.
+  /// Whether the reading at rest is larger than a bias may be; probably a hand rests on the handle.
   [[nodiscard]] bool bias_in_doubt() const OSTEON_RT { return bias_.in_doubt(); }
 
  private:

@@ -7,33 +7,33 @@ namespace osteon::control {
 
 /// The force sensor on the flange, and the load on its tool side.
 struct ForceSensorParams {
-  PlainPose X_FS{};                ///< the sensor's frame as its maker drew it, in the flange's
-  double tool_mass_kg{0.0};        ///< load on the sensor's tool side
+  PlainPose X_FS{};                ///< pose in the flange of the sensor frame that its manufacturer defines
+  double tool_mass_kg{0.0};        ///< mass on the sensor's tool side
   PlainVector3 tool_center_F_m{};  ///< centre of that mass
   PlainWrench bias_S{};            ///< reading without load
-  /// Inertia about that centre, along F's axes [kg m^2]; zero if unknown: its torque then stays in.
+  /// Inertia about that centre, along F's axes [kg m^2]. Zero if unknown: its torque is then not compensated.
   PlainInertia tool_inertia_F{};
-  /// Share of the force on the tool's own inertia that is compensated, 0 … 1; 0: none. tool_inertia.h
-  /// explains its bound.
+  /// Share of the tool's inertial force that is compensated, 0 … 1. tool_inertia.h explains its bound.
   double inertia_share{0.0};
-  double acceleration_hz{15.0};  ///< corner of the two filters on the acceleration
+  double acceleration_hz{15.0};  ///< corner frequency of the two filters on the acceleration
 };
 
 /// @throws std::invalid_argument naming the field, the value and what is accepted.
 void Validate(const ForceSensorParams& params);
 
-/// The tool's weight as the sensor reads it: at S's origin, in S.
+/// The tool's weight as it appears in the sensor's reading: at S's origin, in S.
 [[nodiscard]] Wrench ToolWeight(const ForceSensorParams& params, const Pose& X_WF) OSTEON_RT;
 
-/// Computes what the hand exerts on the tool from the sensor's reading: removes the tool's weight and moves
-/// the wrench to the tool's origin.
+/// Computes the hand's wrench on the tool from the sensor's reading: removes the tool's weight and moves the
+/// wrench to the tool's origin.
 ///
 ///     f = R_WS f - m g                      g = kGravity_W, (f, t) = F_S - bias
 ///     t = R_WS t + (p_S - p_T) x R_WS f - (p_c - p_T) x m g
 ///
-/// The force that accelerates the tool is still included: the caller adds InertiaWrench (tool_inertia.h).
+/// The result still includes the tool's inertial force, which the caller removes by adding InertiaWrench
+/// (tool_inertia.h).
 ///
-/// @param F_S  as the sensor reads it  @param X_WF  flange in world  @param p_WT  tool's origin in world [m]
+/// @param F_S  the sensor's reading  @param X_WF  flange in world  @param p_WT  tool's origin in world [m]
 /// @returns F_T_W, at the tool's origin, in W.
 [[nodiscard]] Wrench HandWrench(const ForceSensorParams& params, const Wrench& F_S, const Pose& X_WF,
                                 const Vector3& p_WT) OSTEON_RT;

@@ -24,13 +24,13 @@
 
 namespace osteon::control {
 
-/// Where rendering begins. An arm that is handed over elsewhere moves there first.
+/// Position at which rendering begins. An arm that is handed over elsewhere first moves there.
 struct StartParams {
   kinematics::JointVectorN<7> q{
       kinematics::JointVectorN<7>::Zero()};  ///< [rad]; of a six-axis arm the first six
   JointPathParams path;
   double tolerance_rad{2e-3};  ///< tolerance of each joint at the start; > 0
-  /// If the hand pushes harder than this, the arm rests on its path until it lets go; > 0 [N].
+  /// If the hand pushes harder than this, the arm stops on its path until the hand lets go; > 0 [N].
   double pause_force_N{40.0};
 };
 
@@ -58,40 +58,43 @@ struct ServoParams {
   safety::EnergyLimitParams energy;
   safety::ForceLimitReactionParams on_force_limit;  ///< kSlow needs the admittance law
   safety::SpindleLimitParams spindle_limits;
-  double max_elbow_speed_m_per_s{std::numeric_limits<double>::infinity()};  ///< of an LBR; > 0
-  double spindle_rad_per_s{26.18};           ///< while rendering; 250 rpm; 0 for a still spindle
-  double stop_deceleration_m_per_s2{3.0};    ///< of the tool in a Stop 1
-  double stop_deceleration_rad_per_s2{8.0};  ///< the same for rotation
-  double joint_stop_s{0.1};                  ///< time to rest of a stop along the joints
-  /// How far the apex may travel between a frame's pose and the next frame's arrival. It may meet bone that
-  /// deep, because a frame's planes reach only e = CuttingParams::normal_enlargement_m beyond the tool. The
-  /// step stays below the trip on the wrench's rate up to e + 1.5 max_speed period / (1 + damping_share).
+  double max_elbow_speed_m_per_s{std::numeric_limits<double>::infinity()};  ///< limit for an LBR; > 0
+  double spindle_rad_per_s{26.18};           ///< speed while rendering (250 rpm); 0: the spindle stays still
+  double stop_deceleration_m_per_s2{3.0};    ///< deceleration of the tool in a stop
+  double stop_deceleration_rad_per_s2{8.0};  ///< as above, for rotation
+  double joint_stop_s{0.1};                  ///< duration of a stop along the joints
+  /// Longest travel of the apex between a frame's pose and the next frame's arrival, which limits the speed.
+  /// The apex may meet bone as deep as that before a frame shows the bone, because a frame's planes reach
+  /// only e = CuttingParams::normal_enlargement_m beyond the tool. Up to e + 1.5 max_speed period / (1 +
+  /// damping_share), the force's step then stays below safety::WrenchRateTrip.
   double model_sight_m{0.5e-3};
-  double arm_angle_rate_rad_per_s{0.1};  ///< limit of the turn to the wanted arm angle
-  /// How fast the commanded motion may change, as a share of joints.limits' accelerations; > 0. Above 1,
-  /// because the published figures are for planning: a virtual wall of 20 kN/m met at 0.25 m/s needs 3.4
-  /// times as much. With 1 the tool goes 7.1 mm deep instead of 3.9, which is a hidden limit on force.
+  double arm_angle_rate_rad_per_s{0.1};  ///< fastest turn of the elbow to the wanted arm angle
+  /// Largest acceleration of the commanded joints, as a factor on that of joints.limits; > 0. It is above 1
+  /// because the published limits are for planned motions: a virtual wall of 20 kN/m that is met at 0.25 m/s
+  /// needs 3.4 times as much. With 1 the tool would go 7.1 mm deep instead of 3.9 mm, a hidden limit of the
+  /// force.
   double joint_acceleration_share{4.0};
   kinematics::PosturePreferenceParams posture;
-  /// Load that the posture should hold, along the tool's z and across it at its origin; needs arm_body. If
-  /// zero, only limits and singular postures lead the elbow.
+  /// Load at the tool's origin, along and across the tool's z, that the posture should be able to hold; needs
+  /// arm_body. If zero, only joint limits and singular postures move the elbow.
   kinematics::ToolLoad posture_load;
-  double max_tracking_error_m{0.03};  ///< between the measured and the commanded tool
-  double period_s{0.001};             ///< of the arm's messages
+  double max_tracking_error_m{0.03};  ///< largest distance between the measured and the commanded tool
+  double period_s{0.001};             ///< period of the arm's messages
   ForceSensorParams sensor;
   BiasParams sensor_bias;
-  std::optional<StartParams> start;  ///< absent: where the arm is handed over; for an LBR it needs arm_body
-  bool has_spindle{false};           ///< the spindle has a drive: its reported speed counts
-  bool has_interlock{false};         ///< the cell has a PLC: nothing moves without its permission
-  /// The LBR with sensor and tool as its payload: the coupling is scaled to what its torques can hold in the
-  /// posture. Absent, or without masses: the cell's limits alone.
+  /// Absent: rendering begins where the arm is handed over. A path for an LBR needs arm_body.
+  std::optional<StartParams> start;
+  bool has_spindle{false};    ///< the spindle has a drive: its reported speed counts
+  bool has_interlock{false};  ///< the cell has a PLC: nothing moves without its permission
+  /// Model of the LBR with sensor and tool as payload. With it, the coupling is also limited to what the
+  /// joint torques can hold in the posture. Absent, or without masses: only the cell's limits count.
   std::optional<kinematics::ChainParams<7>> arm_body;
 };
 
 /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
 void Validate(const ServoParams& params);
 
-/// What the stabilisers need to know of the law.
+/// The law's properties that the stabilisers depend on.
 /// @throws std::invalid_argument if the age governor is to act on a law without damping.
 [[nodiscard]] StabilisedLaw LawOf(const ServoParams& params);
 /// The same for an admittance law, whose gains may change in a tick.

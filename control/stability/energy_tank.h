@@ -8,44 +8,50 @@ namespace osteon::control {
 
 /// Tuning of EnergyTank. Every field has a usable default.
 struct EnergyTankParams {
-  bool acts{true};     ///< false: every hand-over is rendered at once, and the tank stays full
+  bool acts{true};     ///< false: the tank stays full and limits nothing
   double cap_J{1.0};   ///< capacity and initial energy; should hold F_max^2 / 2K (200 N at 20 N/mm: 1 J)
-  double ramp_s{0.1};  ///< shortest time in which the coupling returns from nothing to full
+  double ramp_s{0.1};  ///< shortest time in which the share returns from 0 to 1
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const EnergyTankParams& params);
 
-/// Store that pays for the coupling's energy that no motion has put in, when planes, material or gains change
-/// in time. Let U_0 be the energy that the planes and gains of the tick before store at this tick's pose, and
-/// U_1 the same for this tick's planes and gains:
+/// Store of energy that pays whenever planes, material or gains change in time and so add energy to the
+/// coupling's spring that no motion has put in. Let U_0 be the energy that the planes and gains of the
+/// previous tick would store at this tick's pose, and U_1 the energy that this tick's planes and gains store:
 ///
-///     U_1 > U_0:  the tank pays U_1 - U_0;  if it holds less, the rest is not rendered:
+///     U_1 > U_0:  the tank pays U_1 - U_0;  if it holds less, the coupling is scaled:
 ///                 share s = (U_0 + tank) / U_1
-///     U_1 < U_0:  the energy that the planes lost goes into the tank, up to the cap; so does the energy
-///                 that the coupling's damping took
+///     U_1 < U_0:  the difference goes into the tank, up to the cap; so does the energy that the coupling's
+///                 damping has dissipated
 ///
-/// Over any time the coupling therefore gives out at most what was put in, plus the cap. The work of the
-/// force that a hand-over adds to the planes' force (hand_over.h) is paid, or fills the tank, as it is done;
-/// if the tank cannot pay for all of a hand-over, only hand_over_share() of it may be rendered. Each U
-/// includes F·dx / 2 of the step that led here: the integrator's own share of a force that jumps. U_0 comes
-/// from the planes that pressed. It is exact for those, and off by at most 1e-3 J at 0.25 m/s if a plane is
-/// touched in the very tick in which a frame arrives or a plane is on its way back. Otherwise a force that
-/// rises within a frame is due to the motion and costs nothing; bone that recedes fills the tank. The
-/// coupling's fade and the governor's share are gains: their fall fills the tank, their return costs. The
-/// share returns from s < 1 as the tank fills, by at most 1/ramp_s, and at once when contact ends, which
-/// costs nothing.
+/// Over any time, the coupling therefore gives out at most what was put in, plus the cap.
 ///
-/// The tank acts before any energy is out, but only covers changes at a known time: the effects of a force
-/// that is old, held or limited are the passivity controller's. A tank that is too small cannot pay for the
-/// usual differences between frames, and softens a wall that is stable. Source: control.md of the design; the
+/// - Motion: a force that rises within a frame is due to the motion and costs nothing. Planes that recede
+/// fill
+///   the tank.
+/// - Gains: the coupling's fade and the governor's share are gains. Their fall fills the tank, and their rise
+///   costs.
+/// - Hand-over: a hand-over adds a force to that of the planes (hand_over.h). The tank pays for its work, or
+///   receives it, tick by tick. If it cannot pay for the whole hand-over, only hand_over_share() of it may be
+///   rendered.
+/// - Share: after s < 1, the share rises as the tank fills, by at most 1/ramp_s. It returns to 1 at once when
+///   contact ends, which costs nothing.
+/// - Accuracy: each U includes F·dx / 2 of the last step, the integrator's contribution if the force jumps.
+/// U_0
+///   is exact for the planes that pressed. It is off by at most 1e-3 J at 0.25 m/s if a plane is first
+///   touched in the tick in which a frame arrives or a held-back plane is being released.
+///
+/// The tank acts before energy reaches the tool, but covers only changes at a known time. The passivity
+/// controller covers the effects of an old, held or limited force. A tank that is too small cannot pay for
+/// the usual differences between frames, and softens a stable wall. Source: control.md of the design; the
 /// idea is Franken and others, IEEE Trans. Robotics 27, 2011 (from memory).
 class EnergyTank {
  public:
   /// @throws std::invalid_argument as Validate.
   EnergyTank(const EnergyTankParams& params, double period_s);
 
-  /// One tick. @param gain  other gain on the coupling beside its fade, 0 … 1
+  /// Computes one tick. @param gain  gain on the coupling in addition to its fade, 0 … 1
   /// @returns the share s of the coupling that may be rendered, 0 … 1
   double Step(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT, double gain) OSTEON_RT;
 
@@ -53,7 +59,7 @@ class EnergyTank {
   void Reset() OSTEON_RT;
 
   [[nodiscard]] double energy_J() const OSTEON_RT { return tank_J_; }
-  [[nodiscard]] double paid_J() const OSTEON_RT { return paid_J_; }  ///< in the last tick
+  [[nodiscard]] double paid_J() const OSTEON_RT { return paid_J_; }  ///< energy paid in the last tick
   [[nodiscard]] double share() const OSTEON_RT { return share_; }
   /// Share of CouplingOutput::F_hand_over_T_W that may be rendered, 0 … 1: usually 1.
   [[nodiscard]] double hand_over_share() const OSTEON_RT { return hand_over_share_; }
@@ -62,7 +68,7 @@ class EnergyTank {
  private:
   EnergyTankParams params_;
   double period_s_, tank_J_, share_{1.0}, paid_J_{0.0};
-  // the tick before
+  // of the previous tick
   bool begun_{false};
   Pose X_before_{Pose::Identity()};
   std::array<ActivePlane, CouplingOutput::kMaxActive> active_{};

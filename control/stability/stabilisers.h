@@ -8,14 +8,14 @@
 
 namespace osteon::control {
 
-/// What keeps the coupling stable, beside the vibration index. Every field has a usable default.
+/// Parameters of the three stabilisers of the coupling. Every field has a usable default.
 struct StabiliserParams {
   AgeGovernorParams age_governor;
   PassivityParams passivity;
   EnergyTankParams energy_tank;
 };
 
-/// All three switched off, to show what fails without them.
+/// Parameters with all three switched off, to show what fails without them.
 [[nodiscard]] inline StabiliserParams NoStabilisers() {
   StabiliserParams none;
   none.age_governor.acts = none.passivity.acts = none.energy_tank.acts = false;
@@ -25,10 +25,10 @@ struct StabiliserParams {
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const StabiliserParams& params);
 
-/// What the stabilisers need to know of the law.
+/// Properties of the law that the stabilisers depend on.
 struct StabilisedLaw {
   AxisDamping damping;     ///< >= 0
-  double pose_age_s{0.0};  ///< of the pose at which the planes are evaluated
+  double pose_age_s{0.0};  ///< age of the pose at which the planes are evaluated
   PortWork work{PortWork::kTrapezoid};
   double max_damping_Ns_per_m{1e3};  ///< largest damping that a tick of the law tolerates; > 0
 };
@@ -37,11 +37,11 @@ struct StabilisedLaw {
 ///
 ///     coupling → age governor: share, damping → energy tank: share → limits → passivity: damping → law
 ///
-/// The governor comes first, as it is a gain of the coupling; the tank pays for every gain's return. Both act
-/// before energy is out. The passivity controller sees the coupling after the limits of force, torque and
-/// stored energy; ScaleRendered tells it what the power limit takes from that. It does not see the depth
-/// limit's resistance, which is no force of the planes. The controller is the last resort: when the others
-/// have done their part it has nothing to do.
+/// The governor comes first, because its share is a gain of the coupling, and the tank pays whenever a gain
+/// rises. Both act before energy reaches the tool. The passivity controller observes the coupling after the
+/// limits of force, torque and stored energy, and learns the power limit's share through ScaleRendered. It
+/// does not observe the depth limit's resistance, which is not a force of the planes. The controller is the
+/// last resort: usually the other two leave it nothing to correct.
 class Stabilisers {
  public:
   /// @throws std::invalid_argument as Validate.
@@ -50,23 +50,25 @@ class Stabilisers {
   /// To be called when the loop starts rendering.
   void Reset() OSTEON_RT;
 
-  /// Takes the law's new gains from this tick on: its damping, and the largest damping that a tick tolerates.
+  /// Sets the law's properties after a change of gains: its damping, and the largest damping that a tick
+  /// tolerates.
   void SetLaw(const StabilisedLaw& law) OSTEON_RT;
 
-  /// Scales the coupling, before the limits. @param X_WT, V_WT  at which the coupling was evaluated
+  /// Scales the coupling, before the limits. @param X_WT, V_WT  pose and velocity at which the coupling was
+  /// evaluated
   /// @returns the coupling's wrench with both shares; unchanged if they are 1.
   [[nodiscard]] Wrench ScaleCoupling(const CouplingOutput& coupling, const Pose& X_WT,
                                      const Twist& V_WT) OSTEON_RT;
 
   /// Adds the passivity controller's damping, after the limits, with the same coupling, pose and velocity.
-  /// @param limited  of ScaleCoupling's result
+  /// @param limited  ScaleCoupling's result after the limits
   /// @returns the wrench to render: limited.F, plus the damping if there is energy to take back, within the
   ///   limiter's force and torque
   [[nodiscard]] Wrench AddPassivityDamping(const CouplingOutput& coupling, const Pose& X_WT,
                                            const Twist& V_WT, const safety::LimitedWrench& limited,
                                            const safety::WrenchLimiter& limiter) OSTEON_RT;
 
-  /// Tells that a limit after AddPassivityDamping passed only this share of its wrench, 0 … 1.
+  /// Reports that a later limit passed only this share of AddPassivityDamping's wrench, 0 … 1.
   void ScaleRendered(double share) OSTEON_RT { passivity_.ScaleRendered(share); }
 
   /// Writes the stabilisers' fields of the record.

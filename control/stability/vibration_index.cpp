@@ -191,7 +191,7 @@ double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT
   const double floor2 = params_.floor_N * params_.floor_N;
   const double others = force_.slow_energy + torque_.slow_energy + floor2;
   const auto wanted = [&](double energy) {
-    const double beyond = std::max(0.0, energy - reference_.allowed2());
+    const double beyond = std::max(0.0, energy - reference_.allowed_energy());
     const double share = beyond / (beyond + others);
     return std::clamp((share - params_.share_low) / (params_.share_high - params_.share_low), 0.0, 1.0);
   };
@@ -206,7 +206,7 @@ double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT
       params_.share_low / (1.0 - params_.share_low) * floor2;  // energies below it never raise the index
   reference_.Step(oscillation_energy, goal, seen_, min_energy, period_s_);
   toward(seen_, reference_.testing() ? 1.0 : goal,
-         reference_.released() ? params_.release_s : params_.decay_ratio * params_.rise_s);
+         reference_.attributed_to_hand() ? params_.release_s : params_.decay_ratio * params_.rise_s);
   toward(alert_, params_.alert_index * alert, kAlertFalls * params_.rise_s);
   return index();
 }

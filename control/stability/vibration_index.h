@@ -17,7 +17,7 @@ struct VibrationParams {
   double high_hz{40.0};  ///< and below the fastest oscillation of a lagging arm; > low_hz
   double slow_hz{1.5};   ///< intended motion lies between this and low_hz; < low_hz
   double lever_m{0.1};   ///< torques count as the force at this lever
-  double floor_N{0.15};  ///< vibration of this effective value alone makes a share of one half
+  double floor_N{0.15};  ///< vibration of this RMS value alone makes a share of one half
   double slow_memory_s{0.2};    ///< memory of the slow energy, which must not vanish where a motion turns
   double share_low{0.3};        ///< up to this share of the energy the index tends to 0,
   double share_high{0.8};       ///< and from this share on to 1; > share_low
@@ -30,7 +30,7 @@ struct VibrationParams {
   double notch_hz{1.5};              ///< width of each notch; 0: none
   double release_s{
       0.1};  ///< time constant of the index downward where no test has found the loop to oscillate
-  ReferenceParams reference{};  ///< of the hand's own vibration
+  ReferenceParams reference{};  ///< reference for the hand's own vibration
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
@@ -104,7 +104,7 @@ class VibrationIndex {
   /// Factors on the law's damping and on its mass and inertia; 1 while inactive.
   [[nodiscard]] double damping_factor() const OSTEON_RT;
   [[nodiscard]] double mass_factor() const OSTEON_RT;
-  /// Effective value up to which, times the margin, vibration counts as the hand's own.
+  /// RMS force R: vibration up to margin * R counts as the hand's own.
   [[nodiscard]] double reference_N() const OSTEON_RT { return reference_.reference_N(); }
 
  private:

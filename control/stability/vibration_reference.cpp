@@ -45,7 +45,7 @@ void VibrationReference::Reset() OSTEON_RT {
   reference2_ = params_.tremor_N * params_.tremor_N;
   suspected_s_ = tested_s_ = calm_s_ = unconfirmed_s_ = before2_ = left2_ = beat_limit2_ = 0.0;
   since_s_ = 2.0 * kBeat_s;
-  testing_ = watchful_ = released_ = false;
+  testing_ = watchful_ = attributed_to_hand_ = false;
 }
 
 double VibrationReference::reference_N() const OSTEON_RT { return std::sqrt(reference2_); }
@@ -60,12 +60,12 @@ void VibrationReference::EvaluateTest() OSTEON_RT {
       return;
     }
     reference2_ = std::max({reference2_, left2_, before2_});
-    released_ = true;
+    attributed_to_hand_ = true;
   } else {
     if (tested_s_ < params_.test_s + params_.hold_s) return;
     watchful_ = kLightens * left2_ < before2_;
     reference2_ = left2_;
-    released_ = !watchful_;
+    attributed_to_hand_ = !watchful_;
   }
   testing_ = false;
   beat_limit2_ = params_.margin * params_.margin * reference2_;
@@ -84,7 +84,7 @@ void VibrationReference::Step(double oscillation_energy, double raw_index, doubl
   }
   since_s_ += dt_s;
   if (since_s_ >= kBeat_s) {
-    if (raw_index > 0.0) released_ = false;
+    if (raw_index > 0.0) attributed_to_hand_ = false;
   } else if (!watchful_) {
     reference2_ = std::max(reference2_, std::min(oscillation_energy, beat_limit2_));
   }

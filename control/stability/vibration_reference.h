@@ -6,72 +6,77 @@ namespace osteon::control {
 
 /// Tuning of VibrationReference. Every field has a usable default.
 struct ReferenceParams {
-  double tremor_N{0.2};    ///< effective value of a hand's shaking that is tolerated before a test; >= 0
-  double margin{1.25};     ///< up to this factor on the reference vibration is tolerated; >= 1
-  double suspect_s{0.12};  ///< vibration of this total duration starts a test
-  double test_s{0.25};     ///< how long the tool is held damped
-  double listen_s{0.12};   ///< the last part of the test, in which the remaining energy is taken; <= test_s
-  double hold_s{0.65};     ///< extension of the test if little is left: a tremor may only have beaten
-  double calm_s{1.0};      ///< vibration that has been absent for so long is over
-  double forget_s{30.0};   ///< time constant back to tremor_N from then on
+  double tremor_N{0.2};    ///< RMS force of a hand's tremor that is tolerated before any test; >= 0
+  double margin{1.25};     ///< vibration up to this factor times the reference is tolerated; >= 1
+  double suspect_s{0.12};  ///< a test starts once vibration has lasted this long in total
+  double test_s{0.25};     ///< duration of a test, in which the virtual tool has high drag
+  double listen_s{0.12};   ///< the remaining energy is measured in this last part of a test; <= test_s
+  double hold_s{0.65};     ///< extension of a test with little energy left: a tremor that beats may return
+  double calm_s{1.0};      ///< vibration that has been absent for this long is over
+  double forget_s{30.0};   ///< time constant of the return to tremor_N after that
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const ReferenceParams& params);
 
-/// Tells the hand's own vibration from an oscillation of the loop: the reference R, an effective value.
+/// Distinguishes the hand's own vibration, a tremor, from an oscillation of the loop. The result is the
+/// reference R, the RMS force of the vibration that is attributed to the hand.
 ///
-/// Force over velocity at the handle is the robot's impedance whoever shakes it, so no measurement alone
-/// tells a hand's tremor from an oscillation of the loop. A test does: with much drag on the virtual tool the
-/// loop's oscillation dies, and a tremor's force stays. Vibration beyond the reference that lasts suspect_s
-/// in total is tested (the index is 1 meanwhile):
+/// Force over velocity at the handle is the robot's impedance, whoever shakes it, so no measurement alone
+/// distinguishes the two. A test does: under high drag on the virtual tool an oscillation of the loop dies
+/// out, and a tremor's force stays. Vibration beyond the reference is tested once it has lasted suspect_s in
+/// total. During the test the vibration index is 1, which gives the drag.
 ///
-///     before, left    the largest energy before the test, and at the end of test_s
-///     left >= before / 2    the hand's own: R^2 = the greater of both (and of R^2), the drag goes at once
-///     else                  the loop's, or a tremor that beats: damped for hold_s more, R^2 = the largest
-///                           energy seen then; if that is at least before / 3, the hand's own
+///     before, left    largest oscillation energy before the test, and in the last listen_s of test_s
+///     left >= before / 2    A tremor. R^2 = the largest of before, left and R^2. The drag is released fast.
+///     left <  before / 2    The loop, or a tremor that beats. The drag stays for hold_s more, and R^2 = the
+///                           largest energy in that time. It was a tremor if that is at least before / 3.
 ///
-/// If it is the loop's, the reference is watchful: R is what is left, near 0, and the drag goes slowly, until
-/// nothing vibrates without it. A new test then needs much more vibration than such a loop has. In the second
-/// after a tremor was found, R follows its beats up to margin * R. Later R returns to tremor_N: downward once
-/// the vibration has been less than R / margin for calm_s, upward once there is neither vibration nor
-/// damping.
+/// If it was the loop, R is now near 0 and the drag is released slowly. The reference is watchful until
+/// nothing vibrates and the drag is gone: meanwhile only vibration far above that of a damped loop starts a
+/// new test. For one second after a tremor was found, R follows its beats up to margin * R. Later R returns
+/// to tremor_N: downward once the vibration has been less than R / margin for calm_s, upward once there is
+/// neither vibration nor drag.
 ///
-/// The test cannot tell a jolt that would have died by itself from a calmed loop: both make it watchful.
+/// The test cannot distinguish a jolt that would have died out anyway from a loop that the drag has calmed.
+/// Both make the reference watchful.
 class VibrationReference {
  public:
   /// @throws std::invalid_argument as Validate.
   explicit VibrationReference(const ReferenceParams& params);
 
-  /// One tick. @param oscillation_energy  energy of the oscillation [N^2]
-  /// @param raw_index  index wanted for the energy beyond the reference, 0 … 1  @param index  present index
-  /// @param min_energy  energies below it count as nothing
+  /// Advances by one tick. @param oscillation_energy  mean square of the oscillating force [N^2]
+  /// @param raw_index  index that the energy beyond the reference asks for, 0 … 1
+  /// @param index  present index, 0 … 1
+  /// @param min_energy  energies below this count as no vibration [N^2]
   void Step(double oscillation_energy, double raw_index, double index, double min_energy,
             double dt_s) OSTEON_RT;
   void Reset() OSTEON_RT;
 
   [[nodiscard]] double reference_N() const OSTEON_RT;
-  /// Energy up to which nothing counts as vibration.
-  [[nodiscard]] double allowed2() const OSTEON_RT { return params_.margin * params_.margin * reference2_; }
-  /// Whether a test is under way, which needs much drag.
+  /// Energy that is attributed to the hand: up to this, nothing counts as vibration [N^2].
+  [[nodiscard]] double allowed_energy() const OSTEON_RT {
+    return params_.margin * params_.margin * reference2_;
+  }
+  /// Whether a test is under way, which needs high drag.
   [[nodiscard]] bool testing() const OSTEON_RT { return testing_; }
-  /// Whether the last test found the hand's own vibration, and nothing is suspected since its beats are
-  /// known.
-  [[nodiscard]] bool released() const OSTEON_RT { return released_; }
+  /// Whether the last test found a tremor, and no vibration beyond it has appeared more than a second later.
+  /// The drag is then released fast.
+  [[nodiscard]] bool attributed_to_hand() const OSTEON_RT { return attributed_to_hand_; }
 
  private:
   void EvaluateTest() OSTEON_RT;
 
   ReferenceParams params_;
-  double reference2_;          ///< R^2
-  double beat_limit2_{0.0};    ///< up to which R follows beats
-  double suspected_s_{0.0};    ///< time in which something vibrated
-  double tested_s_{0.0};       ///< since the test began
-  double since_s_{10.0};       ///< since it ended
-  double calm_s_{0.0};         ///< since something vibrated
-  double unconfirmed_s_{0.0};  ///< since vibration as large as R
-  double before2_{0.0}, left2_{0.0};
-  bool testing_{false}, watchful_{false}, released_{false};
+  double reference2_;                 ///< R^2
+  double beat_limit2_{0.0};           ///< limit up to which R^2 follows a tremor's beats
+  double suspected_s_{0.0};           ///< time with vibration beyond the reference; decays slowly
+  double tested_s_{0.0};              ///< since the test began
+  double since_s_{10.0};              ///< since the last test ended
+  double calm_s_{0.0};                ///< since the last vibration of at least min_energy
+  double unconfirmed_s_{0.0};         ///< since the last vibration of at least R / margin
+  double before2_{0.0}, left2_{0.0};  ///< largest energy before and late in a test [N^2]
+  bool testing_{false}, watchful_{false}, attributed_to_hand_{false};
 };
 
 }  // namespace osteon::control

@@ -125,7 +125,7 @@ int DriveDevice::statusword() const {
   return kRemote + kVoltage + 0x08;
 }
 
-void DriveDevice::Control(int word) noexcept {
+void DriveDevice::HandleControlword(int word) noexcept {
   const bool on = word & 1, voltage = word & 2, no_quick_stop = word & 4, enable = word & 8;
   const bool reset_edge = (word & 0x80) != 0 && (last_control_ & 0x80) == 0;
   last_control_ = word;
@@ -170,7 +170,7 @@ void DriveDevice::SendEmergency(int error_code) {
               {error_code % 256, error_code / 256, kGenericError, 0, 0, 0, 0, 0});
 }
 
-void DriveDevice::Nmt(int command) noexcept {
+void DriveDevice::HandleNmtCommand(int command) noexcept {
   if (command == 0x01) nmt_ = kOperational;
   if (command == 0x02) nmt_ = kStopped;
   if (command == 0x80) nmt_ = kPreOperational;
@@ -178,7 +178,7 @@ void DriveDevice::Nmt(int command) noexcept {
 }
 
 // Refuses values that are not allowed in the present state.
-std::uint32_t DriveDevice::Guard(void* self, const DictionaryEntry& entry, std::uint32_t value) {
+std::uint32_t DriveDevice::ValidateWrite(void* self, const DictionaryEntry& entry, std::uint32_t value) {
   constexpr std::uint32_t kNotNow = 0x08000022, kRange = 0x06090030, kNotMappable = 0x06040041,
                           kTooLong = 0x06040042;
   auto& drive = *static_cast<DriveDevice*>(self);
@@ -211,12 +211,13 @@ void DriveDevice::Accept(const io::CanArrival& arrival) OSTEON_RT {
   if (nmt_ == 0) return;
   const io::CanFrame& frame = arrival.frame;
   if (frame.id == 0x000 && frame.size == 2 && (frame.data[1] == 0 || frame.data[1] == params_.node))
-    return Nmt(frame.data[0]);
+    return HandleNmtCommand(frame.data[0]);
   if (frame.id == 0x600 + params_.node && nmt_ != kStopped) {
-    Refresh();
-    if (objects_.Serve(frame, static_cast<std::uint16_t>(0x580 + params_.node), queue_, &Guard, this) &&
+    UpdateStatusObjects();
+    if (objects_.Serve(frame, static_cast<std::uint16_t>(0x580 + params_.node), queue_, &ValidateWrite,
+                       this) &&
         frame.data[1] == 0x40 && frame.data[2] == 0x60)
-      Control(static_cast<int>(objects_.Get(0x6040)));
+      HandleControlword(static_cast<int>(objects_.Get(0x6040)));
     return;
   }
   const std::uint32_t watched = objects_.Get(0x1016, 1);
@@ -255,13 +256,13 @@ void DriveDevice::HandleRpdo() noexcept {
     objects_.Set(index, static_cast<int>(entry / 256 % 256), value);
     control = control || index == 0x6040;
   }
-  if (control) Control(static_cast<int>(objects_.Get(0x6040)));
+  if (control) HandleControlword(static_cast<int>(objects_.Get(0x6040)));
 }
 
 void DriveDevice::SendTpdo(int number) noexcept {
   const std::uint32_t id = objects_.Get(0x1800 + number, 1);
   if (id >= 0x80000000u || objects_.Get(0x1800 + number, 2) != 1) return;
-  Refresh();
+  UpdateStatusObjects();
   const int count = static_cast<int>(objects_.Get(0x1A00 + number, 0));
   std::array<int, 8> bytes{};
   std::size_t at = 0;
@@ -279,7 +280,7 @@ void DriveDevice::SendTpdo(int number) noexcept {
   if (at == 7) queue_.Push(cob, {b[0], b[1], b[2], b[3], b[4], b[5], b[6]});
 }
 
-void DriveDevice::Refresh() noexcept {
+void DriveDevice::UpdateStatusObjects() noexcept {
   objects_.Set(0x6041, 0, statusword());
   objects_.Set(0x6061, 0, objects_.GetSigned(0x6060));
   objects_.Set(0x606C, 0, std::lround(motor_.speed_rad_per_s() / kRpm));
@@ -318,10 +319,10 @@ void DriveDevice::AdvanceTo(rt::Nanoseconds now) noexcept {
   if (time_ < 0 || now - time_ > kLongest)
     time_ = now - std::min(now - std::max<rt::Nanoseconds>(time_, 0), kLongest);
   const auto step = static_cast<rt::Nanoseconds>(kStep_s * 1e9);
-  for (; now - time_ >= step; time_ += step) Turn(kStep_s);
+  for (; now - time_ >= step; time_ += step) StepMotor(kStep_s);
 }
 
-void DriveDevice::Turn(double dt_s) noexcept {
+void DriveDevice::StepMotor(double dt_s) noexcept {
   const double load_Nm = cutting_Nm_ / params_.motor.gear_ratio + params_.friction_Nm;
   const bool stopping = state_ == State::kQuickStop || state_ == State::kFaultReaction;
   if (!power_ || (state_ != State::kEnabled && !stopping)) {

@@ -68,14 +68,14 @@ class DriveDevice final : public io::CanClient {
 
   void Boot();
   void AdvanceTo(rt::Nanoseconds now) noexcept;
-  void Turn(double dt_s) noexcept;
-  void Control(int word) noexcept;
+  void StepMotor(double dt_s) noexcept;
+  void HandleControlword(int word) noexcept;
   void Trip(int error_code) noexcept;
   void HandleRpdo() noexcept;
   void SendTpdo(int number) noexcept;
-  void Refresh() noexcept;
-  void Nmt(int command) noexcept;
-  static std::uint32_t Guard(void* self, const DictionaryEntry& entry, std::uint32_t value);
+  void UpdateStatusObjects() noexcept;
+  void HandleNmtCommand(int command) noexcept;
+  static std::uint32_t ValidateWrite(void* self, const DictionaryEntry& entry, std::uint32_t value);
 
   DriveDeviceParams params_;
   DriveMotor motor_;

@@ -3,8 +3,8 @@
 namespace osteon::hil {
 namespace {
 
-constexpr rt::Nanoseconds kPress = 100 * rt::kMillisecond;  // also the length of the pause before the next
-                                                            // press
+// Duration of a press of the reset button, and of the pause before the next one.
+constexpr rt::Nanoseconds kPress = 100 * rt::kMillisecond;
 
 }  // namespace
 

@@ -45,11 +45,12 @@ enum class UdpCanError : std::uint8_t {
 /// One line for screens and logs; not for the tick.
 [[nodiscard]] const char* Describe(UdpCanError error);
 
-/// `message` is changed only on kNone.
+/// Decodes a datagram. `message` is changed only if the result is kNone.
 [[nodiscard]] UdpCanError DecodeUdpCan(std::span<const std::uint8_t> datagram,
                                        UdpCanMessage& message) OSTEON_RT;
 
-/// The datagram is the first `returned` bytes of `buffer`; 0 if the frame is not a classical one.
+/// Encodes a message into `buffer`. @returns the datagram's length; 0 if the frame is not a classical CAN
+/// frame
 [[nodiscard]] std::size_t EncodeUdpCan(const UdpCanMessage& message,
                                        std::array<std::uint8_t, kUdpCanMaxDatagram>& buffer) OSTEON_RT;
 

@@ -77,7 +77,7 @@ bool DeviceClients::SilenceTimer::HasExpired(bool silent, rt::Nanoseconds now) O
   if (silent && since_ < 0) since_ = now;
   if (!silent || now - since_ < kAgainAfter) return false;
   since_ = -1;
-  ++times_;
+  ++expired_count_;
   return true;
 }
 
@@ -98,8 +98,8 @@ void DeviceClients::Command(const control::CellCommands& commands, rt::Nanosecon
     drive_reset_.Count(now);
 }
 
-bool DeviceClients::MotionRequest(const control::CellCommands& commands, const PlcReading& plc,
-                                  rt::Nanoseconds now) OSTEON_RT {
+bool DeviceClients::UpdateMotionRequest(const control::CellCommands& commands, const PlcReading& plc,
+                                        rt::Nanoseconds now) OSTEON_RT {
   if (commands.motion_requested && !was_wanted_) asked_since_ = now;
   was_wanted_ = commands.motion_requested;
   if (!was_wanted_) return false;
@@ -144,7 +144,7 @@ std::string DeviceClients::Diagnosis(const PlcReading& plc, rt::Nanoseconds now)
   if (sensor_->phase() == SensorPhase::kFailed)
     say("force sensor: " + sensor_->failure());
   else if (sensor_->phase() == SensorPhase::kStarting)
-    say(sensor_silence_.times() == 0
+    say(sensor_silence_.expired_count() == 0
             ? "force sensor: no reading yet"
             : "force sensor: no answer so far; check its supply, the wiring, the bit rate");
   else if ((sensor_->Latest().flags & (kSensorOverload | kSensorFault)) != 0)
@@ -152,7 +152,7 @@ std::string DeviceClients::Diagnosis(const PlcReading& plc, rt::Nanoseconds now)
   if (drive_ && drive_->phase() == DrivePhase::kFailed)
     say("reamer drive: " + drive_->failure());
   else if (drive_ && drive_->phase() == DrivePhase::kStarting)
-    say(drive_silence_.times() == 0
+    say(drive_silence_.expired_count() == 0
             ? "reamer drive: not configured yet"
             : "reamer drive: no answer so far; check its supply, the wiring, the bit rate");
   else if (drive_ && drive_->status().faults != 0)

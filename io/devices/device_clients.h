@@ -21,7 +21,7 @@ class DeviceClients {
   [[nodiscard]] static tl::expected<std::unique_ptr<DeviceClients>, std::string> Make(
       const DeviceParams& params);
 
-  /// Adds the devices of a bus (in DeviceParams::buses) to the pump of its end.
+  /// Adds the devices of a bus to the pump that moves its frames. @param bus  index in DeviceParams::buses
   void AddToPump(CanPump& pump, std::size_t bus);
 
   /// Commands the drive: the given speed, or ramp down and then off with speed 0. A drive with a fault is
@@ -29,15 +29,15 @@ class DeviceClients {
   /// up again each second: it may be switched on later than the controller.
   void Command(const control::CellCommands& commands, rt::Nanoseconds now) OSTEON_RT;
 
-  /// MOTION_REQUEST for the PLC. A request that is not granted within 0.4 s is withdrawn for a moment and
-  /// made again: a PLC that was reset meanwhile needs a new request.
-  [[nodiscard]] bool MotionRequest(const control::CellCommands& commands, const PlcReading& plc,
-                                   rt::Nanoseconds now) OSTEON_RT;
+  /// Returns MOTION_REQUEST for the PLC. Call once per tick. A request that is not granted within 0.4 s is
+  /// withdrawn for a moment and made again, because a PLC that was reset meanwhile needs a new request.
+  [[nodiscard]] bool UpdateMotionRequest(const control::CellCommands& commands, const PlcReading& plc,
+                                         rt::Nanoseconds now) OSTEON_RT;
 
   [[nodiscard]] control::CellReadings Readings(const PlcReading& plc, rt::Nanoseconds now) const OSTEON_RT;
 
-  /// What keeps the cell from moving, one sentence for each device; empty if nothing does. For screens and
-  /// logs: allocates.
+  /// Says what keeps the cell from moving, one sentence for each device; empty if nothing does. For screens
+  /// and logs: allocates.
   [[nodiscard]] std::string Diagnosis(const PlcReading& plc, rt::Nanoseconds now) const;
 
  private:
@@ -48,11 +48,11 @@ class DeviceClients {
   class SilenceTimer {
    public:
     [[nodiscard]] bool HasExpired(bool silent, rt::Nanoseconds now) OSTEON_RT;
-    [[nodiscard]] int times() const { return times_; }
+    [[nodiscard]] int expired_count() const { return expired_count_; }
 
    private:
     rt::Nanoseconds since_{-1};
-    int times_{0};
+    int expired_count_{0};
   };
 
   DeviceParams params_;

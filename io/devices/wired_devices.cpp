@@ -52,7 +52,7 @@ control::CellReadings WiredDevices::Exchange(const control::CellCommands& comman
   const PlcReading& plc = plc_ ? plc_->Latest() : no_plc_;
   if (plc_) {
     plc_->NotifyAlive();
-    plc_->RequestMotion(clients_->MotionRequest(commands, plc, now));
+    plc_->RequestMotion(clients_->UpdateMotionRequest(commands, plc, now));
   }
   return clients_->Readings(plc, now);
 }

@@ -125,8 +125,8 @@ CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> data
 
   // connection
   const WireConnection& connection = *wire.connection;
-  check.Enum(connection.session, SessionState::kCommandingActive, m.session);
-  check.Enum(connection.quality, FriQuality::kExcellent, m.quality);
+  check.ReadEnum(connection.session, SessionState::kCommandingActive, m.session);
+  check.ReadEnum(connection.quality, FriQuality::kExcellent, m.quality);
   m.send_period_ms = connection.period_ms.value_or(m.send_period_ms);
   m.receive_multiplier = connection.multiplier.value_or(m.receive_multiplier);
   if (m.send_period_ms < 1 || m.send_period_ms > kMaxPeriodMs || m.receive_multiplier < 1 ||
@@ -136,36 +136,37 @@ CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> data
   // robot
   const WireRobot& robot = wire.robot;
   if (robot.joints.value_or(control::kJoints) != control::kJoints) check.Fail(CodecError::kWrongCount);
-  check.Enum(robot.safety, FriSafetyState::kStopLevel2, m.safety);
-  check.Enum(robot.operation, FriOperationMode::kAutomatic, m.operation);
-  check.Enum(robot.control, control::ControlMode::kNone, m.control);
+  check.ReadEnum(robot.safety, FriSafetyState::kStopLevel2, m.safety);
+  check.ReadEnum(robot.operation, FriOperationMode::kAutomatic, m.operation);
+  check.ReadEnum(robot.control, control::ControlMode::kNone, m.control);
   if (robot.drives.count != 0 && robot.drives.count != m.drives.size()) check.Fail(CodecError::kWrongCount);
   for (std::size_t i = 0; i < robot.drives.count; ++i)
-    check.Enum(robot.drives.value[i], FriDriveState::kActive, m.drives[i]);
+    check.ReadEnum(robot.drives.value[i], FriDriveState::kActive, m.drives[i]);
 
   // measured and commanded
   const WireMonitor& monitor = wire.monitor;
-  check.Vector(monitor.q_meas, m.q_meas);
-  check.Vector(monitor.tau_meas, m.tau_meas);
-  check.Vector(monitor.q_cmd, m.q_cmd);
-  check.Vector(monitor.tau_cmd, m.tau_cmd);
-  check.Vector(monitor.tau_ext, m.tau_ext);
-  if (family == FriFamily::k2_7) check.Vector(monitor.force, m.wire_force);
-  check.Pose(monitor.pose, monitor.redundancy, m.X_meas);
-  for (const WireIo& io : monitor.ios) check.Io(io, m.ios);
-  m.time = TimeOf(monitor.time);
+  check.ReadVector(monitor.q_meas, m.q_meas);
+  check.ReadVector(monitor.tau_meas, m.tau_meas);
+  check.ReadVector(monitor.q_cmd, m.q_cmd);
+  check.ReadVector(monitor.tau_cmd, m.tau_cmd);
+  check.ReadVector(monitor.tau_ext, m.tau_ext);
+  if (family == FriFamily::k2_7) check.ReadVector(monitor.force, m.wire_force);
+  check.ReadPose(monitor.pose, monitor.redundancy, m.X_meas);
+  for (const WireIo& io : monitor.ios) check.ReadIo(io, m.ios);
+  m.time = ReadTime(monitor.time);
 
   // interpolator
   const WireIpo& ipo = wire.ipo;
-  check.Vector(ipo.q, m.q_ipo);
-  check.Pose(ipo.pose, ipo.redundancy, m.X_ipo);
-  check.Enum(ipo.command_mode, family == FriFamily::k1 ? CommandMode::kTorque : CommandMode::kCartesianPose,
-             m.command_mode);
-  check.Enum(ipo.overlay, FriOverlay::kCartesian, m.overlay);
+  check.ReadVector(ipo.q, m.q_ipo);
+  check.ReadPose(ipo.pose, ipo.redundancy, m.X_ipo);
+  check.ReadEnum(ipo.command_mode,
+                 family == FriFamily::k1 ? CommandMode::kTorque : CommandMode::kCartesianPose,
+                 m.command_mode);
+  check.ReadEnum(ipo.overlay, FriOverlay::kCartesian, m.overlay);
   m.tracking_performance = ipo.tracking.value_or(0.0);
-  check.Finite(m.tracking_performance);
+  check.CheckFinite(m.tracking_performance);
   for (const WireTransformation& transformation : wire.transformations)
-    check.Transformation(family, transformation, m.transformations);
+    check.ReadTransformation(family, transformation, m.transformations);
 
   // fields that the session state requires
   const bool commanding = m.session >= SessionState::kCommandingWait;

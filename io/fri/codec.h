@@ -46,8 +46,8 @@ enum class CodecError : std::uint8_t {
 [[nodiscard]] std::optional<control::JointArray> JointsNotFinite(
     FriFamily family, std::span<const std::uint8_t> datagram) OSTEON_RT;
 
-/// Which family a monitoring message comes from, by its frame and by the fields that only one has. Empty if
-/// it is no monitoring message, or has none of those fields (an arm that reports nothing but its session
+/// Detects the FRI family of a monitoring message, by its framing and by fields that only one family has.
+/// Empty if it is no monitoring message, or has none of these fields (an arm that reports only its session
 /// state).
 [[nodiscard]] std::optional<FriFamily> DetectFamily(std::span<const std::uint8_t> datagram) OSTEON_RT;
 

@@ -30,7 +30,7 @@ struct FriSessionParams {
   FriVersion version{FriVersion::k1_15};
   FriTorqueOrder torque_order{FriTorqueOrder::kZyx};  ///< not confirmed on an arm
   /// Largest distance of a joint from the interpolator's position in the first command of an activation; > 0.
-  /// Beyond it the command is not followed.
+  /// A command farther away is not followed.
   double entry_step_rad{0.02};
 };
 

@@ -30,18 +30,18 @@ bool FromQuaternion(const double* element, PlainPose& X) OSTEON_RT {
 
 }  // namespace
 
-std::optional<FriTime> TimeOf(const std::optional<WireTime>& wire) OSTEON_RT {
+std::optional<FriTime> ReadTime(const std::optional<WireTime>& wire) OSTEON_RT {
   if (!wire) return std::nullopt;
   return FriTime{*wire->sec, *wire->nanosec};
 }
 
-void WireCheck::Finite(double value) OSTEON_RT {
+void WireCheck::CheckFinite(double value) OSTEON_RT {
   if (!std::isfinite(value)) Fail(CodecError::kNotFinite);
 }
 
-void WireCheck::Pose(const std::optional<WireTransformation>& wire,
-                     const std::optional<WireRedundancy>& redundancy,
-                     std::optional<FriPose>& value) OSTEON_RT {
+void WireCheck::ReadPose(const std::optional<WireTransformation>& wire,
+                         const std::optional<WireRedundancy>& redundancy,
+                         std::optional<FriPose>& value) OSTEON_RT {
   if (!wire) return;
   FriPose& pose = value.emplace();
   if (wire->element.count != kQuaternionSize) return Fail(CodecError::kWrongCount);
@@ -50,15 +50,15 @@ void WireCheck::Pose(const std::optional<WireTransformation>& wire,
   PlainPose X;
   if (!FromQuaternion(pose.element.data(), X)) Fail(CodecError::kOutOfRange);
   pose.name = FriName(*wire->name);
-  pose.time = TimeOf(wire->time);
+  pose.time = ReadTime(wire->time);
   if (!redundancy) return;
-  Finite(*redundancy->value);
+  CheckFinite(*redundancy->value);
   pose.redundancy = FriRedundancy{*redundancy->strategy, *redundancy->value};
 }
 
-void WireCheck::Transformation(FriFamily family, const WireTransformation& wire,
-                               FriTransformations& list) OSTEON_RT {
-  FriTransformation transformation{.name = FriName(*wire.name), .time = TimeOf(wire.time)};
+void WireCheck::ReadTransformation(FriFamily family, const WireTransformation& wire,
+                                   FriTransformations& list) OSTEON_RT {
+  FriTransformation transformation{.name = FriName(*wire.name), .time = ReadTime(wire.time)};
   const std::size_t count = wire.element.count;
   if (count != 0) {
     const bool matrix = family == FriFamily::k1;
@@ -70,11 +70,11 @@ void WireCheck::Transformation(FriFamily family, const WireTransformation& wire,
   list.Add(transformation);
 }
 
-void WireCheck::Io(const WireIo& wire, FriIos& list) OSTEON_RT {
+void WireCheck::ReadIo(const WireIo& wire, FriIos& list) OSTEON_RT {
   FriIo io{.name = FriName(*wire.name), .digital = wire.digital, .analog = wire.analog};
-  Enum(wire.type, FriIoType::kAnalog, io.type);
-  Enum(wire.direction, FriIoDirection::kOutput, io.direction);
-  if (io.analog) Finite(*io.analog);
+  ReadEnum(wire.type, FriIoType::kAnalog, io.type);
+  ReadEnum(wire.direction, FriIoDirection::kOutput, io.direction);
+  if (io.analog) CheckFinite(*io.analog);
   list.Add(io);
 }
 

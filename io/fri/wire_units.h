@@ -7,12 +7,12 @@
 
 #include "base/marker.h"
 
-// Constants and helpers of both directions of the wire. Private to the codec.
+// Constants and helpers that the FRI encoder and decoder share. Private to the codec.
 
 namespace osteon::io {
 
 inline constexpr double kMmPerM = 1e3;                               ///< poses are in mm on the wire
-inline constexpr std::size_t kMatrixSize = 12, kQuaternionSize = 7;  ///< elements of a pose: 1.x, 2.x
+inline constexpr std::size_t kMatrixSize = 12, kQuaternionSize = 7;  ///< numbers in a pose: FRI 1.x, 2.x
 
 inline bool AllFinite(std::span<const double> values) OSTEON_RT {
   return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });

@@ -30,7 +30,7 @@ struct ConfigSource {
   std::string folder;  ///< the common folder; empty unless a file names another by its whole path
 };
 
-/// What was run, and with what: the first message of a recording.
+/// The first message of a recording: which software and cell were run.
 struct SessionInfo {
   rt::Nanoseconds stamp{0};    ///< when the session began, on the clock of the ticks
   std::string version;         ///< of osteon

@@ -25,7 +25,7 @@ struct PlanChoice {
   std::optional<simulation::CutSite> site{};  ///< of a mesh, in its frame
   std::optional<double> scale{};              ///< of a mesh: millimetres per unit of the file
   std::filesystem::path cell;  ///< tool, coupling and arm; empty: cells/SCENE.yaml, or else cells/demo.yaml
-  std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
+  std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
   std::filesystem::path config_root;
 };
 
@@ -33,7 +33,7 @@ struct PlanScene {
   std::string name, cell_name;
   std::vector<simulation::Material> materials;
   std::vector<simulation::MassPoint> points;
-  simulation::CutWorkload work;  ///< with the cell's tool unchanged
+  simulation::CutWorkload work;  ///< the cut, with the cell's tool as it is in its file
   simulation::CutShape cut;
   double zone_depth_m{0.0};
   simulation::ArmFigures arm;
@@ -70,7 +70,7 @@ struct LevelRun {
 /// (rt::KeepCpusAwake). Frames of the finenesses alternate in short turns, so that other load on the machine
 /// affects all alike; the first frames of a turn, with another engine's data in the caches, do not count.
 /// @param tool    replaces the scene's own
-/// @param choice  of the engine; one for each fineness
+/// @param choice  which engine; one engine object is made for each fineness
 /// @param rounds  number of times that the whole cut runs; forces and remaining balls are those of the last
 /// @returns an error if an engine can't be made, a frame was refused, or Ctrl-C came.
 [[nodiscard]] tl::expected<std::vector<LevelRun>, std::string> RunLevels(

@@ -11,7 +11,8 @@ namespace osteon::app {
 namespace {
 
 // Returns the demands on the packing; nothing if there are none.
-std::optional<simulation::FidelityRequest> Asked(const CellSetup& setup, const FidelityChoice& choice) {
+std::optional<simulation::FidelityRequest> RequestedFidelity(const CellSetup& setup,
+                                                             const FidelityChoice& choice) {
   std::optional<simulation::FidelityRequest> asked = setup.config.scene.fidelity;
   if (choice.as_packed) return std::nullopt;
   if (!asked && (choice.error_m || choice.rate_hz)) asked.emplace();
@@ -29,7 +30,7 @@ tl::expected<void, std::string> PackCell(CellSetup& setup, const FidelityChoice&
     return tl::make_unexpected(
         fmt::format("--{}: found with a packing that was loaded, accepted with a scene or a mesh",
                     choice.error_m ? "error-mm" : "rate-hz"));
-  const auto asked = Asked(setup, choice);
+  const auto asked = RequestedFidelity(setup, choice);
   if (!setup.solid || !asked) {
     PackAsScene(setup);
     return {};
@@ -82,7 +83,7 @@ nlohmann::json PlannedJson(const PlannedCell& planned) {
                       {"given_up", nlohmann::json::array()}};
   if (planned.request.timed) json["predicted_frame_us"] = plan.frame_us;
   for (const UnmetDemand& demand : plan.unmet) json["given_up"].push_back(demand.what);
-  json["unmet"] = json["given_up"];  // the older name stays for programs that read it
+  json["unmet"] = json["given_up"];  // the older key, kept for programs that read it
   return json;
 }
 

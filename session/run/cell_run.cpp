@@ -412,7 +412,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
                                  : RunWall(setup, runner, wires, **recorder, params);
   if (!run) return refuse(run.error());
   CellRunResult& result = *run;
-  if (!params.virtual_time) {  // in virtual time no zones are in the making
+  if (!params.virtual_time) {  // in virtual time no packing is still being made
     runner.EndAdaptiveResolution();
     runner.RecordEvents(**recorder, rt::MonotonicNow());
   }

@@ -10,18 +10,18 @@
 namespace osteon::app {
 
 struct OperateOptions {
-  std::filesystem::path cell;      ///< its YAML
+  std::filesystem::path cell;      ///< the cell's YAML file
   bool simulated{false};           ///< start the simulated cell, and its guard, as well
-  double seconds{0.0};             ///< of rendering; 0: until Ctrl-C
-  double wait_s{30.0};             ///< for the arm and all conditions of motion, before rendering begins
+  double seconds{0.0};             ///< time of rendering; 0: until Ctrl-C
+  double wait_s{30.0};             ///< longest wait for the arm and all conditions of motion
   int recoveries{0};               ///< number of restarts after the connection to the arm has ended rendering
   std::filesystem::path record{};  ///< the recording; empty: DatedRecording in the working folder
   bool overwrite{false};           ///< replace an earlier run's files of that name; false: refuse
-  std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
+  std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
   FidelityChoice fidelity{};                 ///< how fine the bone is
   std::filesystem::path gains{};             ///< overrides the cell's gains; empty: none
-  std::optional<std::uint16_t> port{};       ///< of a simulated cell: the first of its ports
-  int cpu{-1};                 ///< the servo thread is pinned to it, all others stay off it; -1: any
+  std::optional<std::uint16_t> port{};       ///< first port of a simulated cell; none: the cell file's
+  int cpu{-1};                 ///< CPU of the servo thread; all other threads stay off it; -1: any
   std::string engine{"auto"};  ///< one of EngineNames but "reference", which is too slow for wall time
   std::string device{};        ///< part of a Vulkan device's name
   std::filesystem::path json{};

@@ -7,9 +7,9 @@
 
 namespace osteon::app {
 
-/// Finds, before a run, what a cell asks for and can't have: sentences for the screen, the summary and its
-/// verdict.
-/// @param real  the cell has a real hand, no scripted one
+/// Returns, before a run, a sentence for each thing that a cell's file asks for and the cell cannot provide.
+/// Screen, summary and verdict show them.
+/// @param real  a person operates the cell, not a script
 [[nodiscard]] std::vector<std::string> SetupWarnings(const config::CellConfig& cell, bool real);
 
 }  // namespace osteon::app

@@ -18,7 +18,7 @@ void PauseEvents::Add(const control::TickRecord& tick) {
     row(kPauseEvent, at, tick.stamp - at);
     asked_at_.reset();
   }
-  if (!paused && paused_at_) {  // by a resume; or the run ended in the pause, which makes no event
+  if (!paused && paused_at_) {  // ended by a resume. A run that ends in a pause makes no event
     if (tick.input.resume) row(kResumeEvent, tick.stamp, tick.stamp - *paused_at_);
     paused_at_.reset();
   }

@@ -28,14 +28,14 @@ using SceneShape = std::variant<AcetabulumShape, MolarShape, FemurShape, BlockSh
 /// @throws std::invalid_argument naming the size, its value and what is accepted.
 void CheckShape(const SceneShape& shape);
 
-/// Where a generated solid is cut: a circle on its upper surface, seen along G's z axis. For an acetabulum
-/// the site is always its cup, and this is ignored.
+/// Site at which a generated solid is cut: a circle on its upper surface, seen along G's z axis. For an
+/// acetabulum the site is always its cup, and this is ignored.
 struct SiteParams {
   double x_m{0.0}, y_m{0.0};
   double radius_m{0.005};
 };
 
-/// Where a bone is fine (cut_zone.h), relative to its site.
+/// Zone in which a bone is packed finely (cut_zone.h), relative to its site.
 struct ZoneParams {
   enum class Kind : std::uint8_t { kCup, kPath, kSurface, kEverywhere };
   Kind kind{Kind::kCup};

@@ -11,26 +11,26 @@
 
 namespace osteon::simulation::cpu {
 
-/// The bone as it is now: balls in blocks of eight, the bone's own and behind them the children of split
-/// ones; mass points; and the trees over both.
+/// The present state of the bone: balls in blocks of eight (the bone's own, then the children of split
+/// balls), mass points, and a box tree over each.
 class BoneStore {
  public:
-  /// @param layer_m  depth of the engaged layer;  @param max_child_blocks  blocks of children at a time at
-  /// most
+  /// @param layer_m  depth of the engaged layer;  @param max_child_blocks  largest number of blocks of
+  /// children
   BoneStore(const Bone& bone, double layer_m, std::size_t max_child_blocks);
 
-  // ---- balls; numbers count lanes
+  // ---- balls; a ball's number is 8 · block + lane
   [[nodiscard]] std::size_t ball_count() const { return ball_count_; }
   [[nodiscard]] BallBlock* blocks() { return blocks_.data(); }
   [[nodiscard]] const BallBlock* blocks() const { return blocks_.data(); }
   [[nodiscard]] std::uint32_t block_count() const { return block_count_; }
   /// The first block of children.
   [[nodiscard]] std::uint32_t first_child_block() const { return first_child_block_; }
-  /// Children blocks that are in use, from first_child_block() on; new ones hold nothing.
+  /// Sets how many blocks of children are in use, from first_child_block() on; new blocks are empty.
   void SetChildBlocks(std::uint32_t count);
   [[nodiscard]] BallState BallAt(std::size_t ball) const;
   void PutBall(std::size_t ball, const BallState& state);
-  /// x y z r [mm], as CarvedState has them.
+  /// Read and write x y z r [mm], as in CarvedState.
   void ReadFloats(std::size_t ball, float* four) const;
   void WriteFloats(std::size_t ball, const float* four);
   [[nodiscard]] float RadiusOf(std::size_t ball) const { return blocks_[ball / 8].r[ball % 8]; }
@@ -41,7 +41,7 @@ class BoneStore {
   // ---- mass points
   [[nodiscard]] std::size_t point_count() const { return cleared_.size(); }
   [[nodiscard]] std::size_t material_count() const { return material_points_.size(); }
-  /// Points of a material, and an upper bound of the blocks that they may take in a list.
+  /// Upper bound of the number of blocks that a material's points may take in a list.
   [[nodiscard]] std::size_t MaxPointBlocks(std::size_t material) const;
   [[nodiscard]] const float* point_mm(int axis) const { return point_mm_[axis].data(); }
   [[nodiscard]] double volume_m3(std::size_t i) const { return volume_m3_[i]; }

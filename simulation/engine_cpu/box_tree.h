@@ -6,12 +6,13 @@
 
 namespace osteon::simulation::cpu {
 
-/// Boxes around clusters of 64 balls or points in their first state, eight to a node, in a tree over the
-/// list's order (which is a space-filling curve). Bone only shrinks inside itself, so a box is never wrong.
+/// Bounding volume hierarchy with eight boxes to a node. A leaf is the box around a cluster of 64 consecutive
+/// balls or points, whose order follows a space-filling curve. The boxes are those of the uncut bone. They
+/// stay valid, because balls and points only shrink or vanish.
 class BoxTree {
  public:
   static constexpr std::uint32_t kCluster = 64;
-  /// Eight boxes: the least x, y, z of each, then the largest [mm]. A box that holds nothing is inside out.
+  /// Eight boxes: the smallest x, y, z of each, then the largest [mm]. An empty box has smallest > largest.
   struct alignas(64) Node {
     float box[6][8];
   };
@@ -20,17 +21,17 @@ class BoxTree {
   };
 
   BoxTree() = default;
-  /// @param boxes  of each item, in the list's order [mm]
+  /// @param boxes  box of each item, in the items' order [mm]
   explicit BoxTree(const std::vector<Box>& boxes);
 
   [[nodiscard]] std::uint32_t cluster_count() const { return cluster_count_; }
   [[nodiscard]] Box BoxOf(std::uint32_t cluster) const;
-  /// A cluster of which nothing is left is found no more, until Reset.
+  /// Removes a cluster of which nothing is left from later searches, until Reset.
   void Drop(std::uint32_t cluster);
   void Reset();
 
-  /// Calls visit(cluster) for those whose box meets, ascending.
-  /// @param meets  bits of a node's eight boxes that meet what is looked for
+  /// Calls visit(cluster) for each cluster whose box matches, in ascending order.
+  /// @param meets  returns a bit for each of a node's eight boxes that matches
   template <class Meets, class Visit>
   void Find(const Meets& meets, Visit&& visit) const {
     if (!levels_.empty()) Descend(levels_.size() - 1, 0, meets, visit);
@@ -50,8 +51,8 @@ class BoxTree {
     }
   }
 
-  std::vector<std::vector<Node>> levels_;  // clusters first
-  std::vector<Node> first_level_;          // as it was built
+  std::vector<std::vector<Node>> levels_;  // from the clusters up to the root
+  std::vector<Node> first_level_;          // the clusters' level as built, for Reset
   std::uint32_t cluster_count_{0};
 };
 

@@ -14,23 +14,24 @@ struct ListReach {
   float cutting_mm{0.0f}, shaft_mm{0.0f};
 };
 
-/// Clusters near the tool, ascending, each with the groups of tool balls that are near it.
+/// Result of a search: the clusters near the tool, ascending, each with the groups of tool balls near it.
 struct NearClusters {
   std::vector<std::uint32_t> cluster, first;  ///< groups first[i] … first[i + 1] - 1 are of cluster[i]
   std::vector<std::uint16_t> group;
-  std::size_t next{0};  ///< the first that has not been gone through
+  std::size_t next{0};  ///< index of the first cluster that has not been visited
 
   [[nodiscard]] std::size_t left() const { return cluster.size() - next; }
 };
 
-/// Finds clusters near the tool, and of a cluster the tool balls near it. Room is taken at set-up.
+/// Finds the clusters near the tool, and for a cluster the tool balls near it. Memory is allocated at set-up.
 class ClusterSearch {
  public:
   ClusterSearch(const ToolBalls& tool, std::size_t max_clusters, std::size_t max_hits);
 
-  /// Room for all that Find may put there.
+  /// Allocates the memory that Find may need in `clusters`.
   void Reserve(NearClusters& clusters) const;
-  /// @returns false where there are more hits of groups and clusters than there is room for.
+  /// Finds the clusters near the tool. @returns false if there are more pairs of group and cluster than
+  /// max_hits
   [[nodiscard]] bool Find(const Kernels& kernels, const BoxTree& tree, const ToolPlacement& at,
                           const ListReach& reach, bool cutting_only, NearClusters& found);
   /// Tool balls that may be near a cluster, ascending; valid until the next call.

@@ -140,8 +140,9 @@ ContactModel CpuEngine::Step(const FrameInput& input) {
   it.lists.BeginFrame();
   if (!it.memory.has_proxy) it.memory.X_GP = it.X_WG.inverse() * Pose(input.X_WT);
   const Pose X_WP = it.X_WG * Pose(it.memory.X_GP);
-  const ContactModel model = StepInParts(input, X_WP, SubframeCount(it.lever_m, X_WP, Pose(input.X_WT)),
-                                         it.memory, [&it](const FrameInput& part) { return it.Frame(part); });
+  const ContactModel model =
+      StepInParts(input, X_WP, SubframeCount(it.lever_m, X_WP, Pose(input.X_WT)), it.memory,
+                  [&it](const FrameInput& part) { return it.ComputeFrame(part); });
   it.stats.lists_made = it.lists.made_in_frame();
   it.stats.ball_rows = it.lists.ball_row_count();
   it.stats.listed_balls = cpu::kLanes * it.lists.ball_block_count();
@@ -184,7 +185,7 @@ void CpuEngine::Restore(const CarvedState& state) {
 }
 
 std::string CpuDeviceText(const std::string& instruction_set) {
-  // Highway's name of AVX-512, and of plain C++
+  // Highway's names of AVX-512 and of plain C++
   const std::string& name = instruction_set;
   const std::string plain = name == "N_AVX3"                           ? "AVX-512"
                             : name == "N_SCALAR" || name == "N_EMU128" ? "plain C++"

@@ -15,34 +15,34 @@ namespace osteon::simulation {
 struct CpuParams {
   /// One of CpuInstructionSets(); empty: the best that this processor has.
   std::string instruction_set{};
-  bool brute_force{false};  ///< every pair in every pass: what the neighbour lists are held against
-  bool look_ahead{true};    ///< the next list is made in slices while the last one serves
+  bool brute_force{false};  ///< examine every pair in every pass, to check the neighbour lists
+  bool look_ahead{true};    ///< build the next list in slices while the present one is in use
   bool time_stages{false};  ///< fills CpuFrameStats::stage_s
-  /// Pairs of a block of eight balls (or points of a material) and a tool ball that may be listed at once:
-  /// beyond, a frame is kOverloaded and changes nothing. Six bytes each, twice.
+  /// Largest number of listed pairs of a block (eight balls, or points of a material) and a tool ball. A
+  /// frame that needs more is kOverloaded and changes nothing. A pair takes twice six bytes.
   std::size_t list_capacity{4'000'000};
 };
 
 /// The stages of a frame, in their order.
 enum class CpuStage : std::uint8_t {
   kPlace,       ///< the tool's balls at the proxy and at the pose
-  kLists,       ///< neighbour lists, where they are made
+  kLists,       ///< building neighbour lists, if needed
   kContact,     ///< first contact
   kNearField,   ///< nearest pairs of the bins, sums about the faces
   kLaw,         ///< the contact law
-  kSlide,       ///< contact on the slide's way
+  kSlide,       ///< first contact along the slide
   kEngagement,  ///< engaged area
   kRemoval,     ///< balls
   kClearing,    ///< points
-  kFinish,      ///< books and contact model
+  kFinish,      ///< bookkeeping and contact model
   kCount
 };
 [[nodiscard]] const char* NameOf(CpuStage stage);
 
-/// What the last frame did; a frame in parts is told of as a whole.
+/// Statistics of the last frame; the parts of a frame are added up.
 struct CpuFrameStats {
-  bool lists_made{false};       ///< a whole list, at once
-  std::size_t ball_rows{0};     ///< pairs of blocks and tool balls that are listed
+  bool lists_made{false};       ///< a whole list was built at once
+  std::size_t ball_rows{0};     ///< listed pairs of block and tool ball
   std::size_t listed_balls{0};  ///< within reach and skin of the tool, in whole blocks
   std::size_t listed_points{0};
   std::size_t balls_changed{0}, points_cleared{0};
@@ -53,7 +53,7 @@ struct CpuFrameStats {
 /// (AVX-512), "N_AVX2", "N_SSE4", and plain C++ last.
 [[nodiscard]] std::vector<std::string> CpuInstructionSets();
 
-/// An instruction set as CpuEngine::device says it: "one thread, AVX-512" for "N_AVX3".
+/// Text for an instruction set, as in CpuEngine::device: "one thread, AVX-512" for "N_AVX3".
 [[nodiscard]] std::string CpuDeviceText(const std::string& instruction_set);
 
 /// The cutting model on one thread of the processor: for machines without a GPU.
@@ -61,10 +61,11 @@ struct CpuFrameStats {
 ///     proxy, pose ─▶ first contact ─▶ near field ─▶ law ─▶ slide ─▶ engaged area ─▶ removal ─▶ model
 ///                         ▲ Verlet neighbour lists: blocks of eight balls or points, and tool balls near them
 ///
-/// Every number is the reference engine's (ReferenceEngine), to the last bit, with every instruction set:
-/// floats, eight at a time, only exclude what cannot play a part (engine_cpu/rounding.h), and doubles decide
-/// by the reference's own functions in its order. So a run may change between the two at any frame. A frame
-/// allocates nothing, but where balls wait to be split (SplitParams::blocks_per_frame).
+/// All results equal those of ReferenceEngine to the last bit, with every instruction set. Floats, eight at a
+/// time, only exclude pairs that cannot matter (engine_cpu/rounding.h). The remaining pairs are computed in
+/// double precision by the reference's own functions, in its order. So a run may switch between the two
+/// engines at any frame. A frame allocates no memory, unless balls wait to be split
+/// (SplitParams::blocks_per_frame).
 class CpuEngine final : public CuttingEngine {
  public:
   static constexpr std::size_t kMaxToolBalls = 10'000;

@@ -33,7 +33,7 @@ void CpuEngine::Impl::SetPlaces(const Pose& X_GP, cpu::ToolPlacement& to) const 
   kernels.place(R, p, balls.view(), to.places());
 }
 
-ContactModel CpuEngine::Impl::Frame(const FrameInput& input) {
+ContactModel CpuEngine::Impl::ComputeFrame(const FrameInput& input) {
   if (cpu.time_stages) stage_began = std::chrono::steady_clock::now();
   const Pose X_GT = X_WG.inverse() * Pose(input.X_WT);
   const Matrix3 R_GT = X_GT.linear();
@@ -95,7 +95,7 @@ double CpuEngine::Impl::PlaceTool(const Pose& X_GT) {
 bool CpuEngine::Impl::FindContact(double path_m, FrameSolution& solution) {
   if (!lists.Serves(start, reach) && !lists.MakeAt(start, list_reach)) return false;
   EndStage(CpuStage::kLists);
-  const cpu::ContactPass pass = PassOf(start, goal, 0.0, path_m);
+  const cpu::ContactPass pass = MakeContactPass(start, goal, 0.0, path_m);
   double first = kNoContact;
   for (std::int32_t k = 0; k < memory.contact.pair_count; ++k) {
     const ContactPair& pair = memory.contact.pairs[static_cast<std::size_t>(k)];

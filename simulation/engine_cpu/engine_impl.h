@@ -1,7 +1,7 @@
 #pragma once
 
-// Inside engine_cpu only: what the sources of the engine share. engine_frame.cpp is a frame as a whole,
-// engine_passes.cpp what it asks of the kernels, cpu_engine.cpp what others see.
+// Private to engine_cpu: the class that the engine's sources share. engine_frame.cpp computes a frame,
+// engine_passes.cpp calls the kernels, and cpu_engine.cpp implements the public interface.
 
 #include <chrono>
 #include <optional>
@@ -17,7 +17,7 @@ struct CpuEngine::Impl {
   Impl(const Bone& bone, const Tool& tool_in, const Pose& X_WG_in, const CuttingParams& params_in,
        const CpuParams& cpu_in);
 
-  // ---- what stays
+  // ---- constant after construction
   Tool tool;
   double lever_m;
   std::vector<Material> materials;
@@ -27,7 +27,7 @@ struct CpuEngine::Impl {
   CpuParams cpu;
   const cpu::Kernels& kernels;
 
-  // ---- what a frame changes
+  // ---- state that a frame changes
   cpu::BoneStore bone;
   cpu::ToolBalls balls;
   std::optional<cpu::SplitBlocks> split;
@@ -36,13 +36,13 @@ struct CpuEngine::Impl {
   FrameMemory memory;
   CpuFrameStats stats;
 
-  // ---- the frame's own: the tool's balls where it begins, is asked to be, touches, …
+  // ---- used within a frame: the tool's balls at its start, goal, first contact, …
   cpu::ToolPlacement start, goal, contact, last_contact, target, straight, slid, end;
   cpu::AlignedArray<float> way_x_mm, way_y_mm, way_z_mm;
   float rounding_mm{0.0f};
   cpu::FrameReach reach, list_reach;
   NearField near;
-  std::vector<std::uint32_t> likely_place, likely_tool;  // pairs that were nearest in the frame before
+  std::vector<std::uint32_t> likely_place, likely_tool;  // pairs that were nearest in the previous frame
   std::size_t likely_count{0};
 
   // ---- scratch of the kernels
@@ -59,7 +59,7 @@ struct CpuEngine::Impl {
   void ReserveScratch();
 
   // ---- engine_frame.cpp
-  ContactModel Frame(const FrameInput& input);
+  ContactModel ComputeFrame(const FrameInput& input);
   double PlaceTool(const Pose& X_GT);
   [[nodiscard]] bool FindContact(double path_m, FrameSolution& solution);
   [[nodiscard]] bool SolveContacts(const FrameInput& input, const Matrix3& R_GT, FrameSolution& solution);
@@ -71,17 +71,17 @@ struct CpuEngine::Impl {
 
   // ---- engine_passes.cpp
   struct Slid {
-    double fraction, way_m;  ///< way: of the point that goes farthest
-    bool stopped;            ///< by a ball
+    double fraction, way_m;  ///< way_m: path length of the point that moves farthest
+    bool stopped;            ///< a ball stopped the slide
   };
   [[nodiscard]] double LongestWay(const cpu::ToolPlacement& a, const cpu::ToolPlacement& b) const;
-  [[nodiscard]] cpu::ContactPass PassOf(const cpu::ToolPlacement& from, const cpu::ToolPlacement& to,
-                                        double tolerance_m, double longest_m);
+  [[nodiscard]] cpu::ContactPass MakeContactPass(const cpu::ToolPlacement& from, const cpu::ToolPlacement& to,
+                                                 double tolerance_m, double longest_m);
   [[nodiscard]] double FirstContactOnWay(const cpu::ContactPass& pass) const;
   [[nodiscard]] Slid SlideTo(const cpu::ToolPlacement& to, double tolerance_m, double max_m);
   [[nodiscard]] NearPair PairOf(std::size_t ball, std::size_t tool_ball) const;
   void FindNearField(const Matrix3& R_GT);
-  void TakeNearField(const cpu::NearFieldPass& pass);
+  void StoreNearField(const cpu::NearFieldPass& pass);
   void MeasureEngagement(const Vector3& spindle_axis_G, FrameSolution& solution);
   [[nodiscard]] std::size_t TouchingBall(double first);
   void Remove(std::int32_t only, double way_m, FrameSolution& solution);

@@ -25,8 +25,9 @@ double CpuEngine::Impl::LongestWay(const cpu::ToolPlacement& a, const cpu::ToolP
   return kernels.farthest(a.places(), b.places(), 0, balls.count() + 1);
 }
 
-cpu::ContactPass CpuEngine::Impl::PassOf(const cpu::ToolPlacement& from, const cpu::ToolPlacement& to,
-                                         double tolerance_m, double longest_m) {
+cpu::ContactPass CpuEngine::Impl::MakeContactPass(const cpu::ToolPlacement& from,
+                                                  const cpu::ToolPlacement& to, double tolerance_m,
+                                                  double longest_m) {
   kernels.ways(from.places(), to.places(), balls.count(), way_x_mm.data(), way_y_mm.data(), way_z_mm.data());
   return {.balls = bone.blocks(),
           .rows = lists.ball_rows(),
@@ -73,7 +74,7 @@ CpuEngine::Impl::Slid CpuEngine::Impl::SlideTo(const cpu::ToolPlacement& to, dou
                                                double max_m) {
   const double longest = LongestWay(contact, to);
   const double limit = longest > max_m ? max_m / longest : 1.0;
-  const cpu::ContactPass pass = PassOf(contact, to, tolerance_m, longest);
+  const cpu::ContactPass pass = MakeContactPass(contact, to, tolerance_m, longest);
   // what is met beyond the limit plays no part
   const double met = kernels.first_contact(pass, std::nextafter(limit, 2.0));
   const double fraction = std::min(limit, met);
@@ -120,11 +121,11 @@ void CpuEngine::Impl::FindNearField(const Matrix3& R_GT) {
   pass.block_place = scratch.block_place.data(), pass.block_tool = scratch.block_tool.data();
   std::ranges::fill(pass.score, std::numeric_limits<double>::infinity());
   kernels.near_field(pass, likely_place.data(), likely_tool.data(), likely_count);
-  TakeNearField(pass);
+  StoreNearField(pass);
 }
 
 // What the pass has found, and what held the tool the frame before.
-void CpuEngine::Impl::TakeNearField(const cpu::NearFieldPass& pass) {
+void CpuEngine::Impl::StoreNearField(const cpu::NearFieldPass& pass) {
   likely_count = 0;
   for (std::size_t bin = 0; bin < near.nearest.size(); ++bin) {
     NearPair& nearest = near.nearest[bin];
@@ -177,7 +178,7 @@ void CpuEngine::Impl::MeasureEngagement(const Vector3& spindle_axis_G, FrameSolu
 // ReferenceEngine::FirstTouchingBall. Where the list was made at first contact, what touches there is in it.
 std::size_t CpuEngine::Impl::TouchingBall(double first) {
   const double longest_m = LongestWay(start, goal), last = std::min(1.0, first + kTieTolerance_m / longest_m);
-  const cpu::ContactPass pass = PassOf(start, goal, 0.0, longest_m);
+  const cpu::ContactPass pass = MakeContactPass(start, goal, 0.0, longest_m);
   const float limit =
       cpu.brute_force ? cpu::kNever : pass.displacement_mm + 1.000001f * pass.longest_way_mm + rounding_mm;
   std::size_t touching = balls.count();

@@ -8,18 +8,18 @@
 namespace osteon::simulation::cpu {
 
 /// The passes for one instruction set. All sets give the same bits: doubles are computed in the reference
-/// engine's order, one operation one rounding, and what floats exclude plays no part.
+/// engine's order, with one rounding per operation, and floats only exclude pairs that do not matter.
 struct Kernels {
   const char* name;
 
   void (*place)(const double R[9], const double p[3], const ToolView& tool, Places to);
   void (*between)(Places a, Places b, double s, std::uint32_t count, Places to);
   void (*shifted)(Places a, const double v[3], std::uint32_t count, Places to);
-  /// Largest distance of a place from another [m], of the numbers first … last - 1.
+  /// Largest distance between the places of the same ball in `a` and `b` [m], over balls first … last - 1.
   double (*farthest)(Places a, Places b, std::uint32_t first, std::uint32_t last);
   void (*ways)(Places a, Places b, std::uint32_t count, float* x_mm, float* y_mm, float* z_mm);
 
-  /// The least fraction, if below `first`; else `first`.
+  /// Smallest fraction of the path with a contact, if below `first`; else `first`.
   double (*first_contact)(const ContactPass& pass, double first);
   double (*block_contact)(const ContactPass& pass, std::uint32_t block, std::uint32_t tool, double first);
   double (*pair_contact)(const ContactPass& pass, std::uint32_t ball, std::uint32_t tool);
@@ -37,13 +37,13 @@ struct Kernels {
                            std::size_t count);
   std::size_t (*point_rows)(const RowMaker& maker, const PointBlock& block, const std::uint16_t* tools,
                             std::size_t count);
-  /// Which of eight points are within reach of a tool ball of the list: bits.
+  /// Returns a bit for each of eight points that is within reach of a tool ball of the list.
   unsigned (*points_near)(const RowMaker& maker, const float* x, const float* y, const float* z,
                           const std::uint16_t* tools, std::size_t count);
-  /// Those tool balls of a list that may be within reach of a box; @returns how many.
+  /// Selects the tool balls of a list that may be within reach of a box. @returns their number
   std::size_t (*tools_near_box)(const RowMaker& maker, const float low[3], const float high[3],
                                 const std::uint16_t* tools, std::size_t count, std::uint16_t* out);
-  /// Which of eight boxes are within `radius_mm` of another box: bits.
+  /// Returns a bit for each of eight boxes that is within `radius_mm` of another box.
   unsigned (*boxes_near)(const float boxes[6][8], const float low[3], const float high[3], float radius_mm);
 };
 

@@ -7,31 +7,31 @@
 
 namespace osteon::simulation::cpu {
 
-/// How far a frame has to see around the tool [mm], without skin: balls, and mass points.
+/// How far around the tool a frame needs balls and mass points [mm], without skin.
 struct FrameReach {
   double ball_mm{0.0}, point_mm{0.0};
 };
 
-/// Has a neighbour list ready at all times: one that serves, and the next one, which is made in slices while
-/// the first one's skin is used up, so that hardly any frame pays for a whole list.
+/// Keeps a valid neighbour list ready. While the list in use wears out its skin, the next list is built in
+/// slices over several frames, so that hardly any frame has to build a whole list.
 class ListKeeper {
  public:
-  /// @param brute_force  lists of all pairs, made anew in every frame
+  /// @param brute_force  list all pairs, and build the list anew in every frame
   ListKeeper(const ListSources& sources, std::size_t max_rows, bool brute_force, bool look_ahead);
 
   [[nodiscard]] double max_skin_mm() const { return 1e3 * std::max(cutting_skin_m_, shaft_skin_m_); }
-  /// Whether the list holds every pair that matters while the tool is there, with this reach.
+  /// Whether the list holds every pair within this reach while the tool is at this placement.
   [[nodiscard]] bool Serves(const ToolPlacement& at, const FrameReach& reach) const;
-  /// The same for a frame's reach that has been looked at.
+  /// The same for a reach that was checked before.
   [[nodiscard]] bool Serves(const ToolPlacement& at) const { return brute_force_ || SkinUsed(at) <= 1.0; }
-  /// Makes the list at once. @returns false where there are more pairs than there is room for.
+  /// Builds the list at once. @returns false if there are more pairs than there is room for
   [[nodiscard]] bool MakeAt(const ToolPlacement& at, const FrameReach& reach);
-  /// At the end of a frame: a slice of the next list, once half of the skin is used.
+  /// Builds a slice of the next list, once half of the skin is used. Call at the end of a frame.
   void MakeAhead(const ToolPlacement& at, const FrameReach& reach);
 
-  /// The tool has moved by so much, at most any of its balls.
+  /// Adds the tool's displacement: the largest of any of its balls.
   void AddDisplacement(double mm) { displacement_mm_ += mm; }
-  /// Since the list was made: no gap has closed by more.
+  /// Displacement since the list was built: no gap has closed by more.
   [[nodiscard]] float displacement_mm() const {
     return static_cast<float>(displacement_mm_ - displacement_at_[serving_]);
   }
@@ -40,7 +40,7 @@ class ListKeeper {
 
   void NoteCleared(std::uint32_t point);
   void AddChildren(std::uint32_t number);
-  /// The state is another one: no list serves.
+  /// Discards all lists. Call when the bone's state was replaced.
   void Discard();
 
   [[nodiscard]] std::size_t ball_row_count() const { return list().ball_row_count(); }
@@ -64,7 +64,7 @@ class ListKeeper {
   std::array<double, 2> displacement_at_{};
   std::size_t serving_{0};
   double displacement_mm_{0.0};
-  double used_before_{0.0}, used_per_frame_{0.0};  // of the skin
+  double used_before_{0.0}, used_per_frame_{0.0};  // share of the skin
   std::size_t slices_{1};
   bool made_in_frame_{false};
 };

@@ -11,7 +11,7 @@
 
 namespace osteon::simulation::cpu {
 
-/// What lists are made from.
+/// What a neighbour list is built from.
 struct ListSources {
   const Kernels& kernels;
   const ToolBalls& tool;
@@ -27,20 +27,21 @@ struct PointList {
   PairRowList rows;
 };
 
-/// A Verlet neighbour list: every pair of a block of eight balls or points and a tool ball that can come
-/// within a reach of each other while the tool stays within a skin of where it was.
+/// A Verlet neighbour list. It holds every pair of a block (eight balls or points) and a tool ball that can
+/// come within reach of each other while the tool is within the skin's thickness of the place where the list
+/// was built.
 ///
 ///     Begin(place) ─▶ Continue … ─▶ End        at once, or in slices over several frames
 ///
-/// While it is made in slices, bone goes on being cut; what that changes is made good in End.
+/// While a list is built in slices, bone is still being cut. End applies those changes to the list.
 class NeighbourList {
  public:
-  /// @param max_rows  of balls, and of points of each material, at most
+  /// @param max_rows  largest number of rows of balls, and of points of each material
   NeighbourList(const ListSources& sources, std::size_t max_rows);
 
-  /// @param reach, point_reach  with the skin
+  /// Begins to build the list. @param reach, point_reach  including the skin
   void Begin(const ToolPlacement& at, const ListReach& reach, const ListReach& point_reach);
-  /// Goes through the next so many clusters of each kind.
+  /// Visits the next clusters of each kind, as many as given.
   void Continue(std::size_t ball_clusters, std::size_t point_clusters);
   [[nodiscard]] bool all_visited() const;
   void End();
@@ -48,7 +49,7 @@ class NeighbourList {
 
   [[nodiscard]] bool is_begun() const { return is_begun_; }
   [[nodiscard]] bool is_made() const { return is_made_; }
-  /// More pairs were found than there is room for: the list is no use.
+  /// Whether more pairs were found than there is room for. The list is then invalid.
   [[nodiscard]] bool overflowed() const { return overflowed_; }
   [[nodiscard]] std::size_t ball_clusters() const { return balls_.cluster.size() + children_.size(); }
   [[nodiscard]] std::size_t point_clusters() const { return points_.cluster.size(); }
@@ -59,9 +60,9 @@ class NeighbourList {
   [[nodiscard]] std::size_t ball_block_count() const { return ball_rows_.block_count(); }
   [[nodiscard]] std::size_t listed_points() const { return listed_points_; }
 
-  /// New children of a split ball come into the list.
+  /// Adds the new children of a split ball to the list.
   void AddChildren(std::uint32_t number);
-  /// What was cleared or split while the list was begun.
+  /// Notes a point that was cleared, or a ball that was split, while the list is being built.
   void NoteCleared(std::uint32_t point) { cleared_since_.push_back(point); }
   void NoteSplit(std::uint32_t number) { split_since_.push_back(number); }
 

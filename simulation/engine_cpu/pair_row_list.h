@@ -7,24 +7,26 @@
 
 namespace osteon::simulation::cpu {
 
-/// Blocks and their rows (PairRows). All room is taken at set-up; what does not fit is told, not grown.
+/// Blocks and their rows (PairRows). Memory is allocated at set-up and does not grow; rows that do not fit
+/// are refused.
 class PairRowList {
  public:
   PairRowList() = default;
   PairRowList(std::size_t max_blocks, std::size_t max_rows);
 
   void Clear();
-  /// Where a block's rows may be written before Add: behind those that are there.
+  /// Free memory behind the last row, into which a block's rows are written before Add.
   [[nodiscard]] std::uint16_t* free_tools() { return tool_.data() + row_count_; }
   [[nodiscard]] float* free_bounds() { return bound_.data() + row_count_; }
-  /// Whether another block with so many rows fits.
+  /// Whether another block with this number of rows fits.
   [[nodiscard]] bool HasRoom(std::size_t rows) const {
     return block_count_ < block_.size() && row_count_ + rows <= tool_.size();
   }
-  /// Takes in `rows` rows that were written there. @pre block is above all others, rows > 0
+  /// Adds a block with `rows` rows, which were written to the free memory. @pre block is above all others,
+  /// rows > 0
   void Add(std::uint32_t block, std::size_t rows);
-  /// Puts a block's rows where they belong, in place of those that it had. Rows may be none.
-  /// @returns false where there is no room; nothing has changed then.
+  /// Replaces the rows of a block, or inserts the block; zero rows remove it.
+  /// @returns false if there is no room; nothing has changed then
   bool Replace(std::uint32_t block, const std::uint16_t* tools, const float* bounds, std::size_t rows);
 
   [[nodiscard]] std::size_t row_count() const { return row_count_; }

@@ -3,16 +3,16 @@
 #include <cstddef>
 #include <cstdint>
 
-// What the engine hands to its kernels: plain data in structures of arrays, eight lanes at a time. Places are
-// kept twice, as doubles in metres, which decide, and as floats in millimetres, which only exclude
+// Data that the engine passes to its kernels: structures of arrays, eight lanes at a time. Positions are kept
+// twice: as doubles in metres, which decide, and as floats in millimetres, which only exclude pairs
 // (rounding.h).
 
 namespace osteon::simulation::cpu {
 
 inline constexpr std::size_t kLanes = 8;
-/// "Nothing": larger than any gap.
+/// Stands for no value; larger than any gap.
 inline constexpr float kNever = 3e38f;
-/// Where a mass point is put that is gone, and the lanes of a block that hold none [mm].
+/// Coordinate of removed mass points and of a block's empty lanes [mm].
 inline constexpr float kFarAway_mm = 1e15f;
 
 /// Eight bone balls [mm] in G; r = 0: gone.
@@ -39,34 +39,34 @@ struct Places {
 
 /// The tool's balls.
 struct ToolView {
-  std::uint32_t count;             ///< of balls; T's origin is number `count` of a Places
+  std::uint32_t count;             ///< number of balls; in Places, T's origin has the index `count`
   const double *r, *tx, *ty, *tz;  ///< radius; centre in T [m]
   const float* r_mm;
-  const float* rounding_mm;  ///< what floats may make of a gap to this ball, in this frame
+  const float* rounding_mm;  ///< error that a gap to this ball may have in floats, in this frame
   const std::uint8_t* cutting;
 };
 
 /// Rows of a neighbour list: a block of eight balls or points and a tool ball that may come near one of them.
 ///
-/// A row's bound is the least gap of its eight pairs when it was last computed, plus the tool's displacement
-/// up to then. A gap closes no faster than the tool moves, and bone only shrinks, so no pair of the row can
-/// be nearer now than bound - displacement.
+/// A row's bound is the smallest gap of its eight pairs when last computed, plus the tool's displacement up
+/// to then. A gap closes no faster than the tool moves, and bone only shrinks. So no pair of the row can now
+/// be nearer than bound - displacement.
 struct PairRows {
   std::uint32_t block_count;
   const std::uint32_t* block;  ///< ascending
   const std::uint32_t* first;  ///< rows first[b] … first[b + 1] - 1 are of block[b], by rising tool ball
-  float* block_bound;          ///< the least bound of the block's rows
+  float* block_bound;          ///< smallest bound of the block's rows
   const std::uint16_t* tool;
   float* bound;
 };
 
-/// Pass 1, and the slide: the first contact of the tool on straight ways.
+/// Pass 1, also used for the slide: first contact of the tool on straight paths.
 struct ContactPass {
   const BallBlock* balls;
   PairRows rows;
   ToolView tool;
   Places from, to;
-  const float *way_x_mm, *way_y_mm, *way_z_mm;  ///< of each tool ball
+  const float *way_x_mm, *way_y_mm, *way_z_mm;  ///< path of each tool ball
   double tolerance_m;                           ///< overlap that is no contact yet
   float tolerance_mm, displacement_mm, longest_way_mm, rounding_mm;
   bool every_row;  ///< brute force: bounds exclude nothing
@@ -87,14 +87,14 @@ struct NearFieldPass {
   double face_n[kFaceCount][3];
   std::int32_t face_count;
 
-  /// Scratch: pairs that doubles have to look at. Room for kNearCapacity, for kConeCapacity and all pairs of
-  /// a block, and for all pairs of a block.
+  /// Scratch: pairs to compute in double precision. near_*: room for kNearCapacity; cone_*: for kConeCapacity
+  /// plus all pairs of a block; block_*: for all pairs of a block.
   std::uint32_t *near_place, *cone_place, *block_place;
   std::uint16_t *near_tool, *cone_tool, *block_tool;
   float* near_score;
   std::uint8_t* near_bin;
 
-  /// Results. An infinite score: none. A bin's best pair is given by PlaceOfBall and tool ball.
+  /// Results. A bin's best pair is given by PlaceOfBall and tool ball; without a pair the score is infinite.
   double score[kBinCount];
   std::uint32_t best_place[kBinCount];
   std::uint16_t best_tool[kBinCount];
@@ -102,7 +102,7 @@ struct NearFieldPass {
 };
 inline constexpr std::size_t kNearCapacity = 4096, kConeCapacity = 2048;
 
-/// Pass 3: area of the cutting surface that lies in bone, of the points of one material.
+/// Pass 3: area of the cutting surface that lies in bone, from the points of one material.
 struct EngagementPass {
   const PointBlock* points;
   PairRows rows;
@@ -111,15 +111,15 @@ struct EngagementPass {
   double layer_m, n[3], origin[3], axis[3];
   float layer_mm, displacement_mm, rounding_mm;
   bool every_row;
-  double area_m2, moment_m3;  ///< added to
+  double area_m2, moment_m3;  ///< results, which the pass adds to
 };
 
-/// What the cutting balls sweep: two straight pieces, contact ─▶ slid ─▶ end.
+/// Sweep of the cutting balls: two straight segments, contact ─▶ slid ─▶ end.
 struct SweepView {
   ToolView tool;
   Places contact, slid, end;
-  float displacement_mm, way_mm, rounding_mm;  ///< way: from contact to end at most
-  std::int32_t only;                           ///< the tool ball that cuts; -1: all
+  float displacement_mm, way_mm, rounding_mm;  ///< way_mm: longest path from contact to end
+  std::int32_t only;                           ///< the only tool ball that cuts; -1: all cut
   bool every_row;
 };
 
@@ -127,7 +127,7 @@ struct SweepView {
 using ShrinkOnAxis = void (*)(double* center, double* radius, const double* a, const double* b,
                               double tool_radius);
 
-/// A block in work and a tool ball that may touch some of its balls.
+/// A block being processed, and a tool ball that may touch some of its balls.
 struct TouchingRow {
   std::uint16_t slot, tool;
   std::uint8_t lanes;
@@ -139,8 +139,9 @@ struct RemovalPass {
   PairRows rows;
   double min_radius_m, on_axis_share;
   ShrinkOnAxis shrink_on_axis;
-  /// Children of split balls: blocks from first_child on, child_stride of them to a split ball. Those below
-  /// min_child_m are dropped. Blocks that were touched are reported; null: no ball is split.
+  /// Children of split balls: blocks from first_child on, child_stride blocks for each split ball. Children
+  /// smaller than min_child_m are dropped. touched_children receives the touched blocks; null: no ball is
+  /// split.
   std::uint32_t first_child, child_stride;
   const double* min_child_m;
   std::uint32_t* touched_children;
@@ -149,7 +150,7 @@ struct RemovalPass {
   std::size_t touched_count, pairs_examined, balls_changed;  ///< results
 };
 
-/// Large balls that the sweep may touch, ascending.
+/// Finds the large balls that the sweep may touch, in ascending order.
 struct LargeBallPass {
   SweepView sweep;
   const BallBlock* balls;
@@ -160,7 +161,7 @@ struct LargeBallPass {
   std::size_t count;
 };
 
-/// Points inside the sweep, ascending: block · 8 + lane.
+/// Finds the points inside the sweep, in ascending order: block · 8 + lane.
 struct ClearingPass {
   SweepView sweep;
   const PointBlock* points;

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-// How far a float may be off. Floats in the kernels only exclude pairs that play no part; what they leave is
-// decided in double precision by the reference engine's own formulas. So every comparison of floats has to
-// leave room for the floats' own error.
+// Error bounds of the kernels' floats. Floats only exclude pairs that do not matter; the remaining pairs are
+// computed in double precision by the reference engine's own formulas. So every comparison of floats needs a
+// margin for their rounding error.
 //
 // With u = 2^-24 (one rounding to float is at most u times the value), E the largest coordinate of a tool
 // ball, R and r the radii of tool and bone ball, g the gap, all in millimetres:
@@ -28,7 +28,7 @@
 
 namespace osteon::simulation::cpu {
 
-/// What floats may make of a gap of up to `reach_mm` to a tool ball [mm].
+/// Largest error in floats of a gap of up to `reach_mm` to a tool ball [mm].
 /// @param extent_mm  largest coordinate of the tool ball's centre
 [[nodiscard]] constexpr float RoundingOfGap(float extent_mm, float tool_radius_mm, float max_ball_radius_mm,
                                             float reach_mm) {
@@ -36,7 +36,7 @@ namespace osteon::simulation::cpu {
          (2.0f * (extent_mm + reach_mm) + 5.0f * (tool_radius_mm + max_ball_radius_mm) + 64.0f * reach_mm);
 }
 
-/// What floats may make of a component of a direction, besides the part that falls with distance.
+/// Largest error in floats of a direction's component, without the part that falls with distance.
 inline constexpr float kDirectionRounding = 0x1p-20f;
 
 /// Boxes and reaches of lists are wider by this [mm]: more than any of the roundings above for a bone within

@@ -10,25 +10,26 @@
 
 namespace osteon::simulation::cpu {
 
-/// The books of split balls: the same blocks in the same order as BallRemoval (simulation/ball_removal.h)
-/// hands them out, found by lists instead of by going through all parents.
+/// Keeps track of split balls and the blocks of their children. Assigns the same blocks in the same order as
+/// BallRemoval (simulation/ball_removal.h), but finds split balls by lists instead of visiting all parents.
 ///
-///     large balls that the sweep may touch ─▶ Begin: blocks, children or waiting balls; these are set aside
+///     large balls that the sweep may touch ─▶ Begin: assigns blocks, makes children or waiting balls, and keeps
+///                                             them apart
 ///     the removal pass shrinks all other balls and children
-///     touched children ─▶ End: what was set aside is put down, empty blocks become free
+///     touched children ─▶ End: stores the balls that were kept apart, and frees empty blocks
 ///
-/// A frame allocates only where a waiting ball notes another cut (SplitParams::blocks_per_frame > 0).
+/// A frame allocates memory only if a waiting ball notes another cut (SplitParams::blocks_per_frame > 0).
 class SplitBlocks {
  public:
   /// @throws std::invalid_argument naming the value of `params` that is not accepted.
   SplitBlocks(BoneStore& bone, const SplitParams& params);
 
   [[nodiscard]] const SplitParams& params() const { return splitter_.params(); }
-  /// Blocks of eight to a split ball.
+  /// Number of blocks of eight for each split ball.
   [[nodiscard]] std::uint32_t stride() const { return stride_; }
   [[nodiscard]] std::uint32_t FirstBlock(std::uint32_t number) const;
   [[nodiscard]] std::uint32_t ParentCluster(std::uint32_t number) const;
-  /// Of each number that was ever in use: children below are dropped [m].
+  /// For each number that was ever in use: radius below which its children are dropped [m].
   [[nodiscard]] const double* min_child_m() const { return min_child_m_.data(); }
   /// Calls visit(number) for the split balls whose parents lie in a cluster.
   template <class Visit>
@@ -39,22 +40,22 @@ class SplitBlocks {
   }
   [[nodiscard]] bool HasAnyIn(std::uint32_t cluster) const { return first_in_cluster_[cluster] >= 0; }
   [[nodiscard]] bool any_waiting() const { return !waiting_.empty(); }
-  /// Frames' requests for a block that found none.
+  /// Number of requests for a block that found none free.
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
-  /// @param large  balls that may be touched and be too large, ascending
+  /// @param large  balls that the sweep may touch and that may be too large, ascending
   void Begin(std::span<const std::uint32_t> large, std::span<const Capsule> capsules);
   /// @param touched  blocks of children that the pass has changed
   /// @returns the numbers that were given children in this frame, ascending; valid until the next Begin.
   std::span<const std::uint32_t> End(std::span<const std::uint32_t> touched);
 
-  /// Blocks in the order of their parents.
+  /// Saves the blocks in the order of their parents.
   void Save(CarvedState& state) const;
-  /// @throws std::invalid_argument where the state is not of this packing and these parameters.
+  /// @throws std::invalid_argument unless the state is of this packing and these parameters.
   void CheckState(const CarvedState& state) const { splitter_.CheckState(state); }
   /// @pre CheckState has accepted it
   void Load(const CarvedState& state);
-  /// Places of the contact memory's balls, in a state and here.
+  /// Convert the indices of balls in the contact memory from here to a saved state, and back.
   void ToSaved(ContactMemory& contact) const;
   void FromSaved(ContactMemory& contact) const;
 
@@ -79,13 +80,13 @@ class SplitBlocks {
   std::vector<std::uint32_t> parent_;    // of each number that was ever in use
   std::vector<double> min_child_m_;
   std::vector<std::int32_t> first_in_cluster_, next_in_cluster_;
-  std::vector<std::uint32_t> free_;  // a heap, the least on top
+  std::vector<std::uint32_t> free_;  // a heap, smallest number on top
   std::vector<WaitingBall> waiting_, waited_;
   std::uint64_t refused_{0};
-  // Children that rounding to floats has left below the least: dropped when bone is next removed. And numbers
-  // that were empty when they were loaded.
+  // Children that rounding to floats has left too small: dropped when bone is next removed. And numbers that
+  // were empty when loaded.
   std::vector<std::uint32_t> small_, small_before_, empty_at_load_;
-  // of the frame
+  // scratch of a frame
   std::vector<std::pair<std::size_t, BallState>> set_aside_;
   std::vector<BallState> children_;
   std::vector<std::uint32_t> made_, emptied_;

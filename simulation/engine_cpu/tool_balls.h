@@ -30,13 +30,13 @@ class ToolPlacement {
   Places places_{};
 };
 
-/// Neighbouring balls of one kind, at most 16: lists find what is near a group first.
+/// At most 16 neighbouring tool balls of one kind. A search for pairs first finds what is near a group.
 struct ToolGroup {
   std::vector<std::uint16_t> members;  ///< ascending
   bool cutting{true};
 };
 
-/// The tool as its kernels want it.
+/// The tool's balls in the layout that the kernels need.
 class ToolBalls {
  public:
   explicit ToolBalls(const Tool& tool);
@@ -46,16 +46,17 @@ class ToolBalls {
   [[nodiscard]] const std::vector<ToolGroup>& groups() const { return groups_; }
   [[nodiscard]] double max_radius_mm() const { return max_radius_mm_; }
   [[nodiscard]] std::size_t cutting_count() const { return cutting_count_; }
-  /// Numbers from the first ball of a kind to behind the last one; balls of the other kind may lie between.
+  /// Range of ball numbers that contains all balls of a kind, end excluded; it may contain others as well.
   struct Range {
     std::uint32_t first{0}, end{0};
   };
   [[nodiscard]] const Range& cutting() const { return cutting_; }
   [[nodiscard]] const Range& shaft() const { return shaft_; }
 
-  /// What floats may make of gaps in a frame between two placements: fills view().rounding_mm.
-  /// @param reach_mm  the largest gap that is compared
-  /// @returns the largest of them [mm]
+  /// Computes view().rounding_mm: the rounding error that a gap in floats may have, for each tool ball in a
+  /// frame between two placements.
+  /// @param reach_mm  largest gap that is compared
+  /// @returns the largest of these errors [mm]
   float UpdateRounding(const ToolPlacement& start, const ToolPlacement& goal, float max_ball_radius_mm,
                        float reach_mm);
 

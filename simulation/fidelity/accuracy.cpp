@@ -11,11 +11,11 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kTouch = 1e-9;      // nearer than this counts as inside
-constexpr double kProbeStop = 1e-7;  // a probe this near has arrived
-constexpr int kSamplesPerCell = 2;   // the difference of two gives the standard error
+constexpr double kTouch = 1e-9;      // points nearer than this [m] count as inside
+constexpr double kProbeStop = 1e-7;  // a probe this near [m] touches
+constexpr int kSamplesPerCell = 2;   // two: their difference gives the standard error
 
-/// A zone that is fine on both sides of the swept volume's surface.
+/// Zone of fine cells: both sides of the swept volume's surface.
 class SweepZone final : public CutZone {
  public:
   explicit SweepZone(const SweptTool& swept) : swept_(swept) {}
@@ -88,8 +88,8 @@ class Sampler {
   double layer_m_;
 };
 
-std::vector<CellFinds> LookEverywhere(const std::vector<Cell>& cells, const Sampler& sampler,
-                                      const AccuracyParams& params) {
+std::vector<CellFinds> SampleSweepCells(const std::vector<Cell>& cells, const Sampler& sampler,
+                                        const AccuracyParams& params) {
   std::vector<CellFinds> finds(cells.size());
   ParallelFor(cells.size(), params.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) finds[i] = sampler.SampleCell(cells[i], params.seed);
@@ -97,8 +97,8 @@ std::vector<CellFinds> LookEverywhere(const std::vector<Cell>& cells, const Samp
   return finds;
 }
 
-/// Distance that a probe moves from the exact cut until it touches. Sphere tracing: a step as long as the
-/// clearance meets nothing.
+/// Distance that a probe moves from the exact cut into the bone until it touches. Found by sphere tracing: a
+/// step as long as the present clearance cannot hit anything.
 double GapAt(const CarvedShape& shape, const CellFinds& at, double radius_m, double deepest_m) {
   const Vector3 start = at.place_m - radius_m * at.into_bone;
   double gap = 0.0;
@@ -111,8 +111,8 @@ double GapAt(const CarvedShape& shape, const CellFinds& at, double radius_m, dou
   return std::min(gap, deepest_m);
 }
 
-ProbeGap Feel(const CarvedShape& shape, const std::vector<const CellFinds*>& places, double radius_m,
-              const AccuracyParams& params) {
+ProbeGap MeasureProbeGap(const CarvedShape& shape, const std::vector<const CellFinds*>& places,
+                         double radius_m, const AccuracyParams& params) {
   std::vector<double> gaps(places.size());
   ParallelFor(
       places.size(), params.threads,
@@ -151,12 +151,12 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
   const double coarse_m = box.sizes().maxCoeff() / 40.0;
   std::vector<Cell> cells = CellsAround(solid, swept, coarse_m, params.threads);
   std::vector<CellFinds> finds =
-      LookEverywhere(cells, Sampler(solid, before, after, swept, coarse_m), params);
+      SampleSweepCells(cells, Sampler(solid, before, after, swept, coarse_m), params);
   const double area = std::max(AreaOf(cells, finds, coarse_m), coarse_m * coarse_m);
   const double finest_m =
       std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, params.surface_cells)));
   cells = CellsAround(solid, swept, finest_m, params.threads);
-  finds = LookEverywhere(cells, Sampler(solid, before, after, swept, finest_m), params);
+  finds = SampleSweepCells(cells, Sampler(solid, before, after, swept, finest_m), params);
 
   CutAccuracy result;
   result.cut_area_m2 = AreaOf(cells, finds, finest_m);
@@ -169,7 +169,7 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
     result.swept_volume_m3 += share * found.swept;
     result.left_volume_m3 += share * found.left;
     result.left_depth_m = std::max(result.left_depth_m, found.left_depth_m);
-    if (found.lost == 1) variance += share * share;  // (a - b)^2 / 4 of two samples that stand for 2 shares
+    if (found.lost == 1) variance += share * share;  // var of share (a + b): share^2 (a - b)^2
     if (found.has_place) places.push_back(&found);
   }
   if (result.cut_area_m2 > 0.0) {
@@ -184,7 +184,7 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
     const std::size_t stride = (fitting.size() + most - 1) / most;
     std::vector<const CellFinds*> some;
     for (std::size_t i = 0; i < fitting.size(); i += stride) some.push_back(fitting[i]);
-    result.probes.push_back(Feel(after, some, radius, params));
+    result.probes.push_back(MeasureProbeGap(after, some, radius, params));
   }
   return result;
 }

@@ -49,7 +49,7 @@ class ObjReader {
                          fmt::format("found {} index {}, accepted 1 … {} (as many are in the file)", what[i],
                                      lists_[i].greatest, lists_[i].count)));
     RawMesh raw;
-    if (const auto refused = CutPolygons(mesh_, raw))
+    if (const auto refused = TriangulatePolygons(mesh_, raw))
       return tl::make_unexpected(DamageAtLine(name_, static_cast<int>(refused->place), refused->what));
     raw.parts = parts_.Take();
     if (raw.triangles.empty())

@@ -156,7 +156,7 @@ class PlyReader {
         if (auto damage = ReadRow(body, element, row)) return tl::make_unexpected(*damage);
     if (auto damage = CheckRest(body)) return tl::make_unexpected(*damage);
     RawMesh raw;
-    if (const auto refused = CutPolygons(mesh_, raw))
+    if (const auto refused = TriangulatePolygons(mesh_, raw))
       return tl::make_unexpected(body.DamageAt(name_, refused->place, refused->what));
     if (raw.triangles.empty())
       return tl::make_unexpected(

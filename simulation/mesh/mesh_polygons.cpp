@@ -17,13 +17,13 @@ double Area2(const Point2& a, const Point2& b, const Point2& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// Cuts one polygon at a time; reuses its memory between polygons.
-class PolygonCutter {
+/// Divides one polygon at a time into triangles; reuses its memory between polygons.
+class PolygonTriangulator {
  public:
-  PolygonCutter(const PolygonMesh& mesh, RawMesh& raw) : mesh_(mesh), raw_(raw) {}
+  PolygonTriangulator(const PolygonMesh& mesh, RawMesh& raw) : mesh_(mesh), raw_(raw) {}
 
-  /// @returns why the polygon is refused; empty where it is not.
-  std::string Cut(const std::uint32_t* corners, std::size_t count, std::uint32_t part) {
+  /// @returns why the polygon is refused; empty if it is accepted.
+  std::string Triangulate(const std::uint32_t* corners, std::size_t count, std::uint32_t part) {
     part_ = part;
     ring_.clear();
     for (std::size_t i = 0; i < count; ++i)
@@ -89,7 +89,7 @@ class PolygonCutter {
     return true;
   }
 
-  /// True where no other corner lies in or on the triangle at place k of `left_`.
+  /// Whether no other corner lies in or on the triangle at place k of `left_`.
   [[nodiscard]] bool IsEar(std::size_t before, std::size_t k, std::size_t after) const {
     const Point2 &a = flat_[left_[before]], &b = flat_[left_[k]], &c = flat_[left_[after]];
     for (std::size_t i = 0; i < left_.size(); ++i) {
@@ -101,7 +101,7 @@ class PolygonCutter {
     return true;
   }
 
-  /// Cuts one ear after the other; an ear without area only where no other is left.
+  /// Ear clipping. Takes an ear without area only if no other ear is left. False if the polygon has no ear.
   bool CutEars() {
     left_.resize(ring_.size());
     for (std::size_t i = 0; i < left_.size(); ++i) left_[i] = i;
@@ -178,13 +178,13 @@ std::string AsUtf8(std::string_view name) {
 
 }  // namespace
 
-std::optional<PolygonError> CutPolygons(const PolygonMesh& mesh, RawMesh& raw) {
-  PolygonCutter cutter(mesh, raw);
+std::optional<PolygonError> TriangulatePolygons(const PolygonMesh& mesh, RawMesh& raw) {
+  PolygonTriangulator triangulator(mesh, raw);
   raw.triangles.reserve(mesh.polygons.size());
   raw.part_of_triangle.reserve(mesh.polygons.size());
   const std::uint32_t* corners = mesh.corners.data();
   for (const PolygonMesh::Polygon& polygon : mesh.polygons) {
-    std::string what = cutter.Cut(corners, polygon.corners, polygon.part);
+    std::string what = triangulator.Triangulate(corners, polygon.corners, polygon.part);
     if (!what.empty()) return PolygonError{.place = polygon.place, .what = std::move(what)};
     corners += polygon.corners;
   }

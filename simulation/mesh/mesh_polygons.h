@@ -42,7 +42,7 @@ struct PolygonError {
 /// @pre every corner's index is below mesh.vertices.size().
 /// @returns the first polygon that is refused: it visits a vertex twice, crosses itself, or is concave with
 ///   more than 1024 corners.
-[[nodiscard]] std::optional<PolygonError> CutPolygons(const PolygonMesh& mesh, RawMesh& raw);
+[[nodiscard]] std::optional<PolygonError> TriangulatePolygons(const PolygonMesh& mesh, RawMesh& raw);
 
 /// Numbers the parts of a file; parts of one name are one part.
 class PartNames {

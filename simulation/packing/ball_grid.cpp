@@ -21,7 +21,7 @@ std::uint64_t BallGrid::Key(std::int64_t x, std::int64_t y, std::int64_t z) {
 
 std::size_t BallGrid::Slot(const Octave& octave, std::uint64_t key) {
   const std::size_t mask = octave.keys.size() - 1;
-  std::uint64_t bits = key * 0x9e3779b97f4a7c15ULL;  // Fibonacci hashing: the high bits are well mixed
+  std::uint64_t bits = key * 0x9e3779b97f4a7c15ULL;  // Fibonacci hashing mixes the high bits well
   std::size_t slot = static_cast<std::size_t>(bits >> 24) & mask;
   while (octave.keys[slot] != key && octave.keys[slot] != kNoKey) slot = (slot + 1) & mask;
   return slot;
@@ -69,7 +69,7 @@ void BallGrid::Insert(const Ball& ball) {
 
 template <typename Visit>
 void BallGrid::VisitNear(const Vector3& p_m, double reach_m, const Visit& visit) const {
-  const auto look_at = [&](const Ball& ball) {
+  const auto visit_if_near = [&](const Ball& ball) {
     const double x = ball.center_m.x - p_m.x(), y = ball.center_m.y - p_m.y(), z = ball.center_m.z - p_m.z();
     const double squared = x * x + y * y + z * z, within = ball.radius_m + reach_m;
     if (squared < within * within) visit(ball, std::sqrt(squared) - ball.radius_m);
@@ -80,14 +80,14 @@ void BallGrid::VisitNear(const Vector3& p_m, double reach_m, const Visit& visit)
     double cells = 1.0;
     for (int axis = 0; axis < 3; ++axis) cells *= static_cast<double>(high[axis] - low[axis] + 1);
     if (octave.balls.size() <= kFewBalls || cells > static_cast<double>(octave.balls.size())) {
-      for (const std::uint32_t i : octave.balls) look_at(balls_[i]);
+      for (const std::uint32_t i : octave.balls) visit_if_near(balls_[i]);
       continue;
     }
     for (std::int64_t x = low[0]; x <= high[0]; ++x)
       for (std::int64_t y = low[1]; y <= high[1]; ++y)
         for (std::int64_t z = low[2]; z <= high[2]; ++z)
           for (std::uint32_t i = octave.heads[Slot(octave, Key(x, y, z))]; i != kNoBall; i = next_[i])
-            look_at(balls_[i]);
+            visit_if_near(balls_[i]);
   }
 }
 

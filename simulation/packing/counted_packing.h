@@ -7,7 +7,7 @@
 
 namespace osteon::simulation {
 
-/// Which part becomes finer where a scene's packing gets more balls.
+/// The part of a bone that becomes finer if its packing gets more balls.
 enum class CountedGrade : std::uint8_t {
   kFixedZone,  ///< the bone below the cut zone; the zone keeps the scene's balls
   kUniform,    ///< the whole bone alike, as the paper varies it

@@ -47,8 +47,8 @@ std::string Hex(std::span<const std::byte> bytes) {
   return text;
 }
 
-/// Guesses the kind of a file that is no packing.
-std::string Guess(std::span<const std::byte> bytes) {
+/// Guesses from its first bytes what a file is that is no packing: " (a PNG picture)"; empty if unknown.
+std::string GuessFileKind(std::span<const std::byte> bytes) {
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()),
                                std::min<std::size_t>(bytes.size(), 16));
   struct Known {
@@ -71,7 +71,7 @@ std::string Guess(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-/// Reads from the outside inwards: nothing is used before everything it depends on was checked.
+/// Reads a packing file from header to contents: nothing is used before all that it depends on was checked.
 class PackingReader {
  public:
   PackingReader(MappedFile file, const std::filesystem::path& path, int threads)
@@ -83,7 +83,7 @@ class PackingReader {
   tl::expected<PackingFile, FileError> Read() {
     ReadHeader();
     if (!error_) ReadTable();
-    if (!error_) CheckWhole();
+    if (!error_) CheckContents();
     for (const SectionEntry& entry : table_)
       if (!error_) ReadSection(entry);
     if (error_) return tl::make_unexpected(std::move(*error_));
@@ -103,7 +103,7 @@ class PackingReader {
     if (bytes_.empty()) return Fail({}, "", "an empty file", "a packing file");
     const std::size_t magic_bytes = std::min(bytes_.size(), kMagic.size());
     if (std::memcmp(bytes_.data(), kMagic.data(), magic_bytes) != 0)
-      return Fail(0, "", Hex(bytes_.first(magic_bytes)) + Guess(bytes_), accepted_magic);
+      return Fail(0, "", Hex(bytes_.first(magic_bytes)) + GuessFileKind(bytes_), accepted_magic);
     if (bytes_.size() < sizeof(FileHeader))
       return Fail(bytes_.size(), "header", "the end of the file",
                   fmt::format("{} bytes: the file was cut off", sizeof(FileHeader)));
@@ -165,7 +165,7 @@ class PackingReader {
   }
 
   /// Checks a section's entry.
-  /// @param least  the first byte that is free. @returns the first byte behind the section
+  /// @param least  first byte after the previous section. @returns the first byte after this section
   std::uint64_t CheckEntry(std::size_t i, std::uint64_t least) {
     const SectionEntry& entry = table_[i];
     const std::uint64_t at = sizeof(FileHeader) + i * sizeof(SectionEntry);
@@ -207,8 +207,9 @@ class PackingReader {
     return entry.offset + entry.bytes;
   }
 
-  /// Checks the file's contents against its table, which was found good.
-  void CheckWhole() {
+  /// Checks that the file is as long as its table says, with zeros between the sections. The table itself
+  /// was checked before.
+  void CheckContents() {
     if (bytes_.size() > header_.file_bytes)
       return Fail(header_.file_bytes, "end of the file",
                   fmt::format("{} bytes more", bytes_.size() - header_.file_bytes),
@@ -229,7 +230,7 @@ class PackingReader {
   void ReadSection(const SectionEntry& entry) {
     switch (entry.kind) {
       case kBalls:
-        packing_.balls_ = Records<PackedBall>(
+        packing_.balls_ = ReadRecords<PackedBall>(
             entry,
             [](const PackedBall& b) {
               return InReach(b.x_mm, b.y_mm, b.z_mm) && b.radius_mm > 0.0f && b.radius_mm <= kReach_mm;
@@ -237,7 +238,7 @@ class PackingReader {
             &PackingReader::FailBall);
         break;
       case kPoints:
-        packing_.points_ = Records<PackedPoint>(
+        packing_.points_ = ReadRecords<PackedPoint>(
             entry,
             [](const PackedPoint& p) {
               return InReach(p.x_mm, p.y_mm, p.z_mm) && p.volume_mm3 > 0.0f && p.volume_mm3 <= kMaxVolume_mm3;
@@ -245,8 +246,8 @@ class PackingReader {
             &PackingReader::FailPoint);
         break;
       case kPointMaterials:
-        // the valid indices follow from the materials, which come later
-        packing_.point_materials_ = Records<MaterialIndex>(
+        // indices are checked by CheckPointMaterials, because the materials come later in the file
+        packing_.point_materials_ = ReadRecords<MaterialIndex>(
             entry, [](MaterialIndex) { return true; }, nullptr);
         break;
       case kMaterials:
@@ -271,16 +272,17 @@ class PackingReader {
   }
 
   static bool InReach(float x, float y, float z) {
-    // not short-circuited, which avoids a branch for each coordinate; NaN is not within
+    // & instead of && avoids a branch for each coordinate; a NaN is out of reach
     return (std::abs(x) <= kReach_mm) & (std::abs(y) <= kReach_mm) & (std::abs(z) <= kReach_mm);
   }
 
-  /// A section's records; checks checksum and values in one pass over the bytes, in pieces on all threads.
+  /// Returns a section's records. Checks checksum and values in one pass over the bytes, in pieces on all
+  /// threads.
   template <typename Record, typename Good>
-  std::span<const Record> Records(const SectionEntry& entry, const Good& good,
-                                  void (PackingReader::*fail)(const Record&, const std::string&,
-                                                              std::uint64_t)) {
-    // sections begin at multiples of 64 bytes of a mapping, which begins at a page
+  std::span<const Record> ReadRecords(const SectionEntry& entry, const Good& good,
+                                      void (PackingReader::*fail)(const Record&, const std::string&,
+                                                                  std::uint64_t)) {
+    // aligned for any record: a mapping begins at a page, and sections at multiples of 64 bytes in it
     const std::span<const Record> records(reinterpret_cast<const Record*>(bytes_.data() + entry.offset),
                                           static_cast<std::size_t>(entry.count));
     constexpr std::size_t kPiece = (std::size_t{1} << 20) / sizeof(Record);
@@ -350,7 +352,7 @@ class PackingReader {
          error.found, error.accepted);
   }
 
-  /// Checks the points' material indices; the materials come behind the points.
+  /// Checks the points' material indices, once the materials have been read: they come after the points.
   void CheckPointMaterials() {
     if (error_ || packing_.point_materials_.empty()) return;
     const auto greatest = std::ranges::max_element(packing_.point_materials_);

@@ -28,7 +28,7 @@ constexpr double kMaxSpeed_m_per_s = 5.0;
 
 constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;  // rad/s
 
-// The lines of the origin, in the file's order.
+// The lines of the file's head that say how the motion was made, in the file's order.
 using OriginLine = std::pair<std::string_view, std::string MotionOrigin::*>;
 constexpr std::array<OriginLine, 8> kOriginLines{{{"made by", &MotionOrigin::made_by},
                                                   {"scene", &MotionOrigin::scene},
@@ -57,36 +57,38 @@ MotionSample Sample(const std::array<double, kColumnCount>& row) {
           .spindle_rad_per_s = row[8] * kRpm};
 }
 
-// A found text for an error message, shortened.
-std::string Shown(std::string_view text) {
+// Shortens a text for an error message, and replaces control characters.
+std::string Shortened(std::string_view text) {
   std::string shown(text.substr(0, 40));
   for (char& c : shown)
     if (static_cast<unsigned char>(c) < 0x20) c = '?';
   return text.size() > shown.size() ? shown + "…" : shown;
 }
 
-// The text's lines, one after the other.
-class Lines {
+// Reads a text line by line.
+class MotionLines {
  public:
-  explicit Lines(std::string_view text) : rest_(text) {}
-  // False at the end. Accepts both kinds of line end.
+  explicit MotionLines(std::string_view text) : rest_(text) {}
+  // Reads the next line. False at the end. Accepts LF and CRLF.
   bool Next(std::string_view& line) {
     if (rest_.empty()) return false;
     const std::size_t end = rest_.find('\n');
-    whole_ = end != std::string_view::npos;
+    ends_with_newline_ = end != std::string_view::npos;
     line = rest_.substr(0, end);
-    rest_ = whole_ ? rest_.substr(end + 1) : std::string_view{};
+    rest_ = ends_with_newline_ ? rest_.substr(end + 1) : std::string_view{};
     if (line.ends_with('\r')) line.remove_suffix(1);
     ++number_;
     return true;
   }
   [[nodiscard]] int number() const { return number_; }
-  [[nodiscard]] bool whole() const { return whole_; }  // true where the last line had a line end
+  [[nodiscard]] bool ends_with_newline() const {
+    return ends_with_newline_;
+  }  // whether the last line that was read ends with a newline
 
  private:
   std::string_view rest_;
   int number_{0};
-  bool whole_{true};
+  bool ends_with_newline_{true};
 };
 
 // Parses a row. @returns an empty string, or what is wrong with its text.
@@ -98,7 +100,7 @@ std::string ReadRow(std::string_view line, std::array<double, kColumnCount>& row
     const std::string_view word = line.substr(0, comma);
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), row[i]);
     if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(row[i]))
-      return fmt::format("{}: found \"{}\", accepted a finite number", kColumnNames[i], Shown(word));
+      return fmt::format("{}: found \"{}\", accepted a finite number", kColumnNames[i], Shortened(word));
     line.remove_prefix(comma == std::string_view::npos ? line.size() : comma + 1);
   }
   const auto within = [&](std::size_t i, double low, double high) {
@@ -157,7 +159,7 @@ std::string MotionText(const ToolMotion& motion) {
 
 tl::expected<ToolMotion, std::string> ParseMotion(const std::string& text, const std::string& name) {
   ToolMotion motion;
-  Lines lines(text);
+  MotionLines lines(text);
   std::string_view line;
   const auto refuse = [&](const std::string& what) {
     return tl::make_unexpected(fmt::format("{}:{}: {}", name, lines.number(), what));
@@ -167,19 +169,20 @@ tl::expected<ToolMotion, std::string> ParseMotion(const std::string& text, const
         fmt::format("{}: found {} bytes, accepted at most {}", name, text.size(), kMaxBytes));
   if (!lines.Next(line)) return tl::make_unexpected(name + ": found an empty file, accepted a motion");
   if (line != kFirstLine)
-    return refuse(fmt::format("found \"{}\", accepted \"{}\"", Shown(line), kFirstLine));
+    return refuse(fmt::format("found \"{}\", accepted \"{}\"", Shortened(line), kFirstLine));
   for (const auto& [key, member] : kOriginLines) {
     const std::string begin = fmt::format("# {}: ", key);
     if (!lines.Next(line) || !line.starts_with(begin) || line.size() == begin.size())
-      return refuse(fmt::format("found \"{}\", accepted \"{}\" and its text", Shown(line), begin));
+      return refuse(fmt::format("found \"{}\", accepted \"{}\" and its text", Shortened(line), begin));
     motion.origin.*member = line.substr(begin.size());
   }
   if (!lines.Next(line) || line != kColumns)
-    return refuse(fmt::format("found \"{}\", accepted the columns {}", Shown(line), kColumns));
+    return refuse(fmt::format("found \"{}\", accepted the columns {}", Shortened(line), kColumns));
 
   std::array<double, kColumnCount> row{};
   while (lines.Next(line)) {
-    if (!lines.whole()) return refuse("found a row without a line end, accepted a file that is complete");
+    if (!lines.ends_with_newline())
+      return refuse("found a row without a line end, accepted a file that is complete");
     if (motion.samples.size() == kMaxMotionRows)
       return refuse(fmt::format("found more rows, accepted at most {}", kMaxMotionRows));
     if (const std::string wrong = ReadRow(line, row); !wrong.empty()) return refuse(wrong);
@@ -204,7 +207,7 @@ tl::expected<ToolMotion, std::string> LoadMotion(const std::filesystem::path& pa
     return tl::make_unexpected(name + ": found no file, accepted a motion");
   const auto bytes = std::filesystem::file_size(path, error);
   if (error) return tl::make_unexpected(name + ": can not be read: " + error.message());
-  if (bytes > kMaxBytes)  // before it is read
+  if (bytes > kMaxBytes)  // checked before the file is read
     return tl::make_unexpected(
         fmt::format("{}: found {} bytes, accepted at most {}", name, bytes, kMaxBytes));
   std::ostringstream text;

@@ -48,11 +48,11 @@ using control::ReceiveResult;
 
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr int kFrameTicks = 2;         // for a 500 Hz simulation
-constexpr double kPlaneTilt_rad = .6;  // of the eight planes' normals from the feed
+constexpr double kPlaneTilt_rad = .6;  // angle between the planes' normals and the feed axis
 // Height of the planes above the place where the tool would meet the cup.
 constexpr double kEarly_m = 0.01;
 constexpr double kPresses_N = 1.0;         // coupling force from which a tick counts
-constexpr std::size_t kBaselineEvery = 8;  // ticks: then one period measures the kernel alone
+constexpr std::size_t kBaselineEvery = 8;  // one period in this many ticks times the kernel alone
 constexpr double kScriptShare = 4.0;       // length of the script over that of its timed part
 constexpr std::array<const char*, 5> kStages{"receive", "devices", "loop", "send", "record"};
 
@@ -72,13 +72,14 @@ class Devices {
     wires_.emplace(ends, devices_, cell.devices, hil::InjectionParams{}, &now_);
   }
 
-  // The devices' side, which is not timed.
+  // Advances the simulated devices; not timed.
   void Simulate(const Wrench& F_S, rt::Nanoseconds now) {
     now_ = now;
     devices_.SetLoad(F_S);
     wires_->Pump(now);
   }
-  // Our side of the exchange, as WiredDevices::Exchange without the PLC, which another thread reads.
+  // Advances our side of the connections, as WiredDevices::Exchange does, but without the PLC, which another
+  // thread reads.
   control::CellReadings Exchange(const control::CellCommands& commands, rt::Nanoseconds now) {
     clients_->Command(commands, now);
     for (io::CanPump& pump : pumps_) pump.Pump(now);
@@ -105,7 +106,7 @@ simulation::ContactModel EightPlanes(const Vector3& p_WBall, double radius_m, co
   for (int i = 0; i < simulation::kMaxContacts; ++i) {
     const double turn = 2.0 * std::numbers::pi * i / simulation::kMaxContacts;
     const Vector3 n_T(std::sin(kPlaneTilt_rad) * std::cos(turn), std::sin(kPlaneTilt_rad) * std::sin(turn),
-                      -std::cos(kPlaneTilt_rad));  // against the feed, +z
+                      -std::cos(kPlaneTilt_rad));  // -z: against the feed
     const Vector3 n_W = X_WT.linear() * n_T;
     simulation::Contact& contact = model.contacts[static_cast<std::size_t>(i)];
     contact.p_TP_m = Vector3(Vector3(0.0, 0.0, -radius_m) - radius_m * n_T);
@@ -124,9 +125,9 @@ struct Times {
   std::vector<double> tick;
   std::array<std::vector<double>, kStages.size()> stages;
   std::array<std::vector<double>, TickParts::kCount> parts;
-  std::vector<double> bare;  // kernel alone
-  int allocations{0};        // in the ticks
-  double force_N{0.0}, pressing{0.0};
+  std::vector<double> bare;            // of the kernel alone
+  int allocations{0};                  // in the ticks
+  double force_N{0.0}, pressing{0.0};  // means: coupling force, planes that press
   bool realtime{false};
 };
 
@@ -172,10 +173,11 @@ class TickBench {
     rt::Nanoseconds due = 0;
     for (std::int64_t tick = 1; times.tick.size() < ticks && !Interrupted(); ++tick) {
       if (arm_.state().script_done || loop_.phase() == control::Phase::kStopped) break;
-      if (!times.tick.empty()) {  // from here on at a run's pace, with caches as cold as in a run
+      // once the tool presses, keep a run's pace, so that the caches are as cold as in a run
+      if (!times.tick.empty()) {
         due = std::max(due + period, rt::MonotonicNow());
         rt::SleepUntil(due);
-        if (times.tick.size() / kBaselineEvery > times.bare.size()) {  // with caches as cold as in a tick
+        if (times.tick.size() / kBaselineEvery > times.bare.size()) {  // also with cold caches
           times.bare.push_back(baseline_.Time(message_bytes_, answer_bytes_));
           due += period;
           rt::SleepUntil(due);

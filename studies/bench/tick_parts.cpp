@@ -20,7 +20,7 @@ TickParts::TickParts(const control::ServoParams& servo, const kinematics::LbrPar
       X_FT_(X_FT),
       body_(*servo.arm_body, X_WB.linear().transpose() * kinematics::kGravity_W_m_per_s2),
       limiter_(servo.wrench),
-      motion_(control::MotionParams<7>(servo)),
+      motion_(control::DifferentialInverseParamsOf<7>(servo)),
       guard_(servo.joints) {
   wanted_load_.load = servo.posture_load;
   wanted_load_.p_F = X_FT.translation();

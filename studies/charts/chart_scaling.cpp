@@ -218,12 +218,12 @@ Verdict Judge(const ScalingResult& result) {
 
 double ScalingResult::Growth() const {
   const ScalingPoint *first = nullptr, *last = nullptr;
-  const auto off = [](const ScalingPoint& point) {
+  const auto log_distance = [](const ScalingPoint& point) {
     return std::abs(std::log(static_cast<double>(point.spheres) / 1e5));
   };
   for (const ScalingPoint& point : points) {
     if (point.series != kFixed) continue;
-    if (first == nullptr || off(point) < off(*first)) first = &point;
+    if (first == nullptr || log_distance(point) < log_distance(*first)) first = &point;
     last = &point;
   }
   return first == last || !(first->timing.frame_us.p50_us > 0.0)

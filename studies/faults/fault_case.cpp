@@ -26,7 +26,7 @@ const char* NameOf(Reaction reaction) {
   return "unknown";
 }
 
-Expected FaultCase::In(safety::CellState state) const {
+Expected FaultCase::ExpectedIn(safety::CellState state) const {
   using safety::CellState;
   switch (state) {
     case CellState::kOff:

@@ -40,7 +40,7 @@ struct FaultCase {
   int lasts{300};  ///< ticks
   Expected waiting, aligning, rendering, paused, stop1, stop2;
 
-  [[nodiscard]] Expected In(safety::CellState state) const;
+  [[nodiscard]] Expected ExpectedIn(safety::CellState state) const;
 };
 
 /// All fault cases.

@@ -38,7 +38,7 @@ class Trial {
         rig_(start_path_) {
     verdict_.fault = fault.name;
     verdict_.state = state;
-    verdict_.expected = fault.In(state);
+    verdict_.expected = fault.ExpectedIn(state);
   }
 
   FaultVerdict Run() {
@@ -291,7 +291,7 @@ FaultVerdict RunFault(const FaultCase& fault, CellState state) {
   try {
     return Trial(fault, state).Run();
   } catch (const std::logic_error& error) {
-    return {.fault = fault.name, .state = state, .expected = fault.In(state), .wrong = error.what()};
+    return {.fault = fault.name, .state = state, .expected = fault.ExpectedIn(state), .wrong = error.what()};
   }
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 using simulation::Ball;
 
-constexpr int kFine = 2;  ///< samples a pixel, each way
+constexpr int kFine = 2;  ///< samples for each pixel, in each direction
 
 /// The first surface that a ray meets.
 struct Hit {
@@ -40,7 +40,7 @@ class Tracer {
         tiles_(static_cast<std::size_t>(columns_) * ((camera.height + kTile - 1) / kTile)),
         hits_(static_cast<std::size_t>(camera.width) * camera.height) {
     struct Entry {
-      bool behind;  ///< the plane
+      bool behind;  ///< the ball lies wholly behind the plane
       double key;
       std::size_t ball;
       auto operator<=>(const Entry&) const = default;
@@ -197,12 +197,13 @@ Image RenderPacking(std::span<const Ball> balls, const Camera& camera, const std
     if (hit.in_plane) {
       const double h = (c - cut->point).dot(cut->normal), disc = std::sqrt(std::max(r * r - h * h, 1e-18));
       const double from_rim_m = disc - (p - (c - h * cut->normal)).norm();
-      const double rim_m = std::min(0.12 * disc, 1.2 * hit.depth_m / camera.focal_px);  // of a pixel's width
+      const double rim_m =
+          std::min(0.12 * disc, 1.2 * hit.depth_m / camera.focal_px);  // at most 1.2 pixels wide
       return base * (from_rim_m < rim_m ? 0.7 : 1.0);
     }
     const Vector3 n = (p - c).normalized();
     const double direct = std::max(0.0, n.dot(key)), facing = std::max(0.0, -n.dot(camera.forward));
-    // what is cut away leaves the inside in shade
+    // the inside of the cut bone lies in shade
     const double light = cut ? std::exp((p - cut->point).dot(cut->normal) / (3.0 * r + 1e-3)) : 1.0;
     return base * (0.25 + 0.35 * facing + 0.45 * direct) * (0.55 + 0.45 * light);
   };
@@ -240,7 +241,7 @@ Image RenderPacking(std::span<const Ball> balls, const Camera& camera, const std
 }
 
 Vector3 Viridis(double share) {
-  // Smith, van der Walt, matplotlib 2015: at quarters, linear between
+  // Smith, van der Walt, matplotlib 2015: colours at quarters of the range, linear between them
   static const std::array<Vector3, 5> kStops{Vector3(0.267, 0.005, 0.329), Vector3(0.230, 0.322, 0.546),
                                              Vector3(0.128, 0.567, 0.551), Vector3(0.369, 0.789, 0.383),
                                              Vector3(0.993, 0.906, 0.144)};

@@ -12,7 +12,7 @@
 namespace osteon::app {
 namespace {
 
-std::size_t CuttingBalls(const simulation::Tool& tool) {
+std::size_t CountCuttingBalls(const simulation::Tool& tool) {
   return static_cast<std::size_t>(
       std::ranges::count_if(tool.balls, [](const simulation::ToolBall& ball) { return ball.cutting; }));
 }
@@ -35,7 +35,7 @@ nlohmann::json GroupJson(const simulation::FrameGroup& group) {
           {"frame_us_p999", group.p999_us}};
 }
 
-// Fraction of the timed frames in which a thread may wait for a processor.
+// Fraction of the timed frames that other programs may interrupt before the verdict warns.
 constexpr double kSomeInterrupted = 0.2;
 
 struct FrameCounts {
@@ -106,8 +106,8 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
                       {"zone_depth_mm", plan.packed.level.zone_depth_m * 1e3},
                       {"surface_gap_mm", fine.surface_gap_m * 1e3},
                       {"children", fine.children},
-                      {"tool_spheres", CuttingBalls(plan.tool)},
-                      {"tool_touching_spheres", plan.tool.balls.size() - CuttingBalls(plan.tool)},
+                      {"tool_spheres", CountCuttingBalls(plan.tool)},
+                      {"tool_touching_spheres", plan.tool.balls.size() - CountCuttingBalls(plan.tool)},
                       {"arm_level", std::string(simulation::ArmFidelityName(plan.arm))},
                       {"turn_parts", plan.turn_parts},
                       {"predicted_error_mm", plan.error_m * 1e3},
@@ -138,7 +138,7 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
                                 {"unit", demand.what == "rate" ? "Hz" : "mm"},
                                 {"asked", demand.asked},
                                 {"predicted", demand.predicted}});
-  json["unmet"] = json["given_up"];  // the older name stays for programs that read it
+  json["unmet"] = json["given_up"];  // the older key, kept for programs that read it
   if (check) {
     json["check"] = {{"error_mm", check->error_m * 1e3}, {"standard_error_mm", check->standard_error_m * 1e3},
                      {"lost_mm", check->lost_m * 1e3},   {"left_mm", check->left_m * 1e3},
@@ -165,15 +165,16 @@ std::string PlanText(const PlanScene& scene, const PlanRequest& request, const F
                           level.fine.spacing_m * 1e3, level.fine.radius_m * 1e3, level.zone_depth_m * 1e3));
   if (level.fine.children > 0)
     text += Row("splitting", fmt::format("{} children of a ball that is touched", level.fine.children));
-  const auto alike = [&](const char* name, double balls) {
+  const auto packing_row = [&](const char* name, double balls) {
     return Row(name, fmt::format("{:.0f} spheres, {:.1f} times as many", balls,
                                  balls / static_cast<double>(plan.packed.balls.size())));
   };
-  if (plan.uniform_balls > 0.0) text += alike("all of it alike", plan.uniform_balls);
-  text += alike("and disjoint", plan.disjoint_balls);
-  text += Row("tool", fmt::format("{} spheres that cut, {} that touch; {:g} frames a turn at most",
-                                  CuttingBalls(plan.tool), plan.tool.balls.size() - CuttingBalls(plan.tool),
-                                  static_cast<double>(plan.turn_parts)));
+  if (plan.uniform_balls > 0.0) text += packing_row("all of it alike", plan.uniform_balls);
+  text += packing_row("and disjoint", plan.disjoint_balls);
+  text += Row("tool",
+              fmt::format("{} spheres that cut, {} that touch; {:g} frames a turn at most",
+                          CountCuttingBalls(plan.tool), plan.tool.balls.size() - CountCuttingBalls(plan.tool),
+                          static_cast<double>(plan.turn_parts)));
   text += Row("arm", fmt::format("{}, off by {:.3f} mm", simulation::ArmFidelityName(plan.arm),
                                  plan.arm_error_m * 1e3));
   text += Row("predicted error",

@@ -24,7 +24,7 @@ struct ScenarioRun {
   std::string engine;                 ///< "reference on CPU, double precision"
   double seconds_simulated{0.0};      ///< virtual time in all
   double seconds_wall{0.0};           ///< wall time in all
-  double seconds_cpu{0.0};            ///< time for which its thread had a core: less on a busy machine
+  double seconds_cpu{0.0};            ///< CPU time of its thread: less than the wall time on a busy machine
   double seconds_set_up{0.0};         ///< wall time of the set-up: reading files, packing bone
 };
 

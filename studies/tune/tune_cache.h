@@ -11,7 +11,7 @@
 
 namespace osteon::app {
 
-/// A file of computed numbers, each found by the inputs that it was computed from.
+/// Cache of computed numbers in a file. The key of an entry is the inputs that it was computed from.
 class TuneCache {
  public:
   /// A file that can't be read, or is of another version, counts as empty: its numbers are computed again.
@@ -20,7 +20,7 @@ class TuneCache {
   /// Finds the numbers. @param from  everything that they depend on, as text
   [[nodiscard]] std::optional<std::vector<double>> Find(const std::string& from);
   void Store(const std::string& from, const std::vector<double>& values);
-  /// Saves only the numbers that were found or put since construction. The error names the file.
+  /// Saves only the entries that were found or stored since construction. The error names the file.
   [[nodiscard]] tl::expected<void, std::string> Save() const;
 
   [[nodiscard]] int found() const { return found_; }
@@ -31,7 +31,7 @@ class TuneCache {
 
   std::filesystem::path file_;
   nlohmann::json before_, now_;
-  mutable std::mutex mutex_;  ///< guards all that follows the file
+  mutable std::mutex mutex_;  ///< guards the entries and the counts
   int found_{0}, computed_{0};
 };
 

@@ -240,17 +240,18 @@ TEST(CellDevices, ARequestThatIsNotGrantedIsMadeAnew) {
   int rises = 0;
   bool before = false;
   for (int ms = 1; ms <= 3000; ++ms) {
-    const bool now = cell.clients->MotionRequest(wanted, plc, ms * rt::kMillisecond);
+    const bool now = cell.clients->UpdateMotionRequest(wanted, plc, ms * rt::kMillisecond);
     rises += now && !before;
     before = now;
   }
   EXPECT_GE(rises, 4);
   EXPECT_LE(rises, 8);
   plc.inputs.run_permitted = true;
-  static_cast<void>(cell.clients->MotionRequest(wanted, plc, 3600 * rt::kMillisecond));
+  static_cast<void>(cell.clients->UpdateMotionRequest(wanted, plc, 3600 * rt::kMillisecond));
   for (int ms = 3700; ms <= 9000; ++ms)
-    ASSERT_TRUE(cell.clients->MotionRequest(wanted, plc, ms * rt::kMillisecond)) << "granted: it stands";
-  EXPECT_FALSE(cell.clients->MotionRequest({}, plc, 9001 * rt::kMillisecond));
+    ASSERT_TRUE(cell.clients->UpdateMotionRequest(wanted, plc, ms * rt::kMillisecond))
+        << "granted: it stands";
+  EXPECT_FALSE(cell.clients->UpdateMotionRequest({}, plc, 9001 * rt::kMillisecond));
 }
 
 TEST(CellDevices, DevicesOfOneBusThatShareIdentifiersAreRefused) {

@@ -190,7 +190,7 @@ TYPED_TEST(ForceCapabilityOf, ShareKeepsTorquesAndLeavesWhatFits) {
   for (int n = 0; n < 2000; ++n) {
     const Drawn<N> d = Draw<N>(random), other = Draw<N>(random);
     const Wrench F{.f = 150.0 * d.axis, .t = 10.0 * other.axis};
-    const double s = Exact(d).Share(F);
+    const double s = Exact(d).HoldableShare(F);
     ASSERT_GE(Room(d, {.f = s * F.f, .t = s * F.t}), -320.0 * kRounding);
     if (s < 1.0) ++cut;
     if (Room(d, F) > 1e-9) {
@@ -224,7 +224,7 @@ TYPED_TEST(ForceCapabilityOf, AnArmThatCannotHoldItselfHoldsNothing) {
     EXPECT_EQ(arm.Force(d.axis).value, 0.0);
     EXPECT_EQ(arm.LateralForce(d.axis).value, 0.0);
     EXPECT_EQ(arm.Factor(d.axis, {.axial_N = 1.0}).value, 0.0);
-    EXPECT_EQ(arm.Share({.f = d.axis, .t = {0, 0, 0}}), 0.0);
+    EXPECT_EQ(arm.HoldableShare({.f = d.axis, .t = {0, 0, 0}}), 0.0);
   }
 }
 
@@ -235,17 +235,18 @@ TYPED_TEST(ForceCapabilityOf, WhatIsNotFiniteGivesZeroAndTheHugeIsScaled) {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), HUGE_VAL}) {
     Drawn<N> spoilt = d;
     spoilt.J(1, 3) = bad;
-    EXPECT_EQ(Exact(spoilt).Share({.f = d.axis, .t = {0, 0, 0}}), 0.0);
+    EXPECT_EQ(Exact(spoilt).HoldableShare({.f = d.axis, .t = {0, 0, 0}}), 0.0);
     spoilt = d;
     spoilt.g[1] = bad;
-    EXPECT_EQ(Exact(spoilt).Share({.f = d.axis, .t = {0, 0, 0}}), 0.0);
-    EXPECT_EQ(Exact(d).Share({.f = {0, bad, 0}, .t = {0, 0, 0}}), 0.0);
+    EXPECT_EQ(Exact(spoilt).HoldableShare({.f = d.axis, .t = {0, 0, 0}}), 0.0);
+    EXPECT_EQ(Exact(d).HoldableShare({.f = {0, bad, 0}, .t = {0, 0, 0}}), 0.0);
     EXPECT_EQ(Exact(d).Force({0, bad, 0}).value, 0.0);
     EXPECT_EQ(Exact(d).Force(d.axis, bad).value, 0.0);
   }
   constexpr double kHuge = std::numeric_limits<double>::max();
   for (const double sign : {1.0, -1.0}) {
-    const double s = Exact(d).Share({.f = {kHuge, sign * kHuge, kHuge}, .t = {kHuge, kHuge, sign * kHuge}});
+    const double s =
+        Exact(d).HoldableShare({.f = {kHuge, sign * kHuge, kHuge}, .t = {kHuge, kHuge, sign * kHuge}});
     EXPECT_GE(s, 0.0);
     EXPECT_LE(s, 1e-290);
   }
@@ -261,7 +262,7 @@ TEST(ForceCapability, DoesNotAllocate) {
     sum += arm.Force(d.axis, 1.0).value + arm.Factor({.f = d.axis, .t = d.axis}).value +
            arm.LateralForce(d.axis, 10.0).value +
            arm.Factor(d.axis, {.axial_N = 100.0, .lateral_N = 30.0}).value +
-           arm.Share({.f = d.axis, .t = d.axis});
+           arm.HoldableShare({.f = d.axis, .t = d.axis});
   }
   EXPECT_GT(sum, 0.0);
 }

@@ -30,7 +30,7 @@ void ReadDynamicArm(Reader section, hil::DynamicArmParams& arm, SimulatedArmSect
   if (section.Has("mount")) ReadMount(section.Section("mount"), arm.mount.emplace());
 }
 
-// Reads the keys of a controller with RSI, and of the operator at its pad.
+// Reads the keys of a KUKA controller with RSI, and of the operator at its smartPAD.
 void ReadRsiArm(Reader& section, io::RsiCorrection kind, hil::RsiArmParams& arm) {
   arm.controller.range = ReadCorrectionRange(section, "monitor", kind);
   if (section.Has("delay_in_a_row")) arm.controller.delay_in_a_row = section.Bool("delay_in_a_row");

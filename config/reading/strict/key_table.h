@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-// Which keys a kind of file has, recorded from the readers themselves: a loader runs without a file, and its
-// Reader notes each key with its type, its range and its accepted words. So a schema and the readers can not
-// differ. A reader asks for different keys after different answers ("kind: drilling"), so it runs once for
-// each answer.
+// Tables of the keys that each kind of file has, recorded from the readers themselves. A loader runs without
+// a file, and its Reader notes each key with its type, range and accepted words. So schemas and readers
+// cannot differ. A reader asks for different keys depending on the values that it has read ("kind:
+// drilling"). The loader therefore runs several times, with other values each time.
 
 namespace osteon::config {
 
@@ -34,27 +34,28 @@ struct KeyInfo {
     kAny
   };
   Type type{Type::kText};
-  double min{0.0}, max{0.0};         ///< of a number, of each of a list; of a list's length
-  std::size_t size{0};               ///< of a list of numbers; 0: any
-  std::vector<std::string> words{};  ///< accepted
-  std::string folder{};              ///< of files that are named without a path: "tools"; empty: a path alone
+  double min{0.0}, max{0.0};         ///< range of a number, of a list's numbers, or of a list's length
+  std::size_t size{0};               ///< length of a list of numbers; 0: any
+  std::vector<std::string> words{};  ///< accepted words
+  std::string folder{};  ///< folder of files that may be named without a path, e.g. "tools"; empty: none
   bool required{true};
 };
 
-/// The keys of a mapping that one word of it decides on.
+/// The keys of a mapping that depend on the value of another of its keys.
 struct KeyCase {
-  std::string key, word;                     ///< "kind", "drilling"
-  std::set<std::string> required, excluded;  ///< beside those of every word
+  std::string key, word;                     ///< the other key and its value: "kind", "drilling"
+  std::set<std::string> required, excluded;  ///< besides the keys that do not depend on it
 };
 
-/// The keys of a mapping, and of those in it.
+/// The keys of a mapping, and of the mappings in it.
 struct KeyTable {
   std::map<std::string, KeyInfo> keys;
-  std::map<std::string, KeyTable> inner;  ///< of sections, and of each element of a list
+  std::map<std::string, KeyTable> inner;  ///< tables of its sections, and of its lists' elements
   std::vector<KeyCase> cases;
 };
 
-/// Runs a loader as often as it takes. @param load  e.g. LoadScene; its file is not read
+/// Records the keys of a kind of file, by running its loader for all values that decide about keys.
+/// @param load  e.g. LoadScene; it reads no file
 [[nodiscard]] KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& load);
 
 /// A kind of YAML file.
@@ -63,35 +64,35 @@ struct FileKind {
   std::string folder;  ///< under config/; empty: none
   std::function<void(const std::filesystem::path&)> load;
 };
-/// All of them.
+/// All kinds of YAML files.
 [[nodiscard]] std::vector<FileKind> FileKinds();
 
-/// For Reader: what is asked for during RecordKeys, in this thread.
+/// Used by Reader during RecordKeys: receives the keys that a loader asks for, and answers instead of a file.
 class KeyRecorder {
  public:
-  /// The one that records; null: files are read.
+  /// The recorder of this thread during RecordKeys; null otherwise, when files are read.
   [[nodiscard]] static KeyRecorder* Present();
-  /// The answer to a question with so many answers, the first by default.
+  /// Returns the answer of this run to a question, 0 … answers - 1.
   [[nodiscard]] std::size_t Decide(const std::string& question, std::size_t answers);
   void Note(const std::string& place, const std::string& key, KeyInfo info);
-  /// @returns whether the key is there, in this run
+  /// Notes an optional key. @returns whether this run treats it as present
   [[nodiscard]] bool NoteOptional(const std::string& place, const std::string& key);
-  /// Says whether a key is there, instead of a question about it.
+  /// Sets whether this run treats a key as present, without asking.
   void Choose(const std::string& place, const std::string& key, bool is_there);
   void NoteWord(const std::string& place, const std::string& key, const std::string& word);
-  /// A mapping and those in it have been asked for all that they must have. @throws Ended at the file's own:
-  /// from there on values are used.
+  /// Marks a mapping and those in it as finished: the reader has asked for all of their keys.
+  /// @throws Ended for the file's outermost mapping, because the loader would use values from there on
   void Finish(const std::string& place);
   struct Ended {};
 
   struct Mapping {
     std::map<std::string, KeyInfo> keys;
-    std::map<std::string, bool> optional;  // and whether it was there
+    std::map<std::string, bool> optional;  // optional keys, and whether this run treats them as present
     std::map<std::string, std::string> words;
     bool finished{false};
   };
   struct Run {
-    std::map<std::string, Mapping> mappings;  // by place: "", "limits.", "zones[]."
+    std::map<std::string, Mapping> mappings;  // by place in the file: "", "limits.", "zones[]."
   };
 
  private:

@@ -79,7 +79,7 @@ HWY_INLINE Pairs LoadPairs(const NearFieldPass& p, const std::uint32_t* place, c
 
 // ---- the nearest pair of each bin: FindBin and Nearer of contact_law.h, to the same bits
 
-// What FindBin computes of eight directions: by axis, sign and thirds of the cube's face.
+// The result of FindBin for eight directions: axis, sign, and thirds of the cube's face.
 struct ExactBins {
   D8 cutting_off, shaft_off;  // of a bin's middle, for balls that cut and that do not
   unsigned x, y, negative, low1, high1, low2, high2;

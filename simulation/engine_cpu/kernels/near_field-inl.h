@@ -50,8 +50,8 @@ class NearFieldSearch {
   void CloseBlock();
   void SumNear();
   void SumCones();
-  // What is off in a score: the gap's rounding, and the direction's times the bin centre's worth (0.05 mm,
-  // below 0.1 mm with the cosine's slope).
+  // Largest error of a score: the gap's rounding error, plus the direction's rounding error times the bin
+  // centre's bias (0.05 mm, below 0.1 mm with the cosine's slope).
   template <class V>
   HWY_INLINE V ScoreError(V per_mm, float rounding_mm) const {
     return MulAdd(Like(per_mm, 0.1f * rounding_mm), per_mm, Like(per_mm, rounding_mm + 1e-7f));

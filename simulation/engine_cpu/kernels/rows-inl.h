@@ -1,4 +1,4 @@
-// Which rows of a neighbour list a pass has to look at.
+// Selects the rows of a neighbour list that a pass has to examine.
 #if defined(OSTEON_CPU_ROWS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_ROWS_INL_H
 #undef OSTEON_CPU_ROWS_INL_H
@@ -65,7 +65,7 @@ HWY_INLINE void UpdateBlockBound(const PairRows& rows, std::uint32_t b) {
   rows.block_bound[b] = Least(least);
 }
 
-// What a pass compares bounds with.
+// The limit that a pass compares bounds with.
 HWY_INLINE float LimitOf(bool every_row, float gap_mm) { return every_row ? kNever : gap_mm; }
 
 }  // namespace HWY_NAMESPACE

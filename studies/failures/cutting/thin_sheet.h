@@ -4,9 +4,12 @@
 
 namespace osteon::hil {
 
-/// 1, thin sheet: shots at a plate of 1 mm, spindle off, 1 kHz; tool R 1 to 5 mm, 10 to 1000 mm/s, inclined
-/// by up to 30 degrees, from a random height, until the hand is 2 R + 2 mm beyond the plate. A shot passes
-/// through if the proxy's centre ends below the plate. Baseline: voxmap and pointshell, a penalty at discrete
+/// Scenario 1, thin sheet. A ball of radius R = 1 to 5 mm that does not cut is shot at a plate of 1 mm, at 10
+/// to 1000 mm/s, in frames of 1 ms. Each shot starts at a random height, is inclined by up to 30 degrees, and
+/// ends when the hand is 2 R + 2 mm beyond the plate. The ball has passed through if the proxy's centre ends
+/// below the plate.
+///
+/// Metric: number of shots that pass through. Baseline: voxmap and pointshell, a penalty force at discrete
 /// poses. Bound: 0.
 [[nodiscard]] FailureResult RunThinSheet(const FailureSetting& setting);
 

@@ -12,7 +12,7 @@ namespace osteon::hil {
 /// closes.
 struct GripRideParams {
   GridHand after{"stiff", 6000.0, 13.0, 1.1};
-  bool clamp{false};  ///< without the hand's wrench of that moment
+  bool clamp{false};  ///< a clamp closes and does not keep the hand's wrench; false: the hand stiffens
   control::ServoParams loop{};
   double step_s{1.3};
   double seconds{4.0};   ///< after the step
@@ -22,15 +22,15 @@ struct GripRideParams {
 
 struct GripRide {
   static constexpr double kWindow_s = 0.2, kEvery_s = 0.02;
-  double calm_N{0.0};    ///< largest effective value of a window, from 0.5 s after the step on
+  double calm_N{0.0};    ///< largest RMS value of a window, from 0.5 s after the step on
   double max_N{0.0};     ///< the same at any time
   double tremor_N{0.0};  ///< the same for the tremor alone, at any time
   double index{0.0};     ///< largest
   double heavy_s{0.0};   ///< time with more than twice the law's drag
   bool fault{false};
-  std::vector<double> window_N;               ///< effective value of the hand's force between 5 and 40 Hz,
+  std::vector<double> window_N;               ///< RMS value of the hand's force between 5 and 40 Hz,
                                               ///< every kEvery_s
-  std::vector<double> indices, references_N;  ///< of the vibration index, for each tick
+  std::vector<double> indices, references_N;  ///< vibration index and its reference, for each tick
   std::vector<double> damping_factors;
 };
 

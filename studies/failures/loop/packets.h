@@ -4,12 +4,12 @@
 
 namespace osteon::hil {
 
-/// 14, packets. A hand presses an admittance-controlled tool into a cup of 20 N/mm and taps it; simulation
-/// and arm are each behind a wire (packet_bench.h). At the second tap the wires begin to lose 0.1 to 5 % of
-/// their datagrams, one by one or 5 to 20 in a row, to reorder them, to delay them by 1 to 10 ms instead of 1
-/// ms, or all of these. Metric: the tool's swing 3.5 s after that tap, over the swing after the first tap.
-/// Baseline: the force is computed beyond the wire, and a missing force is held or replaced by zero,
-/// whichever does better in its worst case. Bound: 1, no growth.
+/// Scenario 14, packets. A hand presses an admittance-controlled tool into a cup of 20 N/mm and taps it;
+/// simulation and arm are each behind a wire (packet_bench.h). At the second tap the wires begin to lose 0.1
+/// to 5 % of their datagrams, one by one or 5 to 20 in a row, to reorder them, to delay them by 1 to 10 ms
+/// instead of 1 ms, or all of these. Metric: the tool's swing 3.5 s after that tap, over the swing after the
+/// first tap. Baseline: the force is computed beyond the wire, and a missing force is held or replaced by
+/// zero, whichever does better in its worst case. Bound: 1, no growth.
 ///
 /// Ours passes if it keeps the bound in every case in which D > a_max K with the case's largest ages (at
 /// least three cases in four), and if age alone explains the baseline's failure: held forces grow in no case

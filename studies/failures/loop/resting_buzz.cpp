@@ -21,7 +21,7 @@ constexpr double kStable_N_per_m = 20e3, kAbove_N_per_m = 7.4e6;
 
 struct Buzz {
   double amplitude_m{0.0};
-  double all_m{0.0};  // effective value of the motion above 5 Hz
+  double all_m{0.0};  // RMS value of the motion above 5 Hz
   double push_N{0.0};
   bool fault{false};
   std::vector<Vector3> band;

@@ -28,7 +28,7 @@ CellReadings InOrder() {
 
 SafetyChecks Checks(const ServoParams& params) {
   SafetyChecks checks(params, 200.0);
-  checks.StartRendering(0);  // long ago: no source has time to show up any more
+  checks.OnRenderingStarted(0);  // long ago: no source has time to show up any more
   return checks;
 }
 
