@@ -26,15 +26,6 @@ double UnitOrThrow(const std::string& key) {
   return *unit;
 }
 
-// Removes the key "start.arm_angle_deg" of a mapping. @returns whether it was there
-bool RemoveKey(YAML::Node mapping, const std::string& key) {
-  if (!mapping.IsDefined() || !mapping.IsMap()) return false;
-  const std::size_t dot = key.find('.');
-  const std::string first = key.substr(0, dot);
-  if (dot == std::string::npos) return mapping.remove(WrittenKey(mapping, first));
-  return RemoveKey(mapping[first], key.substr(dot + 1));
-}
-
 }  // namespace
 
 Reader Reader::Load(const std::filesystem::path& path) {
