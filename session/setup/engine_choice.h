@@ -16,6 +16,10 @@ namespace osteon::app {
 
 /// The values of `--engine`, "auto" first.
 [[nodiscard]] const std::vector<std::string>& EngineNames();
+/// Whether the engine is fast enough for wall time. "reference" is for virtual time alone.
+[[nodiscard]] bool KeepsUpWithWallTime(const std::string& engine);
+/// The values of `--engine` of a command that runs in wall time.
+[[nodiscard]] const std::vector<std::string>& WallTimeEngineNames();
 
 /// A cutting engine that runs on this machine.
 struct EngineChoice {
