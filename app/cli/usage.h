@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 
 // Error texts for a wrong command line: found …, accepted …, in one line. The validators' descriptions say
-// what is accepted; command_table.h reads them for help and manual. Options that several commands have
+// what is accepted; help/command_table.h reads them for help and manual. Options that several commands have
 // stand here too.
 
 namespace osteon::app {
