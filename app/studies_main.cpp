@@ -11,7 +11,7 @@
 #include "app/cli/capability_command.h"
 #include "app/cli/command_line.h"
 #include "app/cli/failures_command.h"
-#include "app/cli/manual_command.h"
+#include "app/cli/help/manual_command.h"
 #include "app/cli/measure_commands.h"
 #include "app/cli/osteon_commands.h"
 #include "app/cli/plan_command.h"

@@ -55,7 +55,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
 
   // the hand
   Wrench F_T_W;
-  const bool holds = active && (holds_ || held_once_ || IsAtStart(X_WT, V_WT));
+  const bool holds = active && (holds_ || held_once_ || UpdateArrival(X_WT, V_WT));
   if (holds && !holds_) {
     held_cycles_ = 0;
     held_once_ = true;
@@ -96,7 +96,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
 
 // During the start path the hand leaves the arm alone until it has arrived. A soft arm may sag beside the
 // start: the operator then takes the tool once it has stood still for a while.
-bool SimulatedCell::IsAtStart(const Pose& X_WT, const Twist& V_WT) {
+bool SimulatedCell::UpdateArrival(const Pose& X_WT, const Twist& V_WT) {
   constexpr double kArrived_m = 0.003, kArrived_rad = 0.03;
   constexpr double kWithinReach_m = 0.03, kWithinReach_rad = 0.3;
   constexpr double kMaxIdle_m_per_s = 0.02, kMaxIdle_rad_per_s = 0.2, kMinIdle_s = 0.3;

@@ -95,6 +95,9 @@ class SimulatedCell {
   [[nodiscard]] const HandScript& script() const { return hand_.script(); }
 
  private:
+  // Counts how long the tool has stood near the script's start. @returns whether it has arrived there
+  [[nodiscard]] bool UpdateArrival(const Pose& X_WT, const Twist& V_WT);
+
   Pose X_WB_, X_TF_;
   control::ForceSensorParams sensor_;
   bool feels_inertia_, has_twist_{false};
@@ -102,8 +105,6 @@ class SimulatedCell {
   std::unique_ptr<ArmController> arm_;
   Wrench F_hand_T_B_;
   OperatorHand hand_;
-  [[nodiscard]] bool IsAtStart(const Pose& X_WT, const Twist& V_WT);
-
   bool holds_{false}, held_once_{false};  // whether the hand holds, or has held, the tool
   double idle_s_{0.0};                    // time that the tool has stood within the operator's reach
   std::uint64_t held_cycles_{0};

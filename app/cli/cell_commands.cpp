@@ -7,6 +7,7 @@
 #include "app/cli/tool_choice.h"
 #include "app/cli/usage.h"
 #include "session/run/demo.h"
+#include "session/setup/engine_choice.h"
 
 namespace osteon::app {
 
@@ -79,14 +80,9 @@ CellCommands::CellCommands(CLI::App& app)
                    "real-time threads share it")
       ->check(NumberWithin(0, rt::kMaxCpu));
   AddFidelityOptions(*run_, operate_.fidelity);
-  run_->add_option("--engine", operate_.engine,
-                   "the cutting engine; auto: Vulkan on a GPU, the CPU engine elsewhere; cpu: one thread, no "
-                   "GPU")
-      ->check(OneOf({"auto", "vulkan", "cpu"}))
-      ->capture_default_str();
-  run_->add_option("--device", operate_.device,
-                   "the Vulkan device: part of its name, as `osteon doctor` lists it")
-      ->type_name("NAME");
+  AddEngineOption(*run_, operate_.engine, WallTimeEngineNames(), "the cutting engine",
+                  "; cpu: one thread, no GPU");
+  AddDeviceOption(*run_, operate_.device);
   run_->add_option("--json", operate_.json, "also write the figures there, as JSON")->type_name("FILE");
   run_->footer(
       "Exit code 1: a fault ended the run, the arm did not come in time, or a file could not be written\n\n"

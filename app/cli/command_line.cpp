@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "app/cli/help_text.h"
+#include "app/cli/help/help_text.h"
 #include "app/cli/usage.h"
 #include "session/process/exit_code.h"
 #include "session/process/output.h"

@@ -43,15 +43,9 @@ DemoCommand::DemoCommand(CLI::App& app)
       ->default_str("2")
       ->check(NumberWithin(1, 100));
   AddFidelityOptions(*sub_, options_.fidelity);
-  sub_->add_option("--device", options_.device,
-                   "the Vulkan device: part of its name, as `osteon doctor` lists it")
-      ->type_name("NAME");
-  sub_->add_option(
-          "--engine", options_.engine,
-          "the cutting engine; auto: Vulkan on a GPU, the CPU engine elsewhere; cpu: one thread, no GPU; "
-          "reference: plain double precision, slow, virtual time only")
-      ->check(OneOf(EngineNames()))
-      ->capture_default_str();
+  AddDeviceOption(*sub_, options_.device);
+  AddEngineOption(*sub_, options_.engine, EngineNames(), "the cutting engine",
+                  "; cpu: one thread, no GPU; reference: plain double precision, slow, virtual time only");
   sub_->add_option("--cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
       ->capture_default_str();
@@ -86,7 +80,7 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
     return 2;
   }
   options_.cell = *found;
-  if (options_.engine == "reference" && !options_.virtual_time) {
+  if (!options_.virtual_time && !KeepsUpWithWallTime(options_.engine)) {
     fmt::print(stderr,
                "osteon demo: --engine reference: found wall time, accepted with --virtual-time only\n");
     return 2;

@@ -40,14 +40,9 @@ FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")
       ->type_name("FILE")
       ->needs(out);
   sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
-  sub_->add_option("--device", options_.device,
-                   "the Vulkan device: part of its name, as `osteon doctor` lists it")
-      ->type_name("NAME");
-  sub_->add_option("--engine", options_.engine,
-                   "the engine that must keep the bounds; auto: Vulkan on a GPU, the CPU engine elsewhere; "
-                   "reference is slow")
-      ->check(OneOf(EngineNames()))
-      ->capture_default_str();
+  AddDeviceOption(*sub_, options_.device);
+  AddEngineOption(*sub_, options_.engine, EngineNames(), "the engine that must keep the bounds",
+                  "; reference is slow");
   sub_->add_flag("--quick", options_.quick, "small scenes, as in the tests: seconds instead of minutes");
   std::string list = "Scenarios:\n";
   for (const hil::FailureScenario& scenario : hil::FailureScenarios())
@@ -65,7 +60,7 @@ FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")
 int FailuresCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
   if (tables_.faults) return RunFaultTable({.json = options_.json});
   if (tables_.kill) {
-    if (options_.engine == "reference") {
+    if (!KeepsUpWithWallTime(options_.engine)) {
       fmt::print(
           stderr,
           "osteon failures: --engine reference: found --kill, accepted without it: too slow for wall time\n");

@@ -36,9 +36,7 @@ CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
       ->take_all()
       ->excludes(method)
       ->excludes(compare);
-  sub->add_option("--device", options.device,
-                  "the Vulkan device: part of its name, as `osteon doctor` lists it")
-      ->type_name("NAME");
+  AddDeviceOption(*sub, options.device);
   sub->add_option("--frames", options.frames, "frames to time")
       ->check(NumberWithin(20, 10e6))
       ->capture_default_str();
@@ -101,9 +99,7 @@ CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
   sub->add_option("--max-spheres", options.max_spheres, "largest number of spheres")
       ->check(NumberWithin(1000, kMaxSpheres))
       ->capture_default_str();
-  sub->add_option("--device", options.device,
-                  "the Vulkan device: part of its name, as `osteon doctor` lists it")
-      ->type_name("NAME");
+  AddDeviceOption(*sub, options.device);
   sub->add_option("--frames", options.frames, "frames to time at each point")
       ->check(NumberWithin(20, 1e6))
       ->capture_default_str();
@@ -127,9 +123,7 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) 
       ->type_name("FOLDER")
       ->capture_default_str();
   sub->add_flag("--quick", options.quick, "fewer resolutions, 2 seeds, a faster feed");
-  sub->add_option("--device", options.device,
-                  "the Vulkan device: part of its name, as `osteon doctor` lists it")
-      ->type_name("NAME");
+  AddDeviceOption(*sub, options.device);
   sub->add_option("--seeds", options.seeds, "number of different paths and packings")
       ->check(NumberWithin(1, 100))
       ->capture_default_str();

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/command_line.h"
-#include "app/cli/command_table.h"
+#include "app/cli/help/command_table.h"
 #include "app/cli/usage.h"
 #include "config/reading/config_file_tracker.h"
 

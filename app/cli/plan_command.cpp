@@ -8,6 +8,7 @@
 #include "app/cli/usage.h"
 #include "session/process/exit_code.h"
 #include "session/setup/cell_setup.h"
+#include "session/setup/engine_choice.h"
 
 namespace osteon::app {
 PlanCommand::PlanCommand(CLI::App& app) : sub_(AddStudy(app, "plan")) {
@@ -39,12 +40,8 @@ PlanCommand::PlanCommand(CLI::App& app) : sub_(AddStudy(app, "plan")) {
                    "or a YAML file")
       ->type_name("TOOL");
   sub_->add_flag("--check", o.check, "carry the plan out and measure what it predicts");
-  sub_->add_option("--engine", engine_,
-                   "the cutting engine that is timed; auto: Vulkan on a GPU, the CPU engine elsewhere")
-      ->check(OneOf({"auto", "vulkan", "cpu"}))
-      ->capture_default_str();
-  sub_->add_option("--device", device_, "the Vulkan device: part of its name, as `osteon doctor` lists it")
-      ->type_name("NAME");
+  AddEngineOption(*sub_, engine_, WallTimeEngineNames(), "the cutting engine that is timed");
+  AddDeviceOption(*sub_, device_);
   sub_->add_option("--json", o.json, "also write the plan there, as JSON")->type_name("FILE");
   sub_->footer(
       "The command first times two other packings on this machine.\n\n"

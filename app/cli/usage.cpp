@@ -43,6 +43,18 @@ CLI::Validator OneOf(const std::vector<std::string>& words) {
           fmt::format("{{{}}}", fmt::join(words, ","))};
 }
 
+void AddDeviceOption(CLI::App& sub, std::string& device) {
+  sub.add_option("--device", device, "the Vulkan device: part of its name, as `osteon doctor` lists it")
+      ->type_name("NAME");
+}
+
+void AddEngineOption(CLI::App& sub, std::string& engine, const std::vector<std::string>& names,
+                     const std::string& use, const std::string& rest) {
+  sub.add_option("--engine", engine, use + "; auto: Vulkan on a GPU, the CPU engine elsewhere" + rest)
+      ->check(OneOf(names))
+      ->capture_default_str();
+}
+
 std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* deepest = &app;  // `bench frame` is a subcommand of a subcommand
   std::string name = app.get_name();

@@ -6,7 +6,8 @@
 #include <CLI/CLI.hpp>
 
 // Error texts for a wrong command line: found …, accepted …, in one line. The validators' descriptions say
-// what is accepted; command_table.h reads them for help and manual.
+// what is accepted; help/command_table.h reads them for help and manual. Options that several commands have
+// stand here too.
 
 namespace osteon::app {
 
@@ -15,6 +16,13 @@ namespace osteon::app {
 /// Accepts a whole number from 0 to 65535.
 [[nodiscard]] CLI::Validator PortNumber();
 [[nodiscard]] CLI::Validator OneOf(const std::vector<std::string>& words);
+
+/// Adds `--device`.
+void AddDeviceOption(CLI::App& sub, std::string& device);
+/// Adds `--engine`. @param names  the accepted ones, "auto" among them
+/// @param use  what the engine is for; @param rest  what is said after the explanation of "auto"
+void AddEngineOption(CLI::App& sub, std::string& engine, const std::vector<std::string>& names,
+                     const std::string& use, const std::string& rest = "");
 
 /// Explains the error, after the name of the requested subcommand; an unknown word with the nearest known
 /// one.

@@ -12,7 +12,7 @@
 #include "control/laws/impedance_renderer.h"
 #include "control/loop/arm_session.h"
 #include "control/loop/commanded_tool.h"
-#include "control/loop/motion_requests.h"
+#include "control/loop/loop_requests.h"
 #include "control/loop/motion_supervisor.h"
 #include "control/loop/safety_checks.h"
 #include "control/loop/servo_statistics.h"
@@ -199,7 +199,7 @@ class ServoLoop {
   }
 
   ServoParams params_;  // the parts refer to these, so StepGains changes theirs as well
-  MotionRequests requests_;
+  LoopRequests requests_;
   MotionSupervisor supervisor_;
   ArmSession session_;
   CommandedTool tool_;

@@ -177,6 +177,11 @@ CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> data
   return check.error();
 }
 
+bool IsMonitoringMessage(FriFamily family, std::span<const std::uint8_t> datagram) OSTEON_RT {
+  MonitoringMessage message;
+  return DecodeMonitoring(family, datagram, message) == CodecError::kNone;
+}
+
 CodecError EncodeCommand(FriFamily family, const CommandMessage& message, std::span<std::uint8_t> buffer,
                          std::size_t& size) OSTEON_RT {
   // the protobuf, at its position in the frame

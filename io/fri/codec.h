@@ -41,6 +41,9 @@ enum class CodecError : std::uint8_t {
 [[nodiscard]] CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> datagram,
                                           MonitoringMessage& message) OSTEON_RT;
 
+/// Whether the datagram can be read as a message from an arm of that family.
+[[nodiscard]] bool IsMonitoringMessage(FriFamily family, std::span<const std::uint8_t> datagram) OSTEON_RT;
+
 /// The measured joints [rad] of a message that was refused because one of them is NaN or infinite. Empty if
 /// it was refused for another reason.
 [[nodiscard]] std::optional<control::JointArray> JointsNotFinite(

@@ -38,8 +38,7 @@ struct FriRelay::Judge {
     return relay.RelayMessage(datagram, arrival);
   }
   [[nodiscard]] bool IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_RT {
-    MonitoringMessage message;
-    return DecodeMonitoring(relay.family_, datagram, message) == CodecError::kNone;
+    return IsMonitoringMessage(relay.family_, datagram);
   }
   void Reject() OSTEON_RT { ++relay.counters_.rejected; }
   void ResetSession() OSTEON_RT { relay.monitor_.ResetSession(); }

@@ -84,8 +84,7 @@ FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
 }
 
 bool FriSession::IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_RT {
-  MonitoringMessage message;
-  return DecodeMonitoring(family_, datagram, message) == CodecError::kNone;
+  return IsMonitoringMessage(family_, datagram);
 }
 
 FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT {

@@ -19,6 +19,11 @@ void Require(bool accepted, const char* name, double found, const char* range) {
                                 ", accepted " + range);
 }
 
+// The next time of something periodic. A time that was missed by more than 1 ms is not made up for.
+rt::Nanoseconds NextDue(rt::Nanoseconds due, rt::Nanoseconds now, int every_ms) {
+  return std::max(due, now - rt::kMillisecond) + every_ms * rt::kMillisecond;
+}
+
 }  // namespace
 
 struct PlcClient::Connection {
@@ -112,23 +117,24 @@ void PlcClient::Run() {
 }
 
 bool PlcClient::Exchange(Connection& connection) {
+  const auto ends_connection = [this](Answer answer) {
+    if (answer == Answer::kNonsense) Disconnected();  // the reading says so at once
+    return answer == Answer::kNone || answer == Answer::kNonsense;
+  };
   bool has_read = false;
   rt::Nanoseconds next_read = rt::MonotonicNow(), next_beat = next_read;
   while (!stop_.load(std::memory_order_relaxed)) {
     const Answer block = ReadBlock(connection);
     has_read |= block == Answer::kWhole;
-    if (block == Answer::kNonsense) Disconnected();
+    const bool ends = ends_connection(block);
     if (block != Answer::kWhole) Publish();
-    if (block == Answer::kNone || block == Answer::kNonsense) break;
+    if (ends) break;
     const rt::Nanoseconds now = rt::MonotonicNow();
     if (now >= next_beat && reading_.link == PlcLink::kConnected) {
-      const Answer beat = WriteHeartbeat(connection);
-      if (beat == Answer::kNonsense) Disconnected();
-      if (beat == Answer::kNone || beat == Answer::kNonsense) break;
-      next_beat = std::max(next_beat, now - rt::kMillisecond) + params_.heartbeat_every_ms * rt::kMillisecond;
+      if (ends_connection(WriteHeartbeat(connection))) break;
+      next_beat = NextDue(next_beat, now, params_.heartbeat_every_ms);
     }
-    next_read =
-        std::max(next_read, rt::MonotonicNow() - rt::kMillisecond) + params_.read_every_ms * rt::kMillisecond;
+    next_read = NextDue(next_read, rt::MonotonicNow(), params_.read_every_ms);
     Pause(std::min(next_read, std::max(next_beat, now)));
   }
   return has_read;

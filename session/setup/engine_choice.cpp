@@ -15,6 +15,17 @@ const std::vector<std::string>& EngineNames() {
   return names;
 }
 
+bool KeepsUpWithWallTime(const std::string& engine) { return engine != "reference"; }
+
+const std::vector<std::string>& WallTimeEngineNames() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> fast = EngineNames();
+    std::erase_if(fast, [](const std::string& name) { return !KeepsUpWithWallTime(name); });
+    return fast;
+  }();
+  return names;
+}
+
 bool IsGpu(const gpu::DeviceInfo& device) { return device.kind == "discrete" || device.kind == "integrated"; }
 
 EngineChoice ChooseEngine(const std::string& engine, const std::string& device,
@@ -47,15 +58,19 @@ std::string EngineText(const EngineChoice& choice, const std::string& device) {
 
 tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(
     const EngineChoice& choice, const simulation::Bone& bone, const simulation::Tool& tool, const Pose& X_WG,
-    const simulation::CuttingParams& cutting) {
+    const simulation::CuttingParams& cutting, const EngineStudy& study) {
   try {
     if (choice.engine == "reference")
       return std::make_unique<simulation::ReferenceEngine>(bone, tool, X_WG, cutting);
-    if (choice.engine == "cpu") return std::make_unique<simulation::CpuEngine>(bone, tool, X_WG, cutting);
+    if (choice.engine == "cpu")
+      return std::make_unique<simulation::CpuEngine>(bone, tool, X_WG, cutting,
+                                                     simulation::CpuParams{.time_stages = study.time_passes});
   } catch (const std::invalid_argument& error) {
     return tl::make_unexpected(std::string(error.what()));
   }
-  auto made = gpu::VulkanEngine::Create(bone, tool, X_WG, cutting, {.device = choice.device});
+  auto made = gpu::VulkanEngine::Create(
+      bone, tool, X_WG, cutting,
+      {.device = choice.device, .time_passes = study.time_passes, .brute_force = study.brute_force});
   if (!made) return tl::make_unexpected(made.error());
   return std::unique_ptr<simulation::CuttingEngine>(std::move(*made));
 }

@@ -16,6 +16,10 @@ namespace osteon::app {
 
 /// The values of `--engine`, "auto" first.
 [[nodiscard]] const std::vector<std::string>& EngineNames();
+/// Whether the engine is fast enough for wall time. "reference" is for virtual time alone.
+[[nodiscard]] bool KeepsUpWithWallTime(const std::string& engine);
+/// The values of `--engine` of a command that runs in wall time.
+[[nodiscard]] const std::vector<std::string>& WallTimeEngineNames();
 
 /// A cutting engine that runs on this machine.
 struct EngineChoice {
@@ -39,10 +43,16 @@ struct EngineChoice {
 /// @param device  of the engine that was made
 [[nodiscard]] std::string EngineText(const EngineChoice& choice, const std::string& device);
 
+/// How a study runs an engine. An engine that has no such thing ignores it.
+struct EngineStudy {
+  bool time_passes{false};  ///< measure the passes or stages of a frame
+  bool brute_force{false};  ///< Vulkan: without culling
+};
+
 /// @returns an error text where the machine has no such device, or the engine can't hold bone and tool.
 [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(
     const EngineChoice& choice, const simulation::Bone& bone, const simulation::Tool& tool, const Pose& X_WG,
-    const simulation::CuttingParams& cutting);
+    const simulation::CuttingParams& cutting, const EngineStudy& study = {});
 
 /// Number of bone balls that the engine's last frame worked on, with which its time grows.
 /// @param balls  of the whole bone: an engine that does not count works on all of them

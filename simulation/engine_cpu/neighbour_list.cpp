@@ -1,7 +1,10 @@
 #include "simulation/engine_cpu/neighbour_list.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+
+#include "simulation/bone/material.h"
 
 namespace osteon::simulation::cpu {
 namespace {
@@ -148,7 +151,7 @@ void NeighbourList::ListPointCluster() {
   const std::uint32_t first = BoxTree::kCluster * cluster;
   const auto last =
       static_cast<std::uint32_t>(std::min<std::size_t>(bone.point_count(), first + BoxTree::kCluster));
-  std::uint32_t lanes[256] = {};  // used, of each material's open block
+  std::array<std::uint32_t, kMaxMaterials> lanes{};  // used, of each material's open block
   for (std::uint32_t i = first; i < last; i += 8) {
     unsigned bits = from_.kernels.points_near(maker, bone.point_mm(0) + i, bone.point_mm(1) + i,
                                               bone.point_mm(2) + i, tools.data(), tools.size());

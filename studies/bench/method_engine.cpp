@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "gpu/engine/vulkan_engine.h"
-#include "simulation/engine/reference_engine.h"
-#include "simulation/engine_cpu/cpu_engine.h"
+#include "session/setup/engine_choice.h"
 #include "simulation/methods/method.h"
 #include "simulation/removal/cut_metrics.h"
 
@@ -33,11 +31,6 @@ tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeMethod
     const simulation::CuttingParams& cutting, const MethodChoice& choice) {
   const Pose X_WG = Pose::Identity();
   try {
-    if (choice.method == "reference")
-      return std::make_unique<simulation::ReferenceEngine>(bone, tool, X_WG, cutting);
-    if (choice.method == "cpu")
-      return std::make_unique<simulation::CpuEngine>(
-          bone, tool, X_WG, cutting, simulation::CpuParams{.time_stages = choice.time_passes});
     for (const simulation::Method method : simulation::kMethods)
       if (choice.method == MethodName(method))
         return simulation::MakeMethod(method, bone, solid, tool, X_WG, cutting,
@@ -45,11 +38,12 @@ tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeMethod
   } catch (const std::invalid_argument& error) {
     return tl::unexpected(choice.method + ": " + error.what());
   }
-  auto engine = gpu::VulkanEngine::Create(
-      bone, tool, X_WG, cutting,
-      {.device = choice.device, .time_passes = choice.time_passes, .brute_force = choice.method == "brute"});
-  if (!engine) return tl::unexpected(engine.error());
-  return std::unique_ptr<simulation::CuttingEngine>(std::move(*engine));
+  const bool is_vulkan = choice.method == "ours" || choice.method == "brute";
+  auto engine =
+      MakeEngine({.engine = is_vulkan ? "vulkan" : choice.method, .device = choice.device}, bone, tool, X_WG,
+                 cutting, {.time_passes = choice.time_passes, .brute_force = choice.method == "brute"});
+  if (!engine && !is_vulkan) return tl::unexpected(choice.method + ": " + engine.error());
+  return engine;
 }
 
 std::unique_ptr<simulation::CarvedShape> ShapeOf(const simulation::CuttingEngine& engine) {

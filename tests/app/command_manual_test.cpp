@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "app/cli/help_text.h"
+#include "app/cli/help/help_text.h"
 #include "base/text.h"
 #include "tests/app/command.h"
 

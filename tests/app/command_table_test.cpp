@@ -1,13 +1,13 @@
-#include "app/cli/command_table.h"
+#include "app/cli/help/command_table.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <sstream>
 
-#include "app/cli/completion.h"
-#include "app/cli/help_text.h"
-#include "app/cli/manual.h"
+#include "app/cli/help/completion.h"
+#include "app/cli/help/help_text.h"
+#include "app/cli/help/manual.h"
 #include "app/cli/usage.h"
 #include "base/text.h"
 

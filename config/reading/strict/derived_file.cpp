@@ -20,14 +20,6 @@ void Set(YAML::Node node, const std::string& key, const std::string& value) {
     Set(node[key.substr(0, dot)], key.substr(dot + 1), value);
 }
 
-void Remove(YAML::Node node, const std::string& key) {
-  const std::size_t dot = key.find('.');
-  if (dot == std::string::npos)
-    node.remove(WrittenKey(node, key));
-  else
-    Remove(node[key.substr(0, dot)], key.substr(dot + 1));
-}
-
 // Sets the values of a mapping, in sections too.
 void Merge(const YAML::Node& values, YAML::Node node) {
   for (const auto& entry : values) {
@@ -65,7 +57,7 @@ YAML::Node LoadWhole(const std::filesystem::path& source) {
   if (!base_name.ends_with(".yaml")) base_file = ConfigFileTracker::FindByName(source, "cells", base_name);
   YAML::Node base = YAML::LoadFile(base_file.string());
   UseWholePaths(base, base_file);
-  for (const auto& key : file["remove"]) Remove(base, key.Scalar());
+  for (const auto& key : file["remove"]) RemoveKey(base, key.Scalar());
   file.remove("extends");
   file.remove("remove");
   Merge(file, base);

@@ -36,4 +36,12 @@ std::string WrittenKey(const YAML::Node& mapping, const std::string& key) {
   return key;
 }
 
+bool RemoveKey(YAML::Node mapping, const std::string& key) {
+  if (!mapping.IsDefined() || !mapping.IsMap()) return false;
+  const std::size_t dot = key.find('.');
+  const std::string first = key.substr(0, dot);
+  if (dot == std::string::npos) return mapping.remove(WrittenKey(mapping, first));
+  return RemoveKey(mapping[first], key.substr(dot + 1));
+}
+
 }  // namespace osteon::config

@@ -26,4 +26,8 @@ struct KeyAlias {
 /// neither.
 [[nodiscard]] std::string WrittenKey(const YAML::Node& mapping, const std::string& key);
 
+/// Removes the key "start.arm_angle_deg" of a mapping, by today's name or its older one. @returns whether it
+/// was there
+bool RemoveKey(YAML::Node mapping, const std::string& key);
+
 }  // namespace osteon::config

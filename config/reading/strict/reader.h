@@ -3,31 +3,15 @@
 #include <filesystem>
 #include <initializer_list>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "config/reading/strict/config_error.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::config {
 
-/// An error in a configuration file, as "file:line: key: found …, accepted …".
-class ConfigError : public std::runtime_error {
- public:
-  /// @param line  counted from 1; 0 for the whole file, and then left out of the text.
-  ConfigError(const std::string& file, int line, const std::string& what);
-
-  [[nodiscard]] const std::string& file() const { return file_; }
-  [[nodiscard]] int line() const { return line_; }
-  /// The same error with a remark at its end.
-  [[nodiscard]] ConfigError With(const std::string& remark) const;
-
- private:
-  ConfigError(const std::string& text, const ConfigError& error);
-
-  std::string file_;
-  int line_;
-};
+struct YamlMapping;
 
 /// Strict reader of one mapping of a YAML file.
 ///
@@ -104,12 +88,11 @@ class Reader {
   [[nodiscard]] std::string PlaceOf(const std::string& key) const;
 
  private:
-  struct Mapping;
   // The file that a key names.
   [[nodiscard]] std::filesystem::path FindFile(const std::string& key, const std::string& kind);
-  explicit Reader(std::shared_ptr<Mapping> mapping) : mapping_(std::move(mapping)) {}
+  explicit Reader(std::shared_ptr<YamlMapping> mapping) : mapping_(std::move(mapping)) {}
 
-  std::shared_ptr<Mapping> mapping_;
+  std::shared_ptr<YamlMapping> mapping_;
 };
 
 }  // namespace osteon::config

@@ -7,7 +7,7 @@
 namespace osteon::control {
 
 /// Requests to the loop. Any thread may make them, and a signal handler may.
-class MotionRequests {
+class LoopRequests {
  public:
   void AllowStart(bool allowed) OSTEON_RT { may_start_.store(allowed, std::memory_order_relaxed); }
   void RequestStop() OSTEON_RT { stop_.store(true, std::memory_order_relaxed); }

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "app/cli/command_table.h"
+#include "app/cli/help/command_table.h"
 
 // The text of --help. CLI11's own does not break lines; this one fits the terminal.
 

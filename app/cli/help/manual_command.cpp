@@ -1,12 +1,12 @@
-#include "app/cli/manual_command.h"
+#include "app/cli/help/manual_command.h"
 
 #include <tuple>
 
 #include <fmt/format.h>
 
-#include "app/cli/command_table.h"
-#include "app/cli/completion.h"
-#include "app/cli/manual.h"
+#include "app/cli/help/command_table.h"
+#include "app/cli/help/completion.h"
+#include "app/cli/help/manual.h"
 #include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
 #include "base/write_text.h"

@@ -1,4 +1,4 @@
-#include "app/cli/command_table.h"
+#include "app/cli/help/command_table.h"
 
 #include <algorithm>
 #include <charconv>

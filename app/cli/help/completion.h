@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "app/cli/command_table.h"
+#include "app/cli/help/command_table.h"
 
 // Scripts by which a shell completes the command: subcommands, options, words, files, and names below
 // config/. They are complete in themselves: nothing is started when a key is pressed.

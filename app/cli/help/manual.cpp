@@ -1,4 +1,4 @@
-#include "app/cli/manual.h"
+#include "app/cli/help/manual.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "app/cli/help_text.h"
+#include "app/cli/help/help_text.h"
 #include "base/text.h"
 
 namespace osteon::app {

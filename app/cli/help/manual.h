@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "app/cli/command_table.h"
+#include "app/cli/help/command_table.h"
 
 // The manual of the command, in three forms, from the table that parses the command line.
 
