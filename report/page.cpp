@@ -1,5 +1,7 @@
 #include "report/page.h"
 
+#include <string_view>
+
 #include <fmt/format.h>
 
 #include "base/output_file.h"
@@ -48,6 +50,17 @@ footer { margin-top: 44px; color: #59636e; font-size: 13px; }
   .verdict { border: 1px solid currentColor; } pre { font-size: 8pt; } }
 )";
 
+// A file's name as a part of a URL: all but letters, digits and -._~ as %XX.
+std::string PercentEncoded(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                       std::string_view("-._~").find(c) != std::string_view::npos;
+    out += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string PageBegin(const std::string& title) {
@@ -56,6 +69,11 @@ std::string PageBegin(const std::string& title) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{}</title>\n"
       "<style>{}</style>\n</head>\n<body>\n<main>\n",
       Escape(title), kStyle);
+}
+
+std::string FileLink(const std::string& file) {
+  // "./": a name with a colon would be taken for a protocol
+  return fmt::format(R"(<a href="./{}">{}</a>)", PercentEncoded(file), Escape(file));
 }
 
 std::string VerdictBadge(const ReportVerdict& verdict) {

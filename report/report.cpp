@@ -22,7 +22,8 @@ std::string HeadHtml(const ReportInput& input) {
   if (!input.summary.empty()) {
     out += "<ul class=\"summary\">\n";
     for (const SummaryRow& row : input.summary)
-      out += fmt::format("<li><span>{}</span> <b>{}</b></li>\n", Escape(row.key), Escape(row.value));
+      out += fmt::format("<li><span>{}</span> <b>{}</b></li>\n", Escape(row.key),
+                         row.file.empty() ? Escape(row.value) : FileLink(row.file));
     out += "</ul>\n";
   }
   return out + "</header>\n";

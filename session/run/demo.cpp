@@ -98,6 +98,10 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
   if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
   measuring.BeginPhase("measure the cut");
   RunSummary summary = Summarise(setup, engine, params, result, *run);
+  if (auto pages = stops.Finish())  // before the report, which leads to them
+    summary.stops = std::move(*pages);
+  else
+    AddReason(wrong, pages.error());
   measuring.BeginPhase("draw the report");
   const std::filesystem::path page = options.out / "report.html";
   if (const auto figures = WriteReport(ReportOf(options, setup, result, *run, summary), page))
@@ -105,10 +109,6 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
   else
     AddReason(wrong, figures.error());
   measuring.Done();
-  if (auto pages = stops.Finish())
-    summary.stops = std::move(*pages);
-  else
-    AddReason(wrong, pages.error());
 
   const std::string json = ToJson(summary, "osteon.demo/1");
   for (const std::filesystem::path& file : {options.out / "summary.json", options.json}) {

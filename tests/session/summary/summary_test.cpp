@@ -367,6 +367,22 @@ TEST(EffectiveLimits, AreTheTightestAndNameTheOthers) {
   EXPECT_EQ(of("force", false).value, std::min(params.wrench.max_force_N, 200.0));
 }
 
+TEST(SummaryRows, NameThePageOfAStopAndTheTableOfItsTicks) {
+  RunSummary summary;
+  summary.stops = {{.page = "out/recording_stop_1.html",
+                    .heading = "What led to the stop",
+                    .ticks = "out/recording_stop_1_ticks.csv"}};
+  EXPECT_EQ(RowOf(summary, "What led to the stop"), "out/recording_stop_1.html");
+  EXPECT_EQ(RowOf(summary, "Its ticks, as a table"), "out/recording_stop_1_ticks.csv");
+  for (const SummaryRow& row : Rows(summary)) {
+    if (row.file.empty()) continue;
+    EXPECT_EQ("out/" + row.file, row.value) << "the report, in the same folder, leads to it";
+  }
+  const nlohmann::json json = nlohmann::json::parse(ToJson(summary, "osteon.demo/1"));
+  EXPECT_EQ(json.at("stops").at(0), "out/recording_stop_1.html");
+  EXPECT_EQ(json.at("stop_ticks").at(0), "out/recording_stop_1_ticks.csv");
+}
+
 TEST(SummaryRows, ShowVolumesBesideEachOther) {
   EXPECT_EQ(RowOf(Sample(), "Bone removed"), "2500 mm³, 3.50 g; swept 2000 mm³ (+25.0 %)");
   EXPECT_EQ(RowOf(Sample(), "Peak rendered force"), "123.4 N of 200 N allowed");
