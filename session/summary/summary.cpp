@@ -149,8 +149,9 @@ std::string CutText(const RunSummary& s) {
 std::string ActedText(const RunSummary& s) {
   std::string text;
   for (const ActedLimit& limit : s.acted_limits)
-    text += fmt::format("{}{} from {:.2f} s ({} ticks, {:.3f} s at most)", text.empty() ? "" : "; ",
-                        limit.name, limit.first_s, limit.ticks, limit.longest_s);
+    text +=
+        fmt::format("{}{} ({}) from {:.2f} s, {} ticks, at most {:.3f} s in a row", text.empty() ? "" : "; ",
+                    limit.text, limit.name, limit.first_s, limit.ticks, limit.longest_s);
   return text.empty() ? "none" : text;
 }
 

@@ -340,8 +340,10 @@ TEST(SummaryRows, SayWhichLimitsActedWhenAndForHowLong) {
   ActedLimits acted_limits;
   for (const control::TickRecord& tick : ticks) acted_limits.Add(tick);
   summary.acted_limits = acted_limits.Rows(1e-3);
-  EXPECT_EQ(RowOf(summary, "Limits that acted"),
-            "power from 0.02 s (14 ticks, 0.010 s at most); depth from 0.10 s (1 ticks, 0.001 s at most)");
+  EXPECT_EQ(
+      RowOf(summary, "Limits that acted"),
+      "power into the hand (power) from 0.02 s, 14 ticks, at most 0.010 s in a row; depth limit (depth) "
+      "from 0.10 s, 1 ticks, at most 0.001 s in a row");
   const nlohmann::json acted =
       nlohmann::json::parse(ToJson(summary, "osteon.demo/1")).at("limits").at("acted");
   EXPECT_EQ(acted.at(0).at("events"), 2);
