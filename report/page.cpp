@@ -1,5 +1,7 @@
 #include "report/page.h"
 
+#include <string_view>
+
 #include <fmt/format.h>
 
 #include "base/output_file.h"
@@ -42,11 +44,29 @@ pre { background: #f5f7f9; border-radius: 6px; padding: 12px 14px; font-size: 12
   white-space: pre-wrap; overflow-wrap: anywhere; }
 footer { margin-top: 44px; color: #59636e; font-size: 13px; }
 @media (max-width: 700px) { .summary { columns: 1; } .pair { grid-template-columns: 1fr; } main { padding: 20px 16px; }
-  table { display: block; overflow-x: auto; } figure { overflow-x: auto; } figure svg { max-width: none; } }
+  table { display: block; overflow-x: auto; } figure { overflow-x: auto; } figure svg { max-width: none;
+  mix-blend-mode: multiply; }
+  /* a shadow at each side where a plot or a table goes on: white sheets that scroll along cover it at the ends;
+  blended, because a plot has a white ground of its own */
+  figure, table { background: linear-gradient(90deg, #fff 40%, #fff0) 0 0 / 40px 100% no-repeat local,
+    linear-gradient(270deg, #fff 40%, #fff0) 100% 0 / 40px 100% no-repeat local,
+    linear-gradient(90deg, #1b1f2440, #1b1f2400) 0 0 / 12px 100% no-repeat,
+    linear-gradient(270deg, #1b1f2440, #1b1f2400) 100% 0 / 12px 100% no-repeat; } }
 @page { size: A4; margin: 14mm; }
 @media print { main { width: auto; padding: 0; } body { font-size: 10.5pt; } h2 { break-after: avoid; margin-top: 24px; }
   .verdict { border: 1px solid currentColor; } pre { font-size: 8pt; } }
 )";
+
+// A file's name as a part of a URL: all but letters, digits and -._~ as %XX.
+std::string PercentEncoded(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                       std::string_view("-._~").find(c) != std::string_view::npos;
+    out += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -56,6 +76,11 @@ std::string PageBegin(const std::string& title) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{}</title>\n"
       "<style>{}</style>\n</head>\n<body>\n<main>\n",
       Escape(title), kStyle);
+}
+
+std::string FileLink(const std::string& file) {
+  // "./": a name with a colon would be taken for a protocol
+  return fmt::format(R"(<a href="./{}">{}</a>)", PercentEncoded(file), Escape(file));
 }
 
 std::string VerdictBadge(const ReportVerdict& verdict) {

@@ -19,6 +19,9 @@ inline constexpr const char* kPageEnd = "</main>\n</body>\n</html>\n";
 /// @param content  markup;  @param caption  text, or empty
 [[nodiscard]] std::string Figure(const std::string& content, const std::string& caption);
 
+/// A link to a file in the page's own folder. @param file  its name
+[[nodiscard]] std::string FileLink(const std::string& file);
+
 /// How good a result was, worst reason first.
 struct ReportVerdict {
   std::string level{"good"};  ///< "good", "look" or "bad"

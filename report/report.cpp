@@ -22,7 +22,8 @@ std::string HeadHtml(const ReportInput& input) {
   if (!input.summary.empty()) {
     out += "<ul class=\"summary\">\n";
     for (const SummaryRow& row : input.summary)
-      out += fmt::format("<li><span>{}</span> <b>{}</b></li>\n", Escape(row.key), Escape(row.value));
+      out += fmt::format("<li><span>{}</span> <b>{}</b></li>\n", Escape(row.key),
+                         row.file.empty() ? Escape(row.value) : FileLink(row.file));
     out += "</ul>\n";
   }
   return out + "</header>\n";
@@ -109,8 +110,8 @@ std::string AssumptionsHtml(const simulation::Bone& bone) {
   const std::vector<std::string> assumptions = simulation::Assumptions(bone.materials);
   if (assumptions.empty()) return {};
   std::string out =
-      "<h2>Assumed</h2>\n<p>No source was found for these figures; in brackets, what was gone "
-      "by.</p>\n<ul>\n";
+      "<h2>Assumed</h2>\n<p>These figures of the tissues are assumptions, because no source was found; in "
+      "brackets, what they are based on.</p>\n<ul>\n";
   for (const std::string& line : assumptions) out += "<li>" + Escape(line) + "</li>\n";
   return out + "</ul>\n";
 }
@@ -149,10 +150,11 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
         "below shows the balls as they are.</p>\n",
         Escape(tints));
   html += "<h2>Section</h2>\n";
-  html += Figure(SectionSvg(section, input.bone),
-                 "In the plane of the site's axis and of the path's farthest point from it. Balls cut by the "
-                 "plane; the swept "
-                 "tool is the union of the tool's head over every recorded proxy pose.");
+  html +=
+      Figure(SectionSvg(section, input.bone),
+             "A cut through the bone along the site's axis, in the plane where the tool went farthest from "
+             "this axis. The orange line bounds all that the tool's head has swept; a black line on it is a "
+             "cut as an ideal tool would leave it.");
   if (section.error.samples > 0)
     html += Figure(SectionDetailSvg(section, input.bone), "") +
             Figure(ErrorChart(section),
@@ -160,9 +162,13 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
                    "the balls that made up the edge are gone.");
   html += ErrorTable(report.figures);
   html += "<h2>Force</h2>\n" + Figure(ForceChart(input.run, input.force_limit_N), "");
-  html += "<h2>Progress</h2>\n" + Figure(ProgressChart(input.run), "");
-  html += "<h2>Motion</h2>\n" +
-          Figure(MotionChart(input.run, input.tool_speed_limit_m_per_s, input.max_tool_in_bone_m), "");
+  html += "<h2>Progress</h2>\n" +
+          Figure(ProgressChart(input.run), "Below 0 mm, the tool has not reached the first floor yet.");
+  html +=
+      "<h2>Motion</h2>\n" +
+      Figure(MotionChart(input.run, input.tool_speed_limit_m_per_s, input.max_tool_in_bone_m),
+             "The contact model is the simulation's latest picture of the bone. Its age grows until the next "
+             "frame arrives, many times a second, and so its line fills a band.");
   html += TimingHtml(input);
   html += AssumptionsHtml(input.bone);
   if (!input.command_line.empty())

@@ -22,6 +22,7 @@ namespace osteon::app {
 /// A row of the summary: a name, and a value with its unit.
 struct SummaryRow {
   std::string key, value;
+  std::string file{};  ///< name of a file beside the report, which the value leads to; empty: none
 };
 
 /// A fault in the report.

@@ -1,6 +1,5 @@
 #include "app/cli/command_line.h"
 
-#include <cstdlib>
 #include <exception>
 #include <memory>
 #include <sstream>
@@ -9,6 +8,7 @@
 
 #include "app/cli/help/help_text.h"
 #include "app/cli/usage.h"
+#include "config/reading/config_file_tracker.h"
 #include "session/process/exit_code.h"
 #include "session/process/output.h"
 
@@ -25,8 +25,7 @@ std::string CommandLine(int argc, char** argv) {
 }
 
 void PrepareTop(CLI::App& app, std::filesystem::path& config_root) {
-  const char* root = std::getenv("OSTEON_ROOT");
-  config_root = std::filesystem::path(root ? root : ".") / "config";
+  config_root = config::ShippedFolder();
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_flag("-h,--help", "print this text");
   app.set_version_flag("--version", "osteon " OSTEON_VERSION, "print the version");

@@ -14,8 +14,8 @@ namespace osteon::app {
 /// The command line that repeats a run.
 [[nodiscard]] std::string CommandLine(int argc, char** argv);
 
-/// Prepares the top of a tree of subcommands: form of the help, --version, --config-root (by default config/
-/// below $OSTEON_ROOT, or below the working folder).
+/// Prepares the top of a tree of subcommands: form of the help, --version, --config-root (by default
+/// config::FindShippedFolder).
 void PrepareTop(CLI::App& app, std::filesystem::path& config_root);
 
 /// Reads a command line. @returns the exit code where nothing is left to do: help, version, a wrong word.

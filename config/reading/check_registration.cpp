@@ -113,7 +113,7 @@ std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
        .key = "tool",
        .hint = cell.tool.tool.name + ": its mounting's position_mm and its length",
        .note = {}},
-      {.name = "of the tool's rotation from a rotation",
+      {.name = "from the tool's rotation to the nearest rotation",
        .value = R_FT.determinant() > 0.0 ? (R_FT * R_FT.transpose() - Matrix3::Identity()).norm() : 2.0,
        .unit = "",
        .high = kRotation,
@@ -140,7 +140,7 @@ std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
        .hint = to_plane_m < 0.0 ? "the site is below the workspace's plane"
                                 : "the site with its depth must be above",
        .note = {}},
-      {.name = "of the arm's base from the vertical",
+      {.name = "from the arm's base to the vertical",
        .value = tilt_deg,
        .unit = "deg",
        .section = "base_in_world",

@@ -22,8 +22,9 @@ bool IsBelow(const std::filesystem::path& path, const std::filesystem::path& fol
 
 std::filesystem::path& Shipped() {
   static std::filesystem::path folder = [] {
-    const char* root = std::getenv("OSTEON_ROOT");
-    return std::filesystem::path(root ? root : ".") / "config";
+    std::error_code error;
+    return FindShippedFolder(std::getenv("OSTEON_ROOT"), ".",
+                             std::filesystem::read_symlink("/proc/self/exe", error));
   }();
   return folder;
 }
@@ -48,6 +49,21 @@ std::filesystem::path FindBelow(const std::filesystem::path& root, const std::st
 }
 
 }  // namespace
+
+std::filesystem::path FindShippedFolder(const char* root, const std::filesystem::path& here,
+                                        const std::filesystem::path& program) {
+  if (root) return std::filesystem::path(root) / "config";
+  std::error_code error;
+  const auto has_cells = [&](const std::filesystem::path& folder) {
+    return std::filesystem::is_directory(folder / "config" / "cells", error);
+  };
+  if (!has_cells(here))
+    for (std::filesystem::path above = program; above.has_relative_path();) {
+      above = above.parent_path();
+      if (has_cells(above)) return above / "config";
+    }
+  return here / "config";
+}
 
 std::filesystem::path ShippedFolder() { return Shipped(); }
 

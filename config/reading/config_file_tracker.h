@@ -6,8 +6,12 @@
 
 namespace osteon::config {
 
-/// The folder with the shipped cells/, robots/, tools/ …: $OSTEON_ROOT/config, or ./config without that
-/// variable, until SetShippedFolder says another.
+/// Finds the folder with the shipped cells/, robots/, tools/ …: $OSTEON_ROOT/config; without that variable
+/// ./config, or else the config/ that is nearest above the program, as a build inside the checkout has it.
+/// @param root  $OSTEON_ROOT, or null;  @param program  the running program's file
+[[nodiscard]] std::filesystem::path FindShippedFolder(const char* root, const std::filesystem::path& here,
+                                                      const std::filesystem::path& program);
+/// The folder that FindShippedFolder finds for this process, until SetShippedFolder says another.
 [[nodiscard]] std::filesystem::path ShippedFolder();
 /// Call before other threads exist.
 void SetShippedFolder(const std::filesystem::path& folder);

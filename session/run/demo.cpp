@@ -98,6 +98,10 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
   if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
   measuring.BeginPhase("measure the cut");
   RunSummary summary = Summarise(setup, engine, params, result, *run);
+  if (auto pages = stops.Finish())  // before the report, which leads to them
+    summary.stops = std::move(*pages);
+  else
+    AddReason(wrong, pages.error());
   measuring.BeginPhase("draw the report");
   const std::filesystem::path page = options.out / "report.html";
   if (const auto figures = WriteReport(ReportOf(options, setup, result, *run, summary), page))
@@ -105,10 +109,6 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
   else
     AddReason(wrong, figures.error());
   measuring.Done();
-  if (auto pages = stops.Finish())
-    summary.stops = std::move(*pages);
-  else
-    AddReason(wrong, pages.error());
 
   const std::string json = ToJson(summary, "osteon.demo/1");
   for (const std::filesystem::path& file : {options.out / "summary.json", options.json}) {
@@ -143,17 +143,22 @@ int RunDemo(const DemoOptions& options) {
   if (const std::string wrong = claim.Acquire(options.out); !wrong.empty()) return Fail("demo", wrong);
   OutputThread output({.watch_stderr = true});
 
-  auto setup = PrepareCell(options.cell, options.mesh, options.tool);
-  if (!setup) return Fail("demo", setup.error());
-  const auto first_port = UseSimulated(setup->config, options.port);
-  if (!first_port) return Fail("demo", first_port.error());
   const bool timed = !options.virtual_time;
+  PhaseProgress planning("osteon demo", timed ? 3 : 2, false);
+  planning.BeginPhase("load the cell");  // seconds, where a mesh is open
+  const auto refuse = [&](const std::string& why) {
+    planning.Done();
+    return Fail("demo", why);
+  };
+  auto setup = PrepareCell(options.cell, options.mesh, options.tool);
+  if (!setup) return refuse(setup.error());
+  const auto first_port = UseSimulated(setup->config, options.port);
+  if (!first_port) return refuse(first_port.error());
   const EngineChoice choice = ChooseEngine(options.engine, options.device);
-  PhaseProgress planning("osteon demo", timed ? 2 : 1, false);
   if (const auto packed = PackCell(*setup, options.fidelity, choice, timed,
                                    [&](const std::string& phase) { planning.BeginPhase("plan: " + phase); });
       !packed)
-    return Fail("demo", packed.error());
+    return refuse(packed.error());
   planning.Done();
   auto engine = MakeEngine(*setup, choice);
   if (!engine) return Fail("demo", engine.error());

@@ -100,12 +100,18 @@ int RunOperate(const OperateOptions& asked) {
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("run", "--cpu: " + wrong);
   OutputThread output({.watch_stderr = true});
+  PhaseProgress planning("osteon run", 3, false);
+  planning.BeginPhase("load the cell");  // seconds, where a mesh is open
   auto setup = PrepareCell(options.cell, {}, options.tool, options.gains);
-  if (!setup) return Fail("run", setup.error());
+  const auto refuse = [&](const std::string& why) {
+    planning.Done();
+    return Fail("run", why);
+  };
+  if (!setup) return refuse(setup.error());
   std::optional<CellProcessParams> cell;
   if (options.simulated) {
     const auto first_port = UseSimulated(setup->config, options.port);
-    if (!first_port) return Fail("run", first_port.error());
+    if (!first_port) return refuse(first_port.error());
     cell = CellProcessParams{.cell = options.cell,
                              .tool = options.tool,
                              .seconds = options.seconds,
@@ -114,14 +120,13 @@ int RunOperate(const OperateOptions& asked) {
                              .guard = setup->config.guard.has_value()};
   } else if (options.port) {
     if (const std::string wrong = UseSimulatedWires(setup->config, options.port); !wrong.empty())
-      return Fail("run", wrong);
+      return refuse(wrong);
   }
   const EngineChoice choice = ChooseEngine(options.engine, options.device);
-  PhaseProgress planning("osteon run", 2, false);
   if (const auto packed = PackCell(*setup, options.fidelity, choice, true,
                                    [&](const std::string& phase) { planning.BeginPhase("plan: " + phase); });
       !packed)
-    return Fail("run", packed.error());
+    return refuse(packed.error());
   planning.Done();
   auto engine = MakeEngine(*setup, choice);
   if (!engine) return Fail("run", engine.error());
@@ -133,6 +138,7 @@ int RunOperate(const OperateOptions& asked) {
   fmt::print(stderr, "osteon run: configuration {}\nosteon run: waits {:g} s for the arm\n",
              ConfigChecksum(setup->config_source), options.wait_s);
 
+  if (!setup->bone_warning.empty()) fmt::print(stderr, "osteon run: warning: {}\n", setup->bone_warning);
   for (const std::string& warning : SetupWarnings(setup->config, !cell))
     fmt::print(stderr, "osteon run: warning: {}\n", warning);
 

@@ -36,7 +36,9 @@ std::string MakeStopPage(const StopPageInput& input) {
   RunCurves curves;
   for (const control::TickRecord& tick : input.ticks) curves.Add(tick);
   std::string page = PageBegin(input.title);
-  page += fmt::format("<h1>{}</h1>\n<p>{}</p>\n", Escape(input.title), Escape(input.where));
+  page +=
+      fmt::format("<h1>{}</h1>\n<p>{}{}</p>\n", Escape(input.title), Escape(input.where),
+                  input.ticks_file.empty() ? "" : " Every tick is in " + FileLink(input.ticks_file) + ".");
   page += fmt::format("<h2>{}</h2>\n", Escape(input.heading)) + FaultTable(input) + TripFigures(input);
   page += "<h2>Forces and motion</h2>\n";
   page += Figure(ForceChart(curves, input.force_limit_N, input.time), "Forces on the tool.");

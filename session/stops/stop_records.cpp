@@ -183,12 +183,12 @@ void StopPages::Write(const StopRecord& stop) {
   const std::filesystem::path file = StopPage(params_.folder, params_.stem, number);
   const TripLimits limits = TripLimitsOf(params_.cell, session_stamp_ == 0);
   StopPageInput page = PageOf(stop, number, end_reason_, force_limit_N_, limits);
-  page.where += " Every tick is in " + table.filename().string() + ".";
+  page.ticks_file = table.filename().string();
   if (auto done = ExportTicks(stop.ticks, session_stamp_, table); !done)
     error_ = done.error();
   else if (auto shown = WritePage(MakeStopPage(page), file); !shown)
     error_ = shown.error();
-  written_.push_back({.page = file, .heading = stop.Heading()});
+  written_.push_back({.page = file, .heading = stop.Heading(), .ticks = table});
 }
 
 }  // namespace osteon::app

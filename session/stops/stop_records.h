@@ -61,10 +61,11 @@ class StopFinder {
 /// The recording's event of an orderly end begins with this; the reason follows.
 inline constexpr const char* kEndEvent = "end: ";
 
-/// The page of a stop with its heading.
+/// The page of a stop with its heading, and the table of its ticks.
 struct WrittenStop {
   std::filesystem::path page;
-  std::string heading;  ///< StopRecord::Heading
+  std::string heading;          ///< StopRecord::Heading
+  std::filesystem::path ticks;  ///< CSV
 };
 
 struct StopPagesParams {

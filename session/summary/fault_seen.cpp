@@ -83,10 +83,11 @@ class Accepted {
  public:
   explicit Accepted(const control::ServoParams* servo) : servo_(servo) {}
 
-  /// @param limit  (const control::ServoParams&) -> double, in the unit of the measured value
+  /// @param unit  of the measured value and of the limit;  @param limit  (const control::ServoParams&) ->
+  /// double
   template <class Limit>
-  [[nodiscard]] std::string operator()(const Limit& limit) const {
-    return servo_ == nullptr ? std::string() : fmt::format(", accepted {:.4g}", limit(*servo_));
+  [[nodiscard]] std::string operator()(const char* unit, const Limit& limit) const {
+    return servo_ == nullptr ? std::string() : fmt::format(", accepted {:.4g} {}", limit(*servo_), unit);
   }
 
  private:
@@ -123,20 +124,20 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
                                             servo->watchdog.arm_misses, Rejected(tick));
     case Fault::kModelStale:
       return "the model is " + Age(tick.model_age_s, "not there yet") +
-             accepted([](const Servo& p) { return 1e3 * p.watchdog.model_stop_s; });
+             accepted("ms", [](const Servo& p) { return 1e3 * p.watchdog.model_stop_s; });
     case Fault::kSensorStale:
       return "the reading is " + Age(tick.sensor_age_s, "not there yet") +
-             accepted([](const Servo& p) { return 1e3 * p.watchdog.sensor_stop_s; });
+             accepted("ms", [](const Servo& p) { return 1e3 * p.watchdog.sensor_stop_s; });
     case Fault::kWrenchRate:
       if (tick.wrench_step_limit_N == 0.0) return "";  // recorded by a version without the step
-      return fmt::format("{:.1f} N in {:g} ms, accepted {:.1f}", tick.wrench_step_N,
+      return fmt::format("{:.1f} N in {:g} ms, accepted {:.1f} N", tick.wrench_step_N,
                          1e3 * tick.input.period_s, tick.wrench_step_limit_N);
     case Fault::kSensorForce:
       return fmt::format("{:.0f} N", Vector3(tick.F_operator_T_W.f).norm()) +
-             accepted([](const Servo& p) { return p.wrench.max_force_N + p.sensor_force.margin_N; });
+             accepted("N", [](const Servo& p) { return p.wrench.max_force_N + p.sensor_force.margin_N; });
     case Fault::kToolSpeed:
       return fmt::format("{:.0f} mm/s", 1e3 * Vector3(tick.v_WT_cmd_m_per_s).norm()) +
-             accepted([](const Servo& p) { return 1e3 * control::ToolSpeedTripLimit_m_per_s(p); });
+             accepted("mm/s", [](const Servo& p) { return 1e3 * control::ToolSpeedTripLimit_m_per_s(p); });
     case Fault::kWorkspace:
       return Place(tick.X_WT_cmd);
     case Fault::kSession:
@@ -148,17 +149,17 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
       return NotFinite(tick);
     case Fault::kTracking:
       return fmt::format("{:.1f} mm", Distance_mm(tick.X_WT_cmd, tick.X_WT_meas)) +
-             accepted([](const Servo& p) { return 1e3 * p.max_tracking_error_m; });
+             accepted("mm", [](const Servo& p) { return 1e3 * p.max_tracking_error_m; });
     case Fault::kPeriod:
       return fmt::format("{:g} ms", 1e3 * tick.input.period_s) +
-             accepted([](const Servo& p) { return 1e3 * p.period_s; });
+             accepted("ms", [](const Servo& p) { return 1e3 * p.period_s; });
     case Fault::kInterlock:
       return Interlock(tick);
     case Fault::kSpindle:
       return Spindle(tick);
     case Fault::kToolInBone:
       return fmt::format("{:.1f} mm", 1e3 * tick.tool_in_bone_m) +
-             accepted([](const Servo& p) { return 1e3 * p.on_force_limit.max_tool_in_bone_m; });
+             accepted("mm", [](const Servo& p) { return 1e3 * p.on_force_limit.max_tool_in_bone_m; });
     case Fault::kArmSpeed:
       return fmt::format("{:.0f} mm/s in the last message", 1e3 * tick.tool_speed_meas_m_per_s);
     case Fault::kSpindleLimit:

@@ -16,6 +16,25 @@
 namespace osteon::app {
 namespace {
 
+// safety::kLimitNames in words, for people.
+constexpr std::array<std::string_view, safety::kLimitCount> kLimitTexts{"largest force or torque",
+                                                                        "what the arm's joints can hold",
+                                                                        "energy in the coupling's spring",
+                                                                        "power into the hand",
+                                                                        "tool speed",
+                                                                        "workspace of the apex",
+                                                                        "zones of flange and elbow",
+                                                                        "joints",
+                                                                        "elbow speed",
+                                                                        "depth limit",
+                                                                        "age of the contact model",
+                                                                        "age of the force sensor's reading",
+                                                                        "age governor",
+                                                                        "passivity controller",
+                                                                        "energy tank",
+                                                                        "speed into bone at the force limit"};
+static_assert(!kLimitTexts.back().empty(), "a limit without words");
+
 constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;
 
 struct Bound {
@@ -138,6 +157,7 @@ std::vector<ActedLimit> ActedLimits::Rows(double period_s) const {
     const safety::LimitCount& count = counts_.Of(static_cast<safety::Limit>(i));
     if (count.ticks == 0) continue;
     acted.push_back({.name = std::string(safety::kLimitNames[i]),
+                     .text = std::string(kLimitTexts[i]),
                      .ticks = count.ticks,
                      .events = count.events,
                      .first_s = first_s_[i],

@@ -32,6 +32,7 @@ struct EffectiveLimit {
 /// The actions of one limit in a run.
 struct ActedLimit {
   std::string name;  ///< safety::kLimitNames
+  std::string text;  ///< the same in words
   std::uint64_t ticks{0}, events{0};
   double first_s{0.0};    ///< since the first tick
   double longest_s{0.0};  ///< of one event

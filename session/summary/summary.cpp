@@ -149,8 +149,9 @@ std::string CutText(const RunSummary& s) {
 std::string ActedText(const RunSummary& s) {
   std::string text;
   for (const ActedLimit& limit : s.acted_limits)
-    text += fmt::format("{}{} from {:.2f} s ({} ticks, {:.3f} s at most)", text.empty() ? "" : "; ",
-                        limit.name, limit.first_s, limit.ticks, limit.longest_s);
+    text +=
+        fmt::format("{}{} ({}) from {:.2f} s, {} ticks, at most {:.3f} s in a row", text.empty() ? "" : "; ",
+                    limit.text, limit.name, limit.first_s, limit.ticks, limit.longest_s);
   return text.empty() ? "none" : text;
 }
 
@@ -341,7 +342,10 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
   for (const DriveFaultRow& row : s.drive_faults)
     drive += fmt::format("{}at {:.2f} s {}", drive.empty() ? "" : "; ", row.time_s, row.text);
   if (!drive.empty()) rows.push_back({"Faults of the drive", drive});
-  for (const WrittenStop& stop : s.stops) rows.push_back({stop.heading, stop.page.string()});
+  for (const WrittenStop& stop : s.stops) {
+    rows.push_back({stop.heading, stop.page.string(), stop.page.filename().string()});
+    rows.push_back({"Its ticks, as a table", stop.ticks.string(), stop.ticks.filename().string()});
+  }
   rows.push_back(
       {"Recording", s.recording + (s.recording_error.empty() ? "" : ", not whole: " + s.recording_error)});
   return rows;
@@ -473,8 +477,13 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
                               {"frame_us_before", row.seen_us},
                               {"predicted_frame_us", row.zones.frame_us}});
   nlohmann::json stops = nlohmann::json::array();
-  for (const WrittenStop& stop : s.stops) stops.push_back(stop.page.string());
+  nlohmann::json stop_ticks = nlohmann::json::array();
+  for (const WrittenStop& stop : s.stops) {
+    stops.push_back(stop.page.string());
+    stop_ticks.push_back(stop.ticks.string());
+  }
   out["stops"] = stops;
+  out["stop_ticks"] = stop_ticks;
   out["min_wall_mm"] = s.min_wall_m ? nlohmann::json(*s.min_wall_m * 1e3) : nlohmann::json(nullptr);
   out["least_wall_mm"] = out["min_wall_mm"];  // its older name, which stays for programs that read it
   if (s.wakeup.count > 0) {

@@ -41,9 +41,9 @@ std::vector<std::string> Assumptions(const std::vector<Material>& materials) {
         lines.push_back(fmt::format("{}: {}{}", m.name, figure,
                                     source.text.empty() ? "" : fmt::format(" ({})", source.text)));
     };
-    add(m.density_source, fmt::format("density {:g} g/cm^3", m.density_kg_per_m3 * 1e-3));
+    add(m.density_source, fmt::format("density {:g} g/cm³", m.density_kg_per_m3 * 1e-3));
     add(m.cutting_energy_source,
-        fmt::format("cutting energy {:g} J/mm^3", m.specific_cutting_energy_J_per_m3 * 1e-9));
+        fmt::format("cutting energy {:g} J/mm³", m.specific_cutting_energy_J_per_m3 * 1e-9));
     add(m.cutting_force_source, fmt::format("cutting-force ratio {:g}", m.cutting_force_ratio));
     add(m.friction_source, fmt::format("friction {:g}", m.friction));
   }

@@ -332,16 +332,22 @@ int RunTransparency(const TransparencyOptions& options) {
        .title = "Transparency of " + result.cell,
        .verdict = verdict.ForReport(),
        .svg = Plot(result),
-       .caption = "The hand's wrench over the tool's velocity, one frequency after the other: as felt at the "
-                  "handle, and as the law asks for. The arm's lag is felt as mass in free motion (drag times "
-                  "lag) and as damping in contact (stiffness times lag).",
+       .caption =
+           "How hard the hand has to push for a speed of the tool (|F/v|), and how far the force is ahead "
+           "of the speed (phase), one frequency after the other: as felt at the handle, and as the gains "
+           "of the cell ask for. Where the lines lie on each other, the hand feels what was asked for. "
+           "The arm's lag is felt as additional mass in free motion (drag times lag) and as damping in "
+           "contact (stiffness times lag).",
        .csv = ToCsv(result),
        .json = json,
        .json_copy = options.json,
        .table = Table(result),
-       .notes = {fmt::format("Simulated arm as the cell has it. Mass and drag are fitted up to {:g} Hz; the "
-                             "residual is the rms of |Z - asked| / |asked| there, worst of x y z: {:.1f} %.",
-                             kTransparencyFit_hz, 100.0 * result.free_residual()),
+       .notes = {fmt::format(
+                     "The table: mass and drag that the cell's gains ask for, and those that a hand feels "
+                     "at the simulated arm, fitted up to {:g} Hz. The residual says by how much the felt "
+                     "force differs from the one asked for at the same motion (root mean square over "
+                     "these frequencies); the worst of x, y, z is {:.1f} %.",
+                     kTransparencyFit_hz, 100.0 * result.free_residual()),
                  options.command_line}},
       options.out);
   if (!written) return Fail("transparency", written.error(), kFailed);

@@ -215,28 +215,34 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const std::str
   if (!map.empty())
     html +=
         "<h2>How stiff a wall may be</h2>\n" +
-        Figure(width,
-               "The greatest stiffness of a wall that the tick evaluates, before the first crossing, at the "
-               "recommended mass. Lines: spectral radius of the closed loop's matrix. Circles: the shipped "
-               "parts run in time. Crosses: the same with commands lost and late. Where a line ends at the "
-               "left, "
-               "the loop is unstable without any wall; at the top, it is stable as far as was looked.") +
-        Figure(map,
-               "How fast the slowest motion of the worst hand dies out. Grey: it grows. The loop is not "
-               "monotone in stiffness: above a grey band it may be stable again, where no one gets to.");
+        Figure(
+            width,
+            "Below a line the tool is calm at the wall, above it the tool oscillates; all at the recommended "
+            "mass. Lines: computed (spectral radius of the loop's matrix). Circles: simulated. Crosses: "
+            "simulated with commands lost and late. Left of a line's left end the tool oscillates without "
+            "any "
+            "wall. Triangles: stable up to the stiffest wall that was tried.") +
+        Figure(
+            map,
+            "How fast the slowest motion of the worst hand dies out; in the grey part it grows. Above a grey "
+            "band the loop may be stable again, at walls stiffer than any in use.");
   html +=
       "<h2>What it costs</h2>\n" +
-      Figure(trade,
-             "The least drag that stands all of it, by virtual mass: a tool that is too light follows the "
-             "hand's own mass, a heavier one is slower than the arm's lag. What is below both lines counts "
-             "as light.");
+      Figure(
+          trade,
+          "The least drag with which the tool is stable in all of these cases, by its virtual mass. A tool "
+          "that is too light follows the hand's own mass; a heavy one responds slower than the arm's lag. A "
+          "tool below and to the left of both red lines counts as light to the hand.");
   if (r.Stands())
     html +=
         "<h2>Stiffer hands, with the vibration index</h2>\n<p>The grip closes on a tool that moves with 40 "
-        "mm/s. Force of the hand between 5 and 40 Hz, effective over 0.2 s, the greatest; drag as a "
-        "multiple of the recommended, the greatest and the mean from 1 s on, to 10 s.</p>\n" +
+        "mm/s. Force: what the hand feels between 5 and 40 Hz, the greatest effective value over 0.2 s. "
+        "Drag: as "
+        "a multiple of the recommended drag, the greatest, and the mean from 1 s to 10 s.</p>\n" +
         CarriedTable(r);
-  if (r.Stands()) html += "<pre>" + Escape(GainsYaml(r, options.command_line)) + "</pre>\n";
+  if (r.Stands())
+    html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
+            Escape(GainsYaml(r, options.command_line)) + "</pre>\n";
   return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + kPageEnd;
 }
 

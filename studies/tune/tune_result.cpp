@@ -108,7 +108,7 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
       {"Cell", fmt::format("{}: arm of {:g} Hz, {:g} ms dead time, sensor {:g} ms late, period {:g} ms",
                            r.cell, t.loop.arm.bandwidth_hz, 1e3 * t.loop.arm.dead_cycles * t.loop.period_s,
                            1e3 * t.loop.sensor_delay * t.loop.period_s, 1e3 * t.loop.period_s)},
-      {"Has to stand",
+      {"Must be stable with",
        fmt::format(
            "hands up to {:g} N/m, free and at a wall of {:g} N/mm; planes that move with {:.1f} N/mm, "
            "{:g} ms old; {:g} % of the commands lost, {:g} ms jitter; gain margin {:g}",
@@ -119,27 +119,34 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
                    r.own_margin > 0.0 ? fmt::format("gain margin {:.2f}", r.own_margin)
                                       : std::string("not stable with all of these"))}};
   if (!r.Stands()) {
-    rows.push_back({"Recommended", "none: no mass of those tried stands it, whatever the drag"});
+    rows.push_back({"Recommended", "none: no mass of those tried is stable, whatever the drag"});
     return rows;
   }
   rows.push_back(
       {"Recommended", fmt::format("{}, gain margin {:.2f}", Shown(r.recommended), r.recommended_margin)});
-  rows.push_back({"Run in time", r.check.grew.empty()
-                                     ? fmt::format("{} runs with losses and jitter, none grew", r.check.runs)
-                                     : fmt::format("{} of {} runs grew: {}", r.check.grew.size(),
-                                                   r.check.runs, fmt::join(r.check.grew, "; "))});
-  rows.push_back({"Light (5 kg, 30 N s/m)",
-                  r.WithinBar() ? std::string("yes")
-                                : (r.within_bar_margin > 0.0
-                                       ? fmt::format("no; within it the greatest margin is {:.2f}, with {}",
-                                                     r.within_bar_margin, Shown(r.within_bar))
-                                       : std::string("no, and within it nothing stands these hands"))});
+  rows.push_back({"Simulated",
+                  r.check.grew.empty()
+                      ? fmt::format("{} runs with commands lost and late; no oscillation grew", r.check.runs)
+                      : fmt::format("in {} of {} runs an oscillation grew: {}", r.check.grew.size(),
+                                    r.check.runs, fmt::join(r.check.grew, "; "))});
+  rows.push_back(
+      {"Light to the hand",
+       r.WithinBar()
+           ? fmt::format("yes: at most {:g} kg and {:g} N s/m", t.max_mass_kg, t.max_drag_Ns_per_m)
+           : (r.within_bar_margin > 0.0
+                  ? fmt::format("no: with at most {:g} kg and {:g} N s/m the greatest gain margin "
+                                "is {:.2f}, with {}",
+                                t.max_mass_kg, t.max_drag_Ns_per_m, r.within_bar_margin, Shown(r.within_bar))
+                  : fmt::format("no: with at most {:g} kg and {:g} N s/m nothing is stable "
+                                "with these hands",
+                                t.max_mass_kg, t.max_drag_Ns_per_m))});
   rows.push_back(
       {fmt::format("Grips up to {:g} N/m", t.stiffest_grip_N_per_m),
-       fmt::format("ask for {} at this mass, {:.1f} times the drag; a clamp of 50 kN/m for {}: the "
-                   "vibration index's part, not the gains'",
-                   Drag(r.stiffest_Ns_per_m), r.stiffest_Ns_per_m / r.recommended.damping_Ns_per_m,
-                   Drag(r.clamp_Ns_per_m))});
+       fmt::format(
+           "need {} at this mass, {:.1f} times the recommended drag, and a clamp of 50 kN/m needs {}: the "
+           "vibration index adds this drag while the tool shakes",
+           Drag(r.stiffest_Ns_per_m), r.stiffest_Ns_per_m / r.recommended.damping_Ns_per_m,
+           Drag(r.clamp_Ns_per_m))});
   if (const TuneCarried* worst = r.WorstCarried()) {
     const auto calm = std::ranges::count_if(r.carried, &TuneCarried::Calm);
     const double most = std::ranges::max(r.carried, {}, [](const TuneCarried& c) {
@@ -147,18 +154,20 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
                         }).run.mean_damping;
     rows.push_back(
         {"With the vibration index",
-         fmt::format(
-             "{} of {} stiffer hands are calm 1 s after the grip closed (below {:g} N of 5 to 40 Hz); the "
-             "worst, {} ({}), keeps {:.2f} N; their drag is on average up to "
-             "{:.0f} times the recommended; hands up to {:g} N/m raise the index to "
-             "{:.2g}{}",
-             calm, r.carried.size(), worst->calm_N, worst->hand.name, worst->contact, worst->run.one_s_N,
-             most, t.human_grip_N_per_m, r.human_index,
-             t.index_acts ? "" : "; in this cell it does not act (vibration: acts: false)")});
+         fmt::format("{} of {} stiffer hands are calm 1 s after the grip closed (below {:g} N between 5 and "
+                     "40 Hz); the "
+                     "worst hand, {} ({}), keeps {:.2f} N; their drag is on average up to "
+                     "{:.0f} times the recommended one; hands up to {:g} N/m raise the index (0 to 1) to "
+                     "{:.2g}{}",
+                     calm, r.carried.size(), worst->calm_N, worst->hand.name, worst->contact,
+                     worst->run.one_s_N, most, t.human_grip_N_per_m, r.human_index,
+                     t.index_acts ? "" : "; in this cell it does not act (vibration: acts: false)")});
   }
+  rows.push_back({"For the planes' age",
+                  fmt::format("{:.0f} N s/m of drag suffice: largest age × stiffness of the planes",
+                              r.age_bound_Ns_per_m)});
   rows.push_back(
-      {"Any age by itself", fmt::format("a_max K of the planes: {:.0f} N s/m", r.age_bound_Ns_per_m)});
-  rows.push_back({"Computed", fmt::format("{} results, {} taken from before", r.computed, r.found)});
+      {"Computed", fmt::format("{} results; {} more kept from an earlier tune", r.computed, r.found)});
   return rows;
 }
 

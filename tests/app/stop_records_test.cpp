@@ -189,9 +189,11 @@ TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
         "Shown are 5.0 s before it and 0.6 s after. The arm was at rest from 0.100 s on; 0.5 s of that are "
         "shown.",
         "<h2>What led to the stop</h2>", "Age of the PLC", "State of the arm",
-        "time since the stop began [s]", "the PLC withdrew its permission", "limit 150 N", "</html>"})
+        "time since the stop began [s]", "the PLC withdrew its permission", "limit 150 N",
+        "<a href=\"./ride_stop_1_ticks.csv\">ride_stop_1_ticks.csv</a>", "</html>"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(pages->front().heading, "What led to the stop");
+  EXPECT_EQ(pages->front().ticks, folder.path() / "ride_stop_1_ticks.csv");
   EXPECT_EQ(MarkupError(page), "");
 
   // the run's own end is no stop of that kind

@@ -23,6 +23,20 @@ std::vector<std::string> NamesOf(const ConfigFileTracker& scope) {
   return names;
 }
 
+TEST(ShippedFolder, IsThatOfTheVariableOfHereOrAboveTheProgram) {
+  const io::test::TemporaryFolder folder;
+  const fs::path checkout = folder.path() / "checkout", program = checkout / "build/release/app/osteon",
+                 elsewhere = folder.path() / "elsewhere";
+  fs::create_directories(checkout / "config/cells");
+  fs::create_directories(elsewhere);
+  EXPECT_EQ(FindShippedFolder("/opt/osteon", checkout, program), "/opt/osteon/config");
+  EXPECT_EQ(FindShippedFolder(nullptr, elsewhere, program), checkout / "config");
+  EXPECT_EQ(FindShippedFolder(nullptr, checkout, folder.path() / "other/osteon"), checkout / "config");
+  EXPECT_EQ(FindShippedFolder(nullptr, elsewhere, "/usr/bin/osteon"), elsewhere / "config")
+      << "named in the message that the file is not there";
+  EXPECT_EQ(FindShippedFolder(nullptr, elsewhere, ""), elsewhere / "config");
+}
+
 TEST(ConfigFileTracker, NotesEveryFileOnce) {
   const ConfigFileTracker scope;
   static_cast<void>(LoadCell(kConfig / "cells/demo.yaml"));

@@ -83,7 +83,7 @@ TEST(MaterialsConfig, WhatHasNoSourceIsMarkedAndListed) {
   EXPECT_THAT(bone[1].cutting_energy_source.text, HasSubstr("MacAvelia"));
   EXPECT_TRUE(bone[0].density_source.assumed);
   const std::vector<std::string> assumed = simulation::Assumptions(bone);
-  EXPECT_THAT(assumed, testing::Contains(HasSubstr("cartilage: density 1.1 g/cm^3 (")));
+  EXPECT_THAT(assumed, testing::Contains(HasSubstr("cartilage: density 1.1 g/cm³ (")));
   EXPECT_THAT(assumed, testing::Not(testing::Contains(HasSubstr("cortical: cutting energy"))));
 }
 

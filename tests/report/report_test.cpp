@@ -218,6 +218,19 @@ TEST(Report, TextIsEscaped) {
   ExpectValid(input);
 }
 
+TEST(Report, ARowLeadsToTheFileBesideIt) {
+  const SyntheticRun run = MakeSyntheticRun(
+      {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
+  ReportInput input = InputOf(run);
+  input.summary = {{"How the run ended", "out/run 1:\"a\"_stop_1.html", "run 1:\"a\"_stop_1.html"}};
+  ExpectValid(input);
+  const auto report = MakeReport(input);
+  ASSERT_TRUE(report.has_value()) << report.error();
+  EXPECT_NE(
+      report->html.find("<a href=\"./run%201%3A%22a%22_stop_1.html\">run 1:&quot;a&quot;_stop_1.html</a>"),
+      std::string::npos);
+}
+
 TEST(Report, UnwritablePathIsNamed) {
   const SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 3e-3, .cap_m = 2.8e-3, .point_spacing_m = 3e-3, .ticks = 1, .frames = 1});

@@ -58,7 +58,7 @@ TEST(FaultSeen, HasTheFiguresOfTheOthers) {
   tick.input.period_s = 0.001;
   tick.wrench_step_N = 17.42;
   tick.wrench_step_limit_N = 13.5;
-  EXPECT_EQ(SeenAt(Fault::kWrenchRate, tick), "17.4 N in 1 ms, accepted 13.5");
+  EXPECT_EQ(SeenAt(Fault::kWrenchRate, tick), "17.4 N in 1 ms, accepted 13.5 N");
   tick.session_state = 2;
   EXPECT_EQ(SeenAt(Fault::kSession, tick), "session state 2 (MONITORING_READY)");
   tick.input.safety_state = 2;
@@ -97,9 +97,9 @@ TEST(FaultSeen, SaysWhatIsAcceptedWhereTheCellIsKnown) {
   servo.period_s = 0.004;
   TickRecord tick = At(rt::kSecond);
   tick.sensor_age_s = 0.101;
-  EXPECT_EQ(SeenAt(Fault::kSensorStale, tick, &servo), "the reading is 101 ms old, accepted 100");
+  EXPECT_EQ(SeenAt(Fault::kSensorStale, tick, &servo), "the reading is 101 ms old, accepted 100 ms");
   tick.input.period_s = 0.040;
-  EXPECT_EQ(SeenAt(Fault::kPeriod, tick, &servo), "40 ms, accepted 4");
+  EXPECT_EQ(SeenAt(Fault::kPeriod, tick, &servo), "40 ms, accepted 4 ms");
   tick.input.arm_stamp = rt::kSecond - 25 * rt::kMillisecond;
   EXPECT_EQ(SeenAt(Fault::kArmStale, tick, &servo), "the last is 25 ms old; 5 deadlines in a row");
   tick.input.rejected = 7;
@@ -109,7 +109,7 @@ TEST(FaultSeen, SaysWhatIsAcceptedWhereTheCellIsKnown) {
       "that is not finite, another sender or version)");
   servo.on_force_limit.max_tool_in_bone_m = 0.004;
   tick.tool_in_bone_m = 0.0042;
-  EXPECT_EQ(SeenAt(Fault::kToolInBone, tick, &servo), "4.2 mm, accepted 4");
+  EXPECT_EQ(SeenAt(Fault::kToolInBone, tick, &servo), "4.2 mm, accepted 4 mm");
 }
 
 TEST(FaultSeen, NamesTheValueThatIsNotFinite) {

@@ -340,8 +340,10 @@ TEST(SummaryRows, SayWhichLimitsActedWhenAndForHowLong) {
   ActedLimits acted_limits;
   for (const control::TickRecord& tick : ticks) acted_limits.Add(tick);
   summary.acted_limits = acted_limits.Rows(1e-3);
-  EXPECT_EQ(RowOf(summary, "Limits that acted"),
-            "power from 0.02 s (14 ticks, 0.010 s at most); depth from 0.10 s (1 ticks, 0.001 s at most)");
+  EXPECT_EQ(
+      RowOf(summary, "Limits that acted"),
+      "power into the hand (power) from 0.02 s, 14 ticks, at most 0.010 s in a row; depth limit (depth) "
+      "from 0.10 s, 1 ticks, at most 0.001 s in a row");
   const nlohmann::json acted =
       nlohmann::json::parse(ToJson(summary, "osteon.demo/1")).at("limits").at("acted");
   EXPECT_EQ(acted.at(0).at("events"), 2);
@@ -365,6 +367,22 @@ TEST(EffectiveLimits, AreTheTightestAndNameTheOthers) {
   EXPECT_EQ(of("tool speed", true).from, "T1; cell: 300; kinetic energy: 1155");
   EXPECT_TRUE(std::isinf(of("power into the hand", false).value));
   EXPECT_EQ(of("force", false).value, std::min(params.wrench.max_force_N, 200.0));
+}
+
+TEST(SummaryRows, NameThePageOfAStopAndTheTableOfItsTicks) {
+  RunSummary summary;
+  summary.stops = {{.page = "out/recording_stop_1.html",
+                    .heading = "What led to the stop",
+                    .ticks = "out/recording_stop_1_ticks.csv"}};
+  EXPECT_EQ(RowOf(summary, "What led to the stop"), "out/recording_stop_1.html");
+  EXPECT_EQ(RowOf(summary, "Its ticks, as a table"), "out/recording_stop_1_ticks.csv");
+  for (const SummaryRow& row : Rows(summary)) {
+    if (row.file.empty()) continue;
+    EXPECT_EQ("out/" + row.file, row.value) << "the report, in the same folder, leads to it";
+  }
+  const nlohmann::json json = nlohmann::json::parse(ToJson(summary, "osteon.demo/1"));
+  EXPECT_EQ(json.at("stops").at(0), "out/recording_stop_1.html");
+  EXPECT_EQ(json.at("stop_ticks").at(0), "out/recording_stop_1_ticks.csv");
 }
 
 TEST(SummaryRows, ShowVolumesBesideEachOther) {

@@ -21,14 +21,14 @@ TEST(Materials, EachFigureWithoutASourceIsListedWithItsValue) {
                                          .cutting_force_source = {.text = "measured", .assumed = false},
                                          .friction_source = {}}};
   EXPECT_THAT(Assumptions(materials),
-              testing::ElementsAre("foam: cutting energy 0.05 J/mm^3 (a guess)", "foam: friction 0.25"));
+              testing::ElementsAre("foam: cutting energy 0.05 J/mm³ (a guess)", "foam: friction 0.25"));
 }
 
 TEST(Materials, OfBonesAreSoundAndSayWhatIsAssumed) {
   const std::vector<Material> bone = DefaultBoneMaterials();
   EXPECT_NO_THROW(CheckMaterials(bone));
   const std::vector<std::string> assumed = Assumptions(bone);
-  EXPECT_THAT(assumed, testing::Contains(HasSubstr("cancellous: cutting energy 0.06 J/mm^3")));
+  EXPECT_THAT(assumed, testing::Contains(HasSubstr("cancellous: cutting energy 0.06 J/mm³")));
   EXPECT_THAT(assumed, testing::Not(testing::Contains(HasSubstr("cortical: density"))));
 }
 
