@@ -145,10 +145,13 @@ CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
 }
 
 CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) {
-  CLI::App* sub = chart.add_subcommand("speed-accuracy",
-                                       "draws frame time against depth, volume and force error and ripple, "
-                                       "for several methods and resolutions");
-  sub->add_option("--out", options.out, "folder for speed_accuracy.svg, .png, .csv, .json and .html")
+  CLI::App* sub =
+      chart.add_subcommand("speed-accuracy",
+                           "draws frame time against depth, volume, force and normal error and ripple, "
+                           "for several methods and resolutions");
+  sub->add_option("--out", options.out,
+                  "folder for speed_accuracy.svg, .png, .csv, .json and .html, and speed_accuracy_worst.svg, "
+                  "speed_accuracy_worst.png with the 99.9th percentile of the frame times")
       ->type_name("FOLDER")
       ->capture_default_str();
   sub->add_flag("--quick", options.quick, "fewer resolutions, 2 seeds, a faster feed");
@@ -167,6 +170,9 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) 
   sub->add_option("--json", options.json, "write a further copy of speed_accuracy.json there")
       ->type_name("FILE");
   sub->footer(
+      "Two tables name, for each error, the other methods' points that are both faster and more exact than "
+      "ours: "
+      "by the median and by the 99.9th percentile of the frame times.\n\n"
       "Examples:\n  osteon chart speed-accuracy --quick\n  osteon chart speed-accuracy --out my_chart\n"
       "  osteon chart speed-accuracy --method ours --method voxel --seeds 2");
   return sub;

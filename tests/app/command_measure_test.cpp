@@ -283,13 +283,15 @@ TEST(ChartSpeedAccuracy, WritesItsFilesAndPoints) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"chart", "speed-accuracy", "--quick", "--seeds", "1", "--method", "ours",
-                                 "--method", "voxel", "--out", "chart"});
+                                 "--method", "voxel", "--method", "cpu", "--out", "chart"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   ExpectFiles(folder.path() / "chart", "speed_accuracy");
   EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "chart" / "speed_accuracy_depth.svg"));
   const nlohmann::json json = ReadJson(folder.path() / "chart" / "speed_accuracy.json");
   EXPECT_EQ(json.at("schema"), "osteon.chart.speed-accuracy/1");
-  ASSERT_EQ(json.at("points").size(), 4u);
+  for (const char* name : {"speed_accuracy_worst.svg", "speed_accuracy_worst.png"})
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "chart" / name)) << name;
+  ASSERT_EQ(json.at("points").size(), 6u);
   for (const nlohmann::json& point : json.at("points")) {
     for (const char* key : {"frame_us_p50", "frame_us_p999", "depth_error_mm", "volume_error", "force_error",
                             "normal_error_deg", "ripple", "r_max_mm", "spheres"})
@@ -297,10 +299,18 @@ TEST(ChartSpeedAccuracy, WritesItsFilesAndPoints) {
     EXPECT_EQ(point.at("tasks").size(), 4u);
   }
   // coarse to fine: each method's cut approaches the exact one, and ours leaves no bone in the tool's path
-  const auto depth = [&](std::size_t i) { return json.at("points")[i].at("depth_error_mm").get<double>(); };
-  EXPECT_LT(depth(1), depth(0));
-  EXPECT_LT(depth(3), depth(2));
-  EXPECT_LT(json.at("points")[1].at("left_mm").get<double>(), 1e-3);
+  const nlohmann::json& points = json.at("points");
+  const auto depth = [&](std::size_t i) { return points[i].at("depth_error_mm").get<double>(); };
+  for (const std::size_t coarse : {0u, 2u, 4u}) EXPECT_LT(depth(coarse + 1), depth(coarse));
+  EXPECT_EQ(points[0].at("method"), "cpu");
+  EXPECT_EQ(points[2].at("method"), "ours");
+  EXPECT_NEAR(depth(0), depth(2), 0.02 * depth(2)) << "two engines, one model";
+  EXPECT_LT(points[1].at("left_mm").get<double>(), 1e-3);
+  for (const char* time : {"median", "p999"})
+    for (const char* error : {"depth", "volume", "force", "normal", "ripple"})
+      for (const char* key : {"beat_all_ours", "beaten", "ahead", "faster_than_all_ours"})
+        EXPECT_TRUE(json.at("dominance").at(time).at(error).at(key).is_array()) << error << " " << key;
+  EXPECT_NE(run.out.find("by the 99.9th percentile"), std::string::npos) << run.out;
 }
 
 }  // namespace
