@@ -2,46 +2,61 @@
 
 #include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
+#include "studies/bench/bench_workloads.h"
+#include "studies/bench/method_engine.h"
 
 namespace osteon::app {
 namespace {
 
 constexpr double kMaxSpheres = 20e6;
 
+// Reads "A,B" into words that are each one of `accepted`.
+CLI::Option* AddWords(CLI::App& sub, const std::string& name, std::vector<std::string>& words,
+                      const std::vector<std::string>& accepted, const std::string& help) {
+  return sub.add_option(name, words, help)->check(OneOf(accepted))->delimiter(',')->expected(1)->take_all();
+}
+
 CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
   CLI::App* sub = bench.add_subcommand("frame", "times a cutting frame");
-  sub->add_option(
-         "--scene", options.scene,
-         "acetabulum: reamed at 100 N and 250 rpm once the head is seated; molar: its recorded motion")
-      ->check(OneOf({"acetabulum", "molar"}))
-      ->capture_default_str();
+  auto* scene = sub->add_option(
+      "--scene", options.scene,
+      "acetabulum: reamed at 100 N and 250 rpm once the head is seated; molar: its recorded motion");
+  scene->check(OneOf({"acetabulum", "molar"}))->capture_default_str();
   sub->add_option(
          "--spheres", options.spheres,
-         "spheres of the bone; more than the scene has are added below the cut zone, which stays as it is")
+         "spheres of the bone; more than the scene has are added below the cut zone, which stays as it is; "
+         "with --workloads: of each")
       ->check(NumberWithin(1, kMaxSpheres));
   sub->add_flag("--uniform", options.uniform, "change all of the bone alike, the cut zone too");
-  sub->add_option("--tool-spheres", options.tool_spheres, "spheres of the tool's head; 1: one analytic ball")
-      ->check(NumberWithin(1, 10'000))
-      ->capture_default_str();
+  auto* tool_spheres = sub->add_option("--tool-spheres", options.tool_spheres,
+                                       "spheres of the tool's head; 1: one analytic ball");
+  tool_spheres->check(NumberWithin(1, 10'000))->capture_default_str();
   auto* method = sub->add_option("--method", options.method, "the cutting method; ours: on Vulkan");
   method->check(OneOf(MethodNames()))->capture_default_str();
-  auto* compare = sub->add_option("--compare", options.compare,
-                                  "a second method, timed in turn with the first, frame by frame");
-  compare->check(OneOf(MethodNames()));
-  sub->add_option("--engines", options.engines,
-                  "instead of --method: cutting engines, timed in turn, frame by frame; separated by commas")
-      ->check(OneOf({"vulkan", "cpu", "reference"}))
-      ->delimiter(',')
-      ->expected(1)
-      ->take_all()
-      ->excludes(method)
-      ->excludes(compare);
+  AddWords(*sub, "--compare", options.compare, MethodNames(),
+           "further methods, timed in turn with the first, frame by frame; separated by commas; without a "
+           "value: voxel-128, voxel-256 and voxel-512, voxels along the bone's longest side")
+      ->expected(0, 1);
+  AddWords(*sub, "--engines", options.engines, {"vulkan", "cpu", "reference"},
+           "instead of --method: cutting engines, timed in turn, frame by frame; separated by commas; on all "
+           "workloads where --scene, --spheres, --uniform and --tool-spheres name none")
+      ->excludes(method);
+  AddWords(*sub, "--workloads", options.workloads, BenchWorkloadNames(),
+           "named workloads instead of --scene and --tool-spheres: a tool and its number of spheres in the "
+           "bone (reamer of one analytic ball) or in the head; separated by commas")
+      ->excludes(scene)
+      ->excludes(tool_spheres);
   AddDeviceOption(*sub, options.device);
-  sub->add_option("--frames", options.frames, "frames to time")
+  sub->add_option("--frames", options.frames, "frames to time in a round, on each workload")
       ->check(NumberWithin(20, 10e6))
       ->capture_default_str();
+  sub->add_option(
+         "--rounds", options.rounds,
+         "rounds over all workloads, each from the same start; the figures are of all frames together")
+      ->check(NumberWithin(1, 1000))
+      ->capture_default_str();
   sub->add_option("--most-seconds", options.max_seconds,
-                  "longest time to measure; at least 20 frames are timed")
+                  "longest time to measure in a round, on each workload; at least 20 frames are timed")
       ->check(NumberWithin(0.1, 36e3))
       ->capture_default_str();
   sub->add_option("--voxel-mm", options.voxel_mm, "edge of a voxel, for methods with voxels")
@@ -53,7 +68,17 @@ CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
       "Examples:\n  osteon bench frame\n  osteon bench frame --spheres 1000000 --json frame.json\n"
       "  osteon bench frame --spheres 300000 --tool-spheres 1000 --compare brute --frames 50\n"
       "  osteon bench frame --scene molar --spheres 36000 --tool-spheres 200\n"
-      "  osteon bench frame --engines cpu,vulkan --spheres 300000 --json engines.json");
+      "  osteon bench frame --engines cpu,vulkan --rounds 5 --json engines.json\n"
+      "  osteon bench frame --engines cpu,vulkan --spheres 300000 --compare");
+  // callbacks run after all options are read
+  sub->callback([sub, &options] {
+    if (sub->count("--compare") > 0 && (options.compare.empty() || options.compare.front().empty()))
+      options.compare = PlainVoxelNames();
+    const auto described = [&](const char* name) { return sub->count(name) > 0; };
+    if (!options.engines.empty() && options.workloads.empty() && !described("--scene") &&
+        !described("--spheres") && !described("--uniform") && !described("--tool-spheres"))
+      options.workloads = {BenchWorkloadNames().front()};
+  });
   return sub;
 }
 
@@ -116,10 +141,13 @@ CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
 }
 
 CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) {
-  CLI::App* sub = chart.add_subcommand("speed-accuracy",
-                                       "draws frame time against depth, volume and force error and ripple, "
-                                       "for several methods and resolutions");
-  sub->add_option("--out", options.out, "folder for speed_accuracy.svg, .png, .csv, .json and .html")
+  CLI::App* sub =
+      chart.add_subcommand("speed-accuracy",
+                           "draws frame time against depth, volume, force and normal error and ripple, "
+                           "for several methods and resolutions");
+  sub->add_option("--out", options.out,
+                  "folder for speed_accuracy.svg, .png, .csv, .json and .html, and speed_accuracy_worst.svg, "
+                  "speed_accuracy_worst.png with the 99.9th percentile of the frame times")
       ->type_name("FOLDER")
       ->capture_default_str();
   sub->add_flag("--quick", options.quick, "fewer resolutions, 2 seeds, a faster feed");
@@ -136,6 +164,9 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) 
   sub->add_option("--json", options.json, "write a further copy of speed_accuracy.json there")
       ->type_name("FILE");
   sub->footer(
+      "Two tables name, for each error, the other methods' points that are both faster and more exact than "
+      "ours: "
+      "by the median and by the 99.9th percentile of the frame times.\n\n"
       "Examples:\n  osteon chart speed-accuracy --quick\n  osteon chart speed-accuracy --out my_chart\n"
       "  osteon chart speed-accuracy --method ours --method voxel --seeds 2");
   return sub;

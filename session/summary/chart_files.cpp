@@ -85,7 +85,13 @@ tl::expected<void, std::string> WriteChart(const ChartFiles& chart, const std::f
   html += fmt::format("<h1>{}</h1>\n", Escape(chart.title)) + VerdictBadge(chart.verdict);
   html += Figure(chart.svg, chart.caption);
   for (const std::string& note : chart.notes) html += fmt::format("<p>{}</p>\n", Escape(note));
-  html += Table(chart.table) + kPageEnd;
+  html += Table(chart.table);
+  for (const ChartPart& part : chart.parts) {
+    html += fmt::format("<h2>{}</h2>\n", Escape(part.heading));
+    if (!part.name.empty()) html += Figure(part.svg, part.caption);
+    if (!part.table.empty()) html += Table(part.table);
+  }
+  html += kPageEnd;
 
   const std::pair<const char*, const std::string*> texts[] = {
       {".svg", &chart.svg}, {".csv", &chart.csv}, {".json", &chart.json}, {".html", &html}};
@@ -93,6 +99,9 @@ tl::expected<void, std::string> WriteChart(const ChartFiles& chart, const std::f
     if (const auto written = WriteText(path(extension), *text); !written) return written;
   if (!chart.json_copy.empty())
     if (const auto written = WriteText(chart.json_copy, chart.json); !written) return written;
+  for (const ChartPart& part : chart.parts)
+    if (!part.name.empty())
+      if (const auto written = WriteDrawing(part.svg, folder / part.name); !written) return written;
   return WritePng(*picture, path(".png"));
 }
 

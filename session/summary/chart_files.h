@@ -26,6 +26,15 @@ namespace osteon::app {
 [[nodiscard]] tl::expected<void, std::string> WriteDrawing(const std::string& svg,
                                                            const std::filesystem::path& file);
 
+/// A further part of a chart's page: a picture, a table, or both.
+struct ChartPart {
+  std::string heading;
+  std::string name{};  ///< of the picture's files, without an extension; empty: no picture
+  std::string svg{};
+  std::string caption{};
+  std::vector<std::vector<std::string>> table{};  ///< as ChartFiles::table; empty: none
+};
+
 /// A chart in its five forms, side by side in one folder.
 struct ChartFiles {
   std::string name;   ///< of the files, without an extension
@@ -38,9 +47,11 @@ struct ChartFiles {
   std::filesystem::path json_copy;              ///< a second copy of the JSON; empty: none
   std::vector<std::vector<std::string>> table;  ///< the first row names the columns; the first column is text
   std::vector<std::string> notes;               ///< paragraphs below the chart
+  std::vector<ChartPart> parts{};               ///< below the table
 };
 
-/// Writes NAME.svg, .png, .csv, .json, .html; each file appears complete or not at all. Creates the folder.
+/// Writes NAME.svg, .png, .csv, .json, .html, and a .svg and .png for each part with a picture; each file
+/// appears complete or not at all. Creates the folder.
 /// @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteChart(const ChartFiles& chart,
                                                          const std::filesystem::path& folder);

@@ -17,12 +17,15 @@ struct BenchFrameOptions {
   bool uniform{false};
   std::size_t tool_spheres{1};
   std::string method{"ours"};
-  std::string compare{};  ///< a second method, timed in the same run; empty: none
+  std::vector<std::string> compare{};  ///< further methods, timed in the same run; empty: none
   /// Engines that are timed in turn instead of methods: "vulkan", "cpu", "reference"; empty: none.
   std::vector<std::string> engines{};
+  /// BenchWorkloadNames(), in place of `scene` and `tool_spheres`; `spheres` then replaces each one's number.
+  std::vector<std::string> workloads{};
+  std::size_t rounds{1};  ///< over all workloads
   std::string device{};
-  std::size_t frames{2000};
-  double max_seconds{60.0};
+  std::size_t frames{2000};  ///< of a round, on each workload
+  double max_seconds{60.0};  ///< likewise
   double voxel_mm{0.25};
   std::filesystem::path json{};
 };
@@ -31,7 +34,7 @@ struct BenchFrameOptions {
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] simulation::FrameWorkload MakeBenchWorkload(const BenchFrameOptions& options);
 
-/// Times the workload's frames and prints the figures.
+/// Times the workloads' frames and prints the figures.
 /// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.
 [[nodiscard]] int RunBenchFrame(const BenchFrameOptions& options);
 

@@ -23,6 +23,10 @@ using simulation::WorkloadPlayer;
 
 constexpr std::size_t kMinFrames = 20;
 
+// A restored engine makes its lists anew in the first frame: these frames are not timed.
+constexpr std::size_t kWarmUpFrames = 20;
+constexpr double kMaxWarmUp_s = 0.5;
+
 // A method under measurement.
 struct Runner {
   std::unique_ptr<CuttingEngine> engine;
@@ -72,6 +76,15 @@ tl::expected<Runner, std::string> StartedRunner(const FrameWorkload& work, const
   return Runner{.engine = std::move(*engine), .player = WorkloadPlayer(work), .last = {}, .times_us = {}};
 }
 
+void WarmUp(Runner& runner) {
+  const auto begun = std::chrono::steady_clock::now();
+  for (std::size_t k = 0; k < kWarmUpFrames && !runner.player.AtEnd() && !Interrupted(); ++k) {
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
+    if (taken.count() > kMaxWarmUp_s) return;
+    runner.last = runner.engine->Step(runner.player.Next(runner.last));
+  }
+}
+
 // Adds the last frame's time by pass or stage.
 void AddPassTimes(const CuttingEngine& engine, std::map<std::string, std::vector<double>>& times) {
   if (const auto* vulkan = dynamic_cast<const gpu::VulkanEngine*>(&engine))
@@ -105,7 +118,7 @@ tl::expected<std::map<std::string, double>, std::string> TimePasses(const FrameW
 }
 
 FrameTiming Finish(const Runner& runner, const std::string& method, const FrameWorkload& work) {
-  FrameTiming timing{.method = method, .device = runner.engine->device()};
+  FrameTiming timing{.method = method, .device = runner.engine->device(), .times_us = runner.times_us};
   timing.elements = ElementsOf(*runner.engine, work.bone);
   timing.frames = runner.times_us.size();
   timing.frame_us = simulation::FiguresOf(runner.times_us);
@@ -123,7 +136,11 @@ FrameTiming Finish(const Runner& runner, const std::string& method, const FrameW
 }  // namespace
 
 tl::expected<SeatedStart, std::string> Seat(const FrameWorkload& work, const FrameTimingParams& params) {
-  const std::string method = std::ranges::count(params.methods, "cpu") > 0 ? "cpu" : "ours";
+  return SeatMethod(work, params, std::ranges::count(params.methods, "cpu") > 0 ? "cpu" : "ours");
+}
+
+tl::expected<SeatedStart, std::string> SeatMethod(const FrameWorkload& work, const FrameTimingParams& params,
+                                                  const std::string& method) {
   auto runner = StartedRunner(work, params, method);
   if (!runner) return tl::unexpected(runner.error());
   if (const auto prepared = PrepareRunner(*runner, method, params.max_seat_seconds); !prepared)
@@ -133,7 +150,8 @@ tl::expected<SeatedStart, std::string> Seat(const FrameWorkload& work, const Fra
 
 tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorkload& work,
                                                                const FrameTimingParams& params,
-                                                               const SeatedStart* start) {
+                                                               const SeatedStart* start,
+                                                               const OwnStarts& own) {
   rt::KeepCpusAwake();
   const auto say = [&](const std::string& text) {
     if (params.progress) params.progress(text);
@@ -150,15 +168,20 @@ tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorklo
   for (const std::string& method : params.methods) {
     auto runner = StartedRunner(work, params, method);
     if (!runner) return tl::unexpected(runner.error());
-    if (SharesState(method)) {
-      runner->engine->Restore(start->state);
-      runner->player = start->player;
-      runner->last = start->last;
+    const auto own_start = own.find(method);
+    const SeatedStart* from = SharesState(method)      ? start
+                              : own_start != own.end() ? &own_start->second
+                                                       : nullptr;
+    if (from != nullptr) {
+      runner->engine->Restore(from->state);
+      runner->player = from->player;
+      runner->last = from->last;
     } else {
       say("seat " + method);
       if (const auto prepared = PrepareRunner(*runner, method, params.max_seat_seconds); !prepared)
         return tl::unexpected(prepared.error());
     }
+    WarmUp(*runner);
     runner->removed_before_m3 = runner->last.removed_volume_m3;
     runners.push_back(std::move(*runner));
   }

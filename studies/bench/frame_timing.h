@@ -30,7 +30,8 @@ struct FrameTimingParams {
 /// The frame times of one method.
 struct FrameTiming {
   std::string method, device;
-  std::size_t elements{0};  ///< spheres, or voxels
+  std::vector<double> times_us{};  ///< of every frame, in order
+  std::size_t elements{0};         ///< spheres, or voxels
   std::size_t frames{0};
   simulation::TimeFigures frame_us{};
   double mean_us{0.0};
@@ -42,22 +43,32 @@ struct FrameTiming {
   [[nodiscard]] double rate_hz() const { return frame_us.p50_us > 0.0 ? 1e6 / frame_us.p50_us : 0.0; }
 };
 
-/// The start of the timing, as the CPU engine has carved it where it is timed, and "ours" elsewhere.
+/// Where the timing begins: the bone as a method has carved it until the tool was seated.
 struct SeatedStart {
   simulation::CarvedState state;
   simulation::WorkloadPlayer player;
   simulation::ContactModel last;
 };
+/// The start of all methods that share their state (SharesState): the CPU engine carves it where it is timed,
+/// and "ours" elsewhere.
 [[nodiscard]] tl::expected<SeatedStart, std::string> Seat(const simulation::FrameWorkload& work,
                                                           const FrameTimingParams& params);
+/// The start that one method carves.
+[[nodiscard]] tl::expected<SeatedStart, std::string> SeatMethod(const simulation::FrameWorkload& work,
+                                                                const FrameTimingParams& params,
+                                                                const std::string& method);
+/// The starts of methods that carve their own, by method.
+using OwnStarts = std::map<std::string, SeatedStart>;
 
 /// Times the methods' frames on one workload, in this process and alternating frame by frame, so that other
-/// load on the machine affects all alike. The CPUs are kept awake as in a run (rt::KeepCpusAwake). Methods
-/// that share their state begin from the one that Seat carved until the tool was seated; the others carve
-/// their own. On Ctrl-C it ends early, with the frames so far.
+/// load on the machine affects all alike. The first frames of each are not timed: an engine makes its lists
+/// in them. The CPUs are kept awake as in a run (rt::KeepCpusAwake). Methods that share their state begin
+/// from the one that Seat carved until the tool was seated; the others carve their own. On Ctrl-C it ends
+/// early, with the frames so far.
 /// @param start  result of Seat on the same workload; null: made here if a method needs it
+/// @param own    results of SeatMethod; methods that are not in it carve here
 [[nodiscard]] tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(
     const simulation::FrameWorkload& work, const FrameTimingParams& params,
-    const SeatedStart* start = nullptr);
+    const SeatedStart* start = nullptr, const OwnStarts& own = {});
 
 }  // namespace osteon::app

@@ -1,18 +1,43 @@
 #include "studies/bench/method_engine.h"
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
+
+#include <fmt/format.h>
 
 #include "session/setup/engine_choice.h"
 #include "simulation/methods/method.h"
 #include "simulation/removal/cut_metrics.h"
 
 namespace osteon::app {
+namespace {
+
+constexpr std::array kPlainVoxels{128, 256, 512};
+
+// Number of voxels along the longest side, by a name of PlainVoxelNames(); 0 for every other name.
+int PlainVoxelsOf(const std::string& method) {
+  for (std::size_t i = 0; i < kPlainVoxels.size(); ++i)
+    if (PlainVoxelNames()[i] == method) return kPlainVoxels[i];
+  return 0;
+}
+
+}  // namespace
+
+const std::vector<std::string>& PlainVoxelNames() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const int count : kPlainVoxels) all.push_back(fmt::format("voxel-{}", count));
+    return all;
+  }();
+  return names;
+}
 
 const std::vector<std::string>& MethodNames() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all{"ours", "brute", "cpu", "reference"};
     for (const simulation::Method method : simulation::kMethods) all.emplace_back(MethodName(method));
+    all.insert(all.end(), PlainVoxelNames().begin(), PlainVoxelNames().end());
     return all;
   }();
   return names;
@@ -24,12 +49,22 @@ bool SharesState(const std::string& method) {
 
 bool WantsDisjoint(const std::string& method) { return method == "paper" || method == "paper-printed"; }
 
-bool WantsVoxels(const std::string& method) { return method == "voxel" || method == "pointshell"; }
+bool WantsVoxels(const std::string& method) {
+  return method == "voxel" || method == "pointshell" || PlainVoxelsOf(method) > 0;
+}
 
 tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeMethodEngine(
     const simulation::Bone& bone, const simulation::Solid* solid, const simulation::Tool& tool,
     const simulation::CuttingParams& cutting, const MethodChoice& choice) {
   const Pose X_WG = Pose::Identity();
+  if (const int count = PlainVoxelsOf(choice.method); count > 0) {
+    if (solid == nullptr)
+      return tl::unexpected(choice.method + ": found a bone without a solid, accepted one with");
+    MethodChoice voxels = choice;
+    voxels.method = simulation::MethodName(simulation::Method::kVoxelProxy);
+    voxels.voxel_m = solid->Bounds().sizes().maxCoeff() / count;
+    return MakeMethodEngine(bone, solid, tool, cutting, voxels);
+  }
   try {
     for (const simulation::Method method : simulation::kMethods)
       if (choice.method == MethodName(method))

@@ -15,9 +15,12 @@
 namespace osteon::app {
 
 /// The names that `--method` accepts: ours (Vulkan), brute (the same engine without culling), cpu (one thread
-/// of the processor), reference (double precision), and the methods of comparison
-/// (simulation/methods/method.h).
+/// of the processor), reference (double precision), the methods of comparison (simulation/methods/method.h),
+/// and PlainVoxelNames().
 [[nodiscard]] const std::vector<std::string>& MethodNames();
+/// "voxel-128", "voxel-256", "voxel-512": the method "voxel" with so many voxels along the longest side of
+/// the solid's box.
+[[nodiscard]] const std::vector<std::string>& PlainVoxelNames();
 /// Whether the method works on our packings and their state: it can continue another such method's carving.
 [[nodiscard]] bool SharesState(const std::string& method);
 /// Whether the method works on disjoint packings, as the paper's does.
@@ -28,12 +31,12 @@ namespace osteon::app {
 struct MethodChoice {
   std::string method{"ours"};
   std::string device{};     ///< part of a Vulkan device's name
-  double voxel_m{0.25e-3};  ///< edge of a voxel, and spacing of the tool's points
+  double voxel_m{0.25e-3};  ///< edge of a voxel, and spacing of the tool's points; not for PlainVoxelNames()
   bool time_passes{false};  ///< measure the passes or stages of a frame
 };
 
 /// Makes an engine by its method's name, with the bone's frame G in W.
-/// @param solid  what a voxel method fills; read only here
+/// @param solid  what a voxel method fills, and the box of PlainVoxelNames(); read only here
 /// @returns an error that names the method and says why it can't be made.
 [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeMethodEngine(
     const simulation::Bone& bone, const simulation::Solid* solid, const simulation::Tool& tool,

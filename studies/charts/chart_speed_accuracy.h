@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -8,6 +9,7 @@
 #include "session/summary/verdict.h"
 #include "simulation/fidelity/frame_workload.h"
 #include "simulation/metrics/workload_scores.h"
+#include "studies/charts/dominance.h"
 #include "studies/charts/method_ladder.h"
 
 namespace osteon::app {
@@ -51,17 +53,32 @@ struct SpeedAccuracyResult {
 struct SeedRange {
   double median{0.0}, low{0.0}, high{0.0};
 };
-enum class ChartFigure { kDepth, kVolume, kForce, kRipple };
+enum class ChartFigure { kDepth, kVolume, kForce, kNormal, kRipple };
+inline constexpr std::array kChartFigures{ChartFigure::kDepth, ChartFigure::kVolume, ChartFigure::kForce,
+                                          ChartFigure::kNormal, ChartFigure::kRipple};
 [[nodiscard]] SeedRange SeedRangeOf(const SpeedAccuracyPoint& point, ChartFigure figure);
-[[nodiscard]] SeedRange FrameTimeOf(const SpeedAccuracyPoint& point);
+
+/// Which time of a point's frames counts [us].
+enum class ChartTime {
+  kMedian,
+  kWorst,  ///< the 99.9th percentile
+};
+[[nodiscard]] SeedRange FrameTimeOf(const SpeedAccuracyPoint& point, ChartTime time = ChartTime::kMedian);
+
+/// Compares the other methods' points with those of our engines, for one error.
+[[nodiscard]] Dominance DominanceOf(const SpeedAccuracyResult& result, ChartFigure figure, ChartTime time);
+/// A row for each error: its name, then the points of CompareWithOurs, or "none".
+[[nodiscard]] std::vector<std::vector<std::string>> DominanceTable(const SpeedAccuracyResult& result,
+                                                                   ChartTime time);
 
 /// Bad if the chart was ended before all was measured; to be looked at if points are missing.
 [[nodiscard]] Verdict Judge(const SpeedAccuracyResult& result);
 
 /// Draws the depth error alone, at the width of a page's column.
 [[nodiscard]] std::string DepthOverTimeSvg(const SpeedAccuracyResult& result);
-/// Draws four panels, log-log, one below the other.
-[[nodiscard]] std::string SpeedAccuracySvg(const SpeedAccuracyResult& result);
+/// Draws a panel for each error, log-log, one below the other.
+[[nodiscard]] std::string SpeedAccuracySvg(const SpeedAccuracyResult& result,
+                                           ChartTime time = ChartTime::kMedian);
 /// JSON, schema osteon.chart.speed-accuracy/1.
 [[nodiscard]] std::string SpeedAccuracyJson(const SpeedAccuracyResult& result);
 

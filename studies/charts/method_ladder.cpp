@@ -16,6 +16,8 @@ constexpr double kReamer_m = 25e-3, kZone_m = 6.5e-3;  // the cut is 5.5 mm deep
 // Least radius over the spacing; see SplitParams and SplitPackingParams.
 constexpr double kMinSplit = 0.4 / 2.5;
 
+bool Splits(const MethodStep& step) { return step.method == "split" || step.method == "cpu-split"; }
+
 double ToolRadius(const simulation::CutWorkload& work) { return work.tool.balls.front().radius_m; }
 
 std::vector<simulation::Ball> Overlapping(const simulation::CutWorkload& work, double spacing_m,
@@ -61,11 +63,16 @@ std::vector<MethodStep> MethodLadder(bool quick) {
     const char* method;
     std::vector<double> lengths_mm, quick_mm;
   };
+  static const std::vector<double> spacings{4.0, 3.0, 2.0, 1.5, 1.0}, quick_spacings{3.0, 1.5};
+  static const std::vector<double> split{8.0, 5.6, 4.0}, quick_split{8.0, 5.6};
+  static const std::vector<double> disjoint{4.0, 2.8, 2.0, 1.4, 1.0}, quick_disjoint{4.0, 2.0};
+  static const std::vector<double> voxels{2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25, 0.125}, quick_voxels{1.0, 0.5};
   static const std::vector<Rungs> all{
-      {"ours", {4.0, 3.0, 2.0, 1.5, 1.0}, {3.0, 1.5}},     {"split", {8.0, 5.6, 4.0}, {8.0, 5.6}},
-      {"stamps", {4.0, 2.0, 1.5, 1.0}, {3.0, 1.5}},        {"paper", {4.0, 2.0, 1.4, 1.0}, {4.0, 2.0}},
-      {"paper-printed", {4.0, 2.0, 1.4, 1.0}, {4.0, 2.0}}, {"voxel", {1.0, 0.5, 0.25, 0.125}, {1.0, 0.5}},
-      {"pointshell", {1.0, 0.5, 0.25, 0.125}, {1.0, 0.5}}};
+      {"cpu", spacings, quick_spacings},           {"cpu-split", split, quick_split},
+      {"ours", spacings, quick_spacings},          {"split", split, quick_split},
+      {"stamps", spacings, quick_spacings},        {"paper", disjoint, quick_disjoint},
+      {"paper-printed", disjoint, quick_disjoint}, {"voxel", voxels, quick_voxels},
+      {"pointshell", voxels, quick_voxels}};
   std::vector<MethodStep> ladder;
   for (const Rungs& rungs : all)
     for (const double length_mm : quick ? rungs.quick_mm : rungs.lengths_mm)
@@ -83,11 +90,17 @@ const std::vector<std::string>& LadderMethods() {
   return names;
 }
 
-std::string EngineOfStep(const MethodStep& step) { return step.method == "split" ? "ours" : step.method; }
+bool IsOurs(const std::string& method) {
+  return method == "cpu" || method == "cpu-split" || method == "ours" || method == "split";
+}
+
+std::string EngineOfStep(const MethodStep& step) {
+  return step.method == "split" ? "ours" : step.method == "cpu-split" ? "cpu" : step.method;
+}
 
 simulation::CuttingParams CuttingForStep(const MethodStep& step, const simulation::CutWorkload& work) {
   simulation::CuttingParams cutting = work.cutting;
-  if (step.method != "split") return cutting;
+  if (!Splits(step)) return cutting;
   cutting.split.on = true;
   cutting.split.min_radius_m = kMinSplit * ScaledLength(step.length_m, work);
   cutting.split.pool_blocks = 16'384;  // the reamer's cut takes some thousand
@@ -109,7 +122,7 @@ LadderBone PackForStep(const MethodStep& step, const simulation::CutWorkload& wo
     made.r_max_m = 0.5 * length_m;
     return made;
   }
-  made.bone.balls = step.method == "split"       ? ForSplitting(work, length_m, seed)
+  made.bone.balls = Splits(step)                 ? ForSplitting(work, length_m, seed)
                     : WantsDisjoint(step.method) ? Disjoint(work, length_m, seed)
                                                  : Overlapping(work, length_m, seed);
   // among the balls that a cut can meet: deeper ones may be larger
@@ -121,7 +134,7 @@ LadderBone PackForStep(const MethodStep& step, const simulation::CutWorkload& wo
 
 bool SharePacking(const MethodStep& a, const MethodStep& b) {
   const auto kind = [](const MethodStep& step) {
-    return step.method == "split" ? 3 : WantsVoxels(step.method) ? 2 : WantsDisjoint(step.method) ? 1 : 0;
+    return Splits(step) ? 3 : WantsVoxels(step.method) ? 2 : WantsDisjoint(step.method) ? 1 : 0;
   };
   return a.length_m == b.length_m && kind(a) == kind(b);
 }

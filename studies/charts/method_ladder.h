@@ -16,8 +16,8 @@ namespace osteon::app {
 ///
 /// | method              | `length_m` is                                                       |
 /// |---------------------|---------------------------------------------------------------------|
-/// | ours, stamps        | the lattice's spacing a, radii up to max(1.2 a, min(2 a, R / 5))    |
-/// | split               | the lattice's spacing a, radii up to 0.9 a: ours, balls split when touched |
+/// | cpu, ours, stamps   | the lattice's spacing a, radii up to max(1.2 a, min(2 a, R / 5))    |
+/// | cpu-split, split    | the lattice's spacing a, radii up to 0.9 a: balls split when touched |
 /// | paper               | the greatest radius of a disjoint packing, the least is a third of it |
 /// | voxel, pointshell   | a voxel's edge, and the spacing of the tool's points                |
 struct MethodStep {
@@ -31,7 +31,12 @@ struct MethodStep {
 /// The names of the ladder's methods.
 [[nodiscard]] const std::vector<std::string>& LadderMethods();
 
-/// Returns the engine for a step (MethodNames()): "split" is ours with other parameters.
+/// Whether a method of the ladder is one of our engines: "cpu" and "ours" (on Vulkan), with splitting or
+/// without.
+[[nodiscard]] bool IsOurs(const std::string& method);
+
+/// Returns the engine for a step (MethodNames()): "cpu-split" is "cpu" with other parameters, "split" is
+/// "ours".
 [[nodiscard]] std::string EngineOfStep(const MethodStep& step);
 
 /// Returns a workload's parameters with the step's splitting.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "report/pareto.h"
@@ -25,10 +26,12 @@ struct MethodStyle {
   Marker marker;
   const char* color;
 };
-constexpr std::array<MethodStyle, 7> kMethodStyles{
-    {{"ours", "ours", Marker::kCircle, kPalette[0]},
+constexpr std::array<MethodStyle, 9> kMethodStyles{
+    {{"cpu", "ours on one thread", Marker::kCircle, kPalette[5]},
+     {"cpu-split", "ours on one thread, split", Marker::kRing, kPalette[5]},
+     {"ours", "ours", Marker::kCircle, kPalette[0]},
      {"split", "ours, split", Marker::kRing, kPalette[0]},
-     {"stamps", "stamps at discrete poses", Marker::kDown, kPalette[5]},
+     {"stamps", "stamps at discrete poses", Marker::kDown, kMutedColor},
      {"paper", "paper, corrected", Marker::kSquare, kPalette[2]},
      {"paper-printed", "paper, as printed", Marker::kDiamond, kPalette[4]},
      {"voxel", "voxels, finger-proxy", Marker::kTriangle, kPalette[1]},
@@ -42,6 +45,8 @@ double Of(const simulation::WorkloadScores& scores, ChartFigure figure) {
       return scores.volume_error;
     case ChartFigure::kForce:
       return scores.force.force_relative;
+    case ChartFigure::kNormal:
+      return scores.force.normal_rms_deg;
     case ChartFigure::kRipple:
       return scores.ripple;
   }
@@ -70,8 +75,9 @@ std::string LabelOf(const SpeedAccuracyPoint& point) {
   return fmt::format("{}, r {:.2g}", count, 1e3 * point.r_max_m);
 }
 
-LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure) {
-  LineChart chart{.x_label = "frame time, median [µs]",
+LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure, ChartTime time) {
+  LineChart chart{.x_label = time == ChartTime::kMedian ? "frame time, median [µs]"
+                                                        : "frame time, 99.9th percentile [µs]",
                   .log_x = true,
                   .log_y = true,
                   .legend = false,
@@ -92,6 +98,10 @@ LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure) {
       chart.y_label = "relative error, rms";
       chart.limits.push_back({.value = 0.07, .label = "7 %"});
       break;
+    case ChartFigure::kNormal:
+      chart.title = "Direction of the force";
+      chart.y_label = "error, rms [°]";
+      break;
     case ChartFigure::kRipple:
       chart.title = "Ripple of the force, 5 to 500 Hz";
       chart.y_label = "rms over the exact mean";
@@ -100,7 +110,7 @@ LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure) {
   }
   std::vector<CostPoint> costs;
   for (const SpeedAccuracyPoint& point : result.points)
-    costs.push_back({FrameTimeOf(point).median, std::max(kFloor, SeedRangeOf(point, figure).median)});
+    costs.push_back({FrameTimeOf(point, time).median, std::max(kFloor, SeedRangeOf(point, figure).median)});
   const std::vector<bool> front = OnParetoFront(costs);
 
   double x_least = HUGE_VAL, x_most = 0.0, y_least = HUGE_VAL, y_most = 0.0;
@@ -184,6 +194,56 @@ nlohmann::json TaskJson(const simulation::WorkloadScores& s) {
           {"ripple", s.ripple}};
 }
 
+// An error's key in JSON, and its name in tables.
+const char* KeyOf(ChartFigure figure) {
+  switch (figure) {
+    case ChartFigure::kDepth:
+      return "depth";
+    case ChartFigure::kVolume:
+      return "volume";
+    case ChartFigure::kForce:
+      return "force";
+    case ChartFigure::kNormal:
+      return "normal";
+    case ChartFigure::kRipple:
+      return "ripple";
+  }
+  return "";
+}
+
+// "voxel 0.5 mm".
+std::string NameOf(const SpeedAccuracyPoint& point) {
+  return fmt::format("{} {:g} mm", point.method, point.length_m * 1e3);
+}
+
+nlohmann::json DominanceJson(const SpeedAccuracyResult& result, ChartTime time) {
+  nlohmann::json json;
+  for (const ChartFigure figure : kChartFigures) {
+    const Dominance found = DominanceOf(result, figure, time);
+    const auto point_json = [&](std::size_t i) -> nlohmann::json {
+      const SpeedAccuracyPoint& point = result.points[i];
+      return {{"method", point.method},
+              {"length_mm", point.length_m * 1e3},
+              {"frame_us", FrameTimeOf(point, time).median},
+              {"error", SeedRangeOf(point, figure).median}};
+    };
+    const auto points_json = [&](const std::vector<std::size_t>& points) {
+      nlohmann::json list = nlohmann::json::array();
+      for (const std::size_t i : points) list.push_back(point_json(i));
+      return list;
+    };
+    nlohmann::json beaten = nlohmann::json::array();
+    for (const BeatenPoint& point : found.beaten)
+      beaten.push_back({{"ours", point_json(point.ours)}, {"by", points_json(point.by)}});
+    json[KeyOf(figure)] = {{"ours_measured", found.ours_measured},
+                           {"beat_all_ours", points_json(found.beat_all_ours)},
+                           {"beaten", std::move(beaten)},
+                           {"ahead", points_json(found.ahead)},
+                           {"faster_than_all_ours", points_json(found.faster_than_all_ours)}};
+  }
+  return json;
+}
+
 nlohmann::json SeedRangeJson(const SeedRange& spread) { return {spread.low, spread.high}; }
 
 }  // namespace
@@ -192,18 +252,51 @@ SeedRange SeedRangeOf(const SpeedAccuracyPoint& point, ChartFigure figure) {
   return RangeOverSeeds(point, [figure](const SeedScores& seed) { return Of(seed.scores, figure); });
 }
 
-SeedRange FrameTimeOf(const SpeedAccuracyPoint& point) {
-  return RangeOverSeeds(point, [](const SeedScores& seed) { return seed.frame_us.p50_us; });
+SeedRange FrameTimeOf(const SpeedAccuracyPoint& point, ChartTime time) {
+  return RangeOverSeeds(point, [time](const SeedScores& seed) {
+    return time == ChartTime::kMedian ? seed.frame_us.p50_us : seed.frame_us.p999_us;
+  });
 }
 
-std::string SpeedAccuracySvg(const SpeedAccuracyResult& result) {
-  const std::array panels{Panel(result, ChartFigure::kDepth), Panel(result, ChartFigure::kVolume),
-                          Panel(result, ChartFigure::kForce), Panel(result, ChartFigure::kRipple)};
+Dominance DominanceOf(const SpeedAccuracyResult& result, ChartFigure figure, ChartTime time) {
+  std::vector<RivalPoint> points;
+  for (const SpeedAccuracyPoint& point : result.points)
+    points.push_back({.cost = {FrameTimeOf(point, time).median, SeedRangeOf(point, figure).median},
+                      .ours = IsOurs(point.method)});
+  return CompareWithOurs(points);
+}
+
+std::vector<std::vector<std::string>> DominanceTable(const SpeedAccuracyResult& result, ChartTime time) {
+  std::vector<std::vector<std::string>> rows{{"error", "faster and more exact than every one of ours",
+                                              "faster and more exact than one of ours",
+                                              "ahead of ours within its time", "faster than all of ours"}};
+  for (const ChartFigure figure : kChartFigures) {
+    const Dominance found = DominanceOf(result, figure, time);
+    const auto names = [&](const std::vector<std::size_t>& points) {
+      std::vector<std::string> texts;
+      for (const std::size_t i : points) texts.push_back(NameOf(result.points[i]));
+      if (!found.ours_measured) return std::string("ours was not measured");
+      return texts.empty() ? std::string("none") : fmt::format("{}", fmt::join(texts, ", "));
+    };
+    std::vector<std::size_t> beating;  // at least one of ours
+    for (std::size_t i = 0; i < result.points.size(); ++i)
+      if (std::ranges::any_of(found.beaten,
+                              [&](const BeatenPoint& p) { return std::ranges::count(p.by, i) > 0; }))
+        beating.push_back(i);
+    rows.push_back({KeyOf(figure), names(found.beat_all_ours), names(beating), names(found.ahead),
+                    names(found.faster_than_all_ours)});
+  }
+  return rows;
+}
+
+std::string SpeedAccuracySvg(const SpeedAccuracyResult& result, ChartTime time) {
+  std::vector<LineChart> panels;
+  for (const ChartFigure figure : kChartFigures) panels.push_back(Panel(result, figure, time));
   return SvgGrid(panels, 1, "Speed and accuracy of cutting methods", LegendOf(result), kPageWidth_px);
 }
 
 std::string DepthOverTimeSvg(const SpeedAccuracyResult& result) {
-  const std::array panels{Panel(result, ChartFigure::kDepth)};
+  const std::array panels{Panel(result, ChartFigure::kDepth, ChartTime::kMedian)};
   return SvgGrid(panels, 1, "", LegendOf(result), kPageWidth_px);
 }
 
@@ -213,6 +306,9 @@ std::string SpeedAccuracyJson(const SpeedAccuracyResult& result) {
                       {"device", result.device},
                       {"machine", result.machine},
                       {"left_out", result.left_out},
+                      {"dominance",
+                       {{"median", DominanceJson(result, ChartTime::kMedian)},
+                        {"p999", DominanceJson(result, ChartTime::kWorst)}}},
                       {"points", nlohmann::json::array()}};
   for (const SpeedAccuracyPoint& point : result.points) {
     const auto over = [&](const auto& value) { return RangeOverSeeds(point, value); };
@@ -224,7 +320,7 @@ std::string SpeedAccuracyJson(const SpeedAccuracyResult& result) {
         {"length_mm", point.length_m * 1e3},
         {"seeds", point.seeds.size()},
         {"frame_us_p50", FrameTimeOf(point).median},
-        {"frame_us_p999", over([](const SeedScores& s) { return s.frame_us.p999_us; }).median},
+        {"frame_us_p999", FrameTimeOf(point, ChartTime::kWorst).median},
         {"depth_error_mm", SeedRangeOf(point, ChartFigure::kDepth).median},
         {"depth_error_range_mm", SeedRangeJson(SeedRangeOf(point, ChartFigure::kDepth))},
         {"volume_error", SeedRangeOf(point, ChartFigure::kVolume).median},
@@ -233,7 +329,7 @@ std::string SpeedAccuracyJson(const SpeedAccuracyResult& result) {
         {"force_error_range", SeedRangeJson(SeedRangeOf(point, ChartFigure::kForce))},
         {"ripple", SeedRangeOf(point, ChartFigure::kRipple).median},
         {"ripple_range", SeedRangeJson(SeedRangeOf(point, ChartFigure::kRipple))},
-        {"normal_error_deg", over([](const SeedScores& s) { return s.scores.force.normal_rms_deg; }).median},
+        {"normal_error_deg", SeedRangeOf(point, ChartFigure::kNormal).median},
         {"lost_mm", over([](const SeedScores& s) { return s.scores.lost_m * 1e3; }).median},
         {"left_mm", over([](const SeedScores& s) { return s.scores.left_m * 1e3; }).median},
         {"probe_p95_mm", over([](const SeedScores& s) { return s.scores.probe_p95_m * 1e3; }).median},

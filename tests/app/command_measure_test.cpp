@@ -75,6 +75,64 @@ TEST(BenchFrame, TimesEnginesInTurn) {
   EXPECT_NE(run.out.find("times as long as cpu"), std::string::npos) << run.out;
 }
 
+TEST(BenchFrame, TimesEnginesOnNamedWorkloadsInRounds) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(
+      folder.path(), {"bench", "frame", "--engines", "cpu,vulkan", "--workloads", "burr-200,reamer-30k",
+                      "--spheres", "1000", "--frames", "20", "--rounds", "2", "--json", "f.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "f.json"), workloads = json.at("workloads");
+  ASSERT_EQ(workloads.size(), 2u);
+  EXPECT_EQ(json.at("rounds"), 2);
+  EXPECT_EQ(workloads[0].at("name"), "reamer-30k") << "in the order of the table";
+  EXPECT_EQ(workloads[1].at("name"), "burr-200");
+  EXPECT_EQ(workloads[1].at("scene"), "molar");
+  EXPECT_EQ(workloads[1].at("tool_spheres"), 200);
+  for (const nlohmann::json& workload : workloads) {
+    EXPECT_EQ(workload.at("spheres"), 1000);
+    EXPECT_TRUE(workload.at("left_out").empty());
+    const nlohmann::json& engines = workload.at("engines");
+    ASSERT_EQ(engines.size(), 2u);
+    const nlohmann::json &cpu = engines[0], &vulkan = engines[1];
+    EXPECT_EQ(cpu.at("engine"), "cpu");
+    EXPECT_EQ(vulkan.at("engine"), "vulkan");
+    EXPECT_EQ(cpu.at("device"), "one thread, " + cpu.at("instruction_set").get<std::string>());
+    EXPECT_TRUE(vulkan.at("instruction_set").is_null());
+    EXPECT_EQ(vulkan.at("ratio_to_last"), 1.0);
+    EXPECT_DOUBLE_EQ(
+        cpu.at("ratio_p999_to_last").get<double>(),
+        cpu.at("frame_us").at("p999").get<double>() / vulkan.at("frame_us").at("p999").get<double>());
+    EXPECT_LE(cpu.at("ratio_to_last_range")[0], cpu.at("ratio_to_last_range")[1]);
+    for (const nlohmann::json& engine : engines) {
+      EXPECT_EQ(engine.at("frames"), 40) << "of both rounds";
+      ExpectTimes(engine.at("frame_us"));
+      ASSERT_EQ(engine.at("rounds").size(), 2u);
+      ExpectTimes(engine.at("rounds")[1]);
+    }
+  }
+  EXPECT_EQ(json.at("engines"), workloads[0].at("engines")) << "the first workload stands at the top too";
+  EXPECT_EQ(json.at("scene"), "acetabulum");
+  EXPECT_NE(run.out.find("reamer-30k: acetabulum, 1000 spheres"), std::string::npos) << run.out;
+}
+
+TEST(BenchFrame, SetsPlainVoxelsBesideOurs) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"bench", "frame", "--method", "cpu", "--compare", "voxel-128,reference",
+                                 "--spheres", "1000", "--frames", "20", "--json", "f.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "f.json"),
+                       methods = json.at("workloads")[0].at("engines");
+  ASSERT_EQ(methods.size(), 3u);
+  EXPECT_EQ(json.at("compare").at("method"), "voxel-128");
+  EXPECT_EQ(methods[1].at("method"), "voxel-128");
+  EXPECT_GT(methods[1].at("ratio").get<double>(), 0.0);
+  // each with its own hand, which presses with 100 N
+  for (const nlohmann::json& method : methods)
+    EXPECT_NEAR(method.at("mean_force_N").get<double>(), 100.0, 5.0) << method.at("method");
+  EXPECT_EQ(methods[0].at("removed_mm3"), methods[2].at("removed_mm3")) << "the same bits";
+}
+
 TEST(BenchFrame, SaysWhatItDoesNotTake) {
   const TemporaryFolder folder;
   struct Case {
@@ -87,6 +145,10 @@ TEST(BenchFrame, SaysWhatItDoesNotTake) {
                                 {{"--scene", "moon"}, "found moon, accepted acetabulum, molar"},
                                 {{"--engines", "cpu,cuda"}, "found cuda, accepted vulkan, cpu, reference"},
                                 {{"--compare", "ours"}, "found the method itself"},
+                                {{"--engines", "cpu", "--compare", "cpu"}, "found the method itself"},
+                                {{"--workloads", "moon"}, "found moon, accepted all, reamer-30k"},
+                                {{"--workloads", "all", "--scene", "molar"}, "excludes"},
+                                {{"--rounds", "0"}, "--rounds: found 0, accepted 1"},
                                 {{"--compare", "paper"}, "works on another packing"},
                                 {{"--sphere", "100"}, "did you mean --spheres?"}};
   for (const Case& each : cases) {
@@ -221,13 +283,15 @@ TEST(ChartSpeedAccuracy, WritesItsFilesAndPoints) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"chart", "speed-accuracy", "--quick", "--seeds", "1", "--method", "ours",
-                                 "--method", "voxel", "--out", "chart"});
+                                 "--method", "voxel", "--method", "cpu", "--out", "chart"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   ExpectFiles(folder.path() / "chart", "speed_accuracy");
   EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "chart" / "speed_accuracy_depth.svg"));
   const nlohmann::json json = ReadJson(folder.path() / "chart" / "speed_accuracy.json");
   EXPECT_EQ(json.at("schema"), "osteon.chart.speed-accuracy/1");
-  ASSERT_EQ(json.at("points").size(), 4u);
+  for (const char* name : {"speed_accuracy_worst.svg", "speed_accuracy_worst.png"})
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "chart" / name)) << name;
+  ASSERT_EQ(json.at("points").size(), 6u);
   for (const nlohmann::json& point : json.at("points")) {
     for (const char* key : {"frame_us_p50", "frame_us_p999", "depth_error_mm", "volume_error", "force_error",
                             "normal_error_deg", "ripple", "r_max_mm", "spheres"})
@@ -235,10 +299,18 @@ TEST(ChartSpeedAccuracy, WritesItsFilesAndPoints) {
     EXPECT_EQ(point.at("tasks").size(), 4u);
   }
   // coarse to fine: each method's cut approaches the exact one, and ours leaves no bone in the tool's path
-  const auto depth = [&](std::size_t i) { return json.at("points")[i].at("depth_error_mm").get<double>(); };
-  EXPECT_LT(depth(1), depth(0));
-  EXPECT_LT(depth(3), depth(2));
-  EXPECT_LT(json.at("points")[1].at("left_mm").get<double>(), 1e-3);
+  const nlohmann::json& points = json.at("points");
+  const auto depth = [&](std::size_t i) { return points[i].at("depth_error_mm").get<double>(); };
+  for (const std::size_t coarse : {0u, 2u, 4u}) EXPECT_LT(depth(coarse + 1), depth(coarse));
+  EXPECT_EQ(points[0].at("method"), "cpu");
+  EXPECT_EQ(points[2].at("method"), "ours");
+  EXPECT_NEAR(depth(0), depth(2), 0.02 * depth(2)) << "two engines, one model";
+  EXPECT_LT(points[1].at("left_mm").get<double>(), 1e-3);
+  for (const char* time : {"median", "p999"})
+    for (const char* error : {"depth", "volume", "force", "normal", "ripple"})
+      for (const char* key : {"beat_all_ours", "beaten", "ahead", "faster_than_all_ours"})
+        EXPECT_TRUE(json.at("dominance").at(time).at(error).at(key).is_array()) << error << " " << key;
+  EXPECT_NE(run.out.find("by the 99.9th percentile"), std::string::npos) << run.out;
 }
 
 }  // namespace

@@ -55,6 +55,10 @@ const std::map<std::string, DocRun>& Runs() {
 
       {"osteon bench frame --spheres 300000 --tool-spheres 1000 --compare brute --frames 50",
        As("bench frame --spheres 20000 --tool-spheres 20 --compare brute --frames 20")},
+      {"osteon bench frame --engines cpu,vulkan --rounds 5 --json engines.json",
+       By("BenchFrame.TimesEnginesOnNamedWorkloadsInRounds")},
+      {"osteon bench frame --method cpu --compare --rounds 3 --json voxels.json",
+       By("BenchFrame.SetsPlainVoxelsBesideOurs")},
       {"osteon bench kinematics", As("bench kinematics --calls 1000")},
       {"osteon bench kinematics --robot config/robots/kr_6_r900_2.yaml --json kr.json",
        As("bench kinematics --robot config/robots/kr_6_r900_2.yaml --json kr.json --calls 1000",

@@ -32,6 +32,7 @@ TEST(MethodLadder, SplittingIsOursWithLargeBallsAndRoomForTheirChildren) {
   EXPECT_EQ(EngineOfStep(split), "ours");
   EXPECT_EQ(EngineOfStep(ours), "ours");
   EXPECT_EQ(EngineOfStep({.method = "voxel", .length_m = 1e-3}), "voxel");
+  EXPECT_EQ(EngineOfStep({.method = "cpu-split", .length_m = 1e-3}), "cpu");
   const simulation::CutWorkload work = MakeCutWorkload(simulation::CutTask::kChannel);
   EXPECT_FALSE(CuttingForStep(ours, work).split.on);
   const simulation::CuttingParams cutting = CuttingForStep(split, work);
@@ -53,7 +54,8 @@ TEST(MethodLadder, StepsThatShareAPackingPackTheSameBalls) {
   const std::vector<MethodStep> steps{
       {.method = "ours", .length_m = 4e-3},  {.method = "stamps", .length_m = 4e-3},
       {.method = "paper", .length_m = 4e-3}, {.method = "paper-printed", .length_m = 4e-3},
-      {.method = "split", .length_m = 4e-3}, {.method = "ours", .length_m = 5e-3}};
+      {.method = "split", .length_m = 4e-3}, {.method = "ours", .length_m = 5e-3},
+      {.method = "cpu", .length_m = 4e-3},   {.method = "cpu-split", .length_m = 4e-3}};
   std::vector<std::vector<simulation::Ball>> packed;
   for (const MethodStep& step : steps) packed.push_back(PackForStep(step, work, {}, 1).bone.balls);
   const auto same = [&](std::size_t i, std::size_t j) {
@@ -89,8 +91,9 @@ TEST(SpeedAccuracyChart, NamesEveryMethodOfTheLadderAndBothEndsOfItsSeeds) {
     result.points.push_back(point);
   }
   const std::string svg = SpeedAccuracySvg(result);
-  for (const char* name : {">ours<", ">ours, split<", ">stamps at discrete poses<", ">paper, corrected<",
-                           ">paper, as printed<", ">voxels, finger-proxy<", ">voxmap-pointshell<"})
+  for (const char* name : {">ours on one thread<", ">ours on one thread, split<", ">ours<", ">ours, split<",
+                           ">stamps at discrete poses<", ">paper, corrected<", ">paper, as printed<",
+                           ">voxels, finger-proxy<", ">voxmap-pointshell<"})
     EXPECT_NE(svg.find(name), std::string::npos) << name;
 }
 

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "report/pareto.h"
+
+namespace osteon::app {
+
+/// A point of a chart of error over time: x is the frame time, y the error.
+struct RivalPoint {
+  CostPoint cost;
+  bool ours{false};
+};
+
+/// A point of ours, and the other methods' points with both a smaller time and a smaller error.
+struct BeatenPoint {
+  std::size_t ours{0};
+  std::vector<std::size_t> by{};
+};
+
+/// Where other methods' points stand against ours; indices of the points, in their order.
+///
+///     error │   o   ours: o            a  ahead: within its time none of ours is as exact
+///           │ f   a                    f  faster than every one of ours
+///           │       o b                b  beats neither
+///           │           o
+///           └──────────────── time     Both smaller than every one of ours: left of all o and below them.
+struct Dominance {
+  bool ours_measured{false};                 ///< otherwise the rest is empty
+  std::vector<std::size_t> beat_all_ours{};  ///< a smaller time and a smaller error than every one of ours
+  std::vector<BeatenPoint> beaten{};         ///< those of ours that at least one other point beats in both
+  /// No point of ours is at once as fast and as exact; only points that are not faster than all of ours.
+  std::vector<std::size_t> ahead{};
+  std::vector<std::size_t> faster_than_all_ours{};
+};
+
+/// Compares other methods' points with ours. Points that are not finite, or whose time is not positive, are
+/// ignored.
+[[nodiscard]] Dominance CompareWithOurs(std::span<const RivalPoint> points);
+
+}  // namespace osteon::app
