@@ -179,7 +179,7 @@ TEST(RegistrationRows, ARotationThatIsNoneIsRefused) {
   EXPECT_THAT(ErrorOf(CheckFrames, [](CellConfig& cell) { cell.tool.X_FT.linear() *= 1.01; }),
               HasSubstr("demo.yaml:5: tool: found 0.0"));
   EXPECT_THAT(ErrorOf(CheckFrames, [](CellConfig& cell) { cell.tool.X_FT.linear().col(0) *= -1.0; }),
-              HasSubstr("demo.yaml:5: tool: found 2 of the tool's rotation"));
+              HasSubstr("demo.yaml:5: tool: found 2 from the tool's rotation to the nearest rotation"));
 }
 
 TEST(RegistrationRows, ATiltedBaseIsNotedAndAccepted) {
