@@ -28,7 +28,7 @@ extern "C" void OnSignal(int signal_number) {
   }
 }
 
-PauseSignals g_pauses;
+OperatorRequests g_pauses;
 
 extern "C" void OnPauseSignal(int signal_number) {
   (signal_number == SIGUSR1 ? g_pauses.pause : g_pauses.resume).store(true);
@@ -36,9 +36,9 @@ extern "C" void OnPauseSignal(int signal_number) {
 
 }  // namespace
 
-PauseSignals& AskedPauses() { return g_pauses; }
+OperatorRequests& AskedByOperator() { return g_pauses; }
 
-void InstallPause() {
+void InstallPauseSignals() {
   std::signal(SIGUSR1, OnPauseSignal);
   std::signal(SIGUSR2, OnPauseSignal);
 }
@@ -67,6 +67,8 @@ const char* InterruptName() {
       return "SIGHUP";
     case SIGPIPE:
       return "SIGPIPE";
+    case kOperatorsStop:
+      return "operator";
     default:
       return "";
   }
@@ -74,6 +76,7 @@ const char* InterruptName() {
 
 int InterruptExitCode(int ctrl_c) {
   const int signal_number = g_signal.load();
+  if (signal_number == kOperatorsStop) return 0;
   return signal_number == SIGHUP || signal_number == SIGPIPE ? 128 + signal_number : ctrl_c;
 }
 

@@ -10,24 +10,26 @@ namespace osteon::app {
 [[nodiscard]] std::atomic<bool>& Interrupted();
 /// Installs the handlers. A SIGHUP that is ignored (`nohup`) stays ignored.
 void InstallInterrupt();
-/// Sets the flag as if the signal had come: SIGPIPE if nobody reads the output any more. Any thread.
+/// Sets the flag as if the signal had come: SIGPIPE if nobody reads the output any more, kOperatorsStop for a
+/// stop by `osteon stop` or the console. Any thread.
 void RequestInterrupt(int signal_number) noexcept;
-/// Name of the first signal: "SIGINT", "SIGTERM", "SIGHUP", "SIGPIPE"; empty if there was none.
+inline constexpr int kOperatorsStop = 1000;  // beyond every signal
+/// Name of the first request: "SIGINT", "SIGTERM", "SIGHUP", "SIGPIPE", "operator"; empty if there was none.
 [[nodiscard]] const char* InterruptName();
 
-/// An operator's requests to a running cell by signal, after InstallPause: SIGUSR1 asks for a pause, SIGUSR2
-/// for its end. Whoever acts on a request clears it.
-struct PauseSignals {
+/// An operator's requests to a running cell: by `osteon pause` and `resume`, by the console, and, after
+/// InstallPauseSignals, by SIGUSR1 (a pause) and SIGUSR2 (its end). Whoever acts on a request clears it.
+struct OperatorRequests {
   std::atomic<bool> pause{false}, resume{false};
 };
-[[nodiscard]] PauseSignals& AskedPauses();
-void InstallPause();
+[[nodiscard]] OperatorRequests& AskedByOperator();
+void InstallPauseSignals();
 
 /// Exit code of a run that was ended by Ctrl-C, as a shell reports it: 128 + SIGINT. Also for SIGTERM.
 inline constexpr int kExitInterrupted = 130;
 
 /// Exit code of an interrupted process: 129 (128 + SIGHUP) if the terminal was closed, 141 (128 + SIGPIPE) if
-/// nobody reads the output, else `ctrl_c`.
+/// nobody reads the output, 0 after an operator's stop, which is an end in order, else `ctrl_c`.
 [[nodiscard]] int InterruptExitCode(int ctrl_c = kExitInterrupted);
 
 }  // namespace osteon::app

@@ -98,6 +98,11 @@ void Validate(const RealtimeThreadParams& params) {
 
 void NameThread(const char* name) noexcept { pthread_setname_np(pthread_self(), name); }
 
+void LowerPriority() noexcept {
+  constexpr int kNice = 10;
+  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+}
+
 bool KeepCpusAwake() noexcept {
   static const bool awake = [] {
     const int file = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);

@@ -44,6 +44,9 @@ bool KeepCpusAwake() noexcept;
 /// Names the calling thread for tools that look at the process. @param name  at most 15 bytes
 void NameThread(const char* name) noexcept;
 
+/// Lowers the calling thread's priority (nice 10): what a person watches gives way to what renders.
+void LowerPriority() noexcept;
+
 /// Keeps the calling thread, and every thread that it creates from now on, off a CPU that a real-time thread
 /// will be pinned to. If there is only one CPU, all threads share it. Call before creating any other thread.
 /// @param cpu  -1: nothing to do

@@ -9,10 +9,13 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
+
 namespace osteon::app {
 namespace {
 
-constexpr double kEverySeconds = 10.0;  // between lines of a run without an end
+constexpr double kEverySeconds = 10.0;           // between lines of a run without an end
+constexpr rt::Nanoseconds kEvery = 100'000'000;  // between status lines on a terminal
 
 }  // namespace
 
@@ -22,9 +25,18 @@ RunProgress::RunProgress(std::string name, double seconds)
       terminal_(isatty(STDERR_FILENO) != 0),
       next_(seconds > 0.0 ? 0.1 : kEverySeconds) {}
 
-void RunProgress::Show(double at_s) {
+std::size_t RunProgress::StatusColumns() { return TerminalColumns(STDERR_FILENO).value_or(201) - 1; }
+
+void RunProgress::Show(double at_s) { Show(at_s, ""); }
+
+void RunProgress::Show(double at_s, std::string_view status) {
   const double share = seconds_ > 0.0 ? std::min(1.0, at_s / seconds_) : 0.0;
-  if (terminal_ && seconds_ > 0.0) {
+  if (terminal_ && !status.empty()) {
+    if (const rt::Nanoseconds now = rt::MonotonicNow(); now - shown_ >= kEvery) {
+      shown_ = now;
+      fmt::print(stderr, "\r\033[K{}", status);
+    }
+  } else if (terminal_ && seconds_ > 0.0) {
     constexpr int kWidth = 40;
     const int filled = static_cast<int>(share * kWidth);
     fmt::print(stderr, "\r[{:{}}] {:4.1f} of {:.1f} s", std::string(static_cast<std::size_t>(filled), '#'),
@@ -32,10 +44,16 @@ void RunProgress::Show(double at_s) {
   } else if (terminal_) {
     fmt::print(stderr, "\r{:.1f} s", at_s);
   } else if (seconds_ > 0.0 && share >= next_) {
-    fmt::print(stderr, "{}: {:.1f} of {:.1f} s\n", name_, share * seconds_, seconds_);
+    if (status.empty())
+      fmt::print(stderr, "{}: {:.1f} of {:.1f} s\n", name_, share * seconds_, seconds_);
+    else
+      fmt::print(stderr, "{}: {}\n", name_, status);
     next_ = std::floor(share * 10.0) / 10.0 + 0.1;
   } else if (seconds_ <= 0.0 && at_s >= next_) {
-    fmt::print(stderr, "{}: {:.0f} s\n", name_, at_s);
+    if (status.empty())
+      fmt::print(stderr, "{}: {:.0f} s\n", name_, at_s);
+    else
+      fmt::print(stderr, "{}: {}\n", name_, status);
     next_ = at_s + kEverySeconds;
   }
   std::fflush(stderr);

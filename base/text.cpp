@@ -51,12 +51,12 @@ std::string WrapText(std::string_view text, std::size_t indent, std::size_t widt
   });
 }
 
-std::optional<std::size_t> TerminalColumns() {
+std::optional<std::size_t> TerminalColumns(int descriptor) {
   if (const char* columns = std::getenv("COLUMNS"))
     if (const long value = std::strtol(columns, nullptr, 10); value > 0)
       return static_cast<std::size_t>(value);
   winsize size{};
-  if (isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0)
+  if (isatty(descriptor) != 0 && ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0)
     return size.ws_col;
   return std::nullopt;
 }

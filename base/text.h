@@ -20,9 +20,9 @@ namespace osteon::app {
 /// that is longer stands alone.
 [[nodiscard]] std::string WrapText(std::string_view text, std::size_t indent, std::size_t width);
 
-/// Columns of the terminal that standard output leads to; $COLUMNS, where it is set, counts first. None: no
-/// terminal.
-[[nodiscard]] std::optional<std::size_t> TerminalColumns();
+/// Columns of the terminal that a descriptor leads to (1: standard output); $COLUMNS, where it is set, counts
+/// first. None: no terminal.
+[[nodiscard]] std::optional<std::size_t> TerminalColumns(int descriptor = 1);
 
 /// WrapText for the terminal that standard output leads to; in a file or a pipe the text stays one line.
 [[nodiscard]] std::string WrapForTerminal(const std::string& text, std::size_t indent);

@@ -197,7 +197,8 @@ CellStateText Describe(CellState state) {
       return {"cutting", "renders, the spindle turns", "the pedal; a pause, a stop"};
     case kPaused:
       return {"paused", "holds under power, the spindle still; looks at the conditions of motion",
-              "ask to go on (SIGUSR2): begins anew where it stands, once every condition holds"};
+              "`osteon resume`, or Resume in the console: begins anew where it stands, once every condition "
+              "holds"};
     case kStop0:
       return {"stop 0",
               "sends the last command on, which counts for nothing; follows an arm that moves by itself",
@@ -230,7 +231,7 @@ CellEventText Describe(CellEvent event) {
     case Event::kStopRequested:
       return {"stop asked", "an orderly end: Ctrl-C, or the run's time is over; lasts"};
     case Event::kPauseRequested:
-      return {"pause asked", "SIGUSR1"};
+      return {"pause asked", "`osteon pause`, Pause in the console, SIGUSR1"};
     case Event::kRestFault:
       return {"rest, fault", "what is commanded rests (stop 0: the arm is measured to stand), with a fault"};
     case Event::kRest:
@@ -254,7 +255,7 @@ CellEventText Describe(CellEvent event) {
     case Event::kRecover:
       return {"recovery asked", "and each latched fault allows one (docs/faults.md)"};
     case Event::kResume:
-      return {"resume asked", "SIGUSR2"};
+      return {"resume asked", "`osteon resume`, Resume in the console, SIGUSR2"};
   }
   return {"unknown", "never"};
 }

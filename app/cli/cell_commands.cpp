@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/cell_file.h"
+#include "app/cli/console_option.h"
 #include "app/cli/fidelity_options.h"
 #include "app/cli/tool_choice.h"
 #include "app/cli/usage.h"
@@ -83,6 +84,7 @@ CellCommands::CellCommands(CLI::App& app)
   AddEngineOption(*run_, operate_.engine, WallTimeEngineNames(), "the cutting engine",
                   "; cpu: one thread, no GPU");
   AddDeviceOption(*run_, operate_.device);
+  AddConsoleOption(*run_, operate_.console);
   run_->add_option("--json", operate_.json, "also write the figures there, as JSON")->type_name("FILE");
   run_->footer(
       "Exit code 1: a fault ended the run, the arm did not come in time, or a file could not be written\n\n"
@@ -91,7 +93,8 @@ CellCommands::CellCommands(CLI::App& app)
       "  osteon cell demo &  osteon run demo --seconds 10");
 }
 
-int CellCommands::Run(const std::filesystem::path& config_root) {
+int CellCommands::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+  operate_.command_line = command_line;
   const char* name = cell_->parsed() ? "cell" : "run";
   const auto refuse = [name](const std::string& what) {
     fmt::print(stderr, "osteon {}: {}\n", name, what);

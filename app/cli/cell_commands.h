@@ -17,7 +17,7 @@ class CellCommands {
 
   [[nodiscard]] bool asked() const { return cell_->parsed() || run_->parsed(); }
   /// @returns the process's exit code.
-  [[nodiscard]] int Run(const std::filesystem::path& config_root);
+  [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
 
  private:
   SimulatedCellOptions simulated_;

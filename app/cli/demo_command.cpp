@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/cell_file.h"
+#include "app/cli/console_option.h"
 #include "app/cli/fidelity_options.h"
 #include "app/cli/tool_choice.h"
 #include "app/cli/usage.h"
@@ -60,6 +61,7 @@ DemoCommand::DemoCommand(CLI::App& app)
   sub_->add_option("--cpu", options_.cpu,
                    "CPU of the servo thread and the simulated arm; everything else stays off it")
       ->check(NumberWithin(0, rt::kMaxCpu));
+  AddConsoleOption(*sub_, options_.console);
   sub_->add_option("--json", options_.json, "write a further copy of summary.json there")->type_name("FILE");
   sub_->add_option("--save-motion", options_.save_motion,
                    "write the tool's motion there (CSV), to be played again")

@@ -11,6 +11,7 @@
 #include "app/cli/faults_command.h"
 #include "app/cli/guard_command.h"
 #include "app/cli/new_cell_command.h"
+#include "app/cli/operator_commands.h"
 #include "app/cli/pack_command.h"
 #include "app/cli/replay_command.h"
 #include "app/cli/schema_command.h"
@@ -48,6 +49,7 @@ class OsteonCommands {
   AnnouncedStudies bench_and_chart_;
   CellCommands cells_;
   GuardCommand guard_;
+  OperatorCommands operator_;
   AnnouncedStudies calibrate_;
   NewCellCommand new_cell_;
   SchemaCommand schema_;

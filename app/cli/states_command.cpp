@@ -139,7 +139,7 @@ std::string StatesPage() {
           "fault leads to which: [faults.md](faults.md). What is braked is what was commanded, the tool's "
           "twist, the joints' last step or the path's clock, whatever the state was taken to be.") +
       "\n\n"
-      "A pause is asked for with SIGUSR1 and ended with SIGUSR2 (`kill -USR1 PID`), of `osteon run` and "
+      "A pause is asked for with `osteon pause` and ended with `osteon resume`, of `osteon run` and "
       "`osteon demo`.\n\n"
       "## As a diagram\n\n";
   return page + Diagram();

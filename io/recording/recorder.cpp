@@ -44,6 +44,7 @@ tl::expected<std::unique_ptr<Recorder>, std::string> Recorder::Open(const Record
 
 Recorder::Recorder(const RecorderParams& params, McapWriter writer)
     : stalled_ticks_(params.stalled_ticks),
+      live_(params.live),
       ticks_(params.tick_capacity),
       frames_(params.frame_capacity),
       writer_(std::move(writer)) {}
@@ -128,16 +129,19 @@ void Recorder::Write(bool end_chunk) {
       Encode(tick, bytes_);
       writer_.Write(tick_channel_, tick.stamp, bytes_);
       ++counts_.ticks;
+      if (live_) live_->TakeTick(tick);
       has_tick = ticks_.Pop(tick);
     } else if (has_frame && frame_stamp <= event_stamp) {
       Encode(frame, bytes_);
       writer_.Write(frame_channel_, frame.stamp, bytes_);
       ++counts_.frames;
+      if (live_) live_->TakeFrame(frame);
       has_frame = frames_.Pop(frame);
     } else {
       Encode(*event, bytes_);
       writer_.Write(event_channel_, event->stamp, bytes_);
       ++counts_.events;
+      if (live_) live_->TakeEvent(*event);
       ++event;
     }
   }

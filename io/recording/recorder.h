@@ -17,6 +17,7 @@
 #include "control/ports.h"
 #include "io/recording/mcap_writer.h"
 #include "io/recording/messages.h"
+#include "io/recording/record_sink.h"
 #include "simulation/engine/frame_record.h"
 
 namespace osteon::io {
@@ -28,7 +29,8 @@ struct RecorderParams {
   /// Number of waiting ticks from which the writer counts as stalled: early enough that the stop is recorded
   /// to its end.
   std::size_t stalled_ticks{2048};
-  bool writer_thread{true};  ///< false: the owner calls Drain (virtual time)
+  bool writer_thread{true};   ///< false: the owner calls Drain (virtual time)
+  RecordSink* live{nullptr};  ///< gets every message as well, and outlives the recorder; null: none
 };
 
 /// Counts of a closed recording, including losses.
@@ -44,7 +46,7 @@ struct RecordingCounts {
 ///
 ///     servo thread ──Push──▶ ring ─┐
 ///     simulation ──PushFrame▶ ring ─┼─▶ Drain: merged by stamp ─▶ file
-///     anybody ───PushEvent──▶ list ─┘
+///     anybody ───PushEvent──▶ list ─┘             └─▶ RecordSink: a live view
 ///
 /// In wall time a thread drains every 20 ms; in virtual time the owner does, and two equal runs give equal
 /// bytes. Order among equal stamps: tick, frame, event.
@@ -96,6 +98,7 @@ class Recorder final : public control::TickRecorder {
   void Write(bool end_chunk);
 
   std::size_t stalled_ticks_;
+  RecordSink* live_;
   rt::SpscRing<control::TickRecord> ticks_;
   rt::SpscRing<simulation::FrameRecord> frames_;
   std::mutex events_mutex_;

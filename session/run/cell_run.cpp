@@ -94,9 +94,9 @@ void AddDiagnosis(CellRunResult& result, const std::string& arm, const std::stri
     if (!why.empty()) result.diagnosis += (result.diagnosis.empty() ? "" : "; ") + why;
 }
 
-void ApplyPauseRequests(const CellRunParams& params, control::ServoLoop& loop) {
-  if (!params.pauses) return;
-  const bool pause = params.pauses->pause.exchange(false), resume = params.pauses->resume.exchange(false);
+void ApplyRequests(const CellRunParams& params, control::ServoLoop& loop) {
+  if (!params.requests) return;
+  const bool pause = params.requests->pause.exchange(false), resume = params.requests->resume.exchange(false);
   if (resume) loop.RequestResume();
   if (pause) loop.RequestPause();
   if (params.notice && (pause || resume)) params.notice(pause ? "a pause was asked for" : "asked to go on");
@@ -148,6 +148,7 @@ std::string DescribeEnd(const CellRunResult& result, double seconds) {
   const std::string signal = InterruptName();
   if (signal == "SIGINT") return "Ctrl-C (SIGINT)";
   if (signal == "SIGHUP") return "the terminal was closed (SIGHUP)";
+  if (signal == "operator") return "the operator's stop";
   return signal.empty() ? "a stop was asked for" : "a signal of another program (" + signal + ")";
 }
 
@@ -185,7 +186,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     const auto watch = [&] {
       cell_died |= !done.load() && wires.cell && wires.cell->Ended();
       gains.Poll(rt::ToSeconds(rt::MonotonicNow()));
-      ApplyPauseRequests(params, loop);
+      ApplyRequests(params, loop);
       if (rendered_s.load() == 0.0) start.Poll();  // a recovery starts from the arm's present position
       if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
       if (params.progress) params.progress(rendered_s.load());
@@ -300,7 +301,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
       pending.reset();
     }
     gains.Poll(rt::ToSeconds(now));
-    ApplyPauseRequests(params, loop);
+    ApplyRequests(params, loop);
     const control::CellReadings readings = (*devices)->Exchange(loop.cell_commands(), now);
     const control::TickRecord record = loop.Tick(state, received, readings, model, now, command);
     recorder.Push(record);
@@ -375,20 +376,21 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   if (params.make_room)
     if (std::string wrong = params.make_room(); !wrong.empty())
       return tl::make_unexpected(CellRunError{.what = std::move(wrong)});
-  auto recorder = io::Recorder::Open({.path = params.recording, .writer_thread = !params.virtual_time},
-                                     {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
-                                      .version = OSTEON_VERSION,
-                                      .engine = engine.name(),
-                                      .device = engine.device(),
-                                      .scene = setup.bone.name,
-                                      .tool = setup.config.tool.tool.name,
-                                      .force_limit_N = control::ForceLimit_N(setup.config.servo),
-                                      .limits = LimitLines(setup.config.servo),
-                                      .config_text = setup.config_text,
-                                      .config = setup.config_source,
-                                      .utc = params.virtual_time ? 0 : UtcNow(),
-                                      .build = BuildName(),
-                                      .machine = MachineName()});
+  auto recorder = io::Recorder::Open(
+      {.path = params.recording, .writer_thread = !params.virtual_time, .live = params.live},
+      {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
+       .version = OSTEON_VERSION,
+       .engine = engine.name(),
+       .device = engine.device(),
+       .scene = setup.bone.name,
+       .tool = setup.config.tool.tool.name,
+       .force_limit_N = control::ForceLimit_N(setup.config.servo),
+       .limits = LimitLines(setup.config.servo),
+       .config_text = setup.config_text,
+       .config = setup.config_source,
+       .utc = params.virtual_time ? 0 : UtcNow(),
+       .build = BuildName(),
+       .machine = MachineName()});
   if (!recorder) return tl::make_unexpected(CellRunError{.what = recorder.error()});
 
   // a refused run leaves no empty recording

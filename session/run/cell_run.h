@@ -36,7 +36,8 @@ struct CellRunParams {
   /// or overwritten. @returns the reason if the recording must not be made; else empty.
   std::function<std::string()> make_room{};
   const std::atomic<bool>* stop{nullptr};
-  PauseSignals* pauses{nullptr};   ///< an operator's pause and its end; null: no pauses
+  OperatorRequests* requests{nullptr};  ///< an operator's pause and its end; null: none
+  io::RecordSink* live{nullptr};        ///< a live view, which gets all that is recorded; null: none
   std::filesystem::path gains{};   ///< a file of gains that is read again whenever it is saved; empty: none
   std::function<void()> begins{};  ///< called once everything is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event

@@ -14,11 +14,13 @@
 #include "session/replay/recorded_motion.h"
 #include "session/run/cell_ports.h"
 #include "session/run/cell_run.h"
+#include "session/run/live_views.h"
 #include "session/setup/setup_warnings.h"
 #include "session/stops/stop_records.h"
 #include "session/summary/chart_files.h"
 #include "session/summary/run_accumulator.h"
 #include "session/summary/run_files.h"
+#include "session/summary/run_report.h"
 #include "session/summary/summary.h"
 
 namespace osteon::app {
@@ -65,28 +67,6 @@ std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const
   return written ? std::string() : written.error();
 }
 
-ReportInput ReportOf(const DemoOptions& options, const CellSetup& setup, const CellRunResult& result,
-                     const RunAccumulator& run, const RunSummary& summary) {
-  return {
-      .title = "Osteon demo: " + summary.scene,
-      .subtitle = summary.engine + " on " + summary.device + (options.virtual_time ? ", virtual time" : ""),
-      .verdict = summary.verdict.ForReport(),
-      .summary = Rows(summary),
-      .run = run.curves,
-      .X_GP = run.path.X_GP(),
-      .bone = result.rezoned.empty() ? setup.bone : result.rezoned.back().bone,
-      .after = result.after,
-      .tool = setup.config.tool.tool,
-      .solid = setup.solid.get(),
-      .force_limit_N = summary.force_limit_N,
-      .tool_speed_limit_m_per_s = setup.config.servo.twist.max_speed_m_per_s,
-      .max_tool_in_bone_m = setup.config.servo.on_force_limit.max_tool_in_bone_m,
-      .faults = summary.faults,
-      .config_text = setup.config_text,
-      .command_line = options.command_line,
-      .version = OSTEON_VERSION};
-}
-
 // Shows the result; everything shown comes from the recording. @returns the exit code
 int PrintResult(const DemoOptions& options, const CellSetup& setup, const simulation::CuttingEngine& engine,
                 const CellRunParams& params, const CellRunResult& result) {
@@ -104,7 +84,7 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
     AddReason(wrong, pages.error());
   measuring.BeginPhase("draw the report");
   const std::filesystem::path page = options.out / "report.html";
-  if (const auto figures = WriteReport(ReportOf(options, setup, result, *run, summary), page))
+  if (const auto figures = WriteRunReport(setup, result, *run, summary, "demo", options.command_line, page))
     summary.section = *figures;
   else
     AddReason(wrong, figures.error());
@@ -173,8 +153,13 @@ int RunDemo(const DemoOptions& options) {
     fmt::print(stderr, "osteon demo: warning: {}\n", warning);
 
   InstallInterrupt();
-  InstallPause();
+  InstallPauseSignals();
   RunProgress progress("osteon demo", options.seconds);
+  LiveViews live(
+      *setup,
+      {.command = "demo", .seconds = options.seconds, .recording = (options.out / "recording.mcap").string()},
+      AskedByOperator());
+  live.Open(options.console);
   const CellRunParams params{
       .seconds = options.seconds,
       .virtual_time = options.virtual_time,
@@ -189,14 +174,15 @@ int RunDemo(const DemoOptions& options) {
       .recording = options.out / "recording.mcap",
       .make_room = [&] { return MakeRoom(options, claim); },
       .stop = &Interrupted(),
-      .pauses = &AskedPauses(),
+      .requests = &AskedByOperator(),
+      .live = live.sink(),
       .begins =
           [&] {
             fmt::print(stderr, "osteon demo: engine: {}\n", EngineText(choice, (*engine)->device()));
             PrintLimits(setup->config.servo);
           },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon demo: {}\n", text); },
-      .progress = [&](double at_s) { progress.Show(at_s); },
+      .progress = [&](double at_s) { progress.Show(at_s, live.Line()); },
       .adaptive_resolution = adaptive_resolution.get()};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "session/planning/planned_cell.h"
+#include "session/run/live_views.h"
 
 namespace osteon::app {
 
@@ -26,6 +27,7 @@ struct DemoOptions {
   std::string engine{"auto"};  ///< one of EngineNames
   std::optional<std::uint16_t> port{};  ///< replaces the cell's
   int cpu{-1};                   ///< for servo thread and simulated arm; all others stay off it; -1: any
+  ConsoleChoice console{};       ///< where the console is served
   std::filesystem::path json{};  ///< a second copy of summary.json
   std::filesystem::path save_motion{};  ///< file for the tool's motion, which can be played again
   std::string command_line{};

@@ -15,12 +15,14 @@
 #include "session/run/arm_connection.h"
 #include "session/run/cell_ports.h"
 #include "session/run/cell_run.h"
+#include "session/run/live_views.h"
 #include "session/setup/config_checksum.h"
 #include "session/setup/setup_warnings.h"
 #include "session/stops/stop_records.h"
 #include "session/summary/chart_files.h"
 #include "session/summary/run_accumulator.h"
 #include "session/summary/run_files.h"
+#include "session/summary/run_report.h"
 #include "session/summary/summary.h"
 
 namespace osteon::app {
@@ -67,7 +69,7 @@ std::string MakeRoom(const OperateOptions& options) {
 int PrintResult(const OperateOptions& options, const CellSetup& setup,
                 const simulation::CuttingEngine& engine, const CellRunParams& params,
                 const CellRunResult& result) {
-  PhaseProgress measuring("osteon run", 2, false);
+  PhaseProgress measuring("osteon run", 3, false);
   measuring.BeginPhase("read the recording");
   StopPages stops(
       {.folder = options.record.parent_path(), .stem = options.record.stem().string(), .cell = setup.config});
@@ -76,15 +78,22 @@ int PrintResult(const OperateOptions& options, const CellSetup& setup,
   if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
   measuring.BeginPhase("measure the cut");
   RunSummary summary = Summarise(setup, engine, params, result, *run);
-  measuring.Done();
-  if (auto pages = stops.Finish())
+  if (auto pages = stops.Finish())  // before the report, which leads to them
     summary.stops = std::move(*pages);
   else
     AddReason(wrong, pages.error());
+  measuring.BeginPhase("draw the report");
+  const std::filesystem::path page = ReportPage(options.record);
+  if (const auto figures = WriteRunReport(setup, result, *run, summary, "run", options.command_line, page))
+    summary.section = *figures;
+  else
+    AddReason(wrong, figures.error());
+  measuring.Done();
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, ToJson(summary, "osteon.run/1")); !written)
       AddReason(wrong, written.error());
   PrintTable(summary, "Osteon run");
+  fmt::print("  {:<30} {}\n", "Report", page.string());
   if (!result.internal_error.empty())
     return Fail("run", "internal error: " + result.internal_error, kInternalError);
   return wrong.empty() ? ExitCode(result) : Fail("run", wrong, kFailed);
@@ -143,8 +152,11 @@ int RunOperate(const OperateOptions& asked) {
     fmt::print(stderr, "osteon run: warning: {}\n", warning);
 
   InstallInterrupt();
-  InstallPause();
+  InstallPauseSignals();
   RunProgress progress("osteon run", options.seconds);
+  LiveViews live(*setup, {.command = "run", .seconds = options.seconds, .recording = options.record.string()},
+                 AskedByOperator());
+  live.Open(options.console);
   const CellRunParams params{
       .seconds = options.seconds,
       .recoveries = options.recoveries,
@@ -154,11 +166,12 @@ int RunOperate(const OperateOptions& asked) {
       .recording = options.record,
       .make_room = [&] { return MakeRoom(options); },
       .stop = &Interrupted(),
-      .pauses = &AskedPauses(),
+      .requests = &AskedByOperator(),
+      .live = live.sink(),
       .gains = options.gains,
       .begins = [&] { PrintLimits(setup->config.servo); },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },
-      .progress = [&](double at_s) { progress.Show(at_s); },
+      .progress = [&](double at_s) { progress.Show(at_s, live.Line()); },
       .adaptive_resolution = adaptive_resolution.get()};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();

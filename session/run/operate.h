@@ -6,6 +6,7 @@
 #include <string>
 
 #include "session/planning/planned_cell.h"
+#include "session/run/live_views.h"
 
 namespace osteon::app {
 
@@ -24,10 +25,13 @@ struct OperateOptions {
   int cpu{-1};                 ///< CPU of the servo thread; all other threads stay off it; -1: any
   std::string engine{"auto"};  ///< one of WallTimeEngineNames
   std::string device{};        ///< part of a Vulkan device's name
+  ConsoleChoice console{};     ///< where the console is served
   std::filesystem::path json{};
+  std::string command_line{};  ///< repeats the run
 };
 
-/// Runs `osteon run`: operates a cell, real or simulated, by the connections that its file names.
+/// Runs `osteon run`: operates a cell, real or simulated, by the connections that its file names. Leaves the
+/// recording, pages of its stops and ReportPage.
 /// @returns the process's exit code: 0 done; 1 ended by a fault, never begun, or not recorded; 2 wrong input;
 /// 130 ended by Ctrl-C, 129 because the terminal was closed, 141 because nobody reads its output.
 [[nodiscard]] int RunOperate(const OperateOptions& options);

@@ -33,6 +33,10 @@ std::string FirstFree(const std::string& name, const IsFree& is_free) {
 
 }  // namespace
 
+fs::path ReportPage(const fs::path& recording) {
+  return recording.parent_path() / (recording.stem().string() + "_report.html");
+}
+
 fs::path StopPage(const fs::path& folder, const std::string& stem, std::size_t number) {
   return folder / fmt::format("{}_stop_{}.html", stem, number);
 }
@@ -61,6 +65,7 @@ std::vector<fs::path> FilesOfRun(const fs::path& recording) {
     return there;
   };
   add(recording);
+  add(ReportPage(recording));
   const fs::path folder = recording.parent_path();
   const std::string stem = recording.stem().string();
   for (std::size_t number = 1;; ++number) {

@@ -19,6 +19,9 @@ namespace osteon::app {
 [[nodiscard]] std::filesystem::path StopTable(const std::filesystem::path& folder, const std::string& stem,
                                               std::size_t number);
 
+/// Path of the report of `osteon run` and `osteon report`: STEM_report.html beside the recording.
+[[nodiscard]] std::filesystem::path ReportPage(const std::filesystem::path& recording);
+
 /// Formats a time as "2026-11-26_09-30-00", local time.
 [[nodiscard]] std::string DateAndTime(std::chrono::system_clock::time_point time);
 
@@ -27,8 +30,8 @@ namespace osteon::app {
 [[nodiscard]] std::filesystem::path DatedRecording(const std::filesystem::path& folder,
                                                    std::chrono::system_clock::time_point time);
 
-/// Lists the existing files that a run has left under its recording's name: STEM.mcap, STEM_stop_1.html,
-/// STEM_stop_1_ticks.csv and so on. Only regular files count, no devices.
+/// Lists the existing files that a run has left under its recording's name: STEM.mcap, STEM_report.html,
+/// STEM_stop_1.html, STEM_stop_1_ticks.csv and so on. Only regular files count, no devices.
 [[nodiscard]] std::vector<std::filesystem::path> FilesOfRun(const std::filesystem::path& recording);
 
 /// Says why a run must not leave its files under this name: one of them exists. Empty if it may.

@@ -103,14 +103,14 @@ class Pauses {
     if (rendering_ == pause_) signals_.pause.store(true);
     if (rendering_ == resume_) signals_.resume.store(true);
   }
-  [[nodiscard]] PauseSignals* signals() { return &signals_; }
+  [[nodiscard]] OperatorRequests* signals() { return &signals_; }
 
  private:
   static std::int64_t TickOf(const std::optional<double>& time_s, double period_s) {
     return time_s ? std::llround(*time_s / period_s) : -1;
   }
   std::int64_t pause_, resume_, rendering_{-1};
-  PauseSignals signals_;
+  OperatorRequests signals_;
 };
 
 }  // namespace
@@ -149,7 +149,7 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
                .at_rest_s = 0.0,  // a trace ends at the arm's rest
                .recording = folder.path() / "recording.mcap",
                .stop = params.stop,
-               .pauses = pauses.signals(),
+               .requests = pauses.signals(),
                .ticked = [&](const control::TickRecord& record, const simulation::ContactModel& model) {
                  recorder.Tick(record, model);
                  pauses.Tick(record);

@@ -186,6 +186,18 @@ void WritePlc(const std::filesystem::path& root) {
                               {3, 0, 0, 0, 1, 0, 0, 4, 9, 9, 9, 9, 9, 9}}));
 }
 
+// ---- console
+
+void WriteConsole(const std::filesystem::path& root) {
+  const Corpus corpus(root, "console_message");
+  for (const char* ask : {"pause", "resume", "stop", "role", "watch", "all"})
+    corpus.Write(ask, 0, std::string("{\"ask\": \"") + ask + "\"}");
+  corpus.Write("deep", 0, std::string(500, '[') + std::string(500, ']'));
+  corpus.Write("open", 1, "127.0.0.1:8470\nhttp://127.0.0.1:8470\n" + std::string(32, 'a'));
+  corpus.Write("stranger", 1, "evil.example:8470\nhttp://evil.example:8470\n");
+  corpus.Write("six", 1, "[::1]:8470\n\n" + std::string(32, 'a'));
+}
+
 }  // namespace
 }  // namespace osteon
 
@@ -199,6 +211,7 @@ int main(int argc, char** argv) {
   osteon::WriteRsi(argv[1]);
   osteon::WriteCan(argv[1]);
   osteon::WritePlc(argv[1]);
+  osteon::WriteConsole(argv[1]);
   osteon::WriteFiles(argv[1]);
   return 0;
 }

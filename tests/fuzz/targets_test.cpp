@@ -34,6 +34,7 @@ int OsteonFuzz_packing_text(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_carved(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_recording(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_recording_message(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_console_message(const std::uint8_t* data, std::size_t size);
 }
 
 namespace osteon::fuzz {
@@ -180,7 +181,8 @@ INSTANTIATE_TEST_SUITE_P(Files, FuzzTarget,
                                          Target{"packing_text", OsteonFuzz_packing_text},
                                          Target{"carved", OsteonFuzz_carved},
                                          Target{"recording", OsteonFuzz_recording},
-                                         Target{"recording_message", OsteonFuzz_recording_message}),
+                                         Target{"recording_message", OsteonFuzz_recording_message},
+                                         Target{"console_message", OsteonFuzz_console_message}),
                          NameOf);
 
 }  // namespace

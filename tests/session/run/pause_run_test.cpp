@@ -21,13 +21,13 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
   auto engine = MakeEngine(*setup, {});
   ASSERT_TRUE(engine) << engine.error();
   const io::test::TemporaryFolder folder;
-  PauseSignals pauses;
+  OperatorRequests pauses;
   double paused_at_s = -1.0;
   bool asked_to_go_on = false;
   const CellRunParams params{.seconds = 4.0,
                              .virtual_time = true,
                              .recording = folder.path() / "r.mcap",
-                             .pauses = &pauses,
+                             .requests = &pauses,
                              .progress = [&](double at_s) {
                                if (at_s >= 3.0 && paused_at_s < 0.0) {
                                  pauses.pause = true;

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <array>
+
+#include <CLI/CLI.hpp>
+
+#include "session/run/ask_running_cell.h"
+
+namespace osteon::app {
+
+/// The subcommands `pause`, `resume`, `stop` and `status`, which ask a cell that runs.
+class OperatorCommands {
+ public:
+  explicit OperatorCommands(CLI::App& app);
+
+  [[nodiscard]] bool asked() const;
+  /// @returns the process's exit code.
+  [[nodiscard]] int Run();
+
+ private:
+  AskOptions options_;
+  std::array<CLI::App*, 4> subs_{};
+};
+
+}  // namespace osteon::app

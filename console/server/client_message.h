@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include <tl/expected.hpp>
+
+// What a page may say to the server, as JSON in one WebSocket message. Everything else is refused.
+
+namespace osteon::console {
+
+/// Longest message that is read from a page.
+inline constexpr std::size_t kMaxClientMessage = 1024;
+
+/// {"ask": "pause"}: a request to the cell. Only the page with the operator's role may make one.
+enum class OperatorRequest : std::uint8_t { kPause, kResume, kStop };
+/// {"ask": "role"} and {"ask": "watch"}: takes the operator's role if nobody has it; gives it back.
+enum class RoleRequest : std::uint8_t { kTake, kGiveBack };
+/// {"ask": "all"}: everything again, after a page has lost its picture.
+struct ResendRequest {};
+
+using ClientMessage = std::variant<OperatorRequest, RoleRequest, ResendRequest>;
+
+/// Parses a page's message. The error names what was found and what is accepted; it is at most 200 bytes and
+/// in ASCII apart from the message's own first characters.
+[[nodiscard]] tl::expected<ClientMessage, std::string> ParseClientMessage(std::string_view bytes);
+
+}  // namespace osteon::console

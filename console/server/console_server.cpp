@@ -1,0 +1,338 @@
+#include "console/server/console_server.h"
+
+#include <civetweb.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/realtime_thread.h"
+#include "console/server/access.h"
+#include "console/server/operator_role.h"
+#include "console/server/page_sender.h"
+
+namespace osteon::console {
+namespace {
+
+// A page takes one of the server's threads as long as it is open; the others serve files.
+constexpr int kThreads = static_cast<int>(kMaxPages) + 8;
+
+constexpr std::chrono::milliseconds kKnock{20};  // between connections that wake a server that is to end
+
+// Sent with every file: nothing may be loaded from, or sent to, another machine, and no other page may show
+// this one.
+constexpr const char* kHeaders =
+    "Content-Security-Policy: default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
+    "blob:; "
+    "connect-src 'self'; frame-ancestors 'none'\r\n"
+    "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCache-Control: no-cache";
+
+constexpr const char* kNoPage =
+    "<!doctype html><meta charset=utf-8><title>Osteon</title><p>The console's page is not built on this "
+    "machine. "
+    "<code>./osteon demo</code> says why. The cell runs all the same: <code>osteon status</code>, "
+    "<code>pause</code>, "
+    "<code>resume</code>, <code>stop</code>.";
+
+std::string_view OrEmpty(const char* text) { return text == nullptr ? std::string_view() : text; }
+
+// Value of `token` in a query; the token has digits and letters alone, so nothing is decoded.
+std::string_view TokenOf(std::string_view query) {
+  constexpr std::string_view kName = "token=";
+  while (!query.empty()) {
+    const std::size_t end = std::min(query.find('&'), query.size());
+    const std::string_view part = query.substr(0, end);
+    if (part.starts_with(kName)) return part.substr(kName.size());
+    query.remove_prefix(std::min(end + 1, query.size()));
+  }
+  return {};
+}
+
+// One connected page.
+class Page final : public PageWriter {
+ public:
+  Page(std::uint64_t number, mg_connection* connection, const PageSources& sources)
+      : number_(number), connection_(connection), sender_(number, sources, *this) {}
+
+  bool WriteText(const std::string& text) override { return Write(MG_WEBSOCKET_OPCODE_TEXT, text); }
+  bool WriteBinary(const std::string& bytes) override { return Write(MG_WEBSOCKET_OPCODE_BINARY, bytes); }
+  // Nothing more can be said to a page that takes nothing. The server's thread closes the connection once the
+  // pings are not answered, or the page has gone.
+  void Close() override { closed_.store(true); }
+
+  [[nodiscard]] std::uint64_t number() const { return number_; }
+  [[nodiscard]] bool closed() const { return closed_.load(); }
+  [[nodiscard]] PageSender& sender() { return sender_; }
+
+ private:
+  // Waits at most the server's request_timeout_ms for a page that does not read.
+  bool Write(int opcode, const std::string& bytes) {
+    return !closed_.load() && mg_websocket_write(connection_, opcode, bytes.data(), bytes.size()) ==
+                                  static_cast<int>(bytes.size());
+  }
+
+  const std::uint64_t number_;
+  mg_connection* const connection_;
+  std::atomic<bool> closed_{false};
+  PageSender sender_;  // last: its thread writes to the others
+};
+
+class Server final : public ConsoleServer {
+ public:
+  Server(ConsoleParams params, const LiveFeed& feed, const SurfaceStore& surface)
+      : params_(std::move(params)),
+        token_(IsLoopback(params_.address) ? "" : NewToken()),
+        sources_{feed, surface, role_, params_.hello, params_.context, pages_open_} {}
+
+  ~Server() override {
+    ending_.store(true);
+    if (context_ == nullptr) return;
+    std::thread knocking([this] { KnockUntilStopped(); });
+    mg_stop(context_);  // calls OnClosed for every page
+    stopped_.store(true);
+    knocking.join();
+  }
+
+  // Tries the ports one after the other. @returns an error; empty: it listens
+  std::string Listen() {
+    mg_init_library(0);
+    const int tries = params_.port == 0 || params_.only_this_port ? 1 : kPortsTried;
+    for (int i = 0; i < tries && context_ == nullptr; ++i) Begin(params_.port + i);
+    if (context_ == nullptr)
+      return fmt::format(
+          "console: cannot listen on {}:{}{}: is another program there? --console PORT names another one",
+          params_.address, params_.port, tries > 1 ? fmt::format(" … {}", params_.port + tries - 1) : "");
+    std::array<mg_server_port, 2> ports{};
+    if (mg_get_server_ports(context_, static_cast<int>(ports.size()), ports.data()) > 0)
+      port_ = ports[0].port;
+    mg_set_websocket_handler(context_, "/live", OnOpen, OnReady, OnMessage, OnClosed, this);
+    return "";
+  }
+
+  [[nodiscard]] std::string url() const override {
+    const std::string host =
+        params_.address.find(':') == std::string::npos ? params_.address : "[" + params_.address + "]";
+    return fmt::format("http://{}:{}/{}", host, port_, token_.empty() ? "" : "?token=" + token_);
+  }
+  [[nodiscard]] int port() const override { return port_; }
+  [[nodiscard]] std::size_t pages() const override { return pages_open_.load(); }
+  [[nodiscard]] ConsoleCounts counts() const override {
+    return {.opened = opened_.load(),
+            .refused = refused_.load(),
+            .bad_messages = bad_messages_.load(),
+            .slow = slow_.load()};
+  }
+
+ private:
+  // The server looks for its end only when a connection comes, or after two seconds.
+  void KnockUntilStopped() const {
+    const std::string host =
+        params_.address == "0.0.0.0" || params_.address == "::" ? "127.0.0.1" : params_.address;
+    while (!stopped_.load()) {
+      std::array<char, 128> error{};
+      if (mg_connection* knock = mg_connect_client(host.c_str(), port_, 0, error.data(), error.size()))
+        mg_close_connection(knock);
+      std::this_thread::sleep_for(kKnock);
+    }
+  }
+
+  static Server& Of(void* user) { return *static_cast<Server*>(user); }
+
+  void Begin(int port) {
+    const std::string listen = fmt::format(
+        "{}:{}",
+        params_.address.find(':') == std::string::npos ? params_.address : "[" + params_.address + "]", port);
+    const std::string threads = std::to_string(kThreads), root = params_.page.string();
+    std::vector<const char*> options{"listening_ports",
+                                     listen.c_str(),
+                                     "num_threads",
+                                     threads.c_str(),
+                                     "request_timeout_ms",
+                                     "3000",
+                                     "websocket_timeout_ms",
+                                     "1000",
+                                     "enable_websocket_ping_pong",
+                                     "yes",
+                                     "enable_directory_listing",
+                                     "no",
+                                     "max_request_size",
+                                     "8192",
+                                     "tcp_nodelay",
+                                     "1",
+                                     "additional_header",
+                                     kHeaders};
+    std::error_code error;
+    if (std::filesystem::exists(params_.page / "index.html", error))
+      options.insert(options.end(), {"document_root", root.c_str()});
+    options.push_back(nullptr);
+    mg_callbacks callbacks{};
+    callbacks.begin_request = OnRequest;
+    callbacks.log_message = [](const mg_connection*, const char*) {
+      return 1;
+    };  // our lines are the terminal's
+    callbacks.init_thread = [](const mg_context*, int) -> void* {
+      rt::NameThread("console");
+      rt::LowerPriority();
+      return nullptr;
+    };
+    context_ = mg_start(&callbacks, this, options.data());
+  }
+
+  // Before any file is served: only GET, only to those who may.
+  static int OnRequest(mg_connection* connection) {
+    const mg_request_info* info = mg_get_request_info(connection);
+    Server& server = Of(info->user_data);
+    const std::string_view method = OrEmpty(info->request_method), path = OrEmpty(info->local_uri);
+    if (method != "GET" && method != "HEAD")
+      return Refuse(connection, 405, "found another method, accepted GET");
+    if (path == "/live") return 0;  // OnOpen checks
+    // the files are no secret, yet a stranger's machine has no business here
+    const std::string_view host = OrEmpty(mg_get_header(connection, "Host"));
+    if (const std::string wrong =
+            CheckAccess({.host = host, .origin = {}, .token = {}}, server.params_.address, "");
+        !wrong.empty())
+      return Refuse(connection, 403, wrong);
+    std::error_code error;
+    if (std::filesystem::exists(server.params_.page / "index.html", error)) return 0;
+    mg_printf(connection,
+              "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\n%s\r\nContent-Length: %zu\r\nConnection: "
+              "close\r\n\r\n%s",
+              kHeaders, std::string_view(kNoPage).size(), kNoPage);
+    return 200;
+  }
+
+  static int Refuse(mg_connection* connection, int code, const std::string& why) {
+    mg_send_http_error(connection, code, "%s", why.c_str());
+    return code;
+  }
+
+  static int OnOpen(const mg_connection* connection, void* user) {
+    Server& server = Of(user);
+    const mg_request_info* info = mg_get_request_info(connection);
+    const std::string wrong = CheckAccess({.host = OrEmpty(mg_get_header(connection, "Host")),
+                                           .origin = OrEmpty(mg_get_header(connection, "Origin")),
+                                           .token = TokenOf(OrEmpty(info->query_string))},
+                                          server.params_.address, server.token_);
+    if (wrong.empty() && !server.ending_.load() && server.Reserve()) return 0;
+    ++server.refused_;
+    return 1;
+  }
+
+  // Whether one more page may open; it then counts as open until it is closed.
+  bool Reserve() {
+    std::size_t open = pages_open_.load();
+    while (open < kMaxPages)
+      if (pages_open_.compare_exchange_weak(open, open + 1)) return true;
+    return false;
+  }
+
+  static void OnReady(mg_connection* connection, void* user) {
+    Server& server = Of(user);
+    const std::uint64_t number = ++server.opened_;
+    auto page = std::make_shared<Page>(number, connection, server.sources_);
+    const std::lock_guard lock(server.mutex_);
+    server.pages_.emplace(connection, std::move(page));
+  }
+
+  static int OnMessage(mg_connection* connection, int bits, char* data, std::size_t size, void* user) {
+    Server& server = Of(user);
+    const auto page = server.Find(connection);
+    if (!page || page->closed()) return 0;
+    switch (bits & 0x0F) {
+      case MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE:
+        return 0;
+      case MG_WEBSOCKET_OPCODE_PING:
+      case MG_WEBSOCKET_OPCODE_PONG:
+        return 1;
+      case MG_WEBSOCKET_OPCODE_TEXT:
+        server.Take(*page, std::string_view(data, size));
+        return 1;
+      default:  // a page sends text, whole
+        ++server.bad_messages_;
+        return 0;
+    }
+  }
+
+  void Take(Page& page, std::string_view bytes) {
+    const auto message = ParseClientMessage(bytes);
+    if (!message) {
+      ++bad_messages_;
+      page.sender().Answer(AnswerJson("", {.done = false, .reason = message.error()}));
+      return;
+    }
+    if (std::holds_alternative<ResendRequest>(*message)) return page.sender().Resend();
+    if (const auto* role = std::get_if<RoleRequest>(&*message)) {
+      if (*role == RoleRequest::kGiveBack) return role_.GiveBack(page.number());
+      const bool mine = role_.Take(page.number());
+      return page.sender().Answer(
+          AnswerJson("role", {.done = mine, .reason = mine ? "" : "another page has the role"}));
+    }
+    const auto request = std::get<OperatorRequest>(*message);
+    constexpr std::array<const char*, 3> kNames{"pause", "resume", "stop"};
+    RequestAnswer answer{.done = false, .reason = "this page watches: take the operator's role first"};
+    if (role_.holder() == page.number()) answer = params_.request(request);
+    page.sender().Answer(AnswerJson(kNames[static_cast<std::size_t>(request)], answer));
+  }
+
+  static std::string AnswerJson(const char* ask, const RequestAnswer& answer) {
+    const nlohmann::json json{
+        {"type", "answer"}, {"ask", ask}, {"done", answer.done}, {"reason", answer.reason}};
+    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
+
+  static void OnClosed(const mg_connection* connection, void* user) {
+    Server& server = Of(user);
+    std::shared_ptr<Page> page;
+    {
+      const std::lock_guard lock(server.mutex_);
+      const auto found = server.pages_.find(connection);
+      if (found == server.pages_.end()) return;
+      page = std::move(found->second);
+      server.pages_.erase(found);
+    }
+    if (page->closed()) ++server.slow_;
+    server.role_.GiveBack(page->number());
+    page.reset();  // ends its thread while the connection still exists
+    --server.pages_open_;
+  }
+
+  std::shared_ptr<Page> Find(const mg_connection* connection) {
+    const std::lock_guard lock(mutex_);
+    const auto found = pages_.find(connection);
+    return found == pages_.end() ? nullptr : found->second;
+  }
+
+  ConsoleParams params_;
+  std::string token_;
+  OperatorRole role_;
+  std::atomic<std::size_t> pages_open_{0};
+  PageSources sources_;
+  std::atomic<bool> ending_{false}, stopped_{false};
+  std::atomic<std::uint64_t> opened_{0}, refused_{0}, bad_messages_{0}, slow_{0};
+  int port_{0};
+
+  std::mutex mutex_;
+  std::map<const mg_connection*, std::shared_ptr<Page>> pages_;  // guarded by mutex_
+
+  mg_context* context_{nullptr};
+};
+
+}  // namespace
+
+tl::expected<std::unique_ptr<ConsoleServer>, std::string> ConsoleServer::Start(const ConsoleParams& params,
+                                                                               const LiveFeed& feed,
+                                                                               const SurfaceStore& surface) {
+  auto server = std::make_unique<Server>(params, feed, surface);
+  if (const std::string wrong = server->Listen(); !wrong.empty()) return tl::unexpected(wrong);
+  return server;
+}
+
+}  // namespace osteon::console

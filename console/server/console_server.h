@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "console/server/client_message.h"
+#include "console/server/surface_store.h"
+#include "console/stream/live_feed.h"
+#include "console/stream/live_status.h"
+
+namespace osteon::console {
+
+inline constexpr int kDefaultPort =
+    8470;  ///< of the first console on a machine; the next ones take the following
+inline constexpr int kPortsTried = 20;
+inline constexpr std::size_t kMaxPages = 16;  ///< pages that are served at a time
+
+/// The answer to an operator's request.
+struct RequestAnswer {
+  bool done{false};
+  std::string reason;  ///< why not
+};
+
+struct ConsoleParams {
+  /// The address to listen on. Any but the loopback's needs a token, which the server makes.
+  std::string address{"127.0.0.1"};
+  int port{kDefaultPort};      ///< 0: any free one
+  bool only_this_port{false};  ///< false: the next free one of kPortsTried
+  std::filesystem::path page;  ///< folder of the built page; absent: a page says that it is not built
+  std::string hello;  ///< a JSON object, the first message to every page: what does not change in a run
+  LiveContext context;
+  /// Makes an operator's request: the same as `osteon pause` does. Called by a page's thread.
+  std::function<RequestAnswer(OperatorRequest)> request;
+};
+
+/// Counts of a server's life.
+struct ConsoleCounts {
+  std::uint64_t opened{0}, refused{0};  ///< pages
+  std::uint64_t bad_messages{0};        ///< of pages, refused by the parser
+  std::uint64_t slow{0};                ///< pages that were closed because they did not read
+};
+
+/// Serves the console's page and its live messages.
+///
+///     browser ──GET──▶ files of `page`
+///     browser ◀─WebSocket /live─▶ a thread for each page: pulls what is new from LiveFeed and SurfaceStore, and sends
+///
+/// A page that reads slowly gets fewer messages, since its thread asks for the newest only when the last one
+/// is gone; one that reads nothing for some seconds is closed. No page can make the feed, the recorder or the
+/// tick wait. Everything runs at the lowest normal priority.
+class ConsoleServer {
+ public:
+  /// @param feed, surface  outlive the server
+  /// @returns the error names address and port, and what to do.
+  [[nodiscard]] static tl::expected<std::unique_ptr<ConsoleServer>, std::string> Start(
+      const ConsoleParams& params, const LiveFeed& feed, const SurfaceStore& surface);
+  /// Closes every page and ends all threads.
+  virtual ~ConsoleServer() = default;
+  ConsoleServer(const ConsoleServer&) = delete;
+  ConsoleServer& operator=(const ConsoleServer&) = delete;
+
+  /// What a person opens: "http://127.0.0.1:8470/", with the token where one is needed.
+  [[nodiscard]] virtual std::string url() const = 0;
+  [[nodiscard]] virtual int port() const = 0;
+  [[nodiscard]] virtual ConsoleCounts counts() const = 0;
+  [[nodiscard]] virtual std::size_t pages() const = 0;
+
+ protected:
+  ConsoleServer() = default;
+};
+
+}  // namespace osteon::console

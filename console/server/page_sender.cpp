@@ -1,0 +1,102 @@
+#include "console/server/page_sender.h"
+
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/realtime_thread.h"
+#include "console/stream/live_json.h"
+
+namespace osteon::console {
+namespace {
+
+constexpr std::chrono::milliseconds kPeriod{33};  // between messages to a page
+constexpr std::size_t kBricksAtOnce = 200;  // between two live messages, so that a large surface delays none
+
+}  // namespace
+
+PageSender::PageSender(std::uint64_t page, const PageSources& sources, PageWriter& writer)
+    : page_(page), sources_(sources), writer_(writer), thread_([this] { Run(); }) {}
+
+PageSender::~PageSender() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void PageSender::Answer(std::string text) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (answers_.size() < kMaxAnswers) answers_.push_back(std::move(text));
+  }
+  changed_.notify_all();
+}
+
+void PageSender::Run() {
+  rt::NameThread("console page");
+  rt::LowerPriority();
+  while (true) {
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait_for(lock, kPeriod, [this] { return stop_ || !answers_.empty(); });
+      if (stop_) return;
+    }
+    if (!SendNew()) {
+      writer_.Close();
+      return;
+    }
+  }
+}
+
+bool PageSender::SendAnswers() {
+  std::deque<std::string> answers;
+  {
+    const std::lock_guard lock(mutex_);
+    answers.swap(answers_);
+  }
+  for (const std::string& answer : answers)
+    if (!writer_.WriteText(answer)) return false;
+  return true;
+}
+
+bool PageSender::SendRole() {
+  const std::uint64_t holder = sources_.role.holder();
+  const std::size_t pages = sources_.pages.load();
+  if (holder == shown_holder_ && pages == shown_pages_) return true;
+  shown_holder_ = holder;
+  shown_pages_ = pages;
+  return writer_.WriteText(fmt::format(R"({{"type":"role","mine":{},"taken":{},"pages":{}}})",
+                                       holder == page_, holder != 0, pages));
+}
+
+bool PageSender::SendSurface() {
+  if (const SurfaceStore::Bytes layout = sources_.surface.LayoutSince(seen_layout_)) {
+    seen_surface_ = seen_layout_;
+    if (!writer_.WriteText(*layout)) return false;
+  }
+  std::string bricks;  // one after the other in one message
+  for (const SurfaceStore::Bytes& bytes : sources_.surface.Since(seen_surface_, kBricksAtOnce))
+    bricks += *bytes;
+  return bricks.empty() || writer_.WriteBinary(bricks);
+}
+
+bool PageSender::SendNew() {
+  if (resend_.exchange(false)) {
+    seen_events_ = seen_surface_ = seen_layout_ = 0;
+    shown_holder_ = ~0ull;
+    if (!writer_.WriteText(sources_.hello)) return false;
+  }
+  if (!SendAnswers() || !SendRole()) return false;
+  if (const auto events = sources_.feed.EventsSince(seen_events_); !events.empty())
+    if (!writer_.WriteText(EventsJson(events))) return false;
+  if (const auto windows = sources_.feed.Since(seen_windows_); !windows.empty())
+    if (!writer_.WriteText(LiveJson(windows, sources_.context))) return false;
+  return SendSurface();
+}
+
+}  // namespace osteon::console

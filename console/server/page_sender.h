@@ -1,0 +1,78 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <span>
+#include <string>
+#include <thread>
+
+#include "console/server/operator_role.h"
+#include "console/server/surface_store.h"
+#include "console/stream/live_feed.h"
+#include "console/stream/live_status.h"
+
+namespace osteon::console {
+
+/// What every page's thread reads.
+struct PageSources {
+  const LiveFeed& feed;
+  const SurfaceStore& surface;
+  const OperatorRole& role;
+  const std::string& hello;
+  const LiveContext& context;
+  const std::atomic<std::size_t>& pages;
+};
+
+/// Writes to one page. False if it does not read, or has gone.
+class PageWriter {
+ public:
+  virtual ~PageWriter() = default;
+  virtual bool WriteText(const std::string& text) = 0;
+  virtual bool WriteBinary(const std::string& bytes) = 0;
+  virtual void Close() = 0;  ///< ends the connection; the page may open another
+};
+
+/// Sends one page what is new, in a thread of its own, until the page no longer reads.
+class PageSender {
+ public:
+  PageSender(std::uint64_t page, const PageSources& sources, PageWriter& writer);
+  ~PageSender();
+  PageSender(const PageSender&) = delete;
+  PageSender& operator=(const PageSender&) = delete;
+
+  /// An answer to what the page has asked, before everything else. At most kMaxAnswers wait; later ones are
+  /// dropped.
+  void Answer(std::string text);
+  /// Sends hello, every event and the whole surface again.
+  void Resend() { resend_.store(true); }
+
+  static constexpr std::size_t kMaxAnswers = 16;
+
+ private:
+  void Run();
+  bool SendNew();
+  bool SendAnswers();
+  bool SendRole();
+  bool SendSurface();
+
+  const std::uint64_t page_;
+  const PageSources sources_;
+  PageWriter& writer_;
+
+  std::atomic<bool> resend_{true};
+  std::uint64_t seen_windows_{0}, seen_events_{0}, seen_surface_{0},
+      seen_layout_{0};  // of the thread, as what follows
+  std::uint64_t shown_holder_{~0ull};
+  std::size_t shown_pages_{0};
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::string> answers_;  // guarded by mutex_
+  bool stop_{false};                 // guarded by mutex_
+  std::thread thread_;
+};
+
+}  // namespace osteon::console

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace osteon::console {
+
+/// The carved surface as bytes for the pages, brick by brick: the newest version of each, and the grid they
+/// lie in. Any thread. A writer only swaps pointers under the lock, a reader copies them.
+class SurfaceStore {
+ public:
+  using Bytes = std::shared_ptr<const std::string>;
+
+  /// Begins anew on another grid. @param layout  the message that describes it to a page
+  void Begin(std::string layout) {
+    auto shared = std::make_shared<const std::string>(std::move(layout));
+    const std::lock_guard lock(mutex_);
+    layout_ = {.version = ++version_, .bytes = std::move(shared)};
+    bricks_.clear();
+  }
+
+  /// The grid's message if it is newer than version `seen`, which then becomes its version: what a page had
+  /// is void.
+  [[nodiscard]] Bytes LayoutSince(std::uint64_t& seen) const {
+    const std::lock_guard lock(mutex_);
+    if (layout_.version <= seen) return nullptr;
+    seen = layout_.version;
+    return layout_.bytes;
+  }
+
+  /// Replaces a brick. @param bytes  of chunk_bytes.h, ready to be sent
+  void Put(std::uint64_t brick, std::string bytes) {
+    auto shared = std::make_shared<const std::string>(std::move(bytes));
+    const std::lock_guard lock(mutex_);
+    bricks_[brick] = {.version = ++version_, .bytes = std::move(shared)};
+  }
+
+  /// The bricks that changed after version `seen`, the longest unchanged first, at most `most`. `seen`
+  /// becomes the last one's version; it is the newest version where nothing is left.
+  [[nodiscard]] std::vector<Bytes> Since(std::uint64_t& seen, std::size_t most) const {
+    std::multimap<std::uint64_t, Bytes> changed;
+    {
+      const std::lock_guard lock(mutex_);
+      if (seen == version_) return {};
+      for (const auto& [brick, kept] : bricks_)
+        if (kept.version > seen) changed.emplace(kept.version, kept.bytes);
+    }
+    std::vector<Bytes> bytes;
+    for (const auto& [version, each] : changed) {
+      if (bytes.size() == most) break;
+      bytes.push_back(each);
+      seen = version;
+    }
+    return bytes;
+  }
+
+  [[nodiscard]] std::size_t size() const {
+    const std::lock_guard lock(mutex_);
+    return bricks_.size();
+  }
+
+ private:
+  struct Brick {
+    std::uint64_t version{0};
+    Bytes bytes;
+  };
+  mutable std::mutex mutex_;
+  Brick layout_;
+  std::map<std::uint64_t, Brick> bricks_;
+  std::uint64_t version_{0};
+};
+
+}  // namespace osteon::console

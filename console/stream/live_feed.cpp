@@ -1,0 +1,95 @@
+#include "console/stream/live_feed.h"
+
+#include <algorithm>
+
+#include "safety/cell_state.h"
+
+namespace osteon::console {
+namespace {
+
+double ToMicroseconds(rt::Nanoseconds time) { return 1e-3 * static_cast<double>(time); }
+
+}  // namespace
+
+LiveFeed::LiveFeed() { waiting_events_.reserve(kKeptEvents); }
+
+void LiveFeed::Gather(const control::TickRecord& tick) {
+  LiveWindow& w = making_;
+  const double force_N = Length(tick.F_coupling_T_W.f), hand_N = Length(tick.F_operator_T_W.f);
+  const double speed = Length(tick.v_WT_cmd_m_per_s);
+  const double compute_us = ToMicroseconds(tick.compute_ns), wakeup_us = ToMicroseconds(tick.wakeup_ns);
+  if (w.ticks == 0) {
+    began_ = tick.stamp;
+    w.limits = 0;
+    w.force_N.Begin(force_N);
+    w.hand_N.Begin(hand_N);
+    w.speed_m_per_s.Begin(speed);
+    w.compute_us.Begin(compute_us);
+    w.wakeup_us.Begin(wakeup_us);
+  }
+  w.force_N.Add(force_N);
+  w.hand_N.Add(hand_N);
+  w.speed_m_per_s.Add(speed);
+  w.compute_us.Add(compute_us);
+  w.wakeup_us.Add(wakeup_us);
+  w.limits |= tick.limits;
+  ++w.ticks;
+  const auto state = static_cast<safety::CellState>(tick.cell_state);
+  if (safety::Renders(state)) w.rendered_s += tick.input.period_s;
+  if (state == safety::CellState::kPaused) w.paused_s += tick.input.period_s;
+  w.tick = tick;
+}
+
+void LiveFeed::TakeTick(const control::TickRecord& tick) {
+  Gather(tick);
+  if (tick.stamp - began_ >= kWindow_ns) TryPublish();
+}
+
+void LiveFeed::TakeFrame(const simulation::FrameRecord& frame) { making_.frame = frame; }
+
+void LiveFeed::TakeEvent(const io::RecordedEvent& event) {
+  if (waiting_events_.size() < kKeptEvents) waiting_events_.push_back(event);
+  TryPublish();
+}
+
+void LiveFeed::TryPublish() {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock) return;  // a reader is copying: this window grows until the next tick
+  for (io::RecordedEvent& event : waiting_events_) {
+    events_.push_back(std::move(event));
+    ++events_so_far_;
+    if (events_.size() > kKeptEvents) events_.pop_front();
+  }
+  waiting_events_.clear();
+  if (making_.ticks == 0) return;
+  making_.number = ++newest_;
+  windows_[newest_ % kKept] = making_;
+  making_.ticks = 0;
+}
+
+LiveWindow LiveFeed::Newest() const {
+  const std::lock_guard lock(mutex_);
+  return newest_ == 0 ? LiveWindow{} : windows_[newest_ % kKept];
+}
+
+std::vector<LiveWindow> LiveFeed::Since(std::uint64_t& seen) const {
+  std::vector<LiveWindow> windows;
+  windows.reserve(kKept);
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t oldest = newest_ >= kKept ? newest_ - kKept + 1 : 1;
+  for (std::uint64_t number = std::max(seen + 1, oldest); number <= newest_; ++number)
+    windows.push_back(windows_[number % kKept]);
+  seen = newest_;
+  return windows;
+}
+
+std::vector<io::RecordedEvent> LiveFeed::EventsSince(std::uint64_t& seen) const {
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t gone = events_so_far_ - events_.size();
+  const auto first = static_cast<std::ptrdiff_t>(std::max(seen, gone) - gone);
+  std::vector<io::RecordedEvent> events(events_.begin() + first, events_.end());
+  seen = events_so_far_;
+  return events;
+}
+
+}  // namespace osteon::console

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "console/stream/live_window.h"
+#include "io/recording/record_sink.h"
+
+namespace osteon::console {
+
+/// The live views' source: gathers what is recorded into windows, and keeps the newest for any number of
+/// readers.
+///
+///     recorder's writer ──TakeTick, TakeFrame, TakeEvent──▶ window in the making ──▶ the last kKept windows ◀── readers
+///
+/// It never stalls the recorder: the writer only tries the lock. While a reader has it, ticks go on gathering
+/// in the window in the making. A reader copies under the lock and does all else without it.
+class LiveFeed final : public io::RecordSink {
+ public:
+  static constexpr std::uint64_t kKept = 128;                ///< windows: 4 s
+  static constexpr rt::Nanoseconds kWindow_ns = 33'000'000;  ///< log time of one window
+  static constexpr std::size_t kKeptEvents = 200;
+
+  LiveFeed();
+  void TakeTick(const control::TickRecord& tick) override;
+  void TakeFrame(const simulation::FrameRecord& frame) override;
+  void TakeEvent(const io::RecordedEvent& event) override;
+
+  /// The newest window; number 0: none yet. Any thread but the recorder's.
+  [[nodiscard]] LiveWindow Newest() const;
+  /// The windows after number `seen`, oldest first, at most kKept; `seen` becomes the newest one's. What a
+  /// slow reader has missed beyond that is gone.
+  [[nodiscard]] std::vector<LiveWindow> Since(std::uint64_t& seen) const;
+  /// Events after the first `seen` of the session, at most the last kKeptEvents; `seen` becomes their count.
+  [[nodiscard]] std::vector<io::RecordedEvent> EventsSince(std::uint64_t& seen) const;
+
+ private:
+  void Gather(const control::TickRecord& tick);
+  void TryPublish();
+
+  // of the recorder's writer alone
+  LiveWindow making_;
+  rt::Nanoseconds began_{0};
+  std::vector<io::RecordedEvent> waiting_events_;
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::array<LiveWindow, kKept> windows_{};
+  std::uint64_t newest_{0};
+  std::deque<io::RecordedEvent> events_;
+  std::uint64_t events_so_far_{0};
+};
+
+}  // namespace osteon::console

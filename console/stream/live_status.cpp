@@ -1,0 +1,154 @@
+#include "console/stream/live_status.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "base/text.h"
+#include "safety/acting_limits.h"
+#include "safety/cell_state.h"
+#include "safety/fault.h"
+#include "safety/motion_permit.h"
+
+namespace osteon::console {
+namespace {
+
+void AddState(const control::TickRecord& tick, LiveStatus& status) {
+  if (tick.cell_state >= safety::kCellStates) return;
+  const auto state = static_cast<safety::CellState>(tick.cell_state);
+  const safety::CellStateText text = safety::Describe(state);
+  status.state_number = tick.cell_state;
+  status.state = text.name;
+  status.does = text.does;
+  status.leave = text.leave;
+  status.can_resume = state == safety::CellState::kPaused;
+  status.can_pause = safety::Next(state, safety::CellEvent::kPauseRequested).state != state;
+}
+
+void AddPermits(const control::TickRecord& tick, LiveStatus& status) {
+  if (tick.cell_state >= safety::kCellStates) return;
+  const auto state = static_cast<safety::CellState>(tick.cell_state);
+  status.moves = safety::IsMotion(state);
+  status.permits_known = status.moves || safety::Waits(state) || state == safety::CellState::kPaused;
+  const safety::MotionPermits permits(status.moves ? safety::MotionPermits::kAll : tick.permits);
+  for (int bit = 0; bit < safety::kMotionPermits; ++bit) {
+    const auto permit = static_cast<safety::MotionPermit>(1u << bit);
+    status.permits.push_back({.text = safety::DescribeMissing(permit), .holds = permits.Has(permit)});
+  }
+}
+
+void AddFaults(const control::TickRecord& tick, LiveStatus& status) {
+  for (int bit = 0; bit < safety::kFaultCount; ++bit) {
+    if ((tick.faults >> bit & 1u) == 0) continue;
+    const safety::FaultText text = safety::Describe(static_cast<safety::Fault>(1u << bit));
+    status.faults.push_back({text.name, text.cause, text.reaction, text.clearing});
+  }
+}
+
+std::string TimeText(const LiveStatus& s, double wanted_s) {
+  std::string text = wanted_s > 0.0
+                         ? fmt::format("{:.1f} of {:.1f} s", std::min(s.rendered_s, wanted_s), wanted_s)
+                         : fmt::format("{:.1f} s", s.rendered_s);
+  if (s.paused_s > 0.0) text += fmt::format(", paused {:.1f} s", s.paused_s);
+  return text;
+}
+
+}  // namespace
+
+std::string LimitName(int number) {
+  std::string name(safety::kLimitNames.at(static_cast<std::size_t>(number)));
+  std::ranges::replace(name, '_', ' ');
+  return name;
+}
+
+LiveStatus StatusOf(const LiveWindow& w, const LiveContext& context) {
+  LiveStatus s;
+  s.force_limit_N = context.force_limit_N;
+  s.known = w.number > 0;
+  if (!s.known) return s;
+  AddState(w.tick, s);
+  AddPermits(w.tick, s);
+  AddFaults(w.tick, s);
+  for (int i = 0; i < static_cast<int>(safety::kLimitCount); ++i)
+    if (w.limits >> i & 1u) {
+      s.limits.push_back(LimitName(i));
+      s.limit_numbers.push_back(i);
+    }
+  s.force_N = Length(w.tick.F_coupling_T_W.f);
+  s.hand_N = Length(w.tick.F_operator_T_W.f);
+  s.speed_mm_per_s = 1e3 * Length(w.tick.v_WT_cmd_m_per_s);
+  s.spindle_rpm = w.tick.input.spindle_meas_rad_per_s * 30.0 / std::numbers::pi;
+  s.spindle_torque_Nm = w.tick.input.spindle_torque_Nm;
+  s.model_age_ms = 1e3 * w.tick.model_age_s;
+  s.sensor_age_ms = 1e3 * w.tick.sensor_age_s;
+  s.rendered_s = w.rendered_s;
+  s.paused_s = w.paused_s;
+  if (w.frame.model.frame == 0) return s;
+  s.frame_us = 1e-3 * static_cast<double>(w.frame.duration_ns);
+  s.deepest_mm = 1e3 * w.frame.cup_depth_m;
+  s.depth_mm = context.depth_m ? 1e3 * context.depth_m(w.frame.model.X_WP) : s.deepest_mm;
+  s.removed_mm3 = 1e9 * w.frame.model.removed_volume_m3;
+  return s;
+}
+
+std::string StatusLine(const LiveStatus& s, double wanted_s, std::size_t columns) {
+  if (!s.known) return "waits for the first message";
+  // the most needed first: a narrow terminal loses the end
+  const std::string limit = s.limits.empty() ? "" : fmt::format("{}", fmt::join(s.limits, ", "));
+  std::vector<std::string> parts{s.state, TimeText(s, wanted_s), fmt::format("{:5.1f} N", s.force_N),
+                                 fmt::format("depth {:5.2f} mm", s.depth_mm)};
+  if (!limit.empty()) parts.push_back("limit: " + limit);
+  parts.push_back(fmt::format("model {:.1f} ms", s.model_age_ms));
+  std::string line;
+  for (const std::string& part : parts) {
+    const std::size_t separator = line.empty() ? 0 : 3;
+    if (app::ColumnsOf(line) + separator + app::ColumnsOf(part) > columns) continue;
+    line += (line.empty() ? "" : " | ") + part;
+  }
+  return line;
+}
+
+std::string StatusJson(const LiveStatus& s) {
+  nlohmann::json permits = nlohmann::json::array(), faults = nlohmann::json::array();
+  for (const PermitStatus& permit : s.permits)
+    permits.push_back({{"text", permit.text}, {"holds", permit.holds}});
+  for (const FaultStatus& fault : s.faults)
+    faults.push_back({{"name", fault.name},
+                      {"cause", fault.cause},
+                      {"reaction", fault.reaction},
+                      {"clearing", fault.clearing}});
+  const nlohmann::json json{{"schema", "osteon.status/1"},
+                            {"known", s.known},
+                            {"state", s.state},
+                            {"state_number", s.state_number},
+                            {"does", s.does},
+                            {"leave", s.leave},
+                            {"can_pause", s.can_pause},
+                            {"can_resume", s.can_resume},
+                            {"permits", permits},
+                            {"moves", s.moves},
+                            {"permits_known", s.permits_known},
+                            {"limits", s.limits},
+                            {"limit_numbers", s.limit_numbers},
+                            {"faults", faults},
+                            {"force_N", s.force_N},
+                            {"force_limit_N", s.force_limit_N},
+                            {"hand_N", s.hand_N},
+                            {"depth_mm", s.depth_mm},
+                            {"deepest_mm", s.deepest_mm},
+                            {"speed_mm_per_s", s.speed_mm_per_s},
+                            {"spindle_rpm", s.spindle_rpm},
+                            {"spindle_torque_Nm", s.spindle_torque_Nm},
+                            {"removed_mm3", s.removed_mm3},
+                            {"model_age_ms", s.model_age_ms},
+                            {"sensor_age_ms", s.sensor_age_ms},
+                            {"frame_us", s.frame_us},
+                            {"rendered_s", s.rendered_s},
+                            {"paused_s", s.paused_s}};
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace osteon::console

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "console/stream/live_window.h"
+
+namespace osteon::console {
+
+/// What a live view needs of the cell besides the stream.
+struct LiveContext {
+  double force_limit_N{0.0};  ///< the cell's, on the coupling
+  /// Depth of the tool's apex at a proxy pose in W, below the cup's first floor [m]; empty: not known.
+  std::function<double(const Pose& X_WP)> depth_m{};
+};
+
+/// A condition of motion.
+struct PermitStatus {
+  std::string text;  ///< what has to hold
+  bool holds{false};
+};
+
+/// A latched fault, in the catalogue's words.
+struct FaultStatus {
+  std::string name, cause, reaction, clearing;
+};
+
+/// The cell's status in words and figures, for a line of text, `osteon status` and the console alike.
+struct LiveStatus {
+  bool known{false};               ///< false: nothing was recorded yet
+  int state_number{-1};            ///< safety::CellState; -1: unknown
+  std::string state, does, leave;  ///< of the state machine (safety::Describe)
+  bool can_pause{false}, can_resume{false};
+  /// The conditions of motion: as they are now, or, while the arm moves, as they were when motion began; from
+  /// then on a condition that ends is a fault.
+  std::vector<PermitStatus> permits;
+  bool moves{false};
+  bool permits_known{false};        ///< false: in this state nobody looks at them (a stop, a fault)
+  std::vector<std::string> limits;  ///< names of those that acted in the window
+  std::vector<int> limit_numbers;   ///< their numbers (safety::Limit)
+  std::vector<FaultStatus> faults;
+  double force_N{0.0}, force_limit_N{0.0}, hand_N{0.0};
+  double depth_mm{0.0}, deepest_mm{0.0};
+  double speed_mm_per_s{0.0}, spindle_rpm{0.0}, spindle_torque_Nm{0.0};
+  double removed_mm3{0.0};
+  double model_age_ms{0.0}, sensor_age_ms{0.0}, frame_us{0.0};
+  double rendered_s{0.0}, paused_s{0.0};
+};
+
+[[nodiscard]] LiveStatus StatusOf(const LiveWindow& window, const LiveContext& context);
+
+/// The status as one line of at most `columns` columns: state, force, depth, limits, model's age, time.
+/// @param wanted_s  seconds of rendering that the run was asked for; 0: no end
+[[nodiscard]] std::string StatusLine(const LiveStatus& status, double wanted_s, std::size_t columns);
+
+/// The status as a JSON object (osteon.status/1), in one line.
+[[nodiscard]] std::string StatusJson(const LiveStatus& status);
+
+/// Name of a limit for people: "tool speed".
+[[nodiscard]] std::string LimitName(int number);
+
+}  // namespace osteon::console

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# build.sh FOLDER WORK: bundles the console's page into FOLDER, with npm's libraries in WORK. Does nothing where FOLDER
+# was made from the same sources. Needs npm, and the first time a network. Called by ./osteon, and by whoever packages.
+set -euo pipefail
+
+web=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
+mkdir -p "$1" "$2"
+page=$(readlink -f "$1") work=$(readlink -f "$2")
+sources=$(cd "$web" && find . -type f -print0 | sort -z | xargs -0 sha256sum | sha256sum | cut -d' ' -f1)
+[[ $(cat "$page/.sources" 2>/dev/null) != "$sources" ]] || exit 0
+
+cp -r "$web/." "$work"
+cd "$work"
+if [[ ! -d node_modules || $(cat node_modules/.lock 2>/dev/null) != $(sha256sum <package-lock.json) ]]; then
+  npm ci --ignore-scripts --no-audit --no-fund --no-update-notifier --prefer-offline --fetch-retries=1 --fetch-timeout=60000
+  sha256sum <package-lock.json >node_modules/.lock
+fi
+npm run --silent build
+cp index.html dist/main.js dist/main.css "$page"
+cp node_modules/three/LICENSE "$page/LICENSE.three"
+cp node_modules/uplot/LICENSE "$page/LICENSE.uplot"
+echo "$sources" >"$page/.sources"

@@ -1,0 +1,181 @@
+// The strip charts: half a minute of force, depth, removed volume and tick time, with events as marks.
+
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { t, type Word } from "./texts";
+
+const SHOWN_S = 30;
+const FIELDS = ["time_s", "force_least_N", "force_most_N", "hand_most_N", "depth_mm", "removed_mm3", "compute_most_us"];
+const GRID = "#303a45", TEXT = "#a3b1bf";
+
+interface Series {
+  field: string;
+  colour: string;
+  band?: string; // lower field of a band below this one
+}
+interface ChartDef {
+  title: Word;
+  unit: string;
+  series: Series[];
+}
+const CHARTS: ChartDef[] = [
+  {
+    title: "force",
+    unit: "N",
+    series: [
+      { field: "force_most_N", colour: "#5aa9f0", band: "force_least_N" },
+      { field: "hand_most_N", colour: "#c58af0" },
+    ],
+  },
+  { title: "depth", unit: "mm", series: [{ field: "depth_mm", colour: "#58d0a0" }] },
+  { title: "computeChart", unit: "µs", series: [{ field: "compute_most_us", colour: "#e8b23a" }] },
+];
+
+/** The last half minute of windows, column by column. */
+class History {
+  readonly columns: Record<string, number[]> = Object.fromEntries(FIELDS.map((name) => [name, []]));
+  private indices: number[] = [];
+
+  begin(fields: string[]): void {
+    this.indices = FIELDS.map((name) => fields.indexOf(name));
+    for (const name of FIELDS) this.columns[name] = [];
+  }
+  add(row: number[]): void {
+    FIELDS.forEach((name, i) => this.columns[name].push(row[this.indices[i]]));
+    const times = this.columns.time_s;
+    while (times.length > 0 && times[0] < times[times.length - 1] - SHOWN_S)
+      for (const name of FIELDS) this.columns[name].shift();
+  }
+}
+
+export class Charts {
+  private readonly history = new History();
+  private readonly plots: { plot: uPlot; def: ChartDef; box: HTMLElement }[] = [];
+  private events: [number, string][] = [];
+  private frozen = false;
+  private drawnAt = 0;
+
+  constructor(private readonly parent: HTMLElement) {
+    new ResizeObserver(() => this.resize()).observe(parent);
+  }
+
+  begin(fields: string[]): void {
+    this.history.begin(fields);
+    this.events = [];
+    this.build();
+  }
+
+  /** Makes the charts anew, for example in another language. */
+  build(): void {
+    for (const { plot } of this.plots) plot.destroy();
+    this.plots.length = 0;
+    this.parent.replaceChildren();
+    for (const def of CHARTS) {
+      const box = document.createElement("div");
+      box.className = "chart";
+      this.parent.append(box);
+      const plot = new uPlot(this.options(def, box), this.dataOf(def), box);
+      this.plots.push({ plot, def, box });
+      box.append(this.bar(plot));
+    }
+  }
+
+  add(rows: number[][]): void {
+    for (const row of rows) this.history.add(row);
+    const now = performance.now();
+    if (this.frozen || now - this.drawnAt < 100) return;
+    this.drawnAt = now;
+    for (const { plot, def } of this.plots) plot.setData(this.dataOf(def), true);
+  }
+
+  addEvents(events: [number, string][]): void {
+    this.events.push(...events);
+    this.events = this.events.slice(-100);
+  }
+
+  private bar(plot: uPlot): HTMLElement {
+    const bar = document.createElement("div");
+    bar.className = "bar";
+    const freeze = document.createElement("button");
+    freeze.textContent = t("freeze");
+    freeze.setAttribute("aria-pressed", String(this.frozen));
+    freeze.onclick = () => {
+      this.frozen = !this.frozen;
+      for (const each of this.parent.querySelectorAll(".freeze")) each.setAttribute("aria-pressed", String(this.frozen));
+    };
+    freeze.classList.add("freeze");
+    const save = document.createElement("button");
+    save.textContent = t("picture");
+    save.onclick = () => {
+      const link = document.createElement("a");
+      link.href = plot.ctx.canvas.toDataURL("image/png");
+      link.download = "osteon_chart.png";
+      link.click();
+    };
+    bar.append(freeze, save);
+    return bar;
+  }
+
+  private dataOf(def: ChartDef): uPlot.AlignedData {
+    const { columns } = this.history;
+    const last = columns.time_s.length > 0 ? columns.time_s[columns.time_s.length - 1] : 0;
+    const data: number[][] = [columns.time_s.map((time) => time - last)];
+    for (const series of def.series) {
+      data.push(columns[series.field]);
+      if (series.band) data.push(columns[series.band]);
+    }
+    return data as uPlot.AlignedData;
+  }
+
+  private options(def: ChartDef, box: HTMLElement): uPlot.Options {
+    const series: uPlot.Series[] = [{}];
+    const bands: uPlot.Band[] = [];
+    for (const each of def.series) {
+      series.push({ stroke: each.colour, width: 1.5, points: { show: false } });
+      if (each.band) {
+        series.push({ stroke: each.colour, width: 1, points: { show: false } });
+        bands.push({ series: [series.length - 2, series.length - 1], fill: each.colour + "44" });
+      }
+    }
+    const axis = { stroke: TEXT, grid: { stroke: GRID, width: 1 }, ticks: { show: false }, font: "11px DejaVu Sans, sans-serif" };
+    return {
+      title: `${t(def.title)} [${def.unit}]`,
+      width: Math.max(box.clientWidth - 12, 200),
+      height: 130,
+      legend: { show: false },
+      cursor: { sync: { key: "strips" }, drag: { x: true, y: false } },
+      scales: { x: { time: false, range: [-SHOWN_S, 0] }, y: { range: (_, low, high) => padded(low, high) } },
+      axes: [{ ...axis, size: 24, values: (_, ticks) => ticks.map((s) => `${s} s`) }, { ...axis, size: 44 }],
+      series,
+      bands,
+      hooks: { draw: [(plot) => this.drawEvents(plot)] },
+    };
+  }
+
+  private drawEvents(plot: uPlot): void {
+    const times = this.history.columns.time_s;
+    if (times.length === 0) return;
+    const { left, top, width, height } = plot.bbox;
+    plot.ctx.save();
+    plot.ctx.strokeStyle = "#e8b23a";
+    plot.ctx.setLineDash([4, 4]);
+    for (const [time] of this.events) {
+      const x = plot.valToPos(time - times[times.length - 1], "x", true);
+      if (x < left || x > left + width) continue;
+      plot.ctx.beginPath();
+      plot.ctx.moveTo(x, top);
+      plot.ctx.lineTo(x, top + height);
+      plot.ctx.stroke();
+    }
+    plot.ctx.restore();
+  }
+
+  private resize(): void {
+    for (const { plot, box } of this.plots) plot.setSize({ width: Math.max(box.clientWidth - 12, 200), height: 130 });
+  }
+}
+
+function padded(low: number | null, high: number | null): [number, number] {
+  const from = Math.min(low ?? 0, 0), to = Math.max(high ?? 1, from + 1e-3);
+  return [from - 0.05 * (to - from), to + 0.08 * (to - from)];
+}

@@ -1,0 +1,195 @@
+// The console's page: connects the stream to scene, figures and charts, and the operator to the cell.
+
+import { Charts } from "./charts";
+import { Connection } from "./connection";
+import "./main.css";
+import type { Ask, Hello, Live, Message, Role, Status } from "./messages";
+import { Panels } from "./panels";
+import { SceneView, type Preset } from "./scene";
+import { Sound } from "./sound";
+import { getLanguage, setLanguage, t, type Language, type Word } from "./texts";
+
+const CUTTING = 5; // safety::CellState
+
+const byId = (id: string): HTMLElement => document.getElementById(id)!;
+
+class Page {
+  private readonly scene = new SceneView(byId("scene") as HTMLCanvasElement);
+  private readonly panels = new Panels();
+  private readonly charts = new Charts(byId("charts"));
+  private readonly sound = new Sound();
+  private readonly connection: Connection;
+  private hello: Hello | null = null;
+  private live: Live | null = null;
+  private role: Role = { type: "role", mine: false, taken: false, pages: 0 };
+  private connected = false;
+  private gaveRoleBack = false;
+  private readonly worst = { compute_us: 0, wakeup_us: 0 };
+
+  constructor() {
+    this.buildTexts();
+    this.bindKeys();
+    this.connection = new Connection({
+      message: (message) => this.take(message),
+      binary: (bytes) => {
+        this.scene.surface.take(bytes);
+        this.scene.redraw();
+      },
+      state: (connected) => this.showConnection(connected),
+    });
+  }
+
+  private take(message: Message): void {
+    switch (message.type) {
+      case "hello":
+        this.hello = message;
+        this.scene.begin(message);
+        this.panels.begin(message);
+        this.charts.begin(message.fields);
+        break;
+      case "surface":
+        this.scene.surface.begin(message);
+        break;
+      case "live":
+        this.takeLive(message);
+        break;
+      case "events":
+        this.panels.addEvents(message.events);
+        this.charts.addEvents(message.events);
+        break;
+      case "role":
+        this.role = message;
+        if (!message.taken && !this.gaveRoleBack) this.connection.ask("role"); // the first page operates
+        this.panels.showRole(message);
+        this.showButtons();
+        break;
+      case "answer":
+        byId("answer").textContent = message.done ? "" : message.reason;
+        break;
+    }
+  }
+
+  private takeLive(live: Live): void {
+    if (!this.hello) return;
+    this.live = live;
+    const compute = this.hello.fields.indexOf("compute_most_us"), wakeup = this.hello.fields.indexOf("wakeup_most_us");
+    for (const row of live.windows) {
+      this.worst.compute_us = Math.max(this.worst.compute_us, row[compute]);
+      this.worst.wakeup_us = Math.max(this.worst.wakeup_us, row[wakeup]);
+    }
+    this.scene.show(live.view);
+    this.charts.add(live.windows);
+    this.panels.show(live.status, this.hello, this.worst);
+    this.sound.show(live.status);
+    this.showButtons();
+  }
+
+  private showConnection(connected: boolean): void {
+    this.connected = connected;
+    byId("connection").textContent = connected ? t("connected") : this.hello ? t("ended") : t("lost");
+    byId("connection").style.color = connected ? "var(--good)" : "var(--look)";
+    this.showButtons();
+  }
+
+  private get status(): Status | null {
+    return this.live?.status ?? null;
+  }
+
+  private ask(ask: Ask): void {
+    if (ask === "stop" && this.status?.state_number === CUTTING && !confirm(t("stopAsk"))) return;
+    this.connection.ask(ask);
+  }
+
+  private showButtons(): void {
+    const may = this.connected && this.role.mine;
+    (byId("pause") as HTMLButtonElement).disabled = !may || !this.status?.can_pause;
+    (byId("resume") as HTMLButtonElement).disabled = !may || !this.status?.can_resume;
+    (byId("stop") as HTMLButtonElement).disabled = !may;
+  }
+
+  /** Makes everything that has a text in the chosen language. */
+  private buildTexts(): void {
+    document.documentElement.lang = getLanguage();
+    (byId("language") as HTMLSelectElement).value = getLanguage();
+    byId("buttons").replaceChildren(
+      this.button("pause", "pause", "P", () => this.ask("pause")),
+      this.button("resume", "resume", "R", () => this.ask("resume")),
+      this.button("stop", "stop", "Esc", () => this.ask("stop")),
+    );
+    byId("stop").classList.add("stop");
+    byId("large").textContent = t("large");
+    byId("sound").textContent = t("sound");
+    byId("view-hint").textContent = t("hint");
+    const presets: [Preset, Word, string][] = [
+      ["site", "site", "1"],
+      ["axis", "axis", "2"],
+      ["above", "above", "3"],
+      ["behind", "behind", "4"],
+      ["whole", "whole", "5"],
+    ];
+    byId("view-buttons").replaceChildren(
+      ...presets.map(([preset, word, key]) => this.button(`preset-${preset}`, word, key, () => this.scene.preset(preset))),
+      this.toggle("clip", "clip", "C", false, (on) => this.scene.clip(on)),
+      this.toggle("arm", "arm", "A", true, (on) => this.scene.toggle("arm", on)),
+      this.toggle("zones", "zones", "Z", false, (on) => this.scene.toggle("zones", on)),
+      this.toggle("follow", "follow", "F", false, (on) => this.scene.setFollowing(on)),
+    );
+    for (const each of byId("view-buttons").children) each.classList.add("small");
+    this.panels.showRole(this.role);
+    this.panels.addEvents([]);
+    this.charts.build();
+    this.showButtons();
+  }
+
+  private button(id: string, word: Word, key: string, act: () => void): HTMLButtonElement {
+    const made = document.createElement("button");
+    made.id = id;
+    made.textContent = t(word);
+    made.dataset.key = key;
+    const hint = document.createElement("kbd");
+    hint.textContent = key;
+    made.append(hint);
+    made.onclick = act;
+    return made;
+  }
+
+  private toggle(id: string, word: Word, key: string, on: boolean, act: (on: boolean) => void): HTMLButtonElement {
+    const before = document.getElementById(id)?.getAttribute("aria-pressed");
+    const made = this.button(id, word, key, () => {
+      const now = made.getAttribute("aria-pressed") !== "true";
+      made.setAttribute("aria-pressed", String(now));
+      act(now);
+    });
+    made.setAttribute("aria-pressed", before ?? String(on));
+    return made;
+  }
+
+  private bindKeys(): void {
+    byId("large").onclick = () => {
+      const large = document.documentElement.classList.toggle("large");
+      byId("large").setAttribute("aria-pressed", String(large));
+    };
+    byId("sound").onclick = () => byId("sound").setAttribute("aria-pressed", String(this.sound.toggle()));
+    byId("take-role").onclick = () => {
+      this.gaveRoleBack = this.role.mine;
+      this.connection.ask(this.role.mine ? "watch" : "role");
+    };
+    byId("language").onchange = (event) => {
+      setLanguage((event.target as HTMLSelectElement).value as Language);
+      this.buildTexts();
+      this.showConnection(this.connected);
+      if (this.live && this.hello) this.panels.show(this.live.status, this.hello, this.worst);
+    };
+    document.addEventListener("keydown", (event) => {
+      if (event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
+      const key = event.key === "Escape" ? "Esc" : event.key.toUpperCase();
+      const chosen = [...document.querySelectorAll<HTMLButtonElement>("button[data-key]")].find((b) => b.dataset.key === key);
+      if (!chosen || chosen.disabled) return;
+      event.preventDefault();
+      chosen.click();
+    });
+  }
+}
+
+// what the browser tests and a curious user look at
+(window as unknown as { osteon: Page }).osteon = new Page();

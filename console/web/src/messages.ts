@@ -1,0 +1,104 @@
+// The server's messages, as console/stream/live_json.h and session/run/console_scene.h describe them.
+
+import type { Layout } from "./surface_chunk";
+
+export type Vector = [number, number, number];
+/** Rows of [R | p], 12 numbers. */
+export type PoseRows = number[];
+
+export interface Hello {
+  type: "hello";
+  version: string;
+  command: string;
+  cell: string;
+  scene: string;
+  seconds: number;
+  recording: string;
+  force_limit_N: number;
+  speed_limit_mm_per_s: number;
+  law: string;
+  fields: string[];
+  X_WB: PoseRows;
+  X_WG: PoseRows;
+  site: { center: Vector; axis: Vector; radius_m: number };
+  materials: string[];
+  tool: { name: string; balls: number[][]; X_FT: PoseRows };
+  arm: { joints: { X_PJ: PoseRows; axis: Vector }[]; X_LF: PoseRows };
+  arm_name: string;
+  zones: Zone[];
+}
+
+export interface Zone {
+  shape: "half_space" | "sphere" | "box" | "cylinder" | "capsule";
+  point: "apex" | "flange" | "elbow";
+  keep_in: boolean;
+  p?: Vector;
+  X?: PoseRows;
+  half_edge_m?: Vector;
+  radius_m: number;
+  half_length_m?: number;
+}
+
+export interface Status {
+  known: boolean;
+  state_number: number;
+  state: string;
+  does: string;
+  leave: string;
+  can_pause: boolean;
+  can_resume: boolean;
+  moves: boolean;
+  permits_known: boolean;
+  permits: { text: string; holds: boolean }[];
+  limits: string[];
+  limit_numbers: number[];
+  faults: { name: string; cause: string; reaction: string; clearing: string }[];
+  force_N: number;
+  force_limit_N: number;
+  hand_N: number;
+  depth_mm: number;
+  deepest_mm: number;
+  speed_mm_per_s: number;
+  spindle_rpm: number;
+  spindle_torque_Nm: number;
+  removed_mm3: number;
+  model_age_ms: number;
+  sensor_age_ms: number;
+  frame_us: number;
+  rendered_s: number;
+  paused_s: number;
+}
+
+export interface View {
+  X_WT: PoseRows;
+  X_WP?: PoseRows;
+  q: number[];
+  force: Vector;
+  hand: Vector;
+  contacts: number[][]; // [p_W, n_W, gap_m]
+}
+
+export interface Live {
+  type: "live";
+  windows: number[][]; // rows of Hello.fields
+  status: Status;
+  view: View;
+}
+export interface Events {
+  type: "events";
+  events: [number, string][];
+}
+export interface Role {
+  type: "role";
+  mine: boolean;
+  taken: boolean;
+  pages: number;
+}
+export interface Answer {
+  type: "answer";
+  ask: string;
+  done: boolean;
+  reason: string;
+}
+export type Message = Hello | Live | Events | Role | Answer | Layout;
+export type Ask = "pause" | "resume" | "stop" | "role" | "watch" | "all";

@@ -1,0 +1,160 @@
+// The column of figures: state, force, depth, limits, conditions, faults, health, events.
+
+import type { Hello, Role, Status } from "./messages";
+import { figure, limitName, permitName, stateName, t, type Word } from "./texts";
+
+const FAULT_STATES = [7, 8, 10]; // stop 0, stop 1, fault
+const WORKING_STATES = [4, 5]; // haptic, cutting
+const SHOWN_EVENTS = 40;
+
+const byId = (id: string): HTMLElement => document.getElementById(id)!;
+
+function element(tag: string, className: string, text: string): HTMLElement {
+  const made = document.createElement(tag);
+  made.className = className;
+  made.textContent = text;
+  return made;
+}
+const heading = (word: Word): HTMLElement => element("h2", "", t(word));
+
+function table(rows: [string, string][]): HTMLElement {
+  const made = document.createElement("table");
+  for (const [name, value] of rows) {
+    const row = document.createElement("tr");
+    row.append(element("td", "dim", name), element("td", "", value));
+    made.append(row);
+  }
+  return made;
+}
+function list(items: [string, string][]): HTMLElement {
+  const made = document.createElement("ul");
+  for (const [className, text] of items) made.append(element("li", className, text));
+  return made;
+}
+
+/** Replaces a panel's content if it differs, so that a selection or a scroll survives. */
+function set(id: string, ...content: HTMLElement[]): void {
+  const panel = byId(id);
+  const made = document.createElement("div");
+  made.append(...content);
+  if (panel.innerHTML !== made.innerHTML) panel.replaceChildren(...made.childNodes);
+}
+
+export class Panels {
+  private events: [number, string][] = [];
+  private began_s: number | null = null;
+
+  begin(hello: Hello): void {
+    this.events = [];
+    this.began_s = null;
+    document.title = `Osteon: ${hello.cell}`;
+    byId("title").textContent = `Osteon ${hello.command}: ${hello.scene}, ${hello.tool.name}`;
+  }
+
+  show(status: Status, hello: Hello, worst: { compute_us: number; wakeup_us: number }): void {
+    this.showState(status, hello);
+    this.showForce(status);
+    set(
+      "figures",
+      table([
+        [t("depth"), `${figure(status.depth_mm, 2)} mm`],
+        [t("deepest"), `${figure(status.deepest_mm, 2)} mm`],
+        [t("removed"), `${figure(status.removed_mm3, 0)} mm³`],
+        [t("speed"), `${figure(status.speed_mm_per_s, 0)} ${t("of")} ${figure(hello.speed_limit_mm_per_s, 0)} mm/s`],
+        [t("spindle"), `${figure(status.spindle_rpm, 0)} rpm, ${figure(status.spindle_torque_Nm, 1)} N·m`],
+      ]),
+    );
+    const acting: [string, string][] = status.limit_numbers.map((n, i) => ["acts", limitName(n, status.limits[i])]);
+    set("limits", heading("acting"), acting.length > 0 ? list(acting) : element("div", "dim", t("none")));
+    this.showPermits(status);
+    this.showFaults(status);
+    set(
+      "health",
+      heading("health"),
+      table([
+        [t("modelAge"), `${figure(status.model_age_ms, 1)} ms`],
+        [t("sensorAge"), `${figure(status.sensor_age_ms, 1)} ms`],
+        [t("frame"), `${figure(status.frame_us, 0)} µs`],
+        [t("tick"), `${figure(worst.compute_us, 0)} µs`],
+        [t("wakeup"), `${figure(worst.wakeup_us, 0)} µs`],
+      ]),
+    );
+  }
+
+  addEvents(events: [number, string][]): void {
+    this.events.push(...events);
+    this.events = this.events.slice(-SHOWN_EVENTS);
+    this.began_s ??= this.events.length > 0 ? this.events[0][0] : null;
+    const rows = [...this.events].reverse().map(([time, text]): [string, string] => {
+      return ["event", `${figure(time - (this.began_s ?? time), 1)} s  ${text}`];
+    });
+    set("events", heading("events"), list(rows));
+  }
+
+  showRole(role: Role): void {
+    byId("role").textContent = `${role.mine ? t("operator") : t("watch")} (${role.pages} ${t(role.pages === 1 ? "page" : "pages")})`;
+    const button = byId("take-role") as HTMLButtonElement;
+    button.textContent = role.mine ? t("giveRole") : t("takeRole");
+    button.disabled = role.taken && !role.mine;
+  }
+
+  private showState(status: Status, hello: Hello): void {
+    const panel = byId("state");
+    const level = FAULT_STATES.includes(status.state_number) ? "bad" : WORKING_STATES.includes(status.state_number) ? "good" : "look";
+    if (panel.className !== level) panel.className = level;
+    if (!status.known) return set("state", element("div", "name", t("waits")));
+    let time = `${figure(status.rendered_s, 1)} s`;
+    if (hello.seconds > 0) time += ` ${t("of")} ${figure(hello.seconds, 0)} s`;
+    time += ` ${t("rendered")}`;
+    if (status.paused_s > 0) time += `, ${figure(status.paused_s, 1)} s ${t("paused")}`;
+    set(
+      "state",
+      element("div", "name", stateName(status.state_number, status.state)),
+      element("div", "does", status.does),
+      element("div", "time", time),
+    );
+  }
+
+  private showForce(status: Status): void {
+    const gauge = element("div", "gauge", "");
+    const bar = document.createElement("div");
+    bar.style.width = `${Math.min(100, (100 * status.force_N) / status.force_limit_N)}%`;
+    gauge.append(bar);
+    const hand = document.createElement("i");
+    hand.style.left = `calc(${Math.min(100, (100 * status.hand_N) / status.force_limit_N)}% - 1px)`;
+    gauge.append(hand);
+    const number = element("div", "big", `${figure(status.force_N, 1)} N`);
+    number.id = "force-number";
+    set(
+      "force",
+      heading("force"),
+      number,
+      gauge,
+      table([
+        [t("limitOf"), `${figure(status.force_limit_N, 0)} N`],
+        [t("hand"), `${figure(status.hand_N, 1)} N`],
+      ]),
+    );
+  }
+
+  private showPermits(status: Status): void {
+    const rows = status.permits.map((permit, i): [string, string] => [permit.holds ? "holds" : "missing", permitName(i, permit.text)]);
+    if (!status.permits_known) return set("permits", heading("conditions"), element("div", "dim", t("conditionsLater")));
+    const note = status.moves ? [element("div", "dim", t("conditionsHeld"))] : [];
+    set("permits", heading("conditions"), ...note, list(rows));
+  }
+
+  private showFaults(status: Status): void {
+    const cards = status.faults.map((fault) => {
+      const card = element("div", "fault", "");
+      card.append(
+        element("b", "", `${t("fault")}: ${fault.name}`),
+        element("div", "", `${t("seen")}: ${fault.cause}`),
+        element("div", "", `${t("did")}: ${fault.reaction}`),
+        element("div", "", `${t("cure")}: ${fault.clearing}`),
+      );
+      return card;
+    });
+    set("faults", ...cards);
+  }
+}

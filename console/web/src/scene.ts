@@ -1,0 +1,257 @@
+// The 3-D view: bone, tool with its ghost, contact planes, forces, zones, arm; camera, presets, cut-open view.
+
+import {
+  AmbientLight, ArrowHelper, AxesHelper, Color, DirectionalLight, Group, LineBasicMaterial, LineLoop, BufferGeometry, Mesh,
+  MeshBasicMaterial, Object3D, PerspectiveCamera, Plane, RingGeometry, Scene, Vector3, WebGLRenderer, CircleGeometry, DoubleSide, Line,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Arm } from "./arm";
+import type { Hello, View } from "./messages";
+import { matrixOf, place, vectorOf } from "./poses";
+import { Surface } from "./surface";
+import { toolOf } from "./tool";
+import { zonesOf } from "./zones";
+
+const LIMIT_IN_SITES = 1.8; // the force limit's ring, in radii of the site: arrows are drawn to its scale
+const MIN_SHOWN_N = 0.5;
+const MAX_CONTACTS = 8;
+const LEAST_PAUSE_MS = 16;
+
+export type Preset = "whole" | "site" | "axis" | "above" | "behind";
+
+export class SceneView {
+  readonly surface: Surface;
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(40, 1, 0.005, 20);
+  private readonly controls: OrbitControls;
+  private readonly bone = new Group();
+  private readonly lasting = new Group(); // made anew with each hello
+  private readonly clipPlane = new Plane();
+  private tool: Object3D | null = null;
+  private proxy: Object3D | null = null;
+  private arm: Arm | null = null;
+  private zones: Object3D | null = null;
+  private contacts: Group[] = [];
+  private force = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.1, 0x5aa9f0, 0.02, 0.012);
+  private hand = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.1, 0xc58af0, 0.02, 0.012);
+  private limit: Mesh | null = null;
+  private hello: Hello | null = null;
+  private view: View | null = null;
+  private wanted = false;
+  private lastRender_ms = 0;
+  private renderedAt = 0;
+  private followed = new Vector3();
+  following = false;
+  private metresPerNewton = 0.0005;
+  drawn = 0; // pictures so far
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer.localClippingEnabled = true;
+    this.scene.background = new Color(0x0e1114);
+    this.scene.add(new AmbientLight(0xffffff, 0.9));
+    const sun = new DirectionalLight(0xffffff, 2.2);
+    this.camera.add(sun);
+    sun.position.set(0.4, 0.8, 1);
+    this.scene.add(this.camera, this.bone, this.lasting, this.force, this.hand);
+    this.force.visible = this.hand.visible = false;
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener("change", () => this.redraw());
+    this.surface = new Surface(this.bone);
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
+  }
+
+  begin(hello: Hello): void {
+    this.hello = hello;
+    this.lasting.clear();
+    this.surface.clear();
+    this.surface.setMaterials(hello.materials);
+    place(this.bone, hello.X_WG);
+    this.arm = new Arm(hello.arm);
+    place(this.arm.group, hello.X_WB);
+    this.tool = toolOf(hello.tool.balls, { cutting: 0xd8dde3, shaft: 0x8b98a6, opacity: 1 });
+    this.proxy = toolOf(hello.tool.balls, { cutting: 0x58d0a0, shaft: 0x58d0a0, opacity: 0.28 });
+    this.tool.visible = this.proxy.visible = false;
+    this.zones = zonesOf(hello.zones);
+    this.zones.visible = false;
+    const ring = LIMIT_IN_SITES * hello.site.radius_m;
+    this.metresPerNewton = ring / hello.force_limit_N;
+    this.limit = new Mesh(
+      new RingGeometry(0.985 * ring, ring, 96),
+      new MeshBasicMaterial({ color: 0x5aa9f0, transparent: true, opacity: 0.5, side: DoubleSide, depthTest: false }),
+    );
+    this.limit.visible = false;
+    this.contacts = Array.from({ length: MAX_CONTACTS }, () => contactPlane());
+    this.lasting.add(this.arm.group, this.tool, this.proxy, this.zones, this.limit, ...this.contacts, this.siteMarks(hello));
+    this.preset("site");
+  }
+
+  show(view: View): void {
+    this.view = view;
+    if (!this.hello || !this.tool || !this.proxy || !this.arm) return;
+    this.tool.visible = true;
+    place(this.tool, view.X_WT);
+    this.proxy.visible = view.X_WP !== undefined;
+    if (view.X_WP) place(this.proxy, view.X_WP);
+    this.arm.pose(view.q);
+    const p_WT = vectorOf([view.X_WT[3], view.X_WT[7], view.X_WT[11]]);
+    this.arrow(this.force, view.force, p_WT);
+    const p_WF = new Vector3().setFromMatrixPosition(this.arm.X_BF).applyMatrix4(matrixOf(this.hello.X_WB));
+    this.arrow(this.hand, view.hand, p_WF);
+    this.limit!.visible = this.force.visible;
+    this.limit!.position.copy(p_WT);
+    this.contacts.forEach((plane, i) => {
+      plane.visible = i < view.contacts.length;
+      if (!plane.visible) return;
+      plane.position.copy(vectorOf(view.contacts[i]));
+      plane.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), vectorOf(view.contacts[i], 3).normalize());
+    });
+    if (this.following) this.move(p_WT);
+    this.redraw();
+  }
+
+  toggle(what: "arm" | "zones", on: boolean): void {
+    if (what === "arm" && this.arm) this.arm.group.visible = on;
+    if (what === "zones" && this.zones) this.zones.visible = on;
+    this.redraw();
+  }
+
+  /** Cuts the bone open along the site's axis, on the side of the camera. */
+  clip(on: boolean): void {
+    if (!this.hello) return;
+    if (on) {
+      const X_WG = matrixOf(this.hello.X_WG);
+      const centre = vectorOf(this.hello.site.center).applyMatrix4(X_WG);
+      const axis = vectorOf(this.hello.site.axis).transformDirection(X_WG);
+      const away = centre.clone().sub(this.camera.position);
+      away.addScaledVector(axis, -away.dot(axis)).normalize();
+      this.clipPlane.setFromNormalAndCoplanarPoint(away, centre);
+    }
+    this.surface.setClip(on ? this.clipPlane : null);
+    this.redraw();
+  }
+
+  preset(preset: Preset): void {
+    if (!this.hello) return;
+    const X_WG = matrixOf(this.hello.X_WG);
+    const site = vectorOf(this.hello.site.center).applyMatrix4(X_WG);
+    const axis = vectorOf(this.hello.site.axis).transformDirection(X_WG);
+    const size = Math.max(this.hello.site.radius_m, 0.006);
+    const p_WT = this.view ? vectorOf([this.view.X_WT[3], this.view.X_WT[7], this.view.X_WT[11]]) : site;
+    const side = new Vector3(1, -1, 0.35).normalize();
+    let target = site, from: Vector3, distance = 7 * size;
+    if (preset === "axis") from = axis.clone().addScaledVector(side, 0.02);
+    else if (preset === "above") from = new Vector3(0.01, 0, 1);
+    else if (preset === "behind") [target, from] = [p_WT, axis.clone().addScaledVector(side, 0.45)];
+    else if (preset === "whole") {
+      target = site.clone().multiplyScalar(0.55).setZ(0.35);
+      from = side;
+      distance = 2.3;
+    } else from = side.clone().multiplyScalar(0.8).addScaledVector(axis, 0.6);
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(from.normalize(), distance);
+    this.followed.copy(p_WT);
+    this.controls.update();
+    this.redraw();
+  }
+
+  setFollowing(on: boolean): void {
+    this.following = on;
+    if (this.view) this.followed.copy(vectorOf([this.view.X_WT[3], this.view.X_WT[7], this.view.X_WT[11]]));
+  }
+
+  redraw(): void {
+    if (this.wanted) return;
+    this.wanted = true;
+    // a software rasteriser takes its time: the page then draws less often instead of piling up work
+    const pause = Math.max(LEAST_PAUSE_MS, 1.2 * this.lastRender_ms - (performance.now() - this.renderedAt));
+    setTimeout(() => requestAnimationFrame(() => this.render()), pause - LEAST_PAUSE_MS);
+  }
+
+  picture(): string {
+    this.render();
+    return this.canvas.toDataURL("image/png");
+  }
+
+  private render(): void {
+    this.wanted = false;
+    const begun = performance.now();
+    this.surface.update();
+    this.limit?.quaternion.copy(this.camera.quaternion);
+    this.renderer.render(this.scene, this.camera);
+    this.renderedAt = performance.now();
+    this.lastRender_ms = this.renderedAt - begun;
+    ++this.drawn;
+  }
+
+  private move(p_WT: Vector3): void {
+    const step = p_WT.clone().sub(this.followed);
+    this.camera.position.add(step);
+    this.controls.target.add(step);
+    this.followed.copy(p_WT);
+    this.controls.update();
+  }
+
+  private arrow(arrow: ArrowHelper, force: number[], from: Vector3): void {
+    const f = vectorOf(force);
+    const size = f.length();
+    arrow.visible = size >= MIN_SHOWN_N;
+    if (!arrow.visible) return;
+    arrow.position.copy(from);
+    arrow.setDirection(f.clone().divideScalar(size));
+    const length = this.metresPerNewton * size;
+    arrow.setLength(length, Math.min(0.4 * length, 0.012), Math.min(0.25 * length, 0.008));
+  }
+
+  /** The site's rim and axis, and the axes of world, base and site. */
+  private siteMarks(hello: Hello): Object3D {
+    const marks = new Group();
+    const X_WG = matrixOf(hello.X_WG);
+    const axis = vectorOf(hello.site.axis).normalize();
+    const rim = new Group();
+    rim.position.copy(vectorOf(hello.site.center));
+    rim.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), axis);
+    const points = Array.from({ length: 64 }, (_, i) => {
+      const angle = (2 * Math.PI * i) / 64;
+      return new Vector3(Math.cos(angle), Math.sin(angle), 0).multiplyScalar(hello.site.radius_m);
+    });
+    const material = new LineBasicMaterial({ color: 0xe8b23a });
+    rim.add(new LineLoop(new BufferGeometry().setFromPoints(points), material));
+    const ends = [new Vector3(0, 0, -1.5), new Vector3(0, 0, 2.5)].map((p) => p.multiplyScalar(hello.site.radius_m));
+    rim.add(new Line(new BufferGeometry().setFromPoints(ends), material));
+    const inBone = new Group();
+    inBone.matrixAutoUpdate = false;
+    inBone.matrix.copy(X_WG);
+    inBone.add(rim);
+    const world = new AxesHelper(0.1), base = new AxesHelper(0.15), site = new AxesHelper(hello.site.radius_m);
+    place(base, hello.X_WB);
+    rim.add(site);
+    marks.add(inBone, world, base);
+    return marks;
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas.parentElement!;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.redraw();
+  }
+}
+
+function contactPlane(): Group {
+  const plane = new Group();
+  const disc = new Mesh(
+    new CircleGeometry(0.006, 24),
+    new MeshBasicMaterial({ color: 0xf0a35a, transparent: true, opacity: 0.45, side: DoubleSide, depthWrite: false }),
+  );
+  const normal = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.012, 0xf0a35a, 0.004, 0.003);
+  plane.add(disc, normal);
+  plane.visible = false;
+  return plane;
+}
+

@@ -1,0 +1,115 @@
+// The carved bone: bricks of the surface, 4³ of them in one mesh, made anew as the server sends bricks again.
+
+import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Mesh, MeshStandardMaterial, Plane } from "three";
+import { decodeChunks, placeOf, type Chunk, type Layout } from "./surface_chunk";
+
+const GROUP_EDGE = 4; // bricks along a mesh: few enough draw calls, little to make anew
+const MATERIAL = 0x7f, CUT = 0x80;
+
+// by a material's name; others take the last
+const COLOURS: Record<string, number> = {
+  cartilage: 0xdfe9ea, cortical: 0xefe6cf, cancellous: 0xe2a878, marrow: 0xb5473c, enamel: 0xf7f7f2, dentine: 0xe9d79b,
+};
+const OTHER = 0xe6d8bd;
+const CUT_TINT = new Color(0xf2c9a8), CUT_SHARE = 0.35; // a cut face is told from the bone's own surface
+
+interface Block {
+  chunks: Map<number, Chunk>;
+  mesh: Mesh | null;
+}
+
+export class Surface {
+  private readonly blocks = new Map<string, Block>();
+  private readonly changed = new Set<string>();
+  private readonly material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.75, side: DoubleSide });
+  private colours: Color[] = [new Color(OTHER)];
+  private layout: Layout | null = null;
+  triangles = 0;
+  chunks = 0; // taken so far
+
+  constructor(private readonly parent: Group) {}
+
+  setMaterials(names: string[]): void {
+    this.colours = names.map((name) => new Color(COLOURS[name] ?? OTHER));
+    if (this.colours.length === 0) this.colours = [new Color(OTHER)];
+  }
+
+  setClip(plane: Plane | null): void {
+    this.material.clippingPlanes = plane ? [plane] : null;
+    this.material.needsUpdate = true;
+  }
+
+  /** Begins anew on another grid. */
+  begin(layout: Layout): void {
+    this.clear();
+    this.layout = layout;
+  }
+
+  clear(): void {
+    for (const block of this.blocks.values()) this.drop(block);
+    this.blocks.clear();
+    this.changed.clear();
+    this.triangles = 0;
+  }
+
+  take(bytes: ArrayBuffer): void {
+    if (!this.layout) return;
+    for (const chunk of decodeChunks(bytes, this.layout)) {
+      ++this.chunks;
+      const key = placeOf(chunk.brick, this.layout).map((b) => Math.floor(b / GROUP_EDGE)).join();
+      const block = this.blocks.get(key) ?? { chunks: new Map<number, Chunk>(), mesh: null };
+      if (chunk.indices.length === 0) block.chunks.delete(chunk.brick);
+      else block.chunks.set(chunk.brick, chunk);
+      this.blocks.set(key, block);
+      this.changed.add(key);
+    }
+  }
+
+  /** Makes the meshes that have changed. Called before a picture is drawn. */
+  update(): void {
+    for (const key of this.changed) {
+      const block = this.blocks.get(key)!;
+      this.drop(block);
+      if (block.chunks.size > 0) this.build(block);
+    }
+    this.changed.clear();
+  }
+
+  private build(block: Block): void {
+    const chunks = [...block.chunks.values()];
+    const vertices = chunks.reduce((sum, c) => sum + c.materials.length, 0);
+    const indices = new Uint32Array(chunks.reduce((sum, c) => sum + c.indices.length, 0));
+    const positions = new Float32Array(3 * vertices), normals = new Float32Array(3 * vertices), colours = new Float32Array(3 * vertices);
+    let vertex = 0, index = 0;
+    for (const chunk of chunks) {
+      positions.set(chunk.positions, 3 * vertex);
+      normals.set(chunk.normals, 3 * vertex);
+      for (let i = 0; i < chunk.materials.length; ++i) this.colour(chunk.materials[i]).toArray(colours, 3 * (vertex + i));
+      for (let i = 0; i < chunk.indices.length; ++i) indices[index + i] = vertex + chunk.indices[i];
+      vertex += chunk.materials.length;
+      index += chunk.indices.length;
+    }
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(positions, 3));
+    geometry.setAttribute("normal", new BufferAttribute(normals, 3));
+    geometry.setAttribute("color", new BufferAttribute(colours, 3));
+    geometry.setIndex(new BufferAttribute(indices, 1));
+    block.mesh = new Mesh(geometry, this.material);
+    this.triangles += indices.length / 3;
+    this.parent.add(block.mesh);
+  }
+
+  private readonly mixed = new Color();
+  private colour(material: number): Color {
+    const own = this.colours[Math.min(material & MATERIAL, this.colours.length - 1)];
+    return material & CUT ? this.mixed.copy(own).lerp(CUT_TINT, CUT_SHARE) : own;
+  }
+
+  private drop(block: Block): void {
+    if (!block.mesh) return;
+    this.triangles -= block.mesh.geometry.getIndex()!.count / 3;
+    this.parent.remove(block.mesh);
+    block.mesh.geometry.dispose();
+    block.mesh = null;
+  }
+}

@@ -1,0 +1,136 @@
+// Every text of the page, in English and German. Names of states, conditions and limits are by their recorded number.
+
+export type Language = "en" | "de";
+
+const states: [string, string][] = [
+  ["off", "aus"],
+  ["checking", "prüft"],
+  ["ready", "bereit"],
+  ["aligning", "fährt zum Start"],
+  ["haptic", "haptisch"],
+  ["cutting", "schneidet"],
+  ["paused", "angehalten"],
+  ["stop 0", "Stopp 0"],
+  ["stop 1", "Stopp 1"],
+  ["stop 2", "Stopp 2"],
+  ["fault", "Fehler"],
+  ["recovery", "Wiederanlauf"],
+];
+
+const permits: [string, string][] = [
+  ["a message of the arm", "Nachricht des Arms"],
+  ["arm handed over, no safety stop", "Arm übergeben, kein Sicherheitshalt"],
+  ["PLC permits, enabling switch held", "Freigabe der SPS, Zustimmtaste gehalten"],
+  ["force sensor fresh", "Kraftsensor aktuell"],
+  ["contact model fresh", "Kontaktmodell aktuell"],
+  ["arm where it is commanded", "Arm dort, wo er sein soll"],
+  ["tool not deeper than the force limit", "Werkzeug nicht tiefer als die Kraftgrenze"],
+  ["spindle's drive ready", "Spindelantrieb bereit"],
+  ["way to the start checked", "Weg zum Start geprüft"],
+  ["hand off the handle at rest", "Hand ruht nicht auf dem Griff"],
+];
+
+const limits: [string, string][] = [
+  ["force of the coupling", "Kraft der Kopplung"],
+  ["arm's torque", "Moment des Arms"],
+  ["stored energy", "gespeicherte Energie"],
+  ["power into the hand", "Leistung an die Hand"],
+  ["tool speed", "Werkzeuggeschwindigkeit"],
+  ["workspace", "Arbeitsraum"],
+  ["zones", "Zonen"],
+  ["joints", "Gelenke"],
+  ["elbow speed", "Ellbogengeschwindigkeit"],
+  ["depth", "Tiefe"],
+  ["model's age", "Alter des Modells"],
+  ["sensor's age", "Alter des Sensors"],
+  ["age governor", "Altersregler"],
+  ["passivity", "Passivität"],
+  ["energy tank", "Energietank"],
+  ["speed into bone", "Eintritt in Knochen"],
+];
+
+const words = {
+  connected: ["connected", "verbunden"],
+  lost: ["connection lost: tries again", "Verbindung verloren: neuer Versuch"],
+  ended: ["the run has ended; its last picture stays", "der Lauf ist zu Ende; das letzte Bild bleibt"],
+  operator: ["you operate", "Sie bedienen"],
+  watch: ["you watch", "Sie sehen zu"],
+  pages: ["pages", "Seiten"],
+  page: ["page", "Seite"],
+  takeRole: ["Operate", "Bedienen"],
+  giveRole: ["Hand over", "Abgeben"],
+  large: ["Large", "Groß"],
+  sound: ["Sound", "Ton"],
+  pause: ["Pause", "Anhalten"],
+  resume: ["Resume", "Weiter"],
+  stop: ["Stop", "Beenden"],
+  stopAsk: ["The tool is cutting. End the run?", "Das Werkzeug schneidet. Lauf beenden?"],
+  force: ["Force to the hand", "Kraft an die Hand"],
+  limitOf: ["limit", "Grenze"],
+  hand: ["Hand", "Hand"],
+  depth: ["Depth", "Tiefe"],
+  deepest: ["Deepest so far", "Tiefster Punkt"],
+  speed: ["Tool speed", "Werkzeuggeschwindigkeit"],
+  spindle: ["Spindle", "Spindel"],
+  torque: ["Spindle torque", "Spindelmoment"],
+  removed: ["Bone removed", "Knochen entfernt"],
+  acting: ["Limits acting now", "Wirkende Grenzen"],
+  none: ["none", "keine"],
+  conditions: ["Conditions of motion", "Bedingungen der Bewegung"],
+  conditionsHeld: ["held when motion began; one that ends is a fault", "galten beim Beginn; endet eine, ist es ein Fehler"],
+  conditionsLater: ["looked at again once the cell waits for motion", "werden wieder geprüft, wenn die Zelle wartet"],
+  health: ["Health", "Zustand"],
+  modelAge: ["Contact model's age", "Alter des Kontaktmodells"],
+  sensorAge: ["Force sensor's age", "Alter des Kraftsensors"],
+  frame: ["Simulation frame", "Simulationsschritt"],
+  tick: ["Tick, worst", "Takt, schlimmster"],
+  wakeup: ["Wake-up, worst", "Aufwachen, spätestes"],
+  latency: ["Shown after", "Gezeigt nach"],
+  events: ["Events", "Ereignisse"],
+  fault: ["Fault", "Fehler"],
+  seen: ["Seen", "Gesehen"],
+  did: ["The cell", "Die Zelle"],
+  cure: ["Go on", "Weiter"],
+  rendered: ["rendered", "gerendert"],
+  of: ["of", "von"],
+  paused: ["paused", "angehalten"],
+  waits: ["waits for the first message", "wartet auf die erste Nachricht"],
+  freeze: ["Freeze", "Halt"],
+  picture: ["Picture", "Bild"],
+  volume: ["Removed volume", "Entferntes Volumen"],
+  computeChart: ["Worst tick", "Schlimmster Takt"],
+  whole: ["Cell", "Zelle"],
+  site: ["Site", "Stelle"],
+  axis: ["Along the axis", "Längs der Achse"],
+  above: ["From above", "Von oben"],
+  behind: ["From the hand", "Von der Hand"],
+  clip: ["Cut open", "Schnitt"],
+  arm: ["Arm", "Arm"],
+  zones: ["Zones", "Zonen"],
+  follow: ["Follow", "Folgen"],
+  hint: ["turn: drag, move: right button, zoom: wheel", "drehen: ziehen, verschieben: rechte Taste, Zoom: Rad"],
+} satisfies Record<string, [string, string]>;
+
+export type Word = keyof typeof words;
+
+let language: Language = navigator.language.startsWith("de") ? "de" : "en";
+
+export function setLanguage(chosen: Language): void {
+  language = chosen;
+}
+export function getLanguage(): Language {
+  return language;
+}
+
+const pick = (pair: [string, string] | undefined, otherwise: string): string =>
+  pair ? pair[language === "de" ? 1 : 0] : otherwise;
+
+export const t = (word: Word): string => pick(words[word] as [string, string], word);
+export const stateName = (number: number, otherwise: string): string => pick(states[number], otherwise);
+export const permitName = (number: number, otherwise: string): string => pick(permits[number], otherwise);
+export const limitName = (number: number, otherwise: string): string => pick(limits[number], otherwise);
+
+/** A number with its digits after the point, as the language writes it. */
+export function figure(value: number, digits: number): string {
+  return value.toLocaleString(language, { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
+}

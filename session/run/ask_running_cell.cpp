@@ -1,0 +1,103 @@
+#include "session/run/ask_running_cell.h"
+
+#include <cstdio>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/json_text.h"
+#include "base/text.h"
+#include "base/write_text.h"
+#include "io/local/local_client.h"
+#include "session/process/exit_code.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr std::size_t kName = 20;  // columns of a row's name
+
+void PrintRow(const char* name, const std::string& value) {
+  fmt::print("  {:<{}} {}\n", name, kName - 3, WrapForTerminal(value, kName));
+}
+
+std::string Joined(const nlohmann::json& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name.get<std::string>();
+  return text;
+}
+
+// The answer was made by this program's own kind, yet a value of another type must not end the process.
+void PrintStatus(const nlohmann::json& status, const nlohmann::json& run) {
+  fmt::print("Osteon {}: {}\n", run.value("command", ""), run.value("cell", ""));
+  if (!status.value("known", false)) return PrintRow("State", "waits for the first message");
+  PrintRow("State", status.value("state", "") + ": " + status.value("does", ""));
+  PrintRow("It leaves by", status.value("leave", ""));
+  for (const auto& fault : status["faults"]) {
+    PrintRow("Fault", fault.value("name", "") + ": " + fault.value("cause", ""));
+    PrintRow("Cure", fault.value("clearing", ""));
+  }
+  for (const auto& permit : status["permits"])
+    if (status.value("permits_known", false) && !permit.value("holds", true))
+      PrintRow("Missing", permit.value("text", ""));
+  PrintRow("Force", fmt::format("{:.1f} N of at most {:g} N; hand {:.1f} N", status.value("force_N", 0.0),
+                                status.value("force_limit_N", 0.0), status.value("hand_N", 0.0)));
+  PrintRow("Depth", fmt::format("{:.2f} mm, deepest {:.2f} mm", status.value("depth_mm", 0.0),
+                                status.value("deepest_mm", 0.0)));
+  PrintRow("Removed", fmt::format("{:.1f} mm³", status.value("removed_mm3", 0.0)));
+  PrintRow("Limits acting", status["limits"].empty() ? "none" : Joined(status["limits"]));
+  PrintRow("Ages", fmt::format("contact model {:.1f} ms, force sensor {:.1f} ms",
+                               status.value("model_age_ms", 0.0), status.value("sensor_age_ms", 0.0)));
+  const double wanted_s = run.value("seconds", 0.0), paused_s = status.value("paused_s", 0.0);
+  std::string time = fmt::format("{:.1f} s", status.value("rendered_s", 0.0));
+  if (wanted_s > 0.0) time += fmt::format(" of {:g} s", wanted_s);
+  if (paused_s > 0.0) time += fmt::format(", and {:.1f} s paused", paused_s);
+  PrintRow("Rendered", time);
+}
+
+std::filesystem::path SocketOf(const AskOptions& options, const std::vector<std::filesystem::path>& running) {
+  if (options.pid == 0) return running.front();
+  const std::string name = fmt::format("run-{}", options.pid);
+  for (const std::filesystem::path& socket : running)
+    if (socket.stem() == name) return socket;
+  return {};
+}
+
+std::string Names(const std::vector<std::filesystem::path>& running) {
+  std::string text;
+  for (const std::filesystem::path& socket : running) {
+    const auto answer = io::AskLocalServer(socket, "status");
+    const auto json = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
+    const std::string pid = socket.stem().string().substr(std::string("run-").size());
+    text += (text.empty() ? "" : ", ") + pid;
+    if (json.is_object() && json.contains("run"))
+      text += " (" + json["run"].value("command", "") + " " + json["run"].value("cell", "") + ")";
+  }
+  return text;
+}
+
+}  // namespace
+
+int RunAsk(const AskOptions& options) {
+  const std::vector<std::filesystem::path> running = io::FindLocalServers();
+  if (running.empty()) return Fail(options.request, "no cell runs on this machine under this user", kFailed);
+  if (options.pid == 0 && running.size() > 1)
+    return Fail(options.request,
+                "--pid: found none, and several cells run; accepted one of " + Names(running));
+  const std::filesystem::path socket = SocketOf(options, running);
+  if (socket.empty())
+    return Fail(options.request,
+                fmt::format("--pid: found {}, accepted one of {}", options.pid, Names(running)));
+  const auto text = io::AskLocalServer(socket, options.request);
+  if (!text) return Fail(options.request, text.error(), kFailed);
+  const auto answer = nlohmann::json::parse(*text, nullptr, false);
+  if (!answer.is_object()) return Fail(options.request, "the running cell's answer cannot be read", kFailed);
+  if (!options.json.empty())
+    if (const auto written = WriteText(options.json, JsonText(answer)); !written)
+      return Fail(options.request, written.error(), kFailed);
+  if (!answer.value("done", false)) return Fail(options.request, answer.value("reason", ""), kFailed);
+  if (options.request == "status") PrintStatus(answer["status"], answer["run"]);
+  return 0;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,139 @@
+#include "session/run/live_views.h"
+
+#include <unistd.h>
+
+#include <charconv>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "control/setup/servo_params.h"
+#include "session/run/console_scene.h"
+#include "simulation/removal/cut_metrics.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr int kMaxPort = 65535;
+
+std::optional<int> PortOf(std::string_view text) {
+  int port = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole && port >= 0 && port <= kMaxPort ? std::optional(port) : std::nullopt;
+}
+
+}  // namespace
+
+tl::expected<ConsoleChoice, std::string> ConsoleChoice::Parse(const std::string& text) {
+  ConsoleChoice choice{.only_this_port = true};
+  if (text == "off") {
+    choice.on = false;
+    return choice;
+  }
+  const std::size_t colon = text.rfind(':');
+  std::string address = colon == std::string::npos ? choice.address : text.substr(0, colon);
+  if (address.starts_with('[') && address.ends_with(']')) address = address.substr(1, address.size() - 2);
+  const auto port = PortOf(std::string_view(text).substr(colon == std::string::npos ? 0 : colon + 1));
+  if (!port || address.empty())
+    return tl::unexpected(fmt::format(
+        "found {}, accepted off, PORT or ADDRESS:PORT with a port of 0 (any free one) … {}", text, kMaxPort));
+  choice.address = std::move(address);
+  choice.port = *port;
+  return choice;
+}
+
+LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests)
+    : run_(run), requests_(requests), cell_(setup.cell_name) {
+  scene_ = ConsoleScene(setup, run.command, run.seconds, run.recording);
+  const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
+  context_ = {.force_limit_N = control::ForceLimit_N(setup.config.servo),
+              .depth_m = [depth, X_GW = Pose(setup.X_WG.inverse())](const Pose& X_WP) {
+                return depth.DepthAt(X_GW * X_WP);
+              }};
+}
+
+void LiveViews::Open(const ConsoleChoice& choice) {
+  auto server = io::LocalServer::Start(fmt::format("run-{}", ::getpid()),
+                                       [this](const std::string& request) { return Answer(request); });
+  if (server)
+    server_ = std::move(*server);
+  else
+    fmt::print(stderr,
+               "osteon {}: warning: osteon pause, resume, stop and status do not reach this run: {}\n",
+               run_.command, server.error());
+  if (!choice.on) return;
+  auto console = console::ConsoleServer::Start({.address = choice.address,
+                                                .port = choice.port,
+                                                .only_this_port = choice.only_this_port,
+                                                .page = ConsolePageFolder(),
+                                                .hello = scene_,
+                                                .context = context_,
+                                                .request = [this](auto request) { return Ask(request); }},
+                                               feed_, surface_);
+  if (console)
+    console_ = std::move(*console);
+  else
+    fmt::print(stderr, "osteon {}: warning: {}\n", run_.command, console.error());
+  if (console_) fmt::print(stderr, "osteon {}: console: {}\n", run_.command, console_->url());
+}
+
+console::LiveStatus LiveViews::Status() const { return console::StatusOf(feed_.Newest(), context_); }
+
+std::string LiveViews::Line() const {
+  const console::LiveStatus status = Status();
+  return status.known ? console::StatusLine(status, run_.seconds, RunProgress::StatusColumns()) : "";
+}
+
+console::RequestAnswer LiveViews::Ask(console::OperatorRequest request) {
+  const console::LiveStatus status = Status();
+  const std::string state = status.known ? status.state : "not yet seen";
+  switch (request) {
+    case console::OperatorRequest::kPause:
+      if (!status.can_pause)
+        return {.done = false,
+                .reason = fmt::format("the cell is {}: nothing moves that could be paused", state)};
+      requests_.pause.store(true);
+      break;
+    case console::OperatorRequest::kResume:
+      if (!status.can_resume)
+        return {.done = false, .reason = fmt::format("the cell is {}, not paused", state)};
+      requests_.resume.store(true);
+      break;
+    case console::OperatorRequest::kStop:
+      RequestInterrupt(kOperatorsStop);
+      break;
+  }
+  return {.done = true, .reason = ""};
+}
+
+std::string LiveViews::Answer(const std::string& request) {
+  using console::OperatorRequest;
+  console::RequestAnswer answer{.done = true, .reason = ""};
+  nlohmann::json json;
+  if (request == "pause") {
+    answer = Ask(OperatorRequest::kPause);
+  } else if (request == "resume") {
+    answer = Ask(OperatorRequest::kResume);
+  } else if (request == "stop") {
+    answer = Ask(OperatorRequest::kStop);
+  } else if (request == "status") {
+    json["status"] = nlohmann::json::parse(console::StatusJson(Status()));
+  } else {
+    answer = {.done = false, .reason = "found another request, accepted pause, resume, stop, status"};
+  }
+  json["done"] = answer.done;
+  json["reason"] = answer.reason;
+  json["run"] = {{"pid", ::getpid()},
+                 {"command", run_.command},
+                 {"cell", cell_},
+                 {"seconds", run_.seconds},
+                 {"recording", run_.recording},
+                 {"console", console_ ? nlohmann::json(console_->url()) : nlohmann::json(nullptr)}};
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "base/interrupt.h"
+#include "base/run_progress.h"
+#include "console/server/console_server.h"
+#include "console/stream/live_feed.h"
+#include "console/stream/live_status.h"
+#include "io/local/local_server.h"
+#include "session/setup/cell_setup.h"
+
+namespace osteon::app {
+
+/// Where the console is served.
+struct ConsoleChoice {
+  bool on{true};
+  std::string address{"127.0.0.1"};  ///< any but the loopback's asks pages for a token
+  int port{console::kDefaultPort};
+  bool only_this_port{false};  ///< false: the next free one
+
+  /// Parses `--console`: "PORT", "ADDRESS:PORT", "off". The error says what was found and what is accepted.
+  [[nodiscard]] static tl::expected<ConsoleChoice, std::string> Parse(const std::string& text);
+};
+
+/// Which run a live view shows.
+struct LiveRun {
+  std::string command;    ///< "demo", "run"
+  double seconds{0.0};    ///< of rendering that were asked for; 0: until stopped
+  std::string recording;  ///< the file
+};
+
+/// What a person sees of a running cell and may ask of it: the status line on the terminal, and `osteon
+/// status`, `pause`, `resume`, `stop` through the local socket.
+///
+///     recorder ──▶ LiveFeed ◀── status line, local socket
+///                                     └──▶ OperatorRequests ──▶ the state machine, as from any other side
+///
+/// A request asks for what the state machine allows; it can raise no limit and skip no condition of motion.
+class LiveViews {
+ public:
+  /// @param setup  packed, and outlives this
+  LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests);
+
+  /// Opens the local socket and the console. The run goes on without what could not be opened. Prints on
+  /// stderr where the console is, and what could not be opened.
+  void Open(const ConsoleChoice& choice);
+  /// Address of the console; empty: it is not served.
+  [[nodiscard]] std::string console_url() const { return console_ ? console_->url() : ""; }
+
+  /// Takes what is recorded.
+  [[nodiscard]] io::RecordSink* sink() { return &feed_; }
+  [[nodiscard]] console::LiveStatus Status() const;
+  /// The status as a line for the progress on stderr; empty before the first message.
+  [[nodiscard]] std::string Line() const;
+  /// Answers a request by a line of JSON: {"done", "reason", …}. Any text is accepted as a request and
+  /// answered.
+  [[nodiscard]] std::string Answer(const std::string& request);
+
+ private:
+  [[nodiscard]] console::RequestAnswer Ask(console::OperatorRequest request);
+
+  LiveRun run_;
+  OperatorRequests& requests_;
+  std::string cell_;
+  std::string scene_;
+  console::LiveContext context_;
+  console::LiveFeed feed_;
+  console::SurfaceStore surface_;
+  std::unique_ptr<io::LocalServer> server_;  // last: their threads use the others
+  std::unique_ptr<console::ConsoleServer> console_;
+};
+
+}  // namespace osteon::app

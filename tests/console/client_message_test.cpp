@@ -1,0 +1,90 @@
+#include "console/server/client_message.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "console/server/access.h"
+#include "console/server/operator_role.h"
+#include "console/server/surface_store.h"
+
+namespace osteon::console {
+namespace {
+
+TEST(ClientMessage, TakesWhatAPageMayAsk) {
+  EXPECT_EQ(std::get<OperatorRequest>(*ParseClientMessage(R"({"ask": "pause"})")), OperatorRequest::kPause);
+  EXPECT_EQ(std::get<OperatorRequest>(*ParseClientMessage(R"({"ask": "stop"})")), OperatorRequest::kStop);
+  EXPECT_EQ(std::get<RoleRequest>(*ParseClientMessage(R"({"ask": "watch"})")), RoleRequest::kGiveBack);
+  EXPECT_TRUE(std::holds_alternative<ResendRequest>(*ParseClientMessage(R"({"ask": "all"})")));
+}
+
+TEST(ClientMessage, RefusesEverythingElseWithWhatItAccepts) {
+  const std::string deep(900, '[');
+  for (const std::string& bytes :
+       {std::string(), std::string("x"), std::string("{}"), std::string(R"({"ask": 1})"),
+        std::string(R"({"ask": null})"), std::string(R"({"ask": "pause", "more": 1})"),
+        std::string(R"({"ask": "raise the limit"})"), std::string(R"(["pause"])"), std::string("\0\0", 2),
+        deep, std::string(kMaxClientMessage + 1, ' ')}) {
+    const auto message = ParseClientMessage(bytes);
+    ASSERT_FALSE(message) << bytes;
+    EXPECT_NE(message.error().find("accepted"), std::string::npos) << message.error();
+    EXPECT_LE(message.error().size(), 200u);
+  }
+}
+
+TEST(Access, APageOfThisServerMayOpenAndNoOther) {
+  const auto check = [](std::string_view host, std::string_view origin) {
+    return CheckAccess({.host = host, .origin = origin, .token = {}}, "127.0.0.1", "");
+  };
+  EXPECT_EQ(check("127.0.0.1:8470", "http://127.0.0.1:8470"), "");
+  EXPECT_EQ(check("localhost:8470", "http://localhost:8470"), "");
+  EXPECT_EQ(check("[::1]:8470", "http://[::1]:8470"), "");
+  EXPECT_EQ(check("127.0.0.1:8470", ""), "") << "a program has no origin";
+  EXPECT_NE(check("127.0.0.1:8470", "http://evil.example"), "");
+  EXPECT_NE(check("127.0.0.1:8470", "http://127.0.0.1:9999"), "") << "another server of this machine";
+  EXPECT_NE(check("127.0.0.1:8470", "null"), "") << "a file, a sandboxed frame";
+  EXPECT_NE(check("evil.example:8470", "http://evil.example:8470"), "") << "a name bent to this machine";
+  EXPECT_NE(check("", ""), "");
+}
+
+TEST(Access, AnotherAddressAsksForTheToken) {
+  const std::string token = NewToken();
+  EXPECT_EQ(token.size(), 32u);
+  EXPECT_NE(token, NewToken());
+  const auto check = [&](std::string_view given) {
+    return CheckAccess({.host = "10.0.0.5:8470", .origin = "http://10.0.0.5:8470", .token = given},
+                       "10.0.0.5", token);
+  };
+  EXPECT_EQ(check(token), "");
+  EXPECT_NE(check(""), "");
+  EXPECT_NE(check(token.substr(1)), "");
+  EXPECT_NE(check(std::string(32, '0')), "");
+}
+
+TEST(OperatorRole, OneHoldsItUntilItGivesItBack) {
+  OperatorRole role;
+  EXPECT_TRUE(role.Take(1));
+  EXPECT_TRUE(role.Take(1));
+  EXPECT_FALSE(role.Take(2));
+  role.GiveBack(2);
+  EXPECT_EQ(role.holder(), 1u);
+  role.GiveBack(1);
+  EXPECT_TRUE(role.Take(2));
+}
+
+TEST(SurfaceStore, AReaderGetsTheNewestOfEachBrickInPieces) {
+  SurfaceStore store;
+  for (std::uint64_t brick = 0; brick < 5; ++brick) store.Put(brick, "old");
+  store.Put(2, "new");
+  std::uint64_t seen = 0;
+  std::string all;
+  for (std::size_t pieces = 0; pieces < 2; ++pieces)
+    for (const auto& bytes : store.Since(seen, 3)) all += *bytes + ",";
+  EXPECT_EQ(all, "old,old,old,old,new,");
+  EXPECT_TRUE(store.Since(seen, 3).empty());
+  store.Put(0, "again");
+  ASSERT_EQ(store.Since(seen, 3).size(), 1u);
+}
+
+}  // namespace
+}  // namespace osteon::console

@@ -1,0 +1,278 @@
+#include "console/server/console_server.h"
+
+#include <civetweb.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "safety/cell_state.h"
+#include "tests/io/temporary_folder.h"
+
+// The server with real connections on the loopback. Waiting ends with what is waited for; kPatience only
+// bounds it.
+
+namespace osteon::console {
+namespace {
+
+constexpr std::chrono::seconds kPatience{20};
+
+// A page without a browser.
+class Client {
+ public:
+  Client(int port, const char* origin, bool reads = true, const char* path = "/live") : reads_(reads) {
+    std::array<char, 256> error{};
+    connection_ = mg_connect_websocket_client("127.0.0.1", port, 0, error.data(), error.size(), path, origin,
+                                              OnData, OnClose, this);
+  }
+  ~Client() {
+    stop_.store(true);
+    if (connection_ != nullptr) mg_close_connection(connection_);
+  }
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  [[nodiscard]] bool open() const { return connection_ != nullptr; }
+  void Send(const std::string& text) {
+    mg_websocket_client_write(connection_, MG_WEBSOCKET_OPCODE_TEXT, text.data(), text.size());
+  }
+  /// Waits for a message of a type that satisfies `is`; null if none comes.
+  nlohmann::json Await(const std::string& type, const std::function<bool(const nlohmann::json&)>& is = {}) {
+    std::unique_lock lock(mutex_);
+    nlohmann::json found;
+    arrived_.wait_for(lock, kPatience, [&] {
+      for (; next_ < texts_.size(); ++next_) {
+        auto json = nlohmann::json::parse(texts_[next_]);
+        if (json["type"] == type && (!is || is(json))) {
+          found = std::move(json);
+          ++next_;
+          return true;
+        }
+      }
+      return false;
+    });
+    return found;
+  }
+  bool AwaitBinary(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    return arrived_.wait_for(lock, kPatience, [&] { return binaries_.size() >= count; });
+  }
+  bool AwaitClose() {
+    std::unique_lock lock(mutex_);
+    return arrived_.wait_for(lock, kPatience, [&] { return closed_; });
+  }
+
+ private:
+  static int OnData(mg_connection*, int bits, char* data, std::size_t size, void* user) {
+    auto& client = *static_cast<Client*>(user);
+    while (!client.reads_ && !client.stop_.load()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const std::lock_guard lock(client.mutex_);
+    if ((bits & 0x0F) == MG_WEBSOCKET_OPCODE_TEXT) client.texts_.emplace_back(data, size);
+    if ((bits & 0x0F) == MG_WEBSOCKET_OPCODE_BINARY) client.binaries_.emplace_back(data, size);
+    client.arrived_.notify_all();
+    return 1;
+  }
+  static void OnClose(const mg_connection*, void* user) {
+    auto& client = *static_cast<Client*>(user);
+    const std::lock_guard lock(client.mutex_);
+    client.closed_ = true;
+    client.arrived_.notify_all();
+  }
+
+  const bool reads_;
+  std::atomic<bool> stop_{false};
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::vector<std::string> texts_, binaries_;
+  std::size_t next_{0};
+  bool closed_{false};
+  mg_connection* connection_{nullptr};
+};
+
+class ConsoleServerTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto server = ConsoleServer::Start({.port = 0,
+                                        .page = folder_.path(),
+                                        .hello = R"({"type":"hello","cell":"test"})",
+                                        .context = {.force_limit_N = 200.0},
+                                        .request =
+                                            [this](OperatorRequest request) {
+                                              requests_.fetch_or(1u << static_cast<unsigned>(request));
+                                              return RequestAnswer{.done = true, .reason = ""};
+                                            }},
+                                       feed_, surface_);
+    ASSERT_TRUE(server) << server.error();
+    server_ = std::move(*server);
+    feeder_ = std::thread([this] {
+      control::TickRecord tick;
+      while (!done_.load()) {
+        tick.stamp += 1'000'000;
+        ++tick.tick;
+        tick.cell_state = static_cast<std::uint8_t>(safety::CellState::kCutting);
+        feed_.TakeTick(tick);
+        if (tick.tick % 20 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      }
+    });
+  }
+  void TearDown() override {
+    server_.reset();
+    done_.store(true);
+    if (feeder_.joinable()) feeder_.join();
+  }
+  // this client, unlike a browser, leaves the port out of Host, and an origin must be the same
+  [[nodiscard]] static std::string origin() { return "http://127.0.0.1"; }
+  bool Eventually(const std::function<bool()>& is) const {
+    for (const auto end = std::chrono::steady_clock::now() + kPatience;
+         std::chrono::steady_clock::now() < end;) {
+      if (is()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  }
+
+  io::test::TemporaryFolder folder_;
+  LiveFeed feed_;
+  SurfaceStore surface_;
+  std::atomic<unsigned> requests_{0};
+  std::atomic<bool> done_{false};
+  std::unique_ptr<ConsoleServer> server_;
+  std::thread feeder_;
+};
+
+TEST_F(ConsoleServerTest, APageGetsHelloThenTheStreamAndTheSurface) {
+  surface_.Begin(R"({"type":"surface"})");
+  surface_.Put(1, "brick");
+  Client page(server_->port(), origin().c_str());
+  ASSERT_TRUE(page.open());
+  EXPECT_EQ(page.Await("hello")["cell"], "test");
+  const auto first = page.Await("live"), second = page.Await("live");
+  EXPECT_EQ(first["status"]["state"], "cutting");
+  EXPECT_LT(first["windows"].back()[0].get<double>(), second["windows"].back()[0].get<double>());
+  EXPECT_FALSE(page.Await("surface").is_null());
+  EXPECT_TRUE(page.AwaitBinary(1));
+  surface_.Put(1, "brick, cut");
+  EXPECT_TRUE(page.AwaitBinary(2));
+}
+
+TEST_F(ConsoleServerTest, OnlyTheOperatorsPageSteers) {
+  Client one(server_->port(), origin().c_str()), two(server_->port(), origin().c_str());
+  ASSERT_TRUE(one.open() && two.open());
+  one.Send(R"({"ask": "role"})");
+  EXPECT_TRUE(one.Await("answer")["done"].get<bool>());
+  two.Send(R"({"ask": "role"})");
+  EXPECT_FALSE(two.Await("answer")["done"].get<bool>());
+  two.Send(R"({"ask": "stop"})");
+  EXPECT_FALSE(two.Await("answer")["done"].get<bool>());
+  EXPECT_EQ(requests_.load(), 0u);
+  one.Send(R"({"ask": "pause"})");
+  EXPECT_TRUE(one.Await("answer")["done"].get<bool>());
+  EXPECT_EQ(requests_.load(), 1u << static_cast<unsigned>(OperatorRequest::kPause));
+  one.Send(R"({"ask": "watch"})");
+  EXPECT_FALSE(
+      two.Await("role", [](const auto& role) { return !role["taken"].template get<bool>(); }).is_null());
+  two.Send(R"({"ask": "role"})");
+  EXPECT_TRUE(two.Await("answer")["done"].get<bool>());
+}
+
+TEST_F(ConsoleServerTest, AnOperatorsPageThatVanishesFreesTheRole) {
+  Client stays(server_->port(), origin().c_str());
+  {
+    Client goes(server_->port(), origin().c_str());
+    goes.Send(R"({"ask": "role"})");
+    ASSERT_TRUE(goes.Await("answer")["done"].get<bool>());
+  }
+  EXPECT_FALSE(
+      stays
+          .Await("role",
+                 [](const auto& role) { return !role["taken"].template get<bool>() && role["pages"] == 1; })
+          .is_null());
+}
+
+TEST_F(ConsoleServerTest, StrangersAreRefused) {
+  EXPECT_FALSE(Client(server_->port(), "http://evil.example").open());
+  EXPECT_FALSE(Client(server_->port(), "null").open());
+  EXPECT_TRUE(Eventually([&] { return server_->counts().refused == 2; }));
+  EXPECT_EQ(server_->pages(), 0u);
+}
+
+TEST_F(ConsoleServerTest, AnotherAddressAsksForItsToken) {
+  auto open = ConsoleServer::Start(
+      {.address = "0.0.0.0", .port = 0, .page = folder_.path(), .hello = "{}", .context = {}, .request = {}},
+      feed_, surface_);
+  ASSERT_TRUE(open) << open.error();
+  const std::string url = (*open)->url();
+  const std::size_t token = url.find("?token=");
+  ASSERT_NE(token, std::string::npos) << url;
+  EXPECT_FALSE(Client((*open)->port(), origin().c_str()).open());
+  EXPECT_FALSE(Client((*open)->port(), origin().c_str(), true, "/live?token=0").open());
+  EXPECT_TRUE(Client((*open)->port(), origin().c_str(), true, ("/live" + url.substr(token)).c_str()).open());
+}
+
+TEST_F(ConsoleServerTest, HostileMessagesAreAnsweredAndCounted) {
+  Client page(server_->port(), origin().c_str());
+  for (const char* bytes : {"x", "{\"ask\": \"raise the limit\"}", "[[[["}) {
+    page.Send(bytes);
+    EXPECT_NE(page.Await("answer")["reason"].get<std::string>().find("accepted"), std::string::npos);
+  }
+  EXPECT_EQ(server_->counts().bad_messages, 3u);
+  EXPECT_EQ(requests_.load(), 0u);
+}
+
+TEST_F(ConsoleServerTest, OfSixtyFourPagesSixteenAreServed) {
+  std::vector<std::unique_ptr<Client>> pages;
+  for (int i = 0; i < 64; ++i) pages.push_back(std::make_unique<Client>(server_->port(), origin().c_str()));
+  std::size_t served = 0;
+  for (const auto& page : pages)
+    if (page->open() && !page->Await("live").is_null()) ++served;
+  EXPECT_EQ(served, kMaxPages);
+  pages.clear();
+  EXPECT_TRUE(Eventually([&] { return server_->pages() == 0; }));
+  EXPECT_FALSE(Client(server_->port(), origin().c_str()).Await("live").is_null());
+}
+
+TEST_F(ConsoleServerTest, APageThatDoesNotReadIsClosedAndHoldsNobodyUp) {
+  for (std::uint64_t brick = 0; brick < 40; ++brick) surface_.Put(brick, std::string(1u << 20, 'x'));
+  Client stuck(server_->port(), origin().c_str(), false);
+  ASSERT_TRUE(stuck.open());
+  Client page(server_->port(), origin().c_str());
+  EXPECT_TRUE(page.AwaitBinary(1));
+  EXPECT_FALSE(page.Await("live").is_null());
+  EXPECT_TRUE(Eventually([&] { return server_->counts().slow == 1; }));
+  EXPECT_FALSE(page.Await("live").is_null());
+}
+
+TEST_F(ConsoleServerTest, PagesThatComeAndGoLeaveNothing) {
+  for (int i = 0; i < 100; ++i) {
+    Client page(server_->port(), origin().c_str());
+    ASSERT_TRUE(page.open()) << i;
+    if (i % 10 == 0) page.Send(R"({"ask": "role"})");
+  }
+  EXPECT_TRUE(Eventually([&] { return server_->pages() == 0; }));
+  EXPECT_EQ(server_->counts().opened, 100u);
+}
+
+TEST_F(ConsoleServerTest, ATakenPortIsPassedOverUnlessItWasNamed) {
+  const ConsoleParams params{
+      .port = server_->port(), .page = folder_.path(), .hello = "{}", .context = {}, .request = {}};
+  const auto next = ConsoleServer::Start(params, feed_, surface_);
+  ASSERT_TRUE(next) << next.error();
+  EXPECT_NE((*next)->port(), server_->port());
+  ConsoleParams named = params;
+  named.only_this_port = true;
+  const auto refused = ConsoleServer::Start(named, feed_, surface_);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().find("--console PORT"), std::string::npos) << refused.error();
+}
+
+}  // namespace
+}  // namespace osteon::console

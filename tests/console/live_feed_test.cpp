@@ -1,0 +1,92 @@
+#include "console/stream/live_feed.h"
+
+#include <atomic>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "safety/cell_state.h"
+
+namespace osteon::console {
+namespace {
+
+control::TickRecord Tick(std::uint64_t number, double force_N,
+                         safety::CellState state = safety::CellState::kCutting) {
+  control::TickRecord tick;
+  tick.tick = number;
+  tick.stamp = static_cast<rt::Nanoseconds>(number) * 1'000'000;
+  tick.cell_state = static_cast<std::uint8_t>(state);
+  tick.F_coupling_T_W.f = {0.0, 0.0, force_N};
+  tick.input.period_s = 0.001;
+  return tick;
+}
+
+TEST(LiveFeed, APeakOfOneTickIsNotHidden) {
+  LiveFeed feed;
+  for (std::uint64_t i = 1; i <= 100; ++i) feed.TakeTick(Tick(i, i == 20 ? 150.0 : i == 40 ? 1.0 : 10.0));
+  std::uint64_t seen = 0;
+  const auto windows = feed.Since(seen);
+  ASSERT_GE(windows.size(), 2u);
+  double most = 0.0, least = 1e9;
+  std::uint64_t number = 0;
+  for (const LiveWindow& w : windows) {
+    EXPECT_EQ(w.number, ++number) << "without gaps";
+    most = std::max(most, w.force_N.most);
+    least = std::min(least, w.force_N.least);
+  }
+  EXPECT_EQ(most, 150.0);
+  EXPECT_EQ(least, 1.0);
+  EXPECT_EQ(seen, feed.Newest().number);
+  EXPECT_TRUE(feed.Since(seen).empty());
+}
+
+TEST(LiveFeed, TimeOfAPauseIsCountedApart) {
+  LiveFeed feed;
+  std::uint64_t tick = 0;
+  for (int i = 0; i < 500; ++i) feed.TakeTick(Tick(++tick, 1.0));
+  for (int i = 0; i < 300; ++i) feed.TakeTick(Tick(++tick, 0.0, safety::CellState::kPaused));
+  feed.TakeEvent({.stamp = 0, .text = "the window in the making is published with an event"});
+  EXPECT_NEAR(feed.Newest().rendered_s, 0.5, 1e-9);
+  EXPECT_NEAR(feed.Newest().paused_s, 0.3, 1e-9);
+}
+
+TEST(LiveFeed, ALateReaderGetsTheLastWindowsAndEvents) {
+  LiveFeed feed;
+  for (std::uint64_t i = 1; i <= 20'000; ++i) feed.TakeTick(Tick(i, 1.0));
+  std::uint64_t seen = 0;
+  const auto windows = feed.Since(seen);
+  EXPECT_EQ(windows.size(), LiveFeed::kKept);
+  EXPECT_EQ(windows.back().number, seen);
+  for (int i = 0; i < 500; ++i) feed.TakeEvent({.stamp = i, .text = std::to_string(i)});
+  std::uint64_t seen_events = 0;
+  const auto events = feed.EventsSince(seen_events);
+  ASSERT_EQ(events.size(), LiveFeed::kKeptEvents);
+  EXPECT_EQ(events.back().text, "499");
+  EXPECT_EQ(seen_events, 500u);
+  EXPECT_TRUE(feed.EventsSince(seen_events).empty());
+}
+
+// Readers that always copy must neither stall the writer nor tear a window.
+TEST(LiveFeed, ReadersNeverTearAWindow) {
+  LiveFeed feed;
+  std::atomic<bool> done{false};
+  std::atomic<int> torn{0};
+  const auto read = [&] {
+    std::uint64_t seen = 0, number = 0;
+    while (!done.load())
+      for (const LiveWindow& w : feed.Since(seen)) {
+        if (w.number <= number || w.force_N.most != static_cast<double>(w.tick.tick)) ++torn;
+        number = w.number;
+      }
+  };
+  std::thread a(read), b(read);
+  for (std::uint64_t i = 1; i <= 200'000; ++i) feed.TakeTick(Tick(i, static_cast<double>(i)));
+  done.store(true);
+  a.join();
+  b.join();
+  EXPECT_EQ(torn.load(), 0);
+  EXPECT_GT(feed.Newest().number, 0u);
+}
+
+}  // namespace
+}  // namespace osteon::console

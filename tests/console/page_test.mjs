@@ -1,0 +1,153 @@
+// The console's page in a real Chromium, over a cell that runs: node page_test.mjs OSTEON NODE_MODULES PICTURES.
+// Each step ends as soon as what it waits for is there. Pictures of each state are left for people to look at.
+
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { mkdirSync, mkdtempSync, rmSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+
+const [, , osteon, modules, pictures] = process.argv;
+const puppeteer = createRequire(join(modules, "x.js"))("puppeteer-core");
+const PATIENCE_MS = 60_000;
+const folder = mkdtempSync(join(tmpdir(), "osteon_page_"));
+mkdirSync(pictures, { recursive: true });
+
+/** Starts a demo and waits for its console's address. */
+function demo(seconds) {
+  const child = spawn(osteon, ["demo", "--seconds", String(seconds), "--port", "0", "--console", "0", "--overwrite", "--out",
+    join(folder, "out")], { stdio: ["ignore", "ignore", "pipe"] });
+  let text = "";
+  const url = new Promise((resolve, reject) => {
+    child.stderr.on("data", (bytes) => {
+      text += bytes;
+      const found = /console: (http\S+)/.exec(text);
+      if (found) resolve(found[1]);
+    });
+    child.on("exit", () => reject(new Error(`the demo ended before it had a console:\n${text}`)));
+  });
+  const ended = new Promise((resolve) => child.on("exit", (code) => resolve({ code, text })));
+  return { child, url, ended };
+}
+
+const browser = await puppeteer.launch({
+  executablePath: process.env.OSTEON_CHROMIUM ?? "/usr/bin/chromium",
+  args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+});
+const errors = [];
+
+async function open(url, width, height) {
+  const page = await browser.newPage();
+  page.setDefaultTimeout(PATIENCE_MS);
+  page.on("pageerror", (error) => errors.push(error.message));
+  page.on("requestfinished", (request) => {
+    if (!request.url().startsWith(new URL(url).origin) && !request.url().startsWith("data:")) errors.push(`asked for ${request.url()}`);
+  });
+  await page.setViewport({ width, height });
+  await page.goto(url);
+  return page;
+}
+const until = (page, expression) => page.waitForFunction(expression, { polling: 50 });
+const stateIs = (page, name) => until(page, `document.querySelector("#state .name")?.textContent === "${name}"`);
+const picture = (page, name) => page.screenshot({ path: join(pictures, `${name}.png`) });
+const status = (page) => page.evaluate("osteon.live?.status");
+
+/** Buttons, headings and table cells whose text does not fit, and whether the page scrolls sideways. */
+const clipped = (page) =>
+  page.evaluate(() => {
+    const wide = [...document.querySelectorAll("button, select, h2, td, li, .name, .big")]
+      .filter((e) => e.offsetParent && e.scrollWidth > e.clientWidth + 1)
+      .map((e) => e.textContent);
+    if (document.documentElement.scrollWidth > innerWidth) wide.push("the page scrolls sideways");
+    return wide;
+  });
+
+async function operatesTheCell() {
+  const run = demo(40);
+  const url = await run.url;
+  const page = await open(url, 1280, 720);
+  await stateIs(page, "cutting");
+  assert.deepEqual(await clipped(page), []);
+
+  await until(page, "osteon.live.status.removed_mm3 > 1000");
+  await until(page, "osteon.scene.drawn > 5");
+  await picture(page, "cutting");
+
+  // a second page watches: it may not steer
+  const second = await open(url, 390, 844);
+  await stateIs(second, "cutting");
+  assert.deepEqual(await clipped(second), []);
+  assert.ok(await second.evaluate('document.getElementById("pause").disabled'));
+  await second.evaluate('osteon.connection.ask("stop")'); // as a page could that does not keep to its buttons
+  await until(second, 'document.getElementById("answer").textContent.includes("watches")');
+  await picture(second, "phone");
+
+  await page.click("#pause");
+  await stateIs(page, "paused");
+  await picture(page, "paused");
+  const paused = await status(page);
+  assert.equal(paused.force_N, 0);
+  assert.ok(paused.permits.length === 10);
+  await page.keyboard.press("r");
+  await until(page, "[4, 5].includes(osteon.live.status.state_number)");
+
+  // in German, large
+  await page.select("#language", "de");
+  await until(page, 'document.getElementById("pause").textContent.startsWith("Anhalten")');
+  assert.deepEqual(await clipped(page), []);
+  await page.click("#large");
+  await picture(page, "german_large");
+  await page.click("#large");
+
+  // every view draws
+  for (const key of ["2", "3", "4", "5", "c", "z", "1"]) {
+    const drawn = await page.evaluate("osteon.scene.drawn");
+    await page.keyboard.press(key);
+    await until(page, `osteon.scene.drawn > ${drawn}`);
+    if (key === "5" || key === "c") await picture(page, key === "5" ? "cell" : "cut_open");
+  }
+
+  // a page that is loaded again, many times, is served again; the role is free for the other one meanwhile
+  for (let i = 0; i < 20; ++i) await page.reload();
+  await until(page, "osteon.live?.status.known");
+  await page.close();
+  await until(second, '!document.getElementById("take-role").disabled');
+
+  await until(second, "osteon.role.mine || (osteon.connection.ask('role'), false)");
+  second.on("dialog", (dialog) => void dialog.accept()); // asked while cutting
+  await second.click("#stop");
+  const { code, text } = await run.ended;
+  assert.equal(code, 0, text);
+  await until(second, 'document.getElementById("connection").textContent.length > 0 && !osteon.connected');
+  await second.close();
+}
+
+async function showsAFault() {
+  const run = demo(30);
+  const page = await open(await run.url, 1280, 720);
+  await stateIs(page, "cutting");
+  // the arm's end of the wire dies: a process of its own
+  const { execFileSync } = await import("node:child_process");
+  const cells = execFileSync("pgrep", ["-P", String(run.child.pid)]).toString().trim().split("\n");
+  for (const pid of cells) process.kill(Number(pid), "SIGKILL");
+  await until(page, 'document.querySelector("#faults .fault") !== null');
+  const card = await page.evaluate('document.getElementById("faults").innerText');
+  for (const part of ["Fault:", "Seen:", "The cell:", "Go on:"]) assert.ok(card.includes(part), card);
+  assert.deepEqual(await clipped(page), []);
+  await picture(page, "fault");
+  const { code } = await run.ended;
+  assert.equal(code, 1);
+  assert.ok(await page.evaluate('document.querySelector("#faults .fault") !== null'), "the card stays after the run");
+  await page.close();
+}
+
+try {
+  await operatesTheCell();
+  await showsAFault();
+  assert.deepEqual(errors, []);
+  console.log("the console's page: all steps done");
+} finally {
+  await browser.close();
+  rmSync(folder, { recursive: true, force: true });
+}
