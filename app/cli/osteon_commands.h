@@ -17,6 +17,7 @@
 #include "app/cli/schema_command.h"
 #include "app/cli/states_command.h"
 #include "app/cli/study_commands.h"
+#include "app/cli/view_command.h"
 #include "session/setup/doctor.h"
 
 namespace osteon::app {
@@ -56,6 +57,7 @@ class OsteonCommands {
   AnnouncedStudies capability_to_tune_;
   ExportCommand export_;
   ReplayCommand replay_;
+  ViewCommand view_;
   AnnouncedStudies regress_to_completion_;
 };
 

@@ -1,13 +1,17 @@
 #include "console/server/client_message.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace osteon::console {
 namespace {
 
-constexpr const char* kAccepted = "accepted {\"ask\": pause, resume, stop, role, watch or all}";
-constexpr std::size_t kShown = 40;  // characters of a wrong word in an error
+constexpr const char* kAccepted =
+    "accepted {\"ask\": pause, resume, stop, role, watch, all, play, halt, or seek and speed with a "
+    "\"value\"}";
+constexpr std::size_t kShown = 30;  // characters of a wrong word in an error
 
 tl::unexpected<std::string> Refuse(const std::string& found) {
   return tl::unexpected(fmt::format("message: found {}, {}", found, kAccepted));
@@ -19,9 +23,19 @@ tl::expected<ClientMessage, std::string> ParseClientMessage(std::string_view byt
   if (bytes.size() > kMaxClientMessage)
     return Refuse(fmt::format("{} bytes (at most {})", bytes.size(), kMaxClientMessage));
   const nlohmann::json json = nlohmann::json::parse(bytes, nullptr, false);
-  if (!json.is_object() || json.size() != 1 || !json.contains("ask") || !json["ask"].is_string())
+  if (!json.is_object() || !json.contains("ask") || !json["ask"].is_string())
     return Refuse(json.is_discarded() ? "no JSON" : "another object");
+  const bool has_value = json.contains("value") && json["value"].is_number();
+  if (json.size() != (has_value ? 2u : 1u)) return Refuse("another object");
   const auto& ask = json["ask"].get_ref<const std::string&>();
+  const double value = has_value ? json["value"].get<double>() : 0.0;
+  if (has_value && std::isfinite(value)) {
+    if (ask == "seek") return ViewRequest{.kind = ViewRequest::Kind::kSeek, .value = value};
+    if (ask == "speed") return ViewRequest{.kind = ViewRequest::Kind::kSpeed, .value = value};
+  }
+  if (has_value) return Refuse("a value with \"" + ask.substr(0, kShown) + "\"");
+  if (ask == "play") return ViewRequest{.kind = ViewRequest::Kind::kPlay};
+  if (ask == "halt") return ViewRequest{.kind = ViewRequest::Kind::kHalt};
   if (ask == "pause") return OperatorRequest::kPause;
   if (ask == "resume") return OperatorRequest::kResume;
   if (ask == "stop") return OperatorRequest::kStop;

@@ -21,7 +21,14 @@ enum class RoleRequest : std::uint8_t { kTake, kGiveBack };
 /// {"ask": "all"}: everything again, after a page has lost its picture.
 struct ResendRequest {};
 
-using ClientMessage = std::variant<OperatorRequest, RoleRequest, ResendRequest>;
+/// {"ask": "play"}, {"ask": "halt"}, {"ask": "seek", "value": seconds}, {"ask": "speed", "value": factor}: of
+/// a recording that is viewed. The value is finite.
+struct ViewRequest {
+  enum class Kind : std::uint8_t { kPlay, kHalt, kSeek, kSpeed } kind{Kind::kPlay};
+  double value{0.0};
+};
+
+using ClientMessage = std::variant<OperatorRequest, RoleRequest, ResendRequest, ViewRequest>;
 
 /// Parses a page's message. The error names what was found and what is accepted; it is at most 200 bytes and
 /// in ASCII apart from the message's own first characters.

@@ -90,7 +90,7 @@ class Server final : public ConsoleServer {
   Server(ConsoleParams params, const LiveFeed& feed, const SurfaceStore& surface)
       : params_(std::move(params)),
         token_(IsLoopback(params_.address) ? "" : NewToken()),
-        sources_{feed, surface, role_, params_.hello, params_.context, pages_open_} {}
+        sources_{feed, surface, role_, params_.hello, params_.context, pages_open_, params_.notes} {}
 
   ~Server() override {
     ending_.store(true);
@@ -275,10 +275,18 @@ class Server final : public ConsoleServer {
       return page.sender().Answer(
           AnswerJson("role", {.done = mine, .reason = mine ? "" : "another page has the role"}));
     }
+    if (const auto* view = std::get_if<ViewRequest>(&*message)) {
+      if (params_.view) return params_.view(*view);
+      return page.sender().Answer(
+          AnswerJson("view", {.done = false, .reason = "a running cell has no time line"}));
+    }
     const auto request = std::get<OperatorRequest>(*message);
     constexpr std::array<const char*, 3> kNames{"pause", "resume", "stop"};
     RequestAnswer answer{.done = false, .reason = "this page watches: take the operator's role first"};
-    if (role_.holder() == page.number()) answer = params_.request(request);
+    if (!params_.request)
+      answer.reason = "a recording takes no requests";
+    else if (role_.holder() == page.number())
+      answer = params_.request(request);
     page.sender().Answer(AnswerJson(kNames[static_cast<std::size_t>(request)], answer));
   }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -36,6 +37,9 @@ struct ConsoleParams {
   LiveContext context;
   /// Makes an operator's request: the same as `osteon pause` does. Called by a page's thread.
   std::function<RequestAnswer(OperatorRequest)> request;
+  /// Moves a playback; empty: what is shown is live. Called by a page's thread.
+  std::function<void(const ViewRequest&)> view{};
+  std::vector<std::function<std::string()>> notes{};  ///< PageSources::notes
 };
 
 /// Counts of a server's life.

@@ -74,6 +74,17 @@ bool PageSender::SendRole() {
                                        holder == page_, holder != 0, pages));
 }
 
+bool PageSender::SendNotes() {
+  shown_notes_.resize(sources_.notes.size());
+  for (std::size_t i = 0; i < shown_notes_.size(); ++i) {
+    std::string note = sources_.notes[i]();
+    if (note == shown_notes_[i]) continue;
+    if (!writer_.WriteText(note)) return false;
+    shown_notes_[i] = std::move(note);
+  }
+  return true;
+}
+
 bool PageSender::SendSurface() {
   if (const SurfaceStore::Bytes layout = sources_.surface.LayoutSince(seen_layout_)) {
     seen_surface_ = seen_layout_;
@@ -89,9 +100,15 @@ bool PageSender::SendNew() {
   if (resend_.exchange(false)) {
     seen_events_ = seen_surface_ = seen_layout_ = 0;
     shown_holder_ = ~0ull;
+    shown_notes_.clear();
     if (!writer_.WriteText(sources_.hello)) return false;
   }
-  if (!SendAnswers() || !SendRole()) return false;
+  if (const std::uint64_t epoch = sources_.feed.epoch(); epoch != shown_epoch_) {
+    shown_epoch_ = epoch;
+    seen_windows_ = seen_events_ = 0;
+    if (!writer_.WriteText(R"({"type":"restart"})")) return false;
+  }
+  if (!SendAnswers() || !SendRole() || !SendNotes()) return false;
   if (const auto events = sources_.feed.EventsSince(seen_events_); !events.empty())
     if (!writer_.WriteText(EventsJson(events))) return false;
   if (const auto windows = sources_.feed.Since(seen_windows_); !windows.empty())

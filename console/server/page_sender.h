@@ -4,10 +4,12 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <span>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "console/server/operator_role.h"
 #include "console/server/surface_store.h"
@@ -24,6 +26,8 @@ struct PageSources {
   const std::string& hello;
   const LiveContext& context;
   const std::atomic<std::size_t>& pages;
+  /// Messages that a page gets whenever they differ from what it got last: a playback's place, say.
+  const std::vector<std::function<std::string()>>& notes;
 };
 
 /// Writes to one page. False if it does not read, or has gone.
@@ -56,6 +60,7 @@ class PageSender {
   bool SendNew();
   bool SendAnswers();
   bool SendRole();
+  bool SendNotes();
   bool SendSurface();
 
   const std::uint64_t page_;
@@ -67,6 +72,8 @@ class PageSender {
       seen_layout_{0};  // of the thread, as what follows
   std::uint64_t shown_holder_{~0ull};
   std::size_t shown_pages_{0};
+  std::uint64_t shown_epoch_{0};
+  std::vector<std::string> shown_notes_;
 
   std::mutex mutex_;
   std::condition_variable changed_;

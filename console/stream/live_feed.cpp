@@ -54,7 +54,30 @@ void LiveFeed::TakeEvent(const io::RecordedEvent& event) {
 
 void LiveFeed::TryPublish() {
   const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock) return;  // a reader is copying: this window grows until the next tick
+  if (lock) Publish();  // else a reader is copying: this window grows until the next tick
+}
+
+void LiveFeed::Flush() {
+  const std::lock_guard lock(mutex_);
+  Publish();
+}
+
+void LiveFeed::Restart() {
+  making_ = {};
+  waiting_events_.clear();
+  const std::lock_guard lock(mutex_);
+  newest_ = events_so_far_ = 0;
+  events_.clear();
+  ++epoch_;
+}
+
+std::uint64_t LiveFeed::epoch() const {
+  const std::lock_guard lock(mutex_);
+  return epoch_;
+}
+
+// Needs the lock.
+void LiveFeed::Publish() {
   for (io::RecordedEvent& event : waiting_events_) {
     events_.push_back(std::move(event));
     ++events_so_far_;

@@ -29,6 +29,13 @@ class LiveFeed final : public io::RecordSink {
   void TakeFrame(const simulation::FrameRecord& frame) override;
   void TakeEvent(const io::RecordedEvent& event) override;
 
+  /// Publishes the window in the making at once. For a playback, which has no recorder; waits for readers.
+  void Flush();
+  /// Forgets everything: a playback went to another time. A reader sees it by epoch().
+  void Restart();
+  /// Grows with each Restart. Numbers of windows and events begin anew in an epoch.
+  [[nodiscard]] std::uint64_t epoch() const;
+
   /// The newest window; number 0: none yet. Any thread but the recorder's.
   [[nodiscard]] LiveWindow Newest() const;
   /// The windows after number `seen`, oldest first, at most kKept; `seen` becomes the newest one's. What a
@@ -40,6 +47,7 @@ class LiveFeed final : public io::RecordSink {
  private:
   void Gather(const control::TickRecord& tick);
   void TryPublish();
+  void Publish();
 
   // of the recorder's writer alone
   LiveWindow making_;
@@ -51,6 +59,7 @@ class LiveFeed final : public io::RecordSink {
   std::uint64_t newest_{0};
   std::deque<io::RecordedEvent> events_;
   std::uint64_t events_so_far_{0};
+  std::uint64_t epoch_{0};
 };
 
 }  // namespace osteon::console

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <set>
 #include <system_error>
 
 #include "io/recording/mcap_bytes.h"
@@ -63,6 +64,49 @@ tl::expected<bool, std::string> McapReader::Next(McapMessage& message) {
     if (const std::string reason = ReadRecord(); !reason.empty())
       return tl::unexpected(path_.string() + ": byte " + std::to_string(offset_) + ": " + reason);
   }
+}
+
+std::vector<McapChunkPlace> McapReader::FindChunks() {
+  constexpr std::uint64_t kTimes = 16;  // first and last time, at the beginning of a chunk
+  const std::uint64_t start = mcap::kMagic.size();
+  std::vector<McapChunkPlace> chunks;
+  std::set<std::uint16_t> used;  // channels
+  std::string head;
+  for (std::uint64_t at = start; size_ - at >= mcap::kRecordHead + kTimes;) {
+    if (!Read(at, mcap::kRecordHead + kTimes, head)) break;
+    Cursor cursor(head);
+    const auto opcode = cursor.Int<std::uint8_t>();
+    const auto length = cursor.Int<std::uint64_t>();
+    if (opcode == mcap::kDataEnd || opcode == 0 || length > size_ - at - mcap::kRecordHead) break;
+    if (opcode == mcap::kChunk) {
+      const auto first = cursor.Int<std::uint64_t>();
+      chunks.push_back({.offset = at, .first_ns = first, .last_ns = cursor.Int<std::uint64_t>()});
+    }
+    // the indexes that follow a chunk name its channels
+    if (opcode == mcap::kMessageIndex && !chunks.empty() && used.insert(cursor.Int<std::uint16_t>()).second)
+      ReadChannels(chunks.back().offset);
+    at += mcap::kRecordHead + length;
+  }
+  SeekTo(start);
+  return chunks;
+}
+
+void McapReader::ReadChannels(std::uint64_t chunk) {
+  SeekTo(chunk);
+  if (!ReadRecord().empty()) return;  // damaged: whoever reads it is told
+  McapMessage message;
+  bool found = false;
+  while (at_ < records_.size() && OnInner(message, found).empty()) {
+  }
+}
+
+void McapReader::SeekTo(std::uint64_t offset) {
+  offset_ = offset;
+  records_.clear();
+  at_ = 0;
+  in_chunk_ = torn_ = false;
+  data_ended_ = ended_ = complete_ = closed_ = false;
+  sought_ = true;
 }
 
 std::string McapReader::ErrorAt(const std::string& reason) const {
@@ -146,7 +190,9 @@ std::string McapReader::OnRecord(std::uint8_t opcode, std::span<const char> cont
       if (!cursor.ok()) return "end of data is cut off";
       data_ended_ = true;
       if (on_damage_ == OnDamage::kSkip && !damage_.empty()) return {};  // the damage is known and noted
-      return expected != 0 && expected != crc_ ? "the data does not match its CRC: the file was changed" : "";
+      return !sought_ && expected != 0 && expected != crc_
+                 ? "the data does not match its CRC: the file was changed"
+                 : "";
     }
     case mcap::kFooter:
       if (content.size() < 20) return "footer is cut off";

@@ -30,6 +30,12 @@ struct McapMessage {
   bool checked{true};           ///< false: from a truncated chunk, whose CRC cannot be checked
 };
 
+/// Where a chunk of messages lies in a file, and the log times in it.
+struct McapChunkPlace {
+  std::uint64_t offset{0};
+  std::uint64_t first_ns{0}, last_ns{0};
+};
+
 /// A skipped part of a file.
 struct McapDamage {
   std::uint64_t offset{0}, bytes{0};
@@ -56,6 +62,14 @@ class McapReader {
 
   /// Reads the next message. False at the file's end. The error names file, byte and reason; it is final.
   [[nodiscard]] tl::expected<bool, std::string> Next(McapMessage& message);
+
+  /// Reads where the chunks lie, by their heads, up to the first byte that is no record, and unpacks those in
+  /// which a channel is first used: some milliseconds for an hour's recording. Then goes back to the
+  /// beginning.
+  [[nodiscard]] std::vector<McapChunkPlace> FindChunks();
+  /// Goes on with the record at an offset that FindChunks named. From then on the CRC of the whole file is
+  /// not checked, each chunk's own is.
+  void SeekTo(std::uint64_t offset);
 
   /// Valid at the end: closing magic and everything before it were present, and nothing follows it.
   [[nodiscard]] bool complete() const { return complete_ && offset_ == size_; }
@@ -91,6 +105,7 @@ class McapReader {
   [[nodiscard]] std::string OnChannel(std::span<const char> content);
   [[nodiscard]] std::string ReadClosingMagic();
   void ReadSummary();
+  void ReadChannels(std::uint64_t chunk);
   [[nodiscard]] bool Resync(const std::string& reason);
   [[nodiscard]] bool IsSoundChunk(std::uint64_t offset, std::uint64_t length);
   [[nodiscard]] bool IsZeroToTheEnd();
@@ -107,6 +122,7 @@ class McapReader {
 
   std::uint64_t offset_{0};  // of the next record
   std::uint32_t crc_{0};     // of everything before it
+  bool sought_{false};       // SeekTo was called: crc_ is of a part
   bool has_header_{false}, data_ended_{false}, ended_{false}, complete_{false}, closed_{false};
 
   // the records being handed out: a chunk's, or a single one outside any chunk

@@ -43,6 +43,13 @@ class RecordingStream {
   /// file, byte and reason; a file that ends without an osteon.Session is an error as well.
   [[nodiscard]] tl::expected<RecordedTopic, std::string> Next();
 
+  /// As McapReader's. SeekTo needs a session that was read (the first message).
+  [[nodiscard]] std::vector<McapChunkPlace> FindChunks() { return reader_.FindChunks(); }
+  void SeekTo(std::uint64_t offset) {
+    reader_.SeekTo(offset);
+    cut_off_ = false;
+  }
+
   SessionInfo session;
   control::TickRecord tick;
   simulation::FrameRecord frame;

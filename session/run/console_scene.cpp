@@ -9,7 +9,7 @@
 
 #include "console/stream/live_json.h"
 #include "control/setup/servo_params.h"
-#include "safety/acting_limits.h"
+#include "simulation/removal/cut_metrics.h"
 
 namespace osteon::app {
 namespace {
@@ -95,6 +95,16 @@ std::string ConsoleScene(const CellSetup& setup, const std::string& command, dou
       {"arm_name", cell.robot.name},
       {"zones", Zones(cell.servo.workspace)}};
   return scene.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+console::LiveContext LiveContextOf(const CellSetup& setup) {
+  console::LiveContext context{.force_limit_N = control::ForceLimit_N(setup.config.servo)};
+  if (setup.bone.balls.empty()) return context;
+  const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
+  context.depth_m = [depth, X_GW = Pose(setup.X_WG.inverse())](const Pose& X_WP) {
+    return depth.DepthAt(X_GW * X_WP);
+  };
+  return context;
 }
 
 std::filesystem::path ConsolePageFolder() {

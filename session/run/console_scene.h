@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "console/stream/live_status.h"
 #include "session/setup/cell_setup.h"
 
 namespace osteon::app {
@@ -12,6 +13,9 @@ namespace osteon::app {
 /// @param command, seconds, recording  of the run
 [[nodiscard]] std::string ConsoleScene(const CellSetup& setup, const std::string& command, double seconds,
                                        const std::string& recording);
+
+/// The cell's force limit, and the depth at a proxy pose where the bone has balls.
+[[nodiscard]] console::LiveContext LiveContextOf(const CellSetup& setup);
 
 /// Folder of the console's built page: $OSTEON_CONSOLE, else beside this program (a build folder, an
 /// installed package). It may not exist.

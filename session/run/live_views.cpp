@@ -10,9 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "control/setup/servo_params.h"
 #include "session/run/console_scene.h"
-#include "simulation/removal/cut_metrics.h"
 
 namespace osteon::app {
 namespace {
@@ -49,11 +47,7 @@ tl::expected<ConsoleChoice, std::string> ConsoleChoice::Parse(const std::string&
 LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests)
     : run_(run), requests_(requests), cell_(setup.cell_name) {
   scene_ = ConsoleScene(setup, run.command, run.seconds, run.recording);
-  const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
-  context_ = {.force_limit_N = control::ForceLimit_N(setup.config.servo),
-              .depth_m = [depth, X_GW = Pose(setup.X_WG.inverse())](const Pose& X_WP) {
-                return depth.DepthAt(X_GW * X_WP);
-              }};
+  context_ = LiveContextOf(setup);
 }
 
 void LiveViews::Open(const ConsoleChoice& choice) {

@@ -40,6 +40,41 @@ tl::expected<simulation::Bone, std::string> LoadPacking(const MeshChoice& choice
   return bone;
 }
 
+// Loads the solid, or the packing, of a cell's bone, and places it. @returns what is wrong; empty: nothing
+std::string LoadBone(CellSetup& setup, const std::optional<MeshChoice>& mesh_instead) {
+  const simulation::SceneParams& scene = setup.config.scene;
+  std::optional<MeshChoice> mesh = mesh_instead;
+  std::string place;  // in the cell's file
+  if (!mesh && setup.config.bone) {
+    place = setup.config.bone->place + ": ";
+    mesh = {
+        .file = setup.config.bone->file, .cup = setup.config.bone->cup, .scale = setup.config.bone->scale};
+  }
+  if (mesh && mesh->file.extension() == ".osp") {
+    auto bone = LoadPacking(*mesh);
+    if (!bone) return place + bone.error();
+    setup.bone = std::move(*bone);
+  } else {
+    simulation::SceneSolid made;
+    if (!mesh) {
+      made = simulation::MakeSceneSolid(scene);
+    } else {
+      auto loaded = simulation::LoadSceneSolid(mesh->file, mesh->scale,
+                                               mesh->cup.value_or(simulation::CutSite{}), scene);
+      if (!loaded) return place + loaded.error().message;
+      made = std::move(*loaded);
+    }
+    setup.bone.name = made.name;
+    setup.bone.site = made.site;
+    setup.bone_warning = made.warning;
+    setup.solid = made.solid;
+  }
+  // place the bone so that its site is where the cell wants it: the configuration's X_WG is the pose of the
+  // site's frame
+  setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.site).inverse();
+  return "";
+}
+
 }  // namespace
 
 tl::expected<simulation::CutSite, std::string> ParseCup(const std::string& text) {
@@ -93,35 +128,28 @@ tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& ce
     setup.config_source = std::move(*kept);
   }
   setup.config_text = ConfigText(setup.config_source);
-  const simulation::SceneParams& scene = setup.config.scene;
-  std::optional<MeshChoice> mesh = mesh_instead;
-  std::string place;  // in the cell's file
-  if (!mesh && setup.config.bone) {
-    place = setup.config.bone->place + ": ";
-    mesh = {
-        .file = setup.config.bone->file, .cup = setup.config.bone->cup, .scale = setup.config.bone->scale};
-  }
-  if (mesh && mesh->file.extension() == ".osp") {
-    auto bone = LoadPacking(*mesh);
-    if (!bone) return tl::make_unexpected(place + bone.error());
-    setup.bone = std::move(*bone);
-  } else {
-    simulation::SceneSolid made;
-    if (!mesh) {
-      made = simulation::MakeSceneSolid(scene);
-    } else {
-      auto loaded = simulation::LoadSceneSolid(mesh->file, mesh->scale,
-                                               mesh->cup.value_or(simulation::CutSite{}), scene);
-      if (!loaded) return tl::make_unexpected(place + loaded.error().message);
-      made = std::move(*loaded);
-    }
-    setup.bone.name = made.name;
-    setup.bone.site = made.site;
-    setup.bone_warning = made.warning;
-    setup.solid = made.solid;
-  }
-  // place the bone so that its site is where the cell wants it: the configuration's X_WG is the pose of the
-  // site's frame
+  if (const std::string wrong = LoadBone(setup, mesh_instead); !wrong.empty())
+    return tl::make_unexpected(wrong);
+  return setup;
+}
+
+tl::expected<CellSetup, std::string> SetUpRecorded(const io::SessionInfo& session) {
+  auto config = LoadRecordedCell(session.config);
+  if (!config) return tl::make_unexpected(config.error());
+  CellSetup setup;
+  setup.config = std::move(*config);
+  setup.config_text = session.config_text;
+  setup.config_source = session.config;
+  setup.cell_name = std::filesystem::path(session.config.cell_file).stem().string();
+  std::string wrong = LoadBone(setup, {});
+  if (wrong.empty() && setup.bone.name != session.scene)
+    wrong =
+        fmt::format("the recorded bone is {}, that of the configuration {}", session.scene, setup.bone.name);
+  if (wrong.empty()) return setup;
+  setup.bone_warning = wrong + ": the bone cannot be shown";
+  setup.solid = nullptr;
+  setup.bone = simulation::Bone();
+  setup.bone.name = session.scene;
   setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.site).inverse();
   return setup;
 }

@@ -55,6 +55,11 @@ struct CellSetup {
     const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh_instead,
     const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {});
 
+/// The cell of a recording, from the recording alone, but for a mesh that its configuration names. Without
+/// that mesh, or with another bone than the configuration's (`demo --mesh`), solid is null and bone_warning
+/// says why; the site is then the scene's. The error says what of the configuration is missing or wrong.
+[[nodiscard]] tl::expected<CellSetup, std::string> SetUpRecorded(const io::SessionInfo& session);
+
 /// Packs a prepared cell's bone by the scene's own `packing`. A loaded bone stays.
 void PackAsScene(CellSetup& setup);
 

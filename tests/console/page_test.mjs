@@ -142,8 +142,30 @@ async function showsAFault() {
   await page.close();
 }
 
+async function viewsARecording() {
+  const child = spawn(osteon, ["view", join(folder, "out", "recording.mcap"), "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
+  const url = await new Promise((resolve) => child.stdout.once("data", (bytes) => resolve(String(bytes).trim())));
+  const page = await open(url, 1280, 720);
+  await until(page, "osteon.live && !document.getElementById('timeline').hidden");
+  const duration = await page.evaluate("osteon.timeline.state.duration_s");
+  await page.evaluate(`osteon.connection.ask("seek", ${0.6 * duration})`);
+  await until(page, `Math.abs(osteon.timeline.state.at_s - ${0.6 * duration}) < 0.05`);
+  await until(page, "osteon.timeline.news?.done");
+  assert.deepEqual(await clipped(page), []);
+  await picture(page, "view");
+  await page.click("#play");
+  await until(page, `osteon.timeline.state.at_s > ${0.6 * duration + 0.3}`);
+  await page.keyboard.press(" ");
+  await until(page, "!osteon.timeline.state.playing");
+  await page.keyboard.press(","); // the event before
+  await until(page, `osteon.timeline.state.at_s < ${0.6 * duration}`);
+  await page.close();
+  child.kill("SIGINT");
+}
+
 try {
   await operatesTheCell();
+  await viewsARecording();
   await showsAFault();
   assert.deepEqual(errors, []);
   console.log("the console's page: all steps done");

@@ -17,8 +17,9 @@ export class Connection {
     this.open();
   }
 
-  ask(ask: Ask): void {
-    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ ask }));
+  /** @param value of seek [s] and speed */
+  ask(ask: Ask, value?: number): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ ask, value }));
   }
 
   private open(): void {

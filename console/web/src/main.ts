@@ -7,6 +7,7 @@ import type { Ask, Hello, Live, Message, Role, Status } from "./messages";
 import { Panels } from "./panels";
 import { SceneView, type Preset } from "./scene";
 import { Sound } from "./sound";
+import { Timeline } from "./timeline";
 import { getLanguage, setLanguage, t, type Language, type Word } from "./texts";
 
 const CUTTING = 5; // safety::CellState
@@ -18,6 +19,12 @@ class Page {
   private readonly panels = new Panels();
   private readonly charts = new Charts(byId("charts"));
   private readonly sound = new Sound();
+  private readonly timeline = new Timeline(byId("timeline"), {
+    play: () => this.connection.ask("play"),
+    halt: () => this.connection.ask("halt"),
+    seek: (at_s) => this.connection.ask("seek", at_s),
+    speed: (factor) => this.connection.ask("speed", factor),
+  });
   private readonly connection: Connection;
   private hello: Hello | null = null;
   private live: Live | null = null;
@@ -47,6 +54,18 @@ class Page {
         this.panels.begin(message);
         this.charts.begin(message.fields);
         break;
+      case "restart":
+        this.charts.begin(this.hello?.fields ?? []);
+        this.panels.restart();
+        break;
+      case "playback":
+        document.body.classList.add("viewing");
+        this.timeline.show(message);
+        if (message.error) byId("answer").textContent = message.error;
+        break;
+      case "timeline":
+        this.timeline.showNews(message);
+        break;
       case "surface":
         this.scene.surface.begin(message);
         break;
@@ -59,7 +78,7 @@ class Page {
         break;
       case "role":
         this.role = message;
-        if (!message.taken && !this.gaveRoleBack) this.connection.ask("role"); // the first page operates
+        if (!message.taken && !this.gaveRoleBack && this.hello?.command !== "view") this.connection.ask("role"); // the first page operates
         this.panels.showRole(message);
         this.showButtons();
         break;
@@ -137,6 +156,7 @@ class Page {
     for (const each of byId("view-buttons").children) each.classList.add("small");
     this.panels.showRole(this.role);
     this.panels.addEvents([]);
+    this.timeline.setTexts();
     this.charts.build();
     this.showButtons();
   }
@@ -182,6 +202,9 @@ class Page {
     };
     document.addEventListener("keydown", (event) => {
       if (event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
+      if (event.target instanceof HTMLInputElement) return; // the time line's own keys
+      if (event.key === "ArrowRight") this.timeline.step(1);
+      if (event.key === "ArrowLeft") this.timeline.step(-1);
       const key = event.key === "Escape" ? "Esc" : event.key.toUpperCase();
       const chosen = [...document.querySelectorAll<HTMLButtonElement>("button[data-key]")].find((b) => b.dataset.key === key);
       if (!chosen || chosen.disabled) return;

@@ -100,5 +100,25 @@ export interface Answer {
   done: boolean;
   reason: string;
 }
-export type Message = Hello | Live | Events | Role | Answer | Layout;
-export type Ask = "pause" | "resume" | "stop" | "role" | "watch" | "all";
+/** Where the playback of a recording stands. */
+export interface PlaybackState {
+  type: "playback";
+  at_s: number;
+  duration_s: number;
+  playing: boolean;
+  speed: number;
+  error: string;
+}
+/** What is known of a whole recording, so far. */
+export interface TimelineNews {
+  type: "timeline";
+  events: [number, string][];
+  force_N: number[]; // the largest of each second
+  done: boolean;
+}
+/** The feed begins anew at another time. */
+export interface Restart {
+  type: "restart";
+}
+export type Message = Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Restart;
+export type Ask = "pause" | "resume" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed";

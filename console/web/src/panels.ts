@@ -51,6 +51,12 @@ export class Panels {
     byId("title").textContent = `Osteon ${hello.command}: ${hello.scene}, ${hello.tool.name}`;
   }
 
+  /** A playback went to another time. */
+  restart(): void {
+    this.events = [];
+    this.addEvents([]);
+  }
+
   show(status: Status, hello: Hello, worst: { compute_us: number; wakeup_us: number }): void {
     this.showState(status, hello);
     this.showForce(status);
@@ -103,6 +109,7 @@ export class Panels {
     const level = FAULT_STATES.includes(status.state_number) ? "bad" : WORKING_STATES.includes(status.state_number) ? "good" : "look";
     if (panel.className !== level) panel.className = level;
     if (!status.known) return set("state", element("div", "name", t("waits")));
+    if (hello.command === "view") status = { ...status, does: `${t("recording")} ${hello.recording}` };
     let time = `${figure(status.rendered_s, 1)} s`;
     if (hello.seconds > 0) time += ` ${t("of")} ${figure(hello.seconds, 0)} s`;
     time += ` ${t("rendered")}`;
@@ -111,7 +118,7 @@ export class Panels {
       "state",
       element("div", "name", stateName(status.state_number, status.state)),
       element("div", "does", status.does),
-      element("div", "time", time),
+      ...(hello.command === "view" ? [] : [element("div", "time", time)]),
     );
   }
 

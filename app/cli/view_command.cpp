@@ -1,0 +1,28 @@
+#include "app/cli/view_command.h"
+
+#include "app/cli/usage.h"
+
+namespace osteon::app {
+
+ViewCommand::ViewCommand(CLI::App& app)
+    : sub_(app.add_subcommand("view", "shows a recording in a browser, with a time line")) {
+  sub_->add_option("recording", options_.recording, "the .mcap file of a run")
+      ->type_name("FILE")
+      ->required()
+      ->check(CLI::ExistingFile);
+  sub_->add_option_function<int>(
+          "--port",
+          [this](const int& port) {
+            options_.console.port = port;
+            options_.console.only_this_port = true;
+          },
+          "port of the page on this machine; 0: any free one. Without it the first free one from 8470 on")
+      ->check(PortNumber());
+  sub_->add_option("--json", options_.json, "write the page's address there, as JSON")->type_name("FILE");
+  sub_->footer(
+      "Prints the page's address and serves it until Ctrl-C.\n\n"
+      "Exit code 1: the page could not be served\n\n"
+      "Examples:\n  osteon view demo_out/recording.mcap\n  osteon view run.mcap --port 9000");
+}
+
+}  // namespace osteon::app

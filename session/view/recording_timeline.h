@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "io/recording/recording_reader.h"
+
+namespace osteon::app {
+
+/// A recording as a time line: opened by its chunks' heads alone, so an hour opens as fast as a second, and
+/// any time is reached by unpacking one chunk.
+class RecordingTimeline {
+ public:
+  /// The error names the file and the reason: no recording, no tick in it.
+  [[nodiscard]] static tl::expected<RecordingTimeline, std::string> Open(const std::filesystem::path& path);
+
+  [[nodiscard]] const io::SessionInfo& session() const { return stream_.session; }
+  [[nodiscard]] double duration_s() const { return duration_s_; }
+  /// Log time of the time line's 0.
+  [[nodiscard]] rt::Nanoseconds start() const { return start_; }
+
+  /// Goes to the beginning of the chunk with the time `at_s` (clamped to the recording), and says where that
+  /// is [s].
+  double Seek(double at_s);
+  /// Reads the next message, as RecordingStream::Next does.
+  [[nodiscard]] tl::expected<io::RecordedTopic, std::string> Next() { return stream_.Next(); }
+  [[nodiscard]] const io::RecordingStream& message() const { return stream_; }
+  /// Time of a log stamp on the time line [s].
+  [[nodiscard]] double At(rt::Nanoseconds stamp) const { return rt::ToSeconds(stamp - start_); }
+
+ private:
+  RecordingTimeline(io::RecordingStream stream, std::vector<io::McapChunkPlace> chunks);
+
+  io::RecordingStream stream_;
+  std::vector<io::McapChunkPlace> chunks_;  // in the order of their times
+  rt::Nanoseconds start_{0};
+  double duration_s_{0.0};
+};
+
+}  // namespace osteon::app
