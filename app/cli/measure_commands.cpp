@@ -2,6 +2,7 @@
 
 #include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
+#include "session/run/demo.h"
 #include "studies/bench/bench_workloads.h"
 #include "studies/bench/method_engine.h"
 
@@ -172,6 +173,26 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) 
   return sub;
 }
 
+CLI::App* AddBenchConsole(CLI::App& bench, BenchConsoleOptions& options) {
+  CLI::App* sub =
+      bench.add_subcommand("console", "times tick and frame of the demo without the console and with pages");
+  sub->add_option("--rounds", options.rounds, "rounds, each with every leg in turn")
+      ->check(NumberWithin(1, 1000))
+      ->capture_default_str();
+  sub->add_option("--seconds", options.seconds, "seconds of rendering of each demo")
+      ->check(NumberWithin(kMinSeconds, kMaxSeconds))
+      ->capture_default_str();
+  sub->add_option("--chromium", options.chromium, "a Chromium: one more leg, in which it shows the page")
+      ->type_name("PROGRAM")
+      ->check(CLI::ExistingFile);
+  sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
+  sub->footer(
+      "Exit code 1: a demo failed\n\n"
+      "Examples:\n  osteon bench console\n  osteon bench console --chromium /usr/bin/chromium --json "
+      "console.json");
+  return sub;
+}
+
 }  // namespace
 
 MeasureCommands::MeasureCommands(CLI::App& app)
@@ -179,12 +200,14 @@ MeasureCommands::MeasureCommands(CLI::App& app)
       frame_(AddBenchFrame(*bench_, frame_options_)),
       kinematics_(AddBenchKinematics(*bench_, kinematics_options_)),
       tick_(AddBenchTick(*bench_, tick_options_)),
+      console_(AddBenchConsole(*bench_, console_options_)),
       chart_(AddStudy(app, "chart")),
       scaling_(AddChartScaling(*chart_, scaling_options_)),
       accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)) {
   bench_->require_subcommand(1);
   bench_->footer(
-      "Examples:\n  osteon bench frame\n  osteon bench kinematics\n  osteon bench tick\n  osteon bench frame "
+      "Examples:\n  osteon bench frame\n  osteon bench kinematics\n  osteon bench tick\n  osteon bench "
+      "console\n  osteon bench frame "
       "--help");
   chart_->require_subcommand(1);
   chart_->footer("Examples:\n  osteon chart scaling\n  osteon chart speed-accuracy --quick");
@@ -203,6 +226,7 @@ int MeasureCommands::Run(const std::filesystem::path& config_root) {
     tick_options_.config_root = config_root;
     return RunBenchTick(tick_options_);
   }
+  if (console_->parsed()) return RunBenchConsole(console_options_);
   frame_options_.config_root = config_root;
   return RunBenchFrame(frame_options_);
 }

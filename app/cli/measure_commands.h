@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "studies/bench/bench_console.h"
 #include "studies/bench/bench_frame.h"
 #include "studies/bench/bench_kinematics.h"
 #include "studies/bench/bench_tick.h"
@@ -12,8 +13,8 @@
 
 namespace osteon::app {
 
-/// The subcommands that measure: `bench frame`, `bench kinematics`, `bench tick`, `chart scaling`,
-/// `chart speed-accuracy`.
+/// The subcommands that measure: `bench frame`, `bench kinematics`, `bench tick`, `bench console`, `chart
+/// scaling`, `chart speed-accuracy`.
 class MeasureCommands {
  public:
   explicit MeasureCommands(CLI::App& app);
@@ -27,9 +28,10 @@ class MeasureCommands {
   BenchFrameOptions frame_options_;  // before the members that point into it
   BenchKinematicsOptions kinematics_options_;
   BenchTickOptions tick_options_;
+  BenchConsoleOptions console_options_;
   ScalingOptions scaling_options_;
   SpeedAccuracyOptions accuracy_options_;
-  CLI::App *bench_, *frame_, *kinematics_, *tick_, *chart_, *scaling_, *accuracy_;
+  CLI::App *bench_, *frame_, *kinematics_, *tick_, *console_, *chart_, *scaling_, *accuracy_;
 };
 
 }  // namespace osteon::app

@@ -155,10 +155,10 @@ TEST_F(ConsoleServerTest, APageGetsHelloThenTheStreamAndTheSurface) {
   Client page(server_->port(), origin().c_str());
   ASSERT_TRUE(page.open());
   EXPECT_EQ(page.Await("hello")["cell"], "test");
+  EXPECT_FALSE(page.Await("surface").is_null());
   const auto first = page.Await("live"), second = page.Await("live");
   EXPECT_EQ(first["status"]["state"], "cutting");
   EXPECT_LT(first["windows"].back()[0].get<double>(), second["windows"].back()[0].get<double>());
-  EXPECT_FALSE(page.Await("surface").is_null());
   EXPECT_TRUE(page.AwaitBinary(1));
   surface_.Put(1, "brick, cut");
   EXPECT_TRUE(page.AwaitBinary(2));

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+namespace osteon::console {
+
+/// A page without a browser: opens a console's WebSocket and takes all that it sends, or stops reading. For
+/// measurements.
+class PageClient {
+ public:
+  /// @param reads  false: takes nothing, as a page that hangs
+  /// @returns the error says why the console refused.
+  [[nodiscard]] static tl::expected<std::unique_ptr<PageClient>, std::string> Open(const std::string& host,
+                                                                                   int port, bool reads);
+  virtual ~PageClient() = default;
+  PageClient(const PageClient&) = delete;
+  PageClient& operator=(const PageClient&) = delete;
+
+  [[nodiscard]] virtual std::uint64_t messages() const = 0;
+  [[nodiscard]] virtual std::uint64_t bytes() const = 0;
+
+ protected:
+  PageClient() = default;
+};
+
+}  // namespace osteon::console
