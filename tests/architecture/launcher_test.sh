@@ -18,7 +18,20 @@ printf '[run]  comment\ncompiler  # why\nlibrary-dev\n\n[test]\noracle-dev\n\n[o
 printf 'ID=debian\nVERSION_ID="12"\nPRETTY_NAME="Debian GNU/Linux 12"\n' >"$work/debian"
 export OSTEON_OS_RELEASE=$work/debian
 
+# the console's page, up to date
+mkdir -p "$checkout/console/web"
+touch "$checkout/console/web/package-lock.json"
+cat >"$checkout/console/web/build.sh" <<'F'
+#!/usr/bin/env bash
+echo "build.sh" >>"$FAKES/page"
+[[ ! -e $FAKES/page_broken ]] || { echo "npm error network"; exit 1; }
+F
+chmod +x "$checkout/console/web/build.sh"
+
 fake() { cat >"$fakes/$1"; chmod +x "$fakes/$1"; }
+fake npm <<'F'
+#!/usr/bin/env bash
+F
 fake dpkg-query <<'F'
 #!/usr/bin/env bash
 sed 's/$/ installed/' "$FAKES/installed" 2>/dev/null; exit 1
@@ -153,6 +166,21 @@ CTEST_PARALLEL_LEVEL=7 run "$checkout/osteon" test
 expect 'a number that was given stays' has "$(calls)" ', 7 at once'
 run "$checkout/osteon" demo
 expect 'the demo keeps the tests'\'' configuration' equal "$(calls | cut -d' ' -f1)" ninja
+
+touch "$fakes/page_broken"
+run "$checkout/osteon" demo
+expect 'a cell runs without its page' equal "$rc" 0
+expect 'and it is said' has "$err" "page could not be built"
+rm -f "$fakes/page"
+run "$checkout/osteon" demo
+expect 'once: it is not tried again within the hour' equal "$err" ''
+touch -d '2 hours ago' "$checkout/build/release/console/.refused"
+rm "$fakes/page_broken"
+run "$checkout/osteon" demo
+expect 'but later it is' test -s "$fakes/page"
+rm "$fakes/page"
+run "$checkout/osteon" tune demo
+expect 'a study needs no page' test ! -e "$fakes/page"
 
 run "$checkout/osteon" docs
 expect 'the site brings its packages' has "$(calls)" 'install --no-install-recommends site-maker'

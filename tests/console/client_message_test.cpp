@@ -24,10 +24,10 @@ TEST(ClientMessage, RefusesEverythingElseWithWhatItAccepts) {
   for (const std::string& bytes :
        {std::string(), std::string("x"), std::string("{}"), std::string(R"({"ask": 1})"),
         std::string(R"({"ask": null})"), std::string(R"({"ask": "pause", "more": 1})"),
-        std::string(R"({"ask": "raise the limit"})"), std::string(R"(["pause"])"), std::string(R"({"ask": "pause", "value": 1})"),
-        std::string(R"({"ask": "seek"})"), std::string(R"({"ask": "seek", "value": 1e999})"),
-        std::string(R"({"ask": "seek", "value": "1"})"), std::string("\0\0", 2),
-        deep, std::string(kMaxClientMessage + 1, ' ')}) {
+        std::string(R"({"ask": "raise the limit"})"), std::string(R"(["pause"])"),
+        std::string(R"({"ask": "pause", "value": 1})"), std::string(R"({"ask": "seek"})"),
+        std::string(R"({"ask": "seek", "value": 1e999})"), std::string(R"({"ask": "seek", "value": "1"})"),
+        std::string("\0\0", 2), deep, std::string(kMaxClientMessage + 1, ' ')}) {
     const auto message = ParseClientMessage(bytes);
     ASSERT_FALSE(message) << bytes;
     EXPECT_NE(message.error().find("accepted"), std::string::npos) << message.error();
