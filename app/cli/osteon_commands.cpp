@@ -39,6 +39,7 @@ OsteonCommands::OsteonCommands(CLI::App& app)
       capability_to_tune_(app, {"capability", "transparency", "plan", "tune"}),
       export_(app),
       replay_(app),
+      report_(app),
       view_(app),
       regress_to_completion_(app, {"regress", "manual", "completion"}) {
   app.footer(
@@ -83,6 +84,7 @@ int OsteonCommands::Run(const std::string& command_line) {
   if (schema_.asked()) return schema_.Run(config_root_);
   if (export_.asked()) return export_.Run();
   if (replay_.asked()) return replay_.Run(config_root_);
+  if (report_.asked()) return report_.Run(command_line);
   if (view_.asked()) return view_.Run();
   if (*states_app_) return RunStates(states_);
   if (*faults_app_) return RunFaults(faults_);

@@ -14,6 +14,7 @@
 #include "app/cli/operator_commands.h"
 #include "app/cli/pack_command.h"
 #include "app/cli/replay_command.h"
+#include "app/cli/report_command.h"
 #include "app/cli/schema_command.h"
 #include "app/cli/states_command.h"
 #include "app/cli/study_commands.h"
@@ -57,6 +58,7 @@ class OsteonCommands {
   AnnouncedStudies capability_to_tune_;
   ExportCommand export_;
   ReplayCommand replay_;
+  ReportCommand report_;
   ViewCommand view_;
   AnnouncedStudies regress_to_completion_;
 };

@@ -38,6 +38,7 @@ struct CellRunParams {
   const std::atomic<bool>* stop{nullptr};
   OperatorRequests* requests{nullptr};  ///< an operator's pause and its end; null: none
   io::RecordSink* live{nullptr};        ///< a live view, which gets all that is recorded; null: none
+  std::string console_url{};            ///< where the console is served, for the summary; empty: nowhere
   std::filesystem::path gains{};   ///< a file of gains that is read again whenever it is saved; empty: none
   std::function<void()> begins{};  ///< called once everything is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event

@@ -176,6 +176,7 @@ int RunDemo(const DemoOptions& options) {
       .stop = &Interrupted(),
       .requests = &AskedByOperator(),
       .live = live.sink(),
+      .console_url = live.console_url(),
       .begins =
           [&] {
             fmt::print(stderr, "osteon demo: engine: {}\n", EngineText(choice, (*engine)->device()));

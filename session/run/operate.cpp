@@ -168,6 +168,7 @@ int RunOperate(const OperateOptions& asked) {
       .stop = &Interrupted(),
       .requests = &AskedByOperator(),
       .live = live.sink(),
+      .console_url = live.console_url(),
       .gains = options.gains,
       .begins = [&] { PrintLimits(setup->config.servo); },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },

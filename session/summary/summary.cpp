@@ -244,6 +244,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.ended = EndText(result.end);
   if (!result.diagnosis.empty()) s.ended += ": " + result.diagnosis;
   if (result.end == control::RunEnd::kStopFlag) s.ended_by = InterruptName();
+  s.console_url = params.console_url;
   s.virtual_time = params.virtual_time;
   s.end = result.end;
   s.wanted_s = params.seconds;
@@ -297,11 +298,14 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
       {"Scene", fmt::format("{}: {} balls, {} mass points", s.scene, s.balls, s.points)},
       {"Packing", s.planned ? PlannedText(*s.planned) : "as the scene says, or as it was loaded"},
       {"Tool", s.tool},
-      {"Servo loop", fmt::format("{} ticks, median {:.1f} Hz{}{}", s.ticks, s.servo_rate_hz,
-                                 s.virtual_time            ? " (virtual time)"
-                                 : s.servo_thread.realtime ? ", SCHED_FIFO"
-                                                           : ", no SCHED_FIFO",
-                                 s.servo_thread.cpu >= 0 ? fmt::format(", CPU {}", s.servo_thread.cpu) : "")},
+      {"Servo loop",
+       fmt::format(
+           "{} ticks, median {:.1f} Hz{}{}", s.ticks, s.servo_rate_hz,
+           s.virtual_time             ? " (virtual time)"
+           : !s.servo_thread          ? ""
+           : s.servo_thread->realtime ? ", SCHED_FIFO"
+                                      : ", no SCHED_FIFO",
+           s.servo_thread && s.servo_thread->cpu >= 0 ? fmt::format(", CPU {}", s.servo_thread->cpu) : "")},
       {"Simulation", fmt::format("{} frames, median {:.0f} frames/s", s.frames, s.simulation_rate_hz)}};
   if (s.without_plc) rows.insert(rows.begin() + 1, {"Permission to move", kWithoutPlc});
   if (s.wakeup.count > 0) {
@@ -402,6 +406,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"virtual_time", s.virtual_time},
       {"without_plc", s.without_plc},
       {"ended", s.ended},
+      {"console", s.console_url.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.console_url)},
       {"ended_by", s.ended_by.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.ended_by)},
       {"recovered", s.recovered},
       {"link",
@@ -490,10 +495,11 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
     out["wakeup_us"] = ToJson(s.wakeup);
     out["compute_us"] = ToJson(s.compute);
     out["frame_us"] = ToJson(s.frame);
-    out["realtime_priority"] = s.servo_thread.realtime;
-    out["servo_cpu"] = s.servo_thread.cpu >= 0 ? nlohmann::json(s.servo_thread.cpu) : nlohmann::json(nullptr);
-    out["memory_locked"] = s.servo_thread.memory_locked;
-    out["cpus_awake"] = s.servo_thread.cpus_awake;
+    out["realtime_priority"] = s.servo_thread->realtime;
+    out["servo_cpu"] =
+        s.servo_thread->cpu >= 0 ? nlohmann::json(s.servo_thread->cpu) : nlohmann::json(nullptr);
+    out["memory_locked"] = s.servo_thread->memory_locked;
+    out["cpus_awake"] = s.servo_thread->cpus_awake;
   }
   if (!s.arm_stop.empty()) out["arm_stop"] = s.arm_stop;
   return JsonText(out);

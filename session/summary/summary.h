@@ -41,15 +41,17 @@ struct RezonedRow {
 struct RunSummary {
   std::string engine, device, scene, tool, recording, ended;
   std::string recording_error;        ///< why the recording is not complete; empty: it is
+  std::string console_url{};          ///< where the console was served; empty: nowhere
   std::string ended_by;               ///< the signal that asked for the end, "SIGHUP"; empty: none
   Verdict verdict;                    ///< JudgeRun of the other figures
   std::vector<std::string> warnings;  ///< of the set-up: figures of the cell that contradict each other
   bool virtual_time{false};
   control::RunEnd end{control::RunEnd::kSeconds};
-  double wanted_s{0.0};            ///< asked for; 0: until it is stopped
-  double period_s{0.0};            ///< of a tick
-  bool without_plc{false};         ///< the cell has no PLC that would have to permit motion
-  rt::RealtimeGrant servo_thread;  ///< wall time: scheduling that the system granted
+  double wanted_s{0.0};     ///< asked for; 0: until it is stopped
+  double period_s{0.0};     ///< of a tick
+  bool without_plc{false};  ///< the cell has no PLC that would have to permit motion
+  /// Wall time: scheduling that the system granted; absent where nobody knows, for a recording.
+  std::optional<rt::RealtimeGrant> servo_thread{rt::RealtimeGrant{}};
   std::size_t balls{0}, points{0};
   double seconds{0.0};  ///< in COMMANDING_ACTIVE, without the rest at the end
   std::uint64_t ticks{0}, frames{0}, dropped{0};

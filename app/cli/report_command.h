@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "session/replay/recorded_report.h"
+
+namespace osteon::app {
+
+/// The subcommand `report` of the command line.
+class ReportCommand {
+ public:
+  explicit ReportCommand(CLI::App& app);
+
+  [[nodiscard]] bool asked() const { return sub_->parsed(); }
+  /// @returns the process's exit code.
+  [[nodiscard]] int Run(const std::string& command_line);
+
+ private:
+  RecordedReportOptions options_;
+  CLI::App* sub_;
+};
+
+}  // namespace osteon::app

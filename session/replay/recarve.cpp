@@ -1,0 +1,36 @@
+#include "session/replay/recarve.h"
+
+#include <algorithm>
+
+#include "safety/cell_state.h"
+
+namespace osteon::app {
+
+// As ServoLoop::tool_command: the commanded pose at the tick's time, or, where an arm in its own impedance
+// control renders, the measured one at its message's.
+void Recarve::Add(const control::TickRecord& tick) {
+  const bool renders = safety::Renders(static_cast<safety::CellState>(tick.cell_state));
+  const bool measured = measured_ && renders;
+  places_[next_] = {.stamp = measured ? tick.input.arm_stamp : tick.input.now,
+                    .X_WT = measured ? tick.X_WT_meas : tick.X_WT_cmd,
+                    .spindle_rad_per_s = tick.spindle_rad_per_s};
+  next_ = (next_ + 1) % kKept;
+}
+
+void Recarve::Add(const simulation::FrameRecord& frame) {
+  const rt::Nanoseconds stamp = frame.model.pose_stamp;
+  const auto place = std::ranges::find(places_, stamp, &Place::stamp);
+  if (stamp == 0 || place == places_.end()) {
+    ++left_out_;
+    return;
+  }
+  const double dt_s = last_stamp_ == 0 ? 0.0 : rt::ToSeconds(stamp - last_stamp_);
+  last_stamp_ = stamp;
+  (void)engine_.Step({.X_WT = place->X_WT,
+                      .spindle_rad_per_s = place->spindle_rad_per_s,
+                      .dt_s = std::clamp(dt_s, 0.0, dt_limit_s_),
+                      .stamp = stamp});
+  ++frames_;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "control/setup/servo_params.h"
+#include "control/tick_record.h"
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/engine/frame_record.h"
+
+namespace osteon::app {
+
+/// Cuts a recording's bone again: gives an engine the poses of the recorded frames, in their order. With the
+/// bone and the engine of the run, the carved state is the run's, bit for bit.
+class Recarve {
+ public:
+  /// @param engine  with the uncut bone; outlives this
+  /// @param dt_limit_s  as FrameRunner's
+  Recarve(simulation::CuttingEngine& engine, control::Law law, double dt_limit_s = 0.1)
+      : engine_(engine), measured_(law == control::Law::kImpedance), dt_limit_s_(dt_limit_s) {}
+
+  /// Keeps the pose of a tick; in the file's order with Add(frame).
+  void Add(const control::TickRecord& tick);
+  /// Steps the engine to the pose that a frame was made for. A frame whose tick is not among the last kKept
+  /// is left out and counted.
+  void Add(const simulation::FrameRecord& frame);
+
+  [[nodiscard]] std::uint64_t frames() const { return frames_; }
+  [[nodiscard]] std::uint64_t left_out() const { return left_out_; }
+
+  static constexpr std::size_t kKept = 2048;  ///< ticks: 2 s at 1 kHz; no frame is that old
+
+ private:
+  struct Place {
+    rt::Nanoseconds stamp{0};
+    PlainPose X_WT;
+    double spindle_rad_per_s{0.0};
+  };
+
+  simulation::CuttingEngine& engine_;
+  bool measured_;
+  double dt_limit_s_;
+  std::array<Place, kKept> places_{};
+  std::size_t next_{0};
+  rt::Nanoseconds last_stamp_{0};
+  std::uint64_t frames_{0}, left_out_{0};
+};
+
+}  // namespace osteon::app

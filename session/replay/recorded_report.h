@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace osteon::app {
+
+struct RecordedReportOptions {
+  std::filesystem::path recording;
+  std::filesystem::path out{};   ///< folder for the pages; empty: the recording's own
+  std::filesystem::path json{};  ///< the summary, as `osteon run` writes it; empty: none
+  std::string command_line{};
+};
+
+/// Runs `osteon report`: makes the report of a recording, and the pages of its stops. The bone is cut again
+/// along the recorded motion, packed as its scene says.
+/// @returns the process's exit code: 0; 1 a file could not be written; 2 the recording, or its bone, cannot
+/// be read.
+[[nodiscard]] int RunRecordedReport(const RecordedReportOptions& options);
+
+}  // namespace osteon::app
