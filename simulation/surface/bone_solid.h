@@ -1,0 +1,19 @@
+#pragma once
+
+#include <memory>
+
+#include "simulation/bone/bone.h"
+#include "simulation/solids/solid.h"
+#include "simulation/surface/solid_field.h"
+
+namespace osteon::surface {
+
+/// Samples the solid that a bone was packed from, on a grid over its bounds.
+[[nodiscard]] std::shared_ptr<const SolidField> SampleSolid(const simulation::Solid& solid, float voxel_mm);
+
+/// Makes the union of a bone's balls, where the solid that they were packed from is not known. The surface
+/// shows the balls.
+/// @throws std::invalid_argument where there are none (MakeLayout)
+[[nodiscard]] std::shared_ptr<const SolidField> UnionOfBalls(const simulation::Bone& bone, float voxel_mm);
+
+}  // namespace osteon::surface

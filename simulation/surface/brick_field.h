@@ -1,0 +1,68 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "simulation/surface/surface_chunk.h"
+
+namespace osteon::surface {
+
+/// Values of a field are distances in steps of voxel / 8192, limited to 3 voxels on either side.
+inline constexpr int kStepsOfVoxel = 8192;
+inline constexpr float kBandVoxels = 3.0F;
+inline constexpr std::int16_t kFieldLimit = static_cast<std::int16_t>(3 * kStepsOfVoxel);
+
+/// Half of a brick's diagonal, in voxels.
+inline constexpr float kHalfDiagonalVoxels = 0.5F * 7.0F * 1.7320508F;
+
+[[nodiscard]] inline std::int16_t ToFieldValue(double distance_mm, float voxel_mm) {
+  const double steps = distance_mm * (kStepsOfVoxel / static_cast<double>(voxel_mm));
+  return static_cast<std::int16_t>(
+      std::lround(std::clamp(steps, -static_cast<double>(kFieldLimit), static_cast<double>(kFieldLimit))));
+}
+
+/// A distance field in bricks of 8³ nodes. Bricks whose nodes are all at the same limit have no values of
+/// their own.
+class BrickField {
+ public:
+  static constexpr std::int32_t kAllLow = -1;   ///< every node at -kFieldLimit
+  static constexpr std::int32_t kAllHigh = -2;  ///< every node at +kFieldLimit
+
+  BrickField() = default;
+  BrickField(BrickIndex bricks, std::int32_t state) : slots_(bricks, state) {}
+
+  /// kAllLow, kAllHigh, or 0 and more for a brick with values.
+  [[nodiscard]] std::int32_t State(BrickIndex brick) const { return slots_[brick]; }
+  [[nodiscard]] bool HasValues(BrickIndex brick) const { return slots_[brick] >= 0; }
+
+  /// The 512 values of a brick that has some, else null.
+  [[nodiscard]] const std::int16_t* Values(BrickIndex brick) const {
+    return HasValues(brick) ? values_.data() + Offset(slots_[brick]) : nullptr;
+  }
+  [[nodiscard]] std::int16_t* Values(BrickIndex brick) {
+    return HasValues(brick) ? values_.data() + Offset(slots_[brick]) : nullptr;
+  }
+
+  /// Gives a uniform brick values of its own, all at its limit. Pointers from Values become invalid.
+  std::int16_t* MakeValues(BrickIndex brick);
+  /// Makes a brick uniform and frees its values.
+  void MakeUniform(BrickIndex brick, std::int32_t state);
+
+  [[nodiscard]] std::size_t Bytes() const {
+    return slots_.size() * sizeof(std::int32_t) + values_.size() * sizeof(std::int16_t);
+  }
+
+ private:
+  [[nodiscard]] static std::size_t Offset(std::int32_t slot) {
+    return static_cast<std::size_t>(slot) * kBrickNodes;
+  }
+
+  std::vector<std::int32_t> slots_;  // by brick
+  std::vector<std::int16_t> values_;
+  std::vector<std::int32_t> free_;
+  std::int32_t used_{0};
+};
+
+}  // namespace osteon::surface

@@ -1,0 +1,74 @@
+#include "simulation/surface/capsule.h"
+
+#include <algorithm>
+#include <array>
+
+#include "simulation/surface/brick_field.h"
+
+namespace osteon::surface {
+
+void SweepBrick(std::int16_t* values, Vec3 first, float voxel_mm, const Capsule& capsule) {
+  const Vec3 along = capsule.b_mm - capsule.a_mm;
+  const float length2 = Dot(along, along), inverse = length2 > 0.0F ? 1.0F / length2 : 0.0F;
+  const float steps_per_mm = kStepsOfVoxel / voxel_mm;
+  constexpr float kLimit = kFieldLimit;
+  std::array<float, kBrickEdge> from_a{};
+  for (int x = 0; x < kBrickEdge; ++x)
+    from_a[static_cast<std::size_t>(x)] = (first.x - capsule.a_mm.x) + voxel_mm * static_cast<float>(x);
+  for (int z = 0; z < kBrickEdge; ++z)
+    for (int y = 0; y < kBrickEdge; ++y) {
+      const float py = (first.y - capsule.a_mm.y) + voxel_mm * static_cast<float>(y);
+      const float pz = (first.z - capsule.a_mm.z) + voxel_mm * static_cast<float>(z);
+      const float dot_yz = py * along.y + pz * along.z;
+      std::int16_t* row = values + (z * kBrickEdge + y) * kBrickEdge;
+      // Without branches, so that compilers make vectors of it.
+      std::array<float, kBrickEdge> depth{};
+      for (std::size_t x = 0; x < kBrickEdge; ++x) {
+        const float px = from_a[x];
+        float t = (px * along.x + dot_yz) * inverse;
+        t = t > 0.0F ? t : 0.0F;
+        t = t < 1.0F ? t : 1.0F;
+        const float dx = px - t * along.x, dy = py - t * along.y, dz = pz - t * along.z;
+        float d = (capsule.radius_mm - std::sqrt(dx * dx + dy * dy + dz * dz)) * steps_per_mm;
+        d = d > -kLimit ? d : -kLimit;
+        depth[x] = d < kLimit ? d : kLimit;
+      }
+      for (std::size_t x = 0; x < kBrickEdge; ++x) {
+        const auto value = static_cast<std::int16_t>(static_cast<std::int32_t>(depth[x]));
+        row[x] = row[x] > value ? row[x] : value;
+      }
+    }
+}
+
+float DepthIn(const Capsule& capsule, Vec3 point) {
+  const Vec3 along = capsule.b_mm - capsule.a_mm, from_a = point - capsule.a_mm;
+  const float length2 = Dot(along, along);
+  const float t = length2 > 0.0F ? std::clamp(Dot(from_a, along) / length2, 0.0F, 1.0F) : 0.0F;
+  return capsule.radius_mm - Norm(from_a - t * along);
+}
+
+// The directions in which a brick's nodes see two axes differ by the distance of the axes over their distance
+// from the brick. Times half the brick's diagonal, that is what one capsule can gain on the other within it.
+void SelectCapsules(std::span<const Capsule> capsules, std::span<const float> depths, float reach_mm,
+                    float half_mm, std::vector<std::uint32_t>& kept) {
+  constexpr float kRoundingMargin = 1.01F;
+  constexpr float kMaxGain = 2.0F;  // directions that are opposite
+  kept.clear();
+  const std::size_t top =
+      static_cast<std::size_t>(std::max_element(depths.begin(), depths.end()) - depths.begin());
+  const Capsule& best = capsules[top];
+  for (std::size_t k = 0; k < capsules.size(); ++k) {
+    if (depths[k] <= -reach_mm) continue;
+    if (k != top) {
+      const Capsule& other = capsules[k];
+      const float apart_mm = std::max({Norm(other.a_mm - best.a_mm), Norm(other.a_mm - best.b_mm),
+                                       Norm(other.b_mm - best.a_mm), Norm(other.b_mm - best.b_mm)});
+      const float near_mm = std::min(other.radius_mm - depths[k], best.radius_mm - depths[top]) - half_mm;
+      const float gain_mm = half_mm * (near_mm > 0.0F ? std::min(kMaxGain, apart_mm / near_mm) : kMaxGain);
+      if (depths[k] + kRoundingMargin * gain_mm < depths[top]) continue;
+    }
+    kept.push_back(static_cast<std::uint32_t>(k));
+  }
+}
+
+}  // namespace osteon::surface

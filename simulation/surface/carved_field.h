@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "simulation/surface/solid_field.h"
+
+namespace osteon::surface {
+
+/// The carved bone as two distance fields: max(solid, swept), the solid less what the tool's cutting balls
+/// swept. The swept field only grows. One thread at a time carves; any number of threads may extract
+/// (dual_surface.h) meanwhile nobody carves.
+class CarvedField {
+ public:
+  explicit CarvedField(std::shared_ptr<const SolidField> solid);
+
+  /// Removes capsules. The result does not depend on their order or on how they are divided into calls.
+  void Carve(std::span<const Capsule> capsules);
+
+  /// Bricks whose mesh has changed since ClearDirty, in the order in which they first changed. At the start
+  /// it is every brick that may have a surface.
+  [[nodiscard]] std::span<const BrickIndex> Dirty() const { return dirty_list_; }
+  void ClearDirty();
+
+  [[nodiscard]] const BrickLayout& layout() const { return solid_->layout(); }
+  [[nodiscard]] const BrickField& solid() const { return solid_->distances(); }
+  /// Positive where swept.
+  [[nodiscard]] const BrickField& swept() const { return swept_; }
+  [[nodiscard]] std::size_t Bytes() const { return solid().Bytes() + swept_.Bytes(); }
+
+ private:
+  void CarveBrick(int x, int y, int z, std::span<const Capsule> capsules);
+  void MarkDirty(int x, int y, int z);
+
+  std::shared_ptr<const SolidField> solid_;
+  BrickField swept_;
+  std::vector<bool> is_dirty_;
+  std::vector<BrickIndex> dirty_list_;
+  std::vector<std::uint32_t> selected_;
+  std::vector<float> depths_;
+};
+
+}  // namespace osteon::surface

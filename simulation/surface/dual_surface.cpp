@@ -1,0 +1,189 @@
+#include "simulation/surface/dual_surface.h"
+
+#include <array>
+#include <bit>
+
+#include "simulation/surface/brick_patch.h"
+#include "simulation/surface/cell_vertex.h"
+#include "simulation/surface/dual_cases.h"
+
+namespace osteon::surface {
+namespace {
+
+constexpr int kCells = kCellEdge * kCellEdge * kCellEdge;
+constexpr int kFieldSolid = 0, kFieldSwept = 1;
+/// Steps between neighbours along each axis: of a patch's nodes, of a brick's cells.
+constexpr std::array<int, 3> kNodeStep{1, kRow, kLayer}, kCellStep{1, kCellEdge, kCellEdge*kCellEdge};
+
+unsigned InsideMask(const std::int16_t* carved, int at) {
+  unsigned mask = 0;
+  for (unsigned k = 0; k < 8; ++k) mask |= carved[at + kCornerStep[k]] < 0 ? 1U << k : 0U;
+  return mask;
+}
+
+/// Node (-1, -1, -1) of a brick is node (1, 1, 1) of its patch.
+int PatchNode(int x, int y, int z) { return (z + 2) * kLayer + (y + 2) * kRow + x + 2; }
+
+/// Extraction of one brick.
+class Extractor {
+ public:
+  Extractor(const CarvedField& field, const ExtractOptions& options, const MaterialAt& material,
+            const BrickPatch& patch, SurfaceChunk& chunk)
+      : layout_(field.layout()),
+        options_(options),
+        material_(material),
+        patch_(patch),
+        carved_(patch.carved()),
+        place_(layout_.PlaceOf(chunk.brick)),
+        chunk_(chunk) {}
+
+  void Run() {
+    for (int z = -1; z < kBrickEdge; ++z)
+      for (int y = -1; y < kBrickEdge; ++y)
+        for (int x = -1; x < kBrickEdge; ++x) {
+          const unsigned inside = InsideMask(carved_, PatchNode(x, y, z));
+          if (inside != 0 && inside != 0xff) MakeCell(x, y, z, inside);
+        }
+    for (int z = 0; z < kBrickEdge; ++z)
+      for (int y = 0; y < kBrickEdge; ++y)
+        for (int x = 0; x < kBrickEdge; ++x)
+          for (int axis = 0; axis < 3; ++axis) MakeQuad(x, y, z, axis);
+  }
+
+ private:
+  /// A cell's patches, and the vertices of each by the field whose face they are on.
+  struct Cell {
+    std::array<std::uint8_t, kCellEdges> patch;
+    std::array<std::array<std::uint16_t, 2>, kMaxPatches> vertex;
+  };
+
+  [[nodiscard]] static int CellNumber(int x, int y, int z) {
+    return ((z + 1) * kCellEdge + y + 1) * kCellEdge + x + 1;
+  }
+
+  /// The cell's patches. A face that joins two pairs of edges on both of its sides is paired the other way.
+  [[nodiscard]] CellCase CaseOf(unsigned inside, int at) const {
+    const CellCase& plain = CellCases()[inside];
+    unsigned flip = 0;
+    for (unsigned face = 0; face < 6; ++face) {
+      if ((plain.joined_faces >> face & 1U) == 0) continue;
+      const int step = kNodeStep[face / 2];
+      const unsigned across = InsideMask(carved_, (face & 1U) != 0 ? at + step : at - step);
+      if ((CellCases()[across].joined_faces >> (face ^ 1U) & 1U) != 0) flip |= 1U << face;
+    }
+    return flip == 0 ? plain : TraceCell(inside, flip);
+  }
+
+  [[nodiscard]] EdgeCut CutOfNodes(int at, int to) const {
+    constexpr float kVoxels = 1.0F / kStepsOfVoxel;
+    if (patch_.fields == BrickPatch::kBoth)
+      return CutEdge(kVoxels * static_cast<float>(patch_.solid[static_cast<std::size_t>(at)]),
+                     kVoxels * static_cast<float>(patch_.solid[static_cast<std::size_t>(to)]),
+                     kVoxels * static_cast<float>(patch_.swept[static_cast<std::size_t>(at)]),
+                     kVoxels * static_cast<float>(patch_.swept[static_cast<std::size_t>(to)]));
+    const float low = carved_[at], high = carved_[to];
+    return {.t = low / (low - high), .by_swept = patch_.fields == BrickPatch::kSwept};
+  }
+
+  void MakeCell(int x, int y, int z, unsigned inside) {
+    const int at = PatchNode(x, y, z), number = CellNumber(x, y, z);
+    const CellCase cell_case = CaseOf(inside, at);
+    Cell& cell = cells_[static_cast<std::size_t>(number)];
+    cell.patch = cell_case.patch;
+    std::array<Vec3, kMaxPatches> sum{};
+    std::array<int, kMaxPatches> count{};
+    std::array<unsigned, kMaxPatches> fields{};  // of the patch's crossings: bit of each field
+    for (int edge = 0; edge < kCellEdges; ++edge) {
+      const std::size_t k = cell_case.patch[static_cast<std::size_t>(edge)];
+      if (k == kNotCut) continue;
+      const int low = EdgeCorner(edge, 0), high = EdgeCorner(edge, 1);
+      const EdgeCut cut = CutOfNodes(at + kCornerStep[static_cast<std::size_t>(low)],
+                                     at + kCornerStep[static_cast<std::size_t>(high)]);
+      Vec3 p{static_cast<float>(low & 1), static_cast<float>(low >> 1 & 1), static_cast<float>(low >> 2)};
+      (edge < 4 ? p.x : edge < 8 ? p.y : p.z) += cut.t;
+      sum[k] = sum[k] + p;
+      ++count[k];
+      fields[k] |= 1U << (cut.by_swept ? kFieldSwept : kFieldSolid);
+    }
+    for (std::size_t k = 0; k < cell_case.patches; ++k) {
+      const Vec3 mean = (1.0F / static_cast<float>(count[k])) * sum[k];
+      const Vec3 in_cell = PlaceVertex(at, mean, fields[k] == 3U && cell_case.patches == 1);
+      AddVertices(x, y, z, k, in_cell, fields[k], cell);
+    }
+  }
+
+  [[nodiscard]] Vec3 PlaceVertex(int at, Vec3 mean, bool on_rim) const {
+    Vec3 place = mean;
+    if (on_rim && options_.sharp_rims &&
+        FindRim(CornersOf(patch_.solid.data(), at), CornersOf(patch_.swept.data(), at), place))
+      return place;
+    return ProjectOnto(CornersOf(carved_, at), mean);
+  }
+
+  void AddVertices(int x, int y, int z, std::size_t k, Vec3 in_cell, unsigned fields, Cell& cell) {
+    const auto along = [](int brick, int node, float offset) {
+      return static_cast<float>(brick * kBrickEdge + node) + offset;
+    };
+    // From the cell's place in the whole grid, so that every brick that has this cell gets the same bits.
+    const Vec3 p_mm = layout_.origin_mm + layout_.voxel_mm * Vec3{along(place_[0], x, in_cell.x),
+                                                                  along(place_[1], y, in_cell.y),
+                                                                  along(place_[2], z, in_cell.z)};
+    const std::uint8_t material = material_ ? material_(p_mm) : std::uint8_t{0};
+    for (int field = 0; field < 2; ++field) {
+      if ((fields >> field & 1U) == 0) continue;
+      const std::int16_t* values = field == kFieldSwept ? patch_.swept.data() : patch_.solid.data();
+      const Vec3 gradient = SmoothGradient(values, PatchNode(x, y, z), in_cell);
+      const float length = Norm(gradient);
+      cell.vertex[k][static_cast<std::size_t>(field)] = static_cast<std::uint16_t>(chunk_.vertices.size());
+      chunk_.vertices.push_back(
+          {.p_mm = p_mm,
+           .normal = length > 0.0F ? (1.0F / length) * gradient : Vec3{0.0F, 0.0F, 1.0F},
+           .material = material,
+           .cut = field == kFieldSwept,
+           .key = static_cast<std::uint16_t>(CellNumber(x, y, z) * kMaxPatches + static_cast<int>(k))});
+    }
+  }
+
+  /// The quad around the edge from node (x, y, z) along an axis: one vertex of each cell that has the edge.
+  void MakeQuad(int x, int y, int z, int axis) {
+    const int at = PatchNode(x, y, z), to = at + kNodeStep[static_cast<std::size_t>(axis)];
+    const bool low_inside = carved_[at] < 0;
+    if (low_inside == (carved_[to] < 0)) return;
+    const auto [b, c] = AxesAcross(axis);
+    const int step_b = kCellStep[static_cast<std::size_t>(b)],
+              step_c = kCellStep[static_cast<std::size_t>(c)];
+    const int number = CellNumber(x, y, z);
+    const std::array<int, 4> around{number - step_b - step_c, number - step_c, number, number - step_b};
+    const std::size_t field = CutOfNodes(at, to).by_swept ? kFieldSwept : kFieldSolid;
+    std::array<std::uint16_t, 4> quad{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Cell& cell = cells_[static_cast<std::size_t>(around[i])];
+      const int edge = kEdgeInCells[static_cast<std::size_t>(axis)][i];
+      quad[i] = cell.vertex[cell.patch[static_cast<std::size_t>(edge)]][field];
+    }
+    if (!low_inside) std::reverse(quad.begin(), quad.end());
+    chunk_.quads.insert(chunk_.quads.end(), quad.begin(), quad.end());
+  }
+
+  const BrickLayout& layout_;
+  const ExtractOptions& options_;
+  const MaterialAt& material_;
+  const BrickPatch& patch_;
+  const std::int16_t* carved_;
+  std::array<int, 3> place_;
+  SurfaceChunk& chunk_;
+  std::array<Cell, kCells> cells_;  // filled in where cut
+};
+
+}  // namespace
+
+void ExtractChunk(const CarvedField& field, BrickIndex brick, SurfaceChunk& chunk,
+                  const ExtractOptions& options, const MaterialAt& material) {
+  chunk.brick = brick;
+  chunk.vertices.clear();
+  chunk.quads.clear();
+  BrickPatch patch;
+  if (GatherPatch(field, brick, patch)) Extractor(field, options, material, patch, chunk).Run();
+}
+
+}  // namespace osteon::surface

@@ -1,0 +1,107 @@
+#include "simulation/surface/solid_field.h"
+
+#include <array>
+
+namespace osteon::surface {
+namespace {
+
+/// Blocks of 4³ bricks are passed over where their centre is far from the surface.
+constexpr int kBlockEdge = 4;
+
+Vec3 CentreOf(const BrickLayout& layout, const std::array<int, 3>& brick, int bricks) {
+  const float half_mm = 0.5F * layout.voxel_mm * static_cast<float>(kBrickEdge * bricks - 1);
+  return layout.Node(brick[0] * kBrickEdge, brick[1] * kBrickEdge, brick[2] * kBrickEdge) +
+         half_mm * Vec3{1.0F, 1.0F, 1.0F};
+}
+
+/// Half of the diagonal of so many bricks and the band, with room for rounding [mm].
+float ReachOf(const BrickLayout& layout, int bricks) {
+  constexpr float kRounding = 0.01F;
+  return layout.voxel_mm *
+         (kHalfDiagonalVoxels / 7.0F * static_cast<float>(kBrickEdge * bricks - 1) + kBandVoxels + kRounding);
+}
+
+void SampleBrick(const BrickLayout& layout, const DistanceAt& distance, const std::array<int, 3>& place,
+                 BrickField& field) {
+  const BrickIndex brick = layout.At(place[0], place[1], place[2]);
+  const double centre_mm = distance(CentreOf(layout, place, 1));
+  if (std::abs(centre_mm) > ReachOf(layout, 1)) {
+    field.MakeUniform(brick, centre_mm < 0.0 ? BrickField::kAllLow : BrickField::kAllHigh);
+    return;
+  }
+  std::int16_t* values = field.MakeValues(brick);
+  bool low = true, high = true;
+  for (int i = 0; i < kBrickNodes; ++i) {
+    const Vec3 node = layout.Node(place[0] * kBrickEdge + (i & 7), place[1] * kBrickEdge + (i >> 3 & 7),
+                                  place[2] * kBrickEdge + (i >> 6));
+    values[i] = ToFieldValue(distance(node), layout.voxel_mm);
+    low = low && values[i] == -kFieldLimit;
+    high = high && values[i] == kFieldLimit;
+  }
+  if (low || high) field.MakeUniform(brick, low ? BrickField::kAllLow : BrickField::kAllHigh);
+}
+
+template <class Visit>
+void EachBrick(const std::array<int, 3>& from, const std::array<int, 3>& to, int step, const Visit& visit) {
+  for (int z = from[2]; z < to[2]; z += step)
+    for (int y = from[1]; y < to[1]; y += step)
+      for (int x = from[0]; x < to[0]; x += step) visit(std::array<int, 3>{x, y, z});
+}
+
+}  // namespace
+
+SolidField::SolidField(const BrickLayout& layout, const DistanceAt& distance)
+    : layout_(layout), distances_(layout.Count(), BrickField::kAllHigh) {
+  EachBrick({0, 0, 0}, layout.bricks, kBlockEdge, [&](const std::array<int, 3>& block) {
+    std::array<int, 3> end{};
+    for (std::size_t i = 0; i < 3; ++i) end[i] = std::min(block[i] + kBlockEdge, layout.bricks[i]);
+    const double centre_mm = distance(CentreOf(layout, block, kBlockEdge));
+    if (std::abs(centre_mm) > ReachOf(layout, kBlockEdge)) {
+      if (centre_mm < 0.0)
+        EachBrick(block, end, 1, [&](const std::array<int, 3>& p) {
+          distances_.MakeUniform(layout.At(p[0], p[1], p[2]), BrickField::kAllLow);
+        });
+      return;
+    }
+    EachBrick(block, end, 1,
+              [&](const std::array<int, 3>& place) { SampleBrick(layout, distance, place, distances_); });
+  });
+}
+
+SolidField::SolidField(const BrickLayout& layout, std::span<const Capsule> balls)
+    : layout_(layout), distances_(layout.Count(), BrickField::kAllLow) {
+  const float edge_mm = layout.voxel_mm * kBrickEdge, reach_mm = ReachOf(layout, 1);
+  // Depths first, as if the balls were cut; distances are their negatives.
+  for (const Capsule& ball : balls) {
+    const float around_mm = ball.radius_mm + kBandVoxels * layout.voxel_mm;
+    const Vec3 offset = ball.a_mm - layout.origin_mm;
+    const std::array<float, 3> centre{offset.x, offset.y, offset.z};
+    std::array<int, 3> from{}, to{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      from[i] = std::max(0, static_cast<int>(std::floor((centre[i] - around_mm) / edge_mm)));
+      to[i] = std::min(layout.bricks[i], static_cast<int>(std::floor((centre[i] + around_mm) / edge_mm)) + 1);
+    }
+    EachBrick(from, to, 1, [&](const std::array<int, 3>& p) {
+      const BrickIndex brick = layout.At(p[0], p[1], p[2]);
+      const float depth_mm = DepthIn(ball, CentreOf(layout, p, 1));
+      if (distances_.State(brick) == BrickField::kAllHigh || depth_mm <= -reach_mm) return;
+      if (depth_mm >= reach_mm) {
+        distances_.MakeUniform(brick, BrickField::kAllHigh);
+        return;
+      }
+      if (!distances_.HasValues(brick)) distances_.MakeValues(brick);
+      SweepBrick(distances_.Values(brick),
+                 layout.Node(p[0] * kBrickEdge, p[1] * kBrickEdge, p[2] * kBrickEdge), layout.voxel_mm, ball);
+    });
+  }
+  for (BrickIndex brick = 0; brick < layout.Count(); ++brick) {
+    if (std::int16_t* values = distances_.Values(brick)) {
+      for (int i = 0; i < kBrickNodes; ++i) values[i] = static_cast<std::int16_t>(-values[i]);
+    } else {
+      distances_.MakeUniform(brick, distances_.State(brick) == BrickField::kAllHigh ? BrickField::kAllLow
+                                                                                    : BrickField::kAllHigh);
+    }
+  }
+}
+
+}  // namespace osteon::surface

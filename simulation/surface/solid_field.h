@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "simulation/surface/brick_field.h"
+#include "simulation/surface/capsule.h"
+
+namespace osteon::surface {
+
+/// Signed distance [mm] of the uncut solid at a place; negative inside. Called from several threads.
+using DistanceAt = std::function<double(Vec3)>;
+
+/// The solid before the cut: its signed distances at the nodes of a grid. Immutable; threads share it.
+class SolidField {
+ public:
+  /// Samples a solid in a band around its surface.
+  /// @param distance  exact inside; outside exact or smaller
+  SolidField(const BrickLayout& layout, const DistanceAt& distance);
+  /// Makes the union of balls (capsules of no length), where the solid they were packed from is not known.
+  SolidField(const BrickLayout& layout, std::span<const Capsule> balls);
+
+  [[nodiscard]] const BrickLayout& layout() const { return layout_; }
+  /// Negative inside.
+  [[nodiscard]] const BrickField& distances() const { return distances_; }
+
+ private:
+  BrickLayout layout_;
+  BrickField distances_;
+};
+
+}  // namespace osteon::surface

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "simulation/surface/surface_chunk.h"
+
+namespace osteon::surface {
+
+/// Receives the mesh while it changes. Called from the surface thread alone, never from the engine's.
+class SurfaceSink {
+ public:
+  SurfaceSink() = default;
+  virtual ~SurfaceSink() = default;
+  SurfaceSink(const SurfaceSink&) = delete;
+  SurfaceSink& operator=(const SurfaceSink&) = delete;
+
+  /// The grid of all chunks. Called once, before the first Publish.
+  virtual void Begin(const BrickLayout& layout) = 0;
+  /// Chunks that replace those of the same bricks. The first call has every brick with a surface.
+  /// @param chunks  valid during the call only
+  /// @param frame   the last frame whose way is carved
+  virtual void Publish(std::span<const SurfaceChunk> chunks, std::uint64_t frame) = 0;
+};
+
+}  // namespace osteon::surface

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/spsc_ring.h"
+#include "simulation/surface/carved_field.h"
+#include "simulation/surface/dual_surface.h"
+#include "simulation/surface/surface_sink.h"
+#include "simulation/surface/tool_ways.h"
+
+namespace osteon::surface {
+
+struct SurfaceThreadParams {
+  std::size_t ring_frames{4096};         ///< 8 s at 500 frames/s: a start with a large mesh is behind so long
+  std::chrono::milliseconds period{33};  ///< from one look into the ring to the next; chunks come no faster
+  /// Makes the solid's field, on the thread (seconds, for a mesh).
+  std::function<std::shared_ptr<const SolidField>()> make_solid{};
+  MaterialAt material{};  ///< empty: 0 everywhere
+};
+
+/// Carves and extracts the surface beside the engine, in a thread that the system runs only where a CPU would
+/// be idle (SCHED_IDLE).
+///
+///     engine's thread ──ToolFrame, SpscRing──▶ surface thread ──chunks──▶ SurfaceSink
+///
+/// The engine never waits: a full ring refuses a frame, and the next way then starts where the last pushed
+/// one ended. Writer of the ring is the engine's thread, reader this one; memory order by SpscRing.
+class SurfaceThread {
+ public:
+  /// @param sink  must outlive the thread; called on it
+  SurfaceThread(const simulation::Tool& tool, const Pose& X_WG, SurfaceThreadParams params,
+                SurfaceSink& sink);
+  ~SurfaceThread();
+  SurfaceThread(const SurfaceThread&) = delete;
+  SurfaceThread& operator=(const SurfaceThread&) = delete;
+
+  /// Passes a frame on. Engine's thread only.
+  /// @returns false where the ring was full
+  bool Push(const ToolFrame& frame) OSTEON_RT { return ring_.Push(frame); }
+
+  /// Carves and publishes what was pushed, and ends the thread. Safe to call twice.
+  void Stop();
+
+  /// Frames that the full ring refused; any thread.
+  [[nodiscard]] std::size_t skipped_frames() const OSTEON_RT { return ring_.dropped(); }
+  /// After Stop: the exception that ended the thread before; empty if there was none.
+  [[nodiscard]] const std::string& error() const { return error_; }
+
+ private:
+  void Loop();
+  void CarveFrames(CarvedField& field);
+  void PublishDirty(CarvedField& field);
+
+  SurfaceThreadParams params_;
+  SurfaceSink& sink_;
+  ToolWays ways_;
+  rt::SpscRing<ToolFrame> ring_;
+  std::vector<SurfaceChunk> chunks_;  // their memory is used again
+  std::atomic<bool> stop_{false};
+  std::string error_;  // written by the thread, read after it was joined
+  std::thread thread_;
+};
+
+}  // namespace osteon::surface

@@ -1,0 +1,95 @@
+#include "simulation/surface/tool_ways.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "simulation/surface/millimetres.h"
+#include "simulation/tools/thin_path.h"
+#include "simulation/tools/tool_path.h"
+
+namespace osteon::surface {
+namespace {
+
+double DistanceFromChord(const Vector3& p, const Vector3& a, const Vector3& b) {
+  const Vector3 along = b - a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp(along.dot(p - a) / length2, 0.0, 1.0) : 0.0;
+  return (p - a - t * along).norm();
+}
+
+/// A ball that another one contains sweeps nothing of its own.
+bool IsCovered(const simulation::ToolBall& ball, const std::vector<simulation::ToolBall>& kept) {
+  return std::any_of(kept.begin(), kept.end(), [&](const simulation::ToolBall& other) {
+    return (Vector3(ball.center_m) - Vector3(other.center_m)).norm() + ball.radius_m <= other.radius_m;
+  });
+}
+
+}  // namespace
+
+ToolFrame MakeToolFrame(const simulation::ContactModel& model, double spindle_rad_per_s) {
+  if (model.status != simulation::EngineStatus::kOk) return {};
+  return {.X_WP = model.X_WP, .p_WS_m = model.p_WS_m, .cuts = spindle_rad_per_s != 0.0, .frame = model.frame};
+}
+
+ToolWays::ToolWays(const simulation::Tool& tool, const Pose& X_WG)
+    : X_GW_(X_WG.inverse()), lever_m_(simulation::ToolLever(tool)) {
+  std::vector<simulation::ToolBall> balls;
+  for (const simulation::ToolBall& ball : tool.balls)
+    if (ball.cutting) balls.push_back(ball);
+  std::stable_sort(balls.begin(), balls.end(),
+                   [](const auto& a, const auto& b) { return a.radius_m > b.radius_m; });
+  for (const simulation::ToolBall& ball : balls)
+    if (!IsCovered(ball, cutters_)) cutters_.push_back(ball);
+}
+
+bool ToolWays::Add(const ToolFrame& frame) {
+  const Pose X_GP = X_GW_ * Pose(frame.X_WP);
+  if (frame.frame == 0 || !X_GP.matrix().allFinite()) return false;
+  frame_ = frame.frame;
+  if (!frame.cuts || !X_GP_) {
+    EndWay();
+    X_GP_ = X_GP;
+    return !capsules_.empty();
+  }
+  if (way_.empty()) way_.push_back(*X_GP_);
+  Pose slid = X_GP;
+  const Vector3 p_GS = X_GW_ * Vector3(frame.p_WS_m);
+  if (p_GS.allFinite()) slid.translation() = p_GS;
+  const int parts = simulation::SubframeCount(lever_m_, *X_GP_, slid);
+  for (int k = 1; k < parts; ++k) way_.push_back(simulation::PoseBetween(*X_GP_, slid, k, parts));
+  way_.push_back(slid);
+  way_.push_back(X_GP);
+  X_GP_ = X_GP;
+  if (++frames_ < kBatchFrames) return false;
+  EndWay();
+  return true;
+}
+
+void ToolWays::EndWay() {
+  for (const simulation::ToolBall& ball : cutters_) {
+    std::vector<Vector3> centres;
+    centres.reserve(way_.size());
+    for (const Pose& X_GP : way_) centres.push_back(X_GP * Vector3(ball.center_m));
+    const std::vector<Vector3> thin = simulation::ThinPath(centres, kTolerance_m, DistanceFromChord);
+    for (std::size_t i = 1; i < thin.size(); ++i)
+      capsules_.push_back({.a_mm = ToMillimetres(thin[i - 1]),
+                           .b_mm = ToMillimetres(thin[i]),
+                           .radius_mm = static_cast<float>(1e3 * ball.radius_m)});
+  }
+  way_.clear();
+  frames_ = 0;
+}
+
+std::vector<Capsule> ToolWays::TakeCapsules() {
+  EndWay();
+  return std::exchange(capsules_, {});
+}
+
+float VoxelFor(const simulation::Tool& tool) {
+  constexpr float kMin_mm = 0.1F, kMax_mm = 0.5F;
+  const simulation::ToolBall* head = simulation::CuttingHead(tool);
+  const float quarter_mm = head ? static_cast<float>(0.25e3 * head->radius_m) : kMax_mm;
+  return std::clamp(quarter_mm, kMin_mm, kMax_mm);
+}
+
+}  // namespace osteon::surface

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "kinematics/spatial.h"
+#include "simulation/contact/contact_model.h"
+#include "simulation/surface/capsule.h"
+#include "simulation/tools/tool.h"
+
+namespace osteon::surface {
+
+/// A frame's way in W, as it goes through the ring. Plain data.
+struct ToolFrame {
+  PlainPose X_WP;          ///< where the proxy ended
+  PlainVector3 p_WS_m;     ///< T's origin after the slide, before the bone gave way
+  bool cuts{false};        ///< the spindle turned
+  std::uint64_t frame{0};  ///< 0: no way
+};
+
+/// The way of a frame's result. A frame with an error has none.
+[[nodiscard]] ToolFrame MakeToolFrame(const simulation::ContactModel& model, double spindle_rad_per_s);
+
+/// Turns the tool's way into what its cutting balls sweep, in G:
+///
+///     old proxy ─▶ slid ─▶ new proxy        in every frame in which the spindle turns
+///
+/// The way from the old proxy to the first contact is free of bone, so the corner there is left out. A frame
+/// that turns the tool much has interpolated poses between, as the engine's has. Sixteen frames at a time are
+/// thinned to 5 um; frames that were skipped leave a straight way.
+class ToolWays {
+ public:
+  ToolWays(const simulation::Tool& tool, const Pose& X_WG);
+
+  static constexpr int kBatchFrames = 16;
+  static constexpr double kTolerance_m = 5e-6;
+
+  /// Adds a frame. Batches end after fixed numbers of frames, never by the clock, so that a run that is
+  /// carved again gives the same capsules.
+  /// @returns whether a batch is complete: TakeCapsules then
+  bool Add(const ToolFrame& frame);
+
+  /// What was swept since the last call, with an incomplete batch.
+  [[nodiscard]] std::vector<Capsule> TakeCapsules();
+
+  /// Number of the last frame that was added.
+  [[nodiscard]] std::uint64_t frame() const { return frame_; }
+
+ private:
+  void AddPose(const Pose& X_GP);
+  void EndWay();
+
+  Pose X_GW_;
+  std::vector<simulation::ToolBall> cutters_;
+  double lever_m_{0.0};
+  std::optional<Pose> X_GP_;  // where the last frame ended
+  std::vector<Pose> way_;     // of consecutive cutting frames
+  std::vector<Capsule> capsules_;
+  int frames_{0};
+  std::uint64_t frame_{0};
+};
+
+/// The voxel for a tool [mm]: a quarter of its head's radius, 0.1 to 0.5 mm.
+[[nodiscard]] float VoxelFor(const simulation::Tool& tool);
+
+}  // namespace osteon::surface

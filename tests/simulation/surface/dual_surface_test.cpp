@@ -1,0 +1,186 @@
+#include "simulation/surface/dual_surface.h"
+
+#include <algorithm>
+#include <numbers>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "simulation/surface/dual_cases.h"
+#include "simulation/surface/welded_surface.h"
+#include "tests/simulation/surface/surface_shapes.h"
+
+namespace osteon::surface {
+namespace {
+
+/// V - E + F. An edge belongs to two quads, so E = 2 F.
+long EulerNumber(const WeldedSurface& mesh) {
+  return static_cast<long>(mesh.vertices_mm.size()) - static_cast<long>(mesh.quads.size());
+}
+
+/// Vertices whose quads don't form one closed fan.
+std::size_t BadFans(const WeldedSurface& mesh) {
+  std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> links(mesh.vertices_mm.size());
+  for (const auto& q : mesh.quads)
+    for (std::size_t i = 0; i < 4; ++i) links[q[i]].emplace_back(q[(i + 1) % 4], q[(i + 3) % 4]);
+  return static_cast<std::size_t>(std::count_if(links.begin(), links.end(), [](const auto& fan) {
+    std::uint32_t at = fan.front().first;
+    std::size_t steps = 0;
+    do {
+      const auto next =
+          std::find_if(fan.begin(), fan.end(), [&](const auto& link) { return link.first == at; });
+      if (next == fan.end()) return true;
+      at = next->second;
+      ++steps;
+    } while (at != fan.front().first && steps <= fan.size());
+    return steps != fan.size();
+  }));
+}
+
+void ExpectManifold(const WeldedSurface& mesh) {
+  const EdgeCounts edges = CountEdges(mesh);
+  EXPECT_EQ(edges.open, 0U);
+  EXPECT_EQ(edges.over_shared, 0U);
+  EXPECT_EQ(BadFans(mesh), 0U);
+  EXPECT_EQ(EulerNumber(mesh) % 2, 0);
+}
+
+TEST(DualCases, EveryCutEdgeIsInOnePatchOfThreeEdgesAtLeast) {
+  for (unsigned inside = 0; inside < 256; ++inside)
+    for (unsigned flip = 0; flip < 64; ++flip) {
+      const CellCase cell = TraceCell(inside, flip);
+      ASSERT_LE(cell.patches, kMaxPatches);
+      std::array<int, kMaxPatches> edges{};
+      for (int edge = 0; edge < kCellEdges; ++edge) {
+        const bool cut = (inside >> EdgeCorner(edge, 0) & 1U) != (inside >> EdgeCorner(edge, 1) & 1U);
+        const std::uint8_t patch = cell.patch[static_cast<std::size_t>(edge)];
+        ASSERT_EQ(cut, patch != kNotCut);
+        if (cut) ++edges[patch];
+      }
+      for (int k = 0; k < cell.patches; ++k) ASSERT_GE(edges[static_cast<std::size_t>(k)], 3);
+    }
+}
+
+TEST(DualSurface, OfRandomNoiseIsManifold) {
+  std::mt19937 random(21);
+  for (int trial = 0; trial < 4; ++trial) {
+    std::uniform_real_distribution<double> noise(-1.0, 1.0);
+    const auto solid = std::make_shared<const SolidField>(
+        MakeLayout({0.0F, 0.0F, 0.0F}, {19.0F, 19.0F, 19.0F}, 1.0F), [&](Vec3 p) {
+          const bool in_box = std::min({p.x, p.y, p.z}) >= 0.0F && std::max({p.x, p.y, p.z}) <= 19.0F;
+          const double value = noise(random);
+          return in_box ? value : 1.0;
+        });
+    CarvedField field(solid);
+    if (trial >= 2) field.Carve(RandomWay(random, 19.0F, 3.0F, 30));
+    const WeldedSurface mesh = WeldSurface(field);
+    EXPECT_GT(mesh.quads.size(), 5000U);
+    ExpectManifold(mesh);
+  }
+}
+
+TEST(DualSurface, OfAHundredRandomCutsIsWatertightWithTheRightVolume) {
+  constexpr float kSolid_mm = 6.0F, kVoxel_mm = 0.25F, kPoints_mm = 0.2F;
+  const auto solid = BallField(kSolid_mm, kVoxel_mm);
+  const double whole_mm3 = VolumeOf(WeldSurface(CarvedField(solid)));
+  EXPECT_NEAR(whole_mm3, 4.0 / 3.0 * std::numbers::pi * 216.0, 2.0);  // chords are inside
+  std::mt19937 random(22);
+  for (int trial = 0; trial < 100; ++trial) {
+    const float radius_mm = trial % 2 == 0 ? 20.0F * kVoxel_mm : 4.0F * kVoxel_mm;
+    const std::vector<Capsule> way = RandomWay(random, 4.0F, radius_mm, trial % 2 == 0 ? 3 : 12);
+    CarvedField field(solid);
+    field.Carve(way);
+    const WeldedSurface mesh = WeldSurface(field);
+    SCOPED_TRACE(trial);
+    ExpectManifold(mesh);
+    if (trial % 10 >= 2) continue;
+    // Mass points, evenly spread: those that the way clears.
+    double cleared_mm3 = 0.0;
+    for (float z = -kSolid_mm; z < kSolid_mm; z += kPoints_mm)
+      for (float y = -kSolid_mm; y < kSolid_mm; y += kPoints_mm)
+        for (float x = -kSolid_mm; x < kSolid_mm; x += kPoints_mm) {
+          const Vec3 p{x, y, z};
+          if (Norm(p) < kSolid_mm &&
+              std::any_of(way.begin(), way.end(), [&](const Capsule& c) { return DepthIn(c, p) > 0.0F; }))
+            cleared_mm3 += static_cast<double>(kPoints_mm * kPoints_mm * kPoints_mm);
+        }
+    const double share = trial % 2 == 0 ? 0.01 : 0.04;  // R/h = 20, 4
+    EXPECT_NEAR(whole_mm3 - VolumeOf(mesh), cleared_mm3, share * cleared_mm3);
+  }
+}
+
+/// Errors of the cut face of a hemispherical cup, away from its rim.
+struct CupErrors {
+  double p95_mm{0.0}, mean_mm{0.0}, mean_angle_deg{0.0};
+};
+
+CupErrors CutCup(float voxel_mm) {
+  constexpr float kRadius_mm = 12.0F;
+  CarvedField field(BlockField(16.0F, 16.0F, voxel_mm));
+  const Capsule reamer{{0.1F, 0.2F, 8.0F}, {0.1F, 0.2F, -0.3F}, kRadius_mm};
+  field.Carve({&reamer, 1});
+  std::vector<double> errors;
+  double angles = 0.0;
+  SurfaceChunk chunk;
+  for (BrickIndex brick = 0; brick < field.layout().Count(); ++brick) {
+    ExtractChunk(field, brick, chunk);
+    for (const SurfaceVertex& v : chunk.vertices) {
+      if (!v.cut || v.p_mm.z > -1.5F) continue;
+      const Vec3 from_centre = v.p_mm - reamer.b_mm;
+      errors.push_back(std::abs(static_cast<double>(Norm(from_centre) - kRadius_mm)));
+      const float cosine = -Dot(v.normal, from_centre) / Norm(from_centre);
+      angles += std::acos(std::min(1.0, static_cast<double>(cosine)));
+    }
+  }
+  std::sort(errors.begin(), errors.end());
+  double sum = 0.0;
+  for (const double e : errors) sum += e;
+  const auto count = static_cast<double>(errors.size());
+  return {.p95_mm = errors[errors.size() * 95 / 100],
+          .mean_mm = sum / count,
+          .mean_angle_deg = angles / count * 180.0 / std::numbers::pi};
+}
+
+TEST(DualSurface, OfACupIsOnItsSphereAndConvergesWithTheSecondOrder) {
+  const CupErrors coarse = CutCup(1.0F), fine = CutCup(0.5F);
+  EXPECT_LE(fine.p95_mm, 0.01);  // h² / (8 R) of a 12 mm reamer's facets is 0.0026
+  EXPECT_LE(fine.mean_angle_deg, 0.25);
+  EXPECT_GT(coarse.mean_mm / fine.mean_mm, 3.0);
+  EXPECT_LT(coarse.mean_mm / fine.mean_mm, 5.0);
+}
+
+TEST(DualSurface, HasSharpRims) {
+  CarvedField field(BlockField(8.0F, 8.0F, 0.5F));
+  const Capsule drill{{0.13F, 0.21F, 5.0F}, {0.13F, 0.21F, -2.0F}, 3.0F};
+  field.Carve({&drill, 1});
+  SurfaceChunk chunk;
+  std::size_t rim = 0;
+  for (BrickIndex brick = 0; brick < field.layout().Count(); ++brick) {
+    ExtractChunk(field, brick, chunk);
+    for (std::size_t i = 1; i < chunk.vertices.size(); ++i) {
+      const SurfaceVertex &a = chunk.vertices[i - 1], &b = chunk.vertices[i];
+      if (a.key != b.key) continue;
+      ++rim;  // on the top face, on the cylinder; one normal for each
+      EXPECT_NEAR(a.p_mm.z, 0.0F, 0.01F);
+      EXPECT_NEAR(std::hypot(a.p_mm.x - 0.13F, a.p_mm.y - 0.21F), 3.0F, 0.02F);
+      EXPECT_LT(std::abs(Dot(a.normal, b.normal)), 0.05F);
+      EXPECT_NE(a.cut, b.cut);
+    }
+  }
+  EXPECT_GT(rim, 30U);
+}
+
+TEST(DualSurface, OfBallsIsTheirUnion) {
+  const std::vector<Capsule> balls{{{-2.0F, 0.0F, 0.0F}, {-2.0F, 0.0F, 0.0F}, 4.0F},
+                                   {{2.0F, 0.0F, 0.0F}, {2.0F, 0.0F, 0.0F}, 4.0F}};
+  const auto solid = std::make_shared<const SolidField>(
+      MakeLayout({-6.0F, -4.0F, -4.0F}, {6.0F, 4.0F, 4.0F}, 0.25F), std::span<const Capsule>(balls));
+  const WeldedSurface mesh = WeldSurface(CarvedField(solid));
+  ExpectManifold(mesh);
+  // Two caps: 2 pi/3 (2 r + d/2) (r - d/2)² less than two spheres, d = 4 mm apart.
+  const double lens_mm3 = 2.0 * std::numbers::pi / 3.0 * (2.0 * 4.0 + 2.0) * 4.0;
+  EXPECT_NEAR(VolumeOf(mesh), 2.0 * 4.0 / 3.0 * std::numbers::pi * 64.0 - lens_mm3, 2.0);
+}
+
+}  // namespace
+}  // namespace osteon::surface

@@ -1,0 +1,122 @@
+#include "simulation/surface/surface_thread.h"
+
+#include <condition_variable>
+#include <map>
+#include <mutex>
+
+#include <gtest/gtest.h>
+
+#include "base/no_alloc_scope.h"
+#include "simulation/surface/welded_surface.h"
+#include "tests/simulation/surface/surface_shapes.h"
+
+namespace osteon::surface {
+namespace {
+
+using simulation::Tool;
+
+const Tool kBall{.name = "ball", .balls = {{.center_m = Vector3(0, 0, 0), .radius_m = 0.003}}};
+
+ToolFrame FrameNumber(std::uint64_t i) {
+  const double s = static_cast<double>(i);
+  Pose X = Pose::Identity();
+  X.translation() = Vector3(0.004 * std::cos(0.02 * s), 0.004 * std::sin(0.02 * s), 0.011 - 1e-5 * s);
+  return {.X_WP = X, .p_WS_m = Vector3(X.translation()), .cuts = true, .frame = i};
+}
+
+/// Keeps the newest chunk of every brick.
+class ChunkKeeper final : public SurfaceSink {
+ public:
+  void Begin(const BrickLayout& layout) override { bricks = layout.Count(); }
+  void Publish(std::span<const SurfaceChunk> chunks, std::uint64_t frame) override {
+    for (const SurfaceChunk& chunk : chunks) kept[chunk.brick] = chunk;
+    last_frame = frame;
+  }
+  std::map<BrickIndex, SurfaceChunk> kept;
+  BrickIndex bricks{0};
+  std::uint64_t last_frame{0};
+};
+
+std::size_t Quads(const std::map<BrickIndex, SurfaceChunk>& chunks) {
+  std::size_t count = 0;
+  for (const auto& [brick, chunk] : chunks) count += chunk.quads.size() / 4;
+  return count;
+}
+
+TEST(SurfaceThread, PublishesTheMeshOfAllFrames) {
+  constexpr std::uint64_t kFrames = 500;
+  ChunkKeeper sink;
+  SurfaceThread thread(kBall, Pose::Identity(), {.make_solid = [] { return BallField(9.0F, 0.5F); }}, sink);
+  for (std::uint64_t i = 1; i <= kFrames; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
+  thread.Stop();
+  EXPECT_EQ(thread.error(), "");
+  EXPECT_EQ(thread.skipped_frames(), 0U);
+  EXPECT_EQ(sink.last_frame, kFrames);
+
+  CarvedField field(BallField(9.0F, 0.5F));
+  ToolWays ways(kBall, Pose::Identity());
+  for (std::uint64_t i = 1; i <= kFrames; ++i)
+    if (ways.Add(FrameNumber(i))) field.Carve(ways.TakeCapsules());
+  field.Carve(ways.TakeCapsules());
+  EXPECT_EQ(sink.bricks, field.layout().Count());
+  EXPECT_EQ(Quads(sink.kept), WeldSurface(field).quads.size());
+  EXPECT_NE(Quads(sink.kept), WeldSurface(CarvedField(BallField(9.0F, 0.5F))).quads.size());
+}
+
+TEST(SurfaceThread, PushNeitherAllocatesNorLocks) {
+  if (!rt::NoAllocScope::Counts()) GTEST_SKIP() << "a sanitizer has its own heap";
+  ChunkKeeper sink;
+  SurfaceThread thread(kBall, Pose::Identity(),
+                       {.ring_frames = 64, .make_solid = [] { return BallField(9.0F, 0.5F); }}, sink);
+  const rt::NoAllocScope scope;
+  for (std::uint64_t i = 1; i <= 200; ++i) (void)thread.Push(FrameNumber(i));  // beyond what the ring holds
+  EXPECT_EQ(scope.heap_calls(), 0);
+  EXPECT_EQ(scope.locks(), 0);
+}
+
+TEST(SurfaceThread, BridgesFramesThatAFullRingRefused) {
+  constexpr std::size_t kRing = 8;
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool may_begin = false;
+  ChunkKeeper sink;
+  SurfaceThread thread(kBall, Pose::Identity(),
+                       {.ring_frames = kRing,
+                        .make_solid =
+                            [&] {
+                              std::unique_lock lock(mutex);
+                              changed.wait(lock, [&] { return may_begin; });
+                              return BallField(9.0F, 0.5F);
+                            }},
+                       sink);
+  for (std::uint64_t i = 1; i <= 100; ++i) EXPECT_EQ(thread.Push(FrameNumber(i)), i <= kRing);
+  EXPECT_EQ(thread.skipped_frames(), 100 - kRing);
+  {
+    const std::lock_guard lock(mutex);
+    may_begin = true;
+  }
+  changed.notify_one();
+  while (!thread.Push(FrameNumber(101))) std::this_thread::yield();
+  thread.Stop();
+  EXPECT_EQ(sink.last_frame, 101U);
+  CarvedField field(BallField(9.0F, 0.5F));
+  ToolWays ways(kBall, Pose::Identity());
+  for (std::uint64_t i = 1; i <= kRing; ++i) (void)ways.Add(FrameNumber(i));
+  (void)ways.Add(FrameNumber(101));
+  field.Carve(ways.TakeCapsules());
+  EXPECT_EQ(Quads(sink.kept), WeldSurface(field).quads.size());
+}
+
+TEST(SurfaceThread, SaysWhyItEnded) {
+  ChunkKeeper sink;
+  SurfaceThread thread(kBall, Pose::Identity(), {.make_solid = []() -> std::shared_ptr<const SolidField> {
+                         throw std::invalid_argument("no solid");
+                       }},
+                       sink);
+  (void)thread.Push(FrameNumber(1));
+  thread.Stop();
+  EXPECT_EQ(thread.error(), "no solid");
+}
+
+}  // namespace
+}  // namespace osteon::surface

@@ -1,0 +1,130 @@
+#include "simulation/surface/tool_ways.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+namespace osteon::surface {
+namespace {
+
+using simulation::Tool;
+
+const Tool kReamer{.name = "ball", .balls = {{.center_m = Vector3(0, 0, -0.01), .radius_m = 0.01}}};
+
+ToolFrame FrameAt(const Vector3& p_m, std::uint64_t frame, bool cuts = true) {
+  Pose X = Pose::Identity();
+  X.translation() = p_m;
+  return {.X_WP = X, .p_WS_m = p_m, .cuts = cuts, .frame = frame};
+}
+
+TEST(ToolWays, AreThinnedToOneCapsuleWhereStraight) {
+  ToolWays ways(kReamer, Pose::Identity());
+  EXPECT_FALSE(ways.Add(FrameAt({0, 0, 0}, 1, false)));
+  bool complete = false;
+  for (int i = 1; i <= ToolWays::kBatchFrames; ++i) {
+    EXPECT_FALSE(complete);
+    complete = ways.Add(FrameAt({0, 0, -1e-4 * i}, 1 + static_cast<std::uint64_t>(i)));
+  }
+  EXPECT_TRUE(complete);
+  const auto capsules = ways.TakeCapsules();
+  ASSERT_EQ(capsules.size(), 1U);
+  EXPECT_FLOAT_EQ(capsules[0].radius_mm, 10.0F);
+  EXPECT_FLOAT_EQ(capsules[0].a_mm.z, -10.0F);
+  EXPECT_FLOAT_EQ(capsules[0].b_mm.z, -10.0F - 0.1F * ToolWays::kBatchFrames);
+}
+
+TEST(ToolWays, GoThroughTheSlidPlace) {
+  ToolWays ways(kReamer, Pose::Identity());
+  (void)ways.Add(FrameAt({0, 0, 0}, 1, false));
+  ToolFrame frame = FrameAt({1e-3, 0, -1e-3}, 2);
+  frame.p_WS_m = Vector3(1e-3, 0, 0);
+  (void)ways.Add(frame);
+  const auto capsules = ways.TakeCapsules();
+  ASSERT_EQ(capsules.size(), 2U);
+  EXPECT_FLOAT_EQ(capsules[0].b_mm.x, 1.0F);
+  EXPECT_FLOAT_EQ(capsules[0].b_mm.z, -10.0F);
+  EXPECT_FLOAT_EQ(capsules[1].b_mm.z, -11.0F);
+}
+
+TEST(ToolWays, AreLeftOutWhereTheSpindleStands) {
+  ToolWays ways(kReamer, Pose::Identity());
+  for (std::uint64_t i = 1; i < 40; ++i)
+    EXPECT_FALSE(ways.Add(FrameAt({1e-3 * static_cast<double>(i), 0, 0}, i, false)));
+  EXPECT_TRUE(ways.TakeCapsules().empty());
+  EXPECT_EQ(ways.frame(), 39U);
+}
+
+TEST(ToolWays, EndWhereTheSpindleStops) {
+  ToolWays ways(kReamer, Pose::Identity());
+  (void)ways.Add(FrameAt({0, 0, 0}, 1, false));
+  EXPECT_FALSE(ways.Add(FrameAt({1e-3, 0, 0}, 2)));
+  EXPECT_TRUE(ways.Add(FrameAt({2e-3, 0, 0}, 3, false)));
+  EXPECT_FALSE(ways.TakeCapsules().empty());
+  EXPECT_FALSE(ways.Add(FrameAt({3e-3, 0, 0}, 4)));
+  const auto capsules = ways.TakeCapsules();
+  ASSERT_EQ(capsules.size(), 1U);
+  EXPECT_FLOAT_EQ(capsules[0].a_mm.x, 2.0F);
+}
+
+TEST(ToolWays, BridgeSkippedFrames) {
+  ToolWays ways(kReamer, Pose::Identity());
+  (void)ways.Add(FrameAt({0, 0, 0}, 1));
+  (void)ways.Add(FrameAt({1e-3, 0, 0}, 2));
+  (void)ways.Add(FrameAt({5e-3, 0, 0}, 90));
+  const auto capsules = ways.TakeCapsules();
+  ASSERT_EQ(capsules.size(), 1U);
+  EXPECT_FLOAT_EQ(capsules[0].a_mm.x, 0.0F);
+  EXPECT_FLOAT_EQ(capsules[0].b_mm.x, 5.0F);
+}
+
+TEST(ToolWays, ArePlacedInTheBone) {
+  Pose X_WG = Pose::Identity();
+  X_WG.translation() = Vector3(0, 0, 0.5);
+  ToolWays ways(kReamer, X_WG);
+  (void)ways.Add(FrameAt({0, 0, 0.5}, 1));
+  (void)ways.Add(FrameAt({0, 0, 0.499}, 2));
+  const auto capsules = ways.TakeCapsules();
+  ASSERT_EQ(capsules.size(), 1U);
+  EXPECT_NEAR(capsules[0].b_mm.z, -11.0F, 1e-4F);
+}
+
+TEST(ToolWays, FollowTheArcOfATurn) {
+  const Tool side{.name = "side", .balls = {{.center_m = Vector3(0.02, 0, 0), .radius_m = 0.001}}};
+  ToolWays ways(side, Pose::Identity());
+  (void)ways.Add(FrameAt(Vector3::Zero(), 1));
+  Pose turned = Pose::Identity();
+  turned.linear() = Eigen::AngleAxisd(std::numbers::pi / 3, Vector3::UnitZ()).toRotationMatrix();
+  (void)ways.Add({.X_WP = turned, .p_WS_m = Vector3(0, 0, 0), .cuts = true, .frame = 2});
+  const auto capsules = ways.TakeCapsules();
+  EXPECT_GT(capsules.size(), 10U);
+  for (const Capsule& c : capsules) EXPECT_NEAR(Norm(0.5F * (c.a_mm + c.b_mm)), 20.0F, 0.03F);
+}
+
+TEST(ToolWays, PassOverFramesWithoutAWay) {
+  simulation::ContactModel model;
+  model.frame = 7;
+  model.status = simulation::EngineStatus::kBadInput;
+  EXPECT_EQ(MakeToolFrame(model, 10.0).frame, 0U);
+  ToolWays ways(kReamer, Pose::Identity());
+  (void)ways.Add(FrameAt({0, 0, 0}, 1));
+  EXPECT_FALSE(ways.Add(MakeToolFrame(model, 10.0)));
+  ToolFrame nowhere = FrameAt({0, 0, 0}, 3);
+  nowhere.X_WP.p.x = std::nan("");
+  EXPECT_FALSE(ways.Add(nowhere));
+  EXPECT_TRUE(ways.TakeCapsules().empty());
+}
+
+TEST(ToolWays, LeaveOutBallsWithinOthersAndTheShaft) {
+  Tool tool = kReamer;
+  tool.balls.push_back({.center_m = Vector3(0, 0, -0.012), .radius_m = 0.005});
+  tool.balls.push_back({.center_m = Vector3(0, 0, -0.05), .radius_m = 0.004, .cutting = false});
+  ToolWays ways(tool, Pose::Identity());
+  (void)ways.Add(FrameAt({0, 0, 0}, 1));
+  (void)ways.Add(FrameAt({0, 0, -1e-3}, 2));
+  EXPECT_EQ(ways.TakeCapsules().size(), 1U);
+  EXPECT_FLOAT_EQ(VoxelFor(tool), 0.5F);
+}
+
+}  // namespace
+}  // namespace osteon::surface
