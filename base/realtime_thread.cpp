@@ -98,6 +98,11 @@ void Validate(const RealtimeThreadParams& params) {
 
 void NameThread(const char* name) noexcept { pthread_setname_np(pthread_self(), name); }
 
+void RaisePriority() noexcept {
+  const sched_param priority{.sched_priority = 10};
+  (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
+}
+
 void LowerPriority() noexcept {
   constexpr int kNice = 10;
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);

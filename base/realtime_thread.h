@@ -44,6 +44,10 @@ bool KeepCpusAwake() noexcept;
 /// Names the calling thread for tools that look at the process. @param name  at most 15 bytes
 void NameThread(const char* name) noexcept;
 
+/// Lifts the calling thread above every ordinary one (SCHED_FIFO 10, below the servo thread), if the system
+/// grants it: for a watch whose silence stops the cell, and which works some microseconds at a time.
+void RaisePriority() noexcept;
+
 /// Lowers the calling thread's priority (nice 10): what a person watches gives way to what renders.
 void LowerPriority() noexcept;
 

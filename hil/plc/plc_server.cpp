@@ -13,6 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include "base/realtime_thread.h"
+
 namespace osteon::hil {
 namespace {
 
@@ -135,6 +137,8 @@ void PlcServer::StepProgram() {
 }
 
 void PlcServer::Run() {
+  rt::NameThread("PLC");
+  rt::RaisePriority();
   const rt::Nanoseconds cycle = params_.cycle_ms * rt::kMillisecond;
   rt::Nanoseconds due = rt::MonotonicNow();
   while (!stop_.load(std::memory_order_relaxed)) {

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <stdexcept>
 
+#include "base/realtime_thread.h"
+
 namespace osteon::io {
 namespace {
 
@@ -97,6 +99,8 @@ void PlcClient::Disconnected() {
 }
 
 void PlcClient::Run() {
+  rt::NameThread("PLC client");
+  rt::RaisePriority();
   int pause_ms = params_.first_pause_ms;
   while (!stop_.load(std::memory_order_relaxed)) {
     Connection connection(params_);

@@ -184,7 +184,8 @@ int RunDemo(const DemoOptions& options) {
           },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon demo: {}\n", text); },
       .progress = [&](double at_s) { progress.Show(at_s, live.Line()); },
-      .adaptive_resolution = adaptive_resolution.get()};
+      .adaptive_resolution = adaptive_resolution.get(),
+      .surface = live.surface_thread()};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
   if (!result) return Fail("demo", result.error().what, result.error().begun ? kFailed : kBadInput);

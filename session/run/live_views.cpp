@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "session/run/console_scene.h"
+#include "session/run/live_surface.h"
 
 namespace osteon::app {
 namespace {
@@ -45,7 +46,7 @@ tl::expected<ConsoleChoice, std::string> ConsoleChoice::Parse(const std::string&
 }
 
 LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests)
-    : run_(run), requests_(requests), cell_(setup.cell_name) {
+    : setup_(setup), run_(run), requests_(requests), cell_(setup.cell_name) {
   scene_ = ConsoleScene(setup, run.command, run.seconds, run.recording);
   context_ = LiveContextOf(setup);
 }
@@ -72,7 +73,9 @@ void LiveViews::Open(const ConsoleChoice& choice) {
     console_ = std::move(*console);
   else
     fmt::print(stderr, "osteon {}: warning: {}\n", run_.command, console.error());
-  if (console_) fmt::print(stderr, "osteon {}: console: {}\n", run_.command, console_->url());
+  if (!console_) return;
+  surface_thread_ = StartSurface(setup_, surface_feed_);
+  fmt::print(stderr, "osteon {}: console: {}\n", run_.command, console_->url());
 }
 
 console::LiveStatus LiveViews::Status() const { return console::StatusOf(feed_.Newest(), context_); }

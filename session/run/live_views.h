@@ -9,10 +9,12 @@
 #include "base/interrupt.h"
 #include "base/run_progress.h"
 #include "console/server/console_server.h"
+#include "console/server/surface_feed.h"
 #include "console/stream/live_feed.h"
 #include "console/stream/live_status.h"
 #include "io/local/local_server.h"
 #include "session/setup/cell_setup.h"
+#include "simulation/surface/surface_thread.h"
 
 namespace osteon::app {
 
@@ -54,6 +56,9 @@ class LiveViews {
 
   /// Takes what is recorded.
   [[nodiscard]] io::RecordSink* sink() { return &feed_; }
+  /// Follows the cut for the console's picture; null where no console is served. Writer of its ring: the
+  /// engine's thread.
+  [[nodiscard]] surface::SurfaceThread* surface_thread() { return surface_thread_.get(); }
   [[nodiscard]] console::LiveStatus Status() const;
   /// The status as a line for the progress on stderr; empty before the first message.
   [[nodiscard]] std::string Line() const;
@@ -64,6 +69,7 @@ class LiveViews {
  private:
   [[nodiscard]] console::RequestAnswer Ask(console::OperatorRequest request);
 
+  const CellSetup& setup_;
   LiveRun run_;
   OperatorRequests& requests_;
   std::string cell_;
@@ -71,8 +77,10 @@ class LiveViews {
   console::LiveContext context_;
   console::LiveFeed feed_;
   console::SurfaceStore surface_;
+  console::SurfaceFeed surface_feed_{surface_};
   std::unique_ptr<io::LocalServer> server_;  // last: their threads use the others
   std::unique_ptr<console::ConsoleServer> console_;
+  std::unique_ptr<surface::SurfaceThread> surface_thread_;
 };
 
 }  // namespace osteon::app

@@ -173,7 +173,8 @@ int RunOperate(const OperateOptions& asked) {
       .begins = [&] { PrintLimits(setup->config.servo); },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },
       .progress = [&](double at_s) { progress.Show(at_s, live.Line()); },
-      .adaptive_resolution = adaptive_resolution.get()};
+      .adaptive_resolution = adaptive_resolution.get(),
+      .surface = live.surface_thread()};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
   if (!result) return Fail("run", result.error().what, result.error().begun ? kFailed : kBadInput);

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "console/server/surface_store.h"
+#include "simulation/surface/surface_sink.h"
+
+namespace osteon::console {
+
+/// Puts the chunks of a surface that changes into the pages' store, as bytes.
+class SurfaceFeed final : public surface::SurfaceSink {
+ public:
+  /// @param store  outlives this
+  explicit SurfaceFeed(SurfaceStore& store) : store_(store) {}
+
+  /// {"type": "surface", "origin_mm", "voxel_mm", "bricks"}
+  void Begin(const surface::BrickLayout& layout) override;
+  void Publish(std::span<const surface::SurfaceChunk> chunks, std::uint64_t frame) override;
+
+ private:
+  SurfaceStore& store_;
+  surface::BrickLayout layout_;
+};
+
+}  // namespace osteon::console
