@@ -358,6 +358,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
                                setup.config.scene.events);
   FrameRunner runner(engine, depth, watch, setup.X_WG, params.adaptive_resolution);
   runner.SetNotice(params.notice);
+  runner.SetSurface(params.surface);
   // checks that may refuse the run come first: only a run may overwrite an earlier recording
   CellConnections wires;
   if (!params.virtual_time) {

@@ -16,6 +16,7 @@
 #include "session/run/cell_process.h"
 #include "session/setup/cell_setup.h"
 #include "simulation/bone/scene_events.h"
+#include "simulation/surface/surface_thread.h"
 
 namespace osteon::app {
 
@@ -43,6 +44,8 @@ struct CellRunParams {
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
   /// May coarsen the zones during the run; null: they stay.
   AdaptiveResolution* adaptive_resolution{nullptr};
+  /// Follows the cut and shows it to its sink, on a thread of its own; null: nobody does.
+  surface::SurfaceThread* surface{nullptr};
   /// Virtual time: a frame's assumed time [us], for the adaptive resolution; empty: none.
   std::function<double(const simulation::FrameRecord&)> frame_us{};
   /// Virtual time: called after each tick with the contact model that the tick saw.

@@ -28,6 +28,7 @@ struct DemoOptions {
   int cpu{-1};                   ///< for servo thread and simulated arm; all others stay off it; -1: any
   std::filesystem::path json{};  ///< a second copy of summary.json
   std::filesystem::path save_motion{};  ///< file for the tool's motion, which can be played again
+  std::filesystem::path surface{};      ///< file for the carved bone as a mesh: STL, PLY or OBJ
   std::string command_line{};
 };
 

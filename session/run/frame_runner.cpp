@@ -25,6 +25,7 @@ simulation::FrameRecord FrameRunner::Run(const simulation::ToolCommand& command)
                                 .spindle_rad_per_s = command.spindle_rad_per_s,
                                 .dt_s = std::clamp(dt_s, 0.0, dt_limit_s_),
                                 .stamp = command.stamp});
+  if (surface_) (void)surface_->Push(surface::MakeToolFrame(record.model, command.spindle_rad_per_s));
   if (record.model.status == simulation::EngineStatus::kOk) {
     const Pose X_GP = X_GW_ * Pose(record.model.X_WP);
     deepest_m_ = std::max(deepest_m_.value_or(-1.0), depth_.DepthAt(X_GP));

@@ -13,6 +13,7 @@
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/engine/frame_record.h"
 #include "simulation/removal/cut_metrics.h"
+#include "simulation/surface/surface_thread.h"
 
 namespace osteon::app {
 
@@ -42,6 +43,9 @@ class FrameRunner {
   /// @param notice  called for coarser zones, on the frames' thread; may be empty
   void SetNotice(std::function<void(const std::string&)> notice) { notice_ = std::move(notice); }
 
+  /// @param surface  gets each frame's way; null: nobody does. It outlives the last frame.
+  void SetSurface(surface::SurfaceThread* surface) { surface_ = surface; }
+
   /// The engine that makes the frames now.
   [[nodiscard]] const simulation::CuttingEngine& engine() const { return *engine_; }
   /// Returns the coarsened zones, in their order. Call it after the last frame.
@@ -63,6 +67,7 @@ class FrameRunner {
   Pose X_GW_;
   AdaptiveResolution* adaptive_resolution_;
   double dt_limit_s_;
+  surface::SurfaceThread* surface_{nullptr};
   std::vector<Rezoned> rezoned_;
   std::vector<std::string> new_texts_;
   std::function<void(const std::string&)> notice_;
