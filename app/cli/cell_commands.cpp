@@ -84,6 +84,9 @@ CellCommands::CellCommands(CLI::App& app)
   AddEngineOption(*run_, operate_.engine, WallTimeEngineNames(), "the cutting engine",
                   "; cpu: one thread, no GPU");
   AddDeviceOption(*run_, operate_.device);
+  run_->add_option("--surface", operate_.surface,
+                   "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
+      ->type_name("FILE");
   AddConsoleOption(*run_, operate_.console);
   run_->add_option("--json", operate_.json, "also write the figures there, as JSON")->type_name("FILE");
   run_->footer(

@@ -63,6 +63,9 @@ DemoCommand::DemoCommand(CLI::App& app)
       ->check(NumberWithin(0, rt::kMaxCpu));
   AddConsoleOption(*sub_, options_.console);
   sub_->add_option("--json", options_.json, "write a further copy of summary.json there")->type_name("FILE");
+  sub_->add_option("--surface", options_.surface,
+                   "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
+      ->type_name("FILE");
   sub_->add_option("--save-motion", options_.save_motion,
                    "write the tool's motion there (CSV), to be played again")
       ->type_name("FILE");

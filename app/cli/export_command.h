@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include <CLI/CLI.hpp>
 
 #include "session/replay/export_recording.h"
@@ -13,10 +15,12 @@ class ExportCommand {
 
   [[nodiscard]] bool asked() const { return sub_->parsed(); }
   /// @returns the process's exit code.
-  [[nodiscard]] int Run() const { return RunExport(options_); }
+  [[nodiscard]] int Run() const;
 
  private:
   ExportOptions options_;
+  MeshChoice mesh_;
+  std::string cup_;
   CLI::App* sub_;
 };
 

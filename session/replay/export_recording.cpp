@@ -11,9 +11,11 @@
 
 #include "base/json_text.h"
 #include "base/write_text.h"
+#include "io/recording/recording_reader.h"
 #include "io/recording/recovery.h"
 #include "session/process/exit_code.h"
 #include "session/replay/export_tables.h"
+#include "session/replay/recorded_surface.h"
 #include "session/summary/chart_files.h"
 
 namespace osteon::app {
@@ -62,13 +64,25 @@ nlohmann::ordered_json ToJson(const io::Recovery& recovery) {
 // Checks the paths before anything is done. An empty string, or what is wrong.
 std::string WrongPlace(const ExportOptions& options, const std::filesystem::path& folder) {
   if (std::string wrong = ValidateOutputFolder("--out", folder); !wrong.empty()) return wrong;
+  if (std::string wrong = ValidateSurfaceFile(options.surface); !wrong.empty()) return wrong;
   return ValidateParentFolder("--json", options.json);
+}
+
+// Writes the carved bone. The time must be within the recording.
+tl::expected<WrittenSurface, std::string> ExportSurface(const ExportOptions& options,
+                                                        const std::filesystem::path& source) {
+  auto stream = io::RecordingStream::Open(source);
+  if (!stream) return tl::make_unexpected(stream.error());
+  if (const auto first = stream->Next(); !first) return tl::make_unexpected(first.error());
+  auto setup = PrepareRecordedCell(stream->session, options.mesh);
+  if (!setup) return tl::make_unexpected(source.string() + ": " + setup.error());
+  return WriteRecordedSurface(source, *setup, options.at_s, options.surface);
 }
 
 }  // namespace
 
 int RunExport(const ExportOptions& options) {
-  const bool csv = options.csv || !options.recover;
+  const bool csv = options.csv || (!options.recover && options.surface.empty());
   std::filesystem::path folder = options.out.empty() ? options.recording.parent_path() : options.out;
   if (folder.empty()) folder = ".";
   if (const std::string wrong = WrongPlace(options, folder); !wrong.empty()) return Fail("export", wrong);
@@ -106,17 +120,28 @@ int RunExport(const ExportOptions& options) {
     tables = std::move(*written);
   }
 
+  std::optional<WrittenSurface> surface;
+  if (!options.surface.empty()) {
+    auto written = ExportSurface(options, source);
+    if (!written) return Fail("export", written.error());
+    surface = std::move(*written);
+  }
+
   // the results
-  json["ticks"] = tables ? tables->ticks : recovery->ticks;
-  json["frames"] = tables ? tables->frames : recovery->frames;
-  json["events"] = tables ? tables->events : recovery->events;
-  json["complete"] = recovery ? recovery->was_whole : tables->complete;
+  if (tables || recovery) {
+    json["ticks"] = tables ? tables->ticks : recovery->ticks;
+    json["frames"] = tables ? tables->frames : recovery->frames;
+    json["events"] = tables ? tables->events : recovery->events;
+    json["complete"] = recovery ? recovery->was_whole : tables->complete;
+  }
   json["recovered"] = recovered;
   json["recovered_file"] = recovered ? nlohmann::ordered_json(source.string()) : nlohmann::ordered_json();
   if (recovery) json["recovery"] = ToJson(*recovery);
   json["tables"] = nlohmann::ordered_json::array();
+  if (surface) json["surface"] = SurfaceJson(*surface);
   fmt::print("Osteon export: {}\n", options.recording.string());
   if (recovery) Print(*recovery, source);
+  if (surface) fmt::print("  {:<12} at {:.3f} s: {}\n", "Surface", surface->time_s, SurfaceText(*surface));
   if (tables) {
     for (const auto& file : tables->files) json["tables"].push_back(file.string());
     fmt::print("  {:<12} {} ticks, {} frames, {} events\n", "Tables", tables->ticks, tables->frames,

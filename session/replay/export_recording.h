@@ -1,14 +1,20 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+
+#include "session/setup/cell_setup.h"
 
 namespace osteon::app {
 
 struct ExportOptions {
   std::filesystem::path recording;
-  bool csv{false};            ///< tables; also if neither is asked for
-  bool recover{false};        ///< rebuild a complete recording from a torn one
-  std::filesystem::path out;  ///< folder for the results; empty: the recording's own
+  bool csv{false};                 ///< tables; also if nothing else is asked for
+  bool recover{false};             ///< rebuild a complete recording from a torn one
+  std::filesystem::path out;       ///< folder for the results; empty: the recording's own
+  std::filesystem::path surface;   ///< file for the carved bone as a mesh
+  std::optional<double> at_s;      ///< surface: time since the recording's start; none: its end
+  std::optional<MeshChoice> mesh;  ///< surface: the bone, where it was of a file
   std::filesystem::path json;
 };
 

@@ -12,6 +12,7 @@
 #include "session/process/exit_code.h"
 #include "session/process/output.h"
 #include "session/replay/recorded_motion.h"
+#include "session/replay/recorded_surface.h"
 #include "session/run/cell_ports.h"
 #include "session/run/cell_run.h"
 #include "session/run/live_views.h"
@@ -34,7 +35,7 @@ std::string WrongPlace(const DemoOptions& options) {
   for (const auto& [name, file] :
        {std::pair("--json", options.json), std::pair("--save-motion", options.save_motion)})
     if (std::string wrong = ValidateOutputFile(name, file); !wrong.empty()) return wrong;
-  return "";
+  return ValidateSurfaceFile(options.surface);
 }
 
 // Claims the folder for this process and moves an earlier demo's files out of the way.
@@ -70,7 +71,7 @@ std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const
 // Shows the result; everything shown comes from the recording. @returns the exit code
 int PrintResult(const DemoOptions& options, const CellSetup& setup, const simulation::CuttingEngine& engine,
                 const CellRunParams& params, const CellRunResult& result) {
-  PhaseProgress measuring("osteon demo", 3, false);
+  PhaseProgress measuring("osteon demo", options.surface.empty() ? 3 : 4, false);
   measuring.BeginPhase("read the recording");
   StopPages stops({.folder = options.out, .stem = params.recording.stem().string(), .cell = setup.config});
   auto run = ReadRun(params.recording, setup, stops);
@@ -88,6 +89,13 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
     summary.section = *figures;
   else
     AddReason(wrong, figures.error());
+  if (!options.surface.empty()) {
+    measuring.BeginPhase("make the surface");
+    if (auto surface = WriteRecordedSurface(params.recording, setup, {}, options.surface))
+      summary.surface = std::move(*surface);
+    else
+      AddReason(wrong, surface.error());
+  }
   measuring.Done();
 
   const std::string json = ToJson(summary, "osteon.demo/1");
@@ -98,6 +106,7 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
   if (!options.save_motion.empty()) AddReason(wrong, SaveMotion(options, setup, summary, params.recording));
   PrintTable(summary, "Osteon demo");
   fmt::print("  {:<30} {}\n", "Report", page.string());
+  if (summary.surface) fmt::print("  {:<30} {}\n", "Surface", SurfaceText(*summary.surface));
   if (!result.internal_error.empty())
     return Fail("demo", "internal error: " + result.internal_error, kInternalError);
   return wrong.empty() ? ExitCode(result) : Fail("demo", wrong, kFailed);

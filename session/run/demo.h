@@ -30,6 +30,7 @@ struct DemoOptions {
   ConsoleChoice console{};       ///< where the console is served
   std::filesystem::path json{};  ///< a second copy of summary.json
   std::filesystem::path save_motion{};  ///< file for the tool's motion, which can be played again
+  std::filesystem::path surface{};      ///< file for the carved bone as a mesh: STL, PLY or OBJ
   std::string command_line{};
 };
 

@@ -12,6 +12,7 @@
 #include "config/reading/check_registration.h"
 #include "session/process/exit_code.h"
 #include "session/process/output.h"
+#include "session/replay/recorded_surface.h"
 #include "session/run/arm_connection.h"
 #include "session/run/cell_ports.h"
 #include "session/run/cell_run.h"
@@ -51,6 +52,7 @@ void PrintWires(const config::CellConfig& cell) {
 // Checks the output paths before anything runs.
 std::string WrongPlace(const OperateOptions& options) {
   if (std::string wrong = ValidateOutputFile("--json", options.json); !wrong.empty()) return wrong;
+  if (std::string wrong = ValidateSurfaceFile(options.surface); !wrong.empty()) return wrong;
   std::error_code error;
   if (std::filesystem::is_directory(options.record, error))
     return fmt::format("--record {}: found a folder, accepted a file", options.record.string());
@@ -69,7 +71,7 @@ std::string MakeRoom(const OperateOptions& options) {
 int PrintResult(const OperateOptions& options, const CellSetup& setup,
                 const simulation::CuttingEngine& engine, const CellRunParams& params,
                 const CellRunResult& result) {
-  PhaseProgress measuring("osteon run", 3, false);
+  PhaseProgress measuring("osteon run", options.surface.empty() ? 3 : 4, false);
   measuring.BeginPhase("read the recording");
   StopPages stops(
       {.folder = options.record.parent_path(), .stem = options.record.stem().string(), .cell = setup.config});
@@ -78,6 +80,13 @@ int PrintResult(const OperateOptions& options, const CellSetup& setup,
   if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
   measuring.BeginPhase("measure the cut");
   RunSummary summary = Summarise(setup, engine, params, result, *run);
+  if (!options.surface.empty()) {
+    measuring.BeginPhase("make the surface");
+    if (auto surface = WriteRecordedSurface(params.recording, setup, {}, options.surface))
+      summary.surface = std::move(*surface);
+    else
+      AddReason(wrong, surface.error());
+  }
   if (auto pages = stops.Finish())  // before the report, which leads to them
     summary.stops = std::move(*pages);
   else
@@ -93,6 +102,7 @@ int PrintResult(const OperateOptions& options, const CellSetup& setup,
     if (const auto written = WriteText(options.json, ToJson(summary, "osteon.run/1")); !written)
       AddReason(wrong, written.error());
   PrintTable(summary, "Osteon run");
+  if (summary.surface) fmt::print("  {:<30} {}\n", "Surface", SurfaceText(*summary.surface));
   fmt::print("  {:<30} {}\n", "Report", page.string());
   if (!result.internal_error.empty())
     return Fail("run", "internal error: " + result.internal_error, kInternalError);

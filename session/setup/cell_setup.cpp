@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "config/reading/load.h"
+#include "session/setup/cell_bone.h"
 #include "session/setup/recorded_config.h"
-#include "simulation/packing/packing_file.h"
 #include "simulation/solids/cup_frame.h"
 
 namespace osteon::app {
@@ -23,56 +23,6 @@ std::string ConfigText(const io::ConfigSource& source) {
         extension == ".yaml" || extension == ".yml")
       text += fmt::format("# {}\n{}\n", file.name, file.content);
   return text;
-}
-
-// Loads a bone that `osteon pack` has saved.
-tl::expected<simulation::Bone, std::string> LoadPacking(const MeshChoice& choice) {
-  const auto file = simulation::PackingFile::Open(choice.file);
-  if (!file) return tl::make_unexpected(file.error().Text());
-  const auto refuse = [&](const char* found, const char* accepted) {
-    return tl::make_unexpected(
-        fmt::format("{}: found a packing without {}, accepted {}", choice.file.string(), found, accepted));
-  };
-  if (!file->site() && !choice.cup) return refuse("a site", "one with it, or --cup");
-  if (file->points().empty()) return refuse("mass points", "one with them (osteon pack without --no-points)");
-  simulation::Bone bone = file->ToBone();
-  if (choice.cup) bone.site = *choice.cup;
-  return bone;
-}
-
-// Loads the solid, or the packing, of a cell's bone, and places it. @returns what is wrong; empty: nothing
-std::string LoadBone(CellSetup& setup, const std::optional<MeshChoice>& mesh_instead) {
-  const simulation::SceneParams& scene = setup.config.scene;
-  std::optional<MeshChoice> mesh = mesh_instead;
-  std::string place;  // in the cell's file
-  if (!mesh && setup.config.bone) {
-    place = setup.config.bone->place + ": ";
-    mesh = {
-        .file = setup.config.bone->file, .cup = setup.config.bone->cup, .scale = setup.config.bone->scale};
-  }
-  if (mesh && mesh->file.extension() == ".osp") {
-    auto bone = LoadPacking(*mesh);
-    if (!bone) return place + bone.error();
-    setup.bone = std::move(*bone);
-  } else {
-    simulation::SceneSolid made;
-    if (!mesh) {
-      made = simulation::MakeSceneSolid(scene);
-    } else {
-      auto loaded = simulation::LoadSceneSolid(mesh->file, mesh->scale,
-                                               mesh->cup.value_or(simulation::CutSite{}), scene);
-      if (!loaded) return place + loaded.error().message;
-      made = std::move(*loaded);
-    }
-    setup.bone.name = made.name;
-    setup.bone.site = made.site;
-    setup.bone_warning = made.warning;
-    setup.solid = made.solid;
-  }
-  // place the bone so that its site is where the cell wants it: the configuration's X_WG is the pose of the
-  // site's frame
-  setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.site).inverse();
-  return "";
 }
 
 }  // namespace
@@ -128,12 +78,12 @@ tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& ce
     setup.config_source = std::move(*kept);
   }
   setup.config_text = ConfigText(setup.config_source);
-  if (const std::string wrong = LoadBone(setup, mesh_instead); !wrong.empty())
-    return tl::make_unexpected(wrong);
+  if (auto made = MakeCellBone(setup, mesh_instead); !made) return tl::make_unexpected(made.error());
   return setup;
 }
 
-tl::expected<CellSetup, std::string> SetUpRecorded(const io::SessionInfo& session) {
+tl::expected<CellSetup, std::string> SetUpRecorded(const io::SessionInfo& session,
+                                                   const std::optional<MeshChoice>& mesh) {
   auto config = LoadRecordedCell(session.config);
   if (!config) return tl::make_unexpected(config.error());
   CellSetup setup;
@@ -141,10 +91,11 @@ tl::expected<CellSetup, std::string> SetUpRecorded(const io::SessionInfo& sessio
   setup.config_text = session.config_text;
   setup.config_source = session.config;
   setup.cell_name = std::filesystem::path(session.config.cell_file).stem().string();
-  std::string wrong = LoadBone(setup, {});
+  const auto made = MakeCellBone(setup, mesh);
+  std::string wrong = made ? "" : made.error();
   if (wrong.empty() && setup.bone.name != session.scene)
-    wrong =
-        fmt::format("the recorded bone is {}, that of the configuration {}", session.scene, setup.bone.name);
+    wrong = fmt::format("{}: found the bone {}, accepted the recording's, {}",
+                        mesh ? "--mesh" : "configuration", setup.bone.name, session.scene);
   if (wrong.empty()) return setup;
   setup.bone_warning = wrong + ": the bone cannot be shown";
   setup.solid = nullptr;

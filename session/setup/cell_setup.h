@@ -58,7 +58,8 @@ struct CellSetup {
 /// The cell of a recording, from the recording alone, but for a mesh that its configuration names. Without
 /// that mesh, or with another bone than the configuration's (`demo --mesh`), solid is null and bone_warning
 /// says why; the site is then the scene's. The error says what of the configuration is missing or wrong.
-[[nodiscard]] tl::expected<CellSetup, std::string> SetUpRecorded(const io::SessionInfo& session);
+[[nodiscard]] tl::expected<CellSetup, std::string> SetUpRecorded(const io::SessionInfo& session,
+                                                                 const std::optional<MeshChoice>& mesh = {});
 
 /// Packs a prepared cell's bone by the scene's own `packing`. A loaded bone stays.
 void PackAsScene(CellSetup& setup);

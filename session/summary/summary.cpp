@@ -473,6 +473,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
        s.recording_error.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.recording_error)}};
   out["events"] = events;
   out["planned"] = s.planned ? PlannedJson(*s.planned) : nlohmann::json(nullptr);
+  out["surface"] = s.surface ? nlohmann::json(SurfaceJson(*s.surface)) : nlohmann::json(nullptr);
   out["rezoned"] = nlohmann::json::array();
   for (const RezonedRow& row : s.rezoned)
     out["rezoned"].push_back({{"time_s", row.time_s},

@@ -9,6 +9,7 @@
 #include "report/report.h"
 #include "session/planning/plan.h"
 #include "session/planning/planned_cell.h"
+#include "session/replay/recorded_surface.h"
 #include "session/run/cell_run.h"
 #include "session/stops/stop_records.h"
 #include "session/summary/event_row.h"
@@ -95,13 +96,14 @@ struct RunSummary {
   std::vector<RezonedRow> rezoned;             ///< zones that were coarsened
   /// Thinnest wall beside the cut, 0: cut through; nothing: not watched.
   std::optional<double> min_wall_m;
-  std::vector<std::string> assumptions;  ///< material figures that have no source
-  std::vector<WrittenStop> stops;        ///< one page each
-  std::string config_checksum;           ///< of the files that the cell was loaded from
-  int recovered{0};                      ///< number of times that rendering began again
-  std::string cell_report;               ///< report of the simulated cell, osteon.cell/1
-  control::TickInput link;               ///< of the last tick: counts of messages and answers
-  std::string arm_stop;                  ///< why the simulated arm ended the session; empty if it did not
+  std::vector<std::string> assumptions;   ///< material figures that have no source
+  std::vector<WrittenStop> stops;         ///< one page each
+  std::optional<WrittenSurface> surface;  ///< nothing: not asked for, or not written
+  std::string config_checksum;            ///< of the files that the cell was loaded from
+  int recovered{0};                       ///< number of times that rendering began again
+  std::string cell_report;                ///< report of the simulated cell, osteon.cell/1
+  control::TickInput link;                ///< of the last tick: counts of messages and answers
+  std::string arm_stop;                   ///< why the simulated arm ended the session; empty if it did not
 };
 
 /// Computes the summary from the recording (`run`: ReadRun) and the carved state; the caller fills `section`

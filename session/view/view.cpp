@@ -9,10 +9,12 @@
 #include "base/interrupt.h"
 #include "base/json_text.h"
 #include "base/write_text.h"
+#include "console/server/surface_feed.h"
 #include "session/process/exit_code.h"
 #include "session/run/console_scene.h"
 #include "session/view/playback.h"
 #include "session/view/recording_scan.h"
+#include "session/view/view_surface.h"
 
 namespace osteon::app {
 namespace {
@@ -53,6 +55,8 @@ int RunView(const ViewOptions& options) {
   console::SurfaceStore surface;
   Playback playback(std::move(*timeline), feed);
   RecordingScan scan(options.recording);
+  console::SurfaceFeed chunks(surface);
+  ViewSurface bone(options.recording, *setup, chunks);
   const auto server = console::ConsoleServer::Start(
       {.address = options.console.address,
        .port = options.console.port,
@@ -76,7 +80,10 @@ int RunView(const ViewOptions& options) {
       return Fail("view", written.error(), kFailed);
   }
   InstallInterrupt();
-  while (!Interrupted().load()) std::this_thread::sleep_for(kLooksForEnd);
+  while (!Interrupted().load()) {
+    std::this_thread::sleep_for(kLooksForEnd);
+    bone.GoTo(playback.state().at_s);
+  }
   return 0;
 }
 

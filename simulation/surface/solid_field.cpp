@@ -1,6 +1,9 @@
 #include "simulation/surface/solid_field.h"
 
 #include <array>
+#include <vector>
+
+#include "base/parallel.h"
 
 namespace osteon::surface {
 namespace {
@@ -21,26 +24,6 @@ float ReachOf(const BrickLayout& layout, int bricks) {
          (kHalfDiagonalVoxels / 7.0F * static_cast<float>(kBrickEdge * bricks - 1) + kBandVoxels + kRounding);
 }
 
-void SampleBrick(const BrickLayout& layout, const DistanceAt& distance, const std::array<int, 3>& place,
-                 BrickField& field) {
-  const BrickIndex brick = layout.At(place[0], place[1], place[2]);
-  const double centre_mm = distance(CentreOf(layout, place, 1));
-  if (std::abs(centre_mm) > ReachOf(layout, 1)) {
-    field.MakeUniform(brick, centre_mm < 0.0 ? BrickField::kAllLow : BrickField::kAllHigh);
-    return;
-  }
-  std::int16_t* values = field.MakeValues(brick);
-  bool low = true, high = true;
-  for (int i = 0; i < kBrickNodes; ++i) {
-    const Vec3 node = layout.Node(place[0] * kBrickEdge + (i & 7), place[1] * kBrickEdge + (i >> 3 & 7),
-                                  place[2] * kBrickEdge + (i >> 6));
-    values[i] = ToFieldValue(distance(node), layout.voxel_mm);
-    low = low && values[i] == -kFieldLimit;
-    high = high && values[i] == kFieldLimit;
-  }
-  if (low || high) field.MakeUniform(brick, low ? BrickField::kAllLow : BrickField::kAllHigh);
-}
-
 template <class Visit>
 void EachBrick(const std::array<int, 3>& from, const std::array<int, 3>& to, int step, const Visit& visit) {
   for (int z = from[2]; z < to[2]; z += step)
@@ -48,24 +31,91 @@ void EachBrick(const std::array<int, 3>& from, const std::array<int, 3>& to, int
       for (int x = from[0]; x < to[0]; x += step) visit(std::array<int, 3>{x, y, z});
 }
 
+/// A brick's part of the field, before it has a place in it.
+struct SampledBrick {
+  BrickIndex brick{0};
+  std::int32_t state{BrickField::kAllHigh};  ///< of a uniform brick
+  std::vector<std::int16_t> values;          ///< empty: uniform
+};
+
+/// Samples a row of eight nodes. A distance changes by no more than the way, so the nodes after one that is
+/// far from the surface are known.
+void SampleRow(const BrickLayout& layout, const DistanceAt& distance, const std::array<int, 3>& first,
+               std::int16_t* values) {
+  int known = 0;
+  for (int x = 0; x < kBrickEdge; ++x) {
+    if (known > 0) {
+      values[x] = values[x - 1];
+      --known;
+      continue;
+    }
+    const double distance_mm = distance(layout.Node(first[0] + x, first[1], first[2]));
+    values[x] = ToFieldValue(distance_mm, layout.voxel_mm);
+    known = static_cast<int>(std::abs(distance_mm) / static_cast<double>(layout.voxel_mm) -
+                             static_cast<double>(kBandVoxels));
+  }
+}
+
+SampledBrick SampleBrick(const BrickLayout& layout, const DistanceAt& distance,
+                         const std::array<int, 3>& place) {
+  SampledBrick sampled{.brick = layout.At(place[0], place[1], place[2]), .values = {}};
+  const double centre_mm = distance(CentreOf(layout, place, 1));
+  if (std::abs(centre_mm) > ReachOf(layout, 1)) {
+    sampled.state = centre_mm < 0.0 ? BrickField::kAllLow : BrickField::kAllHigh;
+    return sampled;
+  }
+  std::vector<std::int16_t> values(kBrickNodes);
+  for (int row = 0; row < kBrickEdge * kBrickEdge; ++row)
+    SampleRow(layout, distance,
+              {place[0] * kBrickEdge, place[1] * kBrickEdge + (row & 7), place[2] * kBrickEdge + (row >> 3)},
+              values.data() + row * kBrickEdge);
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  if (*high == -kFieldLimit)
+    sampled.state = BrickField::kAllLow;
+  else if (*low != kFieldLimit)
+    sampled.values = std::move(values);
+  return sampled;
+}
+
+/// Samples the bricks of a block that are not all air.
+std::vector<SampledBrick> SampleBlock(const BrickLayout& layout, const DistanceAt& distance,
+                                      const std::array<int, 3>& block) {
+  std::vector<SampledBrick> bricks;
+  const double centre_mm = distance(CentreOf(layout, block, kBlockEdge));
+  const bool is_far = std::abs(centre_mm) > ReachOf(layout, kBlockEdge);
+  if (is_far && centre_mm > 0.0) return bricks;
+  std::array<int, 3> end{};
+  for (std::size_t i = 0; i < 3; ++i) end[i] = std::min(block[i] + kBlockEdge, layout.bricks[i]);
+  EachBrick(block, end, 1, [&](const std::array<int, 3>& place) {
+    SampledBrick brick{
+        .brick = layout.At(place[0], place[1], place[2]), .state = BrickField::kAllLow, .values = {}};
+    if (!is_far) brick = SampleBrick(layout, distance, place);
+    if (!brick.values.empty() || brick.state == BrickField::kAllLow) bricks.push_back(std::move(brick));
+  });
+  return bricks;
+}
+
 }  // namespace
 
 SolidField::SolidField(const BrickLayout& layout, const DistanceAt& distance)
     : layout_(layout), distances_(layout.Count(), BrickField::kAllHigh) {
-  EachBrick({0, 0, 0}, layout.bricks, kBlockEdge, [&](const std::array<int, 3>& block) {
-    std::array<int, 3> end{};
-    for (std::size_t i = 0; i < 3; ++i) end[i] = std::min(block[i] + kBlockEdge, layout.bricks[i]);
-    const double centre_mm = distance(CentreOf(layout, block, kBlockEdge));
-    if (std::abs(centre_mm) > ReachOf(layout, kBlockEdge)) {
-      if (centre_mm < 0.0)
-        EachBrick(block, end, 1, [&](const std::array<int, 3>& p) {
-          distances_.MakeUniform(layout.At(p[0], p[1], p[2]), BrickField::kAllLow);
-        });
-      return;
+  std::vector<std::array<int, 3>> blocks;
+  EachBrick({0, 0, 0}, layout.bricks, kBlockEdge,
+            [&](const std::array<int, 3>& block) { blocks.push_back(block); });
+  std::vector<std::vector<SampledBrick>> sampled(blocks.size());
+  simulation::ParallelFor(
+      blocks.size(), 0,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) sampled[i] = SampleBlock(layout, distance, blocks[i]);
+      },
+      1);
+  for (const std::vector<SampledBrick>& bricks : sampled)
+    for (const SampledBrick& brick : bricks) {
+      if (brick.values.empty())
+        distances_.MakeUniform(brick.brick, brick.state);
+      else
+        std::copy(brick.values.begin(), brick.values.end(), distances_.MakeValues(brick.brick));
     }
-    EachBrick(block, end, 1,
-              [&](const std::array<int, 3>& place) { SampleBrick(layout, distance, place, distances_); });
-  });
 }
 
 SolidField::SolidField(const BrickLayout& layout, std::span<const Capsule> balls)

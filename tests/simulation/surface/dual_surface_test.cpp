@@ -1,11 +1,13 @@
 #include "simulation/surface/dual_surface.h"
 
 #include <algorithm>
+#include <bit>
 #include <numbers>
 #include <set>
 
 #include <gtest/gtest.h>
 
+#include "base/scramble.h"
 #include "simulation/surface/dual_cases.h"
 #include "simulation/surface/welded_surface.h"
 #include "tests/simulation/surface/surface_shapes.h"
@@ -37,6 +39,14 @@ std::size_t BadFans(const WeldedSurface& mesh) {
   }));
 }
 
+/// Evenly spread over -1 … 1, without any relation between neighbours.
+double Noise(Vec3 p, std::uint64_t seed) {
+  std::uint64_t bits = seed;
+  for (const float along : {p.x, p.y, p.z})
+    bits = simulation::Scramble(bits ^ std::bit_cast<std::uint32_t>(along));
+  return 2.0 * simulation::Uniform(bits) - 1.0;
+}
+
 void ExpectManifold(const WeldedSurface& mesh) {
   const EdgeCounts edges = CountEdges(mesh);
   EXPECT_EQ(edges.open, 0U);
@@ -64,12 +74,10 @@ TEST(DualCases, EveryCutEdgeIsInOnePatchOfThreeEdgesAtLeast) {
 TEST(DualSurface, OfRandomNoiseIsManifold) {
   std::mt19937 random(21);
   for (int trial = 0; trial < 4; ++trial) {
-    std::uniform_real_distribution<double> noise(-1.0, 1.0);
     const auto solid = std::make_shared<const SolidField>(
-        MakeLayout({0.0F, 0.0F, 0.0F}, {19.0F, 19.0F, 19.0F}, 1.0F), [&](Vec3 p) {
+        MakeLayout({0.0F, 0.0F, 0.0F}, {19.0F, 19.0F, 19.0F}, 1.0F), [trial](Vec3 p) {
           const bool in_box = std::min({p.x, p.y, p.z}) >= 0.0F && std::max({p.x, p.y, p.z}) <= 19.0F;
-          const double value = noise(random);
-          return in_box ? value : 1.0;
+          return in_box ? Noise(p, static_cast<std::uint64_t>(trial)) : 1.0;
         });
     CarvedField field(solid);
     if (trial >= 2) field.Carve(RandomWay(random, 19.0F, 3.0F, 30));

@@ -1,0 +1,131 @@
+#include "session/replay/recorded_surface.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "io/recording/recording_reader.h"
+#include "session/summary/chart_files.h"
+#include "simulation/surface/bone_solid.h"
+#include "simulation/surface/carved_field.h"
+#include "simulation/surface/tool_ways.h"
+
+namespace osteon::app {
+namespace {
+
+/// When the spindle began or ceased to turn. A frame may stand in the file before the tick of its pose, so
+/// these are gathered first.
+class SpindleTimes {
+ public:
+  void Add(const control::TickRecord& tick) {
+    const bool turns = tick.spindle_rad_per_s != 0.0;
+    if (changes_.empty() || changes_.back().second != turns) changes_.emplace_back(tick.stamp, turns);
+  }
+  [[nodiscard]] bool TurnsAt(rt::Nanoseconds stamp) const {
+    const auto after =
+        std::upper_bound(changes_.begin(), changes_.end(), stamp,
+                         [](rt::Nanoseconds value, const auto& change) { return value < change.first; });
+    return after != changes_.begin() && std::prev(after)->second;
+  }
+
+ private:
+  std::vector<std::pair<rt::Nanoseconds, bool>> changes_;
+};
+
+/// Calls visit(stream) for each message of a topic.
+template <class Visit>
+tl::expected<io::SessionInfo, std::string> EachMessage(const std::filesystem::path& recording,
+                                                       io::RecordedTopic wanted, const Visit& visit) {
+  auto stream = io::RecordingStream::Open(recording);
+  if (!stream) return tl::make_unexpected(stream.error());
+  for (;;) {
+    const auto topic = stream->Next();
+    if (!topic) return tl::make_unexpected(topic.error());
+    if (*topic == io::RecordedTopic::kOther) return stream->session;
+    if (*topic == wanted) visit(*stream);
+  }
+}
+
+std::shared_ptr<const surface::SolidField> SolidOf(const CellSetup& setup, float voxel_mm) {
+  return setup.solid ? surface::SampleSolid(*setup.solid, voxel_mm)
+                     : surface::UnionOfBalls(setup.bone, voxel_mm);
+}
+
+}  // namespace
+
+tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesystem::path& recording,
+                                                               const CellSetup& setup,
+                                                               std::optional<double> at_s,
+                                                               const std::filesystem::path& file) {
+  SpindleTimes spindle;
+  const auto session = EachMessage(recording, io::RecordedTopic::kTick,
+                                   [&](const io::RecordingStream& stream) { spindle.Add(stream.tick); });
+  if (!session) return tl::make_unexpected(session.error());
+  const simulation::Tool& tool = setup.config.tool.tool;
+  WrittenSurface written{.file = file,
+                         .voxel_mm = static_cast<double>(surface::VoxelFor(tool)),
+                         .from_balls = setup.solid == nullptr};
+  try {
+    surface::CarvedField field(SolidOf(setup, static_cast<float>(written.voxel_mm)));
+    surface::ToolWays ways(tool, setup.X_WG);
+    const auto carved =
+        EachMessage(recording, io::RecordedTopic::kFrame, [&](const io::RecordingStream& stream) {
+          const simulation::FrameRecord& frame = stream.frame;
+          const double time_s = rt::ToSeconds(frame.stamp - session->stamp);
+          if (at_s && time_s > *at_s) return;
+          written.time_s = std::max(written.time_s, time_s);
+          const double turning = spindle.TurnsAt(frame.model.pose_stamp) ? 1.0 : 0.0;
+          if (ways.Add(surface::MakeToolFrame(frame.model, turning))) field.Carve(ways.TakeCapsules());
+        });
+    if (!carved) return tl::make_unexpected(carved.error());
+    field.Carve(ways.TakeCapsules());
+    const auto figures = surface::WriteSurface(file, field);
+    if (!figures) return tl::make_unexpected(figures.error().Text());
+    written.figures = *figures;
+  } catch (const std::invalid_argument& error) {  // a grid that no memory holds
+    return tl::make_unexpected(fmt::format("{}: {}", file.string(), error.what()));
+  }
+  return written;
+}
+
+tl::expected<CellSetup, std::string> PrepareRecordedCell(const io::SessionInfo& session,
+                                                         const std::optional<MeshChoice>& mesh) {
+  auto setup = SetUpRecorded(session, mesh);
+  if (!setup || setup->solid || !setup->bone.balls.empty()) return setup;
+  std::error_code ignored;
+  const auto& file = setup->config.bone;
+  if (!mesh && file && !std::filesystem::exists(file->file, ignored))
+    return tl::make_unexpected(fmt::format(
+        "the bone is of {}, which is not in the recording: found no --mesh, accepted with that file",
+        file->file.filename().string()));
+  return tl::make_unexpected(setup->bone_warning);
+}
+
+std::string ValidateSurfaceFile(const std::filesystem::path& file) {
+  if (file.empty()) return "";
+  if (const std::string wrong = surface::ValidateSurfaceName(file); !wrong.empty())
+    return "--surface: " + wrong;
+  return ValidateOutputFile("--surface", file);
+}
+
+nlohmann::ordered_json SurfaceJson(const WrittenSurface& surface) {
+  return {{"file", surface.file.string()},
+          {"triangles", surface.figures.triangles},
+          {"volume_mm3", surface.figures.volume_mm3},
+          {"watertight", surface.figures.watertight},
+          {"voxel_mm", surface.voxel_mm},
+          {"time_s", surface.time_s},
+          {"from_balls", surface.from_balls}};
+}
+
+std::string SurfaceText(const WrittenSurface& surface) {
+  return fmt::format("{}: {} triangles, {:.0f} mm³{}{}", surface.file.string(), surface.figures.triangles,
+                     surface.figures.volume_mm3,
+                     surface.figures.watertight ? ", watertight" : ", not watertight",
+                     surface.from_balls ? "; of the packing's balls, since its solid is not known" : "");
+}
+
+}  // namespace osteon::app

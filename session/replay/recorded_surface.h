@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+#include <tl/expected.hpp>
+
+#include "io/recording/messages.h"
+#include "session/setup/cell_setup.h"
+#include "simulation/surface/surface_export.h"
+
+namespace osteon::app {
+
+/// A carved bone that was written as a mesh.
+struct WrittenSurface {
+  std::filesystem::path file;
+  surface::SurfaceFigures figures{};
+  double voxel_mm{0.0};
+  double time_s{0.0};  ///< since the recording's start, of the last frame that is carved; 0: none
+  /// The bone's balls are shown, since the solid that they were packed from is not known (.osp).
+  bool from_balls{false};
+};
+
+/// Carves the bone's solid by the frames of a recording, and writes its surface. Frames give the proxy's way,
+/// ticks the times in which the spindle turned.
+/// @param setup  the cell of the recording: bone, solid, tool and X_WG
+/// @param at_s   up to this time since the recording's start; none: to its end
+/// The error names the file and what is wrong.
+[[nodiscard]] tl::expected<WrittenSurface, std::string> WriteRecordedSurface(
+    const std::filesystem::path& recording, const CellSetup& setup, std::optional<double> at_s,
+    const std::filesystem::path& file);
+
+/// Makes the cell of a recording, with its bone, from the recording alone. A bone from a file is not in a
+/// recording: `mesh` gives it.
+/// The error says what the recording lacks.
+[[nodiscard]] tl::expected<CellSetup, std::string> PrepareRecordedCell(const io::SessionInfo& session,
+                                                                       const std::optional<MeshChoice>& mesh);
+
+/// Checks a surface's file before anything runs. @returns what is wrong, else empty
+[[nodiscard]] std::string ValidateSurfaceFile(const std::filesystem::path& file);
+
+/// {file, triangles, volume_mm3, watertight, voxel_mm, time_s}
+[[nodiscard]] nlohmann::ordered_json SurfaceJson(const WrittenSurface& surface);
+/// One line: the file, triangles, volume.
+[[nodiscard]] std::string SurfaceText(const WrittenSurface& surface);
+
+}  // namespace osteon::app
