@@ -32,7 +32,9 @@ void AddPermits(const control::TickRecord& tick, LiveStatus& status) {
   if (tick.cell_state >= safety::kCellStates) return;
   const auto state = static_cast<safety::CellState>(tick.cell_state);
   status.moves = safety::IsMotion(state);
-  status.permits_known = status.moves || safety::Waits(state) || state == safety::CellState::kPaused;
+  // an arm that says nothing has no conditions yet: nobody looks at them
+  status.permits_known = status.moves || state == safety::CellState::kPaused ||
+                         (safety::Waits(state) && state != safety::CellState::kOff);
   const safety::MotionPermits permits(status.moves ? safety::MotionPermits::kAll : tick.permits);
   for (int bit = 0; bit < safety::kMotionPermits; ++bit) {
     const auto permit = static_cast<safety::MotionPermit>(1u << bit);

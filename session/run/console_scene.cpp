@@ -71,7 +71,10 @@ std::string ConsoleScene(const CellSetup& setup, const std::string& command, dou
   const config::CellConfig& cell = setup.config;
   const simulation::CutSite& site = setup.bone.site;
   json materials = json::array();
-  for (const simulation::Material& material : setup.bone.materials) materials.push_back(material.name);
+  // a bone that was not packed has none yet
+  for (const simulation::Material& material :
+       setup.bone.materials.empty() ? setup.config.scene.materials : setup.bone.materials)
+    materials.push_back(material.name);
   const json scene{
       {"type", "hello"},
       {"schema", "osteon.scene/1"},

@@ -71,7 +71,7 @@ async function operatesTheCell() {
   assert.deepEqual(await clipped(page), []);
 
   await until(page, "osteon.live.status.removed_mm3 > 1000");
-  await until(page, "osteon.scene.drawn > 5");
+  await until(page, "osteon.scene.surface.triangles > 10000 && osteon.scene.drawn > 5"); // the bone, as it is carved
   await picture(page, "cutting");
 
   // a second page watches: it may not steer
@@ -150,7 +150,7 @@ async function viewsARecording() {
   const duration = await page.evaluate("osteon.timeline.state.duration_s");
   await page.evaluate(`osteon.connection.ask("seek", ${0.6 * duration})`);
   await until(page, `Math.abs(osteon.timeline.state.at_s - ${0.6 * duration}) < 0.05`);
-  await until(page, "osteon.timeline.news?.done");
+  await until(page, "osteon.timeline.news?.done && osteon.scene.surface.triangles > 10000");
   assert.deepEqual(await clipped(page), []);
   await picture(page, "view");
   await page.click("#play");
