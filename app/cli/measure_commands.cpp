@@ -101,6 +101,32 @@ CLI::App* AddBenchKinematics(CLI::App& bench, BenchKinematicsOptions& options) {
   return sub;
 }
 
+CLI::App* AddBenchSurface(CLI::App& bench, BenchSurfaceOptions& options) {
+  CLI::App* sub = bench.add_subcommand("surface", "times the carved surface: its start, and steps of a cut");
+  sub->add_option("--cells", options.cells, "names under cells/; separated by commas")
+      ->type_name("CELL")
+      ->delimiter(',')
+      ->expected(1)
+      ->take_all()
+      ->capture_default_str();
+  sub->add_option("--voxels-mm", options.voxels_mm,
+                  "edges of a voxel, separated by commas; without it twice, once and half of the tool's own")
+      ->check(NumberWithin(0.05, 5.0))
+      ->delimiter(',')
+      ->expected(1)
+      ->take_all();
+  sub->add_option("--frames", options.frames, "frames of the cut; 16 of them are a step")
+      ->check(NumberWithin(16, 1e6))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
+  sub->footer(
+      "A step carves what the tool swept in 16 frames, makes the mesh of the bricks that changed, and packs "
+      "it "
+      "for a page. The tool circles 1 mm off the site's axis and is fed in by 5 um a frame.\n\n"
+      "Examples:\n  osteon bench surface\n  osteon bench surface --cells molar --voxels-mm 0.25,0.1");
+  return sub;
+}
+
 CLI::App* AddBenchTick(CLI::App& bench, BenchTickOptions& options) {
   CLI::App* sub = bench.add_subcommand("tick", "times the servo tick as a whole and in parts");
   sub->add_option("--ticks", options.ticks,
@@ -199,6 +225,7 @@ MeasureCommands::MeasureCommands(CLI::App& app)
     : bench_(AddStudy(app, "bench")),
       frame_(AddBenchFrame(*bench_, frame_options_)),
       kinematics_(AddBenchKinematics(*bench_, kinematics_options_)),
+      surface_(AddBenchSurface(*bench_, surface_options_)),
       tick_(AddBenchTick(*bench_, tick_options_)),
       console_(AddBenchConsole(*bench_, console_options_)),
       chart_(AddStudy(app, "chart")),
@@ -206,8 +233,8 @@ MeasureCommands::MeasureCommands(CLI::App& app)
       accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)) {
   bench_->require_subcommand(1);
   bench_->footer(
-      "Examples:\n  osteon bench frame\n  osteon bench kinematics\n  osteon bench tick\n  osteon bench "
-      "console\n  osteon bench frame "
+      "Examples:\n  osteon bench frame\n  osteon bench kinematics\n  osteon bench surface\n  osteon bench "
+      "tick\n  osteon bench console\n  osteon bench frame "
       "--help");
   chart_->require_subcommand(1);
   chart_->footer("Examples:\n  osteon chart scaling\n  osteon chart speed-accuracy --quick");
@@ -221,6 +248,10 @@ int MeasureCommands::Run(const std::filesystem::path& config_root) {
   if (kinematics_->parsed()) {
     kinematics_options_.config_root = config_root;
     return RunBenchKinematics(kinematics_options_);
+  }
+  if (surface_->parsed()) {
+    surface_options_.config_root = config_root;
+    return RunBenchSurface(surface_options_);
   }
   if (tick_->parsed()) {
     tick_options_.config_root = config_root;

@@ -7,14 +7,15 @@
 #include "studies/bench/bench_console.h"
 #include "studies/bench/bench_frame.h"
 #include "studies/bench/bench_kinematics.h"
+#include "studies/bench/bench_surface.h"
 #include "studies/bench/bench_tick.h"
 #include "studies/charts/chart_scaling.h"
 #include "studies/charts/chart_speed_accuracy.h"
 
 namespace osteon::app {
 
-/// The subcommands that measure: `bench frame`, `bench kinematics`, `bench tick`, `bench console`, `chart
-/// scaling`, `chart speed-accuracy`.
+/// The subcommands that measure: `bench frame`, `bench kinematics`, `bench surface`, `bench tick`, `bench
+/// console`, `chart scaling`, `chart speed-accuracy`.
 class MeasureCommands {
  public:
   explicit MeasureCommands(CLI::App& app);
@@ -27,11 +28,12 @@ class MeasureCommands {
  private:
   BenchFrameOptions frame_options_;  // before the members that point into it
   BenchKinematicsOptions kinematics_options_;
+  BenchSurfaceOptions surface_options_;
   BenchTickOptions tick_options_;
   BenchConsoleOptions console_options_;
   ScalingOptions scaling_options_;
   SpeedAccuracyOptions accuracy_options_;
-  CLI::App *bench_, *frame_, *kinematics_, *tick_, *console_, *chart_, *scaling_, *accuracy_;
+  CLI::App *bench_, *frame_, *kinematics_, *surface_, *tick_, *console_, *chart_, *scaling_, *accuracy_;
 };
 
 }  // namespace osteon::app

@@ -1,5 +1,7 @@
 #include "simulation/surface/bone_solid.h"
 
+#include <utility>
+
 #include "simulation/surface/millimetres.h"
 
 namespace osteon::surface {
@@ -9,6 +11,12 @@ std::shared_ptr<const SolidField> SampleSolid(const simulation::Solid& solid, fl
   const BrickLayout layout = MakeLayout(ToMillimetres(box.min()), ToMillimetres(box.max()), voxel_mm);
   return std::make_shared<const SolidField>(
       layout, [&solid](Vec3 p_mm) { return 1e3 * solid.SignedDistance(ToMetres(p_mm)); });
+}
+
+MaterialAt TissueOf(std::shared_ptr<const simulation::Solid> solid) {
+  return [solid = std::move(solid)](Vec3 p_mm) {
+    return static_cast<std::uint8_t>(solid->MaterialAt(ToMetres(p_mm)));
+  };
 }
 
 std::shared_ptr<const SolidField> UnionOfBalls(const simulation::Bone& bone, float voxel_mm) {

@@ -4,12 +4,16 @@
 
 #include "simulation/bone/bone.h"
 #include "simulation/solids/solid.h"
+#include "simulation/surface/dual_surface.h"
 #include "simulation/surface/solid_field.h"
 
 namespace osteon::surface {
 
 /// Samples the solid that a bone was packed from, on a grid over its bounds.
 [[nodiscard]] std::shared_ptr<const SolidField> SampleSolid(const simulation::Solid& solid, float voxel_mm);
+
+/// The tissue at a vertex, for ExtractChunk. A mesh with layers takes about a microsecond a vertex.
+[[nodiscard]] MaterialAt TissueOf(std::shared_ptr<const simulation::Solid> solid);
 
 /// Makes the union of a bone's balls, where the solid that they were packed from is not known. The surface
 /// shows the balls.

@@ -5,6 +5,12 @@
 
 #include "simulation/surface/brick_field.h"
 
+// A square root that sets errno would keep GCC from making vectors of the loop.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC push_options
+#pragma GCC optimize("O3", "no-math-errno")
+#endif
+
 namespace osteon::surface {
 
 void SweepBrick(std::int16_t* values, Vec3 first, float voxel_mm, const Capsule& capsule) {
@@ -39,6 +45,14 @@ void SweepBrick(std::int16_t* values, Vec3 first, float voxel_mm, const Capsule&
       }
     }
 }
+
+}  // namespace osteon::surface
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC pop_options
+#endif
+
+namespace osteon::surface {
 
 float DepthIn(const Capsule& capsule, Vec3 point) {
   const Vec3 along = capsule.b_mm - capsule.a_mm, from_a = point - capsule.a_mm;

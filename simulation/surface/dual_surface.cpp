@@ -38,16 +38,23 @@ class Extractor {
         chunk_(chunk) {}
 
   void Run() {
+    FindInsideRows();
     for (int z = -1; z < kBrickEdge; ++z)
-      for (int y = -1; y < kBrickEdge; ++y)
-        for (int x = -1; x < kBrickEdge; ++x) {
-          const unsigned inside = InsideMask(carved_, PatchNode(x, y, z));
-          if (inside != 0 && inside != 0xff) MakeCell(x, y, z, inside);
-        }
+      for (int y = -1; y < kBrickEdge; ++y) {
+        // Cells whose eight corners are not alike.
+        const unsigned a = Row(y, z), b = Row(y + 1, z), c = Row(y, z + 1), d = Row(y + 1, z + 1);
+        const unsigned all = a & b & c & d, any = a | b | c | d;
+        EachBit((any | any >> 1) & ~(all & all >> 1) & kCellBits,
+                [&](int bit) { MakeCell(bit - 2, y, z, InsideMask(carved_, PatchNode(bit - 2, y, z))); });
+      }
     for (int z = 0; z < kBrickEdge; ++z)
-      for (int y = 0; y < kBrickEdge; ++y)
-        for (int x = 0; x < kBrickEdge; ++x)
-          for (int axis = 0; axis < 3; ++axis) MakeQuad(x, y, z, axis);
+      for (int y = 0; y < kBrickEdge; ++y) {
+        const unsigned row = Row(y, z);
+        const std::array<unsigned, 3> cut{row ^ row >> 1, row ^ Row(y + 1, z), row ^ Row(y, z + 1)};
+        for (int axis = 0; axis < 3; ++axis)
+          EachBit(cut[static_cast<std::size_t>(axis)] & kNodeBits,
+                  [&](int bit) { MakeQuad(bit - 2, y, z, axis); });
+      }
   }
 
  private:
@@ -56,6 +63,27 @@ class Extractor {
     std::array<std::uint8_t, kCellEdges> patch;
     std::array<std::array<std::uint16_t, 2>, kMaxPatches> vertex;
   };
+
+  /// Bits of a row of a patch's nodes: bit 2 is the brick's node 0. Its cells begin at the nodes -1 … 7.
+  static constexpr unsigned kNodeBits = 0xffU << 2, kCellBits = 0x1ffU << 1;
+
+  /// Notes which nodes are inside, a word for each row along x.
+  void FindInsideRows() {
+    for (std::size_t row = 0; row < rows_.size(); ++row) {
+      const std::int16_t* values = carved_ + row * kPatchEdge;
+      unsigned inside = 0;
+      for (unsigned x = 0; x < kPatchEdge; ++x) inside |= (values[x] < 0 ? 1U : 0U) << x;
+      rows_[row] = static_cast<std::uint16_t>(inside);
+    }
+  }
+  [[nodiscard]] unsigned Row(int y, int z) const {
+    return rows_[static_cast<std::size_t>((z + 2) * kPatchEdge + y + 2)];
+  }
+
+  template <class Visit>
+  static void EachBit(unsigned bits, const Visit& visit) {
+    for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits));
+  }
 
   [[nodiscard]] static int CellNumber(int x, int y, int z) {
     return ((z + 1) * kCellEdge + y + 1) * kCellEdge + x + 1;
@@ -148,7 +176,6 @@ class Extractor {
   void MakeQuad(int x, int y, int z, int axis) {
     const int at = PatchNode(x, y, z), to = at + kNodeStep[static_cast<std::size_t>(axis)];
     const bool low_inside = carved_[at] < 0;
-    if (low_inside == (carved_[to] < 0)) return;
     const auto [b, c] = AxesAcross(axis);
     const int step_b = kCellStep[static_cast<std::size_t>(b)],
               step_c = kCellStep[static_cast<std::size_t>(c)];
@@ -172,6 +199,7 @@ class Extractor {
   const std::int16_t* carved_;
   std::array<int, 3> place_;
   SurfaceChunk& chunk_;
+  std::array<std::uint16_t, std::size_t{kPatchEdge} * kPatchEdge> rows_;
   std::array<Cell, kCells> cells_;  // filled in where cut
 };
 

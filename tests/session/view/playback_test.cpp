@@ -20,6 +20,9 @@ constexpr rt::Nanoseconds kStart = 5'000'000'000;
 
 // A recording of kSeconds whose force is the time, with an event each 5 s.
 void Record(const std::filesystem::path& path) {
+  io::SessionInfo session;
+  session.stamp = kStart;
+  session.version = "test";
   auto recorder = io::Recorder::Open({.path = path, .writer_thread = false}, session);
   ASSERT_TRUE(recorder) << recorder.error();
   for (std::uint64_t i = 1; i <= static_cast<std::uint64_t>(1e3 * kSeconds); ++i) {

@@ -74,6 +74,27 @@ TEST(BoneSolid, SamplesASolidInMillimetres) {
   EXPECT_NEAR(volume_mm3, size_mm.prod(), 0.01 * size_mm.prod());
 }
 
+TEST(BoneSolid, TellsTheTissueOfVertices) {
+  const auto block = std::make_shared<const simulation::BoxSolid>(
+      Vector3(0, 0, -0.01), Vector3(0.01, 0.01, 0), std::vector<simulation::TissueLayer>{{2, 0.003}}, 1);
+  CarvedField field(SampleSolid(*block, 0.5F));
+  const Capsule drill{{5.0F, 5.0F, 5.0F}, {5.0F, 5.0F, -5.0F}, 2.0F};
+  field.Carve({&drill, 1});
+  const MaterialAt tissue = TissueOf(block);
+  std::size_t layer = 0, core = 0;
+  SurfaceChunk chunk;
+  for (BrickIndex brick = 0; brick < field.layout().Count(); ++brick) {
+    ExtractChunk(field, brick, chunk, {}, tissue);
+    for (const SurfaceVertex& v : chunk.vertices) {
+      if (!v.cut || std::abs(v.p_mm.z + 3.0F) < 0.1F) continue;
+      ASSERT_EQ(v.material, v.p_mm.z > -3.0F ? 2 : 1);
+      ++(v.material == 2 ? layer : core);
+    }
+  }
+  EXPECT_GT(layer, 50U);
+  EXPECT_GT(core, 50U);
+}
+
 TEST(BoneSolid, UnitesTheBallsOfAPacking) {
   simulation::Bone bone;
   bone.balls.push_back({.center_m = Vector3(0.1, 0, 0), .radius_m = 0.005});

@@ -1,0 +1,172 @@
+#include "studies/bench/bench_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/clock.h"
+#include "base/interrupt.h"
+#include "base/json_text.h"
+#include "base/write_text.h"
+#include "config/reading/load.h"
+#include "session/process/exit_code.h"
+#include "session/setup/cell_setup.h"
+#include "session/summary/chart_files.h"
+#include "simulation/solids/cup_frame.h"
+#include "simulation/surface/bone_solid.h"
+#include "simulation/surface/carved_field.h"
+#include "simulation/surface/chunk_bytes.h"
+#include "simulation/surface/dual_surface.h"
+#include "simulation/surface/tool_ways.h"
+
+namespace osteon::app {
+namespace {
+
+/// Figures of one bone at one voxel.
+struct SurfaceTimes {
+  std::string cell;
+  double voxel_mm{0.0}, build_s{0.0}, first_mesh_s{0.0};
+  std::size_t triangles{0};
+  double field_mb{0.0};
+  std::vector<double> carve_ms{}, extract_ms{}, pack_ms{}, chunk_kb{}, bricks{};  // of each step
+};
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+/// Seconds since the last call.
+class StopWatch {
+ public:
+  double Lap() {
+    const rt::Nanoseconds now = rt::MonotonicNow();
+    return rt::ToSeconds(now - std::exchange(last_, now));
+  }
+
+ private:
+  rt::Nanoseconds last_{rt::MonotonicNow()};
+};
+
+/// The tool's pose in a frame: it begins at the site's surface, its axis along the site's.
+surface::ToolFrame FrameOf(const Pose& X_WC, double start_m, std::size_t frame) {
+  constexpr double kFeed_m = 5e-6, kCircle_m = 1e-3, kTurn_rad = 0.02;
+  const auto i = static_cast<double>(frame);
+  Pose X_CP = Pose::Identity();
+  X_CP.linear() = Eigen::AngleAxisd(M_PI, Vector3::UnitX()).toRotationMatrix();  // feed into the bone
+  X_CP.translation() = Vector3(kCircle_m * std::cos(kTurn_rad * i), kCircle_m * std::sin(kTurn_rad * i),
+                               start_m - kFeed_m * i);
+  const Pose X_WP = X_WC * X_CP;
+  return {.X_WP = X_WP, .p_WS_m = Vector3(X_WP.translation()), .cuts = true, .frame = frame + 1};
+}
+
+void Extract(const surface::CarvedField& field, std::vector<surface::SurfaceChunk>& chunks) {
+  const auto dirty = field.Dirty();
+  chunks.resize(std::max(chunks.size(), dirty.size()));
+  for (std::size_t i = 0; i < dirty.size(); ++i) surface::ExtractChunk(field, dirty[i], chunks[i]);
+}
+
+SurfaceTimes Measure(const CellSetup& setup, double voxel_mm, std::size_t frames) {
+  SurfaceTimes times{.cell = setup.cell_name, .voxel_mm = voxel_mm};
+  StopWatch watch;
+  surface::CarvedField field(surface::SampleSolid(*setup.solid, static_cast<float>(voxel_mm)));
+  times.build_s = watch.Lap();
+  std::vector<surface::SurfaceChunk> chunks;
+  Extract(field, chunks);
+  times.first_mesh_s = watch.Lap();
+  for (std::size_t i = 0; i < field.Dirty().size(); ++i) times.triangles += chunks[i].quads.size() / 2;
+  field.ClearDirty();
+
+  const Pose X_WC = setup.X_WG * simulation::CupPose(setup.bone.site);
+  const double start_m = setup.bone.site.radius_m > 0.02 ? -setup.bone.site.radius_m : 0.0;
+  surface::ToolWays ways(setup.config.tool.tool, setup.X_WG);
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t frame = 0; frame < frames && !Interrupted(); ++frame) {
+    if (!ways.Add(FrameOf(X_WC, start_m, frame))) continue;
+    (void)watch.Lap();
+    field.Carve(ways.TakeCapsules());
+    times.carve_ms.push_back(1e3 * watch.Lap());
+    Extract(field, chunks);
+    times.extract_ms.push_back(1e3 * watch.Lap());
+    bytes.clear();
+    for (std::size_t i = 0; i < field.Dirty().size(); ++i)
+      surface::AppendChunk(field.layout(), chunks[i], bytes);
+    times.pack_ms.push_back(1e3 * watch.Lap());
+    times.chunk_kb.push_back(1e-3 * static_cast<double>(bytes.size()));
+    times.bricks.push_back(static_cast<double>(field.Dirty().size()));
+    field.ClearDirty();
+  }
+  times.field_mb = 1e-6 * static_cast<double>(field.Bytes());
+  return times;
+}
+
+void Print(const SurfaceTimes& t) {
+  fmt::print(
+      "{:<12} {:>6.3f} {:>8.3f} {:>8.3f} {:>10} {:>7.1f} {:>8.2f} {:>8.2f} {:>7.2f} {:>7.0f} {:>8.1f}\n",
+      t.cell, t.voxel_mm, t.build_s, t.first_mesh_s, t.triangles, t.field_mb, Median(t.carve_ms),
+      Median(t.extract_ms), Median(t.pack_ms), Median(t.bricks), Median(t.chunk_kb));
+}
+
+nlohmann::ordered_json Json(const SurfaceTimes& t) {
+  return {{"cell", t.cell},
+          {"voxel_mm", t.voxel_mm},
+          {"build_s", t.build_s},
+          {"first_mesh_s", t.first_mesh_s},
+          {"triangles", t.triangles},
+          {"field_MB", t.field_mb},
+          {"carve_ms", Median(t.carve_ms)},
+          {"extract_ms", Median(t.extract_ms)},
+          {"pack_ms", Median(t.pack_ms)},
+          {"bricks", Median(t.bricks)},
+          {"chunk_kB", Median(t.chunk_kb)}};
+}
+
+int Run(const BenchSurfaceOptions& options) {
+  InstallInterrupt();
+  nlohmann::ordered_json json{{"schema", "osteon.bench.surface/1"},
+                              {"subcommand", "bench surface"},
+                              {"machine", MachineName()},
+                              {"frames", options.frames},
+                              {"rows", nlohmann::ordered_json::array()}};
+  fmt::print("Osteon bench surface: steps of {} frames, medians, on {}\n\n", surface::ToolWays::kBatchFrames,
+             MachineName());
+  fmt::print("{:<12} {:>6} {:>8} {:>8} {:>10} {:>7} {:>8} {:>8} {:>7} {:>7} {:>8}\n", "cell", "voxel",
+             "build s", "mesh s", "triangles", "MB", "carve ms", "extr. ms", "pack ms", "bricks", "chunk kB");
+  for (const std::string& cell : options.cells) {
+    const auto setup = PrepareCell(options.config_root / "cells" / (cell + ".yaml"), {});
+    if (!setup) return Fail("bench surface", setup.error());
+    if (!setup->solid) return Fail("bench surface", cell + ": found a packing, accepted a cell with a solid");
+    const auto own_mm = static_cast<double>(surface::VoxelFor(setup->config.tool.tool));
+    for (const double voxel_mm :
+         options.voxels_mm.empty() ? std::vector{2.0 * own_mm, own_mm, 0.5 * own_mm} : options.voxels_mm) {
+      const SurfaceTimes times = Measure(*setup, voxel_mm, options.frames);
+      if (Interrupted()) return kExitInterrupted;
+      Print(times);
+      json["rows"].push_back(Json(times));
+    }
+  }
+  if (!options.json.empty())
+    if (const auto written = WriteText(options.json, JsonText(json)); !written)
+      return Fail("bench surface", written.error(), kFailed);
+  return 0;
+}
+
+}  // namespace
+
+int RunBenchSurface(const BenchSurfaceOptions& options) {
+  try {
+    return Run(options);
+  } catch (const config::ConfigError& error) {
+    return Fail("bench surface", error.what());
+  } catch (const std::invalid_argument& error) {
+    return Fail("bench surface", error.what());
+  }
+}
+
+}  // namespace osteon::app
