@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 
 const fs::path kCells = OSTEON_SOURCE_DIR "/config/cells";
 
-/// Runs in virtual time; on the CPU engine, which has the reference engine's bits in a tenth of the time. @returns nothing if it could not run.
+/// Runs in virtual time; on the CPU engine, which has the reference engine's bits in a tenth of the time.
+/// @returns nothing if it could not run.
 std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& engine_name, double seconds) {
   const io::test::TemporaryFolder folder;
   auto engine = MakeEngine(setup, {.engine = engine_name});
