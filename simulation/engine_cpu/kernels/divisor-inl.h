@@ -33,7 +33,8 @@ class Divisor {
 
  private:
   D8 b_, reciprocal_;
-#else  // without fused multiply-adds; and with AVX-512, whose quotients take less on Zen 4 (removal 78 us, not 85)
+#else  // without fused multiply-adds; and with AVX-512, whose quotients take less on Zen 4 (removal 78 us,
+       // not 85)
   HWY_INLINE explicit Divisor(const D8& b) : b_(b) {}
   HWY_INLINE D8 Of(const D8& a) const { return a / b_; }
 
