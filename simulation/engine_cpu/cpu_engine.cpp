@@ -109,10 +109,10 @@ CpuEngine::Impl::Impl(const Bone& bone_in, const Tool& tool_in, const Pose& X_WG
 
 void CpuEngine::Impl::ReserveScratch() {
   const std::size_t block_pairs = cpu::kLanes * balls.count(), slack = 64;
-  for (auto* places : {&scratch.near_place, &scratch.cone_place, &scratch.block_place})
-    places->resize(std::max(cpu::kNearCapacity, cpu::kConeCapacity) + block_pairs + slack);
-  for (auto* tools : {&scratch.near_tool, &scratch.cone_tool, &scratch.block_tool})
-    tools->resize(std::max(cpu::kNearCapacity, cpu::kConeCapacity) + block_pairs + slack);
+  for (auto* pairs : {&scratch.near_place, &scratch.near_tool}) pairs->resize(cpu::kNearCapacity + slack);
+  for (auto* pairs : {&scratch.cone_place, &scratch.cone_tool})
+    pairs->resize(cpu::kConeCapacity + block_pairs + slack);
+  for (auto* pairs : {&scratch.block_place, &scratch.block_tool}) pairs->resize(block_pairs + slack);
   scratch.near_score.resize(cpu::kNearCapacity + slack), scratch.near_bin.resize(cpu::kNearCapacity + slack);
   scratch.cleared.resize(bone.point_count() + slack);
   scratch.rows.resize(std::max<std::size_t>(4096, balls.count() + slack));

@@ -47,8 +47,8 @@ struct CpuEngine::Impl {
 
   // ---- scratch of the kernels
   struct Scratch {
-    std::vector<std::uint32_t> near_place, cone_place, block_place, large, touched_children, cleared;
-    std::vector<std::uint16_t> near_tool, cone_tool, block_tool;
+    std::vector<std::uint32_t> near_place, near_tool, cone_place, cone_tool, block_place, block_tool;
+    std::vector<std::uint32_t> large, touched_children, cleared;
     std::vector<float> near_score;
     std::vector<std::uint8_t> near_bin;
     std::vector<cpu::TouchingRow> rows;

@@ -88,9 +88,8 @@ struct NearFieldPass {
   std::int32_t face_count;
 
   /// Scratch: pairs to compute in double precision. near_*: room for kNearCapacity; cone_*: for kConeCapacity
-  /// plus all pairs of a block; block_*: for all pairs of a block.
-  std::uint32_t *near_place, *cone_place, *block_place;
-  std::uint16_t *near_tool, *cone_tool, *block_tool;
+  /// plus all pairs of a block; block_*: for all pairs of a block. Kernels write up to 16 more of each.
+  std::uint32_t *near_place, *near_tool, *cone_place, *cone_tool, *block_place, *block_tool;
   float* near_score;
   std::uint8_t* near_bin;
 
@@ -129,8 +128,7 @@ using ShrinkOnAxis = void (*)(double* center, double* radius, const double* a, c
 
 /// A block being processed, and a tool ball that may touch some of its balls.
 struct TouchingRow {
-  std::uint16_t slot, tool;
-  std::uint8_t lanes;
+  std::uint32_t slot, tool, lanes;  // words: narrower parts of one are slow to put together
 };
 
 struct RemovalPass {

@@ -9,33 +9,71 @@
 #include <cmath>
 
 #include "simulation/engine_cpu/kernels/rows-inl.h"
+#include "simulation/engine_cpu/rounding.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// Adds eight points, each with its nearest cutting ball: ReferenceEngine::MeasureEngagement, to the same
-// bits.
-HWY_INLINE void AddEngaged(EngagementPass& e, const PointBlock& block, const D3& p, const D3& at, const D8& R,
-                           unsigned candidates) {
+// Points that may be engaged, each with its nearest cutting ball, moved together and summed exactly:
+// ReferenceEngine::MeasureEngagement, to the same bits.
+class EngagedPoints {
+ public:
+  explicit EngagedPoints(EngagementPass& pass) : e_(pass) {}
+  HWY_INLINE void Add(std::uint32_t block, const F3& p, const U8& tools, const MF& lanes) {
+    if (count_ > kChunk - kLanes) AddUp();
+    const std::uint32_t i = count_;
+    Pack(x_ + i, p.x, lanes), Pack(y_ + i, p.y, lanes), Pack(z_ + i, p.z, lanes);
+    Pack(place_ + i, LaneNumbers(block * kAreaStride), lanes);
+    count_ += static_cast<std::uint32_t>(Pack(tool_ + i, tools, lanes));
+  }
+  void AddUp();
+
+ private:
+  static constexpr std::uint32_t kChunk = 256;
+  static constexpr std::uint32_t kAreaStride = sizeof(PointBlock) / sizeof(double);
+  void Measure(std::uint32_t i, bool one_tool);
+
+  EngagementPass& e_;
+  std::uint32_t count_{0};
+  alignas(64) float x_[kChunk + kLanes], y_[kChunk + kLanes], z_[kChunk + kLanes];
+  alignas(64) double area_m2_[kChunk + kLanes], moment_m3_[kChunk + kLanes];
+  std::uint32_t place_[kChunk + kLanes],
+      tool_[kChunk + kLanes];  // place_: of the area, from the first block's
+};
+
+// Area and moment of eight points; zero for those that are not engaged, which changes no sum.
+HWY_INLINE void EngagedPoints::Measure(std::uint32_t i, bool one_tool) {
+  const D3 p = Metres({Load(x_ + i), Load(y_ + i), Load(z_ + i)});
+  const std::uint32_t* t = tool_ + i;
+  const D3 at =
+      one_tool ? ExactlyAt(e_.at, t[0]) : D3{Gather(e_.at.x, t), Gather(e_.at.y, t), Gather(e_.at.z, t)};
+  const D8 R = one_tool ? D(e_.tool.r[t[0]]) : Gather(e_.tool.r, t), zero = D(0.0);
   const D3 out = p - at;
-  const D8 d = Sqrt(Dot(out, out)), gap = d - R, zero = D(0.0);
-  const MD in = Abs(gap) < D(e.layer_m);
-  if ((Bits(in) & candidates) == 0) return;
-  const D8 along = Negative(Dot(D3{D(e.n[0]), D(e.n[1]), D(e.n[2])}, out));
-  const D8 projection = Select(in & (d > zero), along / d, zero);
-  const unsigned counts = Bits(projection > zero) & candidates;
-  if (counts == 0) return;
-  const D8 area = Load(block.area_m2) * projection;
-  const D3 q = p - D3{D(e.origin[0]), D(e.origin[1]), D(e.origin[2])};
-  const D8 ax = D(e.axis[0]), ay = D(e.axis[1]), az = D(e.axis[2]);
+  const D8 d = Sqrt(Dot(out, out)), gap = d - R;
+  const D8 along = Negative(Dot(D3{D(e_.n[0]), D(e_.n[1]), D(e_.n[2])}, out));
+  const D8 projection = Select((Abs(gap) < D(e_.layer_m)) & (d > zero), along / d, zero);
+  const MD counts = projection > zero;
+  const D8 area = Gather(e_.points->area_m2, place_ + i) * projection;
+  const D3 q = p - D3{D(e_.origin[0]), D(e_.origin[1]), D(e_.origin[2])};
+  const D8 ax = D(e_.axis[0]), ay = D(e_.axis[1]), az = D(e_.axis[2]);
   const D3 cross{q.y * az - q.z * ay, q.z * ax - q.x * az, q.x * ay - q.y * ax};
-  const D8 moment = area * Sqrt(Dot(cross, cross));
-  // one after the other: the sums' bits hang on the order; a zero changes none
-  double areas[8], moments[8], a = e.area_m2, m = e.moment_m3;
-  Store(areas, Select(MaskD(counts), area, zero)), Store(moments, Select(MaskD(counts), moment, zero));
-  for (int k = 0; k < 8; ++k) a += areas[k], m += moments[k];
-  e.area_m2 = a, e.moment_m3 = m;
+  Store(area_m2_ + i, Select(counts, area, zero));
+  Store(moment_m3_ + i, Select(counts, area * Sqrt(Dot(cross, cross)), zero));
+}
+
+// One after the other: the sums' bits hang on the order.
+inline void EngagedPoints::AddUp() {
+  if (count_ == 0) return;
+  Store(place_ + count_, U(place_[0])), Store(tool_ + count_, U(tool_[0]));
+  bool one_tool = true;
+  for (std::uint32_t i = 0; i < count_; i += kLanes)
+    one_tool = one_tool && Bits(Load(tool_ + i) == U(tool_[0])) == 0xffu;
+  for (std::uint32_t i = 0; i < count_; i += kLanes) Measure(i, one_tool);
+  double area = e_.area_m2, moment = e_.moment_m3;
+  for (std::uint32_t i = 0; i < count_; ++i) area += area_m2_[i], moment += moment_m3_[i];
+  e_.area_m2 = area, e_.moment_m3 = moment;
+  count_ = 0;
 }
 
 // The nearest tool ball of one point where floats do not tell; -1: none within the layer.
@@ -55,21 +93,28 @@ inline std::int32_t ExactlyNearest(const EngagementPass& e, const PointBlock& bl
   return of;
 }
 
+// Whether floats do not tell that the surface faces away at a point: -n · out > 0 is off by the place, and by
+// some u |out| for n, products and sums.
+HWY_INLINE MF MayFace(const EngagementPass& e, const F3& out, const F8& distance) {
+  const F3 n{F(static_cast<float>(e.n[0])), F(static_cast<float>(e.n[1])), F(static_cast<float>(e.n[2]))};
+  return Dot(n, out) < MulAdd(distance, F(kDirectionRounding), F(e.rounding_mm));
+}
+
 // A block with one row: its points have one tool ball.
-HWY_INLINE void EngageOneRow(EngagementPass& e, std::uint32_t b) {
+HWY_INLINE void EngageOneRow(const EngagementPass& e, std::uint32_t b, EngagedPoints& engaged) {
   const PointBlock& block = e.points[e.rows.block[b]];
   const std::uint32_t row = e.rows.first[b];
   const unsigned t = e.rows.tool[row];
   const F3 p = CentersOf(block), out = p - At(e.at, t);
-  const F8 gap = Sqrt(Dot(out, out)) - F(e.tool.r_mm[t]);
+  const F8 d = Sqrt(Dot(out, out)), gap = d - F(e.tool.r_mm[t]);
   e.rows.bound[row] = e.rows.block_bound[b] = Least(gap) + e.displacement_mm - e.rounding_mm;
-  const unsigned candidates = Bits(Abs(gap) < F(e.layer_mm + e.rounding_mm));
-  if (candidates != 0) AddEngaged(e, block, Metres(p), ExactlyAt(e.at, t), D(e.tool.r[t]), candidates);
+  const MF candidates = (Abs(gap) < F(e.layer_mm + e.rounding_mm)) & MayFace(e, out, d);
+  if (Bits(candidates) != 0) engaged.Add(e.rows.block[b], p, U(t), candidates);
 }
 
 // Floats find each point's nearest tool ball, and where the next one is too near to tell, or the layer's
 // inner border, doubles decide.
-HWY_INLINE void EngageRows(EngagementPass& e, std::uint32_t b, float limit) {
+HWY_INLINE void EngageRows(const EngagementPass& e, std::uint32_t b, float limit, EngagedPoints& engaged) {
   const PointBlock& block = e.points[e.rows.block[b]];
   const F3 p = CentersOf(block);
   const F8 none = F(e.layer_mm + e.rounding_mm), deepest = Negative(none);
@@ -103,19 +148,22 @@ HWY_INLINE void EngageRows(EngagementPass& e, std::uint32_t b, float limit) {
     else
       candidates &= ~(1u << k);
   }
-  AddEngaged(e, block, Metres(p), {Gather(e.at.x, tools), Gather(e.at.y, tools), Gather(e.at.z, tools)},
-             Gather(e.tool.r, tools), candidates);
+  engaged.Add(e.rows.block[b], p, Load(tools), MaskF(candidates));
 }
 
-inline void MeasureEngagement(EngagementPass& e) {
+inline void MeasureEngagement(EngagementPass& pass) {
+  const EngagementPass e = pass;  // a copy stays in registers: for the compiler, stores of vectors change it
+  EngagedPoints engaged(pass);
   const float limit = LimitOf(e.every_row, e.displacement_mm + e.layer_mm + e.rounding_mm);
   std::uint32_t b = 0;
   for (BoundCursor blocks = BlocksOf(e.rows); blocks.Next(limit, b);) {
+    PrefetchAhead(e.rows, e.points, b);
     if (e.rows.first[b + 1] == e.rows.first[b] + 1 && e.tool.cutting[e.rows.tool[e.rows.first[b]]] != 0)
-      EngageOneRow(e, b);
+      EngageOneRow(e, b, engaged);
     else
-      EngageRows(e, b, limit);
+      EngageRows(e, b, limit, engaged);
   }
+  engaged.AddUp();
 }
 
 }  // namespace HWY_NAMESPACE

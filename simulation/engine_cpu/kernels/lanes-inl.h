@@ -54,7 +54,9 @@ using MaskOf = typename Choose<T, N, kFits<T, N>>::Mask;
 using F8 = Vector<float, 8>;
 using F16 = Vector<float, 16>;
 using D8 = Vector<double, 8>;
+using U8 = Vector<std::uint32_t, 8>;
 using MF = MaskOf<float, 8>;
+using MU = MaskOf<std::uint32_t, 8>;
 using MD = MaskOf<double, 8>;
 
 // Size and mask of a vector.
@@ -103,8 +105,10 @@ struct Make<Two<H>> {
 };
 HWY_INLINE F8 F(float x) { return Make<F8>::Of(x); }
 HWY_INLINE D8 D(double x) { return Make<D8>::Of(x); }
+HWY_INLINE U8 U(std::uint32_t x) { return Make<U8>::Of(x); }
 HWY_INLINE F8 Load(const float* p) { return Make<F8>::From(p); }
 HWY_INLINE D8 Load(const double* p) { return Make<D8>::From(p); }
+HWY_INLINE U8 Load(const std::uint32_t* p) { return Make<U8>::From(p); }
 // As many lanes as another vector has.
 template <class V>
 HWY_INLINE V Like(V, float x) {
@@ -183,6 +187,7 @@ OSTEON_COMPARE(<, Lt)
 OSTEON_COMPARE(<=, Le)
 OSTEON_COMPARE(>, Gt)
 OSTEON_COMPARE(>=, Ge)
+OSTEON_COMPARE(==, Eq)
 #undef OSTEON_COMPARE
 
 #define OSTEON_LOGIC(op, highway)                                          \
@@ -202,6 +207,10 @@ HWY_INLINE unsigned Bits(OneMask<T, N> a) {
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(hn::CappedTag<T, N>(), a.m, bytes);
   return N > 8 ? bytes[0] | unsigned{bytes[1]} << 8 : bytes[0];
+}
+template <class T, std::size_t N>
+HWY_INLINE One<T, N> operator&(One<T, N> a, One<T, N> b) {
+  return {hn::And(a.v, b.v)};
 }
 template <class H>
 HWY_INLINE Two<H> operator&(Two<H> a, Two<H> b) {
@@ -238,6 +247,7 @@ struct FromBits<Two<H>> {
 };
 HWY_INLINE MD MaskD(unsigned bits) { return FromBits<MD>::Of(bits); }
 HWY_INLINE MF MaskF(unsigned bits) { return FromBits<MF>::Of(bits); }
+HWY_INLINE MU MaskU(unsigned bits) { return FromBits<MU>::Of(bits); }
 
 template <class T, std::size_t N>
 HWY_INLINE One<T, N> Select(OneMask<T, N> m, One<T, N> yes, One<T, N> no) {
@@ -340,26 +350,22 @@ HWY_INLINE D8 Gather(const double* base, const std::uint32_t* index) {
   return to;
 }
 
-// table[number] for lanes that hold whole numbers.
-template <std::size_t N>
-HWY_INLINE One<float, N> LookUp(const float* table, One<float, N> number) {
-  const hn::CappedTag<float, N> tag;
-  return {hn::GatherIndex(tag, table, hn::ConvertTo(hn::Rebind<std::int32_t, decltype(tag)>(), number.v))};
-}
-template <class H>
-HWY_INLINE Two<H> LookUp(const float* table, Two<H> number) {
-  return {LookUp(table, number.a), LookUp(table, number.b)};
+// first, first + 1, …
+HWY_INLINE U8 LaneNumbers(std::uint32_t first) {
+  constexpr std::uint32_t kNumbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  return Load(kNumbers) + U(first);
 }
 
 // Writes the lanes of a mask, moved together; places behind them are written, too (eight in all).
-template <class T, std::size_t N>
-HWY_INLINE std::size_t Pack(T* to, One<T, N> a, OneMask<T, N> m) {
+template <class T, class M, std::size_t N>
+HWY_INLINE std::size_t Pack(T* to, One<T, N> a, OneMask<M, N> m) {
   const hn::CappedTag<T, N> tag;
-  hn::StoreU(hn::Compress(a.v, m.m), tag, to);
-  return hn::CountTrue(tag, m.m);
+  const auto lanes = hn::RebindMask(tag, m.m);
+  hn::StoreU(hn::Compress(a.v, lanes), tag, to);
+  return hn::CountTrue(tag, lanes);
 }
-template <class H>
-HWY_INLINE std::size_t Pack(typename Traits<H>::Scalar* to, Two<H> a, typename Traits<Two<H>>::Mask m) {
+template <class H, class M>
+HWY_INLINE std::size_t Pack(typename Traits<H>::Scalar* to, Two<H> a, Two<M> m) {
   const std::size_t first = Pack(to, a.a, m.a);
   return first + Pack(to + first, a.b, m.b);
 }

@@ -10,6 +10,7 @@
 #include <algorithm>
 
 #include "simulation/engine_cpu/kernels/exact_pairs-inl.h"
+#include "simulation/engine_cpu/kernels/face_sums-inl.h"
 #include "simulation/engine_cpu/kernels/float_bins-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -21,10 +22,9 @@ constexpr std::uint8_t kUnsureBin = 255;
 
 // Near pairs, moved together so that every lane has one; of one kind, those that cut or those that do not.
 struct NearChunk {
-  alignas(64) float nx[kChunk + kWide], ny[kChunk + kWide], nz[kChunk + kWide];  // from bone to tool, unit
-  alignas(64) float gap[kChunk + kWide], per_mm[kChunk + kWide];                 // 1 / distance
-  std::uint32_t place[kChunk + kWide];
-  std::uint16_t tool[kChunk + kWide];
+  alignas(64) float x[kChunk + kWide], y[kChunk + kWide], z[kChunk + kWide];  // from bone to tool
+  alignas(64) float gap[kChunk + kWide];
+  std::uint32_t place[kChunk + kWide], tool[kChunk + kWide];
   std::uint32_t count{0};
   bool cutting{true};
   float rounding_mm{0.0f};
@@ -39,17 +39,12 @@ class NearFieldSearch {
   void Run();
 
  private:
-  struct Axes {
-    float x[3], y[3], z[3];
-  };
-  void AddRow(std::uint32_t block, unsigned t, const F3& from, const F8& d, const F8& gap, const MF& near);
+  void ExamineRow(const NearFieldPass& p, std::uint32_t block, const F3& c, const F8& r, std::uint32_t row);
   void TakeChunk();
-  void AddNear(std::uint32_t i, unsigned bits, const float* score, const float* error, const float* number,
-               const float* inside, const float* edge);
-  void AddToCones(std::uint32_t i, unsigned bits);
-  void CloseBlock();
+  void TakeLanes(std::uint32_t i);
+  void AddNear(std::uint32_t place, std::uint32_t tool, float score, float number, float inside, float error,
+               float edge);
   void SumNear();
-  void SumCones();
   // Largest error of a score: the gap's rounding error, plus the direction's rounding error times the bin
   // centre's bias (0.05 mm, below 0.1 mm with the cosine's slope).
   template <class V>
@@ -64,10 +59,9 @@ class NearFieldSearch {
   NearFieldPass& p_;
   float axes_[9], faces_[kFaceCount][3];
   float worth_mm_, face_cosine_;
-  float best_[64];  // no pair of a bin that is nearest has a higher score
-  std::size_t near_count_{0}, cone_count_{0}, block_count_{0};
-  std::uint32_t open_block_{0}, lanes_[8]{};
-  bool one_row_a_block_;
+  alignas(64) float best_[64];  // no pair of a bin that is nearest has a higher score
+  std::size_t near_count_{0};
+  FaceSums face_sums_;
   NearChunk chunk_;
 };
 
@@ -75,16 +69,13 @@ inline NearFieldSearch::NearFieldSearch(NearFieldPass& pass)
     : p_(pass),
       worth_mm_(static_cast<float>(1e3 * pass.middle_worth_m)),
       face_cosine_(static_cast<float>(pass.face_cosine)),
-      one_row_a_block_(pass.rows.first[pass.rows.block_count] == pass.rows.block_count) {
+      face_sums_(pass) {
   for (int i = 0; i < 9; ++i) axes_[i] = static_cast<float>(pass.axes[i]);
   for (int f = 0; f < pass.face_count; ++f)
     for (int a = 0; a < 3; ++a) faces_[f][a] = static_cast<float>(pass.face_n[f][a]);
   std::fill(std::begin(best_), std::end(best_), kNever);
-  std::fill(std::begin(chunk_.nx), std::end(chunk_.nx), 0.0f);
-  std::fill(std::begin(chunk_.ny), std::end(chunk_.ny), 0.0f);
-  std::fill(std::begin(chunk_.nz), std::end(chunk_.nz), 0.0f);
-  std::fill(std::begin(chunk_.gap), std::end(chunk_.gap), 0.0f);
-  std::fill(std::begin(chunk_.per_mm), std::end(chunk_.per_mm), 0.0f);
+  for (auto* lanes : {chunk_.x, chunk_.y, chunk_.z, chunk_.gap})
+    std::fill(lanes, lanes + kChunk + kWide, 0.0f);
 }
 
 inline void NearFieldSearch::BoundBy(const std::uint32_t* place, const std::uint32_t* tool,
@@ -119,93 +110,98 @@ inline void NearFieldSearch::BoundBy(const std::uint32_t* place, const std::uint
 }
 
 inline void NearFieldSearch::Run() {
-  const float limit = LimitOf(p_.every_row, p_.displacement_mm + p_.enlargement_mm + p_.rounding_mm);
+  const NearFieldPass p = p_;  // a copy stays in registers: for the compiler, stores of vectors change p_
+  const float limit = LimitOf(p.every_row, p.displacement_mm + p.enlargement_mm + p.rounding_mm);
   std::uint32_t b = 0, row = 0;
-  for (BoundCursor blocks = BlocksOf(p_.rows); blocks.Next(limit, b);) {
-    const std::uint32_t block = p_.rows.block[b];
-    const F3 c = CentersOf(p_.balls[block]);
-    const F8 r = Load(p_.balls[block].r);
-    const MF live = r > F(0.0f);
-    for (BoundCursor rows = RowsOf(p_.rows, b); rows.Next(limit, row);) {
-      const unsigned t = p_.rows.tool[row];
-      const F3 from = At(p_.at, t) - c;
-      const F8 d = Sqrt(Dot(from, from)), gap = d - F(p_.tool.r_mm[t]) - r;
-      p_.rows.bound[row] = Least(Select(live, gap, F(kNever))) + p_.displacement_mm - p_.rounding_mm;
-      const MF near = live & (gap < F(p_.enlargement_mm + p_.tool.rounding_mm[t]));
-      if (Bits(near) != 0) AddRow(block, t, from, d, gap, near);
+  for (BoundCursor blocks = BlocksOf(p.rows); blocks.Next(limit, b);) {
+    PrefetchAhead(p.rows, p.balls, b);
+    const std::uint32_t block = p.rows.block[b], first = p.rows.first[b], last = p.rows.first[b + 1];
+    const F3 c = CentersOf(p.balls[block]);
+    const F8 r = Load(p.balls[block].r);
+    if (last == first + 1) {
+      ExamineRow(p, block, c, r, first);
+      p.rows.block_bound[b] = p.rows.bound[first];
+      continue;
     }
-    UpdateBlockBound(p_.rows, b);
+    for (BoundCursor rows(p.rows.bound, first, last); rows.Next(limit, row);) ExamineRow(p, block, c, r, row);
+    UpdateBlockBound(p.rows, b);
   }
   TakeChunk();
-  CloseBlock();
   SumNear();
-  SumCones();
+  face_sums_.Finish();
 }
 
-HWY_INLINE void NearFieldSearch::AddRow(std::uint32_t block, unsigned t, const F3& from, const F8& d,
-                                        const F8& gap, const MF& near) {
-  const bool cutting = p_.tool.cutting[t] != 0;
-  if (chunk_.count > kChunk - 8 || chunk_.cutting != cutting) {
+HWY_INLINE void NearFieldSearch::ExamineRow(const NearFieldPass& p, std::uint32_t block, const F3& c,
+                                            const F8& r, std::uint32_t row) {
+  const std::uint32_t t = p.rows.tool[row];
+  const F3 from = At(p.at, t) - c;
+  const F8 gap = Sqrt(Dot(from, from)) - F(p.tool.r_mm[t]) - r;
+  const MF live = r > F(0.0f);
+  p.rows.bound[row] = Least(Select(live, gap, F(kNever))) + (p.displacement_mm - p.rounding_mm);
+  const float rounding_mm = p.tool.rounding_mm[t];
+  const MF near = live & (gap < F(p.enlargement_mm + rounding_mm));
+  // without a branch on it: whether a row has a near pair is hard to predict
+  NearChunk& to = chunk_;
+  const bool cutting = p.tool.cutting[t] != 0;
+  if (to.count > kChunk - kLanes || to.cutting != cutting) {
     TakeChunk();
-    chunk_.cutting = cutting;
+    to.cutting = cutting;
   }
-  const std::uint32_t i = chunk_.count;
-  const F8 per = F(1.0f) / Max(d, F(1e-20f));
-  Pack(chunk_.nx + i, from.x * per, near), Pack(chunk_.ny + i, from.y * per, near);
-  Pack(chunk_.nz + i, from.z * per, near), Pack(chunk_.gap + i, gap, near);
-  const std::size_t more = Pack(chunk_.per_mm + i, per, near);
-  std::uint32_t to = i;
-  for (unsigned bits = Bits(near); bits != 0; bits &= bits - 1)
-    chunk_.place[to] = block * 32 + Lowest(bits), chunk_.tool[to++] = static_cast<std::uint16_t>(t);
-  chunk_.count += static_cast<std::uint32_t>(more);
-  chunk_.rounding_mm = std::max(chunk_.rounding_mm, p_.tool.rounding_mm[t]);
+  const std::uint32_t i = to.count;
+  Pack(to.x + i, from.x, near), Pack(to.y + i, from.y, near), Pack(to.z + i, from.z, near);
+  Pack(to.gap + i, gap, near), Store(to.tool + i, U(t));
+  to.count = i + static_cast<std::uint32_t>(Pack(to.place + i, LaneNumbers(block * 32), near));
+  to.rounding_mm = std::max(to.rounding_mm, rounding_mm);
 }
 
 inline void NearFieldSearch::TakeChunk() {
-  using V = F16;
-  NearChunk& c = chunk_;
-  for (std::uint32_t i = 0; i < c.count; i += kWide) {
-    const V x = Make<V>::From(c.nx + i), y = Make<V>::From(c.ny + i), z = Make<V>::From(c.nz + i);
-    const V per = Make<V>::From(c.per_mm + i);
-    const FloatBins<V> bins = FindFloatBins(DotWith(axes_, x, y, z), DotWith(axes_ + 3, x, y, z),
-                                            DotWith(axes_ + 6, x, y, z), c.cutting);
-    const V score = MulAdd(Like(x, worth_mm_), bins.off_centre, Make<V>::From(c.gap + i));
-    const V error = ScoreError(per, c.rounding_mm),
-            edge = MulAdd(Like(x, 4.0f * c.rounding_mm), per, Like(x, kBinRounding));
-    const unsigned valid = c.count - i >= kWide ? (1u << kWide) - 1u : (1u << (c.count - i)) - 1u;
-    // where floats do not tell which bin it is, doubles have to look
-    const unsigned bits = valid & Bits((score - error <= LookUp(best_, bins.number)) | (bins.inside <= edge));
-    if (bits != 0) {
-      float scores[kWide], errors[kWide], numbers[kWide], inside[kWide], edges[kWide];
-      Store(scores, score), Store(errors, error), Store(numbers, bins.number), Store(inside, bins.inside);
-      Store(edges, edge);
-      AddNear(i, bits, scores, errors, numbers, inside, edges);
-    }
-    V cosine = Like(x, -2.0f);
-    for (int f = 0; f < p_.face_count; ++f) cosine = Max(cosine, DotWith(faces_[f], x, y, z));
-    const V least = Like(x, face_cosine_ - kConeRounding) - Like(x, 2.0f * c.rounding_mm) * per;
-    AddToCones(i, valid & Bits(cosine > least));
-  }
-  c.count = 0;
-  c.rounding_mm = 0.0f;
+  for (std::uint32_t i = 0; i < chunk_.count; i += kWide) TakeLanes(i);
+  chunk_.count = 0;
+  chunk_.rounding_mm = 0.0f;
 }
 
-HWY_INLINE void NearFieldSearch::AddNear(std::uint32_t i, unsigned bits, const float* score,
-                                         const float* error, const float* number, const float* inside,
-                                         const float* edge) {
+HWY_INLINE void NearFieldSearch::TakeLanes(std::uint32_t i) {
+  using V = F16;
+  const NearChunk& c = chunk_;
+  V x = Make<V>::From(c.x + i), y = Make<V>::From(c.y + i), z = Make<V>::From(c.z + i);
+  const V square = MulAdd(z, z, MulAdd(y, y, x * x));
+  const V per = Like(x, 1.0f) / Max(Sqrt(square), Like(x, 1e-20f));
+  x = x * per, y = y * per, z = z * per;
+  const unsigned valid = c.count - i >= kWide ? (1u << kWide) - 1u : (1u << (c.count - i)) - 1u;
+  V cosine = Like(x, -2.0f);
+  for (int f = 0; f < p_.face_count; ++f) cosine = Max(cosine, DotWith(faces_[f], x, y, z));
+  const V least = NegMulAdd(Like(x, 2.0f * c.rounding_mm), per, Like(x, face_cosine_ - kConeRounding));
+  face_sums_.Add(c.place + i, c.tool + i, valid & Bits(cosine > least));
+
+  const FloatBins<V> bins = FindFloatBins(DotWith(axes_, x, y, z), DotWith(axes_ + 3, x, y, z),
+                                          DotWith(axes_ + 6, x, y, z), c.cutting);
+  const V score = MulAdd(Like(x, worth_mm_), bins.off_centre, Make<V>::From(c.gap + i));
+  const V error = ScoreError(per, c.rounding_mm),
+          edge = MulAdd(Like(x, 4.0f * c.rounding_mm), per, Like(x, kBinRounding));
+  // where floats do not tell which bin it is, doubles have to look
+  unsigned bits = valid & Bits((score - error <= BinTable(best_).At(bins.number)) | (bins.inside <= edge));
+  if (bits == 0) return;
+  float scores[kWide], numbers[kWide], inside[kWide], errors[kWide], edges[kWide];
+  Store(scores, score), Store(numbers, bins.number), Store(inside, bins.inside);
+  Store(errors, error), Store(edges, edge);
   for (; bits != 0; bits &= bits - 1) {
-    const unsigned k = Lowest(bits), bin = static_cast<unsigned>(number[k]);
-    const bool sure = inside[k] > edge[k];
-    if (sure && score[k] - error[k] > best_[bin]) continue;
-    if (near_count_ == kNearCapacity) SumNear();
-    const std::size_t to = near_count_++;
-    p_.near_place[to] = chunk_.place[i + k], p_.near_tool[to] = chunk_.tool[i + k];
-    p_.near_score[to] = score[k] - error[k];
-    p_.near_bin[to] = sure ? static_cast<std::uint8_t>(bin) : kUnsureBin;
-    // only a pair that is surely within the enlargement bounds the others
-    if (sure && score[k] < p_.enlargement_mm - 2.0f * error[k])
-      best_[bin] = LesserOf(best_[bin], score[k] + error[k]);
+    const unsigned k = Lowest(bits);
+    AddNear(c.place[i + k], c.tool[i + k], scores[k], numbers[k], inside[k], errors[k], edges[k]);
   }
+}
+
+inline void NearFieldSearch::AddNear(std::uint32_t place, std::uint32_t tool, float score, float number,
+                                     float inside, float error, float edge) {
+  const auto bin = static_cast<unsigned>(number);
+  const bool sure = inside > edge;
+  if (sure && score - error > best_[bin]) return;
+  if (near_count_ == kNearCapacity) SumNear();
+  const std::size_t to = near_count_++;
+  p_.near_place[to] = place, p_.near_tool[to] = tool;
+  p_.near_score[to] = score - error;
+  p_.near_bin[to] = sure ? static_cast<std::uint8_t>(bin) : kUnsureBin;
+  // only a pair that is surely within the enlargement bounds the others
+  if (sure && score < p_.enlargement_mm - 2.0f * error) best_[bin] = LesserOf(best_[bin], score + error);
 }
 
 // Exactly, those that later pairs have not excluded.
@@ -217,43 +213,6 @@ inline void NearFieldSearch::SumNear() {
   }
   FindNearestPairs(p_, few);
   near_count_ = 0;
-}
-
-// ---- pairs in cones: summed by rising ball, then tool ball
-
-HWY_INLINE void NearFieldSearch::AddToCones(std::uint32_t i, unsigned bits) {
-  for (; bits != 0; bits &= bits - 1) {
-    const std::uint32_t place = chunk_.place[i + Lowest(bits)];
-    const std::uint16_t tool = chunk_.tool[i + Lowest(bits)];
-    if (one_row_a_block_) {  // in order already
-      if (cone_count_ == kConeCapacity) SumCones();
-      p_.cone_place[cone_count_] = place, p_.cone_tool[cone_count_++] = tool;
-      continue;
-    }
-    if (block_count_ > 0 && open_block_ != place / 32) CloseBlock();
-    open_block_ = place / 32;
-    ++lanes_[place % 32];
-    p_.block_place[block_count_] = place, p_.block_tool[block_count_++] = tool;
-  }
-}
-
-// A block's pairs come by rising tool ball, then ball: to the end of the list by ball, then tool ball.
-inline void NearFieldSearch::CloseBlock() {
-  if (block_count_ == 0) return;
-  if (cone_count_ >= kConeCapacity) SumCones();
-  std::size_t at[8], next = cone_count_;
-  for (int k = 0; k < 8; ++k) at[k] = next, next += lanes_[k], lanes_[k] = 0;
-  for (std::size_t i = 0; i < block_count_; ++i) {
-    const std::size_t to = at[p_.block_place[i] % 32]++;
-    p_.cone_place[to] = p_.block_place[i], p_.cone_tool[to] = p_.block_tool[i];
-  }
-  cone_count_ = next;
-  block_count_ = 0;
-}
-
-inline void NearFieldSearch::SumCones() {
-  AddToFaces(p_, cone_count_);
-  cone_count_ = 0;
 }
 
 inline void SearchNearField(NearFieldPass& pass, const std::uint32_t* likely_place,

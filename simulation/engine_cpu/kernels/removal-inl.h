@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "simulation/engine_cpu/kernels/exact_pairs-inl.h"
+#include "simulation/engine_cpu/kernels/divisor-inl.h"
 #include "simulation/engine_cpu/kernels/sweep-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -29,7 +29,7 @@ class BallShrinking {
     double x[8], y[8], z[8], r[8];
   };
   struct alignas(64) Away {
-    double x[8], y[8], z[8], square[8];
+    double x[8], y[8], z[8], distance[8];
   };
   void AddBlock(std::uint32_t b, float limit);
   void FinishWork();
@@ -53,23 +53,32 @@ inline void BallShrinking::Run() {
 }
 
 HWY_INLINE void BallShrinking::AddBlock(std::uint32_t b, float limit) {
-  const std::uint32_t number = p_.rows.block[b];
+  const std::uint32_t number = p_.rows.block[b], first = p_.rows.first[b], last = p_.rows.first[b + 1];
   const BallBlock& block = p_.balls[number];
   const F3 c = CentersOf(block);
-  const F8 r = Load(block.r), reach = F(ReachOf(p_.sweep));
-  const MF live = r > F(0.0f);
-  if (rows_ + (p_.rows.first[b + 1] - p_.rows.first[b]) > p_.scratch_capacity) FinishWork();
-  std::uint32_t rounds = 0, row = 0;
-  for (BoundCursor rows = RowsOf(p_.rows, b); rows.Next(limit, row);) {
-    const unsigned t = p_.rows.tool[row];
-    if (!Cuts(p_.sweep, t)) continue;
-    const unsigned lanes = Bits(live & (GapAtContact(p_.sweep, t, c, r) <= reach));
-    if (lanes == 0) continue;
-    p_.scratch[rows_++] = {static_cast<std::uint16_t>(count_), static_cast<std::uint16_t>(t),
-                           static_cast<std::uint8_t>(lanes)};
-    ++rounds;
+  const F8 r = Load(block.r);
+  if (rows_ + (last - first) > p_.scratch_capacity) FinishWork();
+  std::uint32_t rounds = 0;
+  if (last == first + 1) {
+    // the bound is this frame's: nearly every such block is touched, so doubles examine it at once
+    const unsigned t = p_.rows.tool[first];
+    if (!Cuts(p_.sweep, t)) return;
+    p_.scratch[rows_++] = {.slot = count_, .tool = t, .lanes = 0xffu};
+    rounds = 1;
+  } else {
+    const F8 reach = F(ReachOf(p_.sweep));
+    const MF live = r > F(0.0f);
+    std::uint32_t row = 0;
+    for (BoundCursor rows = RowsOf(p_.rows, b); rows.Next(limit, row);) {
+      const unsigned t = p_.rows.tool[row];
+      if (!Cuts(p_.sweep, t)) continue;
+      const unsigned lanes = Bits(live & (GapAtContact(p_.sweep, t, c, r) <= reach));
+      if (lanes == 0) continue;
+      p_.scratch[rows_++] = {.slot = count_, .tool = t, .lanes = lanes};
+      ++rounds;
+    }
+    if (rounds == 0) return;
   }
-  if (rounds == 0) return;
   max_rounds_ = std::max(max_rounds_, rounds);
   Work& w = work_[count_];
   const D3 center = Metres(c);
@@ -111,35 +120,21 @@ inline void BallShrinking::ShrinkByRounds() {
   }
 }
 
-// One capsule of each row; the rows are of different blocks. Of most blocks none is touched, which their
-// squared distances tell: with S = RN(r + R), a penetration S - RN(√dd) > 0 means dd < S² (1 + 2^-51), and S²
-// computed is low by 2^-53 of it at most, so dd < S² (1 + 2^-49) as well.
+// One capsule of each row; the rows are of different blocks.
 inline void BallShrinking::Shrink(const TouchingRow* rows, std::uint32_t count, const Places& a,
                                   const Places& b) {
   Away away[kWorkBlocks];
-  const TouchingRow* touched[kWorkBlocks];
-  std::uint32_t touched_count = 0;
   unsigned known = ~0u;
   Segment segment{};
-  D8 R{};
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (rows[i].tool != known) {
-      known = rows[i].tool;
-      segment = SegmentOf(a, b, known);
-      R = D(p_.sweep.tool.r[known]);
-    }
+    if (rows[i].tool != known) segment = SegmentOf(a, b, known = rows[i].tool);
     const Work& w = work_[rows[i].slot];
-    const D8 r = Load(w.r), sum = r + R;
     const D3 out = AwayFrom(segment, {Load(w.x), Load(w.y), Load(w.z)});
-    const D8 square = Dot(out, out);
-    const unsigned may = Bits((r > D(0.0)) & (square < sum * sum * D(1.0 + 0x1p-49))) & rows[i].lanes;
-    if (may == 0) continue;
-    Away& to = away[touched_count];
-    Store(to.x, out.x), Store(to.y, out.y), Store(to.z, out.z), Store(to.square, square);
-    touched[touched_count++] = &rows[i];
+    Away& to = away[i];
+    Store(to.x, out.x), Store(to.y, out.y), Store(to.z, out.z), Store(to.distance, Sqrt(Dot(out, out)));
   }
-  for (std::uint32_t i = 0; i < touched_count; ++i) ShrinkTouched(*touched[i], away[i], a, b);
-  p_.pairs_examined += 8 * touched_count;
+  for (std::uint32_t i = 0; i < count; ++i) ShrinkTouched(rows[i], away[i], a, b);
+  p_.pairs_examined += 8 * count;
 }
 
 // ShrinkBall of cutting_math.h, to the same bits.
@@ -148,11 +143,11 @@ HWY_INLINE void BallShrinking::ShrinkTouched(const TouchingRow& row, const Away&
   Work& w = work_[row.slot];
   const double tool_radius = p_.sweep.tool.r[row.tool];
   const D3 away{Load(from.x), Load(from.y), Load(from.z)};
-  const D8 R = D(tool_radius), r = Load(w.r), d = Sqrt(Load(from.square)), penetration = r + R - d,
-           zero = D(0.0);
+  const D8 R = D(tool_radius), r = Load(w.r), d = Load(from.distance), penetration = r + R - d, zero = D(0.0);
   const MD hit = MaskD(row.lanes) & (r > zero) & (penetration > zero);
   const D8 half = D(0.5) * penetration, left = r - half;
-  const MD gone = hit & ((penetration >= D(2.0) * r) | (left < D(p_.min_radius_m)));
+  // a penetration of 2 r or more leaves nothing, which is below the smallest radius, too
+  const MD gone = hit & (left < D(p_.min_radius_m));
   // so close to the axis the direction needs care
   const MD close = hit & (!gone) & (d < D(p_.on_axis_share * tool_radius));
   const MD moved = hit & (!gone) & (!close);

@@ -6,6 +6,8 @@
 #define OSTEON_CPU_ROWS_INL_H
 #endif
 
+#include <hwy/cache_control.h>
+
 #include <bit>
 
 #include "simulation/engine_cpu/kernels/lanes-inl.h"
@@ -50,6 +52,14 @@ class BoundCursor {
 HWY_INLINE BoundCursor BlocksOf(const PairRows& rows) { return {rows.block_bound, 0, rows.block_count}; }
 HWY_INLINE BoundCursor RowsOf(const PairRows& rows, std::uint32_t b) {
   return {rows.bound, rows.first[b], rows.first[b + 1]};
+}
+
+// Asks for a block that comes some iterations later: listed blocks lie apart in memory.
+template <class Block>
+HWY_INLINE void PrefetchAhead(const PairRows& rows, const Block* blocks, std::uint32_t b) {
+  constexpr std::uint32_t kAhead = 16;
+  const Block& later = blocks[rows.block[b + kAhead < rows.block_count ? b + kAhead : b]];
+  hwy::Prefetch(&later), hwy::Prefetch(&later.z);
 }
 
 // The block's bound from those of its rows.

@@ -14,23 +14,33 @@ namespace HWY_NAMESPACE {
 
 // A piece of one tool ball's way, as ClosestOnSegment has it.
 struct Segment {
-  D3 a, m;
+  D3 a, m, end;  // end: a + m, which is not always the other end
   D8 mm;
   bool moves;
 };
 HWY_INLINE Segment SegmentOf(const Places& a, const Places& b, unsigned t) {
   const double x = b.x[t] - a.x[t], y = b.y[t] - a.y[t], z = b.z[t] - a.z[t], mm = (x * x + y * y) + z * z;
-  return {ExactlyAt(a, t), {D(x), D(y), D(z)}, D(mm), mm != 0.0};
+  const D3 none{D(0.0), D(0.0), D(0.0)};
+  if (mm == 0.0) return {ExactlyAt(a, t), none, none, D(0.0), false};
+  // a + 0 m: a zero may have another sign than in a
+  return {{D(a.x[t] + 0.0 * x), D(a.y[t] + 0.0 * y), D(a.z[t] + 0.0 * z)},
+          {D(x), D(y), D(z)},
+          {D(a.x[t] + x), D(a.y[t] + y), D(a.z[t] + z)},
+          D(mm),
+          true};
 }
 // From the segment's closest point to p, to the bits of p - ClosestOnSegment(p, a, b). Most points lie before
-// or past a way of micrometres: they need no division.
+// or past a way of micrometres: the closest point is a + 0 m or a + 1 m then.
 HWY_INLINE D3 AwayFrom(const Segment& s, const D3& p) {
   const D3 out = p - s.a;
   if (!s.moves) return out;
   const D8 along = Dot(out, s.m);
   const MD past = along >= s.mm, before = along <= D(0.0);
-  D8 share = Select(past, D(1.0), D(0.0));
-  if (Bits(past | before) != 0xffu) share = Select(past | before, share, along / s.mm);
+  if (Bits(past | before) == 0xffu) {
+    const D3 behind = p - s.end;
+    return {Select(past, behind.x, out.x), Select(past, behind.y, out.y), Select(past, behind.z, out.z)};
+  }
+  const D8 share = Select(past, D(1.0), Select(before, D(0.0), along / s.mm));
   return p - D3{s.a.x + share * s.m.x, s.a.y + share * s.m.y, s.a.z + share * s.m.z};
 }
 
