@@ -49,6 +49,12 @@ const std::map<std::string, DocRun>& Runs() {
   static const std::map<std::string, DocRun> runs{
       {"osteon demo", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
       {"osteon demo --virtual-time", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
+      {"osteon demo --seconds 60", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
+      {"osteon status", By("OperatorCommands.PauseResumeAndStopARunningCell")},
+      {"osteon pause", By("OperatorCommands.PauseResumeAndStopARunningCell")},
+      {"osteon resume", By("OperatorCommands.PauseResumeAndStopARunningCell")},
+      {"osteon stop", By("OperatorCommands.PauseResumeAndStopARunningCell")},
+      {"osteon view demo_out/recording.mcap", By("OperatorCommands.ViewServesARecordingUntilCtrlC")},
       {"osteon demo --virtual-time --cell my_cell.yaml --tool reamer:54 --out my_out", OwnCell()},
       {"osteon demo --virtual-time --cell silent.yaml --out silent_out",
        By("Regress.TheWholeSuitePasses")},  // its scenario sensor_silent

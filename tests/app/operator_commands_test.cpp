@@ -1,0 +1,93 @@
+#include <csignal>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "tests/app/command.h"
+#include "tests/app/machine_lateness.h"
+
+// A running cell is asked from another terminal, and a recording is served, each as processes.
+
+namespace osteon::app {
+namespace {
+
+constexpr int kAttempts = 3;  // for runs that a busy machine spoilt
+
+class OperatorCommands : public testing::Test {
+ protected:
+  // Sockets of this test alone: another cell may run on this machine.
+  [[nodiscard]] std::vector<std::string> Environment() const {
+    return {"XDG_RUNTIME_DIR=" + folder_.path().string()};
+  }
+  CommandResult Ask(const std::vector<std::string>& words) {
+    return RunCommand(folder_.path(), words, Environment());
+  }
+  // The state of the running cell; empty: none.
+  std::string State() {
+    if (Ask({"status", "--json", "status.json"}).exit_code != 0) return "";
+    return ReadJson(folder_.path() / "status.json")["status"].value("state", "");
+  }
+
+  // False: the machine was late.
+  bool PausesResumesAndStops() {
+    const WakeupWatch watch;
+    Command run(folder_.path(),
+                {"run", "thin_plate", "--simulated", "--port", "0", "--console", "0", "--overwrite",
+                 "--record", "r.mcap", "--json", "run.json"},
+                Environment());
+    const auto late = [&] {
+      const CommandResult result = run.Wait();
+      EXPECT_TRUE(MachineWasLate(result, ReadJson(folder_.path() / "run.json"), watch.worst()));
+      return false;
+    };
+    if (!run.WaitUntil([&] { return State() == "cutting"; })) return late();
+    EXPECT_EQ(Ask({"resume"}).exit_code, 1) << "it is not paused";
+    EXPECT_EQ(Ask({"pause"}).exit_code, 0);
+    if (!run.WaitUntil([&] { return State() == "paused"; })) return late();
+    const CommandResult told = Ask({"status"});
+    EXPECT_NE(told.out.find("paused"), std::string::npos) << told.out;
+    EXPECT_NE(told.out.find("osteon resume"), std::string::npos) << told.out;
+    EXPECT_EQ(Ask({"resume"}).exit_code, 0);
+    if (!run.WaitUntil([&] { return State() == "cutting" || State() == "haptic"; })) return late();
+    EXPECT_EQ(Ask({"stop"}).exit_code, 0);
+    const CommandResult result = run.Wait();
+    const nlohmann::json summary = ReadJson(folder_.path() / "run.json");
+    if (result.exit_code == 1) return late();
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(summary.value("ended_by", ""), "operator");
+    EXPECT_TRUE(summary["console"].get<std::string>().starts_with("http://127.0.0.1:")) << summary["console"];
+    EXPECT_TRUE(std::filesystem::exists(folder_.path() / "r_report.html"));
+    EXPECT_EQ(Ask({"pause"}).exit_code, 1) << "no cell runs any more";
+    return true;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(OperatorCommands, PauseResumeAndStopARunningCell) {
+  for (int attempt = 0; attempt < kAttempts; ++attempt)
+    if (PausesResumesAndStops()) return;
+  GTEST_SKIP() << "skipped: this machine was late " << kAttempts << " times";
+}
+
+TEST_F(OperatorCommands, WithoutACellSayThatNoneRuns) {
+  for (const char* name : {"pause", "resume", "stop", "status"}) {
+    const CommandResult result = Ask({name});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_NE(result.err.find("no cell runs"), std::string::npos) << result.err;
+  }
+}
+
+TEST_F(OperatorCommands, ViewServesARecordingUntilCtrlC) {
+  ASSERT_EQ(RunCommand(folder_.path(), {"demo", "--virtual-time", "--seconds", "0.5"}).exit_code, 0);
+  Command view(folder_.path(), {"view", "demo_out/recording.mcap", "--port", "0", "--json", "view.json"});
+  ASSERT_TRUE(view.WaitUntil([&] { return std::filesystem::exists(folder_.path() / "view.json"); }))
+      << view.Err();
+  EXPECT_TRUE(
+      ReadJson(folder_.path() / "view.json")["url"].get<std::string>().starts_with("http://127.0.0.1:"));
+  view.Send(SIGINT);
+  EXPECT_EQ(view.Wait().exit_code, 0);
+}
+
+}  // namespace
+}  // namespace osteon::app
