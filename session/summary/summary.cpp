@@ -375,7 +375,8 @@ std::string DescribeRecordingErrors(const CellRunResult& result, const std::stri
 }
 
 int ExitCode(const CellRunResult& result) {
-  if (result.end == control::RunEnd::kStopFlag) return InterruptExitCode();
+  // without a signal or an operator's stop, the simulated cell has died
+  if (result.end == control::RunEnd::kStopFlag && InterruptName()[0] != '\0') return InterruptExitCode();
   return result.end == control::RunEnd::kSeconds && !result.faults.Any() ? 0 : 1;
 }
 

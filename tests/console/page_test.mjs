@@ -10,7 +10,7 @@ import { join } from "node:path";
 
 const [, , osteon, modules, pictures] = process.argv;
 const puppeteer = createRequire(join(modules, "x.js"))("puppeteer-core");
-const PATIENCE_MS = 60_000;
+const PATIENCE_MS = 30_000;
 const folder = mkdtempSync(join(tmpdir(), "osteon_page_"));
 mkdirSync(pictures, { recursive: true });
 
@@ -32,6 +32,7 @@ function demo(seconds) {
 }
 
 const browser = await puppeteer.launch({
+  protocolTimeout: PATIENCE_MS,
   executablePath: process.env.OSTEON_CHROMIUM ?? "/usr/bin/chromium",
   args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
 });
@@ -64,7 +65,7 @@ const clipped = (page) =>
   });
 
 async function operatesTheCell() {
-  const run = demo(40);
+  const run = demo(180); // ended by the page
   const url = await run.url;
   const page = await open(url, 1280, 720);
   await stateIs(page, "cutting");
@@ -83,6 +84,7 @@ async function operatesTheCell() {
   await until(second, 'document.getElementById("answer").textContent.includes("watches")');
   await picture(second, "phone");
 
+  await page.bringToFront(); // Chromium draws nothing behind another page
   await page.click("#pause");
   await stateIs(page, "paused");
   await picture(page, "paused");
@@ -97,6 +99,7 @@ async function operatesTheCell() {
   await until(page, 'document.getElementById("pause").textContent.startsWith("Anhalten")');
   assert.deepEqual(await clipped(page), []);
   await page.click("#large");
+  assert.deepEqual(await clipped(page), []);
   await picture(page, "german_large");
   await page.click("#large");
 
@@ -109,12 +112,13 @@ async function operatesTheCell() {
   }
 
   // a page that is loaded again, many times, is served again; the role is free for the other one meanwhile
-  for (let i = 0; i < 20; ++i) await page.reload();
+  for (let i = 0; i < 5; ++i) await page.reload();
   await until(page, "osteon.live?.status.known");
   await page.close();
   await until(second, '!document.getElementById("take-role").disabled');
 
   await until(second, "osteon.role.mine || (osteon.connection.ask('role'), false)");
+  await second.bringToFront();
   second.on("dialog", (dialog) => void dialog.accept()); // asked while cutting
   await second.click("#stop");
   const { code, text } = await run.ended;
@@ -124,7 +128,7 @@ async function operatesTheCell() {
 }
 
 async function showsAFault() {
-  const run = demo(30);
+  const run = demo(60);
   const page = await open(await run.url, 1280, 720);
   await stateIs(page, "cutting");
   // the arm's end of the wire dies: a process of its own

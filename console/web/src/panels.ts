@@ -1,7 +1,7 @@
 // The column of figures: state, force, depth, limits, conditions, faults, health, events.
 
 import type { Hello, Role, Status } from "./messages";
-import { figure, limitName, permitName, stateName, t, type Word } from "./texts";
+import { figure, limitName, permitName, stateDoes, stateName, t, type Word } from "./texts";
 
 const FAULT_STATES = [7, 8, 10]; // stop 0, stop 1, fault
 const WORKING_STATES = [4, 5]; // haptic, cutting
@@ -117,7 +117,7 @@ export class Panels {
     set(
       "state",
       element("div", "name", stateName(status.state_number, status.state)),
-      element("div", "does", status.does),
+      element("div", "does", hello.command === "view" ? status.does : stateDoes(status.state_number, status.does)),
       ...(hello.command === "view" ? [] : [element("div", "time", time)]),
     );
   }

@@ -17,6 +17,22 @@ const states: [string, string][] = [
   ["recovery", "Wiederanlauf"],
 ];
 
+// what a state does; the English words are the server's own
+const does: string[] = [
+  "befiehlt nichts; folgt einem Arm, der sagt, wo er ist",
+  "der Arm bewegt sich selbst; eine Bedingung fehlt noch",
+  "jede Bedingung gilt; wartet auf die Übergabe des Arms",
+  "fährt zum Beginn, solange die Zustimmtaste gehalten ist",
+  "rendert; die Spindel steht",
+  "rendert; die Spindel dreht",
+  "hält unter Strom, die Spindel steht; prüft die Bedingungen",
+  "der Arm ist nicht unter Kontrolle",
+  "bremst bis zum Stillstand; verlangt keine Bewegung mehr",
+  "bremst bis zum Stillstand, bleibt unter Strom",
+  "steht mit einem Fehler; verlangt keine Bewegung",
+  "wartet auf den Arm und auf jede Bedingung",
+];
+
 const permits: [string, string][] = [
   ["a message of the arm", "Nachricht des Arms"],
   ["arm handed over, no safety stop", "Arm übergeben, kein Sicherheitshalt"],
@@ -134,10 +150,12 @@ const pick = (pair: [string, string] | undefined, otherwise: string): string =>
 
 export const t = (word: Word): string => pick(words[word] as [string, string], word);
 export const stateName = (number: number, otherwise: string): string => pick(states[number], otherwise);
+export const stateDoes = (number: number, english: string): string => (language === "de" ? (does[number] ?? english) : english);
 export const permitName = (number: number, otherwise: string): string => pick(permits[number], otherwise);
 export const limitName = (number: number, otherwise: string): string => pick(limits[number], otherwise);
 
 /** A number with its digits after the point, as the language writes it. */
 export function figure(value: number, digits: number): string {
-  return value.toLocaleString(language, { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
+  const rounded = Number(value.toFixed(digits)) + 0; // no -0
+  return rounded.toLocaleString(language, { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
 }
