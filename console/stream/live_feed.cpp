@@ -109,7 +109,9 @@ std::vector<LiveWindow> LiveFeed::Since(std::uint64_t& seen) const {
 std::vector<io::RecordedEvent> LiveFeed::EventsSince(std::uint64_t& seen) const {
   const std::lock_guard lock(mutex_);
   const std::uint64_t gone = events_so_far_ - events_.size();
-  const auto first = static_cast<std::ptrdiff_t>(std::max(seen, gone) - gone);
+  // after a Restart a reader may have seen more than there is
+  const auto first =
+      static_cast<std::ptrdiff_t>(std::min(std::max(seen, gone) - gone, std::uint64_t{events_.size()}));
   std::vector<io::RecordedEvent> events(events_.begin() + first, events_.end());
   seen = events_so_far_;
   return events;

@@ -66,6 +66,19 @@ TEST(LiveFeed, ALateReaderGetsTheLastWindowsAndEvents) {
   EXPECT_TRUE(feed.EventsSince(seen_events).empty());
 }
 
+TEST(LiveFeed, AReaderOfBeforeARestartGetsNothingUntilItKnows) {
+  LiveFeed feed;
+  for (int i = 0; i < 5; ++i) feed.TakeEvent({.stamp = i, .text = "x"});
+  std::uint64_t seen_events = 0, seen = 3;
+  EXPECT_EQ(feed.EventsSince(seen_events).size(), 5u);
+  const std::uint64_t epoch = feed.epoch();
+  feed.Restart();
+  EXPECT_NE(feed.epoch(), epoch);
+  EXPECT_TRUE(feed.EventsSince(seen_events).empty());
+  EXPECT_TRUE(feed.Since(seen).empty());
+  EXPECT_EQ(feed.Newest().number, 0u);
+}
+
 // Readers that always copy must neither stall the writer nor tear a window.
 TEST(LiveFeed, ReadersNeverTearAWindow) {
   LiveFeed feed;
