@@ -168,7 +168,9 @@ int RunDemo(const DemoOptions& options) {
       *setup,
       {.command = "demo", .seconds = options.seconds, .recording = (options.out / "recording.mcap").string()},
       AskedByOperator());
-  live.Open(options.console);
+  ConsoleChoice console = options.console;
+  console.on &= !options.virtual_time || console.only_this_port;  // a run of virtual time is over in a moment
+  live.Open(console);
   const CellRunParams params{
       .seconds = options.seconds,
       .virtual_time = options.virtual_time,
@@ -188,6 +190,7 @@ int RunDemo(const DemoOptions& options) {
       .console_url = live.console_url(),
       .begins =
           [&] {
+            live.Announce();
             fmt::print(stderr, "osteon demo: engine: {}\n", EngineText(choice, (*engine)->device()));
             PrintLimits(setup->config.servo);
           },

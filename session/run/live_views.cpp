@@ -57,9 +57,7 @@ void LiveViews::Open(const ConsoleChoice& choice) {
   if (server)
     server_ = std::move(*server);
   else
-    fmt::print(stderr,
-               "osteon {}: warning: osteon pause, resume, stop and status do not reach this run: {}\n",
-               run_.command, server.error());
+    not_opened_.push_back("osteon pause, resume, stop and status do not reach this run: " + server.error());
   if (!choice.on) return;
   auto console = console::ConsoleServer::Start({.address = choice.address,
                                                 .port = choice.port,
@@ -69,13 +67,18 @@ void LiveViews::Open(const ConsoleChoice& choice) {
                                                 .context = context_,
                                                 .request = [this](auto request) { return Ask(request); }},
                                                feed_, surface_);
-  if (console)
-    console_ = std::move(*console);
-  else
-    fmt::print(stderr, "osteon {}: warning: {}\n", run_.command, console.error());
-  if (!console_) return;
+  if (!console) {
+    not_opened_.push_back(console.error());
+    return;
+  }
+  console_ = std::move(*console);
   surface_thread_ = StartSurface(setup_, surface_feed_);
-  fmt::print(stderr, "osteon {}: console: {}\n", run_.command, console_->url());
+}
+
+void LiveViews::Announce() const {
+  for (const std::string& what : not_opened_)
+    fmt::print(stderr, "osteon {}: warning: {}\n", run_.command, what);
+  if (console_) fmt::print(stderr, "osteon {}: console: {}\n", run_.command, console_->url());
 }
 
 console::LiveStatus LiveViews::Status() const { return console::StatusOf(feed_.Newest(), context_); }

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -48,9 +49,11 @@ class LiveViews {
   /// @param setup  packed, and outlives this
   LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests);
 
-  /// Opens the local socket and the console. The run goes on without what could not be opened. Prints on
-  /// stderr where the console is, and what could not be opened.
+  /// Opens the local socket and the console. The run goes on without what could not be opened.
   void Open(const ConsoleChoice& choice);
+  /// Prints on stderr where the console is, and what could not be opened. Once the run begins: a refusal
+  /// stays one line.
+  void Announce() const;
   /// Address of the console; empty: it is not served.
   [[nodiscard]] std::string console_url() const { return console_ ? console_->url() : ""; }
 
@@ -74,6 +77,7 @@ class LiveViews {
   OperatorRequests& requests_;
   std::string cell_;
   std::string scene_;
+  std::vector<std::string> not_opened_;
   console::LiveContext context_;
   console::LiveFeed feed_;
   console::SurfaceStore surface_;

@@ -180,7 +180,11 @@ int RunOperate(const OperateOptions& asked) {
       .live = live.sink(),
       .console_url = live.console_url(),
       .gains = options.gains,
-      .begins = [&] { PrintLimits(setup->config.servo); },
+      .begins =
+          [&] {
+            live.Announce();
+            PrintLimits(setup->config.servo);
+          },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },
       .progress = [&](double at_s) { progress.Show(at_s, live.Line()); },
       .adaptive_resolution = adaptive_resolution.get(),
