@@ -33,6 +33,7 @@ class BrickField {
   BrickField() = default;
   BrickField(BrickIndex bricks, std::int32_t state) : slots_(bricks, state) {}
 
+  [[nodiscard]] BrickIndex Count() const { return static_cast<BrickIndex>(slots_.size()); }
   /// kAllLow, kAllHigh, or 0 and more for a brick with values.
   [[nodiscard]] std::int32_t State(BrickIndex brick) const { return slots_[brick]; }
   [[nodiscard]] bool HasValues(BrickIndex brick) const { return slots_[brick] >= 0; }
@@ -43,6 +44,12 @@ class BrickField {
   }
   [[nodiscard]] std::int16_t* Values(BrickIndex brick) {
     return HasValues(brick) ? values_.data() + Offset(slots_[brick]) : nullptr;
+  }
+
+  /// Whether a brick is the same in both fields.
+  [[nodiscard]] bool SameValues(const BrickField& other, BrickIndex brick) const {
+    if (!HasValues(brick) || !other.HasValues(brick)) return slots_[brick] == other.slots_[brick];
+    return std::equal(Values(brick), Values(brick) + kBrickNodes, other.Values(brick));
   }
 
   /// Gives a uniform brick values of its own, all at its limit. Pointers from Values become invalid.

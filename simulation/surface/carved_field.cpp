@@ -2,6 +2,9 @@
 
 #include <array>
 #include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace osteon::surface {
 namespace {
@@ -93,6 +96,18 @@ void CarvedField::Carve(std::span<const Capsule> capsules) {
   for (int z = from[2]; z < to[2]; ++z)
     for (int y = from[1]; y < to[1]; ++y)
       for (int x = from[0]; x < to[0]; ++x) CarveBrick(x, y, z, capsules);
+}
+
+void CarvedField::SetSwept(BrickField swept) {
+  if (swept.Count() != layout().Count())
+    throw std::invalid_argument("carved field: found " + std::to_string(swept.Count()) +
+                                " bricks of a sweep, accepted " + std::to_string(layout().Count()));
+  const BrickField before = std::exchange(swept_, std::move(swept));
+  for (BrickIndex brick = 0; brick < layout().Count(); ++brick) {
+    if (before.SameValues(swept_, brick)) continue;
+    const auto [x, y, z] = layout().PlaceOf(brick);
+    EachNeighbour([&, x = x, y = y, z = z](int dx, int dy, int dz) { MarkDirty(x + dx, y + dy, z + dz); });
+  }
 }
 
 void CarvedField::CarveBrick(int x, int y, int z, std::span<const Capsule> capsules) {

@@ -18,6 +18,10 @@ class CarvedField {
   /// Removes capsules. The result does not depend on their order or on how they are divided into calls.
   void Carve(std::span<const Capsule> capsules);
 
+  /// Replaces what was swept, by that of an earlier state of this field: an undo, or a saved cut.
+  /// @throws std::invalid_argument where the other field has another number of bricks.
+  void SetSwept(BrickField swept);
+
   /// Bricks whose mesh has changed since ClearDirty, in the order in which they first changed. At the start
   /// it is every brick that may have a surface.
   [[nodiscard]] std::span<const BrickIndex> Dirty() const { return dirty_list_; }

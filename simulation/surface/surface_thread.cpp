@@ -4,6 +4,7 @@
 #include <sched.h>
 
 #include <exception>
+#include <stdexcept>
 #include <utility>
 
 #include "base/realtime_thread.h"
@@ -22,11 +23,13 @@ void RunWhenIdle() {
 
 SurfaceThread::SurfaceThread(const simulation::Tool& tool, const Pose& X_WG, SurfaceThreadParams params,
                              SurfaceSink& sink)
-    : params_(std::move(params)), sink_(sink), ways_(tool, X_WG), ring_(params_.ring_frames), thread_([this] {
+    : params_(std::move(params)), sink_(sink), ring_(params_.ring_frames), ways_(tool, X_WG), thread_([this] {
         try {
           Loop();
         } catch (const std::exception& error) {
+          const std::lock_guard lock(mutex_);
           error_ = error.what();
+          begun_.notify_all();
         }
       }) {}
 
@@ -37,33 +40,51 @@ void SurfaceThread::Stop() {
   if (thread_.joinable()) thread_.join();
 }
 
+void SurfaceThread::Apply(const std::function<void(CarvedField&, ToolWays&)>& change) {
+  std::unique_lock lock(mutex_);
+  begun_.wait(lock, [this] { return field_ || !error_.empty(); });
+  if (!error_.empty()) throw std::runtime_error(error_);
+  CarveFrames();
+  field_->Carve(ways_.TakeCapsules());
+  change(*field_, ways_);
+  PublishDirty();
+}
+
 void SurfaceThread::Loop() {
   rt::NameThread("surface");
   RunWhenIdle();
-  CarvedField field(params_.make_solid());
-  sink_.Begin(field.layout());
+  {
+    CarvedField field(params_.make_solid());
+    const std::lock_guard lock(mutex_);
+    sink_.Begin(field.layout());
+    field_ = std::move(field);
+    begun_.notify_all();
+  }
   for (bool stopping = false; !stopping;) {
     stopping = stop_.load();  // before the ring is read: what was pushed until Stop is carved
-    CarveFrames(field);
-    if (stopping) field.Carve(ways_.TakeCapsules());
-    PublishDirty(field);
+    {
+      const std::lock_guard lock(mutex_);
+      CarveFrames();
+      if (stopping) field_->Carve(ways_.TakeCapsules());
+      PublishDirty();
+    }
     if (!stopping) std::this_thread::sleep_for(params_.period);
   }
 }
 
-void SurfaceThread::CarveFrames(CarvedField& field) {
+void SurfaceThread::CarveFrames() {
   for (ToolFrame frame; ring_.Pop(frame);)
-    if (ways_.Add(frame)) field.Carve(ways_.TakeCapsules());
+    if (ways_.Add(frame)) field_->Carve(ways_.TakeCapsules());
 }
 
-void SurfaceThread::PublishDirty(CarvedField& field) {
-  const auto dirty = field.Dirty();
+void SurfaceThread::PublishDirty() {
+  const auto dirty = field_->Dirty();
   if (dirty.empty()) return;
   if (chunks_.size() < dirty.size()) chunks_.resize(dirty.size());
   for (std::size_t i = 0; i < dirty.size(); ++i)
-    ExtractChunk(field, dirty[i], chunks_[i], {}, params_.material);
+    ExtractChunk(*field_, dirty[i], chunks_[i], {}, params_.material);
   sink_.Publish(std::span(chunks_).first(dirty.size()), ways_.frame());
-  field.ClearDirty();
+  field_->ClearDirty();
 }
 
 }  // namespace osteon::surface

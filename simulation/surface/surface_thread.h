@@ -2,8 +2,11 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -30,7 +33,8 @@ struct SurfaceThreadParams {
 ///     engine's thread ──ToolFrame, SpscRing──▶ surface thread ──chunks──▶ SurfaceSink
 ///
 /// The engine never waits: a full ring refuses a frame, and the next way then starts where the last pushed
-/// one ended. Writer of the ring is the engine's thread, reader this one; memory order by SpscRing.
+/// one ended. Writer of the ring is the engine's thread; its reader is this one, or who calls Apply, under
+/// the same lock; memory order by SpscRing.
 class SurfaceThread {
  public:
   /// @param sink  must outlive the thread; called on it
@@ -44,6 +48,11 @@ class SurfaceThread {
   /// @returns false where the ring was full
   bool Push(const ToolFrame& frame) OSTEON_RT { return ring_.Push(frame); }
 
+  /// Carves all that was pushed, then lets `change` read or change the field and the ways, and publishes.
+  /// Waits for the field, which takes seconds for a mesh. Any thread; also after Stop.
+  /// @throws std::runtime_error with error() where the thread has failed; else what `change` throws.
+  void Apply(const std::function<void(CarvedField&, ToolWays&)>& change);
+
   /// Carves and publishes what was pushed, and ends the thread. Safe to call twice.
   void Stop();
 
@@ -54,16 +63,19 @@ class SurfaceThread {
 
  private:
   void Loop();
-  void CarveFrames(CarvedField& field);
-  void PublishDirty(CarvedField& field);
+  void CarveFrames();
+  void PublishDirty();
 
   SurfaceThreadParams params_;
   SurfaceSink& sink_;
-  ToolWays ways_;
   rt::SpscRing<ToolFrame> ring_;
-  std::vector<SurfaceChunk> chunks_;  // their memory is used again
   std::atomic<bool> stop_{false};
-  std::string error_;  // written by the thread, read after it was joined
+  std::mutex mutex_;               // of what follows; the engine's thread never takes it
+  std::condition_variable begun_;  // the field is there, or the thread has failed
+  std::optional<CarvedField> field_;
+  ToolWays ways_;
+  std::vector<SurfaceChunk> chunks_;  // their memory is used again
+  std::string error_;                 // read without the lock once the thread is joined
   std::thread thread_;
 };
 

@@ -92,6 +92,23 @@ TEST(CarvedField, LeavesOutOnlyCapsulesThatCannotCount) {
     ASSERT_TRUE(IsSameChunk(ChunkOf(together, brick), ChunkOf(one_by_one, brick))) << "brick " << brick;
 }
 
+TEST(CarvedField, AnEarlierSweepBringsItsChunksBack) {
+  CarvedField field(BallField(9.0F, 0.5F));
+  std::map<BrickIndex, SurfaceChunk> kept;
+  std::mt19937 random(14);
+  field.Carve(RandomWay(random, 9.0F, 2.0F, 40));
+  UpdateChunks(field, kept);
+  const std::map<BrickIndex, SurfaceChunk> then = kept;
+  const BrickField swept = field.swept();
+  field.Carve(RandomWay(random, 7.0F, 3.0F, 60));
+  UpdateChunks(field, kept);
+  field.SetSwept(swept);
+  EXPECT_LT(field.Dirty().size(), then.size()) << "where nothing changed nothing is made again";
+  UpdateChunks(field, kept);
+  for (const auto& [brick, chunk] : then) ASSERT_TRUE(IsSameChunk(chunk, kept[brick])) << "brick " << brick;
+  EXPECT_THROW(field.SetSwept(BrickField(3, BrickField::kAllLow)), std::invalid_argument);
+}
+
 TEST(CarvedField, IsDirtyOnlyNearTheCut) {
   CarvedField field(BallField(9.0F, 0.5F));
   field.ClearDirty();

@@ -105,6 +105,27 @@ TEST(SurfaceThread, BridgesFramesThatAFullRingRefused) {
   EXPECT_EQ(Quads(sink.kept), WeldSurface(field).quads.size());
 }
 
+TEST(SurfaceThread, AppliesAChangeAfterAllThatWasPushed) {
+  ChunkKeeper sink;
+  SurfaceThread thread(kBall, Pose::Identity(), {.make_solid = [] { return BallField(9.0F, 0.5F); }}, sink);
+  for (std::uint64_t i = 1; i <= 205; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
+  std::uint64_t frame = 0;
+  BrickField swept;
+  thread.Apply([&](CarvedField& field, ToolWays& ways) {
+    frame = ways.frame();
+    swept = field.swept();
+  });
+  EXPECT_EQ(frame, 205U);
+  const std::size_t quads = Quads(sink.kept);
+  for (std::uint64_t i = 206; i <= 500; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
+  thread.Apply([](CarvedField&, ToolWays&) {});
+  EXPECT_NE(Quads(sink.kept), quads);
+  thread.Apply([&](CarvedField& field, ToolWays&) { field.SetSwept(swept); });
+  EXPECT_EQ(Quads(sink.kept), quads) << "published as it was";
+  EXPECT_THROW(thread.Apply([](CarvedField&, ToolWays&) { throw std::logic_error("mine"); }),
+               std::logic_error);
+}
+
 TEST(SurfaceThread, SaysWhyItEnded) {
   ChunkKeeper sink;
   SurfaceThread thread(kBall, Pose::Identity(), {.make_solid = []() -> std::shared_ptr<const SolidField> {
@@ -112,6 +133,7 @@ TEST(SurfaceThread, SaysWhyItEnded) {
                        }},
                        sink);
   (void)thread.Push(FrameNumber(1));
+  EXPECT_THROW(thread.Apply([](CarvedField&, ToolWays&) {}), std::runtime_error);
   thread.Stop();
   EXPECT_EQ(thread.error(), "no solid");
 }

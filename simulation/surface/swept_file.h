@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+
+#include <tl/expected.hpp>
+
+#include "base/file_error.h"
+#include "simulation/surface/brick_field.h"
+
+// What the tool swept, on disk, so that a saved cut keeps its surface.
+//
+//     byte  0   SweptHeader   swept_file.cpp: magic, version, the grid, CRC of all that follows
+//     byte 48   1 byte a brick: 0 nothing swept, 1 all of it, 2 it has values
+//               1024 bytes a brick with values, in their order: 512 values, int16
+//
+// Little-endian. Versions are not converted.
+
+namespace osteon::surface {
+
+/// Saves a swept field. The file appears whole or not at all; its bytes depend on the arguments alone.
+[[nodiscard]] tl::expected<void, simulation::FileError> WriteSweptField(const std::filesystem::path& path,
+                                                                        const BrickField& swept,
+                                                                        const BrickLayout& layout);
+
+/// Reads a swept field and verifies everything: sizes, checksum, the grid, every value.
+/// @param layout  of the field that it is for
+/// @returns an error naming the byte, what was found there and what is accepted.
+[[nodiscard]] tl::expected<BrickField, simulation::FileError> ReadSweptField(
+    const std::filesystem::path& path, const BrickLayout& layout);
+
+}  // namespace osteon::surface
