@@ -54,13 +54,14 @@ std::filesystem::path FindShippedFolder(const char* root, const std::filesystem:
                                         const std::filesystem::path& program) {
   if (root) return std::filesystem::path(root) / "config";
   std::error_code error;
-  const auto has_cells = [&](const std::filesystem::path& folder) {
-    return std::filesystem::is_directory(folder / "config" / "cells", error);
+  const auto has_cells = [&](const std::filesystem::path& config) {
+    return std::filesystem::is_directory(config / "cells", error);
   };
-  if (!has_cells(here))
+  if (!has_cells(here / "config"))
     for (std::filesystem::path above = program; above.has_relative_path();) {
       above = above.parent_path();
-      if (has_cells(above)) return above / "config";
+      for (const char* below : {"config", "share/osteon/config"})
+        if (has_cells(above / below)) return above / below;
     }
   return here / "config";
 }

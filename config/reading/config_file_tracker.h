@@ -7,7 +7,8 @@
 namespace osteon::config {
 
 /// Finds the folder with the shipped cells/, robots/, tools/ …: $OSTEON_ROOT/config; without that variable
-/// ./config, or else the config/ that is nearest above the program, as a build inside the checkout has it.
+/// ./config, or else, nearest above the program, config/ (a build inside the checkout) or
+/// share/osteon/config/ (an installation).
 /// @param root  $OSTEON_ROOT, or null;  @param program  the running program's file
 [[nodiscard]] std::filesystem::path FindShippedFolder(const char* root, const std::filesystem::path& here,
                                                       const std::filesystem::path& program);

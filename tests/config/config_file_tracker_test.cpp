@@ -35,6 +35,10 @@ TEST(ShippedFolder, IsThatOfTheVariableOfHereOrAboveTheProgram) {
   EXPECT_EQ(FindShippedFolder(nullptr, elsewhere, "/usr/bin/osteon"), elsewhere / "config")
       << "named in the message that the file is not there";
   EXPECT_EQ(FindShippedFolder(nullptr, elsewhere, ""), elsewhere / "config");
+  const fs::path installed = folder.path() / "usr";
+  fs::create_directories(installed / "share/osteon/config/cells");
+  EXPECT_EQ(FindShippedFolder(nullptr, elsewhere, installed / "bin/osteon"),
+            installed / "share/osteon/config");
 }
 
 TEST(ConfigFileTracker, NotesEveryFileOnce) {

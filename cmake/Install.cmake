@@ -1,0 +1,80 @@
+# cmake --install BUILD [--prefix P] [--component C], and Debian packages by cpack (docs/packages.md).
+#
+#     component   Debian package   what
+#     osteon      osteon           the command, its studies, config/, the console's page, manual page, completion,
+#                                  systemd unit, real-time rights
+#     library     libosteon0       libosteon.so.0
+#     development libosteon-dev    osteon.h, CMake package, pkg-config file, Python module, examples
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(packaging ${PROJECT_SOURCE_DIR}/plugin/packaging)
+
+# --- the command
+install(TARGETS osteon_app osteon_studies RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT osteon)
+install(DIRECTORY config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/osteon/config COMPONENT osteon
+  PATTERN "reading" EXCLUDE PATTERN "CMakeLists.txt" EXCLUDE)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/console/web/ DESTINATION ${CMAKE_INSTALL_DATADIR}/osteon/console COMPONENT osteon
+  OPTIONAL)
+# manual page and completion are written by the command itself, from the options that it parses
+install(CODE "
+  set(command \"$<TARGET_FILE:osteon_app>\")
+  set(share \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}\")
+  file(MAKE_DIRECTORY \"\${share}/man/man1\" \"\${share}/bash-completion/completions\")
+  execute_process(COMMAND \${command} manual --man \"\${share}/man/man1/osteon.1\" COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+  execute_process(COMMAND \${command} completion bash OUTPUT_FILE \"\${share}/bash-completion/completions/osteon\"
+    COMMAND_ERROR_IS_FATAL ANY)
+" COMPONENT osteon)
+install(FILES ${packaging}/osteon@.service DESTINATION lib/systemd/system COMPONENT osteon)
+install(FILES ${packaging}/osteon.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/osteon/limits.d COMPONENT osteon)
+install(FILES ${packaging}/60-osteon.rules DESTINATION lib/udev/rules.d COMPONENT osteon)
+
+# --- the library
+install(TARGETS osteon_plugin EXPORT osteon-targets
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
+# scenes, tools and materials stand in the package of the command; the library alone needs a packing, balls or these
+install(FILES plugin/include/osteon.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(EXPORT osteon-targets NAMESPACE osteon:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/osteon COMPONENT development)
+file(WRITE ${PROJECT_BINARY_DIR}/osteon-config.cmake "include(\"\${CMAKE_CURRENT_LIST_DIR}/osteon-targets.cmake\")\n")
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/osteon-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/osteon-config.cmake ${PROJECT_BINARY_DIR}/osteon-config-version.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/osteon COMPONENT development)
+file(RELATIVE_PATH prefix_from_pkgconfig /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+configure_file(${packaging}/osteon.pc.in ${PROJECT_BINARY_DIR}/osteon.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/osteon.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+install(FILES plugin/python/osteon.py DESTINATION lib/python3/dist-packages COMPONENT development)
+install(DIRECTORY plugin/examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT development)
+
+# --- Debian packages: cpack -G DEB --config BUILD/CPackConfig.cmake
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "The Osteon developers <osteon@localhost>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
+  WORLD_READ WORLD_EXECUTE)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL osteon library development)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
+set(CPACK_DEBIAN_OSTEON_PACKAGE_NAME osteon)
+set(CPACK_DEBIAN_OSTEON_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_OSTEON_PACKAGE_RECOMMENDS "mesa-vulkan-drivers, fonts-dejavu-core")
+set(CPACK_COMPONENT_OSTEON_DESCRIPTION "haptic controller of a hip-reaming robot cell
+ Runs a real or simulated cell: servo loop, cutting simulation, guard, console,
+ reports, and the studies that tune it.")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libosteon0)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${packaging}/triggers)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "osteon")
+set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "cutting engine for haptics (shared library)
+ Bone that gives way to reamers, drills and burrs, with the forces for a haptic
+ device's loop and the carved surface as a mesh.")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libosteon-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libosteon0 (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "osteon, python3-numpy")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "cutting engine for haptics (header, Python module)
+ The C header of libosteon, its CMake package and pkg-config file, the Python
+ module, and examples.")
+include(CPack)

@@ -1,0 +1,306 @@
+// osteon.h: Osteon's cutting engine for other programs.
+//
+//     OsteonBone ──┐                       own thread: engine, removal, surface
+//                  ├─▶ OsteonSession ◀──── osteon_session_set_tool_pose   the device's or game's thread
+//     OsteonTool ──┘         └───────────▶ osteon_session_evaluate        the same, or another one: 1 kHz
+//
+// C11, no dependency. Units are SI unless a name says otherwise (_mm). Frames: everything is in the bone's
+// frame G, right-handed; the tool's frame T has its origin at the apex and +z along the feed. Quaternions are
+// w x y z and need not be normalised.
+//
+// Results. Every function that can fail returns an OsteonResult. osteon_last_error() has the text of the
+// calling thread's last failure. No exception, no signal and no output crosses this border.
+//
+// Threads. Functions of one session may be called from any thread, one at a time for each of these two:
+// set_tool_pose (one thread: the writer) and evaluate (one thread: the reader; it may be the writer).
+// These two never wait, lock or allocate. All other functions may be called from any thread at any time and
+// wait for the frame that is being computed.
+//
+// Lifetime. Bones and tools may be destroyed while sessions use them. osteon_session_destroy joins the
+// session's threads. After fork() the child gets OSTEON_ERROR_FORK.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define OSTEON_VERSION "0.1.0"
+/* Changes whenever a struct or the meaning of a function does. Pass it where a function asks for it: the
+ * library refuses another one with a message that names both. */
+#define OSTEON_ABI 1u
+
+#if defined(__GNUC__)
+#define OSTEON_API __attribute__((visibility("default")))
+#else
+#define OSTEON_API
+#endif
+
+typedef enum OsteonResult {
+  OSTEON_OK = 0,
+  OSTEON_EMPTY = 1,           /* no event waits; not an error */
+  OSTEON_ERROR_ARGUMENT = -1, /* a value that is null, not finite or out of range */
+  OSTEON_ERROR_FILE = -2,     /* a file that cannot be read or written, or has a defect */
+  OSTEON_ERROR_MEMORY = -3,   /* no memory */
+  OSTEON_ERROR_DEVICE = -4,   /* no such GPU, it was lost, or it cannot hold bone and tool */
+  OSTEON_ERROR_STATE = -5,    /* not now: the text says what has to happen first */
+  OSTEON_ERROR_ABI = -6,      /* header and library do not fit */
+  OSTEON_ERROR_FORK = -7,     /* called in a forked child */
+  OSTEON_ERROR_BUFFER = -8,   /* a buffer is smaller than the worst case that its comment names */
+  OSTEON_ERROR_INTERNAL = -9  /* a defect of the library; please report the text */
+} OsteonResult;
+
+typedef enum OsteonEngine {
+  OSTEON_ENGINE_AUTO = 0, /* Vulkan where there is a GPU, else the processor */
+  OSTEON_ENGINE_CPU = 1,
+  OSTEON_ENGINE_VULKAN = 2
+} OsteonEngine;
+
+/* Pose of T in G. */
+typedef struct OsteonPose {
+  double position_m[3];
+  double orientation_wxyz[4];
+} OsteonPose;
+
+/* Velocity of T at its origin, in G. */
+typedef struct OsteonTwist {
+  double linear_m_per_s[3];
+  double angular_rad_per_s[3];
+} OsteonTwist;
+
+/* On the tool, at T's origin, in G. */
+typedef struct OsteonWrench {
+  double force_N[3];
+  double torque_Nm[3];
+} OsteonWrench;
+
+typedef struct OsteonBone OsteonBone;
+typedef struct OsteonTool OsteonTool;
+typedef struct OsteonSession OsteonSession;
+
+/* --- library ------------------------------------------------------------------------------------------- */
+
+/* "0.1.0"; valid for ever. */
+OSTEON_API const char* osteon_version(void);
+/* The OSTEON_ABI that the library was built with. */
+OSTEON_API uint32_t osteon_abi(void);
+/* What a result means, in a few words; valid for ever. */
+OSTEON_API const char* osteon_result_text(OsteonResult result);
+/* Text of the calling thread's last failure, one line, UTF-8; "" where there was none. Valid until this
+ * thread's next failure. */
+OSTEON_API const char* osteon_last_error(void);
+
+/* --- bone ---------------------------------------------------------------------------------------------- */
+
+/* What a bone is made from: exactly one of packing_file, mesh_file, balls and, if none of these, scene. */
+typedef struct OsteonBoneParams {
+  const char* scene; /* name of a shipped scene, or its YAML file: "acetabulum", "molar", …; for a mesh, the
+                        scene whose tissues and fineness it gets. Null: "acetabulum" */
+  const char* mesh_file;    /* closed STL, OBJ or PLY; needs the site. Null: none */
+  double mesh_scale_mm;     /* millimetres per unit of the mesh; 0: 1 */
+  const char* packing_file; /* as `osteon pack` writes it (.osp). Null: none */
+  const float* balls_mm;    /* x y z r of ball_count overlapping balls [mm]. Null: none. Their mass is sampled
+                               at 0.75 mm, all of the first material */
+  size_t ball_count;
+  const char* material;      /* of balls: name of a shipped material. Null: "cancellous" */
+  double site_center_m[3];   /* where it is cut: centre of the cup, or of the entry on the surface */
+  double site_axis[3];       /* out of the bone; any length */
+  double site_radius_m;      /* 0: the scene's or the packing's own site; a mesh needs one */
+  const char* config_folder; /* folder of scenes/, materials/ and tools/. Null: that of the installation or
+                                checkout that the library lies in, or $OSTEON_ROOT/config */
+} OsteonBoneParams;
+
+/* All zero: the scene "acetabulum". */
+OSTEON_API void osteon_bone_params_default(OsteonBoneParams* params);
+
+/* Makes a bone; takes 0.1 s (scene) to half a minute (large mesh).
+ * abi: OSTEON_ABI. bone: receives the new bone, null on failure. */
+OSTEON_API OsteonResult osteon_bone_create(uint32_t abi, const OsteonBoneParams* params, OsteonBone** bone);
+/* Null is allowed. */
+OSTEON_API void osteon_bone_destroy(OsteonBone* bone);
+
+typedef struct OsteonBoneInfo {
+  uint64_t balls;
+  uint64_t mass_points;
+  double volume_m3; /* sum over the mass points */
+  double mass_kg;
+  double site_center_m[3];
+  double site_axis[3]; /* unit, out of the bone */
+  double site_radius_m;
+  uint32_t material_count;
+} OsteonBoneInfo;
+
+OSTEON_API OsteonResult osteon_bone_info(const OsteonBone* bone, OsteonBoneInfo* info);
+/* Name of a material, for the indices of OsteonVertex; null where there is no such index. Valid as long as
+ * the bone. */
+OSTEON_API const char* osteon_bone_material(const OsteonBone* bone, uint32_t index);
+/* Pose of a tool that points into the site along its axis, its apex `height_m` above the site's centre (below
+ * where negative; -1 … 1). At 0 a reamer that fits the cup is free of bone. */
+OSTEON_API OsteonResult osteon_bone_approach(const OsteonBone* bone, double height_m, OsteonPose* pose);
+
+/* --- tool ---------------------------------------------------------------------------------------------- */
+
+typedef struct OsteonToolParams {
+  const char*
+      name; /* shipped tool, or its YAML file: "reamer", "twist_drill", "round_burr", … Null: "reamer" */
+  double diameter_m;      /* one of the sizes that the tool comes in; 0: its usual one */
+  const float* balls_mm;  /* instead of a name: x y z r of ball_count balls in T [mm]. Null: none */
+  const uint8_t* cutting; /* for each ball, 0: it touches only. Null: all cut */
+  size_t ball_count;
+  const char* config_folder; /* as in OsteonBoneParams */
+} OsteonToolParams;
+
+OSTEON_API void osteon_tool_params_default(OsteonToolParams* params);
+OSTEON_API OsteonResult osteon_tool_create(uint32_t abi, const OsteonToolParams* params, OsteonTool** tool);
+OSTEON_API void osteon_tool_destroy(OsteonTool* tool);
+/* Its usual spindle speed [rad/s]; 0 for a tool of balls, or null. */
+OSTEON_API double osteon_tool_spindle_rad_per_s(const OsteonTool* tool);
+
+/* --- session ------------------------------------------------------------------------------------------- */
+
+typedef struct OsteonSettings {
+  uint32_t engine;          /* an OsteonEngine */
+  const char* device;       /* part of a GPU's name; null: the default GPU */
+  uint32_t lockstep;        /* 0: frames are computed in the session's own thread as poses come, in wall time.
+                               1: osteon_session_step computes them, and nothing else does: same input, same bits */
+  uint32_t surface;         /* 1: the carved surface is made (a thread of its own, at idle priority) */
+  double max_force_N;       /* of the wrench: above 0, at most 200 */
+  double max_torque_Nm;     /* of the wrench: above 0, at most 20 */
+  double stiffness_N_per_m; /* of the coupling between tool and bone */
+  double damping_Ns_per_m;  /* of the coupling */
+} OsteonSettings;
+
+/* auto, own thread, with a surface, 200 N, 20 N·m, 20 kN/m, 100 N·s/m. */
+OSTEON_API void osteon_settings_default(OsteonSettings* settings);
+
+/* Makes a session. settings: null for the defaults. session: receives it, null on failure. */
+OSTEON_API OsteonResult osteon_session_create(uint32_t abi, const OsteonBone* bone, const OsteonTool* tool,
+                                              const OsteonSettings* settings, OsteonSession** session);
+/* Ends and joins its threads. No other call on this session may run. Null is allowed. */
+OSTEON_API void osteon_session_destroy(OsteonSession* session);
+/* "cpu on one thread, AVX-512 (…)": valid as long as the session. */
+OSTEON_API const char* osteon_session_engine(const OsteonSession* session);
+
+/* Where the tool is, and its spindle's speed [rad/s] (0: it does not cut). The first pose of a session must
+ * be free of bone. Wait-free. Not in lockstep. */
+OSTEON_API OsteonResult osteon_session_set_tool_pose(OsteonSession* session, const OsteonPose* pose,
+                                                     double spindle_rad_per_s);
+
+/* Lockstep: computes one frame at this pose and moves the session's clock on by dt_s (0 … 0.1). */
+OSTEON_API OsteonResult osteon_session_step(OsteonSession* session, const OsteonPose* pose,
+                                            double spindle_rad_per_s, double dt_s);
+
+/* The coupling wrench at this pose and velocity, from the newest frame: what the hand should feel. |force|
+ * and |torque| are within the settings' limits, always. It fades to zero while the newest frame's pose is 20
+ * to 60 ms old, and after the first call, or a change of tool or bone, it fades in within 100 ms. Wait-free:
+ * no lock, no allocation. On failure the wrench is zero. twist: null for rest. */
+OSTEON_API OsteonResult osteon_session_evaluate(OsteonSession* session, const OsteonPose* pose,
+                                                const OsteonTwist* twist, OsteonWrench* wrench);
+
+typedef struct OsteonFigures {
+  uint64_t frame;              /* number of frames so far */
+  double pose_age_s;           /* age of the newest frame's tool pose */
+  double frame_time_s;         /* that the newest frame took; 0 in lockstep */
+  OsteonPose proxy;            /* collision-free pose of the tool in the newest frame */
+  OsteonWrench wrench;         /* of the newest frame's own pose, before limits */
+  double removed_volume_m3;    /* since the start */
+  double removed_mass_kg;      /* since the start */
+  double cutting_work_J;       /* since the start */
+  double spindle_torque_Nm;    /* of the cut */
+  double engaged_area_m2;      /* of the cutting surface */
+  double depth_m;              /* of the apex below the site's first floor, along its axis; negative above */
+  uint32_t contacts;           /* planes that the tool is held by */
+  uint32_t reserved;           /* 0 */
+  uint64_t skipped_on_surface; /* frames that the surface's thread was too late for; their way is carved
+                                  straight */
+} OsteonFigures;
+
+/* Figures of the newest frame. */
+OSTEON_API OsteonResult osteon_session_figures(OsteonSession* session, OsteonFigures* figures);
+
+typedef struct OsteonEvent {
+  char name[48];  /* "pulp reached", "wall too thin", "breakthrough" */
+  double value_m; /* depth, or thickness of the wall */
+  double position_m[3];
+  uint64_t frame;
+} OsteonEvent;
+
+/* Takes the oldest event of the scene that was not taken. Returns OSTEON_EMPTY where none waits. */
+OSTEON_API OsteonResult osteon_session_next_event(OsteonSession* session, OsteonEvent* event);
+
+/* Another tool from now on, at `pose`, which must be free of bone: else OSTEON_ERROR_STATE, and nothing
+ * changes. */
+OSTEON_API OsteonResult osteon_session_change_tool(OsteonSession* session, const OsteonTool* tool,
+                                                   const OsteonPose* pose);
+
+/* --- save, restore, undo ---------------------------------------------------------------------------------
+ */
+
+/* Remembers the bone as it is, for osteon_session_undo; the oldest of more than 16 is forgotten. */
+OSTEON_API OsteonResult osteon_session_mark(OsteonSession* session);
+/* Returns to the last mark and forgets it. `pose` is where the tool is: it must be free of the bone that
+ * comes back, else OSTEON_ERROR_STATE, and nothing changes. */
+OSTEON_API OsteonResult osteon_session_undo(OsteonSession* session, const OsteonPose* pose);
+/* Saves the carved bone as FILE and, with a surface, FILE.swept. Each file appears whole or not at all. */
+OSTEON_API OsteonResult osteon_session_save(OsteonSession* session, const char* file);
+/* Returns to a saved bone of the same OsteonBone; any tool. `pose` as for undo. */
+OSTEON_API OsteonResult osteon_session_restore(OsteonSession* session, const char* file,
+                                               const OsteonPose* pose);
+
+/* --- surface ---------------------------------------------------------------------------------------------
+ */
+
+typedef struct OsteonVertex {
+  float position_mm[3];
+  float normal[3];     /* unit, outward */
+  uint8_t material;    /* index for osteon_bone_material */
+  uint8_t cut;         /* 1: on a face that the tool cut */
+  uint8_t reserved[2]; /* 0 */
+} OsteonVertex;
+
+/* The mesh of one brick, replacing the earlier one of the same brick. */
+typedef struct OsteonChunk {
+  uint32_t brick;
+  uint32_t first_vertex, vertex_count; /* in the buffer's vertices */
+  uint32_t first_index, index_count;   /* in the buffer's indices: triangles, counter-clockwise from outside,
+                                          each index counted from the chunk's first vertex */
+  uint32_t reserved;                   /* 0 */
+} OsteonChunk;
+
+/* Worst case of one chunk. */
+#define OSTEON_CHUNK_MAX_VERTICES 5832u
+#define OSTEON_CHUNK_MAX_INDICES 9216u
+
+/* The caller's buffers, and what was filled. */
+typedef struct OsteonSurfaceBuffers {
+  OsteonChunk* chunks;
+  OsteonVertex* vertices; /* room for at least OSTEON_CHUNK_MAX_VERTICES */
+  uint16_t* indices;      /* room for at least OSTEON_CHUNK_MAX_INDICES */
+  size_t chunk_capacity, vertex_capacity, index_capacity;
+  size_t chunk_count, vertex_count, index_count; /* filled */
+  uint64_t left;                                 /* changed chunks that did not fit: call again */
+} OsteonSurfaceBuffers;
+
+/* Copies the chunks that changed after `*generation`, the longest unchanged first, and moves *generation on;
+ * begin with 0. A chunk without vertices has gone. Chunks change at most 30 times a second. */
+OSTEON_API OsteonResult osteon_session_surface_changes(OsteonSession* session, uint64_t* generation,
+                                                       OsteonSurfaceBuffers* buffers);
+/* Waits until all frames so far are in the surface (seconds after the start of a large mesh). */
+OSTEON_API OsteonResult osteon_session_surface_wait(OsteonSession* session);
+
+typedef struct OsteonSurfaceInfo {
+  uint64_t triangles;
+  double volume_m3;
+  uint32_t watertight; /* 1: every edge has two triangles of the same winding */
+  uint32_t reserved;   /* 0 */
+} OsteonSurfaceInfo;
+
+/* Writes the carved bone as one watertight mesh in millimetres: .stl, .ply or .obj. info: may be null. */
+OSTEON_API OsteonResult osteon_session_surface_export(OsteonSession* session, const char* file,
+                                                      OsteonSurfaceInfo* info);
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,462 @@
+"""Osteon's cutting engine: bone that gives way to reamers, drills and burrs, for haptics and studies.
+
+A thin layer over libosteon (osteon.h) by ctypes and numpy. Units are SI unless a name says otherwise (_mm).
+Frames: everything is in the bone's frame G, right-handed; the tool's frame T has its origin at the apex and +z
+along the feed. A pose is a 4 x 4 matrix X_GT; a wrench is an array of 6, force [N] then torque [N m] at T's
+origin, in G.
+
+    import osteon
+    session = osteon.Session(osteon.Bone(), osteon.Tool(), lockstep=True)
+    for ms in range(5000):
+        X_GT = session.bone.approach(-0.017 - 0.002e-3 * ms)
+        session.step(X_GT, session.tool.spindle_rad_per_s, 0.001)
+        F = session.evaluate(X_GT)
+    session.export_surface("bone.stl")
+
+Errors are osteon.Error, with the library's text. The library is looked for in $OSTEON_LIBRARY, beside the
+installation that this file belongs to, then by the system.
+"""
+
+import ctypes as c
+import ctypes.util
+import os
+from pathlib import Path
+
+import numpy as np
+
+__all__ = ["Bone", "Error", "Session", "Tool", "version"]
+
+_ABI = 1
+
+
+class Error(RuntimeError):
+    """A refusal of the library. `code` is its OsteonResult."""
+
+    def __init__(self, code, text):
+        super().__init__(text)
+        self.code = code
+
+
+class _Pose(c.Structure):
+    _fields_ = [("position_m", c.c_double * 3), ("orientation_wxyz", c.c_double * 4)]
+
+
+class _Twist(c.Structure):
+    _fields_ = [("linear_m_per_s", c.c_double * 3), ("angular_rad_per_s", c.c_double * 3)]
+
+
+class _Wrench(c.Structure):
+    _fields_ = [("force_N", c.c_double * 3), ("torque_Nm", c.c_double * 3)]
+
+
+class _BoneParams(c.Structure):
+    _fields_ = [
+        ("scene", c.c_char_p),
+        ("mesh_file", c.c_char_p),
+        ("mesh_scale_mm", c.c_double),
+        ("packing_file", c.c_char_p),
+        ("balls_mm", c.POINTER(c.c_float)),
+        ("ball_count", c.c_size_t),
+        ("material", c.c_char_p),
+        ("site_center_m", c.c_double * 3),
+        ("site_axis", c.c_double * 3),
+        ("site_radius_m", c.c_double),
+        ("config_folder", c.c_char_p),
+    ]
+
+
+class _BoneInfo(c.Structure):
+    _fields_ = [
+        ("balls", c.c_uint64),
+        ("mass_points", c.c_uint64),
+        ("volume_m3", c.c_double),
+        ("mass_kg", c.c_double),
+        ("site_center_m", c.c_double * 3),
+        ("site_axis", c.c_double * 3),
+        ("site_radius_m", c.c_double),
+        ("material_count", c.c_uint32),
+    ]
+
+
+class _ToolParams(c.Structure):
+    _fields_ = [
+        ("name", c.c_char_p),
+        ("diameter_m", c.c_double),
+        ("balls_mm", c.POINTER(c.c_float)),
+        ("cutting", c.POINTER(c.c_uint8)),
+        ("ball_count", c.c_size_t),
+        ("config_folder", c.c_char_p),
+    ]
+
+
+class _Settings(c.Structure):
+    _fields_ = [
+        ("engine", c.c_uint32),
+        ("device", c.c_char_p),
+        ("lockstep", c.c_uint32),
+        ("surface", c.c_uint32),
+        ("max_force_N", c.c_double),
+        ("max_torque_Nm", c.c_double),
+        ("stiffness_N_per_m", c.c_double),
+        ("damping_Ns_per_m", c.c_double),
+    ]
+
+
+class _Figures(c.Structure):
+    _fields_ = [
+        ("frame", c.c_uint64),
+        ("pose_age_s", c.c_double),
+        ("frame_time_s", c.c_double),
+        ("proxy", _Pose),
+        ("wrench", _Wrench),
+        ("removed_volume_m3", c.c_double),
+        ("removed_mass_kg", c.c_double),
+        ("cutting_work_J", c.c_double),
+        ("spindle_torque_Nm", c.c_double),
+        ("engaged_area_m2", c.c_double),
+        ("depth_m", c.c_double),
+        ("contacts", c.c_uint32),
+        ("reserved", c.c_uint32),
+        ("skipped_on_surface", c.c_uint64),
+    ]
+
+
+class _Event(c.Structure):
+    _fields_ = [("name", c.c_char * 48), ("value_m", c.c_double), ("position_m", c.c_double * 3), ("frame", c.c_uint64)]
+
+
+class _Chunk(c.Structure):
+    _fields_ = [(name, c.c_uint32) for name in
+                ("brick", "first_vertex", "vertex_count", "first_index", "index_count", "reserved")]
+
+
+class _Buffers(c.Structure):
+    _fields_ = [
+        ("chunks", c.POINTER(_Chunk)),
+        ("vertices", c.c_void_p),
+        ("indices", c.c_void_p),
+        ("chunk_capacity", c.c_size_t),
+        ("vertex_capacity", c.c_size_t),
+        ("index_capacity", c.c_size_t),
+        ("chunk_count", c.c_size_t),
+        ("vertex_count", c.c_size_t),
+        ("index_count", c.c_size_t),
+        ("left", c.c_uint64),
+    ]
+
+
+class _SurfaceInfo(c.Structure):
+    _fields_ = [("triangles", c.c_uint64), ("volume_m3", c.c_double), ("watertight", c.c_uint32), ("reserved", c.c_uint32)]
+
+
+#: A vertex of the surface: position [mm], unit normal (outward), material, 1 where the tool cut.
+VERTEX = np.dtype([("position_mm", "<f4", 3), ("normal", "<f4", 3), ("material", "u1"), ("cut", "u1"), ("reserved", "u1", 2)])
+
+
+def _load():
+    here = Path(__file__).resolve()
+    names = [os.environ.get("OSTEON_LIBRARY")]
+    for above in here.parents:
+        names += [above / "libosteon.so.0", above / "build/release/plugin/libosteon.so.0"]
+        if above.name == "lib":
+            names += sorted(above.glob("*/libosteon.so.0"))
+    names.append(ctypes.util.find_library("osteon"))
+    for name in names:
+        if name and (os.path.exists(name) or "/" not in str(name)):
+            return c.CDLL(str(name))
+    raise ImportError("osteon: found no libosteon.so.0; accepted: an installation, or its path in $OSTEON_LIBRARY")
+
+
+_lib = _load()
+for _name, _result, _arguments in [
+    ("version", c.c_char_p, []),
+    ("last_error", c.c_char_p, []),
+    ("bone_create", c.c_int, [c.c_uint32, c.POINTER(_BoneParams), c.POINTER(c.c_void_p)]),
+    ("bone_destroy", None, [c.c_void_p]),
+    ("bone_info", c.c_int, [c.c_void_p, c.POINTER(_BoneInfo)]),
+    ("bone_material", c.c_char_p, [c.c_void_p, c.c_uint32]),
+    ("bone_approach", c.c_int, [c.c_void_p, c.c_double, c.POINTER(_Pose)]),
+    ("tool_create", c.c_int, [c.c_uint32, c.POINTER(_ToolParams), c.POINTER(c.c_void_p)]),
+    ("tool_destroy", None, [c.c_void_p]),
+    ("tool_spindle_rad_per_s", c.c_double, [c.c_void_p]),
+    ("settings_default", None, [c.POINTER(_Settings)]),
+    ("session_create", c.c_int, [c.c_uint32, c.c_void_p, c.c_void_p, c.POINTER(_Settings), c.POINTER(c.c_void_p)]),
+    ("session_destroy", None, [c.c_void_p]),
+    ("session_engine", c.c_char_p, [c.c_void_p]),
+    ("session_set_tool_pose", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.c_double]),
+    ("session_step", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.c_double, c.c_double]),
+    ("session_evaluate", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.POINTER(_Twist), c.POINTER(_Wrench)]),
+    ("session_figures", c.c_int, [c.c_void_p, c.POINTER(_Figures)]),
+    ("session_next_event", c.c_int, [c.c_void_p, c.POINTER(_Event)]),
+    ("session_change_tool", c.c_int, [c.c_void_p, c.c_void_p, c.POINTER(_Pose)]),
+    ("session_mark", c.c_int, [c.c_void_p]),
+    ("session_undo", c.c_int, [c.c_void_p, c.POINTER(_Pose)]),
+    ("session_save", c.c_int, [c.c_void_p, c.c_char_p]),
+    ("session_restore", c.c_int, [c.c_void_p, c.c_char_p, c.POINTER(_Pose)]),
+    ("session_surface_changes", c.c_int, [c.c_void_p, c.POINTER(c.c_uint64), c.POINTER(_Buffers)]),
+    ("session_surface_wait", c.c_int, [c.c_void_p]),
+    ("session_surface_export", c.c_int, [c.c_void_p, c.c_char_p, c.POINTER(_SurfaceInfo)]),
+]:
+    _function = getattr(_lib, "osteon_" + _name)
+    _function.restype, _function.argtypes = _result, _arguments
+
+
+def _check(code):
+    if code < 0:
+        raise Error(code, _lib.osteon_last_error().decode())
+    return code
+
+
+def _text(path):
+    return None if path is None else os.fsencode(path)
+
+
+def _to_pose(X_GT):
+    """4 x 4 matrix to position and quaternion (Shepperd's method)."""
+    X = np.asarray(X_GT, float)
+    if X.shape != (4, 4):
+        raise ValueError(f"X_GT: found shape {X.shape}, accepted (4, 4)")
+    R = X[:3, :3]
+    q = np.empty(4)
+    i = int(np.argmax([np.trace(R), R[0, 0], R[1, 1], R[2, 2]]))
+    if i == 0:
+        q[:] = 1 + np.trace(R), R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
+    else:
+        a = i - 1
+        b, d = (a + 1) % 3, (a + 2) % 3
+        q[0] = R[d, b] - R[b, d]
+        q[1 + a] = 1 + R[a, a] - R[b, b] - R[d, d]
+        q[1 + b] = R[a, b] + R[b, a]
+        q[1 + d] = R[a, d] + R[d, a]
+    return _Pose((c.c_double * 3)(*X[:3, 3]), (c.c_double * 4)(*(q / np.linalg.norm(q))))
+
+
+def _from_pose(pose):
+    w, x, y, z = np.array(pose.orientation_wxyz) / np.linalg.norm(pose.orientation_wxyz)
+    X = np.eye(4)
+    X[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    X[:3, 3] = pose.position_m
+    return X
+
+
+def _wrench(wrench):
+    return np.array([*wrench.force_N, *wrench.torque_Nm])
+
+
+def _balls(balls_mm):
+    balls = np.ascontiguousarray(balls_mm, np.float32)
+    if balls.ndim != 2 or balls.shape[1] != 4:
+        raise ValueError(f"balls_mm: found shape {balls.shape}, accepted (n, 4): x y z r")
+    return balls
+
+
+def version():
+    """The library's version, such as "0.1.0"."""
+    return _lib.osteon_version().decode()
+
+
+class Bone:
+    """A bone, from one of: a scene's name or file, a mesh file with its site, a packing file, balls.
+
+    scene      "acetabulum" (default), "molar", …; for a mesh, the scene whose tissues it gets
+    mesh       STL, OBJ or PLY; mesh_scale_mm millimetres a unit; needs site
+    packing    .osp file of `osteon pack`
+    balls_mm   (n, 4) array of x y z r [mm]; material is their tissue's name
+    site       (center_m (3), axis (3), radius_m) where it is cut
+    """
+
+    def __init__(self, scene=None, *, mesh=None, mesh_scale_mm=1.0, packing=None, balls_mm=None, material=None,
+                 site=None, config_folder=None):
+        params = _BoneParams()
+        params.scene, params.mesh_file, params.packing_file = _text(scene), _text(mesh), _text(packing)
+        params.mesh_scale_mm = mesh_scale_mm
+        params.material = None if material is None else material.encode()
+        params.config_folder = _text(config_folder)
+        if balls_mm is not None:
+            balls = _balls(balls_mm)
+            params.balls_mm, params.ball_count = balls.ctypes.data_as(c.POINTER(c.c_float)), len(balls)
+        if site is not None:
+            params.site_center_m[:], params.site_axis[:], params.site_radius_m = list(site[0]), list(site[1]), site[2]
+        self._handle = c.c_void_p()
+        _check(_lib.osteon_bone_create(_ABI, c.byref(params), c.byref(self._handle)))
+
+    def __del__(self):
+        if getattr(self, "_handle", None):
+            _lib.osteon_bone_destroy(self._handle)
+
+    @property
+    def info(self):
+        """dict: balls, mass_points, volume_m3, mass_kg, site_center_m, site_axis, site_radius_m, materials."""
+        info = _BoneInfo()
+        _check(_lib.osteon_bone_info(self._handle, c.byref(info)))
+        result = {name: getattr(info, name) for name, _ in _BoneInfo._fields_ if name != "material_count"}
+        for name in ("site_center_m", "site_axis"):
+            result[name] = np.array(result[name])
+        result["materials"] = [
+            _lib.osteon_bone_material(self._handle, i).decode() for i in range(info.material_count)
+        ]
+        return result
+
+    def approach(self, height_m):
+        """X_GT of a tool that points into the site, its apex height_m above the site's centre (below: negative)."""
+        pose = _Pose()
+        _check(_lib.osteon_bone_approach(self._handle, height_m, c.byref(pose)))
+        return _from_pose(pose)
+
+
+class Tool:
+    """A tool: a shipped one by name and diameter, or balls in T, (n, 4) of x y z r [mm].
+
+    cutting    (n,) of bool for balls: which of them cut; None: all
+    """
+
+    def __init__(self, name=None, diameter_m=0.0, *, balls_mm=None, cutting=None, config_folder=None):
+        params = _ToolParams()
+        params.name, params.diameter_m, params.config_folder = _text(name), diameter_m, _text(config_folder)
+        if balls_mm is not None:
+            balls = _balls(balls_mm)
+            params.balls_mm, params.ball_count = balls.ctypes.data_as(c.POINTER(c.c_float)), len(balls)
+            if cutting is not None:
+                flags = np.ascontiguousarray(cutting, np.uint8)
+                if flags.shape != (len(balls),):
+                    raise ValueError(f"cutting: found shape {flags.shape}, accepted ({len(balls)},)")
+                params.cutting = flags.ctypes.data_as(c.POINTER(c.c_uint8))
+        self._handle = c.c_void_p()
+        _check(_lib.osteon_tool_create(_ABI, c.byref(params), c.byref(self._handle)))
+
+    def __del__(self):
+        if getattr(self, "_handle", None):
+            _lib.osteon_tool_destroy(self._handle)
+
+    @property
+    def spindle_rad_per_s(self):
+        return _lib.osteon_tool_spindle_rad_per_s(self._handle)
+
+
+class Session:
+    """A bone that is cut by a tool.
+
+    lockstep   True: step() computes the frames, the same in every run. False: the session's own thread does, at its
+               own rate, with the poses of set_tool_pose()
+    engine     "auto", "cpu" or "vulkan"; device: part of a GPU's name
+    surface    whether the carved surface is made
+    limits     max_force_N (at most 200), max_torque_Nm (at most 20), stiffness_N_per_m, damping_Ns_per_m
+    """
+
+    def __init__(self, bone, tool, *, lockstep=False, engine="auto", device=None, surface=True, **limits):
+        settings = _Settings()
+        _lib.osteon_settings_default(c.byref(settings))
+        engines = ["auto", "cpu", "vulkan"]
+        if engine not in engines:
+            raise ValueError(f"engine: found {engine!r}, accepted one of {engines}")
+        settings.engine, settings.device = engines.index(engine), None if device is None else device.encode()
+        settings.lockstep, settings.surface = int(lockstep), int(surface)
+        for name, value in limits.items():
+            if name not in ("max_force_N", "max_torque_Nm", "stiffness_N_per_m", "damping_Ns_per_m"):
+                raise TypeError(f"Session: found {name!r}, which is no limit")
+            setattr(settings, name, value)
+        self.bone, self.tool = bone, tool
+        self._generation = c.c_uint64(0)
+        self._handle = c.c_void_p()
+        _check(_lib.osteon_session_create(_ABI, bone._handle, tool._handle, c.byref(settings), c.byref(self._handle)))
+
+    def __del__(self):
+        self.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        """Ends the session and its threads. Safe to call twice."""
+        if getattr(self, "_handle", None):
+            _lib.osteon_session_destroy(self._handle)
+            self._handle = None
+
+    @property
+    def engine(self):
+        return _lib.osteon_session_engine(self._handle).decode()
+
+    def set_tool_pose(self, X_GT, spindle_rad_per_s=0.0):
+        """Where the tool is. The first pose must be free of bone."""
+        _check(_lib.osteon_session_set_tool_pose(self._handle, c.byref(_to_pose(X_GT)), spindle_rad_per_s))
+
+    def step(self, X_GT, spindle_rad_per_s=0.0, dt_s=0.001):
+        """Lockstep: one frame at this pose, dt_s later."""
+        _check(_lib.osteon_session_step(self._handle, c.byref(_to_pose(X_GT)), spindle_rad_per_s, dt_s))
+
+    def evaluate(self, X_GT, twist=None):
+        """The coupling wrench (6,) at this pose; twist (6,): linear [m/s], angular [rad/s] of T, in G."""
+        wrench, moving = _Wrench(), None
+        if twist is not None:
+            twist = [float(value) for value in twist]
+            moving = c.byref(_Twist((c.c_double * 3)(*twist[:3]), (c.c_double * 3)(*twist[3:])))
+        _check(_lib.osteon_session_evaluate(self._handle, c.byref(_to_pose(X_GT)), moving, c.byref(wrench)))
+        return _wrench(wrench)
+
+    @property
+    def figures(self):
+        """dict of the newest frame: frame, proxy (X_GP), wrench, removed_volume_m3, depth_m, …"""
+        figures = _Figures()
+        _check(_lib.osteon_session_figures(self._handle, c.byref(figures)))
+        result = {name: getattr(figures, name) for name, _ in _Figures._fields_ if name != "reserved"}
+        result["proxy"], result["wrench"] = _from_pose(figures.proxy), _wrench(figures.wrench)
+        return result
+
+    def events(self):
+        """Events that have not been taken: (name, value_m, position_m, frame)."""
+        event, taken = _Event(), []
+        while _check(_lib.osteon_session_next_event(self._handle, c.byref(event))) == 0:
+            taken.append((event.name.decode(), event.value_m, np.array(event.position_m), event.frame))
+        return taken
+
+    def change_tool(self, tool, X_GT):
+        """Another tool from now on, at a pose that is free of bone."""
+        _check(_lib.osteon_session_change_tool(self._handle, tool._handle, c.byref(_to_pose(X_GT))))
+        self.tool = tool
+
+    def mark(self):
+        """Remembers the bone as it is, for undo()."""
+        _check(_lib.osteon_session_mark(self._handle))
+
+    def undo(self, X_GT):
+        """Returns to the last mark; the tool's pose must be free of the bone that comes back."""
+        _check(_lib.osteon_session_undo(self._handle, c.byref(_to_pose(X_GT))))
+
+    def save(self, file):
+        _check(_lib.osteon_session_save(self._handle, _text(file)))
+
+    def restore(self, file, X_GT):
+        _check(_lib.osteon_session_restore(self._handle, _text(file), c.byref(_to_pose(X_GT))))
+
+    def surface_changes(self):
+        """Bricks of the surface that changed since the last call: a list of (brick, vertices, triangles), vertices of
+        dtype VERTEX, triangles (n, 3) of uint16, counter-clockwise from outside. Empty arrays: the brick has gone."""
+        chunks, changed = (_Chunk * 256)(), []
+        vertices, indices = np.empty(256 * 1024, VERTEX), np.empty(1024 * 1024, np.uint16)
+        buffers = _Buffers(chunks, vertices.ctypes.data, indices.ctypes.data, len(chunks), len(vertices), len(indices))
+        while True:
+            _check(_lib.osteon_session_surface_changes(self._handle, c.byref(self._generation), c.byref(buffers)))
+            for chunk in chunks[: buffers.chunk_count]:
+                changed.append((
+                    chunk.brick,
+                    vertices[chunk.first_vertex : chunk.first_vertex + chunk.vertex_count].copy(),
+                    indices[chunk.first_index : chunk.first_index + chunk.index_count].reshape(-1, 3).copy(),
+                ))
+            if buffers.left == 0:
+                return changed
+
+    def wait_for_surface(self):
+        _check(_lib.osteon_session_surface_wait(self._handle))
+
+    def export_surface(self, file):
+        """Writes the carved bone (.stl, .ply, .obj) in mm: dict of triangles, volume_m3, watertight."""
+        info = _SurfaceInfo()
+        _check(_lib.osteon_session_surface_export(self._handle, _text(file), c.byref(info)))
+        return {"triangles": info.triangles, "volume_m3": info.volume_m3, "watertight": bool(info.watertight)}

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+
+#include "plugin/include/osteon.h"
+#include "simulation/bone/bone.h"
+#include "simulation/bone/scene_events.h"
+#include "simulation/solids/solid.h"
+#include "simulation/tools/tool.h"
+
+namespace osteon::plugin {
+
+/// What an OsteonBone holds; never changes.
+struct BoneSource {
+  simulation::Bone bone;
+  std::shared_ptr<const simulation::Solid> solid;  ///< that it was packed from; null where it is not known
+  simulation::SceneEventParams events;
+};
+
+/// What an OsteonTool holds; never changes.
+struct ToolSource {
+  simulation::Tool tool;
+  double spindle_rad_per_s{0.0};
+};
+
+/// @throws Failure and what Guarded() knows.
+[[nodiscard]] BoneSource MakeBone(const OsteonBoneParams& params);
+[[nodiscard]] ToolSource MakeTool(const OsteonToolParams& params);
+
+}  // namespace osteon::plugin

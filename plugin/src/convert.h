@@ -1,0 +1,21 @@
+#pragma once
+
+#include "kinematics/spatial.h"
+#include "plugin/include/osteon.h"
+
+namespace osteon::plugin {
+
+/// Whether every number is finite, and the quaternion has a direction.
+[[nodiscard]] bool IsUsable(const OsteonPose& pose) noexcept;
+[[nodiscard]] bool IsFinite(const OsteonTwist& twist) noexcept;
+
+/// @param pose  usable
+[[nodiscard]] Pose ToPose(const OsteonPose& pose) noexcept;
+[[nodiscard]] OsteonPose FromPose(const Pose& X) noexcept;
+[[nodiscard]] Twist ToTwist(const OsteonTwist& twist) noexcept;
+[[nodiscard]] OsteonWrench FromWrench(const Wrench& F) noexcept;
+
+/// @throws Failure naming the value where a pose is null or not usable.
+[[nodiscard]] Pose CheckedPose(const OsteonPose* pose);
+
+}  // namespace osteon::plugin

@@ -1,0 +1,404 @@
+#include "plugin/src/session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/clock.h"
+#include "base/realtime_thread.h"
+#include "plugin/src/convert.h"
+#include "plugin/src/result.h"
+#include "session/setup/engine_choice.h"
+#include "simulation/files/carved_file.h"
+#include "simulation/surface/bone_solid.h"
+#include "simulation/surface/surface_export.h"
+#include "simulation/surface/swept_file.h"
+
+namespace osteon::plugin {
+namespace {
+
+using simulation::CarvedState;
+using simulation::EngineStatus;
+
+constexpr std::size_t kMaxMarks = 16, kMaxEvents = 256;
+constexpr std::uint64_t kFramesAhead = 2048;  // of the surface, in lockstep: half of its ring
+constexpr double kMaxFrame_s = 0.1;           // the longest time that a single frame may cut for
+constexpr double kMaxOverlap_m = 0.1e-3;      // of a tool that is to begin free of bone
+
+const char* EngineName(std::uint32_t engine) {
+  switch (engine) {
+    case OSTEON_ENGINE_AUTO:
+      return "auto";
+    case OSTEON_ENGINE_CPU:
+      return "cpu";
+    case OSTEON_ENGINE_VULKAN:
+      return "vulkan";
+  }
+  throw Failure(OSTEON_ERROR_ARGUMENT, fmt::format("engine: found {}, accepted an OsteonEngine", engine));
+}
+
+double Checked(const char* name, double value, double most) {
+  if (!(value > 0.0 && value <= most))
+    throw Failure(OSTEON_ERROR_ARGUMENT,
+                  fmt::format("{}: found {}, accepted above 0, at most {}", name, value, most));
+  return value;
+}
+
+/// How far a tool at this pose is in the balls [m]; 0 where it is free.
+double Overlap(const CarvedState& state, const simulation::Tool& tool, const Pose& X_GT) {
+  double overlap_m = 0.0;
+  for (const simulation::Ball& ball : simulation::LiveBalls(state))
+    for (const simulation::ToolBall& t : tool.balls) {
+      const double distance_m = (X_GT * Vector3(t.center_m) - Vector3(ball.center_m)).norm();
+      overlap_m = std::max(overlap_m, t.radius_m + ball.radius_m - distance_m);
+    }
+  return overlap_m;
+}
+
+OsteonEvent EventOf(const simulation::SceneEvent& event, std::uint64_t frame) {
+  OsteonEvent result{};
+  (void)std::snprintf(result.name, sizeof result.name, "%s", event.name.c_str());
+  result.value_m = event.value;
+  result.position_m[0] = event.p_G_m.x;
+  result.position_m[1] = event.p_G_m.y;
+  result.position_m[2] = event.p_G_m.z;
+  result.frame = frame;
+  return result;
+}
+
+std::filesystem::path SweptFileOf(const std::string& file) { return file + ".swept"; }
+
+}  // namespace
+
+class Session::EngineLock {
+ public:
+  explicit EngineLock(Session& session) : session_(session) {
+    session_.waiting_.fetch_add(1);
+    session_.engine_mutex_.lock();
+  }
+  ~EngineLock() {
+    session_.engine_mutex_.unlock();
+    session_.waiting_.fetch_sub(1);
+  }
+  EngineLock(const EngineLock&) = delete;
+  EngineLock& operator=(const EngineLock&) = delete;
+
+ private:
+  Session& session_;
+};
+
+Session::Session(std::shared_ptr<const BoneSource> bone, std::shared_ptr<const ToolSource> tool,
+                 const OsteonSettings& settings)
+    : bone_(std::move(bone)),
+      is_lockstep_(settings.lockstep != 0),
+      process_(getpid()),
+      limiter_({.max_force_N = Checked("max_force_N", settings.max_force_N, safety::kForceCeiling_N),
+                .max_torque_Nm = Checked("max_torque_Nm", settings.max_torque_Nm, 20.0)}),
+      tool_(std::move(tool)) {
+  coupling_.max_stiffness_N_per_m = Checked("stiffness_N_per_m", settings.stiffness_N_per_m, 1e6);
+  coupling_.damping_Ns_per_m = settings.damping_Ns_per_m;
+  control::Validate(coupling_);
+  cutting_.stiffness_N_per_m = settings.stiffness_N_per_m;
+  cutting_.max_force_N = settings.max_force_N;
+  const app::EngineChoice choice =
+      app::ChooseEngine(EngineName(settings.engine), settings.device ? settings.device : "");
+  engine_name_ = choice.engine;
+  device_ = choice.device;
+  engine_ = MakeEngine(*tool_);
+  engine_text_ = app::EngineText(choice, engine_->device());
+  if (simulation::CuttingHead(tool_->tool)) depth_.emplace(bone_->bone, tool_->tool);
+  watch_.emplace(bone_->solid.get(), bone_->bone, tool_->tool, bone_->events);
+  if (settings.surface != 0) {
+    surface::SurfaceThreadParams params;
+    const float voxel_mm = surface::VoxelFor(tool_->tool);
+    if (bone_->solid) {
+      params.make_solid = [source = bone_, voxel_mm] {
+        return surface::SampleSolid(*source->solid, voxel_mm);
+      };
+      params.material = surface::TissueOf(bone_->solid);
+    } else {
+      params.make_solid = [source = bone_, voxel_mm] {
+        return surface::UnionOfBalls(source->bone, voxel_mm);
+      };
+    }
+    surface_ =
+        std::make_unique<surface::SurfaceThread>(tool_->tool, Pose::Identity(), std::move(params), mailbox_);
+  }
+  if (!is_lockstep_)
+    thread_ = std::thread([this] {
+      try {
+        Loop();
+      } catch (const std::exception& error) {
+        const std::lock_guard lock(engine_mutex_);
+        error_ = error.what();
+      }
+    });
+}
+
+Session::~Session() {
+  stop_.store(true);
+  if (thread_.joinable()) thread_.join();
+}
+
+std::unique_ptr<simulation::CuttingEngine> Session::MakeEngine(const ToolSource& tool) const {
+  auto engine = app::MakeEngine({.engine = engine_name_, .device = device_}, bone_->bone, tool.tool,
+                                Pose::Identity(), cutting_);
+  if (!engine) throw Failure(OSTEON_ERROR_DEVICE, engine.error());
+  return std::move(*engine);
+}
+
+void Session::SetToolPose(const OsteonPose& pose, double spindle_rad_per_s) noexcept {
+  spindle_on_.store(spindle_rad_per_s != 0.0, std::memory_order_relaxed);
+  commands_.Store(
+      {.X_WT = ToPose(pose), .spindle_rad_per_s = spindle_rad_per_s, .stamp = rt::MonotonicNow()});
+}
+
+Wrench Session::Evaluate(const OsteonPose& pose, const OsteonTwist& twist) noexcept {
+  const std::uint32_t beginnings = beginnings_.load(std::memory_order_acquire);
+  if (beginnings != begun_) {
+    coupling_state_ = {};
+    begun_ = beginnings;
+  }
+  const rt::Nanoseconds now = is_lockstep_ ? clock_.load(std::memory_order_relaxed) : rt::MonotonicNow();
+  const control::CouplingOutput output =
+      control::EvaluateCoupling(coupling_, models_.Load(), ToPose(pose), ToTwist(twist), now,
+                                spindle_on_.load(std::memory_order_relaxed), coupling_state_);
+  return limiter_.Limit(output.F_T_W).F;
+}
+
+void Session::Loop() {
+  rt::NameThread("osteon engine");
+  rt::Nanoseconds done = 0;
+  while (!stop_.load(std::memory_order_relaxed)) {
+    const simulation::ToolCommand command = commands_.Load();
+    const rt::Nanoseconds start = rt::MonotonicNow();
+    if (command.stamp == done || waiting_.load() > 0) {
+      rt::SleepUntil(start + 50'000);  // poses come about once a millisecond
+      continue;
+    }
+    const std::lock_guard lock(engine_mutex_);
+    done = command.stamp;
+    if (command.stamp <= continued_) continue;  // a pose of before the change of tool or bone
+    const double dt_s = last_stamp_ == 0 ? 0.0 : rt::ToSeconds(command.stamp - last_stamp_);
+    ComputeFrame(command, std::clamp(dt_s, 0.0, kMaxFrame_s));
+    frame_time_s_ = rt::ToSeconds(rt::MonotonicNow() - start);
+  }
+}
+
+void Session::ComputeFrame(const simulation::ToolCommand& command, double dt_s) {
+  if (newest_.frame == 0) {
+    const double overlap_m = Overlap(engine_->Snapshot(), tool_->tool, command.X_WT);
+    in_bone_at_start_m_ = overlap_m > kMaxOverlap_m ? overlap_m : 0.0;
+    if (in_bone_at_start_m_ > 0.0) return;
+  }
+  last_stamp_ = command.stamp;
+  newest_ = engine_->Step({.X_WT = command.X_WT,
+                           .spindle_rad_per_s = command.spindle_rad_per_s,
+                           .dt_s = dt_s,
+                           .stamp = command.stamp});
+  models_.Store(newest_);
+  if (surface_) {
+    (void)surface_->Push(surface::MakeToolFrame(newest_, command.spindle_rad_per_s));
+    // in lockstep nothing keeps the frames from outrunning the surface
+    if (is_lockstep_ && newest_.frame % kFramesAhead == 0) WaitForSurface();
+  }
+  if (newest_.status != EngineStatus::kOk) return;
+  for (const simulation::SceneEvent& event :
+       watch_->Step(Pose(newest_.X_WP), newest_.removed_volume_m3, command.stamp))
+    if (events_.size() < kMaxEvents) events_.push_back(EventOf(event, newest_.frame));
+}
+
+void Session::Step(const Pose& X_GT, double spindle_rad_per_s, double dt_s) {
+  if (!is_lockstep_)
+    throw Failure(OSTEON_ERROR_STATE, "step: the session has a thread of its own; create it with lockstep 1");
+  if (!(dt_s >= 0.0 && dt_s <= kMaxFrame_s))
+    throw Failure(OSTEON_ERROR_ARGUMENT, fmt::format("dt_s: found {}, accepted 0 … {}", dt_s, kMaxFrame_s));
+  const EngineLock lock(*this);
+  spindle_on_.store(spindle_rad_per_s != 0.0, std::memory_order_relaxed);
+  const rt::Nanoseconds now = clock_.load() + static_cast<rt::Nanoseconds>(std::llround(1e9 * dt_s));
+  clock_.store(now);
+  ComputeFrame({.X_WT = X_GT, .spindle_rad_per_s = spindle_rad_per_s, .stamp = now}, dt_s);
+  CheckDevice();
+}
+
+void Session::CheckDevice() const {
+  if (!error_.empty()) throw Failure(OSTEON_ERROR_INTERNAL, "the engine's thread has ended: " + error_);
+  if (in_bone_at_start_m_ > 0.0)
+    throw Failure(
+        OSTEON_ERROR_STATE,
+        fmt::format("the session's first pose: found the tool {:.2f} mm in bone, accepted a pose free "
+                    "of bone (0.1 mm)",
+                    1e3 * in_bone_at_start_m_));
+  if (newest_.status == EngineStatus::kDeviceLost)
+    throw Failure(OSTEON_ERROR_DEVICE, "the GPU was lost: destroy the session");
+  if (newest_.status == EngineStatus::kOverloaded)
+    throw Failure(OSTEON_ERROR_DEVICE, "more bone within the tool's reach than the engine has room for");
+}
+
+OsteonFigures Session::Figures() {
+  const EngineLock lock(*this);
+  CheckDevice();
+  const rt::Nanoseconds now = is_lockstep_ ? clock_.load() : rt::MonotonicNow();
+  OsteonFigures figures{};
+  figures.frame = newest_.frame;
+  figures.pose_age_s = newest_.frame == 0 ? 0.0 : rt::ToSeconds(now - newest_.pose_stamp);
+  figures.frame_time_s = frame_time_s_;
+  figures.proxy = FromPose(newest_.X_WP);
+  figures.wrench = FromWrench(newest_.F_T_W);
+  figures.removed_volume_m3 = newest_.removed_volume_m3;
+  figures.removed_mass_kg = newest_.removed_mass_kg;
+  figures.cutting_work_J = newest_.cutting_work_J;
+  figures.spindle_torque_Nm = newest_.spindle_torque_Nm;
+  figures.engaged_area_m2 = newest_.engaged_area_m2;
+  figures.depth_m = depth_ && newest_.frame > 0 ? depth_->DepthAt(newest_.X_WP) : 0.0;
+  figures.contacts = static_cast<std::uint32_t>(newest_.contact_count);
+  figures.skipped_on_surface = surface_ ? surface_->skipped_frames() : 0;
+  return figures;
+}
+
+std::optional<OsteonEvent> Session::NextEvent() {
+  const EngineLock lock(*this);
+  if (events_.empty()) return std::nullopt;
+  const OsteonEvent event = events_.front();
+  events_.pop_front();
+  return event;
+}
+
+void Session::AwaitField() {
+  if (surface_) surface_->Apply([](surface::CarvedField&, surface::ToolWays&) {});
+}
+
+Session::Saved Session::Remember() {
+  Saved saved{.state = engine_->Snapshot(), .swept = std::nullopt};
+  if (surface_)
+    surface_->Apply([&](surface::CarvedField& field, surface::ToolWays&) { saved.swept = field.swept(); });
+  return saved;
+}
+
+void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, const Pose& X_GT) {
+  const double overlap_m = Overlap(saved.state, tool->tool, X_GT);
+  if (overlap_m > kMaxOverlap_m)
+    throw Failure(
+        OSTEON_ERROR_STATE,
+        fmt::format("pose: found the tool {:.2f} mm in bone, accepted a pose free of bone (0.1 mm): "
+                    "move the tool out first",
+                    1e3 * overlap_m));
+  saved.state.has_proxy = false;  // the tool begins where it is
+  saved.state.contact = {};
+  auto engine = MakeEngine(*tool);
+  engine->Restore(saved.state);
+  const rt::Nanoseconds now = is_lockstep_ ? clock_.load() : rt::MonotonicNow();
+  const simulation::ContactModel first = engine->Step({.X_WT = X_GT, .dt_s = 0.0, .stamp = now});
+  if (first.status != EngineStatus::kOk)
+    throw Failure(OSTEON_ERROR_DEVICE, "the engine cannot compute a frame at this pose");
+  std::optional<simulation::ApexDepth> depth;
+  if (simulation::CuttingHead(tool->tool)) depth.emplace(bone_->bone, tool->tool);
+  std::optional<simulation::SceneWatch> watch;
+  watch.emplace(bone_->solid.get(), bone_->bone, tool->tool, bone_->events);
+  if (surface_)
+    surface_->Apply([&](surface::CarvedField& field, surface::ToolWays& ways) {
+      if (saved.swept) field.SetSwept(std::move(*saved.swept));
+      ways = surface::ToolWays(tool->tool, Pose::Identity());
+    });
+
+  // from here on nothing throws
+  engine_ = std::move(engine);
+  tool_ = std::move(tool);
+  depth_ = depth;
+  watch_.emplace(std::move(*watch));
+  newest_ = first;
+  models_.Store(newest_);
+  beginnings_.fetch_add(1, std::memory_order_release);
+  last_stamp_ = continued_ = now;
+}
+
+void Session::ChangeTool(std::shared_ptr<const ToolSource> tool, const Pose& X_GT) {
+  AwaitField();
+  const EngineLock lock(*this);
+  Continue(std::move(tool), Remember(), X_GT);
+}
+
+void Session::Mark() {
+  AwaitField();
+  const EngineLock lock(*this);
+  if (marks_.size() == kMaxMarks) marks_.pop_front();
+  marks_.push_back(Remember());
+}
+
+void Session::Undo(const Pose& X_GT) {
+  AwaitField();
+  const EngineLock lock(*this);
+  if (marks_.empty())
+    throw Failure(OSTEON_ERROR_STATE, "undo: found no mark, accepted after osteon_session_mark");
+  Continue(tool_, marks_.back(), X_GT);
+  marks_.pop_back();
+}
+
+void Session::Save(const std::string& file) {
+  AwaitField();
+  Saved saved;
+  {
+    const EngineLock lock(*this);
+    saved = Remember();
+  }
+  // the surface first: a carved state without its surface is never taken for a whole one
+  if (surface_) {
+    surface::BrickLayout layout;
+    surface_->Apply([&](surface::CarvedField& field, surface::ToolWays&) { layout = field.layout(); });
+    if (const auto written = surface::WriteSweptField(SweptFileOf(file), *saved.swept, layout); !written)
+      throw Failure(OSTEON_ERROR_FILE, written.error().Text());
+  }
+  if (const auto written = simulation::WriteCarvedState(file, saved.state, bone_->bone); !written)
+    throw Failure(OSTEON_ERROR_FILE, written.error().Text());
+}
+
+void Session::Restore(const std::string& file, const Pose& X_GT) {
+  auto state = simulation::ReadCarvedState(file, bone_->bone);
+  if (!state) throw Failure(OSTEON_ERROR_FILE, state.error().Text());
+  Saved saved{.state = std::move(*state), .swept = std::nullopt};
+  if (surface_) {
+    surface::BrickLayout layout;
+    surface_->Apply([&](surface::CarvedField& field, surface::ToolWays&) { layout = field.layout(); });
+    auto swept = surface::ReadSweptField(SweptFileOf(file), layout);
+    if (!swept) throw Failure(OSTEON_ERROR_FILE, swept.error().Text());
+    saved.swept = std::move(*swept);
+  }
+  const EngineLock lock(*this);
+  Continue(tool_, std::move(saved), X_GT);
+}
+
+const SurfaceMailbox& Session::mailbox() const {
+  if (!surface_)
+    throw Failure(OSTEON_ERROR_STATE,
+                  "surface: found a session without one, accepted after settings.surface = 1");
+  return mailbox_;
+}
+
+void Session::WaitForSurface() {
+  (void)mailbox();
+  AwaitField();
+}
+
+OsteonSurfaceInfo Session::ExportSurface(const std::string& file) {
+  (void)mailbox();
+  if (const std::string wrong = surface::ValidateSurfaceName(file); !wrong.empty())
+    throw Failure(OSTEON_ERROR_ARGUMENT, "file: " + wrong);
+  OsteonSurfaceInfo info{};
+  surface_->Apply([&](surface::CarvedField& field, surface::ToolWays&) {
+    const auto written = surface::WriteSurface(file, field);
+    if (!written) throw Failure(OSTEON_ERROR_FILE, written.error().Text());
+    info = {.triangles = written->triangles,
+            .volume_m3 = 1e-9 * written->volume_mm3,
+            .watertight = static_cast<std::uint32_t>(written->watertight ? 1 : 0),
+            .reserved = 0};
+  });
+  return info;
+}
+
+}  // namespace osteon::plugin

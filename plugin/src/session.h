@@ -1,0 +1,127 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/latest_value.h"
+#include "control/coupling/virtual_coupling.h"
+#include "plugin/src/bone_source.h"
+#include "plugin/src/surface_mailbox.h"
+#include "safety/limits.h"
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/removal/cut_metrics.h"
+#include "simulation/surface/surface_thread.h"
+
+namespace osteon::plugin {
+
+/// What an OsteonSession holds: engine, coupling, surface, events.
+///
+///     SetToolPose ──LatestValue──▶ engine's thread ──LatestValue──▶ Evaluate
+///                                        └──ring──▶ surface's thread ──▶ SurfaceMailbox
+///
+/// Writer of commands: the thread of SetToolPose; their reader: the engine's thread. Writer of models: the
+/// engine's thread, or, in lockstep, that of Step; their reader: the thread of Evaluate. All else is under
+/// engine_mutex_, which the engine's thread holds while it computes a frame.
+class Session {
+ public:
+  /// @throws Failure and what Guarded() knows.
+  Session(std::shared_ptr<const BoneSource> bone, std::shared_ptr<const ToolSource> tool,
+          const OsteonSettings& settings);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// @param pose  usable
+  void SetToolPose(const OsteonPose& pose, double spindle_rad_per_s) noexcept;
+  /// @param pose, twist  usable. @returns the limited wrench.
+  [[nodiscard]] Wrench Evaluate(const OsteonPose& pose, const OsteonTwist& twist) noexcept;
+
+  void Step(const Pose& X_GT, double spindle_rad_per_s, double dt_s);
+  [[nodiscard]] OsteonFigures Figures();
+  [[nodiscard]] std::optional<OsteonEvent> NextEvent();
+
+  void ChangeTool(std::shared_ptr<const ToolSource> tool, const Pose& X_GT);
+  void Mark();
+  void Undo(const Pose& X_GT);
+  void Save(const std::string& file);
+  void Restore(const std::string& file, const Pose& X_GT);
+
+  /// @throws Failure where the session has no surface.
+  [[nodiscard]] const SurfaceMailbox& mailbox() const;
+  void WaitForSurface();
+  [[nodiscard]] OsteonSurfaceInfo ExportSurface(const std::string& file);
+
+  [[nodiscard]] bool is_lockstep() const noexcept { return is_lockstep_; }
+  [[nodiscard]] const std::string& engine_text() const noexcept { return engine_text_; }
+  /// Whether this process is a forked child of the one that made the session.
+  [[nodiscard]] bool is_forked() const noexcept { return getpid() != process_; }
+
+ private:
+  /// A remembered cut.
+  struct Saved {
+    simulation::CarvedState state;
+    std::optional<surface::BrickField> swept;
+  };
+  /// Keeps the engine's thread from its next frame: it steps back from the lock while anybody waits for it.
+  class EngineLock;
+
+  void Loop();
+  void ComputeFrame(const simulation::ToolCommand& command, double dt_s);
+  void CheckDevice() const;
+  [[nodiscard]] std::unique_ptr<simulation::CuttingEngine> MakeEngine(const ToolSource& tool) const;
+  /// Waits until the surface has all frames; before the engine's lock, so that no frame waits for the start
+  /// of a large mesh.
+  void AwaitField();
+  [[nodiscard]] Saved Remember();
+  /// Continues at a saved cut with `tool` at X_GT. Under the engine's lock. Strong guarantee.
+  void Continue(std::shared_ptr<const ToolSource> tool, Saved saved, const Pose& X_GT);
+
+  const std::shared_ptr<const BoneSource> bone_;
+  const bool is_lockstep_;
+  const pid_t process_;
+  const safety::WrenchLimiter limiter_;
+  control::CouplingParams coupling_;
+  simulation::CuttingParams cutting_;
+  std::string engine_text_;
+  std::string engine_name_, device_;  // as osteon::app::EngineChoice has them
+
+  rt::LatestValue<simulation::ToolCommand> commands_;
+  rt::LatestValue<simulation::ContactModel> models_;
+  std::atomic<bool> spindle_on_{false};
+  std::atomic<rt::Nanoseconds> clock_{1};     // in lockstep
+  std::atomic<std::uint32_t> beginnings_{0};  // of another bone or tool
+  // of the thread of Evaluate
+  control::CouplingState coupling_state_;
+  std::uint32_t begun_{0};
+
+  std::mutex engine_mutex_;
+  std::atomic<int> waiting_{0};
+  // under engine_mutex_
+  std::shared_ptr<const ToolSource> tool_;
+  std::unique_ptr<simulation::CuttingEngine> engine_;
+  std::optional<simulation::ApexDepth> depth_;
+  std::optional<simulation::SceneWatch> watch_;
+  simulation::ContactModel newest_;
+  double frame_time_s_{0.0};
+  double in_bone_at_start_m_{0.0};  // of a first pose that is not free
+  rt::Nanoseconds last_stamp_{0}, continued_{0};
+  std::deque<OsteonEvent> events_;
+  std::deque<Saved> marks_;
+  std::string error_;  // that ended the engine's thread
+
+  SurfaceMailbox mailbox_;
+  std::unique_ptr<surface::SurfaceThread> surface_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace osteon::plugin

@@ -1,0 +1,84 @@
+#include "plugin/src/shipped_files.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "config/reading/load.h"
+#include "config/reading/named_file.h"
+#include "plugin/src/result.h"
+
+namespace osteon::plugin {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool HasScenes(const fs::path& config) {
+  std::error_code ignored;
+  return fs::is_directory(config / "scenes", ignored) && fs::is_directory(config / "tools", ignored);
+}
+
+fs::path LibraryFile() {
+  Dl_info info{};
+  std::error_code ignored;
+  if (dladdr(reinterpret_cast<const void*>(&ConfigFolder), &info) == 0 || !info.dli_fname) return {};
+  return fs::weakly_canonical(info.dli_fname, ignored);
+}
+
+std::optional<std::vector<simulation::Material>> Select(const std::vector<simulation::Material>& all,
+                                                        const std::vector<std::string>& names) {
+  std::vector<simulation::Material> selected;
+  for (const std::string& name : names) {
+    const auto at =
+        std::find_if(all.begin(), all.end(), [&](const auto& material) { return material.name == name; });
+    if (at == all.end()) return std::nullopt;
+    selected.push_back(*at);
+  }
+  return selected;
+}
+
+}  // namespace
+
+fs::path ConfigFolder(const char* given) {
+  if (given) {
+    if (!HasScenes(given))
+      throw Failure(OSTEON_ERROR_FILE,
+                    fmt::format("config_folder: found {}, accepted a folder with scenes/ and tools/", given));
+    return given;
+  }
+  if (const char* root = std::getenv("OSTEON_ROOT"); root && HasScenes(fs::path(root) / "config"))
+    return fs::path(root) / "config";
+  const fs::path library = LibraryFile();
+  for (fs::path above = library; above.has_relative_path();) {
+    above = above.parent_path();
+    for (const char* below : {"config", "share/osteon/config"})
+      if (HasScenes(above / below)) return above / below;
+  }
+  throw Failure(OSTEON_ERROR_FILE,
+                fmt::format("no folder with scenes/ and tools/ above {}: set config_folder, or $OSTEON_ROOT",
+                            library.string()));
+}
+
+fs::path FindShipped(const fs::path& config, const std::string& kind, const std::string& name) {
+  const auto file = config::FindNamedFile(config / kind, name);
+  if (!file)
+    throw Failure(OSTEON_ERROR_FILE,
+                  fmt::format("no file {}; accepted: a YAML file, or one of {}: {}", file.error().string(),
+                              (config / kind).string(), config::YamlNamesIn(config / kind)));
+  return *file;
+}
+
+std::vector<simulation::Material> FindMaterials(const fs::path& config,
+                                                const std::vector<std::string>& names) {
+  for (const fs::path& file : config::YamlFilesIn(config / "materials"))
+    if (auto selected = Select(config::LoadMaterials(file), names)) return std::move(*selected);
+  throw Failure(OSTEON_ERROR_FILE, fmt::format("no file of {} has all of {}", (config / "materials").string(),
+                                               fmt::join(names, ", ")));
+}
+
+}  // namespace osteon::plugin

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "plugin/include/osteon.h"
+#include "simulation/surface/surface_sink.h"
+
+namespace osteon::plugin {
+
+/// Keeps the newest mesh of each brick until a caller copies it. The surface thread writes, any thread reads.
+class SurfaceMailbox final : public surface::SurfaceSink {
+ public:
+  void Begin(const surface::BrickLayout& layout) override;
+  void Publish(std::span<const surface::SurfaceChunk> chunks, std::uint64_t frame) override;
+
+  /// Copies the chunks that changed after `generation`, as osteon_session_surface_changes says.
+  /// @throws Failure where a buffer is null, or has no room for any chunk.
+  void CopyChanges(std::uint64_t& generation, OsteonSurfaceBuffers& buffers) const;
+
+ private:
+  struct Kept {
+    std::uint64_t generation{0};
+    surface::SurfaceChunk chunk;
+  };
+  mutable std::mutex mutex_;
+  std::vector<Kept> kept_;  // by brick
+  std::uint64_t generation_{0};
+};
+
+}  // namespace osteon::plugin

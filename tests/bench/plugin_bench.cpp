@@ -1,0 +1,88 @@
+// Times the two calls of a haptic device's loop through the C interface, beside an engine that reams.
+//
+//     osteon_plugin_bench [SECONDS] > plugin.json
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/clock.h"
+#include "base/realtime_thread.h"
+#include "plugin/include/osteon.h"
+
+namespace {
+
+void Check(OsteonResult result) {
+  if (result >= OSTEON_OK) return;
+  (void)std::fprintf(stderr, "%s\n", osteon_last_error());
+  std::exit(1);
+}
+
+double Quantile(std::vector<double>& sorted, double share) {
+  return sorted[std::min(sorted.size() - 1,
+                         static_cast<std::size_t>(share * static_cast<double>(sorted.size())))];
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double seconds = argc > 1 ? std::atof(argv[1]) : 10.0;
+  OsteonBoneParams bone_params;
+  OsteonToolParams tool_params;
+  osteon_bone_params_default(&bone_params);
+  osteon_tool_params_default(&tool_params);
+  OsteonBone* bone = nullptr;
+  OsteonTool* tool = nullptr;
+  OsteonSession* session = nullptr;
+  Check(osteon_bone_create(OSTEON_ABI, &bone_params, &bone));
+  Check(osteon_tool_create(OSTEON_ABI, &tool_params, &tool));
+  Check(osteon_session_create(OSTEON_ABI, bone, tool, nullptr, &session));
+  const double spindle = osteon_tool_spindle_rad_per_s(tool);
+
+  OsteonPose pose;
+  Check(osteon_bone_approach(bone, -0.016, &pose));
+  OsteonFigures figures{};
+  while (figures.frame == 0) {  // until the engine has begun
+    Check(osteon_session_set_tool_pose(session, &pose, spindle));
+    osteon::rt::SleepUntil(osteon::rt::MonotonicNow() + 1'000'000);
+    Check(osteon_session_figures(session, &figures));
+  }
+  const std::size_t ticks = static_cast<std::size_t>(1000.0 * seconds);
+  std::vector<double> call_us;
+  call_us.reserve(ticks);
+  double largest_N = 0.0;
+  osteon::rt::RaisePriority();  // as a device's thread has it
+  osteon::rt::Nanoseconds due = osteon::rt::MonotonicNow();
+  for (std::size_t i = 0; i < ticks; ++i) {
+    osteon::rt::SleepUntil(due += 1'000'000);
+    // down to the cup's floor within the time, and a millimetre into it
+    Check(osteon_bone_approach(bone, -0.016 - 0.009 * static_cast<double>(i) / static_cast<double>(ticks),
+                               &pose));
+    OsteonWrench wrench;
+    const osteon::rt::Nanoseconds start = osteon::rt::MonotonicNow();
+    const OsteonResult set = osteon_session_set_tool_pose(session, &pose, spindle);
+    const OsteonResult evaluated = osteon_session_evaluate(session, &pose, nullptr, &wrench);
+    call_us.push_back(1e-3 * static_cast<double>(osteon::rt::MonotonicNow() - start));
+    Check(set);
+    Check(evaluated);
+    largest_N = std::max(largest_N, std::hypot(wrench.force_N[0], wrench.force_N[1], wrench.force_N[2]));
+  }
+  Check(osteon_session_figures(session, &figures));
+  std::sort(call_us.begin(), call_us.end());
+  fmt::print(
+      "{{\"engine\": \"{}\", \"calls\": {}, \"frames\": {}, \"call_us\": {{\"p50\": {:.3f}, \"p99\": {:.3f}, "
+      "\"p99_9\": {:.3f}, \"max\": {:.3f}}}, \"peak_force_N\": {:.2f}, "
+      "\"removed_volume_mm3\": {:.1f}}}\n",
+      osteon_session_engine(session), call_us.size(), figures.frame, Quantile(call_us, 0.5),
+      Quantile(call_us, 0.99), Quantile(call_us, 0.999), call_us.back(), largest_N,
+      1e9 * figures.removed_volume_m3);
+  osteon_session_destroy(session);
+  osteon_tool_destroy(tool);
+  osteon_bone_destroy(bone);
+  return 0;
+}

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# install_test.sh CMAKE BUILD TESTS PLUGIN: installs the library in a folder of its own, and uses it from there as others
+# do: by find_package, by pkg-config, and from Python with numpy. 77: no numpy here.
+set -euo pipefail
+cmake=$1 build=$2 tests=$3 plugin=$4
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+prefix=$work/prefix
+for component in library development; do
+  "$cmake" --install "$build" --prefix "$prefix" --component "$component" >"$work/log"
+done
+mkdir -p "$prefix/share/osteon"
+cp -r "$plugin/../config" "$prefix/share/osteon/config" # of the component osteon, which needs all programs
+unset OSTEON_ROOT
+
+echo "== find_package"
+if ! { "$cmake" -S "$tests/consumer" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$prefix" -DEXAMPLES="$plugin/examples" &&
+  "$cmake" --build "$work/consumer"; } >"$work/log" 2>&1; then
+  cat "$work/log"
+  exit 1
+fi
+"$work/consumer/ream_cup" | tail -1 | grep -E "force +[1-9][0-9.]+ N"
+
+echo "== pkg-config"
+PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name osteon.pc)")
+export PKG_CONFIG_PATH
+# shellcheck disable=SC2046  # words of flags
+cc -std=c11 -Wall -Werror "$plugin/examples/c/ream_cup.c" $(pkg-config --cflags --libs osteon) -lm \
+  -Wl,-rpath,"$(pkg-config --variable=libdir osteon)" -o "$work/ream_cup"
+"$work/ream_cup" "$work/bone.ply" | tail -1 | grep triangles
+[[ $(pkg-config --modversion osteon) == "$(sed -n 's/^CMAKE_PROJECT_VERSION:[^=]*=//p' "$build/CMakeCache.txt")" ]]
+
+echo "== Python"
+python=/usr/bin/python3
+"$python" -c 'import numpy' 2>/dev/null || { echo "python3-numpy is not installed"; exit 77; }
+PYTHONPATH=$prefix/lib/python3/dist-packages "$python" "$plugin/examples/python/four_reamers.py" "$work/bone.stl" | tee "$work/reamers"
+[[ $(grep -cE "mm: up to +[1-9]" "$work/reamers") -eq 4 ]]
+PYTHONPATH=$prefix/lib/python3/dist-packages "$python" "$tests/python_test.py"

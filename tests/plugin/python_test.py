@@ -1,0 +1,93 @@
+"""The Python module: shapes, round trips and refusals. Run by install_test.sh."""
+
+import tempfile
+import unittest
+
+import numpy as np
+
+import osteon
+
+
+def block():
+    xyz = np.stack(np.meshgrid(*[np.arange(-6, 7)] * 2, np.arange(-5, 1), indexing="ij"), -1).reshape(-1, 3)
+    balls = np.column_stack([xyz, np.ones(len(xyz))])
+    return osteon.Bone(balls_mm=balls, site=((0, 0, 0), (0, 0, 1), 0.003))
+
+
+def above(z_mm):
+    X = np.eye(4)
+    X[2, 3] = 1e-3 * z_mm
+    return X
+
+
+class Module(unittest.TestCase):
+    def setUp(self):
+        self.bone = block()
+        self.tool = osteon.Tool(balls_mm=[[0, 0, 0, 3]])
+        self.session = osteon.Session(self.bone, self.tool, lockstep=True)
+        self.session.step(above(4.2))
+
+    def feed(self, to_mm):
+        for z in np.arange(4.2, to_mm, -0.005):
+            self.session.step(above(z), 100.0, 0.001)
+
+    def test_bone_tells_what_it_is(self):
+        info = self.bone.info
+        self.assertEqual(info["balls"], 13 * 13 * 6)
+        self.assertEqual(info["materials"], ["cancellous"])
+        self.assertGreater(info["volume_m3"], 1e-6)
+
+    def test_surface_changes_are_the_exported_mesh(self):
+        self.feed(2.5)
+        self.session.wait_for_surface()
+        changed = self.session.surface_changes()
+        triangles = sum(len(t) for _, _, t in changed)
+        with tempfile.TemporaryDirectory() as folder:
+            info = self.session.export_surface(folder + "/block.stl")
+        self.assertEqual(info["triangles"], triangles)
+        self.assertTrue(info["watertight"])
+        self.assertEqual(self.session.surface_changes(), [])
+        _, vertices, t = max(changed, key=lambda each: len(each[2]))
+        self.assertLess(t.max(), len(vertices))
+        np.testing.assert_allclose(np.linalg.norm(vertices["normal"], axis=1), 1, atol=1e-5)
+
+    def test_wrench_pushes_out_and_is_limited(self):
+        for z in np.arange(4.2, 1.0, -0.01):
+            self.session.step(above(z))
+            F = self.session.evaluate(above(z), np.zeros(6))
+        self.assertEqual(F.shape, (6,))
+        self.assertGreater(F[2], 10)
+        self.assertLessEqual(np.linalg.norm(F[:3]), 200)
+
+    def test_undo(self):
+        self.session.mark()
+        self.feed(2.5)
+        self.assertGreater(self.session.figures["removed_volume_m3"], 0)
+        with self.assertRaisesRegex(osteon.Error, "move the tool out"):
+            self.session.undo(above(2.5))
+        self.session.undo(above(4.2))
+        self.assertEqual(self.session.figures["removed_volume_m3"], 0)
+
+    def test_poses_come_back(self):
+        for axis in np.eye(3).tolist() + [[0.6, 0, 0.8], [0, -1, 0]]:
+            bone = osteon.Bone(balls_mm=[[0, 0, 0, 5]], site=((0.01, 0.02, 0.03), axis, 0.003))
+            X = bone.approach(0.1)
+            np.testing.assert_allclose(X[:3, 2], -np.array(axis), atol=1e-12)
+            np.testing.assert_allclose(X[:3, 3], np.array([0.01, 0.02, 0.03]) + 0.1 * np.array(axis), atol=1e-12)
+            session = osteon.Session(bone, self.tool, lockstep=True, surface=False)
+            session.step(X)
+            np.testing.assert_allclose(session.figures["proxy"], X, atol=1e-9)
+
+    def test_refusals(self):
+        with self.assertRaisesRegex(osteon.Error, "max_force_N"):
+            osteon.Session(self.bone, self.tool, max_force_N=1000)
+        with self.assertRaisesRegex(ValueError, "shape"):
+            osteon.Tool(balls_mm=[1, 2, 3])
+        with self.assertRaisesRegex(osteon.Error, "no_such"):
+            osteon.Bone("no_such")
+        with self.assertRaises(TypeError):
+            osteon.Session(self.bone, self.tool, force=3)
+
+
+if __name__ == "__main__":
+    unittest.main()
