@@ -45,11 +45,13 @@ std::vector<DeviceNeed> MakeNeeds() {
       {.name = "shaderInt64",
        .accepted = "yes",
        .why = "keys of pairs and exact sums have 64 bits",
-       .feature = [](DeviceFeatures& f) { return &f.core.shaderInt64; }},
+       .feature = [](DeviceFeatures& f) { return &f.core.shaderInt64; },
+       .optional = true},
       {.name = "shaderBufferInt64Atomics",
        .accepted = "yes",
        .why = "all workgroups find one smallest key and add to one exact sum",
-       .feature = [](DeviceFeatures& f) { return &f.vulkan12.shaderBufferInt64Atomics; }},
+       .feature = [](DeviceFeatures& f) { return &f.vulkan12.shaderBufferInt64Atomics; },
+       .optional = true},
       {.name = "subgroup operations",
        .accepted = "Basic, Vote, Arithmetic and Ballot in compute shaders",
        .why = "a subgroup combines its results before it writes them",
@@ -119,10 +121,13 @@ std::span<const DeviceNeed> DeviceNeeds() {
   return needs;
 }
 
-std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report) {
+namespace {
+
+std::vector<UnmetNeed> FindUnmet(const DeviceReport& report, bool optional) {
   std::vector<UnmetNeed> unmet;
   DeviceFeatures features = report.features;
   for (const DeviceNeed& need : DeviceNeeds()) {
+    if (need.optional != optional) continue;
     const bool met = need.feature ? *need.feature(features) == VK_TRUE : need.is_met(report);
     if (met) continue;
     unmet.push_back({.name = need.name,
@@ -134,10 +139,27 @@ std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report) {
   return unmet;
 }
 
-DeviceFeatures NeededFeatures() {
+}  // namespace
+
+std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report) { return FindUnmet(report, false); }
+std::vector<UnmetNeed> MissingOptions(const DeviceReport& report) { return FindUnmet(report, true); }
+
+std::string ArithmeticText(Arithmetic arithmetic) {
+  return arithmetic == Arithmetic::kWords ? "two words of 32 bits for each 64-bit integer"
+                                          : "64-bit integers";
+}
+
+std::string NeedNames(std::span<const UnmetNeed> needs) {
+  std::string names;
+  for (const UnmetNeed& need : needs) names += (names.empty() ? "" : ", ") + need.name;
+  return names;
+}
+
+DeviceFeatures NeededFeatures(Arithmetic arithmetic) {
   DeviceFeatures features;
   for (const DeviceNeed& need : DeviceNeeds())
-    if (need.feature) *need.feature(features) = VK_TRUE;
+    if (need.feature && !(need.optional && arithmetic == Arithmetic::kWords))
+      *need.feature(features) = VK_TRUE;
   return features;
 }
 

@@ -37,6 +37,7 @@ struct DeviceNeed {
   vk::Bool32* (*feature)(DeviceFeatures&){nullptr};    ///< nullptr for another property
   bool (*is_met)(const DeviceReport&){nullptr};        ///< nullptr for a feature
   std::string (*found)(const DeviceReport&){nullptr};  ///< nullptr for a feature
+  bool optional{false};  ///< a device without this feature takes Arithmetic::kWords
 };
 
 /// All needs, in the order of docs/theory/gpu_frames.md#limits. The first one is the API's version: a device
@@ -49,8 +50,11 @@ struct DeviceNeed {
 /// The needs that a device does not meet; empty where the engine can use it.
 [[nodiscard]] std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report);
 
-/// The features that the engine asks for.
-[[nodiscard]] DeviceFeatures NeededFeatures();
+/// The optional needs that a device does not meet; empty where it has Arithmetic::kInt64.
+[[nodiscard]] std::vector<UnmetNeed> MissingOptions(const DeviceReport& report);
+
+/// The features that the engine asks for: with Arithmetic::kWords none that is optional.
+[[nodiscard]] DeviceFeatures NeededFeatures(Arithmetic arithmetic);
 
 /// "shaderFloat64: found no, accepted yes; …"; empty where all needs are met.
 [[nodiscard]] std::string RefusalText(std::span<const UnmetNeed> unmet);

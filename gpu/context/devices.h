@@ -1,11 +1,20 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <tl/expected.hpp>
 
 namespace osteon::gpu {
+
+/// How the passes compute with 64-bit integers: keys of pairs, and exact sums.
+enum class Arithmetic : std::uint8_t {
+  kAuto,   ///< as the device's features allow
+  kInt64,  ///< in the device's own, with atomic operations
+  kWords,  ///< as two words of 32 bits, for a device without them; the same results, with three more passes
+};
 
 /// A feature or limit that the cutting engine needs and that a device lacks.
 struct UnmetNeed {
@@ -24,7 +33,15 @@ struct DeviceInfo {
   double memory_bytes{0.0};        ///< of its largest device-local heap
   std::string refusal;             ///< why the cutting engine cannot use it, in one line; empty where it can
   std::vector<UnmetNeed> unmet{};  ///< the same, each need for itself
+  Arithmetic arithmetic{Arithmetic::kInt64};  ///< what its features allow
+  std::vector<UnmetNeed> missing{};           ///< what it would need for kInt64; empty where it has that
 };
+
+/// "64-bit integers", or "two words of 32 bits for each 64-bit integer".
+[[nodiscard]] std::string ArithmeticText(Arithmetic arithmetic);
+
+/// "shaderInt64, shaderBufferInt64Atomics".
+[[nodiscard]] std::string NeedNames(std::span<const UnmetNeed> needs);
 
 /// Lists all Vulkan devices, the default one first (discrete before integrated, virtual and cpu).
 /// @returns an error that says what to install if there is no Vulkan loader or no driver.

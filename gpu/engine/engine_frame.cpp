@@ -10,6 +10,10 @@ namespace osteon::gpu {
 // balls: beyond it, llvmpipe would end its loops.
 constexpr uint kMaxRefsOfAWorkgroup = 1'800;
 
+// A fraction's key before any contact is known. All ones in its lower word: it is not below any key with the
+// same upper word, which passes without 64-bit integers find first (words.glsl).
+constexpr Key64 kNoContactKey = std::bit_cast<Key64>(simulation::kNoContact) | 0xffffffffu;
+
 // Stores the tool's balls at the proxy and at the tool's pose, for the device and for later steps.
 void VulkanEngine::Impl::PlaceToolBalls(const Pose& pose) {
   X_GT = pose;
@@ -61,8 +65,8 @@ Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
   f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
   f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
-  f.contact_key = f.slide_key = f.straight_key = std::bit_cast<std::uint64_t>(simulation::kNoContact);
-  f.bin_keys.fill(std::numeric_limits<std::uint64_t>::max());
+  f.contact_key = f.slide_key = f.straight_key = kNoContactKey;
+  f.bin_keys.fill(std::numeric_limits<Key64>::max());
   f.touching = kNoToolBall;
   const simulation::ContactMemory& contact = memory.contact;
   for (std::size_t i = 0; i < static_cast<std::size_t>(contact.face_count); ++i) {

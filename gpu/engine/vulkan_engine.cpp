@@ -24,7 +24,7 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
     return tl::make_unexpected("bone: " + std::to_string(all_balls) +
                                " balls with those that splitting may make, accepted 0 … " +
                                std::to_string(kMaxBoneBalls));
-  auto context = OpenContext(vulkan.device, vulkan.validation);
+  auto context = OpenContext(vulkan.device, vulkan.validation, vulkan.overrides.arithmetic);
   if (!context) return tl::make_unexpected(context.error());
   try {
     auto impl = std::make_unique<Impl>();

@@ -3,8 +3,13 @@
 // few are tested twice. Equivalent to simulation/contact/cutting_math.h and reference_engine.cpp.
 
 // Converts fractions of a way to keys and back.
-uint64_t ToKey(double s) { return packUint2x32(unpackDouble2x32(s)); }
-double FromKey(uint64_t key) { return packDouble2x32(unpackUint2x32(key)); }
+#ifdef OSTEON_NO_INT64
+Key64 ToKey(double s) { return unpackDouble2x32(s); }
+double FromKey(Key64 key) { return packDouble2x32(key); }
+#else
+Key64 ToKey(double s) { return packUint2x32(unpackDouble2x32(s)); }
+double FromKey(Key64 key) { return packDouble2x32(unpackUint2x32(key)); }
+#endif
 
 // A float that is not less than s.
 float AtLeast(double s) { return float(s) * 1.0000003; }

@@ -66,7 +66,8 @@ TEST(DeviceNeeds, EachIsToldAloneWhereItAloneIsMissing) {
       Shortfalls().at(need.name).take(device);
       found = Shortfalls().at(need.name).found;
     }
-    const std::vector<UnmetNeed> unmet = UnmetNeeds(device);
+    const std::vector<UnmetNeed> unmet = need.optional ? MissingOptions(device) : UnmetNeeds(device);
+    EXPECT_TRUE(need.optional ? UnmetNeeds(device).empty() : MissingOptions(device).empty());
     ASSERT_EQ(unmet.size(), 1u) << need.name;
     EXPECT_EQ(unmet[0].name, need.name);
     EXPECT_TRUE(unmet[0].found.starts_with(found)) << unmet[0].found;
@@ -79,9 +80,9 @@ TEST(DeviceNeeds, EachIsToldAloneWhereItAloneIsMissing) {
 TEST(DeviceNeeds, AreToldTogetherWhereSeveralAreMissing) {
   DeviceReport device = OfAUsableDevice();
   device.features.core.shaderFloat64 = VK_FALSE;
-  device.features.vulkan12.shaderBufferInt64Atomics = VK_FALSE;
+  device.features.vulkan12.scalarBlockLayout = VK_FALSE;
   EXPECT_EQ(RefusalText(UnmetNeeds(device)),
-            "shaderFloat64: found no, accepted yes; shaderBufferInt64Atomics: found no, accepted yes");
+            "scalarBlockLayout: found no, accepted yes; shaderFloat64: found no, accepted yes");
 }
 
 // An older device reports no features of Vulkan 1.2: that it lacks them all would say nothing.
@@ -99,11 +100,12 @@ TEST(DeviceNeeds, OfAProcessorAreWithoutWideWorkgroups) {
 }
 
 TEST(DeviceNeeds, FeaturesAreAskedForWhereTheTableHasThem) {
-  DeviceFeatures asked = NeededFeatures();
+  DeviceFeatures asked = NeededFeatures(Arithmetic::kInt64), without = NeededFeatures(Arithmetic::kWords);
   int count = 0;
   for (const DeviceNeed& need : DeviceNeeds()) {
     if (!need.feature) continue;
     EXPECT_EQ(*need.feature(asked), VK_TRUE) << need.name;
+    EXPECT_EQ(*need.feature(without), need.optional ? VK_FALSE : VK_TRUE) << need.name;
     ++count;
   }
   EXPECT_EQ(count, 4);
