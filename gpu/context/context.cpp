@@ -67,7 +67,7 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
   const DeviceReport report = ReportOf(device);
   info.unmet = UnmetNeeds(report);
   info.missing = MissingOptions(report);
-  info.arithmetic = info.missing.empty() ? Arithmetic::kInt64 : Arithmetic::kWords;
+  info.arithmetic = AvailableArithmetic(report);
   info.refusal = RefusalText(info.unmet);
   return info;
 }
@@ -262,8 +262,8 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   const float priority = 1.0f;
   const vk::DeviceQueueCreateInfo queue({}, context->queue_family, 1, &priority);
   context->arithmetic = arithmetic == Arithmetic::kAuto ? context->info.arithmetic : arithmetic;
-  if (context->arithmetic == Arithmetic::kInt64 && !context->info.missing.empty())
-    return tl::make_unexpected("64-bit integers: " + context->info.name +
+  if (context->arithmetic < context->info.arithmetic)
+    return tl::make_unexpected(ArithmeticText(context->arithmetic) + ": " + context->info.name +
                                " lacks them: " + RefusalText(context->info.missing));
   DeviceFeatures features = NeededFeatures(context->arithmetic);
   vk::DeviceCreateInfo create({}, queue);

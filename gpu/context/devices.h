@@ -9,11 +9,12 @@
 
 namespace osteon::gpu {
 
-/// How the passes compute with 64-bit integers: keys of pairs, and exact sums.
+/// How the passes compute where 32 bits do not suffice: with less of the device from one to the next.
 enum class Arithmetic : std::uint8_t {
-  kAuto,   ///< as the device's features allow
-  kInt64,  ///< in the device's own, with atomic operations
-  kWords,  ///< as two words of 32 bits, for a device without them; the same results, with three more passes
+  kAuto,    ///< as the device's features allow
+  kInt64,   ///< doubles, and 64-bit integers with atomic operations
+  kWords,   ///< 64-bit integers as two words of 32 bits; the same results, with three more passes
+  kFloats,  ///< doubles as two floats as well; nearly the same results
 };
 
 /// A feature or limit that the cutting engine needs and that a device lacks.
@@ -37,7 +38,7 @@ struct DeviceInfo {
   std::vector<UnmetNeed> missing{};           ///< what it would need for kInt64; empty where it has that
 };
 
-/// "64-bit integers", or "two words of 32 bits for each 64-bit integer".
+/// "doubles and 64-bit integers", "doubles; 64-bit integers as two words" or the like.
 [[nodiscard]] std::string ArithmeticText(Arithmetic arithmetic);
 
 /// "shaderInt64, shaderBufferInt64Atomics".

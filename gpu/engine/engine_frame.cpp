@@ -1,4 +1,5 @@
 #include "gpu/engine/engine_impl.h"
+#include "gpu/program/double_single.h"
 
 #include <bit>
 #include <cmath>
@@ -9,10 +10,6 @@ namespace osteon::gpu {
 // Largest number of a cluster's tool balls for one workgroup, which visits each four times for each of its
 // balls: beyond it, llvmpipe would end its loops.
 constexpr uint kMaxRefsOfAWorkgroup = 1'800;
-
-// A fraction's key before any contact is known. All ones in its lower word: it is not below any key with the
-// same upper word, which passes without 64-bit integers find first (words.glsl).
-constexpr Key64 kNoContactKey = std::bit_cast<Key64>(simulation::kNoContact) | 0xffffffffu;
 
 // Stores the tool's balls at the proxy and at the tool's pose, for the device and for later steps.
 void VulkanEngine::Impl::PlaceToolBalls(const Pose& pose) {

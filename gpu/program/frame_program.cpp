@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "gpu/program/double_single.h"
 #include "gpu/spirv/passes.h"
 
 namespace osteon::gpu {
@@ -201,12 +202,14 @@ void FrameProgram::MakePipelines() {
        {10, offsetof(Constants, lower_words), sizeof(VkBool32)}}};
   Constants wide = constants;
   if (gpu_) wide.lanes = kWideLanes;
-  const bool words = context_->arithmetic == Arithmetic::kWords;
+  const bool words = context_->arithmetic != Arithmetic::kInt64;
   const auto add = [&](const char* name, const ShaderCode& code, const Constants& own, std::size_t groups,
                        Then then) {
     const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
                                                 sizeof(Constants), &own);
-    const std::span<const std::uint32_t> spirv = words ? code.words : code.int64;
+    const std::span<const std::uint32_t> spirv = context_->arithmetic == Arithmetic::kFloats ? code.floats
+                                                 : words                                     ? code.words
+                                                                                             : code.int64;
     const vk::raii::ShaderModule module(device,
                                         vk::ShaderModuleCreateInfo({}, spirv.size_bytes(), spirv.data()));
     const vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo size(subgroup_size_);
@@ -385,21 +388,32 @@ bool FrameProgram::AwaitReadback(std::uint64_t timeout_ns) {
 }
 
 bool FrameProgram::Run(const Frame& frame, FrameMode mode, std::uint64_t timeout_ns) try {
+  const bool floats = context_->arithmetic == Arithmetic::kFloats;
   last_mode_ = mode;
   // Wait for the last frame: its report may have arrived before its fence.
   if (!AwaitFence(timeout_ns)) return false;
   Frame asked = frame;
   asked.sequence = ++sequence_;
+  if (floats) ToDoubleSingles(asked);
   std::memcpy(frame_in_.mapped, &asked, sizeof(Frame));
   if (gpu_ && mode == FrameMode::kLists) RecordLists(frame);
+  if (!RunCommands(mode, timeout_ns)) return false;
+  if (floats) {
+    decoded_ = raw_result();
+    FromDoubleSingles(decoded_);
+  }
+  return true;
+} catch (const std::exception&) {
+  return false;
+}
+
+bool FrameProgram::RunCommands(FrameMode mode, std::uint64_t timeout_ns) {
   const vk::CommandBuffer raw = *commands_[static_cast<std::size_t>(mode)];
   context_->device->resetFences(*fence_);
   context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence_);
   if (policy_ != FencePolicy::kReport || mode == FrameMode::kFlush) return AwaitFence(timeout_ns);
   // the checksum covers the report alone, not the events that a frame may have beside it
-  return AwaitReadback(timeout_ns) && (result().split_event_count == 0 || AwaitFence(timeout_ns));
-} catch (const std::exception&) {
-  return false;
+  return AwaitReadback(timeout_ns) && (raw_result().split_event_count == 0 || AwaitFence(timeout_ns));
 }
 
 bool FrameProgram::IsIdle(std::uint64_t timeout_ns) const try {

@@ -10,6 +10,9 @@
 #endif
 #include "layout.h"
 #include "bin_key.h"
+#ifdef OSTEON_NO_FLOAT64
+#include "double_single.glsl"
+#endif
 #include "words.glsl"
 
 // A processor gets few lanes and long chunks, because it reads shared values once for each eight lanes. A GPU gets many lanes

@@ -49,7 +49,12 @@ OSTEON_CONST uint kFaces = 4;
 OSTEON_CONST uint kFaceColumns = 4;  // weight centre (3), weight radius
 OSTEON_CONST uint kToolBits = 14;    // for a tool ball's index in keys and packed pairs
 // Subdivision of the units of face_scale, area_scale and moment_scale.
-OSTEON_CONST double kUnitSubdivision = 262144.0;
+OSTEON_CONST uint kUnitBits = 18, kFloatUnitBits = 10;  // without shaderFloat64 fewer: see double_single.glsl
+#ifdef OSTEON_NO_FLOAT64
+OSTEON_CONST double kUnitSubdivision = double(1u << kFloatUnitBits);
+#else
+OSTEON_CONST double kUnitSubdivision = double(1u << kUnitBits);
+#endif
 // Packed pair: 14-bit tool ball index, above it an 18-bit lower bound of the gap when the list was built.
 OSTEON_CONST uint kMaxPackedGap = (1u << (32u - kToolBits)) - 1u;
 OSTEON_CONST float kPackedGapUnit = 1.0f / 32768.0f;  // mm

@@ -127,10 +127,14 @@ TEST(BoneBallBits, OfTheLargestBoneHoldTheToolLikeTheReference) {
   }
 }
 
-// ---- without 64-bit integers
+// ---- without 64-bit integers, and without doubles
 
 VulkanParams WithWords(VulkanOverrides overrides) {
   overrides.arithmetic = Arithmetic::kWords;
+  return With(overrides);
+}
+VulkanParams WithFloats(VulkanOverrides overrides) {
+  overrides.arithmetic = Arithmetic::kFloats;
   return With(overrides);
 }
 
@@ -172,9 +176,9 @@ TEST(Words, SplitKeysOfTheLargestBoneAsWell) {
 }
 
 // The device opens without the features, so the layers would name a shader that uses them.
-TEST(Words, HaveNothingForTheValidationLayersToSay) {
-  for (const VulkanOverrides& variant : {kForGpu, kForProcessor}) {
-    VulkanParams params = WithWords(variant);
+TEST(Arithmetic, HasNothingForTheValidationLayersToSay) {
+  for (VulkanParams params :
+       {WithWords(kForGpu), WithWords(kForProcessor), WithFloats(kForGpu), WithFloats(kForProcessor)}) {
     params.validation = true;
     auto opened = VulkanEngine::Create(LongStrip(), Shell(60), Pose::Identity(), {}, params);
     if (!opened && opened.error().find("vulkan-validationlayers") != std::string::npos)
@@ -184,6 +188,19 @@ TEST(Words, HaveNothingForTheValidationLayersToSay) {
     for (int i = 0; i < 100; ++i) (*opened)->Step(StrokeInput(i));
     EXPECT_EQ((*opened)->validation_messages(), 0) << "in 100 frames, or when the engine before went";
   }
+}
+
+// Sums of whole numbers and keys do not depend on the order of execution here either.
+TEST(Floats, GiveTheSameBitsOnAGpuAndOnAProcessor) {
+  CuttingParams contact_sphere;
+  contact_sphere.cutters = simulation::Cutters::kContactSphere;
+  for (const int balls : {1, 60})
+    for (const CuttingParams& params : {CuttingParams{}, contact_sphere}) {
+      const simulation::Tool tool = balls == 1 ? Ball(6e-3) : Shell(balls);
+      const auto gpu = Open(LongStrip(), tool, WithFloats(kForGpu), params),
+                 processor = Open(LongStrip(), tool, WithFloats(kForProcessor), params);
+      ExpectSameBits(*gpu, *processor, 100, [](int i, const ContactModel&) { return StrokeInput(i); });
+    }
 }
 
 // ---- subgroup sizes
