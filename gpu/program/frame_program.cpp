@@ -226,30 +226,34 @@ void FrameProgram::MakePipelines() {
   };
   const std::size_t pairs = offsetof(Frame, pair_work), all = offsetof(Frame, all_work);
   // A pass that finds smallest keys. Without 64-bit integers a first dispatch finds their upper words.
-  const auto add_minimum = [&](const char* name, const ShaderCode& code, const Constants& own,
-                               std::size_t groups) {
+  const auto add_minimum = [&](const char* name, const char* first, const ShaderCode& code,
+                               const Constants& own, std::size_t groups) {
     std::vector<std::size_t> dispatches;
     Constants upper = own;
     upper.lower_words = VK_FALSE;
-    if (words) dispatches.push_back(add(name, code, upper, groups, Then::kReads));
+    if (words) dispatches.push_back(add(first, code, upper, groups, Then::kReads));
     dispatches.push_back(add(name, code, own, groups, Then::kReads));
     return dispatches;
   };
-  std::vector<std::size_t> rest = add_minimum("near_field", kCode_near_field, wide, pairs);
+  std::vector<std::size_t> rest =
+      add_minimum("near_field", "near_field_upper_words", kCode_near_field, wide, pairs);
   if (!gpu_) {
     // one subgroup computes the solution; on a GPU that of the near field's last workgroup
     Constants alone = constants;
     alone.lanes = subgroup_size_;
     rest.push_back(add("solve", kCode_solve, alone, kOne, Then::kReads));
   }
-  for (const std::size_t slide : add_minimum("slide_engage", kCode_slide_engage, wide, all))
+  for (const std::size_t slide :
+       add_minimum("slide_engage", "slide_engage_upper_words", kCode_slide_engage, wide, all))
     rest.push_back(slide);
   rest.push_back(add("remove_clear", kCode_remove_clear, wide, offsetof(Frame, clear_work), Then::kNothing));
   if (sizes_.contact_sphere)
     rest.insert(rest.begin(), add("touching", kCode_touching, constants, pairs, Then::kReads));
-  const std::vector<std::size_t> contact = add_minimum("contact", kCode_contact, constants, pairs),
-                                 path = add_minimum("path_contact", kCode_path_contact, constants,
-                                                    offsetof(Frame, path_work));
+  const std::vector<std::size_t> contact = add_minimum("contact", "contact_upper_words", kCode_contact,
+                                                       constants, pairs),
+                                 path =
+                                     add_minimum("path_contact", "path_contact_upper_words",
+                                                 kCode_path_contact, constants, offsetof(Frame, path_work));
   const std::vector<std::size_t> pick = {
       add("pick_balls", kCode_pick_balls, constants, offsetof(Frame, path_work), Then::kNothing),
       add("pick_points", kCode_pick_points, constants, offsetof(Frame, point_work), Then::kGroups)};

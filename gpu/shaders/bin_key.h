@@ -48,8 +48,8 @@ OSTEON_FUNCTION uint UnitsOfHalf(uint upper_half, uint bone_bits) {
 
 #ifdef OSTEON_NO_INT64
 Key64 BinKey(uint units, uint bone_ball, uint tool_ball, uint bone_bits) {
-  return Key64(bone_ball << kToolBits | tool_ball, KeptUnits(units, bone_bits) << (bone_bits + kToolBits - 32u) |
-                                                       bone_ball >> (32u - kToolBits));
+  return Key64(bone_ball << kToolBits | tool_ball,
+               KeptUnits(units, bone_bits) << (bone_bits + kToolBits - 32u) | bone_ball >> (32u - kToolBits));
 }
 uint UnitsOfKey(Key64 key, uint bone_bits) { return UnitsOfHalf(key.y, bone_bits); }
 uint BoneOfKey(Key64 key, uint bone_bits) {
@@ -58,8 +58,8 @@ uint BoneOfKey(Key64 key, uint bone_bits) {
 uint ToolOfKey(Key64 key) { return key.x & ((1u << kToolBits) - 1u); }
 #else
 OSTEON_FUNCTION Key64 BinKey(uint units, uint bone_ball, uint tool_ball, uint bone_bits) {
-  return (Key64(KeptUnits(units, bone_bits)) << (bone_bits + kToolBits)) |
-         (Key64(bone_ball) << kToolBits) | Key64(tool_ball);
+  return (Key64(KeptUnits(units, bone_bits)) << (bone_bits + kToolBits)) | (Key64(bone_ball) << kToolBits) |
+         Key64(tool_ball);
 }
 OSTEON_FUNCTION uint UnitsOfKey(Key64 key, uint bone_bits) { return uint(key >> (bone_bits + kToolBits)); }
 OSTEON_FUNCTION uint BoneOfKey(Key64 key, uint bone_bits) {
