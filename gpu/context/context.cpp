@@ -64,7 +64,10 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
   for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
     if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
       info.memory_bytes = std::max(info.memory_bytes, static_cast<double>(memory.memoryHeaps[i].size));
-  info.unmet = UnmetNeeds(ReportOf(device));
+  const DeviceReport report = ReportOf(device);
+  info.unmet = UnmetNeeds(report);
+  info.missing = MissingOptions(report);
+  info.arithmetic = AvailableArithmetic(report);
   info.refusal = RefusalText(info.unmet);
   return info;
 }
@@ -233,8 +236,8 @@ std::string OpeningFailure(const std::exception& error) {
   return std::string("Vulkan could not be opened: ") + error.what();
 }
 
-tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name,
-                                                                bool validation) try {
+tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name, bool validation,
+                                                                Arithmetic arithmetic) try {
   auto context = std::make_unique<Context>();
   context->shared = OpenInstance(validation);
   context->validation = validation;
@@ -258,7 +261,11 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   context->queue_family = *ComputeFamily(*context->physical);
   const float priority = 1.0f;
   const vk::DeviceQueueCreateInfo queue({}, context->queue_family, 1, &priority);
-  DeviceFeatures features = NeededFeatures();
+  context->arithmetic = arithmetic == Arithmetic::kAuto ? context->info.arithmetic : arithmetic;
+  if (context->arithmetic < context->info.arithmetic)
+    return tl::make_unexpected(ArithmeticText(context->arithmetic) + ": " + context->info.name +
+                               " lacks them: " + RefusalText(context->info.missing));
+  DeviceFeatures features = NeededFeatures(context->arithmetic);
   vk::DeviceCreateInfo create({}, queue);
   create.pEnabledFeatures = &features.core;
   create.pNext = &features.vulkan12;

@@ -45,15 +45,17 @@ struct Context {
   std::optional<vk::raii::Queue> queue;
   std::uint32_t queue_family{0};
   DeviceInfo info;
+  Arithmetic arithmetic{Arithmetic::kInt64};  ///< not kAuto
   Subgroups subgroups;
 };
 
 /// What a device says of itself.
 [[nodiscard]] DeviceReport ReportOf(const vk::raii::PhysicalDevice& device);
 
-/// @param name  part of a device's name, in any case; empty: the default device.
-[[nodiscard]] tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name,
-                                                                              bool validation);
+/// @param name        part of a device's name, in any case; empty: the default device.
+/// @param arithmetic  which optional features the device opens with.
+[[nodiscard]] tl::expected<std::unique_ptr<Context>, std::string> OpenContext(
+    const std::string& name, bool validation, Arithmetic arithmetic = Arithmetic::kAuto);
 
 /// Reason why Vulkan could not be opened, for the user: what to install where loader, driver or layers are
 /// missing, otherwise Vulkan's own message.

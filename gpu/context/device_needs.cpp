@@ -41,15 +41,18 @@ std::vector<DeviceNeed> MakeNeeds() {
       {.name = "shaderFloat64",
        .accepted = "yes",
        .why = "double precision decides what floats can't tell",
-       .feature = [](DeviceFeatures& f) { return &f.core.shaderFloat64; }},
+       .feature = [](DeviceFeatures& f) { return &f.core.shaderFloat64; },
+       .last = Arithmetic::kWords},
       {.name = "shaderInt64",
        .accepted = "yes",
        .why = "keys of pairs and exact sums have 64 bits",
-       .feature = [](DeviceFeatures& f) { return &f.core.shaderInt64; }},
+       .feature = [](DeviceFeatures& f) { return &f.core.shaderInt64; },
+       .last = Arithmetic::kInt64},
       {.name = "shaderBufferInt64Atomics",
        .accepted = "yes",
        .why = "all workgroups find one smallest key and add to one exact sum",
-       .feature = [](DeviceFeatures& f) { return &f.vulkan12.shaderBufferInt64Atomics; }},
+       .feature = [](DeviceFeatures& f) { return &f.vulkan12.shaderBufferInt64Atomics; },
+       .last = Arithmetic::kInt64},
       {.name = "subgroup operations",
        .accepted = "Basic, Vote, Arithmetic and Ballot in compute shaders",
        .why = "a subgroup combines its results before it writes them",
@@ -119,10 +122,13 @@ std::span<const DeviceNeed> DeviceNeeds() {
   return needs;
 }
 
-std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report) {
+namespace {
+
+std::vector<UnmetNeed> FindUnmet(const DeviceReport& report, bool optional) {
   std::vector<UnmetNeed> unmet;
   DeviceFeatures features = report.features;
   for (const DeviceNeed& need : DeviceNeeds()) {
+    if (need.IsOptional() != optional) continue;
     const bool met = need.feature ? *need.feature(features) == VK_TRUE : need.is_met(report);
     if (met) continue;
     unmet.push_back({.name = need.name,
@@ -134,10 +140,38 @@ std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report) {
   return unmet;
 }
 
-DeviceFeatures NeededFeatures() {
+}  // namespace
+
+std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report) { return FindUnmet(report, false); }
+std::vector<UnmetNeed> MissingOptions(const DeviceReport& report) { return FindUnmet(report, true); }
+
+Arithmetic AvailableArithmetic(const DeviceReport& report) {
+  Arithmetic available = Arithmetic::kInt64;
+  DeviceFeatures features = report.features;
+  for (const DeviceNeed& need : DeviceNeeds())
+    if (need.feature && need.IsOptional() && *need.feature(features) != VK_TRUE)
+      available =
+          std::max(available, need.last == Arithmetic::kInt64 ? Arithmetic::kWords : Arithmetic::kFloats);
+  return available;
+}
+
+std::string ArithmeticText(Arithmetic arithmetic) {
+  if (arithmetic == Arithmetic::kFloats)
+    return "two floats for each double, two words for each 64-bit integer";
+  if (arithmetic == Arithmetic::kWords) return "doubles, and two words for each 64-bit integer";
+  return "doubles and 64-bit integers";
+}
+
+std::string NeedNames(std::span<const UnmetNeed> needs) {
+  std::string names;
+  for (const UnmetNeed& need : needs) names += (names.empty() ? "" : ", ") + need.name;
+  return names;
+}
+
+DeviceFeatures NeededFeatures(Arithmetic arithmetic) {
   DeviceFeatures features;
   for (const DeviceNeed& need : DeviceNeeds())
-    if (need.feature) *need.feature(features) = VK_TRUE;
+    if (need.feature && need.last >= arithmetic) *need.feature(features) = VK_TRUE;
   return features;
 }
 

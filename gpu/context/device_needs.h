@@ -37,6 +37,9 @@ struct DeviceNeed {
   vk::Bool32* (*feature)(DeviceFeatures&){nullptr};    ///< nullptr for another property
   bool (*is_met)(const DeviceReport&){nullptr};        ///< nullptr for a feature
   std::string (*found)(const DeviceReport&){nullptr};  ///< nullptr for a feature
+  Arithmetic last{Arithmetic::kFloats};                ///< later ones do without it
+
+  [[nodiscard]] bool IsOptional() const { return last != Arithmetic::kFloats; }
 };
 
 /// All needs, in the order of docs/theory/gpu_frames.md#limits. The first one is the API's version: a device
@@ -49,8 +52,14 @@ struct DeviceNeed {
 /// The needs that a device does not meet; empty where the engine can use it.
 [[nodiscard]] std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report);
 
+/// The first arithmetic for which a device has the features.
+[[nodiscard]] Arithmetic AvailableArithmetic(const DeviceReport& report);
+
+/// The optional needs that a device does not meet; empty where it has Arithmetic::kInt64.
+[[nodiscard]] std::vector<UnmetNeed> MissingOptions(const DeviceReport& report);
+
 /// The features that the engine asks for.
-[[nodiscard]] DeviceFeatures NeededFeatures();
+[[nodiscard]] DeviceFeatures NeededFeatures(Arithmetic arithmetic);
 
 /// "shaderFloat64: found no, accepted yes; …"; empty where all needs are met.
 [[nodiscard]] std::string RefusalText(std::span<const UnmetNeed> unmet);

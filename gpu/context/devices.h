@@ -1,11 +1,21 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <tl/expected.hpp>
 
 namespace osteon::gpu {
+
+/// How the passes compute where 32 bits do not suffice: with less of the device from one to the next.
+enum class Arithmetic : std::uint8_t {
+  kAuto,    ///< as the device's features allow
+  kInt64,   ///< doubles, and 64-bit integers with atomic operations
+  kWords,   ///< 64-bit integers as two words of 32 bits; the same results, with three more passes
+  kFloats,  ///< doubles as two floats as well; nearly the same results
+};
 
 /// A feature or limit that the cutting engine needs and that a device lacks.
 struct UnmetNeed {
@@ -24,7 +34,15 @@ struct DeviceInfo {
   double memory_bytes{0.0};        ///< of its largest device-local heap
   std::string refusal;             ///< why the cutting engine cannot use it, in one line; empty where it can
   std::vector<UnmetNeed> unmet{};  ///< the same, each need for itself
+  Arithmetic arithmetic{Arithmetic::kInt64};  ///< what its features allow
+  std::vector<UnmetNeed> missing{};           ///< what it would need for kInt64; empty where it has that
 };
+
+/// "doubles and 64-bit integers", "doubles; 64-bit integers as two words" or the like.
+[[nodiscard]] std::string ArithmeticText(Arithmetic arithmetic);
+
+/// "shaderInt64, shaderBufferInt64Atomics".
+[[nodiscard]] std::string NeedNames(std::span<const UnmetNeed> needs);
 
 /// Lists all Vulkan devices, the default one first (discrete before integrated, virtual and cpu).
 /// @returns an error that says what to install if there is no Vulkan loader or no driver.

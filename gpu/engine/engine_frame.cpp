@@ -1,4 +1,5 @@
 #include "gpu/engine/engine_impl.h"
+#include "gpu/program/double_single.h"
 
 #include <bit>
 #include <cmath>
@@ -61,8 +62,8 @@ Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
   f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
   f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
-  f.contact_key = f.slide_key = f.straight_key = std::bit_cast<std::uint64_t>(simulation::kNoContact);
-  f.bin_keys.fill(std::numeric_limits<std::uint64_t>::max());
+  f.contact_key = f.slide_key = f.straight_key = kNoContactKey;
+  f.bin_keys.fill(std::numeric_limits<Key64>::max());
   f.touching = kNoToolBall;
   const simulation::ContactMemory& contact = memory.contact;
   for (std::size_t i = 0; i < static_cast<std::size_t>(contact.face_count); ++i) {

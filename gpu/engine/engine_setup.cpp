@@ -36,7 +36,7 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   program = std::make_unique<FrameProgram>(std::move(context), sizes, vulkan);
   if (program->compiled()) {
     program.reset();  // together with its device
-    auto again = OpenContext(vulkan.device, vulkan.validation);
+    auto again = OpenContext(vulkan.device, vulkan.validation, vulkan.overrides.arithmetic);
     if (!again) return again.error();
     program = std::make_unique<FrameProgram>(std::move(*again), sizes, vulkan);
   }

@@ -24,7 +24,7 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
     return tl::make_unexpected("bone: " + std::to_string(all_balls) +
                                " balls with those that splitting may make, accepted 0 … " +
                                std::to_string(kMaxBoneBalls));
-  auto context = OpenContext(vulkan.device, vulkan.validation);
+  auto context = OpenContext(vulkan.device, vulkan.validation, vulkan.overrides.arithmetic);
   if (!context) return tl::make_unexpected(context.error());
   try {
     auto impl = std::make_unique<Impl>();
@@ -58,9 +58,9 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
 
 VulkanEngine::VulkanEngine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 VulkanEngine::~VulkanEngine() {
-  // a device that did not finish in time may still be working: the memory that it uses must outlive it
-  if (impl_ && impl_->lost && impl_->program && !impl_->program->IsIdle(kLostTimeout_ns))
-    (void)impl_->program.release();
+  // The last frame's report may come before the frame's end, and a device that did not finish in time may
+  // still be working: the memory that it uses must outlive it.
+  if (impl_ && impl_->program && !impl_->program->IsIdle(kLostTimeout_ns)) (void)impl_->program.release();
 }
 
 simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input) {

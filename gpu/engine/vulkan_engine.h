@@ -6,6 +6,7 @@
 
 #include <tl/expected.hpp>
 
+#include "gpu/context/devices.h"
 #include "simulation/bone/bone.h"
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/tools/tool.h"
@@ -35,6 +36,7 @@ struct VulkanOverrides {
   std::uint32_t subgroup_size{0};   ///< 0: the device's own; other sizes need VK_EXT_subgroup_size_control
   std::uint32_t max_workgroups{0};  ///< of a pass, along x; 0: the device's limit
   std::uint32_t bone_ball_bits{0};  ///< of a bone ball's index in keys, 24 … 28; 0: as many as the bone needs
+  Arithmetic arithmetic{Arithmetic::kAuto};  ///< a later one than the device allows
 };
 
 struct VulkanParams {

@@ -8,18 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "gpu/spirv/contact.h"
-#include "gpu/spirv/flush.h"
-#include "gpu/spirv/load_children.h"
-#include "gpu/spirv/near_field.h"
-#include "gpu/spirv/path_contact.h"
-#include "gpu/spirv/pick_balls.h"
-#include "gpu/spirv/pick_points.h"
-#include "gpu/spirv/refresh.h"
-#include "gpu/spirv/remove_clear.h"
-#include "gpu/spirv/slide_engage.h"
-#include "gpu/spirv/solve.h"
-#include "gpu/spirv/touching.h"
+#include "gpu/program/double_single.h"
+#include "gpu/spirv/passes.h"
 
 namespace osteon::gpu {
 namespace {
@@ -188,6 +178,7 @@ void FrameProgram::MakePipelines() {
     VkBool32 on_gpu;
     uint tool_rest;
     uint bone_bits;
+    VkBool32 lower_words;
   } const constants{.one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
                     .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
                     .lanes = lanes(),
@@ -196,8 +187,9 @@ void FrameProgram::MakePipelines() {
                     .materials = static_cast<uint>(sizes_.materials),
                     .on_gpu = gpu_ ? VK_TRUE : VK_FALSE,
                     .tool_rest = static_cast<uint>(2 * sizes_.tool_balls),
-                    .bone_bits = bone_bits_};
-  const std::array<vk::SpecializationMapEntry, 9> entries{
+                    .bone_bits = bone_bits_,
+                    .lower_words = VK_TRUE};
+  const std::array<vk::SpecializationMapEntry, 10> entries{
       {{1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
        {3, offsetof(Constants, lanes), sizeof(uint)},
@@ -206,14 +198,20 @@ void FrameProgram::MakePipelines() {
        {6, offsetof(Constants, materials), sizeof(uint)},
        {7, offsetof(Constants, on_gpu), sizeof(VkBool32)},
        {8, offsetof(Constants, tool_rest), sizeof(uint)},
-       {9, offsetof(Constants, bone_bits), sizeof(uint)}}};
+       {9, offsetof(Constants, bone_bits), sizeof(uint)},
+       {10, offsetof(Constants, lower_words), sizeof(VkBool32)}}};
   Constants wide = constants;
   if (gpu_) wide.lanes = kWideLanes;
-  const auto add = [&](const char* name, const auto& code, const Constants& own, std::size_t groups,
+  const bool words = context_->arithmetic != Arithmetic::kInt64;
+  const auto add = [&](const char* name, const ShaderCode& code, const Constants& own, std::size_t groups,
                        Then then) {
     const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
                                                 sizeof(Constants), &own);
-    const vk::raii::ShaderModule module(device, vk::ShaderModuleCreateInfo({}, sizeof(code), code));
+    const std::span<const std::uint32_t> spirv = context_->arithmetic == Arithmetic::kFloats ? code.floats
+                                                 : words                                     ? code.words
+                                                                                             : code.int64;
+    const vk::raii::ShaderModule module(device,
+                                        vk::ShaderModuleCreateInfo({}, spirv.size_bytes(), spirv.data()));
     const vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo size(subgroup_size_);
     vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
                                             &specialization);
@@ -227,28 +225,43 @@ void FrameProgram::MakePipelines() {
     return passes_.size() - 1;
   };
   const std::size_t pairs = offsetof(Frame, pair_work), all = offsetof(Frame, all_work);
-  std::vector<std::size_t> rest = {add("near_field", kSpirv_near_field, wide, pairs, Then::kReads)};
+  // A pass that finds smallest keys. Without 64-bit integers a first dispatch finds their upper words.
+  const auto add_minimum = [&](const char* name, const char* first, const ShaderCode& code,
+                               const Constants& own, std::size_t groups) {
+    std::vector<std::size_t> dispatches;
+    Constants upper = own;
+    upper.lower_words = VK_FALSE;
+    if (words) dispatches.push_back(add(first, code, upper, groups, Then::kReads));
+    dispatches.push_back(add(name, code, own, groups, Then::kReads));
+    return dispatches;
+  };
+  std::vector<std::size_t> rest =
+      add_minimum("near_field", "near_field_upper_words", kCode_near_field, wide, pairs);
   if (!gpu_) {
     // one subgroup computes the solution; on a GPU that of the near field's last workgroup
     Constants alone = constants;
     alone.lanes = subgroup_size_;
-    rest.push_back(add("solve", kSpirv_solve, alone, kOne, Then::kReads));
+    rest.push_back(add("solve", kCode_solve, alone, kOne, Then::kReads));
   }
-  rest.push_back(add("slide_engage", kSpirv_slide_engage, wide, all, Then::kReads));
-  rest.push_back(add("remove_clear", kSpirv_remove_clear, wide, offsetof(Frame, clear_work), Then::kNothing));
+  for (const std::size_t slide :
+       add_minimum("slide_engage", "slide_engage_upper_words", kCode_slide_engage, wide, all))
+    rest.push_back(slide);
+  rest.push_back(add("remove_clear", kCode_remove_clear, wide, offsetof(Frame, clear_work), Then::kNothing));
   if (sizes_.contact_sphere)
-    rest.insert(rest.begin(), add("touching", kSpirv_touching, constants, pairs, Then::kReads));
-  const std::size_t contact = add("contact", kSpirv_contact, constants, pairs, Then::kReads);
-  const std::size_t path =
-      add("path_contact", kSpirv_path_contact, constants, offsetof(Frame, path_work), Then::kReads);
+    rest.insert(rest.begin(), add("touching", kCode_touching, constants, pairs, Then::kReads));
+  const std::vector<std::size_t> contact = add_minimum("contact", "contact_upper_words", kCode_contact,
+                                                       constants, pairs),
+                                 path =
+                                     add_minimum("path_contact", "path_contact_upper_words",
+                                                 kCode_path_contact, constants, offsetof(Frame, path_work));
   const std::vector<std::size_t> pick = {
-      add("pick_balls", kSpirv_pick_balls, constants, offsetof(Frame, path_work), Then::kNothing),
-      add("pick_points", kSpirv_pick_points, constants, offsetof(Frame, point_work), Then::kGroups)};
+      add("pick_balls", kCode_pick_balls, constants, offsetof(Frame, path_work), Then::kNothing),
+      add("pick_points", kCode_pick_points, constants, offsetof(Frame, point_work), Then::kGroups)};
   std::vector<std::size_t> before = {
-      add("flush", kSpirv_flush, constants, offsetof(Frame, flush_work), Then::kReads)};
+      add("flush", kCode_flush, constants, offsetof(Frame, flush_work), Then::kReads)};
   if (sizes_.blocks > 0)
     before.push_back(
-        add("load_children", kSpirv_load_children, constants, offsetof(Frame, upload_work), Then::kReads));
+        add("load_children", kCode_load_children, constants, offsetof(Frame, upload_work), Then::kReads));
   const auto in_turn = [](std::initializer_list<std::vector<std::size_t>> parts) {
     std::vector<std::size_t> whole;
     for (const auto& part : parts) whole.insert(whole.end(), part.begin(), part.end());
@@ -257,11 +270,11 @@ void FrameProgram::MakePipelines() {
   const auto run = [&](FrameMode mode) -> std::vector<std::size_t>& {
     return run_passes_[static_cast<std::size_t>(mode)];
   };
-  run(FrameMode::kLists) = in_turn({{contact}, rest});
+  run(FrameMode::kLists) = in_turn({contact, rest});
   run(FrameMode::kListsRefreshed) =
-      in_turn({{add("refresh", kSpirv_refresh, constants, all, Then::kReads)}, {contact}, rest});
-  run(FrameMode::kListsAtProxy) = in_turn({before, pick, {contact}, rest});
-  run(FrameMode::kListsAtContact) = in_turn({before, {path}, pick, rest});
+      in_turn({{add("refresh", kCode_refresh, constants, all, Then::kReads)}, contact, rest});
+  run(FrameMode::kListsAtProxy) = in_turn({before, pick, contact, rest});
+  run(FrameMode::kListsAtContact) = in_turn({before, path, pick, rest});
   run(FrameMode::kFlush) = before;
 
   const std::array<vk::DescriptorPoolSize, 2> size{
@@ -379,21 +392,32 @@ bool FrameProgram::AwaitReadback(std::uint64_t timeout_ns) {
 }
 
 bool FrameProgram::Run(const Frame& frame, FrameMode mode, std::uint64_t timeout_ns) try {
+  const bool floats = context_->arithmetic == Arithmetic::kFloats;
   last_mode_ = mode;
   // Wait for the last frame: its report may have arrived before its fence.
   if (!AwaitFence(timeout_ns)) return false;
   Frame asked = frame;
   asked.sequence = ++sequence_;
+  if (floats) ToDoubleSingles(asked);
   std::memcpy(frame_in_.mapped, &asked, sizeof(Frame));
   if (gpu_ && mode == FrameMode::kLists) RecordLists(frame);
+  if (!RunCommands(mode, timeout_ns)) return false;
+  if (floats) {
+    decoded_ = raw_result();
+    FromDoubleSingles(decoded_);
+  }
+  return true;
+} catch (const std::exception&) {
+  return false;
+}
+
+bool FrameProgram::RunCommands(FrameMode mode, std::uint64_t timeout_ns) {
   const vk::CommandBuffer raw = *commands_[static_cast<std::size_t>(mode)];
   context_->device->resetFences(*fence_);
   context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence_);
   if (policy_ != FencePolicy::kReport || mode == FrameMode::kFlush) return AwaitFence(timeout_ns);
   // the checksum covers the report alone, not the events that a frame may have beside it
-  return AwaitReadback(timeout_ns) && (result().split_event_count == 0 || AwaitFence(timeout_ns));
-} catch (const std::exception&) {
-  return false;
+  return AwaitReadback(timeout_ns) && (raw_result().split_event_count == 0 || AwaitFence(timeout_ns));
 }
 
 bool FrameProgram::IsIdle(std::uint64_t timeout_ns) const try {

@@ -46,7 +46,7 @@ class FrameProgram {
 
   /// Result of the last Run. Host memory.
   [[nodiscard]] const Frame& result() const {
-    return gpu_ ? readback().frame : *static_cast<const Frame*>(frame_in_.mapped);
+    return context_->arithmetic == Arithmetic::kFloats ? decoded_ : raw_result();
   }
   /// The last Run's events of split balls, in any order. Host memory.
   [[nodiscard]] std::span<const SplitEvent> split_events() const {
@@ -103,9 +103,14 @@ class FrameProgram {
   };
   static constexpr std::size_t kOne = ~std::size_t{0};
 
+  // The frame as the passes left it.
+  [[nodiscard]] const Frame& raw_result() const {
+    return gpu_ ? readback().frame : *static_cast<const Frame*>(frame_in_.mapped);
+  }
   [[nodiscard]] const Readback& readback() const {
     return *static_cast<const Readback*>(buffers_[kBindReadback].mapped);
   }
+  [[nodiscard]] bool RunCommands(FrameMode mode, std::uint64_t timeout_ns);
   void MakeBuffers();
   [[nodiscard]] const Buffer& FrameBuffer() const { return copies_in_ ? buffers_[kBindFrame] : frame_in_; }
   void MakePipelines();
@@ -128,6 +133,7 @@ class FrameProgram {
   double pipelines_s_{0.0};         // time for creating the pipelines
   bool copies_in_{false};           ///< the host cannot write to the memory that the passes read
   uint sequence_{0};                ///< number of the last readback
+  Frame decoded_{};                 ///< with Arithmetic::kFloats: the result, with doubles
   std::vector<vk::raii::BufferView> views_;
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
   vk::raii::PipelineLayout layout_{nullptr};

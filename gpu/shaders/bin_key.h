@@ -41,19 +41,32 @@ OSTEON_SCORE_UNITS(double)
 // The units that remain in a key with `bone_bits` bits for the bone ball.
 OSTEON_FUNCTION uint KeptUnits(uint units, uint bone_bits) { return units >> (bone_bits - kMinBoneBits); }
 
-OSTEON_FUNCTION uint64_t BinKey(uint units, uint bone_ball, uint tool_ball, uint bone_bits) {
-  return (uint64_t(KeptUnits(units, bone_bits)) << (bone_bits + kToolBits)) |
-         (uint64_t(bone_ball) << kToolBits) | uint64_t(tool_ball);
-}
-OSTEON_FUNCTION uint UnitsOfKey(uint64_t key, uint bone_bits) { return uint(key >> (bone_bits + kToolBits)); }
-OSTEON_FUNCTION uint BoneOfKey(uint64_t key, uint bone_bits) {
-  return uint(key >> kToolBits) & ((1u << bone_bits) - 1u);
-}
-OSTEON_FUNCTION uint ToolOfKey(uint64_t key) { return uint(key) & ((1u << kToolBits) - 1u); }
 // The same units from the upper half of a key's 64 bits.
 OSTEON_FUNCTION uint UnitsOfHalf(uint upper_half, uint bone_bits) {
   return upper_half >> (bone_bits + kToolBits - 32u);
 }
+
+#ifdef OSTEON_NO_INT64
+Key64 BinKey(uint units, uint bone_ball, uint tool_ball, uint bone_bits) {
+  return Key64(bone_ball << kToolBits | tool_ball,
+               KeptUnits(units, bone_bits) << (bone_bits + kToolBits - 32u) | bone_ball >> (32u - kToolBits));
+}
+uint UnitsOfKey(Key64 key, uint bone_bits) { return UnitsOfHalf(key.y, bone_bits); }
+uint BoneOfKey(Key64 key, uint bone_bits) {
+  return (key.x >> kToolBits | key.y << (32u - kToolBits)) & ((1u << bone_bits) - 1u);
+}
+uint ToolOfKey(Key64 key) { return key.x & ((1u << kToolBits) - 1u); }
+#else
+OSTEON_FUNCTION Key64 BinKey(uint units, uint bone_ball, uint tool_ball, uint bone_bits) {
+  return (Key64(KeptUnits(units, bone_bits)) << (bone_bits + kToolBits)) | (Key64(bone_ball) << kToolBits) |
+         Key64(tool_ball);
+}
+OSTEON_FUNCTION uint UnitsOfKey(Key64 key, uint bone_bits) { return uint(key >> (bone_bits + kToolBits)); }
+OSTEON_FUNCTION uint BoneOfKey(Key64 key, uint bone_bits) {
+  return uint(key >> kToolBits) & ((1u << bone_bits) - 1u);
+}
+OSTEON_FUNCTION uint ToolOfKey(Key64 key) { return uint(key) & ((1u << kToolBits) - 1u); }
+#endif
 
 #ifdef __cplusplus
 static_assert(kScoreBits + kMinBoneBits + kToolBits == 64 && kMinBoneBits + kToolBits >= 32);

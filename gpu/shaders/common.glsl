@@ -4,10 +4,16 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
+#ifndef OSTEON_NO_INT64
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
+#endif
 #include "layout.h"
 #include "bin_key.h"
+#ifdef OSTEON_NO_FLOAT64
+#include "double_single.glsl"
+#endif
+#include "words.glsl"
 
 // A processor gets few lanes and long chunks, because it reads shared values once for each eight lanes. A GPU gets many lanes
 // with one entry each.
@@ -61,30 +67,30 @@ layout(scalar, binding = kBindPackedPairs) buffer PackedPairBuffer { uint packed
   }
 
 // Adds an integer of each invocation of the subgroup, at most 2^62 together. All its invocations must call it.
-#define ADD_FINE(sum, whole)                                                                     \
-  {                                                                                              \
-    int64_t own = (whole);                                                                       \
-    int low_part = subgroupAdd(int(own & 0xffffffL));                                            \
-    int middle_part = subgroupAdd(int((own >> 24) & 0xffffffL));                                 \
-    int high_part = subgroupAdd(int(own >> 48));                                                 \
-    int64_t all = int64_t(low_part) + (int64_t(middle_part) << 24) + (int64_t(high_part) << 48); \
-    if (subgroupElect() && all != 0L) atomicAdd(sum, all);                                       \
+#define ADD_FINE(sum, whole)                                                                                 \
+  {                                                                                                          \
+    Sum64 own = (whole);                                                                                     \
+    int low_part = subgroupAdd(BitsFrom(own, 0u) & 0xffffff);                                                \
+    int middle_part = subgroupAdd(BitsFrom(own, 24u) & 0xffffff);                                            \
+    int high_part = subgroupAdd(BitsFrom(own, 48u));                                                         \
+    Sum64 all = Plus(Plus(Shifted(low_part, 0u), Shifted(middle_part, 24u)), Shifted(high_part, 48u));       \
+    if (subgroupElect() && all != kNoSum) ADD_SUM(sum, all)                                                  \
   }
 
 // The same on a GPU, at most 2^49 each, for a workgroup: stores each subgroup's share, which GroupTotal adds up after a
 // barrier.
 const uint kMaxSums = 16u;
-shared int64_t group_share[kMaxSums][64];
-#define SHARE(place, whole)                                                                     \
-  {                                                                                             \
-    int64_t own = (whole);                                                                      \
-    uint low_part = subgroupAdd(uint(own) & 0x1ffffffu);                                        \
-    int high_part = subgroupAdd(int(own >> 25));                                                \
-    if (subgroupElect()) group_share[place][gl_SubgroupID] = int64_t(low_part) + (int64_t(high_part) << 25); \
+shared Sum64 group_share[kMaxSums][64];
+#define SHARE(place, whole)                                                                                            \
+  {                                                                                                                    \
+    Sum64 own = (whole);                                                                                               \
+    int low_part = subgroupAdd(BitsFrom(own, 0u) & 0x1ffffff);                                                         \
+    int high_part = subgroupAdd(BitsFrom(own, 25u));                                                                   \
+    if (subgroupElect()) group_share[place][gl_SubgroupID] = Plus(Shifted(low_part, 0u), Shifted(high_part, 25u));     \
   }
-int64_t GroupTotal(uint place) {
-  int64_t total = 0L;
-  for (uint k = 0u; k < gl_NumSubgroups; ++k) total += group_share[place][k];
+Sum64 GroupTotal(uint place) {
+  Sum64 total = kNoSum;
+  for (uint k = 0u; k < gl_NumSubgroups; ++k) total = Plus(total, group_share[place][k]);
   return total;
 }
 

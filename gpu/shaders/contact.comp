@@ -53,5 +53,5 @@ void main() {
     }
   }
   s = subgroupMin(s);
-  if (subgroupElect() && s < 2.0lf) atomicMin(frame.contact_key, ToKey(s));
+  if (subgroupElect() && s < 2.0lf) MIN_KEY(frame.contact_key, ToKey(s))
 }

@@ -3,8 +3,25 @@
 // few are tested twice. Equivalent to simulation/contact/cutting_math.h and reference_engine.cpp.
 
 // Converts fractions of a way to keys and back.
-uint64_t ToKey(double s) { return packUint2x32(unpackDouble2x32(s)); }
-double FromKey(uint64_t key) { return packDouble2x32(unpackUint2x32(key)); }
+#ifdef OSTEON_NO_FLOAT64
+// A double-single's parts are the bits of its floats. The upper word has the bits of the first, the lower one those of the
+// remainder in an order that counts the sign. All ones, where only the upper word is known yet: a remainder as large as any.
+Key64 ToKey(double s) {
+  uvec2 parts = unpackDouble2x32(s);
+  return Key64(parts.y >> 31u != 0u ? ~parts.y : parts.y | 0x80000000u, parts.x);
+}
+double FromKey(Key64 key) {
+  uint rest = key.x == 0xffffffffu ? floatBitsToUint(uintBitsToFloat(key.y) * 5.9604645e-8)  // 2^-24
+                                   : key.x >> 31u != 0u ? key.x & 0x7fffffffu : ~key.x;
+  return packDouble2x32(uvec2(key.y, rest));
+}
+#elif defined(OSTEON_NO_INT64)
+Key64 ToKey(double s) { return unpackDouble2x32(s); }
+double FromKey(Key64 key) { return packDouble2x32(key); }
+#else
+Key64 ToKey(double s) { return packUint2x32(unpackDouble2x32(s)); }
+double FromKey(Key64 key) { return packDouble2x32(unpackUint2x32(key)); }
+#endif
 
 // A float that is not less than s.
 float AtLeast(double s) { return float(s) * 1.0000003; }
@@ -27,11 +44,15 @@ dvec4 ExactAtContact(uint t, double s) {
   return dvec4(start.xyz + s * (ExactGoal(t) - start.xyz), start.w);
 }
 
+#ifdef OSTEON_NO_FLOAT64
+dvec2 Rounded(dvec2 x) { return floor(x + 0.5lf); }
+#else
 // Rounds to integers, as additions do: |x| < 2^51.
 dvec2 Rounded(dvec2 x) {
   precise dvec2 up = x + 6755399441055744.0lf, whole = up - 6755399441055744.0lf;
   return whole;
 }
+#endif
 dvec4 Rounded(dvec4 x) { return dvec4(Rounded(x.xy), Rounded(x.zw)); }
 
 // Pass 1, one pair.

@@ -11,9 +11,9 @@
 #include <cstdint>
 namespace osteon::gpu {
 using uint = std::uint32_t;
-using std::int32_t;
-using std::int64_t;
-using uint64_t = std::uint64_t;
+// 64-bit integers of keys and of exact sums; in GLSL the device's own or two words: see words.glsl
+using Key64 = std::uint64_t;
+using Sum64 = std::int64_t;
 struct vec4 {
   float x, y, z, w;
 };
@@ -25,6 +25,13 @@ struct dvec3 {
 #else
 #define OSTEON_CONST const
 #define OSTEON_ARRAY(type, name, count) type name[count]
+#ifdef OSTEON_NO_INT64
+#define Key64 uvec2  // lower word, upper word
+#define Sum64 uvec2
+#else
+#define Key64 uint64_t
+#define Sum64 int64_t
+#endif
 #endif
 
 OSTEON_CONST uint kGroupSize = 64;  // invocations of a workgroup; balls or points of a cluster
@@ -42,7 +49,12 @@ OSTEON_CONST uint kFaces = 4;
 OSTEON_CONST uint kFaceColumns = 4;  // weight centre (3), weight radius
 OSTEON_CONST uint kToolBits = 14;    // for a tool ball's index in keys and packed pairs
 // Subdivision of the units of face_scale, area_scale and moment_scale.
-OSTEON_CONST double kUnitSubdivision = 262144.0;
+OSTEON_CONST uint kUnitBits = 18, kFloatUnitBits = 10;  // without shaderFloat64 fewer: see double_single.glsl
+#ifdef OSTEON_NO_FLOAT64
+OSTEON_CONST double kUnitSubdivision = double(1u << kFloatUnitBits);
+#else
+OSTEON_CONST double kUnitSubdivision = double(1u << kUnitBits);
+#endif
 // Packed pair: 14-bit tool ball index, above it an 18-bit lower bound of the gap when the list was built.
 OSTEON_CONST uint kMaxPackedGap = (1u << (32u - kToolBits)) - 1u;
 OSTEON_CONST float kPackedGapUnit = 1.0f / 32768.0f;  // mm
@@ -76,11 +88,11 @@ struct DoublePrecision {
   dvec3 step;  // of the proxy's advance
   // area and moment by material, in units of 1 / (area_scale kUnitSubdivision) and 1 / (moment_scale
   // kUnitSubdivision)
-  OSTEON_ARRAY(int64_t, engaged, 2 * kMaxMaterials);
-  OSTEON_ARRAY(uint64_t, removed, kMaxMaterials);  // cleared volume in the bone's units
+  OSTEON_ARRAY(Sum64, engaged, 2 * kMaxMaterials);
+  OSTEON_ARRAY(Sum64, removed, kMaxMaterials);  // cleared volume in the bone's units
   // weight and weight n of each face, in units of 1 / (face_scale kUnitSubdivision); row 0: balls that cut;
   // row 1: those that do not
-  OSTEON_ARRAY(int64_t, face_sums, 2 * kFaces * 4);
+  OSTEON_ARRAY(Sum64, face_sums, 2 * kFaces * 4);
 };
 
 // Arguments of an indirect dispatch.
@@ -99,10 +111,10 @@ struct Candidate {
 
 // One frame: inputs from the host, then results of the passes.
 struct Frame {
-  OSTEON_ARRAY(uint64_t, bin_keys, kBins);  // result; all ones where there is no pair
+  OSTEON_ARRAY(Key64, bin_keys, kBins);  // result; all ones where there is no pair
   // results: fractions of first contact, and of the slide's first contact with the turn and straight. Bits of
   // doubles: for one sign their order is that of the doubles
-  uint64_t contact_key, slide_key, straight_key;
+  Key64 contact_key, slide_key, straight_key;
   DoublePrecision exact;
 
   // from bone, tool and parameters: constant over all frames

@@ -96,7 +96,7 @@ Pair TestPair(Near near, vec4 ball, vec4 at, bool cutting) {
   // the smallest key so far, or an older one: the upper half of its 64 bits begins with the units
   return Pair(is_near && (bin.inside < kDirectionRounding ||
                           units <= UnitsOfHalf(frame_halves[2u * bin.number + 1u], kBoneBits)),
-              is_near && max_cosine > float(kFaceCosine) - kDirectionRounding);
+              kLowerWords && is_near && max_cosine > float(kFaceCosine) - kDirectionRounding);
 }
 
 // The same pair in double precision.
@@ -115,7 +115,7 @@ const bool kKeysApart = !kOnGpu;
 // serialised.
 struct Waiting {
   uint bin;
-  uint64_t key;
+  Key64 key;
 } waiting;
 void AtomicMinKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   if (exact.d <= 0.0lf || exact.gap >= near.exact_enlargement) return;
@@ -124,13 +124,13 @@ void AtomicMinKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   uint units = ScoreUnits(exact.gap + kBinCentreBias_mm * bin.off_centre);
   // other invocations may have found nearer pairs since
   if (kKeysApart && KeptUnits(units, kBoneBits) > UnitsOfHalf(frame_halves[2u * bin.number + 1u], kBoneBits)) return;
-  uint64_t key = BinKey(units, bone, t, kBoneBits);
+  Key64 key = BinKey(units, bone, t, kBoneBits);
   if (!kOnGpu) {
-    atomicMin(frame.bin_keys[bin.number], key);
+    MIN_KEY(frame.bin_keys[bin.number], key)
   } else if (bin.number == waiting.bin) {
-    waiting.key = min(waiting.key, key);
+    waiting.key = Smaller(waiting.key, key);
   } else {
-    if (waiting.bin < kBins) atomicMin(frame.bin_keys[waiting.bin], waiting.key);
+    if (waiting.bin < kBins) MIN_KEY(frame.bin_keys[waiting.bin], waiting.key)
     waiting = Waiting(bin.number, key);
   }
 }
@@ -143,7 +143,7 @@ void ReduceKeys() {
   uint units = UnitsOfKey(waiting.key, kBoneBits);
   if (waits) atomicMin(min_units[waiting.bin], units);
   barrier();
-  if (waits && units == min_units[waiting.bin]) atomicMin(frame.bin_keys[waiting.bin], waiting.key);
+  if (waits && units == min_units[waiting.bin]) MIN_KEY(frame.bin_keys[waiting.bin], waiting.key)
 }
 
 // Sums of one face over this invocation's pairs, as integers: weight and weight·n (doubles hold integers up to 2^53),
@@ -181,10 +181,10 @@ void AddToFaces(inout Parts parts, Near near, ExactPair exact, float r_b, double
 #define FLUSH(part, number)                                                  \
   {                                                                          \
     uint face = (shaft ? kFaces : 0u) + number, place = face * kFaceColumns; \
-    ADD_FINE(frame.exact.face_sums[4 * face], int64_t(part.n.x))             \
-    ADD_FINE(frame.exact.face_sums[4 * face + 1], int64_t(part.n.y))         \
-    ADD_FINE(frame.exact.face_sums[4 * face + 2], int64_t(part.n.z))         \
-    ADD_FINE(frame.exact.face_sums[4 * face + 3], int64_t(part.n.w))         \
+    ADD_FINE(frame.exact.face_sums[4 * face], SumOf(part.n.x))             \
+    ADD_FINE(frame.exact.face_sums[4 * face + 1], SumOf(part.n.y))         \
+    ADD_FINE(frame.exact.face_sums[4 * face + 2], SumOf(part.n.z))         \
+    ADD_FINE(frame.exact.face_sums[4 * face + 3], SumOf(part.n.w))         \
     if (!alone) {                                                            \
       ADD_TO(frame.face_sums[place], part.c.x)                               \
       ADD_TO(frame.face_sums[place + 1], part.c.y)                           \
@@ -236,16 +236,16 @@ void AddPartsOfGroup(Parts parts, bool shaft, bool alone) {
     if (notes) NoteAll(own - first, parts.part_0.n, parts.part_1.n, parts.part_2.n, parts.part_3.n);
     barrier();
     double total = NotesTotal(here);
-    if (lane < 4u * kFaces && total != 0.0lf) atomicAdd(frame.exact.face_sums[place], int64_t(total));
+    if (lane < 4u * kFaces && total != 0.0lf) ADD_SUM(frame.exact.face_sums[place], SumOf(total))
     if (!alone) {
       barrier();
       if (notes)
         NoteAll(own - first, dvec4(parts.part_0.c), dvec4(parts.part_1.c), dvec4(parts.part_2.c), dvec4(parts.part_3.c));
       barrier();
-      int64_t c = int64_t(NotesTotal(here));
-      if (lane < 4u * kFaces && c != 0L) {
-        atomicAdd(frame.face_sums[place].high, int(c >> 16));
-        atomicAdd(frame.face_sums[place].low, uint(c) & 0xffffu);
+      Sum64 c = SumOf(NotesTotal(here));
+      if (lane < 4u * kFaces && c != kNoSum) {
+        atomicAdd(frame.face_sums[place].high, BitsFrom(c, 16u));
+        atomicAdd(frame.face_sums[place].low, uint(BitsFrom(c, 0u)) & 0xffffu);
       }
     }
     barrier();
@@ -284,7 +284,7 @@ void main() {
   near.exact_face_2 = frame.exact.face_n[2];
   near.exact_face_3 = frame.exact.face_n[3];
   Parts parts = kNoParts;
-  waiting = Waiting(kBins, 0ul);
+  waiting = Waiting(kBins, kNoKey);
   if (kOneCutter) {
     vec4 only = AtContact(0, s);
     dvec4 exact_only = ExactAtContact(0, exact_s);
@@ -300,7 +300,7 @@ void main() {
           vec4 ball = LiveBall(found.slot[InRoom(i)]);
           ExactPair exact = MeasurePair(ball, exact_only);
           if (!kKeysApart && IsMarked(i)) AtomicMinKey(near, exact, true, LiveEntry(found.slot[InRoom(i)]).index, 0u);
-          AddToFaces(parts, near, exact, ball.w, exact_only.w, vec3(0.0), true);
+          if (kLowerWords) AddToFaces(parts, near, exact, ball.w, exact_only.w, vec3(0.0), true);
         }
       }
       if (kOnGpu && slot >= end) break;
@@ -331,7 +331,7 @@ void main() {
           dvec4 exact_at = ExactAtContact(t, exact_s);
           ExactPair exact = MeasurePair(ball, exact_at);
           if (!kKeysApart && IsMarked(i)) AtomicMinKey(near, exact, list == kCutting, LiveEntry(found.slot[InRoom(i)]).index, t);
-          AddToFaces(parts, near, exact, ball.w, exact_at.w, InTool(near, Goal(t) - near.origin), false);
+          if (kLowerWords) AddToFaces(parts, near, exact, ball.w, exact_at.w, InTool(near, Goal(t) - near.origin), false);
         }
       }
       if (kOnGpu && !more) break;
@@ -341,6 +341,7 @@ void main() {
   }
   if (!kOnGpu) return;
   ReduceKeys();
+  if (!kLowerWords) return;
   AddPartsOfGroup(parts, row == 1u, kOneCutter && row == 0u);
   if (IsLastGroup()) Solve();
 }

@@ -29,9 +29,9 @@ Advance ComputeAdvance(double at_contact, Slide slide) {
   double area = 0.0lf, moment = 0.0lf, work_per_mm = 0.0lf;
   double per_area = 1.0lf / (kUnitSubdivision * double(frame.area_scale)), per_moment = 1.0lf / (kUnitSubdivision * double(frame.moment_scale));
   for (uint m = 0; m < kMaterials; ++m) {
-    double own = double(frame.exact.engaged[2 * m]) * per_area;
+    double own = NumberOf(frame.exact.engaged[2 * m]) * per_area;
     area += own;
-    moment += frame.exact.force_ratio[m] * (double(frame.exact.engaged[2 * m + 1]) * per_moment);
+    moment += frame.exact.force_ratio[m] * (NumberOf(frame.exact.engaged[2 * m + 1]) * per_moment);
     work_per_mm += frame.exact.cutting_energy[m] * own;
   }
   if (x > 0.0lf && turns) {

@@ -238,7 +238,7 @@ void Clear(uint slot, vec4 point) {
   uint material = point_states[i];
   live_points[slot].w = -point.w;
   point_states[i] = material | kCleared;
-  atomicAdd(frame.exact.removed[material], uint64_t(point_units[i]));
+  ADD_SUM(frame.exact.removed[material], SumOf(point_units[i]))
 }
 
 // A workgroup's share of the listed balls (row 0) or points (row 1).

@@ -11,8 +11,8 @@
 #define GATHER_MATERIAL(number) if (kMaterials > number) sum_##number += material == number ? units : dvec2(0.0lf);
 #define FLUSH_MATERIAL(number)                                             \
   if (kMaterials > number) {                                               \
-    ADD_FINE(frame.exact.engaged[2 * number], int64_t(sum_##number.x))     \
-    ADD_FINE(frame.exact.engaged[2 * number + 1], int64_t(sum_##number.y)) \
+    ADD_FINE(frame.exact.engaged[2 * number], SumOf(sum_##number.x))     \
+    ADD_FINE(frame.exact.engaged[2 * number + 1], SumOf(sum_##number.y)) \
   }
 
 // The frame's slide, with the turn and straight, and its first contact, in double precision and as a float that is not less.
@@ -44,8 +44,8 @@ void UpdateFirstHit(inout FirstHit hit, vec4 ball, dvec4 at, dvec3 goal) {
 
 #define SHARE_MATERIAL(number)                   \
   if (kMaterials > number) {                     \
-    SHARE(2u * number, int64_t(sum_##number.x))     \
-    SHARE(2u * number + 1u, int64_t(sum_##number.y)) \
+    SHARE(2u * number, SumOf(sum_##number.x))     \
+    SHARE(2u * number + 1u, SumOf(sum_##number.y)) \
   }
 
 // Rows 0 and 2, the slide.
@@ -102,8 +102,8 @@ void FindSlide(uint row, bool go, double exact_s) {
   }
   double s = subgroupMin(hit.s), straight = subgroupMin(hit.straight);
   if (subgroupElect()) {
-    if (s < 2.0lf) atomicMin(frame.slide_key, ToKey(s));
-    if (straight < 2.0lf) atomicMin(frame.straight_key, ToKey(straight));
+    if (s < 2.0lf) MIN_KEY(frame.slide_key, ToKey(s))
+    if (straight < 2.0lf) MIN_KEY(frame.straight_key, ToKey(straight))
   }
 }
 
@@ -116,7 +116,7 @@ void main() {
   dvec4 exact_only = ExactAtContact(0, exact_s);
   // a GPU skips the work of other rows
   if (!kOnGpu || row != 1u) FindSlide(row, go, exact_s);
-  if (kOnGpu && row != 1u) return;
+  if ((kOnGpu && row != 1u) || !kLowerWords) return;
 
   double exact_layer = frame.exact.layer, per_layer = 1.0lf / exact_layer;
   double area_scale = kUnitSubdivision * double(frame.area_scale), moment_scale = kUnitSubdivision * double(frame.moment_scale);
@@ -187,8 +187,8 @@ void main() {
     SHARE_MATERIAL(4) SHARE_MATERIAL(5) SHARE_MATERIAL(6) SHARE_MATERIAL(7)
     barrier();
     uint place = gl_LocalInvocationID.x;
-    int64_t total = place < 2u * kMaterials ? GroupTotal(place) : 0L;
-    if (total != 0L) atomicAdd(frame.exact.engaged[place], total);
+    Sum64 total = place < 2u * kMaterials ? GroupTotal(place) : kNoSum;
+    if (total != kNoSum) ADD_SUM(frame.exact.engaged[place], total)
     return;
   }
   FLUSH_MATERIAL(0) FLUSH_MATERIAL(1) FLUSH_MATERIAL(2) FLUSH_MATERIAL(3)

@@ -236,11 +236,11 @@ void SolveContacts(uint number, dvec3 origin_motion, double s, float friction) {
 void LoadCandidate(uint source, double s, double enlargement) {
   bool binned = source < kBins;
   uint k = binned ? 0u : source - kBins;
-  uint64_t key = fresh.bin_keys[binned ? source : 0u];
+  Key64 key = fresh.bin_keys[binned ? source : 0u];
   uint remembered_bone = frame.remembered_bone[k], remembered_tool = frame.remembered_tool[k];
   uint ball_count = frame.ball_count, tool_count = frame.tool_count, live_count = frame.live_ball_count;
   uint remembered_count = frame.remembered_count;
-  bool is = binned ? key != 0xfffffffffffffffful : k < remembered_count;
+  bool is = binned ? key != kNoKey : k < remembered_count;
   uint bone = binned ? BoneOfKey(key, kBoneBits) : remembered_bone;
   uint t = binned ? ToolOfKey(key) : remembered_tool;
   is = is && bone < ball_count && t < tool_count;
@@ -290,7 +290,7 @@ void FindOldFaces() {
   for (uint f = kLanes - 1u - gl_LocalInvocationID.x; f < kFaces; f += kLanes) {
     dvec4 sum = dvec4(0.0lf);
     for (uint i = 0u; i < 4u; ++i)
-      sum[i] = double(fresh.exact.face_sums[4u * f + i] + fresh.exact.face_sums[4u * (kFaces + f) + i]);
+      sum[i] = NumberOf(Plus(fresh.exact.face_sums[4u * f + i], fresh.exact.face_sums[4u * (kFaces + f) + i]));
     double weighed = length(sum.yzw);
     old_face[f] = OldFace(frame.exact.face_n[f], (1.0lf / max(weighed, 1e-300lf)) * sum.yzw, sum.x > 0.0lf,
                           WidthExactness(weighed / max(sum.x, 1e-300lf)));

@@ -38,6 +38,10 @@ void ExamineVulkan(std::vector<Check>& checks) {
          : !gpu  ? "computes on the processor: for the shaders' tests; the CPU engine is faster"
          : first ? "taken by default"
                  : "choose it with --device"});
+    if (runs)
+      checks.push_back({"Vulkan arithmetic", gpu::ArithmeticText(device.arithmetic),
+                        device.missing.empty() ? kCheckGood : kCheckUsable,
+                        device.missing.empty() ? "" : "the device lacks " + gpu::NeedNames(device.missing)});
     for (const gpu::UnmetNeed& need : device.unmet)
       checks.push_back({"Vulkan need",
                         fmt::format("{}: found {}, accepted {}", need.name, need.found, need.accepted),

@@ -3,7 +3,7 @@
 // so that the executable can be copied to a machine with a GPU; `osteon bench frame` times the same workload.
 //
 //     osteon_frame_bench [FRAMES] [--device NAME] [--spheres N] [--uniform] [--tool-spheres M] [--brute]
-//                        [--scene CELL.yaml --motion FILE.csv] [--rate HZ]
+//                        [--scene CELL.yaml --motion FILE.csv] [--rate HZ] [--arithmetic int64|words|floats]
 //
 // Prints a CSV header and one row. Times are wall time around CuttingEngine::Step; the device's own time by
 // pass comes from a second run (timestamps slow software drivers down).
@@ -28,7 +28,12 @@ struct Options {
   double rate_hz{1000.0};
   std::size_t spheres{0}, tool_spheres{1};
   bool uniform{false}, brute{false};
+  gpu::Arithmetic arithmetic{gpu::Arithmetic::kAuto};
 };
+
+const std::map<std::string, gpu::Arithmetic> kArithmetics{{"int64", gpu::Arithmetic::kInt64},
+                                                          {"words", gpu::Arithmetic::kWords},
+                                                          {"floats", gpu::Arithmetic::kFloats}};
 
 template <typename T>
 bool Read(const std::string& text, T& value, T least, T most) {
@@ -54,7 +59,10 @@ std::string ReadOptions(const std::vector<std::string>& words, Options& options)
       options.motion = value;
     else if (word == "--device")
       options.device = value;
-    else if (word == "--rate")
+    else if (word == "--arithmetic") {
+      good = kArithmetics.contains(value);
+      if (good) options.arithmetic = kArithmetics.at(value);
+    } else if (word == "--rate")
       good = Read(value, options.rate_hz, 10.0, 1e4);
     else if (word == "--spheres")
       good = Read(value, options.spheres, std::size_t{100}, std::size_t{20'000'000});
@@ -64,7 +72,7 @@ std::string ReadOptions(const std::vector<std::string>& words, Options& options)
       return "unknown option " + word;
     else
       good = Read(value, options.frames, 2, 10'000'000);
-    if (!good) return word + ": found " + value + ", which is no number or out of range";
+    if (!good) return word + ": found " + value + ", which is unknown or out of range";
   }
   if (options.scene.empty() != options.motion.empty()) return "--scene and --motion belong together";
   return "";
@@ -96,6 +104,7 @@ int Run(const Options& options) {
     vulkan.device = options.device;
     vulkan.time_passes = time_passes;
     vulkan.brute_force = brute;
+    vulkan.overrides.arithmetic = options.arithmetic;
     auto engine = gpu::VulkanEngine::Create(work.bone, work.tool, Pose::Identity(), work.cutting, vulkan);
     if (!engine) throw std::runtime_error(engine.error());
     return std::move(*engine);
@@ -129,16 +138,18 @@ int Run(const Options& options) {
         pass_us[pass.pass].push_back(pass.seconds * 1e6);
     }
   }
+  std::string method = options.brute ? "brute" : "ours";
+  for (const auto& [value, arithmetic] : kArithmetics)
+    if (arithmetic == options.arithmetic) method += "_" + value;
   const simulation::TimeFigures figures = simulation::FiguresOf(frame_us);
   std::printf(
       "device,scene,method,spheres,tool_spheres,cut_zone_mm,mass_points,frames,frame_us_p50,frame_us_p95,"
       "frame_us_p99,frame_us_p999,frame_us_max,removed_mm3");
   for (const auto& [pass, times] : pass_us) std::printf(",%s_us_p50", pass.c_str());
   std::printf("\n\"%s\",\"%s\",%s,%zu,%zu,%.3f,%zu,%zu,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f", name.c_str(),
-              work.bone.name.c_str(), options.brute ? "brute" : "ours", work.bone.balls.size(),
-              work.cutting_balls, work.cut_zone_m * 1e3, work.bone.points.size(), frame_us.size(),
-              figures.p50_us, figures.p95_us, figures.p99_us, figures.p999_us, figures.max_us,
-              last.removed_volume_m3 * 1e9);
+              work.bone.name.c_str(), method.c_str(), work.bone.balls.size(), work.cutting_balls,
+              work.cut_zone_m * 1e3, work.bone.points.size(), frame_us.size(), figures.p50_us, figures.p95_us,
+              figures.p99_us, figures.p999_us, figures.max_us, last.removed_volume_m3 * 1e9);
   for (const auto& [pass, times] : pass_us) std::printf(",%.1f", simulation::FiguresOf(times).p50_us);
   std::printf("\n");
   return 0;
@@ -149,12 +160,13 @@ int Run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   if (const std::string wrong = ReadOptions({argv + 1, argv + argc}, options); !wrong.empty()) {
-    std::fprintf(stderr,
-                 "osteon_frame_bench: %s\nusage: osteon_frame_bench [FRAMES, at least 2] [--device NAME] "
-                 "[--spheres N, 100 … 20000000] [--uniform]\n           [--tool-spheres M, 1 … 10000] "
-                 "[--brute] "
-                 "[--scene CELL.yaml --motion FILE.csv] [--rate HZ, 10 … 10000]\n",
-                 wrong.c_str());
+    std::fprintf(
+        stderr,
+        "osteon_frame_bench: %s\nusage: osteon_frame_bench [FRAMES, at least 2] [--device NAME] "
+        "[--spheres N, 100 … 20000000] [--uniform]\n           [--tool-spheres M, 1 … 10000] "
+        "[--brute] "
+        "[--scene CELL.yaml --motion FILE.csv] [--rate HZ, 10 … 10000] [--arithmetic int64|words|floats]\n",
+        wrong.c_str());
     return 2;
   }
   try {

@@ -66,7 +66,8 @@ TEST(DeviceNeeds, EachIsToldAloneWhereItAloneIsMissing) {
       Shortfalls().at(need.name).take(device);
       found = Shortfalls().at(need.name).found;
     }
-    const std::vector<UnmetNeed> unmet = UnmetNeeds(device);
+    const std::vector<UnmetNeed> unmet = need.IsOptional() ? MissingOptions(device) : UnmetNeeds(device);
+    EXPECT_TRUE(need.IsOptional() ? UnmetNeeds(device).empty() : MissingOptions(device).empty());
     ASSERT_EQ(unmet.size(), 1u) << need.name;
     EXPECT_EQ(unmet[0].name, need.name);
     EXPECT_TRUE(unmet[0].found.starts_with(found)) << unmet[0].found;
@@ -80,8 +81,23 @@ TEST(DeviceNeeds, AreToldTogetherWhereSeveralAreMissing) {
   DeviceReport device = OfAUsableDevice();
   device.features.core.shaderFloat64 = VK_FALSE;
   device.features.vulkan12.shaderBufferInt64Atomics = VK_FALSE;
-  EXPECT_EQ(RefusalText(UnmetNeeds(device)),
+  EXPECT_EQ(RefusalText(MissingOptions(device)),
             "shaderFloat64: found no, accepted yes; shaderBufferInt64Atomics: found no, accepted yes");
+  EXPECT_TRUE(UnmetNeeds(device).empty());
+}
+
+TEST(DeviceNeeds, ThatAreMissingChooseTheArithmetic) {
+  const DeviceReport usable = OfAUsableDevice();
+  DeviceReport no_atomics = usable, no_integers = usable, no_doubles = usable;
+  no_atomics.features.vulkan12.shaderBufferInt64Atomics = VK_FALSE;
+  no_integers.features.core.shaderInt64 = VK_FALSE;
+  no_doubles.features.core.shaderFloat64 = VK_FALSE;
+  EXPECT_EQ(AvailableArithmetic(usable), Arithmetic::kInt64);
+  EXPECT_EQ(AvailableArithmetic(no_atomics), Arithmetic::kWords);
+  EXPECT_EQ(AvailableArithmetic(no_integers), Arithmetic::kWords);
+  EXPECT_EQ(AvailableArithmetic(no_doubles), Arithmetic::kFloats);
+  EXPECT_EQ(NeededFeatures(Arithmetic::kWords).core.shaderFloat64, VK_TRUE);
+  EXPECT_EQ(NeededFeatures(Arithmetic::kWords).core.shaderInt64, VK_FALSE);
 }
 
 // An older device reports no features of Vulkan 1.2: that it lacks them all would say nothing.
@@ -99,11 +115,12 @@ TEST(DeviceNeeds, OfAProcessorAreWithoutWideWorkgroups) {
 }
 
 TEST(DeviceNeeds, FeaturesAreAskedForWhereTheTableHasThem) {
-  DeviceFeatures asked = NeededFeatures();
+  DeviceFeatures asked = NeededFeatures(Arithmetic::kInt64), without = NeededFeatures(Arithmetic::kFloats);
   int count = 0;
   for (const DeviceNeed& need : DeviceNeeds()) {
     if (!need.feature) continue;
     EXPECT_EQ(*need.feature(asked), VK_TRUE) << need.name;
+    EXPECT_EQ(*need.feature(without), need.IsOptional() ? VK_FALSE : VK_TRUE) << need.name;
     ++count;
   }
   EXPECT_EQ(count, 4);

@@ -41,7 +41,7 @@ FrameInput OnTheFloor(double depth_m, const Vector3& aside_m, const Vector3& tur
 
 // A head of 120 balls, some of which do not cut, pressed in by a hand and turned continuously.
 TEST(ContactSphere, ReamsLikeTheReference) {
-  Twins twins(FloorOfTheCup(), Shell(120), ContactSphere(RemovalLaw::kRate));
+  Twins twins(FloorOfTheCup(), Shell(120), {}, ContactSphere(RemovalLaw::kRate));
   for (int i = 0; i < 600; ++i)
     twins.Step(OnTheFloor(-0.1e-3 + 3e-6 * i, {0.2e-3 * std::sin(0.03 * i), 0.2e-3 * std::sin(0.02 * i), 0},
                           {0.1 * std::sin(0.011 * i), 0.08 * std::sin(0.017 * i), 0.029 * i}));
@@ -58,7 +58,7 @@ TEST(ContactSphere, DrillsLikeTheReferenceAtOnce) {
   for (int i = 0; i < 8; ++i)
     drill.balls.insert(drill.balls.begin(),
                        {.center_m = Vector3(0, 0, -3.2e-3 - 1e-3 * i), .radius_m = 1.4e-3, .cutting = false});
-  Twins twins(FloorOfTheCup(), drill, ContactSphere(RemovalLaw::kImmediate));
+  Twins twins(FloorOfTheCup(), drill, {}, ContactSphere(RemovalLaw::kImmediate));
   for (int i = 0; i < 300; ++i)
     twins.Step(OnTheFloor(-0.1e-3 + 1e-5 * i, {1e-6 * i, 0, 0}, {0, 0, 0.05 * i}));
   twins.ExpectWithinTheBars({.force_N = 0.1, .touching = 200, .balls = 20, .points = 5});
@@ -66,7 +66,7 @@ TEST(ContactSphere, DrillsLikeTheReferenceAtOnce) {
 
 // A turn that is computed in parts of a frame: each part has its own first contact, and cuts with that ball.
 TEST(ContactSphere, CutsLikeTheReferenceInThePartsOfAFrame) {
-  Twins twins(FloorOfTheCup(), Shell(40), ContactSphere(RemovalLaw::kImmediate));
+  Twins twins(FloorOfTheCup(), Shell(40), {}, ContactSphere(RemovalLaw::kImmediate));
   for (int i = 0; i < 40; ++i)
     twins.Step(OnTheFloor(-0.1e-3 + 2e-5 * i, {0, 0, 0},
                           {0.4 * std::sin(0.7 * i), 0.3 * std::sin(0.5 * i), 0.3 * i}));

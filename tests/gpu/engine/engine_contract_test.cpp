@@ -17,19 +17,24 @@ using simulation::FrameInput;
 
 constexpr int kFrames = 500;
 
-TEST(VulkanEngine, ReamsLikeTheReferenceForTwoThousandFrames) {
-  Twins twins(DefaultBone(), DefaultReamer());
+const VulkanParams kInFloats{.overrides = {.arithmetic = Arithmetic::kFloats}};
+
+void ReamForTwoThousandFrames(const VulkanParams& vulkan) {
+  Twins twins(DefaultBone(), DefaultReamer(), vulkan);
   Hand hand;
   Vector3 f_W = Vector3::Zero();
   for (int i = 0; i < 2000; ++i) f_W = twins.Step(hand.Next(f_W)).F_T_W.f;
   twins.ExpectWithinTheBars({.force_N = 100.0, .touching = 1980, .balls = 500, .points = 500});
 }
 
+TEST(VulkanEngine, ReamsLikeTheReferenceForTwoThousandFrames) { ReamForTwoThousandFrames({}); }
+TEST(VulkanEngineInFloats, ReamsLikeTheReferenceForTwoThousandFrames) { ReamForTwoThousandFrames(kInFloats); }
+
 // A burr in bone of balls not much smaller than itself: the balls that hold it change all the time.
-TEST(VulkanEngine, BurrsLikeTheReferenceForTwoThousandFrames) {
+void BurrForTwoThousandFrames(const VulkanParams& vulkan) {
   simulation::Tool tool;
   tool.balls.push_back({.center_m = Vector3(0, 0, 4e-3), .radius_m = 4e-3, .cutting = true});
-  Twins twins(DefaultBone(), tool);
+  Twins twins(DefaultBone(), tool, vulkan);
   for (int i = 0; i < 2000; ++i) {
     // down into the rim, then along a figure of eight
     const double phase = 4.0 * M_PI * i / 2000.0, down = std::min(1.0, 3.0 * i / 2000.0);
@@ -40,6 +45,9 @@ TEST(VulkanEngine, BurrsLikeTheReferenceForTwoThousandFrames) {
   }
   twins.ExpectWithinTheBars({.force_N = 5.0, .touching = 1500, .balls = 50, .points = 5});
 }
+
+TEST(VulkanEngine, BurrsLikeTheReferenceForTwoThousandFrames) { BurrForTwoThousandFrames({}); }
+TEST(VulkanEngineInFloats, BurrsLikeTheReferenceForTwoThousandFrames) { BurrForTwoThousandFrames(kInFloats); }
 
 TEST(VulkanEngine, GivesAHandTheForceThatTheReferenceGives) {
   const simulation::Bone bone = DefaultBone();

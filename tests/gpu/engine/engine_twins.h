@@ -99,10 +99,11 @@ inline void ExpectWithinTheBars(const Apart& frames, const BonesApart& bones,
 /// The reference and the Vulkan engine, stepped with the same inputs.
 class Twins {
  public:
-  Twins(simulation::Bone bone, const simulation::Tool& tool, const simulation::CuttingParams& params = {})
+  Twins(simulation::Bone bone, const simulation::Tool& tool, const VulkanParams& vulkan = {},
+        const simulation::CuttingParams& params = {})
       : bone_(std::move(bone)),
         reference_(bone_, tool, Pose::Identity(), params),
-        vulkan_(Open(bone_, tool, {}, params)) {}
+        vulkan_(Open(bone_, tool, vulkan, params)) {}
 
   /// @returns the reference's model.
   const simulation::ContactModel& Step(const simulation::FrameInput& input) {

@@ -8,8 +8,8 @@
 #include "tests/gpu/engine/strip_bench.h"
 
 // Variants for other devices, run on the present device: the passes for a GPU (whose last workgroup solves
-// and reports), every subgroup size, few workgroups, keys for more balls. All give the same bits, or the
-// reference's results.
+// and reports), every subgroup size, few workgroups, keys for more balls, no 64-bit integers. All give the
+// same bits, or the reference's results.
 
 namespace osteon::gpu {
 namespace {
@@ -125,6 +125,82 @@ TEST(BoneBallBits, OfTheLargestBoneHoldTheToolLikeTheReference) {
     ASSERT_TRUE(HoldAlike(a, b)) << i;
     ASSERT_EQ(a.contact_count > 0, b.contact_count > 0) << i;
   }
+}
+
+// ---- without 64-bit integers, and without doubles
+
+VulkanParams WithWords(VulkanOverrides overrides) {
+  overrides.arithmetic = Arithmetic::kWords;
+  return With(overrides);
+}
+VulkanParams WithFloats(VulkanOverrides overrides) {
+  overrides.arithmetic = Arithmetic::kFloats;
+  return With(overrides);
+}
+
+// Keys and sums of two words: equal scores are decided by the lower one, since many balls of a strip are
+// alike.
+TEST(Words, GiveTheSameBitsAs64BitIntegers) {
+  CuttingParams contact_sphere, split;
+  contact_sphere.cutters = simulation::Cutters::kContactSphere;
+  contact_sphere.law = simulation::RemovalLaw::kImmediate;
+  split.split.on = true;
+  split.split.pool_blocks = 64;
+  for (const VulkanOverrides& variant : {kForGpu, kForProcessor})
+    for (const int balls : {1, 60})
+      for (const CuttingParams& params : {CuttingParams{}, contact_sphere, split}) {
+        const simulation::Tool tool = balls == 1 ? Ball(6e-3) : Shell(balls);
+        const auto words = Open(LongStrip(), tool, WithWords(variant), params),
+                   whole = Open(LongStrip(), tool, With(variant), params);
+        ExpectSameBits(*words, *whole, 100, [](int i, const ContactModel&) { return StrokeInput(i); });
+      }
+}
+
+// A seated reamer with thousands of pairs: many workgroups add to the same sums, and lower words carry.
+TEST(Words, GiveTheSameBitsForASeatedReamer) {
+  const simulation::Bone bone = DefaultBone();
+  const auto words = Open(bone, DefaultReamer(), WithWords(kForGpu)),
+             whole = Open(bone, DefaultReamer(), With(kForGpu));
+  Hand hand;
+  const ContactModel last = ExpectSameBits(
+      *words, *whole, 150, [&](int, const ContactModel& model) { return hand.Next(model.F_T_W.f); });
+  EXPECT_GT(Vector3(last.F_T_W.f).norm(), 50.0);
+}
+
+TEST(Words, SplitKeysOfTheLargestBoneAsWell) {
+  VulkanOverrides largest = kForGpu;
+  largest.bone_ball_bits = 28;
+  const auto words = Open(LongStrip(), Shell(60), WithWords(largest)),
+             whole = Open(LongStrip(), Shell(60), With(largest));
+  ExpectSameBits(*words, *whole, 100, [](int i, const ContactModel&) { return StrokeInput(i); });
+}
+
+// The device opens without the features, so the layers would name a shader that uses them.
+TEST(Arithmetic, HasNothingForTheValidationLayersToSay) {
+  for (VulkanParams params :
+       {WithWords(kForGpu), WithWords(kForProcessor), WithFloats(kForGpu), WithFloats(kForProcessor)}) {
+    params.validation = true;
+    auto opened = VulkanEngine::Create(LongStrip(), Shell(60), Pose::Identity(), {}, params);
+    if (!opened && opened.error().find("vulkan-validationlayers") != std::string::npos)
+      GTEST_SKIP() << opened.error();
+    ASSERT_TRUE(opened.has_value()) << opened.error();
+    EXPECT_EQ((*opened)->validation_messages(), 0) << "at opening";
+    for (int i = 0; i < 100; ++i) (*opened)->Step(StrokeInput(i));
+    EXPECT_EQ((*opened)->validation_messages(), 0) << "in 100 frames, or when the engine before went";
+  }
+}
+
+// Sums of whole numbers and keys do not depend on the order of execution here either.
+TEST(Floats, GiveTheSameBitsOnAGpuAndOnAProcessor) {
+  CuttingParams contact_sphere;
+  contact_sphere.cutters = simulation::Cutters::kContactSphere;
+  for (const int balls : {1, 60})
+    for (const CuttingParams& params : {CuttingParams{}, contact_sphere}) {
+      const simulation::Tool tool = balls == 1 ? Ball(6e-3) : Shell(balls);
+      const auto gpu = Open(LongStrip(), tool, WithFloats(kForGpu), params),
+                 processor = Open(LongStrip(), tool, WithFloats(kForProcessor), params);
+      ExpectSameBits(*gpu, *processor, 100, [](int i, const ContactModel&) { return StrokeInput(i); });
+    }
 }
 
 // ---- subgroup sizes

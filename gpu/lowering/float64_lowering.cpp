@@ -1,0 +1,485 @@
+#include "gpu/lowering/float64_lowering.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <initializer_list>
+#include <map>
+#include <set>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::gpu {
+namespace {
+
+using Word = std::uint32_t;
+using Words = std::vector<Word>;
+
+// Numbers of the SPIR-V specification: instructions, capabilities, decorations, GLSL.std.450.
+enum Op : Word {
+  kName = 5,
+  kExtInst = 12,
+  kCapability = 17,
+  kTypeVoid = 19,
+  kTypeInt = 21,
+  kTypeFloat = 22,
+  kTypeVector = 23,
+  kTypeArray = 28,
+  kTypeRuntimeArray = 29,
+  kTypeStruct = 30,
+  kTypePointer = 32,
+  kTypeFunction = 33,
+  kConstantTrue = 41,
+  kConstant = 43,
+  kConstantComposite = 44,
+  kFunction = 54,
+  kFunctionEnd = 56,
+  kFunctionCall = 57,
+  kVariable = 59,
+  kDecorate = 71,
+  kVectorShuffle = 79,
+  kCompositeConstruct = 80,
+  kCompositeExtract = 81,
+  kCopyObject = 83,
+  kConvertFToU = 109,
+  kConvertFToS = 110,
+  kConvertSToF = 111,
+  kConvertUToF = 112,
+  kFConvert = 115,
+  kBitcast = 124,
+  kFNegate = 127,
+  kFAdd = 129,
+  kFSub = 131,
+  kFMul = 133,
+  kFDiv = 136,
+  kVectorTimesScalar = 142,
+  kDot = 148,
+  kLogicalNot = 168,
+  kSelect = 169,
+  kFOrdEqual = 180,
+  kFOrdNotEqual = 182,
+  kFUnordNotEqual = 183,
+  kFOrdLessThan = 184,
+  kFOrdGreaterThan = 186,
+  kFOrdLessThanEqual = 188,
+  kFOrdGreaterThanEqual = 190,
+  kBroadcast = 337,
+  kGroupFMin = 355,
+  kGroupFMax = 358,
+};
+constexpr Word kCapabilityFloat64 = 10, kArrayStride = 6, kNoContraction = 42;
+enum Glsl : Word {
+  kFAbs = 4,
+  kFloor = 8,
+  kSqrt = 31,
+  kFMin = 37,
+  kFMax = 40,
+  kFClamp = 43,
+  kPackDouble = 59,
+  kUnpackDouble = 65,
+  kLength = 66,
+  kCross = 68,
+  kNormalize = 69,
+};
+constexpr double kMinConstant = 1e-30;
+
+struct Instruction {
+  Word op;
+  Words words;  // without the first one, which has the instruction's number and length
+};
+
+class Lowering {
+ public:
+  explicit Lowering(const Words& module) : header_(module.begin(), module.begin() + 5) {
+    for (std::size_t i = 5; i < module.size(); i += module[i] >> 16)
+      in_.push_back({module[i] & 0xffff,
+                     {module.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                      module.begin() + static_cast<std::ptrdiff_t>(i + (module[i] >> 16))}});
+  }
+
+  Words Run() {
+    FindNames();
+    FindTypes();
+    std::size_t i = 0;
+    for (; in_[i].op != kFunction; ++i) LowerGlobal(in_[i]);
+    for (; i < in_.size(); ++i) LowerInFunction(in_[i]);
+    return Assemble();
+  }
+
+ private:
+  static std::string Text(std::span<const Word> words) {
+    std::string text;
+    for (const Word word : words)
+      for (int byte = 0; byte < 4; ++byte) {
+        const char c = static_cast<char>(word >> 8 * byte & 0xff);
+        if (c == 0) return text;
+        text += c;
+      }
+    return text;
+  }
+
+  // True for an instruction whose first two words are a type and its result's id, among those that glslang
+  // makes for compute shaders.
+  static bool HasTypedResult(Word op) {
+    static const std::set<Word> without{56, 62,  63,  64,  71,  72,  73,  74,
+                                        75, 224, 225, 228, 317, 330, 331, 332};
+    const bool is_flow = op >= 246 && op <= 257;  // merges, labels, branches, returns
+    return op == kExtInst || (op >= kConstantTrue && !is_flow && !without.contains(op));
+  }
+
+  // The functions of double_single.glsl, whose names end with their parameters: "DsAdd(vf2;vf2;".
+  void FindNames() {
+    for (const Instruction& at : in_)
+      if (at.op == kName) {
+        const std::string name = Text(std::span(at.words).subspan(1));
+        if (name.starts_with("Ds") && name.find('(') != name.npos)
+          functions_[name.substr(0, name.find('('))] = at.words[0];
+      }
+  }
+
+  void FindTypes() {
+    for (const Instruction& at : in_) {
+      if (at.op == kTypeFloat && at.words[1] == 64) double_ = at.words[0];
+      if (at.op == kTypeFloat && at.words[1] == 32) float_ = at.words[0];
+      if (at.op == kTypeInt && at.words[1] == 32 && at.words[2] == 0) uint_ = at.words[0];
+      if (at.op == kTypeVector) vectors_[at.words[0]] = {at.words[1], at.words[2]};
+      if (at.op == kTypeVector && at.words[1] == float_ && at.words[2] == 2) pair_ = at.words[0];
+      if (at.op == kFunction) function_result_[at.words[1]] = at.words[0];
+      if (HasTypedResult(at.op)) type_of_[at.words[1]] = at.words[0];
+    }
+    if (double_ == 0 || pair_ == 0) throw std::runtime_error("no doubles, or no double_single.glsl");
+  }
+
+  // Components of a type of doubles; 0 for another type.
+  [[nodiscard]] Word Size(Word type) const {
+    if (type == double_) return 1;
+    const auto found = vectors_.find(type);
+    return found != vectors_.end() && found->second.first == double_ ? found->second.second : 0;
+  }
+  [[nodiscard]] Word SizeOf(Word value) const {
+    const auto found = type_of_.find(value);
+    return found == type_of_.end() ? 0 : Size(found->second);
+  }
+  // Components of any vector or scalar.
+  [[nodiscard]] Word AnySize(Word type) const {
+    const auto found = vectors_.find(type);
+    return found == vectors_.end() ? 1 : found->second.second;
+  }
+  [[nodiscard]] Word Mapped(Word type) const { return type == double_ ? pair_ : type; }
+  Word NewId() { return header_[3]++; }
+
+  void Emit(Op op, Words words) { out_.push_back({op, std::move(words)}); }
+  Word EmitNew(Op op, Word type, std::initializer_list<Word> rest) {
+    const Word id = NewId();
+    Words words{Mapped(type), id};
+    words.insert(words.end(), rest);
+    Emit(op, std::move(words));
+    type_of_[id] = type;
+    return id;
+  }
+  void CallInto(Word id, const char* name, const Words& arguments) {
+    const auto found = functions_.find(name);
+    if (found == functions_.end()) throw std::runtime_error(std::string("no function ") + name);
+    Words words{function_result_[found->second], id, found->second};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    Emit(kFunctionCall, std::move(words));
+  }
+  Word Call(const char* name, const Words& arguments) {
+    const Word id = NewId();
+    CallInto(id, name, arguments);
+    return id;
+  }
+  Word Component(Word value, Word i) {
+    const Word type = type_of_.at(value);
+    if (type == double_ || AnySize(type) == 1) return value;
+    return EmitNew(kCompositeExtract, vectors_.at(type).first, {value, i});
+  }
+  void Build(const Instruction& at, const Words& components) {
+    Words words{Mapped(at.words[0]), at.words[1]};
+    if (components.size() == 1) throw std::logic_error("a scalar is not built");
+    words.insert(words.end(), components.begin(), components.end());
+    Emit(kCompositeConstruct, std::move(words));
+  }
+  // Lowers an operation component by component: `of(i, id)` emits the one with this result.
+  template <class OfComponent>
+  void Each(const Instruction& at, OfComponent&& of) {
+    const Word size = AnySize(at.words[0]);
+    if (size == 1) return of(0, at.words[1]);
+    Words components;
+    for (Word i = 0; i < size; ++i) {
+      components.push_back(NewId());
+      of(i, components.back());
+    }
+    Build(at, components);
+  }
+  void Componentwise(const Instruction& at, const char* name, const Words& operands) {
+    Each(at, [&](Word i, Word id) {
+      Words own;
+      for (const Word operand : operands) own.push_back(Component(operand, i));
+      CallInto(id, name, own);
+    });
+  }
+  Word Dot(Word a, Word b) {
+    Word sum = 0;
+    for (Word i = 0; i < SizeOf(a); ++i) {
+      const Word product = Call("DsMul", {Component(a, i), Component(b, i)});
+      sum = i == 0 ? product : Call("DsAdd", {sum, product});
+    }
+    return sum;
+  }
+
+  // ---- before the functions
+
+  Word FloatConstant(float value) {
+    const Word id = NewId();
+    Emit(kConstant, {float_, id, std::bit_cast<Word>(value)});
+    return id;
+  }
+
+  // The types that double-singles are made of come first.
+  void EmitTypes() {
+    for (const Instruction& at : in_)
+      if ((at.op == kTypeFloat || at.op == kTypeInt || at.op == kTypeVector) &&
+          (at.words[0] == float_ || at.words[0] == uint_ || at.words[0] == pair_))
+        out_.push_back(at);
+    for (Word size = 2; size <= 4; ++size) {
+      sizes_[size] = NewId();
+      Emit(kConstant, {uint_, sizes_[size], size});
+    }
+    zero_ = FloatConstant(0.0f);
+    types_begun_ = true;
+  }
+
+  void LowerGlobal(const Instruction& at) {
+    const Words& w = at.words;
+    if (at.op == kCapability && w[0] == kCapabilityFloat64) return;
+    if (at.op == kDecorate && w[1] == kNoContraction && SizeOf(w[0]) > 0) return;
+    if (!types_begun_ && at.op >= kTypeVoid && at.op <= kTypeFunction) {
+      end_of_decorations_ = out_.size();
+      EmitTypes();
+    }
+    if (at.op <= kTypeFunction && at.op >= kTypeVoid &&
+        (w[0] == float_ || w[0] == uint_ || w[0] == pair_ || w[0] == double_))
+      return;
+    Instruction lowered = at;
+    if (at.op == kTypeVector && w[1] == double_) {
+      lowered = {kTypeArray, {w[0], pair_, sizes_[w[2]]}};
+      decorations_.push_back({kDecorate, {w[0], kArrayStride, 8}});
+    } else if (at.op == kConstant && w[0] == double_) {
+      double value = std::bit_cast<double>(static_cast<std::uint64_t>(w[3]) << 32 | w[2]);
+      if (value != 0.0 && std::abs(value) < kMinConstant) value = std::copysign(kMinConstant, value);
+      const float nearest = static_cast<float>(value);
+      const Word x = FloatConstant(nearest),
+                 y = FloatConstant(static_cast<float>(value - static_cast<double>(nearest)));
+      lowered = {kConstantComposite, {pair_, w[1], x, y}};
+    } else if (at.op == kTypeArray || at.op == kTypeRuntimeArray || at.op == kTypeStruct ||
+               at.op == kTypePointer || at.op == kTypeFunction) {
+      const std::size_t first = at.op == kTypePointer ? 2 : 1;  // a storage class stands before the type
+      for (std::size_t i = first; i < (at.op == kTypeArray ? 2 : w.size()); ++i)
+        lowered.words[i] = Mapped(w[i]);
+      if (at.op == kTypeFunction) {
+        const Words signature(lowered.words.begin() + 1, lowered.words.end());
+        const auto [known, is_new] = signatures_.try_emplace(signature, w[0]);
+        same_signature_[w[0]] = known->second;
+        if (!is_new) return;
+      }
+    } else if (at.op >= kConstantTrue && at.op <= kVariable) {
+      lowered.words[0] = Mapped(w[0]);
+    }
+    out_.push_back(std::move(lowered));
+  }
+
+  // ---- in functions
+
+  void LowerInFunction(const Instruction& at) {
+    const Words& w = at.words;
+    if (at.op == kFunction) {
+      in_pair_function_ =
+          std::ranges::any_of(functions_, [&](const auto& named) { return named.second == w[1]; });
+      Emit(kFunction, {Mapped(w[0]), w[1], w[2], same_signature_.at(w[3])});
+      return;
+    }
+    if (in_pair_function_) {
+      if (at.op == kFAdd || at.op == kFSub || at.op == kFMul || at.op == kFDiv)
+        decorations_.push_back({kDecorate, {w[1], kNoContraction}});
+      out_.push_back(at);
+      return;
+    }
+    const bool makes = HasTypedResult(at.op);
+    const Word made = makes ? Size(w[0]) : 0;
+    const Word given = makes && w.size() > 2 ? SizeOf(at.op == kExtInst ? w.at(4) : w[2]) : 0;
+    if (made > 0 || given > 0) {
+      if (LowerArithmetic(at, made)) return;
+    }
+    Instruction lowered = at;
+    if (makes) lowered.words[0] = Mapped(w[0]);
+    out_.push_back(std::move(lowered));
+  }
+
+  // False for an instruction that moves values without looking at them.
+  bool LowerArithmetic(const Instruction& at, Word made) {
+    const Words& w = at.words;
+    switch (at.op) {
+      case kFAdd:
+        return Componentwise(at, "DsAdd", {w[2], w[3]}), true;
+      case kFSub:
+        return Componentwise(at, "DsSub", {w[2], w[3]}), true;
+      case kFMul:
+        return Componentwise(at, "DsMul", {w[2], w[3]}), true;
+      case kFDiv:
+        return Componentwise(at, "DsDiv", {w[2], w[3]}), true;
+      case kVectorTimesScalar:
+        return Componentwise(at, "DsMul", {w[2], w[3]}), true;
+      case kDot:
+        return Emit(kCopyObject, {pair_, w[1], Dot(w[2], w[3])}), true;
+      case kFNegate:
+        return Each(at, [&](Word i, Word id) { Emit(kFNegate, {pair_, id, Component(w[2], i)}); }), true;
+      case kFOrdEqual:
+        return Componentwise(at, "DsEqual", {w[2], w[3]}), true;
+      case kFOrdNotEqual:
+      case kFUnordNotEqual:
+        return Each(at,
+                    [&](Word i, Word id) {
+                      const Word equal = Call("DsEqual", {Component(w[2], i), Component(w[3], i)});
+                      Emit(kLogicalNot, {function_result_[functions_.at("DsEqual")], id, equal});
+                    }),
+               true;
+      case kFOrdLessThan:
+        return Componentwise(at, "DsLess", {w[2], w[3]}), true;
+      case kFOrdGreaterThan:
+        return Componentwise(at, "DsLess", {w[3], w[2]}), true;
+      case kFOrdLessThanEqual:
+        return Componentwise(at, "DsLessEqual", {w[2], w[3]}), true;
+      case kFOrdGreaterThanEqual:
+        return Componentwise(at, "DsLessEqual", {w[3], w[2]}), true;
+      case kFConvert:
+        return Each(at,
+                    [&](Word i, Word id) {
+                      if (made > 0)
+                        Emit(kCompositeConstruct, {pair_, id, Component(w[2], i), zero_});
+                      else
+                        Emit(kCompositeExtract, {float_, id, Component(w[2], i), 0});
+                    }),
+               true;
+      case kConvertSToF:
+        return Componentwise(at, "DsFromInt", {w[2]}), true;
+      case kConvertUToF:
+        return Componentwise(at, "DsFromUint", {w[2]}), true;
+      case kConvertFToS:
+        return Componentwise(at, "DsToInt", {w[2]}), true;
+      case kConvertFToU:
+        return Componentwise(at, "DsToUint", {w[2]}), true;
+      case kSelect:
+        if (AnySize(type_of_.at(w[2])) == 1) return false;
+        return Each(at,
+                    [&](Word i, Word id) {
+                      Emit(kSelect, {pair_, id, Component(w[2], i), Component(w[3], i), Component(w[4], i)});
+                    }),
+               true;
+      case kVectorShuffle: {
+        Words components;
+        const Word first = SizeOf(w[2]);
+        for (std::size_t i = 4; i < w.size(); ++i)
+          components.push_back(w[i] < first ? Component(w[2], w[i]) : Component(w[3], w[i] - first));
+        return Build(at, components), true;
+      }
+      case kCompositeConstruct: {
+        if (made == 0) return false;
+        Words components;
+        for (std::size_t k = 2; k < w.size(); ++k)
+          for (Word i = 0; i < SizeOf(w[k]); ++i) components.push_back(Component(w[k], i));
+        return Build(at, components), true;
+      }
+      case kBroadcast:
+        if (made == 1) return false;
+        return Each(at,
+                    [&](Word i, Word id) {
+                      Emit(kBroadcast, {pair_, id, w[2], Component(w[3], i), w[4]});
+                    }),
+               true;
+      case kGroupFMin:
+        return CallInto(w[1], "DsSubgroupMin", {w[4]}), true;
+      case kGroupFMax:
+        return CallInto(w[1], "DsSubgroupMax", {w[4]}), true;
+      case kExtInst:
+        return LowerGlsl(at), true;
+      default:
+        if (at.op >= kConvertFToU && at.op <= kFOrdGreaterThanEqual + 1)
+          throw std::runtime_error("an unknown operation on doubles: " + std::to_string(at.op));
+        return false;
+    }
+  }
+
+  void LowerGlsl(const Instruction& at) {
+    const Words& w = at.words;
+    switch (w[3]) {
+      case kFAbs:
+        return Componentwise(at, "DsAbs", {w[4]});
+      case kFloor:
+        return Componentwise(at, "DsFloor", {w[4]});
+      case kSqrt:
+        return Componentwise(at, "DsSqrt", {w[4]});
+      case kFMin:
+        return Componentwise(at, "DsMin", {w[4], w[5]});
+      case kFMax:
+        return Componentwise(at, "DsMax", {w[4], w[5]});
+      case kFClamp:
+        return Each(at, [&](Word i, Word id) {
+          const Word low = Call("DsMax", {Component(w[4], i), Component(w[5], i)});
+          CallInto(id, "DsMin", {low, Component(w[6], i)});
+        });
+      case kPackDouble:
+      case kUnpackDouble:
+        return Emit(kBitcast, {Mapped(w[0]), w[1], w[4]});
+      case kLength:
+        return CallInto(w[1], "DsSqrt", {Dot(w[4], w[4])});
+      case kNormalize: {
+        const Word length = Call("DsSqrt", {Dot(w[4], w[4])});
+        return Each(at, [&](Word i, Word id) { CallInto(id, "DsDiv", {Component(w[4], i), length}); });
+      }
+      case kCross:
+        return Each(at, [&](Word i, Word id) {
+          const Word j = (i + 1) % 3, k = (i + 2) % 3;
+          const Word one = Call("DsMul", {Component(w[4], j), Component(w[5], k)});
+          const Word other = Call("DsMul", {Component(w[4], k), Component(w[5], j)});
+          CallInto(id, "DsSub", {one, other});
+        });
+      default:
+        throw std::runtime_error("an unknown GLSL function of doubles: " + std::to_string(w[3]));
+    }
+  }
+
+  Words Assemble() {
+    out_.insert(out_.begin() + static_cast<std::ptrdiff_t>(end_of_decorations_), decorations_.begin(),
+                decorations_.end());
+    Words module = header_;
+    for (const Instruction& at : out_) {
+      module.push_back(static_cast<Word>(at.words.size() + 1) << 16 | at.op);
+      module.insert(module.end(), at.words.begin(), at.words.end());
+    }
+    return module;
+  }
+
+  Words header_;  // its fourth word: one more than the largest id
+  std::vector<Instruction> in_, out_;
+  std::vector<Instruction> decorations_;  // new decorations
+  std::size_t end_of_decorations_{0};
+  std::map<std::string, Word> functions_;          // of double_single.glsl
+  std::map<Word, Word> function_result_;           // type of a function's result
+  std::map<Word, std::pair<Word, Word>> vectors_;  // component type and number
+  std::map<Word, Word> type_of_;                   // of a value, in the module as it was
+  std::map<Words, Word> signatures_;
+  std::map<Word, Word> same_signature_;  // the function type that stands for this one
+  std::map<Word, Word> sizes_;           // constants 2, 3, 4
+  Word double_{0}, float_{0}, uint_{0}, pair_{0}, zero_{0};
+  bool types_begun_{false}, in_pair_function_{false};
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> LowerFloat64(const std::vector<std::uint32_t>& module) {
+  return Lowering(module).Run();
+}
+
+}  // namespace osteon::gpu

@@ -1,0 +1,90 @@
+// Doubles for a device without shaderFloat64: a double-single is the sum of two floats (x: the nearest float; y: the remainder),
+// about 48 bits instead of 53, with a float's range. lower_float64 (gpu/lowering) replaces each operation on doubles by a call of
+// one of these functions, by name, and forbids the driver to contract or reorder their operations.
+// Source: Dekker, A Floating-Point Technique for Extending the Available Precision, Numer. Math. 18, 1971; the sums after Joldes,
+// Muller, Popescu, Tight and Rigorous Error Bounds for Basic Building Blocks of Double-Word Arithmetic, ACM TOMS 44, 2017.
+
+// The sum of two floats, exactly; of two of which the first is not smaller.
+vec2 DsTwoSum(const in float a, const in float b) {
+  float sum = a + b, of_b = sum - a;
+  return vec2(sum, (a - (sum - of_b)) + (b - of_b));
+}
+vec2 DsFastTwoSum(const in float a, const in float b) {
+  float sum = a + b;
+  return vec2(sum, b - (sum - a));
+}
+// A float's upper 12 bits and its lower ones.
+vec2 DsSplit(const in float a) {
+  float shifted = 4097.0 * a, upper = shifted - (shifted - a);
+  return vec2(upper, a - upper);
+}
+// The product of two floats, exactly. (fma() need not be fused in Vulkan.)
+vec2 DsTwoProduct(const in float a, const in float b) {
+  float product = a * b;
+  vec2 p = DsSplit(a), q = DsSplit(b);
+  return vec2(product, ((p.x * q.x - product) + p.x * q.y + p.y * q.x) + p.y * q.y);
+}
+
+vec2 DsAdd(const in vec2 a, const in vec2 b) {
+  vec2 s = DsTwoSum(a.x, b.x), t = DsTwoSum(a.y, b.y);
+  vec2 v = DsFastTwoSum(s.x, s.y + t.x);
+  return DsFastTwoSum(v.x, t.y + v.y);
+}
+vec2 DsSub(const in vec2 a, const in vec2 b) { return DsAdd(a, -b); }
+vec2 DsMul(const in vec2 a, const in vec2 b) {
+  vec2 p = DsTwoProduct(a.x, b.x);
+  return DsFastTwoSum(p.x, p.y + (a.x * b.y + a.y * b.x));
+}
+// The quotient of the floats, then that of what it leaves, which makes good the 2.5 units that Vulkan allows a division.
+vec2 DsDiv(const in vec2 a, const in vec2 b) {
+  float q = a.x / b.x;
+  vec2 rest = DsSub(a, DsMul(vec2(q, 0.0), b));
+  float r = rest.x / b.x;
+  rest = DsSub(rest, DsMul(vec2(r, 0.0), b));
+  vec2 quotient = DsFastTwoSum(q, r);
+  return DsAdd(quotient, vec2(rest.x / b.x, 0.0));
+}
+// The root of the float, and one step of Newton's method.
+vec2 DsSqrt(const in vec2 a) {
+  if (a.x <= 0.0) return vec2(0.0);
+  float root = sqrt(a.x);
+  vec2 rest = DsSub(a, DsTwoProduct(root, root));
+  vec2 about = DsFastTwoSum(root, rest.x / (2.0 * root));
+  rest = DsSub(a, DsMul(about, about));
+  return DsAdd(about, vec2(rest.x / (2.0 * root), 0.0));
+}
+
+bool DsLess(const in vec2 a, const in vec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
+bool DsLessEqual(const in vec2 a, const in vec2 b) { return a.x < b.x || (a.x == b.x && a.y <= b.y); }
+bool DsEqual(const in vec2 a, const in vec2 b) { return a.x == b.x && a.y == b.y; }
+vec2 DsMin(const in vec2 a, const in vec2 b) { return DsLess(b, a) ? b : a; }
+vec2 DsMax(const in vec2 a, const in vec2 b) { return DsLess(a, b) ? b : a; }
+vec2 DsAbs(const in vec2 a) { return a.x < 0.0 || (a.x == 0.0 && a.y < 0.0) ? -a : a; }
+
+// The largest integer that is not larger, and the nearest one.
+vec2 DsFloor(const in vec2 a) {
+  float whole = floor(a.x);
+  return whole == a.x ? DsFastTwoSum(whole, floor(a.y)) : vec2(whole, 0.0);
+}
+vec2 DsRoundEven(const in vec2 a) { return DsFloor(DsAdd(a, vec2(0.5, 0.0))); }
+
+// Integers in two halves, since a float holds 24 bits. Conversions back drop the fraction.
+vec2 DsFromInt(const in int i) { return DsFastTwoSum(float(i >> 16) * 65536.0, float(i & 0xffff)); }
+vec2 DsFromUint(const in uint i) { return DsFastTwoSum(float(i >> 16u) * 65536.0, float(i & 0xffffu)); }
+int DsToInt(const in vec2 a) {
+  vec2 whole = DsFloor(DsAbs(a));
+  float upper = floor(whole.x * (1.0 / 65536.0));
+  int size = (int(upper) << 16) + int(whole.x - upper * 65536.0) + int(whole.y);
+  return a.x < 0.0 ? -size : size;
+}
+uint DsToUint(const in vec2 a) { return uint(DsToInt(a)); }
+
+// Over a subgroup: the float decides, then the remainder among those that have it.
+vec2 DsSubgroupMin(const in vec2 a) {
+  float first = subgroupMin(a.x);
+  return vec2(first, subgroupMin(a.x == first ? a.y : 1e30));
+}
+vec2 DsSubgroupMax(const in vec2 a) {
+  float first = subgroupMax(a.x);
+  return vec2(first, subgroupMax(a.x == first ? a.y : -1e30));
+}
