@@ -22,6 +22,7 @@ install(CODE "
   set(share \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}\")
   file(MAKE_DIRECTORY \"\${share}/man/man1\" \"\${share}/bash-completion/completions\")
   execute_process(COMMAND \${command} manual --man \"\${share}/man/man1/osteon.1\" COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+  execute_process(COMMAND gzip -9nf \"\${share}/man/man1/osteon.1\" COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND \${command} completion bash OUTPUT_FILE \"\${share}/bash-completion/completions/osteon\"
     COMMAND_ERROR_IS_FATAL ANY)
 " COMPONENT osteon)
@@ -43,11 +44,21 @@ file(RELATIVE_PATH prefix_from_pkgconfig /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconf
 configure_file(${packaging}/osteon.pc.in ${PROJECT_BINARY_DIR}/osteon.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/osteon.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 install(FILES plugin/python/osteon.py DESTINATION lib/python3/dist-packages COMPONENT development)
-install(DIRECTORY plugin/examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT development)
+install(DIRECTORY plugin/examples/ DESTINATION share/doc/libosteon-dev/examples COMPONENT development)
+
+# --- what Debian wants of every package
+find_program(gzip gzip REQUIRED)
+execute_process(COMMAND ${gzip} -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.gz)
+foreach(package osteon:osteon library:libosteon0 development:libosteon-dev)
+  string(REPLACE ":" ";" package ${package})
+  list(GET package 0 component)
+  list(GET package 1 name)
+  install(FILES ${packaging}/copyright ${PROJECT_BINARY_DIR}/changelog.gz DESTINATION share/doc/${name} COMPONENT ${component})
+endforeach()
 
 # --- Debian packages: cpack -G DEB --config BUILD/CPackConfig.cmake
 set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_CONTACT "The Osteon developers <osteon@localhost>")
+set(CPACK_PACKAGE_CONTACT "The Osteon developers <developers@osteon.dev>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
   WORLD_READ WORLD_EXECUTE)
@@ -56,6 +67,7 @@ set(CPACK_COMPONENTS_ALL osteon library development)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 set(CPACK_DEBIAN_OSTEON_PACKAGE_NAME osteon)
 set(CPACK_DEBIAN_OSTEON_PACKAGE_SECTION science)
@@ -72,7 +84,7 @@ set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "cutting engine for haptics (shared libr
  device's loop and the carved surface as a mesh.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libosteon-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libosteon0 (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libosteon0 (= ${PROJECT_VERSION}), python3:any")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "osteon, python3-numpy")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "cutting engine for haptics (header, Python module)
  The C header of libosteon, its CMake package and pkg-config file, the Python

@@ -17,7 +17,7 @@ using simulation::FrameInput;
 
 constexpr int kFrames = 500;
 
-const VulkanParams kInFloats{.overrides = {.arithmetic = Arithmetic::kFloats}};
+const VulkanParams kInFloats{.device = "", .overrides = {.arithmetic = Arithmetic::kFloats}};
 
 void ReamForTwoThousandFrames(const VulkanParams& vulkan) {
   Twins twins(DefaultBone(), DefaultReamer(), vulkan);

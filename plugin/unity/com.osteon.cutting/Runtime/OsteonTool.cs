@@ -1,0 +1,20 @@
+using UnityEngine;
+
+namespace Osteon
+{
+    /// <summary>A tool: its object's origin is the apex. Osteon's +z, the feed, is +y here.</summary>
+    public sealed class OsteonTool : MonoBehaviour
+    {
+        [Tooltip("A shipped tool: reamer, twist_drill, round_burr, …")] public string toolName = "reamer";
+        [Tooltip("Diameter [m]; 0: the tool's usual one")] public double diameter_m;
+        [Tooltip("Whether the spindle turns")] public bool spins = true;
+
+        /// <summary>Pose in a bone's frame: position x y z [m], rotation w x y z.</summary>
+        public double[] PoseIn(Transform bone)
+        {
+            var p = bone.InverseTransformPoint(transform.position);
+            var q = Quaternion.Inverse(bone.rotation) * transform.rotation;
+            return new double[] { p.x, p.y, p.z, q.w, q.x, q.y, q.z };
+        }
+    }
+}
