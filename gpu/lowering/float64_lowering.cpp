@@ -220,6 +220,30 @@ class Lowering {
       CallInto(id, name, own);
     });
   }
+  // The float that component i was converted from, or a constant float; 0 for a component that has a
+  // remainder.
+  Word FloatOf(Word value, Word i) {
+    const auto found = float_of_.find(value);
+    if (found == float_of_.end()) return 0;
+    return Component(found->second, i);
+  }
+  void Add(Word id, Word a, Word b, Word i) {
+    if (const Word of_b = FloatOf(b, i)) return CallInto(id, "DsAddFloat", {Component(a, i), of_b});
+    if (const Word of_a = FloatOf(a, i)) return CallInto(id, "DsAddFloat", {Component(b, i), of_a});
+    CallInto(id, "DsAdd", {Component(a, i), Component(b, i)});
+  }
+  void Subtract(Word id, Word a, Word b, Word i) {
+    if (const Word of_b = FloatOf(b, i))
+      return CallInto(id, "DsAddFloat", {Component(a, i), EmitNew(kFNegate, float_, {of_b})});
+    if (const Word of_a = FloatOf(a, i))
+      return CallInto(id, "DsAddFloat", {EmitNew(kFNegate, double_, {Component(b, i)}), of_a});
+    CallInto(id, "DsSub", {Component(a, i), Component(b, i)});
+  }
+  void Multiply(Word id, Word a, Word b, Word i) {
+    if (const Word of_b = FloatOf(b, i)) return CallInto(id, "DsMulFloat", {Component(a, i), of_b});
+    if (const Word of_a = FloatOf(a, i)) return CallInto(id, "DsMulFloat", {Component(b, i), of_a});
+    CallInto(id, "DsMul", {Component(a, i), Component(b, i)});
+  }
   Word Dot(Word a, Word b) {
     Word sum = 0;
     for (Word i = 0; i < SizeOf(a); ++i) {
@@ -234,6 +258,7 @@ class Lowering {
   Word FloatConstant(float value) {
     const Word id = NewId();
     Emit(kConstant, {float_, id, std::bit_cast<Word>(value)});
+    type_of_[id] = float_;
     return id;
   }
 
@@ -273,6 +298,7 @@ class Lowering {
       const Word x = FloatConstant(nearest),
                  y = FloatConstant(static_cast<float>(value - static_cast<double>(nearest)));
       lowered = {kConstantComposite, {pair_, w[1], x, y}};
+      if (value == static_cast<double>(nearest)) float_of_[w[1]] = x;
     } else if (at.op == kTypeArray || at.op == kTypeRuntimeArray || at.op == kTypeStruct ||
                at.op == kTypePointer || at.op == kTypeFunction) {
       const std::size_t first = at.op == kTypePointer ? 2 : 1;  // a storage class stands before the type
@@ -322,15 +348,15 @@ class Lowering {
     const Words& w = at.words;
     switch (at.op) {
       case kFAdd:
-        return Componentwise(at, "DsAdd", {w[2], w[3]}), true;
+        return Each(at, [&](Word i, Word id) { Add(id, w[2], w[3], i); }), true;
       case kFSub:
-        return Componentwise(at, "DsSub", {w[2], w[3]}), true;
+        return Each(at, [&](Word i, Word id) { Subtract(id, w[2], w[3], i); }), true;
       case kFMul:
-        return Componentwise(at, "DsMul", {w[2], w[3]}), true;
+        return Each(at, [&](Word i, Word id) { Multiply(id, w[2], w[3], i); }), true;
       case kFDiv:
         return Componentwise(at, "DsDiv", {w[2], w[3]}), true;
       case kVectorTimesScalar:
-        return Componentwise(at, "DsMul", {w[2], w[3]}), true;
+        return Each(at, [&](Word i, Word id) { Multiply(id, w[2], w[3], i); }), true;
       case kDot:
         return Emit(kCopyObject, {pair_, w[1], Dot(w[2], w[3])}), true;
       case kFNegate:
@@ -354,6 +380,7 @@ class Lowering {
       case kFOrdGreaterThanEqual:
         return Componentwise(at, "DsLessEqual", {w[3], w[2]}), true;
       case kFConvert:
+        if (made > 0) float_of_[w[1]] = w[2];
         return Each(at,
                     [&](Word i, Word id) {
                       if (made > 0)
@@ -469,6 +496,7 @@ class Lowering {
   std::map<Word, Word> function_result_;           // type of a function's result
   std::map<Word, std::pair<Word, Word>> vectors_;  // component type and number
   std::map<Word, Word> type_of_;                   // of a value, in the module as it was
+  std::map<Word, Word> float_of_;                  // of a value that a float was converted to
   std::map<Words, Word> signatures_;
   std::map<Word, Word> same_signature_;  // the function type that stands for this one
   std::map<Word, Word> sizes_;           // constants 2, 3, 4
