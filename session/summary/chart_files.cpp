@@ -81,8 +81,7 @@ tl::expected<void, std::string> WriteChart(const ChartFiles& chart, const std::f
   const auto picture = Rasterise(chart.svg);
   if (!picture) return tl::unexpected(path(".png").string() + ": " + picture.error());
 
-  std::string html = PageBegin(chart.title);
-  html += fmt::format("<h1>{}</h1>\n", Escape(chart.title)) + VerdictBadge(chart.verdict);
+  std::string html = PageBegin({.title = chart.title, .verdict = chart.verdict});
   html += Figure(chart.svg, chart.caption);
   for (const std::string& note : chart.notes) html += fmt::format("<p>{}</p>\n", Escape(note));
   html += Table(chart.table);
@@ -91,7 +90,7 @@ tl::expected<void, std::string> WriteChart(const ChartFiles& chart, const std::f
     if (!part.name.empty()) html += Figure(part.svg, part.caption);
     if (!part.table.empty()) html += Table(part.table);
   }
-  html += kPageEnd;
+  html += PageEnd();
 
   const std::pair<const char*, const std::string*> texts[] = {
       {".svg", &chart.svg}, {".csv", &chart.csv}, {".json", &chart.json}, {".html", &html}};
