@@ -70,6 +70,7 @@ footer { margin-top: 44px; color: #59636e; font-size: 13px; }
 @page { size: A4; margin: 14mm; }
 @media print { main { width: auto; padding: 0; } body { font-size: 10.5pt; } h2 { break-after: avoid; margin-top: 24px; }
   .turn, .bar, .hint, .whole-run { display: none !important; }
+  table { font-size: 9pt; } td, th { padding-right: 7px; overflow-wrap: anywhere; } td.n { white-space: normal; }
   .verdict { border: 1px solid currentColor; } pre { font-size: 8pt; } }
 )";
 

@@ -39,6 +39,9 @@ std::string MakeStopPage(const StopPageInput& input) {
   page +=
       fmt::format("<p>{}{}</p>\n", Escape(input.where),
                   input.ticks_file.empty() ? "" : " Every tick is in " + FileLink(input.ticks_file) + ".");
+  if (!input.view_command.empty())
+    page += "<p>This command shows the stop in a browser, with the bone:</p>\n<pre>" +
+            Escape(input.view_command) + "</pre>\n";
   page += fmt::format("<h2>{}</h2>\n", Escape(input.heading)) + FaultTable(input) + TripFigures(input);
   page += "<h2>Forces and motion</h2>\n";
   page += Figure(ForceChart(curves, input.force_limit_N, input.time), "Forces on the tool.");
