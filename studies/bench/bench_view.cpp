@@ -30,7 +30,7 @@ namespace osteon::app {
 namespace {
 
 using ViewClock = std::chrono::steady_clock;
-constexpr std::chrono::minutes kViewPatience{5};
+constexpr std::chrono::minutes kViewPatience{20};
 constexpr double kTickNear_s = 0.05;  // a window of the feed has 30 ms
 
 double SecondsSince(ViewClock::time_point begun) {
