@@ -47,7 +47,7 @@ int Run(int argc, char** argv) {
   if (calibrate.asked()) return calibrate.Run(config_root, command_line);
   if (capability.asked()) return capability.Run(config_root, command_line);
   if (transparency.asked()) return transparency.Run(config_root, command_line);
-  if (plan.asked()) return plan.Run(config_root);
+  if (plan.asked()) return plan.Run(config_root, command_line);
   if (tune.asked()) return tune.Run(config_root, command_line);
   if (regress.asked()) return regress.Run(config_root, command_line);
   if (manual.asked()) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/output_file.h"
+#include "report/page_scripts.h"
 #include "report/svg_text.h"
 
 namespace osteon::app {
@@ -33,6 +34,20 @@ p { margin: 8px 0; max-width: 76ch; }
 figure { margin: 14px 0 0; break-inside: avoid; }
 figure svg, figure img { display: block; max-width: 100%; height: auto; }
 figcaption { color: #59636e; font-size: 13.5px; margin-top: 6px; max-width: 92ch; }
+button { font: inherit; font-size: 13.5px; padding: 4px 12px; border: 1px solid #c6cdd4; border-radius: 6px;
+  background: #f5f7f9; color: inherit; cursor: pointer; }
+button[aria-pressed="true"] { background: #0072b2; border-color: #0072b2; color: #fff; }
+[hidden] { display: none !important; }
+.turn canvas { display: block; width: 100%; height: 560px; max-height: 72vh; touch-action: none; cursor: grab;
+  border: 1px solid #d9dee3; border-radius: 6px; }
+.bar { display: flex; flex-wrap: wrap; gap: 8px; align-items: center; margin-top: 8px; font-size: 13.5px; }
+.scale i { display: inline-block; width: 110px; height: 11px; margin: 0 6px; border: 1px solid #c6cdd4;
+  vertical-align: -1px; }
+.cursor { stroke: #1b1f24; stroke-dasharray: 2 2; pointer-events: none; }
+.band { fill: #0072b2; fill-opacity: 0.15; }
+.readout { font-size: 12px; font-weight: 600; fill: #59636e; paint-order: stroke; stroke: #fff; stroke-width: 4px;
+  stroke-linejoin: round; pointer-events: none; }
+.whole-run { position: fixed; right: 18px; bottom: 18px; box-shadow: 0 2px 8px #0003; }
 .pair { display: grid; grid-template-columns: 1fr 1fr; gap: 20px; }
 table { border-collapse: collapse; width: 100%; margin-top: 10px; }
 th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid #eceff2; vertical-align: top; }
@@ -43,7 +58,7 @@ td.n { white-space: nowrap; }
 pre { background: #f5f7f9; border-radius: 6px; padding: 12px 14px; font-size: 12.5px; line-height: 1.45;
   white-space: pre-wrap; overflow-wrap: anywhere; }
 footer { margin-top: 44px; color: #59636e; font-size: 13px; }
-@media (max-width: 700px) { .summary { columns: 1; } .pair { grid-template-columns: 1fr; } main { padding: 20px 16px; }
+@media screen and (max-width: 700px) { .summary { columns: 1; } .pair { grid-template-columns: 1fr; } main { padding: 20px 16px; }
   table { display: block; overflow-x: auto; } figure { overflow-x: auto; } figure svg { max-width: none;
   mix-blend-mode: multiply; }
   /* a shadow at each side where a plot or a table goes on: white sheets that scroll along cover it at the ends;
@@ -54,6 +69,8 @@ footer { margin-top: 44px; color: #59636e; font-size: 13px; }
     linear-gradient(270deg, #1b1f2440, #1b1f2400) 100% 0 / 12px 100% no-repeat; } }
 @page { size: A4; margin: 14mm; }
 @media print { main { width: auto; padding: 0; } body { font-size: 10.5pt; } h2 { break-after: avoid; margin-top: 24px; }
+  .turn, .bar, .hint, .whole-run { display: none !important; }
+  table { font-size: 9pt; } td, th { padding-right: 7px; overflow-wrap: anywhere; } td.n { white-space: normal; }
   .verdict { border: 1px solid currentColor; } pre { font-size: 8pt; } }
 )";
 
@@ -70,13 +87,27 @@ std::string PercentEncoded(const std::string& name) {
 
 }  // namespace
 
-std::string PageBegin(const std::string& title) {
-  return fmt::format(
+std::string PageBegin(const PageHead& head) {
+  std::string out = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{}</title>\n"
-      "<style>{}</style>\n</head>\n<body>\n<main>\n",
-      Escape(title), kStyle);
+      "<style>{}</style>\n</head>\n<body>\n<main>\n<header>\n<h1>{}</h1>\n",
+      Escape(head.title), kStyle, Escape(head.title));
+  if (!head.subtitle.empty()) out += fmt::format("<p class=\"sub\">{}</p>\n", Escape(head.subtitle));
+  if (head.verdict) out += VerdictBadge(*head.verdict);
+  if (!head.summary.empty()) {
+    out += "<ul class=\"summary\">\n";
+    for (const SummaryRow& row : head.summary)
+      out += fmt::format("<li><span>{}</span> <b>{}</b></li>\n", Escape(row.key),
+                         row.file.empty() ? Escape(row.value) : FileLink(row.file));
+    out += "</ul>\n";
+  }
+  return out + "</header>\n";
 }
+
+std::string ScriptHtml(const char* script) { return fmt::format("<script>\n{}</script>\n", script); }
+
+std::string PageEnd() { return "</main>\n" + ScriptHtml(kPlotCursorScript) + "</body>\n</html>\n"; }
 
 std::string FileLink(const std::string& file) {
   // "./": a name with a colon would be taken for a protocol
@@ -84,8 +115,8 @@ std::string FileLink(const std::string& file) {
 }
 
 std::string VerdictBadge(const ReportVerdict& verdict) {
-  std::string out =
-      fmt::format("<div class=\"verdict {}\">{}</div>\n", Escape(verdict.level), Escape(verdict.level));
+  std::string out = fmt::format("<div class=\"verdict {}\">{}</div>\n", Escape(verdict.level),
+                                Escape(verdict.text.empty() ? verdict.level : verdict.text));
   if (verdict.reasons.empty()) return out;
   out += "<ul class=\"reasons\">\n";
   for (const std::string& reason : verdict.reasons) out += "<li>" + Escape(reason) + "</li>\n";

@@ -8,26 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "report/bone_view.h"
 #include "report/run_charts.h"
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
 
 namespace osteon::app {
 namespace {
-
-std::string HeadHtml(const ReportInput& input) {
-  std::string out = fmt::format("<header>\n<h1>{}</h1>\n", Escape(input.title));
-  if (!input.subtitle.empty()) out += fmt::format("<p class=\"sub\">{}</p>\n", Escape(input.subtitle));
-  out += VerdictBadge(input.verdict);
-  if (!input.summary.empty()) {
-    out += "<ul class=\"summary\">\n";
-    for (const SummaryRow& row : input.summary)
-      out += fmt::format("<li><span>{}</span> <b>{}</b></li>\n", Escape(row.key),
-                         row.file.empty() ? Escape(row.value) : FileLink(row.file));
-    out += "</ul>\n";
-  }
-  return out + "</header>\n";
-}
 
 std::string FaultsHtml(const ReportInput& input) {
   if (input.faults.empty()) return {};
@@ -41,9 +28,27 @@ std::string FaultsHtml(const ReportInput& input) {
   return out + "</table>\n";
 }
 
+/// Which limits acted, the longest first.
+std::string LimitsHtml(std::vector<LimitRow> limits) {
+  if (limits.empty()) return {};
+  std::stable_sort(limits.begin(), limits.end(),
+                   [](const LimitRow& a, const LimitRow& b) { return a.total_s > b.total_s; });
+  std::string out =
+      "<h2>Limits that acted</h2>\n<table>\n<tr><th>limit</th><th class=\"n\">first at [s]</th>"
+      "<th class=\"n\">acted for [s]</th><th class=\"n\">longest in a row [s]</th><th "
+      "class=\"n\">times</th></tr>\n";
+  for (const LimitRow& row : limits)
+    out += fmt::format(
+        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
+        "class=\"n\">{}</td></tr>\n",
+        Escape(row.name), Number(row.first_s, 3), Number(row.total_s, 3), Number(row.longest_s, 3),
+        row.times);
+  return out + "</table>\n";
+}
+
 std::string ErrorTable(const ReportFigures& figures) {
   std::string out =
-      "<table>\n<tr><th>cavity against swept tool [mm]</th><th class=\"n\">mean, signed</th><th "
+      "<table>\n<tr><th>cavity [mm]</th><th class=\"n\">mean, signed</th><th "
       "class=\"n\">mean size</th>"
       "<th class=\"n\">95 % below</th><th class=\"n\">most over-cut</th><th class=\"n\">most "
       "under-cut</th></tr>\n";
@@ -55,8 +60,9 @@ std::string ErrorTable(const ReportFigures& figures) {
                          error.samples > 0 ? Number(1e3 * value_m, 3) : "nothing cut");
     out += "</tr>\n";
   };
-  row("along this section", figures.cavity_section);
-  row("over directions in space", figures.cavity_direction);
+  row("against the swept tool, along this section", figures.cavity_section);
+  row("against the swept tool, over directions in space", figures.cavity_direction);
+  row("against the tool's ideal cavity", figures.cavity_ideal);
   return out + "</table>\n";
 }
 
@@ -136,11 +142,16 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   report.figures.cavity_section = section.error;
   report.figures.cavity_direction = CavityErrorByDirection(input.bone, input.after, input.tool, input.X_GP);
 
+  const CarvedSurface carved = CarveSurface(input.bone, input.solid, materials, input.tool, input.X_GP);
+  report.figures.cavity_ideal = carved.ideal;
+
   std::string& html = report.html;
-  html = PageBegin(input.title);
-  html += HeadHtml(input);
+  html = PageBegin(
+      {.title = input.title, .subtitle = input.subtitle, .verdict = input.verdict, .summary = input.summary});
   html += FaultsHtml(input);
-  html += "<h2>The bone</h2>\n<div class=\"pair\">\n" + *before + *after + "</div>\n";
+  html += LimitsHtml(input.limits);
+  html += "<h2>The bone</h2>\n" + BoneViewHtml(carved, input.bone, input.pictures) +
+          "<div class=\"pair\">\n" + *before + *after + "</div>\n";
   std::string tints;
   for (const simulation::Material& material : input.bone.materials)
     tints += (tints.empty() ? "" : ", ") + material.name;
@@ -176,7 +187,7 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   if (!input.config_text.empty())
     html += "<h2>Configuration</h2>\n<pre>" + Escape(input.config_text) + "</pre>\n";
   if (!input.version.empty()) html += "<footer>Osteon " + Escape(input.version) + "</footer>\n";
-  html += kPageEnd;
+  html += PageEnd();
   return report;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <span>
@@ -19,18 +20,21 @@
 
 namespace osteon::app {
 
-/// A row of the summary: a name, and a value with its unit.
-struct SummaryRow {
-  std::string key, value;
-  std::string file{};  ///< name of a file beside the report, which the value leads to; empty: none
-};
-
 /// A fault in the report.
 struct FaultRow {
   std::string name;
   double time_s{0.0};    ///< since the run's start; not finite: unknown
   std::string reaction;  ///< what the cell did
   std::string seen{};    ///< what was measured, with figures, if known
+};
+
+/// A limit that acted in a run.
+struct LimitRow {
+  std::string name;     ///< in words
+  double first_s{0.0};  ///< since the first tick
+  double total_s{0.0};
+  double longest_s{0.0};  ///< without a pause
+  std::uint64_t times{0};
 };
 
 /// The contents of a report. Views must outlive the call.
@@ -50,8 +54,9 @@ struct ReportInput {
   double tool_speed_limit_m_per_s{0.0};                                ///< 0: no line drawn
   double max_tool_in_bone_m{std::numeric_limits<double>::infinity()};  ///< infinite: no line drawn
   std::vector<FaultRow> faults{};
-  std::string config_text{};   ///< the configuration as read
-  std::string command_line{};  ///< the command that repeats the run
+  std::vector<LimitRow> limits{};  ///< those that acted
+  std::string config_text{};       ///< the configuration as read
+  std::string command_line{};      ///< the command that repeats the run
   std::string version{};
   RenderParams pictures{};
 };
@@ -60,9 +65,10 @@ struct ReportInput {
 struct ReportFigures {
   CavityError cavity_section;    ///< along the section's outline
   CavityError cavity_direction;  ///< over directions in space
+  CavityError cavity_ideal;      ///< of the carved surface against the tool's ideal cavity (CarveSurface)
 };
 
-/// The report as one HTML page: no script, no reference to anything outside the file.
+/// The report as one HTML page: no reference to anything outside the file.
 struct Report {
   std::string html;
   ReportFigures figures;

@@ -77,6 +77,7 @@ std::string ForceChart(const RunCurves& run, double force_limit_N, const TimeAxi
       .limits = {{force_limit_N, fmt::format("limit {:g} N", force_limit_N)}},
       .x_limits = Mark(time),
       .spans = PhaseSpans(run, time),
+      .zooms = true,
       .plot_height_px = 270.0};
   if (!run.wrench_cut) return Svg(chart);
 
@@ -97,11 +98,15 @@ std::string ForceChart(const RunCurves& run, double force_limit_N, const TimeAxi
 std::string ProgressChart(const RunCurves& run) {
   const TimeAxis time = FromFirst(run);
   std::vector<LineChart> panels(2);
-  panels[0] = {.title = "Deepest apex below the first floor",
+  panels[0] = {.title = "Apex below the first floor",
                .x_label = "",
                .y_label = "depth [mm]",
-               .series = {Filled({.color = "#0072b2", .width_px = 1.8}, run.depth_mm, time)},
+               .series = {Filled({.name = "commanded, in bone", .color = "#cc79a7", .width_px = 1.1},
+                                 run.commanded_depth_mm, time),
+                          Filled({.name = "proxy, the deepest so far", .color = "#0072b2", .width_px = 1.8},
+                                 run.depth_mm, time)},
                .spans = PhaseSpans(run, time),
+               .zooms = true,
                .plot_height_px = 170.0};
   panels[1] = {.title = "Removed volume",
                .x_label = "time [s]",
@@ -123,6 +128,7 @@ std::string MotionChart(const RunCurves& run, double speed_limit_m_per_s, double
                .series = {Filled({.color = "#0072b2", .width_px = 1.1}, run.speed_mm_per_s, time)},
                .x_limits = Mark(time),
                .spans = PhaseSpans(run, time),
+               .zooms = true,
                .plot_height_px = 150.0};
   panels[1] = {.title = "Commanded tool beyond its collision-free pose",
                .x_label = "",

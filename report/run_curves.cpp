@@ -33,6 +33,10 @@ void RunCurves::Add(const control::TickRecord& tick) {
   in_bone_mm.Add(tick.stamp, control::HasMessage(tick) ? 1e3 * tick.tool_in_bone_m : kNothing);
   // before the first frame there is no model, so no age
   model_age_ms.Add(tick.stamp, tick.model_frame == 0 ? kNothing : 1e3 * tick.model_age_s);
+  if (depth_of) {
+    const bool in_bone = control::HasMessage(tick) && tick.tool_in_bone_m > 0.0;
+    commanded_depth_mm.Add(tick.stamp, in_bone ? 1e3 * depth_of(tick.X_WT_cmd) : kNothing);
+  }
   wakeup.Add(tick.wakeup_ns);
   compute.Add(tick.compute_ns);
 }

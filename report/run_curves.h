@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,10 @@ struct PhaseStretch {
 /// The data for a run's charts (run_charts.h), collected tick by tick and frame by frame. Memory stays at
 /// some 20 MB, also for a run of hours.
 struct RunCurves {
+  /// Depth of the tool's apex below the site's first floor [m], of X_WT; empty: the commanded depth is not
+  /// drawn.
+  std::function<double(const Pose&)> depth_of{};
+
   void Add(const control::TickRecord& tick);
   void Add(const simulation::FrameRecord& frame);
 
@@ -34,6 +39,8 @@ struct RunCurves {
   /// The parts of the coupling's wrench that are rendered, and that the arm can hold.
   ThinCurve rendered_percent, arm_percent;
   ThinCurve speed_mm_per_s, in_bone_mm, model_age_ms;
+  /// Depth of the commanded tool's apex below the first floor, while bone holds the proxy back; else NaN.
+  ThinCurve commanded_depth_mm;
   bool wrench_cut{false};  ///< in any tick; if not, rendered_percent has no meaning
   DurationCounts wakeup, compute;
 

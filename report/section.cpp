@@ -122,31 +122,6 @@ Vector3 DeepestHead(const Bone& bone, const simulation::ToolBall& head, std::spa
   return deepest;
 }
 
-CavityError Summarize(std::span<const ErrorSample> samples) {
-  CavityError error{.samples = static_cast<int>(samples.size())};
-  if (samples.empty()) return error;
-  std::vector<std::pair<double, double>> sizes;  // |error|, weight
-  double total = 0.0;
-  for (const ErrorSample& sample : samples) {
-    total += sample.weight;
-    error.mean_m += sample.weight * sample.error_m;
-    error.mean_abs_m += sample.weight * std::abs(sample.error_m);
-    error.max_over_m = std::max(error.max_over_m, sample.error_m);
-    error.max_under_m = std::min(error.max_under_m, sample.error_m);
-    sizes.emplace_back(std::abs(sample.error_m), sample.weight);
-  }
-  error.mean_m /= total;
-  error.mean_abs_m /= total;
-  std::sort(sizes.begin(), sizes.end());
-  double below = 0.0;
-  for (const auto& [size, weight] : sizes) {
-    error.p95_m = size;
-    below += weight;
-    if (below >= 0.95 * total) break;
-  }
-  return error;
-}
-
 /// Samples the middles of the pieces of `lines` that the cut has laid bare: they lay in the bone before, and
 /// are visible from the swept volume. (A ball that reaches through to another face of the bone shrinks there
 /// as well when it is cut; that face is not the cavity's surface.)
@@ -185,6 +160,31 @@ std::vector<Polyline> SimplifyAll(const std::vector<Polyline>& lines, double tol
 }
 
 }  // namespace
+
+CavityError SummarizeErrors(std::span<const ErrorSample> samples) {
+  CavityError error{.samples = static_cast<int>(samples.size())};
+  if (samples.empty()) return error;
+  std::vector<std::pair<double, double>> sizes;  // |error|, weight
+  double total = 0.0;
+  for (const ErrorSample& sample : samples) {
+    total += sample.weight;
+    error.mean_m += sample.weight * sample.error_m;
+    error.mean_abs_m += sample.weight * std::abs(sample.error_m);
+    error.max_over_m = std::max(error.max_over_m, sample.error_m);
+    error.max_under_m = std::min(error.max_under_m, sample.error_m);
+    sizes.emplace_back(std::abs(sample.error_m), sample.weight);
+  }
+  error.mean_m /= total;
+  error.mean_abs_m /= total;
+  std::sort(sizes.begin(), sizes.end());
+  double below = 0.0;
+  for (const auto& [size, weight] : sizes) {
+    error.p95_m = size;
+    below += weight;
+    if (below >= 0.95 * total) break;
+  }
+  return error;
+}
 
 SectionPlane ChooseSectionPlane(const Bone& bone, const simulation::Tool& tool, std::span<const Pose> X_GP) {
   SectionPlane plane{.origin = bone.site.center_m, .v = Vector3(bone.site.axis).normalized()};
@@ -256,7 +256,7 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
       SimplifyAll(Contour(SweptField(swept, plane, section.min, section.max, params.step_m)), tolerance_m);
   section.samples =
       MeasureOutline(outline, plane, before, left, swept, section.head_center, params.cut_depth_m);
-  section.error = Summarize(section.samples);
+  section.error = SummarizeErrors(section.samples);
   return section;
 }
 
@@ -293,7 +293,7 @@ CavityError CavityErrorByDirection(const Bone& bone, const simulation::CarvedSta
     }
     samples.push_back({.angle_rad = std::acos(down), .error_m = *hit_m - end_m});
   }
-  CavityError error = Summarize(samples);
+  CavityError error = SummarizeErrors(samples);
   error.open = open;
   return error;
 }

@@ -51,6 +51,9 @@ struct ErrorSample {
   Vector2 place_m{Vector2::Zero()};  ///< in the plane (section)
 };
 
+/// Mean, percentile and extremes of samples, by their weights.
+[[nodiscard]] CavityError SummarizeErrors(std::span<const ErrorSample> samples);
+
 struct MaterialRegion {
   simulation::MaterialIndex material{0};
   std::vector<Polyline> outline{};

@@ -16,6 +16,9 @@ namespace {
 /// Height of the strip for the names of spans; also the width of a turned axis label.
 constexpr double kLabelStrip = 19.0;
 
+/// Columns a pixel for which the curves of a plot that zooms keep their points.
+constexpr int kZoomDetail = 4;
+
 struct Extent {
   double min{std::numeric_limits<double>::infinity()}, max{-std::numeric_limits<double>::infinity()};
   void Add(double value) {
@@ -68,11 +71,11 @@ Range YRange(const LineChart& panel, int max_ticks) {
   return NiceRange({extent.min, extent.max}, max_ticks);
 }
 
-std::string DrawSeries(const PlotArea& area, const Series& series, const std::string& color) {
+std::string DrawSeries(const PlotArea& area, const Series& series, const std::string& color, bool zooms) {
   if (!(series.width_px > 0.0)) return {};
   std::string path;
   bool any = false;
-  const int columns = std::max(1, static_cast<int>(area.width));
+  const int columns = std::max(1, static_cast<int>(area.width)) * (zooms ? kZoomDetail : 1);
   // columns of pixels are evenly spaced in the logarithm if the axis is logarithmic
   std::vector<double> at = series.x;
   Range range = area.x;
@@ -86,7 +89,8 @@ std::string DrawSeries(const PlotArea& area, const Series& series, const std::st
     char command = 'M';
     for (const PlotPoint& point : run) {
       if ((area.log_x && !(point.x > 0.0)) || (area.log_y && !(point.y > 0.0))) continue;
-      path += fmt::format("{}{} {}", command, Pixels(area.X(point.x)),
+      const double x = area.X(point.x);
+      path += fmt::format("{}{} {}", command, zooms ? fmt::format("{:.2f}", x) : Pixels(x),
                           Pixels(area.Y(std::clamp(point.y, area.y.min, area.y.max))));
       command = 'L';
       any = true;
@@ -95,9 +99,10 @@ std::string DrawSeries(const PlotArea& area, const Series& series, const std::st
   }
   if (!any) return {};
   return fmt::format(R"(<path d="{}" fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round" )"
-                     R"(stroke-linecap="round"{}{}/>)"
+                     R"(stroke-linecap="round"{}{}{}/>)"
                      "\n",
                      path, color, Pixels(series.width_px),
+                     zooms ? R"( vector-effect="non-scaling-stroke")" : "",
                      series.dash.empty() ? "" : fmt::format(R"( stroke-dasharray="{}")", series.dash),
                      series.opacity < 1.0 ? fmt::format(R"( opacity="{:.2f}")", series.opacity) : "");
 }
@@ -190,14 +195,19 @@ double FindNameStart(const PlotArea& area, const LineChart& panel, double x, dou
   return bottom;
 }
 
-std::string DrawXLimits(const PlotArea& area, const LineChart& panel) {
-  std::string out;
+/// Lines and names of the vertical limits.
+struct XLimits {
+  std::string lines, names;
+};
+
+XLimits DrawXLimits(const PlotArea& area, const LineChart& panel) {
+  XLimits out;
   for (const LimitLine& limit : panel.x_limits) {
     if (!(limit.value > area.x.min && limit.value < area.x.max)) continue;
     const double x = area.X(limit.value);
     const double y = FindNameStart(area, panel, x, TextWidth(limit.label, kFontPx - 1.5));
-    out += SvgLine(x, area.top, x, area.top + area.height, kLimitColor, 1.4, "7 4");
-    out += SvgTurnedText(x - 5, y, limit.label, "start", kLimitColor, kFontPx - 1.5);
+    out.lines += SvgLine(x, area.top, x, area.top + area.height, kLimitColor, 1.4, "7 4");
+    out.names += SvgTurnedText(x - 5, y, limit.label, "start", kLimitColor, kFontPx - 1.5);
   }
   return out;
 }
@@ -258,9 +268,24 @@ struct PanelPlan {
   bool data{false};
 };
 
-}  // namespace
+// A panel that the page's script (scripts/plot_cursor.js) can zoom is <g class="panel"> with the pixels of
+// its area and the values at its edges. Its curves are in an <svg class="data"> of their own, which clips
+// them and whose viewBox the script changes; it makes the lines of .x-grid and the texts of .x-texts anew,
+// and hides .x-names.
 
-namespace {
+std::string BeginZoomPanel(const PlotArea& area) {
+  return fmt::format(
+      "<g class=\"panel\" data-area=\"{:.2f} {:.2f} {:.2f} {:.2f}\" data-x=\"{:.9g} {:.9g}\" "
+      "data-y=\"{:.9g} {:.9g}\">\n",
+      area.left, area.top, area.width, area.height, area.x.min, area.x.max, area.y.min, area.y.max);
+}
+
+std::string BeginZoomData(const PlotArea& area) {
+  return fmt::format(
+      "<svg class=\"data\" x=\"{0:.2f}\" y=\"{1:.2f}\" width=\"{2:.2f}\" height=\"{3:.2f}\" "
+      "viewBox=\"{0:.2f} {1:.2f} {2:.2f} {3:.2f}\" preserveAspectRatio=\"none\">\n",
+      area.left, area.top, area.width, area.height);
+}
 
 /// Draws panels one above the other. @returns elements without a document, and their height.
 LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
@@ -292,6 +317,7 @@ LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
   Ticks x_ticks = !panels.empty() && panels.front().log_x ? LogTicks(x, 10) : LinearTicks(x, 10);
   if (!x_ticks.labels.empty()) right = std::max(right, TextWidth(x_ticks.labels.back(), kFontPx) / 2 + 4.0);
 
+  const bool zooms = !panels.empty() && panels.front().zooms;
   std::string body;
   double cursor = 2.0;
   for (std::size_t p = 0; p < panels.size(); ++p) {
@@ -329,29 +355,41 @@ LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
     plan.area.top = cursor + legend.height_px + (plan.strip ? kLabelStrip : 6.0);
 
     // spans, grid, data, limits, texts
+    std::string spans, span_names;
     for (const NamedSpan& span : panel.spans) {
       const double begin = plan.area.X(std::max(span.begin, x.min)),
                    end = plan.area.X(std::min(span.end, x.max));
       if (!(end > begin)) continue;
-      body +=
+      spans +=
           SvgRect(begin, plan.area.top, end - begin, plan.area.height, span.color, R"(fill-opacity="0.65")");
       if (TextWidth(span.name, kFontPx) + 8.0 <= end - begin)
-        body += SvgText((begin + end) / 2, plan.area.top - 5, span.name, "middle", kMutedColor);
+        span_names += SvgText((begin + end) / 2, plan.area.top - 5, span.name, "middle", kMutedColor);
     }
-    body += DrawGrid(plan.area, x_ticks, plan.y_ticks);
+    std::string curves;
     for (std::size_t s = 0; s < panel.series.size(); ++s)
-      body += DrawSeries(plan.area, panel.series[s], plan.colors[s]);
-    body += DrawLimits(plan.area, panel.limits);
-    body += DrawXLimits(plan.area, panel);
-    body += DrawPoints(plan.area, panel, plan.colors);
-    if (!plan.data)
-      body += SvgText(left + plan.area.width / 2, plan.area.top + plan.area.height / 2, "no data", "middle",
-                      kMutedColor);
+      curves += DrawSeries(plan.area, panel.series[s], plan.colors[s], zooms);
+    const XLimits x_limits = DrawXLimits(plan.area, panel);
     const bool last = p + 1 == panels.size();
     Ticks shown = x_ticks;
     if (!last) std::fill(shown.labels.begin(), shown.labels.end(), std::string());
     SpreadLabels(plan.area, shown);
-    body += DrawTickTexts(plan.area, shown, plan.y_ticks);
+    if (zooms) {
+      body += BeginZoomPanel(plan.area);
+      body += "<g class=\"x-grid\">" + DrawGrid(plan.area, x_ticks, {}) + "</g>\n";
+      body += DrawGrid(plan.area, {}, plan.y_ticks);
+      body += BeginZoomData(plan.area) + spans + curves + x_limits.lines + "</svg>\n";
+      body += "<g class=\"x-names\">" + span_names + x_limits.names + "</g>\n";
+      body += "<g class=\"x-texts\">" + DrawTickTexts(plan.area, shown, {}) + "</g>\n";
+      body += DrawTickTexts(plan.area, {}, plan.y_ticks) + DrawLimits(plan.area, panel.limits) + "</g>\n";
+    } else {
+      body += spans + span_names + DrawGrid(plan.area, x_ticks, plan.y_ticks) + curves;
+      body += DrawLimits(plan.area, panel.limits) + x_limits.lines + x_limits.names;
+      body += DrawPoints(plan.area, panel, plan.colors);
+      body += DrawTickTexts(plan.area, shown, plan.y_ticks);
+    }
+    if (!plan.data)
+      body += SvgText(left + plan.area.width / 2, plan.area.top + plan.area.height / 2, "no data", "middle",
+                      kMutedColor);
     const double bottom = plan.area.top + plan.area.height;
     body += DrawAxisLabels(plan.area, last ? panel.x_label : "", bottom + 38, panel.y_label, y_label_x);
     cursor = bottom + (last ? 46.0 : 16.0);

@@ -60,6 +60,9 @@ struct LineChart {
       x_limits{};  ///< vertical; their names run along them, clear of the curves if possible
   std::vector<NamedSpan> spans{};
   bool legend{true};
+  /// The x axis is the page's time: the page's script may move and zoom it with all others of the page. The
+  /// curves then have more points than are seen at first. Of the first panel; without markers.
+  bool zooms{false};
   double plot_height_px{230.0};  ///< of the area between the axes
 };
 

@@ -219,6 +219,31 @@ CLI::App* AddBenchConsole(CLI::App& bench, BenchConsoleOptions& options) {
   return sub;
 }
 
+CLI::App* AddBenchView(CLI::App& bench, BenchViewOptions& options) {
+  CLI::App* sub = bench.add_subcommand(
+      "view", "times how fast a long recording opens, and how fast any time of it is shown");
+  sub->add_option("recording", options.recording, "the .mcap file of a run, which is repeated")
+      ->type_name("FILE")
+      ->required()
+      ->check(CLI::ExistingFile);
+  sub->add_option("--hours", options.hours, "length of the recording that is made of it")
+      ->check(NumberWithin(0.01, 24))
+      ->capture_default_str();
+  sub->add_option("--seeks", options.seeks, "number of times that are gone to")
+      ->check(NumberWithin(1, 1000))
+      ->capture_default_str();
+  sub->add_option("--folder", options.folder,
+                  "where the long recording lies meanwhile; an hour takes some 3 GB")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
+  sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
+  sub->footer(
+      "Exit code 1: the recording did not open, or a time was not shown\n\n"
+      "Examples:\n  osteon bench view demo_out/recording.mcap\n"
+      "  osteon bench view demo_out/recording.mcap --hours 0.1 --json view.json");
+  return sub;
+}
+
 }  // namespace
 
 MeasureCommands::MeasureCommands(CLI::App& app)
@@ -228,13 +253,14 @@ MeasureCommands::MeasureCommands(CLI::App& app)
       surface_(AddBenchSurface(*bench_, surface_options_)),
       tick_(AddBenchTick(*bench_, tick_options_)),
       console_(AddBenchConsole(*bench_, console_options_)),
+      view_(AddBenchView(*bench_, view_options_)),
       chart_(AddStudy(app, "chart")),
       scaling_(AddChartScaling(*chart_, scaling_options_)),
       accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)) {
   bench_->require_subcommand(1);
   bench_->footer(
       "Examples:\n  osteon bench frame\n  osteon bench kinematics\n  osteon bench surface\n  osteon bench "
-      "tick\n  osteon bench console\n  osteon bench frame "
+      "tick\n  osteon bench console\n  osteon bench view demo_out/recording.mcap\n  osteon bench frame "
       "--help");
   chart_->require_subcommand(1);
   chart_->footer("Examples:\n  osteon chart scaling\n  osteon chart speed-accuracy --quick");
@@ -258,6 +284,7 @@ int MeasureCommands::Run(const std::filesystem::path& config_root) {
     return RunBenchTick(tick_options_);
   }
   if (console_->parsed()) return RunBenchConsole(console_options_);
+  if (view_->parsed()) return RunBenchView(view_options_);
   frame_options_.config_root = config_root;
   return RunBenchFrame(frame_options_);
 }

@@ -9,13 +9,14 @@
 #include "studies/bench/bench_kinematics.h"
 #include "studies/bench/bench_surface.h"
 #include "studies/bench/bench_tick.h"
+#include "studies/bench/bench_view.h"
 #include "studies/charts/chart_scaling.h"
 #include "studies/charts/chart_speed_accuracy.h"
 
 namespace osteon::app {
 
 /// The subcommands that measure: `bench frame`, `bench kinematics`, `bench surface`, `bench tick`, `bench
-/// console`, `chart scaling`, `chart speed-accuracy`.
+/// console`, `bench view`, `chart scaling`, `chart speed-accuracy`.
 class MeasureCommands {
  public:
   explicit MeasureCommands(CLI::App& app);
@@ -31,9 +32,11 @@ class MeasureCommands {
   BenchSurfaceOptions surface_options_;
   BenchTickOptions tick_options_;
   BenchConsoleOptions console_options_;
+  BenchViewOptions view_options_;
   ScalingOptions scaling_options_;
   SpeedAccuracyOptions accuracy_options_;
-  CLI::App *bench_, *frame_, *kinematics_, *surface_, *tick_, *console_, *chart_, *scaling_, *accuracy_;
+  CLI::App *bench_, *frame_, *kinematics_, *surface_, *tick_, *console_, *view_, *chart_, *scaling_,
+      *accuracy_;
 };
 
 }  // namespace osteon::app

@@ -42,6 +42,7 @@ PlanCommand::PlanCommand(CLI::App& app) : sub_(AddStudy(app, "plan")) {
   sub_->add_flag("--check", o.check, "carry the plan out and measure what it predicts");
   AddEngineOption(*sub_, engine_, WallTimeEngineNames(), "the cutting engine that is timed");
   AddDeviceOption(*sub_, device_);
+  sub_->add_option("--out", o.out, "folder for plan.html")->type_name("FOLDER");
   sub_->add_option("--json", o.json, "also write the plan there, as JSON")->type_name("FILE");
   sub_->footer(
       "The command first times two other packings on this machine.\n\n"
@@ -55,7 +56,8 @@ PlanCommand::PlanCommand(CLI::App& app) : sub_(AddStudy(app, "plan")) {
       "  osteon plan config/scenes/femoral_canal.yaml --error-mm 0.2 --rate-hz 2000 --device llvmpipe");
 }
 
-int PlanCommand::Run(const std::filesystem::path& config_root) {
+int PlanCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+  options_.command_line = command_line;
   options_.choice.config_root = config_root;
   options_.request.error_m = 1e-3 * error_mm_;
   options_.request.engine = ChooseEngine(engine_, device_);

@@ -16,7 +16,7 @@ class PlanCommand {
 
   [[nodiscard]] bool asked() const { return sub_->parsed(); }
   /// @returns the process's exit code.
-  [[nodiscard]] int Run(const std::filesystem::path& config_root);
+  [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
 
  private:
   PlanOptions options_;

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -27,12 +28,12 @@ constexpr int kThreads = static_cast<int>(kMaxPages) + 8;
 
 constexpr std::chrono::milliseconds kKnock{20};  // between connections that wake a server that is to end
 
-// Sent with every file: nothing may be loaded from, or sent to, another machine, and no other page may show
-// this one.
+// Sent with every file: nothing may be loaded from, or sent to, another machine, and no page of another
+// origin may show this one.
 constexpr const char* kHeaders =
     "Content-Security-Policy: default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
     "blob:; "
-    "connect-src 'self'; frame-ancestors 'none'\r\n"
+    "connect-src 'self'; frame-ancestors 'self'\r\n"
     "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCache-Control: no-cache";
 
 constexpr const char* kNoPage =
@@ -44,13 +45,13 @@ constexpr const char* kNoPage =
 
 std::string_view OrEmpty(const char* text) { return text == nullptr ? std::string_view() : text; }
 
-// Value of `token` in a query; the token has digits and letters alone, so nothing is decoded.
-std::string_view TokenOf(std::string_view query) {
-  constexpr std::string_view kName = "token=";
+// Value of a name in a query; what is asked for has digits and letters alone, so nothing is decoded.
+// @param name  with its "="
+std::string_view ValueOf(std::string_view query, std::string_view name) {
   while (!query.empty()) {
     const std::size_t end = std::min(query.find('&'), query.size());
     const std::string_view part = query.substr(0, end);
-    if (part.starts_with(kName)) return part.substr(kName.size());
+    if (part.starts_with(name)) return part.substr(name.size());
     query.remove_prefix(std::min(end + 1, query.size()));
   }
   return {};
@@ -90,7 +91,11 @@ class Server final : public ConsoleServer {
   Server(ConsoleParams params, const LiveFeed& feed, const SurfaceStore& surface)
       : params_(std::move(params)),
         token_(IsLoopback(params_.address) ? "" : NewToken()),
-        sources_{feed, surface, role_, params_.hello, params_.context, pages_open_, params_.notes} {}
+        sources_{feed, surface, role_, params_.hello, params_.context, pages_open_, params_.notes} {
+    if (params_.second)
+      second_.emplace(PageSources{params_.second->feed, params_.second->surface, role_, params_.second->hello,
+                                  params_.second->context, pages_open_, params_.notes});
+  }
 
   ~Server() override {
     ending_.store(true);
@@ -219,7 +224,7 @@ class Server final : public ConsoleServer {
     const mg_request_info* info = mg_get_request_info(connection);
     const std::string wrong = CheckAccess({.host = OrEmpty(mg_get_header(connection, "Host")),
                                            .origin = OrEmpty(mg_get_header(connection, "Origin")),
-                                           .token = TokenOf(OrEmpty(info->query_string))},
+                                           .token = ValueOf(OrEmpty(info->query_string), "token=")},
                                           server.params_.address, server.token_);
     if (wrong.empty() && !server.ending_.load() && server.Reserve()) return 0;
     ++server.refused_;
@@ -237,7 +242,9 @@ class Server final : public ConsoleServer {
   static void OnReady(mg_connection* connection, void* user) {
     Server& server = Of(user);
     const std::uint64_t number = ++server.opened_;
-    auto page = std::make_shared<Page>(number, connection, server.sources_);
+    const std::string_view query = OrEmpty(mg_get_request_info(connection)->query_string);
+    const bool second = server.second_ && ValueOf(query, "stream=") == "2";
+    auto page = std::make_shared<Page>(number, connection, second ? *server.second_ : server.sources_);
     const std::lock_guard lock(server.mutex_);
     server.pages_.emplace(connection, std::move(page));
   }
@@ -323,6 +330,7 @@ class Server final : public ConsoleServer {
   OperatorRole role_;
   std::atomic<std::size_t> pages_open_{0};
   PageSources sources_;
+  std::optional<PageSources> second_;
   std::atomic<bool> ending_{false}, stopped_{false};
   std::atomic<std::uint64_t> opened_{0}, refused_{0}, bad_messages_{0}, slow_{0};
   int port_{0};

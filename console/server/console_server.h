@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,14 @@ struct RequestAnswer {
   std::string reason;  ///< why not
 };
 
+/// What pages of one address show: a cell, or a recording.
+struct ConsoleStream {
+  std::string hello;  ///< a JSON object, the first message to every page: what does not change in a run
+  LiveContext context;
+  const LiveFeed& feed;  ///< this and `surface` outlive the server
+  const SurfaceStore& surface;
+};
+
 struct ConsoleParams {
   /// The address to listen on. Any but the loopback's needs a token, which the server makes.
   std::string address{"127.0.0.1"};
@@ -40,6 +49,8 @@ struct ConsoleParams {
   /// Moves a playback; empty: what is shown is live. Called by a page's thread.
   std::function<void(const ViewRequest&)> view{};
   std::vector<std::function<std::string()>> notes{};  ///< PageSources::notes
+  /// Shown to pages that ask for /live?stream=2: the other one of two recordings.
+  std::optional<ConsoleStream> second{};
 };
 
 /// Counts of a server's life.

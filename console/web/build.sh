@@ -16,7 +16,7 @@ if [[ ! -d node_modules || $(cat node_modules/.lock 2>/dev/null) != $(sha256sum 
   sha256sum <package-lock.json >node_modules/.lock
 fi
 npm run --silent build
-cp index.html dist/main.js dist/main.css "$page"
+cp index.html compare.html dist/main.js dist/main.css dist/compare.js dist/compare.css "$page"
 cp node_modules/three/LICENSE "$page/LICENSE.three"
 cp node_modules/uplot/LICENSE "$page/LICENSE.uplot"
 echo "$sources" >"$page/.sources"

@@ -124,7 +124,7 @@ int RunRecordedReport(const RecordedReportOptions& options) {
   std::error_code error;
   if (!folder.empty()) std::filesystem::create_directories(folder, error);
   const std::string stem = options.recording.stem().string();
-  StopPages stops({.folder = folder, .stem = stem, .cell = setup->config});
+  StopPages stops({.folder = folder, .stem = stem, .cell = setup->config, .recording = options.recording});
   auto read = ReadAll(options.recording, *setup, **engine, stops);
   if (!read) return refuse(read.error());
   progress.BeginPhase("measure the cut");

@@ -73,7 +73,10 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
                 const CellRunParams& params, const CellRunResult& result) {
   PhaseProgress measuring("osteon demo", options.surface.empty() ? 3 : 4, false);
   measuring.BeginPhase("read the recording");
-  StopPages stops({.folder = options.out, .stem = params.recording.stem().string(), .cell = setup.config});
+  StopPages stops({.folder = options.out,
+                   .stem = params.recording.stem().string(),
+                   .cell = setup.config,
+                   .recording = params.recording});
   auto run = ReadRun(params.recording, setup, stops);
   std::string wrong = DescribeRecordingErrors(result, run ? "" : run.error());
   if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case

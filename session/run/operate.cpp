@@ -73,8 +73,10 @@ int PrintResult(const OperateOptions& options, const CellSetup& setup,
                 const CellRunResult& result) {
   PhaseProgress measuring("osteon run", options.surface.empty() ? 3 : 4, false);
   measuring.BeginPhase("read the recording");
-  StopPages stops(
-      {.folder = options.record.parent_path(), .stem = options.record.stem().string(), .cell = setup.config});
+  StopPages stops({.folder = options.record.parent_path(),
+                   .stem = options.record.stem().string(),
+                   .cell = setup.config,
+                   .recording = params.recording});
   auto run = ReadRun(params.recording, setup, stops);
   std::string wrong = DescribeRecordingErrors(result, run ? "" : run.error());
   if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case

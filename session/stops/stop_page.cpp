@@ -35,17 +35,20 @@ std::string MakeStopPage(const StopPageInput& input) {
   const control::ServoParams& servo = input.limits.servo;
   RunCurves curves;
   for (const control::TickRecord& tick : input.ticks) curves.Add(tick);
-  std::string page = PageBegin(input.title);
+  std::string page = PageBegin({.title = input.title});
   page +=
-      fmt::format("<h1>{}</h1>\n<p>{}{}</p>\n", Escape(input.title), Escape(input.where),
+      fmt::format("<p>{}{}</p>\n", Escape(input.where),
                   input.ticks_file.empty() ? "" : " Every tick is in " + FileLink(input.ticks_file) + ".");
+  if (!input.view_command.empty())
+    page += "<p>This command shows the stop in a browser, with the bone:</p>\n<pre>" +
+            Escape(input.view_command) + "</pre>\n";
   page += fmt::format("<h2>{}</h2>\n", Escape(input.heading)) + FaultTable(input) + TripFigures(input);
   page += "<h2>Forces and motion</h2>\n";
   page += Figure(ForceChart(curves, input.force_limit_N, input.time), "Forces on the tool.");
   page += Figure(
       MotionChart(curves, servo.twist.max_speed_m_per_s, servo.on_force_limit.max_tool_in_bone_m, input.time),
       "Tool speed, how deep the tool is in bone, and the contact model's age.");
-  return page + kPageEnd;
+  return page + PageEnd();
 }
 
 }  // namespace osteon::app

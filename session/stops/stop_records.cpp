@@ -86,6 +86,12 @@ StopPageInput PageOf(const StopRecord& stop, std::size_t number, const std::stri
       .limits = limits};
 }
 
+// @param stop_s  on the recording's time line
+std::string ViewCommandOf(const std::filesystem::path& recording, double stop_s) {
+  constexpr double kBefore_s = 1.0;  // so that what led to it is seen
+  return fmt::format("osteon view {} --at {:.1f}", recording.string(), std::max(0.0, stop_s - kBefore_s));
+}
+
 }  // namespace
 
 std::string StopRecord::DescribeCause() const {
@@ -184,6 +190,9 @@ void StopPages::Write(const StopRecord& stop) {
   const TripLimits limits = TripLimitsOf(params_.cell, session_stamp_ == 0);
   StopPageInput page = PageOf(stop, number, end_reason_, force_limit_N_, limits);
   page.ticks_file = table.filename().string();
+  if (!params_.recording.empty())
+    page.view_command =
+        ViewCommandOf(params_.recording, rt::ToSeconds(stop.ticks[stop.stop].stamp - session_stamp_));
   if (auto done = ExportTicks(stop.ticks, session_stamp_, table); !done)
     error_ = done.error();
   else if (auto shown = WritePage(MakeStopPage(page), file); !shown)

@@ -71,7 +71,8 @@ struct WrittenStop {
 struct StopPagesParams {
   std::filesystem::path folder;
   std::string stem;
-  const config::CellConfig& cell;  ///< of the run: its limits are drawn; must outlive the pages' writer
+  const config::CellConfig& cell;     ///< of the run: its limits are drawn; must outlive the pages' writer
+  std::filesystem::path recording{};  ///< for the command that shows it; empty: not named
 };
 
 /// Writes each stop of a recording once it is complete: a page with its plots and faults,

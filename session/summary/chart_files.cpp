@@ -24,14 +24,25 @@ std::string Processor() {
   return "unknown processor";
 }
 
+// Whether a column's cells below its head begin as numbers do; words may wrap, numbers stand at the right.
+bool HasNumbers(const std::vector<std::vector<std::string>>& rows, std::size_t column) {
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    if (column >= rows[i].size() || rows[i][column].empty()) continue;
+    const char first = rows[i][column].front();
+    if (!(first >= '0' && first <= '9') && first != '-' && first != '+' && first != '<' && first != '>')
+      return false;
+  }
+  return column > 0;
+}
+
 std::string Table(const std::vector<std::vector<std::string>>& rows) {
   std::string html = "<div class=\"wide\">\n<table>\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const char* tag = i == 0 ? "th" : "td";
     html += "<tr>";
     for (std::size_t column = 0; column < rows[i].size(); ++column)
-      html +=
-          fmt::format("<{}{}>{}</{}>", tag, column > 0 ? " class=\"n\"" : "", Escape(rows[i][column]), tag);
+      html += fmt::format("<{}{}>{}</{}>", tag, HasNumbers(rows, column) ? " class=\"n\"" : "",
+                          Escape(rows[i][column]), tag);
     html += "</tr>\n";
   }
   return html + "</table>\n</div>\n";
@@ -81,8 +92,7 @@ tl::expected<void, std::string> WriteChart(const ChartFiles& chart, const std::f
   const auto picture = Rasterise(chart.svg);
   if (!picture) return tl::unexpected(path(".png").string() + ": " + picture.error());
 
-  std::string html = PageBegin(chart.title);
-  html += fmt::format("<h1>{}</h1>\n", Escape(chart.title)) + VerdictBadge(chart.verdict);
+  std::string html = PageBegin({.title = chart.title, .verdict = chart.verdict});
   html += Figure(chart.svg, chart.caption);
   for (const std::string& note : chart.notes) html += fmt::format("<p>{}</p>\n", Escape(note));
   html += Table(chart.table);
@@ -91,7 +101,7 @@ tl::expected<void, std::string> WriteChart(const ChartFiles& chart, const std::f
     if (!part.name.empty()) html += Figure(part.svg, part.caption);
     if (!part.table.empty()) html += Table(part.table);
   }
-  html += kPageEnd;
+  html += PageEnd();
 
   const std::pair<const char*, const std::string*> texts[] = {
       {".svg", &chart.svg}, {".csv", &chart.csv}, {".json", &chart.json}, {".html", &html}};

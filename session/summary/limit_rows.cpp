@@ -161,7 +161,8 @@ std::vector<ActedLimit> ActedLimits::Rows(double period_s) const {
                      .ticks = count.ticks,
                      .events = count.events,
                      .first_s = first_s_[i],
-                     .longest_s = period_s * static_cast<double>(count.longest)});
+                     .longest_s = period_s * static_cast<double>(count.longest),
+                     .total_s = period_s * static_cast<double>(count.ticks)});
   }
   return acted;
 }

@@ -36,6 +36,7 @@ struct ActedLimit {
   std::uint64_t ticks{0}, events{0};
   double first_s{0.0};    ///< since the first tick
   double longest_s{0.0};  ///< of one event
+  double total_s{0.0};    ///< of all events
 };
 
 /// Collects, tick by tick, which limits acted in a run.

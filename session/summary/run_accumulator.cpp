@@ -35,6 +35,11 @@ void ActiveTicks::Add(const control::TickRecord& tick) {
 RunAccumulator::RunAccumulator(const CellSetup& setup)
     : path(setup.config.tool.tool, setup.X_WG), reamed(setup.bone, setup.config.tool.tool, setup.X_WG) {
   active.fresh_s = setup.config.servo.coupling.fresh_s;
+  if (!setup.bone.balls.empty())
+    curves.depth_of = [depth = simulation::ApexDepth(setup.bone, setup.config.tool.tool),
+                       X_GW = Pose(setup.X_WG.inverse())](const Pose& X_WT) {
+      return depth.DepthAt(X_GW * X_WT);
+    };
   active.sensor_full_s = setup.config.servo.watchdog.sensor_full_s;
 }
 

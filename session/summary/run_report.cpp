@@ -1,6 +1,20 @@
 #include "session/summary/run_report.h"
 
 namespace osteon::app {
+namespace {
+
+std::vector<LimitRow> LimitRowsOf(const RunSummary& summary) {
+  std::vector<LimitRow> rows;
+  for (const ActedLimit& limit : summary.acted_limits)
+    rows.push_back({.name = limit.text,
+                    .first_s = limit.first_s,
+                    .total_s = limit.total_s,
+                    .longest_s = limit.longest_s,
+                    .times = limit.events});
+  return rows;
+}
+
+}  // namespace
 
 tl::expected<ReportFigures, std::string> WriteRunReport(const CellSetup& setup, const CellRunResult& result,
                                                         const RunAccumulator& run, const RunSummary& summary,
@@ -22,6 +36,7 @@ tl::expected<ReportFigures, std::string> WriteRunReport(const CellSetup& setup, 
        .tool_speed_limit_m_per_s = setup.config.servo.twist.max_speed_m_per_s,
        .max_tool_in_bone_m = setup.config.servo.on_force_limit.max_tool_in_bone_m,
        .faults = summary.faults,
+       .limits = LimitRowsOf(summary),
        .config_text = setup.config_text,
        .command_line = command_line,
        .version = OSTEON_VERSION},

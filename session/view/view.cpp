@@ -1,7 +1,14 @@
 #include "session/view/view.h"
 
+#include <array>
 #include <chrono>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <optional>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,6 +20,7 @@
 #include "session/process/exit_code.h"
 #include "session/run/console_scene.h"
 #include "session/view/playback.h"
+#include "session/view/recording_difference.h"
 #include "session/view/recording_scan.h"
 #include "session/view/view_surface.h"
 
@@ -20,6 +28,8 @@ namespace osteon::app {
 namespace {
 
 constexpr std::chrono::milliseconds kLooksForEnd{50};
+constexpr int kLooksTogether = 20;      // after so many looks two playbacks are brought together
+constexpr double kApartPlaying_s{0.1};  // that is not seen while they play
 
 std::string StateJson(const PlaybackState& state) {
   return nlohmann::json{{"type", "playback"},       {"at_s", state.at_s},   {"duration_s", state.duration_s},
@@ -41,48 +51,124 @@ void Move(Playback& playback, const console::ViewRequest& request) {
   }
 }
 
+// One recording as it is shown.
+struct ShownRecording {
+  std::filesystem::path file;
+  double duration_s;
+  CellSetup setup;
+  console::LiveFeed feed{};
+  console::SurfaceStore surface{};
+  Playback playback;
+  console::SurfaceFeed chunks;
+  ViewSurface bone;
+
+  ShownRecording(std::filesystem::path path, RecordingTimeline timeline, CellSetup cell)
+      : file(std::move(path)),
+        duration_s(timeline.duration_s()),
+        setup(std::move(cell)),
+        playback(std::move(timeline), feed),
+        chunks(surface),
+        bone(file, setup, chunks) {}
+
+  /// @param of_s  the time line's length
+  [[nodiscard]] std::string Hello(double of_s, const std::string& name) const {
+    return ConsoleScene(setup, "view", of_s, name);
+  }
+};
+
+// A file's name; with its folder where the other one has the same name.
+std::string NameBeside(const std::filesystem::path& file, const std::filesystem::path& other) {
+  if (file.filename() != other.filename()) return file.filename().string();
+  const std::filesystem::path whole = std::filesystem::absolute(file);
+  return (whole.parent_path().filename() / whole.filename()).string();
+}
+
+tl::expected<std::unique_ptr<ShownRecording>, std::string> OpenShown(const std::filesystem::path& file) {
+  auto timeline = RecordingTimeline::Open(file);
+  if (!timeline) return tl::unexpected(timeline.error());
+  auto setup = SetUpRecorded(timeline->session());
+  if (!setup) return tl::unexpected(file.string() + ": " + setup.error());
+  if (!setup->bone_warning.empty()) fmt::print(stderr, "osteon view: warning: {}\n", setup->bone_warning);
+  return std::make_unique<ShownRecording>(file, std::move(*timeline), std::move(*setup));
+}
+
+// Brings the other playback to the first one's time: each keeps time by itself, and a stall is not made up.
+void BringTogether(const Playback& first, Playback& other) {
+  const PlaybackState leads = first.state(), follows = other.state();
+  const double wanted_s = std::min(leads.at_s, follows.duration_s);
+  if (std::abs(follows.at_s - wanted_s) > kApartPlaying_s) other.Seek(wanted_s);
+}
+
 }  // namespace
 
 int RunView(const ViewOptions& options) {
-  auto timeline = RecordingTimeline::Open(options.recording);
-  if (!timeline) return Fail("view", timeline.error());
-  auto setup = SetUpRecorded(timeline->session());
-  if (!setup) return Fail("view", options.recording.string() + ": " + setup.error());
-  if (!setup->bone_warning.empty()) fmt::print(stderr, "osteon view: warning: {}\n", setup->bone_warning);
-  const double duration_s = timeline->duration_s();
+  // the longest first: its time line is the page's
+  std::vector<std::unique_ptr<ShownRecording>> shown;
+  for (const std::filesystem::path& file : options.recordings) {
+    auto opened = OpenShown(file);
+    if (!opened) return Fail("view", opened.error());
+    shown.push_back(std::move(*opened));
+  }
+  const bool two = shown.size() == 2;
+  ShownRecording& first = *shown.front();
+  ShownRecording& longest = two && shown[1]->duration_s > first.duration_s ? *shown[1] : first;
+  const double duration_s = longest.duration_s;
 
-  console::LiveFeed feed;
-  console::SurfaceStore surface;
-  Playback playback(std::move(*timeline), feed);
-  RecordingScan scan(options.recording);
-  console::SurfaceFeed chunks(surface);
-  ViewSurface bone(options.recording, *setup, chunks);
+  RecordingScan scan(longest.file);
+  std::vector<std::function<std::string()>> notes{[&] { return StateJson(longest.playback.state()); },
+                                                  [&] { return scan.Json(); }};
+  std::optional<RecordingDifference> difference;
+  std::optional<console::ConsoleStream> second;
+  if (two) {
+    difference.emplace(std::array{first.file, shown[1]->file});
+    notes.emplace_back([&] { return difference->Json(); });
+    second.emplace(
+        console::ConsoleStream{.hello = shown[1]->Hello(duration_s, NameBeside(shown[1]->file, first.file)),
+                               .context = LiveContextOf(shown[1]->setup),
+                               .feed = shown[1]->feed,
+                               .surface = shown[1]->surface});
+  }
   const auto server = console::ConsoleServer::Start(
       {.address = options.console.address,
        .port = options.console.port,
        .only_this_port = options.console.only_this_port,
        .page = ConsolePageFolder(),
-       .hello = ConsoleScene(*setup, "view", duration_s, options.recording.filename().string()),
-       .context = LiveContextOf(*setup),
+       .hello = first.Hello(duration_s,
+                            two ? NameBeside(first.file, shown[1]->file) : first.file.filename().string()),
+       .context = LiveContextOf(first.setup),
        .request = {},
-       .view = [&](const console::ViewRequest& request) { Move(playback, request); },
-       .notes = {[&] { return StateJson(playback.state()); }, [&] { return scan.Json(); }}},
-      feed, surface);
+       .view =
+           [&](const console::ViewRequest& request) {
+             for (const auto& each : shown) Move(each->playback, request);
+             if (!two || request.kind != console::ViewRequest::Kind::kHalt) return;
+             const double halted_s = longest.playback.state().at_s;  // one time for both
+             for (const auto& each : shown) each->playback.Seek(halted_s);
+           },
+       .notes = notes,
+       .second = second},
+      first.feed, first.surface);
   if (!server) return Fail("view", server.error(), kFailed);
-  fmt::print("{}\n", (*server)->url());
+  for (const auto& each : shown) each->playback.Seek(options.at_s);
+  const std::string url = (*server)->url() + (two ? "compare.html" : "");
+  fmt::print("{}\n", url);
   std::fflush(stdout);
   if (!options.json.empty()) {
-    const nlohmann::json json{{"schema", "osteon.view/1"},
-                              {"url", (*server)->url()},
-                              {"recording", options.recording.string()},
-                              {"duration_s", duration_s}};
+    nlohmann::json json{{"schema", "osteon.view/1"},
+                        {"url", url},
+                        {"recording", first.file.string()},
+                        {"duration_s", duration_s}};
+    if (two) json["second"] = shown[1]->file.string();
     if (const auto written = WriteText(options.json, JsonText(json)); !written)
       return Fail("view", written.error(), kFailed);
   }
   InstallInterrupt();
-  while (!Interrupted().load()) {
+  for (int look = 1; !Interrupted().load(); ++look) {
     std::this_thread::sleep_for(kLooksForEnd);
-    bone.GoTo(playback.state().at_s);
+    for (const auto& each : shown) {
+      if (look % kLooksTogether == 0 && each->playback.state().playing)
+        BringTogether(longest.playback, each->playback);
+      each->bone.GoTo(each->playback.state().at_s);
+    }
   }
   return 0;
 }

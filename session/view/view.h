@@ -2,19 +2,23 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "session/run/live_views.h"
 
 namespace osteon::app {
 
 struct ViewOptions {
-  std::filesystem::path recording;
+  /// One, or two that are shown side by side.
+  std::vector<std::filesystem::path> recordings;
+  double at_s{0.0};  ///< shown at first
   ConsoleChoice console{};
   std::filesystem::path
-      json{};  ///< written once the page is served: {"url", "recording", "duration_s"}; empty: none
+      json{};  ///< written once the page is served: {"url", "recording", "duration_s", "second"}; empty: none
 };
 
-/// Runs `osteon view`: serves the console's page over a recording, with a time line, until Ctrl-C.
+/// Runs `osteon view`: serves the console's page over a recording, or over two side by side with their
+/// difference, with a time line, until Ctrl-C.
 /// @returns the process's exit code: 0 after Ctrl-C; 1 the page could not be served; 2 no recording of this
 /// program.
 [[nodiscard]] int RunView(const ViewOptions& options);

@@ -36,11 +36,13 @@ void ViewSurface::Run() {
     const float voxel_mm = surface::VoxelFor(setup_.config.tool.tool);
     solid_ = setup_.solid ? surface::SampleSolid(*setup_.solid, voxel_mm)
                           : surface::UnionOfBalls(setup_.bone, voxel_mm);
-    Begin();
+    Begin(CarvedBone(solid_, setup_));
+    keys_ = std::make_unique<CarvedKeys>(recording_, setup_, solid_);
     while (!stop_.load()) {
       const double wanted_s = wanted_s_.load();
-      if (wanted_s < carved_s_) Begin();
-      const bool more = !ended_ && wanted_s > carved_s_ && CarveOn(wanted_s);
+      keys_complete_.store(keys_->complete());
+      GoNear(wanted_s);
+      const bool more = !ended_ && wanted_s > bone_->at_s && CarveOn(wanted_s);
       Publish();
       if (!more) std::this_thread::sleep_for(kPeriod);
     }
@@ -48,45 +50,43 @@ void ViewSurface::Run() {
   }
 }
 
-void ViewSurface::Begin() {
-  auto timeline = RecordingTimeline::Open(recording_);
-  ended_ = !timeline;
-  if (timeline) {
-    timeline_ = std::make_unique<RecordingTimeline>(std::move(*timeline));
-    (void)timeline_->Seek(0.0);
-  }
-  field_ = std::make_unique<surface::CarvedField>(solid_);
-  ways_ = std::make_unique<surface::ToolWays>(setup_.config.tool.tool, setup_.X_WG);
-  carved_s_ = 0.0;
-  turns_ = false;
-  sink_.Begin(field_->layout());
+void ViewSurface::Begin(const CarvedBone& from) {
+  if (!timeline_)
+    if (auto timeline = RecordingTimeline::Open(recording_))
+      timeline_ = std::make_unique<RecordingTimeline>(std::move(*timeline));
+  ended_ = !timeline_ || !GoOnFrom(from, *timeline_);
+  bone_.emplace(from);
+  sink_.Begin(bone_->field.layout());
+}
+
+// Goes back, or on to a key state that is much nearer to a time than what is shown.
+void ViewSurface::GoNear(double wanted_s) {
+  const bool back = wanted_s < bone_->at_s;
+  const std::shared_ptr<const CarvedBone> key = keys_->Before(wanted_s);
+  if (key && (back || key->at_s > bone_->at_s + CarvedKeys::kFirstStep_s))
+    Begin(*key);
+  else if (back)
+    Begin(CarvedBone(solid_, setup_));
 }
 
 // Carves up to a time, or for kSlice. True if it has not got there.
 bool ViewSurface::CarveOn(double wanted_s) {
   const auto until = Clock::now() + kSlice;
-  for (int messages = 1; carved_s_ < wanted_s && !stop_.load(); ++messages) {
+  for (int messages = 1; bone_->at_s < wanted_s && !stop_.load(); ++messages) {
     const auto topic = timeline_->Next();
     if (!topic || *topic == io::RecordedTopic::kOther) {
       ended_ = true;
       break;
     }
-    const io::RecordingStream& message = timeline_->message();
-    if (*topic == io::RecordedTopic::kTick) {
-      turns_ = message.tick.spindle_rad_per_s != 0.0;
-      carved_s_ = timeline_->At(message.tick.stamp);
-    }
-    if (*topic == io::RecordedTopic::kFrame &&
-        ways_->Add(surface::MakeToolFrame(message.frame.model, turns_ ? 1.0 : 0.0)))
-      field_->Carve(ways_->TakeCapsules());
+    bone_->Take(*topic, *timeline_);
     if (messages % kMessagesPerLook == 0 && Clock::now() > until) return true;
   }
   return false;
 }
 
 void ViewSurface::Publish() {
-  if (ended_ || carved_s_ >= wanted_s_.load()) field_->Carve(ways_->TakeCapsules());
-  const auto dirty = field_->Dirty();
+  if (ended_ || bone_->at_s >= wanted_s_.load()) bone_->field.Carve(bone_->ways.TakeCapsules());
+  const auto dirty = bone_->field.Dirty();
   if (!dirty.empty()) {
     if (chunks_.size() < dirty.size()) chunks_.resize(dirty.size());
     const auto material = [this](surface::Vec3 p_mm) {
@@ -94,11 +94,11 @@ void ViewSurface::Publish() {
                           : std::uint8_t{0};
     };
     for (std::size_t i = 0; i < dirty.size(); ++i)
-      surface::ExtractChunk(*field_, dirty[i], chunks_[i], {}, material);
-    sink_.Publish(std::span(chunks_).first(dirty.size()), ways_->frame());
-    field_->ClearDirty();
+      surface::ExtractChunk(bone_->field, dirty[i], chunks_[i], {}, material);
+    sink_.Publish(std::span(chunks_).first(dirty.size()), bone_->ways.frame());
+    bone_->field.ClearDirty();
   }
-  shown_s_.store(carved_s_);
+  shown_s_.store(bone_->at_s);
 }
 
 }  // namespace osteon::app

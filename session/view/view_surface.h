@@ -3,11 +3,13 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "session/setup/cell_setup.h"
+#include "session/view/carved_keys.h"
 #include "session/view/recording_timeline.h"
 #include "simulation/surface/carved_field.h"
 #include "simulation/surface/surface_sink.h"
@@ -16,7 +18,8 @@
 namespace osteon::app {
 
 /// Shows the carved bone of a recording at the time that a playback has reached, in a thread of its own.
-/// Forward it carves on from where it is; backward it begins anew from the uncut bone.
+/// It carves on from where it is, or from the last key state (CarvedKeys) before the time, whichever is
+/// nearer.
 class ViewSurface {
  public:
   /// @param setup, sink  outlive this; without a solid and without balls nothing is shown
@@ -27,12 +30,15 @@ class ViewSurface {
 
   /// Any thread.
   void GoTo(double at_s) { wanted_s_.store(at_s); }
+  /// Whether key states of the whole recording are there, and any time is one of them and some carving.
+  [[nodiscard]] bool keys_complete() const { return keys_complete_.load(); }
   /// Time up to which the bone that was shown is carved [s].
   [[nodiscard]] double shown_s() const { return shown_s_.load(); }
 
  private:
   void Run();
-  void Begin();
+  void Begin(const CarvedBone& from);
+  void GoNear(double wanted_s);
   bool CarveOn(double wanted_s);
   void Publish();
 
@@ -40,18 +46,16 @@ class ViewSurface {
   const CellSetup& setup_;
   surface::SurfaceSink& sink_;
   std::atomic<double> wanted_s_{0.0}, shown_s_{0.0};
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, keys_complete_{false};
 
   // of the thread
   std::shared_ptr<const surface::SolidField> solid_;
-  std::unique_ptr<surface::CarvedField> field_;
-  std::unique_ptr<surface::ToolWays> ways_;
+  std::optional<CarvedBone> bone_;
   std::unique_ptr<RecordingTimeline> timeline_;
   std::vector<surface::SurfaceChunk> chunks_;
-  double carved_s_{0.0};
-  bool turns_{false};  // the spindle, in the last tick
   bool ended_{false};
 
+  std::unique_ptr<CarvedKeys> keys_;
   std::thread thread_;
 };
 

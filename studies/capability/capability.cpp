@@ -184,11 +184,9 @@ void Search(const config::CellConfig& cell, const CapabilityOptions& options, Ph
 std::string Page(const CapabilityResult& result, const CapabilityOptions& options, const std::string& map,
                  const std::string& own_map, const std::string& bases) {
   const std::string title = "Force capability of " + result.cell;
-  std::string html = PageBegin(title) + "<h1>" + Escape(title) + "</h1>\n" +
-                     VerdictBadge(Judge(result).ForReport()) + "<table>\n";
-  for (const SummaryRow& row : Rows(result))
-    html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", Escape(row.key), Escape(row.value));
-  html += "</table>\n<h2>What the arm holds, where</h2>\n";
+  std::string html =
+      PageBegin({.title = title, .verdict = Judge(result).ForReport(), .summary = Rows(result)});
+  html += "<h2>What the arm holds, where</h2>\n";
   html += Figure(
       map,
       "The tool's head centred at each place, the tool along the site's axis and tilted to the cone's edge "
@@ -209,7 +207,7 @@ std::string Page(const CapabilityResult& result, const CapabilityOptions& option
             result.search.joint_margin_rad / kRadian, std::round(result.search.min_bend_rad / kRadian),
             result.search.clearance_m * 1e3);
   if (result.base) html += "<pre>" + Escape(BaseYaml(result, options.command_line)) + "</pre>\n";
-  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + kPageEnd;
+  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + PageEnd();
 }
 
 tl::expected<void, std::string> Write(const CapabilityResult& result, const CapabilityOptions& options) {

@@ -18,17 +18,6 @@ namespace {
 using simulation::Bone;
 using simulation::MassProperties;
 
-std::string Head(const PackReportInput& input) {
-  std::string out = fmt::format("<header>\n<h1>Packing: {}</h1>\n", Escape(input.bone.name));
-  out += fmt::format("<p class=\"sub\">From {}</p>\n", Escape(input.provenance.source));
-  out +=
-      fmt::format("<div class=\"verdict {}\">{}</div>\n", input.good ? "good" : "bad", Escape(input.verdict));
-  out += "<ul class=\"summary\">\n";
-  for (const SummaryRow& row : input.summary)
-    out += fmt::format("<li><span>{}</span> <b>{}</b></li>\n", Escape(row.key), Escape(row.value));
-  return out + "</ul>\n</header>\n";
-}
-
 /// A bar with the colours of the radii, on a logarithmic scale.
 std::string RadiusLegend(double min_mm, double max_mm) {
   std::string stops;
@@ -241,11 +230,15 @@ std::string Origin(const PackReportInput& input) {
 tl::expected<std::string, std::string> MakePackReport(const PackReportInput& input) {
   const auto pictures = Pictures(input);
   if (!pictures) return tl::unexpected(pictures.error());
-  std::string html = PageBegin("Packing: " + input.bone.name);
-  html += Head(input) + *pictures + SectionFigure(input) + Histograms(input) + Spectrum(input) + Mass(input) +
+  std::string html =
+      PageBegin({.title = "Packing: " + input.bone.name,
+                 .subtitle = "From " + input.provenance.source,
+                 .verdict = ReportVerdict{.level = input.good ? "good" : "bad", .text = input.verdict},
+                 .summary = input.summary});
+  html += *pictures + SectionFigure(input) + Histograms(input) + Spectrum(input) + Mass(input) +
           Materials(input) + Origin(input);
   if (!input.version.empty()) html += "<footer>Osteon " + Escape(input.version) + "</footer>\n";
-  return html + kPageEnd;
+  return html + PageEnd();
 }
 
 tl::expected<void, std::string> WritePackReport(const PackReportInput& input,

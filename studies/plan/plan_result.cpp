@@ -1,12 +1,18 @@
 #include "studies/plan/plan_result.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "base/interrupt.h"
 #include "base/phase_progress.h"
 #include "base/write_text.h"
+#include "report/page.h"
+#include "report/svg_plot.h"
+#include "report/svg_text.h"
 #include "session/process/exit_code.h"
 
 namespace osteon::app {
@@ -57,9 +63,7 @@ std::string UnmetDemandText(const UnmetDemand& demand) {
              : fmt::format("error: {:.4f} mm instead of {:g}", demand.predicted, demand.asked);
 }
 
-std::string Row(const char* name, const std::string& value) {
-  return fmt::format("  {:<18} {}\n", name, value);
-}
+SummaryRow Row(const char* name, const std::string& value) { return {.key = name, .value = value}; }
 
 }  // namespace
 
@@ -149,63 +153,135 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
   return json;
 }
 
-std::string PlanText(const PlanScene& scene, const PlanRequest& request, const FidelityPlan& plan,
-                     const std::optional<PlanCheck>& check) {
+namespace {
+
+std::vector<SummaryRow> PlanRows(const FidelityPlan& plan, const std::optional<PlanCheck>& check) {
   const Radii radii = RadiiOf(plan.packed.balls);
   const simulation::PackingLevel& level = plan.packed.level;
-  std::string text =
-      fmt::format("Osteon plan: {}, {}, {:g} mm at {:g} Hz, {} on {}\n", scene.name, scene.work.tool.name,
-                  request.error_m * 1e3, request.rate_hz, plan.engine, plan.device);
-  for (const SummaryRow& row : VerdictRows(Judge(plan, check))) text += Row(row.key.c_str(), row.value);
-  text +=
+  std::vector<SummaryRow> rows;
+  rows.push_back(
       Row("packing", fmt::format("{}, {} spheres of {:.3f} to {:.2f} mm", simulation::KindName(level.kind),
-                                 plan.packed.balls.size(), radii.min_m * 1e3, radii.max_m * 1e3));
-  text += Row("zone",
-              fmt::format("{:.3f} mm apart, radii up to {:.3f} mm, down to {:g} mm below it",
-                          level.fine.spacing_m * 1e3, level.fine.radius_m * 1e3, level.zone_depth_m * 1e3));
+                                 plan.packed.balls.size(), radii.min_m * 1e3, radii.max_m * 1e3)));
+  rows.push_back(Row(
+      "zone", fmt::format("{:.3f} mm apart, radii up to {:.3f} mm, down to {:g} mm below it",
+                          level.fine.spacing_m * 1e3, level.fine.radius_m * 1e3, level.zone_depth_m * 1e3)));
   if (level.fine.children > 0)
-    text += Row("splitting", fmt::format("{} children of a ball that is touched", level.fine.children));
+    rows.push_back(
+        Row("splitting", fmt::format("{} children of a ball that is touched", level.fine.children)));
   const auto packing_row = [&](const char* name, double balls) {
     return Row(name, fmt::format("{:.0f} spheres, {:.1f} times as many", balls,
                                  balls / static_cast<double>(plan.packed.balls.size())));
   };
-  if (plan.uniform_balls > 0.0) text += packing_row("all of it alike", plan.uniform_balls);
-  text += packing_row("and disjoint", plan.disjoint_balls);
-  text += Row("tool",
-              fmt::format("{} spheres that cut, {} that touch; {:g} frames a turn at most",
+  if (plan.uniform_balls > 0.0) rows.push_back(packing_row("all of it alike", plan.uniform_balls));
+  rows.push_back(packing_row("and disjoint", plan.disjoint_balls));
+  rows.push_back(Row(
+      "tool", fmt::format("{} spheres that cut, {} that touch; {:g} frames a turn at most",
                           CountCuttingBalls(plan.tool), plan.tool.balls.size() - CountCuttingBalls(plan.tool),
-                          static_cast<double>(plan.turn_parts)));
-  text += Row("arm", fmt::format("{}, off by {:.3f} mm", simulation::ArmFidelityName(plan.arm),
-                                 plan.arm_error_m * 1e3));
-  text += Row("predicted error",
-              fmt::format("{:.4f} mm: face {:.4f}, rim {:.4f}, tool {:.4f}", plan.error_m * 1e3,
-                          plan.removal.face_m * 1e3, plan.removal.rim_m * 1e3, plan.tool_gap_m * 1e3));
-  text += Row("leak, cogging", fmt::format("{:.4f} mm of a {:g} mm probe; {:.1f} % of the normal force",
-                                           plan.leak_m * 1e3, plan.leak_probe_m * 1e3, plan.cogging * 100.0));
-  text += Row(
+                          static_cast<double>(plan.turn_parts))));
+  rows.push_back(Row("arm", fmt::format("{}, off by {:.3f} mm", simulation::ArmFidelityName(plan.arm),
+                                        plan.arm_error_m * 1e3)));
+  rows.push_back(Row("predicted error", fmt::format("{:.4f} mm: face {:.4f}, rim {:.4f}, tool {:.4f}",
+                                                    plan.error_m * 1e3, plan.removal.face_m * 1e3,
+                                                    plan.removal.rim_m * 1e3, plan.tool_gap_m * 1e3)));
+  rows.push_back(
+      Row("leak, cogging", fmt::format("{:.4f} mm of a {:g} mm probe; {:.1f} % of the normal force",
+                                       plan.leak_m * 1e3, plan.leak_probe_m * 1e3, plan.cogging * 100.0)));
+  rows.push_back(Row(
       "predicted frame",
       fmt::format("{:.0f} us, p99.9 {:.0f} us: {:.0f} + {:.4f} us times {:.0f} active spheres", plan.frame_us,
-                  plan.frame_p999_us, plan.cost.base_us, plan.cost.ball_us, plan.active_balls));
+                  plan.frame_p999_us, plan.cost.base_us, plan.cost.ball_us, plan.active_balls)));
   const auto [frames, interrupted] = CountsOf(plan.calibration);
-  text += Row("calibrated on", fmt::format("{} frames of {} other packings, {} of them interrupted", frames,
-                                           plan.calibration.size(), interrupted));
-  if (plan.unmet.empty()) text += Row("given up", "nothing");
-  for (const UnmetDemand& demand : plan.unmet) text += Row("given up", UnmetDemandText(demand));
-  if (!check) return text;
-  text += Row("measured error",
-              fmt::format("{:.4f} ± {:.4f} mm: lost {:.4f}, left {:.4f}", check->error_m * 1e3,
-                          check->standard_error_m * 1e3, check->lost_m * 1e3, check->left_m * 1e3));
-  text += Row("measured leak", fmt::format("{:.4f} mm", check->leak_m * 1e3));
-  text += Row("measured frame",
-              fmt::format("{:.0f} us, p99.9 {:.0f} us; {:.0f} active spheres; {} of {} frames interrupted",
-                          check->frames.p50_us, check->frames.p999_us, check->frames.active_balls,
-                          check->frames.interrupted, check->frames.frames));
-  text += Row("", fmt::format("{:+.0f} % of the prediction, {:+.0f} % of what the others in turn with it say",
-                              100.0 * (check->frames.p50_us / plan.frame_us - 1.0),
-                              100.0 * (check->frames.p50_us / check->same_time_us - 1.0)));
-  for (const std::string& missed : check->missed) text += Row("missed", missed);
+  rows.push_back(Row("calibrated on", fmt::format("{} frames of {} other packings, {} of them interrupted",
+                                                  frames, plan.calibration.size(), interrupted)));
+  if (plan.unmet.empty()) rows.push_back(Row("given up", "nothing"));
+  for (const UnmetDemand& demand : plan.unmet) rows.push_back(Row("given up", UnmetDemandText(demand)));
+  if (!check) return rows;
+  rows.push_back(Row("measured error",
+                     fmt::format("{:.4f} ± {:.4f} mm: lost {:.4f}, left {:.4f}", check->error_m * 1e3,
+                                 check->standard_error_m * 1e3, check->lost_m * 1e3, check->left_m * 1e3)));
+  rows.push_back(Row("measured leak", fmt::format("{:.4f} mm", check->leak_m * 1e3)));
+  rows.push_back(
+      Row("measured frame",
+          fmt::format("{:.0f} us, p99.9 {:.0f} us; {:.0f} active spheres; {} of {} frames interrupted",
+                      check->frames.p50_us, check->frames.p999_us, check->frames.active_balls,
+                      check->frames.interrupted, check->frames.frames)));
+  rows.push_back(
+      Row("", fmt::format("{:+.0f} % of the prediction, {:+.0f} % of what the others in turn with it say",
+                          100.0 * (check->frames.p50_us / plan.frame_us - 1.0),
+                          100.0 * (check->frames.p50_us / check->same_time_us - 1.0))));
+  for (const std::string& missed : check->missed) rows.push_back(Row("missed", missed));
+  return rows;
+}
+
+std::string PlanTitle(const PlanScene& scene, const PlanRequest& request, const FidelityPlan& plan) {
+  return fmt::format("Osteon plan: {}, {}, {:g} mm at {:g} Hz, {} on {}", scene.name, scene.work.tool.name,
+                     request.error_m * 1e3, request.rate_hz, plan.engine, plan.device);
+}
+
+}  // namespace
+
+std::string PlanText(const PlanScene& scene, const PlanRequest& request, const FidelityPlan& plan,
+                     const std::optional<PlanCheck>& check) {
+  std::string text = PlanTitle(scene, request, plan) + "\n";
+  std::vector<SummaryRow> rows = VerdictRows(Judge(plan, check));
+  std::ranges::move(PlanRows(plan, check), std::back_inserter(rows));
+  for (const SummaryRow& row : rows) text += fmt::format("  {:<18} {}\n", row.key, row.value);
   return text;
 }
+
+namespace {
+
+// Frame time over active spheres: what was timed, the line that it gives, and what the plan predicts on it.
+std::string FrameChart(const FidelityPlan& plan, const std::optional<PlanCheck>& check) {
+  Series timed{.name = "other packings, timed", .width_px = 0.0, .marker = Marker::kCircle};
+  double most = plan.active_balls;
+  for (const simulation::FrameGroup& group : plan.calibration) {
+    timed.x.push_back(group.active_balls);
+    timed.y.push_back(group.p50_us);
+    most = std::max(most, group.active_balls);
+  }
+  std::vector<Series> series{{.name = "fitted",
+                              .x = {0.0, most},
+                              .y = {plan.cost.base_us, plan.cost.base_us + plan.cost.ball_us * most}},
+                             std::move(timed),
+                             {.name = "this plan, predicted",
+                              .x = {plan.active_balls},
+                              .y = {plan.frame_us},
+                              .width_px = 0.0,
+                              .marker = Marker::kDiamond}};
+  if (check)
+    series.push_back({.name = "this plan, measured",
+                      .x = {check->frames.active_balls},
+                      .y = {check->frames.p50_us},
+                      .width_px = 0.0,
+                      .marker = Marker::kCross});
+  return Svg(LineChart{.title = "Frame time",
+                       .x_label = "active spheres",
+                       .y_label = "median frame [µs]",
+                       .series = std::move(series)});
+}
+
+tl::expected<void, std::string> WritePlanPage(const PlanOptions& options, const PlanScene& scene,
+                                              const FidelityPlan& plan,
+                                              const std::optional<PlanCheck>& check) {
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  if (error) return tl::unexpected(options.out.string() + ": " + error.message());
+  std::string html = PageBegin({.title = PlanTitle(scene, options.request, plan),
+                                .verdict = Judge(plan, check).ForReport(),
+                                .summary = PlanRows(plan, check)});
+  html +=
+      "<h2>What the frame time was predicted from</h2>\n" +
+      Figure(
+          FrameChart(plan, check),
+          "Two other packings of the scene were timed on this machine; the frame time grows with the spheres "
+          "that are near the tool.");
+  if (!options.command_line.empty())
+    html += "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n";
+  return WritePage(html + PageEnd(), options.out / "plan.html");
+}
+
+}  // namespace
 
 int RunPlan(const PlanOptions& options) {
   InstallInterrupt();
@@ -231,6 +307,11 @@ int RunPlan(const PlanOptions& options) {
             options.json, ResultText(Judge(*plan, check), PlanJson(*scene, options.request, *plan, check)));
         !written)
       return Fail("plan", written.error(), kFailed);
+  if (!options.out.empty()) {
+    if (const auto written = WritePlanPage(options, *scene, *plan, check); !written)
+      return Fail("plan", written.error(), kFailed);
+    fmt::print("report: {}\n", (options.out / "plan.html").string());
+  }
   return plan->unmet.empty() && (!check || check->missed.empty()) ? 0 : 1;
 }
 

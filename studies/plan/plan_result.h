@@ -28,6 +28,8 @@ struct PlanOptions {
   PlanRequest request;
   bool check{false};
   std::filesystem::path json;
+  std::filesystem::path out{};  ///< folder for plan.html; empty: no page
+  std::string command_line{};
 };
 
 /// Runs the subcommand `plan`. @returns the process's exit code.

@@ -69,6 +69,23 @@ std::string Accept(const RegressOptions& options, RegressResult& result) {
   return "";
 }
 
+fs::path KeptRecording(const RegressResult& result, const fs::path& folder) {
+  return folder / (result.scenario.name + ".mcap");
+}
+
+// Keeps a run's recording, and says by which command it is seen. A golden trace has no recording.
+void KeepRecording(RegressResult& result, const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  const fs::path file = KeptRecording(result, folder);
+  fs::copy_file(result.run->recording, file, fs::copy_options::overwrite_existing, error);
+  result.run->folder.reset();
+  if (error) return;
+  result.explained.push_back(fmt::format(
+      "its recording: osteon view {}; beside another build's, by two files: osteon view OTHER.mcap {}",
+      file.string(), file.string()));
+}
+
 // Runs several scenarios at a time, each in one thread, the long ones first.
 std::vector<RegressResult> RunAll(const std::vector<config::ScenarioConfig>& scenarios,
                                   const RegressOptions& options) {
@@ -83,7 +100,8 @@ std::vector<RegressResult> RunAll(const std::vector<config::ScenarioConfig>& sce
   std::vector<RegressResult> results(scenarios.size());
   PhaseProgress progress("osteon regress", static_cast<int>(scenarios.size()));
   std::atomic<std::size_t> next{0};
-  const ScenarioRunParams params{.device = options.device, .set = options.set, .stop = &Interrupted()};
+  const ScenarioRunParams params{
+      .device = options.device, .set = options.set, .stop = &Interrupted(), .keep_in = options.out};
   const auto work = [&] {
     for (std::size_t i = next++; i < order.size() && !Interrupted(); i = next++) {
       progress.BeginPhase(scenarios[order[i]].name);
@@ -168,7 +186,14 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
   result.golden = std::move(*golden);
   result.difference = Compare(result.golden->trace, result.run->trace, scenario.tolerances);
   result.explained = Explain(result.difference, result.run->trace);
-  if (result.identical()) return result;
+  if (result.identical()) {
+    result.run->folder.reset();
+    if (!params.keep_in.empty())
+      fs::remove(KeptRecording(result, params.keep_in), error);  // an earlier run's
+    return result;
+  }
+
+  if (!params.keep_in.empty()) KeepRecording(result, params.keep_in);
 
   // possible causes outside the program
   std::vector<std::string>& lines = result.explained;

@@ -34,12 +34,11 @@ std::string List(const std::vector<std::string>& lines) {
 
 tl::expected<void, std::string> WriteRegressPage(const RegressPage& page, const std::filesystem::path& file) {
   const bool all = page.passed == page.scenarios;
-  std::string html = PageBegin("Osteon regress");
-  html += fmt::format(
-      "<h1>Osteon regress</h1>\n<span class=\"verdict {}\">{} of {} scenarios passed</span>\n<p>Below are "
-      "those that are not "
-      "bit-identical with their golden traces.</p>\n",
-      all ? "good" : "bad", page.passed, page.scenarios);
+  std::string html = PageBegin({.title = "Osteon regress",
+                                .verdict = ReportVerdict{.level = all ? "good" : "bad",
+                                                         .text = fmt::format("{} of {} scenarios passed",
+                                                                             page.passed, page.scenarios)}});
+  html += "<p>Below are those that are not bit-identical with their golden traces.</p>\n";
   for (const RegressPageEntry& entry : page.entries) {
     html += fmt::format("<h2>{} <span class=\"verdict {}\">{}</span></h2>\n<p class=\"sub\">{}</p>\n",
                         Escape(entry.name), entry.good ? "good" : "bad", Escape(entry.verdict),
@@ -53,7 +52,7 @@ tl::expected<void, std::string> WriteRegressPage(const RegressPage& page, const 
   }
   html += fmt::format("<footer>Osteon {}: <code>{}</code></footer>\n", Escape(page.version),
                       Escape(page.command_line));
-  return WritePage(html + kPageEnd, file);
+  return WritePage(html + PageEnd(), file);
 }
 
 }  // namespace osteon::app

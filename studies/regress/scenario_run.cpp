@@ -134,8 +134,8 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
   run.engine = fmt::format("{} on {}", (*engine)->name(), (*engine)->device());
   run.seconds_set_up = Now_s() - begun_s;
 
-  const WorkFolder folder("regress");
-  if (folder.path().empty())
+  const auto folder = std::make_shared<const WorkFolder>("regress");
+  if (folder->path().empty())
     return tl::make_unexpected(fs::temp_directory_path().string() + ": cannot make a temporary folder");
   const double period_s = setup->config.servo.period_s;
   TraceRecorder recorder(period_s, scenario.sample_s);
@@ -147,7 +147,7 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
                .frame_s = scenario.frame_s,
                .recoveries = scenario.recoveries,
                .at_rest_s = 0.0,  // a trace ends at the arm's rest
-               .recording = folder.path() / "recording.mcap",
+               .recording = folder->path() / "recording.mcap",
                .stop = params.stop,
                .requests = pauses.signals(),
                .ticked = [&](const control::TickRecord& record, const simulation::ContactModel& model) {
@@ -155,6 +155,8 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
                  pauses.Tick(record);
                }});
   if (!result) return tl::make_unexpected(result.error().what);
+  run.folder = folder;
+  run.recording = folder->path() / "recording.mcap";
   for (const simulation::SceneEvent& event : result->events) recorder.SceneEvent(event.stamp, event.name);
   const bool cuts = scenario.engine != config::ScenarioEngine::kPlane;
   run.trace =

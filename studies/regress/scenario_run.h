@@ -1,10 +1,13 @@
 #pragma once
 
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <tl/expected.hpp>
 
+#include "base/work_folder.h"
 #include "config/reading/scenario_config.h"
 #include "studies/regress/golden_file.h"
 #include "studies/regress/scenario_trace.h"
@@ -16,16 +19,21 @@ struct ScenarioRunParams {
   std::string device{};            ///< part of a Vulkan device's name
   std::vector<std::string> set{};  ///< KEY=VALUE each, overrides every scenario's cell (Overlay::Set)
   const std::atomic<bool>* stop{nullptr};
+  /// Where the recording of a run stays that is not bit-identical with its golden trace, as NAME.mcap; empty:
+  /// nowhere.
+  std::filesystem::path keep_in{};
 };
 
 struct ScenarioRun {
   ScenarioTrace trace;
-  std::vector<GoldenSource> sources;  ///< the files that the run was made from
-  std::string engine;                 ///< "reference on CPU, double precision"
-  double seconds_simulated{0.0};      ///< virtual time in all
-  double seconds_wall{0.0};           ///< wall time in all
-  double seconds_cpu{0.0};            ///< CPU time of its thread: less than the wall time on a busy machine
-  double seconds_set_up{0.0};         ///< wall time of the set-up: reading files, packing bone
+  std::vector<GoldenSource> sources;         ///< the files that the run was made from
+  std::string engine;                        ///< "reference on CPU, double precision"
+  std::shared_ptr<const WorkFolder> folder;  ///< holds the recording; removed with the last copy of this
+  std::filesystem::path recording;
+  double seconds_simulated{0.0};  ///< virtual time in all
+  double seconds_wall{0.0};       ///< wall time in all
+  double seconds_cpu{0.0};        ///< CPU time of its thread: less than the wall time on a busy machine
+  double seconds_set_up{0.0};     ///< wall time of the set-up: reading files, packing bone
 };
 
 /// Reads a scenario's cell with the overrides, without running anything, so that errors are found early.

@@ -207,11 +207,7 @@ void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& pro
 std::string Page(const TuneResult& r, const TuneOptions& options, const std::string& map,
                  const std::string& width, const std::string& trade) {
   const std::string title = "Gains for " + r.cell;
-  std::string html = PageBegin(title) + "<h1>" + Escape(title) + "</h1>\n" +
-                     VerdictBadge(Judge(r).ForReport()) + "<table>\n";
-  for (const SummaryRow& row : Rows(r))
-    html += "<tr><th>" + Escape(row.key) + "</th><td>" + Escape(row.value) + "</td></tr>\n";
-  html += "</table>\n";
+  std::string html = PageBegin({.title = title, .verdict = Judge(r).ForReport(), .summary = Rows(r)});
   if (!map.empty())
     html +=
         "<h2>How stiff a wall may be</h2>\n" +
@@ -243,7 +239,7 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const std::str
   if (r.Stands())
     html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
             Escape(GainsYaml(r, options.command_line)) + "</pre>\n";
-  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + kPageEnd;
+  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + PageEnd();
 }
 
 tl::expected<void, std::string> Write(const TuneResult& r, const TuneOptions& options) {

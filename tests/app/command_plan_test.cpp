@@ -10,11 +10,18 @@ namespace {
 
 TEST(Plan, WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises) {
   const TemporaryFolder folder;
-  const CommandResult run = RunCommand(folder.path(), {"plan", "thin_plate", "--error-mm", "0.08",
-                                                       "--rate-hz", "1", "--check", "--json", "plan.json"});
+  const CommandResult run =
+      RunCommand(folder.path(), {"plan", "thin_plate", "--error-mm", "0.08", "--rate-hz", "1", "--check",
+                                 "--json", "plan.json", "--out", "page"});
   ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
   const nlohmann::json json = ReadJson(folder.path() / "plan.json");
   EXPECT_EQ(json.at("schema"), "osteon.plan/1");
+  const std::string page = io::test::ReadAll(folder.path() / "page/plan.html");
+  const std::string level = json.at("verdict").at("level");
+  for (const std::string& part :
+       {"<div class=\"verdict " + level + "\">", std::string("<span>predicted error</span>"),
+        std::string("this plan, measured"), std::string("osteon plan thin_plate")})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_GT(json.at("spheres").get<int>(), 100);
   EXPECT_GT(json.at("spheres_uniform").get<int>(), json.at("spheres").get<int>());
   EXPECT_GT(json.at("r_min_mm").get<double>(), 0.0);

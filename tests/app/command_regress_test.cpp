@@ -104,12 +104,17 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
       differs["scenarios"][0]["explained"].dump().find("files changed since the golden trace: own.yaml"),
       std::string::npos);
   EXPECT_NE(io::test::ReadAll(folder_.path() / "r.xml").find("<failure"), std::string::npos);
+  // what differs can be watched
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "regress_out/own.mcap"));
+  EXPECT_NE(differs["scenarios"][0]["explained"].dump().find("osteon view regress_out/own.mcap"),
+            std::string::npos);
   EXPECT_EQ(Run({"own.yaml", "--update", "--reason", "a softer hand"}).exit_code, 0);
   const auto second = ReadGolden(OwnGolden());
   ASSERT_EQ(second->head.reasons.size(), 2u);
   EXPECT_NE(second->head.reasons[1].find(": a softer hand"), std::string::npos);
   EXPECT_EQ(Run({"own.yaml"}).exit_code, 0);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "regress_out/regress.html")) << "no longer true";
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "regress_out/own.mcap")) << "nothing to watch";
 
   // a file that has changed without effect is not blamed for a later difference
   io::test::WriteAll(folder_.path() / "own.yaml",

@@ -54,7 +54,7 @@ tl::expected<std::vector<WrittenStop>, std::string> WriteStops(
     const std::vector<TickRecord>& ticks, const std::filesystem::path& folder,
     const std::vector<io::RecordedEvent>& events = {}) {
   const config::CellConfig cell = Cell();
-  StopPages pages({.folder = folder, .stem = "ride", .cell = cell});
+  StopPages pages({.folder = folder, .stem = "ride", .cell = cell, .recording = "ride.mcap"});
   io::SessionInfo session;
   session.force_limit_N = 150.0;
   for (const TickRecord& tick : ticks) pages.Add(session, tick);
@@ -190,6 +190,7 @@ TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
         "shown.",
         "<h2>What led to the stop</h2>", "Age of the PLC", "State of the arm",
         "time since the stop began [s]", "the PLC withdrew its permission", "limit 150 N",
+        "<pre>osteon view ride.mcap --at 7.5</pre>",
         "<a href=\"./ride_stop_1_ticks.csv\">ride_stop_1_ticks.csv</a>", "</html>"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(pages->front().heading, "What led to the stop");

@@ -164,6 +164,40 @@ TEST_F(ConsoleServerTest, APageGetsHelloThenTheStreamAndTheSurface) {
   EXPECT_TRUE(page.AwaitBinary(2));
 }
 
+// Two recordings side by side: one server, two streams, and the notes of both to every page.
+TEST_F(ConsoleServerTest, APageThatAsksForItGetsTheSecondStream) {
+  LiveFeed feed;
+  control::TickRecord tick;
+  for (tick.tick = 1; tick.tick <= 100; ++tick.tick) {
+    tick.stamp = static_cast<rt::Nanoseconds>(tick.tick) * 1'000'000;
+    tick.F_coupling_T_W.f = {42.0, 0.0, 0.0};
+    feed.TakeTick(tick);
+  }
+  const auto server =
+      ConsoleServer::Start({.port = 0,
+                            .page = folder_.path(),
+                            .hello = R"({"type":"hello","cell":"first"})",
+                            .context = {},
+                            .request = {},
+                            .notes = {[] { return R"({"type":"note"})"; }},
+                            .second = ConsoleStream{.hello = R"({"type":"hello","cell":"second"})",
+                                                    .context = {},
+                                                    .feed = feed,
+                                                    .surface = surface_}},
+                           feed_, surface_);
+  ASSERT_TRUE(server) << server.error();
+  Client first((*server)->port(), origin().c_str(), true, "/live?stream=1"),
+      second((*server)->port(), origin().c_str(), true, "/live?stream=2");
+  EXPECT_EQ(first.Await("hello")["cell"], "first");
+  EXPECT_EQ(second.Await("hello")["cell"], "second");
+  EXPECT_FALSE(second.Await("note").is_null());
+  const auto is_of_second = [](const nlohmann::json& live) { return live["status"]["force_N"] == 42.0; };
+  EXPECT_FALSE(second.Await("live", is_of_second).is_null());
+  // a cell without a second stream shows its own
+  Client other(server_->port(), origin().c_str(), true, "/live?stream=2");
+  EXPECT_EQ(other.Await("hello")["cell"], "test");
+}
+
 TEST_F(ConsoleServerTest, OnlyTheOperatorsPageSteers) {
   Client one(server_->port(), origin().c_str()), two(server_->port(), origin().c_str());
   ASSERT_TRUE(one.open() && two.open());

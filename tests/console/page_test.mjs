@@ -167,9 +167,35 @@ async function viewsARecording() {
   child.kill("SIGINT");
 }
 
+/** A recording beside itself, and beside a shorter one. */
+async function comparesTwoRecordings() {
+  const recording = join(folder, "out", "recording.mcap");
+  const child = spawn(osteon, ["view", recording, recording, "--at", "2", "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
+  const url = await new Promise((resolve) => child.stdout.once("data", (bytes) => resolve(String(bytes).trim())));
+  const page = await open(url, 1280, 720);
+  await until(page, "document.getElementById('most').textContent.includes('No difference')");
+  await until(page, "Math.abs(osteon.timeline.state.at_s - 2) < 0.05");
+  const side = (number, expression) => `document.getElementById("side-${number}").contentWindow.osteon?.${expression}`;
+  for (const number of [1, 2]) await until(page, `${side(number, "scene.surface.triangles")} > 10000`);
+  // a view that is turned turns the other one
+  await page.evaluate(side(1, "scene.preset('above')"));
+  await until(page, `${side(1, "scene.pose()")} === ${side(2, "scene.pose()")} && ${side(2, "hello !== null")}`);
+  assert.deepEqual(await clipped(page), []);
+  await picture(page, "compare");
+  // both play, and both halt at the same time
+  await page.click("#play");
+  await until(page, "osteon.timeline.state.at_s > 2.3");
+  await page.click("#play");
+  await until(page, "!osteon.timeline.state.playing");
+  await until(page, `${side(1, "live.status.rendered_s")} === ${side(2, "live.status.rendered_s")}`);
+  await page.close();
+  child.kill("SIGINT");
+}
+
 try {
   await operatesTheCell();
   await viewsARecording();
+  await comparesTwoRecordings();
   await showsAFault();
   assert.deepEqual(errors, []);
   console.log("the console's page: all steps done");

@@ -76,7 +76,7 @@ std::string MarkupError(std::string_view markup) {
       open.pop_back();
     } else if (!self_closed) {
       open.push_back(name);
-      if (name == "style") i = markup.find("</style>", i);
+      if (name == "style" || name == "script") i = markup.find("</" + name + ">", i);
     }
   }
   return open.empty() ? "" : open.back() + " is not closed";

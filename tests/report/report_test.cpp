@@ -58,7 +58,7 @@ std::string OutsideReference(const std::string& html) {
   rest = std::regex_replace(rest, std::regex("base64,[A-Za-z0-9+/=]*"), "");
   std::smatch match;
   if (std::regex_search(rest, match, address)) return match.str();
-  for (const char* word : {"<script", "<link", "<iframe", "@import", "url(http"})
+  for (const char* word : {"<script ", "<link", "<iframe", "@import", "url(http"})
     if (rest.find(word) != std::string::npos) return word;
   return {};
 }
@@ -100,7 +100,7 @@ TEST(Report, OfARunIsOneValidFileWithEverythingInIt) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   const std::string html = text.str();
-  for (const char* part : {"limit 200 N", "Removed volume", "Deepest apex below the first floor",
+  for (const char* part : {"limit 200 N", "Removed volume", "Apex below the first floor",
                            "message to wake-up", "wake-up to answer", "Simulation frame", "swept by the tool",
                            "class=\"verdict good\"", "Commanded tool beyond its collision-free pose",
                            "./osteon demo --seconds 2", "reamer_50.yaml", "data:image/png;base64,"})
@@ -152,6 +152,49 @@ TEST(Report, ListsTheFiguresWithoutASource) {
   const auto report = MakeReport(InputOf(run));
   EXPECT_NE(report->html.find("<li>cancellous: friction 0.25 (wet &amp; rough)</li>"), std::string::npos);
   EXPECT_EQ(report->html.find("cartilage: friction"), std::string::npos);
+}
+
+TEST(Report, LimitsThatActedAreATableWithTheLongestFirst) {
+  const SyntheticRun run = MakeSyntheticRun(
+      {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
+  ReportInput input = InputOf(run);
+  const auto none = MakeReport(input);
+  ASSERT_TRUE(none.has_value());
+  EXPECT_EQ(none->html.find("Limits that acted"), std::string::npos);
+  input.limits = {{.name = "tool <speed>", .first_s = 0.5, .total_s = 0.02, .longest_s = 0.01, .times = 3},
+                  {.name = "depth limit", .first_s = 2.25, .total_s = 1.5, .longest_s = 1.25, .times = 2}};
+  ExpectValid(input);
+  const auto report = MakeReport(input);
+  ASSERT_TRUE(report.has_value());
+  const auto speed = report->html.find("<td>tool &lt;speed&gt;</td><td class=\"n\">0.500</td>");
+  const auto depth = report->html.find(
+      "<td>depth limit</td><td class=\"n\">2.250</td><td class=\"n\">1.500</td><td class=\"n\">1.250</td>"
+      "<td class=\"n\">2</td>");
+  ASSERT_NE(speed, std::string::npos);
+  ASSERT_NE(depth, std::string::npos);
+  EXPECT_LT(depth, speed);
+}
+
+// The commanded tool goes where bone holds the proxy back: both depths are drawn.
+TEST(Report, TheCommandedDepthIsBesideTheProxys) {
+  SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
+  for (control::TickRecord& tick : run.ticks) {
+    tick.X_WT_cmd.p.z = -1e-3 - 1e-6 * static_cast<double>(tick.tick);
+    tick.tool_in_bone_m = tick.tick < 500 ? 0.0 : 1e-3;
+  }
+  const std::string without = ProgressChart(CurvesOf(run));
+  RunCurves curves;
+  curves.depth_of = [](const Pose& X_WT) { return -X_WT.translation().z(); };
+  for (const simulation::FrameRecord& frame : run.frames) curves.Add(frame);
+  for (const control::TickRecord& tick : run.ticks) curves.Add(tick);
+  const auto [times_s, depths_mm] = curves.commanded_depth_mm.Columns(curves.Start());
+  ASSERT_EQ(depths_mm.size(), run.ticks.size());
+  for (std::size_t i = 0; i < run.ticks.size(); ++i) {
+    const control::TickRecord& tick = run.ticks[i];
+    EXPECT_EQ(std::isfinite(depths_mm[i]), tick.tool_in_bone_m > 0.0) << i;
+    if (std::isfinite(depths_mm[i])) EXPECT_DOUBLE_EQ(depths_mm[i], 1.0 + 1e-3 * static_cast<double>(i));
+  }
+  EXPECT_NE(ProgressChart(curves), without);
 }
 
 TEST(Report, VirtualTimeSaysThatNothingWasMeasured) {

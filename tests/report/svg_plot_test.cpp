@@ -230,5 +230,21 @@ TEST(SvgPlot, LogarithmicAxesKeepRatios) {
   EXPECT_GT(x[1] - x[0], 100.0);
 }
 
+// What the page's script needs to move a plot: its area, its range, and curves that can be clipped.
+TEST(SvgPlot, APlotThatZoomsSaysWhereItsAreaIs) {
+  LineChart chart{
+      .title = "force", .y_label = "force [N]", .series = {{.x = {0.0, 1.0, 4.0}, .y = {0.0, 50.0, 100.0}}}};
+  EXPECT_EQ(Svg(chart).find("class=\"panel\""), std::string::npos);
+  chart.zooms = true;
+  const std::string svg = Svg(chart);
+  EXPECT_EQ(MarkupError(svg), "");
+  EXPECT_EQ(TextOutside(svg), "");
+  EXPECT_EQ(AttributeOf(svg, "g", "data-x"), "0 4");
+  EXPECT_EQ(AttributeOf(svg, "g", "data-y"), "0 100");
+  const std::string inner = svg.substr(svg.find("<svg class=\"data\""));
+  EXPECT_EQ(AttributeOf(inner, "svg", "viewBox"), AttributeOf(svg, "g", "data-area"));
+  EXPECT_EQ(AttributeOf(inner, "path", "vector-effect"), "non-scaling-stroke");
+}
+
 }  // namespace
 }  // namespace osteon::app

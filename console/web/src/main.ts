@@ -3,6 +3,7 @@
 import { Charts } from "./charts";
 import { Connection } from "./connection";
 import "./main.css";
+import "./side.css";
 import type { Ask, Hello, Live, Message, Role, Status } from "./messages";
 import { Panels } from "./panels";
 import { SceneView, type Preset } from "./scene";
@@ -34,6 +35,7 @@ class Page {
   private readonly worst = { compute_us: 0, wakeup_us: 0 };
 
   constructor() {
+    if (new URLSearchParams(location.search).has("stream")) document.body.classList.add("side"); // of compare.html
     this.buildTexts();
     this.bindKeys();
     this.connection = new Connection({

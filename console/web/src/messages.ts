@@ -116,9 +116,23 @@ export interface TimelineNews {
   force_N: number[]; // the largest of each second
   done: boolean;
 }
+/** Two recordings on one time line, in bins of step_s; null: no tick in a bin. */
+export interface Difference {
+  type: "difference";
+  step_s: number;
+  force_N: (number | null)[][]; // of the first, of the second, as what follows
+  depth_mm: (number | null)[][];
+  removed_mm3: (number | null)[][];
+  force_apart_N: (number | null)[];
+  apart_mm: (number | null)[];
+  turn_deg: (number | null)[];
+  most: Record<"force_N" | "depth_mm" | "apart_mm" | "turn_deg" | "removed_mm3", [number, number]>; // value, at [s]
+  ticks: number;
+  done: boolean;
+}
 /** The feed begins anew at another time. */
 export interface Restart {
   type: "restart";
 }
-export type Message = Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Restart;
+export type Message = Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | Restart;
 export type Ask = "pause" | "resume" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed";

@@ -157,6 +157,20 @@ export class SceneView {
     this.redraw();
   }
 
+  /** Where the camera is and what it looks at, to be given to another page's scene. */
+  pose(): string {
+    const digits = 5;
+    return [...this.camera.position.toArray(), ...this.controls.target.toArray()].map((x) => x.toFixed(digits)).join();
+  }
+
+  setPose(pose: string): void {
+    const at = pose.split(",").map(Number);
+    this.camera.position.fromArray(at);
+    this.controls.target.fromArray(at, 3);
+    this.controls.update();
+    this.redraw();
+  }
+
   setFollowing(on: boolean): void {
     this.following = on;
     if (this.view) this.followed.copy(vectorOf([this.view.X_WT[3], this.view.X_WT[7], this.view.X_WT[11]]));

@@ -89,16 +89,16 @@ tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntr
                                                  const std::filesystem::path& folder) {
   const auto passed = std::ranges::count_if(entries, &FailurePageEntry::passed);
   const bool all = passed == std::ssize(entries);
-  std::string html = PageBegin("Where methods fail");
-  html += fmt::format(
-      "<h1>Where methods fail</h1>\n<p class=\"sub\">{} on {}{}</p>\n<span class=\"verdict {}\">{} of {} "
-      "kept, with "
-      "their baselines seen to fail</span>\n"
+  std::string html = PageBegin(
+      {.title = "Where methods fail",
+       .subtitle = fmt::format("{} on {}{}", head.engine, head.device, head.quick ? ", small scenes" : ""),
+       .verdict = ReportVerdict{
+           .level = all ? "good" : "bad",
+           .text = fmt::format("{} of {} kept, with their baselines seen to fail", passed, entries.size())}});
+  html +=
       "<table>\n<tr><th class=\"n\"></th><th>scenario</th><th>metric</th><th "
       "class=\"n\">bound</th><th>baseline</th>"
-      "<th class=\"n\"></th><th class=\"n\">ours</th><th></th></tr>\n",
-      Escape(head.engine), Escape(head.device), head.quick ? ", small scenes" : "", all ? "good" : "bad",
-      passed, entries.size());
+      "<th class=\"n\"></th><th class=\"n\">ours</th><th></th></tr>\n";
   for (const FailurePageEntry& entry : entries) html += Row(entry);
   html += "</table>\n";
   for (const FailurePageEntry& entry : entries) {
@@ -115,7 +115,7 @@ tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntr
   }
   html += fmt::format("<footer>Osteon {}: <code>{}</code></footer>\n", Escape(head.version),
                       Escape(head.command_line));
-  return WritePage(html + kPageEnd, folder / "failures.html");
+  return WritePage(html + PageEnd(), folder / "failures.html");
 }
 
 std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const FailurePageHead& head,

@@ -1,0 +1,192 @@
+#include "report/bone_view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "report/page.h"
+#include "report/page_scripts.h"
+#include "report/svg_text.h"
+#include "report/ticks.h"
+#include "simulation/surface/bone_solid.h"
+#include "simulation/surface/chunk_bytes.h"
+#include "simulation/surface/dual_surface.h"
+#include "simulation/surface/millimetres.h"
+#include "simulation/surface/tool_ways.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kMaxDeviation_um = 32'767.0;
+
+std::shared_ptr<const surface::SolidField> FieldOf(const simulation::Bone& bone,
+                                                   const simulation::Solid* solid, float voxel_mm) {
+  if (solid != nullptr) return surface::SampleSolid(*solid, voxel_mm);
+  simulation::Bone finite;  // balls alone
+  for (const simulation::Ball& ball : bone.balls)
+    if (Vector3(ball.center_m).allFinite() && ball.radius_m > 0.0) finite.balls.push_back(ball);
+  if (finite.balls.empty()) return nullptr;
+  return surface::UnionOfBalls(finite, voxel_mm);
+}
+
+void Carve(surface::CarvedField& field, const simulation::Tool& tool, std::span<const Pose> X_GP) {
+  surface::ToolWays ways(tool, Pose::Identity());
+  std::uint64_t frame = 0;
+  for (const Pose& X : X_GP) {
+    if (!X.matrix().allFinite()) continue;
+    if (ways.Add({.X_WP = X, .p_WS_m = X.translation(), .cuts = true, .frame = ++frame}))
+      field.Carve(ways.TakeCapsules());
+  }
+  field.Carve(ways.TakeCapsules());
+}
+
+/// The cavity that the tool leaves if it is drawn straight out from its deepest pose.
+simulation::SweptTool IdealCavity(const simulation::Bone& bone, const simulation::Tool& tool,
+                                  std::span<const Pose> X_GP) {
+  const simulation::ToolBall* head = simulation::CuttingHead(tool);
+  const Vector3 axis = Vector3(bone.site.axis).normalized();
+  const Pose* deepest = nullptr;
+  double depth_m = 0.0;
+  for (const Pose& X : X_GP) {
+    if (head == nullptr || !X.matrix().allFinite()) continue;
+    const double height_m = (X * Vector3(head->center_m) - Vector3(bone.site.center_m)).dot(axis);
+    if (deepest != nullptr && height_m >= depth_m) continue;
+    deepest = &X;
+    depth_m = height_m;
+  }
+  if (deepest == nullptr || !axis.allFinite()) return {tool, {}};
+  constexpr double kOut_m = 0.5;  // clear of every bone
+  Pose out = *deepest;
+  out.translation() += kOut_m * axis;
+  const std::array<Pose, 2> way{*deepest, out};
+  return {tool, way};
+}
+
+CarvedSurface Extract(const surface::CarvedField& field, const MaterialMap& materials,
+                      const simulation::SweptTool& ideal) {
+  CarvedSurface out{.layout = field.layout()};
+  const auto material = [&materials](surface::Vec3 p_mm) {
+    return static_cast<std::uint8_t>(materials.At(surface::ToMetres(p_mm)).value_or(0));
+  };
+  std::vector<ErrorSample> samples;
+  surface::SurfaceChunk chunk, sent;
+  for (surface::BrickIndex brick = 0; brick < out.layout.Count(); ++brick) {
+    surface::ExtractChunk(field, brick, chunk, {}, material);
+    if (chunk.quads.empty()) continue;
+    out.quads += chunk.quads.size() / 4;
+    const std::size_t begin = out.chunks.size();
+    surface::AppendChunk(out.layout, chunk, out.chunks);
+    if (ideal.empty()) continue;
+    // as the page will read it: with the vertices that were sent
+    if (!surface::ReadChunk(out.layout, std::span(out.chunks).subspan(begin), sent)) continue;
+    for (const surface::SurfaceVertex& vertex : sent.vertices) {
+      if (!vertex.cut) continue;
+      const double error_m = ideal.SignedDistance(surface::ToMetres(vertex.p_mm));
+      samples.push_back({.error_m = error_m});
+      out.deviation_um.push_back(static_cast<std::int16_t>(
+          std::lround(std::clamp(1e6 * error_m, -kMaxDeviation_um, kMaxDeviation_um))));
+    }
+  }
+  out.ideal = SummarizeErrors(samples);
+  return out;
+}
+
+std::string DataAddress(const std::vector<std::uint8_t>& bytes) {
+  return "data:application/octet-stream;base64," + Base64(bytes);
+}
+
+std::string Hex(const Vector3& color) {
+  const auto byte = [](double x) { return static_cast<int>(std::lround(255.0 * std::clamp(x, 0.0, 1.0))); };
+  return fmt::format("#{:02x}{:02x}{:02x}", byte(color.x()), byte(color.y()), byte(color.z()));
+}
+
+/// Distance at which the deviation's colour is full: round, and at least a tenth of a millimetre.
+double ColorRange_mm(const CavityError& error) {
+  constexpr double kLeast_mm = 0.1;
+  return NiceRange({0.0, std::max(kLeast_mm, 1e3 * error.p95_m)}, 3).max;
+}
+
+}  // namespace
+
+CarvedSurface CarveSurface(const simulation::Bone& bone, const simulation::Solid* solid,
+                           const MaterialMap& materials, const simulation::Tool& tool,
+                           std::span<const Pose> X_GP, std::size_t max_quads) {
+  const simulation::SweptTool ideal = IdealCavity(bone, tool, X_GP);
+  constexpr int kTries = 5;
+  constexpr double kCoarser = 1.1;
+  float voxel_mm = surface::VoxelFor(tool);
+  CarvedSurface carved;
+  for (int i = 0; i < kTries; ++i) {
+    try {
+      const auto uncut = FieldOf(bone, solid, voxel_mm);
+      if (uncut == nullptr) return {};
+      surface::CarvedField field(uncut);
+      Carve(field, tool, X_GP);
+      carved = Extract(field, materials, ideal);
+      if (carved.quads <= max_quads) return carved;
+      voxel_mm *= static_cast<float>(
+          kCoarser * std::sqrt(static_cast<double>(carved.quads) / static_cast<double>(max_quads)));
+    } catch (const std::invalid_argument&) {  // a grid that no memory holds
+      voxel_mm *= 2.0F;
+    }
+  }
+  return {};
+}
+
+std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bone,
+                         const RenderParams& params) {
+  if (carved.chunks.empty()) return {};
+  const auto triple = [](const Vector3& v) {
+    return fmt::format("{:.6g} {:.6g} {:.6g}", v.x(), v.y(), v.z());
+  };
+  std::string colors = Hex(MaterialColor(bone, 0));
+  for (std::size_t i = 1; i < bone.materials.size(); ++i)
+    colors += " " + Hex(MaterialColor(bone, static_cast<simulation::MaterialIndex>(i)));
+  std::vector<std::uint8_t> deviation(2 * carved.deviation_um.size());
+  if (!deviation.empty()) std::memcpy(deviation.data(), carved.deviation_um.data(), deviation.size());
+  const double range_mm = ColorRange_mm(carved.ideal);
+  const surface::BrickLayout& layout = carved.layout;
+  const bool compares = !carved.deviation_um.empty();
+
+  std::string html = "<figure class=\"turn\" hidden=\"hidden\">\n";
+  html += fmt::format(
+      "<canvas tabindex=\"0\" role=\"img\" aria-label=\"The carved bone, to be turned\" data-layout=\"{:.9g} "
+      "{:.9g} {:.9g} "
+      "{:.9g} {} {} {}\" data-centre=\"{}\" data-axis=\"{}\" data-reach=\"{:.4g}\" data-tilt=\"{:.4g}\" "
+      "data-turn=\"{:.4g}\" data-range=\"{:.6g}\" data-colours=\"{}\" data-surface=\"{}\" "
+      "data-deviation=\"{}\"></canvas>\n",
+      layout.origin_mm.x, layout.origin_mm.y, layout.origin_mm.z, layout.voxel_mm, layout.bricks[0],
+      layout.bricks[1], layout.bricks[2], triple(1e3 * Vector3(bone.site.center_m)), triple(bone.site.axis),
+      1e3 * SiteReach(bone, 0.75 * params.reach_in_cup_radii), params.tilt_rad, params.turn_rad,
+      1e3 * range_mm, colors, DataAddress(carved.chunks), compares ? DataAddress(deviation) : "");
+  html +=
+      "<div class=\"bar\">\n<button type=\"button\" data-show=\"tissue\" "
+      "aria-pressed=\"true\">Tissue</button>\n";
+  if (compares)
+    html += "<button type=\"button\" data-show=\"deviation\" aria-pressed=\"false\">Deviation</button>\n";
+  html += "<button type=\"button\">Reset the view</button>\n";
+  if (compares)
+    html += fmt::format(
+        "<span class=\"scale\" data-with=\"deviation\" hidden=\"hidden\">bone left {} mm <i></i> {} mm "
+        "removed beyond</span>\n",
+        Number(range_mm, 2), Number(range_mm, 2));
+  html += "</div>\n";
+  std::string caption = fmt::format(
+      "The bone after the run, its solid less what the tool's cutting parts swept; {} triangles. "
+      "Drag to turn, wheel or two fingers to zoom, Shift and drag to move; arrow keys turn as well.",
+      Number(2.0 * static_cast<double>(carved.quads), 0));
+  if (compares)
+    caption +=
+        " Deviation: distance of the cut faces from the tool's ideal cavity, which is what the tool leaves "
+        "if "
+        "it is drawn straight out along the site's axis from its deepest pose. There is no plan to compare "
+        "with.";
+  return html + "<figcaption>" + Escape(caption) + "</figcaption>\n</figure>\n" + ScriptHtml(kBoneViewScript);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,80 @@
+#include "session/view/carved_keys.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/realtime_thread.h"
+
+namespace osteon::app {
+
+void CarvedBone::Take(io::RecordedTopic topic, const RecordingTimeline& timeline) {
+  const io::RecordingStream& message = timeline.message();
+  if (topic == io::RecordedTopic::kTick) {
+    turns = message.tick.spindle_rad_per_s != 0.0;
+    last_tick = message.tick.stamp;
+    at_s = timeline.At(last_tick);
+  }
+  if (topic == io::RecordedTopic::kFrame &&
+      ways.Add(surface::MakeToolFrame(message.frame.model, turns ? 1.0 : 0.0)))
+    field.Carve(ways.TakeCapsules());
+}
+
+CarvedKeys::CarvedKeys(const std::filesystem::path& recording, const CellSetup& setup,
+                       std::shared_ptr<const surface::SolidField> solid)
+    : setup_(setup), solid_(std::move(solid)), thread_([this, recording] { Run(recording); }) {}
+
+CarvedKeys::~CarvedKeys() {
+  stop_.store(true);
+  thread_.join();
+}
+
+std::shared_ptr<const CarvedBone> CarvedKeys::Before(double at_s) const {
+  const std::lock_guard lock(mutex_);
+  const auto after = std::ranges::upper_bound(keys_, at_s, {}, [](const auto& key) { return key->at_s; });
+  return after == keys_.begin() ? nullptr : *std::prev(after);
+}
+
+void CarvedKeys::Run(const std::filesystem::path& recording) {
+  rt::NameThread("view keys");
+  rt::LowerPriority();
+  auto timeline = RecordingTimeline::Open(recording);
+  if (!timeline) return;
+  (void)timeline->Seek(0.0);
+  CarvedBone bone(solid_, setup_);
+  double next_s = step_s_;
+  while (!stop_.load()) {
+    const auto topic = timeline->Next();
+    if (!topic || *topic == io::RecordedTopic::kOther) {
+      complete_.store(true);
+      return;
+    }
+    bone.Take(*topic, *timeline);
+    if (*topic != io::RecordedTopic::kTick || bone.at_s < next_s) continue;
+    Keep(bone);
+    next_s = bone.at_s + step_s_;
+  }
+}
+
+void CarvedKeys::Keep(const CarvedBone& bone) {
+  auto key = std::make_shared<const CarvedBone>(bone);
+  const std::lock_guard lock(mutex_);
+  keys_.push_back(std::move(key));
+  std::size_t bytes = 0;
+  for (const auto& each : keys_) bytes += each->field.swept().Bytes();
+  if (keys_.size() < 2 || (keys_.size() <= kMaxKeys && bytes <= kMaxBytes)) return;
+  for (std::size_t i = 0; 2 * i + 1 < keys_.size(); ++i) keys_[i] = keys_[2 * i + 1];
+  keys_.resize(keys_.size() / 2);
+  step_s_ *= 2.0;
+}
+
+bool GoOnFrom(const CarvedBone& bone, RecordingTimeline& timeline) {
+  (void)timeline.Seek(bone.at_s);
+  if (bone.last_tick == 0) return true;
+  while (true) {
+    const auto topic = timeline.Next();
+    if (!topic || *topic == io::RecordedTopic::kOther) return false;
+    if (*topic == io::RecordedTopic::kTick && timeline.message().tick.stamp == bone.last_tick) return true;
+  }
+}
+
+}  // namespace osteon::app

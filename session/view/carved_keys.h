@@ -1,0 +1,72 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "session/setup/cell_setup.h"
+#include "session/view/recording_timeline.h"
+#include "simulation/surface/carved_field.h"
+#include "simulation/surface/tool_ways.h"
+
+namespace osteon::app {
+
+/// The carving of a recording's bone, message by message.
+struct CarvedBone {
+  surface::CarvedField field;
+  surface::ToolWays ways;
+  bool turns{false};             ///< the spindle, in the last tick
+  double at_s{0.0};              ///< of the last tick
+  rt::Nanoseconds last_tick{0};  ///< its stamp; 0: none yet
+
+  CarvedBone(std::shared_ptr<const surface::SolidField> solid, const CellSetup& setup)
+      : field(std::move(solid)), ways(setup.config.tool.tool, setup.X_WG) {}
+
+  /// Takes the message that the time line has read.
+  void Take(io::RecordedTopic topic, const RecordingTimeline& timeline);
+};
+
+/// States of the carved bone all along a recording, gathered in the background, so that the bone at any time
+/// is one of them and a few seconds of carving.
+///
+///     0 ──────key──────key──────key─ ─ ─ ─▶ end      at most kMaxKeys, and kMaxBytes; else every second one is
+///                        └──carve on──▶ wanted        dropped, and the next ones are twice as far apart
+class CarvedKeys {
+ public:
+  static constexpr std::size_t kMaxKeys = 512;
+  static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
+  static constexpr double kFirstStep_s = 5.0;
+
+  /// @param setup  outlives this  @param solid  not null
+  CarvedKeys(const std::filesystem::path& recording, const CellSetup& setup,
+             std::shared_ptr<const surface::SolidField> solid);
+  ~CarvedKeys();
+  CarvedKeys(const CarvedKeys&) = delete;
+  CarvedKeys& operator=(const CarvedKeys&) = delete;
+
+  /// The last state at or before a time; null: none yet.
+  [[nodiscard]] std::shared_ptr<const CarvedBone> Before(double at_s) const;
+  /// Whether the whole recording was read.
+  [[nodiscard]] bool complete() const { return complete_.load(); }
+
+ private:
+  void Run(const std::filesystem::path& recording);
+  void Keep(const CarvedBone& bone);
+
+  const CellSetup& setup_;
+  const std::shared_ptr<const surface::SolidField> solid_;
+  double step_s_{kFirstStep_s};  // of the thread
+  mutable std::mutex mutex_;
+  std::vector<std::shared_ptr<const CarvedBone>> keys_;  // guarded by mutex_, in the order of their times
+  std::atomic<bool> stop_{false}, complete_{false};
+  std::thread thread_;
+};
+
+/// Moves a time line to just after the tick at which a state was kept. False: the tick is not there.
+[[nodiscard]] bool GoOnFrom(const CarvedBone& bone, RecordingTimeline& timeline);
+
+}  // namespace osteon::app

@@ -1,0 +1,208 @@
+#include "session/view/recording_difference.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "base/realtime_thread.h"
+#include "console/stream/live_window.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr std::chrono::seconds kNewsPeriod{1};
+constexpr double kMinStep_s = 0.01;
+constexpr double kNoTick = std::numeric_limits<double>::quiet_NaN();
+constexpr double kSame_s = 0.5e-3;  // ticks of the same period: half of the shortest
+
+// Values over the bins of the time line. nlohmann writes NaN as null.
+using Column = std::vector<double>;
+
+void KeepMost(double& kept, double value) {
+  if (std::isfinite(value) && !(kept >= value)) kept = value;
+}
+
+nlohmann::json Rounded(const Column& column) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const double value : column) out.push_back(std::round(1e4 * value) / 1e4);
+  return out;
+}
+
+// The largest difference so far, and when it was.
+struct Most {
+  double value{0.0}, at_s{0.0};
+
+  void Take(double candidate, double time_s) {
+    if (!(std::abs(candidate) > std::abs(value))) return;
+    value = candidate;
+    at_s = time_s;
+  }
+  [[nodiscard]] nlohmann::json ToJson() const { return {value, at_s}; }
+};
+
+// What was read of one recording up to now.
+struct Reader {
+  RecordingTimeline timeline;
+  std::optional<control::TickRecord> tick{}, next{};  // the newest that was passed, and the one after it
+  double next_s{0.0};
+  // of the newest frame before each
+  double removed_mm3{0.0}, next_removed_mm3{0.0}, depth_mm{kNoTick}, next_depth_mm{kNoTick};
+  bool ended{false};
+
+  // Makes `next` the tick, and reads up to the one after it.
+  void Advance() {
+    tick = next;
+    removed_mm3 = next_removed_mm3;
+    depth_mm = next_depth_mm;
+    while (true) {
+      const auto topic = timeline.Next();
+      if (!topic || *topic == io::RecordedTopic::kOther) {
+        ended = true;
+        return;
+      }
+      if (*topic == io::RecordedTopic::kFrame) {
+        next_removed_mm3 = 1e9 * timeline.message().frame.model.removed_volume_m3;
+        next_depth_mm = 1e3 * timeline.message().frame.cup_depth_m;
+      }
+      if (*topic != io::RecordedTopic::kTick) continue;
+      next = timeline.message().tick;
+      next_s = timeline.At(next->stamp);
+      return;
+    }
+  }
+};
+
+struct Compared {
+  double step_s{kMinStep_s};
+  std::array<Column, 2> force_N, depth_mm, removed_mm3;
+  Column force_apart_N, apart_mm, turn_deg;
+  Most most_force, most_depth, most_apart, most_turn, most_removed;
+  std::uint64_t ticks{0};
+
+  explicit Compared(double duration_s)
+      : step_s(std::max(kMinStep_s, duration_s / static_cast<double>(RecordingDifference::kMaxBins))) {
+    const auto bins = static_cast<std::size_t>(duration_s / step_s) + 1;
+    for (auto* columns : {&force_N, &depth_mm, &removed_mm3})
+      for (Column& column : *columns) column.assign(bins, kNoTick);
+    for (Column* column : {&force_apart_N, &apart_mm, &turn_deg}) column->assign(bins, kNoTick);
+  }
+
+  [[nodiscard]] std::size_t BinOf(double time_s) const {
+    const auto bin = static_cast<std::size_t>(std::max(0.0, time_s) / step_s);
+    return std::min(bin, apart_mm.size() - 1);
+  }
+
+  [[nodiscard]] std::string ToJson(bool done) const {
+    const auto both = [](const std::array<Column, 2>& columns) {
+      return nlohmann::json{Rounded(columns[0]), Rounded(columns[1])};
+    };
+    return nlohmann::json{{"type", "difference"},
+                          {"step_s", step_s},
+                          {"force_N", both(force_N)},
+                          {"depth_mm", both(depth_mm)},
+                          {"removed_mm3", both(removed_mm3)},
+                          {"force_apart_N", Rounded(force_apart_N)},
+                          {"apart_mm", Rounded(apart_mm)},
+                          {"turn_deg", Rounded(turn_deg)},
+                          {"most",
+                           {{"force_N", most_force.ToJson()},
+                            {"depth_mm", most_depth.ToJson()},
+                            {"apart_mm", most_apart.ToJson()},
+                            {"turn_deg", most_turn.ToJson()},
+                            {"removed_mm3", most_removed.ToJson()}}},
+                          {"ticks", ticks},
+                          {"done", done}}
+        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
+};
+
+}  // namespace
+
+TickDifference Compare(const control::TickRecord& first, const control::TickRecord& second) {
+  const Pose X_1 = first.X_WT_cmd, X_2 = second.X_WT_cmd;
+  const Matrix3 R_12 = X_1.linear().transpose() * X_2.linear();
+  return {
+      .force_N = (Vector3(second.F_coupling_T_W.f) - Vector3(first.F_coupling_T_W.f)).norm(),
+      .apart_mm = 1e3 * (X_2.translation() - X_1.translation()).norm(),
+      // by the sine, which is exact for equal orientations
+      .turn_deg =
+          180.0 / std::numbers::pi *
+          std::atan2(
+              0.5 * Vector3(R_12(2, 1) - R_12(1, 2), R_12(0, 2) - R_12(2, 0), R_12(1, 0) - R_12(0, 1)).norm(),
+              0.5 * (R_12.trace() - 1.0))};
+}
+
+RecordingDifference::RecordingDifference(const std::array<std::filesystem::path, 2>& recordings)
+    : json_(Compared(0.0).ToJson(false)), thread_([this, recordings] { Run(recordings); }) {}
+
+RecordingDifference::~RecordingDifference() {
+  stop_.store(true);
+  thread_.join();
+}
+
+std::string RecordingDifference::Json() const {
+  const std::lock_guard lock(mutex_);
+  return json_;
+}
+
+void RecordingDifference::Run(const std::array<std::filesystem::path, 2>& recordings) {
+  rt::NameThread("difference");
+  rt::LowerPriority();
+  std::vector<Reader> readers;
+  for (const std::filesystem::path& path : recordings) {
+    auto timeline = RecordingTimeline::Open(path);
+    if (!timeline) return;
+    (void)timeline->Seek(0.0);
+    readers.push_back({.timeline = std::move(*timeline)});
+  }
+  Compared compared(std::max(readers[0].timeline.duration_s(), readers[1].timeline.duration_s()));
+  const auto tell = [&](bool done) {
+    std::string json = compared.ToJson(done);
+    const std::lock_guard lock(mutex_);
+    json_ = std::move(json);
+  };
+  auto told = std::chrono::steady_clock::now();
+  for (Reader& reader : readers) reader.Advance();
+  while (!stop_.load() && !(readers[0].ended && readers[1].ended)) {
+    // the recording whose next tick is earlier moves on; both where the times are the same
+    const std::array<double, 2> next_s{readers[0].ended ? INFINITY : readers[0].next_s,
+                                       readers[1].ended ? INFINITY : readers[1].next_s};
+    const double time_s = std::min(next_s[0], next_s[1]);
+    const std::size_t bin = compared.BinOf(time_s);
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (!(next_s[i] <= time_s + kSame_s)) continue;
+      readers[i].Advance();
+      const control::TickRecord& tick = *readers[i].tick;
+      KeepMost(compared.force_N[i][bin], console::Length(tick.F_coupling_T_W.f));
+      compared.depth_mm[i][bin] = readers[i].depth_mm;
+      compared.removed_mm3[i][bin] = readers[i].removed_mm3;
+    }
+    // beyond the shorter one's end there is nothing to compare
+    const bool both = std::isfinite(next_s[0]) && std::isfinite(next_s[1]);
+    if (both && readers[0].tick && readers[1].tick) {
+      const TickDifference apart = Compare(*readers[0].tick, *readers[1].tick);
+      KeepMost(compared.force_apart_N[bin], apart.force_N);
+      KeepMost(compared.apart_mm[bin], apart.apart_mm);
+      KeepMost(compared.turn_deg[bin], apart.turn_deg);
+      compared.most_force.Take(apart.force_N, time_s);
+      compared.most_depth.Take(readers[1].depth_mm - readers[0].depth_mm, time_s);
+      compared.most_apart.Take(apart.apart_mm, time_s);
+      compared.most_turn.Take(apart.turn_deg, time_s);
+      compared.most_removed.Take(readers[1].removed_mm3 - readers[0].removed_mm3, time_s);
+      ++compared.ticks;
+    }
+    if (const auto now = std::chrono::steady_clock::now(); now - told >= kNewsPeriod) {
+      told = now;
+      tell(false);
+    }
+  }
+  tell(true);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,29 @@
+#include <gtest/gtest.h>
+
+#include "tests/app/command.h"
+
+namespace osteon::app {
+namespace {
+
+// A second of cutting, repeated until it has a minute and a half: every time of it is shown.
+TEST(BenchView, OpensARepeatedRecordingAndGoesToItsTimes) {
+  const TemporaryFolder folder;
+  const CommandResult demo =
+      RunCommand(folder.path(), {"demo", "--virtual-time", "--seconds", "1", "--out", "out"});
+  ASSERT_EQ(demo.exit_code, 0) << demo.err;
+  const CommandResult result = RunCommand(folder.path(), {"bench", "view", "out/recording.mcap", "--hours",
+                                                          "0.025", "--seeks", "4", "--json", "view.json"});
+  ASSERT_EQ(result.exit_code, 0) << result.out << result.err;
+  const nlohmann::json json = ReadJson(folder.path() / "view.json");
+  EXPECT_EQ(json["schema"], "osteon.bench.view/1");
+  EXPECT_GE(json["duration_s"].get<double>(), 90.0);
+  EXPECT_EQ(json["seeks"], 4);
+  for (const char* key : {"seek_tick", "seek_bone"}) {
+    EXPECT_GT(json[key]["median_s"].get<double>(), 0.0) << key;
+    EXPECT_GE(json[key]["most_s"], json[key]["median_s"]) << key;
+  }
+  EXPECT_GE(json["seek_bone"]["most_s"], json["seek_tick"]["median_s"]);
+}
+
+}  // namespace
+}  // namespace osteon::app

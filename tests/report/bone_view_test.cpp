@@ -1,0 +1,96 @@
+#include "report/bone_view.h"
+
+#include <cmath>
+#include <span>
+
+#include <gtest/gtest.h>
+
+#include "report_markup.h"
+#include "report_synthetic.h"
+#include "simulation/surface/chunk_bytes.h"
+
+namespace osteon::app {
+namespace {
+
+const SyntheticParams kStraight{
+    .spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 400};
+
+CarvedSurface SurfaceOf(const SyntheticRun& run, std::span<const Pose> X_GP,
+                        std::size_t max_quads = 120'000) {
+  return CarveSurface(run.bone, nullptr, MaterialMap(run.bone.points), run.tool, X_GP, max_quads);
+}
+
+Pose Deepest(const SyntheticRun& run) {
+  Pose deepest = PathOf(run).front();
+  for (const Pose& X : PathOf(run))
+    if (X.translation().z() < deepest.translation().z()) deepest = X;
+  return deepest;
+}
+
+// A path straight down the site's axis is its own ideal cavity: what is left is the grid's error.
+TEST(BoneView, AToolThatWentStraightInLeavesTheIdealCavity) {
+  const SyntheticRun run = MakeSyntheticRun(kStraight);
+  const Vector3 axis = run.bone.site.axis;
+  std::vector<Pose> path(2, Deepest(run));
+  path[0].translation() = path[1].translation() + 0.05 * axis;
+  const CarvedSurface carved = SurfaceOf(run, path);
+  ASSERT_GT(carved.ideal.samples, 1000);
+  const double voxel_m = 1e-3 * static_cast<double>(carved.layout.voxel_mm);
+  EXPECT_LT(carved.ideal.mean_abs_m, 0.02 * voxel_m);
+  EXPECT_LT(carved.ideal.p95_m, 0.1 * voxel_m);
+}
+
+// A tool that also went 0.4 mm aside, at the depth of its floor, cut too much by up to that.
+TEST(BoneView, AToolThatWentAsideCutsBeyondTheIdealCavity) {
+  const SyntheticRun run = MakeSyntheticRun(kStraight);
+  constexpr double kAside_m = 0.4e-3, kLift_m = 1e-6;
+  std::vector<Pose> path(3, Deepest(run));
+  path[0].translation() += 0.05 * Vector3(run.bone.site.axis);
+  // a micrometre higher, so that the deepest pose is the one on the axis
+  path[2].translation() +=
+      kAside_m * Vector3(run.bone.site.axis).unitOrthogonal() + kLift_m * Vector3(run.bone.site.axis);
+  const CarvedSurface carved = SurfaceOf(run, path);
+  EXPECT_NEAR(carved.ideal.max_over_m, kAside_m, 0.03e-3);
+  EXPECT_GT(carved.ideal.mean_m, 0.05e-3);
+  EXPECT_GT(carved.ideal.max_under_m, -0.05e-3);
+}
+
+TEST(BoneView, TheGridIsCoarserWhereThereAreTooManyTriangles) {
+  const SyntheticRun run = MakeSyntheticRun(kStraight);
+  const std::vector<Pose> path = PathOf(run);
+  const CarvedSurface fine = SurfaceOf(run, path), coarse = SurfaceOf(run, path, fine.quads / 3);
+  EXPECT_LE(coarse.quads, fine.quads / 3);
+  EXPECT_GT(coarse.quads, fine.quads / 8);
+  EXPECT_GT(coarse.layout.voxel_mm, fine.layout.voxel_mm);
+}
+
+TEST(BoneView, EveryVertexOfACutFaceHasADeviation) {
+  const SyntheticRun run = MakeSyntheticRun(kStraight);
+  const std::vector<Pose> path = PathOf(run);
+  const CarvedSurface carved = SurfaceOf(run, path);
+  std::size_t cut = 0, at = 0;
+  surface::SurfaceChunk chunk;
+  while (at < carved.chunks.size()) {
+    const auto read = surface::ReadChunk(carved.layout, std::span(carved.chunks).subspan(at), chunk);
+    ASSERT_TRUE(read.has_value());
+    at += *read;
+    for (const surface::SurfaceVertex& vertex : chunk.vertices) cut += vertex.cut ? 1 : 0;
+  }
+  EXPECT_GT(cut, 1000U);
+  EXPECT_EQ(carved.deviation_um.size(), cut);
+}
+
+TEST(BoneView, WithoutAToolThatCutsThereIsABoneAndNoDeviation) {
+  SyntheticRun run = MakeSyntheticRun(kStraight);
+  run.tool.balls.clear();
+  const CarvedSurface carved = SurfaceOf(run, {});
+  EXPECT_GT(carved.quads, 1000U);
+  const std::string html = BoneViewHtml(carved, run.bone, {});
+  EXPECT_EQ(MarkupError(html), "");
+  EXPECT_EQ(html.find("data-show=\"deviation\""), std::string::npos);
+  run.bone.balls.clear();
+  EXPECT_EQ(BoneViewHtml(SurfaceOf(run, {}), run.bone, {}), "");
+}
+
+}  // namespace
+}  // namespace osteon::app
