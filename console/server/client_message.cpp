@@ -9,7 +9,7 @@ namespace osteon::console {
 namespace {
 
 constexpr const char* kAccepted =
-    "accepted {\"ask\": pause, resume, stop, role, watch, all, play, halt, or seek and speed with a "
+    "accepted {\"ask\": pause, resume, recover, stop, role, watch, all, play, halt, or seek and speed with a "
     "\"value\"}";
 constexpr std::size_t kShown = 30;  // characters of a wrong word in an error
 
@@ -38,6 +38,7 @@ tl::expected<ClientMessage, std::string> ParseClientMessage(std::string_view byt
   if (ask == "halt") return ViewRequest{.kind = ViewRequest::Kind::kHalt};
   if (ask == "pause") return OperatorRequest::kPause;
   if (ask == "resume") return OperatorRequest::kResume;
+  if (ask == "recover") return OperatorRequest::kRecover;
   if (ask == "stop") return OperatorRequest::kStop;
   if (ask == "role") return RoleRequest::kTake;
   if (ask == "watch") return RoleRequest::kGiveBack;

@@ -15,7 +15,7 @@ namespace osteon::console {
 inline constexpr std::size_t kMaxClientMessage = 1024;
 
 /// {"ask": "pause"}: a request to the cell. Only the page with the operator's role may make one.
-enum class OperatorRequest : std::uint8_t { kPause, kResume, kStop };
+enum class OperatorRequest : std::uint8_t { kPause, kResume, kStop, kRecover };
 /// {"ask": "role"} and {"ask": "watch"}: takes the operator's role if nobody has it; gives it back.
 enum class RoleRequest : std::uint8_t { kTake, kGiveBack };
 /// {"ask": "all"}: everything again, after a page has lost its picture.

@@ -281,7 +281,7 @@ class Server final : public ConsoleServer {
           AnswerJson("view", {.done = false, .reason = "a running cell has no time line"}));
     }
     const auto request = std::get<OperatorRequest>(*message);
-    constexpr std::array<const char*, 3> kNames{"pause", "resume", "stop"};
+    constexpr std::array<const char*, 4> kNames{"pause", "resume", "stop", "recover"};
     RequestAnswer answer{.done = false, .reason = "this page watches: take the operator's role first"};
     if (!params_.request)
       answer.reason = "a recording takes no requests";

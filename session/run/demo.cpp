@@ -175,6 +175,7 @@ int RunDemo(const DemoOptions& options) {
       .seconds = options.seconds,
       .virtual_time = options.virtual_time,
       .frame_s = options.frame_ms ? 1e-3 * *options.frame_ms : CellRunParams{}.frame_s,
+      .hold_at_fault = options.hold_at_fault,
       .cpu = options.cpu,
       .cell = CellProcessParams{.cell = options.cell,
                                 .tool = options.tool,

@@ -38,7 +38,7 @@ struct LiveRun {
 };
 
 /// What a person sees of a running cell and may ask of it: the status line on the terminal, and `osteon
-/// status`, `pause`, `resume`, `stop` through the local socket.
+/// status`, `pause`, `resume`, `recover`, `stop` through the local socket.
 ///
 ///     recorder ──▶ LiveFeed ◀── status line, local socket
 ///                                     └──▶ OperatorRequests ──▶ the state machine, as from any other side

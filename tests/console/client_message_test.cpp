@@ -14,6 +14,8 @@ namespace {
 TEST(ClientMessage, TakesWhatAPageMayAsk) {
   EXPECT_EQ(std::get<OperatorRequest>(*ParseClientMessage(R"({"ask": "pause"})")), OperatorRequest::kPause);
   EXPECT_EQ(std::get<OperatorRequest>(*ParseClientMessage(R"({"ask": "stop"})")), OperatorRequest::kStop);
+  EXPECT_EQ(std::get<OperatorRequest>(*ParseClientMessage(R"({"ask": "recover"})")),
+            OperatorRequest::kRecover);
   EXPECT_EQ(std::get<RoleRequest>(*ParseClientMessage(R"({"ask": "watch"})")), RoleRequest::kGiveBack);
   EXPECT_EQ(std::get<ViewRequest>(*ParseClientMessage(R"({"ask": "seek", "value": 2.5})")).value, 2.5);
   EXPECT_TRUE(std::holds_alternative<ResendRequest>(*ParseClientMessage(R"({"ask": "all"})")));

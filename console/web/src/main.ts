@@ -123,6 +123,7 @@ class Page {
     const may = this.connected && this.role.mine;
     (byId("pause") as HTMLButtonElement).disabled = !may || !this.status?.can_pause;
     (byId("resume") as HTMLButtonElement).disabled = !may || !this.status?.can_resume;
+    (byId("recover") as HTMLButtonElement).disabled = !may || !this.status?.can_recover;
     (byId("stop") as HTMLButtonElement).disabled = !may;
   }
 
@@ -133,6 +134,7 @@ class Page {
     byId("buttons").replaceChildren(
       this.button("pause", "pause", "P", () => this.ask("pause")),
       this.button("resume", "resume", "R", () => this.ask("resume")),
+      this.button("recover", "recover", "V", () => this.ask("recover")),
       this.button("stop", "stop", "Esc", () => this.ask("stop")),
     );
     byId("stop").classList.add("stop");

@@ -47,12 +47,13 @@ export interface Status {
   leave: string;
   can_pause: boolean;
   can_resume: boolean;
+  can_recover: boolean;
   moves: boolean;
   permits_known: boolean;
   permits: { text: string; holds: boolean }[];
   limits: string[];
   limit_numbers: number[];
-  faults: { name: string; cause: string; reaction: string; clearing: string }[];
+  faults: { name: string; cause: string; reaction: string; clearing: string; allows_recovery: boolean }[];
   force_N: number;
   force_limit_N: number;
   hand_N: number;
@@ -121,4 +122,4 @@ export interface Restart {
   type: "restart";
 }
 export type Message = Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Restart;
-export type Ask = "pause" | "resume" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed";
+export type Ask = "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed";

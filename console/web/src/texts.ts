@@ -79,6 +79,12 @@ const words = {
   sound: ["Sound", "Ton"],
   pause: ["Pause", "Anhalten"],
   resume: ["Resume", "Weiter"],
+  recover: ["Recover", "Neu anlaufen"],
+  recoverNow: [
+    "Recover clears it: motion begins anew once every condition holds",
+    "„Neu anlaufen“ löscht ihn: Bewegung beginnt neu, sobald jede Bedingung gilt",
+  ],
+  recoverNever: ["no recovery clears it: a new run is needed", "kein Neuanlauf löscht ihn: ein neuer Lauf ist nötig"],
   stop: ["Stop", "Beenden"],
   stopAsk: ["The tool is cutting. End the run?", "Das Werkzeug schneidet. Lauf beenden?"],
   force: ["Force to the hand", "Kraft an die Hand"],
