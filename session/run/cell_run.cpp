@@ -171,7 +171,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
   control::RunServoResult servo;
   bool cell_died = false;
   StartWatch start(setup, loop);
-  GainsWatch gains(params.gains, setup.config, loop, params.notice);
+  GainsWatch gains(params.gains, setup.config, loop, params.notice, params.gains_panel);
   {
     SimulationThread simulation(runner, commands, models, recorder);
     std::atomic<bool> done{false}, stop{false};
@@ -267,7 +267,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   auto devices = VirtualDevices::Make(setup.config);
   if (!devices) return tl::make_unexpected(CellRunError{.what = devices.error()});
   ArmProtocolSession session(setup.config.link);
-  GainsWatch gains(params.gains, setup.config, loop, params.notice);
+  GainsWatch gains(params.gains, setup.config, loop, params.notice, params.gains_panel);
   control::ArmState state;
   control::ArmCommand command;
   simulation::ContactModel model;

@@ -20,6 +20,8 @@
 
 namespace osteon::app {
 
+class GainsPanel;
+
 struct CellRunParams {
   double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
   bool virtual_time{false};
@@ -43,8 +45,9 @@ struct CellRunParams {
   OperatorRequests* requests{nullptr};  ///< an operator's pause, its end, a recovery; null: none
   io::RecordSink* live{nullptr};        ///< a live view, which gets all that is recorded; null: none
   std::string console_url{};            ///< where the console is served, for the summary; empty: nowhere
-  std::filesystem::path gains{};   ///< a file of gains that is read again whenever it is saved; empty: none
-  std::function<void()> begins{};  ///< called once everything is open, before anything moves
+  std::filesystem::path gains{};     ///< a file of gains that is read again whenever it is saved; empty: none
+  GainsPanel* gains_panel{nullptr};  ///< gains that pages ask for; null: none
+  std::function<void()> begins{};    ///< called once everything is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
   /// May coarsen the zones during the run; null: they stay.

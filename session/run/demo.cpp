@@ -189,6 +189,7 @@ int RunDemo(const DemoOptions& options) {
       .requests = &AskedByOperator(),
       .live = live.sink(),
       .console_url = live.console_url(),
+      .gains_panel = live.gains_panel(),
       .begins =
           [&] {
             live.Announce();

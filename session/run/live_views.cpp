@@ -55,7 +55,7 @@ tl::expected<ConsoleChoice, std::string> ConsoleChoice::Parse(const std::string&
 }
 
 LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests)
-    : setup_(setup), run_(run), requests_(requests), cell_(setup.cell_name) {
+    : setup_(setup), run_(run), requests_(requests), gains_(setup.config), cell_(setup.cell_name) {
   scene_ = ConsoleScene(setup, run.command, run.seconds, run.recording);
   context_ = LiveContextOf(setup);
 }
@@ -69,14 +69,17 @@ void LiveViews::Open(const ConsoleChoice& choice) {
     not_opened_.push_back("osteon pause, resume, recover, stop and status do not reach this run: " +
                           server.error());
   if (!choice.on) return;
-  auto console = console::ConsoleServer::Start({.address = choice.address,
-                                                .port = choice.port,
-                                                .only_this_port = choice.only_this_port,
-                                                .page = ConsolePageFolder(),
-                                                .hello = scene_,
-                                                .context = context_,
-                                                .request = [this](auto request) { return Ask(request); }},
-                                               feed_, surface_);
+  auto console =
+      console::ConsoleServer::Start({.address = choice.address,
+                                     .port = choice.port,
+                                     .only_this_port = choice.only_this_port,
+                                     .page = ConsolePageFolder(),
+                                     .hello = scene_,
+                                     .context = context_,
+                                     .request = [this](auto request) { return Ask(request); },
+                                     .gains = [this](const auto& request) { return gains_.Request(request); },
+                                     .notes = {[this] { return gains_.Json(); }}},
+                                    feed_, surface_);
   if (!console) {
     not_opened_.push_back(console.error());
     return;

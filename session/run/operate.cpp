@@ -182,6 +182,7 @@ int RunOperate(const OperateOptions& asked) {
       .live = live.sink(),
       .console_url = live.console_url(),
       .gains = options.gains,
+      .gains_panel = live.gains_panel(),
       .begins =
           [&] {
             live.Announce();

@@ -94,6 +94,26 @@ async function operatesTheCell() {
   await page.keyboard.press("r");
   await until(page, "[4, 5].includes(osteon.live.status.state_number)");
 
+  // gains: what is accepted acts, what is not is said, and a change is undone
+  const gains = (field) => page.evaluate(`osteon.gains.note.${field}`);
+  const setGain = async (id, value) => {
+    await page.evaluate(`document.getElementById("gain-${id}").value = "${value}"`);
+    await page.evaluate(`document.getElementById("set-${id}").click()`);
+  };
+  const [ownDrag, ownStiffness] = [await gains("own_drag_Ns_per_m"), await gains("own_stiffness_N_per_m")];
+  await setGain("drag", 2 * ownDrag);
+  await until(page, `osteon.gains.note.drag_Ns_per_m === ${2 * ownDrag} && osteon.gains.note.can_undo`);
+  await setGain("stiffness", (2 * ownStiffness) / 1000); // more than the cell's own
+  await until(page, 'document.getElementById("answer").textContent.includes("stiffness: found")');
+  assert.equal(await gains("stiffness_N_per_m"), ownStiffness);
+  assert.deepEqual(await clipped(page), []);
+  await page.evaluate('document.getElementById("gains").scrollIntoView()');
+  await picture(page, "gains");
+  await page.evaluate('document.getElementById("undo-gains").click()');
+  await until(page, `osteon.gains.note.drag_Ns_per_m === ${ownDrag} && !osteon.gains.note.can_undo`);
+  await second.evaluate('osteon.connection.ask("drag", 40)'); // a page that watches
+  await until(second, 'document.getElementById("answer").textContent.includes("watches")');
+
   // in German, large
   await page.select("#language", "de");
   await until(page, 'document.getElementById("pause").textContent.startsWith("Anhalten")');

@@ -121,5 +121,18 @@ export interface TimelineNews {
 export interface Restart {
   type: "restart";
 }
-export type Message = Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Restart;
-export type Ask = "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed";
+/** The gains that an operator may change, and how far (session/run/gains_panel.h). */
+export interface GainsNote {
+  type: "gains";
+  stiffness_N_per_m: number;
+  min_stiffness_N_per_m: number;
+  own_stiffness_N_per_m: number;
+  has_drag: boolean;
+  drag_Ns_per_m: number;
+  own_drag_Ns_per_m: number;
+  max_drag_Ns_per_m: number;
+  stable_age_ms: number;
+  can_undo: boolean;
+}
+export type Message = GainsNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Restart;
+export type Ask = "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed" | "stiffness" | "drag" | "undo_gains";
