@@ -17,10 +17,11 @@ inline constexpr int kOperatorsStop = 1000;  // beyond every signal
 /// Name of the first request: "SIGINT", "SIGTERM", "SIGHUP", "SIGPIPE", "operator"; empty if there was none.
 [[nodiscard]] const char* InterruptName();
 
-/// An operator's requests to a running cell: by `osteon pause` and `resume`, by the console, and, after
-/// InstallPauseSignals, by SIGUSR1 (a pause) and SIGUSR2 (its end). Whoever acts on a request clears it.
+/// An operator's requests to a running cell: by `osteon pause`, `resume` and `recover`, by the console, and,
+/// after InstallPauseSignals, by SIGUSR1 (a pause) and SIGUSR2 (its end). Whoever acts on a request clears
+/// it.
 struct OperatorRequests {
-  std::atomic<bool> pause{false}, resume{false};
+  std::atomic<bool> pause{false}, resume{false}, recover{false};
 };
 [[nodiscard]] OperatorRequests& AskedByOperator();
 void InstallPauseSignals();

@@ -202,7 +202,7 @@ CellStateText Describe(CellState state) {
     case kStop0:
       return {"stop 0",
               "sends the last command on, which counts for nothing; follows an arm that moves by itself",
-              "by itself, once the arm is seen to stand; a recovery where the fault allows one"};
+              "by itself, once the arm is seen to stand; `osteon recover` where the fault allows one"};
     case kStop1:
       return {"stop 1", "brakes what is commanded, renders nothing, stills the spindle, asks for no motion",
               "by itself, at rest"};
@@ -211,7 +211,7 @@ CellStateText Describe(CellState state) {
               "by itself, at rest"};
     case CellState::kFault:
       return {"fault", "holds, and follows an arm that moves by itself; asks for no motion",
-              "a recovery where each fault allows one; else a new run"};
+              "`osteon recover`, or Recover in the console, where each fault allows one; else a new run"};
     case kRecovery:
       return {"recovery", "follows the arm, or holds where it never left; the spindle's drive may be cleared",
               "by itself once every condition holds"};

@@ -9,7 +9,7 @@ FaultText Describe(Fault fault) {
     case Fault::kArmStale:
       return {"arm message stale", "no message of the arm within its deadline, several times in a row",
               "holds the last command; the arm is not under control (Stop 0)",
-              "check cable and controller, begin a new run"};
+              "check cable and controller; then a recovery (`osteon recover`) or a new run"};
     case Fault::kModelStale:
       return {"contact model stale", "no frame of the simulation for longer than the watchdog allows",
               "holds the tool, then Stop 1", "check the simulation's load and device, begin a new run"};
@@ -49,7 +49,7 @@ FaultText Describe(Fault fault) {
     case Fault::kSession:
       return {"arm left COMMANDING_ACTIVE", "the arm left COMMANDING_ACTIVE, or reported a safety stop",
               "follows the arm's own position, commands nothing",
-              "clear the arm's own stop, begin a new run"};
+              "clear the arm's own stop; then a recovery (`osteon recover`) or a new run"};
     case Fault::kDevice:
       return {"simulation device lost", "the GPU was lost", "Stop 1",
               "see that the GPU works (`osteon doctor`), begin a new run"};

@@ -88,9 +88,12 @@ CellCommands::CellCommands(CLI::App& app)
                    "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
       ->type_name("FILE");
   AddConsoleOption(*run_, operate_.console);
+  AddAtFaultOption(*run_, "hold with --console and no --seconds, else end",
+                   [this](bool hold) { operate_.hold_at_fault = hold; });
   run_->add_option("--json", operate_.json, "also write the figures there, as JSON")->type_name("FILE");
   run_->footer(
-      "Exit code 1: a fault ended the run, the arm did not come in time, or a file could not be written\n\n"
+      "Exit code 1: a fault ended the run or was recovered from by an operator, the arm did not come in "
+      "time, or a file could not be written\n\n"
       "Examples:\n  osteon run my_cell.yaml --record first.mcap\n  osteon run demo --simulated --seconds 10\n"
       "  osteon run demo --simulated --cpu 1\n"
       "  osteon cell demo &  osteon run demo --seconds 10");

@@ -1,8 +1,11 @@
 #include "app/cli/console_option.h"
 
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "app/cli/usage.h"
 
 namespace osteon::app {
 
@@ -19,6 +22,15 @@ void AddConsoleOption(CLI::App& sub, ConsoleChoice& choice) {
                      "the loopback asks for a token. Without it the first free port from {} on",
                      console::kDefaultPort))
       ->type_name("PORT");
+}
+
+void AddAtFaultOption(CLI::App& sub, const std::string& otherwise, std::function<void(bool hold)> choose) {
+  sub.add_option_function<std::string>(
+         "--at-fault", [choose = std::move(choose)](const std::string& text) { choose(text == "hold"); },
+         "after a fault that allows a recovery (`osteon faults`): hold: the arm stays at rest until `osteon "
+         "recover`, Recover in the console, or a stop; end: the run ends. Without it " +
+             otherwise)
+      ->check(OneOf({"hold", "end"}));
 }
 
 }  // namespace osteon::app

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include <CLI/CLI.hpp>
 
 #include "session/run/live_views.h"
@@ -8,5 +10,8 @@ namespace osteon::app {
 
 /// Adds `--console`: where a run serves its page.
 void AddConsoleOption(CLI::App& sub, ConsoleChoice& choice);
+/// Adds `--at-fault`: whether the cell is held at a fault that allows a recovery. @param otherwise  what
+/// holds without the option, for the help
+void AddAtFaultOption(CLI::App& sub, const std::string& otherwise, std::function<void(bool hold)> choose);
 
 }  // namespace osteon::app

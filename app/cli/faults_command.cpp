@@ -42,7 +42,8 @@ std::string FaultsPage() {
                          "`summary.json` the names and "
                          "what was seen, and each stop leaves its own page ([recording.md](recording.md)). "
                          "What stop 0 and 1 "
-                         "are: [states.md](states.md). Recovery: `--recover` may clear it within the run.") +
+                         "are: [states.md](states.md). Recovery: `osteon recover`, or "
+                         "`--recover`, may clear it within the run.") +
                      "\n\n"
                      "| bit | fault | what was seen | stop | what the cell does | recovery | how to go on |\n"
                      "|---|---|---|---|---|---|---|\n";
@@ -58,7 +59,8 @@ int RunFaults(const FaultsOptions& options) {
   ForEachFault([](safety::Fault fault, const safety::FaultText& text) {
     fmt::print("{}\n  seen:  {}\n  does:  {}\n  stop:  {}{}\n  go on: {}\n", text.name, text.cause,
                text.reaction, static_cast<int>(safety::StopOf(fault)),
-               safety::AllowsRecovery(fault) ? ", a recovery may clear it (--recover)" : "", text.clearing);
+               safety::AllowsRecovery(fault) ? ", a recovery may clear it (osteon recover, --recover)" : "",
+               text.clearing);
   });
   for (const auto& [file, text] :
        {std::pair(options.markdown, FaultsPage()), std::pair(options.json, Json())}) {

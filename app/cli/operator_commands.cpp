@@ -8,11 +8,16 @@ namespace {
 struct Request {
   const char *name, *help, *footer;
 };
-constexpr std::array<Request, 4> kRequests{
+constexpr std::array<Request, 5> kRequests{
     Request{"pause", "pauses the running cell: it brakes to rest and stays under power",
             "Exit code 1: no cell runs, or nothing moves that could be paused\n\nExamples:\n  osteon pause"},
     Request{"resume", "ends the pause of the running cell",
             "Exit code 1: no cell runs, or it is not paused\n\nExamples:\n  osteon resume"},
+    Request{"recover", "clears the faults of a cell that is held at them, and lets it begin anew",
+            "The state machine checks each condition of motion again; rendering then begins where the arm "
+            "stands.\n\n"
+            "Exit code 1: no cell runs, or its fault asks for a new run (the reason is said)\n\n"
+            "Examples:\n  osteon recover"},
     Request{"stop", "ends the running cell in order, as at the end of its time",
             "Exit code 1: no cell runs\n\nExamples:\n  osteon stop"},
     Request{"status", "tells what the running cell does, and what is missing for motion",

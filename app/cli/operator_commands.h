@@ -8,7 +8,7 @@
 
 namespace osteon::app {
 
-/// The subcommands `pause`, `resume`, `stop` and `status`, which ask a cell that runs.
+/// The subcommands `pause`, `resume`, `recover`, `stop` and `status`, which ask a cell that runs.
 class OperatorCommands {
  public:
   explicit OperatorCommands(CLI::App& app);
@@ -19,7 +19,7 @@ class OperatorCommands {
 
  private:
   AskOptions options_;
-  std::array<CLI::App*, 4> subs_{};
+  std::array<CLI::App*, 5> subs_{};
 };
 
 }  // namespace osteon::app

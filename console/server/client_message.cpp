@@ -9,8 +9,8 @@ namespace osteon::console {
 namespace {
 
 constexpr const char* kAccepted =
-    "accepted {\"ask\": pause, resume, stop, role, watch, all, play, halt, or seek and speed with a "
-    "\"value\"}";
+    "accepted {\"ask\": pause, resume, recover, stop, role, watch, all, play, halt, undo_gains; with "
+    "\"value\": seek, speed, stiffness, drag}";
 constexpr std::size_t kShown = 30;  // characters of a wrong word in an error
 
 tl::unexpected<std::string> Refuse(const std::string& found) {
@@ -31,13 +31,17 @@ tl::expected<ClientMessage, std::string> ParseClientMessage(std::string_view byt
   const double value = has_value ? json["value"].get<double>() : 0.0;
   if (has_value && std::isfinite(value)) {
     if (ask == "seek") return ViewRequest{.kind = ViewRequest::Kind::kSeek, .value = value};
+    if (ask == "stiffness") return GainsRequest{.kind = GainsRequest::Kind::kStiffness, .value = value};
+    if (ask == "drag") return GainsRequest{.kind = GainsRequest::Kind::kDrag, .value = value};
     if (ask == "speed") return ViewRequest{.kind = ViewRequest::Kind::kSpeed, .value = value};
   }
   if (has_value) return Refuse("a value with \"" + ask.substr(0, kShown) + "\"");
+  if (ask == "undo_gains") return GainsRequest{.kind = GainsRequest::Kind::kUndo};
   if (ask == "play") return ViewRequest{.kind = ViewRequest::Kind::kPlay};
   if (ask == "halt") return ViewRequest{.kind = ViewRequest::Kind::kHalt};
   if (ask == "pause") return OperatorRequest::kPause;
   if (ask == "resume") return OperatorRequest::kResume;
+  if (ask == "recover") return OperatorRequest::kRecover;
   if (ask == "stop") return OperatorRequest::kStop;
   if (ask == "role") return RoleRequest::kTake;
   if (ask == "watch") return RoleRequest::kGiveBack;

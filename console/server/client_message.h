@@ -15,7 +15,7 @@ namespace osteon::console {
 inline constexpr std::size_t kMaxClientMessage = 1024;
 
 /// {"ask": "pause"}: a request to the cell. Only the page with the operator's role may make one.
-enum class OperatorRequest : std::uint8_t { kPause, kResume, kStop };
+enum class OperatorRequest : std::uint8_t { kPause, kResume, kStop, kRecover };
 /// {"ask": "role"} and {"ask": "watch"}: takes the operator's role if nobody has it; gives it back.
 enum class RoleRequest : std::uint8_t { kTake, kGiveBack };
 /// {"ask": "all"}: everything again, after a page has lost its picture.
@@ -28,7 +28,14 @@ struct ViewRequest {
   double value{0.0};
 };
 
-using ClientMessage = std::variant<OperatorRequest, RoleRequest, ResendRequest, ViewRequest>;
+/// {"ask": "stiffness", "value": N_per_m}, {"ask": "drag", "value": Ns_per_m}, {"ask": "undo_gains"}: of the
+/// running cell, by the page with the operator's role. The value is finite.
+struct GainsRequest {
+  enum class Kind : std::uint8_t { kStiffness, kDrag, kUndo } kind{Kind::kUndo};
+  double value{0.0};
+};
+
+using ClientMessage = std::variant<OperatorRequest, RoleRequest, ResendRequest, ViewRequest, GainsRequest>;
 
 /// Parses a page's message. The error names what was found and what is accepted; it is at most 200 bytes and
 /// in ASCII apart from the message's own first characters.

@@ -23,6 +23,8 @@
 namespace osteon::console {
 namespace {
 
+constexpr const char* kWatches = "this page watches: take the operator's role first";
+
 // A page takes one of the server's threads as long as it is open; the others serve files.
 constexpr int kThreads = static_cast<int>(kMaxPages) + 8;
 
@@ -287,9 +289,17 @@ class Server final : public ConsoleServer {
       return page.sender().Answer(
           AnswerJson("view", {.done = false, .reason = "a running cell has no time line"}));
     }
+    if (const auto* gains = std::get_if<GainsRequest>(&*message)) {
+      RequestAnswer answer{.done = false, .reason = kWatches};
+      if (!params_.gains)
+        answer.reason = "gains: nothing runs whose gains could be changed";
+      else if (role_.holder() == page.number())
+        answer = params_.gains(*gains);
+      return page.sender().Answer(AnswerJson("gains", answer));
+    }
     const auto request = std::get<OperatorRequest>(*message);
-    constexpr std::array<const char*, 3> kNames{"pause", "resume", "stop"};
-    RequestAnswer answer{.done = false, .reason = "this page watches: take the operator's role first"};
+    constexpr std::array<const char*, 4> kNames{"pause", "resume", "stop", "recover"};
+    RequestAnswer answer{.done = false, .reason = kWatches};
     if (!params_.request)
       answer.reason = "a recording takes no requests";
     else if (role_.holder() == page.number())

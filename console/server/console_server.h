@@ -46,6 +46,8 @@ struct ConsoleParams {
   LiveContext context;
   /// Makes an operator's request: the same as `osteon pause` does. Called by a page's thread.
   std::function<RequestAnswer(OperatorRequest)> request;
+  /// Changes the cell's gains; empty: none can be changed. Called by a page's thread.
+  std::function<RequestAnswer(const GainsRequest&)> gains{};
   /// Moves a playback; empty: what is shown is live. Called by a page's thread.
   std::function<void(const ViewRequest&)> view{};
   std::vector<std::function<std::string()>> notes{};  ///< PageSources::notes

@@ -43,11 +43,20 @@ void AddPermits(const control::TickRecord& tick, LiveStatus& status) {
 }
 
 void AddFaults(const control::TickRecord& tick, LiveStatus& status) {
+  safety::FaultSet faults;
   for (int bit = 0; bit < safety::kFaultCount; ++bit) {
     if ((tick.faults >> bit & 1u) == 0) continue;
-    const safety::FaultText text = safety::Describe(static_cast<safety::Fault>(1u << bit));
-    status.faults.push_back({text.name, text.cause, text.reaction, text.clearing});
+    const auto fault = static_cast<safety::Fault>(1u << bit);
+    const safety::FaultText text = safety::Describe(fault);
+    status.faults.push_back(
+        {text.name, text.cause, text.reaction, text.clearing, safety::AllowsRecovery(fault)});
+    faults.Latch(fault);
   }
+  if (tick.cell_state >= safety::kCellStates || tick.input.stop) return;
+  const auto state = static_cast<safety::CellState>(tick.cell_state);
+  status.can_recover =
+      safety::Next(state, safety::CellEvent::kRecover).state == safety::CellState::kRecovery &&
+      safety::AllowsRecovery(faults);
 }
 
 std::string TimeText(const LiveStatus& s, double wanted_s) {
@@ -121,7 +130,8 @@ std::string StatusJson(const LiveStatus& s) {
     faults.push_back({{"name", fault.name},
                       {"cause", fault.cause},
                       {"reaction", fault.reaction},
-                      {"clearing", fault.clearing}});
+                      {"clearing", fault.clearing},
+                      {"allows_recovery", fault.allows_recovery}});
   const nlohmann::json json{{"schema", "osteon.status/1"},
                             {"known", s.known},
                             {"state", s.state},
@@ -130,6 +140,7 @@ std::string StatusJson(const LiveStatus& s) {
                             {"leave", s.leave},
                             {"can_pause", s.can_pause},
                             {"can_resume", s.can_resume},
+                            {"can_recover", s.can_recover},
                             {"permits", permits},
                             {"moves", s.moves},
                             {"permits_known", s.permits_known},

@@ -24,6 +24,7 @@ struct PermitStatus {
 /// A latched fault, in the catalogue's words.
 struct FaultStatus {
   std::string name, cause, reaction, clearing;
+  bool allows_recovery{false};  ///< a recovery may clear it within the run
 };
 
 /// The cell's status in words and figures, for a line of text, `osteon status` and the console alike.
@@ -32,6 +33,7 @@ struct LiveStatus {
   int state_number{-1};            ///< safety::CellState; -1: unknown
   std::string state, does, leave;  ///< of the state machine (safety::Describe)
   bool can_pause{false}, can_resume{false};
+  bool can_recover{false};  ///< at rest with faults that all allow a recovery, and the run does not end
   /// The conditions of motion: as they are now, or, while the arm moves, as they were when motion began; from
   /// then on a condition that ends is a fault.
   std::vector<PermitStatus> permits;

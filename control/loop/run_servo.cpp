@@ -45,12 +45,14 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
   const rt::Nanoseconds give_up = ToNanoseconds(params.give_up_s);
   rt::Nanoseconds give_up_at = rt::MonotonicNow() + give_up;
   rt::Nanoseconds active_since = -1, last_active = -1;
-  bool ending = false, waits_again = false;
+  bool ending = false, waits_again = false, automatic = false;
+  rt::Nanoseconds held_at = -1;  // time of the previous tick of a hold; -1: nothing is held
   RestTime rest(ToNanoseconds(params.at_rest_s));
   const auto end = [&](RunEnd why) {
     if (ending) return;
     ending = true;
-    result.end = why;
+    // a stop of a cell that is held at a fault does not turn the fault into an orderly end
+    result.end = why == RunEnd::kStopFlag && loop.faults().Any() ? RunEnd::kFault : why;
     loop.RequestStop();
     give_up_at = rt::MonotonicNow() + give_up;
   };
@@ -70,7 +72,14 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     const rt::Nanoseconds woken = rt::MonotonicNow();
     const CellReadings readings = devices.Exchange(loop.cell_commands(), woken);
     const simulation::ContactModel& model = models.Load();
+    const bool could_recover = loop.CanRecover();
+    const safety::FaultSet faults_before = loop.faults();
     TickRecord record = loop.Tick(state, received, readings, model, woken, command);
+    if (could_recover && record.input.recover) {
+      result.cleared.Latch(faults_before);
+      ++(automatic ? result.recovered : result.operator_recoveries);
+      automatic = false;
+    }
     if (received == ReceiveResult::kOk && !link.Send(command)) ++result.unsent;
     const rt::Nanoseconds answered = rt::MonotonicNow();
     commands.Store(loop.tool_command());
@@ -110,12 +119,19 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     }
     if (params.stop != nullptr && params.stop->load(std::memory_order_relaxed)) end(RunEnd::kStopFlag);
     if (!ending && loop.CanRecover() && result.recovered < params.recoveries) {
-      ++result.recovered;
+      automatic = true;
       loop.RequestRecovery();
       give_up_at = woken + give_up;
       waits_again = true;
       continue;
     }
+    if (!ending && params.hold_at_fault && safety::AllowsRecovery(loop.faults())) {
+      if (held_at >= 0 && active_since >= 0) active_since += woken - held_at;
+      held_at = woken;
+      give_up_at = woken + give_up;
+      continue;
+    }
+    held_at = -1;
     if (loop.faults().Any()) end(RunEnd::kFault);
     if (!ending && (loop.phase() == Phase::kAligning || loop.state() == safety::CellState::kPaused))
       give_up_at = woken + give_up;  // aligning makes progress, and a pause is intended

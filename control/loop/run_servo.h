@@ -25,6 +25,10 @@ struct RunServoParams {
   rt::RealtimeThreadParams thread{
       .priority = 80, .lock_memory = true, .keep_cpus_awake = true, .prefault_stack_bytes = 256 * 1024};
   int recoveries{0};  ///< largest number of automatic recoveries (ServoLoop::RequestRecovery)
+  /// After a fault that allows a recovery, the loop goes on at rest until somebody requests the recovery
+  /// (ServoLoop::RequestRecovery) or a stop; the time held does not count as rendering. False: the fault ends
+  /// the run.
+  bool hold_at_fault{false};
   /// Receives the arm's joint positions with each message while the loop waits. Writer: this thread.
   rt::LatestValue<StandingArm>* standing{nullptr};
   /// Second loop, which computes each tick again (LoopRepeat). Made like the first; has computed no tick yet.
@@ -49,6 +53,8 @@ struct RunServoResult {
   std::uint64_t ticks{0};
   std::uint64_t unsent{0};        ///< answers that the system refused to send
   int recovered{0};               ///< number of automatic recoveries
+  int operator_recoveries{0};     ///< number of recoveries that somebody requested during a hold
+  safety::FaultSet cleared;       ///< faults that recoveries have cleared
   std::uint64_t unrecorded{0};    ///< ticks that the recorder refused because it was full
   rt::RealtimeGrant thread;       ///< settings of the thread that the system granted
   rt::DurationHistogram wakeup;   ///< from ArmState::stamp, the arrival of a message, until the loop runs

@@ -6,12 +6,13 @@
 namespace osteon::app {
 
 struct AskOptions {
-  std::string request;           ///< "pause", "resume", "stop", "status"
+  std::string request;           ///< "pause", "resume", "recover", "stop", "status"
   int pid{0};                    ///< of the run, where several run; 0: the only one
   std::filesystem::path json{};  ///< for the answer; empty: none
 };
 
-/// Runs `osteon pause`, `resume`, `stop`, `status`: asks the cell that runs on this machine, under this user.
+/// Runs `osteon pause`, `resume`, `recover`, `stop`, `status`: asks the cell that runs on this machine, under
+/// this user.
 /// @returns the process's exit code: 0 done; 1 refused, or no cell runs; 2 several run and none was named.
 [[nodiscard]] int RunAsk(const AskOptions& options);
 

@@ -96,10 +96,13 @@ void AddDiagnosis(CellRunResult& result, const std::string& arm, const std::stri
 
 void ApplyRequests(const CellRunParams& params, control::ServoLoop& loop) {
   if (!params.requests) return;
-  const bool pause = params.requests->pause.exchange(false), resume = params.requests->resume.exchange(false);
+  const bool pause = params.requests->pause.exchange(false), resume = params.requests->resume.exchange(false),
+             recover = params.requests->recover.exchange(false);
+  if (recover) loop.RequestRecovery();
   if (resume) loop.RequestResume();
   if (pause) loop.RequestPause();
-  if (params.notice && (pause || resume)) params.notice(pause ? "a pause was asked for" : "asked to go on");
+  if (params.notice && (pause || resume || recover))
+    params.notice(pause ? "a pause was asked for" : resume ? "asked to go on" : "a recovery was asked for");
 }
 
 // Checks the path to the start while the arm waits, and again if somebody has moved the arm since.
@@ -168,7 +171,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
   control::RunServoResult servo;
   bool cell_died = false;
   StartWatch start(setup, loop);
-  GainsWatch gains(params.gains, setup.config, loop, params.notice);
+  GainsWatch gains(params.gains, setup.config, loop, params.notice, params.gains_panel);
   {
     SimulationThread simulation(runner, commands, models, recorder);
     std::atomic<bool> done{false}, stop{false};
@@ -178,6 +181,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
                                          .give_up_s = params.wait_s,
                                          .at_rest_s = AtRest_s(setup, params),
                                          .recoveries = params.recoveries,
+                                         .hold_at_fault = params.hold_at_fault,
                                          .standing = &start.standing(),
                                          .second = &second,
                                          .rendered_s = &rendered_s,
@@ -228,6 +232,8 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
   result.statistics = servo.statistics;
   result.servo_thread = servo.thread;
   result.recovered = servo.recovered;
+  result.operator_recoveries = servo.operator_recoveries;
+  result.cleared = servo.cleared;
   safety::FaultSet known;
   RecordFaults(recorder, rt::MonotonicNow(), servo.faults, known);
   RecordEnd(recorder, rt::MonotonicNow(), result, params.seconds);
@@ -261,7 +267,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   auto devices = VirtualDevices::Make(setup.config);
   if (!devices) return tl::make_unexpected(CellRunError{.what = devices.error()});
   ArmProtocolSession session(setup.config.link);
-  GainsWatch gains(params.gains, setup.config, loop, params.notice);
+  GainsWatch gains(params.gains, setup.config, loop, params.notice, params.gains_panel);
   control::ArmState state;
   control::ArmCommand command;
   simulation::ContactModel model;
@@ -274,11 +280,15 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   const auto wanted = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
   const auto patience = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
   std::int64_t since_progress = 0;
-  std::uint64_t active_before = 0;
-  bool recovering = false;
+  std::uint64_t active_before = 0, held_ticks = 0;  // ticks in COMMANDING_ACTIVE, and of these during a hold
+  bool recovering = false, stopping = false;
   control::RestTime rest(static_cast<rt::Nanoseconds>(std::llround(AtRest_s(setup, params) * 1e9)));
+  const auto holds = [&] {
+    return params.hold_at_fault && !stopping && safety::AllowsRecovery(loop.faults());
+  };
   const auto is_over = [&](rt::Nanoseconds now) {
-    return !recovering && loop.phase() == control::Phase::kStopped && rest.IsOver(loop.state(), now);
+    return !recovering && !holds() && loop.phase() == control::Phase::kStopped &&
+           rest.IsOver(loop.state(), now);
   };
   for (std::int64_t tick = 1; !is_over((tick - 1) * period) && since_progress < patience; ++tick) {
     const rt::Nanoseconds now = tick * period;
@@ -303,7 +313,14 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     gains.Poll(rt::ToSeconds(now));
     ApplyRequests(params, loop);
     const control::CellReadings readings = (*devices)->Exchange(loop.cell_commands(), now);
+    const bool could_recover = loop.CanRecover();
+    const safety::FaultSet faults_before = loop.faults();
     const control::TickRecord record = loop.Tick(state, received, readings, model, now, command);
+    if (could_recover && record.input.recover) {
+      result.cleared.Latch(faults_before);
+      known.Clear();
+      if (!recovering) ++result.operator_recoveries;
+    }
     recorder.Push(record);
     if (params.ticked) params.ticked(record, model);
     recovering = false;
@@ -313,19 +330,22 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
 
     RecordFaults(recorder, now, loop.faults(), known);
     if (loop.CanRecover() && result.recovered < params.recoveries &&
-        loop.statistics().active_ticks < wanted) {
+        loop.statistics().active_ticks - held_ticks < wanted) {
       ++result.recovered;
       loop.RequestRecovery();
       recovering = true;
-      known.Clear();
       continue;
     }
     if (loop.phase() != control::Phase::kStopped) stopped_by_user = params.stop && params.stop->load();
-    const std::uint64_t active = loop.statistics().active_ticks;
+    if (holds()) held_ticks = loop.statistics().active_ticks - active_before;
+    const std::uint64_t active = loop.statistics().active_ticks - held_ticks;
     const bool progress = active > active_before || loop.state() == safety::CellState::kPaused;
     active_before = active;
     since_progress = progress && active < wanted && !stopped_by_user ? 0 : since_progress + 1;
-    if (active >= wanted || stopped_by_user) loop.RequestStop();
+    if (active >= wanted || stopped_by_user) {
+      stopping = true;
+      loop.RequestStop();
+    }
     if (tick % 100 == 0) {
       recorder.Drain();
       if (params.progress) params.progress(cell.state().cell_time_s);
@@ -334,10 +354,10 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   EndSession(session, cell, period);
   result.faults = loop.faults();
   result.statistics = loop.statistics();
-  result.end = result.faults.Any()                       ? control::RunEnd::kFault
-               : stopped_by_user                         ? control::RunEnd::kStopFlag
-               : result.statistics.active_ticks < wanted ? control::RunEnd::kNeverActive
-                                                         : control::RunEnd::kSeconds;
+  result.end = result.faults.Any()      ? control::RunEnd::kFault
+               : stopped_by_user        ? control::RunEnd::kStopFlag
+               : active_before < wanted ? control::RunEnd::kNeverActive
+                                        : control::RunEnd::kSeconds;
   AddDiagnosis(result, session.Diagnosis(), (*devices)->Diagnosis(), loop.permits());
   RecordEnd(recorder, cell.state().stamp, result, params.seconds);
   result.cell_report =

@@ -20,12 +20,17 @@
 
 namespace osteon::app {
 
+class GainsPanel;
+
 struct CellRunParams {
   double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
   bool virtual_time{false};
   double frame_s{0.002};  ///< virtual time: interval of frames, and delay from a frame's pose to its model
   int recoveries{0};      ///< restarts of the loop after the connection to the arm has ended rendering
-  double wait_s{30.0};    ///< wall time: if rendering has not begun by then, the run ends
+  /// After a fault that allows a recovery the arm stays at rest until `requests` has one, or a stop. False:
+  /// the fault ends the run.
+  bool hold_at_fault{false};
+  double wait_s{30.0};  ///< wall time: if rendering has not begun by then, the run ends
   /// Time for which the arm is still answered and recorded once it has come to rest at the end. Not used if
   /// its program can be asked to end (CanRequestStop).
   double at_rest_s{0.5};
@@ -37,11 +42,12 @@ struct CellRunParams {
   /// or overwritten. @returns the reason if the recording must not be made; else empty.
   std::function<std::string()> make_room{};
   const std::atomic<bool>* stop{nullptr};
-  OperatorRequests* requests{nullptr};  ///< an operator's pause and its end; null: none
+  OperatorRequests* requests{nullptr};  ///< an operator's pause, its end, a recovery; null: none
   io::RecordSink* live{nullptr};        ///< a live view, which gets all that is recorded; null: none
   std::string console_url{};            ///< where the console is served, for the summary; empty: nowhere
-  std::filesystem::path gains{};   ///< a file of gains that is read again whenever it is saved; empty: none
-  std::function<void()> begins{};  ///< called once everything is open, before anything moves
+  std::filesystem::path gains{};     ///< a file of gains that is read again whenever it is saved; empty: none
+  GainsPanel* gains_panel{nullptr};  ///< gains that pages ask for; null: none
+  std::function<void()> begins{};    ///< called once everything is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
   /// May coarsen the zones during the run; null: they stay.
@@ -63,7 +69,9 @@ struct CellRunResult {
   std::string diagnosis;  ///< if rendering never began: what kept arm or devices from it
   safety::FaultSet faults;
   control::ServoStatistics statistics;
-  int recovered{0};                ///< number of restarts
+  int recovered{0};                ///< number of restarts, without an operator's
+  int operator_recoveries{0};      ///< number of restarts that an operator requested at a fault
+  safety::FaultSet cleared;        ///< faults that these restarts have cleared
   rt::RealtimeGrant servo_thread;  ///< wall time: scheduling that the system granted
   io::RecordingCounts recording;
   std::string recording_error;  ///< why the recording could not be written to its end; empty if it was

@@ -178,6 +178,7 @@ int RunDemo(const DemoOptions& options) {
       .seconds = options.seconds,
       .virtual_time = options.virtual_time,
       .frame_s = options.frame_ms ? 1e-3 * *options.frame_ms : CellRunParams{}.frame_s,
+      .hold_at_fault = options.hold_at_fault,
       .cpu = options.cpu,
       .cell = CellProcessParams{.cell = options.cell,
                                 .tool = options.tool,
@@ -191,6 +192,7 @@ int RunDemo(const DemoOptions& options) {
       .requests = &AskedByOperator(),
       .live = live.sink(),
       .console_url = live.console_url(),
+      .gains_panel = live.gains_panel(),
       .begins =
           [&] {
             live.Announce();

@@ -26,9 +26,11 @@ struct DemoOptions {
   std::string device{};        ///< part of a Vulkan device's name
   std::string engine{"auto"};  ///< one of EngineNames
   std::optional<std::uint16_t> port{};  ///< replaces the cell's
-  int cpu{-1};                   ///< for servo thread and simulated arm; all others stay off it; -1: any
-  ConsoleChoice console{};       ///< where the console is served
-  std::filesystem::path json{};  ///< a second copy of summary.json
+  int cpu{-1};  ///< for servo thread and simulated arm; all others stay off it; -1: any
+  bool hold_at_fault{
+      false};               ///< a fault that allows a recovery leaves the cell at rest until it is asked for
+  ConsoleChoice console{};  ///< where the console is served
+  std::filesystem::path json{};         ///< a second copy of summary.json
   std::filesystem::path save_motion{};  ///< file for the tool's motion, which can be played again
   std::filesystem::path surface{};      ///< file for the carved bone as a mesh: STL, PLY or OBJ
   std::string command_line{};

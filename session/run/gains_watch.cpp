@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "config/reading/sections/read_gains.h"
+#include "session/run/gains_panel.h"
 
 namespace osteon::app {
 namespace {
@@ -39,16 +40,19 @@ std::filesystem::file_time_type WrittenAt(const std::filesystem::path& file,
 }  // namespace
 
 GainsWatch::GainsWatch(std::filesystem::path file, const config::CellConfig& cell, control::ServoLoop& loop,
-                       std::function<void(const std::string&)> notice)
+                       std::function<void(const std::string&)> notice, GainsPanel* panel)
     : file_(std::move(file)),
       cell_(cell),
       loop_(loop),
       notice_(std::move(notice)),
+      panel_(panel),
       asked_(control::GainsOf(cell.servo.admittance, cell.servo.coupling)) {
   if (!file_.empty()) read_ = seen_ = WrittenAt(file_, {});
 }
 
 void GainsWatch::Poll(double at_s) {
+  if (panel_ != nullptr)
+    if (const auto gains = panel_->Take()) Request(*gains);
   if (file_.empty() || at_s < next_s_) return;
   next_s_ = at_s + kPollInterval_s;
   const auto written = WrittenAt(file_, seen_);
@@ -58,6 +62,14 @@ void GainsWatch::Poll(double at_s) {
     read_ = written;
     Read();
   }
+}
+
+void GainsWatch::Request(const control::Gains& gains) {
+  const std::string changes = Changes(asked_, gains);
+  if (changes.empty()) return;
+  loop_.RequestGains(gains);
+  asked_ = gains;
+  if (notice_) notice_(fmt::format("gains: {} within {:g} s", changes, control::GainRamp::kRampSeconds));
 }
 
 void GainsWatch::Read() {
@@ -72,9 +84,8 @@ void GainsWatch::Read() {
       say(fmt::format("gains: {} read again, nothing has changed", file_.string()));
       return;
     }
-    loop_.RequestGains(gains);
-    asked_ = gains;
-    say(fmt::format("gains: {} within {:g} s", changes, control::GainRamp::kRampSeconds));
+    Request(gains);
+    if (panel_ != nullptr) panel_->SetPresent(gains);
   } catch (const std::exception& error) {
     say(fmt::format("gains stay as they are: {}", error.what()));
   }

@@ -9,7 +9,10 @@
 
 namespace osteon::app {
 
-/// Watches a file of gains that may be saved again while the loop runs with it: `osteon run --gains`.
+class GainsPanel;
+
+/// Watches a file of gains that may be saved again while the loop runs with it: `osteon run --gains`; and
+/// takes what the console's pages ask for (GainsPanel).
 ///
 /// Poll() belongs to the thread that supervises the run, never to the tick. Twice a second it reads the
 /// file's modification time. If the time has changed since the file was read and not since the last look (an
@@ -19,19 +22,22 @@ class GainsWatch {
  public:
   /// @param file  as read at the start; empty: nothing to watch
   /// @param notice  called with one line about a change or an error; may be empty
+  /// @param panel  what pages ask for; null: none
   GainsWatch(std::filesystem::path file, const config::CellConfig& cell, control::ServoLoop& loop,
-             std::function<void(const std::string&)> notice);
+             std::function<void(const std::string&)> notice, GainsPanel* panel = nullptr);
 
   /// @param at_s  of any clock that does not go back
   void Poll(double at_s);
 
  private:
   void Read();
+  void Request(const control::Gains& gains);
 
   std::filesystem::path file_;
   const config::CellConfig& cell_;
   control::ServoLoop& loop_;
   std::function<void(const std::string&)> notice_;
+  GainsPanel* panel_;
   control::Gains asked_;                    ///< the gains last given to the loop
   std::filesystem::file_time_type read_{};  ///< modification time of the file as last read
   std::filesystem::file_time_type seen_{};  ///< modification time at the last look

@@ -25,6 +25,15 @@ std::optional<int> PortOf(std::string_view text) {
   return whole && port >= 0 && port <= kMaxPort ? std::optional(port) : std::nullopt;
 }
 
+// Says why a recovery is refused: the first fault that asks for a new run, with what to do; else the state.
+std::string WhyNoRecovery(const console::LiveStatus& status, const std::string& state) {
+  for (const console::FaultStatus& fault : status.faults)
+    if (!fault.allows_recovery)
+      return fmt::format("found the fault {}, which no recovery clears: {}", fault.name, fault.clearing);
+  if (status.faults.empty()) return fmt::format("the cell is {}: there is no fault to recover from", state);
+  return fmt::format("the cell is {}: a recovery is accepted at rest, before a stop is asked for", state);
+}
+
 }  // namespace
 
 tl::expected<ConsoleChoice, std::string> ConsoleChoice::Parse(const std::string& text) {
@@ -46,7 +55,7 @@ tl::expected<ConsoleChoice, std::string> ConsoleChoice::Parse(const std::string&
 }
 
 LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests)
-    : setup_(setup), run_(run), requests_(requests), cell_(setup.cell_name) {
+    : setup_(setup), run_(run), requests_(requests), gains_(setup.config), cell_(setup.cell_name) {
   scene_ = ConsoleScene(setup, run.command, run.seconds, run.recording);
   context_ = LiveContextOf(setup);
 }
@@ -57,16 +66,20 @@ void LiveViews::Open(const ConsoleChoice& choice) {
   if (server)
     server_ = std::move(*server);
   else
-    not_opened_.push_back("osteon pause, resume, stop and status do not reach this run: " + server.error());
+    not_opened_.push_back("osteon pause, resume, recover, stop and status do not reach this run: " +
+                          server.error());
   if (!choice.on) return;
-  auto console = console::ConsoleServer::Start({.address = choice.address,
-                                                .port = choice.port,
-                                                .only_this_port = choice.only_this_port,
-                                                .page = ConsolePageFolder(),
-                                                .hello = scene_,
-                                                .context = context_,
-                                                .request = [this](auto request) { return Ask(request); }},
-                                               feed_, surface_);
+  auto console =
+      console::ConsoleServer::Start({.address = choice.address,
+                                     .port = choice.port,
+                                     .only_this_port = choice.only_this_port,
+                                     .page = ConsolePageFolder(),
+                                     .hello = scene_,
+                                     .context = context_,
+                                     .request = [this](auto request) { return Ask(request); },
+                                     .gains = [this](const auto& request) { return gains_.Request(request); },
+                                     .notes = {[this] { return gains_.Json(); }}},
+                                    feed_, surface_);
   if (!console) {
     not_opened_.push_back(console.error());
     return;
@@ -103,6 +116,10 @@ console::RequestAnswer LiveViews::Ask(console::OperatorRequest request) {
         return {.done = false, .reason = fmt::format("the cell is {}, not paused", state)};
       requests_.resume.store(true);
       break;
+    case console::OperatorRequest::kRecover:
+      if (!status.can_recover) return {.done = false, .reason = WhyNoRecovery(status, state)};
+      requests_.recover.store(true);
+      break;
     case console::OperatorRequest::kStop:
       RequestInterrupt(kOperatorsStop);
       break;
@@ -118,12 +135,15 @@ std::string LiveViews::Answer(const std::string& request) {
     answer = Ask(OperatorRequest::kPause);
   } else if (request == "resume") {
     answer = Ask(OperatorRequest::kResume);
+  } else if (request == "recover") {
+    answer = Ask(OperatorRequest::kRecover);
   } else if (request == "stop") {
     answer = Ask(OperatorRequest::kStop);
   } else if (request == "status") {
     json["status"] = nlohmann::json::parse(console::StatusJson(Status()));
   } else {
-    answer = {.done = false, .reason = "found another request, accepted pause, resume, stop, status"};
+    answer = {.done = false,
+              .reason = "found another request, accepted pause, resume, recover, stop, status"};
   }
   json["done"] = answer.done;
   json["reason"] = answer.reason;

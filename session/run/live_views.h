@@ -14,6 +14,7 @@
 #include "console/stream/live_feed.h"
 #include "console/stream/live_status.h"
 #include "io/local/local_server.h"
+#include "session/run/gains_panel.h"
 #include "session/setup/cell_setup.h"
 #include "simulation/surface/surface_thread.h"
 
@@ -38,7 +39,7 @@ struct LiveRun {
 };
 
 /// What a person sees of a running cell and may ask of it: the status line on the terminal, and `osteon
-/// status`, `pause`, `resume`, `stop` through the local socket.
+/// status`, `pause`, `resume`, `recover`, `stop` through the local socket.
 ///
 ///     recorder ──▶ LiveFeed ◀── status line, local socket
 ///                                     └──▶ OperatorRequests ──▶ the state machine, as from any other side
@@ -62,6 +63,8 @@ class LiveViews {
   /// Follows the cut for the console's picture; null where no console is served. Writer of its ring: the
   /// engine's thread.
   [[nodiscard]] surface::SurfaceThread* surface_thread() { return surface_thread_.get(); }
+  /// What the pages ask of the gains.
+  [[nodiscard]] GainsPanel* gains_panel() { return &gains_; }
   [[nodiscard]] console::LiveStatus Status() const;
   /// The status as a line for the progress on stderr; empty before the first message.
   [[nodiscard]] std::string Line() const;
@@ -75,6 +78,7 @@ class LiveViews {
   const CellSetup& setup_;
   LiveRun run_;
   OperatorRequests& requests_;
+  GainsPanel gains_;
   std::string cell_;
   std::string scene_;
   std::vector<std::string> not_opened_;

@@ -172,6 +172,8 @@ int RunOperate(const OperateOptions& asked) {
   const CellRunParams params{
       .seconds = options.seconds,
       .recoveries = options.recoveries,
+      .hold_at_fault = options.hold_at_fault.value_or(options.console.on && options.console.only_this_port &&
+                                                      options.seconds == 0.0),
       .wait_s = options.wait_s,
       .cpu = options.cpu,
       .cell = cell,
@@ -182,6 +184,7 @@ int RunOperate(const OperateOptions& asked) {
       .live = live.sink(),
       .console_url = live.console_url(),
       .gains = options.gains,
+      .gains_panel = live.gains_panel(),
       .begins =
           [&] {
             live.Announce();

@@ -11,13 +11,16 @@
 namespace osteon::app {
 
 struct OperateOptions {
-  std::filesystem::path cell;      ///< the cell's YAML file
-  bool simulated{false};           ///< start the simulated cell, and its guard, as well
-  double seconds{0.0};             ///< time of rendering; 0: until Ctrl-C
-  double wait_s{30.0};             ///< longest wait for the arm and all conditions of motion
-  int recoveries{0};               ///< number of restarts after the connection to the arm has ended rendering
-  std::filesystem::path record{};  ///< the recording; empty: DatedRecording in the working folder
-  bool overwrite{false};           ///< replace an earlier run's files of that name; false: refuse
+  std::filesystem::path cell;  ///< the cell's YAML file
+  bool simulated{false};       ///< start the simulated cell, and its guard, as well
+  double seconds{0.0};         ///< time of rendering; 0: until Ctrl-C
+  double wait_s{30.0};         ///< longest wait for the arm and all conditions of motion
+  int recoveries{0};           ///< number of restarts after the connection to the arm has ended rendering
+  /// Whether a fault that allows a recovery leaves the cell at rest until an operator's recovery or stop;
+  /// absent: if a person is expected at the page (--console was given) and the run has no end of its own.
+  std::optional<bool> hold_at_fault{};
+  std::filesystem::path record{};            ///< the recording; empty: DatedRecording in the working folder
+  bool overwrite{false};                     ///< replace an earlier run's files of that name; false: refuse
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
   FidelityChoice fidelity{};                 ///< how fine the bone is
   std::filesystem::path gains{};             ///< overrides the cell's gains; empty: none

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "base/interrupt.h"
@@ -284,7 +285,11 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   if (cell.is_object() && cell.contains("arm")) s.arm_stop = cell["arm"].value("stop", "");
   // a PLC switches off the power of an arm at rest: then this is not the reason of the end
   if (s.arm_stop == hil::kNoPower && !result.faults.Has(safety::Fault::kSession)) s.arm_stop.clear();
-  s.recovered = result.recovered;
+  s.recovered = result.recovered + result.operator_recoveries;
+  s.operator_recoveries = result.operator_recoveries;
+  ForEachFault(result.cleared, [&](safety::Fault, const safety::FaultText& text) {
+    s.recovered_from.emplace_back(text.name);
+  });
   s.config_checksum = ConfigChecksum(setup.config_source);
   s.verdict = JudgeRun(s);
   return s;
@@ -342,6 +347,11 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
   for (const FaultRow& fault : s.faults)
     faults += (faults.empty() ? "" : "; ") + fault.name + (fault.seen.empty() ? "" : " (" + fault.seen + ")");
   rows.push_back({"Faults", faults.empty() ? "none" : faults});
+  if (!s.recovered_from.empty())
+    rows.push_back(
+        {"Recovered from", fmt::format("{}: {}, {} by an operator", fmt::join(s.recovered_from, ", "),
+                                       s.recovered == 1 ? "once" : fmt::format("{} times", s.recovered),
+                                       s.operator_recoveries)});
   std::string drive;
   for (const DriveFaultRow& row : s.drive_faults)
     drive += fmt::format("{}at {:.2f} s {}", drive.empty() ? "" : "; ", row.time_s, row.text);
@@ -376,8 +386,10 @@ std::string DescribeRecordingErrors(const CellRunResult& result, const std::stri
 
 int ExitCode(const CellRunResult& result) {
   // without a signal or an operator's stop, the simulated cell has died
-  if (result.end == control::RunEnd::kStopFlag && InterruptName()[0] != '\0') return InterruptExitCode();
-  return result.end == control::RunEnd::kSeconds && !result.faults.Any() ? 0 : 1;
+  const bool interrupted = result.end == control::RunEnd::kStopFlag && InterruptName()[0] != '\0';
+  const bool done = result.end == control::RunEnd::kSeconds && !result.faults.Any();
+  const int code = interrupted ? InterruptExitCode() : done ? 0 : 1;
+  return code == 0 && result.operator_recoveries > 0 ? 1 : code;
 }
 
 std::string ToJson(const RunSummary& s, const std::string& schema) {
@@ -410,6 +422,8 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"console", s.console_url.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.console_url)},
       {"ended_by", s.ended_by.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.ended_by)},
       {"recovered", s.recovered},
+      {"operator_recoveries", s.operator_recoveries},
+      {"recovered_from", s.recovered_from},
       {"link",
        {{"lost", s.link.lost},
         {"duplicate", s.link.duplicate},

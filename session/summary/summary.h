@@ -96,14 +96,16 @@ struct RunSummary {
   std::vector<RezonedRow> rezoned;             ///< zones that were coarsened
   /// Thinnest wall beside the cut, 0: cut through; nothing: not watched.
   std::optional<double> min_wall_m;
-  std::vector<std::string> assumptions;   ///< material figures that have no source
-  std::vector<WrittenStop> stops;         ///< one page each
-  std::optional<WrittenSurface> surface;  ///< nothing: not asked for, or not written
-  std::string config_checksum;            ///< of the files that the cell was loaded from
-  int recovered{0};                       ///< number of times that rendering began again
-  std::string cell_report;                ///< report of the simulated cell, osteon.cell/1
-  control::TickInput link;                ///< of the last tick: counts of messages and answers
-  std::string arm_stop;                   ///< why the simulated arm ended the session; empty if it did not
+  std::vector<std::string> assumptions;     ///< material figures that have no source
+  std::vector<WrittenStop> stops;           ///< one page each
+  std::optional<WrittenSurface> surface;    ///< nothing: not asked for, or not written
+  std::string config_checksum;              ///< of the files that the cell was loaded from
+  int recovered{0};                         ///< number of times that rendering began again
+  int operator_recoveries{0};               ///< those of them that an operator requested at a fault
+  std::vector<std::string> recovered_from;  ///< names of the faults that these cleared
+  std::string cell_report;                  ///< report of the simulated cell, osteon.cell/1
+  control::TickInput link;                  ///< of the last tick: counts of messages and answers
+  std::string arm_stop;                     ///< why the simulated arm ended the session; empty if it did not
 };
 
 /// Computes the summary from the recording (`run`: ReadRun) and the carved state; the caller fills `section`
@@ -118,8 +120,8 @@ struct RunSummary {
 /// Prints the rows on the terminal, under `title`, scene and tool.
 void PrintTable(const RunSummary& summary, const std::string& title);
 
-/// Exit code of a process that ran: 0 done, 1 ended by a fault or never begun, InterruptExitCode() by a
-/// signal.
+/// Exit code of a process that ran: 0 done; 1 ended by a fault, recovered from one by an operator, or never
+/// begun; InterruptExitCode() by a signal.
 [[nodiscard]] int ExitCode(const CellRunResult& result);
 
 /// Says why a run has no complete recording: the recorder's reason, and the reader's. Empty: it has one.

@@ -8,6 +8,7 @@
 
 #include <fmt/color.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "base/json_text.h"
@@ -35,10 +36,18 @@ void JudgeEnd(const RunSummary& s, Verdict& verdict) {
     verdict.Add(VerdictLevel::kBad, fmt::format("it did not end by itself: {}", s.ended));
   }
   if (!s.rendered) verdict.Add(VerdictLevel::kBad, "nothing was rendered: the arm never began to move");
-  if (s.recovered > 0)
+  if (s.operator_recoveries > 0)
+    verdict.Add(
+        VerdictLevel::kBad,
+        fmt::format("a fault stopped it ({}), and an operator recovered from it {}",
+                    fmt::join(s.recovered_from, ", "),
+                    s.operator_recoveries == 1 ? "once" : fmt::format("{} times", s.operator_recoveries)));
+  if (s.recovered > s.operator_recoveries)
     verdict.Add(VerdictLevel::kWarning,
                 fmt::format("rendering was interrupted by the connection and began anew {}",
-                            s.recovered == 1 ? "once" : fmt::format("{} times", s.recovered)));
+                            s.recovered - s.operator_recoveries == 1
+                                ? "once"
+                                : fmt::format("{} times", s.recovered - s.operator_recoveries)));
 }
 
 void JudgeForce(const RunSummary& s, Verdict& verdict) {

@@ -33,7 +33,7 @@ class OperatorCommands : public testing::Test {
     const WakeupWatch watch;
     Command run(folder_.path(),
                 {"run", "thin_plate", "--simulated", "--port", "0", "--console", "0", "--overwrite",
-                 "--record", "r.mcap", "--json", "run.json"},
+                 "--record", "r.mcap", "--json", "run.json", "--at-fault", "end"},
                 Environment());
     const auto late = [&] {
       const CommandResult result = run.Wait();
@@ -42,6 +42,9 @@ class OperatorCommands : public testing::Test {
     };
     if (!run.WaitUntil([&] { return State() == "cutting"; })) return late();
     EXPECT_EQ(Ask({"resume"}).exit_code, 1) << "it is not paused";
+    const CommandResult refused = Ask({"recover"});
+    EXPECT_EQ(refused.exit_code, 1) << "it has no fault";
+    EXPECT_NE(refused.err.find("no fault to recover from"), std::string::npos) << refused.err;
     EXPECT_EQ(Ask({"pause"}).exit_code, 0);
     if (!run.WaitUntil([&] { return State() == "paused"; })) return late();
     const CommandResult told = Ask({"status"});
@@ -71,7 +74,7 @@ TEST_F(OperatorCommands, PauseResumeAndStopARunningCell) {
 }
 
 TEST_F(OperatorCommands, WithoutACellSayThatNoneRuns) {
-  for (const char* name : {"pause", "resume", "stop", "status"}) {
+  for (const char* name : {"pause", "resume", "recover", "stop", "status"}) {
     const CommandResult result = Ask({name});
     EXPECT_EQ(result.exit_code, 1);
     EXPECT_NE(result.err.find("no cell runs"), std::string::npos) << result.err;

@@ -14,8 +14,13 @@ namespace {
 TEST(ClientMessage, TakesWhatAPageMayAsk) {
   EXPECT_EQ(std::get<OperatorRequest>(*ParseClientMessage(R"({"ask": "pause"})")), OperatorRequest::kPause);
   EXPECT_EQ(std::get<OperatorRequest>(*ParseClientMessage(R"({"ask": "stop"})")), OperatorRequest::kStop);
+  EXPECT_EQ(std::get<OperatorRequest>(*ParseClientMessage(R"({"ask": "recover"})")),
+            OperatorRequest::kRecover);
   EXPECT_EQ(std::get<RoleRequest>(*ParseClientMessage(R"({"ask": "watch"})")), RoleRequest::kGiveBack);
   EXPECT_EQ(std::get<ViewRequest>(*ParseClientMessage(R"({"ask": "seek", "value": 2.5})")).value, 2.5);
+  EXPECT_EQ(std::get<GainsRequest>(*ParseClientMessage(R"({"ask": "drag", "value": 40})")).value, 40.0);
+  EXPECT_EQ(std::get<GainsRequest>(*ParseClientMessage(R"({"ask": "undo_gains"})")).kind,
+            GainsRequest::Kind::kUndo);
   EXPECT_TRUE(std::holds_alternative<ResendRequest>(*ParseClientMessage(R"({"ask": "all"})")));
 }
 
@@ -25,6 +30,7 @@ TEST(ClientMessage, RefusesEverythingElseWithWhatItAccepts) {
        {std::string(), std::string("x"), std::string("{}"), std::string(R"({"ask": 1})"),
         std::string(R"({"ask": null})"), std::string(R"({"ask": "pause", "more": 1})"),
         std::string(R"({"ask": "raise the limit"})"), std::string(R"(["pause"])"),
+        std::string(R"({"ask": "drag"})"), std::string(R"({"ask": "stiffness", "value": -1e999})"),
         std::string(R"({"ask": "pause", "value": 1})"), std::string(R"({"ask": "seek"})"),
         std::string(R"({"ask": "seek", "value": 1e999})"), std::string(R"({"ask": "seek", "value": "1"})"),
         std::string("\0\0", 2), deep, std::string(kMaxClientMessage + 1, ' ')}) {

@@ -49,6 +49,21 @@ TEST(LiveStatus, APausedCellCanOnlyGoOn) {
   EXPECT_TRUE(s.can_resume);
 }
 
+TEST(LiveStatus, ARecoveryIsOfferedAtRestForFaultsThatAllowIt) {
+  LiveWindow w = Window(safety::CellState::kFault);
+  w.tick.faults = static_cast<std::uint32_t>(safety::Fault::kSession);
+  EXPECT_TRUE(StatusOf(w, kContext).can_recover);
+  w.tick.cell_state = static_cast<std::uint8_t>(safety::CellState::kStop1);
+  EXPECT_FALSE(StatusOf(w, kContext).can_recover) << "it still brakes";
+  w.tick.cell_state = static_cast<std::uint8_t>(safety::CellState::kFault);
+  w.tick.input.stop = true;
+  EXPECT_FALSE(StatusOf(w, kContext).can_recover) << "the run ends";
+  w.tick.input.stop = false;
+  w.tick.faults |= static_cast<std::uint32_t>(safety::Fault::kInterlock);
+  EXPECT_FALSE(StatusOf(w, kContext).can_recover) << "one of them asks for a new run";
+  EXPECT_FALSE(StatusOf(Window(safety::CellState::kCutting), kContext).can_recover);
+}
+
 // While the arm moves the loop does not evaluate the conditions: the tick's bits are zero, and nothing is
 // missing.
 TEST(LiveStatus, ConditionsAreShownAsTheyAreAndWhileMovingAsTheyWere) {
@@ -76,6 +91,8 @@ TEST(LiveStatus, NamesLimitsAndFaultsWithTheirCure) {
   ASSERT_EQ(s.faults.size(), 1u);
   EXPECT_EQ(s.faults[0].name, safety::Describe(static_cast<safety::Fault>(1u)).name);
   EXPECT_FALSE(s.faults[0].clearing.empty());
+  EXPECT_TRUE(s.faults[0].allows_recovery);
+  EXPECT_TRUE(s.can_recover);
 }
 
 TEST(LiveStatus, TheLineFitsTheTerminalAndKeepsWhatMatters) {

@@ -3,7 +3,7 @@
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { mkdirSync, mkdtempSync, rmSync } from "node:fs";
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -15,9 +15,9 @@ const folder = mkdtempSync(join(tmpdir(), "osteon_page_"));
 mkdirSync(pictures, { recursive: true });
 
 /** Starts a demo and waits for its console's address. */
-function demo(seconds) {
+function demo(seconds, ...more) {
   const child = spawn(osteon, ["demo", "--seconds", String(seconds), "--port", "0", "--console", "0", "--overwrite", "--out",
-    join(folder, "out")], { stdio: ["ignore", "ignore", "pipe"] });
+    join(folder, "out"), ...more], { stdio: ["ignore", "ignore", "pipe"] });
   let text = "";
   const url = new Promise((resolve, reject) => {
     child.stderr.on("data", (bytes) => {
@@ -94,6 +94,26 @@ async function operatesTheCell() {
   await page.keyboard.press("r");
   await until(page, "[4, 5].includes(osteon.live.status.state_number)");
 
+  // gains: what is accepted acts, what is not is said, and a change is undone
+  const gains = (field) => page.evaluate(`osteon.gains.note.${field}`);
+  const setGain = async (id, value) => {
+    await page.evaluate(`document.getElementById("gain-${id}").value = "${value}"`);
+    await page.evaluate(`document.getElementById("set-${id}").click()`);
+  };
+  const [ownDrag, ownStiffness] = [await gains("own_drag_Ns_per_m"), await gains("own_stiffness_N_per_m")];
+  await setGain("drag", 2 * ownDrag);
+  await until(page, `osteon.gains.note.drag_Ns_per_m === ${2 * ownDrag} && osteon.gains.note.can_undo`);
+  await setGain("stiffness", (2 * ownStiffness) / 1000); // more than the cell's own
+  await until(page, 'document.getElementById("answer").textContent.includes("stiffness: found")');
+  assert.equal(await gains("stiffness_N_per_m"), ownStiffness);
+  assert.deepEqual(await clipped(page), []);
+  await page.evaluate('document.getElementById("gains").scrollIntoView()');
+  await picture(page, "gains");
+  await page.evaluate('document.getElementById("undo-gains").click()');
+  await until(page, `osteon.gains.note.drag_Ns_per_m === ${ownDrag} && !osteon.gains.note.can_undo`);
+  await second.evaluate('osteon.connection.ask("drag", 40)'); // a page that watches
+  await until(second, 'document.getElementById("answer").textContent.includes("watches")');
+
   // in German, large
   await page.select("#language", "de");
   await until(page, 'document.getElementById("pause").textContent.startsWith("Anhalten")');
@@ -143,6 +163,43 @@ async function showsAFault() {
   const { code } = await run.ended;
   assert.equal(code, 1);
   assert.ok(await page.evaluate('document.querySelector("#faults .fault") !== null'), "the card stays after the run");
+  await page.close();
+}
+
+async function recoversFromAFault() {
+  const cell = join(folder, "silent.yaml"); // the arm is silent for 60 ms, and comes back
+  writeFileSync(cell, `extends: demo
+link_quality: {ask_again: true}
+injections:
+  - {wire: arm, direction: both, from_s: 10, to_s: 10.06, silence: true}
+`);
+  const run = demo(180, "--cell", cell, "--at-fault", "hold"); // ended by the page
+  const page = await open(await run.url, 1280, 720);
+  await until(page, "osteon.live?.status.known");
+  assert.ok(await page.evaluate('document.getElementById("recover").disabled'), "without a fault");
+  await stateIs(page, "fault");
+  await until(page, '!document.getElementById("recover").disabled');
+  assert.ok((await page.evaluate('document.getElementById("faults").innerText')).includes("Recover clears it"));
+  assert.deepEqual(await clipped(page), []);
+  await picture(page, "held");
+  await page.select("#language", "de");
+  await until(page, 'document.getElementById("recover").textContent.startsWith("Neu anlaufen")');
+  assert.deepEqual(await clipped(page), []);
+  await picture(page, "held_german");
+  await page.setViewport({ width: 390, height: 844 });
+  assert.deepEqual(await clipped(page), []);
+  await picture(page, "held_phone");
+  await page.setViewport({ width: 1280, height: 720 });
+  await page.select("#language", "en");
+  await page.keyboard.press("v");
+  await until(page, "[4, 5].includes(osteon.live.status.state_number)");
+  assert.equal(await page.evaluate('document.querySelector("#faults .fault")'), null);
+  assert.ok(await page.evaluate('document.getElementById("recover").disabled'));
+  await picture(page, "recovered");
+  page.on("dialog", (dialog) => void dialog.accept()); // asked while cutting
+  await page.click("#stop");
+  const { code, text } = await run.ended;
+  assert.equal(code, 1, `a recovered fault is still a fault\n${text}`);
   await page.close();
 }
 
@@ -197,6 +254,7 @@ try {
   await viewsARecording();
   await comparesTwoRecordings();
   await showsAFault();
+  await recoversFromAFault();
   assert.deepEqual(errors, []);
   console.log("the console's page: all steps done");
 } finally {

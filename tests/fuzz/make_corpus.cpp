@@ -190,8 +190,9 @@ void WritePlc(const std::filesystem::path& root) {
 
 void WriteConsole(const std::filesystem::path& root) {
   const Corpus corpus(root, "console_message");
-  for (const char* ask : {"pause", "resume", "stop", "role", "watch", "all"})
+  for (const char* ask : {"pause", "resume", "recover", "stop", "role", "watch", "all"})
     corpus.Write(ask, 0, std::string("{\"ask\": \"") + ask + "\"}");
+  corpus.Write("drag", 0, "{\"ask\": \"drag\", \"value\": 40}");
   corpus.Write("deep", 0, std::string(500, '[') + std::string(500, ']'));
   corpus.Write("open", 1, "127.0.0.1:8470\nhttp://127.0.0.1:8470\n" + std::string(32, 'a'));
   corpus.Write("stranger", 1, "evil.example:8470\nhttp://evil.example:8470\n");

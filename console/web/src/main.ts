@@ -5,6 +5,7 @@ import { Connection } from "./connection";
 import "./main.css";
 import "./side.css";
 import type { Ask, Hello, Live, Message, Role, Status } from "./messages";
+import { GainsCard } from "./gains";
 import { Panels } from "./panels";
 import { SceneView, type Preset } from "./scene";
 import { Sound } from "./sound";
@@ -26,6 +27,7 @@ class Page {
     seek: (at_s) => this.connection.ask("seek", at_s),
     speed: (factor) => this.connection.ask("speed", factor),
   });
+  private readonly gains = new GainsCard(byId("gains"), (ask, value) => this.connection.ask(ask, value));
   private readonly connection: Connection;
   private hello: Hello | null = null;
   private live: Live | null = null;
@@ -68,6 +70,10 @@ class Page {
       case "timeline":
         this.timeline.showNews(message);
         break;
+      case "gains":
+        this.gains.show(message);
+        this.showButtons();
+        break;
       case "surface":
         this.scene.surface.begin(message);
         break;
@@ -101,6 +107,7 @@ class Page {
     this.scene.show(live.view);
     this.charts.add(live.windows);
     this.panels.show(live.status, this.hello, this.worst);
+    this.gains.showAge(live.status.model_age_ms);
     this.sound.show(live.status);
     this.showButtons();
   }
@@ -125,7 +132,9 @@ class Page {
     const may = this.connected && this.role.mine;
     (byId("pause") as HTMLButtonElement).disabled = !may || !this.status?.can_pause;
     (byId("resume") as HTMLButtonElement).disabled = !may || !this.status?.can_resume;
+    (byId("recover") as HTMLButtonElement).disabled = !may || !this.status?.can_recover;
     (byId("stop") as HTMLButtonElement).disabled = !may;
+    this.gains.enable(may);
   }
 
   /** Makes everything that has a text in the chosen language. */
@@ -135,6 +144,7 @@ class Page {
     byId("buttons").replaceChildren(
       this.button("pause", "pause", "P", () => this.ask("pause")),
       this.button("resume", "resume", "R", () => this.ask("resume")),
+      this.button("recover", "recover", "V", () => this.ask("recover")),
       this.button("stop", "stop", "Esc", () => this.ask("stop")),
     );
     byId("stop").classList.add("stop");
@@ -158,6 +168,7 @@ class Page {
     for (const each of byId("view-buttons").children) each.classList.add("small");
     this.panels.showRole(this.role);
     this.panels.addEvents([]);
+    this.gains.setTexts();
     this.timeline.setTexts();
     this.charts.build();
     this.showButtons();

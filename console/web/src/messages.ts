@@ -47,12 +47,13 @@ export interface Status {
   leave: string;
   can_pause: boolean;
   can_resume: boolean;
+  can_recover: boolean;
   moves: boolean;
   permits_known: boolean;
   permits: { text: string; holds: boolean }[];
   limits: string[];
   limit_numbers: number[];
-  faults: { name: string; cause: string; reaction: string; clearing: string }[];
+  faults: { name: string; cause: string; reaction: string; clearing: string; allows_recovery: boolean }[];
   force_N: number;
   force_limit_N: number;
   hand_N: number;
@@ -134,5 +135,18 @@ export interface Difference {
 export interface Restart {
   type: "restart";
 }
-export type Message = Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | Restart;
-export type Ask = "pause" | "resume" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed";
+/** The gains that an operator may change, and how far (session/run/gains_panel.h). */
+export interface GainsNote {
+  type: "gains";
+  stiffness_N_per_m: number;
+  min_stiffness_N_per_m: number;
+  own_stiffness_N_per_m: number;
+  has_drag: boolean;
+  drag_Ns_per_m: number;
+  own_drag_Ns_per_m: number;
+  max_drag_Ns_per_m: number;
+  stable_age_ms: number;
+  can_undo: boolean;
+}
+export type Message = GainsNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | Restart;
+export type Ask = "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed" | "stiffness" | "drag" | "undo_gains";

@@ -160,6 +160,8 @@ export class Panels {
         element("div", "", `${t("did")}: ${fault.reaction}`),
         element("div", "", `${t("cure")}: ${fault.clearing}`),
       );
+      if (!fault.allows_recovery) card.append(element("div", "dim", t("recoverNever")));
+      if (status.can_recover) card.append(element("div", "", t("recoverNow")));
       return card;
     });
     set("faults", ...cards);

@@ -33,8 +33,12 @@ class FakeArm : public ArmLink {
     }
     next_ += rt::kMillisecond;
     rt::SleepUntil(next_);
+    const bool left = received >= leaves_after && received < returns_after;
     state_.session =
-        received < active_after_ ? SessionState::kCommandingWait : SessionState::kCommandingActive;
+        received < active_after_ || left ? SessionState::kCommandingWait : SessionState::kCommandingActive;
+    state_.activation = received < returns_after ? 1 : 2;
+    if (loop != nullptr && received == recovers_after) loop->RequestRecovery();
+    if (loop != nullptr && received == stops_after) stop.store(true);
     state_.stamp = next_;
     state_.q_ipo = state_.q_meas;
     state_.has_ipo = true;
@@ -51,6 +55,11 @@ class FakeArm : public ArmLink {
 
   int received{0}, sent{0};
   bool silent{false};
+  // numbers of messages: the arm leaves COMMANDING_ACTIVE and comes back; the operator asks `loop` for a
+  // recovery, and for a stop
+  int leaves_after{1 << 30}, returns_after{1 << 30}, recovers_after{1 << 30}, stops_after{1 << 30};
+  ServoLoop* loop{nullptr};
+  std::atomic<bool> stop{false};
 
  private:
   int active_after_, closes_after_;
@@ -256,6 +265,58 @@ TEST(RunServo, AFaultEndsItByName) {
   const RunServoResult result = rig.Run(arm, {.seconds = 5.0});
   EXPECT_EQ(result.end, RunEnd::kFault);
   EXPECT_TRUE(result.faults.Has(safety::Fault::kModelStale));
+}
+
+std::size_t CountTicks(const FakeRecorder& recorder, safety::CellState state) {
+  return static_cast<std::size_t>(std::ranges::count(recorder.records, static_cast<std::uint8_t>(state),
+                                                     [](const TickRecord& t) { return t.cell_state; }));
+}
+
+TEST(RunServo, AHeldFaultEndsByARecoveryAfterWhichItRendersOn) {
+  Rig rig;
+  FakeArm arm;
+  arm.leaves_after = 100;
+  arm.returns_after = 200;
+  arm.recovers_after = 400;
+  arm.loop = &rig.loop;
+  const RunServoResult result = rig.Run(arm, {.seconds = 0.3, .give_up_s = 0.1, .hold_at_fault = true});
+  EXPECT_EQ(result.end, RunEnd::kSeconds);
+  EXPECT_FALSE(result.faults.Any()) << "the recovery has cleared it";
+  EXPECT_TRUE(result.cleared.Has(safety::Fault::kSession)) << "and it is not forgotten";
+  EXPECT_EQ(result.operator_recoveries, 1);
+  EXPECT_EQ(result.recovered, 0) << "none by itself";
+  EXPECT_GT(CountTicks(rig.recorder, safety::CellState::kFault), 150u)
+      << "the arm's return alone moves nothing";
+  const auto asked =
+      std::ranges::find_if(rig.recorder.records, [](const TickRecord& t) { return t.input.recover; });
+  ASSERT_NE(asked, rig.recorder.records.end());
+  const auto rendered = std::count_if(asked, rig.recorder.records.end(),
+                                      [](const TickRecord& t) { return t.phase == Phase::kHaptic; });
+  EXPECT_GT(rendered, 100) << "300 ms of rendering less the 100 ms before: the hold does not count";
+}
+
+TEST(RunServo, AStopDuringAHoldEndsWithTheFault) {
+  Rig rig;
+  FakeArm arm;
+  arm.leaves_after = 100;
+  arm.stops_after = 400;
+  arm.loop = &rig.loop;
+  const RunServoResult result =
+      rig.Run(arm, {.seconds = 0.0, .give_up_s = 0.1, .hold_at_fault = true, .stop = &arm.stop});
+  EXPECT_EQ(result.end, RunEnd::kFault);
+  EXPECT_TRUE(result.faults.Has(safety::Fault::kSession));
+  EXPECT_EQ(result.operator_recoveries, 0);
+  EXPECT_GE(arm.received, 400) << "it was held until the stop";
+}
+
+TEST(RunServo, AFaultWithoutARecoveryEndsTheRunInAHoldToo) {
+  Rig rig;
+  FakeArm arm;
+  rig.world.frames_left = 100;
+  const RunServoResult result = rig.Run(arm, {.seconds = 10.0, .hold_at_fault = true});
+  EXPECT_EQ(result.end, RunEnd::kFault);
+  EXPECT_TRUE(result.faults.Has(safety::Fault::kModelStale));
+  EXPECT_LT(arm.received, 5000);
 }
 
 TEST(RunServo, WithoutASimulationItNeverBeginsAndKnowsWhy) {

@@ -89,6 +89,17 @@ TEST(RunVerdict, WhatTookFromTheRunIsSaid) {
   EXPECT_EQ(JudgeRun(interrupted).level, VerdictLevel::kGood) << "until it was stopped: it was";
 }
 
+TEST(RunVerdict, AFaultThatAnOperatorRecoveredFromIsAsBadAsOneThatEndedTheRun) {
+  RunSummary s = Quiet();
+  s.recovered = s.operator_recoveries = 2;
+  s.recovered_from = {"arm message stale"};
+  const Verdict verdict = JudgeRun(s);
+  EXPECT_EQ(verdict.level, VerdictLevel::kBad);
+  EXPECT_EQ(verdict.reasons.size(), 1u);
+  EXPECT_TRUE(Says(verdict, "arm message stale"));
+  EXPECT_TRUE(Says(verdict, "2 times"));
+}
+
 TEST(RunVerdict, IsTheFirstThingThatIsRead) {
   RunSummary s = Quiet();
   s.cut_ticks = 4000;

@@ -1,0 +1,103 @@
+#include "session/run/gains_panel.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "control/setup/servo_params.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr std::size_t kMaxFormer = 100;
+// A value as a page shows it, rounded, still counts as inside.
+constexpr double kRounding = 1e-6;
+
+bool IsWithin(double value, double low, double high) {
+  return value >= low * (1.0 - kRounding) && value <= high * (1.0 + kRounding);
+}
+
+}  // namespace
+
+GainsPanel::GainsPanel(const config::CellConfig& cell)
+    : own_(control::GainsOf(cell.servo.admittance, cell.servo.coupling)),
+      has_drag_(cell.servo.law == control::Law::kAdmittance),
+      planes_N_per_m_(control::ForceLimit_N(cell.servo) / cell.servo.stabilisers.age_governor.tool_radius_m),
+      present_(own_) {}
+
+// The least of the three axes: the one that decides about stability.
+double GainsPanel::Drag(const control::Gains& gains) const {
+  const PlainVector3& d = gains.damping_Ns_per_m;
+  return std::min({d.x, d.y, d.z});
+}
+
+console::RequestAnswer GainsPanel::Request(const console::GainsRequest& request) {
+  using Kind = console::GainsRequest::Kind;
+  const std::lock_guard lock(mutex_);
+  if (request.kind == Kind::kUndo) {
+    if (former_.empty()) return {.done = false, .reason = "no change of the gains that could be undone"};
+    present_ = former_.back();
+    former_.pop_back();
+    asked_ = true;
+    return {.done = true, .reason = ""};
+  }
+  control::Gains next = present_;
+  if (request.kind == Kind::kStiffness) {
+    const double high = own_.max_stiffness_N_per_m, low = kMinStiffnessShare * high;
+    if (!IsWithin(request.value, low, high))
+      return {
+          .done = false,
+          .reason = fmt::format("stiffness: found {:g} N/m, accepted {:g} … {:g}", request.value, low, high)};
+    next.max_stiffness_N_per_m = std::clamp(request.value, low, high);
+  } else {
+    if (!has_drag_) return {.done = false, .reason = "drag: the impedance law has no virtual tool"};
+    const double low = Drag(own_), high = kMaxDragFactor * low;
+    if (!IsWithin(request.value, low, high))
+      return {
+          .done = false,
+          .reason = fmt::format("drag: found {:g} N s/m, accepted {:g} … {:g}", request.value, low, high)};
+    const double factor = std::clamp(request.value, low, high) / low;
+    next.damping_Ns_per_m.x = factor * own_.damping_Ns_per_m.x;
+    next.damping_Ns_per_m.y = factor * own_.damping_Ns_per_m.y;
+    next.damping_Ns_per_m.z = factor * own_.damping_Ns_per_m.z;
+  }
+  if (former_.size() == kMaxFormer) former_.erase(former_.begin());
+  former_.push_back(present_);
+  present_ = next;
+  asked_ = true;
+  return {.done = true, .reason = ""};
+}
+
+std::optional<control::Gains> GainsPanel::Take() {
+  const std::lock_guard lock(mutex_);
+  if (!asked_) return std::nullopt;
+  asked_ = false;
+  return present_;
+}
+
+void GainsPanel::SetPresent(const control::Gains& gains) {
+  const std::lock_guard lock(mutex_);
+  present_ = gains;
+  former_.clear();
+  asked_ = false;
+}
+
+std::string GainsPanel::Json() const {
+  const std::lock_guard lock(mutex_);
+  const double drag = Drag(present_), own_drag = Drag(own_);
+  const double turning_N_per_m = std::min(present_.max_stiffness_N_per_m, planes_N_per_m_);
+  const nlohmann::json json{{"type", "gains"},
+                            {"stiffness_N_per_m", present_.max_stiffness_N_per_m},
+                            {"min_stiffness_N_per_m", kMinStiffnessShare * own_.max_stiffness_N_per_m},
+                            {"own_stiffness_N_per_m", own_.max_stiffness_N_per_m},
+                            {"has_drag", has_drag_},
+                            {"drag_Ns_per_m", drag},
+                            {"own_drag_Ns_per_m", own_drag},
+                            {"max_drag_Ns_per_m", kMaxDragFactor * own_drag},
+                            {"stable_age_ms", 1e3 * drag / turning_N_per_m},
+                            {"can_undo", !former_.empty()}};
+  return json.dump();
+}
+
+}  // namespace osteon::app
