@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/clock.h"
+#include "base/paced_priority.h"
 #include "base/realtime_thread.h"
 #include "plugin/src/convert.h"
 #include "plugin/src/result.h"
@@ -174,6 +175,7 @@ Wrench Session::Evaluate(const OsteonPose& pose, const OsteonTwist& twist) noexc
 
 void Session::Loop() {
   rt::NameThread("osteon engine");
+  rt::PacedPriority priority;
   rt::Nanoseconds done = 0;
   while (!stop_.load(std::memory_order_relaxed)) {
     const simulation::ToolCommand command = commands_.Load();
@@ -187,7 +189,9 @@ void Session::Loop() {
     if (command.stamp <= continued_) continue;  // a pose of before the change of tool or bone
     const double dt_s = last_stamp_ == 0 ? 0.0 : rt::ToSeconds(command.stamp - last_stamp_);
     ComputeFrame(command, std::clamp(dt_s, 0.0, kMaxFrame_s));
-    frame_time_s_ = rt::ToSeconds(rt::MonotonicNow() - start);
+    const rt::Nanoseconds end = rt::MonotonicNow();
+    frame_time_s_ = rt::ToSeconds(end - start);
+    priority.CountWork(start, end);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <exception>
 
+#include "base/paced_priority.h"
 #include "base/realtime_thread.h"
 
 namespace osteon::app {
@@ -25,6 +26,7 @@ void SimulationThread::Stop() {
 
 void SimulationThread::Loop() {
   rt::NameThread("simulation");
+  rt::PacedPriority priority;
   rt::Nanoseconds done = 0;
   while (!stop_.load(std::memory_order_relaxed)) {
     const simulation::ToolCommand command = commands_.Load();
@@ -41,6 +43,7 @@ void SimulationThread::Loop() {
     recorder_.PushFrame(record);
     runner_.AdaptResolution(record, 1e-3 * static_cast<double>(record.duration_ns));
     runner_.RecordEvents(recorder_, record.stamp);
+    priority.CountWork(start, rt::MonotonicNow());
     if (record.model.status == simulation::EngineStatus::kDeviceLost)
       return;  // the servo loop notices by the model's age, and stops
   }

@@ -53,6 +53,7 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon bench console --chromium /usr/bin/chromium", By("BenchConsole.MeasuresEveryLegAndItsRatios")},
       {"osteon status", By("OperatorCommands.PauseResumeAndStopARunningCell")},
       {"osteon pause", By("OperatorCommands.PauseResumeAndStopARunningCell")},
+      {"osteon recover", By("OperatorCommands.PauseResumeAndStopARunningCell")},
       {"osteon resume", By("OperatorCommands.PauseResumeAndStopARunningCell")},
       {"osteon stop", By("OperatorCommands.PauseResumeAndStopARunningCell")},
       {"osteon view demo_out/recording.mcap", By("OperatorCommands.ViewServesARecordingUntilCtrlC")},

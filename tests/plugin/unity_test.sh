@@ -3,7 +3,10 @@
 # few Unity types that they use, and drives its binding. 77: no mono here.
 set -euo pipefail
 library=$1 package=$2 tests=$3 config=$4
-command -v mcs >/dev/null && command -v mono >/dev/null || { echo "mono-mcs and mono-runtime are not installed"; exit 77; }
+if ! command -v mcs >/dev/null || ! command -v mono >/dev/null; then
+  echo "mono-mcs and mono-runtime are not installed"
+  exit 77
+fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mcs -warnaserror -target:library -out:"$work/components.dll" "$package"/Runtime/*.cs "$package"/Samples~/*/*.cs \

@@ -80,9 +80,12 @@ TEST_F(GainsPanelTest, AChangeDuringARunIsRecordedAndReplaysBitForBit) {
       .gains_panel = &panel,
       .ticked = [&](const control::TickRecord& tick, const simulation::ContactModel&) {
         if (!safety::Renders(static_cast<safety::CellState>(tick.cell_state))) return;
-        if (++asked == 500)
+        if (++asked == 500) {
           EXPECT_TRUE(panel.Request({.kind = Kind::kDrag, .value = 2.0 * own_.damping_Ns_per_m.x}).done);
-        if (asked == 2000) EXPECT_TRUE(panel.Request({.kind = Kind::kUndo}).done);
+        }
+        if (asked == 2000) {
+          EXPECT_TRUE(panel.Request({.kind = Kind::kUndo}).done);
+        }
       }};
   const auto result = RunCell(*setup_, **engine, params);
   ASSERT_TRUE(result) << result.error().what;
