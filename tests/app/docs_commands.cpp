@@ -57,6 +57,9 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon resume", By("OperatorCommands.PauseResumeAndStopARunningCell")},
       {"osteon stop", By("OperatorCommands.PauseResumeAndStopARunningCell")},
       {"osteon view demo_out/recording.mcap", By("OperatorCommands.ViewServesARecordingUntilCtrlC")},
+      {"osteon view before.mcap after.mcap", By("RecordingDifferenceTest.TwoEqualRunsDifferInNothing")},
+      {"osteon bench view demo_out/recording.mcap --hours 1",
+       By("BenchView.OpensARepeatedRecordingAndGoesToItsTimes")},
       {"osteon demo --virtual-time --cell my_cell.yaml --tool reamer:54 --out my_out", OwnCell()},
       {"osteon demo --virtual-time --cell silent.yaml --out silent_out",
        By("Regress.TheWholeSuitePasses")},  // its scenario sensor_silent
