@@ -46,7 +46,7 @@ async function withPatience(steps) {
     } catch (error) {
       last.child.kill("SIGINT");
       const { text } = await last.ended;
-      const late = /Faults +(contact model stale|arm message stale|force sensor stale|          "motion not permitted",).*/.exec(text);
+      const late = /Faults +(contact model stale|arm message stale|force sensor stale|motion not permitted).*/.exec(text);
       if (!late || attempt === 3) throw error;
       console.log(`the machine was late (${late[0]}): once more`);
       for (const page of await browser.pages()) if (page.url() !== "about:blank") await page.close({ runBeforeUnload: false });
