@@ -1,4 +1,4 @@
-# cmake --install BUILD [--prefix P] [--component C], and Debian packages by cpack (docs/packages.md).
+# cmake --install BUILD [--prefix P] [--component C], and Debian packages by cpack (docs/engine.md).
 #
 #     component   Debian package   what
 #     osteon      osteon           the command, its studies, config/, the console's page, manual page, completion,
