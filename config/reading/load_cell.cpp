@@ -16,6 +16,7 @@
 #include "config/reading/sections/read_limits.h"
 #include "config/reading/sections/read_pose.h"
 #include "config/reading/sections/read_stabilisers.h"
+#include "config/reading/select_materials.h"
 #include "config/reading/simulated/read_injections.h"
 #include "config/reading/simulated/read_operator.h"
 #include "config/reading/simulated/read_script.h"
@@ -281,22 +282,17 @@ void CarryPayload(const kinematics::LinkInertia& sensor_F, CellConfig& cell) {
 }
 
 // Selects the materials that a scene needs, in its order, from those of a file.
-std::vector<simulation::Material> SelectMaterials(const Reader& cell, const std::filesystem::path& file,
-                                                  const std::vector<std::string>& names) {
+std::vector<simulation::Material> SceneMaterials(const Reader& cell, const std::filesystem::path& file,
+                                                 const std::vector<std::string>& names) {
   const std::vector<simulation::Material> found = LoadMaterials(file);
-  std::vector<simulation::Material> selected;
-  for (const std::string& name : names) {
-    const auto at =
-        std::find_if(found.begin(), found.end(), [&](const auto& material) { return material.name == name; });
-    if (at == found.end()) {
-      std::string all;
-      for (const simulation::Material& material : found) all += (all.empty() ? "" : ", ") + material.name;
-      cell.Refuse("materials", fmt::format("found {} with {}; accepted one with {}, which the scene needs",
-                                           file.filename().string(), all, name));
-    }
-    selected.push_back(*at);
+  auto selected = SelectMaterials(found, names);
+  if (!selected) {
+    std::string all;
+    for (const simulation::Material& material : found) all += (all.empty() ? "" : ", ") + material.name;
+    cell.Refuse("materials", fmt::format("found {} with {}; accepted one with {}, which the scene needs",
+                                         file.filename().string(), all, selected.error()));
   }
-  return selected;
+  return std::move(*selected);
 }
 
 // Loads the requested tool, or the cell's own.
@@ -432,7 +428,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
   if (calibration) ApplyCalibration(*calibration, cell);
   if (simulation) CompleteSimulatedArm(simulation->arm, cell);
   cell.scene = LoadScene(scene);
-  cell.scene.materials = SelectMaterials(reader, materials, cell.scene.material_names);
+  cell.scene.materials = SceneMaterials(reader, materials, cell.scene.material_names);
   CheckFrames(cell, reader);
   PlaceAtStart(reader, cell);
   PropagateSharedValues(cell);

@@ -86,7 +86,7 @@ typedef struct OsteonSession OsteonSession;
 OSTEON_API const char* osteon_version(void);
 /* The OSTEON_ABI that the library was built with. */
 OSTEON_API uint32_t osteon_abi(void);
-/* What a result means, in a few words; valid for ever. */
+/* Meaning of a result, in a few words; valid for ever. */
 OSTEON_API const char* osteon_result_text(OsteonResult result);
 /* Text of the calling thread's last failure, one line, UTF-8; "" where there was none. Valid until this
  * thread's next failure. */
@@ -94,7 +94,7 @@ OSTEON_API const char* osteon_last_error(void);
 
 /* --- bone ---------------------------------------------------------------------------------------------- */
 
-/* What a bone is made from: exactly one of packing_file, mesh_file, balls and, if none of these, scene. */
+/* Source of a bone: exactly one of packing_file, mesh_file, balls and, if none of these, scene. */
 typedef struct OsteonBoneParams {
   const char* scene; /* name of a shipped scene, or its YAML file: "acetabulum", "molar", …; for a mesh, the
                         scene whose tissues and fineness it gets. Null: "acetabulum" */

@@ -10,14 +10,14 @@
 
 namespace osteon::plugin {
 
-/// What an OsteonBone holds; never changes.
+/// Content of an OsteonBone; never changes.
 struct BoneSource {
   simulation::Bone bone;
   std::shared_ptr<const simulation::Solid> solid;  ///< that it was packed from; null where it is not known
   simulation::SceneEventParams events;
 };
 
-/// What an OsteonTool holds; never changes.
+/// Content of an OsteonTool; never changes.
 struct ToolSource {
   simulation::Tool tool;
   double spindle_rad_per_s{0.0};

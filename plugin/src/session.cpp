@@ -118,16 +118,10 @@ Session::Session(std::shared_ptr<const BoneSource> bone, std::shared_ptr<const T
   if (settings.surface != 0) {
     surface::SurfaceThreadParams params;
     const float voxel_mm = surface::VoxelFor(tool_->tool);
-    if (bone_->solid) {
-      params.make_solid = [source = bone_, voxel_mm] {
-        return surface::SampleSolid(*source->solid, voxel_mm);
-      };
-      params.material = surface::TissueOf(bone_->solid);
-    } else {
-      params.make_solid = [source = bone_, voxel_mm] {
-        return surface::UnionOfBalls(source->bone, voxel_mm);
-      };
-    }
+    params.make_solid = [source = bone_, voxel_mm] {
+      return surface::FieldOfBone(source->solid.get(), source->bone, voxel_mm);
+    };
+    if (bone_->solid) params.material = surface::TissueOf(bone_->solid);
     surface_ =
         std::make_unique<surface::SurfaceThread>(tool_->tool, Pose::Identity(), std::move(params), mailbox_);
   }
@@ -278,6 +272,12 @@ void Session::AwaitField() {
   if (surface_) surface_->Apply([](surface::CarvedField&, surface::ToolWays&) {});
 }
 
+surface::BrickLayout Session::SurfaceLayout() {
+  surface::BrickLayout layout;
+  surface_->Apply([&](surface::CarvedField& field, surface::ToolWays&) { layout = field.layout(); });
+  return layout;
+}
+
 Session::Saved Session::Remember() {
   Saved saved{.state = engine_->Snapshot(), .swept = std::nullopt};
   if (surface_)
@@ -353,9 +353,8 @@ void Session::Save(const std::string& file) {
   }
   // the surface first: a carved state without its surface is never taken for a whole one
   if (surface_) {
-    surface::BrickLayout layout;
-    surface_->Apply([&](surface::CarvedField& field, surface::ToolWays&) { layout = field.layout(); });
-    if (const auto written = surface::WriteSweptField(SweptFileOf(file), *saved.swept, layout); !written)
+    if (const auto written = surface::WriteSweptField(SweptFileOf(file), *saved.swept, SurfaceLayout());
+        !written)
       throw Failure(OSTEON_ERROR_FILE, written.error().Text());
   }
   if (const auto written = simulation::WriteCarvedState(file, saved.state, bone_->bone); !written)
@@ -367,9 +366,7 @@ void Session::Restore(const std::string& file, const Pose& X_GT) {
   if (!state) throw Failure(OSTEON_ERROR_FILE, state.error().Text());
   Saved saved{.state = std::move(*state), .swept = std::nullopt};
   if (surface_) {
-    surface::BrickLayout layout;
-    surface_->Apply([&](surface::CarvedField& field, surface::ToolWays&) { layout = field.layout(); });
-    auto swept = surface::ReadSweptField(SweptFileOf(file), layout);
+    auto swept = surface::ReadSweptField(SweptFileOf(file), SurfaceLayout());
     if (!swept) throw Failure(OSTEON_ERROR_FILE, swept.error().Text());
     saved.swept = std::move(*swept);
   }

@@ -23,7 +23,7 @@
 
 namespace osteon::plugin {
 
-/// What an OsteonSession holds: engine, coupling, surface, events.
+/// Content of an OsteonSession: engine, coupling, surface, events.
 ///
 ///     SetToolPose ──LatestValue──▶ engine's thread ──LatestValue──▶ Evaluate
 ///                                        └──ring──▶ surface's thread ──▶ SurfaceMailbox
@@ -81,6 +81,8 @@ class Session {
   /// Waits until the surface has all frames; before the engine's lock, so that no frame waits for the start
   /// of a large mesh.
   void AwaitField();
+  /// The surface's grid, which does not change. Only with a surface.
+  [[nodiscard]] surface::BrickLayout SurfaceLayout();
   [[nodiscard]] Saved Remember();
   /// Continues at a saved cut with `tool` at X_GT. Under the engine's lock. Strong guarantee.
   void Continue(std::shared_ptr<const ToolSource> tool, Saved saved, const Pose& X_GT);

@@ -2,15 +2,14 @@
 
 #include <dlfcn.h>
 
-#include <algorithm>
 #include <cstdlib>
-#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "config/reading/load.h"
 #include "config/reading/named_file.h"
+#include "config/reading/select_materials.h"
 #include "plugin/src/result.h"
 
 namespace osteon::plugin {
@@ -28,18 +27,6 @@ fs::path LibraryFile() {
   std::error_code ignored;
   if (dladdr(reinterpret_cast<const void*>(&ConfigFolder), &info) == 0 || !info.dli_fname) return {};
   return fs::weakly_canonical(info.dli_fname, ignored);
-}
-
-std::optional<std::vector<simulation::Material>> Select(const std::vector<simulation::Material>& all,
-                                                        const std::vector<std::string>& names) {
-  std::vector<simulation::Material> selected;
-  for (const std::string& name : names) {
-    const auto at =
-        std::find_if(all.begin(), all.end(), [&](const auto& material) { return material.name == name; });
-    if (at == all.end()) return std::nullopt;
-    selected.push_back(*at);
-  }
-  return selected;
 }
 
 }  // namespace
@@ -76,7 +63,8 @@ fs::path FindShipped(const fs::path& config, const std::string& kind, const std:
 std::vector<simulation::Material> FindMaterials(const fs::path& config,
                                                 const std::vector<std::string>& names) {
   for (const fs::path& file : config::YamlFilesIn(config / "materials"))
-    if (auto selected = Select(config::LoadMaterials(file), names)) return std::move(*selected);
+    if (auto selected = config::SelectMaterials(config::LoadMaterials(file), names))
+      return std::move(*selected);
   throw Failure(OSTEON_ERROR_FILE, fmt::format("no file of {} has all of {}", (config / "materials").string(),
                                                fmt::join(names, ", ")));
 }

@@ -49,11 +49,6 @@ tl::expected<io::SessionInfo, std::string> EachMessage(const std::filesystem::pa
   }
 }
 
-std::shared_ptr<const surface::SolidField> SolidOf(const CellSetup& setup, float voxel_mm) {
-  return setup.solid ? surface::SampleSolid(*setup.solid, voxel_mm)
-                     : surface::UnionOfBalls(setup.bone, voxel_mm);
-}
-
 }  // namespace
 
 tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesystem::path& recording,
@@ -69,7 +64,8 @@ tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesy
                          .voxel_mm = static_cast<double>(surface::VoxelFor(tool)),
                          .from_balls = setup.solid == nullptr};
   try {
-    surface::CarvedField field(SolidOf(setup, static_cast<float>(written.voxel_mm)));
+    surface::CarvedField field(
+        surface::FieldOfBone(setup.solid.get(), setup.bone, static_cast<float>(written.voxel_mm)));
     surface::ToolWays ways(tool, setup.X_WG);
     const auto carved =
         EachMessage(recording, io::RecordedTopic::kFrame, [&](const io::RecordingStream& stream) {

@@ -34,8 +34,7 @@ void ViewSurface::Run() {
   if (!setup_.solid && setup_.bone.balls.empty()) return;
   try {
     const float voxel_mm = surface::VoxelFor(setup_.config.tool.tool);
-    solid_ = setup_.solid ? surface::SampleSolid(*setup_.solid, voxel_mm)
-                          : surface::UnionOfBalls(setup_.bone, voxel_mm);
+    solid_ = surface::FieldOfBone(setup_.solid.get(), setup_.bone, voxel_mm);
     Begin(CarvedBone(solid_, setup_));
     keys_ = std::make_unique<CarvedKeys>(recording_, setup_, solid_);
     while (!stop_.load()) {

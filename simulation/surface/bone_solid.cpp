@@ -34,4 +34,9 @@ std::shared_ptr<const SolidField> UnionOfBalls(const simulation::Bone& bone, flo
   return std::make_shared<const SolidField>(layout, std::span<const Capsule>(balls));
 }
 
+std::shared_ptr<const SolidField> FieldOfBone(const simulation::Solid* solid, const simulation::Bone& bone,
+                                              float voxel_mm) {
+  return solid ? SampleSolid(*solid, voxel_mm) : UnionOfBalls(bone, voxel_mm);
+}
+
 }  // namespace osteon::surface

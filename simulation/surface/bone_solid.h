@@ -20,4 +20,9 @@ namespace osteon::surface {
 /// @throws std::invalid_argument where there are none (MakeLayout)
 [[nodiscard]] std::shared_ptr<const SolidField> UnionOfBalls(const simulation::Bone& bone, float voxel_mm);
 
+/// SampleSolid of the solid that a bone was packed from; UnionOfBalls where it is not known.
+/// @param solid  null: not known
+[[nodiscard]] std::shared_ptr<const SolidField> FieldOfBone(const simulation::Solid* solid,
+                                                            const simulation::Bone& bone, float voxel_mm);
+
 }  // namespace osteon::surface

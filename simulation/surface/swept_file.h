@@ -7,7 +7,7 @@
 #include "base/file_error.h"
 #include "simulation/surface/brick_field.h"
 
-// What the tool swept, on disk, so that a saved cut keeps its surface.
+// The swept field on disk, so that a saved cut keeps its surface.
 //
 //     byte  0   SweptHeader   swept_file.cpp: magic, version, the grid, CRC of all that follows
 //     byte 48   1 byte a brick: 0 nothing swept, 1 all of it, 2 it has values

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "simulation/bone/material.h"
+
+namespace osteon::config {
+
+/// Selects materials by their names, in the names' order.
+/// @returns as the error, the first name that is not among them
+[[nodiscard]] tl::expected<std::vector<simulation::Material>, std::string> SelectMaterials(
+    const std::vector<simulation::Material>& found, const std::vector<std::string>& names);
+
+}  // namespace osteon::config
