@@ -87,7 +87,7 @@ CellCommands::CellCommands(CLI::App& app)
   run_->add_option("--surface", operate_.surface,
                    "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
       ->type_name("FILE");
-  AddConsoleOption(*run_, operate_.console);
+  AddConsoleOption(*run_, operate_.console, operate_.foxglove);
   AddAtFaultOption(*run_, "hold with --console and no --seconds, else end",
                    [this](bool hold) { operate_.hold_at_fault = hold; });
   run_->add_option("--json", operate_.json, "also write the figures there, as JSON")->type_name("FILE");

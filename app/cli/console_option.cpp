@@ -9,19 +9,34 @@
 
 namespace osteon::app {
 
-void AddConsoleOption(CLI::App& sub, ConsoleChoice& choice) {
+namespace {
+
+void AddServerOption(CLI::App& sub, const char* name, ConsoleChoice& choice, const std::string& help) {
   sub.add_option_function<std::string>(
-         "--console",
-         [&choice](const std::string& text) {
+         name,
+         [name, &choice](const std::string& text) {
            auto parsed = ConsoleChoice::Parse(text);
-           if (!parsed) throw CLI::ValidationError("--console", parsed.error());
+           if (!parsed) throw CLI::ValidationError(name, parsed.error());
            choice = *parsed;
          },
-         fmt::format("where the page that shows the cell is served: PORT, ADDRESS:PORT, or off; an address "
-                     "other than "
-                     "the loopback asks for a token. Without it the first free port from {} on",
-                     console::kDefaultPort))
+         help)
       ->type_name("PORT");
+}
+
+}  // namespace
+
+void AddConsoleOption(CLI::App& sub, ConsoleChoice& choice, ConsoleChoice& foxglove) {
+  AddServerOption(
+      sub, "--console", choice,
+      fmt::format("where the page that shows the cell is served: PORT, ADDRESS:PORT, or off; an address "
+                  "other than the loopback asks for a token. Without it the first free port from {} on",
+                  console::kDefaultPort));
+  AddServerOption(
+      sub, "--foxglove", foxglove,
+      fmt::format("where Foxglove and Lichtblick connect to, which show the cell and can do nothing to it: "
+                  "PORT (they propose {}), ADDRESS:PORT, or off, which holds without it; an address other "
+                  "than the loopback asks for a token",
+                  console::kFoxglovePort));
 }
 
 void AddAtFaultOption(CLI::App& sub, const std::string& otherwise, std::function<void(bool hold)> choose) {

@@ -8,8 +8,8 @@
 
 namespace osteon::app {
 
-/// Adds `--console`: where a run serves its page.
-void AddConsoleOption(CLI::App& sub, ConsoleChoice& choice);
+/// Adds `--console`: where a run serves its page; and `--foxglove`: where viewers connect to.
+void AddConsoleOption(CLI::App& sub, ConsoleChoice& choice, ConsoleChoice& foxglove);
 /// Adds `--at-fault`: whether the cell is held at a fault that allows a recovery. @param otherwise  what
 /// holds without the option, for the help
 void AddAtFaultOption(CLI::App& sub, const std::string& otherwise, std::function<void(bool hold)> choose);

@@ -1,5 +1,6 @@
 #include "console/server/access.h"
 
+#include <algorithm>
 #include <random>
 
 #include <fmt/format.h>
@@ -16,6 +17,14 @@ std::string_view NameOf(std::string_view host) {
   return host.substr(0, host.rfind(':'));
 }
 
+constexpr std::string_view kOwnAddress = "the address in the browser is not the console's own";
+
+// Whether the header Host names this machine, or the address that is listened on.
+bool NamesThisServer(std::string_view host, std::string_view address) {
+  const std::string_view name = NameOf(host);
+  return IsLoopback(name) || name == address || address == "0.0.0.0" || address == "::";
+}
+
 // Takes the same time wherever two texts of equal length differ, so that a token cannot be guessed digit by
 // digit.
 bool SameText(std::string_view a, std::string_view b) {
@@ -25,6 +34,11 @@ bool SameText(std::string_view a, std::string_view b) {
   return differ == 0;
 }
 
+// @param token  empty: none is asked for
+std::string CheckToken(std::string_view found, std::string_view token) {
+  return token.empty() || SameText(found, token) ? "" : "the token is missing or wrong";
+}
+
 }  // namespace
 
 bool IsLoopback(std::string_view address) {
@@ -32,15 +46,31 @@ bool IsLoopback(std::string_view address) {
 }
 
 std::string CheckAccess(const OpenRequest& request, std::string_view address, std::string_view token) {
-  const std::string_view name = NameOf(request.host);
-  const bool everywhere = address == "0.0.0.0" || address == "::";
-  if (!IsLoopback(name) && name != address && !everywhere)
-    return "the address in the browser is not the console's own";
+  if (!NamesThisServer(request.host, address)) return std::string(kOwnAddress);
   // a browser always names the page's origin; a program need not
   if (!request.origin.empty() && request.origin != fmt::format("http://{}", request.host))
     return "a page of another origin may not open the console";
-  if (!token.empty() && !SameText(request.token, token)) return "the token is missing or wrong";
-  return "";
+  return CheckToken(request.token, token);
+}
+
+std::string CheckViewerAccess(const OpenRequest& request, std::string_view address, std::string_view token) {
+  if (!NamesThisServer(request.host, address)) return std::string(kOwnAddress);
+  const std::string_view origin = request.origin;
+  const bool application = origin.empty() || origin == "file://";
+  const bool page = origin == "https://app.foxglove.dev" ||
+                    (origin.starts_with("http://") && IsLoopback(NameOf(origin.substr(7))));
+  if (!application && !page) return "a page of another origin may not open the cell's topics";
+  return CheckToken(request.token, token);
+}
+
+std::string_view QueryValue(std::string_view query, std::string_view name) {
+  while (!query.empty()) {
+    const std::size_t end = std::min(query.find('&'), query.size());
+    const std::string_view part = query.substr(0, end);
+    if (part.starts_with(name)) return part.substr(name.size());
+    query.remove_prefix(std::min(end + 1, query.size()));
+  }
+  return {};
 }
 
 std::string NewToken() {

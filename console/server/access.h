@@ -24,6 +24,16 @@ struct OpenRequest {
 [[nodiscard]] std::string CheckAccess(const OpenRequest& request, std::string_view address,
                                       std::string_view token);
 
+/// The same for a viewer of Foxglove's protocol, which may only look: besides a program without an origin,
+/// the viewers themselves are accepted (Foxglove's page and application, Lichtblick's application, a page of
+/// this machine).
+[[nodiscard]] std::string CheckViewerAccess(const OpenRequest& request, std::string_view address,
+                                            std::string_view token);
+
+/// Value of a name in a query; what is asked for has digits and letters alone, so nothing is decoded.
+/// @param name  with its "="  @returns empty: absent
+[[nodiscard]] std::string_view QueryValue(std::string_view query, std::string_view name);
+
 /// A random token of 32 hexadecimal digits.
 [[nodiscard]] std::string NewToken();
 

@@ -43,18 +43,6 @@ constexpr const char* kNoPage =
 
 std::string_view OrEmpty(const char* text) { return text == nullptr ? std::string_view() : text; }
 
-// Value of a name in a query; what is asked for has digits and letters alone, so nothing is decoded.
-// @param name  with its "="
-std::string_view ValueOf(std::string_view query, std::string_view name) {
-  while (!query.empty()) {
-    const std::size_t end = std::min(query.find('&'), query.size());
-    const std::string_view part = query.substr(0, end);
-    if (part.starts_with(name)) return part.substr(name.size());
-    query.remove_prefix(std::min(end + 1, query.size()));
-  }
-  return {};
-}
-
 // One connected page.
 class Page final : public PageWriter {
  public:
@@ -168,7 +156,7 @@ class Server final : public ConsoleServer {
     const mg_request_info* info = mg_get_request_info(connection);
     const std::string wrong = CheckAccess({.host = OrEmpty(mg_get_header(connection, "Host")),
                                            .origin = OrEmpty(mg_get_header(connection, "Origin")),
-                                           .token = ValueOf(OrEmpty(info->query_string), "token=")},
+                                           .token = QueryValue(OrEmpty(info->query_string), "token=")},
                                           server.params_.address, server.token_);
     if (wrong.empty() && !server.ending_.load() && server.Reserve()) return 0;
     ++server.refused_;
@@ -187,7 +175,7 @@ class Server final : public ConsoleServer {
     Server& server = Of(user);
     const std::uint64_t number = ++server.opened_;
     const std::string_view query = OrEmpty(mg_get_request_info(connection)->query_string);
-    const bool second = server.second_ && ValueOf(query, "stream=") == "2";
+    const bool second = server.second_ && QueryValue(query, "stream=") == "2";
     auto page = std::make_shared<Page>(number, connection, second ? *server.second_ : server.sources_);
     const std::lock_guard lock(server.mutex_);
     server.pages_.emplace(connection, std::move(page));

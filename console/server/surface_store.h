@@ -5,7 +5,10 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "simulation/surface/surface_chunk.h"
 
 namespace osteon::console {
 
@@ -15,12 +18,19 @@ class SurfaceStore {
  public:
   using Bytes = std::shared_ptr<const std::string>;
 
-  /// Begins anew on another grid. @param layout  the message that describes it to a page
-  void Begin(std::string layout) {
-    auto shared = std::make_shared<const std::string>(std::move(layout));
+  /// Begins anew on another grid. @param message  that describes it to a page
+  void Begin(const surface::BrickLayout& grid, std::string message) {
+    auto shared = std::make_shared<const std::string>(std::move(message));
     const std::lock_guard lock(mutex_);
+    grid_ = grid;
     layout_ = {.version = ++version_, .bytes = std::move(shared)};
     bricks_.clear();
+  }
+
+  /// The grid that the bricks lie in.
+  [[nodiscard]] surface::BrickLayout Layout() const {
+    const std::lock_guard lock(mutex_);
+    return grid_;
   }
 
   /// The grid's message if it is newer than version `seen`, which then becomes its version: what a page had
@@ -69,6 +79,7 @@ class SurfaceStore {
     Bytes bytes;
   };
   mutable std::mutex mutex_;
+  surface::BrickLayout grid_;
   Brick layout_;
   std::map<std::uint64_t, Brick> bricks_;
   std::uint64_t version_{0};

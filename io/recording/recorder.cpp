@@ -30,6 +30,7 @@ tl::expected<std::unique_ptr<Recorder>, std::string> Recorder::Open(const Record
   recorder->event_channel_ = file.AddChannel("event", "osteon.Event", schema);
   Encode(session, recorder->bytes_);
   file.Write(session_channel, session.stamp, recorder->bytes_);
+  if (params.topics) params.topics->Begin(file, session.stamp);
   file.EndChunk();
   file.Flush();
   if (file.failed()) return tl::unexpected(file.error());  // reports a full disk at once
@@ -45,6 +46,7 @@ tl::expected<std::unique_ptr<Recorder>, std::string> Recorder::Open(const Record
 Recorder::Recorder(const RecorderParams& params, McapWriter writer)
     : stalled_ticks_(params.stalled_ticks),
       live_(params.live),
+      topics_(params.topics),
       ticks_(params.tick_capacity),
       frames_(params.frame_capacity),
       writer_(std::move(writer)) {}
@@ -130,18 +132,21 @@ void Recorder::Write(bool end_chunk) {
       writer_.Write(tick_channel_, tick.stamp, bytes_);
       ++counts_.ticks;
       if (live_) live_->TakeTick(tick);
+      if (topics_) topics_->TakeTick(tick, writer_);
       has_tick = ticks_.Pop(tick);
     } else if (has_frame && frame_stamp <= event_stamp) {
       Encode(frame, bytes_);
       writer_.Write(frame_channel_, frame.stamp, bytes_);
       ++counts_.frames;
       if (live_) live_->TakeFrame(frame);
+      if (topics_) topics_->TakeFrame(frame, writer_);
       has_frame = frames_.Pop(frame);
     } else {
       Encode(*event, bytes_);
       writer_.Write(event_channel_, event->stamp, bytes_);
       ++counts_.events;
       if (live_) live_->TakeEvent(*event);
+      if (topics_) topics_->TakeEvent(*event, writer_);
       ++event;
     }
   }

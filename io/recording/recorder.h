@@ -18,6 +18,7 @@
 #include "io/recording/mcap_writer.h"
 #include "io/recording/messages.h"
 #include "io/recording/record_sink.h"
+#include "io/recording/record_topics.h"
 #include "simulation/engine/frame_record.h"
 
 namespace osteon::io {
@@ -29,8 +30,9 @@ struct RecorderParams {
   /// Number of waiting ticks from which the writer counts as stalled: early enough that the stop is recorded
   /// to its end.
   std::size_t stalled_ticks{2048};
-  bool writer_thread{true};   ///< false: the owner calls Drain (virtual time)
-  RecordSink* live{nullptr};  ///< gets every message as well, and outlives the recorder; null: none
+  bool writer_thread{true};       ///< false: the owner calls Drain (virtual time)
+  RecordSink* live{nullptr};      ///< gets every message as well, and outlives the recorder; null: none
+  RecordTopics* topics{nullptr};  ///< writes topics of its own, and outlives the recorder; null: none
 };
 
 /// Counts of a closed recording, including losses.
@@ -99,6 +101,7 @@ class Recorder final : public control::TickRecorder {
 
   std::size_t stalled_ticks_;
   RecordSink* live_;
+  RecordTopics* topics_;
   rt::SpscRing<control::TickRecord> ticks_;
   rt::SpscRing<simulation::FrameRecord> frames_;
   std::mutex events_mutex_;

@@ -12,6 +12,7 @@
 #include "control/loop/rest_time.h"
 #include "hil/impaired_cell.h"
 #include "io/devices/wired_devices.h"
+#include "session/foxglove/recorded_topics.h"
 #include "session/run/arm_connection.h"
 #include "session/run/frame_runner.h"
 #include "session/run/gains_watch.h"
@@ -397,21 +398,24 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   if (params.make_room)
     if (std::string wrong = params.make_room(); !wrong.empty())
       return tl::make_unexpected(CellRunError{.what = std::move(wrong)});
-  auto recorder = io::Recorder::Open(
-      {.path = params.recording, .writer_thread = !params.virtual_time, .live = params.live},
-      {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
-       .version = OSTEON_VERSION,
-       .engine = engine.name(),
-       .device = engine.device(),
-       .scene = setup.bone.name,
-       .tool = setup.config.tool.tool.name,
-       .force_limit_N = control::ForceLimit_N(setup.config.servo),
-       .limits = LimitLines(setup.config.servo),
-       .config_text = setup.config_text,
-       .config = setup.config_source,
-       .utc = params.virtual_time ? 0 : UtcNow(),
-       .build = BuildName(),
-       .machine = MachineName()});
+  RecordedTopics topics(setup);
+  auto recorder = io::Recorder::Open({.path = params.recording,
+                                      .writer_thread = !params.virtual_time,
+                                      .live = params.live,
+                                      .topics = &topics},
+                                     {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
+                                      .version = OSTEON_VERSION,
+                                      .engine = engine.name(),
+                                      .device = engine.device(),
+                                      .scene = setup.bone.name,
+                                      .tool = setup.config.tool.tool.name,
+                                      .force_limit_N = control::ForceLimit_N(setup.config.servo),
+                                      .limits = LimitLines(setup.config.servo),
+                                      .config_text = setup.config_text,
+                                      .config = setup.config_source,
+                                      .utc = params.virtual_time ? 0 : UtcNow(),
+                                      .build = BuildName(),
+                                      .machine = MachineName()});
   if (!recorder) return tl::make_unexpected(CellRunError{.what = recorder.error()});
 
   // a refused run leaves no empty recording

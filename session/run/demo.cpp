@@ -173,7 +173,7 @@ int RunDemo(const DemoOptions& options) {
       AskedByOperator());
   ConsoleChoice console = options.console;
   console.on &= !options.virtual_time || console.only_this_port;  // a run of virtual time is over in a moment
-  live.Open(console);
+  live.Open(console, options.foxglove);
   const CellRunParams params{
       .seconds = options.seconds,
       .virtual_time = options.virtual_time,

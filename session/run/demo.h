@@ -30,6 +30,7 @@ struct DemoOptions {
   bool hold_at_fault{
       false};               ///< a fault that allows a recovery leaves the cell at rest until it is asked for
   ConsoleChoice console{};  ///< where the console is served
+  ConsoleChoice foxglove{.on = false};  ///< where Foxglove and Lichtblick connect to
   std::filesystem::path json{};         ///< a second copy of summary.json
   std::filesystem::path save_motion{};  ///< file for the tool's motion, which can be played again
   std::filesystem::path surface{};      ///< file for the carved bone as a mesh: STL, PLY or OBJ

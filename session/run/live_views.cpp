@@ -60,7 +60,7 @@ LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequest
   context_ = LiveContextOf(setup);
 }
 
-void LiveViews::Open(const ConsoleChoice& choice) {
+void LiveViews::Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove) {
   auto server = io::LocalServer::Start(fmt::format("run-{}", ::getpid()),
                                        [this](const std::string& request) { return Answer(request); });
   if (server)
@@ -68,7 +68,23 @@ void LiveViews::Open(const ConsoleChoice& choice) {
   else
     not_opened_.push_back("osteon pause, resume, recover, stop and status do not reach this run: " +
                           server.error());
-  if (!choice.on) return;
+  if (choice.on) OpenConsole(choice);
+  if (foxglove.on) OpenFoxglove(foxglove);
+  if (console_ || foxglove_) surface_thread_ = StartSurface(setup_, surface_feed_);
+}
+
+void LiveViews::OpenFoxglove(const ConsoleChoice& choice) {
+  topics_ = std::make_unique<LiveTopics>(setup_, feed_, surface_);
+  auto server = console::FoxgloveServer::Start(
+      {.name = "osteon " + run_.command + ": " + cell_, .address = choice.address, .port = choice.port},
+      *topics_);
+  if (server)
+    foxglove_ = std::move(*server);
+  else
+    not_opened_.push_back(server.error());
+}
+
+void LiveViews::OpenConsole(const ConsoleChoice& choice) {
   auto console =
       console::ConsoleServer::Start({.address = choice.address,
                                      .port = choice.port,
@@ -85,13 +101,13 @@ void LiveViews::Open(const ConsoleChoice& choice) {
     return;
   }
   console_ = std::move(*console);
-  surface_thread_ = StartSurface(setup_, surface_feed_);
 }
 
 void LiveViews::Announce() const {
   for (const std::string& what : not_opened_)
     fmt::print(stderr, "osteon {}: warning: {}\n", run_.command, what);
   if (console_) fmt::print(stderr, "osteon {}: console: {}\n", run_.command, console_->url());
+  if (foxglove_) fmt::print(stderr, "osteon {}: foxglove: {}\n", run_.command, foxglove_->url());
 }
 
 console::LiveStatus LiveViews::Status() const { return console::StatusOf(feed_.Newest(), context_); }

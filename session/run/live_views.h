@@ -10,24 +10,27 @@
 #include "base/interrupt.h"
 #include "base/run_progress.h"
 #include "console/server/console_server.h"
+#include "console/server/foxglove_server.h"
 #include "console/server/surface_feed.h"
 #include "console/stream/live_feed.h"
 #include "console/stream/live_status.h"
 #include "io/local/local_server.h"
+#include "session/foxglove/live_topics.h"
 #include "session/run/gains_panel.h"
 #include "session/setup/cell_setup.h"
 #include "simulation/surface/surface_thread.h"
 
 namespace osteon::app {
 
-/// Where the console is served.
+/// Where the console, or the server for Foxglove, is served.
 struct ConsoleChoice {
   bool on{true};
   std::string address{"127.0.0.1"};  ///< any but the loopback's asks pages for a token
   int port{console::kDefaultPort};
   bool only_this_port{false};  ///< false: the next free one
 
-  /// Parses `--console`: "PORT", "ADDRESS:PORT", "off". The error says what was found and what is accepted.
+  /// Parses `--console` and `--foxglove`: "PORT", "ADDRESS:PORT", "off". The error says what was found and
+  /// what is accepted.
   [[nodiscard]] static tl::expected<ConsoleChoice, std::string> Parse(const std::string& text);
 };
 
@@ -50,8 +53,9 @@ class LiveViews {
   /// @param setup  packed, and outlives this
   LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests);
 
-  /// Opens the local socket and the console. The run goes on without what could not be opened.
-  void Open(const ConsoleChoice& choice);
+  /// Opens the local socket, the console, and the server for Foxglove. The run goes on without what could not
+  /// be opened.
+  void Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove);
   /// Prints on stderr where the console is, and what could not be opened. Once the run begins: a refusal
   /// stays one line.
   void Announce() const;
@@ -73,6 +77,8 @@ class LiveViews {
   [[nodiscard]] std::string Answer(const std::string& request);
 
  private:
+  void OpenConsole(const ConsoleChoice& choice);
+  void OpenFoxglove(const ConsoleChoice& choice);
   [[nodiscard]] console::RequestAnswer Ask(console::OperatorRequest request);
 
   const CellSetup& setup_;
@@ -88,6 +94,8 @@ class LiveViews {
   console::SurfaceFeed surface_feed_{surface_};
   std::unique_ptr<io::LocalServer> server_;  // last: their threads use the others
   std::unique_ptr<console::ConsoleServer> console_;
+  std::unique_ptr<LiveTopics> topics_;
+  std::unique_ptr<console::FoxgloveServer> foxglove_;
   std::unique_ptr<surface::SurfaceThread> surface_thread_;
 };
 

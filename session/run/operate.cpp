@@ -168,7 +168,7 @@ int RunOperate(const OperateOptions& asked) {
   RunProgress progress("osteon run", options.seconds);
   LiveViews live(*setup, {.command = "run", .seconds = options.seconds, .recording = options.record.string()},
                  AskedByOperator());
-  live.Open(options.console);
+  live.Open(options.console, options.foxglove);
   const CellRunParams params{
       .seconds = options.seconds,
       .recoveries = options.recoveries,

@@ -25,11 +25,12 @@ struct OperateOptions {
   FidelityChoice fidelity{};                 ///< how fine the bone is
   std::filesystem::path gains{};             ///< overrides the cell's gains; empty: none
   std::optional<std::uint16_t> port{};       ///< first port of a simulated cell; none: the cell file's
-  int cpu{-1};                      ///< CPU of the servo thread; all other threads stay off it; -1: any
-  std::string engine{"auto"};       ///< one of WallTimeEngineNames
-  std::string device{};             ///< part of a Vulkan device's name
-  std::filesystem::path surface{};  ///< file for the carved bone as a mesh: STL, PLY or OBJ
-  ConsoleChoice console{};          ///< where the console is served
+  int cpu{-1};                          ///< CPU of the servo thread; all other threads stay off it; -1: any
+  std::string engine{"auto"};           ///< one of WallTimeEngineNames
+  std::string device{};                 ///< part of a Vulkan device's name
+  std::filesystem::path surface{};      ///< file for the carved bone as a mesh: STL, PLY or OBJ
+  ConsoleChoice console{};              ///< where the console is served
+  ConsoleChoice foxglove{.on = false};  ///< where Foxglove and Lichtblick connect to
   std::filesystem::path json{};
   std::string command_line{};  ///< repeats the run
 };

@@ -150,7 +150,7 @@ class ConsoleServerTest : public testing::Test {
 };
 
 TEST_F(ConsoleServerTest, APageGetsHelloThenTheStreamAndTheSurface) {
-  surface_.Begin(R"({"type":"surface"})");
+  surface_.Begin(surface::BrickLayout{}, R"({"type":"surface"})");
   surface_.Put(1, "brick");
   Client page(server_->port(), origin().c_str());
   ASSERT_TRUE(page.open());

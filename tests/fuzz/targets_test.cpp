@@ -35,6 +35,7 @@ int OsteonFuzz_carved(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_recording(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_recording_message(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_console_message(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_foxglove_request(const std::uint8_t* data, std::size_t size);
 }
 
 namespace osteon::fuzz {
@@ -182,7 +183,8 @@ INSTANTIATE_TEST_SUITE_P(Files, FuzzTarget,
                                          Target{"carved", OsteonFuzz_carved},
                                          Target{"recording", OsteonFuzz_recording},
                                          Target{"recording_message", OsteonFuzz_recording_message},
-                                         Target{"console_message", OsteonFuzz_console_message}),
+                                         Target{"console_message", OsteonFuzz_console_message},
+                                         Target{"foxglove_request", OsteonFuzz_foxglove_request}),
                          NameOf);
 
 }  // namespace

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "console/server/foxglove_server.h"
+#include "console/server/surface_store.h"
+#include "console/stream/live_feed.h"
+#include "session/foxglove/cell_scene.h"
+
+namespace osteon::app {
+
+/// The topics of a cell or of a recording: those of Foxglove's schemas, in this order.
+///
+///     tf       frames               scene    bodies, once      forces   arrows and planes
+///     joints   the arm's joints     log      events            bone     the carved surface
+[[nodiscard]] const std::vector<console::FoxgloveChannel>& CellTopics();
+enum class CellTopic : std::size_t { kFrames, kScene, kForces, kJoints, kLog, kBone };
+
+/// How severe an event is: a fault is an error.
+[[nodiscard]] io::LogLevel LevelOf(const std::string& event);
+
+/// A running cell for Foxglove's viewers: the newest of what is recorded, some 30 times a second, and the
+/// bricks of the carved surface that changed. Beside CellTopics the newest tick and frame, as in a recording.
+class LiveTopics final : public console::FoxgloveSource {
+ public:
+  /// @param feed, surface  outlive this
+  LiveTopics(const CellSetup& setup, const console::LiveFeed& feed, const console::SurfaceStore& surface);
+
+  [[nodiscard]] const std::vector<console::FoxgloveChannel>& channels() const override { return channels_; }
+  void New(std::size_t channel, console::FoxgloveCursor& cursor,
+           std::vector<console::FoxgloveMessage>& out) const override;
+
+ private:
+  void NewBone(console::FoxgloveCursor& cursor, std::vector<console::FoxgloveMessage>& out) const;
+
+  CellScene scene_;
+  const console::LiveFeed& feed_;
+  const console::SurfaceStore& surface_;
+  std::vector<console::FoxgloveChannel> channels_;
+};
+
+}  // namespace osteon::app

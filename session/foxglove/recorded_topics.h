@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/recording/record_topics.h"
+#include "session/foxglove/cell_scene.h"
+#include "simulation/engine/frame_record.h"
+
+namespace osteon::app {
+
+/// Adds the topics of CellTopics but the bone to a recording: the bodies once, the rest every kPeriod_ns of
+/// log time.
+class RecordedTopics final : public io::RecordTopics {
+ public:
+  static constexpr rt::Nanoseconds kPeriod_ns = 33'000'000;
+
+  explicit RecordedTopics(const CellSetup& setup) : scene_(setup) {}
+  void Begin(io::McapWriter& file, rt::Nanoseconds stamp) override;
+  void TakeTick(const control::TickRecord& tick, io::McapWriter& file) override;
+  void TakeFrame(const simulation::FrameRecord& frame, io::McapWriter& file) override;
+  void TakeEvent(const io::RecordedEvent& event, io::McapWriter& file) override;
+
+ private:
+  CellScene scene_;
+  std::vector<std::uint16_t> channels_;  // of CellTopics
+  simulation::ContactModel model_;       // the newest
+  rt::Nanoseconds next_{0};              // log time of the next messages
+  std::string bytes_;                    // scratch
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,48 @@
+#include <string>
+#include <string_view>
+
+#include "console/server/access.h"
+#include "console/server/foxglove_protocol.h"
+#include "tests/fuzz/targets/fuzz_input.h"
+
+// What a viewer sends to the server for Foxglove: a message; and its first line as an origin.
+
+namespace osteon::fuzz {
+namespace {
+
+constexpr std::size_t kChannels = 8;
+
+void ReadRequest(std::string_view bytes) {
+  const auto request = console::ParseFoxgloveRequest(bytes, kChannels);
+  if (!request) {
+    Claim(request.error().find("accepted") != std::string::npos, "an error says what is accepted");
+    Claim(request.error().size() <= 300, "an error is short, whatever was sent");
+    return;
+  }
+  Claim(bytes.size() <= console::kMaxFoxgloveMessage, "a long message is refused");
+  if (const auto* subscribe = std::get_if<console::FoxgloveSubscribe>(&*request)) {
+    Claim(subscribe->subscriptions.size() <= console::kMaxSubscriptions, "a long list is refused");
+    for (const auto& each : subscribe->subscriptions)
+      Claim(each.channel < kChannels, "a channel that is not advertised is refused");
+  }
+}
+
+void Open(std::string_view origin) {
+  const bool open =
+      console::CheckViewerAccess({.host = "127.0.0.1:8765", .origin = origin, .token = {}}, "127.0.0.1", "")
+          .empty();
+  Claim(!open || origin.empty() || origin == "file://" || origin == "https://app.foxglove.dev" ||
+            origin.starts_with("http://localhost") || origin.starts_with("http://127.0.0.1") ||
+            origin.starts_with("http://[::1]") || origin.starts_with("http://::1"),
+        "no page of another origin opens");
+}
+
+}  // namespace
+}  // namespace osteon::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  osteon::fuzz::ReadRequest(bytes);
+  osteon::fuzz::Open(bytes.substr(0, bytes.find('\n')));
+  return 0;
+}
