@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string_view>
 
+#include "simulation/bone/material_style.h"
 #include "simulation/removal/cut_metrics.h"
 
 namespace osteon::app {
@@ -48,34 +48,6 @@ double MedianSpacing(std::span<const MassPoint> points) {
 }
 
 bool Finite(const Vector3& v) { return v.allFinite(); }
-
-struct MaterialStyle {
-  std::string_view word;  ///< part of the material's name
-  const char* tint;
-  std::array<double, 3> color;
-};
-constexpr std::array<MaterialStyle, 11> kMaterialStyles{{{"cartilage", "#d3e6f3", {0.76, 0.87, 0.94}},
-                                                         {"subchondral", "#efe0b4", {0.95, 0.89, 0.72}},
-                                                         {"cortical", "#efe0b4", {0.95, 0.89, 0.72}},
-                                                         {"cancellous", "#f4cfb4", {0.88, 0.64, 0.50}},
-                                                         {"trabecular", "#f4cfb4", {0.88, 0.64, 0.50}},
-                                                         {"marrow", "#f3dc9c", {0.90, 0.72, 0.36}},
-                                                         {"enamel", "#e3ebf4", {0.93, 0.94, 0.95}},
-                                                         {"dentine", "#f3e3bf", {0.94, 0.84, 0.64}},
-                                                         {"pulp", "#f2bcb8", {0.82, 0.38, 0.36}},
-                                                         {"shell", "#d6e2cf", {0.74, 0.80, 0.66}},
-                                                         {"foam_20", "#f1e2b8", {0.90, 0.80, 0.56}}}};
-constexpr std::array<MaterialStyle, 4> kOtherStyles{{{"", "#e2d9ee", {0.78, 0.72, 0.86}},
-                                                     {"", "#d6ead3", {0.72, 0.84, 0.70}},
-                                                     {"", "#f0d7e0", {0.88, 0.70, 0.76}},
-                                                     {"", "#e6e6e6", {0.80, 0.80, 0.80}}}};
-
-const MaterialStyle& StyleOf(const Bone& bone, MaterialIndex material) {
-  if (material < bone.materials.size())
-    for (const MaterialStyle& style : kMaterialStyles)
-      if (bone.materials[material].name.find(style.word) != std::string::npos) return style;
-  return kOtherStyles[material % kOtherStyles.size()];
-}
 
 }  // namespace
 
@@ -199,10 +171,12 @@ std::optional<MaterialIndex> MaterialMap::At(const Vector3& p_G) const {
   return material;
 }
 
-const char* MaterialTint(const Bone& bone, MaterialIndex material) { return StyleOf(bone, material).tint; }
+const char* MaterialTint(const Bone& bone, MaterialIndex material) {
+  return simulation::StyleOf(bone.materials, material).tint;
+}
 
 Vector3 MaterialColor(const Bone& bone, MaterialIndex material) {
-  const auto& color = StyleOf(bone, material).color;
+  const auto& color = simulation::StyleOf(bone.materials, material).color;
   return {color[0], color[1], color[2]};
 }
 

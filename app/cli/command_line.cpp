@@ -11,6 +11,7 @@
 #include "config/reading/config_file_tracker.h"
 #include "session/process/exit_code.h"
 #include "session/process/output.h"
+#include "session/setup/build_name.h"
 
 namespace osteon::app {
 
@@ -28,7 +29,8 @@ void PrepareTop(CLI::App& app, std::filesystem::path& config_root) {
   config_root = config::ShippedFolder();
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_flag("-h,--help", "print this text");
-  app.set_version_flag("--version", "osteon " OSTEON_VERSION, "print the version");
+  app.set_version_flag("--version", fmt::format("osteon {} ({})", OSTEON_VERSION, CommitName()),
+                       "print the version and the commit");
   app.require_subcommand(0, 1);
   app.add_option("--config-root", config_root, "the folder with cells/, robots/, tools/ and so on")
       ->type_name("FOLDER")

@@ -29,7 +29,8 @@ extern "C" {
 
 #define OSTEON_VERSION "0.1.0"
 /* Changes whenever a struct or the meaning of a function does. Pass it where a function asks for it: the
- * library refuses another one with a message that names both. */
+ * library refuses another one with a message that names both. Functions that take no `abi` must not be called
+ * before: a program that may meet another library compares osteon_abi() with OSTEON_ABI first. */
 #define OSTEON_ABI 1u
 
 #if defined(__GNUC__)
@@ -136,6 +137,9 @@ OSTEON_API OsteonResult osteon_bone_info(const OsteonBone* bone, OsteonBoneInfo*
 /* Name of a material, for the indices of OsteonVertex; null where there is no such index. Valid as long as
  * the bone. */
 OSTEON_API const char* osteon_bone_material(const OsteonBone* bone, uint32_t index);
+/* Colour of a material in shaded pictures: red, green, blue as sRGB, 0 … 255. The table for a mesh's vertex
+ * colours has material_count of them (OsteonBoneInfo). */
+OSTEON_API OsteonResult osteon_bone_material_color(const OsteonBone* bone, uint32_t index, uint8_t rgb[3]);
 /* Pose of a tool that points into the site along its axis, its apex `height_m` above the site's centre (below
  * where negative; -1 … 1). At 0 a reamer that fits the cup is free of bone. */
 OSTEON_API OsteonResult osteon_bone_approach(const OsteonBone* bone, double height_m, OsteonPose* pose);
@@ -182,6 +186,23 @@ OSTEON_API OsteonResult osteon_session_create(uint32_t abi, const OsteonBone* bo
 OSTEON_API void osteon_session_destroy(OsteonSession* session);
 /* "cpu on one thread, AVX-512 (…)": valid as long as the session. */
 OSTEON_API const char* osteon_session_engine(const OsteonSession* session);
+
+typedef enum OsteonLogLevel {
+  OSTEON_LOG_INFO = 0,
+  OSTEON_LOG_WARNING = 1,
+  OSTEON_LOG_ERROR = 2
+} OsteonLogLevel;
+/* Receives one line of text, UTF-8, valid during the call. It must return soon, and must call no function of
+ * the session. */
+typedef void (*OsteonLogCallback)(void* user, uint32_t level, const char* text);
+
+/* From now on, `callback` is told what happens in the session: at once its engine; then each event of the
+ * scene, a first pose that is in bone, changes of tool or bone, and the end of its engine. It is called from
+ * the session's own thread, or from the thread of the call that it is about; never from set_tool_pose or
+ * evaluate, and never by two threads at a time. Null: nobody. After this function has returned, an earlier
+ * callback is not called any more. */
+OSTEON_API OsteonResult osteon_session_set_log(OsteonSession* session, OsteonLogCallback callback,
+                                               void* user);
 
 /* Where the tool is, and its spindle's speed [rad/s] (0: it does not cut). The first pose of a session must
  * be free of bone. Wait-free. Not in lockstep. */

@@ -6,10 +6,13 @@
 #include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "plugin/src/bone_source.h"
 #include "plugin/src/convert.h"
 #include "plugin/src/result.h"
 #include "plugin/src/session.h"
+#include "simulation/bone/material_style.h"
 #include "simulation/solids/cup_frame.h"
 
 // The interface's functions: each checks what comes in, and turns exceptions into codes.
@@ -134,6 +137,20 @@ const char* osteon_bone_material(const OsteonBone* bone, uint32_t index) {
   return bone->source->bone.materials[index].name.c_str();
 }
 
+OsteonResult osteon_bone_material_color(const OsteonBone* bone, uint32_t index, uint8_t rgb[3]) {
+  return Guarded([&] {
+    CheckPointer(bone, "bone");
+    CheckPointer(rgb, "rgb");
+    const auto& materials = bone->source->bone.materials;
+    if (index >= materials.size())
+      throw Failure(OSTEON_ERROR_ARGUMENT,
+                    fmt::format("index: found {}, accepted 0 … {}", index, materials.size() - 1));
+    const auto& color =
+        osteon::simulation::StyleOf(materials, static_cast<osteon::simulation::MaterialIndex>(index)).color;
+    for (int i = 0; i < 3; ++i) rgb[i] = static_cast<uint8_t>(std::lround(255.0 * color[i]));
+  });
+}
+
 OsteonResult osteon_bone_approach(const OsteonBone* bone, double height_m, OsteonPose* pose) {
   return Guarded([&] {
     CheckPointer(bone, "bone");
@@ -202,6 +219,10 @@ void osteon_session_destroy(OsteonSession* session) {
 
 const char* osteon_session_engine(const OsteonSession* session) {
   return session ? session->session.engine_text().c_str() : "";
+}
+
+OsteonResult osteon_session_set_log(OsteonSession* session, OsteonLogCallback callback, void* user) {
+  return WithSession(session, [&](Session& s) { s.SetLog(callback, user); });
 }
 
 OsteonResult osteon_session_set_tool_pose(OsteonSession* session, const OsteonPose* pose,

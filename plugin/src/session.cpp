@@ -73,6 +73,14 @@ OsteonEvent EventOf(const simulation::SceneEvent& event, std::uint64_t frame) {
   return result;
 }
 
+/// What keeps the engine from computing a frame; null where nothing does.
+const char* FailureText(EngineStatus status) {
+  if (status == EngineStatus::kDeviceLost) return "the GPU was lost: destroy the session";
+  if (status == EngineStatus::kOverloaded)
+    return "more bone within the tool's reach than the engine has room for";
+  return nullptr;
+}
+
 std::filesystem::path SweptFileOf(const std::string& file) { return file + ".swept"; }
 
 }  // namespace
@@ -132,6 +140,7 @@ Session::Session(std::shared_ptr<const BoneSource> bone, std::shared_ptr<const T
       } catch (const std::exception& error) {
         const std::lock_guard lock(engine_mutex_);
         error_ = error.what();
+        Log(OSTEON_LOG_ERROR, "the engine's thread has ended: " + error_);
       }
     });
 }
@@ -192,8 +201,12 @@ void Session::Loop() {
 void Session::ComputeFrame(const simulation::ToolCommand& command, double dt_s) {
   if (newest_.frame == 0) {
     const double overlap_m = Overlap(engine_->Snapshot(), tool_->tool, command.X_WT);
+    const bool was_in_bone = in_bone_at_start_m_ > 0.0;
     in_bone_at_start_m_ = overlap_m > kMaxOverlap_m ? overlap_m : 0.0;
-    if (in_bone_at_start_m_ > 0.0) return;
+    if (in_bone_at_start_m_ > 0.0) {
+      if (!was_in_bone) Log(OSTEON_LOG_WARNING, InBoneText());
+      return;
+    }
   }
   last_stamp_ = command.stamp;
   newest_ = engine_->Step({.X_WT = command.X_WT,
@@ -206,10 +219,36 @@ void Session::ComputeFrame(const simulation::ToolCommand& command, double dt_s) 
     // in lockstep nothing keeps the frames from outrunning the surface
     if (is_lockstep_ && newest_.frame % kFramesAhead == 0) WaitForSurface();
   }
-  if (newest_.status != EngineStatus::kOk) return;
+  if (newest_.status != EngineStatus::kOk) {
+    if (const char* text = FailureText(newest_.status); text && !has_logged_failure_) {
+      Log(OSTEON_LOG_ERROR, text);
+      has_logged_failure_ = true;
+    }
+    return;
+  }
   for (const simulation::SceneEvent& event :
-       watch_->Step(Pose(newest_.X_WP), newest_.removed_volume_m3, command.stamp))
+       watch_->Step(Pose(newest_.X_WP), newest_.removed_volume_m3, command.stamp)) {
     if (events_.size() < kMaxEvents) events_.push_back(EventOf(event, newest_.frame));
+    Log(OSTEON_LOG_INFO,
+        fmt::format("frame {}: {}, {:.2f} mm", newest_.frame, event.name, 1e3 * event.value));
+  }
+}
+
+void Session::SetLog(OsteonLogCallback callback, void* user) {
+  const EngineLock lock(*this);
+  log_ = callback;
+  log_user_ = user;
+  Log(OSTEON_LOG_INFO, "engine: " + engine_text_);
+}
+
+void Session::Log(OsteonLogLevel level, const std::string& text) const {
+  if (log_) log_(log_user_, static_cast<std::uint32_t>(level), text.c_str());
+}
+
+std::string Session::InBoneText() const {
+  return fmt::format(
+      "the session's first pose: found the tool {:.2f} mm in bone, accepted a pose free of bone (0.1 mm)",
+      1e3 * in_bone_at_start_m_);
 }
 
 void Session::Step(const Pose& X_GT, double spindle_rad_per_s, double dt_s) {
@@ -227,16 +266,8 @@ void Session::Step(const Pose& X_GT, double spindle_rad_per_s, double dt_s) {
 
 void Session::CheckDevice() const {
   if (!error_.empty()) throw Failure(OSTEON_ERROR_INTERNAL, "the engine's thread has ended: " + error_);
-  if (in_bone_at_start_m_ > 0.0)
-    throw Failure(
-        OSTEON_ERROR_STATE,
-        fmt::format("the session's first pose: found the tool {:.2f} mm in bone, accepted a pose free "
-                    "of bone (0.1 mm)",
-                    1e3 * in_bone_at_start_m_));
-  if (newest_.status == EngineStatus::kDeviceLost)
-    throw Failure(OSTEON_ERROR_DEVICE, "the GPU was lost: destroy the session");
-  if (newest_.status == EngineStatus::kOverloaded)
-    throw Failure(OSTEON_ERROR_DEVICE, "more bone within the tool's reach than the engine has room for");
+  if (in_bone_at_start_m_ > 0.0) throw Failure(OSTEON_ERROR_STATE, InBoneText());
+  if (const char* text = FailureText(newest_.status)) throw Failure(OSTEON_ERROR_DEVICE, text);
 }
 
 OsteonFigures Session::Figures() {
@@ -310,6 +341,7 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
       if (saved.swept) field.SetSwept(std::move(*saved.swept));
       ways = surface::ToolWays(tool->tool, Pose::Identity());
     });
+  const std::string text = fmt::format("continues with {} at frame {}", tool->tool.name, first.frame);
 
   // from here on nothing throws
   engine_ = std::move(engine);
@@ -320,6 +352,7 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
   models_.Store(newest_);
   beginnings_.fetch_add(1, std::memory_order_release);
   last_stamp_ = continued_ = now;
+  Log(OSTEON_LOG_INFO, text);
 }
 
 void Session::ChangeTool(std::shared_ptr<const ToolSource> tool, const Pose& X_GT) {

@@ -49,6 +49,9 @@ class Session {
   [[nodiscard]] OsteonFigures Figures();
   [[nodiscard]] std::optional<OsteonEvent> NextEvent();
 
+  /// As osteon_session_set_log says.
+  void SetLog(OsteonLogCallback callback, void* user);
+
   void ChangeTool(std::shared_ptr<const ToolSource> tool, const Pose& X_GT);
   void Mark();
   void Undo(const Pose& X_GT);
@@ -77,6 +80,9 @@ class Session {
   void Loop();
   void ComputeFrame(const simulation::ToolCommand& command, double dt_s);
   void CheckDevice() const;
+  /// Under the engine's lock.
+  void Log(OsteonLogLevel level, const std::string& text) const;
+  [[nodiscard]] std::string InBoneText() const;
   [[nodiscard]] std::unique_ptr<simulation::CuttingEngine> MakeEngine(const ToolSource& tool) const;
   /// Waits until the surface has all frames; before the engine's lock, so that no frame waits for the start
   /// of a large mesh.
@@ -118,6 +124,9 @@ class Session {
   rt::Nanoseconds last_stamp_{0}, continued_{0};
   std::deque<OsteonEvent> events_;
   std::deque<Saved> marks_;
+  OsteonLogCallback log_{nullptr};
+  void* log_user_{nullptr};
+  bool has_logged_failure_{false};
   std::string error_;  // that ended the engine's thread
 
   SurfaceMailbox mailbox_;

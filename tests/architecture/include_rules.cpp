@@ -128,11 +128,13 @@ std::vector<std::string> SourceFiles(const std::filesystem::path& root) {
     if (!folder.is_directory() || name.starts_with('.') || name == "build") continue;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
       const std::string ending = entry.path().extension().string();
+      const std::string path = entry.path().lexically_relative(root).generic_string();
+      if (path.find("/third_party/") != std::string::npos) continue;  // not ours
       if (!entry.is_regular_file() ||
           (ending != ".h" && ending != ".hpp" && ending != ".cpp" && ending != ".cc")) {
         continue;
       }
-      files.push_back(entry.path().lexically_relative(root).generic_string());
+      files.push_back(path);
     }
   }
   std::sort(files.begin(), files.end());

@@ -7,8 +7,10 @@ set -euo pipefail
 check=$1 root=$2 build=${3:-}
 cd "$root"
 
-# Lists the tree's files as git has them; without git (an unpacked archive) all but builds, results, hidden folders.
-tree_files() {
+# Lists the tree's files as git has them; without git (an unpacked archive) all but builds, results, hidden folders. What
+# others wrote (third_party/) stays as they wrote it.
+tree_files() { all_files "$@" | grep -zv '/third_party/' || true; }
+all_files() {
   if [[ -e .git ]] && command -v git >/dev/null; then
     # Untracked files count too, so that the check works before the commit. The checkout may belong to another owner.
     git -c safe.directory='*' ls-files -z --cached --others --exclude-standard -- "$@"

@@ -20,6 +20,7 @@ if ! { "$cmake" -S "$tests/consumer" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$p
   exit 1
 fi
 "$work/consumer/ream_cup" | tail -1 | grep -E "force +[1-9][0-9.]+ N"
+"$work/consumer/ream_cup_eigen" | tail -1 | grep -E "force +[1-9][0-9.]+ N  removed +[1-9][0-9]"
 
 echo "== pkg-config"
 PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name osteon.pc)")

@@ -4,11 +4,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -69,9 +71,23 @@ TEST(OsteonLibrary, AnswersNullWithAnError) {
   EXPECT_EQ(osteon_bone_info(nullptr, nullptr), OSTEON_ERROR_ARGUMENT);
   EXPECT_EQ(osteon_bone_approach(nullptr, 0.0, nullptr), OSTEON_ERROR_ARGUMENT);
   EXPECT_EQ(osteon_bone_material(nullptr, 0), nullptr);
+  EXPECT_EQ(osteon_bone_material_color(nullptr, 0, nullptr), OSTEON_ERROR_ARGUMENT);
+  EXPECT_EQ(osteon_session_set_log(nullptr, nullptr, nullptr), OSTEON_ERROR_ARGUMENT);
   osteon_bone_destroy(nullptr);
   osteon_tool_destroy(nullptr);
   osteon_session_destroy(nullptr);
+}
+
+TEST(OsteonLibrary, HasAColourForEachMaterial) {
+  const auto bone = BlockOfBalls();
+  OsteonBoneInfo info{};
+  ASSERT_OK(osteon_bone_info(bone.get(), &info));
+  ASSERT_EQ(info.material_count, 1U);
+  std::array<std::uint8_t, 3> rgb{};
+  ASSERT_OK(osteon_bone_material_color(bone.get(), 0, rgb.data()));
+  EXPECT_EQ(rgb, (std::array<std::uint8_t, 3>{224, 163, 128})) << "cancellous bone, reddish-yellow";
+  EXPECT_EQ(osteon_bone_material_color(bone.get(), 1, rgb.data()), OSTEON_ERROR_ARGUMENT);
+  EXPECT_NE(std::string(osteon_last_error()).find("found 1, accepted 0"), std::string::npos);
 }
 
 TEST(OsteonLibrary, NamesWhatIsWrongWithABone) {
@@ -130,6 +146,36 @@ TEST(OsteonSession, RefusesToBeginInBone) {
       << osteon_last_error();
   EXPECT_OK(osteon_session_step(session.get(), &free, 100.0, 0.001));
   EXPECT_EQ(FiguresOf(session.get()).frame, 1U);
+}
+
+TEST(OsteonSession, TellsItsLogWhatHappens) {
+  struct Line {
+    std::uint32_t level;
+    std::string text;
+  };
+  std::vector<Line> lines;
+  const auto keep = [](void* user, std::uint32_t level, const char* text) {
+    static_cast<std::vector<Line>*>(user)->push_back({level, text});
+  };
+  const auto bone = BlockOfBalls();
+  const auto tool = BallTool(), other = BallTool(2.0F);
+  const auto session = MakeSession(bone.get(), tool.get(), Lockstep(false));
+  ASSERT_OK(osteon_session_set_log(session.get(), keep, &lines));
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_NE(lines[0].text.find("cpu"), std::string::npos) << lines[0].text;
+  EXPECT_EQ(lines[0].level, static_cast<std::uint32_t>(OSTEON_LOG_INFO));
+  const OsteonPose inside = Above(2.0), free = Above(4.2);
+  EXPECT_EQ(osteon_session_step(session.get(), &inside, 100.0, 0.001), OSTEON_ERROR_STATE);
+  EXPECT_EQ(osteon_session_step(session.get(), &inside, 100.0, 0.001), OSTEON_ERROR_STATE);
+  ASSERT_EQ(lines.size(), 2U) << "one warning, not one a frame";
+  EXPECT_EQ(lines[1].level, static_cast<std::uint32_t>(OSTEON_LOG_WARNING));
+  EXPECT_NE(lines[1].text.find("2.00 mm in bone"), std::string::npos) << lines[1].text;
+  ASSERT_OK(osteon_session_step(session.get(), &free, 100.0, 0.001));
+  ASSERT_OK(osteon_session_change_tool(session.get(), other.get(), &free));
+  ASSERT_EQ(lines.size(), 3U);
+  ASSERT_OK(osteon_session_set_log(session.get(), nullptr, nullptr));
+  ASSERT_OK(osteon_session_change_tool(session.get(), tool.get(), &free));
+  EXPECT_EQ(lines.size(), 3U) << "nobody is told any more";
 }
 
 // The door adds nothing of its own: engine and coupling of the servo loop give the same wrench.

@@ -25,7 +25,7 @@ using Owned = std::unique_ptr<T, Destroy>;
 #define ASSERT_OK(call) ASSERT_EQ((call), OSTEON_OK) << osteon_last_error()
 
 inline const std::string& ConfigFolder() {
-  static const std::string folder = std::string(OSTEON_SOURCE_DIR) + "/config";
+  static const std::string folder = OSTEON_SOURCE_DIR "/config";
   return folder;
 }
 

@@ -1,0 +1,190 @@
+#include "plugin/godot/src/godot_values.h"
+
+#include <array>
+#include <cstring>
+#include <type_traits>
+
+namespace osteon::godot {
+
+const godot_gdnative_core_api_struct* api = nullptr;
+
+namespace {
+
+constexpr int kMeshArrays = 9;  // ArrayMesh.ARRAY_MAX
+constexpr int kVertexArray = 0, kNormalArray = 1, kColorArray = 3, kIndexArray = 8;
+
+// The engine's own arrays hold these as plain numbers.
+static_assert(sizeof(godot_vector3) == 3 * sizeof(float) && sizeof(godot_color) == 4 * sizeof(float));
+static_assert(sizeof(godot_int) == sizeof(std::int32_t));
+
+godot_vector3 ToGodot(const host::Vector& v) {
+  godot_vector3 result;
+  api->godot_vector3_new(&result, static_cast<float>(v[0]), static_cast<float>(v[1]),
+                         static_cast<float>(v[2]));
+  return result;
+}
+
+host::Vector FromGodot(const godot_vector3& v) {
+  return {static_cast<double>(api->godot_vector3_get_axis(&v, GODOT_VECTOR3_AXIS_X)),
+          static_cast<double>(api->godot_vector3_get_axis(&v, GODOT_VECTOR3_AXIS_Y)),
+          static_cast<double>(api->godot_vector3_get_axis(&v, GODOT_VECTOR3_AXIS_Z))};
+}
+
+godot_variant Vectors(const std::vector<float>& xyz) {
+  godot_pool_vector3_array array;
+  api->godot_pool_vector3_array_new(&array);
+  api->godot_pool_vector3_array_resize(&array, static_cast<godot_int>(xyz.size() / 3));
+  godot_pool_vector3_array_write_access* access = api->godot_pool_vector3_array_write(&array);
+  std::memcpy(api->godot_pool_vector3_array_write_access_ptr(access), xyz.data(), xyz.size() * sizeof(float));
+  api->godot_pool_vector3_array_write_access_destroy(access);
+  godot_variant value;
+  api->godot_variant_new_pool_vector3_array(&value, &array);
+  api->godot_pool_vector3_array_destroy(&array);
+  return value;
+}
+
+godot_variant Colors(const std::vector<std::uint8_t>& rgb) {
+  std::vector<float> rgba;
+  rgba.reserve(rgb.size() / 3 * 4);
+  for (std::size_t i = 0; i < rgb.size(); ++i) {
+    rgba.push_back(static_cast<float>(rgb[i]) / 255.0F);
+    if (i % 3 == 2) rgba.push_back(1.0F);
+  }
+  godot_pool_color_array array;
+  api->godot_pool_color_array_new(&array);
+  api->godot_pool_color_array_resize(&array, static_cast<godot_int>(rgba.size() / 4));
+  godot_pool_color_array_write_access* access = api->godot_pool_color_array_write(&array);
+  std::memcpy(api->godot_pool_color_array_write_access_ptr(access), rgba.data(), rgba.size() * sizeof(float));
+  api->godot_pool_color_array_write_access_destroy(access);
+  godot_variant value;
+  api->godot_variant_new_pool_color_array(&value, &array);
+  api->godot_pool_color_array_destroy(&array);
+  return value;
+}
+
+godot_variant Integers(const std::vector<std::int32_t>& integers) {
+  godot_pool_int_array array;
+  api->godot_pool_int_array_new(&array);
+  api->godot_pool_int_array_resize(&array, static_cast<godot_int>(integers.size()));
+  godot_pool_int_array_write_access* access = api->godot_pool_int_array_write(&array);
+  std::memcpy(api->godot_pool_int_array_write_access_ptr(access), integers.data(),
+              integers.size() * sizeof(std::int32_t));
+  api->godot_pool_int_array_write_access_destroy(access);
+  godot_variant value;
+  api->godot_variant_new_pool_int_array(&value, &array);
+  api->godot_pool_int_array_destroy(&array);
+  return value;
+}
+
+}  // namespace
+
+Value::Value(const std::string& text) {
+  godot_string string;
+  api->godot_string_new(&string);
+  api->godot_string_parse_utf8(&string, text.c_str());
+  api->godot_variant_new_string(&value_, &string);
+  api->godot_string_destroy(&string);
+}
+
+Value::Value(const host::Vector& v) {
+  const godot_vector3 vector = ToGodot(v);
+  api->godot_variant_new_vector3(&value_, &vector);
+}
+
+Value::Value(const host::Pose& pose) {
+  const std::array<host::Vector, 3> rows = host::RowsOf(pose.orientation);
+  const godot_vector3 x = ToGodot(rows[0]), y = ToGodot(rows[1]), z = ToGodot(rows[2]);
+  const godot_vector3 origin = ToGodot(pose.position);
+  godot_basis basis;
+  api->godot_basis_new_with_rows(&basis, &x, &y, &z);
+  godot_transform transform;
+  api->godot_transform_new(&transform, &basis, &origin);
+  api->godot_variant_new_transform(&value_, &transform);
+}
+
+Value Value::MeshArrays(const host::Brick& brick) {
+  godot_array arrays;
+  api->godot_array_new(&arrays);
+  if (!brick.indices.empty()) {
+    api->godot_array_resize(&arrays, kMeshArrays);
+    const auto set = [&](int index, godot_variant value) {
+      api->godot_array_set(&arrays, index, &value);
+      api->godot_variant_destroy(&value);
+    };
+    set(kVertexArray, Vectors(brick.positions));
+    set(kNormalArray, Vectors(brick.normals));
+    set(kColorArray, Colors(brick.colors));
+    set(kIndexArray, Integers(brick.indices));
+  }
+  Value value(arrays);
+  api->godot_array_destroy(&arrays);
+  return value;
+}
+
+std::string Arguments::Mismatch(const char* method,
+                                std::initializer_list<godot_variant_type> accepted) const {
+  bool fits = count_ == static_cast<int>(accepted.size());
+  int i = 0;
+  for (const godot_variant_type type : accepted) {
+    if (!fits) break;
+    const godot_variant_type found = api->godot_variant_get_type(values_[i++]);
+    fits = found == type || (type == GODOT_VARIANT_TYPE_REAL && found == GODOT_VARIANT_TYPE_INT);
+  }
+  if (fits) return {};
+  std::string text = std::string(method) + ": found (";
+  for (i = 0; i < count_; ++i)
+    text += std::string(i > 0 ? ", " : "") + TypeName(api->godot_variant_get_type(values_[i]));
+  text += "), accepted (";
+  i = 0;
+  for (const godot_variant_type type : accepted) text += std::string(i++ > 0 ? ", " : "") + TypeName(type);
+  return text + ")";
+}
+
+host::Pose Arguments::PoseAt(int i) const {
+  const godot_transform transform = api->godot_variant_as_transform(values_[i]);
+  const godot_basis basis = api->godot_transform_get_basis(&transform);
+  const godot_vector3 origin = api->godot_transform_get_origin(&transform);
+  std::array<host::Vector, 3> rows{};
+  for (int row = 0; row < 3; ++row)
+    rows[static_cast<std::size_t>(row)] = FromGodot(api->godot_basis_get_row(&basis, row));
+  return {FromGodot(origin), host::RotationOf(rows)};
+}
+
+const char* TypeName(godot_variant_type type) {
+  switch (type) {
+    case GODOT_VARIANT_TYPE_NIL:
+      return "null";
+    case GODOT_VARIANT_TYPE_BOOL:
+      return "bool";
+    case GODOT_VARIANT_TYPE_INT:
+      return "int";
+    case GODOT_VARIANT_TYPE_REAL:
+      return "float";
+    case GODOT_VARIANT_TYPE_STRING:
+      return "String";
+    case GODOT_VARIANT_TYPE_VECTOR3:
+      return "Vector3";
+    case GODOT_VARIANT_TYPE_TRANSFORM:
+      return "Transform";
+    case GODOT_VARIANT_TYPE_OBJECT:
+      return "Object";
+    case GODOT_VARIANT_TYPE_DICTIONARY:
+      return "Dictionary";
+    case GODOT_VARIANT_TYPE_ARRAY:
+      return "Array";
+    default:
+      return "another type";
+  }
+}
+
+std::string ToText(const godot_variant* value) {
+  godot_string string = api->godot_variant_as_string(value);
+  godot_char_string utf8 = api->godot_string_utf8(&string);
+  std::string text(api->godot_char_string_get_data(&utf8),
+                   static_cast<std::size_t>(api->godot_char_string_length(&utf8)));
+  api->godot_char_string_destroy(&utf8);
+  api->godot_string_destroy(&string);
+  return text;
+}
+
+}  // namespace osteon::godot

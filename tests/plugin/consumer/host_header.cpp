@@ -1,0 +1,5 @@
+// The header for hosts as others include it: installed, in C++17, without exceptions' help.
+#include <osteon_host.h>
+
+static_assert(__cplusplus < 202002L, "osteon_host.h is C++17");
+static_assert(osteon::host::kGodot.TurnsTrianglesOver());
