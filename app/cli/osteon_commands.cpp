@@ -32,6 +32,7 @@ OsteonCommands::OsteonCommands(CLI::App& app)
       bench_and_chart_(app, {"bench", "chart"}),
       cells_(app),
       guard_(app),
+      simulate_(app),
       operator_(app),
       calibrate_(app, {"calibrate"}),
       new_cell_(app),
@@ -79,6 +80,7 @@ int OsteonCommands::Run(const std::string& command_line) {
   if (pack_.asked()) return pack_.Run(config_root_, command_line);
   if (cells_.asked()) return cells_.Run(config_root_, command_line);
   if (guard_.asked()) return guard_.Run(config_root_);
+  if (simulate_.asked()) return simulate_.Run(config_root_);
   if (operator_.asked()) return operator_.Run();
   if (new_cell_.asked()) return new_cell_.Run(config_root_);
   if (schema_.asked()) return schema_.Run(config_root_);

@@ -16,6 +16,7 @@
 #include "app/cli/replay_command.h"
 #include "app/cli/report_command.h"
 #include "app/cli/schema_command.h"
+#include "app/cli/simulate_command.h"
 #include "app/cli/states_command.h"
 #include "app/cli/study_commands.h"
 #include "app/cli/view_command.h"
@@ -51,6 +52,7 @@ class OsteonCommands {
   AnnouncedStudies bench_and_chart_;
   CellCommands cells_;
   GuardCommand guard_;
+  SimulateCommand simulate_;
   OperatorCommands operator_;
   AnnouncedStudies calibrate_;
   NewCellCommand new_cell_;

@@ -103,6 +103,14 @@ struct GuardConfig {
   double silence_s{0.05};  ///< largest silence of the controller
 };
 
+/// The process that runs the cutting engine.
+struct EngineProcessConfig {
+  std::string host{};     ///< dotted IPv4, where `osteon simulate` listens; empty: the run starts it
+  std::uint16_t port{0};  ///< UDP; 0 with an empty host
+  /// A file with the token of an engine beyond the loopback; relative to the cell's folder. Empty: none.
+  std::filesystem::path token_file{};
+};
+
 /// A mesh or a packing that takes the place of the scene's generated solid.
 struct BoneConfig {
   std::filesystem::path file;  ///< a closed mesh, or a packing (.osp)
@@ -126,6 +134,7 @@ struct CellConfig {
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   ArmLinkConfig link;
   std::optional<GuardConfig> guard;  ///< absent: the arm sends to the link's address itself
+  std::optional<EngineProcessConfig> engine_process;  ///< absent: the engine is a thread of the run
   io::DeviceParams devices;          ///< force sensor, reamer drive, PLC: their addresses
   /// Whether the file has `operator`, `script` and `simulated_arm`. A cell for a real arm alone may do
   /// without; what simulates it refuses it then (RequireSimulation).

@@ -11,6 +11,7 @@
 #include "config/reading/sections/read_arm_link.h"
 #include "config/reading/sections/read_calibration.h"
 #include "config/reading/sections/read_devices.h"
+#include "config/reading/sections/read_engine_process.h"
 #include "config/reading/sections/read_gains.h"
 #include "config/reading/sections/read_guard.h"
 #include "config/reading/sections/read_limits.h"
@@ -379,6 +380,8 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
   const DeviceSections devices = ReadDevices(reader, sensor, cell);
   const ArmLinkSections link = ReadArmLink(reader, cell);
   if (reader.Has("guard")) cell.guard = ReadGuard(reader, cell.link);
+  std::optional<EngineProcessSection> engine_process;
+  if (reader.Has("simulation")) engine_process = ReadEngineProcess(reader.Section("simulation"));
   const bool lbr = cell.link.fri() != nullptr;
   const Reader start = reader.Section("start");
   ReadStart(start, lbr, cell.start);
@@ -409,6 +412,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
   CompleteForceLimit(limits, servo);
   CheckBody(sensor, sensor_F, "force_sensor");
   CheckArmLink(link, cell);
+  if (engine_process) cell.engine_process = CheckEngineProcess(*engine_process);
   CheckOrder(coupling, "fresh_ms", "gone_ms", servo.coupling.fresh_s * 1e3, servo.coupling.gone_s * 1e3);
   CheckOrder(watchdog, "the coupling's gone_ms", "model_stop_ms", servo.coupling.gone_s * 1e3,
              servo.watchdog.model_stop_s * 1e3);

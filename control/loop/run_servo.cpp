@@ -33,10 +33,8 @@ void Validate(const RunServoParams& params) {
 
 }  // namespace
 
-RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
-                        rt::LatestValue<simulation::ContactModel>& models,
-                        rt::LatestValue<simulation::ToolCommand>& commands, TickRecorder& recorder,
-                        const RunServoParams& params) {
+RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices, SimulationPort& simulation,
+                        TickRecorder& recorder, const RunServoParams& params) {
   Validate(params);
   RunServoResult result;
   result.thread = rt::SetUpRealtimeThread(params.thread);
@@ -71,7 +69,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     const ReceiveResult received = link.Receive(state, rt::MonotonicNow() + deadline);
     const rt::Nanoseconds woken = rt::MonotonicNow();
     const CellReadings readings = devices.Exchange(loop.cell_commands(), woken);
-    const simulation::ContactModel& model = models.Load();
+    const simulation::ContactModel& model = simulation.Load();
     const bool could_recover = loop.CanRecover();
     const safety::FaultSet faults_before = loop.faults();
     TickRecord record = loop.Tick(state, received, readings, model, woken, command);
@@ -82,7 +80,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     }
     if (received == ReceiveResult::kOk && !link.Send(command)) ++result.unsent;
     const rt::Nanoseconds answered = rt::MonotonicNow();
-    commands.Store(loop.tool_command());
+    simulation.Store(loop.tool_command());
     if (repeat) {
       ReplayIfDue(loop, *repeat);  // if there was no time before the message
       repeat->StoreTick(record, model);

@@ -6,6 +6,7 @@
 #include "base/latest_value.h"
 #include "base/realtime_thread.h"
 #include "control/loop/servo_loop.h"
+#include "control/loop/simulation_port.h"
 #include "control/ports.h"
 
 namespace osteon::control {
@@ -65,13 +66,12 @@ struct RunServoResult {
 
 /// Runs the loop in wall time in the calling thread, paced by the arm's messages, until a RunEnd occurs; then
 /// stops the arm in order and keeps answering until it rests. Between first and last tick nothing is
-/// allocated and no lock taken, except by the ports. Writer of `commands`, reader of `models`.
+/// allocated and no lock taken, except by the ports.
 ///
 /// The measured wake-up latency depends on who sets ArmState::stamp: a stamp by the kernel includes the
 /// scheduler's delay, a stamp taken in user space does not.
 [[nodiscard]] RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
-                                      rt::LatestValue<simulation::ContactModel>& models,
-                                      rt::LatestValue<simulation::ToolCommand>& commands,
-                                      TickRecorder& recorder, const RunServoParams& params);
+                                      SimulationPort& simulation, TickRecorder& recorder,
+                                      const RunServoParams& params);
 
 }  // namespace osteon::control

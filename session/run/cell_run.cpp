@@ -14,8 +14,10 @@
 #include "io/devices/wired_devices.h"
 #include "session/foxglove/recorded_topics.h"
 #include "session/run/arm_connection.h"
+#include "session/run/frame_receiver.h"
 #include "session/run/frame_runner.h"
 #include "session/run/gains_watch.h"
+#include "session/run/remote_engine.h"
 #include "session/run/simulated_cell_run.h"
 #include "session/run/simulated_setup.h"
 #include "session/run/simulation_thread.h"
@@ -169,12 +171,20 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
   control::ServoLoop loop = MakeServoLoop(setup.config), second = MakeServoLoop(setup.config);
   rt::LatestValue<simulation::ContactModel> models;
   rt::LatestValue<simulation::ToolCommand> commands;
+  control::ThreadSimulation inside(models, commands);
+  control::SimulationPort& simulation_port =
+      params.remote ? static_cast<control::SimulationPort&>(params.remote->client()) : inside;
   control::RunServoResult servo;
-  bool cell_died = false;
+  bool cell_died = false, engine_died = false;
   StartWatch start(setup, loop);
   GainsWatch gains(params.gains, setup.config, loop, params.notice, params.gains_panel);
   {
-    SimulationThread simulation(runner, commands, models, recorder);
+    std::optional<SimulationThread> simulation;
+    std::optional<FrameReceiver> receiver;
+    if (params.remote)
+      receiver.emplace(runner, params.remote->client(), recorder);
+    else
+      simulation.emplace(runner, commands, models, recorder);
     std::atomic<bool> done{false}, stop{false};
     std::atomic<double> rendered_s{0.0};
     control::RunServoParams servo_params{.deadline_s = kArmDeadlinePeriods * setup.config.servo.period_s,
@@ -190,6 +200,11 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     servo_params.thread.cpu = params.cpu;
     const auto watch = [&] {
       cell_died |= !done.load() && wires.cell && wires.cell->Ended();
+      if (params.remote && !engine_died && !params.remote->DescribeEnd().empty()) {
+        engine_died = true;  // the servo loop notices by the model's age, and stops
+        if (params.notice) params.notice("the engine's process has ended: " + params.remote->DescribeEnd());
+        recorder.PushEvent(rt::MonotonicNow(), "the engine's process has ended: " + params.remote->DescribeEnd());
+      }
       gains.Poll(rt::ToSeconds(rt::MonotonicNow()));
       ApplyRequests(params, loop);
       if (rendered_s.load() == 0.0) start.Poll();  // a recovery starts from the arm's present position
@@ -198,7 +213,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     };
     std::thread servo_thread([&] {
       rt::NameThread("servo");
-      servo = RunServo(loop, wires.arm->link(), *wires.devices, models, commands, recorder, servo_params);
+      servo = RunServo(loop, wires.arm->link(), *wires.devices, simulation_port, recorder, servo_params);
       wires.arm->EndSession();
       // At once, so that the arm does not count our end as a lost client.
       if (wires.cell) wires.cell->AskToEnd();
@@ -215,8 +230,10 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
       }
     }
     servo_thread.join();
-    simulation.Stop();
-    if (!simulation.error().empty()) result.internal_error = "simulation: " + simulation.error();
+    if (simulation) simulation->Stop();
+    if (receiver) receiver->Stop();
+    const std::string& wrong = simulation ? simulation->error() : receiver->error();
+    if (!wrong.empty()) result.internal_error = "simulation: " + wrong;
   }
   // the input is right, but the arm stands in the wrong place
   if (!start.why_not().empty())
@@ -443,11 +460,12 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
     runner.EndAdaptiveResolution();
     runner.RecordEvents(**recorder, rt::MonotonicNow());
   }
-  result.after = runner.engine().Snapshot();
   result.rezoned = runner.TakeRezoned();
   const auto counts = (*recorder)->Close();
   result.recording = counts ? *counts : (*recorder)->counts();
   if (!counts) result.recording_error = counts.error();
+  if (params.remote) result.engine_process = params.remote->Finish(params.recording);
+  result.after = runner.engine().Snapshot();
   result.events = runner.events();
   result.min_wall_m = watch.min_wall_m();
   return run;

@@ -11,6 +11,7 @@
 
 #include "base/interrupt.h"
 #include "control/loop/run_servo.h"
+#include "io/engine/engine_ports.h"
 #include "io/recording/recorder.h"
 #include "session/run/adaptive_resolution.h"
 #include "session/run/cell_process.h"
@@ -21,6 +22,7 @@
 namespace osteon::app {
 
 class GainsPanel;
+class RemoteEngine;
 
 struct CellRunParams {
   double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
@@ -37,6 +39,9 @@ struct CellRunParams {
   int cpu{-1};  ///< wall time: the servo thread is pinned to it; -1: any
   /// Wall time: the simulated cell to start as a process of its own; absent: connected devices are used.
   std::optional<CellProcessParams> cell{};
+  /// The engine, if it is a process of its own: in wall time the servo loop talks to it itself. Null: the
+  /// engine is stepped by a thread of this process.
+  RemoteEngine* remote{nullptr};
   std::filesystem::path recording;  ///< the MCAP file to write
   /// Called after everything could be opened and the recording's folder exists, before the recording is made
   /// or overwritten. @returns the reason if the recording must not be made; else empty.
@@ -63,6 +68,14 @@ struct CellRunParams {
 /// Wall time: a message of the arm counts as missed after this many of its periods. Virtual time: after one.
 inline constexpr double kArmDeadlinePeriods = 5.0;
 
+/// What became of an engine in a process of its own.
+struct EngineProcessResult {
+  std::string where;  ///< "local, process 1234" or "127.0.0.1:30300"
+  io::EngineCounters counters;
+  std::string ended{};      ///< why it ended during the run, "signal 9 (Killed)"; empty: it did not
+  std::string unfetched{};  ///< why its carved state is not known: it was cut again; empty: it is its own
+};
+
 /// The result of a run besides its recording.
 struct CellRunResult {
   control::RunEnd end{control::RunEnd::kSeconds};
@@ -75,7 +88,8 @@ struct CellRunResult {
   rt::RealtimeGrant servo_thread;  ///< wall time: scheduling that the system granted
   io::RecordingCounts recording;
   std::string recording_error;  ///< why the recording could not be written to its end; empty if it was
-  std::string internal_error;   ///< an exception that stopped the run in order; empty: none
+  std::optional<EngineProcessResult> engine_process;  ///< absent: a thread of this process
+  std::string internal_error;  ///< an exception that stopped the run in order; empty: none
   simulation::CarvedState after;
   std::vector<Rezoned> rezoned;  ///< zones that were coarsened; `after` then belongs to the last one's bone
   std::vector<simulation::SceneEvent> events;  ///< stamps as in the recording

@@ -16,6 +16,7 @@
 #include "session/run/cell_ports.h"
 #include "session/run/cell_run.h"
 #include "session/run/live_views.h"
+#include "session/run/remote_engine.h"
 #include "session/setup/setup_warnings.h"
 #include "session/stops/stop_records.h"
 #include "session/summary/chart_files.h"
@@ -152,9 +153,11 @@ int RunDemo(const DemoOptions& options) {
       !packed)
     return refuse(packed.error());
   planning.Done();
-  auto engine = MakeEngine(*setup, choice);
+  RemoteEngine* remote = nullptr;
+  auto engine = MakeRunEngine(*setup, choice, options.cell, remote);
   if (!engine) return Fail("demo", engine.error());
-  const auto adaptive_resolution = MakeAdaptiveResolution(*setup, choice);
+  // an engine in a process of its own keeps its bone
+  const auto adaptive_resolution = remote ? nullptr : MakeAdaptiveResolution(*setup, choice);
 
   if (!setup->solid && setup->config.scene.events.min_wall_m > 0.0)
     fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
@@ -186,6 +189,7 @@ int RunDemo(const DemoOptions& options) {
                                 .first_port = *first_port,
                                 .cpu = options.cpu,
                                 .guard = setup->config.guard.has_value()},
+      .remote = remote,
       .recording = options.out / "recording.mcap",
       .make_room = [&] { return MakeRoom(options, claim); },
       .stop = &Interrupted(),
@@ -197,6 +201,8 @@ int RunDemo(const DemoOptions& options) {
           [&] {
             live.Announce();
             fmt::print(stderr, "osteon demo: engine: {}\n", EngineText(choice, (*engine)->device()));
+            if (remote)
+              fmt::print(stderr, "osteon demo: the engine is a process of its own: {}\n", remote->where());
             PrintLimits(setup->config.servo);
           },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon demo: {}\n", text); },

@@ -20,16 +20,22 @@ FrameRunner::FrameRunner(simulation::CuttingEngine& engine, const simulation::Ap
 simulation::FrameRecord FrameRunner::Run(const simulation::ToolCommand& command) {
   const double dt_s = last_stamp_ == 0 ? 0.0 : rt::ToSeconds(command.stamp - last_stamp_);
   last_stamp_ = command.stamp;
-  simulation::FrameRecord record;
-  record.model = engine_->Step({.X_WT = command.X_WT,
+  return Observe(engine_->Step({.X_WT = command.X_WT,
                                 .spindle_rad_per_s = command.spindle_rad_per_s,
                                 .dt_s = std::clamp(dt_s, 0.0, dt_limit_s_),
-                                .stamp = command.stamp});
-  if (surface_) (void)surface_->Push(surface::MakeToolFrame(record.model, command.spindle_rad_per_s));
+                                .stamp = command.stamp}),
+                 command.spindle_rad_per_s, command.stamp);
+}
+
+simulation::FrameRecord FrameRunner::Observe(const simulation::ContactModel& model, double spindle_rad_per_s,
+                                             rt::Nanoseconds stamp) {
+  simulation::FrameRecord record;
+  record.model = model;
+  if (surface_) (void)surface_->Push(surface::MakeToolFrame(record.model, spindle_rad_per_s));
   if (record.model.status == simulation::EngineStatus::kOk) {
     const Pose X_GP = X_GW_ * Pose(record.model.X_WP);
     deepest_m_ = std::max(deepest_m_.value_or(-1.0), depth_.DepthAt(X_GP));
-    for (simulation::SceneEvent& event : watch_.Step(X_GP, record.model.removed_volume_m3, command.stamp))
+    for (simulation::SceneEvent& event : watch_.Step(X_GP, record.model.removed_volume_m3, stamp))
       new_events_.push_back(std::move(event));
   }
   record.cup_depth_m = deepest_m_.value_or(0.0);

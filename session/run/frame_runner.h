@@ -31,6 +31,11 @@ class FrameRunner {
   /// Steps the engine to the command. The first command must be the free pose at which the run begins.
   [[nodiscard]] simulation::FrameRecord Run(const simulation::ToolCommand& command);
 
+  /// Makes the record of a frame that an engine in another process has stepped.
+  /// @param stamp  for the frame's events  @param spindle_rad_per_s  of the frame's command
+  [[nodiscard]] simulation::FrameRecord Observe(const simulation::ContactModel& model,
+                                                double spindle_rad_per_s, rt::Nanoseconds stamp);
+
   /// Passes a frame made by Run to the adaptive resolution, and switches to its coarser zones once they are
   /// ready.
   /// @param took_us  duration of the frame

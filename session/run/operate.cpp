@@ -17,6 +17,7 @@
 #include "session/run/cell_ports.h"
 #include "session/run/cell_run.h"
 #include "session/run/live_views.h"
+#include "session/run/remote_engine.h"
 #include "session/setup/config_checksum.h"
 #include "session/setup/setup_warnings.h"
 #include "session/stops/stop_records.h"
@@ -149,10 +150,13 @@ int RunOperate(const OperateOptions& asked) {
       !packed)
     return refuse(packed.error());
   planning.Done();
-  auto engine = MakeEngine(*setup, choice);
+  RemoteEngine* remote = nullptr;
+  auto engine = MakeRunEngine(*setup, choice, options.cell, remote);
   if (!engine) return Fail("run", engine.error());
-  const auto adaptive_resolution = MakeAdaptiveResolution(*setup, choice);
+  // an engine in a process of its own keeps its bone
+  const auto adaptive_resolution = remote ? nullptr : MakeAdaptiveResolution(*setup, choice);
   fmt::print(stderr, "osteon run: engine: {}\n", EngineText(choice, (*engine)->device()));
+  if (remote) fmt::print(stderr, "osteon run: the engine is a process of its own: {}\n", remote->where());
   if (setup->planned) fmt::print(stderr, "osteon run: packing: {}\n", PlannedText(*setup->planned));
   PrintRegistration(setup->config);
   PrintWires(setup->config);
@@ -177,6 +181,7 @@ int RunOperate(const OperateOptions& asked) {
       .wait_s = options.wait_s,
       .cpu = options.cpu,
       .cell = cell,
+      .remote = remote,
       .recording = options.record,
       .make_room = [&] { return MakeRoom(options); },
       .stop = &Interrupted(),

@@ -233,11 +233,36 @@ DurationFigures Quantiles(const DurationCounts& durations) {
           .max_s = rt::ToSeconds(durations.At(count - 1))};
 }
 
+namespace {
+
+std::string EngineProcessText(const EngineProcessResult& p) {
+  std::string text = fmt::format("{}: {} frames, {} lost", p.where, p.counters.frames, p.counters.lost);
+  if (p.counters.rejected > 0) text += fmt::format(", {} messages refused", p.counters.rejected);
+  if (!p.ended.empty()) text += "; it has ended: " + p.ended;
+  if (!p.unfetched.empty()) text += "; the carved state is cut again from the recording: " + p.unfetched;
+  return text;
+}
+
+nlohmann::ordered_json EngineProcessJson(const EngineProcessResult& p) {
+  const auto text_or_null = [](const std::string& text) {
+    return text.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(text);
+  };
+  return {{"where", p.where},
+          {"frames", p.counters.frames},
+          {"lost", p.counters.lost},
+          {"rejected", p.counters.rejected},
+          {"ended", text_or_null(p.ended)},
+          {"carved_again", text_or_null(p.unfetched)}};
+}
+
+}  // namespace
+
 RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& engine,
                      const CellRunParams& params, const CellRunResult& result, const RunAccumulator& run) {
   RunSummary s;
   s.engine = engine.name();
   s.device = engine.device();
+  s.engine_process = result.engine_process;
   s.scene = setup.bone.name;
   s.tool = setup.config.tool.tool.name;
   s.recording = params.recording.string();
@@ -312,6 +337,8 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
                                       : ", no SCHED_FIFO",
            s.servo_thread && s.servo_thread->cpu >= 0 ? fmt::format(", CPU {}", s.servo_thread->cpu) : "")},
       {"Simulation", fmt::format("{} frames, median {:.0f} frames/s", s.frames, s.simulation_rate_hz)}};
+  if (s.engine_process)
+    rows.insert(rows.begin() + 2, {"Engine's process", EngineProcessText(*s.engine_process)});
   if (s.without_plc) rows.insert(rows.begin() + 1, {"Permission to move", kWithoutPlc});
   if (s.wakeup.count > 0) {
     rows.push_back({"Tick wake-up, p50 / p99 / max", Text(s.wakeup)});
@@ -414,6 +441,8 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"config_checksum", s.config_checksum},
       {"engine", s.engine},
       {"device", s.device},
+      {"engine_process",
+       s.engine_process ? EngineProcessJson(*s.engine_process) : nlohmann::ordered_json(nullptr)},
       {"scene", s.scene},
       {"tool", s.tool},
       {"virtual_time", s.virtual_time},

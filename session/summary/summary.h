@@ -41,8 +41,9 @@ struct RezonedRow {
 /// The figures of a run, as the terminal, summary.json and the report show them.
 struct RunSummary {
   std::string engine, device, scene, tool, recording, ended;
-  std::string recording_error;        ///< why the recording is not complete; empty: it is
-  std::string console_url{};          ///< where the console was served; empty: nowhere
+  std::optional<EngineProcessResult> engine_process{};  ///< absent: the engine was a thread of the run
+  std::string recording_error;                          ///< why the recording is not complete; empty: it is
+  std::string console_url{};                            ///< where the console was served; empty: nowhere
   std::string ended_by;               ///< the signal that asked for the end, "SIGHUP"; empty: none
   Verdict verdict;                    ///< JudgeRun of the other figures
   std::vector<std::string> warnings;  ///< of the set-up: figures of the cell that contradict each other

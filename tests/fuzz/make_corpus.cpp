@@ -4,7 +4,9 @@
 #include <string>
 
 #include "io/can/udp_can_codec.h"
+#include "io/engine/codec.h"
 #include "tests/fuzz/corpus_folder.h"
+#include "tests/io/engine/engine_samples.h"
 #include "tests/io/fri/fri_oracle.h"
 #include "tests/io/rsi/rsi_oracle.h"
 
@@ -186,6 +188,23 @@ void WritePlc(const std::filesystem::path& root) {
                               {3, 0, 0, 0, 1, 0, 0, 4, 9, 9, 9, 9, 9, 9}}));
 }
 
+// ---- an engine in its own process
+
+void WriteEngine(const std::filesystem::path& root) {
+  const Corpus corpus(root, "engine_message");
+  const auto message = [](std::uint8_t kind, std::span<const std::uint8_t> bytes) {
+    Bytes all{kind};
+    all.insert(all.end(), bytes.begin(), bytes.end());
+    return all;
+  };
+  io::EngineBytes bytes;
+  io::EncodeEngine({.kind = io::EngineMessage::kFrame, .session = 7}, io::test::SampleFrame(), bytes);
+  corpus.Write("frame", message(1, bytes.view()));
+  io::EncodeEngine({.kind = io::EngineMessage::kCommand, .session = 7}, io::test::SampleCommand(), bytes);
+  corpus.Write("command", message(3, bytes.view()));
+  corpus.Write("setup", message(5, io::EncodeSetup(io::test::SampleSetup())));
+}
+
 // ---- console
 
 void WriteConsole(const std::filesystem::path& root) {
@@ -216,6 +235,7 @@ int main(int argc, char** argv) {
   osteon::WriteRsi(argv[1]);
   osteon::WriteCan(argv[1]);
   osteon::WritePlc(argv[1]);
+  osteon::WriteEngine(argv[1]);
   osteon::WriteConsole(argv[1]);
   osteon::WriteFiles(argv[1]);
   return 0;

@@ -20,6 +20,7 @@ extern "C" {
 int OsteonFuzz_fri_decode(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_fri_session(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_rsi(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_engine_message(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_can(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_plc(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_yaml(const std::uint8_t* data, std::size_t size);
@@ -167,7 +168,8 @@ INSTANTIATE_TEST_SUITE_P(Wire, FuzzTarget,
                          testing::Values(Target{"fri_decode", OsteonFuzz_fri_decode},
                                          Target{"fri_session", OsteonFuzz_fri_session},
                                          Target{"rsi", OsteonFuzz_rsi}, Target{"can", OsteonFuzz_can},
-                                         Target{"plc", OsteonFuzz_plc}),
+                                         Target{"plc", OsteonFuzz_plc},
+                                         Target{"engine_message", OsteonFuzz_engine_message}),
                          NameOf);
 INSTANTIATE_TEST_SUITE_P(Config, FuzzTarget,
                          testing::Values(Target{"yaml", OsteonFuzz_yaml},

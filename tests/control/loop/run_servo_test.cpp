@@ -107,12 +107,13 @@ struct Rig {
                    ServoBench::Arm().ArmAngle(ServoBench::StartJoints())};
   rt::LatestValue<simulation::ContactModel> models;
   rt::LatestValue<simulation::ToolCommand> commands;
+  ThreadSimulation simulation{models, commands};
   FakeWorld world{models};
   FakeRecorder recorder;
 
   RunServoResult Run(FakeArm& arm, RunServoParams params) {
     params.thread = {.priority = 0};
-    return RunServo(loop, arm, world, models, commands, recorder, params);
+    return RunServo(loop, arm, world, simulation, recorder, params);
   }
 };
 
@@ -211,7 +212,7 @@ TEST(RunServo, ARecorderThatStandsStillEndsTheRun) {
   Rig rig;
   Stalls recorder;
   FakeArm arm;
-  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.models, rig.commands, recorder,
+  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.simulation, recorder,
                                          {.seconds = 5.0, .give_up_s = 5.0, .second = &rig.second});
   EXPECT_EQ(result.end, RunEnd::kFault);
   EXPECT_EQ(result.faults.bits(), static_cast<std::uint32_t>(safety::Fault::kRecorder));
@@ -232,7 +233,7 @@ TEST(RunServo, ATickThatIsRefusedEndsTheRun) {
   Rig rig;
   Full recorder;
   FakeArm arm;
-  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.models, rig.commands, recorder,
+  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.simulation, recorder,
                                          {.seconds = 5.0, .give_up_s = 5.0});
   EXPECT_EQ(result.end, RunEnd::kFault);
   EXPECT_TRUE(result.faults.Has(safety::Fault::kRecorder));
@@ -251,7 +252,7 @@ TEST(RunServo, AStopFlagStopsInOrder) {
     }
   } recorder;
   recorder.flag = &stop;
-  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.models, rig.commands, recorder,
+  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.simulation, recorder,
                                          {.seconds = 0.0, .thread = {.priority = 0}, .stop = &stop});
   EXPECT_EQ(result.end, RunEnd::kStopFlag);
   EXPECT_EQ(rig.loop.phase(), Phase::kStopped);

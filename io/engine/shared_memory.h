@@ -1,0 +1,122 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "base/marker.h"
+#include "io/engine/codec.h"
+
+// What a run and its engine share in memory. Nothing in it is believed: each side copies a message out
+// before it decodes it, and bounds every index that the other side could have written.
+
+namespace osteon::io {
+
+static_assert(std::atomic<std::uint8_t>::is_always_lock_free &&
+              std::atomic<std::uint32_t>::is_always_lock_free &&
+              std::atomic<std::uint64_t>::is_always_lock_free);
+
+/// One message in shared memory.
+struct alignas(64) SharedMessage {
+  std::uint32_t size;
+  std::array<std::uint8_t, kEngineMaxMessage> bytes;
+};
+
+/// The shared part of a wait-free hand-over of the newest message, as rt::LatestValue hands over a value: a
+/// triple buffer, whose roles an atomic byte holds. Here the roles of each side are in its own process.
+///
+/// Writer: one SlotWriter; reader: one SlotReader. Memory order: both exchange with acquire and release.
+struct SharedSlot {
+  static constexpr std::uint8_t kIndex = 3, kFresh = 4;
+  std::array<SharedMessage, 3> messages;
+  alignas(64) std::atomic<std::uint8_t> middle;  ///< 1 at the beginning
+};
+
+class SlotWriter {
+ public:
+  explicit SlotWriter(SharedSlot& slot) : slot_(slot) {}
+  void Store(const EngineBytes& message) OSTEON_RT {
+    SharedMessage& back = slot_.messages[back_];
+    back.size = static_cast<std::uint32_t>(message.size);
+    std::memcpy(back.bytes.data(), message.bytes.data(), message.size);
+    const std::uint8_t old = slot_.middle.exchange(static_cast<std::uint8_t>(back_ | SharedSlot::kFresh),
+                                                   std::memory_order_acq_rel) &
+                             SharedSlot::kIndex;
+    if (old < slot_.messages.size()) back_ = old;
+  }
+
+ private:
+  SharedSlot& slot_;
+  std::uint8_t back_{0};
+};
+
+class SlotReader {
+ public:
+  explicit SlotReader(SharedSlot& slot) : slot_(slot) {}
+  /// Copies the newest message out. False if there was no newer one.
+  bool Load(EngineBytes& message) OSTEON_RT {
+    if ((slot_.middle.load(std::memory_order_relaxed) & SharedSlot::kFresh) == 0) return false;
+    const std::uint8_t old = slot_.middle.exchange(front_, std::memory_order_acq_rel) & SharedSlot::kIndex;
+    if (old >= slot_.messages.size()) return false;
+    front_ = old;
+    Copy(slot_.messages[front_], message);
+    return true;
+  }
+
+  static void Copy(const SharedMessage& from, EngineBytes& to) OSTEON_RT {
+    const std::uint32_t size = from.size;
+    to.size = size <= to.bytes.size() ? size : 0;
+    std::memcpy(to.bytes.data(), from.bytes.data(), to.size);
+  }
+
+ private:
+  SharedSlot& slot_;
+  std::uint8_t front_{2};
+};
+
+/// All frames in their order, from one writer to one reader; a full ring refuses a message. Memory order:
+/// the writer releases `written`, the reader releases `read`.
+struct SharedRing {
+  static constexpr std::size_t kMessages = 1024;  // 1 s at 1000 frames/s
+  std::array<SharedMessage, kMessages> messages;
+  alignas(64) std::atomic<std::uint64_t> written;
+  alignas(64) std::atomic<std::uint64_t> read;
+
+  bool Push(const EngineBytes& message) OSTEON_RT {
+    const std::uint64_t at = written.load(std::memory_order_relaxed);
+    if (at - read.load(std::memory_order_acquire) >= kMessages) return false;
+    SharedMessage& to = messages[at % kMessages];
+    to.size = static_cast<std::uint32_t>(message.size);
+    std::memcpy(to.bytes.data(), message.bytes.data(), message.size);
+    written.store(at + 1, std::memory_order_release);
+    return true;
+  }
+  /// False if the ring is empty.
+  bool Pop(EngineBytes& message) OSTEON_RT {
+    const std::uint64_t at = read.load(std::memory_order_relaxed);
+    if (at == written.load(std::memory_order_acquire)) return false;
+    SlotReader::Copy(messages[at % kMessages], message);
+    read.store(at + 1, std::memory_order_release);
+    return true;
+  }
+};
+
+/// How far a side is.
+enum class SharedState : std::uint32_t { kStarting, kRunning, kEnding, kEnded, kFailed };
+
+/// The whole segment.
+struct SharedEngine {
+  std::array<char, 8> magic;  ///< "OSTSHARE", written last
+  std::uint32_t version;      ///< kEngineVersion
+  std::uint64_t session;
+  alignas(64) std::atomic<SharedState> run, engine;
+  SharedSlot commands, models;
+  SharedRing frames;
+  std::array<char, 64> engine_name;
+  std::array<char, 256> device;
+  std::array<char, 512> error;  ///< why the engine failed
+};
+
+}  // namespace osteon::io

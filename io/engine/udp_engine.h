@@ -1,0 +1,144 @@
+#pragma once
+
+#include <netinet/in.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "base/latest_value.h"
+#include "io/engine/block_transfer.h"
+#include "io/engine/engine_ports.h"
+
+// A run and its engine on two machines, or on one, over UDP. The engine serves one run at a time: from its
+// greeting on, nobody else is heard. What is lost is not sent again: a newer pose or model follows. Only
+// blocks (block_transfer.h) are asked for until they are whole.
+
+namespace osteon::io {
+
+/// The longest token that a greeting may carry.
+inline constexpr std::size_t kMaxToken = 256;
+/// An engine that has not heard its run for so long is free for the next.
+inline constexpr rt::Nanoseconds kRunSilence = 5 * rt::kSecond;
+/// A run greets its engine so often while it has no command to send.
+inline constexpr rt::Nanoseconds kGreetEvery = 100 * rt::kMillisecond;
+
+/// How far an engine is with a run.
+enum class EngineProgress : std::uint8_t { kTakesSetup, kMakes, kRuns, kCarved, kBusy, kRefused };
+
+struct UdpEngineParams {
+  std::string address;
+  std::uint16_t port{0};
+  std::string token{};
+  rt::Nanoseconds answer_within{3 * rt::kSecond};  ///< to the first greeting
+  rt::Nanoseconds ready_within{120 * rt::kSecond};
+};
+
+/// The run's end. Servo thread: Load and Store; the other thread receives.
+class UdpEngineClient final : public EngineClient {
+ public:
+  /// Greets the engine, sends the set-up, and waits until it has its engine. The error says what to do.
+  [[nodiscard]] static tl::expected<std::unique_ptr<UdpEngineClient>, std::string> Connect(
+      const UdpEngineParams& params, std::span<const std::uint8_t> setup);
+  ~UdpEngineClient() override;
+  UdpEngineClient(const UdpEngineClient&) = delete;
+  UdpEngineClient& operator=(const UdpEngineClient&) = delete;
+
+  [[nodiscard]] const simulation::ContactModel& Load() OSTEON_RT override { return models_.Load(); }
+  void Store(const simulation::ToolCommand& command) OSTEON_RT override;
+  [[nodiscard]] bool AwaitFrame(EngineFrame& frame, rt::Nanoseconds deadline) override;
+  void Send(const EngineCommand& command) override;
+  [[nodiscard]] tl::expected<std::vector<std::uint8_t>, std::string> FetchCarved(
+      rt::Nanoseconds deadline) override;
+  [[nodiscard]] EngineCounters counters() const override { return counters_; }
+  [[nodiscard]] const std::string& engine() const override { return engine_; }
+  [[nodiscard]] const std::string& device() const override { return device_; }
+
+ private:
+  UdpEngineClient(int socket, const UdpEngineParams& params, std::span<const std::uint8_t> setup);
+  struct Welcome {
+    EngineProgress progress{EngineProgress::kRefused};
+    std::uint64_t carved_bytes{0};
+    std::string engine, device, error;
+  };
+  [[nodiscard]] std::string Greet();
+  void SendHello();
+  void SendBytes(const EngineBytes& bytes) OSTEON_RT;
+  void SendCommand(const EngineCommand& command) OSTEON_RT;
+  // Waits for one message of the engine. False if none came.
+  bool Receive(rt::Nanoseconds deadline, EngineHeader& header, std::span<const std::uint8_t>& content);
+  [[nodiscard]] static std::optional<Welcome> DecodeWelcome(std::span<const std::uint8_t> content);
+
+  int socket_;
+  UdpEngineParams params_;
+  std::vector<std::uint8_t> setup_;
+  std::uint64_t session_{0}, sent_{0}, greeted_{0}, asked_{0}, next_frame_{1};
+  rt::Nanoseconds last_stamp_{0}, hello_at_{0};
+  EngineBytes command_bytes_;
+  std::array<std::uint8_t, kEngineMaxMessage + 1> in_;
+  rt::LatestValue<simulation::ContactModel> models_;
+  EngineCounters counters_;
+  std::string engine_, device_;
+};
+
+struct UdpServerParams {
+  std::string address{"127.0.0.1"};
+  std::uint16_t port{0};  ///< 0: any free one
+  std::string token{};    ///< empty: none is asked for
+};
+
+/// The engine's end.
+class UdpEngineServer final : public EngineServer {
+ public:
+  [[nodiscard]] static tl::expected<std::unique_ptr<UdpEngineServer>, std::string> Open(
+      const UdpServerParams& params);
+  ~UdpEngineServer() override;
+  UdpEngineServer(const UdpEngineServer&) = delete;
+  UdpEngineServer& operator=(const UdpEngineServer&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+  /// Waits for a run's set-up, at most until `deadline`; nothing if none came, or only part of it.
+  [[nodiscard]] std::optional<std::vector<std::uint8_t>> AwaitSetup(rt::Nanoseconds deadline);
+  /// Says that the engine is there, and what it is; or why there is none.
+  void SetRunning(const std::string& engine, const std::string& device);
+  void SetFailed(const std::string& why);
+
+  [[nodiscard]] EngineEvent Await(EngineCommand& command, rt::Nanoseconds deadline) override;
+  void Publish(const EngineFrame& frame) override;
+  void PutCarved(std::vector<std::uint8_t> bytes) override;
+  /// Ends with the present run, and is free for the next.
+  void ResetSession();
+
+  [[nodiscard]] const EngineCounters& counters() const { return counters_; }
+
+ private:
+  explicit UdpEngineServer(int socket, std::uint16_t port, std::string token);
+  enum class Heard : std::uint8_t { kNothing, kHello, kCommand, kWant, kPiece, kEnd, kGoodbye };
+  Heard Receive(rt::Nanoseconds deadline, EngineHeader& header, std::span<const std::uint8_t>& content);
+  [[nodiscard]] bool IsPeer(const sockaddr_in& sender) const;
+  void AnswerHello(std::span<const std::uint8_t> content, const sockaddr_in& sender);
+  void SendWelcome(const sockaddr_in& to, EngineProgress progress, std::uint64_t session);
+  void SendBytes(const EngineBytes& bytes, const sockaddr_in& to);
+
+  int socket_;
+  std::uint16_t port_;
+  std::string token_;
+  std::optional<sockaddr_in> peer_;
+  rt::Nanoseconds heard_{0};
+  std::uint64_t session_{0}, made_{0}, last_command_{0}, sent_{0};
+  EngineProgress progress_{EngineProgress::kTakesSetup};
+  std::optional<BlockReceiver> setup_;
+  std::vector<std::uint8_t> carved_;
+  std::string engine_, device_, error_;
+  EngineBytes frame_bytes_;
+  std::array<std::uint8_t, kEngineMaxMessage + 1> in_;
+  EngineCounters counters_;
+};
+
+}  // namespace osteon::io

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "base/child_process.h"
+#include "io/engine/engine_ports.h"
+#include "session/run/cell_run.h"
+#include "session/setup/cell_setup.h"
+#include "simulation/engine/cutting_engine.h"
+
+namespace osteon::app {
+
+/// An engine in a process of its own, as this one sees it. In lockstep it is an engine like any other; in
+/// wall time the servo loop and a FrameReceiver use its client().
+class RemoteEngine final : public simulation::CuttingEngine {
+ public:
+  /// Starts `osteon simulate` as a child, or connects to the one that the cell names, and waits until it has
+  /// its engine. The error says what failed, there or here.
+  [[nodiscard]] static tl::expected<std::unique_ptr<RemoteEngine>, std::string> Open(
+      const CellSetup& setup, const EngineChoice& choice, const std::filesystem::path& cell_yaml);
+  ~RemoteEngine() override;
+
+  /// Steps it in lockstep. The device counts as lost once a frame has taken kLockstepPatience.
+  simulation::ContactModel Step(const simulation::FrameInput& input) override;
+  /// The carved state, after Finish.
+  [[nodiscard]] simulation::CarvedState Snapshot() const override { return carved_; }
+  /// @throws std::invalid_argument always: the process begins with the uncut bone
+  void Restore(const simulation::CarvedState& state) override;
+  [[nodiscard]] std::string name() const override { return client_->engine(); }
+  [[nodiscard]] std::string device() const override { return client_->device(); }
+
+  [[nodiscard]] io::EngineClient& client() { return *client_; }
+  /// Says why the process has ended by itself; empty while it runs, or where this run did not start it.
+  [[nodiscard]] std::string DescribeEnd();
+  /// Ends the frames and takes the carved state from the process. If the process is gone, an engine of this
+  /// one cuts the recorded frames again. Then ends the process, if this run started it.
+  /// @param recording  closed
+  [[nodiscard]] EngineProcessResult Finish(const std::filesystem::path& recording);
+  [[nodiscard]] const std::string& where() const { return where_; }
+
+  static constexpr rt::Nanoseconds kLockstepPatience = 10 * rt::kSecond;
+
+ private:
+  RemoteEngine(const CellSetup& setup, EngineChoice choice) : setup_(setup), choice_(std::move(choice)) {}
+  [[nodiscard]] std::string StartLocal();
+  [[nodiscard]] std::string Connect(const std::filesystem::path& cell_yaml);
+  [[nodiscard]] std::string FetchCarved();
+  [[nodiscard]] std::string CarveAgain(const std::filesystem::path& recording);
+
+  const CellSetup& setup_;
+  EngineChoice choice_;
+  std::unique_ptr<io::EngineClient> client_;
+  std::unique_ptr<ChildProcess> child_;  // null: this run did not start it
+  std::string where_, ended_;
+  simulation::CarvedState carved_;
+};
+
+/// The file of the command `osteon`, beside this program: osteon-studies has no `simulate`.
+[[nodiscard]] std::filesystem::path OsteonProgram();
+
+/// Makes the engine of a run: in this process, or, as the cell's `simulation` says, in one of its own; then
+/// `remote` points to it.
+[[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeRunEngine(
+    const CellSetup& setup, const EngineChoice& choice, const std::filesystem::path& cell_yaml,
+    RemoteEngine*& remote);
+
+}  // namespace osteon::app

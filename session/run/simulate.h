@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace osteon::app {
+
+/// The port of `osteon simulate` unless it is told another.
+inline constexpr std::uint16_t kSimulatePort = 30300;
+
+struct SimulateOptions {
+  std::filesystem::path local{};  ///< the folder of a run on this machine; empty: listens on UDP
+  std::string address{"127.0.0.1"};
+  std::uint16_t port{kSimulatePort};
+  std::filesystem::path token_file{};  ///< needed beyond the loopback
+  std::string engine{"auto"};          ///< one of WallTimeEngineNames
+  std::string device{};                ///< part of a Vulkan device's name
+  std::filesystem::path json{};        ///< report, written at its end
+};
+
+/// Runs `osteon simulate`: the cutting engine in a process of its own, for one run after the other, until
+/// Ctrl-C. With `local` it ends with its run.
+/// @returns the process's exit code: 0 ended by Ctrl-C, SIGTERM or with its run; 1 no engine could be made;
+/// 2 wrong input, or the port is taken.
+[[nodiscard]] int RunSimulate(const SimulateOptions& options);
+
+}  // namespace osteon::app

@@ -1,0 +1,213 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sys/stat.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "io/engine/local_engine.h"
+#include "tests/base/checked_no_alloc_scope.h"
+#include "tests/io/engine/engine_samples.h"
+
+namespace osteon::io {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr rt::Nanoseconds kPatience = 10 * rt::kSecond;  // generous: a busy machine must not decide
+
+rt::Nanoseconds Soon() { return rt::MonotonicNow() + kPatience; }
+
+struct Pair {
+  Pair() {
+    auto made = LocalEngineClient::Create(EncodeSetup(test::SampleSetup()));
+    if (!made) throw std::runtime_error(made.error());
+    client = std::move(*made);
+    auto opened = LocalEngineServer::Open(client->folder());
+    if (!opened) throw std::runtime_error(opened.error());
+    server = std::move(*opened);
+  }
+  EngineFrame FrameFor(const EngineCommand& command, std::uint64_t number) const {
+    EngineFrame frame = test::SampleFrame();
+    frame.model.pose_stamp = command.command.stamp;
+    frame.model.frame = number;
+    return frame;
+  }
+  std::unique_ptr<LocalEngineClient> client;
+  std::unique_ptr<LocalEngineServer> server;
+};
+
+TEST(LocalEngine, ACommandCrossesAndItsFrameComesBack) {
+  Pair pair;
+  EXPECT_EQ(DecodeSetup(*pair.server->ReadSetup())->bone.name, "block");
+  pair.server->SetRunning("cpu", "some processor");
+  EXPECT_EQ(pair.client->state(), SharedState::kRunning);
+  pair.client->ReadNames();
+  EXPECT_EQ(pair.client->engine(), "cpu");
+  EXPECT_EQ(pair.client->device(), "some processor");
+  EXPECT_EQ(pair.client->Load().frame, 0u) << "none yet";
+
+  pair.client->Store(test::CommandAt(50));
+  EngineCommand command;
+  ASSERT_EQ(pair.server->Await(command, Soon()), EngineEvent::kCommand);
+  EXPECT_EQ(command.command.stamp, 50);
+  EXPECT_EQ(command.command.spindle_rad_per_s, 3.0);
+  EXPECT_LT(command.dt_s, 0.0) << "by the stamps";
+  pair.server->Publish(pair.FrameFor(command, 1));
+  EXPECT_EQ(pair.client->Load().pose_stamp, 50) << "the stamp returns";
+  EngineFrame frame;
+  ASSERT_TRUE(pair.client->AwaitFrame(frame, Soon()));
+  EXPECT_EQ(frame.model.frame, 1u);
+  EXPECT_FALSE(pair.client->AwaitFrame(frame, 0)) << "each frame once";
+}
+
+TEST(LocalEngine, TheNewestCountsForTheLoopAndEachForTheRecording) {
+  Pair pair;
+  for (std::uint64_t n = 1; n <= 20; ++n) pair.server->Publish(pair.FrameFor(test::SampleCommand(), n));
+  EXPECT_EQ(pair.client->Load().frame, 20u);
+  EngineFrame frame;
+  for (std::uint64_t n = 1; n <= 20; ++n) {
+    ASSERT_TRUE(pair.client->AwaitFrame(frame, Soon()));
+    EXPECT_EQ(frame.model.frame, n);
+  }
+  EXPECT_EQ(pair.client->counters().lost, 0u);
+  EXPECT_EQ(pair.client->counters().frames, 20u);
+}
+
+TEST(LocalEngine, FramesThatNobodyTakesAreCountedAsLost) {
+  Pair pair;
+  const std::uint64_t made = SharedRing::kMessages + 10;
+  for (std::uint64_t n = 1; n <= made; ++n) pair.server->Publish(pair.FrameFor(test::SampleCommand(), n));
+  EngineFrame frame;
+  std::uint64_t came = 0;
+  while (pair.client->AwaitFrame(frame, 0)) ++came;
+  EXPECT_EQ(came, SharedRing::kMessages);
+  pair.server->Publish(pair.FrameFor(test::SampleCommand(), made + 1));
+  ASSERT_TRUE(pair.client->AwaitFrame(frame, Soon()));
+  EXPECT_EQ(pair.client->counters().lost, 10u);
+}
+
+// Writer and reader at once: each message that arrives is whole, and none is older than the one before.
+TEST(LocalEngine, NoMessageIsTornBetweenTwoThreads) {
+  Pair pair;
+  std::atomic<bool> stop{false};
+  std::thread writer([&] {
+    for (std::uint64_t n = 1; !stop.load(); ++n)
+      pair.server->Publish(pair.FrameFor(test::SampleCommand(), n));
+  });
+  std::uint64_t last = 0, seen = 0;
+  const rt::Nanoseconds end = Soon();
+  while (seen < 2000 && rt::MonotonicNow() < end) {
+    const std::uint64_t now = pair.client->Load().frame;
+    EXPECT_GE(now, last);
+    seen += now > last ? 1 : 0;
+    last = now;
+  }
+  stop.store(true);
+  writer.join();
+  EXPECT_EQ(seen, 2000u);
+  EXPECT_EQ(pair.client->counters().rejected, 0u);
+}
+
+// What the other side writes into the segment is hostile.
+TEST(LocalEngine, ASpoiltSegmentIsRefusedAndHarmsNothing) {
+  Pair pair;
+  pair.server->Publish(pair.FrameFor(test::SampleCommand(), 1));
+  EXPECT_EQ(pair.client->Load().frame, 1u);
+  const std::filesystem::path segment = pair.client->folder() / "segment";
+  std::fstream file(segment, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(offsetof(SharedEngine, models)));
+  const std::string noise(sizeof(SharedSlot), '\xff');
+  file.write(noise.data(), static_cast<std::streamsize>(noise.size()));
+  file.seekp(static_cast<std::streamoff>(offsetof(SharedEngine, frames)));
+  const std::string more(sizeof(SharedRing), '\xa5');
+  file.write(more.data(), static_cast<std::streamsize>(more.size()));
+  file.close();
+  EXPECT_EQ(pair.client->Load().frame, 1u) << "the last that was whole";
+  EngineFrame frame;
+  EXPECT_FALSE(pair.client->AwaitFrame(frame, rt::MonotonicNow() + rt::kMillisecond));
+  pair.client->Store(test::CommandAt(60));
+}
+
+TEST(LocalEngine, TheCarvedStateIsFetchedAtTheEnd) {
+  Pair pair;
+  std::thread engine([&] {
+    EngineCommand command;
+    EngineEvent event = EngineEvent::kNothing;
+    while (event != EngineEvent::kEnd) event = pair.server->Await(command, Soon());
+    pair.server->PutCarved({1, 2, 3});
+  });
+  const auto carved = pair.client->FetchCarved(Soon());
+  engine.join();
+  ASSERT_TRUE(carved) << carved.error();
+  EXPECT_EQ(*carved, (std::vector<std::uint8_t>{1, 2, 3}));
+}
+
+TEST(LocalEngine, AnEngineThatIsSilentIsNotWaitedForLongerThanTold) {
+  Pair pair;
+  const auto carved = pair.client->FetchCarved(rt::MonotonicNow() + 20 * rt::kMillisecond);
+  ASSERT_FALSE(carved);
+  EXPECT_THAT(carved.error(), HasSubstr("does not answer"));
+}
+
+TEST(LocalEngine, AFailureIsTold) {
+  Pair pair;
+  pair.server->SetFailed("no such device");
+  EXPECT_EQ(pair.client->state(), SharedState::kFailed);
+  EXPECT_EQ(pair.client->ReadError(), "no such device");
+}
+
+TEST(LocalEngine, TheEngineNoticesThatTheRunIsOver) {
+  Pair pair;
+  pair.client.reset();
+  EngineCommand command;
+  EXPECT_EQ(pair.server->Await(command, Soon()), EngineEvent::kGone);
+}
+
+TEST(LocalEngine, TheFolderIsTheUsersAloneAndGoesWithTheRun) {
+  Pair pair;
+  const std::filesystem::path folder = pair.client->folder();
+  struct stat status {};
+  ASSERT_EQ(stat(folder.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 077, 0u);
+  pair.client.reset();
+  EXPECT_FALSE(std::filesystem::exists(folder));
+}
+
+// A run that was killed leaves its folder without the lock.
+TEST(LocalEngine, AFolderThatADeadRunLeftIsRemovedByTheNext) {
+  Pair pair;
+  const std::filesystem::path left = pair.client->folder().parent_path() / "osteon_engine_left_by_test";
+  std::filesystem::create_directory(left);
+  std::ofstream(left / "segment") << "old";
+  const auto next = LocalEngineClient::Create({});
+  ASSERT_TRUE(next) << next.error();
+  EXPECT_FALSE(std::filesystem::exists(left));
+  EXPECT_TRUE(std::filesystem::exists(pair.client->folder())) << "of a run that lives";
+}
+
+TEST(LocalEngine, FoldersThatAreNoRunsAreRefused) {
+  Pair pair;
+  EXPECT_FALSE(LocalEngineServer::Open("/nowhere"));
+  std::filesystem::permissions(pair.client->folder(), std::filesystem::perms::all);
+  EXPECT_THAT(LocalEngineServer::Open(pair.client->folder()).error(), HasSubstr("others may enter"));
+  std::filesystem::permissions(pair.client->folder(), std::filesystem::perms::owner_all);
+  std::filesystem::resize_file(pair.client->folder() / "segment", sizeof(SharedEngine) + 8);
+  EXPECT_THAT(LocalEngineServer::Open(pair.client->folder()).error(), HasSubstr("another size"));
+}
+
+TEST(LocalEngine, TheTicksPartDoesNotAllocate) {
+  Pair pair;
+  pair.server->Publish(pair.FrameFor(test::SampleCommand(), 1));
+  rt::CheckedNoAllocScope no_alloc;
+  pair.client->Store(test::CommandAt(70));
+  const std::uint64_t frame = pair.client->Load().frame;
+  no_alloc.End();
+  EXPECT_EQ(frame, 1u);
+}
+
+}  // namespace
+}  // namespace osteon::io
