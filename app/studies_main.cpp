@@ -13,6 +13,7 @@
 #include "app/cli/failures_command.h"
 #include "app/cli/help/manual_command.h"
 #include "app/cli/measure_commands.h"
+#include "app/cli/merge_command.h"
 #include "app/cli/osteon_commands.h"
 #include "app/cli/plan_command.h"
 #include "app/cli/regress_command.h"
@@ -37,19 +38,22 @@ int Run(int argc, char** argv) {
   osteon::app::PlanCommand plan(app);
   osteon::app::TuneCommand tune(app);
   osteon::app::RegressCommand regress(app);
+  osteon::app::MergeCommand merge(app);
   osteon::app::ManualCommands manual(app);
 
   if (const auto code = osteon::app::ParseCommandLine(app, argc, argv)) return *code;
   osteon::config::SetShippedFolder(config_root);
   const std::string command_line = osteon::app::CommandLine(argc, argv);
-  if (failures.asked()) return failures.Run(config_root, command_line);
+  const osteon::app::Invocation invocation{.command_line = command_line, .words = {argv + 1, argv + argc}};
+  if (failures.asked()) return failures.Run(config_root, invocation);
   if (measure.asked()) return measure.Run(config_root);
   if (calibrate.asked()) return calibrate.Run(config_root, command_line);
   if (capability.asked()) return capability.Run(config_root, command_line);
   if (transparency.asked()) return transparency.Run(config_root, command_line);
   if (plan.asked()) return plan.Run(config_root, command_line);
   if (tune.asked()) return tune.Run(config_root, command_line);
-  if (regress.asked()) return regress.Run(config_root, command_line);
+  if (regress.asked()) return regress.Run(config_root, invocation);
+  if (merge.asked()) return merge.Run(config_root);
   if (manual.asked()) {
     CLI::App osteon{OsteonCommands::kDescription, OsteonCommands::kName};
     const OsteonCommands commands(osteon);

@@ -3,6 +3,7 @@
 #include <exception>
 #include <memory>
 #include <sstream>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,9 +17,12 @@
 namespace osteon::app {
 
 std::string CommandLine(int argc, char** argv) {
+  return CommandLine(std::vector<std::string>(argv + 1, argv + argc));
+}
+
+std::string CommandLine(std::span<const std::string> words) {
   std::string line = "./osteon";
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
+  for (const std::string& word : words) {
     const bool plain = word.find_first_of(" \"'$\\") == std::string::npos;
     line += plain ? " " + word : " '" + word + "'";
   }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +14,8 @@ namespace osteon::app {
 
 /// The command line that repeats a run.
 [[nodiscard]] std::string CommandLine(int argc, char** argv);
+/// The same of the words after the program's name.
+[[nodiscard]] std::string CommandLine(std::span<const std::string> words);
 
 /// Prepares the top of a tree of subcommands: form of the help, --version, --config-root (by default
 /// config::FindShippedFolder).

@@ -40,6 +40,7 @@ FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")
       ->type_name("FILE")
       ->needs(out);
   sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
+  AddShardOption(*sub_, options_.sharding)->excludes(faults)->excludes(kill);
   AddDeviceOption(*sub_, options_.device);
   AddEngineOption(*sub_, options_.engine, EngineNames(), "the engine that must keep the bounds",
                   "; reference is slow");
@@ -57,7 +58,7 @@ FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")
       "  osteon failures --kill --times 1");
 }
 
-int FailuresCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+int FailuresCommand::Run(const std::filesystem::path& config_root, const Invocation& invocation) {
   if (tables_.faults) return RunFaultTable({.json = options_.json});
   if (tables_.kill) {
     if (!KeepsUpWithWallTime(options_.engine)) {
@@ -72,7 +73,8 @@ int FailuresCommand::Run(const std::filesystem::path& config_root, const std::st
                          .engine = options_.engine,
                          .device = options_.device});
   }
-  options_.command_line = command_line;
+  options_.command_line = invocation.command_line;
+  TakeInvocation(invocation, options_.sharding);
   return RunFailures(options_);
 }
 

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/cli/shard_option.h"
 #include "studies/failures/failures.h"
 
 namespace osteon::app {
@@ -16,7 +17,7 @@ class FailuresCommand {
 
   [[nodiscard]] bool asked() const { return sub_->parsed(); }
   /// @returns the process's exit code.
-  [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
+  [[nodiscard]] int Run(const std::filesystem::path& config_root, const Invocation& invocation);
 
  private:
   // The tables that are made instead of running the scenarios.

@@ -33,6 +33,7 @@ RegressCommand::RegressCommand(CLI::App& app) : sub_(AddStudy(app, "regress")) {
                    "scenarios at a time; 0: one for each core. The result does not depend on it")
       ->check(NumberWithin(0, 1024))
       ->capture_default_str();
+  AddShardOption(*sub_, o.sharding)->excludes(update);
   sub_->add_option(
           "--device", o.device,
           "for scenarios of the engine vulkan: part of the device's name, as `osteon doctor` lists it")
@@ -49,9 +50,10 @@ RegressCommand::RegressCommand(CLI::App& app) : sub_(AddStudy(app, "regress")) {
       "  osteon regress reaming_lbr --update --reason \"the reamer's mass was weighed anew\"");
 }
 
-int RegressCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+int RegressCommand::Run(const std::filesystem::path& config_root, const Invocation& invocation) {
   options_.config_root = config_root;
-  options_.command_line = command_line;
+  options_.command_line = invocation.command_line;
+  TakeInvocation(invocation, options_.sharding);
   return RunRegress(options_);
 }
 

@@ -18,7 +18,9 @@
 #include "session/setup/engine_choice.h"
 #include "session/summary/chart_files.h"
 #include "session/summary/summary.h"
+#include "studies/failures/failure_item.h"
 #include "studies/failures/page/failure_page.h"
+#include "studies/sharding/study_items.h"
 
 namespace osteon::app {
 namespace {
@@ -91,11 +93,97 @@ void PrintTable(const std::vector<FailureRun>& runs) {
   fmt::print("{} of {} kept, with their baselines seen to fail\n", passed, runs.size());
 }
 
+/// The scenarios that were run, and what "ours" ran on.
+struct Runs {
+  std::vector<FailureRun> list{};
+  std::string engine{}, device{};
+};
+
+/// Everything that a scenario's outcome depends on, as text.
+std::string InputsOf(const std::vector<FailureScenario>& scenarios, const FailureOptions& options) {
+  std::string text =
+      fmt::format("engine {} device {} quick {} scenarios", options.engine, options.device, options.quick);
+  for (const FailureScenario& scenario : scenarios) text += fmt::format(" {}", scenario.id);
+  return text;
+}
+
+/// Runs the scenarios that are computed here. On Ctrl-C it ends with those that are complete.
+/// @returns an error if there is no such engine on this machine.
+tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scenarios,
+                                       const FailureOptions& options, StudyItems& items) {
+  // an engine that cannot run on this machine is not a failed scenario
+  Engines engines(options);
+  simulation::Bone pebble;
+  pebble.balls = {{.center_m = {}, .radius_m = 1e-3}};
+  pebble.materials = {{.name = "bone"}};
+  simulation::Tool probe;
+  probe.balls = {{.center_m = {}, .radius_m = 1e-3, .cutting = true}};
+  try {
+    const auto tried = engines.Make(pebble, probe, Pose::Identity(), {});
+    fmt::print(stderr, "osteon failures: engine: {}\n", EngineText(engines.choice(), tried->device()));
+  } catch (const std::exception& error) {
+    return tl::unexpected(std::string(error.what()));
+  }
+
+  std::vector<std::size_t> mine;
+  for (std::size_t i = 0; i < scenarios.size(); ++i)
+    if (items.Computes(i)) mine.push_back(i);
+  Runs runs{.list = {}, .engine = engines.choice().engine};
+  PhaseProgress progress("osteon failures", static_cast<int>(mine.size()));
+  for (const std::size_t item : mine) {
+    const FailureScenario& scenario = scenarios[item];
+    progress.BeginPhase(fmt::format("{} {}", scenario.id, scenario.name));
+    const double begun_s = Now_s();
+    FailureRun run;
+    try {
+      run.result = scenario.run({.make_engine =
+                                     [&engines](const simulation::Bone& bone, const simulation::Tool& tool,
+                                                const Pose& X_WG, const simulation::CuttingParams& params) {
+                                       return engines.Make(bone, tool, X_WG, params);
+                                     },
+                                 .size = options.quick ? hil::FailureSize::kTest : hil::FailureSize::kFull,
+                                 .progress = [](double) { return !Interrupted(); }});
+    } catch (const std::exception& error) {
+      run.error = error.what();
+    }
+    run.result.id = scenario.id;
+    run.result.name = scenario.name;
+    run.seconds = Now_s() - begun_s;
+    if (Interrupted()) break;  // an incomplete scenario does not count
+    if (items.IsShard())
+      items.Store(item,
+                  {{"engine", runs.engine}, {"device", engines.device()}, {"scenario", FailureItem(run)}});
+    runs.list.push_back(std::move(run));
+  }
+  progress.Done();
+  runs.device = engines.device();
+  return runs;
+}
+
+/// Adds a name to a list "one; another" that does not have it yet.
+void AddName(std::string& list, const std::string& name) {
+  if (list.empty())
+    list = name;
+  else if (("; " + list + "; ").find("; " + name + "; ") == std::string::npos)
+    list += "; " + name;
+}
+
+Runs Restore(const StudyItems& items, std::size_t count) {
+  Runs runs;
+  for (std::size_t i = 0; i < count; ++i) {
+    const nlohmann::json& item = items.At(i);
+    AddName(runs.engine, item.at("engine").get<std::string>());
+    AddName(runs.device, item.at("device").get<std::string>());
+    runs.list.push_back(FailureRunFrom(item.at("scenario")));
+  }
+  return runs;
+}
+
 /// Writes a run's files. @returns an error that names the file.
-tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const std::vector<FailureRun>& runs,
-                                           const EngineChoice& choice, const std::string& device) {
+tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const Runs& runs) {
   if (!options.json.empty()) {
-    const auto written = WriteText(options.json, FailuresJson(runs, choice.engine, device, options.quick));
+    const auto written =
+        WriteText(options.json, FailuresJson(runs.list, runs.engine, runs.device, options.quick));
     if (!written) return written;
   }
   if (options.out.empty()) return {};
@@ -103,11 +191,11 @@ tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const 
   std::filesystem::create_directories(options.out, error);
   if (error) return tl::make_unexpected(fmt::format("--out {}: {}", options.out.string(), error.message()));
   std::vector<FailurePageEntry> entries;
-  for (const FailureRun& run : runs)
+  for (const FailureRun& run : runs.list)
     entries.push_back(
         {.result = run.result, .passed = run.passed(), .error = run.error, .seconds = run.seconds});
-  const FailurePageHead head{.engine = choice.engine,
-                             .device = device,
+  const FailurePageHead head{.engine = runs.engine,
+                             .device = runs.device,
                              .command_line = options.command_line,
                              .version = OSTEON_VERSION,
                              .quick = options.quick};
@@ -118,7 +206,8 @@ tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const 
   return WriteText(options.markdown, FailureMarkdown(entries, head, pictures.generic_string()));
 }
 
-std::string WrongPlace(const FailureOptions& options) {
+std::string WrongOptions(const FailureOptions& options) {
+  if (std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty()) return wrong;
   if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
   if (std::string wrong = ValidateParentFolder("--json", options.json); !wrong.empty()) return wrong;
   return ValidateParentFolder("--markdown", options.markdown);
@@ -157,56 +246,35 @@ std::string FailuresJson(const std::vector<FailureRun>& runs, const std::string&
 }
 
 int RunFailures(const FailureOptions& options) {
-  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("failures", wrong);
+  if (const std::string wrong = WrongOptions(options); !wrong.empty()) return Fail("failures", wrong);
   const auto chosen = Choose(options.ids);
   if (!chosen) return Fail("failures", chosen.error());
-
-  // an engine that cannot run on this machine is not a failed scenario
-  Engines engines(options);
-  simulation::Bone pebble;
-  pebble.balls = {{.center_m = {}, .radius_m = 1e-3}};
-  pebble.materials = {{.name = "bone"}};
-  simulation::Tool probe;
-  probe.balls = {{.center_m = {}, .radius_m = 1e-3, .cutting = true}};
-  try {
-    const auto tried = engines.Make(pebble, probe, Pose::Identity(), {});
-    fmt::print(stderr, "osteon failures: engine: {}\n", EngineText(engines.choice(), tried->device()));
-  } catch (const std::exception& error) {
-    return Fail("failures", error.what());
-  }
+  StudyItems items(options.sharding, InputsOf(*chosen, options));
+  if (const std::string wrong = items.Validate(chosen->size()); !wrong.empty())
+    return Fail("failures", wrong);
 
   InstallInterrupt();
-  std::vector<FailureRun> runs;
-  PhaseProgress progress("osteon failures", static_cast<int>(chosen->size()));
-  for (const FailureScenario& scenario : *chosen) {
-    progress.BeginPhase(fmt::format("{} {}", scenario.id, scenario.name));
-    const double begun_s = Now_s();
-    FailureRun run;
-    try {
-      run.result = scenario.run({.make_engine =
-                                     [&engines](const simulation::Bone& bone, const simulation::Tool& tool,
-                                                const Pose& X_WG, const simulation::CuttingParams& params) {
-                                       return engines.Make(bone, tool, X_WG, params);
-                                     },
-                                 .size = options.quick ? hil::FailureSize::kTest : hil::FailureSize::kFull,
-                                 .progress = [](double) { return !Interrupted(); }});
-    } catch (const std::exception& error) {
-      run.error = error.what();
-    }
-    run.result.id = scenario.id;
-    run.result.name = scenario.name;
-    run.seconds = Now_s() - begun_s;
-    if (Interrupted()) break;  // an incomplete scenario does not count
-    runs.push_back(std::move(run));
+  Runs runs;
+  if (items.FromParts()) {
+    runs = Restore(items, chosen->size());
+  } else if (auto computed = RunAll(*chosen, options, items)) {
+    runs = std::move(*computed);
+  } else {
+    return Fail("failures", computed.error());
   }
-  progress.Done();
 
-  if (!runs.empty()) PrintTable(runs);
-  if (const auto written = WriteFiles(options, runs, engines.choice(), engines.device()); !written)
+  if (!runs.list.empty()) PrintTable(runs.list);
+  if (items.IsShard()) {
+    if (Interrupted()) return kExitInterrupted;
+    if (const auto written = items.WritePart(options.json, chosen->size()); !written)
+      return Fail("failures", written.error(), kFailed);
+  } else if (const auto written = WriteFiles(options, runs); !written) {
     return Fail("failures", written.error(), kFailed);
+  }
   if (Interrupted()) return kExitInterrupted;
-  if (!options.out.empty()) fmt::print("report: {}\n", (options.out / "failures.html").string());
-  return std::ranges::all_of(runs, &FailureRun::passed) ? 0 : kFailed;
+  if (!options.out.empty() && !items.IsShard())
+    fmt::print("report: {}\n", (options.out / "failures.html").string());
+  return std::ranges::all_of(runs.list, &FailureRun::passed) ? 0 : kFailed;
 }
 
 }  // namespace osteon::app

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "studies/failures/failure.h"
+#include "studies/sharding/shard.h"
 
 namespace osteon::app {
 
@@ -17,6 +18,7 @@ struct FailureOptions {
   std::string engine{"auto"};        ///< "ours": one of EngineNames
   bool quick{false};                 ///< the tests' size: seconds instead of minutes
   std::string command_line{};        ///< the command that repeats the run
+  Sharding sharding{};
 };
 
 /// One scenario and its result.

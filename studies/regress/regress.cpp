@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -13,13 +16,16 @@
 #include "base/interrupt.h"
 #include "base/phase_progress.h"
 #include "base/write_text.h"
+#include "config/reading/config_file_tracker.h"
 #include "config/reading/load_scenario.h"
 #include "config/reading/named_file.h"
 #include "config/reading/strict/reader.h"
 #include "session/process/exit_code.h"
 #include "session/setup/build_name.h"
 #include "session/summary/chart_files.h"
+#include "studies/regress/regress_item.h"
 #include "studies/regress/regress_result.h"
+#include "studies/sharding/study_items.h"
 
 namespace osteon::app {
 namespace {
@@ -36,6 +42,7 @@ std::string WrongOptions(const RegressOptions& options) {
   if (!options.update && !options.reason.empty()) return "--reason: found without --update, accepted with it";
   if (options.update && !options.set.empty())
     return "--update: found with --set, accepted without: a golden trace is of what the scenario's file says";
+  if (std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty()) return wrong;
   if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
   for (const auto& [name, file] : {std::pair("--json", options.json), std::pair("--junit", options.junit)})
     if (std::string wrong = ValidateOutputFile(name, file); !wrong.empty()) return wrong;
@@ -86,37 +93,80 @@ void KeepRecording(RegressResult& result, const fs::path& folder) {
       file.string(), file.string()));
 }
 
-// Runs several scenarios at a time, each in one thread, the long ones first.
+// Runs several scenarios at a time, each in one thread, the long ones first. @returns the results of those
+// that are computed here, in the order of the scenarios.
 std::vector<RegressResult> RunAll(const std::vector<config::ScenarioConfig>& scenarios,
-                                  const RegressOptions& options) {
-  std::vector<std::size_t> order(scenarios.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+                                  const RegressOptions& options, StudyItems& items) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < scenarios.size(); ++i)
+    if (items.Computes(i)) order.push_back(i);
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
     const auto rank = [&](std::size_t i) {
       return std::pair(scenarios[i].engine == config::ScenarioEngine::kPlane, -scenarios[i].seconds);
     };
     return rank(a) < rank(b);
   });
-  std::vector<RegressResult> results(scenarios.size());
-  PhaseProgress progress("osteon regress", static_cast<int>(scenarios.size()));
+  std::vector<std::optional<RegressResult>> results(scenarios.size());
+  PhaseProgress progress("osteon regress", static_cast<int>(order.size()));
   std::atomic<std::size_t> next{0};
   const ScenarioRunParams params{
       .device = options.device, .set = options.set, .stop = &Interrupted(), .keep_in = options.out};
   const auto work = [&] {
     for (std::size_t i = next++; i < order.size() && !Interrupted(); i = next++) {
-      progress.BeginPhase(scenarios[order[i]].name);
-      results[order[i]] = RunAndCompare(scenarios[order[i]], params);
+      const config::ScenarioConfig& scenario = scenarios[order[i]];
+      progress.BeginPhase(scenario.name);
+      const RegressResult& result = results[order[i]].emplace(RunAndCompare(scenario, params));
+      if (items.IsShard()) items.Store(order[i], RegressItem(result));
     }
   };
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  const int jobs = std::min<int>(options.jobs > 0 ? options.jobs : cores, static_cast<int>(scenarios.size()));
+  const int jobs = std::min<int>(options.jobs > 0 ? options.jobs : cores, static_cast<int>(order.size()));
   {
     std::vector<std::jthread> threads;
     for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
     work();
   }
   progress.Done();
+  std::vector<RegressResult> computed;
+  for (std::optional<RegressResult>& result : results)
+    if (result) computed.push_back(std::move(*result));
+  return computed;
+}
+
+std::vector<RegressResult> Restore(const std::vector<config::ScenarioConfig>& scenarios,
+                                   const StudyItems& items) {
+  std::vector<RegressResult> results;
+  for (std::size_t i = 0; i < scenarios.size(); ++i)
+    results.push_back(RegressResultFrom(items.At(i), scenarios[i]));
   return results;
+}
+
+// Everything that a scenario's outcome depends on: options, and the files of scenarios, cells and golden
+// traces. Names of files count, their folders do not: two machines may have them in different places.
+std::string InputsOf(const std::vector<config::ScenarioConfig>& scenarios,
+                     const config::ConfigFileTracker& tracker, const RegressOptions& options) {
+  std::string text =
+      fmt::format("exact {} device {} set {}\n", options.exact, options.device, fmt::join(options.set, " "));
+  const auto add = [&](const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    text += file.filename().string() + "\n";
+    text.append(std::istreambuf_iterator<char>(stream), {});
+  };
+  for (const config::ConfigFileTracker::File& file : tracker.files()) add(file.path);
+  for (const config::ScenarioConfig& scenario : scenarios) add(scenario.golden());
+  return text;
+}
+
+// Writes what was asked for. @returns an error that names the file.
+tl::expected<void, std::string> WriteResults(const RegressSummary& summary) {
+  for (const auto& [file, text] : {std::pair(summary.options.json, RegressJson(summary)),
+                                   std::pair(summary.options.junit, RegressJunit(summary))})
+    if (!file.empty())
+      if (const auto written = WriteText(file, text); !written) return written;
+  const auto page = WriteRegressReport(summary);
+  if (!page) return tl::unexpected(page.error());
+  if (!page->empty()) fmt::print("report: {}\n", page->string());
+  return {};
 }
 
 }  // namespace
@@ -216,21 +266,28 @@ int RunRegress(const RegressOptions& options) {
   const auto files = FindScenarios(options.config_root, options.scenarios);
   if (!files) return Fail("regress", files.error());
   std::vector<config::ScenarioConfig> scenarios;
+  std::string inputs;
   try {
+    const config::ConfigFileTracker tracker;
     for (const fs::path& file : *files) {
       scenarios.push_back(config::LoadScenario(file));
       CheckScenario(scenarios.back(), {.set = options.set});
     }
+    inputs = InputsOf(scenarios, tracker, options);
   } catch (const config::ConfigError& error) {
     const std::string what = error.what();
     const bool named = options.set.empty() || what.find("--set") != std::string::npos;
     return Fail("regress",
                 named ? what : fmt::format("{} (with --set {})", what, fmt::join(options.set, " --set ")));
   }
+  StudyItems items(options.sharding, inputs);
+  if (const std::string wrong = items.Validate(scenarios.size()); !wrong.empty())
+    return Fail("regress", wrong);
 
   InstallInterrupt();
   const auto begun = std::chrono::steady_clock::now();
-  std::vector<RegressResult> results = RunAll(scenarios, options);
+  std::vector<RegressResult> results =
+      items.FromParts() ? Restore(scenarios, items) : RunAll(scenarios, options, items);
   if (Interrupted()) return kExitInterrupted;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 
@@ -242,14 +299,9 @@ int RunRegress(const RegressOptions& options) {
 
   const RegressSummary summary{.results = results, .options = options, .seconds = seconds};
   fmt::print("{}", RegressTable(summary));
-  for (const auto& [file, text] :
-       {std::pair(options.json, RegressJson(summary)), std::pair(options.junit, RegressJunit(summary))})
-    if (!file.empty())
-      if (const auto written = WriteText(file, text); !written)
-        return Fail("regress", written.error(), kFailed);
-  const auto page = WriteRegressReport(summary);
-  if (!page) return Fail("regress", page.error(), kFailed);
-  if (!page->empty()) fmt::print("report: {}\n", page->string());
+  const auto written =
+      items.IsShard() ? items.WritePart(options.json, scenarios.size()) : WriteResults(summary);
+  if (!written) return Fail("regress", written.error(), kFailed);
   return std::ranges::all_of(results,
                              [&](const RegressResult& r) { return r.updated || r.Passed(options.exact); })
              ? 0

@@ -9,6 +9,7 @@
 #include "studies/regress/golden_file.h"
 #include "studies/regress/scenario_run.h"
 #include "studies/regress/trace_diff.h"
+#include "studies/sharding/shard.h"
 
 namespace osteon::app {
 
@@ -25,6 +26,7 @@ struct RegressOptions {
   std::string device;            ///< part of a Vulkan device's name
   std::vector<std::string> set;  ///< KEY=VALUE, overrides every scenario's cell
   std::string command_line;
+  Sharding sharding{};
 };
 
 /// The outcome of one scenario.

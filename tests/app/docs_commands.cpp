@@ -96,6 +96,10 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon regress reaming_lbr --update --reason \"the reamer's mass was weighed anew\"",
        By("Regress.AChangeIsAcceptedWithAReason")},
 
+      {"osteon regress --shard 1/2 --json part_1.json", By("Merge.RegressIsThatOfOneRun")},
+      {"osteon regress --shard 2/2 --json part_2.json", By("Merge.RegressIsThatOfOneRun")},
+      {"osteon merge part_1.json part_2.json --json regress.json", By("Merge.RegressIsThatOfOneRun")},
+
       {"osteon new-cell my_cell", As("new-cell my_cell", {"my_cell.yaml"})},
       {"osteon doctor", As("doctor --seconds 0.2")},
       {"osteon cell demo", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},

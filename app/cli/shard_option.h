@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "studies/sharding/shard.h"
+
+namespace osteon::app {
+
+/// How a study that can be split was called.
+struct Invocation {
+  std::string command_line;        ///< the command that repeats the run
+  std::vector<std::string> words;  ///< of the command line, after the program's name
+  const PartSet* parts{nullptr};   ///< by `osteon merge`: the items of all shards
+};
+
+/// Adds --shard.
+CLI::Option* AddShardOption(CLI::App& sub, Sharding& sharding);
+void TakeInvocation(const Invocation& invocation, Sharding& sharding);
+
+}  // namespace osteon::app

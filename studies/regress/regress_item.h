@@ -1,0 +1,16 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "studies/regress/regress.h"
+
+namespace osteon::app {
+
+/// A scenario's outcome as an item of a part: everything that table, page, JSON and JUnit show, to the bit.
+[[nodiscard]] nlohmann::json RegressItem(const RegressResult& result);
+/// Restores it; the golden trace is read from its file again.
+/// @throws nlohmann::json::exception or std::invalid_argument if the item is damaged.
+[[nodiscard]] RegressResult RegressResultFrom(const nlohmann::json& item,
+                                              const config::ScenarioConfig& scenario);
+
+}  // namespace osteon::app

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <tl/expected.hpp>
+
+#include "studies/sharding/shard.h"
+
+namespace osteon::app {
+
+inline constexpr const char* kPartSchema = "osteon.part/1";
+
+/// One shard's file.
+struct Part {
+  std::filesystem::path file{};
+  Shard shard{};
+  std::size_t items{0};                             ///< of the whole study
+  std::string build{};                              ///< the program's version and commit
+  std::string checksum{};                           ///< of the options and inputs that items depend on
+  std::vector<std::string> words{};                 ///< of the command, without --shard, --json and --out
+  std::map<std::size_t, nlohmann::json> results{};  ///< by item
+};
+
+/// JSON, schema osteon.part/1.
+[[nodiscard]] std::string PartText(const Part& part);
+/// Reads a part. The file is not trusted. @returns an error that names the file, what was found and what is
+/// accepted.
+[[nodiscard]] tl::expected<Part, std::string> ReadPart(const std::filesystem::path& file);
+
+/// All parts of one run.
+class PartSet {
+ public:
+  /// @returns an error that names the file of another run, or one that is there twice, or the shards that are
+  /// missing.
+  [[nodiscard]] static tl::expected<PartSet, std::string> From(std::vector<Part> parts);
+  /// Reads the files and puts them together.
+  [[nodiscard]] static tl::expected<PartSet, std::string> Read(std::span<const std::filesystem::path> files);
+
+  [[nodiscard]] const std::vector<std::string>& words() const { return head_.words; }
+  [[nodiscard]] const std::string& checksum() const { return head_.checksum; }
+  [[nodiscard]] const std::filesystem::path& first_file() const { return head_.file; }
+  [[nodiscard]] std::size_t items() const { return head_.items; }
+  /// @param item  below items()
+  [[nodiscard]] const nlohmann::json& At(std::size_t item) const { return head_.results.at(item); }
+
+ private:
+  Part head_;  ///< the first part, with the items of all
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace osteon::app {
+
+class PartSet;
+
+/// One of several parts of a study, which may run on different machines. Items are dealt out in turn, as
+/// cards are: neighbours, which mostly take about the same time, come into different parts.
+struct Shard {
+  int index{1};  ///< 1 … of
+  int of{1};
+
+  [[nodiscard]] bool Has(std::size_t item) const {
+    return item % static_cast<std::size_t>(of) == static_cast<std::size_t>(index - 1);
+  }
+  bool operator==(const Shard&) const = default;
+};
+
+inline constexpr int kMaxShards = 10'000;
+
+/// Reads "I/N". @returns an error "found …, accepted …".
+[[nodiscard]] tl::expected<Shard, std::string> ParseShard(const std::string& text);
+
+/// How a study's items are shared out; by default this process computes all of them.
+struct Sharding {
+  std::optional<Shard> shard{};      ///< only its items are computed, and written as a part
+  const PartSet* parts{nullptr};     ///< the items come from these parts, and none is computed
+  std::vector<std::string> words{};  ///< of the command line, after the program's name: a part keeps them
+};
+
+/// Removes options that have one value each, "--json FILE" or "--json=FILE", from a command line's words.
+[[nodiscard]] std::vector<std::string> WithoutOptions(const std::vector<std::string>& words,
+                                                      const std::vector<std::string>& options);
+
+}  // namespace osteon::app

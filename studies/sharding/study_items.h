@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+#include <tl/expected.hpp>
+
+#include "studies/sharding/shard.h"
+
+namespace osteon::app {
+
+/// The items of a study, each a piece of work with a result, by their index: all computed here, or those of a
+/// shard, or taken from parts. A study asks for each item and ends in the same way in all three cases, so
+/// that merged parts give what one run gives:
+///
+///     if (items.FromParts()) result = FromJson(items.At(i));
+///     else if (items.Computes(i)) items.Store(i, ToJson(result = Compute(i)));
+class StudyItems {
+ public:
+  /// @param inputs  everything that items depend on, as text: options, contents of files
+  StudyItems(const Sharding& sharding, std::string_view inputs);
+
+  /// Whether parts are of other inputs or of another number of items than there are now: an error that names
+  /// the first part. Empty: they are not, or there are none.
+  [[nodiscard]] std::string Validate(std::size_t items) const;
+
+  [[nodiscard]] bool FromParts() const { return sharding_.parts != nullptr; }
+  [[nodiscard]] bool IsShard() const { return sharding_.shard.has_value(); }
+  [[nodiscard]] bool Computes(std::size_t item) const {
+    return !FromParts() && (!sharding_.shard || sharding_.shard->Has(item));
+  }
+  /// An item's result in the parts.
+  [[nodiscard]] const nlohmann::json& At(std::size_t item) const;
+  /// Keeps the result of an item of the shard for WritePart; other items are ignored. Threads may call it.
+  void Store(std::size_t item, nlohmann::json result);
+
+  /// Writes the part, and says so on stdout. @param items  of the whole study
+  /// @returns an error that names the file.
+  [[nodiscard]] tl::expected<void, std::string> WritePart(const std::filesystem::path& file,
+                                                          std::size_t items);
+
+ private:
+  Sharding sharding_;
+  std::string checksum_;
+  std::mutex mutex_;  ///< guards stored_
+  std::map<std::size_t, nlohmann::json> stored_;
+};
+
+/// The part's file is what --json names. @returns what is wrong; empty: nothing.
+[[nodiscard]] std::string ValidateSharding(const Sharding& sharding, const std::filesystem::path& json);
+
+}  // namespace osteon::app

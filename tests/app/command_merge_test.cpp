@@ -1,0 +1,143 @@
+#include <regex>
+
+#include <gtest/gtest.h>
+
+#include "tests/app/command.h"
+
+// Runs studies whole, and in shards that are merged, as a user of several machines does. Both must leave the
+// same.
+
+namespace osteon::app {
+namespace {
+
+// Removes what a clock gave.
+nlohmann::json WithoutTimes(nlohmann::json json) {
+  static const std::vector<std::string> times{"seconds",        "seconds_wall",    "seconds_cpu",
+                                              "seconds_set_up", "times_real_time", "frame_us"};
+  if (json.is_object())
+    for (const std::string& key : times) json.erase(key);
+  if (json.is_structured())
+    for (nlohmann::json& value : json) value = WithoutTimes(std::move(value));
+  return json;
+}
+
+class Merge : public testing::Test {
+ protected:
+  CommandResult Run(const std::vector<std::string>& arguments) {
+    return RunCommand(folder_.path(), arguments);
+  }
+  /// Runs all shards. @returns the names of their files, the last one first.
+  std::vector<std::string> RunShards(const std::vector<std::string>& command, int of, int exit_code) {
+    std::vector<std::string> files;
+    for (int index = of; index >= 1; --index) {
+      files.push_back("part_" + std::to_string(index) + ".json");
+      std::vector<std::string> arguments = command;
+      arguments.insert(arguments.end(),
+                       {"--shard", std::to_string(index) + "/" + std::to_string(of), "--json", files.back()});
+      const CommandResult run = Run(arguments);
+      EXPECT_TRUE(run.exit_code == 0 || run.exit_code == exit_code) << run.out << run.err;
+    }
+    return files;
+  }
+  CommandResult MergeFiles(std::vector<std::string> files, const std::vector<std::string>& more = {}) {
+    files.insert(files.begin(), "merge");
+    files.insert(files.end(), more.begin(), more.end());
+    return Run(files);
+  }
+  [[nodiscard]] std::string Text(const std::string& name) const {
+    return io::test::ReadAll(folder_.path() / name);
+  }
+
+  TemporaryFolder folder_;
+};
+
+// Two scenarios differ from their golden traces, so the page has their plots, which come from the parts'
+// samples.
+TEST_F(Merge, RegressIsThatOfOneRun) {
+  const std::vector<std::string> command{"regress", "wall_reamer",           "wall_kr", "pause",
+                                         "--set",   "limits.max_force_N=50", "--junit", "out/junit.xml"};
+  std::filesystem::create_directories(folder_.path() / "out");
+  std::vector<std::string> whole = command;
+  whole.insert(whole.end(), {"--out", "out", "--json", "r.json"});
+  const CommandResult one = Run(whole);
+  ASSERT_EQ(one.exit_code, 1) << one.out << one.err;
+  const nlohmann::json json = ReadJson(folder_.path() / "r.json");
+  const std::string page = Text("out/regress.html");
+  const std::regex time("time=\"[0-9.]*\"");
+  const std::string junit = std::regex_replace(Text("out/junit.xml"), time, "");
+
+  std::vector<std::string> shards = command;
+  shards.insert(shards.end(), {"--out", "out"});
+  const auto files = RunShards(shards, 2, 1);
+  std::filesystem::remove(folder_.path() / "r.json");
+  std::filesystem::remove(folder_.path() / "out/regress.html");
+  std::filesystem::remove(folder_.path() / "out/junit.xml");
+  const CommandResult merged = MergeFiles(files, {"--out", "out", "--json", "r.json"});
+  EXPECT_EQ(merged.exit_code, 1) << merged.out << merged.err;
+  EXPECT_EQ(WithoutTimes(ReadJson(folder_.path() / "r.json")).dump(), WithoutTimes(json).dump());
+  EXPECT_NE(page.find("now - golden"), std::string::npos);
+  EXPECT_EQ(Text("out/regress.html"), page);
+  EXPECT_EQ(std::regex_replace(Text("out/junit.xml"), time, ""), junit);
+}
+
+TEST_F(Merge, FailuresAreThoseOfOneRun) {
+  const std::vector<std::string> command{"failures", "18", "19", "--quick", "--engine", "cpu"};
+  std::vector<std::string> whole = command;
+  whole.insert(whole.end(), {"--out", "one", "--json", "f.json"});
+  const CommandResult one = Run(whole);
+  const nlohmann::json json = ReadJson(folder_.path() / "f.json");
+  const auto files = RunShards(command, 2, one.exit_code);
+  const CommandResult merged = MergeFiles(files, {"--out", "merged", "--json", "m.json"});
+  EXPECT_EQ(merged.exit_code, one.exit_code) << merged.out << merged.err;
+  EXPECT_EQ(WithoutTimes(ReadJson(folder_.path() / "m.json")).dump(), WithoutTimes(json).dump());
+  std::size_t pictures = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder_.path() / "one"))
+    if (file.path().extension() == ".svg") {
+      ++pictures;
+      const std::string name = file.path().filename().string();
+      EXPECT_EQ(Text("merged/" + name), Text("one/" + name)) << name;
+    }
+  EXPECT_EQ(pictures, 4u);
+}
+
+TEST_F(Merge, RefusesPartsOfOtherRunsAndNamesTheFile) {
+  const auto refused = [&](const std::vector<std::string>& files, const std::string& text) {
+    const CommandResult run = MergeFiles(files);
+    EXPECT_EQ(run.exit_code, 2) << text;
+    EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
+  };
+  const auto files = RunShards({"regress", "wall_reamer", "wall_kr"}, 2, 0);
+  refused({files[0]}, "missing: 1/2");
+  refused({files[0], files[0], files[1]}, "found shard 2/2, which part_2.json is too");
+  refused({"none.json"}, "none.json: found no such file");
+  ASSERT_EQ(Run({"regress", "wall_reamer", "wall_kr", "--exact", "--shard", "1/2", "--json", "other.json"})
+                .exit_code,
+            0);
+  refused({files[0], "other.json"}, "other.json: found options and inputs with checksum");
+  io::test::WriteAll(folder_.path() / "half.json", Text(files[0]).substr(0, Text(files[0]).size() / 2));
+  refused({"half.json", files[1]}, "half.json: found no complete JSON");
+  nlohmann::json damaged = ReadJson(folder_.path() / files[0]);
+  damaged["results"][0]["result"]["difference"]["parts"] = {{{"part", 99}, {"tick", 1}}};
+  io::test::WriteAll(folder_.path() / "damaged.json", damaged.dump());
+  refused({"damaged.json", files[1]}, "found part 99");
+  damaged["results"].clear();
+  io::test::WriteAll(folder_.path() / "damaged.json", damaged.dump());
+  refused({"damaged.json", files[1]}, "damaged.json: found 0 items, accepted the 1 of shard 2/2");
+}
+
+TEST_F(Merge, ShardsNeedAFileAndANumber) {
+  const auto refused = [&](std::vector<std::string> arguments, const std::string& text) {
+    arguments.insert(arguments.begin(), {"regress", "wall_reamer"});
+    const CommandResult run = Run(arguments);
+    EXPECT_EQ(run.exit_code, 2) << text;
+    EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
+  };
+  refused({"--shard", "1/2"}, "--shard: found without --json");
+  for (const char* wrong : {"0/2", "3/2", "1", "1/2/3", "1/", "/2", "a/b", "1/-2", "1/10001"})
+    refused({"--shard", wrong, "--json", "p.json"}, "found " + std::string(wrong) + ", accepted I/N");
+  refused({"--shard", "1/2", "--json", "p.json", "--update", "--reason", "none"},
+          "--update excludes --shard");
+}
+
+}  // namespace
+}  // namespace osteon::app
