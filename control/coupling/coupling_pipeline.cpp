@@ -81,8 +81,10 @@ void CouplingPipeline::AddGuidance(const ArmFollower& arm, Wrench& F_T_W) OSTEON
   const auto with = [&](double share) OSTEON_RT {
     return Wrench{.f = F_T_W.f + share * guidance.f, .t = F_T_W.t + share * guidance.t};
   };
+  // force and torque by the closed form; mostly the arm holds that as well
   const double share = GreatestFittingShare(
-      proposed, [&](double each) OSTEON_RT { return arm.Limit(limiter_, with(each)).share >= 1.0; });
+      ShareWithin(limiter_, F_T_W, guidance, proposed),
+      [&](double each) OSTEON_RT { return arm.Limit(limiter_, with(each)).share >= 1.0; });
   guidance_->Accept(share);
   if (share > 0.0) F_T_W = with(share);
 }

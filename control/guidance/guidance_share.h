@@ -3,6 +3,7 @@
 #include "base/marker.h"
 #include "control/guidance/guidance_field.h"
 #include "kinematics/spatial.h"
+#include "safety/limits.h"
 
 namespace osteon::control {
 
@@ -49,13 +50,18 @@ class GuidanceShare {
   double potential_J_{0.0}, energy_before_J_{0.0}, work_J_{0.0};
 };
 
-/// The greatest share in [0, max_share] that `fits`, within max_share / 65536. The shares that fit must be an
-/// interval from 0; if 0 itself does not fit, the result is 0.
+/// The greatest share in [0, max_share] with which `guidance` and another wrench stay within a limiter's
+/// force and torque, by the closed form; 0 if the other one does not by itself.
+[[nodiscard]] double ShareWithin(const safety::WrenchLimiter& limiter, const Wrench& other,
+                                 const Wrench& guidance, double max_share) OSTEON_RT;
+
+/// The greatest share in [0, max_share] that `fits`, within max_share / 1024: ten halvings where the whole
+/// does not. The shares that fit must be an interval from 0; if 0 itself does not fit, the result is 0.
 template <class Fits>
 [[nodiscard]] double GreatestFittingShare(double max_share, const Fits& fits) OSTEON_RT {
   if (!(max_share > 0.0) || fits(max_share)) return max_share;
   double low = 0.0, high = max_share;
-  for (int i = 0; i < 16; ++i) {
+  for (int i = 0; i < 10; ++i) {
     const double middle = 0.5 * (low + high);
     (fits(middle) ? low : high) = middle;
   }
