@@ -52,8 +52,22 @@ struct TickInput {
   bool permitted{false}, enabled{false}, spindle_permitted{false};
   std::uint8_t interlock_reason{0};
   rt::Nanoseconds model_pose_stamp{0};
-  bool has_gains{false};  ///< `gains` were requested since the previous tick, and accepted
+  bool has_guidance_gain{false};  ///< `guidance_gain` was requested since the previous tick
+  double guidance_gain{0.0};      ///< 0 … 1
+  bool has_gains{false};          ///< `gains` were requested since the previous tick, and accepted
   Gains gains{};
+};
+
+/// Guidance along a surgical plan in a tick, while rendering (control/guidance). Plain data.
+struct GuidanceRecord {
+  bool present{false};      ///< the cell has guidance and rendered in this tick; else all is zero
+  PlainWrench F_T_W;        ///< its rendered wrench, on T at To, in W; part of F_coupling_T_W
+  double share{0.0};        ///< sigma: rendered share of the whole guidance, 0 … 1
+  double potential_J{0.0};  ///< U of the whole guidance at this pose; 0 inside the corridor
+  double energy_J{0.0};     ///< E: given to the tool; below zero: taken from it
+  double cone_rad{0.0}, lateral_m{0.0},
+      depth_m{0.0};           ///< excess over each part of the corridor; <= 0: inside
+  bool stops_spindle{false};  ///< the spindle must stand
 };
 
 /// Value of TickRecord::cell_state in recordings older than the field.
@@ -93,11 +107,12 @@ struct TickRecord {
   double passivity_damping_Ns_per_m{0.0};  ///< damping that takes E back; 0: inactive
   double tank_J{0.0};                      ///< energy in the tank, while rendering
   double tank_share{1.0};                  ///< share of the coupling that the tank could pay for
-  std::uint32_t limits{0};                 ///< safety::LimitSet: the limits that acted in this tick
-  std::uint8_t cell_state{kNoCellState};   ///< safety::CellState
-  std::uint32_t permits{0};                ///< safety::MotionPermits, as last evaluated
-  PlainWrench F_bias_S;                    ///< bias subtracted from the sensor's readings, in S
-  double model_age_s{0.0};                 ///< age of the pose that the contact model was computed for
+  GuidanceRecord guidance;
+  std::uint32_t limits{0};                ///< safety::LimitSet: the limits that acted in this tick
+  std::uint8_t cell_state{kNoCellState};  ///< safety::CellState
+  std::uint32_t permits{0};               ///< safety::MotionPermits, as last evaluated
+  PlainWrench F_bias_S;                   ///< bias subtracted from the sensor's readings, in S
+  double model_age_s{0.0};                ///< age of the pose that the contact model was computed for
   double sensor_age_s{0.0};
   std::uint64_t model_frame{0};
   double spindle_rad_per_s{0.0};

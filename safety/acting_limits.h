@@ -26,13 +26,14 @@ enum class Limit : std::uint8_t {
   kPassivity = 13,
   kTank = 14,
   kBoneEntry = 15,  ///< the coupling at its force limit: the tool's speed into bone
+  kGuidance = 16,   ///< guidance along the surgical plan gave a force or torque
 };
-inline constexpr std::size_t kLimitCount = 16;
+inline constexpr std::size_t kLimitCount = 17;
 /// Names by number, as in summaries: `tool_speed`.
 inline constexpr std::array<std::string_view, kLimitCount> kLimitNames{
-    "wrench",       "arm_torque", "stored_energy", "power",     "tool_speed", "workspace",
-    "zones",        "joints",     "elbow_speed",   "depth",     "model_age",  "sensor_age",
-    "age_governor", "passivity",  "tank",          "bone_entry"};
+    "wrench",       "arm_torque", "stored_energy", "power",      "tool_speed", "workspace",
+    "zones",        "joints",     "elbow_speed",   "depth",      "model_age",  "sensor_age",
+    "age_governor", "passivity",  "tank",          "bone_entry", "guidance"};
 
 /// The set of acting limits.
 class LimitSet {

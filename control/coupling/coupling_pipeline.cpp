@@ -12,6 +12,7 @@ CouplingPipeline::CouplingPipeline(const ServoParams& params)
       force_limit_reaction_(params.on_force_limit, params.stop_deceleration_m_per_s2, params.period_s),
       stabilisers_(params.stabilisers, LawOf(params), params.period_s) {
   limiter_.LowerForceLimit(ForceLimit_N(params));
+  if (params.guidance) guidance_.emplace(*params.guidance, params.twist.max_speed_m_per_s, params.period_s);
 }
 
 void CouplingPipeline::Reset() OSTEON_RT {
@@ -21,6 +22,7 @@ void CouplingPipeline::Reset() OSTEON_RT {
   stored_energy_limit_.Reset();
   force_limit_reaction_.Reset();
   depth_limit_.Reset();
+  if (guidance_) guidance_->Reset();
 }
 
 void CouplingPipeline::OnGainsChanged() OSTEON_RT {
@@ -61,7 +63,30 @@ safety::LimitedWrench CouplingPipeline::Render(const ArmFollower& arm, safety::L
     if (!f_depth_W.isZero(0.0))
       rendered = arm.Limit(limiter_, {.f = rendered.F.f + output_.fade * f_depth_W, .t = rendered.F.t});
   }
+  if (guidance_) {
+    AddGuidance(arm, rendered.F);
+    acting.Add(Limit::kGuidance, guidance_->acts());
+  }
   return rendered;
+}
+
+// Adds the guidance to a wrench that is within the limits, with the greatest share that keeps it there.
+void CouplingPipeline::AddGuidance(const ArmFollower& arm, Wrench& F_T_W) OSTEON_RT {
+  const double proposed = guidance_->Propose({.X_WT = X_WT_, .V_WT = V_WT_, .model_share = output_.fade});
+  if (guidance_->field().inside) {
+    guidance_->Accept(proposed);
+    return;
+  }
+  const Wrench& guidance = guidance_->field().F_T_W;
+  const auto with = [&](double share) OSTEON_RT {
+    return Wrench{.f = F_T_W.f + share * guidance.f, .t = F_T_W.t + share * guidance.t};
+  };
+  // force and torque by the closed form; mostly the arm holds that as well
+  const double share = GreatestFittingShare(
+      ShareWithin(limiter_, F_T_W, guidance, proposed),
+      [&](double each) OSTEON_RT { return arm.Limit(limiter_, with(each)).share >= 1.0; });
+  guidance_->Accept(share);
+  if (share > 0.0) F_T_W = with(share);
 }
 
 void CouplingPipeline::LimitPower(double power_share, safety::LimitedWrench& rendered,
@@ -71,6 +96,7 @@ void CouplingPipeline::LimitPower(double power_share, safety::LimitedWrench& ren
   rendered.F = {.f = power_share * rendered.F.f, .t = power_share * rendered.F.t};
   rendered.share *= power_share;
   stabilisers_.ScaleRendered(power_share);
+  if (guidance_) guidance_->ScaleRendered(power_share);
 }
 
 void CouplingPipeline::AddActing(const safety::LimitedWrench& rendered,

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
+
 #include "base/marker.h"
 #include "control/arm/arm_follower.h"
 #include "control/coupling/virtual_coupling.h"
+#include "control/guidance/guidance.h"
 #include "control/setup/servo_params.h"
 #include "control/stability/stabilisers.h"
 #include "control/tick_record.h"
@@ -27,7 +30,7 @@ struct CouplingInput {
 /// Computes, from the contact model, the wrench that a law renders. Both laws use it:
 ///
 ///     contact model → virtual coupling → age governor, energy tank → stored energy, force, torque, arm
-///                   → passivity damping → depth limit → power
+///                   → passivity damping → depth limit → guidance → power
 ///
 /// Call Evaluate, Render and LimitPower in this order, each at most once per tick. All wrenches that they
 /// return are within the cell's limits of force and torque.
@@ -52,11 +55,24 @@ class CouplingPipeline {
   [[nodiscard]] const safety::LimitedWrench& limited() const OSTEON_RT { return limited_; }
   [[nodiscard]] const CouplingOutput& output() const OSTEON_RT { return output_; }
 
-  /// Returns the wrench to render: that of the last Evaluate plus the passivity controller's damping and the
-  /// depth limit's resistance, within the same limits.
+  /// Replaces the guidance, at a change of tool: with a freshly made one, so that its energy and share begin
+  /// at zero. Does not allocate.
+  void SetGuidance(const std::optional<Guidance>& guidance) OSTEON_RT { guidance_ = guidance; }
+  /// Sets the guidance's gain, 0 … 1; no effect without guidance.
+  void SetGuidanceGain(double gain) OSTEON_RT {
+    if (guidance_) guidance_->SetGain(gain);
+  }
+
+  /// Returns the wrench to render: that of the last Evaluate plus the passivity controller's damping, the
+  /// depth limit's resistance and the guidance, within the same limits. Guidance has what the others leave.
   [[nodiscard]] safety::LimitedWrench Render(const ArmFollower& arm, safety::LimitSet& acting) OSTEON_RT;
   /// Multiplies a rendered wrench by `power_share`, 0 … 1, if that is less than 1.
   void LimitPower(double power_share, safety::LimitedWrench& rendered, safety::LimitSet& acting) OSTEON_RT;
+
+  /// Reports that only this share, 0 … 1, of the wrench reached the arm.
+  void OnWrenchScaled(double share) OSTEON_RT {
+    if (guidance_ && share < 1.0) guidance_->ScaleRendered(share);
+  }
 
   /// Adds the limits that acted on a rendered wrench, as its shares and the stabilisers show.
   void AddActing(const safety::LimitedWrench& rendered, safety::LimitSet& acting) const OSTEON_RT;
@@ -64,6 +80,11 @@ class CouplingPipeline {
   [[nodiscard]] const safety::WrenchLimiter& limiter() const OSTEON_RT { return limiter_; }
   [[nodiscard]] const Stabilisers& stabilisers() const OSTEON_RT { return stabilisers_; }
   [[nodiscard]] const safety::DepthLimit& depth_limit() const OSTEON_RT { return depth_limit_; }
+  [[nodiscard]] const std::optional<Guidance>& guidance() const OSTEON_RT { return guidance_; }
+  /// Whether the spindle must stand: by the depth limit or by the guidance.
+  [[nodiscard]] bool stops_spindle() const OSTEON_RT {
+    return depth_limit_.stops_spindle() || (guidance_ && guidance_->stops_spindle());
+  }
   [[nodiscard]] const safety::ForceLimitReaction& force_limit_reaction() const OSTEON_RT {
     return force_limit_reaction_;
   }
@@ -71,12 +92,15 @@ class CouplingPipeline {
   [[nodiscard]] bool pressed() const OSTEON_RT { return pressed_; }
 
  private:
+  void AddGuidance(const ArmFollower& arm, Wrench& F_T_W) OSTEON_RT;
+
   const ServoParams& params_;
   safety::WrenchLimiter limiter_;
   safety::StoredEnergyLimit stored_energy_limit_;
   safety::DepthLimit depth_limit_;
   safety::ForceLimitReaction force_limit_reaction_;
   Stabilisers stabilisers_;
+  std::optional<Guidance> guidance_;
   CouplingState state_;
 
   // of the last Evaluate

@@ -70,6 +70,7 @@ ImpedanceStep ImpedanceRenderer::Step(const ArmSession& arm, const Twist& V_befo
   const safety::LimitedWrench sent =
       tool.arm().Limit(coupling.limiter(), {.f = rendered.F.f + damping.f, .t = rendered.F.t + damping.t});
   F_sent_T_W_ = sent.F;
+  coupling.OnWrenchScaled(sent.share);
   step.acting.Add(Limit::kArmTorque, sent.arm_share < 1.0);
   return step;
 }

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <limits>
 
 #include "base/marker.h"
 
@@ -15,16 +18,27 @@ class LoopRequests {
   void RequestPause() OSTEON_RT { pause_.store(true, std::memory_order_relaxed); }
   void RequestResume() OSTEON_RT { resume_.store(true, std::memory_order_relaxed); }
 
+  /// Stores a gain of the guidance, clamped to 0 … 1; ignores one that is not a number.
+  void RequestGuidanceGain(double gain) OSTEON_RT {
+    if (!std::isnan(gain)) guidance_gain_.store(std::clamp(gain, 0.0, 1.0), std::memory_order_relaxed);
+  }
+
   // For the tick. A stop request stays set; each of the other requests is returned once.
   [[nodiscard]] bool may_start() const OSTEON_RT { return may_start_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool stop() const OSTEON_RT { return stop_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool TakeRecovery() OSTEON_RT { return recovery_.exchange(false, std::memory_order_relaxed); }
   [[nodiscard]] bool TakePause() OSTEON_RT { return pause_.exchange(false, std::memory_order_relaxed); }
   [[nodiscard]] bool TakeResume() OSTEON_RT { return resume_.exchange(false, std::memory_order_relaxed); }
+  /// Not a number: none was requested.
+  [[nodiscard]] double TakeGuidanceGain() OSTEON_RT {
+    return guidance_gain_.exchange(kNone, std::memory_order_relaxed);
+  }
 
  private:
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::atomic<bool> may_start_{true}, stop_{false}, recovery_{false}, pause_{false}, resume_{false};
-  static_assert(std::atomic<bool>::is_always_lock_free);
+  std::atomic<double> guidance_gain_{kNone};
+  static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<double>::is_always_lock_free);
 };
 
 }  // namespace osteon::control

@@ -76,8 +76,7 @@ simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
 CellCommands ServoLoop::cell_commands() const OSTEON_RT {
   const bool stopping = phase() == Phase::kStopped || state() == CellState::kStop1;
   const bool stop_requested = supervisor_.stop_requested();
-  const bool spindle_on =
-      safety::Renders(state()) && spindle_permitted_ && !coupling_.depth_limit().stops_spindle();
+  const bool spindle_on = safety::Renders(state()) && spindle_permitted_ && !coupling_.stops_spindle();
   return {.motion_requested = !stopping && !stop_requested,
           .spindle_rad_per_s = spindle_on ? params_.spindle_rad_per_s : 0.0,
           .quick_stop = stopping && faults().Any(),
@@ -135,6 +134,9 @@ TickRecord ServoLoop::RecordInputs(const TickInputs& tick, ReceiveResult receive
   record.input.recover = requests_.TakeRecovery();
   record.input.pause = requests_.TakePause();
   record.input.resume = requests_.TakeResume();
+  const double guidance_gain = requests_.TakeGuidanceGain();
+  record.input.has_guidance_gain = !std::isnan(guidance_gain);
+  if (record.input.has_guidance_gain) record.input.guidance_gain = guidance_gain;
   record.input.repeat_differed = std::exchange(differed_, false);
   record.input.recorder_stalled = std::exchange(recorder_stalled_, false);
   return record;
@@ -145,6 +147,7 @@ TickRecord ServoLoop::RecordInputs(const TickInputs& tick, ReceiveResult receive
 void ServoLoop::ApplyRequests(const TickInput& input) OSTEON_RT {
   if (input.recover && CanRecover()) ApplyEvent(CellEvent::kRecover);
   if (input.resume && !input.stop) ApplyEvent(CellEvent::kResume);
+  if (input.has_guidance_gain) coupling_.SetGuidanceGain(input.guidance_gain);
   supervisor_.RequestPause(input.pause);
   if (safety::Waits(state()) && supervisor_.TakePauseRequest()) ApplyEvent(CellEvent::kPauseRequested);
   if (input.repeat_differed) {

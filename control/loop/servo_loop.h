@@ -105,6 +105,9 @@ class ServoLoop {
   /// Requests the end of a pause: once every condition of motion holds, the loop continues from the tool's
   /// present pose. No effect if the cell is not paused. From any thread, and from a signal handler.
   void RequestResume() OSTEON_RT { requests_.RequestResume(); }
+  /// Requests another gain of the guidance, 0 … 1, from the next tick on; a value outside is clamped, one
+  /// that is not a number is ignored. No effect without guidance. From any thread, and from a signal handler.
+  void RequestGuidanceGain(double gain) OSTEON_RT { requests_.RequestGuidanceGain(gain); }
   /// Whether RequestRecovery would have an effect now.
   [[nodiscard]] bool CanRecover() const OSTEON_RT { return supervisor_.CanRecover(); }
 
@@ -187,6 +190,7 @@ class ServoLoop {
   void RenderImpedance(const TickInputs& tick, TickRecord& record) OSTEON_RT;
   void StopRendering(TickRecord& record) OSTEON_RT;
   void CountDepthLeft() OSTEON_RT;
+  void CheckGuidance() OSTEON_RT;
   void RecordRendered(const safety::LimitedWrench& rendered, double speed_m_per_s,
                       TickRecord& record) OSTEON_RT;
   void BrakeForPause(const TickInputs& tick, TickRecord& record) OSTEON_RT;

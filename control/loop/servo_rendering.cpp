@@ -91,6 +91,7 @@ void ServoLoop::RenderAdmittance(const TickInputs& tick, TickRecord& record) OST
   const Pose& X_WT = tool_.X_WT();
   const double speed_m_per_s = (X_WT.translation() - X_before.translation()).norm() / params_.period_s;
   if (speed_m_per_s > ToolSpeedTripLimit_m_per_s(params_)) supervisor_.Latch(Fault::kToolSpeed);
+  CheckGuidance();
   if (tool_.workspace().Violated(X_WT.translation())) supervisor_.Latch(Fault::kWorkspace);
   if (faults().Any()) ApplyFault();
   const double power_W = Power(step.rendered.F, SmallStep(X_before, X_WT)) / params_.period_s;
@@ -112,6 +113,8 @@ void ServoLoop::RenderImpedance(const TickInputs& tick, TickRecord& record) OSTE
   }
   const ImpedanceStep step = impedance_.Step(session_, V_before_WT, motion, coupling_, tool_);
   acting_.Add(step.acting);
+  CheckGuidance();
+  if (faults().Any()) ApplyFault();
   CountDepthLeft();
   RecordRendered(step.rendered, tool_.V_WT.v.norm(), record);
 }
@@ -128,12 +131,18 @@ void ServoLoop::CountDepthLeft() OSTEON_RT {
   if (limit.acts()) statistics_.min_depth_left_m = std::min(statistics_.min_depth_left_m, limit.distance_m());
 }
 
+// Guidance that grows faster than its springs can make it is a defect.
+void ServoLoop::CheckGuidance() OSTEON_RT {
+  if (coupling_.guidance() && coupling_.guidance()->trips()) supervisor_.Latch(Fault::kWrenchRate);
+}
+
 // Records the rendered wrench of either law, and updates the statistics. The recorded scales cover all limits
 // from the coupling to the arm.
 void ServoLoop::RecordRendered(const safety::LimitedWrench& rendered, double speed_m_per_s,
                                TickRecord& record) OSTEON_RT {
   record.F_coupling_T_W = rendered.F;
   coupling_.stabilisers().FillRecord(record);
+  if (coupling_.guidance()) coupling_.guidance()->FillRecord(record);
   record.wrench_scale = std::min(coupling_.limited().share, rendered.share);
   record.arm_share = std::min(coupling_.limited().arm_share, rendered.arm_share);
   ServoStatistics& s = statistics_;

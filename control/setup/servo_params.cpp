@@ -16,6 +16,7 @@ void Validate(const ServoParams& params) {
   Validate(params.vibration);
   Validate(params.stabilisers);
   if (params.depth.acts) Validate(params.depth);
+  if (params.guidance) Validate(*params.guidance);
   Validate(params.energy);
   Validate(params.on_force_limit);
   const auto require = [](const char* name, double value, double low, double high) {

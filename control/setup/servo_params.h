@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "control/coupling/virtual_coupling.h"
+#include "control/guidance/guidance_field.h"
 #include "control/laws/admittance_law.h"
 #include "control/laws/impedance_law.h"
 #include "control/sensing/bias_estimator.h"
@@ -55,6 +56,7 @@ struct ServoParams {
   safety::JointGuardParams joints;    ///< limits: the arm's own, no default
   safety::WatchdogParams watchdog;
   safety::DepthLimitParams depth;
+  std::optional<GuidanceParams> guidance;  ///< along a surgical plan, of the tool at hand; absent: none
   safety::EnergyLimitParams energy;
   safety::ForceLimitReactionParams on_force_limit;  ///< kSlow needs the admittance law
   safety::SpindleLimitParams spindle_limits;

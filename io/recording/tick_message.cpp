@@ -41,6 +41,29 @@ std::string Get(const osteon::Gains& from, control::Gains& to) {
   return {};
 }
 
+void FillMessage(const control::GuidanceRecord& from, osteon::Guidance* to) {
+  io::FillMessage(from.F_T_W, to->mutable_f_t_w());
+  to->set_share(from.share);
+  to->set_potential_j(from.potential_J);
+  to->set_energy_j(from.energy_J);
+  to->set_cone_rad(from.cone_rad);
+  to->set_lateral_m(from.lateral_m);
+  to->set_depth_m(from.depth_m);
+  to->set_stops_spindle(from.stops_spindle);
+}
+
+void Get(const osteon::Guidance& from, control::GuidanceRecord& to) {
+  to.present = true;
+  io::Get(from.f_t_w(), to.F_T_W);
+  to.share = from.share();
+  to.potential_J = from.potential_j();
+  to.energy_J = from.energy_j();
+  to.cone_rad = from.cone_rad();
+  to.lateral_m = from.lateral_m();
+  to.depth_m = from.depth_m();
+  to.stops_spindle = from.stops_spindle();
+}
+
 void FillMessage(const control::TickInput& from, osteon::TickInput* to) {
   to->set_now_ns(from.now);
   to->set_arm_stamp_ns(from.arm_stamp);
@@ -90,6 +113,7 @@ void FillMessage(const control::TickInput& from, osteon::TickInput* to) {
   to->set_enabled(from.enabled);
   to->set_spindle_permitted(from.spindle_permitted);
   to->set_interlock_reason(from.interlock_reason);
+  if (from.has_guidance_gain) to->set_guidance_gain(from.guidance_gain);
   if (from.has_gains) FillMessage(from.gains, to->mutable_gains());
 }
 
@@ -164,6 +188,8 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   to.enabled = from.enabled();
   to.spindle_permitted = from.spindle_permitted();
   to.interlock_reason = static_cast<std::uint8_t>(from.interlock_reason());
+  to.has_guidance_gain = from.has_guidance_gain();
+  if (to.has_guidance_gain) to.guidance_gain = from.guidance_gain();
   to.has_gains = from.has_gains();
   return to.has_gains ? Get(from.gains(), to.gains) : std::string();
 }
@@ -221,6 +247,7 @@ void Encode(const TickRecord& record, std::string& bytes) {
   message.set_permits(record.permits);
   message.set_tank_share(record.tank_share);
   io::FillMessage(record.F_bias_S, message.mutable_f_bias_s());
+  if (record.guidance.present) FillMessage(record.guidance, message.mutable_guidance());
   message.SerializeToString(&bytes);
 }
 
@@ -276,6 +303,7 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   r.permits = message.permits();
   if (message.has_tank_share()) r.tank_share = message.tank_share();
   io::Get(message.f_bias_s(), r.F_bias_S);
+  if (message.has_guidance()) Get(message.guidance(), r.guidance);
   io::Get(message.f_cmd_t(), r.F_cmd_T);
   if (message.tau_cmd_nm_size() != 0 && !io::Get(message.tau_cmd_nm(), r.tau_cmd))
     return "not 7 joint torques";

@@ -91,6 +91,15 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"passivity_damping", "", "Ns_per_m"}, r.passivity_damping_Ns_per_m);
   visit(FieldName{"tank", "", "J"}, r.tank_J);
   visit(FieldName{"tank_share"}, r.tank_share);
+  fields::ForceTorque("guidance_F_T_W", r.guidance.F_T_W, visit);
+  visit(FieldName{"guidance_share"}, r.guidance.share);
+  visit(FieldName{"guidance_potential", "", "J"}, r.guidance.potential_J);
+  visit(FieldName{"guidance_energy", "", "J"}, r.guidance.energy_J);
+  visit(FieldName{"guidance_cone", "", "rad"}, r.guidance.cone_rad);
+  visit(FieldName{"guidance_lateral", "", "m"}, r.guidance.lateral_m);
+  visit(FieldName{"guidance_depth", "", "m"}, r.guidance.depth_m);
+  visit(FieldName{"guidance_present"}, static_cast<unsigned>(r.guidance.present));
+  visit(FieldName{"guidance_stops_spindle"}, static_cast<unsigned>(r.guidance.stops_spindle));
   visit(FieldName{"limits"}, r.limits);
   fields::ForceTorque("F_bias_S", r.F_bias_S, visit);
   visit(FieldName{"activation_cmd"}, r.activation_cmd);
@@ -157,6 +166,8 @@ void VisitInputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"interlock_reason"}, static_cast<unsigned>(in.interlock_reason));
   visit(FieldName{"model_status"}, static_cast<unsigned>(in.model_status));
   visit(FieldName{"model_pose_stamp", "", "ns"}, in.model_pose_stamp);
+  visit(FieldName{"guidance_gain_taken"}, static_cast<unsigned>(in.has_guidance_gain));
+  visit(FieldName{"guidance_gain"}, in.guidance_gain);
   visit(FieldName{"gains_taken"}, static_cast<unsigned>(in.has_gains));
   control::VisitGains(in.gains, [&](const char* name, const char* axis, const char* unit, double value) {
     visit(FieldName{name, axis, unit}, value);

@@ -32,7 +32,8 @@ constexpr std::array<std::string_view, safety::kLimitCount> kLimitTexts{"largest
                                                                         "age governor",
                                                                         "passivity controller",
                                                                         "energy tank",
-                                                                        "speed into bone at the force limit"};
+                                                                        "speed into bone at the force limit",
+                                                                        "guidance along the plan"};
 static_assert(!kLimitTexts.back().empty(), "a limit without words");
 
 constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;

@@ -71,6 +71,7 @@ constexpr PartOfField kOutputs[] = {
     {"age_", TracePart::kCoupling},
     {"passivity", TracePart::kCoupling},
     {"tank", TracePart::kCoupling},
+    {"guidance", TracePart::kCoupling},
     {"model_", TracePart::kCoupling},
 };
 constexpr PartOfField kInputs[] = {
@@ -86,14 +87,27 @@ TracePart PartOf(const char* name, std::span<const PartOfField> table) {
   throw std::logic_error(std::string("a tick's field in no part of a trace: ") + name);
 }
 
+// Fields of a part that few cells have. They are hashed only where they are not zero, so that the golden
+// traces of the other cells do not depend on them.
+constexpr std::array kOptional{"guidance"};
+
+struct FieldPart {
+  TracePart part;
+  bool is_optional;
+};
+
 // The part of each field of a tick, in the order of the visit.
-const std::vector<TracePart>& FieldParts() {
-  static const std::vector<TracePart> parts = [] {
-    std::vector<TracePart> all;
-    VisitOutputs(control::TickRecord{},
-                 [&](const FieldName& field, auto) { all.push_back(PartOf(field.name, kOutputs)); });
-    VisitInputs(control::TickRecord{},
-                [&](const FieldName& field, auto) { all.push_back(PartOf(field.name, kInputs)); });
+const std::vector<FieldPart>& FieldParts() {
+  static const std::vector<FieldPart> parts = [] {
+    std::vector<FieldPart> all;
+    const auto add = [&](const FieldName& field, std::span<const PartOfField> table) {
+      const bool is_optional = std::ranges::any_of(kOptional, [&](const char* begins) {
+        return std::strncmp(field.name, begins, std::strlen(begins)) == 0;
+      });
+      all.push_back({.part = PartOf(field.name, table), .is_optional = is_optional});
+    };
+    VisitOutputs(control::TickRecord{}, [&](const FieldName& field, auto) { add(field, kOutputs); });
+    VisitInputs(control::TickRecord{}, [&](const FieldName& field, auto) { add(field, kInputs); });
     return all;
   }();
   return parts;
@@ -222,10 +236,11 @@ void TraceRecorder::Sample(const control::TickRecord& record, const simulation::
 void TraceRecorder::Tick(const control::TickRecord& record, const simulation::ContactModel& model) {
   // hash every bit, by part
   std::array<Fnv1a, kTraceParts> parts{};
-  const std::vector<TracePart>& of_field = FieldParts();
+  const std::vector<FieldPart>& of_field = FieldParts();
   std::size_t at = 0;
   const auto add = [&](const FieldName&, auto value) {
-    Add(parts[static_cast<std::size_t>(of_field[at++])], value);
+    const FieldPart& field = of_field[at++];
+    if (!field.is_optional || value != 0) Add(parts[static_cast<std::size_t>(field.part)], value);
   };
   VisitOutputs(record, add);
   VisitInputs(record, add);

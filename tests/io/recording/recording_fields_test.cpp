@@ -51,6 +51,16 @@ TEST(RecordingFields, CarriesEveryFieldOfATick) {
   EXPECT_EQ(r.passivity_damping_Ns_per_m, sent.passivity_damping_Ns_per_m);
   EXPECT_EQ(r.tank_J, sent.tank_J);
   EXPECT_EQ(r.tank_share, sent.tank_share);
+  EXPECT_EQ(r.guidance.present, sent.guidance.present);
+  EXPECT_EQ(Vector3(r.guidance.F_T_W.f), Vector3(sent.guidance.F_T_W.f));
+  EXPECT_EQ(Vector3(r.guidance.F_T_W.t), Vector3(sent.guidance.F_T_W.t));
+  EXPECT_EQ(r.guidance.share, sent.guidance.share);
+  EXPECT_EQ(r.guidance.potential_J, sent.guidance.potential_J);
+  EXPECT_EQ(r.guidance.energy_J, sent.guidance.energy_J);
+  EXPECT_EQ(r.guidance.cone_rad, sent.guidance.cone_rad);
+  EXPECT_EQ(r.guidance.lateral_m, sent.guidance.lateral_m);
+  EXPECT_EQ(r.guidance.depth_m, sent.guidance.depth_m);
+  EXPECT_EQ(r.guidance.stops_spindle, sent.guidance.stops_spindle);
   EXPECT_EQ(r.limits, sent.limits);
   EXPECT_EQ(r.cell_state, sent.cell_state);
   EXPECT_EQ(r.permits, sent.permits);
@@ -123,6 +133,8 @@ TEST(RecordingFields, CarriesEveryInputOfATick) {
     EXPECT_EQ(r.enabled, sent.enabled);
     EXPECT_EQ(r.spindle_permitted, sent.spindle_permitted);
     EXPECT_EQ(r.interlock_reason, sent.interlock_reason);
+    EXPECT_EQ(r.has_guidance_gain, sent.has_guidance_gain);
+    EXPECT_EQ(r.guidance_gain, sent.guidance_gain);
     EXPECT_EQ(r.has_gains, sent.has_gains);
     std::vector<double> gains;
     control::VisitGains(sent.gains, [&](auto, auto, auto, double value) { gains.push_back(value); });

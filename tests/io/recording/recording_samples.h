@@ -60,6 +60,16 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.passivity_damping_Ns_per_m = 250.0;
   r.tank_J = 0.875;
   r.tank_share = 0.625;
+  if (i % 2 == 1)
+    r.guidance = {.present = true,
+                  .F_T_W = SomeWrench(base + 95),
+                  .share = 0.55,
+                  .potential_J = 0.01,
+                  .energy_J = -0.02,
+                  .cone_rad = -0.03,
+                  .lateral_m = 0.004,
+                  .depth_m = -0.005,
+                  .stops_spindle = i % 4 == 1};
   r.limits = 0x4201;
   r.cell_state = static_cast<std::uint8_t>(i % 12);
   r.permits = 0x155;
@@ -126,6 +136,8 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   in.spindle_permitted = i % 3 == 2;
   in.interlock_reason = static_cast<std::uint8_t>(i % 7);
   in.model_pose_stamp = r.stamp + 76;
+  in.has_guidance_gain = i % 3 == 1;
+  if (in.has_guidance_gain) in.guidance_gain = 0.375;
   in.has_gains = i % 2 == 1;
   if (in.has_gains)
     in.gains = {.mass_kg = Vector(base + 1),

@@ -1,0 +1,56 @@
+#include "control/guidance/guidance.h"
+
+#include <algorithm>
+
+namespace osteon::control {
+namespace {
+
+// Stiffness that the growth of the force is checked against; not 0, for a guidance by its cone alone.
+constexpr double kMinTripStiffness_N_per_m = 100.0;
+
+const GuidanceParams& Validated(const GuidanceParams& params) {
+  Validate(params);
+  return params;
+}
+
+}  // namespace
+
+Guidance::Guidance(const GuidanceParams& params, double max_speed_m_per_s, double period_s)
+    : params_(Validated(params)),
+      period_s_(period_s),
+      growth_(std::max(kMinTripStiffness_N_per_m, params.lateral.stiffness + params.depth.stiffness),
+              max_speed_m_per_s) {}
+
+void Guidance::Reset() OSTEON_RT {
+  growth_.Reset();
+  field_ = {};
+  share_.Reset();
+  stops_spindle_ = trips_ = false;
+}
+
+double Guidance::Propose(const GuidanceInput& input) OSTEON_RT {
+  field_ = EvaluateGuidance(params_, input.X_WT, input.V_WT);
+  if (field_.beyond_stop) stops_spindle_ = params_.stops_spindle && params_.gain > 0.0;
+  if (field_.inside || !(params_.gain > 0.0)) stops_spindle_ = false;
+  return share_.Propose(field_, input.X_WT, std::min(params_.gain, input.model_share), period_s_);
+}
+
+void Guidance::Accept(double share) OSTEON_RT {
+  share_.Accept(share);
+  // of the springs alone: the damping follows the velocity, which a contact may turn within a tick
+  trips_ = growth_.Check(share * field_.f_spring_W, period_s_);
+}
+
+void Guidance::FillRecord(TickRecord& record) const OSTEON_RT {
+  record.guidance = {.present = true,
+                     .F_T_W = share_.F_T_W(),
+                     .share = share_.share(),
+                     .potential_J = field_.potential_J,
+                     .energy_J = share_.energy_J(),
+                     .cone_rad = field_.excess.cone_rad,
+                     .lateral_m = field_.excess.lateral_m,
+                     .depth_m = field_.excess.depth_m,
+                     .stops_spindle = stops_spindle_};
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "control/guidance/guidance_field.h"
+#include "kinematics/spatial.h"
+
+namespace osteon::control {
+
+/// The shipped gains around an oblique axis, for a head of 44 mm.
+[[nodiscard]] inline GuidanceParams SomeGuidance() {
+  GuidanceParams params;
+  params.axis_W = Vector3(0.6, 0.2, 0.7).normalized();
+  params.centre_W = {0.1, -0.2, 0.3};
+  params.head_m = 0.022;
+  return params;
+}
+
+/// Where a tool is in the corridor.
+struct CorridorPlace {
+  double height_m{0.0};  ///< of the head's centre over the planned centre
+  double aside_m{0.0};   ///< from the axis
+  double tilt_rad{0.0};  ///< of the feed against the axis
+};
+
+[[nodiscard]] inline Pose PoseAt(const GuidanceParams& params, const CorridorPlace& place) {
+  const Matrix3 R_WC = RotationFromZTo(params.axis_W);
+  Pose X_WT = Pose::Identity();
+  X_WT.linear() = R_WC * ExpRotation(Vector3(3.141592653589793 - place.tilt_rad, 0, 0));
+  const Vector3 head = params.centre_W + R_WC * Vector3(place.aside_m, 0, place.height_m);
+  X_WT.translation() = head + params.head_m * X_WT.linear().col(2);
+  return X_WT;
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,228 @@
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "control/coupling/coupling_pipeline.h"
+#include "control/loop/loop_repeat.h"
+#include "tests/base/checked_no_alloc_scope.h"
+#include "tests/control/loop/servo_parts.h"
+
+// Guidance along a plan in the servo loop.
+
+namespace osteon::control {
+namespace {
+
+constexpr double kHead_m = 0.022;
+
+// A plan along the start's feed: the head's centre starts `height_m` above its planned place.
+GuidanceParams PlanAhead(double height_m) {
+  GuidanceParams guidance;
+  const Pose X_WT = ServoBench::StartPose();
+  const Vector3 feed_W = X_WT.linear().col(2);
+  guidance.axis_W = -feed_W;
+  guidance.head_m = kHead_m;
+  guidance.centre_W = X_WT.translation() - (kHead_m - height_m) * feed_W;
+  return guidance;
+}
+
+ServoParams Guided(double height_m = 2e-3) {
+  ServoParams params = ServoBench::Params();
+  params.guidance = PlanAhead(height_m);
+  return params;
+}
+
+// Free air: the plane is far ahead.
+struct FreeBench : ServoBench {
+  explicit FreeBench(const ServoParams& params) : ServoBench(params, 0.5) { Activate(); }
+};
+
+TEST(ServoGuidance, HoldsAHandThatGoesTooDeep) {
+  FreeBench bench(Guided());
+  bench.push_N = 40.0;
+  const TickRecord record = bench.Run(4000);
+  EXPECT_EQ(record.phase, Phase::kHaptic);
+  ASSERT_TRUE(record.guidance.present);
+  EXPECT_EQ(record.guidance.share, 1.0);
+  // 10 N/mm with 0.5 mm of ease
+  EXPECT_NEAR(record.guidance.depth_m, 4.25e-3, 0.05e-3);
+  EXPECT_NEAR(Vector3(record.guidance.F_T_W.f).norm(), 40.0, 0.5);
+  EXPECT_EQ(Vector3(record.F_coupling_T_W.f), Vector3(record.guidance.F_T_W.f)) << "nothing else acts";
+  EXPECT_TRUE(safety::LimitSet(record.limits).Has(safety::Limit::kGuidance));
+  EXPECT_LE(record.guidance.energy_J + record.guidance.share * record.guidance.potential_J, 1e-6);
+}
+
+TEST(ServoGuidance, WithoutGainItOnlyObserves) {
+  ServoParams params = Guided();
+  params.guidance->gain = 0.0;
+  FreeBench observed(params), without(ServoBench::Params());
+  for (int tick = 0; tick < 3000; ++tick) {
+    observed.push_N = without.push_N = 30.0 * std::sin(0.003 * tick);
+    const TickRecord a = observed.Tick(), b = without.Tick();
+    ASSERT_EQ(a.q_cmd, b.q_cmd) << tick;
+    ASSERT_EQ(Vector3(a.F_coupling_T_W.f), Vector3(b.F_coupling_T_W.f));
+    ASSERT_EQ(a.limits, b.limits);
+    EXPECT_EQ(observed.loop.cell_commands().spindle_rad_per_s,
+              without.loop.cell_commands().spindle_rad_per_s);
+    if (a.phase == Phase::kHaptic) {
+      EXPECT_TRUE(a.guidance.present);
+      EXPECT_EQ(a.guidance.share, 0.0);
+      EXPECT_FALSE(b.guidance.present);
+    }
+  }
+}
+
+TEST(ServoGuidance, AnotherGainCountsFromTheNextTickOn) {
+  FreeBench bench(Guided());
+  bench.push_N = 40.0;
+  ASSERT_EQ(bench.Run(4000).guidance.share, 1.0);
+  bench.loop.RequestGuidanceGain(0.25);
+  TickRecord record = bench.Tick();
+  EXPECT_TRUE(record.input.has_guidance_gain);
+  EXPECT_EQ(record.input.guidance_gain, 0.25);
+  EXPECT_EQ(record.guidance.share, 0.25);
+  EXPECT_FALSE(bench.Tick().input.has_guidance_gain) << "taken once";
+  bench.loop.RequestGuidanceGain(7.0);
+  EXPECT_EQ(bench.Tick().input.guidance_gain, 1.0) << "clamped";
+  bench.loop.RequestGuidanceGain(std::nan(""));
+  EXPECT_FALSE(bench.Tick().input.has_guidance_gain);
+}
+
+TEST(ServoGuidance, AnOldModelFadesItOut) {
+  FreeBench bench(Guided());
+  bench.push_N = 40.0;
+  ASSERT_EQ(bench.Run(4000).guidance.share, 1.0);
+  bench.simulation_lives = false;
+  for (int i = 0; i < 100; ++i) {
+    const TickRecord record = bench.Tick();
+    if (!record.guidance.present) continue;
+    const CouplingParams& coupling = ServoBench::Params().coupling;
+    const double weight =
+        std::clamp((coupling.gone_s - record.model_age_s) / (coupling.gone_s - coupling.fresh_s), 0.0, 1.0);
+    EXPECT_LE(record.guidance.share, weight + 1e-9);
+    if (record.model_age_s >= coupling.gone_s) {
+      EXPECT_EQ(Vector3(record.guidance.F_T_W.f), Vector3(0, 0, 0));
+    }
+  }
+}
+
+TEST(ServoGuidance, BeyondAStopTheSpindleStands) {
+  ServoParams params = Guided(10e-3);
+  params.spindle_rad_per_s = 26.0;
+  FreeBench bench(params);
+  bench.Run(300);
+  ASSERT_GT(bench.loop.cell_commands().spindle_rad_per_s, 0.0);
+  const Vector3 aside = ServoBench::StartPose().linear().col(0);
+  bool stopped = false, outside_but_before = false;
+  TickRecord record;
+  for (int i = 0; i < 6000 && !stopped; ++i) {
+    bench.side_W_N = 15.0 * aside;
+    record = bench.Tick();
+    stopped = bench.loop.cell_commands().spindle_rad_per_s == 0.0;
+    outside_but_before |= !stopped && record.guidance.lateral_m > 0.5e-3;
+  }
+  EXPECT_TRUE(stopped);
+  EXPECT_TRUE(outside_but_before);
+  EXPECT_TRUE(record.guidance.stops_spindle);
+  EXPECT_EQ(record.phase, Phase::kHaptic) << "no fault";
+  bool again = false;
+  for (int i = 0; i < 9000 && !again; ++i) {
+    bench.side_W_N = -8.0 * aside;
+    record = bench.Tick();
+    again = bench.loop.cell_commands().spindle_rad_per_s > 0.0;
+    if (again) {
+      EXPECT_LE(record.guidance.lateral_m, 0.0);
+    }
+  }
+  EXPECT_TRUE(again);
+}
+
+TEST(ServoGuidance, EachTickComputedTwiceComesOutTheSame) {
+  const ServoParams params = Guided(1e-3);
+  ServoBench bench(params);
+  ServoLoop second(params, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
+                   ServoBench::Arm().ArmAngle(ServoBench::StartJoints()));
+  LoopRepeat repeat(second);
+  bench.Activate();
+  bool acted = false;
+  for (int tick = 0; tick < 3000; ++tick) {
+    bench.push_N = 60.0 * std::sin(0.01 * tick);
+    bench.side_W_N = 20.0 * std::sin(0.004 * tick) * ServoBench::StartPose().linear().col(0);
+    if (tick == 1200) bench.loop.RequestGuidanceGain(0.5);
+    if (tick == 1500) bench.loop.RequestPause();
+    if (tick == 1800) bench.loop.RequestResume();
+    const TickRecord record = bench.Tick();
+    acted |= record.guidance.share > 0.0 && record.guidance.potential_J > 0.0;
+    repeat.StoreTick(record, bench.model);
+    ASSERT_TRUE(repeat.ReplayStoredTick()) << tick;
+  }
+  EXPECT_TRUE(acted);
+}
+
+// Both laws: whatever the pose, the bone and the velocity are, the sum stays within the cell's limits.
+class GuidedPipeline : public testing::TestWithParam<Law> {};
+INSTANTIATE_TEST_SUITE_P(, GuidedPipeline, testing::Values(Law::kAdmittance, Law::kImpedance),
+                         [](const auto& law) {
+                           return std::string(law.param == Law::kAdmittance ? "Admittance" : "Impedance");
+                         });
+
+TEST_P(GuidedPipeline, NeverRendersMoreThanTheCellsLimit) {
+  ServoParams params = Guided(0.0);
+  params.law = GetParam();
+  params.wrench.max_force_N = 60.0;
+  params.wrench.max_torque_Nm = 3.0;
+  const auto arm = Follower(params);
+  CouplingPipeline pipeline(params);
+  pipeline.Reset();
+  const Pose X_start = ServoBench::StartPose();
+  std::mt19937 random(39);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const auto vector = [&] { return Vector3(unit(random), unit(random), unit(random)); };
+  rt::Nanoseconds now = rt::kSecond;
+  double worst_J = 0.0, largest_share = 0.0;
+  bool yielded = false;
+  Vector3 p_m = Vector3::Zero(), turn = Vector3::Zero(), v = Vector3::Zero(), w = Vector3::Zero();
+  for (int i = 0; i < 20000; ++i) {
+    now += rt::kMillisecond;
+    v = 0.98 * v + 0.012 * vector() - 0.03 * p_m;
+    w = 0.98 * w + 0.06 * vector() - 0.03 * turn;
+    p_m += 1e-3 * v;
+    turn += 1e-3 * w;
+    Pose X_WT = X_start;
+    X_WT.translation() += p_m;
+    X_WT.linear() = ExpRotation(turn) * X_start.linear();
+    safety::LimitSet acting;
+    static_cast<void>(pipeline.Evaluate({.model = PlaneBehind(4e-3 * std::max(0.0, std::sin(0.01 * i)), now),
+                                         .X_WT = X_WT,
+                                         .V_WT = {.v = v, .w = w},
+                                         .now = now},
+                                        *arm, acting));
+    safety::LimitedWrench rendered = pipeline.Render(*arm, acting);
+    ASSERT_LE(rendered.F.f.norm(), 60.0) << i;
+    ASSERT_LE(rendered.F.t.norm(), 3.0) << i;
+    if (i % 5 == 0) pipeline.LimitPower(0.7, rendered, acting);
+    const Guidance& guidance = *pipeline.guidance();
+    worst_J = std::max(worst_J,
+                       guidance.share().energy_J() + guidance.share().share() * guidance.field().potential_J);
+    largest_share = std::max(largest_share, guidance.share().share());
+    yielded |= guidance.field().potential_J > 0.0 && guidance.share().share() < 0.01;
+    if (i % 5 != 0) {
+      ASSERT_EQ(acting.Has(safety::Limit::kGuidance), guidance.acts()) << i;
+    }
+  }
+  EXPECT_LE(worst_J, 1e-6);
+  EXPECT_EQ(largest_share, 1.0);
+  EXPECT_TRUE(yielded);
+}
+
+TEST(ServoGuidance, TheTickAllocatesNothing) {
+  FreeBench bench(Guided(1e-3));
+  bench.push_N = 40.0;
+  bench.side_W_N = 10.0 * ServoBench::StartPose().linear().col(0);
+  ASSERT_GT(bench.Run(2000).guidance.potential_J, 0.0);
+  const rt::CheckedNoAllocScope scope;
+  bench.Run(20);
+}
+
+}  // namespace
+}  // namespace osteon::control
