@@ -10,6 +10,7 @@
 #include "app/cli/calibrate_command.h"
 #include "app/cli/capability_command.h"
 #include "app/cli/command_line.h"
+#include "app/cli/diff_command.h"
 #include "app/cli/failures_command.h"
 #include "app/cli/help/manual_command.h"
 #include "app/cli/measure_commands.h"
@@ -38,6 +39,7 @@ int Run(int argc, char** argv) {
   osteon::app::PlanCommand plan(app);
   osteon::app::TuneCommand tune(app);
   osteon::app::RegressCommand regress(app);
+  osteon::app::DiffCommand diff(app);
   osteon::app::MergeCommand merge(app);
   osteon::app::ManualCommands manual(app);
 
@@ -53,6 +55,7 @@ int Run(int argc, char** argv) {
   if (plan.asked()) return plan.Run(config_root, command_line);
   if (tune.asked()) return tune.Run(config_root, command_line);
   if (regress.asked()) return regress.Run(config_root, invocation);
+  if (diff.asked()) return diff.Run(command_line);
   if (merge.asked()) return merge.Run(config_root);
   if (manual.asked()) {
     CLI::App osteon{OsteonCommands::kDescription, OsteonCommands::kName};

@@ -26,6 +26,7 @@ constexpr std::array kStudies = std::to_array<StudyCommand>({
     {"plan", "finds the coarsest model of a scene that meets an error and a rate"},
     {"tune", "maps where the loop is stable, and recommends gains"},
     {"regress", "runs scenarios in virtual time and compares them with their golden traces"},
+    {"diff", "compares two runs by their recordings: figures, faults, limits, configuration"},
     {"merge", "puts the parts of a study together that --shard has computed"},
     {"manual", "prints the manual page of all subcommands, or writes it to files"},
     {"completion", "prints the script by which a shell completes osteon"},

@@ -120,6 +120,8 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon export demo_out/recording.mcap --surface bone.stl --at 4.5",
        As("export demo_out/recording.mcap --surface bone.stl --at 0.5", {"bone.stl"})},
       {"osteon export torn.mcap --recover", Torn()},
+      {"osteon diff before.mcap after.mcap --out compared",
+       As("diff demo_out/recording.mcap demo_out/recording.mcap --out compared", {"compared/diff.html"})},
       {"osteon replay demo_out/recording.mcap", As("replay demo_out/recording.mcap")},
       {"osteon export run_2026-11-26_09-30-00.mcap", By("ExportCommandTest.TablesHoldEveryValueToItsBits")},
       {"osteon replay run_2026-11-26_09-30-00.mcap", By("ReplayCommandTest.IsIdenticalBitForBit")},

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+
+namespace osteon::app {
+
+struct DiffOptions {
+  std::array<std::filesystem::path, 2> recordings{};
+  double within_percent{1.0};    ///< of a figure's size, up to which it counts as the same
+  std::filesystem::path out{};   ///< folder for diff.html; empty: no page
+  std::filesystem::path json{};  ///< osteon.diff/1; empty: none
+  std::string command_line{};
+};
+
+/// Runs `osteon diff`: compares two recordings by their figures, faults, limits and configuration.
+/// @returns the process's exit code: 0 no figure differs and no fault is new; 1 one does; 2 a recording can't
+/// be read.
+[[nodiscard]] int RunDiff(const DiffOptions& options);
+
+}  // namespace osteon::app

@@ -1,0 +1,119 @@
+#include "studies/diff/run_difference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "session/summary/each_fault.h"
+
+namespace osteon::app {
+namespace {
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// The first line in which two texts differ.
+ConfigDifference FirstLine(const std::string& file, const std::string& first, const std::string& second) {
+  const std::vector<std::string> a = Lines(first), b = Lines(second);
+  std::size_t i = 0;
+  while (i < std::min(a.size(), b.size()) && a[i] == b[i]) ++i;
+  return {.file = file,
+          .first = i < a.size() ? a[i] : "",
+          .second = i < b.size() ? b[i] : "",
+          .line = static_cast<int>(i) + 1};
+}
+
+std::vector<ConfigDifference> CompareConfig(const io::SessionInfo& first, const io::SessionInfo& second) {
+  std::map<std::string, std::pair<const std::string*, const std::string*>> files;
+  for (const io::ConfigFile& file : first.config.files) files[file.name].first = &file.content;
+  for (const io::ConfigFile& file : second.config.files) files[file.name].second = &file.content;
+  std::vector<ConfigDifference> differences;
+  const std::string none;
+  for (const auto& [name, both] : files) {
+    const std::string& a = both.first ? *both.first : none;
+    const std::string& b = both.second ? *both.second : none;
+    if (a != b) differences.push_back(FirstLine(name, a, b));
+  }
+  return differences;
+}
+
+std::vector<std::string> CompareSessions(const io::SessionInfo& first, const io::SessionInfo& second) {
+  std::vector<std::string> lines;
+  const auto compare = [&](const char* name, const std::string& a, const std::string& b) {
+    if (a != b)
+      lines.push_back(fmt::format("{}: {} | {}", name, a.empty() ? "none" : a, b.empty() ? "none" : b));
+  };
+  compare("version", first.version, second.version);
+  compare("build", first.build, second.build);
+  compare("machine", first.machine, second.machine);
+  compare("engine", first.engine, second.engine);
+  compare("device", first.device, second.device);
+  compare("scene", first.scene, second.scene);
+  compare("tool", first.tool, second.tool);
+  compare("cell", first.config.cell_file, second.config.cell_file);
+  compare("gains", first.config.gains_file, second.config.gains_file);
+  return lines;
+}
+
+std::vector<std::string> FaultsOnlyIn(const RunFigures& run, const RunFigures& other) {
+  std::vector<std::string> names;
+  ForEachFault(run.faults, [&](safety::Fault fault, const safety::FaultText& text) {
+    if (!other.faults.Has(fault)) names.emplace_back(text.name);
+  });
+  return names;
+}
+
+ReportVerdict Judge(const RunDifference& runs, const RunFigures& first, const RunFigures& second) {
+  ReportVerdict verdict;
+  const auto say = [&](const char* level, std::string reason) {
+    if (verdict.level != "bad") verdict.level = level;
+    verdict.reasons.push_back(std::move(reason));
+  };
+  for (const std::string& name : runs.only_second) say("bad", "only the second run has the fault " + name);
+  for (const std::string& name : runs.only_first) say("look", "only the first run has the fault " + name);
+  for (const FigureDifference& figure : runs.figures)
+    if (figure.differs())
+      say("look", fmt::format("{}: {:.4g} and {:.4g} {}, {:+.3g} where {:.3g} is accepted", figure.first.name,
+                              figure.first.value, figure.second.value, figure.first.unit, figure.difference,
+                              figure.accepted));
+  if (!first.complete) say("look", "the first recording ends early: the process died");
+  if (!second.complete) say("look", "the second recording ends early: the process died");
+  if (verdict.level == "good")
+    verdict.reasons.emplace_back(runs.identical ? "every tick is the same, to the bit" : "no figure differs");
+  if (!runs.config.empty())
+    verdict.reasons.push_back(fmt::format("the configuration differs in {} file{}", runs.config.size(),
+                                          runs.config.size() == 1 ? "" : "s"));
+  return verdict;
+}
+
+}  // namespace
+
+bool FigureDifference::differs() const { return first.judged && !(std::abs(difference) <= accepted); }
+
+RunDifference CompareRuns(const RunFigures& first, const RunFigures& second, double within) {
+  RunDifference runs;
+  runs.identical = first.ticks == second.ticks && first.hash == second.hash;
+  for (std::size_t i = 0; i < std::min(first.figures.size(), second.figures.size()); ++i) {
+    const RunFigure &a = first.figures[i], &b = second.figures[i];
+    runs.figures.push_back(
+        {.first = a,
+         .second = b,
+         .difference = b.value - a.value,
+         .accepted = std::max(a.least_difference, within * std::max(std::abs(a.value), std::abs(b.value)))});
+  }
+  runs.only_first = FaultsOnlyIn(first, second);
+  runs.only_second = FaultsOnlyIn(second, first);
+  runs.config = CompareConfig(first.session, second.session);
+  runs.session = CompareSessions(first.session, second.session);
+  runs.verdict = Judge(runs, first, second);
+  return runs;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/page.h"
+#include "studies/diff/run_figures.h"
+
+namespace osteon::app {
+
+/// A figure of both runs.
+struct FigureDifference {
+  RunFigure first, second;
+  double difference{0.0};  ///< second less first
+  double accepted{0.0};    ///< a larger difference, either way, counts
+  [[nodiscard]] bool differs() const;
+};
+
+/// A file of the configuration that is not the same in both runs.
+struct ConfigDifference {
+  std::string file;
+  std::string first, second;  ///< the first line that differs; empty: the file is not there
+  int line{0};                ///< its number, from 1
+};
+
+/// Two runs compared.
+struct RunDifference {
+  /// good: no figure differs; look: one does, or the configuration; bad: the second run has a fault that the
+  /// first has not.
+  ReportVerdict verdict;
+  bool identical{false};  ///< every tick, to the bit, but the times that the machine took
+  std::vector<FigureDifference> figures;
+  std::vector<std::string> only_first, only_second;  ///< names of faults
+  std::vector<ConfigDifference> config;
+  std::vector<std::string> session;  ///< what else differs: version, engine, …, one line each
+};
+
+/// @param within  share of a figure's size, 0 … 1, up to which it counts as the same
+[[nodiscard]] RunDifference CompareRuns(const RunFigures& first, const RunFigures& second, double within);
+
+}  // namespace osteon::app

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "io/recording/messages.h"
+#include "report/thin_curve.h"
+#include "safety/fault.h"
+
+namespace osteon::app {
+
+/// A figure of a run, with the difference from which two runs count as different.
+struct RunFigure {
+  std::string name;  ///< "peak force to the hand"
+  std::string key;   ///< "peak_force_N": in JSON
+  std::string unit;
+  double value{0.0};
+  double least_difference{0.0};  ///< differences up to this never count
+  bool judged{true};             ///< false: a time that the machine took; shown, not judged
+};
+
+/// What two recordings are compared by, gathered in one pass.
+struct RunFigures {
+  io::SessionInfo session;
+  std::vector<RunFigure> figures;
+  safety::FaultSet faults;            ///< of any tick
+  std::vector<std::uint64_t> limits;  ///< ticks in which each limit acted (safety::Limit)
+  std::string end;                    ///< the last event: how the run ended
+  std::uint64_t ticks{0};             ///< number of ticks
+  std::uint64_t hash{0};              ///< over all ticks, without the times that the machine took
+  bool complete{false};               ///< false: the file ends early
+  rt::Nanoseconds first{0};           ///< stamp of the first tick
+  ThinCurve force_N, depth_mm, removed_mm3;
+};
+
+/// Reads a recording. The error names file, byte and reason.
+[[nodiscard]] tl::expected<RunFigures, std::string> ReadRunFigures(const std::filesystem::path& recording);
+
+}  // namespace osteon::app
