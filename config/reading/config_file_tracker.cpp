@@ -1,10 +1,13 @@
 #include "config/reading/config_file_tracker.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+
+#include "config/reading/shipped_folder.h"
 
 namespace osteon::config {
 namespace {
@@ -53,16 +56,9 @@ std::filesystem::path FindBelow(const std::filesystem::path& root, const std::st
 std::filesystem::path FindShippedFolder(const char* root, const std::filesystem::path& here,
                                         const std::filesystem::path& program) {
   if (root) return std::filesystem::path(root) / "config";
-  std::error_code error;
-  const auto has_cells = [&](const std::filesystem::path& config) {
-    return std::filesystem::is_directory(config / "cells", error);
-  };
-  if (!has_cells(here / "config"))
-    for (std::filesystem::path above = program; above.has_relative_path();) {
-      above = above.parent_path();
-      for (const char* below : {"config", "share/osteon/config"})
-        if (has_cells(above / below)) return above / below;
-    }
+  constexpr std::array<const char*, 1> kHas{"cells"};
+  if (!HasFolders(here / "config", kHas))
+    if (const std::filesystem::path found = FindShippedAbove(program, kHas); !found.empty()) return found;
   return here / "config";
 }
 

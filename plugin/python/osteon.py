@@ -149,6 +149,8 @@ class _SurfaceInfo(c.Structure):
     _fields_ = [("triangles", c.c_uint64), ("volume_m3", c.c_double), ("watertight", c.c_uint32), ("reserved", c.c_uint32)]
 
 
+_LogCallback = c.CFUNCTYPE(None, c.c_void_p, c.c_uint32, c.c_char_p)
+
 #: A vertex of the surface: position [mm], unit normal (outward), material, 1 where the tool cut.
 VERTEX = np.dtype([("position_mm", "<f4", 3), ("normal", "<f4", 3), ("material", "u1"), ("cut", "u1"), ("reserved", "u1", 2)])
 
@@ -175,6 +177,7 @@ for _name, _result, _arguments in [
     ("bone_destroy", None, [c.c_void_p]),
     ("bone_info", c.c_int, [c.c_void_p, c.POINTER(_BoneInfo)]),
     ("bone_material", c.c_char_p, [c.c_void_p, c.c_uint32]),
+    ("bone_material_color", c.c_int, [c.c_void_p, c.c_uint32, c.POINTER(c.c_uint8)]),
     ("bone_approach", c.c_int, [c.c_void_p, c.c_double, c.POINTER(_Pose)]),
     ("tool_create", c.c_int, [c.c_uint32, c.POINTER(_ToolParams), c.POINTER(c.c_void_p)]),
     ("tool_destroy", None, [c.c_void_p]),
@@ -183,6 +186,7 @@ for _name, _result, _arguments in [
     ("session_create", c.c_int, [c.c_uint32, c.c_void_p, c.c_void_p, c.POINTER(_Settings), c.POINTER(c.c_void_p)]),
     ("session_destroy", None, [c.c_void_p]),
     ("session_engine", c.c_char_p, [c.c_void_p]),
+    ("session_set_log", c.c_int, [c.c_void_p, _LogCallback, c.c_void_p]),
     ("session_set_tool_pose", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.c_double]),
     ("session_step", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.c_double, c.c_double]),
     ("session_evaluate", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.POINTER(_Twist), c.POINTER(_Wrench)]),
@@ -290,7 +294,8 @@ class Bone:
 
     @property
     def info(self):
-        """dict: balls, mass_points, volume_m3, mass_kg, site_center_m, site_axis, site_radius_m, materials."""
+        """dict: balls, mass_points, volume_m3, mass_kg, site_center_m, site_axis, site_radius_m, materials (their names),
+        colors ((n, 3) uint8, red green blue of each material, for the `material` of VERTEX)."""
         info = _BoneInfo()
         _check(_lib.osteon_bone_info(self._handle, c.byref(info)))
         result = {name: getattr(info, name) for name, _ in _BoneInfo._fields_ if name != "material_count"}
@@ -299,6 +304,10 @@ class Bone:
         result["materials"] = [
             _lib.osteon_bone_material(self._handle, i).decode() for i in range(info.material_count)
         ]
+        colors = np.zeros((info.material_count, 3), np.uint8)
+        for i, color in enumerate(colors):
+            _check(_lib.osteon_bone_material_color(self._handle, i, color.ctypes.data_as(c.POINTER(c.c_uint8))))
+        result["colors"] = colors
         return result
 
     def approach(self, height_m):
@@ -382,6 +391,17 @@ class Session:
     @property
     def engine(self):
         return _lib.osteon_session_engine(self._handle).decode()
+
+    def set_log(self, callback):
+        """callback(level, text) is told what happens, level "info", "warning" or "error"; None: nobody.
+
+        It is called from the session's own thread, too, and must call nothing of this session.
+        """
+        levels = ["info", "warning", "error"]
+        told = _LogCallback() if callback is None else _LogCallback(
+            lambda _, level, text: callback(levels[level], text.decode()))
+        _check(_lib.osteon_session_set_log(self._handle, told, None))
+        self._log = told  # alive as long as it may be called
 
     def set_tool_pose(self, X_GT, spindle_rad_per_s=0.0):
         """Where the tool is. The first pose must be free of bone."""

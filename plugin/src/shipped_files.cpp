@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#include <array>
 #include <cstdlib>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "config/reading/load.h"
 #include "config/reading/named_file.h"
 #include "config/reading/select_materials.h"
+#include "config/reading/shipped_folder.h"
 #include "plugin/src/result.h"
 
 namespace osteon::plugin {
@@ -17,10 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool HasScenes(const fs::path& config) {
-  std::error_code ignored;
-  return fs::is_directory(config / "scenes", ignored) && fs::is_directory(config / "tools", ignored);
-}
+constexpr std::array<const char*, 2> kHas{"scenes", "tools"};
+
+bool HasScenes(const fs::path& config) { return config::HasFolders(config, kHas); }
 
 fs::path LibraryFile() {
   Dl_info info{};
@@ -41,11 +42,7 @@ fs::path ConfigFolder(const char* given) {
   if (const char* root = std::getenv("OSTEON_ROOT"); root && HasScenes(fs::path(root) / "config"))
     return fs::path(root) / "config";
   const fs::path library = LibraryFile();
-  for (fs::path above = library; above.has_relative_path();) {
-    above = above.parent_path();
-    for (const char* below : {"config", "share/osteon/config"})
-      if (HasScenes(above / below)) return above / below;
-  }
+  if (fs::path found = config::FindShippedAbove(library, kHas); !found.empty()) return found;
   throw Failure(OSTEON_ERROR_FILE,
                 fmt::format("no folder with scenes/ and tools/ above {}: set config_folder, or $OSTEON_ROOT",
                             library.string()));

@@ -36,6 +36,17 @@ class Module(unittest.TestCase):
         self.assertEqual(info["balls"], 13 * 13 * 6)
         self.assertEqual(info["materials"], ["cancellous"])
         self.assertGreater(info["volume_m3"], 1e-6)
+        np.testing.assert_array_equal(info["colors"], [[224, 163, 128]])
+
+    def test_log_is_told_until_it_is_taken_away(self):
+        lines = []
+        self.session.set_log(lambda level, text: lines.append((level, text)))
+        self.session.change_tool(osteon.Tool(balls_mm=[[0, 0, 0, 2]]), above(4.2))
+        self.assertEqual([level for level, _ in lines], ["info", "info"])
+        self.assertIn("cpu", lines[0][1])
+        self.session.set_log(None)
+        self.session.change_tool(self.tool, above(4.2))
+        self.assertEqual(len(lines), 2)
 
     def test_surface_changes_are_the_exported_mesh(self):
         self.feed(2.5)

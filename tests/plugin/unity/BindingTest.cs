@@ -102,6 +102,11 @@ static class BindingTest
             Expect(largest_N > 10.0, "the bone pushes the reamer out, along +y");
             Expect(removed_mm3 > 100.0 && cut != uncut, "bone is removed, and the mesh follows");
             TrianglesFaceOutward(bricks.Values);
+            var colors = new HashSet<int>();
+            foreach (var brick in bricks.Values)
+                for (var i = 0; i + 2 < brick.Colors.Length; i += 3)
+                    colors.Add(brick.Colors[i] << 16 | brick.Colors[i + 1] << 8 | brick.Colors[i + 2]);
+            Expect(colors.Count >= 2 && colors.Count < 20, "tissues have colours of their own: " + colors.Count);
             // each axis: the tool that moves along it is found there
             for (var axis = 0; axis < 3; ++axis)
             {

@@ -13,6 +13,7 @@ namespace UnityEngine
     {
         public Vector3[] vertices, normals;
         public int[] triangles;
+        public Color32[] colors32;
         public void Clear() {}
     }
     public class GameObject : Object
@@ -32,6 +33,11 @@ namespace UnityEngine
     {
         public float x, y, z;
         public Vector3(float x, float y, float z) { this.x = x; this.y = y; this.z = z; }
+    }
+    public struct Color32
+    {
+        public byte r, g, b, a;
+        public Color32(byte r, byte g, byte b, byte a) { this.r = r; this.g = g; this.b = b; this.a = a; }
     }
     public struct Quaternion
     {

@@ -97,6 +97,7 @@ namespace Osteon
         [DllImport(Library)] public static extern uint osteon_abi();
         [DllImport(Library)] public static extern int osteon_bone_create(uint abi, ref BoneParams parameters, out IntPtr bone);
         [DllImport(Library)] public static extern void osteon_bone_destroy(IntPtr bone);
+        [DllImport(Library)] public static extern int osteon_bone_material_color(IntPtr bone, uint index, [Out] byte[] rgb);
         [DllImport(Library)] public static extern int osteon_bone_approach(IntPtr bone, double height_m, out Pose pose);
         [DllImport(Library)] public static extern int osteon_tool_create(uint abi, ref ToolParams parameters, out IntPtr tool);
         [DllImport(Library)] public static extern void osteon_tool_destroy(IntPtr tool);

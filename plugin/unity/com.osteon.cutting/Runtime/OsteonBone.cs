@@ -53,7 +53,15 @@ namespace Osteon
             mesh.Clear();
             mesh.vertices = ToVectors(brick.Positions);
             mesh.normals = ToVectors(brick.Normals);
+            mesh.colors32 = ToColors(brick.Colors);
             mesh.triangles = brick.Triangles;
+        }
+
+        static Color32[] ToColors(byte[] rgb)
+        {
+            var colors = new Color32[rgb.Length / 3];
+            for (var i = 0; i < colors.Length; ++i) colors[i] = new Color32(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2], 255);
+            return colors;
         }
 
         static Vector3[] ToVectors(float[] values)

@@ -11,6 +11,8 @@ namespace Osteon
         public uint Number;
         public float[] Positions, Normals;
         public byte[] Materials;
+        /// <summary>Red, green, blue of each vertex, sRGB; a cut face is 0.85 as bright.</summary>
+        public byte[] Colors;
         public bool[] Cut;
         public int[] Triangles;
     }
@@ -20,6 +22,7 @@ namespace Osteon
     {
         IntPtr bone, tool, session;
         ulong generation;
+        readonly List<byte[]> colors = new List<byte[]>(); // of the materials
         readonly Native.Chunk[] chunks = new Native.Chunk[256];
         readonly Native.Vertex[] vertices = new Native.Vertex[16 * Native.ChunkMaxVertices];
         readonly ushort[] indices = new ushort[16 * Native.ChunkMaxIndices];
@@ -37,6 +40,8 @@ namespace Osteon
                 Native.Check(Native.osteon_bone_create(Native.Abi, ref boneParams, out bone));
                 var toolParams = new Native.ToolParams { name = toolName, diameter_m = diameter_m, config_folder = configFolder };
                 Native.Check(Native.osteon_tool_create(Native.Abi, ref toolParams, out tool));
+                for (var rgb = new byte[3]; Native.osteon_bone_material_color(bone, (uint)colors.Count, rgb) == 0; rgb = new byte[3])
+                    colors.Add(rgb);
                 Native.Settings settings;
                 Native.osteon_settings_default(out settings);
                 settings.lockstep = lockstep ? 1u : 0u;
@@ -150,7 +155,7 @@ namespace Osteon
             var n = (int)chunk.vertex_count;
             var brick = new Brick
             {
-                Number = chunk.brick, Positions = new float[3 * n], Normals = new float[3 * n], Materials = new byte[n],
+                Number = chunk.brick, Positions = new float[3 * n], Normals = new float[3 * n], Materials = new byte[n], Colors = new byte[3 * n],
                 Cut = new bool[n], Triangles = new int[chunk.index_count]
             };
             for (var i = 0; i < n; ++i)
@@ -164,6 +169,7 @@ namespace Osteon
                 brick.Normals[3 * i + 2] = v.ny;
                 brick.Materials[i] = v.material;
                 brick.Cut[i] = v.cut != 0;
+                for (var k = 0; k < 3; ++k) brick.Colors[3 * i + k] = (byte)(colors[v.material][k] * (v.cut != 0 ? 85 : 100) / 100);
             }
             // the mirror turns triangles over: with two corners exchanged they face outward again
             for (var i = 0; i + 2 < brick.Triangles.Length; i += 3)

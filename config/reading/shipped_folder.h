@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+namespace osteon::config {
+
+/// The nearest folder above a program or library that has the shipped files: config/ (a checkout, or an
+/// add-on) or share/osteon/config/ (an installation). Empty: there is none.
+/// @param has  folders that tell it from another of this name: "scenes", "tools"
+[[nodiscard]] std::filesystem::path FindShippedAbove(const std::filesystem::path& file,
+                                                     std::span<const char* const> has);
+
+/// Whether a folder has all of these folders.
+[[nodiscard]] bool HasFolders(const std::filesystem::path& folder, std::span<const char* const> has);
+
+}  // namespace osteon::config
