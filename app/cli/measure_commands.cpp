@@ -142,6 +142,28 @@ CLI::App* AddBenchTick(CLI::App& bench, BenchTickOptions& options) {
   return sub;
 }
 
+CLI::App* AddBenchSimulate(CLI::App& bench, BenchSimulateOptions& options) {
+  CLI::App* sub = bench.add_subcommand(
+      "simulate", "times the contact model's age with the engine in this process and in one of its own");
+  sub->add_option("--ticks", options.ticks, "ticks of a round, one each millisecond")
+      ->check(NumberWithin(100, 3'600'000))
+      ->capture_default_str();
+  sub->add_option("--rounds", options.rounds, "rounds over a thread, shared memory and UDP, in turns")
+      ->check(NumberWithin(1, 1000))
+      ->capture_default_str();
+  AddEngineOption(*sub, options.engine, WallTimeEngineNames(), "the cutting engine",
+                  "; cpu: one thread, no GPU");
+  AddDeviceOption(*sub, options.device);
+  sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
+  sub->footer(
+      "The age is that of the tool pose that a model was made for, when a tick takes it; back is the time "
+      "from a "
+      "tick's command until its model is there, seen every 10 us. The tool "
+      "presses on the floor of the demo's cup.\n\n"
+      "Examples:\n  osteon bench simulate\n  osteon bench simulate --ticks 20000 --json simulate.json");
+  return sub;
+}
+
 CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
   CLI::App* sub =
       chart.add_subcommand("scaling", "draws frame rate against number of spheres, as the paper's figure 4");
@@ -254,6 +276,7 @@ MeasureCommands::MeasureCommands(CLI::App& app)
       tick_(AddBenchTick(*bench_, tick_options_)),
       console_(AddBenchConsole(*bench_, console_options_)),
       view_(AddBenchView(*bench_, view_options_)),
+      simulate_(AddBenchSimulate(*bench_, simulate_options_)),
       chart_(AddStudy(app, "chart")),
       scaling_(AddChartScaling(*chart_, scaling_options_)),
       accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)) {
@@ -285,6 +308,10 @@ int MeasureCommands::Run(const std::filesystem::path& config_root) {
   }
   if (console_->parsed()) return RunBenchConsole(console_options_);
   if (view_->parsed()) return RunBenchView(view_options_);
+  if (simulate_->parsed()) {
+    simulate_options_.config_root = config_root;
+    return RunBenchSimulate(simulate_options_);
+  }
   frame_options_.config_root = config_root;
   return RunBenchFrame(frame_options_);
 }

@@ -7,6 +7,7 @@
 #include "studies/bench/bench_console.h"
 #include "studies/bench/bench_frame.h"
 #include "studies/bench/bench_kinematics.h"
+#include "studies/bench/bench_simulate.h"
 #include "studies/bench/bench_surface.h"
 #include "studies/bench/bench_tick.h"
 #include "studies/bench/bench_view.h"
@@ -16,7 +17,7 @@
 namespace osteon::app {
 
 /// The subcommands that measure: `bench frame`, `bench kinematics`, `bench surface`, `bench tick`, `bench
-/// console`, `bench view`, `chart scaling`, `chart speed-accuracy`.
+/// console`, `bench view`, `bench simulate`, `chart scaling`, `chart speed-accuracy`.
 class MeasureCommands {
  public:
   explicit MeasureCommands(CLI::App& app);
@@ -33,10 +34,11 @@ class MeasureCommands {
   BenchTickOptions tick_options_;
   BenchConsoleOptions console_options_;
   BenchViewOptions view_options_;
+  BenchSimulateOptions simulate_options_;
   ScalingOptions scaling_options_;
   SpeedAccuracyOptions accuracy_options_;
-  CLI::App *bench_, *frame_, *kinematics_, *surface_, *tick_, *console_, *view_, *chart_, *scaling_,
-      *accuracy_;
+  CLI::App *bench_, *frame_, *kinematics_, *surface_, *tick_, *console_, *view_, *simulate_, *chart_,
+      *scaling_, *accuracy_;
 };
 
 }  // namespace osteon::app

@@ -41,6 +41,7 @@ constexpr rt::Nanoseconds kFullFor = 100 * rt::kMillisecond;
 constexpr double kRest_m_per_s = 0.002;  // speed of a commanded tool at rest
 // Time for which the rest is watched; within it the PLC misses the heartbeats (0.25 s).
 constexpr rt::Nanoseconds kRestFor = 800 * rt::kMillisecond;
+constexpr milliseconds kEngineHalt{300};   // of a late engine: a model then is beyond every limit of its age
 constexpr double kStands_rad_per_s = 0.5;  // spindle speed at standstill
 
 std::string ReadAll(const std::filesystem::path& file) {
@@ -54,9 +55,29 @@ nlohmann::json ReadJson(const std::filesystem::path& file) {
 
 double MetresPerSecond(const PlainVector3& v) { return Vector3(v).norm(); }
 
+bool IsEngine(KillVictim victim) {
+  return victim == KillVictim::kEngine || victim == KillVictim::kEngineHung ||
+         victim == KillVictim::kEngineLate;
+}
+
+// The process that a process has started with this word first; 0 if there is none.
+pid_t FindChild(pid_t parent, const std::string& word) {
+  std::error_code error;
+  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator("/proc", error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    const std::string status = ReadAll(entry.path() / "status");
+    if (status.find(fmt::format("\nPPid:\t{}\n", parent)) == std::string::npos) continue;
+    const std::string line = ReadAll(entry.path() / "cmdline");  // its words end with a zero each
+    if (line.find('\0' + word + '\0') != std::string::npos) return std::stoi(name);
+  }
+  return 0;
+}
+
 // The fault in which the victim's death must end; empty: any watchdog may be first.
 std::string OwnFault(KillVictim victim) {
-  if (victim == KillVictim::kSimulation) return safety::Describe(safety::Fault::kModelStale).name;
+  if (victim == KillVictim::kSimulation || IsEngine(victim))
+    return safety::Describe(safety::Fault::kModelStale).name;
   if (victim == KillVictim::kRecorder) return safety::Describe(safety::Fault::kRecorder).name;
   return "";
 }
@@ -66,8 +87,11 @@ const char* ThreadOf(KillVictim victim) { return victim == KillVictim::kLoop ? "
 // The three processes, each in a folder of its own.
 class Trial {
  public:
-  explicit Trial(const KillTrialParams& params) : params_(params), trace_(Folder("cell") / "trace.csv") {
-    config::CellConfig cell = config::LoadCell(params.cell);
+  Trial(KillVictim victim, const KillTrialParams& params)
+      : params_(params),
+        cell_file_(IsEngine(victim) ? EngineCell(params.cell) : params.cell),
+        trace_(Folder("cell") / "trace.csv") {
+    config::CellConfig cell = config::LoadCell(cell_file_);
     const auto port = UseSimulated(cell, 0);
     if (!port) throw std::runtime_error(port.error());
     port_ = std::to_string(*port);
@@ -110,8 +134,19 @@ class Trial {
         halted_ = std::move(*halted);
         break;
       }
+      case KillVictim::kEngine:
+      case KillVictim::kEngineHung:
+      case KillVictim::kEngineLate:
+        engine_ = FindChild(run_->pid(), "simulate");
+        if (engine_ == 0) return "the controller has no engine's process";
+        kill(engine_, victim == KillVictim::kEngine ? SIGKILL : SIGSTOP);
+        break;
     }
     killed_ = rt::MonotonicNow();
+    if (victim == KillVictim::kEngineLate) {
+      std::this_thread::sleep_for(kEngineHalt);
+      kill(engine_, SIGCONT);
+    }
     return "";
   }
 
@@ -122,6 +157,7 @@ class Trial {
     cell_->Send(SIGTERM);  // first, so that actions of a released thread do not count
     cell_->End(kEnd);
     halted_.reset();  // so that the process can end
+    if (victim == KillVictim::kEngineHung) kill(engine_, SIGCONT);
     KillResult result{.victim = victim};
     if (victim == KillVictim::kController)
       run_->End(seconds(0));
@@ -153,7 +189,7 @@ class Trial {
   [[nodiscard]] std::filesystem::path Folder(const std::string& name) const { return params_.folder / name; }
 
   std::unique_ptr<ChildProcess> Start(const std::string& name, const std::vector<std::string>& more) {
-    std::vector<std::string> words{name, std::filesystem::absolute(params_.cell).string(), "--port", port_};
+    std::vector<std::string> words{name, std::filesystem::absolute(cell_file_).string(), "--port", port_};
     words.insert(words.end(), more.begin(), more.end());
     auto process = ChildProcess::Start({.words = words,
                                         .program = OsteonBeside(),
@@ -269,10 +305,12 @@ class Trial {
   }
 
   const KillTrialParams& params_;
+  std::filesystem::path cell_file_;
   CellTraceReader trace_;
   std::string port_;
   std::unique_ptr<ChildProcess> cell_, guard_, run_;
   std::unique_ptr<HaltedThread> halted_;  // destroyed before its process
+  pid_t engine_{0};
   rt::Nanoseconds killed_{0};
 };
 
@@ -297,6 +335,12 @@ const char* NameOf(KillVictim victim) {
       return "guard";
     case KillVictim::kCell:
       return "cell";
+    case KillVictim::kEngine:
+      return "engine";
+    case KillVictim::kEngineHung:
+      return "engine hung";
+    case KillVictim::kEngineLate:
+      return "engine late";
   }
   return "unknown";
 }
@@ -315,6 +359,12 @@ const char* Describe(KillVictim victim) {
       return "SIGKILL to osteon guard";
     case KillVictim::kCell:
       return "SIGKILL to osteon cell: arm, sensor, drive and PLC gone";
+    case KillVictim::kEngine:
+      return "SIGKILL to osteon simulate, the engine in its own process";
+    case KillVictim::kEngineHung:
+      return "SIGSTOP to osteon simulate";
+    case KillVictim::kEngineLate:
+      return "SIGSTOP to osteon simulate, SIGCONT 0.3 s later";
   }
   return "unknown";
 }
@@ -336,12 +386,18 @@ void WriteKillCell(const std::filesystem::path& source, double push_N, double li
                         {"script.full_force_depth_mm", "15"},
                         {"script.duration_s", "6"}},
                        folder / "cell.yaml");
+  config::WriteDerived(folder / "cell.yaml", {{"simulation", "{process: local}"}},
+                       EngineCell(folder / "cell.yaml"));
+}
+
+std::filesystem::path EngineCell(const std::filesystem::path& cell) {
+  return cell.parent_path() / (cell.stem().string() + "_engine.yaml");
 }
 
 tl::expected<KillResult, std::string> RunKillTrial(KillVictim victim, const KillTrialParams& params) {
   std::string why;
   for (int attempt = 1; attempt <= kAttempts; ++attempt) {
-    Trial trial(params);
+    Trial trial(victim, params);
     if (!trial.ReachFullContact()) {
       if (params.stop && params.stop()) return tl::make_unexpected("stopped");
       why = trial.FindComplaint();

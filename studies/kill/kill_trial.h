@@ -18,8 +18,11 @@ enum class KillVictim {
   kRecorder,    ///< its recorder's thread is halted; its other threads go on
   kGuard,       ///< `osteon guard`, by SIGKILL
   kCell,        ///< `osteon cell`, by SIGKILL: arm, sensor, drive and PLC fall silent at once
+  kEngine,      ///< `osteon simulate`, the engine in its own process, by SIGKILL
+  kEngineHung,  ///< the same, halted by SIGSTOP
+  kEngineLate,  ///< the same, halted for 0.3 s; then it goes on
 };
-inline constexpr int kKillVictims = 6;
+inline constexpr int kKillVictims = 9;
 /// @returns e.g. "controller"
 [[nodiscard]] const char* NameOf(KillVictim victim);
 /// @returns how the victim is killed, e.g. "SIGKILL to osteon run"
@@ -64,10 +67,14 @@ struct KillResult {
 [[nodiscard]] bool AnotherFaultFirst(const KillResult& result);
 
 /// Writes the cell of the trial, derived from a shipped one: a guard, a plate of cortical bone that lasts, a
-/// hand that presses with `push_N` for some seconds and could press twice as hard, a limit of 200 N.
+/// hand that presses with `push_N` for some seconds and could press twice as hard, a limit of 200 N. Beside
+/// it the same cell with its engine in a process of its own (EngineCell).
 /// @throws std::runtime_error or YAML::Exception naming the file that cannot be read or written.
 void WriteKillCell(const std::filesystem::path& source, double push_N, double limit_N,
                    const std::filesystem::path& folder);
+
+/// The cell of the victims that are the engine's process.
+[[nodiscard]] std::filesystem::path EngineCell(const std::filesystem::path& cell);
 
 /// Starts cell, guard and controller as processes, waits until the arm stands under the hand's full push,
 /// kills the victim, and observes the simulated cell until the arm has been at rest for a while. An attempt
