@@ -53,7 +53,7 @@ int Run(int argc, char** argv) {
   if (capability.asked()) return capability.Run(config_root, command_line);
   if (transparency.asked()) return transparency.Run(config_root, command_line);
   if (plan.asked()) return plan.Run(config_root, command_line);
-  if (tune.asked()) return tune.Run(config_root, command_line);
+  if (tune.asked()) return tune.Run(config_root, invocation);
   if (regress.asked()) return regress.Run(config_root, invocation);
   if (diff.asked()) return diff.Run(command_line);
   if (merge.asked()) return merge.Run(config_root);

@@ -10,6 +10,7 @@
 #include "app/cli/failures_command.h"
 #include "app/cli/regress_command.h"
 #include "app/cli/study_commands.h"
+#include "app/cli/tune_command.h"
 #include "app/cli/usage.h"
 #include "session/process/exit_code.h"
 #include "studies/sharding/part_set.h"
@@ -21,6 +22,7 @@ namespace {
 int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> words, const PartSet& parts) {
   CLI::App app{"the studies that can be split", "osteon"};
   FailuresCommand failures(app);
+  TuneCommand tune(app);
   RegressCommand regress(app);
   app.require_subcommand(1);
   const Invocation invocation{.command_line = CommandLine(words), .words = words, .parts = &parts};
@@ -33,6 +35,7 @@ int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> 
                             parts.first_file().string(), UsageError(app, error)));
   }
   try {
+    if (tune.asked()) return tune.Run(config_root, invocation);
     if (failures.asked()) return failures.Run(config_root, invocation);
     return regress.Run(config_root, invocation);
   } catch (const nlohmann::json::exception& error) {

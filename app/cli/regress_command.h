@@ -10,7 +10,7 @@
 
 namespace osteon::app {
 
-/// The subcommand `regress` of the command line.
+/// The subcommand `regress` of the command line: scenarios against golden traces, or a sweep.
 class RegressCommand {
  public:
   explicit RegressCommand(CLI::App& app);
@@ -21,6 +21,7 @@ class RegressCommand {
 
  private:
   RegressOptions options_;
+  std::string sweep_;  ///< empty: scenarios against their golden traces
   CLI::App* sub_;
 };
 

@@ -44,6 +44,7 @@ TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
   sub_->add_option("--threads", o.threads, "number of threads; the result does not depend on it")
       ->check(NumberWithin(1, 256))
       ->capture_default_str();
+  AddShardOption(*sub_, o.sharding);
   sub_->footer(
       "The map is along one axis of the tool. Results stay in the folder: only what has changed is computed "
       "again.\n\n"
@@ -53,8 +54,9 @@ TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
       "  osteon run demo --simulated --gains tune/gains.yaml");
 }
 
-int TuneCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
-  options_.command_line = command_line;
+int TuneCommand::Run(const std::filesystem::path& config_root, const Invocation& invocation) {
+  options_.command_line = invocation.command_line;
+  TakeInvocation(invocation, options_.sharding);
   const auto found = FindCell(config_root, cell_);
   if (!found) {
     fmt::print(stderr, "osteon tune: {}\n", found.error());

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/cli/shard_option.h"
 #include "studies/tune/tune.h"
 
 namespace osteon::app {
@@ -16,7 +17,7 @@ class TuneCommand {
 
   [[nodiscard]] bool asked() const { return sub_->parsed(); }
   /// @returns the process's exit code.
-  [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
+  [[nodiscard]] int Run(const std::filesystem::path& config_root, const Invocation& invocation);
 
  private:
   TuneOptions options_;

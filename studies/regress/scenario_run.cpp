@@ -162,6 +162,12 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
   run.trace =
       recorder.Finish(EndText(result->end) + (result->diagnosis.empty() ? "" : ": " + result->diagnosis),
                       result->statistics.active_ticks, cuts ? simulation::HashState(result->after) : 0);
+  const control::ServoStatistics& seen = result->statistics;
+  run.figures = {.peak_force_N = seen.peak_coupling_force_N,
+                 .peak_hand_force_N = seen.peak_sensor_force_N,
+                 .peak_tool_in_bone_mm = 1e3 * seen.peak_tool_in_bone_m,
+                 .peak_tool_speed_mm_per_s = 1e3 * seen.peak_tool_speed_m_per_s,
+                 .removed_mm3 = cuts ? 1e9 * result->after.removed_volume_m3 : 0.0};
   run.seconds_simulated = period_s * static_cast<double>(run.trace.ticks);
   run.seconds_wall = Now_s() - begun_s;
   run.seconds_cpu = Cpu_s() - begun_cpu_s;

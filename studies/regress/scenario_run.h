@@ -24,8 +24,18 @@ struct ScenarioRunParams {
   std::filesystem::path keep_in{};
 };
 
+/// The greatest values of a run, while it rendered.
+struct RunFigures {
+  double peak_force_N{0.0};              ///< rendered, after all limits
+  double peak_hand_force_N{0.0};         ///< from the sensor
+  double peak_tool_in_bone_mm{0.0};      ///< distance from the tool to its collision-free pose
+  double peak_tool_speed_mm_per_s{0.0};  ///< commanded
+  double removed_mm3{0.0};               ///< of bone, in all
+};
+
 struct ScenarioRun {
   ScenarioTrace trace;
+  RunFigures figures{};
   std::vector<GoldenSource> sources;         ///< the files that the run was made from
   std::string engine;                        ///< "reference on CPU, double precision"
   std::shared_ptr<const WorkFolder> folder;  ///< holds the recording; removed with the last copy of this

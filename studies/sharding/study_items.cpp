@@ -1,5 +1,6 @@
 #include "studies/sharding/study_items.h"
 
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,19 +18,32 @@ StudyItems::StudyItems(const Sharding& sharding, std::string_view inputs) : shar
   checksum_ = fmt::format("{:016x}", hash.hash());
 }
 
-std::string StudyItems::Validate(std::size_t items) const {
+std::string StudyItems::ValidateInputs() const {
   if (!FromParts()) return "";
   const PartSet& parts = *sharding_.parts;
   if (parts.checksum() != checksum_)
     return fmt::format("{}: found options and inputs with checksum {}, accepted {}: files have changed since",
                        parts.first_file().string(), parts.checksum(), checksum_);
+  return "";
+}
+
+std::string StudyItems::Validate(std::size_t items) const {
+  if (std::string wrong = ValidateInputs(); !wrong.empty() || !FromParts()) return wrong;
+  const PartSet& parts = *sharding_.parts;
   if (parts.items() != items)
     return fmt::format("{}: found {} items, accepted {}: run the shards again", parts.first_file().string(),
                        parts.items(), items);
   return "";
 }
 
-const nlohmann::json& StudyItems::At(std::size_t item) const { return sharding_.parts->At(item); }
+const nlohmann::json& StudyItems::At(std::size_t item) const {
+  // a study that is run on parts asks for the items that it had when they were made
+  if (item >= sharding_.parts->items())
+    throw std::invalid_argument(fmt::format("{}: found {} items, accepted at least {}: run the shards again",
+                                            sharding_.parts->first_file().string(), sharding_.parts->items(),
+                                            item + 1));
+  return sharding_.parts->At(item);
+}
 
 void StudyItems::Store(std::size_t item, nlohmann::json result) {
   if (!sharding_.shard || !sharding_.shard->Has(item)) return;

@@ -25,6 +25,9 @@ class StudyItems {
   /// @param inputs  everything that items depend on, as text: options, contents of files
   StudyItems(const Sharding& sharding, std::string_view inputs);
 
+  /// Whether parts are of other inputs than there are now: an error that names the first part. Empty: they
+  /// are not, or there are none.
+  [[nodiscard]] std::string ValidateInputs() const;
   /// Whether parts are of other inputs or of another number of items than there are now: an error that names
   /// the first part. Empty: they are not, or there are none.
   [[nodiscard]] std::string Validate(std::size_t items) const;

@@ -20,6 +20,8 @@
 #include "session/process/exit_code.h"
 #include "session/summary/chart_files.h"
 #include "session/summary/summary.h"
+#include "studies/sharding/exact_number.h"
+#include "studies/sharding/study_items.h"
 #include "studies/tune/tune_cache.h"
 #include "studies/tune/tune_result.h"
 
@@ -49,26 +51,68 @@ std::string Text(const std::vector<hil::GridHand>& hands) {
 
 std::string Text(const TuneGains& g) { return fmt::format(" {} {}", g.mass_kg, g.damping_Ns_per_m); }
 
+// The study's results, each with a number: first those by which gains are recommended, which every shard
+// computes for itself, then those at the recommended gains.
+struct Items {
+  static constexpr std::size_t kOwnMargin = 0, kDrags = 1, kMargins = kDrags + 2 * kMasses_kg.size(),
+                               kRecommended = kMargins + kMasses_kg.size();
+  static constexpr std::size_t kRecommendedMargin = kRecommended, kStiffestDrag = kRecommended + 1,
+                               kClampDrag = kRecommended + 2, kBoundaries = kRecommended + 3;
+  /// @param dampings  of the map
+  static std::size_t Boundaries(std::size_t hands, int dampings) {
+    return kBoundaries + hands * static_cast<std::size_t>(dampings + 1);
+  }
+  static std::size_t Rows(std::size_t map, int dampings) {
+    return Boundaries(3, dampings) + map * static_cast<std::size_t>(kWalls);
+  }
+  static std::size_t Count(const TuneResult& r, int dampings) {
+    return r.Stands() ? Rows(2, dampings) : kRecommended;
+  }
+};
+
+nlohmann::json JsonOf(const std::vector<double>& values) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const double value : values) list.push_back(ExactNumber(value));
+  return list;
+}
+
+std::vector<double> NumbersFrom(const nlohmann::json& list) {
+  std::vector<double> values;
+  for (const nlohmann::json& value : list) values.push_back(ExactNumberFrom(value));
+  return values;
+}
+
 // Reuses earlier results if nothing has changed, and computes the others in parallel.
 class Study {
  public:
-  Study(const TuneTask& task, TuneCache& cache, int threads)
-      : task_(task), cache_(cache), threads_(threads) {}
+  Study(const TuneTask& task, TuneCache& cache, StudyItems& items, int threads)
+      : task_(task), cache_(cache), items_(items), threads_(threads) {}
+
+  [[nodiscard]] bool IsShard() const { return items_.IsShard(); }
 
   template <typename Compute>
-  std::vector<double> Get(const std::string& what, const Compute& compute) const {
+  std::vector<double> Get(std::size_t item, const std::string& what, const Compute& compute) const {
     const std::string from = what + ": " + Text(task_);
+    if (items_.FromParts()) {
+      std::vector<double> values = NumbersFrom(items_.At(item));
+      cache_.Store(from, values);
+      return values;
+    }
+    if (item >= Items::kRecommended && !items_.Computes(item)) return {};
     if (auto found = cache_.Find(from)) return *found;
     if (Interrupted()) return {};
     std::vector<double> values = compute();
     cache_.Store(from, values);
+    items_.Store(item, JsonOf(values));
     return values;
   }
   template <typename Compute>
-  double One(const std::string& what, const Compute& compute) const {
-    const std::vector<double> values = Get(what, [&] { return std::vector<double>{compute()}; });
+  double One(std::size_t item, const std::string& what, const Compute& compute) const {
+    const std::vector<double> values = Get(item, what, [&] { return std::vector<double>{compute()}; });
     return values.size() == 1 ? values[0] : 0.0;
   }
+  // An item that this study does not need.
+  void Skip(std::size_t item) const { items_.Store(item, nlohmann::json::array()); }
   template <typename Each>
   void ForEach(std::size_t count, const Each& each) const {
     simulation::ParallelFor(
@@ -79,17 +123,18 @@ class Study {
         1);
   }
 
-  [[nodiscard]] double Margin(const TuneGains& gains, const std::vector<hil::GridHand>& hands) const {
-    return One("margin" + Text(gains) + Text(hands), [&] { return GainMargin(task_, gains, hands); });
+  [[nodiscard]] double Margin(std::size_t item, const TuneGains& gains,
+                              const std::vector<hil::GridHand>& hands) const {
+    return One(item, "margin" + Text(gains) + Text(hands), [&] { return GainMargin(task_, gains, hands); });
   }
-  [[nodiscard]] double Drag(double mass_kg, const std::vector<hil::GridHand>& hands) const {
-    return One(fmt::format("drag {}{}", mass_kg, Text(hands)),
+  [[nodiscard]] double Drag(std::size_t item, double mass_kg, const std::vector<hil::GridHand>& hands) const {
+    return One(item, fmt::format("drag {}{}", mass_kg, Text(hands)),
                [&] { return MinDragFor(task_, mass_kg, hands); });
   }
-  [[nodiscard]] TuneBoundary BoundaryOf(const TuneGains& gains, const std::vector<hil::GridHand>& hands,
-                                        double max_N_per_m) const {
+  [[nodiscard]] TuneBoundary BoundaryOf(std::size_t item, const TuneGains& gains,
+                                        const std::vector<hil::GridHand>& hands, double max_N_per_m) const {
     const std::vector<double> v =
-        Get(fmt::format("boundary {}{}{}", max_N_per_m, Text(gains), Text(hands)), [&] {
+        Get(item, fmt::format("boundary {}{}{}", max_N_per_m, Text(gains), Text(hands)), [&] {
           const TuneBoundary b = BoundaryAt(task_, gains, hands, max_N_per_m);
           return std::vector{b.predicted_N_per_m, b.simulated_N_per_m, b.degraded_N_per_m,
                              static_cast<double>(b.hand)};
@@ -98,15 +143,17 @@ class Study {
       return {.damping_Ns_per_m = gains.damping_Ns_per_m};
     return {gains.damping_Ns_per_m, v[0], v[1], v[2], static_cast<std::size_t>(v[3])};
   }
-  [[nodiscard]] std::vector<TuneBoundary> Boundaries(const TuneResult& r, const std::vector<double>& dampings,
+  [[nodiscard]] std::vector<TuneBoundary> Boundaries(std::size_t first_item, const TuneResult& r,
+                                                     const std::vector<double>& dampings,
                                                      const std::vector<hil::GridHand>& hands) const {
     std::vector<TuneBoundary> boundaries(dampings.size());
     ForEach(dampings.size(), [&](std::size_t i) {
-      boundaries[i] = BoundaryOf({r.recommended.mass_kg, dampings[i]}, hands, r.max_wall_N_per_m);
+      boundaries[i] =
+          BoundaryOf(first_item + i, {r.recommended.mass_kg, dampings[i]}, hands, r.max_wall_N_per_m);
     });
     return boundaries;
   }
-  [[nodiscard]] TuneMap Map(const TuneResult& r, const std::string& title,
+  [[nodiscard]] TuneMap Map(std::size_t first_item, const TuneResult& r, const std::string& title,
                             const std::vector<hil::GridHand>& hands, int dampings) const {
     TuneMap map{.title = title,
                 .damping_from = kMinDamping,
@@ -120,7 +167,8 @@ class Study {
     ForEach(static_cast<std::size_t>(map.walls), [&](std::size_t row) {
       const double wall =
           map.wall_from * std::pow(map.wall_to / map.wall_from, (static_cast<double>(row) + 0.5) / map.walls);
-      const auto values = Get(fmt::format("row {} {} {} {}{}", wall, map.dampings, map.damping_from,
+      const auto values = Get(first_item + row,
+                              fmt::format("row {} {} {} {}{}", wall, map.dampings, map.damping_from,
                                           r.recommended.mass_kg, Text(hands)),
                               [&] {
                                 std::vector<double> decay;
@@ -141,6 +189,7 @@ class Study {
  private:
   const TuneTask& task_;
   TuneCache& cache_;
+  StudyItems& items_;
   int threads_;
 };
 
@@ -151,7 +200,7 @@ void Recommend(const Study& study, TuneResult& r) {
   study.ForEach(2 * kMasses_kg.size(), [&](std::size_t i) {
     TuneTrade& trade = r.trade[i / 2];
     (i % 2 == 0 ? trade.human_Ns_per_m : trade.stiffest_Ns_per_m) =
-        study.Drag(trade.mass_kg, i % 2 == 0 ? r.human_hands : r.stiffest_hands);
+        study.Drag(Items::kDrags + i, trade.mass_kg, i % 2 == 0 ? r.human_hands : r.stiffest_hands);
   });
   const auto least =
       std::ranges::min_element(r.trade, {}, [](const TuneTrade& t) { return t.human_Ns_per_m; });
@@ -164,8 +213,11 @@ void Recommend(const Study& study, TuneResult& r) {
 void SearchWithinBar(const Study& study, TuneResult& r) {
   std::array<double, kMasses_kg.size()> margins{};
   study.ForEach(kMasses_kg.size(), [&](std::size_t i) {
-    if (kMasses_kg[i] <= r.task.max_mass_kg)
-      margins[i] = study.Margin({kMasses_kg[i], r.task.max_drag_Ns_per_m}, r.human_hands);
+    const std::size_t item = Items::kMargins + i;
+    if (kMasses_kg[i] > r.task.max_mass_kg)
+      study.Skip(item);
+    else
+      margins[i] = study.Margin(item, {kMasses_kg[i], r.task.max_drag_Ns_per_m}, r.human_hands);
   });
   const auto best = std::ranges::max_element(margins);
   r.within_bar_margin = *best;
@@ -174,14 +226,15 @@ void SearchWithinBar(const Study& study, TuneResult& r) {
 
 void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& progress, TuneResult& r) {
   progress.BeginPhase("the cell's own gains, and the least drag by mass");
-  r.own_margin = study.Margin({r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m}, r.human_hands);
+  r.own_margin =
+      study.Margin(Items::kOwnMargin, {r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m}, r.human_hands);
   Recommend(study, r);
   SearchWithinBar(study, r);
   if (Interrupted() || !r.Stands()) return;
-  r.recommended_margin = study.Margin(r.recommended, r.human_hands);
-  r.stiffest_Ns_per_m = study.Drag(r.recommended.mass_kg, r.stiffest_hands);
+  r.recommended_margin = study.Margin(Items::kRecommendedMargin, r.recommended, r.human_hands);
+  r.stiffest_Ns_per_m = study.Drag(Items::kStiffestDrag, r.recommended.mass_kg, r.stiffest_hands);
   for (const hil::GridHand& hand : hil::NamedHands())
-    if (hand.name == "clamp") r.clamp_Ns_per_m = study.Drag(r.recommended.mass_kg, {hand});
+    if (hand.name == "clamp") r.clamp_Ns_per_m = study.Drag(Items::kClampDrag, r.recommended.mass_kg, {hand});
 
   progress.BeginPhase("boundaries, predicted and simulated");
   std::vector<double> dampings{r.recommended.damping_Ns_per_m};
@@ -189,15 +242,20 @@ void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& pro
     dampings.push_back(kMinDamping *
                        std::pow(kMaxDamping / kMinDamping, static_cast<double>(i) / (options.dampings - 1)));
   std::ranges::sort(dampings);
-  r.firm = study.Boundaries(r, dampings, {hil::NamedHands()[1]});
-  r.human = study.Boundaries(r, dampings, r.human_hands);
-  r.stiffest = study.Boundaries(r, dampings, r.stiffest_hands);
+  const auto boundaries = [&](std::size_t i, const std::vector<hil::GridHand>& hands) {
+    return study.Boundaries(Items::Boundaries(i, options.dampings), r, dampings, hands);
+  };
+  r.firm = boundaries(0, {hil::NamedHands()[1]});
+  r.human = boundaries(1, r.human_hands);
+  r.stiffest = boundaries(2, r.stiffest_hands);
 
   progress.BeginPhase("the map");
   for (const auto& [hands, grip] : {std::pair{&r.human_hands, r.task.human_grip_N_per_m},
                                     {&r.stiffest_hands, r.task.stiffest_grip_N_per_m}})
-    r.maps.push_back(study.Map(r, fmt::format("Grips up to {:g} N/m", grip), *hands, options.dampings));
+    r.maps.push_back(study.Map(Items::Rows(r.maps.size(), options.dampings), r,
+                               fmt::format("Grips up to {:g} N/m", grip), *hands, options.dampings));
 
+  if (study.IsShard()) return;  // what takes no time is computed where the parts are put together
   progress.BeginPhase("the recommended gains, run in time");
   r.check = CheckInTime(r.task, r.recommended, r.human_hands);
   r.carried = CarryStiffHands(r.task, r.recommended);
@@ -300,16 +358,21 @@ tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const
   return task;
 }
 
+// Everything that the results depend on, as text.
+std::string InputsOf(const TuneResult& r, const TuneOptions& options) {
+  return fmt::format("{} {}{}{}", Text(r.task), options.dampings, Text(r.human_hands),
+                     Text(r.stiffest_hands));
+}
+
 int Run(const TuneOptions& options) {
+  if (const std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty())
+    return Fail("tune", wrong);
   if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
     return Fail("tune", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
   config::RequireSimulation(cell, options.cell);
   const auto task = TaskOf(cell, options);
   if (!task) return Fail("tune", task.error());
-  std::error_code error;
-  std::filesystem::create_directories(options.out, error);
-  if (error) return Fail("tune", options.out.string() + ": " + error.message(), kFailed);
 
   TuneResult result;
   result.cell = options.cell.stem().string();
@@ -318,11 +381,26 @@ int Run(const TuneOptions& options) {
   result.stiffest_hands = HandsUpTo(task->stiffest_grip_N_per_m);
   result.age_bound_Ns_per_m = task->worst_age_s * task->plane_N_per_m;
 
+  StudyItems items(options.sharding, InputsOf(result, options));
+  // the parts are asked whether they are of this study before their items are used
+  if (const std::string wrong = items.ValidateInputs(); !wrong.empty()) return Fail("tune", wrong);
+  if (!items.IsShard()) {
+    std::error_code error;
+    std::filesystem::create_directories(options.out, error);
+    if (error) return Fail("tune", options.out.string() + ": " + error.message(), kFailed);
+  }
+
   InstallInterrupt();
-  TuneCache cache(options.out / "results.json");
-  PhaseProgress progress("osteon tune", 4);
-  StudyAll(Study(result.task, cache, options.threads), options, progress, result);
+  // shards may share a folder, so they keep nothing there
+  TuneCache cache(items.IsShard() ? std::filesystem::path() : options.out / "results.json");
+  PhaseProgress progress("osteon tune", items.IsShard() ? 3 : 4);
+  StudyAll(Study(result.task, cache, items, options.threads), options, progress, result);
   progress.Done();
+  if (items.IsShard()) {
+    if (Interrupted()) return kExitInterrupted;
+    const auto written = items.WritePart(options.json, Items::Count(result, options.dampings));
+    return written ? 0 : Fail("tune", written.error(), kFailed);
+  }
   // computed numbers are kept, even if the user did not wait for the rest
   if (const auto saved = cache.Save(); !saved) return Fail("tune", saved.error(), kFailed);
   if (Interrupted()) return kExitInterrupted;

@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "studies/sharding/shard.h"
+
 namespace osteon::app {
 
 struct TuneOptions {
@@ -19,6 +21,7 @@ struct TuneOptions {
   int dampings{16};  ///< of the map, from 5 to 500 N s/m
   int threads{2};
   std::string command_line{};
+  Sharding sharding{};
 };
 
 /// Runs `osteon tune CELL.yaml`: finds how stiff a wall the cell's loop may render for each drag of the

@@ -1,4 +1,5 @@
 #include <regex>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -98,6 +99,58 @@ TEST_F(Merge, FailuresAreThoseOfOneRun) {
       EXPECT_EQ(Text("merged/" + name), Text("one/" + name)) << name;
     }
   EXPECT_EQ(pictures, 4u);
+}
+
+// Two tunes of one cell: every file that a tune leaves is the same, to the byte.
+TEST_F(Merge, TuneIsThatOfOneRun) {
+  const std::vector<std::string> command{"tune",      "demo", "--nodes",         "3",
+                                         "--threads", "2",    "--stiffest-grip", "4000"};
+  std::vector<std::string> whole = command;
+  whole.insert(whole.end(), {"--out", "tuned", "--json", "t.json"});
+  const CommandResult one = Run(whole);
+  std::filesystem::rename(folder_.path() / "tuned", folder_.path() / "one");
+  const std::string json = Text("t.json");
+  const auto files = RunShards(command, 2, one.exit_code);
+  const CommandResult merged = MergeFiles(files, {"--out", "tuned", "--json", "t.json"});
+  EXPECT_EQ(merged.exit_code, one.exit_code) << merged.out << merged.err;
+  EXPECT_EQ(merged.out, one.out);
+  EXPECT_EQ(Text("t.json"), json);
+  for (const char* name : {"tune.json", "tune.csv", "tune.html", "gains.yaml", "results.json", "tune.svg"})
+    EXPECT_EQ(Text(std::string("tuned/") + name), Text(std::string("one/") + name)) << name;
+}
+
+TEST_F(Merge, ASweepIsThatOfOneRun) {
+  io::test::WriteAll(folder_.path() / "sweep.yaml",
+                     "shows: x\nscenario: tremor\nseed_count: 2\nparameters:\n"
+                     "  - {key: coupling.damping_Ns_per_m, takes: \"50, 200\"}\n"
+                     "  - {key: operator.tremor_N, takes: uniform 0 to 4}\n"
+                     "  - {key: operator.tremor_seed, takes: seed}\n");
+  const std::vector<std::string> command{"regress", "--sweep", "sweep.yaml"};
+  std::vector<std::string> whole = command;
+  whole.insert(whole.end(), {"--out", "out", "--json", "s.json"});
+  const CommandResult one = Run(whole);
+  ASSERT_EQ(one.exit_code, 0) << one.out << one.err;
+  std::filesystem::rename(folder_.path() / "out", folder_.path() / "one");
+  const std::string json = Text("s.json");
+  const auto files = RunShards(command, 3, 0);
+  const CommandResult merged = MergeFiles(files, {"--out", "out", "--json", "s.json"});
+  EXPECT_EQ(merged.exit_code, 0) << merged.err;
+  EXPECT_EQ(merged.out, one.out);
+  EXPECT_EQ(Text("s.json"), json);
+  for (const char* name : {"sweep.html", "sweep.csv"})
+    EXPECT_EQ(Text(std::string("out/") + name), Text(std::string("one/") + name)) << name;
+
+  const nlohmann::json sweep = ReadJson(folder_.path() / "s.json");
+  EXPECT_EQ(sweep["schema"], "osteon.sweep/1");
+  ASSERT_EQ(sweep["results"].size(), 4u);
+  std::set<std::string> hashes;
+  for (const auto& run : sweep["results"]) {
+    EXPECT_GT(run["peak_force_N"], 1.0);
+    hashes.insert(run["hash"].get<std::string>());
+  }
+  EXPECT_EQ(hashes.size(), 4u);  // each run is another
+  ASSERT_EQ(sweep["combinations"].size(), 2u);
+  EXPECT_EQ(sweep["combinations"][1]["values"]["coupling.damping_Ns_per_m"], "200");
 }
 
 TEST_F(Merge, RefusesPartsOfOtherRunsAndNamesTheFile) {

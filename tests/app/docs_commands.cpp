@@ -99,6 +99,8 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon regress --shard 1/2 --json part_1.json", By("Merge.RegressIsThatOfOneRun")},
       {"osteon regress --shard 2/2 --json part_2.json", By("Merge.RegressIsThatOfOneRun")},
       {"osteon merge part_1.json part_2.json --json regress.json", By("Merge.RegressIsThatOfOneRun")},
+      {"osteon merge part_*.json --json sweep.json", By("Merge.ASweepIsThatOfOneRun")},
+      {"osteon regress --sweep trembling_hand --json sweep.json", By("Merge.ASweepIsThatOfOneRun")},
 
       {"osteon new-cell my_cell", As("new-cell my_cell", {"my_cell.yaml"})},
       {"osteon doctor", As("doctor --seconds 0.2")},

@@ -13,6 +13,7 @@
 #include "config/reading/load.h"
 #include "config/reading/load_robot.h"
 #include "config/reading/load_scenario.h"
+#include "config/reading/load_sweep.h"
 #include "config/reading/strict/overlay.h"
 #include "config/reading/strict/units.h"
 
@@ -35,6 +36,7 @@ void LoadAny(const fs::path& path) {
   if (folder == "materials") return static_cast<void>(LoadMaterials(path));
   if (folder == "scenes") return static_cast<void>(LoadScene(path));
   if (folder == "cells") return static_cast<void>(LoadCell(path));
+  if (folder == "sweeps") return static_cast<void>(LoadSweep(path));
   if (folder == "scenarios") {
     const ScenarioConfig scenario = LoadScenario(path);
     Overlay overlay(scenario.cell);

@@ -44,6 +44,18 @@ class OverlayTest : public testing::Test {
   io::test::TemporaryFolder folder_;
 };
 
+TEST_F(OverlayTest, OneAssignmentReplacesOneValueOfAFileAndLeavesTheOthers) {
+  io::test::WriteAll(
+      File(), "overrides:\n  operator.tremor_N: 3\n  tool.spindle_rpm: 300\n  limits.max_force_N: 150\n");
+  Overlay overlay(kCell);
+  overlay.SetFromFile(File(), "overrides");
+  overlay.Set("operator.tremor_N=0.5", "--set");
+  const CellConfig cell = LoadCell(kCell);
+  overlay.Finish();
+  EXPECT_DOUBLE_EQ(cell.simulated.hand.tremor_N, 0.5);
+  EXPECT_DOUBLE_EQ(cell.servo.wrench.max_force_N, 150.0);
+}
+
 TEST_F(OverlayTest, SaysOtherwiseInTheCellAndInTheFilesThatItNames) {
   const CellConfig cell = Load(
       "overrides:\n"

@@ -10,6 +10,7 @@
 #include "config/reading/load.h"
 #include "config/reading/load_robot.h"
 #include "config/reading/load_scenario.h"
+#include "config/reading/load_sweep.h"
 #include "config/reading/sections/read_calibration.h"
 #include "config/reading/sections/read_gains.h"
 #include "config/reading/strict/reader.h"
@@ -212,6 +213,7 @@ std::vector<FileKind> FileKinds() {
       {"scene", "scenes", [](const auto& file) { static_cast<void>(LoadScene(file)); }},
       {"materials", "materials", [](const auto& file) { static_cast<void>(LoadMaterials(file)); }},
       {"scenario", "scenarios", [](const auto& file) { static_cast<void>(LoadScenario(file)); }},
+      {"sweep", "sweeps", [](const auto& file) { static_cast<void>(LoadSweep(file)); }},
       {"gains", "",
        [](const auto& file) {
          control::AdmittanceParams admittance;

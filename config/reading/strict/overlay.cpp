@@ -75,7 +75,11 @@ void Overlay::Set(const std::string& assignment, const std::string& said_by) {
   } catch (const YAML::Exception& error) {
     throw ConfigError(name, 0, "not YAML: " + error.msg);
   }
-  std::erase_if(values_, [&](const Value& earlier) { return earlier.key == key; });
+  // a new list: assigning to a YAML::Node would write into the node that it shares with the file's
+  std::vector<Value> others;
+  for (Value& earlier : values_)
+    if (earlier.key != key) others.push_back(std::move(earlier));
+  values_ = std::move(others);
   values_.push_back({.key = key, .value = value, .file = name});
 }
 

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace osteon::config {
+
+/// How the values of a parameter come about.
+enum class SweepDraw : std::uint8_t {
+  kListed,   ///< each of `values`, with each of the other parameters'
+  kUniform,  ///< between low and high, drawn for each seed
+  kNormal,   ///< about mean, with standard deviation sd, drawn for each seed
+  kSeed,     ///< the seed's number itself
+};
+
+/// A value of the scenario's cell that a sweep changes.
+struct SweepParameter {
+  std::string key;  ///< as in a scenario's overrides: coupling.stiffness_N_per_mm
+  SweepDraw draw{SweepDraw::kListed};
+  std::vector<std::string> values{};  ///< of kListed
+  double low{0.0}, high{0.0};         ///< of kUniform
+  double mean{0.0}, sd{0.0};          ///< of kNormal
+};
+
+inline constexpr std::size_t kMaxSweepRuns = 1'000'000;
+
+/// A Monte-Carlo study of `osteon regress --sweep`: a scenario with each combination of listed values, and
+/// `seeds` draws of each combination.
+struct SweepConfig {
+  std::filesystem::path file;
+  std::string name;   ///< of the file, without its extension
+  std::string shows;  ///< in one line
+  std::filesystem::path scenario;
+  int seeds{1};
+  std::vector<SweepParameter> parameters;
+
+  /// Combinations of listed values.
+  [[nodiscard]] std::size_t Combinations() const {
+    std::size_t count = 1;
+    for (const SweepParameter& parameter : parameters)
+      if (parameter.draw == SweepDraw::kListed) count *= parameter.values.size();
+    return count;
+  }
+  [[nodiscard]] std::size_t Runs() const { return Combinations() * static_cast<std::size_t>(seeds); }
+};
+
+}  // namespace osteon::config

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "config/reading/sweep_config.h"
+#include "studies/regress/scenario_run.h"
+#include "studies/sweep/sweep_run.h"
+
+namespace osteon::app {
+
+/// What a run came to.
+struct SweepOutcome {
+  SweepRun run{};
+  std::string error{};  ///< why there are no figures; empty if there are
+  std::string ended{};
+  std::vector<std::string> faults{};  ///< names, in their order
+  std::string hash{};                 ///< over every bit of every tick
+  RunFigures figures{};
+};
+
+struct SweepResult {
+  config::SweepConfig config;
+  std::string scenario;
+  std::vector<SweepOutcome> outcomes{};  ///< by index, all of them or a shard's
+};
+
+/// A figure of a run, with its unit at the name's end.
+struct SweepFigure {
+  std::string_view name, label;
+  double RunFigures::*value;
+};
+inline constexpr std::array kSweepFigures{
+    SweepFigure{"peak_force_N", "peak force [N]", &RunFigures::peak_force_N},
+    SweepFigure{"peak_hand_force_N", "peak force of the hand [N]", &RunFigures::peak_hand_force_N},
+    SweepFigure{"peak_tool_in_bone_mm", "deepest tool in bone [mm]", &RunFigures::peak_tool_in_bone_mm},
+    SweepFigure{"peak_tool_speed_mm_per_s", "peak tool speed [mm/s]", &RunFigures::peak_tool_speed_mm_per_s},
+    SweepFigure{"removed_mm3", "bone removed [mm³]", &RunFigures::removed_mm3}};
+
+/// Quantiles by nearest rank.
+struct Quantiles {
+  double min{0.0}, p05{0.0}, median{0.0}, p95{0.0}, max{0.0};
+};
+/// @returns zeros if there is no value.
+[[nodiscard]] Quantiles QuantilesOf(std::vector<double> values);
+
+/// The figure's values over those of the outcomes that have figures.
+[[nodiscard]] std::vector<double> ValuesOf(std::span<const SweepOutcome> outcomes, const SweepFigure& figure);
+
+/// An outcome as an item of a part.
+[[nodiscard]] nlohmann::json SweepItem(const SweepOutcome& outcome);
+/// @throws nlohmann::json::exception or std::invalid_argument if the item is damaged.
+[[nodiscard]] SweepOutcome SweepOutcomeFrom(const nlohmann::json& item, const config::SweepConfig& sweep,
+                                            std::size_t index);
+
+/// A line for each combination.
+[[nodiscard]] std::string SweepTable(const SweepResult& result);
+/// JSON, schema osteon.sweep/1. It has no times: two runs give the same text.
+[[nodiscard]] std::string SweepJson(const SweepResult& result);
+/// A line for each run.
+[[nodiscard]] std::string SweepCsv(const SweepResult& result);
+
+/// The outcomes of each combination, in their order; of a whole sweep.
+[[nodiscard]] std::vector<std::span<const SweepOutcome>> ByCombination(const SweepResult& result);
+/// "stiffness_N_per_mm 10, tremor_N drawn": the values by which a combination differs.
+[[nodiscard]] std::string NameOfCombination(const SweepResult& result, const SweepOutcome& outcome);
+
+}  // namespace osteon::app

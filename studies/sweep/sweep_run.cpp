@@ -1,0 +1,88 @@
+#include "studies/sweep/sweep_run.h"
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "base/fnv1a.h"
+
+namespace osteon::app {
+namespace {
+
+using config::SweepDraw, config::SweepParameter;
+
+// Random numbers by a counter: Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA
+// 2014.
+class SplitMix64 {
+ public:
+  explicit SplitMix64(std::uint64_t state) : state_(state) {}
+  /// Above 0, at most 1.
+  double Next() {
+    state_ += 0x9e3779b97f4a7c15u;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (static_cast<double>((z ^ (z >> 31)) >> 11) + 1.0) * 0x1p-53;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+std::string Drawn(const SweepParameter& parameter, int seed) {
+  if (parameter.draw == SweepDraw::kSeed) return std::to_string(seed);
+  Fnv1a hash;
+  hash.Add(parameter.key);
+  hash.AddWord(static_cast<std::uint64_t>(seed));
+  SplitMix64 random(hash.hash());
+  const double first = random.Next(), second = random.Next();
+  if (parameter.draw == SweepDraw::kUniform)
+    return fmt::format("{:.10g}", parameter.low + (parameter.high - parameter.low) * first);
+  // Box and Muller, 1958
+  const double normal = std::sqrt(-2.0 * std::log(first)) * std::cos(2.0 * std::numbers::pi * second);
+  return fmt::format("{:.10g}", parameter.mean + parameter.sd * normal);
+}
+
+}  // namespace
+
+SweepRun SweepRunAt(const config::SweepConfig& sweep, std::size_t index) {
+  const auto seeds = static_cast<std::size_t>(sweep.seeds);
+  SweepRun run{.index = index,
+               .combination = index / seeds,
+               .seed = static_cast<int>(index % seeds) + 1,
+               .values = std::vector<std::string>(sweep.parameters.size())};
+  std::size_t rest = run.combination;
+  for (std::size_t i = sweep.parameters.size(); i-- > 0;) {
+    const SweepParameter& parameter = sweep.parameters[i];
+    if (parameter.draw != SweepDraw::kListed) {
+      run.values[i] = Drawn(parameter, run.seed);
+      continue;
+    }
+    run.values[i] = parameter.values[rest % parameter.values.size()];
+    rest /= parameter.values.size();
+  }
+  return run;
+}
+
+std::vector<std::string> AssignmentsOf(const config::SweepConfig& sweep, const SweepRun& run) {
+  std::vector<std::string> assignments;
+  for (std::size_t i = 0; i < run.values.size(); ++i)
+    assignments.push_back(sweep.parameters[i].key + "=" + run.values[i]);
+  return assignments;
+}
+
+std::vector<std::size_t> RunsWithEachValue(const config::SweepConfig& sweep) {
+  std::vector<std::size_t> runs{0};
+  auto stride = static_cast<std::size_t>(sweep.seeds);
+  for (std::size_t i = sweep.parameters.size(); i-- > 0;) {
+    const std::size_t count = sweep.parameters[i].values.size();
+    if (sweep.parameters[i].draw != SweepDraw::kListed) continue;
+    for (std::size_t value = 1; value < count; ++value) runs.push_back(value * stride);
+    stride *= count;
+  }
+  return runs;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "config/reading/sweep_config.h"
+
+namespace osteon::app {
+
+/// One run of a sweep.
+struct SweepRun {
+  std::size_t index{0};
+  std::size_t combination{0};         ///< of listed values
+  int seed{1};                        ///< 1 … SweepConfig::seeds
+  std::vector<std::string> values{};  ///< one for each parameter
+};
+
+/// The run with an index: seeds run fastest, then the last listed parameter. A drawn value depends on its key
+/// and the seed alone, so it is the same on every machine, in every shard, and at every combination:
+/// combinations are compared on the same draws.
+[[nodiscard]] SweepRun SweepRunAt(const config::SweepConfig& sweep, std::size_t index);
+
+/// "coupling.stiffness_N_per_mm=10" and so on, as regress --set takes it.
+[[nodiscard]] std::vector<std::string> AssignmentsOf(const config::SweepConfig& sweep, const SweepRun& run);
+
+/// Runs that together have each listed value once or more: what has to be checked before anything runs.
+[[nodiscard]] std::vector<std::size_t> RunsWithEachValue(const config::SweepConfig& sweep);
+
+}  // namespace osteon::app
