@@ -52,7 +52,8 @@ struct TickInput {
   bool permitted{false}, enabled{false}, spindle_permitted{false};
   std::uint8_t interlock_reason{0};
   rt::Nanoseconds model_pose_stamp{0};
-  bool has_gains{false};  ///< `gains` were requested since the previous tick, and accepted
+  std::uint8_t tool_index{0};  ///< entry of the loop's table of tools that is in force from this tick on
+  bool has_gains{false};       ///< `gains` were requested since the previous tick, and accepted
   Gains gains{};
 };
 

@@ -13,6 +13,8 @@ class LoopRequests {
   void RequestStop() OSTEON_RT { stop_.store(true, std::memory_order_relaxed); }
   void RequestRecovery() OSTEON_RT { recovery_.store(true, std::memory_order_relaxed); }
   void RequestPause() OSTEON_RT { pause_.store(true, std::memory_order_relaxed); }
+  /// @param index  of the loop's table of tools
+  void RequestTool(int index) OSTEON_RT { tool_.store(index, std::memory_order_relaxed); }
   void RequestResume() OSTEON_RT { resume_.store(true, std::memory_order_relaxed); }
 
   // For the tick. A stop request stays set; each of the other requests is returned once.
@@ -20,11 +22,14 @@ class LoopRequests {
   [[nodiscard]] bool stop() const OSTEON_RT { return stop_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool TakeRecovery() OSTEON_RT { return recovery_.exchange(false, std::memory_order_relaxed); }
   [[nodiscard]] bool TakePause() OSTEON_RT { return pause_.exchange(false, std::memory_order_relaxed); }
+  /// The tool asked for since the last call; -1: none.
+  [[nodiscard]] int TakeTool() OSTEON_RT { return tool_.exchange(-1, std::memory_order_relaxed); }
   [[nodiscard]] bool TakeResume() OSTEON_RT { return resume_.exchange(false, std::memory_order_relaxed); }
 
  private:
   std::atomic<bool> may_start_{true}, stop_{false}, recovery_{false}, pause_{false}, resume_{false};
-  static_assert(std::atomic<bool>::is_always_lock_free);
+  std::atomic<int> tool_{-1};
+  static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 };
 
 }  // namespace osteon::control

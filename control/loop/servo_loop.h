@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "base/latest_value.h"
 #include "base/marker.h"
@@ -19,6 +20,7 @@
 #include "control/loop/start_conditions.h"
 #include "control/ports.h"
 #include "control/sensing/hand_force.h"
+#include "control/setup/loop_tool.h"
 #include "control/setup/servo_params.h"
 #include "control/tick_record.h"
 #include "kinematics/lbr_arm.h"
@@ -81,6 +83,11 @@ class ServoLoop {
   ServoLoop(const ServoLoop&) = delete;
   ServoLoop& operator=(const ServoLoop&) = delete;
 
+  /// Gives the loop a table of tools and takes the one at `index`. Before the first tick; without it the
+  /// loop has the one tool that it was made with.
+  /// @throws std::invalid_argument naming the entry and what is wrong with it.
+  void SetTools(std::vector<LoopTool> tools, int index);
+
   /// Computes one tick. `state` is used only if `received` is kOk; otherwise the last command is held.
   /// @param now time of the tick, on the clock of all stamps
   /// @param[out] command answer to the arm; always finite after the first message with finite joints
@@ -105,6 +112,12 @@ class ServoLoop {
   /// Requests the end of a pause: once every condition of motion holds, the loop continues from the tool's
   /// present pose. No effect if the cell is not paused. From any thread, and from a signal handler.
   void RequestResume() OSTEON_RT { requests_.RequestResume(); }
+  /// Requests another tool of the table. The next tick takes it if the loop is paused after it has rendered:
+  /// the joints stay, and coupling and law begin anew. In any other state, or with an unknown index, the
+  /// request has no effect. From any thread.
+  void RequestTool(int index) OSTEON_RT { requests_.RequestTool(index); }
+  /// Index of the tool in use.
+  [[nodiscard]] int tool_index() const OSTEON_RT { return tool_index_; }
   /// Whether RequestRecovery would have an effect now.
   [[nodiscard]] bool CanRecover() const OSTEON_RT { return supervisor_.CanRecover(); }
 
@@ -150,6 +163,7 @@ class ServoLoop {
   // steps of a tick, in order
   [[nodiscard]] TickRecord RecordInputs(const TickInputs& tick, ReceiveResult received) OSTEON_RT;
   void ApplyRequests(const TickInput& input) OSTEON_RT;
+  void ApplyToolRequest(TickInput& input) OSTEON_RT;
   void StepGains(TickInput& input) OSTEON_RT;
   void OnMissedMessage(ReceiveResult received) OSTEON_RT;
   void ProcessArmMessage(const TickInputs& tick, TickRecord& record) OSTEON_RT;
@@ -209,6 +223,9 @@ class ServoLoop {
   AdmittanceRenderer admittance_;
   ImpedanceRenderer impedance_;
   ServoStatistics statistics_;
+
+  std::vector<LoopTool> tools_;  ///< empty: the one that the loop was made with
+  int tool_index_{0};
 
   struct GainsRequest {
     std::uint64_t number{0};  ///< number of the request; 0: none
