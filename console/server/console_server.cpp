@@ -5,20 +5,18 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/realtime_thread.h"
 #include "console/server/access.h"
 #include "console/server/operator_role.h"
 #include "console/server/page_sender.h"
+#include "console/server/web_server.h"
 
 namespace osteon::console {
 namespace {
@@ -27,8 +25,6 @@ constexpr const char* kWatches = "this page watches: take the operator's role fi
 
 // A page takes one of the server's threads as long as it is open; the others serve files.
 constexpr int kThreads = static_cast<int>(kMaxPages) + 8;
-
-constexpr std::chrono::milliseconds kKnock{20};  // between connections that wake a server that is to end
 
 // Sent with every file: nothing may be loaded from, or sent to, another machine, and no page of another
 // origin may show this one.
@@ -101,35 +97,33 @@ class Server final : public ConsoleServer {
 
   ~Server() override {
     ending_.store(true);
-    if (context_ == nullptr) return;
-    std::thread knocking([this] { KnockUntilStopped(); });
-    mg_stop(context_);  // calls OnClosed for every page
-    stopped_.store(true);
-    knocking.join();
+    web_.reset();  // calls OnClosed for every page
   }
 
-  // Tries the ports one after the other. @returns an error; empty: it listens
+  // @returns an error; empty: it listens
   std::string Listen() {
-    mg_init_library(0);
-    const int tries = params_.port == 0 || params_.only_this_port ? 1 : kPortsTried;
-    for (int i = 0; i < tries && context_ == nullptr; ++i) Begin(params_.port + i);
-    if (context_ == nullptr)
-      return fmt::format(
-          "console: cannot listen on {}:{}{}: is another program there? --console PORT names another one",
-          params_.address, params_.port, tries > 1 ? fmt::format(" … {}", params_.port + tries - 1) : "");
-    std::array<mg_server_port, 2> ports{};
-    if (mg_get_server_ports(context_, static_cast<int>(ports.size()), ports.data()) > 0)
-      port_ = ports[0].port;
-    mg_set_websocket_handler(context_, "/live", OnOpen, OnReady, OnMessage, OnClosed, this);
+    WebServerParams web{.name = "console",
+                        .option = "--console",
+                        .address = params_.address,
+                        .port = params_.port,
+                        .ports_tried = params_.only_this_port ? 1 : kPortsTried,
+                        .threads = kThreads,
+                        .headers = kHeaders,
+                        .on_request = OnRequest,
+                        .user = this};
+    std::error_code error;
+    if (std::filesystem::exists(params_.page / "index.html", error)) web.files = params_.page;
+    auto started = WebServer::Start(web);
+    if (!started) return started.error();
+    web_ = std::move(*started);
+    mg_set_websocket_handler(web_->context(), "/live", OnOpen, OnReady, OnMessage, OnClosed, this);
     return "";
   }
 
   [[nodiscard]] std::string url() const override {
-    const std::string host =
-        params_.address.find(':') == std::string::npos ? params_.address : "[" + params_.address + "]";
-    return fmt::format("http://{}:{}/{}", host, port_, token_.empty() ? "" : "?token=" + token_);
+    return fmt::format("http://{}/{}", web_->place(), token_.empty() ? "" : "?token=" + token_);
   }
-  [[nodiscard]] int port() const override { return port_; }
+  [[nodiscard]] int port() const override { return web_->port(); }
   [[nodiscard]] std::size_t pages() const override { return pages_open_.load(); }
   [[nodiscard]] ConsoleCounts counts() const override {
     return {.opened = opened_.load(),
@@ -139,59 +133,7 @@ class Server final : public ConsoleServer {
   }
 
  private:
-  // The server looks for its end only when a connection comes, or after two seconds.
-  void KnockUntilStopped() const {
-    const std::string host =
-        params_.address == "0.0.0.0" || params_.address == "::" ? "127.0.0.1" : params_.address;
-    while (!stopped_.load()) {
-      std::array<char, 128> error{};
-      if (mg_connection* knock = mg_connect_client(host.c_str(), port_, 0, error.data(), error.size()))
-        mg_close_connection(knock);
-      std::this_thread::sleep_for(kKnock);
-    }
-  }
-
   static Server& Of(void* user) { return *static_cast<Server*>(user); }
-
-  void Begin(int port) {
-    const std::string listen = fmt::format(
-        "{}:{}",
-        params_.address.find(':') == std::string::npos ? params_.address : "[" + params_.address + "]", port);
-    const std::string threads = std::to_string(kThreads), root = params_.page.string();
-    std::vector<const char*> options{"listening_ports",
-                                     listen.c_str(),
-                                     "num_threads",
-                                     threads.c_str(),
-                                     "request_timeout_ms",
-                                     "3000",
-                                     "websocket_timeout_ms",
-                                     "1000",
-                                     "enable_websocket_ping_pong",
-                                     "yes",
-                                     "enable_directory_listing",
-                                     "no",
-                                     "max_request_size",
-                                     "8192",
-                                     "tcp_nodelay",
-                                     "1",
-                                     "additional_header",
-                                     kHeaders};
-    std::error_code error;
-    if (std::filesystem::exists(params_.page / "index.html", error))
-      options.insert(options.end(), {"document_root", root.c_str()});
-    options.push_back(nullptr);
-    mg_callbacks callbacks{};
-    callbacks.begin_request = OnRequest;
-    callbacks.log_message = [](const mg_connection*, const char*) {
-      return 1;
-    };  // our lines are the terminal's
-    callbacks.init_thread = [](const mg_context*, int) -> void* {
-      rt::NameThread("console");
-      rt::LowerPriority();
-      return nullptr;
-    };
-    context_ = mg_start(&callbacks, this, options.data());
-  }
 
   // Before any file is served: only GET, only to those who may.
   static int OnRequest(mg_connection* connection) {
@@ -341,14 +283,13 @@ class Server final : public ConsoleServer {
   std::atomic<std::size_t> pages_open_{0};
   PageSources sources_;
   std::optional<PageSources> second_;
-  std::atomic<bool> ending_{false}, stopped_{false};
+  std::atomic<bool> ending_{false};
   std::atomic<std::uint64_t> opened_{0}, refused_{0}, bad_messages_{0}, slow_{0};
-  int port_{0};
 
   std::mutex mutex_;
   std::map<const mg_connection*, std::shared_ptr<Page>> pages_;  // guarded by mutex_
 
-  mg_context* context_{nullptr};
+  std::unique_ptr<WebServer> web_;
 };
 
 }  // namespace

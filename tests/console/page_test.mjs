@@ -207,6 +207,7 @@ injections:
   await picture(page, "held");
   await page.select("#language", "de");
   await until(page, 'document.getElementById("recover").textContent.startsWith("Neu anlaufen")');
+  await until(page, 'document.getElementById("faults").innerText.includes("Arm hat COMMANDING_ACTIVE verlassen") || document.getElementById("faults").innerText.includes("Nachricht des Arms veraltet")');
   assert.deepEqual(await clipped(page), []);
   await picture(page, "held_german");
   await page.setViewport({ width: 390, height: 844 });

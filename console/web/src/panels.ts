@@ -1,7 +1,8 @@
 // The column of figures: state, force, depth, limits, conditions, faults, health, events.
 
+import { inGerman } from "./fault_texts";
 import type { Hello, Role, Status } from "./messages";
-import { figure, limitName, permitName, stateDoes, stateName, t, type Word } from "./texts";
+import { figure, getLanguage, limitName, permitName, stateDoes, stateName, t, type Word } from "./texts";
 
 const FAULT_STATES = [7, 8, 10]; // stop 0, stop 1, fault
 const WORKING_STATES = [4, 5]; // haptic, cutting
@@ -153,12 +154,13 @@ export class Panels {
 
   private showFaults(status: Status): void {
     const cards = status.faults.map((fault) => {
+      const text = getLanguage() === "de" ? inGerman(fault) : fault;
       const card = element("div", "fault", "");
       card.append(
-        element("b", "", `${t("fault")}: ${fault.name}`),
-        element("div", "", `${t("seen")}: ${fault.cause}`),
-        element("div", "", `${t("did")}: ${fault.reaction}`),
-        element("div", "", `${t("cure")}: ${fault.clearing}`),
+        element("b", "", `${t("fault")}: ${text.name}`),
+        element("div", "", `${t("seen")}: ${text.cause}`),
+        element("div", "", `${t("did")}: ${text.reaction}`),
+        element("div", "", `${t("cure")}: ${text.clearing}`),
       );
       if (!fault.allows_recovery) card.append(element("div", "dim", t("recoverNever")));
       if (status.can_recover) card.append(element("div", "", t("recoverNow")));
