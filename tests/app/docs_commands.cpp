@@ -86,6 +86,7 @@ const std::map<std::string, DocRun>& Runs() {
        By("GainsRun.SavedAgainTheyAreReadCheckedAndRampedAndTheRunReplaysBitForBit")},
 
       {"osteon surgical-plan acetabulum", As("surgical-plan acetabulum")},
+      {"osteon tune demo --plan acetabulum", As("tune demo --plan acetabulum --nodes 3")},
       {"osteon surgical-plan acetabulum --cell demo --json plan.json",
        As("surgical-plan acetabulum --cell demo --json plan.json", {"plan.json"})},
       {"osteon plan acetabulum --error-mm 0.1 --rate-hz 1000",

@@ -185,7 +185,7 @@ TEST(ServoGuidance, AChangeOfToolBringsTheNextReamersAndKeepsTheGain) {
   const double before_m = bench.Tick().guidance.depth_m;
   TickRecord record = change(1);
   ASSERT_TRUE(record.guidance.present);
-  EXPECT_NEAR(record.guidance.depth_m, before_m - 1e-3, 0.5e-3) << "planned 1 mm less deep above the start";
+  EXPECT_NEAR(record.guidance.depth_m, before_m + 1e-3, 0.5e-3) << "its end is planned 1 mm higher";
   EXPECT_EQ(record.guidance.share, 0.0) << "outside when it was switched on";
   EXPECT_EQ(record.guidance.energy_J, 0.0);
   bench.push_N = -20.0;
