@@ -18,6 +18,7 @@
 #include "app/cli/osteon_commands.h"
 #include "app/cli/plan_command.h"
 #include "app/cli/regress_command.h"
+#include "app/cli/surgical_plan_command.h"
 #include "app/cli/transparency_command.h"
 #include "app/cli/tune_command.h"
 #include "config/reading/config_file_tracker.h"
@@ -37,6 +38,7 @@ int Run(int argc, char** argv) {
   osteon::app::CapabilityCommand capability(app);
   osteon::app::TransparencyCommand transparency(app);
   osteon::app::PlanCommand plan(app);
+  osteon::app::SurgicalPlanCommand surgical_plan(app);
   osteon::app::TuneCommand tune(app);
   osteon::app::RegressCommand regress(app);
   osteon::app::DiffCommand diff(app);
@@ -53,6 +55,7 @@ int Run(int argc, char** argv) {
   if (capability.asked()) return capability.Run(config_root, command_line);
   if (transparency.asked()) return transparency.Run(config_root, command_line);
   if (plan.asked()) return plan.Run(config_root, command_line);
+  if (surgical_plan.asked()) return surgical_plan.Run(config_root);
   if (tune.asked()) return tune.Run(config_root, invocation);
   if (regress.asked()) return regress.Run(config_root, invocation);
   if (diff.asked()) return diff.Run(command_line);

@@ -52,6 +52,7 @@ struct TickInput {
   bool permitted{false}, enabled{false}, spindle_permitted{false};
   std::uint8_t interlock_reason{0};
   rt::Nanoseconds model_pose_stamp{0};
+  std::uint8_t tool_index{0};     ///< entry of the loop's table of tools that is in force from this tick on
   bool has_guidance_gain{false};  ///< `guidance_gain` was requested since the previous tick
   double guidance_gain{0.0};      ///< 0 … 1
   bool has_gains{false};          ///< `gains` were requested since the previous tick, and accepted

@@ -24,6 +24,7 @@ constexpr std::array kStudies = std::to_array<StudyCommand>({
     {"capability", "maps the force that the arm can hold, and finds a good place for its base"},
     {"transparency", "compares what a hand feels at the handle with what the law asks for"},
     {"plan", "finds the coarsest model of a scene that meets an error and a rate"},
+    {"surgical-plan", "checks a plan of a cup: its axis in all definitions, volume and walls"},
     {"tune", "maps where the loop is stable, and recommends gains"},
     {"regress", "runs scenarios in virtual time and compares them with their golden traces"},
     {"diff", "compares two runs by their recordings: figures, faults, limits, configuration"},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/cell_file.h"
+#include "app/cli/plan_file.h"
 #include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
 
@@ -17,6 +18,10 @@ TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
       ->type_name("FOLDER")
       ->capture_default_str();
   sub_->add_option("--json", o.json, "write a further copy of tune.json there")->type_name("FILE");
+  sub_->add_option(
+          "--plan", plan_,
+          "a name under plans/, or a surgical plan's YAML file: which hands its guidance makes unstable")
+      ->type_name("PLAN");
   const auto stand = [](CLI::Option* option) {
     return option->group("What the gains must withstand")->capture_default_str();
   };
@@ -49,6 +54,7 @@ TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
       "The map is along one axis of the tool. Results stay in the folder: only what has changed is computed "
       "again.\n\n"
       "Exit code 1: the verdict is bad, or a file could not be written\n\nExamples:\n  osteon tune demo\n  "
+      "osteon tune demo --plan acetabulum\n  "
       "osteon tune config/cells/demo.yaml --margin 1.5 --out "
       "my_gains\n"
       "  osteon run demo --simulated --gains tune/gains.yaml");
@@ -63,6 +69,14 @@ int TuneCommand::Run(const std::filesystem::path& config_root, const Invocation&
     return 2;
   }
   options_.cell = *found;
+  if (!plan_.empty()) {
+    const auto plan = FindPlan(config_root, plan_);
+    if (!plan) {
+      fmt::print(stderr, "osteon tune: {}\n", plan.error());
+      return 2;
+    }
+    options_.plan = *plan;
+  }
   return RunTune(options_);
 }
 

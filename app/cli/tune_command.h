@@ -21,7 +21,7 @@ class TuneCommand {
 
  private:
   TuneOptions options_;
-  std::string cell_;
+  std::string cell_, plan_;
   CLI::App* sub_;
 };
 

@@ -9,6 +9,7 @@
 #include "config/reading/load.h"
 #include "config/reading/load_robot.h"
 #include "config/reading/sections/read_arm_link.h"
+#include "config/reading/sections/read_bone.h"
 #include "config/reading/sections/read_calibration.h"
 #include "config/reading/sections/read_devices.h"
 #include "config/reading/sections/read_engine_process.h"
@@ -64,26 +65,6 @@ void ReadWorkspace(Reader section, const Pose& X_WG, safety::WorkspaceParams& wo
   workspace.sphere_center_W_m = X_WG * Vector3(workspace.sphere_center_W_m);
   workspace.plane_normal_W = X_WG.linear() * Vector3(workspace.plane_normal_W);
   workspace.plane_offset_m += workspace.plane_normal_W.dot(X_WG.translation());
-}
-
-// Reads the mesh or packing that takes the scene's place, and perhaps the scene itself.
-void ReadBone(Reader section, std::filesystem::path& scene, CellConfig& cell) {
-  if (section.Has("scene")) scene = section.File("scene", "scenes");
-  const bool has_mesh = section.Has("mesh");
-  if (has_mesh || section.Has("packing")) {
-    BoneConfig& bone = cell.bone.emplace();
-    if (has_mesh && section.Has("packing"))
-      section.Refuse("packing", "found beside mesh, accepted one of the two");
-    bone.file = section.File(has_mesh ? "mesh" : "packing");
-    bone.place = section.PlaceOf(section.Has("cup") ? "cup" : has_mesh ? "mesh" : "packing");
-    if (has_mesh && section.Has("scale_ratio")) bone.scale = section.Number("scale_ratio", 1e-4, 1e4);
-    if (has_mesh || section.Has("cup")) {
-      Reader cup = section.Section("cup");
-      bone.cup = simulation::CutSite{.center_m = cup.Triple("center_mm", -2000, 2000),
-                                     .axis = cup.Direction("outward_axis"),
-                                     .radius_m = cup.Number("radius_mm", 0.5, 60)};
-    }
-  }
 }
 
 void ReadWatchdog(Reader section, safety::WatchdogParams& watchdog) {
@@ -366,7 +347,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
   const std::filesystem::path robot = reader.File("robot", "robots"),
                               materials = reader.File("materials", "materials");
   std::filesystem::path scene = reader.File("scene", "scenes");
-  if (reader.Has("bone")) ReadBone(reader.Section("bone"), scene, cell);
+  if (reader.Has("bone")) cell.bone = ReadBone(reader.Section("bone"), scene);
   cell.has_simulation = reader.Has("operator") || reader.Has("script") || reader.Has("simulated_arm");
   ToolChoice own_tool{.file = reader.File("tool", "tools")};
   std::optional<std::filesystem::path> calibration;

@@ -43,6 +43,8 @@ ScenarioConfig LoadScenario(const std::filesystem::path& file) {
   if (reader.Has("recovery_count")) scenario.recoveries = reader.WholeNumber("recovery_count", 0, 100);
   if (reader.Has("pause_s")) scenario.pause_s = reader.Number("pause_s", 0, 60);
   if (reader.Has("resume_s")) scenario.resume_s = reader.Number("resume_s", 0, 60);
+  if (reader.Has("plan")) scenario.plan = reader.File("plan", "plans");
+  if (reader.Has("guidance_ratio")) scenario.guidance = reader.Number("guidance_ratio", 0, 1);
   if (reader.Has("tolerances")) ReadTolerances(reader.Section("tolerances"), scenario.tolerances);
   static_cast<void>(reader.Has(kOverridesKey));  // accept this key: the overlay of overrides reads it
   reader.Finish();
@@ -50,6 +52,8 @@ ScenarioConfig LoadScenario(const std::filesystem::path& file) {
   if (scenario.resume_s && !(scenario.pause_s && *scenario.pause_s < *scenario.resume_s))
     reader.Refuse("resume_s", fmt::format("found {:.10g}, accepted more than pause_s, which has to be there",
                                           *scenario.resume_s));
+  if (scenario.guidance && scenario.plan.empty())
+    reader.Refuse("guidance_ratio", "found without a plan, accepted with `plan` beside it");
   return scenario;
 }
 

@@ -42,6 +42,8 @@ struct ScenarioConfig {
   double sample_s{0.02};  ///< from one sample of the golden trace to the next
   int recoveries{0};      ///< number of restarts of the loop after a stop by the connection to the arm
   std::optional<double> pause_s, resume_s;  ///< an operator's pause and its end, after rendering began
+  std::filesystem::path plan;               ///< surgical plan whose guidance the loop has; empty: none
+  std::optional<double> guidance;           ///< gain, 0 … 1; absent: the plan's
   TraceTolerances tolerances;
 
   /// Path of its golden trace: in a folder beside the file.

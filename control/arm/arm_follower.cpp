@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "base/prefetch.h"
 #include "control/laws/twist_parts.h"
@@ -94,6 +95,28 @@ class JointFollower final : public ArmFollower {
     JointArray q{};
     std::copy_n(q_.data(), kN, q.begin());
     return q;
+  }
+
+  void SetTools(std::span<const LoopTool> tools) override {
+    tools_.clear();
+    for (const LoopTool& tool : tools) {
+      Tool& made = tools_.emplace_back(Tool{.X_FT = tool.X_FT, .body = {}});
+      if constexpr (kRedundant)
+        if (tool.arm_body && elbow_.body)
+          made.body.emplace(*tool.arm_body, X_WB_.linear().transpose() * kinematics::kGravity_W_m_per_s2);
+    }
+  }
+  void SelectTool(std::size_t index) OSTEON_RT override {
+    const Tool& tool = tools_[index];
+    X_FT_ = tool.X_FT;
+    X_TF_ = X_FT_.inverse();
+    if constexpr (kRedundant) {
+      elbow_.load.p_F = X_FT_.translation();
+      elbow_.load.axis_F = X_FT_.linear().col(2);
+      if (tool.body) elbow_.body = tool.body;
+    }
+    jacobian_q_ = points_q_ = gravity_q_ = kNowhere;  // what is cached belongs to the tool before
+    X_WT_ = PoseOf(q_);
   }
 
   void ResetTo(const JointArray& q) OSTEON_RT override {
@@ -186,6 +209,12 @@ class JointFollower final : public ArmFollower {
                          kinematics::MotionOutput<kN>& moves) const OSTEON_RT;
   [[nodiscard]] Joints NullSpaceVelocity(const MotionRequest& request) OSTEON_RT;
 
+  // A prepared tool.
+  struct Tool {
+    Pose X_FT{Pose::Identity()};
+    std::optional<kinematics::SerialChain<7>> body;  // absent: the payload stays
+  };
+
   // Positions in W of the points with zones, by ZonePoint, and the flange pose that they come from.
   struct Points {
     std::array<Vector3, 3> p_W{};
@@ -211,6 +240,7 @@ class JointFollower final : public ArmFollower {
   safety::JointGuard<kN> guard_;
   safety::Workspace workspace_;
   std::optional<JointPath<kN>> path_;  // to the start
+  std::vector<Tool> tools_;
 
   Joints q_{Joints::Zero()};
   static inline const Joints kNowhere = Joints::Constant(std::numeric_limits<double>::quiet_NaN());

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <memory>
+#include <span>
 
 #include "base/marker.h"
 #include "control/ports.h"
+#include "control/setup/loop_tool.h"
 #include "control/setup/servo_params.h"
 #include "kinematics/differential_inverse.h"
 #include "kinematics/lbr_arm.h"
@@ -61,6 +64,13 @@ class ArmFollower {
   /// Commanded joint positions [rad]; X_WT() is the tool's pose there.
   [[nodiscard]] virtual JointArray q() const OSTEON_RT = 0;
   [[nodiscard]] const Pose& X_WT() const OSTEON_RT { return X_WT_; }
+
+  /// Prepares a table of tools. Before the run; the tool in use stays.
+  /// @throws std::invalid_argument naming what is wrong with an entry.
+  virtual void SetTools(std::span<const LoopTool> tools) = 0;
+  /// Takes the tool of this entry: the joints stay, bit for bit, and X_WT() becomes the tool's pose.
+  /// @pre index < the table's size
+  virtual void SelectTool(std::size_t index) OSTEON_RT = 0;
 
   /// Sets the commanded joints, at rest. @pre finite
   virtual void ResetTo(const JointArray& q) OSTEON_RT = 0;

@@ -56,8 +56,12 @@ class CouplingPipeline {
   [[nodiscard]] const CouplingOutput& output() const OSTEON_RT { return output_; }
 
   /// Replaces the guidance, at a change of tool: with a freshly made one, so that its energy and share begin
-  /// at zero. Does not allocate.
-  void SetGuidance(const std::optional<Guidance>& guidance) OSTEON_RT { guidance_ = guidance; }
+  /// at zero. The gain in force stays. Does not allocate.
+  void SetGuidance(const std::optional<Guidance>& guidance) OSTEON_RT {
+    const std::optional<Guidance> before = guidance_;
+    guidance_ = guidance;
+    if (before) SetGuidanceGain(before->params().gain);
+  }
   /// Sets the guidance's gain, 0 … 1; no effect without guidance.
   void SetGuidanceGain(double gain) OSTEON_RT {
     if (guidance_) guidance_->SetGain(gain);

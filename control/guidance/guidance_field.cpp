@@ -41,7 +41,7 @@ void Validate(const GuidanceParams& params) {
   Require("gain", params.gain, 0.0, 1.0);
   Require("cone_free_rad", params.cone_free_rad, 1e-3, 0.5 * kPi);
   Require("cone_stop_rad", params.cone_stop_rad, params.cone_free_rad, kPi);
-  Require("lateral_free_m", params.lateral_free_m, 1e-4, 0.1);
+  Require("lateral_free_m", params.lateral_free_m, 0.0, 0.1);
   Require("lateral_stop_m", params.lateral_stop_m, params.lateral_free_m, 0.2);
   Require("widening_rad", params.widening_rad, 0.0, kPi / 3.0);
   Require("depth_soft_m", params.depth_soft_m, -0.1, 0.1);

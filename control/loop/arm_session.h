@@ -44,6 +44,13 @@ class ArmSession {
   /// Sets the measured velocity to zero at the last measured pose. Call when rendering begins.
   void ResetTwist() OSTEON_RT { twist_.Reset(X_WT_); }
 
+  /// Call when another tool is in use: the measured pose becomes the new tool's, at rest.
+  /// @param X_TN  the new tool's frame in the old one's
+  void ChangeTool(const Pose& X_TN) OSTEON_RT {
+    X_WT_ = X_WT_ * X_TN;
+    twist_.Reset(X_WT_);
+  }
+
   /// Activation in which motion last began.
   [[nodiscard]] std::uint32_t activation() const OSTEON_RT { return activation_; }
   /// Tool pose measured in the last message.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "base/marker.h"
@@ -43,6 +44,11 @@ class CommandedTool {
   void ResetToArmPose(const ArmState& state) OSTEON_RT;
   /// Sets the commanded velocities to zero; the joints stay.
   void HoldStill() OSTEON_RT;
+  /// Takes another entry of the arm's table of tools: the joints stay, the pose becomes that tool's, at rest.
+  void SelectTool(std::size_t index) OSTEON_RT {
+    HoldStill();
+    arm_->SelectTool(index);
+  }
   /// Begins a stop: V_WT becomes share × V_WT, the velocity at which the tool moves, and share becomes 1.
   void StartBraking() OSTEON_RT;
 

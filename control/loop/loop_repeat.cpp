@@ -27,6 +27,7 @@ TickRecord ReplayTick(ServoLoop& loop, const TickRecord& recorded, const simulat
   if (in.pause) loop.RequestPause();
   if (in.resume) loop.RequestResume();
   if (in.has_guidance_gain) loop.RequestGuidanceGain(in.guidance_gain);
+  loop.RequestTool(in.tool_index);
   if (in.has_gains) loop.RequestGains(in.gains);
   if (in.repeat_differed) loop.ReportDifference();
   if (in.recorder_stalled) loop.ReportRecorder();

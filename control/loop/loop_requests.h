@@ -16,6 +16,8 @@ class LoopRequests {
   void RequestStop() OSTEON_RT { stop_.store(true, std::memory_order_relaxed); }
   void RequestRecovery() OSTEON_RT { recovery_.store(true, std::memory_order_relaxed); }
   void RequestPause() OSTEON_RT { pause_.store(true, std::memory_order_relaxed); }
+  /// @param index  of the loop's table of tools
+  void RequestTool(int index) OSTEON_RT { tool_.store(index, std::memory_order_relaxed); }
   void RequestResume() OSTEON_RT { resume_.store(true, std::memory_order_relaxed); }
 
   /// Stores a gain of the guidance, clamped to 0 … 1; ignores one that is not a number.
@@ -28,6 +30,8 @@ class LoopRequests {
   [[nodiscard]] bool stop() const OSTEON_RT { return stop_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool TakeRecovery() OSTEON_RT { return recovery_.exchange(false, std::memory_order_relaxed); }
   [[nodiscard]] bool TakePause() OSTEON_RT { return pause_.exchange(false, std::memory_order_relaxed); }
+  /// The tool asked for since the last call; -1: none.
+  [[nodiscard]] int TakeTool() OSTEON_RT { return tool_.exchange(-1, std::memory_order_relaxed); }
   [[nodiscard]] bool TakeResume() OSTEON_RT { return resume_.exchange(false, std::memory_order_relaxed); }
   /// Not a number: none was requested.
   [[nodiscard]] double TakeGuidanceGain() OSTEON_RT {
@@ -37,8 +41,10 @@ class LoopRequests {
  private:
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::atomic<bool> may_start_{true}, stop_{false}, recovery_{false}, pause_{false}, resume_{false};
+  std::atomic<int> tool_{-1};
   std::atomic<double> guidance_gain_{kNone};
-  static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<double>::is_always_lock_free);
+  static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
+                std::atomic<double>::is_always_lock_free);
 };
 
 }  // namespace osteon::control

@@ -63,6 +63,32 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       max_stiffness_N_per_m_(params.coupling.max_stiffness_N_per_m),
       gain_ramp_(GainsOf(params.admittance, params.coupling), params.period_s) {}
 
+void ServoLoop::SetTools(std::vector<LoopTool> tools, int index) {
+  if (tools.empty() || tools.size() > static_cast<std::size_t>(kMaxLoopTools))
+    throw std::invalid_argument("tools: found " + std::to_string(tools.size()) + ", accepted 1 … " +
+                                std::to_string(kMaxLoopTools));
+  if (index < 0 || index >= static_cast<int>(tools.size()))
+    throw std::invalid_argument("tools: found the index " + std::to_string(index) + ", accepted 0 … " +
+                                std::to_string(tools.size() - 1));
+  for (const LoopTool& tool : tools) {
+    RequirePose(tool.X_FT, "tools: X_FT");
+    control::Validate(tool.sensor);
+  }
+  std::vector<std::optional<Guidance>> guidances(tools.size());
+  for (std::size_t i = 0; i < tools.size(); ++i)
+    if (tools[i].guidance)
+      guidances[i].emplace(*tools[i].guidance, params_.twist.max_speed_m_per_s, params_.period_s);
+  tool_.arm().SetTools(tools);
+  tools_ = std::move(tools);
+  tool_index_ = index;
+  const LoopTool& tool = tools_[static_cast<std::size_t>(index)];
+  params_.sensor = tool.sensor;
+  hand_ = HandForce(params_, tool.X_FT);
+  guidances_ = std::move(guidances);
+  coupling_.SetGuidance(guidances_[static_cast<std::size_t>(index)]);
+  tool_.SelectTool(static_cast<std::size_t>(index));
+}
+
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
   const bool renders = safety::Renders(state());
   const bool use_measured = params_.law == Law::kImpedance && renders;
@@ -70,7 +96,9 @@ simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
           .spindle_rad_per_s = renders ? spindle_rad_per_s_ : 0.0,
           .stamp = !tool_.has_pose() ? 0
                    : use_measured    ? session_.measured_at()
-                                     : now_};
+                                     : now_,
+          .tool_index = static_cast<std::uint8_t>(tool_index_),
+          .paused = state() == CellState::kPaused};
 }
 
 CellCommands ServoLoop::cell_commands() const OSTEON_RT {
@@ -97,6 +125,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   acting_ = {};
   reduced_speed_ = state.operation_mode == kT1;
   TickRecord record = RecordInputs(tick, received);
+  ApplyToolRequest(record.input);
   StepGains(record.input);
   ApplyRequests(record.input);
   impedance_.ClearWrench();
@@ -140,6 +169,30 @@ TickRecord ServoLoop::RecordInputs(const TickInputs& tick, ReceiveResult receive
   record.input.repeat_differed = std::exchange(differed_, false);
   record.input.recorder_stalled = std::exchange(recorder_stalled_, false);
   return record;
+}
+
+// Changes the tool if that was requested and the loop is paused. The joints and the sensor's bias stay; what
+// belongs to the old tool's contact begins anew. The measured pose jumps with the tool, which is no motion.
+void ServoLoop::ApplyToolRequest(TickInput& input) OSTEON_RT {
+  const int index = requests_.TakeTool();
+  const bool known = index >= 0 && index < static_cast<int>(tools_.size());
+  // before the first rendering the sensor's bias is still estimated, with the load of the tool that is on
+  const bool at_rest = state() == CellState::kPaused && supervisor_.rendered();
+  if (known && index != tool_index_ && at_rest) {
+    const Pose X_TN = tools_[static_cast<std::size_t>(tool_index_)].X_FT.inverse() *
+                      tools_[static_cast<std::size_t>(index)].X_FT;
+    const LoopTool& tool = tools_[static_cast<std::size_t>(index)];
+    tool_index_ = index;
+    params_.sensor = tool.sensor;
+    hand_.SetTool(tool.sensor, tool.X_FT);
+    tool_.SelectTool(static_cast<std::size_t>(index));
+    session_.ChangeTool(X_TN);
+    checks_.ResetArmSpeed();
+    coupling_.SetGuidance(guidances_[static_cast<std::size_t>(index)]);
+    coupling_.Reset();
+    admittance_.Reset(tool_.X_WT());
+  }
+  input.tool_index = static_cast<std::uint8_t>(tool_index_);
 }
 
 // Applies the recorded requests. A stop, and a pause of a motion, are applied later in the tick

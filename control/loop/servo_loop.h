@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "base/latest_value.h"
 #include "base/marker.h"
@@ -19,6 +21,7 @@
 #include "control/loop/start_conditions.h"
 #include "control/ports.h"
 #include "control/sensing/hand_force.h"
+#include "control/setup/loop_tool.h"
 #include "control/setup/servo_params.h"
 #include "control/tick_record.h"
 #include "kinematics/lbr_arm.h"
@@ -81,6 +84,11 @@ class ServoLoop {
   ServoLoop(const ServoLoop&) = delete;
   ServoLoop& operator=(const ServoLoop&) = delete;
 
+  /// Gives the loop a table of tools and takes the one at `index`. Before the first tick; without it the
+  /// loop has the one tool that it was made with.
+  /// @throws std::invalid_argument naming the entry and what is wrong with it.
+  void SetTools(std::vector<LoopTool> tools, int index);
+
   /// Computes one tick. `state` is used only if `received` is kOk; otherwise the last command is held.
   /// @param now time of the tick, on the clock of all stamps
   /// @param[out] command answer to the arm; always finite after the first message with finite joints
@@ -108,6 +116,12 @@ class ServoLoop {
   /// Requests another gain of the guidance, 0 … 1, from the next tick on; a value outside is clamped, one
   /// that is not a number is ignored. No effect without guidance. From any thread, and from a signal handler.
   void RequestGuidanceGain(double gain) OSTEON_RT { requests_.RequestGuidanceGain(gain); }
+  /// Requests another tool of the table. The next tick takes it if the loop is paused after it has rendered:
+  /// the joints stay, and coupling and law begin anew. In any other state, or with an unknown index, the
+  /// request has no effect. From any thread.
+  void RequestTool(int index) OSTEON_RT { requests_.RequestTool(index); }
+  /// Index of the tool in use.
+  [[nodiscard]] int tool_index() const OSTEON_RT { return tool_index_; }
   /// Whether RequestRecovery would have an effect now.
   [[nodiscard]] bool CanRecover() const OSTEON_RT { return supervisor_.CanRecover(); }
 
@@ -153,6 +167,7 @@ class ServoLoop {
   // steps of a tick, in order
   [[nodiscard]] TickRecord RecordInputs(const TickInputs& tick, ReceiveResult received) OSTEON_RT;
   void ApplyRequests(const TickInput& input) OSTEON_RT;
+  void ApplyToolRequest(TickInput& input) OSTEON_RT;
   void StepGains(TickInput& input) OSTEON_RT;
   void OnMissedMessage(ReceiveResult received) OSTEON_RT;
   void ProcessArmMessage(const TickInputs& tick, TickRecord& record) OSTEON_RT;
@@ -213,6 +228,10 @@ class ServoLoop {
   AdmittanceRenderer admittance_;
   ImpedanceRenderer impedance_;
   ServoStatistics statistics_;
+
+  std::vector<LoopTool> tools_;                     ///< empty: the one that the loop was made with
+  std::vector<std::optional<Guidance>> guidances_;  ///< of the tools, by index
+  int tool_index_{0};
 
   struct GainsRequest {
     std::uint64_t number{0};  ///< number of the request; 0: none

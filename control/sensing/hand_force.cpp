@@ -11,6 +11,11 @@ HandForce::HandForce(const ServoParams& params, const Pose& X_FT)
                                            : params.sensor_bias,
             params.sensor, params.period_s) {}
 
+void HandForce::SetTool(const ForceSensorParams& sensor, const Pose& X_FT) OSTEON_RT {
+  sensor_ = sensor;
+  X_TF_ = X_FT.inverse();
+}
+
 void HandForce::EstimateBias(const ForceReading& reading, const Pose& X_WT) OSTEON_RT {
   bias_.AddReading(reading.F_S, X_WT * X_TF_);
 }

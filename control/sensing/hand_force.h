@@ -16,6 +16,9 @@ class HandForce {
   /// @throws std::invalid_argument as Validate(BiasParams). @param X_FT  tool on the flange
   HandForce(const ServoParams& params, const Pose& X_FT);
 
+  /// Takes another tool. The sensor's bias stays: it is the sensor's own.
+  void SetTool(const ForceSensorParams& sensor, const Pose& X_FT) OSTEON_RT;
+
   /// Adds a reading to the estimate of the bias. Call with each message before the first motion, while the
   /// tool hangs at rest and nobody holds it.
   /// @param X_WT  measured tool pose

@@ -79,6 +79,7 @@ void FillMessage(const control::TickInput& from, osteon::TickInput* to) {
   to->set_recover(from.recover);
   to->set_repeat_differed(from.repeat_differed);
   to->set_recorder_stalled(from.recorder_stalled);
+  to->set_tool_index(from.tool_index);
   to->set_pause(from.pause);
   to->set_resume(from.resume);
   to->set_model_status(from.model_status);
@@ -154,6 +155,7 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   to.recover = from.recover();
   to.repeat_differed = from.repeat_differed();
   to.recorder_stalled = from.recorder_stalled();
+  to.tool_index = static_cast<std::uint8_t>(from.tool_index());
   to.pause = from.pause();
   to.resume = from.resume();
   to.model_status = static_cast<std::uint8_t>(from.model_status());

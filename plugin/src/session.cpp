@@ -16,6 +16,7 @@
 #include "plugin/src/convert.h"
 #include "plugin/src/result.h"
 #include "session/setup/engine_choice.h"
+#include "simulation/engine/tool_change.h"
 #include "simulation/files/carved_file.h"
 #include "simulation/surface/bone_solid.h"
 #include "simulation/surface/surface_export.h"
@@ -53,13 +54,7 @@ double Checked(const char* name, double value, double most) {
 
 /// How far a tool at this pose is in the balls [m]; 0 where it is free.
 double Overlap(const CarvedState& state, const simulation::Tool& tool, const Pose& X_GT) {
-  double overlap_m = 0.0;
-  for (const simulation::Ball& ball : simulation::LiveBalls(state))
-    for (const simulation::ToolBall& t : tool.balls) {
-      const double distance_m = (X_GT * Vector3(t.center_m) - Vector3(ball.center_m)).norm();
-      overlap_m = std::max(overlap_m, t.radius_m + ball.radius_m - distance_m);
-    }
-  return overlap_m;
+  return std::max(0.0, -simulation::ToolClearance(state, tool, X_GT));
 }
 
 OsteonEvent EventOf(const simulation::SceneEvent& event, std::uint64_t frame) {
@@ -324,10 +319,8 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
         fmt::format("pose: found the tool {:.2f} mm in bone, accepted a pose free of bone (0.1 mm): "
                     "move the tool out first",
                     1e3 * overlap_m));
-  saved.state.has_proxy = false;  // the tool begins where it is
-  saved.state.contact = {};
   auto engine = MakeEngine(*tool);
-  engine->Restore(saved.state);
+  engine->Restore(simulation::WithoutContact(std::move(saved.state)));  // the tool begins where it is
   const rt::Nanoseconds now = is_lockstep_ ? clock_.load() : rt::MonotonicNow();
   const simulation::ContactModel first = engine->Step({.X_WT = X_GT, .dt_s = 0.0, .stamp = now});
   if (first.status != EngineStatus::kOk)

@@ -147,6 +147,7 @@ void VisitInputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"resume"}, static_cast<unsigned>(in.resume));
   visit(FieldName{"repeat_differed"}, static_cast<unsigned>(in.repeat_differed));
   visit(FieldName{"recorder_stalled"}, static_cast<unsigned>(in.recorder_stalled));
+  visit(FieldName{"tool_index"}, static_cast<unsigned>(in.tool_index));
   visit(FieldName{"sensor_stamp", "", "ns"}, in.sensor_stamp);
   fields::ForceTorque("F_sensor_S", in.F_sensor_S, visit);
   visit(FieldName{"sensor_trusted"}, static_cast<unsigned>(in.sensor_trusted));

@@ -14,6 +14,8 @@ struct ToolCommand {
   PlainPose X_WT;  ///< the commanded tool pose (admittance) or the measured one (impedance)
   double spindle_rad_per_s{0.0};
   rt::Nanoseconds stamp{0};
+  std::uint8_t tool_index{0};  ///< of the loop's table of tools: whose pose X_WT is
+  bool paused{false};          ///< the loop is paused: at rest, under power
 };
 
 /// Input of one frame. Its path runs from the previous frame's proxy to X_WT.

@@ -23,6 +23,7 @@
 #include "studies/failures/loop/sensor_errors.h"
 #include "studies/failures/loop/simulation_stall.h"
 #include "studies/failures/loop/singularity.h"
+#include "studies/failures/procedure/guidance_scenarios.h"
 
 namespace osteon::hil {
 
@@ -50,6 +51,11 @@ std::span<const FailureScenario> FailureScenarios() {
       FailureScenario{.id = 20, .name = "energy", .run = RunEnergy},
       FailureScenario{.id = 21, .name = "determinism", .run = RunDeterminism},
       FailureScenario{.id = 22, .name = "frame rate", .run = RunFrameRate},
+      FailureScenario{.id = 27, .name = "guided cycles", .run = RunGuidedCycles},
+      FailureScenario{.id = 28, .name = "switched on outside", .run = RunSwitchedOnOutside},
+      FailureScenario{.id = 29, .name = "guidance at the ceiling", .run = RunGuidanceAtCeiling},
+      FailureScenario{.id = 30, .name = "firm hand at the edge", .run = RunFirmHandAtEdge},
+      FailureScenario{.id = 31, .name = "let go aside", .run = RunLetGoAside},
   };
   return scenarios;
 }

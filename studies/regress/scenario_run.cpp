@@ -13,8 +13,10 @@
 #include "base/fnv1a.h"
 #include "base/work_folder.h"
 #include "config/reading/load.h"
+#include "config/reading/load_surgical_plan.h"
 #include "config/reading/strict/overlay.h"
 #include "session/planning/planned_cell.h"
+#include "session/procedure/plan_guidance.h"
 #include "session/run/cell_run.h"
 #include "session/setup/cell_setup.h"
 #include "session/summary/summary.h"
@@ -43,6 +45,14 @@ void ApplyOverrides(const config::ScenarioConfig& scenario, const ScenarioRunPar
   for (const std::string& assignment : params.set) overlay.Set(assignment, "--set");
 }
 
+// Gives the loop the guidance of the scenario's plan, for the reamer that the cell has.
+void SetGuidance(const config::ScenarioConfig& scenario, CellSetup& setup) {
+  const config::SurgicalPlanConfig plan = config::LoadSurgicalPlan(scenario.plan);
+  auto guidance = GuidanceOf(plan.plan, setup.config.tool.tool, setup.X_WG);
+  if (guidance && scenario.guidance) guidance->gain = *scenario.guidance;
+  setup.config.servo.guidance = guidance;
+}
+
 tl::expected<CellSetup, std::string> SetUp(const config::ScenarioConfig& scenario,
                                            const ScenarioRunParams& params) {
   config::Overlay overlay(scenario.cell);
@@ -55,6 +65,7 @@ tl::expected<CellSetup, std::string> SetUp(const config::ScenarioConfig& scenari
           PackCell(*setup, {.as_packed = !scenario.planned, .error_m = {}, .rate_hz = {}}, {}, false);
       !packed)
     return tl::make_unexpected(packed.error());
+  if (!scenario.plan.empty()) SetGuidance(scenario, *setup);
   return setup;
 }
 
@@ -80,12 +91,18 @@ std::string Checksum(const std::string& bytes) {
   return fmt::format("{:016x}", hash.hash());
 }
 
-// Lists the scenario's file and the files that its cell was read from.
+std::string TextOf(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+// Lists the scenario's file, its plan, and the files that its cell was read from.
 std::vector<GoldenSource> SourcesOf(const config::ScenarioConfig& scenario, const CellSetup& setup) {
   std::vector<GoldenSource> sources;
-  std::ifstream stream(scenario.file, std::ios::binary);
-  const std::string text(std::istreambuf_iterator<char>(stream), {});
-  sources.push_back({.path = scenario.file.filename().string(), .checksum = Checksum(text)});
+  sources.push_back({.path = scenario.file.filename().string(), .checksum = Checksum(TextOf(scenario.file))});
+  if (!scenario.plan.empty())
+    sources.push_back(
+        {.path = scenario.plan.filename().string(), .checksum = Checksum(TextOf(scenario.plan))});
   for (const io::ConfigFile& file : setup.config_source.files)
     sources.push_back({.path = file.name, .checksum = Checksum(file.content)});
   return sources;

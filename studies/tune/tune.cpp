@@ -15,8 +15,10 @@
 #include "base/phase_progress.h"
 #include "base/write_text.h"
 #include "config/reading/load.h"
+#include "config/reading/load_surgical_plan.h"
 #include "report/page.h"
 #include "report/svg_text.h"
+#include "session/procedure/plan_guidance.h"
 #include "session/process/exit_code.h"
 #include "session/summary/chart_files.h"
 #include "session/summary/summary.h"
@@ -297,6 +299,13 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const std::str
   if (r.Stands())
     html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
             Escape(GainsYaml(r, options.command_line)) + "</pre>\n";
+  if (r.guidance)
+    html +=
+        fmt::format(
+            "<h2>Guidance of the plan</h2>\n<p>Hands and levers, of {}, that are stable without guidance and "
+            "unstable with it. The plan's own gains stand in the middle.</p>\n",
+            r.guidance->hands) +
+        TableOf(*r.guidance);
   return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + PageEnd();
 }
 
@@ -317,6 +326,20 @@ tl::expected<void, std::string> Write(const TuneResult& r, const TuneOptions& op
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, json); !written) return written;
   return WritePage(Page(r, options, map, width, trade), options.out / "tune.html");
+}
+
+// The guidance of a plan's first reamer: all of its reamers have the same gains. Judged at full gain.
+tl::expected<std::optional<GuidanceMap>, std::string> MapPlan(const TuneOptions& options,
+                                                              const TuneTask& task,
+                                                              const config::CellConfig& cell) {
+  if (options.plan.empty()) return std::optional<GuidanceMap>();
+  const config::SurgicalPlanConfig plan = config::LoadSurgicalPlan(options.plan);
+  const auto guidance = GuidanceOf(plan.plan, plan.plan.reamers.front(), Pose::Identity());
+  if (!guidance)
+    return tl::unexpected(
+        fmt::format("--plan {}: found no guidance, accepted a plan with `guidance`", options.plan.string()));
+  return std::optional(
+      MapGuidance(task, cell.servo.admittance, *guidance, [] { return Interrupted().load(); }));
 }
 
 // Converts to whole ticks; an error names the option.
@@ -401,6 +424,9 @@ int Run(const TuneOptions& options) {
     const auto written = items.WritePart(options.json, Items::Count(result, options.dampings));
     return written ? 0 : Fail("tune", written.error(), kFailed);
   }
+  auto guidance = MapPlan(options, result.task, cell);
+  if (!guidance) return Fail("tune", guidance.error());
+  result.guidance = std::move(*guidance);
   // computed numbers are kept, even if the user did not wait for the rest
   if (const auto saved = cache.Save(); !saved) return Fail("tune", saved.error(), kFailed);
   if (Interrupted()) return kExitInterrupted;

@@ -12,6 +12,7 @@ struct TuneOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"tune"};
   std::filesystem::path json{};  ///< a second copy of tune.json
+  std::filesystem::path plan{};  ///< surgical plan whose guidance is judged as well; empty: none
   double worst_age_ms{2.0};      ///< of a contact model's pose
   double margin{1.1};
   double loss{0.01};

@@ -72,6 +72,7 @@ const TuneCarried* TuneResult::WorstCarried() const {
 
 Verdict Judge(const TuneResult& r) {
   Verdict verdict;
+  if (r.guidance) JudgeGuidance(*r.guidance, verdict);
   if (!r.Stands()) {
     verdict.Add(VerdictLevel::kBad, "no gains stand what was asked, whatever the drag");
     return verdict;
@@ -118,6 +119,8 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
        fmt::format("{:.3g} kg, {:.0f} N s/m: {}", t.loop.mass_kg, t.loop.damping_Ns_per_m,
                    r.own_margin > 0.0 ? fmt::format("gain margin {:.2f}", r.own_margin)
                                       : std::string("not stable with all of these"))}};
+  if (r.guidance)
+    for (SummaryRow& row : RowsOf(*r.guidance)) rows.push_back(std::move(row));
   if (!r.Stands()) {
     rows.push_back({"Recommended", "none: no mass of those tried is stable, whatever the drag"});
     return rows;
@@ -205,6 +208,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
       {"boundary_stiffest", ToJson(r.stiffest, r.stiffest_hands)},
       {"boundary_firm", ToJson(r.firm, {hil::NamedHands()[1]})},
       {"results", {{"computed", r.computed}, {"from_before", r.found}}}};
+  if (r.guidance) json["guidance"] = ToJson(*r.guidance);
   if (r.within_bar_margin > 0.0) {
     json["within_bar"] = ToJson(r.within_bar);
     json["within_bar"]["margin"] = r.within_bar_margin;

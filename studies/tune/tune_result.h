@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "report/report.h"
 #include "session/summary/verdict.h"
+#include "studies/tune/tune_guidance.h"
 #include "studies/tune/tune_study.h"
 
 // The result of `osteon tune` and its forms: rows, JSON, CSV, pictures, an overlay for the cell.
@@ -41,8 +43,9 @@ struct TuneResult {
   std::vector<TuneBoundary> human, stiffest, firm;     ///< at the recommended mass
   std::vector<TuneMap> maps;
   TuneCheck check;
-  std::vector<TuneCarried> carried;  ///< hands that depend on the vibration index
-  double human_index{0.0};           ///< the greatest index that a hand within the human grip raises
+  std::vector<TuneCarried> carried;     ///< hands that depend on the vibration index
+  double human_index{0.0};              ///< the greatest index that a hand within the human grip raises
+  std::optional<GuidanceMap> guidance;  ///< of a plan
   int found{0}, computed{0};
 
   [[nodiscard]] bool Stands() const { return recommended.mass_kg > 0.0; }
@@ -54,9 +57,10 @@ struct TuneResult {
   }
 };
 
-/// Bad if no gains are stable with what was asked for, if the loop grew in simulation, or if a stiff hand
-/// keeps oscillating. To be looked at if the cell's own gains are stable with less, if the tool is not light,
-/// or if hands depend on a vibration index that does not act.
+/// Bad if a plan's guidance is beyond half of its boundary, if no gains are stable with what was asked for,
+/// if the loop grew in simulation, or if a stiff hand keeps oscillating. To be looked at if the cell's own
+/// gains are stable with less, if the tool is not light, or if hands depend on a vibration index that does
+/// not act.
 [[nodiscard]] Verdict Judge(const TuneResult& result);
 
 [[nodiscard]] std::vector<SummaryRow> Rows(const TuneResult& result);

@@ -149,6 +149,7 @@ TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
                                       "recover",
                                       "repeat_differed",
                                       "recorder_stalled",
+                                      "tool_index",
                                       "sensor_trusted",
                                       "spindle_ready",
                                       "spindle_fault",

@@ -85,6 +85,10 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon run demo --simulated --seconds 10 --gains tune/gains.yaml",
        By("GainsRun.SavedAgainTheyAreReadCheckedAndRampedAndTheRunReplaysBitForBit")},
 
+      {"osteon surgical-plan acetabulum", As("surgical-plan acetabulum")},
+      {"osteon tune demo --plan acetabulum", As("tune demo --plan acetabulum --nodes 3")},
+      {"osteon surgical-plan acetabulum --cell demo --json plan.json",
+       As("surgical-plan acetabulum --cell demo --json plan.json", {"plan.json"})},
       {"osteon plan acetabulum --error-mm 0.1 --rate-hz 1000",
        By("Plan.WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises")},
       {"osteon plan molar --error-mm 0.02 --rate-hz 1000 --check --json plan.json",

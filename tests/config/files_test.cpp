@@ -12,7 +12,9 @@
 
 #include "config/reading/load.h"
 #include "config/reading/load_robot.h"
+#include "config/reading/load_rubric.h"
 #include "config/reading/load_scenario.h"
+#include "config/reading/load_surgical_plan.h"
 #include "config/reading/load_sweep.h"
 #include "config/reading/strict/overlay.h"
 #include "config/reading/strict/units.h"
@@ -35,6 +37,8 @@ void LoadAny(const fs::path& path) {
   if (folder == "tools") return static_cast<void>(LoadTool(path));
   if (folder == "materials") return static_cast<void>(LoadMaterials(path));
   if (folder == "scenes") return static_cast<void>(LoadScene(path));
+  if (folder == "plans") return static_cast<void>(LoadSurgicalPlan(path));
+  if (folder == "rubrics") return static_cast<void>(LoadRubric(path));
   if (folder == "cells") return static_cast<void>(LoadCell(path));
   if (folder == "sweeps") return static_cast<void>(LoadSweep(path));
   if (folder == "scenarios") {

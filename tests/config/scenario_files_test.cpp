@@ -72,6 +72,16 @@ TEST(ScenarioFiles, EveryShippedOneLoadsWithItsCell) {
       << "traces of a GPU are its own";
 }
 
+TEST(ScenarioFiles, GuidanceNeedsItsPlan) {
+  const std::string plan = "plan: " OSTEON_SOURCE_DIR "/config/plans/acetabulum.yaml\n";
+  const ScenarioConfig guided = Load(kGood + plan + "guidance_ratio: 0.5\n");
+  EXPECT_EQ(guided.plan.stem(), "acetabulum");
+  EXPECT_EQ(guided.guidance, 0.5);
+  EXPECT_FALSE(Load(kGood + plan).guidance) << "the plan's own";
+  EXPECT_NE(Refusal(kGood + "guidance_ratio: 0.5\n").find("accepted with `plan`"), std::string::npos);
+  EXPECT_NE(Refusal(kGood + plan + "guidance_ratio: 1.5\n").find("0 … 1"), std::string::npos);
+}
+
 TEST(ScenarioFiles, NoGoldenTraceIsLeftWithoutItsScenario) {
   std::set<std::string> names;
   for (const fs::path& file : Shipped()) names.insert(file.stem().string());

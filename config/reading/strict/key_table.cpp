@@ -9,7 +9,9 @@
 
 #include "config/reading/load.h"
 #include "config/reading/load_robot.h"
+#include "config/reading/load_rubric.h"
 #include "config/reading/load_scenario.h"
+#include "config/reading/load_surgical_plan.h"
 #include "config/reading/load_sweep.h"
 #include "config/reading/sections/read_calibration.h"
 #include "config/reading/sections/read_gains.h"
@@ -214,6 +216,8 @@ std::vector<FileKind> FileKinds() {
       {"materials", "materials", [](const auto& file) { static_cast<void>(LoadMaterials(file)); }},
       {"scenario", "scenarios", [](const auto& file) { static_cast<void>(LoadScenario(file)); }},
       {"sweep", "sweeps", [](const auto& file) { static_cast<void>(LoadSweep(file)); }},
+      {"plan", "plans", [](const auto& file) { static_cast<void>(LoadSurgicalPlan(file)); }},
+      {"rubric", "rubrics", [](const auto& file) { static_cast<void>(LoadRubric(file)); }},
       {"gains", "",
        [](const auto& file) {
          control::AdmittanceParams admittance;

@@ -58,6 +58,7 @@ constexpr Unit kUnits[] = {
     {"ratio", 1.0},
     {"percent", 1e-2},
     {"count", 1.0},
+    {"points", 1.0},
     {"axis", 1.0},
     {"port", 1.0},
     {"seed", 1.0},

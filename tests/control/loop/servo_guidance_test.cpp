@@ -159,6 +159,42 @@ TEST(ServoGuidance, EachTickComputedTwiceComesOutTheSame) {
   EXPECT_TRUE(acted);
 }
 
+TEST(ServoGuidance, AChangeOfToolBringsTheNextReamersAndKeepsTheGain) {
+  LoopTool first{.X_FT = ServoBench::FlangeToTool(), .sensor = ServoBench::Params().sensor};
+  first.guidance = PlanAhead(2e-3);
+  LoopTool second = first;
+  second.guidance = PlanAhead(1e-3);
+  LoopTool third = first;
+  third.guidance.reset();
+  FreeBench bench(ServoBench::Params());
+  bench.loop.SetTools({first, second, third}, 0);
+  bench.push_N = 40.0;
+  ASSERT_GT(bench.Run(3000).guidance.potential_J, 0.0);
+  bench.loop.RequestGuidanceGain(0.5);
+  bench.push_N = 0.0;
+  bench.Run(10);
+  const auto change = [&](int tool) {
+    bench.loop.RequestPause();
+    bench.Run(600);
+    bench.loop.RequestTool(tool);
+    const TickRecord changed = bench.Tick();
+    EXPECT_EQ(changed.input.tool_index, tool);
+    bench.loop.RequestResume();
+    return bench.Run(30);
+  };
+  const double before_m = bench.Tick().guidance.depth_m;
+  TickRecord record = change(1);
+  ASSERT_TRUE(record.guidance.present);
+  EXPECT_NEAR(record.guidance.depth_m, before_m + 1e-3, 0.5e-3) << "its end is planned 1 mm higher";
+  EXPECT_EQ(record.guidance.share, 0.0) << "outside when it was switched on";
+  EXPECT_EQ(record.guidance.energy_J, 0.0);
+  bench.push_N = -20.0;
+  record = bench.Run(2000);
+  EXPECT_EQ(record.guidance.share, 0.5) << "inside again, at the gain that was asked for";
+  bench.push_N = 0.0;
+  EXPECT_FALSE(change(2).guidance.present);
+}
+
 // Both laws: whatever the pose, the bone and the velocity are, the sum stays within the cell's limits.
 class GuidedPipeline : public testing::TestWithParam<Law> {};
 INSTANTIATE_TEST_SUITE_P(, GuidedPipeline, testing::Values(Law::kAdmittance, Law::kImpedance),

@@ -110,6 +110,7 @@ TEST(RecordingFields, CarriesEveryInputOfATick) {
     EXPECT_EQ(r.recover, sent.recover);
     EXPECT_EQ(r.pause, sent.pause);
     EXPECT_EQ(r.recorder_stalled, sent.recorder_stalled);
+    EXPECT_EQ(r.tool_index, sent.tool_index);
     EXPECT_EQ(r.resume, sent.resume);
     EXPECT_EQ(r.model_status, sent.model_status);
     EXPECT_EQ(r.period_s, sent.period_s);

@@ -111,6 +111,7 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   in.recover = i % 4 == 1;
   in.pause = i % 4 == 2;
   in.recorder_stalled = i % 4 == 3;
+  in.tool_index = static_cast<std::uint8_t>(i % 5);
   in.resume = i % 4 == 3;
   in.model_status = static_cast<std::uint8_t>((i + 2) % 4);
   in.period_s = base + 73;

@@ -1,0 +1,207 @@
+#include "config/reading/load_surgical_plan.h"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "base/units.h"
+#include "config/reading/sections/read_bone.h"
+#include "config/reading/strict/reader.h"
+#include "safety/zone.h"
+#include "simulation/solids/cup_frame.h"
+
+namespace osteon::config {
+namespace {
+
+using procedure::GuidanceCeilings;
+using procedure::GuidanceGains;
+using procedure::SurgicalPlan;
+
+constexpr double kMaxPlace_mm = 2000.0;
+
+Vector3 Place(Reader& section, const std::string& key) {
+  return section.Triple(key, -kMaxPlace_mm, kMaxPlace_mm);
+}
+
+// Reads the landmarks, or the axes themselves, and the tilt. The frame follows after Finish().
+procedure::PelvicFrame ReadPelvis(Reader& section, SurgicalPlan& plan) {
+  procedure::PelvicFrame axes;
+  if (section.Has("lateral_axis")) {
+    axes = {.lateral = section.Direction("lateral_axis"),
+            .anterior = section.Direction("anterior_axis"),
+            .superior = section.Direction("superior_axis")};
+  } else {
+    plan.landmarks = procedure::PelvicLandmarks{.asis_right_m = Place(section, "asis_right_mm"),
+                                                .asis_left_m = Place(section, "asis_left_mm"),
+                                                .pubis_m = Place(section, "pubis_mm")};
+  }
+  if (section.Has("tilt_deg")) plan.tilt_rad = section.Number("tilt_deg", -45, 45);
+  return axes;
+}
+
+void ReadCup(Reader& section, SurgicalPlan& plan) {
+  plan.cup_centre_m = Place(section, "centre_mm");
+  plan.cup_diameter_m = section.Number("diameter_mm", 20, 90);
+  constexpr procedure::CupDefinition kDefinitions[] = {procedure::CupDefinition::kRadiographic,
+                                                       procedure::CupDefinition::kOperative,
+                                                       procedure::CupDefinition::kAnatomic};
+  plan.definition = kDefinitions[section.Choice("definition", {"radiographic", "operative", "anatomic"})];
+  plan.angles.inclination_rad = section.Number("inclination_deg", 0, 90);
+  plan.angles.anteversion_rad = section.Number("anteversion_deg", -60, 90);
+}
+
+void ReadCone(Reader section, GuidanceGains::Cone& cone) {
+  cone.free_rad = section.Number("free_deg", 0.1, 45);
+  cone.stop_rad = section.Number("stop_deg", 0.1, 60);
+  cone.ease_rad = section.Number("ease_deg", 0.01, 10);
+  cone.stiffness_Nm_per_rad =
+      section.Number("stiffness_Nm_per_rad", 0, GuidanceCeilings::kConeStiffness_Nm_per_rad);
+  cone.cap_Nm = section.Number("cap_Nm", 0, GuidanceCeilings::kConeCap_Nm);
+}
+
+void ReadLateral(Reader section, GuidanceGains::Lateral& lateral) {
+  lateral.free_m = section.Number("free_mm", 0, 50);
+  lateral.stop_m = section.Number("stop_mm", 0.1, 100);
+  lateral.widening_rad = section.Number("widening_deg", 0, 60);
+  lateral.ease_m = section.Number("ease_mm", 0.01, 10);
+  lateral.stiffness_N_per_m =
+      section.Number("stiffness_N_per_mm", 0, 1e-3 * GuidanceCeilings::kLateralStiffness_N_per_m);
+  lateral.cap_N = section.Number("cap_N", 0, GuidanceCeilings::kLateralCap_N);
+}
+
+void ReadDepth(Reader section, GuidanceGains::Depth& depth) {
+  depth.soft_m = section.Number("soft_mm", -10, 20);
+  depth.ease_m = section.Number("ease_mm", 0.01, 10);
+  depth.stiffness_N_per_m =
+      section.Number("stiffness_N_per_mm", 0, 1e-3 * GuidanceCeilings::kDepthStiffness_N_per_m);
+  depth.cap_N = section.Number("cap_N", 0, GuidanceCeilings::kDepthCap_N);
+}
+
+void CheckStop(const Reader& section, const char* key, double free, double stop, double unit) {
+  if (stop > free) return;
+  section.Refuse(key, fmt::format("found {:.6g}, accepted more than where the guidance begins ({:.6g})",
+                                  stop * unit, free * unit));
+}
+
+void ReadGuidance(Reader& section, Reader& cone, Reader& cup_cone, Reader& lateral, GuidanceGains& gains) {
+  gains.gain = section.Number("gain_ratio", 0, 1);
+  ReadCone(cone, gains.cone);
+  gains.cup_cone = {.free_rad = cup_cone.Number("free_deg", 0.1, 45),
+                    .stop_rad = cup_cone.Number("stop_deg", 0.1, 60)};
+  ReadLateral(lateral, gains.lateral);
+  ReadDepth(section.Section("depth"), gains.depth);
+  gains.return_m_per_s = section.Number("return_mm_per_s", 1, 250);
+  gains.return_rad_per_s = section.Number("return_rad_per_s", 0.01, 10);
+  gains.spindle = section.Choice("spindle", {"stop_outside", "free"}) == 0
+                      ? GuidanceGains::OutsideSpindle::kStop
+                      : GuidanceGains::OutsideSpindle::kFree;
+}
+
+procedure::PelvicFrame MakeFrame(const Reader& pelvis, const procedure::PelvicFrame& axes,
+                                 const SurgicalPlan& plan) {
+  try {
+    if (plan.landmarks) return procedure::FrameOf(*plan.landmarks, plan.side);
+    procedure::CheckFrame(axes, plan.side);
+    return axes;
+  } catch (const std::invalid_argument& error) {
+    pelvis.Refuse(plan.landmarks ? "pubis_mm" : "anterior_axis", error.what());
+  }
+}
+
+// The site of the plan's bone, without packing it. A packing file knows its own site only once it is read.
+simulation::CutSite SiteOf(const Reader& reader, const SurgicalPlanConfig& config) {
+  if (!config.bone) return simulation::MakeSceneSolid(config.scene).site;
+  if (!config.bone->cup)
+    reader.Refuse("bone",
+                  "found a packing without cup, accepted one with its cup: the plan is held against it");
+  simulation::CutSite site = *config.bone->cup;
+  site.axis = Vector3(site.axis).normalized();
+  return site;
+}
+
+}  // namespace
+
+SurgicalPlanConfig LoadSurgicalPlan(const std::filesystem::path& path) {
+  Reader reader = Reader::Load(path);
+  SurgicalPlanConfig config;
+  SurgicalPlan& plan = config.plan;
+  plan.name = path.stem().string();
+  std::filesystem::path scene = reader.File("scene", "scenes");
+  if (reader.Has("bone")) config.bone = ReadBone(reader.Section("bone"), scene);
+  plan.side =
+      reader.Choice("side", {"right", "left"}) == 0 ? procedure::Side::kRight : procedure::Side::kLeft;
+  Reader pelvis = reader.Section("pelvis");
+  const procedure::PelvicFrame axes = ReadPelvis(pelvis, plan);
+  plan.native_centre_m = Place(reader, "native_centre_mm");
+  Reader cup = reader.Section("cup");
+  ReadCup(cup, plan);
+  std::vector<Reader> reamers = reader.Sections("reamers", 1, 12);
+  for (Reader& reamer : reamers)
+    plan.reamers.push_back({.diameter_m = reamer.Number("diameter_mm", 20, 90),
+                            .height_m = reamer.Number("height_mm", -20, 20)});
+  plan.tool_change = reader.Choice("tool_change", {"virtual", "physical"}) == 0
+                         ? procedure::ToolChange::kVirtual
+                         : procedure::ToolChange::kPhysical;
+  const bool guided = reader.Has("guidance");
+  if (guided) {
+    Reader guidance = reader.Section("guidance");
+    Reader cone = guidance.Section("cone"), cup_cone = guidance.Section("cup_cone"),
+           lateral = guidance.Section("lateral");
+    ReadGuidance(guidance, cone, cup_cone, lateral, plan.guidance);
+    reader.Finish();
+    const GuidanceGains& gains = plan.guidance;
+    CheckStop(cone, "stop_deg", gains.cone.free_rad, gains.cone.stop_rad, 1.0 / kDegree);
+    CheckStop(cup_cone, "stop_deg", gains.cup_cone.free_rad, gains.cup_cone.stop_rad, 1.0 / kDegree);
+    CheckStop(lateral, "stop_mm", gains.lateral.free_m, gains.lateral.stop_m, 1e3);
+  } else {
+    reader.Finish();
+  }
+
+  for (std::size_t i = 1; i < plan.reamers.size(); ++i)
+    if (!(plan.reamers[i].diameter_m > plan.reamers[i - 1].diameter_m))
+      reamers[i].Refuse("diameter_mm",
+                        fmt::format("found {:.6g} after {:.6g}, accepted diameters that rise",
+                                    1e3 * plan.reamers[i].diameter_m, 1e3 * plan.reamers[i - 1].diameter_m));
+  plan.pelvis = procedure::Tilted(MakeFrame(pelvis, axes, plan), plan.tilt_rad);
+  plan.axis_G = plan.pelvis.ToG(procedure::CupAxis_N(plan.definition, plan.angles)).normalized();
+  config.scene = LoadScene(scene);
+  config.site = SiteOf(reader, config);
+  if (const std::string wrong = procedure::SiteError(plan, config.site); !wrong.empty())
+    cup.Refuse("anteversion_deg", wrong);
+  return config;
+}
+
+Pose BoneInWorld(const CellConfig& cell, const simulation::CutSite& site) {
+  return cell.X_WG * simulation::CupPose(site).inverse();
+}
+
+void CheckPlanInCell(const SurgicalPlanConfig& config, const CellConfig& cell,
+                     const std::filesystem::path& plan_file, const std::filesystem::path& cell_file) {
+  constexpr double kSame_m = 1e-6;
+  const simulation::CutSite& site = config.site;
+  const std::optional<simulation::CutSite> own =
+      cell.bone ? cell.bone->cup : simulation::MakeSceneSolid(cell.scene).site;
+  const auto centre_mm = [](const simulation::CutSite& at) {
+    return fmt::format("{:.4g}, {:.4g}, {:.4g} mm, radius {:.4g} mm", 1e3 * at.center_m.x,
+                       1e3 * at.center_m.y, 1e3 * at.center_m.z, 1e3 * at.radius_m);
+  };
+  if (own && ((Vector3(own->center_m) - Vector3(site.center_m)).norm() > kSame_m ||
+              std::abs(own->radius_m - site.radius_m) > kSame_m))
+    throw ConfigError(plan_file.string(), 0,
+                      fmt::format("found a plan for a cup at {}, accepted for {}: that of {}",
+                                  centre_mm(site), centre_mm(*own), cell_file.string()));
+  const safety::DepthLimitParams& depth = cell.servo.depth;
+  if (!depth.acts) return;
+  const Pose X_WG = BoneInWorld(cell, site);
+  for (const procedure::PlannedReamer& reamer : config.plan.reamers) {
+    const double left_m = safety::ZoneBounds(depth.bound, X_WG * config.plan.ApexOf(reamer)).distance_m();
+    if (left_m < depth.soft_m)
+      throw ConfigError(
+          cell_file.string(), 0,
+          fmt::format("depth_limit: found a resistance from {:.4g} mm before the bound on, accepted at most "
+                      "{:.4g}: the reamer of {:.4g} mm of {} ends there",
+                      1e3 * depth.soft_m, 1e3 * left_m, 1e3 * reamer.diameter_m, plan_file.string()));
+  }
+}
+
+}  // namespace osteon::config

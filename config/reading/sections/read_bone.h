@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "config/reading/cell_config.h"
+#include "config/reading/strict/reader.h"
+
+namespace osteon::config {
+
+/// Reads the mesh or packing that takes the scene's place.
+/// @param scene  replaced by the section's own scene, if it names one
+/// @returns nothing where the section names neither mesh nor packing.
+[[nodiscard]] std::optional<BoneConfig> ReadBone(Reader section, std::filesystem::path& scene);
+
+}  // namespace osteon::config

@@ -1,0 +1,40 @@
+#include "hil/operator/procedure_script.h"
+
+#include <cmath>
+#include <string>
+
+#include "hil/operator/script_phases.h"
+
+namespace osteon::hil {
+
+HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
+  RequireCommon(p);
+  RequireInScript(!p.heights_m.empty(), "heights_m", 0.0, "one height for each tool");
+  RequireInScript(std::abs(p.tilt_rad) <= 0.5, "tilt_rad", p.tilt_rad, "±0.5");
+  RequireInScript(p.aside_m >= 0.0 && p.aside_m <= 0.02, "aside_m", p.aside_m, "0 … 0.02");
+  RequireInScript(p.past_plan_m >= 0.0 && p.past_plan_m <= 0.02, "past_plan_m", p.past_plan_m, "0 … 0.02");
+
+  ScriptPhases phases(
+      {.seconds = p.seconds, .max_target_m_per_s = p.max_target_m_per_s},
+      {.height_m = p.start_height_m, .force_limit_N = p.approach_force_N, .tilt_rad = 0.0, .grip = 0.0});
+  const double tool = 1.0 / static_cast<double>(p.heights_m.size());  // share of a tool
+  const auto add = [&](const std::string& name, double share, double height_m, double force_N) {
+    phases.Add(name, share * tool, {.height_m = height_m, .force_limit_N = force_N, .tilt_rad = 0.0});
+  };
+  for (std::size_t i = 0; i < p.heights_m.size(); ++i) {
+    const std::string name = " " + std::to_string(i + 1);
+    const double height_m = p.heights_m[i];
+    const double above_m = i == 0 ? p.start_height_m : p.retract_height_m;
+    add("grasp" + name, 0.02, above_m, p.approach_force_N);
+    add("approach" + name, 0.15, height_m + 0.010, p.approach_force_N);
+    add("push" + name, 0.25, height_m - p.past_plan_m, p.push_force_N);
+    add("finish" + name, 0.20, height_m - p.past_plan_m, p.push_force_N);
+    add("retract" + name, 0.18, p.retract_height_m, p.push_force_N);
+    add("change" + name, 0.20, p.retract_height_m, p.approach_force_N);
+  }
+  Pose X_WC = p.X_WC;
+  X_WC = X_WC * Eigen::Translation3d(p.aside_m, 0.0, 0.0) * Eigen::AngleAxisd(p.tilt_rad, Vector3::UnitX());
+  return HandScript(X_WC, p.head_radius_m, p.tool_yaw_rad, 2.0, phases.start(), phases.ReleasePhases());
+}
+
+}  // namespace osteon::hil

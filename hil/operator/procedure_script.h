@@ -1,0 +1,35 @@
+#pragma once
+
+#include <vector>
+
+#include "hil/operator/hand_script.h"
+
+namespace osteon::hil {
+
+/// Parameters of an operator who reams with the tools of a plan, one after the other.
+struct ProcedureScriptParams {
+  PlainPose X_WC{};  ///< the plan: the cup's planned centre, +z along its axis, out of the opening
+  double head_radius_m{
+      0.022};  ///< of the tool that the simulated arm carries: it turns about the head's centre
+  double tool_yaw_rad{0.0};
+  double seconds{60.0};             ///< of the whole script, >= 0.1
+  double start_height_m{0.040};     ///< heights of the head's centre over X_WC
+  double retract_height_m{0.030};   ///< to which each tool is retracted before it is changed
+  std::vector<double> heights_m{};  ///< planned height of each tool, in their order; at least one
+  double past_plan_m{
+      0.002};  ///< the hand's target lies this far below the planned height, for a light last push
+  double push_force_N{60.0};
+  double approach_force_N{20.0};
+  double tilt_rad{0.0};  ///< of the tool's axis away from the plan's: a tool that is held wrong
+  double aside_m{0.0};   ///< distance of the hand's axis from the plan's
+  double hand_stiffness_N_per_m{2000.0};
+  double max_target_m_per_s{0.2};
+};
+
+/// For each tool: approach, push to the planned height, retract, and hold the tool where it is changed. The
+/// hand of an expert keeps to the plan's axis (tilt and aside 0); a novice's is tilted and aside all the
+/// time.
+/// @throws std::invalid_argument, naming the parameter and what is accepted.
+[[nodiscard]] HandScript MakeProcedureScript(const ProcedureScriptParams& params);
+
+}  // namespace osteon::hil

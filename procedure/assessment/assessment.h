@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+
+#include "procedure/assessment/cavity_result.h"
+#include "procedure/assessment/process_figures.h"
+#include "procedure/assessment/score.h"
+#include "procedure/plan/surgical_plan.h"
+
+namespace osteon::procedure {
+
+/// The axis that was reamed. A sphere has none: it is the tool's own, weighted by the volume that it removed.
+class ReamedAxis {
+ public:
+  /// @param feed_G  the tool's +z
+  void Add(const Vector3& feed_G, double removed_m3) { sum_ -= removed_m3 * feed_G; }
+  /// Out of the opening, unit; nothing where nothing was removed.
+  [[nodiscard]] std::optional<Vector3> value() const {
+    return sum_.norm() > 0.0 ? std::optional<Vector3>(sum_.normalized()) : std::nullopt;
+  }
+
+ private:
+  Vector3 sum_{Vector3::Zero()};
+};
+
+/// What a session achieved.
+struct Assessment {
+  CavityResult cavity;
+  std::optional<Vector3> axis_G;  ///< reamed, or of the cup that was placed; nothing: no bone was removed
+  bool axis_of_cup{false};        ///< the latter
+  std::optional<double> min_wall_m;
+  ProcessFigures process;
+};
+
+/// Angle between the planned axis and the reached one [rad].
+[[nodiscard]] std::optional<double> AxisError(const SurgicalPlan& plan, const Assessment& assessment);
+
+/// The metrics' values; errors and shifts as magnitudes.
+[[nodiscard]] MetricValues ValuesOf(const SurgicalPlan& plan, const Assessment& assessment);
+
+}  // namespace osteon::procedure

@@ -1,0 +1,156 @@
+#include "procedure/assessment/cavity_result.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/units.h"
+#include "simulation/removal/cut_metrics.h"
+
+namespace osteon::procedure {
+namespace {
+
+using simulation::Ball;
+
+constexpr int kCoverageDirections = 4000;
+constexpr double kRimWidth_m = 3e-3, kRimDepth_m = 2e-3;
+constexpr double kShrunk_mm = 1e-4;  // rounding of a ball's radius is 1e-6 mm
+
+// The balls that reach into a shell around the planned sphere.
+std::vector<Ball> NearShell(std::span<const Ball> balls, const PlannedCavity& cavity, double reach_m) {
+  std::vector<Ball> near;
+  for (const Ball& ball : balls) {
+    const double off_m = (Vector3(ball.center_m) - cavity.centre_m).norm() - cavity.radius_m;
+    if (std::abs(off_m) <= ball.radius_m + reach_m) near.push_back(ball);
+  }
+  return near;
+}
+
+// Distance along a ray from `from_m` to where it enters a ball, at least `min_m`; infinity where it misses.
+double Enters(const Vector3& from_m, const Vector3& direction, const Ball& ball, double min_m) {
+  const Vector3 way_m = Vector3(ball.center_m) - from_m;
+  const double along_m = way_m.dot(direction);
+  const double aside2 = way_m.squaredNorm() - along_m * along_m, radius2 = ball.radius_m * ball.radius_m;
+  if (aside2 > radius2) return std::numeric_limits<double>::infinity();
+  const double half_m = std::sqrt(radius2 - aside2);
+  if (along_m + half_m < min_m) return std::numeric_limits<double>::infinity();
+  return std::max(along_m - half_m, min_m);
+}
+
+double FirstBone(std::span<const Ball> balls, const Vector3& from_m, const Vector3& direction, double min_m) {
+  double first_m = std::numeric_limits<double>::infinity();
+  for (const Ball& ball : balls) first_m = std::min(first_m, Enters(from_m, direction, ball, min_m));
+  return first_m;
+}
+
+double Coverage(const PlannedCavity& cavity, std::span<const Ball> live) {
+  const std::vector<Ball> near = NearShell(live, cavity, kCoverageGap_m);
+  int covered = 0;
+  for (const Vector3& direction : HemisphereDirections(cavity.axis, kCoverageDirections))
+    if (FirstBone(near, cavity.centre_m, direction, cavity.radius_m - kCoverageGap_m) <=
+        cavity.radius_m + kCoverageGap_m)
+      ++covered;
+  return static_cast<double>(covered) / kCoverageDirections;
+}
+
+struct Share {
+  double left_m3{0.0}, all_m3{0.0};
+  void Add(double volume_m3, bool left) {
+    all_m3 += volume_m3;
+    if (left) left_m3 += volume_m3;
+  }
+  [[nodiscard]] std::optional<double> value() const {
+    return all_m3 > 0.0 ? std::optional(left_m3 / all_m3) : std::nullopt;
+  }
+};
+
+}  // namespace
+
+AnatomicShift ShiftOf(const PelvicFrame& pelvis, const Vector3& d_G) {
+  return {.medial_m = -d_G.dot(pelvis.lateral),
+          .superior_m = d_G.dot(pelvis.superior),
+          .posterior_m = -d_G.dot(pelvis.anterior)};
+}
+
+bool InRoofArcs(const PelvicFrame& pelvis, const Vector3& native_centre_m, const Vector3& p_m) {
+  const Vector3 d = pelvis.FromG(p_m - native_centre_m);
+  const double across = std::hypot(d.x(), d.y()), angle_deg = std::atan2(across, d.z()) / kDegree;
+  if (across <= 0.0) return d.z() > 0.0;
+  const double medial_deg = -angle_deg * d.x() / across, forward_deg = angle_deg * d.y() / across;
+  const double share = forward_deg / (forward_deg > 0.0 ? kRoofAnterior_deg : kRoofPosterior_deg);
+  if (medial_deg <= 0.0) return std::abs(share) <= 1.0 && angle_deg <= 90.0;
+  return share * share + std::pow(medial_deg / kRoofMedial_deg, 2) <= 1.0;
+}
+
+std::vector<Vector3> HemisphereDirections(const Vector3& axis, int count) {
+  // a Fibonacci lattice: heights are even, and so are areas
+  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  const Matrix3 R = RotationFromZTo(axis);
+  std::vector<Vector3> directions;
+  for (int i = 0; i < count; ++i) {
+    const double z = -(i + 0.5) / count, across = std::sqrt(1.0 - z * z);
+    directions.push_back(R * Vector3(across * std::cos(turn * i), across * std::sin(turn * i), z));
+  }
+  return directions;
+}
+
+std::vector<Ball> CutBalls(const simulation::Bone& uncut, const simulation::CarvedState& state) {
+  std::vector<Ball> cut;
+  for (std::size_t i = 0; i < uncut.balls.size() && 4 * i + 3 < state.balls.size(); ++i) {
+    const double radius_mm = state.balls[4 * i + 3];
+    if (radius_mm > 0.0 && radius_mm < 1e3 * uncut.balls[i].radius_m - kShrunk_mm)
+      cut.push_back({.center_m = Vector3(1e-3 * state.balls[4 * i], 1e-3 * state.balls[4 * i + 1],
+                                         1e-3 * state.balls[4 * i + 2]),
+                     .radius_m = 1e-3 * radius_mm});
+  }
+  return cut;
+}
+
+std::vector<SurfaceDeviation> DeviationMap(const SurgicalPlan& plan, std::span<const Ball> live_balls,
+                                           std::span<const Vector3> directions_G) {
+  const PlannedCavity cavity = plan.cavity();
+  const std::vector<Ball> near = NearShell(live_balls, cavity, kMapReach_m);
+  std::vector<SurfaceDeviation> map;
+  for (const Vector3& direction : directions_G) {
+    const double first_m =
+        FirstBone(near, cavity.centre_m, direction, cavity.radius_m - kMapReach_m) - cavity.radius_m;
+    map.push_back({direction, first_m <= kMapReach_m ? std::optional(first_m) : std::nullopt});
+  }
+  return map;
+}
+
+CavityResult AssessCavity(const SurgicalPlan& plan, const simulation::Bone& uncut,
+                          const simulation::CarvedState& state) {
+  const PlannedCavity cavity = plan.cavity();
+  CavityResult result;
+  if (auto fit = FitSphere(CutBalls(uncut, state), plan.axis_G, cavity.centre_m, cavity.radius_m)) {
+    result.fit = *fit;
+    result.from_plan = ShiftOf(plan.pelvis, fit->centre_m - cavity.centre_m);
+    result.from_native = ShiftOf(plan.pelvis, fit->centre_m - plan.native_centre_m);
+  } else {
+    result.fit_refused = fit.error();
+  }
+  result.coverage = Coverage(cavity, simulation::LiveBalls(state));
+
+  const Vector3 site_m = uncut.site.center_m, site_axis = uncut.site.axis;
+  Share cartilage, rim;
+  for (std::size_t i = 0; i < uncut.points.size() && i < state.cleared.size(); ++i) {
+    const simulation::MassPoint& point = uncut.points[i];
+    const Vector3 p_m = point.p_m;
+    const bool left = state.cleared[i] == 0;
+    const double outside_m = cavity.DistanceTo(p_m);
+    if (!left) result.removed_m3 += point.volume_m3;
+    if (!left && outside_m > 0.0) result.over_m3 += point.volume_m3;
+    if (left && outside_m < 0.0) result.under_m3 += point.volume_m3;
+    if (point.material < uncut.materials.size() && uncut.materials[point.material].name == "cartilage" &&
+        InRoofArcs(plan.pelvis, plan.native_centre_m, p_m))
+      cartilage.Add(point.volume_m3, left);
+    if (outside_m > 0.0 && outside_m <= kRimWidth_m && (p_m - site_m).dot(site_axis) >= -kRimDepth_m)
+      rim.Add(point.volume_m3, left);
+  }
+  result.cartilage_left = cartilage.value();
+  result.rim_preserved = rim.value();
+  return result;
+}
+
+}  // namespace osteon::procedure

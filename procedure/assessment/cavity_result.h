@@ -1,0 +1,70 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "procedure/assessment/sphere_fit.h"
+#include "procedure/plan/surgical_plan.h"
+#include "simulation/bone/bone.h"
+#include "simulation/engine/cutting_engine.h"
+
+// What a session left of the bone, beside the plan. Every figure comes from the final carved state: balls for
+// shape, mass points for volume.
+
+namespace osteon::procedure {
+
+/// A displacement in the words of the clinic.
+struct AnatomicShift {
+  double medial_m{0.0}, superior_m{0.0}, posterior_m{0.0};
+};
+[[nodiscard]] AnatomicShift ShiftOf(const PelvicFrame& pelvis, const Vector3& d_G);
+
+struct CavityResult {
+  std::optional<SphereFit> fit;
+  std::string fit_refused;               ///< why there is none
+  AnatomicShift from_plan, from_native;  ///< of the fitted centre; zero without a fit
+  double coverage{
+      0.0};  ///< share of the planned hemisphere that has bone within kCoverageGap_m of it, radially
+  double removed_m3{0.0};
+  double over_m3{0.0};   ///< removed outside the planned cavity
+  double under_m3{0.0};  ///< left inside it
+  /// Share of the cartilage left within the roof arcs; nothing for a bone without cartilage there.
+  std::optional<double> cartilage_left;
+  /// Share of the bone left within 3 mm beside the plan, in the upper 2 mm; nothing where there was none.
+  std::optional<double> rim_preserved;
+};
+
+inline constexpr double kCoverageGap_m = 0.5e-3;
+
+/// The roof arcs: how far cartilage matters from the highest point of the native hip, medially, anteriorly
+/// and posteriorly; elliptic between, and to the rim laterally.
+inline constexpr double kRoofMedial_deg = 46.0, kRoofAnterior_deg = 52.0, kRoofPosterior_deg = 62.0;
+
+/// Whether a place lies within the roof arcs of a hip with this native centre.
+[[nodiscard]] bool InRoofArcs(const PelvicFrame& pelvis, const Vector3& native_centre_m, const Vector3& p_m);
+
+/// The balls of a state that a tool has cut: smaller than in the uncut bone, but not gone. Children of split
+/// balls are left out, because a state does not tell the uncut ones.
+[[nodiscard]] std::vector<simulation::Ball> CutBalls(const simulation::Bone& uncut,
+                                                     const simulation::CarvedState& state);
+
+/// @param uncut  the bone of the state, as it was packed
+[[nodiscard]] CavityResult AssessCavity(const SurgicalPlan& plan, const simulation::Bone& uncut,
+                                        const simulation::CarvedState& state);
+
+/// How much deeper (positive) or shallower than planned the bone begins along each direction; for a map.
+struct SurfaceDeviation {
+  Vector3 direction_G;                ///< unit, from the planned centre
+  std::optional<double> deviation_m;  ///< nothing where there is no bone within kMapReach_m of the plan
+};
+inline constexpr double kMapReach_m = 6e-3;
+[[nodiscard]] std::vector<SurfaceDeviation> DeviationMap(const SurgicalPlan& plan,
+                                                         std::span<const simulation::Ball> live_balls,
+                                                         std::span<const Vector3> directions_G);
+
+/// Directions over the hemisphere around -axis, each for the same area.
+[[nodiscard]] std::vector<Vector3> HemisphereDirections(const Vector3& axis, int count);
+
+}  // namespace osteon::procedure

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <vector>
+
+#include "kinematics/spatial.h"
+#include "procedure/assessment/tremor.h"
+#include "procedure/plan/surgical_plan.h"
+
+// How a session went, from its ticks: time, way, force, tilt, tremor.
+
+namespace osteon::procedure {
+
+/// One tick as the figures need it. Poses and forces in the bone's frame G.
+struct ProcessSample {
+  double t_s{0.0};
+  Vector3 head_m{Vector3::Zero()};  ///< centre of the tool's head H
+  Vector3 feed{Vector3::Zero()};    ///< the tool's +z
+  Vector3 F_hand_N{Vector3::Zero()};
+  bool cutting{false};  ///< bone was removed
+  double spindle_rad_per_s{0.0};
+};
+
+/// How far a pose is beyond the free corridor of the plan; negative inside. The same quantities as the
+/// guidance's, whether it is on or not:
+///
+///     tilt = angle(feed, -a) - free      lateral = (rho - rho_free - h tan psi) cos psi      depth = soft - h
+///
+/// with h = a·(H - C), rho the length of the rest of H - C, C the reamer's planned centre.
+struct CorridorExcess {
+  double tilt_rad{0.0}, lateral_m{0.0}, depth_m{0.0};
+  [[nodiscard]] bool outside() const { return tilt_rad > 0.0 || lateral_m > 0.0 || depth_m > 0.0; }
+};
+[[nodiscard]] CorridorExcess ExcessOf(const SurgicalPlan& plan, const PlannedReamer& reamer,
+                                      const Vector3& head_m, const Vector3& feed);
+
+/// Figures of a session, of one tool, or of one pass.
+struct ProcessFigures {
+  double time_s{0.0};     ///< from the first tick to the last
+  double cutting_s{0.0};  ///< while bone was removed
+  double path_m{0.0};     ///< way of the head's centre within kNearCup_m of the planned centre
+  double force_mean_N{0.0}, force_peak_N{0.0};  ///< of the hand while cutting
+  double wrong_way{0.0};  ///< impulse of the hand across the axis over its whole impulse, while cutting
+  double outside_s{0.0};  ///< outside of the corridor while cutting, with guidance or without
+  double tremor_N{0.0};   ///< effective hand force between 6 and 14 Hz, without the spindle's harmonics
+};
+
+inline constexpr double kNearCup_m = 30e-3;
+
+/// Sums up samples in the order of their times.
+class ProcessSums {
+ public:
+  ProcessSums(const SurgicalPlan& plan, double period_s)
+      : plan_(&plan), tremor_(period_s), period_s_(period_s) {}
+
+  void Add(const ProcessSample& sample, const PlannedReamer& reamer);
+  [[nodiscard]] ProcessFigures Figures() const;
+
+ private:
+  const SurgicalPlan* plan_;
+  TremorMeter tremor_;
+  double period_s_;
+  bool begun_{false};
+  double first_s_{0.0}, last_s_{0.0};
+  Vector3 head_m_{Vector3::Zero()};
+  bool was_near_{false};
+  double path_m_{0.0}, cutting_s_{0.0}, outside_s_{0.0};
+  double impulse_Ns_{0.0}, across_Ns_{0.0}, peak_N_{0.0};
+};
+
+}  // namespace osteon::procedure

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace osteon::procedure {
+
+/// A figure that a rubric may score.
+struct Metric {
+  const char* name;  ///< as in the rubric: "axis_error"
+  const char* unit;  ///< ending of the rubric's keys: "deg"
+  double to_unit;    ///< factor from SI
+  const char* text;  ///< for people: "axis error"
+};
+/// All metrics, in the order of the report.
+[[nodiscard]] std::span<const Metric> Metrics();
+
+/// What a rubric says of one metric: `full` and `zero` in SI. Full points at `full` or better, none at `zero`
+/// or worse; between them linear. More is better where full > zero.
+struct RubricItem {
+  std::string metric;
+  double weight{0.0}, full{0.0}, zero{0.0};
+  std::string source;  ///< where the norm comes from
+};
+
+struct Rubric {
+  std::string name;
+  std::vector<RubricItem> items;
+  double breach_points{0.0};  ///< taken off when no wall is left; 0: not judged
+  std::string breach_source;
+};
+
+/// Values by the metric's name, in SI. A metric that could not be measured is absent.
+using MetricValues = std::map<std::string, double>;
+
+struct ScoredItem {
+  RubricItem item;
+  std::optional<double> value;
+  double points{0.0};  ///< 0 … weight
+};
+struct Deduction {
+  std::string name, source;
+  double points{0.0};
+};
+struct Score {
+  double total{0.0};  ///< 0 … the sum of the weights
+  std::vector<ScoredItem> items;
+  std::vector<Deduction> deductions;
+};
+
+inline constexpr double kMaxDeduction = 50.0;
+
+/// score = sum of weight clamp((zero - x) / (zero - full), 0, 1), less deductions of at most kMaxDeduction;
+/// never below 0. A value that is absent has no points.
+/// @param min_wall_m  thinnest wall; 0 or less is a breach; nothing: not known
+[[nodiscard]] Score ScoreOf(const Rubric& rubric, const MetricValues& values,
+                            std::optional<double> min_wall_m);
+
+}  // namespace osteon::procedure

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "base/units.h"
+#include "kinematics/spatial.h"
+#include "simulation/bone/bone.h"
+
+namespace osteon::procedure {
+
+/// The sphere that a reamer left, fitted to the balls that it cut.
+struct SphereFit {
+  Vector3 centre_m{Vector3::Zero()};
+  double radius_m{0.0};
+  double cap_rad{0.0};  ///< largest angle of a ball's near point from the cavity's pole, seen from the centre
+  std::size_t balls{0};
+  double residual_sd_m{0.0};
+  double residual_p95_m{0.0};  ///< 95th percentile of the residuals' magnitude: how far from round
+  double radius_sd_m{0.0},
+      depth_sd_m{0.0};  ///< standard deviations of the radius, and of the centre along the axis
+};
+
+/// Smallest cap from which a sphere is fitted: below it radius and depth can hardly be told apart.
+inline constexpr double kMinCap_rad = 45.0 * kDegree;
+
+/// Fits centre C and radius R to cut balls, by Gauss-Newton:
+///
+///     minimise sum (|c_i - C| - r_i - R)²
+///
+/// A cut ball touches the tool's sweep, so its point nearest to C lies on the reamed surface. Rays that meet
+/// the union of balls would find its valleys as well, and a larger sphere. Balls whose near point is above
+/// the centre, towards the opening, touch the cylinder of the way in and are left out.
+///
+/// With cap angle t, c = cos t, residual s and N balls, for points spread evenly over the cap:
+///
+///     sd(R) = s / sqrt(N) sqrt(1 + 3 ((1 + c) / (1 - c))²)      sd(depth) = s sqrt(12) / (sqrt(N) (1 - c))
+///
+/// @param axis  unit, out of the opening
+/// @param near_centre_m, near_radius_m  where the fit begins: those of the plan
+/// @returns why there is no fit: too few balls, a cap below 45°, or no convergence.
+[[nodiscard]] tl::expected<SphereFit, std::string> FitSphere(std::span<const simulation::Ball> cut_balls,
+                                                             const Vector3& axis,
+                                                             const Vector3& near_centre_m,
+                                                             double near_radius_m);
+
+}  // namespace osteon::procedure

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+
+#include "kinematics/spatial.h"
+#include "procedure/plan/cup_axis.h"
+
+namespace osteon::procedure {
+
+enum class Side : std::uint8_t { kRight, kLeft };
+
+/// "right" or "left".
+[[nodiscard]] const char* NameOf(Side side);
+
+/// The pelvic landmarks, in G: both anterior superior iliac spines (ASIS) and the pubic midpoint.
+struct PelvicLandmarks {
+  Vector3 asis_right_m{Vector3::Zero()}, asis_left_m{Vector3::Zero()}, pubis_m{Vector3::Zero()};
+};
+
+/// The pelvic frame N of one hip: unit vectors in G. Right-handed for a left hip, left-handed for a right
+/// hip, because lateral is the patient's left or right.
+struct PelvicFrame {
+  Vector3 lateral{Vector3::UnitX()}, anterior{Vector3::UnitY()}, superior{Vector3::UnitZ()};
+
+  [[nodiscard]] Vector3 ToG(const Vector3& v_N) const {
+    return v_N.x() * lateral + v_N.y() * anterior + v_N.z() * superior;
+  }
+  [[nodiscard]] Vector3 FromG(const Vector3& v_G) const {
+    return {v_G.dot(lateral), v_G.dot(anterior), v_G.dot(superior)};
+  }
+};
+
+/// The anterior pelvic plane's frame. With m the middle of the spines and P the pubis:
+///
+///     t = unit(ASIS_left - ASIS_right)     superior = unit(m - P less its part along t)
+///     anterior = t × superior              lateral = t (left hip) or -t (right hip)
+///
+/// @throws std::invalid_argument where the spines are less than 50 mm apart, or the pubis less than 20 mm
+///   from their line.
+[[nodiscard]] PelvicFrame FrameOf(const PelvicLandmarks& landmarks, Side side);
+
+/// @throws std::invalid_argument unless the axes are perpendicular within 1e-3 and anterior points forwards
+///   for the side: lateral × superior is anterior of a left hip, and its opposite of a right one.
+void CheckFrame(const PelvicFrame& frame, Side side);
+
+/// The frame in which angles count when the pelvis is tilted backwards by tau [rad] in it: the axes turn
+/// about the lateral axis. A cup that is fixed in the pelvis keeps its operative inclination, and its
+/// operative anteversion grows by exactly tau.
+[[nodiscard]] PelvicFrame Tilted(const PelvicFrame& frame, double tau_rad);
+
+/// Standard deviations of the angles of a fixed axis a_G when each landmark coordinate has a standard
+/// deviation of `sd_m`, to first order.
+[[nodiscard]] CupAngles LandmarkSpread(const PelvicLandmarks& landmarks, Side side, double tau_rad,
+                                       CupDefinition definition, const Vector3& a_G, double sd_m);
+
+}  // namespace osteon::procedure

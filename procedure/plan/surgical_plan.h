@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/units.h"
+#include "kinematics/spatial.h"
+#include "procedure/plan/cup_axis.h"
+#include "procedure/plan/pelvic_frame.h"
+#include "procedure/plan/planned_cavity.h"
+
+// The plan of a reaming: where the cup goes, with which reamers, and how a guidance would hold the hand to
+// it. Plain data in SI, in the packing's frame G.
+
+namespace osteon::procedure {
+
+/// One reamer of the sequence. Its planned centre is `height_m` over the cup's centre, along the cup axis.
+struct PlannedReamer {
+  double diameter_m{0.0}, height_m{0.0};
+};
+
+enum class ToolChange : std::uint8_t {
+  kVirtual,  ///< the handle stays: only the simulated head changes
+  kPhysical  ///< another tool is mounted
+};
+
+/// Gains of the guidance (docs/theory/guidance.md). Each part begins at `free`; beyond `stop` the spindle may
+/// stop. `ease` is the width of the force's soft beginning, `cap` its largest value.
+struct GuidanceGains {
+  struct Cone {
+    double free_rad{0.0}, stop_rad{0.0}, ease_rad{0.0}, stiffness_Nm_per_rad{0.0}, cap_Nm{0.0};
+  };
+  struct CupCone {
+    double free_rad{0.0}, stop_rad{0.0};
+  };
+  struct Lateral {
+    double free_m{0.0}, stop_m{0.0}, widening_rad{0.0}, ease_m{0.0}, stiffness_N_per_m{0.0}, cap_N{0.0};
+  };
+  struct Depth {
+    double soft_m{0.0}, ease_m{0.0}, stiffness_N_per_m{0.0}, cap_N{0.0};
+  };
+  enum class OutsideSpindle : std::uint8_t { kStop, kFree };
+
+  double gain{0.0};  ///< 0 … 1; 0: off
+  Cone cone;         ///< tilt of the feed against the cup axis
+  CupCone cup_cone;  ///< the same while the cup is placed: its free and stop angles; the rest as `cone`
+  Lateral lateral;   ///< distance of the head's centre from the axis
+  Depth depth;       ///< height of the head's centre over its planned centre
+  double return_m_per_s{0.05}, return_rad_per_s{1.0};  ///< speeds at which the force of the way back is gone
+  OutsideSpindle spindle{OutsideSpindle::kStop};
+};
+
+/// The largest gains that a plan may ask for. Stiffer, or with a higher cap, the guidance would make hands
+/// unstable that are stable without it (docs/theory/guidance.md).
+struct GuidanceCeilings {
+  static constexpr double kConeStiffness_Nm_per_rad = 400.0, kConeCap_Nm = 8.0;
+  static constexpr double kLateralStiffness_N_per_m = 5e3, kLateralCap_N = 60.0;
+  static constexpr double kDepthStiffness_N_per_m = 20e3, kDepthCap_N = 150.0;
+};
+
+struct SurgicalPlan {
+  std::string name;  ///< the file's, without ".yaml"
+  Side side{Side::kRight};
+  std::optional<PelvicLandmarks> landmarks;  ///< absent: the axes were given
+  double tilt_rad{0.0};                      ///< of the pelvis, backwards, in the frame where angles count
+  PelvicFrame pelvis;                        ///< where angles count, with the tilt
+  Vector3 native_centre_m{Vector3::Zero()};  ///< of the hip before the operation
+  Vector3 cup_centre_m{Vector3::Zero()};
+  double cup_diameter_m{0.0};  ///< of the implant
+  CupDefinition definition{CupDefinition::kRadiographic};
+  CupAngles angles;                    ///< in that definition
+  Vector3 axis_G{Vector3::UnitZ()};    ///< of the cup, unit, out of the opening
+  std::vector<PlannedReamer> reamers;  ///< in their order, diameters rising; at least one
+  ToolChange tool_change{ToolChange::kVirtual};
+  GuidanceGains guidance;
+
+  /// Planned centre of a reamer's head, in G.
+  [[nodiscard]] Vector3 CentreOf(const PlannedReamer& reamer) const {
+    return cup_centre_m + reamer.height_m * axis_G;
+  }
+  /// Planned place of a reamer's apex, in G.
+  [[nodiscard]] Vector3 ApexOf(const PlannedReamer& reamer) const {
+    return CentreOf(reamer) - 0.5 * reamer.diameter_m * axis_G;
+  }
+  /// What the last reamer clears.
+  [[nodiscard]] PlannedCavity cavity() const {
+    return {CentreOf(reamers.back()), axis_G, 0.5 * reamers.back().diameter_m};
+  }
+};
+
+/// Largest angle between the planned axis and the scene's own cup. Beyond it the plan is for the other side,
+/// or the landmarks are in another frame.
+inline constexpr double kMaxAxisFromSite_rad = 45.0 * kDegree;
+
+/// @returns why the plan does not fit the bone's site, in the words of an error; empty: it does.
+[[nodiscard]] std::string SiteError(const SurgicalPlan& plan, const simulation::CutSite& site);
+
+/// What a person should look at before the plan is used; mostly nothing.
+[[nodiscard]] std::vector<std::string> WarningsOf(const SurgicalPlan& plan);
+
+}  // namespace osteon::procedure

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "base/clock.h"
+#include "kinematics/spatial.h"
+
+// The file `session.json` of a procedure's folder (osteon.session/1): which plan, cell and bone, which tool
+// cut in which part of which recording, from which carved state to which, and the passes.
+//
+//     DIR/session.json   this file, replaced as a whole whenever one of its facts becomes known
+//         plan.yaml      the plan as it was read
+//         run_1.mcap     a recording for each start of the session (`--resume` begins run_2.mcap)
+//         state_1.carved carved states (simulation/files/carved_file.h), numbered as they were saved; never overwritten
+
+namespace osteon::app {
+
+/// A part of a recording in which one tool cut, from one saved state on. A change of tool and an undo begin
+/// another.
+struct SessionSegment {
+  int tool_index{0};         ///< of SessionFile::diameters_mm
+  std::string recording;     ///< file in the session's folder
+  rt::Nanoseconds begin{0};  ///< first stamp of a frame's pose that belongs to it, on the recording's clock
+  rt::Nanoseconds end{0};    ///< last one; 0: not known, as the process was killed: the recording's end
+  std::string begin_state;   ///< file of the carved state at its beginning; empty: the uncut bone
+  std::string begin_state_hash;  ///< HashState of it, 16 hexadecimal digits
+  std::string end_state;         ///< likewise at its end; empty: as begin_state (no pass was finished)
+  std::string end_state_hash;    ///< empty as long as the segment is open
+  double guidance_gain{0.0};     ///< the plan's gains times this; 0: without guidance
+};
+
+/// One pass: from the first bone that the turning tool removes until the tool has been clear for 0.5 s.
+struct SessionPass {
+  int number{0};  ///< from 1, in the order of the passes; an undone pass keeps its number
+  int segment{0};
+  int tool_index{0};
+  rt::Nanoseconds begin{0}, end{0};  ///< stamps of frames' poses, on the recording's clock
+  double cutting_s{0.0};             ///< time in which bone was removed
+  double removed_mm3{0.0};
+  std::string state;       ///< file of the carved state after it
+  std::string state_hash;  ///< HashState of it
+  bool undone{false};      ///< taken back: counts for time, not for the result
+};
+
+/// The gains of the cell at the session's start.
+struct SessionGains {
+  std::string law;  ///< "admittance" or "impedance"
+  double stiffness_N_per_mm{0.0}, damping_Ns_per_m{0.0};
+  std::array<double, 3> mass_kg{}, drag_Ns_per_m{};  ///< of the virtual tool; zero under the impedance law
+};
+
+/// The content of session.json.
+struct SessionFile {
+  std::string cell;       ///< name of the cell's file, without its ending
+  std::string cell_file;  ///< as it was given
+  std::string plan_file{"plan.yaml"};
+  std::string plan_checksum, cell_checksum;  ///< FNV-1a of 64 bits, 16 hexadecimal digits
+  std::string bone_checksum;                 ///< HashState of the uncut bone
+  std::string scene;
+  std::string tool;                    ///< name of the tool's kind, such as "reamer"
+  std::vector<double> diameters_mm;    ///< of the plan's reamers
+  std::string tool_change{"virtual"};  ///< "virtual" or "physical"
+  std::string clock{"wall"};           ///< "wall" or "virtual"
+  SessionGains gains;
+  bool ended{false};  ///< the last process ended in order; false as well while it runs
+  std::vector<SessionSegment> segments;
+  std::vector<SessionPass> passes;
+  std::optional<PlainPose> cup_X_GT;  ///< `tell cup`: the tool's pose then, in the bone's frame G
+
+  /// The passes that count for the result.
+  [[nodiscard]] int PassesLeft() const;
+  /// File of the last state that counts; empty: the uncut bone.
+  [[nodiscard]] std::string LastState() const;
+};
+
+inline constexpr const char* kSessionFileName = "session.json";
+
+[[nodiscard]] std::string ToJson(const SessionFile& session);
+/// The error names the key, what was found and what is accepted.
+[[nodiscard]] tl::expected<SessionFile, std::string> ParseSession(const std::string& text);
+
+/// Writes FOLDER/session.json; it appears whole or not at all.
+[[nodiscard]] tl::expected<void, std::string> WriteSession(const std::filesystem::path& folder,
+                                                           const SessionFile& session);
+/// Reads FOLDER/session.json. The error names the file.
+[[nodiscard]] tl::expected<SessionFile, std::string> ReadSession(const std::filesystem::path& folder);
+
+/// Checksum of a file's bytes, as the session keeps it.
+[[nodiscard]] std::string TextChecksum(const std::string& text);
+
+}  // namespace osteon::app

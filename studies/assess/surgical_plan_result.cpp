@@ -1,0 +1,156 @@
+#include "studies/assess/surgical_plan_result.h"
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/units.h"
+#include "base/write_text.h"
+#include "config/reading/load.h"
+#include "config/reading/load_surgical_plan.h"
+#include "session/process/exit_code.h"
+#include "session/setup/cell_bone.h"
+#include "session/summary/verdict.h"
+
+namespace osteon::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using procedure::CupAngles;
+using procedure::CupDefinition;
+using procedure::SurgicalPlan;
+
+constexpr double kLandmarkNoise_m = 2e-3;  // standard deviation of a palpated landmark's coordinate
+constexpr double kCellsPerRadius = 50.0, kWallSpacing_m = 2e-3;
+constexpr CupDefinition kDefinitions[] = {CupDefinition::kRadiographic, CupDefinition::kOperative,
+                                          CupDefinition::kAnatomic};
+
+Json Triple(const Vector3& v, double scale = 1.0) { return {scale * v.x(), scale * v.y(), scale * v.z()}; }
+
+Json AnglesJson(const CupAngles& angles) {
+  return {{"inclination_deg", angles.inclination_rad / kDegree},
+          {"anteversion_deg", angles.anteversion_rad / kDegree}};
+}
+
+// What is measured of the plan beside its own data.
+struct PlanFigures {
+  double planned_volume_m3{0.0};
+  std::optional<double> wall_m;
+  std::optional<Vector3> axis_W;
+  std::vector<std::string> warnings;
+};
+
+// Bone and wall of the plan. A packing without its solid has the volume of its mass points, and no wall.
+tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig& config) {
+  CellSetup setup;
+  setup.config.scene = config.scene;
+  setup.config.bone = config.bone;
+  if (const auto made = MakeCellBone(setup, {}); !made) return tl::make_unexpected(made.error());
+  const procedure::PlannedCavity cavity = config.plan.cavity();
+  PlanFigures figures{.warnings = procedure::WarningsOf(config.plan)};
+  if (!setup.bone_warning.empty()) figures.warnings.push_back("bone: " + setup.bone_warning);
+  if (setup.solid) {
+    figures.planned_volume_m3 =
+        procedure::BoneInCavity(*setup.solid, cavity, cavity.radius_m / kCellsPerRadius);
+    figures.wall_m = procedure::PlannedWall(*setup.solid, setup.bone.site, cavity, kWallSpacing_m);
+    const double min_wall_m = config.scene.events.min_wall_m;
+    if (figures.wall_m && *figures.wall_m < min_wall_m)
+      figures.warnings.push_back(
+          fmt::format("wall: found {:.2f} mm left, the scene watches for less than {:g} mm",
+                      1e3 * *figures.wall_m, 1e3 * min_wall_m));
+  } else {
+    for (const simulation::MassPoint& point : setup.bone.points)
+      if (cavity.DistanceTo(point.p_m) < 0.0) figures.planned_volume_m3 += point.volume_m3;
+  }
+  return figures;
+}
+
+Json PlanJson(const SurgicalPlan& plan, const PlanFigures& figures) {
+  Json json{{"schema", "osteon.surgical_plan/1"},
+            {"plan", plan.name},
+            {"side", procedure::NameOf(plan.side)},
+            {"definition", procedure::NameOf(plan.definition)},
+            {"axis_G", Triple(plan.axis_G)}};
+  if (figures.axis_W) json["axis_W"] = Triple(*figures.axis_W);
+  for (const CupDefinition definition : kDefinitions)
+    json["angles"][procedure::NameOf(definition)] =
+        AnglesJson(procedure::AnglesOf(definition, plan.pelvis.FromG(plan.axis_G)));
+  if (plan.landmarks) {
+    json["landmark_noise"]["sd_mm"] = 1e3 * kLandmarkNoise_m;
+    for (const CupDefinition definition : kDefinitions)
+      json["landmark_noise"][procedure::NameOf(definition)] = AnglesJson(procedure::LandmarkSpread(
+          *plan.landmarks, plan.side, plan.tilt_rad, definition, plan.axis_G, kLandmarkNoise_m));
+  }
+  for (const procedure::PlannedReamer& reamer : plan.reamers)
+    json["reamers"].push_back(
+        {{"diameter_mm", 1e3 * reamer.diameter_m}, {"centre_mm", Triple(plan.CentreOf(reamer), 1e3)}});
+  json["planned_volume_mm3"] = 1e9 * figures.planned_volume_m3;
+  json["least_wall_mm"] = figures.wall_m ? Json(1e3 * *figures.wall_m) : Json();
+  json["warnings"] = figures.warnings;
+  return json;
+}
+
+std::string AxisText(const Vector3& axis) {
+  constexpr double kShown = 1e4;  // four places, and no "-0"
+  const auto rounded = [](double v) { return std::round(v * kShown) / kShown + 0.0; };
+  return fmt::format("{:.4f}, {:.4f}, {:.4f}", rounded(axis.x()), rounded(axis.y()), rounded(axis.z()));
+}
+
+std::vector<SummaryRow> PlanRows(const SurgicalPlan& plan, const PlanFigures& figures) {
+  std::vector<SummaryRow> rows{
+      {"Plan", fmt::format("{}, {} hip, cup {:g} mm, {} angles", plan.name, procedure::NameOf(plan.side),
+                           1e3 * plan.cup_diameter_m, procedure::NameOf(plan.definition))},
+      {"Axis in G, out of the opening", AxisText(plan.axis_G)}};
+  if (figures.axis_W) rows.push_back({"Axis in W", AxisText(*figures.axis_W)});
+  for (const CupDefinition definition : kDefinitions) {
+    const CupAngles angles = procedure::AnglesOf(definition, plan.pelvis.FromG(plan.axis_G));
+    std::string text = fmt::format("inclination {:.4f}°, anteversion {:.4f}°",
+                                   angles.inclination_rad / kDegree, angles.anteversion_rad / kDegree);
+    if (plan.landmarks) {
+      const CupAngles sd = procedure::LandmarkSpread(*plan.landmarks, plan.side, plan.tilt_rad, definition,
+                                                     plan.axis_G, kLandmarkNoise_m);
+      text += fmt::format("  (landmarks ± {:g} mm: ± {:.2f}°, ± {:.2f}°)", 1e3 * kLandmarkNoise_m,
+                          sd.inclination_rad / kDegree, sd.anteversion_rad / kDegree);
+    }
+    rows.push_back({fmt::format("Angles, {}", procedure::NameOf(definition)), text});
+  }
+  std::string reamers;
+  for (const procedure::PlannedReamer& reamer : plan.reamers)
+    reamers += fmt::format("{}{:g}", reamers.empty() ? "" : ", ", 1e3 * reamer.diameter_m);
+  rows.push_back({"Reamers", reamers + " mm"});
+  rows.push_back({"Bone in the planned cavity", fmt::format("{:.0f} mm³", 1e9 * figures.planned_volume_m3)});
+  rows.push_back({"Thinnest wall that it leaves",
+                  figures.wall_m ? fmt::format("{:.2f} mm", 1e3 * *figures.wall_m) : "not known"});
+  return rows;
+}
+
+}  // namespace
+
+int RunSurgicalPlan(const SurgicalPlanOptions& options) {
+  const config::SurgicalPlanConfig config = config::LoadSurgicalPlan(options.plan);
+  std::optional<Vector3> axis_W;
+  if (!options.cell.empty()) {
+    const config::CellConfig cell = config::LoadCell(options.cell);
+    config::CheckPlanInCell(config, cell, options.plan, options.cell);
+    axis_W = config::BoneInWorld(cell, config.site).linear() * config.plan.axis_G;
+  }
+  auto figures = Measure(config);
+  if (!figures) return Fail("surgical-plan", figures.error());
+  figures->axis_W = axis_W;
+  Verdict verdict;
+  for (const std::string& warning : figures->warnings) verdict.Add(VerdictLevel::kWarning, warning);
+  constexpr int kKeyWidth = 31;
+  PrintVerdict(verdict, kKeyWidth - 1);
+  for (const SummaryRow& row : PlanRows(config.plan, *figures))
+    fmt::print("  {:<{}}{}\n", row.key, kKeyWidth, row.value);
+  if (!options.json.empty())
+    if (const auto written = WriteText(options.json, ResultText(verdict, PlanJson(config.plan, *figures)));
+        !written)
+      return Fail("surgical-plan", written.error(), kFailed);
+  return 0;
+}
+
+}  // namespace osteon::app

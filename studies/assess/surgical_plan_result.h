@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace osteon::app {
+
+struct SurgicalPlanOptions {
+  std::filesystem::path plan;
+  std::filesystem::path cell;  ///< the plan is also held against this cell; empty: none
+  std::filesystem::path json;
+};
+
+/// Runs the subcommand `surgical-plan`: checks a plan, and prints its axis in all definitions, its volume and
+/// the wall that it leaves. JSON: schema osteon.surgical_plan/1. @returns the process's exit code.
+/// @throws config::ConfigError
+[[nodiscard]] int RunSurgicalPlan(const SurgicalPlanOptions& options);
+
+}  // namespace osteon::app

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "control/guidance/guidance.h"
+#include "control/laws/admittance_law.h"
+#include "hil/arm/servo_arm.h"
+#include "hil/operator/hand_grid.h"
+#include "safety/limits.h"
+
+// What the scenarios of guidance share: a hand that leads the handle of an arm along a surgical plan. All
+// parts but the hand are the shipped ones, without joints: the arm's lag and dead time act on position and
+// turn.
+
+namespace osteon::hil {
+
+/// What renders the guidance: ours, or a method that fails.
+enum class GuidanceMethod {
+  kOurs,
+  kMeasuredPose,  ///< the same springs at the measured pose, always at full share
+  kAtOnce,  ///< at the commanded pose; the limits set the share, which returns at once, energy uncounted
+};
+
+/// The plan of all scenarios: straight down, the head's centre at the world's origin.
+[[nodiscard]] control::GuidanceParams ScenarioGuidance();
+
+struct GuidanceBenchParams {
+  control::GuidanceParams guidance{ScenarioGuidance()};
+  GuidanceMethod method{GuidanceMethod::kOurs};
+  GridHand hand{"firm", 500.0, 20.0, 1.5};
+  double lever_m{0.1};  ///< of the hand above the apex
+};
+
+/// Where a hand wants the tool, and what it adds.
+struct LedTo {
+  Vector3 p_W{0.0, 0.0, 0.0};     ///< of its point on the handle, from the place over the plan's centre [m]
+  Vector3 push_W{0.0, 0.0, 0.0};  ///< added force [N]
+  bool holds{true};               ///< false: it has let go
+};
+
+/// State of a tick.
+struct GuidanceTick {
+  Wrench F_guidance_T_W;  ///< rendered
+  double hand_N{0.0};     ///< of the hand on the handle
+  Vector3 hand_W{0.0, 0.0, 0.0};
+  double speed_m_per_s{0.0};  ///< of the commanded apex
+  double excess_m{0.0};       ///< over the funnel
+};
+
+class GuidanceBench {
+ public:
+  static constexpr double kPeriod_s = 1e-3;
+
+  /// The tool begins at rest on the axis, the head's centre 5 mm above the planned one, guidance on.
+  explicit GuidanceBench(const GuidanceBenchParams& params);
+
+  GuidanceTick Step(const LedTo& led, const Wrench& F_bone_T_W = {});
+
+  /// Energy that the guidance has given to the virtual tool; < 0: taken.
+  [[nodiscard]] double energy_J() const { return energy_J_; }
+  /// Puts the tool aside, at rest, and switches the guidance on there.
+  void SwitchOnAside(double aside_m);
+
+ private:
+  [[nodiscard]] Pose Measured() const;
+  void StartAt(const Vector3& apex_W);
+  Wrench Render(const Wrench& bone, Wrench& guidance);
+
+  GuidanceBenchParams params_;
+  control::Guidance guidance_;
+  safety::WrenchLimiter limiter_{{}};
+  control::AdmittanceParams law_;
+  control::AdmittanceState tool_;
+  ServoArm arm_;
+  Matrix3 R_start_;
+  Wrench felt_, guidance_before_;
+  Twist moved_, V_meas_;  // the commanded tool's last step; the arm's measured velocity
+  double energy_J_{0.0};
+};
+
+}  // namespace osteon::hil

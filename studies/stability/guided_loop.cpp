@@ -1,0 +1,162 @@
+#include "studies/stability/guided_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "control/laws/admittance_law.h"
+#include "studies/stability/admittance_loop.h"
+
+namespace osteon::hil {
+namespace {
+
+// The plane: x aside, z the feed, so that the cup's axis is -z; tilt about y.
+const Vector3 kAxis_W{0.0, 0.0, -1.0};
+
+Pose PlanarPose(double aside_m, double tilt_rad) {
+  Pose X = Pose::Identity();
+  X.linear() = ExpRotation({0.0, tilt_rad, 0.0});
+  X.translation() = Vector3(aside_m, 0.0, 0.0);
+  return X;
+}
+
+// Slope of the guidance at a place where funnel and cone are beyond their ease and below their cap.
+Eigen::Matrix2d StiffnessOf(control::GuidanceParams guidance) {
+  guidance.axis_W = kAxis_W;
+  guidance.centre_W = {0.0, 0.0, -guidance.head_m};
+  guidance.lateral.cap = guidance.cone.cap = guidance.depth.cap = std::numeric_limits<double>::max();
+  const double tilt = guidance.cone_free_rad + 2.0 * guidance.cone.ease;
+  // the head stays at height 0, so that the depth's spring rests
+  const double aside_m =
+      guidance.lateral_free_m + 2.0 * guidance.lateral.ease + guidance.head_m * std::sin(tilt);
+  guidance.depth_soft_m = -1.0;
+  const auto wrench = [&](double x, double turn) {
+    Pose X = PlanarPose(aside_m + x, tilt + turn);
+    X.translation().z() = guidance.head_m * (std::cos(tilt) - 1.0);
+    const Wrench F = control::EvaluateGuidance(guidance, X, {}).F_T_W;
+    return Eigen::Vector2d(F.f.x(), F.t.y());
+  };
+  constexpr double kStep_m = 1e-7, kStep_rad = 1e-7;
+  Eigen::Matrix2d stiffness;
+  stiffness.col(0) = -(wrench(kStep_m, 0.0) - wrench(-kStep_m, 0.0)) / (2.0 * kStep_m);
+  stiffness.col(1) = -(wrench(0.0, kStep_rad) - wrench(0.0, -kStep_rad)) / (2.0 * kStep_rad);
+  return stiffness;
+}
+
+}  // namespace
+
+// State: poses aside now and earlier, the arm's x and x', the tool's v; the same of the tilt; earlier felt
+// forces of the hand.
+GuidedLoop::GuidedLoop(const GuidedLoopParams& params)
+    : params_(params),
+      arm_step_(ServoStep(params.arm, params.period_s)),
+      stiffness_(StiffnessOf(params.guidance)),
+      history_(params.arm.dead_cycles + 1),
+      size_(2 * (history_ + 3) + params.sensor_delay) {}
+
+Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
+  const GridHand& hand = params_.hand;
+  const double w = 2.0 * std::numbers::pi * params_.arm.bandwidth_hz;
+  const double lever_m = params_.lever_m;
+  const int coordinate = history_ + 3;
+  Eigen::Vector2d target, x, v, a, commanded, speed;
+  for (int i = 0; i < 2; ++i) {
+    const int at = i * coordinate;
+    target[i] = s[at + params_.arm.dead_cycles];
+    x[i] = s[at + history_];
+    v[i] = s[at + history_ + 1];
+    a[i] = w * w * (target[i] - x[i]) - 2.0 * params_.arm.damping_ratio * w * v[i];
+    commanded[i] = s[at];
+    speed[i] = s[at + history_ + 2];
+  }
+  // the hand at -lever along the feed
+  const auto at_hand = [&](const Eigen::Vector2d& of) { return of[0] - lever_m * of[1]; };
+  const double felt_N =
+      -(hand.stiffness_N_per_m * at_hand(x) + hand.damping_Ns_per_m * at_hand(v) + hand.mass_kg * at_hand(a));
+  const int felt = 2 * coordinate;
+  const double told_N = params_.sensor_delay == 0 ? felt_N : s[felt + params_.sensor_delay - 1];
+
+  const Eigen::Vector2d guidance = -stiffness_ * (params_.on == GuidanceOn::kCommanded ? commanded : x);
+  control::AdmittanceParams law;
+  law.mass_kg.setConstant(params_.mass_kg);
+  law.damping_Ns_per_m.setConstant(params_.damping_Ns_per_m);
+  law.inertia_kg_m2.setConstant(params_.inertia_kg_m2);
+  law.damping_Nms_per_rad.setConstant(params_.damping_Nms_per_rad);
+  law.centre_T_m.z() = -params_.centre_m;
+  control::AdmittanceState tool;  // linear around a tool that is upright
+  tool.V_WT = {.v = {speed[0], 0.0, 0.0}, .w = {0.0, speed[1], 0.0}};
+  const Wrench F_T_W{.f = {told_N + guidance[0], 0.0, 0.0}, .t = {0.0, -lever_m * told_N + guidance[1], 0.0}};
+  if (!control::StepAdmittance(law, F_T_W, params_.period_s, tool))
+    return Eigen::VectorXd::Constant(size_, std::numeric_limits<double>::infinity());
+
+  Eigen::VectorXd next(size_);
+  const Eigen::Vector2d speed_next(tool.V_WT.v.x(), tool.V_WT.w.y());
+  const Eigen::Vector2d moved = commanded + params_.period_s * speed_next;
+  for (int i = 0; i < 2; ++i) {
+    const int at = i * coordinate;
+    next[at] = moved[i];
+    for (int j = 1; j < history_; ++j) next[at + j] = s[at + j - 1];
+    next.segment<2>(at + history_) = arm_step_ * Eigen::Vector3d(x[i], v[i], target[i]);
+    next[at + history_ + 2] = speed_next[i];
+  }
+  for (int j = 0; j < params_.sensor_delay; ++j) next[felt + j] = j == 0 ? felt_N : s[felt + j - 1];
+  return next;
+}
+
+double GuidedLoop::SpectralRadius() const {
+  return hil::SpectralRadius(LoopMatrix([this](const Eigen::VectorXd& s) { return Step(s); }, size_));
+}
+
+std::vector<double> GuidanceLevers_m() { return {0.025, 0.1, 0.25}; }
+
+std::vector<HeldHand> GuidanceHands() {
+  std::vector<HeldHand> hands;
+  for (const GridHand& hand : HandGrid()) {
+    if (hand.name == "fixture" || hand.name == "clamp") continue;
+    for (const double lever_m : GuidanceLevers_m()) hands.push_back({.hand = hand, .lever_m = lever_m});
+  }
+  return hands;
+}
+
+std::vector<HeldHand> HandsStableWithoutGuidance(GuidedLoopParams params) {
+  params.guidance.lateral.stiffness = params.guidance.cone.stiffness = params.guidance.depth.stiffness = 0.0;
+  std::vector<HeldHand> hands = GuidanceHands();
+  std::erase_if(hands, [&](const HeldHand& held) {
+    params.hand = held.hand;
+    params.lever_m = held.lever_m;
+    return !GuidedLoop(params).IsStable();
+  });
+  return hands;
+}
+
+std::vector<std::size_t> HandsThatGuidanceMakesUnstable(GuidedLoopParams params,
+                                                        const std::vector<HeldHand>& hands, int n) {
+  const double lateral = params.guidance.lateral.stiffness, cone = params.guidance.cone.stiffness;
+  std::vector<std::size_t> unstable;
+  for (std::size_t i = 0; i < hands.size(); ++i) {
+    params.hand = hands[i].hand;
+    params.lever_m = hands[i].lever_m;
+    bool stable = true;
+    for (int at = 0; at < n * n && stable; ++at) {
+      params.guidance.lateral.stiffness = lateral * (at / n) / (n - 1);
+      params.guidance.cone.stiffness = cone * (at % n) / (n - 1);
+      stable = GuidedLoop(params).IsStable();
+    }
+    if (!stable) unstable.push_back(i);
+  }
+  return unstable;
+}
+
+Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHand>& hands, double most) {
+  const double lateral = params.guidance.lateral.stiffness, cone = params.guidance.cone.stiffness;
+  return FirstCrossing(
+      [&](double factor) {
+        params.guidance.lateral.stiffness = factor * lateral;
+        params.guidance.cone.stiffness = factor * cone;
+        return HandsThatGuidanceMakesUnstable(params, hands).empty();
+      },
+      {.from = 0.1, .to = most, .factor = 1.1, .tolerance = 1e-2});
+}
+
+}  // namespace osteon::hil

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "control/guidance/guidance_field.h"
+#include "hil/arm/servo_arm.h"
+#include "hil/operator/hand_grid.h"
+#include "studies/stability/linear_loop.h"
+
+// The planar loop of guidance: a hand holds the handle of an admittance-controlled arm some way above the
+// tool's apex, and the guidance's funnel and cone act on the commanded pose, aside and by tilt.
+//
+//     hand at its lever ── arm: w, z, dead time ◀── x_c, tilt_c ◀── virtual tool m, b, J, d ◀── guidance
+//      └─────── felt force and torque, sensor_delay samples late ──────────▶ F, t
+
+namespace osteon::hil {
+
+/// Pose from which the guidance is computed.
+enum class GuidanceOn { kCommanded, kMeasured };
+
+/// Every field has a usable default: the rows of docs/theory/guidance.md.
+struct GuidedLoopParams {
+  GridHand hand{"firm", 500.0, 20.0, 1.5};
+  double lever_m{0.1};                                   ///< of the hand above the apex
+  double mass_kg{1.7}, damping_Ns_per_m{30.0};           ///< of the virtual tool
+  double inertia_kg_m2{0.15}, damping_Nms_per_rad{1.5};  ///< about the law's centre
+  double centre_m{0.0};                                  ///< the law's centre above the apex
+  ServoArmParams arm;
+  int sensor_delay{1};  ///< [ticks]
+  double period_s{0.001};
+  control::GuidanceParams guidance;  ///< its stiffnesses may exceed what Validate accepts
+  GuidanceOn on{GuidanceOn::kCommanded};
+};
+
+/// The loop linear around a tool in the linear part of funnel and cone, without the guidance's damping, which
+/// is bounded by a share of the force. The guidance's stiffness is the slope of the shipped
+/// EvaluateGuidance, the law the shipped StepAdmittance, the arm the shipped ServoArm.
+class GuidedLoop {
+ public:
+  explicit GuidedLoop(const GuidedLoopParams& params);
+
+  [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
+  [[nodiscard]] double SpectralRadius() const;
+  /// Whether no motion grows. A motion that nothing holds, such as a turn about the hand, may persist.
+  [[nodiscard]] bool IsStable() const { return SpectralRadius() < 1.0 + 1e-7; }
+  /// Slope of the guidance's (force aside, torque) by (way aside, tilt), with the sign of a spring.
+  [[nodiscard]] const Eigen::Matrix2d& stiffness() const { return stiffness_; }
+
+ private:
+  GuidedLoopParams params_;
+  Eigen::Matrix<double, 2, 3> arm_step_;
+  Eigen::Matrix2d stiffness_;
+  int history_, size_;  // poses per coordinate; size of the state
+};
+
+/// Distances at which a hand may hold the tool above its apex [m].
+[[nodiscard]] std::vector<double> GuidanceLevers_m();
+
+/// A hand and the lever at which it holds the tool.
+struct HeldHand {
+  GridHand hand;
+  double lever_m{0.0};
+};
+
+/// The hands of the grid less fixture and clamp, each at each lever.
+[[nodiscard]] std::vector<HeldHand> GuidanceHands();
+/// Those with which the loop is stable without guidance.
+[[nodiscard]] std::vector<HeldHand> HandsStableWithoutGuidance(GuidedLoopParams params);
+
+/// The hands among `hands` that guidance makes unstable, at any stiffness of an n × n grid of lateral and
+/// cone stiffness from 0 to those of params.guidance.
+[[nodiscard]] std::vector<std::size_t> HandsThatGuidanceMakesUnstable(GuidedLoopParams params,
+                                                                      const std::vector<HeldHand>& hands,
+                                                                      int n = 5);
+
+/// The first factor on both stiffnesses whose grid has a hand that guidance makes unstable, scanned from 0.1
+/// up to `most`; 0: it is below 0.1.
+[[nodiscard]] Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHand>& hands,
+                                        double most = 4.0);
+
+}  // namespace osteon::hil

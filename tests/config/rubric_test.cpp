@@ -1,0 +1,56 @@
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "config/reading/load_rubric.h"
+#include "config/reading/strict/config_error.h"
+#include "tests/temporary_path.h"
+
+namespace osteon::config {
+namespace {
+
+const std::filesystem::path kRubric = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/rubrics/rubric.yaml";
+
+TEST(RubricFiles, TheShippedOneHasTheNormsOfTheDesignAndASourceAtEach) {
+  const procedure::Rubric rubric = LoadRubric(kRubric);
+  double weights = 0.0;
+  for (const procedure::RubricItem& item : rubric.items) {
+    weights += item.weight;
+    EXPECT_FALSE(item.source.empty()) << item.metric;
+  }
+  EXPECT_DOUBLE_EQ(weights, 100.0);
+  ASSERT_EQ(rubric.items.size(), 6u);
+  const auto is = [&](std::size_t i, const char* metric, double weight, double full, double zero) {
+    EXPECT_EQ(rubric.items[i].metric, metric);
+    EXPECT_DOUBLE_EQ(rubric.items[i].weight, weight);
+    EXPECT_NEAR(rubric.items[i].full, full, 1e-12);
+    EXPECT_NEAR(rubric.items[i].zero, zero, 1e-12);
+  };
+  is(0, "axis_error", 30.0, 0.08726646259971647, 0.17453292519943295);
+  is(1, "superior_shift", 15.0, 3e-3, 6e-3);
+  is(2, "medial_shift", 15.0, 5e-3, 8e-3);
+  is(3, "diameter_error", 20.0, 0.3e-3, 1.6e-3);
+  is(4, "coverage", 10.0, 0.77, 0.61);
+  is(5, "over_reamed", 10.0, 0.0, 2e-6);
+  EXPECT_DOUBLE_EQ(rubric.breach_points, 20.0);
+}
+
+TEST(RubricFiles, AnUnknownMetricAndEqualNormsAreRefused) {
+  const std::filesystem::path file = TemporaryPath("rubric.yaml");
+  const auto error = [&](const std::string& text) -> std::string {
+    std::ofstream(file) << text;
+    try {
+      static_cast<void>(LoadRubric(file));
+    } catch (const ConfigError& refused) {
+      return refused.what();
+    }
+    return "";
+  };
+  const std::string norm = "{weight_points: 1, full_deg: 5, zero_deg: 5, source: x}";
+  EXPECT_NE(error("axis_error: " + norm).find(":1: zero_deg: found the same"), std::string::npos);
+  EXPECT_NE(error("axes_error: " + norm).find("axis_error"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace osteon::config

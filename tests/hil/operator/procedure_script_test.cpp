@@ -1,0 +1,66 @@
+#include "hil/operator/procedure_script.h"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace osteon::hil {
+namespace {
+
+ProcedureScriptParams TwoReamers() {
+  ProcedureScriptParams params{.X_WC = {}, .head_radius_m = 0.022, .seconds = 30.0};
+  params.heights_m = {-0.0015, -0.0005};
+  return params;
+}
+
+// The head's centre over the plan's, along its axis, and the distance from that axis.
+struct Place {
+  double height_m, aside_m, tilt_rad;
+};
+Place PlaceAt(const HandScript& script, double time_s, double radius_m) {
+  const Pose X = script.Sample(time_s).X_WT;
+  const Vector3 centre = X * Vector3(0.0, 0.0, -radius_m);
+  return {centre.z(), std::hypot(centre.x(), centre.y()), std::acos(-X.linear().col(2).z())};
+}
+
+TEST(ProcedureScript, AnExpertReachesEachPlannedHeightOnTheAxisAndRetracts) {
+  const ProcedureScriptParams params = TwoReamers();
+  const HandScript script = MakeProcedureScript(params);
+  EXPECT_NEAR(script.duration_s(), 30.0, 1e-9);
+  for (int tool = 0; tool < 2; ++tool) {
+    const double from_s = 15.0 * tool;
+    const Place down = PlaceAt(script, from_s + 15.0 * 0.5, params.head_radius_m);
+    EXPECT_NEAR(down.height_m, params.heights_m[static_cast<std::size_t>(tool)] - params.past_plan_m, 1e-9);
+    EXPECT_NEAR(down.aside_m, 0.0, 1e-9);
+    EXPECT_NEAR(down.tilt_rad, 0.0, 1e-6);
+    const Place changing = PlaceAt(script, from_s + 15.0 * 0.9, params.head_radius_m);
+    EXPECT_NEAR(changing.height_m, params.retract_height_m, 1e-9);
+    EXPECT_EQ(std::string(script.PhaseName(from_s + 13.5)), "change " + std::to_string(tool + 1));
+  }
+}
+
+TEST(ProcedureScript, ANoviceIsTiltedAndAsideAllTheTime) {
+  ProcedureScriptParams params = TwoReamers();
+  params.tilt_rad = 14.0 * std::numbers::pi / 180.0;
+  params.aside_m = 0.004;
+  const HandScript script = MakeProcedureScript(params);
+  const Place down = PlaceAt(script, 7.5, params.head_radius_m);
+  EXPECT_NEAR(down.tilt_rad, params.tilt_rad, 1e-6);
+  EXPECT_NEAR(down.aside_m, 0.004, 0.001)
+      << "the slanted axis meets the plan's height within a millimetre of it";
+}
+
+TEST(ProcedureScript, NamesWhatItDoesNotAccept) {
+  ProcedureScriptParams params = TwoReamers();
+  params.heights_m.clear();
+  EXPECT_THROW((void)MakeProcedureScript(params), std::invalid_argument);
+  params = TwoReamers();
+  params.aside_m = 0.5;
+  EXPECT_THROW((void)MakeProcedureScript(params), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace osteon::hil

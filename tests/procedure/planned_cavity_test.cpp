@@ -1,0 +1,81 @@
+#include "procedure/plan/planned_cavity.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "procedure/plan/surgical_plan.h"
+#include "simulation/solids/acetabulum_solid.h"
+
+namespace osteon::procedure {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+const PlannedCavity kDemo{.centre_m = {0.0, 0.0, -0.002}, .axis = Vector3::UnitZ(), .radius_m = 0.025};
+
+// Ball of 50 mm at 2 mm below the face, with its cylinder up to the face, less the cup of 48 mm that was
+// there.
+TEST(PlannedCavity, ClearsTheVolumeOfBallAndCylinderLessTheCup) {
+  const simulation::AcetabulumSolid block({});
+  const double expected_mm3 = 2.0 / 3.0 * kPi * (std::pow(25.0, 3) - std::pow(24.0, 3)) + kPi * 625.0 * 2.0;
+  EXPECT_NEAR(expected_mm3, 7699.0, 0.05);
+  EXPECT_NEAR(1e9 * BoneInCavity(block, kDemo, 0.5e-3), expected_mm3, 0.002 * expected_mm3);
+}
+
+TEST(PlannedCavity, LeavesTheWallBetweenItsBallAndTheBlocksSide) {
+  const simulation::AcetabulumSolid block({});
+  const auto wall_m = PlannedWall(block, block.cup(), kDemo, 2e-3);
+  ASSERT_TRUE(wall_m);
+  EXPECT_NEAR(1e3 * *wall_m, 15.0, 0.01);
+}
+
+TEST(PlannedCavity, DistanceIsThatToTheBallBelowAndToTheCylinderAbove) {
+  EXPECT_NEAR(kDemo.DistanceTo({0.0, 0.0, -0.030}), 0.003, 1e-15);
+  EXPECT_NEAR(kDemo.DistanceTo({0.030, 0.0, 0.050}), 0.005, 1e-15);
+  EXPECT_NEAR(kDemo.DistanceTo({0.0, 0.0, 0.100}), -0.025, 1e-15);
+}
+
+SurgicalPlan Plan() {
+  SurgicalPlan plan;
+  plan.cup_diameter_m = 0.052;
+  plan.cup_centre_m = {0.0, 0.0, -0.002};
+  plan.reamers = {{0.044, -0.0015}, {0.050, 0.0}};
+  return plan;
+}
+
+TEST(SurgicalPlan, AUsualPlanHasNoWarning) { EXPECT_TRUE(WarningsOf(Plan()).empty()); }
+
+TEST(SurgicalPlan, WarnsOfAnImplantThatIsTooTightOrTooLoose) {
+  for (const double last_m : {0.0515, 0.0485}) {
+    SurgicalPlan plan = Plan();
+    plan.reamers.back().diameter_m = last_m;
+    ASSERT_EQ(WarningsOf(plan).size(), 1u) << last_m;
+    EXPECT_NE(WarningsOf(plan)[0].find("implant"), std::string::npos);
+  }
+  for (const double last_m : {0.051, 0.049}) {
+    SurgicalPlan plan = Plan();
+    plan.reamers.back().diameter_m = last_m;
+    EXPECT_TRUE(WarningsOf(plan).empty()) << last_m << ": the bounds themselves are usual";
+  }
+}
+
+TEST(SurgicalPlan, WarnsOfAReamerThatLeavesThePlannedCavity) {
+  SurgicalPlan plan = Plan();
+  plan.reamers.front().height_m = -0.004;  // its apex 1 mm below the last one's
+  ASSERT_EQ(WarningsOf(plan).size(), 1u);
+  EXPECT_NE(WarningsOf(plan)[0].find("1 mm deeper"), std::string::npos) << WarningsOf(plan)[0];
+}
+
+TEST(SurgicalPlan, RefusesAnAxisMoreThan45DegreesOffTheSite) {
+  SurgicalPlan plan = Plan();
+  const auto tilted = [&](double deg) {
+    plan.axis_G = {std::sin(deg * kPi / 180.0), 0.0, std::cos(deg * kPi / 180.0)};
+    return SiteError(plan, simulation::CutSite{});
+  };
+  EXPECT_EQ(tilted(44.9), "");
+  EXPECT_NE(tilted(45.1), "");
+}
+
+}  // namespace
+}  // namespace osteon::procedure

@@ -1,0 +1,61 @@
+#include "studies/tune/tune_guidance.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "config/reading/load.h"
+
+namespace osteon::app {
+namespace {
+
+bool Never() { return false; }
+
+config::CellConfig Demo() { return config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/demo.yaml"); }
+
+control::GuidanceParams Shipped() {
+  control::GuidanceParams guidance;
+  guidance.head_m = 0.022;
+  return guidance;
+}
+
+TEST(TuneGuidance, TheDemoCellStandsTheShippedGains) {
+  const config::CellConfig cell = Demo();
+  const GuidanceMap map = MapGuidance(TuneTaskOf(cell), cell.servo.admittance, Shipped(), Never);
+  EXPECT_TRUE(map.Accepted());
+  EXPECT_EQ(map.hands, 102u);
+  EXPECT_TRUE(map.unstable.empty());
+  EXPECT_GE(map.factor.value, 2.0);
+  ASSERT_EQ(map.counts.size(), 5u);
+  EXPECT_EQ(map.counts[0][0], 0) << "without guidance";
+  EXPECT_EQ(map.counts[2][2], 0) << "the plan's gains";
+  Verdict verdict;
+  JudgeGuidance(map, verdict);
+  EXPECT_EQ(verdict.level, VerdictLevel::kGood);
+  EXPECT_EQ(ToJson(map).at("accepted"), true);
+}
+
+TEST(TuneGuidance, ALateSensorIsRefused) {
+  const config::CellConfig cell = Demo();
+  TuneTask task = TuneTaskOf(cell);
+  task.loop.sensor_delay = 5;
+  const GuidanceMap map = MapGuidance(task, cell.servo.admittance, Shipped(), Never);
+  EXPECT_FALSE(map.Accepted());
+  EXPECT_FALSE(map.unstable.empty());
+  Verdict verdict;
+  JudgeGuidance(map, verdict);
+  EXPECT_EQ(verdict.level, VerdictLevel::kBad);
+}
+
+TEST(TuneGuidance, GainsBeyondHalfOfTheBoundaryAreRefused) {
+  const config::CellConfig cell = Demo();
+  control::GuidanceParams guidance = Shipped();
+  guidance.lateral.stiffness = 8e3;  // no hand is unstable yet, but some are before 16 N/mm
+  const GuidanceMap map = MapGuidance(TuneTaskOf(cell), cell.servo.admittance, guidance, Never);
+  EXPECT_TRUE(map.unstable.empty());
+  EXPECT_LT(map.factor.value, 2.0);
+  EXPECT_FALSE(map.Accepted());
+}
+
+}  // namespace
+}  // namespace osteon::app
