@@ -19,6 +19,7 @@
 #include "app/cli/simulate_command.h"
 #include "app/cli/states_command.h"
 #include "app/cli/study_commands.h"
+#include "app/cli/tell_command.h"
 #include "app/cli/view_command.h"
 #include "session/setup/doctor.h"
 
@@ -54,6 +55,7 @@ class OsteonCommands {
   GuardCommand guard_;
   SimulateCommand simulate_;
   OperatorCommands operator_;
+  TellCommand tell_;
   AnnouncedStudies calibrate_;
   NewCellCommand new_cell_;
   SchemaCommand schema_;

@@ -22,6 +22,8 @@
 
 namespace osteon::app {
 
+class ProcedureSession;
+
 /// Where the console, or the server for Foxglove, is served.
 struct ConsoleChoice {
   bool on{true};
@@ -52,6 +54,9 @@ class LiveViews {
  public:
   /// @param setup  packed, and outlives this
   LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests);
+
+  /// Passes what a procedure's session is asked for to it. Before Open. @param session  null: none
+  void SetSession(ProcedureSession* session) { session_ = session; }
 
   /// Opens the local socket, the console, and the server for Foxglove. The run goes on without what could not
   /// be opened.
@@ -84,6 +89,7 @@ class LiveViews {
   const CellSetup& setup_;
   LiveRun run_;
   OperatorRequests& requests_;
+  ProcedureSession* session_{nullptr};
   GainsPanel gains_;
   std::string cell_;
   std::string scene_;

@@ -105,6 +105,11 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon merge part_1.json part_2.json --json regress.json", By("Merge.RegressIsThatOfOneRun")},
       {"osteon merge part_*.json --json sweep.json", By("Merge.ASweepIsThatOfOneRun")},
       {"osteon regress --sweep trembling_hand --json sweep.json", By("Merge.ASweepIsThatOfOneRun")},
+      {"osteon demo --plan acetabulum --virtual-time", By("ProcedureRun.EachReamerLeavesAPassAndAState")},
+      {"osteon run demo --simulated --plan acetabulum --session first_hip --seconds 60",
+       By("ProcedureRun.EachReamerLeavesAPassAndAState")},
+      {"osteon tell first_hip status", By("SessionRequest.AcceptsWhatItSaysAndNothingElse")},
+      {"osteon replay demo_out/session", By("ProcedureRun.TheLoopReplaysToTheBit")},
 
       {"osteon new-cell my_cell", As("new-cell my_cell", {"my_cell.yaml"})},
       {"osteon doctor", As("doctor --seconds 0.2")},
