@@ -42,6 +42,12 @@ static class BindingTest
             var other = Turn(w2, x2, y2, z2, new[] { v[0], v[2], v[1] });
             Expect(Math.Abs(other[0] - turned[0]) + Math.Abs(other[1] - turned[2]) + Math.Abs(other[2] - turned[1]) < 1e-12,
                    "a turned vector, swapped, is the swapped vector turned");
+            double w, x, y, z;
+            Axes.SwapRotation(w2, x2, y2, z2, out w, out x, out y, out z);
+            Expect(w == q[0] && x == q[1] && y == q[2] && z == q[3], "a rotation there and back is the same");
+            Axes.Swap(v[0], v[1], v[2], out x2, out y2, out z2);
+            Axes.Swap(x2, y2, z2, out x, out y, out z);
+            Expect(x == v[0] && y == v[1] && z == v[2], "a place there and back is the same");
         }
     }
 
