@@ -202,7 +202,8 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
       if (params.remote && !engine_died && !params.remote->DescribeEnd().empty()) {
         engine_died = true;  // the servo loop notices by the model's age, and stops
         if (params.notice) params.notice("the engine's process has ended: " + params.remote->DescribeEnd());
-        recorder.PushEvent(rt::MonotonicNow(), "the engine's process has ended: " + params.remote->DescribeEnd());
+        recorder.PushEvent(rt::MonotonicNow(),
+                           "the engine's process has ended: " + params.remote->DescribeEnd());
       }
       gains.Poll(rt::ToSeconds(rt::MonotonicNow()));
       ApplyRequests(params, loop);
