@@ -34,7 +34,7 @@ SimulateCommand::SimulateCommand(CLI::App& app)
   CLI::Option* listen =
       sub_->add_option("--listen", listen_,
                        "address and port (UDP) for runs; beyond the loopback with --token-file")
-          ->type_name("ADDRESS:PORT")
+          ->type_name("WHERE")
           ->default_str(fmt::format("127.0.0.1:{}", kSimulatePort));
   sub_->add_option("--token-file", options_.token_file,
                    "file whose first line a run must know; the run's cell names a copy")

@@ -15,9 +15,9 @@ constexpr double kMaxRotationError = 1e-6;  // of R R^T against the identity
 constexpr double kMaxDt_s = 1.0;
 
 std::uint32_t Checksum(std::span<const std::uint8_t> message) OSTEON_RT {
-  const uLong first = crc32(0, message.data(), static_cast<uInt>(kCrcAt));
+  const uLong first = crc32_z(0, message.data(), kCrcAt);
   const std::span<const std::uint8_t> rest = message.subspan(kCrcAt + sizeof(std::uint32_t));
-  return static_cast<std::uint32_t>(crc32(first, rest.data(), static_cast<uInt>(rest.size())));
+  return static_cast<std::uint32_t>(crc32_z(first, rest.data(), rest.size()));
 }
 
 bool IsAccepted(double value) OSTEON_RT { return std::abs(value) <= kMaxValue; }  // false for NaN

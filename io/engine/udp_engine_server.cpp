@@ -10,7 +10,7 @@
 namespace osteon::io {
 namespace {
 
-constexpr int kMaxAtOnce = 256;         // bounds the time that a flood can take
+constexpr int kMaxAtOnce = 256;        // bounds the time that a flood can take
 constexpr std::size_t kMaxText = 300;  // of a name or an error, in a welcome
 
 // Takes the same time wherever two texts of equal length differ.

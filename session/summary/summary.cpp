@@ -241,7 +241,9 @@ std::string EngineProcessText(const EngineProcessResult& p) {
   std::string text = fmt::format("{}: {} frames, {} lost", p.where, p.counters.frames, p.counters.lost);
   if (p.counters.rejected > 0) text += fmt::format(", {} messages refused", p.counters.rejected);
   if (!p.ended.empty()) text += "; it has ended: " + p.ended;
-  if (!p.unfetched.empty()) text += "; the carved state is cut again from the recording: " + p.unfetched;
+  if (!p.unfetched.empty())
+    text +=
+        "; the carved state is cut again from the recording" + (p.ended.empty() ? ": " + p.unfetched : "");
   return text;
 }
 

@@ -33,8 +33,8 @@ TEST(SimulationKeys, NameAProcessOfThisMachineOrAnAddress) {
 TEST(SimulationKeys, AreRefusedByValueAndWhatIsAccepted) {
   EXPECT_THAT(Refusal(Simulated("  process: 192.168.1.7:30300\n")),
               HasSubstr("found 192.168.1.7:30300 without token_file"));
-  for (const char* wrong : {"there", "127.0.0.1", "127.0.0.1:", "127.0.0.1:80", "127.0.0.1:70000",
-                            "localhost:30300", "127.0.0.1:30300x"})
+  for (const char* wrong :
+       {"there", "127.0.0.1", "127.0.0.1:80", "127.0.0.1:70000", "localhost:30300", "127.0.0.1:30300x"})
     EXPECT_THAT(Refusal(Simulated(std::string("  process: ") + wrong + "\n")),
                 HasSubstr(std::string("process: found ") + wrong + ", accepted inside, local"));
   EXPECT_THAT(Refusal(Simulated("  process: local\n  token_file: t\n")),

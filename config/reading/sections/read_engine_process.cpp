@@ -1,7 +1,6 @@
 #include "config/reading/sections/read_engine_process.h"
 
-#include <arpa/inet.h>
-
+#include <algorithm>
 #include <charconv>
 #include <utility>
 
@@ -11,6 +10,24 @@ namespace osteon::config {
 namespace {
 
 constexpr int kMinPort = 1024, kMaxPort = 65535;
+
+// A whole number of [begin, end), 0 … max; -1 if it is none.
+int WholeNumber(const char* begin, const char* end, int max) {
+  int value = -1;
+  const auto [rest, error] = std::from_chars(begin, end, value);
+  return rest == end && error == std::errc{} && *begin != '-' && value <= max ? value : -1;
+}
+
+// Four numbers 0 … 255 with points between them.
+bool IsIpv4(const std::string& address) {
+  int numbers = 0;
+  for (std::size_t begin = 0; begin <= address.size(); ++numbers) {
+    const std::size_t end = std::min(address.find('.', begin), address.size());
+    if (end == begin || WholeNumber(address.data() + begin, address.data() + end, 255) < 0) return false;
+    begin = end + 1;
+  }
+  return numbers == 4;
+}
 
 }  // namespace
 
@@ -33,21 +50,16 @@ std::optional<EngineProcessConfig> CheckEngineProcess(const EngineProcessSection
     return EngineProcessConfig{};
   }
   EngineProcessConfig config{.host = process.substr(0, colon), .token_file = read.token_file.value_or("")};
-  in_addr address{};
-  int port = 0;
-  const char* end = process.data() + process.size();
-  if (colon != std::string::npos) {
-    const auto [rest, error] = std::from_chars(process.data() + colon + 1, end, port);
-    if (rest != end || error != std::errc{}) port = 0;
-  }
-  if (inet_pton(AF_INET, config.host.c_str(), &address) != 1 || port < kMinPort || port > kMaxPort)
+  const int port = colon == std::string::npos || colon + 1 == process.size()
+                       ? -1
+                       : WholeNumber(process.data() + colon + 1, process.data() + process.size(), kMaxPort);
+  if (!IsIpv4(config.host) || port < kMinPort)
     read.section.Refuse(
         "process", fmt::format("found {}, accepted inside, local, or IPv4:PORT such as 127.0.0.1:30300 with "
                                "a port {} … {}",
                                process, kMinPort, kMaxPort));
   config.port = static_cast<std::uint16_t>(port);
-  const bool loopback = (ntohl(address.s_addr) >> 24) == 127;
-  if (!loopback && !has_token)
+  if (!config.host.starts_with("127.") && !has_token)
     read.section.Refuse(
         "process", fmt::format("found {} without token_file, accepted with the file that `osteon simulate` "
                                "on that host was given: beyond the loopback it asks for a token",

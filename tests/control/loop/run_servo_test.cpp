@@ -233,8 +233,8 @@ TEST(RunServo, ATickThatIsRefusedEndsTheRun) {
   Rig rig;
   Full recorder;
   FakeArm arm;
-  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.simulation, recorder,
-                                         {.seconds = 5.0, .give_up_s = 5.0});
+  const RunServoResult result =
+      RunServo(rig.loop, arm, rig.world, rig.simulation, recorder, {.seconds = 5.0, .give_up_s = 5.0});
   EXPECT_EQ(result.end, RunEnd::kFault);
   EXPECT_TRUE(result.faults.Has(safety::Fault::kRecorder));
   EXPECT_GT(result.unrecorded, 0u);

@@ -1,0 +1,159 @@
+#include <signal.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/app/command.h"
+#include "tests/app/machine_lateness.h"
+#include "tests/config/cell_text.h"
+
+// The cutting engine in a process of its own: `osteon simulate`, started by a run or beside it.
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Port() { return std::to_string(49152 + getpid() % 1500 * 10); }
+
+// The engine's process of a run, from "…: local, process 1234"; 0 if it is not said.
+pid_t EnginePid(const std::string& err) {
+  const std::string words = "local, process ";
+  const std::size_t at = err.find(words);
+  return at == std::string::npos ? 0 : std::stoi(err.substr(at + words.size()));
+}
+
+int EngineFolders() {
+  int count = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator("/dev/shm"))
+    count += entry.path().filename().string().starts_with("osteon_engine_") ? 1 : 0;
+  return count;
+}
+
+class EngineProcess : public testing::Test {
+ protected:
+  // The demo's cell with its engine in this process.
+  std::string Cell(const std::string& process) {
+    const fs::path file = folder_.path() / (process.substr(0, 5) + ".yaml");
+    std::ofstream(file) << "extends: demo\nsimulation: {process: '" << process << "'}\n";
+    return file.string();
+  }
+  nlohmann::json Demo(const std::string& cell, const std::string& out) {
+    const CommandResult run = RunCommand(folder_.path(), {"demo", "--virtual-time", "--seconds", "1",
+                                                          "--engine", "cpu", "--cell", cell, "--out", out});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return ReadJson(folder_.path() / out / "summary.json");
+  }
+  const TemporaryFolder folder_;
+};
+
+// In lockstep each frame crosses, and no bit of what the tool carves may change.
+TEST_F(EngineProcess, CarvesWhatAThreadCarvesBitForBit) {
+  const int before = EngineFolders();
+  const nlohmann::json thread = Demo("demo", "thread"), local = Demo(Cell("local"), "local");
+  EXPECT_TRUE(thread.at("engine_process").is_null());
+  const nlohmann::json& process = local.at("engine_process");
+  ASSERT_TRUE(process.is_object()) << local.dump(2);
+  EXPECT_GT(process.at("frames").get<int>(), 400);
+  EXPECT_EQ(process.at("lost"), 0);
+  EXPECT_EQ(process.at("rejected"), 0);
+  EXPECT_TRUE(process.at("ended").is_null());
+  EXPECT_TRUE(process.at("carved_again").is_null());
+  for (const char* key : {"state_hash", "removed_volume_mm3", "peak_force_N", "engine", "device", "frames"})
+    EXPECT_EQ(local.at(key), thread.at(key)) << key;
+  EXPECT_EQ(EngineFolders(), before) << "nothing is left in shared memory";
+}
+
+TEST_F(EngineProcess, CarvesTheSameOverUdp) {
+  const std::string address = "127.0.0.1:" + Port();
+  Command engine(folder_.path(),
+                 {"simulate", "--listen", address, "--engine", "cpu", "--json", "engine.json"});
+  ASSERT_TRUE(engine.WaitUntil([&] { return engine.Out().find("Ctrl-C ends it") != std::string::npos; }))
+      << engine.Err();
+  const nlohmann::json thread = Demo("demo", "thread");
+  for (const char* out : {"first", "second"}) {  // one run after the other
+    const nlohmann::json udp = Demo(Cell(address), out);
+    ASSERT_TRUE(udp.at("engine_process").is_object());
+    EXPECT_EQ(udp.at("engine_process").at("where"), address);
+    EXPECT_EQ(udp.at("state_hash"), thread.at("state_hash"));
+    EXPECT_EQ(udp.at("peak_force_N"), thread.at("peak_force_N"));
+  }
+  engine.Send(SIGTERM);
+  EXPECT_EQ(engine.Wait().exit_code, 0) << engine.Err();
+  const nlohmann::json report = ReadJson(folder_.path() / "engine.json");
+  EXPECT_EQ(report.at("schema"), "osteon.simulate/1");
+  EXPECT_EQ(report.at("runs"), 2);
+  EXPECT_GT(report.at("frames").get<int>(), 800);
+}
+
+// In wall time, while it renders: the arm comes to rest, and the summary says what happened.
+TEST_F(EngineProcess, OneThatIsKilledStopsTheArmAndIsNamed) {
+  constexpr int kAttempts = 3;
+  const std::string cell = Cell("local");
+  rt::Nanoseconds worst_wakeup = 0;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const WakeupWatch watch;
+    Command run(folder_.path(), {"run", cell, "--simulated", "--port", Port(), "--engine", "cpu", "--seconds",
+                                 "60", "--record", "r.mcap", "--overwrite", "--json", "run.json"});
+    ASSERT_TRUE(run.WaitUntil([&] { return EnginePid(run.Err()) > 0; })) << run.Err();
+    ASSERT_TRUE(run.WaitUntil([&] { return run.Err().find(" of 60.0 s | ") != std::string::npos; }))
+        << run.Err();
+    ASSERT_EQ(kill(EnginePid(run.Err()), SIGKILL), 0);
+    const CommandResult result = run.Wait();
+    EXPECT_EQ(result.exit_code, 1) << result.err;
+    EXPECT_NE(result.err.find("the engine's process has ended: signal 9"), std::string::npos) << result.err;
+    const nlohmann::json summary = ReadJson(folder_.path() / "run.json");
+    const nlohmann::json& process = summary.at("engine_process");
+    ASSERT_TRUE(process.is_object());
+    EXPECT_EQ(process.at("ended").get<std::string>().substr(0, 8), "signal 9");
+    EXPECT_TRUE(process.at("carved_again").is_string());
+    ASSERT_FALSE(summary.at("faults").empty());
+    if (summary.at("faults")[0] == "contact model stale") return;
+    worst_wakeup = watch.worst();
+    ASSERT_TRUE(MachineWasLate(result, summary, worst_wakeup)) << summary.at("faults").dump();
+  }
+  GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
+}
+
+TEST_F(EngineProcess, AnEngineThatIsNotThereIsSaidBeforeAnythingMoves) {
+  const CommandResult run = RunCommand(
+      folder_.path(), {"demo", "--virtual-time", "--cell", Cell("127.0.0.1:" + Port()), "--out", "out"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("does `osteon simulate --listen` run there"), std::string::npos) << run.err;
+  EXPECT_FALSE(fs::exists(folder_.path() / "out"));
+}
+
+TEST_F(EngineProcess, ListensBeyondTheLoopbackWithATokenOnly) {
+  const CommandResult run = RunCommand(folder_.path(), {"simulate", "--listen", "0.0.0.0:" + Port()});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("found no token"), std::string::npos) << run.err;
+  std::ofstream(folder_.path() / "short") << "abc\n";
+  const CommandResult weak =
+      RunCommand(folder_.path(), {"simulate", "--listen", "0.0.0.0:" + Port(), "--token-file", "short"});
+  EXPECT_EQ(weak.exit_code, 2);
+  EXPECT_NE(weak.err.find("found a first line of 3 characters"), std::string::npos) << weak.err;
+}
+
+// The times themselves are the machine's.
+TEST(BenchSimulate, TimesEachWay) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(folder.path(), {"bench", "simulate", "--ticks", "300", "--rounds", "1",
+                                                       "--engine", "cpu", "--json", "simulate.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "simulate.json");
+  EXPECT_EQ(json.at("schema"), "osteon.bench_simulate/1");
+  ASSERT_EQ(json.at("ways").size(), 3u);
+  for (const nlohmann::json& way : json.at("ways")) {
+    const nlohmann::json& age = way.at("age");
+    EXPECT_GT(age.at("count"), 200) << way.dump();
+    EXPECT_GT(age.at("p50_us"), 0.0);
+    EXPECT_LE(age.at("p50_us"), age.at("max_us"));
+  }
+}
+
+}  // namespace
+}  // namespace osteon::app
