@@ -25,6 +25,7 @@ CellCommands::CellCommands(CLI::App& app)
         ->type_name("TOOL");
   };
   common(*cell_);
+  cell_procedure_.Add(*cell_, false);
   cell_
       ->add_option("--seconds", simulated_.seconds,
                    "seconds of the operator's actions; without it as long as the script")
@@ -54,6 +55,7 @@ CellCommands::CellCommands(CLI::App& app)
   common(*run_);
   run_->add_flag("--simulated", operate_.simulated,
                  "start the simulated cell as well, and its guard if it has one, each as a process");
+  procedure_.Add(*run_, true);
   run_->add_option("--seconds", operate_.seconds, "seconds of rendering; without it until Ctrl-C")
       ->check(NumberWithin(kMinSeconds, kMaxSeconds));
   run_->add_option("--wait", operate_.wait_s, "seconds to wait for the arm and for all conditions of motion")
@@ -96,6 +98,7 @@ CellCommands::CellCommands(CLI::App& app)
       "time, or a file could not be written\n\n"
       "Examples:\n  osteon run my_cell.yaml --record first.mcap\n  osteon run demo --simulated --seconds 10\n"
       "  osteon run demo --simulated --cpu 1\n"
+      "  osteon run demo --simulated --plan acetabulum --session first_hip --seconds 60\n"
       "  osteon cell demo &  osteon run demo --seconds 10");
 }
 
@@ -116,6 +119,22 @@ int CellCommands::Run(const std::filesystem::path& config_root, const std::strin
   }
   if (operate_.port == 0 && !operate_.simulated)
     return refuse("--port: found 0, accepted a port, or 0 with --simulated");
+  ProcedureChoice simulated;
+  if (const std::string wrong = cell_procedure_.Take(config_root, simulated); !wrong.empty())
+    return refuse(wrong);
+  simulated_.plan = simulated.plan;
+  simulated_.hand = simulated.hand;
+  if (const std::string wrong = procedure_.Take(config_root, operate_.procedure); !wrong.empty())
+    return refuse(wrong);
+  if (procedure_.asked()) {
+    if (operate_.procedure.session.empty())
+      return refuse(
+          "--plan: found no --session, accepted with it: the folder that keeps recordings and states");
+    if (!operate_.record.empty())
+      return refuse("--record: found with --plan, accepted without: the session's folder has the recordings");
+    if (!operate_.surface.empty())
+      return refuse("--surface: found with --plan, accepted without: a surface is made with one tool");
+  }
   simulated_.cell = operate_.cell = *found;
   simulated_.tool = operate_.tool = tool;
   try {

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/cli/procedure_options.h"
 #include "session/run/operate.h"
 #include "session/run/simulated_cell_run.h"
 
@@ -22,6 +23,7 @@ class CellCommands {
  private:
   SimulatedCellOptions simulated_;
   OperateOptions operate_;
+  ProcedureOptions procedure_, cell_procedure_;
   std::string name_, tool_;
   CLI::App *cell_, *run_;
 };

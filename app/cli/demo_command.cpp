@@ -16,9 +16,10 @@ namespace osteon::app {
 
 DemoCommand::DemoCommand(CLI::App& app)
     : sub_(app.add_subcommand("demo", "cuts bone on the simulated cell and leaves a report")) {
-  sub_->add_option("--seconds", options_.seconds, "seconds of rendering (COMMANDING_ACTIVE)")
-      ->check(NumberWithin(kMinSeconds, kMaxSeconds))
-      ->capture_default_str();
+  seconds_option_ =
+      sub_->add_option("--seconds", options_.seconds,
+                       "seconds of rendering (COMMANDING_ACTIVE); with a plan 15 for each reamer");
+  seconds_option_->check(NumberWithin(kMinSeconds, kMaxSeconds))->capture_default_str();
   sub_->add_option("--out", options_.out,
                    "folder for summary.json, report.html and recording.mcap; files of an earlier demo move "
                    "to earlier_DATE_TIME in it")
@@ -38,6 +39,7 @@ DemoCommand::DemoCommand(CLI::App& app)
   scale_option_ = sub_->add_option("--scale", scale_, "mm for each unit of the mesh file");
   scale_option_->check(NumberWithin(1e-4, 1e4))->needs(mesh_option_)->capture_default_str();
   cup_option_->needs(mesh_option_);
+  procedure_.Add(*sub_, true);
   sub_->add_flag("--virtual-time", options_.virtual_time,
                  "lockstep, as fast as the machine can; two runs give the same bits");
   sub_->add_option("--frame-ms", options_.frame_ms, "duration of a simulation frame in virtual time")
@@ -64,9 +66,9 @@ DemoCommand::DemoCommand(CLI::App& app)
   AddConsoleOption(*sub_, options_.console);
   AddAtFaultOption(*sub_, "end", [this](bool hold) { options_.hold_at_fault = hold; });
   sub_->add_option("--json", options_.json, "write a further copy of summary.json there")->type_name("FILE");
-  sub_->add_option("--surface", options_.surface,
-                   "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
-      ->type_name("FILE");
+  surface_option_ = sub_->add_option("--surface", options_.surface,
+                                     "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
+                        ->type_name("FILE");
   sub_->add_option("--save-motion", options_.save_motion,
                    "write the tool's motion there (CSV), to be played again")
       ->type_name("FILE");
@@ -74,6 +76,7 @@ DemoCommand::DemoCommand(CLI::App& app)
       "Exit code 1: a fault ended the run, or a file could not be written\n\n"
       "Examples:\n  osteon demo\n  osteon demo --seconds 5 --out my_run\n  osteon demo --virtual-time\n"
       "  osteon demo --error-mm 0.05 --rate-hz 500\n"
+      "  osteon demo --plan acetabulum --virtual-time\n"
       "  osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21\n"
       "  osteon demo --cell molar --mesh tooth.obj --scale 0.041 --cup 0,0.5,8,0,0,1,1.75");
 }
@@ -98,6 +101,18 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
       return 2;
     }
     options_.tool = *parsed;
+  }
+  if (procedure_.asked()) {
+    std::string wrong = procedure_.Take(config_root, options_.procedure);
+    if (wrong.empty() && *mesh_option_)
+      wrong = "--mesh: found with --plan, accepted without: the plan names its bone";
+    if (wrong.empty() && *surface_option_)
+      wrong = "--surface: found with --plan, accepted without: use `osteon export` for one tool's recording";
+    if (!wrong.empty()) {
+      fmt::print(stderr, "osteon demo: {}\n", wrong);
+      return 2;
+    }
+    options_.default_seconds = !*seconds_option_;
   }
   if (*mesh_option_) {
     options_.mesh = MeshChoice{.file = mesh_, .scale = scale_};

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/cli/procedure_options.h"
 #include "session/run/demo.h"
 
 namespace osteon::app {
@@ -20,9 +21,11 @@ class DemoCommand {
 
  private:
   DemoOptions options_;
+  ProcedureOptions procedure_;
   std::string mesh_, cup_, tool_, cell_{"demo"};
   double scale_{1.0};
   CLI::App* sub_;
+  CLI::Option *seconds_option_{nullptr}, *surface_option_{nullptr};
   CLI::Option *mesh_option_{nullptr}, *cup_option_{nullptr}, *scale_option_{nullptr}, *tool_option_{nullptr};
 };
 

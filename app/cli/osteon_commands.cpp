@@ -33,6 +33,7 @@ OsteonCommands::OsteonCommands(CLI::App& app)
       cells_(app),
       guard_(app),
       operator_(app),
+      tell_(app),
       calibrate_(app, {"calibrate"}),
       new_cell_(app),
       schema_(app),
@@ -80,6 +81,7 @@ int OsteonCommands::Run(const std::string& command_line) {
   if (cells_.asked()) return cells_.Run(config_root_, command_line);
   if (guard_.asked()) return guard_.Run(config_root_);
   if (operator_.asked()) return operator_.Run();
+  if (tell_.asked()) return tell_.Run();
   if (new_cell_.asked()) return new_cell_.Run(config_root_);
   if (schema_.asked()) return schema_.Run(config_root_);
   if (export_.asked()) return export_.Run();

@@ -18,6 +18,7 @@
 #include "app/cli/schema_command.h"
 #include "app/cli/states_command.h"
 #include "app/cli/study_commands.h"
+#include "app/cli/tell_command.h"
 #include "app/cli/view_command.h"
 #include "session/setup/doctor.h"
 
@@ -52,6 +53,7 @@ class OsteonCommands {
   CellCommands cells_;
   GuardCommand guard_;
   OperatorCommands operator_;
+  TellCommand tell_;
   AnnouncedStudies calibrate_;
   NewCellCommand new_cell_;
   SchemaCommand schema_;

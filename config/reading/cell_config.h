@@ -116,10 +116,11 @@ struct BoneConfig {
 struct CellConfig {
   RobotConfig robot;
   ToolConfig tool;
-  simulation::SceneParams scene;   ///< with the materials that it needs
-  std::optional<BoneConfig> bone;  ///< absent: the scene's own solid
-  Pose X_WB{Pose::Identity()};     ///< robot base in world
-  Pose X_WG{Pose::Identity()};     ///< bone in world: the frame C of its site
+  std::filesystem::path tool_file;  ///< of the tool
+  simulation::SceneParams scene;    ///< with the materials that it needs
+  std::optional<BoneConfig> bone;   ///< absent: the scene's own solid
+  Pose X_WB{Pose::Identity()};      ///< robot base in world
+  Pose X_WG{Pose::Identity()};      ///< bone in world: the frame C of its site
   StartConfig start;
   control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
   control::Gains own_gains;           ///< from the cell's file, before a gains file overrides them

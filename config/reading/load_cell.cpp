@@ -402,6 +402,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
   ReadRobot(reader, robot, cell.robot);
   CompleteArmLink(reader, cell);
   cell.tool = ChooseTool(reader, own_tool, tool);
+  cell.tool_file = tool ? tool->file : own_tool.file;
   cell.simulated.X_FT = cell.tool.X_FT;  // from the file, whatever was measured
   servo.stabilisers.age_governor.tool_radius_m = HeadRadius(cell.tool.tool);
   CarryPayload(sensor_F, cell);

@@ -86,9 +86,11 @@ std::optional<ReplayDifference> FirstDifference(const TickRecord& recorded, cons
 
 }  // namespace
 
-ReplayResult Replay(const io::Recording& recording, const config::CellConfig& cell) {
+ReplayResult Replay(const io::Recording& recording, const config::CellConfig& cell,
+                    const std::vector<ProcedureTool>& tools, int first_tool) {
   ReplayResult result;
   control::ServoLoop loop = MakeServoLoop(cell);
+  if (!tools.empty()) SetTools(tools, first_tool, loop);
   Models models(recording.frames);
   control::ArmCommand command;
   bool torn_end = false;

@@ -8,6 +8,7 @@
 
 #include "config/reading/cell_config.h"
 #include "io/recording/recording_reader.h"
+#include "session/procedure/procedure_tools.h"
 
 namespace osteon::app {
 
@@ -37,6 +38,8 @@ struct ReplayResult {
 /// Ends early if an input is missing: a tick that the recorder had no room for, a contact model whose frame
 /// is missing, a recording from before inputs were kept. The bits depend on this program and this kind of
 /// processor: the C library chooses its sine by the processor's features.
-[[nodiscard]] ReplayResult Replay(const io::Recording& recording, const config::CellConfig& cell);
+/// @param tools  of a procedure, whose tool `first_tool` was in use at the beginning; empty: the cell's own
+[[nodiscard]] ReplayResult Replay(const io::Recording& recording, const config::CellConfig& cell,
+                                  const std::vector<ProcedureTool>& tools = {}, int first_tool = 0);
 
 }  // namespace osteon::app

@@ -95,15 +95,15 @@ int RunReplay(const ReplayOptions& options) {
   if (recording->ticks.empty())
     return Fail("replay", options.recording.string() + ": found no tick, accepted at least 1");
   progress.BeginPhase("reading the configuration");
-  tl::expected<config::CellConfig, std::string> cell;
-  if (options.cell.empty()) {
-    cell = LoadRecordedCell(recording->session.config);
-    if (!cell) return Fail("replay", options.recording.string() + ": " + cell.error());
-  } else {
-    cell = config::LoadCell(options.cell);  // throws ConfigError, which main shows
+  auto cell = LoadRecordedTools(recording->session.config);
+  if (!cell && options.cell.empty()) return Fail("replay", options.recording.string() + ": " + cell.error());
+  if (!options.cell.empty()) {
+    if (!cell) cell = RecordedCell{};
+    cell->config = config::LoadCell(options.cell);  // throws ConfigError, which main shows
+    PrepareForTools(cell->tools, cell->config);
   }
   progress.BeginPhase("running the controller");
-  const ReplayResult result = Replay(*recording, *cell);
+  const ReplayResult result = Replay(*recording, cell->config, cell->tools, cell->list.first);
   progress.Done();
 
   Print(options, *recording, result);

@@ -76,7 +76,52 @@ std::string Names(const std::vector<std::filesystem::path>& running) {
   return text;
 }
 
+// Whether a running cell is the one that the user names: by its session's folder, or by the cell's name.
+bool IsNamed(const nlohmann::json& run, const std::string& name) {
+  if (run.value("cell", "") == name) return true;
+  const auto session = run.find("session");
+  if (session == run.end() || !session->is_string()) return false;
+  std::error_code error;
+  return std::filesystem::equivalent(session->get<std::string>(), name, error);
+}
+
+// Shows an answer and keeps it. @returns the exit code
+int TakeAnswer(const std::string& command, const std::string& text, const std::filesystem::path& json,
+               bool is_status) {
+  const auto answer = nlohmann::json::parse(text, nullptr, false);
+  if (!answer.is_object()) return Fail(command, "the running cell's answer cannot be read", kFailed);
+  if (!json.empty())
+    if (const auto written = WriteText(json, JsonText(answer)); !written)
+      return Fail(command, written.error(), kFailed);
+  if (!answer.value("done", false)) return Fail(command, answer.value("reason", ""), kFailed);
+  if (is_status) PrintStatus(answer["status"], answer["run"]);
+  return 0;
+}
+
 }  // namespace
+
+int RunTell(const TellOptions& options) {
+  std::vector<std::filesystem::path> named;
+  for (const std::filesystem::path& socket : io::FindLocalServers()) {
+    const auto text = io::AskLocalServer(socket, "status");
+    const auto answer = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+    if (answer.is_object() && answer.contains("run") && IsNamed(answer["run"], options.session))
+      named.push_back(socket);
+  }
+  if (named.empty())
+    return Fail(
+        "tell",
+        fmt::format("found no running cell of {}, accepted a running session's folder or the name of a "
+                    "running cell",
+                    options.session),
+        kFailed);
+  if (named.size() > 1)
+    return Fail("tell", fmt::format("{}: found {} running cells of this name, accepted a session's folder",
+                                    options.session, named.size()));
+  const auto text = io::AskLocalServer(named.front(), options.request);
+  if (!text) return Fail("tell", text.error(), kFailed);
+  return TakeAnswer("tell", *text, options.json, options.request == "status");
+}
 
 int RunAsk(const AskOptions& options) {
   const std::vector<std::filesystem::path> running = io::FindLocalServers();
@@ -90,14 +135,7 @@ int RunAsk(const AskOptions& options) {
                 fmt::format("--pid: found {}, accepted one of {}", options.pid, Names(running)));
   const auto text = io::AskLocalServer(socket, options.request);
   if (!text) return Fail(options.request, text.error(), kFailed);
-  const auto answer = nlohmann::json::parse(*text, nullptr, false);
-  if (!answer.is_object()) return Fail(options.request, "the running cell's answer cannot be read", kFailed);
-  if (!options.json.empty())
-    if (const auto written = WriteText(options.json, JsonText(answer)); !written)
-      return Fail(options.request, written.error(), kFailed);
-  if (!answer.value("done", false)) return Fail(options.request, answer.value("reason", ""), kFailed);
-  if (options.request == "status") PrintStatus(answer["status"], answer["run"]);
-  return 0;
+  return TakeAnswer(options.request, *text, options.json, options.request == "status");
 }
 
 }  // namespace osteon::app

@@ -11,6 +11,16 @@ struct AskOptions {
   std::filesystem::path json{};  ///< for the answer; empty: none
 };
 
+struct TellOptions {
+  std::string session;           ///< folder of the session, or the cell's name
+  std::string request;           ///< "next", "tool 46", "undo", "pause", …
+  std::filesystem::path json{};  ///< for the answer; empty: none
+};
+
+/// Runs `osteon tell`: asks the cell that runs this session.
+/// @returns the process's exit code: 0 done; 1 refused, or no cell runs this session; 2 several do.
+[[nodiscard]] int RunTell(const TellOptions& options);
+
 /// Runs `osteon pause`, `resume`, `recover`, `stop`, `status`: asks the cell that runs on this machine, under
 /// this user.
 /// @returns the process's exit code: 0 done; 1 refused, or no cell runs; 2 several run and none was named.

@@ -41,6 +41,9 @@ tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const
   };
 
   std::vector<std::string> words{"cell", "--json", report};
+  if (!params.plan.empty())
+    words.insert(words.end(),
+                 {"--plan", std::filesystem::absolute(params.plan).string(), "--operator", params.hand});
   if (params.seconds > 0.0) words.insert(words.end(), {"--seconds", fmt::format("{:.17g}", params.seconds)});
   if (params.cpu >= 0) words.insert(words.end(), {"--cpu", std::to_string(params.cpu)});
   auto process = start(std::move(words));

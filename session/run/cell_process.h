@@ -18,10 +18,12 @@ namespace osteon::app {
 struct CellProcessParams {
   std::filesystem::path cell;                ///< its YAML
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
-  double seconds{0.0};                       ///< of the operator's script; 0: as the file says
-  std::uint16_t first_port{0};               ///< see UseSimulatedWires; 0: the file's
-  int cpu{-1};                               ///< for its real-time threads; -1: any
-  bool guard{false};                         ///< start the cell's guard as well
+  std::filesystem::path plan{};  ///< whose reamers its operator uses; empty: the cell's own script
+  std::string hand{"expert"};    ///< of that operator
+  double seconds{0.0};           ///< of the operator's script; 0: as the file says
+  std::uint16_t first_port{0};   ///< see UseSimulatedWires; 0: the file's
+  int cpu{-1};                   ///< for its real-time threads; -1: any
+  bool guard{false};             ///< start the cell's guard as well
 };
 
 /// Runs `osteon cell` as a separate process of this program's file, and `osteon guard` as another if the cell

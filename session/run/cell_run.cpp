@@ -12,6 +12,7 @@
 #include "control/loop/rest_time.h"
 #include "hil/impaired_cell.h"
 #include "io/devices/wired_devices.h"
+#include "session/procedure/procedure_session.h"
 #include "session/run/arm_connection.h"
 #include "session/run/frame_runner.h"
 #include "session/run/gains_watch.h"
@@ -99,11 +100,40 @@ void ApplyRequests(const CellRunParams& params, control::ServoLoop& loop) {
   const bool pause = params.requests->pause.exchange(false), resume = params.requests->resume.exchange(false),
              recover = params.requests->recover.exchange(false);
   if (recover) loop.RequestRecovery();
-  if (resume) loop.RequestResume();
+  if (resume && params.procedure)
+    params.procedure->RequestResume();  // which first looks whether the tool is clear
+  else if (resume)
+    loop.RequestResume();
   if (pause) loop.RequestPause();
   if (params.notice && (pause || resume || recover))
     params.notice(pause ? "a pause was asked for" : resume ? "asked to go on" : "a recovery was asked for");
 }
+
+void SetTools(const CellRunParams& params, control::ServoLoop& loop) {
+  if (params.procedure) SetTools(params.procedure->tools(), params.procedure->first_tool(), loop);
+}
+
+// Shows the recorded ticks to a procedure as well, beside the live view.
+class ProcedureSink final : public io::RecordSink {
+ public:
+  explicit ProcedureSink(const CellRunParams& params) : live_(params.live), procedure_(params.procedure) {}
+  /// For the recorder; null: nobody looks.
+  [[nodiscard]] io::RecordSink* sink() { return procedure_ ? this : live_; }
+  void TakeTick(const control::TickRecord& tick) override {
+    procedure_->OnTick(tick);
+    if (live_) live_->TakeTick(tick);
+  }
+  void TakeFrame(const simulation::FrameRecord& frame) override {
+    if (live_) live_->TakeFrame(frame);
+  }
+  void TakeEvent(const io::RecordedEvent& event) override {
+    if (live_) live_->TakeEvent(event);
+  }
+
+ private:
+  io::RecordSink* live_;
+  ProcedureSession* procedure_;
+};
 
 // Checks the path to the start while the arm waits, and again if somebody has moved the arm since.
 class StartWatch {
@@ -166,6 +196,8 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
                                                   const CellRunParams& params) {
   CellRunResult result;
   control::ServoLoop loop = MakeServoLoop(setup.config), second = MakeServoLoop(setup.config);
+  SetTools(params, loop);
+  SetTools(params, second);
   rt::LatestValue<simulation::ContactModel> models;
   rt::LatestValue<simulation::ToolCommand> commands;
   control::RunServoResult servo;
@@ -191,6 +223,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
       cell_died |= !done.load() && wires.cell && wires.cell->Ended();
       gains.Poll(rt::ToSeconds(rt::MonotonicNow()));
       ApplyRequests(params, loop);
+      if (params.procedure) params.procedure->Poll(loop);
       if (rendered_s.load() == 0.0) start.Poll();  // a recovery starts from the arm's present position
       if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
       if (params.progress) params.progress(rendered_s.load());
@@ -259,6 +292,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
                                                      io::Recorder& recorder, const CellRunParams& params) {
   CellRunResult result;
   control::ServoLoop loop = MakeServoLoop(setup.config);
+  SetTools(params, loop);
   hil::ImpairedCell cell(MakeSimulatedCell(setup.config, params.seconds), setup.config.injections);
   const kinematics::JointVector q_first =
       Eigen::Map<const kinematics::JointVector>(setup.config.simulated.q_start.data());
@@ -312,6 +346,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     }
     gains.Poll(rt::ToSeconds(now));
     ApplyRequests(params, loop);
+    if (params.procedure) params.procedure->Poll(loop);
     const control::CellReadings readings = (*devices)->Exchange(loop.cell_commands(), now);
     const bool could_recover = loop.CanRecover();
     const safety::FaultSet faults_before = loop.faults();
@@ -380,6 +415,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   FrameRunner runner(engine, depth, watch, setup.X_WG, params.adaptive_resolution);
   runner.SetNotice(params.notice);
   runner.SetSurface(params.surface);
+  runner.SetObserver(params.procedure);
   // checks that may refuse the run come first: only a run may overwrite an earlier recording
   CellConnections wires;
   if (!params.virtual_time) {
@@ -397,8 +433,9 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   if (params.make_room)
     if (std::string wrong = params.make_room(); !wrong.empty())
       return tl::make_unexpected(CellRunError{.what = std::move(wrong)});
+  ProcedureSink sink(params);
   auto recorder = io::Recorder::Open(
-      {.path = params.recording, .writer_thread = !params.virtual_time, .live = params.live},
+      {.path = params.recording, .writer_thread = !params.virtual_time, .live = sink.sink()},
       {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
        .version = OSTEON_VERSION,
        .engine = engine.name(),
@@ -439,6 +476,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
     runner.EndAdaptiveResolution();
     runner.RecordEvents(**recorder, rt::MonotonicNow());
   }
+  if (params.procedure) result.session_error = params.procedure->End(runner.engine());
   result.after = runner.engine().Snapshot();
   result.rezoned = runner.TakeRezoned();
   const auto counts = (*recorder)->Close();
@@ -446,6 +484,10 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   if (!counts) result.recording_error = counts.error();
   result.events = runner.events();
   result.min_wall_m = watch.min_wall_m();
+  if (params.procedure)
+    if (const auto wall_m = params.procedure->min_wall_m();
+        wall_m && result.min_wall_m.value_or(*wall_m) >= *wall_m)
+      result.min_wall_m = wall_m;
   return run;
 }
 

@@ -21,6 +21,7 @@
 namespace osteon::app {
 
 class GainsPanel;
+class ProcedureSession;
 
 struct CellRunParams {
   double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
@@ -50,6 +51,8 @@ struct CellRunParams {
   std::function<void()> begins{};    ///< called once everything is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
+  /// A procedure with its tools and saved states, begun; null: none. It outlives the run.
+  ProcedureSession* procedure{nullptr};
   /// May coarsen the zones during the run; null: they stay.
   AdaptiveResolution* adaptive_resolution{nullptr};
   /// Follows the cut and shows it to its sink, on a thread of its own; null: nobody does.
@@ -75,6 +78,7 @@ struct CellRunResult {
   rt::RealtimeGrant servo_thread;  ///< wall time: scheduling that the system granted
   io::RecordingCounts recording;
   std::string recording_error;  ///< why the recording could not be written to its end; empty if it was
+  std::string session_error;    ///< why a procedure's session could not be written; empty if it was
   std::string internal_error;   ///< an exception that stopped the run in order; empty: none
   simulation::CarvedState after;
   std::vector<Rezoned> rezoned;  ///< zones that were coarsened; `after` then belongs to the last one's bone

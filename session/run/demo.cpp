@@ -1,6 +1,8 @@
 #include "session/run/demo.h"
 
 #include <cstdio>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -26,6 +28,17 @@
 
 namespace osteon::app {
 namespace {
+
+constexpr double kSecondsAReamer = 15.0;
+
+// The folder of a session that was given no name: the first that is free below the demo's.
+std::filesystem::path FreshSession(const std::filesystem::path& out) {
+  std::error_code error;
+  for (int number = 1;; ++number) {
+    std::filesystem::path folder = out / (number == 1 ? "session" : fmt::format("session_{}", number));
+    if (!std::filesystem::exists(folder, error)) return folder;
+  }
+}
 
 // Checks the output paths before anything runs. RunCell creates the folder, so that a refused run leaves
 // none.
@@ -117,7 +130,18 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
 
 }  // namespace
 
-int RunDemo(const DemoOptions& options) {
+int RunDemo(const DemoOptions& asked) {
+  DemoOptions options = asked;
+  std::optional<Procedure> procedure;
+  if (!options.procedure.plan.empty()) {
+    if (options.procedure.session.empty()) options.procedure.session = FreshSession(options.out);
+    auto opened = OpenProcedure(options.procedure, options.cell, options.tool);
+    if (!opened) return Fail("demo", opened.error());
+    procedure = std::move(*opened);
+    const auto reamers =
+        procedure->tools.diameters_mm.size() - static_cast<std::size_t>(procedure->tools.first);
+    if (options.default_seconds) options.seconds = kSecondsAReamer * static_cast<double>(reamers);
+  }
   if (!(options.seconds >= kMinSeconds && options.seconds <= kMaxSeconds))
     return Fail("demo", fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kMinSeconds,
                                     kMaxSeconds));
@@ -142,19 +166,28 @@ int RunDemo(const DemoOptions& options) {
     planning.Done();
     return Fail("demo", why);
   };
-  auto setup = PrepareCell(options.cell, options.mesh, options.tool);
+  const std::optional<config::ToolChoice> tool = procedure ? procedure->tool : options.tool;
+  auto setup = PrepareCell(options.cell, options.mesh, tool);
   if (!setup) return refuse(setup.error());
   const auto first_port = UseSimulated(setup->config, options.port);
   if (!first_port) return refuse(first_port.error());
   const EngineChoice choice = ChooseEngine(options.engine, options.device);
-  if (const auto packed = PackCell(*setup, options.fidelity, choice, timed,
+  if (const auto packed = PackCell(*setup, options.fidelity, choice, timed && !procedure,
                                    [&](const std::string& phase) { planning.BeginPhase("plan: " + phase); });
       !packed)
     return refuse(packed.error());
   planning.Done();
   auto engine = MakeEngine(*setup, choice);
   if (!engine) return Fail("demo", engine.error());
-  const auto adaptive_resolution = MakeAdaptiveResolution(*setup, choice);
+  std::unique_ptr<ProcedureSession> session;
+  if (procedure) {
+    auto made = MakeSession(*procedure, options.procedure, options.cell, {}, choice, true,
+                            options.virtual_time, *setup, **engine);
+    if (!made) return Fail("demo", made.error());
+    session = std::move(*made);
+  }
+  // the packing of a session stays: its saved states belong to it
+  const auto adaptive_resolution = session ? nullptr : MakeAdaptiveResolution(*setup, choice);
 
   if (!setup->solid && setup->config.scene.events.min_wall_m > 0.0)
     fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
@@ -167,10 +200,11 @@ int RunDemo(const DemoOptions& options) {
   InstallInterrupt();
   InstallPauseSignals();
   RunProgress progress("osteon demo", options.seconds);
-  LiveViews live(
-      *setup,
-      {.command = "demo", .seconds = options.seconds, .recording = (options.out / "recording.mcap").string()},
-      AskedByOperator());
+  const std::filesystem::path recording =
+      session ? session->folder() / procedure->recording : options.out / "recording.mcap";
+  LiveViews live(*setup, {.command = "demo", .seconds = options.seconds, .recording = recording.string()},
+                 AskedByOperator());
+  live.SetSession(session.get());
   ConsoleChoice console = options.console;
   console.on &= !options.virtual_time || console.only_this_port;  // a run of virtual time is over in a moment
   live.Open(console);
@@ -181,12 +215,14 @@ int RunDemo(const DemoOptions& options) {
       .hold_at_fault = options.hold_at_fault,
       .cpu = options.cpu,
       .cell = CellProcessParams{.cell = options.cell,
-                                .tool = options.tool,
+                                .tool = tool,
+                                .plan = options.procedure.plan,
+                                .hand = options.procedure.hand,
                                 .seconds = options.seconds,
                                 .first_port = *first_port,
                                 .cpu = options.cpu,
                                 .guard = setup->config.guard.has_value()},
-      .recording = options.out / "recording.mcap",
+      .recording = recording,
       .make_room = [&] { return MakeRoom(options, claim); },
       .stop = &Interrupted(),
       .requests = &AskedByOperator(),
@@ -201,6 +237,7 @@ int RunDemo(const DemoOptions& options) {
           },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon demo: {}\n", text); },
       .progress = [&](double at_s) { progress.Show(at_s, live.Line()); },
+      .procedure = session.get(),
       .adaptive_resolution = adaptive_resolution.get(),
       .surface = live.surface_thread()};
   auto result = RunCell(*setup, **engine, params);

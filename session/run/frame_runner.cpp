@@ -11,13 +11,14 @@ FrameRunner::FrameRunner(simulation::CuttingEngine& engine, const simulation::Ap
                          simulation::SceneWatch& watch, const Pose& X_WG,
                          AdaptiveResolution* adaptive_resolution, double dt_limit_s)
     : engine_(&engine),
-      depth_(depth),
-      watch_(watch),
+      depth_(&depth),
+      watch_(&watch),
       X_GW_(X_WG.inverse()),
       adaptive_resolution_(adaptive_resolution),
       dt_limit_s_(dt_limit_s) {}
 
 simulation::FrameRecord FrameRunner::Run(const simulation::ToolCommand& command) {
+  if (observer_) observer_->BeforeFrame(command, *this);
   const double dt_s = last_stamp_ == 0 ? 0.0 : rt::ToSeconds(command.stamp - last_stamp_);
   last_stamp_ = command.stamp;
   simulation::FrameRecord record;
@@ -28,11 +29,12 @@ simulation::FrameRecord FrameRunner::Run(const simulation::ToolCommand& command)
   if (surface_) (void)surface_->Push(surface::MakeToolFrame(record.model, command.spindle_rad_per_s));
   if (record.model.status == simulation::EngineStatus::kOk) {
     const Pose X_GP = X_GW_ * Pose(record.model.X_WP);
-    deepest_m_ = std::max(deepest_m_.value_or(-1.0), depth_.DepthAt(X_GP));
-    for (simulation::SceneEvent& event : watch_.Step(X_GP, record.model.removed_volume_m3, command.stamp))
+    deepest_m_ = std::max(deepest_m_.value_or(-1.0), depth_->DepthAt(X_GP));
+    for (simulation::SceneEvent& event : watch_->Step(X_GP, record.model.removed_volume_m3, command.stamp))
       new_events_.push_back(std::move(event));
   }
   record.cup_depth_m = deepest_m_.value_or(0.0);
+  if (observer_) observer_->AfterFrame(command, record);
   return record;
 }
 
@@ -40,13 +42,21 @@ void FrameRunner::AdaptResolution(const simulation::FrameRecord& record, double 
   if (!adaptive_resolution_ || record.model.status != simulation::EngineStatus::kOk) return;
   adaptive_resolution_->ObserveFrame(record, took_us);
   if (auto made = adaptive_resolution_->TakeReplacement(*engine_)) {
-    rezoned_engine_ = std::move(made->engine);
-    engine_ = rezoned_engine_.get();
+    own_engine_ = std::move(made->engine);
+    engine_ = own_engine_.get();
     made->rezoned.stamp = record.stamp;
     Say(RezonedText(made->rezoned));
     rezoned_.push_back(std::move(made->rezoned));
   }
   Say(adaptive_resolution_->TakeNotice());
+}
+
+void FrameRunner::ReplaceEngine(std::unique_ptr<simulation::CuttingEngine> engine,
+                                const simulation::ApexDepth& depth, simulation::SceneWatch& watch) {
+  own_engine_ = std::move(engine);
+  engine_ = own_engine_.get();
+  depth_ = &depth;
+  watch_ = &watch;
 }
 
 void FrameRunner::EndAdaptiveResolution() {

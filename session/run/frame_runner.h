@@ -17,6 +17,16 @@
 
 namespace osteon::app {
 
+class FrameRunner;
+
+/// Sees each frame, on the frames' thread, and may change engine and tool before one.
+class FrameObserver {
+ public:
+  virtual ~FrameObserver() = default;
+  virtual void BeforeFrame(const simulation::ToolCommand& command, FrameRunner& runner) = 0;
+  virtual void AfterFrame(const simulation::ToolCommand& command, const simulation::FrameRecord& record) = 0;
+};
+
 /// Runs one frame after the other and makes its record. Used in wall time and in virtual time.
 class FrameRunner {
  public:
@@ -46,8 +56,20 @@ class FrameRunner {
   /// @param surface  gets each frame's way; null: nobody does. It outlives the last frame.
   void SetSurface(surface::SurfaceThread* surface) { surface_ = surface; }
 
+  /// @param observer  null: nobody. It outlives the last frame.
+  void SetObserver(FrameObserver* observer) { observer_ = observer; }
+  /// Continues with another engine, which has another tool. The engine before is given up.
+  /// @param depth, watch  of that tool; they outlive the last frame
+  void ReplaceEngine(std::unique_ptr<simulation::CuttingEngine> engine, const simulation::ApexDepth& depth,
+                     simulation::SceneWatch& watch);
+  /// Notes an event: told at once, recorded with the frame's.
+  void Say(std::string text);
+
   /// The engine that makes the frames now.
   [[nodiscard]] const simulation::CuttingEngine& engine() const { return *engine_; }
+  [[nodiscard]] simulation::CuttingEngine& engine() { return *engine_; }
+  /// The surface that follows the cut; null: none.
+  [[nodiscard]] surface::SurfaceThread* surface() { return surface_; }
   /// Returns the coarsened zones, in their order. Call it after the last frame.
   [[nodiscard]] std::vector<Rezoned> TakeRezoned() { return std::move(rezoned_); }
 
@@ -57,13 +79,12 @@ class FrameRunner {
   [[nodiscard]] const std::vector<simulation::SceneEvent>& events() const { return events_; }
 
  private:
-  void Say(std::string text);
-
   simulation::CuttingEngine* engine_;
   // Replaces the constructor's engine after the first change.
-  std::unique_ptr<simulation::CuttingEngine> rezoned_engine_;
-  const simulation::ApexDepth& depth_;
-  simulation::SceneWatch& watch_;
+  std::unique_ptr<simulation::CuttingEngine> own_engine_;
+  const simulation::ApexDepth* depth_;
+  simulation::SceneWatch* watch_;
+  FrameObserver* observer_{nullptr};
   Pose X_GW_;
   AdaptiveResolution* adaptive_resolution_;
   double dt_limit_s_;

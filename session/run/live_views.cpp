@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <charconv>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "session/procedure/procedure_session.h"
 #include "session/run/console_scene.h"
 #include "session/run/live_surface.h"
 
@@ -133,7 +135,7 @@ std::string LiveViews::Answer(const std::string& request) {
   nlohmann::json json;
   if (request == "pause") {
     answer = Ask(OperatorRequest::kPause);
-  } else if (request == "resume") {
+  } else if (request == "resume" && !session_) {
     answer = Ask(OperatorRequest::kResume);
   } else if (request == "recover") {
     answer = Ask(OperatorRequest::kRecover);
@@ -141,6 +143,13 @@ std::string LiveViews::Answer(const std::string& request) {
     answer = Ask(OperatorRequest::kStop);
   } else if (request == "status") {
     json["status"] = nlohmann::json::parse(console::StatusJson(Status()));
+  } else if (session_) {
+    if (const auto asked = ParseSessionRequest(request)) {
+      const SessionAnswer done = session_->Ask(*asked);
+      answer = {.done = done.done, .reason = done.reason};
+    } else {
+      answer = {.done = false, .reason = asked.error()};
+    }
   } else {
     answer = {.done = false,
               .reason = "found another request, accepted pause, resume, recover, stop, status"};
@@ -152,6 +161,8 @@ std::string LiveViews::Answer(const std::string& request) {
                  {"cell", cell_},
                  {"seconds", run_.seconds},
                  {"recording", run_.recording},
+                 {"session", session_ ? nlohmann::json(std::filesystem::absolute(session_->folder()).string())
+                                      : nlohmann::json(nullptr)},
                  {"console", console_ ? nlohmann::json(console_->url()) : nlohmann::json(nullptr)}};
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

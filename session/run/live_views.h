@@ -20,6 +20,8 @@
 
 namespace osteon::app {
 
+class ProcedureSession;
+
 /// Where the console is served.
 struct ConsoleChoice {
   bool on{true};
@@ -50,6 +52,9 @@ class LiveViews {
   /// @param setup  packed, and outlives this
   LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests);
 
+  /// Passes what a procedure's session is asked for to it. Before Open. @param session  null: none
+  void SetSession(ProcedureSession* session) { session_ = session; }
+
   /// Opens the local socket and the console. The run goes on without what could not be opened.
   void Open(const ConsoleChoice& choice);
   /// Prints on stderr where the console is, and what could not be opened. Once the run begins: a refusal
@@ -78,6 +83,7 @@ class LiveViews {
   const CellSetup& setup_;
   LiveRun run_;
   OperatorRequests& requests_;
+  ProcedureSession* session_{nullptr};
   GainsPanel gains_;
   std::string cell_;
   std::string scene_;

@@ -1,6 +1,8 @@
 #include "session/run/operate.h"
 
 #include <chrono>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -115,6 +117,14 @@ int PrintResult(const OperateOptions& options, const CellSetup& setup,
 
 int RunOperate(const OperateOptions& asked) {
   OperateOptions options = asked;
+  std::optional<Procedure> procedure;
+  if (!options.procedure.plan.empty()) {
+    auto opened = OpenProcedure(options.procedure, options.cell, options.tool);
+    if (!opened) return Fail("run", opened.error());
+    procedure = std::move(*opened);
+    options.tool = procedure->tool;
+    options.record = procedure->folder / procedure->recording;
+  }
   if (options.record.empty()) options.record = DatedRecording("", std::chrono::system_clock::now());
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("run", wrong);
   // before any other thread exists
@@ -135,6 +145,8 @@ int RunOperate(const OperateOptions& asked) {
     if (!first_port) return refuse(first_port.error());
     cell = CellProcessParams{.cell = options.cell,
                              .tool = options.tool,
+                             .plan = options.procedure.plan,
+                             .hand = options.procedure.hand,
                              .seconds = options.seconds,
                              .first_port = *first_port,
                              .cpu = options.cpu,
@@ -144,20 +156,29 @@ int RunOperate(const OperateOptions& asked) {
       return refuse(wrong);
   }
   const EngineChoice choice = ChooseEngine(options.engine, options.device);
-  if (const auto packed = PackCell(*setup, options.fidelity, choice, true,
+  if (const auto packed = PackCell(*setup, options.fidelity, choice, !procedure,
                                    [&](const std::string& phase) { planning.BeginPhase("plan: " + phase); });
       !packed)
     return refuse(packed.error());
   planning.Done();
   auto engine = MakeEngine(*setup, choice);
   if (!engine) return Fail("run", engine.error());
-  const auto adaptive_resolution = MakeAdaptiveResolution(*setup, choice);
+  const std::string config_checksum = ConfigChecksum(setup->config_source);
+  std::unique_ptr<ProcedureSession> session;
+  if (procedure) {
+    auto made = MakeSession(*procedure, options.procedure, options.cell, options.gains, choice,
+                            options.simulated, false, *setup, **engine);
+    if (!made) return Fail("run", made.error());
+    session = std::move(*made);
+  }
+  // the packing of a session stays: its saved states belong to it
+  const auto adaptive_resolution = session ? nullptr : MakeAdaptiveResolution(*setup, choice);
   fmt::print(stderr, "osteon run: engine: {}\n", EngineText(choice, (*engine)->device()));
   if (setup->planned) fmt::print(stderr, "osteon run: packing: {}\n", PlannedText(*setup->planned));
   PrintRegistration(setup->config);
   PrintWires(setup->config);
-  fmt::print(stderr, "osteon run: configuration {}\nosteon run: waits {:g} s for the arm\n",
-             ConfigChecksum(setup->config_source), options.wait_s);
+  fmt::print(stderr, "osteon run: configuration {}\nosteon run: waits {:g} s for the arm\n", config_checksum,
+             options.wait_s);
 
   if (!setup->bone_warning.empty()) fmt::print(stderr, "osteon run: warning: {}\n", setup->bone_warning);
   for (const std::string& warning : SetupWarnings(setup->config, !cell))
@@ -168,6 +189,7 @@ int RunOperate(const OperateOptions& asked) {
   RunProgress progress("osteon run", options.seconds);
   LiveViews live(*setup, {.command = "run", .seconds = options.seconds, .recording = options.record.string()},
                  AskedByOperator());
+  live.SetSession(session.get());
   live.Open(options.console);
   const CellRunParams params{
       .seconds = options.seconds,
@@ -192,6 +214,7 @@ int RunOperate(const OperateOptions& asked) {
           },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },
       .progress = [&](double at_s) { progress.Show(at_s, live.Line()); },
+      .procedure = session.get(),
       .adaptive_resolution = adaptive_resolution.get(),
       .surface = live.surface_thread()};
   auto result = RunCell(*setup, **engine, params);

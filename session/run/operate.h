@@ -6,6 +6,7 @@
 #include <string>
 
 #include "session/planning/planned_cell.h"
+#include "session/procedure/prepare_session.h"
 #include "session/run/live_views.h"
 
 namespace osteon::app {
@@ -23,6 +24,7 @@ struct OperateOptions {
   bool overwrite{false};                     ///< replace an earlier run's files of that name; false: refuse
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
   FidelityChoice fidelity{};                 ///< how fine the bone is
+  ProcedureChoice procedure{};               ///< of a plan: its reamers, one after the other
   std::filesystem::path gains{};             ///< overrides the cell's gains; empty: none
   std::optional<std::uint16_t> port{};       ///< first port of a simulated cell; none: the cell file's
   int cpu{-1};                      ///< CPU of the servo thread; all other threads stay off it; -1: any

@@ -12,6 +12,7 @@
 #include "base/json_text.h"
 #include "base/write_text.h"
 #include "io/fri/session_name.h"
+#include "session/procedure/prepare_session.h"
 #include "session/process/output.h"
 #include "session/run/arm_connection.h"
 #include "session/run/cell_ports.h"
@@ -98,6 +99,10 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
   OutputThread output;
   InstallInterrupt();
   config::CellConfig cell = config::LoadCell(options.cell, options.tool);
+  if (!options.plan.empty()) {
+    const config::SurgicalPlanConfig plan = config::LoadSurgicalPlan(options.plan);
+    cell.script = ScriptOfPlan(plan.plan, options.hand, config::BoneInWorld(cell, plan.site), cell);
+  }
   if (const std::string wrong = UseSimulatedWires(cell, options.port); !wrong.empty()) {
     fmt::print(stderr, "osteon cell: {}\n", wrong);
     return 2;

@@ -13,8 +13,10 @@ namespace osteon::app {
 struct SimulatedCellOptions {
   std::filesystem::path cell;                ///< its YAML
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
-  double seconds{0.0};                       ///< of the operator's script; 0: as the file says
-  std::optional<std::uint16_t> port{};       ///< the first of its ports; replaces the file's
+  std::filesystem::path plan{};         ///< whose reamers its operator uses; empty: the cell's own script
+  std::string hand{"expert"};           ///< of that operator: expert, novice
+  double seconds{0.0};                  ///< of the operator's script; 0: as the file says
+  std::optional<std::uint16_t> port{};  ///< the first of its ports; replaces the file's
   /// Its real-time threads are pinned to it, all others stay off it; -1: any.
   int cpu{-1};
   std::filesystem::path json{};   ///< report, written at its end

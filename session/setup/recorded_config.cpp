@@ -91,7 +91,12 @@ tl::expected<io::ConfigSource, std::string> KeepConfig(const config::ConfigFileT
   return source;
 }
 
-tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigSource& source) {
+namespace {
+
+// Loads the cell from the recording's files; `with` is called while they lie in the temporary folder.
+template <class With>
+tl::expected<config::CellConfig, std::string> LoadFromFiles(const io::ConfigSource& source,
+                                                            const With& with) {
   if (source.files.empty())
     return tl::make_unexpected(
         std::string("found no configuration files in the recording, accepted one that has them (it is older "
@@ -113,10 +118,33 @@ tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigS
     tool = {.file = folder.path() / source.tool_file, .diameter_m = source.tool_diameter_m};
   const fs::path gains = source.gains_file.empty() ? fs::path() : folder.path() / source.gains_file;
   try {
-    return config::LoadCell(folder.path() / source.cell_file, tool, gains);
+    config::CellConfig cell = config::LoadCell(folder.path() / source.cell_file, tool, gains);
+    with(folder.path() / source.cell_file, gains, cell);
+    return cell;
   } catch (const std::exception& error) {
     return tl::make_unexpected("the recorded configuration: " + WithoutFolder(error.what(), folder.path()));
   }
+}
+
+}  // namespace
+
+tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigSource& source) {
+  return LoadFromFiles(source, [](const fs::path&, const fs::path&, const config::CellConfig&) {});
+}
+
+tl::expected<RecordedCell, std::string> LoadRecordedTools(const io::ConfigSource& source) {
+  const auto list = FindToolList(source);
+  if (!list) return tl::make_unexpected(list.error());
+  RecordedCell recorded;
+  if (*list) recorded.list = **list;
+  auto cell = LoadFromFiles(
+      source, [&](const fs::path& cell_yaml, const fs::path& gains, const config::CellConfig& base) {
+        if (*list) recorded.tools = LoadProcedureTools(base, cell_yaml, base.tool_file, gains, recorded.list);
+      });
+  if (!cell) return tl::make_unexpected(cell.error());
+  recorded.config = std::move(*cell);
+  PrepareForTools(recorded.tools, recorded.config);
+  return recorded;
 }
 
 control::ServoLoop MakeServoLoop(const config::CellConfig& cell) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -10,6 +11,7 @@
 #include "config/reading/load.h"
 #include "control/loop/servo_loop.h"
 #include "io/recording/messages.h"
+#include "session/procedure/procedure_tools.h"
 
 namespace osteon::app {
 
@@ -24,6 +26,15 @@ namespace osteon::app {
 /// folder during the call. The error says what is missing or wrong: a recording without configuration, a name
 /// that leads out of the folder, a file that this version does not accept.
 [[nodiscard]] tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigSource& source);
+
+/// A recording's cell with the tools of its procedure.
+struct RecordedCell {
+  config::CellConfig config;  ///< prepared for all tools
+  ToolList list;              ///< empty: one tool
+  std::vector<ProcedureTool> tools;
+};
+/// As LoadRecordedCell, with the table of tools of a procedure.
+[[nodiscard]] tl::expected<RecordedCell, std::string> LoadRecordedTools(const io::ConfigSource& source);
 
 /// Makes a cell's servo loop, as a run and its replay need it.
 [[nodiscard]] control::ServoLoop MakeServoLoop(const config::CellConfig& cell);

@@ -1,4 +1,5 @@
 #include "session/summary/summary.h"
+#include "session/procedure/procedure_session.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include "base/json_text.h"
 #include "base/text.h"
 #include "hil/fri/fri_stop.h"
+#include "session/procedure/procedure_session.h"
 #include "session/setup/config_checksum.h"
 #include "session/setup/setup_warnings.h"
 #include "session/summary/each_fault.h"
@@ -242,6 +244,10 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.tool = setup.config.tool.tool.name;
   s.recording = params.recording.string();
   s.recording_error = result.recording_error;
+  if (params.procedure) {
+    s.session = params.procedure->folder().string();
+    s.passes = params.procedure->File().passes;
+  }
   s.ended = EndText(result.end);
   if (!result.diagnosis.empty()) s.ended += ": " + result.diagnosis;
   if (result.end == control::RunEnd::kStopFlag) s.ended_by = InterruptName();
@@ -360,6 +366,12 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
     rows.push_back({stop.heading, stop.page.string(), stop.page.filename().string()});
     rows.push_back({"Its ticks, as a table", stop.ticks.string(), stop.ticks.filename().string()});
   }
+  if (!s.session.empty()) {
+    const auto undone =
+        std::count_if(s.passes.begin(), s.passes.end(), [](const SessionPass& p) { return p.undone; });
+    rows.push_back({"Session", s.session});
+    rows.push_back({"Passes", fmt::format("{}, {} undone", s.passes.size(), undone)});
+  }
   rows.push_back(
       {"Recording", s.recording + (s.recording_error.empty() ? "" : ", not whole: " + s.recording_error)});
   return rows;
@@ -380,6 +392,7 @@ void AddReason(std::string& reasons, const std::string& reason) {
 std::string DescribeRecordingErrors(const CellRunResult& result, const std::string& unreadable) {
   std::string why;
   AddReason(why, result.recording_error);
+  AddReason(why, result.session_error);
   AddReason(why, unreadable);
   return why;
 }
@@ -518,6 +531,18 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
     out["cpus_awake"] = s.servo_thread->cpus_awake;
   }
   if (!s.arm_stop.empty()) out["arm_stop"] = s.arm_stop;
+  if (!s.session.empty()) {
+    out["session"] = s.session;
+    out["passes"] = nlohmann::json::array();
+    for (const SessionPass& pass : s.passes)
+      out["passes"].push_back({{"number", pass.number},
+                               {"tool_index", pass.tool_index},
+                               {"cutting_s", pass.cutting_s},
+                               {"removed_mm3", pass.removed_mm3},
+                               {"state", pass.state},
+                               {"state_hash", pass.state_hash},
+                               {"undone", pass.undone}});
+  }
   return JsonText(out);
 }
 

@@ -9,6 +9,7 @@
 #include "report/report.h"
 #include "session/planning/plan.h"
 #include "session/planning/planned_cell.h"
+#include "session/procedure/session_file.h"
 #include "session/replay/recorded_surface.h"
 #include "session/run/cell_run.h"
 #include "session/stops/stop_records.h"
@@ -104,6 +105,8 @@ struct RunSummary {
   int operator_recoveries{0};               ///< those of them that an operator requested at a fault
   std::vector<std::string> recovered_from;  ///< names of the faults that these cleared
   std::string cell_report;                  ///< report of the simulated cell, osteon.cell/1
+  std::string session;                      ///< folder of a procedure's session; empty: none
+  std::vector<SessionPass> passes;          ///< of the whole session
   control::TickInput link;                  ///< of the last tick: counts of messages and answers
   std::string arm_stop;                     ///< why the simulated arm ended the session; empty if it did not
 };

@@ -100,6 +100,12 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon regress reaming_lbr --update --reason \"the reamer's mass was weighed anew\"",
        By("Regress.AChangeIsAcceptedWithAReason")},
 
+      {"osteon demo --plan acetabulum --virtual-time", By("ProcedureRun.EachReamerLeavesAPassAndAState")},
+      {"osteon run demo --simulated --plan acetabulum --session first_hip --seconds 60",
+       By("ProcedureRun.EachReamerLeavesAPassAndAState")},
+      {"osteon tell first_hip status", By("SessionRequest.AcceptsWhatItSaysAndNothingElse")},
+      {"osteon replay demo_out/session", By("ProcedureRun.TheLoopReplaysToTheBit")},
+
       {"osteon new-cell my_cell", As("new-cell my_cell", {"my_cell.yaml"})},
       {"osteon doctor", As("doctor --seconds 0.2")},
       {"osteon cell demo", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},

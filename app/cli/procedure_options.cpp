@@ -1,0 +1,41 @@
+#include "app/cli/procedure_options.h"
+
+#include "app/cli/plan_file.h"
+#include "app/cli/usage.h"
+
+namespace osteon::app {
+
+void ProcedureOptions::Add(CLI::App& sub, bool with_session) {
+  CLI::Option* plan =
+      sub.add_option("--plan", plan_,
+                     "a surgical plan, whose reamers are used in turn: a name under plans/, or a YAML file")
+          ->type_name("PLAN");
+  if (with_session) {
+    CLI::Option* session =
+        sub.add_option("--session", session_,
+                       "folder for the session of the plan: recordings, saved states, session.json")
+            ->type_name("FOLDER")
+            ->needs(plan);
+    sub.add_flag("--resume", resume_, "continue the session from its last saved state")->needs(session);
+  }
+  sub.add_option("--guidance", guidance_,
+                 "gain of the plan's guidance; without it the plan's, and none for a simulated operator")
+      ->check(NumberWithin(0, 1))
+      ->needs(plan);
+  sub.add_option(
+         "--operator", hand_,
+         "hand of the simulated operator with a plan: expert keeps to it, novice is 14 degrees and 4 mm off")
+      ->check(CLI::IsMember({"expert", "novice"}))
+      ->capture_default_str()
+      ->needs(plan);
+}
+
+std::string ProcedureOptions::Take(const std::filesystem::path& config_root, ProcedureChoice& choice) const {
+  if (!asked()) return "";
+  const auto found = FindPlan(config_root, plan_);
+  if (!found) return "--plan " + found.error();
+  choice = {.plan = *found, .session = session_, .resume = resume_, .hand = hand_, .guidance = guidance_};
+  return "";
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "session/procedure/prepare_session.h"
+
+namespace osteon::app {
+
+/// The options of a procedure: `--plan`, `--session`, `--resume`, `--guidance`,
+/// `--operator`.
+class ProcedureOptions {
+ public:
+  /// @param with_session  also `--session` and `--resume`
+  void Add(CLI::App& sub, bool with_session);
+  [[nodiscard]] bool asked() const { return !plan_.empty(); }
+  /// Finds the plan. @returns what is wrong; empty: nothing
+  [[nodiscard]] std::string Take(const std::filesystem::path& config_root, ProcedureChoice& choice) const;
+
+ private:
+  std::string plan_, hand_{"expert"};
+  std::filesystem::path session_;
+  bool resume_{false};
+  std::optional<double> guidance_;
+};
+
+}  // namespace osteon::app

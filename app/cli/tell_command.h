@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "session/run/ask_running_cell.h"
+
+namespace osteon::app {
+
+/// The subcommand `tell` of the command line: asks a procedure's session that runs.
+class TellCommand {
+ public:
+  explicit TellCommand(CLI::App& app);
+
+  [[nodiscard]] bool asked() const { return sub_->parsed(); }
+  /// @returns the process's exit code.
+  [[nodiscard]] int Run();
+
+ private:
+  TellOptions options_;
+  std::vector<std::string> words_;
+  CLI::App* sub_;
+};
+
+}  // namespace osteon::app

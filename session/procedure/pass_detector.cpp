@@ -1,0 +1,52 @@
+#include "session/procedure/pass_detector.h"
+
+#include <algorithm>
+
+namespace osteon::app {
+namespace {
+
+constexpr double kMaxFrame_s = 0.1;  // a stall is no cutting time
+
+}  // namespace
+
+PassDetector::Change PassDetector::Step(const simulation::ContactModel& model, rt::Nanoseconds stamp,
+                                        double spindle_rad_per_s) {
+  if (model.status != simulation::EngineStatus::kOk) return Change::kNone;
+  const double dt_s = last_ == 0 ? 0.0 : std::clamp(rt::ToSeconds(stamp - last_), 0.0, kMaxFrame_s);
+  const double before_m3 = known_ ? removed_m3_ : model.removed_volume_m3;
+  const bool gives_way = model.removed_volume_m3 > before_m3 || model.advance_m_per_s > 0.0;
+  const bool cuts = spindle_rad_per_s > 0.0 && gives_way;
+  known_ = true;
+  last_ = stamp;
+  removed_m3_ = model.removed_volume_m3;
+  clear_ = model.contact_count == 0;
+  if (cuts) {
+    const bool begins = !open_;
+    if (begins) {
+      open_ = true;
+      begin_ = stamp;
+      cutting_s_ = 0.0;
+      removed_at_begin_m3_ = before_m3;
+    }
+    last_cut_ = stamp;
+    cutting_s_ += dt_s;
+    clear_since_ = 0;
+    return begins ? Change::kBegan : Change::kNone;
+  }
+  if (!open_ || !clear_) {
+    clear_since_ = 0;
+    return Change::kNone;
+  }
+  if (clear_since_ == 0) clear_since_ = stamp;
+  if (stamp - clear_since_ < kClearOfPass) return Change::kNone;
+  open_ = false;
+  clear_since_ = 0;
+  return Change::kEnded;
+}
+
+void PassDetector::Restart() {
+  open_ = known_ = false;
+  clear_since_ = last_ = 0;
+}
+
+}  // namespace osteon::app

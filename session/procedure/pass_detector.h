@@ -1,0 +1,37 @@
+#pragma once
+
+#include "base/clock.h"
+#include "simulation/engine/frame_record.h"
+
+namespace osteon::app {
+
+/// A tool that has touched no bone for this long has ended its pass.
+inline constexpr rt::Nanoseconds kClearOfPass = rt::kSecond / 2;
+
+/// Finds the passes of a reaming: from the first frame in which the turning tool removes bone until the tool
+/// has been clear of bone for kClearOfPass.
+class PassDetector {
+ public:
+  enum class Change { kNone, kBegan, kEnded };
+
+  /// Takes one frame. @param stamp  of its pose  @param spindle_rad_per_s  of the same command
+  Change Step(const simulation::ContactModel& model, rt::Nanoseconds stamp, double spindle_rad_per_s);
+  /// Ends the pass now, and takes the next frame as the first of another state of the bone.
+  void Restart();
+
+  [[nodiscard]] bool open() const { return open_; }
+  /// Whether the last frame had no contact.
+  [[nodiscard]] bool clear() const { return clear_; }
+  // of the open pass, or of the one that has just ended
+  [[nodiscard]] rt::Nanoseconds begin() const { return begin_; }
+  [[nodiscard]] rt::Nanoseconds last_cut() const { return last_cut_; }
+  [[nodiscard]] double cutting_s() const { return cutting_s_; }
+  [[nodiscard]] double removed_m3() const { return removed_m3_ - removed_at_begin_m3_; }
+
+ private:
+  bool open_{false}, clear_{true}, known_{false};
+  rt::Nanoseconds begin_{0}, last_cut_{0}, clear_since_{0}, last_{0};
+  double cutting_s_{0.0}, removed_m3_{0.0}, removed_at_begin_m3_{0.0};
+};
+
+}  // namespace osteon::app

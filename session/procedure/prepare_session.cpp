@@ -1,0 +1,192 @@
+#include "session/procedure/prepare_session.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+#include <set>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "base/write_text.h"
+#include "session/procedure/plan_guidance.h"
+#include "session/setup/config_checksum.h"
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSameSize_m = 1e-6;
+constexpr double kNoviceTilt_rad = 14.0 * std::numbers::pi / 180.0, kNoviceAside_m = 0.004;
+
+// The frame of the planned cup: its centre, +z along its axis, x and y as near to G's as can be.
+Pose PlannedCup(const procedure::SurgicalPlan& plan) {
+  Pose X_GC = Pose::Identity();
+  X_GC.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), plan.axis_G).toRotationMatrix();
+  X_GC.translation() = plan.cup_centre_m;
+  return X_GC;
+}
+
+std::string ReadText(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+SessionGains GainsOfCell(const control::ServoParams& servo) {
+  SessionGains gains{.law = servo.law == control::Law::kAdmittance ? "admittance" : "impedance",
+                     .stiffness_N_per_mm = 1e-3 * servo.coupling.max_stiffness_N_per_m,
+                     .damping_Ns_per_m = servo.coupling.damping_Ns_per_m};
+  if (servo.law != control::Law::kAdmittance) return gains;
+  for (std::size_t i = 0; i < 3; ++i) {
+    gains.mass_kg[i] = servo.admittance.mass_kg[static_cast<Eigen::Index>(i)];
+    gains.drag_Ns_per_m[i] = servo.admittance.damping_Ns_per_m[static_cast<Eigen::Index>(i)];
+  }
+  return gains;
+}
+
+}  // namespace
+
+std::string ValidateNewSession(const fs::path& folder) {
+  if (folder.empty()) return "--session: found no name, accepted a folder";
+  std::error_code error;
+  if (!fs::exists(folder, error)) return "";
+  if (!fs::is_directory(folder, error))
+    return fmt::format("--session {}: found a file, accepted a folder", folder.string());
+  if (fs::exists(folder / kSessionFileName, error))
+    return fmt::format("--session {}: found a session, accepted a new folder, or --resume", folder.string());
+  return "";
+}
+
+tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice, const fs::path& cell_yaml,
+                                                   const std::optional<config::ToolChoice>& tool) {
+  Procedure made{.plan = config::LoadSurgicalPlan(choice.plan),
+                 .plan_text = ReadText(choice.plan),
+                 .file = {},
+                 .folder = choice.session,
+                 .tool = {},
+                 .tools = {},
+                 .recording = {}};
+  const config::CellConfig cell = config::LoadCell(cell_yaml, tool);
+  config::CheckPlanInCell(made.plan, cell, choice.plan, cell_yaml);
+  for (const procedure::PlannedReamer& reamer : made.plan.plan.reamers)
+    made.tools.diameters_mm.push_back(1e3 * reamer.diameter_m);
+  made.tools.physical = made.plan.plan.tool_change == procedure::ToolChange::kPhysical;
+  const std::string plan_checksum = TextChecksum(made.plan_text);
+  if (choice.resume) {
+    auto file = ReadSession(choice.session);
+    if (!file) return tl::make_unexpected("--resume: " + file.error());
+    if (file->plan_checksum != plan_checksum)
+      return tl::make_unexpected(fmt::format("--plan {}: found another plan, accepted the session's own, {}",
+                                             choice.plan.string(),
+                                             (choice.session / file->plan_file).string()));
+    if (file->segments.empty())
+      return tl::make_unexpected("--resume: the session has not begun: start it anew");
+    made.file = std::move(*file);
+    made.tools.first = made.file.segments.back().tool_index;
+  } else {
+    if (std::string wrong = ValidateNewSession(choice.session); !wrong.empty())
+      return tl::make_unexpected(std::move(wrong));
+    made.file.cell = cell_yaml.stem().string();
+    made.file.cell_file = cell_yaml.string();
+    made.file.plan_checksum = plan_checksum;
+    made.file.tool = cell.tool_file.stem().string();
+    made.file.diameters_mm = made.tools.diameters_mm;
+    made.file.tool_change = made.tools.physical ? "physical" : "virtual";
+  }
+  std::set<std::string> recordings;
+  for (const SessionSegment& segment : made.file.segments) recordings.insert(segment.recording);
+  made.recording = fmt::format("run_{}.mcap", recordings.size() + 1);
+  made.tool = {.file = cell.tool_file,
+               .diameter_m = 1e-3 * made.tools.diameters_mm[static_cast<std::size_t>(made.tools.first)]};
+  return made;
+}
+
+hil::ProcedureScriptParams ScriptOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
+                                        const Pose& X_WG, const config::CellConfig& cell) {
+  hil::ProcedureScriptParams script;
+  std::visit(
+      [&script](const auto& own) {
+        script.head_radius_m = own.head_radius_m;
+        script.tool_yaw_rad = own.tool_yaw_rad;
+        script.start_height_m = own.start_height_m;
+        script.retract_height_m = own.retract_height_m;
+        script.hand_stiffness_N_per_m = own.hand_stiffness_N_per_m;
+        script.max_target_m_per_s = own.max_target_m_per_s;
+        script.approach_force_N = own.approach_force_N;
+      },
+      cell.script);
+  script.X_WC = X_WG * PlannedCup(plan);
+  const simulation::ToolBall* head = simulation::CuttingHead(cell.tool.tool);
+  for (const procedure::PlannedReamer& reamer : plan.reamers)
+    if (!head || 0.5 * reamer.diameter_m > head->radius_m - kSameSize_m)
+      script.heights_m.push_back(reamer.height_m);
+  if (hand == "novice") {
+    script.tilt_rad = kNoviceTilt_rad;
+    script.aside_m = kNoviceAside_m;
+  }
+  return script;
+}
+
+tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
+    const Procedure& procedure, const ProcedureChoice& choice, const fs::path& cell_yaml,
+    const fs::path& gains, const EngineChoice& engine_choice, bool simulated, bool virtual_time,
+    CellSetup& setup, simulation::CuttingEngine& engine) {
+  SessionFile file = procedure.file;
+  const std::string cell_checksum = ConfigChecksum(setup.config_source);
+  if (file.cell_checksum.empty()) {
+    file.cell_checksum = cell_checksum;
+    file.scene = setup.bone.name;
+    file.clock = virtual_time ? "virtual" : "wall";
+    file.gains = GainsOfCell(setup.config.servo);
+  } else if (file.cell_checksum != cell_checksum) {
+    return tl::make_unexpected(fmt::format("{}: found the cell's checksum {}, accepted the session's, {}",
+                                           cell_yaml.string(), cell_checksum, file.cell_checksum));
+  }
+  ToolList list = procedure.tools;
+  for (const procedure::PlannedReamer& reamer : procedure.plan.plan.reamers) {
+    auto guidance = GuidanceOf(procedure.plan.plan, reamer, setup.X_WG);
+    if (!guidance) break;  // the plan has none
+    guidance->gain = choice.guidance.value_or(simulated ? 0.0 : guidance->gain);
+    list.guidance.push_back(*guidance);
+  }
+  auto tools = LoadProcedureTools(setup.config, cell_yaml, procedure.tool.file, gains, list);
+  PrepareForTools(tools, setup.config);
+  KeepToolList(list, setup.config_source);
+  if (simulated)
+    setup.config.script = ScriptOfPlan(procedure.plan.plan, choice.hand, setup.X_WG, setup.config);
+
+  std::error_code error;
+  fs::create_directories(procedure.folder, error);
+  if (error)
+    return tl::make_unexpected(procedure.folder.string() + ": cannot make the folder: " + error.message());
+  if (!choice.resume)
+    if (const auto written = WriteText(procedure.folder / file.plan_file, procedure.plan_text); !written)
+      return tl::make_unexpected(written.error());
+  const bool physical = procedure.tools.physical;
+  auto session = std::make_unique<ProcedureSession>(ProcedureParams{
+      .folder = procedure.folder,
+      .file = std::move(file),
+      .tools = std::move(tools),
+      .tool = procedure.tools.first,
+      .recording = procedure.recording,
+      .bone = &setup.bone,
+      .solid = setup.solid.get(),
+      .events = setup.config.scene.events,
+      .X_WG = setup.X_WG,
+      .X_GC = PlannedCup(procedure.plan.plan),
+      .make_engine =
+          [&setup, engine_choice](const simulation::Tool& tool) {
+            return MakeEngine(engine_choice, setup.bone, tool, setup.X_WG, setup.config.cutting);
+          },
+      .confirm_size = physical,
+      .confirm_load = physical && setup.config.servo.law == control::Law::kImpedance,
+      .scripted = simulated,
+      .wall_time = !virtual_time});
+  if (auto begun = session->Begin(engine); !begun) return tl::make_unexpected(begun.error());
+  return session;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "config/reading/load.h"
+#include "config/reading/load_surgical_plan.h"
+#include "session/procedure/procedure_session.h"
+#include "session/procedure/session_file.h"
+#include "session/setup/cell_setup.h"
+#include "session/setup/engine_choice.h"
+
+namespace osteon::app {
+
+/// The procedure that a run was asked for: `--plan`, `--session`, `--resume`.
+struct ProcedureChoice {
+  std::filesystem::path plan;     ///< the plan's YAML; empty: no procedure
+  std::filesystem::path session;  ///< folder: a new or empty one, or with `resume` a session's
+  bool resume{false};
+  /// The simulated operator's hand: "expert", or "novice" (14 degrees and 4 mm off).
+  std::string hand{"expert"};
+  /// Gain of the plan's guidance, 0 … 1; absent: the plan's own with a person's hand, 0 with a simulated one.
+  std::optional<double> guidance{};
+};
+
+/// A procedure that is about to run: plan and session are read, nothing is written yet.
+struct Procedure {
+  config::SurgicalPlanConfig plan;
+  std::string plan_text;
+  SessionFile file;
+  std::filesystem::path folder;
+  config::ToolChoice tool;  ///< the reamer that the run begins with
+  ToolList tools;
+  std::string recording;  ///< name in the folder: run_1.mcap
+};
+
+/// Reads plan and session. @param tool  replaces the cell's: of its sizes are the plan's reamers
+/// @returns why the procedure is refused: a folder in use, another plan than the session's
+/// @throws config::ConfigError
+[[nodiscard]] tl::expected<Procedure, std::string> OpenProcedure(
+    const ProcedureChoice& choice, const std::filesystem::path& cell_yaml,
+    const std::optional<config::ToolChoice>& tool);
+
+/// Makes the session of a packed cell, whose tool is procedure.tool: loads the tools, prepares the cell for
+/// them, and puts the engine into the last saved state.
+/// @param setup  outlives the session; its configuration for the recording gets the tools
+/// @param simulated  a scripted operator reams, whose buttons are pressed as well
+[[nodiscard]] tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
+    const Procedure& procedure, const ProcedureChoice& choice, const std::filesystem::path& cell_yaml,
+    const std::filesystem::path& gains, const EngineChoice& engine_choice, bool simulated, bool virtual_time,
+    CellSetup& setup, simulation::CuttingEngine& engine);
+
+/// The scripted operator of a plan, from the reamer on that the cell has: expert or novice.
+/// @param X_WG  bone in the world
+[[nodiscard]] hil::ProcedureScriptParams ScriptOfPlan(const procedure::SurgicalPlan& plan,
+                                                      const std::string& hand, const Pose& X_WG,
+                                                      const config::CellConfig& cell);
+
+/// Whether a folder can hold a new session; the reason if not.
+[[nodiscard]] std::string ValidateNewSession(const std::filesystem::path& folder);
+
+}  // namespace osteon::app

@@ -1,0 +1,536 @@
+#include "session/procedure/procedure_session.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "simulation/engine/tool_change.h"
+#include "simulation/files/carved_file.h"
+
+namespace osteon::app {
+namespace {
+
+using simulation::CarvedState;
+using simulation::ToolCommand;
+
+constexpr std::chrono::milliseconds kMaxWait{700};  // the local socket answers within a second
+constexpr double kSameSize_mm = 1e-6;
+constexpr rt::Nanoseconds kRestBeforeWeighing = rt::kSecond;  // longer than PausedReadings needs
+
+std::string HashText(const CarvedState& state) {
+  return fmt::format("{:016x}", simulation::HashState(state));
+}
+
+SessionAnswer Refused(std::string reason) { return {.done = false, .reason = std::move(reason)}; }
+
+}  // namespace
+
+tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string& text) {
+  std::istringstream words(text);
+  std::vector<std::string> all;
+  for (std::string word; words >> word;) all.push_back(word);
+  const auto refuse = [&] {
+    return tl::make_unexpected(
+        fmt::format("found \"{}\", accepted next, tool D (mm), undo, save, cup, guidance G (0 … 1), resume; "
+                    "\"confirmed\" "
+                    "may follow a change of tool",
+                    text.substr(0, 80)));
+  };
+  if (all.empty()) return refuse();
+  SessionRequest request;
+  if (all.back() == "confirmed") {
+    request.confirmed = true;
+    all.pop_back();
+    if (all.empty() || (all[0] != "next" && all[0] != "tool")) return refuse();
+  }
+  using Kind = SessionRequest::Kind;
+  const auto number = [&](double& value) {
+    const char* end = all[1].data() + all[1].size();
+    const auto [rest, error] = std::from_chars(all[1].data(), end, value);
+    return error == std::errc() && rest == end && std::isfinite(value);
+  };
+  if (all[0] == "tool" && all.size() == 2) {
+    request.kind = Kind::kTool;
+    if (!number(request.diameter_mm)) return refuse();
+    return request;
+  }
+  if (all[0] == "guidance" && all.size() == 2) {
+    request.kind = Kind::kGuidance;
+    if (!number(request.gain) || !(request.gain >= 0.0 && request.gain <= 1.0)) return refuse();
+    return request;
+  }
+  if (all.size() != 1) return refuse();
+  if (all[0] == "next")
+    request.kind = Kind::kNext;
+  else if (all[0] == "undo")
+    request.kind = Kind::kUndo;
+  else if (all[0] == "save")
+    request.kind = Kind::kSave;
+  else if (all[0] == "cup")
+    request.kind = Kind::kCup;
+  else if (all[0] == "resume")
+    request.kind = Kind::kResume;
+  else
+    return refuse();
+  return request;
+}
+
+ProcedureSession::ProcedureSession(ProcedureParams params)
+    : params_(std::move(params)),
+      writer_(params_.folder, *params_.bone, params_.wall_time),
+      tool_(params_.tool),
+      file_(params_.file) {
+  if (params_.confirm_size) script_ = ScriptedChanges(kRestBeforeWeighing);
+  if (const auto& guidance = params_.tools[static_cast<std::size_t>(tool_)].loop.guidance)
+    guidance_gain_ = guidance->gain;
+  states_ = static_cast<int>(file_.passes.size());  // a state for each pass, undone or not
+}
+
+tl::expected<void, std::string> ProcedureSession::Begin(simulation::CuttingEngine& engine) {
+  uncut_ = std::make_shared<const CarvedState>(engine.Snapshot());
+  saved_ = uncut_;
+  saved_hash_ = HashText(*uncut_);
+  if (file_.bone_checksum.empty()) file_.bone_checksum = saved_hash_;
+  if (file_.bone_checksum != saved_hash_)
+    return tl::make_unexpected(
+        fmt::format("{}: found a bone of {}, accepted the session's, {}: the packing must be the same",
+                    (params_.folder / kSessionFileName).string(), saved_hash_, file_.bone_checksum));
+  if (const std::string name = file_.LastState(); !name.empty()) {
+    auto state = simulation::ReadCarvedState(params_.folder / name, *params_.bone);
+    if (!state) return tl::make_unexpected(state.error().Text());
+    saved_ = std::make_shared<const CarvedState>(std::move(*state));
+    saved_name_ = name;
+    saved_hash_ = HashText(*saved_);
+    engine.Restore(simulation::WithoutContact(*saved_));
+  }
+  OpenSegment(0);
+  file_.ended = false;
+  writer_.WriteSession(file_);
+  if (std::string wrong = writer_.Flush(); !wrong.empty()) return tl::make_unexpected(std::move(wrong));
+  return {};
+}
+
+SessionFile ProcedureSession::File() const {
+  const std::lock_guard lock(mutex_);
+  return file_;
+}
+
+std::string ProcedureSession::resume_refusal() const {
+  const std::lock_guard lock(mutex_);
+  return resume_refusal_;
+}
+
+std::optional<double> ProcedureSession::min_wall_m() const {
+  std::optional<double> thinnest_m;
+  for (const auto& [index, watched] : watched_)
+    if (const auto wall_m = watched.watch->min_wall_m(); wall_m && (!thinnest_m || *wall_m < *thinnest_m))
+      thinnest_m = wall_m;
+  return thinnest_m;
+}
+
+void ProcedureSession::OnTick(const control::TickRecord& tick) {
+  const std::lock_guard lock(mutex_);
+  readings_.Add(tick);
+}
+
+void ProcedureSession::Poll(control::ServoLoop& loop) {
+  if (const int tool = wanted_tool_.exchange(-1); tool >= 0) loop.RequestTool(tool);
+  if (resume_.exchange(false)) loop.RequestResume();
+  if (pause_.exchange(false)) loop.RequestPause();
+  if (const double gain = wanted_gain_.exchange(-1.0); gain >= 0.0) loop.RequestGuidanceGain(gain);
+}
+
+SessionAnswer ProcedureSession::Ask(const SessionRequest& request) {
+  struct Waiting {
+    std::mutex mutex;
+    std::condition_variable done;
+    std::optional<SessionAnswer> answer;
+  };
+  const auto waiting = std::make_shared<Waiting>();  // the answer may come after this call has given up
+  if (!Post(request, [waiting](const SessionAnswer& answer) {
+        {
+          const std::lock_guard lock(waiting->mutex);
+          waiting->answer = answer;
+        }
+        waiting->done.notify_all();
+      }))
+    return Refused("another request is being carried out: ask again");
+  std::unique_lock lock(waiting->mutex);
+  if (!waiting->done.wait_for(lock, kMaxWait, [&] { return waiting->answer.has_value(); }))
+    return Refused("asked for; not carried out yet: see `osteon tell DIR status`");
+  return *waiting->answer;
+}
+
+bool ProcedureSession::Post(const SessionRequest& request,
+                            std::function<void(const SessionAnswer&)> answered) {
+  const std::lock_guard lock(mutex_);
+  if (open_) return false;
+  open_ = Open{.request = request, .answered = std::move(answered)};
+  return true;
+}
+
+void ProcedureSession::Answer(const SessionAnswer& answer) {
+  std::function<void(const SessionAnswer&)> answered;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!open_) return;
+    answered = std::move(open_->answered);
+    open_.reset();
+  }
+  if (answered) answered(answer);
+}
+
+void ProcedureSession::BeforeFrame(const ToolCommand& command, FrameRunner& runner) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (SessionSegment& segment = file_.segments.back(); segment.begin == 0) segment.begin = command.stamp;
+  }
+  if (command.tool_index != tool_) SwitchTool(command, runner);
+  if (!command.paused) changed_ = false;
+  HandleRequest(command, runner);
+  HandleResume(command, runner);
+  if (params_.scripted) PressButtons(command);
+  last_stamp_ = command.stamp;
+}
+
+void ProcedureSession::AfterFrame(const ToolCommand& command, const simulation::FrameRecord& record) {
+  const auto change = pass_.Step(record.model, command.stamp, command.spindle_rad_per_s);
+  if (change == PassDetector::Change::kEnded) end_pass_ = true;
+}
+
+void ProcedureSession::HandleRequest(const ToolCommand& command, FrameRunner& runner) {
+  if (std::exchange(end_pass_, false)) EndPass(runner.engine(), last_stamp_);
+  SessionRequest request;
+  bool left_pause = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!open_) return;
+    left_pause = open_->waits_for_loop && !command.paused;
+    if (open_->waits_for_loop && !left_pause) return;
+    request = open_->request;
+  }
+  if (left_pause) {  // by a fault, or a stop: the loop has not taken the tool
+    wanted_tool_.store(-1);
+    return Answer(Refused("the cell is no longer paused: retract the tool, then pause"));
+  }
+  using Kind = SessionRequest::Kind;
+  bool waits = false;
+  SessionAnswer answer;
+  switch (request.kind) {
+    case Kind::kNext:
+    case Kind::kTool:
+      answer = StartChange(request, command, runner, waits);
+      break;
+    case Kind::kUndo:
+      answer = Undo(command, runner);
+      break;
+    case Kind::kSave:
+      answer = Save(command, runner);
+      break;
+    case Kind::kResume:
+      answer = Resume(command, runner);
+      break;
+    case Kind::kGuidance:
+      answer = SetGuidance(request.gain);
+      break;
+    case Kind::kCup: {
+      const Pose X_GT = params_.X_WG.inverse() * Pose(command.X_WT);
+      {
+        const std::lock_guard lock(mutex_);
+        file_.cup_X_GT = X_GT;
+      }
+      WriteFile();
+      answer.done = true;
+      break;
+    }
+  }
+  if (!waits) return Answer(answer);
+  const std::lock_guard lock(mutex_);
+  if (open_) open_->waits_for_loop = true;
+}
+
+// Steps 1 and 2 of a change: everything is checked, then the loop is asked.
+SessionAnswer ProcedureSession::StartChange(const SessionRequest& request, const ToolCommand& command,
+                                            FrameRunner& runner, bool& waits) {
+  const std::vector<double> sizes = File().diameters_mm;
+  int index = tool_ + 1;
+  if (request.kind == SessionRequest::Kind::kTool) {
+    const auto at = std::find_if(sizes.begin(), sizes.end(), [&](double size) {
+      return std::abs(size - request.diameter_mm) < kSameSize_mm;
+    });
+    index = static_cast<int>(at - sizes.begin());
+  }
+  if (index >= static_cast<int>(sizes.size())) {
+    if (request.kind == SessionRequest::Kind::kNext)
+      return Refused(fmt::format("next: {:g} mm is the plan's last tool", sizes.back()));
+    std::string planned;
+    for (const double size : sizes) planned += fmt::format("{}{:g}", planned.empty() ? "" : ", ", size);
+    return Refused(fmt::format("tool: found {:g} mm, accepted the plan's: {}", request.diameter_mm, planned));
+  }
+  if (index == tool_)
+    return Refused(fmt::format("tool: {:g} mm is in use", sizes[static_cast<std::size_t>(index)]));
+  if (!command.paused) return Refused("the cell is not paused: retract the tool, then pause");
+  if ((params_.confirm_size || params_.confirm_load) && !request.confirmed)
+    return Refused(fmt::format("{:g} mm: mount it, {}then ask with \"confirmed\": no sensor tells the size",
+                               sizes[static_cast<std::size_t>(index)],
+                               params_.confirm_load ? "set the controller's load, " : ""));
+  const Pose X_TN = params_.tools[static_cast<std::size_t>(tool_)].loop.X_FT.inverse() *
+                    params_.tools[static_cast<std::size_t>(index)].loop.X_FT;
+  const Pose X_GN = params_.X_WG.inverse() * Pose(command.X_WT) * X_TN;
+  if (std::string why = RetractFirst(runner.engine().Snapshot(), index, X_GN); !why.empty())
+    return Refused(std::move(why));
+  if (params_.confirm_size)
+    if (std::string why = CheckLoad(index, command); !why.empty()) return Refused(std::move(why));
+  EndOpenPass(runner.engine(), command.stamp);
+  wanted_tool_.store(index);
+  waits = true;
+  return {};
+}
+
+// Whether the sensor's reading has changed as the tools' weights differ; empty: it has.
+std::string ProcedureSession::CheckLoad(int tool, const ToolCommand& command) const {
+  const control::LoopTool& before = params_.tools[static_cast<std::size_t>(tool_)].loop;
+  const control::LoopTool& after = params_.tools[static_cast<std::size_t>(tool)].loop;
+  const std::lock_guard lock(mutex_);
+  if (!readings_.known()) return "the sensor's reading at rest is not known yet: ask again in a second";
+  const double error_N = LoadStepError_N(readings_.first_S(), readings_.newest_S(), before.sensor,
+                                         after.sensor, Pose(command.X_WT) * before.X_FT.inverse());
+  if (error_N <= kMaxLoadError_N) return {};
+  return fmt::format(
+      "found a step of the sensor that is {:.2f} N off the tools' weights, accepted {:g} N: is the "
+      "tool mounted, and does nobody hold it?",
+      error_N, kMaxLoadError_N);
+}
+
+// How far the tool must be retracted; empty: it is clear.
+std::string ProcedureSession::RetractFirst(const CarvedState& state, int tool, const Pose& X_GT) const {
+  const double clear_m =
+      simulation::ToolClearance(state, params_.tools[static_cast<std::size_t>(tool)].tool, X_GT);
+  if (clear_m >= kClearToResume_m) return {};
+  return fmt::format("retract {:.1f} mm first: the tool of {:g} mm would be {}",
+                     std::ceil(1e4 * (kClearToResume_m - clear_m)) / 10.0,
+                     1e3 * params_.tools[static_cast<std::size_t>(tool)].diameter_m,
+                     clear_m < 0.0 ? fmt::format("{:.2f} mm in bone", -1e3 * clear_m)
+                                   : fmt::format("{:.2f} mm from bone, accepted 0.5 mm", 1e3 * clear_m));
+}
+
+// Step 3: the loop has the new tool, so that this command's pose is that tool's.
+void ProcedureSession::SwitchTool(const ToolCommand& command, FrameRunner& runner) {
+  const int index = command.tool_index;
+  const ProcedureTool& tool = params_.tools[static_cast<std::size_t>(index)];
+  auto engine = params_.make_engine(tool.tool);
+  if (!engine) {
+    error_ = engine.error();
+    runner.Say("tool: " + error_);
+    return Answer(Refused(error_));
+  }
+  // from the saved state, not from a snapshot of now: a replay begins there as well
+  CarvedState state = simulation::WithoutContact(*saved_);
+  state.frame = runner.engine().Snapshot().frame;
+  (*engine)->Restore(state);
+  Watched& watched = watched_[index];
+  if (!watched.watch) {
+    watched.depth.emplace(*params_.bone, tool.tool);
+    watched.watch.emplace(params_.solid, *params_.bone, tool.tool, params_.events);
+  }
+  runner.ReplaceEngine(std::move(*engine), *watched.depth, *watched.watch);
+  if (surface::SurfaceThread* surface = runner.surface())
+    surface->Apply([&](surface::CarvedField&, surface::ToolWays& ways) {
+      ways = surface::ToolWays(tool.tool, params_.X_WG);
+    });
+  CloseSegment(last_stamp_);
+  tool_ = index;
+  {
+    const std::lock_guard lock(mutex_);
+    readings_.Restart();
+  }
+  changed_ = true;
+  pass_.Restart();
+  OpenSegment(command.stamp);
+  WriteFile();
+  runner.Say(fmt::format("tool: {:g} mm", 1e3 * tool.diameter_m));
+  Answer({.done = true, .reason = ""});
+}
+
+SessionAnswer ProcedureSession::Undo(const ToolCommand& command, FrameRunner& runner) {
+  if (!command.paused) return Refused("the cell is not paused: retract the tool, then pause");
+  EndOpenPass(runner.engine(), command.stamp);
+  SessionFile after = File();
+  const auto last = std::find_if(after.passes.rbegin(), after.passes.rend(),
+                                 [](const SessionPass& pass) { return !pass.undone; });
+  if (last == after.passes.rend()) return Refused("undo: there is no pass to take back");
+  last->undone = true;
+  const std::string name = after.LastState();
+  std::shared_ptr<const CarvedState> state = uncut_;
+  if (!name.empty()) {
+    auto read = simulation::ReadCarvedState(params_.folder / name, *params_.bone);
+    if (!read) return Refused(read.error().Text());
+    state = std::make_shared<const CarvedState>(std::move(*read));
+  }
+  const Pose X_GT = params_.X_WG.inverse() * Pose(command.X_WT);
+  if (std::string why = RetractFirst(*state, tool_, X_GT); !why.empty()) return Refused(std::move(why));
+  CarvedState restored = simulation::WithoutContact(*state);
+  restored.frame = runner.engine().Snapshot().frame;
+  runner.engine().Restore(restored);
+  CloseSegment(last_stamp_);
+  const int number = last->number;
+  {
+    const std::lock_guard lock(mutex_);
+    file_.passes = after.passes;
+  }
+  saved_ = state;
+  saved_name_ = name;
+  saved_hash_ = HashText(*state);
+  changed_ = true;
+  pass_.Restart();
+  OpenSegment(command.stamp);
+  WriteFile();
+  runner.Say(fmt::format("undo: pass {}", number));
+  return {.done = true, .reason = ""};
+}
+
+SessionAnswer ProcedureSession::Save(const ToolCommand& command, FrameRunner& runner) {
+  if (pass_.open() && !pass_.clear()) return Refused("save: the tool touches bone: retract it first");
+  EndOpenPass(runner.engine(), command.stamp);
+  WriteFile();
+  // without a thread all is written; with one, the answer is not kept waiting for a slow disk
+  return {.done = true, .reason = ""};
+}
+
+// A resume after a change of tool or bone: only with the tool clear.
+SessionAnswer ProcedureSession::Resume(const ToolCommand& command, const FrameRunner& runner) {
+  if (!command.paused) return Refused("the cell is not paused");
+  std::string why;
+  if (changed_)
+    why = RetractFirst(runner.engine().Snapshot(), tool_, params_.X_WG.inverse() * Pose(command.X_WT));
+  if (why.empty()) resume_.store(true);
+  const std::lock_guard lock(mutex_);
+  resume_refusal_ = why;
+  return why.empty() ? SessionAnswer{.done = true, .reason = ""} : Refused(std::move(why));
+}
+
+// A resume that nobody waits for: a signal, the console, the scripted operator.
+void ProcedureSession::HandleResume(const ToolCommand& command, FrameRunner& runner) {
+  if (!resume_asked_.load()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    if (open_ && open_->waits_for_loop) return;  // first the tool that was asked for
+  }
+  resume_asked_.store(false);
+  if (const SessionAnswer answer = Resume(command, runner); !answer.done)
+    runner.Say("resume: " + answer.reason);
+}
+
+void ProcedureSession::PressButtons(const ToolCommand& command) {
+  const simulation::ToolBall* head =
+      simulation::CuttingHead(params_.tools[static_cast<std::size_t>(tool_)].tool);
+  const Vector3 p_T = head ? Vector3(head->center_m) : Vector3::Zero();
+  const Vector3 p_C = (params_.X_WG * params_.X_GC).inverse() * (Pose(command.X_WT) * p_T);
+  using Action = ScriptedChanges::Action;
+  switch (script_.Step(command.stamp, p_C.z(), command.paused,
+                       tool_ + 1 < static_cast<int>(params_.tools.size()))) {
+    case Action::kNone:
+      break;
+    case Action::kPause:
+      pause_.store(true);
+      break;
+    case Action::kNext:
+      if (!Post({.kind = SessionRequest::Kind::kNext, .diameter_mm = 0.0, .confirmed = true},
+                [this](const SessionAnswer&) { script_.OnNextAnswered(); }))
+        script_.OnNextAnswered();
+      break;
+    case Action::kResume:
+      resume_asked_.store(true);
+      break;
+  }
+}
+
+// Also where a touch has changed the bone without being a pass: what is cut is never lost.
+void ProcedureSession::EndOpenPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp) {
+  if (pass_.open() || std::exchange(end_pass_, false) || HashText(engine.Snapshot()) != saved_hash_)
+    EndPass(engine, stamp);
+}
+
+void ProcedureSession::EndPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp) {
+  auto state = std::make_shared<const CarvedState>(engine.Snapshot());
+  const std::string name = fmt::format("state_{}.carved", ++states_);
+  const std::string hash = HashText(*state);
+  {
+    const std::lock_guard lock(mutex_);
+    file_.passes.push_back({.number = static_cast<int>(file_.passes.size()) + 1,
+                            .segment = static_cast<int>(file_.segments.size()) - 1,
+                            .tool_index = tool_,
+                            .begin = pass_.begin(),
+                            .end = stamp,
+                            .cutting_s = pass_.cutting_s(),
+                            .removed_mm3 = 1e9 * pass_.removed_m3(),
+                            .state = name,
+                            .state_hash = hash,
+                            .undone = false});
+  }
+  saved_ = std::move(state);
+  saved_name_ = name;
+  saved_hash_ = hash;
+  if (pass_.open()) pass_.Restart();
+  writer_.WriteState(name, saved_);
+  WriteFile();
+}
+
+void ProcedureSession::CloseSegment(rt::Nanoseconds end) {
+  const std::lock_guard lock(mutex_);
+  SessionSegment& segment = file_.segments.back();
+  segment.end = end;
+  segment.end_state = saved_name_ == segment.begin_state ? "" : saved_name_;
+  segment.end_state_hash = saved_hash_;
+}
+
+void ProcedureSession::OpenSegment(rt::Nanoseconds begin) {
+  const std::lock_guard lock(mutex_);
+  file_.segments.push_back({.tool_index = tool_,
+                            .recording = params_.recording,
+                            .begin = begin,
+                            .end = 0,
+                            .begin_state = saved_name_,
+                            .begin_state_hash = saved_hash_,
+                            .end_state = "",
+                            .end_state_hash = "",
+                            .guidance_gain = guidance_gain_});
+}
+
+// A segment keeps the greatest gain that was in force: a session that was guided for a while counts as
+// guided.
+SessionAnswer ProcedureSession::SetGuidance(double gain) {
+  if (!params_.tools[static_cast<std::size_t>(tool_)].loop.guidance)
+    return Refused("the plan has no guidance");
+  {
+    const std::lock_guard lock(mutex_);
+    guidance_gain_ = gain;
+    double& kept = file_.segments.back().guidance_gain;
+    kept = std::max(kept, gain);
+  }
+  wanted_gain_.store(gain);
+  WriteFile();
+  return {.done = true, .reason = ""};
+}
+
+void ProcedureSession::WriteFile() { writer_.WriteSession(File()); }
+
+std::string ProcedureSession::End(const simulation::CuttingEngine& engine) {
+  Answer(Refused("the run has ended"));
+  EndOpenPass(engine, last_stamp_);
+  CloseSegment(last_stamp_);
+  {
+    const std::lock_guard lock(mutex_);
+    file_.ended = true;
+  }
+  WriteFile();
+  const std::string written = writer_.Flush();
+  return written.empty() ? error_ : written;
+}
+
+}  // namespace osteon::app

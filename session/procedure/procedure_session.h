@@ -1,0 +1,182 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "control/loop/servo_loop.h"
+#include "session/procedure/load_step.h"
+#include "session/procedure/pass_detector.h"
+#include "session/procedure/procedure_tools.h"
+#include "session/procedure/scripted_changes.h"
+#include "session/procedure/session_file.h"
+#include "session/procedure/session_writer.h"
+#include "session/run/frame_runner.h"
+#include "simulation/bone/bone.h"
+#include "simulation/bone/scene_events.h"
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/removal/cut_metrics.h"
+#include "simulation/solids/solid.h"
+#include "simulation/tools/tool.h"
+
+namespace osteon::app {
+
+/// The gap to bone that every ball of a tool must have before motion resumes after a change of tool or an
+/// undo.
+inline constexpr double kClearToResume_m = 0.5e-3;
+
+struct ProcedureParams {
+  std::filesystem::path folder;
+  SessionFile file;                  ///< of a new session without segments, or of the one that is resumed
+  std::vector<ProcedureTool> tools;  ///< one for each of file.diameters_mm
+  int tool{0};                       ///< in use at the start
+  std::string recording;             ///< name of this run's recording in the folder
+  const simulation::Bone* bone{nullptr};
+  const simulation::Solid* solid{nullptr};  ///< null: not known
+  simulation::SceneEventParams events;
+  Pose X_WG{Pose::Identity()};
+  Pose X_GC{Pose::Identity()};  ///< planned cup: its centre, +z along its axis
+  /// Makes the engine for a tool.
+  std::function<tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string>(
+      const simulation::Tool&)>
+      make_engine;
+  bool confirm_size{false};  ///< a physical change: a person confirms the size
+  bool confirm_load{
+      false};             ///< an arm in its own impedance control: its controller's load is confirmed as well
+  bool scripted{false};   ///< the scripted operator's buttons are pressed as well
+  bool wall_time{false};  ///< states are written on a thread of their own
+};
+
+/// A request to a session: `osteon tell`.
+struct SessionRequest {
+  enum class Kind { kNext, kTool, kUndo, kSave, kCup, kResume, kGuidance };
+  Kind kind{Kind::kNext};
+  double diameter_mm{0.0};  ///< kTool
+  double gain{0.0};         ///< kGuidance: 0 … 1
+  bool confirmed{false};    ///< a person has confirmed size (and load)
+};
+struct SessionAnswer {
+  bool done{false};
+  std::string reason;  ///< if not done: what was found and what to do
+};
+/// Parses "next [confirmed]", "tool D [confirmed]", "undo", "save", "cup", "resume", "guidance G". The error
+/// says what is accepted.
+[[nodiscard]] tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string& text);
+
+/// The session of a procedure while its cell runs: passes, saved states, undo, change of tool.
+///
+///     osteon tell, console ──Ask──▶ [request] ◀─BeforeFrame── frames' thread: engine, states, passes
+///                                       └─Poll──▶ ServoLoop::RequestTool, RequestPause, RequestResume
+///
+/// **Change of tool.** Asked for while the loop is paused. (1) The frames' thread checks that every ball of
+/// the new tool would be 0.5 mm clear where it stands. (2) The loop takes the prepared entry; its joints
+/// stay. (3) The command then names the new tool, and the frames' thread continues from the last saved state
+/// with an engine of that tool. Nothing moves until a resume, which is checked again.
+///
+/// No request moves the arm, but for a resume, which asks the loop as `osteon resume` does.
+class ProcedureSession final : public FrameObserver {
+ public:
+  explicit ProcedureSession(ProcedureParams params);
+
+  /// Puts the engine into the session's last saved state, and opens a segment. Before the run.
+  /// @returns an error where that state cannot be read or restored, or session.json cannot be written.
+  [[nodiscard]] tl::expected<void, std::string> Begin(simulation::CuttingEngine& engine);
+
+  void BeforeFrame(const simulation::ToolCommand& command, FrameRunner& runner) override;
+  void AfterFrame(const simulation::ToolCommand& command, const simulation::FrameRecord& record) override;
+  /// After the last frame: ends the open pass and the segment, and writes everything.
+  /// @returns what could not be written; empty: nothing
+  [[nodiscard]] std::string End(const simulation::CuttingEngine& engine);
+
+  /// Takes each recorded tick, for the sensor's reading at rest. From one thread.
+  void OnTick(const control::TickRecord& tick);
+  /// Passes what was decided to the loop. From the thread that passes an operator's requests on.
+  void Poll(control::ServoLoop& loop);
+  /// The operator asks to resume: passed to the loop by a later Poll, once the tool is clear. Any thread.
+  void RequestResume() { resume_asked_.store(true); }
+
+  /// Asks, and waits up to 0.7 s for the answer. Not from the frames' thread.
+  [[nodiscard]] SessionAnswer Ask(const SessionRequest& request);
+  /// Asks without waiting; `answered` is called on the frames' thread. False: another request is open.
+  bool Post(const SessionRequest& request, std::function<void(const SessionAnswer&)> answered);
+
+  [[nodiscard]] const std::vector<ProcedureTool>& tools() const { return params_.tools; }
+  [[nodiscard]] int first_tool() const { return params_.tool; }
+  /// The session as it is now. Any thread.
+  [[nodiscard]] SessionFile File() const;
+  [[nodiscard]] const std::filesystem::path& folder() const { return params_.folder; }
+  /// Thinnest wall that any tool but the first has left; nothing where none was seen.
+  [[nodiscard]] std::optional<double> min_wall_m() const;
+  /// Why a resume was not passed on; empty: it was. Any thread.
+  [[nodiscard]] std::string resume_refusal() const;
+
+ private:
+  struct Open {
+    SessionRequest request;
+    std::function<void(const SessionAnswer&)> answered;
+    bool waits_for_loop{false};
+  };
+  struct Watched {
+    std::optional<simulation::ApexDepth> depth;
+    std::optional<simulation::SceneWatch> watch;
+  };
+
+  void HandleRequest(const simulation::ToolCommand& command, FrameRunner& runner);
+  [[nodiscard]] SessionAnswer Resume(const simulation::ToolCommand& command, const FrameRunner& runner);
+  void HandleResume(const simulation::ToolCommand& command, FrameRunner& runner);
+  void PressButtons(const simulation::ToolCommand& command);
+  [[nodiscard]] SessionAnswer StartChange(const SessionRequest& request,
+                                          const simulation::ToolCommand& command, FrameRunner& runner,
+                                          bool& waits);
+  [[nodiscard]] SessionAnswer Undo(const simulation::ToolCommand& command, FrameRunner& runner);
+  [[nodiscard]] SessionAnswer SetGuidance(double gain);
+  [[nodiscard]] SessionAnswer Save(const simulation::ToolCommand& command, FrameRunner& runner);
+  [[nodiscard]] std::string CheckLoad(int tool, const simulation::ToolCommand& command) const;
+  void SwitchTool(const simulation::ToolCommand& command, FrameRunner& runner);
+  void EndOpenPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp);
+  void EndPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp);
+  void CloseSegment(rt::Nanoseconds end);
+  void OpenSegment(rt::Nanoseconds begin);
+  [[nodiscard]] std::string RetractFirst(const simulation::CarvedState& state, int tool,
+                                         const Pose& X_GT) const;
+  void Answer(const SessionAnswer& answer);
+  void WriteFile();
+
+  ProcedureParams params_;
+  SessionWriter writer_;
+
+  // of the frames' thread
+  int tool_{0};
+  PassDetector pass_;
+  ScriptedChanges script_;
+  std::shared_ptr<const simulation::CarvedState> uncut_, saved_;  // the state that counts now
+  std::string saved_name_, saved_hash_;
+  int states_{0};
+  bool changed_{false};   // tool or bone have changed in this pause: a resume is checked
+  bool end_pass_{false};  // the pass has ended with the last frame
+  rt::Nanoseconds last_stamp_{0};
+  std::map<int, Watched> watched_;
+  std::string error_;
+
+  std::atomic<int> wanted_tool_{-1};
+  std::atomic<double> wanted_gain_{-1.0};  // of the guidance; negative: none
+  double guidance_gain_{0.0};              // in force; under mutex_
+  std::atomic<bool> pause_{false}, resume_{false}, resume_asked_{false};
+
+  mutable std::mutex mutex_;  // of what follows
+  PausedReadings readings_;
+  std::optional<Open> open_;
+  SessionFile file_;
+  std::string resume_refusal_;
+};
+
+}  // namespace osteon::app

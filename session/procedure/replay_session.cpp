@@ -1,0 +1,172 @@
+#include "session/procedure/replay_session.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/json_text.h"
+#include "base/phase_progress.h"
+#include "base/write_text.h"
+#include "io/recording/recording_reader.h"
+#include "session/planning/planned_cell.h"
+#include "session/procedure/session_file.h"
+#include "session/process/exit_code.h"
+#include "session/replay/recarve.h"
+#include "session/setup/cell_setup.h"
+#include "session/setup/recorded_config.h"
+#include "simulation/engine/tool_change.h"
+#include "simulation/files/carved_file.h"
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string HashOfState(const simulation::CarvedState& state) {
+  return fmt::format("{:016x}", simulation::HashState(state));
+}
+
+// What a recording's cell is made of again.
+struct Scene {
+  CellSetup setup;
+  std::vector<ProcedureTool> tools;
+  int first_tool{0};
+  EngineChoice engine;
+};
+
+tl::expected<Scene, std::string> SetUpScene(const io::Recording& recording, const SessionFile& session) {
+  Scene scene;
+  auto cell = LoadRecordedTools(recording.session.config);
+  if (!cell) return tl::make_unexpected(cell.error());
+  if (cell->tools.size() != session.diameters_mm.size())
+    return tl::make_unexpected(fmt::format("found {} tools in the recording, accepted the session's {}",
+                                           cell->tools.size(), session.diameters_mm.size()));
+  auto setup = SetUpRecorded(recording.session);
+  if (!setup) return tl::make_unexpected(setup.error());
+  scene.setup = std::move(*setup);
+  scene.setup.config = std::move(cell->config);
+  scene.tools = std::move(cell->tools);
+  scene.first_tool = cell->list.first;
+  scene.engine = ChooseEngine(recording.session.engine, "");
+  if (const auto packed = PackCell(scene.setup, {}, scene.engine, false); !packed)
+    return tl::make_unexpected(packed.error());
+  return scene;
+}
+
+void CompareState(const std::string& name, const std::string& expected,
+                  const simulation::CuttingEngine& engine, SessionReplay& replay) {
+  const std::string found = HashOfState(engine.Snapshot());
+  ++replay.states;
+  if (found == expected) return;
+  ++replay.different_states;
+  if (replay.first_different.empty())
+    replay.first_different = fmt::format("{}: found {}, recorded {}", name, found, expected);
+}
+
+// Cuts a segment's frames again, from the state that it began with. @returns why that was not possible
+std::string CutAgain(const io::Recording& recording, const SessionFile& session, int index,
+                     const fs::path& folder, const Scene& scene, SessionReplay& replay) {
+  const SessionSegment& segment = session.segments[static_cast<std::size_t>(index)];
+  auto engine = MakeEngine(scene.engine, scene.setup.bone,
+                           scene.tools[static_cast<std::size_t>(segment.tool_index)].tool, scene.setup.X_WG,
+                           scene.setup.config.cutting);
+  if (!engine) return engine.error();
+  if (const std::string uncut = HashOfState((*engine)->Snapshot()); uncut != session.bone_checksum)
+    return fmt::format("found a bone of {}, accepted the session's, {}: it was packed by other demands",
+                       uncut, session.bone_checksum);
+  if (!segment.begin_state.empty()) {
+    auto state = simulation::ReadCarvedState(folder / segment.begin_state, scene.setup.bone);
+    if (!state) return state.error().Text();
+    (*engine)->Restore(simulation::WithoutContact(std::move(*state)));
+  }
+  Recarve recarve(**engine, scene.setup.config.servo.law);
+  std::vector<SessionPass> passes;
+  for (const SessionPass& pass : session.passes)
+    if (pass.segment == index) passes.push_back(pass);
+  std::size_t tick = 0, pass = 0;
+  const auto end_passes = [&](rt::Nanoseconds next_stamp) {
+    for (; pass < passes.size() && passes[pass].end < next_stamp; ++pass)
+      CompareState(passes[pass].state, passes[pass].state_hash, **engine, replay);
+  };
+  for (const simulation::FrameRecord& frame : recording.frames) {
+    const rt::Nanoseconds stamp = frame.model.pose_stamp;
+    if (stamp < segment.begin || (segment.end != 0 && stamp > segment.end)) continue;
+    end_passes(stamp);
+    for (; tick < recording.ticks.size() &&
+           (recording.ticks[tick].input.now <= stamp || recording.ticks[tick].input.arm_stamp <= stamp);
+         ++tick)
+      recarve.Add(recording.ticks[tick]);
+    recarve.Add(frame);
+  }
+  end_passes(segment.end == 0 ? 0 : segment.end + 1);
+  if (segment.end != 0)
+    CompareState(fmt::format("the end of segment {}", index + 1), segment.end_state_hash, **engine, replay);
+  replay.frames += recarve.frames();
+  return recarve.left_out() == 0 ? "" : fmt::format("{} frames have no tick", recarve.left_out());
+}
+
+nlohmann::ordered_json ToJson(const SessionReplay& replay, const std::string& wrong) {
+  return {{"recording", replay.recording},
+          {"ticks", replay.loop.ticks},
+          {"loop_identical", replay.loop.identical},
+          {"different_ticks", replay.loop.different_ticks},
+          {"not_run_ticks", replay.loop.not_run},
+          {"frames", replay.frames},
+          {"states", replay.states},
+          {"different_states", replay.different_states},
+          {"reason", wrong.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(wrong)}};
+}
+
+}  // namespace
+
+int RunReplaySession(const SessionReplayOptions& options) {
+  const auto session = ReadSession(options.session);
+  if (!session) return Fail("replay", session.error());
+  std::vector<std::string> recordings;
+  for (const SessionSegment& segment : session->segments)
+    if (std::find(recordings.begin(), recordings.end(), segment.recording) == recordings.end())
+      recordings.push_back(segment.recording);
+  bool identical = !recordings.empty();
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  fmt::print("Osteon replay: session {}\n", options.session.string());
+  for (const std::string& name : recordings) {
+    SessionReplay replay{.recording = name, .loop = {}, .first_different = {}};
+    const auto recording = io::ReadRecording(options.session / name);
+    std::string wrong;
+    if (!recording) {
+      wrong = recording.error();
+    } else if (auto scene = SetUpScene(*recording, *session); !scene) {
+      wrong = scene.error();
+    } else {
+      replay.loop = Replay(*recording, scene->setup.config, scene->tools, scene->first_tool);
+      for (std::size_t i = 0; i < session->segments.size() && wrong.empty(); ++i)
+        if (session->segments[i].recording == name && session->segments[i].begin != 0)
+          wrong = CutAgain(*recording, *session, static_cast<int>(i), options.session, *scene, replay);
+    }
+    const bool same = wrong.empty() && replay.loop.identical && replay.different_states == 0;
+    identical &= same;
+    fmt::print("  {:<18} {} ticks, {} frames, {} saved states: {}\n", name, replay.loop.ticks, replay.frames,
+               replay.states, same ? "identical, bit for bit" : "not identical");
+    if (replay.loop.first_difference)
+      fmt::print("  {:<18} tick {}, {}: recorded {}, replayed {}\n", "First difference",
+                 replay.loop.first_difference->tick, replay.loop.first_difference->field,
+                 replay.loop.first_difference->recorded, replay.loop.first_difference->replayed);
+    if (!replay.loop.why_not.empty()) fmt::print("  {:<18} {}\n", "Not run", replay.loop.why_not);
+    if (!replay.first_different.empty()) fmt::print("  {:<18} {}\n", "Other state", replay.first_different);
+    if (!wrong.empty()) fmt::print("  {:<18} {}\n", "Reason", wrong);
+    rows.push_back(ToJson(replay, wrong));
+  }
+  if (!options.json.empty()) {
+    const nlohmann::ordered_json json{{"schema", "osteon.replay_session/1"},
+                                      {"session", options.session.string()},
+                                      {"identical", identical},
+                                      {"recordings", std::move(rows)}};
+    if (const auto written = WriteText(options.json, JsonText(json)); !written)
+      return Fail("replay", written.error());
+  }
+  return identical ? 0 : kFailed;
+}
+
+}  // namespace osteon::app

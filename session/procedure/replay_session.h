@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "session/replay/replay.h"
+
+namespace osteon::app {
+
+/// A recording of a session, run again.
+struct SessionReplay {
+  std::string recording;
+  ReplayResult loop;        ///< the servo loop, tick by tick
+  std::uint64_t frames{0};  ///< cut again, each segment from its saved state
+  int states{0},
+      different_states{0};      ///< saved states that were reached again: all, and those with another hash
+  std::string first_different;  ///< "state_2.carved: found …, accepted …"; empty: none
+};
+
+struct SessionReplayOptions {
+  std::filesystem::path session;  ///< folder
+  std::filesystem::path json{};
+};
+
+/// Runs `osteon replay DIR`: for each recording of the session the loop again, bit for bit, and for each
+/// segment the bone again, from the state that it began with.
+/// @returns the process's exit code: 0 all bits are the same; 1 one differs, or something could not be run
+/// again; 2 wrong input.
+[[nodiscard]] int RunReplaySession(const SessionReplayOptions& options);
+
+}  // namespace osteon::app

@@ -1,0 +1,49 @@
+#include "session/procedure/scripted_changes.h"
+
+#include <cmath>
+
+namespace osteon::app {
+namespace {
+
+constexpr double kDown_m = 0.015, kRetracted_m = 0.025;        // heights of the head's centre
+constexpr double kStill_m = 0.2e-3;                            // a tool at rest moves less ...
+constexpr rt::Nanoseconds kStillFor = 300 * rt::kMillisecond;  // ... in this time
+
+}  // namespace
+
+ScriptedChanges::Action ScriptedChanges::Step(rt::Nanoseconds stamp, double height_m, bool paused,
+                                              bool next_is_ready) {
+  switch (phase_) {
+    case Phase::kReaming:
+      been_down_ |= height_m < kDown_m;
+      if (rest_since_ == 0 || std::abs(height_m - rest_height_m_) > kStill_m) {
+        rest_height_m_ = height_m;
+        rest_since_ = stamp;
+      }
+      if (!been_down_ || !next_is_ready || height_m < kRetracted_m || stamp - rest_since_ < kStillFor)
+        return Action::kNone;
+      phase_ = Phase::kPausing;
+      return Action::kPause;
+    case Phase::kPausing:
+      if (!paused) return Action::kNone;
+      if (paused_since_ == 0) paused_since_ = stamp;
+      if (stamp - paused_since_ < rest_) return Action::kNone;
+      paused_since_ = 0;
+      phase_ = Phase::kChanging;
+      answered_ = false;
+      return Action::kNext;
+    case Phase::kChanging:
+      if (!answered_) return Action::kNone;
+      phase_ = Phase::kResuming;
+      return Action::kResume;
+    case Phase::kResuming:
+      if (paused) return Action::kNone;
+      phase_ = Phase::kReaming;
+      been_down_ = false;
+      rest_since_ = 0;
+      return Action::kNone;
+  }
+  return Action::kNone;
+}
+
+}  // namespace osteon::app

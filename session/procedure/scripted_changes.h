@@ -1,0 +1,34 @@
+#pragma once
+
+#include "base/clock.h"
+
+namespace osteon::app {
+
+/// Presses the buttons of a session for the scripted operator, who only moves the hand: once a tool has been
+/// down and is retracted and at rest, pauses, takes the next tool, and resumes. It looks at the tool alone,
+/// so that it works in both clocks.
+class ScriptedChanges {
+ public:
+  enum class Action { kNone, kPause, kNext, kResume };
+
+  /// @param rest  time at rest before the next tool is taken
+  explicit ScriptedChanges(rt::Nanoseconds rest = 0) : rest_(rest) {}
+
+  /// @param height_m  of the head's centre over the planned cup's centre, along its axis
+  /// @param paused  the loop is at rest  @param next_is_ready  a further tool is planned
+  /// @returns what to press now; each once
+  Action Step(rt::Nanoseconds stamp, double height_m, bool paused, bool next_is_ready);
+  /// The request for the next tool was answered. A refused one is given up: the cell resumes with the old
+  /// tool.
+  void OnNextAnswered() { answered_ = true; }
+
+ private:
+  enum class Phase { kReaming, kPausing, kChanging, kResuming };
+  rt::Nanoseconds rest_;
+  Phase phase_{Phase::kReaming};
+  bool been_down_{false}, answered_{false};
+  double rest_height_m_{0.0};
+  rt::Nanoseconds rest_since_{0}, paused_since_{0};
+};
+
+}  // namespace osteon::app
