@@ -27,7 +27,7 @@ void GuidedCycles(SceneSketch& s) {
   s.Text(206, 40, "hand leads out");
   s.Text(206, 56, "and back, 20 times");
   s.Line({{220, 140}, {390, 140}}, kMeantLine);
-  s.Text(386, 156, "energy given", "end");
+  s.Text(386, 130, "energy given", "end");
   if (s.ours())
     s.Line({{220, 140}, {390, 147}}, s.Strong());
   else
