@@ -158,8 +158,10 @@ SessionAnswer ProcedureSession::Ask(const SessionRequest& request) {
           waiting->answer = answer;
         }
         waiting->done.notify_all();
-      }))
-    return Refused("another request is being carried out: ask again");
+      })) {
+    const std::lock_guard lock(mutex_);
+    return Refused(over_ ? "the run has ended" : "another request is being carried out: ask again");
+  }
   std::unique_lock lock(waiting->mutex);
   if (!waiting->done.wait_for(lock, kMaxWait, [&] { return waiting->answer.has_value(); }))
     return Refused("asked for; not carried out yet: see `osteon tell DIR status`");
@@ -169,7 +171,7 @@ SessionAnswer ProcedureSession::Ask(const SessionRequest& request) {
 bool ProcedureSession::Post(const SessionRequest& request,
                             std::function<void(const SessionAnswer&)> answered) {
   const std::lock_guard lock(mutex_);
-  if (open_) return false;
+  if (open_ || over_) return false;
   open_ = Open{.request = request, .answered = std::move(answered)};
   return true;
 }
@@ -521,6 +523,10 @@ SessionAnswer ProcedureSession::SetGuidance(double gain) {
 void ProcedureSession::WriteFile() { writer_.WriteSession(File()); }
 
 std::string ProcedureSession::End(const simulation::CuttingEngine& engine) {
+  {
+    const std::lock_guard lock(mutex_);
+    over_ = true;
+  }
   Answer(Refused("the run has ended"));
   EndOpenPass(engine, last_stamp_);
   CloseSegment(last_stamp_);

@@ -106,7 +106,8 @@ class ProcedureSession final : public FrameObserver {
 
   /// Asks, and waits up to 0.7 s for the answer. Not from the frames' thread.
   [[nodiscard]] SessionAnswer Ask(const SessionRequest& request);
-  /// Asks without waiting; `answered` is called on the frames' thread. False: another request is open.
+  /// Asks without waiting; `answered` is called on the frames' thread. False: another request is open, or the
+  /// run is over.
   bool Post(const SessionRequest& request, std::function<void(const SessionAnswer&)> answered);
 
   [[nodiscard]] const std::vector<ProcedureTool>& tools() const { return params_.tools; }
@@ -175,6 +176,7 @@ class ProcedureSession final : public FrameObserver {
   mutable std::mutex mutex_;  // of what follows
   PausedReadings readings_;
   std::optional<Open> open_;
+  bool over_{false};  // no further frame comes
   SessionFile file_;
   std::string resume_refusal_;
 };
