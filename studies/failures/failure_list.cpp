@@ -23,6 +23,7 @@
 #include "studies/failures/loop/sensor_errors.h"
 #include "studies/failures/loop/simulation_stall.h"
 #include "studies/failures/loop/singularity.h"
+#include "studies/failures/procedure/plan_scenarios.h"
 
 namespace osteon::hil {
 
@@ -50,6 +51,10 @@ std::span<const FailureScenario> FailureScenarios() {
       FailureScenario{.id = 20, .name = "energy", .run = RunEnergy},
       FailureScenario{.id = 21, .name = "determinism", .run = RunDeterminism},
       FailureScenario{.id = 22, .name = "frame rate", .run = RunFrameRate},
+      FailureScenario{.id = 23, .name = "cup definitions", .run = RunCupDefinition},
+      FailureScenario{.id = 24, .name = "wrong side", .run = RunWrongSide},
+      FailureScenario{.id = 25, .name = "small cap", .run = RunSmallCap},
+      FailureScenario{.id = 26, .name = "coarse packing", .run = RunCoarsePacking},
   };
   return scenarios;
 }
