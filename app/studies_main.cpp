@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "app/cli/assess_command.h"
 #include "app/cli/calibrate_command.h"
 #include "app/cli/capability_command.h"
 #include "app/cli/command_line.h"
@@ -39,6 +40,7 @@ int Run(int argc, char** argv) {
   osteon::app::TransparencyCommand transparency(app);
   osteon::app::PlanCommand plan(app);
   osteon::app::SurgicalPlanCommand surgical_plan(app);
+  osteon::app::AssessCommand assess(app);
   osteon::app::TuneCommand tune(app);
   osteon::app::RegressCommand regress(app);
   osteon::app::DiffCommand diff(app);
@@ -56,6 +58,7 @@ int Run(int argc, char** argv) {
   if (transparency.asked()) return transparency.Run(config_root, command_line);
   if (plan.asked()) return plan.Run(config_root, command_line);
   if (surgical_plan.asked()) return surgical_plan.Run(config_root);
+  if (assess.asked()) return assess.Run(config_root, command_line);
   if (tune.asked()) return tune.Run(config_root, invocation);
   if (regress.asked()) return regress.Run(config_root, invocation);
   if (diff.asked()) return diff.Run(command_line);

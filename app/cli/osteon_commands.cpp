@@ -38,7 +38,7 @@ OsteonCommands::OsteonCommands(CLI::App& app)
       calibrate_(app, {"calibrate"}),
       new_cell_(app),
       schema_(app),
-      capability_to_tune_(app, {"capability", "transparency", "plan", "surgical-plan", "tune"}),
+      capability_to_tune_(app, {"capability", "transparency", "plan", "surgical-plan", "assess", "tune"}),
       export_(app),
       replay_(app),
       report_(app),

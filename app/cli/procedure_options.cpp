@@ -1,6 +1,7 @@
 #include "app/cli/procedure_options.h"
 
 #include "app/cli/plan_file.h"
+#include "app/cli/usage.h"
 
 namespace osteon::app {
 
@@ -17,6 +18,10 @@ void ProcedureOptions::Add(CLI::App& sub, bool with_session) {
             ->needs(plan);
     sub.add_flag("--resume", resume_, "continue the session from its last saved state")->needs(session);
   }
+  sub.add_option("--guidance", guidance_,
+                 "gain of the plan's guidance; without it the plan's, and none for a simulated operator")
+      ->check(NumberWithin(0, 1))
+      ->needs(plan);
   sub.add_option(
          "--operator", hand_,
          "hand of the simulated operator with a plan: expert keeps to it, novice is 14 degrees and 4 mm off")
@@ -29,7 +34,7 @@ std::string ProcedureOptions::Take(const std::filesystem::path& config_root, Pro
   if (!asked()) return "";
   const auto found = FindPlan(config_root, plan_);
   if (!found) return "--plan " + found.error();
-  choice = {.plan = *found, .session = session_, .resume = resume_, .hand = hand_};
+  choice = {.plan = *found, .session = session_, .resume = resume_, .hand = hand_, .guidance = guidance_};
   return "";
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -9,7 +10,8 @@
 
 namespace osteon::app {
 
-/// The options of a procedure: `--plan`, `--session`, `--resume`, `--operator`.
+/// The options of a procedure: `--plan`, `--session`, `--resume`, `--guidance`,
+/// `--operator`.
 class ProcedureOptions {
  public:
   /// @param with_session  also `--session` and `--resume`
@@ -22,6 +24,7 @@ class ProcedureOptions {
   std::string plan_, hand_{"expert"};
   std::filesystem::path session_;
   bool resume_{false};
+  std::optional<double> guidance_;
 };
 
 }  // namespace osteon::app

@@ -20,6 +20,7 @@ constexpr std::array kStudies = std::to_array<StudyCommand>({
     {"failures", "runs the scenarios in which plain cutting methods fail and Osteon must not"},
     {"bench", "measures how long the parts take"},
     {"chart", "measures and draws charts"},
+    {"assess", "measures and scores a session against its plan"},
     {"calibrate", "finds tool centre point, payload and sensor bias from recorded poses"},
     {"capability", "maps the force that the arm can hold, and finds a good place for its base"},
     {"transparency", "compares what a hand feels at the handle with what the law asks for"},

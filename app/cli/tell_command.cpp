@@ -8,10 +8,10 @@ TellCommand::TellCommand(CLI::App& app)
   sub_->add_option("session", options_.session, "the session's folder, or the name of the running cell")
       ->type_name("FOLDER|CELL")
       ->required();
-  sub_->add_option(
-          "request", words_,
-          "next, tool D (mm), undo, save, cup, pause, resume, stop or status; \"confirmed\" after next or "
-          "tool: a person has mounted this size")
+  sub_->add_option("request", words_,
+                   "next, tool D (mm), undo, save, cup, guidance G (0 to 1), pause, resume, stop or status; "
+                   "\"confirmed\" after next or "
+                   "tool: a person has mounted this size")
       ->type_name("REQUEST")
       ->required()
       ->expected(1, 3);

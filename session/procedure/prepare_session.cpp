@@ -1,6 +1,6 @@
 #include "session/procedure/prepare_session.h"
 
-#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <numbers>
@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/write_text.h"
+#include "session/procedure/plan_guidance.h"
 #include "session/setup/config_checksum.h"
 
 namespace osteon::app {
@@ -66,6 +67,7 @@ tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice
                  .file = {},
                  .folder = choice.session,
                  .tool = {},
+                 .in_use = {},
                  .tools = {},
                  .recording = {}};
   const config::CellConfig cell = config::LoadCell(cell_yaml, tool);
@@ -98,13 +100,24 @@ tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice
   std::set<std::string> recordings;
   for (const SessionSegment& segment : made.file.segments) recordings.insert(segment.recording);
   made.recording = fmt::format("run_{}.mcap", recordings.size() + 1);
-  made.tool = {.file = cell.tool_file,
-               .diameter_m = 1e-3 * made.tools.diameters_mm[static_cast<std::size_t>(made.tools.first)]};
+  const auto reamer = [&](int index) {
+    return config::ToolChoice{.file = cell.tool_file,
+                              .diameter_m = 1e-3 * made.tools.diameters_mm[static_cast<std::size_t>(index)]};
+  };
+  made.tool = reamer(0);
+  made.in_use = reamer(made.tools.first);
   return made;
 }
 
+int ReamerOf(const procedure::SurgicalPlan& plan, const config::CellConfig& cell) {
+  const simulation::ToolBall* head = simulation::CuttingHead(cell.tool.tool);
+  for (std::size_t i = 0; head && i < plan.reamers.size(); ++i)
+    if (std::abs(0.5 * plan.reamers[i].diameter_m - head->radius_m) < kSameSize_m) return static_cast<int>(i);
+  return 0;
+}
+
 hil::ProcedureScriptParams ScriptOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
-                                        const Pose& X_WG, const config::CellConfig& cell) {
+                                        const Pose& X_WG, const config::CellConfig& cell, int first) {
   hil::ProcedureScriptParams script;
   std::visit(
       [&script](const auto& own) {
@@ -118,10 +131,8 @@ hil::ProcedureScriptParams ScriptOfPlan(const procedure::SurgicalPlan& plan, con
       },
       cell.script);
   script.X_WC = X_WG * PlannedCup(plan);
-  const simulation::ToolBall* head = simulation::CuttingHead(cell.tool.tool);
-  for (const procedure::PlannedReamer& reamer : plan.reamers)
-    if (!head || 0.5 * reamer.diameter_m > head->radius_m - kSameSize_m)
-      script.heights_m.push_back(reamer.height_m);
+  for (std::size_t i = static_cast<std::size_t>(first); i < plan.reamers.size(); ++i)
+    script.heights_m.push_back(plan.reamers[i].height_m);
   if (hand == "novice") {
     script.tilt_rad = kNoviceTilt_rad;
     script.aside_m = kNoviceAside_m;
@@ -132,7 +143,7 @@ hil::ProcedureScriptParams ScriptOfPlan(const procedure::SurgicalPlan& plan, con
 tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
     const Procedure& procedure, const ProcedureChoice& choice, const fs::path& cell_yaml,
     const fs::path& gains, const EngineChoice& engine_choice, bool simulated, bool virtual_time,
-    CellSetup& setup, simulation::CuttingEngine& engine) {
+    CellSetup& setup, std::unique_ptr<simulation::CuttingEngine>& engine) {
   SessionFile file = procedure.file;
   const std::string cell_checksum = ConfigChecksum(setup.config_source);
   if (file.cell_checksum.empty()) {
@@ -144,11 +155,19 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
     return tl::make_unexpected(fmt::format("{}: found the cell's checksum {}, accepted the session's, {}",
                                            cell_yaml.string(), cell_checksum, file.cell_checksum));
   }
-  auto tools = LoadProcedureTools(setup.config, cell_yaml, procedure.tool.file, gains, procedure.tools);
+  ToolList list = procedure.tools;
+  for (const procedure::PlannedReamer& reamer : procedure.plan.plan.reamers) {
+    auto guidance = GuidanceOf(procedure.plan.plan, reamer, setup.X_WG);
+    if (!guidance) break;  // the plan has none
+    guidance->gain = choice.guidance.value_or(simulated ? 0.0 : guidance->gain);
+    list.guidance.push_back(*guidance);
+  }
+  auto tools = LoadProcedureTools(setup.config, cell_yaml, procedure.tool.file, gains, list);
   PrepareForTools(tools, setup.config);
-  KeepToolList(procedure.tools, setup.config_source);
+  KeepToolList(list, setup.config_source);
   if (simulated)
-    setup.config.script = ScriptOfPlan(procedure.plan.plan, choice.hand, setup.X_WG, setup.config);
+    setup.config.script =
+        ScriptOfPlan(procedure.plan.plan, choice.hand, setup.X_WG, setup.config, procedure.tools.first);
 
   std::error_code error;
   fs::create_directories(procedure.folder, error);
@@ -157,6 +176,12 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
   if (!choice.resume)
     if (const auto written = WriteText(procedure.folder / file.plan_file, procedure.plan_text); !written)
       return tl::make_unexpected(written.error());
+  const simulation::Tool& in_use = tools[static_cast<std::size_t>(procedure.tools.first)].tool;
+  if (procedure.tools.first != 0) {
+    auto other = MakeEngine(engine_choice, setup.bone, in_use, setup.X_WG, setup.config.cutting);
+    if (!other) return tl::make_unexpected(other.error());
+    engine = std::move(*other);
+  }
   const bool physical = procedure.tools.physical;
   auto session = std::make_unique<ProcedureSession>(ProcedureParams{
       .folder = procedure.folder,
@@ -177,7 +202,7 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
       .confirm_load = physical && setup.config.servo.law == control::Law::kImpedance,
       .scripted = simulated,
       .wall_time = !virtual_time});
-  if (auto begun = session->Begin(engine); !begun) return tl::make_unexpected(begun.error());
+  if (auto begun = session->Begin(*engine); !begun) return tl::make_unexpected(begun.error());
   return session;
 }
 

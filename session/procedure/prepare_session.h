@@ -23,6 +23,8 @@ struct ProcedureChoice {
   bool resume{false};
   /// The simulated operator's hand: "expert", or "novice" (14 degrees and 4 mm off).
   std::string hand{"expert"};
+  /// Gain of the plan's guidance, 0 … 1; absent: the plan's own with a person's hand, 0 with a simulated one.
+  std::optional<double> guidance{};
 };
 
 /// A procedure that is about to run: plan and session are read, nothing is written yet.
@@ -31,7 +33,9 @@ struct Procedure {
   std::string plan_text;
   SessionFile file;
   std::filesystem::path folder;
-  config::ToolChoice tool;  ///< the reamer that the run begins with
+  /// The plan's first reamer: the cell is set up and its bone packed with it, however far the session is.
+  config::ToolChoice tool;
+  config::ToolChoice in_use;  ///< the reamer that the run begins with
   ToolList tools;
   std::string recording;  ///< name in the folder: run_1.mcap
 };
@@ -43,20 +47,23 @@ struct Procedure {
     const ProcedureChoice& choice, const std::filesystem::path& cell_yaml,
     const std::optional<config::ToolChoice>& tool);
 
-/// Makes the session of a packed cell, whose tool is procedure.tool: loads the tools, prepares the cell for
+/// Makes the session of a packed cell that has procedure.tool: loads the tools, prepares the cell for
 /// them, and puts the engine into the last saved state.
+/// @param[in,out] engine  of the cell's tool; of the one in use afterwards
 /// @param setup  outlives the session; its configuration for the recording gets the tools
 /// @param simulated  a scripted operator reams, whose buttons are pressed as well
 [[nodiscard]] tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
     const Procedure& procedure, const ProcedureChoice& choice, const std::filesystem::path& cell_yaml,
     const std::filesystem::path& gains, const EngineChoice& engine_choice, bool simulated, bool virtual_time,
-    CellSetup& setup, simulation::CuttingEngine& engine);
+    CellSetup& setup, std::unique_ptr<simulation::CuttingEngine>& engine);
 
-/// The scripted operator of a plan, from the reamer on that the cell has: expert or novice.
+/// The scripted operator of a plan, from the reamer `first` on: expert or novice.
 /// @param X_WG  bone in the world
 [[nodiscard]] hil::ProcedureScriptParams ScriptOfPlan(const procedure::SurgicalPlan& plan,
                                                       const std::string& hand, const Pose& X_WG,
-                                                      const config::CellConfig& cell);
+                                                      const config::CellConfig& cell, int first);
+/// The reamer of a plan that a cell has; the first one if it has another tool.
+[[nodiscard]] int ReamerOf(const procedure::SurgicalPlan& plan, const config::CellConfig& cell);
 
 /// Whether a folder can hold a new session; the reason if not.
 [[nodiscard]] std::string ValidateNewSession(const std::filesystem::path& folder);

@@ -35,10 +35,11 @@ tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string&
   std::vector<std::string> all;
   for (std::string word; words >> word;) all.push_back(word);
   const auto refuse = [&] {
-    return tl::make_unexpected(fmt::format(
-        "found \"{}\", accepted next, tool D (mm), undo, save, cup, resume; \"confirmed\" may follow a "
-        "change of tool",
-        text.substr(0, 80)));
+    return tl::make_unexpected(
+        fmt::format("found \"{}\", accepted next, tool D (mm), undo, save, cup, guidance G (0 … 1), resume; "
+                    "\"confirmed\" "
+                    "may follow a change of tool",
+                    text.substr(0, 80)));
   };
   if (all.empty()) return refuse();
   SessionRequest request;
@@ -48,11 +49,19 @@ tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string&
     if (all.empty() || (all[0] != "next" && all[0] != "tool")) return refuse();
   }
   using Kind = SessionRequest::Kind;
+  const auto number = [&](double& value) {
+    const char* end = all[1].data() + all[1].size();
+    const auto [rest, error] = std::from_chars(all[1].data(), end, value);
+    return error == std::errc() && rest == end && std::isfinite(value);
+  };
   if (all[0] == "tool" && all.size() == 2) {
     request.kind = Kind::kTool;
-    const char* end = all[1].data() + all[1].size();
-    const auto [rest, error] = std::from_chars(all[1].data(), end, request.diameter_mm);
-    if (error != std::errc() || rest != end || !std::isfinite(request.diameter_mm)) return refuse();
+    if (!number(request.diameter_mm)) return refuse();
+    return request;
+  }
+  if (all[0] == "guidance" && all.size() == 2) {
+    request.kind = Kind::kGuidance;
+    if (!number(request.gain) || !(request.gain >= 0.0 && request.gain <= 1.0)) return refuse();
     return request;
   }
   if (all.size() != 1) return refuse();
@@ -77,6 +86,8 @@ ProcedureSession::ProcedureSession(ProcedureParams params)
       tool_(params_.tool),
       file_(params_.file) {
   if (params_.confirm_size) script_ = ScriptedChanges(kRestBeforeWeighing);
+  if (const auto& guidance = params_.tools[static_cast<std::size_t>(tool_)].loop.guidance)
+    guidance_gain_ = guidance->gain;
   states_ = static_cast<int>(file_.passes.size());  // a state for each pass, undone or not
 }
 
@@ -131,6 +142,7 @@ void ProcedureSession::Poll(control::ServoLoop& loop) {
   if (const int tool = wanted_tool_.exchange(-1); tool >= 0) loop.RequestTool(tool);
   if (resume_.exchange(false)) loop.RequestResume();
   if (pause_.exchange(false)) loop.RequestPause();
+  if (const double gain = wanted_gain_.exchange(-1.0); gain >= 0.0) loop.RequestGuidanceGain(gain);
 }
 
 SessionAnswer ProcedureSession::Ask(const SessionRequest& request) {
@@ -146,8 +158,10 @@ SessionAnswer ProcedureSession::Ask(const SessionRequest& request) {
           waiting->answer = answer;
         }
         waiting->done.notify_all();
-      }))
-    return Refused("another request is being carried out: ask again");
+      })) {
+    const std::lock_guard lock(mutex_);
+    return Refused(over_ ? "the run has ended" : "another request is being carried out: ask again");
+  }
   std::unique_lock lock(waiting->mutex);
   if (!waiting->done.wait_for(lock, kMaxWait, [&] { return waiting->answer.has_value(); }))
     return Refused("asked for; not carried out yet: see `osteon tell DIR status`");
@@ -157,7 +171,7 @@ SessionAnswer ProcedureSession::Ask(const SessionRequest& request) {
 bool ProcedureSession::Post(const SessionRequest& request,
                             std::function<void(const SessionAnswer&)> answered) {
   const std::lock_guard lock(mutex_);
-  if (open_) return false;
+  if (open_ || over_) return false;
   open_ = Open{.request = request, .answered = std::move(answered)};
   return true;
 }
@@ -222,6 +236,9 @@ void ProcedureSession::HandleRequest(const ToolCommand& command, FrameRunner& ru
       break;
     case Kind::kResume:
       answer = Resume(command, runner);
+      break;
+    case Kind::kGuidance:
+      answer = SetGuidance(request.gain);
       break;
     case Kind::kCup: {
       const Pose X_GT = params_.X_WG.inverse() * Pose(command.X_WT);
@@ -484,12 +501,32 @@ void ProcedureSession::OpenSegment(rt::Nanoseconds begin) {
                             .begin_state_hash = saved_hash_,
                             .end_state = "",
                             .end_state_hash = "",
-                            .guidance_gain = 0.0});
+                            .guidance_gain = guidance_gain_});
+}
+
+// A segment keeps the greatest gain that was in force: a session that was guided for a while counts as
+// guided.
+SessionAnswer ProcedureSession::SetGuidance(double gain) {
+  if (!params_.tools[static_cast<std::size_t>(tool_)].loop.guidance)
+    return Refused("the plan has no guidance");
+  {
+    const std::lock_guard lock(mutex_);
+    guidance_gain_ = gain;
+    double& kept = file_.segments.back().guidance_gain;
+    kept = std::max(kept, gain);
+  }
+  wanted_gain_.store(gain);
+  WriteFile();
+  return {.done = true, .reason = ""};
 }
 
 void ProcedureSession::WriteFile() { writer_.WriteSession(File()); }
 
 std::string ProcedureSession::End(const simulation::CuttingEngine& engine) {
+  {
+    const std::lock_guard lock(mutex_);
+    over_ = true;
+  }
   Answer(Refused("the run has ended"));
   EndOpenPass(engine, last_stamp_);
   CloseSegment(last_stamp_);

@@ -58,17 +58,18 @@ struct ProcedureParams {
 
 /// A request to a session: `osteon tell`.
 struct SessionRequest {
-  enum class Kind { kNext, kTool, kUndo, kSave, kCup, kResume };
+  enum class Kind { kNext, kTool, kUndo, kSave, kCup, kResume, kGuidance };
   Kind kind{Kind::kNext};
   double diameter_mm{0.0};  ///< kTool
+  double gain{0.0};         ///< kGuidance: 0 … 1
   bool confirmed{false};    ///< a person has confirmed size (and load)
 };
 struct SessionAnswer {
   bool done{false};
   std::string reason;  ///< if not done: what was found and what to do
 };
-/// Parses "next [confirmed]", "tool D [confirmed]", "undo", "save", "cup", "resume". The error says what is
-/// accepted.
+/// Parses "next [confirmed]", "tool D [confirmed]", "undo", "save", "cup", "resume", "guidance G". The error
+/// says what is accepted.
 [[nodiscard]] tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string& text);
 
 /// The session of a procedure while its cell runs: passes, saved states, undo, change of tool.
@@ -105,7 +106,8 @@ class ProcedureSession final : public FrameObserver {
 
   /// Asks, and waits up to 0.7 s for the answer. Not from the frames' thread.
   [[nodiscard]] SessionAnswer Ask(const SessionRequest& request);
-  /// Asks without waiting; `answered` is called on the frames' thread. False: another request is open.
+  /// Asks without waiting; `answered` is called on the frames' thread. False: another request is open, or the
+  /// run is over.
   bool Post(const SessionRequest& request, std::function<void(const SessionAnswer&)> answered);
 
   [[nodiscard]] const std::vector<ProcedureTool>& tools() const { return params_.tools; }
@@ -137,6 +139,7 @@ class ProcedureSession final : public FrameObserver {
                                           const simulation::ToolCommand& command, FrameRunner& runner,
                                           bool& waits);
   [[nodiscard]] SessionAnswer Undo(const simulation::ToolCommand& command, FrameRunner& runner);
+  [[nodiscard]] SessionAnswer SetGuidance(double gain);
   [[nodiscard]] SessionAnswer Save(const simulation::ToolCommand& command, FrameRunner& runner);
   [[nodiscard]] std::string CheckLoad(int tool, const simulation::ToolCommand& command) const;
   void SwitchTool(const simulation::ToolCommand& command, FrameRunner& runner);
@@ -166,11 +169,14 @@ class ProcedureSession final : public FrameObserver {
   std::string error_;
 
   std::atomic<int> wanted_tool_{-1};
+  std::atomic<double> wanted_gain_{-1.0};  // of the guidance; negative: none
+  double guidance_gain_{0.0};              // in force; under mutex_
   std::atomic<bool> pause_{false}, resume_{false}, resume_asked_{false};
 
   mutable std::mutex mutex_;  // of what follows
   PausedReadings readings_;
   std::optional<Open> open_;
+  bool over_{false};  // no further frame comes
   SessionFile file_;
   std::string resume_refusal_;
 };

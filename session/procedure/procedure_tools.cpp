@@ -9,6 +9,7 @@
 
 #include "base/json_text.h"
 #include "config/reading/load.h"
+#include "session/procedure/plan_guidance.h"
 #include "simulation/removal/cut_metrics.h"
 
 namespace osteon::app {
@@ -32,6 +33,7 @@ std::vector<ProcedureTool> LoadProcedureTools(const config::CellConfig& base,
                               .sensor = list.physical ? cell.servo.sensor : base.servo.sensor,
                               .arm_body = list.physical ? cell.servo.arm_body : std::nullopt}});
   }
+  for (std::size_t i = 0; i < list.guidance.size(); ++i) tools.at(i).loop.guidance = list.guidance[i];
   return tools;
 }
 
@@ -49,10 +51,10 @@ void SetTools(const std::vector<ProcedureTool>& tools, int first, control::Servo
 }
 
 void KeepToolList(const ToolList& list, io::ConfigSource& source) {
-  source.files.push_back(
-      {.name = kListFile,
-       .content = JsonText(nlohmann::json{
-           {"diameters_mm", list.diameters_mm}, {"first", list.first}, {"physical", list.physical}})});
+  nlohmann::json json{
+      {"diameters_mm", list.diameters_mm}, {"first", list.first}, {"physical", list.physical}};
+  for (const control::GuidanceParams& guidance : list.guidance) json["guidance"].push_back(ToJson(guidance));
+  source.files.push_back({.name = kListFile, .content = JsonText(json)});
 }
 
 tl::expected<std::optional<ToolList>, std::string> FindToolList(const io::ConfigSource& source) {
@@ -74,6 +76,11 @@ tl::expected<std::optional<ToolList>, std::string> FindToolList(const io::Config
       return refuse(fmt::format("first: found {}, accepted 0 … {}", list.first, count - 1));
     for (const double d : list.diameters_mm)
       if (!std::isfinite(d)) return refuse("diameters_mm: accepted numbers");
+    for (const auto& guidance : json.value("guidance", nlohmann::json::array()))
+      list.guidance.push_back(GuidanceFromJson(guidance));
+    if (!list.guidance.empty() && list.guidance.size() != list.diameters_mm.size())
+      return refuse(fmt::format("guidance: found {}, accepted one for each of {} tools", list.guidance.size(),
+                                list.diameters_mm.size()));
     return list;
   } catch (const std::exception& error) {
     return refuse(error.what());

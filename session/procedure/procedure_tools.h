@@ -27,6 +27,7 @@ struct ToolList {
   std::vector<double> diameters_mm;
   int first{0};          ///< in use at the recording's beginning
   bool physical{false};  ///< another tool is mounted; false: the handle stays, and with it mass and payload
+  std::vector<control::GuidanceParams> guidance{};  ///< of each tool; empty: the plan has none
 };
 
 /// Loads the cell with each of the tools in turn.

@@ -428,9 +428,12 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
 
 tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simulation::CuttingEngine& engine,
                                                   const CellRunParams& params) {
-  const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
-  simulation::SceneWatch watch(setup.solid.get(), setup.bone, setup.config.tool.tool,
-                               setup.config.scene.events);
+  const simulation::Tool& tool =
+      params.procedure
+          ? params.procedure->tools()[static_cast<std::size_t>(params.procedure->first_tool())].tool
+          : setup.config.tool.tool;
+  const simulation::ApexDepth depth(setup.bone, tool);
+  simulation::SceneWatch watch(setup.solid.get(), setup.bone, tool, setup.config.scene.events);
   FrameRunner runner(engine, depth, watch, setup.X_WG, params.adaptive_resolution);
   runner.SetNotice(params.notice);
   runner.SetSurface(params.surface);

@@ -189,7 +189,7 @@ int RunDemo(const DemoOptions& asked) {
           "found simulation: {process} with a session, accepted a cell whose engine is a thread of the run: "
           "a session makes an engine for each tool");
     auto made = MakeSession(*procedure, options.procedure, options.cell, {}, choice, true,
-                            options.virtual_time, *setup, **engine);
+                            options.virtual_time, *setup, *engine);
     if (!made) return Fail("demo", made.error());
     session = std::move(*made);
   }
@@ -223,7 +223,7 @@ int RunDemo(const DemoOptions& asked) {
       .hold_at_fault = options.hold_at_fault,
       .cpu = options.cpu,
       .cell = CellProcessParams{.cell = options.cell,
-                                .tool = tool,
+                                .tool = procedure ? procedure->in_use : options.tool,
                                 .plan = options.procedure.plan,
                                 .hand = options.procedure.hand,
                                 .seconds = options.seconds,

@@ -145,7 +145,7 @@ int RunOperate(const OperateOptions& asked) {
     const auto first_port = UseSimulated(setup->config, options.port);
     if (!first_port) return refuse(first_port.error());
     cell = CellProcessParams{.cell = options.cell,
-                             .tool = options.tool,
+                             .tool = procedure ? procedure->in_use : options.tool,
                              .plan = options.procedure.plan,
                              .hand = options.procedure.hand,
                              .seconds = options.seconds,
@@ -174,7 +174,7 @@ int RunOperate(const OperateOptions& asked) {
           "found simulation: {process} with a session, accepted a cell whose engine is a thread of the run: "
           "a session makes an engine for each tool");
     auto made = MakeSession(*procedure, options.procedure, options.cell, options.gains, choice,
-                            options.simulated, false, *setup, **engine);
+                            options.simulated, false, *setup, *engine);
     if (!made) return Fail("run", made.error());
     session = std::move(*made);
   }

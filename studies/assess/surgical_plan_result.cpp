@@ -38,8 +38,8 @@ Json AnglesJson(const CupAngles& angles) {
 // What is measured of the plan beside its own data.
 struct PlanFigures {
   double planned_volume_m3{0.0};
-  std::optional<double> wall_m;
-  std::optional<Vector3> axis_W;
+  std::optional<double> wall_m{};
+  std::optional<Vector3> axis_W{};
   std::vector<std::string> warnings;
 };
 
@@ -131,7 +131,7 @@ std::vector<SummaryRow> PlanRows(const SurgicalPlan& plan, const PlanFigures& fi
 
 int RunSurgicalPlan(const SurgicalPlanOptions& options) {
   const config::SurgicalPlanConfig config = config::LoadSurgicalPlan(options.plan);
-  std::optional<Vector3> axis_W;
+  std::optional<Vector3> axis_W{};
   if (!options.cell.empty()) {
     const config::CellConfig cell = config::LoadCell(options.cell);
     config::CheckPlanInCell(config, cell, options.plan, options.cell);

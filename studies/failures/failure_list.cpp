@@ -24,6 +24,7 @@
 #include "studies/failures/loop/simulation_stall.h"
 #include "studies/failures/loop/singularity.h"
 #include "studies/failures/procedure/guidance_scenarios.h"
+#include "studies/failures/procedure/plan_scenarios.h"
 
 namespace osteon::hil {
 
@@ -51,6 +52,10 @@ std::span<const FailureScenario> FailureScenarios() {
       FailureScenario{.id = 20, .name = "energy", .run = RunEnergy},
       FailureScenario{.id = 21, .name = "determinism", .run = RunDeterminism},
       FailureScenario{.id = 22, .name = "frame rate", .run = RunFrameRate},
+      FailureScenario{.id = 23, .name = "cup definitions", .run = RunCupDefinition},
+      FailureScenario{.id = 24, .name = "wrong side", .run = RunWrongSide},
+      FailureScenario{.id = 25, .name = "small cap", .run = RunSmallCap},
+      FailureScenario{.id = 26, .name = "coarse packing", .run = RunCoarsePacking},
       FailureScenario{.id = 27, .name = "guided cycles", .run = RunGuidedCycles},
       FailureScenario{.id = 28, .name = "switched on outside", .run = RunSwitchedOnOutside},
       FailureScenario{.id = 29, .name = "guidance at the ceiling", .run = RunGuidanceAtCeiling},

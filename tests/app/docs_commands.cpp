@@ -85,6 +85,9 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon run demo --simulated --seconds 10 --gains tune/gains.yaml",
        By("GainsRun.SavedAgainTheyAreReadCheckedAndRampedAndTheRunReplaysBitForBit")},
 
+      {"osteon assess session_1", By("Assess.WritesPageAndResultAndEndsByTheScore")},
+      {"osteon assess session_1 --pass-at 70 --norms expert_1 expert_2",
+       By("Assess.TheSameSessionAsItsOwnNormHasItsFiguresAsMedians")},
       {"osteon surgical-plan acetabulum", As("surgical-plan acetabulum")},
       {"osteon tune demo --plan acetabulum", As("tune demo --plan acetabulum --nodes 3")},
       {"osteon surgical-plan acetabulum --cell demo --json plan.json",

@@ -63,7 +63,7 @@ const limits: [string, string][] = [
   ["passivity", "Passivität"],
   ["energy tank", "Energietank"],
   ["speed into bone", "Eintritt in Knochen"],
-  ["guidance", "Führung"],
+  ["guidance along the plan", "Führung am Plan"],
 ];
 
 const words = {

@@ -10,7 +10,7 @@ constexpr SketchLine kCorridor{.color = "#59636e", .width_px = 2.0};
 // The funnel over a cup, and the cup's axis.
 void Funnel(SceneSketch& s) {
   std::vector<PlotPoint> bone{{20, 150}, {20, 110}};
-  for (const PlotPoint& p : ArcPoints({110, 110}, 34, 180, 0)) bone.push_back({p.x, 220.0 - p.y});
+  for (const PlotPoint& p : ArcPoints({110, 110}, 34, 180, 0)) bone.push_back(p);
   bone.insert(bone.end(), {{200, 110}, {200, 150}});
   s.Bone(bone);
   s.Line({{110, 146}, {110, 8}}, kMeantLine);
@@ -27,9 +27,9 @@ void GuidedCycles(SceneSketch& s) {
   s.Text(206, 40, "hand leads out");
   s.Text(206, 56, "and back, 20 times");
   s.Line({{220, 140}, {390, 140}}, kMeantLine);
-  s.Text(386, 156, "energy given", "end");
+  s.Text(386, 130, "energy given", "end");
   if (s.ours())
-    s.Line({{220, 128}, {390, 136}}, s.Strong());
+    s.Line({{220, 140}, {390, 147}}, s.Strong());
   else
     s.Line({{220, 136}, {390, 84}}, s.Strong());
 }

@@ -11,17 +11,17 @@ namespace {
 
 bool Never() { return false; }
 
-config::CellConfig Demo() { return config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/demo.yaml"); }
+config::CellConfig GuidedCell() { return config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/demo.yaml"); }
 
-control::GuidanceParams Shipped() {
+control::GuidanceParams ShippedGuidance() {
   control::GuidanceParams guidance;
   guidance.head_m = 0.022;
   return guidance;
 }
 
 TEST(TuneGuidance, TheDemoCellStandsTheShippedGains) {
-  const config::CellConfig cell = Demo();
-  const GuidanceMap map = MapGuidance(TuneTaskOf(cell), cell.servo.admittance, Shipped(), Never);
+  const config::CellConfig cell = GuidedCell();
+  const GuidanceMap map = MapGuidance(TuneTaskOf(cell), cell.servo.admittance, ShippedGuidance(), Never);
   EXPECT_TRUE(map.Accepted());
   EXPECT_EQ(map.hands, 102u);
   EXPECT_TRUE(map.unstable.empty());
@@ -36,10 +36,10 @@ TEST(TuneGuidance, TheDemoCellStandsTheShippedGains) {
 }
 
 TEST(TuneGuidance, ALateSensorIsRefused) {
-  const config::CellConfig cell = Demo();
+  const config::CellConfig cell = GuidedCell();
   TuneTask task = TuneTaskOf(cell);
   task.loop.sensor_delay = 5;
-  const GuidanceMap map = MapGuidance(task, cell.servo.admittance, Shipped(), Never);
+  const GuidanceMap map = MapGuidance(task, cell.servo.admittance, ShippedGuidance(), Never);
   EXPECT_FALSE(map.Accepted());
   EXPECT_FALSE(map.unstable.empty());
   Verdict verdict;
@@ -48,8 +48,8 @@ TEST(TuneGuidance, ALateSensorIsRefused) {
 }
 
 TEST(TuneGuidance, GainsBeyondHalfOfTheBoundaryAreRefused) {
-  const config::CellConfig cell = Demo();
-  control::GuidanceParams guidance = Shipped();
+  const config::CellConfig cell = GuidedCell();
+  control::GuidanceParams guidance = ShippedGuidance();
   guidance.lateral.stiffness = 8e3;  // no hand is unstable yet, but some are before 16 N/mm
   const GuidanceMap map = MapGuidance(TuneTaskOf(cell), cell.servo.admittance, guidance, Never);
   EXPECT_TRUE(map.unstable.empty());

@@ -1,0 +1,224 @@
+#include "studies/assess/assess_page.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/units.h"
+#include "report/page.h"
+#include "report/svg_plot.h"
+#include "report/svg_text.h"
+#include "studies/assess/assess_pictures.h"
+
+namespace osteon::app {
+namespace {
+
+std::string Value(double si, const procedure::Metric& metric) {
+  const std::string number = Number(si * metric.to_unit);
+  if (std::string_view(metric.unit) == "ratio") return number;
+  if (std::string_view(metric.unit) == "deg") return number + "°";
+  return number + (std::string_view(metric.unit) == "mm3" ? " mm³" : std::string(" ") + metric.unit);
+}
+
+std::string AnglesText(const procedure::SurgicalPlan& plan, const Vector3& axis_G) {
+  const procedure::CupAngles angles = procedure::AnglesOf(plan.definition, plan.pelvis.FromG(axis_G));
+  return fmt::format("{:.1f}° / {:.1f}° ({})", angles.inclination_rad / kDegree,
+                     angles.anteversion_rad / kDegree, procedure::NameOf(plan.definition));
+}
+
+std::vector<SummaryRow> Rows(const AssessResult& result) {
+  const AssessedSession& session = result.session;
+  const procedure::SurgicalPlan& plan = session.plan.plan;
+  const procedure::Assessment& found = session.assessment;
+  std::vector<SummaryRow> rows{
+      {"Score", fmt::format("{:.1f} of 100, {}", result.score.total,
+                            result.guided ? fmt::format("guided (gain {:g}): not to be ranked with sessions "
+                                                        "without guidance",
+                                                        session.guidance_gain)
+                                          : "without guidance")},
+      {"Plan", fmt::format("{}, {} hip, {}", plan.name, procedure::NameOf(plan.side),
+                           AnglesText(plan, plan.axis_G))}};
+  if (found.axis_G)
+    rows.push_back({found.axis_of_cup ? "Axis of the cup" : "Reamed axis",
+                    fmt::format("{}, {:.1f}° off", AnglesText(plan, *found.axis_G),
+                                *procedure::AxisError(plan, found) / kDegree)});
+  if (const auto& fit = found.cavity.fit) {
+    rows.push_back({"Diameter", fmt::format("{:.2f} ± {:.2f} mm, planned {:g} mm", 2e3 * fit->radius_m,
+                                            2e3 * fit->radius_sd_m, 2e3 * plan.cavity().radius_m)});
+    const auto shift = [](const procedure::AnatomicShift& s) {
+      return fmt::format("{:.1f} mm medial, {:.1f} mm superior, {:.1f} mm posterior", 1e3 * s.medial_m,
+                         1e3 * s.superior_m, 1e3 * s.posterior_m);
+    };
+    rows.push_back({"Centre against the plan", shift(found.cavity.from_plan)});
+    rows.push_back({"Centre against the native one", shift(found.cavity.from_native)});
+  }
+  rows.push_back({"Thinnest wall", found.min_wall_m ? fmt::format("{:.1f} mm", 1e3 * *found.min_wall_m)
+                                                    : std::string("not watched")});
+  rows.push_back({"Removed", fmt::format("{:.0f} mm³, {:.0f} mm³ outside of the plan; {:.0f} mm³ left within",
+                                         1e9 * found.cavity.removed_m3, 1e9 * found.cavity.over_m3,
+                                         1e9 * found.cavity.under_m3)});
+  rows.push_back({"Time", fmt::format("{:.1f} s, {:.1f} s cutting, passes: {}", found.process.time_s,
+                                      found.process.cutting_s, session.passes.size())});
+  return rows;
+}
+
+// A table cell's worth of markup. Wide tables scroll by themselves on a narrow screen.
+std::string TableHead(std::initializer_list<const char*> names) {
+  std::string html = "<div style=\"overflow-x:auto\"><table><thead><tr>";
+  for (const char* name : names) html += fmt::format("<th>{}</th>", name);
+  return html + "</tr></thead><tbody>\n";
+}
+
+std::string ItemsTable(const AssessResult& result) {
+  std::string html = TableHead({"figure", "value", "full points, none", "points", "experts here", "source"});
+  for (const procedure::Metric& metric : procedure::Metrics()) {
+    const auto value = result.values.find(metric.name);
+    const auto scored = std::ranges::find_if(result.score.items, [&](const procedure::ScoredItem& item) {
+      return item.item.metric == metric.name;
+    });
+    const bool has_norm = scored != result.score.items.end();
+    const auto norm = result.norms.find(metric.name);
+    html += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", Escape(metric.text),
+        value != result.values.end() ? Escape(Value(value->second, metric)) : "not measured",
+        has_norm ? Escape(Value(scored->item.full, metric) + ", " + Value(scored->item.zero, metric))
+                 : "no norm",
+        has_norm ? fmt::format("{:.1f} of {:g}", scored->points, scored->item.weight) : "shown only",
+        norm != result.norms.end()
+            ? fmt::format("{} (median of {})", Escape(Value(norm->second.median, metric)),
+                          norm->second.sessions)
+            : "",
+        has_norm ? Escape(scored->item.source) : "");
+  }
+  for (const procedure::Deduction& deduction : result.score.deductions)
+    html += fmt::format("<tr><td>{}</td><td></td><td></td><td>-{:g}</td><td></td><td>{}</td></tr>\n",
+                        Escape(deduction.name), deduction.points, Escape(deduction.source));
+  return html + "</tbody></table></div>\n";
+}
+
+std::string PassTable(const AssessedSession& session) {
+  std::string html =
+      TableHead({"pass", "reamer", "time", "removed", "mean force", "peak", "across the axis", "outside"});
+  for (const PassFigures& pass : session.passes)
+    html += fmt::format(
+        "<tr><td>{}{}</td><td>{:g} mm</td><td>{:.1f} s</td><td>{:.0f} mm³</td><td>{:.0f} N</td><td>{:.0f} "
+        "N</td><td>{:.2f}</td><td>{:.1f} s</td></tr>\n",
+        pass.pass.number, pass.pass.undone ? " (undone)" : "",
+        session.file.diameters_mm[static_cast<std::size_t>(pass.pass.tool_index)], pass.figures.time_s,
+        pass.pass.removed_mm3, pass.figures.force_mean_N, pass.figures.force_peak_N, pass.figures.wrong_way,
+        pass.figures.outside_s);
+  return html + "</tbody></table></div>\n";
+}
+
+std::string Curves(const AssessedSession& session) {
+  const SessionTrace& trace = session.trace;
+  const procedure::GuidanceGains& gains = session.plan.plan.guidance;
+  std::vector<NamedSpan> spans;
+  for (const PassFigures& pass : session.passes)
+    spans.push_back({.begin = pass.begin_s,
+                     .end = pass.end_s,
+                     .name = fmt::format(
+                         "{:g}", session.file.diameters_mm[static_cast<std::size_t>(pass.pass.tool_index)])});
+  std::vector<LimitLine> tilts;
+  if (gains.cone.stop_rad > 0.0)
+    tilts = {{gains.cone.free_rad / kDegree, "free"}, {gains.cone.stop_rad / kDegree, "stop"}};
+  const auto panel = [&](const char* label, const std::vector<double>& y, std::vector<LimitLine> limits) {
+    return LineChart{.y_label = label,
+                     .series = {{.x = trace.t_s, .y = y}},
+                     .limits = std::move(limits),
+                     .spans = spans,
+                     .legend = false,
+                     .plot_height_px = 130.0};
+  };
+  std::vector<LineChart> panels{panel("height [mm]", trace.height_mm, {{0.0, "planned centre"}}),
+                                panel("aside [mm]", trace.aside_mm, {}),
+                                panel("hand's force [N]", trace.force_N, {}),
+                                panel("tilt [°]", trace.tilt_deg, std::move(tilts))};
+  // far retractions would flatten the rest
+  constexpr double kShownHeight_mm = 40.0, kShownAside_mm = 15.0;
+  panels[0].y = Range{-10.0, kShownHeight_mm};
+  panels[0].series[0].name = "handle";
+  panels[0].series.push_back({.name = "simulated tool", .x = trace.t_s, .y = trace.proxy_mm});
+  panels[0].legend = true;
+  panels[1].y = Range{0.0, kShownAside_mm};
+  panels.back().x_label = "time [s]";
+  return Figure(
+      Svg(panels),
+      "Height of the head's centre over the planned one, its distance from the axis, the hand's force, "
+      "the tool's tilt. Shaded: the passes, by the reamer's diameter in mm.");
+}
+
+std::string Trend(const AssessResult& result) {
+  if (result.trend.size() < 2) return "";
+  Series free{.name = "without guidance", .marker = Marker::kCircle},
+      guided{.name = "guided", .marker = Marker::kCircle};
+  for (std::size_t i = 0; i < result.trend.size(); ++i) {
+    Series& series = result.trend[i].guided ? guided : free;
+    series.x.push_back(static_cast<double>(i + 1));
+    series.y.push_back(result.trend[i].score);
+    series.labels.push_back(result.trend[i].session);
+  }
+  LineChart chart{.x_label = "session, by the folder's name",
+                  .y_label = "score",
+                  .x = Range{0.5, static_cast<double>(result.trend.size()) + 0.5},
+                  .y = Range{0.0, 100.0}};
+  for (Series* series : {&free, &guided})
+    if (!series->x.empty()) chart.series.push_back(std::move(*series));
+  return "<h2>Trend</h2>\n" + Figure(Svg(chart), "Sessions of the same plan in the folders beside this one.");
+}
+
+constexpr const char* kAssumptions =
+    "<h2>Assumptions</h2>\n<ul>\n"
+    "<li>Norms are published figures of real operations and of other simulators; none was measured with "
+    "Osteon. The norm of over-reaming is assumed.</li>\n"
+    "<li>A sphere has no axis: the reamed axis is that of the tool, weighted by the volume that the last "
+    "reamer "
+    "removed.</li>\n"
+    "<li>Volumes are sums of mass points: exact to about 2 % of a few cubic centimetres.</li>\n"
+    "<li>Undone passes count for time and force, and not for the result.</li>\n"
+    "<li>Osteon is no medical device; a score says nothing of a patient.</li>\n</ul>\n";
+
+tl::expected<std::string, std::string> Pictures(const AssessedSession& session) {
+  const procedure::PelvicFrame& pelvis = session.plan.plan.pelvis;
+  const auto coronal =
+      Picture(SliceImage(session, pelvis.lateral, pelvis.superior),
+              "Coronal section through the planned centre: superior is up, lateral to the right.");
+  if (!coronal) return coronal;
+  const auto axial = Picture(SliceImage(session, pelvis.lateral, pelvis.anterior),
+                             "Axial section: anterior is up, lateral to the right.");
+  if (!axial) return axial;
+  const auto map = Picture(
+      DeviationImage(session),
+      fmt::format(
+          "The planned hemisphere, seen into its opening, superior up: blue, bone stands {:g} mm and more "
+          "within the plan; orange, {:g} mm and more beyond it; grey, no bone.",
+          kDeviationScale_mm, kDeviationScale_mm));
+  if (!map) return map;
+  return "<h2>The cavity</h2>\n<p>Line: the plan. Sand: bone left. Pale: removed as planned. Orange: removed "
+         "beyond "
+         "the plan. Blue: left within it.</p>\n<div "
+         "style=\"display:grid;grid-template-columns:repeat(auto-fit,minmax(260px,1fr));gap:16px\">\n" +
+         *coronal + *axial + *map + "</div>\n";
+}
+
+}  // namespace
+
+tl::expected<void, std::string> WriteAssessPage(const AssessResult& result, const Verdict& verdict,
+                                                const std::string& command_line,
+                                                const std::filesystem::path& path) {
+  const auto pictures = Pictures(result.session);
+  if (!pictures) return tl::make_unexpected(pictures.error());
+  std::string html = PageBegin({.title = fmt::format("Assessment: {}", result.session.plan.plan.name),
+                                .subtitle = result.session.folder.filename().string(),
+                                .verdict = verdict.ForReport(),
+                                .summary = Rows(result)});
+  html += *pictures;
+  html += "<h2>The session</h2>\n" + Curves(result.session) + PassTable(result.session);
+  html += fmt::format("<h2>The score: {:.1f}</h2>\n", result.score.total) + ItemsTable(result);
+  html += Trend(result) + kAssumptions;
+  if (!command_line.empty()) html += "<h2>How to repeat it</h2>\n<pre>" + Escape(command_line) + "</pre>\n";
+  return WritePage(html + PageEnd(), path);
+}
+
+}  // namespace osteon::app

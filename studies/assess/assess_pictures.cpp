@@ -1,0 +1,115 @@
+#include "studies/assess/assess_pictures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "simulation/removal/cut_metrics.h"
+
+namespace osteon::app {
+namespace {
+
+using Color = std::array<std::uint8_t, 3>;
+
+constexpr Color kAir{255, 255, 255}, kBone{222, 205, 176}, kRemoved{244, 240, 232}, kOver{213, 94, 0},
+    kUnder{0, 114, 178}, kOutline{27, 31, 36}, kNoBone{228, 232, 236};
+constexpr double kPixel_m = 0.2e-3, kWindowRadii = 1.7;  // half the window, in radii of the planned cavity
+constexpr int kMapCells = 108, kCellPixels = 3, kMapPixels = kMapCells * kCellPixels;
+
+// Which pixels of a slice lie in a union of balls.
+std::vector<bool> Filled(std::span<const simulation::Ball> balls, const Vector3& origin_m,
+                         const Vector3& right, const Vector3& up, int size) {
+  std::vector<bool> filled(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+  const Vector3 normal = right.cross(up);
+  const double half = 0.5 * size;
+  for (const simulation::Ball& ball : balls) {
+    const Vector3 way_m = Vector3(ball.center_m) - origin_m;
+    const double off_m = way_m.dot(normal), radius2 = ball.radius_m * ball.radius_m - off_m * off_m;
+    if (radius2 <= 0.0) continue;
+    const double x = way_m.dot(right) / kPixel_m + half, y = half - way_m.dot(up) / kPixel_m;
+    const double r = std::sqrt(radius2) / kPixel_m;
+    for (int row = std::max(0, static_cast<int>(y - r)); row < std::min<double>(size, y + r + 1.0); ++row)
+      for (int column = std::max(0, static_cast<int>(x - r)); column < std::min<double>(size, x + r + 1.0);
+           ++column)
+        if (std::hypot(column + 0.5 - x, row + 0.5 - y) <= r)
+          filled[static_cast<std::size_t>(row) * static_cast<std::size_t>(size) +
+                 static_cast<std::size_t>(column)] = true;
+  }
+  return filled;
+}
+
+Color Mix(const Color& a, const Color& b, double share) {
+  Color mixed{};
+  for (std::size_t i = 0; i < 3; ++i)
+    mixed[i] = static_cast<std::uint8_t>(std::lround(a[i] + share * (b[i] - a[i])));
+  return mixed;
+}
+
+void Put(Image& image, const Color& color) { image.rgb.insert(image.rgb.end(), color.begin(), color.end()); }
+
+}  // namespace
+
+Image SliceImage(const AssessedSession& session, const Vector3& right, const Vector3& up) {
+  const procedure::PlannedCavity cavity = session.plan.plan.cavity();
+  const int size = static_cast<int>(2.0 * kWindowRadii * cavity.radius_m / kPixel_m);
+  const std::vector<simulation::Ball> live = simulation::LiveBalls(session.state);
+  const auto before = Filled(session.bone.balls, cavity.centre_m, right, up, size),
+             after = Filled(live, cavity.centre_m, right, up, size);
+  Image image{.width = size, .height = size};
+  for (int row = 0; row < size; ++row)
+    for (int column = 0; column < size; ++column) {
+      const std::size_t at =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(size) + static_cast<std::size_t>(column);
+      const Vector3 p_m =
+          cavity.centre_m + kPixel_m * ((column + 0.5 - 0.5 * size) * right + (0.5 * size - row - 0.5) * up);
+      const double outside_m = cavity.DistanceTo(p_m);
+      const bool planned = outside_m < 0.0;
+      if (std::abs(outside_m) < 0.75 * kPixel_m)
+        Put(image, kOutline);
+      else if (after[at])
+        Put(image, planned ? kUnder : kBone);
+      else if (before[at])
+        Put(image, planned ? kRemoved : kOver);
+      else
+        Put(image, kAir);
+    }
+  return image;
+}
+
+Image DeviationImage(const AssessedSession& session) {
+  const procedure::SurgicalPlan& plan = session.plan.plan;
+  const Vector3& a = plan.axis_G;
+  const Vector3 up = (plan.pelvis.superior - plan.pelvis.superior.dot(a) * a).normalized();
+  const Vector3 right = up.cross(a);  // seen against the axis, into the opening
+  std::vector<Vector3> directions;
+  std::vector<std::array<int, 2>> cells;  // row and column
+  const double half = 0.5 * kMapCells;
+  for (int row = 0; row < kMapCells; ++row)
+    for (int column = 0; column < kMapCells; ++column) {
+      const double x = (column + 0.5 - half) / half, y = (half - row - 0.5) / half, r2 = x * x + y * y;
+      if (r2 > 1.0) continue;
+      // equal areas: the height grows with the square of the radius
+      const double across = std::sqrt(std::max(0.0, r2 * (2.0 - r2))), r = std::sqrt(r2);
+      const Vector3 aside = r > 0.0 ? Vector3((x * right + y * up) / r) : Vector3::Zero();
+      directions.push_back(across * aside - (1.0 - r2) * a);
+      cells.push_back({row, column});
+    }
+  const std::vector<simulation::Ball> live = simulation::LiveBalls(session.state);
+  const auto map = procedure::DeviationMap(plan, live, directions);
+  Image image{.width = kMapPixels, .height = kMapPixels};
+  image.rgb.assign(static_cast<std::size_t>(3 * kMapPixels * kMapPixels), 255);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    Color color = kNoBone;
+    if (map[i].deviation_m) {
+      const double share = std::clamp(1e3 * *map[i].deviation_m / kDeviationScale_mm, -1.0, 1.0);
+      color = Mix(kRemoved, share > 0.0 ? kOver : kUnder, std::abs(share));
+    }
+    for (int y = 0; y < kCellPixels; ++y)
+      for (int x = 0; x < kCellPixels; ++x)
+        std::ranges::copy(color, image.rgb.begin() + 3 * ((cells[i][0] * kCellPixels + y) * kMapPixels +
+                                                          cells[i][1] * kCellPixels + x));
+  }
+  return image;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,276 @@
+#include "studies/assess/assess_result.h"
+
+#include <algorithm>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/json_text.h"
+#include "base/units.h"
+#include "base/write_text.h"
+#include "config/reading/load_rubric.h"
+#include "session/process/exit_code.h"
+#include "session/summary/verdict.h"
+#include "studies/assess/assess_page.h"
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using procedure::CupDefinition;
+
+constexpr const char* kResultName = "assess.json";
+constexpr const char* kSchema = "osteon.assess/1";
+
+Json Triple(const Vector3& v, double scale = 1.0) { return {scale * v.x(), scale * v.y(), scale * v.z()}; }
+
+template <class T>
+Json OrNull(const std::optional<T>& value, double scale = 1.0) {
+  return value ? Json(scale * *value) : Json();
+}
+
+Json AnglesJson(const procedure::SurgicalPlan& plan, const Vector3& axis_G) {
+  Json json;
+  for (const CupDefinition definition :
+       {CupDefinition::kRadiographic, CupDefinition::kOperative, CupDefinition::kAnatomic}) {
+    const procedure::CupAngles angles = procedure::AnglesOf(definition, plan.pelvis.FromG(axis_G));
+    json[procedure::NameOf(definition)] = {{"inclination_deg", angles.inclination_rad / kDegree},
+                                           {"anteversion_deg", angles.anteversion_rad / kDegree}};
+  }
+  return json;
+}
+
+Json ShiftJson(const procedure::AnatomicShift& shift) {
+  return {{"medial_mm", 1e3 * shift.medial_m},
+          {"superior_mm", 1e3 * shift.superior_m},
+          {"posterior_mm", 1e3 * shift.posterior_m}};
+}
+
+Json PlanJson(const AssessedSession& session) {
+  const procedure::SurgicalPlan& plan = session.plan.plan;
+  return {{"name", plan.name},
+          {"side", procedure::NameOf(plan.side)},
+          {"checksum", session.file.plan_checksum},
+          {"axis_G", Triple(plan.axis_G)},
+          {"angles", AnglesJson(plan, plan.axis_G)},
+          {"centre_mm", Triple(plan.cavity().centre_m, 1e3)},
+          {"diameter_mm", 2e3 * plan.cavity().radius_m},
+          {"reamers_mm", session.file.diameters_mm}};
+}
+
+Json ResultJson(const AssessedSession& session) {
+  const procedure::SurgicalPlan& plan = session.plan.plan;
+  const procedure::Assessment& found = session.assessment;
+  const procedure::CavityResult& cavity = found.cavity;
+  Json json;
+  if (cavity.fit) {
+    json["diameter_mm"] = 2e3 * cavity.fit->radius_m;
+    json["diameter_sd_mm"] = 2e3 * cavity.fit->radius_sd_m;
+    json["centre_mm"] = Triple(cavity.fit->centre_m, 1e3);
+    json["depth_sd_mm"] = 1e3 * cavity.fit->depth_sd_m;
+    json["cap_deg"] = cavity.fit->cap_rad / kDegree;
+    json["form_p95_mm"] = 1e3 * cavity.fit->residual_p95_m;
+    json["shift_from_plan"] = ShiftJson(cavity.from_plan);
+    json["shift_from_native"] = ShiftJson(cavity.from_native);
+  } else {
+    json["fit_refused"] = cavity.fit_refused;
+  }
+  if (found.axis_G) {
+    json["axis_G"] = Triple(*found.axis_G);
+    json["axis_of"] = found.axis_of_cup ? "cup" : "reamer";
+    json["angles"] = AnglesJson(plan, *found.axis_G);
+  }
+  json["axis_error_deg"] = OrNull(procedure::AxisError(plan, found), 1.0 / kDegree);
+  json["coverage"] = cavity.coverage;
+  json["removed_mm3"] = 1e9 * cavity.removed_m3;
+  json["over_mm3"] = 1e9 * cavity.over_m3;
+  json["under_mm3"] = 1e9 * cavity.under_m3;
+  json["cartilage_left"] = OrNull(cavity.cartilage_left);
+  json["least_wall_mm"] = OrNull(found.min_wall_m, 1e3);
+  json["rim_preserved"] = OrNull(cavity.rim_preserved);
+  return json;
+}
+
+Json FiguresJson(const procedure::ProcessFigures& figures) {
+  return {{"time_s", figures.time_s},
+          {"cutting_s", figures.cutting_s},
+          {"path_mm", 1e3 * figures.path_m},
+          {"force_mean_N", figures.force_mean_N},
+          {"force_peak_N", figures.force_peak_N},
+          {"wrong_way", figures.wrong_way},
+          {"outside_s", figures.outside_s},
+          {"tremor_N", figures.tremor_N}};
+}
+
+Json ProcessJson(const AssessedSession& session) {
+  Json json = FiguresJson(session.assessment.process);
+  json["passes"] = session.passes.size();
+  json["guidance_gain"] = session.guidance_gain;
+  for (const ToolFigures& tool : session.tools) {
+    Json row{{"diameter_mm", tool.diameter_mm}, {"passes", tool.passes}};
+    row.update(FiguresJson(tool.figures));
+    json["by_tool"].push_back(std::move(row));
+  }
+  json["by_pass"] = Json::array();
+  for (const PassFigures& pass : session.passes) {
+    Json row{{"number", pass.pass.number},
+             {"diameter_mm", session.file.diameters_mm[static_cast<std::size_t>(pass.pass.tool_index)]},
+             {"undone", pass.pass.undone},
+             {"removed_mm3", pass.pass.removed_mm3}};
+    row.update(FiguresJson(pass.figures));
+    json["by_pass"].push_back(std::move(row));
+  }
+  return json;
+}
+
+Json ScoreJson(const AssessResult& result) {
+  Json items = Json::array(), deductions = Json::array();
+  for (const procedure::ScoredItem& scored : result.score.items) {
+    const procedure::Metric& metric = MetricNamed(scored.item.metric);
+    items.push_back({{"metric", scored.item.metric},
+                     {"unit", metric.unit},
+                     {"value", OrNull(scored.value, metric.to_unit)},
+                     {"full", scored.item.full * metric.to_unit},
+                     {"zero", scored.item.zero * metric.to_unit},
+                     {"weight", scored.item.weight},
+                     {"points", scored.points},
+                     {"source", scored.item.source}});
+  }
+  for (const procedure::Deduction& deduction : result.score.deductions)
+    deductions.push_back(
+        {{"name", deduction.name}, {"points", deduction.points}, {"source", deduction.source}});
+  return {{"rubric", result.rubric.name},
+          {"total", result.score.total},
+          {"items", items},
+          {"deductions", deductions}};
+}
+
+// Medians of the metrics over sessions of a site's own experts.
+tl::expected<Norms, std::string> ReadNorms(const std::vector<fs::path>& folders) {
+  std::map<std::string, std::vector<double>> found;
+  for (const fs::path& folder : folders) {
+    const auto session = ReadAssessedSession(folder);
+    if (!session) return tl::make_unexpected("--norms: " + session.error());
+    for (const auto& [name, value] : procedure::ValuesOf(session->plan.plan, session->assessment))
+      found[name].push_back(value);
+  }
+  Norms norms;
+  for (auto& [name, values] : found) {
+    std::ranges::sort(values);
+    const std::size_t n = values.size();
+    norms[name] = {.median = 0.5 * (values[(n - 1) / 2] + values[n / 2]), .sessions = static_cast<int>(n)};
+  }
+  return norms;
+}
+
+// The results of other sessions of the same plan, in folders beside this one, and this one's.
+std::vector<TrendPoint> ReadTrend(const AssessResult& result) {
+  const fs::path own = fs::weakly_canonical(result.session.folder);
+  std::vector<TrendPoint> trend{
+      {.session = own.filename().string(), .score = result.score.total, .guided = result.guided}};
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(own.parent_path(), error)) {
+    if (entry.path() == own) continue;
+    std::ifstream stream(entry.path() / kResultName);
+    if (!stream) continue;
+    const Json json = Json::parse(stream, nullptr, false);
+    if (!json.is_object() || json.value("schema", "") != kSchema) continue;
+    const Json plan = json.value("plan", Json::object()), score = json.value("score", Json::object());
+    if (!plan.is_object() || !score.is_object() ||
+        plan.value("checksum", "") != result.session.file.plan_checksum || !score.contains("total") ||
+        !score["total"].is_number() || score.value("rubric", "") != result.rubric.name)
+      continue;
+    trend.push_back({.session = entry.path().filename().string(),
+                     .score = score["total"].get<double>(),
+                     .guided = json.contains("guided") && json["guided"] == true});
+  }
+  std::ranges::sort(trend, {}, &TrendPoint::session);
+  return trend;
+}
+
+Verdict Judge(const AssessResult& result, const std::optional<double>& pass_at) {
+  Verdict verdict;
+  const auto& min_wall_m = result.session.assessment.min_wall_m;
+  if (min_wall_m && *min_wall_m <= 0.0) verdict.Add(VerdictLevel::kBad, "A wall is cut through.");
+  if (pass_at && result.score.total < *pass_at)
+    verdict.Add(VerdictLevel::kBad,
+                fmt::format("The score is {:.1f}, accepted from {:g} on.", result.score.total, *pass_at));
+  if (!result.session.assessment.cavity.fit)
+    verdict.Add(VerdictLevel::kWarning,
+                fmt::format("No sphere was fitted: {}.", result.session.assessment.cavity.fit_refused));
+  if (!result.session.file.ended)
+    verdict.Add(VerdictLevel::kWarning, "The session's last process did not end in order.");
+  return verdict;
+}
+
+void PrintResult(const AssessResult& result, const Verdict& verdict) {
+  constexpr int kKeyWidth = 40;
+  fmt::print("Osteon assess: {}\n", result.session.folder.string());
+  PrintVerdict(verdict, kKeyWidth - 1);
+  fmt::print("  {:<{}}{:.1f} ({})\n", "Score", kKeyWidth, result.score.total,
+             result.guided ? "guided: not to be ranked with sessions without guidance" : "without guidance");
+  for (const procedure::ScoredItem& scored : result.score.items) {
+    const procedure::Metric& metric = MetricNamed(scored.item.metric);
+    fmt::print(
+        "  {:<{}}{}  {:.1f} of {:g} points\n", metric.text, kKeyWidth,
+        scored.value ? fmt::format("{:.3g} {}", *scored.value * metric.to_unit, metric.unit) : "not measured",
+        scored.points, scored.item.weight);
+  }
+  for (const procedure::Deduction& deduction : result.score.deductions)
+    fmt::print("  {:<{}}-{:g} points\n", deduction.name, kKeyWidth, deduction.points);
+}
+
+}  // namespace
+
+const procedure::Metric& MetricNamed(const std::string& name) {
+  return *std::ranges::find(procedure::Metrics(), name, &procedure::Metric::name);
+}
+
+Json AssessJson(const AssessResult& result) {
+  Json norms = Json::object();
+  for (const auto& [name, norm] : result.norms) {
+    const procedure::Metric& metric = MetricNamed(name);
+    norms[name] = {
+        {"median", norm.median * metric.to_unit}, {"unit", metric.unit}, {"sessions", norm.sessions}};
+  }
+  return {{"schema", kSchema},
+          {"plan", PlanJson(result.session)},
+          {"result", ResultJson(result.session)},
+          {"process", ProcessJson(result.session)},
+          {"score", ScoreJson(result)},
+          {"guided", result.guided},
+          {"norms", norms}};
+}
+
+int RunAssess(const AssessOptions& options) {
+  auto session = ReadAssessedSession(options.session);
+  if (!session) return Fail("assess", session.error());
+  AssessResult result;
+  result.session = std::move(*session);
+  result.rubric = config::LoadRubric(options.rubric);
+  result.values = procedure::ValuesOf(result.session.plan.plan, result.session.assessment);
+  result.score = procedure::ScoreOf(result.rubric, result.values, result.session.assessment.min_wall_m);
+  result.guided = result.session.guidance_gain > 0.0;
+  auto norms = ReadNorms(options.norms);
+  if (!norms) return Fail("assess", norms.error());
+  result.norms = std::move(*norms);
+  result.trend = ReadTrend(result);
+
+  const Verdict verdict = Judge(result, options.pass_at);
+  const std::string text = ResultText(verdict, AssessJson(result));
+  for (const fs::path& file : {options.session / kResultName, options.json})
+    if (!file.empty())
+      if (const auto written = WriteText(file, text); !written)
+        return Fail("assess", written.error(), kFailed);
+  const fs::path page = options.session / "assess.html";
+  if (const auto written = WriteAssessPage(result, verdict, options.command_line, page); !written)
+    return Fail("assess", written.error(), kFailed);
+  PrintResult(result, verdict);
+  fmt::print("report: {}\n", page.string());
+  return options.pass_at && result.score.total < *options.pass_at ? kFailed : 0;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "procedure/assessment/score.h"
+#include "studies/assess/session_reading.h"
+
+namespace osteon::app {
+
+struct AssessOptions {
+  std::filesystem::path session;  ///< folder
+  std::filesystem::path rubric;
+  std::optional<double> pass_at{};             ///< score below which the exit code is 1
+  std::vector<std::filesystem::path> norms{};  ///< sessions of a site's own experts
+  std::filesystem::path json{};                ///< a copy of the result; empty: none
+  std::string command_line{};
+};
+
+/// Median of a metric over expert sessions, in SI.
+struct Norm {
+  double median{0.0};
+  int sessions{0};
+};
+using Norms = std::map<std::string, Norm>;
+
+/// An earlier result beside this session: another folder's assess.json, of the same plan.
+struct TrendPoint {
+  std::string session;
+  double score{0.0};
+  bool guided{false};
+};
+
+/// All that the page and the JSON say.
+struct AssessResult {
+  AssessedSession session;
+  procedure::Rubric rubric;
+  procedure::MetricValues values;
+  procedure::Score score;
+  Norms norms;
+  std::vector<TrendPoint> trend;  ///< by the folders' names, with this session
+  bool guided{false};
+};
+
+/// The metric of a rubric's item or of a value.
+[[nodiscard]] const procedure::Metric& MetricNamed(const std::string& name);
+
+/// JSON of `osteon assess`, schema osteon.assess/1.
+[[nodiscard]] nlohmann::ordered_json AssessJson(const AssessResult& result);
+
+/// Runs `osteon assess`: writes assess.html and assess.json into the session's folder, and prints the score.
+/// @returns the process's exit code: 0; 1 the score is below `pass_at`, or a file cannot be written; 2 wrong
+/// input.
+[[nodiscard]] int RunAssess(const AssessOptions& options);
+
+}  // namespace osteon::app

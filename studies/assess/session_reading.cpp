@@ -1,0 +1,284 @@
+#include "studies/assess/session_reading.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/units.h"
+#include "io/recording/recording_reader.h"
+#include "session/planning/planned_cell.h"
+#include "simulation/bone/scene_events.h"
+#include "simulation/files/carved_file.h"
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+using procedure::ProcessSums;
+
+constexpr double kWallStep_m = 0.2e-3;  // travel of the head between two looks at the walls
+constexpr double kNoStamp_s = -1.0;
+
+// Watches the walls beside the heads of all tools.
+class WallWatch {
+ public:
+  WallWatch(const AssessedSession& session, const simulation::Solid* solid)
+      : session_(session), solid_(solid) {}
+
+  void Add(int tool, double radius_m, const Vector3& head_m) {
+    if (!solid_ || session_.plan.scene.events.min_wall_m <= 0.0) return;
+    auto found = watches_.find(tool);
+    if (found == watches_.end()) {
+      simulation::Tool ball;
+      ball.balls = {{.center_m = Vector3::Zero(), .radius_m = radius_m, .cutting = true}};
+      simulation::SceneEventParams params = session_.plan.scene.events;
+      params.regions.clear();
+      found = watches_.try_emplace(tool, solid_, session_.bone, ball, params).first;
+    } else if ((head_m - last_m_).norm() < kWallStep_m) {
+      return;
+    }
+    last_m_ = head_m;
+    Pose X_GP = Pose::Identity();
+    X_GP.translation() = head_m;
+    static_cast<void>(found->second.Step(X_GP, ++steps_, {}));
+  }
+  [[nodiscard]] std::optional<double> min_wall_m() const {
+    std::optional<double> min_m;
+    for (const auto& [tool, watch] : watches_)
+      if (watch.min_wall_m()) min_m = std::min(min_m.value_or(*watch.min_wall_m()), *watch.min_wall_m());
+    return min_m;
+  }
+
+ private:
+  const AssessedSession& session_;
+  const simulation::Solid* solid_;
+  std::map<int, simulation::SceneWatch> watches_;
+  Vector3 last_m_{Vector3::Zero()};
+  double steps_{0.0};
+};
+
+// The carved state of a bone that nothing has touched.
+simulation::CarvedState Uncut(const simulation::Bone& bone) {
+  simulation::CarvedState state;
+  for (const simulation::Ball& ball : bone.balls)
+    for (const double v : {ball.center_m.x, ball.center_m.y, ball.center_m.z, ball.radius_m})
+      state.balls.push_back(static_cast<float>(1e3 * v));
+  state.cleared.assign(bone.points.size(), 0);
+  return state;
+}
+
+// Sums up the recordings of a session, one after the other.
+class SessionSums {
+ public:
+  SessionSums(AssessedSession& session, const CellSetup& setup, double period_s)
+      : session_(session),
+        X_GW_(setup.X_WG.inverse()),
+        period_s_(period_s),
+        total_(session.plan.plan, period_s),
+        walls_(session, setup.solid.get()) {
+    for (const double diameter_mm : session.file.diameters_mm) {
+      session.tools.push_back({.diameter_mm = diameter_mm, .figures = {}});
+      tools_.emplace_back(session.plan.plan, period_s);
+    }
+    for (const SessionPass& pass : session.file.passes) {
+      session.passes.push_back({.pass = pass, .figures = {}});
+      passes_.emplace_back(session.plan.plan, period_s);
+      if (!pass.undone) last_tool_ = pass.tool_index;
+      if (!pass.undone) ++session.tools[static_cast<std::size_t>(pass.tool_index)].passes;
+    }
+  }
+
+  // Begins a recording: its time follows that of the one before.
+  void Begin(const std::string& recording) {
+    recording_ = recording;
+    offset_s_ = last_s_ == kNoStamp_s ? 0.0 : last_s_ + period_s_;
+    first_stamp_.reset();
+    cutting_ = false;
+    removed_m3_.reset();
+  }
+
+  void Add(const control::TickRecord& tick) {
+    if (tick.phase != control::Phase::kHaptic) return;
+    if (!first_stamp_) first_stamp_ = tick.stamp;
+    last_s_ = offset_s_ + rt::ToSeconds(tick.stamp - *first_stamp_);
+    const int tool = ToolAt(tick.stamp);
+    const Pose X_GT = X_GW_ * Pose(tick.X_WT_meas);
+    const Vector3 feed = X_GT.linear().col(2);
+    const procedure::ProcessSample sample{.t_s = last_s_,
+                                          .head_m = X_GT.translation() - RadiusOf(tool) * feed,
+                                          .feed = feed,
+                                          .F_hand_N = X_GW_.linear() * Vector3(tick.F_operator_T_W.f),
+                                          .cutting = cutting_,
+                                          .spindle_rad_per_s = tick.spindle_rad_per_s};
+    const procedure::PlannedReamer& reamer = session_.plan.plan.reamers[static_cast<std::size_t>(tool)];
+    total_.Add(sample, reamer);
+    tools_[static_cast<std::size_t>(tool)].Add(sample, reamer);
+    for (std::size_t i = 0; i < passes_.size(); ++i) {
+      PassFigures& pass = session_.passes[i];
+      if (!IsIn(pass.pass, tick.stamp)) continue;
+      if (pass.end_s == 0.0) pass.begin_s = last_s_;
+      pass.end_s = last_s_;
+      passes_[i].Add(sample, reamer);
+    }
+    Trace(sample);
+  }
+
+  void Add(const simulation::FrameRecord& frame) {
+    const double removed_m3 = frame.model.removed_volume_m3;
+    const double new_m3 = removed_m3_ ? std::max(0.0, removed_m3 - *removed_m3_) : 0.0;
+    removed_m3_ = removed_m3;
+    cutting_ = new_m3 > 0.0;
+    const rt::Nanoseconds stamp = frame.model.pose_stamp;
+    const Pose X_GP = X_GW_ * Pose(frame.model.X_WP);
+    const Vector3 feed = X_GP.linear().col(2);
+    proxy_m_ = X_GP.translation() - RadiusOf(ToolAt(stamp)) * feed;
+    if (!cutting_) return;
+    for (const PassFigures& pass : session_.passes) {
+      if (pass.pass.undone || !IsIn(pass.pass, stamp)) continue;
+      walls_.Add(pass.pass.tool_index, RadiusOf(pass.pass.tool_index), proxy_m_);
+      if (pass.pass.tool_index == last_tool_) axis_.Add(feed, new_m3);
+    }
+  }
+
+  void Finish() {
+    procedure::Assessment& assessment = session_.assessment;
+    assessment.process = total_.Figures();
+    for (std::size_t i = 0; i < tools_.size(); ++i) session_.tools[i].figures = tools_[i].Figures();
+    for (std::size_t i = 0; i < passes_.size(); ++i) session_.passes[i].figures = passes_[i].Figures();
+    assessment.axis_G = axis_.value();
+    assessment.min_wall_m = walls_.min_wall_m();
+    if (const auto& cup = session_.file.cup_X_GT) {
+      assessment.axis_G = -Pose(*cup).linear().col(2);
+      assessment.axis_of_cup = true;
+    }
+  }
+
+ private:
+  [[nodiscard]] bool IsIn(const SessionPass& pass, rt::Nanoseconds stamp) const {
+    const SessionSegment& segment = session_.file.segments[static_cast<std::size_t>(pass.segment)];
+    return segment.recording == recording_ && stamp >= pass.begin && stamp <= pass.end;
+  }
+  // The tool of a time: that of the last segment of this recording that has begun.
+  [[nodiscard]] int ToolAt(rt::Nanoseconds stamp) const {
+    int tool = 0;
+    bool found = false;
+    for (const SessionSegment& segment : session_.file.segments)
+      if (segment.recording == recording_ && (!found || stamp >= segment.begin)) {
+        tool = segment.tool_index;
+        found = true;
+      }
+    return tool;
+  }
+  [[nodiscard]] double RadiusOf(int tool) const {
+    return 0.5e-3 * session_.file.diameters_mm[static_cast<std::size_t>(tool)];
+  }
+  void Trace(const procedure::ProcessSample& sample) {
+    SessionTrace& trace = session_.trace;
+    if (!trace.t_s.empty() && sample.t_s < trace.t_s.back() + kTraceStep_s) return;
+    const procedure::SurgicalPlan& plan = session_.plan.plan;
+    const Vector3 off_m = sample.head_m - plan.cup_centre_m;
+    const double height_m = off_m.dot(plan.axis_G);
+    trace.t_s.push_back(sample.t_s);
+    trace.height_mm.push_back(1e3 * height_m);
+    trace.aside_mm.push_back(1e3 * (off_m - height_m * plan.axis_G).norm());
+    trace.proxy_mm.push_back(1e3 * (proxy_m_ - plan.cup_centre_m).dot(plan.axis_G));
+    trace.tilt_deg.push_back(std::acos(std::clamp(-sample.feed.dot(plan.axis_G), -1.0, 1.0)) / kDegree);
+    trace.force_N.push_back(sample.F_hand_N.norm());
+  }
+
+  AssessedSession& session_;
+  Pose X_GW_;
+  double period_s_;
+  ProcessSums total_;
+  std::vector<ProcessSums> tools_, passes_;
+  WallWatch walls_;
+  procedure::ReamedAxis axis_;
+  int last_tool_{0};
+  std::string recording_;
+  double offset_s_{0.0}, last_s_{kNoStamp_s};
+  std::optional<rt::Nanoseconds> first_stamp_;
+  bool cutting_{false};
+  Vector3 proxy_m_{Vector3::Zero()};  ///< centre of the simulated head in the last frame
+  std::optional<double> removed_m3_;
+};
+
+// Packs the bone as the session did, from what a recording says of its cell.
+tl::expected<CellSetup, std::string> SetUp(const fs::path& recording) {
+  auto stream = io::RecordingStream::Open(recording);
+  if (!stream) return tl::make_unexpected(stream.error());
+  if (const auto first = stream->Next(); !first) return tl::make_unexpected(first.error());
+  auto setup = SetUpRecorded(stream->session);
+  if (!setup) return tl::make_unexpected(recording.string() + ": " + setup.error());
+  const EngineChoice engine = ChooseEngine(stream->session.engine, "");
+  if (const auto packed = PackCell(*setup, {}, engine, false); !packed)
+    return tl::make_unexpected(recording.string() + ": " + packed.error());
+  return setup;
+}
+
+tl::expected<void, std::string> CheckSession(const AssessedSession& session) {
+  const fs::path file = session.folder / session.file.plan_file;
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (const std::string found = TextChecksum(text); found != session.file.plan_checksum)
+    return tl::make_unexpected(
+        fmt::format("{}: found checksum {}, accepted the session's, {}: the plan was changed", file.string(),
+                    found, session.file.plan_checksum));
+  if (session.file.segments.empty())
+    return tl::make_unexpected(fmt::format("{}: found no segment, accepted at least one",
+                                           (session.folder / kSessionFileName).string()));
+  if (session.file.diameters_mm.size() != session.plan.plan.reamers.size())
+    return tl::make_unexpected(fmt::format(
+        "{}: found {} reamers, accepted the plan's {}", (session.folder / kSessionFileName).string(),
+        session.file.diameters_mm.size(), session.plan.plan.reamers.size()));
+  return {};
+}
+
+}  // namespace
+
+tl::expected<AssessedSession, std::string> ReadAssessedSession(const fs::path& folder) {
+  auto file = ReadSession(folder);
+  if (!file) return tl::make_unexpected(file.error());
+  AssessedSession session{.folder = folder, .file = std::move(*file)};
+  session.plan = config::LoadSurgicalPlan(folder / session.file.plan_file);
+  if (const auto right = CheckSession(session); !right) return tl::make_unexpected(right.error());
+  auto setup = SetUp(folder / session.file.segments.front().recording);
+  if (!setup) return tl::make_unexpected(setup.error());
+  session.bone = std::move(setup->bone);
+  if (const std::string last = session.file.LastState(); last.empty()) {
+    session.state = Uncut(session.bone);
+  } else {
+    auto state = simulation::ReadCarvedState(folder / last, session.bone);
+    if (!state) return tl::make_unexpected(state.error().Text());
+    session.state = std::move(*state);
+  }
+  for (const SessionSegment& segment : session.file.segments)
+    session.guidance_gain = std::max(session.guidance_gain, segment.guidance_gain);
+
+  SessionSums sums(session, *setup, setup->config.servo.period_s);
+  std::string recording;
+  for (const SessionSegment& segment : session.file.segments) {
+    if (segment.recording == recording) continue;
+    recording = segment.recording;
+    auto stream = io::RecordingStream::Open(folder / recording);
+    if (!stream) return tl::make_unexpected(stream.error());
+    sums.Begin(recording);
+    while (true) {
+      const auto topic = stream->Next();
+      if (!topic) return tl::make_unexpected(topic.error());
+      if (*topic == io::RecordedTopic::kOther) break;
+      if (*topic == io::RecordedTopic::kTick) sums.Add(stream->tick);
+      if (*topic == io::RecordedTopic::kFrame) sums.Add(stream->frame);
+    }
+  }
+  sums.Finish();
+  session.assessment.cavity = procedure::AssessCavity(session.plan.plan, session.bone, session.state);
+  return session;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "config/reading/load_surgical_plan.h"
+#include "procedure/assessment/assessment.h"
+#include "session/procedure/session_file.h"
+#include "session/setup/cell_setup.h"
+
+namespace osteon::app {
+
+/// Curves of a session, one value for kTraceStep_s; for the page.
+struct SessionTrace {
+  std::vector<double> t_s{}, height_mm{}, tilt_deg{}, aside_mm{}, force_N{};
+  std::vector<double> proxy_mm{};  ///< height of the simulated head, which bone stops before the handle
+};
+inline constexpr double kTraceStep_s = 0.05;
+
+/// A pass of the session, on the trace's time.
+struct PassFigures {
+  SessionPass pass{};
+  double begin_s{0.0}, end_s{0.0};
+  procedure::ProcessFigures figures{};
+};
+
+struct ToolFigures {
+  double diameter_mm{0.0};
+  int passes{0};  ///< that count for the result
+  procedure::ProcessFigures figures{};
+};
+
+/// A session folder, read and measured.
+struct AssessedSession {
+  std::filesystem::path folder;
+  SessionFile file{};
+  config::SurgicalPlanConfig plan{};
+  simulation::Bone bone{};          ///< uncut
+  simulation::CarvedState state{};  ///< the last one that counts
+  procedure::Assessment assessment{};
+  std::vector<ToolFigures> tools{};
+  std::vector<PassFigures> passes{};
+  SessionTrace trace{};
+  double guidance_gain{0.0};  ///< the largest of any segment
+};
+
+/// Reads FOLDER/session.json, plan, recordings and the last state that counts, and measures them.
+/// The error names the file and what is wrong: it cannot be read, or is not the one of the session.
+/// @throws config::ConfigError for the plan
+[[nodiscard]] tl::expected<AssessedSession, std::string> ReadAssessedSession(
+    const std::filesystem::path& folder);
+
+}  // namespace osteon::app

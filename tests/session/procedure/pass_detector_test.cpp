@@ -1,0 +1,106 @@
+#include "session/procedure/pass_detector.h"
+
+#include <gtest/gtest.h>
+
+#include "session/procedure/scripted_changes.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr rt::Nanoseconds kFrame = 2 * rt::kMillisecond;
+
+// Frames in which bone is removed, or not.
+struct Frames {
+  PassDetector passes;
+  simulation::ContactModel model;
+  rt::Nanoseconds stamp{rt::kSecond};
+  int began{0}, ended{0};
+
+  void Run(int count, double removed_m3, int contacts, double spindle = 26.0) {
+    for (int i = 0; i < count; ++i) {
+      model.removed_volume_m3 += removed_m3;
+      model.contact_count = contacts;
+      const auto change = passes.Step(model, stamp += kFrame, spindle);
+      began += change == PassDetector::Change::kBegan ? 1 : 0;
+      ended += change == PassDetector::Change::kEnded ? 1 : 0;
+    }
+  }
+};
+
+TEST(PassDetector, APassEndsOnceTheToolHasBeenClearForHalfASecond) {
+  Frames frames;
+  frames.Run(10, 0.0, 0);
+  frames.Run(100, 1e-9, 3);
+  frames.Run(200, 0.0, 0);  // 0.4 s
+  EXPECT_EQ(frames.began, 1);
+  EXPECT_EQ(frames.ended, 0);
+  EXPECT_TRUE(frames.passes.open());
+  frames.Run(60, 0.0, 0);
+  EXPECT_EQ(frames.ended, 1);
+  EXPECT_FALSE(frames.passes.open());
+  EXPECT_NEAR(frames.passes.removed_m3(), 100e-9, 1e-15);
+  EXPECT_NEAR(frames.passes.cutting_s(), 0.2, 1e-9);
+}
+
+TEST(PassDetector, AToolThatComesBackWithinHalfASecondGoesOnWithItsPass) {
+  Frames frames;
+  frames.Run(1, 0.0, 0);
+  for (int i = 0; i < 5; ++i) {
+    frames.Run(50, 1e-9, 3);
+    frames.Run(100, 0.0, 0);  // lifted for 0.2 s
+    frames.Run(100, 0.0, 2);  // and rubs
+  }
+  EXPECT_EQ(frames.began, 1);
+  EXPECT_EQ(frames.ended, 0);
+}
+
+TEST(PassDetector, BoneThatAStandingSpindleWouldRemoveIsNoPass) {
+  Frames frames;
+  frames.Run(100, 1e-9, 3, 0.0);
+  EXPECT_EQ(frames.began, 0);
+}
+
+TEST(PassDetector, AnotherStateOfTheBoneIsNoCut) {
+  Frames frames;
+  frames.Run(50, 1e-9, 3);
+  frames.Run(300, 0.0, 0);
+  frames.passes.Restart();
+  frames.model.removed_volume_m3 = 0.0;  // an undo
+  frames.Run(1, 0.0, 0);
+  frames.passes.Restart();
+  frames.model.removed_volume_m3 = 1e-6;  // and a resume from a later state
+  frames.Run(300, 0.0, 0);
+  EXPECT_EQ(frames.began, 1);
+  EXPECT_EQ(frames.ended, 1);
+}
+
+TEST(ScriptedChanges, PressesEachButtonOnceAndOnlyForARetractedTool) {
+  ScriptedChanges script;
+  rt::Nanoseconds stamp = rt::kSecond;
+  using Action = ScriptedChanges::Action;
+  int pressed = 0;
+  const auto run = [&](int frames, double height_m, bool paused, bool next) {
+    Action last = Action::kNone;
+    for (int i = 0; i < frames; ++i) {
+      const Action action = script.Step(stamp += kFrame, height_m, paused, next);
+      if (action == Action::kNone) continue;
+      last = action;
+      ++pressed;
+    }
+    return last;
+  };
+  EXPECT_EQ(run(1000, 0.04, false, true), Action::kNone) << "it has not been down yet";
+  EXPECT_EQ(run(1000, 0.0, false, true), Action::kNone) << "it reams";
+  EXPECT_EQ(run(1000, 0.03, false, true), Action::kPause);
+  EXPECT_EQ(run(100, 0.03, true, true), Action::kNext);
+  EXPECT_EQ(run(100, 0.03, true, true), Action::kNone) << "not answered yet";
+  script.OnNextAnswered();
+  EXPECT_EQ(run(100, 0.03, true, true), Action::kResume);
+  EXPECT_EQ(run(1000, 0.03, false, true), Action::kNone) << "the next tool has not been down";
+  EXPECT_EQ(run(1000, 0.0, false, false), Action::kNone);
+  EXPECT_EQ(run(1000, 0.03, false, false), Action::kNone) << "no further tool";
+  EXPECT_EQ(pressed, 3);
+}
+
+}  // namespace
+}  // namespace osteon::app

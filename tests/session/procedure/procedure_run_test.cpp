@@ -1,0 +1,259 @@
+// A procedure of two reamers on the simulated cell in virtual time: passes, change of tool, undo, resume,
+// replay.
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "io/recording/recording_reader.h"
+#include "safety/cell_state.h"
+#include "session/procedure/procedure_session.h"
+#include "session/replay/replay.h"
+#include "session/run/cell_run.h"
+#include "session/setup/recorded_config.h"
+#include "simulation/engine/tool_change.h"
+#include "simulation/files/carved_file.h"
+#include "tests/session/set_up_cell.h"
+#include "tests/temporary_path.h"
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+using safety::CellState;
+
+constexpr const char* kCell = OSTEON_SOURCE_DIR "/config/cells/demo.yaml";
+constexpr const char* kTool = OSTEON_SOURCE_DIR "/config/tools/reamer.yaml";
+
+std::string HashText(const simulation::CarvedState& state) {
+  return fmt::format("{:016x}", simulation::HashState(state));
+}
+
+// The cell with reamers of 48 and 50 mm, both of which cut, and its session.
+struct Rig {
+  Rig(const std::string& name, double seconds, const SessionFile* resumed = nullptr)
+      : folder(TemporaryPath(name)) {
+    fs::create_directories(folder);
+    ToolList list{.diameters_mm = {48.0, 50.0}};
+    if (resumed) list.first = resumed->segments.back().tool_index;
+    auto made = SetUpCell(
+        kCell, std::nullopt,
+        config::ToolChoice{.file = kTool,
+                           .diameter_m = 1e-3 * list.diameters_mm.at(static_cast<std::size_t>(list.first))});
+    EXPECT_TRUE(made) << made.error();
+    setup = std::make_unique<CellSetup>(std::move(*made));
+    auto tools = LoadProcedureTools(setup->config, kCell, kTool, {}, list);
+    PrepareForTools(tools, setup->config);
+    KeepToolList(list, setup->config_source);
+    hil::ProcedureScriptParams script{.X_WC = setup->X_WG, .head_radius_m = 0.5e-3 * list.diameters_mm[0]};
+    script.head_radius_m = 0.5e-3 * list.diameters_mm.at(static_cast<std::size_t>(list.first));
+    script.tool_yaw_rad = setup->config.start.tool_yaw_rad;
+    script.start_height_m = setup->config.start.height_m;
+    for (std::size_t i = static_cast<std::size_t>(list.first); i < 2; ++i)
+      script.heights_m.push_back(-1e-3 - 1e-3 * static_cast<double>(i));
+    setup->config.script = script;
+    engine = std::move(*MakeEngine(*setup, {}));
+    SessionFile file;
+    if (resumed) file = *resumed;
+    file.diameters_mm = list.diameters_mm;
+    session = std::make_unique<ProcedureSession>(
+        ProcedureParams{.folder = folder,
+                        .file = file,
+                        .tools = std::move(tools),
+                        .tool = list.first,
+                        .recording = resumed ? "run_2.mcap" : "run_1.mcap",
+                        .bone = &setup->bone,
+                        .solid = setup->solid.get(),
+                        .events = setup->config.scene.events,
+                        .X_WG = setup->X_WG,
+                        .make_engine =
+                            [this](const simulation::Tool& tool) {
+                              return MakeEngine({}, setup->bone, tool, setup->X_WG, setup->config.cutting);
+                            },
+                        .scripted = true});
+    params = {.seconds = seconds,
+              .virtual_time = true,
+              .recording = folder / (resumed ? "run_2.mcap" : "run_1.mcap"),
+              .procedure = session.get()};
+  }
+
+  void Run() {
+    const auto begun = session->Begin(*engine);
+    ASSERT_TRUE(begun) << begun.error();
+    const auto run = RunCell(*setup, *engine, params);
+    ASSERT_TRUE(run) << run.error().what;
+    result = *run;
+    EXPECT_FALSE(result.faults.Any());
+    EXPECT_EQ(result.session_error, "");
+  }
+
+  fs::path folder;
+  std::unique_ptr<CellSetup> setup;
+  std::unique_ptr<simulation::CuttingEngine> engine;
+  std::unique_ptr<ProcedureSession> session;
+  CellRunParams params;
+  CellRunResult result;
+};
+
+void ExpectStatesWhole(const fs::path& folder, const SessionFile& session, const simulation::Bone& bone) {
+  for (const SessionPass& pass : session.passes) {
+    const auto state = simulation::ReadCarvedState(folder / pass.state, bone);
+    ASSERT_TRUE(state) << state.error().Text();
+    EXPECT_EQ(HashText(*state), pass.state_hash) << pass.state;
+  }
+}
+
+class ProcedureRun : public testing::Test {
+ protected:
+  // One run for several tests: two reamers, and a copy of the folder as it was after the first pass.
+  static void SetUpTestSuite() {
+    rig_ = new Rig("two_reamers", 14.0);
+    rig_->params.progress = [](double) {
+      const fs::path copy = TemporaryPath("killed");
+      if (fs::exists(copy) || rig_->session->File().passes.empty()) return;
+      fs::copy(rig_->folder, copy, fs::copy_options::recursive);
+    };
+    rig_->Run();
+    auto read = io::ReadRecording(rig_->params.recording);
+    ASSERT_TRUE(read) << read.error();
+    recording_ = new io::Recording(std::move(*read));
+  }
+  static void TearDownTestSuite() {
+    delete rig_;
+    delete recording_;
+  }
+  static inline Rig* rig_ = nullptr;
+  static inline io::Recording* recording_ = nullptr;
+};
+
+TEST_F(ProcedureRun, ToolsChangeAtRestAndTheJointsStayBitEqual) {
+  int changes = 0;
+  for (std::size_t i = 1; i < recording_->ticks.size(); ++i) {
+    const control::TickRecord &before = recording_->ticks[i - 1], &tick = recording_->ticks[i];
+    if (tick.input.tool_index == before.input.tool_index) continue;
+    ++changes;
+    EXPECT_EQ(tick.q_cmd, before.q_cmd);
+    EXPECT_EQ(before.cell_state, static_cast<std::uint8_t>(CellState::kPaused));
+    const Vector3 step = Pose(tick.X_WT_cmd).translation() - Pose(before.X_WT_cmd).translation();
+    EXPECT_NEAR(step.norm(), 0.001, 1e-9) << "the apex of 50 mm is 1 mm further than that of 48 mm";
+  }
+  EXPECT_EQ(changes, 1);
+}
+
+TEST_F(ProcedureRun, EachReamerLeavesAPassAndAState) {
+  const auto session = ReadSession(rig_->folder);
+  ASSERT_TRUE(session) << session.error();
+  EXPECT_TRUE(session->ended);
+  ASSERT_EQ(session->segments.size(), 2u);
+  ASSERT_GE(session->passes.size(), 2u);
+  EXPECT_EQ(session->passes.front().tool_index, 0);
+  EXPECT_EQ(session->passes.back().tool_index, 1);
+  for (const SessionPass& pass : session->passes) EXPECT_GT(pass.removed_mm3, 1.0);
+  EXPECT_EQ(session->segments[0].end_state_hash, session->segments[1].begin_state_hash);
+  EXPECT_EQ(session->segments[1].end_state_hash, HashText(rig_->result.after));
+  ExpectStatesWhole(rig_->folder, *session, rig_->setup->bone);
+}
+
+TEST_F(ProcedureRun, TheLoopReplaysToTheBit) {
+  const auto cell = LoadRecordedTools(recording_->session.config);
+  ASSERT_TRUE(cell) << cell.error();
+  ASSERT_EQ(cell->tools.size(), 2u);
+  const ReplayResult replay = Replay(*recording_, cell->config, cell->tools, cell->list.first);
+  EXPECT_TRUE(replay.identical) << replay.why_not
+                                << (replay.first_difference ? replay.first_difference->field : "");
+  EXPECT_EQ(replay.ticks, recording_->ticks.size());
+  // and it depends on the tool: without the table it differs
+  const ReplayResult other = Replay(*recording_, cell->config);
+  EXPECT_FALSE(other.identical);
+}
+
+// kill -9 after the first pass leaves a folder like this one.
+TEST_F(ProcedureRun, AKilledSessionResumesAtItsLastPass) {
+  const fs::path copy = TemporaryPath("killed");
+  const auto killed = ReadSession(copy);
+  ASSERT_TRUE(killed) << killed.error();
+  EXPECT_FALSE(killed->ended);
+  ASSERT_EQ(killed->passes.size(), 1u);
+  EXPECT_EQ(killed->segments.back().end_state_hash, "");
+  Rig again("killed", 0.5, &*killed);
+  const auto begun = again.session->Begin(*again.engine);
+  ASSERT_TRUE(begun) << begun.error();
+  EXPECT_EQ(HashText(again.engine->Snapshot()), killed->passes[0].state_hash);
+  const SessionFile file = again.session->File();
+  EXPECT_EQ(file.segments.size(), killed->segments.size() + 1);
+  EXPECT_EQ(file.segments.back().begin_state, killed->passes[0].state);
+  EXPECT_EQ(file.segments.back().recording, "run_2.mcap");
+}
+
+TEST_F(ProcedureRun, AnotherBoneIsRefused) {
+  SessionFile file = rig_->session->File();
+  file.bone_checksum = "0123456789abcdef";
+  Rig other("other_bone", 1.0, &file);
+  const auto begun = other.session->Begin(*other.engine);
+  ASSERT_FALSE(begun);
+  EXPECT_NE(begun.error().find("0123456789abcdef"), std::string::npos) << begun.error();
+}
+
+// Whatever is asked for, and in whatever state: a paused arm holds, no fault, no saved state is lost.
+TEST(ProcedureRequests, NoSequenceOfThemMovesThePausedArmOrLosesAState) {
+  constexpr unsigned kSeed = 39;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 random(kSeed);
+  Rig rig("random_requests", 12.0);
+  std::map<std::string, std::string> saved;  // hash by file
+  int answers = 0, done = 0;
+  OperatorRequests buttons;
+  rig.params.requests = &buttons;
+  control::JointArray held{};
+  bool was_paused = false;
+  rig.params.ticked = [&](const control::TickRecord& tick, const simulation::ContactModel&) {
+    const bool paused = tick.cell_state == static_cast<std::uint8_t>(CellState::kPaused);
+    if (paused && was_paused) {
+      ASSERT_EQ(tick.q_cmd, held) << "tick " << tick.tick;
+    }
+    held = tick.q_cmd;
+    was_paused = paused;
+    if (random() % 150 != 0) return;
+    using Kind = SessionRequest::Kind;
+    const auto which = static_cast<unsigned>(random() % 9);
+    if (which == 7) buttons.pause.store(true);
+    if (which == 8) buttons.resume.store(true);
+    if (which < 7) {
+      const Kind kind = std::array{Kind::kNext, Kind::kTool,   Kind::kUndo, Kind::kSave,
+                                   Kind::kCup,  Kind::kResume, Kind::kUndo}[which];
+      (void)rig.session->Post({.kind = kind,
+                               .diameter_mm = std::array{48.0, 50.0, 47.0, -1.0}[random() % 4],
+                               .confirmed = random() % 2 == 0},
+                              [&](const SessionAnswer& answer) {
+                                ++answers;
+                                done += answer.done ? 1 : 0;
+                                EXPECT_EQ(answer.done, answer.reason.empty()) << answer.reason;
+                              });
+    }
+    for (const SessionPass& pass : rig.session->File().passes) {
+      const auto [known, is_new] = saved.try_emplace(pass.state, pass.state_hash);
+      if (!is_new) {
+        ASSERT_EQ(known->second, pass.state_hash) << "a saved state was replaced";
+      }
+    }
+  };
+  rig.Run();
+  EXPECT_GT(answers, 20);
+  EXPECT_GT(done, 5);
+  ExpectStatesWhole(rig.folder, rig.session->File(), rig.setup->bone);
+  const auto recording = io::ReadRecording(rig.params.recording);
+  ASSERT_TRUE(recording) << recording.error();
+  const auto cell = LoadRecordedTools(recording->session.config);
+  ASSERT_TRUE(cell) << cell.error();
+  EXPECT_TRUE(Replay(*recording, cell->config, cell->tools, cell->list.first).identical);
+}
+
+}  // namespace
+}  // namespace osteon::app

@@ -1,0 +1,185 @@
+#include "studies/assess/assess_result.h"
+
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "config/reading/strict/config_error.h"
+#include "io/recording/recording_reader.h"
+#include "session/planning/planned_cell.h"
+#include "session/run/cell_run.h"
+#include "simulation/files/carved_file.h"
+#include "tests/io/temporary_folder.h"
+
+// `osteon assess` of a session that is made here: the demo's scripted operator reams the demo's cup with the
+// plan's last reamer, in virtual time.
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
+
+std::string ReadAll(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// Makes FOLDER/session.json with its recording and its last state.
+void MakeSession(const fs::path& folder) {
+  fs::create_directories(folder);
+  const std::string plan = [] {
+    std::string text = ReadAll(kConfig / "plans/acetabulum.yaml");
+    const std::string scene = "scene: acetabulum";
+    return text.replace(text.find(scene), scene.size(),
+                        "scene: " + (kConfig / "scenes/acetabulum.yaml").string());
+  }();
+  std::ofstream(folder / "plan.yaml") << plan;
+  auto setup = PrepareCell(kConfig / "cells/demo.yaml", std::nullopt);
+  ASSERT_TRUE(setup) << setup.error();
+  const EngineChoice choice{.engine = "cpu"};
+  ASSERT_TRUE(PackCell(*setup, {}, choice, false));
+  auto engine = MakeEngine(*setup, choice);
+  ASSERT_TRUE(engine) << engine.error();
+  const auto run =
+      RunCell(*setup, **engine, {.seconds = 6.0, .virtual_time = true, .recording = folder / "run_1.mcap"});
+  ASSERT_TRUE(run) << run.error().what;
+  ASSERT_TRUE(simulation::WriteCarvedState(folder / "state_1.carved", run->after, setup->bone));
+  const auto recording = io::ReadRecording(folder / "run_1.mcap");
+  ASSERT_TRUE(recording) << recording.error();
+  const rt::Nanoseconds end = recording->frames.back().model.pose_stamp;
+
+  SessionFile file;
+  file.cell = "demo";
+  file.plan_checksum = TextChecksum(plan);
+  file.cell_checksum = TextChecksum("");
+  file.bone_checksum = fmt::format("{:016x}", 0);
+  file.scene = "acetabulum";
+  file.tool = "reamer";
+  file.diameters_mm = {44.0, 46.0, 48.0, 50.0};
+  file.clock = "virtual";
+  file.gains.law = "admittance";
+  file.ended = true;
+  const std::string hash = fmt::format("{:016x}", simulation::HashState(run->after));
+  file.segments = {{.tool_index = 3,
+                    .recording = "run_1.mcap",
+                    .begin = 0,
+                    .end = end,
+                    .begin_state = "",
+                    .begin_state_hash = file.bone_checksum,
+                    .end_state = "state_1.carved",
+                    .end_state_hash = hash}};
+  file.passes = {{.number = 1,
+                  .segment = 0,
+                  .tool_index = 3,
+                  .begin = 0,
+                  .end = end,
+                  .removed_mm3 = 1e9 * run->after.removed_volume_m3,
+                  .state = "state_1.carved",
+                  .state_hash = hash}};
+  ASSERT_TRUE(WriteSession(folder, file));
+}
+
+class Assess : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<io::test::TemporaryFolder>();
+    MakeSession(folder_->path() / "session_1");
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static fs::path Session() { return folder_->path() / "session_1"; }
+  static AssessOptions Options() { return {.session = Session(), .rubric = kConfig / "rubrics/rubric.yaml"}; }
+
+  static std::unique_ptr<io::test::TemporaryFolder> folder_;
+};
+std::unique_ptr<io::test::TemporaryFolder> Assess::folder_;
+
+TEST_F(Assess, MeasuresWhatTheScriptedOperatorReamed) {
+  const auto session = ReadAssessedSession(Session());
+  ASSERT_TRUE(session) << session.error();
+  const procedure::Assessment& found = session->assessment;
+  ASSERT_TRUE(found.cavity.fit) << found.cavity.fit_refused;
+  EXPECT_NEAR(2e3 * found.cavity.fit->radius_m, 50.0, 0.3);
+  EXPECT_NEAR(1e3 * found.cavity.from_plan.medial_m, 0.0, 3.0);
+  ASSERT_TRUE(procedure::AxisError(session->plan.plan, found));
+  EXPECT_LT(*procedure::AxisError(session->plan.plan, found), 0.1)
+      << "the script points along the cup's axis";
+  EXPECT_NEAR(found.cavity.removed_m3, 1e-9 * session->passes.front().pass.removed_mm3,
+              1e-3 * found.cavity.removed_m3);
+  EXPECT_NEAR(found.process.time_s, 6.0, 0.1);
+  EXPECT_GT(found.process.cutting_s, 0.5);
+  EXPECT_LT(found.process.cutting_s, 6.0);
+  EXPECT_NEAR(found.process.force_peak_N, 120.0, 15.0) << "the script pushes with 120 N";
+  EXPECT_EQ(session->tools[3].passes, 1);
+  EXPECT_EQ(session->tools[0].figures.time_s, 0.0);
+  ASSERT_TRUE(found.min_wall_m);
+  EXPECT_NEAR(1e3 * *found.min_wall_m, 15.0, 1.0);
+}
+
+TEST_F(Assess, WritesPageAndResultAndEndsByTheScore) {
+  AssessOptions options = Options();
+  ASSERT_EQ(RunAssess(options), 0);
+  const auto json = nlohmann::json::parse(ReadAll(Session() / "assess.json"));
+  EXPECT_EQ(json["schema"], "osteon.assess/1");
+  for (const char* key : {"plan", "result", "process", "score", "guided", "norms"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_EQ(json["guided"], false);
+  double points = 0.0;
+  for (const auto& item : json["score"]["items"]) points += item["points"].get<double>();
+  EXPECT_NEAR(json["score"]["total"].get<double>(), points, 1e-9);
+  EXPECT_EQ(json["process"]["by_tool"].size(), 4u);
+  const std::string page = ReadAll(Session() / "assess.html");
+  for (const char* words : {"without guidance", "Coronal section", "Axial section", "The planned hemisphere",
+                            "The session", "Assumptions", "PMC3261258"})
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+
+  options.pass_at = json["score"]["total"].get<double>() + 0.01;
+  EXPECT_EQ(RunAssess(options), 1);
+  options.pass_at = json["score"]["total"].get<double>() - 0.01;
+  EXPECT_EQ(RunAssess(options), 0);
+}
+
+TEST_F(Assess, TheSameSessionAsItsOwnNormHasItsFiguresAsMedians) {
+  AssessOptions options = Options();
+  options.norms = {Session()};
+  ASSERT_EQ(RunAssess(options), 0);
+  const auto json = nlohmann::json::parse(ReadAll(Session() / "assess.json"));
+  EXPECT_EQ(json["norms"]["path"]["sessions"], 1);
+  EXPECT_EQ(json["norms"]["path"]["median"], json["process"]["path_mm"]);
+  EXPECT_EQ(json["norms"]["coverage"]["median"], json["result"]["coverage"]);
+}
+
+TEST_F(Assess, AnEarlierSessionOfThePlanIsItsTrend) {
+  ASSERT_EQ(RunAssess(Options()), 0);
+  const fs::path other = folder_->path() / "session_0";
+  fs::create_directories(other);
+  auto json = nlohmann::ordered_json::parse(ReadAll(Session() / "assess.json"));
+  json["score"]["total"] = 12.5;
+  std::ofstream(other / "assess.json") << json;
+  ASSERT_EQ(RunAssess(Options()), 0);
+  EXPECT_NE(ReadAll(Session() / "assess.html").find("<h2>Trend</h2>"), std::string::npos);
+  json["plan"]["checksum"] = "another";
+  std::ofstream(other / "assess.json") << json;
+  ASSERT_EQ(RunAssess(Options()), 0);
+  EXPECT_EQ(ReadAll(Session() / "assess.html").find("<h2>Trend</h2>"), std::string::npos);
+  fs::remove_all(other);
+}
+
+TEST_F(Assess, APlanThatWasChangedIsRefused) {
+  const fs::path copy = folder_->path() / "changed";
+  fs::copy(Session(), copy);
+  std::ofstream(copy / "plan.yaml", std::ios::app) << "# changed\n";
+  const auto session = ReadAssessedSession(copy);
+  ASSERT_FALSE(session);
+  EXPECT_NE(session.error().find("the plan was changed"), std::string::npos) << session.error();
+  fs::remove_all(copy);
+}
+
+TEST_F(Assess, AFolderWithoutASessionIsRefused) { EXPECT_FALSE(ReadAssessedSession(folder_->path())); }
+
+}  // namespace
+}  // namespace osteon::app
