@@ -27,7 +27,8 @@ FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")
   auto* kill =
       sub_->add_flag("--kill", tables_.kill,
                      "instead of the scenarios: processes and threads are killed in full contact at 150 N: "
-                     "controller, servo loop, simulation, recorder, guard, cell (docs/guard.md)")
+                     "controller, servo loop, simulation, recorder, guard, cell, the engine's process "
+                     "(docs/guard.md)")
           ->excludes(ids)
           ->excludes(out)
           ->excludes(faults);

@@ -128,7 +128,7 @@ void Visit(Fields& fields, EngineFrame& f) OSTEON_RT {
 }
 
 template <class Message>
-void Encode(const EngineHeader& header, const Message& message, EngineBytes& out) OSTEON_RT {
+void EncodeFields(const EngineHeader& header, const Message& message, EngineBytes& out) OSTEON_RT {
   std::array<std::uint8_t, kEngineMaxMessage - kEngineHeaderBytes> content;
   Written fields(content);
   Message copy = message;  // the list of fields is one for both directions, so it takes what it could change
@@ -137,8 +137,8 @@ void Encode(const EngineHeader& header, const Message& message, EngineBytes& out
 }
 
 template <class Message>
-EngineError Decode(EngineMessage kind, std::span<const std::uint8_t> bytes, EngineHeader& header,
-                   Message& out) OSTEON_RT {
+EngineError DecodeFields(EngineMessage kind, std::span<const std::uint8_t> bytes, EngineHeader& header,
+                         Message& out) OSTEON_RT {
   std::span<const std::uint8_t> content;
   if (const EngineError error = DecodeEngine(bytes, header, content); error != EngineError::kNone)
     return error;
@@ -194,11 +194,11 @@ bool EncodeEngine(const EngineHeader& header, std::span<const std::uint8_t> cont
 }
 
 void EncodeEngine(const EngineHeader& header, const EngineCommand& command, EngineBytes& message) OSTEON_RT {
-  Encode(header, command, message);
+  EncodeFields(header, command, message);
 }
 
 void EncodeEngine(const EngineHeader& header, const EngineFrame& frame, EngineBytes& message) OSTEON_RT {
-  Encode(header, frame, message);
+  EncodeFields(header, frame, message);
 }
 
 EngineError DecodeEngine(std::span<const std::uint8_t> message, EngineHeader& header,
@@ -223,12 +223,12 @@ EngineError DecodeEngine(std::span<const std::uint8_t> message, EngineHeader& he
 
 EngineError DecodeEngine(std::span<const std::uint8_t> message, EngineHeader& header,
                          EngineCommand& command) OSTEON_RT {
-  return Decode(EngineMessage::kCommand, message, header, command);
+  return DecodeFields(EngineMessage::kCommand, message, header, command);
 }
 
 EngineError DecodeEngine(std::span<const std::uint8_t> message, EngineHeader& header,
                          EngineFrame& frame) OSTEON_RT {
-  return Decode(EngineMessage::kFrame, message, header, frame);
+  return DecodeFields(EngineMessage::kFrame, message, header, frame);
 }
 
 }  // namespace osteon::io

@@ -3,8 +3,8 @@
 #include "tests/app/command.h"
 #include "tests/app/machine_lateness.h"
 
-// Runs `osteon failures --kill`: controller, loop, simulation, recorder, guard and cell are killed in full
-// contact, once each. `--times 20` is the measurement.
+// Runs `osteon failures --kill`: controller, loop, simulation, recorder, guard, cell and the engine's
+// process are killed in full contact, once each. `--times 20` is the measurement.
 
 namespace osteon::app {
 namespace {
@@ -17,7 +17,7 @@ TEST(Kill, LeavesTheArmAtRestWhoeverDies) {
   const nlohmann::json report = ReadJson(folder.path() / "kill.json");
   EXPECT_EQ(report.at("schema"), "osteon.failures/1");
   EXPECT_TRUE(report.at("scenarios").empty());
-  ASSERT_EQ(report.at("kills").size(), 6u) << run.out << run.err;
+  ASSERT_EQ(report.at("kills").size(), 9u) << run.out << run.err;
   bool skipped = false;
   for (const nlohmann::json& kill : report.at("kills")) {
     SCOPED_TRACE(kill.dump(2));
@@ -47,7 +47,7 @@ TEST(Kill, LeavesTheArmAtRestWhoeverDies) {
       EXPECT_EQ(kill.at("run_exit"), 1);
       EXPECT_FALSE(kill.at("faults").empty());
     }
-    if (victim == "simulation") {
+    if (victim == "simulation" || victim.starts_with("engine")) {
       EXPECT_EQ(kill.at("faults")[0], "contact model stale");
     }
     if (victim == "recorder") {
