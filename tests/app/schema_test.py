@@ -16,7 +16,7 @@ import yaml
 command, sources = sys.argv[1], pathlib.Path(sys.argv[2])
 config = sources / "config"
 kinds = {"cells": "cell", "robots": "robot", "tools": "tool", "scenes": "scene", "materials": "materials",
-         "scenarios": "scenario", "sweeps": "sweep"}
+         "scenarios": "scenario", "sweeps": "sweep", "plans": "plan", "rubrics": "rubric"}
 wrong = []
 
 
