@@ -23,6 +23,10 @@
 #include "studies/failures/loop/sensor_errors.h"
 #include "studies/failures/loop/simulation_stall.h"
 #include "studies/failures/loop/singularity.h"
+#include "studies/failures/procedure/tool_change.h"
+#include "studies/failures/procedure/tool_in_bone.h"
+#include "studies/failures/procedure/tool_load.h"
+#include "studies/failures/procedure/undo.h"
 
 namespace osteon::hil {
 
@@ -50,6 +54,10 @@ std::span<const FailureScenario> FailureScenarios() {
       FailureScenario{.id = 20, .name = "energy", .run = RunEnergy},
       FailureScenario{.id = 21, .name = "determinism", .run = RunDeterminism},
       FailureScenario{.id = 22, .name = "frame rate", .run = RunFrameRate},
+      FailureScenario{.id = 32, .name = "tool change", .run = RunToolChange},
+      FailureScenario{.id = 33, .name = "tool load", .run = RunToolLoad},
+      FailureScenario{.id = 34, .name = "tool in bone", .run = RunToolInBone},
+      FailureScenario{.id = 35, .name = "undo", .run = RunUndo},
   };
   return scenarios;
 }

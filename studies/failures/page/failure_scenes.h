@@ -25,9 +25,10 @@ struct FailureScene {
   std::string_view baseline{}, ours{};  ///< captions below the halves: what goes wrong, and what prevents it
 };
 
-[[nodiscard]] std::span<const FailureScene> ContactScenes();  ///< the tool against bone that does not change
-[[nodiscard]] std::span<const FailureScene> CuttingScenes();  ///< bone that is cut
-[[nodiscard]] std::span<const FailureScene> ArmScenes();      ///< arm, sensor, hand and connections
+[[nodiscard]] std::span<const FailureScene> ContactScenes();   ///< the tool against bone that does not change
+[[nodiscard]] std::span<const FailureScene> CuttingScenes();   ///< bone that is cut
+[[nodiscard]] std::span<const FailureScene> ArmScenes();       ///< arm, sensor, hand and connections
+[[nodiscard]] std::span<const FailureScene> SequenceScenes();  ///< change of tool, undo, resume
 
 /// Draws both halves with their captions, 820 px wide. @returns one <svg>; empty if no scene has that number.
 [[nodiscard]] std::string FailureSceneSvg(int id, const std::string& name);
