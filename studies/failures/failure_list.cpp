@@ -25,6 +25,10 @@
 #include "studies/failures/loop/singularity.h"
 #include "studies/failures/procedure/guidance_scenarios.h"
 #include "studies/failures/procedure/plan_scenarios.h"
+#include "studies/failures/procedure/tool_change.h"
+#include "studies/failures/procedure/tool_in_bone.h"
+#include "studies/failures/procedure/tool_load.h"
+#include "studies/failures/procedure/undo.h"
 
 namespace osteon::hil {
 
@@ -61,6 +65,10 @@ std::span<const FailureScenario> FailureScenarios() {
       FailureScenario{.id = 29, .name = "guidance at the ceiling", .run = RunGuidanceAtCeiling},
       FailureScenario{.id = 30, .name = "firm hand at the edge", .run = RunFirmHandAtEdge},
       FailureScenario{.id = 31, .name = "let go aside", .run = RunLetGoAside},
+      FailureScenario{.id = 32, .name = "tool change", .run = RunToolChange},
+      FailureScenario{.id = 33, .name = "tool load", .run = RunToolLoad},
+      FailureScenario{.id = 34, .name = "tool in bone", .run = RunToolInBone},
+      FailureScenario{.id = 35, .name = "undo", .run = RunUndo},
   };
   return scenarios;
 }

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "control/loop/servo_loop.h"
+#include "control/setup/loop_tool.h"
+#include "kinematics/lbr_arm.h"
+
+namespace osteon::hil {
+
+/// A servo loop that renders in free space, is paused, takes the second tool of its table, and resumes. The
+/// arm follows its command a tick later; nobody holds the tool.
+struct ChangeRideParams {
+  std::vector<control::LoopTool> tools;  ///< two
+  bool changes_entry{true};              ///< false: the loop keeps the first entry, whatever is mounted
+  double mounted_kg{0.0};  ///< what the sensor carries after the change beyond what it carried before
+  double seconds_after{2.0};
+};
+
+struct ChangeRide {
+  kinematics::JointVector q_before{kinematics::JointVector::Zero()}, q_after{kinematics::JointVector::Zero()};
+  Pose X_before{Pose::Identity()},
+      X_after{Pose::Identity()};       ///< commanded tool in the ticks about the change
+  std::vector<double> speed_mm_per_s;  ///< of the apex, each tick after the resume
+  bool fault{false};
+};
+
+[[nodiscard]] ChangeRide RideChange(const ChangeRideParams& params);
+
+/// A reamer on the flange: its length to the apex grows with its radius. @param mass_kg  on the sensor
+[[nodiscard]] control::LoopTool ReamerOnFlange(double diameter_m, double mass_kg);
+
+}  // namespace osteon::hil

@@ -1,0 +1,52 @@
+#include "studies/failures/procedure/tool_change.h"
+
+#include <fmt/format.h>
+
+#include "studies/failures/arm_bench.h"
+#include "studies/failures/procedure/change_ride.h"
+
+namespace osteon::hil {
+namespace {
+
+constexpr double kPeriod_s = 1e-3;
+
+}  // namespace
+
+// The baseline keeps the apex where it is: with a reamer of 2 mm more, the flange must go back by 1 mm at
+// once.
+FailureResult RunToolChange(const FailureSetting& setting) {
+  FailureResult result{.id = 32,
+                       .name = "tool change",
+                       .metric = "way of the flange in the tick in which the tool changes",
+                       .unit = "mm",
+                       .baseline_name = "the apex's pose is kept",
+                       .bound = 0.0};
+  const ChangeRideParams params{.tools = {ReamerOnFlange(0.044, 0.87), ReamerOnFlange(0.046, 0.87)}};
+  const ChangeRide ride = RideChange(params);
+  const kinematics::LbrArm arm(ScenarioArm());
+  const Vector3 flange = arm.FlangePose(ride.q_before).translation();
+  const Pose X_kept = ride.X_before * params.tools[1].X_FT.inverse();
+  result.baseline = 1e3 * (X_kept.translation() - flange).norm();
+  result.ours = 1e3 * (arm.FlangePose(ride.q_after).translation() - flange).norm();
+  const bool same_bits = ride.q_after == ride.q_before;
+  const double apex_mm = 1e3 * (ride.X_after.translation() - ride.X_before.translation()).norm();
+  result.baseline_fails = result.baseline > 0.5;
+  result.ours_passes = result.ours == result.bound && same_bits && !ride.fault && setting.GoesOn(1.0);
+  result.note = fmt::format(
+      "Reamers of 44 and 46 mm. The joints stay equal to the last bit, and the apex is {:.1f} mm further on; "
+      "the "
+      "baseline's flange would move at {:.0f} mm/s.",
+      apex_mm, result.baseline / kPeriod_s);
+  FailureSeries kept{.name = "apex kept", .x = {-2.0, -1.0, 0.0, 1.0, 2.0}},
+      ours{.name = "joints kept", .ours = true};
+  kept.y = {0.0, 0.0, result.baseline, result.baseline, result.baseline};
+  ours.x = kept.x;
+  ours.y = {0.0, 0.0, result.ours, result.ours, result.ours};
+  result.plot = {.x_label = "time from the change, ms",
+                 .y_label = "way of the flange, mm",
+                 .series = {kept, ours},
+                 .bound_is_on_y = true};
+  return result;
+}
+
+}  // namespace osteon::hil

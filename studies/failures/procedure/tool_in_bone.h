@@ -1,0 +1,10 @@
+#pragma once
+
+#include "studies/failures/failure.h"
+
+namespace osteon::hil {
+
+/// Scenario 34: a larger reamer is taken where the smaller one stands.
+[[nodiscard]] FailureResult RunToolInBone(const FailureSetting& setting);
+
+}  // namespace osteon::hil

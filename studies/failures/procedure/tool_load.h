@@ -1,0 +1,10 @@
+#pragma once
+
+#include "studies/failures/failure.h"
+
+namespace osteon::hil {
+
+/// Scenario 33: a heavier reamer is mounted.
+[[nodiscard]] FailureResult RunToolLoad(const FailureSetting& setting);
+
+}  // namespace osteon::hil
