@@ -52,7 +52,7 @@ int Run(int argc, char** argv) {
   const std::string command_line = osteon::app::CommandLine(argc, argv);
   const osteon::app::Invocation invocation{.command_line = command_line, .words = {argv + 1, argv + argc}};
   if (failures.asked()) return failures.Run(config_root, invocation);
-  if (measure.asked()) return measure.Run(config_root);
+  if (measure.asked()) return measure.Run(config_root, invocation);
   if (calibrate.asked()) return calibrate.Run(config_root, command_line);
   if (capability.asked()) return capability.Run(config_root, command_line);
   if (transparency.asked()) return transparency.Run(config_root, command_line);

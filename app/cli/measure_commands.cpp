@@ -182,6 +182,7 @@ CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
       ->check(NumberWithin(0.1, 36e3))
       ->capture_default_str();
   sub->add_option("--json", options.json, "write a further copy of scaling.json there")->type_name("FILE");
+  AddShardOption(*sub, options.sharding);
   sub->footer(
       "From 1000 to 10 million spheres, in three series: only the bone below the cut zone is refined; all of "
       "the bone is; and without culling.\n\nExamples:\n  osteon chart scaling\n"
@@ -212,6 +213,7 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) 
       ->capture_default_str();
   sub->add_option("--json", options.json, "write a further copy of speed_accuracy.json there")
       ->type_name("FILE");
+  AddShardOption(*sub, options.sharding);
   sub->footer(
       "Two tables name, for each error, the other methods' points that are both faster and more exact than "
       "ours: "
@@ -291,7 +293,9 @@ MeasureCommands::MeasureCommands(CLI::App& app)
 
 bool MeasureCommands::asked() const { return bench_->parsed() || chart_->parsed(); }
 
-int MeasureCommands::Run(const std::filesystem::path& config_root) {
+int MeasureCommands::Run(const std::filesystem::path& config_root, const Invocation& invocation) {
+  TakeInvocation(invocation, scaling_options_.sharding);
+  TakeInvocation(invocation, accuracy_options_.sharding);
   if (scaling_->parsed()) return RunChartScaling(scaling_options_);
   if (accuracy_->parsed()) return RunChartSpeedAccuracy(accuracy_options_);
   if (kinematics_->parsed()) {

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/cli/shard_option.h"
 #include "studies/bench/bench_console.h"
 #include "studies/bench/bench_frame.h"
 #include "studies/bench/bench_kinematics.h"
@@ -25,7 +26,7 @@ class MeasureCommands {
   /// Whether one of them was on the command line.
   [[nodiscard]] bool asked() const;
   /// @returns the process's exit code.
-  [[nodiscard]] int Run(const std::filesystem::path& config_root);
+  [[nodiscard]] int Run(const std::filesystem::path& config_root, const Invocation& invocation);
 
  private:
   BenchFrameOptions frame_options_;  // before the members that point into it

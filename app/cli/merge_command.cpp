@@ -8,6 +8,7 @@
 
 #include "app/cli/command_line.h"
 #include "app/cli/failures_command.h"
+#include "app/cli/measure_commands.h"
 #include "app/cli/regress_command.h"
 #include "app/cli/study_commands.h"
 #include "app/cli/tune_command.h"
@@ -22,6 +23,7 @@ namespace {
 int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> words, const PartSet& parts) {
   CLI::App app{"the studies that can be split", "osteon"};
   FailuresCommand failures(app);
+  MeasureCommands measure(app);
   TuneCommand tune(app);
   RegressCommand regress(app);
   app.require_subcommand(1);
@@ -35,6 +37,7 @@ int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> 
                             parts.first_file().string(), UsageError(app, error)));
   }
   try {
+    if (measure.asked()) return measure.Run(config_root, invocation);
     if (tune.asked()) return tune.Run(config_root, invocation);
     if (failures.asked()) return failures.Run(config_root, invocation);
     return regress.Run(config_root, invocation);

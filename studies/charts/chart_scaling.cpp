@@ -15,6 +15,8 @@
 #include "session/process/exit_code.h"
 #include "session/summary/chart_files.h"
 #include "session/summary/summary.h"
+#include "studies/charts/chart_items.h"
+#include "studies/sharding/study_items.h"
 
 namespace osteon::app {
 namespace {
@@ -30,19 +32,29 @@ void Say(const std::string& text) { fmt::print(stderr, "osteon chart scaling: {}
 
 class Scaling {
  public:
-  explicit Scaling(const ScalingOptions& options) : options_(options) {
+  Scaling(const ScalingOptions& options, StudyItems& items) : options_(options), items_(items) {
+    result_.machine = items.FromParts() ? "" : MachineName();
     result_.max_spheres = options.max_spheres;
     result_.frames = options.frames;
   }
 
+  // An item is a number of spheres in one of our series; without culling it comes with the first.
+  static std::size_t Items(const ScalingOptions& options) {
+    return 2 * static_cast<std::size_t>(std::ranges::count_if(
+                   kCounts, [&](std::size_t count) { return count <= options.max_spheres; }));
+  }
+
   // Measures everything; an error if nothing can be measured here.
   tl::expected<ScalingResult, std::string> Measure() {
-    for (const std::size_t count : kCounts) {
-      if (count > options_.max_spheres || Interrupted()) break;
-      for (const bool uniform : {false, true}) {
-        if (Interrupted()) break;
-        if (const auto measured = MeasureCount(count, uniform); !measured)
+    for (std::size_t item = 0; item < Items(options_) && !Interrupted(); ++item) {
+      if (items_.FromParts()) {
+        Restore(items_.At(item));
+      } else if (items_.Computes(item)) {
+        const std::size_t points = result_.points.size(), left_out = result_.left_out.size(),
+                          ours = result_.ours_left_out;
+        if (const auto measured = MeasureCount(kCounts[item / 2], item % 2 == 1); !measured)
           return tl::unexpected(measured.error());
+        if (items_.IsShard()) Store(item, points, left_out, result_.ours_left_out - ours);
       }
     }
     result_.interrupted = Interrupted();
@@ -50,6 +62,32 @@ class Scaling {
   }
 
  private:
+  // Keeps what an item has added to the result.
+  void Store(std::size_t item, std::size_t points, std::size_t left_out, std::size_t ours_left_out) {
+    nlohmann::json added{{"machine", result_.machine},
+                         {"tool_spheres", result_.tool_spheres},
+                         {"ours_left_out", ours_left_out},
+                         {"points", nlohmann::json::array()},
+                         {"left_out", nlohmann::json::array()}};
+    for (std::size_t i = points; i < result_.points.size(); ++i)
+      added["points"].push_back(ScalingPointItem(result_.points[i]));
+    for (std::size_t i = left_out; i < result_.left_out.size(); ++i)
+      added["left_out"].push_back(result_.left_out[i]);
+    items_.Store(item, std::move(added));
+  }
+
+  void Restore(const nlohmann::json& item) {
+    AddName(result_.machine, item.at("machine").get<std::string>());
+    result_.ours_left_out += item.at("ours_left_out").get<std::size_t>();
+    for (const nlohmann::json& text : item.at("left_out"))
+      result_.left_out.push_back(text.get<std::string>());
+    for (const nlohmann::json& point : item.at("points")) {
+      result_.points.push_back(ScalingPointFrom(point));
+      AddName(result_.device, result_.points.back().timing.device);
+      item.at("tool_spheres").get_to(result_.tool_spheres);
+    }
+  }
+
   FrameTimingParams Params(const std::string& method, std::size_t frames) const {
     return {.methods = {method},
             .device = options_.device,
@@ -122,6 +160,7 @@ class Scaling {
   }
 
   const ScalingOptions& options_;
+  StudyItems& items_;
   ScalingResult result_;
   double brute_us_per_sphere_{0.0};
   bool brute_refused_{false};
@@ -156,14 +195,25 @@ std::vector<std::vector<std::string>> TableOf(const ScalingResult& result) {
 int Run(const ScalingOptions& options) {
   if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
     return Fail("chart scaling", wrong);
+  if (const std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty())
+    return Fail("chart scaling", wrong);
+  StudyItems items(options.sharding, fmt::format("scaling {} {} {} {}", options.max_spheres, options.device,
+                                                 options.frames, options.max_seconds));
+  if (const std::string wrong = items.Validate(Scaling::Items(options)); !wrong.empty())
+    return Fail("chart scaling", wrong);
   InstallInterrupt();
-  const auto result = Scaling(options).Measure();
+  const auto result = Scaling(options, items).Measure();
   if (!result) return Fail("chart scaling", result.error(), kFailed);
+  if (items.IsShard()) {
+    if (Interrupted()) return kExitInterrupted;
+    const auto written = items.WritePart(options.json, Scaling::Items(options));
+    return written ? 0 : Fail("chart scaling", written.error(), kFailed);
+  }
   if (result->points.empty())
     return Interrupted() ? kExitInterrupted : Fail("chart scaling", "nothing was measured", kFailed);
 
   const Verdict verdict = Judge(*result);
-  const std::string machine = MachineName(), json = ScalingJson(*result, machine);
+  const std::string &machine = result->machine, json = ScalingJson(*result);
   std::vector<std::string> notes{
       fmt::format("{}; {}. A 50 mm reamer, pressed into the cup by 100 N at 250 rpm, is timed once it is "
                   "seated. With the cut "
@@ -265,11 +315,11 @@ std::string ScalingSvg(const ScalingResult& result) {
   return Svg(chart, 860.0);
 }
 
-std::string ScalingJson(const ScalingResult& result, const std::string& machine) {
+std::string ScalingJson(const ScalingResult& result) {
   nlohmann::ordered_json json{{"schema", "osteon.chart.scaling/1"},
                               {"subcommand", "chart scaling"},
                               {"device", result.device},
-                              {"machine", machine},
+                              {"machine", result.machine},
                               {"tool_spheres", result.tool_spheres},
                               {"growth", result.Growth()},
                               {"left_out", result.left_out},

@@ -6,6 +6,7 @@
 
 #include "session/summary/verdict.h"
 #include "studies/bench/frame_timing.h"
+#include "studies/sharding/shard.h"
 
 namespace osteon::app {
 
@@ -17,6 +18,7 @@ struct ScalingOptions {
   std::size_t frames{1000};      ///< timed at each point
   double max_seconds{120.0};     ///< per point; slower points are left out and listed
   std::filesystem::path json{};  ///< a second copy
+  Sharding sharding{};
 };
 
 /// One point of the chart.
@@ -29,7 +31,7 @@ struct ScalingPoint {
 
 /// The result of `osteon chart scaling`.
 struct ScalingResult {
-  std::string device;
+  std::string machine, device;
   std::size_t tool_spheres{0};
   std::vector<ScalingPoint> points;
   std::vector<std::string> left_out;  ///< points that were not measured, and why
@@ -49,7 +51,7 @@ struct ScalingResult {
 
 [[nodiscard]] std::string ScalingSvg(const ScalingResult& result);
 /// JSON, schema osteon.chart.scaling/1.
-[[nodiscard]] std::string ScalingJson(const ScalingResult& result, const std::string& machine);
+[[nodiscard]] std::string ScalingJson(const ScalingResult& result);
 
 /// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.
 [[nodiscard]] int RunChartScaling(const ScalingOptions& options);

@@ -16,6 +16,9 @@
 #include "session/process/exit_code.h"
 #include "session/summary/chart_files.h"
 #include "studies/bench/method_engine.h"
+#include "studies/charts/chart_items.h"
+#include "studies/sharding/exact_number.h"
+#include "studies/sharding/study_items.h"
 
 namespace osteon::app {
 namespace {
@@ -36,19 +39,26 @@ struct PlacedTask {
 
 class Measurement {
  public:
-  explicit Measurement(const SpeedAccuracyOptions& options) : options_(options) {
-    result_.machine = MachineName();
+  Measurement(const SpeedAccuracyOptions& options, StudyItems& items) : options_(options), items_(items) {
+    if (!items.FromParts()) result_.machine = MachineName();
     for (MethodStep& step : MethodLadder(options.quick))
       if (options.methods.empty() || std::ranges::find(options.methods, step.method) != options.methods.end())
         points_.push_back(
             {.step = step, .point = {.method = step.method, .device = {}, .length_m = step.length_m}});
   }
 
+  // An item is a seed.
+  static std::size_t Items(const SpeedAccuracyOptions& options) {
+    return options.quick ? std::min<std::size_t>(2, options.seeds) : options.seeds;
+  }
+
   // Measures seed by seed over all methods, so that a slow hour of the machine affects all alike.
   tl::expected<SpeedAccuracyResult, std::string> Measure() {
-    const std::size_t seeds = options_.quick ? std::min<std::size_t>(2, options_.seeds) : options_.seeds;
+    const std::size_t seeds = Items(options_);
     result_.wanted_seeds = seeds;
     for (std::size_t seed = 0; seed < seeds && !Interrupted(); ++seed) {
+      if (items_.FromParts()) Restore(seed);
+      if (!items_.Computes(seed)) continue;
       std::vector<PlacedTask> tasks;
       for (const simulation::CutTask task : simulation::kCutTasks) {
         PlacedTask placed{.work = MakeCutWorkload(task, WorkParams(seed)), .points = {}};
@@ -60,6 +70,7 @@ class Measurement {
         if (const auto measured = MeasureSeed(rung, tasks, seed); !measured)
           return tl::unexpected(measured.error());
       }
+      if (items_.IsShard()) Store(seed);
     }
     result_.interrupted = Interrupted();
     for (Rung& rung : points_)
@@ -72,7 +83,58 @@ class Measurement {
     MethodStep step;
     SpeedAccuracyPoint point;
     bool left_out{false};
+    std::string why_left_out{};
   };
+
+  // Keeps what a seed has added to each rung.
+  void Store(std::size_t seed) {
+    nlohmann::json rungs = nlohmann::json::array();
+    for (const Rung& rung : points_) {
+      if (rung.left_out) {
+        rungs.push_back({{"left_out", rung.why_left_out}});
+        continue;
+      }
+      const SpeedAccuracyPoint& point = rung.point;
+      nlohmann::json tasks = nlohmann::json::object();
+      if (seed == 0)
+        for (const auto& [task, scores] : point.tasks) tasks[task] = ScoresItem(scores);
+      rungs.push_back({{"scores", ScoresItem(point.seeds.back().scores)},
+                       {"frame_us", FiguresItem(point.seeds.back().frame_us)},
+                       {"device", point.device},
+                       {"spheres", point.spheres},
+                       {"r_max_m", ExactNumber(point.r_max_m)},
+                       {"tasks", std::move(tasks)}});
+    }
+    items_.Store(seed, {{"machine", result_.machine}, {"rungs", std::move(rungs)}});
+  }
+
+  void Restore(std::size_t seed) {
+    const nlohmann::json& item = items_.At(seed);
+    AddName(result_.machine, item.at("machine").get<std::string>());
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      Rung& rung = points_[i];
+      const nlohmann::json& kept = item.at("rungs").at(i);
+      if (rung.left_out) continue;
+      if (kept.contains("left_out")) {
+        LeaveOut(rung, kept["left_out"].get<std::string>());
+        continue;
+      }
+      SpeedAccuracyPoint& point = rung.point;
+      point.seeds.push_back(
+          {.scores = ScoresFrom(kept.at("scores")), .frame_us = FiguresFrom(kept.at("frame_us"))});
+      NoteDevice(rung, kept.at("device").get<std::string>());
+      if (seed > 0) continue;
+      kept.at("spheres").get_to(point.spheres);
+      point.r_max_m = ExactNumberFrom(kept.at("r_max_m"));
+      for (const auto& [task, scores] : kept.at("tasks").items()) point.tasks[task] = ScoresFrom(scores);
+    }
+  }
+
+  void NoteDevice(Rung& rung, const std::string& device) {
+    rung.point.device = device;
+    if (rung.step.method == "ours" || (result_.device.empty() && IsOurs(rung.step.method)))
+      result_.device = device;
+  }
 
   simulation::CutWorkloadParams WorkParams(std::size_t seed) const {
     return {.seed = seed,
@@ -82,6 +144,7 @@ class Measurement {
 
   void LeaveOut(Rung& rung, const std::string& why) {
     rung.left_out = true;
+    rung.why_left_out = why;
     result_.left_out.push_back(
         fmt::format("{} at {:g} mm: {}", rung.step.method, rung.step.length_m * 1e3, why));
     Say("left out: " + result_.left_out.back());
@@ -137,9 +200,7 @@ class Measurement {
       if (seed == 0) rung.point.tasks[std::string(TaskName(task.work.task))] = scores.back();
     }
     if (seed == 0) rung.point.spheres = elements;
-    rung.point.device = device;
-    if (rung.step.method == "ours" || (result_.device.empty() && IsOurs(rung.step.method)))
-      result_.device = device;
+    NoteDevice(rung, device);
     rung.point.seeds.push_back(
         {.scores = simulation::Combined(scores), .frame_us = simulation::FiguresOf(std::move(frame_us))});
     const SeedScores& last = rung.point.seeds.back();
@@ -157,6 +218,7 @@ class Measurement {
   };
 
   const SpeedAccuracyOptions& options_;
+  StudyItems& items_;
   std::vector<Rung> points_;
   std::deque<Packing> packed_;  ///< for one seed; a deque, so that references stay valid
   std::size_t packed_seed_{0};
@@ -222,9 +284,22 @@ std::string Csv(const SpeedAccuracyResult& result) {
 int Run(const SpeedAccuracyOptions& options) {
   if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
     return Fail("chart speed-accuracy", wrong);
+  if (const std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty())
+    return Fail("chart speed-accuracy", wrong);
+  const std::size_t count = Measurement::Items(options);
+  StudyItems items(options.sharding,
+                   fmt::format("speed-accuracy {} {} {} {} {}", options.quick, options.device, count,
+                               options.max_seconds, fmt::join(options.methods, " ")));
+  if (const std::string wrong = items.Validate(count); !wrong.empty())
+    return Fail("chart speed-accuracy", wrong);
   InstallInterrupt();
-  const auto result = Measurement(options).Measure();
+  const auto result = Measurement(options, items).Measure();
   if (!result) return Fail("chart speed-accuracy", result.error(), kFailed);
+  if (items.IsShard()) {
+    if (Interrupted()) return kExitInterrupted;
+    const auto written = items.WritePart(options.json, count);
+    return written ? 0 : Fail("chart speed-accuracy", written.error(), kFailed);
+  }
   if (result->points.empty())
     return Interrupted() ? kExitInterrupted : Fail("chart speed-accuracy", "nothing was measured", kFailed);
   std::vector<std::string> notes{

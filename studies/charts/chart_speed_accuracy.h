@@ -11,6 +11,7 @@
 #include "simulation/metrics/workload_scores.h"
 #include "studies/charts/dominance.h"
 #include "studies/charts/method_ladder.h"
+#include "studies/sharding/shard.h"
 
 namespace osteon::app {
 
@@ -23,6 +24,7 @@ struct SpeedAccuracyOptions {
   double max_seconds{60.0};  ///< for a method's frames in one task; slower ones are left out and listed
   std::vector<std::string> methods{};  ///< empty: all
   std::filesystem::path json{};
+  Sharding sharding{};
 };
 
 /// The scores of one method at one resolution and one seed, over all tasks.

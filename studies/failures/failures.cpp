@@ -160,14 +160,6 @@ tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scena
   return runs;
 }
 
-/// Adds a name to a list "one; another" that does not have it yet.
-void AddName(std::string& list, const std::string& name) {
-  if (list.empty())
-    list = name;
-  else if (("; " + list + "; ").find("; " + name + "; ") == std::string::npos)
-    list += "; " + name;
-}
-
 Runs Restore(const StudyItems& items, std::size_t count) {
   Runs runs;
   for (std::size_t i = 0; i < count; ++i) {

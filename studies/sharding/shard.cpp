@@ -44,4 +44,11 @@ std::vector<std::string> WithoutOptions(const std::vector<std::string>& words,
   return kept;
 }
 
+void AddName(std::string& list, const std::string& name) {
+  if (list.empty())
+    list = name;
+  else if (("; " + list + "; ").find("; " + name + "; ") == std::string::npos)
+    list += "; " + name;
+}
+
 }  // namespace osteon::app

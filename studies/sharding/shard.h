@@ -39,4 +39,7 @@ struct Sharding {
 [[nodiscard]] std::vector<std::string> WithoutOptions(const std::vector<std::string>& words,
                                                       const std::vector<std::string>& options);
 
+/// Adds a name to a list "one; another" of what parts ran on, unless the list has it.
+void AddName(std::string& list, const std::string& name);
+
 }  // namespace osteon::app

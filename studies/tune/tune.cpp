@@ -25,6 +25,7 @@
 #include "studies/sharding/exact_number.h"
 #include "studies/sharding/study_items.h"
 #include "studies/tune/tune_cache.h"
+#include "studies/tune/tune_items.h"
 #include "studies/tune/tune_result.h"
 
 namespace osteon::app {
@@ -67,8 +68,10 @@ struct Items {
   static std::size_t Rows(std::size_t map, int dampings) {
     return Boundaries(3, dampings) + map * static_cast<std::size_t>(kWalls);
   }
+  // Runs in time: 0 the check, 1 stiff hands, 2 the index.
+  static std::size_t InTime(std::size_t which, int dampings) { return Rows(2, dampings) + which; }
   static std::size_t Count(const TuneResult& r, int dampings) {
-    return r.Stands() ? Rows(2, dampings) : kRecommended;
+    return r.Stands() ? InTime(3, dampings) : kRecommended;
   }
 };
 
@@ -90,8 +93,6 @@ class Study {
   Study(const TuneTask& task, TuneCache& cache, StudyItems& items, int threads)
       : task_(task), cache_(cache), items_(items), threads_(threads) {}
 
-  [[nodiscard]] bool IsShard() const { return items_.IsShard(); }
-
   template <typename Compute>
   std::vector<double> Get(std::size_t item, const std::string& what, const Compute& compute) const {
     const std::string from = what + ": " + Text(task_);
@@ -112,6 +113,17 @@ class Study {
   double One(std::size_t item, const std::string& what, const Compute& compute) const {
     const std::vector<double> values = Get(item, what, [&] { return std::vector<double>{compute()}; });
     return values.size() == 1 ? values[0] : 0.0;
+  }
+  // An item that is not cached: the result as it is computed here, or as it is in the parts.
+  template <typename Result, typename FromJson, typename ToJson, typename Compute>
+  void Run(std::size_t item, Result& result, const FromJson& from, const ToJson& to,
+           const Compute& compute) const {
+    if (items_.FromParts()) {
+      result = from(items_.At(item));
+    } else if (items_.Computes(item) && !Interrupted()) {
+      result = compute();
+      items_.Store(item, to(result));
+    }
   }
   // An item that this study does not need.
   void Skip(std::size_t item) const { items_.Store(item, nlohmann::json::array()); }
@@ -257,11 +269,14 @@ void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& pro
     r.maps.push_back(study.Map(Items::Rows(r.maps.size(), options.dampings), r,
                                fmt::format("Grips up to {:g} N/m", grip), *hands, options.dampings));
 
-  if (study.IsShard()) return;  // what takes no time is computed where the parts are put together
   progress.BeginPhase("the recommended gains, run in time");
-  r.check = CheckInTime(r.task, r.recommended, r.human_hands);
-  r.carried = CarryStiffHands(r.task, r.recommended);
-  r.human_index = IndexWith(r.task, r.recommended, r.human_hands);
+  const auto in_time = [&](std::size_t which) { return Items::InTime(which, options.dampings); };
+  study.Run(in_time(0), r.check, CheckFrom, CheckItem,
+            [&] { return CheckInTime(r.task, r.recommended, r.human_hands); });
+  study.Run(in_time(1), r.carried, CarriedFrom, CarriedItem,
+            [&] { return CarryStiffHands(r.task, r.recommended); });
+  study.Run(in_time(2), r.human_index, ExactNumberFrom, ExactNumber,
+            [&] { return IndexWith(r.task, r.recommended, r.human_hands); });
 }
 
 std::string Page(const TuneResult& r, const TuneOptions& options, const std::string& map,
@@ -416,7 +431,7 @@ int Run(const TuneOptions& options) {
   InstallInterrupt();
   // shards may share a folder, so they keep nothing there
   TuneCache cache(items.IsShard() ? std::filesystem::path() : options.out / "results.json");
-  PhaseProgress progress("osteon tune", items.IsShard() ? 3 : 4);
+  PhaseProgress progress("osteon tune", 4);
   StudyAll(Study(result.task, cache, items, options.threads), options, progress, result);
   progress.Done();
   if (items.IsShard()) {

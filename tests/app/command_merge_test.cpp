@@ -119,6 +119,32 @@ TEST_F(Merge, TuneIsThatOfOneRun) {
     EXPECT_EQ(Text(std::string("tuned/") + name), Text(std::string("one/") + name)) << name;
 }
 
+// Two shards of one seed: all that was measured is in the first part, and the second is empty.
+TEST_F(Merge, ChartsHaveThePointsOfTheirShards) {
+  const auto parts =
+      RunShards({"chart", "speed-accuracy", "--quick", "--seeds", "1", "--method", "cpu"}, 2, 0);
+  CommandResult merged = MergeFiles(parts, {"--out", "merged", "--json", "c.json"});
+  ASSERT_EQ(merged.exit_code, 0) << merged.out << merged.err;
+  const nlohmann::json rungs = ReadJson(folder_.path() / "part_1.json")["results"][0]["result"]["rungs"];
+  const nlohmann::json chart = ReadJson(folder_.path() / "c.json");
+  EXPECT_EQ(ReadJson(folder_.path() / "part_2.json")["results"].size(), 0u);
+  EXPECT_EQ(chart["verdict"]["level"], "good");
+  ASSERT_EQ(chart["points"].size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const nlohmann::json &point = chart["points"][i], &scores = rungs[i]["scores"];
+    EXPECT_EQ(point["depth_error_mm"].get<double>(), scores["depth_error_m"].get<double>() * 1e3);
+    EXPECT_EQ(point["volume_error"], scores["volume_error"]);
+    EXPECT_EQ(point["frame_us_p50"], rungs[i]["frame_us"]["p50_us"]);
+    EXPECT_EQ(point["spheres"], rungs[i]["spheres"]);
+    EXPECT_EQ(point["tasks"].size(), 4u);
+  }
+
+  const std::vector<std::string> scaling{"chart", "scaling", "--max-spheres", "1000", "--frames", "20"};
+  merged = MergeFiles(RunShards(scaling, 2, 0), {"--out", "scaled"});
+  ASSERT_EQ(merged.exit_code, 0) << merged.out << merged.err;
+  EXPECT_EQ(ReadJson(folder_.path() / "scaled/scaling.json")["points"].size(), 3u);
+}
+
 TEST_F(Merge, ASweepIsThatOfOneRun) {
   io::test::WriteAll(folder_.path() / "sweep.yaml",
                      "shows: x\nscenario: tremor\nseed_count: 2\nparameters:\n"

@@ -1,0 +1,58 @@
+#include "studies/tune/tune_items.h"
+
+#include "studies/sharding/exact_number.h"
+
+namespace osteon::app {
+namespace {
+
+using nlohmann::json;
+
+// Visits each number with its name; the object may be const.
+template <class Carried, class Visit>
+void VisitNumbers(Carried& c, const Visit& visit) {
+  visit("stiffness_N_per_m", c.hand.stiffness_N_per_m);
+  visit("damping_Ns_per_m", c.hand.damping_Ns_per_m);
+  visit("mass_kg", c.hand.mass_kg);
+  visit("max_N", c.run.max_N);
+  visit("half_s_N", c.run.half_s_N);
+  visit("one_s_N", c.run.one_s_N);
+  visit("late_N", c.run.late_N);
+  visit("max_index", c.run.max_index);
+  visit("late_index", c.run.late_index);
+  visit("max_damping", c.run.max_damping);
+  visit("mean_damping", c.run.mean_damping);
+  visit("calm_N", c.calm_N);
+}
+
+}  // namespace
+
+json CheckItem(const TuneCheck& check) { return {{"runs", check.runs}, {"grew", check.grew}}; }
+
+TuneCheck CheckFrom(const json& item) {
+  return {.runs = item.at("runs").get<std::size_t>(),
+          .grew = item.at("grew").get<std::vector<std::string>>()};
+}
+
+json CarriedItem(const std::vector<TuneCarried>& carried) {
+  json list = json::array();
+  for (const TuneCarried& one : carried) {
+    json item{{"hand", one.hand.name}, {"contact", one.contact}, {"valid", one.run.valid}};
+    VisitNumbers(one, [&](const char* name, double value) { item[name] = ExactNumber(value); });
+    list.push_back(std::move(item));
+  }
+  return list;
+}
+
+std::vector<TuneCarried> CarriedFrom(const json& list) {
+  std::vector<TuneCarried> carried;
+  for (const json& item : list) {
+    TuneCarried& one = carried.emplace_back();
+    item.at("hand").get_to(one.hand.name);
+    item.at("contact").get_to(one.contact);
+    item.at("valid").get_to(one.run.valid);
+    VisitNumbers(one, [&](const char* name, double& value) { value = ExactNumberFrom(item.at(name)); });
+  }
+  return carried;
+}
+
+}  // namespace osteon::app

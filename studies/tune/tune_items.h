@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "studies/tune/tune_study.h"
+
+// Runs in time as items of a part, to the bit. Reading throws nlohmann::json::exception or
+// std::invalid_argument if an item is damaged.
+
+namespace osteon::app {
+
+[[nodiscard]] nlohmann::json CheckItem(const TuneCheck& check);
+[[nodiscard]] TuneCheck CheckFrom(const nlohmann::json& item);
+
+[[nodiscard]] nlohmann::json CarriedItem(const std::vector<TuneCarried>& carried);
+[[nodiscard]] std::vector<TuneCarried> CarriedFrom(const nlohmann::json& item);
+
+}  // namespace osteon::app
