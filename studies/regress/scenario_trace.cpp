@@ -89,7 +89,7 @@ TracePart PartOf(const char* name, std::span<const PartOfField> table) {
 
 // Fields of a part that few cells have. They are hashed only where they are not zero, so that the golden
 // traces of the other cells do not depend on them.
-constexpr std::array kOptional{"guidance"};
+constexpr std::array kOptional{"guidance", "tool_index"};
 
 struct FieldPart {
   TracePart part;
