@@ -16,8 +16,9 @@ struct ProcedureScriptParams {
   double start_height_m{0.040};     ///< heights of the head's centre over X_WC
   double retract_height_m{0.030};   ///< to which each tool is retracted before it is changed
   std::vector<double> heights_m{};  ///< planned height of each tool, in their order; at least one
-  double past_plan_m{
-      0.002};  ///< the hand's target lies this far below the planned height, for a light last push
+  /// The hand's target lies this far below the planned height: a hand of 2 N/mm then still presses with 30 N
+  /// where the plan is reached.
+  double past_plan_m{0.015};
   double push_force_N{60.0};
   double approach_force_N{20.0};
   double tilt_rad{0.0};  ///< of the tool's axis away from the plan's: a tool that is held wrong

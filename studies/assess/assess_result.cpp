@@ -191,6 +191,16 @@ std::vector<TrendPoint> ReadTrend(const AssessResult& result) {
   return trend;
 }
 
+// Below this share of an item's points, or of the planned cavity, a person should look.
+constexpr double kFairShare = 0.5;
+
+// The metric's words for people.
+std::string TextOf(const std::string& metric) {
+  for (const procedure::Metric& known : procedure::Metrics())
+    if (metric == known.name) return known.text;
+  return metric;
+}
+
 Verdict Judge(const AssessResult& result, const std::optional<double>& pass_at) {
   Verdict verdict;
   const auto& min_wall_m = result.session.assessment.min_wall_m;
@@ -201,6 +211,19 @@ Verdict Judge(const AssessResult& result, const std::optional<double>& pass_at) 
   if (!result.session.assessment.cavity.fit)
     verdict.Add(VerdictLevel::kWarning,
                 fmt::format("No sphere was fitted: {}.", result.session.assessment.cavity.fit_refused));
+  for (const procedure::ScoredItem& scored : result.score.items)
+    if (scored.item.weight > 0.0 && scored.points < kFairShare * scored.item.weight)
+      verdict.Add(VerdictLevel::kWarning,
+                  fmt::format("{}: {:.1f} of {:g} points.", TextOf(scored.item.metric), scored.points,
+                              scored.item.weight));
+  const auto& cavity = result.session.assessment.cavity;
+  if (const double inside_m3 = cavity.removed_m3 - cavity.over_m3;
+      cavity.under_m3 > kFairShare * (cavity.under_m3 + inside_m3))
+    verdict.Add(
+        VerdictLevel::kWarning,
+        fmt::format(
+            "Of the planned cavity {:.0f} of {:.0f} mm³ are left: the last reamer is not at its depth.",
+            1e9 * cavity.under_m3, 1e9 * (cavity.under_m3 + inside_m3)));
   if (!result.session.file.ended)
     verdict.Add(VerdictLevel::kWarning, "The session's last process did not end in order.");
   return verdict;
