@@ -11,7 +11,8 @@ namespace osteon::console {
 
 void SurfaceFeed::Begin(const surface::BrickLayout& layout) {
   layout_ = layout;
-  store_.Begin(layout, nlohmann::json{{"type", "surface"},
+  store_.Begin(layout,
+               nlohmann::json{{"type", "surface"},
                               {"origin_mm", {layout.origin_mm.x, layout.origin_mm.y, layout.origin_mm.z}},
                               {"voxel_mm", layout.voxel_mm},
                               {"bricks", layout.bricks}}

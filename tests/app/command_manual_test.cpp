@@ -149,7 +149,7 @@ class BashCompletionTest : public Manual {
 TEST_F(BashCompletionTest, CompletesSubcommandsOfTheCommandAndOfTheLauncher) {
   EXPECT_EQ(Offers("osteon de"), std::vector<std::string>{"demo"});
   EXPECT_EQ(Offers("./osteon bench ki"), std::vector<std::string>{"kinematics"});
-  EXPECT_EQ(Offers("./osteon te"), std::vector<std::string>{"test"});
+  EXPECT_EQ(Offers("./osteon tes"), std::vector<std::string>{"test"});
   EXPECT_EQ(Offers("osteon --config-root demo dem"), std::vector<std::string>{"demo"})
       << "the first is a value";
 }

@@ -108,6 +108,8 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon merge part_1.json part_2.json --json regress.json", By("Merge.RegressIsThatOfOneRun")},
       {"osteon merge part_*.json --json sweep.json", By("Merge.ASweepIsThatOfOneRun")},
       {"osteon regress --sweep trembling_hand --json sweep.json", By("Merge.ASweepIsThatOfOneRun")},
+      {"osteon regress --sweep trembling_hand --shard {}/64 --json part_{}.json ::: $(seq 64)",
+       By("Merge.ASweepIsThatOfOneRun")},
       {"osteon demo --plan acetabulum --virtual-time", By("ProcedureRun.EachReamerLeavesAPassAndAState")},
       {"osteon run demo --simulated --plan acetabulum --session first_hip --seconds 60",
        By("ProcedureRun.EachReamerLeavesAPassAndAState")},

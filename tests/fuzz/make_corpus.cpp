@@ -217,7 +217,9 @@ void WriteConsole(const std::filesystem::path& root) {
   corpus.Write("stranger", 1, "evil.example:8470\nhttp://evil.example:8470\n");
   corpus.Write("six", 1, "[::1]:8470\n\n" + std::string(32, 'a'));
   const Corpus viewers(root, "foxglove_request");
-  viewers.Write("subscribe", R"({"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 0}, {"id": 2, "channelId": 7}]})");
+  viewers.Write(
+      "subscribe",
+      R"({"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 0}, {"id": 2, "channelId": 7}]})");
   viewers.Write("unsubscribe", R"({"op": "unsubscribe", "subscriptionIds": [1, 2]})");
   viewers.Write("origin", "https://app.foxglove.dev\n");
 }

@@ -1,6 +1,7 @@
 #include "app/cli/help/completion.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -84,8 +85,9 @@ std::string BashTable(const CommandText& top) {
                         Quoted(Joined(is_top ? TopWords(command) : CommandWords(command))),
                         Quoted(Joined(OptionNames(command))));
     text += "      case $2 in\n";
+    bool has_argument = false;  // words without an option before them have the first argument's values
     for (const OptionText& option : command.options) {
-      if (option.value.empty()) continue;
+      if (option.value.empty() || (option.is_argument && std::exchange(has_argument, true))) continue;
       if (option.is_argument)
         text += fmt::format("        '') {} ;;\n", BashValue(option));
       else

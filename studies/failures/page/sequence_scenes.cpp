@@ -54,7 +54,7 @@ void Undo(SceneSketch& s) {
   s.GhostBall(180, 74, 18);
   s.Text(60, 40, "a pass is taken back");
   if (s.ours())
-    s.Text(282, 110, "as if it had never been", "start", s.color());
+    s.Text(282, 110, "the bone is back", "start", s.color());
   else
     s.Text(282, 110, "its bone is gone", "start", s.color());
 }
