@@ -46,6 +46,7 @@ CellCommands::CellCommands(CLI::App& app)
                    "write each cycle of the arm to a CSV file during the run: tool pose and velocity, the "
                    "hand's force")
       ->type_name("FILE");
+  AddConsoleOption(*cell_, simulated_.console);
   cell_->footer(
       "Simulates the arm, the force sensor, the reamer drive, the PLC, an operator at the handle and one at "
       "the buttons. The controller at the other end need not be Osteon's.\n\n"
@@ -89,7 +90,8 @@ CellCommands::CellCommands(CLI::App& app)
   run_->add_option("--surface", operate_.surface,
                    "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
       ->type_name("FILE");
-  AddConsoleOption(*run_, operate_.console, operate_.foxglove);
+  AddConsoleOption(*run_, operate_.console);
+  AddFoxgloveOption(*run_, operate_.foxglove);
   AddAtFaultOption(*run_, "hold with --console and no --seconds, else end",
                    [this](bool hold) { operate_.hold_at_fault = hold; });
   run_->add_option("--json", operate_.json, "also write the figures there, as JSON")->type_name("FILE");

@@ -25,12 +25,15 @@ void AddServerOption(CLI::App& sub, const char* name, ConsoleChoice& choice, con
 
 }  // namespace
 
-void AddConsoleOption(CLI::App& sub, ConsoleChoice& choice, ConsoleChoice& foxglove) {
+void AddConsoleOption(CLI::App& sub, ConsoleChoice& choice) {
   AddServerOption(
       sub, "--console", choice,
       fmt::format("where the page that shows the cell is served: PORT, ADDRESS:PORT, or off; an address "
                   "other than the loopback asks for a token. Without it the first free port from {} on",
                   console::kDefaultPort));
+}
+
+void AddFoxgloveOption(CLI::App& sub, ConsoleChoice& foxglove) {
   AddServerOption(
       sub, "--foxglove", foxglove,
       fmt::format("where Foxglove and Lichtblick connect to, which show the cell and can do nothing to it: "

@@ -63,7 +63,8 @@ DemoCommand::DemoCommand(CLI::App& app)
   sub_->add_option("--cpu", options_.cpu,
                    "CPU of the servo thread and the simulated arm; everything else stays off it")
       ->check(NumberWithin(0, rt::kMaxCpu));
-  AddConsoleOption(*sub_, options_.console, options_.foxglove);
+  AddConsoleOption(*sub_, options_.console);
+  AddFoxgloveOption(*sub_, options_.foxglove);
   AddAtFaultOption(*sub_, "end", [this](bool hold) { options_.hold_at_fault = hold; });
   sub_->add_option("--json", options_.json, "write a further copy of summary.json there")->type_name("FILE");
   surface_option_ = sub_->add_option("--surface", options_.surface,

@@ -7,15 +7,17 @@
 namespace osteon::app {
 
 ExportCommand::ExportCommand(CLI::App& app)
-    : sub_(app.add_subcommand("export",
-                              "writes a recording as tables or its bone as a mesh, or recovers a torn one")) {
+    : sub_(app.add_subcommand(
+          "export",
+          "writes a recording as tables, its bone as a mesh, a copy that shows the bone in "
+          "Foxglove, or recovers a torn one")) {
   sub_->add_option("recording", options_.recording, "the .mcap file of a run")
       ->type_name("FILE")
       ->required()
       ->check(CLI::ExistingFile);
-  sub_->add_flag(
-      "--csv", options_.csv,
-      "write RECORDING_ticks.csv, _frames.csv and _events.csv; the default without --recover and --surface");
+  sub_->add_flag("--csv", options_.csv,
+                 "write RECORDING_ticks.csv, _frames.csv and _events.csv; the default where no other file "
+                 "is asked for");
   sub_->add_flag("--recover", options_.recover,
                  "write RECORDING_recovered.mcap with every complete message of a torn or damaged file");
   CLI::Option* surface =
@@ -27,12 +29,21 @@ ExportCommand::ExportCommand(CLI::App& app)
                    "the end")
       ->check(NumberWithin(0.0, 86'400.0))
       ->needs(surface);
+  CLI::Option* foxglove =
+      sub_->add_option("--foxglove", options_.foxglove,
+                       "write a copy of the recording there that shows the carved bone in Foxglove and "
+                       "Lichtblick: .mcap")
+          ->type_name("FILE");
+  sub_->add_option("--every", options_.every_s,
+                   "seconds of the recording from one state of that bone to the next")
+      ->check(NumberWithin(0.03, 3600.0))
+      ->needs(foxglove)
+      ->capture_default_str();
   CLI::Option* mesh =
       sub_->add_option("--mesh", mesh_.file,
                        "the bone's file, where the run's bone was of a file: it is not in the recording")
           ->type_name("FILE")
-          ->check(CLI::ExistingFile)
-          ->needs(surface);
+          ->check(CLI::ExistingFile);
   sub_->add_option("--cup", cup_, "the run's --cup: centre, axis out of the bone, radius; mm")
       ->type_name("X,Y,Z,NX,NY,NZ,R")
       ->needs(mesh);
@@ -48,12 +59,19 @@ ExportCommand::ExportCommand(CLI::App& app)
       "Examples:\n  osteon export demo_out/recording.mcap\n"
       "  osteon export demo_out/recording.mcap --out tables --json export.json\n"
       "  osteon export demo_out/recording.mcap --surface bone.stl --at 4.5\n"
+      "  osteon export demo_out/recording.mcap --foxglove with_bone.mcap\n"
       "  osteon export torn.mcap --recover\n  osteon export torn.mcap --recover --csv");
 }
 
 int ExportCommand::Run() const {
   ExportOptions options = options_;
   if (!mesh_.file.empty()) {
+    if (options.surface.empty() && options.foxglove.empty()) {
+      fmt::print(
+          stderr,
+          "osteon export: --mesh: found neither --surface nor --foxglove, accepted with one of them\n");
+      return 2;
+    }
     options.mesh = mesh_;
     if (!cup_.empty()) {
       const auto cup = ParseCup(cup_);

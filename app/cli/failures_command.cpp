@@ -1,5 +1,7 @@
 #include "app/cli/failures_command.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "app/cli/study_commands.h"
@@ -10,6 +12,28 @@
 #include "studies/kill/kill_table.h"
 
 namespace osteon::app {
+namespace {
+
+// The victims' names as words of the command line: "engine-hung".
+std::vector<std::string> VictimWords() {
+  std::vector<std::string> words;
+  for (int v = 0; v < kKillVictims; ++v) {
+    words.emplace_back(NameOf(static_cast<KillVictim>(v)));
+    std::ranges::replace(words.back(), ' ', '-');
+  }
+  return words;
+}
+
+std::vector<KillVictim> Victims(const std::vector<std::string>& asked) {
+  const std::vector<std::string> words = VictimWords();
+  std::vector<KillVictim> victims;
+  for (int v = 0; v < kKillVictims; ++v)
+    if (std::ranges::find(asked, words[static_cast<std::size_t>(v)]) != asked.end())
+      victims.push_back(static_cast<KillVictim>(v));
+  return victims;
+}
+
+}  // namespace
 
 FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")) {
   auto* ids =
@@ -36,6 +60,11 @@ FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")
       ->check(NumberWithin(1, 1000))
       ->needs(kill)
       ->capture_default_str();
+  sub_->add_option("--victims", tables_.victims, "only these; without it each")
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->check(OneOf(VictimWords()))
+      ->needs(kill);
   sub_->add_option("--markdown", options_.markdown,
                    "write a page with the pictures of --out there, as docs/failures.md")
       ->type_name("FILE")
@@ -56,7 +85,7 @@ FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")
       "  osteon failures\n  osteon failures 1 9 --out failures\n  osteon failures --quick --json "
       "failures.json\n"
       "  osteon failures 21 --device llvmpipe\n  osteon failures --faults --json faults.json\n"
-      "  osteon failures --kill --times 1");
+      "  osteon failures --kill --times 1\n  osteon failures --kill --victims engine,engine-hung");
 }
 
 int FailuresCommand::Run(const std::filesystem::path& config_root, const Invocation& invocation) {
@@ -70,6 +99,7 @@ int FailuresCommand::Run(const std::filesystem::path& config_root, const Invocat
     }
     return RunKillTable({.config_root = config_root,
                          .times = tables_.times,
+                         .victims = Victims(tables_.victims),
                          .json = options_.json,
                          .engine = options_.engine,
                          .device = options_.device});

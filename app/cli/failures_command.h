@@ -24,6 +24,7 @@ class FailuresCommand {
   struct Tables {
     bool faults{false}, kill{false};
     int times{20};
+    std::vector<std::string> victims{};
   };
 
   FailureOptions options_;

@@ -1,9 +1,9 @@
 #include "io/recording/recovery.h"
 
-#include <map>
 #include <optional>
 #include <system_error>
 
+#include "io/recording/copied_channels.h"
 #include "io/recording/mcap_writer.h"
 #include "io/recording/messages.h"
 #include "io/recording/recording_reader.h"
@@ -58,36 +58,6 @@ class RecoveryCounts {
   bool has_session_{false};
 };
 
-// The channels of the output file. A damaged file may use one number for two channels, one after the other.
-class Channels {
- public:
-  explicit Channels(McapWriter& writer) : writer_(writer) {}
-
-  tl::expected<std::uint16_t, std::string> IdOf(const McapChannel& channel) {
-    constexpr std::size_t kMaxMeanings = 64, kMax = 60'000;
-    std::vector<Known>& meanings = known_[channel.id];
-    for (const Known& known : meanings)
-      if (known.channel == channel) return known.id;
-    if (meanings.size() == kMaxMeanings || count_ == kMax)
-      return tl::unexpected("channel " + std::to_string(channel.id) + " is one of more than " +
-                            (count_ == kMax ? std::to_string(kMax) + " in the file"
-                                            : std::to_string(kMaxMeanings) + " of that number"));
-    ++count_;
-    meanings.push_back({channel, writer_.AddChannel(channel.topic, channel.schema_name, channel.schema,
-                                                    channel.schema_encoding, channel.message_encoding)});
-    return meanings.back().id;
-  }
-
- private:
-  struct Known {
-    McapChannel channel;
-    std::uint16_t id;
-  };
-  McapWriter& writer_;
-  std::map<std::uint16_t, std::vector<Known>> known_;
-  std::size_t count_{0};
-};
-
 // Why a file in which nothing was skipped still cannot be read as it is. A reader that skips damage also uses
 // the summary's schemas and channels, so it keeps a message whose channel is nowhere else; a strict reader
 // refuses that message.
@@ -122,7 +92,7 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
     return tl::unexpected(std::move(error));
   };
   RecoveryCounts counts(recovery);
-  Channels channels(*writer);
+  CopiedChannels channels(*writer);
   McapMessage message;
   for (;;) {
     const auto more = reader->Next(message);

@@ -13,6 +13,7 @@
 #include "base/write_text.h"
 #include "io/recording/recording_reader.h"
 #include "io/recording/recovery.h"
+#include "session/foxglove/bone_copy.h"
 #include "session/process/exit_code.h"
 #include "session/replay/export_tables.h"
 #include "session/replay/recorded_surface.h"
@@ -65,24 +66,62 @@ nlohmann::ordered_json ToJson(const io::Recovery& recovery) {
 std::string WrongPlace(const ExportOptions& options, const std::filesystem::path& folder) {
   if (std::string wrong = ValidateOutputFolder("--out", folder); !wrong.empty()) return wrong;
   if (std::string wrong = ValidateSurfaceFile(options.surface); !wrong.empty()) return wrong;
+  if (!options.foxglove.empty()) {
+    if (options.foxglove.extension() != ".mcap")
+      return fmt::format("--foxglove: found {}, accepted a name that ends with .mcap",
+                         options.foxglove.string());
+    if (std::string wrong = ValidateOutputFile("--foxglove", options.foxglove); !wrong.empty()) return wrong;
+  }
   return ValidateParentFolder("--json", options.json);
 }
 
-// Writes the carved bone. The time must be within the recording.
-tl::expected<WrittenSurface, std::string> ExportSurface(const ExportOptions& options,
-                                                        const std::filesystem::path& source) {
+// The cell of the recording, with its bone.
+tl::expected<CellSetup, std::string> CellOf(const ExportOptions& options,
+                                            const std::filesystem::path& source) {
   auto stream = io::RecordingStream::Open(source);
   if (!stream) return tl::make_unexpected(stream.error());
   if (const auto first = stream->Next(); !first) return tl::make_unexpected(first.error());
   auto setup = PrepareRecordedCell(stream->session, options.mesh);
   if (!setup) return tl::make_unexpected(source.string() + ": " + setup.error());
-  return WriteRecordedSurface(source, *setup, options.at_s, options.surface);
+  return setup;
+}
+
+// What was made of the carved bone.
+struct BoneFiles {
+  std::optional<WrittenSurface> surface;
+  std::optional<BoneCopy> copy;
+};
+tl::expected<BoneFiles, std::string> WriteBone(const ExportOptions& options,
+                                               const std::filesystem::path& source) {
+  BoneFiles files;
+  if (options.surface.empty() && options.foxglove.empty()) return files;
+  const auto setup = CellOf(options, source);
+  if (!setup) return tl::make_unexpected(setup.error());
+  if (!options.surface.empty()) {
+    auto written = WriteRecordedSurface(source, *setup, options.at_s, options.surface);
+    if (!written) return tl::make_unexpected(written.error());
+    files.surface = std::move(*written);
+  }
+  if (!options.foxglove.empty()) {
+    auto written = CopyWithBone(source, *setup, options.every_s, options.foxglove);
+    if (!written) return tl::make_unexpected(written.error());
+    files.copy = std::move(*written);
+  }
+  return files;
+}
+
+nlohmann::ordered_json ToJson(const BoneCopy& copy) {
+  return {{"file", copy.file.string()},
+          {"messages", copy.messages},
+          {"bone_states", copy.states},
+          {"triangles", copy.triangles},
+          {"bytes", copy.bytes}};
 }
 
 }  // namespace
 
 int RunExport(const ExportOptions& options) {
-  const bool csv = options.csv || (!options.recover && options.surface.empty());
+  const bool csv = options.csv || (!options.recover && options.surface.empty() && options.foxglove.empty());
   std::filesystem::path folder = options.out.empty() ? options.recording.parent_path() : options.out;
   if (folder.empty()) folder = ".";
   if (const std::string wrong = WrongPlace(options, folder); !wrong.empty()) return Fail("export", wrong);
@@ -120,12 +159,8 @@ int RunExport(const ExportOptions& options) {
     tables = std::move(*written);
   }
 
-  std::optional<WrittenSurface> surface;
-  if (!options.surface.empty()) {
-    auto written = ExportSurface(options, source);
-    if (!written) return Fail("export", written.error());
-    surface = std::move(*written);
-  }
+  const auto bone = WriteBone(options, source);
+  if (!bone) return Fail("export", bone.error());
 
   // the results
   if (tables || recovery) {
@@ -138,10 +173,15 @@ int RunExport(const ExportOptions& options) {
   json["recovered_file"] = recovered ? nlohmann::ordered_json(source.string()) : nlohmann::ordered_json();
   if (recovery) json["recovery"] = ToJson(*recovery);
   json["tables"] = nlohmann::ordered_json::array();
-  if (surface) json["surface"] = SurfaceJson(*surface);
+  if (bone->surface) json["surface"] = SurfaceJson(*bone->surface);
+  if (bone->copy) json["foxglove"] = ToJson(*bone->copy);
   fmt::print("Osteon export: {}\n", options.recording.string());
   if (recovery) Print(*recovery, source);
-  if (surface) fmt::print("  {:<12} at {:.3f} s: {}\n", "Surface", surface->time_s, SurfaceText(*surface));
+  if (bone->surface)
+    fmt::print("  {:<12} at {:.3f} s: {}\n", "Surface", bone->surface->time_s, SurfaceText(*bone->surface));
+  if (bone->copy)
+    fmt::print("  {:<12} {}: {} states of the bone among {} messages\n", "Foxglove",
+               bone->copy->file.string(), bone->copy->states, bone->copy->messages);
   if (tables) {
     for (const auto& file : tables->files) json["tables"].push_back(file.string());
     fmt::print("  {:<12} {} ticks, {} frames, {} events\n", "Tables", tables->ticks, tables->frames,

@@ -14,7 +14,9 @@ struct ExportOptions {
   std::filesystem::path out;       ///< folder for the results; empty: the recording's own
   std::filesystem::path surface;   ///< file for the carved bone as a mesh
   std::optional<double> at_s;      ///< surface: time since the recording's start; none: its end
-  std::optional<MeshChoice> mesh;  ///< surface: the bone, where it was of a file
+  std::filesystem::path foxglove;  ///< file for a copy with the carved bone; empty: none
+  double every_s{0.5};             ///< foxglove: from one state of the bone to the next
+  std::optional<MeshChoice> mesh;  ///< surface, foxglove: the bone, where it was of a file
   std::filesystem::path json;
 };
 

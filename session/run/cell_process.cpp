@@ -40,7 +40,7 @@ tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const
     return ChildProcess::Start({.words = std::move(words)});
   };
 
-  std::vector<std::string> words{"cell", "--json", report};
+  std::vector<std::string> words{"cell", "--json", report, "--console", "off"};  // the run has a page
   if (!params.plan.empty())
     words.insert(words.end(),
                  {"--plan", std::filesystem::absolute(params.plan).string(), "--operator", params.hand});

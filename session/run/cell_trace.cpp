@@ -47,24 +47,19 @@ tl::expected<std::unique_ptr<CellTraceWriter>, std::string> CellTraceWriter::Ope
   return writer;
 }
 
-void CellTraceWriter::Write() {
-  hil::CellState state;
-  while (cycles_.Pop(state)) {
-    const Vector3 p_WT_m = Pose(state.X_WT_meas).translation();
-    stream_ << fmt::format("{},{},{:.7f},{:.7f},{:.7f},{:.6f},{:.6f},{:.3f}\n", state.stamp,
-                           static_cast<int>(state.session), p_WT_m.x(), p_WT_m.y(), p_WT_m.z(),
-                           Vector3(state.v_WT_meas_m_per_s).norm(), Vector3(state.w_WT_meas_rad_per_s).norm(),
-                           Wrench(state.F_hand_T_W).f.norm());
-  }
-  stream_.flush();
+void CellTraceWriter::Write(const hil::CellState& cycle) {
+  const Vector3 p_WT_m = Pose(cycle.X_WT_meas).translation();
+  stream_ << fmt::format("{},{},{:.7f},{:.7f},{:.7f},{:.6f},{:.6f},{:.3f}\n", cycle.stamp,
+                         static_cast<int>(cycle.session), p_WT_m.x(), p_WT_m.y(), p_WT_m.z(),
+                         Vector3(cycle.v_WT_meas_m_per_s).norm(), Vector3(cycle.w_WT_meas_rad_per_s).norm(),
+                         Wrench(cycle.F_hand_T_W).f.norm());
 }
 
-tl::expected<void, std::string> CellTraceWriter::Close() {
-  Write();
+tl::expected<void, std::string> CellTraceWriter::Close(std::uint64_t dropped) {
   stream_.close();
   if (!stream_) return tl::make_unexpected(file_.string() + ": not written to its end");
-  if (cycles_.dropped() > 0)
-    return tl::make_unexpected(fmt::format("{}: {} cycles are missing", file_.string(), cycles_.dropped()));
+  if (dropped > 0)
+    return tl::make_unexpected(fmt::format("{}: {} cycles are missing", file_.string(), dropped));
   return {};
 }
 

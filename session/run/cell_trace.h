@@ -9,7 +9,6 @@
 
 #include <tl/expected.hpp>
 
-#include "base/spsc_ring.h"
 #include "hil/simulated_cell.h"
 
 namespace osteon::app {
@@ -37,19 +36,18 @@ class CellTraceWriter {
   [[nodiscard]] static tl::expected<std::unique_ptr<CellTraceWriter>, std::string> Open(
       const std::filesystem::path& file);
 
-  /// The ring that the arm's thread fills.
-  [[nodiscard]] rt::SpscRing<hil::CellState>& cycles() { return cycles_; }
-  /// Writes the cycles since the last call. Call it often: the ring holds two seconds.
-  void Write();
-  /// Writes the remaining cycles. The error names the file, and what is missing.
-  [[nodiscard]] tl::expected<void, std::string> Close();
+  /// Writes a cycle; a reader sees it after Flush.
+  void Write(const hil::CellState& cycle);
+  void Flush() { stream_.flush(); }
+  /// Writes the file's end. @param dropped  cycles that did not get here
+  /// The error names the file, and what is missing.
+  [[nodiscard]] tl::expected<void, std::string> Close(std::uint64_t dropped);
 
  private:
   explicit CellTraceWriter(const std::filesystem::path& file) : file_(file), stream_(file) {}
 
   std::filesystem::path file_;
   std::ofstream stream_;
-  rt::SpscRing<hil::CellState> cycles_{2048};
 };
 
 /// Reads such a file while it grows.

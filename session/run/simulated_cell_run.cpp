@@ -15,6 +15,7 @@
 #include "session/procedure/prepare_session.h"
 #include "session/process/output.h"
 #include "session/run/arm_connection.h"
+#include "session/run/cell_console.h"
 #include "session/run/cell_ports.h"
 #include "session/run/cell_screen.h"
 #include "session/run/cell_trace.h"
@@ -44,6 +45,35 @@ void PrintWires(const config::CellConfig& cell) {
   fmt::print("osteon cell: Ctrl-C ends it\n");
   std::fflush(stdout);
 }
+
+// Opens the page. A cell without one runs all the same.
+std::unique_ptr<CellConsole> OpenPage(const SimulatedCellOptions& options, const config::CellConfig& cell) {
+  if (!options.console.on) return nullptr;
+  auto page = CellConsole::Open(options.console, cell, options.cell.stem().string(), options.seconds);
+  if (page) {
+    fmt::print("osteon cell: console: {}\n", (*page)->url());
+    return std::move(*page);
+  }
+  fmt::print(stderr, "osteon cell: warning: {}\n", page.error());
+  return nullptr;
+}
+
+// Hands each cycle of the arm to those that want it.
+struct CycleReaders {
+  rt::SpscRing<hil::CellState> cycles{2048};  // two seconds at 1 kHz
+  std::unique_ptr<CellTraceWriter> trace;
+  std::unique_ptr<CellConsole> page;
+
+  [[nodiscard]] bool any() const { return trace || page; }
+  void Pass() {
+    hil::CellState cycle;
+    while (cycles.Pop(cycle)) {
+      if (trace) trace->Write(cycle);
+      if (page) page->TakeCycle(cycle);
+    }
+    if (trace) trace->Flush();
+  }
+};
 
 }  // namespace
 
@@ -109,19 +139,20 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
     return 2;
   }
   hil::CellHostState state;
-  std::unique_ptr<CellTraceWriter> trace;
+  CycleReaders readers;
   if (!options.trace.empty()) {
     auto opened = CellTraceWriter::Open(options.trace);
     if (!opened) {
       fmt::print(stderr, "osteon cell: --trace {}\n", opened.error());
       return 2;
     }
-    trace = std::move(*opened);
+    readers.trace = std::move(*opened);
   }
   try {
     hil::CellHostParams params = HostParams(cell);
     params.arm.thread.cpu = params.device_thread.cpu = options.cpu;
-    if (trace) params.arm.cycles = &trace->cycles();
+    readers.page = OpenPage(options, cell);
+    if (readers.any()) params.arm.cycles = &readers.cycles;
     hil::CellHost host(params, MakeSimulatedCell(cell, options.seconds));
     PrintWires(cell);
     CellScreen screen(cell);
@@ -129,18 +160,21 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
     while (!Interrupted().load()) {
       std::this_thread::sleep_for(kPollInterval);
       state = host.State();
-      if (trace) trace->Write();
-      for (const std::string& line : screen.Lines(state, rt::ToSeconds(rt::MonotonicNow() - begun)))
-        fmt::print("osteon cell: {}\n", line);
+      readers.Pass();
+      const std::vector<std::string> lines = screen.Lines(state, rt::ToSeconds(rt::MonotonicNow() - begun));
+      for (const std::string& line : lines) fmt::print("osteon cell: {}\n", line);
+      if (readers.page) readers.page->Show(state, lines);
       std::fflush(stdout);
     }
     state = host.State();
+    host.Stop();  // with the messages that end the arm's session
+    readers.Pass();
   } catch (const std::exception& error) {
     fmt::print(stderr, "osteon cell: {}\n", error.what());
     return 2;
   }
-  if (trace)
-    if (const auto closed = trace->Close(); !closed) {
+  if (readers.trace)
+    if (const auto closed = readers.trace->Close(readers.cycles.dropped()); !closed) {
       fmt::print(stderr, "osteon cell: --trace {}\n", closed.error());
       return 1;
     }

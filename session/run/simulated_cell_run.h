@@ -7,6 +7,7 @@
 
 #include "config/reading/load.h"
 #include "hil/cell_host.h"
+#include "session/run/live_views.h"
 
 namespace osteon::app {
 
@@ -21,10 +22,11 @@ struct SimulatedCellOptions {
   int cpu{-1};
   std::filesystem::path json{};   ///< report, written at its end
   std::filesystem::path trace{};  ///< CSV file of each of its cycles, written while it runs; empty: none
+  ConsoleChoice console{};        ///< where the page that shows it is served
 };
 
 /// Runs `osteon cell`: the simulated cell alone, on its real protocols, until Ctrl-C. Prints the addresses of
-/// its devices, each new state of the arm's session, and what it waits for (CellScreen).
+/// its devices and of its page, each new state of the arm's session, and what it waits for (CellScreen).
 /// @returns the process's exit code: 0 ended by Ctrl-C or SIGTERM; 1 the JSON could not be written; 2 wrong
 /// input, or a port is taken.
 [[nodiscard]] int RunSimulatedCell(const SimulatedCellOptions& options);

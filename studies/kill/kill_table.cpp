@@ -121,11 +121,14 @@ int RunKillTable(const KillTableOptions& options) {
                                .engine = options.engine,
                                .device = options.device,
                                .stop = [] { return Interrupted().load(); }};
+  std::vector<KillVictim> victims = options.victims;
+  if (victims.empty())
+    for (int v = 0; v < kKillVictims; ++v) victims.push_back(static_cast<KillVictim>(v));
   std::vector<KillRun> runs;
-  PhaseProgress progress("osteon failures", options.times * kKillVictims);
+  PhaseProgress progress("osteon failures", options.times * static_cast<int>(victims.size()));
   for (int time = 0; time < options.times && !Interrupted(); ++time) {
-    for (int v = 0; v < kKillVictims && !Interrupted(); ++v) {
-      const auto victim = static_cast<KillVictim>(v);
+    for (const KillVictim victim : victims) {
+      if (Interrupted()) break;
       progress.BeginPhase(fmt::format("{} {} of {}", NameOf(victim), time + 1, options.times));
       KillRun run{.result = {.victim = victim}};
       try {

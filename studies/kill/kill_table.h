@@ -12,10 +12,11 @@ namespace osteon::app {
 /// Options of `osteon failures --kill`: real processes are killed in full contact, in wall time.
 struct KillTableOptions {
   std::filesystem::path config_root;
-  int times{20};                 ///< for each victim
-  std::filesystem::path json{};  ///< empty: none
-  std::string engine{"auto"};    ///< one that `osteon run` accepts
-  std::string device{};          ///< part of a Vulkan device's name
+  int times{20};                      ///< for each victim
+  std::vector<KillVictim> victims{};  ///< empty: all
+  std::filesystem::path json{};       ///< empty: none
+  std::string engine{"auto"};         ///< one that `osteon run` accepts
+  std::string device{};               ///< part of a Vulkan device's name
 };
 
 /// One trial: its result, or why there is none.

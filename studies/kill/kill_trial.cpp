@@ -103,7 +103,7 @@ class Trial {
 
   /// Starts all processes and waits for full contact. False if it was not reached.
   bool ReachFullContact() {
-    cell_ = Start("cell", {"--trace", "trace.csv", "--json", "cell.json"});
+    cell_ = Start("cell", {"--trace", "trace.csv", "--json", "cell.json", "--console", "off"});
     if (!Until(kReady, [&] { return Says("cell", "Ctrl-C ends it") || cell_->Ended(); })) return false;
     guard_ = Start("guard", {"--json", "guard.json"});
     if (!Until(kReady, [&] { return Says("guard", "Ctrl-C ends it") || guard_->Ended(); })) return false;

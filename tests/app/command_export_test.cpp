@@ -94,6 +94,56 @@ TEST_F(ExportCommandTest, TablesHoldEveryValueToItsBits) {
   EXPECT_TRUE(touched);
 }
 
+// Every message stays as it is; the bone comes in states, the whole first, then what changed.
+TEST_F(ExportCommandTest, ACopyForFoxgloveHasTheBoneAsItIsCarved) {
+  const nlohmann::json json = Export({Original().string(), "--foxglove", "bone.mcap", "--every", "1"});
+  EXPECT_TRUE(json.at("tables").empty()) << "nobody asked for tables";
+  const auto copy = folder_.path() / "bone.mcap";
+  const io::Recording same = ReadComplete(copy);
+  ASSERT_EQ(same.ticks.size(), recording_->ticks.size());
+  EXPECT_EQ(same.frames.size(), recording_->frames.size());
+  EXPECT_EQ(same.events.size(), recording_->events.size());
+  EXPECT_EQ(same.session.config_text, recording_->session.config_text);
+
+  auto reader = io::McapReader::Open(copy);
+  ASSERT_TRUE(reader) << reader.error();
+  io::McapMessage message;
+  std::vector<std::size_t> states;  // bytes of each
+  std::uint64_t others = 0, last_ns = 0;
+  for (;;) {
+    const auto more = reader->Next(message);
+    ASSERT_TRUE(more) << more.error();
+    if (!*more) break;
+    if (message.channel->topic != "bone") {
+      ++others;
+      continue;
+    }
+    EXPECT_EQ(message.channel->schema_name, "foxglove.SceneUpdate");
+    EXPECT_GE(message.log_time_ns, last_ns);
+    last_ns = message.log_time_ns;
+    states.push_back(message.bytes.size());
+  }
+  EXPECT_EQ(others, json.at("foxglove").at("messages"));
+  EXPECT_EQ(states.size(), json.at("foxglove").at("bone_states"));
+  ASSERT_GE(states.size(), 3u) << "four seconds of cutting";
+  for (std::size_t i = 1; i < states.size(); ++i)
+    EXPECT_LT(states[i], states[0] / 2) << "only the bricks that changed";
+
+  const auto refused = [&](const std::vector<std::string>& words) {
+    const CommandResult run = RunCommand(folder_.path(), words);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    return run.err;
+  };
+  EXPECT_NE(refused({"export", "bone.mcap", "--foxglove", "again.mcap"}).find("it has the bone already"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "again.mcap"));
+  EXPECT_NE(
+      refused({"export", "bone.mcap", "--foxglove", "bone.bag"}).find("accepted a name that ends with .mcap"),
+      std::string::npos);
+  EXPECT_NE(refused({"export", "bone.mcap", "--mesh", "bone.mcap"}).find("neither --surface nor --foxglove"),
+            std::string::npos);
+}
+
 // A name without a unit is a pure number; all others name their unit.
 TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
   Export({Original().string(), "--out", "."});

@@ -140,6 +140,8 @@ const std::map<std::string, DocRun>& Runs() {
        As("export demo_out/recording.mcap", {"demo_out/recording_ticks.csv"})},
       {"osteon export demo_out/recording.mcap --surface bone.stl --at 4.5",
        As("export demo_out/recording.mcap --surface bone.stl --at 0.5", {"bone.stl"})},
+      {"osteon export demo_out/recording.mcap --foxglove with_bone.mcap",
+       As("export demo_out/recording.mcap --foxglove with_bone.mcap", {"with_bone.mcap"})},
       {"osteon export torn.mcap --recover", Torn()},
       {"osteon diff before.mcap after.mcap --out compared",
        As("diff demo_out/recording.mcap demo_out/recording.mcap --out compared", {"compared/diff.html"})},

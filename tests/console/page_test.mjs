@@ -273,7 +273,31 @@ async function comparesTwoRecordings() {
   child.kill("SIGINT");
 }
 
+/** The simulated cell without a controller: it says so, and has nothing to press. */
+async function showsACellAlone() {
+  const port = String(31000 + (process.pid % 2000) * 10);
+  const child = spawn(osteon, ["cell", "demo", "--port", port, "--console", "0"], { stdio: ["ignore", "pipe", "inherit"] });
+  let text = "";
+  const url = await new Promise((resolve) => child.stdout.on("data", (bytes) => {
+    text += bytes;
+    const found = /console: (http\S+)/.exec(text);
+    if (found) resolve(found[1]);
+  }));
+  const page = await open(url, 1280, 720);
+  await stateIs(page, "MONITORING_WAIT");
+  await until(page, 'document.getElementById("figures").textContent.includes("without power")');
+  assert.ok(await page.evaluate('!document.getElementById("buttons").offsetParent'));
+  assert.deepEqual(await clipped(page), []);
+  await picture(page, "cell_alone");
+  await page.setViewport({ width: 390, height: 844 });
+  assert.deepEqual(await clipped(page), []);
+  await picture(page, "cell_alone_phone");
+  await page.close();
+  child.kill("SIGINT");
+}
+
 try {
+  await showsACellAlone();
   await withPatience(operatesTheCell);
   await viewsARecording();
   await comparesTwoRecordings();

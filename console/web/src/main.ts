@@ -1,5 +1,6 @@
 // The console's page: connects the stream to scene, figures and charts, and the operator to the cell.
 
+import { CellAlone } from "./cell_alone";
 import { Charts } from "./charts";
 import { Connection } from "./connection";
 import "./main.css";
@@ -19,6 +20,7 @@ const byId = (id: string): HTMLElement => document.getElementById(id)!;
 class Page {
   private readonly scene = new SceneView(byId("scene") as HTMLCanvasElement);
   private readonly panels = new Panels();
+  private readonly alone = new CellAlone();
   private readonly charts = new Charts(byId("charts"));
   private readonly sound = new Sound();
   private readonly timeline = new Timeline(byId("timeline"), {
@@ -54,6 +56,7 @@ class Page {
     switch (message.type) {
       case "hello":
         this.hello = message;
+        document.body.classList.toggle("alone", message.command === "cell");
         this.scene.begin(message);
         this.panels.begin(message);
         this.charts.begin(message.fields);
@@ -69,6 +72,9 @@ class Page {
         break;
       case "timeline":
         this.timeline.showNews(message);
+        break;
+      case "cell":
+        this.alone.take(message);
         break;
       case "gains":
         this.gains.show(message);
@@ -86,7 +92,7 @@ class Page {
         break;
       case "role":
         this.role = message;
-        if (!message.taken && !this.gaveRoleBack && this.hello?.command !== "view") this.connection.ask("role"); // the first page operates
+        if (!message.taken && !this.gaveRoleBack && this.operable) this.connection.ask("role"); // the first page operates
         this.panels.showRole(message);
         this.showButtons();
         break;
@@ -106,7 +112,7 @@ class Page {
     }
     this.scene.show(live.view);
     this.charts.add(live.windows);
-    this.panels.show(live.status, this.hello, this.worst);
+    this.showFigures();
     this.gains.showAge(live.status.model_age_ms);
     this.sound.show(live.status);
     this.showButtons();
@@ -117,6 +123,17 @@ class Page {
     byId("connection").textContent = connected ? t("connected") : this.hello ? t("ended") : t("lost");
     byId("connection").style.color = connected ? "var(--good)" : "var(--look)";
     this.showButtons();
+  }
+
+  private showFigures(): void {
+    if (!this.live || !this.hello) return;
+    if (this.hello.command === "cell") this.alone.show(this.live.status, this.hello);
+    else this.panels.show(this.live.status, this.hello, this.worst);
+  }
+
+  /** A recording and a simulated cell alone take no requests. */
+  private get operable(): boolean {
+    return this.hello?.command !== "view" && this.hello?.command !== "cell";
   }
 
   private get status(): Status | null {
@@ -211,7 +228,7 @@ class Page {
       setLanguage((event.target as HTMLSelectElement).value as Language);
       this.buildTexts();
       this.showConnection(this.connected);
-      if (this.live && this.hello) this.panels.show(this.live.status, this.hello, this.worst);
+      this.showFigures();
     };
     document.addEventListener("keydown", (event) => {
       if (event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;

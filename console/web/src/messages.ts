@@ -135,6 +135,21 @@ export interface Difference {
 export interface Restart {
   type: "restart";
 }
+/** The simulated cell alone, as `osteon cell` knows it (session/run/cell_console.h). */
+export interface CellNote {
+  type: "cell";
+  session: string; // the arm's
+  commanded: boolean;
+  stop: string; // why the arm's session went back; empty: it did not
+  script_done: boolean;
+  run_permitted: boolean;
+  power_on: boolean;
+  blocks: string;
+  sent: number;
+  answered: number;
+  lost: number;
+  overruns: number;
+}
 /** The gains that an operator may change, and how far (session/run/gains_panel.h). */
 export interface GainsNote {
   type: "gains";
@@ -148,5 +163,5 @@ export interface GainsNote {
   stable_age_ms: number;
   can_undo: boolean;
 }
-export type Message = GainsNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | Restart;
+export type Message = GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | Restart;
 export type Ask = "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed" | "stiffness" | "drag" | "undo_gains";

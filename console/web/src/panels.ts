@@ -1,5 +1,6 @@
 // The column of figures: state, force, depth, limits, conditions, faults, health, events.
 
+import { byId, element, list, set, table } from "./elements";
 import { inGerman } from "./fault_texts";
 import type { Hello, Role, Status } from "./messages";
 import { figure, getLanguage, limitName, permitName, stateDoes, stateName, t, type Word } from "./texts";
@@ -8,38 +9,7 @@ const FAULT_STATES = [7, 8, 10]; // stop 0, stop 1, fault
 const WORKING_STATES = [4, 5]; // haptic, cutting
 const SHOWN_EVENTS = 40;
 
-const byId = (id: string): HTMLElement => document.getElementById(id)!;
-
-function element(tag: string, className: string, text: string): HTMLElement {
-  const made = document.createElement(tag);
-  made.className = className;
-  made.textContent = text;
-  return made;
-}
 const heading = (word: Word): HTMLElement => element("h2", "", t(word));
-
-function table(rows: [string, string][]): HTMLElement {
-  const made = document.createElement("table");
-  for (const [name, value] of rows) {
-    const row = document.createElement("tr");
-    row.append(element("td", "dim", name), element("td", "", value));
-    made.append(row);
-  }
-  return made;
-}
-function list(items: [string, string][]): HTMLElement {
-  const made = document.createElement("ul");
-  for (const [className, text] of items) made.append(element("li", className, text));
-  return made;
-}
-
-/** Replaces a panel's content if it differs, so that a selection or a scroll survives. */
-function set(id: string, ...content: HTMLElement[]): void {
-  const panel = byId(id);
-  const made = document.createElement("div");
-  made.append(...content);
-  if (panel.innerHTML !== made.innerHTML) panel.replaceChildren(...made.childNodes);
-}
 
 export class Panels {
   private events: [number, string][] = [];

@@ -113,12 +113,12 @@ TEST(CellTrace, IsReadWhileItIsWritten) {
   state.F_hand_T_W.f = Vector3(0.0, 90.0, 120.0);
   for (int i = 1; i <= 3; ++i) {
     state.stamp = i * rt::kMillisecond;
-    ASSERT_TRUE((*writer)->cycles().Push(state));
-    (*writer)->Write();
+    (*writer)->Write(state);
+    (*writer)->Flush();
     reader.Poll();
     ASSERT_EQ(reader.cycles().size(), static_cast<std::size_t>(i));
   }
-  ASSERT_TRUE((*writer)->Close());
+  ASSERT_TRUE((*writer)->Close(0));
   std::ofstream(file, std::ios::app) << "4000000,4,0.1,-0.2";
   reader.Poll();
   ASSERT_EQ(reader.cycles().size(), 3u) << "half a row is none";

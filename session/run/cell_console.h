@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "config/reading/cell_config.h"
+#include "console/server/console_server.h"
+#include "console/stream/live_feed.h"
+#include "hil/cell_host.h"
+#include "session/run/live_views.h"
+
+namespace osteon::app {
+
+/// The page of `osteon cell`: the simulated arm as it really moves, its operator's hand, its spindle, and
+/// what PLC and arm permit. It shows neither bone nor coupling, which are the controller's; the controller's
+/// run has a page of its own. The page can ask this cell for nothing: buttons are pressed by the cell's
+/// script.
+///
+///     cycles of the arm ──TakeCycle──▶ LiveFeed ──▶ pages
+///     state of the cell ──Show───────▶ a note, sent when it changes
+class CellConsole {
+ public:
+  /// @param cell  its name   @returns the error names address and port, and what to do
+  [[nodiscard]] static tl::expected<std::unique_ptr<CellConsole>, std::string> Open(
+      const ConsoleChoice& choice, const config::CellConfig& config, const std::string& cell, double seconds);
+
+  /// Takes a cycle of the arm, in order. One thread.
+  void TakeCycle(const hil::CellState& cycle);
+  /// Takes the newest state, and what the screen prints of it. The same thread.
+  void Show(const hil::CellHostState& state, const std::vector<std::string>& lines);
+  [[nodiscard]] std::string url() const { return server_->url(); }
+
+ private:
+  explicit CellConsole(bool rsi) : rsi_(rsi) {}
+  [[nodiscard]] std::string Note();
+
+  bool rsi_;
+  double spindle_rad_per_s_{0.0};
+  rt::Nanoseconds stamp_{0};
+  console::LiveFeed feed_;
+  console::SurfaceStore surface_;  // stays empty
+  std::mutex mutex_;               // guards note_
+  std::string note_;
+  std::unique_ptr<console::ConsoleServer> server_;  // last: its threads use the others
+};
+
+/// The message for the pages: {"type": "cell", …}; console/web/src/messages.ts has its fields.
+/// @param rsi  the arm speaks RSI, not FRI
+[[nodiscard]] std::string CellNote(const hil::CellHostState& state, bool rsi);
+
+/// A cycle of the simulated arm as a record of the stream: the true pose stands for the commanded one, and
+/// what belongs to a controller (state, coupling, limits) is absent. @param spindle_rad_per_s  measured
+[[nodiscard]] control::TickRecord RecordOf(const hil::CellState& cycle, double spindle_rad_per_s);
+
+}  // namespace osteon::app
