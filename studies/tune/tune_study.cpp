@@ -54,7 +54,7 @@ hil::AdmittanceRunParams WithIndex(const TuneTask& task, const TuneGains& gains,
 }
 
 // The greatest delay of a command. Lost commands are simulated only: a matrix has no chance events.
-int LatestDeadCycles(const TuneTask& task) { return task.loop.arm.dead_cycles + task.command_jitter; }
+double LatestDeadCycles(const TuneTask& task) { return task.loop.arm.dead_cycles + task.command_jitter; }
 
 }  // namespace
 
