@@ -30,8 +30,8 @@ struct AdmittanceLoopParams {
   GridHand hand{"firm", 500.0, 20.0, 1.5};
   double mass_kg{3.0};            ///< m_v
   double damping_Ns_per_m{20.0};  ///< b_v
-  LoopWall wall;
-  ServoArmParams arm;  ///< bandwidth, damping ratio, and the command's dead time from the tick that sends it
+  LoopWall wall{};
+  ServoArmParams arm{};  ///< bandwidth, damping ratio, and the command's dead time from the tick that sends it
   double felt_mass_kg{0.0};  ///< M: mass by which the hand's force moves the arm (LoopArm); 0: it does not
   int sensor_delay{1};       ///< df [ticks]: from the hand's force to the law's input
   double tool_mass_kg{0.0};  ///< m_t: the load of the sensor; its inertia feels like more hand mass

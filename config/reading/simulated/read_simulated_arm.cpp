@@ -55,6 +55,7 @@ SimulatedArmSection ReadSimulatedArm(Reader section, CellConfig& cell) {
         section.Numbers("start_offset_deg", arm.kr ? 6 : control::kJoints, -90, 90);
     std::copy(offset_rad.begin(), offset_rad.end(), arm.q_start.begin());
   }
+  arm.servo = servo;
   if (arm.kr) {
     arm.kr->controller.servo = servo;
     ReadRsiArm(section, cell.link.rsi()->kind, *arm.kr);
@@ -69,7 +70,6 @@ SimulatedArmSection ReadSimulatedArm(Reader section, CellConfig& cell) {
           "its commands has no acceleration");
   }
   arm.level = kept.level;
-  arm.servo = servo;
   arm.dynamic.bandwidth_hz = servo.bandwidth_hz;
   arm.dynamic.damping_ratio = servo.damping_ratio;
   arm.dynamic.dead_cycles = static_cast<int>(std::lround(servo.dead_cycles));
