@@ -22,6 +22,10 @@ TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
           "--plan", plan_,
           "a name under plans/, or a surgical plan's YAML file: which hands its guidance makes unstable")
       ->type_name("PLAN");
+  sub_->add_option("--identified", o.identified,
+                   "a file of `osteon identify` for this cell: arm, delays, hands and response as measured")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
   const auto stand = [](CLI::Option* option) {
     return option->group("What the gains must withstand")->capture_default_str();
   };
@@ -29,13 +33,14 @@ TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
             ->check(NumberWithin(1, 4)));
   stand(sub_->add_option("--worst-age-ms", o.worst_age_ms, "greatest age of a contact model's pose")
             ->check(NumberWithin(0, 60)));
-  stand(sub_->add_option("--loss", o.loss, "share of the commands that do not reach the arm")
+  stand(sub_->add_option("--loss", o.loss, "share of the commands that do not reach the arm; as identified, else 0.01")
             ->check(NumberWithin(0, 0.5)));
   stand(sub_->add_option("--jitter-ms", o.jitter_ms,
-                         "greatest delay of a command; 1, or the cell's period if that is longer")
+                         "greatest delay of a command; as identified, else 1, or the cell's period if that is longer")
             ->check(NumberWithin(0, 30)));
   stand(sub_->add_option("--sensor-delay-ms", o.sensor_delay_ms,
-                         "delay from the hand's force to the loop; 1, or the cell's period if that is longer")
+                         "delay from the hand's force to the loop; as identified, else 1, or the cell's period if that is "
+                         "longer")
             ->check(NumberWithin(0, 50)));
   stand(sub_->add_option("--grip", o.human_grip_N_per_m,
                          "stiffest grip, in N/m, for which the tool has to stay light")
@@ -55,6 +60,7 @@ TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
       "again.\n\n"
       "Exit code 1: the verdict is bad, or a file could not be written\n\nExamples:\n  osteon tune demo\n  "
       "osteon tune demo --plan acetabulum\n  "
+      "osteon tune my_cell.yaml --identified identify/identified.yaml\n  "
       "osteon tune config/cells/demo.yaml --margin 1.5 --out "
       "my_gains\n"
       "  osteon run demo --simulated --gains tune/gains.yaml");

@@ -6,6 +6,7 @@
 #include <string>
 #include <variant>
 
+#include "config/reading/identified_cell.h"
 #include "control/loop/servo_loop.h"
 #include "hil/can/simulated_devices.h"
 #include "hil/injection/wire_faults.h"
@@ -145,6 +146,8 @@ struct CellConfig {
   std::optional<hil::PlcServerParams> simulated_plc;
   hil::InjectionParams injections;  ///< faults on the simulated cell's wires
   hil::ScriptParams script;         ///< the operator's script
+  /// What was measured of this cell (apply_identified.h); absent: the simulated arm's figures are assumed.
+  std::optional<IdentifiedCell> identified{};
 };
 
 }  // namespace osteon::config

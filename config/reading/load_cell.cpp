@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "config/reading/apply_identified.h"
 #include "config/reading/check_loop.h"
 #include "config/reading/check_registration.h"
 #include "config/reading/load.h"
@@ -352,6 +353,8 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
   ToolChoice own_tool{.file = reader.File("tool", "tools")};
   std::optional<std::filesystem::path> calibration;
   if (reader.Has("calibration")) calibration = reader.File("calibration");
+  std::optional<std::filesystem::path> identified;
+  if (reader.Has("identified")) identified = reader.File("identified");
   if (reader.Has("tool_diameter_mm")) own_tool.diameter_m = reader.Number("tool_diameter_mm", 0.1, 200);
   cell.X_WB = ReadPose(reader.Section("base_in_world"));
   cell.X_WG = ReadPose(reader.Section("bone_in_world"));
@@ -418,6 +421,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
   CheckFrames(cell, reader);
   PlaceAtStart(reader, cell);
   PropagateSharedValues(cell);
+  if (identified) ApplyIdentified(*identified, cell);
   CheckLoop(reader, servo);
   CheckStart(cell, reader);
   if (simulation)

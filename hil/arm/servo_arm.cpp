@@ -27,11 +27,9 @@ Eigen::Matrix2d Transition(double w, double z, double period_s) {
 
 ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::JointLimits, 7>& limits,
                    double period_s, const kinematics::JointVector& q_start)
-    : period_s_(period_s),
-      max_acceleration_rad_per_s2_(params.max_acceleration_rad_per_s2),
+    : max_acceleration_rad_per_s2_(params.max_acceleration_rad_per_s2),
       q_(q_start),
-      qd_(kinematics::JointVector::Zero()),
-      delay_size_(static_cast<std::size_t>(params.dead_cycles) + 1) {
+      qd_(kinematics::JointVector::Zero()) {
   const auto refuse = [](const char* name, double found, const char* accepted) {
     throw std::invalid_argument(std::string("simulated arm: ") + name + ": found " + std::to_string(found) +
                                 ", accepted " + accepted);
@@ -40,7 +38,7 @@ ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::Jo
     refuse("bandwidth_hz", params.bandwidth_hz, "0 … 1000, not 0");
   if (!(params.damping_ratio >= 0.0 && params.damping_ratio <= 10.0))
     refuse("damping_ratio", params.damping_ratio, "0 … 10");
-  if (params.dead_cycles < 0 || params.dead_cycles > kMaxDeadCycles)
+  if (!(params.dead_cycles >= 0.0 && params.dead_cycles <= kMaxDeadCycles))
     refuse("dead_cycles", params.dead_cycles, "0 … 32");
   if (!(params.max_acceleration_rad_per_s2 > 0.0))
     refuse("max_acceleration_rad_per_s2", params.max_acceleration_rad_per_s2, "> 0");
@@ -49,7 +47,14 @@ ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::Jo
     max_speed_rad_per_s_[i] = limits[static_cast<std::size_t>(i)].velocity_rad_per_s;
     if (!(max_speed_rad_per_s_[i] > 0.0)) refuse("velocity limit [rad/s]", max_speed_rad_per_s_[i], "> 0");
   }
-  transition_ = Transition(2.0 * std::numbers::pi * params.bandwidth_hz, params.damping_ratio, period_s);
+  const auto part = [&](double duration_s) {
+    return Part{duration_s, Transition(2.0 * std::numbers::pi * params.bandwidth_hz, params.damping_ratio,
+                                       duration_s)};
+  };
+  const double whole = std::floor(params.dead_cycles), rest = params.dead_cycles - whole;
+  first_ = part(rest > 0.0 ? rest * period_s : period_s);
+  if (rest > 0.0) second_ = part((1.0 - rest) * period_s);
+  delay_size_ = static_cast<std::size_t>(std::ceil(params.dead_cycles)) + 1;
   delay_.fill(q_start);
 }
 
@@ -57,13 +62,16 @@ void ServoArm::Step(const kinematics::JointVector& q_cmd) OSTEON_RT {
   // store the newest command, read the one of dead_cycles ago
   delay_[next_] = q_cmd;
   next_ = (next_ + 1) % delay_size_;
-  const kinematics::JointVector& target = delay_[next_];
+  Advance(first_, delay_[next_]);
+  if (second_.duration_s > 0.0) Advance(second_, delay_[(next_ + 1) % delay_size_]);
+}
 
+void ServoArm::Advance(const Part& part, const kinematics::JointVector& target) OSTEON_RT {
   for (int i = 0; i < 7; ++i) {
-    const Eigen::Vector2d x = transition_ * Eigen::Vector2d(q_[i] - target[i], qd_[i]);
-    const double wanted = (x[1] - qd_[i]) / period_s_;  // mean acceleration of the step
+    const Eigen::Vector2d x = part.transition * Eigen::Vector2d(q_[i] - target[i], qd_[i]);
+    const double wanted = (x[1] - qd_[i]) / part.duration_s;  // mean acceleration of the step
     const double speed =
-        (target[i] + x[0] - q_[i]) / period_s_;  // mean velocity: its peak may lie within the step
+        (target[i] + x[0] - q_[i]) / part.duration_s;  // mean velocity: its peak may lie within the step
     if (std::abs(wanted) <= max_acceleration_rad_per_s2_ && std::abs(x[1]) <= max_speed_rad_per_s_[i] &&
         std::abs(speed) <= max_speed_rad_per_s_[i]) {
       q_[i] = target[i] + x[0];
@@ -71,8 +79,8 @@ void ServoArm::Step(const kinematics::JointVector& q_cmd) OSTEON_RT {
       continue;
     }
     const double a = std::clamp(wanted, -max_acceleration_rad_per_s2_, max_acceleration_rad_per_s2_);
-    const double qd = std::clamp(qd_[i] + a * period_s_, -max_speed_rad_per_s_[i], max_speed_rad_per_s_[i]);
-    q_[i] += 0.5 * (qd_[i] + qd) * period_s_;
+    const double qd = std::clamp(qd_[i] + a * part.duration_s, -max_speed_rad_per_s_[i], max_speed_rad_per_s_[i]);
+    q_[i] += 0.5 * (qd_[i] + qd) * part.duration_s;
     qd_[i] = qd;
   }
 }

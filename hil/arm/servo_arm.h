@@ -12,7 +12,8 @@ namespace osteon::hil {
 struct ServoArmParams {
   double bandwidth_hz{15.0};  ///< natural frequency of each joint
   double damping_ratio{1.0};  ///< z
-  int dead_cycles{3};         ///< periods from a command to its first effect, 0 … ServoArm::kMaxDeadCycles
+  /// Periods from a command to its first effect, whole or not, 0 … ServoArm::kMaxDeadCycles.
+  double dead_cycles{3.0};
   /// Bound on |q''|. None by default: the figures published for the iiwa are planning limits, far below what
   /// its drives can do, and a saturating servo is not the arm that the stability rows were computed for.
   double max_acceleration_rad_per_s2{std::numeric_limits<double>::infinity()};
@@ -22,6 +23,8 @@ struct ServoArmParams {
 ///
 ///     q'' = w^2 (q_cmd[k - dead] - q) - 2 z w q',   w = 2 pi bandwidth_hz
 ///
+/// A dead time of n + f periods, 0 < f < 1, advances in two parts: q_cmd[k - n - 1] acts for f of the period,
+/// then q_cmd[k - n].
 /// Between two steps the command is constant (zero-order hold), so the equation's closed-form solution
 /// advances the state: exact to rounding for any period while no limit acts. If |q'| or |q''| would pass its
 /// limit, the step uses the constant acceleration that keeps the limit. Forces on the tool do not deflect the
@@ -42,13 +45,19 @@ class ServoArm {
   [[nodiscard]] const kinematics::JointVector& qd() const OSTEON_RT { return qd_; }  ///< [rad/s]
 
  private:
-  double period_s_;
+  // A stretch of a period in which one command acts.
+  struct Part {
+    double duration_s{0.0};
+    Eigen::Matrix2d transition{Eigen::Matrix2d::Identity()};  // of (q - q_cmd, q') over the stretch
+  };
+  void Advance(const Part& part, const kinematics::JointVector& target) OSTEON_RT;
+
   double max_acceleration_rad_per_s2_;
   kinematics::JointVector max_speed_rad_per_s_;
-  Eigen::Matrix2d transition_;  // of (q - q_cmd, q') over one period
+  Part first_, second_;  // second_ has no duration where the dead time is whole
   kinematics::JointVector q_, qd_;
   std::array<kinematics::JointVector, kMaxDeadCycles + 1> delay_;  // commands, oldest at next_
-  std::size_t delay_size_, next_{0};
+  std::size_t delay_size_{1}, next_{0};
 };
 
 }  // namespace osteon::hil

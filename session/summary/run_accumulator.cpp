@@ -49,6 +49,7 @@ void RunAccumulator::Add(const control::TickRecord& tick) {
   active.Add(tick);
   limits.Add(tick);
   drive_faults.Add(tick);
+  latency.Add(tick);
   pauses.Add(tick);
   last_input = tick.input;
   if ((tick.faults & ~seen_faults) == 0) return;

@@ -12,6 +12,7 @@
 #include "session/setup/cell_setup.h"
 #include "session/stops/stop_records.h"
 #include "session/summary/drive_fault_rows.h"
+#include "session/summary/latency.h"
 #include "session/summary/limit_rows.h"
 #include "session/summary/pause_events.h"
 #include "simulation/removal/cut_metrics.h"
@@ -55,6 +56,7 @@ struct RunAccumulator {
   ActiveTicks active;
   ActedLimits limits;
   DriveFaultRows drive_faults;
+  LatencyMeter latency;
   PauseEvents pauses;
   std::map<safety::Fault, control::TickRecord> first_with;  ///< the first tick that has each fault
   std::uint32_t seen_faults{0};                             ///< the keys of first_with, as bits

@@ -237,6 +237,15 @@ DurationFigures Quantiles(const DurationCounts& durations) {
 
 namespace {
 
+LatencyContext LatencyContextOf(const config::CellConfig& cell, bool virtual_time) {
+  LatencyContext context{.virtual_time = virtual_time};
+  if (cell.identified && cell.identified->sensor && cell.identified->sensor->delay_s) {
+    context.sensor_delay_s = *cell.identified->sensor->delay_s;
+    context.sensor_known = true;
+  }
+  return context;
+}
+
 std::string EngineProcessText(const EngineProcessResult& p) {
   std::string text = fmt::format("{}: {} frames, {} lost", p.where, p.counters.frames, p.counters.lost);
   if (p.counters.rejected > 0) text += fmt::format(", {} messages refused", p.counters.rejected);
@@ -304,6 +313,8 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.acted_limits = run.limits.Rows(setup.config.servo.period_s);
   s.min_depth_left_m = result.statistics.min_depth_left_m;
   SummariseRecording(run, !params.virtual_time, s);
+  s.latency = run.latency.Figures(setup.config.servo.period_s,
+                                  LatencyContextOf(setup.config, params.virtual_time));
   SummariseCut(setup, result.after, run, s);
   const rt::Nanoseconds start = run.curves.first_tick.value_or(0);
   s.faults = FaultRows(result.faults, run, setup.config.servo);
@@ -353,6 +364,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
     rows.push_back({"Tick compute, p50 / p99 / max", Text(s.compute)});
     rows.push_back({"Frame, p50 / p99 / max", Text(s.frame)});
   }
+  rows.push_back({"Latency", LatencyText(s.latency)});
   rows.push_back(
       {"Peak rendered force", fmt::format("{:.1f} N of {:.0f} N allowed", s.peak_force_N, s.force_limit_N)});
   rows.push_back({"Force cut off by limits", CutText(s)});
@@ -507,6 +519,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"peak_tool_in_bone_mm", s.peak_tool_in_bone_m * 1e3},
       {"peak_power_W", s.peak_power_W},
       {"stale_model_share", s.stale_share},
+      {"latency_ms", ToJson(s.latency)},
       {"warnings", s.warnings},
       {"peak_measured_tool_speed_mm_per_s", s.peak_measured_tool_speed_m_per_s * 1e3},
       {"removed_volume_mm3", s.removed_volume_m3 * 1e9},

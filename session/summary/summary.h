@@ -87,6 +87,7 @@ struct RunSummary {
   double cavity_depth_m{0.0};  ///< floor of the carved balls below the first floor; < 0: carved through
   ReportFigures section;
   DurationFigures wakeup, compute, frame;
+  LatencyFigures latency;                ///< of the whole cell, with its parts
   std::string state_hash;                ///< of the carved state, hexadecimal
   std::vector<EffectiveLimit> limits;    ///< in force
   std::vector<ActedLimit> acted_limits;  ///< those that acted, when and for how long

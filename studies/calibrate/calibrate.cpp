@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
 #include "session/process/exit_code.h"
+#include "studies/calibrate/calibration_history.h"
 
 namespace osteon::app {
 namespace {
@@ -57,7 +59,12 @@ bool SamePlace(const RestingPose& a, const RestingPose& b) {
 void KeepLonger(const RestingPose& rest, std::vector<RestingPose>& rests) {
   for (RestingPose& known : rests) {
     if (!SamePlace(known, rest)) continue;
+    const int visits = known.visits + 1;
+    const double repeat_N =
+        std::max(known.repeat_N, (Vector3(known.F_S.f) - Vector3(rest.F_S.f)).norm());
     if (rest.seconds > known.seconds) known = rest;
+    known.visits = visits;
+    known.repeat_N = repeat_N;
     return;
   }
   rests.push_back(rest);
@@ -88,13 +95,86 @@ std::string Text(const Vector3& v, double scale) {
   return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", scale * v.x(), scale * v.y(), scale * v.z());
 }
 
+// How well a fit explains one posture.
+struct PostureResidual {
+  std::array<double, 7> q{};   // [rad]
+  double begin_s{0.0};
+  double off{0.0};             // [N] or [m]
+  int visits{1};
+  double repeat_N{0.0};
+};
+
 struct Result {
   std::optional<control::PayloadFit> payload;
+  std::vector<PostureResidual> payload_residuals, pivot_residuals;
+  std::vector<std::string> drift;
+  std::size_t earlier{0};  // calibrations in the history
   Vector3 center_F_m{Vector3::Zero()};
   std::size_t payload_poses{0};
   std::optional<control::PivotFit> pivot;
   std::size_t pivot_poses{0};
 };
+
+std::vector<PostureResidual> PayloadResiduals(const control::PayloadFit& fit,
+                                              const std::vector<RestingPose>& rests,
+                                              const std::vector<control::RestPose>& poses) {
+  std::vector<PostureResidual> list;
+  for (std::size_t i = 0; i < rests.size(); ++i) {
+    const Vector3 expected_N = Vector3(fit.bias_S.f) + fit.mass_kg * poses[i].R_WS.transpose() *
+                                                           Vector3(kinematics::kGravity_W_m_per_s2);
+    list.push_back({.q = rests[i].q,
+                    .begin_s = rests[i].begin_s,
+                    .off = (Vector3(rests[i].F_S.f) - expected_N).norm(),
+                    .visits = rests[i].visits,
+                    .repeat_N = rests[i].repeat_N});
+  }
+  return list;
+}
+
+std::vector<PostureResidual> PivotResiduals(const control::PivotFit& fit, const std::vector<RestingPose>& rests,
+                                            const std::vector<Pose>& X_WF) {
+  std::vector<PostureResidual> list;
+  for (std::size_t i = 0; i < rests.size(); ++i)
+    list.push_back({.q = rests[i].q,
+                    .begin_s = rests[i].begin_s,
+                    .off = (X_WF[i] * fit.p_FT_m - fit.p_WT_m).norm(),
+                    .visits = rests[i].visits,
+                    .repeat_N = rests[i].repeat_N});
+  return list;
+}
+
+// Largest difference between two rests at one posture; nothing if none was visited again.
+std::optional<double> Repeatability_N(const std::vector<PostureResidual>& residuals) {
+  std::optional<double> most;
+  for (const PostureResidual& at : residuals)
+    if (at.visits > 1) most = std::max(most.value_or(0.0), at.repeat_N);
+  return most;
+}
+
+nlohmann::ordered_json ToJson(const std::vector<PostureResidual>& residuals, const char* key, double unit) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const PostureResidual& at : residuals) {
+    nlohmann::ordered_json q = nlohmann::ordered_json::array();
+    for (const double angle : at.q) q.push_back(angle * 180.0 / std::numbers::pi);
+    list.push_back({{"q_deg", q}, {"at_s", at.begin_s}, {key, at.off / unit}, {"visits", at.visits}});
+  }
+  return list;
+}
+
+CalibrationEntry EntryOf(const Result& result) {
+  CalibrationEntry entry{.time = UtcNow()};
+  if (const auto& payload = result.payload)
+    entry.payload = CalibrationEntry::Payload{.mass_kg = payload->mass_kg,
+                                              .mass_sd_kg = payload->mass_sd_kg,
+                                              .center_F_m = result.center_F_m,
+                                              .center_sd_m = payload->center_sd_m,
+                                              .bias_N = payload->bias_S.f,
+                                              .residual_N = payload->residual_N};
+  if (const auto& pivot = result.pivot)
+    entry.apex = CalibrationEntry::Apex{
+        .p_FT_m = pivot->p_FT_m, .sd_m = pivot->sd_m, .residual_m = pivot->residual_m};
+  return entry;
+}
 
 std::string ToYaml(const Result& result, const std::string& command_line) {
   std::string yaml = "# What hangs on the flange, as measured. Written by\n#   " + command_line +
@@ -120,6 +200,10 @@ nlohmann::ordered_json ToJson(const Result& result, const CalibrateOptions& opti
                               {"tcp", nullptr},
                               {"payload", nullptr},
                               {"residual", nlohmann::ordered_json::object()},
+                              {"repeatability_N", nullptr},
+                              {"drift", result.drift},
+                              {"history", HistoryFile(options.out).string()},
+                              {"earlier_calibrations", result.earlier},
                               {"overlay", options.out.string()},
                               {"command", options.command_line}};
   if (const auto& payload = result.payload) {
@@ -130,6 +214,8 @@ nlohmann::ordered_json ToJson(const Result& result, const CalibrateOptions& opti
                        {"bias_N", Triple(payload->bias_S.f, 1.0)},
                        {"bias_Nm", Triple(payload->bias_S.t, 1.0)},
                        {"poses", result.payload_poses}};
+    json["payload"]["postures"] = ToJson(result.payload_residuals, "residual_N", 1.0);
+    if (const auto repeat_N = Repeatability_N(result.payload_residuals)) json["repeatability_N"] = *repeat_N;
     json["residual"]["payload_N"] = payload->residual_N;
     json["residual"]["payload_Nm"] = payload->residual_Nm;
   }
@@ -138,10 +224,19 @@ nlohmann::ordered_json ToJson(const Result& result, const CalibrateOptions& opti
                    {"sd_mm", 1e3 * pivot->sd_m},
                    {"point_in_world_mm", Triple(pivot->p_WT_m, 1e3)},
                    {"poses", result.pivot_poses}};
+    json["tcp"]["postures"] = ToJson(result.pivot_residuals, "residual_mm", 1e-3);
     json["residual"]["tcp_mm"] = 1e3 * pivot->residual_m;
     json["residual"]["tcp_worst_mm"] = 1e3 * pivot->worst_m;
   }
   return json;
+}
+
+// "0.01 N at 0.0 s, 0.02 N at 1.2 s": each posture by the time of its rest.
+std::string ByPosture(const std::vector<PostureResidual>& residuals, const char* unit, double scale) {
+  std::string text;
+  for (const PostureResidual& at : residuals)
+    text += fmt::format("{}{:.3f} {} at {:.1f} s", text.empty() ? "" : ", ", at.off / scale, unit, at.begin_s);
+  return text;
 }
 
 void Print(const Result& result, const CalibrateOptions& options) {
@@ -156,13 +251,20 @@ void Print(const Result& result, const CalibrateOptions& options) {
         fmt::format("{} ± {:.2f} mm", Text(result.center_F_m, 1e3), 1e3 * payload->center_sd_m));
     row("Bias", fmt::format("{} N, {} N·m", Text(payload->bias_S.f, 1.0), Text(payload->bias_S.t, 1.0)));
     row("Residual", fmt::format("{:.3f} N, {:.4f} N·m rms", payload->residual_N, payload->residual_Nm));
+    row("By posture", ByPosture(result.payload_residuals, "N", 1.0));
+    const auto repeat_N = Repeatability_N(result.payload_residuals);
+    row("Repeatability", repeat_N ? fmt::format("{:.3f} N between rests at the same posture", *repeat_N)
+                                  : std::string("not known: no posture was visited twice"));
   }
   if (const auto& pivot = result.pivot) {
     row("Tool's apex, in F", fmt::format("{} ± {:.3f} mm, from {} poses", Text(pivot->p_FT_m, 1e3),
                                          1e3 * pivot->sd_m, result.pivot_poses));
     row("Residual",
         fmt::format("{:.3f} mm rms, {:.3f} mm at worst", 1e3 * pivot->residual_m, 1e3 * pivot->worst_m));
+    row("By posture", ByPosture(result.pivot_residuals, "mm", 1e-3));
   }
+  row("History", fmt::format("{}: {} earlier", HistoryFile(options.out).string(), result.earlier));
+  for (const std::string& drift : result.drift) row("Warning", drift);
   row("Written", options.out.string() + ": name it in the cell's file as its `calibration`");
 }
 
@@ -207,6 +309,7 @@ int RunCalibrate(const CalibrateOptions& options) {
     result.payload = *fit;
     result.center_F_m = X_FS * fit->center_S_m;
     result.payload_poses = poses.size();
+    result.payload_residuals = PayloadResiduals(*fit, *rests, poses);
   }
   if (!options.pivot.empty()) {
     const auto rests = RestsOf(options.pivot);
@@ -217,9 +320,18 @@ int RunCalibrate(const CalibrateOptions& options) {
     if (!fit) return Fail("calibrate", options.pivot.string() + ": " + fit.error(), kFailed);
     result.pivot = *fit;
     result.pivot_poses = poses.size();
+    result.pivot_residuals = PivotResiduals(*fit, *rests, poses);
   }
+  // a history that can't be read is told before anything is written
+  const auto history = ReadHistory(HistoryFile(options.out));
+  if (!history) return Fail("calibrate", history.error());
+  const CalibrationEntry entry = EntryOf(result);
+  result.drift = DriftSince(*history, entry);
+  result.earlier = history->size();
   if (const auto written = WriteText(options.out, ToYaml(result, options.command_line)); !written)
     return Fail("calibrate", written.error(), kFailed);
+  if (const auto appended = AppendHistory(HistoryFile(options.out), entry); !appended)
+    return Fail("calibrate", appended.error(), kFailed);
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, JsonText(ToJson(result, options))); !written)
       return Fail("calibrate", written.error(), kFailed);

@@ -26,6 +26,8 @@ struct RestingPose {
   std::array<double, 7> q{};          ///< mean [rad]
   Wrench F_S;                         ///< mean reading of the force sensor
   double force_sd_N{0.0};             ///< standard deviation of that force, largest component
+  int visits{1};                      ///< rests at this posture
+  double repeat_N{0.0};               ///< largest difference of the mean force between two of them
 };
 
 /// Finds the periods in which no joint moves by more than 0.5 mrad for half a second; the first 0.2 s of each
@@ -34,7 +36,9 @@ struct RestingPose {
 [[nodiscard]] std::vector<RestingPose> FindRestingPoses(const std::vector<control::TickRecord>& ticks);
 
 /// Runs `osteon calibrate CELL.yaml`: identifies what hangs on the flange from recorded poses. Prints a table
-/// and writes `out`, which the cell's file names as its `calibration`.
+/// and writes `out`, which the cell's file names as its `calibration`. States the residual of each posture and the
+/// repeatability of postures that were visited again, appends the result to the history beside `out`
+/// (calibration_history.h), and warns of drift.
 /// @returns the process's exit code: 0; 1 if the poses do not determine the result; 2 bad input.
 [[nodiscard]] int RunCalibrate(const CalibrateOptions& options);
 

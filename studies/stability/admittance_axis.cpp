@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -22,10 +21,11 @@ const AdmittanceRunParams& Validated(const AdmittanceRunParams& params) {
 
 // One axis of the shipped arm, without a speed limit.
 ServoArm Arm(const AdmittanceLoopParams& loop) {
+  const ServoArmParams arm = ArmHeldBy(loop.hand, loop.felt_mass_kg, loop.arm).arm;
   std::array<kinematics::JointLimits, 7> unlimited;
   for (kinematics::JointLimits& limits : unlimited)
     limits.velocity_rad_per_s = std::numeric_limits<double>::max();
-  return {loop.arm, unlimited, loop.period_s, kinematics::JointVector::Zero()};
+  return {arm, unlimited, loop.period_s, kinematics::JointVector::Zero()};
 }
 
 // The plane z = 0 of a rotated frame, as an engine would report it, always fresh.
@@ -47,7 +47,7 @@ AdmittanceAxis::AdmittanceAxis(const AdmittanceRunParams& params)
       rest_m_(preload_N_ > 0.0 ? -preload_N_ / params.loop.wall.stiffness_N_per_m : 0.0),
       R_WT_(ExpRotation({0.3, -0.4, 0.2})),
       arm_(Arm(params.loop)),
-      targets_(params.loop.arm.dead_cycles),
+      command_gain_(ArmHeldBy(params.loop.hand, params.loop.felt_mass_kg, params.loop.arm).command_gain),
       felt_(params.loop.sensor_delay),
       poses_(params.loop.wall.age_ticks),
       speeds_(params.loop.wall.age_ticks),
@@ -66,21 +66,21 @@ AdmittanceAxis::AdmittanceAxis(const AdmittanceRunParams& params)
 
 double AdmittanceAxis::Uniform() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
 
-// Sends the command to the arm, with losses and jitter.
+// Sends the command to the arm, with losses and jitter, and moves the arm on by a period.
 void AdmittanceAxis::SendCommand() {
   commands_.Push(x_c_m_);
   late_ = params_.command_jitter == 0
               ? 0
               : std::min(late_ + 1, static_cast<int>(Uniform() * (params_.command_jitter + 1)));
   if (params_.command_loss == 0.0 || Uniform() >= params_.command_loss) told_arm_m_ = commands_.at(late_);
-  targets_.Push(told_arm_m_);
+  arm_.Step(kinematics::JointVector::Constant(command_gain_ * told_arm_m_));
 }
 
-double AdmittanceAxis::HandForce() const {
+double AdmittanceAxis::HandForce() {
   const AdmittanceLoopParams& p = params_.loop;
-  const double w = 2.0 * std::numbers::pi * p.arm.bandwidth_hz;
   const double x = arm_.q()[0], v = arm_.qd()[0];
-  const double a = w * w * (targets_.at(p.arm.dead_cycles) - x) - 2.0 * p.arm.damping_ratio * w * v;
+  const double a = (v - arm_m_per_s_) / p.period_s;
+  arm_m_per_s_ = v;
   return -(p.hand.stiffness_N_per_m * x + p.hand.damping_Ns_per_m * v + p.hand.mass_kg * a);
 }
 
@@ -108,7 +108,6 @@ double AdmittanceAxis::WallForce(std::int64_t tick) {
 AxisTick AdmittanceAxis::Step() {
   const double T = params_.loop.period_s;
   const Vector3 axis_W = R_WT_.col(2);
-  SendCommand();
   AxisTick tick{.hand_N = HandForce()};
   double read_N = tick.hand_N;
   if (params_.noise_N > 0.0) read_N += params_.noise_N * std::sqrt(12.0) * (Uniform() - 0.5);
@@ -117,7 +116,6 @@ AxisTick AdmittanceAxis::Step() {
   ++tick_;
 
   const double told_N = felt_.at(params_.loop.sensor_delay);
-  arm_.Step(kinematics::JointVector::Constant(told_arm_m_));
   tool_.X_WT.translation() = x_c_m_ * axis_W;
   tool_.V_WT.v = v_c_m_per_s_ * axis_W;
   control::AdmittanceParams law = law_;
@@ -134,6 +132,7 @@ AxisTick AdmittanceAxis::Step() {
   x_c_m_ = axis_W.dot(tool_.X_WT.translation());
   v_c_m_per_s_ = axis_W.dot(tool_.V_WT.v);
   tick.x_m = x_c_m_;
+  SendCommand();
   return tick;
 }
 

@@ -60,7 +60,7 @@ class AdmittanceAxis {
     std::deque<double> values_;
   };
   void SendCommand();
-  [[nodiscard]] double HandForce() const;
+  [[nodiscard]] double HandForce();
   [[nodiscard]] double WallForce(std::int64_t tick);
   [[nodiscard]] double Uniform();
 
@@ -69,7 +69,9 @@ class AdmittanceAxis {
   Matrix3 R_WT_;               ///< the axis is z of a rotated tool, so the law's changes of frame are
                                ///< exercised
   ServoArm arm_;
-  History targets_, felt_, poses_, speeds_, commands_;
+  double command_gain_;      ///< of an arm that the hand moves aside
+  double arm_m_per_s_{0.0};  ///< the arm's velocity a tick ago
+  History felt_, poses_, speeds_, commands_;
   double x_c_m_{0.0}, v_c_m_per_s_, told_arm_m_{0.0};
   int late_{0};
   std::int64_t tick_{0};

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -32,6 +31,7 @@ void Validate(const AdmittanceLoopParams& params) {
   require("hand stiffness_N_per_m", params.hand.stiffness_N_per_m, params.hand.stiffness_N_per_m >= 0.0,
           ">= 0");
   require("hand damping_Ns_per_m", params.hand.damping_Ns_per_m, params.hand.damping_Ns_per_m >= 0.0, ">= 0");
+  require("felt_mass_kg", params.felt_mass_kg, params.felt_mass_kg >= 0.0, ">= 0");
   require("hand mass_kg", params.hand.mass_kg, params.hand.mass_kg >= 0.0, ">= 0");
   require("mass_kg", params.mass_kg, params.mass_kg > 0.0, "> 0");
   require("damping_Ns_per_m", params.damping_Ns_per_m, params.damping_Ns_per_m > 0.0, "> 0");
@@ -47,48 +47,25 @@ void Validate(const AdmittanceLoopParams& params) {
           "0 … 1000");
 }
 
-Eigen::Matrix<double, 2, 3> ServoStep(const ServoArmParams& params, double period_s) {
-  ServoArmParams prompt = params;
-  prompt.dead_cycles = 0;
-  std::array<kinematics::JointLimits, 7> unlimited;
-  for (kinematics::JointLimits& limits : unlimited)
-    limits.velocity_rad_per_s = std::numeric_limits<double>::max();
-  // An arm starts at rest, so the column of its speed comes from the second step of an arm that is already
-  // moving.
-  ServoArm arm(prompt, unlimited, period_s, kinematics::JointVector::Constant(1.0));
-  const kinematics::JointVector home = kinematics::JointVector::Zero();
-  arm.Step(home);
-  const Eigen::Vector2d first(arm.q()[0], arm.qd()[0]);
-  arm.Step(home);
-  const Eigen::Vector2d second(arm.q()[0], arm.qd()[0]);
-  ServoArm told(prompt, unlimited, period_s, home);
-  told.Step(kinematics::JointVector::Constant(1.0));
-
-  Eigen::Matrix<double, 2, 3> step;
-  step.col(0) = first;
-  step.col(1) = (second - first[0] * first) / first[1];
-  step.col(2) << told.q()[0], told.qd()[0];
-  return step;
-}
-
 AdmittanceLoop::AdmittanceLoop(const AdmittanceLoopParams& params) : params_(params) {
   Validate(params);
-  arm_step_ = ServoStep(params.arm, params.period_s);
+  const HeldArm held = ArmHeldBy(params.hand, params.felt_mass_kg, params.arm);
+  command_gain_ = held.command_gain;
+  linear_arm_ = LinearArm(held.arm, params.period_s);
   // a wall's velocity is the difference of two samples
   const int oldest = params.wall.on == WallOn::kCommanded ? params.wall.age_ticks + 1 : 0;
-  arm_ = 1 + std::max(params.arm.dead_cycles, oldest);
-  speed_ = arm_ + 2;
+  arm_ = std::max({1, linear_arm_.history(), 1 + oldest});
+  speed_ = arm_ + 3;
   felt_ = speed_ + 1;
   motion_ = felt_ + params.sensor_delay;
 }
 
 Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
   const GridHand& hand = params_.hand;
-  const double x = s[arm_], v = s[arm_ + 1], target = s[params_.arm.dead_cycles];
+  const double x = s[arm_], v = s[arm_ + 1];
 
   // the hand's present load on the sensor, and the law's input
-  const double w = 2.0 * std::numbers::pi * params_.arm.bandwidth_hz;
-  const double a = w * w * (target - x) - 2.0 * params_.arm.damping_ratio * w * v;
+  const double a = (v - s[arm_ + 2]) / params_.period_s;
   const double felt_N =
       -(hand.stiffness_N_per_m * x + hand.damping_Ns_per_m * v + (hand.mass_kg + params_.tool_mass_kg) * a);
   double told_N = params_.sensor_delay == 0 ? felt_N : s[felt_ + params_.sensor_delay - 1];
@@ -126,7 +103,11 @@ Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
   Eigen::VectorXd next(size());
   next[0] = axis_W.dot(tool.X_WT.translation());
   for (int i = 1; i < arm_; ++i) next[i] = s[i - 1];
-  next.segment<2>(arm_) = arm_step_ * Eigen::Vector3d(x, v, target);
+  // the command that was sent `ago` ticks before this one
+  const auto sent = [&](int ago) { return command_gain_ * (ago == 0 ? next[0] : s[ago - 1]); };
+  const double earlier = linear_arm_.split ? sent(linear_arm_.whole + 1) : 0.0;
+  next.segment<2>(arm_) = linear_arm_.step * Eigen::Vector4d(x, v, earlier, sent(linear_arm_.whole));
+  next[arm_ + 2] = v;
   next[speed_] = axis_W.dot(tool.V_WT.v);
   for (int i = 0; i < params_.sensor_delay; ++i) next[felt_ + i] = i == 0 ? felt_N : s[felt_ + i - 1];
   if (params_.inertia_share > 0.0)

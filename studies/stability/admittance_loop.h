@@ -3,6 +3,7 @@
 #include "hil/arm/servo_arm.h"
 #include "hil/operator/hand_grid.h"
 #include "studies/stability/linear_loop.h"
+#include "studies/stability/loop_arm.h"
 
 // Model B of the design's stability page: a hand that holds an admittance-controlled arm, along one axis.
 //
@@ -29,8 +30,9 @@ struct AdmittanceLoopParams {
   GridHand hand{"firm", 500.0, 20.0, 1.5};
   double mass_kg{3.0};            ///< m_v
   double damping_Ns_per_m{20.0};  ///< b_v
-  LoopWall wall;
-  ServoArmParams arm;        ///< bandwidth, damping ratio, and the command's dead time: dc = dead_cycles
+  LoopWall wall{};
+  ServoArmParams arm{};  ///< bandwidth, damping ratio, and the command's dead time from the tick that sends it
+  double felt_mass_kg{0.0};  ///< M: mass by which the hand's force moves the arm (LoopArm); 0: it does not
   int sensor_delay{1};       ///< df [ticks]: from the hand's force to the law's input
   double tool_mass_kg{0.0};  ///< m_t: the load of the sensor; its inertia feels like more hand mass
   double inertia_share{
@@ -44,9 +46,11 @@ void Validate(const AdmittanceLoopParams& params);
 
 /// The linear loop around its equilibrium:
 ///
-///     arm     x_r'' = w^2 (x_c[k-dc] - x_r) - 2 z w x_r'             one step of the shipped ServoArm
-///     felt    f = -(k_h x_r + b_h x_r' + (m_h + m_t) x_r''),  told df ticks later, and
-///             share m_t x_r'' added by the shipped StepMotion
+///     arm     x_r'' = w^2 (x_c[k+1-dead] - x_r) - 2 z w x_r'         one step of the shipped ServoArm, told in
+///             tick k what the law computes in it
+///     felt    f = -(k_h x_r + b_h x_r' + (m_h + m_t) (x_r'[k] - x_r'[k-1]) / T),  told df ticks later, and
+///             share m_t x_r'' added by the shipped StepMotion. The acceleration is the mean of the period
+///             that ends: just after a command's step it would add m_h w^2 T / 2 to the hand's damping
 ///     law     v+ = (v + T/m_v (f + F_wall)) / (1 + T b_v/m_v),  x_c+ = x_c + T v+
 ///             the shipped StepAdmittance
 ///     wall    F_wall = -K x - B x',  x by WallOn
@@ -56,8 +60,8 @@ class AdmittanceLoop {
  public:
   explicit AdmittanceLoop(const AdmittanceLoopParams& params);
 
-  /// Size of the state: x_c now and before, x_r, x_r', v, earlier felt forces; with inertia compensation also
-  /// the previous x_r and its filtered velocity and acceleration.
+  /// Size of the state: x_c now and before, x_r, x_r', x_r' a period ago, v, earlier felt forces; with inertia
+  /// compensation also the previous x_r and its filtered velocity and acceleration.
   [[nodiscard]] int size() const { return motion_ + (params_.inertia_share > 0.0 ? 3 : 0); }
   [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
   [[nodiscard]] Eigen::MatrixXd Matrix() const;
@@ -65,13 +69,10 @@ class AdmittanceLoop {
 
  private:
   AdmittanceLoopParams params_;
-  Eigen::Matrix<double, 2, 3> arm_step_;  // (x_r, x_r')+ of (x_r, x_r', command)
-  int arm_, speed_, felt_, motion_;       // their first indices in the state
+  double command_gain_;              // of the arm that the hand moves aside
+  LoopArm linear_arm_;
+  int arm_, speed_, felt_, motion_;  // their first indices in the state
 };
-
-/// One period of the shipped ServoArm's joint, within its limits and without dead time: (q, q')+ = S (q, q',
-/// q_cmd).
-[[nodiscard]] Eigen::Matrix<double, 2, 3> ServoStep(const ServoArmParams& params, double period_s);
 
 /// The largest wall stiffness before the first crossing [N/m].
 [[nodiscard]] Boundary MaxWallStiffness(AdmittanceLoopParams params,

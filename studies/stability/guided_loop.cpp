@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "control/laws/admittance_law.h"
-#include "studies/stability/admittance_loop.h"
 
 namespace osteon::hil {
 namespace {
@@ -46,29 +44,27 @@ Eigen::Matrix2d StiffnessOf(control::GuidanceParams guidance) {
 
 }  // namespace
 
-// State: poses aside now and earlier, the arm's x and x', the tool's v; the same of the tilt; earlier felt
-// forces of the hand.
+// State: poses aside now and earlier, the arm's x, x' and x' a period ago, the tool's v; the same of the tilt;
+// earlier felt forces of the hand.
 GuidedLoop::GuidedLoop(const GuidedLoopParams& params)
     : params_(params),
-      arm_step_(ServoStep(params.arm, params.period_s)),
+      linear_arm_(LinearArm(params.arm, params.period_s)),
       stiffness_(StiffnessOf(params.guidance)),
-      history_(params.arm.dead_cycles + 1),
-      size_(2 * (history_ + 3) + params.sensor_delay) {}
+      history_(std::max(1, linear_arm_.history())),
+      size_(2 * (history_ + 4) + params.sensor_delay) {}
 
 Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
   const GridHand& hand = params_.hand;
-  const double w = 2.0 * std::numbers::pi * params_.arm.bandwidth_hz;
   const double lever_m = params_.lever_m;
-  const int coordinate = history_ + 3;
-  Eigen::Vector2d target, x, v, a, commanded, speed;
+  const int coordinate = history_ + 4;
+  Eigen::Vector2d x, v, a, commanded, speed;
   for (int i = 0; i < 2; ++i) {
     const int at = i * coordinate;
-    target[i] = s[at + params_.arm.dead_cycles];
     x[i] = s[at + history_];
     v[i] = s[at + history_ + 1];
-    a[i] = w * w * (target[i] - x[i]) - 2.0 * params_.arm.damping_ratio * w * v[i];
+    a[i] = (v[i] - s[at + history_ + 2]) / params_.period_s;
     commanded[i] = s[at];
-    speed[i] = s[at + history_ + 2];
+    speed[i] = s[at + history_ + 3];
   }
   // the hand at -lever along the feed
   const auto at_hand = [&](const Eigen::Vector2d& of) { return of[0] - lever_m * of[1]; };
@@ -97,8 +93,13 @@ Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
     const int at = i * coordinate;
     next[at] = moved[i];
     for (int j = 1; j < history_; ++j) next[at + j] = s[at + j - 1];
-    next.segment<2>(at + history_) = arm_step_ * Eigen::Vector3d(x[i], v[i], target[i]);
-    next[at + history_ + 2] = speed_next[i];
+    // the command that was sent `ago` ticks before this one
+    const auto sent = [&](int ago) { return ago == 0 ? moved[i] : s[at + ago - 1]; };
+    const double earlier = linear_arm_.split ? sent(linear_arm_.whole + 1) : 0.0;
+    next.segment<2>(at + history_) =
+        linear_arm_.step * Eigen::Vector4d(x[i], v[i], earlier, sent(linear_arm_.whole));
+    next[at + history_ + 2] = v[i];
+    next[at + history_ + 3] = speed_next[i];
   }
   for (int j = 0; j < params_.sensor_delay; ++j) next[felt + j] = j == 0 ? felt_N : s[felt + j - 1];
   return next;

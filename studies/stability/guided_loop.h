@@ -7,6 +7,7 @@
 #include "hil/arm/servo_arm.h"
 #include "hil/operator/hand_grid.h"
 #include "studies/stability/linear_loop.h"
+#include "studies/stability/loop_arm.h"
 
 // The planar loop of guidance: a hand holds the handle of an admittance-controlled arm some way above the
 // tool's apex, and the guidance's funnel and cone act on the commanded pose, aside and by tilt.
@@ -50,7 +51,7 @@ class GuidedLoop {
 
  private:
   GuidedLoopParams params_;
-  Eigen::Matrix<double, 2, 3> arm_step_;
+  LoopArm linear_arm_;
   Eigen::Matrix2d stiffness_;
   int history_, size_;  // poses per coordinate; size of the state
 };

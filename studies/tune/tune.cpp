@@ -13,11 +13,9 @@
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "base/phase_progress.h"
-#include "base/write_text.h"
+#include "config/reading/apply_identified.h"
 #include "config/reading/load.h"
 #include "config/reading/load_surgical_plan.h"
-#include "report/page.h"
-#include "report/svg_text.h"
 #include "session/procedure/plan_guidance.h"
 #include "session/process/exit_code.h"
 #include "session/summary/chart_files.h"
@@ -25,7 +23,10 @@
 #include "studies/sharding/exact_number.h"
 #include "studies/sharding/study_items.h"
 #include "studies/tune/tune_cache.h"
+#include "studies/tune/tune_impedance.h"
 #include "studies/tune/tune_items.h"
+#include "studies/tune/tune_measured.h"
+#include "studies/tune/tune_page.h"
 #include "studies/tune/tune_result.h"
 
 namespace osteon::app {
@@ -40,9 +41,17 @@ constexpr double kTie = 1.05;  // drags within this ratio count as equal: the li
 // Everything that a result depends on, besides its own parameters. The number in front changes with the
 // method.
 std::string Text(const TuneTask& t) {
-  return fmt::format("1 {} {} {} {} {} {} {} {} {} {} {}", t.loop.arm.bandwidth_hz, t.loop.arm.damping_ratio,
-                     t.loop.arm.dead_cycles, t.loop.sensor_delay, t.loop.period_s, t.wall_N_per_m,
-                     t.plane_N_per_m, t.worst_age_s, t.margin, t.command_loss, t.command_jitter);
+  std::string text =
+      fmt::format("2 {} {} {} {} {} {} {} {} {} {} {} {}", t.loop.arm.bandwidth_hz, t.loop.arm.damping_ratio,
+                  t.loop.arm.dead_cycles, t.loop.felt_mass_kg, t.loop.sensor_delay, t.loop.period_s,
+                  t.wall_N_per_m, t.plane_N_per_m, t.worst_age_s, t.margin, t.command_loss, t.command_jitter);
+  if (!t.measured_only) return text;
+  // the grid of the response has every line and the model in it
+  std::uint64_t hash = 14695981039346656037ull;
+  for (const hil::MeasuredResponse::Point& point : t.response->grid())
+    for (const char c : fmt::format("{} {} ", point.value.real(), point.value.imag()))
+      hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+  return text + fmt::format(" measured {:016x}", hash);
 }
 
 std::string Text(const std::vector<hil::GridHand>& hands) {
@@ -250,6 +259,8 @@ void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& pro
   for (const hil::GridHand& hand : hil::NamedHands())
     if (hand.name == "clamp") r.clamp_Ns_per_m = study.Drag(Items::kClampDrag, r.recommended.mass_kg, {hand});
 
+  if (r.task.measured_only) return;  // what follows is of the arm's model
+
   progress.BeginPhase("boundaries, predicted and simulated");
   std::vector<double> dampings{r.recommended.damping_Ns_per_m};
   for (int i = 0; i < options.dampings; ++i)
@@ -279,70 +290,6 @@ void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& pro
             [&] { return IndexWith(r.task, r.recommended, r.human_hands); });
 }
 
-std::string Page(const TuneResult& r, const TuneOptions& options, const std::string& map,
-                 const std::string& width, const std::string& trade) {
-  const std::string title = "Gains for " + r.cell;
-  std::string html = PageBegin({.title = title, .verdict = Judge(r).ForReport(), .summary = Rows(r)});
-  if (!map.empty())
-    html +=
-        "<h2>How stiff a wall may be</h2>\n" +
-        Figure(
-            width,
-            "Below a line the tool is calm at the wall, above it the tool oscillates; all at the recommended "
-            "mass. Lines: computed (spectral radius of the loop's matrix). Circles: simulated. Crosses: "
-            "simulated with commands lost and late. Left of a line's left end the tool oscillates without "
-            "any "
-            "wall. Triangles: stable up to the stiffest wall that was tried.") +
-        Figure(
-            map,
-            "How fast the slowest motion of the worst hand dies out; in the grey part it grows. Above a grey "
-            "band the loop may be stable again, at walls stiffer than any in use.");
-  html +=
-      "<h2>What it costs</h2>\n" +
-      Figure(
-          trade,
-          "The least drag with which the tool is stable in all of these cases, by its virtual mass. A tool "
-          "that is too light follows the hand's own mass; a heavy one responds slower than the arm's lag. A "
-          "tool below and to the left of both red lines counts as light to the hand.");
-  if (r.Stands())
-    html +=
-        "<h2>Stiffer hands, with the vibration index</h2>\n<p>The grip closes on a tool that moves with 40 "
-        "mm/s. Force: what the hand feels between 5 and 40 Hz, the greatest effective value over 0.2 s. "
-        "Drag: as "
-        "a multiple of the recommended drag, the greatest, and the mean from 1 s to 10 s.</p>\n" +
-        CarriedTable(r);
-  if (r.Stands())
-    html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
-            Escape(GainsYaml(r, options.command_line)) + "</pre>\n";
-  if (r.guidance)
-    html +=
-        fmt::format(
-            "<h2>Guidance of the plan</h2>\n<p>Hands and levers, of {}, that are stable without guidance and "
-            "unstable with it. The plan's own gains stand in the middle.</p>\n",
-            r.guidance->hands) +
-        TableOf(*r.guidance);
-  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + PageEnd();
-}
-
-tl::expected<void, std::string> Write(const TuneResult& r, const TuneOptions& options) {
-  const std::string map = r.Stands() ? MapSvg(r) : "", width = r.Stands() ? WidthSvg(r) : "",
-                    trade = TradeSvg(r);
-  for (const auto& [name, svg] : {std::pair{"tune", &map}, {"tune_width", &width}, {"tune_trade", &trade}}) {
-    if (svg->empty()) continue;
-    if (const auto written = WriteDrawing(*svg, options.out / name); !written) return written;
-  }
-  const std::string json = ToJson(r, options.command_line);
-  if (const auto written = WriteText(options.out / "tune.csv", BoundaryCsv(r)); !written) return written;
-  if (const auto written = WriteText(options.out / "tune.json", json); !written) return written;
-  if (r.Stands())
-    if (const auto written = WriteText(options.out / "gains.yaml", GainsYaml(r, options.command_line));
-        !written)
-      return written;
-  if (!options.json.empty())
-    if (const auto written = WriteText(options.json, json); !written) return written;
-  return WritePage(Page(r, options, map, width, trade), options.out / "tune.html");
-}
-
 // The guidance of a plan's first reamer: all of its reamers have the same gains. Judged at full gain.
 tl::expected<std::optional<GuidanceMap>, std::string> MapPlan(const TuneOptions& options,
                                                               const TuneTask& task,
@@ -366,34 +313,55 @@ tl::expected<int, std::string> Ticks(const char* option, double ms, double perio
   return static_cast<int>(std::lround(ticks));
 }
 
+// Delays of commands and of the sensor: those that the user asked for, else those of the task.
+tl::expected<void, std::string> SetDelays(const TuneOptions& options, TuneTask& task) {
+  const double period_s = task.loop.period_s;
+  if (options.jitter_ms) {
+    const auto jitter = Ticks("--jitter-ms", *options.jitter_ms, period_s);
+    if (!jitter) return tl::unexpected(jitter.error());
+    task.command_jitter = *jitter;
+  }
+  if (options.sensor_delay_ms) {
+    const auto sensor = Ticks("--sensor-delay-ms", *options.sensor_delay_ms, period_s);
+    if (!sensor) return tl::unexpected(sensor.error());
+    task.loop.sensor_delay = *sensor;
+    task.response_delay_s = 1e-3 * *options.sensor_delay_ms;
+  }
+  const double most = hil::ServoArm::kMaxDeadCycles - task.loop.arm.dead_cycles;
+  if (task.command_jitter > most)
+    return tl::unexpected(fmt::format("--jitter-ms: found {:g}, accepted at most {:g} with the arm's dead time",
+                                      1e3 * task.command_jitter * period_s, 1e3 * period_s * std::floor(most)));
+  return {};
+}
+
 tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const TuneOptions& options) {
-  if (cell.servo.law == control::Law::kImpedance)
-    return tl::unexpected(fmt::format(
-        "{}: found a cell with the impedance law, which has no virtual tool; accepted the admittance law",
-        options.cell.string()));
   TuneTask task = TuneTaskOf(cell);
-  const double late_ms = std::max(1.0, 1e3 * task.loop.period_s);
-  const double jitter_ms = options.jitter_ms.value_or(late_ms);
-  const auto jitter = Ticks("--jitter-ms", jitter_ms, task.loop.period_s);
-  if (!jitter) return tl::unexpected(jitter.error());
-  const auto sensor =
-      Ticks("--sensor-delay-ms", options.sensor_delay_ms.value_or(late_ms), task.loop.period_s);
-  if (!sensor) return tl::unexpected(sensor.error());
-  task.command_jitter = *jitter;
-  task.loop.sensor_delay = *sensor;
-  if (task.loop.arm.dead_cycles + task.command_jitter > hil::ServoArm::kMaxDeadCycles)
-    return tl::unexpected(
-        fmt::format("--jitter-ms: found {:g}, accepted at most {:g} with the arm's dead time", jitter_ms,
-                    1e3 * task.loop.period_s * (hil::ServoArm::kMaxDeadCycles - task.loop.arm.dead_cycles)));
+  const int late = std::max(1, static_cast<int>(std::ceil(1e-3 / task.loop.period_s - 1e-9)));
+  task.command_jitter = task.loop.sensor_delay = late;
+  if (cell.identified) UseIdentified(*cell.identified, task);
+  if (const auto set = SetDelays(options, task); !set) return tl::unexpected(set.error());
   if (options.human_grip_N_per_m > options.stiffest_grip_N_per_m)
     return tl::unexpected(fmt::format("--grip: found {:g}, accepted at most --stiffest-grip ({:g})",
                                       options.human_grip_N_per_m, options.stiffest_grip_N_per_m));
+  if (task.measured_only && !task.response)
+    return tl::unexpected(std::string("identified: found a structure without a response by the force sensor, "
+                                      "accepted one: the arm's model alone does not have it"));
   task.worst_age_s = 1e-3 * options.worst_age_ms;
   task.margin = options.margin;
-  task.command_loss = options.loss;
+  if (options.loss) task.command_loss = *options.loss;
   task.human_grip_N_per_m = options.human_grip_N_per_m;
   task.stiffest_grip_N_per_m = options.stiffest_grip_N_per_m;
   return task;
+}
+
+// The judgement by the measured response, of the cell's own gains and of those recommended.
+void AddMargins(TuneResult& r) {
+  const TuneGains own{r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m};
+  r.margins = MeasuredMargins(r.task, "own", own, r.human_hands);
+  if (!r.Stands()) return;
+  const std::vector<TuneMargin> recommended =
+      MeasuredMargins(r.task, "recommended", r.recommended, r.human_hands);
+  r.margins.insert(r.margins.end(), recommended.begin(), recommended.end());
 }
 
 // Everything that the results depend on, as text.
@@ -407,16 +375,20 @@ int Run(const TuneOptions& options) {
     return Fail("tune", wrong);
   if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
     return Fail("tune", wrong);
-  const config::CellConfig cell = config::LoadCell(options.cell);
+  config::CellConfig cell = config::LoadCell(options.cell);
   config::RequireSimulation(cell, options.cell);
+  if (!options.identified.empty()) config::ApplyIdentified(options.identified, cell);
+  if (cell.servo.law == control::Law::kImpedance) return RunTuneImpedance(options, cell);
   const auto task = TaskOf(cell, options);
   if (!task) return Fail("tune", task.error());
+  if (task->measured_only && (options.sharding.shard || options.sharding.parts != nullptr))
+    return Fail("tune", "--shard: found with an identified structure, accepted without: it is judged in one piece");
 
   TuneResult result;
   result.cell = options.cell.stem().string();
   result.task = *task;
-  result.human_hands = HandsUpTo(task->human_grip_N_per_m);
-  result.stiffest_hands = HandsUpTo(task->stiffest_grip_N_per_m);
+  result.human_hands = HandsUpTo(*task, task->human_grip_N_per_m);
+  result.stiffest_hands = HandsUpTo(*task, task->stiffest_grip_N_per_m);
   result.age_bound_Ns_per_m = task->worst_age_s * task->plane_N_per_m;
 
   StudyItems items(options.sharding, InputsOf(result, options));
@@ -447,8 +419,9 @@ int Run(const TuneOptions& options) {
   if (Interrupted()) return kExitInterrupted;
   result.found = cache.found();
   result.computed = cache.computed();
+  AddMargins(result);
 
-  if (const auto written = Write(result, options); !written) return Fail("tune", written.error(), kFailed);
+  if (const auto written = WriteTuning(result, options); !written) return Fail("tune", written.error(), kFailed);
   const Verdict verdict = Judge(result);
   PrintVerdict(verdict, 26);
   for (const SummaryRow& row : Rows(result)) fmt::print("  {:<26} {}\n", row.key, row.value);

@@ -12,11 +12,13 @@ struct TuneOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"tune"};
   std::filesystem::path json{};  ///< a second copy of tune.json
+  /// A file of `osteon identify` for this cell; empty: the cell's own, if it names one.
+  std::filesystem::path identified{};
   std::filesystem::path plan{};  ///< surgical plan whose guidance is judged as well; empty: none
   double worst_age_ms{2.0};      ///< of a contact model's pose
   double margin{1.1};
-  double loss{0.01};
-  /// In whole periods of the cell; default: one period, at least 1 ms.
+  std::optional<double> loss{};  ///< default: as identified, else 0.01
+  /// In whole periods of the cell; default: as identified, else one period, at least 1 ms.
   std::optional<double> jitter_ms{}, sensor_delay_ms{};
   double human_grip_N_per_m{3e3}, stiffest_grip_N_per_m{10e3};
   int dampings{16};  ///< of the map, from 5 to 500 N s/m

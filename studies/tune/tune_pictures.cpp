@@ -111,11 +111,12 @@ std::string WidthSvg(const TuneResult& r) {
     const auto curve = [&](double TuneBoundary::*what, const std::string& shown, Marker marker) {
       chart.series.push_back(Curve(*boundaries, what, 1e-3, shown, color, marker, r.max_wall_N_per_m));
     };
-    curve(&TuneBoundary::predicted_N_per_m, name + ", predicted", Marker::kNone);
+    curve(&TuneBoundary::predicted_N_per_m, name, Marker::kNone);
     curve(&TuneBoundary::simulated_N_per_m, "", Marker::kRing);
     curve(&TuneBoundary::degraded_N_per_m, "", Marker::kCross);
     chart.series.push_back(AtLeast(*boundaries, r.max_wall_N_per_m, color));
   }
+  chart.series.push_back({.name = "predicted", .color = kMutedColor, .width_px = 2.0});
   chart.series.push_back(LegendOnly("simulated", Marker::kRing));
   chart.series.push_back(LegendOnly("with commands lost and late", Marker::kCross));
   chart.series.push_back(LegendOnly("at least so much: no stiffer wall was looked at", Marker::kOpenUp));

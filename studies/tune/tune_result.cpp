@@ -73,6 +73,7 @@ const TuneCarried* TuneResult::WorstCarried() const {
 Verdict Judge(const TuneResult& r) {
   Verdict verdict;
   if (r.guidance) JudgeGuidance(*r.guidance, verdict);
+  JudgeMargins(r.margins, verdict);
   if (!r.Stands()) {
     verdict.Add(VerdictLevel::kBad, "no gains stand what was asked, whatever the drag");
     return verdict;
@@ -119,6 +120,7 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
        fmt::format("{:.3g} kg, {:.0f} N s/m: {}", t.loop.mass_kg, t.loop.damping_Ns_per_m,
                    r.own_margin > 0.0 ? fmt::format("gain margin {:.2f}", r.own_margin)
                                       : std::string("not stable with all of these"))}};
+  for (SummaryRow& row : RowsOfMeasured(t, r.margins)) rows.push_back(std::move(row));
   if (r.guidance)
     for (SummaryRow& row : RowsOf(*r.guidance)) rows.push_back(std::move(row));
   if (!r.Stands()) {
@@ -127,7 +129,8 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
   }
   rows.push_back(
       {"Recommended", fmt::format("{}, gain margin {:.2f}", Shown(r.recommended), r.recommended_margin)});
-  rows.push_back({"Simulated",
+  if (r.check.runs > 0)
+    rows.push_back({"Simulated",
                   r.check.grew.empty()
                       ? fmt::format("{} runs with commands lost and late; no oscillation grew", r.check.runs)
                       : fmt::format("in {} of {} runs an oscillation grew: {}", r.check.grew.size(),
@@ -185,6 +188,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
        {{"bandwidth_hz", t.loop.arm.bandwidth_hz},
         {"damping_ratio", t.loop.arm.damping_ratio},
         {"dead_cycles", t.loop.arm.dead_cycles},
+        {"felt_mass_kg", t.loop.felt_mass_kg > 0.0 ? nlohmann::json(t.loop.felt_mass_kg) : nlohmann::json()},
         {"sensor_delay", t.loop.sensor_delay},
         {"period_ms", 1e3 * t.loop.period_s}}},
       {"stands",
@@ -208,6 +212,10 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
       {"boundary_stiffest", ToJson(r.stiffest, r.stiffest_hands)},
       {"boundary_firm", ToJson(r.firm, {hil::NamedHands()[1]})},
       {"results", {{"computed", r.computed}, {"from_before", r.found}}}};
+  json["law"] = "admittance";
+  json["identified"] = t.identified.has_value();
+  json["measured_only"] = t.measured_only;
+  json["margins"] = ToJson(r.margins);
   if (r.guidance) json["guidance"] = ToJson(*r.guidance);
   if (r.within_bar_margin > 0.0) {
     json["within_bar"] = ToJson(r.within_bar);

@@ -7,6 +7,7 @@
 #include "report/report.h"
 #include "session/summary/verdict.h"
 #include "studies/tune/tune_guidance.h"
+#include "studies/tune/tune_measured.h"
 #include "studies/tune/tune_study.h"
 
 // The result of `osteon tune` and its forms: rows, JSON, CSV, pictures, an overlay for the cell.
@@ -46,6 +47,7 @@ struct TuneResult {
   std::vector<TuneCarried> carried;     ///< hands that depend on the vibration index
   double human_index{0.0};              ///< the greatest index that a hand within the human grip raises
   std::optional<GuidanceMap> guidance;  ///< of a plan
+  std::vector<TuneMargin> margins;      ///< by the measured response; empty: none was measured
   int found{0}, computed{0};
 
   [[nodiscard]] bool Stands() const { return recommended.mass_kg > 0.0; }

@@ -1,13 +1,13 @@
 #include "studies/tune/tune_study.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
 
 #include "simulation/tools/tool.h"
+#include "studies/tune/tune_measured.h"
 
 namespace osteon::app {
 namespace {
@@ -17,19 +17,8 @@ constexpr double kMinWall_N_per_m = 100.0;
 constexpr double kGripSpeed_m_per_s = 0.04, kNoise_N = 0.1, kCarried_s = 10.0;
 constexpr double kCalm_N = 0.5, kEnlarged = 2.2;  // least limit; factor on the tremor that the index permits
 
-enum class Contact { kFree, kWall, kPlanes };
-constexpr std::array<Contact, 3> kContacts{Contact::kFree, Contact::kWall, Contact::kPlanes};
-constexpr std::array<const char*, 3> kContactNames{"free", "wall", "planes"};
-
 int WorstAge(const TuneTask& task) {
   return static_cast<int>(std::ceil(task.worst_age_s / task.loop.period_s - 1e-9));
-}
-
-hil::LoopWall WallOf(const TuneTask& task, Contact contact, double gain) {
-  if (contact == Contact::kFree) return {};
-  // the coupling's own damping is limited to a part of the force, so the analysis ignores it
-  if (contact == Contact::kWall) return {.stiffness_N_per_m = gain * task.wall_N_per_m};
-  return {.stiffness_N_per_m = gain * task.plane_N_per_m, .age_ticks = WorstAge(task)};
 }
 
 hil::AdmittanceLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, const hil::GridHand& hand,
@@ -43,7 +32,7 @@ hil::AdmittanceLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, c
 
 // Parameters of a simulated run with lost and late commands, noise, and the cell's vibration index.
 hil::AdmittanceRunParams WithIndex(const TuneTask& task, const TuneGains& gains, const hil::GridHand& hand,
-                                   Contact contact) {
+                                   TuneContact contact) {
   hil::AdmittanceRunParams run{.loop = LoopOf(task, gains, hand, 1.0),
                                .command_loss = task.command_loss,
                                .command_jitter = task.command_jitter,
@@ -54,9 +43,21 @@ hil::AdmittanceRunParams WithIndex(const TuneTask& task, const TuneGains& gains,
 }
 
 // The greatest delay of a command. Lost commands are simulated only: a matrix has no chance events.
-int LatestDeadCycles(const TuneTask& task) { return task.loop.arm.dead_cycles + task.command_jitter; }
+double LatestDeadCycles(const TuneTask& task) { return task.loop.arm.dead_cycles + task.command_jitter; }
 
 }  // namespace
+
+const char* NameOf(TuneContact contact) {
+  if (contact == TuneContact::kFree) return "free";
+  return contact == TuneContact::kWall ? "wall" : "planes";
+}
+
+hil::LoopWall WallOf(const TuneTask& task, TuneContact contact, double gain) {
+  if (contact == TuneContact::kFree) return {};
+  // the coupling's own damping is limited to a part of the force, so the analysis ignores it
+  if (contact == TuneContact::kWall) return {.stiffness_N_per_m = gain * task.wall_N_per_m};
+  return {.stiffness_N_per_m = gain * task.plane_N_per_m, .age_ticks = WorstAge(task)};
+}
 
 TuneTask TuneTaskOf(const config::CellConfig& cell) {
   TuneTask task;
@@ -83,9 +84,17 @@ std::vector<hil::GridHand> HandsUpTo(double stiffness_N_per_m) {
   return hands;
 }
 
+std::vector<hil::GridHand> HandsUpTo(const TuneTask& task, double stiffness_N_per_m) {
+  std::vector<hil::GridHand> hands = HandsUpTo(stiffness_N_per_m);
+  hands.insert(hands.end(), task.measured_hands.begin(), task.measured_hands.end());
+  std::ranges::stable_sort(hands, std::ranges::greater{}, &hil::GridHand::stiffness_N_per_m);
+  return hands;
+}
+
 bool StandsAll(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
                double gain) {
-  for (const Contact contact : kContacts)
+  if (task.measured_only) return StandsMeasured(task, gains, hands, gain);
+  for (const TuneContact contact : kTuneContacts)
     for (const hil::GridHand& hand : hands) {
       hil::AdmittanceLoopParams loop = LoopOf(task, gains, hand, gain);
       loop.arm.dead_cycles = LatestDeadCycles(task);
@@ -161,15 +170,15 @@ double DecayRate(const TuneTask& task, const TuneGains& gains, const std::vector
 
 TuneCheck CheckInTime(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands) {
   TuneCheck check;
-  for (std::size_t c = 0; c < kContacts.size(); ++c)
+  for (const TuneContact contact : kTuneContacts)
     for (const hil::GridHand& hand : hands) {
       hil::AdmittanceRunParams run{.loop = LoopOf(task, gains, hand, 1.0),
                                    .command_loss = task.command_loss,
                                    .command_jitter = task.command_jitter};
-      run.loop.wall = WallOf(task, kContacts[c], 1.0);
+      run.loop.wall = WallOf(task, contact, 1.0);
       ++check.runs;
       if (hil::SimulatedGrowth(run) >= 0.0)
-        check.grew.push_back(fmt::format("{}, {}", hand.name, kContactNames[c]));
+        check.grew.push_back(fmt::format("{}, {}", hand.name, NameOf(contact)));
     }
   return check;
 }
@@ -180,14 +189,14 @@ std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& 
   for (const hil::GridHand& hand : hil::HandGrid()) {
     if (hand.stiffness_N_per_m <= task.human_grip_N_per_m) continue;
     TuneCarried worst{.hand = hand, .contact = {}, .run = {}, .calm_N = calm_N};
-    for (std::size_t c = 0; c < kContacts.size(); ++c) {
-      hil::AdmittanceRunParams run = WithIndex(task, gains, hand, kContacts[c]);
+    for (const TuneContact contact : kTuneContacts) {
+      hil::AdmittanceRunParams run = WithIndex(task, gains, hand, contact);
       run.kick_m_per_s = kGripSpeed_m_per_s;
       run.seconds = kCarried_s;
       const hil::GripRun found = hil::RunGrip(run);
       if (!worst.contact.empty() && worst.run.valid && found.valid && found.one_s_N <= worst.run.one_s_N)
         continue;
-      worst.contact = kContactNames[c];
+      worst.contact = NameOf(contact);
       worst.run = found;
       if (!found.valid) break;
     }
@@ -199,7 +208,7 @@ std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& 
 double IndexWith(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands) {
   double most = 0.0;
   for (const hil::GridHand& hand : hands)
-    for (const Contact contact : kContacts)
+    for (const TuneContact contact : kTuneContacts)
       most = std::max(most, hil::RunGrip(WithIndex(task, gains, hand, contact)).max_index);
   return most;
 }

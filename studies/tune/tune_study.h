@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "config/reading/cell_config.h"
 #include "studies/stability/admittance_run.h"
 #include "studies/stability/grip_run.h"
+#include "studies/stability/measured_loop.h"
 
 // The questions of `osteon tune` to the loop (which hands, which contacts, which delays) and the answers.
 
@@ -28,6 +31,14 @@ struct TuneTask {
   double max_mass_kg{5.0}, max_drag_Ns_per_m{30.0};  ///< what counts as light
   control::VibrationParams vibration{};              ///< the cell's, and acting
   bool index_acts{true};                             ///< whether it acts in the cell as well
+
+  // From what was measured of the cell (studies/tune/tune_measured.h); without it all lags are assumed.
+  std::optional<config::IdentifiedCell> identified{};
+  std::vector<hil::GridHand> measured_hands{};  ///< must be stable as well, whatever their stiffness
+  std::shared_ptr<const hil::MeasuredResponse> response{};  ///< null: no response was measured
+  double response_delay_s{0.0};                             ///< of the force, beyond the response
+  /// A structure was found that the model of the arm lacks: gains are judged by the response alone.
+  bool measured_only{false};
 };
 
 [[nodiscard]] TuneTask TuneTaskOf(const config::CellConfig& cell);
@@ -35,6 +46,16 @@ struct TuneTask {
 /// Returns every hand of the grid up to a stiffness, and one of exactly that stiffness with a firm hand's
 /// damping and mass.
 [[nodiscard]] std::vector<hil::GridHand> HandsUpTo(double stiffness_N_per_m);
+/// The same, and the task's measured hands.
+[[nodiscard]] std::vector<hil::GridHand> HandsUpTo(const TuneTask& task, double stiffness_N_per_m);
+
+/// The contacts of a task: free, a wall evaluated in the tick, planes at their greatest age.
+enum class TuneContact { kFree, kWall, kPlanes };
+inline constexpr TuneContact kTuneContacts[]{TuneContact::kFree, TuneContact::kWall, TuneContact::kPlanes};
+/// "free", "wall", "planes".
+[[nodiscard]] const char* NameOf(TuneContact contact);
+/// The wall of a contact, multiplied by `gain`.
+[[nodiscard]] hil::LoopWall WallOf(const TuneTask& task, TuneContact contact, double gain);
 
 /// The mass and drag of a virtual tool.
 struct TuneGains {

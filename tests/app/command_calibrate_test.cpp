@@ -131,6 +131,14 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellTakesThem) {
   EXPECT_LT(json.at("residual").at("payload_N").get<double>(), 0.02);
   EXPECT_LT(json.at("residual").at("tcp_mm").get<double>(), 1e-3);
 
+  // each posture has its residual; none was visited twice
+  ASSERT_EQ(payload.at("postures").size(), 6u);
+  for (const nlohmann::json& posture : payload.at("postures")) EXPECT_LT(posture.at("residual_N"), 0.1);
+  EXPECT_EQ(json.at("tcp").at("postures").size(), 6u);
+  EXPECT_TRUE(json.at("repeatability_N").is_null());
+  EXPECT_TRUE(json.at("drift").empty());
+  EXPECT_EQ(json.at("earlier_calibrations"), 0);
+
   // the loop uses the calibration once the cell's file names it
   std::ofstream(folder_.path() / "cell.yaml") << "calibration: found.yaml\n" << config::CellText("demo");
   const config::CellConfig measured = config::LoadCell(folder_.path() / "cell.yaml");
@@ -139,6 +147,50 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellTakesThem) {
   EXPECT_LT((Vector3(measured.servo.sensor.bias_S.f) - truth_.bias.f).norm(), 0.05);
   EXPECT_EQ(measured.simulated.sensor.tool_mass_kg, cell_.simulated.sensor.tool_mass_kg)
       << "the simulated cell stays as it was";
+}
+
+TEST_F(CalibrateTest, KeepsAHistoryAndWarnsOfDrift) {
+  std::vector<JointVector> weigh;
+  for (const auto& [a4, a5, a6] : {std::array{0.0, 0.0, 0.0}, {0.3, 0.0, 0.5}, {-0.3, 0.6, -0.4}, {0.2, -0.7, 0.3},
+                                   {0.0, 0.0, 0.0}}) {
+    JointVector q = Start();
+    q[3] += a4;
+    q[4] += a5;
+    q[5] += a6;
+    weigh.push_back(q);
+  }
+  const auto calibrate = [&] {
+    return RunCommand(folder_.path(),
+                      {"calibrate", "demo", "--payload", "weigh.mcap", "--out", "found.yaml", "--json", "found.json"});
+  };
+  Record(folder_.path() / "weigh.mcap", weigh);
+  ASSERT_EQ(calibrate().exit_code, 0);
+  nlohmann::json json = ReadJson(folder_.path() / "found.json");
+  EXPECT_EQ(json.at("payload").at("poses"), 4) << "the first posture was visited again";
+  EXPECT_LT(json.at("repeatability_N"), 0.05);
+  EXPECT_GT(json.at("repeatability_N"), 0.0);
+
+  Record(folder_.path() / "weigh.mcap", weigh);
+  ASSERT_EQ(calibrate().exit_code, 0);
+  json = ReadJson(folder_.path() / "found.json");
+  EXPECT_EQ(json.at("earlier_calibrations"), 1);
+  EXPECT_TRUE(json.at("drift").empty()) << json.at("drift").dump();
+
+  truth_.mass_kg += 0.05;
+  truth_.bias.f[0] += 2.0;
+  Record(folder_.path() / "weigh.mcap", weigh);
+  const CommandResult run = calibrate();
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  json = ReadJson(folder_.path() / "found.json");
+  ASSERT_EQ(json.at("drift").size(), 4u) << "mass and bias, since the last and since the first";
+  EXPECT_NE(run.out.find("the payload's mass has drifted"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("the sensor's bias has drifted by 2.0"), std::string::npos) << run.out;
+
+  // a line that is none is named, and nothing is overwritten
+  std::ofstream(folder_.path() / "found.history.jsonl", std::ios::app) << "no json\n";
+  const CommandResult refused = calibrate();
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("found.history.jsonl:4"), std::string::npos) << refused.err;
 }
 
 TEST_F(CalibrateTest, SaysWhatIsMissing) {

@@ -47,13 +47,15 @@ SimulatedArmSection ReadSimulatedArm(Reader section, CellConfig& cell) {
   hil::ServoArmParams servo;
   servo.bandwidth_hz = section.Number("bandwidth_hz", 0.5, 200);
   servo.damping_ratio = section.Number("damping_ratio", 0.1, 5);
-  servo.dead_cycles =
-      static_cast<int>(std::lround(section.Number("dead_time_ms", 0, 30) / cell.servo.period_s));
+  servo.dead_cycles = section.Number("dead_time_ms", 0, 30) / cell.servo.period_s;
+  if (const double whole = std::round(servo.dead_cycles); std::abs(servo.dead_cycles - whole) < 1e-9)
+    servo.dead_cycles = whole;
   if (section.Has("start_offset_deg")) {
     const std::vector<double> offset_rad =
         section.Numbers("start_offset_deg", arm.kr ? 6 : control::kJoints, -90, 90);
     std::copy(offset_rad.begin(), offset_rad.end(), arm.q_start.begin());
   }
+  arm.servo = servo;
   if (arm.kr) {
     arm.kr->controller.servo = servo;
     ReadRsiArm(section, cell.link.rsi()->kind, *arm.kr);
@@ -68,10 +70,9 @@ SimulatedArmSection ReadSimulatedArm(Reader section, CellConfig& cell) {
           "its commands has no acceleration");
   }
   arm.level = kept.level;
-  arm.servo = servo;
   arm.dynamic.bandwidth_hz = servo.bandwidth_hz;
   arm.dynamic.damping_ratio = servo.damping_ratio;
-  arm.dynamic.dead_cycles = servo.dead_cycles;
+  arm.dynamic.dead_cycles = static_cast<int>(std::lround(servo.dead_cycles));
   if (kept.level == hil::ArmLevel::kDynamic || section.Has("dynamic"))
     ReadDynamicArm(section.Section("dynamic"), arm.dynamic, kept);
   return kept;

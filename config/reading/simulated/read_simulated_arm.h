@@ -16,6 +16,7 @@ struct SimulatedArmSection {
 /// Reads section `simulated_arm`, after the link's (ReadArmLink):
 ///
 ///     level: kinematic | servo | dynamic, bandwidth_hz, damping_ratio, dead_time_ms, [start_offset_deg]
+///     (the dynamic arm rounds its dead time to whole periods)
 ///     dynamic: {…}, of an LBR
 ///     monitor_deg, or of cartesian corrections monitor_mm and monitor_deg: where a KR's controller ends RSI,
 ///     [delay_in_a_row], [ask_again], [start_again_s]

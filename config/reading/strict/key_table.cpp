@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "config/reading/load.h"
+#include "config/reading/load_identified.h"
 #include "config/reading/load_robot.h"
 #include "config/reading/load_rubric.h"
 #include "config/reading/load_scenario.h"
@@ -229,6 +230,7 @@ std::vector<FileKind> FileKinds() {
          CellConfig cell;
          ApplyCalibration(file, cell);
        }},
+      {"identified", "", [](const auto& file) { static_cast<void>(ReadIdentified(file)); }},
   };
 }
 

@@ -51,13 +51,27 @@ TEST(ServoArm, FollowsTheAnalyticStepResponse) {
 
 TEST(ServoArm, DeadTimeIsExact) {
   for (const int dead : {0, 1, 3, ServoArm::kMaxDeadCycles}) {
-    ServoArm arm({.dead_cycles = dead}, FastLimits(), 1e-3, JointVector::Constant(0.2));
+    ServoArm arm({.dead_cycles = static_cast<double>(dead)}, FastLimits(), 1e-3, JointVector::Constant(0.2));
     for (int k = 0; k < dead; ++k) {
       arm.Step(JointVector::Constant(0.3));
       ASSERT_EQ(arm.q(), JointVector::Constant(0.2)) << dead;
     }
     arm.Step(JointVector::Constant(0.3));
     EXPECT_GT(arm.q()[0], 0.2) << dead;
+  }
+}
+
+// A dead time of part periods: the textbook's step response, that much later.
+TEST(ServoArm, DeadTimeOfPartPeriodsIsExact) {
+  const double w = 2.0 * std::numbers::pi * 15.0, T = 1e-3;
+  for (const double dead : {0.25, 3.0 + 1e-6, 3.2, 4.5, 31.75}) {
+    for (const double z : {0.7, 1.0, 1.24}) {
+      ServoArm arm({.damping_ratio = z, .dead_cycles = dead}, FastLimits(), T, JointVector::Zero());
+      for (int k = 1; k <= 200; ++k) {
+        arm.Step(JointVector::Constant(0.3));
+        ASSERT_NEAR(arm.q()[0], 0.3 * StepResponse(w, z, (k - dead) * T), 1e-12) << dead << " " << k;
+      }
+    }
   }
 }
 
@@ -106,6 +120,7 @@ TEST(ServoArm, RefusesParametersWithoutSense) {
   EXPECT_THROW(make({.bandwidth_hz = 0.0}), std::invalid_argument);
   EXPECT_THROW(make({.damping_ratio = -1.0}), std::invalid_argument);
   EXPECT_THROW(make({.dead_cycles = -1}), std::invalid_argument);
+  EXPECT_THROW(make({.dead_cycles = std::nan("")}), std::invalid_argument);
   EXPECT_THROW(make({.dead_cycles = ServoArm::kMaxDeadCycles + 1}), std::invalid_argument);
   EXPECT_THROW(make({.max_acceleration_rad_per_s2 = 0.0}), std::invalid_argument);
   EXPECT_THROW(ServoArm({}, {}, 1e-3, JointVector::Zero()), std::invalid_argument);

@@ -1,13 +1,16 @@
-// Model B of the design's stability page: a hand that holds an admittance-controlled arm. The rows are the
-// design's. They are compared with studies/stability, which steps the shipped law and the shipped arm.
+// Model B of the design's stability page: a hand that holds an admittance-controlled arm. studies/stability,
+// which steps the shipped law and the shipped arm, is compared with the model in plain scalars, and that with
+// the design's rows.
 
 #include <cmath>
+#include <numbers>
 #include <ostream>
 
 #include <gtest/gtest.h>
 
 #include "studies/stability/admittance_loop.h"
 #include "studies/stability/admittance_run.h"
+#include "tests/oracles/admittance_model.h"
 #include "tests/oracles/loop_growth.h"
 
 namespace osteon::hil {
@@ -18,7 +21,8 @@ struct Row {
   GridHand hand;
   double m_v, b_v;  // virtual tool
   LoopWall wall;
-  double rho;  // the design's table
+  double rho;        // the loop's
+  double first_rho;  // the design's first table, 0: not in it
 };
 void PrintTo(const Row& row, std::ostream* os) { *os << row.name; }
 
@@ -34,9 +38,18 @@ LoopWall Measured(double stiffness) { return {.stiffness_N_per_m = stiffness, .o
 
 class ModelB : public testing::TestWithParam<Row> {};
 
-TEST_P(ModelB, SpectralRadiusIsTheDesignsToItsDigits) {
-  EXPECT_NEAR(AdmittanceLoop(LoopOf(GetParam())).SpectralRadius(), GetParam().rho, 0.6e-7)
-      << "seven digits are given";
+TEST_P(ModelB, SpectralRadiusIsThatOfTheModelInScalars) {
+  const double radius = AdmittanceLoop(LoopOf(GetParam())).SpectralRadius();
+  EXPECT_NEAR(radius, GetParam().rho, 0.6e-7) << "seven digits are given";
+  EXPECT_NEAR(radius, AdmittanceModelRadius(LoopOf(GetParam()), HandAcceleration::kMeanOfPeriod), 1e-10);
+}
+
+// The design's first table took the acceleration just after the command's step, and a command one period late.
+TEST_P(ModelB, TheModelInScalarsHasTheDesignsFirstRows) {
+  if (GetParam().first_rho == 0.0) GTEST_SKIP() << "not in the design's table";
+  AdmittanceLoopParams loop = LoopOf(GetParam());
+  loop.arm.dead_cycles = 4;
+  EXPECT_NEAR(AdmittanceModelRadius(loop, HandAcceleration::kAfterCommandStep), GetParam().first_rho, 0.6e-7);
 }
 
 // The same step run in time, over many periods of the mode.
@@ -59,17 +72,18 @@ TEST_P(ModelB, ShippedPartsGrowAsPredicted) {
   EXPECT_NEAR(SimulatedGrowth(run), log_rho, 0.05 * std::abs(log_rho) + 2e-5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Design, ModelB,
-                         testing::Values(Row{"firm_free", kFirm, 3, 20, {}, 0.9957031},
-                                         Row{"firm_light_tool", kFirm, 0.15, 20, {}, 1.0035740},
-                                         Row{"stiff_free", kStiff, 3, 20, {}, 0.9953211},
-                                         Row{"stiff_light_tool", kStiff, 0.4, 20, {}, 1.0097459},
-                                         Row{"wall_one_sample_old", kFirm, 3, 20, Old(15e3, 1), 0.9832313},
-                                         Row{"wall_local", kFirm, 3, 20, Local(20e3), 0.9801308},
-                                         Row{"wall_on_measured_pose", kFirm, 3, 20, Measured(20e3),
-                                             1.0186615},
-                                         Row{"fixture", kFixture, 3, 100, {}, 1.0149522}),
-                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Design, ModelB,
+    testing::Values(Row{"firm_free", kFirm, 3, 20, {}, 0.9964143, 0.9957031},
+                    Row{"firm_light_tool", kFirm, 0.15, 20, {}, 0.9963402, 1.0035740},
+                    Row{"firm_lighter_tool", kFirm, 0.1, 20, {}, 1.0118145, 0.0},
+                    Row{"stiff_free", kStiff, 3, 20, {}, 0.9962954, 0.9953211},
+                    Row{"stiff_light_tool", kStiff, 0.4, 20, {}, 1.0037519, 1.0097459},
+                    Row{"wall_one_sample_old", kFirm, 3, 20, Old(15e3, 1), 0.9851448, 0.9832313},
+                    Row{"wall_local", kFirm, 3, 20, Local(20e3), 0.9816712, 0.9801308},
+                    Row{"wall_on_measured_pose", kFirm, 3, 20, Measured(20e3), 1.0186470, 1.0186615},
+                    Row{"fixture", kFixture, 3, 100, {}, 1.0142879, 1.0149522}),
+    [](const auto& test) { return test.param.name; });
 
 struct WallRow {
   const char* name;
@@ -105,20 +119,20 @@ TEST_P(MaxWallStiffnessOfAFirmHand, IsSeenWithinOnePercentWhenTheShippedPartsRun
   EXPECT_NEAR(seen.value, predicted, 0.01 * predicted);
 }
 
-// The design's figures come from its own scans; the row with 5 samples of sensor delay is the least accurate.
+// With the model's first acceleration and a period more of dead time: 192, 101, 67, 53, 18 and 2.4.
 INSTANTIATE_TEST_SUITE_P(Design, MaxWallStiffnessOfAFirmHand,
-                         testing::Values(WallRow{"local", WallOn::kCommanded, 0, 1, 192, 0.0105},
-                                         WallRow{"sensor_3_late", WallOn::kCommanded, 0, 3, 101, 0.01},
-                                         WallRow{"sensor_5_late", WallOn::kCommanded, 0, 5, 67, 0.03},
-                                         WallRow{"force_1_ms_old", WallOn::kCommanded, 1, 1, 53, 0.01},
-                                         WallRow{"force_5_ms_old", WallOn::kCommanded, 5, 1, 18, 0.02},
-                                         WallRow{"measured_pose", WallOn::kMeasured, 0, 1, 2.4, 0.01}),
+                         testing::Values(WallRow{"local", WallOn::kCommanded, 0, 1, 208.3, 0.002},
+                                         WallRow{"sensor_3_late", WallOn::kCommanded, 0, 3, 107.5, 0.002},
+                                         WallRow{"sensor_5_late", WallOn::kCommanded, 0, 5, 69.7, 0.002},
+                                         WallRow{"force_1_ms_old", WallOn::kCommanded, 1, 1, 52.2, 0.002},
+                                         WallRow{"force_5_ms_old", WallOn::kCommanded, 5, 1, 17.23, 0.002},
+                                         WallRow{"measured_pose", WallOn::kMeasured, 0, 1, 2.07, 0.002}),
                          [](const auto& test) { return test.param.name; });
 
 // Stability is not monotone in stiffness: a bisection could end in the upper stable region.
-TEST(AdmittanceStability, LocalWallIsUnstableUpTo1100kNAndThenStableAgain) {
+TEST(AdmittanceStability, LocalWallIsUnstableUpTo1000kNAndThenStableAgain) {
   AdmittanceLoopParams loop;
-  for (const double k : {0.2e6, 0.5e6, 1.0e6}) {
+  for (const double k : {0.22e6, 0.5e6, 1.0e6}) {
     loop.wall.stiffness_N_per_m = k;
     EXPECT_GT(AdmittanceLoop(loop).SpectralRadius(), 1.0) << k;
   }
@@ -130,16 +144,89 @@ TEST(AdmittanceStability, LocalWallIsUnstableUpTo1100kNAndThenStableAgain) {
 
 // The human side: the drag that a grip needs, with a firm hand's damping and mass, and with neither (a
 // clamp).
-TEST(AdmittanceStability, GripsAskForTheDesignsDrag) {
+TEST(AdmittanceStability, GripsAskForDrag) {
   const auto least = [](double k, double b, double m) {
     AdmittanceLoopParams loop;
     loop.hand = {"", k, b, m};
     return MinDrag(loop);
   };
-  EXPECT_NEAR(least(3e3, 20, 1.5), 24, 0.01 * 24);
-  EXPECT_NEAR(least(10e3, 20, 1.5), 125, 0.01 * 125);
-  EXPECT_NEAR(least(30e3, 20, 1.5), 367, 0.01 * 367);
-  EXPECT_NEAR(least(50e3, 0, 0), 657, 0.01 * 657);
+  // the model's first acceleration, with a period more of dead time: 24, 125, 367, 657
+  EXPECT_NEAR(least(3e3, 20, 1.5), 28.43, 0.002 * 28.43);
+  EXPECT_NEAR(least(10e3, 20, 1.5), 124.7, 0.002 * 124.7);
+  EXPECT_NEAR(least(30e3, 20, 1.5), 353.4, 0.002 * 353.4);
+  EXPECT_NEAR(least(50e3, 0, 0), 622.9, 0.002 * 622.9);
+}
+
+// The design's figures for the acceleration as it is, at 1.7 kg: 14.5 becomes 21.1, and with the dead time as it
+// is 19.4; the hand that decides in the demo cell goes from 26.4 to 27.7.
+TEST(AdmittanceStability, TheAccelerationAsItIsAsksForMoreDrag) {
+  const auto least = [](const GridHand& hand, double dead) {
+    AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};
+    loop.arm.dead_cycles = dead;
+    return MinDrag(loop);
+  };
+  const GridHand grip{"grip", 3e3, 20.0, 1.5}, deciding{"deciding", 1500.0, 2.0, 0.3};
+  EXPECT_NEAR(least(grip, 4), 21.1, 0.1);
+  EXPECT_NEAR(least(grip, 3), 19.37, 0.05);
+  EXPECT_NEAR(least(deciding, 4), 27.7, 0.1);
+}
+
+// A dead time between two whole ones lies between their drags, and the shipped parts in time agree.
+TEST(AdmittanceStability, DeadTimeOfPartPeriodsIsSeenWherePredicted) {
+  AdmittanceLoopParams loop;
+  double before = 0.0;
+  for (const double dead : {0.0, 0.4, 1.0, 3.0, 3.25, 3.5, 4.0}) {
+    loop.arm.dead_cycles = dead;
+    loop.hand = {"grip", 3e3, 20.0, 1.5};
+    const double drag = MinDrag(loop);
+    EXPECT_GT(drag, 1.01 * before) << dead;
+    before = drag;
+    for (const double share : {0.97, 1.03}) {
+      AdmittanceRunParams run{.loop = loop};
+      run.loop.damping_Ns_per_m = share * drag;
+      EXPECT_EQ(SimulatedGrowth(run) < 0.0, share > 1.0) << dead << ", " << share;
+    }
+  }
+}
+
+// The hand's own force moves an arm with a felt mass; a heavy one hardly.
+TEST(AdmittanceStability, AnArmThatTheHandMovesIsSeenWherePredicted) {
+  AdmittanceLoopParams loop;
+  loop.hand = {"grip", 3e3, 20.0, 1.5};
+  const double stiff = MinDrag(loop);
+  loop.felt_mass_kg = 1e9;
+  EXPECT_NEAR(MinDrag(loop), stiff, 1e-3 * stiff);
+  loop.felt_mass_kg = 5.22;
+  const double moved = MinDrag(loop);
+  EXPECT_LT(moved, 0.99 * stiff);
+  for (const double share : {0.97, 1.03}) {
+    AdmittanceRunParams run{.loop = loop};
+    run.loop.damping_Ns_per_m = share * moved;
+    EXPECT_EQ(SimulatedGrowth(run) < 0.0, share > 1.0) << share;
+  }
+}
+
+// The arm with a hand at it, against its equation integrated in steps of 10 us.
+TEST(AdmittanceStability, AHeldArmFollowsItsEquation) {
+  const GridHand hand{"grip", 3e3, 20.0, 1.5};
+  const ServoArmParams arm{.dead_cycles = 0};
+  const double M = 5.22, w = 2.0 * std::numbers::pi * arm.bandwidth_hz;
+  const HeldArm held = ArmHeldBy(hand, M, arm);
+  const LoopArm linear = LinearArm(held.arm, 1e-3);
+  Eigen::Vector2d motion(0.0, 0.0);
+  double x = 0.0, v = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    motion = linear.step * Eigen::Vector4d(motion[0], motion[1], 0.0, held.command_gain);
+    for (int i = 0; i < 100; ++i) {
+      const double a = (w * w * (1.0 - x) - 2.0 * arm.damping_ratio * w * v -
+                        (hand.stiffness_N_per_m * x + hand.damping_Ns_per_m * v) / M) /
+                       (1.0 + hand.mass_kg / M);
+      v += 1e-5 * a;
+      x += 1e-5 * v;
+    }
+    ASSERT_NEAR(motion[0], x, 1e-3) << k;
+  }
+  EXPECT_NEAR(x, held.command_gain, 0.02);
 }
 
 TEST(AdmittanceStability, WallOf150kNIsStableInTheTickAndUnstableAsAForce5MsOld) {
@@ -163,7 +250,7 @@ TEST(AdmittanceStability, FasterArmNeedsMoreVirtualMass) {
     return high;
   };
   EXPECT_GT(least_mass(60.0), 1.3 * least_mass(15.0));
-  EXPECT_GT(least_mass(15.0), 0.15) << "the light tool of the table is too light";
+  EXPECT_GT(least_mass(15.0), 0.1) << "the lighter tool of the table is too light";
 }
 
 // Prediction and run both include the coupling's own damping.

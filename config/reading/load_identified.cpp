@@ -1,0 +1,290 @@
+#include "config/reading/load_identified.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/units.h"
+#include "config/reading/strict/reader.h"
+
+namespace osteon::config {
+namespace {
+
+constexpr double kMaxSpeed_mm_per_s = 250.0, kMaxFrequency_hz = 1000.0, kMaxTime_ms = 1000.0;
+constexpr std::size_t kMaxLines = 400, kMaxItems = 100;
+constexpr double kSamePosture_rad = 0.02, kSamePeriod_s = 1e-9;
+constexpr const char* kAxes[] = {"x", "y", "z"};
+
+std::string ReadAxis(Reader& section) { return kAxes[section.Choice("axis", {"x", "y", "z"})]; }
+
+// A key with its interval: refused later unless the interval holds the value.
+struct IntervalCheck {
+  Reader section;
+  std::string key;
+  double value;
+  IdentifiedInterval interval;
+};
+
+IdentifiedInterval ReadInterval(Reader& section, const std::string& key, double min, double max) {
+  const std::vector<double> ends = section.Numbers(key, 2, min, max);
+  return {.low = ends[0], .high = ends[1]};
+}
+
+void RequireInterval(const IntervalCheck& check) {
+  if (check.interval.low <= check.interval.high && check.interval.Contains(check.value)) return;
+  check.section.Refuse(check.key,
+                       fmt::format("found {:.6g} … {:.6g} (SI), accepted an interval around the value {:.6g}",
+                                   check.interval.low, check.interval.high, check.value));
+}
+
+IdentifiedValidity ReadValidity(Reader section) {
+  IdentifiedValidity valid{.robot = section.Text("robot"), .tool = section.Text("tool")};
+  valid.period_s = section.Number("period_ms", 0.1, 100);
+  const std::vector<double> start = section.Numbers("start_deg", 7, -360, 360);
+  std::copy(start.begin(), start.end(), valid.start_rad.begin());
+  for (Reader& recording : section.Sections("recordings", 0, kMaxItems))
+    valid.recordings.push_back({.file = recording.Text("file"), .hash = recording.Text("hash")});
+  return valid;
+}
+
+IdentifiedArm ReadArm(Reader& section, std::vector<IntervalCheck>& checks) {
+  IdentifiedArm arm{.axis = ReadAxis(section)};
+  arm.speed_m_per_s = section.Number("speed_mm_per_s", 0, kMaxSpeed_mm_per_s);
+  arm.bandwidth_hz = section.Number("bandwidth_hz", 0.1, kMaxFrequency_hz);
+  arm.damping_ratio = section.Number("damping_ratio", 0, 100);
+  arm.dead_time_s = section.Number("dead_time_ms", -kMaxTime_ms, kMaxTime_ms);
+  arm.gain = section.Number("gain_ratio", 0, 10);
+  arm.lag_s = section.Number("lag_ms", -kMaxTime_ms, kMaxTime_ms);
+  if (section.Has("felt_mass_kg")) arm.felt_mass_kg = section.Number("felt_mass_kg", 0.01, 1000);
+  arm.chi2 = section.Number("chi2_ratio", 0, 1e9);
+  Reader interval = section.Section("interval");
+  const auto read = [&](const char* key, double value, double min, double max) {
+    const IdentifiedInterval found = ReadInterval(interval, key, min, max);
+    checks.push_back({.section = interval, .key = key, .value = value, .interval = found});
+    return found;
+  };
+  arm.bandwidth_interval_hz = read("bandwidth_hz", arm.bandwidth_hz, 0, 1e6);
+  arm.damping_interval = read("damping_ratio", arm.damping_ratio, -1e6, 1e6);
+  arm.dead_time_interval_s = read("dead_time_ms", arm.dead_time_s, -1e6, 1e6);
+  arm.lag_interval_s = read("lag_ms", arm.lag_s, -1e6, 1e6);
+  return arm;
+}
+
+IdentifiedResponse ReadResponse(Reader& section, std::vector<Reader>& lines) {
+  IdentifiedResponse response{.axis = ReadAxis(section)};
+  response.speed_m_per_s = section.Number("speed_mm_per_s", 0, kMaxSpeed_mm_per_s);
+  response.by_force = section.Choice("by", {"encoders", "force"}) == 1;
+  lines = section.Sections("lines", 2, kMaxLines);
+  for (Reader& line : lines)
+    response.lines.push_back({.hz = line.Number("hz", 0, kMaxFrequency_hz),
+                              .re = line.Number("re_ratio", -1e6, 1e6),
+                              .im = line.Number("im_ratio", -1e6, 1e6),
+                              .sd = line.Number("sd_ratio", 0, 1e6)});
+  return response;
+}
+
+IdentifiedHand ReadHand(Reader& section, std::vector<IntervalCheck>& checks) {
+  IdentifiedHand hand{.name = section.Text("name")};
+  hand.stiffness_N_per_m = section.Number("stiffness_N_per_m", 0, 1e5);
+  hand.stiffness_interval_N_per_m = ReadInterval(section, "stiffness_interval_N_per_m", -1e6, 1e6);
+  checks.push_back({.section = section,
+                    .key = "stiffness_interval_N_per_m",
+                    .value = hand.stiffness_N_per_m,
+                    .interval = hand.stiffness_interval_N_per_m});
+  hand.damping_Ns_per_m = section.Number("damping_Ns_per_m", -1e4, 1e4);
+  hand.mass_kg = section.Number("mass_kg", -100, 100);
+  return hand;
+}
+
+void ReadSensorAndLink(Reader& cell, IdentifiedCell& identified) {
+  if (cell.Has("sensor")) {
+    Reader section = cell.Section("sensor");
+    IdentifiedSensor& sensor = identified.sensor.emplace();
+    if (section.Has("delay_ms")) sensor.delay_s = section.Number("delay_ms", -kMaxTime_ms, kMaxTime_ms);
+    sensor.noise_N = section.Number("noise_N", 0, 1000);
+    sensor.drift_N = section.Number("drift_N", 0, 1000);
+  }
+  if (cell.Has("link")) {
+    Reader section = cell.Section("link");
+    identified.link = IdentifiedLink{.jitter_mean_s = section.Number("jitter_mean_ms", 0, kMaxTime_ms),
+                                     .jitter_p99_s = section.Number("jitter_p99_ms", 0, kMaxTime_ms),
+                                     .loss_ratio = section.Number("loss_ratio", 0, 1)};
+  }
+}
+
+void ReadVibration(Reader& cell, IdentifiedCell& identified) {
+  if (cell.Has("vibration")) {
+    Reader section = cell.Section("vibration");
+    IdentifiedVibration& vibration = identified.vibration.emplace();
+    vibration.tremor_N = section.Number("tremor_N", 0, 200);
+    if (section.Has("notches"))
+      for (Reader& notch : section.Sections("notches", 1, 16))
+        vibration.notch_hz.push_back(notch.Number("hz", 1, kMaxFrequency_hz));
+  }
+  if (cell.Has("dead_zone_N")) identified.dead_zone_N = cell.Number("dead_zone_N", 0, 50);
+}
+
+struct ReadFile {
+  IdentifiedCell identified;
+  Reader valid_for;
+};
+
+ReadFile ReadAll(const std::filesystem::path& file) {
+  Reader reader = Reader::Load(file);
+  Reader cell = reader.Section("identified");
+  Reader validity = cell.Section("valid_for");
+  ReadFile read{.identified = {.valid_for = ReadValidity(validity)}, .valid_for = validity};
+  IdentifiedCell& identified = read.identified;
+  std::vector<IntervalCheck> checks;
+  std::vector<std::vector<Reader>> lines;
+  for (Reader& arm : cell.Sections("arm", 0, kMaxItems)) identified.arm.push_back(ReadArm(arm, checks));
+  for (Reader& response : cell.Sections("response", 0, kMaxItems))
+    identified.response.push_back(ReadResponse(response, lines.emplace_back()));
+  ReadSensorAndLink(cell, identified);
+  if (cell.Has("structure"))
+    for (Reader& resonance : cell.Sections("structure", 1, kMaxItems))
+      identified.structure.push_back({.hz = resonance.Number("hz", 0.1, kMaxFrequency_hz),
+                                      .damping_ratio = resonance.Number("damping_ratio", 0, 10)});
+  if (cell.Has("hands"))
+    for (Reader& hand : cell.Sections("hands", 1, kMaxItems))
+      identified.hands.push_back(ReadHand(hand, checks));
+  ReadVibration(cell, identified);
+  reader.Finish();
+
+  for (const IntervalCheck& check : checks) RequireInterval(check);
+  for (std::size_t r = 0; r < lines.size(); ++r)
+    for (std::size_t i = 1; i < lines[r].size(); ++i) {
+      const std::vector<IdentifiedLine>& found = identified.response[r].lines;
+      if (!(found[i].hz > found[i - 1].hz))
+        lines[r][i].Refuse("hz", fmt::format("found {:g} after {:g}, accepted rising frequencies",
+                                             found[i].hz, found[i - 1].hz));
+    }
+  return read;
+}
+
+std::string IntervalText(const IdentifiedInterval& interval, double unit) {
+  return fmt::format("[{:.10g}, {:.10g}]", interval.low / unit, interval.high / unit);
+}
+
+constexpr double kMilli = 1e-3;
+
+std::string ValidityText(const IdentifiedValidity& valid) {
+  std::string start, recordings;
+  for (const double q : valid.start_rad)
+    start += fmt::format("{}{:.10g}", start.empty() ? "" : ", ", q / kDegree);
+  for (const IdentifiedRecording& recording : valid.recordings)
+    recordings += fmt::format("\n      - {{file: \"{}\", hash: \"{}\"}}", recording.file, recording.hash);
+  return fmt::format(
+      "  valid_for:\n    robot: \"{}\"\n    tool: \"{}\"\n    period_ms: {:.10g}\n    start_deg: [{}]\n"
+      "    recordings:{}\n",
+      valid.robot, valid.tool, valid.period_s / kMilli, start, recordings.empty() ? " []" : recordings);
+}
+
+std::string ArmText(const IdentifiedArm& arm) {
+  const std::string mass =
+      arm.felt_mass_kg ? fmt::format("\n      felt_mass_kg: {:.10g}", *arm.felt_mass_kg) : "";
+  return fmt::format(
+             "    - axis: {}\n      speed_mm_per_s: {:.10g}\n      bandwidth_hz: {:.10g}\n      "
+             "damping_ratio: "
+             "{:.10g}\n      dead_time_ms: {:.10g}\n      gain_ratio: {:.10g}\n      lag_ms: {:.10g}{}\n"
+             "      chi2_ratio: {:.10g}\n",
+             arm.axis, arm.speed_m_per_s / kMilli, arm.bandwidth_hz, arm.damping_ratio,
+             arm.dead_time_s / kMilli, arm.gain, arm.lag_s / kMilli, mass, arm.chi2) +
+         fmt::format(
+             "      interval: {{bandwidth_hz: {}, damping_ratio: {},\n        dead_time_ms: {}, lag_ms: "
+             "{}}}\n",
+             IntervalText(arm.bandwidth_interval_hz, 1.0), IntervalText(arm.damping_interval, 1.0),
+             IntervalText(arm.dead_time_interval_s, kMilli), IntervalText(arm.lag_interval_s, kMilli));
+}
+
+std::string ResponseText(const IdentifiedResponse& response) {
+  std::string text =
+      fmt::format("    - axis: {}\n      speed_mm_per_s: {:.10g}\n      by: {}\n      lines:\n",
+                  response.axis, response.speed_m_per_s / kMilli, response.by_force ? "force" : "encoders");
+  for (const IdentifiedLine& line : response.lines)
+    text +=
+        fmt::format("        - {{hz: {:.10g}, re_ratio: {:.10g}, im_ratio: {:.10g}, sd_ratio: {:.10g}}}\n",
+                    line.hz, line.re, line.im, line.sd);
+  return text;
+}
+
+std::string DevicesText(const IdentifiedCell& identified) {
+  std::string text;
+  if (const auto& sensor = identified.sensor) {
+    const std::string delay =
+        sensor->delay_s ? fmt::format("delay_ms: {:.10g}, ", *sensor->delay_s / kMilli) : "";
+    text += fmt::format("  sensor: {{{}noise_N: {:.10g}, drift_N: {:.10g}}}\n", delay, sensor->noise_N,
+                        sensor->drift_N);
+  }
+  if (const auto& link = identified.link)
+    text += fmt::format("  link: {{jitter_mean_ms: {:.10g}, jitter_p99_ms: {:.10g}, loss_ratio: {:.10g}}}\n",
+                        link->jitter_mean_s / kMilli, link->jitter_p99_s / kMilli, link->loss_ratio);
+  if (!identified.structure.empty()) text += "  structure:\n";
+  for (const IdentifiedResonance& resonance : identified.structure)
+    text +=
+        fmt::format("    - {{hz: {:.10g}, damping_ratio: {:.10g}}}\n", resonance.hz, resonance.damping_ratio);
+  return text;
+}
+
+std::string HandsText(const IdentifiedCell& identified) {
+  std::string text = identified.hands.empty() ? "" : "  hands:\n";
+  for (const IdentifiedHand& hand : identified.hands)
+    text += fmt::format(
+        "    - {{name: \"{}\", stiffness_N_per_m: {:.10g}, stiffness_interval_N_per_m: {},\n"
+        "       damping_Ns_per_m: {:.10g}, mass_kg: {:.10g}}}\n",
+        hand.name, hand.stiffness_N_per_m, IntervalText(hand.stiffness_interval_N_per_m, 1.0),
+        hand.damping_Ns_per_m, hand.mass_kg);
+  if (const auto& vibration = identified.vibration) {
+    text += fmt::format("  vibration:\n    tremor_N: {:.10g}\n", vibration->tremor_N);
+    if (!vibration->notch_hz.empty()) text += "    notches:\n";
+    for (const double hz : vibration->notch_hz) text += fmt::format("      - {{hz: {:.10g}}}\n", hz);
+  }
+  if (identified.dead_zone_N) text += fmt::format("  dead_zone_N: {:.10g}\n", *identified.dead_zone_N);
+  return text;
+}
+
+}  // namespace
+
+IdentifiedCell ReadIdentified(const std::filesystem::path& file) { return ReadAll(file).identified; }
+
+IdentifiedCell ReadIdentifiedFor(const std::filesystem::path& file, const CellConfig& cell) {
+  const ReadFile read = ReadAll(file);
+  const IdentifiedValidity& valid = read.identified.valid_for;
+  const auto require = [&](const std::string& key, const std::string& found, const std::string& accepted) {
+    if (found != accepted)
+      read.valid_for.Refuse(
+          key, fmt::format("found {}, accepted {}: this is another cell's file; identify this cell", found,
+                           accepted));
+  };
+  require("robot", valid.robot, cell.robot.name);
+  require("tool", valid.tool, cell.tool.tool.name);
+  if (!(std::abs(valid.period_s - cell.servo.period_s) <= kSamePeriod_s))
+    require("period_ms", fmt::format("{:g}", valid.period_s / kMilli),
+            fmt::format("{:g}, this cell's", cell.servo.period_s / kMilli));
+  for (std::size_t i = 0; i < valid.start_rad.size(); ++i) {
+    const double accepted_rad = cell.start.q[static_cast<int>(i)];
+    if (!(std::abs(valid.start_rad[i] - accepted_rad) <= kSamePosture_rad))
+      require("start_deg", fmt::format("{:.2f} for joint {}", valid.start_rad[i] / kDegree, i + 1),
+              fmt::format("{:.2f} ± {:.1f}, this cell's start", accepted_rad / kDegree,
+                          kSamePosture_rad / kDegree));
+  }
+  return read.identified;
+}
+
+std::string WriteIdentified(const IdentifiedCell& identified, const std::string& comment) {
+  std::string text;
+  for (std::size_t begin = 0; begin < comment.size();) {
+    const std::size_t end = std::min(comment.find('\n', begin), comment.size());
+    text += "# " + comment.substr(begin, end - begin) + "\n";
+    begin = end + 1;
+  }
+  text += "identified:\n" + ValidityText(identified.valid_for);
+  text += identified.arm.empty() ? "  arm: []\n" : "  arm:\n";
+  for (const IdentifiedArm& arm : identified.arm) text += ArmText(arm);
+  text += identified.response.empty() ? "  response: []\n" : "  response:\n";
+  for (const IdentifiedResponse& response : identified.response) text += ResponseText(response);
+  return text + DevicesText(identified) + HandsText(identified);
+}
+
+}  // namespace osteon::config

@@ -1,0 +1,146 @@
+#include "session/summary/latency.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "control/ports.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kMoves_rad2 = 1e-6;  // less motion than this in a whole run tells no delay
+
+double PartOf(const LatencyFigures& latency, const char* name) {
+  for (const LatencyPart& part : latency.parts)
+    if (part.name == name) return part.mean_s;
+  return 0.0;
+}
+
+}  // namespace
+
+void LatencyMeter::Mean::Add(double value_s) {
+  ++count;
+  sum_s += value_s;
+  max_s = std::max(max_s, value_s);
+}
+
+void LatencyMeter::Add(const control::TickRecord& tick) {
+  if (tick.session_state != static_cast<std::uint8_t>(control::SessionState::kCommandingActive)) {
+    kept_ = 0;
+    return;
+  }
+  sensor_.Add(tick.sensor_age_s);
+  link_.Add(rt::ToSeconds(tick.wakeup_ns));
+  tick_.Add(rt::ToSeconds(tick.compute_ns));
+  if (tick.phase == control::Phase::kHaptic) model_.Add(tick.model_age_s);
+  // with an overlay of wrench or torque the command only follows the arm
+  if (tick.input.command_mode == static_cast<std::uint8_t>(control::CommandMode::kPosition)) AddMotion(tick);
+}
+
+void LatencyMeter::AddMotion(const control::TickRecord& tick) {
+  sent_[next_] = tick.q_cmd;
+  const std::size_t newest = next_;
+  next_ = (next_ + 1) % kTicks;
+  if (kept_ < kTicks) {
+    ++kept_;
+    return;
+  }
+  const std::array<double, 7>& before = sent_[(newest + kTicks - 1) % kTicks];
+  for (std::size_t j = 0; j < before.size(); ++j) {
+    const double step = tick.q_cmd[j] - before[j];
+    moved_ += step * step;
+  }
+  for (std::size_t delay = 0; delay < kTicks; ++delay) {
+    const std::array<double, 7>& sent = sent_[(newest + kTicks - delay) % kTicks];
+    for (std::size_t j = 0; j < sent.size(); ++j) {
+      const double off = tick.q_meas[j] - sent[j];
+      error_[delay] += off * off;
+    }
+  }
+}
+
+double LatencyMeter::ArmDelay_ticks() const {
+  if (moved_ < kMoves_rad2) return -1.0;
+  const auto best = static_cast<std::size_t>(std::ranges::min_element(error_) - error_.begin());
+  if (best == 0) return 0.0;
+  if (best + 1 == kTicks) return -1.0;  // beyond what is looked at
+  // the sum of squares is a parabola around its minimum
+  const double left = error_[best - 1], middle = error_[best], right = error_[best + 1];
+  const double curvature = left - 2.0 * middle + right;
+  const double shift = curvature > 0.0 ? 0.5 * (left - right) / curvature : 0.0;
+  return static_cast<double>(best) + shift;
+}
+
+LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& context) const {
+  LatencyFigures latency;
+  if (sensor_.count == 0) return latency;
+  const double own_s = context.sensor_delay_s;
+  latency.parts.push_back({.name = "sensor",
+                           .mean_s = sensor_.Value() + own_s,
+                           .max_s = sensor_.max_s + own_s,
+                           .measured = context.sensor_known,
+                           .how = context.sensor_known
+                                      ? "the reading's stamp, and the sensor's identified delay"
+                                      : "the reading's stamp; the sensor's own delay is assumed 0"});
+  const bool timed = !context.virtual_time;
+  const auto scheduled = [&](const char* name, const Mean& mean, const char* how) {
+    latency.parts.push_back({.name = name,
+                             .mean_s = timed ? mean.Value() : 0.0,
+                             .max_s = timed ? mean.max_s : 0.0,
+                             .measured = timed,
+                             .how = timed ? how : "assumed 0: virtual time"});
+  };
+  scheduled("link", link_, "from the message's arrival to the loop's wake-up");
+  scheduled("tick", tick_, "from the wake-up to the answer");
+  const double arm_ticks = ArmDelay_ticks();
+  latency.parts.push_back({.name = "arm",
+                           .mean_s = std::max(0.0, arm_ticks) * period_s,
+                           .max_s = std::max(0.0, arm_ticks) * period_s,
+                           .measured = arm_ticks >= 0.0,
+                           .how = arm_ticks >= 0.0 ? "measured positions against the commands"
+                                                   : "assumed 0: no position commands that moved enough to tell it"});
+  latency.parts.push_back({.name = "model",
+                           .mean_s = model_.Value(),
+                           .max_s = model_.max_s,
+                           .measured = model_.count > 0,
+                           .how = model_.count > 0 ? "age of the pose of the contact model in force"
+                                                   : "assumed 0: nothing was rendered"});
+  const double loop_s = PartOf(latency, "link") + PartOf(latency, "tick") + PartOf(latency, "arm");
+  latency.hand_to_arm_s = PartOf(latency, "sensor") + loop_s;
+  latency.bone_to_hand_s = PartOf(latency, "model") + loop_s;
+  return latency;
+}
+
+bool LatencyFigures::Measured() const {
+  return !parts.empty() && std::ranges::all_of(parts, &LatencyPart::measured);
+}
+
+nlohmann::json ToJson(const LatencyFigures& latency) {
+  if (latency.parts.empty()) return nullptr;
+  nlohmann::json parts = nlohmann::json::object();
+  for (const LatencyPart& part : latency.parts)
+    parts[part.name] = {{"mean", 1e3 * part.mean_s},
+                        {"max", 1e3 * part.max_s},
+                        {"measured", part.measured},
+                        {"how", part.how}};
+  return {{"hand_to_arm", 1e3 * latency.hand_to_arm_s},
+          {"bone_to_hand", 1e3 * latency.bone_to_hand_s},
+          {"measured", latency.Measured()},
+          {"parts", parts}};
+}
+
+std::string LatencyText(const LatencyFigures& latency) {
+  if (latency.parts.empty()) return "not measured: the arm was never commanded";
+  std::string parts, assumed;
+  for (const LatencyPart& part : latency.parts) {
+    parts += fmt::format("{}{} {:.2f}", parts.empty() ? "" : ", ", part.name, 1e3 * part.mean_s);
+    if (!part.measured) assumed += fmt::format("{}{} ({})", assumed.empty() ? "" : "; ", part.name, part.how);
+  }
+  return fmt::format("{:.1f} ms from the hand's force to the arm, {:.1f} ms from the bone to the hand ({} ms){}",
+                     1e3 * latency.hand_to_arm_s, 1e3 * latency.bone_to_hand_s, parts,
+                     assumed.empty() ? "" : "; assumed: " + assumed);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "control/tick_record.h"
+
+namespace osteon::app {
+
+/// One part of a cell's latency.
+struct LatencyPart {
+  std::string name;      ///< "sensor", "link", "tick", "arm", "model"
+  double mean_s{0.0};    ///< over the ticks in which the arm was commanded
+  double max_s{0.0};     ///< the arm's has none: it equals the mean
+  bool measured{false};  ///< false: assumed, see `how`
+  std::string how;       ///< what it was measured by, or why it is assumed
+};
+
+/// Latency of a run: how long a change of the hand's force takes to move the arm, and a contact with the bone to
+/// be felt by the hand.
+struct LatencyFigures {
+  std::vector<LatencyPart> parts;  ///< empty: the arm was never commanded
+  double hand_to_arm_s{0.0};       ///< sensor + link + tick + arm
+  double bone_to_hand_s{0.0};      ///< model + link + tick + arm
+  [[nodiscard]] bool Measured() const;
+};
+
+/// What a run's recording does not tell.
+struct LatencyContext {
+  bool virtual_time{false};    ///< scheduling takes no time
+  double sensor_delay_s{0.0};  ///< of the sensor itself, identified; 0 and not known: assumed
+  bool sensor_known{false};
+};
+
+/// Measures the parts from recorded ticks, one by one. Memory does not grow.
+///
+///     sensor   age of the reading that the tick used, by its stamp, and the sensor's own delay
+///     link     from the arrival of the arm's message to the loop's wake-up
+///     tick     from the wake-up to the answer
+///     arm      the delay d that minimises |q_meas[k] - q_cmd[k - d]|^2 over all joints while they move: dead time
+///              and the servo's lag in slow motion, by what came back
+///     model    age of the pose that the contact model was computed for, while rendering
+class LatencyMeter {
+ public:
+  void Add(const control::TickRecord& tick);
+
+  /// @param period_s  of a tick
+  [[nodiscard]] LatencyFigures Figures(double period_s, const LatencyContext& context) const;
+
+ private:
+  static constexpr std::size_t kTicks = 128;  // the greatest delay, 128 ms at 1 kHz
+  struct Mean {
+    void Add(double value_s);
+    [[nodiscard]] double Value() const { return count == 0 ? 0.0 : sum_s / static_cast<double>(count); }
+    std::uint64_t count{0};
+    double sum_s{0.0}, max_s{0.0};
+  };
+  void AddMotion(const control::TickRecord& tick);
+  [[nodiscard]] double ArmDelay_ticks() const;  // negative: nothing moved
+
+  Mean sensor_, link_, tick_, model_;
+  std::array<std::array<double, 7>, kTicks> sent_{};  // commands, in a ring
+  std::size_t next_{0}, kept_{0};
+  std::array<double, kTicks> error_{};  // sum of squares by delay
+  double moved_{0.0};                   // sum of squares of the commands' steps
+};
+
+/// {hand_to_arm, bone_to_hand, measured, parts: {NAME: {mean, max, measured, how}}} in ms; null without parts.
+[[nodiscard]] nlohmann::json ToJson(const LatencyFigures& latency);
+/// One line: "26.3 ms from hand to arm (sensor 1.0, link 0.1, …); 30.2 ms from bone to hand; assumed: …".
+[[nodiscard]] std::string LatencyText(const LatencyFigures& latency);
+
+}  // namespace osteon::app

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "kinematics/spatial.h"
+
+// Every calibration of a cell, in the order in which they were made, and what has drifted.
+
+namespace osteon::app {
+
+/// What one calibration found; the standard deviations are those of the fits.
+struct CalibrationEntry {
+  std::string time;  ///< UTC, "2026-11-28T09:30:00Z"
+  struct Payload {
+    double mass_kg{0.0}, mass_sd_kg{0.0};
+    Vector3 center_F_m{Vector3::Zero()};
+    double center_sd_m{0.0};
+    Vector3 bias_N{Vector3::Zero()};
+    double residual_N{0.0};
+  };
+  std::optional<Payload> payload{};
+  struct Apex {
+    Vector3 p_FT_m{Vector3::Zero()};
+    double sd_m{0.0}, residual_m{0.0};
+  };
+  std::optional<Apex> apex{};
+};
+
+/// The history's file beside an overlay: my_calibration.yaml has my_calibration.history.jsonl.
+[[nodiscard]] std::filesystem::path HistoryFile(const std::filesystem::path& overlay);
+
+/// Reads a history, one JSON object a line; empty if there is no file. The error names file, line and what is accepted.
+[[nodiscard]] tl::expected<std::vector<CalibrationEntry>, std::string> ReadHistory(
+    const std::filesystem::path& file);
+
+/// Appends an entry. Nothing that the file holds is changed. The error names the file.
+[[nodiscard]] tl::expected<void, std::string> AppendHistory(const std::filesystem::path& file,
+                                                            const CalibrationEntry& entry);
+
+/// Sentences on what differs from the latest and from the first earlier calibration of the same quantity by more than
+/// both fits explain: over three standard deviations, and over 20 g, 1 mm of the centre, 0.5 N of bias or 0.1 mm of
+/// the apex.
+[[nodiscard]] std::vector<std::string> DriftSince(const std::vector<CalibrationEntry>& history,
+                                                  const CalibrationEntry& now);
+
+/// The present time as CalibrationEntry has it.
+[[nodiscard]] std::string UtcNow();
+
+}  // namespace osteon::app

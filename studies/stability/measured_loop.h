@@ -1,0 +1,133 @@
+#pragma once
+
+#include <complex>
+#include <span>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "studies/stability/admittance_loop.h"
+
+// The loop of hand, arm and law judged by a frequency response of the arm, without a model of it: Nyquist.
+
+namespace osteon::hil {
+
+/// One line of a measured response.
+struct ResponseLine {
+  double hz{0.0};
+  std::complex<double> value{1.0, 0.0};
+  double sd{0.0};  ///< standard deviation of the real part, and of the imaginary part
+};
+
+/// A resonance between the encoders and the tool: w^2 / (s^2 + 2 z w s + w^2).
+struct StructureResonance {
+  double hz{0.0};
+  double damping_ratio{0.0};
+};
+
+/// The fitted model of a response.
+struct ResponseModel {
+  ServoArmParams arm;
+  std::vector<StructureResonance> structure{};
+  double delay_s{0.0};  ///< beyond the arm's dead time: the sensor's, where the response was measured by it
+  double period_s{0.001};
+};
+
+/// The pose of a ServoArm as it is measured, over the command of the tick that answers the measurement, exact for
+/// a held command: the dead time is in it. `hz` in (0, 1 / 2 T].
+[[nodiscard]] std::complex<double> ModelResponse(const ResponseModel& model, double hz);
+
+/// A response that is known at lines, between them and beyond: the measured over the model's response, smoothed
+/// over 0.35 octave with weights 1 / sd^2, times the model's. Beyond the lines the ratio of the nearest counts.
+class MeasuredResponse {
+ public:
+  /// @param lines  by rising frequency, at least two
+  /// @throws std::invalid_argument on lines that are not that
+  MeasuredResponse(const std::vector<ResponseLine>& lines, const ResponseModel& model);
+
+  [[nodiscard]] std::complex<double> At(double hz) const;
+  [[nodiscard]] double period_s() const { return model_.period_s; }
+  [[nodiscard]] double lowest_hz() const { return lines_.front().hz; }
+  [[nodiscard]] double highest_hz() const { return lines_.back().hz; }
+
+  struct Point {
+    double hz{0.0};
+    std::complex<double> z;      ///< e^(j w T)
+    std::complex<double> value;  ///< the response
+    double share{0.0};           ///< standard deviation of its real and of its imaginary part, over its size
+  };
+  /// From 0.01 Hz to half of the sampling rate, evenly spaced in the logarithm.
+  [[nodiscard]] const std::vector<Point>& grid() const { return grid_; }
+
+ private:
+  struct Ratio {
+    double octave{0.0};  // log2 of the frequency
+    double hz{0.0};
+    std::complex<double> value;
+    double weight{0.0};
+  };
+  [[nodiscard]] Ratio Smoothed(double hz) const;  // weight: 1 / variance
+
+  std::vector<Ratio> lines_;
+  ResponseModel model_;
+  std::vector<Point> grid_;
+};
+
+/// What the law makes of a force: commands by force, in z. The shipped StepAdmittance with the wall of `params`,
+/// which must be evaluated on commanded poses.
+class LawResponse {
+ public:
+  explicit LawResponse(const AdmittanceLoopParams& params);
+  /// The command that a tick sends, over the force that it reads, at z (m/N).
+  [[nodiscard]] std::complex<double> At(std::complex<double> z) const;
+  /// Eigenvalues of law and wall alone on or outside the unit circle, without the integrator at 1.
+  [[nodiscard]] int unstable() const { return unstable_; }
+
+ private:
+  Eigen::MatrixXd state_;
+  Eigen::VectorXd input_, output_;
+  double direct_{0.0};
+  int unstable_{0};
+};
+
+/// The judgement of a loop by its measured response. Each margin has the radius within which it lies with 95 %.
+struct LoopMargins {
+  bool stable{false};
+  int unstable_poles{0};    ///< of the closed loop, by the encirclements of -1
+  double gain{0.0};         ///< factor on the loop at which it becomes unstable; infinite: none
+  double gain_radius{0.0};
+  double phase_deg{0.0};    ///< at the crossings of |L| = 1; 180: none
+  double phase_radius_deg{0.0};
+  double modulus{0.0};      ///< least |1 + L|
+  double modulus_radius{0.0};
+  double modulus_hz{0.0};   ///< where it is
+  bool robust{false};       ///< stable, and no disc of 95 % holds -1
+};
+
+/// A point of the Nyquist curve.
+struct NyquistPoint {
+  double hz{0.0};
+  std::complex<double> loop;  ///< L
+  double radius{0.0};         ///< of 95 %
+};
+
+/// A hand's loop. The hand and the virtual tool are those of `params`, whose arm and felt mass are not used.
+struct MeasuredLoopParams {
+  AdmittanceLoopParams loop;
+  /// From the pose as measured to the force as read [s]; 0 where the response was measured by the force sensor.
+  double sensor_delay_s{0.0};
+};
+
+/// L(f) = law × hand × response, from 0.01 Hz to half of the sampling rate, evenly spaced in the logarithm:
+///
+///     hand: (k + j w b - w^2 m) e^(-j w sensor delay)
+[[nodiscard]] std::vector<NyquistPoint> NyquistCurve(const MeasuredResponse& response,
+                                                     const MeasuredLoopParams& params);
+
+/// Judges the loop: encirclements first, then the margins.
+[[nodiscard]] LoopMargins JudgeMeasuredLoop(const MeasuredResponse& response, const MeasuredLoopParams& params);
+/// Whether it is stable with each of these hands in the place of that of `params`.
+[[nodiscard]] bool AreAllStable(const MeasuredResponse& response, const MeasuredLoopParams& params,
+                                std::span<const GridHand> hands);
+
+}  // namespace osteon::hil

@@ -1,0 +1,275 @@
+#include "studies/stability/overlay_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "control/coupling/virtual_coupling.h"
+#include "kinematics/payload.h"
+#include "kinematics/serial_chain.h"
+
+namespace osteon::hil {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Matrix7 = Eigen::Matrix<double, 7, 7>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Joints = kinematics::JointVectorN<7>;
+using Chain = kinematics::SerialChain<7>;
+
+constexpr double kLever2_m2 = 0.1 * 0.1;  // of a grip, as OperatorWith has it
+constexpr double kNullShare = 0.1, kNullDamping_m = 1e-3;  // of DynamicArm
+constexpr double kPreload_N = 20.0, kPush_N = 1.0, kPush_s = 0.01;
+
+Matrix6 OfTwist(double linear, double turning) {
+  Matrix6 M = Matrix6::Zero();
+  M.diagonal().head<3>().setConstant(linear);
+  M.diagonal().tail<3>().setConstant(turning);
+  return M;
+}
+
+Matrix6 Turned(const Matrix3& R, const Vector3& linear, const Vector3& turning) {
+  Matrix6 M = Matrix6::Zero();
+  M.topLeftCorner<3, 3>() = R * linear.asDiagonal() * R.transpose();
+  M.bottomRightCorner<3, 3>() = R * turning.asDiagonal() * R.transpose();
+  return M;
+}
+
+// exp(A t), by its series of a small step, squared.
+Eigen::MatrixXd Exponential(const Eigen::MatrixXd& A, double t) {
+  constexpr int kHalvings = 12, kTerms = 6;
+  const Eigen::MatrixXd step = A * (t / (1 << kHalvings));
+  Eigen::MatrixXd term = Eigen::MatrixXd::Identity(A.rows(), A.cols()), sum = term;
+  for (int i = 1; i <= kTerms; ++i) {
+    term = term * step / i;
+    sum += term;
+  }
+  for (int i = 0; i < kHalvings; ++i) sum = (sum * sum).eval();
+  return sum;
+}
+
+kinematics::ChainParams<7> WithoutFriction(kinematics::ChainParams<7> chain) {
+  for (kinematics::RevoluteJoint& joint : chain.joints) joint.friction = {};
+  return chain;
+}
+
+struct Masses {
+  double linear_kg, turning_kg_m2;
+};
+// The means by which DynamicArm sets its Cartesian damping.
+Masses MeanMasses(const kinematics::ChainParams<7>& chain, const OverlayLoopParams& params) {
+  const Chain arm(chain, params.gravity_B);
+  const Vector3 p_B = arm.FlangePose(params.q) * params.X_FT.translation();
+  const Matrix6 mobility = arm.Mobility(params.q, p_B);
+  return {3.0 / mobility.topLeftCorner<3, 3>().trace(), 3.0 / mobility.bottomRightCorner<3, 3>().trace()};
+}
+
+}  // namespace
+
+LoadedArm WithHand(const OverlayLoopParams& params) {
+  LoadedArm loaded{.chain = WithoutFriction(params.chain), .arm = params.arm};
+  const Masses before = MeanMasses(loaded.chain, params);
+  if (params.hand.mass_kg > 0.0)
+    loaded.chain = kinematics::WithPayload(
+        loaded.chain,
+        kinematics::LinkInertia{.mass_kg = params.hand.mass_kg,
+                                .p_LLcm_m = params.X_FT.translation(),
+                                .I_LLcm_kg_m2 = kLever2_m2 * params.hand.mass_kg * Matrix3::Identity()});
+  const Masses with = MeanMasses(loaded.chain, params);
+  loaded.arm.mass_error = 0.0;
+  loaded.arm.mount.reset();
+  loaded.arm.cartesian_damping_ratio *= std::sqrt(before.linear_kg / with.linear_kg);
+  return loaded;
+}
+
+OverlayLoop::OverlayLoop(const OverlayLoopParams& params) : params_(params) {
+  const LoadedArm loaded = WithHand(params);
+  const Chain arm(loaded.chain, params.gravity_B);
+  const Chain::Posture posture = arm.ComputePosture(params.q);
+  const Pose X_BT = posture.X_BF * params.X_FT;
+  J_ = arm.JacobianAt(posture, X_BT.translation());
+  axis_B_ = X_BT.linear().col(2);
+  const Matrix7 M = arm.MassMatrix(params.q), inverse = M.inverse();
+  const Matrix6 mobility =
+      Chain(WithoutFriction(params.chain), params.gravity_B).Mobility(params.q, X_BT.translation());
+  mass_kg_ = 1.0 / axis_B_.dot(mobility.topLeftCorner<3, 3>() * axis_B_);
+
+  const DynamicArmParams& own = loaded.arm;
+  Joints joint_damping;
+  for (int i = 0; i < 7; ++i)
+    joint_damping[i] = 2.0 * own.joint_damping_ratio * std::sqrt(own.stiffness_Nm_per_rad[i] * M(i, i));
+  Matrix7 damping;
+  if (params.torque) {
+    follow_ = own.stiffness_Nm_per_rad.asDiagonal();
+    damping = joint_damping.asDiagonal();
+  } else {
+    const Masses mean = MeanMasses(loaded.chain, params);
+    const double ratio = 2.0 * own.cartesian_damping_ratio;
+    const Matrix6 K = OfTwist(own.stiffness_N_per_m, own.stiffness_Nm_per_rad_turn);
+    const Matrix6 D = OfTwist(ratio * std::sqrt(own.stiffness_N_per_m * mean.linear_kg),
+                              ratio * std::sqrt(own.stiffness_Nm_per_rad_turn * mean.turning_kg_m2));
+    Matrix6 JJt = J_ * J_.transpose();
+    JJt.diagonal().array() += kNullDamping_m * kNullDamping_m;
+    const Matrix7 null = Matrix7::Identity() - J_.transpose() * JJt.ldlt().solve(J_);
+    follow_ = J_.transpose() * K * J_ + null * kNullShare * own.stiffness_Nm_per_rad.asDiagonal();
+    damping = J_.transpose() * D * J_ + null * std::sqrt(kNullShare) * joint_damping.asDiagonal();
+  }
+  // with the torque as a state of its own, its effect over a held period comes out of the same exponential
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(21, 21);
+  A.block<7, 7>(0, 7).setIdentity();
+  A.block<7, 7>(7, 0) = -inverse * follow_;
+  A.block<7, 7>(7, 7) = -inverse * damping;
+  A.block<7, 7>(7, 14) = inverse;
+  const Eigen::MatrixXd period = Exponential(A, params.period_s);
+  free_ = period.topLeftCorner<14, 14>();
+  forced_ = period.topRightCorner<14, 7>();
+  damping_ = Turned(X_BT.linear(), params.law.damping_Ns_per_m, params.law.damping_Nms_per_rad);
+  hand_k_ = OfTwist(params.hand.stiffness_N_per_m, kLever2_m2 * params.hand.stiffness_N_per_m);
+  hand_b_ = OfTwist(params.hand.damping_Ns_per_m, kLever2_m2 * params.hand.damping_Ns_per_m);
+  // q, qd; equilibrium; pose a tick ago; filtered velocity; torques on their way; depths a tick ago and earlier
+  size_ = 14 + 7 + 6 + 6 + 7 * own.dead_cycles + params.wall.age_ticks;
+}
+
+Eigen::VectorXd OverlayLoop::Step(const Eigen::VectorXd& s) const {
+  const int dead = params_.arm.dead_cycles, age = params_.wall.age_ticks;
+  const int equilibrium_at = 14, before_at = 21, velocity_at = 27, sent_at = 33, depth_at = sent_at + 7 * dead;
+  const double T = params_.period_s;
+  const Eigen::Matrix<double, 7, 1> q = s.head<7>(), qd = s.segment<7>(7);
+  const Vector6 pose = J_ * q;
+
+  // the law: equilibrium, filtered velocity, wall and damping
+  const double follow = T / (T + params_.law.follow_s);
+  const Eigen::Matrix<double, 7, 1> equilibrium =
+      s.segment<7>(equilibrium_at) + follow * (q - s.segment<7>(equilibrium_at));
+  const double share = T / (T + params_.law.twist_filter_s);
+  const Vector6 before = s.segment<6>(before_at), filtered = s.segment<6>(velocity_at);
+  const Vector6 velocity = filtered + share * ((pose - before) / T - filtered);
+  const double depth = axis_B_.dot(pose.head<3>());
+  const double seen = age == 0 ? depth : s[depth_at + age - 1];
+  Vector6 overlay = -damping_ * velocity;
+  overlay.head<3>() -= params_.wall.stiffness_N_per_m * seen * axis_B_;
+  const Eigen::Matrix<double, 7, 1> sent = follow_ * equilibrium + J_.transpose() * overlay;
+
+  const Eigen::Matrix<double, 7, 1> acts =
+      dead == 0 ? sent : Eigen::Matrix<double, 7, 1>(s.segment<7>(sent_at + 7 * (dead - 1)));
+  const Vector6 hand = -hand_k_ * pose - hand_b_ * (J_ * qd);
+  Eigen::VectorXd next = Eigen::VectorXd::Zero(size_);
+  next.head<14>() = free_ * s.head<14>() + forced_ * (acts + J_.transpose() * hand);
+  next.segment<7>(equilibrium_at) = equilibrium;
+  next.segment<6>(before_at) = pose;
+  next.segment<6>(velocity_at) = velocity;
+  for (int i = 0; i < dead; ++i)
+    next.segment<7>(sent_at + 7 * i) =
+        i == 0 ? sent : Eigen::Matrix<double, 7, 1>(s.segment<7>(sent_at + 7 * (i - 1)));
+  for (int i = 0; i < age; ++i) next[depth_at + i] = i == 0 ? depth : s[depth_at + i - 1];
+  return next;
+}
+
+Eigen::MatrixXd OverlayLoop::Matrix() const {
+  return LoopMatrix([this](const Eigen::VectorXd& s) { return Step(s); }, size_);
+}
+
+namespace {
+
+// The shipped parts in time.
+class OverlayRun {
+ public:
+  explicit OverlayRun(const OverlayLoopParams& params)
+      : params_(params),
+        loaded_(WithHand(params)),
+        chain_(loaded_.chain, params.gravity_B),
+        arm_(loaded_.arm, loaded_.chain, params.gravity_B, params.X_FT.translation(), params.period_s, params.q),
+        twist_(params.law.twist_filter_s),
+        X_rest_(chain_.FlangePose(params.q) * params.X_FT),
+        preload_N_(params.wall.stiffness_N_per_m > 0.0 ? kPreload_N : 0.0) {
+    twist_.Reset(X_rest_);
+    drive_.q_cmd = params.q;
+    drive_.control =
+        params.torque ? control::ControlMode::kJointImpedance : control::ControlMode::kCartesianImpedance;
+    coupling_.max_stiffness_N_per_m = std::max(1.0, params.wall.stiffness_N_per_m);
+    coupling_.damping_Ns_per_m = 0.0;
+    coupling_state_.fade = 1.0;
+    const Vector3 feed_B = X_rest_.linear().col(2);
+    plane_.contact_count = 1;
+    plane_.contacts[0].n_W = Vector3(-feed_B);
+    plane_.contacts[0].stiffness_N_per_m = params.wall.stiffness_N_per_m;
+    if (preload_N_ > 0.0)
+      plane_.contacts[0].p_W_m =
+          Vector3(X_rest_.translation() - preload_N_ / params.wall.stiffness_N_per_m * feed_B);
+    past_.assign(static_cast<std::size_t>(params.wall.age_ticks) + 1, X_rest_);
+    // the arm rests under what the wall gives from the first tick on, whatever the dead time
+    for (int i = 0; i < loaded_.arm.dead_cycles; ++i) Advance(0.0, true);
+  }
+
+  // Returns the velocity along the feed.
+  double Advance(double push_N, bool resting = false) {
+    const double T = params_.period_s;
+    const Pose X_BT = chain_.FlangePose(arm_.q()) * params_.X_FT;
+    const Twist& V = twist_.Step(X_BT, T);
+    std::rotate(past_.rbegin(), past_.rbegin() + 1, past_.rend());
+    past_.front() = X_BT;
+    Wrench F = control::DampingWrench(params_.law, X_BT.linear(), V, V);
+    F.f += Wall();
+    Joints q_cmd = drive_.q_cmd;
+    q_cmd += T / (T + params_.law.follow_s) * (arm_.q() - q_cmd);
+    drive_.q_cmd = q_cmd;
+    const Eigen::Matrix<double, 6, 7> J =
+        chain_.JacobianAt(chain_.ComputePosture(arm_.q()), X_BT.translation());
+    Eigen::Matrix<double, 6, 1> wrench;
+    wrench << F.f, F.t;
+    drive_.F_T_B = F;
+    drive_.tau_Nm = J.transpose() * wrench;
+
+    const Eigen::Matrix<double, 6, 1> moves = J * arm_.qd();
+    const GridHand& hand = params_.hand;
+    const Vector3 feed_B = X_rest_.linear().col(2);
+    const Vector3 off_m = X_BT.translation() - X_rest_.translation();
+    const Vector3 turned = X_rest_.linear() * LogRotation(X_rest_.linear().transpose() * X_BT.linear());
+    Wrench pressed{
+        .f = -hand.stiffness_N_per_m * off_m - hand.damping_Ns_per_m * moves.head<3>(),
+        .t = -kLever2_m2 * (hand.stiffness_N_per_m * turned + hand.damping_Ns_per_m * moves.tail<3>())};
+    pressed.f += (resting ? 0.0 : preload_N_ + push_N) * feed_B;
+    arm_.Step(drive_, pressed);
+    return feed_B.dot(Vector3(moves.head<3>()));
+  }
+
+ private:
+  Vector3 Wall() {
+    if (!(params_.wall.stiffness_N_per_m > 0.0)) return Vector3::Zero();
+    ++tick_;
+    const auto now = static_cast<rt::Nanoseconds>(std::llround(1e9 * params_.period_s * tick_));
+    plane_.pose_stamp = now;
+    plane_.frame = static_cast<std::uint64_t>(tick_);
+    return control::EvaluateCoupling(coupling_, plane_, past_.back(), {}, now, false, coupling_state_).F_T_W.f;
+  }
+
+  OverlayLoopParams params_;
+  LoadedArm loaded_;
+  Chain chain_;
+  DynamicArm arm_;
+  control::MeasuredTwist twist_;
+  Pose X_rest_;
+  double preload_N_;
+  ArmDrive drive_;
+  control::CouplingParams coupling_;
+  control::CouplingState coupling_state_;
+  simulation::ContactModel plane_;
+  std::vector<Pose> past_;
+  double tick_{0.0};
+};
+
+}  // namespace
+
+bool OverlayGrows(const OverlayLoopParams& params, double seconds) {
+  OverlayRun run(params);
+  const int ticks = static_cast<int>(seconds / params.period_s), third = ticks / 3;
+  double middle = 0.0, last = 0.0;
+  for (int k = 0; k < ticks; ++k) {
+    const double speed = run.Advance(k * params.period_s < kPush_s ? kPush_N : 0.0);
+    if (!std::isfinite(speed) || std::abs(speed) > 1.0) return true;
+    if (k >= third) (k < 2 * third ? middle : last) += speed * speed;
+  }
+  return last > middle;
+}
+
+}  // namespace osteon::hil

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "config/reading/cell_config.h"
+#include "studies/tune/tune.h"
+
+namespace osteon::app {
+
+/// Runs `osteon tune` for a cell with the impedance law; see RunTune.
+[[nodiscard]] int RunTuneImpedance(const TuneOptions& options, const config::CellConfig& cell);
+
+}  // namespace osteon::app

@@ -1,0 +1,273 @@
+#include "studies/tune/tune_measured.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "config/reading/apply_identified.h"
+#include "report/svg_plot.h"
+#include "report/svg_text.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr std::size_t kTableRows = 5;  // of each of the gains
+constexpr double kAxisEnd = 2.0;       // of the Nyquist plot
+
+// The response that decides: by the force sensor where a structure lies beyond the encoders, else by the encoders;
+// of the axis and speed whose arm is in the task, else of the same axis.
+const config::IdentifiedResponse* ResponseFor(const config::IdentifiedCell& identified,
+                                              const config::IdentifiedArm& arm) {
+  const config::IdentifiedResponse* best = nullptr;
+  const bool by_force = !identified.structure.empty();
+  double best_off = std::numeric_limits<double>::infinity();
+  for (const config::IdentifiedResponse& response : identified.response) {
+    if (response.axis != arm.axis || response.by_force != by_force) continue;
+    const double off = std::abs(response.speed_m_per_s - arm.speed_m_per_s);
+    if (off < best_off) {
+      best_off = off;
+      best = &response;
+    }
+  }
+  return best;
+}
+
+void UseResponse(const config::IdentifiedCell& identified, const config::IdentifiedArm& arm, TuneTask& task) {
+  const config::IdentifiedResponse* found = ResponseFor(identified, arm);
+  if (found == nullptr) return;
+  std::vector<hil::ResponseLine> lines;
+  for (const config::IdentifiedLine& line : found->lines)
+    lines.push_back({.hz = line.hz, .value = {line.re, line.im}, .sd = line.sd});
+  const double period_s = task.loop.period_s;
+  hil::ResponseModel model{.arm = {.bandwidth_hz = arm.bandwidth_hz,
+                                   .damping_ratio = arm.damping_ratio,
+                                   .dead_cycles = arm.dead_time_s / period_s},
+                           .period_s = period_s};
+  const std::optional<double> delay_s = identified.sensor ? identified.sensor->delay_s : std::nullopt;
+  const double sensor_s = delay_s.value_or(task.loop.sensor_delay * period_s);
+  if (found->by_force) {
+    model.delay_s = sensor_s;
+    for (const config::IdentifiedResonance& resonance : identified.structure)
+      model.structure.push_back({.hz = resonance.hz, .damping_ratio = resonance.damping_ratio});
+  }
+  task.response = std::make_shared<hil::MeasuredResponse>(lines, model);
+  task.response_delay_s = found->by_force ? 0.0 : sensor_s;
+  task.measured_only = !identified.structure.empty();
+}
+
+void UseHands(const config::IdentifiedCell& identified, TuneTask& task) {
+  for (const config::IdentifiedHand& hand : identified.hands)
+    for (const double stiffness :
+         {hand.stiffness_N_per_m, hand.stiffness_interval_N_per_m.low, hand.stiffness_interval_N_per_m.high})
+      task.measured_hands.push_back({fmt::format("{}, {:.0f} N/m, measured", hand.name, stiffness),
+                                     std::max(0.0, stiffness), std::max(0.0, hand.damping_Ns_per_m),
+                                     std::max(0.0, hand.mass_kg)});
+}
+
+hil::MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneContact contact,
+                               double gain) {
+  hil::MeasuredLoopParams params{.loop = task.loop, .sensor_delay_s = task.response_delay_s};
+  // a command as late as the latest
+  params.sensor_delay_s += task.command_jitter * task.loop.period_s;
+  params.loop.mass_kg = gains.mass_kg;
+  params.loop.damping_Ns_per_m = gains.damping_Ns_per_m;
+  params.loop.wall = WallOf(task, contact, gain);
+  return params;
+}
+
+bool Worse(const TuneMargin& a, const TuneMargin& b) {
+  if (a.margins.stable != b.margins.stable) return !a.margins.stable;
+  return a.margins.modulus < b.margins.modulus;
+}
+
+std::vector<const TuneMargin*> WorstFirst(const std::vector<TuneMargin>& margins, const std::string& gains) {
+  std::vector<const TuneMargin*> list;
+  for (const TuneMargin& margin : margins)
+    if (margin.gains == gains) list.push_back(&margin);
+  std::ranges::stable_sort(list, [](const auto* a, const auto* b) { return Worse(*a, *b); });
+  return list;
+}
+
+std::string GainText(const hil::LoopMargins& m) {
+  return std::isfinite(m.gain) ? fmt::format("{:.2f} ± {:.2f}", m.gain, m.gain_radius) : std::string("none");
+}
+
+std::string MarginText(const TuneMargin& m) {
+  if (!m.margins.stable)
+    return fmt::format("unstable with {} ({}), which the curve encircles {} times", m.hand.name,
+                       NameOf(m.contact), m.margins.unstable_poles / 2);
+  return fmt::format("{}; least with {} ({}): gain {}, phase {:.0f} ± {:.0f}°, |1 + L| {:.2f} ± {:.2f} at {:.1f} Hz",
+                     m.margins.robust ? "stable" : "stable by the measured values, not within their error",
+                     m.hand.name, NameOf(m.contact), GainText(m.margins), m.margins.phase_deg,
+                     m.margins.phase_radius_deg, m.margins.modulus, m.margins.modulus_radius,
+                     m.margins.modulus_hz);
+}
+
+}  // namespace
+
+void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task) {
+  task.identified = identified;
+  const config::IdentifiedArm* arm = config::SlowestArm(identified);
+  if (arm == nullptr) return;
+  const double period_s = task.loop.period_s;
+  task.loop.arm = {.bandwidth_hz = arm->bandwidth_hz,
+                   .damping_ratio = arm->damping_ratio,
+                   .dead_cycles = std::max(0.0, arm->dead_time_s / period_s)};
+  task.loop.felt_mass_kg = arm->felt_mass_kg.value_or(0.0);
+  if (identified.sensor && identified.sensor->delay_s) {
+    const double ticks = std::max(0.0, *identified.sensor->delay_s / period_s);
+    task.loop.sensor_delay = static_cast<int>(std::floor(ticks + 1e-9));
+    task.loop.arm.dead_cycles += std::max(0.0, ticks - task.loop.sensor_delay);
+  }
+  if (identified.link) {
+    const double beyond_s = std::max(0.0, identified.link->jitter_p99_s - identified.link->jitter_mean_s);
+    task.command_jitter = static_cast<int>(std::ceil(beyond_s / period_s - 1e-9));
+    task.command_loss = identified.link->loss_ratio;
+  }
+  UseHands(identified, task);
+  UseResponse(identified, *arm, task);
+}
+
+bool StandsMeasured(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
+                    double gain) {
+  std::vector<hil::GridHand> stiffer = hands;
+  for (hil::GridHand& hand : stiffer) {
+    hand.stiffness_N_per_m *= gain;
+    hand.damping_Ns_per_m *= gain;
+    hand.mass_kg *= gain;
+  }
+  return std::ranges::all_of(kTuneContacts, [&](TuneContact contact) {
+    return hil::AreAllStable(*task.response, LoopOf(task, gains, contact, gain), stiffer);
+  });
+}
+
+std::vector<TuneMargin> MeasuredMargins(const TuneTask& task, const std::string& name, const TuneGains& gains,
+                                        const std::vector<hil::GridHand>& hands) {
+  std::vector<TuneMargin> list;
+  if (!task.response) return list;
+  for (const TuneContact contact : kTuneContacts)
+    for (const hil::GridHand& hand : hands) {
+      hil::MeasuredLoopParams params = LoopOf(task, gains, contact, 1.0);
+      params.loop.hand = hand;
+      list.push_back({.gains = name,
+                      .hand = hand,
+                      .contact = contact,
+                      .margins = hil::JudgeMeasuredLoop(*task.response, params)});
+    }
+  return list;
+}
+
+const TuneMargin* WorstOf(const std::vector<TuneMargin>& margins, const std::string& gains) {
+  const std::vector<const TuneMargin*> list = WorstFirst(margins, gains);
+  return list.empty() ? nullptr : list.front();
+}
+
+void JudgeMargins(const std::vector<TuneMargin>& margins, Verdict& verdict) {
+  const auto judge = [&](const char* gains, VerdictLevel level, const char* whose) {
+    const TuneMargin* worst = WorstOf(margins, gains);
+    if (worst == nullptr || (worst->margins.stable && worst->margins.robust)) return;
+    verdict.Add(level, fmt::format("by the measured response {} are {}", whose, MarginText(*worst)));
+  };
+  judge("recommended", VerdictLevel::kBad, "the recommended gains");
+  judge("own", VerdictLevel::kWarning, "the cell's own gains");
+}
+
+std::vector<SummaryRow> RowsOfMeasured(const TuneTask& task, const std::vector<TuneMargin>& margins) {
+  if (!task.identified) return {};
+  std::vector<SummaryRow> rows;
+  const config::IdentifiedCell& cell = *task.identified;
+  if (const config::IdentifiedArm* arm = config::SlowestArm(cell))
+    rows.push_back(
+        {"Measured arm",
+         fmt::format("axis {} at {:.3g} mm/s: {:.2f} Hz, damping ratio {:.2f}, dead time {:.2f} ms, total lag "
+                     "{:.1f} ms ({:.1f} … {:.1f}){}; {} measured hands",
+                     arm->axis, 1e3 * arm->speed_m_per_s, arm->bandwidth_hz, arm->damping_ratio,
+                     1e3 * arm->dead_time_s, 1e3 * arm->lag_s, 1e3 * arm->lag_interval_s.low,
+                     1e3 * arm->lag_interval_s.high,
+                     arm->felt_mass_kg ? fmt::format(", moved by the hand as {:.2f} kg", *arm->felt_mass_kg) : "",
+                     cell.hands.size())});
+  for (const auto& [gains, key] : {std::pair{"own", "Measured, the cell's own gains"},
+                                   {"recommended", "Measured, recommended gains"}})
+    if (const TuneMargin* worst = WorstOf(margins, gains)) rows.push_back({key, MarginText(*worst)});
+  if (task.measured_only)
+    rows.push_back({"Structure", "a resonance between encoders and tool was measured: gains are judged by the "
+                                 "measured response alone, without the arm's model"});
+  return rows;
+}
+
+nlohmann::json ToJson(const std::vector<TuneMargin>& margins) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const TuneMargin& m : margins)
+    list.push_back({{"gains", m.gains},
+                    {"hand", m.hand.name},
+                    {"contact", NameOf(m.contact)},
+                    {"stable", m.margins.stable},
+                    {"unstable_poles", m.margins.unstable_poles},
+                    {"gain", std::isfinite(m.margins.gain) ? nlohmann::json(m.margins.gain) : nlohmann::json()},
+                    {"gain_radius", m.margins.gain_radius},
+                    {"phase_deg", m.margins.phase_deg},
+                    {"phase_radius_deg", m.margins.phase_radius_deg},
+                    {"modulus", m.margins.modulus},
+                    {"modulus_radius", m.margins.modulus_radius},
+                    {"modulus_hz", m.margins.modulus_hz},
+                    {"robust", m.margins.robust}});
+  return list;
+}
+
+std::string TableOf(const std::vector<TuneMargin>& margins) {
+  std::string table =
+      "<table>\n<tr><th>gains</th><th>hand</th><th>contact</th><th>stable</th><th>gain margin</th><th>phase "
+      "margin [°]</th><th>least |1 + L|</th><th>at [Hz]</th></tr>\n";
+  for (const char* gains : {"recommended", "own"}) {
+    const std::vector<const TuneMargin*> list = WorstFirst(margins, gains);
+    for (std::size_t i = 0; i < std::min(kTableRows, list.size()); ++i) {
+      const TuneMargin& m = *list[i];
+      table += fmt::format(
+          "<tr><th>{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.0f} ± {:.0f}</td><td>{:.2f} ± "
+          "{:.2f}</td><td>{:.1f}</td></tr>\n",
+          gains, Escape(m.hand.name), NameOf(m.contact),
+          !m.margins.stable ? "no" : (m.margins.robust ? "yes" : "not surely"), GainText(m.margins),
+          m.margins.phase_deg, m.margins.phase_radius_deg, m.margins.modulus, m.margins.modulus_radius,
+          m.margins.modulus_hz);
+    }
+  }
+  return table + "</table>\n";
+}
+
+std::string NyquistSvg(const TuneTask& task, const TuneGains& own, const TuneGains& recommended,
+                       const std::vector<TuneMargin>& margins) {
+  LineChart chart{.title = "Nyquist curves of the worst hands, by the measured response",
+                  .x_label = "real part of L",
+                  .y_label = "imaginary part of L",
+                  .x = Range{-kAxisEnd, kAxisEnd},
+                  .y = Range{-kAxisEnd, kAxisEnd},
+                  .y_from_zero = false,
+                  .plot_height_px = 480.0};
+  for (const auto& [name, gains] : {std::pair{"recommended", recommended}, {"own", own}}) {
+    const TuneMargin* worst = WorstOf(margins, name);
+    if (worst == nullptr) continue;
+    hil::MeasuredLoopParams params = LoopOf(task, gains, worst->contact, 1.0);
+    params.loop.hand = worst->hand;
+    Series curve{.name = fmt::format("{} gains, {} ({})", name == std::string("own") ? "the cell's own" : name,
+                                     worst->hand.name, NameOf(worst->contact))};
+    for (const hil::NyquistPoint& point : hil::NyquistCurve(*task.response, params)) {
+      const bool seen = std::abs(point.loop.real()) <= kAxisEnd && std::abs(point.loop.imag()) <= kAxisEnd;
+      curve.x.push_back(seen ? point.loop.real() : std::numeric_limits<double>::quiet_NaN());
+      curve.y.push_back(seen ? point.loop.imag() : std::numeric_limits<double>::quiet_NaN());
+    }
+    chart.series.push_back(curve);
+  }
+  chart.series.push_back({.name = "-1: a curve around it is an oscillation that grows",
+                          .x = {-1.0},
+                          .y = {0.0},
+                          .color = "#d55e00",
+                          .width_px = 0.0,
+                          .marker = Marker::kCross});
+  return Svg(chart, 620.0);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "report/page.h"
+#include "session/summary/verdict.h"
+#include "studies/stability/measured_loop.h"
+#include "studies/tune/tune_study.h"
+
+// A task with measured figures (`osteon identify`), and its judgement by the measured response alone.
+
+namespace osteon::app {
+
+/// Gives a task what was measured of its cell: the arm of the slowest axis and speed with its dead time as measured,
+/// the mass by which the hand moves it, jitter beyond its mean (which the dead time has in it), the share of lost
+/// answers, the sensor's delay, the hands, and the response. Whole ticks of the sensor's delay go to the loop, the
+/// rest to the arm's dead time, where it acts alike.
+void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task);
+
+/// Whether the measured response is stable with all hands and contacts; hand and wall are multiplied by `gain`.
+[[nodiscard]] bool StandsMeasured(const TuneTask& task, const TuneGains& gains,
+                                  const std::vector<hil::GridHand>& hands, double gain);
+
+/// The loop of one hand and contact, judged by the measured response.
+struct TuneMargin {
+  std::string gains;  ///< "own" or "recommended"
+  hil::GridHand hand;
+  TuneContact contact{};
+  hil::LoopMargins margins;
+};
+
+/// One for each hand and contact; empty without a response.
+[[nodiscard]] std::vector<TuneMargin> MeasuredMargins(const TuneTask& task, const std::string& name,
+                                                      const TuneGains& gains,
+                                                      const std::vector<hil::GridHand>& hands);
+/// The one nearest to instability: unstable ones first, then the least distance of -1. Null: there are none.
+[[nodiscard]] const TuneMargin* WorstOf(const std::vector<TuneMargin>& margins, const std::string& gains);
+
+/// Bad if the recommended gains are unstable by the response, or its discs of 95 % hold -1; to be looked at if the
+/// cell's own are.
+void JudgeMargins(const std::vector<TuneMargin>& margins, Verdict& verdict);
+[[nodiscard]] std::vector<SummaryRow> RowsOfMeasured(const TuneTask& task, const std::vector<TuneMargin>& margins);
+[[nodiscard]] nlohmann::json ToJson(const std::vector<TuneMargin>& margins);
+/// The five nearest to instability for each of the gains, as an HTML table.
+[[nodiscard]] std::string TableOf(const std::vector<TuneMargin>& margins);
+/// Nyquist curves of the worst hand of each of the gains, with the discs of 95 %.
+[[nodiscard]] std::string NyquistSvg(const TuneTask& task, const TuneGains& own, const TuneGains& recommended,
+                                     const std::vector<TuneMargin>& margins);
+
+}  // namespace osteon::app

@@ -1,0 +1,157 @@
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "config/reading/load.h"
+#include "config/reading/load_identified.h"
+#include "config/reading/strict/config_error.h"
+#include "tests/temporary_path.h"
+
+namespace osteon::config {
+namespace {
+
+IdentifiedCell Sample() {
+  IdentifiedCell cell;
+  cell.valid_for = {.robot = "LBR iiwa 14 R820",
+                    .tool = "reamer",
+                    .period_s = 1e-3,
+                    .start_rad = {0.1, 0.2, 0.3, -1.234567890123, 0.5, 0.6, -0.7},
+                    .recordings = {{.file = "free_z.mcap", .hash = "00112233aabbccdd"}}};
+  cell.arm.push_back({.axis = "z",
+                      .speed_m_per_s = 0.008,
+                      .bandwidth_hz = 16.6,
+                      .damping_ratio = 1.24,
+                      .dead_time_s = 4.56e-3,
+                      .gain = 0.9987,
+                      .lag_s = 28.3e-3,
+                      .felt_mass_kg = 5.22,
+                      .chi2 = 1.1,
+                      .bandwidth_interval_hz = {.low = 15.6, .high = 17.6},
+                      .damping_interval = {.low = 1.2, .high = 1.3},
+                      .dead_time_interval_s = {.low = 4.5e-3, .high = 4.6e-3},
+                      .lag_interval_s = {.low = 28.2e-3, .high = 28.4e-3}});
+  cell.response.push_back({.axis = "z",
+                           .speed_m_per_s = 0.008,
+                           .by_force = true,
+                           .lines = {{.hz = 0.75, .re = 0.999, .im = -0.1, .sd = 1e-5},
+                                     {.hz = 59.75, .re = -0.01, .im = -0.0123456789, .sd = 2e-5}}});
+  cell.sensor = IdentifiedSensor{.delay_s = 1.684e-3, .noise_N = 0.078, .drift_N = 0.07};
+  cell.link = IdentifiedLink{.jitter_mean_s = 1e-5, .jitter_p99_s = 7e-5, .loss_ratio = 0.01};
+  cell.structure = {{.hz = 35.0, .damping_ratio = 0.03}};
+  cell.hands = {{.name = "firm",
+                 .stiffness_N_per_m = 3031,
+                 .stiffness_interval_N_per_m = {.low = 2965, .high = 3097},
+                 .damping_Ns_per_m = 21.2,
+                 .mass_kg = 1.52}};
+  cell.vibration = IdentifiedVibration{.tremor_N = 1.5, .notch_hz = {12.5, 25.0}};
+  cell.dead_zone_N = 0.21;
+  return cell;
+}
+
+std::filesystem::path WriteFile(const std::string& name, const std::string& text) {
+  const std::filesystem::path file = TemporaryPath(name);
+  std::ofstream(file) << text;
+  return file;
+}
+
+std::string ErrorOf(const std::string& text) {
+  try {
+    static_cast<void>(ReadIdentified(WriteFile("identified.yaml", text)));
+  } catch (const ConfigError& refused) {
+    return refused.what();
+  }
+  return "";
+}
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+TEST(IdentifiedFile, ReadsBackWhatWasWritten) {
+  const IdentifiedCell sample = Sample();
+  const std::string text = WriteIdentified(sample, "Written by\n  osteon identify");
+  EXPECT_EQ(text.rfind("# Written by\n#   osteon identify\nidentified:\n", 0), 0u);
+  const IdentifiedCell read = ReadIdentified(WriteFile("identified.yaml", text));
+  EXPECT_EQ(WriteIdentified(read, "Written by\n  osteon identify"), text);
+  EXPECT_EQ(read.valid_for.robot, sample.valid_for.robot);
+  EXPECT_EQ(read.valid_for.recordings.at(0).hash, "00112233aabbccdd");
+  EXPECT_NEAR(read.valid_for.start_rad[3], sample.valid_for.start_rad[3], 1e-9);
+  ASSERT_EQ(read.arm.size(), 1u);
+  EXPECT_NEAR(read.arm[0].dead_time_s, 4.56e-3, 1e-12);
+  EXPECT_NEAR(read.arm[0].lag_interval_s.high, 28.4e-3, 1e-11);
+  EXPECT_EQ(read.arm[0].felt_mass_kg, 5.22);
+  ASSERT_EQ(read.response.size(), 1u);
+  EXPECT_TRUE(read.response[0].by_force);
+  EXPECT_EQ(read.response[0].lines.at(1).im, -0.0123456789);
+  EXPECT_NEAR(*read.sensor->delay_s, 1.684e-3, 1e-12);
+  EXPECT_EQ(read.link->loss_ratio, 0.01);
+  EXPECT_EQ(read.structure.at(0).hz, 35.0);
+  EXPECT_EQ(read.hands.at(0).stiffness_interval_N_per_m.low, 2965);
+  EXPECT_EQ(read.vibration->notch_hz, (std::vector<double>{12.5, 25.0}));
+  EXPECT_EQ(read.dead_zone_N, 0.21);
+}
+
+TEST(IdentifiedFile, WhatWasNotMeasuredStaysAbsent) {
+  IdentifiedCell sample = Sample();
+  sample = {.valid_for = sample.valid_for, .arm = {}, .response = {}};
+  const IdentifiedCell read = ReadIdentified(WriteFile("identified.yaml", WriteIdentified(sample, "")));
+  EXPECT_TRUE(read.arm.empty() && read.response.empty() && read.structure.empty() && read.hands.empty());
+  EXPECT_FALSE(read.sensor || read.link || read.vibration || read.dead_zone_N);
+}
+
+TEST(IdentifiedFile, ErrorsNameLineValueAndWhatIsAccepted) {
+  const std::string good = WriteIdentified(Sample(), "");
+  EXPECT_EQ(ErrorOf(good), "");
+  EXPECT_NE(ErrorOf(Replaced(good, "bandwidth_hz: 16.6", "bandwidth_hz: -1"))
+                .find("bandwidth_hz: found -1, accepted"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(good, "axis: z", "axis: w")).find("found w, accepted x, y, z"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(good, "lag_ms: [28.2, 28.4]", "lag_ms: [28.35, 28.4]"))
+                .find("an interval around the value"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(good, "hz: 59.75", "hz: 0.5")).find("found 0.5 after 0.75, accepted rising"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(good, "chi2_ratio", "chi_ratio")).find("chi_ratio"), std::string::npos);
+  const std::string error = ErrorOf(Replaced(good, "noise_N: 0.078", "noise_N: often"));
+  EXPECT_NE(error.find("identified.yaml:"), std::string::npos) << error;
+  EXPECT_NE(error.find("noise_N: found often"), std::string::npos) << error;
+}
+
+TEST(IdentifiedFile, AnotherCellsFileIsRefused) {
+  const CellConfig cell = LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
+  IdentifiedCell own = Sample();
+  own.valid_for.robot = cell.robot.name;
+  own.valid_for.tool = cell.tool.tool.name;
+  own.valid_for.period_s = cell.servo.period_s;
+  for (std::size_t i = 0; i < 7; ++i) own.valid_for.start_rad[i] = cell.start.q[static_cast<int>(i)];
+  const auto error = [&](const IdentifiedCell& identified) -> std::string {
+    try {
+      static_cast<void>(
+          ReadIdentifiedFor(WriteFile("identified.yaml", WriteIdentified(identified, "")), cell));
+    } catch (const ConfigError& refused) {
+      return refused.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(error(own), "");
+  IdentifiedCell other = own;
+  other.valid_for.robot = "another";
+  EXPECT_NE(error(other).find("robot: found another, accepted " + cell.robot.name), std::string::npos);
+  other = own;
+  other.valid_for.tool = "broach";
+  EXPECT_NE(error(other).find("tool: found broach"), std::string::npos);
+  other = own;
+  other.valid_for.period_s = 4e-3;
+  EXPECT_NE(error(other).find("period_ms: found 4, accepted 1"), std::string::npos);
+  other = own;
+  other.valid_for.start_rad[2] += 0.05;
+  EXPECT_NE(error(other).find("for joint 3"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace osteon::config

@@ -1,0 +1,87 @@
+#include "session/summary/latency.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "control/ports.h"
+#include "hil/arm/servo_arm.h"
+
+// The parts of a cell's latency, from ticks whose delays are known.
+
+namespace osteon::app {
+namespace {
+
+constexpr double kPeriod_s = 1e-3;
+
+// Ticks of an arm that follows a slow motion of all joints.
+LatencyMeter Ride(const hil::ServoArmParams& params, double speed_rad_per_s, control::CommandMode mode) {
+  std::array<kinematics::JointLimits, 7> limits;
+  for (auto& limit : limits) limit.velocity_rad_per_s = 10.0;
+  hil::ServoArm arm(params, limits, kPeriod_s, kinematics::JointVector::Zero());
+  LatencyMeter meter;
+  for (int k = 0; k < 4000; ++k) {
+    control::TickRecord tick;
+    tick.session_state = static_cast<std::uint8_t>(control::SessionState::kCommandingActive);
+    tick.phase = control::Phase::kHaptic;
+    tick.input.command_mode = static_cast<std::uint8_t>(mode);
+    tick.sensor_age_s = 0.4e-3;
+    tick.model_age_s = 2e-3;
+    tick.wakeup_ns = 50'000;
+    tick.compute_ns = 20'000;
+    for (int j = 0; j < 7; ++j) {
+      const auto at = static_cast<std::size_t>(j);
+      tick.q_meas[at] = arm.q()[j];
+      tick.q_cmd[at] = speed_rad_per_s / 2.0 * std::sin(2.0 * k * kPeriod_s + 0.3 * j);
+    }
+    meter.Add(tick);
+    arm.Step(Eigen::Map<const kinematics::JointVector>(tick.q_cmd.data()));
+  }
+  return meter;
+}
+
+TEST(Latency, TheArmsPartIsDeadTimeAndLagByWhatCameBack) {
+  for (const double dead : {0.0, 3.0, 4.6}) {
+    const hil::ServoArmParams arm{.dead_cycles = dead};
+    const LatencyFigures found =
+        Ride(arm, 0.2, control::CommandMode::kPosition).Figures(kPeriod_s, {});
+    const double lag_s = dead * kPeriod_s + 2.0 / (2.0 * std::numbers::pi * 15.0);
+    ASSERT_EQ(found.parts.size(), 5u);
+    EXPECT_EQ(found.parts[3].name, "arm");
+    EXPECT_TRUE(found.parts[3].measured);
+    // the command is held for a period: half a period more
+    EXPECT_NEAR(found.parts[3].mean_s, lag_s + 0.5 * kPeriod_s, 0.1e-3) << dead;
+  }
+}
+
+TEST(Latency, TheWholeIsTheSumOfItsPartsAndSaysWhatIsAssumed) {
+  const LatencyMeter meter = Ride({}, 0.2, control::CommandMode::kPosition);
+  const LatencyFigures wall = meter.Figures(kPeriod_s, {.sensor_delay_s = 1.7e-3, .sensor_known = true});
+  EXPECT_TRUE(wall.Measured());
+  const double arm_s = wall.parts[3].mean_s;
+  EXPECT_NEAR(wall.hand_to_arm_s, 0.4e-3 + 1.7e-3 + 50e-6 + 20e-6 + arm_s, 1e-9);
+  EXPECT_NEAR(wall.bone_to_hand_s, 2e-3 + 50e-6 + 20e-6 + arm_s, 1e-9);
+  EXPECT_EQ(LatencyText(wall).find("assumed"), std::string::npos);
+
+  const LatencyFigures virtual_time = meter.Figures(kPeriod_s, {.virtual_time = true});
+  EXPECT_FALSE(virtual_time.Measured());
+  EXPECT_EQ(virtual_time.parts[1].mean_s, 0.0);
+  EXPECT_NE(LatencyText(virtual_time).find("assumed: sensor"), std::string::npos) << LatencyText(virtual_time);
+  const nlohmann::json json = ToJson(virtual_time);
+  EXPECT_EQ(json.at("measured"), false);
+  EXPECT_EQ(json.at("parts").at("arm").at("measured"), true);
+  EXPECT_NEAR(json.at("hand_to_arm").get<double>(), 1e3 * virtual_time.hand_to_arm_s, 1e-9);
+}
+
+TEST(Latency, AnArmThatRestsOrTakesForcesTellsNoDelay) {
+  EXPECT_FALSE(Ride({}, 0.0, control::CommandMode::kPosition).Figures(kPeriod_s, {}).parts[3].measured);
+  EXPECT_FALSE(Ride({}, 0.2, control::CommandMode::kWrench).Figures(kPeriod_s, {}).parts[3].measured);
+  EXPECT_TRUE(LatencyMeter().Figures(kPeriod_s, {}).parts.empty());
+  EXPECT_TRUE(ToJson(LatencyMeter().Figures(kPeriod_s, {})).is_null());
+}
+
+}  // namespace
+}  // namespace osteon::app

@@ -1,0 +1,212 @@
+// The loop judged by a frequency response, against the loop's matrix.
+
+#include "studies/stability/measured_loop.h"
+
+#include <array>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace osteon::hil {
+namespace {
+
+constexpr std::array kExcited_hz{0.5, 0.75, 1.25, 1.75, 2.25, 3.25, 4.25, 5.75, 7.25, 9.25, 11.75, 14.75,
+                                 18.25, 22.25, 26.75, 31.75, 37.25, 43.25, 49.75, 56.75};
+const GridHand kGrip{"grip", 3e3, 20.0, 1.5};
+
+// Lines as a perfect measurement would have them; noise is that of each line's real and imaginary part.
+std::vector<ResponseLine> LinesOf(const ResponseModel& truth, double noise = 0.0, std::uint64_t seed = 1) {
+  std::mt19937_64 bits(seed);
+  std::normal_distribution<double> normal;
+  std::vector<ResponseLine> lines;
+  for (const double hz : kExcited_hz)
+    lines.push_back({.hz = hz,
+                     .value = ModelResponse(truth, hz) +
+                              noise * std::complex<double>(normal(bits), normal(bits)),
+                     .sd = noise});
+  return lines;
+}
+
+// The poles of the loop's matrix are the zeros of 1 + L, with the hand's acceleration as the loop takes it.
+TEST(MeasuredLoop, LawTimesArmTimesHandHasTheMatrixsPoles) {
+  for (const double dead : {3.0, 3.4}) {
+    for (const LoopWall& wall : {LoopWall{}, LoopWall{.stiffness_N_per_m = 20e3},
+                                 LoopWall{.stiffness_N_per_m = 8e3, .damping_Ns_per_m = 2.0, .age_ticks = 2}}) {
+      AdmittanceLoopParams params{.hand = kGrip, .mass_kg = 1.7, .damping_Ns_per_m = 30.0, .wall = wall};
+      params.arm.dead_cycles = dead;
+      const LawResponse law(params);
+      const LoopArm arm = LinearArm(params.arm, params.period_s);
+      int checked = 0;
+      const Eigen::VectorXcd poles =
+          Eigen::EigenSolver<Eigen::MatrixXd>(AdmittanceLoop(params).Matrix(), false).eigenvalues();
+      for (const std::complex<double>& z : poles) {
+        if (std::abs(z) < 0.5) continue;  // delays: no digits are left there
+        const Eigen::Matrix2cd from_state = z * Eigen::Matrix2cd::Identity() -
+                                            arm.step.leftCols<2>().cast<std::complex<double>>();
+        const Eigen::Vector2cd told = arm.step.col(3).cast<std::complex<double>>() +
+                                      arm.step.col(2).cast<std::complex<double>>() / z;
+        const Eigen::Vector2cd motion = from_state.inverse() * told * std::pow(z, -arm.whole);
+        const std::complex<double> hand =
+            kGrip.stiffness_N_per_m * motion[0] +
+            (kGrip.damping_Ns_per_m + kGrip.mass_kg * (1.0 - 1.0 / z) / params.period_s) * motion[1];
+        EXPECT_LT(std::abs(1.0 + law.At(z) * hand * std::pow(z, -params.sensor_delay)), 1e-6) << z;
+        ++checked;
+      }
+      EXPECT_GE(checked, 3);
+    }
+  }
+}
+
+// The arm's response is that of its own steps: a sine sent for long, at the sampling rate.
+TEST(MeasuredLoop, ModelResponseIsThatOfTheShippedArm) {
+  constexpr double kHz = 12.5, kPeriod_s = 1e-3;
+  for (const double dead : {0.0, 3.0, 4.3}) {
+    const ServoArmParams params{.damping_ratio = 0.8, .dead_cycles = dead};
+    std::array<kinematics::JointLimits, 7> limits;
+    for (auto& limit : limits) limit.velocity_rad_per_s = 1e9;
+    ServoArm arm(params, limits, kPeriod_s, kinematics::JointVector::Zero());
+    std::complex<double> sum(0.0, 0.0);
+    constexpr int kSettle = 4000, kTicks = 4000;
+    for (int k = 0; k < kSettle + kTicks; ++k) {
+      const std::complex<double> turn = std::polar(1.0, 2.0 * M_PI * kHz * kPeriod_s * k);
+      if (k >= kSettle) sum += 2.0 / kTicks * arm.q()[0] * std::conj(turn);
+      arm.Step(kinematics::JointVector::Constant(turn.real()));
+    }
+    EXPECT_LT(std::abs(sum - ModelResponse({.arm = params, .period_s = kPeriod_s}, kHz)), 1e-9) << dead;
+  }
+}
+
+// A loop of the default's delays in steps of a quarter of a millisecond: the matrix takes the hand's acceleration as
+// the mean of the period that ends, which is the nearer to that of a hand the shorter the period is.
+constexpr double kFine_s = 0.25e-3;
+AdmittanceLoopParams FineLoop(const GridHand& hand) {
+  return {.hand = hand, .mass_kg = 1.7, .arm = {.dead_cycles = 12}, .sensor_delay = 4, .period_s = kFine_s};
+}
+const ResponseModel kFineModel{.arm = {.dead_cycles = 12}, .period_s = kFine_s};
+
+// Encirclements against eigenvalues: the drag and the wall at which the loop becomes unstable.
+TEST(MeasuredLoop, BoundariesAreTheMatrixsWithinTwoPercent) {
+  const MeasuredResponse response(LinesOf(kFineModel), kFineModel);
+  for (const GridHand& hand : {kGrip, GridHand{"light", 1500.0, 2.0, 0.3}, GridHand{"hard", 10e3, 20.0, 1.5}}) {
+    AdmittanceLoopParams loop = FineLoop(hand);
+    const double drag = MinDrag(loop);
+    for (const double share : {0.98, 1.02}) {
+      loop.damping_Ns_per_m = share * drag;
+      const LoopMargins margins = JudgeMeasuredLoop(response, {.loop = loop, .sensor_delay_s = 1e-3});
+      EXPECT_EQ(margins.stable, share > 1.0) << hand.name << ", " << share;
+      EXPECT_EQ(margins.unstable_poles, share > 1.0 ? 0 : 2) << hand.name;
+    }
+  }
+  AdmittanceLoopParams walled = FineLoop({"firm", 500.0, 20.0, 1.5});
+  for (const int age : {0, 4, 20}) {
+    walled.wall = {.age_ticks = age};
+    const double most = MaxWallStiffness(walled).value;
+    for (const double share : {0.98, 1.02}) {
+      walled.wall.stiffness_N_per_m = share * most;
+      EXPECT_EQ(AreAllStable(response, {.loop = walled, .sensor_delay_s = 1e-3}, {{walled.hand}}), share < 1.0)
+          << age << ", " << share;
+    }
+  }
+}
+
+// At a millisecond the matrix asks for less drag, as its acceleration lags by half of it: the response, which knows
+// no samples of the hand, is on the safe side.
+TEST(MeasuredLoop, AtAMillisecondItAsksForUpToEightPercentMoreDragThanTheMatrix) {
+  const ResponseModel model;
+  const MeasuredResponse response(LinesOf(model), model);
+  for (const GridHand& hand : {kGrip, GridHand{"light", 1500.0, 2.0, 0.3}, GridHand{"hard", 10e3, 20.0, 1.5}}) {
+    AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};
+    const double drag = MinDrag(loop);
+    for (const double share : {0.99, 1.08}) {
+      loop.damping_Ns_per_m = share * drag;
+      EXPECT_EQ(JudgeMeasuredLoop(response, {.loop = loop, .sensor_delay_s = 1e-3}).stable, share > 1.0)
+          << hand.name << ", " << share;
+    }
+  }
+}
+
+// The gain margin is the factor on the hand at which the matrix becomes unstable.
+TEST(MeasuredLoop, GainMarginIsTheFactorOnTheHand) {
+  const MeasuredResponse response(LinesOf(kFineModel), kFineModel);
+  AdmittanceLoopParams loop = FineLoop(kGrip);
+  loop.damping_Ns_per_m = 40.0;
+  const LoopMargins margins = JudgeMeasuredLoop(response, {.loop = loop, .sensor_delay_s = 1e-3});
+  ASSERT_TRUE(margins.stable);
+  const double factor = FirstCrossing(
+                            [&](double gain) {
+                              loop.hand = {"", gain * 3e3, gain * 20.0, gain * 1.5};
+                              return AdmittanceLoop(loop).SpectralRadius() < 1.0;
+                            },
+                            {.from = 1.0, .to = 20.0})
+                            .value;
+  EXPECT_NEAR(margins.gain, factor, 0.02 * factor);
+  EXPECT_GT(margins.phase_deg, 0.0);
+  EXPECT_LT(margins.modulus, 1.0);
+  EXPECT_GE(1.0 - 1.0 / margins.gain, 0.999 * margins.modulus) << "-1 is no farther than along the real axis";
+  EXPECT_TRUE(margins.robust) << "nothing was noisy";
+}
+
+// The model need not be right: lines of a slower arm with more dead time decide.
+TEST(MeasuredLoop, TheMeasurementDecidesNotTheModel) {
+  const ResponseModel truth{.arm = {.bandwidth_hz = 13.0, .damping_ratio = 1.1, .dead_cycles = 16.8},
+                            .period_s = kFine_s};
+  const MeasuredResponse response(LinesOf(truth), kFineModel);
+  AdmittanceLoopParams loop = FineLoop(kGrip);
+  loop.arm = truth.arm;
+  const double drag = MinDrag(loop);
+  loop.arm = kFineModel.arm;
+  EXPECT_GT(drag, 1.1 * MinDrag(loop));
+  for (const double share : {0.97, 1.03}) {
+    loop.damping_Ns_per_m = share * drag;
+    EXPECT_EQ(JudgeMeasuredLoop(response, {.loop = loop, .sensor_delay_s = 1e-3}).stable, share > 1.0) << share;
+  }
+}
+
+// A resonance beyond the encoders, in the model as identify writes it, limits the wall and costs drag.
+TEST(MeasuredLoop, AStructureCostsDrag) {
+  const ResponseModel stiff, soft{.structure = {{.hz = 22.0, .damping_ratio = 0.03}}};
+  const MeasuredResponse by_encoders(LinesOf(stiff), stiff), by_force(LinesOf(soft), soft);
+  const MeasuredLoopParams params{.loop = {.hand = kGrip, .mass_kg = 1.7, .damping_Ns_per_m = 30.0},
+                                  .sensor_delay_s = 1e-3};
+  EXPECT_TRUE(JudgeMeasuredLoop(by_encoders, params).stable);
+  EXPECT_FALSE(JudgeMeasuredLoop(by_force, params).stable);
+}
+
+// Noise: the smoothed response is closer to the truth than a line is, and the radius says how far it is off.
+TEST(MeasuredLoop, NoiseHasItsRadius) {
+  constexpr double kNoise = 0.02;
+  const ResponseModel& truth = kFineModel;
+  int within = 0, all = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const MeasuredResponse response(LinesOf(truth, kNoise, seed), truth);
+    for (const MeasuredResponse::Point& at : response.grid()) {
+      if (at.hz < 5.0 || at.hz > 30.0) continue;
+      const std::complex<double> expected = ModelResponse(truth, at.hz);
+      within += std::abs(at.value - expected) <= 2.4477 * at.share * std::abs(at.value) ? 1 : 0;
+      ++all;
+    }
+  }
+  EXPECT_NEAR(static_cast<double>(within) / all, 0.95, 0.03);
+  AdmittanceLoopParams loop = FineLoop(kGrip);
+  loop.damping_Ns_per_m = 1.03 * MinDrag(loop);
+  const MeasuredLoopParams params{.loop = loop, .sensor_delay_s = 1e-3};
+  EXPECT_TRUE(JudgeMeasuredLoop(MeasuredResponse(LinesOf(truth), truth), params).robust);
+  std::vector<ResponseLine> uncertain = LinesOf(truth);
+  for (ResponseLine& line : uncertain) line.sd = 0.1;
+  const LoopMargins margins = JudgeMeasuredLoop(MeasuredResponse(uncertain, truth), params);
+  EXPECT_TRUE(margins.stable);
+  EXPECT_FALSE(margins.robust) << "the disc holds -1";
+}
+
+TEST(MeasuredLoop, RefusesWhatIsNoResponse) {
+  EXPECT_THROW(MeasuredResponse({{.hz = 1.0}}, {}), std::invalid_argument);
+  EXPECT_THROW(MeasuredResponse({{.hz = 2.0}, {.hz = 1.0}}, {}), std::invalid_argument);
+  EXPECT_THROW(MeasuredResponse({{.hz = 2.0}, {.hz = 600.0}}, {}), std::invalid_argument);
+  AdmittanceLoopParams measured_wall;
+  measured_wall.wall = {.stiffness_N_per_m = 1e3, .on = WallOn::kMeasured};
+  EXPECT_THROW(LawResponse{measured_wall}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace osteon::hil

@@ -1,0 +1,159 @@
+#include "studies/tune/tune_measured.h"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "config/reading/apply_identified.h"
+#include "config/reading/strict/config_error.h"
+#include "studies/tune/tune_page.h"
+#include "tests/studies/tune/identified_sample.h"
+#include "tests/temporary_path.h"
+
+// A tuning with measured figures in the place of assumed ones.
+
+namespace osteon::app {
+namespace {
+
+config::CellConfig Demo() {
+  return config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
+}
+
+hil::ResponseModel SlowArm() {
+  return {.arm = {.bandwidth_hz = 13.0, .damping_ratio = 1.2, .dead_cycles = 4.56}};
+}
+
+TuneTask MeasuredTask(const hil::ResponseModel& truth) {
+  const config::CellConfig cell = Demo();
+  TuneTask task = TuneTaskOf(cell);
+  UseIdentified(IdentifiedOf(cell, truth), task);
+  return task;
+}
+
+TEST(TuneMeasured, TakesWhatWasMeasured) {
+  const TuneTask task = MeasuredTask(SlowArm());
+  EXPECT_DOUBLE_EQ(task.loop.arm.bandwidth_hz, 13.0);
+  EXPECT_DOUBLE_EQ(task.loop.arm.damping_ratio, 1.2);
+  EXPECT_NEAR(task.loop.arm.dead_cycles, 4.56, 1e-9) << "as measured, without a period more";
+  EXPECT_EQ(task.loop.sensor_delay, 1);
+  EXPECT_EQ(task.command_jitter, 1) << "0.2 ms beyond its mean";
+  EXPECT_DOUBLE_EQ(task.command_loss, 0.001);
+  ASSERT_EQ(task.measured_hands.size(), 3u) << "the hand, and both ends of its interval";
+  EXPECT_EQ(HandsUpTo(task, 100.0).size(), HandsUpTo(100.0).size() + 3);
+  EXPECT_FALSE(task.measured_only);
+  ASSERT_TRUE(task.response);
+  EXPECT_DOUBLE_EQ(task.response_delay_s, 1e-3);
+}
+
+TEST(TuneMeasured, APartOfAPeriodOfTheSensorGoesToTheDeadTime) {
+  const config::CellConfig cell = Demo();
+  config::IdentifiedCell identified = IdentifiedOf(cell, SlowArm());
+  identified.sensor->delay_s = 1.7e-3;
+  identified.link->jitter_p99_s = identified.link->jitter_mean_s;
+  TuneTask task = TuneTaskOf(cell);
+  UseIdentified(identified, task);
+  EXPECT_EQ(task.loop.sensor_delay, 1);
+  EXPECT_NEAR(task.loop.arm.dead_cycles, 4.56 + 0.7, 1e-9);
+  EXPECT_EQ(task.command_jitter, 0);
+}
+
+TEST(TuneMeasured, TheSlowestMeasurementCounts) {
+  const config::CellConfig cell = Demo();
+  config::IdentifiedCell identified = IdentifiedOf(cell, SlowArm());
+  config::IdentifiedArm slower = identified.arm[0];
+  slower.axis = "x";
+  slower.bandwidth_hz = 10.0;
+  slower.lag_s += 8e-3;
+  identified.arm.push_back(slower);
+  EXPECT_EQ(config::SlowestArm(identified)->axis, "x");
+  TuneTask task = TuneTaskOf(cell);
+  UseIdentified(identified, task);
+  EXPECT_DOUBLE_EQ(task.loop.arm.bandwidth_hz, 10.0);
+  EXPECT_FALSE(task.response) << "no response was measured along x";
+}
+
+TEST(TuneMeasured, MarginsFollowTheResponseAndTheVerdictSaysSo) {
+  const TuneTask task = MeasuredTask(SlowArm());
+  const std::vector<hil::GridHand> hands{{"grip", 3e3, 20.0, 1.5}, {"firm", 500.0, 20.0, 1.5}};
+  std::vector<TuneMargin> margins = MeasuredMargins(task, "own", {1.7, 15.0}, hands);
+  const std::vector<TuneMargin> good = MeasuredMargins(task, "recommended", {1.7, 60.0}, hands);
+  margins.insert(margins.end(), good.begin(), good.end());
+  ASSERT_EQ(margins.size(), 12u) << "two gains, two hands, three contacts";
+  ASSERT_NE(WorstOf(margins, "own"), nullptr);
+  EXPECT_FALSE(WorstOf(margins, "own")->margins.stable);
+  EXPECT_EQ(WorstOf(margins, "own")->hand.name, "grip");
+  EXPECT_TRUE(WorstOf(margins, "recommended")->margins.robust);
+  Verdict verdict;
+  JudgeMargins(margins, verdict);
+  EXPECT_EQ(verdict.level, VerdictLevel::kWarning) << "the cell's own gains only";
+  for (TuneMargin& margin : margins) margin.gains = "recommended";
+  Verdict bad;
+  JudgeMargins(margins, bad);
+  EXPECT_EQ(bad.level, VerdictLevel::kBad);
+  const nlohmann::json json = ToJson(margins);
+  ASSERT_EQ(json.size(), 12u);
+  for (const char* key : {"hand", "contact", "stable", "gain", "phase_deg", "modulus", "robust"})
+    EXPECT_TRUE(json[0].contains(key)) << key;
+  EXPECT_NE(NyquistSvg(task, {1.7, 15.0}, {1.7, 60.0}, good).find("<svg"), std::string::npos);
+}
+
+// A structure of 22 Hz: the encoders do not see it, and the gains that the arm's model would stand do not stand it.
+TEST(TuneMeasured, WithAStructureTheResponseAloneDecides) {
+  hil::ResponseModel truth = SlowArm();
+  truth.structure = {{.hz = 22.0, .damping_ratio = 0.03}};
+  truth.delay_s = 1e-3;
+  const TuneTask task = MeasuredTask(truth), without = MeasuredTask(SlowArm());
+  ASSERT_TRUE(task.measured_only);
+  const std::vector<hil::GridHand> hands{{"grip", 3e3, 20.0, 1.5}};
+  EXPECT_TRUE(StandsAll(without, {2.4, 80.0}, hands, 1.0));
+  EXPECT_FALSE(StandsAll(task, {2.4, 80.0}, hands, 1.0));
+  EXPECT_EQ(StandsAll(task, {2.4, 80.0}, hands, 1.0), StandsMeasured(task, {2.4, 80.0}, hands, 1.0));
+}
+
+TEST(TuneMeasured, TheSimulatedCellTakesItsFigures) {
+  config::CellConfig cell = Demo();
+  const std::filesystem::path file = TemporaryPath("identified.yaml");
+  std::ofstream(file) << config::WriteIdentified(IdentifiedOf(cell, SlowArm()), "");
+  config::ApplyIdentified(file, cell);
+  EXPECT_DOUBLE_EQ(cell.simulated.servo.bandwidth_hz, 13.0);
+  EXPECT_NEAR(cell.simulated.servo.dead_cycles, 4.56, 1e-9);
+  EXPECT_EQ(cell.simulated.dynamic.dead_cycles, 5);
+  EXPECT_TRUE(cell.identified);
+
+  config::IdentifiedCell late = IdentifiedOf(cell, SlowArm());
+  late.arm[0].dead_time_s = 40e-3;
+  late.arm[0].dead_time_interval_s = {.low = 0.039, .high = 0.041};
+  std::ofstream(file) << config::WriteIdentified(late, "");
+  try {
+    config::ApplyIdentified(file, cell);
+    FAIL() << "40 periods are more than the simulated arm can be late";
+  } catch (const config::ConfigError& refused) {
+    EXPECT_NE(std::string(refused.what()).find("dead_time_ms: found 40 ms, accepted 0 … 32 ms"), std::string::npos)
+        << refused.what();
+  }
+}
+
+TEST(TunePage, ItsVerdictSaysSafeOrNotWhichGainsWhyAndWhatNext) {
+  TuneResult r;
+  r.cell = "demo";
+  r.task = TuneTaskOf(Demo());
+  r.recommended = {1.7, 28.0};
+  r.recommended_margin = 1.12;
+  r.own_margin = 1.2;
+  const ReportVerdict safe = PlainVerdict(r);
+  EXPECT_EQ(safe.text, "Safe: 1.7 kg and 28 N s/m");
+  ASSERT_EQ(safe.reasons.size(), 3u);
+  EXPECT_TRUE(safe.reasons[0].starts_with("Which gains: the cell's own")) << safe.reasons[0];
+  EXPECT_NE(safe.reasons[1].find("assumed, not measured"), std::string::npos);
+  EXPECT_NE(safe.reasons[2].find("osteon identify demo"), std::string::npos);
+  r.own_margin = 1.0;
+  EXPECT_EQ(PlainVerdict(r).level, "look");
+  EXPECT_NE(PlainVerdict(r).reasons[0].find("28 N s/m instead of"), std::string::npos);
+  r.recommended = {};
+  EXPECT_EQ(PlainVerdict(r).level, "bad");
+  EXPECT_TRUE(PlainVerdict(r).text.starts_with("Not safe"));
+}
+
+}  // namespace
+}  // namespace osteon::app
