@@ -64,6 +64,7 @@ const limits: [string, string][] = [
   ["energy tank", "Energietank"],
   ["speed into bone", "Eintritt in Knochen"],
   ["guidance along the plan", "Führung am Plan"],
+  ["deflection", "Nachgeben"],
 ];
 
 const words = {
