@@ -185,20 +185,20 @@ TEST(Compliance, BeyondItsLimitsTheCellMustStop) {
   params.tool->max_thrust_N = 211.0;
   Compliance compliance(params, kT_s);
   const Pose X_WT = Pose::Identity();
-  for (int i = 0; i < 200; ++i) compliance.Step({.f = {50.0, 0.0, 0.0}, .t = {}}, Frame(), X_WT);
+  for (int i = 0; i < 200; ++i) compliance.Step({.f = {50.0, 0.0, 0.0}, .t = Vector3::Zero()}, Frame(), X_WT);
   EXPECT_FALSE(compliance.beyond_limit());
   EXPECT_TRUE(compliance.noticed());
-  for (int i = 0; i < 200; ++i) compliance.Step({.f = {70.0, 0.0, 0.0}, .t = {}}, Frame(), X_WT);
+  for (int i = 0; i < 200; ++i) compliance.Step({.f = {70.0, 0.0, 0.0}, .t = Vector3::Zero()}, Frame(), X_WT);
   EXPECT_TRUE(compliance.beyond_limit());
   compliance.Reset();
   EXPECT_FALSE(compliance.noticed());
-  compliance.Step({.f = {0.0, 0.0, -220.0}, .t = {}}, Frame(), X_WT);
+  compliance.Step({.f = {0.0, 0.0, -220.0}, .t = Vector3::Zero()}, Frame(), X_WT);
   EXPECT_TRUE(compliance.beyond_limit()) << "thrust";
   Compliance mount(ParamsOf({"mount", false, false, true}), kT_s);
-  for (int i = 0; i < 2000; ++i) mount.Step({.f = {0.0, 0.0, 600.0}, .t = {}}, Frame(), X_WT);
+  for (int i = 0; i < 2000; ++i) mount.Step({.f = {0.0, 0.0, 600.0}, .t = Vector3::Zero()}, Frame(), X_WT);
   EXPECT_TRUE(mount.beyond_limit()) << "12.7 mm";
   Compliance broken(params, kT_s);
-  broken.Step({.f = {std::nan(""), 0.0, 0.0}, .t = {}}, Frame(), X_WT);
+  broken.Step({.f = {std::nan(""), 0.0, 0.0}, .t = Vector3::Zero()}, Frame(), X_WT);
   EXPECT_TRUE(broken.beyond_limit()) << "what is not finite must not go on";
 }
 
@@ -210,7 +210,7 @@ TEST(Compliance, AllocatesNothing) {
   const rt::CheckedNoAllocScope scope;
   for (int i = 0; i < 10; ++i) {
     const Twist V = compliance.V_ME(X_WT, {});
-    compliance.Step({.f = {1.0 + V.v.x(), 2.0, 3.0}, .t = {}}, model, X_WT);
+    compliance.Step({.f = {1.0 + V.v.x(), 2.0, 3.0}, .t = Vector3::Zero()}, model, X_WT);
     compliance.FillRecord(X_WT, record);
   }
 }
