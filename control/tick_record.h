@@ -71,6 +71,17 @@ struct GuidanceRecord {
   bool stops_spindle{false};  ///< the spindle must stand
 };
 
+/// What gave way in a tick (control/compliance). Plain data; zero where the cell is rigid.
+struct ComplianceRecord {
+  bool present{false};
+  PlainPose X_ME;  ///< the bent head in the bone's world after this tick: what the cutting engine is given
+  PlainPose X_WM;  ///< the bone's world
+  PlainVector3 bend_m, bend_rad;                  ///< of the tool: E in T
+  PlainVector3 layer_m;                           ///< of the surface layer, in M
+  PlainVector3 mount_m, mount_rad;                ///< of the bone's mount at Mo, pads included, in W
+  PlainVector3 mount_m_per_s, mount_rad_per_s;    ///< velocity of its mass, in W
+};
+
 /// Value of TickRecord::cell_state in recordings older than the field.
 inline constexpr std::uint8_t kNoCellState = 255;
 
@@ -109,6 +120,7 @@ struct TickRecord {
   double tank_J{0.0};                      ///< energy in the tank, while rendering
   double tank_share{1.0};                  ///< share of the coupling that the tank could pay for
   GuidanceRecord guidance;
+  ComplianceRecord compliance;
   std::uint32_t limits{0};                ///< safety::LimitSet: the limits that acted in this tick
   std::uint8_t cell_state{kNoCellState};  ///< safety::CellState
   std::uint32_t permits{0};               ///< safety::MotionPermits, as last evaluated

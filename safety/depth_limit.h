@@ -16,6 +16,9 @@ struct DepthLimitParams {
   double spindle_stop_m{1e-3};     ///< distance before the bound at which the spindle stops; 0 … soft_m
   double stiffness_N_per_m{20e3};  ///< of the resistance; > 0
   double damping_Ns_per_m{100.0};  ///< on the way in, limited to a quarter of the spring's force; >= 0
+  /// The bound is fixed to the bone, which may give way: p and v of Step are those of the head in the bone's
+  /// world. The bound is then no zone of the workspace, which rests.
+  bool rides_on_bone{false};
 };
 
 /// @throws std::invalid_argument naming the field, the value and what is accepted.
@@ -46,6 +49,7 @@ class DepthLimit {
   [[nodiscard]] double distance_m() const OSTEON_RT { return distance_m_; }
   [[nodiscard]] bool resists() const OSTEON_RT { return distance_m_ < params_.soft_m; }
   [[nodiscard]] bool stops_spindle() const OSTEON_RT { return retract_; }
+  [[nodiscard]] bool rides_on_bone() const OSTEON_RT { return params_.rides_on_bone; }
 
  private:
   DepthLimitParams params_;

@@ -31,6 +31,7 @@ enum class Fault : std::uint32_t {
   kToolInBone = 1u << 21,        ///< commanded tool too far from the bone's proxy: Stop 1
   kArmSpeed = 1u << 22,          ///< the measured arm is faster than its limit allows: Stop 1
   kForceLimit = 1u << 23,        ///< the coupling stayed at its limit, in a cell set to stop then: Stop 1
+  kDeflection = 1u << 24,        ///< tool bent or pressed, or bone's mount moved, beyond its limit: Stop 1
 };
 
 /// The set of latched faults.
@@ -50,7 +51,7 @@ class FaultSet {
 };
 
 /// Faults are bits 0 … kFaultCount - 1.
-inline constexpr int kFaultCount = 24;
+inline constexpr int kFaultCount = 25;
 
 struct FaultText {
   const char* name;      ///< as in the summary, e.g. "contact model stale"

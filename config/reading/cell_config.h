@@ -22,6 +22,7 @@
 #include "simulation/bone/scenes.h"
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/tools/tool.h"
+#include "simulation/tools/tool_compliance.h"
 
 // Content of the files under config/, in SI: the libraries' parameters, and values without a type in a
 // library. Plain data; the accepted ranges are in the loaders (load.h).
@@ -35,9 +36,16 @@ struct ToolDriveConfig {
   double spin_up_s{0.0};  ///< from rest to the spindle's speed
 };
 
+/// How a tool bends.
+struct ToolBendingConfig {
+  simulation::ToolCompliance compliance;  ///< without thrust
+  double relaxation_s{0.020};             ///< time constant of the bending in the loop
+};
+
 struct ToolConfig {
   simulation::Tool tool;
   Pose X_FT{Pose::Identity()};  ///< tool in the flange's frame
+  std::optional<ToolBendingConfig> bending{};  ///< absent: it counts as rigid
   double spindle_rad_per_s{0.0};
   ToolDriveConfig drive;
 };
@@ -121,6 +129,21 @@ struct BoneConfig {
   std::string place{};  ///< where the cell names cup or file, "my.yaml:12": for errors of the mesh
 };
 
+/// Whether a part of the cell gives way.
+enum class GivesWay : std::uint8_t {
+  kOff,
+  kOn,
+  kAuto,  ///< where the scene can notice it (simulation/fidelity/compliance_level.h)
+};
+
+/// The parts that may give way, as the file says it, and what each changes in this cell.
+struct ComplianceConfig {
+  GivesWay layer{GivesWay::kOff}, tool{GivesWay::kOff}, mount{GivesWay::kOff};
+  double error_m{0.1e-3};  ///< E: the scene's, or the file's own
+  std::optional<control::BoneMountParams> bone_mount{};
+  double lateral_N{0.0}, push_N{0.0};  ///< that act on the tool, and on tissue and mount
+};
+
 /// A cell, with the contents of the files that it names.
 struct CellConfig {
   RobotConfig robot;
@@ -132,6 +155,7 @@ struct CellConfig {
   Pose X_WG{Pose::Identity()};      ///< bone in world: the frame C of its site
   StartConfig start;
   control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
+  ComplianceConfig compliance;        ///< what gives way, and why; its parameters are servo.compliance
   control::Gains own_gains;           ///< from the cell's file, before a gains file overrides them
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   ArmLinkConfig link;

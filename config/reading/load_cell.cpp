@@ -12,6 +12,7 @@
 #include "config/reading/sections/read_arm_link.h"
 #include "config/reading/sections/read_bone.h"
 #include "config/reading/sections/read_calibration.h"
+#include "config/reading/sections/read_compliance.h"
 #include "config/reading/sections/read_devices.h"
 #include "config/reading/sections/read_engine_process.h"
 #include "config/reading/sections/read_gains.h"
@@ -375,6 +376,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
   ReadWorkspace(reader.Section("workspace"), cell.X_WG, servo.workspace);
   ReadZones(reader, cell.X_WG, servo.workspace);
   ReadDepthLimit(reader, cell.X_WG, servo.depth);
+  const std::optional<Reader> compliance = ReadCompliance(reader, cell);
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
   ReadLaw(reader, cell);
@@ -418,6 +420,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
   if (simulation) CompleteSimulatedArm(simulation->arm, cell);
   cell.scene = LoadScene(scene);
   cell.scene.materials = SceneMaterials(reader, materials, cell.scene.material_names);
+  CompleteCompliance(compliance, cell);
   CheckFrames(cell, reader);
   PlaceAtStart(reader, cell);
   PropagateSharedValues(cell);

@@ -23,6 +23,12 @@ std::vector<simulation::Material> LoadMaterials(const std::filesystem::path& pat
          .cutting_energy_source = source("cutting_energy"),
          .cutting_force_source = source("cutting_force"),
          .friction_source = source("friction")});
+    if (!tissue.Has("layer_N_per_mm3")) continue;
+    simulation::Material& material = materials.back();
+    material.layer_N_per_m3 = tissue.Number("layer_N_per_mm3", 1e-4, 1e4);
+    material.layer_thickness_m = tissue.Number("layer_thickness_mm", 0.05, 50);
+    material.layer_relaxation_s = tissue.Number("layer_relaxation_ms", 1, 100'000);
+    material.layer_source = source("layer");
   }
   reader.Finish();
   for (std::size_t i = 0; i < materials.size(); ++i)

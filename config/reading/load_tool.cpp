@@ -218,6 +218,39 @@ BuiltTool LoadMeshTool(Reader& reader, const std::optional<double>& diameter_m) 
   return BuildTool(reader, "mesh", [&] { return simulation::MakeMeshTool(loaded->mesh, params); });
 }
 
+// The keys of a tool's section `bending`.
+struct BendingSection {
+  Reader section;
+  simulation::BeamParams beam;
+  double relaxation_s{0.0};
+};
+
+std::optional<BendingSection> ReadBending(Reader& tool) {
+  if (!tool.Has("bending")) return std::nullopt;
+  Reader section = tool.Section("bending");
+  static_cast<void>(section.Text("source"));
+  const simulation::BeamParams beam{.youngs_Pa = section.Number("youngs_GPa", 0.1, 1000),
+                                    .poisson = section.Number("poisson_ratio", 0, 0.49),
+                                    .clamped_m = section.Number("clamped_mm", 0, 500)};
+  const double relaxation_s = section.Number("relaxation_ms", 1, 10'000);
+  return BendingSection{.section = section, .beam = beam, .relaxation_s = relaxation_s};
+}
+
+// How a tool bends: a cantilever of its pieces, clamped at its back.
+ToolBendingConfig BendingOf(const BendingSection& read, const BuiltTool& built) {
+  if (built.beam.empty())
+    read.section.Refuse("source", "found bending of a tool whose beam is not known (a mesh), accepted without it");
+  simulation::BeamParams params = read.beam;
+  params.load_point_m = built.load_point_m;
+  params.head_mass_kg = built.head_mass_kg;
+  try {
+    return {.compliance = simulation::CantileverCompliance(built.beam, params),
+            .relaxation_s = read.relaxation_s};
+  } catch (const std::invalid_argument& error) {
+    read.section.Refuse("clamped_mm", error.what());
+  }
+}
+
 ToolDriveConfig ReadDrive(Reader section) {
   static_cast<void>(section.Text("source"));
   return {.gear_ratio = section.Number("gear_ratio", 0.1, 1000),
@@ -235,6 +268,7 @@ ToolConfig LoadTool(const std::filesystem::path& path, const std::optional<doubl
   config.spindle_rad_per_s = reader.Number("spindle_rpm", 1, 400'000);
   config.drive = ReadDrive(reader.Section("drive"));
   const Pose X_FH = ReadPose(reader.Section("mounting"));
+  const std::optional<BendingSection> bending = ReadBending(reader);
   BuiltTool built;
   switch (kind) {
     case 0:
@@ -249,6 +283,7 @@ ToolConfig LoadTool(const std::filesystem::path& path, const std::optional<doubl
     default:
       built = LoadMeshTool(reader, diameter_m);
   }
+  if (bending) config.bending = BendingOf(*bending, built);
   config.tool = std::move(built.tool);
   config.X_FT = X_FH * Eigen::Translation3d(0, 0, built.length_m);
   return config;

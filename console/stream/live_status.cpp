@@ -93,6 +93,10 @@ LiveStatus StatusOf(const LiveWindow& w, const LiveContext& context) {
   s.speed_mm_per_s = 1e3 * Length(w.tick.v_WT_cmd_m_per_s);
   s.spindle_rpm = w.tick.input.spindle_meas_rad_per_s * 30.0 / std::numbers::pi;
   s.spindle_torque_Nm = w.tick.input.spindle_torque_Nm;
+  s.gives_way = w.tick.compliance.present;
+  s.bend_mm = 1e3 * Length(w.tick.compliance.bend_m);
+  s.layer_mm = 1e3 * Length(w.tick.compliance.layer_m);
+  s.mount_mm = 1e3 * Length(w.tick.compliance.mount_m);
   s.model_age_ms = 1e3 * w.tick.model_age_s;
   s.sensor_age_ms = 1e3 * w.tick.sensor_age_s;
   s.rendered_s = w.rendered_s;
@@ -156,6 +160,10 @@ std::string StatusJson(const LiveStatus& s) {
                             {"spindle_rpm", s.spindle_rpm},
                             {"spindle_torque_Nm", s.spindle_torque_Nm},
                             {"removed_mm3", s.removed_mm3},
+                            {"gives_way", s.gives_way},
+                            {"bend_mm", s.bend_mm},
+                            {"layer_mm", s.layer_mm},
+                            {"mount_mm", s.mount_mm},
                             {"model_age_ms", s.model_age_ms},
                             {"sensor_age_ms", s.sensor_age_ms},
                             {"frame_us", s.frame_us},

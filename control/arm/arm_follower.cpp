@@ -494,7 +494,7 @@ template kinematics::DifferentialInverseParams<7> DifferentialInverseParamsOf<7>
 
 safety::WorkspaceParams WorkspaceOf(const ServoParams& params) {
   safety::WorkspaceParams workspace = params.workspace;
-  if (params.depth.acts) workspace.zones.push_back(ZoneOf(params.depth));
+  if (params.depth.acts && !params.depth.rides_on_bone) workspace.zones.push_back(ZoneOf(params.depth));
   return workspace;
 }
 

@@ -13,6 +13,7 @@ CouplingPipeline::CouplingPipeline(const ServoParams& params)
       stabilisers_(params.stabilisers, LawOf(params), params.period_s) {
   limiter_.LowerForceLimit(ForceLimit_N(params));
   if (params.guidance) guidance_.emplace(*params.guidance, params.twist.max_speed_m_per_s, params.period_s);
+  if (params.compliance.any()) compliance_.emplace(params.compliance, params.period_s);
 }
 
 void CouplingPipeline::Reset() OSTEON_RT {
@@ -23,6 +24,7 @@ void CouplingPipeline::Reset() OSTEON_RT {
   force_limit_reaction_.Reset();
   depth_limit_.Reset();
   if (guidance_) guidance_->Reset();
+  if (compliance_) compliance_->Reset();
 }
 
 void CouplingPipeline::OnGainsChanged() OSTEON_RT {
@@ -34,11 +36,14 @@ const CouplingOutput& CouplingPipeline::Evaluate(const CouplingInput& input, con
                                                  safety::LimitSet& acting) OSTEON_RT {
   X_WT_ = input.X_WT;
   V_WT_ = input.V_WT;
+  X_ME_ = compliance_ ? compliance_->X_ME(X_WT_) : X_WT_;
+  V_ME_ = compliance_ ? compliance_->V_ME(X_WT_, V_WT_) : V_WT_;
+  passed_share_ = 1.0;
   output_ =
-      EvaluateCoupling(params_.coupling, input.model, X_WT_, V_WT_, input.now, input.spindle_turns, state_);
+      EvaluateCoupling(params_.coupling, input.model, X_ME_, V_ME_, input.now, input.spindle_turns, state_);
   pressed_ = !output_.displacement_W.isZero(0.0);
 
-  const Wrench shaped = stabilisers_.ScaleCoupling(output_, X_WT_, V_WT_);
+  const Wrench shaped_E = stabilisers_.ScaleCoupling(output_, X_ME_, V_ME_), shaped = OnTool(shaped_E);
   const double spring_share = stored_energy_limit_.Step(output_.displacement_W.norm(), output_.potential_J);
   if (spring_share == 1.0) {
     limited_ = arm.Limit(limiter_, shaped);
@@ -47,7 +52,13 @@ const CouplingOutput& CouplingPipeline::Evaluate(const CouplingInput& input, con
     limited_ = arm.Limit(limiter_, {.f = spring_share * shaped.f, .t = spring_share * shaped.t});
     limited_.share *= spring_share;
   }
-  force_limit_reaction_.Step({.displacement_W = output_.displacement_W,
+  limited_E_ = limited_;
+  Vector3 displacement_W = output_.displacement_W;
+  if (compliance_) {
+    limited_E_.F = {.f = limited_.share * shaped_E.f, .t = limited_.share * shaped_E.t};
+    displacement_W = compliance_->X_WM().linear() * displacement_W;
+  }
+  force_limit_reaction_.Step({.displacement_W = displacement_W,
                               .rendered_share = limited_.share,
                               .advance_m_per_s = input.spindle_turns ? input.model.advance_m_per_s : 0.0});
   return output_;
@@ -55,9 +66,12 @@ const CouplingOutput& CouplingPipeline::Evaluate(const CouplingInput& input, con
 
 safety::LimitedWrench CouplingPipeline::Render(const ArmFollower& arm, safety::LimitSet& acting) OSTEON_RT {
   safety::LimitedWrench rendered{
-      .F = stabilisers_.AddPassivityDamping(output_, X_WT_, V_WT_, limited_, limiter_)};
-  const Vector3 f_depth_W =
-      depth_limit_.Step(X_WT_.translation(), V_WT_.v, params_.coupling.max_stiffness_N_per_m);
+      .F = stabilisers_.AddPassivityDamping(output_, X_ME_, V_ME_, limited_E_, limiter_)};
+  if (compliance_) rendered.F = limiter_.Limit(OnTool(rendered.F)).F;
+  const bool rides = compliance_ && depth_limit_.rides_on_bone();
+  Vector3 f_depth_W = depth_limit_.Step(rides ? X_ME_.translation() : X_WT_.translation(),
+                                        rides ? V_ME_.v : V_WT_.v, params_.coupling.max_stiffness_N_per_m);
+  if (rides) f_depth_W = compliance_->X_WM().linear() * f_depth_W;
   if (depth_limit_.acts()) {
     acting.Add(Limit::kDepth, depth_limit_.resists());
     if (!f_depth_W.isZero(0.0))
@@ -95,8 +109,34 @@ void CouplingPipeline::LimitPower(double power_share, safety::LimitedWrench& ren
   acting.Add(Limit::kPower);
   rendered.F = {.f = power_share * rendered.F.f, .t = power_share * rendered.F.t};
   rendered.share *= power_share;
+  passed_share_ *= power_share;
   stabilisers_.ScaleRendered(power_share);
   if (guidance_) guidance_->ScaleRendered(power_share);
+}
+
+// A wrench on the head, in the bone's world, as a wrench on T in W.
+Wrench CouplingPipeline::OnTool(const Wrench& F_E_M) const OSTEON_RT {
+  return compliance_ ? compliance_->OnTool(F_E_M, X_WT_) : F_E_M;
+}
+
+// The planes' part of the rendered wrench, on the head: without the spindle's torque.
+Wrench CouplingPipeline::RenderedByPlanes() const OSTEON_RT {
+  const double shaped = stabilisers_.governor().wrench_share() * stabilisers_.tank().share();
+  const double share = shaped * limited_E_.share;
+  return {.f = passed_share_ * limited_E_.F.f,
+          .t = passed_share_ * (limited_E_.F.t - share * (output_.F_T_W.t - output_.F_contact_T_W.t))};
+}
+
+void CouplingPipeline::StepCompliance(const simulation::ContactModel& model,
+                                      safety::LimitSet& acting) OSTEON_RT {
+  if (!compliance_) return;
+  compliance_->Step(RenderedByPlanes(), model, X_WT_);
+  acting.Add(Limit::kDeflection, compliance_->noticed());
+}
+
+bool CouplingPipeline::beyond_depth() const OSTEON_RT {
+  constexpr double kBeyond_m = 1e-3;
+  return depth_limit_.acts() && depth_limit_.rides_on_bone() && depth_limit_.distance_m() < -kBeyond_m;
 }
 
 void CouplingPipeline::AddActing(const safety::LimitedWrench& rendered,

@@ -4,6 +4,7 @@
 
 #include "base/marker.h"
 #include "control/arm/arm_follower.h"
+#include "control/compliance/compliance.h"
 #include "control/coupling/virtual_coupling.h"
 #include "control/guidance/guidance.h"
 #include "control/setup/servo_params.h"
@@ -32,8 +33,11 @@ struct CouplingInput {
 ///     contact model → virtual coupling → age governor, energy tank → stored energy, force, torque, arm
 ///                   → passivity damping → depth limit → guidance → power
 ///
-/// Call Evaluate, Render and LimitPower in this order, each at most once per tick. All wrenches that they
-/// return are within the cell's limits of force and torque.
+/// Call Evaluate, Render, LimitPower and StepCompliance in this order, each at most once per tick. All wrenches
+/// that they return are within the cell's limits of force and torque.
+///
+/// Where the cell gives way (control/compliance), coupling and stabilisers see the pose and velocity of the bent
+/// head in the bone's world, and the wrench is carried back to T.
 class CouplingPipeline {
  public:
   /// @param params  the loop's parameters; gains in them may change between ticks (OnGainsChanged). Must
@@ -75,8 +79,22 @@ class CouplingPipeline {
 
   /// Reports that only this share, 0 … 1, of the wrench reached the arm.
   void OnWrenchScaled(double share) OSTEON_RT {
+    passed_share_ *= share;
     if (guidance_ && share < 1.0) guidance_->ScaleRendered(share);
   }
+
+  /// Advances what gives way by one tick, with the wrench that the planes exerted as rendered.
+  /// @param model  as given to Evaluate
+  void StepCompliance(const simulation::ContactModel& model, safety::LimitSet& acting) OSTEON_RT;
+  /// Null where the cell is rigid.
+  [[nodiscard]] const Compliance* compliance() const OSTEON_RT { return compliance_ ? &*compliance_ : nullptr; }
+  /// Replaces how the tool bends, at a change of tool; no effect where the cell's tool is rigid.
+  void SetBending(const std::optional<ToolLinkParams>& tool) OSTEON_RT {
+    if (compliance_ && params_.compliance.tool) compliance_->SetTool(tool);
+  }
+  /// Whether the head is beyond a depth bound that rides on the bone. A bound that rests is a zone of the
+  /// workspace.
+  [[nodiscard]] bool beyond_depth() const OSTEON_RT;
 
   /// Adds the limits that acted on a rendered wrench, as its shares and the stabilisers show.
   void AddActing(const safety::LimitedWrench& rendered, safety::LimitSet& acting) const OSTEON_RT;
@@ -97,6 +115,8 @@ class CouplingPipeline {
 
  private:
   void AddGuidance(const ArmFollower& arm, Wrench& F_T_W) OSTEON_RT;
+  [[nodiscard]] Wrench OnTool(const Wrench& F_E_M) const OSTEON_RT;
+  [[nodiscard]] Wrench RenderedByPlanes() const OSTEON_RT;
 
   const ServoParams& params_;
   safety::WrenchLimiter limiter_;
@@ -105,13 +125,18 @@ class CouplingPipeline {
   safety::ForceLimitReaction force_limit_reaction_;
   Stabilisers stabilisers_;
   std::optional<Guidance> guidance_;
+  std::optional<Compliance> compliance_;
   CouplingState state_;
 
   // of the last Evaluate
   Pose X_WT_{Pose::Identity()};
   Twist V_WT_;
+  Pose X_ME_{Pose::Identity()};  // the head in the bone's world; X_WT_ where the cell is rigid
+  Twist V_ME_;
   CouplingOutput output_;
-  safety::LimitedWrench limited_;
+  safety::LimitedWrench limited_;    // on T, in W
+  safety::LimitedWrench limited_E_;  // on the head, in M: the same where the cell is rigid
+  double passed_share_{1.0};         // of the wrench after Render
   bool pressed_{false};
 };
 

@@ -73,6 +73,7 @@ void ServoLoop::SetTools(std::vector<LoopTool> tools, int index) {
   for (const LoopTool& tool : tools) {
     RequirePose(tool.X_FT, "tools: X_FT");
     control::Validate(tool.sensor);
+    if (tool.bending) control::Validate(*tool.bending);
   }
   std::vector<std::optional<Guidance>> guidances(tools.size());
   for (std::size_t i = 0; i < tools.size(); ++i)
@@ -86,13 +87,16 @@ void ServoLoop::SetTools(std::vector<LoopTool> tools, int index) {
   hand_ = HandForce(params_, tool.X_FT);
   guidances_ = std::move(guidances);
   coupling_.SetGuidance(guidances_[static_cast<std::size_t>(index)]);
+  coupling_.SetBending(tool.bending);
   tool_.SelectTool(static_cast<std::size_t>(index));
 }
 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
   const bool renders = safety::Renders(state());
   const bool use_measured = params_.law == Law::kImpedance && renders;
-  return {.X_WT = use_measured ? session_.X_WT() : tool_.X_WT(),
+  const Pose& X_WT = use_measured ? session_.X_WT() : tool_.X_WT();
+  const Compliance* compliance = coupling_.compliance();
+  return {.X_WT = compliance != nullptr ? compliance->X_ME(X_WT) : X_WT,
           .spindle_rad_per_s = renders ? spindle_rad_per_s_ : 0.0,
           .stamp = !tool_.has_pose() ? 0
                    : use_measured    ? session_.measured_at()
@@ -189,6 +193,7 @@ void ServoLoop::ApplyToolRequest(TickInput& input) OSTEON_RT {
     session_.ChangeTool(X_TN);
     checks_.ResetArmSpeed();
     coupling_.SetGuidance(guidances_[static_cast<std::size_t>(index)]);
+    coupling_.SetBending(tool.bending);
     coupling_.Reset();
     admittance_.Reset(tool_.X_WT());
   }
@@ -287,6 +292,10 @@ void ServoLoop::FinishRecord(const ArmCommand& command, TickRecord& record) OSTE
   record.v_WT_cmd_m_per_s = Vector3(tool_.share * tool_.V_WT.v);
   record.spindle_rad_per_s = tool_command().spindle_rad_per_s;
   record.F_bias_S = hand_.bias();
+  if (const Compliance* compliance = coupling_.compliance()) {
+    const bool measured = params_.law == Law::kImpedance && safety::Renders(state());
+    compliance->FillRecord(measured ? session_.X_WT() : tool_.X_WT(), record.compliance);
+  }
 }
 
 // The only place where the cell's state changes. It also starts a hold or a braking; the caller carries out

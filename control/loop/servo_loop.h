@@ -206,6 +206,7 @@ class ServoLoop {
   void StopRendering(TickRecord& record) OSTEON_RT;
   void CountDepthLeft() OSTEON_RT;
   void CheckGuidance() OSTEON_RT;
+  void StepCompliance(const simulation::ContactModel& model) OSTEON_RT;
   void RecordRendered(const safety::LimitedWrench& rendered, double speed_m_per_s,
                       TickRecord& record) OSTEON_RT;
   void BrakeForPause(const TickInputs& tick, TickRecord& record) OSTEON_RT;

@@ -97,6 +97,7 @@ void ServoLoop::RenderAdmittance(const TickInputs& tick, TickRecord& record) OST
   const double power_W = Power(step.rendered.F, SmallStep(X_before, X_WT)) / params_.period_s;
   statistics_.peak_power_W = std::max(statistics_.peak_power_W, power_W);
   RecordRendered(step.rendered, speed_m_per_s, record);
+  StepCompliance(tick.model);
 }
 
 void ServoLoop::RenderImpedance(const TickInputs& tick, TickRecord& record) OSTEON_RT {
@@ -117,6 +118,7 @@ void ServoLoop::RenderImpedance(const TickInputs& tick, TickRecord& record) OSTE
   if (faults().Any()) ApplyFault();
   CountDepthLeft();
   RecordRendered(step.rendered, tool_.V_WT.v.norm(), record);
+  StepCompliance(tick.model);
 }
 
 // Ends rendering because of a fault that was found before this tick rendered a wrench.
@@ -134,6 +136,16 @@ void ServoLoop::CountDepthLeft() OSTEON_RT {
 // Guidance that grows faster than its springs can make it is a defect.
 void ServoLoop::CheckGuidance() OSTEON_RT {
   if (coupling_.guidance() && coupling_.guidance()->trips()) supervisor_.Latch(Fault::kWrenchRate);
+}
+
+// Lets tool, tissue and the bone's mount give way to the wrench that was rendered.
+void ServoLoop::StepCompliance(const simulation::ContactModel& model) OSTEON_RT {
+  coupling_.StepCompliance(model, acting_);
+  const Compliance* compliance = coupling_.compliance();
+  const bool bent = compliance != nullptr && compliance->beyond_limit(), deep = coupling_.beyond_depth();
+  if (bent) supervisor_.Latch(Fault::kDeflection);
+  if (deep) supervisor_.Latch(Fault::kWorkspace);
+  if (bent || deep) ApplyFault();
 }
 
 // Records the rendered wrench of either law, and updates the statistics. The recorded scales cover all limits

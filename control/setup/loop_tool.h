@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "control/compliance/compliant_link.h"
 #include "control/guidance/guidance_field.h"
 #include "control/sensing/hand_wrench.h"
 #include "kinematics/chain_params.h"
@@ -17,6 +18,7 @@ struct LoopTool {
   /// The arm with this tool as payload, as ServoParams::arm_body; absent: the payload stays.
   std::optional<kinematics::ChainParams<7>> arm_body{};
   std::optional<GuidanceParams> guidance{};  ///< along the plan, for this tool; absent: none
+  std::optional<ToolLinkParams> bending{};   ///< how it bends, where the cell's tool does; absent: rigid
 };
 
 /// Largest number of tools in a loop's table.

@@ -17,6 +17,7 @@ void Validate(const ServoParams& params) {
   Validate(params.stabilisers);
   if (params.depth.acts) Validate(params.depth);
   if (params.guidance) Validate(*params.guidance);
+  if (params.compliance.any()) Validate(params.compliance);
   Validate(params.energy);
   Validate(params.on_force_limit);
   const auto require = [](const char* name, double value, double low, double high) {
@@ -99,8 +100,13 @@ double ElbowSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_R
 }
 
 double ForceLimit_N(const ServoParams& params) OSTEON_RT {
+  double stiffness_N_per_m = params.coupling.max_stiffness_N_per_m;
+  if (params.compliance.any()) {  // the elements give their energy back as well
+    const double c = SeriesCompliance(params.compliance, params.wrench.max_force_N);
+    stiffness_N_per_m /= 1.0 + stiffness_N_per_m * c;
+  }
   return std::min({params.wrench.max_force_N, safety::kForceCeiling_N,
-                   safety::ForceOfEnergy(params.energy.max_stored_J, params.coupling.max_stiffness_N_per_m)});
+                   safety::ForceOfEnergy(params.energy.max_stored_J, stiffness_N_per_m)});
 }
 
 int JointStopTicks(const ServoParams& params) OSTEON_RT {

@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 
+#include "control/compliance/compliance.h"
 #include "control/coupling/virtual_coupling.h"
 #include "control/guidance/guidance_field.h"
 #include "control/laws/admittance_law.h"
@@ -56,6 +57,7 @@ struct ServoParams {
   safety::JointGuardParams joints;    ///< limits: the arm's own, no default
   safety::WatchdogParams watchdog;
   safety::DepthLimitParams depth;
+  ComplianceParams compliance;             ///< what gives way; all absent: nothing
   std::optional<GuidanceParams> guidance;  ///< along a surgical plan, of the tool at hand; absent: none
   safety::EnergyLimitParams energy;
   safety::ForceLimitReactionParams on_force_limit;  ///< kSlow needs the admittance law
@@ -107,7 +109,8 @@ void Validate(const ServoParams& params);
 [[nodiscard]] double ToolSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT;
 /// The same for the elbow.
 [[nodiscard]] double ElbowSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT;
-/// Limit of the coupling's force: the cell's, or that of the energy stored at the coupling's stiffness.
+/// Limit of the coupling's force: the cell's, or that of the energy stored at the coupling's stiffness K in
+/// series with what gives way: at 1 / (1/K + c).
 [[nodiscard]] double ForceLimit_N(const ServoParams& params) OSTEON_RT;
 
 /// joint_stop_s in ticks, at least one.

@@ -64,6 +64,31 @@ void Get(const osteon::Guidance& from, control::GuidanceRecord& to) {
   to.stops_spindle = from.stops_spindle();
 }
 
+void FillMessage(const control::ComplianceRecord& from, osteon::Compliance* to) {
+  io::FillMessage(from.X_ME, to->mutable_x_me());
+  io::FillMessage(from.X_WM, to->mutable_x_wm());
+  io::FillMessage(from.bend_m, to->mutable_bend_m());
+  io::FillMessage(from.bend_rad, to->mutable_bend_rad());
+  io::FillMessage(from.layer_m, to->mutable_layer_m());
+  io::FillMessage(from.mount_m, to->mutable_mount_m());
+  io::FillMessage(from.mount_rad, to->mutable_mount_rad());
+  io::FillMessage(from.mount_m_per_s, to->mutable_mount_m_per_s());
+  io::FillMessage(from.mount_rad_per_s, to->mutable_mount_rad_per_s());
+}
+
+// Returns whether both rotations have 9 elements.
+bool Get(const osteon::Compliance& from, control::ComplianceRecord& to) {
+  to.present = true;
+  io::Get(from.bend_m(), to.bend_m);
+  io::Get(from.bend_rad(), to.bend_rad);
+  io::Get(from.layer_m(), to.layer_m);
+  io::Get(from.mount_m(), to.mount_m);
+  io::Get(from.mount_rad(), to.mount_rad);
+  io::Get(from.mount_m_per_s(), to.mount_m_per_s);
+  io::Get(from.mount_rad_per_s(), to.mount_rad_per_s);
+  return io::Get(from.x_me(), to.X_ME) && io::Get(from.x_wm(), to.X_WM);
+}
+
 void FillMessage(const control::TickInput& from, osteon::TickInput* to) {
   to->set_now_ns(from.now);
   to->set_arm_stamp_ns(from.arm_stamp);
@@ -250,6 +275,7 @@ void Encode(const TickRecord& record, std::string& bytes) {
   message.set_tank_share(record.tank_share);
   io::FillMessage(record.F_bias_S, message.mutable_f_bias_s());
   if (record.guidance.present) FillMessage(record.guidance, message.mutable_guidance());
+  if (record.compliance.present) FillMessage(record.compliance, message.mutable_compliance());
   message.SerializeToString(&bytes);
 }
 
@@ -306,6 +332,8 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   if (message.has_tank_share()) r.tank_share = message.tank_share();
   io::Get(message.f_bias_s(), r.F_bias_S);
   if (message.has_guidance()) Get(message.guidance(), r.guidance);
+  if (message.has_compliance() && !Get(message.compliance(), r.compliance))
+    return "not 9 elements of a rotation";
   io::Get(message.f_cmd_t(), r.F_cmd_T);
   if (message.tau_cmd_nm_size() != 0 && !io::Get(message.tau_cmd_nm(), r.tau_cmd))
     return "not 7 joint torques";

@@ -66,6 +66,7 @@ PlanScene MakePlanScene(const simulation::SceneSolid& solid, const simulation::S
   made.zone_depth_m = simulation::ZoneDepthFor(made.cut, scene.zone.radius_m);
   made.arm = ArmOf(cell);
   made.max_turn_rad_per_s = cell.servo.twist.max_turn_rad_per_s;
+  made.gives_way = config::CompliancePartsOf(cell);
   return made;
 }
 

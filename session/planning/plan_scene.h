@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <tl/expected.hpp>
 
 #include "config/reading/load.h"
+#include "config/reading/sections/read_compliance.h"
 #include "session/setup/engine_choice.h"
 #include "simulation/fidelity/accuracy.h"
 #include "simulation/fidelity/arm_level.h"
@@ -38,6 +40,7 @@ struct PlanScene {
   double zone_depth_m{0.0};
   simulation::ArmFigures arm;
   double max_turn_rad_per_s{0.0};
+  std::array<config::CompliancePart, 3> gives_way;  ///< what tool, layer and mount would change
 };
 
 /// Makes the scene to plan for from a cell's own cut of a solid.

@@ -31,7 +31,8 @@ std::vector<ProcedureTool> LoadProcedureTools(const config::CellConfig& base,
                      .tool = std::move(cell.tool.tool),
                      .loop = {.X_FT = cell.tool.X_FT,
                               .sensor = list.physical ? cell.servo.sensor : base.servo.sensor,
-                              .arm_body = list.physical ? cell.servo.arm_body : std::nullopt}});
+                              .arm_body = list.physical ? cell.servo.arm_body : std::nullopt,
+                              .bending = cell.servo.compliance.tool}});
   }
   for (std::size_t i = 0; i < list.guidance.size(); ++i) tools.at(i).loop.guidance = list.guidance[i];
   return tools;

@@ -12,7 +12,9 @@ void Recarve::Add(const control::TickRecord& tick) {
   const bool renders = safety::Renders(static_cast<safety::CellState>(tick.cell_state));
   const bool measured = measured_ && renders;
   places_[next_] = {.stamp = measured ? tick.input.arm_stamp : tick.input.now,
-                    .X_WT = measured ? tick.X_WT_meas : tick.X_WT_cmd,
+                    .X_WT = tick.compliance.present ? tick.compliance.X_ME
+                            : measured              ? tick.X_WT_meas
+                                                    : tick.X_WT_cmd,
                     .spindle_rad_per_s = tick.spindle_rad_per_s};
   next_ = (next_ + 1) % kKept;
 }

@@ -32,7 +32,7 @@ tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const std::file
     if (!samples.empty() && tick.stamp <= last) continue;
     if (!samples.empty()) steps.Add(tick.stamp - last);
     last = tick.stamp;
-    const Pose X_GT = X_GW * Pose(tick.X_WT_cmd);
+    const Pose X_GT = X_GW * Pose(tick.compliance.present ? tick.compliance.X_ME : tick.X_WT_cmd);
     samples.push_back({.time_s = rt::ToSeconds(tick.stamp - start),
                        .p_GT_m = X_GT.translation(),
                        .R_GT = Eigen::Quaterniond(X_GT.linear()),

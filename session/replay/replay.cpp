@@ -57,7 +57,7 @@ std::uint64_t BitsOf(T value) {
 
 // Returns the first field whose bits differ, or nothing.
 std::optional<ReplayDifference> FirstDifference(const TickRecord& recorded, const TickRecord& replayed) {
-  constexpr std::size_t kMax = 128;
+  constexpr std::size_t kMax = 192;
   std::array<std::uint64_t, kMax> bits{};
   std::size_t count = 0;
   VisitOutputs(recorded, [&](const FieldName&, auto value) { bits.at(count++) = BitsOf(value); });

@@ -56,6 +56,23 @@ void ForceTorque(const char* name, const PlainWrench& F, Visit& visit) {
   Vector(name, F.t, "Nm", visit);
 }
 
+/// What gave way. A rigid cell has zeros, as older recordings do: in the poses as well.
+template <class Visit>
+void Compliance(const control::ComplianceRecord& r, Visit& visit) {
+  PlainPose nothing;
+  nothing.R.fill(0.0);
+  visit(FieldName{"compliance_present"}, static_cast<unsigned>(r.present));
+  Transform("compliance_X_ME", r.present ? r.X_ME : nothing, visit);
+  Transform("compliance_X_WM", r.present ? r.X_WM : nothing, visit);
+  Vector("compliance_bend", r.bend_m, "m", visit);
+  Vector("compliance_bend", r.bend_rad, "rad", visit);
+  Vector("compliance_layer", r.layer_m, "m", visit);
+  Vector("compliance_mount", r.mount_m, "m", visit);
+  Vector("compliance_mount", r.mount_rad, "rad", visit);
+  Vector("compliance_mount_speed", r.mount_m_per_s, "m_per_s", visit);
+  Vector("compliance_mount_speed", r.mount_rad_per_s, "rad_per_s", visit);
+}
+
 }  // namespace fields
 
 /// Visits the results of ServoLoop::Tick: a function of its inputs and of the ticks before, bit for bit.
@@ -100,6 +117,7 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"guidance_depth", "", "m"}, r.guidance.depth_m);
   visit(FieldName{"guidance_present"}, static_cast<unsigned>(r.guidance.present));
   visit(FieldName{"guidance_stops_spindle"}, static_cast<unsigned>(r.guidance.stops_spindle));
+  fields::Compliance(r.compliance, visit);
   visit(FieldName{"limits"}, r.limits);
   fields::ForceTorque("F_bias_S", r.F_bias_S, visit);
   visit(FieldName{"activation_cmd"}, r.activation_cmd);

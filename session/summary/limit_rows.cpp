@@ -33,7 +33,8 @@ constexpr std::array<std::string_view, safety::kLimitCount> kLimitTexts{"largest
                                                                         "passivity controller",
                                                                         "energy tank",
                                                                         "speed into bone at the force limit",
-                                                                        "guidance along the plan"};
+                                                                        "guidance along the plan",
+                                                                        "deflection beyond the cell's error"};
 static_assert(!kLimitTexts.back().empty(), "a limit without words");
 
 constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;

@@ -46,6 +46,9 @@ std::vector<std::string> Assumptions(const std::vector<Material>& materials) {
         fmt::format("cutting energy {:g} J/mm³", m.specific_cutting_energy_J_per_m3 * 1e-9));
     add(m.cutting_force_source, fmt::format("cutting-force ratio {:g}", m.cutting_force_ratio));
     add(m.friction_source, fmt::format("friction {:g}", m.friction));
+    if (m.layer_N_per_m3 > 0.0)
+      add(m.layer_source, fmt::format("layer {:g} N/mm³, {:g} mm, {:g} ms", 1e-9 * m.layer_N_per_m3,
+                                      1e3 * m.layer_thickness_m, 1e3 * m.layer_relaxation_s));
   }
   return lines;
 }

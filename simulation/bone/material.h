@@ -27,6 +27,11 @@ struct Material {
   double friction{0.2};                          ///< mu between the tissue and a tool that does not turn
 
   FigureSource density_source{}, cutting_energy_source{}, cutting_force_source{}, friction_source{};
+
+  /// As a layer on the surface that gives way (control/compliance): pressure by indentation [N/m³], thickness,
+  /// and time constant. 0: the tissue counts as hard.
+  double layer_N_per_m3{0.0}, layer_thickness_m{0.0}, layer_relaxation_s{0.0};
+  FigureSource layer_source{};
 };
 
 /// @throws std::invalid_argument naming the material, the figure, its value and what is accepted: 1 … 8

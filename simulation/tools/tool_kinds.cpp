@@ -129,7 +129,8 @@ BuiltTool MakeTurnedTool(const std::string& name, std::vector<ProfilePiece> piec
   const auto sample = [&](std::size_t count) { return profile->Sample(count, 0); };
   BuiltTool built{.tool = FitBalls(name, *profile, sample, first, balls.max_count),
                   .length_m = profile->length_m() + holder.length_m,
-                  .profile = profile};
+                  .profile = profile,
+                  .beam = BeamOf(*profile)};
   const std::array<MassProperties, 2> bodies{RevolvedMassProperties(profile->pieces(), density_kg_per_m3),
                                              HolderMass(holder, -profile->length_m())};
   SetMass(Combine(bodies), built.tool);
@@ -149,10 +150,19 @@ BuiltTool MakeReamer(const ReamerParams& p) {
   built.tool = MakeReamer(radius_m, p.shaft_radius_m, p.touching_length_m, 1.0, Vector3::Zero());
   built.tool.name = name;
   built.length_m = radius_m + (p.shaft_length_m + p.holder.length_m);
+  const double front_m = radius_m + p.shaft_length_m;
+  built.beam = {{.from_m = 0.0, .to_m = radius_m, .rigid = true},
+                {.from_m = radius_m,
+                 .to_m = front_m,
+                 .from_radius_m = p.shaft_radius_m,
+                 .to_radius_m = p.shaft_radius_m}};
+  built.load_point_m = radius_m;
+  const MassProperties shell = HemisphericalShellMassProperties(radius_m, p.shell_m, p.density_kg_per_m3);
+  built.head_mass_kg = shell.mass_kg;
   const std::array<MassProperties, 3> bodies{
-      HemisphericalShellMassProperties(radius_m, p.shell_m, p.density_kg_per_m3),
-      CylinderMassProperties(p.shaft_radius_m, -radius_m, -radius_m - p.shaft_length_m, p.density_kg_per_m3),
-      HolderMass(p.holder, -radius_m - p.shaft_length_m)};
+      shell,
+      CylinderMassProperties(p.shaft_radius_m, -radius_m, -front_m, p.density_kg_per_m3),
+      HolderMass(p.holder, -front_m)};
   SetMass(Combine(bodies), built.tool);
   return built;
 }
@@ -205,7 +215,10 @@ BuiltTool MakeBurr(const BurrParams& p) {
   outline.LineTo(outline.z_m() - (shank_m - neck_m) / kBackSlope, shank_m, false);
   CheckRangeMm(name + ": length", p.length_m, -outline.z_m() + 1e-3, 0.3);
   outline.LineTo(-p.length_m, shank_m, false);
-  return MakeTurnedTool(name, outline.TakePieces(), p.density_kg_per_m3, p.balls, p.holder, first);
+  BuiltTool built = MakeTurnedTool(name, outline.TakePieces(), p.density_kg_per_m3, p.balls, p.holder, first);
+  built.load_point_m = R;
+  built.head_mass_kg = p.density_kg_per_m3 * 4.0 / 3.0 * std::numbers::pi * R * R * R;
+  return built;
 }
 
 BuiltTool MakeTwistDrill(const TwistDrillParams& p) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulation/tools/tool.h"
+#include "simulation/tools/tool_compliance.h"
 #include "simulation/tools/tool_fit.h"
 #include "simulation/tools/tool_mass.h"
 #include "simulation/tools/tool_profile.h"
@@ -33,6 +34,10 @@ struct BuiltTool {
   Tool tool;
   double length_m{0.0};                          ///< from the apex to the holder's back
   std::shared_ptr<const ToolProfile> profile{};  ///< of the fitted balls; null where balls are exact
+  /// What bends between apex and holder (CantileverCompliance); empty where it is not known: a mesh.
+  std::vector<BeamPiece> beam{};
+  double load_point_m{0.0};  ///< distance behind the apex where bone pushes the tool aside: its head's centre
+  double head_mass_kg{0.0};  ///< of the beam's rigid pieces
 };
 
 /// A dome with teeth on a straight shaft.

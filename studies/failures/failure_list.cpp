@@ -1,5 +1,6 @@
 #include <array>
 
+#include "studies/failures/compliance/compliance_scenarios.h"
 #include "studies/failures/cutting/breakthrough.h"
 #include "studies/failures/cutting/concave_cup.h"
 #include "studies/failures/cutting/contact_switch.h"
@@ -69,6 +70,10 @@ std::span<const FailureScenario> FailureScenarios() {
       FailureScenario{.id = 33, .name = "tool load", .run = RunToolLoad},
       FailureScenario{.id = 34, .name = "tool in bone", .run = RunToolInBone},
       FailureScenario{.id = 35, .name = "undo", .run = RunUndo},
+      FailureScenario{.id = 36, .name = "two springs", .run = RunTwoSprings},
+      FailureScenario{.id = 37, .name = "stale stiffness", .run = RunStaleStiffness},
+      FailureScenario{.id = 38, .name = "bent arm", .run = RunBentArm},
+      FailureScenario{.id = 39, .name = "late planes", .run = RunLatePlanes},
   };
   return scenarios;
 }

@@ -65,6 +65,41 @@ std::string UnmetDemandText(const UnmetDemand& demand) {
 
 SummaryRow Row(const char* name, const std::string& value) { return {.key = name, .value = value}; }
 
+const char* ChoiceName(config::GivesWay choice) {
+  return choice == config::GivesWay::kOff ? "off" : choice == config::GivesWay::kOn ? "on" : "auto";
+}
+
+nlohmann::json ComplianceJson(const PlanScene& scene) {
+  nlohmann::json parts = nlohmann::json::array();
+  for (const config::CompliancePart& part : scene.gives_way) {
+    nlohmann::json json{{"part", part.name}, {"cell", ChoiceName(part.asked)}, {"known", part.known}};
+    if (part.known)
+      json.update({{"on", part.on},
+                   {"matters", part.effect.matters()},
+                   {"stiffness_N_per_mm", 1e-3 * part.stiffness_N_per_m},
+                   {"force_N", part.force_N},
+                   {"gives_mm", 1e3 * part.effect.gives_m},
+                   {"coupling_product", part.effect.product},
+                   {"felt_change", part.effect.felt_share},
+                   {"thrust_ratio", part.thrust_ratio}});
+    parts.push_back(std::move(json));
+  }
+  return parts;
+}
+
+// Whether a part should give way in this scene, and why.
+std::string ComplianceText(const config::CompliancePart& part) {
+  if (!part.known) return fmt::format("rigid: no file of the cell says how the {} gives way", part.name);
+  const simulation::ComplianceEffect& e = part.effect;
+  const char* why = e.is_felt ? (e.is_displaced ? "felt, and off by more than the error" : "felt")
+                              : (e.is_displaced ? "off by more than the error" : "not noticed");
+  std::string text = fmt::format("{} ({}): {:.4g} N/mm gives {:.3f} mm under {:.3g} N, felt {:+.1f} %, K c {:.3g}",
+                                 e.matters() ? "on" : "off", why, 1e-3 * part.stiffness_N_per_m,
+                                 1e3 * e.gives_m, part.force_N, 100.0 * e.felt_share, e.product);
+  if (part.thrust_ratio > 0.0) text += fmt::format(", thrust {:.3f} of buckling", part.thrust_ratio);
+  return text + fmt::format("; the cell says {}", ChoiceName(part.asked));
+}
+
 }  // namespace
 
 Verdict Judge(const FidelityPlan& plan, const std::optional<PlanCheck>& check) {
@@ -114,6 +149,7 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
                       {"tool_touching_spheres", plan.tool.balls.size() - CountCuttingBalls(plan.tool)},
                       {"arm_level", std::string(simulation::ArmFidelityName(plan.arm))},
                       {"turn_parts", plan.turn_parts},
+                      {"compliance", ComplianceJson(scene)},
                       {"predicted_error_mm", plan.error_m * 1e3},
                       {"promised_error_mm", plan.promised_m * 1e3},
                       {"predicted_error_parts_mm",
@@ -155,7 +191,8 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
 
 namespace {
 
-std::vector<SummaryRow> PlanRows(const FidelityPlan& plan, const std::optional<PlanCheck>& check) {
+std::vector<SummaryRow> PlanRows(const PlanScene& scene, const FidelityPlan& plan,
+                                 const std::optional<PlanCheck>& check) {
   const Radii radii = RadiiOf(plan.packed.balls);
   const simulation::PackingLevel& level = plan.packed.level;
   std::vector<SummaryRow> rows;
@@ -180,6 +217,8 @@ std::vector<SummaryRow> PlanRows(const FidelityPlan& plan, const std::optional<P
                           static_cast<double>(plan.turn_parts))));
   rows.push_back(Row("arm", fmt::format("{}, off by {:.3f} mm", simulation::ArmFidelityName(plan.arm),
                                         plan.arm_error_m * 1e3)));
+  for (const config::CompliancePart& part : scene.gives_way)
+    rows.push_back({.key = fmt::format("{} gives way", part.name), .value = ComplianceText(part)});
   rows.push_back(Row("predicted error", fmt::format("{:.4f} mm: face {:.4f}, rim {:.4f}, tool {:.4f}",
                                                     plan.error_m * 1e3, plan.removal.face_m * 1e3,
                                                     plan.removal.rim_m * 1e3, plan.tool_gap_m * 1e3)));
@@ -224,7 +263,7 @@ std::string PlanText(const PlanScene& scene, const PlanRequest& request, const F
                      const std::optional<PlanCheck>& check) {
   std::string text = PlanTitle(scene, request, plan) + "\n";
   std::vector<SummaryRow> rows = VerdictRows(Judge(plan, check));
-  std::ranges::move(PlanRows(plan, check), std::back_inserter(rows));
+  std::ranges::move(PlanRows(scene, plan, check), std::back_inserter(rows));
   for (const SummaryRow& row : rows) text += fmt::format("  {:<18} {}\n", row.key, row.value);
   return text;
 }
@@ -269,7 +308,7 @@ tl::expected<void, std::string> WritePlanPage(const PlanOptions& options, const 
   if (error) return tl::unexpected(options.out.string() + ": " + error.message());
   std::string html = PageBegin({.title = PlanTitle(scene, options.request, plan),
                                 .verdict = Judge(plan, check).ForReport(),
-                                .summary = PlanRows(plan, check)});
+                                .summary = PlanRows(scene, plan, check)});
   html +=
       "<h2>What the frame time was predicted from</h2>\n" +
       Figure(

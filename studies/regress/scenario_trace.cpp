@@ -72,6 +72,7 @@ constexpr PartOfField kOutputs[] = {
     {"passivity", TracePart::kCoupling},
     {"tank", TracePart::kCoupling},
     {"guidance", TracePart::kCoupling},
+    {"compliance", TracePart::kCoupling},
     {"model_", TracePart::kCoupling},
 };
 constexpr PartOfField kInputs[] = {
@@ -89,7 +90,7 @@ TracePart PartOf(const char* name, std::span<const PartOfField> table) {
 
 // Fields of a part that few cells have. They are hashed only where they are not zero, so that the golden
 // traces of the other cells do not depend on them.
-constexpr std::array kOptional{"guidance", "tool_index"};
+constexpr std::array kOptional{"guidance", "compliance", "tool_index"};
 
 struct FieldPart {
   TracePart part;

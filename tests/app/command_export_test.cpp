@@ -168,6 +168,7 @@ TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
                                       "tank_share",
                                       "guidance_share",
                                       "guidance_present",
+                                      "compliance_present",
                                       "guidance_stops_spindle",
                                       "guidance_gain_taken",
                                       "guidance_gain",

@@ -138,6 +138,7 @@ void ReadDepthLimit(Reader& cell, const Pose& X_WG, safety::DepthLimitParams& de
   depth.spindle_stop_m = section.Number("spindle_stop_mm", 0, 100);
   depth.stiffness_N_per_m = section.Number("stiffness_N_per_mm", 0.1, 100);
   depth.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0, 10000);
+  if (section.Has("rides_on_bone")) depth.rides_on_bone = section.Bool("rides_on_bone");
 }
 
 void CheckDepthLimit(Reader cell, const safety::DepthLimitParams& depth, double coupling_N_per_m) {

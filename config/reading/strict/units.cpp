@@ -48,6 +48,8 @@ constexpr Unit kUnits[] = {
     {"Nm_per_s", 1.0},
     {"J_per_m3", 1.0},
     {"J_per_mm3", 1e9},
+    {"N_per_mm3", 1e9},
+    {"GPa", 1e9},
     // stiffness and damping
     {"N_per_m", 1.0},
     {"N_per_mm", 1e3},

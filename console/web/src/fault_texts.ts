@@ -152,6 +152,12 @@ const german: Record<string, [name: string, cause: string, reaction: string, cle
     "Stopp 1",
     "weniger drücken, oder max_force_N im Rahmen der Zelle erhöhen, und einen neuen Lauf beginnen",
   ],
+  "deflection beyond its limit": [
+    "Nachgeben über der Grenze",
+    "das Werkzeug war um mehr als ein Zehntel seiner freien Länge gebogen oder mit der halben Knicklast gedrückt, oder die Lagerung des Knochens gab mehr als 10 mm oder 0,1 rad nach",
+    "Stopp 1",
+    "suchen, was sich gebogen oder bewegt hat, weniger drücken oder ein steiferes Werkzeug nehmen, und einen neuen Lauf beginnen",
+  ],
 };
 
 /** A fault's words in German; its own where it has none here. */

@@ -63,6 +63,11 @@ export interface Status {
   spindle_rpm: number;
   spindle_torque_Nm: number;
   removed_mm3: number;
+  /** Absent in recordings' pages of older builds. */
+  gives_way?: boolean;
+  bend_mm?: number;
+  layer_mm?: number;
+  mount_mm?: number;
   model_age_ms: number;
   sensor_age_ms: number;
   frame_us: number;

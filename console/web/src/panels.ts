@@ -11,6 +11,15 @@ const SHOWN_EVENTS = 40;
 
 const heading = (word: Word): HTMLElement => element("h2", "", t(word));
 
+/** By how much tool, tissue and the bone's mount give way. */
+function deflections(status: Status): [string, string][] {
+  return [
+    [t("bend"), `${figure(status.bend_mm ?? 0, 2)} mm`],
+    [t("layer"), `${figure(status.layer_mm ?? 0, 2)} mm`],
+    [t("mount"), `${figure(status.mount_mm ?? 0, 2)} mm`],
+  ];
+}
+
 export class Panels {
   private events: [number, string][] = [];
   private began_s: number | null = null;
@@ -39,6 +48,7 @@ export class Panels {
         [t("removed"), `${figure(status.removed_mm3, 0)} mm³`],
         [t("speed"), `${figure(status.speed_mm_per_s, 0)} ${t("of")} ${figure(hello.speed_limit_mm_per_s, 0)} mm/s`],
         [t("spindle"), `${figure(status.spindle_rpm, 0)} rpm, ${figure(status.spindle_torque_Nm, 1)} N·m`],
+        ...(status.gives_way ? deflections(status) : []),
       ]),
     );
     const acting: [string, string][] = status.limit_numbers.map((n, i) => ["acts", limitName(n, status.limits[i])]);

@@ -64,6 +64,7 @@ const limits: [string, string][] = [
   ["energy tank", "Energietank"],
   ["speed into bone", "Eintritt in Knochen"],
   ["guidance along the plan", "Führung am Plan"],
+  ["deflection", "Nachgeben"],
 ];
 
 const words = {
@@ -108,6 +109,9 @@ const words = {
   deepest: ["Deepest so far", "Tiefster Punkt"],
   speed: ["Tool speed", "Werkzeuggeschwindigkeit"],
   spindle: ["Spindle", "Spindel"],
+  bend: ["Tool bends", "Werkzeugbiegung"],
+  layer: ["Tissue yields", "Gewebe weicht"],
+  mount: ["Bone moves", "Knochen bewegt"],
   torque: ["Spindle torque", "Spindelmoment"],
   removed: ["Bone removed", "Knochen entfernt"],
   acting: ["Limits acting now", "Wirkende Grenzen"],

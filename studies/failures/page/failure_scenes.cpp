@@ -14,7 +14,8 @@ constexpr double kMargin = 8.0, kGap = 4.0, kHeading = 24.0;
 
 const FailureScene* FindScene(int id) {
   for (const std::span<const FailureScene> scenes :
-       {ContactScenes(), CuttingScenes(), ArmScenes(), GuidanceScenes(), PlanScenes(), SequenceScenes()})
+       {ContactScenes(), CuttingScenes(), ArmScenes(), GuidanceScenes(), PlanScenes(), SequenceScenes(),
+        ComplianceScenes()})
     if (const auto found = std::ranges::find(scenes, id, &FailureScene::id); found != scenes.end())
       return &*found;
   return nullptr;

@@ -61,6 +61,16 @@ TEST(RecordingFields, CarriesEveryFieldOfATick) {
   EXPECT_EQ(r.guidance.lateral_m, sent.guidance.lateral_m);
   EXPECT_EQ(r.guidance.depth_m, sent.guidance.depth_m);
   EXPECT_EQ(r.guidance.stops_spindle, sent.guidance.stops_spindle);
+  EXPECT_EQ(r.compliance.present, sent.compliance.present);
+  EXPECT_EQ(Pose(r.compliance.X_ME).matrix(), Pose(sent.compliance.X_ME).matrix());
+  EXPECT_EQ(Pose(r.compliance.X_WM).matrix(), Pose(sent.compliance.X_WM).matrix());
+  EXPECT_EQ(Vector3(r.compliance.bend_m), Vector3(sent.compliance.bend_m));
+  EXPECT_EQ(Vector3(r.compliance.bend_rad), Vector3(sent.compliance.bend_rad));
+  EXPECT_EQ(Vector3(r.compliance.layer_m), Vector3(sent.compliance.layer_m));
+  EXPECT_EQ(Vector3(r.compliance.mount_m), Vector3(sent.compliance.mount_m));
+  EXPECT_EQ(Vector3(r.compliance.mount_rad), Vector3(sent.compliance.mount_rad));
+  EXPECT_EQ(Vector3(r.compliance.mount_m_per_s), Vector3(sent.compliance.mount_m_per_s));
+  EXPECT_EQ(Vector3(r.compliance.mount_rad_per_s), Vector3(sent.compliance.mount_rad_per_s));
   EXPECT_EQ(r.limits, sent.limits);
   EXPECT_EQ(r.cell_state, sent.cell_state);
   EXPECT_EQ(r.permits, sent.permits);

@@ -70,6 +70,17 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
                   .lateral_m = 0.004,
                   .depth_m = -0.005,
                   .stops_spindle = i % 4 == 1};
+  if (i % 2 == 0)
+    r.compliance = {.present = true,
+                    .X_ME = SomePose(base + 101),
+                    .X_WM = SomePose(base + 102),
+                    .bend_m = Vector(base + 103),
+                    .bend_rad = Vector(base + 104),
+                    .layer_m = Vector(base + 105),
+                    .mount_m = Vector(base + 106),
+                    .mount_rad = Vector(base + 107),
+                    .mount_m_per_s = Vector(base + 108),
+                    .mount_rad_per_s = Vector(base + 109)};
   r.limits = 0x4201;
   r.cell_state = static_cast<std::uint8_t>(i % 12);
   r.permits = 0x155;

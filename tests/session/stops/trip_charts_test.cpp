@@ -39,6 +39,8 @@ TripLimits Limits() {
   limits.servo.workspace.plane_offset_m = -0.3;
   limits.arm_silence_s = 0.025;
   limits.arm_speed_ratio = 1.5;
+  limits.servo.compliance.tool = control::ToolLinkParams{.max_bend_m = 6.5e-3};
+  limits.servo.compliance.mount = control::BoneMountParams{};
   limits.p_WP = [](const TickRecord& tick, safety::ZonePoint) -> Vector3 {
     return Pose(tick.X_WT_cmd).translation();
   };
@@ -95,6 +97,10 @@ std::vector<Case> Cases() {
        [](TickRecord& t) { t.tool_in_bone_m = 0.003; }},
       {Fault::kForceLimit, "stayed at its force limit", "limit 50 ms",
        [](TickRecord& t) { t.wrench_scale = 0.9; }},
+      {Fault::kDeflection, "Lateral bend of the tool", "limit 6.5 mm",
+       [](TickRecord& t) { t.compliance.bend_m = Vector3(4e-3, 0.0, 0.0); }},
+      {Fault::kDeflection, "Shift of the bone's mount", "limit 10 mm",
+       [](TickRecord& t) { t.compliance.mount_m = Vector3(0.0, 4e-3, 0.0); }},
       {Fault::kTracking, "From the commanded to the measured apex", "limit 30 mm", moved(0.01)},
       {Fault::kPeriod, "Period of the arm", "the cell&#39;s 1 ms",
        [](TickRecord& t) { t.input.period_s = 0.002; }},

@@ -47,7 +47,7 @@ TEST(FaultList, HasEveryFaultOfTheLoopThatCanBeInjectedAndNamesEachOnce) {
   EXPECT_GE(names.size(), 40u);
   // faults of the loop's own mathematics have tests of their own (servo_loop, servo_zones, servo_limit)
   for (const Fault own : {Fault::kToolSpeed, Fault::kWorkspace, Fault::kJointLimit, Fault::kInverseKinematics,
-                          Fault::kToolInBone, Fault::kForceLimit})
+                          Fault::kToolInBone, Fault::kForceLimit, Fault::kDeflection})
     seen.Latch(own);
   EXPECT_EQ(seen.bits(), (1u << safety::kFaultCount) - 1u);
 }

@@ -1,0 +1,257 @@
+#include "config/reading/sections/read_compliance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "config/reading/sections/read_limits.h"
+#include "safety/limits.h"
+#include "simulation/tools/tool.h"
+#include "simulation/tools/tool_compliance.h"
+
+namespace osteon::config {
+namespace {
+
+constexpr double kRoom_mm = 5000;
+constexpr double kMinToolRelaxation_s = 0.020;
+constexpr double kMaxFrameShare = 0.5;     // sum of T K c / tau
+constexpr double kMinDampingRatio = 0.05;  // of a mount
+constexpr double kMaxTurnPerTick = 0.4;    // sqrt((K + k) / m) T of a mount
+constexpr double kMinFirstMode_hz = 100.0;
+constexpr double kBendShare = 0.1, kThrustShare = 0.5;  // of free length and buckling load, where the cell stops
+constexpr double kTableForce_N = 20.0;  // at which a layer's stiffness is stated
+
+GivesWay ReadLevel(Reader& section, const char* key) {
+  if (!section.Has(key)) return GivesWay::kOff;
+  return static_cast<GivesWay>(section.Choice(key, {"off", "on", "auto"}));
+}
+
+control::BoneMountParams ReadMount(Reader section, const Pose& X_WG) {
+  control::BoneMountParams mount;
+  static_cast<void>(section.Text("source"));
+  mount.p_WMo_m = section.Triple("at_mm", -kRoom_mm, kRoom_mm);
+  if (IsInBoneFrame(section)) mount.p_WMo_m = X_WG * mount.p_WMo_m;
+  mount.mass_kg = section.Number("mass_kg", 0.1, 500);
+  mount.inertia_kg_m2 = section.Triple("inertia_kg_m2", 1e-4, 100);
+  mount.stiffness_N_per_m = section.Triple("stiffness_N_per_mm", 0.1, 1e5);
+  mount.stiffness_Nm_per_rad = section.Triple("stiffness_Nm_per_rad", 1, 1e7);
+  mount.damping_ratio = section.Number("damping_ratio", 0, 2);
+  if (section.Has("creep_N_per_mm")) {
+    mount.creep_N_per_m = section.Number("creep_N_per_mm", 0.1, 1e6);
+    mount.creep_tau_s = section.Number("creep_s", 0.01, 1e5);
+  }
+  return mount;
+}
+
+double PushOf(const CellConfig& cell) {
+  if (!cell.has_simulation) return cell.servo.wrench.max_force_N;
+  return std::visit([](const auto& script) { return script.push_force_N; }, cell.script);
+}
+
+double HeadRadiusOf(const simulation::Tool& tool) {
+  const simulation::ToolBall* head = simulation::CuttingHead(tool);
+  return head ? head->radius_m : tool.balls.front().radius_m;
+}
+
+// The softest layer among the scene's tissues. Without one its kappas are zero.
+control::SurfaceLayerParams LayerOf(const CellConfig& cell) {
+  control::SurfaceLayerParams layer;
+  layer.engaged_layer_m = cell.cutting.engaged_layer_m;
+  const double reach_m = std::max(simulation::CuttingReach(cell.tool.tool), 1e-4);
+  layer.max_area_m2 = std::numbers::pi * reach_m * reach_m;
+  layer.touch_area_m2 =
+      std::min(std::numbers::pi * HeadRadiusOf(cell.tool.tool) * layer.engaged_layer_m, layer.max_area_m2);
+  double softest = 0.0;
+  for (std::size_t i = 0; i < cell.scene.materials.size() && i < layer.kappa_N_per_m3.size(); ++i) {
+    const simulation::Material& material = cell.scene.materials[i];
+    layer.kappa_N_per_m3[i] = material.layer_N_per_m3;
+    if (!(material.layer_N_per_m3 > 0.0) || (softest > 0.0 && material.layer_N_per_m3 >= softest)) continue;
+    softest = material.layer_N_per_m3;
+    layer.thickness_m = material.layer_thickness_m;
+    layer.tau_s = material.layer_relaxation_s;
+  }
+  return layer;
+}
+
+double SoftestOf(const control::SurfaceLayerParams& layer) {
+  double softest = 0.0;
+  for (const double kappa : layer.kappa_N_per_m3)
+    if (kappa > 0.0) softest = softest > 0.0 ? std::min(softest, kappa) : kappa;
+  return softest;
+}
+
+// Secant compliance of a layer at a first touch.
+double LayerCompliance(const control::SurfaceLayerParams& layer, double force_N) {
+  return control::LayerIndentation(layer, {.kappa_N_per_m3 = SoftestOf(layer), .share = 1.0}, force_N) / force_N;
+}
+
+simulation::Matrix6 ToolMatrix(const CellConfig& cell) {
+  const simulation::ToolCompliance& c = cell.tool.bending->compliance;
+  return simulation::ThrustFactor(cell.compliance.push_N, c.buckling_N) * c.C_T;
+}
+
+void CheckTool(const Reader& section, const CellConfig& cell) {
+  const simulation::ToolCompliance& c = cell.tool.bending->compliance;
+  const double push_N = cell.compliance.push_N;
+  if (push_N > kThrustShare * c.buckling_N)
+    section.Refuse("tool", fmt::format("found a push of {:.4g} N on a tool that buckles at {:.4g} N, accepted at most "
+                                       "half of that: push less, clamp more of the tool, or take a thicker one",
+                                       push_N, c.buckling_N));
+  if (c.first_mode_hz < kMinFirstMode_hz)
+    section.Refuse("tool",
+                   fmt::format("found a tool that vibrates at {:.4g} Hz by itself, accepted at least {:g}: its head's "
+                               "mass is not in the model",
+                               c.first_mode_hz, kMinFirstMode_hz));
+  if (cell.tool.bending->relaxation_s < kMinToolRelaxation_s)
+    section.Refuse("tool", fmt::format("found a tool with relaxation_ms {:g}, accepted at least {:g}",
+                                       1e3 * cell.tool.bending->relaxation_s, 1e3 * kMinToolRelaxation_s));
+}
+
+// Rule 1: T K c / tau of all massless elements together.
+void CheckMassless(const Reader& section, const CellConfig& cell) {
+  const control::ComplianceParams& c = cell.servo.compliance;
+  const double TK = cell.servo.period_s * cell.servo.coupling.max_stiffness_N_per_m;
+  const double of_tool = c.tool ? TK * c.tool->compliance_T.diagonal().head<3>().maxCoeff() / c.tool->tau_s : 0.0;
+  const double of_layer = c.layer ? TK * LayerCompliance(*c.layer, 1.0) / c.layer->tau_s : 0.0;
+  if (of_tool + of_layer <= kMaxFrameShare) return;
+  const bool tool_worse = of_tool >= of_layer;
+  const double least_s = tool_worse ? c.tool->tau_s * of_tool / std::max(1e-9, kMaxFrameShare - of_layer)
+                                    : c.layer->tau_s * of_layer / std::max(1e-9, kMaxFrameShare - of_tool);
+  section.Refuse(tool_worse ? "tool" : "layer",
+                 fmt::format("found a {} of {:g} ms, accepted at least {:.4g}: period × coupling stiffness × "
+                             "compliance / time constant may be {:g} in all, and is {:.3g}",
+                             tool_worse ? "relaxation_ms" : "layer_relaxation_ms",
+                             1e3 * (tool_worse ? c.tool->tau_s : c.layer->tau_s), 1e3 * least_s, kMaxFrameShare,
+                             of_tool + of_layer));
+}
+
+// Rules 2 and 3, axis by axis. The hand is the simulated operator's, where there is one.
+void CheckMount(const Reader& section, const CellConfig& cell) {
+  const control::BoneMountParams& mount = *cell.servo.compliance.mount;
+  const double K = cell.servo.coupling.max_stiffness_N_per_m, T = cell.servo.period_s;
+  const Reader bone_mount = Reader(section).Section("bone_mount");
+  if (mount.damping_ratio < kMinDampingRatio)
+    bone_mount.Refuse("damping_ratio",
+                      fmt::format("found {:g}, accepted at least {:g}", mount.damping_ratio, kMinDampingRatio));
+  const double stiff = mount.stiffness_N_per_m.maxCoeff();
+  const double least_kg = (K + stiff) * T * T / (kMaxTurnPerTick * kMaxTurnPerTick);
+  if (mount.mass_kg < least_kg)
+    bone_mount.Refuse("mass_kg", fmt::format("found {:g}, accepted at least {:.4g}: with coupling and mount it "
+                                             "would turn further than {:g} rad in a period",
+                                             mount.mass_kg, least_kg, kMaxTurnPerTick));
+  if (!cell.has_simulation) return;
+  const auto& hand = cell.simulated.hand;
+  const hil::ServoArmParams& arm = cell.simulated.servo;
+  const double age_s = (arm.dead_cycles + 1) * T + 2.0 * arm.damping_ratio / (2.0 * std::numbers::pi * arm.bandwidth_hz);
+  const double damping = cell.servo.law == control::Law::kAdmittance
+                             ? cell.servo.admittance.damping_Ns_per_m.minCoeff()
+                             : cell.servo.impedance.damping_Ns_per_m.minCoeff();
+  const double needed = hand.stiffness_N_per_m * age_s;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double k = mount.stiffness_N_per_m[axis];
+    const double own = 2.0 * std::sqrt(k * mount.mass_kg);
+    if (own * mount.damping_ratio + damping + hand.damping_Ns_per_m >= needed) continue;
+    bone_mount.Refuse("damping_ratio",
+                      fmt::format("found {:g}, accepted at least {:.3g}: damping of mount, virtual tool and hand must "
+                                  "exceed the hand's {:g} N/m × {:.1f} ms",
+                                  mount.damping_ratio,
+                                  (needed - damping - hand.damping_Ns_per_m) / own, hand.stiffness_N_per_m,
+                                  1e3 * age_s));
+  }
+}
+
+bool IsOn(GivesWay asked, bool known, bool matters) {
+  return known && (asked == GivesWay::kOn || (asked == GivesWay::kAuto && matters));
+}
+
+CompliancePart ToolPart(const CellConfig& cell) {
+  CompliancePart part{.name = "tool", .asked = cell.compliance.tool, .known = cell.tool.bending.has_value()};
+  if (!part.known) return part;
+  const simulation::ToolCompliance& c = cell.tool.bending->compliance;
+  part.stiffness_N_per_m = c.lateral_N_per_m;
+  part.force_N = cell.compliance.lateral_N;
+  part.thrust_ratio = cell.compliance.push_N / c.buckling_N;
+  return part;
+}
+
+CompliancePart LayerPart(const CellConfig& cell) {
+  CompliancePart part{.name = "layer", .asked = cell.compliance.layer};
+  const control::SurfaceLayerParams layer = LayerOf(cell);
+  part.known = SoftestOf(layer) > 0.0;
+  if (!part.known) return part;
+  part.force_N = cell.compliance.push_N;
+  part.stiffness_N_per_m = 1.0 / LayerCompliance(layer, std::min(part.force_N, kTableForce_N));
+  return part;
+}
+
+CompliancePart MountPart(const CellConfig& cell) {
+  CompliancePart part{.name = "mount", .asked = cell.compliance.mount, .known = cell.compliance.bone_mount.has_value()};
+  if (!part.known) return part;
+  part.force_N = cell.compliance.push_N;
+  part.stiffness_N_per_m = cell.compliance.bone_mount->stiffness_N_per_m.minCoeff();
+  return part;
+}
+
+}  // namespace
+
+std::array<CompliancePart, 3> CompliancePartsOf(const CellConfig& cell) {
+  std::array<CompliancePart, 3> parts{ToolPart(cell), LayerPart(cell), MountPart(cell)};
+  for (CompliancePart& part : parts) {
+    if (!part.known) continue;
+    part.effect = simulation::EffectOf({.compliance_m_per_N = 1.0 / part.stiffness_N_per_m,
+                                        .force_N = part.force_N,
+                                        .stiffness_N_per_m = cell.servo.coupling.max_stiffness_N_per_m,
+                                        .error_m = cell.compliance.error_m});
+    part.on = IsOn(part.asked, part.known, part.effect.matters());
+  }
+  return parts;
+}
+
+std::optional<Reader> ReadCompliance(Reader& cell_section, CellConfig& cell) {
+  if (!cell_section.Has("compliance")) return std::nullopt;
+  Reader section = cell_section.Section("compliance");
+  ComplianceConfig& compliance = cell.compliance;
+  compliance.tool = ReadLevel(section, "tool");
+  compliance.layer = ReadLevel(section, "layer");
+  compliance.mount = ReadLevel(section, "mount");
+  compliance.error_m = section.Has("error_mm") ? section.Number("error_mm", 0.001, 10) : 0.0;
+  if (section.Has("bone_mount")) compliance.bone_mount = ReadMount(section.Section("bone_mount"), cell.X_WG);
+  return section;
+}
+
+void CompleteCompliance(const std::optional<Reader>& section, CellConfig& cell) {
+  ComplianceConfig& compliance = cell.compliance;
+  if (!(compliance.error_m > 0.0)) compliance.error_m = cell.scene.fidelity ? cell.scene.fidelity->error_m : 0.1e-3;
+  compliance.push_N = PushOf(cell);
+  compliance.lateral_N = simulation::LateralForce_N(cell.servo.posture_load.lateral_N, compliance.push_N);
+  if (!section) return;
+  const std::array<CompliancePart, 3> parts = CompliancePartsOf(cell);
+  const auto& [tool, layer, mount] = parts;
+  const auto require = [&](const CompliancePart& part, const char* what) {
+    if (part.asked == GivesWay::kOn && !part.known)
+      section->Refuse(part.name, fmt::format("found on, accepted with {}", what));
+  };
+  require(tool, "`bending` in the tool's file");
+  require(layer, "a tissue of the scene that has layer_N_per_mm3");
+  require(mount, "`bone_mount` beside it");
+  control::ComplianceParams& params = cell.servo.compliance;
+  params.noticed_m = compliance.error_m;
+  if (tool.on) {
+    CheckTool(*section, cell);
+    const simulation::ToolCompliance& c = cell.tool.bending->compliance;
+    params.tool = control::ToolLinkParams{.compliance_T = ToolMatrix(cell),
+                                          .tau_s = cell.tool.bending->relaxation_s,
+                                          .max_bend_m = kBendShare * c.free_length_m,
+                                          .max_thrust_N = kThrustShare * c.buckling_N};
+  }
+  if (layer.on) params.layer = LayerOf(cell);
+  CheckMassless(*section, cell);
+  if (mount.on) {
+    params.mount = compliance.bone_mount;
+    CheckMount(*section, cell);
+  }
+}
+
+}  // namespace osteon::config

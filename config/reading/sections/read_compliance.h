@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "config/reading/cell_config.h"
+#include "config/reading/strict/reader.h"
+#include "simulation/fidelity/compliance_level.h"
+
+namespace osteon::config {
+
+/// Reads a cell's section `compliance`: which of layer, tool and mount give way, and the bone's mount. After
+/// the bone's place is known; nothing gives way without the section.
+/// @returns the section, for CompleteCompliance
+std::optional<Reader> ReadCompliance(Reader& cell_section, CellConfig& cell);
+
+/// Decides what `auto` says, makes the loop's parameters (ServoParams::compliance), and refuses what would
+/// not be stable. After robot, tool, scene, materials and script are known.
+/// @param section  what ReadCompliance returned; absent: nothing gives way
+/// @throws ConfigError naming the value, and the value that is needed.
+void CompleteCompliance(const std::optional<Reader>& section, CellConfig& cell);
+
+/// What a part changes in a cell when it gives way.
+struct CompliancePart {
+  const char* name{""};     ///< "tool", "layer", "mount"
+  GivesWay asked{GivesWay::kOff};
+  bool known{false};        ///< false: the cell's files do not say how it gives way
+  bool on{false};           ///< it gives way in the loop
+  simulation::ComplianceEffect effect{};
+  double stiffness_N_per_m{0.0};  ///< of the part at that force
+  double force_N{0.0};            ///< that acts on it
+  double thrust_ratio{0.0};       ///< of a tool: the push over its buckling load
+};
+
+/// The three parts of a cell: tool, layer, mount.
+[[nodiscard]] std::array<CompliancePart, 3> CompliancePartsOf(const CellConfig& cell);
+
+}  // namespace osteon::config

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "base/marker.h"
+#include "control/compliance/compliant_link.h"
+#include "kinematics/spatial.h"
+
+namespace osteon::control {
+
+/// A bone on a holder that gives way: a rigid mass on springs and dampers about the mount's point Mo, by axis
+/// of W, in series with pads that creep. Each triple is along x, y, z; rotation is about Mo. Every field has
+/// a usable default: 12 kg at 10 Hz.
+struct BoneMountParams {
+  Vector3 p_WMo_m{Vector3::Zero()};  ///< point at rest that the stiffness is about, in W
+  double mass_kg{12.0};
+  Vector3 inertia_kg_m2{Vector3::Constant(0.12)};
+  Vector3 stiffness_N_per_m{Vector3::Constant(47.4e3)};
+  Vector3 stiffness_Nm_per_rad{Vector3::Constant(2e3)};
+  double damping_ratio{0.05};                 ///< zeta of each axis by itself; >= 0
+  double creep_N_per_m{0.0};                  ///< stiffness of the pads; 0: they do not creep
+  double creep_tau_s{20.0};                   ///< time constant of the pads; > 0
+  double max_shift_m{0.010}, max_turn_rad{0.1};  ///< beyond these the cell stops; > 0
+};
+
+/// State of a mount between ticks: displacement d, velocity v, and the pads' displacement, of Mo and about
+/// it, in W.
+struct BoneMountState {
+  Vector6 d{Vector6::Zero()}, v{Vector6::Zero()};
+  Vector3 creep_m{Vector3::Zero()}, creep_m_per_s{Vector3::Zero()};
+};
+
+/// @throws std::invalid_argument naming the field, the value found and what is accepted.
+void Validate(const BoneMountParams& params);
+
+/// One tick of the mount, semi-implicit Euler:
+///
+///     (M + T D) v+ = M v - T (F_Mo + K d),   d+ = d + T v+        D = 2 zeta sqrt(K M), axis by axis
+///
+/// and of the pads, a massless element (StepMassless) with x_inf = -f / k_creep.
+/// Stable alone for w T < 2; with a contact of stiffness K_c in series it needs sqrt((K + K_c) / m) T <= 0.4.
+/// @param F_Mo_W  wrench that the bone exerts on the tool, at Mo, in W: the mount gets its opposite
+void StepMount(const BoneMountParams& params, const Wrench& F_Mo_W, double period_s,
+               BoneMountState& state) OSTEON_RT;
+
+/// Pose in W of the world that goes with the bone: the identity at rest.
+[[nodiscard]] Pose MountPose(const BoneMountParams& params, const BoneMountState& state) OSTEON_RT;
+/// Velocity of that frame's point at p_W, in W.
+[[nodiscard]] Twist MountTwistAt(const BoneMountParams& params, const BoneMountState& state,
+                                 const Vector3& p_W) OSTEON_RT;
+/// Energy stored in mass, springs and pads [J].
+[[nodiscard]] double MountEnergy(const BoneMountParams& params, const BoneMountState& state) OSTEON_RT;
+
+}  // namespace osteon::control

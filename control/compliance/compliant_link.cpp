@@ -1,0 +1,34 @@
+#include "control/compliance/compliant_link.h"
+
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Eigenvalues>
+
+namespace osteon::control {
+
+Pose BentHead(const Vector6& e) OSTEON_RT {
+  Pose X_TE = Pose::Identity();
+  X_TE.linear() = ExpRotation(e.tail<3>());
+  X_TE.translation() = e.head<3>();
+  return X_TE;
+}
+
+void Validate(const ToolLinkParams& params) {
+  const auto require = [](const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high))
+      throw std::invalid_argument(std::string("compliance tool ") + name + ": found " + std::to_string(value) +
+                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+  };
+  require("tau_s", params.tau_s, 1e-3, 10.0);
+  require("max_bend_m", params.max_bend_m, 1e-5, 0.1);
+  require("max_thrust_N", params.max_thrust_N, 0.1, 1e7);
+  const Matrix6& C = params.compliance_T;
+  if (!C.allFinite() || !C.isApprox(C.transpose(), 1e-9))
+    throw std::invalid_argument("compliance tool: accepted a finite symmetric matrix");
+  const double least = Eigen::SelfAdjointEigenSolver<Matrix6>(C).eigenvalues().minCoeff();
+  if (!(least >= -1e-12 * C.cwiseAbs().maxCoeff()))
+    throw std::invalid_argument("compliance tool: found a matrix that yields energy, accepted none");
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "base/marker.h"
+#include "kinematics/spatial.h"
+
+namespace osteon::control {
+
+/// Rows and columns: translation x, y, z, then rotation x, y, z; or force and torque.
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// One tick of a massless Kelvin-Voigt element, a spring with a damper beside it:
+///
+///     x+ = (x + (T/tau) x_inf(F)) / (1 + T/tau)
+///
+/// With x_inf = C F, F the force of a contact spring K that the element is in series with, it takes energy in
+/// every closed ride and is stable if and only if tau >= T (K c - 1) / 2, c the largest compliance at a
+/// touching point (MinRelaxation_s).
+/// Source: implicit Euler of tau x' + x = x_inf.
+template <int N>
+[[nodiscard]] Eigen::Matrix<double, N, 1> StepMassless(const Eigen::Matrix<double, N, 1>& x,
+                                                       const Eigen::Matrix<double, N, 1>& x_inf,
+                                                       double period_s, double tau_s) OSTEON_RT {
+  const double ratio = period_s / tau_s;
+  return (x + ratio * x_inf) / (1.0 + ratio);
+}
+
+/// The shortest time constant at which a massless element is passive and stable [s]; at most zero where any
+/// is.
+[[nodiscard]] constexpr double MinRelaxation_s(double period_s, double stiffness_N_per_m,
+                                               double compliance_m_per_N) {
+  return 0.5 * period_s * (stiffness_N_per_m * compliance_m_per_N - 1.0);
+}
+
+/// A tool that bends: a massless element between the rigid tool's frame T and its bent head E. Every field
+/// but the compliance has a usable default.
+struct ToolLinkParams {
+  Matrix6 compliance_T{Matrix6::Zero()};  ///< displacement of E in T by a wrench on E, at Eo, in T
+  double tau_s{0.020};                    ///< time constant; > 0
+  double max_bend_m{0.01};      ///< lateral displacement beyond which the cell stops (free length / 10); > 0
+  double max_thrust_N{1e3};     ///< axial thrust beyond which the cell stops (half of buckling); > 0
+};
+
+/// Pose of the bent head in T: exp of the element's displacement e.
+[[nodiscard]] Pose BentHead(const Vector6& e) OSTEON_RT;
+
+/// @throws std::invalid_argument naming the field, the value found and what is accepted: a symmetric
+///   compliance without negative eigenvalues.
+void Validate(const ToolLinkParams& params);
+
+}  // namespace osteon::control

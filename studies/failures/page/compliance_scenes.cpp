@@ -1,0 +1,94 @@
+#include <array>
+
+#include "studies/failures/page/failure_scenes.h"
+
+namespace osteon::app {
+namespace {
+
+// A zigzag spring from left to right at one height.
+void Spring(SceneSketch& s, double left, double right, double y, std::string_view color) {
+  std::vector<PlotPoint> points{{left, y}};
+  constexpr int kTeeth = 6;
+  for (int i = 0; i < kTeeth; ++i)
+    points.push_back({left + (right - left) * (i + 0.5) / kTeeth, y + (i % 2 == 0 ? -6.0 : 6.0)});
+  points.push_back({right, y});
+  s.Line(points, {.color = color, .width_px = 2.0});
+}
+
+void TwoSprings(SceneSketch& s) {
+  s.Bone({{20, 150}, {20, 96}, {110, 130}, {200, 60}, {200, 150}});
+  s.Line({{20, 92}, {110, 126}}, {.color = "#59636e", .width_px = 5.0});
+  s.ToolBall(112, 96, 16);
+  s.Line(ArcPoints({112, 66}, 26, -200, 90), kMeantLine);
+  s.Arrow({137, 72}, {134, 82});
+  s.Text(16, 84, "soft layer");
+  s.Text(214, 30, "the tool circles between");
+  s.Text(214, 46, "a soft and a hard plane");
+  if (s.ours())
+    s.Text(214, 96, "every turn takes work", "start", s.color());
+  else
+    s.Text(214, 96, "29 mJ out of every turn", "start", s.color());
+}
+
+void StaleStiffness(SceneSketch& s) {
+  s.BoneBlock(20, 110, 200, 150);
+  s.BoneBlock(20, 84, 200, 110, "#e7eef2");
+  s.ToolBall(110, 62, 34);
+  s.Arrow({110, 12}, {110, 24});
+  s.Arrow({126, 24}, {126, 12});
+  s.Text(214, 30, "pressed in and out at 8 Hz");
+  s.Line({{214, 140}, {390, 140}}, kMeantLine);
+  s.Text(386, 130, "work given", "end");
+  if (s.ours())
+    s.Line({{214, 140}, {390, 147}}, s.Strong());
+  else
+    s.Line({{214, 138}, {270, 118}, {330, 100}, {390, 78}}, s.Strong());
+}
+
+void BentArm(SceneSketch& s) {
+  s.Bone({{20, 150}, {20, 110}, {200, 150}});
+  s.Line({{96, 8}, {96, 60}, {104, 92}, {122, 126}}, {.color = "#59636e", .width_px = 6.0});
+  s.Line({{96, 60}, {96, 124}}, kMeantLine);
+  s.Text(16, 40, "rigid tool");
+  s.Text(214, 30, "the drill's head is bent aside");
+  if (s.ours()) {
+    s.Line({{96, 124}, {122, 126}}, s.Strong());
+    s.Text(214, 96, "the torque has the bent arm", "start", s.color());
+  } else {
+    s.Cross(96, 124, s.color());
+    s.Text(214, 96, "torque as if it were straight", "start", s.color());
+  }
+}
+
+void LatePlanes(SceneSketch& s) {
+  s.BoneBlock(70, 84, 170, 130);
+  s.ToolBall(120, 62, 22);
+  s.Arrow({120, 10}, {120, 34});
+  Spring(s, 14, 70, 107, "#59636e");
+  Spring(s, 170, 214, 107, "#59636e");
+  s.Text(224, 30, "bone on a mount of 15 Hz");
+  if (s.ours())
+    s.Line(WavePoints({226, 100}, 392, 5.0, {22.0, 2.0}), s.Strong());
+  else
+    s.Line(WavePoints({226, 100}, 392, 5.0, {4.0, 34.0}), s.Strong());
+}
+
+constexpr std::array kScenes{
+    FailureScene{36, TwoSprings,
+                 "Each plane has its own stiffness: the force has a curl, and a circle one way gives work.",
+                 "Planes share one stiffness; the layer is an element in series, with its own state."},
+    FailureScene{37, StaleStiffness,
+                 "A frame's stiffness is held until the next: soft on the way in, stiff on the way out.",
+                 "The layer's displacement is a state that follows the force, tick by tick."},
+    FailureScene{38, BentArm,
+                 "The force acts at the bent head, the torque is computed at the straight one: work appears.",
+                 "The wrench is carried back from the bent head."},
+    FailureScene{39, LatePlanes, "The engine moves the bone, so its planes follow 20 ms late: the motion grows.",
+                 "The mount moves in the tick, and the engine sees a bone at rest: the motion decays."},
+};
+
+}  // namespace
+
+std::span<const FailureScene> ComplianceScenes() { return kScenes; }
+
+}  // namespace osteon::app

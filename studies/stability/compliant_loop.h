@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+
+#include "studies/stability/admittance_loop.h"
+
+// Model B with what gives way between the virtual tool and the wall: a massless element, and a bone on its
+// mount.
+//
+//     hand ── arm: w, z, dead time ◀── x_c ── virtual tool ── link e ── K ── wall ── mount d: m, k, zeta
+//      └── felt force, df samples late ──▶ f                              (its planes late_ticks behind)
+
+namespace osteon::hil {
+
+/// A massless Kelvin-Voigt element in series with the wall.
+struct LoopLink {
+  double compliance_m_per_N{0.0};
+  double tau_s{0.020};
+};
+
+/// A bone that moves on its mount.
+struct LoopMount {
+  double mass_kg{12.0};
+  double frequency_hz{10.0};  ///< of the mount alone
+  double damping_ratio{0.05};
+  int late_ticks{0};  ///< the coupling's planes follow the mount this late; 0: in the tick
+};
+
+struct CompliantLoopParams {
+  AdmittanceLoopParams loop;  ///< its wall: stiffness alone, on the commanded pose
+  std::optional<LoopLink> link{};
+  std::optional<LoopMount> mount{};
+};
+
+/// The linear loop around a wall that stays touched:
+///
+///     wall    F = -K (x_c + e - d)
+///     link    e+ by the shipped StepMassless, x_inf = c F
+///     mount   d+ by the shipped StepMount, under F
+///     law     the shipped StepAdmittance;  arm  one step of the shipped ServoArm
+///     felt    f = -(k_h x_r + b_h x_r' + m_h x_r''),  x_r'' = w^2 (x_c[k-dc] - x_r) - 2 z w x_r', df ticks late
+class CompliantLoop {
+ public:
+  /// @throws std::invalid_argument naming the field, what was found and what is accepted.
+  explicit CompliantLoop(const CompliantLoopParams& params);
+
+  [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
+  [[nodiscard]] double SpectralRadius() const;
+
+ private:
+  CompliantLoopParams params_;
+  Eigen::Matrix<double, 2, 3> arm_step_;
+  int arm_, speed_, felt_, link_, mount_, size_;  // first indices in the state
+};
+
+/// The shortest time constant of the link that is stable, by bisection between 10 us and 1 s.
+[[nodiscard]] double MinLinkTime_s(CompliantLoopParams params);
+
+}  // namespace osteon::hil

@@ -1,0 +1,117 @@
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "config/reading/load.h"
+#include "config/reading/sections/read_compliance.h"
+#include "tests/config/cell_text.h"
+
+// The section `compliance` of a cell: what gives way, by itself or as the scene notices it, and what is refused.
+
+namespace osteon::config {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kMount =
+    "\n  mount: on\n  bone_mount:\n    source: assumed\n    at_mm: [620, 0, 130]\n    mass_kg: 12\n"
+    "    inertia_kg_m2: [0.12, 0.12, 0.12]\n    stiffness_N_per_mm: [47.4, 47.4, 47.4]\n"
+    "    stiffness_Nm_per_rad: [2000, 2000, 2000]\n    damping_ratio: 0.05\n";
+
+// A shipped cell with a section `compliance`.
+std::string WithCompliance(const std::string& cell, const std::string& section) {
+  return CellText(cell) + "\ncompliance:" + section + "\n";
+}
+
+CompliancePart ToolOf(const std::string& cell) {
+  return CompliancePartsOf(LoadText(WithCompliance(cell, " {tool: auto}")))[0];
+}
+
+TEST(ComplianceKeys, WithoutTheSectionNothingGivesWay) {
+  for (const char* cell : {"demo", "molar", "femoral_canal", "sawbone_block", "thin_plate_impedance"})
+    EXPECT_FALSE(LoadText(CellText(cell)).servo.compliance.any()) << cell;
+}
+
+// The design's table: what the planner decides in the shipped cells, and why.
+TEST(ComplianceKeys, AutoIsOnWhereTheSceneNoticesIt) {
+  struct Row {
+    const char* cell;
+    double k_N_per_mm, bends_mm, product, felt, thrust;
+    bool on;
+  };
+  for (const Row& row : {Row{"demo", 847.8, 0.041, 0.0236, -0.023, 0.002, false},
+                         Row{"femoral_canal", 34.49, 0.580, 1.740, -0.635, 0.026, true},
+                         Row{"molar", 10.02, 0.599, 3.991, -0.800, 0.019, true},
+                         Row{"sawbone_block", 13.57, 1.106, 4.422, -0.816, 0.119, true},
+                         Row{"thin_plate", 13.57, 1.106, 5.897, -0.855, 0.119, true}}) {
+    SCOPED_TRACE(row.cell);
+    const CompliancePart part = ToolOf(row.cell);
+    ASSERT_TRUE(part.known);
+    EXPECT_EQ(part.effect.matters(), row.on);
+    EXPECT_NEAR(1e-3 * part.stiffness_N_per_m, row.k_N_per_mm, 0.01 * row.k_N_per_mm);
+    EXPECT_NEAR(1e3 * part.effect.gives_m, row.bends_mm, 0.012 * row.bends_mm);
+    EXPECT_NEAR(part.effect.product, row.product, 0.01 * row.product);
+    EXPECT_NEAR(part.effect.felt_share, row.felt, 0.005);
+    EXPECT_NEAR(part.thrust_ratio, row.thrust, 0.0011);
+  }
+}
+
+TEST(ComplianceKeys, ReachTheLoop) {
+  const CellConfig drill = LoadText(CellText("long_drill"));
+  ASSERT_TRUE(drill.servo.compliance.tool);
+  const control::ToolLinkParams& tool = *drill.servo.compliance.tool;
+  const double factor = 1.0 / (1.0 - 60.0 / 422.6);  // of the thrust
+  EXPECT_NEAR(1.0 / tool.compliance_T(0, 0), 8720.0 / factor, 87.2);
+  EXPECT_EQ(tool.tau_s, 0.020);
+  EXPECT_NEAR(tool.max_bend_m, 6.5e-3, 1e-9);
+  EXPECT_NEAR(tool.max_thrust_N, 0.5 * 422.6, 2.2);
+  EXPECT_NEAR(drill.servo.compliance.noticed_m, 0.05e-3, 1e-12) << "the scene's error";
+
+  const CellConfig pelvis = LoadText(CellText("pelvis_mount"));
+  ASSERT_TRUE(pelvis.servo.compliance.mount);
+  EXPECT_EQ(pelvis.servo.compliance.mount->mass_kg, 12.0);
+  EXPECT_NEAR(pelvis.servo.compliance.mount->stiffness_N_per_m.x(), 47.4e3, 1e-6);
+  EXPECT_EQ(pelvis.servo.compliance.mount->creep_N_per_m, 0.0);
+  EXPECT_TRUE(pelvis.servo.depth.rides_on_bone);
+
+  const CellConfig cup = LoadText(CellText("cartilage_cup"));
+  ASSERT_TRUE(cup.servo.compliance.layer);
+  EXPECT_NEAR(cup.servo.compliance.layer->kappa_N_per_m3[0], 17.3e9, 1.0);
+  EXPECT_EQ(cup.servo.compliance.layer->kappa_N_per_m3[1], 0.0) << "cortical bone is hard";
+}
+
+TEST(ComplianceKeys, AMountBesideTheBoneMovesWithItsRegistration) {
+  std::string text = WithCompliance("demo", kMount);
+  text = With(text, "at_mm: [620, 0, 130]", "frame: bone\n    at_mm: [0, 0, -80]");
+  const CellConfig cell = LoadText(text);
+  EXPECT_LT((cell.servo.compliance.mount->p_WMo_m - Vector3(0.62, 0.0, 0.13)).norm(), 1e-9);
+}
+
+TEST(ComplianceKeys, WhatWouldNotBeStableIsRefusedWithTheValueThatIsNeeded) {
+  EXPECT_EQ(Refusal(WithCompliance("demo", kMount)), "");
+  const auto refusal = [](const std::string& from, const std::string& to) {
+    return Refusal(With(WithCompliance("demo", kMount), from, to));
+  };
+  EXPECT_THAT(refusal("\n    damping_ratio: 0.05\n", "\n    damping_ratio: 0.02\n"),
+              AllOf(HasSubstr(".yaml:"), HasSubstr("damping_ratio"), HasSubstr("found 0.02"),
+                    HasSubstr("at least 0.05")));
+  EXPECT_THAT(refusal("mass_kg: 12\n", "mass_kg: 0.2\n"),
+              AllOf(HasSubstr("mass_kg"), HasSubstr("found 0.2, accepted at least 0.42")));
+  EXPECT_THAT(Refusal(WithCompliance("demo", " {mount: on}")), HasSubstr("accepted with `bone_mount` beside it"));
+  EXPECT_THAT(Refusal(WithCompliance("sawbone_block", " {layer: on}")), HasSubstr("layer_N_per_mm3"));
+  // 80 N/mm on a drill of 3.2 mm needs more than 20 ms
+  std::string stiff = CellText("long_drill");
+  stiff = With(stiff, "stiffness_N_per_mm: 60", "stiffness_N_per_mm: 80");
+  EXPECT_THAT(Refusal(stiff), AllOf(HasSubstr("relaxation_ms"), HasSubstr("found a"), HasSubstr("accepted at least")));
+}
+
+TEST(ComplianceKeys, WordsAndNumbersOutsideTheirRangesAreRefused) {
+  EXPECT_THAT(Refusal(WithCompliance("demo", " {tool: maybe}")), AllOf(HasSubstr("tool"), HasSubstr("maybe")));
+  EXPECT_THAT(Refusal(WithCompliance("demo", " {tool: auto, error_mm: 50}")), HasSubstr("error_mm"));
+  EXPECT_THAT(Refusal(WithCompliance("demo", " {tools: auto}")), HasSubstr("tools"));
+}
+
+}  // namespace
+}  // namespace osteon::config

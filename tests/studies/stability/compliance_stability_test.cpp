@@ -1,0 +1,149 @@
+// The stability tables of what gives way (docs/theory/compliance.md): a massless link and a bone on its mount in
+// Model B. The rows are the design's, of a hand of 3000 N/m, 60 N s/m and 3 kg and an arm of 15 Hz.
+
+#include <cmath>
+#include <ostream>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "control/compliance/compliant_link.h"
+#include "hil/operator/hand_grid.h"
+#include "studies/stability/compliant_loop.h"
+
+namespace osteon::hil {
+namespace {
+
+const GridHand kStiff{"stiff", 3000.0, 60.0, 3.0};
+
+CompliantLoopParams LoopOf(double stiffness_N_per_m, double m_v, double b_v) {
+  CompliantLoopParams params;
+  params.loop.hand = kStiff;
+  params.loop.mass_kg = m_v;
+  params.loop.damping_Ns_per_m = b_v;
+  params.loop.wall.stiffness_N_per_m = stiffness_N_per_m;
+  return params;
+}
+
+void ExpectRadius(double found, double expected) {
+  const double log_rho = std::log(expected);
+  EXPECT_NEAR(std::log(found), log_rho, 0.01 * std::abs(log_rho) + 2e-6);
+}
+
+struct LinkRow {
+  const char* name;
+  double K, k, m_v, b_v, rigid, at_20ms, fast_ms, too_fast, least_ms;
+};
+void PrintTo(const LinkRow& row, std::ostream* os) { *os << row.name; }
+
+class MasslessLink : public testing::TestWithParam<LinkRow> {};
+
+TEST_P(MasslessLink, HasTheDesignsRadiiAndBoundary) {
+  const LinkRow& row = GetParam();
+  CompliantLoopParams params = LoopOf(row.K, row.m_v, row.b_v);
+  ExpectRadius(CompliantLoop(params).SpectralRadius(), row.rigid);
+  params.link = LoopLink{.compliance_m_per_N = 1.0 / row.k, .tau_s = 0.020};
+  ExpectRadius(CompliantLoop(params).SpectralRadius(), row.at_20ms);
+  if (row.fast_ms > 0.0) {
+    params.link->tau_s = 1e-3 * row.fast_ms;
+    ExpectRadius(CompliantLoop(params).SpectralRadius(), row.too_fast);
+  }
+  const double least_ms = 1e3 * MinLinkTime_s(params);
+  EXPECT_NEAR(least_ms, row.least_ms, 0.01 * row.least_ms + 5e-3);
+  // the rule that cells are held to is within 3 % of it
+  EXPECT_NEAR(1e3 * control::MinRelaxation_s(1e-3, row.K, 1.0 / row.k), least_ms, 0.03 * least_ms);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Design, MasslessLink,
+    testing::Values(LinkRow{"drill_3_2", 80e3, 8.72e3, 3, 150, 0.97297, 0.97670, 3.0, 1.55780, 4.12},
+                    LinkRow{"drill_4", 80e3, 13.57e3, 3, 150, 0.97297, 0.97281, 2.0, 1.31105, 2.47},
+                    LinkRow{"drill_2", 80e3, 3.306e3, 3, 150, 0.97297, 0.98270, 10.0, 1.30487, 11.68},
+                    LinkRow{"canal_reamer", 60e3, 34.49e3, 1.7, 30, 0.99727, 0.96969, 0.0, 0.0, 0.38},
+                    LinkRow{"burr_2_3", 40e3, 9.552e3, 1.7, 30, 0.99035, 0.97558, 1.0, 1.60540, 1.61}),
+    [](const auto& test) { return test.param.name; });
+
+struct MountRow {
+  const char* name;
+  double mass_kg, hz;
+  double in_tick, late_4, late_12, late_20;
+};
+void PrintTo(const MountRow& row, std::ostream* os) { *os << row.name; }
+
+class BoneOnItsMount : public testing::TestWithParam<MountRow> {};
+
+TEST_P(BoneOnItsMount, HasTheDesignsRadii) {
+  const MountRow& row = GetParam();
+  CompliantLoopParams params = LoopOf(20e3, 3, 20);
+  ExpectRadius(CompliantLoop(params).SpectralRadius(), 0.96536);
+  params.mount = LoopMount{.mass_kg = row.mass_kg, .frequency_hz = row.hz};
+  for (const auto& [ticks, radius] :
+       {std::pair{0, row.in_tick}, {4, row.late_4}, {12, row.late_12}, {20, row.late_20}}) {
+    params.mount->late_ticks = ticks;
+    ExpectRadius(CompliantLoop(params).SpectralRadius(), radius);
+  }
+}
+
+// What the late planes of an engine that moves the bone itself would do: 12 kg at 15 Hz grows from 12 ms on.
+INSTANTIATE_TEST_SUITE_P(Design, BoneOnItsMount,
+                         testing::Values(MountRow{"12kg_6Hz", 12, 6, 0.99565, 0.99520, 0.99419, 0.99297},
+                                         MountRow{"12kg_10Hz", 12, 10, 0.98813, 0.98581, 0.98974, 0.99979},
+                                         MountRow{"12kg_15Hz", 12, 15, 0.98428, 0.99209, 1.00235, 1.00627},
+                                         MountRow{"3kg_10Hz", 3, 10, 0.99036, 1.00240, 1.01661, 1.01997}),
+                         [](const auto& test) { return test.param.name; });
+
+// The mount's rules over hands and mounts: stable whenever they hold. Hands are those stable free and on the rigid
+// wall up to K (1 + m_v / m).
+TEST(MountRules, HoldForRandomMountsAndHands) {
+  std::mt19937_64 bits(7);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const auto log_between = [&](double low, double high) { return low * std::pow(high / low, unit(bits)); };
+  constexpr double kK = 20e3, kT_s = 1e-3, kAge_s = 25.2e-3;
+  int tried = 0, unstable = 0, unstable_without = 0, without = 0;
+  for (int i = 0; i < 1500; ++i) {
+    CompliantLoopParams params = LoopOf(kK, 3.0, log_between(20.0, 150.0));
+    params.loop.hand = {"any", log_between(50.0, 8000.0), log_between(2.0, 80.0), log_between(0.3, 4.0)};
+    const LoopMount mount{.mass_kg = log_between(2.0, 40.0),
+                          .frequency_hz = log_between(4.0, 25.0),
+                          .damping_ratio = log_between(0.05, 0.3)};
+    CompliantLoopParams rigid = params;
+    rigid.loop.wall.stiffness_N_per_m = 0.0;
+    if (!(CompliantLoop(rigid).SpectralRadius() < 1.0 + 1e-9)) continue;
+    rigid.loop.wall.stiffness_N_per_m = kK;
+    if (!(CompliantLoop(rigid).SpectralRadius() < 1.0)) continue;
+    bool rigid_stable = true;
+    for (int j = 1; j <= 8 && rigid_stable; ++j) {
+      rigid.loop.wall.stiffness_N_per_m = kK * (1.0 + j / 8.0 * params.loop.mass_kg / mount.mass_kg);
+      rigid_stable = CompliantLoop(rigid).SpectralRadius() < 1.0;
+    }
+    const double w = 2.0 * std::numbers::pi * mount.frequency_hz, k = mount.mass_kg * w * w;
+    const double damping = 2.0 * mount.damping_ratio * w * mount.mass_kg + params.loop.damping_Ns_per_m +
+                           params.loop.hand.damping_Ns_per_m;
+    const bool damped = damping >= params.loop.hand.stiffness_N_per_m * kAge_s;
+    const bool slow = std::sqrt((kK + k) / mount.mass_kg) * kT_s <= 0.4;
+    params.mount = mount;
+    const bool stable = CompliantLoop(params).SpectralRadius() < 1.0;
+    if (damped && slow && rigid_stable) {
+      ++tried;
+      unstable += stable ? 0 : 1;
+    } else {
+      ++without;
+      unstable_without += stable ? 0 : 1;
+    }
+  }
+  EXPECT_GT(tried, 300);
+  EXPECT_EQ(unstable, 0) << "of " << tried;
+  EXPECT_GT(unstable_without, 0) << "of " << without << " that break a rule: the rules do say something";
+}
+
+TEST(CompliantLoop, WithoutComplianceItIsTheRigidLoop) {
+  CompliantLoopParams params = LoopOf(20e3, 3, 20);
+  const double rigid = AdmittanceLoop(params.loop).SpectralRadius();
+  EXPECT_NEAR(CompliantLoop(params).SpectralRadius(), rigid, 1e-3) << "the rigid loop's hand may be modelled finer";
+  params.link = LoopLink{};
+  params.mount = LoopMount{.mass_kg = 1e6, .frequency_hz = 60.0, .damping_ratio = 1.0};
+  EXPECT_LT(CompliantLoop(params).SpectralRadius(), 1.0);
+}
+
+}  // namespace
+}  // namespace osteon::hil
