@@ -22,6 +22,7 @@
 #include "app/cli/surgical_plan_command.h"
 #include "app/cli/transparency_command.h"
 #include "app/cli/tune_command.h"
+#include "app/cli/validate_command.h"
 #include "config/reading/config_file_tracker.h"
 
 namespace {
@@ -43,6 +44,7 @@ int Run(int argc, char** argv) {
   osteon::app::AssessCommand assess(app);
   osteon::app::TuneCommand tune(app);
   osteon::app::RegressCommand regress(app);
+  osteon::app::ValidateCommand validate(app);
   osteon::app::DiffCommand diff(app);
   osteon::app::MergeCommand merge(app);
   osteon::app::ManualCommands manual(app);
@@ -61,6 +63,7 @@ int Run(int argc, char** argv) {
   if (assess.asked()) return assess.Run(config_root, command_line);
   if (tune.asked()) return tune.Run(config_root, invocation);
   if (regress.asked()) return regress.Run(config_root, invocation);
+  if (validate.asked()) return validate.Run(config_root, command_line);
   if (diff.asked()) return diff.Run(command_line);
   if (merge.asked()) return merge.Run(config_root);
   if (manual.asked()) {

@@ -139,9 +139,10 @@ HandScript MakeReamingScript(const ReamingScriptParams& p) {
   add("grasp", 0.02, p.start_height_m, p.approach_force_N, 0.0);
   add("approach", 0.08, 0.0, p.approach_force_N, 0.0);
   add("ramp", 0.07, push_height_m, p.push_force_N, 0.0);
-  add("tilt", 0.08, push_height_m, p.push_force_N, p.tilt_rad);
-  add("whirlwind", 0.55, push_height_m, p.push_force_N, phases.key().tilt_rad);
-  add("upright", 0.08, push_height_m, p.push_force_N, 0.0);
+  const bool straight = p.tilt_rad == 0.0;
+  add(straight ? "press" : "tilt", 0.08, push_height_m, p.push_force_N, p.tilt_rad);
+  add(straight ? "press" : "whirlwind", 0.55, push_height_m, p.push_force_N, phases.key().tilt_rad);
+  add(straight ? "press" : "upright", 0.08, push_height_m, p.push_force_N, 0.0);
   add("unload", 0.04, 0.0, p.approach_force_N, 0.0);
   add("retract", 0.08, p.retract_height_m, p.approach_force_N, 0.0);
   return HandScript(p.X_WC, p.head_radius_m, p.tool_yaw_rad, p.whirl_period_s, phases.start(),

@@ -41,6 +41,18 @@ TEST(HandScript, PhasesOfTenSecondsAreThePublishedOnes) {
   EXPECT_STREQ(script.PhaseName(11.0), "done");
 }
 
+TEST(HandScript, WithoutATiltItPressesStraightAlongTheAxis) {
+  ReamingScriptParams params;
+  params.tilt_rad = 0.0;
+  const HandScript script = MakeReamingScript(params);
+  EXPECT_NEAR(script.duration_s(), 10.0, 1e-12);
+  EXPECT_STREQ(script.PhaseName(5.0), "press");
+  EXPECT_NEAR(script.Sample(5.0).force_limit_N, 120.0, 1e-9);
+  const Matrix3 upright = script.Sample(0.0).X_WT.linear();
+  for (double t = 0.0; t <= 10.0; t += 0.1)
+    EXPECT_LT((script.Sample(t).X_WT.linear() - upright).norm(), 1e-14) << "at " << t << " s";
+}
+
 TEST(HandScript, WhirlwindTiltsTenDegreesAboutTheHeadsCentreInTwoSeconds) {
   const HandScript script = Reaming();
   const Pose X_WC = TiltedCup();

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "studies/validate/validation_rows.h"
+
+// Rows that a shipped cell in virtual time simulates: arm, hand, servo loop and cutting engine.
+
+namespace osteon::app {
+
+/// How the hand reams.
+enum class Technique : std::uint8_t {
+  kWhirlwind,  ///< the tool's tilt turns about the head's centre while the hand presses
+  kStraight,   ///< the hand presses along the axis: tilt of 0
+};
+
+/// Mean over both densities of how far the cavity's diameter is from the reamer's [mm].
+[[nodiscard]] Simulated DiameterError(ValidationLab& lab, Technique technique);
+[[nodiscard]] std::vector<CellTrialParams> DiameterErrorCells(Technique technique, bool quick);
+
+/// Diameter of the cavity of a 61 mm reamer [mm]. @param foam  "foam_10" or "foam_20"
+[[nodiscard]] Simulated WideCavity(ValidationLab& lab, const std::string& foam);
+[[nodiscard]] std::vector<CellTrialParams> WideCavityCells(const std::string& foam, bool quick);
+
+// The demo's own run in bone.
+[[nodiscard]] std::vector<CellTrialParams> DemoCells(bool quick);
+[[nodiscard]] Simulated CentreShift(ValidationLab& lab);      ///< [mm]
+[[nodiscard]] Simulated RemovedVolume(ValidationLab& lab);    ///< [mm³]
+[[nodiscard]] Simulated FeedPerTurn(ValidationLab& lab);      ///< [µm]
+[[nodiscard]] Simulated ForceDifference(ValidationLab& lab);  ///< [%]
+[[nodiscard]] Simulated ReamingForce(ValidationLab& lab);     ///< [N]
+
+/// Peak force of the hand at the plate's drill, and at the molar's bur [N].
+[[nodiscard]] Simulated DrillingForce(ValidationLab& lab);
+[[nodiscard]] std::vector<CellTrialParams> DrillingForceCells(bool quick);
+[[nodiscard]] Simulated BurForce(ValidationLab& lab);
+[[nodiscard]] std::vector<CellTrialParams> BurForceCells(bool quick);
+
+/// Greatest difference of the drag at the demo's handle from the drag asked for [%].
+[[nodiscard]] Simulated DragDifference(ValidationLab& lab);
+
+}  // namespace osteon::app

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "procedure/assessment/sphere_fit.h"
+
+namespace osteon::app {
+
+/// A tissue of the scene that gets the figures of a shipped material.
+struct TissueFigures {
+  std::string tissue;    ///< of the scene: "cancellous"
+  std::string material;  ///< of sawbone.yaml: "foam_10"
+};
+
+/// A shipped cell with its simulated arm, hand and devices, run in virtual time.
+struct CellTrialParams {
+  std::string cell{"demo"};        ///< a name under cells/
+  std::vector<std::string> set{};  ///< KEY=VALUE each, overrides the cell
+  std::vector<TissueFigures> tissues{};
+  double seconds{10.0};
+  std::optional<double> error_m{};  ///< of the packing; none: as the cell's scene demands
+  bool as_packed{false};            ///< by the scene's own packing instead
+
+  /// Equal for equal parameters alone.
+  [[nodiscard]] std::string Key() const;
+};
+
+/// What the run came to.
+struct CellTrial {
+  std::string ended;                        ///< "completed"
+  std::vector<std::string> faults;          ///< names
+  std::optional<procedure::SphereFit> fit;  ///< of the cavity; nothing if the bone has no cup or was not cut
+  std::string fit_refused;                  ///< why there is none
+  double centre_shift_m{0.0};               ///< of the fitted centre from the cup's
+  double removed_m3{0.0};
+  double peak_hand_N{0.0}, peak_rendered_N{0.0};
+  double feed_per_turn_m{0.0};   ///< of the head along the site's axis, while the hand presses in full
+  double force_difference{0.0};  ///< mean of |hand + rendered| over |rendered|, while pressing in full
+  double pressed_s{0.0};  ///< time in which the hand pressed in full; 0: the two figures before are void
+  double seconds_wall{0.0};
+};
+
+/// Runs a cell in the calling thread. Two runs give equal figures.
+/// @param config_root  with cells/ and materials/
+/// @returns an error if the cell cannot be set up or run. @throws config::ConfigError
+[[nodiscard]] tl::expected<CellTrial, std::string> RunCellTrial(const std::filesystem::path& config_root,
+                                                                const CellTrialParams& params);
+
+}  // namespace osteon::app

@@ -1,0 +1,105 @@
+#include "studies/validate/constant_feed.h"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "config/reading/load.h"
+#include "simulation/bone/scenes.h"
+#include "simulation/engine_cpu/cpu_engine.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kPeriod_s = 1e-3, kMachine_N_per_m = 1e6, kNoBound_N = 1e5;
+constexpr double kClear_m = 0.2e-3;  // between tip and surface at the start
+
+void Check(const ConstantFeedParams& params) {
+  double depth_m = 0.0;
+  for (const FeedStep& step : params.steps) {
+    if (!(step.feed_m_per_s > 0.0) || !(step.depth_m > depth_m) || step.depth_m >= kFeedBlock_m)
+      throw std::invalid_argument(
+          fmt::format("constant feed: found {:g} mm/s to a depth of {:g} mm, accepted a feed above 0 and a "
+                      "depth beyond the last one's, {:g} mm, and below the block's, {:g} mm",
+                      1e3 * step.feed_m_per_s, 1e3 * step.depth_m, 1e3 * depth_m, 1e3 * kFeedBlock_m));
+    depth_m = step.depth_m;
+  }
+  if (params.steps.empty())
+    throw std::invalid_argument("constant feed: found no step, accepted one at least");
+}
+
+// A block of the material around the drill's way, packed as the shipped plate is.
+simulation::Bone MakeFeedBlock(const ConstantFeedParams& params) {
+  simulation::SceneParams scene = config::LoadScene(params.config_root / "scenes" / "thin_plate.yaml");
+  const double width_m = 3.0 * params.diameter_m;
+  scene.shape = simulation::BlockShape{
+      .width_m = width_m, .depth_m = width_m, .height_m = kFeedBlock_m, .layers = {}, .core = 0};
+  scene.site.radius_m = 0.5 * params.diameter_m;
+  scene.zone.radius_m = 0.5 * params.diameter_m;
+  scene.zone.path_C_m = {Vector3(0, 0, 0.003), Vector3(0, 0, -kFeedBlock_m)};
+  scene.material_names = {params.material.name};
+  scene.materials = {params.material};
+  scene.packing.lattice.finest_m *= params.packing_scale;
+  scene.packing.surface_gap_m *= params.packing_scale;
+  scene.packing.max_surface_gap_m *= params.packing_scale;
+  scene.packing.samples.finest_m *= params.packing_scale;
+  scene.points.cells.finest_m *= params.packing_scale;
+  return simulation::PackScene(simulation::MakeSceneSolid(scene), scene);
+}
+
+// Sums over the frames that count.
+struct Sums {
+  double thrust_N{0.0}, torque_Nm{0.0}, way_m{0.0}, removed_m3{0.0}, work_J{0.0};
+  int frames{0};
+};
+
+}  // namespace
+
+ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
+  Check(params);
+  const config::ToolConfig drill =
+      config::LoadTool(params.config_root / "tools" / "twist_drill.yaml", params.diameter_m);
+  const simulation::Bone block = MakeFeedBlock(params);
+  simulation::CuttingParams cutting;
+  cutting.stiffness_N_per_m = kMachine_N_per_m;
+  cutting.max_force_N = kNoBound_N;
+  cutting.engaged_layer_m = 0.25e-3;  // as the drilling cells
+  simulation::CpuEngine engine(block, drill.tool, Pose::Identity(), cutting);
+
+  Pose X_WT = Pose::Identity();
+  X_WT.linear() = Vector3(1, -1, -1).asDiagonal();
+  double depth_m = -kClear_m, before_m = -kClear_m;
+  Sums sums;
+  for (const FeedStep& step : params.steps) {
+    const bool last = &step == &params.steps.back();
+    const double counts_from_m = 0.5 * (std::max(before_m, 0.0) + step.depth_m);
+    double removed_m3 = 0.0;
+    while (depth_m < step.depth_m) {
+      depth_m += step.feed_m_per_s * kPeriod_s;
+      X_WT.translation() = Vector3(0, 0, -depth_m);
+      const simulation::ContactModel model =
+          engine.Step({.X_WT = X_WT, .spindle_rad_per_s = params.spindle_rad_per_s, .dt_s = kPeriod_s});
+      if (last && depth_m >= counts_from_m) {
+        const double thrust_N = Vector3(Wrench(model.F_T_W).f).z();
+        sums.thrust_N += thrust_N;
+        sums.torque_Nm += model.spindle_torque_Nm;
+        sums.way_m += step.feed_m_per_s * kPeriod_s;
+        sums.work_J +=
+            (model.spindle_torque_Nm * params.spindle_rad_per_s + thrust_N * step.feed_m_per_s) * kPeriod_s;
+        sums.removed_m3 += model.removed_volume_m3 - removed_m3;
+        ++sums.frames;
+      }
+      removed_m3 = model.removed_volume_m3;
+    }
+    before_m = step.depth_m;
+  }
+  const double section_m2 = 0.25 * std::numbers::pi * params.diameter_m * params.diameter_m;
+  return {.thrust_N = sums.thrust_N / sums.frames,
+          .torque_Nm = sums.torque_Nm / sums.frames,
+          .energy_J_per_m3 = sums.removed_m3 > 0.0 ? sums.work_J / sums.removed_m3 : 0.0,
+          .removed_share = sums.removed_m3 / (section_m2 * sums.way_m)};
+}
+
+}  // namespace osteon::app

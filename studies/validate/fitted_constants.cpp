@@ -1,0 +1,61 @@
+#include "studies/validate/fitted_constants.h"
+
+#include <algorithm>
+
+namespace osteon::app {
+
+std::string_view NameOf(CutConstant constant) {
+  return constant == CutConstant::kCuttingEnergy ? "cutting_energy" : "cutting_force_ratio";
+}
+
+double ValueOf(const simulation::Material& material, CutConstant constant) {
+  return constant == CutConstant::kCuttingEnergy ? material.specific_cutting_energy_J_per_m3
+                                                 : material.cutting_force_ratio;
+}
+
+bool IsAssumed(const simulation::Material& material, CutConstant constant) {
+  return constant == CutConstant::kCuttingEnergy ? material.cutting_energy_source.assumed
+                                                 : material.cutting_force_source.assumed;
+}
+
+std::string FittedConstant::name() const {
+  return std::string(material) + "." + std::string(NameOf(constant));
+}
+
+std::span<const FittedConstant> FittedConstants() {
+  static const std::vector<FittedConstant> constants{
+      {.file = "bone.yaml",
+       .material = "cortical",
+       .constant = CutConstant::kCuttingEnergy,
+       .value = 1.3e9,
+       .how =
+           "power of torque and feed over the volume drilled each second, 1.24 to 1.39 J/mm³ at three speeds",
+       .fitted_to = {"10-human"},
+       .minor = {"8-level"},
+       .minor_share = 0.03},
+      {.file = "bone.yaml",
+       .material = "cortical",
+       .constant = CutConstant::kCuttingForceRatio,
+       .value = 0.8,
+       .how = "torque over thrust and two thirds of the drill's radius, 0.75 to 0.88 at three speeds",
+       .fitted_to = {"10-human", "8-level"}},
+      {.file = "sawbone.yaml",
+       .material = "shell",
+       .constant = CutConstant::kCuttingEnergy,
+       .value = 0.5e9,
+       .how =
+           "power of torque and feed over the volume drilled each second, 0.45 to 0.53 J/mm³ at three speeds",
+       .fitted_to = {"10-sawbone"},
+       .minor = {"9-1000", "9-1250", "9-1500"},
+       .minor_share = 0.03}};
+  return constants;
+}
+
+bool IsFittedTo(std::span<const std::string> constants, std::string_view measurement) {
+  return std::ranges::any_of(FittedConstants(), [&](const FittedConstant& fitted) {
+    return std::ranges::find(constants, fitted.name()) != constants.end() &&
+           std::ranges::find(fitted.fitted_to, measurement) != fitted.fitted_to.end();
+  });
+}
+
+}  // namespace osteon::app

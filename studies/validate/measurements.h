@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string_view>
+
+namespace osteon::app {
+
+/// What a row of `osteon validate` may show.
+enum class RowUse : std::uint8_t {
+  kValidates,   ///< a measured level, which nothing in the model was fitted to
+  kTrend,       ///< how a measured quantity changes with a condition, as a ratio
+  kRange,       ///< a measured range, in which the simulation should lie: an operator's choice is part of it
+  kTolerance,   ///< a just noticeable difference, which the simulation should stay below
+  kCalibrates,  ///< a constant of the model was fitted to it, so it shows nothing
+};
+/// "validates", "trend", "range", "tolerance", "calibrates".
+[[nodiscard]] std::string_view NameOf(RowUse use);
+
+/// No value: the source states none.
+inline constexpr double kNotStated = std::numeric_limits<double>::quiet_NaN();
+
+/// A quantity that others have measured.
+struct Measurement {
+  std::string_view id;  ///< number of the source's row and what of it: "9-1000"
+  std::string_view quantity, unit;
+  RowUse use{RowUse::kValidates};
+  double measured{0.0};                      ///< in `unit`
+  double low{kNotStated}, high{kNotStated};  ///< what counts as within; not stated: the row is not judged
+  std::string_view spread;                   ///< where low and high come from
+  std::string_view source, conditions;       ///< of the measurement
+  std::string_view leaves_out;               ///< what the simulation of the row does not have
+
+  [[nodiscard]] bool judged() const { return low == low && high == high; }
+  [[nodiscard]] bool Contains(double value) const { return value >= low && value <= high; }
+};
+
+/// All measurements, in the order of the table. Most sources were read as abstracts or first pages; a
+/// condition that they do not state is said to be not stated.
+[[nodiscard]] std::span<const Measurement> Measurements();
+
+/// Null if there is no measurement with this id.
+[[nodiscard]] const Measurement* FindMeasurement(std::string_view id);
+
+}  // namespace osteon::app

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "studies/validate/validation_rows.h"
+
+namespace osteon::app {
+
+struct ValidateOptions {
+  std::filesystem::path config_root;
+  std::vector<std::string> rows{};  ///< ids, or numbers of the source's rows; empty: all
+  std::filesystem::path out{};      ///< folder for validate.html and validate.svg; empty: none
+  std::filesystem::path json{};     ///< empty: none
+  bool quick{false};                ///< coarse bones and short runs, as in the tests
+  std::string command_line{};
+};
+
+/// The ids that these words choose: an id itself, or a number for all ids that begin with it ("9": "9-1000"
+/// and others). @returns as error, the word, and what is accepted.
+[[nodiscard]] tl::expected<std::vector<std::string>, std::string> ChooseRows(
+    std::span<const std::string> words);
+
+/// How many rows came to what.
+struct ValidationCounts {
+  std::size_t rows{0}, judged{0}, within{0}, missed{0}, calibrates{0}, not_judged{0}, failed{0};
+  std::size_t levels_and_trends{0}, levels_and_trends_within{0};  ///< of the judged ones
+};
+[[nodiscard]] ValidationCounts CountRows(std::span<const ValidationRow> rows);
+
+/// The printed table.
+[[nodiscard]] std::string ValidationTable(std::span<const ValidationRow> rows);
+
+/// JSON object, schema osteon.validate/1. Two runs give the same text.
+[[nodiscard]] std::string ValidationJson(std::span<const ValidationRow> rows,
+                                         const std::string& command_line);
+
+/// Runs `osteon validate`.
+/// @returns the process's exit code: 0; 1 a row has no result, or a file could not be written; 2 a row that
+/// does not exist; 130 ended by Ctrl-C, with the finished rows written. A row that misses is a result.
+[[nodiscard]] int RunValidate(const ValidateOptions& options);
+
+}  // namespace osteon::app

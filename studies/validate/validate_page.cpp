@@ -1,0 +1,117 @@
+#include "studies/validate/validate_page.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "report/page.h"
+#include "report/svg_text.h"
+#include "studies/validate/fitted_constants.h"
+#include "studies/validate/validate.h"
+#include "studies/validate/validate_plot.h"
+
+namespace osteon::app {
+namespace {
+
+std::string Unit(const Measurement& m) { return m.unit == "1" ? "" : " " + std::string(m.unit); }
+
+std::string SpreadText(const Measurement& m) {
+  return m.judged() ? fmt::format("{:.3g} to {:.3g}", m.low, m.high) : "not stated";
+}
+
+std::string VerdictCell(const ValidationRow& row) {
+  const std::string_view verdict = row.verdict();
+  const char* level = verdict == "within" ? "good" : verdict == "misses" ? "look" : "bad";
+  if (verdict == "calibrates" || verdict == "not judged") return std::string(verdict);
+  return fmt::format("<span class=\"verdict {}\">{}</span>", level, verdict);
+}
+
+std::string Table(std::span<const ValidationRow> rows) {
+  std::string html =
+      "<table>\n<tr><th>row</th><th>quantity</th><th class=\"n\">measured by others</th><th "
+      "class=\"n\">spread</th><th class=\"n\">simulated here</th><th>use</th><th>verdict</th></tr>\n";
+  for (const ValidationRow& row : rows) {
+    const Measurement& m = *row.measurement;
+    html += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td class=\"n\">{:.4g}{}</td><td class=\"n\">{}</td><td "
+        "class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n",
+        Escape(m.id), Escape(m.quantity), m.measured, Escape(Unit(m)), SpreadText(m),
+        row.error.empty() ? fmt::format("{:.4g}{}", row.simulated.value, Escape(Unit(m))) : "–",
+        NameOf(m.use), VerdictCell(row));
+  }
+  return html + "</table>\n";
+}
+
+std::string Details(const ValidationRow& row) {
+  const Measurement& m = *row.measurement;
+  std::string html = fmt::format("<h3>{}: {}</h3>\n<ul>\n", Escape(m.id), Escape(m.quantity));
+  const auto item = [&](const char* name, const std::string& text) {
+    if (!text.empty()) html += fmt::format("<li>{}: {}</li>\n", name, Escape(text));
+  };
+  item("Measured", fmt::format("{}; {}", m.source, m.conditions));
+  item("Spread", std::string(m.spread));
+  item("Simulated", row.error.empty() ? row.simulated.how : "no result: " + row.error);
+  item("Left out", std::string(m.leaves_out));
+  for (const Ablation& ablation : row.simulated.ablations)
+    item("With one thing changed", fmt::format("{:.4g}{}: {}", ablation.simulated, Unit(m), ablation.what));
+  if (row.verdict() == "misses") item("Why it misses", row.simulated.reason);
+  item("Depends on", fmt::format("{}", fmt::join(row.simulated.constants, ", ")));
+  return html + "</ul>\n";
+}
+
+std::string Constants() {
+  std::string html =
+      "<table>\n<tr><th>constant</th><th class=\"n\">value</th><th>fitted to rows</th><th>how</th></tr>\n";
+  for (const FittedConstant& c : FittedConstants()) {
+    const bool energy = c.constant == CutConstant::kCuttingEnergy;
+    std::string rows = fmt::format("{}", fmt::join(c.fitted_to, ", "));
+    if (!c.minor.empty())
+      rows += fmt::format("; below {:g} % of it: {}", 100.0 * c.minor_share, fmt::join(c.minor, ", "));
+    html += fmt::format("<tr><td>{}</td><td class=\"n\">{:g}{}</td><td>{}</td><td>{}</td></tr>\n",
+                        Escape(c.name()), energy ? 1e-9 * c.value : c.value, energy ? " J/mm³" : "",
+                        Escape(rows), Escape(c.how));
+  }
+  return html + "</table>\n";
+}
+
+std::string Uses() {
+  std::string html = "<ul>\n";
+  for (const PublishedUse& use : PublishedUses())
+    html += fmt::format("<li>Row {}: {}: {}</li>\n", Escape(use.row), Escape(use.value), Escape(use.where));
+  return html + "</ul>\n";
+}
+
+}  // namespace
+
+std::string ValidationPage(std::span<const ValidationRow> rows, const std::string& command_line) {
+  const ValidationCounts counts = CountRows(rows);
+  ReportVerdict verdict;
+  if (counts.missed > 0) {
+    verdict.level = "look";
+    verdict.reasons.push_back(fmt::format("{} of {} judged rows miss the measured spread; each says why",
+                                          counts.missed, counts.judged));
+  }
+  if (counts.failed > 0) {
+    verdict.level = "bad";
+    verdict.reasons.push_back(fmt::format("{} rows have no result", counts.failed));
+  }
+  std::string html = PageBegin(
+      {.title = "Osteon validate",
+       .subtitle = "Measured by others, simulated here",
+       .verdict = verdict,
+       .summary = {{"Rows", std::to_string(counts.rows)},
+                   {"Within the measured spread", fmt::format("{} of {}", counts.within, counts.judged)},
+                   {"Levels and trends within",
+                    fmt::format("{} of {}", counts.levels_and_trends_within, counts.levels_and_trends)},
+                   {"Calibrate", std::to_string(counts.calibrates)},
+                   {"Not judged", std::to_string(counts.not_judged)}}});
+  html +=
+      Figure(ValidationPlot(rows),
+             "Simulated over measured for each row, beside the measured spread. A row that a constant was "
+             "fitted to shows nothing and is grey.");
+  html += "<h2>Rows</h2>\n" + Table(rows) + "<h2>What was fitted to what</h2>\n" + Constants();
+  html += "<h2>Published figures that the product uses</h2>\n" + Uses() + "<h2>Row by row</h2>\n";
+  for (const ValidationRow& row : rows) html += Details(row);
+  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(command_line) + "</pre>\n" + PageEnd();
+}
+
+}  // namespace osteon::app

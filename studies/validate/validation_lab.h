@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "simulation/bone/material.h"
+#include "studies/validate/cell_trial.h"
+#include "studies/validate/constant_feed.h"
+
+namespace osteon::app {
+
+/// How long and how fine the runs of `osteon validate` are.
+struct LabParams {
+  std::filesystem::path config_root;
+  bool quick{false};  ///< coarse bones and short runs, as in the tests: seconds instead of minutes
+  int jobs{0};        ///< cells that run at a time; 0: one a core
+};
+
+/// Runs what rows need, each run once.
+class ValidationLab {
+ public:
+  explicit ValidationLab(LabParams params) : params_(std::move(params)) {}
+
+  /// A material of the shipped files bone.yaml, sawbone.yaml or tooth.yaml.
+  /// @throws std::invalid_argument naming it if there is none.
+  [[nodiscard]] const simulation::Material& MaterialOf(const std::string& name);
+
+  /// @param params  its config_root and packing_scale are the lab's
+  [[nodiscard]] const ConstantFeedResult& Drill(ConstantFeedParams params);
+
+  /// Runs cells at the same time, so that Cell() has them ready.
+  void Prepare(std::span<const CellTrialParams> cells);
+  /// @throws std::runtime_error with the reason if the cell cannot be run.
+  [[nodiscard]] const CellTrial& Cell(const CellTrialParams& params);
+
+  [[nodiscard]] bool quick() const { return params_.quick; }
+  [[nodiscard]] const std::filesystem::path& config_root() const { return params_.config_root; }
+
+ private:
+  LabParams params_;
+  std::vector<simulation::Material> materials_;
+  std::map<std::string, ConstantFeedResult> drills_;
+  std::map<std::string, tl::expected<CellTrial, std::string>> cells_;
+};
+
+}  // namespace osteon::app

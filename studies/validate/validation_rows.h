@@ -1,0 +1,66 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "studies/validate/measurements.h"
+#include "studies/validate/validation_lab.h"
+
+namespace osteon::app {
+
+/// The same quantity with one thing changed, to show why a row misses or that it does not.
+struct Ablation {
+  std::string what;
+  double simulated{0.0};  ///< in the row's unit
+};
+
+/// What a row's runs came to.
+struct Simulated {
+  double value{0.0};  ///< in the measurement's unit
+  std::string how;    ///< which shipped parts ran, and how
+  std::vector<std::string>
+      constants{};  ///< of materials on which the value depends: "cortical.cutting_energy"
+  std::vector<Ablation> ablations{};
+  std::string reason{};  ///< why it misses, if it does, as the ablations show
+};
+
+/// A row of the table: a measurement, and how it is simulated.
+struct ValidationItem {
+  std::string_view id;  ///< of the measurement
+  std::function<Simulated(ValidationLab&)> simulate;
+  /// The cells that it runs, so that they can run at the same time as others'.
+  std::function<std::vector<CellTrialParams>(bool quick)> cells{};
+};
+
+/// One item for each measurement, in their order.
+[[nodiscard]] std::span<const ValidationItem> ValidationItems();
+
+/// A finished row.
+struct ValidationRow {
+  const Measurement* measurement{nullptr};
+  Simulated simulated;
+  std::string error{};  ///< why there is no result; empty if there is one
+
+  /// Whether a constant on which it depends was fitted to its own measurement.
+  [[nodiscard]] bool fitted() const;
+  /// Nothing if the source states no spread, or there is no result.
+  [[nodiscard]] std::optional<bool> within() const;
+  /// "within", "misses", "calibrates", "not judged", "no result"
+  [[nodiscard]] std::string_view verdict() const;
+};
+
+/// Runs the items of these ids, or all if there is none. @param begins  called with an id before its run
+[[nodiscard]] std::vector<ValidationRow> RunValidation(ValidationLab& lab, std::span<const std::string> ids,
+                                                       const std::function<void(std::string_view)>& begins);
+
+/// A just noticeable difference or a published hand that the product itself uses.
+struct PublishedUse {
+  std::string_view row, value, where;
+};
+[[nodiscard]] std::span<const PublishedUse> PublishedUses();
+
+}  // namespace osteon::app
