@@ -17,6 +17,7 @@
 #include "app/cli/measure_commands.h"
 #include "app/cli/merge_command.h"
 #include "app/cli/osteon_commands.h"
+#include "app/cli/pack_command.h"
 #include "app/cli/plan_command.h"
 #include "app/cli/regress_command.h"
 #include "app/cli/surgical_plan_command.h"
@@ -30,10 +31,11 @@ namespace {
 using osteon::app::OsteonCommands;
 
 int Run(int argc, char** argv) {
-  CLI::App app{"what measures and decides", OsteonCommands::kName};
+  CLI::App app{"what packs, measures and decides", OsteonCommands::kName};
   std::filesystem::path config_root;
   osteon::app::PrepareTop(app, config_root);
 
+  osteon::app::PackCommand pack(app);
   osteon::app::FailuresCommand failures(app);
   osteon::app::MeasureCommands measure(app);
   osteon::app::CalibrateCommand calibrate(app);
@@ -53,6 +55,7 @@ int Run(int argc, char** argv) {
   osteon::config::SetShippedFolder(config_root);
   const std::string command_line = osteon::app::CommandLine(argc, argv);
   const osteon::app::Invocation invocation{.command_line = command_line, .words = {argv + 1, argv + argc}};
+  if (pack.asked()) return pack.Run(config_root, command_line);
   if (failures.asked()) return failures.Run(config_root, invocation);
   if (measure.asked()) return measure.Run(config_root, invocation);
   if (calibrate.asked()) return calibrate.Run(config_root, command_line);

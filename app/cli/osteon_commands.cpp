@@ -21,8 +21,7 @@ CLI::App& Prepared(CLI::App& app, std::filesystem::path& config_root) {
 OsteonCommands::OsteonCommands(CLI::App& app)
     : app_(Prepared(app, config_root_)),
       demo_(app),
-      pack_(app),
-      failures_(app, {"failures"}),
+      pack_and_failures_(app, {"pack", "failures"}),
       doctor_app_(
           app.add_subcommand("doctor", "checks what this machine can do, with a verdict for each item")),
       faults_app_(app.add_subcommand("faults",
@@ -45,7 +44,8 @@ OsteonCommands::OsteonCommands(CLI::App& app)
       view_(app),
       regress_to_completion_(app, {"regress", "validate", "diff", "merge", "manual", "completion"}) {
   app.footer(
-      "Benchmarks, charts, failures, studies and the manual are a second program, which ./osteon builds "
+      "Packings, benchmarks, charts, failures, studies and the manual are a second program, which ./osteon "
+      "builds "
       "when one of them is first asked for.\n\n" +
       LauncherFooter() +
       "Examples:\n  osteon demo\n  osteon demo --help\n  osteon run demo --simulated --seconds 10\n"
@@ -78,7 +78,6 @@ OsteonCommands::OsteonCommands(CLI::App& app)
 int OsteonCommands::Run(const std::string& command_line) {
   config::SetShippedFolder(config_root_);
   if (demo_.asked()) return demo_.Run(config_root_, command_line);
-  if (pack_.asked()) return pack_.Run(config_root_, command_line);
   if (cells_.asked()) return cells_.Run(config_root_, command_line);
   if (guard_.asked()) return guard_.Run(config_root_);
   if (simulate_.asked()) return simulate_.Run(config_root_);

@@ -12,7 +12,6 @@
 #include "app/cli/guard_command.h"
 #include "app/cli/new_cell_command.h"
 #include "app/cli/operator_commands.h"
-#include "app/cli/pack_command.h"
 #include "app/cli/replay_command.h"
 #include "app/cli/report_command.h"
 #include "app/cli/schema_command.h"
@@ -47,8 +46,7 @@ class OsteonCommands {
   StatesOptions states_;
   // Each constructor adds its subcommands to the help, so the order of these members is the help's order.
   DemoCommand demo_;
-  PackCommand pack_;
-  AnnouncedStudies failures_;
+  AnnouncedStudies pack_and_failures_;
   CLI::App *doctor_app_, *faults_app_, *states_app_;
   AnnouncedStudies bench_and_chart_;
   CellCommands cells_;

@@ -2,15 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/study_commands.h"
 #include "app/cli/usage.h"
 #include "session/planning/pack_source.h"
 #include "session/setup/cell_setup.h"
 
 namespace osteon::app {
 
-PackCommand::PackCommand(CLI::App& app)
-    : sub_(app.add_subcommand(
-          "pack", "fills a mesh or a shape with spheres and mass points, and measures the result")) {
+PackCommand::PackCommand(CLI::App& app) : sub_(AddStudy(app, "pack")) {
   sub_->add_option("input", options_.source.input,
                    "a closed mesh (.stl, .obj, .ply, in mm); a scene, by name or YAML file; ball:R or "
                    "box:X,Y,Z (mm); or a packing (.osp) to convert")

@@ -17,6 +17,7 @@ namespace osteon::app {
 namespace {
 
 constexpr std::array kStudies = std::to_array<StudyCommand>({
+    {"pack", "fills a mesh or a shape with spheres and mass points, and measures the result"},
     {"failures", "runs the scenarios in which plain cutting methods fail and Osteon must not"},
     {"bench", "measures how long the parts take"},
     {"chart", "measures and draws charts"},
