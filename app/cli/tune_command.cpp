@@ -33,13 +33,16 @@ TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
             ->check(NumberWithin(1, 4)));
   stand(sub_->add_option("--worst-age-ms", o.worst_age_ms, "greatest age of a contact model's pose")
             ->check(NumberWithin(0, 60)));
-  stand(sub_->add_option("--loss", o.loss, "share of the commands that do not reach the arm; as identified, else 0.01")
+  stand(sub_->add_option("--loss", o.loss,
+                         "share of the commands that do not reach the arm; as identified, else 0.01")
             ->check(NumberWithin(0, 0.5)));
-  stand(sub_->add_option("--jitter-ms", o.jitter_ms,
-                         "greatest delay of a command; as identified, else 1, or the cell's period if that is longer")
+  stand(sub_->add_option(
+                "--jitter-ms", o.jitter_ms,
+                "greatest delay of a command; as identified, else 1, or the cell's period if that is longer")
             ->check(NumberWithin(0, 30)));
   stand(sub_->add_option("--sensor-delay-ms", o.sensor_delay_ms,
-                         "delay from the hand's force to the loop; as identified, else 1, or the cell's period if that is "
+                         "delay from the hand's force to the loop; as identified, else 1, or the cell's "
+                         "period if that is "
                          "longer")
             ->check(NumberWithin(0, 50)));
   stand(sub_->add_option("--grip", o.human_grip_N_per_m,

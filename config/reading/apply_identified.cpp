@@ -17,8 +17,9 @@ constexpr double kMaxDampingRatio = 10.0;  // of the simulated arm
 hil::ServoArmParams ArmFrom(const IdentifiedArm& arm, double period_s, const std::string& file) {
   const auto require = [&](const char* key, double found, double max, const char* unit) {
     if (!(found >= 0.0 && found <= max))
-      throw ConfigError(file, 0, fmt::format("arm, axis {} at {:g} mm/s: {}: found {:g}{}, accepted 0 … {:g}{}",
-                                             arm.axis, 1e3 * arm.speed_m_per_s, key, found, unit, max, unit));
+      throw ConfigError(file, 0,
+                        fmt::format("arm, axis {} at {:g} mm/s: {}: found {:g}{}, accepted 0 … {:g}{}",
+                                    arm.axis, 1e3 * arm.speed_m_per_s, key, found, unit, max, unit));
   };
   require("dead_time_ms", 1e3 * arm.dead_time_s, 1e3 * hil::ServoArm::kMaxDeadCycles * period_s, " ms");
   require("damping_ratio", arm.damping_ratio, kMaxDampingRatio, "");

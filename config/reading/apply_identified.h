@@ -7,14 +7,15 @@
 
 namespace osteon::config {
 
-/// The measurement of the arm that counts: of all axes and speeds the one with the greatest total lag, since the
-/// slowest motion decides the stability. Null: none was measured.
+/// The measurement of the arm that counts: of all axes and speeds the one with the greatest total lag, since
+/// the slowest motion decides the stability. Null: none was measured.
 [[nodiscard]] const IdentifiedArm* SlowestArm(const IdentifiedCell& identified);
 
-/// Reads a file of `osteon identify` for this cell (ReadIdentifiedFor), keeps it as cell.identified, and gives the
-/// simulated arm the bandwidth, damping ratio and dead time of SlowestArm. The dynamic arm rounds the dead time to
-/// whole periods.
-/// @throws ConfigError naming the file: another cell's, without an arm's measurement, or beyond what the simulated
+/// Reads a file of `osteon identify` for this cell (ReadIdentifiedFor), keeps it as cell.identified, and
+/// gives the simulated arm the bandwidth, damping ratio and dead time of SlowestArm. The dynamic arm rounds
+/// the dead time to whole periods.
+/// @throws ConfigError naming the file: another cell's, without an arm's measurement, or beyond what the
+/// simulated
 ///   arm can be: 0 … 32 periods of dead time, a damping ratio of at most 10
 void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell);
 

@@ -48,8 +48,8 @@ ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::Jo
     if (!(max_speed_rad_per_s_[i] > 0.0)) refuse("velocity limit [rad/s]", max_speed_rad_per_s_[i], "> 0");
   }
   const auto part = [&](double duration_s) {
-    return Part{duration_s, Transition(2.0 * std::numbers::pi * params.bandwidth_hz, params.damping_ratio,
-                                       duration_s)};
+    return Part{duration_s,
+                Transition(2.0 * std::numbers::pi * params.bandwidth_hz, params.damping_ratio, duration_s)};
   };
   const double whole = std::floor(params.dead_cycles), rest = params.dead_cycles - whole;
   first_ = part(rest > 0.0 ? rest * period_s : period_s);
@@ -79,7 +79,8 @@ void ServoArm::Advance(const Part& part, const kinematics::JointVector& target) 
       continue;
     }
     const double a = std::clamp(wanted, -max_acceleration_rad_per_s2_, max_acceleration_rad_per_s2_);
-    const double qd = std::clamp(qd_[i] + a * part.duration_s, -max_speed_rad_per_s_[i], max_speed_rad_per_s_[i]);
+    const double qd =
+        std::clamp(qd_[i] + a * part.duration_s, -max_speed_rad_per_s_[i], max_speed_rad_per_s_[i]);
     q_[i] += 0.5 * (qd_[i] + qd) * part.duration_s;
     qd_[i] = qd;
   }

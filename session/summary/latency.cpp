@@ -99,8 +99,9 @@ LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& cont
                            .mean_s = std::max(0.0, arm_ticks) * period_s,
                            .max_s = std::max(0.0, arm_ticks) * period_s,
                            .measured = arm_ticks >= 0.0,
-                           .how = arm_ticks >= 0.0 ? "measured positions against the commands"
-                                                   : "assumed 0: no position commands that moved enough to tell it"});
+                           .how = arm_ticks >= 0.0
+                                      ? "measured positions against the commands"
+                                      : "assumed 0: no position commands that moved enough to tell it"});
   latency.parts.push_back({.name = "model",
                            .mean_s = model_.Value(),
                            .max_s = model_.max_s,
@@ -138,9 +139,10 @@ std::string LatencyText(const LatencyFigures& latency) {
     parts += fmt::format("{}{} {:.2f}", parts.empty() ? "" : ", ", part.name, 1e3 * part.mean_s);
     if (!part.measured) assumed += fmt::format("{}{} ({})", assumed.empty() ? "" : "; ", part.name, part.how);
   }
-  return fmt::format("{:.1f} ms from the hand's force to the arm, {:.1f} ms from the bone to the hand ({} ms){}",
-                     1e3 * latency.hand_to_arm_s, 1e3 * latency.bone_to_hand_s, parts,
-                     assumed.empty() ? "" : "; assumed: " + assumed);
+  return fmt::format(
+      "{:.1f} ms from the hand's force to the arm, {:.1f} ms from the bone to the hand ({} ms){}",
+      1e3 * latency.hand_to_arm_s, 1e3 * latency.bone_to_hand_s, parts,
+      assumed.empty() ? "" : "; assumed: " + assumed);
 }
 
 }  // namespace osteon::app

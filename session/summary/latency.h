@@ -21,8 +21,8 @@ struct LatencyPart {
   std::string how;       ///< what it was measured by, or why it is assumed
 };
 
-/// Latency of a run: how long a change of the hand's force takes to move the arm, and a contact with the bone to
-/// be felt by the hand.
+/// Latency of a run: how long a change of the hand's force takes to move the arm, and a contact with the bone
+/// to be felt by the hand.
 struct LatencyFigures {
   std::vector<LatencyPart> parts;  ///< empty: the arm was never commanded
   double hand_to_arm_s{0.0};       ///< sensor + link + tick + arm
@@ -70,7 +70,8 @@ class LatencyMeter {
   double moved_{0.0};                   // sum of squares of the commands' steps
 };
 
-/// {hand_to_arm, bone_to_hand, measured, parts: {NAME: {mean, max, measured, how}}} in ms; null without parts.
+/// {hand_to_arm, bone_to_hand, measured, parts: {NAME: {mean, max, measured, how}}} in ms; null without
+/// parts.
 [[nodiscard]] nlohmann::json ToJson(const LatencyFigures& latency);
 /// One line: "26.3 ms from hand to arm (sensor 1.0, link 0.1, …); 30.2 ms from bone to hand; assumed: …".
 [[nodiscard]] std::string LatencyText(const LatencyFigures& latency);

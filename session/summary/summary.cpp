@@ -313,8 +313,8 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.acted_limits = run.limits.Rows(setup.config.servo.period_s);
   s.min_depth_left_m = result.statistics.min_depth_left_m;
   SummariseRecording(run, !params.virtual_time, s);
-  s.latency = run.latency.Figures(setup.config.servo.period_s,
-                                  LatencyContextOf(setup.config, params.virtual_time));
+  s.latency =
+      run.latency.Figures(setup.config.servo.period_s, LatencyContextOf(setup.config, params.virtual_time));
   SummariseCut(setup, result.after, run, s);
   const rt::Nanoseconds start = run.curves.first_tick.value_or(0);
   s.faults = FaultRows(result.faults, run, setup.config.servo);

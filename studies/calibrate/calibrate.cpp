@@ -60,8 +60,7 @@ void KeepLonger(const RestingPose& rest, std::vector<RestingPose>& rests) {
   for (RestingPose& known : rests) {
     if (!SamePlace(known, rest)) continue;
     const int visits = known.visits + 1;
-    const double repeat_N =
-        std::max(known.repeat_N, (Vector3(known.F_S.f) - Vector3(rest.F_S.f)).norm());
+    const double repeat_N = std::max(known.repeat_N, (Vector3(known.F_S.f) - Vector3(rest.F_S.f)).norm());
     if (rest.seconds > known.seconds) known = rest;
     known.visits = visits;
     known.repeat_N = repeat_N;
@@ -97,9 +96,9 @@ std::string Text(const Vector3& v, double scale) {
 
 // How well a fit explains one posture.
 struct PostureResidual {
-  std::array<double, 7> q{};   // [rad]
+  std::array<double, 7> q{};  // [rad]
   double begin_s{0.0};
-  double off{0.0};             // [N] or [m]
+  double off{0.0};  // [N] or [m]
   int visits{1};
   double repeat_N{0.0};
 };
@@ -131,7 +130,8 @@ std::vector<PostureResidual> PayloadResiduals(const control::PayloadFit& fit,
   return list;
 }
 
-std::vector<PostureResidual> PivotResiduals(const control::PivotFit& fit, const std::vector<RestingPose>& rests,
+std::vector<PostureResidual> PivotResiduals(const control::PivotFit& fit,
+                                            const std::vector<RestingPose>& rests,
                                             const std::vector<Pose>& X_WF) {
   std::vector<PostureResidual> list;
   for (std::size_t i = 0; i < rests.size(); ++i)
@@ -171,8 +171,8 @@ CalibrationEntry EntryOf(const Result& result) {
                                               .bias_N = payload->bias_S.f,
                                               .residual_N = payload->residual_N};
   if (const auto& pivot = result.pivot)
-    entry.apex = CalibrationEntry::Apex{
-        .p_FT_m = pivot->p_FT_m, .sd_m = pivot->sd_m, .residual_m = pivot->residual_m};
+    entry.apex =
+        CalibrationEntry::Apex{.p_FT_m = pivot->p_FT_m, .sd_m = pivot->sd_m, .residual_m = pivot->residual_m};
   return entry;
 }
 
@@ -235,7 +235,8 @@ nlohmann::ordered_json ToJson(const Result& result, const CalibrateOptions& opti
 std::string ByPosture(const std::vector<PostureResidual>& residuals, const char* unit, double scale) {
   std::string text;
   for (const PostureResidual& at : residuals)
-    text += fmt::format("{}{:.3f} {} at {:.1f} s", text.empty() ? "" : ", ", at.off / scale, unit, at.begin_s);
+    text +=
+        fmt::format("{}{:.3f} {} at {:.1f} s", text.empty() ? "" : ", ", at.off / scale, unit, at.begin_s);
   return text;
 }
 

@@ -36,8 +36,8 @@ struct RestingPose {
 [[nodiscard]] std::vector<RestingPose> FindRestingPoses(const std::vector<control::TickRecord>& ticks);
 
 /// Runs `osteon calibrate CELL.yaml`: identifies what hangs on the flange from recorded poses. Prints a table
-/// and writes `out`, which the cell's file names as its `calibration`. States the residual of each posture and the
-/// repeatability of postures that were visited again, appends the result to the history beside `out`
+/// and writes `out`, which the cell's file names as its `calibration`. States the residual of each posture
+/// and the repeatability of postures that were visited again, appends the result to the history beside `out`
 /// (calibration_history.h), and warns of drift.
 /// @returns the process's exit code: 0; 1 if the poses do not determine the result; 2 bad input.
 [[nodiscard]] int RunCalibrate(const CalibrateOptions& options);

@@ -72,15 +72,16 @@ void Compare(const CalibrationEntry& before, const CalibrationEntry& now, std::v
       add("the payload's mass has drifted", b.mass_kg, a.mass_kg, "kg");
     const double center_m = (b.center_F_m - a.center_F_m).norm(), bias_N = (b.bias_N - a.bias_N).norm();
     if (Differs(center_m, kCenter_m, a.center_sd_m, b.center_sd_m))
-      drift.push_back(fmt::format("the payload's centre has drifted by {:.2f} mm since {}", 1e3 * center_m,
-                                  before.time));
+      drift.push_back(
+          fmt::format("the payload's centre has drifted by {:.2f} mm since {}", 1e3 * center_m, before.time));
     if (Differs(bias_N, kBias_N, a.residual_N, b.residual_N))
       drift.push_back(fmt::format("the sensor's bias has drifted by {:.2f} N since {}", bias_N, before.time));
   }
   if (now.apex && before.apex) {
     const double apex_m = (now.apex->p_FT_m - before.apex->p_FT_m).norm();
     if (Differs(apex_m, kApex_m, before.apex->sd_m, now.apex->sd_m))
-      drift.push_back(fmt::format("the tool's apex has drifted by {:.2f} mm since {}", 1e3 * apex_m, before.time));
+      drift.push_back(
+          fmt::format("the tool's apex has drifted by {:.2f} mm since {}", 1e3 * apex_m, before.time));
   }
 }
 
@@ -100,15 +101,17 @@ tl::expected<std::vector<CalibrationEntry>, std::string> ReadHistory(const std::
     try {
       history.push_back(EntryFrom(nlohmann::json::parse(line)));
     } catch (const nlohmann::json::exception& error) {
-      return tl::unexpected(fmt::format("{}:{}: found a line that is no calibration ({}), accepted what `osteon "
-                                        "calibrate` appended: correct the line, or move the file away",
-                                        file.string(), number, error.what()));
+      return tl::unexpected(
+          fmt::format("{}:{}: found a line that is no calibration ({}), accepted what `osteon "
+                      "calibrate` appended: correct the line, or move the file away",
+                      file.string(), number, error.what()));
     }
   }
   return history;
 }
 
-tl::expected<void, std::string> AppendHistory(const std::filesystem::path& file, const CalibrationEntry& entry) {
+tl::expected<void, std::string> AppendHistory(const std::filesystem::path& file,
+                                              const CalibrationEntry& entry) {
   std::ofstream out(file, std::ios::app);
   out << JsonOf(entry).dump() << '\n';
   out.flush();
@@ -116,8 +119,9 @@ tl::expected<void, std::string> AppendHistory(const std::filesystem::path& file,
   return {};
 }
 
-std::vector<std::string> DriftSince(const std::vector<CalibrationEntry>& history, const CalibrationEntry& now) {
-  const auto find = [&](auto begin, auto end, auto member) { 
+std::vector<std::string> DriftSince(const std::vector<CalibrationEntry>& history,
+                                    const CalibrationEntry& now) {
+  const auto find = [&](auto begin, auto end, auto member) {
     return std::find_if(begin, end, [&](const CalibrationEntry& e) { return (e.*member).has_value(); });
   };
   std::vector<std::string> drift;

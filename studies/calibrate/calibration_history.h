@@ -34,7 +34,8 @@ struct CalibrationEntry {
 /// The history's file beside an overlay: my_calibration.yaml has my_calibration.history.jsonl.
 [[nodiscard]] std::filesystem::path HistoryFile(const std::filesystem::path& overlay);
 
-/// Reads a history, one JSON object a line; empty if there is no file. The error names file, line and what is accepted.
+/// Reads a history, one JSON object a line; empty if there is no file. The error names file, line and what is
+/// accepted.
 [[nodiscard]] tl::expected<std::vector<CalibrationEntry>, std::string> ReadHistory(
     const std::filesystem::path& file);
 
@@ -42,9 +43,9 @@ struct CalibrationEntry {
 [[nodiscard]] tl::expected<void, std::string> AppendHistory(const std::filesystem::path& file,
                                                             const CalibrationEntry& entry);
 
-/// Sentences on what differs from the latest and from the first earlier calibration of the same quantity by more than
-/// both fits explain: over three standard deviations, and over 20 g, 1 mm of the centre, 0.5 N of bias or 0.1 mm of
-/// the apex.
+/// Sentences on what differs from the latest and from the first earlier calibration of the same quantity by
+/// more than both fits explain: over three standard deviations, and over 20 g, 1 mm of the centre, 0.5 N of
+/// bias or 0.1 mm of the apex.
 [[nodiscard]] std::vector<std::string> DriftSince(const std::vector<CalibrationEntry>& history,
                                                   const CalibrationEntry& now);
 

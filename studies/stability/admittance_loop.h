@@ -31,7 +31,8 @@ struct AdmittanceLoopParams {
   double mass_kg{3.0};            ///< m_v
   double damping_Ns_per_m{20.0};  ///< b_v
   LoopWall wall{};
-  ServoArmParams arm{};  ///< bandwidth, damping ratio, and the command's dead time from the tick that sends it
+  ServoArmParams
+      arm{};  ///< bandwidth, damping ratio, and the command's dead time from the tick that sends it
   double felt_mass_kg{0.0};  ///< M: mass by which the hand's force moves the arm (LoopArm); 0: it does not
   int sensor_delay{1};       ///< df [ticks]: from the hand's force to the law's input
   double tool_mass_kg{0.0};  ///< m_t: the load of the sensor; its inertia feels like more hand mass
@@ -60,8 +61,8 @@ class AdmittanceLoop {
  public:
   explicit AdmittanceLoop(const AdmittanceLoopParams& params);
 
-  /// Size of the state: x_c now and before, x_r, x_r', x_r' a period ago, v, earlier felt forces; with inertia
-  /// compensation also the previous x_r and its filtered velocity and acceleration.
+  /// Size of the state: x_c now and before, x_r, x_r', x_r' a period ago, v, earlier felt forces; with
+  /// inertia compensation also the previous x_r and its filtered velocity and acceleration.
   [[nodiscard]] int size() const { return motion_ + (params_.inertia_share > 0.0 ? 3 : 0); }
   [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
   [[nodiscard]] Eigen::MatrixXd Matrix() const;
@@ -69,7 +70,7 @@ class AdmittanceLoop {
 
  private:
   AdmittanceLoopParams params_;
-  double command_gain_;              // of the arm that the hand moves aside
+  double command_gain_;  // of the arm that the hand moves aside
   LoopArm linear_arm_;
   int arm_, speed_, felt_, motion_;  // their first indices in the state
 };

@@ -44,8 +44,8 @@ Eigen::Matrix2d StiffnessOf(control::GuidanceParams guidance) {
 
 }  // namespace
 
-// State: poses aside now and earlier, the arm's x, x' and x' a period ago, the tool's v; the same of the tilt;
-// earlier felt forces of the hand.
+// State: poses aside now and earlier, the arm's x, x' and x' a period ago, the tool's v; the same of the
+// tilt; earlier felt forces of the hand.
 GuidedLoop::GuidedLoop(const GuidedLoopParams& params)
     : params_(params),
       linear_arm_(LinearArm(params.arm, params.period_s)),

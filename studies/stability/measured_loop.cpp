@@ -23,7 +23,8 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 Complex ResponseOf(const LoopArm& arm, const ResponseModel& model, double hz) {
   const Complex z = std::polar(1.0, kTwoPi * hz * model.period_s);
-  const Eigen::Matrix2cd from_state = z * Eigen::Matrix2cd::Identity() - arm.step.leftCols<2>().cast<Complex>();
+  const Eigen::Matrix2cd from_state =
+      z * Eigen::Matrix2cd::Identity() - arm.step.leftCols<2>().cast<Complex>();
   const Eigen::Vector2cd told = arm.step.col(3).cast<Complex>() + arm.step.col(2).cast<Complex>() / z;
   const Eigen::Vector2cd motion = from_state.inverse() * told;
   Complex response = motion[0] * std::pow(z, -arm.whole) * std::polar(1.0, -kTwoPi * hz * model.delay_s);
@@ -37,9 +38,9 @@ Complex ResponseOf(const LoopArm& arm, const ResponseModel& model, double hz) {
 // Linear step of law and wall: state (x_c now and earlier, v), input force.
 Eigen::VectorXd StepLaw(const AdmittanceLoopParams& params, const Eigen::VectorXd& s, double force_N) {
   const int poses = static_cast<int>(s.size()) - 1, age = params.wall.age_ticks;
-  const double wall_N = -params.wall.stiffness_N_per_m * s[age] -
-                        params.wall.damping_Ns_per_m *
-                            (age == 0 ? s[poses] : (s[age] - s[age + 1]) / params.period_s);
+  const double wall_N =
+      -params.wall.stiffness_N_per_m * s[age] -
+      params.wall.damping_Ns_per_m * (age == 0 ? s[poses] : (s[age] - s[age + 1]) / params.period_s);
   control::AdmittanceParams law;
   law.mass_kg.z() = params.mass_kg;
   law.damping_Ns_per_m.z() = params.damping_Ns_per_m;
@@ -67,14 +68,15 @@ std::vector<NyquistPoint> WithoutHand(const MeasuredResponse& response, const Me
   std::vector<NyquistPoint> curve;
   curve.reserve(response.grid().size());
   for (const MeasuredResponse::Point& at : response.grid())
-    curve.push_back({.hz = at.hz,
-                     .loop = law.At(at.z) * std::polar(1.0, -kTwoPi * at.hz * params.sensor_delay_s) * at.value,
-                     .radius = k95 * at.share});
+    curve.push_back(
+        {.hz = at.hz,
+         .loop = law.At(at.z) * std::polar(1.0, -kTwoPi * at.hz * params.sensor_delay_s) * at.value,
+         .radius = k95 * at.share});
   return curve;
 }
 
-// Unstable poles of the closed loop. The contour runs along the unit circle and outside of 1; at its start the
-// loop's angle is the principal one.
+// Unstable poles of the closed loop. The contour runs along the unit circle and outside of 1; at its start
+// the loop's angle is the principal one.
 int UnstablePoles(const std::vector<NyquistPoint>& curve, int unstable_law) {
   double angle = std::arg(1.0 + curve.front().loop);
   for (std::size_t i = 1; i < curve.size(); ++i)
@@ -224,7 +226,8 @@ bool AreAllStable(const MeasuredResponse& response, const MeasuredLoopParams& pa
   const std::vector<NyquistPoint> without = WithoutHand(response, params, law);
   std::vector<NyquistPoint> curve = without;
   for (const GridHand& hand : hands) {
-    for (std::size_t i = 0; i < curve.size(); ++i) curve[i].loop = without[i].loop * HandAt(hand, without[i].hz);
+    for (std::size_t i = 0; i < curve.size(); ++i)
+      curve[i].loop = without[i].loop * HandAt(hand, without[i].hz);
     if (UnstablePoles(curve, law.unstable()) != 0) return false;
   }
   return true;

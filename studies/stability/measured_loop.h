@@ -33,12 +33,13 @@ struct ResponseModel {
   double period_s{0.001};
 };
 
-/// The pose of a ServoArm as it is measured, over the command of the tick that answers the measurement, exact for
-/// a held command: the dead time is in it. `hz` in (0, 1 / 2 T].
+/// The pose of a ServoArm as it is measured, over the command of the tick that answers the measurement, exact
+/// for a held command: the dead time is in it. `hz` in (0, 1 / 2 T].
 [[nodiscard]] std::complex<double> ModelResponse(const ResponseModel& model, double hz);
 
-/// A response that is known at lines, between them and beyond: the measured over the model's response, smoothed
-/// over 0.35 octave with weights 1 / sd^2, times the model's. Beyond the lines the ratio of the nearest counts.
+/// A response that is known at lines, between them and beyond: the measured over the model's response,
+/// smoothed over 0.35 octave with weights 1 / sd^2, times the model's. Beyond the lines the ratio of the
+/// nearest counts.
 class MeasuredResponse {
  public:
   /// @param lines  by rising frequency, at least two
@@ -73,8 +74,8 @@ class MeasuredResponse {
   std::vector<Point> grid_;
 };
 
-/// What the law makes of a force: commands by force, in z. The shipped StepAdmittance with the wall of `params`,
-/// which must be evaluated on commanded poses.
+/// What the law makes of a force: commands by force, in z. The shipped StepAdmittance with the wall of
+/// `params`, which must be evaluated on commanded poses.
 class LawResponse {
  public:
   explicit LawResponse(const AdmittanceLoopParams& params);
@@ -90,18 +91,19 @@ class LawResponse {
   int unstable_{0};
 };
 
-/// The judgement of a loop by its measured response. Each margin has the radius within which it lies with 95 %.
+/// The judgement of a loop by its measured response. Each margin has the radius within which it lies with 95
+/// %.
 struct LoopMargins {
   bool stable{false};
-  int unstable_poles{0};    ///< of the closed loop, by the encirclements of -1
-  double gain{0.0};         ///< factor on the loop at which it becomes unstable; infinite: none
+  int unstable_poles{0};  ///< of the closed loop, by the encirclements of -1
+  double gain{0.0};       ///< factor on the loop at which it becomes unstable; infinite: none
   double gain_radius{0.0};
-  double phase_deg{0.0};    ///< at the crossings of |L| = 1; 180: none
+  double phase_deg{0.0};  ///< at the crossings of |L| = 1; 180: none
   double phase_radius_deg{0.0};
-  double modulus{0.0};      ///< least |1 + L|
+  double modulus{0.0};  ///< least |1 + L|
   double modulus_radius{0.0};
-  double modulus_hz{0.0};   ///< where it is
-  bool robust{false};       ///< stable, and no disc of 95 % holds -1
+  double modulus_hz{0.0};  ///< where it is
+  bool robust{false};      ///< stable, and no disc of 95 % holds -1
 };
 
 /// A point of the Nyquist curve.
@@ -114,7 +116,8 @@ struct NyquistPoint {
 /// A hand's loop. The hand and the virtual tool are those of `params`, whose arm and felt mass are not used.
 struct MeasuredLoopParams {
   AdmittanceLoopParams loop;
-  /// From the pose as measured to the force as read [s]; 0 where the response was measured by the force sensor.
+  /// From the pose as measured to the force as read [s]; 0 where the response was measured by the force
+  /// sensor.
   double sensor_delay_s{0.0};
 };
 
@@ -125,7 +128,8 @@ struct MeasuredLoopParams {
                                                      const MeasuredLoopParams& params);
 
 /// Judges the loop: encirclements first, then the margins.
-[[nodiscard]] LoopMargins JudgeMeasuredLoop(const MeasuredResponse& response, const MeasuredLoopParams& params);
+[[nodiscard]] LoopMargins JudgeMeasuredLoop(const MeasuredResponse& response,
+                                            const MeasuredLoopParams& params);
 /// Whether it is stable with each of these hands in the place of that of `params`.
 [[nodiscard]] bool AreAllStable(const MeasuredResponse& response, const MeasuredLoopParams& params,
                                 std::span<const GridHand> hands);

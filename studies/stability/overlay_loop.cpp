@@ -17,7 +17,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Joints = kinematics::JointVectorN<7>;
 using Chain = kinematics::SerialChain<7>;
 
-constexpr double kLever2_m2 = 0.1 * 0.1;  // of a grip, as OperatorWith has it
+constexpr double kLever2_m2 = 0.1 * 0.1;                   // of a grip, as OperatorWith has it
 constexpr double kNullShare = 0.1, kNullDamping_m = 1e-3;  // of DynamicArm
 constexpr double kPreload_N = 20.0, kPush_N = 1.0, kPush_s = 0.01;
 
@@ -126,13 +126,15 @@ OverlayLoop::OverlayLoop(const OverlayLoopParams& params) : params_(params) {
   damping_ = Turned(X_BT.linear(), params.law.damping_Ns_per_m, params.law.damping_Nms_per_rad);
   hand_k_ = OfTwist(params.hand.stiffness_N_per_m, kLever2_m2 * params.hand.stiffness_N_per_m);
   hand_b_ = OfTwist(params.hand.damping_Ns_per_m, kLever2_m2 * params.hand.damping_Ns_per_m);
-  // q, qd; equilibrium; pose a tick ago; filtered velocity; torques on their way; depths a tick ago and earlier
+  // q, qd; equilibrium; pose a tick ago; filtered velocity; torques on their way; depths a tick ago and
+  // earlier
   size_ = 14 + 7 + 6 + 6 + 7 * own.dead_cycles + params.wall.age_ticks;
 }
 
 Eigen::VectorXd OverlayLoop::Step(const Eigen::VectorXd& s) const {
   const int dead = params_.arm.dead_cycles, age = params_.wall.age_ticks;
-  const int equilibrium_at = 14, before_at = 21, velocity_at = 27, sent_at = 33, depth_at = sent_at + 7 * dead;
+  const int equilibrium_at = 14, before_at = 21, velocity_at = 27, sent_at = 33,
+            depth_at = sent_at + 7 * dead;
   const double T = params_.period_s;
   const Eigen::Matrix<double, 7, 1> q = s.head<7>(), qd = s.segment<7>(7);
   const Vector6 pose = J_ * q;
@@ -178,7 +180,8 @@ class OverlayRun {
       : params_(params),
         loaded_(WithHand(params)),
         chain_(loaded_.chain, params.gravity_B),
-        arm_(loaded_.arm, loaded_.chain, params.gravity_B, params.X_FT.translation(), params.period_s, params.q),
+        arm_(loaded_.arm, loaded_.chain, params.gravity_B, params.X_FT.translation(), params.period_s,
+             params.q),
         twist_(params.law.twist_filter_s),
         X_rest_(chain_.FlangePose(params.q) * params.X_FT),
         preload_N_(params.wall.stiffness_N_per_m > 0.0 ? kPreload_N : 0.0) {
@@ -240,7 +243,8 @@ class OverlayRun {
     const auto now = static_cast<rt::Nanoseconds>(std::llround(1e9 * params_.period_s * tick_));
     plane_.pose_stamp = now;
     plane_.frame = static_cast<std::uint64_t>(tick_);
-    return control::EvaluateCoupling(coupling_, plane_, past_.back(), {}, now, false, coupling_state_).F_T_W.f;
+    return control::EvaluateCoupling(coupling_, plane_, past_.back(), {}, now, false, coupling_state_)
+        .F_T_W.f;
   }
 
   OverlayLoopParams params_;

@@ -7,8 +7,8 @@
 #include "hil/operator/hand_grid.h"
 #include "studies/stability/admittance_loop.h"
 
-// The loop of the impedance law: a hand holds an arm that carries itself, and a wrench or torques are laid over its
-// own controller.
+// The loop of the impedance law: a hand holds an arm that carries itself, and a wrench or torques are laid
+// over its own controller.
 //
 //     hand ── k, b, m ── arm with masses, its own impedance ◀── dead time ◀── wall K, damping D of the law
 //      └──────────── measured pose and its filtered velocity ────────────────────┘
@@ -24,12 +24,13 @@ struct OverlayLoopParams {
   bool torque{false};  ///< joint impedance with torques over it; else Cartesian impedance and a wrench
   control::ImpedanceParams law;
   GridHand hand{"firm", 500.0, 20.0, 1.5};  ///< isotropic at the tool, with OperatorWith's lever of a grip
-  LoopWall wall;  ///< across z of the tool, on the measured pose, age_ticks samples old; `on` is not used
+  LoopWall wall{};  ///< across z of the tool, on the measured pose, age_ticks samples old; `on` is not used
   double period_s{0.001};
 };
 
-/// The linear loop at the posture, without friction. The arm's equations are those that dynamic_arm.h documents, from
-/// the chain's mass matrix and Jacobian; hand and overlay are held for a period, as in the simulation.
+/// The linear loop at the posture, without friction. The arm's equations are those that dynamic_arm.h
+/// documents, from the chain's mass matrix and Jacobian; hand and overlay are held for a period, as in the
+/// simulation.
 class OverlayLoop {
  public:
   explicit OverlayLoop(const OverlayLoopParams& params);
@@ -45,11 +46,11 @@ class OverlayLoop {
   [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
 
   OverlayLoopParams params_;
-  Matrix6x7 J_;                           // of the tool, in B
-  Eigen::Matrix<double, 7, 7> follow_;    // torque of the arm's own springs by their equilibrium
-  Eigen::Matrix<double, 14, 14> free_;    // (q, qd) over a period, without input
-  Eigen::Matrix<double, 14, 7> forced_;   // (q, qd) after a period by a held torque
-  Eigen::Matrix<double, 6, 6> damping_;   // of the law, in B
+  Matrix6x7 J_;                          // of the tool, in B
+  Eigen::Matrix<double, 7, 7> follow_;   // torque of the arm's own springs by their equilibrium
+  Eigen::Matrix<double, 14, 14> free_;   // (q, qd) over a period, without input
+  Eigen::Matrix<double, 14, 7> forced_;  // (q, qd) after a period by a held torque
+  Eigen::Matrix<double, 6, 6> damping_;  // of the law, in B
   Eigen::Matrix<double, 6, 6> hand_k_, hand_b_;
   Vector3 axis_B_;
   double mass_kg_{0.0};
@@ -63,8 +64,8 @@ struct LoadedArm {
 };
 [[nodiscard]] LoadedArm WithHand(const OverlayLoopParams& params);
 
-/// The same in time: the shipped DynamicArm, EvaluateCoupling, MeasuredTwist and DampingWrench, pressed on the wall
-/// with 20 N, after a push of 1 N for 10 ms.
+/// The same in time: the shipped DynamicArm, EvaluateCoupling, MeasuredTwist and DampingWrench, pressed on
+/// the wall with 20 N, after a push of 1 N for 10 ms.
 /// @returns whether the motion along the wall's normal grows
 [[nodiscard]] bool OverlayGrows(const OverlayLoopParams& params, double seconds = 1.5);
 

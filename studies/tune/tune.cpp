@@ -329,8 +329,9 @@ tl::expected<void, std::string> SetDelays(const TuneOptions& options, TuneTask& 
   }
   const double most = hil::ServoArm::kMaxDeadCycles - task.loop.arm.dead_cycles;
   if (task.command_jitter > most)
-    return tl::unexpected(fmt::format("--jitter-ms: found {:g}, accepted at most {:g} with the arm's dead time",
-                                      1e3 * task.command_jitter * period_s, 1e3 * period_s * std::floor(most)));
+    return tl::unexpected(
+        fmt::format("--jitter-ms: found {:g}, accepted at most {:g} with the arm's dead time",
+                    1e3 * task.command_jitter * period_s, 1e3 * period_s * std::floor(most)));
   return {};
 }
 
@@ -344,8 +345,9 @@ tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const
     return tl::unexpected(fmt::format("--grip: found {:g}, accepted at most --stiffest-grip ({:g})",
                                       options.human_grip_N_per_m, options.stiffest_grip_N_per_m));
   if (task.measured_only && !task.response)
-    return tl::unexpected(std::string("identified: found a structure without a response by the force sensor, "
-                                      "accepted one: the arm's model alone does not have it"));
+    return tl::unexpected(
+        std::string("identified: found a structure without a response by the force sensor, "
+                    "accepted one: the arm's model alone does not have it"));
   task.worst_age_s = 1e-3 * options.worst_age_ms;
   task.margin = options.margin;
   if (options.loss) task.command_loss = *options.loss;
@@ -382,7 +384,8 @@ int Run(const TuneOptions& options) {
   const auto task = TaskOf(cell, options);
   if (!task) return Fail("tune", task.error());
   if (task->measured_only && (options.sharding.shard || options.sharding.parts != nullptr))
-    return Fail("tune", "--shard: found with an identified structure, accepted without: it is judged in one piece");
+    return Fail("tune",
+                "--shard: found with an identified structure, accepted without: it is judged in one piece");
 
   TuneResult result;
   result.cell = options.cell.stem().string();
@@ -421,7 +424,8 @@ int Run(const TuneOptions& options) {
   result.computed = cache.computed();
   AddMargins(result);
 
-  if (const auto written = WriteTuning(result, options); !written) return Fail("tune", written.error(), kFailed);
+  if (const auto written = WriteTuning(result, options); !written)
+    return Fail("tune", written.error(), kFailed);
   const Verdict verdict = Judge(result);
   PrintVerdict(verdict, 26);
   for (const SummaryRow& row : Rows(result)) fmt::print("  {:<26} {}\n", row.key, row.value);

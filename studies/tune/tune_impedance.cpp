@@ -38,20 +38,20 @@ struct OverlayBoundary {
 
 struct OverlayCheck {
   std::size_t runs{0};
-  std::vector<std::string> grew;
+  std::vector<std::string> grew{};
 };
 
 struct OverlayTuning {
   std::string cell;
   TuneTask task;
   hil::OverlayLoopParams loop;
-  std::vector<hil::GridHand> hands;
-  double mass_kg{0.0};             // of the tool along its axis
-  double own_margin{0.0};          // 0: not stable with all
+  std::vector<hil::GridHand> hands{};
+  double mass_kg{0.0};               // of the tool along its axis
+  double own_margin{0.0};            // 0: not stable with all
   double recommended_Ns_per_m{0.0};  // 0: none
   double recommended_N_per_m{0.0}, recommended_margin{0.0};
-  std::vector<OverlayBoundary> boundary;
-  OverlayCheck check;
+  std::vector<OverlayBoundary> boundary{};
+  OverlayCheck check{};
   [[nodiscard]] bool Stands() const { return recommended_Ns_per_m > 0.0; }
   [[nodiscard]] double own_damping() const { return loop.law.damping_Ns_per_m.z(); }
 };
@@ -69,7 +69,8 @@ hil::OverlayLoopParams LoopOf(const config::CellConfig& cell) {
   return loop;
 }
 
-hil::OverlayLoopParams With(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand, double gain) {
+hil::OverlayLoopParams With(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
+                            double gain) {
   hil::OverlayLoopParams loop = t.loop;
   // all three axes alike, as their ratio in the cell is
   loop.law.damping_Ns_per_m *= damping_Ns_per_m / std::max(1e-9, t.own_damping());
@@ -77,12 +78,13 @@ hil::OverlayLoopParams With(const OverlayTuning& t, double damping_Ns_per_m, con
   return loop;
 }
 
-bool Stable(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand, const hil::LoopWall& wall,
-            double gain) {
+bool Stable(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
+            const hil::LoopWall& wall, double gain) {
   hil::OverlayLoopParams loop = With(t, damping_Ns_per_m, hand, gain);
   loop.wall = wall;
   loop.wall.stiffness_N_per_m *= gain;
-  loop.arm.dead_cycles = std::min(loop.arm.dead_cycles + t.task.command_jitter, hil::DynamicArm::kMaxDeadCycles);
+  loop.arm.dead_cycles =
+      std::min(loop.arm.dead_cycles + t.task.command_jitter, hil::DynamicArm::kMaxDeadCycles);
   return hil::OverlayLoop(loop).IsStable();
 }
 
@@ -102,8 +104,8 @@ double MarginOf(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_p
       .value;
 }
 
-// The least damping with which a wall stands at gain 1 and at the margin; 0: none. Scanned upward: too much damping
-// is unstable by its own delay.
+// The least damping with which a wall stands at gain 1 and at the margin; 0: none. Scanned upward: too much
+// damping is unstable by its own delay.
 double LeastDamping(const OverlayTuning& t, double wall_N_per_m) {
   const auto stands = [&](double damping) {
     return StandsAll(t, damping, wall_N_per_m, t.task.margin) && StandsAll(t, damping, wall_N_per_m, 1.0);
@@ -198,8 +200,9 @@ void StudyAll(const TuneOptions& options, PhaseProgress& progress, OverlayTuning
       t.boundary.size(), options.threads,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end && !Interrupted(); ++i)
-          t.boundary[i] = BoundaryAt(t, kMinDamping * std::pow(kMaxDamping / kMinDamping,
-                                                               static_cast<double>(i) / (options.dampings - 1)));
+          t.boundary[i] =
+              BoundaryAt(t, kMinDamping * std::pow(kMaxDamping / kMinDamping,
+                                                   static_cast<double>(i) / (options.dampings - 1)));
       },
       1);
   progress.BeginPhase("the recommended gains, run in time");
@@ -213,30 +216,35 @@ Verdict Judge(const OverlayTuning& t) {
     return verdict;
   }
   if (!t.check.grew.empty())
-    verdict.Add(VerdictLevel::kBad, fmt::format("run in time with the recommended gains, {} of {} runs grew: {}",
-                                                t.check.grew.size(), t.check.runs, fmt::join(t.check.grew, "; ")));
+    verdict.Add(VerdictLevel::kBad,
+                fmt::format("run in time with the recommended gains, {} of {} runs grew: {}",
+                            t.check.grew.size(), t.check.runs, fmt::join(t.check.grew, "; ")));
   if (t.recommended_N_per_m < t.task.wall_N_per_m)
     verdict.Add(VerdictLevel::kWarning,
                 fmt::format("the cell's coupling of {:g} N/mm stands with no damping, {:.3g} N/mm does",
                             1e-3 * t.task.wall_N_per_m, 1e-3 * t.recommended_N_per_m));
   if (!(t.own_margin >= t.task.margin))
-    verdict.Add(VerdictLevel::kWarning,
-                t.own_margin > 0.0
-                    ? fmt::format("the cell's own gains have a gain margin of {:.2f}, {:g} asked for", t.own_margin,
-                                  t.task.margin)
-                    : std::string("the cell's own gains are not stable with all of these hands and contacts"));
+    verdict.Add(
+        VerdictLevel::kWarning,
+        t.own_margin > 0.0
+            ? fmt::format("the cell's own gains have a gain margin of {:.2f}, {:g} asked for", t.own_margin,
+                          t.task.margin)
+            : std::string("the cell's own gains are not stable with all of these hands and contacts"));
   return verdict;
 }
 
 std::vector<SummaryRow> Rows(const OverlayTuning& t) {
   const TuneTask& task = t.task;
   std::vector<SummaryRow> rows{
-      {"Cell", fmt::format("{}: impedance law, overlay of {}, {:g} ms dead time, {:.2f} kg along the tool without the "
-                           "hand, period {:g} ms",
-                           t.cell, t.loop.torque ? "torques" : "a wrench",
-                           1e3 * t.loop.arm.dead_cycles * t.loop.period_s, t.mass_kg, 1e3 * t.loop.period_s)},
+      {"Cell",
+       fmt::format(
+           "{}: impedance law, overlay of {}, {:g} ms dead time, {:.2f} kg along the tool without the "
+           "hand, period {:g} ms",
+           t.cell, t.loop.torque ? "torques" : "a wrench", 1e3 * t.loop.arm.dead_cycles * t.loop.period_s,
+           t.mass_kg, 1e3 * t.loop.period_s)},
       {"Must be stable with",
-       fmt::format("hands up to {:g} N/m, free and at a wall of {:g} N/mm; planes that move with {:.1f} N/mm, {:g} ms "
+       fmt::format("hands up to {:g} N/m, free and at a wall of {:g} N/mm; planes that move with {:.1f} "
+                   "N/mm, {:g} ms "
                    "old; {:g} ms jitter; gain margin {:g}",
                    task.human_grip_N_per_m, 1e-3 * task.wall_N_per_m, 1e-3 * task.plane_N_per_m,
                    1e3 * task.worst_age_s, 1e3 * task.command_jitter * t.loop.period_s, task.margin)},
@@ -244,22 +252,24 @@ std::vector<SummaryRow> Rows(const OverlayTuning& t) {
        fmt::format("coupling {:g} N/mm, damping {:.0f} N s/m: {}", 1e-3 * task.wall_N_per_m, t.own_damping(),
                    t.own_margin > 0.0 ? fmt::format("gain margin {:.2f}", t.own_margin)
                                       : std::string("not stable with all of these"))},
-      {"Recommended", t.Stands() ? fmt::format("coupling {:.3g} N/mm, damping {:.0f} N s/m, gain margin {:.2f}",
-                                               1e-3 * t.recommended_N_per_m, t.recommended_Ns_per_m,
-                                               t.recommended_margin)
-                                 : std::string("none")}};
+      {"Recommended",
+       t.Stands() ? fmt::format("coupling {:.3g} N/mm, damping {:.0f} N s/m, gain margin {:.2f}",
+                                1e-3 * t.recommended_N_per_m, t.recommended_Ns_per_m, t.recommended_margin)
+                  : std::string("none")}};
   if (t.check.runs > 0)
     rows.push_back({"Simulated", t.check.grew.empty()
                                      ? fmt::format("{} runs of the arm with masses; none grew", t.check.runs)
-                                     : fmt::format("in {} of {} runs it grew: {}", t.check.grew.size(), t.check.runs,
-                                                   fmt::join(t.check.grew, "; "))});
+                                     : fmt::format("in {} of {} runs it grew: {}", t.check.grew.size(),
+                                                   t.check.runs, fmt::join(t.check.grew, "; "))});
   return rows;
 }
 
 std::string GainsYaml(const OverlayTuning& t, const std::string& command_line) {
   return fmt::format(
-      "# {}\n# Stands hands up to {:g} N/m with gain margin {:.2f}. For: osteon run CELL.yaml --gains THIS_FILE\n"
-      "# The law's damping is a key of the cell: impedance: damping_Ns_per_m: [{b:.10g}, {b:.10g}, {b:.10g}]\n"
+      "# {}\n# Stands hands up to {:g} N/m with gain margin {:.2f}. For: osteon run CELL.yaml --gains "
+      "THIS_FILE\n"
+      "# The law's damping is a key of the cell: impedance: damping_Ns_per_m: [{b:.10g}, {b:.10g}, "
+      "{b:.10g}]\n"
       "coupling:\n  stiffness_N_per_mm: {:.10g}\n",
       command_line, t.task.human_grip_N_per_m, t.recommended_margin, 1e-3 * t.recommended_N_per_m,
       fmt::arg("b", t.recommended_Ns_per_m));
@@ -267,29 +277,30 @@ std::string GainsYaml(const OverlayTuning& t, const std::string& command_line) {
 
 std::string ToJson(const OverlayTuning& t, const std::string& command_line) {
   const TuneTask& task = t.task;
-  nlohmann::json json{
-      {"schema", "osteon.tune/1"},
-      {"subcommand", "tune"},
-      {"command_line", command_line},
-      {"cell", t.cell},
-      {"law", "impedance"},
-      {"arm",
-       {{"mass_kg", t.mass_kg},
-        {"dead_cycles", t.loop.arm.dead_cycles},
-        {"overlay", t.loop.torque ? "torque" : "wrench"},
-        {"period_ms", 1e3 * t.loop.period_s}}},
-      {"stands",
-       {{"grip_N_per_m", task.human_grip_N_per_m},
-        {"wall_N_per_m", task.wall_N_per_m},
-        {"plane_N_per_m", task.plane_N_per_m},
-        {"worst_age_ms", 1e3 * task.worst_age_s},
-        {"jitter_ms", 1e3 * task.command_jitter * t.loop.period_s}}},
-      {"margin", task.margin},
-      {"own",
-       {{"damping_Ns_per_m", t.own_damping()}, {"stiffness_N_per_m", task.wall_N_per_m}, {"margin", t.own_margin}}},
-      {"recommended", nullptr},
-      {"boundary", nlohmann::json::array()},
-      {"check", {{"runs", t.check.runs}, {"grew", t.check.grew}}}};
+  nlohmann::json json{{"schema", "osteon.tune/1"},
+                      {"subcommand", "tune"},
+                      {"command_line", command_line},
+                      {"cell", t.cell},
+                      {"law", "impedance"},
+                      {"arm",
+                       {{"mass_kg", t.mass_kg},
+                        {"dead_cycles", t.loop.arm.dead_cycles},
+                        {"overlay", t.loop.torque ? "torque" : "wrench"},
+                        {"period_ms", 1e3 * t.loop.period_s}}},
+                      {"stands",
+                       {{"grip_N_per_m", task.human_grip_N_per_m},
+                        {"wall_N_per_m", task.wall_N_per_m},
+                        {"plane_N_per_m", task.plane_N_per_m},
+                        {"worst_age_ms", 1e3 * task.worst_age_s},
+                        {"jitter_ms", 1e3 * task.command_jitter * t.loop.period_s}}},
+                      {"margin", task.margin},
+                      {"own",
+                       {{"damping_Ns_per_m", t.own_damping()},
+                        {"stiffness_N_per_m", task.wall_N_per_m},
+                        {"margin", t.own_margin}}},
+                      {"recommended", nullptr},
+                      {"boundary", nlohmann::json::array()},
+                      {"check", {{"runs", t.check.runs}, {"grew", t.check.grew}}}};
   if (t.Stands())
     json["recommended"] = {{"damping_Ns_per_m", t.recommended_Ns_per_m},
                            {"stiffness_N_per_m", t.recommended_N_per_m},
@@ -343,16 +354,17 @@ ReportVerdict PlainVerdict(const OverlayTuning& t) {
     plain.text = fmt::format("{}: coupling {:.3g} N/mm with damping {:.0f} N s/m",
                              verdict.level == VerdictLevel::kGood ? "Safe" : "Safe, with remarks",
                              1e-3 * t.recommended_N_per_m, t.recommended_Ns_per_m);
-    reasons.push_back(
-        fmt::format("Why: the loop stays stable with every hand up to {:g} N/m, free and at the wall, {:.2f} times as "
-                    "stiff and heavy. The arm's dead time and its own damping are assumed, not measured.",
-                    t.task.human_grip_N_per_m, t.recommended_margin));
+    reasons.push_back(fmt::format(
+        "Why: the loop stays stable with every hand up to {:g} N/m, free and at the wall, {:.2f} times as "
+        "stiff and heavy. The arm's dead time and its own damping are assumed, not measured.",
+        t.task.human_grip_N_per_m, t.recommended_margin));
   }
   for (const std::string& reason : verdict.reasons) reasons.push_back("Remark: " + reason + ".");
-  reasons.push_back(t.Stands() ? fmt::format("Next: run with `osteon run {} --gains gains.yaml`, and set the law's "
-                                             "damping in the cell's file (its comment says how).",
-                                             t.cell)
-                               : std::string("Next: soften the coupling, or ask for less (--grip, --margin)."));
+  reasons.push_back(t.Stands()
+                        ? fmt::format("Next: run with `osteon run {} --gains gains.yaml`, and set the law's "
+                                      "damping in the cell's file (its comment says how).",
+                                      t.cell)
+                        : std::string("Next: soften the coupling, or ask for less (--grip, --margin)."));
   plain.reasons = std::move(reasons);
   return plain;
 }
@@ -362,18 +374,23 @@ tl::expected<void, std::string> Write(const OverlayTuning& t, const TuneOptions&
   if (const auto written = WriteDrawing(svg, options.out / "tune"); !written) return written;
   std::string csv = "damping_Ns_per_m,predicted_N_per_m,simulated_N_per_m\n";
   for (const OverlayBoundary& b : t.boundary)
-    csv += fmt::format("{:.3f},{:.0f},{:.0f}\n", b.damping_Ns_per_m, b.predicted_N_per_m, b.simulated_N_per_m);
+    csv +=
+        fmt::format("{:.3f},{:.0f},{:.0f}\n", b.damping_Ns_per_m, b.predicted_N_per_m, b.simulated_N_per_m);
   if (const auto written = WriteText(options.out / "tune.csv", csv); !written) return written;
   if (const auto written = WriteText(options.out / "tune.json", json); !written) return written;
   if (t.Stands())
-    if (const auto written = WriteText(options.out / "gains.yaml", GainsYaml(t, options.command_line)); !written)
+    if (const auto written = WriteText(options.out / "gains.yaml", GainsYaml(t, options.command_line));
+        !written)
       return written;
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, json); !written) return written;
-  std::string html = PageBegin({.title = "Gains for " + t.cell, .verdict = PlainVerdict(t), .summary = Rows(t)});
-  html += "<h2>How stiff a wall may be</h2>\n" +
-          Figure(svg, "The stiffest wall with the worst hand. Damping beyond the line's right end oscillates by its "
-                      "own delay, whatever the wall.");
+  std::string html =
+      PageBegin({.title = "Gains for " + t.cell, .verdict = PlainVerdict(t), .summary = Rows(t)});
+  html +=
+      "<h2>How stiff a wall may be</h2>\n" +
+      Figure(svg,
+             "The stiffest wall with the worst hand. Damping beyond the line's right end oscillates by its "
+             "own delay, whatever the wall.");
   if (t.Stands())
     html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
             Escape(GainsYaml(t, options.command_line)) + "</pre>\n";
@@ -389,10 +406,12 @@ int RunTuneImpedance(const TuneOptions& options, const config::CellConfig& cell)
   if (!options.plan.empty())
     return Fail("tune", "--plan: found with the impedance law, accepted with the admittance law");
   OverlayTuning t{.cell = options.cell.stem().string(), .task = TuneTaskOf(cell), .loop = LoopOf(cell)};
-  const double period_s = t.loop.period_s, jitter = options.jitter_ms.value_or(1e3 * period_s) / (1e3 * period_s);
+  const double period_s = t.loop.period_s,
+               jitter = options.jitter_ms.value_or(1e3 * period_s) / (1e3 * period_s);
   if (std::abs(jitter - std::round(jitter)) > 1e-6)
-    return Fail("tune", fmt::format("--jitter-ms: found {:g}, accepted a multiple of the cell's period, {:g} ms",
-                                    *options.jitter_ms, 1e3 * period_s));
+    return Fail("tune",
+                fmt::format("--jitter-ms: found {:g}, accepted a multiple of the cell's period, {:g} ms",
+                            *options.jitter_ms, 1e3 * period_s));
   t.task.command_jitter = static_cast<int>(std::lround(jitter));
   t.task.worst_age_s = 1e-3 * options.worst_age_ms;
   t.task.margin = options.margin;

@@ -18,8 +18,8 @@ namespace {
 constexpr std::size_t kTableRows = 5;  // of each of the gains
 constexpr double kAxisEnd = 2.0;       // of the Nyquist plot
 
-// The response that decides: by the force sensor where a structure lies beyond the encoders, else by the encoders;
-// of the axis and speed whose arm is in the task, else of the same axis.
+// The response that decides: by the force sensor where a structure lies beyond the encoders, else by the
+// encoders; of the axis and speed whose arm is in the task, else of the same axis.
 const config::IdentifiedResponse* ResponseFor(const config::IdentifiedCell& identified,
                                               const config::IdentifiedArm& arm) {
   const config::IdentifiedResponse* best = nullptr;
@@ -100,11 +100,11 @@ std::string MarginText(const TuneMargin& m) {
   if (!m.margins.stable)
     return fmt::format("unstable with {} ({}), which the curve encircles {} times", m.hand.name,
                        NameOf(m.contact), m.margins.unstable_poles / 2);
-  return fmt::format("{}; least with {} ({}): gain {}, phase {:.0f} ± {:.0f}°, |1 + L| {:.2f} ± {:.2f} at {:.1f} Hz",
-                     m.margins.robust ? "stable" : "stable by the measured values, not within their error",
-                     m.hand.name, NameOf(m.contact), GainText(m.margins), m.margins.phase_deg,
-                     m.margins.phase_radius_deg, m.margins.modulus, m.margins.modulus_radius,
-                     m.margins.modulus_hz);
+  return fmt::format(
+      "{}; least with {} ({}): gain {}, phase {:.0f} ± {:.0f}°, |1 + L| {:.2f} ± {:.2f} at {:.1f} Hz",
+      m.margins.robust ? "stable" : "stable by the measured values, not within their error", m.hand.name,
+      NameOf(m.contact), GainText(m.margins), m.margins.phase_deg, m.margins.phase_radius_deg,
+      m.margins.modulus, m.margins.modulus_radius, m.margins.modulus_hz);
 }
 
 }  // namespace
@@ -183,38 +183,41 @@ std::vector<SummaryRow> RowsOfMeasured(const TuneTask& task, const std::vector<T
   if (const config::IdentifiedArm* arm = config::SlowestArm(cell))
     rows.push_back(
         {"Measured arm",
-         fmt::format("axis {} at {:.3g} mm/s: {:.2f} Hz, damping ratio {:.2f}, dead time {:.2f} ms, total lag "
-                     "{:.1f} ms ({:.1f} … {:.1f}){}; {} measured hands",
-                     arm->axis, 1e3 * arm->speed_m_per_s, arm->bandwidth_hz, arm->damping_ratio,
-                     1e3 * arm->dead_time_s, 1e3 * arm->lag_s, 1e3 * arm->lag_interval_s.low,
-                     1e3 * arm->lag_interval_s.high,
-                     arm->felt_mass_kg ? fmt::format(", moved by the hand as {:.2f} kg", *arm->felt_mass_kg) : "",
-                     cell.hands.size())});
-  for (const auto& [gains, key] : {std::pair{"own", "Measured, the cell's own gains"},
-                                   {"recommended", "Measured, recommended gains"}})
+         fmt::format(
+             "axis {} at {:.3g} mm/s: {:.2f} Hz, damping ratio {:.2f}, dead time {:.2f} ms, total lag "
+             "{:.1f} ms ({:.1f} … {:.1f}){}; {} measured hands",
+             arm->axis, 1e3 * arm->speed_m_per_s, arm->bandwidth_hz, arm->damping_ratio,
+             1e3 * arm->dead_time_s, 1e3 * arm->lag_s, 1e3 * arm->lag_interval_s.low,
+             1e3 * arm->lag_interval_s.high,
+             arm->felt_mass_kg ? fmt::format(", moved by the hand as {:.2f} kg", *arm->felt_mass_kg) : "",
+             cell.hands.size())});
+  for (const auto& [gains, key] :
+       {std::pair{"own", "Measured, the cell's own gains"}, {"recommended", "Measured, recommended gains"}})
     if (const TuneMargin* worst = WorstOf(margins, gains)) rows.push_back({key, MarginText(*worst)});
   if (task.measured_only)
-    rows.push_back({"Structure", "a resonance between encoders and tool was measured: gains are judged by the "
-                                 "measured response alone, without the arm's model"});
+    rows.push_back({"Structure",
+                    "a resonance between encoders and tool was measured: gains are judged by the "
+                    "measured response alone, without the arm's model"});
   return rows;
 }
 
 nlohmann::json ToJson(const std::vector<TuneMargin>& margins) {
   nlohmann::json list = nlohmann::json::array();
   for (const TuneMargin& m : margins)
-    list.push_back({{"gains", m.gains},
-                    {"hand", m.hand.name},
-                    {"contact", NameOf(m.contact)},
-                    {"stable", m.margins.stable},
-                    {"unstable_poles", m.margins.unstable_poles},
-                    {"gain", std::isfinite(m.margins.gain) ? nlohmann::json(m.margins.gain) : nlohmann::json()},
-                    {"gain_radius", m.margins.gain_radius},
-                    {"phase_deg", m.margins.phase_deg},
-                    {"phase_radius_deg", m.margins.phase_radius_deg},
-                    {"modulus", m.margins.modulus},
-                    {"modulus_radius", m.margins.modulus_radius},
-                    {"modulus_hz", m.margins.modulus_hz},
-                    {"robust", m.margins.robust}});
+    list.push_back(
+        {{"gains", m.gains},
+         {"hand", m.hand.name},
+         {"contact", NameOf(m.contact)},
+         {"stable", m.margins.stable},
+         {"unstable_poles", m.margins.unstable_poles},
+         {"gain", std::isfinite(m.margins.gain) ? nlohmann::json(m.margins.gain) : nlohmann::json()},
+         {"gain_radius", m.margins.gain_radius},
+         {"phase_deg", m.margins.phase_deg},
+         {"phase_radius_deg", m.margins.phase_radius_deg},
+         {"modulus", m.margins.modulus},
+         {"modulus_radius", m.margins.modulus_radius},
+         {"modulus_hz", m.margins.modulus_hz},
+         {"robust", m.margins.robust}});
   return list;
 }
 
@@ -252,8 +255,9 @@ std::string NyquistSvg(const TuneTask& task, const TuneGains& own, const TuneGai
     if (worst == nullptr) continue;
     hil::MeasuredLoopParams params = LoopOf(task, gains, worst->contact, 1.0);
     params.loop.hand = worst->hand;
-    Series curve{.name = fmt::format("{} gains, {} ({})", name == std::string("own") ? "the cell's own" : name,
-                                     worst->hand.name, NameOf(worst->contact))};
+    Series curve{.name =
+                     fmt::format("{} gains, {} ({})", name == std::string("own") ? "the cell's own" : name,
+                                 worst->hand.name, NameOf(worst->contact))};
     for (const hil::NyquistPoint& point : hil::NyquistCurve(*task.response, params)) {
       const bool seen = std::abs(point.loop.real()) <= kAxisEnd && std::abs(point.loop.imag()) <= kAxisEnd;
       curve.x.push_back(seen ? point.loop.real() : std::numeric_limits<double>::quiet_NaN());

@@ -14,13 +14,14 @@
 
 namespace osteon::app {
 
-/// Gives a task what was measured of its cell: the arm of the slowest axis and speed with its dead time as measured,
-/// the mass by which the hand moves it, jitter beyond its mean (which the dead time has in it), the share of lost
-/// answers, the sensor's delay, the hands, and the response. Whole ticks of the sensor's delay go to the loop, the
-/// rest to the arm's dead time, where it acts alike.
+/// Gives a task what was measured of its cell: the arm of the slowest axis and speed with its dead time as
+/// measured, the mass by which the hand moves it, jitter beyond its mean (which the dead time has in it), the
+/// share of lost answers, the sensor's delay, the hands, and the response. Whole ticks of the sensor's delay
+/// go to the loop, the rest to the arm's dead time, where it acts alike.
 void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task);
 
-/// Whether the measured response is stable with all hands and contacts; hand and wall are multiplied by `gain`.
+/// Whether the measured response is stable with all hands and contacts; hand and wall are multiplied by
+/// `gain`.
 [[nodiscard]] bool StandsMeasured(const TuneTask& task, const TuneGains& gains,
                                   const std::vector<hil::GridHand>& hands, double gain);
 
@@ -39,10 +40,11 @@ struct TuneMargin {
 /// The one nearest to instability: unstable ones first, then the least distance of -1. Null: there are none.
 [[nodiscard]] const TuneMargin* WorstOf(const std::vector<TuneMargin>& margins, const std::string& gains);
 
-/// Bad if the recommended gains are unstable by the response, or its discs of 95 % hold -1; to be looked at if the
-/// cell's own are.
+/// Bad if the recommended gains are unstable by the response, or its discs of 95 % hold -1; to be looked at
+/// if the cell's own are.
 void JudgeMargins(const std::vector<TuneMargin>& margins, Verdict& verdict);
-[[nodiscard]] std::vector<SummaryRow> RowsOfMeasured(const TuneTask& task, const std::vector<TuneMargin>& margins);
+[[nodiscard]] std::vector<SummaryRow> RowsOfMeasured(const TuneTask& task,
+                                                     const std::vector<TuneMargin>& margins);
 [[nodiscard]] nlohmann::json ToJson(const std::vector<TuneMargin>& margins);
 /// The five nearest to instability for each of the gains, as an HTML table.
 [[nodiscard]] std::string TableOf(const std::vector<TuneMargin>& margins);

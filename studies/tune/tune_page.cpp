@@ -70,11 +70,11 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const Pictures
 // Why the recommended gains are what they are.
 std::string Why(const TuneResult& r) {
   const TuneTask& t = r.task;
-  const std::string arm =
-      t.identified ? std::string("the arm's lag is measured")
-                   : std::string("the arm's lag is assumed, not measured");
+  const std::string arm = t.identified ? std::string("the arm's lag is measured")
+                                       : std::string("the arm's lag is assumed, not measured");
   return fmt::format(
-      "Why: the loop stays stable with every hand up to {:g} N/m, free and at a wall of {:g} N/mm, {:.2f} times as "
+      "Why: the loop stays stable with every hand up to {:g} N/m, free and at a wall of {:g} N/mm, {:.2f} "
+      "times as "
       "stiff and heavy; {}.",
       t.human_grip_N_per_m, 1e-3 * t.wall_N_per_m, r.recommended_margin, arm);
 }
@@ -82,17 +82,21 @@ std::string Why(const TuneResult& r) {
 std::string Next(const TuneResult& r, bool own_stand) {
   const std::string cell = r.cell;
   if (!r.Stands())
-    return fmt::format("Next: lower what was asked for (--grip, --margin, a softer wall), or make the arm faster, and "
-                       "run `osteon tune {}` again. Do not let a hand take the handle with these gains.",
-                       cell);
-  const std::string run = own_stand ? fmt::format("keep the cell's gains; `osteon run {}` may be used as it is", cell)
-                                    : fmt::format("run with `osteon run {} --gains gains.yaml`, or write them into the "
-                                                  "cell's file",
-                                                  cell);
+    return fmt::format(
+        "Next: lower what was asked for (--grip, --margin, a softer wall), or make the arm faster, and "
+        "run `osteon tune {}` again. Do not let a hand take the handle with these gains.",
+        cell);
+  const std::string run =
+      own_stand ? fmt::format("keep the cell's gains; `osteon run {}` may be used as it is", cell)
+                : fmt::format(
+                      "run with `osteon run {} --gains gains.yaml`, or write them into the "
+                      "cell's file",
+                      cell);
   if (r.task.identified) return "Next: " + run + ".";
-  return fmt::format("Next: {}. Before a real arm moves, measure it (`osteon identify {}`) and tune again with "
-                     "--identified.",
-                     run, cell);
+  return fmt::format(
+      "Next: {}. Before a real arm moves, measure it (`osteon identify {}`) and tune again with "
+      "--identified.",
+      run, cell);
 }
 
 tl::expected<void, std::string> WritePictures(const Pictures& pictures, const TuneOptions& options) {
@@ -122,12 +126,12 @@ ReportVerdict PlainVerdict(const TuneResult& r) {
                              GainsText(r.recommended));
   }
   if (r.Stands()) {
-    reasons.push_back(own_stand ? fmt::format("Which gains: the cell's own, {}, are stable with all of it (gain "
-                                              "margin {:.2f}).",
-                                              GainsText({r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m}),
-                                              r.own_margin)
-                                : fmt::format("Which gains: {} instead of the cell's {}.", GainsText(r.recommended),
-                                              GainsText({r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m})));
+    reasons.push_back(
+        own_stand ? fmt::format("Which gains: the cell's own, {}, are stable with all of it (gain "
+                                "margin {:.2f}).",
+                                GainsText({r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m}), r.own_margin)
+                  : fmt::format("Which gains: {} instead of the cell's {}.", GainsText(r.recommended),
+                                GainsText({r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m})));
     reasons.push_back(Why(r));
   }
   for (const std::string& reason : verdict.reasons) reasons.push_back("Remark: " + reason + ".");
@@ -142,8 +146,8 @@ tl::expected<void, std::string> WriteTuning(const TuneResult& r, const TuneOptio
                     .trade = TradeSvg(r),
                     .nyquist = {}};
   if (!r.margins.empty())
-    pictures.nyquist = NyquistSvg(r.task, {r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m}, r.recommended,
-                                  r.margins);
+    pictures.nyquist =
+        NyquistSvg(r.task, {r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m}, r.recommended, r.margins);
   if (const auto written = WritePictures(pictures, options); !written) return written;
   const std::string json = ToJson(r, options.command_line);
   if (const auto written = WriteText(options.out / "tune.csv", BoundaryCsv(r)); !written) return written;

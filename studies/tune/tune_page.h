@@ -10,12 +10,13 @@
 
 namespace osteon::app {
 
-/// The verdict of a tuning in plain words: safe or not, which gains, why, what to do next, and then the reasons of
-/// Judge.
+/// The verdict of a tuning in plain words: safe or not, which gains, why, what to do next, and then the
+/// reasons of Judge.
 [[nodiscard]] ReportVerdict PlainVerdict(const TuneResult& result);
 
-/// Writes tune.json, .csv, .html, the pictures and gains.yaml into options.out, and a copy of the JSON where it was
-/// asked for. @returns an error that names the file.
-[[nodiscard]] tl::expected<void, std::string> WriteTuning(const TuneResult& result, const TuneOptions& options);
+/// Writes tune.json, .csv, .html, the pictures and gains.yaml into options.out, and a copy of the JSON where
+/// it was asked for. @returns an error that names the file.
+[[nodiscard]] tl::expected<void, std::string> WriteTuning(const TuneResult& result,
+                                                          const TuneOptions& options);
 
 }  // namespace osteon::app

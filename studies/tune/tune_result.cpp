@@ -130,11 +130,12 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
   rows.push_back(
       {"Recommended", fmt::format("{}, gain margin {:.2f}", Shown(r.recommended), r.recommended_margin)});
   if (r.check.runs > 0)
-    rows.push_back({"Simulated",
-                  r.check.grew.empty()
-                      ? fmt::format("{} runs with commands lost and late; no oscillation grew", r.check.runs)
-                      : fmt::format("in {} of {} runs an oscillation grew: {}", r.check.grew.size(),
-                                    r.check.runs, fmt::join(r.check.grew, "; "))});
+    rows.push_back(
+        {"Simulated",
+         r.check.grew.empty()
+             ? fmt::format("{} runs with commands lost and late; no oscillation grew", r.check.runs)
+             : fmt::format("in {} of {} runs an oscillation grew: {}", r.check.grew.size(), r.check.runs,
+                           fmt::join(r.check.grew, "; "))});
   rows.push_back(
       {"Light to the hand",
        r.WithinBar()

@@ -151,8 +151,8 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellTakesThem) {
 
 TEST_F(CalibrateTest, KeepsAHistoryAndWarnsOfDrift) {
   std::vector<JointVector> weigh;
-  for (const auto& [a4, a5, a6] : {std::array{0.0, 0.0, 0.0}, {0.3, 0.0, 0.5}, {-0.3, 0.6, -0.4}, {0.2, -0.7, 0.3},
-                                   {0.0, 0.0, 0.0}}) {
+  for (const auto& [a4, a5, a6] :
+       {std::array{0.0, 0.0, 0.0}, {0.3, 0.0, 0.5}, {-0.3, 0.6, -0.4}, {0.2, -0.7, 0.3}, {0.0, 0.0, 0.0}}) {
     JointVector q = Start();
     q[3] += a4;
     q[4] += a5;
@@ -160,8 +160,8 @@ TEST_F(CalibrateTest, KeepsAHistoryAndWarnsOfDrift) {
     weigh.push_back(q);
   }
   const auto calibrate = [&] {
-    return RunCommand(folder_.path(),
-                      {"calibrate", "demo", "--payload", "weigh.mcap", "--out", "found.yaml", "--json", "found.json"});
+    return RunCommand(folder_.path(), {"calibrate", "demo", "--payload", "weigh.mcap", "--out", "found.yaml",
+                                       "--json", "found.json"});
   };
   Record(folder_.path() / "weigh.mcap", weigh);
   ASSERT_EQ(calibrate().exit_code, 0);

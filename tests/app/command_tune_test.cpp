@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "config/reading/load.h"
+#include "config/reading/load_identified.h"
 #include "tests/app/command.h"
+#include "tests/config/cell_text.h"
+#include "tests/studies/tune/identified_sample.h"
 
 // Runs `osteon tune` as a user does, at a small size.
 
@@ -92,13 +95,68 @@ TEST(Tune, TakesACellOverRsiAsItStands) {
   EXPECT_EQ(ReadJson(folder.path() / "tune/tune.json").at("stands").at("jitter_ms"), 4.0);
 }
 
+// A file as `osteon identify` writes it: figures, response and hands take the place of what is assumed.
+TEST(Tune, TakesWhatWasMeasuredAndRefusesAnotherCells) {
+  const TemporaryFolder folder;
+  const config::CellConfig demo =
+      config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
+  const hil::ResponseModel truth{.arm = {.bandwidth_hz = 14.0, .damping_ratio = 1.1, .dead_cycles = 3.4}};
+  std::ofstream(folder.path() / "identified.yaml") << config::WriteIdentified(IdentifiedOf(demo, truth), "");
+  const CommandResult run = RunCommand(
+      folder.path(), {"tune", "demo", "--out", "t", "--nodes", "3", "--identified", "identified.yaml"});
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "t/tune.json");
+  EXPECT_EQ(json.at("identified"), true);
+  EXPECT_NEAR(json.at("arm").at("dead_cycles"), 3.4, 1e-9);
+  EXPECT_EQ(json.at("arm").at("bandwidth_hz"), 14.0);
+  ASSERT_FALSE(json.at("margins").empty());
+  int recommended = 0;
+  for (const nlohmann::json& margin : json.at("margins")) {
+    if (margin.at("gains") != "recommended") continue;
+    ++recommended;
+    EXPECT_EQ(margin.at("stable"), true) << margin.dump();
+    EXPECT_EQ(margin.at("robust"), true) << margin.dump();
+  }
+  EXPECT_GT(recommended, 60) << "each hand and contact";
+  EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "t/tune_nyquist.svg"));
+  // the cell's key does the same
+  std::ofstream(folder.path() / "mine.yaml") << "identified: identified.yaml\n" << config::CellText("demo");
+  const config::CellConfig mine = config::LoadCell(folder.path() / "mine.yaml");
+  EXPECT_EQ(mine.simulated.servo.bandwidth_hz, 14.0);
+  EXPECT_NEAR(mine.simulated.servo.dead_cycles, 3.4, 1e-9);
+
+  const CommandResult other =
+      RunCommand(folder.path(), {"tune", "molar", "--out", "o", "--identified", "identified.yaml"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.err.find("this is another cell's file"), std::string::npos) << other.err;
+}
+
+TEST(Tune, ServesTheImpedanceLaw) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(
+      folder.path(), {"tune", "thin_plate_impedance", "--out", "t", "--nodes", "3", "--grip", "500"});
+  const nlohmann::json json = ReadJson(folder.path() / "t/tune.json");
+  EXPECT_EQ(json.at("law"), "impedance") << run.err;
+  ASSERT_EQ(json.at("boundary").size(), 3u);
+  for (const nlohmann::json& point : json.at("boundary")) {
+    const double predicted = point.at("stiffness_predicted");
+    EXPECT_NEAR(point.at("stiffness_simulated"), predicted, 0.1 * predicted) << point.dump();
+  }
+  ASSERT_FALSE(json.at("recommended").is_null());
+  EXPECT_GE(json.at("recommended").at("margin"), 1.1);
+  EXPECT_TRUE(json.at("check").at("grew").empty());
+  for (const char* name : {"tune.html", "tune.svg", "tune.csv", "gains.yaml"})
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "t" / name)) << name;
+}
+
 TEST(Tune, SaysWhatItDoesNotTake) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "file") << "x";
   for (const auto& [arguments, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{}, "cell is required"},
            {{"elbow"}, "elbow: no file"},
-           {{"thin_plate_impedance"}, "found a cell with the impedance law"},
+           {{"thin_plate_impedance", "--plan", "acetabulum"}, "--plan: found with the impedance law"},
+           {{"thin_plate_impedance", "--jitter-ms", "0.5"}, "--jitter-ms: found 0.5, accepted a multiple"},
            {{"demo", "--margin", "0.5"}, "--margin: found 0.5, accepted 1"},
            {{"demo", "--jitter-ms", "0.5"},
             "--jitter-ms: found 0.5, accepted a multiple of the cell's period"},

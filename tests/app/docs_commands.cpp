@@ -82,6 +82,8 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon transparency demo", As("transparency demo --points 3", {"transparency/transparency.html"})},
       {"osteon tune config/cells/demo.yaml",
        As("tune config/cells/demo.yaml --nodes 4", {"tune/tune.html", "tune/gains.yaml"})},
+      {"osteon tune my_cell.yaml --identified identify/identified.yaml",
+       By("Tune.TakesWhatWasMeasuredAndRefusesAnotherCells")},
       {"osteon run demo --simulated --seconds 10 --gains tune/gains.yaml",
        By("GainsRun.SavedAgainTheyAreReadCheckedAndRampedAndTheRunReplaysBitForBit")},
 

@@ -24,19 +24,20 @@ enum class HandAcceleration {
   const double T = p.period_s, w = 2.0 * std::numbers::pi * p.arm.bandwidth_hz, decay = std::exp(-w * T);
   const int dead = static_cast<int>(p.arm.dead_cycles), age = p.wall.age_ticks;
   // state: commands (the newest first), x, v, v a period ago, the law's v, felt forces
-  const int commands = std::max(dead, age + 1), x_at = commands, law_at = commands + 3, felt_at = commands + 4;
+  const int commands = std::max(dead, age + 1), x_at = commands, law_at = commands + 3,
+            felt_at = commands + 4;
   const int size = felt_at + p.sensor_delay;
   Eigen::MatrixXd loop(size, size);
   for (int column = 0; column < size; ++column) {
     const Eigen::VectorXd s = Eigen::VectorXd::Unit(size, column);
     const double x = s[x_at], v = s[x_at + 1], target = s[dead - 1];
-    const double a = kind == HandAcceleration::kMeanOfPeriod ? (v - s[x_at + 2]) / T
-                                                             : w * w * (target - x) - 2.0 * w * v;
-    const double felt =
-        -(p.hand.stiffness_N_per_m * x + p.hand.damping_Ns_per_m * v + p.hand.mass_kg * a);
+    const double a =
+        kind == HandAcceleration::kMeanOfPeriod ? (v - s[x_at + 2]) / T : w * w * (target - x) - 2.0 * w * v;
+    const double felt = -(p.hand.stiffness_N_per_m * x + p.hand.damping_Ns_per_m * v + p.hand.mass_kg * a);
     const double told = p.sensor_delay == 0 ? felt : s[felt_at + p.sensor_delay - 1];
     const double wall = p.wall.stiffness_N_per_m * (p.wall.on == WallOn::kMeasured ? x : s[age]);
-    const double law = (s[law_at] + T / p.mass_kg * (told - wall)) / (1.0 + T * p.damping_Ns_per_m / p.mass_kg);
+    const double law =
+        (s[law_at] + T / p.mass_kg * (told - wall)) / (1.0 + T * p.damping_Ns_per_m / p.mass_kg);
     Eigen::VectorXd next(size);
     next[0] = s[0] + T * law;
     for (int i = 1; i < commands; ++i) next[i] = s[i - 1];

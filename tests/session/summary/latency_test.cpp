@@ -46,8 +46,7 @@ LatencyMeter Ride(const hil::ServoArmParams& params, double speed_rad_per_s, con
 TEST(Latency, TheArmsPartIsDeadTimeAndLagByWhatCameBack) {
   for (const double dead : {0.0, 3.0, 4.6}) {
     const hil::ServoArmParams arm{.dead_cycles = dead};
-    const LatencyFigures found =
-        Ride(arm, 0.2, control::CommandMode::kPosition).Figures(kPeriod_s, {});
+    const LatencyFigures found = Ride(arm, 0.2, control::CommandMode::kPosition).Figures(kPeriod_s, {});
     const double lag_s = dead * kPeriod_s + 2.0 / (2.0 * std::numbers::pi * 15.0);
     ASSERT_EQ(found.parts.size(), 5u);
     EXPECT_EQ(found.parts[3].name, "arm");
@@ -69,7 +68,8 @@ TEST(Latency, TheWholeIsTheSumOfItsPartsAndSaysWhatIsAssumed) {
   const LatencyFigures virtual_time = meter.Figures(kPeriod_s, {.virtual_time = true});
   EXPECT_FALSE(virtual_time.Measured());
   EXPECT_EQ(virtual_time.parts[1].mean_s, 0.0);
-  EXPECT_NE(LatencyText(virtual_time).find("assumed: sensor"), std::string::npos) << LatencyText(virtual_time);
+  EXPECT_NE(LatencyText(virtual_time).find("assumed: sensor"), std::string::npos)
+      << LatencyText(virtual_time);
   const nlohmann::json json = ToJson(virtual_time);
   EXPECT_EQ(json.at("measured"), false);
   EXPECT_EQ(json.at("parts").at("arm").at("measured"), true);

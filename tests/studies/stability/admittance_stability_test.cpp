@@ -44,7 +44,8 @@ TEST_P(ModelB, SpectralRadiusIsThatOfTheModelInScalars) {
   EXPECT_NEAR(radius, AdmittanceModelRadius(LoopOf(GetParam()), HandAcceleration::kMeanOfPeriod), 1e-10);
 }
 
-// The design's first table took the acceleration just after the command's step, and a command one period late.
+// The design's first table took the acceleration just after the command's step, and a command one period
+// late.
 TEST_P(ModelB, TheModelInScalarsHasTheDesignsFirstRows) {
   if (GetParam().first_rho == 0.0) GTEST_SKIP() << "not in the design's table";
   AdmittanceLoopParams loop = LoopOf(GetParam());
@@ -157,8 +158,8 @@ TEST(AdmittanceStability, GripsAskForDrag) {
   EXPECT_NEAR(least(50e3, 0, 0), 622.9, 0.002 * 622.9);
 }
 
-// The design's figures for the acceleration as it is, at 1.7 kg: 14.5 becomes 21.1, and with the dead time as it
-// is 19.4; the hand that decides in the demo cell goes from 26.4 to 27.7.
+// The design's figures for the acceleration as it is, at 1.7 kg: 14.5 becomes 21.1, and with the dead time as
+// it is 19.4; the hand that decides in the demo cell goes from 26.4 to 27.7.
 TEST(AdmittanceStability, TheAccelerationAsItIsAsksForMoreDrag) {
   const auto least = [](const GridHand& hand, double dead) {
     AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};

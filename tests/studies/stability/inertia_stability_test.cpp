@@ -47,7 +47,8 @@ TEST(InertiaStability, TheGreatestShareIsWhereTheVirtualMassIsUsedUp) {
     for (const double hz : {10.0, 15.0, 60.0})
       for (const GridHand& hand : {kFree, kFirm}) {
         const double bound = GreatestShare(hand, tool_kg, hz);
-        EXPECT_GT(bound, (hand.mass_kg > 0.0 ? 0.93 : 1.0) * used_up) << tool_kg << " kg, " << hz << " Hz, " << hand.name;
+        EXPECT_GT(bound, (hand.mass_kg > 0.0 ? 0.93 : 1.0) * used_up)
+            << tool_kg << " kg, " << hz << " Hz, " << hand.name;
         EXPECT_LT(bound, 1.3 * used_up) << tool_kg << " kg, " << hz << " Hz, " << hand.name;
       }
   }

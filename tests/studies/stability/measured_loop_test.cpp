@@ -11,8 +11,8 @@
 namespace osteon::hil {
 namespace {
 
-constexpr std::array kExcited_hz{0.5, 0.75, 1.25, 1.75, 2.25, 3.25, 4.25, 5.75, 7.25, 9.25, 11.75, 14.75,
-                                 18.25, 22.25, 26.75, 31.75, 37.25, 43.25, 49.75, 56.75};
+constexpr std::array kExcited_hz{0.5,   0.75,  1.25,  1.75,  2.25,  3.25,  4.25,  5.75,  7.25,  9.25,
+                                 11.75, 14.75, 18.25, 22.25, 26.75, 31.75, 37.25, 43.25, 49.75, 56.75};
 const GridHand kGrip{"grip", 3e3, 20.0, 1.5};
 
 // Lines as a perfect measurement would have them; noise is that of each line's real and imaginary part.
@@ -21,18 +21,19 @@ std::vector<ResponseLine> LinesOf(const ResponseModel& truth, double noise = 0.0
   std::normal_distribution<double> normal;
   std::vector<ResponseLine> lines;
   for (const double hz : kExcited_hz)
-    lines.push_back({.hz = hz,
-                     .value = ModelResponse(truth, hz) +
-                              noise * std::complex<double>(normal(bits), normal(bits)),
-                     .sd = noise});
+    lines.push_back(
+        {.hz = hz,
+         .value = ModelResponse(truth, hz) + noise * std::complex<double>(normal(bits), normal(bits)),
+         .sd = noise});
   return lines;
 }
 
 // The poles of the loop's matrix are the zeros of 1 + L, with the hand's acceleration as the loop takes it.
 TEST(MeasuredLoop, LawTimesArmTimesHandHasTheMatrixsPoles) {
   for (const double dead : {3.0, 3.4}) {
-    for (const LoopWall& wall : {LoopWall{}, LoopWall{.stiffness_N_per_m = 20e3},
-                                 LoopWall{.stiffness_N_per_m = 8e3, .damping_Ns_per_m = 2.0, .age_ticks = 2}}) {
+    for (const LoopWall& wall :
+         {LoopWall{}, LoopWall{.stiffness_N_per_m = 20e3},
+          LoopWall{.stiffness_N_per_m = 8e3, .damping_Ns_per_m = 2.0, .age_ticks = 2}}) {
       AdmittanceLoopParams params{.hand = kGrip, .mass_kg = 1.7, .damping_Ns_per_m = 30.0, .wall = wall};
       params.arm.dead_cycles = dead;
       const LawResponse law(params);
@@ -42,10 +43,10 @@ TEST(MeasuredLoop, LawTimesArmTimesHandHasTheMatrixsPoles) {
           Eigen::EigenSolver<Eigen::MatrixXd>(AdmittanceLoop(params).Matrix(), false).eigenvalues();
       for (const std::complex<double>& z : poles) {
         if (std::abs(z) < 0.5) continue;  // delays: no digits are left there
-        const Eigen::Matrix2cd from_state = z * Eigen::Matrix2cd::Identity() -
-                                            arm.step.leftCols<2>().cast<std::complex<double>>();
-        const Eigen::Vector2cd told = arm.step.col(3).cast<std::complex<double>>() +
-                                      arm.step.col(2).cast<std::complex<double>>() / z;
+        const Eigen::Matrix2cd from_state =
+            z * Eigen::Matrix2cd::Identity() - arm.step.leftCols<2>().cast<std::complex<double>>();
+        const Eigen::Vector2cd told =
+            arm.step.col(3).cast<std::complex<double>>() + arm.step.col(2).cast<std::complex<double>>() / z;
         const Eigen::Vector2cd motion = from_state.inverse() * told * std::pow(z, -arm.whole);
         const std::complex<double> hand =
             kGrip.stiffness_N_per_m * motion[0] +
@@ -77,8 +78,9 @@ TEST(MeasuredLoop, ModelResponseIsThatOfTheShippedArm) {
   }
 }
 
-// A loop of the default's delays in steps of a quarter of a millisecond: the matrix takes the hand's acceleration as
-// the mean of the period that ends, which is the nearer to that of a hand the shorter the period is.
+// A loop of the default's delays in steps of a quarter of a millisecond: the matrix takes the hand's
+// acceleration as the mean of the period that ends, which is the nearer to that of a hand the shorter the
+// period is.
 constexpr double kFine_s = 0.25e-3;
 AdmittanceLoopParams FineLoop(const GridHand& hand) {
   return {.hand = hand, .mass_kg = 1.7, .arm = {.dead_cycles = 12}, .sensor_delay = 4, .period_s = kFine_s};
@@ -88,7 +90,8 @@ const ResponseModel kFineModel{.arm = {.dead_cycles = 12}, .period_s = kFine_s};
 // Encirclements against eigenvalues: the drag and the wall at which the loop becomes unstable.
 TEST(MeasuredLoop, BoundariesAreTheMatrixsWithinTwoPercent) {
   const MeasuredResponse response(LinesOf(kFineModel), kFineModel);
-  for (const GridHand& hand : {kGrip, GridHand{"light", 1500.0, 2.0, 0.3}, GridHand{"hard", 10e3, 20.0, 1.5}}) {
+  for (const GridHand& hand :
+       {kGrip, GridHand{"light", 1500.0, 2.0, 0.3}, GridHand{"hard", 10e3, 20.0, 1.5}}) {
     AdmittanceLoopParams loop = FineLoop(hand);
     const double drag = MinDrag(loop);
     for (const double share : {0.98, 1.02}) {
@@ -104,18 +107,20 @@ TEST(MeasuredLoop, BoundariesAreTheMatrixsWithinTwoPercent) {
     const double most = MaxWallStiffness(walled).value;
     for (const double share : {0.98, 1.02}) {
       walled.wall.stiffness_N_per_m = share * most;
-      EXPECT_EQ(AreAllStable(response, {.loop = walled, .sensor_delay_s = 1e-3}, {{walled.hand}}), share < 1.0)
+      EXPECT_EQ(AreAllStable(response, {.loop = walled, .sensor_delay_s = 1e-3}, {{walled.hand}}),
+                share < 1.0)
           << age << ", " << share;
     }
   }
 }
 
-// At a millisecond the matrix asks for less drag, as its acceleration lags by half of it: the response, which knows
-// no samples of the hand, is on the safe side.
+// At a millisecond the matrix asks for less drag, as its acceleration lags by half of it: the response, which
+// knows no samples of the hand, is on the safe side.
 TEST(MeasuredLoop, AtAMillisecondItAsksForUpToEightPercentMoreDragThanTheMatrix) {
   const ResponseModel model;
   const MeasuredResponse response(LinesOf(model), model);
-  for (const GridHand& hand : {kGrip, GridHand{"light", 1500.0, 2.0, 0.3}, GridHand{"hard", 10e3, 20.0, 1.5}}) {
+  for (const GridHand& hand :
+       {kGrip, GridHand{"light", 1500.0, 2.0, 0.3}, GridHand{"hard", 10e3, 20.0, 1.5}}) {
     AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};
     const double drag = MinDrag(loop);
     for (const double share : {0.99, 1.08}) {
@@ -159,7 +164,8 @@ TEST(MeasuredLoop, TheMeasurementDecidesNotTheModel) {
   EXPECT_GT(drag, 1.1 * MinDrag(loop));
   for (const double share : {0.97, 1.03}) {
     loop.damping_Ns_per_m = share * drag;
-    EXPECT_EQ(JudgeMeasuredLoop(response, {.loop = loop, .sensor_delay_s = 1e-3}).stable, share > 1.0) << share;
+    EXPECT_EQ(JudgeMeasuredLoop(response, {.loop = loop, .sensor_delay_s = 1e-3}).stable, share > 1.0)
+        << share;
   }
 }
 

@@ -1,4 +1,5 @@
-// The loop of the impedance law: predicted by its matrix, and seen with the shipped arm, coupling and law in time.
+// The loop of the impedance law: predicted by its matrix, and seen with the shipped arm, coupling and law in
+// time.
 
 #include "studies/stability/overlay_loop.h"
 
@@ -59,7 +60,8 @@ TEST(OverlayLoop, DeadTimeAndAgeEachCostStiffness) {
   EXPECT_LT(Boundary_N_per_m(older), 0.95 * most);
 }
 
-// The oscillation of a heavy hand on the wall is that of a mass on a spring: no wall is needed to be free of it.
+// The oscillation of a heavy hand on the wall is that of a mass on a spring: no wall is needed to be free of
+// it.
 TEST(OverlayLoop, AHandIsStableWithoutAWall) {
   for (const GridHand& hand : HandGrid()) {
     if (hand.stiffness_N_per_m > 3e3) continue;

@@ -15,8 +15,8 @@
 namespace osteon::hil {
 namespace {
 
-// A light hand, for which the wall's limit is 2.9 kN/m (the first test); the design's, with an acceleration just
-// after the command's step, was 3.3.
+// A light hand, for which the wall's limit is 2.9 kN/m (the first test); the design's, with an acceleration
+// just after the command's step, was 3.3.
 AdmittanceLoopParams OldWall(double stiffness_N_per_m) {
   AdmittanceLoopParams loop;
   loop.hand = {"light", 100.0, 4.0, 0.3};

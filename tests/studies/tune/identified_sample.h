@@ -39,7 +39,8 @@ inline config::IdentifiedCell IdentifiedOf(const config::CellConfig& cell, const
   for (const hil::StructureResonance& resonance : truth.structure)
     identified.structure.push_back({.hz = resonance.hz, .damping_ratio = resonance.damping_ratio});
   identified.sensor = config::IdentifiedSensor{.delay_s = 1e-3, .noise_N = 0.08, .drift_N = 0.05};
-  identified.link = config::IdentifiedLink{.jitter_mean_s = 0.1e-3, .jitter_p99_s = 0.3e-3, .loss_ratio = 0.001};
+  identified.link =
+      config::IdentifiedLink{.jitter_mean_s = 0.1e-3, .jitter_p99_s = 0.3e-3, .loss_ratio = 0.001};
   identified.hands = {{.name = "mine",
                        .stiffness_N_per_m = 2000.0,
                        .stiffness_interval_N_per_m = {.low = 1900.0, .high = 2100.0},

@@ -98,7 +98,8 @@ TEST(TuneMeasured, MarginsFollowTheResponseAndTheVerdictSaysSo) {
   EXPECT_NE(NyquistSvg(task, {1.7, 15.0}, {1.7, 60.0}, good).find("<svg"), std::string::npos);
 }
 
-// A structure of 22 Hz: the encoders do not see it, and the gains that the arm's model would stand do not stand it.
+// A structure of 22 Hz: the encoders do not see it, and the gains that the arm's model would stand do not
+// stand it.
 TEST(TuneMeasured, WithAStructureTheResponseAloneDecides) {
   hil::ResponseModel truth = SlowArm();
   truth.structure = {{.hz = 22.0, .damping_ratio = 0.03}};
@@ -129,7 +130,8 @@ TEST(TuneMeasured, TheSimulatedCellTakesItsFigures) {
     config::ApplyIdentified(file, cell);
     FAIL() << "40 periods are more than the simulated arm can be late";
   } catch (const config::ConfigError& refused) {
-    EXPECT_NE(std::string(refused.what()).find("dead_time_ms: found 40 ms, accepted 0 … 32 ms"), std::string::npos)
+    EXPECT_NE(std::string(refused.what()).find("dead_time_ms: found 40 ms, accepted 0 … 32 ms"),
+              std::string::npos)
         << refused.what();
   }
 }
