@@ -20,6 +20,7 @@
 #include "app/cli/pack_command.h"
 #include "app/cli/plan_command.h"
 #include "app/cli/regress_command.h"
+#include "app/cli/soak_command.h"
 #include "app/cli/surgical_plan_command.h"
 #include "app/cli/transparency_command.h"
 #include "app/cli/tune_command.h"
@@ -47,6 +48,7 @@ int Run(int argc, char** argv) {
   osteon::app::TuneCommand tune(app);
   osteon::app::RegressCommand regress(app);
   osteon::app::ValidateCommand validate(app);
+  osteon::app::SoakCommand soak(app);
   osteon::app::DiffCommand diff(app);
   osteon::app::MergeCommand merge(app);
   osteon::app::ManualCommands manual(app);
@@ -67,6 +69,7 @@ int Run(int argc, char** argv) {
   if (tune.asked()) return tune.Run(config_root, invocation);
   if (regress.asked()) return regress.Run(config_root, invocation);
   if (validate.asked()) return validate.Run(config_root, command_line);
+  if (soak.asked()) return soak.Run(config_root, command_line);
   if (diff.asked()) return diff.Run(command_line);
   if (merge.asked()) return merge.Run(config_root);
   if (manual.asked()) {

@@ -42,7 +42,7 @@ OsteonCommands::OsteonCommands(CLI::App& app)
       replay_(app),
       report_(app),
       view_(app),
-      regress_to_completion_(app, {"regress", "validate", "diff", "merge", "manual", "completion"}) {
+      regress_to_completion_(app, {"regress", "validate", "soak", "diff", "merge", "manual", "completion"}) {
   app.footer(
       "Packings, benchmarks, charts, failures, studies and the manual are a second program, which ./osteon "
       "builds "

@@ -30,6 +30,7 @@ constexpr std::array kStudies = std::to_array<StudyCommand>({
     {"tune", "maps where the loop is stable, and recommends gains"},
     {"regress", "runs scenarios in virtual time and compares them with their golden traces"},
     {"validate", "sets simulated beside published measurements of reaming and drilling"},
+    {"soak", "runs the simulated cell for hours of virtual time, with faults, and checks its books"},
     {"diff", "compares two runs by their recordings: figures, faults, limits, configuration"},
     {"merge", "puts the parts of a study together that --shard has computed"},
     {"manual", "prints the manual page of all subcommands, or writes it to files"},

@@ -25,8 +25,9 @@ enum class Technique : std::uint8_t {
 
 // The demo's own run in bone.
 [[nodiscard]] std::vector<CellTrialParams> DemoCells(bool quick);
-[[nodiscard]] Simulated CentreShift(ValidationLab& lab);      ///< [mm]
-[[nodiscard]] Simulated RemovedVolume(ValidationLab& lab);    ///< [mm³]
+[[nodiscard]] Simulated CentreShift(ValidationLab& lab);    ///< [mm]
+[[nodiscard]] Simulated RemovedVolume(ValidationLab& lab);  ///< [mm³]
+[[nodiscard]] std::vector<CellTrialParams> FeedPerTurnCells(bool quick);
 [[nodiscard]] Simulated FeedPerTurn(ValidationLab& lab);      ///< [µm]
 [[nodiscard]] Simulated ForceDifference(ValidationLab& lab);  ///< [%]
 [[nodiscard]] Simulated ReamingForce(ValidationLab& lab);     ///< [N]

@@ -106,6 +106,7 @@ void FitCavity(const CellSetup& setup, const simulation::CarvedState& after, Cel
     return;
   }
   trial.fit = *fit;
+  trial.seated_m = Vector3(site.axis).dot(Vector3(site.center_m) - fit->centre_m);
   trial.centre_shift_m = (fit->centre_m - Vector3(site.center_m)).norm();
 }
 

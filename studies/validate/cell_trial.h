@@ -36,7 +36,9 @@ struct CellTrial {
   std::vector<std::string> faults;          ///< names
   std::optional<procedure::SphereFit> fit;  ///< of the cavity; nothing if the bone has no cup or was not cut
   std::string fit_refused;                  ///< why there is none
-  double centre_shift_m{0.0};               ///< of the fitted centre from the cup's
+  /// How far the fitted centre lies below the cup's, along the axis; not above 0: the head is not seated.
+  double seated_m{0.0};
+  double centre_shift_m{0.0};  ///< of the fitted centre from the cup's
   double removed_m3{0.0};
   double peak_hand_N{0.0}, peak_rendered_N{0.0};
   double feed_per_turn_m{0.0};   ///< of the head along the site's axis, while the hand presses in full

@@ -31,9 +31,11 @@ struct Measurement {
   std::string_view spread;                   ///< where low and high come from
   std::string_view source, conditions;       ///< of the measurement
   std::string_view leaves_out;               ///< what the simulation of the row does not have
+  /// Last stated digit, to which a simulated value is rounded before it is compared; 0: not rounded.
+  double resolution{0.0};
 
   [[nodiscard]] bool judged() const { return low == low && high == high; }
-  [[nodiscard]] bool Contains(double value) const { return value >= low && value <= high; }
+  [[nodiscard]] bool Contains(double value) const;
 };
 
 /// All measurements, in the order of the table. Most sources were read as abstracts or first pages; a

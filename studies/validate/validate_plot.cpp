@@ -49,7 +49,7 @@ std::string DrawRow(const ValidationRow& row, double y, double left, double widt
   const double x = Place(ratio, left, width);
   svg += DrawMarker(x, y, look.marker, look.color);
   const std::string text =
-      fmt::format("{:.3g}{}{}", row.simulated.value, m.unit == "1" ? "" : " ", m.unit == "1" ? "" : m.unit);
+      Number(row.simulated.value) + (m.unit == "1" ? std::string() : " " + std::string(m.unit));
   return svg + SvgText(left + width + 10.0, y + 4.0, text, "start", look.color);
 }
 

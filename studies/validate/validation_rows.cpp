@@ -54,7 +54,7 @@ std::vector<ValidationItem> MakeItems() {
       {.id = "14-depth", .simulate = DepthOfCutRatio},
       {.id = "14-speed", .simulate = CuttingSpeedRatio},
       {.id = "15", .simulate = BurForce, .cells = BurForceCells},
-      {.id = "16", .simulate = FeedPerTurn, .cells = DemoCells},
+      {.id = "16", .simulate = FeedPerTurn, .cells = FeedPerTurnCells},
       {.id = "18", .simulate = ForceDifference, .cells = DemoCells},
       {.id = "19", .simulate = DragDifference},
       {.id = "20", .simulate = ReamingForce, .cells = DemoCells},

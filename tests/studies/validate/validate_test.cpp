@@ -36,6 +36,14 @@ TEST(Validate, HasAtLeastTwelveRowsWithSourceConditionsAndWhatIsLeftOut) {
   EXPECT_GE(judged, 12u);
 }
 
+TEST(Validate, ComparesToTheLastDigitThatTheSourceStates) {
+  const Measurement& wide = *FindMeasurement("3-high");  // 61.4 ± 0.4 mm, stated to 0.1 mm
+  EXPECT_TRUE(wide.Contains(60.96));
+  EXPECT_FALSE(wide.Contains(60.94));
+  EXPECT_TRUE(wide.Contains(61.84));
+  EXPECT_FALSE(wide.Contains(61.86));
+}
+
 TEST(Validate, ChoosesRowsByNumberAndById) {
   const std::vector<std::string> words{"9", "14-depth"};
   const auto ids = ChooseRows(words);

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "control/laws/admittance_law.h"
+
+namespace osteon::app {
+
+/// What a recording says of its run: is it whole, and do its books close?
+struct EpisodeBooks {
+  bool complete{false};  ///< the file has its end
+  std::uint64_t ticks{0}, frames{0};
+  std::uint64_t missing_ticks{0};                      ///< gaps in the ticks' numbers
+  double rendered_s{0.0};                              ///< time in which the loop rendered
+  double max_model_age_s{0.0}, max_sensor_age_s{0.0};  ///< while rendering
+  double peak_rendered_N{0.0};
+  double max_tracking_m{0.0};  ///< between commanded and measured apex, while rendering
+  double rest_error_m{0.0};    ///< the same in the last tick
+  /// Momentum of the virtual tool: what is left of M v' = F_hand + F_rendered - D v, over the hand's impulse,
+  /// summed over ticks in which no limit acted.
+  double momentum_residual{0.0};
+  /// Work of the edge (spindle torque × angle) less the energy of the cleared bone, over the latter; 0 where
+  /// nothing was cut.
+  double energy_residual{0.0};
+  double cutting_work_J{0.0}, removed_m3{0.0};  ///< of the last frame
+  bool removed_falls{false};                    ///< the removed volume was smaller than in a frame before
+  double min_tank_J{0.0};
+};
+
+/// Reads a recording, one message after the other. @param law  of the cell; @param period_s  of its loop
+/// @returns an error that names the file.
+[[nodiscard]] tl::expected<EpisodeBooks, std::string> ReadBooks(const std::filesystem::path& recording,
+                                                                const control::AdmittanceParams& law,
+                                                                double period_s);
+
+}  // namespace osteon::app

@@ -1,0 +1,227 @@
+#include "studies/soak/soak.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "base/interrupt.h"
+#include "base/json_text.h"
+#include "base/write_text.h"
+#include "config/reading/load.h"
+#include "config/reading/load_scenario.h"
+#include "config/reading/strict/overlay.h"
+#include "report/page.h"
+#include "session/process/exit_code.h"
+#include "session/summary/chart_files.h"
+#include "studies/regress/scenario_run.h"
+#include "studies/soak/soak_page.h"
+
+namespace osteon::app {
+namespace {
+
+double ResidentMemory_MB() {
+  std::ifstream statm("/proc/self/statm");
+  double whole = 0.0, resident = 0.0;
+  statm >> whole >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+// Names of the faults that occurred, from the trace's events: "fault force sensor stale".
+std::vector<std::string> FaultsOf(const ScenarioTrace& trace) {
+  constexpr std::string_view kFault = "fault ";
+  std::vector<std::string> faults;
+  for (const TraceEvent& event : trace.events)
+    if (event.what.starts_with(kFault)) faults.push_back(event.what.substr(kFault.size()));
+  return faults;
+}
+
+tl::expected<EpisodeResult, std::string> RunEpisode(const SoakOptions& options, const Episode& episode,
+                                                    const std::atomic<bool>* stop) {
+  config::ScenarioConfig scenario =
+      config::LoadScenario(options.config_root / "scenarios" / "reaming_lbr.yaml");
+  scenario.seconds = episode.seconds;
+  scenario.sample_s = 1.0;
+  if (episode.kind == EpisodeKind::kRecovery) scenario.recoveries = 1;
+  if (episode.kind == EpisodeKind::kPause) {
+    scenario.pause_s = episode.pause_s;
+    scenario.resume_s = episode.resume_s;
+  }
+  const auto run = RunScenario(scenario, {.set = episode.set, .stop = stop});
+  if (!run) return tl::make_unexpected(run.error());
+  const config::CellConfig cell = config::LoadCell(scenario.cell);
+  const auto books = ReadBooks(run->recording, cell.servo.admittance, cell.servo.period_s);
+  if (!books) return tl::make_unexpected(books.error());
+  EpisodeResult result{.episode = episode,
+                       .ended = run->trace.ended,
+                       .faults = FaultsOf(run->trace),
+                       .hash = run->trace.hash,
+                       .books = *books,
+                       .carved_m3 = 1e-9 * run->figures.removed_mm3,
+                       .seconds_simulated = run->seconds_simulated,
+                       .seconds_wall = run->seconds_wall};
+  if (books->ticks != run->trace.ticks)
+    result.wrong.push_back(fmt::format("the recording has {} ticks of {}", books->ticks, run->trace.ticks));
+  return result;
+}
+
+nlohmann::ordered_json EpisodeJson(const EpisodeResult& r) {
+  return {{"index", r.episode.index},
+          {"kind", NameOf(r.episode.kind)},
+          {"text", r.episode.text},
+          {"ended", r.ended},
+          {"faults", r.faults},
+          {"hash", fmt::format("{:016x}", r.hash)},
+          {"seconds_simulated", r.seconds_simulated},
+          {"seconds_wall", r.seconds_wall},
+          {"memory_MB", r.memory_MB},
+          {"ticks", r.books.ticks},
+          {"frames", r.books.frames},
+          {"missing_ticks", r.books.missing_ticks},
+          {"complete", r.books.complete},
+          {"peak_rendered_N", r.books.peak_rendered_N},
+          {"max_model_age_s", r.books.max_model_age_s},
+          {"max_sensor_age_s", r.books.max_sensor_age_s},
+          {"max_tracking_m", r.books.max_tracking_m},
+          {"rest_error_m", r.books.rest_error_m},
+          {"momentum_residual", r.books.momentum_residual},
+          {"energy_residual", r.books.energy_residual},
+          {"removed_mm3", 1e9 * r.books.removed_m3},
+          {"wrong", r.wrong}};
+}
+
+void Print(const EpisodeResult& r, double simulated_s) {
+  fmt::print("{:>6.2f} h {:>5}  {:<44} {:<12} {:>7.1f} MB  momentum {:>6.3f} %  energy {:>+6.2f} %  {}\n",
+             simulated_s / 3600.0, r.episode.index, r.episode.text, r.ended, r.memory_MB,
+             100.0 * r.books.momentum_residual, 100.0 * r.books.energy_residual,
+             r.wrong.empty() ? "" : fmt::format("WRONG: {}", fmt::join(r.wrong, "; ")));
+  std::fflush(stdout);
+}
+
+std::string WriteFiles(const SoakOptions& options, std::span<const EpisodeResult> episodes) {
+  if (!options.json.empty())
+    if (const auto written = WriteText(options.json, SoakJson(episodes, options)); !written)
+      return written.error();
+  if (options.out.empty()) return "";
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  const auto page = WritePage(SoakPage(episodes, options), options.out / "soak.html");
+  return page ? "" : page.error();
+}
+
+}  // namespace
+
+std::vector<std::string> JudgeEpisode(const EpisodeResult& r, std::uint64_t reference_hash) {
+  std::vector<std::string> wrong;
+  const auto require = [&](bool holds, const std::string& what) {
+    if (!holds) wrong.push_back(what);
+  };
+  const std::string_view injected = InjectedFault(r.episode.kind);
+  for (const std::string& fault : r.faults)
+    require(fault == injected, fmt::format("a fault that was not injected: {}", fault));
+  require(injected.empty() || !r.faults.empty(), fmt::format("no fault, injected: {}", injected));
+  require(r.ended == (EndsWithFault(r.episode.kind) ? "fault" : "completed"), "ended: " + r.ended);
+  require(r.books.complete && r.books.missing_ticks == 0,
+          fmt::format("the recording misses {} ticks{}", r.books.missing_ticks,
+                      r.books.complete ? "" : " and its end"));
+  require(r.books.peak_rendered_N <= kMaxForce_N,
+          fmt::format("{:.1f} N were rendered", r.books.peak_rendered_N));
+  // an arm that fell silent is not measured any more
+  require(r.episode.kind == EpisodeKind::kArmSilent || r.books.rest_error_m <= kMaxRestError_m,
+          fmt::format("at rest {:.3f} mm from the command", 1e3 * r.books.rest_error_m));
+  require(r.books.momentum_residual <= kMaxMomentumResidual,
+          fmt::format("momentum: {:.2f} % do not close", 100.0 * r.books.momentum_residual));
+  require(std::abs(r.books.energy_residual) <= kMaxEnergyResidual,
+          fmt::format("energy: {:.2f} % do not close", 100.0 * r.books.energy_residual));
+  require(!r.books.removed_falls, "the removed volume fell");
+  require(
+      std::abs(r.carved_m3 - r.books.removed_m3) <= kMaxVolumeResidual * std::max(1e-12, r.carved_m3),
+      fmt::format("volume: {:.3f} mm³ carved, {:.3f} recorded", 1e9 * r.carved_m3, 1e9 * r.books.removed_m3));
+  if (r.episode.kind == EpisodeKind::kReference && reference_hash != 0)
+    require(r.hash == reference_hash, "the reference episode drifted: other bits than the first one");
+  return wrong;
+}
+
+double MemoryGrowth_MB(std::span<const EpisodeResult> episodes) {
+  if (episodes.size() < 8) return 0.0;
+  const auto median = [&](std::size_t from, std::size_t to) {
+    std::vector<double> values;
+    for (std::size_t i = from; i < to; ++i) values.push_back(episodes[i].memory_MB);
+    std::ranges::sort(values);
+    return values[values.size() / 2];
+  };
+  const std::size_t n = episodes.size();
+  return median(3 * n / 4, n) - median(n / 4, n / 2);
+}
+
+tl::expected<std::vector<EpisodeResult>, std::string> RunEpisodes(
+    const SoakOptions& options, const std::atomic<bool>* stop,
+    const std::function<void(const EpisodeResult&)>& done) {
+  std::vector<EpisodeResult> episodes;
+  double simulated_s = 0.0;
+  std::uint64_t reference = 0;
+  for (int index = 0; simulated_s < 3600.0 * options.hours && !(stop && stop->load()); ++index) {
+    auto result = RunEpisode(options, EpisodeAt(options.seed, index), stop);
+    if (!result) return tl::make_unexpected(fmt::format("episode {}: {}", index, result.error()));
+    if (stop && stop->load()) break;  // cut short
+    for (std::string& wrong : JudgeEpisode(*result, reference)) result->wrong.push_back(std::move(wrong));
+    if (index == 0) reference = result->hash;
+    result->memory_MB = ResidentMemory_MB();
+    simulated_s += result->seconds_simulated;
+    done(*result);
+    episodes.push_back(std::move(*result));
+  }
+  return episodes;
+}
+
+std::string SoakJson(std::span<const EpisodeResult> episodes, const SoakOptions& options) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  double simulated_s = 0.0, wall_s = 0.0;
+  std::size_t wrong = 0;
+  for (const EpisodeResult& result : episodes) {
+    list.push_back(EpisodeJson(result));
+    simulated_s += result.seconds_simulated;
+    wall_s += result.seconds_wall;
+    wrong += result.wrong.empty() ? 0 : 1;
+  }
+  return JsonText(nlohmann::ordered_json{{"schema", "osteon.soak/1"},
+                                         {"command", options.command_line},
+                                         {"machine", MachineName()},
+                                         {"seed", options.seed},
+                                         {"seconds_simulated", simulated_s},
+                                         {"seconds_wall", wall_s},
+                                         {"wrong_episodes", wrong},
+                                         {"memory_growth_MB", MemoryGrowth_MB(episodes)},
+                                         {"episodes", list}});
+}
+
+int RunSoak(const SoakOptions& options) {
+  if (!options.out.empty())
+    if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
+      return Fail("soak", wrong);
+  if (const std::string wrong = ValidateOutputFile("--json", options.json); !wrong.empty())
+    return Fail("soak", wrong);
+  InstallInterrupt();
+  double simulated_s = 0.0;
+  const auto episodes = RunEpisodes(options, &Interrupted(), [&](const EpisodeResult& result) {
+    simulated_s += result.seconds_simulated;
+    Print(result, simulated_s);
+  });
+  if (!episodes) return Fail("soak", episodes.error(), kFailed);
+  const auto wrong =
+      std::ranges::count_if(*episodes, [](const EpisodeResult& r) { return !r.wrong.empty(); });
+  const double growth_MB = MemoryGrowth_MB(*episodes);
+  fmt::print("{} episodes, {:.2f} h simulated: {} wrong; memory grew by {:.1f} MB\n", episodes->size(),
+             simulated_s / 3600.0, wrong, growth_MB);
+  if (const std::string error = WriteFiles(options, *episodes); !error.empty())
+    return Fail("soak", error, kFailed);
+  if (Interrupted()) return InterruptExitCode();
+  return wrong > 0 || growth_MB > kMaxMemoryGrowth_MB ? kFailed : 0;
+}
+
+}  // namespace osteon::app

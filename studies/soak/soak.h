@@ -1,0 +1,64 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "studies/soak/episode_books.h"
+#include "studies/soak/soak_script.h"
+
+namespace osteon::app {
+
+struct SoakOptions {
+  std::filesystem::path config_root;
+  double hours{8.0};  ///< of virtual time
+  std::uint64_t seed{1};
+  std::filesystem::path out{};   ///< folder for soak.html; empty: none
+  std::filesystem::path json{};  ///< empty: none
+  std::string command_line{};
+};
+
+/// What an episode came to.
+struct EpisodeResult {
+  Episode episode;
+  std::string ended;
+  std::vector<std::string> faults;  ///< names, in their order
+  std::uint64_t hash{0};            ///< over every bit of every tick and of the carved bone
+  EpisodeBooks books;
+  double carved_m3{0.0};  ///< removed volume of the engine's final state
+  double seconds_simulated{0.0}, seconds_wall{0.0};
+  double memory_MB{0.0};             ///< resident after it
+  std::vector<std::string> wrong{};  ///< what is not as it should be; empty: nothing
+};
+
+/// Bounds that every episode is held to.
+inline constexpr double kMaxMomentumResidual = 0.02, kMaxEnergyResidual = 0.05, kMaxRestError_m = 0.5e-3,
+                        kMaxForce_N = 200.0, kMaxVolumeResidual = 1e-9;
+/// Growth of the memory from the second quarter of the episodes to the last: their medians.
+inline constexpr double kMaxMemoryGrowth_MB = 20.0;
+
+/// What is wrong with an episode. @param reference_hash  of the first reference; 0: this is the first
+[[nodiscard]] std::vector<std::string> JudgeEpisode(const EpisodeResult& result,
+                                                    std::uint64_t reference_hash);
+
+/// Growth of the memory [MB]; 0 with fewer than eight episodes.
+[[nodiscard]] double MemoryGrowth_MB(std::span<const EpisodeResult> episodes);
+
+/// Runs episodes until they have simulated that long. @param done  called after each
+/// @returns an error if an episode could not be run at all.
+[[nodiscard]] tl::expected<std::vector<EpisodeResult>, std::string> RunEpisodes(
+    const SoakOptions& options, const std::atomic<bool>* stop,
+    const std::function<void(const EpisodeResult&)>& done);
+
+/// JSON object, schema osteon.soak/1.
+[[nodiscard]] std::string SoakJson(std::span<const EpisodeResult> episodes, const SoakOptions& options);
+
+/// Runs `osteon soak`.
+/// @returns the process's exit code: 0; 1 something was wrong in an episode or grew, or a file could not be
+/// written; 2 bad input; 130 ended by Ctrl-C, with what was done written.
+[[nodiscard]] int RunSoak(const SoakOptions& options);
+
+}  // namespace osteon::app

@@ -1,0 +1,91 @@
+#include "studies/soak/soak_page.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "report/page.h"
+#include "report/svg_plot.h"
+#include "report/svg_text.h"
+
+namespace osteon::app {
+namespace {
+
+// A figure of each episode over the simulated hours.
+LineChart Over(std::span<const EpisodeResult> episodes, const char* title, const char* unit,
+               const std::function<double(const EpisodeResult&)>& value) {
+  LineChart chart{.title = title,
+                  .x_label = "simulated time [h]",
+                  .y_label = unit,
+                  .legend = false,
+                  .plot_height_px = 110.0};
+  Series series{.width_px = 0.0, .marker = Marker::kCircle};
+  double hours = 0.0;
+  for (const EpisodeResult& result : episodes) {
+    hours += result.seconds_simulated / 3600.0;
+    series.x.push_back(hours);
+    series.y.push_back(value(result));
+  }
+  chart.series.push_back(std::move(series));
+  return chart;
+}
+
+std::string Kinds(std::span<const EpisodeResult> episodes) {
+  std::string html =
+      "<table>\n<tr><th>kind</th><th class=\"n\">episodes</th><th class=\"n\">wrong</th></tr>\n";
+  for (int i = 0; i < kEpisodeKinds; ++i) {
+    const auto kind = static_cast<EpisodeKind>(i);
+    const auto of_kind = [&](const EpisodeResult& r) { return r.episode.kind == kind; };
+    const auto wrong = [&](const EpisodeResult& r) { return of_kind(r) && !r.wrong.empty(); };
+    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n", NameOf(kind),
+                        std::ranges::count_if(episodes, of_kind), std::ranges::count_if(episodes, wrong));
+  }
+  return html + "</table>\n";
+}
+
+}  // namespace
+
+std::string SoakPage(std::span<const EpisodeResult> episodes, const SoakOptions& options) {
+  double simulated_s = 0.0, wall_s = 0.0;
+  ReportVerdict verdict;
+  for (const EpisodeResult& result : episodes) {
+    simulated_s += result.seconds_simulated;
+    wall_s += result.seconds_wall;
+    for (const std::string& wrong : result.wrong)
+      verdict.reasons.push_back(
+          fmt::format("episode {} ({}): {}", result.episode.index, result.episode.text, wrong));
+  }
+  const double growth_MB = MemoryGrowth_MB(episodes);
+  if (growth_MB > kMaxMemoryGrowth_MB)
+    verdict.reasons.push_back(fmt::format("the memory grew by {:.1f} MB", growth_MB));
+  if (!verdict.reasons.empty()) verdict.level = "bad";
+  std::string html = PageBegin({.title = "Osteon soak",
+                                .subtitle = "The simulated cell in virtual time, episode after episode",
+                                .verdict = verdict,
+                                .summary = {{"Simulated", fmt::format("{:.2f} h in {} episodes",
+                                                                      simulated_s / 3600.0, episodes.size())},
+                                            {"Wall time", fmt::format("{:.2f} h", wall_s / 3600.0)},
+                                            {"Seed", std::to_string(options.seed)},
+                                            {"Memory grew by", fmt::format("{:.1f} MB", growth_MB)}}});
+  const std::array panels{
+      Over(episodes, "Resident memory", "memory [MB]", [](const auto& r) { return r.memory_MB; }),
+      Over(episodes, "Peak rendered force", "force [N]",
+           [](const auto& r) { return r.books.peak_rendered_N; }),
+      Over(episodes, "Age of the contact model, most while rendering", "age [ms]",
+           [](const auto& r) { return 1e3 * r.books.max_model_age_s; }),
+      Over(episodes, "Age of the force sensor, most while rendering", "age [ms]",
+           [](const auto& r) { return 1e3 * r.books.max_sensor_age_s; }),
+      Over(episodes, "Commanded from measured apex at the end", "distance [µm]",
+           [](const auto& r) { return 1e6 * r.books.rest_error_m; }),
+      Over(episodes, "Momentum that does not close", "share [%]",
+           [](const auto& r) { return 100.0 * r.books.momentum_residual; }),
+      Over(episodes, "Energy of the cut that does not close", "share [%]",
+           [](const auto& r) { return 100.0 * r.books.energy_residual; })};
+  html +=
+      Figure(Svg(panels), "One point for each episode.") + "<h2>Episodes by kind</h2>\n" + Kinds(episodes);
+  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + PageEnd();
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace osteon::app {
+
+/// What happens in an episode of a soak.
+enum class EpisodeKind : std::uint8_t {
+  kReference,     ///< the same every time, so that its bits show a drift
+  kReaming,       ///< another reamer, another hand
+  kLoss,          ///< lost and late datagrams of the arm
+  kPause,         ///< an operator's pause and its end
+  kRecovery,      ///< the arm falls silent for 60 ms; the loop starts again
+  kSensorSilent,  ///< a part dies: the cell stops, and the next episode starts it again
+  kDriveSilent,
+  kPlcSilent,
+  kArmSilent,
+};
+inline constexpr int kEpisodeKinds = 9;
+[[nodiscard]] std::string_view NameOf(EpisodeKind kind);
+/// The fault that the kind injects, by its name in a summary; empty: none.
+[[nodiscard]] std::string_view InjectedFault(EpisodeKind kind);
+/// Whether the run ends with that fault, rather than after its time.
+[[nodiscard]] bool EndsWithFault(EpisodeKind kind);
+
+struct Episode {
+  int index{0};
+  EpisodeKind kind{EpisodeKind::kReference};
+  double seconds{10.0};                ///< of rendering
+  double pause_s{0.0}, resume_s{0.0};  ///< of a pause, after rendering began
+  std::vector<std::string> set{};      ///< KEY=VALUE each, overrides the cell
+
+  /// "reaming, 51 mm, 23 s"
+  std::string text{};
+};
+
+/// Seconds of a reference episode, and from one to the next at least.
+inline constexpr double kReference_s = 8.0;
+inline constexpr int kEpisodesPerReference = 10;
+
+/// The episode with an index in a soak of this seed: a function of its arguments alone. Every tenth is the
+/// reference; the others are drawn.
+[[nodiscard]] Episode EpisodeAt(std::uint64_t seed, int index);
+
+}  // namespace osteon::app
