@@ -14,6 +14,7 @@
 #include "app/cli/diff_command.h"
 #include "app/cli/failures_command.h"
 #include "app/cli/help/manual_command.h"
+#include "app/cli/identify_command.h"
 #include "app/cli/measure_commands.h"
 #include "app/cli/merge_command.h"
 #include "app/cli/osteon_commands.h"
@@ -42,6 +43,7 @@ int Run(int argc, char** argv) {
   osteon::app::CalibrateCommand calibrate(app);
   osteon::app::CapabilityCommand capability(app);
   osteon::app::TransparencyCommand transparency(app);
+  osteon::app::IdentifyCommand identify(app);
   osteon::app::PlanCommand plan(app);
   osteon::app::SurgicalPlanCommand surgical_plan(app);
   osteon::app::AssessCommand assess(app);
@@ -63,6 +65,7 @@ int Run(int argc, char** argv) {
   if (calibrate.asked()) return calibrate.Run(config_root, command_line);
   if (capability.asked()) return capability.Run(config_root, command_line);
   if (transparency.asked()) return transparency.Run(config_root, command_line);
+  if (identify.asked()) return identify.Run(config_root, command_line);
   if (plan.asked()) return plan.Run(config_root, command_line);
   if (surgical_plan.asked()) return surgical_plan.Run(config_root);
   if (assess.asked()) return assess.Run(config_root, command_line);

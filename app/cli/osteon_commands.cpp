@@ -37,7 +37,8 @@ OsteonCommands::OsteonCommands(CLI::App& app)
       calibrate_(app, {"calibrate"}),
       new_cell_(app),
       schema_(app),
-      capability_to_tune_(app, {"capability", "transparency", "plan", "surgical-plan", "assess", "tune"}),
+      capability_to_tune_(
+          app, {"capability", "transparency", "identify", "plan", "surgical-plan", "assess", "tune"}),
       export_(app),
       replay_(app),
       report_(app),

@@ -25,6 +25,7 @@ constexpr std::array kStudies = std::to_array<StudyCommand>({
     {"calibrate", "finds tool centre point, payload and sensor bias from recorded poses"},
     {"capability", "maps the force that the arm can hold, and finds a good place for its base"},
     {"transparency", "compares what a hand feels at the handle with what the law asks for"},
+    {"identify", "measures arm, force sensor and link of a cell, for tune"},
     {"plan", "finds the coarsest model of a scene that meets an error and a rate"},
     {"surgical-plan", "checks a plan of a cup: its axis in all definitions, volume and walls"},
     {"tune", "maps where the loop is stable, and recommends gains"},

@@ -144,6 +144,14 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon run my_cell.yaml --simulated --seconds 5",
        By("GuardProcess.ARunOfASimulatedCellBringsItsGuard")},
       {"osteon run my_cell.yaml", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
+      {"osteon identify demo --simulated --axes z --speeds 50",
+       As("identify demo --simulated --do free --axes z --speeds 50", {"identify/identified.yaml"})},
+      {"osteon identify my_cell.yaml --axes x,y,z --speeds 10,50 --out identify",
+       By("ExcitedRun.IdentifiesTheSimulatedArmAndItsSensor")},
+      {"osteon identify my_cell.yaml --recording identify/free_z_50.mcap --validate "
+       "identify/validate_z_50.mcap",
+       By("ExcitedRun.IdentifiesTheSimulatedArmAndItsSensor")},
+      {"osteon identify demo --recording demo_out/recording.mcap", By("PassiveLag.IsFoundBesideAHandsForce")},
       {"osteon calibrate my_cell.yaml --payload weigh.mcap --pivot tip.mcap --out "
        "config/cells/my_calibration.yaml",
        By("CalibrateTest.FindsPayloadBiasAndApexAndTheCellTakesThem")},

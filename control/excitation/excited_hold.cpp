@@ -1,0 +1,155 @@
+#include "control/excitation/excited_hold.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::control {
+namespace {
+
+constexpr double kSecond_s = 1.0, kWindow_s = 0.1, kSlow_hz = 5.0;
+constexpr double kGrowth = 1.3, kGrown_N = 5.0;  // from window to window; below it nothing grows
+constexpr int kGrowingWindows = 3;
+constexpr int kMaxGap = 100;  // messages: a longer gap is the loop's to judge
+
+using JointMap = Eigen::Map<const Eigen::Matrix<double, kJoints, 1>>;
+
+void Require(bool accepted, const char* name, double found, const char* range) {
+  if (!accepted)
+    throw std::invalid_argument(std::string("excited hold: ") + name + ": found " + std::to_string(found) +
+                                ", accepted " + range);
+}
+
+}  // namespace
+
+const char* Describe(ExcitationAbort abort) {
+  switch (abort) {
+    case ExcitationAbort::kNone:
+      return "";
+    case ExcitationAbort::kLeftPause:
+      return "the loop left its pause: a fault, a stop or an operator";
+    case ExcitationAbort::kArmLeft:
+      return "the arm left the state in which it takes commands";
+    case ExcitationAbort::kForce:
+      return "the force on the sensor passed its limit";
+    case ExcitationAbort::kForceGrows:
+      return "force between 5 and 40 Hz grew for 0.3 s";
+    case ExcitationAbort::kTracking:
+      return "the tool was too far from where it was commanded";
+    case ExcitationAbort::kAnswersLost:
+      return "over 5 % of the answers were lost within 1 s";
+    case ExcitationAbort::kSensor:
+      return "the force sensor gave no reading that can be used";
+  }
+  return "";
+}
+
+ExcitedHold::ExcitedHold(const ExcitedHoldParams& params)
+    : params_(params), path_(params.path, params.period_s) {
+  Require(params.sequence_step >= 1, "sequence_step", params.sequence_step, ">= 1");
+  Require(params.max_force_N > 0.0 && params.max_force_N <= 200.0, "max_force_N", params.max_force_N,
+          "0 … 200, not 0");
+  Require(params.max_tracking_m > 0.0, "max_tracking_m", params.max_tracking_m, "> 0");
+  Require(params.wait_s > 0.0, "wait_s", params.wait_s, "> 0");
+  Require(params.max_lost_share > 0.0 && params.max_lost_share <= 1.0, "max_lost_share",
+          params.max_lost_share, "0 … 1, not 0");
+  Require(std::abs(params.axis_W.norm() - 1.0) < 1e-9, "axis_W", params.axis_W.norm(), "a length of 1");
+}
+
+ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
+  if (!tick.received) return step_;
+  if (!has_begun_) {
+    if (tick.active && tick.state == safety::CellState::kPaused) Begin(tick);
+    sequence_ = tick.sequence;
+    return step_;
+  }
+  const int messages =
+      std::clamp(static_cast<int>(tick.sequence - sequence_) / params_.sequence_step, 1, kMaxGap);
+  sequence_ = tick.sequence;
+  if (abort_ == ExcitationAbort::kNone && !done_) abort_ = Check(tick, step_.x_m);
+  if (abort_ == ExcitationAbort::kNone && !done_ && LosesAnswers(tick, messages))
+    abort_ = ExcitationAbort::kAnswersLost;
+  if (abort_ == ExcitationAbort::kArmLeft) {  // the arm is where its own controller has it
+    step_ = {.path = step_.path, .abort = abort_};
+    done_ = true;
+    return step_;
+  }
+  const bool permitted = abort_ == ExcitationAbort::kNone && (!params_.has_interlock || tick.permitted);
+  for (int i = 0; i < messages && !done_; ++i) step_.path = path_.Step(permitted);
+  if (!done_) step_.x_m = step_.path.x_m;
+  step_.abort = abort_;
+  done_ = done_ || step_.path.part == ExcitationPart::kDone ||
+          (abort_ != ExcitationAbort::kNone && step_.path.at_rest);
+  step_.excites = !done_;
+  JointArray moved{};
+  for (std::size_t j = 0; j < moved.size(); ++j) {
+    step_.offset[j] = params_.direction[j] * step_.x_m;
+    moved[j] = tick.q_meas[j] - q_hold_[j];
+  }
+  step_.y_m = params_.axis_W.dot(params_.J_W * JointMap(moved.data()));
+  return step_;
+}
+
+// Waits at rest in the pause, and averages the force meanwhile; the first message with the pause's command
+// begins.
+void ExcitedHold::Begin(const ExcitedTick& tick) OSTEON_RT {
+  if (waited_ > 0 && tick.activation != activation_) waited_ = 0;
+  if (waited_ == 0) force_zero_S_N_.setZero();
+  activation_ = tick.activation;
+  ++waited_;
+  force_zero_S_N_ += (tick.force_S_N - force_zero_S_N_) / static_cast<double>(waited_);
+  if (static_cast<double>(waited_) * params_.period_s < params_.wait_s) return;
+  has_begun_ = true;
+  done_ = params_.rests_only;
+  if (done_) step_.path.part = ExcitationPart::kDone;
+  q_hold_ = tick.q_hold;
+  second_lost_ = tick.lost + tick.answers_lost;
+}
+
+// @param x_before_m  offset that the last answer commanded
+ExcitationAbort ExcitedHold::Check(const ExcitedTick& tick, double x_before_m) OSTEON_RT {
+  if (!tick.active || tick.activation != activation_) return ExcitationAbort::kArmLeft;
+  if (tick.state != safety::CellState::kPaused) return ExcitationAbort::kLeftPause;
+  if (!tick.sensor_trusted || !tick.force_S_N.allFinite() || !(tick.sensor_age_s <= params_.max_sensor_age_s))
+    return ExcitationAbort::kSensor;
+  const Vector3 force_S_N = tick.force_S_N - force_zero_S_N_;
+  if (!(force_S_N.norm() <= params_.max_force_N)) return ExcitationAbort::kForce;
+  JointArray off{};
+  for (std::size_t j = 0; j < off.size(); ++j)
+    off[j] = tick.q_meas[j] - q_hold_[j] - params_.direction[j] * x_before_m;
+  if (!((params_.J_W * JointMap(off.data())).norm() <= params_.max_tracking_m))
+    return ExcitationAbort::kTracking;
+  return ForceGrows(force_S_N.norm()) ? ExcitationAbort::kForceGrows : ExcitationAbort::kNone;
+}
+
+// Counts messages and answers that were lost, second by second.
+bool ExcitedHold::LosesAnswers(const ExcitedTick& tick, int messages) OSTEON_RT {
+  second_messages_ += messages;
+  const double second = kSecond_s / params_.period_s;
+  const std::uint32_t lost = tick.lost + tick.answers_lost - second_lost_;
+  if (static_cast<double>(lost) > params_.max_lost_share * second) return true;
+  if (static_cast<double>(second_messages_) >= second) {
+    second_messages_ = 0;
+    second_lost_ = tick.lost + tick.answers_lost;
+  }
+  return false;
+}
+
+// The excitation's own force is periodic and its level even: force that grows from window to window is a
+// loop's.
+bool ExcitedHold::ForceGrows(double force_N) OSTEON_RT {
+  const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * kSlow_hz * params_.period_s);
+  slow_N_ += share * (force_N - slow_N_);
+  squares_ += (force_N - slow_N_) * (force_N - slow_N_);
+  if (static_cast<double>(++window_ticks_) * params_.period_s < kWindow_s) return false;
+  const double now_N = std::sqrt(squares_ / window_ticks_);
+  growing_ = now_N > kGrown_N && now_N > kGrowth * window_N_ ? growing_ + 1 : 0;
+  window_N_ = now_N;
+  squares_ = 0.0;
+  window_ticks_ = 0;
+  return growing_ >= kGrowingWindows;
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "base/marker.h"
+#include "control/excitation/excitation_path.h"
+#include "control/ports.h"
+#include "kinematics/spatial.h"
+#include "safety/cell_state.h"
+
+namespace osteon::control {
+
+/// Why an excitation ended before its time.
+enum class ExcitationAbort : std::uint8_t {
+  kNone,
+  kLeftPause,    ///< the loop has left the pause by itself: a fault, a stop, an operator's resume
+  kArmLeft,      ///< the arm has left COMMANDING_ACTIVE, or came back in another activation
+  kForce,        ///< the force on the sensor has changed by more than max_force_N
+  kForceGrows,   ///< force between 5 and 40 Hz has grown for 0.3 s
+  kTracking,     ///< the tool is farther than max_tracking_m from where it was commanded
+  kAnswersLost,  ///< more than max_lost_share of the answers were lost within 1 s
+  kSensor,       ///< no force reading that can be used
+};
+/// "the force on the sensor changed by more than …", for messages.
+[[nodiscard]] const char* Describe(ExcitationAbort abort);
+
+struct ExcitedHoldParams {
+  ExcitationParams path;
+  double period_s{0.001};
+  int sequence_step{1};              ///< of ArmState::sequence from message to message
+  JointArray direction{};            ///< joints' motion for 1 m along the axis [rad/m]: J^+ e
+  Vector3 axis_W{Vector3::UnitZ()};  ///< e, unit
+  Eigen::Matrix<double, 3, kJoints> J_W{
+      Eigen::Matrix<double, 3, kJoints>::Zero()};  ///< of the apex, at the posture
+  double max_force_N{30.0};                        ///< 30 with nobody at the handle, 60 with a hand
+  double max_tracking_m{0.01};
+  double max_lost_share{0.05};
+  double max_sensor_age_s{0.1};
+  bool has_interlock{false};  ///< the path goes on only while the PLC permits motion and the switch is held
+  double wait_s{1.0};         ///< at rest in the pause before the path begins: the force's zero; > 0
+  bool rests_only{false};     ///< nothing moves: done after wait_s
+};
+
+/// What an excited hold needs of a tick: live from the loop and its ports, later from the tick's record.
+struct ExcitedTick {
+  bool received{false};
+  std::uint32_t sequence{0}, activation{0};
+  bool active{false};  ///< COMMANDING_ACTIVE
+  std::uint32_t lost{0}, answers_lost{0};
+  JointArray q_meas{}, q_hold{};  ///< measured; commanded by the loop [rad]
+  Vector3 force_S_N{Vector3::Zero()};
+  double sensor_age_s{0.0};
+  bool sensor_trusted{true}, permitted{false};
+  safety::CellState state{safety::CellState::kOff};  ///< of the loop, after the tick
+};
+
+struct ExcitedHoldStep {
+  JointArray offset{};  ///< to be added to the loop's command [rad]
+  double x_m{0.0};      ///< the same along the axis
+  double y_m{0.0};      ///< measured offset along the axis
+  ExcitationStep path{};
+  bool excites{false};  ///< the path has begun and is not done
+  ExcitationAbort abort{ExcitationAbort::kNone};
+};
+
+/// Adds an excitation to an arm that the servo loop holds in a pause:
+///
+///     ServoLoop (paused) ──q_hold──▶ + direction x(t) ──▶ arm
+///
+/// The loop's checks of a pause go on: session, tracking, measured speed. This adds its own, and decides by
+/// each tick alone, so that the same ticks from a recording give the same offsets, bit for bit. After an
+/// abort the path brakes to rest within pause_s; the offset stays where it came to rest. Between messages
+/// that were lost the path advances by the sequence number. Step does not allocate.
+class ExcitedHold {
+ public:
+  /// @throws std::invalid_argument naming the parameter, the value found and what is accepted.
+  explicit ExcitedHold(const ExcitedHoldParams& params);
+
+  [[nodiscard]] ExcitedHoldStep Step(const ExcitedTick& tick) OSTEON_RT;
+
+  /// Whether the path is at its end, or an abort has come to rest.
+  [[nodiscard]] bool done() const OSTEON_RT { return done_; }
+  [[nodiscard]] const ExcitationPath& path() const { return path_; }
+  [[nodiscard]] const ExcitedHoldParams& params() const { return params_; }
+
+ private:
+  void Begin(const ExcitedTick& tick) OSTEON_RT;
+  [[nodiscard]] ExcitationAbort Check(const ExcitedTick& tick, double x_before_m) OSTEON_RT;
+  [[nodiscard]] bool LosesAnswers(const ExcitedTick& tick, int messages) OSTEON_RT;
+  [[nodiscard]] bool ForceGrows(double force_N) OSTEON_RT;
+
+  ExcitedHoldParams params_;
+  ExcitationPath path_;
+  bool has_begun_{false}, done_{false};
+  ExcitationAbort abort_{ExcitationAbort::kNone};
+  int waited_{0};  // messages in the pause
+  std::uint32_t sequence_{0}, activation_{0};
+  JointArray q_hold_{};
+  Vector3 force_zero_S_N_{Vector3::Zero()};
+  ExcitedHoldStep step_;
+  // answers lost in the present second
+  int second_messages_{0};
+  std::uint32_t second_lost_{0};
+  // force above 5 Hz, in windows of 0.1 s
+  double slow_N_{0.0}, squares_{0.0}, window_N_{0.0};
+  int window_ticks_{0}, growing_{0};
+};
+
+}  // namespace osteon::control

@@ -1,0 +1,272 @@
+#include "studies/identify/excited_axis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <Eigen/SVD>
+#include <nlohmann/json.hpp>
+
+#include "kinematics/serial_chain.h"
+#include "safety/watchdog.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr const char* kEvent = "excitation: ";
+constexpr double kSpeedShare = 0.2, kAccelerationFactor = 2.0;
+constexpr double kFreeForce_N = 30.0, kHeldForce_N = 60.0;
+constexpr double kMinSingular = 0.02;  // of the Jacobian along the axis
+
+using Jacobian = Eigen::Matrix<double, 6, control::kJoints>;
+
+template <int N>
+Jacobian JacobianOf(const kinematics::ChainParams<N>& chain, const config::CellConfig& cell) {
+  const kinematics::SerialChain<N> arm(chain);
+  const kinematics::JointVectorN<N> q = cell.start.q.template head<N>();
+  const auto posture = arm.ComputePosture(q);
+  const Vector3 p_B = posture.X_BF * cell.tool.X_FT.translation();
+  const kinematics::JacobianN<N> J_B = arm.JacobianAt(posture, p_B);
+  const Matrix3 R_WB = cell.X_WB.linear();
+  Jacobian J_W = Jacobian::Zero();
+  J_W.template topLeftCorner<3, N>() = R_WB * J_B.template topRows<3>();
+  J_W.template bottomLeftCorner<3, N>() = R_WB * J_B.template bottomRows<3>();
+  return J_W;
+}
+
+std::vector<kinematics::JointLimits> LimitsOf(const config::CellConfig& cell) {
+  std::vector<kinematics::JointLimits> limits;
+  const auto take = [&](const auto& chain) {
+    for (const auto& joint : chain.joints) limits.push_back(joint.limits);
+  };
+  if (const config::LbrConfig* lbr = cell.robot.lbr())
+    take(lbr->chain);
+  else
+    take(cell.robot.six_axis()->chain);
+  return limits;
+}
+
+// Largest speed and acceleration along the axis that keep every joint within its bounds.
+void LimitPath(const std::vector<kinematics::JointLimits>& limits, control::ExcitedHoldParams& hold) {
+  for (std::size_t j = 0; j < limits.size(); ++j) {
+    const double per_m = std::abs(hold.direction[j]);
+    if (!(per_m > 0.0)) continue;
+    if (limits[j].velocity_rad_per_s > 0.0)
+      hold.path.peak_speed_m_per_s =
+          std::min(hold.path.peak_speed_m_per_s, kSpeedShare * limits[j].velocity_rad_per_s / per_m);
+    if (limits[j].acceleration_rad_per_s2 > 0.0)
+      hold.path.max_acceleration_m_per_s2 =
+          std::min(hold.path.max_acceleration_m_per_s2,
+                   kAccelerationFactor * limits[j].acceleration_rad_per_s2 / per_m);
+  }
+}
+
+int SequenceStep(const config::CellConfig& cell) {
+  const io::RsiSessionParams* rsi = cell.link.rsi();
+  return rsi ? rsi->ipoc_step : 1;
+}
+
+}  // namespace
+
+std::string EventText(const ExcitationRequest& request) {
+  return kEvent + nlohmann::ordered_json{{"axis", std::string(1, request.axis)},
+                                         {"peak_speed_m_per_s", request.peak_speed_m_per_s},
+                                         {"seed", request.seed},
+                                         {"draws", request.draws},
+                                         {"periods", request.periods},
+                                         {"held", request.held},
+                                         {"rest_s", request.rest_s}}
+                      .dump();
+}
+
+std::optional<ExcitationRequest> ParseEvent(const std::string& text) {
+  if (!text.starts_with(kEvent)) return {};
+  const auto json = nlohmann::json::parse(text.substr(std::string(kEvent).size()), nullptr, false);
+  if (!json.is_object()) return {};
+  try {
+    const auto axis = json.at("axis").get<std::string>();
+    if (axis != "x" && axis != "y" && axis != "z") return {};
+    return ExcitationRequest{.axis = axis[0],
+                             .peak_speed_m_per_s = json.at("peak_speed_m_per_s").get<double>(),
+                             .seed = json.at("seed").get<std::uint64_t>(),
+                             .draws = json.at("draws").get<int>(),
+                             .periods = json.at("periods").get<int>(),
+                             .held = json.at("held").get<bool>(),
+                             .rest_s = json.at("rest_s").get<double>()};
+  } catch (const nlohmann::json::exception&) {
+    return {};  // a file may say anything
+  }
+}
+
+tl::expected<ExcitedAxis, std::string> ExcitedAxisOf(const config::CellConfig& cell,
+                                                     const ExcitationRequest& request) {
+  const Jacobian J = cell.robot.lbr() ? JacobianOf(cell.robot.lbr()->chain, cell)
+                                      : JacobianOf(cell.robot.six_axis()->chain, cell);
+  ExcitedAxis axis;
+  control::ExcitedHoldParams& hold = axis.hold;
+  hold.axis_W = cell.start.X_WT.linear().col(request.axis - 'x');
+  Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
+  motion.head<3>() = hold.axis_W;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  if (!(svd.singularValues()[5] >= kMinSingular))
+    return tl::unexpected(
+        fmt::format("the start's posture is singular: found a least singular value of {:.3g} m, "
+                    "accepted {:g} m or more",
+                    svd.singularValues()[5], kMinSingular));
+  const Eigen::VectorXd direction = svd.solve(motion);
+  for (std::size_t j = 0; j < hold.direction.size(); ++j) {
+    hold.direction[j] = direction[static_cast<Eigen::Index>(j)];
+    axis.q_start[j] = cell.start.q[static_cast<Eigen::Index>(j)];
+  }
+  hold.J_W = J.topRows<3>();
+  hold.path = {.seed = request.seed,
+               .draws = request.draws,
+               .periods = request.periods,
+               .peak_speed_m_per_s = request.peak_speed_m_per_s,
+               .pause_s = cell.start.path.pause_s};
+  LimitPath(LimitsOf(cell), hold);
+  hold.period_s = cell.servo.period_s;
+  hold.sequence_step = SequenceStep(cell);
+  hold.max_force_N = request.held ? kHeldForce_N : kFreeForce_N;
+  hold.max_sensor_age_s = cell.servo.watchdog.sensor_stop_s;
+  hold.has_interlock = cell.servo.has_interlock;
+  hold.rests_only = request.rest_s > 0.0;
+  if (hold.rests_only) hold.wait_s = request.rest_s;
+  const Pose X_TS = cell.tool.X_FT.inverse() * Pose(cell.servo.sensor.X_FS);
+  axis.axis_S = (cell.start.X_WT.linear() * X_TS.linear()).transpose() * hold.axis_W;
+  return axis;
+}
+
+control::ExcitedTick ExcitedTickOf(const control::TickRecord& record) {
+  const control::TickInput& in = record.input;
+  return {
+      .received = in.received == static_cast<std::uint8_t>(control::ReceiveResult::kOk),
+      .sequence = in.sequence,
+      .activation = in.activation,
+      .active = record.session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive),
+      .lost = in.lost,
+      .answers_lost = in.answers_lost,
+      .q_meas = record.q_meas,
+      .q_hold = record.q_cmd,
+      .force_S_N = in.F_sensor_S.f,
+      .sensor_age_s = record.sensor_age_s,
+      .sensor_trusted = in.sensor_trusted,
+      .permitted = in.permitted && in.enabled,
+      .state = static_cast<safety::CellState>(record.cell_state)};
+}
+
+namespace {
+
+// The answers to messages, in order, with what the arm says of them.
+class AnswerLog {
+ public:
+  explicit AnswerLog(ExcitedRun& run) : run_(run) {}
+
+  // Adds a message: its sample is the newest. @param lost  answers that this message reports as lost since
+  // the last
+  void Add(std::uint32_t lost) {
+    // this message reflects the answer to the message before it; those reported lost were sent before that
+    // answer
+    for (std::size_t i = 0; i < lost && i + 1 < answered_.size(); ++i)
+      lost_.push_back(answered_[answered_.size() - 2 - i]);
+    answered_.push_back(run_.samples.size() - 1);
+  }
+
+  // Replaces what never arrived by what the arm held.
+  void HoldLost() {
+    std::vector<bool> is_lost(run_.samples.size(), true);  // without a message there is no answer
+    for (const std::size_t at : answered_) is_lost[at] = false;
+    for (const std::size_t at : lost_) is_lost[at] = true;
+    for (std::size_t i = 1; i < run_.samples.size(); ++i)
+      if (is_lost[i]) run_.samples[i].u_m = run_.samples[i - 1].u_m;
+  }
+
+ private:
+  ExcitedRun& run_;
+  std::vector<std::size_t> answered_, lost_;
+};
+
+void FillJitter(std::vector<double> arrivals_s, double period_s, const std::vector<double>& steps,
+                ExcitedSamples& samples) {
+  if (arrivals_s.empty()) return;
+  for (std::size_t i = 0; i < arrivals_s.size(); ++i) arrivals_s[i] -= period_s * steps[i];
+  // clocks of arm and host run apart slowly: what counts is lateness within 1000 messages
+  constexpr std::size_t kBlock = 1000;
+  std::vector<double> late_s;
+  for (std::size_t begin = 0; begin < arrivals_s.size(); begin += kBlock) {
+    const auto first = arrivals_s.begin() + static_cast<std::ptrdiff_t>(begin);
+    const auto last =
+        arrivals_s.begin() + static_cast<std::ptrdiff_t>(std::min(begin + kBlock, arrivals_s.size()));
+    const double earliest_s = *std::min_element(first, last);
+    for (auto at = first; at != last; ++at) late_s.push_back(*at - earliest_s);
+  }
+  for (const double late : late_s) samples.jitter_mean_s += late / static_cast<double>(late_s.size());
+  const auto p99 =
+      late_s.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(late_s.size() - 1));
+  std::nth_element(late_s.begin(), p99, late_s.end());
+  samples.jitter_p99_s = *p99;
+}
+
+}  // namespace
+
+tl::expected<ExcitedSamples, std::string> SamplesOf(const std::vector<control::TickRecord>& ticks,
+                                                    const ExcitedAxis& axis) {
+  ExcitedSamples samples{.run = {.period_s = axis.hold.period_s, .samples = {}}};
+  control::ExcitedHold hold(axis.hold);
+  AnswerLog answers(samples.run);
+  std::vector<double> arrivals_s, steps;
+  std::uint32_t sequence = 0, lost_before = 0;
+  bool begun = false;
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    if (i > 0 && ticks[i].tick != ticks[i - 1].tick + 1)
+      return tl::unexpected(fmt::format("found tick {} after {}, accepted a recording without gaps",
+                                        ticks[i].tick, ticks[i - 1].tick));
+    const control::ExcitedTick tick = ExcitedTickOf(ticks[i]);
+    const control::ExcitedHoldStep step = hold.Step(tick);
+    samples.abort = step.abort;
+    if (!tick.received || !step.excites) {
+      if (begun && tick.received) break;
+      sequence = tick.sequence;
+      lost_before = tick.answers_lost;
+      continue;
+    }
+    const auto apart = static_cast<std::int32_t>(tick.sequence - sequence);
+    if (begun && apart <= 0)
+      return tl::unexpected(
+          fmt::format("found message {} after {}, accepted rising numbers: a link's trouble, see "
+                      "osteon doctor",
+                      tick.sequence, sequence));
+    const int missing = begun ? apart / axis.hold.sequence_step - 1 : 0;
+    for (int gap = 0; gap < missing; ++gap) {
+      ExcitedSample unseen = samples.run.samples.back();
+      unseen.seen = false;
+      samples.run.samples.push_back(unseen);
+    }
+    samples.run.samples.push_back({.seen = true,
+                                   .u_m = step.x_m,
+                                   .y_m = step.y_m,
+                                   .f_N = axis.axis_S.dot(tick.force_S_N),
+                                   .counted = step.path.part == control::ExcitationPart::kCounted,
+                                   .draw = step.path.draw,
+                                   .period = step.path.period});
+    answers.Add(tick.answers_lost - lost_before);
+    arrivals_s.push_back(1e-9 * static_cast<double>(ticks[i].input.arm_stamp));
+    steps.push_back(static_cast<double>(samples.run.samples.size()));
+    samples.lost_messages += static_cast<std::uint32_t>(missing);
+    samples.lost_answers += tick.answers_lost - lost_before;
+    if (!begun)
+      for (std::size_t j = 0; j < axis.q_start.size(); ++j)
+        samples.start_error_rad =
+            std::max(samples.start_error_rad, std::abs(tick.q_hold[j] - axis.q_start[j]));
+    begun = true;
+    sequence = tick.sequence;
+    lost_before = tick.answers_lost;
+  }
+  samples.messages = static_cast<std::uint32_t>(samples.run.samples.size());
+  answers.HoldLost();
+  FillJitter(std::move(arrivals_s), axis.hold.period_s, steps, samples);
+  return samples;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "config/reading/cell_config.h"
+#include "control/excitation/excited_hold.h"
+#include "studies/identify/measured_response.h"
+
+namespace osteon::app {
+
+/// What is excited in one recording. A recording keeps it as an event, so that the excitation can be computed
+/// again.
+struct ExcitationRequest {
+  char axis{'z'};  ///< x, y or z of the tool's frame at the cell's start
+  double peak_speed_m_per_s{0.05};
+  std::uint64_t seed{1};
+  int draws{4}, periods{3};
+  bool held{false};    ///< a hand holds the handle
+  double rest_s{0.0};  ///< above 0: the arm rests so long, and nothing is excited
+};
+
+/// Text of the event, "excitation: {…}", and back; nothing for another event's text.
+[[nodiscard]] std::string EventText(const ExcitationRequest& request);
+[[nodiscard]] std::optional<ExcitationRequest> ParseEvent(const std::string& text);
+
+/// An axis of a cell at its start.
+struct ExcitedAxis {
+  control::ExcitedHoldParams hold;
+  Vector3 axis_S{Vector3::UnitZ()};  ///< the same axis in the force sensor's frame
+  control::JointArray q_start{};
+};
+
+/// Computes how a cell's joints move along an axis at its start, with speed and acceleration within the
+/// arm's: 20 % of the joints' speed, twice their published acceleration.
+/// @returns an error if the posture is singular along the axis
+[[nodiscard]] tl::expected<ExcitedAxis, std::string> ExcitedAxisOf(const config::CellConfig& cell,
+                                                                   const ExcitationRequest& request);
+
+/// What an excited hold needs of a recorded tick.
+[[nodiscard]] control::ExcitedTick ExcitedTickOf(const control::TickRecord& record);
+
+/// Samples of a recorded run, and how it went.
+struct ExcitedSamples {
+  ExcitedRun run;
+  control::ExcitationAbort abort{control::ExcitationAbort::kNone};
+  std::uint32_t messages{0}, lost_messages{0}, lost_answers{0};  ///< while the path ran
+  double start_error_rad{0.0};  ///< largest difference of the held joints from the cell's start
+  double jitter_mean_s{0.0}, jitter_p99_s{0.0};
+};
+
+/// Computes the excitation of recorded ticks again, and pairs what arrived with what was measured: by the
+/// arm's sequence numbers, never by arrival. A command counts from the message that it answers; where the arm
+/// reports a lost answer, or a message did not come, the command before is held.
+/// @returns an error if the sequence jumps back or ticks are missing in the recording
+[[nodiscard]] tl::expected<ExcitedSamples, std::string> SamplesOf(
+    const std::vector<control::TickRecord>& ticks, const ExcitedAxis& axis);
+
+}  // namespace osteon::app

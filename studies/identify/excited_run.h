@@ -1,0 +1,36 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "session/setup/cell_setup.h"
+#include "studies/identify/excited_axis.h"
+
+namespace osteon::app {
+
+struct ExcitedRunParams {
+  ExcitationRequest request;
+  std::filesystem::path recording;  ///< the MCAP file to write
+  bool simulated{true};             ///< the simulated cell, in virtual time; false: the connected arm
+  double wait_s{60.0};              ///< real arm: until it is handed over
+  const std::atomic<bool>* stop{nullptr};
+  std::function<void(const std::string&)> notice{};  ///< called with a line for the user
+};
+
+/// Moves the arm of a cell by an excitation, and records it: the servo loop goes to the start, begins to
+/// render in free air, is paused, and holds the arm, while control::ExcitedHold adds its offset to each
+/// answer. Spindle and cutting engine stand still. All checks of the loop in a pause act, and those of the
+/// excited hold.
+///
+/// A simulated cell runs in virtual time: arm, wires, devices, PLC as in `osteon demo --virtual-time`, except
+/// that nobody takes the handle and that the sensor carries the tool's inertia, as a real one does. A
+/// recording of a connected arm replays as any other: the loop's own command is the pause's.
+/// @returns an error if nothing could be run, or why the run ended early
+[[nodiscard]] tl::expected<void, std::string> RunExcited(const CellSetup& setup,
+                                                         const ExcitedRunParams& params);
+
+}  // namespace osteon::app

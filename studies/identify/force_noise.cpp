@@ -1,0 +1,124 @@
+#include "studies/identify/force_noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <unsupported/Eigen/FFT>
+
+namespace osteon::app {
+namespace {
+
+constexpr double kWindow_s = 1.0, kMinSeconds = 10.0;
+constexpr double kLineRatio = 10.0;   // of power: 10 dB
+constexpr std::size_t kAround = 10;   // frequencies on each side
+constexpr std::size_t kMainLobe = 2;  // of a Hann window
+
+double SdOf(const std::vector<double>& values) {
+  double mean = 0.0, squares = 0.0;
+  for (const double value : values) mean += value / static_cast<double>(values.size());
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return values.size() > 1 ? std::sqrt(squares / static_cast<double>(values.size() - 1)) : 0.0;
+}
+
+// Mean power of each frequency over windows, as the squared amplitude of a sine: a sine of amplitude a gives
+// a^2.
+std::vector<double> PowerOf(std::span<const double> force_N, std::size_t window) {
+  Eigen::FFT<double> fft;
+  std::vector<double> part(window), power(window / 2, 0.0);
+  std::vector<std::complex<double>> spectrum;
+  const std::size_t windows = force_N.size() / window;
+  for (std::size_t k = 0; k < windows; ++k) {
+    const auto values = force_N.subspan(k * window, window);
+    double mean = 0.0;
+    for (const double value : values) mean += value / static_cast<double>(window);
+    for (std::size_t i = 0; i < window; ++i) {
+      const double hann =
+          0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(window));
+      part[i] = hann * (values[i] - mean);
+    }
+    fft.fwd(spectrum, part);
+    for (std::size_t i = 0; i < power.size(); ++i) {
+      const double amplitude = 4.0 * std::abs(spectrum[i]) / static_cast<double>(window);
+      power[i] += amplitude * amplitude / static_cast<double>(windows);
+    }
+  }
+  return power;
+}
+
+double MedianAround(const std::vector<double>& power, std::size_t at) {
+  std::vector<double> around;
+  const std::size_t begin = at > kAround + kMainLobe ? at - kAround - kMainLobe : 3;
+  for (std::size_t i = begin; i < power.size() && i <= at + kAround + kMainLobe; ++i)
+    if (i + kMainLobe < at || i > at + kMainLobe) around.push_back(power[i]);
+  if (around.empty()) return 0.0;
+  const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
+  std::nth_element(around.begin(), middle, around.end());
+  return *middle;
+}
+
+}  // namespace
+
+ForceNoise MeasureNoise(std::span<const double> force_N, double period_s) {
+  ForceNoise noise{.seconds = period_s * static_cast<double>(force_N.size())};
+  if (noise.seconds < kMinSeconds) return noise;
+  const auto window = static_cast<std::size_t>(std::lround(kWindow_s / period_s));
+  std::vector<double> means;
+  double squares = 0.0;
+  for (std::size_t begin = 0; begin + window <= force_N.size(); begin += window) {
+    double mean = 0.0;
+    for (std::size_t i = 0; i < window; ++i) mean += force_N[begin + i] / static_cast<double>(window);
+    for (std::size_t i = 0; i < window; ++i) squares += std::pow(force_N[begin + i] - mean, 2);
+    means.push_back(mean);
+  }
+  double variance = squares / static_cast<double>(means.size() * (window - 1));
+
+  const std::vector<double> power = PowerOf(force_N, window);
+  for (std::size_t i = 3; i < power.size(); ++i) {
+    const bool is_peak = power[i] >= power[i - 1] && (i + 1 == power.size() || power[i] > power[i + 1]);
+    if (!is_peak || !(power[i] > kLineRatio * MedianAround(power, i)) || !(power[i] > 0.0)) continue;
+    noise.lines.push_back({.hz = static_cast<double>(i) / kWindow_s, .amplitude = std::sqrt(power[i])});
+    variance -= 0.5 * power[i];
+  }
+  noise.white_N = std::sqrt(std::max(0.0, variance));
+  // means of white noise differ by themselves
+  const double drift_N = SdOf(means), by_noise_N = noise.white_N / std::sqrt(static_cast<double>(window));
+  noise.drift_N = std::sqrt(std::max(0.0, drift_N * drift_N - by_noise_N * by_noise_N));
+  return noise;
+}
+
+std::vector<SpindleHarmonic> FitSpindleHarmonics(std::span<const double> force_N,
+                                                 std::span<const double> speed_rad_per_s, double period_s,
+                                                 int orders) {
+  const auto size = static_cast<Eigen::Index>(std::min(force_N.size(), speed_rad_per_s.size()));
+  const Eigen::Index columns = 1 + 2 * orders;
+  if (size <= columns) return {};
+  Eigen::MatrixXd basis(size, columns);
+  Eigen::VectorXd force(size);
+  double angle_rad = 0.0;
+  for (Eigen::Index k = 0; k < size; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    force[k] = force_N[i];
+    basis(k, 0) = 1.0;
+    for (int order = 1; order <= orders; ++order) {
+      basis(k, 2 * order - 1) = std::cos(order * angle_rad);
+      basis(k, 2 * order) = std::sin(order * angle_rad);
+    }
+    const double next = k + 1 < size ? speed_rad_per_s[i + 1] : speed_rad_per_s[i];
+    angle_rad += 0.5 * (speed_rad_per_s[i] + next) * period_s;
+  }
+  const Eigen::LDLT<Eigen::MatrixXd> normal(basis.transpose() * basis);
+  const Eigen::VectorXd fitted = normal.solve(basis.transpose() * force);
+  const double variance = (force - basis * fitted).squaredNorm() / static_cast<double>(size - columns);
+  std::vector<SpindleHarmonic> harmonics;
+  for (int order = 1; order <= orders; ++order)
+    harmonics.push_back({.order = order,
+                         .amplitude_N = std::hypot(fitted[2 * order - 1], fitted[2 * order]),
+                         .half_width_N = 2.0 * std::sqrt(2.0 * variance / static_cast<double>(size))});
+  return harmonics;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace osteon::app {
+
+/// Runs that `osteon identify` can do.
+struct IdentifyRuns {
+  bool noise{true}, free{true}, validate{true};
+};
+
+struct IdentifyOptions {
+  std::filesystem::path cell;
+  bool simulated{false};  ///< moves the simulated cell, in virtual time
+  IdentifyRuns runs{};
+  std::string axes{"xyz"};                         ///< of the tool's frame
+  std::vector<double> speeds_m_per_s{0.01, 0.05};  ///< peak speeds
+  std::vector<std::filesystem::path>
+      recordings{};  ///< to estimate from; empty: the arm is moved and recorded
+  std::vector<std::filesystem::path> validations{};
+  std::filesystem::path out{
+      "identify"};               ///< folder for recordings, identified.yaml, identify.json, identify.html
+  std::filesystem::path json{};  ///< also write the figures there; empty: nowhere else
+  const std::atomic<bool>* stop{nullptr};
+  std::string command_line{};
+};
+
+/// Runs `osteon identify CELL`: moves the arm (or reads recordings), estimates, judges, and writes the page,
+/// the figures, and, if nothing was refused, identified.yaml.
+/// @returns the process's exit code: 0; 1 refused; 2 bad input.
+[[nodiscard]] int RunIdentify(const IdentifyOptions& options);
+
+}  // namespace osteon::app

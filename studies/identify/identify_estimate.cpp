@@ -1,0 +1,272 @@
+#include "studies/identify/identify_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <Eigen/Cholesky>
+
+#include "base/fnv1a.h"
+#include "io/recording/recording_reader.h"
+#include "session/setup/recorded_config.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kMinMotion_s = 10.0, kMoves_m_per_s = 1e-3, kPassiveHand_N = 5.0;
+constexpr double kPosture_rad = 0.02;
+
+struct ReadRun {
+  config::IdentifiedRecording named;
+  io::Recording recording;
+  std::optional<ExcitationRequest> request;
+  std::string another_cell;  // why it is not this cell's; empty: it is
+  config::CellConfig cell;   // that it was recorded with
+};
+
+std::string HashOf(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  Fnv1a hash;
+  std::string block(1 << 20, '\0');
+  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)
+    hash.Add(std::string_view(block.data(), static_cast<std::size_t>(stream.gcount())));
+  return fmt::format("{:016x}", hash.hash());
+}
+
+std::string DifferenceOf(const config::CellConfig& found, const config::CellConfig& accepted) {
+  if (found.robot.name != accepted.robot.name)
+    return fmt::format("another cell's recording: found the robot {}, accepted {}", found.robot.name,
+                       accepted.robot.name);
+  if (found.tool.tool.name != accepted.tool.tool.name)
+    return fmt::format("another cell's recording: found the tool {}, accepted {}", found.tool.tool.name,
+                       accepted.tool.tool.name);
+  if (found.servo.period_s != accepted.servo.period_s)
+    return fmt::format("another cell's recording: found a period of {:g} ms, accepted {:g} ms",
+                       1e3 * found.servo.period_s, 1e3 * accepted.servo.period_s);
+  const double off_rad = (found.start.q - accepted.start.q).cwiseAbs().maxCoeff();
+  if (!(off_rad <= kPosture_rad))
+    return fmt::format(
+        "another cell's recording: found a start whose joints differ by {:.3f} rad, accepted {:g} rad",
+        off_rad, kPosture_rad);
+  return "";
+}
+
+tl::expected<ReadRun, std::string> ReadRunOf(const std::filesystem::path& file,
+                                             const config::CellConfig& cell) {
+  auto recording = io::ReadRecording(file);
+  if (!recording) return tl::unexpected(recording.error());
+  auto recorded = LoadRecordedCell(recording->session.config);
+  if (!recorded) return tl::unexpected(file.string() + ": " + recorded.error());
+  ReadRun run{.named = {.file = file.filename().string(), .hash = HashOf(file)},
+              .recording = std::move(*recording),
+              .request = {},
+              .another_cell = DifferenceOf(*recorded, cell),
+              .cell = std::move(*recorded)};
+  for (const io::RecordedEvent& event : run.recording.events)
+    if (const auto request = ParseEvent(event.text)) run.request = request;
+  return run;
+}
+
+// The force's direction that is noisiest, over the ticks at rest in the pause.
+ForceNoise NoiseOf(const std::vector<control::TickRecord>& ticks, double period_s) {
+  std::array<std::vector<double>, 3> force_N;
+  for (const control::TickRecord& tick : ticks) {
+    if (tick.cell_state != static_cast<std::uint8_t>(safety::CellState::kPaused)) continue;
+    const Vector3 f = tick.input.F_sensor_S.f;
+    for (int i = 0; i < 3; ++i) force_N[static_cast<std::size_t>(i)].push_back(f[i]);
+  }
+  ForceNoise worst;
+  for (const std::vector<double>& component : force_N) {
+    const ForceNoise noise = MeasureNoise(component, period_s);
+    if (worst.seconds == 0.0 ||
+        std::hypot(noise.white_N, noise.drift_N) > std::hypot(worst.white_N, worst.drift_N))
+      worst = noise;
+  }
+  return worst;
+}
+
+// The plant by force: F / q_cmd over what the tool's inertia makes of a motion.
+MeasuredResponse ByForce(MeasuredResponse response, double mass_kg) {
+  for (ResponseLine& line : response.lines) {
+    const double w = 2.0 * std::numbers::pi * line.hz, per_m = mass_kg * w * w;
+    line.value /= per_m;
+    line.noise_sd /= per_m;
+    line.sd /= per_m;
+  }
+  return response;
+}
+
+// One part of a motion: sums of its normal equations.
+struct LagSums {
+  Eigen::Matrix2d normal{Eigen::Matrix2d::Zero()};
+  Eigen::Vector2d right{Eigen::Vector2d::Zero()};
+  int ticks{0};
+
+  void Add(double error_m, double speed_m_per_s, double force_N) {
+    const Eigen::Vector2d row(speed_m_per_s, force_N);
+    normal += row * row.transpose();
+    right += error_m * row;
+  }
+  [[nodiscard]] Eigen::Vector2d Solve() const {
+    if (!(normal(1, 1) > 0.0)) return {right[0] / normal(0, 0), 0.0};
+    return normal.ldlt().solve(right);
+  }
+};
+
+// Reads and pairs an excited run; findings where that is not possible.
+std::optional<AxisResult> EstimateRun(const ReadRun& run, IdentifyResult& result) {
+  const std::string where = run.named.file;
+  const auto refuse = [&](const std::string& what) {
+    result.refused.push_back({where, what});
+    return std::nullopt;
+  };
+  if (!run.another_cell.empty()) return refuse(run.another_cell);
+  const auto axis = ExcitedAxisOf(run.cell, *run.request);
+  if (!axis) return refuse(axis.error());
+  auto samples = SamplesOf(run.recording.ticks, *axis);
+  if (!samples) return refuse(samples.error());
+  if (samples->abort != control::ExcitationAbort::kNone)
+    return refuse(fmt::format("the excitation ended early: {}; find the cause and measure again",
+                              control::Describe(samples->abort)));
+  auto estimated = EstimateAxis(samples->run, *run.request, run.cell.servo.sensor.tool_mass_kg);
+  if (!estimated) return refuse(estimated.error());
+  const control::ExcitationPath path(axis->hold.path, axis->hold.period_s);
+  estimated->rms_speed_m_per_s = path.rms_speed_m_per_s();
+  estimated->recording = run.named;
+  samples->run.samples.clear();
+  estimated->samples = std::move(*samples);
+  return std::move(*estimated);
+}
+
+}  // namespace
+
+tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run, const ExcitationRequest& request,
+                                                   double tool_mass_kg) {
+  AxisResult axis{.request = request, .recording = {}, .by_encoders = {}, .fit = {}};
+  auto response = MeasureResponse(run, Signal::kCommand, Signal::kPosition);
+  if (!response) return tl::unexpected(response.error());
+  axis.by_encoders = std::move(*response);
+  auto fit = FitServo(axis.by_encoders.lines, run.period_s);
+  if (!fit) return tl::unexpected(fit.error());
+  axis.fit = *fit;
+  auto force = MeasureResponse(run, Signal::kPosition, Signal::kForce);
+  if (!force) return tl::unexpected(force.error());
+  axis.force_over_position = std::move(*force);
+  if (request.held) {
+    if (const auto hand = FitHand(axis.force_over_position->lines, tool_mass_kg)) axis.hand = *hand;
+    return axis;
+  }
+  const auto tool = FitToolForce(axis.force_over_position->lines);
+  if (!tool) {
+    axis.no_tool = tool.error();
+    return axis;
+  }
+  axis.tool = *tool;
+  if (auto by_force = MeasureResponse(run, Signal::kCommand, Signal::kForce))
+    axis.by_force = ByForce(std::move(*by_force), tool->mass_kg.value);
+  return axis;
+}
+
+tl::expected<PassiveLag, std::string> EstimatePassiveLag(const std::vector<control::TickRecord>& ticks,
+                                                         double period_s) {
+  const auto part_ticks = static_cast<int>(std::lround(1.0 / period_s));
+  LagSums all;
+  std::vector<LagSums> parts(1);
+  PassiveLag lag;
+  for (const control::TickRecord& tick : ticks) {
+    const auto state = static_cast<safety::CellState>(tick.cell_state);
+    if (tick.input.received != 0 || tick.cell_state == control::kNoCellState || !safety::Renders(state))
+      continue;
+    const Vector3 v = tick.v_WT_cmd_m_per_s, f = tick.F_operator_T_W.f;
+    if (!(v.norm() > kMoves_m_per_s)) continue;
+    const Vector3 off = Vector3(tick.X_WT_cmd.p) - Vector3(tick.X_WT_meas.p);
+    if (parts.back().ticks == part_ticks) parts.emplace_back();
+    for (int i = 0; i < 3; ++i) {
+      all.Add(off[i], v[i], f[i]);
+      parts.back().Add(off[i], v[i], f[i]);
+    }
+    ++all.ticks;
+    ++parts.back().ticks;
+    lag.peak_hand_N = std::max(lag.peak_hand_N, f.norm());
+  }
+  lag.seconds = period_s * all.ticks;
+  if (lag.seconds < kMinMotion_s)
+    return tl::unexpected(fmt::format("too little: found {:.1f} s of motion, accepted {:g} s or more",
+                                      lag.seconds, kMinMotion_s));
+  if (parts.back().ticks < part_ticks) parts.pop_back();
+  const Eigen::Vector2d solved = all.Solve();
+  double squares = 0.0;
+  for (const LagSums& part : parts) squares += std::pow(part.Solve()[0] - solved[0], 2);
+  const auto count = static_cast<double>(parts.size());
+  lag.lag_s = {solved[0], 2.0 * std::sqrt(squares / (count * std::max(1.0, count - 1.0)))};
+  lag.compliance_m_per_N = lag.peak_hand_N > kPassiveHand_N ? solved[1] : 0.0;
+  return lag;
+}
+
+tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
+                                             const config::CellConfig& cell, IdentifyResult& result) {
+  const auto run = ReadRunOf(file, cell);
+  if (!run) return tl::unexpected(run.error());
+  if (!run->request) {
+    if (!run->another_cell.empty()) {
+      result.refused.push_back({run->named.file, run->another_cell});
+      return {};
+    }
+    auto lag = EstimatePassiveLag(run->recording.ticks, run->cell.servo.period_s);
+    if (!lag) {
+      result.refused.push_back({run->named.file, lag.error()});
+      return {};
+    }
+    lag->recording = run->named;
+    result.passive.push_back(*lag);
+    return {};
+  }
+  if (run->request->rest_s > 0.0) {
+    if (run->another_cell.empty())
+      result.noise = NoiseOf(run->recording.ticks, run->cell.servo.period_s);
+    else
+      result.refused.push_back({run->named.file, run->another_cell});
+    return {};
+  }
+  if (auto axis = EstimateRun(*run, result)) result.axes.push_back(std::move(*axis));
+  return {};
+}
+
+tl::expected<void, std::string> AddValidation(const std::filesystem::path& file,
+                                              const config::CellConfig& cell, IdentifyResult& result) {
+  const auto run = ReadRunOf(file, cell);
+  if (!run) return tl::unexpected(run.error());
+  if (!run->request || run->request->rest_s > 0.0)
+    return tl::unexpected(file.string() +
+                          ": found a recording without excitation, accepted one of a validation run");
+  const auto other = EstimateRun(*run, result);
+  if (!other) return {};
+  bool used = false;
+  for (AxisResult& axis : result.axes) {
+    if (axis.request.axis != run->request->axis || axis.request.held != run->request->held ||
+        axis.request.peak_speed_m_per_s != run->request->peak_speed_m_per_s)
+      continue;
+    axis.validation_chi2 = ValidationChi2(axis.fit.model, other->by_encoders.lines, run->cell.servo.period_s);
+    used = true;
+  }
+  if (!used)
+    return tl::unexpected(fmt::format("{}: found {}, accepted an axis and a speed of the other recordings",
+                                      file.string(), NameOf(*run->request)));
+  return {};
+}
+
+IdentifyResult EmptyResult(const std::string& name, const config::CellConfig& cell) {
+  IdentifyResult result{
+      .cell = name,
+      .valid_for = {.robot = cell.robot.name, .tool = cell.tool.tool.name, .period_s = cell.servo.period_s},
+      .tool_mass_kg = cell.servo.sensor.tool_mass_kg,
+      .axes = {}};
+  for (std::size_t i = 0; i < 7; ++i)
+    result.valid_for.start_rad[i] = cell.start.q[static_cast<Eigen::Index>(i)];
+  return result;
+}
+
+}  // namespace osteon::app

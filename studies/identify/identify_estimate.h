@@ -1,0 +1,46 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "config/reading/cell_config.h"
+#include "studies/identify/identify_result.h"
+
+namespace osteon::app {
+
+/// Fits one axis from samples: response by encoders, arm, and in free air tool and sensor; with a hand, the
+/// hand.
+/// @param tool_mass_kg  on the sensor's tool side, for a hand
+/// @returns an error that says what is missing
+[[nodiscard]] tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run,
+                                                                 const ExcitationRequest& request,
+                                                                 double tool_mass_kg);
+
+/// Total lag from ticks that rendered, without excitation, by least squares of
+///
+///     (x_cmd - x_meas) = lag v_cmd + c F_hand
+///
+/// in the tool's three directions, where the tool moves. The interval follows from parts of 1 s.
+/// @returns an error if there are fewer than 10 s of motion
+[[nodiscard]] tl::expected<PassiveLag, std::string> EstimatePassiveLag(
+    const std::vector<control::TickRecord>& ticks, double period_s);
+
+/// Reads a recording and adds what it gives to the result, judged: an axis, noise, or a total lag. Bad data
+/// are findings in `result.refused`.
+/// @returns an error if the file cannot be read
+[[nodiscard]] tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
+                                                           const config::CellConfig& cell,
+                                                           IdentifyResult& result);
+
+/// Holds a fitted axis against a recording with another seed.
+/// @returns an error if the file cannot be read, or fits no axis of the result
+[[nodiscard]] tl::expected<void, std::string> AddValidation(const std::filesystem::path& file,
+                                                            const config::CellConfig& cell,
+                                                            IdentifyResult& result);
+
+/// What a result says of its cell before anything is measured.
+[[nodiscard]] IdentifyResult EmptyResult(const std::string& name, const config::CellConfig& cell);
+
+}  // namespace osteon::app

@@ -1,0 +1,145 @@
+#include "studies/identify/identify_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "report/page.h"
+#include "report/svg_plot.h"
+#include "report/svg_text.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kModelStep = 1.03;  // ratio of frequencies along the fitted curve
+
+// Phase without jumps of a turn, along rising frequencies.
+class Unwrapped {
+ public:
+  double Next(double phase_rad) {
+    while (phase_rad - last_ > std::numbers::pi) phase_rad -= 2.0 * std::numbers::pi;
+    while (phase_rad - last_ < -std::numbers::pi) phase_rad += 2.0 * std::numbers::pi;
+    return last_ = phase_rad;
+  }
+
+ private:
+  double last_{0.0};
+};
+
+struct BodeCurves {
+  Series gain, phase;
+};
+
+BodeCurves Measured(const MeasuredResponse& response, const std::string& name, const std::string& color,
+                    Marker marker) {
+  BodeCurves curves{.gain = {.name = name, .color = color, .width_px = 0.0, .marker = marker},
+                    .phase = {.name = name, .color = color, .width_px = 0.0, .marker = marker}};
+  Unwrapped phase;
+  for (const ResponseLine& line : response.lines) {
+    const double size = std::abs(line.value), two_sd = 2.0 * line.sd;
+    const double degrees = kDegrees * phase.Next(std::arg(line.value));
+    const double off = kDegrees * std::min(std::numbers::pi, two_sd / size);
+    curves.gain.x.push_back(line.hz);
+    curves.gain.y.push_back(size);
+    curves.gain.y_low.push_back(std::max(1e-4, size - two_sd));
+    curves.gain.y_high.push_back(size + two_sd);
+    curves.phase.x.push_back(line.hz);
+    curves.phase.y.push_back(degrees);
+    curves.phase.y_low.push_back(degrees - off);
+    curves.phase.y_high.push_back(degrees + off);
+  }
+  return curves;
+}
+
+BodeCurves Fitted(const ServoModel& model, double period_s, double from_hz, double to_hz) {
+  BodeCurves curves{.gain = {.name = "fitted arm", .color = kTextColor},
+                    .phase = {.name = "fitted arm", .color = kTextColor}};
+  Unwrapped phase;
+  for (double hz = from_hz; hz <= to_hz; hz *= kModelStep) {
+    const std::complex<double> H = SampledResponse(model, period_s, hz);
+    curves.gain.x.push_back(hz);
+    curves.gain.y.push_back(std::abs(H));
+    curves.phase.x.push_back(hz);
+    curves.phase.y.push_back(kDegrees * phase.Next(std::arg(H)));
+  }
+  return curves;
+}
+
+std::string BodeSvg(const AxisResult& axis, double period_s) {
+  LineChart gain{.title = fmt::format("The arm along {}, at {:.1f} mm/s RMS", axis.request.axis,
+                                      1e3 * axis.rms_speed_m_per_s),
+                 .x_label = "frequency [Hz]",
+                 .y_label = "gain",
+                 .y_from_zero = false,
+                 .log_x = true,
+                 .log_y = true};
+  LineChart phase{.x_label = "frequency [Hz]", .y_label = "phase [deg]", .log_x = true, .legend = false};
+  const auto add = [&](BodeCurves curves) {
+    gain.series.push_back(std::move(curves.gain));
+    phase.series.push_back(std::move(curves.phase));
+  };
+  const auto& lines = axis.by_encoders.lines;
+  if (axis.model_holds) add(Fitted(axis.fit.model, period_s, lines.front().hz, lines.back().hz));
+  add(Measured(axis.by_encoders, "by the encoders", kPalette[0], Marker::kCircle));
+  if (axis.by_force) add(Measured(*axis.by_force, "by the force sensor", kPalette[1], Marker::kSquare));
+  const std::vector<LineChart> panels{gain, phase};
+  return Svg(panels);
+}
+
+std::string LagSvg(const IdentifyResult& result) {
+  LineChart chart{.title = "Total lag over speed",
+                  .x_label = "RMS speed of the tool [mm/s]",
+                  .y_label = "lag [ms]",
+                  .y_from_zero = false};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const char axis_name = static_cast<char>('x' + k);
+    Series series{.name = std::string("along ") + axis_name, .color = kPalette[k], .marker = Marker::kCircle};
+    std::vector<const AxisResult*> axes;
+    for (const AxisResult& axis : result.axes)
+      if (axis.request.axis == axis_name && !axis.request.held) axes.push_back(&axis);
+    std::ranges::sort(axes, {}, &AxisResult::rms_speed_m_per_s);
+    for (const AxisResult* axis : axes) {
+      const Estimate& lag = axis->fit.lag_s;
+      series.x.push_back(1e3 * axis->rms_speed_m_per_s);
+      series.y.push_back(1e3 * lag.value);
+      series.y_low.push_back(1e3 * (lag.value - lag.half_width));
+      series.y_high.push_back(1e3 * (lag.value + lag.half_width));
+    }
+    if (!series.x.empty()) chart.series.push_back(std::move(series));
+  }
+  return chart.series.empty() ? "" : Svg(chart);
+}
+
+std::string FindingsTable(const char* title, const std::vector<Finding>& findings) {
+  if (findings.empty()) return "";
+  std::string html =
+      fmt::format("<h2>{}</h2>\n<table>\n<tr><th>run</th><th>found, accepted, what to do</th></tr>\n", title);
+  for (const Finding& finding : findings)
+    html += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", Escape(finding.where), Escape(finding.what));
+  return html + "</table>\n";
+}
+
+}  // namespace
+
+std::string IdentifyPage(const IdentifyResult& result, const std::string& command_line) {
+  std::string html =
+      PageBegin({.title = "Osteon identify",
+                 .subtitle = result.cell + ": " + result.valid_for.robot + ", " + result.valid_for.tool,
+                 .verdict = Judge(result).ForReport(),
+                 .summary = Rows(result)});
+  html += FindingsTable("Refused: nothing was written", result.refused);
+  html += FindingsTable("To know", result.warnings);
+  if (const std::string lag = LagSvg(result); !lag.empty())
+    html += Figure(lag, "A gain that stands the longest lag stands the others. Bars: 95 % intervals.");
+  for (const AxisResult& axis : result.axes)
+    html += Figure(BodeSvg(axis, result.valid_for.period_s),
+                   "Bars: two standard deviations, from period to period and from draw to draw.");
+  html += fmt::format("<footer><code>{}</code></footer>\n", Escape(command_line));
+  return html + PageEnd();
+}
+
+}  // namespace osteon::app

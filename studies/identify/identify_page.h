@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "studies/identify/identify_result.h"
+
+namespace osteon::app {
+
+/// The page of a result: verdict, summary, response with its bands and the fitted arm, lag over speed, force.
+[[nodiscard]] std::string IdentifyPage(const IdentifyResult& result, const std::string& command_line);
+
+}  // namespace osteon::app

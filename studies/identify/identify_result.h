@@ -1,0 +1,80 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "config/reading/cell_config.h"
+#include "config/reading/identified_cell.h"
+#include "session/summary/verdict.h"
+#include "studies/identify/excited_axis.h"
+#include "studies/identify/force_fit.h"
+#include "studies/identify/force_noise.h"
+#include "studies/identify/servo_fit.h"
+
+namespace osteon::app {
+
+/// One finding that keeps a result from being written, or that the user should know.
+struct Finding {
+  std::string where;  ///< "free run, z at 50 mm/s"
+  std::string what;   ///< the value found, the value accepted, and what to do
+};
+
+/// One axis at one speed, from one excited recording.
+struct AxisResult {
+  ExcitationRequest request;
+  config::IdentifiedRecording recording;
+  double rms_speed_m_per_s{0.0};
+  MeasuredResponse by_encoders;  ///< q_meas / q_cmd
+  ServoFit fit;
+  std::optional<MeasuredResponse> by_force{};  ///< F / q_cmd / (m w^2): the plant with structure and sensor
+  std::optional<MeasuredResponse> force_over_position{};
+  std::optional<ToolForceFit> tool{};
+  std::string no_tool{};  ///< why there is none
+  std::optional<HandFit> hand{};
+  std::optional<double> validation_chi2{};
+  ExcitedSamples samples{};  ///< counts and jitter; its run may be empty
+  bool model_holds{true};    ///< false: the response alone is to be used
+};
+
+/// Total lag from motion without excitation, with force as second input: x_cmd - x_meas = lag v + c F.
+struct PassiveLag {
+  config::IdentifiedRecording recording;
+  Estimate lag_s;
+  double compliance_m_per_N{0.0};
+  double seconds{0.0}, peak_hand_N{0.0};
+};
+
+struct IdentifyResult {
+  std::string cell;
+  config::IdentifiedValidity valid_for;
+  double tool_mass_kg{0.0};  ///< that the cell's file or calibration says
+  std::vector<AxisResult> axes;
+  std::optional<ForceNoise> noise{};
+  std::vector<PassiveLag> passive{};
+  std::vector<Finding> refused{}, warnings{};
+};
+
+/// Name of a run, for findings: "free run, z at 50 mm/s".
+[[nodiscard]] std::string NameOf(const ExcitationRequest& request);
+
+/// Judges one axis: adds to `refused` and `warnings`, and sets model_holds.
+void JudgeAxis(AxisResult& axis, IdentifyResult& result);
+/// Judges speeds of one axis against each other: over 5 % of lag apart is friction, and the slower one
+/// counts.
+void JudgeSpeeds(IdentifyResult& result);
+
+/// Bad if something was refused; to be looked at with warnings, or if no axis was excited.
+[[nodiscard]] Verdict Judge(const IdentifyResult& result);
+
+/// The file for `tune` and others. @pre nothing was refused, and an axis was measured
+[[nodiscard]] config::IdentifiedCell ToIdentified(const IdentifyResult& result);
+
+/// JSON, osteon.identify/1.
+[[nodiscard]] std::string ToJson(const IdentifyResult& result, const std::string& command_line);
+
+[[nodiscard]] std::vector<SummaryRow> Rows(const IdentifyResult& result);
+
+}  // namespace osteon::app

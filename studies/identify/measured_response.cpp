@@ -1,0 +1,290 @@
+#include "studies/identify/measured_response.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "control/excitation/multisine.h"
+
+namespace osteon::app {
+namespace {
+
+using control::Multisine;
+using Complex = std::complex<double>;
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr int kMinDraws = 2, kMinPeriods = 2;
+constexpr double kMinSeen = 0.5;   // share of a period's samples
+constexpr double kMinSd = 1e-9;    // of a response of 1: below it rounding decides
+constexpr int kMaxDetection = 80;  // harmonic, 20 Hz
+
+double ValueOf(const ExcitedSample& sample, Signal signal) {
+  return signal == Signal::kCommand ? sample.u_m : signal == Signal::kPosition ? sample.y_m : sample.f_N;
+}
+
+// A counted period: its samples, and the fitted amplitudes of input and output.
+struct Period {
+  std::size_t first{0};
+  int draw{0};
+  Eigen::VectorXcd input{}, output{};  // at the excited lines
+  double mean{0.0};                    // of the output
+  double odd{0.0}, even{0.0};          // levels at the empty lines
+};
+
+// Finds the complete counted periods: period_ticks samples in a row of one draw and period.
+std::vector<Period> FindPeriods(const ExcitedRun& run, std::size_t ticks) {
+  std::vector<Period> periods;
+  for (std::size_t i = 0; i + ticks <= run.samples.size();) {
+    const ExcitedSample& first = run.samples[i];
+    std::size_t length = 0, seen = 0;
+    for (; first.counted && length < ticks; ++length) {
+      const ExcitedSample& sample = run.samples[i + length];
+      if (!sample.counted || sample.draw != first.draw || sample.period != first.period) break;
+      seen += sample.seen;
+    }
+    if (length == ticks && static_cast<double>(seen) >= kMinSeen * static_cast<double>(ticks))
+      periods.push_back({.first = i, .draw = first.draw});
+    i += std::max<std::size_t>(1, length);
+  }
+  return periods;
+}
+
+// Columns: 1, then cosine and sine of each harmonic.
+Eigen::MatrixXd Basis(std::size_t ticks, double period_s, std::span<const int> harmonics) {
+  Eigen::MatrixXd basis(static_cast<Eigen::Index>(ticks),
+                        1 + 2 * static_cast<Eigen::Index>(harmonics.size()));
+  basis.col(0).setOnes();
+  for (Eigen::Index k = 0; k < basis.rows(); ++k)
+    for (std::size_t i = 0; i < harmonics.size(); ++i) {
+      const double angle = kTurn * Multisine::Frequency(harmonics[i]) * period_s * static_cast<double>(k);
+      basis(k, 1 + 2 * static_cast<Eigen::Index>(i)) = std::cos(angle);
+      basis(k, 2 + 2 * static_cast<Eigen::Index>(i)) = std::sin(angle);
+    }
+  return basis;
+}
+
+// a cos(w t) + b sin(w t) = Re[(a - i b) exp(i w t)]
+Eigen::VectorXcd Amplitudes(const Eigen::VectorXd& fitted) {
+  Eigen::VectorXcd amplitudes((fitted.size() - 1) / 2);
+  for (Eigen::Index i = 0; i < amplitudes.size(); ++i)
+    amplitudes[i] = Complex(fitted[1 + 2 * i], -fitted[2 + 2 * i]);
+  return amplitudes;
+}
+
+// The harmonics that are looked at for what is not linear, up to 20 Hz: empty odd ones, and even ones beside
+// them.
+struct Detection {
+  std::vector<int> odd, even;
+};
+Detection DetectionLines() {
+  Detection lines;
+  for (int h = 7; h < kMaxDetection; h += 8) {
+    lines.odd.push_back(h);
+    lines.even.push_back(h + 1);
+  }
+  return lines;
+}
+
+// Level of `signal` at harmonics, relative to the amplitudes at the nearest excited lines.
+double LevelAt(const Eigen::VectorXd& signal, const Eigen::VectorXcd& excited, std::span<const int> harmonics,
+               double period_s) {
+  const auto lines = Multisine::Harmonics();
+  double squares = 0.0;
+  for (const int harmonic : harmonics) {
+    Complex sum = 0.0;
+    for (Eigen::Index k = 0; k < signal.size(); ++k)
+      sum += signal[k] *
+             std::polar(1.0, -kTurn * Multisine::Frequency(harmonic) * period_s * static_cast<double>(k));
+    const double amplitude = 2.0 * std::abs(sum) / static_cast<double>(signal.size());
+    std::size_t nearest = 0;
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      if (std::abs(lines[i] - harmonic) < std::abs(lines[nearest] - harmonic)) nearest = i;
+    const double beside = std::abs(excited[static_cast<Eigen::Index>(nearest)]);
+    squares += beside > 0.0 ? (amplitude / beside) * (amplitude / beside) : 0.0;
+  }
+  return std::sqrt(squares / static_cast<double>(harmonics.size()));
+}
+
+// Slope of the output by a straight line through the means of whole periods [1/sample]; 0 with one period.
+double DriftOf(const std::vector<Period>& periods, int draw) {
+  double n = 0.0, sum_t = 0.0, sum_y = 0.0;
+  for (const Period& period : periods)
+    if (period.draw == draw) {
+      n += 1.0;
+      sum_t += static_cast<double>(period.first);
+      sum_y += period.mean;
+    }
+  double over = 0.0, under = 0.0;
+  for (const Period& period : periods)
+    if (period.draw == draw) {
+      const double t = static_cast<double>(period.first) - sum_t / n;
+      over += t * (period.mean - sum_y / n);
+      under += t * t;
+    }
+  return under > 0.0 ? over / under : 0.0;
+}
+
+class PeriodFit {
+ public:
+  PeriodFit(const ExcitedRun& run, std::size_t ticks, Signal input, Signal output)
+      : run_(run),
+        ticks_(ticks),
+        input_(input),
+        output_(output),
+        harmonics_(Multisine::Harmonics()),
+        basis_(Basis(ticks, run.period_s, harmonics_)),
+        all_(basis_.transpose() * basis_) {}
+
+  // @param drift  of the output, to be removed [1/sample]
+  void Fit(Period& period, double drift) const {
+    const auto ticks = static_cast<Eigen::Index>(ticks_);
+    const bool is_whole = AllSeen(period);
+    Eigen::VectorXd u(ticks), y(ticks);
+    Eigen::MatrixXd masked;
+    if (!is_whole) masked = basis_;
+    for (Eigen::Index k = 0; k < ticks; ++k) {
+      const ExcitedSample& sample = run_.samples[period.first + static_cast<std::size_t>(k)];
+      const double t = static_cast<double>(k) - 0.5 * static_cast<double>(ticks - 1);
+      u[k] = ValueOf(sample, input_);
+      y[k] = sample.seen ? ValueOf(sample, output_) - drift * t : 0.0;
+      if (sample.seen) continue;
+      if (input_ != Signal::kCommand) u[k] = 0.0;
+      masked.row(k).setZero();
+    }
+    const Eigen::MatrixXd& of_output = is_whole ? basis_ : masked;
+    const Eigen::LDLT<Eigen::MatrixXd> solver(is_whole ? all_ : Eigen::MatrixXd(masked.transpose() * masked));
+    const Eigen::VectorXd fitted = solver.solve(of_output.transpose() * y);
+    period.mean = fitted[0];
+    period.output = Amplitudes(fitted);
+    period.input =
+        Amplitudes(input_ == Signal::kCommand ? Eigen::VectorXd(all_.ldlt().solve(basis_.transpose() * u))
+                                              : Eigen::VectorXd(solver.solve(of_output.transpose() * u)));
+    Eigen::VectorXd rest = y - of_output * fitted;
+    if (!is_whole)
+      for (Eigen::Index k = 0; k < ticks; ++k)
+        if (!run_.samples[period.first + static_cast<std::size_t>(k)].seen) rest[k] = 0.0;
+    const Detection lines = DetectionLines();
+    period.odd = LevelAt(rest, period.output, lines.odd, run_.period_s);
+    period.even = LevelAt(rest, period.output, lines.even, run_.period_s);
+  }
+
+ private:
+  [[nodiscard]] bool AllSeen(const Period& period) const {
+    return std::all_of(run_.samples.begin() + static_cast<std::ptrdiff_t>(period.first),
+                       run_.samples.begin() + static_cast<std::ptrdiff_t>(period.first + ticks_),
+                       [](const ExcitedSample& sample) { return sample.seen; });
+  }
+
+  const ExcitedRun& run_;
+  std::size_t ticks_;
+  Signal input_, output_;
+  std::array<int, Multisine::kLines> harmonics_;
+  Eigen::MatrixXd basis_, all_;
+};
+
+// What a draw says of one line.
+struct DrawLine {
+  Complex H;
+  double output_variance{0.0};  // of a period's output, real or imaginary part
+  double input_power{0.0};      // sum |U|^2 over its periods
+};
+
+DrawLine LineOf(const std::vector<const Period*>& periods, Eigen::Index line) {
+  DrawLine result;
+  Complex over = 0.0;
+  for (const Period* period : periods) {
+    over += period->output[line] * std::conj(period->input[line]);
+    result.input_power += std::norm(period->input[line]);
+  }
+  result.H = over / result.input_power;
+  for (const Period* period : periods)
+    result.output_variance += std::norm(period->output[line] - result.H * period->input[line]);
+  result.output_variance /= 2.0 * static_cast<double>(periods.size() - 1);
+  return result;
+}
+
+// Means over up to five lines around each.
+std::vector<double> Smoothed(const std::vector<double>& values) {
+  std::vector<double> smooth(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t begin = i < 2 ? 0 : i - 2, end = std::min(values.size(), i + 3);
+    for (std::size_t k = begin; k < end; ++k) smooth[i] += values[k] / static_cast<double>(end - begin);
+  }
+  return smooth;
+}
+
+using Draws = std::map<int, std::vector<const Period*>>;
+
+void FillLines(const Draws& draws, MeasuredResponse& response) {
+  constexpr auto kLines = static_cast<std::size_t>(Multisine::kLines);
+  const auto count = static_cast<double>(draws.size());
+  std::vector<double> noise(kLines), between(kLines), power(kLines);
+  response.lines.resize(kLines);
+  for (std::size_t i = 0; i < kLines; ++i) {
+    std::vector<DrawLine> each;
+    for (const auto& [draw, periods] : draws) each.push_back(LineOf(periods, static_cast<Eigen::Index>(i)));
+    ResponseLine& line = response.lines[i];
+    line.hz = Multisine::Frequency(Multisine::Harmonics()[i]);
+    for (const DrawLine& draw : each) {
+      line.value += draw.H / count;
+      noise[i] += draw.output_variance / count;
+      power[i] += draw.input_power;
+    }
+    // as variance of the output's amplitude, which does not depend on the line's power
+    for (const DrawLine& draw : each)
+      between[i] += std::norm(draw.H - line.value) / (2.0 * (count - 1.0)) * power[i] / count;
+  }
+  noise = Smoothed(noise);
+  between = Smoothed(between);
+  for (std::size_t i = 0; i < kLines; ++i) {
+    ResponseLine& line = response.lines[i];
+    const double size = std::norm(line.value), floor = kMinSd * std::sqrt(size);
+    const double noise_variance = noise[i] / power[i], draw_variance = between[i] / power[i];
+    line.noise_sd = std::max(floor, std::sqrt(noise_variance));
+    line.sd = std::max(line.noise_sd, std::sqrt(draw_variance));
+    line.coherence = size / (size + 2.0 * response.periods * line.noise_sd * line.noise_sd);
+    line.draw_coherence = size / (size + 2.0 * count * line.sd * line.sd);
+  }
+}
+
+}  // namespace
+
+tl::expected<MeasuredResponse, std::string> MeasureResponse(const ExcitedRun& run, Signal input,
+                                                            Signal output) {
+  const auto ticks = static_cast<std::size_t>(std::lround(Multisine::kPeriod_s / run.period_s));
+  std::vector<Period> periods = FindPeriods(run, ticks);
+  Draws draws;
+  for (const Period& period : periods) draws[period.draw].push_back(&period);
+  std::erase_if(draws, [](const auto& draw) { return draw.second.size() < kMinPeriods; });
+  if (draws.size() < kMinDraws)
+    return tl::unexpected(fmt::format(
+        "too little: found {} s in {} draws of 2 or more counted periods, accepted {} s in 2 or more draws",
+        Multisine::kPeriod_s * static_cast<double>(periods.size()), draws.size(),
+        Multisine::kPeriod_s * kMinDraws * kMinPeriods));
+
+  const PeriodFit fit(run, ticks, input, output);
+  for (Period& period : periods) fit.Fit(period, 0.0);
+  std::map<int, double> drifts;
+  for (const auto& [draw, unused] : draws) drifts[draw] = DriftOf(periods, draw);
+  MeasuredResponse response{.lines = {}, .draws = static_cast<int>(draws.size())};
+  for (Period& period : periods) {
+    if (!draws.contains(period.draw)) continue;
+    fit.Fit(period, drifts.at(period.draw));
+    ++response.periods;
+    response.odd_ratio += period.odd;
+    response.even_ratio += period.even;
+  }
+  response.odd_ratio /= response.periods;
+  response.even_ratio /= response.periods;
+  FillLines(draws, response);
+  return response;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,81 @@
+#include "studies/identify/servo_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "studies/identify/least_squares.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr int kParameters = 4;
+constexpr double kIntervalSd = 2.0;
+
+ServoModel ModelOf(const Eigen::VectorXd& p) {
+  return {.bandwidth_hz = std::exp(p[0]), .damping_ratio = std::exp(p[1]), .dead_time_s = p[2], .gain = p[3]};
+}
+
+// Delay of the lowest lines: where to begin.
+double LagOf(std::span<const ResponseLine> lines) {
+  const ResponseLine& line = lines[std::min<std::size_t>(2, lines.size() - 1)];
+  return -std::arg(line.value) / (kTurn * line.hz);
+}
+
+}  // namespace
+
+tl::expected<ServoFit, std::string> FitServo(std::span<const ResponseLine> lines, double period_s) {
+  if (lines.size() < kParameters)
+    return tl::unexpected(fmt::format("found {} lines, accepted {} or more", lines.size(), kParameters));
+  const auto residuals = [&](const Eigen::VectorXd& p, Eigen::VectorXd& r) {
+    const ServoModel model = ModelOf(p);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const std::complex<double> off =
+          (lines[i].value - SampledResponse(model, period_s, lines[i].hz)) / lines[i].sd;
+      r[2 * static_cast<Eigen::Index>(i)] = off.real();
+      r[2 * static_cast<Eigen::Index>(i) + 1] = off.imag();
+    }
+  };
+  const LeastSquares problem{
+      .parameters = kParameters, .residuals = 2 * static_cast<int>(lines.size()), .evaluate = residuals};
+  const double lag_s = LagOf(lines);
+  LeastSquaresFit best;
+  for (const double hz : {6.0, 12.0, 25.0, 50.0}) {
+    const double dead_s = lag_s - 2.0 / (kTurn * hz);
+    const LeastSquaresFit fit = Solve(problem, Eigen::Vector4d(std::log(hz), 0.0, dead_s, 1.0));
+    if (fit.converged && (!best.converged || fit.cost < best.cost)) best = fit;
+  }
+  if (!best.converged) return tl::unexpected(std::string("no second-order model fits: no start converged"));
+
+  ServoFit fit{.model = ModelOf(best.parameters)};
+  const double freedom = 2.0 * static_cast<double>(lines.size()) - kParameters;
+  fit.chi2 = best.cost / freedom;
+  const Eigen::MatrixXd covariance = std::max(1.0, fit.chi2) * best.covariance;
+  const auto width = [&](const Eigen::Vector4d& gradient) {
+    return kIntervalSd * std::sqrt(std::max(0.0, gradient.dot(covariance * gradient)));
+  };
+  const ServoModel& m = fit.model;
+  const double inertial_s = 2.0 * m.damping_ratio / (kTurn * m.bandwidth_hz);
+  fit.bandwidth_hz = {m.bandwidth_hz, width({m.bandwidth_hz, 0.0, 0.0, 0.0})};
+  fit.damping_ratio = {m.damping_ratio, width({0.0, m.damping_ratio, 0.0, 0.0})};
+  fit.dead_time_s = {m.dead_time_s, width({0.0, 0.0, 1.0, 0.0})};
+  fit.gain = {m.gain, width({0.0, 0.0, 0.0, 1.0})};
+  fit.lag_s = {m.lag_s(), width({-inertial_s, inertial_s, 1.0, 0.0})};
+  double squares = 0.0;
+  for (const ResponseLine& line : lines)
+    squares += std::norm(line.value - SampledResponse(m, period_s, line.hz));
+  fit.residual = std::sqrt(squares / static_cast<double>(lines.size()));
+  return fit;
+}
+
+double ValidationChi2(const ServoModel& model, std::span<const ResponseLine> lines, double period_s) {
+  double chi2 = 0.0;
+  for (const ResponseLine& line : lines)
+    chi2 += std::norm(line.value - SampledResponse(model, period_s, line.hz)) / (line.sd * line.sd);
+  return chi2 / (2.0 * static_cast<double>(lines.size()));
+}
+
+}  // namespace osteon::app

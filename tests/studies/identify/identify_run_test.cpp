@@ -1,0 +1,128 @@
+#include "studies/identify/excited_run.h"
+
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "config/reading/load.h"
+#include "io/recording/recording_reader.h"
+#include "session/setup/cell_setup.h"
+#include "studies/identify/identify_estimate.h"
+#include "tests/temporary_path.h"
+
+// The demonstration cell's arm through its real loop, wires and devices in virtual time: FRI in memory, a
+// sensor on CAN, a PLC. Two draws of two periods each: 16 s counted.
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kDemo = fs::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml";
+constexpr ExcitationRequest kShort{
+    .axis = 'z', .peak_speed_m_per_s = 0.05, .seed = 1, .draws = 2, .periods = 2};
+
+CellSetup Demo() {
+  auto setup = PrepareCell(kDemo, std::nullopt);
+  EXPECT_TRUE(setup) << (setup ? "" : setup.error());
+  return std::move(*setup);
+}
+
+TEST(ExcitedRun, IdentifiesTheSimulatedArmAndItsSensor) {
+  const CellSetup setup = Demo();
+  const fs::path file = TemporaryPath("free_z.mcap");
+  const auto run = RunExcited(setup, {.request = kShort, .recording = file});
+  ASSERT_TRUE(run) << run.error();
+  IdentifyResult result = EmptyResult("demo", setup.config);
+  const auto added = AddRecording(file, setup.config, result);
+  ASSERT_TRUE(added) << added.error();
+  ASSERT_TRUE(result.refused.empty()) << result.refused.front().what;
+  ASSERT_EQ(result.axes.size(), 1u);
+  const AxisResult& axis = result.axes.front();
+  const hil::ServoArmParams& truth = setup.config.simulated.servo;
+  EXPECT_NEAR(axis.fit.bandwidth_hz.value, truth.bandwidth_hz, 0.005 * truth.bandwidth_hz);
+  EXPECT_NEAR(axis.fit.damping_ratio.value, truth.damping_ratio, 0.005);
+  EXPECT_NEAR(axis.fit.dead_time_s.value, 1e-3 * truth.dead_cycles, 0.02e-3);
+  ASSERT_TRUE(axis.tool) << axis.no_tool;
+  EXPECT_NEAR(axis.tool->mass_kg.value, result.tool_mass_kg, 0.01 * result.tool_mass_kg);
+  EXPECT_GT(axis.tool->delay_s.value, 0.0);
+  EXPECT_LT(axis.tool->delay_s.value, 5e-3);
+
+  // the whole run kept the loop's pause: its own command stood still while the arm moved
+  const auto recording = io::ReadRecording(file);
+  ASSERT_TRUE(recording);
+  const auto excited = ExcitedAxisOf(setup.config, kShort);
+  const auto samples = SamplesOf(recording->ticks, *excited);
+  ASSERT_TRUE(samples);
+  EXPECT_EQ(samples->lost_answers + samples->lost_messages, 0u);
+  double greatest_m = 0.0;
+  for (const ExcitedSample& sample : samples->run.samples)
+    greatest_m = std::max(greatest_m, std::abs(sample.y_m));
+  EXPECT_GT(greatest_m, 1e-3);
+  EXPECT_LT(greatest_m, 5e-3);
+}
+
+TEST(ExcitedRun, LossOnBothWaysIsCountedAndDoesNoHarm) {
+  CellSetup setup = Demo();
+  setup.config.injections.injections = {
+      {.wire = hil::Wire::kArm, .direction = hil::Direction::kBoth, .faults = {.loss = 0.01}}};
+  const fs::path file = TemporaryPath("lossy_z.mcap");
+  const auto run = RunExcited(setup, {.request = kShort, .recording = file});
+  ASSERT_TRUE(run) << run.error();
+  IdentifyResult result = EmptyResult("demo", setup.config);
+  ASSERT_TRUE(AddRecording(file, setup.config, result));
+  ASSERT_EQ(result.axes.size(), 1u) << (result.refused.empty() ? "" : result.refused.front().what);
+  const AxisResult& axis = result.axes.front();
+  EXPECT_GT(axis.samples.lost_messages, 50u);
+  EXPECT_GT(axis.samples.lost_answers, 50u);
+  const hil::ServoArmParams& truth = setup.config.simulated.servo;
+  EXPECT_NEAR(axis.fit.bandwidth_hz.value, truth.bandwidth_hz, 0.01 * truth.bandwidth_hz);
+  EXPECT_NEAR(axis.fit.dead_time_s.value, 1e-3 * truth.dead_cycles, 0.05e-3);
+}
+
+TEST(ExcitedRun, ARecordingOfAnotherCellIsRefused) {
+  CellSetup setup = Demo();
+  const fs::path file = TemporaryPath("rest.mcap");
+  ExcitationRequest rest = kShort;
+  rest.rest_s = 0.5;
+  const auto run = RunExcited(setup, {.request = rest, .recording = file});
+  ASSERT_TRUE(run) << run.error();
+  const auto refusal = [&](const config::CellConfig& cell) {
+    IdentifyResult result = EmptyResult("demo", cell);
+    EXPECT_TRUE(AddRecording(file, cell, result));
+    return result.refused.empty() ? "" : result.refused.front().what;
+  };
+  EXPECT_EQ(refusal(setup.config), "");
+  config::CellConfig other = setup.config;
+  other.robot.name = "another";
+  EXPECT_NE(refusal(other).find("accepted another"), std::string::npos);
+  other = setup.config;
+  other.tool.tool.name = "broach";
+  EXPECT_NE(refusal(other).find("accepted broach"), std::string::npos);
+  other = setup.config;
+  other.servo.period_s = 4e-3;
+  EXPECT_NE(refusal(other).find("accepted 4 ms"), std::string::npos);
+  other = setup.config;
+  other.start.q[1] += 0.1;
+  EXPECT_NE(refusal(other).find("differ by 0.100 rad"), std::string::npos);
+}
+
+TEST(ExcitedAxis, MovesTheApexAlongTheAxisAlone) {
+  const CellSetup setup = Demo();
+  for (const char name : {'x', 'y', 'z'}) {
+    ExcitationRequest request = kShort;
+    request.axis = name;
+    const auto axis = ExcitedAxisOf(setup.config, request);
+    ASSERT_TRUE(axis) << axis.error();
+    const Eigen::Map<const kinematics::JointVector> direction(axis->hold.direction.data());
+    EXPECT_NEAR((axis->hold.J_W * direction - axis->hold.axis_W).norm(), 0.0, 1e-9);
+    EXPECT_NEAR(axis->axis_S.norm(), 1.0, 1e-9);
+    EXPECT_EQ(axis->hold.max_force_N, 30.0);
+    request.held = true;
+    EXPECT_EQ(ExcitedAxisOf(setup.config, request)->hold.max_force_N, 60.0);
+  }
+}
+
+}  // namespace
+}  // namespace osteon::app
