@@ -24,7 +24,7 @@ void ProcedureOptions::Add(CLI::App& sub, bool with_session) {
       ->needs(plan);
   sub.add_option("--operator", hand_,
                  "hand of the simulated operator with a plan: expert keeps to it, novice is 14 degrees "
-                 "tilted, 4 mm aside and 5 mm too deep")
+                 "tilted, aims 6 mm aside and 5 mm too deep, and presses hard")
       ->check(CLI::IsMember({"expert", "novice"}))
       ->capture_default_str()
       ->needs(plan);

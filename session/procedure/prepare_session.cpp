@@ -22,12 +22,15 @@ namespace fs = std::filesystem;
 
 constexpr double kSameSize_m = 1e-6;
 
-// A novice's axis is 14 ± 7 degrees off (PMC6494316). Reaming without guidance moves the centre by 3.7 ± 2.6
-// mm superiorly and 5.0 ± 3.3 mm medially (PMID 27909120): the hand's axis lies that far aside, and the hand
-// takes a deeper floor for the end. Who is unsure stiffens both arms; hands of up to 10 N/mm were published
-// (hil/operator/operator_hand.h). In its target the stiffer hand presses with the force of the expert's.
-constexpr double kNoviceTilt_rad = 14.0 * std::numbers::pi / 180.0, kNoviceAside_m = 0.004,
-                 kNoviceTooDeep_m = 0.005, kNoviceStiffer = 3.0;
+// The novice. The axis is 14 ± 7 degrees off (PMC6494316). Reaming without guidance moves the centre by 3.7
+// ± 2.6 mm superiorly and 5.0 ± 3.3 mm medially (PMID 27909120): the hand aims 6 mm aside, of which the cup's
+// walls leave about 4, and takes a floor 5 mm deeper for the end. An arm that is unsure stiffens: 8 N/mm,
+// where up to 10 were published (hil/operator/operator_hand.h). It presses with 140 N, near the hand's own
+// limit, until it gives up (assumed).
+struct NoviceHand {
+  static constexpr double kTilt_rad = 14.0 * std::numbers::pi / 180.0, kAside_m = 0.006, kTooDeep_m = 0.005;
+  static constexpr double kStiffer = 4.0, kPush_N = 140.0, kPastPlan_m = 0.020;
+};
 
 // The frame of the planned cup: its centre, +z along its axis, x and y as near to G's as can be.
 Pose PlannedCup(const procedure::SurgicalPlan& plan) {
@@ -141,18 +144,19 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
   for (std::size_t i = static_cast<std::size_t>(first); i < plan.reamers.size(); ++i)
     script.heights_m.push_back(plan.reamers[i].height_m);
   if (hand == "novice") {
-    script.tilt_rad = kNoviceTilt_rad;
     const Vector3 superior_C = PlannedCup(plan).linear().transpose() * plan.pelvis.superior;
     // the script's x, to which side the hand is aside, becomes superior; the tool keeps its yaw
     const double turn_rad = std::atan2(superior_C.y(), superior_C.x());
     script.X_WC = Pose(script.X_WC) * Eigen::AngleAxisd(turn_rad, Vector3::UnitZ());
     script.tool_yaw_rad += turn_rad;
-    script.aside_m = kNoviceAside_m;
-    for (double& height_m : script.heights_m) height_m -= kNoviceTooDeep_m;
-    script.past_plan_m /= kNoviceStiffer;
-    script.hand_stiffness_N_per_m *= kNoviceStiffer;
-    cell.simulated.hand.stiffness_N_per_m *= kNoviceStiffer;
-    cell.simulated.hand.damping_Ns_per_m *= std::sqrt(kNoviceStiffer);
+    script.tilt_rad = NoviceHand::kTilt_rad;
+    script.aside_m = NoviceHand::kAside_m;
+    for (double& height_m : script.heights_m) height_m -= NoviceHand::kTooDeep_m;
+    script.past_plan_m = NoviceHand::kPastPlan_m;
+    script.push_force_N = NoviceHand::kPush_N;
+    script.hand_stiffness_N_per_m *= NoviceHand::kStiffer;
+    cell.simulated.hand.stiffness_N_per_m *= NoviceHand::kStiffer;
+    cell.simulated.hand.damping_Ns_per_m *= std::sqrt(NoviceHand::kStiffer);
   }
   cell.script = script;
 }

@@ -58,8 +58,8 @@ struct Procedure {
     CellSetup& setup, std::unique_ptr<simulation::CuttingEngine>& engine);
 
 /// Gives a simulated cell the scripted operator of a plan, from the reamer `first` on: the expert keeps to
-/// it; the novice is 14 degrees tilted, 4 mm aside toward superior and 5 mm too deep, with an arm three times
-/// as stiff.
+/// it; the novice is 14 degrees tilted, aims 6 mm aside toward superior and 5 mm too deep, and presses with
+/// 140 N and an arm four times as stiff.
 /// @param X_WG  bone in the world  @param[in,out] cell  its script and its hand
 void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand, const Pose& X_WG, int first,
                    config::CellConfig& cell);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <random>
@@ -17,6 +18,7 @@
 #include "safety/cell_state.h"
 #include "session/procedure/procedure_panel.h"
 #include "session/procedure/procedure_session.h"
+#include "session/procedure/session_bone.h"
 #include "session/replay/replay.h"
 #include "session/run/cell_run.h"
 #include "session/setup/recorded_config.h"
@@ -247,6 +249,35 @@ TEST_F(ProcedureRun, AnotherBoneIsRefused) {
   const auto begun = other.session->Begin(*other.engine);
   ASSERT_FALSE(begun);
   EXPECT_NE(begun.error().find("0123456789abcdef"), std::string::npos) << begun.error();
+}
+
+TEST(SessionBone, ComesBackToTheBitAndADamagedOneIsNone) {
+  const fs::path folder = TemporaryPath("session_bone");
+  fs::create_directories(folder);
+  EXPECT_FALSE(ReadSessionBone(folder)) << "there is none";
+  simulation::Bone bone;
+  for (int i = 0; i < 100; ++i) {
+    bone.balls.push_back({.center_m = {1e-3 / (i + 1.0), -0.1 * i, 1.0 / 3.0}, .radius_m = 1e-3 / (i + 7.0)});
+    bone.points.push_back({.p_m = {0.1 * i, 1.0 / 7.0, -1e-9}, .volume_m3 = 1e-9 / (i + 3.0)});
+    bone.points.back().material = static_cast<simulation::MaterialIndex>(i % 3);
+  }
+  ASSERT_TRUE(WriteSessionBone(folder, bone));
+  const auto read = ReadSessionBone(folder);
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->balls.size(), 100u);
+  ASSERT_EQ(read->points.size(), 100u);
+  for (std::size_t i = 0; i < 100; ++i) {
+    EXPECT_EQ(Vector3(read->balls[i].center_m), Vector3(bone.balls[i].center_m));
+    EXPECT_EQ(read->balls[i].radius_m, bone.balls[i].radius_m);
+    EXPECT_EQ(Vector3(read->points[i].p_m), Vector3(bone.points[i].p_m));
+    EXPECT_EQ(read->points[i].volume_m3, bone.points[i].volume_m3);
+    EXPECT_EQ(read->points[i].material, bone.points[i].material);
+  }
+  const fs::path file = folder / kSessionBoneName;
+  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(777).put('x');
+  EXPECT_FALSE(ReadSessionBone(folder)) << "a byte differs";
+  fs::resize_file(file, 500);
+  EXPECT_FALSE(ReadSessionBone(folder)) << "cut short";
 }
 
 // Whatever is asked for, and in whatever state: a paused arm holds, no fault, no saved state is lost.
