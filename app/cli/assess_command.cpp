@@ -23,6 +23,10 @@ AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
                    "sessions of experts of the same site: their medians stand beside each figure")
       ->type_name("FOLDER")
       ->check(CLI::ExistingDirectory);
+  sub_->add_option("--against", options_.against,
+                   "another session of the plan, beside this one in compare.html and compare.png")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
   sub_->add_option("--json", options_.json, "also write the result there, as JSON")->type_name("FILE");
   sub_->footer(
       "Writes assess.html and assess.json into the folder. Results that stand beside it, of the same plan, "
@@ -30,7 +34,7 @@ AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
       "its trend.\n\n"
       "Exit code 1: the score is below --pass-at\n\n"
       "Examples:\n  osteon assess session_1\n  osteon assess session_1 --pass-at 70 --norms expert_1 "
-      "expert_2");
+      "expert_2\n  osteon assess expert --against novice");
 }
 
 int AssessCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {

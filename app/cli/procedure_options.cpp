@@ -22,9 +22,9 @@ void ProcedureOptions::Add(CLI::App& sub, bool with_session) {
                  "gain of the plan's guidance; without it the plan's, and none for a simulated operator")
       ->check(NumberWithin(0, 1))
       ->needs(plan);
-  sub.add_option(
-         "--operator", hand_,
-         "hand of the simulated operator with a plan: expert keeps to it, novice is 14 degrees and 4 mm off")
+  sub.add_option("--operator", hand_,
+                 "hand of the simulated operator with a plan: expert keeps to it, novice is 14 degrees "
+                 "tilted, aims 6 mm aside and 5 mm too deep, and presses hard")
       ->check(CLI::IsMember({"expert", "novice"}))
       ->capture_default_str()
       ->needs(plan);

@@ -9,8 +9,8 @@ namespace osteon::console {
 namespace {
 
 constexpr const char* kAccepted =
-    "accepted {\"ask\": pause, resume, recover, stop, role, watch, all, play, halt, undo_gains; with "
-    "\"value\": seek, speed, stiffness, drag}";
+    "accepted {\"ask\": pause, resume, recover, stop, role, watch, all, play, halt, undo_gains, next_tool, "
+    "undo_pass, save, cup; with \"value\": seek, speed, stiffness, drag, tool, guidance}";
 constexpr std::size_t kShown = 30;  // characters of a wrong word in an error
 
 tl::unexpected<std::string> Refuse(const std::string& found) {
@@ -26,16 +26,27 @@ tl::expected<ClientMessage, std::string> ParseClientMessage(std::string_view byt
   if (!json.is_object() || !json.contains("ask") || !json["ask"].is_string())
     return Refuse(json.is_discarded() ? "no JSON" : "another object");
   const bool has_value = json.contains("value") && json["value"].is_number();
-  if (json.size() != (has_value ? 2u : 1u)) return Refuse("another object");
+  const bool confirmed = json.contains("confirmed") && json["confirmed"] == true;
+  if (json.size() != 1u + (has_value ? 1u : 0u) + (confirmed ? 1u : 0u)) return Refuse("another object");
   const auto& ask = json["ask"].get_ref<const std::string&>();
   const double value = has_value ? json["value"].get<double>() : 0.0;
+  using Procedure = ProcedureRequest::Kind;
+  if (ask == "next_tool" && !has_value)
+    return ProcedureRequest{.kind = Procedure::kNext, .value = 0.0, .confirmed = confirmed};
+  if (ask == "tool" && has_value && std::isfinite(value))
+    return ProcedureRequest{.kind = Procedure::kTool, .value = value, .confirmed = confirmed};
+  if (confirmed) return Refuse("another object");
   if (has_value && std::isfinite(value)) {
     if (ask == "seek") return ViewRequest{.kind = ViewRequest::Kind::kSeek, .value = value};
     if (ask == "stiffness") return GainsRequest{.kind = GainsRequest::Kind::kStiffness, .value = value};
     if (ask == "drag") return GainsRequest{.kind = GainsRequest::Kind::kDrag, .value = value};
+    if (ask == "guidance") return ProcedureRequest{.kind = Procedure::kGuidance, .value = value};
     if (ask == "speed") return ViewRequest{.kind = ViewRequest::Kind::kSpeed, .value = value};
   }
   if (has_value) return Refuse("a value with \"" + ask.substr(0, kShown) + "\"");
+  if (ask == "undo_pass") return ProcedureRequest{.kind = Procedure::kUndo};
+  if (ask == "save") return ProcedureRequest{.kind = Procedure::kSave};
+  if (ask == "cup") return ProcedureRequest{.kind = Procedure::kCup};
   if (ask == "undo_gains") return GainsRequest{.kind = GainsRequest::Kind::kUndo};
   if (ask == "play") return ViewRequest{.kind = ViewRequest::Kind::kPlay};
   if (ask == "halt") return ViewRequest{.kind = ViewRequest::Kind::kHalt};

@@ -35,9 +35,20 @@ struct GainsRequest {
   double value{0.0};
 };
 
-using ClientMessage = std::variant<OperatorRequest, RoleRequest, ResendRequest, ViewRequest, GainsRequest>;
+/// {"ask": "next_tool"}, {"ask": "tool", "value": diameter in mm}, {"ask": "undo_pass"}, {"ask": "save"},
+/// {"ask": "cup"}, {"ask": "guidance", "value": 0 … 1}: of a procedure's session, by the page with the
+/// operator's role. "confirmed": true beside a change of tool: a person has confirmed what is mounted. The
+/// value is finite.
+struct ProcedureRequest {
+  enum class Kind : std::uint8_t { kNext, kTool, kUndo, kSave, kCup, kGuidance } kind{Kind::kNext};
+  double value{0.0};
+  bool confirmed{false};
+};
 
-/// Parses a page's message. The error names what was found and what is accepted; it is at most 200 bytes and
+using ClientMessage =
+    std::variant<OperatorRequest, RoleRequest, ResendRequest, ViewRequest, GainsRequest, ProcedureRequest>;
+
+/// Parses a page's message. The error names what was found and what is accepted; it is at most 300 bytes and
 /// in ASCII apart from the message's own first characters.
 [[nodiscard]] tl::expected<ClientMessage, std::string> ParseClientMessage(std::string_view bytes);
 

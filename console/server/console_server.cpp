@@ -227,6 +227,14 @@ class Server final : public ConsoleServer {
         answer = params_.gains(*gains);
       return page.sender().Answer(AnswerJson("gains", answer));
     }
+    if (const auto* procedure = std::get_if<ProcedureRequest>(&*message)) {
+      RequestAnswer answer{.done = false, .reason = kWatches};
+      if (!params_.procedure)
+        answer.reason = "procedure: this run has no plan";
+      else if (role_.holder() == page.number())
+        answer = params_.procedure(*procedure);
+      return page.sender().Answer(AnswerJson("procedure", answer));
+    }
     const auto request = std::get<OperatorRequest>(*message);
     constexpr std::array<const char*, 4> kNames{"pause", "resume", "stop", "recover"};
     RequestAnswer answer{.done = false, .reason = kWatches};

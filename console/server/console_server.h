@@ -48,6 +48,8 @@ struct ConsoleParams {
   std::function<RequestAnswer(OperatorRequest)> request;
   /// Changes the cell's gains; empty: none can be changed. Called by a page's thread.
   std::function<RequestAnswer(const GainsRequest&)> gains{};
+  /// Asks a procedure's session; empty: there is none. Called by a page's thread.
+  std::function<RequestAnswer(const ProcedureRequest&)> procedure{};
   /// Moves a playback; empty: what is shown is live. Called by a page's thread.
   std::function<void(const ViewRequest&)> view{};
   std::vector<std::function<std::string()>> notes{};  ///< PageSources::notes

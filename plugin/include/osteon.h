@@ -16,8 +16,11 @@
 // These two never wait, lock or allocate. All other functions may be called from any thread at any time and
 // wait for the frame that is being computed.
 //
-// Lifetime. Bones and tools may be destroyed while sessions use them. osteon_session_destroy joins the
-// session's threads. After fork() the child gets OSTEON_ERROR_FORK.
+// Functions of one guidance belong to one thread at a time, and never wait, lock or allocate, but for create
+// and destroy. Guidances share nothing.
+//
+// Lifetime. Bones and tools may be destroyed while sessions use them, plans while guidances do.
+// osteon_session_destroy joins the session's threads. After fork() the child gets OSTEON_ERROR_FORK.
 #pragma once
 
 #include <stddef.h>
@@ -80,6 +83,8 @@ typedef struct OsteonWrench {
 typedef struct OsteonBone OsteonBone;
 typedef struct OsteonTool OsteonTool;
 typedef struct OsteonSession OsteonSession;
+typedef struct OsteonPlan OsteonPlan;
+typedef struct OsteonGuidance OsteonGuidance;
 
 /* --- library ------------------------------------------------------------------------------------------- */
 
@@ -321,6 +326,137 @@ typedef struct OsteonSurfaceInfo {
 /* Writes the carved bone as one watertight mesh in millimetres: .stl, .ply or .obj. info: may be null. */
 OSTEON_API OsteonResult osteon_session_surface_export(OsteonSession* session, const char* file,
                                                       OsteonSurfaceInfo* info);
+
+/* --- surgical plan ---------------------------------------------------------------------------------------
+ */
+
+typedef struct OsteonPlanParams {
+  const char* plan;   /* name of a shipped plan, or its YAML file (docs/procedure.md). Null: "acetabulum" */
+  const char* rubric; /* what scores: name of a shipped rubric, or its YAML file. Null: "rubric" */
+  const char* config_folder; /* as in OsteonBoneParams */
+} OsteonPlanParams;
+
+/* All null: the plan "acetabulum". */
+OSTEON_API void osteon_plan_params_default(OsteonPlanParams* params);
+/* Reads a plan. abi: OSTEON_ABI. plan: receives it, null on failure. */
+OSTEON_API OsteonResult osteon_plan_create(uint32_t abi, const OsteonPlanParams* params, OsteonPlan** plan);
+/* Null is allowed. */
+OSTEON_API void osteon_plan_destroy(OsteonPlan* plan);
+
+typedef struct OsteonCupAngles {
+  double inclination_rad;
+  double anteversion_rad;
+} OsteonCupAngles;
+
+typedef struct OsteonPlanInfo {
+  double cup_center_m[3]; /* planned, in G */
+  double cup_axis[3];     /* unit, out of the opening, in G */
+  double cup_diameter_m;  /* of the implant */
+  double native_center_m[3];
+  OsteonCupAngles radiographic, operative, anatomic; /* of the axis, in the three definitions */
+  uint32_t reamer_count;
+  uint32_t is_left;      /* 1: a left hip */
+  uint32_t has_guidance; /* 1: osteon_guidance_create accepts it */
+  uint32_t reserved;     /* 0 */
+} OsteonPlanInfo;
+
+OSTEON_API OsteonResult osteon_plan_info(const OsteonPlan* plan, OsteonPlanInfo* info);
+
+typedef struct OsteonReamer {
+  double diameter_m;
+  double center_m[3]; /* planned place of the head's centre, in G */
+  double apex_m[3];   /* planned place of T's origin, in G */
+} OsteonReamer;
+
+/* A reamer of the plan's sequence, by its index from 0. */
+OSTEON_API OsteonResult osteon_plan_reamer(const OsteonPlan* plan, uint32_t index, OsteonReamer* reamer);
+
+/* --- guidance along a plan -------------------------------------------------------------------------------
+ */
+
+typedef struct OsteonGuidanceParams {
+  uint32_t reamer;          /* index of the plan's reamer that is in use */
+  uint32_t reserved;        /* 0 */
+  double gain;              /* 0 … 1; negative: the plan's own */
+  double max_force_N;       /* of guidance and the other wrench together: above 0, at most 200 */
+  double max_torque_Nm;     /* likewise: above 0, at most 20 */
+  double max_speed_m_per_s; /* of the tool: above 0. A force that grows faster than it explains is a jump */
+  double period_s;          /* between two calls of osteon_guidance_evaluate: above 0, at most 0.1 */
+} OsteonGuidanceParams;
+
+/* The first reamer, the plan's own gain, 200 N, 20 N·m, 0.25 m/s, 1 ms. */
+OSTEON_API void osteon_guidance_params_default(OsteonGuidanceParams* params);
+/* Makes the guidance of one reamer: a funnel, a cone of tilt and a depth (docs/theory/guidance.md).
+ * OSTEON_ERROR_STATE where the plan has none. params: null for the defaults. */
+OSTEON_API OsteonResult osteon_guidance_create(uint32_t abi, const OsteonPlan* plan,
+                                               const OsteonGuidanceParams* params, OsteonGuidance** guidance);
+/* Null is allowed. */
+OSTEON_API void osteon_guidance_destroy(OsteonGuidance* guidance);
+
+typedef struct OsteonGuidanceOutput {
+  OsteonWrench wrench;   /* to add to the other one */
+  double cone_rad;       /* how far the tool is outside: angle beyond the free cone; <= 0: inside */
+  double lateral_m;      /* outside of the funnel; <= 0: inside */
+  double depth_m;        /* deeper than planned; <= 0: not */
+  double share;          /* of the guidance that is rendered, 0 … 1 */
+  double potential_J;    /* that it could still give, at share 1 */
+  double energy_J;       /* that it has given; never above -share potential_J (within rounding) */
+  uint32_t inside;       /* 1: inside of everything, no wrench */
+  uint32_t stop_spindle; /* 1: beyond a stop of the plan; until the tool is inside of everything */
+  uint32_t jumped;   /* 1: the force would have grown faster than max_speed_m_per_s explains; the wrench is
+                        zero, and the guidance begins anew */
+  uint32_t reserved; /* 0 */
+} OsteonGuidanceOutput;
+
+/* The guidance at this pose and velocity; call it once in each period. `other`: the wrench that is rendered
+ * beside it (that of osteon_session_evaluate): the sum stays within the limits, and `other` comes first;
+ * null: none. twist: null for rest. As in the servo loop, it gives no energy that it has not taken: switched
+ * on outside of its corridor it waits until the tool has been inside. The numbers are those of the servo
+ * loop's own guidance at the same poses while its contact model is fresh. Wait-free: no lock, no allocation.
+ * On failure the wrench is zero. */
+OSTEON_API OsteonResult osteon_guidance_evaluate(OsteonGuidance* guidance, const OsteonPose* pose,
+                                                 const OsteonTwist* twist, const OsteonWrench* other,
+                                                 OsteonGuidanceOutput* output);
+/* Sets the gain, 0 … 1. The share falls to it at once, and rises to it as the energy allows. Wait-free. */
+OSTEON_API OsteonResult osteon_guidance_set_gain(OsteonGuidance* guidance, double gain);
+/* Begins anew: energy and share are forgotten. After a change of tool or a jump of the pose. Wait-free. */
+OSTEON_API OsteonResult osteon_guidance_reset(OsteonGuidance* guidance);
+
+/* --- assessment ------------------------------------------------------------------------------------------
+ */
+
+/* What was reamed, beside the plan (docs/procedure.md). A figure that cannot be measured is NaN. */
+typedef struct OsteonAssessment {
+  double score;                             /* 0 … the rubric's points */
+  double axis_error_rad;                    /* of the tool, weighted by the volume that it removed
+                                               since the last change of tool; NaN: it cut nothing, or
+                                               the bone was restored from a file */
+  double diameter_m, diameter_sd_m;         /* fitted sphere; sd: standard deviation */
+  double center_m[3];                       /* in G */
+  double form_p95_m;                        /* 95th percentile of the residuals */
+  double medial_m, superior_m, posterior_m; /* shift of the centre from the planned one */
+  double native_medial_m, native_superior_m, native_posterior_m; /* … from the native one */
+  double coverage;                                               /* 0 … 1 */
+  double removed_m3, over_m3, under_m3;
+  double cartilage_left, rim_preserved; /* 0 … 1 */
+  double min_wall_m;                    /* thinnest wall beside the cut; <= 0: a breach */
+} OsteonAssessment;
+
+typedef struct OsteonScoreItem {
+  char metric[32];          /* "axis_error", … */
+  char unit[8];             /* of the next three: "deg", "mm", "mm3", "ratio" */
+  double value, full, zero; /* found (NaN: not measured); where all points and where none are given */
+  double weight, points;
+} OsteonScoreItem;
+
+/* Measures the bone as it is and scores it by the plan's rubric; takes about 0.1 s, and the engine waits only
+ * while the state is copied. The plan must be for this bone. Time, path and hand force are the caller's: they
+ * have no score in the shipped rubric, and are not measured.
+ * items: room for item_capacity rows of the score; null: none. item_count: receives how many the rubric has
+ * (may be null where items is); OSTEON_ERROR_BUFFER where they do not fit. */
+OSTEON_API OsteonResult osteon_session_assess(OsteonSession* session, const OsteonPlan* plan,
+                                              OsteonAssessment* assessment, OsteonScoreItem* items,
+                                              size_t item_capacity, size_t* item_count);
 
 #ifdef __cplusplus
 }

@@ -24,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
-__all__ = ["Bone", "Error", "Session", "Tool", "version"]
+__all__ = ["Bone", "Error", "Guidance", "Plan", "Session", "Tool", "version"]
 
 _ABI = 1
 
@@ -125,6 +125,80 @@ class _Event(c.Structure):
     _fields_ = [("name", c.c_char * 48), ("value_m", c.c_double), ("position_m", c.c_double * 3), ("frame", c.c_uint64)]
 
 
+class _PlanParams(c.Structure):
+    _fields_ = [("plan", c.c_char_p), ("rubric", c.c_char_p), ("config_folder", c.c_char_p)]
+
+
+class _CupAngles(c.Structure):
+    _fields_ = [("inclination_rad", c.c_double), ("anteversion_rad", c.c_double)]
+
+
+class _PlanInfo(c.Structure):
+    _fields_ = [
+        ("cup_center_m", c.c_double * 3),
+        ("cup_axis", c.c_double * 3),
+        ("cup_diameter_m", c.c_double),
+        ("native_center_m", c.c_double * 3),
+        ("radiographic", _CupAngles),
+        ("operative", _CupAngles),
+        ("anatomic", _CupAngles),
+        ("reamer_count", c.c_uint32),
+        ("is_left", c.c_uint32),
+        ("has_guidance", c.c_uint32),
+        ("reserved", c.c_uint32),
+    ]
+
+
+class _Reamer(c.Structure):
+    _fields_ = [("diameter_m", c.c_double), ("center_m", c.c_double * 3), ("apex_m", c.c_double * 3)]
+
+
+class _GuidanceParams(c.Structure):
+    _fields_ = [
+        ("reamer", c.c_uint32),
+        ("reserved", c.c_uint32),
+        ("gain", c.c_double),
+        ("max_force_N", c.c_double),
+        ("max_torque_Nm", c.c_double),
+        ("max_speed_m_per_s", c.c_double),
+        ("period_s", c.c_double),
+    ]
+
+
+class _GuidanceOutput(c.Structure):
+    _fields_ = [
+        ("wrench", _Wrench),
+        ("cone_rad", c.c_double),
+        ("lateral_m", c.c_double),
+        ("depth_m", c.c_double),
+        ("share", c.c_double),
+        ("potential_J", c.c_double),
+        ("energy_J", c.c_double),
+        ("inside", c.c_uint32),
+        ("stop_spindle", c.c_uint32),
+        ("jumped", c.c_uint32),
+        ("reserved", c.c_uint32),
+    ]
+
+
+class _Assessment(c.Structure):
+    _fields_ = [
+        ("score", c.c_double),
+        ("axis_error_rad", c.c_double),
+        ("diameter_m", c.c_double),
+        ("diameter_sd_m", c.c_double),
+        ("center_m", c.c_double * 3),
+    ] + [(name, c.c_double) for name in (
+        "form_p95_m", "medial_m", "superior_m", "posterior_m", "native_medial_m", "native_superior_m",
+        "native_posterior_m", "coverage", "removed_m3", "over_m3", "under_m3", "cartilage_left", "rim_preserved",
+        "min_wall_m")]
+
+
+class _ScoreItem(c.Structure):
+    _fields_ = [("metric", c.c_char * 32), ("unit", c.c_char * 8)] + [
+        (name, c.c_double) for name in ("value", "full", "zero", "weight", "points")]
+
+
 class _Chunk(c.Structure):
     _fields_ = [(name, c.c_uint32) for name in
                 ("brick", "first_vertex", "vertex_count", "first_index", "index_count", "reserved")]
@@ -200,6 +274,17 @@ for _name, _result, _arguments in [
     ("session_surface_changes", c.c_int, [c.c_void_p, c.POINTER(c.c_uint64), c.POINTER(_Buffers)]),
     ("session_surface_wait", c.c_int, [c.c_void_p]),
     ("session_surface_export", c.c_int, [c.c_void_p, c.c_char_p, c.POINTER(_SurfaceInfo)]),
+    ("plan_create", c.c_int, [c.c_uint32, c.POINTER(_PlanParams), c.POINTER(c.c_void_p)]),
+    ("plan_destroy", None, [c.c_void_p]),
+    ("plan_info", c.c_int, [c.c_void_p, c.POINTER(_PlanInfo)]),
+    ("plan_reamer", c.c_int, [c.c_void_p, c.c_uint32, c.POINTER(_Reamer)]),
+    ("guidance_params_default", None, [c.POINTER(_GuidanceParams)]),
+    ("guidance_create", c.c_int, [c.c_uint32, c.c_void_p, c.POINTER(_GuidanceParams), c.POINTER(c.c_void_p)]),
+    ("guidance_destroy", None, [c.c_void_p]),
+    ("guidance_evaluate", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.POINTER(_Twist), c.POINTER(_Wrench), c.POINTER(_GuidanceOutput)]),
+    ("guidance_set_gain", c.c_int, [c.c_void_p, c.c_double]),
+    ("guidance_reset", c.c_int, [c.c_void_p]),
+    ("session_assess", c.c_int, [c.c_void_p, c.c_void_p, c.POINTER(_Assessment), c.POINTER(_ScoreItem), c.c_size_t, c.POINTER(c.c_size_t)]),
 ]:
     _function = getattr(_lib, "osteon_" + _name)
     _function.restype, _function.argtypes = _result, _arguments
@@ -249,6 +334,23 @@ def _from_pose(pose):
 
 def _wrench(wrench):
     return np.array([*wrench.force_N, *wrench.torque_Nm])
+
+
+def _twist(twist):
+    if twist is None:
+        return None
+    twist = [float(value) for value in twist]
+    return c.byref(_Twist((c.c_double * 3)(*twist[:3]), (c.c_double * 3)(*twist[3:])))
+
+
+def _values(struct):
+    """The fields of a struct as a dict, arrays of numbers as numpy's."""
+    result = {}
+    for name, kind in struct._fields_:
+        value = getattr(struct, name)
+        if name != "reserved":
+            result[name] = np.array(value) if hasattr(kind, "_length_") and kind._type_ is c.c_double else value
+    return result
 
 
 def _balls(balls_mm):
@@ -346,6 +448,94 @@ class Tool:
         return _lib.osteon_tool_spindle_rad_per_s(self._handle)
 
 
+class Plan:
+    """A surgical plan: where the cup goes, with which reamers, how the hand is guided, and what scores.
+
+    plan       name of a shipped plan, or its YAML file; None: "acetabulum"
+    rubric     name of a shipped rubric, or its YAML file; None: "rubric"
+    """
+
+    def __init__(self, plan=None, rubric=None, *, config_folder=None):
+        params = _PlanParams(_text(plan), _text(rubric), _text(config_folder))
+        self._handle = c.c_void_p()
+        _check(_lib.osteon_plan_create(_ABI, c.byref(params), c.byref(self._handle)))
+
+    def __del__(self):
+        if getattr(self, "_handle", None):
+            _lib.osteon_plan_destroy(self._handle)
+
+    @property
+    def info(self):
+        """dict: cup_center_m, cup_axis (unit, out of the opening), cup_diameter_m, native_center_m, radiographic, operative
+        and anatomic (each inclination_rad, anteversion_rad), reamer_count, is_left, has_guidance."""
+        info = _PlanInfo()
+        _check(_lib.osteon_plan_info(self._handle, c.byref(info)))
+        result = _values(info)
+        for name in ("radiographic", "operative", "anatomic"):
+            result[name] = _values(result[name])
+        for name in ("is_left", "has_guidance"):
+            result[name] = bool(result[name])
+        return result
+
+    @property
+    def reamers(self):
+        """list of dict: diameter_m, center_m (of the head) and apex_m (T's origin) where it is planned to end."""
+        reamers = []
+        for index in range(self.info["reamer_count"]):
+            reamer = _Reamer()
+            _check(_lib.osteon_plan_reamer(self._handle, index, c.byref(reamer)))
+            reamers.append(_values(reamer))
+        return reamers
+
+
+class Guidance:
+    """What holds a hand to a plan with one of its reamers: a funnel, a cone of tilt and a depth.
+
+    reamer     index in the plan's sequence
+    gain       0 … 1; None: the plan's own
+    limits     max_force_N (at most 200), max_torque_Nm (at most 20), max_speed_m_per_s, period_s between two evaluate()
+    """
+
+    def __init__(self, plan, reamer=0, *, gain=None, **limits):
+        params = _GuidanceParams()
+        _lib.osteon_guidance_params_default(c.byref(params))
+        params.reamer, params.gain = reamer, -1.0 if gain is None else gain
+        for name, value in limits.items():
+            if name not in ("max_force_N", "max_torque_Nm", "max_speed_m_per_s", "period_s"):
+                raise TypeError(f"Guidance: found {name!r}, which is no limit")
+            setattr(params, name, value)
+        self._handle = c.c_void_p()
+        _check(_lib.osteon_guidance_create(_ABI, plan._handle, c.byref(params), c.byref(self._handle)))
+
+    def __del__(self):
+        if getattr(self, "_handle", None):
+            _lib.osteon_guidance_destroy(self._handle)
+
+    def evaluate(self, X_GT, twist=None, other=None):
+        """dict at this pose, once in each period: wrench (6,), cone_rad, lateral_m and depth_m (how far outside; <= 0:
+        inside), share, potential_J, energy_J, inside, stop_spindle, jumped. twist (6,) as for Session.evaluate();
+        other (6,): the wrench that is rendered beside it and comes first."""
+        output, beside = _GuidanceOutput(), None
+        if other is not None:
+            other = [float(value) for value in other]
+            beside = c.byref(_Wrench((c.c_double * 3)(*other[:3]), (c.c_double * 3)(*other[3:])))
+        _check(_lib.osteon_guidance_evaluate(
+            self._handle, c.byref(_to_pose(X_GT)), _twist(twist), beside, c.byref(output)))
+        result = _values(output)
+        result["wrench"] = _wrench(output.wrench)
+        for name in ("inside", "stop_spindle", "jumped"):
+            result[name] = bool(result[name])
+        return result
+
+    def set_gain(self, gain):
+        """Sets the gain, 0 … 1."""
+        _check(_lib.osteon_guidance_set_gain(self._handle, gain))
+
+    def reset(self):
+        """Begins anew, after a change of tool or a jump of the pose."""
+        _check(_lib.osteon_guidance_reset(self._handle))
+
+
 class Session:
     """A bone that is cut by a tool.
 
@@ -413,11 +603,8 @@ class Session:
 
     def evaluate(self, X_GT, twist=None):
         """The coupling wrench (6,) at this pose; twist (6,): linear [m/s], angular [rad/s] of T, in G."""
-        wrench, moving = _Wrench(), None
-        if twist is not None:
-            twist = [float(value) for value in twist]
-            moving = c.byref(_Twist((c.c_double * 3)(*twist[:3]), (c.c_double * 3)(*twist[3:])))
-        _check(_lib.osteon_session_evaluate(self._handle, c.byref(_to_pose(X_GT)), moving, c.byref(wrench)))
+        wrench = _Wrench()
+        _check(_lib.osteon_session_evaluate(self._handle, c.byref(_to_pose(X_GT)), _twist(twist), c.byref(wrench)))
         return _wrench(wrench)
 
     @property
@@ -454,6 +641,19 @@ class Session:
 
     def restore(self, file, X_GT):
         _check(_lib.osteon_session_restore(self._handle, _text(file), c.byref(_to_pose(X_GT))))
+
+    def assess(self, plan):
+        """What was reamed, beside a plan of this bone: dict of score, axis_error_rad, diameter_m, center_m, coverage,
+        removed_m3, over_m3, under_m3, … (NaN: not measured), and items, a list of dict: metric, unit, value, full,
+        zero, weight, points."""
+        found, count, items = _Assessment(), c.c_size_t(), (_ScoreItem * 32)()
+        _check(_lib.osteon_session_assess(
+            self._handle, plan._handle, c.byref(found), items, len(items), c.byref(count)))
+        result = _values(found)
+        result["items"] = [_values(item) for item in items[: count.value]]
+        for item in result["items"]:
+            item["metric"], item["unit"] = item["metric"].decode(), item["unit"].decode()
+        return result
 
     def surface_changes(self):
         """Bricks of the surface that changed since the last call: a list of (brick, vertices, triangles), vertices of

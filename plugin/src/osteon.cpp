@@ -8,10 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "plugin/src/bone_source.h"
 #include "plugin/src/convert.h"
-#include "plugin/src/result.h"
-#include "plugin/src/session.h"
+#include "plugin/src/handles.h"
 #include "simulation/bone/material_style.h"
 #include "simulation/solids/cup_frame.h"
 
@@ -25,38 +23,10 @@ using osteon::plugin::CheckPointer;
 using osteon::plugin::Fail;
 using osteon::plugin::Failure;
 using osteon::plugin::Guarded;
+using osteon::plugin::kForked;
 using osteon::plugin::Session;
 using osteon::plugin::ToolSource;
-
-struct OsteonBone {
-  std::shared_ptr<const BoneSource> source;
-};
-struct OsteonTool {
-  std::shared_ptr<const ToolSource> source;
-};
-struct OsteonSession {
-  Session session;
-  OsteonSession(std::shared_ptr<const BoneSource> bone, std::shared_ptr<const ToolSource> tool,
-                const OsteonSettings& settings)
-      : session(std::move(bone), std::move(tool), settings) {}
-};
-
-namespace {
-
-constexpr const char* kForked =
-    "the process was forked: found a call in the child, accepted in the process that made the session";
-
-/// Calls `call` with the session; not in a forked child, where it has no threads.
-template <class Call>
-OsteonResult WithSession(OsteonSession* session, const Call& call) noexcept {
-  return Guarded([&] {
-    CheckPointer(session, "session");
-    if (session->session.is_forked()) throw Failure(OSTEON_ERROR_FORK, kForked);
-    call(session->session);
-  });
-}
-
-}  // namespace
+using osteon::plugin::WithSession;
 
 static_assert(std::string_view(OSTEON_VERSION) == OSTEON_PROJECT_VERSION,
               "osteon.h and CMakeLists.txt name the same version");

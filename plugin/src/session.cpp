@@ -204,6 +204,7 @@ void Session::ComputeFrame(const simulation::ToolCommand& command, double dt_s) 
     }
   }
   last_stamp_ = command.stamp;
+  const double removed_m3 = newest_.frame == 0 ? 0.0 : newest_.removed_volume_m3;
   newest_ = engine_->Step({.X_WT = command.X_WT,
                            .spindle_rad_per_s = command.spindle_rad_per_s,
                            .dt_s = dt_s,
@@ -220,6 +221,10 @@ void Session::ComputeFrame(const simulation::ToolCommand& command, double dt_s) 
       has_logged_failure_ = true;
     }
     return;
+  }
+  if (const double new_m3 = newest_.removed_volume_m3 - removed_m3; new_m3 > 0.0) {
+    if (std::exchange(axis_of_tool_before_, false)) axis_ = {};
+    axis_.Add(Pose(newest_.X_WP).linear().col(2), new_m3);
   }
   for (const simulation::SceneEvent& event :
        watch_->Step(Pose(newest_.X_WP), newest_.removed_volume_m3, command.stamp)) {
@@ -305,7 +310,7 @@ surface::BrickLayout Session::SurfaceLayout() {
 }
 
 Session::Saved Session::Remember() {
-  Saved saved{.state = engine_->Snapshot(), .swept = std::nullopt};
+  Saved saved{.state = engine_->Snapshot(), .swept = std::nullopt, .axis = axis_, .min_wall_m = MinWall()};
   if (surface_)
     surface_->Apply([&](surface::CarvedField& field, surface::ToolWays&) { saved.swept = field.swept(); });
   return saved;
@@ -341,6 +346,9 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
   tool_ = std::move(tool);
   depth_ = depth;
   watch_.emplace(std::move(*watch));
+  axis_ = saved.axis;
+  axis_of_tool_before_ = false;
+  min_wall_m_ = saved.min_wall_m;
   newest_ = first;
   models_.Store(newest_);
   beginnings_.fetch_add(1, std::memory_order_release);
@@ -352,6 +360,28 @@ void Session::ChangeTool(std::shared_ptr<const ToolSource> tool, const Pose& X_G
   AwaitField();
   const EngineLock lock(*this);
   Continue(std::move(tool), Remember(), X_GT);
+  axis_of_tool_before_ = true;
+}
+
+std::optional<double> Session::MinWall() const {
+  std::optional<double> wall_m = watch_->min_wall_m();
+  if (min_wall_m_) wall_m = std::min(wall_m.value_or(*min_wall_m_), *min_wall_m_);
+  return wall_m;
+}
+
+procedure::Assessment Session::Assess(const procedure::SurgicalPlan& plan) {
+  if (const std::string wrong = procedure::SiteError(plan, bone_->bone.site); !wrong.empty())
+    throw Failure(OSTEON_ERROR_ARGUMENT, fmt::format("plan {}: {}", plan.name, wrong));
+  procedure::Assessment assessment;
+  CarvedState state;
+  {
+    const EngineLock lock(*this);
+    state = engine_->Snapshot();
+    assessment.axis_G = axis_.value();
+    assessment.min_wall_m = MinWall();
+  }
+  assessment.cavity = procedure::AssessCavity(plan, bone_->bone, state);
+  return assessment;
 }
 
 void Session::Mark() {
@@ -390,7 +420,7 @@ void Session::Save(const std::string& file) {
 void Session::Restore(const std::string& file, const Pose& X_GT) {
   auto state = simulation::ReadCarvedState(file, bone_->bone);
   if (!state) throw Failure(OSTEON_ERROR_FILE, state.error().Text());
-  Saved saved{.state = std::move(*state), .swept = std::nullopt};
+  Saved saved{.state = std::move(*state), .swept = std::nullopt, .axis = {}, .min_wall_m = std::nullopt};
   if (surface_) {
     auto swept = surface::ReadSweptField(SweptFileOf(file), SurfaceLayout());
     if (!swept) throw Failure(OSTEON_ERROR_FILE, swept.error().Text());

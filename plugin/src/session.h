@@ -16,6 +16,7 @@
 #include "control/coupling/virtual_coupling.h"
 #include "plugin/src/bone_source.h"
 #include "plugin/src/surface_mailbox.h"
+#include "procedure/assessment/assessment.h"
 #include "safety/limits.h"
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/removal/cut_metrics.h"
@@ -58,6 +59,10 @@ class Session {
   void Save(const std::string& file);
   void Restore(const std::string& file, const Pose& X_GT);
 
+  /// Measures the bone as it is beside a plan. Without figures of the process.
+  /// @throws Failure where the plan is for another bone.
+  [[nodiscard]] procedure::Assessment Assess(const procedure::SurgicalPlan& plan);
+
   /// @throws Failure where the session has no surface.
   [[nodiscard]] const SurfaceMailbox& mailbox() const;
   void WaitForSurface();
@@ -73,12 +78,16 @@ class Session {
   struct Saved {
     simulation::CarvedState state;
     std::optional<surface::BrickField> swept;
+    procedure::ReamedAxis axis;
+    std::optional<double> min_wall_m;
   };
   /// Keeps the engine's thread from its next frame: it steps back from the lock while anybody waits for it.
   class EngineLock;
 
   void Loop();
   void ComputeFrame(const simulation::ToolCommand& command, double dt_s);
+  /// Thinnest wall that any tool has left. Under the engine's lock.
+  [[nodiscard]] std::optional<double> MinWall() const;
   void CheckDevice() const;
   /// Under the engine's lock.
   void Log(OsteonLogLevel level, const std::string& text) const;
@@ -119,6 +128,9 @@ class Session {
   std::optional<simulation::ApexDepth> depth_;
   std::optional<simulation::SceneWatch> watch_;
   simulation::ContactModel newest_;
+  procedure::ReamedAxis axis_;        // of the tool that cut last
+  bool axis_of_tool_before_{false};   // the tool in use has cut nothing yet
+  std::optional<double> min_wall_m_;  // that earlier tools have left
   double frame_time_s_{0.0};
   double in_bone_at_start_m_{0.0};  // of a first pose that is not free
   rt::Nanoseconds last_stamp_{0}, continued_{0};

@@ -37,18 +37,53 @@ double Enters(const Vector3& from_m, const Vector3& direction, const Ball& ball,
   return std::max(along_m - half_m, min_m);
 }
 
-double FirstBone(std::span<const Ball> balls, const Vector3& from_m, const Vector3& direction, double min_m) {
-  double first_m = std::numeric_limits<double>::infinity();
-  for (const Ball& ball : balls) first_m = std::min(first_m, Enters(from_m, direction, ball, min_m));
-  return first_m;
-}
+// Balls by their angle to an axis, as seen from a point: a ray meets no ball but those of its own band.
+class BallBands {
+ public:
+  BallBands(std::span<const Ball> balls, const Vector3& from_m, const Vector3& axis)
+      : balls_(balls), from_m_(from_m), axis_(axis), bands_(kBands) {
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+      const Vector3 way_m = Vector3(balls[i].center_m) - from_m;
+      const double far_m = way_m.norm(), radius_m = balls[i].radius_m;
+      const double half_rad =
+          (radius_m < far_m ? std::asin(radius_m / far_m) : std::numbers::pi) + kBandMargin_rad;
+      const double angle_rad = AngleOf(way_m);
+      for (std::size_t band = BandAt(angle_rad - half_rad); band <= BandAt(angle_rad + half_rad); ++band)
+        bands_[band].push_back(i);
+    }
+  }
+
+  // Distance along a ray to the first ball, at least `min_m`; infinity where it meets none.
+  [[nodiscard]] double FirstBone(const Vector3& direction, double min_m) const {
+    double first_m = std::numeric_limits<double>::infinity();
+    for (const std::size_t i : bands_[BandAt(AngleOf(direction))])
+      first_m = std::min(first_m, Enters(from_m_, direction, balls_[i], min_m));
+    return first_m;
+  }
+
+ private:
+  static constexpr std::size_t kBands = 180;
+  static constexpr double kBandMargin_rad = 1e-6;  // of rounding
+
+  [[nodiscard]] double AngleOf(const Vector3& way) const {
+    return std::atan2(axis_.cross(way).norm(), axis_.dot(way));
+  }
+  static std::size_t BandAt(double angle_rad) {
+    const double band = angle_rad / std::numbers::pi * static_cast<double>(kBands);
+    return static_cast<std::size_t>(std::clamp(band, 0.0, static_cast<double>(kBands - 1)));
+  }
+
+  std::span<const Ball> balls_;
+  Vector3 from_m_, axis_;
+  std::vector<std::vector<std::size_t>> bands_;
+};
 
 double Coverage(const PlannedCavity& cavity, std::span<const Ball> live) {
   const std::vector<Ball> near = NearShell(live, cavity, kCoverageGap_m);
+  const BallBands bands(near, cavity.centre_m, cavity.axis);
   int covered = 0;
   for (const Vector3& direction : HemisphereDirections(cavity.axis, kCoverageDirections))
-    if (FirstBone(near, cavity.centre_m, direction, cavity.radius_m - kCoverageGap_m) <=
-        cavity.radius_m + kCoverageGap_m)
+    if (bands.FirstBone(direction, cavity.radius_m - kCoverageGap_m) <= cavity.radius_m + kCoverageGap_m)
       ++covered;
   return static_cast<double>(covered) / kCoverageDirections;
 }
@@ -111,9 +146,9 @@ std::vector<SurfaceDeviation> DeviationMap(const SurgicalPlan& plan, std::span<c
   const PlannedCavity cavity = plan.cavity();
   const std::vector<Ball> near = NearShell(live_balls, cavity, kMapReach_m);
   std::vector<SurfaceDeviation> map;
+  const BallBands bands(near, cavity.centre_m, cavity.axis);
   for (const Vector3& direction : directions_G) {
-    const double first_m =
-        FirstBone(near, cavity.centre_m, direction, cavity.radius_m - kMapReach_m) - cavity.radius_m;
+    const double first_m = bands.FirstBone(direction, cavity.radius_m - kMapReach_m) - cavity.radius_m;
     map.push_back({direction, first_m <= kMapReach_m ? std::optional(first_m) : std::nullopt});
   }
   return map;

@@ -21,7 +21,7 @@ struct ProcedureChoice {
   std::filesystem::path plan;     ///< the plan's YAML; empty: no procedure
   std::filesystem::path session;  ///< folder: a new or empty one, or with `resume` a session's
   bool resume{false};
-  /// The simulated operator's hand: "expert", or "novice" (14 degrees and 4 mm off).
+  /// The simulated operator's hand: "expert", or "novice" (UseHandOfPlan).
   std::string hand{"expert"};
   /// Gain of the plan's guidance, 0 … 1; absent: the plan's own with a person's hand, 0 with a simulated one.
   std::optional<double> guidance{};
@@ -57,11 +57,12 @@ struct Procedure {
     const std::filesystem::path& gains, const EngineChoice& engine_choice, bool simulated, bool virtual_time,
     CellSetup& setup, std::unique_ptr<simulation::CuttingEngine>& engine);
 
-/// The scripted operator of a plan, from the reamer `first` on: expert or novice.
-/// @param X_WG  bone in the world
-[[nodiscard]] hil::ProcedureScriptParams ScriptOfPlan(const procedure::SurgicalPlan& plan,
-                                                      const std::string& hand, const Pose& X_WG,
-                                                      const config::CellConfig& cell, int first);
+/// Gives a simulated cell the scripted operator of a plan, from the reamer `first` on: the expert keeps to
+/// it; the novice is 14 degrees tilted, aims 6 mm aside toward superior and 5 mm too deep, and presses with
+/// 140 N and an arm four times as stiff.
+/// @param X_WG  bone in the world  @param[in,out] cell  its script and its hand
+void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand, const Pose& X_WG, int first,
+                   config::CellConfig& cell);
 /// The reamer of a plan that a cell has; the first one if it has another tool.
 [[nodiscard]] int ReamerOf(const procedure::SurgicalPlan& plan, const config::CellConfig& cell);
 

@@ -1,10 +1,8 @@
 #include "session/procedure/procedure_session.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -20,6 +18,7 @@ using simulation::ToolCommand;
 
 constexpr std::chrono::milliseconds kMaxWait{700};  // the local socket answers within a second
 constexpr double kSameSize_mm = 1e-6;
+constexpr double kMaxFrameGap_s = 0.1;  // a longer one is not time in which bone was cut
 constexpr rt::Nanoseconds kRestBeforeWeighing = rt::kSecond;  // longer than PausedReadings needs
 
 std::string HashText(const CarvedState& state) {
@@ -30,59 +29,10 @@ SessionAnswer Refused(std::string reason) { return {.done = false, .reason = std
 
 }  // namespace
 
-tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string& text) {
-  std::istringstream words(text);
-  std::vector<std::string> all;
-  for (std::string word; words >> word;) all.push_back(word);
-  const auto refuse = [&] {
-    return tl::make_unexpected(
-        fmt::format("found \"{}\", accepted next, tool D (mm), undo, save, cup, guidance G (0 … 1), resume; "
-                    "\"confirmed\" "
-                    "may follow a change of tool",
-                    text.substr(0, 80)));
-  };
-  if (all.empty()) return refuse();
-  SessionRequest request;
-  if (all.back() == "confirmed") {
-    request.confirmed = true;
-    all.pop_back();
-    if (all.empty() || (all[0] != "next" && all[0] != "tool")) return refuse();
-  }
-  using Kind = SessionRequest::Kind;
-  const auto number = [&](double& value) {
-    const char* end = all[1].data() + all[1].size();
-    const auto [rest, error] = std::from_chars(all[1].data(), end, value);
-    return error == std::errc() && rest == end && std::isfinite(value);
-  };
-  if (all[0] == "tool" && all.size() == 2) {
-    request.kind = Kind::kTool;
-    if (!number(request.diameter_mm)) return refuse();
-    return request;
-  }
-  if (all[0] == "guidance" && all.size() == 2) {
-    request.kind = Kind::kGuidance;
-    if (!number(request.gain) || !(request.gain >= 0.0 && request.gain <= 1.0)) return refuse();
-    return request;
-  }
-  if (all.size() != 1) return refuse();
-  if (all[0] == "next")
-    request.kind = Kind::kNext;
-  else if (all[0] == "undo")
-    request.kind = Kind::kUndo;
-  else if (all[0] == "save")
-    request.kind = Kind::kSave;
-  else if (all[0] == "cup")
-    request.kind = Kind::kCup;
-  else if (all[0] == "resume")
-    request.kind = Kind::kResume;
-  else
-    return refuse();
-  return request;
-}
-
 ProcedureSession::ProcedureSession(ProcedureParams params)
     : params_(std::move(params)),
       writer_(params_.folder, *params_.bone, params_.wall_time),
+      panel_(params_.plan, params_.tools, params_.X_WG, params_.confirm_size || params_.confirm_load),
       tool_(params_.tool),
       file_(params_.file) {
   if (params_.confirm_size) script_ = ScriptedChanges(kRestBeforeWeighing);
@@ -123,6 +73,18 @@ SessionFile ProcedureSession::File() const {
 std::string ProcedureSession::resume_refusal() const {
   const std::lock_guard lock(mutex_);
   return resume_refusal_;
+}
+
+std::string ProcedureSession::PanelJson() const {
+  SessionFile file;
+  double gain = 0.0;
+  {
+    const std::lock_guard lock(mutex_);
+    file.passes = file_.passes;
+    file.cup_X_GT = file_.cup_X_GT;
+    gain = guidance_gain_;
+  }
+  return panel_.Json(file, gain);
 }
 
 std::optional<double> ProcedureSession::min_wall_m() const {
@@ -201,6 +163,8 @@ void ProcedureSession::BeforeFrame(const ToolCommand& command, FrameRunner& runn
 }
 
 void ProcedureSession::AfterFrame(const ToolCommand& command, const simulation::FrameRecord& record) {
+  const rt::Nanoseconds since = command.stamp - std::exchange(framed_stamp_, command.stamp);
+  panel_.Step(tool_, record.model, std::clamp(rt::ToSeconds(since), 0.0, kMaxFrameGap_s));
   const auto change = pass_.Step(record.model, command.stamp, command.spindle_rad_per_s);
   if (change == PassDetector::Change::kEnded) end_pass_ = true;
 }

@@ -14,11 +14,14 @@
 #include <tl/expected.hpp>
 
 #include "control/loop/servo_loop.h"
+#include "procedure/plan/surgical_plan.h"
 #include "session/procedure/load_step.h"
 #include "session/procedure/pass_detector.h"
+#include "session/procedure/procedure_panel.h"
 #include "session/procedure/procedure_tools.h"
 #include "session/procedure/scripted_changes.h"
 #include "session/procedure/session_file.h"
+#include "session/procedure/session_request.h"
 #include "session/procedure/session_writer.h"
 #include "session/run/frame_runner.h"
 #include "simulation/bone/bone.h"
@@ -36,6 +39,7 @@ inline constexpr double kClearToResume_m = 0.5e-3;
 
 struct ProcedureParams {
   std::filesystem::path folder;
+  procedure::SurgicalPlan plan;
   SessionFile file;                  ///< of a new session without segments, or of the one that is resumed
   std::vector<ProcedureTool> tools;  ///< one for each of file.diameters_mm
   int tool{0};                       ///< in use at the start
@@ -55,22 +59,6 @@ struct ProcedureParams {
   bool scripted{false};   ///< the scripted operator's buttons are pressed as well
   bool wall_time{false};  ///< states are written on a thread of their own
 };
-
-/// A request to a session: `osteon tell`.
-struct SessionRequest {
-  enum class Kind { kNext, kTool, kUndo, kSave, kCup, kResume, kGuidance };
-  Kind kind{Kind::kNext};
-  double diameter_mm{0.0};  ///< kTool
-  double gain{0.0};         ///< kGuidance: 0 … 1
-  bool confirmed{false};    ///< a person has confirmed size (and load)
-};
-struct SessionAnswer {
-  bool done{false};
-  std::string reason;  ///< if not done: what was found and what to do
-};
-/// Parses "next [confirmed]", "tool D [confirmed]", "undo", "save", "cup", "resume", "guidance G". The error
-/// says what is accepted.
-[[nodiscard]] tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string& text);
 
 /// The session of a procedure while its cell runs: passes, saved states, undo, change of tool.
 ///
@@ -115,6 +103,9 @@ class ProcedureSession final : public FrameObserver {
   /// The session as it is now. Any thread.
   [[nodiscard]] SessionFile File() const;
   [[nodiscard]] const std::filesystem::path& folder() const { return params_.folder; }
+  /// The console's messages of the plan and of where the session stands (ProcedurePanel). Any thread.
+  [[nodiscard]] const std::string& PlanJson() const { return panel_.PlanJson(); }
+  [[nodiscard]] std::string PanelJson() const;
   /// Thinnest wall that any tool but the first has left; nothing where none was seen.
   [[nodiscard]] std::optional<double> min_wall_m() const;
   /// Why a resume was not passed on; empty: it was. Any thread.
@@ -154,6 +145,7 @@ class ProcedureSession final : public FrameObserver {
 
   ProcedureParams params_;
   SessionWriter writer_;
+  ProcedurePanel panel_;
 
   // of the frames' thread
   int tool_{0};
@@ -164,7 +156,7 @@ class ProcedureSession final : public FrameObserver {
   int states_{0};
   bool changed_{false};   // tool or bone have changed in this pause: a resume is checked
   bool end_pass_{false};  // the pass has ended with the last frame
-  rt::Nanoseconds last_stamp_{0};
+  rt::Nanoseconds last_stamp_{0}, framed_stamp_{0};
   std::map<int, Watched> watched_;
   std::string error_;
 

@@ -30,7 +30,7 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kSecondsAReamer = 15.0;
+constexpr double kSecondsAReamer = 15.0, kNoviceSecondsAReamer = 60.0;
 
 // The folder of a session that was given no name: the first that is free below the demo's.
 std::filesystem::path FreshSession(const std::filesystem::path& out) {
@@ -141,7 +141,9 @@ int RunDemo(const DemoOptions& asked) {
     procedure = std::move(*opened);
     const auto reamers =
         procedure->tools.diameters_mm.size() - static_cast<std::size_t>(procedure->tools.first);
-    if (options.default_seconds) options.seconds = kSecondsAReamer * static_cast<double>(reamers);
+    if (options.default_seconds)
+      options.seconds = (options.procedure.hand == "novice" ? kNoviceSecondsAReamer : kSecondsAReamer) *
+                        static_cast<double>(reamers);
   }
   if (!(options.seconds >= kMinSeconds && options.seconds <= kMaxSeconds))
     return Fail("demo", fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kMinSeconds,

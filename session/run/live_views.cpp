@@ -87,17 +87,21 @@ void LiveViews::OpenFoxglove(const ConsoleChoice& choice) {
 }
 
 void LiveViews::OpenConsole(const ConsoleChoice& choice) {
-  auto console =
-      console::ConsoleServer::Start({.address = choice.address,
-                                     .port = choice.port,
-                                     .only_this_port = choice.only_this_port,
-                                     .page = ConsolePageFolder(),
-                                     .hello = scene_,
-                                     .context = context_,
-                                     .request = [this](auto request) { return Ask(request); },
-                                     .gains = [this](const auto& request) { return gains_.Request(request); },
-                                     .notes = {[this] { return gains_.Json(); }}},
-                                    feed_, surface_);
+  console::ConsoleParams params{.address = choice.address,
+                                .port = choice.port,
+                                .only_this_port = choice.only_this_port,
+                                .page = ConsolePageFolder(),
+                                .hello = scene_,
+                                .context = context_,
+                                .request = [this](auto request) { return Ask(request); },
+                                .gains = [this](const auto& request) { return gains_.Request(request); },
+                                .notes = {[this] { return gains_.Json(); }}};
+  if (session_) {
+    params.procedure = [this](const auto& request) { return AskSession(request); };
+    params.notes.emplace_back([this] { return session_->PlanJson(); });
+    params.notes.emplace_back([this] { return session_->PanelJson(); });
+  }
+  auto console = console::ConsoleServer::Start(params, feed_, surface_);
   if (!console) {
     not_opened_.push_back(console.error());
     return;
@@ -132,6 +136,10 @@ console::RequestAnswer LiveViews::Ask(console::OperatorRequest request) {
     case console::OperatorRequest::kResume:
       if (!status.can_resume)
         return {.done = false, .reason = fmt::format("the cell is {}, not paused", state)};
+      if (session_) {  // a changed tool must be clear of bone: the session says if it is not
+        const SessionAnswer asked = session_->Ask({.kind = SessionRequest::Kind::kResume});
+        return {.done = asked.done, .reason = asked.reason};
+      }
       requests_.resume.store(true);
       break;
     case console::OperatorRequest::kRecover:
@@ -143,6 +151,37 @@ console::RequestAnswer LiveViews::Ask(console::OperatorRequest request) {
       break;
   }
   return {.done = true, .reason = ""};
+}
+
+console::RequestAnswer LiveViews::AskSession(const console::ProcedureRequest& request) {
+  using Kind = console::ProcedureRequest::Kind;
+  SessionRequest asked{.confirmed = request.confirmed};
+  switch (request.kind) {
+    case Kind::kNext:
+      asked.kind = SessionRequest::Kind::kNext;
+      break;
+    case Kind::kTool:
+      asked.kind = SessionRequest::Kind::kTool;
+      asked.diameter_mm = request.value;
+      break;
+    case Kind::kUndo:
+      asked.kind = SessionRequest::Kind::kUndo;
+      break;
+    case Kind::kSave:
+      asked.kind = SessionRequest::Kind::kSave;
+      break;
+    case Kind::kCup:
+      asked.kind = SessionRequest::Kind::kCup;
+      break;
+    case Kind::kGuidance:
+      if (!(request.value >= 0.0 && request.value <= 1.0))
+        return {.done = false, .reason = fmt::format("guidance: found {:g}, accepted 0 … 1", request.value)};
+      asked.kind = SessionRequest::Kind::kGuidance;
+      asked.gain = request.value;
+      break;
+  }
+  const SessionAnswer answer = session_->Ask(asked);
+  return {.done = answer.done, .reason = answer.reason};
 }
 
 std::string LiveViews::Answer(const std::string& request) {

@@ -85,6 +85,7 @@ class LiveViews {
   void OpenConsole(const ConsoleChoice& choice);
   void OpenFoxglove(const ConsoleChoice& choice);
   [[nodiscard]] console::RequestAnswer Ask(console::OperatorRequest request);
+  [[nodiscard]] console::RequestAnswer AskSession(const console::ProcedureRequest& request);
 
   const CellSetup& setup_;
   LiveRun run_;

@@ -14,13 +14,6 @@
 namespace osteon::app {
 namespace {
 
-std::string Value(double si, const procedure::Metric& metric) {
-  const std::string number = Number(si * metric.to_unit);
-  if (std::string_view(metric.unit) == "ratio") return number;
-  if (std::string_view(metric.unit) == "deg") return number + "°";
-  return number + (std::string_view(metric.unit) == "mm3" ? " mm³" : std::string(" ") + metric.unit);
-}
-
 std::string AnglesText(const procedure::SurgicalPlan& plan, const Vector3& axis_G) {
   const procedure::CupAngles angles = procedure::AnglesOf(plan.definition, plan.pelvis.FromG(axis_G));
   return fmt::format("{:.1f}° / {:.1f}° ({})", angles.inclination_rad / kDegree,
@@ -81,12 +74,12 @@ std::string ItemsTable(const AssessResult& result) {
     const auto norm = result.norms.find(metric.name);
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", Escape(metric.text),
-        value != result.values.end() ? Escape(Value(value->second, metric)) : "not measured",
-        has_norm ? Escape(Value(scored->item.full, metric) + ", " + Value(scored->item.zero, metric))
+        value != result.values.end() ? Escape(ValueText(value->second, metric)) : "not measured",
+        has_norm ? Escape(ValueText(scored->item.full, metric) + ", " + ValueText(scored->item.zero, metric))
                  : "no norm",
         has_norm ? fmt::format("{:.1f} of {:g}", scored->points, scored->item.weight) : "shown only",
         norm != result.norms.end()
-            ? fmt::format("{} (median of {})", Escape(Value(norm->second.median, metric)),
+            ? fmt::format("{} (median of {})", Escape(ValueText(norm->second.median, metric)),
                           norm->second.sessions)
             : "",
         has_norm ? Escape(scored->item.source) : "");
@@ -203,6 +196,18 @@ tl::expected<std::string, std::string> Pictures(const AssessedSession& session) 
 }
 
 }  // namespace
+
+std::string ValueText(double si, const procedure::Metric& metric) {
+  const std::string number = Number(si * metric.to_unit);
+  if (std::string_view(metric.unit) == "ratio") return number;
+  if (std::string_view(metric.unit) == "deg") return number + "°";
+  return number + (std::string_view(metric.unit) == "mm3" ? " mm³" : std::string(" ") + metric.unit);
+}
+
+std::string NameOfSession(const AssessedSession& session) {
+  const std::filesystem::path own = std::filesystem::weakly_canonical(session.folder);
+  return own.filename() == "session" ? own.parent_path().filename().string() : own.filename().string();
+}
 
 tl::expected<void, std::string> WriteAssessPage(const AssessResult& result, const Verdict& verdict,
                                                 const std::string& command_line,

@@ -10,6 +10,12 @@
 
 namespace osteon::app {
 
+/// A metric's value in its unit: "14°", "1.29 mm".
+[[nodiscard]] std::string ValueText(double si, const procedure::Metric& metric);
+
+/// A session's name for people: that of its folder, or of the one above where it is only called "session".
+[[nodiscard]] std::string NameOfSession(const AssessedSession& session);
+
 /// Writes the page of an assessment: score, sections, map, curves, items, trend, assumptions. The error names
 /// the file.
 [[nodiscard]] tl::expected<void, std::string> WriteAssessPage(const AssessResult& result,

@@ -14,6 +14,7 @@
 #include "session/process/exit_code.h"
 #include "session/summary/verdict.h"
 #include "studies/assess/assess_page.h"
+#include "studies/assess/compare_page.h"
 
 namespace osteon::app {
 namespace {
@@ -24,6 +25,7 @@ using procedure::CupDefinition;
 
 constexpr const char* kResultName = "assess.json";
 constexpr const char* kSchema = "osteon.assess/1";
+constexpr int kKeyWidth = 40;
 
 Json Triple(const Vector3& v, double scale = 1.0) { return {scale * v.x(), scale * v.y(), scale * v.z()}; }
 
@@ -166,6 +168,22 @@ tl::expected<Norms, std::string> ReadNorms(const std::vector<fs::path>& folders)
   return norms;
 }
 
+// Reads, measures and scores a session.
+tl::expected<AssessResult, std::string> Measure(const fs::path& folder, const AssessOptions& options) {
+  auto session = ReadAssessedSession(folder);
+  if (!session) return tl::make_unexpected(session.error());
+  AssessResult result;
+  result.session = std::move(*session);
+  result.rubric = config::LoadRubric(options.rubric);
+  result.values = procedure::ValuesOf(result.session.plan.plan, result.session.assessment);
+  result.score = procedure::ScoreOf(result.rubric, result.values, result.session.assessment.min_wall_m);
+  result.guided = result.session.guidance_gain > 0.0;
+  auto norms = ReadNorms(options.norms);
+  if (!norms) return tl::make_unexpected(norms.error());
+  result.norms = std::move(*norms);
+  return result;
+}
+
 // The results of other sessions of the same plan, in folders beside this one, and this one's.
 std::vector<TrendPoint> ReadTrend(const AssessResult& result) {
   const fs::path own = fs::weakly_canonical(result.session.folder);
@@ -230,7 +248,6 @@ Verdict Judge(const AssessResult& result, const std::optional<double>& pass_at) 
 }
 
 void PrintResult(const AssessResult& result, const Verdict& verdict) {
-  constexpr int kKeyWidth = 40;
   fmt::print("Osteon assess: {}\n", result.session.folder.string());
   PrintVerdict(verdict, kKeyWidth - 1);
   fmt::print("  {:<{}}{:.1f} ({})\n", "Score", kKeyWidth, result.score.total,
@@ -269,18 +286,21 @@ Json AssessJson(const AssessResult& result) {
 }
 
 int RunAssess(const AssessOptions& options) {
-  auto session = ReadAssessedSession(options.session);
-  if (!session) return Fail("assess", session.error());
-  AssessResult result;
-  result.session = std::move(*session);
-  result.rubric = config::LoadRubric(options.rubric);
-  result.values = procedure::ValuesOf(result.session.plan.plan, result.session.assessment);
-  result.score = procedure::ScoreOf(result.rubric, result.values, result.session.assessment.min_wall_m);
-  result.guided = result.session.guidance_gain > 0.0;
-  auto norms = ReadNorms(options.norms);
-  if (!norms) return Fail("assess", norms.error());
-  result.norms = std::move(*norms);
+  auto read = Measure(options.session, options);
+  if (!read) return Fail("assess", read.error());
+  AssessResult& result = *read;
   result.trend = ReadTrend(result);
+  std::optional<AssessResult> other;
+  if (!options.against.empty()) {
+    auto measured = Measure(options.against, options);
+    if (!measured) return Fail("assess", "--against: " + measured.error());
+    if (measured->session.file.plan_checksum != result.session.file.plan_checksum)
+      return Fail("assess",
+                  fmt::format("--against {}: found a session of another plan ({}), accepted one of {}",
+                              options.against.string(), measured->session.file.plan_checksum,
+                              result.session.file.plan_checksum));
+    other = std::move(*measured);
+  }
 
   const Verdict verdict = Judge(result, options.pass_at);
   const std::string text = ResultText(verdict, AssessJson(result));
@@ -291,7 +311,15 @@ int RunAssess(const AssessOptions& options) {
   const fs::path page = options.session / "assess.html";
   if (const auto written = WriteAssessPage(result, verdict, options.command_line, page); !written)
     return Fail("assess", written.error(), kFailed);
+  if (other)
+    if (const auto written = WriteComparison(result, *other, options.command_line, options.session); !written)
+      return Fail("assess", written.error(), kFailed);
   PrintResult(result, verdict);
+  if (other) {
+    fmt::print("  {:<{}}{:.1f} ({})\n", "Score of the other session", kKeyWidth, other->score.total,
+               NameOfSession(other->session));
+    fmt::print("comparison: {}\n", (options.session / "compare.html").string());
+  }
   fmt::print("report: {}\n", page.string());
   return options.pass_at && result.score.total < *options.pass_at ? kFailed : 0;
 }

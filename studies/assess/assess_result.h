@@ -18,6 +18,7 @@ struct AssessOptions {
   std::filesystem::path rubric;
   std::optional<double> pass_at{};             ///< score below which the exit code is 1
   std::vector<std::filesystem::path> norms{};  ///< sessions of a site's own experts
+  std::filesystem::path against{};             ///< another session of the plan; empty: none
   std::filesystem::path json{};                ///< a copy of the result; empty: none
   std::string command_line{};
 };
@@ -53,7 +54,8 @@ struct AssessResult {
 /// JSON of `osteon assess`, schema osteon.assess/1.
 [[nodiscard]] nlohmann::ordered_json AssessJson(const AssessResult& result);
 
-/// Runs `osteon assess`: writes assess.html and assess.json into the session's folder, and prints the score.
+/// Runs `osteon assess`: writes assess.html and assess.json into the session's folder, and prints the score;
+/// with another session compare.html and compare.png as well.
 /// @returns the process's exit code: 0; 1 the score is below `pass_at`, or a file cannot be written; 2 wrong
 /// input.
 [[nodiscard]] int RunAssess(const AssessOptions& options);

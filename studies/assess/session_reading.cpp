@@ -13,7 +13,9 @@
 #include "base/units.h"
 #include "io/recording/recording_reader.h"
 #include "session/planning/planned_cell.h"
+#include "session/procedure/session_bone.h"
 #include "simulation/bone/scene_events.h"
+#include "simulation/bone/scenes.h"
 #include "simulation/files/carved_file.h"
 
 namespace osteon::app {
@@ -208,13 +210,20 @@ class SessionSums {
   std::optional<double> removed_m3_;
 };
 
-// Packs the bone as the session did, from what a recording says of its cell.
+// The cell that a recording names, with the bone that the session has kept; without one, the bone is packed
+// again, as the session did.
 tl::expected<CellSetup, std::string> SetUp(const fs::path& recording) {
   auto stream = io::RecordingStream::Open(recording);
   if (!stream) return tl::make_unexpected(stream.error());
   if (const auto first = stream->Next(); !first) return tl::make_unexpected(first.error());
   auto setup = SetUpRecorded(stream->session);
   if (!setup) return tl::make_unexpected(recording.string() + ": " + setup.error());
+  if (auto kept = setup->solid ? ReadSessionBone(recording.parent_path()) : std::nullopt) {
+    setup->bone =
+        simulation::SceneBone({.name = setup->bone.name, .solid = setup->solid, .site = setup->bone.site},
+                              setup->config.scene, std::move(kept->balls), std::move(kept->points));
+    return setup;
+  }
   const EngineChoice engine = ChooseEngine(stream->session.engine, "");
   if (const auto packed = PackCell(*setup, {}, engine, false); !packed)
     return tl::make_unexpected(recording.string() + ": " + packed.error());

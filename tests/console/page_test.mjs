@@ -170,6 +170,32 @@ async function operatesTheCell() {
   await second.close();
 }
 
+/** A plan's panel and its picture; a request that is refused says why. */
+async function operatesAProcedure() {
+  const run = demo(60, "--plan", "acetabulum"); // ended by the page
+  const page = await open(await run.url, 1280, 720);
+  await until(page, "osteon.procedure.note?.known && osteon.scene.planView !== null");
+  assert.equal(await page.evaluate("osteon.procedure.plan.reamers.length"), 4);
+  assert.deepEqual(await clipped(page), []);
+  await page.evaluate('document.getElementById("next-tool").click()');
+  await until(page, 'document.getElementById("answer").textContent.includes("not paused")');
+  await page.evaluate('document.getElementById("step-2").click()'); // 48 mm
+  await page.evaluate('document.getElementById("undo-pass").click()');
+  await until(page, "osteon.procedure.note.to_go_mm < 15 && osteon.scene.surface.triangles > 10000");
+  await picture(page, "procedure");
+  assert.equal(await page.evaluate("osteon.procedure.note.tool"), 0, "nothing was changed");
+  await page.select("#language", "de");
+  assert.deepEqual(await clipped(page), []);
+  await page.setViewport({ width: 400, height: 844 });
+  assert.deepEqual(await clipped(page), []);
+  await picture(page, "procedure_german_phone");
+  page.on("dialog", (dialog) => void dialog.accept()); // asked while cutting
+  await page.evaluate('document.getElementById("stop").click()');
+  const { code, text } = await run.ended;
+  assert.equal(code, 0, text);
+  await page.close();
+}
+
 async function showsAFault() {
   const run = demo(60);
   const page = await open(await run.url, 1280, 720);
@@ -301,6 +327,7 @@ try {
   await withPatience(operatesTheCell);
   await viewsARecording();
   await comparesTwoRecordings();
+  await withPatience(operatesAProcedure);
   await showsAFault();
   await recoversFromAFault();
   assert.deepEqual(errors, []);

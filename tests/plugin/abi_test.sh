@@ -45,7 +45,7 @@ for other in $((now - 1)) $((now + 1)); do
   mkdir "$work/$other"
   sed -e "s/^#define OSTEON_ABI .*/#define OSTEON_ABI ${other}u/" -e 's/^} \(Osteon[A-Za-z]*\(Params\|Settings\)\);/  double later[4];\n&/' \
     "$plugin/include/osteon.h" >"$work/$other/osteon.h"
-  [[ $(grep -c "double later" "$work/$other/osteon.h") -eq 3 ]]
+  [[ $(grep -c "double later\\[" "$work/$other/osteon.h") -eq 5 ]]
   compile "$work/$other" "$plugin/examples/c/ream_cup.c" "$work/$other/ream_cup"
   code=0
   "$work/$other/ream_cup" 2>"$work/text" || code=$?

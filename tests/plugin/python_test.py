@@ -89,6 +89,33 @@ class Module(unittest.TestCase):
             session.step(X)
             np.testing.assert_allclose(session.figures["proxy"], X, atol=1e-9)
 
+    def test_plan_guides_and_scores(self):
+        plan = osteon.Plan()
+        info, reamers = plan.info, plan.reamers
+        self.assertAlmostEqual(np.degrees(info["radiographic"]["inclination_rad"]), 40)
+        self.assertEqual([round(1e3 * each["diameter_m"]) for each in reamers], [44, 46, 48, 50])
+        axis = info["cup_axis"]
+        X = np.eye(4)
+        X[:3, 2] = -axis
+        X[:3, 0] = np.cross(X[:3, 2], [1, 0, 0]) / np.linalg.norm(np.cross(X[:3, 2], [1, 0, 0]))
+        X[:3, 1] = np.cross(X[:3, 2], X[:3, 0])
+        guidance = osteon.Guidance(plan, 0, max_force_N=80)
+        for height_m in np.arange(1e-3, -3e-3, -1e-5):
+            X[:3, 3] = reamers[0]["apex_m"] + height_m * axis
+            guided = guidance.evaluate(X, np.zeros(6), np.zeros(6))
+        self.assertAlmostEqual(guided["depth_m"], 3e-3, places=4)
+        self.assertGreater(guided["wrench"][:3] @ axis, 20)
+        self.assertFalse(guided["inside"])
+        guidance.set_gain(0)
+        self.assertEqual(guidance.evaluate(X)["share"], 0)
+        with self.assertRaisesRegex(osteon.Error, "accepted 0 … 3"):
+            osteon.Guidance(plan, 4)
+        session = osteon.Session(osteon.Bone(), osteon.Tool("reamer", 0.050), lockstep=True, surface=False)
+        found = session.assess(plan)
+        self.assertTrue(np.isnan(found["axis_error_rad"]))
+        self.assertEqual(found["removed_m3"], 0)
+        self.assertEqual(found["items"][0]["metric"], "axis_error")
+
     def test_refusals(self):
         with self.assertRaisesRegex(osteon.Error, "max_force_N"):
             osteon.Session(self.bone, self.tool, max_force_N=1000)

@@ -17,9 +17,9 @@ export class Connection {
     this.open();
   }
 
-  /** @param value of seek [s] and speed */
-  ask(ask: Ask, value?: number): void {
-    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ ask, value }));
+  /** @param value of seek [s], speed, tool [mm], … @param confirmed of a change of tool: true, or nothing */
+  ask(ask: Ask, value?: number, confirmed?: true): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ ask, value, confirmed }));
   }
 
   private open(): void {

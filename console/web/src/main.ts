@@ -8,6 +8,7 @@ import "./side.css";
 import type { Ask, Hello, Live, Message, Role, Status } from "./messages";
 import { GainsCard } from "./gains";
 import { Panels } from "./panels";
+import { ProcedureCard } from "./procedure";
 import { SceneView, type Preset } from "./scene";
 import { Sound } from "./sound";
 import { Timeline } from "./timeline";
@@ -30,6 +31,9 @@ class Page {
     speed: (factor) => this.connection.ask("speed", factor),
   });
   private readonly gains = new GainsCard(byId("gains"), (ask, value) => this.connection.ask(ask, value));
+  private readonly procedure = new ProcedureCard(byId("procedure"), byId("view-plan"), (ask, value, confirmed) =>
+    this.connection.ask(ask, value, confirmed),
+  );
   private readonly connection: Connection;
   private hello: Hello | null = null;
   private live: Live | null = null;
@@ -79,6 +83,16 @@ class Page {
       case "gains":
         this.gains.show(message);
         this.showButtons();
+        break;
+      case "plan":
+        document.body.classList.add("planned");
+        this.scene.setPlan(message);
+        this.procedure.begin(message);
+        this.showButtons();
+        break;
+      case "procedure":
+        this.scene.showPlan(message);
+        this.procedure.show(message);
         break;
       case "surface":
         this.scene.surface.begin(message);
@@ -152,6 +166,7 @@ class Page {
     (byId("recover") as HTMLButtonElement).disabled = !may || !this.status?.can_recover;
     (byId("stop") as HTMLButtonElement).disabled = !may;
     this.gains.enable(may);
+    this.procedure.enable(may);
   }
 
   /** Makes everything that has a text in the chosen language. */
@@ -181,11 +196,13 @@ class Page {
       this.toggle("arm", "arm", "A", true, (on) => this.scene.toggle("arm", on)),
       this.toggle("zones", "zones", "Z", false, (on) => this.scene.toggle("zones", on)),
       this.toggle("follow", "follow", "F", false, (on) => this.scene.setFollowing(on)),
+      this.toggle("plan", "plan", "L", true, (on) => this.scene.toggle("plan", on)),
     );
     for (const each of byId("view-buttons").children) each.classList.add("small");
     this.panels.showRole(this.role);
     this.panels.addEvents([]);
     this.gains.setTexts();
+    this.procedure.setTexts();
     this.timeline.setTexts();
     this.charts.build();
     this.showButtons();

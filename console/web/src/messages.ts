@@ -168,5 +168,34 @@ export interface GainsNote {
   stable_age_ms: number;
   can_undo: boolean;
 }
-export type Message = GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | Restart;
-export type Ask = "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed" | "stiffness" | "drag" | "undo_gains";
+/** The plan of a procedure, in the world (session/procedure/procedure_panel.h). */
+export interface PlanNote {
+  type: "plan";
+  name: string;
+  axis: Vector; // unit, out of the opening
+  cup_centre_m: Vector;
+  cup_radius_m: number;
+  reamers: { diameter_mm: number; centre_m: Vector; balls: number[][] }[];
+  confirms: boolean; // a change of tool has to be confirmed by a person
+  corridor: { cone_rad: number; lateral_m: number; widening_rad: number } | null;
+}
+/** Where a procedure's session stands. */
+export interface ProcedureNote {
+  type: "procedure";
+  known: boolean;
+  tool: number; // index of the reamer in use
+  to_go_mm: number;
+  aside_mm: number;
+  tilt_deg: number;
+  beyond: { tilt: boolean; aside: boolean; depth: boolean };
+  axis_error_deg: number | null; // of the reamer in use, weighted by what it removed
+  removed_mm3: number;
+  outside_s: number;
+  passes: number;
+  undone: number;
+  guidance: number | null; // gain; null: the plan has none
+  cup: boolean;
+}
+export type ProcedureAsk = "next_tool" | "tool" | "undo_pass" | "save" | "cup" | "guidance";
+export type Message = PlanNote | ProcedureNote | GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | Restart;
+export type Ask = ProcedureAsk | "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed" | "stiffness" | "drag" | "undo_gains";

@@ -6,7 +6,8 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Arm } from "./arm";
-import type { Hello, View } from "./messages";
+import type { Hello, PlanNote, ProcedureNote, View } from "./messages";
+import { PlanView } from "./plan";
 import { matrixOf, place, vectorOf } from "./poses";
 import { Surface } from "./surface";
 import { toolOf } from "./tool";
@@ -32,6 +33,9 @@ export class SceneView {
   private proxy: Object3D | null = null;
   private arm: Arm | null = null;
   private zones: Object3D | null = null;
+  private plan: PlanNote | null = null;
+  private planView: PlanView | null = null;
+  private toolIndex = -1; // of the plan's reamers: whose balls are shown
   private contacts: Group[] = [];
   private force = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.1, 0x5aa9f0, 0.02, 0.012);
   private hand = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.1, 0xc58af0, 0.02, 0.012);
@@ -71,9 +75,9 @@ export class SceneView {
     place(this.bone, hello.X_WG);
     this.arm = new Arm(hello.arm);
     place(this.arm.group, hello.X_WB);
-    this.tool = toolOf(hello.tool.balls, { cutting: 0xd8dde3, shaft: 0x8b98a6, opacity: 1 });
-    this.proxy = toolOf(hello.tool.balls, { cutting: 0x58d0a0, shaft: 0x58d0a0, opacity: 0.28 });
-    this.tool.visible = this.proxy.visible = false;
+    this.setTool(hello.tool.balls);
+    this.plan = this.planView = null;
+    this.toolIndex = -1;
     this.zones = zonesOf(hello.zones);
     this.zones.visible = false;
     const ring = LIMIT_IN_SITES * hello.site.radius_m;
@@ -84,8 +88,37 @@ export class SceneView {
     );
     this.limit.visible = false;
     this.contacts = Array.from({ length: MAX_CONTACTS }, () => contactPlane());
-    this.lasting.add(this.arm.group, this.tool, this.proxy, this.zones, this.limit, ...this.contacts, this.siteMarks(hello));
+    this.lasting.add(this.arm.group, this.zones, this.limit, ...this.contacts, this.siteMarks(hello));
     this.preset("site");
+  }
+
+  private setTool(balls: number[][]): void {
+    if (this.tool && this.proxy) this.lasting.remove(this.tool, this.proxy);
+    this.tool = toolOf(balls, { cutting: 0xd8dde3, shaft: 0x8b98a6, opacity: 1 });
+    this.proxy = toolOf(balls, { cutting: 0x58d0a0, shaft: 0x58d0a0, opacity: 0.28 });
+    this.tool.visible = this.proxy.visible = false;
+    this.lasting.add(this.tool, this.proxy);
+  }
+
+  setPlan(plan: PlanNote): void {
+    const wasVisible = this.planView?.group.visible ?? true;
+    if (this.planView) this.lasting.remove(this.planView.group);
+    this.plan = plan;
+    this.planView = new PlanView(plan);
+    this.planView.group.visible = wasVisible;
+    this.lasting.add(this.planView.group);
+    this.redraw();
+  }
+
+  showPlan(note: ProcedureNote): void {
+    if (!this.plan || !this.planView) return;
+    if (note.tool !== this.toolIndex) {
+      this.toolIndex = note.tool;
+      this.setTool(this.plan.reamers[note.tool].balls);
+      if (this.view) this.show(this.view);
+    }
+    this.planView.show(note);
+    this.redraw();
   }
 
   show(view: View): void {
@@ -112,9 +145,10 @@ export class SceneView {
     this.redraw();
   }
 
-  toggle(what: "arm" | "zones", on: boolean): void {
+  toggle(what: "arm" | "zones" | "plan", on: boolean): void {
     if (what === "arm" && this.arm) this.arm.group.visible = on;
     if (what === "zones" && this.zones) this.zones.visible = on;
+    if (what === "plan" && this.planView) this.planView.group.visible = on;
     this.redraw();
   }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <random>
@@ -11,10 +12,13 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "io/recording/recording_reader.h"
 #include "safety/cell_state.h"
+#include "session/procedure/procedure_panel.h"
 #include "session/procedure/procedure_session.h"
+#include "session/procedure/session_bone.h"
 #include "session/replay/replay.h"
 #include "session/run/cell_run.h"
 #include "session/setup/recorded_config.h"
@@ -63,8 +67,14 @@ struct Rig {
     SessionFile file;
     if (resumed) file = *resumed;
     file.diameters_mm = list.diameters_mm;
+    procedure::SurgicalPlan plan;
+    plan.name = "two";
+    for (const double height_mm : {-1.0, -2.0})
+      plan.reamers.push_back(
+          {.diameter_m = 1e-3 * list.diameters_mm[plan.reamers.size()], .height_m = 1e-3 * height_mm});
     session = std::make_unique<ProcedureSession>(
         ProcedureParams{.folder = folder,
+                        .plan = std::move(plan),
                         .file = file,
                         .tools = std::move(tools),
                         .tool = list.first,
@@ -161,6 +171,46 @@ TEST_F(ProcedureRun, EachReamerLeavesAPassAndAState) {
   ExpectStatesWhole(rig_->folder, *session, rig_->setup->bone);
 }
 
+// The operator's tool follows the plan's axis, here the bone's own +z, to 2 mm below the cup's centre.
+TEST_F(ProcedureRun, ThePanelTellsWhereTheSessionStands) {
+  const auto plan = nlohmann::json::parse(rig_->session->PlanJson());
+  EXPECT_EQ(plan["type"], "plan");
+  ASSERT_EQ(plan["reamers"].size(), 2u);
+  EXPECT_EQ(plan["reamers"][1]["diameter_mm"], 50.0);
+  EXPECT_TRUE(plan["corridor"].is_null()) << "the plan has no guidance";
+  const auto now = nlohmann::json::parse(rig_->session->PanelJson());
+  EXPECT_EQ(now["type"], "procedure");
+  EXPECT_TRUE(now["known"]);
+  EXPECT_EQ(now["tool"], 1);
+  EXPECT_EQ(now["passes"], rig_->session->File().PassesLeft());
+  EXPECT_EQ(now["undone"], 0);
+  EXPECT_TRUE(now["guidance"].is_null());
+  EXPECT_GT(now["removed_mm3"], 1.0);
+  EXPECT_LT(now["axis_error_deg"], 1.0);
+  EXPECT_LT(now["tilt_deg"], 1.0);
+  EXPECT_LT(now["aside_mm"], 1.0);
+  const auto& last = recording_->ticks.back();
+  const Pose X_GT = rig_->setup->X_WG.inverse() * Pose(last.X_WT_cmd);
+  EXPECT_NEAR(now["to_go_mm"].get<double>(), 1e3 * (X_GT.translation().z() + 0.025 + 0.002), 0.5);
+}
+
+TEST(PlanPlace, IsTheGuidancesOwn) {
+  procedure::SurgicalPlan plan;
+  plan.reamers = {{.diameter_m = 0.044, .height_m = 3e-3}};
+  plan.guidance.lateral = {.free_m = 1e-3, .stop_m = 3e-3, .widening_rad = 0.1, .ease_m = 0.5e-3};
+  plan.guidance.cone.free_rad = 0.14;
+  Pose X_GT = Pose::Identity();
+  X_GT.linear() = ExpRotation(Vector3(3.141592653589793 - 0.2, 0, 0));
+  X_GT.translation() = Vector3(0.5e-3, 0.0, 3e-3 + 4e-3) + 0.022 * X_GT.linear().col(2);
+  const PlanPlace place = PlaceAlongPlan(plan, plan.reamers[0], X_GT);
+  EXPECT_NEAR(place.to_go_m, 4e-3, 1e-12);
+  EXPECT_NEAR(place.aside_m, 0.5e-3, 1e-12);
+  EXPECT_NEAR(place.tilt_rad, 0.2, 1e-12);
+  EXPECT_TRUE(place.beyond_tilt);
+  EXPECT_FALSE(place.beyond_aside);
+  EXPECT_FALSE(place.beyond_depth);
+}
+
 TEST_F(ProcedureRun, TheLoopReplaysToTheBit) {
   const auto cell = LoadRecordedTools(recording_->session.config);
   ASSERT_TRUE(cell) << cell.error();
@@ -199,6 +249,35 @@ TEST_F(ProcedureRun, AnotherBoneIsRefused) {
   const auto begun = other.session->Begin(*other.engine);
   ASSERT_FALSE(begun);
   EXPECT_NE(begun.error().find("0123456789abcdef"), std::string::npos) << begun.error();
+}
+
+TEST(SessionBone, ComesBackToTheBitAndADamagedOneIsNone) {
+  const fs::path folder = TemporaryPath("session_bone");
+  fs::create_directories(folder);
+  EXPECT_FALSE(ReadSessionBone(folder)) << "there is none";
+  simulation::Bone bone;
+  for (int i = 0; i < 100; ++i) {
+    bone.balls.push_back({.center_m = {1e-3 / (i + 1.0), -0.1 * i, 1.0 / 3.0}, .radius_m = 1e-3 / (i + 7.0)});
+    bone.points.push_back({.p_m = {0.1 * i, 1.0 / 7.0, -1e-9}, .volume_m3 = 1e-9 / (i + 3.0)});
+    bone.points.back().material = static_cast<simulation::MaterialIndex>(i % 3);
+  }
+  ASSERT_TRUE(WriteSessionBone(folder, bone));
+  const auto read = ReadSessionBone(folder);
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->balls.size(), 100u);
+  ASSERT_EQ(read->points.size(), 100u);
+  for (std::size_t i = 0; i < 100; ++i) {
+    EXPECT_EQ(Vector3(read->balls[i].center_m), Vector3(bone.balls[i].center_m));
+    EXPECT_EQ(read->balls[i].radius_m, bone.balls[i].radius_m);
+    EXPECT_EQ(Vector3(read->points[i].p_m), Vector3(bone.points[i].p_m));
+    EXPECT_EQ(read->points[i].volume_m3, bone.points[i].volume_m3);
+    EXPECT_EQ(read->points[i].material, bone.points[i].material);
+  }
+  const fs::path file = folder / kSessionBoneName;
+  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(777).put('x');
+  EXPECT_FALSE(ReadSessionBone(folder)) << "a byte differs";
+  fs::resize_file(file, 500);
+  EXPECT_FALSE(ReadSessionBone(folder)) << "cut short";
 }
 
 // Whatever is asked for, and in whatever state: a paused arm holds, no fault, no saved state is lost.

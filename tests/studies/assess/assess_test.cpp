@@ -169,6 +169,30 @@ TEST_F(Assess, AnEarlierSessionOfThePlanIsItsTrend) {
   fs::remove_all(other);
 }
 
+TEST_F(Assess, PutsASecondSessionBesideIt) {
+  const fs::path second = folder_->path() / "second", other_plan = folder_->path() / "other_plan";
+  fs::copy(Session(), second);
+  AssessOptions options = Options();
+  options.against = second;
+  ASSERT_EQ(RunAssess(options), 0);
+  const std::string page = ReadAll(Session() / "compare.html");
+  for (const char* words : {"session_1", "second", "coronal", "into the opening", "axis error", "tremor"})
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+  EXPECT_EQ(ReadAll(Session() / "compare.png").substr(1, 3), "PNG");
+
+  fs::copy(Session(), other_plan);
+  std::string plan = ReadAll(other_plan / "plan.yaml") + "# another\n";
+  std::ofstream(other_plan / "plan.yaml") << plan;
+  auto file = ReadSession(other_plan);
+  ASSERT_TRUE(file);
+  file->plan_checksum = TextChecksum(plan);
+  ASSERT_TRUE(WriteSession(other_plan, *file));
+  options.against = other_plan;
+  EXPECT_EQ(RunAssess(options), 2);
+  fs::remove_all(second);
+  fs::remove_all(other_plan);
+}
+
 TEST_F(Assess, APlanThatWasChangedIsRefused) {
   const fs::path copy = folder_->path() / "changed";
   fs::copy(Session(), copy);

@@ -1,0 +1,139 @@
+// The card of the procedure: its reamers, where the tool is along the plan, what of the result is known so far, and the
+// requests of `osteon tell` as buttons.
+
+import type { PlanNote, ProcedureAsk, ProcedureNote } from "./messages";
+import { figure, t, type Word } from "./texts";
+
+type AskProcedure = (ask: ProcedureAsk, value?: number, confirmed?: true) => void;
+
+export class ProcedureCard {
+  private plan: PlanNote | null = null;
+  private note: ProcedureNote | null = null;
+  private enabled = false;
+
+  constructor(
+    private readonly card: HTMLElement,
+    private readonly overlay: HTMLElement,
+    private readonly ask: AskProcedure,
+  ) {}
+
+  begin(plan: PlanNote): void {
+    this.plan = plan;
+    this.build();
+  }
+
+  show(note: ProcedureNote): void {
+    this.note = note;
+    this.update();
+  }
+
+  setTexts(): void {
+    this.build();
+  }
+
+  enable(enabled: boolean): void {
+    this.enabled = enabled;
+    for (const each of this.card.querySelectorAll<HTMLButtonElement | HTMLInputElement>("button, input")) each.disabled = !enabled;
+    this.disableNext();
+  }
+
+  private build(): void {
+    if (!this.plan) return this.card.replaceChildren();
+    const heading = Object.assign(document.createElement("h2"), { textContent: `${t("procedure")}: ${this.plan.name}` });
+    const steps = Object.assign(document.createElement("div"), { className: "bar", id: "steps" });
+    steps.append(
+      ...this.plan.reamers.map((reamer, i) => {
+        const step = this.button(`step-${i}`, `${figure(reamer.diameter_mm, 0)} mm`, () => this.change("tool", i));
+        step.setAttribute("aria-pressed", "false");
+        return step;
+      }),
+    );
+    const table = document.createElement("table");
+    table.id = "procedure-figures";
+    const buttons = Object.assign(document.createElement("div"), { className: "bar" });
+    buttons.append(
+      this.button("next-tool", t("nextTool"), () => this.change("next_tool"), "N"),
+      this.button("undo-pass", t("undoPass"), () => this.ask("undo_pass"), "U"),
+      this.button("save-pass", t("save"), () => this.ask("save"), "S"),
+      this.button("keep-cup", t("keepCup"), () => this.ask("cup")),
+    );
+    this.card.replaceChildren(heading, steps, table, buttons);
+    if (this.plan.corridor) this.card.append(this.guidance());
+    this.enable(this.enabled);
+    this.update();
+  }
+
+  private guidance(): HTMLElement {
+    const form = Object.assign(document.createElement("form"), { className: "gain", noValidate: true });
+    const label = Object.assign(document.createElement("label"), { textContent: `${t("guidance")} (0 … 1)`, htmlFor: "guidance-gain" });
+    const input = Object.assign(document.createElement("input"), { id: "guidance-gain", type: "number", step: "any", min: "0", max: "1" });
+    input.value = String(this.note?.guidance ?? 0);
+    const set = Object.assign(document.createElement("button"), { id: "set-guidance", className: "small", textContent: t("set") });
+    form.append(label, input, set);
+    form.onsubmit = (event) => {
+      event.preventDefault();
+      if (Number.isFinite(input.valueAsNumber)) this.ask("guidance", input.valueAsNumber);
+    };
+    return form;
+  }
+
+  /** Another reamer; where a person has to confirm what is mounted, asks for that first. */
+  private change(ask: "next_tool" | "tool", index?: number): void {
+    if (!this.plan || !this.note) return;
+    const reamer = this.plan.reamers[index ?? this.note.tool + 1];
+    const mm = reamer?.diameter_mm;
+    const confirmed = this.plan.confirms && mm !== undefined && confirm(t("confirmTool").replace("{}", figure(mm, 0)));
+    if (this.plan.confirms && !confirmed) return;
+    this.ask(ask, index === undefined ? undefined : mm, confirmed ? true : undefined);
+  }
+
+  private disableNext(): void {
+    const next = this.card.querySelector<HTMLButtonElement>("#next-tool");
+    if (next && this.plan && this.note) next.disabled = !this.enabled || this.note.tool + 1 >= this.plan.reamers.length;
+  }
+
+  private update(): void {
+    const { plan, note } = this;
+    const table = this.card.querySelector("#procedure-figures");
+    if (!plan || !note || !table) return;
+    plan.reamers.forEach((_, i) => this.card.querySelector(`#step-${i}`)!.setAttribute("aria-pressed", String(i === note.tool)));
+    this.disableNext();
+    const mark = (beyond: boolean): string => (plan.corridor ? (beyond ? " ▲" : " ✓") : "");
+    const rows: [Word, string][] = [
+      ["toGo", `${figure(note.to_go_mm, 1)} mm${mark(note.beyond.depth)}`],
+      ["tilt", `${figure(note.tilt_deg, 1)}°${mark(note.beyond.tilt)}`],
+      ["aside", `${figure(note.aside_mm, 1)} mm${mark(note.beyond.aside)}`],
+      ["axisSoFar", note.axis_error_deg === null ? "–" : `${figure(note.axis_error_deg, 1)}°`],
+      ["removedByTool", `${figure(note.removed_mm3, 0)} mm³`],
+      ["passes", note.undone > 0 ? `${note.passes} (${note.undone} ${t("undone")})` : `${note.passes}`],
+    ];
+    if (plan.corridor) rows.splice(5, 0, ["outside", `${figure(note.outside_s, 1)} s`]);
+    if (note.guidance !== null) rows.push(["guidance", note.guidance > 0 ? figure(note.guidance, 2) : t("off")]);
+    if (note.cup) rows.push(["cup", t("kept")]);
+    table.replaceChildren(
+      ...rows.map(([word, value]) => {
+        const row = document.createElement("tr");
+        row.append(
+          Object.assign(document.createElement("td"), { textContent: t(word) }),
+          Object.assign(document.createElement("td"), { textContent: value }),
+        );
+        return row;
+      }),
+    );
+    const line = [
+      `${figure(plan.reamers[note.tool].diameter_mm, 0)} mm`,
+      `${t("toGo")} ${figure(note.to_go_mm, 1)} mm${mark(note.beyond.depth)}`,
+      `${t("tilt")} ${figure(note.tilt_deg, 1)}°${mark(note.beyond.tilt)}`,
+      `${t("aside")} ${figure(note.aside_mm, 1)} mm${mark(note.beyond.aside)}`,
+    ];
+    this.overlay.replaceChildren(...line.map((text) => Object.assign(document.createElement("span"), { textContent: text })));
+  }
+
+  private button(id: string, text: string, act: () => void, key?: string): HTMLButtonElement {
+    const made = Object.assign(document.createElement("button"), { id, className: "small", textContent: text, onclick: act });
+    if (!key) return made;
+    made.dataset.key = key;
+    made.append(Object.assign(document.createElement("kbd"), { textContent: key }));
+    return made;
+  }
+}

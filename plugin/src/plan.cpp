@@ -1,0 +1,188 @@
+#include "plugin/src/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "config/reading/load_rubric.h"
+#include "plugin/src/convert.h"
+#include "plugin/src/result.h"
+#include "plugin/src/shipped_files.h"
+#include "session/procedure/plan_guidance.h"
+
+namespace osteon::plugin {
+namespace {
+
+constexpr double kMaxTorque_Nm = 20.0, kMaxSpeed_m_per_s = 10.0, kMaxPeriod_s = 0.1;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+double InRange(const char* name, double value, double most) {
+  if (!(value > 0.0 && value <= most))
+    throw Failure(OSTEON_ERROR_ARGUMENT,
+                  fmt::format("{}: found {}, accepted above 0, at most {}", name, value, most));
+  return value;
+}
+
+void Copy(const Vector3& from, double (&to)[3]) {
+  for (int i = 0; i < 3; ++i) to[i] = from[i];
+}
+
+control::GuidanceParams GuidanceParamsOf(const PlanSource& plan, const OsteonGuidanceParams& params) {
+  const procedure::SurgicalPlan& surgical = plan.config.plan;
+  auto guidance = app::GuidanceOf(surgical, ReamerAt(plan, params.reamer), Pose::Identity());
+  if (!guidance)
+    throw Failure(OSTEON_ERROR_STATE,
+                  fmt::format("plan {}: found no guidance, accepted a plan with `guidance:`", surgical.name));
+  if (!(params.gain <= 1.0))
+    throw Failure(OSTEON_ERROR_ARGUMENT,
+                  fmt::format("gain: found {}, accepted at most 1 (negative: the plan's own)", params.gain));
+  if (params.gain >= 0.0) guidance->gain = params.gain;
+  return *guidance;
+}
+
+OsteonCupAngles AnglesIn(procedure::CupDefinition definition, const procedure::SurgicalPlan& plan) {
+  const procedure::CupAngles angles = procedure::AnglesOf(definition, plan.pelvis.FromG(plan.axis_G));
+  return {.inclination_rad = angles.inclination_rad, .anteversion_rad = angles.anteversion_rad};
+}
+
+const procedure::Metric* MetricNamed(const std::string& name) {
+  for (const procedure::Metric& metric : procedure::Metrics())
+    if (name == metric.name) return &metric;
+  return nullptr;
+}
+
+}  // namespace
+
+PlanSource MakePlan(const OsteonPlanParams& params) {
+  const std::filesystem::path config = ConfigFolder(params.config_folder);
+  return {
+      .config =
+          config::LoadSurgicalPlan(FindShipped(config, "plans", params.plan ? params.plan : "acetabulum")),
+      .rubric = config::LoadRubric(FindShipped(config, "rubrics", params.rubric ? params.rubric : "rubric"))};
+}
+
+OsteonPlanInfo InfoOf(const PlanSource& plan) {
+  using procedure::CupDefinition;
+  const procedure::SurgicalPlan& from = plan.config.plan;
+  OsteonPlanInfo info{};
+  Copy(from.cup_centre_m, info.cup_center_m);
+  Copy(from.axis_G, info.cup_axis);
+  info.cup_diameter_m = from.cup_diameter_m;
+  Copy(from.native_centre_m, info.native_center_m);
+  info.radiographic = AnglesIn(CupDefinition::kRadiographic, from);
+  info.operative = AnglesIn(CupDefinition::kOperative, from);
+  info.anatomic = AnglesIn(CupDefinition::kAnatomic, from);
+  info.reamer_count = static_cast<std::uint32_t>(from.reamers.size());
+  info.is_left = from.side == procedure::Side::kLeft ? 1 : 0;
+  info.has_guidance = app::GuidanceOf(from, from.reamers.front(), Pose::Identity()) ? 1 : 0;
+  return info;
+}
+
+const procedure::PlannedReamer& ReamerAt(const PlanSource& plan, std::uint32_t index) {
+  const auto& reamers = plan.config.plan.reamers;
+  if (index >= reamers.size())
+    throw Failure(OSTEON_ERROR_ARGUMENT,
+                  fmt::format("reamer: found {}, accepted 0 … {}", index, reamers.size() - 1));
+  return reamers[index];
+}
+
+GuidanceTick::GuidanceTick(const PlanSource& plan, const OsteonGuidanceParams& params)
+    : guidance_(GuidanceParamsOf(plan, params),
+                InRange("max_speed_m_per_s", params.max_speed_m_per_s, kMaxSpeed_m_per_s),
+                InRange("period_s", params.period_s, kMaxPeriod_s)),
+      limiter_({.max_force_N = InRange("max_force_N", params.max_force_N, safety::kForceCeiling_N),
+                .max_torque_Nm = InRange("max_torque_Nm", params.max_torque_Nm, kMaxTorque_Nm)}) {}
+
+OsteonGuidanceOutput GuidanceTick::Evaluate(const Pose& X_GT, const Twist& V_GT,
+                                            const Wrench& other) noexcept {
+  const double proposed = guidance_.Propose({.X_WT = X_GT, .V_WT = V_GT, .model_share = 1.0});
+  const control::GuidanceField& field = guidance_.field();
+  const Wrench& F = field.F_T_W;
+  // as the servo loop does, whose arm holds the sum as well: to the same rounding at the limit
+  const auto fits = [&](double share) {
+    return limiter_.Limit({.f = other.f + share * F.f, .t = other.t + share * F.t}).share >= 1.0;
+  };
+  guidance_.Accept(
+      field.inside ? proposed
+                   : control::GreatestFittingShare(control::ShareWithin(limiter_, other, F, proposed), fits));
+  OsteonGuidanceOutput output{};
+  output.cone_rad = field.excess.cone_rad;
+  output.lateral_m = field.excess.lateral_m;
+  output.depth_m = field.excess.depth_m;
+  output.inside = field.inside ? 1 : 0;
+  output.stop_spindle = guidance_.stops_spindle() ? 1 : 0;
+  output.potential_J = field.potential_J;
+  if (guidance_.trips()) {
+    guidance_.Reset();
+    output.jumped = 1;
+    return output;
+  }
+  output.share = guidance_.share().share();
+  output.energy_J = guidance_.share().energy_J();
+  output.wrench = FromWrench(guidance_.share().F_T_W());
+  return output;
+}
+
+OsteonAssessment AssessmentOf(const procedure::Assessment& found, double axis_error_rad, double score) {
+  const procedure::CavityResult& cavity = found.cavity;
+  OsteonAssessment result{};
+  result.score = score;
+  result.axis_error_rad = axis_error_rad;
+  for (double* each :
+       {&result.diameter_m, &result.diameter_sd_m, &result.center_m[0], &result.center_m[1],
+        &result.center_m[2], &result.form_p95_m, &result.medial_m, &result.superior_m, &result.posterior_m,
+        &result.native_medial_m, &result.native_superior_m, &result.native_posterior_m})
+    *each = kUnknown;
+  if (cavity.fit) {
+    result.diameter_m = 2.0 * cavity.fit->radius_m;
+    result.diameter_sd_m = 2.0 * cavity.fit->radius_sd_m;
+    Copy(cavity.fit->centre_m, result.center_m);
+    result.form_p95_m = cavity.fit->residual_p95_m;
+    result.medial_m = cavity.from_plan.medial_m;
+    result.superior_m = cavity.from_plan.superior_m;
+    result.posterior_m = cavity.from_plan.posterior_m;
+    result.native_medial_m = cavity.from_native.medial_m;
+    result.native_superior_m = cavity.from_native.superior_m;
+    result.native_posterior_m = cavity.from_native.posterior_m;
+  }
+  result.coverage = cavity.coverage;
+  result.removed_m3 = cavity.removed_m3;
+  result.over_m3 = cavity.over_m3;
+  result.under_m3 = cavity.under_m3;
+  result.cartilage_left = cavity.cartilage_left.value_or(kUnknown);
+  result.rim_preserved = cavity.rim_preserved.value_or(kUnknown);
+  result.min_wall_m = found.min_wall_m.value_or(kUnknown);
+  return result;
+}
+
+std::vector<OsteonScoreItem> ItemsOf(const procedure::Score& score) {
+  std::vector<OsteonScoreItem> items;
+  for (const procedure::ScoredItem& scored : score.items) {
+    const procedure::Metric* metric = MetricNamed(scored.item.metric);
+    const double to_unit = metric ? metric->to_unit : 1.0;
+    OsteonScoreItem item{};
+    (void)std::snprintf(item.metric, sizeof item.metric, "%s", scored.item.metric.c_str());
+    (void)std::snprintf(item.unit, sizeof item.unit, "%s", metric ? metric->unit : "");
+    item.value = scored.value ? *scored.value * to_unit : kUnknown;
+    item.full = scored.item.full * to_unit;
+    item.zero = scored.item.zero * to_unit;
+    item.weight = scored.item.weight;
+    item.points = scored.points;
+    items.push_back(item);
+  }
+  return items;
+}
+
+procedure::Score ScoreOfCavity(const PlanSource& plan, const procedure::Assessment& assessment) {
+  procedure::MetricValues values = procedure::ValuesOf(plan.config.plan, assessment);
+  for (const char* process :
+       {"time", "cutting_time", "path", "force_mean", "force_peak", "wrong_way", "outside", "tremor"})
+    values.erase(process);
+  return procedure::ScoreOf(plan.rubric, values, assessment.min_wall_m);
+}
+
+}  // namespace osteon::plugin

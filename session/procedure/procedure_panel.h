@@ -1,0 +1,60 @@
+#pragma once
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "kinematics/spatial.h"
+#include "procedure/assessment/assessment.h"
+#include "procedure/plan/surgical_plan.h"
+#include "session/procedure/procedure_tools.h"
+#include "session/procedure/session_file.h"
+#include "simulation/contact/contact_model.h"
+
+namespace osteon::app {
+
+/// Where a tool is along its plan.
+struct PlanPlace {
+  double to_go_m{0.0};   ///< height of the head's centre over its planned place, along the cup's axis
+  double aside_m{0.0};   ///< distance of the head's centre from that axis
+  double tilt_rad{0.0};  ///< angle between the feed and the axis into the bone
+  bool beyond_tilt{false}, beyond_aside{false}, beyond_depth{false};  ///< outside of the plan's corridor
+};
+/// @param X_GT  of a tool whose head's centre lies half its diameter behind T's origin
+[[nodiscard]] PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan,
+                                       const procedure::PlannedReamer& reamer, const Pose& X_GT);
+
+/// What the console shows of a procedure, as two messages for the pages: the plan, which stays, and where the
+/// session stands. console/web/src/messages.ts has their fields.
+///
+/// Step belongs to the frames' thread, the messages to any.
+class ProcedurePanel {
+ public:
+  /// @param tools  one for each of the plan's reamers  @param X_WG  bone in the world
+  ProcedurePanel(procedure::SurgicalPlan plan, const std::vector<ProcedureTool>& tools, const Pose& X_WG,
+                 bool confirms);
+
+  /// Takes a frame of a tool of the plan. What is shown is the place of the simulated tool, as it cuts.
+  void Step(int tool, const simulation::ContactModel& model, double dt_s);
+
+  /// {"type": "plan", …}
+  [[nodiscard]] const std::string& PlanJson() const { return plan_json_; }
+  /// {"type": "procedure", …}: step, depth to go, tilt, and what of the score can be said before the end.
+  /// @param gain  of the guidance in force
+  [[nodiscard]] std::string Json(const SessionFile& session, double gain) const;
+
+ private:
+  const procedure::SurgicalPlan plan_;
+  const Pose X_GW_;
+  const bool has_guidance_;
+  std::string plan_json_;
+
+  mutable std::mutex mutex_;  // of what follows
+  int tool_{-1};
+  PlanPlace place_;
+  procedure::ReamedAxis axis_;  // of the tool in use
+  double removed_m3_{0.0}, removed_by_tool_m3_{0.0}, outside_s_{0.0};
+  bool known_{false};
+};
+
+}  // namespace osteon::app

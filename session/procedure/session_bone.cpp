@@ -1,0 +1,85 @@
+#include "session/procedure/session_bone.h"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+#include "base/mapped_file.h"
+#include "base/write_text.h"
+#include "session/procedure/session_file.h"
+
+namespace osteon::app {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+constexpr std::array<char, 8> kBoneMagic{'O', 'S', 'T', 'B', 'O', 'N', 'E', '1'};
+constexpr std::size_t kBallNumbers = 4, kPointNumbers = 5;  // doubles of a ball, of a mass point
+constexpr std::uint64_t kMaxItems = 1ull << 32;
+
+// Followed by the doubles of the balls and of the mass points.
+struct BoneHeader {
+  std::array<char, 8> magic{kBoneMagic};
+  std::array<char, 16> checksum{};  // of the doubles, as TextChecksum writes it
+  std::uint64_t balls{0}, points{0};
+};
+
+std::array<char, 16> ChecksumOf(const std::string& numbers) {
+  std::array<char, 16> digits{};
+  const std::string text = TextChecksum(numbers);
+  std::memcpy(digits.data(), text.data(), std::min(text.size(), digits.size()));
+  return digits;
+}
+
+}  // namespace
+
+tl::expected<void, std::string> WriteSessionBone(const std::filesystem::path& folder,
+                                                 const simulation::Bone& bone) {
+  std::vector<double> numbers;
+  numbers.reserve(kBallNumbers * bone.balls.size() + kPointNumbers * bone.points.size());
+  for (const simulation::Ball& ball : bone.balls)
+    numbers.insert(numbers.end(), {ball.center_m.x, ball.center_m.y, ball.center_m.z, ball.radius_m});
+  for (const simulation::MassPoint& point : bone.points)
+    numbers.insert(numbers.end(), {point.p_m.x, point.p_m.y, point.p_m.z, point.volume_m3,
+                                   static_cast<double>(point.material)});
+  const std::string bytes(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double));
+  const BoneHeader header{
+      .checksum = ChecksumOf(bytes), .balls = bone.balls.size(), .points = bone.points.size()};
+  return WriteText(folder / kSessionBoneName,
+                   std::string(reinterpret_cast<const char*>(&header), sizeof header) + bytes);
+}
+
+std::optional<PackedBone> ReadSessionBone(const std::filesystem::path& folder) {
+  const auto file = simulation::MappedFile::Open(folder / kSessionBoneName);
+  if (!file || file->bytes().size() < sizeof(BoneHeader)) return std::nullopt;
+  BoneHeader header;
+  std::memcpy(&header, file->bytes().data(), sizeof header);
+  if (header.magic != kBoneMagic || header.balls > kMaxItems || header.points > kMaxItems)
+    return std::nullopt;
+  const std::uint64_t count = kBallNumbers * header.balls + kPointNumbers * header.points;
+  if (file->bytes().size() != sizeof header + count * sizeof(double)) return std::nullopt;
+  const auto payload = file->bytes().subspan(sizeof header);
+  if (ChecksumOf({reinterpret_cast<const char*>(payload.data()), payload.size()}) != header.checksum)
+    return std::nullopt;
+  std::vector<double> numbers(count);
+  std::memcpy(numbers.data(), payload.data(), payload.size());
+  PackedBone bone;
+  const double* at = numbers.data();
+  bone.balls.reserve(header.balls);
+  for (std::uint64_t i = 0; i < header.balls; ++i, at += kBallNumbers)
+    bone.balls.push_back({.center_m = {at[0], at[1], at[2]}, .radius_m = at[3]});
+  bone.points.reserve(header.points);
+  for (std::uint64_t i = 0; i < header.points; ++i, at += kPointNumbers) {
+    if (!(at[4] >= 0.0 && at[4] <= std::numeric_limits<simulation::MaterialIndex>::max()))
+      return std::nullopt;
+    bone.points.push_back({.p_m = {at[0], at[1], at[2]},
+                           .volume_m3 = at[3],
+                           .material = static_cast<simulation::MaterialIndex>(at[4])});
+  }
+  return bone;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "simulation/bone/bone.h"
+
+// The uncut bone of a session, as it was packed: FOLDER/bone.packed. An assessment reads it instead of
+// packing the bone again, which takes seconds. Without the file, or with a damaged one, it packs.
+
+namespace osteon::app {
+
+inline constexpr const char* kSessionBoneName = "bone.packed";
+
+/// What packing makes; materials and site come from the scene.
+struct PackedBone {
+  std::vector<simulation::Ball> balls;
+  std::vector<simulation::MassPoint> points;
+};
+
+/// Writes FOLDER/bone.packed with every bit of balls and mass points. It appears whole or not at all.
+[[nodiscard]] tl::expected<void, std::string> WriteSessionBone(const std::filesystem::path& folder,
+                                                               const simulation::Bone& bone);
+/// Nothing where there is no such file, or it is not whole (sizes, checksum).
+[[nodiscard]] std::optional<PackedBone> ReadSessionBone(const std::filesystem::path& folder);
+
+}  // namespace osteon::app

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include <tl/expected.hpp>
+
+namespace osteon::app {
+
+/// A request to a session: `osteon tell`, the console's buttons.
+struct SessionRequest {
+  enum class Kind { kNext, kTool, kUndo, kSave, kCup, kResume, kGuidance };
+  Kind kind{Kind::kNext};
+  double diameter_mm{0.0};  ///< kTool
+  double gain{0.0};         ///< kGuidance: 0 … 1
+  bool confirmed{false};    ///< a person has confirmed size (and load)
+};
+struct SessionAnswer {
+  bool done{false};
+  std::string reason;  ///< if not done: what was found and what to do
+};
+/// Parses "next [confirmed]", "tool D [confirmed]", "undo", "save", "cup", "resume", "guidance G". The error
+/// says what is accepted.
+[[nodiscard]] tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string& text);
+
+}  // namespace osteon::app
