@@ -204,7 +204,7 @@ class OverlayRun {
     for (int i = 0; i < loaded_.arm.dead_cycles; ++i) Advance(0.0, true);
   }
 
-  // Returns the velocity along the feed.
+  // Returns the size of the tool's velocity, its rotation at the lever of a grip.
   double Advance(double push_N, bool resting = false) {
     const double T = params_.period_s;
     const Pose X_BT = chain_.FlangePose(arm_.q()) * params_.X_FT;
@@ -231,9 +231,10 @@ class OverlayRun {
     Wrench pressed{
         .f = -hand.stiffness_N_per_m * off_m - hand.damping_Ns_per_m * moves.head<3>(),
         .t = -kLever2_m2 * (hand.stiffness_N_per_m * turned + hand.damping_Ns_per_m * moves.tail<3>())};
-    pressed.f += (resting ? 0.0 : preload_N_ + push_N) * feed_B;
+    pressed.f +=
+        (resting ? 0.0 : preload_N_) * feed_B + push_N * (X_rest_.linear() * Vector3::Ones()).normalized();
     arm_.Step(drive_, pressed);
-    return feed_B.dot(Vector3(moves.head<3>()));
+    return std::sqrt(moves.head<3>().squaredNorm() + kLever2_m2 * moves.tail<3>().squaredNorm());
   }
 
  private:

@@ -66,7 +66,7 @@ struct LoadedArm {
 
 /// The same in time: the shipped DynamicArm, EvaluateCoupling, MeasuredTwist and DampingWrench, pressed on
 /// the wall with 20 N, after a push of 1 N for 10 ms.
-/// @returns whether the motion along the wall's normal grows
+/// @returns whether the tool's motion grows
 [[nodiscard]] bool OverlayGrows(const OverlayLoopParams& params, double seconds = 1.5);
 
 }  // namespace osteon::hil

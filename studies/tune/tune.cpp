@@ -216,7 +216,8 @@ class Study {
   int threads_;
 };
 
-// Chooses the mass that needs least drag; among masses that need about the same, the lightest.
+// Chooses the mass that needs least drag; among masses that need about the same, the lightest, of those that
+// count as light if there are any.
 void Recommend(const Study& study, TuneResult& r) {
   r.trade.resize(kMasses_kg.size());
   for (std::size_t i = 0; i < kMasses_kg.size(); ++i) r.trade[i].mass_kg = kMasses_kg[i];
@@ -228,8 +229,14 @@ void Recommend(const Study& study, TuneResult& r) {
   const auto least =
       std::ranges::min_element(r.trade, {}, [](const TuneTrade& t) { return t.human_Ns_per_m; });
   if (!std::isfinite(least->human_Ns_per_m)) return;
-  const auto chosen = std::ranges::find_if(
-      r.trade, [&](const TuneTrade& t) { return t.human_Ns_per_m <= kTie * least->human_Ns_per_m; });
+  const auto needs_least = [&](const TuneTrade& t) {
+    return t.human_Ns_per_m <= kTie * least->human_Ns_per_m;
+  };
+  auto chosen = std::ranges::find_if(r.trade, [&](const TuneTrade& t) {
+    return needs_least(t) && t.mass_kg <= r.task.max_mass_kg &&
+           std::ceil(t.human_Ns_per_m) <= r.task.max_drag_Ns_per_m;
+  });
+  if (chosen == r.trade.end()) chosen = std::ranges::find_if(r.trade, needs_least);
   r.recommended = {chosen->mass_kg, std::ceil(chosen->human_Ns_per_m)};
 }
 

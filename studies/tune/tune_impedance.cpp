@@ -50,6 +50,7 @@ struct OverlayTuning {
   double own_margin{0.0};            // 0: not stable with all
   double recommended_Ns_per_m{0.0};  // 0: none
   double recommended_N_per_m{0.0}, recommended_margin{0.0};
+  double planes_N_per_m{0.0};  // stiffest planes at the task's age, at most the task's
   std::vector<OverlayBoundary> boundary{};
   OverlayCheck check{};
   [[nodiscard]] bool Stands() const { return recommended_Ns_per_m > 0.0; }
@@ -88,14 +89,30 @@ bool Stable(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand
   return hil::OverlayLoop(loop).IsStable();
 }
 
-// At a wall of that stiffness, free, and at planes of the task's age: with every hand, or interrupted.
+// At a wall of that stiffness, and free: with every hand. False as well if interrupted.
 bool StandsAll(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m, double gain) {
-  TuneTask task = t.task;
-  task.wall_N_per_m = wall_N_per_m;
-  for (const TuneContact contact : {TuneContact::kWall, TuneContact::kPlanes, TuneContact::kFree})
-    for (const hil::GridHand& hand : t.hands)
-      if (Interrupted() || !Stable(t, damping_Ns_per_m, hand, WallOf(task, contact, 1.0), gain)) return false;
-  return true;
+  return std::ranges::all_of(t.hands, [&](const hil::GridHand& hand) {
+    return !Interrupted() && Stable(t, damping_Ns_per_m, hand, {.stiffness_N_per_m = wall_N_per_m}, gain) &&
+           Stable(t, damping_Ns_per_m, hand, {}, gain);
+  });
+}
+
+// The stiffest planes at the task's age with the recommended damping and every hand, up to the task's.
+double PlanesAt(const OverlayTuning& t) {
+  const hil::LoopWall planes = WallOf(t.task, TuneContact::kPlanes, 1.0);
+  return hil::FirstCrossing(
+             [&](double stiffness) {
+               hil::LoopWall wall = planes;
+               wall.stiffness_N_per_m = stiffness;
+               return std::ranges::all_of(t.hands, [&](const hil::GridHand& hand) {
+                 return !Interrupted() && Stable(t, t.recommended_Ns_per_m, hand, wall, 1.0);
+               });
+             },
+             {.from = kMinWall_N_per_m,
+              .to = std::max(2.0 * kMinWall_N_per_m, t.task.plane_N_per_m),
+              .factor = kScan,
+              .tolerance = kTolerance})
+      .value;
 }
 
 double MarginOf(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m) {
@@ -157,7 +174,7 @@ OverlayCheck CheckInTime(const OverlayTuning& t, int threads) {
     bool grew{false};
   };
   std::vector<Case> cases;
-  for (const TuneContact contact : kTuneContacts)
+  for (const TuneContact contact : {TuneContact::kFree, TuneContact::kWall})
     for (const hil::GridHand& hand : t.hands) cases.push_back({.hand = &hand, .contact = contact});
   TuneTask task = t.task;
   task.wall_N_per_m = t.recommended_N_per_m;
@@ -185,6 +202,7 @@ void Recommend(OverlayTuning& t) {
     t.recommended_N_per_m = wall_N_per_m;
     t.recommended_Ns_per_m = std::ceil(damping);
     t.recommended_margin = MarginOf(t, t.recommended_Ns_per_m, wall_N_per_m);
+    t.planes_N_per_m = PlanesAt(t);
     return;
   }
 }
@@ -223,6 +241,14 @@ Verdict Judge(const OverlayTuning& t) {
     verdict.Add(VerdictLevel::kWarning,
                 fmt::format("the cell's coupling of {:g} N/mm stands with no damping, {:.3g} N/mm does",
                             1e-3 * t.task.wall_N_per_m, 1e-3 * t.recommended_N_per_m));
+  if (t.planes_N_per_m < t.task.plane_N_per_m)
+    verdict.Add(
+        VerdictLevel::kWarning,
+        fmt::format("planes that move with the tool and are {:g} ms old stand {:.3g} N/mm of the {:.3g} "
+                    "that the force limit over the head's radius makes: across the contact press with "
+                    "at most {:.0f} % of the force limit, or keep the model younger",
+                    1e3 * t.task.worst_age_s, 1e-3 * t.planes_N_per_m, 1e-3 * t.task.plane_N_per_m,
+                    100.0 * t.planes_N_per_m / t.task.plane_N_per_m));
   if (!(t.own_margin >= t.task.margin))
     verdict.Add(
         VerdictLevel::kWarning,
@@ -243,11 +269,9 @@ std::vector<SummaryRow> Rows(const OverlayTuning& t) {
            t.cell, t.loop.torque ? "torques" : "a wrench", 1e3 * t.loop.arm.dead_cycles * t.loop.period_s,
            t.mass_kg, 1e3 * t.loop.period_s)},
       {"Must be stable with",
-       fmt::format("hands up to {:g} N/m, free and at a wall of {:g} N/mm; planes that move with {:.1f} "
-                   "N/mm, {:g} ms "
-                   "old; {:g} ms jitter; gain margin {:g}",
-                   task.human_grip_N_per_m, 1e-3 * task.wall_N_per_m, 1e-3 * task.plane_N_per_m,
-                   1e3 * task.worst_age_s, 1e3 * task.command_jitter * t.loop.period_s, task.margin)},
+       fmt::format("hands up to {:g} N/m, free and at a wall of {:g} N/mm; {:g} ms jitter; gain margin {:g}",
+                   task.human_grip_N_per_m, 1e-3 * task.wall_N_per_m,
+                   1e3 * task.command_jitter * t.loop.period_s, task.margin)},
       {"The cell's own gains",
        fmt::format("coupling {:g} N/mm, damping {:.0f} N s/m: {}", 1e-3 * task.wall_N_per_m, t.own_damping(),
                    t.own_margin > 0.0 ? fmt::format("gain margin {:.2f}", t.own_margin)
@@ -256,6 +280,10 @@ std::vector<SummaryRow> Rows(const OverlayTuning& t) {
        t.Stands() ? fmt::format("coupling {:.3g} N/mm, damping {:.0f} N s/m, gain margin {:.2f}",
                                 1e-3 * t.recommended_N_per_m, t.recommended_Ns_per_m, t.recommended_margin)
                   : std::string("none")}};
+  if (t.Stands())
+    rows.push_back({"Old planes", fmt::format("{}{:.3g} N/mm at {:g} ms",
+                                              t.planes_N_per_m < task.plane_N_per_m ? "" : "at least ",
+                                              1e-3 * t.planes_N_per_m, 1e3 * task.worst_age_s)});
   if (t.check.runs > 0)
     rows.push_back({"Simulated", t.check.grew.empty()
                                      ? fmt::format("{} runs of the arm with masses; none grew", t.check.runs)
@@ -304,7 +332,8 @@ std::string ToJson(const OverlayTuning& t, const std::string& command_line) {
   if (t.Stands())
     json["recommended"] = {{"damping_Ns_per_m", t.recommended_Ns_per_m},
                            {"stiffness_N_per_m", t.recommended_N_per_m},
-                           {"margin", t.recommended_margin}};
+                           {"margin", t.recommended_margin},
+                           {"planes_N_per_m", t.planes_N_per_m}};
   for (const OverlayBoundary& b : t.boundary)
     json["boundary"].push_back({{"damping", b.damping_Ns_per_m},
                                 {"stiffness_predicted", b.predicted_N_per_m},

@@ -87,8 +87,9 @@ AdmittanceLoopParams FineLoop(const GridHand& hand) {
 }
 const ResponseModel kFineModel{.arm = {.dead_cycles = 12}, .period_s = kFine_s};
 
-// Encirclements against eigenvalues: the drag and the wall at which the loop becomes unstable.
-TEST(MeasuredLoop, BoundariesAreTheMatrixsWithinTwoPercent) {
+// Encirclements against eigenvalues: the drag at which the loop becomes unstable, and within five the wall,
+// where the loop oscillates faster.
+TEST(MeasuredLoop, DragsAreTheMatrixsWithinTwoPercentAndWallsWithinFive) {
   const MeasuredResponse response(LinesOf(kFineModel), kFineModel);
   for (const GridHand& hand :
        {kGrip, GridHand{"light", 1500.0, 2.0, 0.3}, GridHand{"hard", 10e3, 20.0, 1.5}}) {
@@ -105,7 +106,7 @@ TEST(MeasuredLoop, BoundariesAreTheMatrixsWithinTwoPercent) {
   for (const int age : {0, 4, 20}) {
     walled.wall = {.age_ticks = age};
     const double most = MaxWallStiffness(walled).value;
-    for (const double share : {0.98, 1.02}) {
+    for (const double share : {0.96, 1.05}) {
       walled.wall.stiffness_N_per_m = share * most;
       EXPECT_EQ(AreAllStable(response, {.loop = walled, .sensor_delay_s = 1e-3}, {{walled.hand}}),
                 share < 1.0)
@@ -145,7 +146,7 @@ TEST(MeasuredLoop, GainMarginIsTheFactorOnTheHand) {
                             },
                             {.from = 1.0, .to = 20.0})
                             .value;
-  EXPECT_NEAR(margins.gain, factor, 0.02 * factor);
+  EXPECT_NEAR(margins.gain, factor, 0.04 * factor);
   EXPECT_GT(margins.phase_deg, 0.0);
   EXPECT_LT(margins.modulus, 1.0);
   EXPECT_GE(1.0 - 1.0 / margins.gain, 0.999 * margins.modulus) << "-1 is no farther than along the real axis";

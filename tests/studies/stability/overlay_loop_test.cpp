@@ -3,8 +3,6 @@
 
 #include "studies/stability/overlay_loop.h"
 
-#include <string>
-
 #include <gtest/gtest.h>
 
 #include "config/reading/load.h"
@@ -14,7 +12,7 @@ namespace {
 
 OverlayLoopParams Loop(bool torque) {
   const config::CellConfig cell =
-      config::LoadCell(std::string(OSTEON_SOURCE_DIR) + "/config/cells/thin_plate_impedance.yaml");
+      config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate_impedance.yaml");
   OverlayLoopParams loop{.chain = cell.robot.lbr()->chain,
                          .arm = cell.simulated.dynamic,
                          .X_FT = cell.tool.X_FT,
