@@ -142,7 +142,8 @@ void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
                             axis.samples.start_error_rad, kSamePosture_rad)});
   JudgeMass(axis, where, result);
   JudgeLinearity(axis, where, result);
-  const double lag_interval_s = axis.fit.lag_s.half_width;
+  // the part of the interval that more data make smaller: a model that does not fit has its own finding
+  const double lag_interval_s = axis.fit.lag_s.half_width / std::sqrt(std::max(1.0, axis.fit.chi2));
   if (lag_interval_s > kMaxLagInterval_s)
     result.refused.push_back(
         {where,
