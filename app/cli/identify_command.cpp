@@ -18,10 +18,11 @@ IdentifyCommand::IdentifyCommand(CLI::App& app) : sub_(AddStudy(app, "identify")
   sub_->add_flag("--simulated", options_.simulated,
                  "move the simulated cell, in virtual time, instead of the connected arm");
   sub_->add_option("--do", runs_,
-                   "runs: noise (60 s at rest), free (64 s for each axis and speed), validate (16 s)")
+                   "runs: noise (60 s at rest), free (64 s for each axis and speed), validate (16 s), held "
+                   "(64 s, with a hand at the handle)")
       ->type_name("RUN,…")
       ->delimiter(',')
-      ->check(CLI::IsMember({"noise", "free", "validate"}))
+      ->check(CLI::IsMember({"noise", "free", "validate", "held"}))
       ->capture_default_str();
   sub_->add_option("--axes", axes_, "axes of the tool's frame at the start along which the arm is moved")
       ->type_name("AXIS,…")
@@ -69,7 +70,8 @@ int IdentifyCommand::Run(const std::filesystem::path& config_root, const std::st
   const auto found = FindCell(config_root, cell_);
   if (!found) return refuse(found.error());
   options_.cell = *found;
-  options_.runs = {.noise = has("noise"), .free = has("free"), .validate = has("validate")};
+  options_.runs = {
+      .noise = has("noise"), .free = has("free"), .validate = has("validate"), .held = has("held")};
   options_.axes.clear();
   for (const std::string& axis : axes_)
     if (options_.axes.find(axis) == std::string::npos) options_.axes += axis;

@@ -105,7 +105,7 @@ double ExcitationPath::Offset() const OSTEON_RT {
 
 double ExcitationPath::duration_s() const {
   return Multisine::kPeriod_s * (params_.periods + 1) * static_cast<double>(draws_.size()) +
-         params_.pause_s / 3.0 + kFade_s;
+         params_.pause_s * 2.0 / 3.0 + kFade_s;
 }
 
 MultisineState ExcitationPath::peak() const {

@@ -121,7 +121,7 @@ ExcitationAbort ExcitedHold::Check(const ExcitedTick& tick, double x_before_m) O
     off[j] = tick.q_meas[j] - q_hold_[j] - params_.direction[j] * x_before_m;
   if (!((params_.J_W * JointMap(off.data())).norm() <= params_.max_tracking_m))
     return ExcitationAbort::kTracking;
-  return ForceGrows(force_S_N.norm()) ? ExcitationAbort::kForceGrows : ExcitationAbort::kNone;
+  return ForceGrows(force_S_N) ? ExcitationAbort::kForceGrows : ExcitationAbort::kNone;
 }
 
 // Counts messages and answers that were lost, second by second.
@@ -139,10 +139,10 @@ bool ExcitedHold::LosesAnswers(const ExcitedTick& tick, int messages) OSTEON_RT 
 
 // The excitation's own force is periodic and its level even: force that grows from window to window is a
 // loop's.
-bool ExcitedHold::ForceGrows(double force_N) OSTEON_RT {
+bool ExcitedHold::ForceGrows(const Vector3& force_S_N) OSTEON_RT {
   const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * kSlow_hz * params_.period_s);
-  slow_N_ += share * (force_N - slow_N_);
-  squares_ += (force_N - slow_N_) * (force_N - slow_N_);
+  slow_S_N_ += share * (force_S_N - slow_S_N_);
+  squares_ += (force_S_N - slow_S_N_).squaredNorm();
   if (static_cast<double>(++window_ticks_) * params_.period_s < kWindow_s) return false;
   const double now_N = std::sqrt(squares_ / window_ticks_);
   growing_ = now_N > kGrown_N && now_N > kGrowth * window_N_ ? growing_ + 1 : 0;

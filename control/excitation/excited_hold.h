@@ -89,7 +89,7 @@ class ExcitedHold {
   void Begin(const ExcitedTick& tick) OSTEON_RT;
   [[nodiscard]] ExcitationAbort Check(const ExcitedTick& tick, double x_before_m) OSTEON_RT;
   [[nodiscard]] bool LosesAnswers(const ExcitedTick& tick, int messages) OSTEON_RT;
-  [[nodiscard]] bool ForceGrows(double force_N) OSTEON_RT;
+  [[nodiscard]] bool ForceGrows(const Vector3& force_S_N) OSTEON_RT;
 
   ExcitedHoldParams params_;
   ExcitationPath path_;
@@ -104,7 +104,8 @@ class ExcitedHold {
   int second_messages_{0};
   std::uint32_t second_lost_{0};
   // force above 5 Hz, in windows of 0.1 s
-  double slow_N_{0.0}, squares_{0.0}, window_N_{0.0};
+  Vector3 slow_S_N_{Vector3::Zero()};
+  double squares_{0.0}, window_N_{0.0};
   int window_ticks_{0}, growing_{0};
 };
 

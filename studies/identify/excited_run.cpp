@@ -34,6 +34,7 @@ constexpr double kFrame_s = 0.02;   // between the models of free air
 constexpr double kRenders_s = 0.1;  // before the pause is asked for
 constexpr double kAfter_s = 0.5;    // recorded after the end
 constexpr double kFarAway_m = 10.0;
+constexpr double kStands_s = 36000.0;
 
 // The cell of an excited run: no spindle.
 config::CellConfig Quiet(const config::CellConfig& cell) {
@@ -43,9 +44,17 @@ config::CellConfig Quiet(const config::CellConfig& cell) {
   return quiet;
 }
 
-// The simulated cell without a hand: its script begins where no tool comes.
-config::CellConfig WithoutHand(config::CellConfig cell) {
-  std::visit([](auto& script) { script.X_WC.p.z += kFarAway_m; }, cell.script);
+// The simulated cell with a hand that holds the handle at the start, or without one. With: its script lasts
+// so long that its target stands. Without: its script begins where no tool comes.
+config::CellConfig WithHand(config::CellConfig cell, bool held) {
+  std::visit(
+      [held](auto& script) {
+        if (held)
+          script.seconds = kStands_s;
+        else
+          script.X_WC.p.z += kFarAway_m;
+      },
+      cell.script);
   cell.simulated.hand.incidents = {};
   if (!cell.simulated.kr) cell.simulated.sensor_feels_inertia = true;
   return cell;
@@ -196,7 +205,7 @@ class VirtualRun {
 
 tl::expected<void, std::string> RunVirtual(const CellSetup& setup, const ExcitedAxis& axis,
                                            io::Recorder& recorder, const ExcitedRunParams& params) {
-  const config::CellConfig cell = WithoutHand(Quiet(setup.config));
+  const config::CellConfig cell = WithHand(Quiet(setup.config), params.request.held);
   const kinematics::JointVector q_first =
       Eigen::Map<const kinematics::JointVector>(cell.simulated.q_start.data());
   if (std::string why = ValidateStartPath(setup, q_first); !why.empty())

@@ -27,8 +27,9 @@ struct ExcitedRunParams {
 /// excited hold.
 ///
 /// A simulated cell runs in virtual time: arm, wires, devices, PLC as in `osteon demo --virtual-time`, except
-/// that nobody takes the handle and that the sensor carries the tool's inertia, as a real one does. A
-/// recording of a connected arm replays as any other: the loop's own command is the pause's.
+/// that nobody takes the handle, unless the request says so, and that the sensor carries the tool's inertia,
+/// as a real one does. A recording of a connected arm replays as any other: the loop's own command is the
+/// pause's.
 /// @returns an error if nothing could be run, or why the run ended early
 [[nodiscard]] tl::expected<void, std::string> RunExcited(const CellSetup& setup,
                                                          const ExcitedRunParams& params);

@@ -17,6 +17,7 @@ using Complex = std::complex<double>;
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi, kTwoSd = 2.0;
 constexpr double kResonanceGain = 3.0, kBadChi2 = 3.0;
+constexpr double kMaxResonance = 1.5;  // of the highest line: beyond it nothing was measured
 
 template <class Model>
 LeastSquaresFit FitModel(std::span<const ResponseLine> lines, const Model& model,
@@ -86,8 +87,8 @@ tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLin
   if (chi2 > kBadChi2)
     if (const LeastSquaresFit bent = FitResonance(lines, rigid.parameters); bent.converged) {
       const double less = Chi2Of(bent, lines.size());
-      if (less * kResonanceGain < chi2) {
-        const double hz = std::exp(bent.parameters[2]), damping = std::exp(bent.parameters[3]);
+      const double hz = std::exp(bent.parameters[2]), damping = std::exp(bent.parameters[3]);
+      if (less * kResonanceGain < chi2 && hz <= kMaxResonance * lines.back().hz) {
         fit = {.mass_kg = {bent.parameters[0], Width(bent, less, 0)},
                .delay_s = {bent.parameters[1], Width(bent, less, 1)},
                .resonance = ResonanceFit{.hz = {hz, Width(bent, less, 2, hz)},

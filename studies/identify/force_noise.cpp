@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kWindow_s = 1.0, kMinSeconds = 10.0;
 constexpr double kLineRatio = 10.0;   // of power: 10 dB
+constexpr double kMinLine_N = 1e-3;   // smaller ones are the reading's last digit
 constexpr std::size_t kAround = 10;   // frequencies on each side
 constexpr std::size_t kMainLobe = 2;  // of a Hann window
 
@@ -79,7 +80,9 @@ ForceNoise MeasureNoise(std::span<const double> force_N, double period_s) {
   const std::vector<double> power = PowerOf(force_N, window);
   for (std::size_t i = 3; i < power.size(); ++i) {
     const bool is_peak = power[i] >= power[i - 1] && (i + 1 == power.size() || power[i] > power[i + 1]);
-    if (!is_peak || !(power[i] > kLineRatio * MedianAround(power, i)) || !(power[i] > 0.0)) continue;
+    if (!is_peak || !(power[i] > kLineRatio * MedianAround(power, i)) ||
+        !(power[i] > kMinLine_N * kMinLine_N))
+      continue;
     noise.lines.push_back({.hz = static_cast<double>(i) / kWindow_s, .amplitude = std::sqrt(power[i])});
     variance -= 0.5 * power[i];
   }

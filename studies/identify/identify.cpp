@@ -40,6 +40,9 @@ std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options) {
       if (options.runs.free)
         runs.push_back({.request = {.axis = axis, .peak_speed_m_per_s = speed, .seed = kSeed},
                         .file = file("free", axis, speed)});
+      if (options.runs.held)
+        runs.push_back({.request = {.axis = axis, .peak_speed_m_per_s = speed, .seed = kSeed, .held = true},
+                        .file = file("held", axis, speed)});
       if (options.runs.free && options.runs.validate)
         runs.push_back(
             {.request =

@@ -10,6 +10,7 @@ namespace osteon::app {
 /// Runs that `osteon identify` can do.
 struct IdentifyRuns {
   bool noise{true}, free{true}, validate{true};
+  bool held{false};  ///< with a hand at the handle
 };
 
 struct IdentifyOptions {

@@ -88,6 +88,33 @@ ForceNoise NoiseOf(const std::vector<control::TickRecord>& ticks, double period_
   return worst;
 }
 
+// The harmonics of the turning spindle in the force, along the direction in which they are largest.
+void FillHarmonics(const std::vector<control::TickRecord>& ticks, double period_s, PassiveLag& lag) {
+  constexpr double kMinTurning_s = 2.0;
+  std::array<std::vector<double>, 3> force_N;
+  std::vector<double> speed_rad_per_s;
+  for (const control::TickRecord& tick : ticks) {
+    if (static_cast<safety::CellState>(tick.cell_state) != safety::CellState::kCutting) continue;
+    speed_rad_per_s.push_back(tick.input.spindle_meas_rad_per_s);
+    const Vector3 f = tick.input.F_sensor_S.f;
+    for (int i = 0; i < 3; ++i) force_N[static_cast<std::size_t>(i)].push_back(f[i]);
+  }
+  if (period_s * static_cast<double>(speed_rad_per_s.size()) < kMinTurning_s) return;
+  for (const double speed : speed_rad_per_s)
+    lag.spindle_hz +=
+        std::abs(speed) / (2.0 * std::numbers::pi * static_cast<double>(speed_rad_per_s.size()));
+  const auto largest = [](const std::vector<SpindleHarmonic>& harmonics) {
+    double amplitude_N = 0.0;
+    for (const SpindleHarmonic& harmonic : harmonics)
+      amplitude_N = std::max(amplitude_N, harmonic.amplitude_N);
+    return amplitude_N;
+  };
+  for (const std::vector<double>& component : force_N) {
+    std::vector<SpindleHarmonic> found = FitSpindleHarmonics(component, speed_rad_per_s, period_s);
+    if (largest(found) > largest(lag.harmonics)) lag.harmonics = std::move(found);
+  }
+}
+
 // The plant by force: F / q_cmd over what the tool's inertia makes of a motion.
 MeasuredResponse ByForce(MeasuredResponse response, double mass_kg) {
   for (ResponseLine& line : response.lines) {
@@ -221,6 +248,7 @@ tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
       return {};
     }
     lag->recording = run->named;
+    FillHarmonics(run->recording.ticks, run->cell.servo.period_s, *lag);
     result.passive.push_back(*lag);
     return {};
   }

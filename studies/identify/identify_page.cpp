@@ -114,25 +114,18 @@ std::string LagSvg(const IdentifyResult& result) {
   return chart.series.empty() ? "" : Svg(chart);
 }
 
-std::string FindingsTable(const char* title, const std::vector<Finding>& findings) {
-  if (findings.empty()) return "";
-  std::string html =
-      fmt::format("<h2>{}</h2>\n<table>\n<tr><th>run</th><th>found, accepted, what to do</th></tr>\n", title);
-  for (const Finding& finding : findings)
-    html += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", Escape(finding.where), Escape(finding.what));
-  return html + "</table>\n";
-}
-
 }  // namespace
 
 std::string IdentifyPage(const IdentifyResult& result, const std::string& command_line) {
+  ReportVerdict verdict = Judge(result).ForReport();
+  verdict.text = verdict.level == "good"   ? "measured"
+                 : verdict.level == "look" ? "measured, with remarks"
+                                           : "refused: nothing was written";
   std::string html =
       PageBegin({.title = "Osteon identify",
                  .subtitle = result.cell + ": " + result.valid_for.robot + ", " + result.valid_for.tool,
-                 .verdict = Judge(result).ForReport(),
+                 .verdict = verdict,
                  .summary = Rows(result)});
-  html += FindingsTable("Refused: nothing was written", result.refused);
-  html += FindingsTable("To know", result.warnings);
   if (const std::string lag = LagSvg(result); !lag.empty())
     html += Figure(lag, "A gain that stands the longest lag stands the others. Bars: 95 % intervals.");
   for (const AxisResult& axis : result.axes)

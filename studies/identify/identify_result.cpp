@@ -121,6 +121,78 @@ Json FindingsJson(const std::vector<Finding>& findings) {
   return list;
 }
 
+// Adds what an axis gives beside itself: sensor, structure, hand, link, validation.
+void AddAxisJson(const AxisResult& axis, Json& json) {
+  json["axes"].push_back(AxisJson(axis));
+  if (axis.tool) {
+    json["sensor"] = {{"delay_ms", 1e3 * axis.tool->delay_s.value},
+                      {"delay_interval_ms", ToJson(axis.tool->delay_s, 1e-3)},
+                      {"tool_mass_kg", axis.tool->mass_kg.value},
+                      {"tool_mass_interval_kg", ToJson(axis.tool->mass_kg, 1.0)}};
+    if (const auto& resonance = axis.tool->resonance)
+      json["structure"].push_back({{"axis", std::string(1, axis.request.axis)},
+                                   {"hz", resonance->hz.value},
+                                   {"interval_hz", ToJson(resonance->hz, 1.0)},
+                                   {"damping_ratio", resonance->damping_ratio.value}});
+  }
+  if (axis.hand)
+    json["hands"].push_back({{"stiffness_N_per_m", axis.hand->stiffness_N_per_m.value},
+                             {"stiffness_interval_N_per_m", ToJson(axis.hand->stiffness_N_per_m, 1.0)},
+                             {"damping_Ns_per_m", axis.hand->damping_Ns_per_m.value},
+                             {"mass_kg", axis.hand->mass_kg.value},
+                             {"chi2", axis.hand->chi2}});
+  json["link"] = {{"jitter_mean_ms", 1e3 * axis.samples.jitter_mean_s},
+                  {"jitter_p99_ms", 1e3 * axis.samples.jitter_p99_s},
+                  {"loss_ratio", LossOf(axis.samples)}};
+  if (axis.validation_chi2)
+    json["validation"].push_back(
+        {{"axis", std::string(1, axis.request.axis)}, {"chi2", *axis.validation_chi2}});
+}
+
+Json NoiseJson(const ForceNoise& noise) {
+  Json json{{"white_N", noise.white_N},
+            {"drift_N", noise.drift_N},
+            {"dead_zone_N", noise.dead_zone_N()},
+            {"seconds", noise.seconds},
+            {"lines", Json::array()}};
+  for (const NoiseLine& line : noise.lines)
+    json["lines"].push_back({{"hz", line.hz}, {"amplitude_N", line.amplitude}});
+  return json;
+}
+
+Json PassiveJson(const PassiveLag& passive) {
+  Json harmonics = Json::array();
+  for (const SpindleHarmonic& harmonic : passive.harmonics)
+    harmonics.push_back({{"order", harmonic.order},
+                         {"hz", harmonic.order * passive.spindle_hz},
+                         {"amplitude_N", harmonic.amplitude_N},
+                         {"half_width_N", harmonic.half_width_N}});
+  return Json({{"recording", passive.recording.file},
+               {"lag_ms", 1e3 * passive.lag_s.value},
+               {"lag_interval_ms", ToJson(passive.lag_s, 1e-3)},
+               {"compliance_um_per_N", 1e6 * passive.compliance_m_per_N},
+               {"seconds", passive.seconds},
+               {"spindle", harmonics}});
+}
+
+// Adds what an axis says of sensor, hands and link.
+void AddDevices(const AxisResult& axis, config::IdentifiedCell& cell) {
+  if (axis.tool && (!cell.sensor || !cell.sensor->delay_s)) {
+    if (!cell.sensor) cell.sensor.emplace();
+    cell.sensor->delay_s = axis.tool->delay_s.value;
+  }
+  if (axis.hand)
+    cell.hands.push_back({.name = fmt::format("hand {}", cell.hands.size() + 1),
+                          .stiffness_N_per_m = axis.hand->stiffness_N_per_m.value,
+                          .stiffness_interval_N_per_m = Interval(axis.hand->stiffness_N_per_m),
+                          .damping_Ns_per_m = axis.hand->damping_Ns_per_m.value,
+                          .mass_kg = axis.hand->mass_kg.value});
+  config::IdentifiedLink& link = cell.link ? *cell.link : cell.link.emplace();
+  link.jitter_mean_s = std::max(link.jitter_mean_s, axis.samples.jitter_mean_s);
+  link.jitter_p99_s = std::max(link.jitter_p99_s, axis.samples.jitter_p99_s);
+  link.loss_ratio = std::max(link.loss_ratio, std::min(1.0, LossOf(axis.samples)));
+}
+
 }  // namespace
 
 std::string NameOf(const ExcitationRequest& request) {
@@ -142,7 +214,8 @@ void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
                             axis.samples.start_error_rad, kSamePosture_rad)});
   JudgeMass(axis, where, result);
   JudgeLinearity(axis, where, result);
-  const double lag_interval_s = axis.fit.lag_s.half_width;
+  // the part of the interval that more data make smaller: a model that does not fit has its own finding
+  const double lag_interval_s = axis.fit.lag_s.half_width / std::sqrt(std::max(1.0, axis.fit.chi2));
   if (lag_interval_s > kMaxLagInterval_s)
     result.refused.push_back(
         {where,
@@ -235,22 +308,7 @@ config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
       cell.structure.push_back(
           {.hz = axis.tool->resonance->hz.value, .damping_ratio = axis.tool->resonance->damping_ratio.value});
   }
-  for (const AxisResult& axis : result.axes) {
-    if (axis.tool && (!cell.sensor || !cell.sensor->delay_s)) {
-      if (!cell.sensor) cell.sensor.emplace();
-      cell.sensor->delay_s = axis.tool->delay_s.value;
-    }
-    if (axis.hand)
-      cell.hands.push_back({.name = fmt::format("hand {}", cell.hands.size() + 1),
-                            .stiffness_N_per_m = axis.hand->stiffness_N_per_m.value,
-                            .stiffness_interval_N_per_m = Interval(axis.hand->stiffness_N_per_m),
-                            .damping_Ns_per_m = axis.hand->damping_Ns_per_m.value,
-                            .mass_kg = axis.hand->mass_kg.value});
-    config::IdentifiedLink& link = cell.link ? *cell.link : cell.link.emplace();
-    link.jitter_mean_s = std::max(link.jitter_mean_s, axis.samples.jitter_mean_s);
-    link.jitter_p99_s = std::max(link.jitter_p99_s, axis.samples.jitter_p99_s);
-    link.loss_ratio = std::max(link.loss_ratio, std::min(1.0, LossOf(axis.samples)));
-  }
+  for (const AxisResult& axis : result.axes) AddDevices(axis, cell);
   if (result.noise) {
     if (!cell.sensor) cell.sensor.emplace();
     cell.sensor->noise_N = result.noise->white_N;
@@ -276,47 +334,9 @@ std::string ToJson(const IdentifyResult& result, const std::string& command_line
             {"passive", Json::array()},
             {"warnings", FindingsJson(result.warnings)},
             {"refused", FindingsJson(result.refused)}};
-  for (const AxisResult& axis : result.axes) {
-    json["axes"].push_back(AxisJson(axis));
-    if (axis.tool) {
-      json["sensor"] = {{"delay_ms", 1e3 * axis.tool->delay_s.value},
-                        {"delay_interval_ms", ToJson(axis.tool->delay_s, 1e-3)},
-                        {"tool_mass_kg", axis.tool->mass_kg.value},
-                        {"tool_mass_interval_kg", ToJson(axis.tool->mass_kg, 1.0)}};
-      if (const auto& resonance = axis.tool->resonance)
-        json["structure"].push_back({{"axis", std::string(1, axis.request.axis)},
-                                     {"hz", resonance->hz.value},
-                                     {"interval_hz", ToJson(resonance->hz, 1.0)},
-                                     {"damping_ratio", resonance->damping_ratio.value}});
-    }
-    if (axis.hand)
-      json["hands"].push_back({{"stiffness_N_per_m", axis.hand->stiffness_N_per_m.value},
-                               {"stiffness_interval_N_per_m", ToJson(axis.hand->stiffness_N_per_m, 1.0)},
-                               {"damping_Ns_per_m", axis.hand->damping_Ns_per_m.value},
-                               {"mass_kg", axis.hand->mass_kg.value},
-                               {"chi2", axis.hand->chi2}});
-    json["link"] = {{"jitter_mean_ms", 1e3 * axis.samples.jitter_mean_s},
-                    {"jitter_p99_ms", 1e3 * axis.samples.jitter_p99_s},
-                    {"loss_ratio", LossOf(axis.samples)}};
-    if (axis.validation_chi2)
-      json["validation"].push_back(
-          {{"axis", std::string(1, axis.request.axis)}, {"chi2", *axis.validation_chi2}});
-  }
-  if (result.noise) {
-    json["noise"] = {{"white_N", result.noise->white_N},
-                     {"drift_N", result.noise->drift_N},
-                     {"dead_zone_N", result.noise->dead_zone_N()},
-                     {"seconds", result.noise->seconds},
-                     {"lines", Json::array()}};
-    for (const NoiseLine& line : result.noise->lines)
-      json["noise"]["lines"].push_back({{"hz", line.hz}, {"amplitude_N", line.amplitude}});
-  }
-  for (const PassiveLag& passive : result.passive)
-    json["passive"].push_back({{"recording", passive.recording.file},
-                               {"lag_ms", 1e3 * passive.lag_s.value},
-                               {"lag_interval_ms", ToJson(passive.lag_s, 1e-3)},
-                               {"compliance_um_per_N", 1e6 * passive.compliance_m_per_N},
-                               {"seconds", passive.seconds}});
+  for (const AxisResult& axis : result.axes) AddAxisJson(axis, json);
+  if (result.noise) json["noise"] = NoiseJson(*result.noise);
+  for (const PassiveLag& passive : result.passive) json["passive"].push_back(PassiveJson(passive));
   return ResultText(Judge(result), json);
 }
 
@@ -365,12 +385,18 @@ std::vector<SummaryRow> Rows(const IdentifyResult& result) {
     for (const NoiseLine& line : result.noise->lines)
       rows.push_back({"Line in the force", fmt::format("{:g} Hz, {:.3f} N", line.hz, line.amplitude)});
   }
-  for (const PassiveLag& passive : result.passive)
+  for (const PassiveLag& passive : result.passive) {
     rows.push_back(
         {"Total lag, " + passive.recording.file,
          fmt::format("{:.2f} ± {:.2f} ms from {:.0f} s of motion without excitation; nothing else can be "
                      "said",
                      1e3 * passive.lag_s.value, 1e3 * passive.lag_s.half_width, passive.seconds)});
+    for (const SpindleHarmonic& harmonic : passive.harmonics)
+      if (harmonic.amplitude_N > 2.0 * harmonic.half_width_N)
+        rows.push_back({fmt::format("Spindle, order {}", harmonic.order),
+                        fmt::format("{:.2f} ± {:.2f} N at {:.1f} Hz", harmonic.amplitude_N,
+                                    harmonic.half_width_N, harmonic.order * passive.spindle_hz)});
+  }
   return rows;
 }
 

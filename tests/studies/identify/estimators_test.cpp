@@ -121,7 +121,9 @@ TEST(SampledResponse, OfAPartOfAPeriodIsThatOfAFinerArm) {
     for (int k = 0; k < 12000; ++k) {
       if (k % 4 == 0) {
         const Complex u = std::polar(1.0, kTwoPi * kHz * kFine_s * k);
-        if (k > 11900) EXPECT_NEAR(std::abs(Complex(arm.q()[0], arm.q()[1]) - H * u), 0.0, 2e-11);
+        if (k > 11900) {
+          EXPECT_NEAR(std::abs(Complex(arm.q()[0], arm.q()[1]) - H * u), 0.0, 2e-11);
+        }
         command[0] = u.real();
         command[1] = u.imag();
       }
