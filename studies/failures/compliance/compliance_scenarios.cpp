@@ -211,7 +211,7 @@ FailureResult RunBentArm(const FailureSetting& setting) {
   const simulation::Contact plane[]{Plane(Vector3::Zero(), n, 60e3)};
   // deeper and less deep, and turned about the plane's slope a quarter of a turn later
   const auto path = [&](double turn) {
-    return At((-1.5e-3 + 0.7e-3 * std::sin(kTwoPi * turn)) * n, {0.0, -0.05 * std::cos(kTwoPi * turn), 0.0});
+    return At((-1.5e-3 + 0.7e-3 * std::sin(kTwoPi * turn)) * n, {0.0, 0.05 * std::cos(kTwoPi * turn), 0.0});
   };
   // as slow as a hand: the element's own loss fades with the speed, the missing arm's work does not
   const double turn_s = setting.full() ? 200.0 : 100.0;
