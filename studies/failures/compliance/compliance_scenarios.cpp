@@ -83,7 +83,7 @@ control::SurfaceLayerParams LinearLayer(double stiffness_N_per_m) {
 template <class Path>
 double GivenInATurn_J(ComplianceBench& bench, std::span<const simulation::Contact> planes, double turn_s,
                       const Path& path, FailureSeries& series) {
-  constexpr int kTurns = 4;
+  constexpr int kTurns = 3;
   const int ticks = static_cast<int>(std::lround(turn_s / kT));
   double before_J = 0.0;
   for (int i = 0; i <= kTurns * ticks; ++i) {
