@@ -1,5 +1,6 @@
 #include "studies/stability/compliant_loop.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -36,12 +37,35 @@ control::BoneMountParams MountOf(const LoopMount& mount) {
   return params;
 }
 
+// One period of the shipped servo without dead time: (x_r, x_r')+ of (x_r, x_r', command), found by stepping it.
+Eigen::Matrix<double, 2, 3> PromptServo(ServoArmParams params, double period_s) {
+  params.dead_cycles = 0;
+  std::array<kinematics::JointLimits, 7> unlimited;
+  for (kinematics::JointLimits& limits : unlimited)
+    limits.velocity_rad_per_s = std::numeric_limits<double>::max();
+  const auto joint = [&](double q) { return kinematics::JointVector::Constant(q).eval(); };
+  ServoArm released(params, unlimited, period_s, joint(1.0)), told(params, unlimited, period_s, joint(0.0));
+  released.Step(joint(0.0));
+  const Eigen::Vector2d first(released.q()[0], released.qd()[0]);
+  released.Step(joint(0.0));
+  const Eigen::Vector2d second(released.q()[0], released.qd()[0]);
+  told.Step(joint(1.0));
+  Eigen::Matrix<double, 2, 3> step;
+  step.col(0) = first;
+  step.col(1) = (second - first[0] * first) / first[1];
+  step.col(2) << told.q()[0], told.qd()[0];
+  return step;
+}
+
+// Whole periods from a command to its effect.
+int DeadTicks(const ServoArmParams& params) { return static_cast<int>(std::lround(params.dead_cycles)); }
+
 }  // namespace
 
 // State: x_c now and before, x_r, x_r', v, earlier felt forces; e; d, d' and earlier d.
 CompliantLoop::CompliantLoop(const CompliantLoopParams& params)
-    : params_(Validated(params)), arm_step_(ServoStep(params.loop.arm, params.loop.period_s)) {
-  arm_ = 1 + params.loop.arm.dead_cycles;
+    : params_(Validated(params)), arm_step_(PromptServo(params.loop.arm, params.loop.period_s)) {
+  arm_ = 1 + DeadTicks(params.loop.arm);
   speed_ = arm_ + 2;
   felt_ = speed_ + 1;
   link_ = felt_ + params.loop.sensor_delay;
@@ -52,7 +76,7 @@ CompliantLoop::CompliantLoop(const CompliantLoopParams& params)
 Eigen::VectorXd CompliantLoop::Step(const Eigen::VectorXd& s) const {
   const AdmittanceLoopParams& p = params_.loop;
   const double T = p.period_s, w = 2.0 * std::numbers::pi * p.arm.bandwidth_hz;
-  const double x = s[arm_], v = s[arm_ + 1], target = s[p.arm.dead_cycles];
+  const double x = s[arm_], v = s[arm_ + 1], target = s[DeadTicks(p.arm)];
   const double a = w * w * (target - x) - 2.0 * p.arm.damping_ratio * w * v;
   const double felt_N = -(p.hand.stiffness_N_per_m * x + p.hand.damping_Ns_per_m * v + p.hand.mass_kg * a);
   const double told_N = p.sensor_delay == 0 ? felt_N : s[felt_ + p.sensor_delay - 1];

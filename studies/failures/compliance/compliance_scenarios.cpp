@@ -83,7 +83,7 @@ control::SurfaceLayerParams LinearLayer(double stiffness_N_per_m) {
 template <class Path>
 double GivenInATurn_J(ComplianceBench& bench, std::span<const simulation::Contact> planes, double turn_s,
                       const Path& path, FailureSeries& series) {
-  constexpr int kTurns = 4;
+  constexpr int kTurns = 3;
   const int ticks = static_cast<int>(std::lround(turn_s / kT));
   double before_J = 0.0;
   for (int i = 0; i <= kTurns * ticks; ++i) {
@@ -211,7 +211,7 @@ FailureResult RunBentArm(const FailureSetting& setting) {
   const simulation::Contact plane[]{Plane(Vector3::Zero(), n, 60e3)};
   // deeper and less deep, and turned about the plane's slope a quarter of a turn later
   const auto path = [&](double turn) {
-    return At((-1.5e-3 + 0.7e-3 * std::sin(kTwoPi * turn)) * n, {0.0, -0.05 * std::cos(kTwoPi * turn), 0.0});
+    return At((-1.5e-3 + 0.7e-3 * std::sin(kTwoPi * turn)) * n, {0.0, 0.05 * std::cos(kTwoPi * turn), 0.0});
   };
   // as slow as a hand: the element's own loss fades with the speed, the missing arm's work does not
   const double turn_s = setting.full() ? 200.0 : 100.0;

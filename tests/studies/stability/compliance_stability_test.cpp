@@ -2,8 +2,10 @@
 // Model B. The rows are the design's, of a hand of 3000 N/m, 60 N s/m and 3 kg and an arm of 15 Hz.
 
 #include <cmath>
+#include <numbers>
 #include <ostream>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -27,7 +29,7 @@ CompliantLoopParams LoopOf(double stiffness_N_per_m, double m_v, double b_v) {
 
 void ExpectRadius(double found, double expected) {
   const double log_rho = std::log(expected);
-  EXPECT_NEAR(std::log(found), log_rho, 0.01 * std::abs(log_rho) + 2e-6);
+  EXPECT_NEAR(std::log(found), log_rho, 0.01 * std::abs(log_rho) + 6e-6) << "five digits are given";
 }
 
 struct LinkRow {
@@ -99,13 +101,13 @@ TEST(MountRules, HoldForRandomMountsAndHands) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   const auto log_between = [&](double low, double high) { return low * std::pow(high / low, unit(bits)); };
   constexpr double kK = 20e3, kT_s = 1e-3, kAge_s = 25.2e-3;
-  int tried = 0, unstable = 0, unstable_without = 0, without = 0;
-  for (int i = 0; i < 1500; ++i) {
+  int tried = 0, unstable = 0;
+  for (int i = 0; i < 4000; ++i) {
     CompliantLoopParams params = LoopOf(kK, 3.0, log_between(20.0, 150.0));
     params.loop.hand = {"any", log_between(50.0, 8000.0), log_between(2.0, 80.0), log_between(0.3, 4.0)};
-    const LoopMount mount{.mass_kg = log_between(2.0, 40.0),
+    const LoopMount mount{.mass_kg = log_between(1.0, 40.0),
                           .frequency_hz = log_between(4.0, 25.0),
-                          .damping_ratio = log_between(0.05, 0.3)};
+                          .damping_ratio = log_between(0.005, 0.3)};
     CompliantLoopParams rigid = params;
     rigid.loop.wall.stiffness_N_per_m = 0.0;
     if (!(CompliantLoop(rigid).SpectralRadius() < 1.0 + 1e-9)) continue;
@@ -119,30 +121,37 @@ TEST(MountRules, HoldForRandomMountsAndHands) {
     const double w = 2.0 * std::numbers::pi * mount.frequency_hz, k = mount.mass_kg * w * w;
     const double damping = 2.0 * mount.damping_ratio * w * mount.mass_kg + params.loop.damping_Ns_per_m +
                            params.loop.hand.damping_Ns_per_m;
-    const bool damped = damping >= params.loop.hand.stiffness_N_per_m * kAge_s;
+    const bool damped =
+        mount.damping_ratio >= 0.05 && damping >= params.loop.hand.stiffness_N_per_m * kAge_s;
     const bool slow = std::sqrt((kK + k) / mount.mass_kg) * kT_s <= 0.4;
     params.mount = mount;
     const bool stable = CompliantLoop(params).SpectralRadius() < 1.0;
-    if (damped && slow && rigid_stable) {
-      ++tried;
-      unstable += stable ? 0 : 1;
-    } else {
-      ++without;
-      unstable_without += stable ? 0 : 1;
-    }
+    if (!damped || !slow || !rigid_stable) continue;
+    ++tried;
+    unstable += stable ? 0 : 1;
   }
   EXPECT_GT(tried, 300);
   EXPECT_EQ(unstable, 0) << "of " << tried;
-  EXPECT_GT(unstable_without, 0) << "of " << without << " that break a rule: the rules do say something";
+}
+
+// A firm grip on a light tool that only the rigid wall calms: the mount's damping is half of what the rule asks for.
+TEST(MountRules, SayWhichMountMakesAHandSwing) {
+  CompliantLoopParams params = LoopOf(20e3, 3.0, 20.0);
+  params.loop.hand = {"firm grip", 6000.0, 10.0, 1.0};
+  EXPECT_LT(CompliantLoop(params).SpectralRadius(), 0.996);
+  params.mount = LoopMount{.mass_kg = 12.0, .frequency_hz = 6.0, .damping_ratio = 0.05};
+  EXPECT_GT(CompliantLoop(params).SpectralRadius(), 1.0005);
+  params.mount = LoopMount{.mass_kg = 12.0, .frequency_hz = 15.0, .damping_ratio = 0.06};
+  EXPECT_LT(CompliantLoop(params).SpectralRadius(), 0.998) << "this mount keeps the rule";
 }
 
 TEST(CompliantLoop, WithoutComplianceItIsTheRigidLoop) {
   CompliantLoopParams params = LoopOf(20e3, 3, 20);
-  const double rigid = AdmittanceLoop(params.loop).SpectralRadius();
-  EXPECT_NEAR(CompliantLoop(params).SpectralRadius(), rigid, 1e-3) << "the rigid loop's hand may be modelled finer";
+  const double rigid = CompliantLoop(params).SpectralRadius();
   params.link = LoopLink{};
-  params.mount = LoopMount{.mass_kg = 1e6, .frequency_hz = 60.0, .damping_ratio = 1.0};
-  EXPECT_LT(CompliantLoop(params).SpectralRadius(), 1.0);
+  EXPECT_NEAR(CompliantLoop(params).SpectralRadius(), rigid, 1e-9);
+  params.loop.wall.age_ticks = 1;
+  EXPECT_THROW(CompliantLoop{params}, std::invalid_argument) << "its planes are evaluated in the tick";
 }
 
 }  // namespace
