@@ -68,7 +68,7 @@ tl::expected<EpisodeBooks, std::string> ReadBooks(const std::filesystem::path& r
   if (!stream) return tl::make_unexpected(stream.error());
   EpisodeBooks books{.min_tank_J = std::numeric_limits<double>::infinity()};
   TickBooks ticks(law, period_s);
-  double edge_work_J = 0.0, spindle_rad_per_s = 0.0;
+  double spindle_rad_per_s = 0.0;
   rt::Nanoseconds frame_stamp = 0;
   for (;;) {
     const auto topic = stream->Next();
@@ -82,7 +82,7 @@ tl::expected<EpisodeBooks, std::string> ReadBooks(const std::filesystem::path& r
     const simulation::ContactModel& model = stream->frame.model;
     ++books.frames;
     if (frame_stamp > 0)
-      edge_work_J +=
+      books.edge_work_J +=
           model.spindle_torque_Nm * spindle_rad_per_s * rt::ToSeconds(model.pose_stamp - frame_stamp);
     frame_stamp = model.pose_stamp;
     books.removed_falls |= model.removed_volume_m3 < books.removed_m3;
@@ -91,8 +91,6 @@ tl::expected<EpisodeBooks, std::string> ReadBooks(const std::filesystem::path& r
   }
   books.complete = stream->complete();
   books.momentum_residual = ticks.momentum_residual();
-  if (books.cutting_work_J > 0.0)
-    books.energy_residual = (edge_work_J - books.cutting_work_J) / books.cutting_work_J;
   return books;
 }
 

@@ -23,12 +23,15 @@ struct EpisodeBooks {
   /// Momentum of the virtual tool: what is left of M v' = F_hand + F_rendered - D v, over the hand's impulse,
   /// summed over ticks in which no limit acted.
   double momentum_residual{0.0};
-  /// Work of the edge (spindle torque × angle) less the energy of the cleared bone, over the latter; 0 where
-  /// nothing was cut.
-  double energy_residual{0.0};
+  double edge_work_J{0.0};                      ///< spindle torque × angle
   double cutting_work_J{0.0}, removed_m3{0.0};  ///< of the last frame
   bool removed_falls{false};                    ///< the removed volume was smaller than in a frame before
   double min_tank_J{0.0};
+
+  /// Work of the edge less the energy of the cleared bone, over the latter; 0 where nothing was cut.
+  [[nodiscard]] double energy_residual() const {
+    return cutting_work_J > 0.0 ? (edge_work_J - cutting_work_J) / cutting_work_J : 0.0;
+  }
 };
 
 /// Reads a recording, one message after the other. @param law  of the cell; @param period_s  of its loop

@@ -37,6 +37,11 @@ struct EpisodeResult {
 /// Bounds that every episode is held to.
 inline constexpr double kMaxMomentumResidual = 0.02, kMaxEnergyResidual = 0.05, kMaxRestError_m = 0.5e-3,
                         kMaxForce_N = 200.0, kMaxVolumeResidual = 1e-9;
+/// Bone is cleared in mass points, of up to 4.4 J each in this cell, and the edge does their work within 0.1
+/// s: so much may be open at the end.
+inline constexpr double kMaxEnergyLead_J = 10.0;
+/// Six mass points of this cell: what one frame can clear.
+inline constexpr double kMaxUnseenFrame_m3 = 20e-9;
 /// Growth of the memory from the second quarter of the episodes to the last: their medians.
 inline constexpr double kMaxMemoryGrowth_MB = 20.0;
 

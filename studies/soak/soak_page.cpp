@@ -82,7 +82,7 @@ std::string SoakPage(std::span<const EpisodeResult> episodes, const SoakOptions&
       Over(episodes, "Momentum that does not close", "share [%]",
            [](const auto& r) { return 100.0 * r.books.momentum_residual; }),
       Over(episodes, "Energy of the cut that does not close", "share [%]",
-           [](const auto& r) { return 100.0 * r.books.energy_residual; })};
+           [](const auto& r) { return 100.0 * r.books.energy_residual(); })};
   html +=
       Figure(Svg(panels), "One point for each episode.") + "<h2>Episodes by kind</h2>\n" + Kinds(episodes);
   return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + PageEnd();

@@ -42,11 +42,12 @@ void AddFaults(Episode& episode, Draws& draws) {
   const double at_s = draws.Between(2.0, 0.6 * episode.seconds);
   switch (episode.kind) {
     case EpisodeKind::kLoss:
+      // five messages lost in a row stop the cell: so many in a row hardly ever are
       episode.set.push_back(
           fmt::format("injections=[{{wire: arm, direction: both, from_s: 0.5, to_s: {}, loss_ratio: {}, "
                       "burst_count: 3}}, "
                       "{{wire: arm, direction: to_controller, from_s: {}, to_s: {}, jitter_ms: 1}}]",
-                      episode.seconds, draws.Between(0.005, 0.03), at_s, at_s + 2.0));
+                      episode.seconds, draws.Between(0.005, 0.02), at_s, at_s + 2.0));
       break;
     case EpisodeKind::kRecovery:
       episode.set.emplace_back("link_quality.ask_again=true");

@@ -42,6 +42,7 @@ EpisodeResult Good(EpisodeKind kind) {
   result.books.complete = true;
   result.books.peak_rendered_N = 120.0;
   result.books.removed_m3 = result.carved_m3 = 1e-6;
+  result.books.edge_work_J = result.books.cutting_work_J = 100.0;
   return result;
 }
 
@@ -69,8 +70,12 @@ TEST(Soak, FindsWhatIsWrongWithAnEpisode) {
   EXPECT_THAT(judged([](R& r) { r.books.rest_error_m = 1e-3; }, reaming), Contains(HasSubstr("at rest")));
   EXPECT_THAT(judged([](R& r) { r.books.momentum_residual = 0.03; }, reaming),
               Contains(HasSubstr("momentum")));
-  EXPECT_THAT(judged([](R& r) { r.books.energy_residual = -0.06; }, reaming), Contains(HasSubstr("energy")));
+  EXPECT_THAT(judged([](R& r) { r.books.edge_work_J = 80.0; }, reaming), Contains(HasSubstr("energy")));
   EXPECT_THAT(judged([](R& r) { r.carved_m3 *= 1.01; }, reaming), Contains(HasSubstr("volume")));
+  EXPECT_THAT(judged([](R& r) { r.carved_m3 += 10e-9; }, EpisodeKind::kArmSilent), IsEmpty())
+      << "a frame that nobody saw";
+  EXPECT_THAT(judged([](R& r) { r.carved_m3 -= 10e-9; }, EpisodeKind::kArmSilent),
+              Contains(HasSubstr("volume")));
   EXPECT_THAT(judged([](R& r) { r.books.removed_falls = true; }, reaming), Contains(HasSubstr("fell")));
   EXPECT_THAT(judged([](R& r) { r.hash = 18; }, EpisodeKind::kReference), Contains(HasSubstr("drifted")));
 }
