@@ -36,7 +36,7 @@ fs::path LastReamerAlone() {
 
 AssessedSession SessionOf(const std::string& hand) {
   const fs::path out = TemporaryPath("hand_" + hand);
-  const DemoOptions options{.seconds = 12.0,
+  const DemoOptions options{.seconds = 8.0,
                             .out = out,
                             .cell = kConfig / "cells/demo.yaml",
                             .procedure = {.plan = LastReamerAlone(), .hand = hand},
