@@ -21,8 +21,8 @@ struct DemoOptions {
   std::optional<MeshChoice> mesh{};
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
   FidelityChoice fidelity{};                 ///< how fine the bone is
-  bool default_seconds{false};               ///< with a plan: 15 s for each reamer (novice: 60) instead of `seconds`
-  ProcedureChoice procedure{};               ///< of a plan: its reamers, one after the other
+  bool default_seconds{false};  ///< with a plan: 15 s for each reamer (novice: 60) instead of `seconds`
+  ProcedureChoice procedure{};  ///< of a plan: its reamers, one after the other
   bool virtual_time{false};
   std::optional<double>
       frame_ms{};              ///< virtual time: duration of a frame; absent: the default of CellRunParams

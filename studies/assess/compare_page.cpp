@@ -15,8 +15,8 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kPicturePx = 220.0, kPictureGapPx = 14.0, kPointsPx = 300.0, kHeadPx = 34.0, kFootPx = 34.0;
-constexpr double kSessionPx = 276.0, kBarPx = 170.0, kItemPx = 35.0, kScorePx = 26.0;
+constexpr double kPicturePx = 220.0, kPictureGapPx = 14.0, kPointsPx = 330.0, kHeadPx = 34.0, kFootPx = 34.0;
+constexpr double kSessionPx = 276.0, kBarPx = 130.0, kItemPx = 35.0, kScorePx = 26.0;
 constexpr double kWidthPx = kPointsPx + 3.0 * (kPicturePx + kPictureGapPx) + kPictureGapPx;
 constexpr double kComparisonScale = 1.5;  // pixels of the PNG per px
 
@@ -36,12 +36,13 @@ std::string Points(double y, const procedure::Score& score) {
     const procedure::Metric& metric = MetricNamed(scored.item.metric);
     const double share = scored.item.weight > 0.0 ? scored.points / scored.item.weight : 0.0;
     const std::string value = scored.value ? ValueText(*scored.value, metric) : "not measured";
-    svg += SvgText(kPictureGapPx, y + 11.0, Fit(fmt::format("{}: {}", metric.text, value), kPointsPx - 20.0));
+    svg += SvgText(kPictureGapPx, y + 11.0, Fit(metric.text, kPointsPx - kPictureGapPx));
     svg += SvgRect(kPictureGapPx, y + 17.0, kBarPx, 9.0, kGridColor);
     if (share > 0.0)
       svg += SvgRect(kPictureGapPx, y + 17.0, kBarPx * share, 9.0, share >= 0.5 ? kPalette[2] : kPalette[1]);
     svg += SvgText(kPictureGapPx + kBarPx + 8.0, y + 26.0,
-                   fmt::format("{:.1f} of {:g}", scored.points, scored.item.weight), "start", kMutedColor);
+                   fmt::format("{}, {:.1f} of {:g}", value, scored.points, scored.item.weight), "start",
+                   kMutedColor);
     y += kItemPx;
   }
   return svg;

@@ -9,6 +9,7 @@
 #include "config/reading/strict/config_error.h"
 #include "io/recording/recording_reader.h"
 #include "session/planning/planned_cell.h"
+#include "session/procedure/session_bone.h"
 #include "session/run/cell_run.h"
 #include "simulation/files/carved_file.h"
 #include "tests/io/temporary_folder.h"
@@ -48,6 +49,7 @@ void MakeSession(const fs::path& folder) {
       RunCell(*setup, **engine, {.seconds = 6.0, .virtual_time = true, .recording = folder / "run_1.mcap"});
   ASSERT_TRUE(run) << run.error().what;
   ASSERT_TRUE(simulation::WriteCarvedState(folder / "state_1.carved", run->after, setup->bone));
+  ASSERT_TRUE(WriteSessionBone(folder, setup->bone));
   const auto recording = io::ReadRecording(folder / "run_1.mcap");
   ASSERT_TRUE(recording) << recording.error();
   const rt::Nanoseconds end = recording->frames.back().model.pose_stamp;
@@ -118,6 +120,20 @@ TEST_F(Assess, MeasuresWhatTheScriptedOperatorReamed) {
   EXPECT_EQ(session->tools[0].figures.time_s, 0.0);
   ASSERT_TRUE(found.min_wall_m);
   EXPECT_NEAR(1e3 * *found.min_wall_m, 15.0, 1.0);
+}
+
+TEST_F(Assess, WithoutTheKeptBoneItPacksTheSameOne) {
+  const fs::path copy = folder_->path() / "without_bone";
+  fs::copy(Session(), copy);
+  fs::remove(copy / kSessionBoneName);
+  const auto kept = ReadAssessedSession(Session()), packed = ReadAssessedSession(copy);
+  ASSERT_TRUE(kept && packed);
+  ASSERT_EQ(kept->bone.balls.size(), packed->bone.balls.size());
+  ASSERT_EQ(kept->bone.materials.size(), packed->bone.materials.size());
+  EXPECT_EQ(Vector3(kept->bone.site.axis), Vector3(packed->bone.site.axis));
+  EXPECT_EQ(procedure::ValuesOf(kept->plan.plan, kept->assessment),
+            procedure::ValuesOf(packed->plan.plan, packed->assessment));
+  fs::remove_all(copy);
 }
 
 TEST_F(Assess, WritesPageAndResultAndEndsByTheScore) {
