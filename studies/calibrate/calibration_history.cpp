@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kMass_kg = 0.02, kCenter_m = 1e-3, kBias_N = 0.5, kApex_m = 1e-4, kSds = 3.0;
 
-nlohmann::ordered_json Triple(const Vector3& v, double unit) {
+nlohmann::ordered_json InUnit(const Vector3& v, double unit) {
   return nlohmann::ordered_json::array({v.x() / unit, v.y() / unit, v.z() / unit});
 }
-Vector3 TripleFrom(const nlohmann::json& list, double unit) {
+Vector3 FromUnit(const nlohmann::json& list, double unit) {
   return {unit * list.at(0).get<double>(), unit * list.at(1).get<double>(), unit * list.at(2).get<double>()};
 }
 
@@ -26,12 +26,12 @@ nlohmann::ordered_json JsonOf(const CalibrationEntry& entry) {
   if (const auto& payload = entry.payload)
     json["payload"] = {{"mass_kg", payload->mass_kg},
                        {"mass_sd_kg", payload->mass_sd_kg},
-                       {"center_mm", Triple(payload->center_F_m, 1e-3)},
+                       {"center_mm", InUnit(payload->center_F_m, 1e-3)},
                        {"center_sd_mm", 1e3 * payload->center_sd_m},
-                       {"bias_N", Triple(payload->bias_N, 1.0)},
+                       {"bias_N", InUnit(payload->bias_N, 1.0)},
                        {"residual_N", payload->residual_N}};
   if (const auto& apex = entry.apex)
-    json["tcp"] = {{"position_mm", Triple(apex->p_FT_m, 1e-3)},
+    json["tcp"] = {{"position_mm", InUnit(apex->p_FT_m, 1e-3)},
                    {"sd_mm", 1e3 * apex->sd_m},
                    {"residual_mm", 1e3 * apex->residual_m}};
   return json;
@@ -43,14 +43,14 @@ CalibrationEntry EntryFrom(const nlohmann::json& json) {
     const nlohmann::json& payload = json.at("payload");
     entry.payload = CalibrationEntry::Payload{.mass_kg = payload.at("mass_kg"),
                                               .mass_sd_kg = payload.at("mass_sd_kg"),
-                                              .center_F_m = TripleFrom(payload.at("center_mm"), 1e-3),
+                                              .center_F_m = FromUnit(payload.at("center_mm"), 1e-3),
                                               .center_sd_m = 1e-3 * payload.at("center_sd_mm").get<double>(),
-                                              .bias_N = TripleFrom(payload.at("bias_N"), 1.0),
+                                              .bias_N = FromUnit(payload.at("bias_N"), 1.0),
                                               .residual_N = payload.at("residual_N")};
   }
   if (json.contains("tcp")) {
     const nlohmann::json& apex = json.at("tcp");
-    entry.apex = CalibrationEntry::Apex{.p_FT_m = TripleFrom(apex.at("position_mm"), 1e-3),
+    entry.apex = CalibrationEntry::Apex{.p_FT_m = FromUnit(apex.at("position_mm"), 1e-3),
                                         .sd_m = 1e-3 * apex.at("sd_mm").get<double>(),
                                         .residual_m = 1e-3 * apex.at("residual_mm").get<double>()};
   }
