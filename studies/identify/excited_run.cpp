@@ -12,11 +12,11 @@
 #include "base/clock.h"
 #include "control/loop/run_servo.h"
 #include "hil/impaired_cell.h"
+#include "hil/operator/hand_script.h"
 #include "io/devices/wired_devices.h"
 #include "io/recording/recorder.h"
 #include "safety/watchdog.h"
 #include "session/run/arm_connection.h"
-#include "session/run/simulated_setup.h"
 #include "session/run/start_path.h"
 #include "session/run/virtual_devices.h"
 #include "session/setup/build_name.h"
@@ -34,7 +34,7 @@ constexpr double kFrame_s = 0.02;   // between the models of free air
 constexpr double kRenders_s = 0.1;  // before the pause is asked for
 constexpr double kAfter_s = 0.5;    // recorded after the end
 constexpr double kFarAway_m = 10.0;
-constexpr double kStands_s = 36000.0;
+constexpr double kStands_s = 36000.0, kHeldBound_N = 100.0;  // of the hand that holds
 
 // The cell of an excited run: no spindle.
 config::CellConfig Quiet(const config::CellConfig& cell) {
@@ -44,20 +44,21 @@ config::CellConfig Quiet(const config::CellConfig& cell) {
   return quiet;
 }
 
-// The simulated cell with a hand that holds the handle at the start, or without one. With: its script lasts
-// so long that its target stands. Without: its script begins where no tool comes.
-config::CellConfig WithHand(config::CellConfig cell, bool held) {
-  std::visit(
-      [held](auto& script) {
-        if (held)
-          script.seconds = kStands_s;
-        else
-          script.X_WC.p.z += kFarAway_m;
+// The arm with its hand: one that holds the handle at the start with its full grip, or one that waits where
+// no tool comes.
+hil::SimulatedCell MakeArm(const config::CellConfig& cell, bool held) {
+  hil::SimulatedCellParams params = cell.simulated;
+  params.hand.incidents = {};
+  if (!params.kr) params.sensor_feels_inertia = true;  // as a real sensor does
+  return std::visit(
+      [&](const auto& script) {
+        Pose X_WC = script.X_WC;
+        if (!held) X_WC.translation().z() += kFarAway_m;
+        const hil::HandKey stands{.height_m = script.start_height_m, .force_limit_N = kHeldBound_N};
+        return hil::SimulatedCell(params, hil::HandScript(X_WC, script.head_radius_m, script.tool_yaw_rad,
+                                                          1.0, stands, {{"hold", kStands_s, stands}}));
       },
       cell.script);
-  cell.simulated.hand.incidents = {};
-  if (!cell.simulated.kr) cell.simulated.sensor_feels_inertia = true;
-  return cell;
 }
 
 // A model of free air: nothing touches the tool.
@@ -121,12 +122,12 @@ class PauseRequest {
 class VirtualRun {
  public:
   VirtualRun(const config::CellConfig& cell, const ExcitedAxis& axis, io::Recorder& recorder,
-             std::unique_ptr<VirtualDevices> devices)
+             std::unique_ptr<VirtualDevices> devices, bool held)
       : loop_(MakeServoLoop(cell)),
         hold_(axis.hold),
         recorder_(recorder),
         devices_(std::move(devices)),
-        arm_(MakeSimulatedCell(cell, 0.0), cell.injections),
+        arm_(MakeArm(cell, held), cell.injections),
         session_(cell.link),
         pause_(cell.servo.period_s),
         period_(static_cast<rt::Nanoseconds>(arm_.period_s() * 1e9)),
@@ -205,14 +206,14 @@ class VirtualRun {
 
 tl::expected<void, std::string> RunVirtual(const CellSetup& setup, const ExcitedAxis& axis,
                                            io::Recorder& recorder, const ExcitedRunParams& params) {
-  const config::CellConfig cell = WithHand(Quiet(setup.config), params.request.held);
+  const config::CellConfig cell = Quiet(setup.config);
   const kinematics::JointVector q_first =
       Eigen::Map<const kinematics::JointVector>(cell.simulated.q_start.data());
   if (std::string why = ValidateStartPath(setup, q_first); !why.empty())
     return tl::unexpected(std::move(why));
   auto devices = VirtualDevices::Make(cell);
   if (!devices) return tl::unexpected(devices.error());
-  VirtualRun run(cell, axis, recorder, std::move(*devices));
+  VirtualRun run(cell, axis, recorder, std::move(*devices), params.request.held);
   if (std::string why = run.Run(params.stop); !why.empty()) return tl::unexpected(std::move(why));
   return {};
 }

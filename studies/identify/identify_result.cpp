@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kMaxMassOff = 0.05, kMaxLagApart = 0.05, kMinGain = 0.98, kMaxDamping = 3.0;
 constexpr double kOddOverEven = 3.0, kMinOdd = 0.01, kVeryOdd = 0.1, kMaxChi2 = 3.0, kMaxValidation = 2.0;
 constexpr double kMaxLagInterval_s = 0.12e-3, kMinCoherence = 0.5, kMaxLost = 0.10;
-constexpr double kSamePosture_rad = 0.02;
+constexpr double kSamePosture_rad = 0.02, kMinHand_N_per_m = 50.0;
 
 config::IdentifiedInterval Interval(const Estimate& estimate) {
   return {.low = estimate.value - estimate.half_width, .high = estimate.value + estimate.half_width};
@@ -38,7 +38,15 @@ const ResponseLine& LineAt(const MeasuredResponse& response, double hz) {
 }
 
 void JudgeMass(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
-  if (axis.request.held) return;
+  if (axis.request.held) {
+    const double stiffness_N_per_m = axis.hand ? axis.hand->stiffness_N_per_m.value : 0.0;
+    if (!(stiffness_N_per_m >= kMinHand_N_per_m))
+      result.refused.push_back(
+          {where, fmt::format("nobody holds the handle: found {:.0f} N/m, accepted {:g} N/m or "
+                              "more; hold it at working push during the whole run",
+                              stiffness_N_per_m, kMinHand_N_per_m)});
+    return;
+  }
   if (!axis.tool) {
     result.warnings.push_back({where, axis.no_tool + "; whether a hand holds the handle was not checked"});
     return;

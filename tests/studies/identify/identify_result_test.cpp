@@ -97,6 +97,17 @@ TEST(IdentifyRefusals, EachHasItsOwnMessage) {
   }
 }
 
+TEST(IdentifyRefusals, AHeldRunNeedsAHand) {
+  AxisResult axis = GoodAxis();
+  axis.request.held = true;
+  axis.hand = HandFit{.stiffness_N_per_m = {4.0, 1.0}};
+  const IdentifyResult without = JudgedOf(axis);
+  ASSERT_EQ(without.refused.size(), 1u);
+  EXPECT_NE(without.refused.front().what.find("nobody holds the handle: found 4 N/m"), std::string::npos);
+  axis.hand->stiffness_N_per_m.value = 2000.0;
+  EXPECT_TRUE(JudgedOf(axis).refused.empty());
+}
+
 TEST(IdentifyRefusals, StructureLeavesTheMeasuredResponseAlone) {
   AxisResult bent = GoodAxis(), unlike = GoodAxis();
   bent.fit.chi2 = 14.0;

@@ -81,6 +81,23 @@ TEST(ExcitedRun, LossOnBothWaysIsCountedAndDoesNoHarm) {
   EXPECT_NEAR(axis.fit.dead_time_s.value, 1e-3 * truth.dead_cycles, 0.05e-3);
 }
 
+TEST(ExcitedRun, FindsTheHandThatHoldsTheHandle) {
+  const CellSetup setup = Demo();
+  const fs::path file = TemporaryPath("held_x.mcap");
+  ExcitationRequest request = kShort;
+  request.axis = 'x';
+  request.held = true;
+  const auto run = RunExcited(setup, {.request = request, .recording = file});
+  ASSERT_TRUE(run) << run.error();
+  IdentifyResult result = EmptyResult("demo", setup.config);
+  ASSERT_TRUE(AddRecording(file, setup.config, result));
+  ASSERT_EQ(result.axes.size(), 1u);
+  ASSERT_TRUE(result.axes.front().hand);
+  const hil::OperatorHandParams& truth = setup.config.simulated.hand;
+  EXPECT_NEAR(result.axes.front().hand->stiffness_N_per_m.value, truth.stiffness_N_per_m,
+              0.1 * truth.stiffness_N_per_m);
+}
+
 TEST(ExcitedRun, ARecordingOfAnotherCellIsRefused) {
   CellSetup setup = Demo();
   const fs::path file = TemporaryPath("rest.mcap");
