@@ -76,10 +76,10 @@ struct ComplianceRecord {
   bool present{false};
   PlainPose X_ME;  ///< the bent head in the bone's world after this tick: what the cutting engine is given
   PlainPose X_WM;  ///< the bone's world
-  PlainVector3 bend_m, bend_rad;                  ///< of the tool: E in T
-  PlainVector3 layer_m;                           ///< of the surface layer, in M
-  PlainVector3 mount_m, mount_rad;                ///< of the bone's mount at Mo, pads included, in W
-  PlainVector3 mount_m_per_s, mount_rad_per_s;    ///< velocity of its mass, in W
+  PlainVector3 bend_m, bend_rad;                ///< of the tool: E in T
+  PlainVector3 layer_m;                         ///< of the surface layer, in M
+  PlainVector3 mount_m, mount_rad;              ///< of the bone's mount at Mo, pads included, in W
+  PlainVector3 mount_m_per_s, mount_rad_per_s;  ///< velocity of its mass, in W
 };
 
 /// Value of TickRecord::cell_state in recordings older than the field.

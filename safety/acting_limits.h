@@ -25,8 +25,8 @@ enum class Limit : std::uint8_t {
   kAgeGovernor = 12,
   kPassivity = 13,
   kTank = 14,
-  kBoneEntry = 15,  ///< the coupling at its force limit: the tool's speed into bone
-  kGuidance = 16,   ///< guidance along the surgical plan gave a force or torque
+  kBoneEntry = 15,   ///< the coupling at its force limit: the tool's speed into bone
+  kGuidance = 16,    ///< guidance along the surgical plan gave a force or torque
   kDeflection = 17,  ///< tool, tissue or the bone's mount gave way by more than the cell's error
 };
 inline constexpr std::size_t kLimitCount = 18;
@@ -34,7 +34,7 @@ inline constexpr std::size_t kLimitCount = 18;
 inline constexpr std::array<std::string_view, kLimitCount> kLimitNames{
     "wrench",       "arm_torque", "stored_energy", "power",      "tool_speed", "workspace",
     "zones",        "joints",     "elbow_speed",   "depth",      "model_age",  "sensor_age",
-    "age_governor", "passivity",  "tank",          "bone_entry", "guidance", "deflection"};
+    "age_governor", "passivity",  "tank",          "bone_entry", "guidance",   "deflection"};
 
 /// The set of acting limits.
 class LimitSet {

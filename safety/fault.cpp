@@ -112,10 +112,11 @@ FaultText Describe(Fault fault) {
               "on_force_limit: stop",
               "Stop 1", "push less, or raise max_force_N within what the cell allows, and begin a new run"};
     case Fault::kDeflection:
-      return {"deflection beyond its limit",
-              "the tool was bent by more than a tenth of its free length or pressed with half of its buckling "
-              "load, or the bone's mount moved by more than 10 mm or 0.1 rad",
-              "Stop 1", "look for what bent or moved, push less or take a stiffer tool, and begin a new run"};
+      return {
+          "deflection beyond its limit",
+          "the tool was bent by more than a tenth of its free length or pressed with half of its buckling "
+          "load, or the bone's mount moved by more than 10 mm or 0.1 rad",
+          "Stop 1", "look for what bent or moved, push less or take a stiffer tool, and begin a new run"};
   }
   return {"unknown fault", "not known", "Stop 1", "begin a new run"};
 }

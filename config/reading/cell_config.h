@@ -44,7 +44,7 @@ struct ToolBendingConfig {
 
 struct ToolConfig {
   simulation::Tool tool;
-  Pose X_FT{Pose::Identity()};  ///< tool in the flange's frame
+  Pose X_FT{Pose::Identity()};                 ///< tool in the flange's frame
   std::optional<ToolBendingConfig> bending{};  ///< absent: it counts as rigid
   double spindle_rad_per_s{0.0};
   ToolDriveConfig drive;

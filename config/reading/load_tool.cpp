@@ -239,7 +239,8 @@ std::optional<BendingSection> ReadBending(Reader& tool) {
 // How a tool bends: a cantilever of its pieces, clamped at its back.
 ToolBendingConfig BendingOf(const BendingSection& read, const BuiltTool& built) {
   if (built.beam.empty())
-    read.section.Refuse("source", "found bending of a tool whose beam is not known (a mesh), accepted without it");
+    read.section.Refuse("source",
+                        "found bending of a tool whose beam is not known (a mesh), accepted without it");
   simulation::BeamParams params = read.beam;
   params.load_point_m = built.load_point_m;
   params.head_mass_kg = built.head_mass_kg;

@@ -46,7 +46,7 @@ struct LiveStatus {
   double depth_mm{0.0}, deepest_mm{0.0};
   double speed_mm_per_s{0.0}, spindle_rpm{0.0}, spindle_torque_Nm{0.0};
   double removed_mm3{0.0};
-  bool gives_way{false};  ///< tool, tissue or mount may give way in this cell
+  bool gives_way{false};                              ///< tool, tissue or mount may give way in this cell
   double bend_mm{0.0}, layer_mm{0.0}, mount_mm{0.0};  ///< by how much they do
   double model_age_ms{0.0}, sensor_age_ms{0.0}, frame_us{0.0};
   double rendered_s{0.0}, paused_s{0.0};

@@ -51,8 +51,8 @@ void StepMount(const BoneMountParams& params, const Wrench& F_Mo_W, double perio
   const Vector6 M = MassOf(params), K = StiffnessOf(params);
   const Vector6 D = 2.0 * params.damping_ratio * (K.cwiseProduct(M)).cwiseSqrt();
   const Vector6 F = Joined(F_Mo_W.f, F_Mo_W.t);
-  state.v = (M.cwiseProduct(state.v) - period_s * (F + K.cwiseProduct(state.d)))
-                .cwiseQuotient(M + period_s * D);
+  state.v =
+      (M.cwiseProduct(state.v) - period_s * (F + K.cwiseProduct(state.d))).cwiseQuotient(M + period_s * D);
   state.d += period_s * state.v;
   if (!(params.creep_N_per_m > 0.0)) return;
   const Vector3 before_m = state.creep_m;

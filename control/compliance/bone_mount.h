@@ -15,9 +15,9 @@ struct BoneMountParams {
   Vector3 inertia_kg_m2{Vector3::Constant(0.12)};
   Vector3 stiffness_N_per_m{Vector3::Constant(47.4e3)};
   Vector3 stiffness_Nm_per_rad{Vector3::Constant(2e3)};
-  double damping_ratio{0.05};                 ///< zeta of each axis by itself; >= 0
-  double creep_N_per_m{0.0};                  ///< stiffness of the pads; 0: they do not creep
-  double creep_tau_s{20.0};                   ///< time constant of the pads; > 0
+  double damping_ratio{0.05};                    ///< zeta of each axis by itself; >= 0
+  double creep_N_per_m{0.0};                     ///< stiffness of the pads; 0: they do not creep
+  double creep_tau_s{20.0};                      ///< time constant of the pads; > 0
   double max_shift_m{0.010}, max_turn_rad{0.1};  ///< beyond these the cell stops; > 0
 };
 

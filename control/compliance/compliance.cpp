@@ -105,8 +105,8 @@ void Compliance::Step(const Wrench& F_E_M, const simulation::ContactModel& model
     const Vector6 before = e_;
     e_ = StepMassless<6>(before, params_.tool->compliance_T * Joined(F_E_T), period_s_, params_.tool->tau_s);
     e_per_s_ = (e_ - before) / period_s_;
-    beyond_limit_ |= !(e_.head<2>().norm() <= params_.tool->max_bend_m) ||
-                     !(-F_E_T.f.z() <= params_.tool->max_thrust_N);
+    beyond_limit_ |=
+        !(e_.head<2>().norm() <= params_.tool->max_bend_m) || !(-F_E_T.f.z() <= params_.tool->max_thrust_N);
   }
   if (params_.mount) {
     const BoneMountParams& mount = *params_.mount;

@@ -58,7 +58,8 @@ class Compliance {
   [[nodiscard]] Pose X_WM() const OSTEON_RT;
 
   /// Advances all elements by one tick.
-  /// @param F_E_M  wrench of the planes on the head as rendered: after shares and limits, without depth limit,
+  /// @param F_E_M  wrench of the planes on the head as rendered: after shares and limits, without depth
+  /// limit,
   ///   passivity damping and the spindle's torque
   void Step(const Wrench& F_E_M, const simulation::ContactModel& model, const Pose& X_WT) OSTEON_RT;
 
@@ -77,8 +78,8 @@ class Compliance {
  private:
   ComplianceParams params_;
   double period_s_;
-  Vector6 e_{Vector6::Zero()}, e_per_s_{Vector6::Zero()};          // of the tool, in T
-  Vector3 q_m_{Vector3::Zero()}, q_m_per_s_{Vector3::Zero()};      // of the layer, in M
+  Vector6 e_{Vector6::Zero()}, e_per_s_{Vector6::Zero()};      // of the tool, in T
+  Vector3 q_m_{Vector3::Zero()}, q_m_per_s_{Vector3::Zero()};  // of the layer, in M
   BoneMountState mount_;
   bool beyond_limit_{false};
 };

@@ -17,8 +17,9 @@ Pose BentHead(const Vector6& e) OSTEON_RT {
 void Validate(const ToolLinkParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("compliance tool ") + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument(std::string("compliance tool ") + name + ": found " +
+                                  std::to_string(value) + ", accepted " + std::to_string(low) + " … " +
+                                  std::to_string(high));
   };
   require("tau_s", params.tau_s, 1e-3, 10.0);
   require("max_bend_m", params.max_bend_m, 1e-5, 0.1);

@@ -39,8 +39,8 @@ template <int N>
 struct ToolLinkParams {
   Matrix6 compliance_T{Matrix6::Zero()};  ///< displacement of E in T by a wrench on E, at Eo, in T
   double tau_s{0.020};                    ///< time constant; > 0
-  double max_bend_m{0.01};      ///< lateral displacement beyond which the cell stops (free length / 10); > 0
-  double max_thrust_N{1e3};     ///< axial thrust beyond which the cell stops (half of buckling); > 0
+  double max_bend_m{0.01};   ///< lateral displacement beyond which the cell stops (free length / 10); > 0
+  double max_thrust_N{1e3};  ///< axial thrust beyond which the cell stops (half of buckling); > 0
 };
 
 /// Pose of the bent head in T: exp of the element's displacement e.

@@ -40,8 +40,8 @@ void Validate(const SurfaceLayerParams& params);
 ///     F = kappa A_max (delta - delta_s / 2)          beyond
 ///     linear below 1 N, so that the stiffness at a first touch is not zero
 ///
-/// A_c is the engaged area, at least a first touch's. For a ball that touches a flat A_c = pi R e, which gives
-/// Winkler's F = pi kappa R delta². The indentation fades with the layer's share of the contact, as
+/// A_c is the engaged area, at least a first touch's. For a ball that touches a flat A_c = pi R e, which
+/// gives Winkler's F = pi kappa R delta². The indentation fades with the layer's share of the contact, as
 /// max(0, 2 share - 1), and never exceeds 0.4 h.
 /// @returns delta [m], >= 0
 [[nodiscard]] double LayerIndentation(const SurfaceLayerParams& params, const LayerContact& contact,

@@ -33,11 +33,11 @@ struct CouplingInput {
 ///     contact model → virtual coupling → age governor, energy tank → stored energy, force, torque, arm
 ///                   → passivity damping → depth limit → guidance → power
 ///
-/// Call Evaluate, Render, LimitPower and StepCompliance in this order, each at most once per tick. All wrenches
-/// that they return are within the cell's limits of force and torque.
+/// Call Evaluate, Render, LimitPower and StepCompliance in this order, each at most once per tick. All
+/// wrenches that they return are within the cell's limits of force and torque.
 ///
-/// Where the cell gives way (control/compliance), coupling and stabilisers see the pose and velocity of the bent
-/// head in the bone's world, and the wrench is carried back to T.
+/// Where the cell gives way (control/compliance), coupling and stabilisers see the pose and velocity of the
+/// bent head in the bone's world, and the wrench is carried back to T.
 class CouplingPipeline {
  public:
   /// @param params  the loop's parameters; gains in them may change between ticks (OnGainsChanged). Must
@@ -87,7 +87,9 @@ class CouplingPipeline {
   /// @param model  as given to Evaluate
   void StepCompliance(const simulation::ContactModel& model, safety::LimitSet& acting) OSTEON_RT;
   /// Null where the cell is rigid.
-  [[nodiscard]] const Compliance* compliance() const OSTEON_RT { return compliance_ ? &*compliance_ : nullptr; }
+  [[nodiscard]] const Compliance* compliance() const OSTEON_RT {
+    return compliance_ ? &*compliance_ : nullptr;
+  }
   /// Replaces how the tool bends, at a change of tool; no effect where the cell's tool is rigid.
   void SetBending(const std::optional<ToolLinkParams>& tool) OSTEON_RT {
     if (compliance_ && params_.compliance.tool) compliance_->SetTool(tool);

@@ -260,16 +260,15 @@ void AddWrenchRate(Panels& panels) {
   });
 }
 
-// The lateral bend of the tool and the shift of the bone's mount. A chart without limits where the cell is rigid.
+// The lateral bend of the tool and the shift of the bone's mount. A chart without limits where the cell is
+// rigid.
 void AddDeflection(const control::ComplianceParams& params, Panels& panels) {
   const double bend_mm = params.tool ? 1e3 * params.tool->max_bend_m : 0.0;
   const double shift_mm = params.mount ? 1e3 * params.mount->max_shift_m : 0.0;
-  panels.One("Lateral bend of the tool", "bend [mm]", Limit(bend_mm, "mm"), [&](std::size_t i) {
-    return 1e3 * Vector3(panels[i].compliance.bend_m).head<2>().norm();
-  });
-  panels.One("Shift of the bone's mount", "shift [mm]", Limit(shift_mm, "mm"), [&](std::size_t i) {
-    return 1e3 * Vector3(panels[i].compliance.mount_m).norm();
-  });
+  panels.One("Lateral bend of the tool", "bend [mm]", Limit(bend_mm, "mm"),
+             [&](std::size_t i) { return 1e3 * Vector3(panels[i].compliance.bend_m).head<2>().norm(); });
+  panels.One("Shift of the bone's mount", "shift [mm]", Limit(shift_mm, "mm"),
+             [&](std::size_t i) { return 1e3 * Vector3(panels[i].compliance.mount_m).norm(); });
 }
 
 void AddForces(Fault fault, const control::ServoParams& servo, Panels& panels) {

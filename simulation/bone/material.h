@@ -28,8 +28,8 @@ struct Material {
 
   FigureSource density_source{}, cutting_energy_source{}, cutting_force_source{}, friction_source{};
 
-  /// As a layer on the surface that gives way (control/compliance): pressure by indentation [N/m³], thickness,
-  /// and time constant. 0: the tissue counts as hard.
+  /// As a layer on the surface that gives way (control/compliance): pressure by indentation [N/m³],
+  /// thickness, and time constant. 0: the tissue counts as hard.
   double layer_N_per_m3{0.0}, layer_thickness_m{0.0}, layer_relaxation_s{0.0};
   FigureSource layer_source{};
 };

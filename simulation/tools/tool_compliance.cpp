@@ -80,13 +80,15 @@ double BucklingThrust(const std::vector<Slice>& slices) {
 }
 
 void CheckPieces(std::span<const BeamPiece> pieces, const BeamParams& params) {
-  if (pieces.empty()) throw std::invalid_argument("bending: found no piece of a shaft, accepted at least one");
+  if (pieces.empty())
+    throw std::invalid_argument("bending: found no piece of a shaft, accepted at least one");
   CheckRangeMm("bending: clamped length", params.clamped_m, 0.0, 0.999 * pieces.back().to_m);
   if (!(params.youngs_Pa >= 1e8 && params.youngs_Pa <= 1e12))
-    throw std::invalid_argument(
-        fmt::format("bending: Young's modulus: found {:g} GPa, accepted 0.1 … 1000", 1e-9 * params.youngs_Pa));
+    throw std::invalid_argument(fmt::format("bending: Young's modulus: found {:g} GPa, accepted 0.1 … 1000",
+                                            1e-9 * params.youngs_Pa));
   if (!(params.poisson >= 0.0 && params.poisson <= 0.49))
-    throw std::invalid_argument(fmt::format("bending: Poisson's ratio: found {:g}, accepted 0 … 0.49", params.poisson));
+    throw std::invalid_argument(
+        fmt::format("bending: Poisson's ratio: found {:g}, accepted 0 … 0.49", params.poisson));
 }
 
 }  // namespace
@@ -107,9 +109,10 @@ ToolCompliance CantileverCompliance(std::span<const BeamPiece> pieces, const Bea
     shaft_kg += slice.mass_kg;
   }
   if (!(c_yy > 0.0))
-    throw std::invalid_argument(fmt::format("bending: clamped length: found {:g} mm, accepted less: nothing "
-                                            "flexible is free",
-                                            1e3 * params.clamped_m));
+    throw std::invalid_argument(
+        fmt::format("bending: clamped length: found {:g} mm, accepted less: nothing "
+                    "flexible is free",
+                    1e3 * params.clamped_m));
   Matrix6& C = result.C_T;
   C(0, 0) = C(1, 1) = c_yy;
   C(0, 4) = C(4, 0) = c_yt;
@@ -131,9 +134,10 @@ double LateralCompliance(const Matrix6& C_T, double behind_apex_m) {
 
 double ThrustFactor(double thrust_N, double buckling_N) {
   if (!(thrust_N >= 0.0 && thrust_N < buckling_N))
-    throw std::invalid_argument(fmt::format("bending: thrust: found {:g} N, accepted 0 … less than the {:.4g} N at "
-                                            "which the tool buckles",
-                                            thrust_N, buckling_N));
+    throw std::invalid_argument(
+        fmt::format("bending: thrust: found {:g} N, accepted 0 … less than the {:.4g} N at "
+                    "which the tool buckles",
+                    thrust_N, buckling_N));
   return 1.0 / (1.0 - thrust_N / buckling_N);
 }
 
@@ -145,7 +149,8 @@ std::vector<BeamPiece> BeamOf(const ToolProfile& profile) {
   for (const ProfilePiece& piece : profile.pieces()) {
     const bool fluted = piece.metal_ratio < 1.0;
     const bool begins_wide = piece.front_r_m >= piece.back_r_m && piece.front_r_m > 0.0;
-    in_head = in_head && piece.cutting && !(fluted && begins_wide) && !(begins_wide && piece.sphere_radius_m == 0.0);
+    in_head = in_head && piece.cutting && !(fluted && begins_wide) &&
+              !(begins_wide && piece.sphere_radius_m == 0.0);
     if (piece.front_z_m - piece.back_z_m <= 0.0) continue;  // a flat face
     beam.push_back({.from_m = -piece.front_z_m,
                     .to_m = -piece.back_z_m,

@@ -160,8 +160,7 @@ BuiltTool MakeReamer(const ReamerParams& p) {
   const MassProperties shell = HemisphericalShellMassProperties(radius_m, p.shell_m, p.density_kg_per_m3);
   built.head_mass_kg = shell.mass_kg;
   const std::array<MassProperties, 3> bodies{
-      shell,
-      CylinderMassProperties(p.shaft_radius_m, -radius_m, -front_m, p.density_kg_per_m3),
+      shell, CylinderMassProperties(p.shaft_radius_m, -radius_m, -front_m, p.density_kg_per_m3),
       HolderMass(p.holder, -front_m)};
   SetMass(Combine(bodies), built.tool);
   return built;

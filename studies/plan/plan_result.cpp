@@ -93,9 +93,10 @@ std::string ComplianceText(const config::CompliancePart& part) {
   const simulation::ComplianceEffect& e = part.effect;
   const char* why = e.is_felt ? (e.is_displaced ? "felt, and off by more than the error" : "felt")
                               : (e.is_displaced ? "off by more than the error" : "not noticed");
-  std::string text = fmt::format("{} ({}): {:.4g} N/mm gives {:.3f} mm under {:.3g} N, felt {:+.1f} %, K c {:.3g}",
-                                 e.matters() ? "on" : "off", why, 1e-3 * part.stiffness_N_per_m,
-                                 1e3 * e.gives_m, part.force_N, 100.0 * e.felt_share, e.product);
+  std::string text =
+      fmt::format("{} ({}): {:.4g} N/mm gives {:.3f} mm under {:.3g} N, felt {:+.1f} %, K c {:.3g}",
+                  e.matters() ? "on" : "off", why, 1e-3 * part.stiffness_N_per_m, 1e3 * e.gives_m,
+                  part.force_N, 100.0 * e.felt_share, e.product);
   if (part.thrust_ratio > 0.0) text += fmt::format(", thrust {:.3f} of buckling", part.thrust_ratio);
   return text + fmt::format("; the cell says {}", ChoiceName(part.asked));
 }

@@ -20,11 +20,13 @@ const CompliantLoopParams& Validated(const CompliantLoopParams& params) {
   if (params.loop.wall.on != WallOn::kCommanded || params.loop.wall.age_ticks != 0)
     throw std::invalid_argument("compliant loop: wall: accepted planes that are evaluated in the tick");
   if (params.link && !(params.link->tau_s > 0.0 && params.link->compliance_m_per_N >= 0.0))
-    throw std::invalid_argument(fmt::format("compliant loop: link: found {:g} m/N and {:g} s, accepted >= 0 and > 0",
-                                            params.link->compliance_m_per_N, params.link->tau_s));
+    throw std::invalid_argument(
+        fmt::format("compliant loop: link: found {:g} m/N and {:g} s, accepted >= 0 and > 0",
+                    params.link->compliance_m_per_N, params.link->tau_s));
   if (params.mount && !(params.mount->mass_kg > 0.0 && params.mount->frequency_hz > 0.0 &&
                         params.mount->late_ticks >= 0 && params.mount->late_ticks <= 1000))
-    throw std::invalid_argument("compliant loop: mount: accepted mass and frequency > 0, 0 … 1000 ticks late");
+    throw std::invalid_argument(
+        "compliant loop: mount: accepted mass and frequency > 0, 0 … 1000 ticks late");
   return params;
 }
 
@@ -37,7 +39,8 @@ control::BoneMountParams MountOf(const LoopMount& mount) {
   return params;
 }
 
-// One period of the shipped servo without dead time: (x_r, x_r')+ of (x_r, x_r', command), found by stepping it.
+// One period of the shipped servo without dead time: (x_r, x_r')+ of (x_r, x_r', command), found by stepping
+// it.
 Eigen::Matrix<double, 2, 3> PromptServo(ServoArmParams params, double period_s) {
   params.dead_cycles = 0;
   std::array<kinematics::JointLimits, 7> unlimited;

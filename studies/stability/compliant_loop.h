@@ -40,8 +40,8 @@ struct CompliantLoopParams {
 ///     law     the shipped StepAdmittance;  arm  one step of the shipped ServoArm
 ///     felt    f = -(k_h x_r + b_h x_r' + m_h x_r''),  x_r'' = w^2 (x_c[k-dc] - x_r) - 2 z w x_r', df ticks late
 ///
-/// The dead time dc counts whole periods. The acceleration is the design's, at the period's beginning; that of
-/// AdmittanceLoop may be another.
+/// The dead time dc counts whole periods. The acceleration is the design's, at the period's beginning; that
+/// of AdmittanceLoop may be another.
 class CompliantLoop {
  public:
   /// @throws std::invalid_argument naming the field, what was found and what is accepted.

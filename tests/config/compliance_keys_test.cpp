@@ -7,7 +7,8 @@
 #include "config/reading/sections/read_compliance.h"
 #include "tests/config/cell_text.h"
 
-// The section `compliance` of a cell: what gives way, by itself or as the scene notices it, and what is refused.
+// The section `compliance` of a cell: what gives way, by itself or as the scene notices it, and what is
+// refused.
 
 namespace osteon::config {
 namespace {
@@ -99,16 +100,19 @@ TEST(ComplianceKeys, WhatWouldNotBeStableIsRefusedWithTheValueThatIsNeeded) {
                     HasSubstr("at least 0.05")));
   EXPECT_THAT(refusal("mass_kg: 12\n", "mass_kg: 0.2\n"),
               AllOf(HasSubstr("mass_kg"), HasSubstr("found 0.2, accepted at least 0.42")));
-  EXPECT_THAT(Refusal(WithCompliance("demo", " {mount: on}")), HasSubstr("accepted with `bone_mount` beside it"));
+  EXPECT_THAT(Refusal(WithCompliance("demo", " {mount: on}")),
+              HasSubstr("accepted with `bone_mount` beside it"));
   EXPECT_THAT(Refusal(WithCompliance("sawbone_block", " {layer: on}")), HasSubstr("layer_N_per_mm3"));
   // 80 N/mm on a drill of 3.2 mm needs more than 20 ms
   std::string stiff = CellText("long_drill");
   stiff = With(stiff, "stiffness_N_per_mm: 60", "stiffness_N_per_mm: 80");
-  EXPECT_THAT(Refusal(stiff), AllOf(HasSubstr("relaxation_ms"), HasSubstr("found a"), HasSubstr("accepted at least")));
+  EXPECT_THAT(Refusal(stiff),
+              AllOf(HasSubstr("relaxation_ms"), HasSubstr("found a"), HasSubstr("accepted at least")));
 }
 
 TEST(ComplianceKeys, WordsAndNumbersOutsideTheirRangesAreRefused) {
-  EXPECT_THAT(Refusal(WithCompliance("demo", " {tool: maybe}")), AllOf(HasSubstr("tool"), HasSubstr("maybe")));
+  EXPECT_THAT(Refusal(WithCompliance("demo", " {tool: maybe}")),
+              AllOf(HasSubstr("tool"), HasSubstr("maybe")));
   EXPECT_THAT(Refusal(WithCompliance("demo", " {tool: auto, error_mm: 50}")), HasSubstr("error_mm"));
   EXPECT_THAT(Refusal(WithCompliance("demo", " {tools: auto}")), HasSubstr("tools"));
 }

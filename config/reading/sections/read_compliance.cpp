@@ -20,7 +20,8 @@ constexpr double kMaxFrameShare = 0.5;     // sum of T K c / tau
 constexpr double kMinDampingRatio = 0.05;  // of a mount
 constexpr double kMaxTurnPerTick = 0.4;    // sqrt((K + k) / m) T of a mount
 constexpr double kMinFirstMode_hz = 100.0;
-constexpr double kBendShare = 0.1, kThrustShare = 0.5;  // of free length and buckling load, where the cell stops
+constexpr double kBendShare = 0.1,
+                 kThrustShare = 0.5;    // of free length and buckling load, where the cell stops
 constexpr double kTableForce_N = 20.0;  // at which a layer's stiffness is stated
 
 GivesWay ReadLevel(Reader& section, const char* key) {
@@ -84,7 +85,8 @@ double SoftestOf(const control::SurfaceLayerParams& layer) {
 
 // Secant compliance of a layer at a first touch.
 double LayerCompliance(const control::SurfaceLayerParams& layer, double force_N) {
-  return control::LayerIndentation(layer, {.kappa_N_per_m3 = SoftestOf(layer), .share = 1.0}, force_N) / force_N;
+  return control::LayerIndentation(layer, {.kappa_N_per_m3 = SoftestOf(layer), .share = 1.0}, force_N) /
+         force_N;
 }
 
 simulation::Matrix6 ToolMatrix(const CellConfig& cell) {
@@ -96,14 +98,16 @@ void CheckTool(const Reader& section, const CellConfig& cell) {
   const simulation::ToolCompliance& c = cell.tool.bending->compliance;
   const double push_N = cell.compliance.push_N;
   if (push_N > kThrustShare * c.buckling_N)
-    section.Refuse("tool", fmt::format("found a push of {:.4g} N on a tool that buckles at {:.4g} N, accepted at most "
-                                       "half of that: push less, clamp more of the tool, or take a thicker one",
-                                       push_N, c.buckling_N));
+    section.Refuse(
+        "tool", fmt::format("found a push of {:.4g} N on a tool that buckles at {:.4g} N, accepted at most "
+                            "half of that: push less, clamp more of the tool, or take a thicker one",
+                            push_N, c.buckling_N));
   if (c.first_mode_hz < kMinFirstMode_hz)
-    section.Refuse("tool",
-                   fmt::format("found a tool that vibrates at {:.4g} Hz by itself, accepted at least {:g}: its head's "
-                               "mass is not in the model",
-                               c.first_mode_hz, kMinFirstMode_hz));
+    section.Refuse(
+        "tool",
+        fmt::format("found a tool that vibrates at {:.4g} Hz by itself, accepted at least {:g}: its head's "
+                    "mass is not in the model",
+                    c.first_mode_hz, kMinFirstMode_hz));
   if (cell.tool.bending->relaxation_s < kMinToolRelaxation_s)
     section.Refuse("tool", fmt::format("found a tool with relaxation_ms {:g}, accepted at least {:g}",
                                        1e3 * cell.tool.bending->relaxation_s, 1e3 * kMinToolRelaxation_s));
@@ -113,7 +117,8 @@ void CheckTool(const Reader& section, const CellConfig& cell) {
 void CheckMassless(const Reader& section, const CellConfig& cell) {
   const control::ComplianceParams& c = cell.servo.compliance;
   const double TK = cell.servo.period_s * cell.servo.coupling.max_stiffness_N_per_m;
-  const double of_tool = c.tool ? TK * c.tool->compliance_T.diagonal().head<3>().maxCoeff() / c.tool->tau_s : 0.0;
+  const double of_tool =
+      c.tool ? TK * c.tool->compliance_T.diagonal().head<3>().maxCoeff() / c.tool->tau_s : 0.0;
   const double of_layer = c.layer ? TK * LayerCompliance(*c.layer, 1.0) / c.layer->tau_s : 0.0;
   if (of_tool + of_layer <= kMaxFrameShare) return;
   const bool tool_worse = of_tool >= of_layer;
@@ -123,8 +128,8 @@ void CheckMassless(const Reader& section, const CellConfig& cell) {
                  fmt::format("found a {} of {:g} ms, accepted at least {:.4g}: period × coupling stiffness × "
                              "compliance / time constant may be {:g} in all, and is {:.3g}",
                              tool_worse ? "relaxation_ms" : "layer_relaxation_ms",
-                             1e3 * (tool_worse ? c.tool->tau_s : c.layer->tau_s), 1e3 * least_s, kMaxFrameShare,
-                             of_tool + of_layer));
+                             1e3 * (tool_worse ? c.tool->tau_s : c.layer->tau_s), 1e3 * least_s,
+                             kMaxFrameShare, of_tool + of_layer));
 }
 
 // Rules 2 and 3, axis by axis. The hand is the simulated operator's, where there is one.
@@ -133,18 +138,20 @@ void CheckMount(const Reader& section, const CellConfig& cell) {
   const double K = cell.servo.coupling.max_stiffness_N_per_m, T = cell.servo.period_s;
   const Reader bone_mount = Reader(section).Section("bone_mount");
   if (mount.damping_ratio < kMinDampingRatio)
-    bone_mount.Refuse("damping_ratio",
-                      fmt::format("found {:g}, accepted at least {:g}", mount.damping_ratio, kMinDampingRatio));
+    bone_mount.Refuse("damping_ratio", fmt::format("found {:g}, accepted at least {:g}", mount.damping_ratio,
+                                                   kMinDampingRatio));
   const double stiff = mount.stiffness_N_per_m.maxCoeff();
   const double least_kg = (K + stiff) * T * T / (kMaxTurnPerTick * kMaxTurnPerTick);
   if (mount.mass_kg < least_kg)
-    bone_mount.Refuse("mass_kg", fmt::format("found {:g}, accepted at least {:.4g}: with coupling and mount it "
-                                             "would turn further than {:g} rad in a period",
-                                             mount.mass_kg, least_kg, kMaxTurnPerTick));
+    bone_mount.Refuse("mass_kg",
+                      fmt::format("found {:g}, accepted at least {:.4g}: with coupling and mount it "
+                                  "would turn further than {:g} rad in a period",
+                                  mount.mass_kg, least_kg, kMaxTurnPerTick));
   if (!cell.has_simulation) return;
   const auto& hand = cell.simulated.hand;
   const hil::ServoArmParams& arm = cell.simulated.servo;
-  const double age_s = (arm.dead_cycles + 1) * T + 2.0 * arm.damping_ratio / (2.0 * std::numbers::pi * arm.bandwidth_hz);
+  const double age_s =
+      (arm.dead_cycles + 1) * T + 2.0 * arm.damping_ratio / (2.0 * std::numbers::pi * arm.bandwidth_hz);
   const double damping = cell.servo.law == control::Law::kAdmittance
                              ? cell.servo.admittance.damping_Ns_per_m.minCoeff()
                              : cell.servo.impedance.damping_Ns_per_m.minCoeff();
@@ -153,12 +160,12 @@ void CheckMount(const Reader& section, const CellConfig& cell) {
     const double k = mount.stiffness_N_per_m[axis];
     const double own = 2.0 * std::sqrt(k * mount.mass_kg);
     if (own * mount.damping_ratio + damping + hand.damping_Ns_per_m >= needed) continue;
-    bone_mount.Refuse("damping_ratio",
-                      fmt::format("found {:g}, accepted at least {:.3g}: damping of mount, virtual tool and hand must "
-                                  "exceed the hand's {:g} N/m × {:.1f} ms",
-                                  mount.damping_ratio,
-                                  (needed - damping - hand.damping_Ns_per_m) / own, hand.stiffness_N_per_m,
-                                  1e3 * age_s));
+    bone_mount.Refuse(
+        "damping_ratio",
+        fmt::format("found {:g}, accepted at least {:.3g}: damping of mount, virtual tool and hand must "
+                    "exceed the hand's {:g} N/m × {:.1f} ms",
+                    mount.damping_ratio, (needed - damping - hand.damping_Ns_per_m) / own,
+                    hand.stiffness_N_per_m, 1e3 * age_s));
   }
 }
 
@@ -187,7 +194,8 @@ CompliancePart LayerPart(const CellConfig& cell) {
 }
 
 CompliancePart MountPart(const CellConfig& cell) {
-  CompliancePart part{.name = "mount", .asked = cell.compliance.mount, .known = cell.compliance.bone_mount.has_value()};
+  CompliancePart part{
+      .name = "mount", .asked = cell.compliance.mount, .known = cell.compliance.bone_mount.has_value()};
   if (!part.known) return part;
   part.force_N = cell.compliance.push_N;
   part.stiffness_N_per_m = cell.compliance.bone_mount->stiffness_N_per_m.minCoeff();
@@ -223,7 +231,8 @@ std::optional<Reader> ReadCompliance(Reader& cell_section, CellConfig& cell) {
 
 void CompleteCompliance(const std::optional<Reader>& section, CellConfig& cell) {
   ComplianceConfig& compliance = cell.compliance;
-  if (!(compliance.error_m > 0.0)) compliance.error_m = cell.scene.fidelity ? cell.scene.fidelity->error_m : 0.1e-3;
+  if (!(compliance.error_m > 0.0))
+    compliance.error_m = cell.scene.fidelity ? cell.scene.fidelity->error_m : 0.1e-3;
   compliance.push_N = PushOf(cell);
   compliance.lateral_N = simulation::LateralForce_N(cell.servo.posture_load.lateral_N, compliance.push_N);
   if (!section) return;

@@ -22,10 +22,10 @@ void CompleteCompliance(const std::optional<Reader>& section, CellConfig& cell);
 
 /// What a part changes in a cell when it gives way.
 struct CompliancePart {
-  const char* name{""};     ///< "tool", "layer", "mount"
+  const char* name{""};  ///< "tool", "layer", "mount"
   GivesWay asked{GivesWay::kOff};
-  bool known{false};        ///< false: the cell's files do not say how it gives way
-  bool on{false};           ///< it gives way in the loop
+  bool known{false};  ///< false: the cell's files do not say how it gives way
+  bool on{false};     ///< it gives way in the loop
   simulation::ComplianceEffect effect{};
   double stiffness_N_per_m{0.0};  ///< of the part at that force
   double force_N{0.0};            ///< that acts on it

@@ -123,7 +123,8 @@ FailureResult RunTwoSprings(const FailureSetting& setting) {
   };
   FailureSeries baseline{.name = "series stiffness"}, ours{.name = "ours", .ours = true};
   const double soft = 1.0 / (1.0 / kK_N_per_m + 1.0 / kLayer_N_per_m);
-  const simulation::Contact uneven[]{Plane(Vector3::Zero(), n_1, kK_N_per_m), Plane(Vector3::Zero(), n_2, soft)};
+  const simulation::Contact uneven[]{Plane(Vector3::Zero(), n_1, kK_N_per_m),
+                                     Plane(Vector3::Zero(), n_2, soft)};
   const simulation::Contact even[]{Plane(Vector3::Zero(), n_1, kK_N_per_m),
                                    Plane(Vector3::Zero(), n_2, kK_N_per_m)};
   ComplianceBench written({});
@@ -133,7 +134,8 @@ FailureResult RunTwoSprings(const FailureSetting& setting) {
   result.ours = 1e3 * GivenInATurn_J(element, even, 1.0, circle, ours);
   result.baseline_fails = result.baseline > 1.0;
   result.ours_passes = complete && result.ours <= result.bound;
-  result.note = fmt::format("a circle of 1 mm, 3 mm deep; a layer of 5 N/mm: ours takes {:.2f} mJ", -result.ours);
+  result.note =
+      fmt::format("a circle of 1 mm, 3 mm deep; a layer of 5 N/mm: ours takes {:.2f} mJ", -result.ours);
   result.plot = {.x_label = "turn", .y_label = "work given [mJ]", .series = {baseline, ours}};
   return result;
 }
@@ -187,7 +189,8 @@ FailureResult RunStaleStiffness(const FailureSetting& setting) {
   const bool complete = setting.GoesOn(1.0);
   result.baseline_fails = result.baseline > 1.0;
   result.ours_passes = complete && result.ours <= result.bound;
-  result.note = fmt::format("tissue of 0.3 MPa over 5 mm under a ball of 25 mm; ours takes {:.2f} mJ", -result.ours);
+  result.note =
+      fmt::format("tissue of 0.3 MPa over 5 mm under a ball of 25 mm; ours takes {:.2f} mJ", -result.ours);
   result.plot = {.x_label = "cycles", .y_label = "work given [mJ]", .series = {baseline, ours}};
   return result;
 }
@@ -223,7 +226,8 @@ FailureResult RunBentArm(const FailureSetting& setting) {
   result.ours = 1e3 * GivenInATurn_J(bent, plane, turn_s, path, ours);
   result.baseline_fails = result.baseline > 10.0 * result.bound;
   result.ours_passes = complete && result.ours <= result.bound;
-  result.note = "a drill of 3.2 mm on a plane at 20 deg, 0.8 to 2.2 mm deep, turned by 2.9 deg to either side";
+  result.note =
+      "a drill of 3.2 mm on a plane at 20 deg, 0.8 to 2.2 mm deep, turned by 2.9 deg to either side";
   result.plot = {.x_label = "turn", .y_label = "work given [mJ]", .series = {baseline, ours}};
   return result;
 }

@@ -11,18 +11,18 @@ namespace osteon::hil {
 /// so that the force has a curl. Bound: 0.
 [[nodiscard]] FailureResult RunTwoSprings(const FailureSetting& setting);
 
-/// Scenario 37, stale stiffness: a ball presses into a soft layer by 2 ± 1.5 mm at 8 Hz. Metric: work that the
-/// layer gives in a cycle. Baseline: the layer's secant stiffness by each frame, held until the next. Bound:
-/// 0.
+/// Scenario 37, stale stiffness: a ball presses into a soft layer by 2 ± 1.5 mm at 8 Hz. Metric: work that
+/// the layer gives in a cycle. Baseline: the layer's secant stiffness by each frame, held until the next.
+/// Bound: 0.
 [[nodiscard]] FailureResult RunStaleStiffness(const FailureSetting& setting);
 
 /// Scenario 38, bent arm: a drill slides and turns against an inclined plane. Metric: work given in a turn.
 /// Baseline: the torque by the rigid tool's arm, as if the head were not aside. Bound: 0.01 mJ.
 [[nodiscard]] FailureResult RunBentArm(const FailureSetting& setting);
 
-/// Scenario 39, late planes: a hand presses on bone of 12 kg on a mount of 15 Hz. Metric: growth of the motion
-/// in a second. Baseline: planes that follow the bone's motion 20 ms late, as an engine would that moves the
-/// bone itself. Bound: 1.
+/// Scenario 39, late planes: a hand presses on bone of 12 kg on a mount of 15 Hz. Metric: growth of the
+/// motion in a second. Baseline: planes that follow the bone's motion 20 ms late, as an engine would that
+/// moves the bone itself. Bound: 1.
 [[nodiscard]] FailureResult RunLatePlanes(const FailureSetting& setting);
 
 }  // namespace osteon::hil

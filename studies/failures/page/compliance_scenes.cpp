@@ -83,7 +83,8 @@ constexpr std::array kScenes{
     FailureScene{38, BentArm,
                  "The force acts at the bent head, the torque is computed at the straight one: work appears.",
                  "The wrench is carried back from the bent head."},
-    FailureScene{39, LatePlanes, "The engine moves the bone, so its planes follow 20 ms late: the motion grows.",
+    FailureScene{39, LatePlanes,
+                 "The engine moves the bone, so its planes follow 20 ms late: the motion grows.",
                  "The mount moves in the tick, and the engine sees a bone at rest: the motion decays."},
 };
 

@@ -69,7 +69,8 @@ TEST(BoneMount, PadsCreepAndComeBack) {
   params.creep_N_per_m = 60e3;
   params.creep_tau_s = 2.0;
   BoneMountState state;
-  for (int i = 0; i < 2000; ++i) StepMount(params, {.f = {120.0, 0.0, 0.0}, .t = Vector3::Zero()}, kT_s, state);
+  for (int i = 0; i < 2000; ++i)
+    StepMount(params, {.f = {120.0, 0.0, 0.0}, .t = Vector3::Zero()}, kT_s, state);
   EXPECT_NEAR(state.creep_m.x(), -120.0 / 60e3 * (1.0 - std::exp(-1.0)), 2e-6);
   for (int i = 0; i < 20'000; ++i) StepMount(params, {}, kT_s, state);
   EXPECT_LT(state.creep_m.norm(), 1e-6);

@@ -67,8 +67,7 @@ ComplianceParams ParamsOf(const Level& level) {
 // Energy that tool and mount store. The layer's is left out, which makes the claim about it weaker.
 double StoredIn(const Compliance& c) {
   double stored_J = 0.0;
-  if (c.params().tool)
-    stored_J += 0.5 * c.bend().dot(c.params().tool->compliance_T.ldlt().solve(c.bend()));
+  if (c.params().tool) stored_J += 0.5 * c.bend().dot(c.params().tool->compliance_T.ldlt().solve(c.bend()));
   if (c.params().mount) stored_J += MountEnergy(*c.params().mount, c.mount());
   return stored_J;
 }
@@ -83,9 +82,8 @@ TEST_P(EnergyOfLevels, NoRideTakesOutMoreThanItPutIn) {
   for (int i = 0; i < 250; ++i) {
     Compliance compliance(ParamsOf(GetParam()), kT_s);
     const Vector3 n = Vector3(any(bits), any(bits), 1.2).normalized(), p_TP_m(1e-3, -0.5e-3, -2e-3);
-    const std::vector<SpringPlane> planes{
-        {.n = Vector3::UnitZ(), .offset_m = -0.2e-3},
-        {.n = n, .offset_m = n.dot(p_TP_m) - 0.3e-3, .p_TP_m = p_TP_m}};
+    const std::vector<SpringPlane> planes{{.n = Vector3::UnitZ(), .offset_m = -0.2e-3},
+                                          {.n = n, .offset_m = n.dot(p_TP_m) - 0.3e-3, .p_TP_m = p_TP_m}};
     const SmoothRide ride(bits, kSeconds, 3e-3, 0.05);
     const RideEnergy energy = Ride(compliance, planes, ride, Frame(), kSeconds, kT_s, StoredIn);
     worst_J = std::min(worst_J, energy.least_J);
@@ -96,7 +94,8 @@ TEST_P(EnergyOfLevels, NoRideTakesOutMoreThanItPutIn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, EnergyOfLevels,
-                         testing::Values(Level{"layer", true, false, false}, Level{"tool", false, true, false},
+                         testing::Values(Level{"layer", true, false, false},
+                                         Level{"tool", false, true, false},
                                          Level{"mount", false, false, true}, Level{"all", true, true, true}),
                          [](const auto& test) { return test.param.name; });
 
@@ -105,7 +104,8 @@ TEST(Compliance, AToolThatIsTooFastDoesGiveEnergy) {
   ComplianceParams params;
   params.tool = Drill();
   const double least_s = MinRelaxation_s(kT_s, 80e3, params.tool->compliance_T(0, 0));
-  const std::vector<SpringPlane> side{{.n = Vector3::UnitX(), .offset_m = -0.1e-3, .stiffness_N_per_m = 80e3}};
+  const std::vector<SpringPlane> side{
+      {.n = Vector3::UnitX(), .offset_m = -0.1e-3, .stiffness_N_per_m = 80e3}};
   const auto least_J = [&](double factor) {
     params.tool->tau_s = factor * least_s;
     std::mt19937_64 bits(3);

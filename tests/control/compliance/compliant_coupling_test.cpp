@@ -31,7 +31,9 @@ BoneMountParams Mount(double stiffness_N_per_m) {
 
 // A tool that is held `depth_m` deep in bone.
 struct Held {
-  explicit Held(const ServoParams& p) : params(p), arm(Follower(params)), pipeline(params) { pipeline.Reset(); }
+  explicit Held(const ServoParams& p) : params(p), arm(Follower(params)), pipeline(params) {
+    pipeline.Reset();
+  }
   safety::LimitedWrench Tick(double depth_m) {
     now += rt::kMillisecond;
     return Tick(PlaneBehind(depth_m, now));

@@ -44,7 +44,8 @@ class SmoothRide {
     std::uniform_real_distribution<double> hz(0.3, 8.0), phase(0.0, 2.0 * std::numbers::pi), size(-1.0, 1.0);
     for (std::size_t axis = 0; axis < 6; ++axis)
       for (Wave& wave : waves_[axis])
-        wave = {.hz = hz(bits), .phase = phase(bits), .size = (axis < 3 ? way_m : turn_rad) * size(bits) / 2.0};
+        wave = {
+            .hz = hz(bits), .phase = phase(bits), .size = (axis < 3 ? way_m : turn_rad) * size(bits) / 2.0};
   }
   [[nodiscard]] Pose At(double t_s) const {
     const double ease = std::sin(std::numbers::pi * t_s / seconds_), window = ease * ease;

@@ -71,7 +71,8 @@ TEST(SurfaceLayer, AToolThatIsHeldRelaxesAsTheDesignSays) {
 
 TEST(SurfaceLayer, IsContinuousWhereItsLawsMeet) {
   const SurfaceLayerParams soft = Layer(kSoft);
-  EXPECT_NEAR(LayerIndentation(soft, Touch(soft), 0.999999), LayerIndentation(soft, Touch(soft), 1.000001), 1e-8);
+  EXPECT_NEAR(LayerIndentation(soft, Touch(soft), 0.999999), LayerIndentation(soft, Touch(soft), 1.000001),
+              1e-8);
   // the whole reach engaged: linear from delta_s on, with kappa A_max as its slope
   LayerContact seated = Touch(soft);
   seated.area_m2 = 0.5 * soft.max_area_m2;

@@ -29,11 +29,10 @@ ToolCompliance Drill(double diameter_mm, double flute_mm, double length_mm) {
 }
 
 ToolCompliance RoundBurr(double diameter_mm, double neck_mm, double clamped_mm = 0.0) {
-  const BuiltTool built = MakeBurr({.diameter_m = 1e-3 * diameter_mm,
-                                    .neck_diameter_m = 1e-3 * neck_mm,
-                                    .balls = {.max_count = 64,
-                                              .cutting_gap_m = 0.01e-3 * diameter_mm,
-                                              .touching_gap_m = 0.15e-3}});
+  const BuiltTool built = MakeBurr(
+      {.diameter_m = 1e-3 * diameter_mm,
+       .neck_diameter_m = 1e-3 * neck_mm,
+       .balls = {.max_count = 64, .cutting_gap_m = 0.01e-3 * diameter_mm, .touching_gap_m = 0.15e-3}});
   return CantileverCompliance(built.beam, {.clamped_m = 1e-3 * clamped_mm,
                                            .load_point_m = built.load_point_m,
                                            .head_mass_kg = built.head_mass_kg});
@@ -55,13 +54,15 @@ TEST(ToolCompliance, AUniformShaftIsTheTextbooksCantilever) {
   EXPECT_NEAR(c.buckling_N / (std::numbers::pi * std::numbers::pi * EI / (4.0 * L * L)), 1.0, 1e-6);
   EXPECT_TRUE(c.C_T.isApprox(c.C_T.transpose()));
   // A force behind the apex acts on a head that counts as rigid: too soft by (s / (L - s))^3, 3.7 % at L / 4.
-  EXPECT_NEAR(LateralCompliance(c.C_T, 0.25 * L) / (std::pow(0.75 * L, 3) / (3.0 * EI)), 1.0 + 1.0 / 27.0, 1e-9);
+  EXPECT_NEAR(LateralCompliance(c.C_T, 0.25 * L) / (std::pow(0.75 * L, 3) / (3.0 * EI)), 1.0 + 1.0 / 27.0,
+              1e-9);
 }
 
 TEST(ToolCompliance, AConeIsItsIntegral) {
   // I grows with the fourth power of a radius that is linear: int s^2 / (pi/4 E (a + b s)^4) ds by a fine sum
   constexpr double kFront = 1e-3, kBack = 3e-3, L = 0.05;
-  const std::vector<BeamPiece> cone{{.from_m = 0.0, .to_m = L, .from_radius_m = kFront, .to_radius_m = kBack}};
+  const std::vector<BeamPiece> cone{
+      {.from_m = 0.0, .to_m = L, .from_radius_m = kFront, .to_radius_m = kBack}};
   double exact = 0.0;
   constexpr int kN = 2'000'000;
   for (int i = 0; i < kN; ++i) {
@@ -90,7 +91,8 @@ TEST(ToolCompliance, TheShippedSizesAreTheDesigns) {
   EXPECT_NEAR(canal_c.lateral_N_per_m, 34490.0, 344.9);
   EXPECT_NEAR(canal_c.first_mode_hz, 215.0, 2.15);
   const BuiltTool cup = MakeReamer({});
-  EXPECT_NEAR(CantileverCompliance(cup.beam, {.load_point_m = cup.load_point_m}).lateral_N_per_m, 847.8e3, 8.5e3);
+  EXPECT_NEAR(CantileverCompliance(cup.beam, {.load_point_m = cup.load_point_m}).lateral_N_per_m, 847.8e3,
+              8.5e3);
 }
 
 TEST(ToolCompliance, DrillsBuckleWhereTheDesignSays) {

@@ -1,5 +1,5 @@
-// The stability tables of what gives way (docs/theory/compliance.md): a massless link and a bone on its mount in
-// Model B. The rows are the design's, of a hand of 3000 N/m, 60 N s/m and 3 kg and an arm of 15 Hz.
+// The stability tables of what gives way (docs/theory/compliance.md): a massless link and a bone on its mount
+// in Model B. The rows are the design's, of a hand of 3000 N/m, 60 N s/m and 3 kg and an arm of 15 Hz.
 
 #include <cmath>
 #include <numbers>
@@ -94,8 +94,8 @@ INSTANTIATE_TEST_SUITE_P(Design, BoneOnItsMount,
                                          MountRow{"3kg_10Hz", 3, 10, 0.99036, 1.00240, 1.01661, 1.01997}),
                          [](const auto& test) { return test.param.name; });
 
-// The mount's rules over hands and mounts: stable whenever they hold. Hands are those stable free and on the rigid
-// wall up to K (1 + m_v / m).
+// The mount's rules over hands and mounts: stable whenever they hold. Hands are those stable free and on the
+// rigid wall up to K (1 + m_v / m).
 TEST(MountRules, HoldForRandomMountsAndHands) {
   std::mt19937_64 bits(7);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -121,8 +121,7 @@ TEST(MountRules, HoldForRandomMountsAndHands) {
     const double w = 2.0 * std::numbers::pi * mount.frequency_hz, k = mount.mass_kg * w * w;
     const double damping = 2.0 * mount.damping_ratio * w * mount.mass_kg + params.loop.damping_Ns_per_m +
                            params.loop.hand.damping_Ns_per_m;
-    const bool damped =
-        mount.damping_ratio >= 0.05 && damping >= params.loop.hand.stiffness_N_per_m * kAge_s;
+    const bool damped = mount.damping_ratio >= 0.05 && damping >= params.loop.hand.stiffness_N_per_m * kAge_s;
     const bool slow = std::sqrt((kK + k) / mount.mass_kg) * kT_s <= 0.4;
     params.mount = mount;
     const bool stable = CompliantLoop(params).SpectralRadius() < 1.0;
@@ -134,7 +133,8 @@ TEST(MountRules, HoldForRandomMountsAndHands) {
   EXPECT_EQ(unstable, 0) << "of " << tried;
 }
 
-// A firm grip on a light tool that only the rigid wall calms: the mount's damping is half of what the rule asks for.
+// A firm grip on a light tool that only the rigid wall calms: the mount's damping is half of what the rule
+// asks for.
 TEST(MountRules, SayWhichMountMakesAHandSwing) {
   CompliantLoopParams params = LoopOf(20e3, 3.0, 20.0);
   params.loop.hand = {"firm grip", 6000.0, 10.0, 1.0};
