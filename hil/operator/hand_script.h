@@ -85,6 +85,7 @@ struct ReamingScriptParams {
       0.010};  ///< the push is at full force down to this far below height 0, then fades
   double push_force_N{120.0};
   double approach_force_N{20.0};
+  /// Of the whirlwind; 0: straight, pressed along the axis.
   double tilt_rad{10.0 * std::numbers::pi / 180.0};
   double whirl_period_s{2.0};
   double hand_stiffness_N_per_m{2000.0};  ///< of the hand that will follow the script
@@ -95,7 +96,7 @@ struct ReamingScriptParams {
 
 /// Approach, force ramp, push with whirlwind, unload, retract, scaled to any length. In a script of 10 s: 1 s
 /// of approach to height 0, 0.7 s of ramp, 7.1 s of push (the tilt grows and fades in 0.8 s each), 0.4 s of
-/// unloading, 0.8 s of retreat.
+/// unloading, 0.8 s of retreat. Without a tilt the push is straight: its phases are named "press".
 ///
 /// In the push the target lies below the cup by full_force_depth + push_force / stiffness. The hand's spring
 /// then asks for more than the force limit, so the hand presses at that limit. A hand that breaks through

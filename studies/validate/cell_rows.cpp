@@ -56,7 +56,6 @@ std::vector<std::string> TechniqueSet(Technique technique) {
 // Diameter of the cavity of a run that ended in order, with its head seated [mm].
 double DiameterOf_mm(ValidationLab& lab, const CellTrialParams& cell) {
   const CellTrial& trial = lab.Cell(cell);
-  if (!trial.faults.empty()) throw std::runtime_error("the cell stopped: " + trial.faults.front());
   if (!trial.fit) throw std::runtime_error("no cavity: " + trial.fit_refused);
   if (trial.seated_m <= 0.0)
     throw std::runtime_error(fmt::format("the head ends {:.2f} mm above the cup's centre, accepted below it",

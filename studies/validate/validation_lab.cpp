@@ -77,6 +77,8 @@ const CellTrial& ValidationLab::Cell(const CellTrialParams& params) {
   Prepare(std::span(&params, 1));
   const auto& trial = cells_.at(params.Key());
   if (!trial) throw std::runtime_error(trial.error());
+  if (!trial->faults.empty())
+    throw std::runtime_error(fmt::format("cell {} stopped: {}", params.cell, trial->faults.front()));
   return *trial;
 }
 

@@ -33,7 +33,7 @@ class ValidationLab {
 
   /// Runs cells at the same time, so that Cell() has them ready.
   void Prepare(std::span<const CellTrialParams> cells);
-  /// @throws std::runtime_error with the reason if the cell cannot be run.
+  /// @throws std::runtime_error with the reason if the cell cannot be run, or stopped with a fault.
   [[nodiscard]] const CellTrial& Cell(const CellTrialParams& params);
 
   [[nodiscard]] bool quick() const { return params_.quick; }
