@@ -172,14 +172,13 @@ async function operatesTheCell() {
 
 /** A plan's panel and its picture; a request that is refused says why. */
 async function operatesAProcedure() {
-  const run = demo(60, "--plan", "acetabulum"); // ended by the page
+  const run = demo(160, "--plan", "acetabulum"); // ended by the page, long before the first change of tool
   const page = await open(await run.url, 1280, 720);
   await until(page, "osteon.procedure.note?.known && osteon.scene.planView !== null");
   assert.equal(await page.evaluate("osteon.procedure.plan.reamers.length"), 4);
   assert.deepEqual(await clipped(page), []);
   await page.evaluate('document.getElementById("next-tool").click()');
   await until(page, 'document.getElementById("answer").textContent.includes("not paused")');
-  await page.evaluate('document.getElementById("step-2").click()'); // 48 mm
   await page.evaluate('document.getElementById("undo-pass").click()');
   await until(page, "osteon.procedure.note.to_go_mm < 15 && osteon.scene.surface.triangles > 10000");
   await picture(page, "procedure");

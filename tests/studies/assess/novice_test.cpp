@@ -6,7 +6,9 @@
 
 #include "base/units.h"
 #include "config/reading/load_rubric.h"
-#include "session/run/demo.h"
+#include "session/planning/planned_cell.h"
+#include "session/procedure/prepare_session.h"
+#include "session/run/cell_run.h"
 #include "studies/assess/assess_result.h"
 #include "tests/temporary_path.h"
 
@@ -34,19 +36,31 @@ fs::path LastReamerAlone() {
   return file;
 }
 
+// As `osteon demo --plan … --virtual-time` runs it, without a report.
 AssessedSession SessionOf(const std::string& hand) {
-  const fs::path out = TemporaryPath("hand_" + hand);
-  const DemoOptions options{.seconds = 8.0,
-                            .out = out,
-                            .cell = kConfig / "cells/demo.yaml",
-                            .procedure = {.plan = LastReamerAlone(), .hand = hand},
-                            .virtual_time = true,
-                            .engine = "cpu",
-                            .console = {.on = false}};
-  EXPECT_EQ(RunDemo(options), 0);
-  auto session = ReadAssessedSession(out / "session");
+  const fs::path cell = kConfig / "cells/demo.yaml";
+  const ProcedureChoice choice{
+      .plan = LastReamerAlone(), .session = TemporaryPath("hand_" + hand), .hand = hand};
+  const auto procedure = OpenProcedure(choice, cell, std::nullopt);
+  EXPECT_TRUE(procedure) << procedure.error();
+  auto setup = PrepareCell(cell, std::nullopt, procedure->tool);
+  EXPECT_TRUE(setup) << setup.error();
+  const EngineChoice engine_choice{.engine = "cpu"};
+  EXPECT_TRUE(PackCell(*setup, {}, engine_choice, false));
+  auto engine = MakeEngine(*setup, engine_choice);
+  EXPECT_TRUE(engine) << engine.error();
+  auto session = MakeSession(*procedure, choice, cell, {}, engine_choice, true, true, *setup, *engine);
   EXPECT_TRUE(session) << session.error();
-  return std::move(*session);
+  const auto run = RunCell(*setup, **engine,
+                           {.seconds = 8.0,
+                            .virtual_time = true,
+                            .recording = choice.session / procedure->recording,
+                            .procedure = session->get()});
+  EXPECT_TRUE(run) << run.error().what;
+  EXPECT_FALSE(run->faults.Any());
+  auto assessed = ReadAssessedSession(choice.session);
+  EXPECT_TRUE(assessed) << assessed.error();
+  return std::move(*assessed);
 }
 
 TEST(NoviceAndExpert, AreToldApart) {
