@@ -19,6 +19,9 @@ using Chain = kinematics::SerialChain<7>;
 
 constexpr double kLever2_m2 = 0.1 * 0.1;                   // of a grip, as OperatorWith has it
 constexpr double kNullShare = 0.1, kNullDamping_m = 1e-3;  // of DynamicArm
+// Some fifty times what the push gives: beyond it the drives' limits would hold the motion, which then grows
+// no more.
+constexpr double kGrown_m_per_s = 0.1;
 constexpr double kPreload_N = 20.0, kPush_N = 1.0, kPush_s = 0.01;
 
 Matrix6 OfTwist(double linear, double turning) {
@@ -271,7 +274,7 @@ bool OverlayGrows(const OverlayLoopParams& params, double seconds) {
   double middle = 0.0, last = 0.0;
   for (int k = 0; k < ticks; ++k) {
     const double speed = run.Advance(k * params.period_s < kPush_s ? kPush_N : 0.0);
-    if (!std::isfinite(speed) || std::abs(speed) > 1.0) return true;
+    if (!std::isfinite(speed) || speed > kGrown_m_per_s) return true;
     if (k >= third) (k < 2 * third ? middle : last) += speed * speed;
   }
   return last > middle;

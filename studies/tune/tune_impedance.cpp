@@ -74,7 +74,10 @@ hil::OverlayLoopParams With(const OverlayTuning& t, double damping_Ns_per_m, con
                             double gain) {
   hil::OverlayLoopParams loop = t.loop;
   // all three axes alike, as their ratio in the cell is
-  loop.law.damping_Ns_per_m *= damping_Ns_per_m / std::max(1e-9, t.own_damping());
+  if (t.own_damping() > 0.0)
+    loop.law.damping_Ns_per_m *= damping_Ns_per_m / t.own_damping();
+  else
+    loop.law.damping_Ns_per_m.setConstant(damping_Ns_per_m);
   loop.hand = {hand.name, gain * hand.stiffness_N_per_m, gain * hand.damping_Ns_per_m, gain * hand.mass_kg};
   return loop;
 }
@@ -194,8 +197,16 @@ OverlayCheck CheckInTime(const OverlayTuning& t, int threads) {
   return check;
 }
 
-// The cell's own stiffness if a damping stands it, else the stiffest of those below that has one.
+// The cell's own gains if they stand, else the least damping for its own stiffness, else the stiffest of
+// those below that has one.
 void Recommend(OverlayTuning& t) {
+  if (t.own_margin >= t.task.margin && t.own_damping() > 0.0) {
+    t.recommended_N_per_m = t.task.wall_N_per_m;
+    t.recommended_Ns_per_m = t.own_damping();
+    t.recommended_margin = t.own_margin;
+    t.planes_N_per_m = PlanesAt(t);
+    return;
+  }
   for (double wall_N_per_m = t.task.wall_N_per_m; wall_N_per_m >= kMinWall_N_per_m; wall_N_per_m *= 0.8) {
     const double damping = LeastDamping(t, wall_N_per_m);
     if (damping == 0.0) continue;
