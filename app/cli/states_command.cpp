@@ -76,7 +76,7 @@ std::string Table() {
   return text;
 }
 
-std::string Json() {
+std::string StatesJson() {
   nlohmann::ordered_json states = nlohmann::json::array(), transitions = nlohmann::json::array();
   ForEachState([&](CellState state) {
     const safety::CellStateText text = safety::Describe(state);
@@ -157,7 +157,7 @@ int RunStates(const StatesOptions& options) {
     });
   });
   for (const auto& [file, text] :
-       {std::pair(options.markdown, StatesPage()), std::pair(options.json, Json())}) {
+       {std::pair(options.markdown, StatesPage()), std::pair(options.json, StatesJson())}) {
     if (file.empty()) continue;
     if (const auto written = WriteText(file, text); !written) {
       fmt::print(stderr, "osteon states: {}\n", written.error());
