@@ -21,9 +21,9 @@ constexpr io::SceneColor kZone{.r = 0.80, .g = 0.10, .b = 0.10, .a = 0.15};
 constexpr double kProxyOpacity = 0.35;
 
 constexpr double kArrow_m_per_N = 1e-3, kArrowDiameter_m = 4e-3;
-constexpr double kLeastForce_N = 0.5;  // a smaller force has no arrow
+constexpr double kMinForce_N = 0.5;  // a smaller force has no arrow
 constexpr double kPlaneEdge_m = 0.02, kPlaneThickness_m = 4e-4;
-constexpr std::size_t kMostBalls = 2000;  // of a tool that are drawn
+constexpr std::size_t kMaxBalls = 2000;  // of a tool that are drawn
 
 io::SceneColor Of(const Vector3& rgb) { return {.r = rgb.x(), .g = rgb.y(), .b = rgb.z()}; }
 
@@ -76,7 +76,7 @@ CellScene::CellScene(const CellSetup& setup)
       },
       setup.config.robot.arm);
   const auto& balls = setup.config.tool.tool.balls;
-  for (std::size_t i = 0; i < std::min(balls.size(), kMostBalls); ++i)
+  for (std::size_t i = 0; i < std::min(balls.size(), kMaxBalls); ++i)
     tool_balls_.push_back({.center_m = {balls[i].center_m.x, balls[i].center_m.y, balls[i].center_m.z},
                            .radius_m = balls[i].radius_m,
                            .color = balls[i].cutting ? kCutting : kShaft});
@@ -135,7 +135,7 @@ std::vector<io::SceneEntity> CellScene::Forces(const control::TickRecord& tick,
   std::vector<io::SceneEntity> entities;
   const auto arrow = [&](const char* id, const PlainVector3& force, const io::SceneColor& color) {
     const Vector3 F(force.x, force.y, force.z);
-    if (F.norm() < kLeastForce_N) return;
+    if (F.norm() < kMinForce_N) return;
     io::SceneEntity entity{.id = id, .frame = "world"};
     entity.arrows.push_back({.from_m = {tick.X_WT_cmd.p.x, tick.X_WT_cmd.p.y, tick.X_WT_cmd.p.z},
                              .along_m = kArrow_m_per_N * F,
