@@ -107,7 +107,7 @@ Verdict Judge(const TuneResult& r) {
 std::vector<SummaryRow> Rows(const TuneResult& r) {
   const TuneTask& t = r.task;
   std::vector<SummaryRow> rows{
-      {"Cell", fmt::format("{}: arm of {:g} Hz, {:g} ms dead time, sensor {:g} ms late, period {:g} ms",
+      {"Cell", fmt::format("{}: arm of {:g} Hz, {:.3g} ms dead time, sensor {:g} ms late, period {:g} ms",
                            r.cell, t.loop.arm.bandwidth_hz, 1e3 * t.loop.arm.dead_cycles * t.loop.period_s,
                            1e3 * t.loop.sensor_delay * t.loop.period_s, 1e3 * t.loop.period_s)},
       {"Must be stable with",

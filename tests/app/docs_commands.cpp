@@ -3,6 +3,7 @@
 #include <map>
 #include <sstream>
 
+#include "tests/app/command.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
@@ -41,6 +42,18 @@ DocRun OwnCell() {
                   {"my_out/report.html"});
   run.before = [](const std::filesystem::path& folder) {
     WriteAll(folder / "my_cell.yaml", "extends: demo\nlimits: {max_force_N: 80}\n");
+  };
+  return run;
+}
+
+// The worked example of tuning: each command needs what those before it leave.
+DocRun Tuned(const std::string& arguments, std::vector<std::string> leaves, bool from_recording) {
+  DocRun run = As(arguments, std::move(leaves));
+  run.before = [from_recording](const std::filesystem::path& folder) {
+    RunCommand(folder, Words("identify demo --simulated --do free,validate --axes z --speeds 50"));
+    if (from_recording)
+      RunCommand(folder, Words("identify demo --recording identify/free_z_50.mcap --validate "
+                               "identify/validate_z_50.mcap --out measured"));
   };
   return run;
 }
@@ -150,6 +163,17 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon run my_cell.yaml", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
       {"osteon identify demo --simulated --axes z --speeds 50",
        As("identify demo --simulated --do free --axes z --speeds 50", {"identify/identified.yaml"})},
+      {"osteon identify demo --simulated --do free,validate --axes z --speeds 50",
+       As("identify demo --simulated --do free,validate --axes z --speeds 50",
+          {"identify/free_z_50.mcap", "identify/validate_z_50.mcap"})},
+      {"osteon identify demo --recording identify/free_z_50.mcap --validate identify/validate_z_50.mcap "
+       "--out measured",
+       Tuned("identify demo --recording identify/free_z_50.mcap --validate identify/validate_z_50.mcap "
+             "--out measured",
+             {"measured/identified.yaml"}, false)},
+      {"osteon tune demo --identified measured/identified.yaml --out tune_measured",
+       Tuned("tune demo --identified measured/identified.yaml --out tune_measured --nodes 4",
+             {"tune_measured/tune.html", "tune_measured/gains.yaml"}, true)},
       {"osteon identify my_cell.yaml --axes x,y,z --speeds 10,50 --out identify",
        By("ExcitedRun.IdentifiesTheSimulatedArmAndItsSensor")},
       {"osteon identify my_cell.yaml --recording identify/free_z_50.mcap --validate "
