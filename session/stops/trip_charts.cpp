@@ -267,7 +267,7 @@ void AddDeflection(const control::ComplianceParams& params, Panels& panels) {
   const double shift_mm = params.mount ? 1e3 * params.mount->max_shift_m : 0.0;
   panels.One("Lateral bend of the tool", "bend [mm]", Limit(bend_mm, "mm"),
              [&](std::size_t i) { return 1e3 * Vector3(panels[i].compliance.bend_m).head<2>().norm(); });
-  panels.One("Shift of the bone's mount", "shift [mm]", Limit(shift_mm, "mm"),
+  panels.One("Shift of the bone on its mount", "shift [mm]", Limit(shift_mm, "mm"),
              [&](std::size_t i) { return 1e3 * Vector3(panels[i].compliance.mount_m).norm(); });
 }
 

@@ -99,7 +99,7 @@ std::vector<Case> Cases() {
        [](TickRecord& t) { t.wrench_scale = 0.9; }},
       {Fault::kDeflection, "Lateral bend of the tool", "limit 6.5 mm",
        [](TickRecord& t) { t.compliance.bend_m = Vector3(4e-3, 0.0, 0.0); }},
-      {Fault::kDeflection, "Shift of the bone's mount", "limit 10 mm",
+      {Fault::kDeflection, "Shift of the bone on its mount", "limit 10 mm",
        [](TickRecord& t) { t.compliance.mount_m = Vector3(0.0, 4e-3, 0.0); }},
       {Fault::kTracking, "From the commanded to the measured apex", "limit 30 mm", moved(0.01)},
       {Fault::kPeriod, "Period of the arm", "the cell&#39;s 1 ms",

@@ -31,7 +31,7 @@ std::array<kinematics::JointLimits, 7> FastLimits() {
 
 struct Truth {
   double hz{15.0}, damping{1.0};
-  int dead_cycles{4};
+  double dead_cycles{4.0};
   [[nodiscard]] double lag_s() const { return kPeriod_s * dead_cycles + 2.0 * damping / (kTwoPi * hz); }
 };
 
@@ -112,7 +112,7 @@ TEST(SampledResponse, IsThatOfServoArm) {
 // An arm of a quarter of the period, whose command is held for four of its steps, has dead times of quarters.
 TEST(SampledResponse, OfAPartOfAPeriodIsThatOfAFinerArm) {
   constexpr double kFine_s = kPeriod_s / 4.0, kHz = 13.0;
-  for (const int quarters : {0, 1, 14, 19}) {
+  for (const double quarters : {0.0, 1.0, 14.0, 19.0}) {
     hil::ServoArm arm({.bandwidth_hz = 15.0, .damping_ratio = 0.8, .dead_cycles = quarters}, FastLimits(),
                       kFine_s, kinematics::JointVector::Zero());
     const Complex H = SampledResponse(

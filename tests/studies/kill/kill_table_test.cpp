@@ -76,11 +76,11 @@ TEST(KillTable, TellsADeathFromAnotherFaultThatCameFirst) {
 // A tool pressed on bone hardly moves while its arm is still commanded; the stop comes later.
 TEST(CellTrace, AnArmThatIsCommandedDoesNotRestHoweverSlowItIs) {
   const auto cycle = [](int ms, control::SessionState session, double speed_m_per_s) {
-    CellCycle cycle;
-    cycle.stamp = ms * rt::kMillisecond;
-    cycle.session = session;
-    cycle.speed_m_per_s = speed_m_per_s;
-    return cycle;
+    CellCycle made;
+    made.stamp = ms * rt::kMillisecond;
+    made.session = session;
+    made.speed_m_per_s = speed_m_per_s;
+    return made;
   };
   using enum control::SessionState;
   constexpr rt::Nanoseconds since = 100 * rt::kMillisecond;

@@ -172,7 +172,7 @@ TEST(MeasuredLoop, TheMeasurementDecidesNotTheModel) {
 
 // A resonance beyond the encoders, in the model as identify writes it, limits the wall and costs drag.
 TEST(MeasuredLoop, AStructureCostsDrag) {
-  const ResponseModel stiff, soft{.structure = {{.hz = 22.0, .damping_ratio = 0.03}}};
+  const ResponseModel stiff, soft{.arm = {}, .structure = {{.hz = 22.0, .damping_ratio = 0.03}}};
   const MeasuredResponse by_encoders(LinesOf(stiff), stiff), by_force(LinesOf(soft), soft);
   const MeasuredLoopParams params{.loop = {.hand = kGrip, .mass_kg = 1.7, .damping_Ns_per_m = 30.0},
                                   .sensor_delay_s = 1e-3};
