@@ -34,7 +34,7 @@ using std::chrono::milliseconds, std::chrono::seconds;
 constexpr int kAttempts = 3;
 constexpr milliseconds kPollInterval{5};
 // Generous: a busy machine must not decide.
-constexpr seconds kReady{60}, kContact{120}, kRest{10}, kEnd{30};
+constexpr seconds kReady{60}, kContact{120}, kRest{10}, kEnd{90};  // the end writes report and pages
 // Full contact: for this long, the hand's whole push meets a tool that hardly moves.
 constexpr double kFullShare = 0.97, kPressedIn_m_per_s = 0.01;
 constexpr rt::Nanoseconds kFullFor = 100 * rt::kMillisecond;
