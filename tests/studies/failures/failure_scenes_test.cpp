@@ -33,8 +33,8 @@ TEST(FailureScenes, EveryScenarioHasOneWhoseTextsCanBeRead) {
 TEST(FailureScenes, NoNumberIsDrawnTwiceOrForNoScenario) {
   std::set<int> scenarios, scenes;
   for (const hil::FailureScenario& scenario : hil::FailureScenarios()) scenarios.insert(scenario.id);
-  for (const auto& list :
-       {ContactScenes(), CuttingScenes(), ArmScenes(), GuidanceScenes(), PlanScenes(), SequenceScenes()})
+  for (const auto& list : {ContactScenes(), CuttingScenes(), ArmScenes(), GuidanceScenes(), PlanScenes(),
+                           SequenceScenes(), ComplianceScenes()})
     for (const FailureScene& scene : list) EXPECT_TRUE(scenes.insert(scene.id).second) << scene.id;
   EXPECT_EQ(scenes, scenarios);
   EXPECT_EQ(FailureSceneSvg(0, "none"), "");
