@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <ostream>
-
 #include <vector>
 
 #include <gtest/gtest.h>
