@@ -6,25 +6,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "hil/arm/second_order_step.h"
+
 namespace osteon::hil {
-namespace {
-
-// exp(A T) of e'' = -w^2 e - 2 z w e'. With a = z w and s^2 = a^2 - w^2 (negative: an oscillation), C =
-// cosh(s T) and S = sinh(s T) / s:   exp(A T) = e^(-a T) [C + a S, S; -w^2 S, C - a S].
-Eigen::Matrix2d Transition(double w, double z, double period_s) {
-  const double a = z * w, s2 = a * a - w * w, s = std::sqrt(std::abs(s2));
-  double C = 1.0, S = period_s;  // the limit at z = 1
-  if (s * period_s > 1e-9) {
-    C = s2 > 0.0 ? std::cosh(s * period_s) : std::cos(s * period_s);
-    S = (s2 > 0.0 ? std::sinh(s * period_s) : std::sin(s * period_s)) / s;
-  }
-  Eigen::Matrix2d M;
-  M << C + a * S, S, -w * w * S, C - a * S;
-  return std::exp(-a * period_s) * M;
-}
-
-}  // namespace
-
 ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::JointLimits, 7>& limits,
                    double period_s, const kinematics::JointVector& q_start)
     : max_acceleration_rad_per_s2_(params.max_acceleration_rad_per_s2),
@@ -48,8 +32,8 @@ ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::Jo
     if (!(max_speed_rad_per_s_[i] > 0.0)) refuse("velocity limit [rad/s]", max_speed_rad_per_s_[i], "> 0");
   }
   const auto part = [&](double duration_s) {
-    return Part{duration_s,
-                Transition(2.0 * std::numbers::pi * params.bandwidth_hz, params.damping_ratio, duration_s)};
+    return Part{duration_s, SecondOrderStep(2.0 * std::numbers::pi * params.bandwidth_hz,
+                                            params.damping_ratio, duration_s)};
   };
   const double whole = std::floor(params.dead_cycles), rest = params.dead_cycles - whole;
   first_ = part(rest > 0.0 ? rest * period_s : period_s);
