@@ -71,7 +71,7 @@ struct GuidanceRecord {
   bool stops_spindle{false};  ///< the spindle must stand
 };
 
-/// What gave way in a tick (control/compliance). Plain data; zero where the cell is rigid.
+/// The deflections of a tick (control/compliance). Plain data; zero where the cell is rigid.
 struct ComplianceRecord {
   bool present{false};
   PlainPose X_ME;  ///< the bent head in the bone's world after this tick: what the cutting engine is given

@@ -170,7 +170,7 @@ struct CellConfig {
   std::optional<hil::PlcServerParams> simulated_plc;
   hil::InjectionParams injections;  ///< faults on the simulated cell's wires
   hil::ScriptParams script;         ///< the operator's script
-  /// What was measured of this cell (apply_identified.h); absent: the simulated arm's figures are assumed.
+  /// The measured figures of this cell (apply_identified.h); absent: the simulated arm's are assumed.
   std::optional<IdentifiedCell> identified{};
 };
 

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-// What `osteon identify` measured of a cell: arm, force sensor, link and hands. Plain data, in SI.
+// The figures that `osteon identify` measured of a cell: arm, force sensor, link and hands. Plain data, in
+// SI.
 
 namespace osteon::config {
 

@@ -21,7 +21,7 @@ struct SurfaceLayerParams {
   double max_area_m2{2e-3};        ///< A_max = pi reach²; > 0
 };
 
-/// What a frame says of the layer at its contacts.
+/// The layer at a frame's contacts.
 struct LayerContact {
   double kappa_N_per_m3{0.0};  ///< of the contacts in the layer, by their weights; 0: none
   double share{0.0};           ///< of the contacts' weight that lies in the layer, 0 … 1

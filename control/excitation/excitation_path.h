@@ -21,7 +21,7 @@ struct ExcitationParams {
   static constexpr int kMaxDraws = 16;
 };
 
-/// What an excitation does in a tick.
+/// The effect of an excitation in a tick.
 enum class ExcitationPart : std::uint8_t { kSettling, kCounted, kFading, kDone };
 
 struct ExcitationStep {

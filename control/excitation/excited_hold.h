@@ -43,7 +43,8 @@ struct ExcitedHoldParams {
   bool rests_only{false};     ///< nothing moves: done after wait_s
 };
 
-/// What an excited hold needs of a tick: live from the loop and its ports, later from the tick's record.
+/// The part of a tick that an excited hold needs: live from the loop and its ports, later from the tick's
+/// record.
 struct ExcitedTick {
   bool received{false};
   std::uint32_t sequence{0}, activation{0};

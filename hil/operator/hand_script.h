@@ -85,7 +85,7 @@ struct ReamingScriptParams {
       0.010};  ///< the push is at full force down to this far below height 0, then fades
   double push_force_N{120.0};
   double approach_force_N{20.0};
-  /// Of the whirlwind; 0: straight, pressed along the axis.
+  /// Tilt of the whirlwind; 0: straight, pressed along the axis.
   double tilt_rad{10.0 * std::numbers::pi / 180.0};
   double whirl_period_s{2.0};
   double hand_stiffness_N_per_m{2000.0};  ///< of the hand that will follow the script

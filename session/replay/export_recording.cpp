@@ -86,7 +86,7 @@ tl::expected<CellSetup, std::string> CellOf(const ExportOptions& options,
   return setup;
 }
 
-// What was made of the carved bone.
+// The files made of the carved bone.
 struct BoneFiles {
   std::optional<WrittenSurface> surface;
   std::optional<BoneCopy> copy;

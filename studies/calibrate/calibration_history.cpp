@@ -61,7 +61,7 @@ bool Differs(double off, double floor, double sd_a, double sd_b) {
   return off > floor && off > kSds * std::hypot(sd_a, sd_b);
 }
 
-// What differs between two calibrations.
+// The differences between two calibrations.
 void Compare(const CalibrationEntry& before, const CalibrationEntry& now, std::vector<std::string>& drift) {
   const auto add = [&](const std::string& what, double found, double was, const char* unit) {
     drift.push_back(fmt::format("{}: found {:.4g} {}, {:.4g} on {}", what, found, unit, was, before.time));

@@ -13,7 +13,7 @@
 
 namespace osteon::app {
 
-/// What one calibration found; the standard deviations are those of the fits.
+/// The result of one calibration; the standard deviations are those of the fits.
 struct CalibrationEntry {
   std::string time;  ///< UTC, "2026-11-28T09:30:00Z"
   struct Payload {

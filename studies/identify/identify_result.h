@@ -45,7 +45,7 @@ struct PassiveLag {
   Estimate lag_s;
   double compliance_m_per_N{0.0};
   double seconds{0.0}, peak_hand_N{0.0};
-  /// Of the spindle in the force, along the sensor's worst direction; empty: it turned for less than 2 s.
+  /// Spindle's orders in the force, along the sensor's worst direction; empty: it turned for less than 2 s.
   std::vector<SpindleHarmonic> harmonics{};
   double spindle_hz{0.0};  ///< mean turns per second
 };

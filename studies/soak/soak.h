@@ -21,7 +21,7 @@ struct SoakOptions {
   std::string command_line{};
 };
 
-/// What an episode came to.
+/// The outcome of an episode.
 struct EpisodeResult {
   Episode episode;
   std::string ended;

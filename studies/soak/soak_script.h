@@ -7,7 +7,7 @@
 
 namespace osteon::app {
 
-/// What happens in an episode of a soak.
+/// The events of an episode of a soak.
 enum class EpisodeKind : std::uint8_t {
   kReference,     ///< the same every time, so that its bits show a drift
   kReaming,       ///< another reamer, another hand

@@ -30,7 +30,7 @@ struct CellTrialParams {
   [[nodiscard]] std::string Key() const;
 };
 
-/// What the run came to.
+/// The outcome of the run.
 struct CellTrial {
   std::string ended;                        ///< "completed"
   std::vector<std::string> faults;          ///< names

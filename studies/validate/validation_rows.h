@@ -18,7 +18,7 @@ struct Ablation {
   double simulated{0.0};  ///< in the row's unit
 };
 
-/// What a row's runs came to.
+/// The outcome of a row's runs.
 struct Simulated {
   double value{0.0};  ///< in the measurement's unit
   std::string how;    ///< which shipped parts ran, and how

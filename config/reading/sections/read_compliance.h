@@ -20,7 +20,7 @@ std::optional<Reader> ReadCompliance(Reader& cell_section, CellConfig& cell);
 /// @throws ConfigError naming the value, and the value that is needed.
 void CompleteCompliance(const std::optional<Reader>& section, CellConfig& cell);
 
-/// What a part changes in a cell when it gives way.
+/// The changes that a part makes in a cell when it gives way.
 struct CompliancePart {
   const char* name{""};  ///< "tool", "layer", "mount"
   GivesWay asked{GivesWay::kOff};
