@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -97,6 +99,42 @@ TEST(GpuPasses, ReamLikeTheReference) {
   EXPECT_EQ(apart.unlike, 0);
   EXPECT_LE(apart.proxy_mm, 1e-3);
   EXPECT_LE(apart.force_N, 0.02);
+}
+
+// In doubles and in pairs of floats.
+TEST(GpuPasses, ReamAgainstTheEdgesForceLikeTheReference) {
+  simulation::Bone bone = DefaultBone();
+  for (simulation::Material& material : bone.materials) {
+    material.measured_chip_m = 50e-6;
+    material.edge_force_N_per_m = 0.05 * material.specific_cutting_energy_J_per_m3 * material.measured_chip_m;
+  }
+  simulation::Tool tool = DefaultReamer();
+  tool.balls[0].edges = 2;
+  const CuttingParams params{.edge_force = true};
+  for (const VulkanOverrides& variant :
+       {kForGpu, kForProcessor, VulkanOverrides{.arithmetic = Arithmetic::kFloats}}) {
+    simulation::ReferenceEngine reference(bone, tool, Pose::Identity(), params);
+    const auto gpu = Open(bone, tool, With(variant), params);
+    Hand hand;
+    ContactModel a, b;
+    Apart apart;
+    double torque_Nm = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      const FrameInput input = hand.Next(a.F_T_W.f);
+      const double path_m = a.frame > 0 ? (Vector3(input.X_WT.p) - Vector3(a.X_WP.p)).norm() : 0.0;
+      a = reference.Step(input);
+      b = gpu->Step(input);
+      apart.Add(path_m, a, b);
+      torque_Nm = std::max(torque_Nm, std::abs(a.spindle_torque_Nm - b.spindle_torque_Nm));
+    }
+    EXPECT_GT(apart.max_N, 80.0);
+    EXPECT_EQ(apart.unlike, 0);
+    EXPECT_LE(apart.proxy_mm, 1e-3);
+    EXPECT_LE(apart.force_N, 0.02);
+    EXPECT_LE(torque_Nm, 1e-3);
+    EXPECT_GT(a.cutting_work_J, 0.0);
+    EXPECT_NEAR(b.cutting_work_J, a.cutting_work_J, 0.01 * a.cutting_work_J);
+  }
 }
 
 TEST(Workgroups, FewerThanAPassAsksForGoRound) {

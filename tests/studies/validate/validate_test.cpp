@@ -84,7 +84,7 @@ TEST(Validate, CountsMissesAndLeavesCalibrationOut) {
   EXPECT_EQ(json.at("rows")[2].at("reason"), "shown");
   EXPECT_TRUE(json.at("rows")[1].at("reason").is_null()) << "a row that lies within needs none";
   EXPECT_TRUE(json.at("rows")[5].at("simulated").is_null());
-  EXPECT_EQ(json.at("fitted_constants").size(), 3u);
+  EXPECT_EQ(json.at("fitted_constants").size(), 4u);
 
   const std::string page = ValidationPage(rows, "osteon validate");
   EXPECT_THAT(page, HasSubstr("1 of 3 judged rows miss"));
