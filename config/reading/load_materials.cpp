@@ -12,7 +12,7 @@ void ReadEdgeForce(Reader& tissue, simulation::Material& material) {
   material.edge_force_source = {.text = tissue.Text("edge_force_source"),
                                 .assumed = tissue.Bool("edge_force_assumed")};
   const double max_N_per_m = material.specific_cutting_energy_J_per_m3 * material.measured_chip_m;
-  if (material.edge_force_N_per_m >= max_N_per_m)
+  if (tissue.Has("measured_chip_um") && material.edge_force_N_per_m >= max_N_per_m)
     tissue.Refuse("edge_force_N_per_mm",
                   fmt::format("found {:.10g}, accepted less than {:.4g}: cutting_energy_J_per_mm3 times "
                               "measured_chip_um",
