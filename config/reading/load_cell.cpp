@@ -146,6 +146,7 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
     cutting.cutters = section.Choice("cutters", {"all", "contact_sphere"}) == 0
                           ? simulation::Cutters::kAll
                           : simulation::Cutters::kContactSphere;
+  if (section.Has("edge_force")) cutting.edge_force = section.Bool("edge_force");
   if (!section.Has("split")) return;
   Reader split = section.Section("split");
   cutting.split.on = true;
@@ -277,6 +278,18 @@ std::vector<simulation::Material> SceneMaterials(const Reader& cell, const std::
                                          file.filename().string(), all, selected.error()));
   }
   return std::move(*selected);
+}
+
+// The edges' own force needs a tool whose edges are counted, and a material that states it.
+void CheckEdgeForce(const Reader& cutting, const CellConfig& cell) {
+  if (!cell.cutting.edge_force) return;
+  if (simulation::CuttingEdges(cell.tool.tool) == 0)
+    cutting.Refuse("edge_force", fmt::format("found true with {}, accepted with a tool that has edge_count",
+                                             cell.tool_file.filename().string()));
+  if (std::ranges::none_of(cell.scene.materials,
+                           [](const simulation::Material& m) { return m.edge_force_N_per_m > 0.0; }))
+    cutting.Refuse("edge_force",
+                   "found true, accepted with a scene of which a material has edge_force_N_per_mm");
 }
 
 // Loads the requested tool, or the cell's own.
@@ -420,6 +433,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
   if (simulation) CompleteSimulatedArm(simulation->arm, cell);
   cell.scene = LoadScene(scene);
   cell.scene.materials = SceneMaterials(reader, materials, cell.scene.material_names);
+  CheckEdgeForce(cutting, cell);
   CompleteCompliance(compliance, cell);
   CheckFrames(cell, reader);
   PlaceAtStart(reader, cell);

@@ -3,6 +3,23 @@
 #include "config/reading/load.h"
 
 namespace osteon::config {
+namespace {
+
+// The cutting energy was measured with the edge's force in it, which had only a share of it.
+void ReadEdgeForce(Reader& tissue, simulation::Material& material) {
+  material.edge_force_N_per_m = tissue.Number("edge_force_N_per_mm", 1e-3, 1e3);
+  material.measured_chip_m = tissue.Number("measured_chip_um", 0.1, 1e4);
+  material.edge_force_source = {.text = tissue.Text("edge_force_source"),
+                                .assumed = tissue.Bool("edge_force_assumed")};
+  const double max_N_per_m = material.specific_cutting_energy_J_per_m3 * material.measured_chip_m;
+  if (tissue.Has("measured_chip_um") && material.edge_force_N_per_m >= max_N_per_m)
+    tissue.Refuse("edge_force_N_per_mm",
+                  fmt::format("found {:.10g}, accepted less than {:.4g}: cutting_energy_J_per_mm3 times "
+                              "measured_chip_um",
+                              1e-3 * material.edge_force_N_per_m, 1e-3 * max_N_per_m));
+}
+
+}  // namespace
 
 std::vector<simulation::Material> LoadMaterials(const std::filesystem::path& path) {
   Reader reader = Reader::Load(path);
@@ -23,8 +40,9 @@ std::vector<simulation::Material> LoadMaterials(const std::filesystem::path& pat
          .cutting_energy_source = source("cutting_energy"),
          .cutting_force_source = source("cutting_force"),
          .friction_source = source("friction")});
-    if (!tissue.Has("layer_N_per_mm3")) continue;
     simulation::Material& material = materials.back();
+    if (tissue.Has("edge_force_N_per_mm")) ReadEdgeForce(tissue, material);
+    if (!tissue.Has("layer_N_per_mm3")) continue;
     material.layer_N_per_m3 = tissue.Number("layer_N_per_mm3", 1e-4, 1e4);
     material.layer_thickness_m = tissue.Number("layer_thickness_mm", 0.05, 50);
     material.layer_relaxation_s = tissue.Number("layer_relaxation_ms", 1, 100'000);

@@ -270,6 +270,8 @@ ToolConfig LoadTool(const std::filesystem::path& path, const std::optional<doubl
   config.drive = ReadDrive(reader.Section("drive"));
   const Pose X_FH = ReadPose(reader.Section("mounting"));
   const std::optional<BendingSection> bending = ReadBending(reader);
+  const auto edges =
+      static_cast<std::uint8_t>(reader.Has("edge_count") ? reader.WholeNumber("edge_count", 1, 200) : 0);
   BuiltTool built;
   switch (kind) {
     case 0:
@@ -286,6 +288,8 @@ ToolConfig LoadTool(const std::filesystem::path& path, const std::optional<doubl
   }
   if (bending) config.bending = BendingOf(*bending, built);
   config.tool = std::move(built.tool);
+  for (simulation::ToolBall& ball : config.tool.balls)
+    if (ball.cutting) ball.edges = edges;
   config.X_FT = X_FH * Eigen::Translation3d(0, 0, built.length_m);
   return config;
 }

@@ -104,6 +104,7 @@ void VulkanEngine::Impl::FillFrameConstants(const simulation::Bone& bone) {
   for (std::size_t i = 0; i < materials.size(); ++i) {
     exact.cutting_energy[i] = materials[i].specific_cutting_energy_J_per_m3 * 1e-6;  // N/mm^2
     exact.force_ratio[i] = materials[i].cutting_force_ratio;
+    exact.edge_force[i] = materials[i].edge_force_N_per_m / kMillimetres;
   }
   exact.stiffness = params.stiffness_N_per_m / kMillimetres;
   exact.max_force = params.max_force_N;

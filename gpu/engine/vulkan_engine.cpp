@@ -33,7 +33,7 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
     impl->device_tool.resize(tool.balls.size());
     for (std::size_t t = 0; t < tool.balls.size(); ++t)
       impl->device_tool[impl->tool.number[t]] = static_cast<uint>(t);
-    impl->materials = bone.materials;
+    impl->materials = MaterialsUnderTool(bone, tool, params);
     impl->map = simulation::MaterialMap(bone);
     impl->X_WG = X_WG;
     impl->params = params;
@@ -107,7 +107,8 @@ simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& 
     refused.status = simulation::EngineStatus::kOverloaded;
     return refused;
   }
-  const simulation::FrameSolution solution = Solution(found);
+  simulation::FrameSolution solution = Solution(found);
+  solution.ploughing_work_J = PloughingWork(params, materials, solution, input.spindle_rad_per_s, input.dt_s);
   had_no_contact = solution.contact_fraction >= 1.0;
   if (pool && input.spindle_rad_per_s != 0.0) EndSplits(found, solution);
   simulation::ContactModel model = FinishFrame(params, materials, map, X_WG, input, solution, memory);

@@ -75,6 +75,7 @@ struct DoublePrecision {
   double work_held_back;                                // share of the debt that this frame pays
   OSTEON_ARRAY(double, cutting_energy, kMaxMaterials);  // N/mm^2
   OSTEON_ARRAY(double, force_ratio, kMaxMaterials);
+  OSTEON_ARRAY(double, edge_force, kMaxMaterials);  // N/mm, of all edges together
   OSTEON_ARRAY(dvec3, face_n, kFaces);  // directions in which faces pressed in the frame before; zero: none
   // results
   dvec3 delta, shift;  // to the constrained target; straight, from first contact
@@ -201,7 +202,7 @@ struct Frame {
   uint touching;
 };
 
-OSTEON_CONST uint kFrameBytes = 4656u;
+OSTEON_CONST uint kFrameBytes = 4720u;
 
 // A frame as the host reads it: its bytes, then a checksum over their words, which reveals an incomplete
 // readback, and its number.
@@ -292,7 +293,7 @@ OSTEON_CONST uint kCleared = 256;
 #ifdef __cplusplus
 static_assert(sizeof(Frame) == kFrameBytes && kFrameBytes % 16 == 0 && sizeof(Readback) == kFrameBytes + 8);
 static_assert(offsetof(Frame, exact) == 8 * 63);
-static_assert(sizeof(DoublePrecision) == 8 * (9 + 9 + 16 + 12 + 9 + 1 + 4 + 3 + 16 + 3 + 24 + 32));
+static_assert(sizeof(DoublePrecision) == 8 * (9 + 9 + 24 + 12 + 9 + 1 + 4 + 3 + 16 + 3 + 24 + 32));
 static_assert(sizeof(Candidate) == 32);
 static_assert(sizeof(ClusterPairs) == 16 && sizeof(ListEntry) == 16 &&
               sizeof(ShaftPair) == sizeof(ListEntry) && sizeof(Sum) == 8);

@@ -26,28 +26,36 @@ Advance ComputeAdvance(double at_contact, Slide slide) {
   bool immediate = frame.immediate != 0u, turns = spindle_rad_per_s != 0.0lf && dt_s > 0.0lf;
   dvec3 n = frame.exact.n, delta = frame.exact.delta, start = frame.exact.start, goal = frame.exact.goal;
   uint first_shaft = frame.shaft_candidate, shaft_end = frame.shaft_end;
-  double area = 0.0lf, moment = 0.0lf, work_per_mm = 0.0lf;
+  double area = 0.0lf, moment = 0.0lf, work_per_mm = 0.0lf, per_pass = 0.0lf;
   double per_area = 1.0lf / (kUnitSubdivision * double(frame.area_scale)), per_moment = 1.0lf / (kUnitSubdivision * double(frame.moment_scale));
   for (uint m = 0; m < kMaterials; ++m) {
     double own = NumberOf(frame.exact.engaged[2 * m]) * per_area;
     area += own;
     moment += frame.exact.force_ratio[m] * (NumberOf(frame.exact.engaged[2 * m + 1]) * per_moment);
     work_per_mm += frame.exact.cutting_energy[m] * own;
+    per_pass += frame.exact.edge_force[m] * own;
   }
   if (x > 0.0lf && turns) {
     double max_advance = max(0.0lf, max_slide - slide.way_mm);
     double arm = area > 0.0lf ? moment / area : 0.0lf;
     double force = min(stiffness * x, max_force);
-    double work = force * spindle_rad_per_s * arm * dt_s;
+    double available = force * spindle_rad_per_s * arm * dt_s;
     if (immediate) {
       advance = x;
-      edge_work = work;
+      edge_work = available;
     } else if (work_per_mm <= 0.0lf) {
       advance = min(x, max_advance);
     } else {
+      const double per_radian = 0.15915494309189535lf;  // passes of an edge
+      double ploughing = min(spindle_rad_per_s * dt_s * per_radian * per_pass, available);
+      double work = available - ploughing;
       double linear = max(0.0lf, work - held_back) / work_per_mm;
-      advance = min(x * OneLessExp(linear / x), max_advance);
-      edge_work = linear > 0.0lf ? work * advance / linear : work;
+      edge_work = work;
+      if (linear > 0.0lf) {
+        double beyond = ploughing > 0.0lf ? x * (work / available) : x;
+        advance = min(beyond * OneLessExp(linear / beyond), max_advance);
+        edge_work = work * advance / linear;
+      }
     }
   }
   dvec3 origin = start + at_contact * (goal - start);

@@ -14,12 +14,13 @@ namespace osteon::io {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> kMagic{'O', 'S', 'T', 'E', 'N', 'S', 'E', 'T'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;                                          // 1: without edges
 constexpr std::size_t kHeadBytes = kMagic.size() + 2 * sizeof(std::uint32_t);  // magic, version, CRC
 constexpr std::size_t kMaxText = 4096;
 constexpr double kMax_m = 1e3;
 constexpr double kMaxRotationError = 1e-6;
-constexpr std::size_t kBallBytes = 32, kPointBytes = 33, kToolBallBytes = 33;
+constexpr std::size_t kBallBytes = 32, kPointBytes = 33, kToolBallBytes = 34;
+constexpr std::size_t kMaterialBytes = sizeof(std::uint32_t) + 6 * sizeof(double);
 
 std::uint32_t Checksum(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint32_t>(crc32_z(0, bytes.data(), bytes.size()));
@@ -118,6 +119,7 @@ void PutCutting(Output& out, const simulation::CuttingParams& c) {
     out.Put(value);
   out.Put(c.law);
   out.Put(c.cutters);
+  out.Put(static_cast<std::uint8_t>(c.edge_force ? 1 : 0));
   out.Put(static_cast<std::uint8_t>(c.split.on ? 1 : 0));
   out.Put(c.split.min_radius_m);
   out.Put(static_cast<std::int32_t>(c.split.children));
@@ -134,6 +136,7 @@ simulation::CuttingParams TakeCutting(Input& in) {
     *length = in.Number("length of the cutting model", 1e-9, 1.0);
   c.law = static_cast<simulation::RemovalLaw>(in.Word("removal law", 2));
   c.cutters = static_cast<simulation::Cutters>(in.Word("cutters", 2));
+  c.edge_force = in.Flag("edge force");
   c.split.on = in.Flag("split");
   c.split.min_radius_m = in.Number("split: radius", 0.0, 1.0);
   c.split.children = in.Take<std::int32_t>("split: children");
@@ -154,8 +157,8 @@ void PutBone(Output& out, const simulation::Bone& bone) {
   out.Put(static_cast<std::uint64_t>(bone.materials.size()));
   for (const simulation::Material& m : bone.materials) {
     out.Put(m.name);
-    for (const double figure :
-         {m.density_kg_per_m3, m.specific_cutting_energy_J_per_m3, m.cutting_force_ratio, m.friction})
+    for (const double figure : {m.density_kg_per_m3, m.specific_cutting_energy_J_per_m3,
+                                m.cutting_force_ratio, m.friction, m.edge_force_N_per_m, m.measured_chip_m})
       out.Put(figure);
   }
   out.Put(static_cast<std::uint64_t>(bone.balls.size()));
@@ -177,11 +180,11 @@ simulation::Bone TakeBone(Input& in) {
   bone.site.center_m = in.Point("site");
   bone.site.axis = in.Point("site's axis");
   bone.site.radius_m = in.Number("site's radius", 0.0, kMax_m);
-  bone.materials.resize(in.Count("materials", 1, sizeof(std::uint32_t) + 4 * sizeof(double)));
+  bone.materials.resize(in.Count("materials", 1, kMaterialBytes));
   for (simulation::Material& m : bone.materials) {
     m.name = in.Text("material's name");
-    for (double* figure :
-         {&m.density_kg_per_m3, &m.specific_cutting_energy_J_per_m3, &m.cutting_force_ratio, &m.friction})
+    for (double* figure : {&m.density_kg_per_m3, &m.specific_cutting_energy_J_per_m3, &m.cutting_force_ratio,
+                           &m.friction, &m.edge_force_N_per_m, &m.measured_chip_m})
       *figure = in.Number("material's figure", 0.0, 1e15);
     if (!in.ok()) return bone;
   }
@@ -212,6 +215,7 @@ void PutTool(Output& out, const simulation::Tool& tool) {
     out.Put(ball.center_m);
     out.Put(ball.radius_m);
     out.Put(static_cast<std::uint8_t>(ball.cutting ? 1 : 0));
+    out.Put(ball.edges);
   }
 }
 
@@ -223,6 +227,7 @@ simulation::Tool TakeTool(Input& in) {
     ball.center_m = in.Point("tool's ball");
     ball.radius_m = in.Number("tool's ball's radius", 1e-9, kMax_m);
     ball.cutting = in.Flag("tool's ball's cutting");
+    ball.edges = in.Take<std::uint8_t>("tool's ball's edges");
     if (!in.ok()) return tool;
   }
   return tool;

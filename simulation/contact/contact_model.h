@@ -48,7 +48,7 @@ struct ContactModel {
   double spindle_torque_Nm{0.0};  ///< axial torque of the cut on the tool's spindle, >= 0
   double removed_volume_m3{0.0};  ///< since the start, from mass points
   double removed_mass_kg{0.0};    ///< since the start
-  double cutting_work_J{0.0};     ///< since the start, the sum of u_c V over cleared points
+  double cutting_work_J{0.0};     ///< since the start: the sum of u_c V over cleared points, and ploughing
   /// Since the start, counted once a ball and frame: balls that should have been split, but the pool was
   /// exhausted. They shrink whole, which removes more than was cut.
   std::uint64_t balls_not_split{0};

@@ -61,6 +61,9 @@ struct CuttingParams {
   double engaged_layer_m{0.5e-3};  ///< depth of the layer that measures the engaged area
   RemovalLaw law{RemovalLaw::kRate};
   Cutters cutters{Cutters::kAll};
+  /// With the rate law: the edges' own force must be overcome before bone gives way
+  /// (Material::edge_force_N_per_m, ToolBall::edges). Off: the cutting energy alone decides.
+  bool edge_force{false};
   SplitParams split{};
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -33,6 +34,13 @@ double CuttingArm(const std::vector<Material>& materials, const FrameSolution& s
 
 double CuttingForce(const CuttingParams& params, const FrameSolution& solution) {
   return std::min(params.stiffness_N_per_m * solution.cutting_m, params.max_force_N);
+}
+
+// Work that the spindle can do on an edge pressed with the frame's cutting force [J].
+double AvailableWork(const CuttingParams& params, const std::vector<Material>& materials,
+                     const FrameSolution& solution, double spindle_rad_per_s, double dt_s) {
+  return CuttingForce(params, solution) * std::abs(spindle_rad_per_s) * CuttingArm(materials, solution) *
+         dt_s;
 }
 
 // Adds contacts and wrench of the contact law.
@@ -125,6 +133,21 @@ Vector3 ComputeAdvanceEnd(const FrameSolution& solution) {
   return solution.origin_slid + step;
 }
 
+std::vector<Material> MaterialsUnderTool(const Bone& bone, const Tool& tool, const CuttingParams& params) {
+  return SplitCuttingEnergy(bone.materials, params.edge_force ? CuttingEdges(tool) : 0);
+}
+
+double PloughingWork(const CuttingParams& params, const std::vector<Material>& materials,
+                     const FrameSolution& solution, double spindle_rad_per_s, double dt_s) {
+  if (params.law == RemovalLaw::kImmediate || solution.cutting_m <= 0.0 || dt_s <= 0.0) return 0.0;
+  double per_pass_J = 0.0;
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    per_pass_J += materials[i].edge_force_N_per_m * solution.engaged_area_m2[i];
+  if (per_pass_J <= 0.0) return 0.0;
+  return std::min(std::abs(spindle_rad_per_s) * dt_s / (2.0 * std::numbers::pi) * per_pass_J,
+                  AvailableWork(params, materials, solution, spindle_rad_per_s, dt_s));
+}
+
 FrameAdvance ComputeAdvance(const CuttingParams& params, const std::vector<Material>& materials,
                             const FrameSolution& solution, double spindle_rad_per_s, double dt_s,
                             double energy_lead_J) {
@@ -133,16 +156,21 @@ FrameAdvance ComputeAdvance(const CuttingParams& params, const std::vector<Mater
   double work_per_m = 0.0;  // J per metre of advance
   for (std::size_t i = 0; i < materials.size(); ++i)
     work_per_m += materials[i].specific_cutting_energy_J_per_m3 * solution.engaged_area_m2[i];
-  const double work_J =
-      CuttingForce(params, solution) * std::abs(spindle_rad_per_s) * CuttingArm(materials, solution) * dt_s;
-  if (params.law == RemovalLaw::kImmediate) return {.advance_m = x, .edge_work_J = work_J};
+  const double available_J = AvailableWork(params, materials, solution, spindle_rad_per_s, dt_s);
+  if (params.law == RemovalLaw::kImmediate) return {.advance_m = x, .edge_work_J = available_J};
   // remnants without mass do not hold the tool
   const double max_m = std::max(0.0, params.max_slide_m - solution.slide_m);
   if (work_per_m <= 0.0) return {.advance_m = std::min(x, max_m), .edge_work_J = 0.0};
+  const double ploughing_J = PloughingWork(params, materials, solution, spindle_rad_per_s, dt_s);
+  const double work_J = available_J - ploughing_J;
   const double paid_J = std::max(0.0, work_J - energy_lead_J * std::min(1.0, dt_s / kEnergyLeadSeconds));
   const double linear_m = paid_J / work_per_m;
-  const double advance_m = std::min(x * -std::expm1(-linear_m / x), max_m);
-  return {.advance_m = advance_m, .edge_work_J = linear_m > 0.0 ? work_J * advance_m / linear_m : work_J};
+  if (linear_m <= 0.0) return {.advance_m = 0.0, .edge_work_J = work_J, .ploughing_work_J = ploughing_J};
+  // penetration beyond the one at which the coupling's force is that of the edges
+  const double beyond_m = ploughing_J > 0.0 ? x * (work_J / available_J) : x;
+  const double advance_m = std::min(beyond_m * -std::expm1(-linear_m / beyond_m), max_m);
+  return {
+      .advance_m = advance_m, .edge_work_J = work_J * advance_m / linear_m, .ploughing_work_J = ploughing_J};
 }
 
 void BookRemoved(const CuttingParams& params, const std::vector<Material>& materials,
@@ -179,6 +207,7 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   ++memory.frame;
 
   BookRemoved(params, materials, solution.removed_m3, solution.edge_work_J, memory);
+  memory.cutting_work_J += solution.ploughing_work_J;
 
   ContactModel model;
   model.X_WP = X_WG * memory.X_GP;
@@ -198,7 +227,8 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   // the frame's mean: the force falls while the bone gives way, so the edge does less work than at the
   // frame's start
   if (cutting)
-    model.spindle_torque_Nm = solution.edge_work_J / (std::abs(input.spindle_rad_per_s) * input.dt_s);
+    model.spindle_torque_Nm =
+        (solution.edge_work_J + solution.ploughing_work_J) / (std::abs(input.spindle_rad_per_s) * input.dt_s);
   if (cutting) model.advance_m_per_s = solution.advance_m / input.dt_s;
   model.n_W = Vector3(R_WG * solution.n);
 

@@ -47,7 +47,8 @@ struct FrameSolution {
   Vector3 n{Vector3::Zero()};      ///< direction of the cutting planes' resultant
   double cutting_m{0.0};           ///< length of the cutting planes' share of delta
   double advance_m{0.0};           ///< how far the bone gave way along -n
-  double edge_work_J{0.0};         ///< work of the edge in this frame
+  double edge_work_J{0.0};         ///< work of the edge on chips in this frame
+  double ploughing_work_J{0.0};    ///< work of the edge beside it, which removes nothing
   Vector3 step{Vector3::Zero()};   ///< advance of the slid proxy into the bone that gives way
   std::array<double, kMaxMaterials> engaged_area_m2{};  ///< projected on n, by material
   std::array<double, kMaxMaterials>
@@ -70,20 +71,36 @@ struct FrameSolution {
 /// Position of the slid proxy after its step, held back by the planes of the balls that do not cut.
 [[nodiscard]] Vector3 ComputeAdvanceEnd(const FrameSolution& solution);
 
+/// The bone's materials as the engine's tool meets them: SplitCuttingEnergy where `params.edge_force` is on.
+[[nodiscard]] std::vector<Material> MaterialsUnderTool(const Bone& bone, const Tool& tool,
+                                                       const CuttingParams& params);
+
+/// Work of the edges' own force in a frame [J]: each pass of an edge over the engaged area costs the
+/// material's edge force,
+///
+///     w dt / (2 pi) sum(edge_force dA)      at most F w dt sum(mu_c r dA) / sum(dA)
+///
+/// The second is all the work that the spindle can do on an edge pressed with F: below the edge's force the
+/// edge rubs and takes no chip. 0 with the immediate law.
+/// @param materials  of MaterialsUnderTool
+[[nodiscard]] double PloughingWork(const CuttingParams& params, const std::vector<Material>& materials,
+                                   const FrameSolution& solution, double spindle_rad_per_s, double dt_s);
+
 /// Result of ComputeAdvance.
 struct FrameAdvance {
   double advance_m{0.0};
-  double edge_work_J{0.0};  ///< work of the cutting edge in this frame
+  double edge_work_J{0.0};       ///< work of the cutting edge on chips in this frame
+  double ploughing_work_J{0.0};  ///< PloughingWork
 };
 /// Computes how far the bone gives way in a frame, by energy balance:
 ///
 ///     power = F w sum(mu_c r dA) / sum(dA)        work per advance = sum(u_c dA)
 ///
 /// with dA the engaged area projected on the plane normal to n (only that projection sweeps volume), and F =
-/// K x, at most max_force. For the penetration x the law x' = -c K x has the exact solution used here. The
-/// result therefore does not depend on the frame rate, and the advance never exceeds the penetration.
-/// `energy_lead_J` is work of points cleared in excess of the balance; it is paid back over
-/// kEnergyLeadSeconds.
+/// K x, at most max_force. The edges' own force F_e takes its part of the power first (PloughingWork). For
+/// the penetration x the law x' = -c (K x - F_e) has the exact solution used here. The result therefore does
+/// not depend on the frame rate, and the advance never exceeds the penetration. `energy_lead_J` is work of
+/// points cleared in excess of the balance; it is paid back over kEnergyLeadSeconds.
 [[nodiscard]] FrameAdvance ComputeAdvance(const CuttingParams& params, const std::vector<Material>& materials,
                                           const FrameSolution& solution, double spindle_rad_per_s,
                                           double dt_s, double energy_lead_J);

@@ -44,7 +44,7 @@ ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose&
                                  const CuttingParams& params)
     : tool_(tool),
       lever_m_(ToolLever(tool)),
-      materials_(bone.materials),
+      materials_(MaterialsUnderTool(bone, tool, params)),
       map_(bone),
       points_(RoundPoints(bone.points)),
       X_WG_(X_WG),
@@ -114,6 +114,7 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
                                               input.dt_s, memory_.energy_lead_J);
   solution.advance_m = advance.advance_m;
   solution.edge_work_J = advance.edge_work_J;
+  solution.ploughing_work_J = advance.ploughing_work_J;
   solution.step = ComputeAdvanceStep(params_, input, solution, goal.back());
   solution.origin_end = ComputeAdvanceEnd(solution);
   if (cutting) {

@@ -82,7 +82,7 @@ CpuEngine::Impl::Impl(const Bone& bone_in, const Tool& tool_in, const Pose& X_WG
                       const CuttingParams& params_in, const CpuParams& cpu_in)
     : tool(tool_in),
       lever_m(ToolLever(tool_in)),
-      materials(bone_in.materials),
+      materials(MaterialsUnderTool(bone_in, tool_in, params_in)),
       map(bone_in),
       X_WG(X_WG_in),
       params(params_in),

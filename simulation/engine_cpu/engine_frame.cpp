@@ -176,6 +176,7 @@ void CpuEngine::Impl::Advance(const FrameInput& input, FrameSolution& solution) 
       ComputeAdvance(params, materials, solution, input.spindle_rad_per_s, input.dt_s, memory.energy_lead_J);
   solution.advance_m = advance.advance_m;
   solution.edge_work_J = advance.edge_work_J;
+  solution.ploughing_work_J = advance.ploughing_work_J;
   solution.step = ComputeAdvanceStep(params, input, solution, goal.Origin());
   solution.origin_end = ComputeAdvanceEnd(solution);
 }

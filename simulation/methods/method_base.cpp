@@ -10,7 +10,12 @@ namespace osteon::simulation {
 
 MethodBase::MethodBase(Method method, const Bone& bone, const Tool& tool, const Pose& X_WG,
                        const CuttingParams& params)
-    : tool_(tool), materials_(bone.materials), params_(params), method_(method), X_WG_(X_WG), map_(bone) {
+    : tool_(tool),
+      materials_(MaterialsUnderTool(bone, tool, params)),
+      params_(params),
+      method_(method),
+      X_WG_(X_WG),
+      map_(bone) {
   if (materials_.empty() || materials_.size() > kMaxMaterials)
     throw std::invalid_argument(
         fmt::format("bone: found {} materials, accepted 1 … {}", materials_.size(), kMaxMaterials));
@@ -33,6 +38,7 @@ ContactModel MethodBase::Step(const FrameInput& input) {
   memory_.has_proxy = true;
   ++memory_.frame;
   BookRemoved(params_, materials_, frame.removed_m3, frame.edge_work_J, memory_);
+  memory_.cutting_work_J += frame.ploughing_work_J;
 
   ContactModel model;
   model.X_WP = X_WG_ * memory_.X_GP;
@@ -44,7 +50,8 @@ ContactModel MethodBase::Step(const FrameInput& input) {
   model.frame = memory_.frame;
   if (input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0) {
     model.advance_m_per_s = frame.advance_m / input.dt_s;
-    model.spindle_torque_Nm = frame.edge_work_J / (std::abs(input.spindle_rad_per_s) * input.dt_s);
+    model.spindle_torque_Nm =
+        (frame.edge_work_J + frame.ploughing_work_J) / (std::abs(input.spindle_rad_per_s) * input.dt_s);
   }
   for (const double area : frame.engaged.area_m2) model.engaged_area_m2 += area;
   if (!frame.touches) return model;
@@ -115,6 +122,7 @@ void MethodBase::Advance(const FrameInput& input, double slide_m, MethodFrame& f
                                               input.dt_s, memory_.energy_lead_J);
   frame.advance_m = advance.advance_m;
   frame.edge_work_J = advance.edge_work_J;
+  frame.ploughing_work_J = advance.ploughing_work_J;
 }
 
 void MethodBase::PushAlongNormal(const Vector3& origin_T, MethodFrame& frame) const {

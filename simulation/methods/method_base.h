@@ -33,7 +33,7 @@ struct MethodFrame {
   Vector3 force_N{Vector3::Zero()};    ///< on the tool
   Vector3 torque_Nm{Vector3::Zero()};  ///< about T's origin at the tool's pose
   Engagement engaged{};
-  double advance_m{0.0}, edge_work_J{0.0};
+  double advance_m{0.0}, edge_work_J{0.0}, ploughing_work_J{0.0};
   std::array<double, kMaxMaterials> removed_m3{};
 };
 

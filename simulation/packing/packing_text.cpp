@@ -33,6 +33,16 @@ constexpr std::array<Figure, 4> kFigures{{
      true, 2.0},
 }};
 
+/// Present only where the edge force is known; the chip's thickness follows in a line of its own.
+constexpr Figure kEdgeForce{"edge_force_N_per_m",
+                            &Material::edge_force_N_per_m,
+                            "edge_force_source",
+                            "edge_force_assumption",
+                            &Material::edge_force_source,
+                            false,
+                            kAny};
+constexpr const char* kChipKey = "measured_chip_m";
+
 constexpr const char* kCrcKey = "source_crc32";
 constexpr const char* kTextAccepted = "UTF-8 without control characters";
 
@@ -106,14 +116,25 @@ class LineReader {
     return value;
   }
 
-  void ReadFigure(const Figure& figure, Material& material) {
-    const std::string text = Value(figure.key);
-    double& value = material.*figure.value;
+  /// Whether the next line has this key.
+  [[nodiscard]] bool NextIs(std::string_view key) const {
+    const std::string_view rest = text_.substr(at_);
+    return !error_ && rest.starts_with(key) && rest.substr(key.size()).starts_with('=');
+  }
+
+  double ReadNumber(const char* key, double greatest, bool may_be_zero) {
+    const std::string text = Value(key);
+    double value = 0.0;
     const auto [rest, wrong] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool in_range = value <= figure.greatest && (figure.may_be_zero ? value >= 0.0 : value > 0.0);
+    const bool in_range = value <= greatest && (may_be_zero ? value >= 0.0 : value > 0.0);
     if (wrong != std::errc{} || rest != text.data() + text.size() || !in_range)
-      FailValue(figure.key, Shown(text),
-                figure.greatest == kAny ? "a finite number above 0" : fmt::format("0 … {}", figure.greatest));
+      FailValue(key, Shown(text),
+                greatest == kAny ? "a finite number above 0" : fmt::format("0 … {}", greatest));
+    return value;
+  }
+
+  void ReadFigure(const Figure& figure, Material& material) {
+    material.*figure.value = ReadNumber(figure.key, figure.greatest, figure.may_be_zero);
     const std::string accepted = fmt::format("a line {}=… or {}=…", figure.source_key, figure.assumption_key);
     auto [key, source] = Next(accepted);
     if (key != figure.source_key && key != figure.assumption_key) Fail("a line " + Shown(key), accepted);
@@ -169,17 +190,31 @@ bool GoodKey(const std::string& key) {
   });
 }
 
+// An edge force, and the chip's thickness at which the cutting energy was measured.
+void ReadEdgeForce(LineReader& reader, Material& material) {
+  reader.ReadFigure(kEdgeForce, material);
+  material.measured_chip_m = reader.ReadNumber(kChipKey, kAny, false);
+  const double max_force = material.specific_cutting_energy_J_per_m3 * material.measured_chip_m;
+  if (!(material.edge_force_N_per_m < max_force))
+    reader.FailValue(kChipKey, fmt::format("{}", material.measured_chip_m),
+                     fmt::format("more than {} over {}", kEdgeForce.key, kFigures[1].key));
+}
+
+std::string FigureText(const Figure& figure, const Material& material) {
+  const FigureSource& source = material.*figure.source;
+  return fmt::format("{}={}\n{}={}\n", figure.key, material.*figure.value,
+                     source.assumed ? figure.assumption_key : figure.source_key, Escaped(source.text));
+}
+
 }  // namespace
 
 tl::expected<std::string, TextError> MaterialsToText(const std::vector<Material>& materials) {
   std::string text;
   for (const Material& material : materials) {
     text += fmt::format("material={}\n", Escaped(material.name));
-    for (const Figure& figure : kFigures) {
-      const FigureSource& source = material.*figure.source;
-      text += fmt::format("{}={}\n{}={}\n", figure.key, material.*figure.value,
-                          source.assumed ? figure.assumption_key : figure.source_key, Escaped(source.text));
-    }
+    for (const Figure& figure : kFigures) text += FigureText(figure, material);
+    if (material.edge_force_N_per_m != 0.0)
+      text += fmt::format("{}{}={}\n", FigureText(kEdgeForce, material), kChipKey, material.measured_chip_m);
   }
   // one set of rules: only a text that can be read is written
   if (const auto read = MaterialsFromText(text); !read) return tl::make_unexpected(read.error());
@@ -200,6 +235,7 @@ tl::expected<std::vector<Material>, TextError> MaterialsFromText(std::string_vie
     if (!names.insert(material.name).second)
       reader.FailValue("material", Shown(material.name) + " a second time", "each name once");
     for (const Figure& figure : kFigures) reader.ReadFigure(figure, material);
+    if (reader.NextIs(kEdgeForce.key)) ReadEdgeForce(reader, material);
     materials.push_back(std::move(material));
   }
   if (reader.error()) return tl::make_unexpected(*reader.error());

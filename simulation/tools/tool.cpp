@@ -42,6 +42,13 @@ const ToolBall* CuttingHead(const Tool& tool) {
   return head;
 }
 
+int CuttingEdges(const Tool& tool) {
+  int edges = 0;
+  for (const ToolBall& ball : tool.balls)
+    if (ball.cutting) edges = std::max(edges, static_cast<int>(ball.edges));
+  return edges;
+}
+
 double CuttingReach(const Tool& tool) {
   double reach_m = 0.0;
   for (const ToolBall& ball : tool.balls)

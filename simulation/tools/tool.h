@@ -13,6 +13,9 @@ struct ToolBall {
   PlainVector3 center_m;
   double radius_m{0.0};
   bool cutting{true};
+  /// Of a cutting ball: edges that pass each place of its surface in one turn (a twist drill's two lips).
+  /// 0: not known; the work of edges then counts as part of the cutting energy.
+  std::uint8_t edges{0};
 };
 
 /// A tool. T has its origin at the apex and +z along the feed; the spindle turns about T's z axis.
@@ -40,6 +43,9 @@ struct Tool {
 /// The largest cutting ball, null where the tool has none. Among balls of equal radius to within a thousandth
 /// (the row of balls along a drill's flutes), the one farthest ahead.
 [[nodiscard]] const ToolBall* CuttingHead(const Tool& tool);
+
+/// The largest number of edges of the cutting balls; 0 where it is not known.
+[[nodiscard]] int CuttingEdges(const Tool& tool);
 
 /// Largest distance of the cutting balls' surfaces from the spindle's axis: half the width of a hole that the
 /// tool drills.

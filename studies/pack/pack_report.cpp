@@ -207,6 +207,11 @@ std::string Materials(const PackReportInput& input) {
         m.cutting_energy_source);
     row("cutting-force ratio", fmt::format("{:g}", m.cutting_force_ratio), m.cutting_force_source);
     row("friction", fmt::format("{:g}", m.friction), m.friction_source);
+    if (m.edge_force_N_per_m > 0.0)
+      row("edge force",
+          fmt::format("{:g} N/mm, energy at a chip of {:g} µm", 1e-3 * m.edge_force_N_per_m,
+                      1e6 * m.measured_chip_m),
+          m.edge_force_source);
   }
   return out + "</table>\n";
 }

@@ -50,12 +50,18 @@ nlohmann::json ToJsonObject(const Material& material) {
   const auto figure = [](double value, const FigureSource& source) {
     return nlohmann::json{{"value", value}, {"source", source.text}, {"assumed", source.assumed}};
   };
-  return {{"name", material.name},
-          {"density_g_per_cm3", figure(material.density_kg_per_m3 * 1e-3, material.density_source)},
-          {"cutting_energy_J_per_mm3",
-           figure(material.specific_cutting_energy_J_per_m3 * 1e-9, material.cutting_energy_source)},
-          {"cutting_force_ratio", figure(material.cutting_force_ratio, material.cutting_force_source)},
-          {"friction", figure(material.friction, material.friction_source)}};
+  nlohmann::json json = {
+      {"name", material.name},
+      {"density_g_per_cm3", figure(material.density_kg_per_m3 * 1e-3, material.density_source)},
+      {"cutting_energy_J_per_mm3",
+       figure(material.specific_cutting_energy_J_per_m3 * 1e-9, material.cutting_energy_source)},
+      {"cutting_force_ratio", figure(material.cutting_force_ratio, material.cutting_force_source)},
+      {"friction", figure(material.friction, material.friction_source)}};
+  if (material.edge_force_N_per_m > 0.0) {
+    json["edge_force_N_per_mm"] = figure(1e-3 * material.edge_force_N_per_m, material.edge_force_source);
+    json["measured_chip_um"] = 1e6 * material.measured_chip_m;
+  }
+  return json;
 }
 
 std::string Percent(double share) { return fmt::format("{:+.3f} %", share * 100); }

@@ -66,6 +66,7 @@ ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
   cutting.stiffness_N_per_m = kMachine_N_per_m;
   cutting.max_force_N = kNoBound_N;
   cutting.engaged_layer_m = 0.25e-3;  // as the drilling cells
+  cutting.edge_force = params.edge_force;
   simulation::CpuEngine engine(block, drill.tool, Pose::Identity(), cutting);
 
   Pose X_WT = Pose::Identity();

@@ -20,6 +20,7 @@ struct ConstantFeedParams {
   double diameter_m{0.0032};  ///< one of the tool's sizes
   double spindle_rad_per_s{104.71975511965977};
   std::vector<FeedStep> steps{{}};  ///< depths rise
+  bool edge_force{true};            ///< of the drill's lips, where the material has one
   double packing_scale{1.0};  ///< factor on the spacings of thin_plate.yaml's packing: above 1 is coarser
 };
 

@@ -16,8 +16,9 @@ namespace osteon::app {
 enum class CutConstant : std::uint8_t {
   kCuttingEnergy,      ///< specific cutting energy [J/m³]
   kCuttingForceRatio,  ///< cutting force over normal force
+  kEdgeForce,          ///< of an edge that takes no chip [N/m]; a material without one has none to be fitted
 };
-/// "cutting_energy", "cutting_force_ratio".
+/// "cutting_energy", "cutting_force_ratio", "edge_force".
 [[nodiscard]] std::string_view NameOf(CutConstant constant);
 [[nodiscard]] double ValueOf(const simulation::Material& material, CutConstant constant);
 [[nodiscard]] bool IsAssumed(const simulation::Material& material, CutConstant constant);

@@ -103,6 +103,24 @@ TEST(MaterialsConfig, MistakesAreAnsweredWithLineAndWhatIsAccepted) {
               HasSubstr("materials: found a list of 9, accepted a list of 1 … 8 mappings"));
 }
 
+TEST(MaterialsConfig, AnEdgeForceStatesTheChipAtWhichTheEnergyWasMeasured) {
+  const simulation::Material cortical = LoadMaterials(Shipped("bone.yaml"))[1];
+  EXPECT_DOUBLE_EQ(cortical.edge_force_N_per_m, 21e3);
+  EXPECT_DOUBLE_EQ(cortical.measured_chip_m, 48e-6);
+  EXPECT_FALSE(cortical.edge_force_source.assumed);
+  EXPECT_EQ(LoadMaterials(Shipped("bone.yaml"))[2].edge_force_N_per_m, 0.0);
+  const std::string edge =
+      "name: foam\n    edge_force_N_per_mm: 2\n    edge_force_source: a guess\n    edge_force_assumed: "
+      "true\n";
+  EXPECT_EQ(Refusal("name: foam\n", edge + "    measured_chip_um: 48\n"), "");
+  EXPECT_THAT(Refusal("name: foam\n", edge), HasSubstr("missing key \"measured_chip_um\""));
+  EXPECT_THAT(Refusal("name: foam\n", edge + "    measured_chip_um: 40\n"),
+              HasSubstr(".yaml:3: edge_force_N_per_mm: found 2, accepted less than 2: "
+                        "cutting_energy_J_per_mm3 times measured_chip_um"));
+  EXPECT_THAT(Refusal("name: foam\n", "name: foam\n    measured_chip_um: 48\n"),
+              HasSubstr("unknown key \"measured_chip_um\""));
+}
+
 TEST(MaterialsConfig, ANameIsUsedOnce) {
   std::ifstream file(Shipped("tooth.yaml"));
   std::string text((std::istreambuf_iterator<char>(file)), {});

@@ -23,12 +23,12 @@ class SplitKeys : public testing::Test {
     fs::copy(fs::path(OSTEON_SOURCE_DIR) / "config", folder_, fs::copy_options::recursive);
   }
   void TearDown() override { fs::remove_all(folder_); }
-  CellConfig LoadWith(const std::string& split) const {
-    const fs::path cell = folder_ / "cells/demo.yaml";
+  CellConfig LoadWith(const std::string& split, const std::string& name = "demo") const {
+    const fs::path cell = folder_ / "cells" / (name + ".yaml");
     std::stringstream text;
     text << std::ifstream(cell).rdbuf();
     std::string edited = text.str();
-    const std::string before = "  engaged_layer_mm: 0.5";
+    const std::string before = name == "demo" ? "  engaged_layer_mm: 0.5" : "  max_slide_um: 400";
     const std::size_t at = edited.find(before);
     if (at == std::string::npos) throw std::logic_error("the cell has changed");
     edited.insert(at, split);
@@ -57,6 +57,21 @@ TEST_F(SplitKeys, StandBesideWhichBallsCut) {
 }
 TEST_F(SplitKeys, StandBesideTheContactSphereAlone) {
   EXPECT_EQ(LoadWith("  cutters: contact_sphere\n").cutting.cutters, simulation::Cutters::kContactSphere);
+}
+
+TEST_F(SplitKeys, StandBesideTheEdgesForceWhichNeedsEdgesAndATissueThatStatesIt) {
+  EXPECT_FALSE(LoadWith("", "thin_plate").cutting.edge_force);
+  const CellConfig drill = LoadWith("  edge_force: true\n", "thin_plate");
+  EXPECT_TRUE(drill.cutting.edge_force);
+  EXPECT_EQ(simulation::CuttingEdges(drill.tool.tool), 2) << "a twist drill's lips";
+  EXPECT_TRUE(LoadWith("  edge_force: true\n", "sawbone_block").cutting.edge_force);
+  try {
+    static_cast<void>(LoadWith("  edge_force: true\n"));
+    ADD_FAILURE() << "accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("edge_force: found true with reamer.yaml, accepted with a tool that "
+                                        "has edge_count"));
+  }
 }
 
 TEST_F(SplitKeys, AreRefusedOutOfRangeWithWhatIsAccepted) {

@@ -1,5 +1,8 @@
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -97,6 +100,46 @@ TEST(GpuPasses, ReamLikeTheReference) {
   EXPECT_EQ(apart.unlike, 0);
   EXPECT_LE(apart.proxy_mm, 1e-3);
   EXPECT_LE(apart.force_N, 0.02);
+}
+
+// In doubles and in pairs of floats.
+TEST(GpuPasses, ReamAgainstTheEdgesForceLikeTheReference) {
+  simulation::Bone bone = DefaultBone();
+  for (simulation::Material& material : bone.materials) {
+    material.measured_chip_m = 50e-6;
+    material.edge_force_N_per_m = 0.05 * material.specific_cutting_energy_J_per_m3 * material.measured_chip_m;
+  }
+  simulation::Tool tool = DefaultReamer();
+  tool.balls[0].edges = 2;
+  const CuttingParams params{.edge_force = true};
+  simulation::ReferenceEngine reference(bone, tool, Pose::Identity(), params);
+  std::vector<FrameInput> inputs;
+  std::vector<ContactModel> models;
+  Hand hand;
+  for (int i = 0; i < 80; ++i) {
+    inputs.push_back(hand.Next(i > 0 ? Vector3(models.back().F_T_W.f) : Vector3::Zero()));
+    models.push_back(reference.Step(inputs.back()));
+  }
+  EXPECT_GT(models.back().removed_volume_m3, 0.0);
+  for (const VulkanOverrides& variant :
+       {kForGpu, kForProcessor, VulkanOverrides{.arithmetic = Arithmetic::kFloats}}) {
+    const auto gpu = Open(bone, tool, With(variant), params);
+    Apart apart;
+    double torque_Nm = 0.0, work_J = 0.0;
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      const double path_m = i > 0 ? (Vector3(inputs[i].X_WT.p) - Vector3(models[i - 1].X_WP.p)).norm() : 0.0;
+      const ContactModel found = gpu->Step(inputs[i]);
+      apart.Add(path_m, models[i], found);
+      torque_Nm = std::max(torque_Nm, std::abs(models[i].spindle_torque_Nm - found.spindle_torque_Nm));
+      work_J = found.cutting_work_J;
+    }
+    EXPECT_GT(apart.max_N, 20.0);
+    EXPECT_EQ(apart.unlike, 0);
+    EXPECT_LE(apart.proxy_mm, 1e-3);
+    EXPECT_LE(apart.force_N, 0.02);
+    EXPECT_LE(torque_Nm, 1e-3);
+    EXPECT_NEAR(work_J, models.back().cutting_work_J, 0.01 * models.back().cutting_work_J);
+  }
 }
 
 TEST(Workgroups, FewerThanAPassAsksForGoRound) {

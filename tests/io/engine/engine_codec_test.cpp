@@ -145,6 +145,10 @@ TEST(EngineSetup, CrossesBitForBit) {
   EXPECT_EQ(got->bone.balls.size(), sent.bone.balls.size());
   EXPECT_EQ(got->bone.points[3].p_m.x, sent.bone.points[3].p_m.x);
   EXPECT_EQ(got->tool.balls[0].radius_m, sent.tool.balls[0].radius_m);
+  EXPECT_EQ(got->tool.balls[0].edges, 2);
+  EXPECT_EQ(got->bone.materials[0].edge_force_N_per_m, 21e3);
+  EXPECT_EQ(got->bone.materials[0].measured_chip_m, 48e-6);
+  EXPECT_TRUE(got->cutting.edge_force);
   EXPECT_EQ(EncodeSetup(*got), bytes);
 }
 

@@ -64,14 +64,15 @@ inline EngineFrame SampleFrame() {
 inline EngineSetup SampleSetup() {
   EngineSetup setup;
   setup.bone.name = "block";
-  setup.bone.materials = {{.name = "cortical"}};
+  setup.bone.materials = {{.name = "cortical", .edge_force_N_per_m = 21e3, .measured_chip_m = 48e-6}};
   for (int i = 0; i < 5; ++i) {
     const double x = 1e-3 * i;
     setup.bone.balls.push_back({.center_m = {x, 0.0, 0.0}, .radius_m = 1e-3});
     setup.bone.points.push_back({.p_m = {x, 1e-4, 0.0}, .volume_m3 = 1e-9, .material = 0});
   }
   setup.tool.name = "ball";
-  setup.tool.balls = {{.center_m = {0.0, 0.0, -2e-3}, .radius_m = 2e-3, .cutting = true}};
+  setup.tool.balls = {{.center_m = {0.0, 0.0, -2e-3}, .radius_m = 2e-3, .cutting = true, .edges = 2}};
+  setup.cutting.edge_force = true;
   setup.X_WG = SamplePose();
   return setup;
 }

@@ -1,5 +1,6 @@
 #include "simulation/bone/material.h"
 
+#include <cmath>
 #include <functional>
 #include <stdexcept>
 
@@ -54,6 +55,22 @@ TEST(Materials, AListIsOneToEightNamesWithPositiveFigures) {
   EXPECT_THAT(refusal([](List m) { m[2].specific_cutting_energy_J_per_m3 = -1; }),
               HasSubstr("found -1, accepted > 0"));
   EXPECT_THAT(refusal([](List m) { m[2].friction = 2.5; }), HasSubstr("friction: found 2.5, accepted 0 … 2"));
+  EXPECT_THAT(refusal([](List m) { m[1].measured_chip_m = 0.0; }),
+              HasSubstr("cortical: measured_chip_m: found 0, accepted > 0"));
+  EXPECT_THAT(refusal([](List m) { m[1].edge_force_N_per_m = 1.3e9 * 48e-6; }),
+              HasSubstr("cortical: edge_force_N_per_m: found 62400, accepted 0 and more, below 62400"));
+  EXPECT_THAT(refusal([](List m) { m[1].edge_force_N_per_m = std::nan(""); }), HasSubstr("found nan"));
+}
+
+TEST(Materials, AtTheMeasuredChipAnEdgeTakesTheMeasuredCuttingEnergy) {
+  const Material measured = DefaultBoneMaterials()[1];
+  for (const int edges : {1, 2, 6}) {
+    const Material split = SplitCuttingEnergy({measured}, edges)[0];
+    const double at_measured_chip =
+        split.specific_cutting_energy_J_per_m3 + split.edge_force_N_per_m / edges / measured.measured_chip_m;
+    EXPECT_NEAR(at_measured_chip, measured.specific_cutting_energy_J_per_m3, 1.0) << edges;
+    EXPECT_LT(split.specific_cutting_energy_J_per_m3, measured.specific_cutting_energy_J_per_m3);
+  }
 }
 
 }  // namespace

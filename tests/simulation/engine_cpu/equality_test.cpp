@@ -38,6 +38,23 @@ TEST(CpuEngine, ReamsToTheReferencesBitsForTwoThousandFrames) {
   ExpectWorthComparing(engines, {.force_N = 100.0, .touching = 1980, .balls = 500, .points = 500});
 }
 
+// With an edge force that the hand's force overcomes in soft tissue alone.
+TEST(CpuEngine, ReamsAgainstTheEdgesForceToTheReferencesBits) {
+  Bone bone = gpu::DefaultBone();
+  for (Material& material : bone.materials) {
+    material.measured_chip_m = 50e-6;
+    material.edge_force_N_per_m = 0.05 * material.specific_cutting_energy_J_per_m3 * material.measured_chip_m;
+  }
+  Tool reamer = gpu::DefaultReamer();
+  for (ToolBall& ball : reamer.balls) ball.edges = 2;
+  EqualEngines engines(bone, reamer, {.edge_force = true});
+  gpu::Hand hand;
+  for (int i = 0; i < 200; ++i)
+    ASSERT_TRUE(engines.Step(hand.Next(engines.model().F_T_W.f))) << "frame " << i << "\n"
+                                                                  << engines.differences();
+  ExpectWorthComparing(engines, {.force_N = 50.0, .touching = 150, .balls = 50, .points = 20});
+}
+
 // A burr in bone of balls not much smaller than itself: which of them holds it is decided anew all the time.
 TEST(CpuEngine, BurrsToTheReferencesBitsForTwoThousandFrames) {
   Tool tool;

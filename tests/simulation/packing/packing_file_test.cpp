@@ -44,8 +44,11 @@ TEST_F(PackingFileTest, WhatIsSavedIsWhatIsLoaded) {
               bone.materials[i].specific_cutting_energy_J_per_m3);
     EXPECT_EQ(loaded.materials[i].cutting_force_ratio, bone.materials[i].cutting_force_ratio);
     EXPECT_EQ(loaded.materials[i].friction, bone.materials[i].friction);
-    for (const auto source : {&Material::density_source, &Material::cutting_energy_source,
-                              &Material::cutting_force_source, &Material::friction_source}) {
+    EXPECT_EQ(loaded.materials[i].edge_force_N_per_m, bone.materials[i].edge_force_N_per_m);
+    EXPECT_EQ(loaded.materials[i].measured_chip_m, bone.materials[i].measured_chip_m);
+    for (const auto source :
+         {&Material::density_source, &Material::cutting_energy_source, &Material::cutting_force_source,
+          &Material::friction_source, &Material::edge_force_source}) {
       EXPECT_EQ((loaded.materials[i].*source).text, (bone.materials[i].*source).text);
       EXPECT_EQ((loaded.materials[i].*source).assumed, (bone.materials[i].*source).assumed);
     }

@@ -39,6 +39,28 @@ TEST(ConstantFeed, ThrustFollowsFromTheEnergyBalance) {
   EXPECT_NEAR(drilled.torque_Nm, 0.8 * drilled.thrust_N * 2.0 / 3.0 * 0.0016, 0.1 * drilled.torque_Nm);
 }
 
+// An edge's force is linear in the depth of cut, with an offset: (10 + 24.35) / (2 + 24.35) for cortical
+// bone.
+TEST(ConstantFeed, FiveTimesTheDepthOfCutIsMoreForceByTheSharesOfChipAndEdge) {
+  const auto thrust_N = [](double chip_m, bool edge_force) {
+    ConstantFeedParams params = Cortical(1000);
+    const double feed_m_per_s = chip_m * 2.0 * 1000.0 / 60.0;
+    params.steps = {{.feed_m_per_s = 0.002, .depth_m = 0.0022},
+                    {.feed_m_per_s = feed_m_per_s, .depth_m = 0.0024}};
+    params.packing_scale = 2.0;
+    params.edge_force = edge_force;
+    return DrillAtConstantFeed(params).thrust_N;
+  };
+  const simulation::Material cortical = Cortical(1000).material;
+  const double chip_energy =
+      cortical.specific_cutting_energy_J_per_m3 - cortical.edge_force_N_per_m / cortical.measured_chip_m;
+  const double depth_m =
+      cortical.edge_force_N_per_m / chip_energy;  // where chip and edge take the same force
+  EXPECT_NEAR(depth_m, 24.4e-6, 0.1e-6);
+  EXPECT_NEAR(thrust_N(10e-6, true) / thrust_N(2e-6, true), (10e-6 + depth_m) / (2e-6 + depth_m), 0.05);
+  EXPECT_GT(thrust_N(10e-6, false) / thrust_N(2e-6, false), 4.0);
+}
+
 TEST(ConstantFeed, RefusesStepsThatAreNoneOrLeaveTheBlock) {
   ConstantFeedParams params = Cortical(1000);
   params.steps = {};

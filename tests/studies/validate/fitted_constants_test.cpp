@@ -23,7 +23,8 @@ TEST(FittedConstants, AreExactlyTheShippedConstantsThatAreNotAssumed) {
   std::set<std::string> measured;
   for (const char* file : {"bone.yaml", "sawbone.yaml", "tooth.yaml"})
     for (const simulation::Material& material : config::LoadMaterials(kMaterials / file))
-      for (const CutConstant constant : {CutConstant::kCuttingEnergy, CutConstant::kCuttingForceRatio}) {
+      for (const CutConstant constant :
+           {CutConstant::kCuttingEnergy, CutConstant::kCuttingForceRatio, CutConstant::kEdgeForce}) {
         if (IsAssumed(material, constant)) continue;
         const auto listed = std::ranges::find_if(FittedConstants(), [&](const FittedConstant& fitted) {
           return fitted.file == file && fitted.material == material.name && fitted.constant == constant;
@@ -66,11 +67,12 @@ TEST(FittedConstants, ARowIsFittedIfOneOfItsConstantsWasFittedToIt) {
   EXPECT_EQ(row.verdict(), "misses");
 }
 
-// Rows of ratios name no constant: a change of both constants leaves the ratio as it was.
-TEST(FittedConstants, TheRatioOverTheSpeedDoesNotDependOnThem) {
+// Rows of ratios name only edge force and cutting energy: a common factor on both leaves the ratio as it was.
+TEST(FittedConstants, TheRatioOverTheSpeedDependsOnTheEdgesShareAlone) {
   const auto ratio = [](double energy_factor, double ratio_factor) {
     simulation::Material material = config::LoadMaterials(kMaterials / "bone.yaml")[1];
     material.specific_cutting_energy_J_per_m3 *= energy_factor;
+    material.edge_force_N_per_m *= energy_factor;
     material.cutting_force_ratio *= ratio_factor;
     const auto thrust = [&](double spindle_rad_per_s) {
       return DrillAtConstantFeed({.config_root = std::filesystem::path(OSTEON_SOURCE_DIR) / "config",
