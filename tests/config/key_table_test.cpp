@@ -1,3 +1,4 @@
+#include "config/reading/file_kinds.h"
 #include "config/reading/strict/key_table.h"
 
 #include <gtest/gtest.h>

@@ -18,6 +18,8 @@ TEST(ClientMessage, TakesWhatAPageMayAsk) {
             OperatorRequest::kRecover);
   EXPECT_EQ(std::get<RoleRequest>(*ParseClientMessage(R"({"ask": "watch"})")), RoleRequest::kGiveBack);
   EXPECT_EQ(std::get<ViewRequest>(*ParseClientMessage(R"({"ask": "seek", "value": 2.5})")).value, 2.5);
+  EXPECT_EQ(std::get<ViewRequest>(*ParseClientMessage(R"({"ask": "map", "value": 1})")).kind,
+            ViewRequest::Kind::kMap);
   EXPECT_EQ(std::get<GainsRequest>(*ParseClientMessage(R"({"ask": "drag", "value": 40})")).value, 40.0);
   EXPECT_EQ(std::get<GainsRequest>(*ParseClientMessage(R"({"ask": "undo_gains"})")).kind,
             GainsRequest::Kind::kUndo);
@@ -51,6 +53,7 @@ TEST(ClientMessage, RefusesEverythingElseWithWhatItAccepts) {
                                    std::string(R"({"ask": "stiffness", "value": -1e999})"),
                                    std::string(R"({"ask": "pause", "value": 1})"),
                                    std::string(R"({"ask": "seek"})"),
+                                   std::string(R"({"ask": "map"})"),
                                    std::string(R"({"ask": "seek", "value": 1e999})"),
                                    std::string(R"({"ask": "seek", "value": "1"})"),
                                    std::string(R"({"ask": "next_tool", "value": 1})"),

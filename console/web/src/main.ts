@@ -94,6 +94,10 @@ class Page {
         this.scene.showPlan(message);
         this.procedure.show(message);
         break;
+      case "bone_difference":
+        this.scene.surface.setRange(message.range_mm);
+        this.scene.redraw();
+        break;
       case "surface":
         this.scene.surface.begin(message);
         break;
