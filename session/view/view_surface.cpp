@@ -97,7 +97,10 @@ bool ViewSurface::CarveOn(double wanted_s) {
 }
 
 void ViewSurface::Publish() {
-  if (ended_ || bone_->at_s >= wanted_s_.load()) bone_->field.Carve(bone_->ways.TakeCapsules());
+  if (ended_ || bone_->at_s >= wanted_s_.load())
+    bone_->CarveAll();
+  else
+    bone_->Carve();
   const auto dirty = bone_->field.Dirty();
   const std::vector<surface::BrickIndex> bricks =
       map_ ? map_->Update(bone_->field, solid_, dirty) : std::vector(dirty.begin(), dirty.end());

@@ -73,8 +73,13 @@ void SurfaceThread::Loop() {
 }
 
 void SurfaceThread::CarveFrames() {
+  capsules_.clear();
   for (ToolFrame frame; ring_.Pop(frame);)
-    if (ways_.Add(frame)) field_->Carve(ways_.TakeCapsules());
+    if (ways_.Add(frame)) {
+      const std::vector<Capsule> swept = ways_.TakeCapsules();
+      capsules_.insert(capsules_.end(), swept.begin(), swept.end());
+    }
+  field_->Carve(capsules_);  // at once: most of a batch's capsules count at no node beside a later batch's
 }
 
 void SurfaceThread::PublishDirty() {

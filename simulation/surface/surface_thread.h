@@ -74,7 +74,8 @@ class SurfaceThread {
   std::condition_variable begun_;  // the field is there, or the thread has failed
   std::optional<CarvedField> field_;
   ToolWays ways_;
-  std::vector<SurfaceChunk> chunks_;  // their memory is used again
+  std::vector<Capsule> capsules_;
+  std::vector<SurfaceChunk> chunks_;  // the memory of both is used again
   std::string error_;                 // read without the lock once the thread is joined
   std::thread thread_;
 };

@@ -6,6 +6,7 @@
 
 #include "console/server/access.h"
 #include "console/server/operator_role.h"
+#include "console/server/shared_live.h"
 #include "console/server/surface_store.h"
 
 namespace osteon::console {
@@ -122,6 +123,19 @@ TEST(SurfaceStore, AReaderGetsTheNewestOfEachBrickInPieces) {
   EXPECT_TRUE(store.Since(seen, 3).empty());
   store.Put(0, "again");
   ASSERT_EQ(store.Since(seen, 3).size(), 1u);
+}
+
+TEST(SharedLive, PagesAtTheSamePlaceShareAMessage) {
+  SharedLive live;
+  int made = 0;
+  const auto get = [&](std::uint64_t epoch, std::uint64_t from, std::uint64_t to) {
+    return *live.Get({.epoch = epoch, .from = from, .to = to}, [&] { return std::to_string(++made); });
+  };
+  EXPECT_EQ(get(0, 4, 5), "1");
+  EXPECT_EQ(get(0, 4, 5), "1");
+  EXPECT_EQ(get(0, 3, 5), "2") << "a page that is behind";
+  EXPECT_EQ(get(1, 3, 5), "3") << "the same numbers in another epoch";
+  EXPECT_EQ(made, 3);
 }
 
 }  // namespace
