@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/inheriting_mutex.h"
 #include "base/spsc_ring.h"
 #include "simulation/surface/carved_field.h"
 #include "simulation/surface/dual_surface.h"
@@ -70,8 +71,8 @@ class SurfaceThread {
   SurfaceSink& sink_;
   rt::SpscRing<ToolFrame> ring_;
   std::atomic<bool> stop_{false};
-  std::mutex mutex_;               // of what follows; the engine's thread never takes it
-  std::condition_variable begun_;  // the field is there, or the thread has failed
+  rt::InheritingMutex mutex_;          // of what follows; the engine's thread takes it in Apply alone
+  std::condition_variable_any begun_;  // the field is there, or the thread has failed
   std::optional<CarvedField> field_;
   ToolWays ways_;
   std::vector<Capsule> capsules_;
