@@ -35,6 +35,7 @@ void ViewSurface::Run() {
   try {
     const float voxel_mm = surface::VoxelFor(setup_.config.tool.tool);
     solid_ = surface::FieldOfBone(setup_.solid.get(), setup_.bone, voxel_mm);
+    tissue_.emplace(solid_->layout(), setup_.solid ? surface::TissueOf(setup_.solid) : surface::MaterialAt{});
     Begin(CarvedBone(solid_, setup_));
     keys_ = std::make_unique<CarvedKeys>(recording_, setup_, solid_);
     while (!stop_.load()) {
@@ -107,13 +108,9 @@ void ViewSurface::Publish() {
   if (!bricks.empty()) {
     if (chunks_.size() < bricks.size()) chunks_.resize(bricks.size());
     const bool is_map = map_ && map_->on();
-    const surface::MaterialAt material = [this](surface::Vec3 p_mm) {
-      return setup_.solid ? setup_.solid->MaterialAt(1e-3 * Vector3(p_mm.x, p_mm.y, p_mm.z))
-                          : std::uint8_t{0};
-    };
     for (std::size_t i = 0; i < bricks.size(); ++i) {
       surface::ExtractChunk(bone_->field, bricks[i], chunks_[i], {},
-                            is_map ? surface::MaterialAt{} : material);
+                            is_map ? surface::MaterialAt{} : tissue_->OfBrick(bricks[i]));
       if (is_map) map_->Colour(bone_->field, chunks_[i]);
     }
     if (is_map) map_->TellLargest();

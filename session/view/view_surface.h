@@ -14,6 +14,7 @@
 #include "session/view/carved_keys.h"
 #include "session/view/recording_timeline.h"
 #include "simulation/surface/carved_field.h"
+#include "simulation/surface/tissue_bricks.h"
 #include "simulation/surface/tool_ways.h"
 
 namespace osteon::app {
@@ -54,6 +55,7 @@ class ViewSurface {
 
   // of the thread
   std::shared_ptr<const surface::SolidField> solid_;
+  std::optional<surface::TissueBricks> tissue_;
   std::optional<CarvedBone> bone_;
   std::unique_ptr<RecordingTimeline> timeline_;
   std::unique_ptr<DifferenceMap> map_;

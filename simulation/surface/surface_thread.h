@@ -16,6 +16,7 @@
 #include "simulation/surface/carved_field.h"
 #include "simulation/surface/dual_surface.h"
 #include "simulation/surface/surface_sink.h"
+#include "simulation/surface/tissue_bricks.h"
 #include "simulation/surface/tool_ways.h"
 
 namespace osteon::surface {
@@ -74,6 +75,7 @@ class SurfaceThread {
   rt::InheritingMutex mutex_;          // of what follows; the engine's thread takes it in Apply alone
   std::condition_variable_any begun_;  // the field is there, or the thread has failed
   std::optional<CarvedField> field_;
+  std::optional<TissueBricks> tissue_;
   ToolWays ways_;
   std::vector<Capsule> capsules_;
   std::vector<SurfaceChunk> chunks_;  // the memory of both is used again
