@@ -100,6 +100,7 @@ class Page {
         break;
       case "surface":
         this.scene.surface.begin(message);
+        this.scene.showBoneAlone(message.difference_step_mm !== undefined);
         break;
       case "live":
         this.takeLive(message);
