@@ -1,6 +1,7 @@
 #include "base/paced_priority.h"
 
 #include <sched.h>
+#include <ctime>
 
 namespace osteon::rt {
 namespace {
@@ -16,15 +17,23 @@ PacedPriority::~PacedPriority() {
   if (is_lifted_) Set(false);
 }
 
-void PacedPriority::CountWork(Nanoseconds start, Nanoseconds end) noexcept {
-  if (window_start_ < 0) window_start_ = start;
-  worked_ += end - start;
-  const Nanoseconds passed = end - window_start_;
+void PacedPriority::CountWork(Nanoseconds now) noexcept {
+  timespec cpu{};
+  (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &cpu);
+  CountWork(now, cpu.tv_sec * kSecond + cpu.tv_nsec);
+}
+
+void PacedPriority::CountWork(Nanoseconds now, Nanoseconds cpu_time) noexcept {
+  if (window_start_ < 0) {
+    window_start_ = now;
+    cpu_at_start_ = cpu_time;
+  }
+  const Nanoseconds passed = now - window_start_, worked = cpu_time - cpu_at_start_;
   if (passed < kWindow) return;
-  if (is_lifted_ && worked_ * 10 > passed * 8) Set(false);
-  if (!is_lifted_ && worked_ * 2 < passed) Set(true);
-  window_start_ = end;
-  worked_ = 0;
+  if (is_lifted_ && worked * 10 > passed * 8) Set(false);
+  if (!is_lifted_ && worked * 2 < passed) Set(true);
+  window_start_ = now;
+  cpu_at_start_ = cpu_time;
 }
 
 void PacedPriority::Set(bool lifted) noexcept {

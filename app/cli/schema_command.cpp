@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "config/reading/file_kinds.h"
 #include "config/reading/named_file.h"
 #include "config/reading/strict/key_aliases.h"
 #include "config/reading/strict/key_table.h"

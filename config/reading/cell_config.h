@@ -6,7 +6,9 @@
 #include <string>
 #include <variant>
 
+#include "config/reading/bone_config.h"
 #include "config/reading/identified_cell.h"
+#include "config/reading/tool_config.h"
 #include "control/loop/servo_loop.h"
 #include "hil/can/simulated_devices.h"
 #include "hil/injection/wire_faults.h"
@@ -21,34 +23,11 @@
 #include "kinematics/ortho_parallel_params.h"
 #include "simulation/bone/scenes.h"
 #include "simulation/engine/cutting_engine.h"
-#include "simulation/tools/tool.h"
-#include "simulation/tools/tool_compliance.h"
 
 // Content of the files under config/, in SI: the libraries' parameters, and values without a type in a
 // library. Plain data; the accepted ranges are in the loaders (load.h).
 
 namespace osteon::config {
-
-/// The motor that turns a tool.
-struct ToolDriveConfig {
-  double gear_ratio{1.0};  ///< turns of the motor for each turn of the tool
-  double rated_torque_Nm{0.0};
-  double spin_up_s{0.0};  ///< from rest to the spindle's speed
-};
-
-/// How a tool bends.
-struct ToolBendingConfig {
-  simulation::ToolCompliance compliance;  ///< without thrust
-  double relaxation_s{0.020};             ///< time constant of the bending in the loop
-};
-
-struct ToolConfig {
-  simulation::Tool tool;
-  Pose X_FT{Pose::Identity()};                 ///< tool in the flange's frame
-  std::optional<ToolBendingConfig> bending{};  ///< absent: it counts as rigid
-  double spindle_rad_per_s{0.0};
-  ToolDriveConfig drive;
-};
 
 /// Where the arm begins: the tool points into the cup along its axis.
 struct StartConfig {
@@ -118,15 +97,6 @@ struct EngineProcessConfig {
   std::uint16_t port{0};  ///< UDP; 0 with an empty host
   /// A file with the token of an engine beyond the loopback; relative to the cell's folder. Empty: none.
   std::filesystem::path token_file{};
-};
-
-/// A mesh or a packing that takes the place of the scene's generated solid.
-struct BoneConfig {
-  std::filesystem::path file;  ///< a closed mesh, or a packing (.osp)
-  std::optional<simulation::CutSite>
-      cup{};            ///< the site, in the file's frame after scaling; a packing may have its own
-  double scale{1.0};    ///< millimetres to a unit of a mesh
-  std::string place{};  ///< where the cell names cup or file, "my.yaml:12": for errors of the mesh
 };
 
 /// Whether a part of the cell gives way.

@@ -1,6 +1,8 @@
+#include "config/reading/load_materials.h"
+
 #include <fmt/format.h>
 
-#include "config/reading/load.h"
+#include "config/reading/strict/reader.h"
 
 namespace osteon::config {
 namespace {

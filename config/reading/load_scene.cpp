@@ -1,11 +1,13 @@
+#include "config/reading/load_scene.h"
+
 #include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
 
-#include "config/reading/load.h"
 #include "config/reading/sections/density_image.h"
 #include "config/reading/sections/read_events.h"
+#include "config/reading/strict/reader.h"
 
 namespace osteon::config {
 namespace {

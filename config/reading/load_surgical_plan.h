@@ -3,8 +3,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "config/reading/cell_config.h"
+#include "config/reading/bone_config.h"
 #include "procedure/plan/surgical_plan.h"
+#include "simulation/bone/scenes.h"
 
 namespace osteon::config {
 
@@ -20,16 +21,5 @@ struct SurgicalPlanConfig {
 /// cup, diameters that do not rise, and gains beyond what the guidance is known to be stable with.
 /// @throws ConfigError
 [[nodiscard]] SurgicalPlanConfig LoadSurgicalPlan(const std::filesystem::path& path);
-
-/// Refuses a plan that a cell would hinder: its depth limit begins to resist above the planned depth of a
-/// reamer. Also refuses a plan for another scene or bone than the cell's.
-/// @param plan_file, cell_file  for the error
-/// @throws ConfigError
-void CheckPlanInCell(const SurgicalPlanConfig& plan, const CellConfig& cell,
-                     const std::filesystem::path& plan_file, const std::filesystem::path& cell_file);
-
-/// X_WG of a cell for places of the bone's own frame. (CellConfig::X_WG is the pose of the site's frame C,
-/// which differs from the bone's where that is a mesh.)
-[[nodiscard]] Pose BoneInWorld(const CellConfig& cell, const simulation::CutSite& site);
 
 }  // namespace osteon::config

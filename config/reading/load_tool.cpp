@@ -1,11 +1,13 @@
+#include "config/reading/load_tool.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "base/units.h"
-#include "config/reading/load.h"
 #include "config/reading/sections/read_pose.h"
+#include "config/reading/strict/reader.h"
 #include "simulation/tools/tool_kinds.h"
 #include "simulation/tools/tool_mesh.h"
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kAccepted =
     "accepted {\"ask\": pause, resume, recover, stop, role, watch, all, play, halt, undo_gains, next_tool, "
-    "undo_pass, save, cup; with \"value\": seek, speed, stiffness, drag, tool, guidance}";
+    "undo_pass, save, cup; with \"value\": seek, speed, map, stiffness, drag, tool, guidance}";
 constexpr std::size_t kShown = 30;  // characters of a wrong word in an error
 
 tl::unexpected<std::string> Refuse(const std::string& found) {
@@ -41,6 +41,7 @@ tl::expected<ClientMessage, std::string> ParseClientMessage(std::string_view byt
     if (ask == "stiffness") return GainsRequest{.kind = GainsRequest::Kind::kStiffness, .value = value};
     if (ask == "drag") return GainsRequest{.kind = GainsRequest::Kind::kDrag, .value = value};
     if (ask == "guidance") return ProcedureRequest{.kind = Procedure::kGuidance, .value = value};
+    if (ask == "map") return ViewRequest{.kind = ViewRequest::Kind::kMap, .value = value};
     if (ask == "speed") return ViewRequest{.kind = ViewRequest::Kind::kSpeed, .value = value};
   }
   if (has_value) return Refuse("a value with \"" + ask.substr(0, kShown) + "\"");

@@ -21,10 +21,11 @@ enum class RoleRequest : std::uint8_t { kTake, kGiveBack };
 /// {"ask": "all"}: everything again, after a page has lost its picture.
 struct ResendRequest {};
 
-/// {"ask": "play"}, {"ask": "halt"}, {"ask": "seek", "value": seconds}, {"ask": "speed", "value": factor}: of
-/// a recording that is viewed. The value is finite.
+/// {"ask": "play"}, {"ask": "halt"}, {"ask": "seek", "value": seconds}, {"ask": "speed", "value": factor},
+/// {"ask": "map", "value": 1 or 0}, the bones' difference as their colour: of recordings that are viewed. The
+/// value is finite.
 struct ViewRequest {
-  enum class Kind : std::uint8_t { kPlay, kHalt, kSeek, kSpeed } kind{Kind::kPlay};
+  enum class Kind : std::uint8_t { kPlay, kHalt, kSeek, kSpeed, kMap } kind{Kind::kPlay};
   double value{0.0};
 };
 

@@ -77,10 +77,10 @@ class Server final : public ConsoleServer {
   Server(ConsoleParams params, const LiveFeed& feed, const SurfaceStore& surface)
       : params_(std::move(params)),
         token_(IsLoopback(params_.address) ? "" : NewToken()),
-        sources_{feed, surface, role_, params_.hello, params_.context, pages_open_, params_.notes} {
+        sources_{feed, surface, role_, params_.hello, params_.context, pages_open_, params_.notes, live_} {
     if (params_.second)
       second_.emplace(PageSources{params_.second->feed, params_.second->surface, role_, params_.second->hello,
-                                  params_.second->context, pages_open_, params_.notes});
+                                  params_.second->context, pages_open_, params_.notes, second_live_});
   }
 
   ~Server() override {
@@ -277,6 +277,7 @@ class Server final : public ConsoleServer {
   std::string token_;
   OperatorRole role_;
   std::atomic<std::size_t> pages_open_{0};
+  SharedLive live_, second_live_;
   PageSources sources_;
   std::optional<PageSources> second_;
   std::atomic<bool> ending_{false};

@@ -111,8 +111,12 @@ bool PageSender::SendNew() {
   if (!SendAnswers() || !SendRole() || !SendNotes()) return false;
   if (const auto events = sources_.feed.EventsSince(seen_events_); !events.empty())
     if (!writer_.WriteText(EventsJson(events))) return false;
-  if (const auto windows = sources_.feed.Since(seen_windows_); !windows.empty())
-    if (!writer_.WriteText(LiveJson(windows, sources_.context))) return false;
+  const std::uint64_t seen_before = seen_windows_;
+  if (const auto windows = sources_.feed.Since(seen_windows_); !windows.empty()) {
+    const SharedLive::Span span{.epoch = shown_epoch_, .from = seen_before, .to = seen_windows_};
+    if (!writer_.WriteText(*sources_.live.Get(span, [&] { return LiveJson(windows, sources_.context); })))
+      return false;
+  }
   return SendSurface();
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "console/server/operator_role.h"
+#include "console/server/shared_live.h"
 #include "console/server/surface_store.h"
 #include "console/stream/live_feed.h"
 #include "console/stream/live_status.h"
@@ -28,6 +29,7 @@ struct PageSources {
   const std::atomic<std::size_t>& pages;
   /// Messages that a page gets whenever they differ from what it got last: a playback's place, say.
   const std::vector<std::function<std::string()>>& notes;
+  SharedLive& live;  ///< of the feed's pages
 };
 
 /// Writes to one page. False if it does not read, or has gone.

@@ -9,14 +9,20 @@
 
 namespace osteon::console {
 
-void SurfaceFeed::Begin(const surface::BrickLayout& layout) {
+void SurfaceFeed::Begin(const surface::BrickLayout& layout) { BeginStore(layout, std::nullopt); }
+
+void SurfaceFeed::BeginDifference(const surface::BrickLayout& layout, float step_mm) {
+  BeginStore(layout, step_mm);
+}
+
+void SurfaceFeed::BeginStore(const surface::BrickLayout& layout, std::optional<float> difference_step_mm) {
   layout_ = layout;
-  store_.Begin(layout,
-               nlohmann::json{{"type", "surface"},
-                              {"origin_mm", {layout.origin_mm.x, layout.origin_mm.y, layout.origin_mm.z}},
-                              {"voxel_mm", layout.voxel_mm},
-                              {"bricks", layout.bricks}}
-                   .dump());
+  nlohmann::json message{{"type", "surface"},
+                         {"origin_mm", {layout.origin_mm.x, layout.origin_mm.y, layout.origin_mm.z}},
+                         {"voxel_mm", layout.voxel_mm},
+                         {"bricks", layout.bricks}};
+  if (difference_step_mm) message["difference_step_mm"] = *difference_step_mm;
+  store_.Begin(layout, message.dump());
 }
 
 void SurfaceFeed::Publish(std::span<const surface::SurfaceChunk> chunks, std::uint64_t) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "console/server/surface_store.h"
 #include "simulation/surface/surface_sink.h"
 
@@ -13,9 +15,13 @@ class SurfaceFeed final : public surface::SurfaceSink {
 
   /// {"type": "surface", "origin_mm", "voxel_mm", "bricks"}
   void Begin(const surface::BrickLayout& layout) override;
+  /// The same with "difference_step_mm": the vertices' materials are steps of a difference then, 64 for none.
+  void BeginDifference(const surface::BrickLayout& layout, float step_mm);
   void Publish(std::span<const surface::SurfaceChunk> chunks, std::uint64_t frame) override;
 
  private:
+  void BeginStore(const surface::BrickLayout& layout, std::optional<float> difference_step_mm);
+
   SurfaceStore& store_;
   surface::BrickLayout layout_;
 };

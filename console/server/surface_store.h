@@ -25,6 +25,7 @@ class SurfaceStore {
     grid_ = grid;
     layout_ = {.version = ++version_, .bytes = std::move(shared)};
     bricks_.clear();
+    order_.clear();
   }
 
   /// The grid that the bricks lie in.
@@ -46,24 +47,20 @@ class SurfaceStore {
   void Put(std::uint64_t brick, std::string bytes) {
     auto shared = std::make_shared<const std::string>(std::move(bytes));
     const std::lock_guard lock(mutex_);
-    bricks_[brick] = {.version = ++version_, .bytes = std::move(shared)};
+    Brick& kept = bricks_[brick];
+    order_.erase(kept.version);
+    kept = {.version = ++version_, .bytes = std::move(shared)};
+    order_.emplace_hint(order_.end(), kept.version, brick);
   }
 
   /// The bricks that changed after version `seen`, the longest unchanged first, at most `most`. `seen`
   /// becomes the last one's version; it is the newest version where nothing is left.
   [[nodiscard]] std::vector<Bytes> Since(std::uint64_t& seen, std::size_t most) const {
-    std::multimap<std::uint64_t, Bytes> changed;
-    {
-      const std::lock_guard lock(mutex_);
-      if (seen == version_) return {};
-      for (const auto& [brick, kept] : bricks_)
-        if (kept.version > seen) changed.emplace(kept.version, kept.bytes);
-    }
     std::vector<Bytes> bytes;
-    for (const auto& [version, each] : changed) {
-      if (bytes.size() == most) break;
-      bytes.push_back(each);
-      seen = version;
+    const std::lock_guard lock(mutex_);
+    for (auto at = order_.upper_bound(seen); at != order_.end() && bytes.size() < most; ++at) {
+      bytes.push_back(bricks_.at(at->second).bytes);
+      seen = at->first;
     }
     return bytes;
   }
@@ -82,6 +79,7 @@ class SurfaceStore {
   surface::BrickLayout grid_;
   Brick layout_;
   std::map<std::uint64_t, Brick> bricks_;
+  std::map<std::uint64_t, std::uint64_t> order_;  // bricks by their versions
   std::uint64_t version_{0};
 };
 

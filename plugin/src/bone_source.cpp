@@ -12,7 +12,8 @@
 
 #include <fmt/format.h>
 
-#include "config/reading/load.h"
+#include "config/reading/load_scene.h"
+#include "config/reading/load_tool.h"
 #include "plugin/src/result.h"
 #include "plugin/src/shipped_files.h"
 #include "simulation/bone/scenes.h"

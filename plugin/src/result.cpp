@@ -8,7 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "config/reading/load.h"
+#include "config/reading/load_tool.h"
+#include "config/reading/strict/config_error.h"
 
 namespace osteon::plugin {
 namespace {

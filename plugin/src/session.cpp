@@ -189,7 +189,7 @@ void Session::Loop() {
     ComputeFrame(command, std::clamp(dt_s, 0.0, kMaxFrame_s));
     const rt::Nanoseconds end = rt::MonotonicNow();
     frame_time_s_ = rt::ToSeconds(end - start);
-    priority.CountWork(start, end);
+    priority.CountWork(end);
   }
 }
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "config/reading/load.h"
+#include "config/reading/load_materials.h"
 #include "config/reading/named_file.h"
 #include "config/reading/select_materials.h"
 #include "config/reading/shipped_folder.h"

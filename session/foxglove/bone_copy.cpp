@@ -34,7 +34,7 @@ class BoneMessages {
       ended_ = *topic == io::RecordedTopic::kOther;
       if (!ended_) bone_.Take(*topic, timeline_);
     }
-    bone_.field.Carve(bone_.ways.TakeCapsules());
+    bone_.CarveAll();
     return {};
   }
 

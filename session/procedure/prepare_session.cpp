@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/write_text.h"
+#include "config/reading/check_plan_in_cell.h"
 #include "session/procedure/plan_guidance.h"
 #include "session/procedure/session_bone.h"
 #include "session/setup/config_checksum.h"

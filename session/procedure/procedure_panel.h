@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/inheriting_mutex.h"
 #include "kinematics/spatial.h"
 #include "procedure/assessment/assessment.h"
 #include "procedure/plan/surgical_plan.h"
@@ -49,7 +50,7 @@ class ProcedurePanel {
   const bool has_guidance_;
   std::string plan_json_;
 
-  mutable std::mutex mutex_;  // of what follows
+  mutable rt::InheritingMutex mutex_;  // of what follows; the frames' thread takes it, and pages' threads
   int tool_{-1};
   PlanPlace place_;
   procedure::ReamedAxis axis_;  // of the tool in use

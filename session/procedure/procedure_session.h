@@ -13,6 +13,7 @@
 
 #include <tl/expected.hpp>
 
+#include "base/inheriting_mutex.h"
 #include "control/loop/servo_loop.h"
 #include "procedure/plan/surgical_plan.h"
 #include "session/procedure/load_step.h"
@@ -165,7 +166,7 @@ class ProcedureSession final : public FrameObserver {
   double guidance_gain_{0.0};              // in force; under mutex_
   std::atomic<bool> pause_{false}, resume_{false}, resume_asked_{false};
 
-  mutable std::mutex mutex_;  // of what follows
+  mutable rt::InheritingMutex mutex_;  // of what follows; the frames' thread takes it, and pages' threads
   PausedReadings readings_;
   std::optional<Open> open_;
   bool over_{false};  // no further frame comes

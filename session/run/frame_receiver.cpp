@@ -35,14 +35,13 @@ void FrameReceiver::Loop() {
     const bool last = stop_.load(std::memory_order_relaxed);
     io::EngineFrame frame;
     while (client_.AwaitFrame(frame, last ? 0 : rt::MonotonicNow() + kWait)) {
-      const rt::Nanoseconds start = rt::MonotonicNow();
       simulation::FrameRecord record =
           runner_.Observe(frame.model, frame.spindle_rad_per_s, frame.model.pose_stamp);
       record.stamp = rt::MonotonicNow();
       record.duration_ns = frame.duration_ns;
       recorder_.PushFrame(record);
       runner_.RecordEvents(recorder_, record.stamp);
-      priority.CountWork(start, rt::MonotonicNow());
+      priority.CountWork(rt::MonotonicNow());
     }
     if (last) return;
   }

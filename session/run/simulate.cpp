@@ -80,7 +80,7 @@ std::string ServeRun(io::EngineServer& server, simulation::CuttingEngine& engine
     frame.duration_ns = end - start;
     server.Publish(frame);
     ++served.frames;
-    priority.CountWork(start, end);
+    priority.CountWork(end);
     if (frame.model.status == simulation::EngineStatus::kDeviceLost) return "the device is lost";
   }
   return "";

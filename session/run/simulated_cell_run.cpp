@@ -11,6 +11,7 @@
 #include "base/interrupt.h"
 #include "base/json_text.h"
 #include "base/write_text.h"
+#include "config/reading/check_plan_in_cell.h"
 #include "io/fri/session_name.h"
 #include "session/procedure/prepare_session.h"
 #include "session/process/output.h"

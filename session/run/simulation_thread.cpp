@@ -43,7 +43,7 @@ void SimulationThread::Loop() {
     recorder_.PushFrame(record);
     runner_.AdaptResolution(record, 1e-3 * static_cast<double>(record.duration_ns));
     runner_.RecordEvents(recorder_, record.stamp);
-    priority.CountWork(start, rt::MonotonicNow());
+    priority.CountWork(rt::MonotonicNow());
     if (record.model.status == simulation::EngineStatus::kDeviceLost)
       return;  // the servo loop notices by the model's age, and stops
   }

@@ -14,9 +14,22 @@ void CarvedBone::Take(io::RecordedTopic topic, const RecordingTimeline& timeline
     last_tick = message.tick.stamp;
     at_s = timeline.At(last_tick);
   }
-  if (topic == io::RecordedTopic::kFrame &&
-      ways.Add(surface::MakeToolFrame(message.frame.model, turns ? 1.0 : 0.0)))
-    field.Carve(ways.TakeCapsules());
+  if (topic != io::RecordedTopic::kFrame ||
+      !ways.Add(surface::MakeToolFrame(message.frame.model, turns ? 1.0 : 0.0)))
+    return;
+  const std::vector<surface::Capsule> swept = ways.TakeCapsules();
+  gathered_.insert(gathered_.end(), swept.begin(), swept.end());
+  if (gathered_.size() >= kMaxGathered) Carve();
+}
+
+void CarvedBone::Carve() {
+  field.Carve(gathered_);
+  gathered_.clear();
+}
+
+void CarvedBone::CarveAll() {
+  Carve();
+  field.Carve(ways.TakeCapsules());
 }
 
 CarvedKeys::CarvedKeys(const std::filesystem::path& recording, const CellSetup& setup,
@@ -50,6 +63,7 @@ void CarvedKeys::Run(const std::filesystem::path& recording) {
     }
     bone.Take(*topic, *timeline);
     if (*topic != io::RecordedTopic::kTick || bone.at_s < next_s) continue;
+    bone.Carve();
     Keep(bone);
     next_s = bone.at_s + step_s_;
   }

@@ -15,7 +15,8 @@
 
 namespace osteon::app {
 
-/// The carving of a recording's bone, message by message.
+/// The carving of a recording's bone, message by message. What the tool swept is gathered and carved at once:
+/// many capsules cost little more than a few, since most of them count at no node, and the bits are the same.
 struct CarvedBone {
   surface::CarvedField field;
   surface::ToolWays ways;
@@ -26,8 +27,17 @@ struct CarvedBone {
   CarvedBone(std::shared_ptr<const surface::SolidField> solid, const CellSetup& setup)
       : field(std::move(solid)), ways(setup.config.tool.tool, setup.X_WG) {}
 
-  /// Takes the message that the time line has read.
+  /// Takes the message that the time line has read. `field` follows with Carve.
   void Take(io::RecordedTopic topic, const RecordingTimeline& timeline);
+  /// Carves what was taken, up to the last complete batch of frames.
+  void Carve();
+  /// Carves what was taken, with the batch that is not complete.
+  void CarveAll();
+
+  static constexpr std::size_t kMaxGathered = 4096;  ///< capsules: some ten seconds of a reamer's
+
+ private:
+  std::vector<surface::Capsule> gathered_;
 };
 
 /// States of the carved bone all along a recording, gathered in the background, so that the bone at any time

@@ -19,6 +19,7 @@
 #include "console/server/surface_feed.h"
 #include "session/process/exit_code.h"
 #include "session/run/console_scene.h"
+#include "session/view/bone_difference.h"
 #include "session/view/playback.h"
 #include "session/view/recording_difference.h"
 #include "session/view/recording_scan.h"
@@ -48,6 +49,8 @@ void Move(Playback& playback, const console::ViewRequest& request) {
       return playback.Seek(request.value);
     case Kind::kSpeed:
       return playback.SetSpeed(request.value);
+    case Kind::kMap:  // of both bones
+      return;
   }
 }
 
@@ -62,13 +65,14 @@ struct ShownRecording {
   console::SurfaceFeed chunks;
   ViewSurface bone;
 
-  ShownRecording(std::filesystem::path path, RecordingTimeline timeline, CellSetup cell)
+  ShownRecording(std::filesystem::path path, RecordingTimeline timeline, CellSetup cell,
+                 std::unique_ptr<DifferenceMap> map)
       : file(std::move(path)),
         duration_s(timeline.duration_s()),
         setup(std::move(cell)),
         playback(std::move(timeline), feed),
         chunks(surface),
-        bone(file, setup, chunks) {}
+        bone(file, setup, chunks, std::move(map)) {}
 
   /// @param of_s  the time line's length
   [[nodiscard]] std::string Hello(double of_s, const std::string& name) const {
@@ -83,13 +87,14 @@ std::string NameBeside(const std::filesystem::path& file, const std::filesystem:
   return (whole.parent_path().filename() / whole.filename()).string();
 }
 
-tl::expected<std::unique_ptr<ShownRecording>, std::string> OpenShown(const std::filesystem::path& file) {
+tl::expected<std::unique_ptr<ShownRecording>, std::string> OpenShown(const std::filesystem::path& file,
+                                                                     std::unique_ptr<DifferenceMap> map) {
   auto timeline = RecordingTimeline::Open(file);
   if (!timeline) return tl::unexpected(timeline.error());
   auto setup = SetUpRecorded(timeline->session());
   if (!setup) return tl::unexpected(file.string() + ": " + setup.error());
   if (!setup->bone_warning.empty()) fmt::print(stderr, "osteon view: warning: {}\n", setup->bone_warning);
-  return std::make_unique<ShownRecording>(file, std::move(*timeline), std::move(*setup));
+  return std::make_unique<ShownRecording>(file, std::move(*timeline), std::move(*setup), std::move(map));
 }
 
 // Brings the other playback to the first one's time: each keeps time by itself, and a stall is not made up.
@@ -103,13 +108,14 @@ void BringTogether(const Playback& first, Playback& other) {
 
 int RunView(const ViewOptions& options) {
   // the longest first: its time line is the page's
+  const bool two = options.recordings.size() == 2;
+  BoneDifference bones;
   std::vector<std::unique_ptr<ShownRecording>> shown;
   for (const std::filesystem::path& file : options.recordings) {
-    auto opened = OpenShown(file);
+    auto opened = OpenShown(file, two ? std::make_unique<DifferenceMap>(bones, shown.size()) : nullptr);
     if (!opened) return Fail("view", opened.error());
     shown.push_back(std::move(*opened));
   }
-  const bool two = shown.size() == 2;
   ShownRecording& first = *shown.front();
   ShownRecording& longest = two && shown[1]->duration_s > first.duration_s ? *shown[1] : first;
   const double duration_s = longest.duration_s;
@@ -122,6 +128,7 @@ int RunView(const ViewOptions& options) {
   if (two) {
     difference.emplace(std::array{first.file, shown[1]->file});
     notes.emplace_back([&] { return difference->Json(); });
+    notes.emplace_back([&] { return bones.Json(); });
     second.emplace(
         console::ConsoleStream{.hello = shown[1]->Hello(duration_s, NameBeside(shown[1]->file, first.file)),
                                .context = LiveContextOf(shown[1]->setup),
@@ -139,6 +146,7 @@ int RunView(const ViewOptions& options) {
        .request = {},
        .view =
            [&](const console::ViewRequest& request) {
+             if (request.kind == console::ViewRequest::Kind::kMap) return bones.Show(request.value != 0.0);
              for (const auto& each : shown) Move(each->playback, request);
              if (!two || request.kind != console::ViewRequest::Kind::kHalt) return;
              const double halted_s = longest.playback.state().at_s;  // one time for both

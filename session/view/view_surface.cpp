@@ -20,8 +20,8 @@ constexpr int kMessagesPerLook = 500;             // at the clock
 }  // namespace
 
 ViewSurface::ViewSurface(const std::filesystem::path& recording, const CellSetup& setup,
-                         surface::SurfaceSink& sink)
-    : recording_(recording), setup_(setup), sink_(sink), thread_([this] { Run(); }) {}
+                         console::SurfaceFeed& feed, std::unique_ptr<DifferenceMap> map)
+    : recording_(recording), setup_(setup), feed_(feed), map_(std::move(map)), thread_([this] { Run(); }) {}
 
 ViewSurface::~ViewSurface() {
   stop_.store(true);
@@ -35,11 +35,16 @@ void ViewSurface::Run() {
   try {
     const float voxel_mm = surface::VoxelFor(setup_.config.tool.tool);
     solid_ = surface::FieldOfBone(setup_.solid.get(), setup_.bone, voxel_mm);
+    tissue_.emplace(solid_->layout(), setup_.solid ? surface::TissueOf(setup_.solid) : surface::MaterialAt{});
     Begin(CarvedBone(solid_, setup_));
     keys_ = std::make_unique<CarvedKeys>(recording_, setup_, solid_);
     while (!stop_.load()) {
       const double wanted_s = wanted_s_.load();
       keys_complete_.store(keys_->complete());
+      if (map_ && map_->Switched()) {
+        bone_->field.MarkAllDirty();
+        BeginFeed();
+      }
       GoNear(wanted_s);
       const bool more = !ended_ && wanted_s > bone_->at_s && CarveOn(wanted_s);
       Publish();
@@ -55,7 +60,16 @@ void ViewSurface::Begin(const CarvedBone& from) {
       timeline_ = std::make_unique<RecordingTimeline>(std::move(*timeline));
   ended_ = !timeline_ || !GoOnFrom(from, *timeline_);
   bone_.emplace(from);
-  sink_.Begin(bone_->field.layout());
+  BeginFeed();
+}
+
+void ViewSurface::BeginFeed() {
+  const surface::BrickLayout& layout = bone_->field.layout();
+  if (map_) map_->Restart();
+  if (map_ && map_->on())
+    feed_.BeginDifference(layout, BoneDifference::StepFor(layout.voxel_mm));
+  else
+    feed_.Begin(layout);
 }
 
 // Goes back, or on to a key state that is much nearer to a time than what is shown.
@@ -84,17 +98,23 @@ bool ViewSurface::CarveOn(double wanted_s) {
 }
 
 void ViewSurface::Publish() {
-  if (ended_ || bone_->at_s >= wanted_s_.load()) bone_->field.Carve(bone_->ways.TakeCapsules());
+  if (ended_ || bone_->at_s >= wanted_s_.load())
+    bone_->CarveAll();
+  else
+    bone_->Carve();
   const auto dirty = bone_->field.Dirty();
-  if (!dirty.empty()) {
-    if (chunks_.size() < dirty.size()) chunks_.resize(dirty.size());
-    const auto material = [this](surface::Vec3 p_mm) {
-      return setup_.solid ? setup_.solid->MaterialAt(1e-3 * Vector3(p_mm.x, p_mm.y, p_mm.z))
-                          : std::uint8_t{0};
-    };
-    for (std::size_t i = 0; i < dirty.size(); ++i)
-      surface::ExtractChunk(bone_->field, dirty[i], chunks_[i], {}, material);
-    sink_.Publish(std::span(chunks_).first(dirty.size()), bone_->ways.frame());
+  const std::vector<surface::BrickIndex> bricks =
+      map_ ? map_->Update(bone_->field, solid_, dirty) : std::vector(dirty.begin(), dirty.end());
+  if (!bricks.empty()) {
+    if (chunks_.size() < bricks.size()) chunks_.resize(bricks.size());
+    const bool is_map = map_ && map_->on();
+    for (std::size_t i = 0; i < bricks.size(); ++i) {
+      surface::ExtractChunk(bone_->field, bricks[i], chunks_[i], {},
+                            is_map ? surface::MaterialAt{} : tissue_->OfBrick(bricks[i]));
+      if (is_map) map_->Colour(bone_->field, chunks_[i]);
+    }
+    if (is_map) map_->TellLargest();
+    feed_.Publish(std::span(chunks_).first(bricks.size()), bone_->ways.frame());
     bone_->field.ClearDirty();
   }
   shown_s_.store(bone_->at_s);

@@ -8,11 +8,13 @@
 #include <thread>
 #include <vector>
 
+#include "console/server/surface_feed.h"
 #include "session/setup/cell_setup.h"
+#include "session/view/bone_difference.h"
 #include "session/view/carved_keys.h"
 #include "session/view/recording_timeline.h"
 #include "simulation/surface/carved_field.h"
-#include "simulation/surface/surface_sink.h"
+#include "simulation/surface/tissue_bricks.h"
 #include "simulation/surface/tool_ways.h"
 
 namespace osteon::app {
@@ -22,8 +24,10 @@ namespace osteon::app {
 /// nearer.
 class ViewSurface {
  public:
-  /// @param setup, sink  outlive this; without a solid and without balls nothing is shown
-  ViewSurface(const std::filesystem::path& recording, const CellSetup& setup, surface::SurfaceSink& sink);
+  /// @param setup, feed  outlive this; without a solid and without balls nothing is shown
+  /// @param map  of the difference to another recording's bone; null: none is compared
+  ViewSurface(const std::filesystem::path& recording, const CellSetup& setup, console::SurfaceFeed& feed,
+              std::unique_ptr<DifferenceMap> map = nullptr);
   ~ViewSurface();
   ViewSurface(const ViewSurface&) = delete;
   ViewSurface& operator=(const ViewSurface&) = delete;
@@ -40,18 +44,21 @@ class ViewSurface {
   void Begin(const CarvedBone& from);
   void GoNear(double wanted_s);
   bool CarveOn(double wanted_s);
+  void BeginFeed();
   void Publish();
 
   const std::filesystem::path recording_;
   const CellSetup& setup_;
-  surface::SurfaceSink& sink_;
+  console::SurfaceFeed& feed_;
   std::atomic<double> wanted_s_{0.0}, shown_s_{0.0};
   std::atomic<bool> stop_{false}, keys_complete_{false};
 
   // of the thread
   std::shared_ptr<const surface::SolidField> solid_;
+  std::optional<surface::TissueBricks> tissue_;
   std::optional<CarvedBone> bone_;
   std::unique_ptr<RecordingTimeline> timeline_;
+  std::unique_ptr<DifferenceMap> map_;
   std::vector<surface::SurfaceChunk> chunks_;
   bool ended_{false};
 

@@ -57,20 +57,21 @@ CarvedField::CarvedField(std::shared_ptr<const SolidField> solid)
     : solid_(std::move(solid)),
       swept_(layout().Count(), BrickField::kAllLow),
       is_dirty_(layout().Count(), false) {
+  MarkAllDirty();
+}
+
+void CarvedField::MarkAllDirty() {
   for (BrickIndex brick = 0; brick < layout().Count(); ++brick) {
     const auto [x, y, z] = layout().PlaceOf(brick);
-    if (this->solid().State(brick) == BrickField::kAllLow) {
-      // Beside a uniform brick of air, the surface lies between the two.
-      bool surface = false;
+    bool surface = solid().HasValues(brick) || swept_.HasValues(brick);
+    // Beside a uniform brick of air, the surface lies between the two.
+    if (!surface && solid().State(brick) == BrickField::kAllLow)
       EachNeighbour([&, x = x, y = y, z = z](int dx, int dy, int dz) {
         surface = surface || !layout().Contains(x + dx, y + dy, z + dz) ||
-                  this->solid().State(layout().At(x + dx, y + dy, z + dz)) == BrickField::kAllHigh;
+                  solid().State(layout().At(x + dx, y + dy, z + dz)) == BrickField::kAllHigh;
       });
-      if (!surface) continue;
+    if (surface)
       EachNeighbour([&, x = x, y = y, z = z](int dx, int dy, int dz) { MarkDirty(x + dx, y + dy, z + dz); });
-    } else if (this->solid().HasValues(brick)) {
-      EachNeighbour([&, x = x, y = y, z = z](int dx, int dy, int dz) { MarkDirty(x + dx, y + dy, z + dz); });
-    }
   }
 }
 

@@ -26,6 +26,8 @@ class CarvedField {
   /// it is every brick that may have a surface.
   [[nodiscard]] std::span<const BrickIndex> Dirty() const { return dirty_list_; }
   void ClearDirty();
+  /// Marks every brick that may have a surface: for who begins to show the bone anew.
+  void MarkAllDirty();
 
   [[nodiscard]] const BrickLayout& layout() const { return solid_->layout(); }
   [[nodiscard]] const BrickField& solid() const { return solid_->distances(); }

@@ -57,6 +57,7 @@ void SurfaceThread::Loop() {
     CarvedField field(params_.make_solid());
     const std::lock_guard lock(mutex_);
     sink_.Begin(field.layout());
+    tissue_.emplace(field.layout(), params_.material);
     field_ = std::move(field);
     begun_.notify_all();
   }
@@ -73,8 +74,13 @@ void SurfaceThread::Loop() {
 }
 
 void SurfaceThread::CarveFrames() {
+  capsules_.clear();
   for (ToolFrame frame; ring_.Pop(frame);)
-    if (ways_.Add(frame)) field_->Carve(ways_.TakeCapsules());
+    if (ways_.Add(frame)) {
+      const std::vector<Capsule> swept = ways_.TakeCapsules();
+      capsules_.insert(capsules_.end(), swept.begin(), swept.end());
+    }
+  field_->Carve(capsules_);  // at once: most of a batch's capsules count at no node beside a later batch's
 }
 
 void SurfaceThread::PublishDirty() {
@@ -82,7 +88,7 @@ void SurfaceThread::PublishDirty() {
   if (dirty.empty()) return;
   if (chunks_.size() < dirty.size()) chunks_.resize(dirty.size());
   for (std::size_t i = 0; i < dirty.size(); ++i)
-    ExtractChunk(*field_, dirty[i], chunks_[i], {}, params_.material);
+    ExtractChunk(*field_, dirty[i], chunks_[i], {}, tissue_->OfBrick(dirty[i]));
   sink_.Publish(std::span(chunks_).first(dirty.size()), ways_.frame());
   field_->ClearDirty();
 }

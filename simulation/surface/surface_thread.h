@@ -11,10 +11,12 @@
 #include <thread>
 #include <vector>
 
+#include "base/inheriting_mutex.h"
 #include "base/spsc_ring.h"
 #include "simulation/surface/carved_field.h"
 #include "simulation/surface/dual_surface.h"
 #include "simulation/surface/surface_sink.h"
+#include "simulation/surface/tissue_bricks.h"
 #include "simulation/surface/tool_ways.h"
 
 namespace osteon::surface {
@@ -70,11 +72,13 @@ class SurfaceThread {
   SurfaceSink& sink_;
   rt::SpscRing<ToolFrame> ring_;
   std::atomic<bool> stop_{false};
-  std::mutex mutex_;               // of what follows; the engine's thread never takes it
-  std::condition_variable begun_;  // the field is there, or the thread has failed
+  rt::InheritingMutex mutex_;          // of what follows; the engine's thread takes it in Apply alone
+  std::condition_variable_any begun_;  // the field is there, or the thread has failed
   std::optional<CarvedField> field_;
+  std::optional<TissueBricks> tissue_;
   ToolWays ways_;
-  std::vector<SurfaceChunk> chunks_;  // their memory is used again
+  std::vector<Capsule> capsules_;
+  std::vector<SurfaceChunk> chunks_;  // the memory of both is used again
   std::string error_;                 // read without the lock once the thread is joined
   std::thread thread_;
 };

@@ -9,6 +9,7 @@
 
 #include "base/units.h"
 #include "base/write_text.h"
+#include "config/reading/check_plan_in_cell.h"
 #include "config/reading/load.h"
 #include "config/reading/load_surgical_plan.h"
 #include "session/process/exit_code.h"

@@ -68,7 +68,7 @@ class ThreadEngine {
                                   .spindle_rad_per_s = command.spindle_rad_per_s,
                                   .dt_s = dt_s,
                                   .stamp = command.stamp}));
-      priority.CountWork(start, rt::MonotonicNow());
+      priority.CountWork(rt::MonotonicNow());
     }
   }
 

@@ -22,10 +22,18 @@ bool IsGranted() {
   return policy == SCHED_FIFO;
 }
 
-/// Counts `share` of work a millisecond for `ms` milliseconds of time that is made up.
-void Work(PacedPriority& priority, Nanoseconds& now, double share, int ms) {
-  for (int i = 0; i < ms; ++i, now += kMillisecond)
-    priority.CountWork(now, now + static_cast<Nanoseconds>(share * static_cast<double>(kMillisecond)));
+/// Times that are made up.
+struct Times {
+  Nanoseconds now{1}, cpu{0};
+};
+
+/// Counts `share` of work a millisecond for `ms` milliseconds.
+void Work(PacedPriority& priority, Times& times, double share, int ms) {
+  for (int i = 0; i < ms; ++i) {
+    times.now += kMillisecond;
+    times.cpu += static_cast<Nanoseconds>(share * static_cast<double>(kMillisecond));
+    priority.CountWork(times.now, times.cpu);
+  }
 }
 
 TEST(PacedPriority, GivesWayWhereItLeavesNoTimeAndComesBack) {
@@ -33,7 +41,7 @@ TEST(PacedPriority, GivesWayWhereItLeavesNoTimeAndComesBack) {
   const bool is_granted = IsGranted();
   std::thread([&] {
     PacedPriority priority;
-    Nanoseconds now = 1;
+    Times now;
     Work(priority, now, 0.4, 1000);
     EXPECT_TRUE(priority.is_lifted());
     Work(priority, now, 0.95, 250);
@@ -46,6 +54,17 @@ TEST(PacedPriority, GivesWayWhereItLeavesNoTimeAndComesBack) {
     EXPECT_EQ(Policy(), is_granted ? SCHED_FIFO : SCHED_OTHER);
   }).join();
   EXPECT_EQ(Policy(), at_first) << "of other threads";
+}
+
+TEST(PacedPriority, AThreadThatWaitsDoesNotWork) {
+  std::thread([] {
+    PacedPriority priority;
+    Times times;
+    Work(priority, times, 0.2, 150);
+    times.now += 10 * kSecond;  // held up in one frame
+    Work(priority, times, 0.2, 150);
+    EXPECT_TRUE(priority.is_lifted());
+  }).join();
 }
 
 TEST(PacedPriority, EndsWithItsObjectAndIsNotInherited) {

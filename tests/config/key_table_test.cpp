@@ -1,4 +1,5 @@
 #include "config/reading/strict/key_table.h"
+#include "config/reading/file_kinds.h"
 
 #include <gtest/gtest.h>
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "config/reading/check_plan_in_cell.h"
 #include "config/reading/load.h"
 #include "config/reading/load_surgical_plan.h"
 #include "tests/temporary_path.h"

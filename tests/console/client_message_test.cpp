@@ -6,6 +6,7 @@
 
 #include "console/server/access.h"
 #include "console/server/operator_role.h"
+#include "console/server/shared_live.h"
 #include "console/server/surface_store.h"
 
 namespace osteon::console {
@@ -18,6 +19,8 @@ TEST(ClientMessage, TakesWhatAPageMayAsk) {
             OperatorRequest::kRecover);
   EXPECT_EQ(std::get<RoleRequest>(*ParseClientMessage(R"({"ask": "watch"})")), RoleRequest::kGiveBack);
   EXPECT_EQ(std::get<ViewRequest>(*ParseClientMessage(R"({"ask": "seek", "value": 2.5})")).value, 2.5);
+  EXPECT_EQ(std::get<ViewRequest>(*ParseClientMessage(R"({"ask": "map", "value": 1})")).kind,
+            ViewRequest::Kind::kMap);
   EXPECT_EQ(std::get<GainsRequest>(*ParseClientMessage(R"({"ask": "drag", "value": 40})")).value, 40.0);
   EXPECT_EQ(std::get<GainsRequest>(*ParseClientMessage(R"({"ask": "undo_gains"})")).kind,
             GainsRequest::Kind::kUndo);
@@ -51,6 +54,7 @@ TEST(ClientMessage, RefusesEverythingElseWithWhatItAccepts) {
                                    std::string(R"({"ask": "stiffness", "value": -1e999})"),
                                    std::string(R"({"ask": "pause", "value": 1})"),
                                    std::string(R"({"ask": "seek"})"),
+                                   std::string(R"({"ask": "map"})"),
                                    std::string(R"({"ask": "seek", "value": 1e999})"),
                                    std::string(R"({"ask": "seek", "value": "1"})"),
                                    std::string(R"({"ask": "next_tool", "value": 1})"),
@@ -119,6 +123,19 @@ TEST(SurfaceStore, AReaderGetsTheNewestOfEachBrickInPieces) {
   EXPECT_TRUE(store.Since(seen, 3).empty());
   store.Put(0, "again");
   ASSERT_EQ(store.Since(seen, 3).size(), 1u);
+}
+
+TEST(SharedLive, PagesAtTheSamePlaceShareAMessage) {
+  SharedLive live;
+  int made = 0;
+  const auto get = [&](std::uint64_t epoch, std::uint64_t from, std::uint64_t to) {
+    return *live.Get({.epoch = epoch, .from = from, .to = to}, [&] { return std::to_string(++made); });
+  };
+  EXPECT_EQ(get(0, 4, 5), "1");
+  EXPECT_EQ(get(0, 4, 5), "1");
+  EXPECT_EQ(get(0, 3, 5), "2") << "a page that is behind";
+  EXPECT_EQ(get(1, 3, 5), "3") << "the same numbers in another epoch";
+  EXPECT_EQ(made, 3);
 }
 
 }  // namespace

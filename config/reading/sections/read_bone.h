@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "config/reading/cell_config.h"
+#include "config/reading/bone_config.h"
 #include "config/reading/strict/reader.h"
 
 namespace osteon::config {

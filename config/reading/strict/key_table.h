@@ -58,15 +58,6 @@ struct KeyTable {
 /// @param load  e.g. LoadScene; it reads no file
 [[nodiscard]] KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& load);
 
-/// A kind of YAML file.
-struct FileKind {
-  std::string name;    ///< "cell"
-  std::string folder;  ///< under config/; empty: none
-  std::function<void(const std::filesystem::path&)> load;
-};
-/// All kinds of YAML files.
-[[nodiscard]] std::vector<FileKind> FileKinds();
-
 /// Used by Reader during RecordKeys: receives the keys that a loader asks for, and answers instead of a file.
 class KeyRecorder {
  public:

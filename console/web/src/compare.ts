@@ -2,6 +2,7 @@
 
 import "./main.css";
 import "./compare.css";
+import { BoneMap } from "./bone_map";
 import { Connection } from "./connection";
 import { DifferenceCharts, legend } from "./difference";
 import type { Message } from "./messages";
@@ -23,6 +24,7 @@ class ComparePage {
     seek: (at_s) => this.connection.ask("seek", at_s),
     speed: (factor) => this.connection.ask("speed", factor),
   });
+  private readonly map = new BoneMap(byId("bones"), (on) => this.connection.ask("map", on ? 1 : 0));
   private readonly connection: Connection;
   private pose = ""; // of both cameras
 
@@ -37,7 +39,7 @@ class ComparePage {
     document.addEventListener("keydown", (event) => {
       if (event.key === "ArrowRight") this.timeline.step(1);
       else if (event.key === "ArrowLeft") this.timeline.step(-1);
-      else [...document.querySelectorAll<HTMLButtonElement>("#timeline button")].find((b) => b.dataset.key === event.key)?.click();
+      else [...document.querySelectorAll<HTMLButtonElement>("#timeline button, #bones button")].find((b) => b.dataset.key === event.key.toLowerCase())?.click();
     });
     const follow = (): void => {
       this.turnTogether();
@@ -62,6 +64,9 @@ class ComparePage {
         break;
       case "timeline":
         this.timeline.showNews(message);
+        break;
+      case "bone_difference":
+        this.map.show(message);
         break;
       case "difference": {
         this.charts.show(message);

@@ -94,8 +94,13 @@ class Page {
         this.scene.showPlan(message);
         this.procedure.show(message);
         break;
+      case "bone_difference":
+        this.scene.surface.setRange(message.range_mm);
+        this.scene.redraw();
+        break;
       case "surface":
         this.scene.surface.begin(message);
+        this.scene.showBoneAlone(message.difference_step_mm !== undefined);
         break;
       case "live":
         this.takeLive(message);

@@ -136,6 +136,15 @@ export interface Difference {
   ticks: number;
   done: boolean;
 }
+/** The two bones at the time that is shown (session/view/bone_difference.h). */
+export interface BoneDifference {
+  type: "bone_difference";
+  on: boolean;
+  range_mm: number; // of the colours
+  largest_mm: number; // positive where the second is deeper
+  at_mm: Vector; // in the bone's frame
+  limit_mm: number; // larger ones are not told apart
+}
 /** The feed begins anew at another time. */
 export interface Restart {
   type: "restart";
@@ -197,5 +206,5 @@ export interface ProcedureNote {
   cup: boolean;
 }
 export type ProcedureAsk = "next_tool" | "tool" | "undo_pass" | "save" | "cup" | "guidance";
-export type Message = PlanNote | ProcedureNote | GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | Restart;
-export type Ask = ProcedureAsk | "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed" | "stiffness" | "drag" | "undo_gains";
+export type Message = PlanNote | ProcedureNote | GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | BoneDifference | Restart;
+export type Ask = ProcedureAsk | "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed" | "map" | "stiffness" | "drag" | "undo_gains";

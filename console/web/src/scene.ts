@@ -42,6 +42,7 @@ export class SceneView {
   private limit: Mesh | null = null;
   private hello: Hello | null = null;
   private view: View | null = null;
+  private alone = false; // the bone without the tool
   private wanted = false;
   private lastRender_ms = 0;
   private renderedAt = 0;
@@ -121,22 +122,29 @@ export class SceneView {
     this.redraw();
   }
 
+  /** Shows the bone without what would cover it: tool, forces, contacts. */
+  showBoneAlone(alone: boolean): void {
+    this.alone = alone;
+    if (this.view) this.show(this.view);
+  }
+
   show(view: View): void {
     this.view = view;
     if (!this.hello || !this.tool || !this.proxy || !this.arm) return;
-    this.tool.visible = true;
+    this.tool.visible = !this.alone;
     place(this.tool, view.X_WT);
-    this.proxy.visible = view.X_WP !== undefined;
+    this.proxy.visible = view.X_WP !== undefined && !this.alone;
     if (view.X_WP) place(this.proxy, view.X_WP);
     this.arm.pose(view.q);
     const p_WT = vectorOf([view.X_WT[3], view.X_WT[7], view.X_WT[11]]);
     this.arrow(this.force, view.force, p_WT);
     const p_WF = new Vector3().setFromMatrixPosition(this.arm.X_BF).applyMatrix4(matrixOf(this.hello.X_WB));
     this.arrow(this.hand, view.hand, p_WF);
+    if (this.alone) this.force.visible = this.hand.visible = false;
     this.limit!.visible = this.force.visible;
     this.limit!.position.copy(p_WT);
     this.contacts.forEach((plane, i) => {
-      plane.visible = i < view.contacts.length;
+      plane.visible = i < view.contacts.length && !this.alone;
       if (!plane.visible) return;
       plane.position.copy(vectorOf(view.contacts[i]));
       plane.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), vectorOf(view.contacts[i], 3).normalize());

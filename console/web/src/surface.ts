@@ -1,6 +1,7 @@
 // The carved bone: bricks of the surface, 4³ of them in one mesh, made anew as the server sends bricks again.
 
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Mesh, MeshStandardMaterial, Plane } from "three";
+import { FIRST_DEEPER, NO_DIFFERENCE, SAME, SECOND_DEEPER } from "./difference_colours";
 import { decodeChunks, placeOf, type Chunk, type Layout } from "./surface_chunk";
 
 const GROUP_EDGE = 4; // bricks along a mesh: few enough draw calls, little to make anew
@@ -13,6 +14,8 @@ const COLOURS: Record<string, number> = {
 const OTHER = 0xe6d8bd;
 const CUT_TINT = new Color(0xf2c9a8), CUT_SHARE = 0.35; // a cut face is told from the bone's own surface
 
+const SAME_COLOUR = new Color(SAME), SECOND_COLOUR = new Color(SECOND_DEEPER), FIRST_COLOUR = new Color(FIRST_DEEPER);
+
 interface Block {
   chunks: Map<number, Chunk>;
   mesh: Mesh | null;
@@ -24,6 +27,7 @@ export class Surface {
   private readonly material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.75, side: DoubleSide });
   private colours: Color[] = [new Color(OTHER)];
   private layout: Layout | null = null;
+  private range_mm = 1; // of the difference's colours
   triangles = 0;
   chunks = 0; // taken so far
 
@@ -32,6 +36,13 @@ export class Surface {
   setMaterials(names: string[]): void {
     this.colours = names.map((name) => new Color(COLOURS[name] ?? OTHER));
     if (this.colours.length === 0) this.colours = [new Color(OTHER)];
+  }
+
+  /** The difference at which its colours end; of a surface that shows one. */
+  setRange(range_mm: number): void {
+    if (range_mm === this.range_mm) return;
+    this.range_mm = range_mm;
+    if (this.layout?.difference_step_mm !== undefined) for (const key of this.blocks.keys()) this.changed.add(key);
   }
 
   setClip(plane: Plane | null): void {
@@ -101,6 +112,11 @@ export class Surface {
 
   private readonly mixed = new Color();
   private colour(material: number): Color {
+    const step_mm = this.layout?.difference_step_mm;
+    if (step_mm !== undefined) {
+      const share = (((material & MATERIAL) - NO_DIFFERENCE) * step_mm) / this.range_mm;
+      return this.mixed.copy(SAME_COLOUR).lerp(share < 0 ? FIRST_COLOUR : SECOND_COLOUR, Math.min(1, Math.abs(share)));
+    }
     const own = this.colours[Math.min(material & MATERIAL, this.colours.length - 1)];
     return material & CUT ? this.mixed.copy(own).lerp(CUT_TINT, CUT_SHARE) : own;
   }

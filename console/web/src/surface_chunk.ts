@@ -8,13 +8,14 @@ export interface Layout {
   origin_mm: [number, number, number];
   voxel_mm: number;
   bricks: [number, number, number];
+  difference_step_mm?: number; // the materials are steps of difference to another bone, 64 for none
 }
 
 export interface Chunk {
   brick: number;
   positions: Float32Array; // [m], in G
   normals: Float32Array;
-  materials: Uint8Array; // index | cut << 7
+  materials: Uint8Array; // index or step | cut << 7
   indices: Uint32Array; // two triangles for each quad
 }
 

@@ -57,10 +57,9 @@ CellSetup BlockSetup() {
 }
 
 std::vector<surface::Vec3> VerticesOf(const CarvedBone& bone) {
-  surface::CarvedField field = bone.field;
-  surface::ToolWays ways = bone.ways;
-  field.Carve(ways.TakeCapsules());
-  return surface::WeldSurface(field).vertices_mm;
+  CarvedBone whole = bone;
+  whole.CarveAll();
+  return surface::WeldSurface(whole.field).vertices_mm;
 }
 
 void CarveUpTo(CarvedBone& bone, RecordingTimeline& timeline, double wanted_s) {

@@ -122,10 +122,9 @@ struct CupErrors {
   double p95_mm{0.0}, mean_mm{0.0}, mean_angle_deg{0.0};
 };
 
-CupErrors CutCup(float voxel_mm) {
-  constexpr float kRadius_mm = 12.0F;
-  CarvedField field(BlockField(16.0F, 16.0F, voxel_mm));
-  const Capsule reamer{{0.1F, 0.2F, 8.0F}, {0.1F, 0.2F, -0.3F}, kRadius_mm};
+CupErrors CutCup(float radius_mm, float voxel_mm) {
+  CarvedField field(BlockField(radius_mm + 4.0F, radius_mm + 4.0F, voxel_mm));
+  const Capsule reamer{{0.1F, 0.2F, 8.0F}, {0.1F, 0.2F, -0.3F}, radius_mm};
   field.Carve({&reamer, 1});
   std::vector<double> errors;
   double angles = 0.0;
@@ -135,7 +134,7 @@ CupErrors CutCup(float voxel_mm) {
     for (const SurfaceVertex& v : chunk.vertices) {
       if (!v.cut || v.p_mm.z > -1.5F) continue;
       const Vec3 from_centre = v.p_mm - reamer.b_mm;
-      errors.push_back(std::abs(static_cast<double>(Norm(from_centre) - kRadius_mm)));
+      errors.push_back(std::abs(static_cast<double>(Norm(from_centre) - radius_mm)));
       const float cosine = -Dot(v.normal, from_centre) / Norm(from_centre);
       angles += std::acos(std::min(1.0, static_cast<double>(cosine)));
     }
@@ -150,9 +149,10 @@ CupErrors CutCup(float voxel_mm) {
 }
 
 TEST(DualSurface, OfACupIsOnItsSphereAndConvergesWithTheSecondOrder) {
-  const CupErrors coarse = CutCup(1.0F), fine = CutCup(0.5F);
-  EXPECT_LE(fine.p95_mm, 0.01);  // h² / (8 R) of a 12 mm reamer's facets is 0.0026
-  EXPECT_LE(fine.mean_angle_deg, 0.25);
+  constexpr float kHipReamer_mm = 25.0F;
+  const CupErrors coarse = CutCup(kHipReamer_mm, 1.0F), fine = CutCup(kHipReamer_mm, 0.5F);
+  EXPECT_LE(fine.p95_mm, 0.005);
+  EXPECT_LE(fine.mean_angle_deg, 0.1);
   EXPECT_GT(coarse.mean_mm / fine.mean_mm, 3.0);
   EXPECT_LT(coarse.mean_mm / fine.mean_mm, 5.0);
 }

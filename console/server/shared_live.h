@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+namespace osteon::console {
+
+/// The newest live message, so that pages which are at the same place of the feed share its making. Any
+/// thread.
+class SharedLive {
+ public:
+  /// Windows after number `from` up to `to`, of an epoch of the feed.
+  struct Span {
+    std::uint64_t epoch{0}, from{0}, to{0};
+    bool operator==(const Span&) const = default;
+  };
+
+  /// The message of these windows; made where it is not the newest one.
+  /// @param make  () → std::string, called without the lock
+  template <class Make>
+  [[nodiscard]] std::shared_ptr<const std::string> Get(const Span& span, const Make& make) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (text_ && span == span_) return text_;
+    }
+    auto text = std::make_shared<const std::string>(make());
+    const std::lock_guard lock(mutex_);
+    span_ = span;
+    text_ = text;
+    return text;
+  }
+
+ private:
+  std::mutex mutex_;
+  Span span_;
+  std::shared_ptr<const std::string> text_;
+};
+
+}  // namespace osteon::console

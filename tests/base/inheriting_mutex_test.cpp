@@ -1,0 +1,79 @@
+#include "base/inheriting_mutex.h"
+
+#include <sched.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <fstream>
+#include <mutex>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+namespace osteon::rt {
+namespace {
+
+constexpr int kPriority = 5;
+
+/// The priority at which the system runs the calling thread: below 0 for a real-time one.
+/// @see proc(5), field 18 of stat
+int RunsAt() {
+  std::ifstream file("/proc/thread-self/stat");
+  std::string text;
+  std::getline(file, text);
+  std::istringstream fields(text.substr(text.rfind(')') + 2));
+  int value = 0;
+  std::string skipped;
+  for (int field = 3; field < 18; ++field) fields >> skipped;
+  fields >> value;
+  return value;
+}
+
+TEST(InheritingMutex, OneThreadAtATimeHasIt) {
+  InheritingMutex mutex;
+  long sum = 0;
+  const auto add = [&] {
+    for (int i = 0; i < 20000; ++i) {
+      const std::lock_guard lock(mutex);
+      ++sum;
+    }
+  };
+  std::thread other(add);
+  add();
+  other.join();
+  EXPECT_EQ(sum, 40000);
+  const std::lock_guard lock(mutex);
+  bool taken = true;
+  std::thread([&] { taken = mutex.try_lock(); }).join();
+  EXPECT_FALSE(taken);
+}
+
+// The holder is an ordinary thread until a real-time one waits.
+TEST(InheritingMutex, TheHolderRunsAtThePriorityOfWhoWaits) {
+  InheritingMutex mutex;
+  std::unique_lock lock(mutex);
+  if (RunsAt() < 0) GTEST_SKIP() << "the tests themselves are real-time";
+  std::atomic<bool> granted{false}, ended{false};
+  std::thread waiter([&] {
+    const sched_param priority{.sched_priority = kPriority};
+    granted = sched_setscheduler(0, SCHED_FIFO, &priority) == 0;
+    ended = !granted;
+    const std::lock_guard waits(mutex);
+  });
+  // generous: it comes at once where the machine has time
+  for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+       RunsAt() >= 0 && !ended && std::chrono::steady_clock::now() < end;)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const int boosted = RunsAt();
+  lock.unlock();
+  waiter.join();
+  if (!granted) GTEST_SKIP() << "no real-time priorities for this process";
+  EXPECT_EQ(boosted, -1 - kPriority);
+  EXPECT_GE(RunsAt(), 0) << "afterwards it is an ordinary thread again";
+}
+
+}  // namespace
+}  // namespace osteon::rt

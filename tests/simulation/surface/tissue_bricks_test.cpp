@@ -1,0 +1,57 @@
+#include "simulation/surface/tissue_bricks.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/simulation/surface/surface_shapes.h"
+
+namespace osteon::surface {
+namespace {
+
+// A ball with a shell of another tissue, cut through: the cut shows both.
+struct ShelledBall {
+  CarvedField field{BallField(9.0F, 0.5F)};
+  std::size_t asked{0};
+
+  ShelledBall() {
+    const Capsule cut{.a_mm = {-9.0F, 0.0F, 9.0F}, .b_mm = {9.0F, 0.0F, 9.0F}, .radius_mm = 6.0F};
+    field.Carve(std::span(&cut, 1));
+  }
+  MaterialAt Tissue() {
+    return [this](Vec3 p) {
+      ++asked;
+      return static_cast<std::uint8_t>(Norm(p) > 7.0F ? 1 : 2);
+    };
+  }
+};
+
+TEST(TissueBricks, TellsTheSameTissueAsTheSolidAndAsksItSeldom) {
+  ShelledBall ball;
+  TissueBricks tissue(ball.field.layout(), ball.Tissue());
+  SurfaceChunk chunk, direct;
+  std::size_t vertices = 0, of_core = 0, wrong = 0, asked = 0;
+  for (int pass = 0; pass < 4; ++pass)  // as a cut goes on, a brick is extracted many times
+    for (BrickIndex brick = 0; brick < ball.field.layout().Count(); ++brick) {
+      ball.asked = 0;
+      ExtractChunk(ball.field, brick, chunk, {}, tissue.OfBrick(brick));
+      asked += ball.asked;
+      ExtractChunk(ball.field, brick, direct, {}, ball.Tissue());
+      ASSERT_EQ(chunk.vertices.size(), direct.vertices.size());
+      for (std::size_t i = 0; i < chunk.vertices.size(); ++i) {
+        ++vertices;
+        of_core += direct.vertices[i].material == 2 ? 1 : 0;
+        wrong += chunk.vertices[i].material != direct.vertices[i].material ? 1 : 0;
+      }
+    }
+  EXPECT_GT(of_core, 100U);
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_LT(asked, vertices);
+}
+
+TEST(TissueBricks, WithoutASolidEverythingIsTissue0) {
+  const ShelledBall ball;
+  TissueBricks tissue(ball.field.layout(), {});
+  EXPECT_EQ(tissue.At(3, {0.0F, 0.0F, 0.0F}), 0);
+}
+
+}  // namespace
+}  // namespace osteon::surface
