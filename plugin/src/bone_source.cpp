@@ -188,7 +188,7 @@ ToolSource MakeTool(const OsteonToolParams& params) {
       FindShipped(ConfigFolder(params.config_folder), "tools", params.name ? params.name : "reamer");
   const config::ToolConfig loaded =
       config::LoadTool(file, params.diameter_m == 0.0 ? std::nullopt : std::optional(params.diameter_m));
-  return {.tool = loaded.tool, .spindle_rad_per_s = loaded.spindle_rad_per_s};
+  return {.tool = loaded.tool, .bending = loaded.bending, .spindle_rad_per_s = loaded.spindle_rad_per_s};
 }
 
 }  // namespace osteon::plugin

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
+#include "config/reading/cell_config.h"
 #include "plugin/include/osteon.h"
 #include "simulation/bone/bone.h"
 #include "simulation/bone/scene_events.h"
@@ -20,6 +22,7 @@ struct BoneSource {
 /// Content of an OsteonTool; never changes.
 struct ToolSource {
   simulation::Tool tool;
+  std::optional<config::ToolBendingConfig> bending{};  ///< absent: it counts as rigid
   double spindle_rad_per_s{0.0};
 };
 
