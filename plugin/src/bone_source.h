@@ -3,12 +3,12 @@
 #include <memory>
 #include <optional>
 
-#include "config/reading/cell_config.h"
 #include "plugin/include/osteon.h"
 #include "simulation/bone/bone.h"
 #include "simulation/bone/scene_events.h"
 #include "simulation/solids/solid.h"
 #include "simulation/tools/tool.h"
+#include "simulation/tools/tool_compliance.h"
 
 namespace osteon::plugin {
 
@@ -22,7 +22,8 @@ struct BoneSource {
 /// Content of an OsteonTool; never changes.
 struct ToolSource {
   simulation::Tool tool;
-  std::optional<config::ToolBendingConfig> bending{};  ///< absent: it counts as rigid
+  std::optional<simulation::ToolCompliance> compliance{};  ///< how it bends; absent: it counts as rigid
+  double relaxation_s{0.0};                                ///< time constant of its bending
   double spindle_rad_per_s{0.0};
 };
 

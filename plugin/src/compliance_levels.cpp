@@ -51,13 +51,13 @@ std::optional<control::Compliance> MakeCompliance(const OsteonComplianceParams& 
   CheckRange("noticed_m", params.noticed_m, 1e-6, 0.1);
   levels.noticed_m = params.noticed_m;
   if (params.tool != 0) {
-    if (!tool.bending)
+    if (!tool.compliance)
       throw Failure(
           OSTEON_ERROR_ARGUMENT,
           fmt::format("tool: found {}, which counts as rigid; accepted a tool with `bending` in its file",
                       tool.tool.name));
-    RefuseBy("", config::CheckToolLink(*tool.bending, params.push_N));
-    levels.tool = config::ToolLinkOf(*tool.bending, params.push_N);
+    RefuseBy("", config::CheckToolLink(*tool.compliance, tool.relaxation_s, params.push_N));
+    levels.tool = config::ToolLinkOf(*tool.compliance, tool.relaxation_s, params.push_N);
   }
   if (params.layer != 0) {
     levels.layer = config::SurfaceLayerOf(bone.bone.materials, tool.tool, coupling.engaged_layer_m);

@@ -105,7 +105,7 @@ TEST(OsteonCompliance, GivesTheServosOwnDeflection) {
 
   const config::ToolConfig loaded = config::LoadTool(ConfigFolder() + "/tools/twist_drill.yaml", 0.0032);
   control::ComplianceParams levels;
-  levels.tool = config::ToolLinkOf(*loaded.bending, 60.0);
+  levels.tool = config::ToolLinkOf(loaded.bending->compliance, loaded.bending->relaxation_s, 60.0);
   levels.mount = control::BoneMountParams{.p_WMo_m = {0.0, 0.0, -0.02}};
   control::Compliance expected(levels, 0.001);
   OsteonPose approach{};

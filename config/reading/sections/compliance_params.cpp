@@ -31,12 +31,12 @@ double SoftestOf(const control::SurfaceLayerParams& layer) {
 
 }  // namespace
 
-control::ToolLinkParams ToolLinkOf(const ToolBendingConfig& bending, double push_N) {
-  const simulation::ToolCompliance& c = bending.compliance;
-  return {.compliance_T = simulation::ThrustFactor(push_N, c.buckling_N) * c.C_T,
-          .tau_s = bending.relaxation_s,
-          .max_bend_m = kBendShare * c.free_length_m,
-          .max_thrust_N = kThrustShare * c.buckling_N};
+control::ToolLinkParams ToolLinkOf(const simulation::ToolCompliance& tool, double relaxation_s,
+                                   double push_N) {
+  return {.compliance_T = simulation::ThrustFactor(push_N, tool.buckling_N) * tool.C_T,
+          .tau_s = relaxation_s,
+          .max_bend_m = kBendShare * tool.free_length_m,
+          .max_thrust_N = kThrustShare * tool.buckling_N};
 }
 
 control::SurfaceLayerParams SurfaceLayerOf(std::span<const simulation::Material> materials,
@@ -66,22 +66,22 @@ double LayerCompliance(const control::SurfaceLayerParams& layer, double force_N)
          force_N;
 }
 
-std::optional<ComplianceRefusal> CheckToolLink(const ToolBendingConfig& bending, double push_N) {
-  const simulation::ToolCompliance& c = bending.compliance;
-  if (!(push_N <= kThrustShare * c.buckling_N))
+std::optional<ComplianceRefusal> CheckToolLink(const simulation::ToolCompliance& tool, double relaxation_s,
+                                               double push_N) {
+  if (!(push_N <= kThrustShare * tool.buckling_N))
     return ComplianceRefusal{
         "tool", fmt::format("found a push of {:.4g} N on a tool that buckles at {:.4g} N, accepted at most "
                             "half of that: push less, clamp more of the tool, or take a thicker one",
-                            push_N, c.buckling_N)};
-  if (c.first_mode_hz < kMinFirstMode_hz)
+                            push_N, tool.buckling_N)};
+  if (tool.first_mode_hz < kMinFirstMode_hz)
     return ComplianceRefusal{
         "tool", fmt::format("found a tool that vibrates at {:.4g} Hz by itself, accepted at least {:g}: its "
                             "head's mass is not in the model",
-                            c.first_mode_hz, kMinFirstMode_hz)};
-  if (bending.relaxation_s < kMinToolRelaxation_s)
+                            tool.first_mode_hz, kMinFirstMode_hz)};
+  if (relaxation_s < kMinToolRelaxation_s)
     return ComplianceRefusal{"tool",
                              fmt::format("found a tool with relaxation_ms {:g}, accepted at least {:g}",
-                                         1e3 * bending.relaxation_s, 1e3 * kMinToolRelaxation_s)};
+                                         1e3 * relaxation_s, 1e3 * kMinToolRelaxation_s)};
   return std::nullopt;
 }
 

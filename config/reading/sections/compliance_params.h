@@ -4,10 +4,10 @@
 #include <span>
 #include <string>
 
-#include "config/reading/cell_config.h"
 #include "control/compliance/compliance.h"
 #include "simulation/bone/material.h"
 #include "simulation/tools/tool.h"
+#include "simulation/tools/tool_compliance.h"
 
 // What gives way, from the files of tools and materials, and the rules that it has to keep. Source of the
 // rules: docs/theory/compliance.md.
@@ -21,8 +21,11 @@ struct ComplianceRefusal {
 };
 
 /// How a tool bends in the loop. Its compliance grows with the thrust: 1 / (1 - P / P_cr).
-/// @param push_N  greatest thrust along the feed; below the buckling load
-[[nodiscard]] control::ToolLinkParams ToolLinkOf(const ToolBendingConfig& bending, double push_N);
+/// @param relaxation_s  time constant of the bending  @param push_N  greatest thrust along the feed; below
+/// the
+///   buckling load
+[[nodiscard]] control::ToolLinkParams ToolLinkOf(const simulation::ToolCompliance& tool, double relaxation_s,
+                                                 double push_N);
 
 /// The layer that the softest of the materials makes. Without one, HasLayer is false.
 /// @param engaged_layer_m  of the engine's cutting parameters
@@ -36,7 +39,8 @@ struct ComplianceRefusal {
 
 /// A tool must not be pushed with more than half of its buckling load, vibrate by itself below 100 Hz, or
 /// have a time constant below 20 ms.
-[[nodiscard]] std::optional<ComplianceRefusal> CheckToolLink(const ToolBendingConfig& bending, double push_N);
+[[nodiscard]] std::optional<ComplianceRefusal> CheckToolLink(const simulation::ToolCompliance& tool,
+                                                             double relaxation_s, double push_N);
 
 /// Rule 1: the sum of T K c / tau over the massless elements is at most 1/2.
 [[nodiscard]] std::optional<ComplianceRefusal> CheckMassless(const control::ComplianceParams& params,

@@ -159,8 +159,9 @@ void CompleteCompliance(const std::optional<Reader>& section, CellConfig& cell) 
   control::ComplianceParams& params = cell.servo.compliance;
   params.noticed_m = compliance.error_m;
   if (tool.on) {
-    RefuseBy(*section, CheckToolLink(*cell.tool.bending, compliance.push_N));
-    params.tool = ToolLinkOf(*cell.tool.bending, compliance.push_N);
+    const ToolBendingConfig& bending = *cell.tool.bending;
+    RefuseBy(*section, CheckToolLink(bending.compliance, bending.relaxation_s, compliance.push_N));
+    params.tool = ToolLinkOf(bending.compliance, bending.relaxation_s, compliance.push_N);
   }
   if (layer.on) params.layer = LayerOf(cell);
   RefuseBy(*section, CheckMassless(params, cell.servo.coupling.max_stiffness_N_per_m, cell.servo.period_s));
