@@ -8,6 +8,7 @@
 
 #include "config/reading/sections/compliance_params.h"
 #include "config/reading/sections/read_limits.h"
+#include "hil/loops/mount_rule.h"
 #include "safety/limits.h"
 #include "simulation/tools/tool_compliance.h"
 
@@ -52,12 +53,40 @@ void RefuseBy(const Reader& section, const std::optional<ComplianceRefusal>& ref
   if (refusal) section.Refuse(refusal->key, refusal->text);
 }
 
+// The mass rule: the loop on a rigid bone must be stable up to K (1 + m_v / m_eff).
+void CheckMountMass(const Reader& bone_mount, const CellConfig& cell) {
+  if (!cell.has_simulation || cell.servo.law != control::Law::kAdmittance) return;
+  const auto& hand = cell.simulated.hand;
+  const hil::AdmittanceLoopParams rigid{
+      .hand = {"operator", hand.stiffness_N_per_m, hand.damping_Ns_per_m, hand.mass_kg},
+      .mass_kg = cell.servo.admittance.mass_kg.maxCoeff(),
+      .damping_Ns_per_m = cell.servo.admittance.damping_Ns_per_m.minCoeff(),
+      .arm = cell.simulated.servo,
+      .period_s = cell.servo.period_s};
+  const control::BoneMountParams& mount = *cell.servo.compliance.mount;
+  const hil::MassRule rule =
+      hil::CheckMass(rigid, cell.servo.coupling.max_stiffness_N_per_m, mount, cell.X_WG.translation());
+  if (rule.kept) return;
+  const std::string needed =
+      std::isfinite(rule.min_mass_kg)
+          ? fmt::format("at least {:.4g}", rule.min_mass_kg)
+          : std::string(
+                "none at this inertia and lever: a softer coupling, or more damping of the virtual tool");
+  bone_mount.Refuse(
+      "mass_kg", fmt::format("found {:g}, accepted {}: with so little mass the bone is to the virtual tool a "
+                             "wall of {:.4g} N/mm, and the loop with the operator's hand of {:g} N/m is "
+                             "unstable from {:.4g} N/mm",
+                             mount.mass_kg, needed, 1e-3 * rule.stiffness_N_per_m, hand.stiffness_N_per_m,
+                             1e-3 * rule.stable_up_to_N_per_m));
+}
+
 // Rules 2 and 3, axis by axis. The hand is the simulated operator's, where there is one.
 void CheckMount(const Reader& section, const CellConfig& cell) {
   const control::BoneMountParams& mount = *cell.servo.compliance.mount;
   const double T = cell.servo.period_s;
   const Reader bone_mount = Reader(section).Section("bone_mount");
   RefuseBy(bone_mount, CheckMountAlone(mount, cell.servo.coupling.max_stiffness_N_per_m, T));
+  CheckMountMass(bone_mount, cell);
   if (!cell.has_simulation) return;
   const auto& hand = cell.simulated.hand;
   const hil::ServoArmParams& arm = cell.simulated.servo;

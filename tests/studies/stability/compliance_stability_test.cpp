@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "control/compliance/compliant_link.h"
+#include "hil/loops/compliant_loop.h"
 #include "hil/operator/hand_grid.h"
-#include "studies/stability/compliant_loop.h"
 
 namespace osteon::hil {
 namespace {
