@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -28,6 +29,7 @@ constexpr double kMaxAdded_us = 3.0;    // of the loop's median with all levels
 constexpr double kNoticedShare = 0.07;  // of the force
 constexpr double kPush_N = 20.0;        // about which the small motion is
 constexpr double kSettle_s = 4.0;
+constexpr double kDecadeStep = 0.02;  // of the frequencies: a mount's resonance is narrow
 constexpr std::array<std::pair<const char*, const char*>, 3> kCells{
     {{"tool", "long_drill"}, {"layer", "cartilage_cup"}, {"mount", "pelvis_mount"}}};
 
@@ -51,6 +53,7 @@ class PressedLevel {
     const Vector3 moved = compliance_.X_ME(X_WT_).translation() - X_WT_.translation();
     return direction_.dot(moved);
   }
+  [[nodiscard]] bool beyond_limit() const { return compliance_.beyond_limit(); }
   void Step(double force_N) {
     compliance_.Step({.f = force_N * direction_, .t = Vector3::Zero()}, model_, X_WT_);
   }
@@ -62,17 +65,19 @@ class PressedLevel {
   simulation::ContactModel model_;
 };
 
-// Displacement at rest: the elements' own steps, until they have settled.
-double GivenAtRest(const config::CellConfig& cell, const control::ComplianceParams& params, double force_N) {
+// Displacement at rest: the elements' own steps, until they have settled. Nothing where the cell would stop.
+std::optional<double> GivenAtRest(const config::CellConfig& cell, const control::ComplianceParams& params,
+                                  double force_N) {
   PressedLevel level(cell, params);
   for (double t = 0.0; t < kSettle_s; t += cell.servo.period_s) level.Step(force_N);
+  if (level.beyond_limit()) return std::nullopt;
   return level.Given_m();
 }
 
 // Amplitude of the force over that of the hand's motion, over the coupling's stiffness.
 double FeltRatio(const config::CellConfig& cell, const control::ComplianceParams& params, double hz) {
   const double K = cell.servo.coupling.max_stiffness_N_per_m, T = cell.servo.period_s;
-  const double deep_m = kPush_N / K + GivenAtRest(cell, params, kPush_N), amplitude_m = 0.02 * deep_m;
+  const double deep_m = kPush_N / K + GivenAtRest(cell, params, kPush_N).value(), amplitude_m = 0.02 * deep_m;
   const int a_cycle = static_cast<int>(std::lround(1.0 / (hz * T)));
   const int cycles = std::max(2, static_cast<int>(std::lround(hz)));
   const int before = a_cycle * static_cast<int>(std::ceil(kSettle_s / (a_cycle * T)));
@@ -120,6 +125,7 @@ std::string FeltSvg(const ComplianceChart& chart) {
                  .x_label = "frequency of a small motion about a push of 20 N [Hz]",
                  .y_label = "ratio",
                  .log_x = true,
+                 .log_y = true,
                  .plot_height_px = 300.0};
   for (const LevelChange& change : chart.changes)
     plot.series.push_back({.name = fmt::format("{} ({})", change.name, change.cell),
@@ -165,6 +171,7 @@ std::string CostSvg(const ComplianceChart& chart) {
   plot.series.push_back(std::move(series));
   plot.limits.push_back({.value = chart.costs.front().loop.p50_us + kMaxAdded_us, .label = "off + 3 us"});
   plot.legend = false;
+  plot.y = Range{0.0, 1.05 * std::ranges::max(plot.series.front().y_high)};
   return Svg(plot, 860.0);
 }
 
@@ -229,7 +236,7 @@ int Write(const ComplianceChartOptions& options, const ComplianceChart& chart) {
           {.heading = "Displacement",
            .name = "compliance_gives",
            .svg = GivesSvg(chart),
-           .caption = "Each part at rest under a force."},
+           .caption = "Each part at rest under a force, up to where the cell stops."},
           {.heading = "Cost",
            .name = "compliance_cost",
            .svg = CostSvg(chart),
@@ -275,10 +282,12 @@ LevelChange ChangeOf(const config::CellConfig& cell, const std::string& name) {
                      .stiffness_N_per_m = cell.servo.coupling.max_stiffness_N_per_m,
                      .error_m = params.noticed_m};
   for (const double force_N : {1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 120.0}) {
+    const std::optional<double> gives_m = GivenAtRest(cell, params, force_N);
+    if (!gives_m) break;
     change.force_N.push_back(force_N);
-    change.gives_m.push_back(GivenAtRest(cell, params, force_N));
+    change.gives_m.push_back(*gives_m);
   }
-  for (double hz = 0.2; hz < 51.0; hz *= std::pow(10.0, 0.1)) {
+  for (double hz = 0.2; hz < 51.0; hz *= std::pow(10.0, kDecadeStep)) {
     change.hz.push_back(hz);
     change.felt_ratio.push_back(FeltRatio(cell, params, hz));
   }

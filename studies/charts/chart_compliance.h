@@ -21,9 +21,10 @@ struct ComplianceChartOptions {
 /// What a level changes in a shipped cell, by the cell's own coupling and elements.
 struct LevelChange {
   std::string name, cell;
-  double stiffness_N_per_m{0.0};             ///< of the coupling
-  double error_m{0.0};                       ///< displacement that the cell reports
-  std::vector<double> force_N{}, gives_m{};  ///< displacement at rest under a force
+  double stiffness_N_per_m{0.0};  ///< of the coupling
+  double error_m{0.0};            ///< displacement that the cell reports
+  std::vector<double> force_N{},
+      gives_m{};  ///< displacement at rest under a force, up to where the cell stops
   std::vector<double> hz{},
       felt_ratio{};  ///< felt stiffness over the coupling's, of a small motion about a push
 };

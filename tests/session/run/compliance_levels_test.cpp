@@ -40,6 +40,27 @@ void ExpectSameTicks(const VirtualRide& a, const VirtualRide& b) {
   }
 }
 
+// As RideVirtually, by an engine of choice.
+VirtualRide RideOn(const EngineChoice& choice, const std::string& name, double seconds,
+                   void (*change)(config::CellConfig&)) {
+  auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml", std::nullopt);
+  EXPECT_TRUE(setup) << setup.error();
+  change(setup->config);
+  auto engine = MakeEngine(*setup, choice);
+  EXPECT_TRUE(engine) << engine.error();
+  const io::test::TemporaryFolder folder;
+  const CellRunParams params{.seconds = seconds, .virtual_time = true, .recording = folder.path() / "r.mcap"};
+  auto result = RunCell(*setup, **engine, params);
+  EXPECT_TRUE(result) << result.error().what;
+  auto recording = io::ReadRecording(params.recording);
+  EXPECT_TRUE(recording) << recording.error();
+  VirtualRide ride;
+  ride.summary = Summarise(*setup, **engine, params, *result, Gathered(*setup, *recording));
+  ride.recording = std::move(*recording);
+  ride.result = std::move(*result);
+  return ride;
+}
+
 // Tool and mount at once, on a plate of a few thousand balls.
 void AlsoOnAMount(config::CellConfig& cell) {
   control::BoneMountParams mount;
@@ -49,7 +70,7 @@ void AlsoOnAMount(config::CellConfig& cell) {
 
 TEST(ComplianceEngines, TheReferenceEngineAndTheCpuEngineGiveTheSameRun) {
   const VirtualRide cpu = RideVirtually("long_drill", 1.5, AlsoOnAMount);
-  const VirtualRide reference = RideVirtually("long_drill", 1.5, AlsoOnAMount, 0, {.engine = "reference"});
+  const VirtualRide reference = RideOn({.engine = "reference"}, "long_drill", 1.5, AlsoOnAMount);
   ExpectSameTicks(cpu, reference);
   EXPECT_EQ(cpu.summary.state_hash, reference.summary.state_hash);
   EXPECT_GT(MeanForce(cpu), 5.0);
@@ -62,7 +83,7 @@ TEST(ComplianceEngines, TheVulkanEngineIsWithinItsBounds) {
   ASSERT_TRUE(setup) << setup.error();
   if (!MakeEngine(*setup, {.engine = "vulkan"})) GTEST_SKIP() << "skipped, no Vulkan device";
   const VirtualRide cpu = RideVirtually("long_drill", 1.5, AlsoOnAMount);
-  const VirtualRide vulkan = RideVirtually("long_drill", 1.5, AlsoOnAMount, 0, {.engine = "vulkan"});
+  const VirtualRide vulkan = RideOn({.engine = "vulkan"}, "long_drill", 1.5, AlsoOnAMount);
   EXPECT_NEAR(MeanForce(vulkan), MeanForce(cpu), 0.01 * MeanForce(cpu));
   EXPECT_NEAR(vulkan.summary.removed_volume_m3, cpu.summary.removed_volume_m3,
               0.02 * cpu.summary.removed_volume_m3 + 1e-10);

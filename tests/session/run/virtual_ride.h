@@ -34,14 +34,12 @@ struct VirtualRide {
 };
 
 /// @param name  under config/cells  @param change  (config::CellConfig&), called before the run
-/// @param choice  the engine; the CPU engine by default
 template <class Change>
-VirtualRide RideVirtually(const std::string& name, double seconds, const Change& change, int recoveries = 0,
-                          const EngineChoice& choice = {}) {
+VirtualRide RideVirtually(const std::string& name, double seconds, const Change& change, int recoveries = 0) {
   auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml", std::nullopt);
   EXPECT_TRUE(setup) << setup.error();
   change(setup->config);
-  auto engine = MakeEngine(*setup, choice);
+  auto engine = MakeEngine(*setup, {});
   EXPECT_TRUE(engine) << engine.error();
   const io::test::TemporaryFolder folder;
   const CellRunParams params{.seconds = seconds,
