@@ -133,12 +133,15 @@ CLI::App* AddBenchTick(CLI::App& bench, BenchTickOptions& options) {
                   "ticks to time, one each millisecond; the tool presses on eight planes")
       ->check(NumberWithin(100, 3'600'000))
       ->capture_default_str();
+  sub->add_flag("--compliance", options.compliance,
+                "instead, what tool, tissue and mount that give way add: each in turn, so many ticks");
   sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
   sub->footer(
       "A tick is timed from the waiting message of the arm to the record in the ring, without the wake-up. "
       "FRI runs over the loopback, the CAN devices in memory; the cell is cells/demo.yaml. As in a run, the "
       "previous tick is computed a second time shortly before the message.\n\n"
-      "Examples:\n  osteon bench tick\n  osteon bench tick --ticks 60000 --json tick.json");
+      "Examples:\n  osteon bench tick\n  osteon bench tick --ticks 60000 --json tick.json\n"
+      "  osteon bench tick --compliance --ticks 2000");
   return sub;
 }
 
@@ -223,6 +226,26 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) 
   return sub;
 }
 
+CLI::App* AddChartCompliance(CLI::App& chart, ComplianceChartOptions& options) {
+  CLI::App* sub =
+      chart.add_subcommand("compliance", "draws what tool, tissue and mount that give way change and cost");
+  sub->add_option("--out", options.out,
+                  "folder for compliance.svg, .png, .csv, .json and .html, compliance_gives.svg and "
+                  "compliance_cost.svg")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  sub->add_option("--ticks", options.ticks, "ticks to time with each level, one each millisecond, in turn")
+      ->check(NumberWithin(100, 3'600'000))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "write a further copy of compliance.json there")->type_name("FILE");
+  sub->footer(
+      "The parts are those of the cells long_drill, cartilage_cup and pelvis_mount, stepped as the servo "
+      "loop "
+      "steps them; their cost is that of the demo's tick (osteon bench tick --compliance).\n\n"
+      "Examples:\n  osteon chart compliance\n  osteon chart compliance --ticks 10000 --out my_chart");
+  return sub;
+}
+
 CLI::App* AddBenchConsole(CLI::App& bench, BenchConsoleOptions& options) {
   CLI::App* sub =
       bench.add_subcommand("console", "times tick and frame of the demo without the console and with pages");
@@ -281,14 +304,17 @@ MeasureCommands::MeasureCommands(CLI::App& app)
       simulate_(AddBenchSimulate(*bench_, simulate_options_)),
       chart_(AddStudy(app, "chart")),
       scaling_(AddChartScaling(*chart_, scaling_options_)),
-      accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)) {
+      accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)),
+      compliance_(AddChartCompliance(*chart_, compliance_options_)) {
   bench_->require_subcommand(1);
   bench_->footer(
       "Examples:\n  osteon bench frame\n  osteon bench kinematics\n  osteon bench surface\n  osteon bench "
       "tick\n  osteon bench console\n  osteon bench view demo_out/recording.mcap\n  osteon bench frame "
       "--help");
   chart_->require_subcommand(1);
-  chart_->footer("Examples:\n  osteon chart scaling\n  osteon chart speed-accuracy --quick");
+  chart_->footer(
+      "Examples:\n  osteon chart scaling\n  osteon chart speed-accuracy --quick\n"
+      "  osteon chart compliance");
 }
 
 bool MeasureCommands::asked() const { return bench_->parsed() || chart_->parsed(); }
@@ -298,6 +324,10 @@ int MeasureCommands::Run(const std::filesystem::path& config_root, const Invocat
   TakeInvocation(invocation, accuracy_options_.sharding);
   if (scaling_->parsed()) return RunChartScaling(scaling_options_);
   if (accuracy_->parsed()) return RunChartSpeedAccuracy(accuracy_options_);
+  if (compliance_->parsed()) {
+    compliance_options_.config_root = config_root;
+    return RunChartCompliance(compliance_options_);
+  }
   if (kinematics_->parsed()) {
     kinematics_options_.config_root = config_root;
     return RunBenchKinematics(kinematics_options_);

@@ -12,13 +12,14 @@
 #include "studies/bench/bench_surface.h"
 #include "studies/bench/bench_tick.h"
 #include "studies/bench/bench_view.h"
+#include "studies/charts/chart_compliance.h"
 #include "studies/charts/chart_scaling.h"
 #include "studies/charts/chart_speed_accuracy.h"
 
 namespace osteon::app {
 
 /// The subcommands that measure: `bench frame`, `bench kinematics`, `bench surface`, `bench tick`, `bench
-/// console`, `bench view`, `bench simulate`, `chart scaling`, `chart speed-accuracy`.
+/// console`, `bench view`, `bench simulate`, `chart scaling`, `chart speed-accuracy`, `chart compliance`.
 class MeasureCommands {
  public:
   explicit MeasureCommands(CLI::App& app);
@@ -38,8 +39,9 @@ class MeasureCommands {
   BenchSimulateOptions simulate_options_;
   ScalingOptions scaling_options_;
   SpeedAccuracyOptions accuracy_options_;
+  ComplianceChartOptions compliance_options_;
   CLI::App *bench_, *frame_, *kinematics_, *surface_, *tick_, *console_, *view_, *simulate_, *chart_,
-      *scaling_, *accuracy_;
+      *scaling_, *accuracy_, *compliance_;
 };
 
 }  // namespace osteon::app

@@ -65,6 +65,14 @@ void AppendView(Text& text, const LiveWindow& w) {
     Append(text, model.X_WP);
     EndList(text);
   }
+  if (const control::ComplianceRecord& gives = w.tick.compliance; gives.present) {
+    Append(text, R"(,"X_WM":[)");
+    Append(text, gives.X_WM);
+    EndList(text);
+    Append(text, R"(,"X_WE":[)");
+    Append(text, PlainPose(Pose(Pose(gives.X_WM) * Pose(gives.X_ME))));
+    EndList(text);
+  }
   Append(text, R"(,"q":[)");
   for (const double q : w.tick.q_meas) Append(text, q);
   EndList(text);

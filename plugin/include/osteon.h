@@ -32,8 +32,9 @@ extern "C" {
 
 #define OSTEON_VERSION "0.1.0"
 /* Changes whenever a struct or the meaning of a function does. Pass it where a function asks for it: the
- * library refuses another one with a message that names both. Functions that take no `abi` must not be called
- * before: a program that may meet another library compares osteon_abi() with OSTEON_ABI first. */
+ * library refuses another one with a message that names both. Other functions need what such a function made,
+ * but for osteon_*_default: these fill the structs of ABI 1, in every library. A program that may meet
+ * another library calls osteon_*_init instead, which refuse another ABI before they write. */
 #define OSTEON_ABI 1u
 
 #if defined(__GNUC__)
@@ -120,6 +121,8 @@ typedef struct OsteonBoneParams {
 
 /* All zero: the scene "acetabulum". */
 OSTEON_API void osteon_bone_params_default(OsteonBoneParams* params);
+/* The same values; abi: OSTEON_ABI. Where it is not the library's, nothing is written. */
+OSTEON_API OsteonResult osteon_bone_params_init(uint32_t abi, OsteonBoneParams* params);
 
 /* Makes a bone; takes 0.1 s (scene) to half a minute (large mesh).
  * abi: OSTEON_ABI. bone: receives the new bone, null on failure. */
@@ -162,6 +165,8 @@ typedef struct OsteonToolParams {
 } OsteonToolParams;
 
 OSTEON_API void osteon_tool_params_default(OsteonToolParams* params);
+/* As osteon_bone_params_init. */
+OSTEON_API OsteonResult osteon_tool_params_init(uint32_t abi, OsteonToolParams* params);
 OSTEON_API OsteonResult osteon_tool_create(uint32_t abi, const OsteonToolParams* params, OsteonTool** tool);
 OSTEON_API void osteon_tool_destroy(OsteonTool* tool);
 /* Its usual spindle speed [rad/s]; 0 for a tool of balls, or null. */
@@ -183,6 +188,8 @@ typedef struct OsteonSettings {
 
 /* auto, own thread, with a surface, 200 N, 20 N·m, 20 kN/m, 100 N·s/m. */
 OSTEON_API void osteon_settings_default(OsteonSettings* settings);
+/* As osteon_bone_params_init. */
+OSTEON_API OsteonResult osteon_settings_init(uint32_t abi, OsteonSettings* settings);
 
 /* Makes a session. settings: null for the defaults. session: receives it, null on failure. */
 OSTEON_API OsteonResult osteon_session_create(uint32_t abi, const OsteonBone* bone, const OsteonTool* tool,
@@ -261,6 +268,61 @@ OSTEON_API OsteonResult osteon_session_next_event(OsteonSession* session, Osteon
 OSTEON_API OsteonResult osteon_session_change_tool(OsteonSession* session, const OsteonTool* tool,
                                                    const OsteonPose* pose);
 
+/* --- what gives way: tool, tissue, mount -----------------------------------------------------------------
+ */
+
+/* Which parts give way, each by itself (docs/compliance.md). All off: the session is as without this struct.
+ */
+typedef struct OsteonComplianceParams {
+  uint32_t tool;     /* 1: the tool bends as `bending` of its file says */
+  uint32_t layer;    /* 1: soft tissue on the surface yields as the bone's materials say */
+  uint32_t mount;    /* 1: the bone moves on the mount below */
+  uint32_t reserved; /* 0 */
+  double period_s;  /* between two calls of osteon_session_evaluate, which moves these parts: 0.1 … 20 ms */
+  double push_N;    /* greatest thrust along the feed, by which a thin tool is softer */
+  double noticed_m; /* a displacement beyond it is reported: 1 um … 0.1 m */
+  double
+      mount_point_m[3]; /* that the mount's stiffness is about, in G; the triples below are along G's axes */
+  double mount_mass_kg;
+  double mount_inertia_kg_m2[3];
+  double mount_stiffness_N_per_m[3];
+  double mount_stiffness_Nm_per_rad[3];
+  double mount_damping_ratio; /* of each axis by itself: at least 0.05 */
+  double mount_creep_N_per_m; /* of the pads; 0: they do not creep */
+  double mount_creep_s;       /* time constant of the pads */
+} OsteonComplianceParams;
+
+/* All off; 1 ms, 60 N, 0.1 mm; a mount of 12 kg and 10 Hz about G's origin. abi: OSTEON_ABI. */
+OSTEON_API OsteonResult osteon_compliance_params_init(uint32_t abi, OsteonComplianceParams* params);
+
+/* From the next osteon_session_evaluate on, these parts give way, from rest; the force fades in as after a
+ * change of tool. params: null, or all off: nothing gives way. The poses that a caller passes stay those of
+ * the rigid tool in G, where the bone rested; the bone's figures, events and surface stay in the bone, which
+ * is drawn at OsteonDeflection.bone. Refuses a tool or a bone whose files do not say how they give way, and
+ * what would not be stable with settings.stiffness_N_per_m, naming the value that is needed. The hand's part
+ * in it is the caller's. osteon_session_change_tool refuses a tool whose bending is not known while `tool` is
+ * on. Each call keeps 1 kB until the session ends. */
+OSTEON_API OsteonResult osteon_session_set_compliance(uint32_t abi, OsteonSession* session,
+                                                      const OsteonComplianceParams* params);
+
+typedef struct OsteonDeflection {
+  OsteonPose head;                 /* of the bent tool in the bone: what the engine is given */
+  OsteonPose bone;                 /* of the bone in G: where to draw it */
+  double bend_m[3], bend_rad[3];   /* of the tool's head, in T */
+  double layer_m[3];               /* of the tissue at the contact, in the bone */
+  double mount_m[3], mount_rad[3]; /* of the bone at the mount's point, pads included, in G */
+  double mount_m_per_s[3], mount_rad_per_s[3];
+  uint32_t gives_way; /* 1: by the last osteon_session_evaluate; 0: nothing does, and all above is at rest */
+  uint32_t noticed;   /* 1: a displacement beyond noticed_m */
+  uint32_t beyond_limit; /* 1: a lateral bend of more than a tenth of the free length, a thrust of more than
+                            half of the buckling load, a mount that moved by more than 10 mm or 0.1 rad: the
+                            caller should stop, as the servo loop does */
+  uint32_t reserved;     /* 0 */
+} OsteonDeflection;
+
+/* Displacements after the newest osteon_session_evaluate. */
+OSTEON_API OsteonResult osteon_session_deflection(OsteonSession* session, OsteonDeflection* deflection);
+
 /* --- save, restore, undo ---------------------------------------------------------------------------------
  */
 
@@ -338,6 +400,8 @@ typedef struct OsteonPlanParams {
 
 /* All null: the plan "acetabulum". */
 OSTEON_API void osteon_plan_params_default(OsteonPlanParams* params);
+/* As osteon_bone_params_init. */
+OSTEON_API OsteonResult osteon_plan_params_init(uint32_t abi, OsteonPlanParams* params);
 /* Reads a plan. abi: OSTEON_ABI. plan: receives it, null on failure. */
 OSTEON_API OsteonResult osteon_plan_create(uint32_t abi, const OsteonPlanParams* params, OsteonPlan** plan);
 /* Null is allowed. */
@@ -386,6 +450,8 @@ typedef struct OsteonGuidanceParams {
 
 /* The first reamer, the plan's own gain, 200 N, 20 N·m, 0.25 m/s, 1 ms. */
 OSTEON_API void osteon_guidance_params_default(OsteonGuidanceParams* params);
+/* As osteon_bone_params_init. */
+OSTEON_API OsteonResult osteon_guidance_params_init(uint32_t abi, OsteonGuidanceParams* params);
 /* Makes the guidance of one reamer: a funnel, a cone of tilt and a depth (docs/theory/guidance.md).
  * OSTEON_ERROR_STATE where the plan has none. params: null for the defaults. */
 OSTEON_API OsteonResult osteon_guidance_create(uint32_t abi, const OsteonPlan* plan,

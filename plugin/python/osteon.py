@@ -199,6 +199,28 @@ class _ScoreItem(c.Structure):
         (name, c.c_double) for name in ("value", "full", "zero", "weight", "points")]
 
 
+class _ComplianceParams(c.Structure):
+    _fields_ = [(name, c.c_uint32) for name in ("tool", "layer", "mount", "reserved")] + [
+        ("period_s", c.c_double),
+        ("push_N", c.c_double),
+        ("noticed_m", c.c_double),
+        ("mount_point_m", c.c_double * 3),
+        ("mount_mass_kg", c.c_double),
+        ("mount_inertia_kg_m2", c.c_double * 3),
+        ("mount_stiffness_N_per_m", c.c_double * 3),
+        ("mount_stiffness_Nm_per_rad", c.c_double * 3),
+        ("mount_damping_ratio", c.c_double),
+        ("mount_creep_N_per_m", c.c_double),
+        ("mount_creep_s", c.c_double),
+    ]
+
+
+class _Deflection(c.Structure):
+    _fields_ = [("head", _Pose), ("bone", _Pose)] + [(name, c.c_double * 3) for name in (
+        "bend_m", "bend_rad", "layer_m", "mount_m", "mount_rad", "mount_m_per_s", "mount_rad_per_s")] + [
+        (name, c.c_uint32) for name in ("gives_way", "noticed", "beyond_limit", "reserved")]
+
+
 class _Chunk(c.Structure):
     _fields_ = [(name, c.c_uint32) for name in
                 ("brick", "first_vertex", "vertex_count", "first_index", "index_count", "reserved")]
@@ -256,7 +278,7 @@ for _name, _result, _arguments in [
     ("tool_create", c.c_int, [c.c_uint32, c.POINTER(_ToolParams), c.POINTER(c.c_void_p)]),
     ("tool_destroy", None, [c.c_void_p]),
     ("tool_spindle_rad_per_s", c.c_double, [c.c_void_p]),
-    ("settings_default", None, [c.POINTER(_Settings)]),
+    ("settings_init", c.c_int, [c.c_uint32, c.POINTER(_Settings)]),
     ("session_create", c.c_int, [c.c_uint32, c.c_void_p, c.c_void_p, c.POINTER(_Settings), c.POINTER(c.c_void_p)]),
     ("session_destroy", None, [c.c_void_p]),
     ("session_engine", c.c_char_p, [c.c_void_p]),
@@ -267,6 +289,9 @@ for _name, _result, _arguments in [
     ("session_figures", c.c_int, [c.c_void_p, c.POINTER(_Figures)]),
     ("session_next_event", c.c_int, [c.c_void_p, c.POINTER(_Event)]),
     ("session_change_tool", c.c_int, [c.c_void_p, c.c_void_p, c.POINTER(_Pose)]),
+    ("compliance_params_init", c.c_int, [c.c_uint32, c.POINTER(_ComplianceParams)]),
+    ("session_set_compliance", c.c_int, [c.c_uint32, c.c_void_p, c.POINTER(_ComplianceParams)]),
+    ("session_deflection", c.c_int, [c.c_void_p, c.POINTER(_Deflection)]),
     ("session_mark", c.c_int, [c.c_void_p]),
     ("session_undo", c.c_int, [c.c_void_p, c.POINTER(_Pose)]),
     ("session_save", c.c_int, [c.c_void_p, c.c_char_p]),
@@ -278,7 +303,7 @@ for _name, _result, _arguments in [
     ("plan_destroy", None, [c.c_void_p]),
     ("plan_info", c.c_int, [c.c_void_p, c.POINTER(_PlanInfo)]),
     ("plan_reamer", c.c_int, [c.c_void_p, c.c_uint32, c.POINTER(_Reamer)]),
-    ("guidance_params_default", None, [c.POINTER(_GuidanceParams)]),
+    ("guidance_params_init", c.c_int, [c.c_uint32, c.POINTER(_GuidanceParams)]),
     ("guidance_create", c.c_int, [c.c_uint32, c.c_void_p, c.POINTER(_GuidanceParams), c.POINTER(c.c_void_p)]),
     ("guidance_destroy", None, [c.c_void_p]),
     ("guidance_evaluate", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.POINTER(_Twist), c.POINTER(_Wrench), c.POINTER(_GuidanceOutput)]),
@@ -498,7 +523,7 @@ class Guidance:
 
     def __init__(self, plan, reamer=0, *, gain=None, **limits):
         params = _GuidanceParams()
-        _lib.osteon_guidance_params_default(c.byref(params))
+        _check(_lib.osteon_guidance_params_init(_ABI, c.byref(params)))
         params.reamer, params.gain = reamer, -1.0 if gain is None else gain
         for name, value in limits.items():
             if name not in ("max_force_N", "max_torque_Nm", "max_speed_m_per_s", "period_s"):
@@ -548,7 +573,7 @@ class Session:
 
     def __init__(self, bone, tool, *, lockstep=False, engine="auto", device=None, surface=True, **limits):
         settings = _Settings()
-        _lib.osteon_settings_default(c.byref(settings))
+        _check(_lib.osteon_settings_init(_ABI, c.byref(settings)))
         engines = ["auto", "cpu", "vulkan"]
         if engine not in engines:
             raise ValueError(f"engine: found {engine!r}, accepted one of {engines}")
@@ -606,6 +631,44 @@ class Session:
         wrench = _Wrench()
         _check(_lib.osteon_session_evaluate(self._handle, c.byref(_to_pose(X_GT)), _twist(twist), c.byref(wrench)))
         return _wrench(wrench)
+
+    def set_compliance(self, *, tool=False, layer=False, mount=None, **figures):
+        """What gives way from now on, from rest; nothing without arguments. It moves with each evaluate().
+
+        tool      True: the tool bends as its file says
+        layer     True: soft tissue yields as the bone's materials say
+        mount     True, or a dict of its figures: point_m (3), mass_kg, inertia_kg_m2 (3), stiffness_N_per_m (3),
+                  stiffness_Nm_per_rad (3), damping_ratio, creep_N_per_m, creep_s
+        figures   period_s between two evaluate(), push_N (greatest thrust), noticed_m
+        """
+        params = _ComplianceParams()
+        _check(_lib.osteon_compliance_params_init(_ABI, c.byref(params)))
+        params.tool, params.layer, params.mount = int(bool(tool)), int(bool(layer)), int(bool(mount))
+        if isinstance(mount, dict):
+            params.mount = 1
+            figures = {**figures, **{"mount_" + name: value for name, value in mount.items()}}
+        known = {name for name, _ in _ComplianceParams._fields_[4:]}
+        for name, value in figures.items():
+            if name not in known:
+                raise TypeError(f"set_compliance: found {name!r}, which is no figure")
+            if isinstance(getattr(params, name), float):
+                setattr(params, name, float(value))
+            else:
+                getattr(params, name)[:] = [float(each) for each in value]
+        _check(_lib.osteon_session_set_compliance(_ABI, self._handle, c.byref(params)))
+
+    @property
+    def deflection(self):
+        """dict after the newest evaluate(): head (X_ME, the bent tool in the bone), bone (X_GM, where to draw the bone),
+        bend_m, bend_rad, layer_m, mount_m, mount_rad, mount_m_per_s, mount_rad_per_s, and bool gives_way, noticed,
+        beyond_limit (the caller should stop)."""
+        deflection = _Deflection()
+        _check(_lib.osteon_session_deflection(self._handle, c.byref(deflection)))
+        result = _values(deflection)
+        result["head"], result["bone"] = _from_pose(deflection.head), _from_pose(deflection.bone)
+        for name in ("gives_way", "noticed", "beyond_limit"):
+            result[name] = bool(result[name])
+        return result
 
     @property
     def figures(self):

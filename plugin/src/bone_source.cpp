@@ -189,7 +189,12 @@ ToolSource MakeTool(const OsteonToolParams& params) {
       FindShipped(ConfigFolder(params.config_folder), "tools", params.name ? params.name : "reamer");
   const config::ToolConfig loaded =
       config::LoadTool(file, params.diameter_m == 0.0 ? std::nullopt : std::optional(params.diameter_m));
-  return {.tool = loaded.tool, .spindle_rad_per_s = loaded.spindle_rad_per_s};
+  ToolSource source{.tool = loaded.tool, .compliance = {}, .spindle_rad_per_s = loaded.spindle_rad_per_s};
+  if (loaded.bending) {
+    source.compliance = loaded.bending->compliance;
+    source.relaxation_s = loaded.bending->relaxation_s;
+  }
+  return source;
 }
 
 }  // namespace osteon::plugin

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "plugin/include/osteon.h"
 #include "simulation/bone/bone.h"
 #include "simulation/bone/scene_events.h"
 #include "simulation/solids/solid.h"
 #include "simulation/tools/tool.h"
+#include "simulation/tools/tool_compliance.h"
 
 namespace osteon::plugin {
 
@@ -20,6 +22,8 @@ struct BoneSource {
 /// Content of an OsteonTool; never changes.
 struct ToolSource {
   simulation::Tool tool;
+  std::optional<simulation::ToolCompliance> compliance{};  ///< how it bends; absent: it counts as rigid
+  double relaxation_s{0.0};                                ///< time constant of its bending
   double spindle_rad_per_s{0.0};
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -34,6 +35,16 @@ namespace osteon::plugin {
 
 inline constexpr const char* kForked =
     "the process was forked: found a call in the child, accepted in the process that made the session";
+
+/// Fills a caller's struct, where the caller's header is of this library's ABI.
+template <class Params>
+OsteonResult Init(std::uint32_t abi, Params* params, void (*fill)(Params*)) noexcept {
+  return Guarded([&] {
+    CheckAbi(abi);
+    CheckPointer(params, "params");
+    fill(params);
+  });
+}
 
 /// Calls `call` with the session; not in a forked child, where it has no threads.
 template <class Call>

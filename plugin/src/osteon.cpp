@@ -28,6 +28,11 @@ using osteon::plugin::Session;
 using osteon::plugin::ToolSource;
 using osteon::plugin::WithSession;
 
+// osteon_*_default fill what programs of ABI 1 have room for, in every later library. A struct that grows
+// needs its first layout there; osteon_*_init fill the new one, for programs of the new ABI.
+static_assert(sizeof(OsteonBoneParams) == 120 && sizeof(OsteonToolParams) == 48 &&
+                  sizeof(OsteonSettings) == 56,
+              "osteon_*_default fill the structs of ABI 1");
 static_assert(std::string_view(OSTEON_VERSION) == OSTEON_PROJECT_VERSION,
               "osteon.h and CMakeLists.txt name the same version");
 
@@ -65,6 +70,10 @@ const char* osteon_result_text(OsteonResult result) {
 
 void osteon_bone_params_default(OsteonBoneParams* params) {
   if (params) *params = {};
+}
+
+OsteonResult osteon_bone_params_init(uint32_t abi, OsteonBoneParams* params) {
+  return osteon::plugin::Init(abi, params, osteon_bone_params_default);
 }
 
 OsteonResult osteon_bone_create(uint32_t abi, const OsteonBoneParams* params, OsteonBone** bone) {
@@ -138,6 +147,10 @@ void osteon_tool_params_default(OsteonToolParams* params) {
   if (params) *params = {};
 }
 
+OsteonResult osteon_tool_params_init(uint32_t abi, OsteonToolParams* params) {
+  return osteon::plugin::Init(abi, params, osteon_tool_params_default);
+}
+
 OsteonResult osteon_tool_create(uint32_t abi, const OsteonToolParams* params, OsteonTool** tool) {
   if (tool) *tool = nullptr;
   return Guarded([&] {
@@ -165,6 +178,10 @@ void osteon_settings_default(OsteonSettings* settings) {
                  .max_torque_Nm = 20.0,
                  .stiffness_N_per_m = 20e3,
                  .damping_Ns_per_m = 100.0};
+}
+
+OsteonResult osteon_settings_init(uint32_t abi, OsteonSettings* settings) {
+  return osteon::plugin::Init(abi, settings, osteon_settings_default);
 }
 
 OsteonResult osteon_session_create(uint32_t abi, const OsteonBone* bone, const OsteonTool* tool,

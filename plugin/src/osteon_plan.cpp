@@ -18,6 +18,10 @@ using osteon::plugin::Guarded;
 using osteon::plugin::Session;
 using osteon::plugin::WithSession;
 
+// As in osteon.cpp: what programs of ABI 1 have room for.
+static_assert(sizeof(OsteonPlanParams) == 24 && sizeof(OsteonGuidanceParams) == 48,
+              "osteon_*_default fill the structs of ABI 1");
+
 namespace {
 
 osteon::Vector3 VectorOf(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
@@ -30,6 +34,10 @@ bool AreFinite(const OsteonWrench& wrench) {
 
 void osteon_plan_params_default(OsteonPlanParams* params) {
   if (params) *params = {};
+}
+
+OsteonResult osteon_plan_params_init(uint32_t abi, OsteonPlanParams* params) {
+  return osteon::plugin::Init(abi, params, osteon_plan_params_default);
 }
 
 OsteonResult osteon_plan_create(uint32_t abi, const OsteonPlanParams* params, OsteonPlan** plan) {
@@ -74,6 +82,10 @@ void osteon_guidance_params_default(OsteonGuidanceParams* params) {
                .max_torque_Nm = 20.0,
                .max_speed_m_per_s = 0.25,
                .period_s = 0.001};
+}
+
+OsteonResult osteon_guidance_params_init(uint32_t abi, OsteonGuidanceParams* params) {
+  return osteon::plugin::Init(abi, params, osteon_guidance_params_default);
 }
 
 OsteonResult osteon_guidance_create(uint32_t abi, const OsteonPlan* plan, const OsteonGuidanceParams* params,

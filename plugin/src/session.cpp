@@ -14,6 +14,7 @@
 #include "base/paced_priority.h"
 #include "base/realtime_thread.h"
 #include "plugin/src/convert.h"
+#include "plugin/src/engine_lock.h"
 #include "plugin/src/result.h"
 #include "session/setup/engine_choice.h"
 #include "simulation/engine/tool_change.h"
@@ -80,23 +81,6 @@ std::filesystem::path SweptFileOf(const std::string& file) { return file + ".swe
 
 }  // namespace
 
-class Session::EngineLock {
- public:
-  explicit EngineLock(Session& session) : session_(session) {
-    session_.waiting_.fetch_add(1);
-    session_.engine_mutex_.lock();
-  }
-  ~EngineLock() {
-    session_.engine_mutex_.unlock();
-    session_.waiting_.fetch_sub(1);
-  }
-  EngineLock(const EngineLock&) = delete;
-  EngineLock& operator=(const EngineLock&) = delete;
-
- private:
-  Session& session_;
-};
-
 Session::Session(std::shared_ptr<const BoneSource> bone, std::shared_ptr<const ToolSource> tool,
                  const OsteonSettings& settings)
     : bone_(std::move(bone)),
@@ -155,20 +139,7 @@ std::unique_ptr<simulation::CuttingEngine> Session::MakeEngine(const ToolSource&
 void Session::SetToolPose(const OsteonPose& pose, double spindle_rad_per_s) noexcept {
   spindle_on_.store(spindle_rad_per_s != 0.0, std::memory_order_relaxed);
   commands_.Store(
-      {.X_WT = ToPose(pose), .spindle_rad_per_s = spindle_rad_per_s, .stamp = rt::MonotonicNow()});
-}
-
-Wrench Session::Evaluate(const OsteonPose& pose, const OsteonTwist& twist) noexcept {
-  const std::uint32_t beginnings = beginnings_.load(std::memory_order_acquire);
-  if (beginnings != begun_) {
-    coupling_state_ = {};
-    begun_ = beginnings;
-  }
-  const rt::Nanoseconds now = is_lockstep_ ? clock_.load(std::memory_order_relaxed) : rt::MonotonicNow();
-  const control::CouplingOutput output =
-      control::EvaluateCoupling(coupling_, models_.Load(), ToPose(pose), ToTwist(twist), now,
-                                spindle_on_.load(std::memory_order_relaxed), coupling_state_);
-  return limiter_.Limit(output.F_T_W).F;
+      {.X_WT = InBone(ToPose(pose)), .spindle_rad_per_s = spindle_rad_per_s, .stamp = rt::MonotonicNow()});
 }
 
 void Session::Loop() {
@@ -260,7 +231,7 @@ void Session::Step(const Pose& X_GT, double spindle_rad_per_s, double dt_s) {
   spindle_on_.store(spindle_rad_per_s != 0.0, std::memory_order_relaxed);
   const rt::Nanoseconds now = clock_.load() + static_cast<rt::Nanoseconds>(std::llround(1e9 * dt_s));
   clock_.store(now);
-  ComputeFrame({.X_WT = X_GT, .spindle_rad_per_s = spindle_rad_per_s, .stamp = now}, dt_s);
+  ComputeFrame({.X_WT = InBone(X_GT), .spindle_rad_per_s = spindle_rad_per_s, .stamp = now}, dt_s);
   CheckDevice();
 }
 
@@ -339,6 +310,7 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
       if (saved.swept) field.SetSwept(std::move(*saved.swept));
       ways = surface::ToolWays(tool->tool, Pose::Identity());
     });
+  const Levels levels = LevelsFor(*tool);
   const std::string text = fmt::format("continues with {} at frame {}", tool->tool.name, first.frame);
 
   // from here on nothing throws
@@ -351,7 +323,7 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
   min_wall_m_ = saved.min_wall_m;
   newest_ = first;
   models_.Store(newest_);
-  beginnings_.fetch_add(1, std::memory_order_release);
+  UseLevels(levels);
   last_stamp_ = continued_ = now;
   Log(OSTEON_LOG_INFO, text);
 }

@@ -15,6 +15,7 @@
 #include "base/latest_value.h"
 #include "control/coupling/virtual_coupling.h"
 #include "plugin/src/bone_source.h"
+#include "plugin/src/compliance_levels.h"
 #include "plugin/src/surface_mailbox.h"
 #include "procedure/assessment/assessment.h"
 #include "safety/limits.h"
@@ -27,7 +28,8 @@ namespace osteon::plugin {
 /// Content of an OsteonSession: engine, coupling, surface, events.
 ///
 ///     SetToolPose ──LatestValue──▶ engine's thread ──LatestValue──▶ Evaluate
-///                                        └──ring──▶ surface's thread ──▶ SurfaceMailbox
+///          ▲                             └──ring──▶ surface's thread ──▶ SurfaceMailbox
+///          └────LatestValue: Deflected, where something gives way────────┘ (Evaluate)
 ///
 /// Writer of commands: the thread of SetToolPose; their reader: the engine's thread. Writer of models: the
 /// engine's thread, or, in lockstep, that of Step; their reader: the thread of Evaluate. All else is under
@@ -49,6 +51,10 @@ class Session {
   void Step(const Pose& X_GT, double spindle_rad_per_s, double dt_s);
   [[nodiscard]] OsteonFigures Figures();
   [[nodiscard]] std::optional<OsteonEvent> NextEvent();
+
+  /// As osteon_session_set_compliance says. @param params  null: nothing gives way
+  void SetCompliance(const OsteonComplianceParams* params);
+  [[nodiscard]] OsteonDeflection Deflection();
 
   /// As osteon_session_set_log says.
   void SetLog(OsteonLogCallback callback, void* user);
@@ -88,6 +94,15 @@ class Session {
   void ComputeFrame(const simulation::ToolCommand& command, double dt_s);
   /// Thinnest wall that any tool has left. Under the engine's lock.
   [[nodiscard]] std::optional<double> MinWall() const;
+  /// The pose that the engine is given: of the bent head, in the bone's world. Writer's thread of poses, or
+  /// that of Step.
+  [[nodiscard]] Pose InBone(const Pose& X_GT) noexcept;
+  using Levels = const control::Compliance*;  // at rest; null: nothing gives way
+  /// The levels that were asked for, with this tool. Under the engine's lock.
+  /// @throws Failure as MakeCompliance.
+  [[nodiscard]] Levels LevelsFor(const ToolSource& tool);
+  /// Hands levels to Evaluate, which begins anew. Under the engine's lock.
+  void UseLevels(Levels levels) noexcept;
   void CheckDevice() const;
   /// Under the engine's lock.
   void Log(OsteonLogLevel level, const std::string& text) const;
@@ -118,7 +133,11 @@ class Session {
   std::atomic<std::uint32_t> beginnings_{0};  // of another bone or tool
   // of the thread of Evaluate
   control::CouplingState coupling_state_;
+  std::optional<control::Compliance> compliance_;
   std::uint32_t begun_{0};
+  // what gives way: handed to Evaluate, and from it
+  rt::LatestValue<Levels> levels_{nullptr};
+  rt::LatestValue<Deflected> for_poses_, for_figures_;
 
   std::mutex engine_mutex_;
   std::atomic<int> waiting_{0};
@@ -136,6 +155,9 @@ class Session {
   rt::Nanoseconds last_stamp_{0}, continued_{0};
   std::deque<OsteonEvent> events_;
   std::deque<Saved> marks_;
+  std::optional<OsteonComplianceParams> asked_;  // to give way
+  // Evaluate may read each of them until the session ends
+  std::vector<std::unique_ptr<const control::Compliance>> all_levels_;
   OsteonLogCallback log_{nullptr};
   void* log_user_{nullptr};
   bool has_logged_failure_{false};

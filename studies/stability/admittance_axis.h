@@ -8,7 +8,7 @@
 #include "control/coupling/virtual_coupling.h"
 #include "control/laws/admittance_law.h"
 #include "control/stability/vibration_index.h"
-#include "studies/stability/admittance_loop.h"
+#include "hil/loops/admittance_loop.h"
 
 namespace osteon::hil {
 

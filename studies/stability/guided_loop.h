@@ -5,9 +5,9 @@
 
 #include "control/guidance/guidance_field.h"
 #include "hil/arm/servo_arm.h"
+#include "hil/loops/linear_loop.h"
+#include "hil/loops/loop_arm.h"
 #include "hil/operator/hand_grid.h"
-#include "studies/stability/linear_loop.h"
-#include "studies/stability/loop_arm.h"
 
 // The planar loop of guidance: a hand holds the handle of an admittance-controlled arm some way above the
 // tool's apex, and the guidance's funnel and cone act on the commanded pose, aside and by tilt.

@@ -6,7 +6,7 @@
 
 #include <Eigen/Dense>
 
-#include "studies/stability/admittance_loop.h"
+#include "hil/loops/admittance_loop.h"
 
 // The loop of hand, arm and law judged by a frequency response of the arm, without a model of it: Nyquist.
 

@@ -4,8 +4,8 @@
 
 #include "control/laws/impedance_law.h"
 #include "hil/arm/dynamic_arm.h"
+#include "hil/loops/admittance_loop.h"
 #include "hil/operator/hand_grid.h"
-#include "studies/stability/admittance_loop.h"
 
 // The loop of the impedance law: a hand holds an arm that carries itself, and a wrench or torques are laid
 // over its own controller.

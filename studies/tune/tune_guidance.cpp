@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "studies/stability/admittance_loop.h"
+#include "hil/loops/admittance_loop.h"
 
 namespace osteon::app {
 namespace {

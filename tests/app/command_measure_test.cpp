@@ -244,6 +244,24 @@ TEST(BenchTick, WritesTheKeysOfItsContract) {
   EXPECT_NE(few.err.find("--ticks: found 3, accepted 100"), std::string::npos) << few.err;
 }
 
+TEST(BenchTick, TimesEachLevelInTurn) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"bench", "tick", "--compliance", "--ticks", "100", "--json", "t.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "t.json");
+  EXPECT_EQ(json.at("schema"), "osteon.bench.tick_levels/1");
+  for (const char* level : {"off", "tool", "layer", "mount", "all"}) {
+    const nlohmann::json& row = json.at("levels").at(level);
+    ExpectTimes(row.at("loop_us"));
+    ExpectTimes(row.at("tick_us"));
+    EXPECT_GT(row.at("mean_force_N").get<double>(), 1.0) << level;
+    if (!row.at("allocations").is_null()) {
+      EXPECT_EQ(row.at("allocations"), 0) << level;
+    }
+  }
+}
+
 TEST(BenchFrame, EndsWithOneWhereThereIsNoDevice) {
   const TemporaryFolder folder;
   const CommandResult run =
@@ -277,6 +295,24 @@ TEST(ChartScaling, WritesItsFilesAndPoints) {
     EXPECT_GT(point.at("frame_us_p50").get<double>(), 0.0);
   }
   EXPECT_EQ(series.size(), 3u);  // cut zone unchanged, uniform, without culling
+}
+
+TEST(ChartCompliance, WritesItsFilesAndFigures) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"chart", "compliance", "--ticks", "100", "--out", "chart"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  ExpectFiles(folder.path() / "chart", "compliance");
+  for (const char* name : {"compliance_gives.svg", "compliance_cost.svg"})
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "chart" / name)) << name;
+  const nlohmann::json json = ReadJson(folder.path() / "chart" / "compliance.json");
+  EXPECT_EQ(json.at("schema"), "osteon.chart.compliance/1");
+  EXPECT_EQ(json.at("costs").size(), 5u);
+  ASSERT_EQ(json.at("changes").size(), 3u);
+  // coupling and part in series at a slow motion: the drill's 60 and 7.48 N/mm, the mount's 20 and 47.4
+  EXPECT_NEAR(json.at("changes")[0].at("felt_ratio")[0].get<double>(), 7.48 / (7.48 + 60.0), 0.005);
+  EXPECT_NEAR(json.at("changes")[2].at("felt_ratio")[0].get<double>(), 47.4 / (47.4 + 20.0), 0.005);
+  EXPECT_NEAR(json.at("changes")[2].at("gives_m")[7].get<double>(), 2.53e-3, 0.03e-3) << "under 120 N";
 }
 
 TEST(ChartSpeedAccuracy, WritesItsFilesAndPoints) {

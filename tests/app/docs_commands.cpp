@@ -90,6 +90,8 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon capability config/cells/demo.yaml",
        As("capability config/cells/demo.yaml --nodes 11 --no-search", {"capability/capability.html"})},
       {"osteon chart scaling --out scaling", By("ChartScaling.WritesItsFilesAndPoints")},
+      {"osteon chart compliance", By("ChartCompliance.WritesItsFilesAndFigures")},
+      {"osteon bench tick --compliance --ticks 2000", By("BenchTick.TimesEachLevelInTurn")},
       {"osteon chart speed-accuracy --out speed_accuracy", By("ChartSpeedAccuracy.WritesItsFilesAndPoints")},
       {"osteon failures --out failures", As("failures 2 --quick --out failures", {"failures/failures.html"})},
       {"osteon validate --json validate.json --out validate",

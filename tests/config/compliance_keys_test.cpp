@@ -100,6 +100,14 @@ TEST(ComplianceKeys, WhatWouldNotBeStableIsRefusedWithTheValueThatIsNeeded) {
                     HasSubstr("at least 0.05")));
   EXPECT_THAT(refusal("mass_kg: 12\n", "mass_kg: 0.2\n"),
               AllOf(HasSubstr("mass_kg"), HasSubstr("found 0.2, accepted at least 0.42")));
+  // a coupling of 100 N/mm and a bone of 2 kg: to the virtual tool a wall of nearly twice the stiffness
+  const std::string stiff_coupling =
+      With(WithCompliance("demo", kMount), "coupling:\n  stiffness_N_per_mm: 20\n",
+           "coupling:\n  stiffness_N_per_mm: 100\n");
+  EXPECT_EQ(Refusal(stiff_coupling), "");
+  EXPECT_THAT(Refusal(With(stiff_coupling, "mass_kg: 12\n", "mass_kg: 2\n")),
+              AllOf(HasSubstr("mass_kg"), HasSubstr("found 2, accepted at least 2."),
+                    HasSubstr("a wall of 1"), HasSubstr("unstable from 1")));
   EXPECT_THAT(Refusal(WithCompliance("demo", " {mount: on}")),
               HasSubstr("accepted with `bone_mount` beside it"));
   EXPECT_THAT(Refusal(WithCompliance("sawbone_block", " {layer: on}")), HasSubstr("layer_N_per_mm3"));

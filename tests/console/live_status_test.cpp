@@ -134,6 +134,20 @@ TEST(LiveJson, HasARowForEachWindowAndTheLastOnesStatusAndPoses) {
   EXPECT_EQ(json["view"]["contacts"][1][5], 0.8);
 }
 
+// Where the bone and the bent head are drawn: X_WE = X_WM X_ME. Without anything that gives way neither is sent.
+TEST(LiveJson, HasTheBonesAndTheHeadsPosesWhereSomethingGivesWay) {
+  std::array windows{Window(safety::CellState::kCutting)};
+  EXPECT_FALSE(nlohmann::json::parse(LiveJson(windows, kContext))["view"].contains("X_WM"));
+  control::ComplianceRecord& gives = windows[0].tick.compliance;
+  gives.present = true;
+  gives.X_WM.p = {0.0, 0.0, -0.002};
+  gives.X_ME.p = {0.001, 0.0, 0.3};
+  const auto view = nlohmann::json::parse(LiveJson(windows, kContext))["view"];
+  EXPECT_EQ(view["X_WM"][11], -0.002);
+  EXPECT_EQ(view["X_WE"][3], 0.001);
+  EXPECT_NEAR(view["X_WE"][11].get<double>(), 0.298, 1e-9);
+}
+
 TEST(LiveJson, AnEventOfAnyBytesIsValidJson) {
   const std::array<io::RecordedEvent, 1> events{io::RecordedEvent{.stamp = 1, .text = "\"\x01\xff</script>"}};
   const auto json = nlohmann::json::parse(EventsJson(std::span<const io::RecordedEvent>(events)));

@@ -6,7 +6,7 @@
 
 #include <Eigen/Dense>
 
-#include "studies/stability/admittance_loop.h"
+#include "hil/loops/admittance_loop.h"
 
 // Model B of the design's stability page in plain scalars: the arm critically damped, its dead time at least
 // one whole period, the wall without damping. Shares no code with the loop that it judges but the parameters.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "studies/stability/linear_loop.h"
+#include "hil/loops/linear_loop.h"
 
 namespace osteon::hil {
 

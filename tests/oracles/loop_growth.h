@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "studies/stability/linear_loop.h"
+#include "hil/loops/linear_loop.h"
 
 // Stability by running a loop: judges the spectral radius of the loop's matrix. Exact to about 1/periods.
 

@@ -38,14 +38,40 @@ for header in "$tests"/abi_*/osteon.h; do
   fi
 done
 
-# Another number, and structs that have grown: refused before a struct is read. (A smaller struct has to be refused
-# before osteon_*_default fills it: by osteon_abi(), as osteon.h says.)
+# osteon_*_default fill no byte behind the structs of the earliest header, whatever the library is.
+echo "== defaults of ABI 1"
+cat >"$work/defaults.c" <<'PROGRAM'
+#include <osteon.h>
+#include <stdio.h>
+#include <string.h>
+#define CHECK(TYPE, FILL)                                        \
+  do {                                                           \
+    struct {                                                     \
+      TYPE params;                                               \
+      unsigned char behind[256];                                 \
+    } each;                                                      \
+    memset(&each, 0x5a, sizeof each);                            \
+    FILL(&each.params);                                          \
+    for (size_t i = 0; i < sizeof each.behind; ++i)              \
+      if (each.behind[i] != 0x5a) return printf("%s\n", #FILL), 1; \
+  } while (0)
+int main(void) {
+  CHECK(OsteonBoneParams, osteon_bone_params_default);
+  CHECK(OsteonToolParams, osteon_tool_params_default);
+  CHECK(OsteonSettings, osteon_settings_default);
+  return 0;
+}
+PROGRAM
+compile "$tests/abi_1" "$work/defaults.c" "$work/defaults"
+"$work/defaults"
+
+# Another number, and structs that have grown: refused before a struct is read.
 for other in $((now - 1)) $((now + 1)); do
   echo "== a header of ABI $other"
   mkdir "$work/$other"
   sed -e "s/^#define OSTEON_ABI .*/#define OSTEON_ABI ${other}u/" -e 's/^} \(Osteon[A-Za-z]*\(Params\|Settings\)\);/  double later[4];\n&/' \
     "$plugin/include/osteon.h" >"$work/$other/osteon.h"
-  [[ $(grep -c "double later\\[" "$work/$other/osteon.h") -eq 5 ]]
+  [[ $(grep -c "double later\\[" "$work/$other/osteon.h") -eq 6 ]]
   compile "$work/$other" "$plugin/examples/c/ream_cup.c" "$work/$other/ream_cup"
   code=0
   "$work/$other/ream_cup" 2>"$work/text" || code=$?

@@ -116,6 +116,23 @@ class Module(unittest.TestCase):
         self.assertEqual(found["removed_m3"], 0)
         self.assertEqual(found["items"][0]["metric"], "axis_error")
 
+    def test_bone_on_a_mount_gives_way(self):
+        self.session.set_compliance(mount={"point_m": (0, 0, -0.02), "damping_ratio": 0.5})
+        for z in list(np.arange(4.2, 3.0, -0.005)) + [3.0] * 1500:
+            self.session.step(above(z))
+            F = self.session.evaluate(above(z))
+        deflection = self.session.deflection
+        self.assertTrue(deflection["gives_way"])
+        self.assertGreater(F[2], 5)
+        np.testing.assert_allclose(-deflection["mount_m"][2], F[2] / 47.4e3, rtol=0.01)
+        np.testing.assert_allclose(deflection["head"][2, 3], 3.0e-3 - deflection["mount_m"][2], atol=1e-6)
+        self.session.set_compliance()
+        self.assertFalse(self.session.deflection["gives_way"])
+        with self.assertRaisesRegex(osteon.Error, "damping_ratio: found 0.01, accepted at least 0.05"):
+            self.session.set_compliance(mount={"damping_ratio": 0.01})
+        with self.assertRaises(TypeError):
+            self.session.set_compliance(mount={"weight": 3})
+
     def test_refusals(self):
         with self.assertRaisesRegex(osteon.Error, "max_force_N"):
             osteon.Session(self.bone, self.tool, max_force_N=1000)

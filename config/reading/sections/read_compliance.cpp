@@ -6,22 +6,16 @@
 
 #include <fmt/format.h>
 
+#include "config/reading/sections/compliance_params.h"
 #include "config/reading/sections/read_limits.h"
+#include "hil/loops/mount_rule.h"
 #include "safety/limits.h"
-#include "simulation/tools/tool.h"
 #include "simulation/tools/tool_compliance.h"
 
 namespace osteon::config {
 namespace {
 
 constexpr double kRoom_mm = 5000;
-constexpr double kMinToolRelaxation_s = 0.020;
-constexpr double kMaxFrameShare = 0.5;     // sum of T K c / tau
-constexpr double kMinDampingRatio = 0.05;  // of a mount
-constexpr double kMaxTurnPerTick = 0.4;    // sqrt((K + k) / m) T of a mount
-constexpr double kMinFirstMode_hz = 100.0;
-constexpr double kBendShare = 0.1,
-                 kThrustShare = 0.5;    // of free length and buckling load, where the cell stops
 constexpr double kTableForce_N = 20.0;  // at which a layer's stiffness is stated
 
 GivesWay ReadLevel(Reader& section, const char* key) {
@@ -46,107 +40,53 @@ control::BoneMountParams ReadMount(Reader section, const Pose& X_WG) {
   return mount;
 }
 
+control::SurfaceLayerParams LayerOf(const CellConfig& cell) {
+  return SurfaceLayerOf(cell.scene.materials, cell.tool.tool, cell.cutting.engaged_layer_m);
+}
+
 double PushOf(const CellConfig& cell) {
   if (!cell.has_simulation) return cell.servo.wrench.max_force_N;
   return std::visit([](const auto& script) { return script.push_force_N; }, cell.script);
 }
 
-double HeadRadiusOf(const simulation::Tool& tool) {
-  const simulation::ToolBall* head = simulation::CuttingHead(tool);
-  return head ? head->radius_m : tool.balls.front().radius_m;
+void RefuseBy(const Reader& section, const std::optional<ComplianceRefusal>& refusal) {
+  if (refusal) section.Refuse(refusal->key, refusal->text);
 }
 
-// The softest layer among the scene's tissues. Without one its kappas are zero.
-control::SurfaceLayerParams LayerOf(const CellConfig& cell) {
-  control::SurfaceLayerParams layer;
-  layer.engaged_layer_m = cell.cutting.engaged_layer_m;
-  const double reach_m = std::max(simulation::CuttingReach(cell.tool.tool), 1e-4);
-  layer.max_area_m2 = std::numbers::pi * reach_m * reach_m;
-  layer.touch_area_m2 =
-      std::min(std::numbers::pi * HeadRadiusOf(cell.tool.tool) * layer.engaged_layer_m, layer.max_area_m2);
-  double softest = 0.0;
-  for (std::size_t i = 0; i < cell.scene.materials.size() && i < layer.kappa_N_per_m3.size(); ++i) {
-    const simulation::Material& material = cell.scene.materials[i];
-    layer.kappa_N_per_m3[i] = material.layer_N_per_m3;
-    if (!(material.layer_N_per_m3 > 0.0) || (softest > 0.0 && material.layer_N_per_m3 >= softest)) continue;
-    softest = material.layer_N_per_m3;
-    layer.thickness_m = material.layer_thickness_m;
-    layer.tau_s = material.layer_relaxation_s;
-  }
-  return layer;
-}
-
-double SoftestOf(const control::SurfaceLayerParams& layer) {
-  double softest = 0.0;
-  for (const double kappa : layer.kappa_N_per_m3)
-    if (kappa > 0.0) softest = softest > 0.0 ? std::min(softest, kappa) : kappa;
-  return softest;
-}
-
-// Secant compliance of a layer at a first touch.
-double LayerCompliance(const control::SurfaceLayerParams& layer, double force_N) {
-  return control::LayerIndentation(layer, {.kappa_N_per_m3 = SoftestOf(layer), .share = 1.0}, force_N) /
-         force_N;
-}
-
-simulation::Matrix6 ToolMatrix(const CellConfig& cell) {
-  const simulation::ToolCompliance& c = cell.tool.bending->compliance;
-  return simulation::ThrustFactor(cell.compliance.push_N, c.buckling_N) * c.C_T;
-}
-
-void CheckTool(const Reader& section, const CellConfig& cell) {
-  const simulation::ToolCompliance& c = cell.tool.bending->compliance;
-  const double push_N = cell.compliance.push_N;
-  if (push_N > kThrustShare * c.buckling_N)
-    section.Refuse(
-        "tool", fmt::format("found a push of {:.4g} N on a tool that buckles at {:.4g} N, accepted at most "
-                            "half of that: push less, clamp more of the tool, or take a thicker one",
-                            push_N, c.buckling_N));
-  if (c.first_mode_hz < kMinFirstMode_hz)
-    section.Refuse(
-        "tool",
-        fmt::format("found a tool that vibrates at {:.4g} Hz by itself, accepted at least {:g}: its head's "
-                    "mass is not in the model",
-                    c.first_mode_hz, kMinFirstMode_hz));
-  if (cell.tool.bending->relaxation_s < kMinToolRelaxation_s)
-    section.Refuse("tool", fmt::format("found a tool with relaxation_ms {:g}, accepted at least {:g}",
-                                       1e3 * cell.tool.bending->relaxation_s, 1e3 * kMinToolRelaxation_s));
-}
-
-// Rule 1: T K c / tau of all massless elements together.
-void CheckMassless(const Reader& section, const CellConfig& cell) {
-  const control::ComplianceParams& c = cell.servo.compliance;
-  const double TK = cell.servo.period_s * cell.servo.coupling.max_stiffness_N_per_m;
-  const double of_tool =
-      c.tool ? TK * c.tool->compliance_T.diagonal().head<3>().maxCoeff() / c.tool->tau_s : 0.0;
-  const double of_layer = c.layer ? TK * LayerCompliance(*c.layer, 1.0) / c.layer->tau_s : 0.0;
-  if (of_tool + of_layer <= kMaxFrameShare) return;
-  const bool tool_worse = of_tool >= of_layer;
-  const double least_s = tool_worse ? c.tool->tau_s * of_tool / std::max(1e-9, kMaxFrameShare - of_layer)
-                                    : c.layer->tau_s * of_layer / std::max(1e-9, kMaxFrameShare - of_tool);
-  section.Refuse(tool_worse ? "tool" : "layer",
-                 fmt::format("found a {} of {:g} ms, accepted at least {:.4g}: period × coupling stiffness × "
-                             "compliance / time constant may be {:g} in all, and is {:.3g}",
-                             tool_worse ? "relaxation_ms" : "layer_relaxation_ms",
-                             1e3 * (tool_worse ? c.tool->tau_s : c.layer->tau_s), 1e3 * least_s,
-                             kMaxFrameShare, of_tool + of_layer));
+// The mass rule: the loop on a rigid bone must be stable up to K (1 + m_v / m_eff).
+void CheckMountMass(const Reader& bone_mount, const CellConfig& cell) {
+  if (!cell.has_simulation || cell.servo.law != control::Law::kAdmittance) return;
+  const auto& hand = cell.simulated.hand;
+  const hil::AdmittanceLoopParams rigid{
+      .hand = {"operator", hand.stiffness_N_per_m, hand.damping_Ns_per_m, hand.mass_kg},
+      .mass_kg = cell.servo.admittance.mass_kg.maxCoeff(),
+      .damping_Ns_per_m = cell.servo.admittance.damping_Ns_per_m.minCoeff(),
+      .arm = cell.simulated.servo,
+      .period_s = cell.servo.period_s};
+  const control::BoneMountParams& mount = *cell.servo.compliance.mount;
+  const hil::MassRule rule =
+      hil::CheckMass(rigid, cell.servo.coupling.max_stiffness_N_per_m, mount, cell.X_WG.translation());
+  if (rule.kept) return;
+  const std::string needed =
+      std::isfinite(rule.min_mass_kg)
+          ? fmt::format("at least {:.4g}", rule.min_mass_kg)
+          : std::string(
+                "none at this inertia and lever: a softer coupling, or more damping of the virtual tool");
+  bone_mount.Refuse(
+      "mass_kg", fmt::format("found {:g}, accepted {}: with so little mass the bone is to the virtual tool a "
+                             "wall of {:.4g} N/mm, and the loop with the operator's hand of {:g} N/m is "
+                             "unstable from {:.4g} N/mm",
+                             mount.mass_kg, needed, 1e-3 * rule.stiffness_N_per_m, hand.stiffness_N_per_m,
+                             1e-3 * rule.stable_up_to_N_per_m));
 }
 
 // Rules 2 and 3, axis by axis. The hand is the simulated operator's, where there is one.
 void CheckMount(const Reader& section, const CellConfig& cell) {
   const control::BoneMountParams& mount = *cell.servo.compliance.mount;
-  const double K = cell.servo.coupling.max_stiffness_N_per_m, T = cell.servo.period_s;
+  const double T = cell.servo.period_s;
   const Reader bone_mount = Reader(section).Section("bone_mount");
-  if (mount.damping_ratio < kMinDampingRatio)
-    bone_mount.Refuse("damping_ratio", fmt::format("found {:g}, accepted at least {:g}", mount.damping_ratio,
-                                                   kMinDampingRatio));
-  const double stiff = mount.stiffness_N_per_m.maxCoeff();
-  const double least_kg = (K + stiff) * T * T / (kMaxTurnPerTick * kMaxTurnPerTick);
-  if (mount.mass_kg < least_kg)
-    bone_mount.Refuse("mass_kg",
-                      fmt::format("found {:g}, accepted at least {:.4g}: with coupling and mount it "
-                                  "would turn further than {:g} rad in a period",
-                                  mount.mass_kg, least_kg, kMaxTurnPerTick));
+  RefuseBy(bone_mount, CheckMountAlone(mount, cell.servo.coupling.max_stiffness_N_per_m, T));
+  CheckMountMass(bone_mount, cell);
   if (!cell.has_simulation) return;
   const auto& hand = cell.simulated.hand;
   const hil::ServoArmParams& arm = cell.simulated.servo;
@@ -186,7 +126,7 @@ CompliancePart ToolPart(const CellConfig& cell) {
 CompliancePart LayerPart(const CellConfig& cell) {
   CompliancePart part{.name = "layer", .asked = cell.compliance.layer};
   const control::SurfaceLayerParams layer = LayerOf(cell);
-  part.known = SoftestOf(layer) > 0.0;
+  part.known = HasLayer(layer);
   if (!part.known) return part;
   part.force_N = cell.compliance.push_N;
   part.stiffness_N_per_m = 1.0 / LayerCompliance(layer, std::min(part.force_N, kTableForce_N));
@@ -248,15 +188,12 @@ void CompleteCompliance(const std::optional<Reader>& section, CellConfig& cell) 
   control::ComplianceParams& params = cell.servo.compliance;
   params.noticed_m = compliance.error_m;
   if (tool.on) {
-    CheckTool(*section, cell);
-    const simulation::ToolCompliance& c = cell.tool.bending->compliance;
-    params.tool = control::ToolLinkParams{.compliance_T = ToolMatrix(cell),
-                                          .tau_s = cell.tool.bending->relaxation_s,
-                                          .max_bend_m = kBendShare * c.free_length_m,
-                                          .max_thrust_N = kThrustShare * c.buckling_N};
+    const ToolBendingConfig& bending = *cell.tool.bending;
+    RefuseBy(*section, CheckToolLink(bending.compliance, bending.relaxation_s, compliance.push_N));
+    params.tool = ToolLinkOf(bending.compliance, bending.relaxation_s, compliance.push_N);
   }
   if (layer.on) params.layer = LayerOf(cell);
-  CheckMassless(*section, cell);
+  RefuseBy(*section, CheckMassless(params, cell.servo.coupling.max_stiffness_N_per_m, cell.servo.period_s));
   if (mount.on) {
     params.mount = compliance.bone_mount;
     CheckMount(*section, cell);

@@ -78,6 +78,8 @@ export interface Status {
 export interface View {
   X_WT: PoseRows;
   X_WP?: PoseRows;
+  X_WM?: PoseRows; // where the bone's world has gone with its mount and its tissue; X_WP and contacts are in it
+  X_WE?: PoseRows; // the tool's head as it is bent
   q: number[];
   force: Vector;
   hand: Vector;

@@ -10,7 +10,7 @@ import type { Hello, PlanNote, ProcedureNote, View } from "./messages";
 import { PlanView } from "./plan";
 import { matrixOf, place, vectorOf } from "./poses";
 import { Surface } from "./surface";
-import { toolOf } from "./tool";
+import { headOf, toolOf } from "./tool";
 import { zonesOf } from "./zones";
 
 const LIMIT_IN_SITES = 1.8; // the force limit's ring, in radii of the site: arrows are drawn to its scale
@@ -28,6 +28,7 @@ export class SceneView {
   private readonly controls: OrbitControls;
   private readonly bone = new Group();
   private readonly lasting = new Group(); // made anew with each hello
+  private readonly moving = new Group(); // what goes with the bone: it, its marks, proxy and contacts
   private readonly clipPlane = new Plane();
   private tool: Object3D | null = null;
   private proxy: Object3D | null = null;
@@ -59,7 +60,8 @@ export class SceneView {
     const sun = new DirectionalLight(0xffffff, 2.2);
     this.camera.add(sun);
     sun.position.set(0.4, 0.8, 1);
-    this.scene.add(this.camera, this.bone, this.lasting, this.force, this.hand);
+    this.moving.add(this.bone);
+    this.scene.add(this.camera, this.moving, this.lasting, this.force, this.hand);
     this.force.visible = this.hand.visible = false;
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -71,6 +73,10 @@ export class SceneView {
   begin(hello: Hello): void {
     this.hello = hello;
     this.lasting.clear();
+    this.moving.clear();
+    this.moving.add(this.bone);
+    this.moving.matrixAutoUpdate = false;
+    this.moving.matrix.identity();
     this.surface.clear();
     this.surface.setMaterials(hello.materials);
     place(this.bone, hello.X_WG);
@@ -89,16 +95,21 @@ export class SceneView {
     );
     this.limit.visible = false;
     this.contacts = Array.from({ length: MAX_CONTACTS }, () => contactPlane());
-    this.lasting.add(this.arm.group, this.zones, this.limit, ...this.contacts, this.siteMarks(hello));
+    this.lasting.add(this.arm.group, this.zones, this.limit, this.frames(hello));
+    this.moving.add(...this.contacts, this.siteMarks(hello));
     this.preset("site");
   }
 
   private setTool(balls: number[][]): void {
-    if (this.tool && this.proxy) this.lasting.remove(this.tool, this.proxy);
+    if (this.tool && this.proxy) {
+      this.lasting.remove(this.tool);
+      this.moving.remove(this.proxy);
+    }
     this.tool = toolOf(balls, { cutting: 0xd8dde3, shaft: 0x8b98a6, opacity: 1 });
     this.proxy = toolOf(balls, { cutting: 0x58d0a0, shaft: 0x58d0a0, opacity: 0.28 });
     this.tool.visible = this.proxy.visible = false;
-    this.lasting.add(this.tool, this.proxy);
+    this.lasting.add(this.tool);
+    this.moving.add(this.proxy);
   }
 
   setPlan(plan: PlanNote): void {
@@ -133,6 +144,7 @@ export class SceneView {
     if (!this.hello || !this.tool || !this.proxy || !this.arm) return;
     this.tool.visible = !this.alone;
     place(this.tool, view.X_WT);
+    this.showGivingWay(view);
     this.proxy.visible = view.X_WP !== undefined && !this.alone;
     if (view.X_WP) place(this.proxy, view.X_WP);
     this.arm.pose(view.q);
@@ -151,6 +163,19 @@ export class SceneView {
     });
     if (this.following) this.move(p_WT);
     this.redraw();
+  }
+
+  /** Bone, and the tool's cutting head, where they have gone: to scale. */
+  private showGivingWay(view: View): void {
+    if (!this.tool) return;
+    if (view.X_WM) this.moving.matrix.copy(matrixOf(view.X_WM));
+    else this.moving.matrix.identity();
+    this.moving.matrixWorldNeedsUpdate = true;
+    const head = headOf(this.tool);
+    head.matrixAutoUpdate = false;
+    if (view.X_WE) head.matrix.copy(matrixOf(view.X_WT).invert().multiply(matrixOf(view.X_WE)));
+    else head.matrix.identity();
+    head.matrixWorldNeedsUpdate = true;
   }
 
   toggle(what: "arm" | "zones" | "plan", on: boolean): void {
@@ -261,9 +286,17 @@ export class SceneView {
     arrow.setLength(length, Math.min(0.4 * length, 0.012), Math.min(0.25 * length, 0.008));
   }
 
-  /** The site's rim and axis, and the axes of world, base and site. */
+  /** The axes of world and base. */
+  private frames(hello: Hello): Object3D {
+    const frames = new Group();
+    const world = new AxesHelper(0.1), base = new AxesHelper(0.15);
+    place(base, hello.X_WB);
+    frames.add(world, base);
+    return frames;
+  }
+
+  /** The site's rim, axis and axes, which go with the bone. */
   private siteMarks(hello: Hello): Object3D {
-    const marks = new Group();
     const X_WG = matrixOf(hello.X_WG);
     const axis = vectorOf(hello.site.axis).normalize();
     const rim = new Group();
@@ -281,11 +314,8 @@ export class SceneView {
     inBone.matrixAutoUpdate = false;
     inBone.matrix.copy(X_WG);
     inBone.add(rim);
-    const world = new AxesHelper(0.1), base = new AxesHelper(0.15), site = new AxesHelper(hello.site.radius_m);
-    place(base, hello.X_WB);
-    rim.add(site);
-    marks.add(inBone, world, base);
-    return marks;
+    rim.add(new AxesHelper(hello.site.radius_m));
+    return inBone;
   }
 
   private resize(): void {

@@ -1,6 +1,6 @@
 // The tool as its balls: what meets bone is exactly what is drawn.
 
-import { Group, IcosahedronGeometry, InstancedMesh, Matrix4, MeshStandardMaterial, Quaternion, Vector3 } from "three";
+import { Group, IcosahedronGeometry, InstancedMesh, Matrix4, MeshStandardMaterial, Object3D, Quaternion, Vector3 } from "three";
 
 const MANY = 300; // balls from which each is drawn with fewer faces
 
@@ -31,4 +31,9 @@ export function toolOf(balls: number[][], look: ToolLook): Group {
     group.add(mesh);
   }
   return group;
+}
+
+/** The cutting balls of a tool: the part that bends aside. */
+export function headOf(tool: Object3D): Object3D {
+  return tool.children[0];
 }

@@ -10,8 +10,8 @@
 #include "control/compliance/compliance.h"
 #include "control/coupling/virtual_coupling.h"
 #include "control/laws/twist_parts.h"
+#include "hil/loops/compliant_loop.h"
 #include "studies/failures/arm_bench.h"
-#include "studies/stability/compliant_loop.h"
 
 namespace osteon::hil {
 namespace {

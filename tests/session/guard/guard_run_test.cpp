@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "session/guard/guard.h"
@@ -81,6 +84,41 @@ TEST(GuardRun, NothingOfTheTorqueOverlayIsWithheld) {
     cell.simulated.dynamic.stiffness_Nm_per_rad.setConstant(100.0);
   });
   ExpectAllPasses("thin_plate_impedance", ride, 0.25);
+}
+
+// What gives way moves the head, not the rigid tool that the guard follows.
+TEST(GuardRun, NothingOfCellsThatGiveWayIsWithheld) {
+  for (const char* name : {"long_drill", "cartilage_cup", "pelvis_mount"}) {
+    SCOPED_TRACE(name);
+    const VirtualRide ride = RideVirtually(name, 3.0, [](config::CellConfig&) {});
+    EXPECT_TRUE(ride.summary.faults.empty());
+    EXPECT_TRUE(ride.recording.ticks.back().compliance.present);
+    ExpectAllPasses(name, ride, 0.25);
+  }
+}
+
+// A bone on a soft mount under the impedance law: the wrench overlay stays within the guard's limits.
+TEST(GuardRun, NothingOfAnOverlayOnABoneThatMovesIsWithheld) {
+  double moved_m = 0.0;
+  const VirtualRide ride = RideVirtually("thin_plate_impedance", 3.0, [](config::CellConfig& cell) {
+    control::BoneMountParams mount;
+    mount.p_WMo_m = cell.X_WG * Vector3(0.0, 0.0, -0.05);
+    cell.servo.compliance.mount = mount;
+  });
+  for (const control::TickRecord& tick : ride.recording.ticks)
+    moved_m = std::max(moved_m, Vector3(tick.compliance.mount_m).norm());
+  EXPECT_GT(moved_m, 50e-6);
+  EXPECT_TRUE(ride.summary.faults.empty());
+  ExpectAllPasses("thin_plate_impedance", ride, 0.25);
+}
+
+// The loop's own stop comes first: the guard lets it brake.
+TEST(GuardRun, ADeflectionBeyondItsLimitIsStoppedByTheLoopAndTheGuardPassesTheStop) {
+  const VirtualRide ride = RideVirtually(
+      "long_drill", 4.0, [](config::CellConfig& cell) { cell.servo.compliance.tool->max_thrust_N = 20.0; });
+  ASSERT_FALSE(ride.summary.faults.empty());
+  EXPECT_NE(ride.summary.faults.front().find("deflection"), std::string::npos) << ride.summary.faults.front();
+  ExpectAllPasses("long_drill", ride, 0.25);
 }
 
 // From outside the workspace, along a joint path.

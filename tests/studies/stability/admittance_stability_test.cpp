@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "studies/stability/admittance_loop.h"
+#include "hil/loops/admittance_loop.h"
 #include "studies/stability/admittance_run.h"
 #include "tests/oracles/admittance_model.h"
 #include "tests/oracles/loop_growth.h"

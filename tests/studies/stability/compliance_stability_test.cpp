@@ -10,8 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "control/compliance/compliant_link.h"
+#include "hil/loops/compliant_loop.h"
+#include "hil/loops/mount_rule.h"
 #include "hil/operator/hand_grid.h"
-#include "studies/stability/compliant_loop.h"
 
 namespace osteon::hil {
 namespace {
@@ -143,6 +144,43 @@ TEST(MountRules, SayWhichMountMakesAHandSwing) {
   EXPECT_GT(CompliantLoop(params).SpectralRadius(), 1.0005);
   params.mount = LoopMount{.mass_kg = 12.0, .frequency_hz = 15.0, .damping_ratio = 0.06};
   EXPECT_LT(CompliantLoop(params).SpectralRadius(), 0.998) << "this mount keeps the rule";
+}
+
+// A force at a lever turns the bone as well: 1/m_eff = 1/m + L²/I across the lever, 1/m along it.
+TEST(MassRule, CountsTheTurnAboutTheMount) {
+  control::BoneMountParams mount;
+  mount.inertia_kg_m2 = {0.1, 0.2, 0.3};
+  EXPECT_DOUBLE_EQ(EffectiveMass(mount, mount.p_WMo_m), 12.0);
+  EXPECT_NEAR(EffectiveMass(mount, {0.0, 0.0, 0.08}), 1.0 / (1.0 / 12.0 + 0.0064 / 0.1), 1e-12);
+  EXPECT_NEAR(EffectiveMass(mount, {0.08, 0.0, 0.0}), 1.0 / (1.0 / 12.0 + 0.0064 / 0.2), 1e-12);
+}
+
+// A coupling so stiff that the lag of the arm counts: the rule's least mass is where it begins to be kept.
+TEST(MassRule, NamesTheLeastMassThatKeepsIt) {
+  AdmittanceLoopParams rigid;
+  rigid.hand = {"operator", 2000.0, 60.0, 1.5};
+  rigid.mass_kg = 1.7;
+  rigid.damping_Ns_per_m = 30.0;
+  control::BoneMountParams mount;
+  const Vector3 site(0.0, 0.0, 0.08);
+  constexpr double kK = 100e3;
+  EXPECT_TRUE(CheckMass(rigid, kK, mount, site).kept);
+  mount.mass_kg = 2.0;
+  const MassRule rule = CheckMass(rigid, kK, mount, site);
+  EXPECT_FALSE(rule.kept);
+  EXPECT_NEAR(rule.stiffness_N_per_m, kK * (1.0 + 1.7 / EffectiveMass(mount, site)), 1.0);
+  rigid.wall.stiffness_N_per_m = 0.999 * rule.stable_up_to_N_per_m;
+  EXPECT_LT(AdmittanceLoop(rigid).SpectralRadius(), 1.0);
+  rigid.wall.stiffness_N_per_m = 1.003 * rule.stable_up_to_N_per_m;
+  EXPECT_GT(AdmittanceLoop(rigid).SpectralRadius(), 1.0);
+  ASSERT_GT(rule.min_mass_kg, 2.0);
+  mount.mass_kg = 0.99 * rule.min_mass_kg;
+  EXPECT_FALSE(CheckMass(rigid, kK, mount, site).kept);
+  mount.mass_kg = 1.01 * rule.min_mass_kg;
+  EXPECT_TRUE(CheckMass(rigid, kK, mount, site).kept);
+  mount.inertia_kg_m2.setConstant(0.005);
+  EXPECT_TRUE(std::isinf(CheckMass(rigid, kK, mount, site).min_mass_kg))
+      << "it turns away, whatever its mass";
 }
 
 TEST(CompliantLoop, WithoutComplianceItIsTheRigidLoop) {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "studies/stability/admittance_loop.h"
+#include "hil/loops/admittance_loop.h"
 #include "studies/stability/guided_loop.h"
 
 namespace osteon::hil {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/loops/admittance_loop.h"
 #include "hil/operator/hand_grid.h"
-#include "studies/stability/admittance_loop.h"
 #include "tests/oracles/loop_growth.h"
 
 namespace osteon::hil {

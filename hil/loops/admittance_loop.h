@@ -1,9 +1,9 @@
 #pragma once
 
 #include "hil/arm/servo_arm.h"
+#include "hil/loops/linear_loop.h"
+#include "hil/loops/loop_arm.h"
 #include "hil/operator/hand_grid.h"
-#include "studies/stability/linear_loop.h"
-#include "studies/stability/loop_arm.h"
 
 // Model B of the design's stability page: a hand that holds an admittance-controlled arm, along one axis.
 //

@@ -1,4 +1,4 @@
-#include "studies/stability/compliant_loop.h"
+#include "hil/loops/compliant_loop.h"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "studies/stability/linear_loop.h"
+#include "hil/loops/linear_loop.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "studies/stability/admittance_loop.h"
+#include "hil/loops/admittance_loop.h"
 
 #include <algorithm>
 #include <cmath>

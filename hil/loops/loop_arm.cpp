@@ -1,4 +1,4 @@
-#include "studies/stability/loop_arm.h"
+#include "hil/loops/loop_arm.h"
 
 #include <array>
 #include <cmath>

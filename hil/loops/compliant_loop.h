@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "studies/stability/admittance_loop.h"
+#include "hil/loops/admittance_loop.h"
 
 // Model B with what gives way between the virtual tool and the wall: a massless element, and a bone on its
 // mount.

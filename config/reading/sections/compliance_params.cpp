@@ -1,0 +1,122 @@
+#include "config/reading/sections/compliance_params.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+namespace osteon::config {
+namespace {
+
+constexpr double kMinToolRelaxation_s = 0.020;
+constexpr double kMaxMasslessSum = 0.5;    // of T K c / tau
+constexpr double kMinDampingRatio = 0.05;  // of a mount
+constexpr double kMaxTurnPerTick = 0.4;    // sqrt((K + k) / m) T of a mount
+constexpr double kMinFirstMode_hz = 100.0;
+constexpr double kBendShare = 0.1,
+                 kThrustShare = 0.5;  // of free length and buckling load, where the cell stops
+
+double HeadRadiusOf(const simulation::Tool& tool) {
+  const simulation::ToolBall* head = simulation::CuttingHead(tool);
+  return head ? head->radius_m : tool.balls.front().radius_m;
+}
+
+double SoftestOf(const control::SurfaceLayerParams& layer) {
+  double softest = 0.0;
+  for (const double kappa : layer.kappa_N_per_m3)
+    if (kappa > 0.0) softest = softest > 0.0 ? std::min(softest, kappa) : kappa;
+  return softest;
+}
+
+}  // namespace
+
+control::ToolLinkParams ToolLinkOf(const simulation::ToolCompliance& tool, double relaxation_s,
+                                   double push_N) {
+  return {.compliance_T = simulation::ThrustFactor(push_N, tool.buckling_N) * tool.C_T,
+          .tau_s = relaxation_s,
+          .max_bend_m = kBendShare * tool.free_length_m,
+          .max_thrust_N = kThrustShare * tool.buckling_N};
+}
+
+control::SurfaceLayerParams SurfaceLayerOf(std::span<const simulation::Material> materials,
+                                           const simulation::Tool& tool, double engaged_layer_m) {
+  control::SurfaceLayerParams layer;
+  layer.engaged_layer_m = engaged_layer_m;
+  const double reach_m = std::max(simulation::CuttingReach(tool), 1e-4);
+  layer.max_area_m2 = std::numbers::pi * reach_m * reach_m;
+  layer.touch_area_m2 =
+      std::min(std::numbers::pi * HeadRadiusOf(tool) * layer.engaged_layer_m, layer.max_area_m2);
+  double softest = 0.0;
+  for (std::size_t i = 0; i < materials.size() && i < layer.kappa_N_per_m3.size(); ++i) {
+    const simulation::Material& material = materials[i];
+    layer.kappa_N_per_m3[i] = material.layer_N_per_m3;
+    if (!(material.layer_N_per_m3 > 0.0) || (softest > 0.0 && material.layer_N_per_m3 >= softest)) continue;
+    softest = material.layer_N_per_m3;
+    layer.thickness_m = material.layer_thickness_m;
+    layer.tau_s = material.layer_relaxation_s;
+  }
+  return layer;
+}
+
+bool HasLayer(const control::SurfaceLayerParams& layer) { return SoftestOf(layer) > 0.0; }
+
+double LayerCompliance(const control::SurfaceLayerParams& layer, double force_N) {
+  return control::LayerIndentation(layer, {.kappa_N_per_m3 = SoftestOf(layer), .share = 1.0}, force_N) /
+         force_N;
+}
+
+std::optional<ComplianceRefusal> CheckToolLink(const simulation::ToolCompliance& tool, double relaxation_s,
+                                               double push_N) {
+  if (!(push_N <= kThrustShare * tool.buckling_N))
+    return ComplianceRefusal{
+        "tool", fmt::format("found a push of {:.4g} N on a tool that buckles at {:.4g} N, accepted at most "
+                            "half of that: push less, clamp more of the tool, or take a thicker one",
+                            push_N, tool.buckling_N)};
+  if (tool.first_mode_hz < kMinFirstMode_hz)
+    return ComplianceRefusal{
+        "tool", fmt::format("found a tool that vibrates at {:.4g} Hz by itself, accepted at least {:g}: its "
+                            "head's mass is not in the model",
+                            tool.first_mode_hz, kMinFirstMode_hz)};
+  if (relaxation_s < kMinToolRelaxation_s)
+    return ComplianceRefusal{"tool",
+                             fmt::format("found a tool with relaxation_ms {:g}, accepted at least {:g}",
+                                         1e3 * relaxation_s, 1e3 * kMinToolRelaxation_s)};
+  return std::nullopt;
+}
+
+std::optional<ComplianceRefusal> CheckMassless(const control::ComplianceParams& c, double stiffness_N_per_m,
+                                               double period_s) {
+  const double TK = period_s * stiffness_N_per_m;
+  const double of_tool =
+      c.tool ? TK * c.tool->compliance_T.diagonal().head<3>().maxCoeff() / c.tool->tau_s : 0.0;
+  const double of_layer = c.layer ? TK * LayerCompliance(*c.layer, 1.0) / c.layer->tau_s : 0.0;
+  if (of_tool + of_layer <= kMaxMasslessSum) return std::nullopt;
+  const bool tool_worse = of_tool >= of_layer;
+  const double least_s = tool_worse ? c.tool->tau_s * of_tool / std::max(1e-9, kMaxMasslessSum - of_layer)
+                                    : c.layer->tau_s * of_layer / std::max(1e-9, kMaxMasslessSum - of_tool);
+  return ComplianceRefusal{
+      tool_worse ? "tool" : "layer",
+      fmt::format("found a {} of {:g} ms, accepted at least {:.4g}: period × coupling stiffness × "
+                  "compliance / time constant may be {:g} in all, and is {:.3g}",
+                  tool_worse ? "relaxation_ms" : "layer_relaxation_ms",
+                  1e3 * (tool_worse ? c.tool->tau_s : c.layer->tau_s), 1e3 * least_s, kMaxMasslessSum,
+                  of_tool + of_layer)};
+}
+
+std::optional<ComplianceRefusal> CheckMountAlone(const control::BoneMountParams& mount,
+                                                 double stiffness_N_per_m, double period_s) {
+  if (mount.damping_ratio < kMinDampingRatio)
+    return ComplianceRefusal{"damping_ratio", fmt::format("found {:g}, accepted at least {:g}",
+                                                          mount.damping_ratio, kMinDampingRatio)};
+  const double stiff = mount.stiffness_N_per_m.maxCoeff();
+  const double least_kg =
+      (stiffness_N_per_m + stiff) * period_s * period_s / (kMaxTurnPerTick * kMaxTurnPerTick);
+  if (mount.mass_kg < least_kg)
+    return ComplianceRefusal{"mass_kg", fmt::format("found {:g}, accepted at least {:.4g}: with coupling and "
+                                                    "mount it would turn further than {:g} rad in a period",
+                                                    mount.mass_kg, least_kg, kMaxTurnPerTick)};
+  return std::nullopt;
+}
+
+}  // namespace osteon::config

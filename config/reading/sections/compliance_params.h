@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "control/compliance/compliance.h"
+#include "simulation/bone/material.h"
+#include "simulation/tools/tool.h"
+#include "simulation/tools/tool_compliance.h"
+
+// What gives way, from the files of tools and materials, and the rules that it has to keep. Source of the
+// rules: docs/theory/compliance.md.
+
+namespace osteon::config {
+
+/// A rule that is not kept.
+struct ComplianceRefusal {
+  const char* key;   ///< "tool", "layer", or a key of `bone_mount`
+  std::string text;  ///< what was found, what is accepted and why
+};
+
+/// How a tool bends in the loop. Its compliance grows with the thrust: 1 / (1 - P / P_cr).
+/// @param relaxation_s  time constant of the bending  @param push_N  greatest thrust along the feed; below
+/// the
+///   buckling load
+[[nodiscard]] control::ToolLinkParams ToolLinkOf(const simulation::ToolCompliance& tool, double relaxation_s,
+                                                 double push_N);
+
+/// The layer that the softest of the materials makes. Without one, HasLayer is false.
+/// @param engaged_layer_m  of the engine's cutting parameters
+[[nodiscard]] control::SurfaceLayerParams SurfaceLayerOf(std::span<const simulation::Material> materials,
+                                                         const simulation::Tool& tool,
+                                                         double engaged_layer_m);
+[[nodiscard]] bool HasLayer(const control::SurfaceLayerParams& layer);
+
+/// Secant compliance of a layer at a first touch of its softest material [m/N].
+[[nodiscard]] double LayerCompliance(const control::SurfaceLayerParams& layer, double force_N);
+
+/// A tool must not be pushed with more than half of its buckling load, vibrate by itself below 100 Hz, or
+/// have a time constant below 20 ms.
+[[nodiscard]] std::optional<ComplianceRefusal> CheckToolLink(const simulation::ToolCompliance& tool,
+                                                             double relaxation_s, double push_N);
+
+/// Rule 1: the sum of T K c / tau over the massless elements is at most 1/2.
+[[nodiscard]] std::optional<ComplianceRefusal> CheckMassless(const control::ComplianceParams& params,
+                                                             double stiffness_N_per_m, double period_s);
+
+/// Of rule 2 the mount's own damping ratio, at least 0.05; rule 3: sqrt((K + k) / m) T <= 0.4.
+[[nodiscard]] std::optional<ComplianceRefusal> CheckMountAlone(const control::BoneMountParams& mount,
+                                                               double stiffness_N_per_m, double period_s);
+
+}  // namespace osteon::config

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "control/compliance/compliance.h"
+#include "kinematics/spatial.h"
+#include "plugin/include/osteon.h"
+#include "plugin/src/bone_source.h"
+
+namespace osteon::plugin {
+
+/// Displacements after a tick of osteon_session_evaluate. Plain data.
+struct Deflected {
+  std::uint32_t begun{0};  ///< beginning of bone or tool (Session::beginnings_) that it belongs to
+  bool noticed{false}, beyond_limit{false};
+  control::ComplianceRecord record;  ///< present: something gives way
+};
+
+/// The coupling between tool and bone that a session has.
+struct CouplingFigures {
+  double stiffness_N_per_m{0.0};
+  double engaged_layer_m{0.0};  ///< of the engine's cutting parameters
+};
+
+/// What a caller asked to give way, at rest; absent: nothing does.
+/// @throws Failure naming the value, what was found and what is accepted: a tool whose file has no `bending`,
+/// a bone
+///   without soft tissue, and what would not be stable (docs/theory/compliance.md, rules 1 and 3).
+[[nodiscard]] std::optional<control::Compliance> MakeCompliance(const OsteonComplianceParams& params,
+                                                                const BoneSource& bone,
+                                                                const ToolSource& tool,
+                                                                const CouplingFigures& coupling);
+
+/// Pose of the bent head in the bone's world, for the pose of the rigid tool.
+[[nodiscard]] Pose HeadInBone(const Deflected& deflected, const Pose& X_GT) noexcept;
+
+[[nodiscard]] OsteonDeflection DeflectionOf(const Deflected& deflected) noexcept;
+
+}  // namespace osteon::plugin

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "config/reading/cell_config.h"
+#include "safety/fault.h"
+#include "studies/bench/tick_parts.h"
+
+// A whole servo tick under the clock: the arm's message over loopback, the cell's devices in memory, the loop
+// with eight planes at the tool, the answer, the recorder.
+
+namespace osteon::app {
+
+/// The measured times of some ticks, in us, one entry a tick.
+struct TickTimes {
+  static constexpr std::array<const char*, 5> kStages{"receive", "devices", "loop", "send", "record"};
+
+  std::vector<double> tick;
+  std::array<std::vector<double>, kStages.size()> stages;
+  std::array<std::vector<double>, TickParts::kCount> parts;
+  std::vector<double> bare;            ///< of the kernel alone, in some periods
+  int allocations{0};                  ///< in the ticks
+  double force_N{0.0}, pressing{0.0};  ///< means: coupling force, planes that press
+  bool realtime{false};
+};
+
+/// A cell in virtual time whose ticks are timed. Only ticks in which the tool presses count.
+class TickBench {
+ public:
+  /// @param cell  with an LBR that has masses, a reaming script, and no PLC or interlock
+  /// @param seconds  of the script
+  /// @throws std::runtime_error if something can't be opened.
+  TickBench(const config::CellConfig& cell, double seconds);
+  ~TickBench();
+  TickBench(TickBench&&) noexcept;
+  TickBench& operator=(TickBench&&) = delete;
+
+  [[nodiscard]] safety::FaultSet faults() const;
+
+  struct Parts;  ///< what a tick needs; of tick_bench.cpp
+  [[nodiscard]] Parts& parts() { return *parts_; }
+
+ private:
+  std::unique_ptr<Parts> parts_;
+};
+
+/// Times the benches' ticks in turn, each tick in a period of its own, there and back through the benches, so
+/// that a slow minute of the machine affects all alike. Runs in a thread of its own, which gets real-time
+/// priority where it may and leaves the process without. Ends early on Ctrl-C, or where a cell has ended.
+/// @returns the times of each bench, up to `ticks` of them
+/// @throws std::runtime_error if a message is not answered.
+[[nodiscard]] std::vector<TickTimes> TimeInTurn(std::span<TickBench> benches, std::size_t ticks);
+
+/// The demo cell reduced to what a bench can use: no PLC (another thread's) and no injections.
+/// @throws config::ConfigError, or std::invalid_argument where cells/demo.yaml is no such cell.
+[[nodiscard]] config::CellConfig BenchCell(const std::filesystem::path& config_root);
+
+/// Length of a script in which so many ticks press [s].
+[[nodiscard]] double ScriptSeconds(const config::CellConfig& cell, std::size_t ticks);
+
+}  // namespace osteon::app

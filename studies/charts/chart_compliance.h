@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "session/summary/verdict.h"
+#include "studies/bench/level_cost.h"
+
+namespace osteon::app {
+
+/// Options of `osteon chart compliance`: what each part that gives way costs and changes.
+struct ComplianceChartOptions {
+  std::filesystem::path config_root;
+  std::filesystem::path out{"compliance"};
+  std::size_t ticks{2000};       ///< timed with each level
+  std::filesystem::path json{};  ///< a second copy
+};
+
+/// What a level changes in a shipped cell, by the cell's own coupling and elements.
+struct LevelChange {
+  std::string name, cell;
+  double stiffness_N_per_m{0.0};  ///< of the coupling
+  double error_m{0.0};            ///< displacement that the cell reports
+  std::vector<double> force_N{},
+      gives_m{};  ///< displacement at rest under a force, up to where the cell stops
+  std::vector<double> hz{},
+      felt_ratio{};  ///< felt stiffness over the coupling's, of a small motion about a push
+};
+
+/// Tool across its feed, layer and mount along it.
+/// @throws std::invalid_argument where the cell has not exactly one level on
+[[nodiscard]] LevelChange ChangeOf(const config::CellConfig& cell, const std::string& name);
+
+/// The result of `osteon chart compliance`.
+struct ComplianceChart {
+  std::string machine;
+  std::size_t ticks{0};
+  std::vector<LevelCost> costs;  ///< of cells/demo.yaml; the first is without any level
+  std::vector<LevelChange> changes;
+};
+
+/// Bad where a tick allocated. To be looked at if the loop's median with all levels is more than 3 us above.
+[[nodiscard]] Verdict Judge(const ComplianceChart& chart);
+
+/// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.
+[[nodiscard]] int RunChartCompliance(const ComplianceChartOptions& options);
+
+}  // namespace osteon::app

@@ -1,0 +1,139 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "config/reading/sections/compliance_params.h"
+#include "tests/session/run/virtual_ride.h"
+
+// What gives way, in runs of shipped cells in virtual time: the engines agree as without it, and a part that
+// the planner leaves rigid changes nothing that a scene notices.
+
+namespace osteon::app {
+namespace {
+
+double MeanForce(const VirtualRide& ride) {
+  double sum_N = 0.0;
+  int count = 0;
+  for (const control::TickRecord& tick : ride.recording.ticks) {
+    const double force_N = Vector3(tick.F_coupling_T_W.f).norm();
+    if (!(force_N > 1.0)) continue;
+    sum_N += force_N;
+    ++count;
+  }
+  return count == 0 ? 0.0 : sum_N / count;
+}
+
+// Ticks are equal to the last bit, but for the times of this machine, which virtual time leaves at 0.
+void ExpectSameTicks(const VirtualRide& a, const VirtualRide& b) {
+  ASSERT_EQ(a.recording.ticks.size(), b.recording.ticks.size());
+  for (std::size_t i = 0; i < a.recording.ticks.size(); ++i) {
+    const control::TickRecord &one = a.recording.ticks[i], &other = b.recording.ticks[i];
+    ASSERT_EQ(one.q_cmd, other.q_cmd) << i;
+    ASSERT_EQ(one.compliance.X_ME.R, other.compliance.X_ME.R) << i;
+    ASSERT_EQ(Vector3(one.compliance.bend_m), Vector3(other.compliance.bend_m)) << i;
+    ASSERT_EQ(Vector3(one.compliance.mount_m), Vector3(other.compliance.mount_m)) << i;
+    ASSERT_EQ(Vector3(one.compliance.layer_m), Vector3(other.compliance.layer_m)) << i;
+  }
+}
+
+// As RideVirtually, by an engine of choice.
+VirtualRide RideOn(const EngineChoice& choice, const std::string& name, double seconds,
+                   void (*change)(config::CellConfig&)) {
+  auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml", std::nullopt);
+  EXPECT_TRUE(setup) << setup.error();
+  change(setup->config);
+  auto engine = MakeEngine(*setup, choice);
+  EXPECT_TRUE(engine) << engine.error();
+  const io::test::TemporaryFolder folder;
+  const CellRunParams params{.seconds = seconds, .virtual_time = true, .recording = folder.path() / "r.mcap"};
+  auto result = RunCell(*setup, **engine, params);
+  EXPECT_TRUE(result) << result.error().what;
+  auto recording = io::ReadRecording(params.recording);
+  EXPECT_TRUE(recording) << recording.error();
+  VirtualRide ride;
+  ride.summary = Summarise(*setup, **engine, params, *result, Gathered(*setup, *recording));
+  ride.recording = std::move(*recording);
+  ride.result = std::move(*result);
+  return ride;
+}
+
+// Tool and mount at once, on a plate of a few thousand balls.
+void AlsoOnAMount(config::CellConfig& cell) {
+  control::BoneMountParams mount;
+  mount.p_WMo_m = cell.X_WG * Vector3(0.0, 0.0, -0.05);
+  cell.servo.compliance.mount = mount;
+}
+
+TEST(ComplianceEngines, TheReferenceEngineAndTheCpuEngineGiveTheSameRun) {
+  const VirtualRide cpu = RideVirtually("long_drill", 0.7, AlsoOnAMount);
+  const VirtualRide reference = RideOn({.engine = "reference"}, "long_drill", 0.7, AlsoOnAMount);
+  ExpectSameTicks(cpu, reference);
+  EXPECT_EQ(cpu.summary.state_hash, reference.summary.state_hash);
+  EXPECT_GT(MeanForce(cpu), 1.0);
+  EXPECT_GT(Vector3(cpu.recording.ticks.back().compliance.mount_m).norm(), 10e-6);
+}
+
+// The GPU's engine computes in single precision: the felt force and the removed volume are within 1 %.
+TEST(ComplianceEngines, TheVulkanEngineIsWithinItsBounds) {
+  const auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/long_drill.yaml", std::nullopt);
+  ASSERT_TRUE(setup) << setup.error();
+  if (!MakeEngine(*setup, {.engine = "vulkan"})) GTEST_SKIP() << "skipped, no Vulkan device";
+  const VirtualRide cpu = RideVirtually("long_drill", 0.7, AlsoOnAMount);
+  const VirtualRide vulkan = RideOn({.engine = "vulkan"}, "long_drill", 0.7, AlsoOnAMount);
+  EXPECT_NEAR(MeanForce(vulkan), MeanForce(cpu), 0.01 * MeanForce(cpu));
+  EXPECT_NEAR(vulkan.summary.removed_volume_m3, cpu.summary.removed_volume_m3,
+              0.02 * cpu.summary.removed_volume_m3 + 1e-10);
+  EXPECT_TRUE(vulkan.summary.faults.empty());
+}
+
+// The planner leaves the demo's reamer and its cartilage rigid: the next finer level changes the force by
+// less than 7 % and the depth by less than the scene's error.
+TEST(ComplianceLevels, WhatThePlannerLeavesRigidChangesNothingThatTheSceneNotices) {
+  constexpr double kSeconds = 4.0;
+  double error_m = 0.0;
+  const VirtualRide rigid = RideVirtually("demo", kSeconds, [&](config::CellConfig& cell) {
+    error_m = cell.compliance.error_m;
+    EXPECT_FALSE(cell.servo.compliance.any());
+  });
+  const auto expect_unnoticed = [&](const char* level, const auto& switch_on) {
+    const VirtualRide finer = RideVirtually("demo", kSeconds, switch_on);
+    const double force = MeanForce(finer) / MeanForce(rigid) - 1.0,
+                 depth_m = finer.summary.reamed_depth_m - rigid.summary.reamed_depth_m;
+    std::printf("  %s: force %+.4f, depth %+.4f mm\n", level, force, 1e3 * depth_m);
+    EXPECT_NE(force, 0.0) << level << " acts";
+    EXPECT_LT(std::abs(force), 0.07) << level;
+    EXPECT_LT(std::abs(depth_m), error_m) << level;
+  };
+  EXPECT_GT(MeanForce(rigid), 10.0);
+  EXPECT_GT(rigid.summary.reamed_depth_m, 0.0);
+  expect_unnoticed("tool", [](config::CellConfig& cell) {
+    const config::ToolBendingConfig& bending = *cell.tool.bending;
+    cell.servo.compliance.tool =
+        config::ToolLinkOf(bending.compliance, bending.relaxation_s, cell.compliance.push_N);
+  });
+  expect_unnoticed("layer", [](config::CellConfig& cell) {
+    cell.servo.compliance.layer =
+        config::SurfaceLayerOf(cell.scene.materials, cell.tool.tool, cell.cutting.engaged_layer_m);
+  });
+}
+
+// Where it says on, the rigid level would not have done.
+TEST(ComplianceLevels, WhatThePlannerSwitchesOnChangesTheForce) {
+  const VirtualRide bends = RideVirtually(
+      "long_drill", 2.5, [](config::CellConfig& cell) { EXPECT_TRUE(cell.servo.compliance.tool) << "auto"; });
+  const VirtualRide rigid =
+      RideVirtually("long_drill", 2.5, [](config::CellConfig& cell) { cell.servo.compliance.tool.reset(); });
+  double bend_m = 0.0;
+  for (const control::TickRecord& tick : bends.recording.ticks)
+    bend_m = std::max(bend_m, Vector3(tick.compliance.bend_m).head<2>().norm());
+  const double force = MeanForce(bends) / MeanForce(rigid) - 1.0;
+  std::printf("  bends by %.4f mm, force %+.4f\n", 1e3 * bend_m, force);
+  EXPECT_TRUE(bend_m > 0.05e-3 || std::abs(force) > 0.07);
+}
+
+}  // namespace
+}  // namespace osteon::app
