@@ -70,6 +70,7 @@ struct SectionParams {
   double open_gap_m{5e-3};
   const simulation::Solid* solid{nullptr};  ///< for the materials; null: from the mass points
   int directions{4000};                     ///< of CavityErrorByDirection over the hemisphere
+  std::span<const simulation::ToolPath> earlier{};  ///< tools that cut before this one
 };
 
 struct Section {

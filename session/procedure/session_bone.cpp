@@ -6,10 +6,14 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "base/mapped_file.h"
 #include "base/write_text.h"
+#include "io/recording/recording_reader.h"
+#include "session/planning/planned_cell.h"
 #include "session/procedure/session_file.h"
+#include "simulation/bone/scenes.h"
 
 namespace osteon::app {
 namespace {
@@ -80,6 +84,24 @@ std::optional<PackedBone> ReadSessionBone(const std::filesystem::path& folder) {
                            .material = static_cast<simulation::MaterialIndex>(at[4])});
   }
   return bone;
+}
+
+tl::expected<CellSetup, std::string> SetUpSessionCell(const std::filesystem::path& recording) {
+  auto stream = io::RecordingStream::Open(recording);
+  if (!stream) return tl::make_unexpected(stream.error());
+  if (const auto first = stream->Next(); !first) return tl::make_unexpected(first.error());
+  auto setup = SetUpRecorded(stream->session);
+  if (!setup) return tl::make_unexpected(recording.string() + ": " + setup.error());
+  if (auto kept = setup->solid ? ReadSessionBone(recording.parent_path()) : std::nullopt) {
+    setup->bone =
+        simulation::SceneBone({.name = setup->bone.name, .solid = setup->solid, .site = setup->bone.site},
+                              setup->config.scene, std::move(kept->balls), std::move(kept->points));
+    return setup;
+  }
+  const EngineChoice engine = ChooseEngine(stream->session.engine, "");
+  if (const auto packed = PackCell(*setup, {}, engine, false); !packed)
+    return tl::make_unexpected(recording.string() + ": " + packed.error());
+  return setup;
 }
 
 }  // namespace osteon::app

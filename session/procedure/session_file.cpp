@@ -57,7 +57,8 @@ json PassJson(const SessionPass& p, const SessionFile& session) {
           {"removed_mm3", p.removed_mm3},
           {"state", p.state},
           {"state_hash", p.state_hash},
-          {"undone", p.undone}};
+          {"undone", p.undone},
+          {"to_go_mm", p.to_go_mm ? json(*p.to_go_mm) : json(nullptr)}};
 }
 
 int ReadToolIndex(const json& object, const SessionFile& session) {
@@ -91,6 +92,8 @@ SessionPass ReadPass(const json& object, const SessionFile& session) {
                    .state = ReadName(object, "state"),
                    .state_hash = object.at("state_hash").get<std::string>(),
                    .undone = object.at("undone").get<bool>()};
+  if (const auto to_go = object.find("to_go_mm"); to_go != object.end() && !to_go->is_null())
+    pass.to_go_mm = to_go->get<double>();
   if (pass.segment < 0 || pass.segment >= static_cast<int>(session.segments.size()))
     throw std::runtime_error(fmt::format("segment: found {}, accepted 0 … {}", pass.segment,
                                          static_cast<int>(session.segments.size()) - 1));

@@ -46,6 +46,9 @@ struct SessionPass {
   std::string state;       ///< file of the carved state after it
   std::string state_hash;  ///< HashState of it
   bool undone{false};      ///< taken back: counts for time, not for the result
+  /// Least height of the simulated head's centre over its planned place; negative: deeper. Absent: a session
+  /// older than this figure.
+  std::optional<double> to_go_mm{};
 };
 
 /// The gains of the cell at the session's start.

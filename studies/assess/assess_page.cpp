@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/units.h"
+#include "report/bone_view.h"
 #include "report/page.h"
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
@@ -172,6 +173,22 @@ constexpr const char* kAssumptions =
     "<li>Undone passes count for time and force, and not for the result.</li>\n"
     "<li>Osteon is no medical device; a score says nothing of a patient.</li>\n</ul>\n";
 
+// The carved bone that can be turned, coloured by its distance from the planned cavity.
+std::string CarvedBone(const AssessedSession& session) {
+  const std::vector<simulation::ToolPath> paths = session.cut->paths();
+  if (paths.empty()) return "";
+  const procedure::PlannedCavity cavity = session.plan.plan.cavity();
+  constexpr std::size_t kMaxQuads = 60'000;  // half a run's: the page should open on a phone
+  const CarvedSurface carved =
+      CarveSurface({.bone = session.bone,
+                    .solid = session.solid.get(),
+                    .materials = MaterialMap(session.bone.points, session.solid.get()),
+                    .paths = paths,
+                    .planned = [cavity](const Vector3& p_m) { return cavity.DistanceTo(p_m); },
+                    .max_quads = kMaxQuads});
+  return BoneViewHtml(carved, session.bone, {}, {.shows_deviation = true, .range_mm = kDeviationScale_mm});
+}
+
 tl::expected<std::string, std::string> Pictures(const AssessedSession& session) {
   const procedure::PelvicFrame& pelvis = session.plan.plan.pelvis;
   const auto coronal =
@@ -188,7 +205,7 @@ tl::expected<std::string, std::string> Pictures(const AssessedSession& session) 
           "within the plan; orange, {:g} mm and more beyond it; grey, no bone.",
           kDeviationScale_mm, kDeviationScale_mm));
   if (!map) return map;
-  return "<h2>The cavity</h2>\n<p>Line: the plan. Sand: bone left. Pale: removed as planned. Orange: removed "
+  return "<h2>The cavity</h2>\n" + CarvedBone(session) + "<p>Line: the plan. Sand: bone left. Pale: removed as planned. Orange: removed "
          "beyond "
          "the plan. Blue: left within it.</p>\n<div "
          "style=\"display:grid;grid-template-columns:repeat(auto-fit,minmax(260px,1fr));gap:16px\">\n" +

@@ -104,7 +104,8 @@ Json FiguresJson(const procedure::ProcessFigures& figures) {
           {"force_peak_N", figures.force_peak_N},
           {"wrong_way", figures.wrong_way},
           {"outside_s", figures.outside_s},
-          {"tremor_N", figures.tremor_N}};
+          {"tremor_N", figures.tremor_N},
+          {"guidance_J", figures.guidance_J}};
 }
 
 Json ProcessJson(const AssessedSession& session) {
