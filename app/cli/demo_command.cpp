@@ -105,8 +105,8 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
   }
   if (procedure_.asked()) {
     std::string wrong = procedure_.Take(config_root, options_.procedure);
-    if (wrong.empty() && *mesh_option_)
-      wrong = "--mesh: found with --plan, accepted without: the plan names its bone";
+    if (wrong.empty() && *cup_option_)
+      wrong = "--cup: found with --plan, accepted without: the plan has the cup of its mesh";
     if (!wrong.empty()) {
       fmt::print(stderr, "osteon demo: {}\n", wrong);
       return 2;
@@ -120,7 +120,7 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
       const auto parsed = ParseCup(cup_);
       if (!parsed && wrong.empty()) wrong = parsed.error();
       if (parsed) options_.mesh->cup = *parsed;
-    } else if (wrong.empty() && options_.mesh->file.extension() != ".osp") {
+    } else if (wrong.empty() && !procedure_.asked() && options_.mesh->file.extension() != ".osp") {
       wrong =
           fmt::format("--mesh {}: found no --cup, accepted with it (a packing file may have its own)", mesh_);
     }

@@ -13,6 +13,8 @@ struct SurgicalPlanConfig {
   procedure::SurgicalPlan plan;
   simulation::SceneParams scene;   ///< without its materials
   std::optional<BoneConfig> bone;  ///< absent: the scene's own solid
+  /// The cup of a mesh that the plan is for and does not name: the command does. Absent: another bone.
+  std::optional<simulation::CutSite> mesh_cup;
   simulation::CutSite site;        ///< of that bone, in G
 };
 
@@ -22,7 +24,8 @@ struct SurgicalPlanConfig {
 [[nodiscard]] SurgicalPlanConfig LoadSurgicalPlan(const std::filesystem::path& path);
 
 /// Refuses a plan that a cell would hinder: its depth limit begins to resist above the planned depth of a
-/// reamer. Also refuses a plan for another scene or bone than the cell's.
+/// reamer. Also refuses a plan for another scene or bone than the cell's. A plan for a mesh that the command
+/// names is for any cell whose bone that mesh replaces.
 /// @param plan_file, cell_file  for the error
 /// @throws ConfigError
 void CheckPlanInCell(const SurgicalPlanConfig& plan, const CellConfig& cell,

@@ -135,10 +135,12 @@ int RunDemo(const DemoOptions& asked) {
   DemoOptions options = asked;
   std::optional<Procedure> procedure;
   if (!options.procedure.plan.empty()) {
+    options.procedure.mesh = options.mesh;
     if (options.procedure.session.empty()) options.procedure.session = FreshSession(options.out);
     auto opened = OpenProcedure(options.procedure, options.cell, options.tool);
     if (!opened) return Fail("demo", opened.error());
     procedure = std::move(*opened);
+    options.mesh = procedure->mesh;
     const auto reamers =
         procedure->tools.diameters_mm.size() - static_cast<std::size_t>(procedure->tools.first);
     if (options.default_seconds)

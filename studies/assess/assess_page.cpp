@@ -21,6 +21,14 @@ std::string AnglesText(const procedure::SurgicalPlan& plan, const Vector3& axis_
                      angles.anteversion_rad / kDegree, procedure::NameOf(plan.definition));
 }
 
+std::string CupConeText(const procedure::SurgicalPlan& plan, const procedure::Assessment& found) {
+  const std::string place = CupConePlace(plan, found);
+  const procedure::GuidanceGains::CupCone& cone = plan.guidance.cup_cone;
+  if (place.empty()) return "";
+  if (place == "free") return fmt::format("; within {:g}°, as planned", cone.free_rad / kDegree);
+  return fmt::format("; {} the plan's {:g}°", place == "within stop" ? "within" : "beyond", cone.stop_rad / kDegree);
+}
+
 std::vector<SummaryRow> Rows(const AssessResult& result) {
   const AssessedSession& session = result.session;
   const procedure::SurgicalPlan& plan = session.plan.plan;
@@ -35,8 +43,8 @@ std::vector<SummaryRow> Rows(const AssessResult& result) {
                            AnglesText(plan, plan.axis_G))}};
   if (found.axis_G)
     rows.push_back({found.axis_of_cup ? "Axis of the cup" : "Reamed axis",
-                    fmt::format("{}, {:.1f}° off", AnglesText(plan, *found.axis_G),
-                                *procedure::AxisError(plan, found) / kDegree)});
+                    fmt::format("{}, {:.1f}° off{}", AnglesText(plan, *found.axis_G),
+                                *procedure::AxisError(plan, found) / kDegree, CupConeText(plan, found))});
   if (const auto& fit = found.cavity.fit) {
     rows.push_back({"Diameter", fmt::format("{:.2f} ± {:.2f} mm, planned {:g} mm", 2e3 * fit->radius_m,
                                             2e3 * fit->radius_sd_m, 2e3 * plan.cavity().radius_m)});

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+
+#include "session/setup/cell_setup.h"
 #include <string>
 
 namespace osteon::app {
@@ -8,6 +11,7 @@ namespace osteon::app {
 struct SurgicalPlanOptions {
   std::filesystem::path plan;
   std::filesystem::path cell;  ///< the plan is also held against this cell; empty: none
+  std::optional<MeshChoice> mesh{};  ///< of a plan that has the cup of a mesh alone
   std::filesystem::path json;
 };
 
