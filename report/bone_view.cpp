@@ -113,8 +113,8 @@ std::string Hex(const Vector3& color) {
 }
 
 std::string ShowButton(const char* what, const char* text, bool pressed) {
-  return fmt::format("<button type=\"button\" data-show=\"{}\" aria-pressed=\"{}\">{}</button>\n", what, pressed,
-                     text);
+  return fmt::format("<button type=\"button\" data-show=\"{}\" aria-pressed=\"{}\">{}</button>\n", what,
+                     pressed, text);
 }
 
 /// Distance at which the deviation's colour is full: round, and at least a tenth of a millimetre.
@@ -152,8 +152,8 @@ CarvedSurface CarveSurface(const CarveInput& input) {
       carved = Extract(field, input.materials, distance_m);
       carved.planned = static_cast<bool>(input.planned);
       if (carved.quads <= input.max_quads) return carved;
-      voxel_mm *= static_cast<float>(kCoarser * std::sqrt(static_cast<double>(carved.quads) /
-                                                          static_cast<double>(input.max_quads)));
+      voxel_mm *= static_cast<float>(
+          kCoarser * std::sqrt(static_cast<double>(carved.quads) / static_cast<double>(input.max_quads)));
     } catch (const std::invalid_argument&) {  // a grid that no memory holds
       voxel_mm *= 2.0F;
     }
@@ -186,13 +186,16 @@ std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bo
       layout.origin_mm.x, layout.origin_mm.y, layout.origin_mm.z, layout.voxel_mm, layout.bricks[0],
       layout.bricks[1], layout.bricks[2], triple(1e3 * Vector3(bone.site.center_m)), triple(bone.site.axis),
       1e3 * SiteReach(bone, 0.75 * params.reach_in_cup_radii), params.tilt_rad, params.turn_rad,
-      1e3 * range_mm, colors, DataAddress(carved.chunks), compares ? DataAddress(deviation) : "", deviates ? "deviation" : "tissue");
+      1e3 * range_mm, colors, DataAddress(carved.chunks), compares ? DataAddress(deviation) : "",
+      deviates ? "deviation" : "tissue");
   html += "<div class=\"bar\">\n" + ShowButton("tissue", "Tissue", !deviates);
-  if (compares) html += ShowButton("deviation", carved.planned ? "Deviation from the plan" : "Deviation", deviates);
+  if (compares)
+    html += ShowButton("deviation", carved.planned ? "Deviation from the plan" : "Deviation", deviates);
   html += "<button type=\"button\">Reset the view</button>\n";
   if (compares)
     html += fmt::format(
-        "<span class=\"scale\" data-with=\"deviation\"{}>bone left {} mm <i></i> {} mm removed beyond</span>\n",
+        "<span class=\"scale\" data-with=\"deviation\"{}>bone left {} mm <i></i> {} mm removed "
+        "beyond</span>\n",
         deviates ? "" : " hidden=\"hidden\"", Number(range_mm, 2), Number(range_mm, 2));
   html += "</div>\n";
   std::string caption = fmt::format(
@@ -200,12 +203,13 @@ std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bo
       "Drag to turn, wheel or two fingers to zoom, Shift and drag to move; arrow keys turn as well.",
       Number(2.0 * static_cast<double>(carved.quads), 0));
   if (compares)
-    caption += carved.planned
-                   ? " Deviation: distance of the cut faces from the planned cavity, which is the last reamer's "
-                     "ball at its planned place and its way in along the cup's axis. Grey: not cut."
-                   : " Deviation: distance of the cut faces from the tool's ideal cavity, which is what the tool "
-                     "leaves if it is drawn straight out along the site's axis from its deepest pose. There is "
-                     "no plan to compare with.";
+    caption +=
+        carved.planned
+            ? " Deviation: distance of the cut faces from the planned cavity, which is the last reamer's "
+              "ball at its planned place and its way in along the cup's axis. Grey: not cut."
+            : " Deviation: distance of the cut faces from the tool's ideal cavity, which is what the tool "
+              "leaves if it is drawn straight out along the site's axis from its deepest pose. There is "
+              "no plan to compare with.";
   return html + "<figcaption>" + Escape(caption) + "</figcaption>\n</figure>\n" + ScriptHtml(kBoneViewScript);
 }
 

@@ -51,7 +51,7 @@ void CarveAlong(surface::CarvedField& field, const simulation::ToolPath& path);
 /// How the view begins.
 struct BoneViewStart {
   bool shows_deviation{false};  ///< false: the tissues' colours
-  double range_mm{0.0};         ///< deviation at which the colour is full; 0: a round one by the 95th percentile
+  double range_mm{0.0};  ///< deviation at which the colour is full; 0: a round one by the 95th percentile
 };
 
 /// Markup of the view: hidden until the script draws it. Empty text without a chunk.

@@ -24,9 +24,10 @@ void ProcedureOptions::Add(CLI::App& sub, bool with_session) {
           ->check(NumberWithin(0, 1))
           ->needs(plan);
   if (with_session)
-    sub.add_option("--gain-from", gain_from_,
-                   "folder of a trainee's sessions: the guidance's gain is 1, and 0.25 less for each session of "
-                   "the plan that passed (assess --pass-at)")
+    sub.add_option(
+           "--gain-from", gain_from_,
+           "folder of a trainee's sessions: the guidance's gain is 1, and 0.25 less for each session of "
+           "the plan that passed (assess --pass-at)")
         ->type_name("FOLDER")
         ->needs(plan)
         ->excludes(guidance);
@@ -42,7 +43,12 @@ std::string ProcedureOptions::Take(const std::filesystem::path& config_root, Pro
   if (!asked()) return "";
   const auto found = FindPlan(config_root, plan_);
   if (!found) return "--plan " + found.error();
-  choice = {.plan = *found, .session = session_, .resume = resume_, .hand = hand_, .guidance = guidance_, .gain_from = gain_from_};
+  choice = {.plan = *found,
+            .session = session_,
+            .resume = resume_,
+            .hand = hand_,
+            .guidance = guidance_,
+            .gain_from = gain_from_};
   return "";
 }
 

@@ -198,8 +198,9 @@ void CheckPlanInCell(const SurgicalPlanConfig& config, const CellConfig& cell,
                        1e3 * at.center_m.y, 1e3 * at.center_m.z, 1e3 * at.radius_m);
   };
   const bool is_replaced = config.mesh_cup && !cell.bone;
-  if (own && !is_replaced && ((Vector3(own->center_m) - Vector3(site.center_m)).norm() > kSame_m ||
-              std::abs(own->radius_m - site.radius_m) > kSame_m))
+  if (own && !is_replaced &&
+      ((Vector3(own->center_m) - Vector3(site.center_m)).norm() > kSame_m ||
+       std::abs(own->radius_m - site.radius_m) > kSame_m))
     throw ConfigError(plan_file.string(), 0,
                       fmt::format("found a plan for a cup at {}, accepted for {}: that of {}",
                                   centre_mm(site), centre_mm(*own), cell_file.string()));

@@ -25,7 +25,8 @@ void ProcessSums::Add(const ProcessSample& sample, const PlannedReamer& reamer) 
   head_m_ = sample.head_m;
   last_s_ = sample.t_s;
   tremor_.Add(sample.F_hand_N, sample.spindle_rad_per_s);
-  if (sample.guidance_E_J && guidance_E_J_) guidance_J_ += std::max(0.0, *guidance_E_J_ - *sample.guidance_E_J);
+  if (sample.guidance_E_J && guidance_E_J_)
+    guidance_J_ += std::max(0.0, *guidance_E_J_ - *sample.guidance_E_J);
   guidance_E_J_ = sample.guidance_E_J;
   if (!sample.cutting) return;
   cutting_s_ += period_s_;

@@ -48,8 +48,9 @@ struct ProcessFigures {
   /// The simulated tool outside of the corridor while cutting, with guidance or without; 0 where the plan has
   /// no corridor.
   double outside_s{0.0};
-  double tremor_N{0.0};   ///< effective hand force between 6 and 14 Hz, without the spindle's harmonics
-  double guidance_J{0.0};  ///< energy that the guidance has taken from the hand; 0: it was off, or never needed
+  double tremor_N{0.0};  ///< effective hand force between 6 and 14 Hz, without the spindle's harmonics
+  double guidance_J{
+      0.0};  ///< energy that the guidance has taken from the hand; 0: it was off, or never needed
 };
 
 inline constexpr double kNearCup_m = 30e-3;

@@ -23,7 +23,8 @@ struct ProcedureChoice {
   bool resume{false};
   /// The simulated operator's hand: "expert", or "novice" (UseHandOfPlan).
   std::string hand{"expert"};
-  /// The mesh that the plan is for and that takes the place of the cell's bone; absent: the cell has the bone.
+  /// The mesh that the plan is for and that takes the place of the cell's bone; absent: the cell has the
+  /// bone.
   std::optional<MeshChoice> mesh{};
   /// Gain of the plan's guidance, 0 … 1; absent: the plan's own with a person's hand, 0 with a simulated one.
   std::optional<double> guidance{};
@@ -41,7 +42,7 @@ struct Procedure {
   config::ToolChoice tool;
   config::ToolChoice in_use;  ///< the reamer that the run begins with
   ToolList tools;
-  std::string recording;  ///< name in the folder: run_1.mcap
+  std::string recording;           ///< name in the folder: run_1.mcap
   std::optional<MeshChoice> mesh;  ///< as chosen, with the plan's cup
   std::optional<double> guidance;  ///< as chosen, or by the sessions of gain_from
 };

@@ -157,8 +157,8 @@ class ProcedureSession final : public FrameObserver {
   std::shared_ptr<const simulation::CarvedState> uncut_, saved_;  // the state that counts now
   std::string saved_name_, saved_hash_;
   int states_{0};
-  bool changed_{false};   // tool or bone have changed in this pause: a resume is checked
-  bool end_pass_{false};  // the pass has ended with the last frame
+  bool changed_{false};            // tool or bone have changed in this pause: a resume is checked
+  bool end_pass_{false};           // the pass has ended with the last frame
   std::optional<double> to_go_m_;  // least of the open pass
   rt::Nanoseconds last_stamp_{0}, framed_stamp_{0};
   std::map<int, Watched> watched_;

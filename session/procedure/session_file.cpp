@@ -148,9 +148,8 @@ std::string ToJson(const SessionFile& session) {
       {"checksums",
        {{"plan", session.plan_checksum}, {"cell", session.cell_checksum}, {"bone", session.bone_checksum}}},
       {"scene", session.scene},
-      {"mesh", session.mesh_file.empty()
-                   ? json(nullptr)
-                   : json{{"file", session.mesh_file}, {"scale", session.mesh_scale}}},
+      {"mesh", session.mesh_file.empty() ? json(nullptr)
+                                         : json{{"file", session.mesh_file}, {"scale", session.mesh_scale}}},
       {"tool", session.tool},
       {"diameters_mm", session.diameters_mm},
       {"tool_change", session.tool_change},

@@ -81,9 +81,10 @@ tl::expected<std::optional<RecordedSession>, std::string> FindRecordedSession(
   if (cell->tools.size() < 2) return std::optional<RecordedSession>();
   auto session = FindSessionOf(recording);
   if (!session)
-    return tl::unexpected(fmt::format("{}: found a recording of {} tools without its session, accepted one in "
-                                      "the session's folder, beside {}",
-                                      recording.string(), cell->tools.size(), kSessionFileName));
+    return tl::unexpected(
+        fmt::format("{}: found a recording of {} tools without its session, accepted one in "
+                    "the session's folder, beside {}",
+                    recording.string(), cell->tools.size(), kSessionFileName));
   return RecordedSession{.file = SessionUpTo(std::move(*session), recording.filename().string()),
                          .cell = std::move(*cell)};
 }

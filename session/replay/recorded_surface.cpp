@@ -66,9 +66,9 @@ tl::expected<WrittenSurface, std::string> WriteField(const std::filesystem::path
 }
 
 // The paths of a session's tools up to a time of one of its recordings.
-tl::expected<SessionCut, std::string> CutUpTo(const std::filesystem::path& recording, const SessionFile& session,
-                                              const CellSetup& setup, std::optional<double> at_s,
-                                              WrittenSurface& written) {
+tl::expected<SessionCut, std::string> CutUpTo(const std::filesystem::path& recording,
+                                              const SessionFile& session, const CellSetup& setup,
+                                              std::optional<double> at_s, WrittenSurface& written) {
   auto info = EachMessage(recording, io::RecordedTopic::kEvent, [](const io::RecordingStream&) {});
   if (!info) return tl::make_unexpected(info.error());
   const auto cell = LoadRecordedTools(info->config);

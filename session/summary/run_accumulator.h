@@ -77,7 +77,8 @@ struct RunAccumulator {
   simulation::ReamedDepth reamed;
   double cup_depth_m{0.0};  ///< of the last frame
 
-  /// What the passes of a procedure have cut, with all its tools; null: a run of one tool, whose `path` it is.
+  /// What the passes of a procedure have cut, with all its tools; null: a run of one tool, whose `path` it
+  /// is.
   std::shared_ptr<const SessionCut> session_cut{};
 
  private:

@@ -598,16 +598,17 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
     out["session"] = s.session;
     out["passes"] = nlohmann::json::array();
     for (const SessionPass& pass : s.passes)
-      out["passes"].push_back({{"number", pass.number},
-                               {"tool_index", pass.tool_index},
-                               {"tool_diameter_mm", ToolOfPass(s, pass)},
-                               {"time_s", rt::ToSeconds(pass.end - pass.begin)},
-                               {"to_go_mm", pass.to_go_mm ? nlohmann::json(*pass.to_go_mm) : nlohmann::json()},
-                               {"cutting_s", pass.cutting_s},
-                               {"removed_mm3", pass.removed_mm3},
-                               {"state", pass.state},
-                               {"state_hash", pass.state_hash},
-                               {"undone", pass.undone}});
+      out["passes"].push_back(
+          {{"number", pass.number},
+           {"tool_index", pass.tool_index},
+           {"tool_diameter_mm", ToolOfPass(s, pass)},
+           {"time_s", rt::ToSeconds(pass.end - pass.begin)},
+           {"to_go_mm", pass.to_go_mm ? nlohmann::json(*pass.to_go_mm) : nlohmann::json()},
+           {"cutting_s", pass.cutting_s},
+           {"removed_mm3", pass.removed_mm3},
+           {"state", pass.state},
+           {"state_hash", pass.state_hash},
+           {"undone", pass.undone}});
   }
   return JsonText(out);
 }

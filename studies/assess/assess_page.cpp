@@ -26,7 +26,8 @@ std::string CupConeText(const procedure::SurgicalPlan& plan, const procedure::As
   const procedure::GuidanceGains::CupCone& cone = plan.guidance.cup_cone;
   if (place.empty()) return "";
   if (place == "free") return fmt::format("; within {:g}°, as planned", cone.free_rad / kDegree);
-  return fmt::format("; {} the plan's {:g}°", place == "within stop" ? "within" : "beyond", cone.stop_rad / kDegree);
+  return fmt::format("; {} the plan's {:g}°", place == "within stop" ? "within" : "beyond",
+                     cone.stop_rad / kDegree);
 }
 
 std::vector<SummaryRow> Rows(const AssessResult& result) {
@@ -213,7 +214,8 @@ tl::expected<std::string, std::string> Pictures(const AssessedSession& session) 
           "within the plan; orange, {:g} mm and more beyond it; grey, no bone.",
           kDeviationScale_mm, kDeviationScale_mm));
   if (!map) return map;
-  return "<h2>The cavity</h2>\n" + CarvedBone(session) + "<p>Line: the plan. Sand: bone left. Pale: removed as planned. Orange: removed "
+  return "<h2>The cavity</h2>\n" + CarvedBone(session) +
+         "<p>Line: the plan. Sand: bone left. Pale: removed as planned. Orange: removed "
          "beyond "
          "the plan. Blue: left within it.</p>\n<div "
          "style=\"display:grid;grid-template-columns:repeat(auto-fit,minmax(260px,1fr));gap:16px\">\n" +

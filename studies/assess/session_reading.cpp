@@ -110,16 +110,15 @@ class SessionSums {
     const int tool = ToolAt(tick.stamp);
     const Pose X_GT = X_GW_ * Pose(tick.X_WT_meas);
     const Vector3 feed = X_GT.linear().col(2);
-    const procedure::ProcessSample sample{.t_s = last_s_,
-                                          .head_m = X_GT.translation() - RadiusOf(tool) * feed,
-                                          .cut_head_m = proxy_m_,
-                                          .cut_feed = proxy_feed_,
-                                          .F_hand_N = X_GW_.linear() * Vector3(tick.F_operator_T_W.f),
-                                          .cutting = cutting_,
-                                          .spindle_rad_per_s = tick.spindle_rad_per_s,
-                                          .guidance_E_J = tick.guidance.present
-                                                              ? std::optional(tick.guidance.energy_J)
-                                                              : std::nullopt};
+    const procedure::ProcessSample sample{
+        .t_s = last_s_,
+        .head_m = X_GT.translation() - RadiusOf(tool) * feed,
+        .cut_head_m = proxy_m_,
+        .cut_feed = proxy_feed_,
+        .F_hand_N = X_GW_.linear() * Vector3(tick.F_operator_T_W.f),
+        .cutting = cutting_,
+        .spindle_rad_per_s = tick.spindle_rad_per_s,
+        .guidance_E_J = tick.guidance.present ? std::optional(tick.guidance.energy_J) : std::nullopt};
     const procedure::PlannedReamer& reamer = session_.plan.plan.reamers[static_cast<std::size_t>(tool)];
     total_.Add(sample, reamer);
     tools_[static_cast<std::size_t>(tool)].Add(sample, reamer);
@@ -231,7 +230,8 @@ std::vector<simulation::Tool> CuttingHeads(const std::vector<double>& diameters_
   std::vector<simulation::Tool> heads;
   for (const double diameter_mm : diameters_mm) {
     const double radius_m = 0.5e-3 * diameter_mm;
-    heads.emplace_back().balls = {{.center_m = Vector3(0.0, 0.0, -radius_m), .radius_m = radius_m, .cutting = true}};
+    heads.emplace_back().balls = {
+        {.center_m = Vector3(0.0, 0.0, -radius_m), .radius_m = radius_m, .cutting = true}};
   }
   return heads;
 }

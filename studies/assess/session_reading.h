@@ -41,7 +41,7 @@ struct AssessedSession {
   std::filesystem::path folder;
   SessionFile file{};
   config::SurgicalPlanConfig plan{};
-  simulation::Bone bone{};          ///< uncut
+  simulation::Bone bone{};                           ///< uncut
   std::shared_ptr<const simulation::Solid> solid{};  ///< of which it was packed; null: not known
   std::optional<SessionCut> cut{};  ///< what the passes that count have cut; always there once it is read
   simulation::CarvedState state{};  ///< the last one that counts

@@ -145,8 +145,9 @@ int RunSurgicalPlan(const SurgicalPlanOptions& options) {
     axis_W = config::BoneInWorld(cell, config.site).linear() * config.plan.axis_G;
   }
   if (options.mesh && !config.mesh_cup)
-    return Fail("surgical-plan", fmt::format("--mesh: found with {}, accepted without: the plan names its bone",
-                                             options.plan.string()));
+    return Fail("surgical-plan",
+                fmt::format("--mesh: found with {}, accepted without: the plan names its bone",
+                            options.plan.string()));
   auto figures = Measure(config, options.mesh);
   if (!figures) return Fail("surgical-plan", figures.error());
   figures->axis_W = axis_W;

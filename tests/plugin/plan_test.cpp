@@ -191,8 +191,8 @@ TEST(OsteonGuidance, IsTheServosOwn) {
     const simulation::ContactModel model =
         PlaneBehind(X_start, i < 0 ? 0.0 : 4e-3 * std::max(0.0, std::sin(0.01 * i)),
                     now - static_cast<rt::Nanoseconds>(std::llround(1e9 * age_s)));
-    ASSERT_OK(osteon_guidance_set_model_age(
-        guidance.get(), 1e-9 * static_cast<double>(now - model.pose_stamp)));
+    ASSERT_OK(
+        osteon_guidance_set_model_age(guidance.get(), 1e-9 * static_cast<double>(now - model.pose_stamp)));
     safety::LimitSet acting;
     const control::CouplingInput input{.model = model, .X_WT = X_GT, .V_WT = {.v = v, .w = w}, .now = now};
     static_cast<void>(bone.Evaluate(input, *arm, acting));

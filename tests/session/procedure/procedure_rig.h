@@ -33,8 +33,8 @@ inline const CellSetup& PackedCell(double diameter_mm) {
   static std::map<double, CellSetup> packed;
   auto found = packed.find(diameter_mm);
   if (found == packed.end()) {
-    auto made = SetUpCell(kCell, std::nullopt,
-                          config::ToolChoice{.file = kTool, .diameter_m = 1e-3 * diameter_mm});
+    auto made =
+        SetUpCell(kCell, std::nullopt, config::ToolChoice{.file = kTool, .diameter_m = 1e-3 * diameter_mm});
     EXPECT_TRUE(made) << made.error();
     found = packed.emplace(diameter_mm, std::move(*made)).first;
   }
@@ -64,7 +64,8 @@ struct Rig {
       plan.reamers.push_back(
           {.diameter_m = 1e-3 * list.diameters_mm[plan.reamers.size()], .height_m = 1e-3 * height_mm});
     if (choice.guided) {
-      plan.guidance = config::LoadSurgicalPlan(OSTEON_SOURCE_DIR "/config/plans/acetabulum.yaml").plan.guidance;
+      plan.guidance =
+          config::LoadSurgicalPlan(OSTEON_SOURCE_DIR "/config/plans/acetabulum.yaml").plan.guidance;
       for (const procedure::PlannedReamer& reamer : plan.reamers)
         list.guidance.push_back(*GuidanceOf(plan, reamer, setup->X_WG));
     }

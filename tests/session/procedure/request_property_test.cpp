@@ -1,5 +1,5 @@
-// Whatever is asked of a session, by `osteon tell` or by the console's pages, in any order and state: a paused
-// arm holds, every limit is kept, and no saved state of the bone is lost.
+// Whatever is asked of a session, by `osteon tell` or by the console's pages, in any order and state: a
+// paused arm holds, every limit is kept, and no saved state of the bone is lost.
 
 #include "tests/property/property_check.h"
 
@@ -45,16 +45,17 @@ void showValue(const Asked& asked, std::ostream& out) {
 rc::Gen<std::string> AnyText() {
   return rc::gen::weightedOneOf<std::string>(
       {{6, rc::gen::element<std::string>("pause", "resume")},
-       {6, rc::gen::element<std::string>("next", "next confirmed", "tool 48", "tool 50", "tool 50 confirmed", "undo",
-                                         "save", "cup", "guidance 0", "guidance 0.5", "guidance 1")},
-       {4, rc::gen::element<std::string>(
-               R"({"ask":"pause"})", R"({"ask":"resume"})", R"({"ask":"next_tool"})",
-               R"({"ask":"next_tool","confirmed":true})", R"({"ask":"tool","value":48})",
-               R"({"ask":"undo_pass"})", R"({"ask":"save"})", R"({"ask":"cup"})", R"({"ask":"guidance","value":0.7})")},
-       {2, rc::gen::element<std::string>("tool 47", "tool -1 confirmed", "tool nan", "tool 1e308", "guidance 2",
-                                         "guidance -0", "guidance inf", "undo undo", "NEXT", "",
-                                         R"({"ask":"guidance","value":1e9})", R"({"ask":"tool","value":-1e308})",
-                                         R"({"ask":"tool"})", R"({"ask":"recover"})", "{", "[]")},
+       {6, rc::gen::element<std::string>("next", "next confirmed", "tool 48", "tool 50", "tool 50 confirmed",
+                                         "undo", "save", "cup", "guidance 0", "guidance 0.5", "guidance 1")},
+       {4, rc::gen::element<std::string>(R"({"ask":"pause"})", R"({"ask":"resume"})",
+                                         R"({"ask":"next_tool"})", R"({"ask":"next_tool","confirmed":true})",
+                                         R"({"ask":"tool","value":48})", R"({"ask":"undo_pass"})",
+                                         R"({"ask":"save"})", R"({"ask":"cup"})",
+                                         R"({"ask":"guidance","value":0.7})")},
+       {2, rc::gen::element<std::string>(
+               "tool 47", "tool -1 confirmed", "tool nan", "tool 1e308", "guidance 2", "guidance -0",
+               "guidance inf", "undo undo", "NEXT", "", R"({"ask":"guidance","value":1e9})",
+               R"({"ask":"tool","value":-1e308})", R"({"ask":"tool"})", R"({"ask":"recover"})", "{", "[]")},
        {1, rc::gen::arbitrary<std::string>()}});
 }
 
@@ -132,7 +133,8 @@ class AskedRun {
     if (!text.starts_with('{')) return Post(ParseSessionRequest(text));
     const auto message = console::ParseClientMessage(text);
     if (!message) return;
-    if (const auto* own = std::get_if<console::ProcedureRequest>(&*message)) return Post(SessionRequestOf(*own));
+    if (const auto* own = std::get_if<console::ProcedureRequest>(&*message))
+      return Post(SessionRequestOf(*own));
     const auto* cell = std::get_if<console::OperatorRequest>(&*message);
     if (cell && *cell == console::OperatorRequest::kPause) buttons_.pause.store(true);
     if (cell && *cell == console::OperatorRequest::kResume) buttons_.resume.store(true);
@@ -167,7 +169,8 @@ class AskedRun {
     if (!recording) return Complain(recording.error());
     const auto cell = LoadRecordedTools(recording->session.config);
     if (!cell) return Complain(cell.error());
-    if (!Replay(*recording, cell->config, cell->tools, cell->list.first).identical) Complain("replay differs");
+    if (!Replay(*recording, cell->config, cell->tools, cell->list.first).identical)
+      Complain("replay differs");
   }
 
   static inline int count_ = 0;

@@ -1,6 +1,6 @@
-// kill -9 before any file operation of a session leaves a folder that resumes at its last pass: a child process
-// ends a pass, takes it back, keeps the cup and ends the session, and is killed before each of its operations in
-// turn.
+// kill -9 before any file operation of a session leaves a folder that resumes at its last pass: a child
+// process ends a pass, takes it back, keeps the cup and ends the session, and is killed before each of its
+// operations in turn.
 
 #include <sys/mman.h>
 #include <sys/ptrace.h>
@@ -35,7 +35,8 @@ class FrameBench {
   explicit FrameBench(Rig& rig)
       : rig_(rig),
         depth_(rig.setup->bone, rig.tool_table[0].tool),
-        watch_(rig.setup->solid.get(), rig.setup->bone, rig.tool_table[0].tool, rig.setup->config.scene.events),
+        watch_(rig.setup->solid.get(), rig.setup->bone, rig.tool_table[0].tool,
+               rig.setup->config.scene.events),
         runner_(*rig.engine, depth_, watch_, rig.setup->X_WG) {
     runner_.SetObserver(rig.session.get());
   }
@@ -86,7 +87,8 @@ void Carry(Rig& rig, FrameBench& bench, Progress& progress) {
   bench.MoveTo(kClear_m, 150);
   progress.passes.store(static_cast<int>(rig.session->File().passes.size()));
   const auto ask = [&](SessionRequest::Kind kind, std::atomic<bool>& done) {
-    (void)rig.session->Post({.kind = kind}, [&done](const SessionAnswer& answer) { done.store(answer.done); });
+    (void)rig.session->Post({.kind = kind},
+                            [&done](const SessionAnswer& answer) { done.store(answer.done); });
     bench.Frame(true);
   };
   ask(SessionRequest::Kind::kUndo, progress.undone);
@@ -95,9 +97,9 @@ void Carry(Rig& rig, FrameBench& bench, Progress& progress) {
 }
 
 bool IsFileOperation(std::uint64_t number) {
-  constexpr std::array kOperations{SYS_openat, SYS_write, SYS_fsync, SYS_close, SYS_renameat2,
+  constexpr std::array kOperations{SYS_openat,   SYS_write,    SYS_fsync,    SYS_close, SYS_renameat2,
 #ifdef SYS_rename
-                                   SYS_rename, SYS_unlink, SYS_open,
+                                   SYS_rename,   SYS_unlink,   SYS_open,
 #endif
                                    SYS_renameat, SYS_unlinkat, SYS_ftruncate};
   return std::ranges::find(kOperations, static_cast<long>(number)) != kOperations.end();
@@ -120,7 +122,8 @@ ChildEnd KilledBefore(int operation, const Work& work) {
   (void)ptrace(PTRACE_SETOPTIONS, child, nullptr, PTRACE_O_TRACESYSGOOD | PTRACE_O_EXITKILL);
   for (int seen = 0; ptrace(PTRACE_SYSCALL, child, nullptr, nullptr) == 0;) {
     if (waitpid(child, &status, 0) != child) return ChildEnd::kFailed;
-    if (!WIFSTOPPED(status)) return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? ChildEnd::kDone : ChildEnd::kFailed;
+    if (!WIFSTOPPED(status))
+      return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? ChildEnd::kDone : ChildEnd::kFailed;
     __ptrace_syscall_info info{};
     if (ptrace(PTRACE_GET_SYSCALL_INFO, child, sizeof info, &info) <= 0) continue;
     if (info.op != PTRACE_SYSCALL_INFO_ENTRY || !IsFileOperation(info.entry.nr)) continue;
@@ -132,7 +135,9 @@ ChildEnd KilledBefore(int operation, const Work& work) {
   return ChildEnd::kFailed;
 }
 
-bool MayTrace() { return KilledBefore(1, [] {}) == ChildEnd::kDone; }
+bool MayTrace() {
+  return KilledBefore(1, [] {}) == ChildEnd::kDone;
+}
 
 class KilledSession : public testing::Test {
  protected:
@@ -140,8 +145,8 @@ class KilledSession : public testing::Test {
       : rig_("killed_anywhere", {.scripted = false}),
         uncut_(rig_.engine->Snapshot()),
         spare_(std::move(*MakeEngine(*rig_.setup, {}))),
-        progress_(new (mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))
-                      Progress) {}
+        progress_(new (mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1,
+                            0)) Progress) {}
   ~KilledSession() override { (void)munmap(progress_, sizeof(Progress)); }
 
   // What the folder of a killed session must have.

@@ -1,5 +1,7 @@
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -7,7 +9,8 @@
 #include "session/procedure/session_file.h"
 #include "tests/app/command.h"
 
-// A demo with a plan is killed, goes on from its last pass, and what came of it is assessed, reported and exported.
+// A demo with a plan is killed, goes on from its last pass, and what came of it is assessed, reported and
+// exported.
 
 namespace osteon::app {
 namespace {
@@ -34,8 +37,8 @@ class KilledDemo : public testing::Test {
   }
 
   [[nodiscard]] std::vector<std::string> Demo(const char* seconds, bool resume) const {
-    std::vector<std::string> words{"demo", "--plan", "plan.yaml", "--session", "s", "--virtual-time",
-                                   "--seconds", seconds, "--overwrite"};
+    std::vector<std::string> words{"demo",           "--plan",    "plan.yaml", "--session",  "s",
+                                   "--virtual-time", "--seconds", seconds,     "--overwrite"};
     if (resume) words.emplace_back("--resume");
     return words;
   }
@@ -87,13 +90,42 @@ TEST_F(KilledDemo, ResumesAtItsLastPassAndIsAssessedReportedAndExported) {
   ASSERT_FALSE(report["passes"].empty());
   EXPECT_EQ(report["passes"][0]["tool_diameter_mm"], 48.0);
   EXPECT_EQ(report["state_hash"], killed->passes.back().state_hash);
-  EXPECT_NE(ReadText(folder_.path() / "s/run_2_report.html").find("Deviation from the plan"), std::string::npos);
+  EXPECT_NE(ReadText(folder_.path() / "s/run_2_report.html").find("Deviation from the plan"),
+            std::string::npos);
 
-  const CommandResult exported = Ask({"export", "s/run_2.mcap", "--csv", "--surface", "bone.ply", "--out", "tables"});
+  const CommandResult exported =
+      Ask({"export", "s/run_2.mcap", "--csv", "--surface", "bone.ply", "--out", "tables"});
   ASSERT_EQ(exported.exit_code, 0) << exported.err;
   const std::string table = ReadText(folder_.path() / "tables/run_2_passes.csv");
-  EXPECT_EQ(table.find("number,tool_mm,begin_s,end_s,cutting_s,removed_mm3,to_go_mm,undone\n1,48,"), 0U) << table;
+  EXPECT_EQ(table.find("number,tool_mm,begin_s,end_s,cutting_s,removed_mm3,to_go_mm,undone\n1,48,"), 0U)
+      << table;
   EXPECT_NE(exported.out.find("watertight"), std::string::npos) << exported.out;
+}
+
+// The plan for a mesh that is no part of the repository.
+TEST(HipBonePlan, IsReamedAssessedAndReplayed) {
+  const char* data = std::getenv("OSTEON_DATA_DIR");
+  const fs::path mesh = fs::path(data ? data : ".") / "hip_bone_left.obj";
+  if (!fs::exists(mesh)) GTEST_SKIP() << "no anatomical meshes: OSTEON_DATA_DIR has no hip_bone_left.obj";
+  const TemporaryFolder folder;
+  const auto ask = [&](const std::vector<std::string>& words) { return RunCommand(folder.path(), words); };
+  const CommandResult planned =
+      ask({"surgical-plan", "hip_bone_left", "--mesh", mesh.string(), "--cell", "demo", "--json", "p.json"});
+  ASSERT_EQ(planned.exit_code, 0) << planned.err;
+  const auto plan = ReadJson(folder.path() / "p.json");
+  EXPECT_GT(plan["planned_volume_mm3"], 1000.0);
+  EXPECT_GT(plan["least_wall_mm"], 3.0);
+  EXPECT_EQ(ask({"demo", "--plan", "hip_bone_left", "--virtual-time"}).exit_code, 2) << "it needs its mesh";
+
+  const CommandResult demo = ask({"demo", "--plan", "hip_bone_left", "--mesh", mesh.string(),
+                                  "--virtual-time", "--seconds", "6", "--session", "s", "--json", "d.json"});
+  ASSERT_EQ(demo.exit_code, 0) << demo.err;
+  EXPECT_GT(ReadJson(folder.path() / "d.json")["removed_volume_mm3"], 10.0);
+  const CommandResult assessed = ask({"assess", "s", "--json", "a.json"});
+  ASSERT_EQ(assessed.exit_code, 0) << assessed.err;
+  EXPECT_LT(ReadJson(folder.path() / "a.json")["result"]["axis_error_deg"], 2.0);
+  const CommandResult replayed = ask({"replay", "s"});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
 }
 
 }  // namespace
