@@ -64,7 +64,7 @@ class FrameBench {
     MoveTo(kClear_m, 20);
     MoveTo(height_m, 250);
     MoveTo(kClear_m, 50);
-    MoveTo(kClear_m, 200);
+    MoveTo(kClear_m, 180);
   }
 
  private:
@@ -119,7 +119,8 @@ ChildEnd KilledBefore(int operation, const Work& work) {
   }
   int status = 0;
   if (child < 0 || waitpid(child, &status, 0) != child || !WIFSTOPPED(status)) return ChildEnd::kFailed;
-  (void)ptrace(PTRACE_SETOPTIONS, child, nullptr, PTRACE_O_TRACESYSGOOD | PTRACE_O_EXITKILL);
+  (void)ptrace(PTRACE_SETOPTIONS, child, nullptr,
+               static_cast<long>(PTRACE_O_TRACESYSGOOD | PTRACE_O_EXITKILL));
   for (int seen = 0; ptrace(PTRACE_SYSCALL, child, nullptr, nullptr) == 0;) {
     if (waitpid(child, &status, 0) != child) return ChildEnd::kFailed;
     if (!WIFSTOPPED(status))
