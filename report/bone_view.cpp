@@ -1,7 +1,6 @@
 #include "report/bone_view.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -34,41 +33,49 @@ std::shared_ptr<const surface::SolidField> FieldOf(const simulation::Bone& bone,
   return surface::UnionOfBalls(finite, voxel_mm);
 }
 
-void Carve(surface::CarvedField& field, const simulation::Tool& tool, std::span<const Pose> X_GP) {
-  surface::ToolWays ways(tool, Pose::Identity());
-  std::uint64_t frame = 0;
-  for (const Pose& X : X_GP) {
-    if (!X.matrix().allFinite()) continue;
-    if (ways.Add({.X_WP = X, .p_WS_m = X.translation(), .cuts = true, .frame = ++frame}))
-      field.Carve(ways.TakeCapsules());
-  }
-  field.Carve(ways.TakeCapsules());
-}
-
-/// The cavity that the tool leaves if it is drawn straight out from its deepest pose.
-simulation::SweptTool IdealCavity(const simulation::Bone& bone, const simulation::Tool& tool,
-                                  std::span<const Pose> X_GP) {
-  const simulation::ToolBall* head = simulation::CuttingHead(tool);
+/// The deepest pose of a tool's path, and one straight out from there; empty: it never cuts.
+std::vector<Pose> DeepestAndOut(const simulation::Bone& bone, const simulation::ToolPath& path) {
+  const simulation::ToolBall* head = simulation::CuttingHead(*path.tool);
   const Vector3 axis = Vector3(bone.site.axis).normalized();
   const Pose* deepest = nullptr;
   double depth_m = 0.0;
-  for (const Pose& X : X_GP) {
+  for (const Pose& X : path.X_GP) {
     if (head == nullptr || !X.matrix().allFinite()) continue;
     const double height_m = (X * Vector3(head->center_m) - Vector3(bone.site.center_m)).dot(axis);
     if (deepest != nullptr && height_m >= depth_m) continue;
     deepest = &X;
     depth_m = height_m;
   }
-  if (deepest == nullptr || !axis.allFinite()) return {tool, {}};
+  if (deepest == nullptr || !axis.allFinite()) return {};
   constexpr double kOut_m = 0.5;  // clear of every bone
-  Pose out = *deepest;
-  out.translation() += kOut_m * axis;
-  const std::array<Pose, 2> way{*deepest, out};
-  return {tool, way};
+  std::vector<Pose> way(2, *deepest);
+  way[1].translation() += kOut_m * axis;
+  return way;
+}
+
+/// The cavity that the tools leave if each is drawn straight out from its deepest pose.
+simulation::SweptTool IdealCavity(const simulation::Bone& bone, std::span<const simulation::ToolPath> paths) {
+  std::vector<std::vector<Pose>> ways;
+  std::vector<simulation::ToolPath> straight;
+  ways.reserve(paths.size());
+  for (const simulation::ToolPath& path : paths) {
+    ways.push_back(DeepestAndOut(bone, path));
+    straight.push_back({.tool = path.tool, .X_GP = ways.back()});
+  }
+  return simulation::SweptTool(straight);
+}
+
+/// Distance of a cut face from what it is compared with; empty: nothing to compare with.
+using DistanceTo = std::function<double(const Vector3&)>;
+DistanceTo Compared(const CarveInput& input) {
+  auto ideal = std::make_shared<const simulation::SweptTool>(IdealCavity(input.bone, input.paths));
+  if (ideal->empty()) return {};
+  if (input.planned) return input.planned;
+  return [ideal](const Vector3& p_m) { return ideal->SignedDistance(p_m); };
 }
 
 CarvedSurface Extract(const surface::CarvedField& field, const MaterialMap& materials,
-                      const simulation::SweptTool& ideal) {
+                      const DistanceTo& distance_m) {
   CarvedSurface out{.layout = field.layout()};
   const auto material = [&materials](surface::Vec3 p_mm) {
     return static_cast<std::uint8_t>(materials.At(surface::ToMetres(p_mm)).value_or(0));
@@ -81,18 +88,18 @@ CarvedSurface Extract(const surface::CarvedField& field, const MaterialMap& mate
     out.quads += chunk.quads.size() / 4;
     const std::size_t begin = out.chunks.size();
     surface::AppendChunk(out.layout, chunk, out.chunks);
-    if (ideal.empty()) continue;
+    if (!distance_m) continue;
     // as the page will read it: with the vertices that were sent
     if (!surface::ReadChunk(out.layout, std::span(out.chunks).subspan(begin), sent)) continue;
     for (const surface::SurfaceVertex& vertex : sent.vertices) {
       if (!vertex.cut) continue;
-      const double error_m = ideal.SignedDistance(surface::ToMetres(vertex.p_mm));
+      const double error_m = distance_m(surface::ToMetres(vertex.p_mm));
       samples.push_back({.error_m = error_m});
       out.deviation_um.push_back(static_cast<std::int16_t>(
           std::lround(std::clamp(1e6 * error_m, -kMaxDeviation_um, kMaxDeviation_um))));
     }
   }
-  out.ideal = SummarizeErrors(samples);
+  out.error = SummarizeErrors(samples);
   return out;
 }
 
@@ -105,6 +112,11 @@ std::string Hex(const Vector3& color) {
   return fmt::format("#{:02x}{:02x}{:02x}", byte(color.x()), byte(color.y()), byte(color.z()));
 }
 
+std::string ShowButton(const char* what, const char* text, bool pressed) {
+  return fmt::format("<button type=\"button\" data-show=\"{}\" aria-pressed=\"{}\">{}</button>\n", what,
+                     pressed, text);
+}
+
 /// Distance at which the deviation's colour is full: round, and at least a tenth of a millimetre.
 double ColorRange_mm(const CavityError& error) {
   constexpr double kLeast_mm = 0.1;
@@ -113,24 +125,35 @@ double ColorRange_mm(const CavityError& error) {
 
 }  // namespace
 
-CarvedSurface CarveSurface(const simulation::Bone& bone, const simulation::Solid* solid,
-                           const MaterialMap& materials, const simulation::Tool& tool,
-                           std::span<const Pose> X_GP, std::size_t max_quads) {
-  const simulation::SweptTool ideal = IdealCavity(bone, tool, X_GP);
+void CarveAlong(surface::CarvedField& field, const simulation::ToolPath& path) {
+  surface::ToolWays ways(*path.tool, Pose::Identity());
+  std::uint64_t frame = 0;
+  for (const Pose& X : path.X_GP) {
+    if (!X.matrix().allFinite()) continue;
+    if (ways.Add({.X_WP = X, .p_WS_m = X.translation(), .cuts = true, .frame = ++frame}))
+      field.Carve(ways.TakeCapsules());
+  }
+  field.Carve(ways.TakeCapsules());
+}
+
+CarvedSurface CarveSurface(const CarveInput& input) {
+  if (input.paths.empty()) return {};
+  const DistanceTo distance_m = Compared(input);
   constexpr int kTries = 5;
   constexpr double kCoarser = 1.1;
-  float voxel_mm = surface::VoxelFor(tool);
+  float voxel_mm = surface::VoxelFor(*input.paths.back().tool);
   CarvedSurface carved;
   for (int i = 0; i < kTries; ++i) {
     try {
-      const auto uncut = FieldOf(bone, solid, voxel_mm);
+      const auto uncut = FieldOf(input.bone, input.solid, voxel_mm);
       if (uncut == nullptr) return {};
       surface::CarvedField field(uncut);
-      Carve(field, tool, X_GP);
-      carved = Extract(field, materials, ideal);
-      if (carved.quads <= max_quads) return carved;
+      for (const simulation::ToolPath& path : input.paths) CarveAlong(field, path);
+      carved = Extract(field, input.materials, distance_m);
+      carved.planned = static_cast<bool>(input.planned);
+      if (carved.quads <= input.max_quads) return carved;
       voxel_mm *= static_cast<float>(
-          kCoarser * std::sqrt(static_cast<double>(carved.quads) / static_cast<double>(max_quads)));
+          kCoarser * std::sqrt(static_cast<double>(carved.quads) / static_cast<double>(input.max_quads)));
     } catch (const std::invalid_argument&) {  // a grid that no memory holds
       voxel_mm *= 2.0F;
     }
@@ -139,7 +162,7 @@ CarvedSurface CarveSurface(const simulation::Bone& bone, const simulation::Solid
 }
 
 std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bone,
-                         const RenderParams& params) {
+                         const RenderParams& params, const BoneViewStart& start) {
   if (carved.chunks.empty()) return {};
   const auto triple = [](const Vector3& v) {
     return fmt::format("{:.6g} {:.6g} {:.6g}", v.x(), v.y(), v.z());
@@ -149,9 +172,9 @@ std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bo
     colors += " " + Hex(MaterialColor(bone, static_cast<simulation::MaterialIndex>(i)));
   std::vector<std::uint8_t> deviation(2 * carved.deviation_um.size());
   if (!deviation.empty()) std::memcpy(deviation.data(), carved.deviation_um.data(), deviation.size());
-  const double range_mm = ColorRange_mm(carved.ideal);
+  const double range_mm = start.range_mm > 0.0 ? start.range_mm : ColorRange_mm(carved.error);
   const surface::BrickLayout& layout = carved.layout;
-  const bool compares = !carved.deviation_um.empty();
+  const bool compares = !carved.deviation_um.empty(), deviates = compares && start.shows_deviation;
 
   std::string html = "<figure class=\"turn\" hidden=\"hidden\">\n";
   html += fmt::format(
@@ -159,22 +182,21 @@ std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bo
       "{:.9g} {:.9g} "
       "{:.9g} {} {} {}\" data-centre=\"{}\" data-axis=\"{}\" data-reach=\"{:.4g}\" data-tilt=\"{:.4g}\" "
       "data-turn=\"{:.4g}\" data-range=\"{:.6g}\" data-colours=\"{}\" data-surface=\"{}\" "
-      "data-deviation=\"{}\"></canvas>\n",
+      "data-deviation=\"{}\" data-first=\"{}\"></canvas>\n",
       layout.origin_mm.x, layout.origin_mm.y, layout.origin_mm.z, layout.voxel_mm, layout.bricks[0],
       layout.bricks[1], layout.bricks[2], triple(1e3 * Vector3(bone.site.center_m)), triple(bone.site.axis),
       1e3 * SiteReach(bone, 0.75 * params.reach_in_cup_radii), params.tilt_rad, params.turn_rad,
-      1e3 * range_mm, colors, DataAddress(carved.chunks), compares ? DataAddress(deviation) : "");
-  html +=
-      "<div class=\"bar\">\n<button type=\"button\" data-show=\"tissue\" "
-      "aria-pressed=\"true\">Tissue</button>\n";
+      1e3 * range_mm, colors, DataAddress(carved.chunks), compares ? DataAddress(deviation) : "",
+      deviates ? "deviation" : "tissue");
+  html += "<div class=\"bar\">\n" + ShowButton("tissue", "Tissue", !deviates);
   if (compares)
-    html += "<button type=\"button\" data-show=\"deviation\" aria-pressed=\"false\">Deviation</button>\n";
+    html += ShowButton("deviation", carved.planned ? "Deviation from the plan" : "Deviation", deviates);
   html += "<button type=\"button\">Reset the view</button>\n";
   if (compares)
     html += fmt::format(
-        "<span class=\"scale\" data-with=\"deviation\" hidden=\"hidden\">bone left {} mm <i></i> {} mm "
-        "removed beyond</span>\n",
-        Number(range_mm, 2), Number(range_mm, 2));
+        "<span class=\"scale\" data-with=\"deviation\"{}>bone left {} mm <i></i> {} mm removed "
+        "beyond</span>\n",
+        deviates ? "" : " hidden=\"hidden\"", Number(range_mm, 2), Number(range_mm, 2));
   html += "</div>\n";
   std::string caption = fmt::format(
       "The bone after the run, its solid less what the tool's cutting parts swept; {} triangles. "
@@ -182,10 +204,12 @@ std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bo
       Number(2.0 * static_cast<double>(carved.quads), 0));
   if (compares)
     caption +=
-        " Deviation: distance of the cut faces from the tool's ideal cavity, which is what the tool leaves "
-        "if "
-        "it is drawn straight out along the site's axis from its deepest pose. There is no plan to compare "
-        "with.";
+        carved.planned
+            ? " Deviation: distance of the cut faces from the planned cavity, which is the last reamer's "
+              "ball at its planned place and its way in along the cup's axis. Grey: not cut."
+            : " Deviation: distance of the cut faces from the tool's ideal cavity, which is what the tool "
+              "leaves if it is drawn straight out along the site's axis from its deepest pose. There is "
+              "no plan to compare with.";
   return html + "<figcaption>" + Escape(caption) + "</figcaption>\n</figure>\n" + ScriptHtml(kBoneViewScript);
 }
 

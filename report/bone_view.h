@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "report/bone_shape.h"
 #include "report/render.h"
 #include "report/section.h"
+#include "simulation/surface/carved_field.h"
 #include "simulation/surface/surface_chunk.h"
 
 // The carved bone that can be turned: its surface as bytes within the page, drawn by the page's own script.
@@ -18,23 +20,42 @@ namespace osteon::app {
 struct CarvedSurface {
   surface::BrickLayout layout{};
   std::vector<std::uint8_t> chunks{};  ///< simulation/surface/chunk_bytes.h
-  /// Distance of each vertex on a cut face from the ideal cavity [µm], in the chunks' order; positive: too
-  /// much was removed. Empty: no tool that cuts, or no path.
+  /// Distance of each vertex on a cut face from the cavity that it is compared with [µm], in the chunks'
+  /// order; positive: too much was removed. Empty: no tool that cuts, or no path.
   std::vector<std::int16_t> deviation_um{};
   std::size_t quads{0};
-  CavityError ideal{};  ///< over the cut faces' vertices
+  CavityError error{};  ///< over the cut faces' vertices
+  bool planned{false};  ///< compared with the planned cavity; false: with the tools' ideal one
 };
 
-/// Carves the bone's solid, or the union of its balls where `solid` is null, by the tool's path, and measures
-/// the cut faces against the ideal cavity: what the tool's cutting balls sweep if the tool is drawn straight
-/// out along the site's axis from its deepest pose.
+/// What is carved, and with which cavity its cut faces are compared. Views must outlive the call.
+struct CarveInput {
+  const simulation::Bone& bone;
+  const simulation::Solid* solid{nullptr};  ///< null: the union of the bone's balls
+  const MaterialMap& materials;
+  std::span<const simulation::ToolPath> paths{};  ///< of the tools, in the order in which they cut
+  /// Signed distance to the planned cavity [m] of a place in G, negative within it. Empty: no plan.
+  std::function<double(const Vector3& p_G_m)> planned{};
+  std::size_t max_quads{120'000};
+};
+
+/// Carves the bone by the tools' paths, and measures the cut faces against the planned cavity. Without a plan
+/// they are measured against the ideal cavity: what the cutting balls of each tool sweep if it is drawn
+/// straight out along the site's axis from its deepest pose.
 /// The grid is made coarser until there are at most `max_quads`. No chunk where nothing has a surface.
-[[nodiscard]] CarvedSurface CarveSurface(const simulation::Bone& bone, const simulation::Solid* solid,
-                                         const MaterialMap& materials, const simulation::Tool& tool,
-                                         std::span<const Pose> X_GP, std::size_t max_quads = 120'000);
+[[nodiscard]] CarvedSurface CarveSurface(const CarveInput& input);
+
+/// Carves a field by a tool's path.
+void CarveAlong(surface::CarvedField& field, const simulation::ToolPath& path);
+
+/// How the view begins.
+struct BoneViewStart {
+  bool shows_deviation{false};  ///< false: the tissues' colours
+  double range_mm{0.0};  ///< deviation at which the colour is full; 0: a round one by the 95th percentile
+};
 
 /// Markup of the view: hidden until the script draws it. Empty text without a chunk.
 [[nodiscard]] std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bone,
-                                       const RenderParams& params);
+                                       const RenderParams& params, const BoneViewStart& start = {});
 
 }  // namespace osteon::app

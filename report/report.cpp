@@ -46,7 +46,7 @@ std::string LimitsHtml(std::vector<LimitRow> limits) {
   return out + "</table>\n";
 }
 
-std::string ErrorTable(const ReportFigures& figures) {
+std::string ErrorTable(const ReportFigures& figures, bool planned) {
   std::string out =
       "<table>\n<tr><th>cavity [mm]</th><th class=\"n\">mean, signed</th><th "
       "class=\"n\">mean size</th>"
@@ -62,7 +62,7 @@ std::string ErrorTable(const ReportFigures& figures) {
   };
   row("against the swept tool, along this section", figures.cavity_section);
   row("against the swept tool, over directions in space", figures.cavity_direction);
-  row("against the tool's ideal cavity", figures.cavity_ideal);
+  row(planned ? "against the planned cavity" : "against the tool's ideal cavity", figures.cavity_ideal);
   return out + "</table>\n";
 }
 
@@ -137,13 +137,20 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   if (!after) return tl::unexpected(after.error());
 
   // section
-  const Section section =
-      ComputeSection(input.bone, input.after, input.tool, input.X_GP, {.solid = input.solid});
+  const SectionParams params{.solid = input.solid, .earlier = input.earlier};
+  const Section section = ComputeSection(input.bone, input.after, input.tool, input.X_GP, params);
   report.figures.cavity_section = section.error;
-  report.figures.cavity_direction = CavityErrorByDirection(input.bone, input.after, input.tool, input.X_GP);
+  report.figures.cavity_direction =
+      CavityErrorByDirection(input.bone, input.after, input.tool, input.X_GP, params);
 
-  const CarvedSurface carved = CarveSurface(input.bone, input.solid, materials, input.tool, input.X_GP);
-  report.figures.cavity_ideal = carved.ideal;
+  std::vector<simulation::ToolPath> paths = input.earlier;
+  paths.push_back({.tool = &input.tool, .X_GP = input.X_GP});
+  const CarvedSurface carved = CarveSurface({.bone = input.bone,
+                                             .solid = input.solid,
+                                             .materials = materials,
+                                             .paths = paths,
+                                             .planned = input.planned});
+  report.figures.cavity_ideal = carved.error;
 
   std::string& html = report.html;
   html = PageBegin(
@@ -171,7 +178,7 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
             Figure(ErrorChart(section),
                    "Positive: the cavity is larger than the swept tool. Only where bone was cut; at the rim "
                    "the balls that made up the edge are gone.");
-  html += ErrorTable(report.figures);
+  html += ErrorTable(report.figures, static_cast<bool>(input.planned));
   html += "<h2>Force</h2>\n" + Figure(ForceChart(input.run, input.force_limit_N), "");
   html += "<h2>Progress</h2>\n" +
           Figure(ProgressChart(input.run), "Below 0 mm, the tool has not reached the first floor yet.");

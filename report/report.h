@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -53,6 +54,10 @@ struct ReportInput {
   double force_limit_N{200.0};
   double tool_speed_limit_m_per_s{0.0};                                ///< 0: no line drawn
   double max_tool_in_bone_m{std::numeric_limits<double>::infinity()};  ///< infinite: no line drawn
+  /// Tools that cut before `tool` in the same session, in their order.
+  std::vector<simulation::ToolPath> earlier{};
+  /// Signed distance to the planned cavity [m] of a place in G, negative within it. Empty: no plan.
+  std::function<double(const Vector3& p_G_m)> planned{};
   std::vector<FaultRow> faults{};
   std::vector<LimitRow> limits{};  ///< those that acted
   std::string config_text{};       ///< the configuration as read
@@ -65,7 +70,9 @@ struct ReportInput {
 struct ReportFigures {
   CavityError cavity_section;    ///< along the section's outline
   CavityError cavity_direction;  ///< over directions in space
-  CavityError cavity_ideal;      ///< of the carved surface against the tool's ideal cavity (CarveSurface)
+  /// Of the carved surface against the planned cavity; without a plan, against the tools' ideal cavity
+  /// (CarveSurface).
+  CavityError cavity_ideal;
 };
 
 /// The report as one HTML page: no reference to anything outside the file.

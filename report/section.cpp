@@ -186,6 +186,17 @@ CavityError SummarizeErrors(std::span<const ErrorSample> samples) {
   return error;
 }
 
+namespace {
+
+SweptTool SweptByAll(const simulation::Tool& tool, std::span<const Pose> X_GP,
+                     std::span<const simulation::ToolPath> earlier) {
+  std::vector<simulation::ToolPath> all(earlier.begin(), earlier.end());
+  all.push_back({.tool = &tool, .X_GP = X_GP});
+  return SweptTool(all);
+}
+
+}  // namespace
+
 SectionPlane ChooseSectionPlane(const Bone& bone, const simulation::Tool& tool, std::span<const Pose> X_GP) {
   SectionPlane plane{.origin = bone.site.center_m, .v = Vector3(bone.site.axis).normalized()};
   if (!plane.v.allFinite() || plane.v.norm() < 0.5) plane.v = Vector3::UnitZ();
@@ -227,7 +238,7 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
   if (!(low.x() <= high.x())) low = high = Vector2::Zero();
   double down_m = params.depth_in_cup_radii / params.reach_in_cup_radii * reach_m;
   const simulation::ToolBall* head = CuttingHead(tool);
-  const SweptTool swept(tool, X_GP);
+  const SweptTool swept = SweptByAll(tool, X_GP, params.earlier);
   const bool is_cut = head != nullptr && !swept.empty();
   if (is_cut) {  // a deep hole shows its floor
     section.head_center = plane.Project(DeepestHead(bone, *head, X_GP));
@@ -264,7 +275,7 @@ CavityError CavityErrorByDirection(const Bone& bone, const simulation::CarvedSta
                                    const simulation::Tool& tool, std::span<const Pose> X_GP,
                                    const SectionParams& params) {
   const simulation::ToolBall* head = CuttingHead(tool);
-  const SweptTool swept(tool, X_GP);
+  const SweptTool swept = SweptByAll(tool, X_GP, params.earlier);
   if (head == nullptr || swept.empty()) return {};
   const BallField before(bone.balls), left(CarvedBalls(bone, after));
   const SectionPlane plane = ChooseSectionPlane(bone, tool, X_GP);

@@ -68,8 +68,9 @@ struct SectionParams {
   double cut_depth_m{0.05e-3};  ///< a place was cut if it lay this deep in the bone before
   /// A surface farther behind the sweep is another one: the bone is cut through.
   double open_gap_m{5e-3};
-  const simulation::Solid* solid{nullptr};  ///< for the materials; null: from the mass points
-  int directions{4000};                     ///< of CavityErrorByDirection over the hemisphere
+  const simulation::Solid* solid{nullptr};          ///< for the materials; null: from the mass points
+  int directions{4000};                             ///< of CavityErrorByDirection over the hemisphere
+  std::span<const simulation::ToolPath> earlier{};  ///< tools that cut before this one
 };
 
 struct Section {

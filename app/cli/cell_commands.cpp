@@ -134,8 +134,6 @@ int CellCommands::Run(const std::filesystem::path& config_root, const std::strin
           "--plan: found no --session, accepted with it: the folder that keeps recordings and states");
     if (!operate_.record.empty())
       return refuse("--record: found with --plan, accepted without: the session's folder has the recordings");
-    if (!operate_.surface.empty())
-      return refuse("--surface: found with --plan, accepted without: a surface is made with one tool");
   }
   simulated_.cell = operate_.cell = *found;
   simulated_.tool = operate_.tool = tool;

@@ -67,9 +67,9 @@ DemoCommand::DemoCommand(CLI::App& app)
   AddFoxgloveOption(*sub_, options_.foxglove);
   AddAtFaultOption(*sub_, "end", [this](bool hold) { options_.hold_at_fault = hold; });
   sub_->add_option("--json", options_.json, "write a further copy of summary.json there")->type_name("FILE");
-  surface_option_ = sub_->add_option("--surface", options_.surface,
-                                     "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
-                        ->type_name("FILE");
+  sub_->add_option("--surface", options_.surface,
+                   "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
+      ->type_name("FILE");
   sub_->add_option("--save-motion", options_.save_motion,
                    "write the tool's motion there (CSV), to be played again")
       ->type_name("FILE");
@@ -105,10 +105,8 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
   }
   if (procedure_.asked()) {
     std::string wrong = procedure_.Take(config_root, options_.procedure);
-    if (wrong.empty() && *mesh_option_)
-      wrong = "--mesh: found with --plan, accepted without: the plan names its bone";
-    if (wrong.empty() && *surface_option_)
-      wrong = "--surface: found with --plan, accepted without: use `osteon export` for one tool's recording";
+    if (wrong.empty() && *cup_option_)
+      wrong = "--cup: found with --plan, accepted without: the plan has the cup of its mesh";
     if (!wrong.empty()) {
       fmt::print(stderr, "osteon demo: {}\n", wrong);
       return 2;
@@ -122,7 +120,7 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
       const auto parsed = ParseCup(cup_);
       if (!parsed && wrong.empty()) wrong = parsed.error();
       if (parsed) options_.mesh->cup = *parsed;
-    } else if (wrong.empty() && options_.mesh->file.extension() != ".osp") {
+    } else if (wrong.empty() && !procedure_.asked() && options_.mesh->file.extension() != ".osp") {
       wrong =
           fmt::format("--mesh {}: found no --cup, accepted with it (a packing file may have its own)", mesh_);
     }

@@ -25,7 +25,7 @@ class DemoCommand {
   std::string mesh_, cup_, tool_, cell_{"demo"};
   double scale_{1.0};
   CLI::App* sub_;
-  CLI::Option *seconds_option_{nullptr}, *surface_option_{nullptr};
+  CLI::Option* seconds_option_{nullptr};
   CLI::Option *mesh_option_{nullptr}, *cup_option_{nullptr}, *scale_option_{nullptr}, *tool_option_{nullptr};
 };
 

@@ -10,11 +10,10 @@
 
 namespace osteon::app {
 
-/// The options of a procedure: `--plan`, `--session`, `--resume`, `--guidance`,
-/// `--operator`.
+/// The options of a procedure: `--plan`, `--session`, `--resume`, `--guidance`, `--gain-from`, `--operator`.
 class ProcedureOptions {
  public:
-  /// @param with_session  also `--session` and `--resume`
+  /// @param with_session  also `--session`, `--resume` and `--gain-from`
   void Add(CLI::App& sub, bool with_session);
   [[nodiscard]] bool asked() const { return !plan_.empty(); }
   /// Finds the plan. @returns what is wrong; empty: nothing
@@ -22,7 +21,7 @@ class ProcedureOptions {
 
  private:
   std::string plan_, hand_{"expert"};
-  std::filesystem::path session_;
+  std::filesystem::path session_, gain_from_;
   bool resume_{false};
   std::optional<double> guidance_;
 };

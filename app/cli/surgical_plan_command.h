@@ -20,7 +20,8 @@ class SurgicalPlanCommand {
 
  private:
   SurgicalPlanOptions options_;
-  std::string plan_, cell_;
+  std::string plan_, cell_, mesh_;
+  double scale_{1.0};
   CLI::App* sub_;
 };
 

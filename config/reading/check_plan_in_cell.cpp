@@ -25,8 +25,10 @@ void CheckPlanInCell(const SurgicalPlanConfig& config, const CellConfig& cell,
     return fmt::format("{:.4g}, {:.4g}, {:.4g} mm, radius {:.4g} mm", 1e3 * at.center_m.x,
                        1e3 * at.center_m.y, 1e3 * at.center_m.z, 1e3 * at.radius_m);
   };
-  if (own && ((Vector3(own->center_m) - Vector3(site.center_m)).norm() > kSame_m ||
-              std::abs(own->radius_m - site.radius_m) > kSame_m))
+  const bool is_replaced = config.mesh_cup && !cell.bone;
+  if (own && !is_replaced &&
+      ((Vector3(own->center_m) - Vector3(site.center_m)).norm() > kSame_m ||
+       std::abs(own->radius_m - site.radius_m) > kSame_m))
     throw ConfigError(plan_file.string(), 0,
                       fmt::format("found a plan for a cup at {}, accepted for {}: that of {}",
                                   centre_mm(site), centre_mm(*own), cell_file.string()));

@@ -8,7 +8,8 @@
 namespace osteon::config {
 
 /// Refuses a plan that a cell would hinder: its depth limit begins to resist above the planned depth of a
-/// reamer. Also refuses a plan for another scene or bone than the cell's.
+/// reamer. Also refuses a plan for another scene or bone than the cell's. A plan for a mesh that the command
+/// names is for any cell whose bone that mesh replaces.
 /// @param plan_file, cell_file  for the error
 /// @throws ConfigError
 void CheckPlanInCell(const SurgicalPlanConfig& plan, const CellConfig& cell,

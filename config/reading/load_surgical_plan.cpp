@@ -107,13 +107,19 @@ procedure::PelvicFrame MakeFrame(const Reader& pelvis, const procedure::PelvicFr
   }
 }
 
+simulation::CutSite ReadMeshCup(Reader cup) {
+  return {.center_m = cup.Triple("center_mm", -2000, 2000),
+          .axis = cup.Direction("outward_axis"),
+          .radius_m = cup.Number("radius_mm", 0.5, 60)};
+}
+
 // The site of the plan's bone, without packing it. A packing file knows its own site only once it is read.
 simulation::CutSite SiteOf(const Reader& reader, const SurgicalPlanConfig& config) {
-  if (!config.bone) return simulation::MakeSceneSolid(config.scene).site;
-  if (!config.bone->cup)
+  if (!config.bone && !config.mesh_cup) return simulation::MakeSceneSolid(config.scene).site;
+  if (config.bone && !config.bone->cup)
     reader.Refuse("bone",
                   "found a packing without cup, accepted one with its cup: the plan is held against it");
-  simulation::CutSite site = *config.bone->cup;
+  simulation::CutSite site = config.bone ? *config.bone->cup : *config.mesh_cup;
   site.axis = Vector3(site.axis).normalized();
   return site;
 }
@@ -126,7 +132,13 @@ SurgicalPlanConfig LoadSurgicalPlan(const std::filesystem::path& path) {
   SurgicalPlan& plan = config.plan;
   plan.name = path.stem().string();
   std::filesystem::path scene = reader.File("scene", "scenes");
-  if (reader.Has("bone")) config.bone = ReadBone(reader.Section("bone"), scene);
+  if (reader.Has("bone")) {
+    Reader bone = reader.Section("bone");
+    if (bone.Has("mesh") || bone.Has("packing"))
+      config.bone = ReadBone(bone, scene);
+    else
+      config.mesh_cup = ReadMeshCup(bone.Section("cup"));
+  }
   plan.side =
       reader.Choice("side", {"right", "left"}) == 0 ? procedure::Side::kRight : procedure::Side::kLeft;
   Reader pelvis = reader.Section("pelvis");

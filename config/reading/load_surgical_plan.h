@@ -14,7 +14,9 @@ struct SurgicalPlanConfig {
   procedure::SurgicalPlan plan;
   simulation::SceneParams scene;   ///< without its materials
   std::optional<BoneConfig> bone;  ///< absent: the scene's own solid
-  simulation::CutSite site;        ///< of that bone, in G
+  /// The cup of a mesh that the plan is for and does not name: the command does. Absent: another bone.
+  std::optional<simulation::CutSite> mesh_cup;
+  simulation::CutSite site;  ///< of that bone, in G
 };
 
 /// Loads a plan and the scene that it names. Refuses an axis that is more than 45 degrees off the scene's

@@ -478,13 +478,17 @@ typedef struct OsteonGuidanceOutput {
  * beside it (that of osteon_session_evaluate): the sum stays within the limits, and `other` comes first;
  * null: none. twist: null for rest. As in the servo loop, it gives no energy that it has not taken: switched
  * on outside of its corridor it waits until the tool has been inside. The numbers are those of the servo
- * loop's own guidance at the same poses while its contact model is fresh. Wait-free: no lock, no allocation.
- * On failure the wrench is zero. */
+ * loop's own guidance at the same poses and the same age of the contact model. Wait-free: no lock, no
+ * allocation. On failure the wrench is zero. */
 OSTEON_API OsteonResult osteon_guidance_evaluate(OsteonGuidance* guidance, const OsteonPose* pose,
                                                  const OsteonTwist* twist, const OsteonWrench* other,
                                                  OsteonGuidanceOutput* output);
 /* Sets the gain, 0 … 1. The share falls to it at once, and rises to it as the energy allows. Wait-free. */
 OSTEON_API OsteonResult osteon_guidance_set_gain(OsteonGuidance* guidance, double gain);
+/* Age of the contact model that `other` is made of (OsteonFigures.pose_age_s): the guidance counts in full
+ * up to 20 ms and not at all from 60 ms on, and comes back within 0.1 s, as the servo loop's. Without this
+ * call the model counts as fresh. It holds until the next one. Wait-free. */
+OSTEON_API OsteonResult osteon_guidance_set_model_age(OsteonGuidance* guidance, double age_s);
 /* Begins anew: energy and share are forgotten. After a change of tool or a jump of the pose. Wait-free. */
 OSTEON_API OsteonResult osteon_guidance_reset(OsteonGuidance* guidance);
 

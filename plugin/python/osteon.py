@@ -308,6 +308,7 @@ for _name, _result, _arguments in [
     ("guidance_destroy", None, [c.c_void_p]),
     ("guidance_evaluate", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.POINTER(_Twist), c.POINTER(_Wrench), c.POINTER(_GuidanceOutput)]),
     ("guidance_set_gain", c.c_int, [c.c_void_p, c.c_double]),
+    ("guidance_set_model_age", c.c_int, [c.c_void_p, c.c_double]),
     ("guidance_reset", c.c_int, [c.c_void_p]),
     ("session_assess", c.c_int, [c.c_void_p, c.c_void_p, c.POINTER(_Assessment), c.POINTER(_ScoreItem), c.c_size_t, c.POINTER(c.c_size_t)]),
 ]:
@@ -555,6 +556,11 @@ class Guidance:
     def set_gain(self, gain):
         """Sets the gain, 0 … 1."""
         _check(_lib.osteon_guidance_set_gain(self._handle, gain))
+
+    def set_model_age(self, age_s):
+        """Age of the contact model that `other` is made of: from 20 ms on the guidance fades, from 60 ms on there is
+        none."""
+        _check(_lib.osteon_guidance_set_model_age(self._handle, age_s))
 
     def reset(self):
         """Begins anew, after a change of tool or a jump of the pose."""

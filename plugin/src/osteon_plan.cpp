@@ -131,6 +131,14 @@ OsteonResult osteon_guidance_set_gain(OsteonGuidance* guidance, double gain) {
   return OSTEON_OK;
 }
 
+OsteonResult osteon_guidance_set_model_age(OsteonGuidance* guidance, double age_s) {
+  if (!guidance) return Fail(OSTEON_ERROR_ARGUMENT, "guidance: found null, accepted a pointer");
+  if (!(age_s >= 0.0))
+    return Fail(OSTEON_ERROR_ARGUMENT, "age_s: found no number of at least 0, accepted seconds");
+  guidance->tick.SetModelAge(age_s);
+  return OSTEON_OK;
+}
+
 OsteonResult osteon_guidance_reset(OsteonGuidance* guidance) {
   if (!guidance) return Fail(OSTEON_ERROR_ARGUMENT, "guidance: found null, accepted a pointer");
   guidance->tick.Reset();

@@ -9,9 +9,11 @@
 #include <fmt/format.h>
 
 #include "config/reading/load_rubric.h"
+#include "control/coupling/virtual_coupling.h"
 #include "plugin/src/convert.h"
 #include "plugin/src/result.h"
 #include "plugin/src/shipped_files.h"
+#include "safety/watchdog.h"
 #include "session/procedure/plan_guidance.h"
 
 namespace osteon::plugin {
@@ -95,11 +97,15 @@ GuidanceTick::GuidanceTick(const PlanSource& plan, const OsteonGuidanceParams& p
                 InRange("max_speed_m_per_s", params.max_speed_m_per_s, kMaxSpeed_m_per_s),
                 InRange("period_s", params.period_s, kMaxPeriod_s)),
       limiter_({.max_force_N = InRange("max_force_N", params.max_force_N, safety::kForceCeiling_N),
-                .max_torque_Nm = InRange("max_torque_Nm", params.max_torque_Nm, kMaxTorque_Nm)}) {}
+                .max_torque_Nm = InRange("max_torque_Nm", params.max_torque_Nm, kMaxTorque_Nm)}),
+      period_s_(params.period_s) {}
 
 OsteonGuidanceOutput GuidanceTick::Evaluate(const Pose& X_GT, const Twist& V_GT,
                                             const Wrench& other) noexcept {
-  const double proposed = guidance_.Propose({.X_WT = X_GT, .V_WT = V_GT, .model_share = 1.0});
+  constexpr control::CouplingParams kCoupling;  // its ages, which no cell changes for guests
+  fade_ = std::min(safety::AgeShare(model_age_s_, kCoupling.fresh_s, kCoupling.gone_s),
+                   fade_ + period_s_ / kCoupling.ramp_s);
+  const double proposed = guidance_.Propose({.X_WT = X_GT, .V_WT = V_GT, .model_share = fade_});
   const control::GuidanceField& field = guidance_.field();
   const Wrench& F = field.F_T_W;
   // as the servo loop does, whose arm holds the sum as well: to the same rounding at the limit

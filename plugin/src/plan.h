@@ -35,11 +35,15 @@ class GuidanceTick {
   [[nodiscard]] OsteonGuidanceOutput Evaluate(const Pose& X_GT, const Twist& V_GT,
                                               const Wrench& other) noexcept;
   void SetGain(double gain) noexcept { guidance_.SetGain(gain); }
+  /// @param age_s  of the contact model, at least 0
+  void SetModelAge(double age_s) noexcept { model_age_s_ = age_s; }
   void Reset() noexcept { guidance_.Reset(); }
 
  private:
   control::Guidance guidance_;
   safety::WrenchLimiter limiter_;
+  double period_s_;
+  double model_age_s_{0.0}, fade_{1.0};  // share that the model's age leaves, as VirtualCoupling's
 };
 
 /// A score as the interface has it.

@@ -25,6 +25,9 @@ void ProcessSums::Add(const ProcessSample& sample, const PlannedReamer& reamer) 
   head_m_ = sample.head_m;
   last_s_ = sample.t_s;
   tremor_.Add(sample.F_hand_N, sample.spindle_rad_per_s);
+  if (sample.guidance_E_J && guidance_E_J_)
+    guidance_J_ += std::max(0.0, *guidance_E_J_ - *sample.guidance_E_J);
+  guidance_E_J_ = sample.guidance_E_J;
   if (!sample.cutting) return;
   cutting_s_ += period_s_;
   const double force_N = sample.F_hand_N.norm();
@@ -32,7 +35,9 @@ void ProcessSums::Add(const ProcessSample& sample, const PlannedReamer& reamer) 
   impulse_Ns_ += force_N * period_s_;
   across_Ns_ += across_N * period_s_;
   peak_N_ = std::max(peak_N_, force_N);
-  if (ExcessOf(*plan_, reamer, sample.head_m, sample.feed).outside()) outside_s_ += period_s_;
+  const bool has_corridor = plan_->guidance.lateral.ease_m > 0.0;
+  if (has_corridor && ExcessOf(*plan_, reamer, sample.cut_head_m, sample.cut_feed).outside())
+    outside_s_ += period_s_;
 }
 
 ProcessFigures ProcessSums::Figures() const {
@@ -43,7 +48,8 @@ ProcessFigures ProcessSums::Figures() const {
           .force_peak_N = peak_N_,
           .wrong_way = impulse_Ns_ > 0.0 ? across_Ns_ / impulse_Ns_ : 0.0,
           .outside_s = outside_s_,
-          .tremor_N = tremor_.value_N()};
+          .tremor_N = tremor_.value_N(),
+          .guidance_J = guidance_J_};
 }
 
 }  // namespace osteon::procedure

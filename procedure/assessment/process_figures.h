@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "kinematics/spatial.h"
@@ -13,11 +14,15 @@ namespace osteon::procedure {
 /// One tick as the figures need it. Poses and forces in the bone's frame G.
 struct ProcessSample {
   double t_s{0.0};
-  Vector3 head_m{Vector3::Zero()};  ///< centre of the tool's head H
-  Vector3 feed{Vector3::Zero()};    ///< the tool's +z
+  Vector3 head_m{Vector3::Zero()};  ///< centre of the head H of the measured tool, which the hand holds
+  /// Centre of the head and +z of the simulated tool, which stands in the bone and cuts. A pressed handle is
+  /// deeper by what the coupling's spring gives: 1.5 mm at 30 N.
+  Vector3 cut_head_m{Vector3::Zero()}, cut_feed{Vector3::Zero()};
   Vector3 F_hand_N{Vector3::Zero()};
   bool cutting{false};  ///< bone was removed
   double spindle_rad_per_s{0.0};
+  /// Energy E of the guidance (control::GuidanceRecord); nothing where it does not render.
+  std::optional<double> guidance_E_J{};
 };
 
 /// How far a pose is beyond the free corridor of the plan; negative inside. The same quantities as the
@@ -40,8 +45,12 @@ struct ProcessFigures {
   double path_m{0.0};     ///< way of the head's centre within kNearCup_m of the planned centre
   double force_mean_N{0.0}, force_peak_N{0.0};  ///< of the hand while cutting
   double wrong_way{0.0};  ///< impulse of the hand across the axis over its whole impulse, while cutting
-  double outside_s{0.0};  ///< outside of the corridor while cutting, with guidance or without
-  double tremor_N{0.0};   ///< effective hand force between 6 and 14 Hz, without the spindle's harmonics
+  /// The simulated tool outside of the corridor while cutting, with guidance or without; 0 where the plan has
+  /// no corridor.
+  double outside_s{0.0};
+  double tremor_N{0.0};  ///< effective hand force between 6 and 14 Hz, without the spindle's harmonics
+  double guidance_J{
+      0.0};  ///< energy that the guidance has taken from the hand; 0: it was off, or never needed
 };
 
 inline constexpr double kNearCup_m = 30e-3;
@@ -65,6 +74,8 @@ class ProcessSums {
   bool was_near_{false};
   double path_m_{0.0}, cutting_s_{0.0}, outside_s_{0.0};
   double impulse_Ns_{0.0}, across_Ns_{0.0}, peak_N_{0.0};
+  std::optional<double> guidance_E_J_{};  // of the sample before
+  double guidance_J_{0.0};
 };
 
 }  // namespace osteon::procedure

@@ -127,7 +127,7 @@
     };
     attribute("place", mesh.positions, gl.FLOAT, false);
     attribute("normal", mesh.normals, gl.FLOAT, false);
-    const tints = attribute("colour", coloursOf(mesh, colours, deviation_um, Number(data.range), "tissue"), gl.UNSIGNED_BYTE, true);
+    const tints = attribute("colour", coloursOf(mesh, colours, deviation_um, Number(data.range), data.first), gl.UNSIGNED_BYTE, true);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.indices, gl.STATIC_DRAW);
     gl.enable(gl.DEPTH_TEST);

@@ -1,6 +1,8 @@
 #include "session/procedure/prepare_session.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <numbers>
@@ -9,6 +11,7 @@
 #include <variant>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "base/write_text.h"
 #include "config/reading/check_plan_in_cell.h"
@@ -58,6 +61,26 @@ SessionGains GainsOfCell(const control::ServoParams& servo) {
   return gains;
 }
 
+// The mesh that the plan is for, with the plan's cup; of a session that is resumed, its own. @returns what is
+// wrong
+std::string TakeMesh(const ProcedureChoice& choice, const config::CellConfig& cell, Procedure& made) {
+  const auto& cup = made.plan.mesh_cup;
+  if (choice.resume && !made.mesh && !made.file.mesh_file.empty())
+    made.mesh = MeshChoice{.file = made.file.mesh_file, .scale = made.file.mesh_scale};
+  if (made.mesh && !cup)
+    return fmt::format("--mesh: found with --plan {}, accepted without: the plan names its bone",
+                       choice.plan.string());
+  if (cup && !made.mesh && !cell.bone)
+    return fmt::format(
+        "--plan {}: found a plan for a mesh and no --mesh, accepted with it, or with a cell whose bone it is",
+        choice.plan.string());
+  if (!made.mesh) return "";
+  made.mesh->cup = cup;
+  made.file.mesh_file = fs::absolute(made.mesh->file).lexically_normal().string();
+  made.file.mesh_scale = made.mesh->scale;
+  return "";
+}
+
 }  // namespace
 
 std::string ValidateNewSession(const fs::path& folder) {
@@ -71,6 +94,25 @@ std::string ValidateNewSession(const fs::path& folder) {
   return "";
 }
 
+tl::expected<double, std::string> GainFrom(const fs::path& folder, const std::string& plan_checksum) {
+  constexpr double kLessForEach = 0.25;
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    return tl::make_unexpected(
+        fmt::format("{}: found no folder, accepted one with a trainee's sessions", folder.string()));
+  double gain = 1.0;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    for (const char* inner : {"", "session"}) {
+      std::ifstream stream(entry.path() / inner / "assess.json");
+      if (!stream) continue;
+      const auto json = nlohmann::json::parse(stream, nullptr, false);
+      if (!json.is_object() || json.value("passed", nlohmann::json()) != true) continue;
+      const auto plan = json.value("plan", nlohmann::json::object());
+      if (plan.is_object() && plan.value("checksum", nlohmann::json()) == plan_checksum) gain -= kLessForEach;
+    }
+  return std::max(0.0, gain);
+}
+
 tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice, const fs::path& cell_yaml,
                                                    const std::optional<config::ToolChoice>& tool) {
   Procedure made{.plan = config::LoadSurgicalPlan(choice.plan),
@@ -80,13 +122,21 @@ tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice
                  .tool = {},
                  .in_use = {},
                  .tools = {},
-                 .recording = {}};
+                 .recording = {},
+                 .mesh = choice.mesh,
+                 .guidance = choice.guidance};
   const config::CellConfig cell = config::LoadCell(cell_yaml, tool);
   config::CheckPlanInCell(made.plan, cell, choice.plan, cell_yaml);
   for (const procedure::PlannedReamer& reamer : made.plan.plan.reamers)
     made.tools.diameters_mm.push_back(1e3 * reamer.diameter_m);
   made.tools.physical = made.plan.plan.tool_change == procedure::ToolChange::kPhysical;
   const std::string plan_checksum = TextChecksum(made.plan_text);
+  if (!choice.gain_from.empty()) {
+    const auto gain = GainFrom(choice.gain_from, plan_checksum);
+    if (!gain) return tl::make_unexpected("--gain-from: " + gain.error());
+    made.guidance = *gain;
+    fmt::print(stderr, "guidance: a gain of {:g}, by the sessions in {}\n", *gain, choice.gain_from.string());
+  }
   if (choice.resume) {
     auto file = ReadSession(choice.session);
     if (!file) return tl::make_unexpected("--resume: " + file.error());
@@ -108,6 +158,8 @@ tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice
     made.file.diameters_mm = made.tools.diameters_mm;
     made.file.tool_change = made.tools.physical ? "physical" : "virtual";
   }
+  if (std::string wrong = TakeMesh(choice, cell, made); !wrong.empty())
+    return tl::make_unexpected(std::move(wrong));
   std::set<std::string> recordings;
   for (const SessionSegment& segment : made.file.segments) recordings.insert(segment.recording);
   made.recording = fmt::format("run_{}.mcap", recordings.size() + 1);
@@ -181,7 +233,7 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
   for (const procedure::PlannedReamer& reamer : procedure.plan.plan.reamers) {
     auto guidance = GuidanceOf(procedure.plan.plan, reamer, setup.X_WG);
     if (!guidance) break;  // the plan has none
-    guidance->gain = choice.guidance.value_or(simulated ? 0.0 : guidance->gain);
+    guidance->gain = procedure.guidance.value_or(simulated ? 0.0 : guidance->gain);
     list.guidance.push_back(*guidance);
   }
   auto tools = LoadProcedureTools(setup.config, cell_yaml, procedure.tool.file, gains, list);

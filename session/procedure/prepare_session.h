@@ -23,8 +23,13 @@ struct ProcedureChoice {
   bool resume{false};
   /// The simulated operator's hand: "expert", or "novice" (UseHandOfPlan).
   std::string hand{"expert"};
+  /// The mesh that the plan is for and that takes the place of the cell's bone; absent: the cell has the
+  /// bone.
+  std::optional<MeshChoice> mesh{};
   /// Gain of the plan's guidance, 0 … 1; absent: the plan's own with a person's hand, 0 with a simulated one.
   std::optional<double> guidance{};
+  /// A trainee's sessions: the gain is 1, and a quarter less for each that passed. Empty: `guidance` counts.
+  std::filesystem::path gain_from{};
 };
 
 /// A procedure that is about to run: plan and session are read, nothing is written yet.
@@ -37,7 +42,9 @@ struct Procedure {
   config::ToolChoice tool;
   config::ToolChoice in_use;  ///< the reamer that the run begins with
   ToolList tools;
-  std::string recording;  ///< name in the folder: run_1.mcap
+  std::string recording;           ///< name in the folder: run_1.mcap
+  std::optional<MeshChoice> mesh;  ///< as chosen, with the plan's cup
+  std::optional<double> guidance;  ///< as chosen, or by the sessions of gain_from
 };
 
 /// Reads plan and session. @param tool  replaces the cell's: of its sizes are the plan's reamers
@@ -65,6 +72,13 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
                    config::CellConfig& cell);
 /// The reamer of a plan that a cell has; the first one if it has another tool.
 [[nodiscard]] int ReamerOf(const procedure::SurgicalPlan& plan, const config::CellConfig& cell);
+
+/// The gain of the guidance after a trainee's sessions of a plan: 1, and a quarter less for each that passed,
+/// not below 0. A session passed if its assess.json says so (`osteon assess --pass-at`).
+/// @param folder  has the sessions' folders, or folders that have them as `session`
+/// The error says what the folder lacks.
+[[nodiscard]] tl::expected<double, std::string> GainFrom(const std::filesystem::path& folder,
+                                                         const std::string& plan_checksum);
 
 /// Whether a folder can hold a new session; the reason if not.
 [[nodiscard]] std::string ValidateNewSession(const std::filesystem::path& folder);

@@ -39,6 +39,7 @@ ProcedureSession::ProcedureSession(ProcedureParams params)
   if (const auto& guidance = params_.tools[static_cast<std::size_t>(tool_)].loop.guidance)
     guidance_gain_ = guidance->gain;
   states_ = static_cast<int>(file_.passes.size());  // a state for each pass, undone or not
+  framed_tool_.store(tool_);
 }
 
 tl::expected<void, std::string> ProcedureSession::Begin(simulation::CuttingEngine& engine) {
@@ -166,6 +167,14 @@ void ProcedureSession::AfterFrame(const ToolCommand& command, const simulation::
   const rt::Nanoseconds since = command.stamp - std::exchange(framed_stamp_, command.stamp);
   panel_.Step(tool_, record.model, std::clamp(rt::ToSeconds(since), 0.0, kMaxFrameGap_s));
   const auto change = pass_.Step(record.model, command.stamp, command.spindle_rad_per_s);
+  framed_tool_.store(tool_);
+  if (change == PassDetector::Change::kBegan) to_go_m_.reset();
+  if (pass_.open()) {
+    const double to_go_m = PlaceAlongPlan(params_.plan, params_.plan.reamers[static_cast<std::size_t>(tool_)],
+                                          params_.X_WG.inverse() * Pose(record.model.X_WP))
+                               .to_go_m;
+    to_go_m_ = std::min(to_go_m, to_go_m_.value_or(to_go_m));
+  }
   if (change == PassDetector::Change::kEnded) end_pass_ = true;
 }
 
@@ -437,8 +446,10 @@ void ProcedureSession::EndPass(const simulation::CuttingEngine& engine, rt::Nano
                             .removed_mm3 = 1e9 * pass_.removed_m3(),
                             .state = name,
                             .state_hash = hash,
-                            .undone = false});
+                            .undone = false,
+                            .to_go_mm = to_go_m_ ? std::optional(1e3 * *to_go_m_) : std::nullopt});
   }
+  to_go_m_.reset();
   saved_ = std::move(state);
   saved_name_ = name;
   saved_hash_ = hash;

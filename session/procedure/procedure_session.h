@@ -101,6 +101,9 @@ class ProcedureSession final : public FrameObserver {
 
   [[nodiscard]] const std::vector<ProcedureTool>& tools() const { return params_.tools; }
   [[nodiscard]] int first_tool() const { return params_.tool; }
+  /// The tool of the newest frame. Any thread.
+  [[nodiscard]] int tool_in_use() const { return framed_tool_.load(); }
+  [[nodiscard]] const procedure::SurgicalPlan& plan() const { return params_.plan; }
   /// The session as it is now. Any thread.
   [[nodiscard]] SessionFile File() const;
   [[nodiscard]] const std::filesystem::path& folder() const { return params_.folder; }
@@ -155,13 +158,14 @@ class ProcedureSession final : public FrameObserver {
   std::shared_ptr<const simulation::CarvedState> uncut_, saved_;  // the state that counts now
   std::string saved_name_, saved_hash_;
   int states_{0};
-  bool changed_{false};   // tool or bone have changed in this pause: a resume is checked
-  bool end_pass_{false};  // the pass has ended with the last frame
+  bool changed_{false};            // tool or bone have changed in this pause: a resume is checked
+  bool end_pass_{false};           // the pass has ended with the last frame
+  std::optional<double> to_go_m_;  // least of the open pass
   rt::Nanoseconds last_stamp_{0}, framed_stamp_{0};
   std::map<int, Watched> watched_;
   std::string error_;
 
-  std::atomic<int> wanted_tool_{-1};
+  std::atomic<int> wanted_tool_{-1}, framed_tool_{0};
   std::atomic<double> wanted_gain_{-1.0};  // of the guidance; negative: none
   double guidance_gain_{0.0};              // in force; under mutex_
   std::atomic<bool> pause_{false}, resume_{false}, resume_asked_{false};

@@ -11,6 +11,7 @@
 #include "base/write_text.h"
 #include "io/recording/recording_reader.h"
 #include "session/planning/planned_cell.h"
+#include "session/procedure/session_bone.h"
 #include "session/procedure/session_file.h"
 #include "session/process/exit_code.h"
 #include "session/replay/recarve.h"
@@ -36,14 +37,17 @@ struct Scene {
   EngineChoice engine;
 };
 
-tl::expected<Scene, std::string> SetUpScene(const io::Recording& recording, const SessionFile& session) {
+tl::expected<Scene, std::string> SetUpScene(const io::Recording& recording, const fs::path& file,
+                                            const SessionFile& session) {
   Scene scene;
   auto cell = LoadRecordedTools(recording.session.config);
   if (!cell) return tl::make_unexpected(cell.error());
   if (cell->tools.size() != session.diameters_mm.size())
     return tl::make_unexpected(fmt::format("found {} tools in the recording, accepted the session's {}",
                                            cell->tools.size(), session.diameters_mm.size()));
-  auto setup = SetUpRecorded(recording.session);
+  const auto mesh = MeshOfSession(file);
+  if (!mesh) return tl::make_unexpected(mesh.error());
+  auto setup = SetUpRecorded(recording.session, *mesh);
   if (!setup) return tl::make_unexpected(setup.error());
   scene.setup = std::move(*setup);
   scene.setup.config = std::move(cell->config);
@@ -137,7 +141,7 @@ int RunReplaySession(const SessionReplayOptions& options) {
     std::string wrong;
     if (!recording) {
       wrong = recording.error();
-    } else if (auto scene = SetUpScene(*recording, *session); !scene) {
+    } else if (auto scene = SetUpScene(*recording, options.session / name, *session); !scene) {
       wrong = scene.error();
     } else {
       replay.loop = Replay(*recording, scene->setup.config, scene->tools, scene->first_tool);

@@ -6,10 +6,18 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "base/mapped_file.h"
 #include "base/write_text.h"
+#include "config/reading/load_surgical_plan.h"
+#include "config/reading/strict/config_error.h"
+#include "io/recording/recording_reader.h"
+#include "session/planning/planned_cell.h"
 #include "session/procedure/session_file.h"
+#include "simulation/bone/scenes.h"
 
 namespace osteon::app {
 namespace {
@@ -80,6 +88,44 @@ std::optional<PackedBone> ReadSessionBone(const std::filesystem::path& folder) {
                            .material = static_cast<simulation::MaterialIndex>(at[4])});
   }
   return bone;
+}
+
+tl::expected<std::optional<MeshChoice>, std::string> MeshOfSession(const std::filesystem::path& recording) {
+  const std::filesystem::path folder = recording.parent_path();
+  const auto session = ReadSession(folder);
+  if (!session) return tl::make_unexpected(session.error());
+  if (session->mesh_file.empty()) return std::optional<MeshChoice>();
+  std::error_code error;
+  if (!std::filesystem::exists(session->mesh_file, error))
+    return tl::make_unexpected(fmt::format("{}: found no file {}, accepted the session's bone where it lay",
+                                           (folder / kSessionFileName).string(), session->mesh_file));
+  MeshChoice mesh{.file = session->mesh_file, .scale = session->mesh_scale};
+  try {
+    mesh.cup = config::LoadSurgicalPlan(folder / session->plan_file).mesh_cup;
+  } catch (const config::ConfigError& refused) {
+    return tl::make_unexpected(std::string(refused.what()));
+  }
+  return std::optional(std::move(mesh));
+}
+
+tl::expected<CellSetup, std::string> SetUpSessionCell(const std::filesystem::path& recording) {
+  auto stream = io::RecordingStream::Open(recording);
+  if (!stream) return tl::make_unexpected(stream.error());
+  if (const auto first = stream->Next(); !first) return tl::make_unexpected(first.error());
+  const auto mesh = MeshOfSession(recording);
+  if (!mesh) return tl::make_unexpected(mesh.error());
+  auto setup = SetUpRecorded(stream->session, *mesh);
+  if (!setup) return tl::make_unexpected(recording.string() + ": " + setup.error());
+  if (auto kept = setup->solid ? ReadSessionBone(recording.parent_path()) : std::nullopt) {
+    setup->bone =
+        simulation::SceneBone({.name = setup->bone.name, .solid = setup->solid, .site = setup->bone.site},
+                              setup->config.scene, std::move(kept->balls), std::move(kept->points));
+    return setup;
+  }
+  const EngineChoice engine = ChooseEngine(stream->session.engine, "");
+  if (const auto packed = PackCell(*setup, {}, engine, false); !packed)
+    return tl::make_unexpected(recording.string() + ": " + packed.error());
+  return setup;
 }
 
 }  // namespace osteon::app

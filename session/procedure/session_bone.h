@@ -7,6 +7,7 @@
 
 #include <tl/expected.hpp>
 
+#include "session/setup/cell_setup.h"
 #include "simulation/bone/bone.h"
 
 // The uncut bone of a session, as it was packed: FOLDER/bone.packed. An assessment reads it instead of
@@ -27,5 +28,14 @@ struct PackedBone {
                                                                const simulation::Bone& bone);
 /// Nothing where there is no such file, or it is not whole (sizes, checksum).
 [[nodiscard]] std::optional<PackedBone> ReadSessionBone(const std::filesystem::path& folder);
+
+/// The mesh that took the place of the cell's bone, with the plan's cup; nothing: none did. The error names
+/// the file. @param recording  of the session, in its folder
+[[nodiscard]] tl::expected<std::optional<MeshChoice>, std::string> MeshOfSession(
+    const std::filesystem::path& recording);
+
+/// The cell of a session's recording, with the bone that the session has kept; without one, the bone is
+/// packed again, as the session did. The error names the file.
+[[nodiscard]] tl::expected<CellSetup, std::string> SetUpSessionCell(const std::filesystem::path& recording);
 
 }  // namespace osteon::app

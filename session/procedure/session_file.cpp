@@ -57,7 +57,8 @@ json PassJson(const SessionPass& p, const SessionFile& session) {
           {"removed_mm3", p.removed_mm3},
           {"state", p.state},
           {"state_hash", p.state_hash},
-          {"undone", p.undone}};
+          {"undone", p.undone},
+          {"to_go_mm", p.to_go_mm ? json(*p.to_go_mm) : json(nullptr)}};
 }
 
 int ReadToolIndex(const json& object, const SessionFile& session) {
@@ -91,6 +92,8 @@ SessionPass ReadPass(const json& object, const SessionFile& session) {
                    .state = ReadName(object, "state"),
                    .state_hash = object.at("state_hash").get<std::string>(),
                    .undone = object.at("undone").get<bool>()};
+  if (const auto to_go = object.find("to_go_mm"); to_go != object.end() && !to_go->is_null())
+    pass.to_go_mm = to_go->get<double>();
   if (pass.segment < 0 || pass.segment >= static_cast<int>(session.segments.size()))
     throw std::runtime_error(fmt::format("segment: found {}, accepted 0 … {}", pass.segment,
                                          static_cast<int>(session.segments.size()) - 1));
@@ -145,6 +148,8 @@ std::string ToJson(const SessionFile& session) {
       {"checksums",
        {{"plan", session.plan_checksum}, {"cell", session.cell_checksum}, {"bone", session.bone_checksum}}},
       {"scene", session.scene},
+      {"mesh", session.mesh_file.empty() ? json(nullptr)
+                                         : json{{"file", session.mesh_file}, {"scale", session.mesh_scale}}},
       {"tool", session.tool},
       {"diameters_mm", session.diameters_mm},
       {"tool_change", session.tool_change},
@@ -174,6 +179,7 @@ tl::expected<SessionFile, std::string> ParseSession(const std::string& text) {
                         .cell_checksum = all.at("checksums").at("cell").get<std::string>(),
                         .bone_checksum = all.at("checksums").at("bone").get<std::string>(),
                         .scene = all.at("scene").get<std::string>(),
+                        .mesh_file = {},
                         .tool = all.at("tool").get<std::string>(),
                         .diameters_mm = all.at("diameters_mm").get<std::vector<double>>(),
                         .tool_change = all.at("tool_change").get<std::string>(),
@@ -189,6 +195,10 @@ tl::expected<SessionFile, std::string> ParseSession(const std::string& text) {
                      .damping_Ns_per_m = gains.at("damping_Ns_per_m").get<double>(),
                      .mass_kg = gains.at("mass_kg").get<std::array<double, 3>>(),
                      .drag_Ns_per_m = gains.at("drag_Ns_per_m").get<std::array<double, 3>>()};
+    if (const auto mesh = all.find("mesh"); mesh != all.end() && !mesh->is_null()) {
+      session.mesh_file = mesh->at("file").get<std::string>();
+      session.mesh_scale = mesh->at("scale").get<double>();
+    }
     for (const json& segment : all.at("segments")) session.segments.push_back(ReadSegment(segment, session));
     for (const json& pass : all.at("passes")) session.passes.push_back(ReadPass(pass, session));
     if (const json& cup = all.at("cup_X_GT"); !cup.is_null()) session.cup_X_GT = ReadPose(cup);

@@ -46,6 +46,9 @@ struct SessionPass {
   std::string state;       ///< file of the carved state after it
   std::string state_hash;  ///< HashState of it
   bool undone{false};      ///< taken back: counts for time, not for the result
+  /// Least height of the simulated head's centre over its planned place; negative: deeper. Absent: a session
+  /// older than this figure.
+  std::optional<double> to_go_mm{};
 };
 
 /// The gains of the cell at the session's start.
@@ -63,7 +66,9 @@ struct SessionFile {
   std::string plan_checksum, cell_checksum;  ///< FNV-1a of 64 bits, 16 hexadecimal digits
   std::string bone_checksum;                 ///< HashState of the uncut bone
   std::string scene;
-  std::string tool;                    ///< name of the tool's kind, such as "reamer"
+  std::string mesh_file;   ///< the mesh that took the cell's bone's place, as a whole path; empty: none
+  double mesh_scale{1.0};  ///< millimetres per unit of it
+  std::string tool;        ///< name of the tool's kind, such as "reamer"
   std::vector<double> diameters_mm;    ///< of the plan's reamers
   std::string tool_change{"virtual"};  ///< "virtual" or "physical"
   std::string clock{"wall"};           ///< "wall" or "virtual"

@@ -14,6 +14,7 @@
 #include "io/recording/recording_reader.h"
 #include "io/recording/recovery.h"
 #include "session/foxglove/bone_copy.h"
+#include "session/procedure/session_cut.h"
 #include "session/process/exit_code.h"
 #include "session/replay/export_tables.h"
 #include "session/replay/recorded_surface.h"
@@ -110,6 +111,17 @@ tl::expected<BoneFiles, std::string> WriteBone(const ExportOptions& options,
   return files;
 }
 
+// The passes of the recording, as one more table.
+tl::expected<std::filesystem::path, std::string> WritePassesOf(const ExportOptions& options,
+                                                               const std::filesystem::path& source,
+                                                               const SessionFile& session,
+                                                               const std::filesystem::path& folder) {
+  auto stream = io::RecordingStream::Open(source);
+  if (!stream) return tl::make_unexpected(stream.error());
+  if (const auto first = stream->Next(); !first) return tl::make_unexpected(first.error());
+  return WritePassTable(session, options.recording, stream->session.stamp, folder);
+}
+
 nlohmann::ordered_json ToJson(const BoneCopy& copy) {
   return {{"file", copy.file.string()},
           {"messages", copy.messages},
@@ -157,6 +169,11 @@ int RunExport(const ExportOptions& options) {
           of_the_recording ? kBadInput : kFailed);
     }
     tables = std::move(*written);
+    if (const auto session = FindSessionOf(options.recording)) {
+      auto passes = WritePassesOf(options, source, *session, folder);
+      if (!passes) return Fail("export", passes.error(), kFailed);
+      tables->files.push_back(std::move(*passes));
+    }
   }
 
   const auto bone = WriteBone(options, source);

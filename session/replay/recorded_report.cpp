@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -12,10 +14,13 @@
 #include "console/stream/live_window.h"
 #include "io/recording/recording_reader.h"
 #include "safety/cell_state.h"
+#include "session/procedure/session_bone.h"
+#include "session/procedure/session_cut.h"
 #include "session/process/exit_code.h"
 #include "session/replay/recarve.h"
 #include "session/run/cell_run.h"
 #include "session/setup/cell_setup.h"
+#include "session/setup/recorded_config.h"
 #include "session/stops/stop_records.h"
 #include "session/summary/chart_files.h"
 #include "session/summary/each_fault.h"
@@ -23,6 +28,8 @@
 #include "session/summary/run_files.h"
 #include "session/summary/run_report.h"
 #include "session/summary/summary.h"
+#include "simulation/engine/tool_change.h"
+#include "simulation/files/carved_file.h"
 
 namespace osteon::app {
 namespace {
@@ -50,17 +57,66 @@ control::RunEnd EndOf(safety::FaultSet faults, const std::string& end, bool rend
   return by_time ? control::RunEnd::kSeconds : control::RunEnd::kStopFlag;
 }
 
+std::filesystem::path FolderOf(const std::filesystem::path& recording) {
+  return recording.has_parent_path() ? recording.parent_path() : std::filesystem::path(".");
+}
+
 struct Read {
   RunAccumulator run;
   CellRunResult result;
   double seconds{0.0};  ///< between the first and the last commanded tick
 };
 
+/// The session that a recording belongs to, up to the recording's end, with its tools.
+struct RecordedSession {
+  SessionFile file;
+  RecordedCell cell;
+};
+
+// Nothing: a recording of one tool. A recording of several needs its session's saved states.
+tl::expected<std::optional<RecordedSession>, std::string> FindRecordedSession(
+    const std::filesystem::path& recording, const io::SessionInfo& info) {
+  auto cell = LoadRecordedTools(info.config);
+  if (!cell) return tl::unexpected(recording.string() + ": " + cell.error());
+  if (cell->tools.size() < 2) return std::optional<RecordedSession>();
+  auto session = FindSessionOf(recording);
+  if (!session)
+    return tl::unexpected(
+        fmt::format("{}: found a recording of {} tools without its session, accepted one in "
+                    "the session's folder, beside {}",
+                    recording.string(), cell->tools.size(), kSessionFileName));
+  return RecordedSession{.file = SessionUpTo(std::move(*session), recording.filename().string()),
+                         .cell = std::move(*cell)};
+}
+
+// Takes the last state that the session has saved, and what its passes have cut. @returns what is wrong
+std::string TakeSession(const std::filesystem::path& folder, const RecordedSession& session,
+                        const CellSetup& setup, simulation::CuttingEngine& engine, RunAccumulator& run) {
+  std::vector<simulation::Tool> tools;
+  for (const ProcedureTool& tool : session.cell.tools) tools.push_back(tool.tool);
+  auto cut = ReadSessionCut(folder, session.file, std::move(tools), setup.X_WG);
+  if (!cut) return cut.error();
+  cut->planned = ReadPlannedCavity(folder, session.file);
+  run.session_cut = std::make_shared<const SessionCut>(std::move(*cut));
+  const std::string name = session.file.LastState();
+  if (name.empty()) return "";  // the uncut bone
+  auto state = simulation::ReadCarvedState(folder / name, setup.bone);
+  if (!state) return state.error().Text();
+  engine.Restore(simulation::WithoutContact(std::move(*state)));
+  return "";
+}
+
 tl::expected<Read, std::string> ReadAll(const std::filesystem::path& path, const CellSetup& setup,
+                                        const std::optional<RecordedSession>& session,
                                         simulation::CuttingEngine& engine, StopPages& stops) {
   auto stream = io::RecordingStream::Open(path);
   if (!stream) return tl::unexpected(stream.error());
   Read read{.run = RunAccumulator(setup), .result = {}};
+  if (session) {
+    read.run.UseTools(setup, session->cell.tools, session->cell.list.first);
+    if (std::string wrong = TakeSession(FolderOf(path), *session, setup, engine, read.run); !wrong.empty())
+      return tl::unexpected(std::move(wrong));
+  }
   Recarve recarve(engine, setup.config.servo.law);
   std::uint32_t faults = 0;  // of the last tick
   std::string end;
@@ -71,12 +127,12 @@ tl::expected<Read, std::string> ReadAll(const std::filesystem::path& path, const
     if (*topic == io::RecordedTopic::kTick) {
       read.run.Add(stream->tick);
       stops.Add(stream->session, stream->tick);
-      recarve.Add(stream->tick);
+      if (!session) recarve.Add(stream->tick);
       AddTick(stream->tick, read.result.statistics);
       faults = stream->tick.faults;
     } else if (*topic == io::RecordedTopic::kFrame) {
       read.run.Add(stream->frame);
-      recarve.Add(stream->frame);
+      if (!session) recarve.Add(stream->frame);
     } else if (*topic == io::RecordedTopic::kEvent) {
       stops.Add(stream->event);
       if (stream->event.text.starts_with(kEndEvent)) end = stream->event.text;
@@ -111,10 +167,12 @@ int RunRecordedReport(const RecordedReportOptions& options) {
   auto stream = io::RecordingStream::Open(options.recording);
   if (!stream) return refuse(stream.error());
   if (const auto first = stream->Next(); !first) return refuse(first.error());
-  auto setup = SetUpRecorded(stream->session);
-  if (!setup) return refuse(options.recording.string() + ": " + setup.error());
+  const auto session = FindRecordedSession(options.recording, stream->session);
+  if (!session) return refuse(session.error());
+  auto setup = *session ? SetUpSessionCell(options.recording) : SetUpRecorded(stream->session);
+  if (!setup) return refuse(*session ? setup.error() : options.recording.string() + ": " + setup.error());
   if (!setup->solid) return refuse(options.recording.string() + ": " + setup->bone_warning);
-  PackAsScene(*setup);
+  if (!*session) PackAsScene(*setup);
   const EngineChoice choice{.engine = "cpu"};
   auto engine = MakeEngine(*setup, choice);
   if (!engine) return refuse(engine.error());
@@ -125,13 +183,18 @@ int RunRecordedReport(const RecordedReportOptions& options) {
   if (!folder.empty()) std::filesystem::create_directories(folder, error);
   const std::string stem = options.recording.stem().string();
   StopPages stops({.folder = folder, .stem = stem, .cell = setup->config, .recording = options.recording});
-  auto read = ReadAll(options.recording, *setup, **engine, stops);
+  auto read = ReadAll(options.recording, *setup, *session, **engine, stops);
   if (!read) return refuse(read.error());
   progress.BeginPhase("measure the cut");
   const CellRunParams params{
       .seconds = read->seconds, .virtual_time = WasVirtual(read->run), .recording = options.recording};
   RunSummary summary = Summarise(*setup, **engine, params, read->result, read->run);
   summary.servo_thread.reset();
+  if (*session) {
+    summary.session = FolderOf(options.recording).string();
+    summary.passes = (*session)->file.passes;
+    summary.diameters_mm = (*session)->file.diameters_mm;
+  }
   summary.engine = stream->session.engine;
   summary.device = stream->session.device;
   std::string wrong;

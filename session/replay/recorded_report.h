@@ -13,7 +13,8 @@ struct RecordedReportOptions {
 };
 
 /// Runs `osteon report`: makes the report of a recording, and the pages of its stops. The bone is cut again
-/// along the recorded motion, packed as its scene says.
+/// along the recorded motion, packed as its scene says. A recording of a session has the session's own bone
+/// and its last saved state instead.
 /// @returns the process's exit code: 0; 1 a file could not be written; 2 the recording, or its bone, cannot
 /// be read.
 [[nodiscard]] int RunRecordedReport(const RecordedReportOptions& options);

@@ -8,6 +8,9 @@
 #include <fmt/format.h>
 
 #include "io/recording/recording_reader.h"
+#include "report/bone_view.h"
+#include "session/procedure/session_cut.h"
+#include "session/setup/recorded_config.h"
 #include "session/summary/chart_files.h"
 #include "simulation/surface/bone_solid.h"
 #include "simulation/surface/carved_field.h"
@@ -51,6 +54,49 @@ tl::expected<io::SessionInfo, std::string> EachMessage(const std::filesystem::pa
 
 }  // namespace
 
+namespace {
+
+tl::expected<WrittenSurface, std::string> WriteField(const std::filesystem::path& file,
+                                                     const surface::CarvedField& field,
+                                                     WrittenSurface written) {
+  const auto figures = surface::WriteSurface(file, field);
+  if (!figures) return tl::make_unexpected(figures.error().Text());
+  written.figures = *figures;
+  return written;
+}
+
+// The paths of a session's tools up to a time of one of its recordings.
+tl::expected<SessionCut, std::string> CutUpTo(const std::filesystem::path& recording,
+                                              const SessionFile& session, const CellSetup& setup,
+                                              std::optional<double> at_s, WrittenSurface& written) {
+  auto info = EachMessage(recording, io::RecordedTopic::kEvent, [](const io::RecordingStream&) {});
+  if (!info) return tl::make_unexpected(info.error());
+  const auto cell = LoadRecordedTools(info->config);
+  if (!cell) return tl::make_unexpected(recording.string() + ": " + cell.error());
+  std::vector<simulation::Tool> tools;
+  for (const ProcedureTool& tool : cell->tools) tools.push_back(tool.tool);
+  SessionCut cut(session, std::move(tools), setup.X_WG);
+  const std::string own = recording.filename().string();
+  std::string name;
+  for (const SessionSegment& segment : session.segments) {
+    if (segment.recording == name) continue;
+    name = segment.recording;
+    const std::filesystem::path file = recording.parent_path() / name;
+    std::error_code error;  // a process that was killed at once has left none
+    if (!std::filesystem::exists(file, error)) continue;
+    const auto read = EachMessage(file, io::RecordedTopic::kFrame, [&](const io::RecordingStream& stream) {
+      const double time_s = rt::ToSeconds(stream.frame.stamp - info->stamp);
+      if (name == own && at_s && time_s > *at_s) return;
+      if (name == own) written.time_s = std::max(written.time_s, time_s);
+      cut.Add(name, stream.frame);
+    });
+    if (!read) return tl::make_unexpected(read.error());
+  }
+  return cut;
+}
+
+}  // namespace
+
 tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesystem::path& recording,
                                                                const CellSetup& setup,
                                                                std::optional<double> at_s,
@@ -63,9 +109,19 @@ tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesy
   WrittenSurface written{.file = file,
                          .voxel_mm = static_cast<double>(surface::VoxelFor(tool)),
                          .from_balls = setup.solid == nullptr};
+  std::optional<SessionCut> cut;
+  if (const auto found = FindSessionOf(recording)) {
+    auto read = CutUpTo(recording, SessionUpTo(*found, recording.filename().string()), setup, at_s, written);
+    if (!read) return tl::make_unexpected(read.error());
+    cut = std::move(*read);
+  }
   try {
     surface::CarvedField field(
         surface::FieldOfBone(setup.solid.get(), setup.bone, static_cast<float>(written.voxel_mm)));
+    if (cut) {
+      for (const simulation::ToolPath& path : cut->paths()) CarveAlong(field, path);
+      return WriteField(file, field, std::move(written));
+    }
     surface::ToolWays ways(tool, setup.X_WG);
     const auto carved =
         EachMessage(recording, io::RecordedTopic::kFrame, [&](const io::RecordingStream& stream) {
@@ -78,13 +134,10 @@ tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesy
         });
     if (!carved) return tl::make_unexpected(carved.error());
     field.Carve(ways.TakeCapsules());
-    const auto figures = surface::WriteSurface(file, field);
-    if (!figures) return tl::make_unexpected(figures.error().Text());
-    written.figures = *figures;
+    return WriteField(file, field, std::move(written));
   } catch (const std::invalid_argument& error) {  // a grid that no memory holds
     return tl::make_unexpected(fmt::format("{}: {}", file.string(), error.what()));
   }
-  return written;
 }
 
 tl::expected<CellSetup, std::string> PrepareRecordedCell(const io::SessionInfo& session,

@@ -24,7 +24,8 @@ struct WrittenSurface {
 };
 
 /// Carves the bone's solid by the frames of a recording, and writes its surface. Frames give the proxy's way,
-/// ticks the times in which the spindle turned.
+/// ticks the times in which the spindle turned. A recording of a session is carved by all tools of the
+/// session's passes that count, up to that time.
 /// @param setup  the cell of the recording: bone, solid, tool and X_WG
 /// @param at_s   up to this time since the recording's start; none: to its end
 /// The error names the file and what is wrong.

@@ -91,7 +91,7 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
                    .stem = params.recording.stem().string(),
                    .cell = setup.config,
                    .recording = params.recording});
-  auto run = ReadRun(params.recording, setup, stops);
+  auto run = ReadRun(params.recording, setup, stops, params.procedure);
   std::string wrong = DescribeRecordingErrors(result, run ? "" : run.error());
   if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
   measuring.BeginPhase("measure the cut");
@@ -135,10 +135,12 @@ int RunDemo(const DemoOptions& asked) {
   DemoOptions options = asked;
   std::optional<Procedure> procedure;
   if (!options.procedure.plan.empty()) {
+    options.procedure.mesh = options.mesh;
     if (options.procedure.session.empty()) options.procedure.session = FreshSession(options.out);
     auto opened = OpenProcedure(options.procedure, options.cell, options.tool);
     if (!opened) return Fail("demo", opened.error());
     procedure = std::move(*opened);
+    options.mesh = procedure->mesh;
     const auto reamers =
         procedure->tools.diameters_mm.size() - static_cast<std::size_t>(procedure->tools.first);
     if (options.default_seconds)

@@ -14,6 +14,7 @@
 #include "session/procedure/procedure_session.h"
 #include "session/run/console_scene.h"
 #include "session/run/live_surface.h"
+#include "simulation/removal/cut_metrics.h"
 
 namespace osteon::app {
 namespace {
@@ -56,10 +57,50 @@ tl::expected<ConsoleChoice, std::string> ConsoleChoice::Parse(const std::string&
   return choice;
 }
 
+tl::expected<SessionRequest, std::string> SessionRequestOf(const console::ProcedureRequest& request) {
+  using Kind = console::ProcedureRequest::Kind;
+  SessionRequest asked{.confirmed = request.confirmed};
+  switch (request.kind) {
+    case Kind::kNext:
+      asked.kind = SessionRequest::Kind::kNext;
+      break;
+    case Kind::kTool:
+      asked.kind = SessionRequest::Kind::kTool;
+      asked.diameter_mm = request.value;
+      break;
+    case Kind::kUndo:
+      asked.kind = SessionRequest::Kind::kUndo;
+      break;
+    case Kind::kSave:
+      asked.kind = SessionRequest::Kind::kSave;
+      break;
+    case Kind::kCup:
+      asked.kind = SessionRequest::Kind::kCup;
+      break;
+    case Kind::kGuidance:
+      if (!(request.value >= 0.0 && request.value <= 1.0))
+        return tl::make_unexpected(fmt::format("guidance: found {:g}, accepted 0 … 1", request.value));
+      asked.kind = SessionRequest::Kind::kGuidance;
+      asked.gain = request.value;
+      break;
+  }
+  return asked;
+}
+
 LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests)
     : setup_(setup), run_(run), requests_(requests), gains_(setup.config), cell_(setup.cell_name) {
   scene_ = ConsoleScene(setup, run.command, run.seconds, run.recording);
   context_ = LiveContextOf(setup);
+}
+
+void LiveViews::SetSession(ProcedureSession* session) {
+  session_ = session;
+  if (!session || setup_.bone.balls.empty()) return;
+  std::vector<simulation::ApexDepth> depths;
+  for (const ProcedureTool& tool : session->tools()) depths.emplace_back(setup_.bone, tool.tool);
+  context_.depth_m = [session, depths, X_GW = Pose(setup_.X_WG.inverse())](const Pose& X_WP) {
+    return depths[static_cast<std::size_t>(session->tool_in_use())].DepthAt(X_GW * X_WP);
+  };
 }
 
 void LiveViews::Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove) {
@@ -154,33 +195,9 @@ console::RequestAnswer LiveViews::Ask(console::OperatorRequest request) {
 }
 
 console::RequestAnswer LiveViews::AskSession(const console::ProcedureRequest& request) {
-  using Kind = console::ProcedureRequest::Kind;
-  SessionRequest asked{.confirmed = request.confirmed};
-  switch (request.kind) {
-    case Kind::kNext:
-      asked.kind = SessionRequest::Kind::kNext;
-      break;
-    case Kind::kTool:
-      asked.kind = SessionRequest::Kind::kTool;
-      asked.diameter_mm = request.value;
-      break;
-    case Kind::kUndo:
-      asked.kind = SessionRequest::Kind::kUndo;
-      break;
-    case Kind::kSave:
-      asked.kind = SessionRequest::Kind::kSave;
-      break;
-    case Kind::kCup:
-      asked.kind = SessionRequest::Kind::kCup;
-      break;
-    case Kind::kGuidance:
-      if (!(request.value >= 0.0 && request.value <= 1.0))
-        return {.done = false, .reason = fmt::format("guidance: found {:g}, accepted 0 … 1", request.value)};
-      asked.kind = SessionRequest::Kind::kGuidance;
-      asked.gain = request.value;
-      break;
-  }
-  const SessionAnswer answer = session_->Ask(asked);
+  const auto asked = SessionRequestOf(request);
+  if (!asked) return {.done = false, .reason = asked.error()};
+  const SessionAnswer answer = session_->Ask(*asked);
   return {.done = answer.done, .reason = answer.reason};
 }
 

@@ -16,6 +16,7 @@
 #include "console/stream/live_status.h"
 #include "io/local/local_server.h"
 #include "session/foxglove/live_topics.h"
+#include "session/procedure/session_request.h"
 #include "session/run/gains_panel.h"
 #include "session/setup/cell_setup.h"
 #include "simulation/surface/surface_thread.h"
@@ -43,6 +44,10 @@ struct LiveRun {
   std::string recording;  ///< the file
 };
 
+/// What a page asks of a procedure's session, as the session takes it. The error says what is accepted.
+[[nodiscard]] tl::expected<SessionRequest, std::string> SessionRequestOf(
+    const console::ProcedureRequest& request);
+
 /// What a person sees of a running cell and may ask of it: the status line on the terminal, and `osteon
 /// status`, `pause`, `resume`, `recover`, `stop` through the local socket.
 ///
@@ -56,7 +61,8 @@ class LiveViews {
   LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests);
 
   /// Passes what a procedure's session is asked for to it. Before Open. @param session  null: none
-  void SetSession(ProcedureSession* session) { session_ = session; }
+  /// The depth that is shown is then that of the tool in use.
+  void SetSession(ProcedureSession* session);
 
   /// Opens the local socket, the console, and the server for Foxglove. The run goes on without what could not
   /// be opened.

@@ -80,7 +80,7 @@ int PrintResult(const OperateOptions& options, const CellSetup& setup,
                    .stem = options.record.stem().string(),
                    .cell = setup.config,
                    .recording = params.recording});
-  auto run = ReadRun(params.recording, setup, stops);
+  auto run = ReadRun(params.recording, setup, stops, params.procedure);
   std::string wrong = DescribeRecordingErrors(result, run ? "" : run.error());
   if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
   measuring.BeginPhase("measure the cut");

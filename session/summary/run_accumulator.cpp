@@ -1,9 +1,12 @@
 #include "session/summary/run_accumulator.h"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "control/ports.h"
 #include "io/recording/recording_reader.h"
+#include "session/procedure/procedure_session.h"
 #include "session/summary/each_fault.h"
 
 namespace osteon::app {
@@ -43,7 +46,18 @@ RunAccumulator::RunAccumulator(const CellSetup& setup)
   active.sensor_full_s = setup.config.servo.watchdog.sensor_full_s;
 }
 
+void RunAccumulator::UseTools(const CellSetup& setup, std::span<const ProcedureTool> tools, int first) {
+  if (setup.bone.balls.empty() || tools.empty()) return;
+  tool_in_use_ = std::make_shared<int>(first);
+  std::vector<simulation::ApexDepth> depths;
+  for (const ProcedureTool& tool : tools) depths.emplace_back(setup.bone, tool.tool);
+  curves.depth_of = [depths, tool = tool_in_use_, X_GW = Pose(setup.X_WG.inverse())](const Pose& X_WT) {
+    return depths[static_cast<std::size_t>(*tool) % depths.size()].DepthAt(X_GW * X_WT);
+  };
+}
+
 void RunAccumulator::Add(const control::TickRecord& tick) {
+  if (tool_in_use_) *tool_in_use_ = tick.input.tool_index;
   ++ticks;
   curves.Add(tick);
   active.Add(tick);
@@ -70,10 +84,20 @@ void RunAccumulator::Add(const simulation::FrameRecord& frame) {
 }
 
 tl::expected<RunAccumulator, std::string> ReadRun(const std::filesystem::path& recording,
-                                                  const CellSetup& setup, StopPages& stops) {
+                                                  const CellSetup& setup, StopPages& stops,
+                                                  const ProcedureSession* procedure) {
   auto stream = io::RecordingStream::Open(recording);
   if (!stream) return tl::unexpected(stream.error());
   RunAccumulator run(setup);
+  if (procedure) {
+    run.UseTools(setup, procedure->tools(), procedure->first_tool());
+    std::vector<simulation::Tool> tools;
+    for (const ProcedureTool& tool : procedure->tools()) tools.push_back(tool.tool);
+    auto cut = ReadSessionCut(procedure->folder(), procedure->File(), std::move(tools), setup.X_WG);
+    if (!cut) return tl::unexpected(cut.error());
+    cut->planned = procedure->plan().cavity();
+    run.session_cut = std::make_shared<const SessionCut>(std::move(*cut));
+  }
   for (;;) {
     const auto topic = stream->Next();
     if (!topic) return tl::unexpected(topic.error());

@@ -3,12 +3,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <tl/expected.hpp>
 
 #include "report/run_curves.h"
+#include "session/procedure/procedure_tools.h"
+#include "session/procedure/session_cut.h"
 #include "session/setup/cell_setup.h"
 #include "session/stops/stop_records.h"
 #include "session/summary/drive_fault_rows.h"
@@ -19,6 +23,8 @@
 #include "simulation/tools/proxy_path.h"
 
 namespace osteon::app {
+
+class ProcedureSession;
 
 /// Figures of the ticks in which the arm was commanded (COMMANDING_ACTIVE).
 struct ActiveTicks {
@@ -45,6 +51,8 @@ struct ActiveTicks {
 /// (DurationCounts), thinned (RunCurves, ProxyPath), or only their first and last values are kept.
 struct RunAccumulator {
   explicit RunAccumulator(const CellSetup& setup);
+  /// Of a procedure: the tool's depth is that of the tool in use. @param first  in use at the beginning
+  void UseTools(const CellSetup& setup, std::span<const ProcedureTool> tools, int first);
   void Add(const control::TickRecord& tick);
   void Add(const simulation::FrameRecord& frame);
 
@@ -68,11 +76,20 @@ struct RunAccumulator {
   std::optional<rt::Nanoseconds> last_frame;
   simulation::ReamedDepth reamed;
   double cup_depth_m{0.0};  ///< of the last frame
+
+  /// What the passes of a procedure have cut, with all its tools; null: a run of one tool, whose `path` it
+  /// is.
+  std::shared_ptr<const SessionCut> session_cut{};
+
+ private:
+  std::shared_ptr<int> tool_in_use_{};  // which curves.depth_of reads; null: one tool
 };
 
 /// Reads a recording in one pass; its ticks and events go to `stops` as well.
 /// The error names the file, the byte and the reason.
+/// @param procedure  whose run was recorded; null: none
 [[nodiscard]] tl::expected<RunAccumulator, std::string> ReadRun(const std::filesystem::path& recording,
-                                                                const CellSetup& setup, StopPages& stops);
+                                                                const CellSetup& setup, StopPages& stops,
+                                                                const ProcedureSession* procedure = nullptr);
 
 }  // namespace osteon::app

@@ -1,5 +1,9 @@
 #include "session/summary/run_report.h"
 
+#include <functional>
+#include <utility>
+#include <vector>
+
 namespace osteon::app {
 namespace {
 
@@ -21,20 +25,34 @@ tl::expected<ReportFigures, std::string> WriteRunReport(const CellSetup& setup, 
                                                         const std::string& command,
                                                         const std::string& command_line,
                                                         const std::filesystem::path& page) {
+  std::vector<simulation::ToolPath> paths;
+  std::function<double(const Vector3&)> planned;
+  if (run.session_cut) {
+    paths = run.session_cut->paths();
+    if (const auto& cavity = run.session_cut->planned)
+      planned = [cavity = *cavity](const Vector3& p_m) { return cavity.DistanceTo(p_m); };
+  }
+  simulation::ToolPath last{.tool = &setup.config.tool.tool, .X_GP = run.path.X_GP()};
+  if (!paths.empty()) {
+    last = paths.back();
+    paths.pop_back();
+  }
   return WriteReport(
       {.title = "Osteon " + command + ": " + summary.scene,
        .subtitle = summary.engine + " on " + summary.device + (summary.virtual_time ? ", virtual time" : ""),
        .verdict = summary.verdict.ForReport(),
        .summary = Rows(summary),
        .run = run.curves,
-       .X_GP = run.path.X_GP(),
+       .X_GP = last.X_GP,
        .bone = result.rezoned.empty() ? setup.bone : result.rezoned.back().bone,
        .after = result.after,
-       .tool = setup.config.tool.tool,
+       .tool = *last.tool,
        .solid = setup.solid.get(),
        .force_limit_N = summary.force_limit_N,
        .tool_speed_limit_m_per_s = setup.config.servo.twist.max_speed_m_per_s,
        .max_tool_in_bone_m = setup.config.servo.on_force_limit.max_tool_in_bone_m,
+       .earlier = std::move(paths),
+       .planned = std::move(planned),
        .faults = summary.faults,
        .limits = LimitRowsOf(summary),
        .config_text = setup.config_text,

@@ -1,5 +1,4 @@
 #include "session/summary/summary.h"
-#include "session/procedure/procedure_session.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +17,7 @@
 #include "session/summary/each_fault.h"
 #include "session/summary/fault_seen.h"
 #include "simulation/removal/cut_metrics.h"
+#include "simulation/removal/swept_volume.h"
 
 namespace osteon::app {
 namespace {
@@ -106,10 +106,12 @@ void SummariseCut(const CellSetup& setup, const simulation::CarvedState& after, 
   s.removed_mass_kg = after.removed_mass_kg;
   s.cutting_work_J = after.cutting_work_J;
   if (setup.solid) {  // of a loaded packing only the balls are known
+    const double cell_m = std::min(kSweepCell_m, tool.balls.front().radius_m / kSweepCellsARadius);
+    const SessionCut* cut = run.session_cut.get();
     s.swept_volume_m3 =
-        simulation::SweptVolume(*setup.solid, tool, run.path.X_GP(),
-                                std::min(kSweepCell_m, tool.balls.front().radius_m / kSweepCellsARadius));
-    s.swept_path_tolerance_m = run.path.tolerance_m();
+        cut ? simulation::SweptVolume(*setup.solid, simulation::SweptTool(cut->paths()), cell_m)
+            : simulation::SweptVolume(*setup.solid, tool, run.path.X_GP(), cell_m);
+    s.swept_path_tolerance_m = cut ? cut->tolerance_m() : run.path.tolerance_m();
   }
   const simulation::ApexDepth depth(setup.bone, tool);
   s.cup_depth_m = run.cup_depth_m;
@@ -176,6 +178,19 @@ std::string Text(const DurationFigures& d) {
 // Says by how much a path was thinned, if it was.
 std::string Thinned(double tolerance_m) {
   return tolerance_m > 0.0 ? fmt::format(", its path within {:.3g} µm", 1e6 * tolerance_m) : "";
+}
+
+double ToolOfPass(const RunSummary& s, const SessionPass& pass) {
+  return s.diameters_mm.at(static_cast<std::size_t>(pass.tool_index));
+}
+
+std::string PassText(const SessionPass& pass, double diameter_mm) {
+  std::string text = fmt::format("{:g} mm: {:.1f} s, {:.1f} s of it cutting; {:.0f} mm³", diameter_mm,
+                                 rt::ToSeconds(pass.end - pass.begin), pass.cutting_s, pass.removed_mm3);
+  if (pass.to_go_mm)
+    text += fmt::format("; {:.2f} mm {} its planned depth", std::abs(*pass.to_go_mm),
+                        *pass.to_go_mm < 0.0 ? "beyond" : "short of");
+  return text + (pass.undone ? "; undone" : "");
 }
 
 // Adds the rows of the cut.
@@ -282,7 +297,9 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.recording_error = result.recording_error;
   if (params.procedure) {
     s.session = params.procedure->folder().string();
-    s.passes = params.procedure->File().passes;
+    const SessionFile file = params.procedure->File();
+    s.passes = file.passes;
+    s.diameters_mm = file.diameters_mm;
   }
   s.ended = EndText(result.end);
   if (!result.diagnosis.empty()) s.ended += ": " + result.diagnosis;
@@ -412,6 +429,8 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
         std::count_if(s.passes.begin(), s.passes.end(), [](const SessionPass& p) { return p.undone; });
     rows.push_back({"Session", s.session});
     rows.push_back({"Passes", fmt::format("{}, {} undone", s.passes.size(), undone)});
+    for (const SessionPass& pass : s.passes)
+      rows.push_back({fmt::format("Pass {}", pass.number), PassText(pass, ToolOfPass(s, pass))});
   }
   rows.push_back(
       {"Recording", s.recording + (s.recording_error.empty() ? "" : ", not whole: " + s.recording_error)});
@@ -579,13 +598,17 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
     out["session"] = s.session;
     out["passes"] = nlohmann::json::array();
     for (const SessionPass& pass : s.passes)
-      out["passes"].push_back({{"number", pass.number},
-                               {"tool_index", pass.tool_index},
-                               {"cutting_s", pass.cutting_s},
-                               {"removed_mm3", pass.removed_mm3},
-                               {"state", pass.state},
-                               {"state_hash", pass.state_hash},
-                               {"undone", pass.undone}});
+      out["passes"].push_back(
+          {{"number", pass.number},
+           {"tool_index", pass.tool_index},
+           {"tool_diameter_mm", ToolOfPass(s, pass)},
+           {"time_s", rt::ToSeconds(pass.end - pass.begin)},
+           {"to_go_mm", pass.to_go_mm ? nlohmann::json(*pass.to_go_mm) : nlohmann::json()},
+           {"cutting_s", pass.cutting_s},
+           {"removed_mm3", pass.removed_mm3},
+           {"state", pass.state},
+           {"state_hash", pass.state_hash},
+           {"undone", pass.undone}});
   }
   return JsonText(out);
 }

@@ -109,6 +109,7 @@ struct RunSummary {
   std::string cell_report;                  ///< report of the simulated cell, osteon.cell/1
   std::string session;                      ///< folder of a procedure's session; empty: none
   std::vector<SessionPass> passes;          ///< of the whole session
+  std::vector<double> diameters_mm;         ///< of the session's tools
   control::TickInput link;                  ///< of the last tick: counts of messages and answers
   std::string arm_stop;                     ///< why the simulated arm ended the session; empty if it did not
 };

@@ -8,12 +8,21 @@
 #include "simulation/tools/thin_path.h"
 
 namespace osteon::simulation {
+
 SweptTool::SweptTool(const Tool& tool, std::span<const Pose> X_GP, double tolerance_m) {
+  Add({.tool = &tool, .X_GP = X_GP}, tolerance_m);
+}
+
+SweptTool::SweptTool(std::span<const ToolPath> paths, double tolerance_m) {
+  for (const ToolPath& path : paths) Add(path, tolerance_m);
+}
+
+void SweptTool::Add(const ToolPath& tool_path, double tolerance_m) {
   constexpr std::size_t kChunk = 16;
-  for (const ToolBall& ball : tool.balls) {
+  for (const ToolBall& ball : tool_path.tool->balls) {
     if (!ball.cutting || !(ball.radius_m > 0.0)) continue;
     std::vector<Vector3> path;
-    for (const Pose& X : X_GP) {
+    for (const Pose& X : tool_path.X_GP) {
       const Vector3 c = X * Vector3(ball.center_m);
       if (c.allFinite()) path.push_back(c);
     }

@@ -14,6 +14,12 @@ struct SweptDistance {
   Vector3 axis_G;  ///< centre of the nearest ball on its path; the query point itself where nothing was swept
 };
 
+/// A tool and the path of its poses in G; a session's tools cut one after the other.
+struct ToolPath {
+  const Tool* tool;
+  std::span<const Pose> X_GP;
+};
+
 /// Volume that a tool's cutting balls sweep along a path of poses: the union of capsules between consecutive
 /// poses, in G.
 class SweptTool {
@@ -21,6 +27,8 @@ class SweptTool {
   /// Leaves out points of the path that a chord passes within `tolerance_m`, and skips poses that are not
   /// finite.
   SweptTool(const Tool& tool, std::span<const Pose> X_GP, double tolerance_m = 1e-6);
+  /// The union of what several tools sweep.
+  explicit SweptTool(std::span<const ToolPath> paths, double tolerance_m = 1e-6);
 
   /// Signed distance [m] to the union: negative inside. Exact outside; inside, its absolute value is a lower
   /// bound of the distance to the union's surface. Infinity where nothing was swept.
@@ -42,6 +50,8 @@ class SweptTool {
     std::size_t begin, end;
     double radius_m;
   };
+  void Add(const ToolPath& path, double tolerance_m);
+
   std::vector<Capsule> capsules_;
   std::vector<Chunk> chunks_;
 };

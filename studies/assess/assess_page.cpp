@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/units.h"
+#include "report/bone_view.h"
 #include "report/page.h"
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
@@ -18,6 +19,15 @@ std::string AnglesText(const procedure::SurgicalPlan& plan, const Vector3& axis_
   const procedure::CupAngles angles = procedure::AnglesOf(plan.definition, plan.pelvis.FromG(axis_G));
   return fmt::format("{:.1f}° / {:.1f}° ({})", angles.inclination_rad / kDegree,
                      angles.anteversion_rad / kDegree, procedure::NameOf(plan.definition));
+}
+
+std::string CupConeText(const procedure::SurgicalPlan& plan, const procedure::Assessment& found) {
+  const std::string place = CupConePlace(plan, found);
+  const procedure::GuidanceGains::CupCone& cone = plan.guidance.cup_cone;
+  if (place.empty()) return "";
+  if (place == "free") return fmt::format("; within {:g}°, as planned", cone.free_rad / kDegree);
+  return fmt::format("; {} the plan's {:g}°", place == "within stop" ? "within" : "beyond",
+                     cone.stop_rad / kDegree);
 }
 
 std::vector<SummaryRow> Rows(const AssessResult& result) {
@@ -34,8 +44,8 @@ std::vector<SummaryRow> Rows(const AssessResult& result) {
                            AnglesText(plan, plan.axis_G))}};
   if (found.axis_G)
     rows.push_back({found.axis_of_cup ? "Axis of the cup" : "Reamed axis",
-                    fmt::format("{}, {:.1f}° off", AnglesText(plan, *found.axis_G),
-                                *procedure::AxisError(plan, found) / kDegree)});
+                    fmt::format("{}, {:.1f}° off{}", AnglesText(plan, *found.axis_G),
+                                *procedure::AxisError(plan, found) / kDegree, CupConeText(plan, found))});
   if (const auto& fit = found.cavity.fit) {
     rows.push_back({"Diameter", fmt::format("{:.2f} ± {:.2f} mm, planned {:g} mm", 2e3 * fit->radius_m,
                                             2e3 * fit->radius_sd_m, 2e3 * plan.cavity().radius_m)});
@@ -172,6 +182,22 @@ constexpr const char* kAssumptions =
     "<li>Undone passes count for time and force, and not for the result.</li>\n"
     "<li>Osteon is no medical device; a score says nothing of a patient.</li>\n</ul>\n";
 
+// The carved bone that can be turned, coloured by its distance from the planned cavity.
+std::string CarvedBone(const AssessedSession& session) {
+  const std::vector<simulation::ToolPath> paths = session.cut->paths();
+  if (paths.empty()) return "";
+  const procedure::PlannedCavity cavity = session.plan.plan.cavity();
+  constexpr std::size_t kMaxQuads = 60'000;  // half a run's: the page should open on a phone
+  const CarvedSurface carved =
+      CarveSurface({.bone = session.bone,
+                    .solid = session.solid.get(),
+                    .materials = MaterialMap(session.bone.points, session.solid.get()),
+                    .paths = paths,
+                    .planned = [cavity](const Vector3& p_m) { return cavity.DistanceTo(p_m); },
+                    .max_quads = kMaxQuads});
+  return BoneViewHtml(carved, session.bone, {}, {.shows_deviation = true, .range_mm = kDeviationScale_mm});
+}
+
 tl::expected<std::string, std::string> Pictures(const AssessedSession& session) {
   const procedure::PelvicFrame& pelvis = session.plan.plan.pelvis;
   const auto coronal =
@@ -188,7 +214,8 @@ tl::expected<std::string, std::string> Pictures(const AssessedSession& session) 
           "within the plan; orange, {:g} mm and more beyond it; grey, no bone.",
           kDeviationScale_mm, kDeviationScale_mm));
   if (!map) return map;
-  return "<h2>The cavity</h2>\n<p>Line: the plan. Sand: bone left. Pale: removed as planned. Orange: removed "
+  return "<h2>The cavity</h2>\n" + CarvedBone(session) +
+         "<p>Line: the plan. Sand: bone left. Pale: removed as planned. Orange: removed "
          "beyond "
          "the plan. Blue: left within it.</p>\n<div "
          "style=\"display:grid;grid-template-columns:repeat(auto-fit,minmax(260px,1fr));gap:16px\">\n" +

@@ -85,6 +85,7 @@ Json ResultJson(const AssessedSession& session) {
     json["axis_of"] = found.axis_of_cup ? "cup" : "reamer";
     json["angles"] = AnglesJson(plan, *found.axis_G);
   }
+  if (const char* place = CupConePlace(plan, found); *place != '\0') json["cup_cone"] = place;
   json["axis_error_deg"] = OrNull(procedure::AxisError(plan, found), 1.0 / kDegree);
   json["coverage"] = cavity.coverage;
   json["removed_mm3"] = 1e9 * cavity.removed_m3;
@@ -104,7 +105,8 @@ Json FiguresJson(const procedure::ProcessFigures& figures) {
           {"force_peak_N", figures.force_peak_N},
           {"wrong_way", figures.wrong_way},
           {"outside_s", figures.outside_s},
-          {"tremor_N", figures.tremor_N}};
+          {"tremor_N", figures.tremor_N},
+          {"guidance_J", figures.guidance_J}};
 }
 
 Json ProcessJson(const AssessedSession& session) {
@@ -178,6 +180,7 @@ tl::expected<AssessResult, std::string> Measure(const fs::path& folder, const As
   result.values = procedure::ValuesOf(result.session.plan.plan, result.session.assessment);
   result.score = procedure::ScoreOf(result.rubric, result.values, result.session.assessment.min_wall_m);
   result.guided = result.session.guidance_gain > 0.0;
+  result.pass_at = options.pass_at;
   auto norms = ReadNorms(options.norms);
   if (!norms) return tl::make_unexpected(norms.error());
   result.norms = std::move(*norms);
@@ -282,7 +285,16 @@ Json AssessJson(const AssessResult& result) {
           {"process", ProcessJson(result.session)},
           {"score", ScoreJson(result)},
           {"guided", result.guided},
+          {"pass_at", OrNull(result.pass_at)},
+          {"passed", result.pass_at ? Json(result.score.total >= *result.pass_at) : Json()},
           {"norms", norms}};
+}
+
+const char* CupConePlace(const procedure::SurgicalPlan& plan, const procedure::Assessment& found) {
+  const procedure::GuidanceGains::CupCone& cone = plan.guidance.cup_cone;
+  const auto error_rad = procedure::AxisError(plan, found);
+  if (!found.axis_of_cup || !error_rad || !(cone.stop_rad > 0.0)) return "";
+  return *error_rad <= cone.free_rad ? "free" : *error_rad <= cone.stop_rad ? "within stop" : "beyond stop";
 }
 
 int RunAssess(const AssessOptions& options) {

@@ -46,7 +46,13 @@ struct AssessResult {
   Norms norms;
   std::vector<TrendPoint> trend;  ///< by the folders' names, with this session
   bool guided{false};
+  std::optional<double> pass_at{};  ///< as asked
 };
+
+/// Where the cup of `tell cup` stands in the plan's cup_cone: "free", "within stop", "beyond stop"; empty: no
+/// cup was kept, or the plan has no such cone.
+[[nodiscard]] const char* CupConePlace(const procedure::SurgicalPlan& plan,
+                                       const procedure::Assessment& found);
 
 /// The metric of a rubric's item or of a value.
 [[nodiscard]] const procedure::Metric& MetricNamed(const std::string& name);

@@ -12,10 +12,8 @@
 
 #include "base/units.h"
 #include "io/recording/recording_reader.h"
-#include "session/planning/planned_cell.h"
 #include "session/procedure/session_bone.h"
 #include "simulation/bone/scene_events.h"
-#include "simulation/bone/scenes.h"
 #include "simulation/files/carved_file.h"
 
 namespace osteon::app {
@@ -112,12 +110,15 @@ class SessionSums {
     const int tool = ToolAt(tick.stamp);
     const Pose X_GT = X_GW_ * Pose(tick.X_WT_meas);
     const Vector3 feed = X_GT.linear().col(2);
-    const procedure::ProcessSample sample{.t_s = last_s_,
-                                          .head_m = X_GT.translation() - RadiusOf(tool) * feed,
-                                          .feed = feed,
-                                          .F_hand_N = X_GW_.linear() * Vector3(tick.F_operator_T_W.f),
-                                          .cutting = cutting_,
-                                          .spindle_rad_per_s = tick.spindle_rad_per_s};
+    const procedure::ProcessSample sample{
+        .t_s = last_s_,
+        .head_m = X_GT.translation() - RadiusOf(tool) * feed,
+        .cut_head_m = proxy_m_,
+        .cut_feed = proxy_feed_,
+        .F_hand_N = X_GW_.linear() * Vector3(tick.F_operator_T_W.f),
+        .cutting = cutting_,
+        .spindle_rad_per_s = tick.spindle_rad_per_s,
+        .guidance_E_J = tick.guidance.present ? std::optional(tick.guidance.energy_J) : std::nullopt};
     const procedure::PlannedReamer& reamer = session_.plan.plan.reamers[static_cast<std::size_t>(tool)];
     total_.Add(sample, reamer);
     tools_[static_cast<std::size_t>(tool)].Add(sample, reamer);
@@ -128,7 +129,7 @@ class SessionSums {
       pass.end_s = last_s_;
       passes_[i].Add(sample, reamer);
     }
-    Trace(sample);
+    Trace(sample, feed);
   }
 
   void Add(const simulation::FrameRecord& frame) {
@@ -140,6 +141,8 @@ class SessionSums {
     const Pose X_GP = X_GW_ * Pose(frame.model.X_WP);
     const Vector3 feed = X_GP.linear().col(2);
     proxy_m_ = X_GP.translation() - RadiusOf(ToolAt(stamp)) * feed;
+    proxy_feed_ = feed;
+    session_.cut->Add(recording_, frame);
     if (!cutting_) return;
     for (const PassFigures& pass : session_.passes) {
       if (pass.pass.undone || !IsIn(pass.pass, stamp)) continue;
@@ -180,7 +183,7 @@ class SessionSums {
   [[nodiscard]] double RadiusOf(int tool) const {
     return 0.5e-3 * session_.file.diameters_mm[static_cast<std::size_t>(tool)];
   }
-  void Trace(const procedure::ProcessSample& sample) {
+  void Trace(const procedure::ProcessSample& sample, const Vector3& feed) {
     SessionTrace& trace = session_.trace;
     if (!trace.t_s.empty() && sample.t_s < trace.t_s.back() + kTraceStep_s) return;
     const procedure::SurgicalPlan& plan = session_.plan.plan;
@@ -190,7 +193,7 @@ class SessionSums {
     trace.height_mm.push_back(1e3 * height_m);
     trace.aside_mm.push_back(1e3 * (off_m - height_m * plan.axis_G).norm());
     trace.proxy_mm.push_back(1e3 * (proxy_m_ - plan.cup_centre_m).dot(plan.axis_G));
-    trace.tilt_deg.push_back(std::acos(std::clamp(-sample.feed.dot(plan.axis_G), -1.0, 1.0)) / kDegree);
+    trace.tilt_deg.push_back(std::acos(std::clamp(-feed.dot(plan.axis_G), -1.0, 1.0)) / kDegree);
     trace.force_N.push_back(sample.F_hand_N.norm());
   }
 
@@ -206,28 +209,31 @@ class SessionSums {
   double offset_s_{0.0}, last_s_{kNoStamp_s};
   std::optional<rt::Nanoseconds> first_stamp_;
   bool cutting_{false};
-  Vector3 proxy_m_{Vector3::Zero()};  ///< centre of the simulated head in the last frame
+  Vector3 proxy_m_{Vector3::Zero()}, proxy_feed_{Vector3::Zero()};  ///< simulated head in the last frame
   std::optional<double> removed_m3_;
 };
 
-// The cell that a recording names, with the bone that the session has kept; without one, the bone is packed
-// again, as the session did.
-tl::expected<CellSetup, std::string> SetUp(const fs::path& recording) {
-  auto stream = io::RecordingStream::Open(recording);
-  if (!stream) return tl::make_unexpected(stream.error());
-  if (const auto first = stream->Next(); !first) return tl::make_unexpected(first.error());
-  auto setup = SetUpRecorded(stream->session);
-  if (!setup) return tl::make_unexpected(recording.string() + ": " + setup.error());
-  if (auto kept = setup->solid ? ReadSessionBone(recording.parent_path()) : std::nullopt) {
-    setup->bone =
-        simulation::SceneBone({.name = setup->bone.name, .solid = setup->solid, .site = setup->bone.site},
-                              setup->config.scene, std::move(kept->balls), std::move(kept->points));
-    return setup;
+bool IsThere(const fs::path& file) {
+  std::error_code error;
+  return fs::exists(file, error);
+}
+
+// The first recording that is there: a process that was killed at once has left none.
+std::string FirstRecording(const AssessedSession& session) {
+  for (const SessionSegment& segment : session.file.segments)
+    if (IsThere(session.folder / segment.recording)) return segment.recording;
+  return session.file.segments.front().recording;
+}
+
+// What cuts of the plan's reamers: a ball, half its diameter behind T's origin.
+std::vector<simulation::Tool> CuttingHeads(const std::vector<double>& diameters_mm) {
+  std::vector<simulation::Tool> heads;
+  for (const double diameter_mm : diameters_mm) {
+    const double radius_m = 0.5e-3 * diameter_mm;
+    heads.emplace_back().balls = {
+        {.center_m = Vector3(0.0, 0.0, -radius_m), .radius_m = radius_m, .cutting = true}};
   }
-  const EngineChoice engine = ChooseEngine(stream->session.engine, "");
-  if (const auto packed = PackCell(*setup, {}, engine, false); !packed)
-    return tl::make_unexpected(recording.string() + ": " + packed.error());
-  return setup;
+  return heads;
 }
 
 tl::expected<void, std::string> CheckSession(const AssessedSession& session) {
@@ -256,9 +262,11 @@ tl::expected<AssessedSession, std::string> ReadAssessedSession(const fs::path& f
   AssessedSession session{.folder = folder, .file = std::move(*file)};
   session.plan = config::LoadSurgicalPlan(folder / session.file.plan_file);
   if (const auto right = CheckSession(session); !right) return tl::make_unexpected(right.error());
-  auto setup = SetUp(folder / session.file.segments.front().recording);
+  auto setup = SetUpSessionCell(folder / FirstRecording(session));
   if (!setup) return tl::make_unexpected(setup.error());
   session.bone = std::move(setup->bone);
+  session.solid = setup->solid;
+  session.cut.emplace(session.file, CuttingHeads(session.file.diameters_mm), setup->X_WG);
   if (const std::string last = session.file.LastState(); last.empty()) {
     session.state = Uncut(session.bone);
   } else {
@@ -274,6 +282,7 @@ tl::expected<AssessedSession, std::string> ReadAssessedSession(const fs::path& f
   for (const SessionSegment& segment : session.file.segments) {
     if (segment.recording == recording) continue;
     recording = segment.recording;
+    if (!IsThere(folder / recording)) continue;
     auto stream = io::RecordingStream::Open(folder / recording);
     if (!stream) return tl::make_unexpected(stream.error());
     sums.Begin(recording);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,7 @@
 
 #include "config/reading/load_surgical_plan.h"
 #include "procedure/assessment/assessment.h"
+#include "session/procedure/session_cut.h"
 #include "session/procedure/session_file.h"
 #include "session/setup/cell_setup.h"
 
@@ -38,7 +41,9 @@ struct AssessedSession {
   std::filesystem::path folder;
   SessionFile file{};
   config::SurgicalPlanConfig plan{};
-  simulation::Bone bone{};          ///< uncut
+  simulation::Bone bone{};                           ///< uncut
+  std::shared_ptr<const simulation::Solid> solid{};  ///< of which it was packed; null: not known
+  std::optional<SessionCut> cut{};  ///< what the passes that count have cut; always there once it is read
   simulation::CarvedState state{};  ///< the last one that counts
   procedure::Assessment assessment{};
   std::vector<ToolFigures> tools{};

@@ -38,20 +38,23 @@ Json AnglesJson(const CupAngles& angles) {
 
 // What is measured of the plan beside its own data.
 struct PlanFigures {
-  double planned_volume_m3{0.0};
+  std::optional<double> planned_volume_m3{};  // nothing: a plan for a mesh that was not named
   std::optional<double> wall_m{};
   std::optional<Vector3> axis_W{};
   std::vector<std::string> warnings;
 };
 
 // Bone and wall of the plan. A packing without its solid has the volume of its mass points, and no wall.
-tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig& config) {
+tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig& config,
+                                               std::optional<MeshChoice> mesh) {
+  PlanFigures figures{.warnings = procedure::WarningsOf(config.plan)};
+  if (config.mesh_cup && !mesh) return figures;
+  if (mesh) mesh->cup = config.mesh_cup;
   CellSetup setup;
   setup.config.scene = config.scene;
   setup.config.bone = config.bone;
-  if (const auto made = MakeCellBone(setup, {}); !made) return tl::make_unexpected(made.error());
+  if (const auto made = MakeCellBone(setup, mesh); !made) return tl::make_unexpected(made.error());
   const procedure::PlannedCavity cavity = config.plan.cavity();
-  PlanFigures figures{.warnings = procedure::WarningsOf(config.plan)};
   if (!setup.bone_warning.empty()) figures.warnings.push_back("bone: " + setup.bone_warning);
   if (setup.solid) {
     figures.planned_volume_m3 =
@@ -63,8 +66,10 @@ tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig&
           fmt::format("wall: found {:.2f} mm left, the scene watches for less than {:g} mm",
                       1e3 * *figures.wall_m, 1e3 * min_wall_m));
   } else {
+    double volume_m3 = 0.0;
     for (const simulation::MassPoint& point : setup.bone.points)
-      if (cavity.DistanceTo(point.p_m) < 0.0) figures.planned_volume_m3 += point.volume_m3;
+      if (cavity.DistanceTo(point.p_m) < 0.0) volume_m3 += point.volume_m3;
+    figures.planned_volume_m3 = volume_m3;
   }
   return figures;
 }
@@ -88,7 +93,7 @@ Json PlanJson(const SurgicalPlan& plan, const PlanFigures& figures) {
   for (const procedure::PlannedReamer& reamer : plan.reamers)
     json["reamers"].push_back(
         {{"diameter_mm", 1e3 * reamer.diameter_m}, {"centre_mm", Triple(plan.CentreOf(reamer), 1e3)}});
-  json["planned_volume_mm3"] = 1e9 * figures.planned_volume_m3;
+  json["planned_volume_mm3"] = figures.planned_volume_m3 ? Json(1e9 * *figures.planned_volume_m3) : Json();
   json["least_wall_mm"] = figures.wall_m ? Json(1e3 * *figures.wall_m) : Json();
   json["warnings"] = figures.warnings;
   return json;
@@ -122,7 +127,9 @@ std::vector<SummaryRow> PlanRows(const SurgicalPlan& plan, const PlanFigures& fi
   for (const procedure::PlannedReamer& reamer : plan.reamers)
     reamers += fmt::format("{}{:g}", reamers.empty() ? "" : ", ", 1e3 * reamer.diameter_m);
   rows.push_back({"Reamers", reamers + " mm"});
-  rows.push_back({"Bone in the planned cavity", fmt::format("{:.0f} mm³", 1e9 * figures.planned_volume_m3)});
+  rows.push_back({"Bone in the planned cavity",
+                  figures.planned_volume_m3 ? fmt::format("{:.0f} mm³", 1e9 * *figures.planned_volume_m3)
+                                            : "not known: name the plan's mesh with --mesh"});
   rows.push_back({"Thinnest wall that it leaves",
                   figures.wall_m ? fmt::format("{:.2f} mm", 1e3 * *figures.wall_m) : "not known"});
   return rows;
@@ -138,7 +145,11 @@ int RunSurgicalPlan(const SurgicalPlanOptions& options) {
     config::CheckPlanInCell(config, cell, options.plan, options.cell);
     axis_W = config::BoneInWorld(cell, config.site).linear() * config.plan.axis_G;
   }
-  auto figures = Measure(config);
+  if (options.mesh && !config.mesh_cup)
+    return Fail("surgical-plan",
+                fmt::format("--mesh: found with {}, accepted without: the plan names its bone",
+                            options.plan.string()));
+  auto figures = Measure(config, options.mesh);
   if (!figures) return Fail("surgical-plan", figures.error());
   figures->axis_W = axis_W;
   Verdict verdict;

@@ -1,13 +1,17 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+
 #include <string>
+#include "session/setup/cell_setup.h"
 
 namespace osteon::app {
 
 struct SurgicalPlanOptions {
   std::filesystem::path plan;
-  std::filesystem::path cell;  ///< the plan is also held against this cell; empty: none
+  std::filesystem::path cell;        ///< the plan is also held against this cell; empty: none
+  std::optional<MeshChoice> mesh{};  ///< of a plan that has the cup of a mesh alone
   std::filesystem::path json;
 };
 

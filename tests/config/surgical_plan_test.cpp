@@ -133,5 +133,16 @@ TEST_F(SurgicalPlanFiles, APlanForAnotherBoneThanTheCellsIsRefused) {
       ConfigError);
 }
 
+// The plan of a mesh has its cup alone; the command names the mesh, which takes the place of any cell's bone.
+TEST(SurgicalPlanFile, APlanForAMeshHasItsCupAlone) {
+  const SurgicalPlanConfig config = LoadSurgicalPlan(kConfig / "plans" / "hip_bone_left.yaml");
+  ASSERT_TRUE(config.mesh_cup);
+  EXPECT_FALSE(config.bone);
+  EXPECT_NEAR((config.plan.axis_G - Vector3(-0.983, -0.175, 0.052).normalized()).norm(), 0.0, 1e-5)
+      << "45 and 20 degrees are the native axis";
+  EXPECT_EQ(config.plan.reamers.size(), 3u);
+  EXPECT_NO_THROW(CheckPlanInCell(config, LoadCell(kConfig / "cells" / "demo.yaml"), kPlan, "demo"));
+}
+
 }  // namespace
 }  // namespace osteon::config

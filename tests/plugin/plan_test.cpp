@@ -141,6 +141,7 @@ TEST(OsteonPlan, RefusesWithTheValueAndWhatIsAccepted) {
   EXPECT_EQ(osteon_guidance_evaluate(made.get(), &pose, nullptr, nullptr, &output), OSTEON_ERROR_ARGUMENT);
   EXPECT_EQ(output.wrench.force_N[0], 0.0);
   EXPECT_EQ(osteon_guidance_set_gain(made.get(), 1.5), OSTEON_ERROR_ARGUMENT);
+  EXPECT_EQ(osteon_guidance_set_model_age(made.get(), NAN), OSTEON_ERROR_ARGUMENT);
   EXPECT_EQ(osteon_guidance_evaluate(nullptr, nullptr, nullptr, nullptr, nullptr), OSTEON_ERROR_ARGUMENT);
 }
 
@@ -185,8 +186,13 @@ TEST(OsteonGuidance, IsTheServosOwn) {
     X_raw.linear() = ExpRotation(turn) * X_start.linear();
     const OsteonPose pose = PoseOf(X_raw);
     const Pose X_GT = AsRead(pose);
+    // for a while the model is late, by up to 50 ms
+    const double age_s = i > 1500 && i < 2500 ? 0.025 + 0.025 * std::sin(0.02 * i) : 0.0;
     const simulation::ContactModel model =
-        PlaneBehind(X_start, i < 0 ? 0.0 : 4e-3 * std::max(0.0, std::sin(0.01 * i)), now);
+        PlaneBehind(X_start, i < 0 ? 0.0 : 4e-3 * std::max(0.0, std::sin(0.01 * i)),
+                    now - static_cast<rt::Nanoseconds>(std::llround(1e9 * age_s)));
+    ASSERT_OK(
+        osteon_guidance_set_model_age(guidance.get(), 1e-9 * static_cast<double>(now - model.pose_stamp)));
     safety::LimitSet acting;
     const control::CouplingInput input{.model = model, .X_WT = X_GT, .V_WT = {.v = v, .w = w}, .now = now};
     static_cast<void>(bone.Evaluate(input, *arm, acting));
@@ -267,6 +273,7 @@ TEST(OsteonGuidance, NeitherAllocatesNorLocks) {
   for (const OsteonPose& pose : poses)
     (void)osteon_guidance_evaluate(guidance.get(), &pose, &twist, &other, &output);
   (void)osteon_guidance_set_gain(guidance.get(), 0.5);
+  (void)osteon_guidance_set_model_age(guidance.get(), 0.03);
   (void)osteon_guidance_reset(guidance.get());
   scope.End();
   EXPECT_EQ(output.inside, 0U);

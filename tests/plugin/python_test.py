@@ -106,6 +106,8 @@ class Module(unittest.TestCase):
         self.assertAlmostEqual(guided["depth_m"], 3e-3, places=4)
         self.assertGreater(guided["wrench"][:3] @ axis, 20)
         self.assertFalse(guided["inside"])
+        guidance.set_model_age(0.1)
+        self.assertEqual(guidance.evaluate(X)["share"], 0)
         guidance.set_gain(0)
         self.assertEqual(guidance.evaluate(X)["share"], 0)
         with self.assertRaisesRegex(osteon.Error, "accepted 0 … 3"):

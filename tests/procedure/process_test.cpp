@@ -38,7 +38,8 @@ TEST(Tremor, AShortSessionHasNone) { EXPECT_EQ(TremorOf(1.0, 10.0, 0.0, 1.0), 0.
 ProcessSample Cutting(double t_s) {
   return {.t_s = t_s,
           .head_m = {0.0, 0.0, -0.002},
-          .feed = -Vector3::UnitZ(),
+          .cut_head_m = {0.0, 0.0, -0.002},
+          .cut_feed = -Vector3::UnitZ(),
           .F_hand_N = {0.0, 0.0, -50.0},
           .cutting = true};
 }
@@ -104,11 +105,34 @@ TEST(ProcessFigures, OutsideOfTheCorridorIsTiltOrAsideOrTooDeep) {
   ProcessSums sums(plan, kPeriod_s);
   for (int i = 0; i < 100; ++i) {
     ProcessSample sample = Cutting(i * kPeriod_s);
-    sample.head_m = centre_m - Vector3(0.0, 0.0, i < 50 ? 1e-3 : -1e-3);
+    sample.head_m = centre_m - Vector3(0.0, 0.0, 2e-3);  // a pressed handle is deeper than the tool that cuts
+    sample.cut_head_m = centre_m - Vector3(0.0, 0.0, i < 50 ? 1e-3 : -1e-3);
     sample.cutting = i % 2 == 0;
     sums.Add(sample, last);
   }
   EXPECT_NEAR(sums.Figures().outside_s, 25.0 * kPeriod_s, 1e-9);
+
+  SurgicalPlan unguided = plan;
+  unguided.guidance = {};
+  ProcessSums none(unguided, kPeriod_s);
+  for (int i = 0; i < 100; ++i) none.Add(Cutting(i * kPeriod_s), last);
+  EXPECT_EQ(none.Figures().outside_s, 0.0) << "a plan without guidance has no corridor";
+}
+
+// A spring that takes 0.3 J and gives 0.2 of it back has taken 0.3 J, each time.
+TEST(ProcessFigures, TheGuidanceHasTakenWhatItsEnergyFell) {
+  const SurgicalPlan plan = DemoPlan();
+  ProcessSums sums(plan, kPeriod_s);
+  double t_s = 0.0;
+  const auto add = [&](std::optional<double> E_J) {
+    ProcessSample sample = Cutting(t_s += kPeriod_s);
+    sample.guidance_E_J = E_J;
+    sums.Add(sample, plan.reamers.back());
+  };
+  for (const double E_J : {0.0, -0.1, -0.3, -0.2, -0.1}) add(E_J);
+  add(std::nullopt);  // it does not render for a while, and begins anew
+  for (const double E_J : {-0.5, -0.6}) add(E_J);
+  EXPECT_NEAR(sums.Figures().guidance_J, 0.4, 1e-12);
 }
 
 }  // namespace

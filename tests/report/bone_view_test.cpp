@@ -17,7 +17,11 @@ const SyntheticParams kStraight{
 
 CarvedSurface SurfaceOf(const SyntheticRun& run, std::span<const Pose> X_GP,
                         std::size_t max_quads = 120'000) {
-  return CarveSurface(run.bone, nullptr, MaterialMap(run.bone.points), run.tool, X_GP, max_quads);
+  const simulation::ToolPath path{.tool = &run.tool, .X_GP = X_GP};
+  return CarveSurface({.bone = run.bone,
+                       .materials = MaterialMap(run.bone.points),
+                       .paths = {&path, 1},
+                       .max_quads = max_quads});
 }
 
 Pose Deepest(const SyntheticRun& run) {
@@ -34,10 +38,10 @@ TEST(BoneView, AToolThatWentStraightInLeavesTheIdealCavity) {
   std::vector<Pose> path(2, Deepest(run));
   path[0].translation() = path[1].translation() + 0.05 * axis;
   const CarvedSurface carved = SurfaceOf(run, path);
-  ASSERT_GT(carved.ideal.samples, 1000);
+  ASSERT_GT(carved.error.samples, 1000);
   const double voxel_m = 1e-3 * static_cast<double>(carved.layout.voxel_mm);
-  EXPECT_LT(carved.ideal.mean_abs_m, 0.02 * voxel_m);
-  EXPECT_LT(carved.ideal.p95_m, 0.1 * voxel_m);
+  EXPECT_LT(carved.error.mean_abs_m, 0.02 * voxel_m);
+  EXPECT_LT(carved.error.p95_m, 0.1 * voxel_m);
 }
 
 // A tool that also went 0.4 mm aside, at the depth of its floor, cut too much by up to that.
@@ -50,9 +54,9 @@ TEST(BoneView, AToolThatWentAsideCutsBeyondTheIdealCavity) {
   path[2].translation() +=
       kAside_m * Vector3(run.bone.site.axis).unitOrthogonal() + kLift_m * Vector3(run.bone.site.axis);
   const CarvedSurface carved = SurfaceOf(run, path);
-  EXPECT_NEAR(carved.ideal.max_over_m, kAside_m, 0.03e-3);
-  EXPECT_GT(carved.ideal.mean_m, 0.05e-3);
-  EXPECT_GT(carved.ideal.max_under_m, -0.05e-3);
+  EXPECT_NEAR(carved.error.max_over_m, kAside_m, 0.03e-3);
+  EXPECT_GT(carved.error.mean_m, 0.05e-3);
+  EXPECT_GT(carved.error.max_under_m, -0.05e-3);
 }
 
 TEST(BoneView, TheGridIsCoarserWhereThereAreTooManyTriangles) {

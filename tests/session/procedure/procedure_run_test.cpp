@@ -5,112 +5,28 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <memory>
 #include <random>
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "io/recording/recording_reader.h"
 #include "safety/cell_state.h"
 #include "session/procedure/procedure_panel.h"
-#include "session/procedure/procedure_session.h"
 #include "session/procedure/session_bone.h"
 #include "session/replay/replay.h"
-#include "session/run/cell_run.h"
 #include "session/setup/recorded_config.h"
 #include "simulation/engine/tool_change.h"
 #include "simulation/files/carved_file.h"
-#include "tests/session/set_up_cell.h"
-#include "tests/temporary_path.h"
+#include "tests/session/procedure/procedure_rig.h"
 
 namespace osteon::app {
 namespace {
 
 namespace fs = std::filesystem;
 using safety::CellState;
-
-constexpr const char* kCell = OSTEON_SOURCE_DIR "/config/cells/demo.yaml";
-constexpr const char* kTool = OSTEON_SOURCE_DIR "/config/tools/reamer.yaml";
-
-std::string HashText(const simulation::CarvedState& state) {
-  return fmt::format("{:016x}", simulation::HashState(state));
-}
-
-// The cell with reamers of 48 and 50 mm, both of which cut, and its session.
-struct Rig {
-  Rig(const std::string& name, double seconds, const SessionFile* resumed = nullptr)
-      : folder(TemporaryPath(name)) {
-    fs::create_directories(folder);
-    ToolList list{.diameters_mm = {48.0, 50.0}};
-    if (resumed) list.first = resumed->segments.back().tool_index;
-    auto made = SetUpCell(
-        kCell, std::nullopt,
-        config::ToolChoice{.file = kTool,
-                           .diameter_m = 1e-3 * list.diameters_mm.at(static_cast<std::size_t>(list.first))});
-    EXPECT_TRUE(made) << made.error();
-    setup = std::make_unique<CellSetup>(std::move(*made));
-    auto tools = LoadProcedureTools(setup->config, kCell, kTool, {}, list);
-    PrepareForTools(tools, setup->config);
-    KeepToolList(list, setup->config_source);
-    hil::ProcedureScriptParams script{.X_WC = setup->X_WG, .head_radius_m = 0.5e-3 * list.diameters_mm[0]};
-    script.head_radius_m = 0.5e-3 * list.diameters_mm.at(static_cast<std::size_t>(list.first));
-    script.tool_yaw_rad = setup->config.start.tool_yaw_rad;
-    script.start_height_m = setup->config.start.height_m;
-    for (std::size_t i = static_cast<std::size_t>(list.first); i < 2; ++i)
-      script.heights_m.push_back(-1e-3 - 1e-3 * static_cast<double>(i));
-    setup->config.script = script;
-    engine = std::move(*MakeEngine(*setup, {}));
-    SessionFile file;
-    if (resumed) file = *resumed;
-    file.diameters_mm = list.diameters_mm;
-    procedure::SurgicalPlan plan;
-    plan.name = "two";
-    for (const double height_mm : {-1.0, -2.0})
-      plan.reamers.push_back(
-          {.diameter_m = 1e-3 * list.diameters_mm[plan.reamers.size()], .height_m = 1e-3 * height_mm});
-    session = std::make_unique<ProcedureSession>(
-        ProcedureParams{.folder = folder,
-                        .plan = std::move(plan),
-                        .file = file,
-                        .tools = std::move(tools),
-                        .tool = list.first,
-                        .recording = resumed ? "run_2.mcap" : "run_1.mcap",
-                        .bone = &setup->bone,
-                        .solid = setup->solid.get(),
-                        .events = setup->config.scene.events,
-                        .X_WG = setup->X_WG,
-                        .make_engine =
-                            [this](const simulation::Tool& tool) {
-                              return MakeEngine({}, setup->bone, tool, setup->X_WG, setup->config.cutting);
-                            },
-                        .scripted = true});
-    params = {.seconds = seconds,
-              .virtual_time = true,
-              .recording = folder / (resumed ? "run_2.mcap" : "run_1.mcap"),
-              .procedure = session.get()};
-  }
-
-  void Run() {
-    const auto begun = session->Begin(*engine);
-    ASSERT_TRUE(begun) << begun.error();
-    const auto run = RunCell(*setup, *engine, params);
-    ASSERT_TRUE(run) << run.error().what;
-    result = *run;
-    EXPECT_FALSE(result.faults.Any());
-    EXPECT_EQ(result.session_error, "");
-  }
-
-  fs::path folder;
-  std::unique_ptr<CellSetup> setup;
-  std::unique_ptr<simulation::CuttingEngine> engine;
-  std::unique_ptr<ProcedureSession> session;
-  CellRunParams params;
-  CellRunResult result;
-};
 
 void ExpectStatesWhole(const fs::path& folder, const SessionFile& session, const simulation::Bone& bone) {
   for (const SessionPass& pass : session.passes) {

@@ -1,0 +1,43 @@
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "session/procedure/prepare_session.h"
+#include "tests/temporary_path.h"
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+void Assess(const fs::path& session, const char* plan, const char* passed) {
+  fs::create_directories(session);
+  std::ofstream(session / "assess.json")
+      << fmt::format(R"({{"plan": {{"checksum": "{}"}}, "passed": {}}})", plan, passed);
+}
+
+TEST(GainFrom, EachPassedSessionOfThePlanTakesAQuarter) {
+  const fs::path folder = TemporaryPath("trainee");
+  fs::create_directories(folder);
+  EXPECT_EQ(GainFrom(folder, "a").value_or(-1.0), 1.0) << "the first session";
+  Assess(folder / "1", "a", "true");
+  Assess(folder / "2", "a", "false");
+  Assess(folder / "3", "a", "null");
+  Assess(folder / "4", "b", "true");
+  EXPECT_EQ(GainFrom(folder, "a").value_or(-1.0), 0.75);
+  Assess(folder / "5" / "session", "a", "true");
+  std::ofstream(folder / "1" / "other.json") << "[";
+  fs::create_directories(folder / "6");
+  std::ofstream(folder / "6" / "assess.json") << "[1, 2";
+  EXPECT_EQ(GainFrom(folder, "a").value_or(-1.0), 0.5);
+  for (const char* more : {"7", "8", "9"}) Assess(folder / more, "a", "true");
+  EXPECT_EQ(GainFrom(folder, "a").value_or(-1.0), 0.0) << "never below 0";
+  const auto none = GainFrom(folder / "nobody", "a");
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().find("found no folder"), std::string::npos) << none.error();
+}
+
+}  // namespace
+}  // namespace osteon::app

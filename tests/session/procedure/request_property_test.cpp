@@ -1,0 +1,205 @@
+// Whatever is asked of a session, by `osteon tell` or by the console's pages, in any order and state: a
+// paused arm holds, every limit is kept, and no saved state of the bone is lost.
+
+#include "tests/property/property_check.h"
+
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "console/server/client_message.h"
+#include "io/recording/recording_reader.h"
+#include "safety/cell_state.h"
+#include "session/procedure/session_request.h"
+#include "session/replay/replay.h"
+#include "session/run/live_views.h"
+#include "session/setup/recorded_config.h"
+#include "simulation/engine/tool_change.h"
+#include "simulation/files/carved_file.h"
+#include "tests/session/procedure/procedure_rig.h"
+
+namespace osteon::app {
+namespace {
+
+using safety::CellState;
+
+constexpr double kSeconds = 6.0;
+constexpr int kMaxTicks = 9000;  // a run that stays paused ends here
+constexpr double kForceCeiling_N = 200.0, kRounding = 1.0 + 1e-9;
+
+/// Something that is asked, some ticks after what was asked before.
+struct Asked {
+  int after_ticks{0};
+  std::string text;
+};
+void showValue(const Asked& asked, std::ostream& out) {
+  out << "+" << asked.after_ticks << " \"" << asked.text << "\"";
+}
+
+// Words of `osteon tell`, messages of pages (they begin with a brace), and nonsense.
+rc::Gen<std::string> AnyText() {
+  return rc::gen::weightedOneOf<std::string>(
+      {{6, rc::gen::element<std::string>("pause", "resume")},
+       {6, rc::gen::element<std::string>("next", "next confirmed", "tool 48", "tool 50", "tool 50 confirmed",
+                                         "undo", "save", "cup", "guidance 0", "guidance 0.5", "guidance 1")},
+       {4, rc::gen::element<std::string>(R"({"ask":"pause"})", R"({"ask":"resume"})",
+                                         R"({"ask":"next_tool"})", R"({"ask":"next_tool","confirmed":true})",
+                                         R"({"ask":"tool","value":48})", R"({"ask":"undo_pass"})",
+                                         R"({"ask":"save"})", R"({"ask":"cup"})",
+                                         R"({"ask":"guidance","value":0.7})")},
+       {2, rc::gen::element<std::string>(
+               "tool 47", "tool -1 confirmed", "tool nan", "tool 1e308", "guidance 2", "guidance -0",
+               "guidance inf", "undo undo", "NEXT", "", R"({"ask":"guidance","value":1e9})",
+               R"({"ask":"tool","value":-1e308})", R"({"ask":"tool"})", R"({"ask":"recover"})", "{", "[]")},
+       {1, rc::gen::arbitrary<std::string>()}});
+}
+
+rc::Gen<std::vector<Asked>> AnyRequests() {
+  return rc::gen::resize(
+      60, rc::gen::container<std::vector<Asked>>(rc::gen::build<Asked>(
+              rc::gen::set(&Asked::after_ticks, rc::gen::resize(100, rc::gen::inRange(0, 250))),
+              rc::gen::set(&Asked::text, AnyText()))));
+}
+
+/// A run in which the requests are asked, and what it did that it must not do.
+class AskedRun {
+ public:
+  explicit AskedRun(std::vector<Asked> asked)
+      : rig_("asked_" + std::to_string(count_++), {.seconds = kSeconds, .guided = true}),
+        asked_(std::move(asked)),
+        speed_limit_m_per_s_(rig_.setup->config.servo.twist.max_speed_m_per_s) {
+    rig_.params.requests = &buttons_;
+    rig_.params.stop = &stop_;
+    rig_.params.ticked = [this](const control::TickRecord& tick, const simulation::ContactModel&) {
+      Check(tick);
+      Ask();
+    };
+  }
+  ~AskedRun() { std::filesystem::remove_all(rig_.folder); }
+  AskedRun(const AskedRun&) = delete;
+  AskedRun& operator=(const AskedRun&) = delete;
+
+  // Empty: nothing was wrong.
+  [[nodiscard]] std::string Run() {
+    rig_.Run();
+    CheckFolder();
+    CheckReplay();
+    return wrong_;
+  }
+
+  static inline int changes = 0, passes = 0, undone = 0, refused = 0;  // of all cases
+
+ private:
+  void Complain(const std::string& what) {
+    if (wrong_.empty()) wrong_ = fmt::format("tick {}: {}", ticks_, what);
+  }
+
+  void Check(const control::TickRecord& tick) {
+    const bool paused = tick.cell_state == static_cast<std::uint8_t>(CellState::kPaused);
+    if (paused && was_paused_ && tick.q_cmd != held_) Complain("the paused arm moved");
+    if (ticks_ > 0 && tick.input.tool_index != tool_) {
+      ++changes;
+      if (!paused || tick.q_cmd != held_) Complain("the arm moved, or was not at rest, as the tool changed");
+    }
+    held_ = tick.q_cmd;
+    was_paused_ = paused;
+    tool_ = tick.input.tool_index;
+    ++ticks_;
+    if (!(Vector3(tick.F_coupling_T_W.f).norm() <= kForceCeiling_N * kRounding))
+      Complain(fmt::format("{} N were rendered", Vector3(tick.F_coupling_T_W.f).norm()));
+    if (!(Vector3(tick.v_WT_cmd_m_per_s).norm() <= speed_limit_m_per_s_ * kRounding))
+      Complain(fmt::format("{} m/s were commanded", Vector3(tick.v_WT_cmd_m_per_s).norm()));
+    if (tick.faults != 0) Complain(fmt::format("faults {:x}", tick.faults));
+    if (ticks_ >= kMaxTicks) stop_.store(true);
+  }
+
+  void Ask() {
+    if (next_ >= asked_.size() || ++waited_ < asked_[next_].after_ticks) return;
+    waited_ = 0;
+    Send(asked_[next_++].text);
+    for (const SessionPass& pass : rig_.session->File().passes) {
+      const auto [known, is_new] = saved_.try_emplace(pass.state, pass.state_hash);
+      if (!is_new && known->second != pass.state_hash) Complain(pass.state + " was replaced");
+    }
+  }
+
+  void Send(const std::string& text) {
+    if (text == "pause") return buttons_.pause.store(true);
+    if (!text.starts_with('{')) return Post(ParseSessionRequest(text));
+    const auto message = console::ParseClientMessage(text);
+    if (!message) return;
+    if (const auto* own = std::get_if<console::ProcedureRequest>(&*message))
+      return Post(SessionRequestOf(*own));
+    const auto* cell = std::get_if<console::OperatorRequest>(&*message);
+    if (cell && *cell == console::OperatorRequest::kPause) buttons_.pause.store(true);
+    if (cell && *cell == console::OperatorRequest::kResume) buttons_.resume.store(true);
+    if (cell && *cell == console::OperatorRequest::kRecover) buttons_.recover.store(true);
+  }
+
+  void Post(const tl::expected<SessionRequest, std::string>& request) {
+    if (!request) return;
+    (void)rig_.session->Post(*request, [this](const SessionAnswer& answer) {
+      if (answer.done != answer.reason.empty()) Complain("an answer without a reason: " + answer.reason);
+      if (!answer.done) ++refused;
+    });
+  }
+
+  void CheckFolder() {
+    const auto session = ReadSession(rig_.folder);
+    if (!session) return Complain(session.error());
+    if (!session->ended) Complain("the session did not end in order");
+    for (const SessionPass& pass : session->passes) {
+      saved_[pass.state] = pass.state_hash;
+      ++passes;
+      undone += pass.undone ? 1 : 0;
+    }
+    for (const auto& [name, hash] : saved_) {
+      const auto state = simulation::ReadCarvedState(rig_.folder / name, rig_.setup->bone);
+      if (!state || HashText(*state) != hash) Complain(name + " is lost");
+    }
+  }
+
+  void CheckReplay() {
+    const auto recording = io::ReadRecording(rig_.params.recording);
+    if (!recording) return Complain(recording.error());
+    const auto cell = LoadRecordedTools(recording->session.config);
+    if (!cell) return Complain(cell.error());
+    if (!Replay(*recording, cell->config, cell->tools, cell->list.first).identical)
+      Complain("replay differs");
+  }
+
+  static inline int count_ = 0;
+  Rig rig_;
+  std::vector<Asked> asked_;
+  double speed_limit_m_per_s_;
+  OperatorRequests buttons_;
+  std::atomic<bool> stop_{false};
+  std::string wrong_;
+  std::map<std::string, std::string> saved_;  // hash by file
+  control::JointArray held_{};
+  std::uint8_t tool_{0};
+  bool was_paused_{false};
+  int ticks_{0}, waited_{0};
+  std::size_t next_{0};
+};
+
+TEST(ProcedureRequests, NoSequenceOfThemMovesThePausedArmPassesALimitOrLosesAState) {
+  constexpr long long kCases = 6;
+  property::CheckShard(0, 1, kCases, [] {
+    const std::vector<Asked> asked = *AnyRequests();
+    const std::string wrong = AskedRun(asked).Run();
+    if (!wrong.empty()) RC_FAIL(wrong);
+  });
+  EXPECT_GT(AskedRun::changes, 1) << "the cases must reach what they are about";
+  EXPECT_GT(AskedRun::passes, 3);
+  EXPECT_GT(AskedRun::undone, 0);
+  EXPECT_GT(AskedRun::refused, 5);
+}
+
+}  // namespace
+}  // namespace osteon::app
