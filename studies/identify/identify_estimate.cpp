@@ -232,7 +232,9 @@ tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run, const 
   if (!fit) return tl::unexpected(fit.error());
   axis.fit = *fit;
   if (request.overlay) {
-    axis.overlay = OverlayOf(axis.fit, nominal_N_per_m);
+    const auto overlay = FitOverlay(axis.by_encoders.lines, axis.fit, run.period_s, nominal_N_per_m);
+    if (!overlay) return tl::unexpected(overlay.error());
+    axis.overlay = *overlay;
     axis.over_force = PerForce(axis.by_encoders, nominal_N_per_m);
   }
   auto force = MeasureResponse(run, Signal::kPosition, Signal::kForce);

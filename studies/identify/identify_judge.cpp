@@ -14,7 +14,7 @@ namespace {
 constexpr double kMaxMassOff = 0.05, kMinGain = 0.98, kMaxDamping = 3.0;
 constexpr double kOddOverEven = 3.0, kMinOdd = 0.01, kVeryOdd = 0.1, kMaxChi2 = 3.0, kMaxValidation = 2.0;
 constexpr double kMinTremor_N = 0.005, kMaxTremor_N = 50.0;
-constexpr double kMaxMassInterval = 0.05;  // of an overlay
+constexpr double kMaxMassInterval = 0.05, kMaxResidual = 0.1;  // of an overlay
 constexpr double kMaxLagInterval_s = 0.12e-3, kMinCoherence = 0.5, kMaxLost = 0.10;
 constexpr double kSamePosture_rad = 0.02, kMinHand_N_per_m = 50.0;
 
@@ -51,12 +51,13 @@ void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& 
   const MeasuredResponse& response = axis.by_encoders;
   const double gain = std::abs(response.lines.front().value);
   // an overlay's gain is that of the arm's own spring, which is to be found
-  if ((gain < kMinGain && !axis.overlay) || axis.fit.damping_ratio.value > kMaxDamping)
+  const double damping = axis.overlay ? axis.overlay->damping_ratio.value : axis.fit.damping_ratio.value;
+  if ((gain < kMinGain && !axis.overlay) || damping > kMaxDamping)
     result.refused.push_back(
         {where,
          fmt::format("the joint sticks: found a gain of {:.3f} at {:g} Hz and a damping ratio of {:.2f}, "
                      "accepted {:g} or more and at most {:g}; raise the speed",
-                     gain, response.lines.front().hz, axis.fit.damping_ratio.value, kMinGain, kMaxDamping)});
+                     gain, response.lines.front().hz, damping, kMinGain, kMaxDamping)});
   if (!(response.odd_ratio > kOddOverEven * response.even_ratio && response.odd_ratio > kMinOdd)) return;
   const std::string found = fmt::format(
       "not linear at this speed: found {:.1f} % of the motion on odd lines that were not excited, {:.1f} % "
@@ -94,6 +95,17 @@ void JudgeAmount(const AxisResult& axis, const std::string& where, IdentifyResul
                      seconds, 1e3 * lag_interval_s, 1e3 * kMaxLagInterval_s)});
 }
 
+// An arm's axes are coupled, so chi² of one axis says little; the lines that decide must fit.
+void JudgeImpedance(AxisResult& axis, const std::string& where, IdentifyResult& result) {
+  axis.model_holds = axis.overlay->residual <= kMaxResidual;
+  if (!axis.model_holds)
+    result.warnings.push_back(
+        {where,
+         fmt::format("no mass, damping and spring fit the motion: found {:.0f} % off, accepted {:g} %; the "
+                     "measured response alone is written",
+                     100.0 * axis.overlay->residual, 100.0 * kMaxResidual)});
+}
+
 }  // namespace
 
 void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
@@ -117,6 +129,7 @@ void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
         {where, fmt::format("excite higher: found a coherence of {:.2f} at {:g} Hz, where the "
                             "arm's bandwidth lies, accepted {:g}",
                             line.coherence, line.hz, kMinCoherence)});
+  if (axis.overlay) return JudgeImpedance(axis, where, result);
   const bool validated =
       !axis.validation_chi2 || *axis.validation_chi2 <= kMaxValidation * std::max(1.0, axis.fit.chi2);
   axis.model_holds = axis.fit.chi2 <= kMaxChi2 && validated;

@@ -44,7 +44,10 @@ Json OverlayJson(const OverlayFit& overlay) {
            {{"stiffness_N_per_m", ToJson(overlay.stiffness_N_per_m, 1.0)},
             {"damping_Ns_per_m", ToJson(overlay.damping_Ns_per_m, 1.0)},
             {"mass_kg", ToJson(overlay.mass_kg, 1.0)},
-            {"dead_time_ms", ToJson(overlay.dead_time_s, 1e-3)}}}};
+            {"dead_time_ms", ToJson(overlay.dead_time_s, 1e-3)}}},
+          {"chi2", overlay.chi2},
+          {"residual", overlay.residual},
+          {"ends_only", overlay.ends_only}};
 }
 
 Json AxisJson(const AxisResult& axis) {
@@ -158,15 +161,21 @@ std::optional<config::IdentifiedVibration> VibrationOf(const IdentifyResult& res
   return vibration;
 }
 
-// A response to an overlay, in units of the spring that was found: about 1 at low frequencies, as that of an
-// arm to its command.
-MeasuredResponse PerSpring(MeasuredResponse response, const ServoFit& fit) {
-  for (ResponseLine& line : response.lines) {
-    line.value /= fit.gain.value;
-    line.noise_sd /= fit.gain.value;
-    line.sd /= fit.gain.value;
-  }
-  return response;
+// A response x / f in units of the spring that was found: about 1 at low frequencies, as that of an arm to
+// its command.
+MeasuredResponse PerSpring(const MeasuredResponse& response, double stiffness_N_per_m) {
+  return PerForce(response, 1.0 / stiffness_N_per_m);
+}
+
+// An impedance as an arm that follows its command.
+ServoFit AsArm(const OverlayFit& overlay, ServoFit fit) {
+  fit.bandwidth_hz = overlay.bandwidth_hz;
+  fit.damping_ratio = overlay.damping_ratio;
+  fit.dead_time_s = overlay.dead_time_s;
+  fit.lag_s = overlay.lag_s;
+  fit.gain = {.value = 1.0};
+  fit.chi2 = overlay.chi2;
+  return fit;
 }
 
 // Adds what an axis says of sensor, hands and link.
@@ -212,14 +221,14 @@ config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
     });
     if (axis.request.held || slower) continue;
     const std::string name(1, axis.request.axis);
-    const ServoFit& fit = axis.fit;
+    const ServoFit fit = axis.overlay ? AsArm(*axis.overlay, axis.fit) : axis.fit;
     if (axis.model_holds)
       cell.arm.push_back({.axis = name,
                           .speed_m_per_s = axis.rms_speed_m_per_s,
                           .bandwidth_hz = fit.bandwidth_hz.value,
                           .damping_ratio = fit.damping_ratio.value,
                           .dead_time_s = fit.dead_time_s.value,
-                          .gain = axis.overlay ? 1.0 : fit.gain.value,
+                          .gain = fit.gain.value,
                           .lag_s = fit.lag_s.value,
                           .felt_mass_kg = axis.overlay ? std::optional(axis.overlay->mass_kg.value)
                                                        : FeltMassOf(axis.request.axis, result),
@@ -234,7 +243,8 @@ config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
       for (const ResponseLine& line : response.lines)
         to.lines.push_back({.hz = line.hz, .re = line.value.real(), .im = line.value.imag(), .sd = line.sd});
     };
-    add(axis.overlay ? PerSpring(axis.by_encoders, fit) : axis.by_encoders, false);
+    add(axis.overlay ? PerSpring(*axis.over_force, axis.overlay->stiffness_N_per_m.value) : axis.by_encoders,
+        false);
     if (axis.by_force && !axis.overlay) add(*axis.by_force, true);
     if (axis.tool && axis.tool->resonance)
       cell.structure.push_back(
@@ -291,6 +301,19 @@ SummaryRow OverlayRow(const AxisResult& axis) {
               1e3 * fit.dead_time_s.value, 1e3 * fit.dead_time_s.half_width)};
 }
 
+SummaryRow ArmRow(const AxisResult& axis) {
+  const ServoFit& fit = axis.fit;
+  return {
+      fmt::format("Arm, {} at {:.1f} mm/s rms", axis.request.axis, 1e3 * axis.rms_speed_m_per_s),
+      fmt::format("{:.2f} ± {:.2f} Hz, damping {:.3f} ± {:.3f}, dead time {:.3f} ± {:.3f} ms, lag "
+                  "{:.3f} ± {:.3f} ms; chi² {:.2f}{}",
+                  fit.bandwidth_hz.value, fit.bandwidth_hz.half_width, fit.damping_ratio.value,
+                  fit.damping_ratio.half_width, 1e3 * fit.dead_time_s.value, 1e3 * fit.dead_time_s.half_width,
+                  1e3 * fit.lag_s.value, 1e3 * fit.lag_s.half_width, fit.chi2,
+                  axis.validation_chi2 ? fmt::format(", {:.2f} on other data", *axis.validation_chi2)
+                                       : std::string())};
+}
+
 }  // namespace
 
 std::vector<SummaryRow> Rows(const IdentifyResult& result) {
@@ -298,19 +321,7 @@ std::vector<SummaryRow> Rows(const IdentifyResult& result) {
       {"Cell", fmt::format("{}: {}, {}, {:g} ms", result.cell, result.valid_for.robot, result.valid_for.tool,
                            1e3 * result.valid_for.period_s)}};
   for (const AxisResult& axis : result.axes) {
-    const ServoFit& fit = axis.fit;
-    if (axis.overlay) rows.push_back(OverlayRow(axis));
-    rows.push_back(
-        {fmt::format("{}, {} at {:.1f} mm/s rms", axis.overlay ? "Its impedance" : "Arm", axis.request.axis,
-                     1e3 * axis.rms_speed_m_per_s),
-         fmt::format("{:.2f} ± {:.2f} Hz, damping {:.3f} ± {:.3f}, dead time {:.3f} ± {:.3f} ms, lag "
-                     "{:.3f} ± {:.3f} ms; chi² {:.2f}{}",
-                     fit.bandwidth_hz.value, fit.bandwidth_hz.half_width, fit.damping_ratio.value,
-                     fit.damping_ratio.half_width, 1e3 * fit.dead_time_s.value,
-                     1e3 * fit.dead_time_s.half_width, 1e3 * fit.lag_s.value, 1e3 * fit.lag_s.half_width,
-                     fit.chi2,
-                     axis.validation_chi2 ? fmt::format(", {:.2f} on other data", *axis.validation_chi2)
-                                          : std::string())});
+    rows.push_back(axis.overlay ? OverlayRow(axis) : ArmRow(axis));
     if (axis.tool)
       rows.push_back(
           {fmt::format("Sensor, {}", axis.request.axis),
