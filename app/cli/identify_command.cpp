@@ -17,12 +17,21 @@ IdentifyCommand::IdentifyCommand(CLI::App& app) : sub_(AddStudy(app, "identify")
       ->required();
   sub_->add_flag("--simulated", options_.simulated,
                  "move the simulated cell, in virtual time, instead of the connected arm");
+  sub_->add_flag(
+      "--wall-time", options_.wall_time,
+      "with --simulated: in wall time, the simulated arm and devices at the other end of their real "
+      "wires on loopback");
+  sub_->add_option("--table", options_.table_seeds,
+                   "move and read nothing: fit synthetic recordings of the cell's simulated arm with so many "
+                   "seeds, and say how well arm and stability boundaries are found")
+      ->type_name("SEEDS")
+      ->check(NumberWithin(2, 1000));
   sub_->add_option("--do", runs_,
                    "runs: noise (60 s at rest), free (64 s for each axis and speed), validate (16 s), held "
-                   "(64 s, with a hand at the handle)")
+                   "(64 s, with a hand at the handle), tremor (30 s at rest, with a hand at the handle)")
       ->type_name("RUN,…")
       ->delimiter(',')
-      ->check(CLI::IsMember({"noise", "free", "validate", "held"}))
+      ->check(CLI::IsMember({"noise", "free", "validate", "held", "tremor"}))
       ->capture_default_str();
   sub_->add_option("--axes", axes_, "axes of the tool's frame at the start along which the arm is moved")
       ->type_name("AXIS,…")
@@ -66,12 +75,17 @@ int IdentifyCommand::Run(const std::filesystem::path& config_root, const std::st
   const auto has = [this](const char* run) { return std::ranges::find(runs_, run) != runs_.end(); };
   if (!options_.validations.empty() && options_.recordings.empty())
     return refuse("found --validate without --recording, accepted both");
+  if (options_.wall_time && !options_.simulated)
+    return refuse("found --wall-time without --simulated, accepted both");
   if (has("validate") && !has("free")) return refuse("found --do validate without free, accepted both");
   const auto found = FindCell(config_root, cell_);
   if (!found) return refuse(found.error());
   options_.cell = *found;
-  options_.runs = {
-      .noise = has("noise"), .free = has("free"), .validate = has("validate"), .held = has("held")};
+  options_.runs = {.noise = has("noise"),
+                   .free = has("free"),
+                   .validate = has("validate"),
+                   .held = has("held"),
+                   .tremor = has("tremor")};
   options_.axes.clear();
   for (const std::string& axis : axes_)
     if (options_.axes.find(axis) == std::string::npos) options_.axes += axis;

@@ -17,6 +17,10 @@ TransparencyCommand::TransparencyCommand(CLI::App& app) : sub_(AddStudy(app, "tr
       ->capture_default_str();
   sub_->add_option("--json", options_.json, "write a further copy of transparency.json there")
       ->type_name("FILE");
+  sub_->add_option("--identified", options_.identified,
+                   "a file of `osteon identify` for this cell: the simulated arm has what was measured")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
   sub_->add_option("--points", options_.points, "number of frequencies from 0.1 to 30 Hz")
       ->check(NumberWithin(3, 200))
       ->capture_default_str();

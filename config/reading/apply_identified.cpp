@@ -2,17 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "config/reading/load_identified.h"
 #include "config/reading/strict/config_error.h"
+#include "kinematics/serial_chain.h"
 
 namespace osteon::config {
 namespace {
 
 constexpr double kMaxDampingRatio = 10.0;  // of the simulated arm
+constexpr double kSameCycle = 0.05;        // of a period: a measured dead time is not exact
 
 hil::ServoArmParams ArmFrom(const IdentifiedArm& arm, double period_s, const std::string& file) {
   const auto require = [&](const char* key, double found, double max, const char* unit) {
@@ -35,9 +38,60 @@ const IdentifiedArm* SlowestArm(const IdentifiedCell& identified) {
   return &*std::ranges::max_element(identified.arm, {}, &IdentifiedArm::lag_s);
 }
 
+namespace {
+
+// What was measured of force sensor, hand and spindle: a dead zone that the drift does not pass, and what the
+// vibration index tolerates.
+void ApplyForces(const IdentifiedCell& identified, CellConfig& cell) {
+  if (identified.dead_zone_N) {
+    double& dead_zone_N = cell.servo.admittance.dead_zone_N;
+    dead_zone_N = std::max(dead_zone_N, *identified.dead_zone_N);
+    cell.own_gains.dead_zone_N = std::max(cell.own_gains.dead_zone_N, *identified.dead_zone_N);
+  }
+  if (!identified.vibration) return;
+  control::VibrationParams& vibration = cell.servo.vibration;
+  if (identified.vibration->tremor_N > 0.0) vibration.reference.tremor_N = identified.vibration->tremor_N;
+  if (!identified.vibration->notch_hz.empty())
+    vibration.notch_hz = std::ranges::max(identified.vibration->notch_hz);
+}
+
+// The impedance that a force over it meets. The arm with masses has whole periods of dead time; the later
+// one.
+void ApplyImpedance(const IdentifiedArm& measured, const std::string& file, CellConfig& cell) {
+  hil::DynamicArmParams& arm = cell.simulated.dynamic;
+  const double cycles = std::max(0.0, std::ceil(measured.dead_time_s / cell.servo.period_s - kSameCycle));
+  if (!(cycles <= hil::DynamicArm::kMaxDeadCycles))
+    throw ConfigError(
+        file, 0,
+        fmt::format("arm, axis {}: dead_time_ms: found {:g}, accepted at most {:g}", measured.axis,
+                    1e3 * measured.dead_time_s, 1e3 * hil::DynamicArm::kMaxDeadCycles * cell.servo.period_s));
+  arm.dead_cycles = static_cast<int>(cycles);
+  const LbrConfig* lbr = cell.robot.lbr();
+  if (!measured.felt_mass_kg || cell.simulated.fri.command_mode != control::CommandMode::kWrench ||
+      lbr == nullptr || !lbr->chain.has_masses)
+    return;
+  const double w = 2.0 * std::numbers::pi * measured.bandwidth_hz;
+  arm.stiffness_N_per_m = *measured.felt_mass_kg * w * w;
+  // the arm's damping is a ratio of the mass that it has on average over all directions
+  const kinematics::SerialChain<7> chain(lbr->chain);
+  const Vector3 p_B = chain.FlangePose(cell.start.q) * cell.tool.X_FT.translation();
+  const double mean_kg = 3.0 / chain.Mobility(cell.start.q, p_B).topLeftCorner<3, 3>().trace();
+  arm.cartesian_damping_ratio = measured.damping_ratio * std::sqrt(*measured.felt_mass_kg / mean_kg);
+}
+
+}  // namespace
+
 void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell) {
   cell.identified = ReadIdentifiedFor(file, cell);
+  ApplyForces(*cell.identified, cell);
   const IdentifiedArm* slowest = SlowestArm(*cell.identified);
+  if (slowest != nullptr && cell.servo.law == control::Law::kImpedance && slowest->felt_mass_kg)
+    return ApplyImpedance(*std::ranges::max_element(cell.identified->arm, {}, &IdentifiedArm::dead_time_s),
+                          file.string(), cell);
+  // without a model that fits, the response alone judges the gains, and the simulated arm stays as it is
+  if (slowest == nullptr &&
+      (cell.identified->vibration || cell.identified->dead_zone_N || !cell.identified->response.empty()))
+    return;
   if (slowest == nullptr)
     throw ConfigError(file.string(), 0, "identified: arm: found no measurement, accepted one axis at least");
   const hil::ServoArmParams arm = ArmFrom(*slowest, cell.servo.period_s, file.string());

@@ -13,8 +13,10 @@ namespace osteon::config {
 
 /// Reads a file of `osteon identify` for this cell (ReadIdentifiedFor), keeps it as cell.identified, and
 /// gives the simulated arm the bandwidth, damping ratio and dead time of SlowestArm. The dynamic arm rounds
-/// the dead time to whole periods.
-/// @throws ConfigError naming the file: another cell's, without an arm's measurement, or beyond what the
+/// the dead time to whole periods, upward with the impedance law, where an overlay of wrenches also has its
+/// spring and damping. A dead zone becomes at least the measured one; `vibration` has its tremor_N and
+/// notch_hz. Without an arm's model, but with a response or forces, the simulated arm stays as it is.
+/// @throws ConfigError naming the file: another cell's, without any measurement, or beyond what the
 /// simulated
 ///   arm can be: 0 … 32 periods of dead time, a damping ratio of at most 10
 void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell);

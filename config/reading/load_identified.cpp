@@ -38,11 +38,16 @@ void RequireInterval(const IntervalCheck& check) {
                                    check.interval.low, check.interval.high, check.value));
 }
 
-IdentifiedValidity ReadValidity(Reader section) {
+constexpr const char* kLaws[] = {"admittance", "impedance"};  // as control::Law
+
+IdentifiedValidity ReadValidity(Reader section, std::optional<control::Law>& law) {
   IdentifiedValidity valid{.robot = section.Text("robot"), .tool = section.Text("tool")};
   valid.period_s = section.Number("period_ms", 0.1, 100);
   const std::vector<double> start = section.Numbers("start_deg", 7, -360, 360);
   std::copy(start.begin(), start.end(), valid.start_rad.begin());
+  if (section.Has("law"))
+    law = section.Choice("law", {kLaws[0], kLaws[1]}) == 0 ? control::Law::kAdmittance
+                                                           : control::Law::kImpedance;
   for (Reader& recording : section.Sections("recordings", 0, kMaxItems))
     valid.recordings.push_back({.file = recording.Text("file"), .hash = recording.Text("hash")});
   return valid;
@@ -117,10 +122,8 @@ void ReadVibration(Reader& cell, IdentifiedCell& identified) {
   if (cell.Has("vibration")) {
     Reader section = cell.Section("vibration");
     IdentifiedVibration& vibration = identified.vibration.emplace();
-    vibration.tremor_N = section.Number("tremor_N", 0, 200);
-    if (section.Has("notches"))
-      for (Reader& notch : section.Sections("notches", 1, 16))
-        vibration.notch_hz.push_back(notch.Number("hz", 1, kMaxFrequency_hz));
+    if (section.Has("tremor_N")) vibration.tremor_N = section.Number("tremor_N", 0, 50);
+    if (section.Has("notch_hz")) vibration.notch_hz = {section.Number("notch_hz", 0, 20)};
   }
   if (cell.Has("dead_zone_N")) identified.dead_zone_N = cell.Number("dead_zone_N", 0, 50);
 }
@@ -128,13 +131,16 @@ void ReadVibration(Reader& cell, IdentifiedCell& identified) {
 struct ReadFile {
   IdentifiedCell identified;
   Reader valid_for;
+  std::optional<control::Law> law{};
 };
 
 ReadFile ReadAll(const std::filesystem::path& file) {
   Reader reader = Reader::Load(file);
   Reader cell = reader.Section("identified");
   Reader validity = cell.Section("valid_for");
-  ReadFile read{.identified = {.valid_for = ReadValidity(validity)}, .valid_for = validity};
+  std::optional<control::Law> law;
+  ReadFile read{.identified = {.valid_for = ReadValidity(validity, law)}, .valid_for = validity};
+  read.law = law;
   IdentifiedCell& identified = read.identified;
   std::vector<IntervalCheck> checks;
   std::vector<std::vector<Reader>> lines;
@@ -169,7 +175,9 @@ std::string IntervalText(const IdentifiedInterval& interval, double unit) {
 
 constexpr double kMilli = 1e-3;
 
-std::string ValidityText(const IdentifiedValidity& valid) {
+const char* NameOf(control::Law law) { return kLaws[law == control::Law::kAdmittance ? 0 : 1]; }
+
+std::string ValidityText(const IdentifiedValidity& valid, std::optional<control::Law> law) {
   std::string start, recordings;
   for (const double q : valid.start_rad)
     start += fmt::format("{}{:.10g}", start.empty() ? "" : ", ", q / kDegree);
@@ -177,8 +185,9 @@ std::string ValidityText(const IdentifiedValidity& valid) {
     recordings += fmt::format("\n      - {{file: \"{}\", hash: \"{}\"}}", recording.file, recording.hash);
   return fmt::format(
       "  valid_for:\n    robot: \"{}\"\n    tool: \"{}\"\n    period_ms: {:.10g}\n    start_deg: [{}]\n"
-      "    recordings:{}\n",
-      valid.robot, valid.tool, valid.period_s / kMilli, start, recordings.empty() ? " []" : recordings);
+      "{}    recordings:{}\n",
+      valid.robot, valid.tool, valid.period_s / kMilli, start,
+      law ? fmt::format("    law: {}\n", NameOf(*law)) : "", recordings.empty() ? " []" : recordings);
 }
 
 std::string ArmText(const IdentifiedArm& arm) {
@@ -236,9 +245,10 @@ std::string HandsText(const IdentifiedCell& identified) {
         hand.name, hand.stiffness_N_per_m, IntervalText(hand.stiffness_interval_N_per_m, 1.0),
         hand.damping_Ns_per_m, hand.mass_kg);
   if (const auto& vibration = identified.vibration) {
-    text += fmt::format("  vibration:\n    tremor_N: {:.10g}\n", vibration->tremor_N);
-    if (!vibration->notch_hz.empty()) text += "    notches:\n";
-    for (const double hz : vibration->notch_hz) text += fmt::format("      - {{hz: {:.10g}}}\n", hz);
+    text += "  vibration:\n";
+    if (vibration->tremor_N > 0.0) text += fmt::format("    tremor_N: {:.10g}\n", vibration->tremor_N);
+    if (!vibration->notch_hz.empty())
+      text += fmt::format("    notch_hz: {:.10g}\n", std::ranges::max(vibration->notch_hz));
   }
   if (identified.dead_zone_N) text += fmt::format("  dead_zone_N: {:.10g}\n", *identified.dead_zone_N);
   return text;
@@ -262,6 +272,7 @@ IdentifiedCell ReadIdentifiedFor(const std::filesystem::path& file, const CellCo
   if (!(std::abs(valid.period_s - cell.servo.period_s) <= kSamePeriod_s))
     require("period_ms", fmt::format("{:g}", valid.period_s / kMilli),
             fmt::format("{:g}, this cell's", cell.servo.period_s / kMilli));
+  if (read.law && *read.law != cell.servo.law) require("law", NameOf(*read.law), NameOf(cell.servo.law));
   for (std::size_t i = 0; i < valid.start_rad.size(); ++i) {
     const double accepted_rad = cell.start.q[static_cast<int>(i)];
     if (!(std::abs(valid.start_rad[i] - accepted_rad) <= kSamePosture_rad))
@@ -272,14 +283,15 @@ IdentifiedCell ReadIdentifiedFor(const std::filesystem::path& file, const CellCo
   return read.identified;
 }
 
-std::string WriteIdentified(const IdentifiedCell& identified, const std::string& comment) {
+std::string WriteIdentified(const IdentifiedCell& identified, const std::string& comment,
+                            std::optional<control::Law> law) {
   std::string text;
   for (std::size_t begin = 0; begin < comment.size();) {
     const std::size_t end = std::min(comment.find('\n', begin), comment.size());
     text += "# " + comment.substr(begin, end - begin) + "\n";
     begin = end + 1;
   }
-  text += "identified:\n" + ValidityText(identified.valid_for);
+  text += "identified:\n" + ValidityText(identified.valid_for, law);
   text += identified.arm.empty() ? "  arm: []\n" : "  arm:\n";
   for (const IdentifiedArm& arm : identified.arm) text += ArmText(arm);
   text += identified.response.empty() ? "  response: []\n" : "  response:\n";

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "config/reading/cell_config.h"
@@ -11,7 +12,8 @@ namespace osteon::config {
 /// Loads what `osteon identify` wrote.
 ///
 ///     identified:
-///       valid_for: {robot, tool, period_ms, start_deg: [7 numbers], recordings: [{file, hash}, …]}
+///       valid_for: {robot, tool, period_ms, start_deg: [7 numbers], [law: admittance | impedance,]
+///                   recordings: [{file, hash}, …]}
 ///       arm: [{axis, speed_mm_per_s, bandwidth_hz, damping_ratio, dead_time_ms, gain_ratio, lag_ms,
 ///              [felt_mass_kg,] chi2_ratio, interval: {bandwidth_hz, damping_ratio, dead_time_ms, lag_ms}}, …]
 ///       response: [{axis, speed_mm_per_s, by: encoders | force, lines: [{hz, re_ratio, im_ratio, sd_ratio}]}]
@@ -19,20 +21,22 @@ namespace osteon::config {
 ///       [link: {jitter_mean_ms, jitter_p99_ms, loss_ratio}]
 ///       [structure: [{hz, damping_ratio}, …]]
 ///       [hands: [{name, stiffness_N_per_m, stiffness_interval_N_per_m, damping_Ns_per_m, mass_kg}, …]]
-///       [vibration: {tremor_N, [notches: [{hz}, …]]}]
+///       [vibration: {[tremor_N,] [notch_hz]}]
 ///       [dead_zone_N]
 ///
 /// Every interval is [low, high] and must contain its value; lines rise in frequency.
 /// @throws ConfigError naming file, line, key, what was found and what is accepted.
 [[nodiscard]] IdentifiedCell ReadIdentified(const std::filesystem::path& file);
 
-/// The same, for a cell: refuses a file of another robot, tool, period or posture.
+/// The same, for a cell: refuses a file of another robot, tool, period, posture or law.
 /// @throws ConfigError at the line of the key that differs.
 [[nodiscard]] IdentifiedCell ReadIdentifiedFor(const std::filesystem::path& file, const CellConfig& cell);
 
 /// Returns the file's text, with 10 significant digits. ReadIdentified of it gives the same values to 1e-9,
 /// and WriteIdentified of those gives the same text.
-/// @param comment  lines for the file's head, without "# "
-[[nodiscard]] std::string WriteIdentified(const IdentifiedCell& identified, const std::string& comment);
+/// @param comment  lines for the file's head, without "# "  @param law  of the cell; absent: not written, and
+/// the file is any law's
+[[nodiscard]] std::string WriteIdentified(const IdentifiedCell& identified, const std::string& comment,
+                                          std::optional<control::Law> law = {});
 
 }  // namespace osteon::config

@@ -56,6 +56,16 @@ ExcitedHold::ExcitedHold(const ExcitedHoldParams& params)
   Require(params.max_lost_share > 0.0 && params.max_lost_share <= 1.0, "max_lost_share",
           params.max_lost_share, "0 … 1, not 0");
   Require(std::abs(params.axis_W.norm() - 1.0) < 1e-9, "axis_W", params.axis_W.norm(), "a length of 1");
+  const OverlayExcitation& overlay = params.overlay;
+  if (!overlay.on) return;
+  Require(overlay.max_force_N > 0.0 && overlay.max_force_N <= 50.0, "overlay.max_force_N",
+          overlay.max_force_N, "0 … 50, not 0");
+  Require(overlay.mass_kg > 0.0 && overlay.damping_Ns_per_m >= 0.0 && overlay.stiffness_N_per_m > 0.0,
+          "overlay.stiffness_N_per_m", overlay.stiffness_N_per_m, "> 0, with a mass > 0 and a damping >= 0");
+  const MultisineState peak = path_.peak();
+  const double bound_N = overlay.mass_kg * peak.a_m_per_s2 + overlay.damping_Ns_per_m * peak.v_m_per_s +
+                         overlay.stiffness_N_per_m * peak.x_m;
+  overlay_scale_ = std::min(1.0, overlay.max_force_N / bound_N);
 }
 
 ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
@@ -77,19 +87,40 @@ ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
     return step_;
   }
   const bool permitted = abort_ == ExcitationAbort::kNone && (!params_.has_interlock || tick.permitted);
-  for (int i = 0; i < messages && !done_; ++i) step_.path = path_.Step(permitted);
-  if (!done_) step_.x_m = step_.path.x_m;
+  if (!done_) StepPath(permitted, messages);
   step_.abort = abort_;
   done_ = done_ || step_.path.part == ExcitationPart::kDone ||
           (abort_ != ExcitationAbort::kNone && step_.path.at_rest);
   step_.excites = !done_;
+  if (done_) step_.f_N = 0.0;
   JointArray moved{};
   for (std::size_t j = 0; j < moved.size(); ++j) {
-    step_.offset[j] = params_.direction[j] * step_.x_m;
+    if (!params_.overlay.on) step_.offset[j] = params_.direction[j] * step_.x_m;
     moved[j] = tick.q_meas[j] - q_hold_[j];
   }
   step_.y_m = params_.axis_W.dot(params_.J_W * JointMap(moved.data()));
   return step_;
+}
+
+// Advances the path by as many periods as messages have passed, some of which may have been lost.
+void ExcitedHold::StepPath(bool permitted, int messages) OSTEON_RT {
+  for (int i = 0; i < messages; ++i) {
+    step_.path = path_.Step(permitted);
+    if (params_.overlay.on) step_.f_N = OverlayForce(step_.path.x_m);
+  }
+  step_.x_m = step_.path.x_m;
+}
+
+// The force that would move the arm as it is thought to be along the path, which is one period further.
+double ExcitedHold::OverlayForce(double x_m) OSTEON_RT {
+  const OverlayExcitation& overlay = params_.overlay;
+  const double v_m_per_s = (x_m - x_last_m_) / params_.period_s,
+               v_before_m_per_s = (x_last_m_ - x_before_last_m_) / params_.period_s;
+  const double f_N = overlay.mass_kg * (v_m_per_s - v_before_m_per_s) / params_.period_s +
+                     overlay.damping_Ns_per_m * v_m_per_s + overlay.stiffness_N_per_m * x_m;
+  x_before_last_m_ = x_last_m_;
+  x_last_m_ = x_m;
+  return std::clamp(overlay_scale_ * f_N, -overlay.max_force_N, overlay.max_force_N);
 }
 
 // Waits at rest in the pause, and averages the force meanwhile; the first message with the pause's command
@@ -117,8 +148,10 @@ ExcitationAbort ExcitedHold::Check(const ExcitedTick& tick, double x_before_m) O
   const Vector3 force_S_N = tick.force_S_N - force_zero_S_N_;
   if (!(force_S_N.norm() <= params_.max_force_N)) return ExcitationAbort::kForce;
   JointArray off{};
+  // an overlay moves the tool from a command that stands
+  const double commanded_m = params_.overlay.on ? 0.0 : x_before_m;
   for (std::size_t j = 0; j < off.size(); ++j)
-    off[j] = tick.q_meas[j] - q_hold_[j] - params_.direction[j] * x_before_m;
+    off[j] = tick.q_meas[j] - q_hold_[j] - params_.direction[j] * commanded_m;
   if (!((params_.J_W * JointMap(off.data())).norm() <= params_.max_tracking_m))
     return ExcitationAbort::kTracking;
   return ForceGrows(force_S_N) ? ExcitationAbort::kForceGrows : ExcitationAbort::kNone;

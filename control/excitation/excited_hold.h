@@ -26,6 +26,18 @@ enum class ExcitationAbort : std::uint8_t {
 /// "the force on the sensor changed by more than …", for messages.
 [[nodiscard]] const char* Describe(ExcitationAbort abort);
 
+/// An excitation by a force over the arm's own impedance, in the place of a motion of its command.
+struct OverlayExcitation {
+  bool on{false};
+  /// The arm as it is thought to be. The force is the one that would move such an arm along the path:
+  ///
+  ///     f = mass x'' + damping x' + stiffness x
+  ///
+  /// so that force and motion both have power on all lines. What the arm really is follows from the response.
+  double mass_kg{5.0}, damping_Ns_per_m{140.0}, stiffness_N_per_m{2000.0};
+  double max_force_N{50.0};  ///< the motion is made smaller where it would need more; 0 … 50, not 0
+};
+
 struct ExcitedHoldParams {
   ExcitationParams path;
   double period_s{0.001};
@@ -39,8 +51,9 @@ struct ExcitedHoldParams {
   double max_lost_share{0.05};
   double max_sensor_age_s{0.1};
   bool has_interlock{false};  ///< the path goes on only while the PLC permits motion and the switch is held
-  double wait_s{1.0};         ///< at rest in the pause before the path begins: the force's zero; > 0
-  bool rests_only{false};     ///< nothing moves: done after wait_s
+  OverlayExcitation overlay{};
+  double wait_s{1.0};      ///< at rest in the pause before the path begins: the force's zero; > 0
+  bool rests_only{false};  ///< nothing moves: done after wait_s
 };
 
 /// The part of a tick that an excited hold needs: live from the loop and its ports, later from the tick's
@@ -59,7 +72,8 @@ struct ExcitedTick {
 
 struct ExcitedHoldStep {
   JointArray offset{};  ///< to be added to the loop's command [rad]
-  double x_m{0.0};      ///< the same along the axis
+  double x_m{0.0};      ///< the same along the axis; with an overlay the path that the force is made from
+  double f_N{0.0};      ///< force along the axis to be laid over the arm's impedance; offset is zero then
   double y_m{0.0};      ///< measured offset along the axis
   ExcitationStep path{};
   bool excites{false};  ///< the path has begun and is not done
@@ -72,8 +86,8 @@ struct ExcitedHoldStep {
 ///
 /// The loop's checks of a pause go on: session, tracking, measured speed. This adds its own, and decides by
 /// each tick alone, so that the same ticks from a recording give the same offsets, bit for bit. After an
-/// abort the path brakes to rest within pause_s; the offset stays where it came to rest. Between messages
-/// that were lost the path advances by the sequence number. Step does not allocate.
+/// abort the path brakes to rest within pause_s; the offset stays where it came to rest, and an overlay ends.
+/// Between messages that were lost the path advances by the sequence number. Step does not allocate.
 class ExcitedHold {
  public:
   /// @throws std::invalid_argument naming the parameter, the value found and what is accepted.
@@ -91,6 +105,8 @@ class ExcitedHold {
   [[nodiscard]] ExcitationAbort Check(const ExcitedTick& tick, double x_before_m) OSTEON_RT;
   [[nodiscard]] bool LosesAnswers(const ExcitedTick& tick, int messages) OSTEON_RT;
   [[nodiscard]] bool ForceGrows(const Vector3& force_S_N) OSTEON_RT;
+  void StepPath(bool permitted, int messages) OSTEON_RT;
+  [[nodiscard]] double OverlayForce(double x_m) OSTEON_RT;
 
   ExcitedHoldParams params_;
   ExcitationPath path_;
@@ -101,6 +117,8 @@ class ExcitedHold {
   JointArray q_hold_{};
   Vector3 force_zero_S_N_{Vector3::Zero()};
   ExcitedHoldStep step_;
+  double overlay_scale_{1.0};                    // keeps the force within its bound
+  double x_last_m_{0.0}, x_before_last_m_{0.0};  // of the path, in the periods before
   // answers lost in the present second
   int second_messages_{0};
   std::uint32_t second_lost_{0};

@@ -62,6 +62,23 @@ void LimitPath(const std::vector<kinematics::JointLimits>& limits, control::Exci
   }
 }
 
+// The arm's impedance along the axis as the cell's file has it, which shapes the force of an overlay.
+control::OverlayExcitation OverlayOf(const config::CellConfig& cell, const Vector3& axis_W) {
+  const hil::DynamicArmParams& arm = cell.simulated.dynamic;
+  control::OverlayExcitation overlay{.on = true, .stiffness_N_per_m = std::max(200.0, arm.stiffness_N_per_m)};
+  const config::LbrConfig* lbr = cell.robot.lbr();
+  if (lbr != nullptr && lbr->chain.has_masses) {
+    const kinematics::SerialChain<7> chain(lbr->chain);
+    const Vector3 p_B = chain.FlangePose(cell.start.q) * cell.tool.X_FT.translation();
+    const Vector3 axis_B = cell.X_WB.linear().transpose() * axis_W;
+    const Matrix3 mobility = chain.Mobility(cell.start.q, p_B).topLeftCorner<3, 3>();
+    overlay.mass_kg = 1.0 / axis_B.dot(mobility * axis_B);
+  }
+  overlay.damping_Ns_per_m =
+      2.0 * arm.cartesian_damping_ratio * std::sqrt(overlay.stiffness_N_per_m * overlay.mass_kg);
+  return overlay;
+}
+
 int SequenceStep(const config::CellConfig& cell) {
   const io::RsiSessionParams* rsi = cell.link.rsi();
   return rsi ? rsi->ipoc_step : 1;
@@ -76,6 +93,7 @@ std::string EventText(const ExcitationRequest& request) {
                                          {"draws", request.draws},
                                          {"periods", request.periods},
                                          {"held", request.held},
+                                         {"overlay", request.overlay},
                                          {"rest_s", request.rest_s}}
                       .dump();
 }
@@ -93,6 +111,7 @@ std::optional<ExcitationRequest> ParseEvent(const std::string& text) {
                              .draws = json.at("draws").get<int>(),
                              .periods = json.at("periods").get<int>(),
                              .held = json.at("held").get<bool>(),
+                             .overlay = json.value("overlay", false),  // absent before overlays were excited
                              .rest_s = json.at("rest_s").get<double>()};
   } catch (const nlohmann::json::exception&) {
     return {};  // a file may say anything
@@ -133,9 +152,24 @@ tl::expected<ExcitedAxis, std::string> ExcitedAxisOf(const config::CellConfig& c
   hold.has_interlock = cell.servo.has_interlock;
   hold.rests_only = request.rest_s > 0.0;
   if (hold.rests_only) hold.wait_s = request.rest_s;
+  if (request.overlay) hold.overlay = OverlayOf(cell, hold.axis_W);
+  axis.axis_T = Vector3::Unit(request.axis - 'x');
   const Pose X_TS = cell.tool.X_FT.inverse() * Pose(cell.servo.sensor.X_FS);
   axis.axis_S = (cell.start.X_WT.linear() * X_TS.linear()).transpose() * hold.axis_W;
   return axis;
+}
+
+void AddExcitation(const ExcitedAxis& axis, const control::ExcitedHoldStep& step,
+                   control::CommandMode command_mode, control::ArmCommand& command) OSTEON_RT {
+  for (std::size_t j = 0; j < command.q.size(); ++j) command.q[j] += step.offset[j];
+  if (step.f_N == 0.0) return;
+  if (command_mode == control::CommandMode::kWrench) {
+    const Wrench F = command.F;
+    command.F = Wrench{.f = F.f + step.f_N * axis.axis_T, .t = F.t};
+  }
+  if (command_mode == control::CommandMode::kTorque)
+    for (std::size_t j = 0; j < command.tau.size(); ++j)
+      command.tau[j] += step.f_N * axis.hold.J_W.col(static_cast<Eigen::Index>(j)).dot(axis.hold.axis_W);
 }
 
 control::ExcitedTick ExcitedTickOf(const control::TickRecord& record) {
@@ -243,13 +277,14 @@ tl::expected<ExcitedSamples, std::string> SamplesOf(const std::vector<control::T
       unseen.seen = false;
       samples.run.samples.push_back(unseen);
     }
-    samples.run.samples.push_back({.seen = true,
-                                   .u_m = step.x_m,
-                                   .y_m = step.y_m,
-                                   .f_N = axis.axis_S.dot(tick.force_S_N),
-                                   .counted = step.path.part == control::ExcitationPart::kCounted,
-                                   .draw = step.path.draw,
-                                   .period = step.path.period});
+    samples.run.samples.push_back(
+        {.seen = true,
+         .u_m = axis.hold.overlay.on ? step.f_N / axis.hold.overlay.stiffness_N_per_m : step.x_m,
+         .y_m = step.y_m,
+         .f_N = axis.axis_S.dot(tick.force_S_N),
+         .counted = step.path.part == control::ExcitationPart::kCounted,
+         .draw = step.path.draw,
+         .period = step.path.period});
     answers.Add(tick.answers_lost - lost_before);
     arrivals_s.push_back(1e-9 * static_cast<double>(ticks[i].input.arm_stamp));
     steps.push_back(static_cast<double>(samples.run.samples.size()));

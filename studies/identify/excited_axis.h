@@ -19,8 +19,9 @@ struct ExcitationRequest {
   double peak_speed_m_per_s{0.05};
   std::uint64_t seed{1};
   int draws{4}, periods{3};
-  bool held{false};    ///< a hand holds the handle
-  double rest_s{0.0};  ///< above 0: the arm rests so long, and nothing is excited
+  bool held{false};     ///< a hand holds the handle
+  bool overlay{false};  ///< a force over the arm's impedance, in the place of a motion of its command
+  double rest_s{0.0};   ///< above 0: the arm rests so long, and nothing is excited
 };
 
 /// Text of the event, "excitation: {…}", and back; nothing for another event's text.
@@ -31,6 +32,7 @@ struct ExcitationRequest {
 struct ExcitedAxis {
   control::ExcitedHoldParams hold;
   Vector3 axis_S{Vector3::UnitZ()};  ///< the same axis in the force sensor's frame
+  Vector3 axis_T{Vector3::UnitZ()};  ///< and in the tool's
   control::JointArray q_start{};
 };
 
@@ -39,6 +41,11 @@ struct ExcitedAxis {
 /// @returns an error if the posture is singular along the axis
 [[nodiscard]] tl::expected<ExcitedAxis, std::string> ExcitedAxisOf(const config::CellConfig& cell,
                                                                    const ExcitationRequest& request);
+
+/// Adds a step of an excited hold to the loop's command: an offset of the joints, or a force at the tool's
+/// apex as the arm's program takes it, a wrench or joint torques. Does not allocate.
+void AddExcitation(const ExcitedAxis& axis, const control::ExcitedHoldStep& step,
+                   control::CommandMode command_mode, control::ArmCommand& command) OSTEON_RT;
 
 /// What an excited hold needs of a recorded tick.
 [[nodiscard]] control::ExcitedTick ExcitedTickOf(const control::TickRecord& record);

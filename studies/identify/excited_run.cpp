@@ -11,12 +11,15 @@
 
 #include "base/clock.h"
 #include "control/loop/run_servo.h"
+#include "hil/cell_host.h"
 #include "hil/impaired_cell.h"
 #include "hil/operator/hand_script.h"
 #include "io/devices/wired_devices.h"
 #include "io/recording/recorder.h"
 #include "safety/watchdog.h"
 #include "session/run/arm_connection.h"
+#include "session/run/cell_ports.h"
+#include "session/run/simulated_setup.h"
 #include "session/run/start_path.h"
 #include "session/run/virtual_devices.h"
 #include "session/setup/build_name.h"
@@ -35,6 +38,8 @@ constexpr double kRenders_s = 0.1;  // before the pause is asked for
 constexpr double kAfter_s = 0.5;    // recorded after the end
 constexpr double kFarAway_m = 10.0;
 constexpr double kStands_s = 36000.0, kHeldBound_N = 100.0;  // of the hand that holds
+
+bool IsVirtual(const ExcitedRunParams& params) { return params.simulated && !params.wall_time; }
 
 // The cell of an excited run: no spindle.
 config::CellConfig Quiet(const config::CellConfig& cell) {
@@ -76,7 +81,7 @@ tl::expected<std::unique_ptr<io::Recorder>, std::string> OpenRecorder(const Cell
   std::error_code error;
   if (!folder.empty()) std::filesystem::create_directories(folder, error);
   if (error) return tl::unexpected(folder.string() + ": cannot make the folder: " + error.message());
-  const bool is_virtual = params.simulated;
+  const bool is_virtual = IsVirtual(params);
   return io::Recorder::Open({.path = params.recording, .writer_thread = !is_virtual},
                             {.stamp = is_virtual ? 0 : rt::MonotonicNow(),
                              .version = OSTEON_VERSION,
@@ -124,6 +129,7 @@ class VirtualRun {
   VirtualRun(const config::CellConfig& cell, const ExcitedAxis& axis, io::Recorder& recorder,
              std::unique_ptr<VirtualDevices> devices, bool held)
       : loop_(MakeServoLoop(cell)),
+        axis_(axis),
         hold_(axis.hold),
         recorder_(recorder),
         devices_(std::move(devices)),
@@ -173,7 +179,7 @@ class VirtualRun {
     pause_.Tick(loop_);
     recorder_.Push(record);
     control::ArmCommand sent = command_;
-    for (std::size_t j = 0; j < sent.q.size(); ++j) sent.q[j] += step_.offset[j];
+    AddExcitation(axis_, step_, state_.command_mode, sent);
     if (const auto answer = session_.Answer(sent); accepted && !answer.empty()) arm_.Receive(answer);
   }
 
@@ -188,6 +194,7 @@ class VirtualRun {
   }
 
   control::ServoLoop loop_;
+  const ExcitedAxis& axis_;
   control::ExcitedHold hold_;
   io::Recorder& recorder_;
   std::unique_ptr<VirtualDevices> devices_;
@@ -224,7 +231,12 @@ class ExcitedWires final : public control::ArmLink, public control::CellDevices 
  public:
   ExcitedWires(control::ArmLink& link, control::CellDevices& devices, control::ServoLoop& loop,
                const ExcitedAxis& axis)
-      : link_(link), devices_(devices), loop_(loop), hold_(axis.hold), pause_(axis.hold.period_s) {}
+      : link_(link),
+        devices_(devices),
+        loop_(loop),
+        axis_(axis),
+        hold_(axis.hold),
+        pause_(axis.hold.period_s) {}
 
   control::ReceiveResult Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT override {
     const control::ReceiveResult received = link_.Receive(state, deadline);
@@ -257,7 +269,7 @@ class ExcitedWires final : public control::ArmLink, public control::CellDevices 
     if (hold_.done()) done_.store(true, std::memory_order_relaxed);
     pause_.Tick(loop_);
     control::ArmCommand sent = command;
-    for (std::size_t j = 0; j < sent.q.size(); ++j) sent.q[j] += step_.offset[j];
+    AddExcitation(axis_, step_, state_.command_mode, sent);
     return link_.Send(sent);
   }
 
@@ -271,6 +283,7 @@ class ExcitedWires final : public control::ArmLink, public control::CellDevices 
   control::ArmLink& link_;
   control::CellDevices& devices_;
   control::ServoLoop& loop_;
+  const ExcitedAxis& axis_;
   control::ExcitedHold hold_;
   PauseRequest pause_;
   control::ArmState state_;
@@ -340,6 +353,20 @@ tl::expected<void, std::string> RunConnected(const CellSetup& setup, const Excit
   return tl::unexpected(link.empty() ? why : why + "; " + link);
 }
 
+// The same with a simulated cell at the other end of the wires, in this process.
+tl::expected<void, std::string> RunOnLoopback(const CellSetup& setup, const ExcitedAxis& axis,
+                                              io::Recorder& recorder, const ExcitedRunParams& params) {
+  if (setup.config.guard)
+    return tl::unexpected(std::string(
+        "found a cell with a guard, accepted one without, or virtual time: its guard is a process"));
+  CellSetup wired = setup;
+  if (const auto port = UseSimulated(wired.config, 0); !port) return tl::unexpected(port.error());
+  hil::CellHost host(HostParams(wired.config), MakeArm(wired.config, params.request.held));
+  auto run = RunConnected(wired, axis, recorder, params);
+  host.Stop();
+  return run;
+}
+
 }  // namespace
 
 tl::expected<void, std::string> RunExcited(const CellSetup& setup, const ExcitedRunParams& params) {
@@ -347,9 +374,10 @@ tl::expected<void, std::string> RunExcited(const CellSetup& setup, const Excited
   if (!axis) return tl::unexpected(axis.error());
   auto recorder = OpenRecorder(setup, params);
   if (!recorder) return tl::unexpected(recorder.error());
-  (*recorder)->PushEvent(params.simulated ? 0 : rt::MonotonicNow(), EventText(params.request));
-  const auto run = params.simulated ? RunVirtual(setup, *axis, **recorder, params)
-                                    : RunConnected(setup, *axis, **recorder, params);
+  (*recorder)->PushEvent(IsVirtual(params) ? 0 : rt::MonotonicNow(), EventText(params.request));
+  const auto run = !params.simulated  ? RunConnected(setup, *axis, **recorder, params)
+                   : params.wall_time ? RunOnLoopback(setup, *axis, **recorder, params)
+                                      : RunVirtual(setup, *axis, **recorder, params);
   const auto counts = (*recorder)->Close();
   if (!run) return tl::unexpected(run.error());
   if (!counts) return tl::unexpected(counts.error());

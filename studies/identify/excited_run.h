@@ -16,7 +16,10 @@ struct ExcitedRunParams {
   ExcitationRequest request;
   std::filesystem::path recording;  ///< the MCAP file to write
   bool simulated{true};             ///< the simulated cell, in virtual time; false: the connected arm
-  double wait_s{60.0};              ///< real arm: until it is handed over
+  /// With `simulated`: in wall time, the simulated arm and devices behind their real wires on loopback, as a
+  /// connected cell.
+  bool wall_time{false};
+  double wait_s{60.0};  ///< real arm: until it is handed over
   const std::atomic<bool>* stop{nullptr};
   std::function<void(const std::string&)> notice{};  ///< called with a line for the user
 };

@@ -93,6 +93,79 @@ ForceNoise MeasureNoise(std::span<const double> force_N, double period_s) {
   return noise;
 }
 
+namespace {
+
+// Mean power around a harmonic of the turn, by the offset in frequency: |offset| in steps of 1 / window.
+std::vector<double> PowerAround(std::span<const double> force_N, std::span<const double> angle_rad, int order,
+                                std::size_t window) {
+  Eigen::FFT<double> fft;
+  std::vector<std::complex<double>> part(window), spectrum;
+  std::vector<double> power(window / 2, 0.0);
+  for (std::size_t begin = 0; begin + window <= force_N.size(); begin += window / 2) {
+    double mean = 0.0;
+    for (std::size_t i = 0; i < window; ++i) mean += force_N[begin + i] / static_cast<double>(window);
+    for (std::size_t i = 0; i < window; ++i) {
+      const double hann =
+          0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(window));
+      part[i] = hann * (force_N[begin + i] - mean) * std::polar(1.0, -order * angle_rad[begin + i]);
+    }
+    fft.fwd(spectrum, part);
+    power[0] += std::norm(spectrum[0]);
+    for (std::size_t i = 1; i < power.size(); ++i)
+      power[i] += std::norm(spectrum[i]) + std::norm(spectrum[window - i]);
+  }
+  return power;
+}
+
+// Width around zero that holds 95 % of the power up to `reach`, less the noise beyond it; 0: it does not
+// stand out.
+double WidthOf(std::vector<double> power, std::size_t reach) {
+  constexpr double kHeld = 0.95, kStandsOut = 4.0;
+  // the harmonic has most of its power in few of these: the lower fifth is noise
+  std::vector<double> sorted(power.begin(), power.begin() + static_cast<std::ptrdiff_t>(reach));
+  const auto fifth = sorted.begin() + static_cast<std::ptrdiff_t>(reach / 5);
+  std::nth_element(sorted.begin(), fifth, sorted.end());
+  const double floor = *fifth;
+  double all = 0.0;
+  for (std::size_t i = 0; i < reach; ++i) {
+    power[i] = std::max(0.0, power[i] - (i == 0 ? 0.5 : 1.0) * floor);
+    all += power[i];
+  }
+  if (!(all > kStandsOut * floor * static_cast<double>(kMainLobe + 1))) return 0.0;
+  double held = 0.0;
+  for (std::size_t i = 0; i < reach; ++i) {
+    held += power[i];
+    if (held >= kHeld * all) return 2.0 * static_cast<double>(std::max<std::size_t>(1, i));
+  }
+  return 2.0 * static_cast<double>(reach);
+}
+
+}  // namespace
+
+double MeasureNotchWidth(std::span<const double> force_N, std::span<const double> speed_rad_per_s,
+                         double period_s) {
+  constexpr double kTurnWindow_s = 4.0, kMinTurning_s = 8.0, kLow_hz = 5.0, kHigh_hz = 40.0;
+  constexpr int kOrders = 8;
+  const std::size_t size = std::min(force_N.size(), speed_rad_per_s.size());
+  if (period_s * static_cast<double>(size) < kMinTurning_s) return 0.0;
+  std::vector<double> angle_rad(size, 0.0);
+  for (std::size_t i = 1; i < size; ++i)
+    angle_rad[i] = angle_rad[i - 1] + 0.5 * (speed_rad_per_s[i - 1] + speed_rad_per_s[i]) * period_s;
+  const double turn_hz =
+      std::abs(angle_rad.back()) / (2.0 * std::numbers::pi * period_s * static_cast<double>(size));
+  const auto window = static_cast<std::size_t>(std::lround(kTurnWindow_s / period_s));
+  // the next harmonic is one turn away
+  const auto reach = static_cast<std::size_t>(0.5 * turn_hz * kTurnWindow_s);
+  if (reach < 4 * kMainLobe) return 0.0;
+  double widest_hz = 0.0;
+  for (int order = 1; order <= kOrders; ++order)
+    if (const double hz = order * turn_hz; hz >= kLow_hz && hz <= kHigh_hz)
+      widest_hz =
+          std::max(widest_hz, WidthOf(PowerAround(force_N.first(size), angle_rad, order, window), reach) /
+                                  kTurnWindow_s);
+  return widest_hz;
+}
+
 std::vector<SpindleHarmonic> FitSpindleHarmonics(std::span<const double> force_N,
                                                  std::span<const double> speed_rad_per_s, double period_s,
                                                  int orders) {

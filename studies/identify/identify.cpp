@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/interrupt.h"
 #include "base/write_text.h"
 #include "config/reading/load.h"
 #include "config/reading/load_identified.h"
@@ -13,13 +14,14 @@
 #include "studies/identify/excited_run.h"
 #include "studies/identify/identify_estimate.h"
 #include "studies/identify/identify_page.h"
+#include "studies/identify/identify_table.h"
 
 namespace osteon::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRest_s = 60.0;
+constexpr double kRest_s = 60.0, kTremor_s = 30.0;
 constexpr std::uint64_t kSeed = 1, kOtherSeed = 101;
 
 struct PlannedRun {
@@ -28,27 +30,36 @@ struct PlannedRun {
   bool validates{false};
 };
 
-std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options) {
+// @param overlay  the cell has the impedance law: a force is laid over the arm's own impedance
+std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options, bool overlay) {
   std::vector<PlannedRun> runs;
   const auto file = [&](const std::string& kind, char axis, double speed_m_per_s) {
     return options.out / fmt::format("{}_{}_{:g}.mcap", kind, axis, 1e3 * speed_m_per_s);
   };
   if (options.runs.noise)
     runs.push_back({.request = {.rest_s = kRest_s}, .file = options.out / "noise.mcap"});
+  if (options.runs.tremor)
+    runs.push_back({.request = {.held = true, .rest_s = kTremor_s}, .file = options.out / "tremor.mcap"});
   for (const char axis : options.axes)
     for (const double speed : options.speeds_m_per_s) {
       if (options.runs.free)
-        runs.push_back({.request = {.axis = axis, .peak_speed_m_per_s = speed, .seed = kSeed},
-                        .file = file("free", axis, speed)});
+        runs.push_back(
+            {.request = {.axis = axis, .peak_speed_m_per_s = speed, .seed = kSeed, .overlay = overlay},
+             .file = file("free", axis, speed)});
       if (options.runs.held)
-        runs.push_back({.request = {.axis = axis, .peak_speed_m_per_s = speed, .seed = kSeed, .held = true},
-                        .file = file("held", axis, speed)});
-      if (options.runs.free && options.runs.validate)
         runs.push_back(
             {.request =
-                 {.axis = axis, .peak_speed_m_per_s = speed, .seed = kOtherSeed, .draws = 2, .periods = 2},
-             .file = file("validate", axis, speed),
-             .validates = true});
+                 {.axis = axis, .peak_speed_m_per_s = speed, .seed = kSeed, .held = true, .overlay = overlay},
+             .file = file("held", axis, speed)});
+      if (options.runs.free && options.runs.validate)
+        runs.push_back({.request = {.axis = axis,
+                                    .peak_speed_m_per_s = speed,
+                                    .seed = kOtherSeed,
+                                    .draws = 2,
+                                    .periods = 2,
+                                    .overlay = overlay},
+                        .file = file("validate", axis, speed),
+                        .validates = true});
     }
   return runs;
 }
@@ -63,14 +74,16 @@ tl::expected<Recordings, std::string> RecordRuns(const IdentifyOptions& options)
   if (!setup) return tl::unexpected(setup.error());
   PackAsScene(*setup);
   Recordings recordings;
-  for (const PlannedRun& run : PlanRuns(options)) {
+  for (const PlannedRun& run : PlanRuns(options, setup->config.servo.law == control::Law::kImpedance)) {
     fmt::print("  {}\n", run.request.rest_s > 0.0
-                             ? fmt::format("at rest for {:g} s", run.request.rest_s)
+                             ? fmt::format("at rest for {:g} s{}", run.request.rest_s,
+                                           run.request.held ? ", with a hand at the handle" : "")
                              : (run.validates ? "validation, " : "") + NameOf(run.request));
     std::fflush(stdout);
     const auto done = RunExcited(*setup, {.request = run.request,
                                           .recording = run.file,
                                           .simulated = options.simulated,
+                                          .wall_time = options.wall_time,
                                           .stop = options.stop});
     if (!done) return tl::unexpected(fmt::format("{}: {}", run.file.string(), done.error()));
     (run.validates ? recordings.validations : recordings.fits).push_back(run.file);
@@ -88,6 +101,8 @@ tl::expected<IdentifyResult, std::string> EstimateAll(const IdentifyOptions& opt
     if (const auto added = AddValidation(file, cell, result); !added) return tl::unexpected(added.error());
   for (AxisResult& axis : result.axes) JudgeAxis(axis, result);
   JudgeSpeeds(result);
+  JudgeTremor(result);
+  FillFeltMasses(result, cell.servo.period_s);
   return result;
 }
 
@@ -95,6 +110,24 @@ void Print(const IdentifyResult& result) {
   fmt::print("Osteon identify: {}\n", result.cell);
   for (const SummaryRow& row : VerdictRows(Judge(result))) fmt::print("  {:<28} {}\n", row.key, row.value);
   for (const SummaryRow& row : Rows(result)) fmt::print("  {:<28} {}\n", row.key, row.value);
+}
+
+// Whether there is something that a cell or a study would take.
+bool SaysAnything(const config::IdentifiedCell& identified) {
+  return !identified.arm.empty() || !identified.response.empty() || !identified.hands.empty() ||
+         identified.vibration || identified.dead_zone_N;
+}
+
+// The same figures as lines of a cell's file, for a user who does not want `identified: FILE`.
+void PrintCellLines(const config::IdentifiedCell& identified) {
+  const auto line = [](const std::string& text) { fmt::print("  {:<28} {}\n", "In the cell's file", text); };
+  if (identified.dead_zone_N && *identified.dead_zone_N > 0.0)
+    line(fmt::format("admittance: dead_zone_N: {:.3g}", *identified.dead_zone_N));
+  if (!identified.vibration) return;
+  if (identified.vibration->tremor_N > 0.0)
+    line(fmt::format("vibration: tremor_N: {:.3g}", identified.vibration->tremor_N));
+  if (!identified.vibration->notch_hz.empty())
+    line(fmt::format("vibration: notch_hz: {:.3g}", identified.vibration->notch_hz.front()));
 }
 
 tl::expected<void, std::string> Write(const IdentifyOptions& options, const IdentifyResult& result) {
@@ -110,17 +143,42 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
     return written;
   fmt::print("  {:<28} {}\n", "Page", (options.out / "identify.html").string());
   const fs::path file = options.out / "identified.yaml";
-  if (!result.refused.empty() || result.axes.empty()) {
+  const config::IdentifiedCell identified = ToIdentified(result);
+  if (!result.refused.empty() || !SaysAnything(identified)) {
     fs::remove(file, error);  // an earlier one must not outlive a refusal
     return {};
   }
   if (auto written = WriteText(
-          file, config::WriteIdentified(ToIdentified(result),
-                                        "Measured, not assumed. Written by\n  " + options.command_line));
+          file, config::WriteIdentified(
+                    identified, "Measured, not assumed. Written by\n  " + options.command_line, result.law));
       !written)
     return written;
   fmt::print("  {:<28} {}\n", "Written", file.string() + ": osteon tune CELL --identified takes it");
+  PrintCellLines(identified);
   return {};
+}
+
+// Synthetic recordings of the cell's simulated arm: what an identification of such an arm is worth.
+int RunTable(const IdentifyOptions& options, const config::CellConfig& cell) {
+  config::RequireSimulation(cell, options.cell);
+  const auto& kr = cell.simulated.kr;
+  const IdentifyTableParams params{.arm = kr ? kr->controller.servo : cell.simulated.servo,
+                                   .period_s = cell.servo.period_s,
+                                   .seeds = options.table_seeds};
+  fmt::print(
+      "Osteon identify: {}, synthetic recordings of an arm of {:g} Hz, damping {:g}, dead time {:g} ms, "
+      "{} seeds, ± 2 sd\n",
+      options.cell.stem().string(), params.arm.bandwidth_hz, params.arm.damping_ratio,
+      1e3 * params.arm.dead_cycles * params.period_s, params.seeds);
+  std::vector<TableRow> rows;
+  for (const SyntheticRun& run : TableRuns()) {
+    if (options.stop && options.stop->load()) return kExitInterrupted;
+    rows.push_back(IdentifyRow(run, params));
+  }
+  fmt::print("{}", TableText(rows));
+  if (options.json.empty()) return 0;
+  const auto written = WriteText(options.json, TableJson(rows, params, options.command_line));
+  return written ? 0 : Fail("identify", written.error(), kFailed);
 }
 
 }  // namespace
@@ -128,15 +186,13 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
 int RunIdentify(const IdentifyOptions& options) {
   Recordings recordings{.fits = options.recordings, .validations = options.validations};
   const config::CellConfig cell = config::LoadCell(options.cell);
-  if (cell.servo.law != control::Law::kAdmittance)
-    return Fail("identify",
-                options.cell.string() +
-                    ": found the impedance law, accepted admittance: the arm's response to positions is "
-                    "no part of that loop");
+  if (options.table_seeds > 0) return RunTable(options, cell);
   if (recordings.fits.empty()) {
     if (options.simulated) config::RequireSimulation(cell, options.cell);
     fmt::print("Osteon identify: {} runs {}\n", options.cell.stem().string(),
-               options.simulated ? "in virtual time" : "on the connected arm");
+               !options.simulated  ? "on the connected arm"
+               : options.wall_time ? "on the simulated arm's real wires, in wall time"
+                                   : "in virtual time");
     auto recorded = RecordRuns(options);
     if (!recorded) return Fail("identify", recorded.error(), kFailed);
     recordings = std::move(*recorded);
@@ -146,7 +202,8 @@ int RunIdentify(const IdentifyOptions& options) {
   Print(*result);
   if (const auto written = Write(options, *result); !written)
     return Fail("identify", written.error(), kFailed);
-  const bool found = !result->axes.empty() || !result->passive.empty() || result->noise.has_value();
+  const bool found = !result->axes.empty() || !result->passive.empty() || result->noise.has_value() ||
+                     result->tremor.has_value();
   return result->refused.empty() && found ? 0 : kFailed;
 }
 

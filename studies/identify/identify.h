@@ -10,12 +10,14 @@ namespace osteon::app {
 /// Runs that `osteon identify` can do.
 struct IdentifyRuns {
   bool noise{true}, free{true}, validate{true};
-  bool held{false};  ///< with a hand at the handle
+  bool held{false};    ///< with a hand at the handle
+  bool tremor{false};  ///< a hand holds the handle of the arm at rest
 };
 
 struct IdentifyOptions {
   std::filesystem::path cell;
   bool simulated{false};  ///< moves the simulated cell, in virtual time
+  bool wall_time{false};  ///< with `simulated`: in wall time, on its real wires
   IdentifyRuns runs{};
   std::string axes{"xyz"};                         ///< of the tool's frame
   std::vector<double> speeds_m_per_s{0.01, 0.05};  ///< peak speeds
@@ -26,6 +28,7 @@ struct IdentifyOptions {
       "identify"};               ///< folder for recordings, identified.yaml, identify.json, identify.html
   std::filesystem::path json{};  ///< also write the figures there; empty: nowhere else
   const std::atomic<bool>* stop{nullptr};
+  int table_seeds{0};  ///< above 0: nothing is moved or read; the table of synthetic recordings instead
   std::string command_line{};
 };
 

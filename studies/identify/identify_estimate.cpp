@@ -88,6 +88,19 @@ ForceNoise NoiseOf(const std::vector<control::TickRecord>& ticks, double period_
   return worst;
 }
 
+// The tremor of a hand at the handle, from the ticks at rest in the pause.
+HandTremor TremorOf(const std::vector<control::TickRecord>& ticks, const config::CellConfig& cell) {
+  const Pose X_TS = cell.tool.X_FT.inverse() * Pose(cell.servo.sensor.X_FS);
+  std::vector<Wrench> F_T;
+  for (const control::TickRecord& tick : ticks) {
+    if (tick.cell_state != static_cast<std::uint8_t>(safety::CellState::kPaused)) continue;
+    const Vector3 f = X_TS.linear() * Vector3(tick.input.F_sensor_S.f);
+    F_T.push_back(
+        {.f = f, .t = X_TS.linear() * Vector3(tick.input.F_sensor_S.t) + X_TS.translation().cross(f)});
+  }
+  return MeasureTremor(F_T, cell.servo.vibration, cell.servo.period_s);
+}
+
 // The harmonics of the turning spindle in the force, along the direction in which they are largest.
 void FillHarmonics(const std::vector<control::TickRecord>& ticks, double period_s, PassiveLag& lag) {
   constexpr double kMinTurning_s = 2.0;
@@ -112,6 +125,7 @@ void FillHarmonics(const std::vector<control::TickRecord>& ticks, double period_
   for (const std::vector<double>& component : force_N) {
     std::vector<SpindleHarmonic> found = FitSpindleHarmonics(component, speed_rad_per_s, period_s);
     if (largest(found) > largest(lag.harmonics)) lag.harmonics = std::move(found);
+    lag.notch_hz = std::max(lag.notch_hz, MeasureNotchWidth(component, speed_rad_per_s, period_s));
   }
 }
 
@@ -143,6 +157,43 @@ struct LagSums {
   }
 };
 
+// The mass by which the hand's force of a held run moves the arm of a free run; absent where it does not
+// stand out.
+std::optional<Estimate> FeltMass(const AxisResult& free, const AxisResult& held, double tool_mass_kg,
+                                 double period_s) {
+  constexpr double kMaxHz = 30.0;
+  const double delay_s = free.tool ? free.tool->delay_s.value : held.hand->delay_s.value;
+  const double natural = 2.0 * std::numbers::pi * free.fit.model.bandwidth_hz;
+  double over = 0.0, under = 0.0, squares = 0.0;
+  int lines = 0;
+  std::vector<std::pair<std::complex<double>, double>> found;  // 1 / M by each line, and its sd
+  for (std::size_t i = 0; i < held.by_encoders.lines.size(); ++i) {
+    const ResponseLine& line = held.by_encoders.lines[i];
+    const double w = 2.0 * std::numbers::pi * line.hz;
+    if (line.hz > kMaxHz) break;
+    // the sensor's force, on time, and with the inertia of what hangs on it
+    const std::complex<double> force =
+        (held.force_over_position->lines[i].value * std::polar(1.0, w * delay_s) - tool_mass_kg * w * w) *
+        line.value;
+    const std::complex<double> spring(natural * natural - w * w,
+                                      2.0 * free.fit.model.damping_ratio * natural * w);
+    const std::complex<double> per_mass =
+        (line.value - SampledResponse(free.fit.model, period_s, line.hz)) / force * spring;
+    const double sd = std::hypot(line.sd, free.by_encoders.lines[i].sd) / std::abs(force) * std::abs(spring);
+    found.emplace_back(per_mass, sd);
+    over += per_mass.real() / (sd * sd);
+    under += 1.0 / (sd * sd);
+    ++lines;
+  }
+  if (lines < 4) return {};
+  const double inverse = over / under;
+  for (const auto& [per_mass, sd] : found) squares += std::norm(per_mass - inverse) / (sd * sd);
+  const double chi2 = squares / (2.0 * lines - 1.0);
+  const double half_width = 2.0 * std::sqrt(std::max(1.0, chi2) / under);
+  if (!(inverse > half_width) || !(inverse > 0.01 && inverse < 100.0)) return {};
+  return Estimate{.value = 1.0 / inverse, .half_width = half_width / (inverse * inverse)};
+}
+
 // Reads and pairs an excited run; findings where that is not possible.
 std::optional<AxisResult> EstimateRun(const ReadRun& run, IdentifyResult& result) {
   const std::string where = run.named.file;
@@ -158,7 +209,8 @@ std::optional<AxisResult> EstimateRun(const ReadRun& run, IdentifyResult& result
   if (samples->abort != control::ExcitationAbort::kNone)
     return refuse(fmt::format("the excitation ended early: {}; find the cause and measure again",
                               control::Describe(samples->abort)));
-  auto estimated = EstimateAxis(samples->run, *run.request, run.cell.servo.sensor.tool_mass_kg);
+  auto estimated = EstimateAxis(samples->run, *run.request, run.cell.servo.sensor.tool_mass_kg,
+                                axis->hold.overlay.stiffness_N_per_m);
   if (!estimated) return refuse(estimated.error());
   const control::ExcitationPath path(axis->hold.path, axis->hold.period_s);
   estimated->rms_speed_m_per_s = path.rms_speed_m_per_s();
@@ -171,7 +223,7 @@ std::optional<AxisResult> EstimateRun(const ReadRun& run, IdentifyResult& result
 }  // namespace
 
 tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run, const ExcitationRequest& request,
-                                                   double tool_mass_kg) {
+                                                   double tool_mass_kg, double nominal_N_per_m) {
   AxisResult axis{.request = request, .recording = {}, .by_encoders = {}, .fit = {}};
   auto response = MeasureResponse(run, Signal::kCommand, Signal::kPosition);
   if (!response) return tl::unexpected(response.error());
@@ -179,6 +231,12 @@ tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run, const 
   auto fit = FitServo(axis.by_encoders.lines, run.period_s);
   if (!fit) return tl::unexpected(fit.error());
   axis.fit = *fit;
+  if (request.overlay) {
+    const auto overlay = FitOverlay(axis.by_encoders.lines, axis.fit, run.period_s, nominal_N_per_m);
+    if (!overlay) return tl::unexpected(overlay.error());
+    axis.overlay = *overlay;
+    axis.over_force = PerForce(axis.by_encoders, nominal_N_per_m);
+  }
   auto force = MeasureResponse(run, Signal::kPosition, Signal::kForce);
   if (!force) return tl::unexpected(force.error());
   axis.force_over_position = std::move(*force);
@@ -233,6 +291,19 @@ tl::expected<PassiveLag, std::string> EstimatePassiveLag(const std::vector<contr
   return lag;
 }
 
+void FillFeltMasses(IdentifyResult& result, double period_s) {
+  for (AxisResult& held : result.axes) {
+    if (!held.request.held || held.request.overlay || !held.hand || !held.force_over_position) continue;
+    const AxisResult* free = nullptr;
+    for (const AxisResult& axis : result.axes)
+      if (!axis.request.held && axis.request.axis == held.request.axis && axis.model_holds &&
+          (free == nullptr || std::abs(axis.rms_speed_m_per_s - held.rms_speed_m_per_s) <
+                                  std::abs(free->rms_speed_m_per_s - held.rms_speed_m_per_s)))
+        free = &axis;
+    if (free != nullptr) held.felt_mass_kg = FeltMass(*free, held, result.tool_mass_kg, period_s);
+  }
+}
+
 tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
                                              const config::CellConfig& cell, IdentifyResult& result) {
   const auto run = ReadRunOf(file, cell);
@@ -253,7 +324,9 @@ tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
     return {};
   }
   if (run->request->rest_s > 0.0) {
-    if (run->another_cell.empty())
+    if (run->another_cell.empty() && run->request->held)
+      result.tremor = TremorOf(run->recording.ticks, run->cell);
+    else if (run->another_cell.empty())
       result.noise = NoiseOf(run->recording.ticks, run->cell.servo.period_s);
     else
       result.refused.push_back({run->named.file, run->another_cell});
@@ -275,6 +348,7 @@ tl::expected<void, std::string> AddValidation(const std::filesystem::path& file,
   bool used = false;
   for (AxisResult& axis : result.axes) {
     if (axis.request.axis != run->request->axis || axis.request.held != run->request->held ||
+        axis.request.overlay != run->request->overlay ||
         axis.request.peak_speed_m_per_s != run->request->peak_speed_m_per_s)
       continue;
     axis.validation_chi2 = ValidationChi2(axis.fit.model, other->by_encoders.lines, run->cell.servo.period_s);
@@ -290,6 +364,7 @@ IdentifyResult EmptyResult(const std::string& name, const config::CellConfig& ce
   IdentifyResult result{
       .cell = name,
       .valid_for = {.robot = cell.robot.name, .tool = cell.tool.tool.name, .period_s = cell.servo.period_s},
+      .law = cell.servo.law,
       .tool_mass_kg = cell.servo.sensor.tool_mass_kg,
       .axes = {}};
   for (std::size_t i = 0; i < 7; ++i)

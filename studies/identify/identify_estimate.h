@@ -11,12 +11,14 @@
 namespace osteon::app {
 
 /// Fits one axis from samples: response by encoders, arm, and in free air tool and sensor; with a hand, the
-/// hand.
+/// hand. With an overlay the arm's own impedance.
 /// @param tool_mass_kg  on the sensor's tool side, for a hand
+/// @param nominal_N_per_m  of an overlay: the stiffness that the samples' force was divided by
 /// @returns an error that says what is missing
 [[nodiscard]] tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run,
                                                                  const ExcitationRequest& request,
-                                                                 double tool_mass_kg);
+                                                                 double tool_mass_kg,
+                                                                 double nominal_N_per_m = 1.0);
 
 /// Total lag from ticks that rendered, without excitation, by least squares of
 ///
@@ -27,8 +29,16 @@ namespace osteon::app {
 [[nodiscard]] tl::expected<PassiveLag, std::string> EstimatePassiveLag(
     const std::vector<control::TickRecord>& ticks, double period_s);
 
-/// Reads a recording and adds what it gives to the result, judged: an axis, noise, or a total lag. Bad data
-/// are findings in `result.refused`.
+/// Computes for each held run the mass by which the hand's force moves the commanded arm, where the free run
+/// of the same axis has a model that holds:
+///
+///     Y/U = P + C F/U,   C = 1 / (M (s^2 + 2 z w s + w^2)),   F the hand's force
+///
+/// by weighted least squares up to 30 Hz. Absent where the deflection does not stand out, as of a stiff arm.
+void FillFeltMasses(IdentifyResult& result, double period_s);
+
+/// Reads a recording and adds what it gives to the result, judged: an axis, noise, a tremor, or a total lag.
+/// Bad data are findings in `result.refused`.
 /// @returns an error if the file cannot be read
 [[nodiscard]] tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
                                                            const config::CellConfig& cell,

@@ -69,6 +69,18 @@ BodeCurves Fitted(const ServoModel& model, double period_s, double from_hz, doub
   return curves;
 }
 
+// The arm; of an overlay its impedance, over the force in the units of the plot.
+ServoModel FittedModel(const AxisResult& axis) {
+  if (!axis.overlay) return axis.fit.model;
+  const OverlayFit& fit = *axis.overlay;
+  const double nominal_N_per_m =
+      std::abs(axis.by_encoders.lines.front().value / axis.over_force->lines.front().value);
+  return {.bandwidth_hz = fit.bandwidth_hz.value,
+          .damping_ratio = fit.damping_ratio.value,
+          .dead_time_s = fit.dead_time_s.value,
+          .gain = nominal_N_per_m / fit.stiffness_N_per_m.value};
+}
+
 std::string BodeSvg(const AxisResult& axis, double period_s) {
   LineChart gain{.title = fmt::format("The arm along {}, at {:.1f} mm/s RMS", axis.request.axis,
                                       1e3 * axis.rms_speed_m_per_s),
@@ -83,7 +95,7 @@ std::string BodeSvg(const AxisResult& axis, double period_s) {
     phase.series.push_back(std::move(curves.phase));
   };
   const auto& lines = axis.by_encoders.lines;
-  if (axis.model_holds) add(Fitted(axis.fit.model, period_s, lines.front().hz, lines.back().hz));
+  if (axis.model_holds) add(Fitted(FittedModel(axis), period_s, lines.front().hz, lines.back().hz));
   add(Measured(axis.by_encoders, "by the encoders", kPalette[0], Marker::kCircle));
   if (axis.by_force) add(Measured(*axis.by_force, "by the force sensor", kPalette[1], Marker::kSquare));
   const std::vector<LineChart> panels{gain, phase};

@@ -11,10 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMaxMassOff = 0.05, kMaxLagApart = 0.05, kMinGain = 0.98, kMaxDamping = 3.0;
-constexpr double kOddOverEven = 3.0, kMinOdd = 0.01, kVeryOdd = 0.1, kMaxChi2 = 3.0, kMaxValidation = 2.0;
-constexpr double kMaxLagInterval_s = 0.12e-3, kMinCoherence = 0.5, kMaxLost = 0.10;
-constexpr double kSamePosture_rad = 0.02, kMinHand_N_per_m = 50.0;
+constexpr double kMaxNotch_hz = 20.0;  // that a cell takes
 
 config::IdentifiedInterval Interval(const Estimate& estimate) {
   return {.low = estimate.value - estimate.half_width, .high = estimate.value + estimate.half_width};
@@ -23,63 +20,6 @@ config::IdentifiedInterval Interval(const Estimate& estimate) {
 Json ToJson(const Estimate& estimate, double unit) {
   return Json::array(
       {(estimate.value - estimate.half_width) / unit, (estimate.value + estimate.half_width) / unit});
-}
-
-double LossOf(const ExcitedSamples& samples) {
-  return samples.messages == 0
-             ? 0.0
-             : static_cast<double>(samples.lost_messages + samples.lost_answers) / samples.messages;
-}
-
-// The line nearest to a frequency.
-const ResponseLine& LineAt(const MeasuredResponse& response, double hz) {
-  return *std::ranges::min_element(response.lines, {},
-                                   [hz](const ResponseLine& line) { return std::abs(line.hz - hz); });
-}
-
-void JudgeMass(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
-  if (axis.request.held) {
-    const double stiffness_N_per_m = axis.hand ? axis.hand->stiffness_N_per_m.value : 0.0;
-    if (!(stiffness_N_per_m >= kMinHand_N_per_m))
-      result.refused.push_back(
-          {where, fmt::format("nobody holds the handle: found {:.0f} N/m, accepted {:g} N/m or "
-                              "more; hold it at working push during the whole run",
-                              stiffness_N_per_m, kMinHand_N_per_m)});
-    return;
-  }
-  if (!axis.tool) {
-    result.warnings.push_back({where, axis.no_tool + "; whether a hand holds the handle was not checked"});
-    return;
-  }
-  const double mass_kg = axis.tool->mass_kg.value;
-  if (!(std::abs(mass_kg - result.tool_mass_kg) <= kMaxMassOff * result.tool_mass_kg))
-    result.refused.push_back(
-        {where,
-         fmt::format("somebody holds the handle, or another tool: found {:.3f} kg on the sensor, accepted "
-                     "{:.3f} kg ± {:g} %; let go of the handle, or run osteon calibrate",
-                     mass_kg, result.tool_mass_kg, 100.0 * kMaxMassOff)});
-}
-
-void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& result) {
-  const MeasuredResponse& response = axis.by_encoders;
-  const double gain = std::abs(response.lines.front().value);
-  if (gain < kMinGain || axis.fit.damping_ratio.value > kMaxDamping)
-    result.refused.push_back(
-        {where,
-         fmt::format("the joint sticks: found a gain of {:.3f} at {:g} Hz and a damping ratio of {:.2f}, "
-                     "accepted {:g} or more and at most {:g}; raise the speed",
-                     gain, response.lines.front().hz, axis.fit.damping_ratio.value, kMinGain, kMaxDamping)});
-  if (!(response.odd_ratio > kOddOverEven * response.even_ratio && response.odd_ratio > kMinOdd)) return;
-  const std::string found = fmt::format(
-      "not linear at this speed: found {:.1f} % of the motion on odd lines that were not excited, {:.1f} % "
-      "on even "
-      "ones",
-      100.0 * response.odd_ratio, 100.0 * response.even_ratio);
-  if (response.odd_ratio > kVeryOdd)
-    result.refused.push_back(
-        {where, fmt::format("{}, accepted {:g} %; raise the speed", found, 100.0 * kVeryOdd)});
-  else
-    result.warnings.push_back({where, found + ": friction; the figures hold near this speed alone"});
 }
 
 Json LinesJson(const MeasuredResponse& response, const char* by) {
@@ -93,6 +33,21 @@ Json LinesJson(const MeasuredResponse& response, const char* by) {
                      {"draw_coherence", line.draw_coherence},
                      {"by", by}});
   return lines;
+}
+
+Json OverlayJson(const OverlayFit& overlay) {
+  return {{"stiffness_N_per_m", overlay.stiffness_N_per_m.value},
+          {"damping_Ns_per_m", overlay.damping_Ns_per_m.value},
+          {"mass_kg", overlay.mass_kg.value},
+          {"dead_time_ms", 1e3 * overlay.dead_time_s.value},
+          {"interval",
+           {{"stiffness_N_per_m", ToJson(overlay.stiffness_N_per_m, 1.0)},
+            {"damping_Ns_per_m", ToJson(overlay.damping_Ns_per_m, 1.0)},
+            {"mass_kg", ToJson(overlay.mass_kg, 1.0)},
+            {"dead_time_ms", ToJson(overlay.dead_time_s, 1e-3)}}},
+          {"chi2", overlay.chi2},
+          {"residual", overlay.residual},
+          {"ends_only", overlay.ends_only}};
 }
 
 Json AxisJson(const AxisResult& axis) {
@@ -117,6 +72,7 @@ Json AxisJson(const AxisResult& axis) {
             {"even_ratio", axis.by_encoders.even_ratio},
             {"model_holds", axis.model_holds},
             {"recording", axis.recording.file},
+            {"overlay", axis.overlay ? OverlayJson(*axis.overlay) : Json()},
             {"frf", LinesJson(axis.by_encoders, "encoders")}};
   if (axis.by_force)
     for (const Json& line : LinesJson(*axis.by_force, "force")) json["frf"].push_back(line);
@@ -144,11 +100,14 @@ void AddAxisJson(const AxisResult& axis, Json& json) {
                                    {"damping_ratio", resonance->damping_ratio.value}});
   }
   if (axis.hand)
-    json["hands"].push_back({{"stiffness_N_per_m", axis.hand->stiffness_N_per_m.value},
-                             {"stiffness_interval_N_per_m", ToJson(axis.hand->stiffness_N_per_m, 1.0)},
-                             {"damping_Ns_per_m", axis.hand->damping_Ns_per_m.value},
-                             {"mass_kg", axis.hand->mass_kg.value},
-                             {"chi2", axis.hand->chi2}});
+    json["hands"].push_back(
+        {{"stiffness_N_per_m", axis.hand->stiffness_N_per_m.value},
+         {"stiffness_interval_N_per_m", ToJson(axis.hand->stiffness_N_per_m, 1.0)},
+         {"damping_Ns_per_m", axis.hand->damping_Ns_per_m.value},
+         {"mass_kg", axis.hand->mass_kg.value},
+         {"felt_mass_kg", axis.felt_mass_kg ? Json(axis.felt_mass_kg->value) : Json()},
+         {"felt_mass_interval_kg", axis.felt_mass_kg ? ToJson(*axis.felt_mass_kg, 1.0) : Json()},
+         {"chi2", axis.hand->chi2}});
   json["link"] = {{"jitter_mean_ms", 1e3 * axis.samples.jitter_mean_s},
                   {"jitter_p99_ms", 1e3 * axis.samples.jitter_p99_s},
                   {"loss_ratio", LossOf(axis.samples)}};
@@ -178,9 +137,45 @@ Json PassiveJson(const PassiveLag& passive) {
   return Json({{"recording", passive.recording.file},
                {"lag_ms", 1e3 * passive.lag_s.value},
                {"lag_interval_ms", ToJson(passive.lag_s, 1e-3)},
+               {"notch_hz", passive.notch_hz > 0.0 ? Json(passive.notch_hz) : Json()},
                {"compliance_um_per_N", 1e6 * passive.compliance_m_per_N},
                {"seconds", passive.seconds},
                {"spindle", harmonics}});
+}
+
+// Of the held run of an axis.
+std::optional<double> FeltMassOf(char axis, const IdentifyResult& result) {
+  for (const AxisResult& held : result.axes)
+    if (held.request.axis == axis && held.felt_mass_kg) return held.felt_mass_kg->value;
+  return {};
+}
+
+// What the hand's tremor and the spindle's own forces ask of the vibration index.
+std::optional<config::IdentifiedVibration> VibrationOf(const IdentifyResult& result) {
+  config::IdentifiedVibration vibration;
+  if (result.tremor) vibration.tremor_N = result.tremor->tremor_N;
+  double notch_hz = 0.0;
+  for (const PassiveLag& passive : result.passive) notch_hz = std::max(notch_hz, passive.notch_hz);
+  if (notch_hz > 0.0) vibration.notch_hz = {std::min(kMaxNotch_hz, notch_hz)};
+  if (!result.tremor && notch_hz == 0.0) return {};
+  return vibration;
+}
+
+// A response x / f in units of the spring that was found: about 1 at low frequencies, as that of an arm to
+// its command.
+MeasuredResponse PerSpring(const MeasuredResponse& response, double stiffness_N_per_m) {
+  return PerForce(response, 1.0 / stiffness_N_per_m);
+}
+
+// An impedance as an arm that follows its command.
+ServoFit AsArm(const OverlayFit& overlay, ServoFit fit) {
+  fit.bandwidth_hz = overlay.bandwidth_hz;
+  fit.damping_ratio = overlay.damping_ratio;
+  fit.dead_time_s = overlay.dead_time_s;
+  fit.lag_s = overlay.lag_s;
+  fit.gain = {.value = 1.0};
+  fit.chi2 = overlay.chi2;
+  return fit;
 }
 
 // Adds what an axis says of sensor, hands and link.
@@ -203,79 +198,15 @@ void AddDevices(const AxisResult& axis, config::IdentifiedCell& cell) {
 
 }  // namespace
 
+double LossOf(const ExcitedSamples& samples) {
+  return samples.messages == 0
+             ? 0.0
+             : static_cast<double>(samples.lost_messages + samples.lost_answers) / samples.messages;
+}
+
 std::string NameOf(const ExcitationRequest& request) {
-  return fmt::format("{} run, {} at {:g} mm/s", request.held ? "held" : "free", request.axis,
-                     1e3 * request.peak_speed_m_per_s);
-}
-
-void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
-  const std::string where = NameOf(axis.request);
-  if (const double lost = LossOf(axis.samples); lost > kMaxLost)
-    result.refused.push_back(
-        {where, fmt::format("the link loses too much: found {:.1f} % of messages and answers "
-                            "lost, accepted {:g} %; see osteon doctor",
-                            100.0 * lost, 100.0 * kMaxLost)});
-  if (axis.samples.start_error_rad > kSamePosture_rad)
-    result.refused.push_back(
-        {where, fmt::format("another posture: found a joint {:.3f} rad from the cell's start, "
-                            "accepted {:g} rad",
-                            axis.samples.start_error_rad, kSamePosture_rad)});
-  JudgeMass(axis, where, result);
-  JudgeLinearity(axis, where, result);
-  // the part of the interval that more data make smaller: a model that does not fit has its own finding
-  const double lag_interval_s = axis.fit.lag_s.half_width / std::sqrt(std::max(1.0, axis.fit.chi2));
-  if (lag_interval_s > kMaxLagInterval_s)
-    result.refused.push_back(
-        {where,
-         fmt::format("too little: found {:g} s with a lag known to ± {:.3f} ms, accepted ± {:g} ms; measure "
-                     "longer or faster",
-                     control::Multisine::kPeriod_s * axis.by_encoders.periods, 1e3 * lag_interval_s,
-                     1e3 * kMaxLagInterval_s)});
-  if (const ResponseLine& line = LineAt(axis.by_encoders, axis.fit.bandwidth_hz.value);
-      line.coherence < kMinCoherence)
-    result.refused.push_back(
-        {where, fmt::format("excite higher: found a coherence of {:.2f} at {:g} Hz, where the "
-                            "arm's bandwidth lies, accepted {:g}",
-                            line.coherence, line.hz, kMinCoherence)});
-  const bool validated =
-      !axis.validation_chi2 || *axis.validation_chi2 <= kMaxValidation * std::max(1.0, axis.fit.chi2);
-  axis.model_holds = axis.fit.chi2 <= kMaxChi2 && validated;
-  if (!axis.model_holds)
-    result.warnings.push_back(
-        {where,
-         fmt::format(
-             "structure that the model lacks: found chi² {:.1f}{}, accepted {:g}{}; margins by the "
-             "measured response only",
-             axis.fit.chi2,
-             axis.validation_chi2 ? fmt::format(" and {:.1f} on other data", *axis.validation_chi2) : "",
-             kMaxChi2, validated ? "" : " and twice as much on other data")});
-}
-
-void JudgeSpeeds(IdentifyResult& result) {
-  for (const AxisResult& slow : result.axes)
-    for (const AxisResult& fast : result.axes) {
-      if (slow.request.axis != fast.request.axis || slow.request.held || fast.request.held) continue;
-      if (!(slow.rms_speed_m_per_s < fast.rms_speed_m_per_s)) continue;
-      const double slow_s = slow.fit.lag_s.value, fast_s = fast.fit.lag_s.value;
-      if (std::abs(slow_s - fast_s) > kMaxLagApart * std::abs(slow_s))
-        result.warnings.push_back(
-            {NameOf(slow.request),
-             fmt::format("friction: found a lag of {:.2f} ms here and {:.2f} ms at {:.1f} mm/s, "
-                         "accepted 5 % apart; the slower one is written",
-                         1e3 * slow_s, 1e3 * fast_s, 1e3 * fast.rms_speed_m_per_s)});
-    }
-}
-
-Verdict Judge(const IdentifyResult& result) {
-  Verdict verdict;
-  for (const Finding& finding : result.refused)
-    verdict.Add(VerdictLevel::kBad, finding.where + ": " + finding.what);
-  for (const Finding& finding : result.warnings)
-    verdict.Add(VerdictLevel::kWarning, finding.where + ": " + finding.what);
-  if (result.axes.empty())
-    verdict.Add(result.passive.empty() && !result.noise ? VerdictLevel::kBad : VerdictLevel::kWarning,
-                "no arm was fitted: no recording with excitation");
-  return verdict;
+  return fmt::format("{}{} run, {} at {:g} mm/s", request.held ? "held" : "free",
+                     request.overlay ? " overlay" : "", request.axis, 1e3 * request.peak_speed_m_per_s);
 }
 
 config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
@@ -290,7 +221,7 @@ config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
     });
     if (axis.request.held || slower) continue;
     const std::string name(1, axis.request.axis);
-    const ServoFit& fit = axis.fit;
+    const ServoFit fit = axis.overlay ? AsArm(*axis.overlay, axis.fit) : axis.fit;
     if (axis.model_holds)
       cell.arm.push_back({.axis = name,
                           .speed_m_per_s = axis.rms_speed_m_per_s,
@@ -299,6 +230,8 @@ config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
                           .dead_time_s = fit.dead_time_s.value,
                           .gain = fit.gain.value,
                           .lag_s = fit.lag_s.value,
+                          .felt_mass_kg = axis.overlay ? std::optional(axis.overlay->mass_kg.value)
+                                                       : FeltMassOf(axis.request.axis, result),
                           .chi2 = fit.chi2,
                           .bandwidth_interval_hz = Interval(fit.bandwidth_hz),
                           .damping_interval = Interval(fit.damping_ratio),
@@ -310,8 +243,9 @@ config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
       for (const ResponseLine& line : response.lines)
         to.lines.push_back({.hz = line.hz, .re = line.value.real(), .im = line.value.imag(), .sd = line.sd});
     };
-    add(axis.by_encoders, false);
-    if (axis.by_force) add(*axis.by_force, true);
+    add(axis.overlay ? PerSpring(*axis.over_force, axis.overlay->stiffness_N_per_m.value) : axis.by_encoders,
+        false);
+    if (axis.by_force && !axis.overlay) add(*axis.by_force, true);
     if (axis.tool && axis.tool->resonance)
       cell.structure.push_back(
           {.hz = axis.tool->resonance->hz.value, .damping_ratio = axis.tool->resonance->damping_ratio.value});
@@ -323,6 +257,7 @@ config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
     cell.sensor->drift_N = result.noise->drift_N;
     cell.dead_zone_N = result.noise->dead_zone_N();
   }
+  cell.vibration = VibrationOf(result);
   return cell;
 }
 
@@ -344,26 +279,49 @@ std::string ToJson(const IdentifyResult& result, const std::string& command_line
             {"refused", FindingsJson(result.refused)}};
   for (const AxisResult& axis : result.axes) AddAxisJson(axis, json);
   if (result.noise) json["noise"] = NoiseJson(*result.noise);
+  if (result.tremor)
+    json["vibration"] = {{"tremor_N", result.tremor->tremor_N},
+                         {"p999_N", result.tremor->p999_N},
+                         {"drag_factor", result.tremor->drag_factor},
+                         {"seconds", result.tremor->seconds}};
   for (const PassiveLag& passive : result.passive) json["passive"].push_back(PassiveJson(passive));
   return ResultText(Judge(result), json);
 }
+
+namespace {
+
+SummaryRow OverlayRow(const AxisResult& axis) {
+  const OverlayFit& fit = *axis.overlay;
+  return {fmt::format("Overlay, {}", axis.request.axis),
+          fmt::format(
+              "moves {:.2f} ± {:.2f} kg, {:.0f} ± {:.0f} N s/m, {:.0f} ± {:.0f} N/m, {:.2f} ± {:.2f} ms "
+              "after its command",
+              fit.mass_kg.value, fit.mass_kg.half_width, fit.damping_Ns_per_m.value,
+              fit.damping_Ns_per_m.half_width, fit.stiffness_N_per_m.value, fit.stiffness_N_per_m.half_width,
+              1e3 * fit.dead_time_s.value, 1e3 * fit.dead_time_s.half_width)};
+}
+
+SummaryRow ArmRow(const AxisResult& axis) {
+  const ServoFit& fit = axis.fit;
+  return {
+      fmt::format("Arm, {} at {:.1f} mm/s rms", axis.request.axis, 1e3 * axis.rms_speed_m_per_s),
+      fmt::format("{:.2f} ± {:.2f} Hz, damping {:.3f} ± {:.3f}, dead time {:.3f} ± {:.3f} ms, lag "
+                  "{:.3f} ± {:.3f} ms; chi² {:.2f}{}",
+                  fit.bandwidth_hz.value, fit.bandwidth_hz.half_width, fit.damping_ratio.value,
+                  fit.damping_ratio.half_width, 1e3 * fit.dead_time_s.value, 1e3 * fit.dead_time_s.half_width,
+                  1e3 * fit.lag_s.value, 1e3 * fit.lag_s.half_width, fit.chi2,
+                  axis.validation_chi2 ? fmt::format(", {:.2f} on other data", *axis.validation_chi2)
+                                       : std::string())};
+}
+
+}  // namespace
 
 std::vector<SummaryRow> Rows(const IdentifyResult& result) {
   std::vector<SummaryRow> rows{
       {"Cell", fmt::format("{}: {}, {}, {:g} ms", result.cell, result.valid_for.robot, result.valid_for.tool,
                            1e3 * result.valid_for.period_s)}};
   for (const AxisResult& axis : result.axes) {
-    const ServoFit& fit = axis.fit;
-    rows.push_back(
-        {fmt::format("Arm, {} at {:.1f} mm/s rms", axis.request.axis, 1e3 * axis.rms_speed_m_per_s),
-         fmt::format("{:.2f} ± {:.2f} Hz, damping {:.3f} ± {:.3f}, dead time {:.3f} ± {:.3f} ms, lag "
-                     "{:.3f} ± {:.3f} ms; chi² {:.2f}{}",
-                     fit.bandwidth_hz.value, fit.bandwidth_hz.half_width, fit.damping_ratio.value,
-                     fit.damping_ratio.half_width, 1e3 * fit.dead_time_s.value,
-                     1e3 * fit.dead_time_s.half_width, 1e3 * fit.lag_s.value, 1e3 * fit.lag_s.half_width,
-                     fit.chi2,
-                     axis.validation_chi2 ? fmt::format(", {:.2f} on other data", *axis.validation_chi2)
-                                          : std::string())});
+    rows.push_back(axis.overlay ? OverlayRow(axis) : ArmRow(axis));
     if (axis.tool)
       rows.push_back(
           {fmt::format("Sensor, {}", axis.request.axis),
@@ -380,6 +338,10 @@ std::vector<SummaryRow> Rows(const IdentifyResult& result) {
                                   axis.hand->stiffness_N_per_m.value, axis.hand->stiffness_N_per_m.half_width,
                                   axis.hand->damping_Ns_per_m.value, axis.hand->damping_Ns_per_m.half_width,
                                   axis.hand->mass_kg.value, axis.hand->mass_kg.half_width)});
+    if (axis.felt_mass_kg)
+      rows.push_back(
+          {fmt::format("Hand moves the arm, {}", axis.request.axis),
+           fmt::format("as {:.2f} ± {:.2f} kg", axis.felt_mass_kg->value, axis.felt_mass_kg->half_width)});
     rows.push_back({fmt::format("Link, {}", axis.request.axis),
                     fmt::format("{:.2f} % lost; jitter {:.3f} ms on average, 99th percentile {:.3f} ms",
                                 100.0 * LossOf(axis.samples), 1e3 * axis.samples.jitter_mean_s,
@@ -393,6 +355,13 @@ std::vector<SummaryRow> Rows(const IdentifyResult& result) {
     for (const NoiseLine& line : result.noise->lines)
       rows.push_back({"Line in the force", fmt::format("{:g} Hz, {:.3f} N", line.hz, line.amplitude)});
   }
+  if (result.tremor)
+    rows.push_back(
+        {"Tremor",
+         fmt::format("{:.3f} N between 5 and 40 Hz in 99.9 % of {:.0f} s; tremor_N {:.3f}, with which "
+                     "the index adds {:.1f} % drag",
+                     result.tremor->p999_N, result.tremor->seconds, result.tremor->tremor_N,
+                     100.0 * (result.tremor->drag_factor - 1.0))});
   for (const PassiveLag& passive : result.passive) {
     rows.push_back(
         {"Total lag, " + passive.recording.file,
@@ -404,6 +373,9 @@ std::vector<SummaryRow> Rows(const IdentifyResult& result) {
         rows.push_back({fmt::format("Spindle, order {}", harmonic.order),
                         fmt::format("{:.2f} ± {:.2f} N at {:.1f} Hz", harmonic.amplitude_N,
                                     harmonic.half_width_N, harmonic.order * passive.spindle_hz)});
+    if (passive.notch_hz > 0.0)
+      rows.push_back({"Notch", fmt::format("a width of {:g} Hz holds 95 % of each of the spindle's orders",
+                                           passive.notch_hz)});
   }
   return rows;
 }

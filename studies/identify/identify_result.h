@@ -12,6 +12,8 @@
 #include "studies/identify/excited_axis.h"
 #include "studies/identify/force_fit.h"
 #include "studies/identify/force_noise.h"
+#include "studies/identify/hand_tremor.h"
+#include "studies/identify/overlay_fit.h"
 #include "studies/identify/servo_fit.h"
 
 namespace osteon::app {
@@ -27,13 +29,17 @@ struct AxisResult {
   ExcitationRequest request;
   config::IdentifiedRecording recording;
   double rms_speed_m_per_s{0.0};
-  MeasuredResponse by_encoders;  ///< q_meas / q_cmd
+  /// q_meas / q_cmd; of an overlay x / f times the stiffness that the arm is thought to have.
+  MeasuredResponse by_encoders;
   ServoFit fit;
   std::optional<MeasuredResponse> by_force{};  ///< F / q_cmd / (m w^2): the plant with structure and sensor
   std::optional<MeasuredResponse> force_over_position{};
   std::optional<ToolForceFit> tool{};
   std::string no_tool{};  ///< why there is none
   std::optional<HandFit> hand{};
+  std::optional<Estimate> felt_mass_kg{};        ///< of a held run: by which the hand's force moves the arm
+  std::optional<OverlayFit> overlay{};           ///< of an overlay
+  std::optional<MeasuredResponse> over_force{};  ///< of an overlay: x / f in m/N
   std::optional<double> validation_chi2{};
   ExcitedSamples samples{};  ///< counts and jitter; its run may be empty
   bool model_holds{true};    ///< false: the response alone is to be used
@@ -48,14 +54,17 @@ struct PassiveLag {
   /// Spindle's orders in the force, along the sensor's worst direction; empty: it turned for less than 2 s.
   std::vector<SpindleHarmonic> harmonics{};
   double spindle_hz{0.0};  ///< mean turns per second
+  double notch_hz{0.0};    ///< width that holds the widest of its orders; 0: none stands out
 };
 
 struct IdentifyResult {
   std::string cell;
   config::IdentifiedValidity valid_for;
-  double tool_mass_kg{0.0};  ///< that the cell's file or calibration says
+  control::Law law{control::Law::kAdmittance};  ///< of the cell
+  double tool_mass_kg{0.0};                     ///< that the cell's file or calibration says
   std::vector<AxisResult> axes;
   std::optional<ForceNoise> noise{};
+  std::optional<HandTremor> tremor{};
   std::vector<PassiveLag> passive{};
   std::vector<Finding> refused{}, warnings{};
 };
@@ -63,8 +72,15 @@ struct IdentifyResult {
 /// Name of a run, for findings: "free run, z at 50 mm/s".
 [[nodiscard]] std::string NameOf(const ExcitationRequest& request);
 
+/// Share of the messages that did not come, and of the answers that the arm did not get.
+[[nodiscard]] double LossOf(const ExcitedSamples& samples);
+/// Two speeds whose lags differ by more, relative, have friction.
+inline constexpr double kMaxLagApart = 0.05;
+
 /// Judges one axis: adds to `refused` and `warnings`, and sets model_holds.
 void JudgeAxis(AxisResult& axis, IdentifyResult& result);
+/// Refuses a tremor of a hand that did not hold the handle.
+void JudgeTremor(IdentifyResult& result);
 /// Judges speeds of one axis against each other: over 5 % of lag apart is friction, and the slower one
 /// counts.
 void JudgeSpeeds(IdentifyResult& result);

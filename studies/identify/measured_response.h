@@ -13,8 +13,10 @@ namespace osteon::app {
 /// One sample of an excited run along one axis. Samples follow each other by the period of the arm; a message
 /// that did not come has a sample that was not seen.
 struct ExcitedSample {
-  bool seen{false};     ///< the message came: y and f are known
-  double u_m{0.0};      ///< commanded offset, as it arrived: held while answers are lost
+  bool seen{false};  ///< the message came: y and f are known
+  /// Commanded offset, as it arrived: held while answers are lost. With an overlay its force over the
+  /// stiffness that the arm is thought to have.
+  double u_m{0.0};
   double y_m{0.0};      ///< measured offset
   double f_N{0.0};      ///< force sensor along the axis, its tool side
   bool counted{false};  ///< in a counted period

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/phase_progress.h"
+#include "config/reading/apply_identified.h"
 #include "config/reading/load.h"
 #include "report/svg_plot.h"
 #include "session/process/exit_code.h"
@@ -313,8 +314,9 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
 int RunTransparency(const TransparencyOptions& options) {
   if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
     return Fail("transparency", wrong);
-  const config::CellConfig cell = config::LoadCell(options.cell);
+  config::CellConfig cell = config::LoadCell(options.cell);
   config::RequireSimulation(cell, options.cell);
+  if (!options.identified.empty()) config::ApplyIdentified(options.identified, cell);
   if (!cell.robot.lbr())
     return Fail(
         "transparency",

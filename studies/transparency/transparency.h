@@ -15,8 +15,9 @@ namespace osteon::app {
 struct TransparencyOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"transparency"};
-  std::filesystem::path json{};  ///< a second copy of transparency.json
-  int points{25};                ///< from kMinHz to kMaxHz, log-spaced
+  std::filesystem::path json{};        ///< a second copy of transparency.json
+  std::filesystem::path identified{};  ///< a file of `osteon identify`; empty: as the cell says
+  int points{25};                      ///< from kMinHz to kMaxHz, log-spaced
   int sensor_delay_ticks{1};
   std::string command_line{};
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -28,6 +29,7 @@ namespace osteon::app {
 namespace {
 
 constexpr double kMinDamping = 5.0, kMaxDamping = 1000.0, kMinWall_N_per_m = 500.0, kMaxWall_N_per_m = 100e3;
+constexpr double kMaxMassOff = 0.15;  // of the measured mass, which may be along another axis
 constexpr double kScan = 1.25, kTolerance = 5e-3, kMaxMargin = 3.0;
 
 struct OverlayBoundary {
@@ -46,7 +48,8 @@ struct OverlayTuning {
   TuneTask task;
   hil::OverlayLoopParams loop;
   std::vector<hil::GridHand> hands{};
-  double mass_kg{0.0};               // of the tool along its axis
+  double mass_kg{0.0};  // of the tool along its axis
+  std::optional<config::IdentifiedArm> measured{};
   double own_margin{0.0};            // 0: not stable with all
   double recommended_Ns_per_m{0.0};  // 0: none
   double recommended_N_per_m{0.0}, recommended_margin{0.0};
@@ -260,6 +263,12 @@ Verdict Judge(const OverlayTuning& t) {
                     "at most {:.0f} % of the force limit, or keep the model younger",
                     1e3 * t.task.worst_age_s, 1e-3 * t.planes_N_per_m, 1e-3 * t.task.plane_N_per_m,
                     100.0 * t.planes_N_per_m / t.task.plane_N_per_m));
+  if (t.measured && !(std::abs(*t.measured->felt_mass_kg / t.mass_kg - 1.0) <= kMaxMassOff))
+    verdict.Add(
+        VerdictLevel::kWarning,
+        fmt::format("a force was measured to move {:.2f} kg along {}, and the arm's masses give {:.2f} "
+                    "kg along z: the tool's mass, or the robot's file, is off",
+                    *t.measured->felt_mass_kg, t.measured->axis, t.mass_kg));
   if (!(t.own_margin >= t.task.margin))
     verdict.Add(
         VerdictLevel::kWarning,
@@ -291,6 +300,13 @@ std::vector<SummaryRow> Rows(const OverlayTuning& t) {
        t.Stands() ? fmt::format("coupling {:.3g} N/mm, damping {:.0f} N s/m, gain margin {:.2f}",
                                 1e-3 * t.recommended_N_per_m, t.recommended_Ns_per_m, t.recommended_margin)
                   : std::string("none")}};
+  if (t.measured)
+    rows.push_back(
+        {"Measured arm",
+         fmt::format("along {}: a force moves {:.2f} kg, with {:.2f} Hz and damping {:.2f} of the arm's "
+                     "own impedance, after {:.2f} ms",
+                     t.measured->axis, *t.measured->felt_mass_kg, t.measured->bandwidth_hz,
+                     t.measured->damping_ratio, 1e3 * t.measured->dead_time_s)});
   if (t.Stands())
     rows.push_back({"Old planes", fmt::format("{}{:.3g} N/mm at {:g} ms",
                                               t.planes_N_per_m < task.plane_N_per_m ? "" : "at least ",
@@ -333,6 +349,7 @@ std::string ToJson(const OverlayTuning& t, const std::string& command_line) {
                         {"worst_age_ms", 1e3 * task.worst_age_s},
                         {"jitter_ms", 1e3 * task.command_jitter * t.loop.period_s}}},
                       {"margin", task.margin},
+                      {"identified", t.measured.has_value()},
                       {"own",
                        {{"damping_Ns_per_m", t.own_damping()},
                         {"stiffness_N_per_m", task.wall_N_per_m},
@@ -396,8 +413,8 @@ ReportVerdict PlainVerdict(const OverlayTuning& t) {
                              1e-3 * t.recommended_N_per_m, t.recommended_Ns_per_m);
     reasons.push_back(fmt::format(
         "Why: the loop stays stable with every hand up to {:g} N/m, free and at the wall, {:.2f} times as "
-        "stiff and heavy. The arm's dead time and its own damping are assumed, not measured.",
-        t.task.human_grip_N_per_m, t.recommended_margin));
+        "stiff and heavy. The arm's dead time and its own damping are {}.",
+        t.task.human_grip_N_per_m, t.recommended_margin, t.measured ? "measured" : "assumed, not measured"));
   }
   for (const std::string& reason : verdict.reasons) reasons.push_back("Remark: " + reason + ".");
   reasons.push_back(t.Stands()
@@ -446,6 +463,9 @@ int RunTuneImpedance(const TuneOptions& options, const config::CellConfig& cell)
   if (!options.plan.empty())
     return Fail("tune", "--plan: found with the impedance law, accepted with the admittance law");
   OverlayTuning t{.cell = options.cell.stem().string(), .task = TuneTaskOf(cell), .loop = LoopOf(cell)};
+  if (cell.identified)
+    for (const config::IdentifiedArm& arm : cell.identified->arm)
+      if (arm.felt_mass_kg && (!t.measured || arm.dead_time_s > t.measured->dead_time_s)) t.measured = arm;
   const double period_s = t.loop.period_s,
                jitter = options.jitter_ms.value_or(1e3 * period_s) / (1e3 * period_s);
   if (std::abs(jitter - std::round(jitter)) > 1e-6)

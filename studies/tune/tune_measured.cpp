@@ -11,6 +11,7 @@
 #include "config/reading/apply_identified.h"
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
+#include "studies/identify/servo_fit.h"
 
 namespace osteon::app {
 namespace {
@@ -34,6 +35,29 @@ const config::IdentifiedResponse* ResponseFor(const config::IdentifiedCell& iden
     }
   }
   return best;
+}
+
+// An arm for the ends of a response that no model fits: below and above its lines something has to be said.
+// The response of the greatest lag counts.
+std::optional<config::IdentifiedArm> RoughArm(const config::IdentifiedCell& identified, double period_s) {
+  std::optional<config::IdentifiedArm> slowest;
+  for (const config::IdentifiedResponse& response : identified.response) {
+    if (response.by_force != !identified.structure.empty()) continue;
+    std::vector<ResponseLine> lines;
+    for (const config::IdentifiedLine& line : response.lines)
+      lines.push_back({.hz = line.hz, .value = {line.re, line.im}, .sd = std::max(line.sd, 1e-9)});
+    const auto fit = FitServo(lines, period_s);
+    if (!fit || (slowest && slowest->lag_s >= fit->lag_s.value)) continue;
+    slowest = config::IdentifiedArm{.axis = response.axis,
+                                    .speed_m_per_s = response.speed_m_per_s,
+                                    .bandwidth_hz = fit->model.bandwidth_hz,
+                                    .damping_ratio = fit->model.damping_ratio,
+                                    .dead_time_s = fit->model.dead_time_s,
+                                    .gain = fit->model.gain,
+                                    .lag_s = fit->lag_s.value,
+                                    .chi2 = fit->chi2};
+  }
+  return slowest;
 }
 
 void UseResponse(const config::IdentifiedCell& identified, const config::IdentifiedArm& arm, TuneTask& task) {
@@ -111,9 +135,12 @@ std::string MarginText(const TuneMargin& m) {
 
 void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task) {
   task.identified = identified;
-  const config::IdentifiedArm* arm = config::SlowestArm(identified);
-  if (arm == nullptr) return;
   const double period_s = task.loop.period_s;
+  const config::IdentifiedArm* arm = config::SlowestArm(identified);
+  const std::optional<config::IdentifiedArm> rough =
+      arm == nullptr ? RoughArm(identified, period_s) : std::nullopt;
+  if (rough) arm = &*rough;
+  if (arm == nullptr) return;
   task.loop.arm = {.bandwidth_hz = arm->bandwidth_hz,
                    .damping_ratio = arm->damping_ratio,
                    .dead_cycles = std::max(0.0, arm->dead_time_s / period_s)};
@@ -130,6 +157,7 @@ void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task) {
   }
   UseHands(identified, task);
   UseResponse(identified, *arm, task);
+  task.measured_only |= rough.has_value();
 }
 
 bool StandsMeasured(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
@@ -195,9 +223,11 @@ std::vector<SummaryRow> RowsOfMeasured(const TuneTask& task, const std::vector<T
        {std::pair{"own", "Measured, the cell's own gains"}, {"recommended", "Measured, recommended gains"}})
     if (const TuneMargin* worst = WorstOf(margins, gains)) rows.push_back({key, MarginText(*worst)});
   if (task.measured_only)
-    rows.push_back({"Structure",
-                    "a resonance between encoders and tool was measured: gains are judged by the "
-                    "measured response alone, without the arm's model"});
+    rows.push_back(
+        {"Structure",
+         fmt::format("{}: gains are judged by the measured response alone, without the arm's model",
+                     cell.structure.empty() ? "no model of second order fits the arm"
+                                            : "a resonance between encoders and tool was measured")});
   return rows;
 }
 

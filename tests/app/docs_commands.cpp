@@ -192,6 +192,12 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon identify my_cell.yaml --recording identify/free_z_50.mcap --validate "
        "identify/validate_z_50.mcap",
        By("ExcitedRun.IdentifiesTheSimulatedArmAndItsSensor")},
+      {"osteon identify demo --simulated --wall-time --do free --axes z --speeds 50",
+       By("ExcitedRun.AConnectedCellIsRecordedOverItsWires")},
+      {"osteon identify thin_plate_impedance --simulated --do free,validate --axes z --speeds 50",
+       By("ExcitedRun.FindsTheImpedanceThatAWrenchMeets")},
+      {"osteon identify demo --table 30",
+       By("IdentifyTable.BoundariesFromAnIdentifiedArmAreThoseOfTheTrueOne")},
       {"osteon identify demo --recording demo_out/recording.mcap", By("PassiveLag.IsFoundBesideAHandsForce")},
       {"osteon calibrate my_cell.yaml --payload weigh.mcap --pivot tip.mcap --out "
        "config/cells/my_calibration.yaml",

@@ -1,9 +1,14 @@
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
+#include <optional>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "config/reading/apply_identified.h"
 #include "config/reading/load.h"
 #include "config/reading/load_identified.h"
 #include "config/reading/strict/config_error.h"
@@ -45,7 +50,7 @@ IdentifiedCell Sample() {
                  .stiffness_interval_N_per_m = {.low = 2965, .high = 3097},
                  .damping_Ns_per_m = 21.2,
                  .mass_kg = 1.52}};
-  cell.vibration = IdentifiedVibration{.tremor_N = 1.5, .notch_hz = {12.5, 25.0}};
+  cell.vibration = IdentifiedVibration{.tremor_N = 1.5, .notch_hz = {2.5}};
   cell.dead_zone_N = 0.21;
   return cell;
 }
@@ -91,7 +96,8 @@ TEST(IdentifiedFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read.link->loss_ratio, 0.01);
   EXPECT_EQ(read.structure.at(0).hz, 35.0);
   EXPECT_EQ(read.hands.at(0).stiffness_interval_N_per_m.low, 2965);
-  EXPECT_EQ(read.vibration->notch_hz, (std::vector<double>{12.5, 25.0}));
+  EXPECT_EQ(read.vibration->tremor_N, 1.5);
+  EXPECT_EQ(read.vibration->notch_hz, std::vector<double>{2.5});
   EXPECT_EQ(read.dead_zone_N, 0.21);
 }
 
@@ -114,12 +120,74 @@ TEST(IdentifiedFile, ErrorsNameLineValueAndWhatIsAccepted) {
   EXPECT_NE(ErrorOf(Replaced(good, "lag_ms: [28.2, 28.4]", "lag_ms: [28.35, 28.4]"))
                 .find("an interval around the value"),
             std::string::npos);
+  EXPECT_NE(
+      ErrorOf(Replaced(good, "notch_hz: 2.5", "notch_hz: 25")).find("notch_hz: found 25, accepted 0 … 20"),
+      std::string::npos);
   EXPECT_NE(ErrorOf(Replaced(good, "hz: 59.75", "hz: 0.5")).find("found 0.5 after 0.75, accepted rising"),
             std::string::npos);
   EXPECT_NE(ErrorOf(Replaced(good, "chi2_ratio", "chi_ratio")).find("chi_ratio"), std::string::npos);
   const std::string error = ErrorOf(Replaced(good, "noise_N: 0.078", "noise_N: often"));
   EXPECT_NE(error.find("identified.yaml:"), std::string::npos) << error;
   EXPECT_NE(error.find("noise_N: found often"), std::string::npos) << error;
+}
+
+// A file of this cell that says nothing yet.
+IdentifiedCell FileFor(const CellConfig& cell) {
+  IdentifiedCell own{
+      .valid_for = {.robot = cell.robot.name, .tool = cell.tool.tool.name, .period_s = cell.servo.period_s}};
+  for (std::size_t i = 0; i < 7; ++i) own.valid_for.start_rad[i] = cell.start.q[static_cast<int>(i)];
+  return own;
+}
+
+TEST(IdentifiedFile, ForcesOfHandAndSensorReachTheLoop) {
+  CellConfig cell = LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
+  IdentifiedCell own = FileFor(cell);
+  const auto apply = [&](const IdentifiedCell& identified) {
+    CellConfig applied = cell;
+    ApplyIdentified(WriteFile("identified.yaml", WriteIdentified(identified, "")), applied);
+    return applied;
+  };
+  EXPECT_THROW(apply(own), ConfigError) << "it says nothing";
+  own.vibration = IdentifiedVibration{.tremor_N = 0.7, .notch_hz = {3.0}};
+  own.dead_zone_N = 0.4;
+  const CellConfig applied = apply(own);
+  EXPECT_EQ(applied.servo.vibration.reference.tremor_N, 0.7);
+  EXPECT_EQ(applied.servo.vibration.notch_hz, 3.0);
+  EXPECT_EQ(applied.servo.admittance.dead_zone_N, std::max(0.4, cell.servo.admittance.dead_zone_N));
+  EXPECT_EQ(applied.own_gains.dead_zone_N, applied.servo.admittance.dead_zone_N);
+  EXPECT_EQ(applied.simulated.servo.bandwidth_hz, cell.simulated.servo.bandwidth_hz);
+  cell.servo.admittance.dead_zone_N = 2.0;
+  EXPECT_EQ(apply(own).servo.admittance.dead_zone_N, 2.0) << "a measured drift makes no dead zone smaller";
+}
+
+TEST(IdentifiedFile, AnImpedanceReachesTheSimulatedArm) {
+  const CellConfig cell =
+      LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/thin_plate_impedance.yaml");
+  IdentifiedCell own = FileFor(cell);
+  own.arm = Sample().arm;
+  own.arm[0].bandwidth_hz = 3.0;
+  own.arm[0].bandwidth_interval_hz = {.low = 2.9, .high = 3.1};
+  const auto apply = [&](double dead_time_s, std::optional<control::Law> law) {
+    own.arm[0].dead_time_s = dead_time_s;
+    own.arm[0].dead_time_interval_s = {.low = dead_time_s - 1e-4, .high = dead_time_s + 1e-4};
+    CellConfig applied = cell;
+    ApplyIdentified(WriteFile("identified.yaml", WriteIdentified(own, "", law)), applied);
+    return applied.simulated.dynamic;
+  };
+  EXPECT_EQ(apply(4.02e-3, control::Law::kImpedance).dead_cycles, 4) << "a measured dead time is not exact";
+  const hil::DynamicArmParams arm = apply(4.2e-3, {});
+  EXPECT_EQ(arm.dead_cycles, 5) << "the later one";
+  EXPECT_NEAR(arm.stiffness_N_per_m, 5.22 * std::pow(6.0 * std::numbers::pi, 2), 1e-6);
+  EXPECT_EQ(arm.bandwidth_hz, cell.simulated.dynamic.bandwidth_hz) << "of the position controller";
+  EXPECT_THROW(apply(40e-3, {}), ConfigError);
+  try {
+    static_cast<void>(apply(4e-3, control::Law::kAdmittance));
+    FAIL() << "another law's file";
+  } catch (const ConfigError& refused) {
+    EXPECT_NE(std::string(refused.what()).find("law: found admittance, accepted impedance"),
+              std::string::npos)
+        << refused.what();
+  }
 }
 
 TEST(IdentifiedFile, AnotherCellsFileIsRefused) {

@@ -98,6 +98,52 @@ TEST(ExcitedRun, FindsTheHandThatHoldsTheHandle) {
               0.1 * truth.stiffness_N_per_m);
 }
 
+// The arm with masses in Cartesian impedance: a wrench is laid over it.
+TEST(ExcitedRun, FindsTheImpedanceThatAWrenchMeets) {
+  auto setup =
+      PrepareCell(fs::path(OSTEON_SOURCE_DIR) / "config/cells/thin_plate_impedance.yaml", std::nullopt);
+  ASSERT_TRUE(setup) << setup.error();
+  hil::DynamicArmParams& truth = setup->config.simulated.dynamic;
+  truth.friction_compensation = 1.0;
+  const fs::path file = TemporaryPath("overlay_z.mcap");
+  ExcitationRequest request = kShort;
+  request.overlay = true;
+  const auto run = RunExcited(*setup, {.request = request, .recording = file});
+  ASSERT_TRUE(run) << run.error();
+  IdentifyResult result = EmptyResult("thin_plate_impedance", setup->config);
+  ASSERT_TRUE(AddRecording(file, setup->config, result));
+  ASSERT_EQ(result.axes.size(), 1u) << (result.refused.empty() ? "" : result.refused.front().what);
+  const AxisResult& axis = result.axes.front();
+  ASSERT_TRUE(axis.overlay);
+  const double mass_kg = ExcitedAxisOf(setup->config, request)->hold.overlay.mass_kg;
+  EXPECT_NEAR(axis.overlay->stiffness_N_per_m.value, truth.stiffness_N_per_m,
+              0.15 * truth.stiffness_N_per_m);
+  EXPECT_NEAR(axis.overlay->mass_kg.value, mass_kg, 0.1 * mass_kg);
+  EXPECT_NEAR(axis.overlay->dead_time_s.value, 1e-3 * truth.dead_cycles, 0.5e-3);
+}
+
+// Arm, sensor and PLC at the other end of real sockets, in wall time.
+TEST(ExcitedRun, AConnectedCellIsRecordedOverItsWires) {
+  CellSetup setup = Demo();
+  hil::QualityPolicyParams& quality = setup.config.simulated.fri.quality;  // a busy machine is no fault
+  quality.end_after_lost_in_a_row = quality.end_after_lost_per_s = quality.good_max_lost_per_s = 1'000'000;
+  safety::WatchdogParams& watchdog = setup.config.servo.watchdog;
+  watchdog.arm_misses = 1000;
+  watchdog.sensor_stop_s = watchdog.spindle_stop_s = watchdog.interlock_stop_s = 3.0;
+  const fs::path file = TemporaryPath("wires.mcap");
+  ExcitationRequest rest = kShort;
+  rest.rest_s = 0.3;
+  const auto run = RunExcited(setup, {.request = rest, .recording = file, .wall_time = true});
+  ASSERT_TRUE(run) << run.error();
+  const auto recording = io::ReadRecording(file);
+  ASSERT_TRUE(recording);
+  int paused = 0;
+  for (const control::TickRecord& tick : recording->ticks)
+    paused +=
+        tick.cell_state == static_cast<std::uint8_t>(safety::CellState::kPaused) && tick.input.received == 0;
+  EXPECT_GT(paused, 250) << "the arm stood in the loop's pause";
+}
+
 TEST(ExcitedRun, ARecordingOfAnotherCellIsRefused) {
   CellSetup setup = Demo();
   const fs::path file = TemporaryPath("rest.mcap");

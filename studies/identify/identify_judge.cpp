@@ -1,0 +1,195 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "control/excitation/multisine.h"
+#include "studies/identify/identify_result.h"
+
+// What is refused, and what the user is told: the limits of design and documentation.
+
+namespace osteon::app {
+namespace {
+
+constexpr double kMaxMassOff = 0.05, kMinGain = 0.98, kMaxDamping = 3.0;
+constexpr double kOddOverEven = 3.0, kMinOdd = 0.01, kVeryOdd = 0.1, kMaxChi2 = 3.0, kMaxValidation = 2.0;
+constexpr double kMinTremor_N = 0.005, kMaxTremor_N = 50.0;
+constexpr double kMaxMassInterval = 0.05, kMaxResidual = 0.1;  // of an overlay
+constexpr double kMaxLagInterval_s = 0.12e-3, kMinCoherence = 0.5, kMaxLost = 0.10;
+constexpr double kSamePosture_rad = 0.02, kMinHand_N_per_m = 50.0;
+
+// The line nearest to a frequency.
+const ResponseLine& LineAt(const MeasuredResponse& response, double hz) {
+  return *std::ranges::min_element(response.lines, {},
+                                   [hz](const ResponseLine& line) { return std::abs(line.hz - hz); });
+}
+
+void JudgeMass(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
+  if (axis.request.held) {
+    const double stiffness_N_per_m = axis.hand ? axis.hand->stiffness_N_per_m.value : 0.0;
+    if (!(stiffness_N_per_m >= kMinHand_N_per_m))
+      result.refused.push_back(
+          {where, fmt::format("nobody holds the handle: found {:.0f} N/m, accepted {:g} N/m or "
+                              "more; hold it at working push during the whole run",
+                              stiffness_N_per_m, kMinHand_N_per_m)});
+    return;
+  }
+  if (!axis.tool) {
+    result.warnings.push_back({where, axis.no_tool + "; whether a hand holds the handle was not checked"});
+    return;
+  }
+  const double mass_kg = axis.tool->mass_kg.value;
+  if (!(std::abs(mass_kg - result.tool_mass_kg) <= kMaxMassOff * result.tool_mass_kg))
+    result.refused.push_back(
+        {where,
+         fmt::format("somebody holds the handle, or another tool: found {:.3f} kg on the sensor, accepted "
+                     "{:.3f} kg ± {:g} %; let go of the handle, or run osteon calibrate",
+                     mass_kg, result.tool_mass_kg, 100.0 * kMaxMassOff)});
+}
+
+void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& result) {
+  const MeasuredResponse& response = axis.by_encoders;
+  const double gain = std::abs(response.lines.front().value);
+  // an overlay's gain is that of the arm's own spring, which is to be found
+  const double damping = axis.overlay ? axis.overlay->damping_ratio.value : axis.fit.damping_ratio.value;
+  if ((gain < kMinGain && !axis.overlay) || damping > kMaxDamping)
+    result.refused.push_back(
+        {where,
+         fmt::format("the joint sticks: found a gain of {:.3f} at {:g} Hz and a damping ratio of {:.2f}, "
+                     "accepted {:g} or more and at most {:g}; raise the speed",
+                     gain, response.lines.front().hz, damping, kMinGain, kMaxDamping)});
+  if (!(response.odd_ratio > kOddOverEven * response.even_ratio && response.odd_ratio > kMinOdd)) return;
+  const std::string found = fmt::format(
+      "not linear at this speed: found {:.1f} % of the motion on odd lines that were not excited, {:.1f} % "
+      "on even "
+      "ones",
+      100.0 * response.odd_ratio, 100.0 * response.even_ratio);
+  if (response.odd_ratio > kVeryOdd)
+    result.refused.push_back(
+        {where, fmt::format("{}, accepted {:g} %; raise the speed", found, 100.0 * kVeryOdd)});
+  else
+    result.warnings.push_back({where, found + ": friction; the figures hold near this speed alone"});
+}
+
+// Whether the data are enough: by the part of the interval that more data make smaller, since a model that
+// does not fit has its own finding.
+void JudgeAmount(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
+  const double fitted = std::sqrt(std::max(1.0, axis.fit.chi2));
+  const double seconds = control::Multisine::kPeriod_s * axis.by_encoders.periods;
+  if (axis.overlay) {
+    const Estimate& mass = axis.overlay->mass_kg;
+    const double off = mass.half_width / fitted / std::abs(mass.value);
+    if (!(off <= kMaxMassInterval))
+      result.refused.push_back(
+          {where, fmt::format("too little: found {:g} s with a mass known to ± {:.1f} %, accepted ± {:g} %; "
+                              "measure longer or faster",
+                              seconds, 100.0 * off, 100.0 * kMaxMassInterval)});
+    return;
+  }
+  const double lag_interval_s = axis.fit.lag_s.half_width / fitted;
+  if (lag_interval_s > kMaxLagInterval_s)
+    result.refused.push_back(
+        {where,
+         fmt::format("too little: found {:g} s with a lag known to ± {:.3f} ms, accepted ± {:g} ms; measure "
+                     "longer or faster",
+                     seconds, 1e3 * lag_interval_s, 1e3 * kMaxLagInterval_s)});
+}
+
+// An arm's axes are coupled, so chi² of one axis says little; the lines that decide must fit.
+void JudgeImpedance(AxisResult& axis, const std::string& where, IdentifyResult& result) {
+  axis.model_holds = axis.overlay->residual <= kMaxResidual;
+  if (!axis.model_holds)
+    result.warnings.push_back(
+        {where,
+         fmt::format("no mass, damping and spring fit the motion: found {:.0f} % off, accepted {:g} %; the "
+                     "measured response alone is written",
+                     100.0 * axis.overlay->residual, 100.0 * kMaxResidual)});
+}
+
+}  // namespace
+
+void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
+  const std::string where = NameOf(axis.request);
+  if (const double lost = LossOf(axis.samples); lost > kMaxLost)
+    result.refused.push_back(
+        {where, fmt::format("the link loses too much: found {:.1f} % of messages and answers "
+                            "lost, accepted {:g} %; see osteon doctor",
+                            100.0 * lost, 100.0 * kMaxLost)});
+  if (axis.samples.start_error_rad > kSamePosture_rad)
+    result.refused.push_back(
+        {where, fmt::format("another posture: found a joint {:.3f} rad from the cell's start, "
+                            "accepted {:g} rad",
+                            axis.samples.start_error_rad, kSamePosture_rad)});
+  JudgeMass(axis, where, result);
+  JudgeLinearity(axis, where, result);
+  JudgeAmount(axis, where, result);
+  if (const ResponseLine& line = LineAt(axis.by_encoders, axis.fit.bandwidth_hz.value);
+      line.coherence < kMinCoherence)
+    result.refused.push_back(
+        {where, fmt::format("excite higher: found a coherence of {:.2f} at {:g} Hz, where the "
+                            "arm's bandwidth lies, accepted {:g}",
+                            line.coherence, line.hz, kMinCoherence)});
+  if (axis.overlay) return JudgeImpedance(axis, where, result);
+  const bool validated =
+      !axis.validation_chi2 || *axis.validation_chi2 <= kMaxValidation * std::max(1.0, axis.fit.chi2);
+  axis.model_holds = axis.fit.chi2 <= kMaxChi2 && validated;
+  if (!axis.model_holds)
+    result.warnings.push_back(
+        {where,
+         fmt::format(
+             "structure that the model lacks: found chi² {:.1f}{}, accepted {:g}{}; margins by the "
+             "measured response only",
+             axis.fit.chi2,
+             axis.validation_chi2 ? fmt::format(" and {:.1f} on other data", *axis.validation_chi2) : "",
+             kMaxChi2, validated ? "" : " and twice as much on other data")});
+}
+
+void JudgeTremor(IdentifyResult& result) {
+  if (!result.tremor) return;
+  const HandTremor& tremor = *result.tremor;
+  if (tremor.seconds <= 0.0 || tremor.tremor_N <= 0.0)
+    result.refused.push_back(
+        {"tremor run",
+         fmt::format("too little: found {:.1f} s at rest, accepted 5 s or more", tremor.seconds)});
+  else if (!(tremor.p999_N >= kMinTremor_N))
+    result.refused.push_back(
+        {"tremor run",
+         fmt::format("nobody holds the handle: found {:.4f} N between 5 and 40 Hz, accepted {:g} N or more; "
+                     "hold it at working push during the whole run",
+                     tremor.p999_N, kMinTremor_N)});
+  else if (tremor.tremor_N > kMaxTremor_N)
+    result.refused.push_back(
+        {"tremor run", fmt::format("more than a tremor: found {:.2f} N between 5 and 40 Hz, accepted at most "
+                                   "{:g} N; the arm must stand, and the hand must rest",
+                                   tremor.tremor_N, kMaxTremor_N)});
+}
+
+void JudgeSpeeds(IdentifyResult& result) {
+  for (const AxisResult& slow : result.axes)
+    for (const AxisResult& fast : result.axes) {
+      if (slow.request.axis != fast.request.axis || slow.request.held || fast.request.held) continue;
+      if (!(slow.rms_speed_m_per_s < fast.rms_speed_m_per_s)) continue;
+      const double slow_s = slow.fit.lag_s.value, fast_s = fast.fit.lag_s.value;
+      if (std::abs(slow_s - fast_s) > kMaxLagApart * std::abs(slow_s))
+        result.warnings.push_back(
+            {NameOf(slow.request),
+             fmt::format("friction: found a lag of {:.2f} ms here and {:.2f} ms at {:.1f} mm/s, "
+                         "accepted 5 % apart; the slower one is written",
+                         1e3 * slow_s, 1e3 * fast_s, 1e3 * fast.rms_speed_m_per_s)});
+    }
+}
+
+Verdict Judge(const IdentifyResult& result) {
+  Verdict verdict;
+  for (const Finding& finding : result.refused)
+    verdict.Add(VerdictLevel::kBad, finding.where + ": " + finding.what);
+  for (const Finding& finding : result.warnings)
+    verdict.Add(VerdictLevel::kWarning, finding.where + ": " + finding.what);
+  if (result.axes.empty())
+    verdict.Add(result.passive.empty() && !result.noise && !result.tremor ? VerdictLevel::kBad
+                                                                          : VerdictLevel::kWarning,
+                "no arm was fitted: no recording with excitation");
+  return verdict;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/arm/servo_arm.h"
+#include "studies/identify/measured_response.h"
+
+// How well an arm like a cell's would be identified: synthetic recordings of a known ServoArm, many seeds.
+
+namespace osteon::app {
+
+/// A synthetic recording: an excited ServoArm of one joint, measured with noise, over a link that loses.
+struct SyntheticRun {
+  std::string name;
+  int draws{4}, periods{3};
+  double peak_m_per_s{0.05};
+  double noise_m{10e-6};     ///< of the encoders, at the tool
+  double lost{0.0};          ///< share of the messages that do not come
+  double lost_answers{0.0};  ///< share of the answers that the arm does not get
+  bool as_sent{false};       ///< lost answers are not taken into account: a planted error
+};
+
+/// The excitation of a run through the arm. @param seed  of phases, noise and losses
+[[nodiscard]] ExcitedRun Synthesize(const SyntheticRun& run, const hil::ServoArmParams& arm, double period_s,
+                                    std::uint64_t seed);
+
+struct IdentifyTableParams {
+  hil::ServoArmParams arm;  ///< the truth
+  double period_s{0.001};
+  int seeds{30};
+  int threads{0};  ///< 0: one a core
+};
+
+/// A figure over all seeds.
+struct TableFigure {
+  double truth{0.0}, mean{0.0}, two_sd{0.0};
+  double inside{0.0};  ///< share of seeds whose 95 % interval holds the truth; NaN: there is no interval
+};
+
+/// A row: what was recorded, and how what was found differs from the truth.
+struct TableRow {
+  SyntheticRun run;
+  double seconds{0.0};
+  TableFigure hz{}, damping_ratio{}, dead_time_ms{}, lag_ms{};
+  /// Predicted with the arm that was found, for a virtual tool of 3 kg: the least drag for a hand of 3 kN/m,
+  /// and the greatest wall with a firm hand (500 N/m) and 20 N s/m; 1e6: at least.
+  TableFigure least_drag_Ns_per_m{}, greatest_wall_N_per_m{};
+  int failed{0};  ///< seeds without a fit
+};
+
+/// The rows of design and documentation: 64 s at 50, 20 and 5 mm/s, 24 s, lost messages and lost answers.
+[[nodiscard]] std::vector<SyntheticRun> TableRuns();
+
+/// What a row predicts with an arm: see TableRow.
+[[nodiscard]] double LeastDrag(const hil::ServoArmParams& arm, double period_s);
+[[nodiscard]] double GreatestWall(const hil::ServoArmParams& arm, double period_s);
+
+/// Synthesizes, fits and judges a row. The result does not depend on the number of threads.
+[[nodiscard]] TableRow IdentifyRow(const SyntheticRun& run, const IdentifyTableParams& params);
+
+[[nodiscard]] std::string TableText(const std::vector<TableRow>& rows);
+/// JSON, osteon.identify/1, with `table`.
+[[nodiscard]] std::string TableJson(const std::vector<TableRow>& rows, const IdentifyTableParams& params,
+                                    const std::string& command_line);
+
+}  // namespace osteon::app
