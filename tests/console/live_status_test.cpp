@@ -134,7 +134,8 @@ TEST(LiveJson, HasARowForEachWindowAndTheLastOnesStatusAndPoses) {
   EXPECT_EQ(json["view"]["contacts"][1][5], 0.8);
 }
 
-// Where the bone and the bent head are drawn: X_WE = X_WM X_ME. Without anything that gives way neither is sent.
+// Where the bone and the bent head are drawn: X_WE = X_WM X_ME. Without anything that gives way neither is
+// sent.
 TEST(LiveJson, HasTheBonesAndTheHeadsPosesWhereSomethingGivesWay) {
   std::array windows{Window(safety::CellState::kCutting)};
   EXPECT_FALSE(nlohmann::json::parse(LiveJson(windows, kContext))["view"].contains("X_WM"));

@@ -117,7 +117,8 @@ TEST(GuardRun, ADeflectionBeyondItsLimitIsStoppedByTheLoopAndTheGuardPassesTheSt
   const VirtualRide ride = RideVirtually(
       "long_drill", 4.0, [](config::CellConfig& cell) { cell.servo.compliance.tool->max_thrust_N = 20.0; });
   ASSERT_FALSE(ride.summary.faults.empty());
-  EXPECT_NE(ride.summary.faults.front().find("deflection"), std::string::npos) << ride.summary.faults.front();
+  EXPECT_NE(ride.summary.faults.front().name.find("deflection"), std::string::npos)
+      << ride.summary.faults.front().name;
   ExpectAllPasses("long_drill", ride, 0.25);
 }
 
