@@ -27,6 +27,15 @@ void CarvedBone::Carve() {
   gathered_.clear();
 }
 
+void CarvedBone::JumpTo(const CarvedBone& other) {
+  field.SetSwept(other.field.swept());
+  ways = other.ways;
+  turns = other.turns;
+  at_s = other.at_s;
+  last_tick = other.last_tick;
+  gathered_ = other.gathered_;
+}
+
 void CarvedBone::CarveAll() {
   Carve();
   field.Carve(ways.TakeCapsules());

@@ -31,6 +31,8 @@ struct CarvedBone {
   void Take(io::RecordedTopic topic, const RecordingTimeline& timeline);
   /// Carves what was taken, up to the last complete batch of frames.
   void Carve();
+  /// Becomes another state of the same recording's bone; only bricks that differ are dirty then.
+  void JumpTo(const CarvedBone& other);
   /// Carves what was taken, with the batch that is not complete.
   void CarveAll();
 

@@ -59,6 +59,7 @@ void ViewSurface::Begin(const CarvedBone& from) {
     if (auto timeline = RecordingTimeline::Open(recording_))
       timeline_ = std::make_unique<RecordingTimeline>(std::move(*timeline));
   ended_ = !timeline_ || !GoOnFrom(from, *timeline_);
+  if (bone_) return bone_->JumpTo(from);  // a page keeps the bricks that are the same
   bone_.emplace(from);
   BeginFeed();
 }

@@ -95,7 +95,8 @@ TEST(CarvedKeys, TheBoneFromAStateIsTheBoneFromTheBeginning) {
     ASSERT_NE(key, nullptr);
     EXPECT_LE(key->at_s, wanted_s);
     EXPECT_GT(key->at_s, wanted_s - CarvedKeys::kFirstStep_s - 0.01);
-    CarvedBone from_key = *key;
+    CarvedBone from_key = from_begin;  // shows a later time, and goes back
+    from_key.JumpTo(*key);
     ASSERT_TRUE(GoOnFrom(from_key, *other));
     CarveUpTo(from_key, *other, wanted_s);
     const auto expected = VerticesOf(from_begin), found = VerticesOf(from_key);
