@@ -30,7 +30,9 @@ struct IdentifiedValidity {
   std::vector<IdentifiedRecording> recordings{};
 };
 
-/// The arm's motion along one axis of the tool, at one speed: q'' = w^2 (q_cmd(t - dead) - q) - 2 z w q'.
+/// The arm's motion along one axis of the tool, at one speed: q'' = w^2 (q_cmd(t - dead) - q) - 2 z w q' + F
+/// / M. Under the impedance law the same holds for a force that is laid over the arm's own impedance, whose
+/// spring is M w^2 and whose damping 2 z w M.
 struct IdentifiedArm {
   std::string axis;           ///< "x", "y" or "z" of the tool's frame at the posture
   double speed_m_per_s{0.0};  ///< RMS speed of the tool during the measurement
@@ -91,8 +93,9 @@ struct IdentifiedHand {
 };
 
 struct IdentifiedVibration {
-  double tremor_N{0.0};
-  std::vector<double> notch_hz{};
+  double tremor_N{0.0};  ///< RMS force between 5 and 40 Hz of the hand at working push; 0: not measured
+  std::vector<double>
+      notch_hz{};  ///< width of a notch that holds the spindle's own forces; empty: not measured
 };
 
 struct IdentifiedCell {

@@ -14,7 +14,7 @@ namespace {
 constexpr double kMaxMassOff = 0.05, kMinGain = 0.98, kMaxDamping = 3.0;
 constexpr double kOddOverEven = 3.0, kMinOdd = 0.01, kVeryOdd = 0.1, kMaxChi2 = 3.0, kMaxValidation = 2.0;
 constexpr double kMinTremor_N = 0.005, kMaxTremor_N = 50.0;
-constexpr double kMaxMassInterval = 0.05, kMaxResidual = 0.1;  // of an overlay
+constexpr double kMaxMassInterval = 0.05, kMaxResidual = 0.02;  // of an overlay
 constexpr double kMaxLagInterval_s = 0.12e-3, kMinCoherence = 0.5, kMaxLost = 0.10;
 constexpr double kSamePosture_rad = 0.02, kMinHand_N_per_m = 50.0;
 
@@ -95,15 +95,17 @@ void JudgeAmount(const AxisResult& axis, const std::string& where, IdentifyResul
                      seconds, 1e3 * lag_interval_s, 1e3 * kMaxLagInterval_s)});
 }
 
-// An arm's axes are coupled, so chi² of one axis says little; the lines that decide must fit.
+// A model of one axis that fits is written; with a coupled axis mass and dead time are rough.
 void JudgeImpedance(AxisResult& axis, const std::string& where, IdentifyResult& result) {
-  axis.model_holds = axis.overlay->residual <= kMaxResidual;
-  if (!axis.model_holds)
-    result.warnings.push_back(
-        {where,
-         fmt::format("no mass, damping and spring fit the motion: found {:.0f} % off, accepted {:g} %; the "
-                     "measured response alone is written",
-                     100.0 * axis.overlay->residual, 100.0 * kMaxResidual)});
+  const OverlayFit& fit = *axis.overlay;
+  axis.model_holds = !fit.coupled && fit.residual <= kMaxResidual;
+  if (axis.model_holds) return;
+  result.warnings.push_back(
+      {where,
+       fmt::format("{}, {:.1f} % off, accepted one axis and {:g} %: mass and dead time are rough, and the "
+                   "measured response alone is written",
+                   fit.coupled ? "found coupled axes" : "found one axis", 100.0 * fit.residual,
+                   100.0 * kMaxResidual)});
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ Json OverlayJson(const OverlayFit& overlay) {
             {"dead_time_ms", ToJson(overlay.dead_time_s, 1e-3)}}},
           {"chi2", overlay.chi2},
           {"residual", overlay.residual},
-          {"ends_only", overlay.ends_only}};
+          {"coupled", overlay.coupled}};
 }
 
 Json AxisJson(const AxisResult& axis) {

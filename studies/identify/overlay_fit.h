@@ -15,14 +15,14 @@ namespace osteon::app {
 struct OverlayFit {
   Estimate stiffness_N_per_m{}, damping_Ns_per_m{}, mass_kg{}, dead_time_s{};
   Estimate bandwidth_hz{}, damping_ratio{}, lag_s{};  ///< the same as an arm that follows its command
-  double chi2{0.0};       ///< divided by its degrees of freedom, of the lines that were used
-  double residual{0.0};   ///< RMS of (measured - model) / measured, of the lines that were used
-  bool ends_only{false};  ///< only the two lowest lines and those from 15 Hz on were used
+  double chi2{0.0};                                   ///< divided by its degrees of freedom
+  double residual{0.0};                               ///< RMS of (measured - model) / measured
+  bool coupled{false};  ///< the model has another axis, which gives way with this one
 };
 
-/// Weighted least squares of the impedance. An arm's axes are coupled: around the frequencies of its springs
-/// one axis alone is not of second order. Where all lines together fit worse than chi^2 3, those from 15 Hz
-/// on, where mass and dead time decide, and the two lowest, where the spring does, are fitted alone.
+/// Weighted least squares of the impedance. An arm's axes are coupled: a force along one also turns the tool
+/// against its rotational spring. Where one axis alone fits worse than chi^2 3, a coupled one is added, as
+/// two zeros over two poles; the mass is then that far above all springs.
 /// @param lines  of x / (f / nominal stiffness)  @param start  a servo fitted to them
 /// @returns an error with fewer than 6 lines, or if nothing converges
 [[nodiscard]] tl::expected<OverlayFit, std::string> FitOverlay(std::span<const ResponseLine> lines,

@@ -1,5 +1,6 @@
 #include "studies/identify/excited_run.h"
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -116,10 +117,16 @@ TEST(ExcitedRun, FindsTheImpedanceThatAWrenchMeets) {
   const AxisResult& axis = result.axes.front();
   ASSERT_TRUE(axis.overlay);
   const double mass_kg = ExcitedAxisOf(setup->config, request)->hold.overlay.mass_kg;
-  EXPECT_NEAR(axis.overlay->stiffness_N_per_m.value, truth.stiffness_N_per_m,
-              0.15 * truth.stiffness_N_per_m);
-  EXPECT_NEAR(axis.overlay->mass_kg.value, mass_kg, 0.1 * mass_kg);
-  EXPECT_NEAR(axis.overlay->dead_time_s.value, 1e-3 * truth.dead_cycles, 0.5e-3);
+  EXPECT_NEAR(axis.overlay->stiffness_N_per_m.value, truth.stiffness_N_per_m, 0.15 * truth.stiffness_N_per_m);
+  // a force along one axis turns this arm's tool as well: mass and dead time are rough, and not written
+  EXPECT_TRUE(axis.overlay->coupled);
+  EXPECT_NEAR(axis.overlay->mass_kg.value, mass_kg, 0.2 * mass_kg);
+  EXPECT_NEAR(axis.overlay->dead_time_s.value, 1e-3 * truth.dead_cycles, 1e-3);
+  JudgeAxis(result.axes.front(), result);
+  const config::IdentifiedCell written = ToIdentified(result);
+  EXPECT_TRUE(written.arm.empty());
+  ASSERT_EQ(written.response.size(), 1u);
+  EXPECT_NEAR(std::abs(written.response[0].lines.front().re), 1.0, 0.1);
 }
 
 // Arm, sensor and PLC at the other end of real sockets, in wall time.
