@@ -126,7 +126,7 @@ TEST(ExcitedRun, FindsTheImpedanceThatAWrenchMeets) {
   const config::IdentifiedCell written = ToIdentified(result);
   EXPECT_TRUE(written.arm.empty());
   ASSERT_EQ(written.response.size(), 1u);
-  EXPECT_NEAR(std::abs(written.response[0].lines.front().re), 1.0, 0.1);
+  EXPECT_NEAR(std::abs(written.response[0].lines.front().re), 1.0, 0.2) << "the spring is rough as well";
 }
 
 // Arm, sensor and PLC at the other end of real sockets, in wall time.
