@@ -59,6 +59,17 @@ void AddFaults(const control::TickRecord& tick, LiveStatus& status) {
       safety::AllowsRecovery(faults);
 }
 
+nlohmann::json LatencyJson(const LatencyStatus& latency) {
+  if (!latency.known) return nullptr;
+  nlohmann::json parts = nlohmann::json::object();
+  for (const LatencyPartStatus& part : latency.parts)
+    parts[part.name] = {{"mean", part.mean_ms}, {"measured", part.measured}};
+  return {{"hand_to_arm", latency.hand_to_arm_ms},
+          {"bone_to_hand", latency.bone_to_hand_ms},
+          {"measured", latency.measured},
+          {"parts", parts}};
+}
+
 std::string TimeText(const LiveStatus& s, double wanted_s) {
   std::string text = wanted_s > 0.0
                          ? fmt::format("{:.1f} of {:.1f} s", std::min(s.rendered_s, wanted_s), wanted_s)
@@ -101,6 +112,7 @@ LiveStatus StatusOf(const LiveWindow& w, const LiveContext& context) {
   s.sensor_age_ms = 1e3 * w.tick.sensor_age_s;
   s.rendered_s = w.rendered_s;
   s.paused_s = w.paused_s;
+  if (context.latency) s.latency = context.latency();
   if (w.frame.model.frame == 0) return s;
   s.frame_us = 1e-3 * static_cast<double>(w.frame.duration_ns);
   s.deepest_mm = 1e3 * w.frame.cup_depth_m;
@@ -168,7 +180,8 @@ std::string StatusJson(const LiveStatus& s) {
                             {"sensor_age_ms", s.sensor_age_ms},
                             {"frame_us", s.frame_us},
                             {"rendered_s", s.rendered_s},
-                            {"paused_s", s.paused_s}};
+                            {"paused_s", s.paused_s},
+                            {"latency_ms", LatencyJson(s.latency)}};
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

@@ -8,11 +8,28 @@
 
 namespace osteon::console {
 
+/// One part of the cell's latency, as a mean over the run so far.
+struct LatencyPartStatus {
+  std::string name;  ///< "sensor", "link", "tick", "arm", "model"
+  double mean_ms{0.0};
+  bool measured{false};  ///< false: assumed
+};
+
+/// The cell's latency: from the hand's force to the arm's motion, and from the bone's contact to the hand.
+struct LatencyStatus {
+  bool known{false};     ///< false: the arm was not commanded yet
+  bool measured{false};  ///< every part is
+  double hand_to_arm_ms{0.0}, bone_to_hand_ms{0.0};
+  std::vector<LatencyPartStatus> parts{};
+};
+
 /// What a live view needs of the cell besides the stream.
 struct LiveContext {
   double force_limit_N{0.0};  ///< the cell's, on the coupling
   /// Depth of the tool's apex at a proxy pose in W, below the cup's first floor [m]; empty: not known.
   std::function<double(const Pose& X_WP)> depth_m{};
+  std::function<LatencyStatus()>
+      latency{};  ///< of the run so far, callable from any thread; empty: not known
 };
 
 /// A condition of motion.
@@ -50,6 +67,7 @@ struct LiveStatus {
   double bend_mm{0.0}, layer_mm{0.0}, mount_mm{0.0};  ///< by how much they do
   double model_age_ms{0.0}, sensor_age_ms{0.0}, frame_us{0.0};
   double rendered_s{0.0}, paused_s{0.0};
+  LatencyStatus latency{};
 };
 
 [[nodiscard]] LiveStatus StatusOf(const LiveWindow& window, const LiveContext& context);

@@ -27,6 +27,18 @@ std::string Joined(const nlohmann::json& names) {
   return text;
 }
 
+// "26.3 ms from hand to arm (sensor 1.0, …), 30.2 ms from bone to hand; assumed: sensor".
+std::string LatencyLine(const nlohmann::json& latency) {
+  std::string parts, assumed;
+  for (const auto& [name, part] : latency["parts"].items()) {
+    parts += fmt::format("{}{} {:.2f}", parts.empty() ? "" : ", ", name, part.value("mean", 0.0));
+    if (!part.value("measured", false)) assumed += (assumed.empty() ? "" : ", ") + name;
+  }
+  return fmt::format("{:.1f} ms from hand to arm, {:.1f} ms from bone to hand ({}){}",
+                     latency.value("hand_to_arm", 0.0), latency.value("bone_to_hand", 0.0), parts,
+                     assumed.empty() ? "" : "; assumed: " + assumed);
+}
+
 // The answer was made by this program's own kind, yet a value of another type must not end the process.
 void PrintStatus(const nlohmann::json& status, const nlohmann::json& run) {
   fmt::print("Osteon {}: {}\n", run.value("command", ""), run.value("cell", ""));
@@ -48,6 +60,8 @@ void PrintStatus(const nlohmann::json& status, const nlohmann::json& run) {
   PrintRow("Limits acting", status["limits"].empty() ? "none" : Joined(status["limits"]));
   PrintRow("Ages", fmt::format("contact model {:.1f} ms, force sensor {:.1f} ms",
                                status.value("model_age_ms", 0.0), status.value("sensor_age_ms", 0.0)));
+  if (const auto latency = status.find("latency_ms"); latency != status.end() && latency->is_object())
+    PrintRow("Latency", LatencyLine(*latency));
   const double wanted_s = run.value("seconds", 0.0), paused_s = status.value("paused_s", 0.0);
   std::string time = fmt::format("{:.1f} s", status.value("rendered_s", 0.0));
   if (wanted_s > 0.0) time += fmt::format(" of {:g} s", wanted_s);

@@ -88,9 +88,15 @@ tl::expected<SessionRequest, std::string> SessionRequestOf(const console::Proced
 }
 
 LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests)
-    : setup_(setup), run_(run), requests_(requests), gains_(setup.config), cell_(setup.cell_name) {
+    : setup_(setup),
+      run_(run),
+      requests_(requests),
+      gains_(setup.config),
+      cell_(setup.cell_name),
+      latency_(setup.config, feed_) {
   scene_ = ConsoleScene(setup, run.command, run.seconds, run.recording);
   context_ = LiveContextOf(setup);
+  context_.latency = [this] { return latency_.Status(); };
 }
 
 void LiveViews::SetSession(ProcedureSession* session) {

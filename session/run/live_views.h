@@ -18,6 +18,7 @@
 #include "session/foxglove/live_topics.h"
 #include "session/procedure/session_request.h"
 #include "session/run/gains_panel.h"
+#include "session/run/live_latency.h"
 #include "session/setup/cell_setup.h"
 #include "simulation/surface/surface_thread.h"
 
@@ -51,8 +52,8 @@ struct LiveRun {
 /// What a person sees of a running cell and may ask of it: the status line on the terminal, and `osteon
 /// status`, `pause`, `resume`, `recover`, `stop` through the local socket.
 ///
-///     recorder ──▶ LiveFeed ◀── status line, local socket
-///                                     └──▶ OperatorRequests ──▶ the state machine, as from any other side
+///     recorder ──▶ LiveLatency ──▶ LiveFeed ◀── status line, local socket
+///                                                     └──▶ OperatorRequests ──▶ the state machine, as from any other side
 ///
 /// A request asks for what the state machine allows; it can raise no limit and skip no condition of motion.
 class LiveViews {
@@ -74,7 +75,7 @@ class LiveViews {
   [[nodiscard]] std::string console_url() const { return console_ ? console_->url() : ""; }
 
   /// Takes what is recorded.
-  [[nodiscard]] io::RecordSink* sink() { return &feed_; }
+  [[nodiscard]] io::RecordSink* sink() { return &latency_; }
   /// Follows the cut for the console's picture; null where no console is served. Writer of its ring: the
   /// engine's thread.
   [[nodiscard]] surface::SurfaceThread* surface_thread() { return surface_thread_.get(); }
@@ -103,6 +104,7 @@ class LiveViews {
   std::vector<std::string> not_opened_;
   console::LiveContext context_;
   console::LiveFeed feed_;
+  LiveLatency latency_;
   console::SurfaceStore surface_;
   console::SurfaceFeed surface_feed_{surface_};
   std::unique_ptr<io::LocalServer> server_;  // last: their threads use the others

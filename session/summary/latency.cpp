@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "config/reading/cell_config.h"
 #include "control/ports.h"
 
 namespace osteon::app {
@@ -112,6 +113,15 @@ LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& cont
   latency.hand_to_arm_s = PartOf(latency, "sensor") + loop_s;
   latency.bone_to_hand_s = PartOf(latency, "model") + loop_s;
   return latency;
+}
+
+LatencyContext LatencyContextOf(const config::CellConfig& cell, bool virtual_time) {
+  LatencyContext context{.virtual_time = virtual_time};
+  if (cell.identified && cell.identified->sensor && cell.identified->sensor->delay_s) {
+    context.sensor_delay_s = *cell.identified->sensor->delay_s;
+    context.sensor_known = true;
+  }
+  return context;
 }
 
 bool LatencyFigures::Measured() const {

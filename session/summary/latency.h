@@ -10,6 +10,10 @@
 
 #include "control/tick_record.h"
 
+namespace osteon::config {
+struct CellConfig;
+}
+
 namespace osteon::app {
 
 /// One part of a cell's latency.
@@ -36,6 +40,9 @@ struct LatencyContext {
   double sensor_delay_s{0.0};  ///< of the sensor itself, identified; 0 and not known: assumed
   bool sensor_known{false};
 };
+
+/// What an identification of the cell tells of the sensor. @param virtual_time  of the run
+[[nodiscard]] LatencyContext LatencyContextOf(const config::CellConfig& cell, bool virtual_time);
 
 /// Measures the parts from recorded ticks, one by one. Memory does not grow.
 ///

@@ -252,15 +252,6 @@ DurationFigures Quantiles(const DurationCounts& durations) {
 
 namespace {
 
-LatencyContext LatencyContextOf(const config::CellConfig& cell, bool virtual_time) {
-  LatencyContext context{.virtual_time = virtual_time};
-  if (cell.identified && cell.identified->sensor && cell.identified->sensor->delay_s) {
-    context.sensor_delay_s = *cell.identified->sensor->delay_s;
-    context.sensor_known = true;
-  }
-  return context;
-}
-
 std::string EngineProcessText(const EngineProcessResult& p) {
   std::string text = fmt::format("{}: {} frames, {} lost", p.where, p.counters.frames, p.counters.lost);
   if (p.counters.rejected > 0) text += fmt::format(", {} messages refused", p.counters.rejected);

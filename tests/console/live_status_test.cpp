@@ -43,6 +43,26 @@ TEST(LiveStatus, SaysStateForceAndDepth) {
   EXPECT_FALSE(s.can_resume);
 }
 
+TEST(LiveStatus, HasTheLatencyOfItsContext) {
+  EXPECT_TRUE(nlohmann::json::parse(StatusJson(StatusOf(Window(safety::CellState::kCutting), kContext)))
+                  .at("latency_ms")
+                  .is_null());
+  LiveContext context = kContext;
+  context.latency = [] {
+    return LatencyStatus{
+        .known = true,
+        .hand_to_arm_ms = 26.0,
+        .bone_to_hand_ms = 28.0,
+        .parts = {{.name = "sensor", .mean_ms = 1.0}, {.name = "arm", .mean_ms = 25.0, .measured = true}}};
+  };
+  const auto json = nlohmann::json::parse(StatusJson(StatusOf(Window(safety::CellState::kCutting), context)));
+  const auto& latency = json.at("latency_ms");
+  EXPECT_EQ(latency.at("hand_to_arm"), 26.0);
+  EXPECT_EQ(latency.at("measured"), false);
+  EXPECT_EQ(latency.at("parts").at("arm").at("mean"), 25.0);
+  EXPECT_EQ(latency.at("parts").at("sensor").at("measured"), false);
+}
+
 TEST(LiveStatus, APausedCellCanOnlyGoOn) {
   const LiveStatus s = StatusOf(Window(safety::CellState::kPaused), kContext);
   EXPECT_FALSE(s.can_pause);

@@ -73,6 +73,13 @@ export interface Status {
   frame_us: number;
   rendered_s: number;
   paused_s: number;
+  /** Null before the arm was commanded; absent in recordings' pages. */
+  latency_ms?: {
+    hand_to_arm: number;
+    bone_to_hand: number;
+    measured: boolean;
+    parts: Record<string, { mean: number; measured: boolean }>;
+  } | null;
 }
 
 export interface View {

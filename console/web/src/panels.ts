@@ -20,6 +20,19 @@ function deflections(status: Status): [string, string][] {
   ];
 }
 
+/** The cell's latency: the two sums, with their parts; an assumed part says so. */
+function latencies(latency: NonNullable<Status["latency_ms"]>): [string, string][] {
+  const sum = (value: number, skipped: string): string => {
+    const parts = Object.entries(latency.parts).filter(([name]) => name !== skipped);
+    const text = parts.map(([name, part]) => `${name} ${figure(part.mean, 1)}${part.measured ? "" : ` (${t("assumed")})`}`);
+    return `${figure(value, 1)} ms: ${text.join(", ")}`;
+  };
+  return [
+    [t("handToArm"), sum(latency.hand_to_arm, "model")],
+    [t("boneToHand"), sum(latency.bone_to_hand, "sensor")],
+  ];
+}
+
 export class Panels {
   private events: [number, string][] = [];
   private began_s: number | null = null;
@@ -64,6 +77,7 @@ export class Panels {
         [t("frame"), `${figure(status.frame_us, 0)} µs`],
         [t("tick"), `${figure(worst.compute_us, 0)} µs`],
         [t("wakeup"), `${figure(worst.wakeup_us, 0)} µs`],
+        ...(status.latency_ms ? latencies(status.latency_ms) : []),
       ]),
     );
   }

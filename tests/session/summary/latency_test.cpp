@@ -7,8 +7,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "config/reading/cell_config.h"
 #include "control/ports.h"
 #include "hil/arm/servo_arm.h"
+#include "session/run/live_latency.h"
 
 // The parts of a cell's latency, from ticks whose delays are known.
 
@@ -17,12 +19,13 @@ namespace {
 
 constexpr double kPeriod_s = 1e-3;
 
-// Ticks of an arm that follows a slow motion of all joints.
-LatencyMeter Ride(const hil::ServoArmParams& params, double speed_rad_per_s, control::CommandMode mode) {
+// Ticks of an arm that follows a slow motion of all joints, handed to a taker.
+template <class Take>
+void RideTo(const hil::ServoArmParams& params, double speed_rad_per_s, control::CommandMode mode,
+            const Take& take) {
   std::array<kinematics::JointLimits, 7> limits;
   for (auto& limit : limits) limit.velocity_rad_per_s = 10.0;
   hil::ServoArm arm(params, limits, kPeriod_s, kinematics::JointVector::Zero());
-  LatencyMeter meter;
   for (int k = 0; k < 4000; ++k) {
     control::TickRecord tick;
     tick.session_state = static_cast<std::uint8_t>(control::SessionState::kCommandingActive);
@@ -37,10 +40,42 @@ LatencyMeter Ride(const hil::ServoArmParams& params, double speed_rad_per_s, con
       tick.q_meas[at] = arm.q()[j];
       tick.q_cmd[at] = speed_rad_per_s / 2.0 * std::sin(2.0 * k * kPeriod_s + 0.3 * j);
     }
-    meter.Add(tick);
+    take(tick);
     arm.Step(Eigen::Map<const kinematics::JointVector>(tick.q_cmd.data()));
   }
+}
+
+LatencyMeter Ride(const hil::ServoArmParams& params, double speed_rad_per_s, control::CommandMode mode) {
+  LatencyMeter meter;
+  RideTo(params, speed_rad_per_s, mode, [&](const control::TickRecord& tick) { meter.Add(tick); });
   return meter;
+}
+
+struct CountingSink final : io::RecordSink {
+  int ticks{0};
+  void TakeTick(const control::TickRecord&) override { ++ticks; }
+  void TakeFrame(const simulation::FrameRecord&) override {}
+  void TakeEvent(const io::RecordedEvent&) override {}
+};
+
+TEST(Latency, IsKnownWhileTheRunGoesOn) {
+  config::CellConfig cell;
+  cell.servo.period_s = kPeriod_s;
+  CountingSink next;
+  LiveLatency live(cell, next);
+  EXPECT_FALSE(live.Status().known);
+  const hil::ServoArmParams arm{.dead_cycles = 3.0};
+  RideTo(arm, 0.2, control::CommandMode::kPosition,
+         [&](const control::TickRecord& tick) { live.TakeTick(tick); });
+  EXPECT_EQ(next.ticks, 4000) << "everything goes on to the view";
+  const console::LatencyStatus status = live.Status();
+  const LatencyFigures whole = Ride(arm, 0.2, control::CommandMode::kPosition).Figures(kPeriod_s, {});
+  ASSERT_TRUE(status.known);
+  EXPECT_FALSE(status.measured) << "the sensor's own delay is assumed";
+  EXPECT_NEAR(status.hand_to_arm_ms, 1e3 * whole.hand_to_arm_s, 0.01);
+  ASSERT_EQ(status.parts.size(), whole.parts.size());
+  EXPECT_EQ(status.parts[3].name, "arm");
+  EXPECT_NEAR(status.parts[3].mean_ms, 1e3 * whole.parts[3].mean_s, 0.01);
 }
 
 TEST(Latency, TheArmsPartIsDeadTimeAndLagByWhatCameBack) {

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <mutex>
+
+#include "config/reading/cell_config.h"
+#include "console/stream/live_status.h"
+#include "io/recording/record_sink.h"
+#include "session/summary/latency.h"
+
+namespace osteon::app {
+
+/// Measures a run's latency while it runs, as the summary does at its end, and passes what is recorded on:
+///
+///     recorder ──▶ LiveLatency ──▶ LiveFeed
+///                      └── Status() ◀── status line, page, local socket
+///
+/// The recorder's writer never waits: it only tries the lock.
+class LiveLatency final : public io::RecordSink {
+ public:
+  /// @param next  gets everything; outlives this
+  LiveLatency(const config::CellConfig& cell, io::RecordSink& next);
+
+  void TakeTick(const control::TickRecord& tick) override;
+  void TakeFrame(const simulation::FrameRecord& frame) override { next_.TakeFrame(frame); }
+  void TakeEvent(const io::RecordedEvent& event) override { next_.TakeEvent(event); }
+
+  /// The figures of the run so far; not known before the arm was commanded. Any thread.
+  [[nodiscard]] console::LatencyStatus Status() const;
+
+ private:
+  // of the recorder's writer alone
+  io::RecordSink& next_;
+  LatencyMeter meter_;
+  LatencyContext context_;
+  double period_s_;
+  int ticks_{0};  // since the figures were published
+
+  mutable std::mutex mutex_;  // guards what follows
+  LatencyFigures figures_;
+};
+
+}  // namespace osteon::app
