@@ -14,8 +14,8 @@
 
 #include "base/parallel.h"
 #include "control/excitation/excitation_path.h"
+#include "hil/loops/admittance_loop.h"
 #include "studies/identify/servo_fit.h"
-#include "studies/stability/admittance_loop.h"
 
 namespace osteon::app {
 namespace {
