@@ -63,11 +63,11 @@ Complex HandAt(const GridHand& hand, double hz) {
 }
 
 // Everything of a loop but the hand.
-std::vector<NyquistPoint> WithoutHand(const MeasuredResponse& response, const MeasuredLoopParams& params,
+std::vector<NyquistPoint> WithoutHand(const MeasuredPlant& response, const MeasuredLoopParams& params,
                                       const LawResponse& law) {
   std::vector<NyquistPoint> curve;
   curve.reserve(response.grid().size());
-  for (const MeasuredResponse::Point& at : response.grid())
+  for (const MeasuredPlant::Point& at : response.grid())
     curve.push_back(
         {.hz = at.hz,
          .loop = law.At(at.z) * std::polar(1.0, -kTwoPi * at.hz * params.sensor_delay_s) * at.value,
@@ -128,13 +128,13 @@ Complex ModelResponse(const ResponseModel& model, double hz) {
   return ResponseOf(LinearArm(model.arm, model.period_s), model, hz);
 }
 
-MeasuredResponse::MeasuredResponse(const std::vector<ResponseLine>& lines, const ResponseModel& model)
+MeasuredPlant::MeasuredPlant(const std::vector<PlantLine>& lines, const ResponseModel& model)
     : model_(model) {
   const double half_rate_hz = 0.5 / model.period_s;
   if (lines.size() < 2)
     throw std::invalid_argument(
         fmt::format("measured response: found {} lines, accepted 2 and more", lines.size()));
-  for (const ResponseLine& line : lines) {
+  for (const PlantLine& line : lines) {
     if (!(line.hz > 0.0 && line.hz < half_rate_hz) || (!lines_.empty() && line.hz <= lines_.back().hz))
       throw std::invalid_argument(
           fmt::format("measured response: found a line at {:g} Hz, accepted rising frequencies below {:g} Hz",
@@ -158,7 +158,7 @@ MeasuredResponse::MeasuredResponse(const std::vector<ResponseLine>& lines, const
   }
 }
 
-MeasuredResponse::Ratio MeasuredResponse::Smoothed(double hz) const {
+MeasuredPlant::Ratio MeasuredPlant::Smoothed(double hz) const {
   const double octave = std::log2(std::clamp(hz, lines_.front().hz, lines_.back().hz));
   // a bell whose width at half of its height is the smoothing's
   const double spread = kSmooth_octave / (2.0 * std::sqrt(2.0 * std::log(2.0)));
@@ -176,7 +176,7 @@ MeasuredResponse::Ratio MeasuredResponse::Smoothed(double hz) const {
   return {.octave = octave, .hz = hz, .value = sum / weights, .weight = weights * weights / squares};
 }
 
-Complex MeasuredResponse::At(double hz) const { return Smoothed(hz).value * ModelResponse(model_, hz); }
+Complex MeasuredPlant::At(double hz) const { return Smoothed(hz).value * ModelResponse(model_, hz); }
 
 LawResponse::LawResponse(const AdmittanceLoopParams& params) {
   Validate(params);
@@ -202,7 +202,7 @@ Complex LawResponse::At(Complex z) const {
   return (output_.cast<Complex>().transpose() * state)(0) + direct_;
 }
 
-std::vector<NyquistPoint> NyquistCurve(const MeasuredResponse& response, const MeasuredLoopParams& params) {
+std::vector<NyquistPoint> NyquistCurve(const MeasuredPlant& response, const MeasuredLoopParams& params) {
   std::vector<NyquistPoint> curve = WithoutHand(response, params, LawResponse(params.loop));
   for (NyquistPoint& at : curve) {
     at.loop *= HandAt(params.loop.hand, at.hz);
@@ -211,7 +211,7 @@ std::vector<NyquistPoint> NyquistCurve(const MeasuredResponse& response, const M
   return curve;
 }
 
-LoopMargins JudgeMeasuredLoop(const MeasuredResponse& response, const MeasuredLoopParams& params) {
+LoopMargins JudgeMeasuredLoop(const MeasuredPlant& response, const MeasuredLoopParams& params) {
   const std::vector<NyquistPoint> curve = NyquistCurve(response, params);
   LoopMargins margins;
   margins.unstable_poles = UnstablePoles(curve, LawResponse(params.loop).unstable());
@@ -220,7 +220,7 @@ LoopMargins JudgeMeasuredLoop(const MeasuredResponse& response, const MeasuredLo
   return margins;
 }
 
-bool AreAllStable(const MeasuredResponse& response, const MeasuredLoopParams& params,
+bool AreAllStable(const MeasuredPlant& response, const MeasuredLoopParams& params,
                   std::span<const GridHand> hands) {
   const LawResponse law(params.loop);
   const std::vector<NyquistPoint> without = WithoutHand(response, params, law);

@@ -13,7 +13,7 @@
 namespace osteon::hil {
 
 /// One line of a measured response.
-struct ResponseLine {
+struct PlantLine {
   double hz{0.0};
   std::complex<double> value{1.0, 0.0};
   double sd{0.0};  ///< standard deviation of the real part, and of the imaginary part
@@ -40,11 +40,11 @@ struct ResponseModel {
 /// A response that is known at lines, between them and beyond: the measured over the model's response,
 /// smoothed over 0.35 octave with weights 1 / sd^2, times the model's. Beyond the lines the ratio of the
 /// nearest counts.
-class MeasuredResponse {
+class MeasuredPlant {
  public:
   /// @param lines  by rising frequency, at least two
   /// @throws std::invalid_argument on lines that are not that
-  MeasuredResponse(const std::vector<ResponseLine>& lines, const ResponseModel& model);
+  MeasuredPlant(const std::vector<PlantLine>& lines, const ResponseModel& model);
 
   [[nodiscard]] std::complex<double> At(double hz) const;
   [[nodiscard]] double period_s() const { return model_.period_s; }
@@ -124,14 +124,13 @@ struct MeasuredLoopParams {
 /// L(f) = law × hand × response, from 0.01 Hz to half of the sampling rate, evenly spaced in the logarithm:
 ///
 ///     hand: (k + j w b - w^2 m) e^(-j w sensor delay)
-[[nodiscard]] std::vector<NyquistPoint> NyquistCurve(const MeasuredResponse& response,
+[[nodiscard]] std::vector<NyquistPoint> NyquistCurve(const MeasuredPlant& response,
                                                      const MeasuredLoopParams& params);
 
 /// Judges the loop: encirclements first, then the margins.
-[[nodiscard]] LoopMargins JudgeMeasuredLoop(const MeasuredResponse& response,
-                                            const MeasuredLoopParams& params);
+[[nodiscard]] LoopMargins JudgeMeasuredLoop(const MeasuredPlant& response, const MeasuredLoopParams& params);
 /// Whether it is stable with each of these hands in the place of that of `params`.
-[[nodiscard]] bool AreAllStable(const MeasuredResponse& response, const MeasuredLoopParams& params,
+[[nodiscard]] bool AreAllStable(const MeasuredPlant& response, const MeasuredLoopParams& params,
                                 std::span<const GridHand> hands);
 
 }  // namespace osteon::hil

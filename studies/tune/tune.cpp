@@ -48,7 +48,7 @@ std::string Text(const TuneTask& t) {
   if (!t.measured_only) return text;
   // the grid of the response has every line and the model in it
   std::uint64_t hash = 14695981039346656037ull;
-  for (const hil::MeasuredResponse::Point& point : t.response->grid())
+  for (const hil::MeasuredPlant::Point& point : t.response->grid())
     for (const char c : fmt::format("{} {} ", point.value.real(), point.value.imag()))
       hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
   return text + fmt::format(" measured {:016x}", hash);

@@ -63,7 +63,7 @@ std::optional<config::IdentifiedArm> RoughArm(const config::IdentifiedCell& iden
 void UseResponse(const config::IdentifiedCell& identified, const config::IdentifiedArm& arm, TuneTask& task) {
   const config::IdentifiedResponse* found = ResponseFor(identified, arm);
   if (found == nullptr) return;
-  std::vector<hil::ResponseLine> lines;
+  std::vector<hil::PlantLine> lines;
   for (const config::IdentifiedLine& line : found->lines)
     lines.push_back({.hz = line.hz, .value = {line.re, line.im}, .sd = line.sd});
   const double period_s = task.loop.period_s;
@@ -78,7 +78,7 @@ void UseResponse(const config::IdentifiedCell& identified, const config::Identif
     for (const config::IdentifiedResonance& resonance : identified.structure)
       model.structure.push_back({.hz = resonance.hz, .damping_ratio = resonance.damping_ratio});
   }
-  task.response = std::make_shared<hil::MeasuredResponse>(lines, model);
+  task.response = std::make_shared<hil::MeasuredPlant>(lines, model);
   task.response_delay_s = found->by_force ? 0.0 : sensor_s;
   task.measured_only = !identified.structure.empty();
 }

@@ -34,9 +34,9 @@ struct TuneTask {
 
   // From what was measured of the cell (studies/tune/tune_measured.h); without it all lags are assumed.
   std::optional<config::IdentifiedCell> identified{};
-  std::vector<hil::GridHand> measured_hands{};  ///< must be stable as well, whatever their stiffness
-  std::shared_ptr<const hil::MeasuredResponse> response{};  ///< null: no response was measured
-  double response_delay_s{0.0};                             ///< of the force, beyond the response
+  std::vector<hil::GridHand> measured_hands{};           ///< must be stable as well, whatever their stiffness
+  std::shared_ptr<const hil::MeasuredPlant> response{};  ///< null: no response was measured
+  double response_delay_s{0.0};                          ///< of the force, beyond the response
   /// A structure was found that the model of the arm lacks: gains are judged by the response alone.
   bool measured_only{false};
 };

@@ -16,10 +16,10 @@ constexpr std::array kExcited_hz{0.5,   0.75,  1.25,  1.75,  2.25,  3.25,  4.25,
 const GridHand kGrip{"grip", 3e3, 20.0, 1.5};
 
 // Lines as a perfect measurement would have them; noise is that of each line's real and imaginary part.
-std::vector<ResponseLine> LinesOf(const ResponseModel& truth, double noise = 0.0, std::uint64_t seed = 1) {
+std::vector<PlantLine> LinesOf(const ResponseModel& truth, double noise = 0.0, std::uint64_t seed = 1) {
   std::mt19937_64 bits(seed);
   std::normal_distribution<double> normal;
-  std::vector<ResponseLine> lines;
+  std::vector<PlantLine> lines;
   for (const double hz : kExcited_hz)
     lines.push_back(
         {.hz = hz,
@@ -90,7 +90,7 @@ const ResponseModel kFineModel{.arm = {.dead_cycles = 12}, .period_s = kFine_s};
 // Encirclements against eigenvalues: the drag at which the loop becomes unstable, and within ten the wall,
 // where the loop oscillates faster.
 TEST(MeasuredLoop, DragsAreTheMatrixsWithinTwoPercentAndWallsWithinTen) {
-  const MeasuredResponse response(LinesOf(kFineModel), kFineModel);
+  const MeasuredPlant response(LinesOf(kFineModel), kFineModel);
   for (const GridHand& hand :
        {kGrip, GridHand{"light", 1500.0, 2.0, 0.3}, GridHand{"hard", 10e3, 20.0, 1.5}}) {
     AdmittanceLoopParams loop = FineLoop(hand);
@@ -119,7 +119,7 @@ TEST(MeasuredLoop, DragsAreTheMatrixsWithinTwoPercentAndWallsWithinTen) {
 // knows no samples of the hand, is on the safe side.
 TEST(MeasuredLoop, AtAMillisecondItAsksForUpToEightPercentMoreDragThanTheMatrix) {
   const ResponseModel model;
-  const MeasuredResponse response(LinesOf(model), model);
+  const MeasuredPlant response(LinesOf(model), model);
   for (const GridHand& hand :
        {kGrip, GridHand{"light", 1500.0, 2.0, 0.3}, GridHand{"hard", 10e3, 20.0, 1.5}}) {
     AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};
@@ -134,7 +134,7 @@ TEST(MeasuredLoop, AtAMillisecondItAsksForUpToEightPercentMoreDragThanTheMatrix)
 
 // The gain margin is the factor on the hand at which the matrix becomes unstable.
 TEST(MeasuredLoop, GainMarginIsTheFactorOnTheHand) {
-  const MeasuredResponse response(LinesOf(kFineModel), kFineModel);
+  const MeasuredPlant response(LinesOf(kFineModel), kFineModel);
   AdmittanceLoopParams loop = FineLoop(kGrip);
   loop.damping_Ns_per_m = 40.0;
   const LoopMargins margins = JudgeMeasuredLoop(response, {.loop = loop, .sensor_delay_s = 1e-3});
@@ -157,7 +157,7 @@ TEST(MeasuredLoop, GainMarginIsTheFactorOnTheHand) {
 TEST(MeasuredLoop, TheMeasurementDecidesNotTheModel) {
   const ResponseModel truth{.arm = {.bandwidth_hz = 13.0, .damping_ratio = 1.1, .dead_cycles = 16.8},
                             .period_s = kFine_s};
-  const MeasuredResponse response(LinesOf(truth), kFineModel);
+  const MeasuredPlant response(LinesOf(truth), kFineModel);
   AdmittanceLoopParams loop = FineLoop(kGrip);
   loop.arm = truth.arm;
   const double drag = MinDrag(loop);
@@ -173,7 +173,7 @@ TEST(MeasuredLoop, TheMeasurementDecidesNotTheModel) {
 // A resonance beyond the encoders, in the model as identify writes it, limits the wall and costs drag.
 TEST(MeasuredLoop, AStructureCostsDrag) {
   const ResponseModel stiff, soft{.arm = {}, .structure = {{.hz = 22.0, .damping_ratio = 0.03}}};
-  const MeasuredResponse by_encoders(LinesOf(stiff), stiff), by_force(LinesOf(soft), soft);
+  const MeasuredPlant by_encoders(LinesOf(stiff), stiff), by_force(LinesOf(soft), soft);
   const MeasuredLoopParams params{.loop = {.hand = kGrip, .mass_kg = 1.7, .damping_Ns_per_m = 30.0},
                                   .sensor_delay_s = 1e-3};
   EXPECT_TRUE(JudgeMeasuredLoop(by_encoders, params).stable);
@@ -186,8 +186,8 @@ TEST(MeasuredLoop, NoiseHasItsRadius) {
   const ResponseModel& truth = kFineModel;
   int within = 0, all = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const MeasuredResponse response(LinesOf(truth, kNoise, seed), truth);
-    for (const MeasuredResponse::Point& at : response.grid()) {
+    const MeasuredPlant response(LinesOf(truth, kNoise, seed), truth);
+    for (const MeasuredPlant::Point& at : response.grid()) {
       if (at.hz < 5.0 || at.hz > 30.0) continue;
       const std::complex<double> expected = ModelResponse(truth, at.hz);
       within += std::abs(at.value - expected) <= 2.4477 * at.share * std::abs(at.value) ? 1 : 0;
@@ -198,18 +198,18 @@ TEST(MeasuredLoop, NoiseHasItsRadius) {
   AdmittanceLoopParams loop = FineLoop(kGrip);
   loop.damping_Ns_per_m = 1.03 * MinDrag(loop);
   const MeasuredLoopParams params{.loop = loop, .sensor_delay_s = 1e-3};
-  EXPECT_TRUE(JudgeMeasuredLoop(MeasuredResponse(LinesOf(truth), truth), params).robust);
-  std::vector<ResponseLine> uncertain = LinesOf(truth);
-  for (ResponseLine& line : uncertain) line.sd = 0.1;
-  const LoopMargins margins = JudgeMeasuredLoop(MeasuredResponse(uncertain, truth), params);
+  EXPECT_TRUE(JudgeMeasuredLoop(MeasuredPlant(LinesOf(truth), truth), params).robust);
+  std::vector<PlantLine> uncertain = LinesOf(truth);
+  for (PlantLine& line : uncertain) line.sd = 0.1;
+  const LoopMargins margins = JudgeMeasuredLoop(MeasuredPlant(uncertain, truth), params);
   EXPECT_TRUE(margins.stable);
   EXPECT_FALSE(margins.robust) << "the disc holds -1";
 }
 
 TEST(MeasuredLoop, RefusesWhatIsNoResponse) {
-  EXPECT_THROW(MeasuredResponse({{.hz = 1.0}}, {}), std::invalid_argument);
-  EXPECT_THROW(MeasuredResponse({{.hz = 2.0}, {.hz = 1.0}}, {}), std::invalid_argument);
-  EXPECT_THROW(MeasuredResponse({{.hz = 2.0}, {.hz = 600.0}}, {}), std::invalid_argument);
+  EXPECT_THROW(MeasuredPlant({{.hz = 1.0}}, {}), std::invalid_argument);
+  EXPECT_THROW(MeasuredPlant({{.hz = 2.0}, {.hz = 1.0}}, {}), std::invalid_argument);
+  EXPECT_THROW(MeasuredPlant({{.hz = 2.0}, {.hz = 600.0}}, {}), std::invalid_argument);
   AdmittanceLoopParams measured_wall;
   measured_wall.wall = {.stiffness_N_per_m = 1e3, .on = WallOn::kMeasured};
   EXPECT_THROW(LawResponse{measured_wall}, std::invalid_argument);
