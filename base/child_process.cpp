@@ -10,7 +10,7 @@
 #include <cstring>
 #include <thread>
 
-namespace osteon::app {
+namespace osteon::base {
 namespace {
 
 constexpr std::chrono::milliseconds kPollInterval{5};
@@ -68,4 +68,4 @@ int ChildProcess::End(std::chrono::milliseconds patience) {
   return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::base

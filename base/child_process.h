@@ -11,7 +11,7 @@
 
 #include <tl/expected.hpp>
 
-namespace osteon::app {
+namespace osteon::base {
 
 struct ChildParams {
   std::vector<std::string> words;   ///< of its command line, after the program's name
@@ -50,4 +50,4 @@ class ChildProcess {
   std::atomic<bool> ended_{false};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::base

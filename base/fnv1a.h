@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace osteon::app {
+namespace osteon::base {
 
 /// FNV-1a hash, 64 bits, over everything that was added so far.
 class Fnv1a {
@@ -19,4 +19,4 @@ class Fnv1a {
   std::uint64_t hash_{0xcbf29ce484222325u};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::base

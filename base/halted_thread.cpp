@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::base {
 namespace {
 
 // Returns the thread's id; 0: there is none.
@@ -45,4 +45,4 @@ tl::expected<std::unique_ptr<HaltedThread>, std::string> HaltedThread::Halt(pid_
 
 HaltedThread::~HaltedThread() { ptrace(PTRACE_DETACH, thread_, nullptr, nullptr); }
 
-}  // namespace osteon::app
+}  // namespace osteon::base

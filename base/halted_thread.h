@@ -7,7 +7,7 @@
 
 #include <tl/expected.hpp>
 
-namespace osteon::app {
+namespace osteon::base {
 
 /// Halts a thread of a child process, as if it hung or were dead, while the rest of that process goes on. The
 /// thread continues when this object is destroyed. Uses the system's means for debuggers (ptrace), so the
@@ -29,4 +29,4 @@ class HaltedThread {
   pid_t thread_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::base

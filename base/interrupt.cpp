@@ -4,7 +4,7 @@
 
 #include "base/clock.h"
 
-namespace osteon::app {
+namespace osteon::base {
 namespace {
 
 // `timeout` and some service managers send the same signal twice at once: to the process and to its group.
@@ -80,4 +80,4 @@ int InterruptExitCode(int ctrl_c) {
   return signal_number == SIGHUP || signal_number == SIGPIPE ? 128 + signal_number : ctrl_c;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::base

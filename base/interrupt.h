@@ -2,7 +2,7 @@
 
 #include <atomic>
 
-namespace osteon::app {
+namespace osteon::base {
 
 /// A flag that becomes true at the first Ctrl-C (SIGINT), SIGTERM or SIGHUP (a terminal that was closed)
 /// after InstallInterrupt, and by RequestInterrupt. A second SIGINT or SIGTERM, half a second or more after
@@ -33,4 +33,4 @@ inline constexpr int kExitInterrupted = 130;
 /// nobody reads the output, 0 after an operator's stop, which is an end in order, else `ctrl_c`.
 [[nodiscard]] int InterruptExitCode(int ctrl_c = kExitInterrupted);
 
-}  // namespace osteon::app
+}  // namespace osteon::base

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace osteon::app {
+namespace osteon::base {
 
 /// Formats a JSON value as a file's text: two spaces a level, a newline at the end. Bytes that are not UTF-8
 /// (a file name may have any) become U+FFFD.
@@ -13,4 +13,4 @@ template <class Json>
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::base

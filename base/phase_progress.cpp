@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::base {
 namespace {
 
 double Now_s() {
@@ -64,4 +64,4 @@ void PhaseProgress::Draw(std::stop_token stop) {
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::base

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace osteon::app {
+namespace osteon::base {
 
 /// Shows on stderr which of several phases a command is in: on a terminal a bar with the time of the running
 /// phase, elsewhere a line per phase, or nothing. Keeps each phase's time.
@@ -45,4 +45,4 @@ class PhaseProgress {
   std::jthread drawer_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::base

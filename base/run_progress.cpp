@@ -11,7 +11,7 @@
 
 #include "base/text.h"
 
-namespace osteon::app {
+namespace osteon::base {
 namespace {
 
 constexpr double kEverySeconds = 10.0;           // between lines of a run without an end
@@ -63,4 +63,4 @@ void RunProgress::Done() const {
   if (terminal_) fmt::print(stderr, "\r\033[K");
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::base

@@ -5,7 +5,7 @@
 
 #include "base/clock.h"
 
-namespace osteon::app {
+namespace osteon::base {
 
 /// Shows a run's progress on stderr: a bar on a terminal, elsewhere a line for each tenth. Without an end:
 /// the time.
@@ -30,4 +30,4 @@ class RunProgress {
   rt::Nanoseconds shown_{0};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::base

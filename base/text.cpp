@@ -7,7 +7,7 @@
 #include <cctype>
 #include <cstdlib>
 
-namespace osteon::app {
+namespace osteon::base {
 namespace {
 
 constexpr std::string_view kRangeMark = " … ";
@@ -90,4 +90,4 @@ std::string Lower(std::string text) {
   return text;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::base

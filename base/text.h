@@ -7,7 +7,7 @@
 
 // Plain text: columns, lines, sentences.
 
-namespace osteon::app {
+namespace osteon::base {
 
 /// In UTF-8 every byte but a character's first has the high bits 1 and 0.
 [[nodiscard]] constexpr bool IsTailByte(char c) { return (static_cast<unsigned char>(c) & 0xC0u) == 0x80u; }
@@ -36,4 +36,4 @@ namespace osteon::app {
 /// Returns a text with its ASCII letters in lower case.
 [[nodiscard]] std::string Lower(std::string text);
 
-}  // namespace osteon::app
+}  // namespace osteon::base

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace osteon::app {
+namespace osteon::base {
 
 /// A new folder below the system's temporary one, removed with the object.
 class WorkFolder {
@@ -29,4 +29,4 @@ class WorkFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::base

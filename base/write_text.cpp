@@ -2,7 +2,7 @@
 
 #include "base/output_file.h"
 
-namespace osteon::app {
+namespace osteon::base {
 
 tl::expected<void, std::string> WriteText(const std::filesystem::path& path, const std::string& text) {
   const auto refuse = [&](const simulation::FileError& error) {
@@ -15,4 +15,4 @@ tl::expected<void, std::string> WriteText(const std::filesystem::path& path, con
   return {};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::base

@@ -8,7 +8,7 @@
 #include "simulation/bone/material_style.h"
 #include "simulation/removal/cut_metrics.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 using simulation::Ball;
@@ -180,4 +180,4 @@ Vector3 MaterialColor(const Bone& bone, MaterialIndex material) {
   return {color[0], color[1], color[2]};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

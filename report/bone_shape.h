@@ -9,7 +9,7 @@
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/solids/solid.h"
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// A union of balls in G, for queries.
 class BallField {
@@ -63,4 +63,4 @@ class MaterialMap {
 /// sRGB 0 … 1 for a material in shaded pictures.
 [[nodiscard]] Vector3 MaterialColor(const simulation::Bone& bone, simulation::MaterialIndex material);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -18,7 +18,7 @@
 #include "simulation/surface/millimetres.h"
 #include "simulation/surface/tool_ways.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 constexpr double kMaxDeviation_um = 32'767.0;
@@ -213,4 +213,4 @@ std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bo
   return html + "<figcaption>" + Escape(caption) + "</figcaption>\n</figure>\n" + ScriptHtml(kBoneViewScript);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

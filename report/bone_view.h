@@ -14,7 +14,7 @@
 
 // The carved bone that can be turned: its surface as bytes within the page, drawn by the page's own script.
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// The carved surface of a run, as small as a page should carry.
 struct CarvedSurface {
@@ -58,4 +58,4 @@ struct BoneViewStart {
 [[nodiscard]] std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bone,
                                        const RenderParams& params, const BoneViewStart& start = {});
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 constexpr double kMaxCells = 4e6;
 }
@@ -64,4 +64,4 @@ std::span<const std::uint32_t> CellGrid::operator[](const Index& cell) const {
   return {items_.data() + begin_[flat], begin_[flat + 1] - begin_[flat]};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -6,7 +6,7 @@
 
 #include "kinematics/spatial.h"
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// A grid of equal cells over a region; each cell lists the items that reach into it. Built once.
 class CellGrid {
@@ -49,4 +49,4 @@ class CellGrid {
   std::vector<std::uint32_t> items_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -8,7 +8,7 @@
 
 #include "simulation/tools/thin_path.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 double DistanceToChord(const Vector2& p, const Vector2& a, const Vector2& b) {
@@ -141,4 +141,4 @@ Polyline Simplify(const Polyline& line, double tolerance) {
   return {.points = simulation::ThinPath(line.points, tolerance, DistanceToChord), .closed = line.closed};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace osteon::app {
+namespace osteon::report {
 
 using Vector2 = Eigen::Vector2d;
 
@@ -35,4 +35,4 @@ struct Polyline {
 /// Removes points that lie within `tolerance` of a chord.
 [[nodiscard]] Polyline Simplify(const Polyline& line, double tolerance);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

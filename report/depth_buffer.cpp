@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace osteon::app {
+namespace osteon::report {
 
 Camera Camera::Scaled(int factor) const {
   Camera camera = *this;
@@ -79,4 +79,4 @@ DepthBuffer RenderDepth(std::span<const simulation::Ball> balls, const Camera& c
   return buffer;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

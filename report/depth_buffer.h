@@ -7,7 +7,7 @@
 #include "kinematics/spatial.h"
 #include "simulation/bone/bone.h"
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// A pinhole camera in G. Pixel (0, 0) is top left; +y of the view is up.
 struct Camera {
@@ -49,4 +49,4 @@ struct DepthBuffer {
 /// Balls that reach behind the camera are left out.
 [[nodiscard]] DepthBuffer RenderDepth(std::span<const simulation::Ball> balls, const Camera& camera);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

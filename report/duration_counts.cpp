@@ -1,6 +1,6 @@
 #include "report/duration_counts.h"
 
-namespace osteon::app {
+namespace osteon::report {
 
 void DurationCounts::Add(rt::Nanoseconds duration) {
   ++count_;
@@ -24,4 +24,4 @@ rt::Nanoseconds DurationCounts::At(std::uint64_t rank) const {
   return found;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

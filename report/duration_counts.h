@@ -9,7 +9,7 @@
 
 #include "base/clock.h"
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// Counts how often each duration occurred, to the nanosecond: exact percentiles of a run of any length
 /// without a list of its durations.
@@ -45,4 +45,4 @@ class DurationCounts {
   std::map<rt::Nanoseconds, std::uint64_t> others_;  // below zero, and beyond the pages
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::report

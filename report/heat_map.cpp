@@ -12,7 +12,7 @@
 #include "report/point_marks.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 constexpr std::array<std::array<double, 3>, 9> kViridis{{{68, 1, 84},
@@ -345,4 +345,4 @@ std::string HeatMapSvg(const std::vector<HeatMap>& panels, int columns, const st
   return SvgDocument(width_px, lowest + 48.0, title, body);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

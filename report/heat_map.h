@@ -14,7 +14,7 @@
 //     │  ▒▒▒▓▓▓▓▓▓─200─│  │                │    │  │
 //     └────────────────┘  └────────────────┘    └──┘ 0 N
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// A line drawn over a map, in its axes' units.
 struct MapLine {
@@ -63,4 +63,4 @@ struct HeatScale {
                                      const std::vector<HeatScale>& scales, const std::string& title,
                                      const std::vector<LegendEntry>& legend, double width_px = 920.0);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -9,7 +9,7 @@
 #include "report/point_marks.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 constexpr const char* kNothing = "#dfe2e6";
@@ -98,4 +98,4 @@ std::string LevelMapSvg(const std::vector<LevelMap>& panels, const LevelScale& s
   return SvgDocument(width_px, top + area.height + 48.0, title, body);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -8,7 +8,7 @@
 
 // A field over two logarithmic axes of different units as coloured cells, with curves on top.
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// One panel. Each cell (i, j) spans an equal part of each axis in the logarithm; rows of x, upward in y.
 struct LevelMap {
@@ -32,4 +32,4 @@ struct LevelScale {
                                       const std::string& title, const std::vector<LegendEntry>& legend,
                                       double width_px = 920.0);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

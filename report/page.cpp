@@ -8,7 +8,7 @@
 #include "report/page_scripts.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 constexpr const char* kStyle = R"(
@@ -148,4 +148,4 @@ tl::expected<void, std::string> WritePage(const std::string& html, const std::fi
   return {};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -12,7 +12,7 @@
 // The parts of every page: one HTML file that opens anywhere, without the network. Its scripts are within it;
 // without them it says the same.
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// How good a result was, worst reason first.
 struct ReportVerdict {
@@ -58,4 +58,4 @@ struct PageHead {
 [[nodiscard]] tl::expected<void, std::string> WritePage(const std::string& html,
                                                         const std::filesystem::path& path);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// A point with two costs; the less of each the better.
 struct CostPoint {
@@ -27,4 +27,4 @@ struct CostPoint {
   return front;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -4,7 +4,7 @@
 
 #include <png.h>
 
-namespace osteon::app {
+namespace osteon::report {
 
 tl::expected<std::vector<std::uint8_t>, std::string> EncodePng(const Image& image) {
   if (image.width <= 0 || image.height <= 0 ||
@@ -50,4 +50,4 @@ std::string Base64(const std::vector<std::uint8_t>& bytes) {
   return out;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

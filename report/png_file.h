@@ -7,7 +7,7 @@
 
 #include <tl/expected.hpp>
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// 8-bit RGB, rows from the top.
 struct Image {
@@ -25,4 +25,4 @@ struct Image {
 /// Encodes by RFC 4648, with padding; for data: addresses.
 [[nodiscard]] std::string Base64(const std::vector<std::uint8_t>& bytes);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -8,7 +8,7 @@
 
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 constexpr double kLabelPx = 11.5;
@@ -121,4 +121,4 @@ std::string LabelPlacer::Place(double x, double y, std::string_view text, std::s
   return {};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -9,7 +9,7 @@
 
 // Single points of a plot: their markers, and places for their names.
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// Draws one marker of about 9 px. Shapes differ as well as colours, so that a grey print tells them apart.
 [[nodiscard]] std::string DrawMarker(double x, double y, Marker marker, std::string_view color,
@@ -43,4 +43,4 @@ class LabelPlacer {
   std::vector<Box> taken_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 using simulation::Ball;
@@ -292,4 +292,4 @@ Image RenderBone(const simulation::Bone& bone, std::span<const Ball> balls, cons
   return image;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

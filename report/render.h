@@ -4,7 +4,7 @@
 #include "report/depth_buffer.h"
 #include "report/png_file.h"
 
-namespace osteon::app {
+namespace osteon::report {
 
 struct RenderParams {
   int width{860}, height{700};
@@ -23,4 +23,4 @@ struct RenderParams {
 [[nodiscard]] Image RenderBone(const simulation::Bone& bone, std::span<const simulation::Ball> balls,
                                const MaterialMap& materials, const Camera& camera);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

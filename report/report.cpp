@@ -13,7 +13,7 @@
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 std::string FaultsHtml(const ReportInput& input) {
@@ -206,4 +206,4 @@ tl::expected<ReportFigures, std::string> WriteReport(const ReportInput& input,
   return report->figures;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -19,7 +19,7 @@
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/tools/tool.h"
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// A fault in the report.
 struct FaultRow {
@@ -86,4 +86,4 @@ struct Report {
 [[nodiscard]] tl::expected<ReportFigures, std::string> WriteReport(const ReportInput& input,
                                                                    const std::filesystem::path& path);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

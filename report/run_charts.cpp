@@ -10,7 +10,7 @@
 
 #include "report/svg_plot.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 using control::Phase;
@@ -160,4 +160,4 @@ std::string FrameTimeHistogram(const RunCurves& run) {
   return LatencyHistogram("Simulation frame", run.frame);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -9,7 +9,7 @@
 // The plots of a run, as SVG. Without a given axis, time counts from the first tick, or from the first frame
 // if there is no tick.
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// A time axis from the first tick on, or from the first frame if there is no tick.
 [[nodiscard]] inline TimeAxis FromFirst(const RunCurves& run) { return {.zero = run.Start()}; }
@@ -39,4 +39,4 @@ namespace osteon::app {
 [[nodiscard]] std::string ComputeHistogram(const RunCurves& run);
 [[nodiscard]] std::string FrameTimeHistogram(const RunCurves& run);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

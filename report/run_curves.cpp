@@ -4,7 +4,7 @@
 
 #include "control/loop/tick_state.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
@@ -52,4 +52,4 @@ void RunCurves::Add(const simulation::FrameRecord& record) {
 
 rt::Nanoseconds RunCurves::Start() const { return first_tick ? *first_tick : first_frame.value_or(0); }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -9,7 +9,7 @@
 #include "report/thin_curve.h"
 #include "simulation/engine/frame_record.h"
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// A part of a run in one phase, paused or not.
 struct PhaseStretch {
@@ -51,4 +51,4 @@ struct RunCurves {
   DurationCounts frame;  ///< time to compute one
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 using simulation::Ball;
@@ -309,4 +309,4 @@ CavityError CavityErrorByDirection(const Bone& bone, const simulation::CarvedSta
   return error;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

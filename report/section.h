@@ -18,7 +18,7 @@
 //   ────────────────────────────────────▶ x
 //                    origin: the cup's centre
 
-namespace osteon::app {
+namespace osteon::report {
 
 using simulation::CuttingHead;
 using simulation::SweptTool;
@@ -114,4 +114,4 @@ struct Section {
 [[nodiscard]] std::string SectionDetailSvg(const Section& section, const simulation::Bone& bone,
                                            double width_px = 920.0);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -9,7 +9,7 @@
 #include "report/svg_frame.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 constexpr const char* kBoneTint = "#efe6da";
@@ -134,4 +134,4 @@ std::string SectionDetailSvg(const Section& section, const simulation::Bone& bon
               {low, high, at_apex ? "Detail at the deepest place" : "Detail of the cut", false}, width_px);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -9,7 +9,7 @@
 #include "report/point_marks.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 double Share(double value, Range range, bool log) {
@@ -188,10 +188,10 @@ std::string Fit(std::string_view text, double width_px, double size_px) {
   std::string cut(text);
   while (!cut.empty() && TextWidth(cut, size_px) + size_px > width_px) {
     // whole characters: drop the tail bytes of a UTF-8 sequence with its first byte
-    while (!cut.empty() && IsTailByte(cut.back())) cut.pop_back();
+    while (!cut.empty() && base::IsTailByte(cut.back())) cut.pop_back();
     if (!cut.empty()) cut.pop_back();
   }
   return cut + "\xE2\x80\xA6";
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

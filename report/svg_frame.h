@@ -8,7 +8,7 @@
 
 // The parts of every plot: elements, the plot area with its axes, and a legend that wraps.
 
-namespace osteon::app {
+namespace osteon::report {
 
 inline constexpr double kFontPx = 12.5;
 inline constexpr double kTitlePx = 14.5;
@@ -82,4 +82,4 @@ struct LegendBlock {
 /// Returns `text`, cut with an ellipsis if it is wider than `width_px`.
 [[nodiscard]] std::string Fit(std::string_view text, double width_px, double size_px = kFontPx);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

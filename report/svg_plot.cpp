@@ -10,7 +10,7 @@
 #include "report/svg_frame.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 /// Height of the strip for the names of spans; also the width of a turned axis label.
@@ -502,4 +502,4 @@ std::string Svg(const Histogram& histogram, double width_px) {
   return SvgDocument(width_px, base + 46.0, histogram.title, body);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

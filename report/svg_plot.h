@@ -19,7 +19,7 @@
 //          0      2      4      6      8   10
 //                        x
 
-namespace osteon::app {
+namespace osteon::report {
 
 struct Series {
   std::string name{};
@@ -94,4 +94,4 @@ struct Histogram {
 
 [[nodiscard]] std::string Svg(const Histogram& histogram, double width_px = 450.0);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <librsvg/rsvg.h>
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 constexpr double kMaxPixels = 100e6;
@@ -67,4 +67,4 @@ tl::expected<Image, std::string> Rasterise(const std::string& svg, double scale)
   return FromSurface(surface.get());
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -6,7 +6,7 @@
 
 #include "report/png_file.h"
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// Renders an SVG document to pixels, on white.
 /// @param scale  pixels per px of the document, 0.1 … 10
@@ -14,4 +14,4 @@ namespace osteon::app {
 ///   pixels.
 [[nodiscard]] tl::expected<Image, std::string> Rasterise(const std::string& svg, double scale = 2.0);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -8,7 +8,7 @@
 #include "base/text.h"
 #include "base/utf8.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
@@ -55,7 +55,7 @@ std::string Escape(std::string_view text) {
 double TextWidth(std::string_view text, double size_px) {
   double em = 0.0;
   for (const char c : text)
-    if (!IsTailByte(c)) em += CharacterWidth(static_cast<unsigned char>(c));
+    if (!base::IsTailByte(c)) em += CharacterWidth(static_cast<unsigned char>(c));
   return em * size_px;
 }
 
@@ -85,4 +85,4 @@ std::string Number(double value) {
   return Number(value, std::clamp(2 - exponent, 0, 8));
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// Series colours: Okabe and Ito's palette, distinguishable with every common colour blindness ("Color
 /// Universal Design", 2008).
@@ -36,4 +36,4 @@ inline constexpr const char* kFontFamily =
 /// Formats a number for readers with about three significant digits.
 [[nodiscard]] std::string Number(double value);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

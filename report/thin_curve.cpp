@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 using Point = ThinCurve::Point;
@@ -67,4 +67,4 @@ std::pair<std::vector<double>, std::vector<double>> ThinCurve::Columns(rt::Nanos
   return columns;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

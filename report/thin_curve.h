@@ -6,7 +6,7 @@
 
 #include "base/clock.h"
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// A curve over time for a chart, for runs of any length. It keeps every point while there are fewer than
 /// kMaxPoints. Beyond that it keeps in each bucket of time the first, least, greatest and last point and the
@@ -35,4 +35,4 @@ class ThinCurve {
   int shift_{20};  // a bucket is 2^shift_ ns wide
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::report

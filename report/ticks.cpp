@@ -8,7 +8,7 @@
 
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 /// Smallest step of 1, 2 or 5 times a power of ten that is not below `raw`.
@@ -134,4 +134,4 @@ double Percentile(std::span<double> values, double p) {
   return values[index];
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace osteon::app {
+namespace osteon::report {
 
 struct Range {
   double min{0.0}, max{1.0};
@@ -42,4 +42,4 @@ struct PlotPoint {
 /// Returns the p quantile of `values`, p in [0, 1] (nearest rank); reorders the values. NaN if empty.
 [[nodiscard]] double Percentile(std::span<double> values, double p);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -6,7 +6,7 @@
 
 #include "control/tick_record.h"
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// The time axis of a chart.
 struct TimeAxis {
@@ -25,4 +25,4 @@ struct TimeAxis {
   }
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::report

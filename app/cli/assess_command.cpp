@@ -41,11 +41,11 @@ int AssessCommand::Run(const std::filesystem::path& config_root, const std::stri
   const std::filesystem::path rubrics = config_root / "rubrics";
   const auto rubric = config::FindNamedFile(rubrics, rubric_);
   if (!rubric)
-    return Fail("assess", fmt::format("--rubric: found {}, accepted a YAML file, or one of {}: {}", rubric_,
-                                      rubrics.string(), config::YamlNamesIn(rubrics)));
+    return session::Fail("assess", fmt::format("--rubric: found {}, accepted a YAML file, or one of {}: {}",
+                                               rubric_, rubrics.string(), config::YamlNamesIn(rubrics)));
   options_.rubric = *rubric;
   options_.command_line = command_line;
-  return RunAssess(options_);
+  return studies::RunAssess(options_);
 }
 
 }  // namespace osteon::app

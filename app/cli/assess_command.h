@@ -19,7 +19,7 @@ class AssessCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
 
  private:
-  AssessOptions options_;
+  studies::AssessOptions options_;
   std::string rubric_{"rubric"};
   CLI::App* sub_;
 };

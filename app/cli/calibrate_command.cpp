@@ -44,7 +44,7 @@ int CalibrateCommand::Run(const std::filesystem::path& config_root, const std::s
   if (!found) return refuse(found.error());
   options_.cell = *found;
   options_.command_line = command_line;
-  return RunCalibrate(options_);
+  return studies::RunCalibrate(options_);
 }
 
 }  // namespace osteon::app

@@ -19,7 +19,7 @@ class CalibrateCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
 
  private:
-  CalibrateOptions options_;
+  studies::CalibrateOptions options_;
   std::string cell_;
   CLI::App* sub_;
 };

@@ -11,7 +11,7 @@
 namespace osteon::app {
 
 CapabilityCommand::CapabilityCommand(CLI::App& app) : sub_(AddStudy(app, "capability")) {
-  CapabilityOptions& o = options_;
+  studies::CapabilityOptions& o = options_;
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
       ->required();
@@ -74,10 +74,12 @@ CapabilityCommand::CapabilityCommand(CLI::App& app) : sub_(AddStudy(app, "capabi
 }
 
 int CapabilityCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
-  CapabilityOptions& o = options_;
+  studies::CapabilityOptions& o = options_;
   o.command_line = command_line;
   o.search = !no_search_;
-  o.mount = mount_ == "floor" ? Mount::kFloor : mount_ == "ceiling" ? Mount::kCeiling : Mount::kCell;
+  o.mount = mount_ == "floor"     ? studies::Mount::kFloor
+            : mount_ == "ceiling" ? studies::Mount::kCeiling
+                                  : studies::Mount::kCell;
   for (const auto& [name, values, range] :
        {std::tuple{"--x-mm", &x_mm_, &o.x_mm}, {"--y-mm", &y_mm_, &o.y_mm}, {"--z-mm", &z_mm_, &o.z_mm}}) {
     if (values->empty()) continue;
@@ -94,7 +96,7 @@ int CapabilityCommand::Run(const std::filesystem::path& config_root, const std::
     return 2;
   }
   o.cell = *found;
-  return RunCapability(o);
+  return studies::RunCapability(o);
 }
 
 }  // namespace osteon::app

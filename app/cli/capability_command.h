@@ -20,7 +20,7 @@ class CapabilityCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
 
  private:
-  CapabilityOptions options_;
+  studies::CapabilityOptions options_;
   std::string cell_, mount_{"cell"};
   std::vector<double> x_mm_, y_mm_, z_mm_;
   bool no_search_{false};

@@ -29,7 +29,7 @@ CellCommands::CellCommands(CLI::App& app)
   cell_
       ->add_option("--seconds", simulated_.seconds,
                    "seconds of the operator's actions; without it as long as the script")
-      ->check(NumberWithin(kMinSeconds, kMaxSeconds));
+      ->check(NumberWithin(session::kMinSeconds, session::kMaxSeconds));
   cell_
       ->add_option(
           "--port", simulated_.port,
@@ -58,7 +58,7 @@ CellCommands::CellCommands(CLI::App& app)
                  "start the simulated cell as well, and its guard if it has one, each as a process");
   procedure_.Add(*run_, true);
   run_->add_option("--seconds", operate_.seconds, "seconds of rendering; without it until Ctrl-C")
-      ->check(NumberWithin(kMinSeconds, kMaxSeconds));
+      ->check(NumberWithin(session::kMinSeconds, session::kMaxSeconds));
   run_->add_option("--wait", operate_.wait_s, "seconds to wait for the arm and for all conditions of motion")
       ->capture_default_str()
       ->check(NumberWithin(1, 86'400));
@@ -84,7 +84,7 @@ CellCommands::CellCommands(CLI::App& app)
                    "real-time threads share it")
       ->check(NumberWithin(0, rt::kMaxCpu));
   AddFidelityOptions(*run_, operate_.fidelity);
-  AddEngineOption(*run_, operate_.engine, WallTimeEngineNames(), "the cutting engine",
+  AddEngineOption(*run_, operate_.engine, session::WallTimeEngineNames(), "the cutting engine",
                   "; cpu: one thread, no GPU");
   AddDeviceOption(*run_, operate_.device);
   run_->add_option("--surface", operate_.surface,
@@ -121,7 +121,7 @@ int CellCommands::Run(const std::filesystem::path& config_root, const std::strin
   }
   if (operate_.port == 0 && !operate_.simulated)
     return refuse("--port: found 0, accepted a port, or 0 with --simulated");
-  ProcedureChoice simulated;
+  session::ProcedureChoice simulated;
   if (const std::string wrong = cell_procedure_.Take(config_root, simulated); !wrong.empty())
     return refuse(wrong);
   simulated_.plan = simulated.plan;
@@ -138,7 +138,7 @@ int CellCommands::Run(const std::filesystem::path& config_root, const std::strin
   simulated_.cell = operate_.cell = *found;
   simulated_.tool = operate_.tool = tool;
   try {
-    return cell_->parsed() ? RunSimulatedCell(simulated_) : RunOperate(operate_);
+    return cell_->parsed() ? session::RunSimulatedCell(simulated_) : session::RunOperate(operate_);
   } catch (const config::ToolSizeError& error) {
     return refuse(fmt::format("--tool {}: {}", tool_, error.what()));
   }

@@ -21,8 +21,8 @@ class CellCommands {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
 
  private:
-  SimulatedCellOptions simulated_;
-  OperateOptions operate_;
+  session::SimulatedCellOptions simulated_;
+  session::OperateOptions operate_;
   ProcedureOptions procedure_, cell_procedure_;
   std::string name_, tool_;
   CLI::App *cell_, *run_;

@@ -33,7 +33,7 @@ void PrepareTop(CLI::App& app, std::filesystem::path& config_root) {
   config_root = config::ShippedFolder();
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_flag("-h,--help", "print this text");
-  app.set_version_flag("--version", fmt::format("osteon {} ({})", OSTEON_VERSION, CommitName()),
+  app.set_version_flag("--version", fmt::format("osteon {} ({})", OSTEON_VERSION, session::CommitName()),
                        "print the version and the commit");
   app.require_subcommand(0, 1);
   app.add_option("--config-root", config_root, "the folder with cells/, robots/, tools/ and so on")
@@ -62,11 +62,11 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv) {
 }
 
 int RunMain(const std::function<int()>& run) {
-  InstallOutput();
+  session::InstallOutput();
   try {
-    return OutputExitCode(run());
+    return session::OutputExitCode(run());
   } catch (const std::exception& error) {
-    const Failure failure = Explain(error);
+    const session::Failure failure = session::Explain(error);
     fmt::print(stderr, "osteon: {}\n", failure.text);
     return failure.code;
   }

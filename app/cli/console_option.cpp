@@ -11,11 +11,12 @@ namespace osteon::app {
 
 namespace {
 
-void AddServerOption(CLI::App& sub, const char* name, ConsoleChoice& choice, const std::string& help) {
+void AddServerOption(CLI::App& sub, const char* name, session::ConsoleChoice& choice,
+                     const std::string& help) {
   sub.add_option_function<std::string>(
          name,
          [name, &choice](const std::string& text) {
-           auto parsed = ConsoleChoice::Parse(text);
+           auto parsed = session::ConsoleChoice::Parse(text);
            if (!parsed) throw CLI::ValidationError(name, parsed.error());
            choice = *parsed;
          },
@@ -25,7 +26,7 @@ void AddServerOption(CLI::App& sub, const char* name, ConsoleChoice& choice, con
 
 }  // namespace
 
-void AddConsoleOption(CLI::App& sub, ConsoleChoice& choice) {
+void AddConsoleOption(CLI::App& sub, session::ConsoleChoice& choice) {
   AddServerOption(
       sub, "--console", choice,
       fmt::format("where the page that shows the cell is served: PORT, ADDRESS:PORT, or off; an address "
@@ -33,7 +34,7 @@ void AddConsoleOption(CLI::App& sub, ConsoleChoice& choice) {
                   console::kDefaultPort));
 }
 
-void AddFoxgloveOption(CLI::App& sub, ConsoleChoice& foxglove) {
+void AddFoxgloveOption(CLI::App& sub, session::ConsoleChoice& foxglove) {
   AddServerOption(
       sub, "--foxglove", foxglove,
       fmt::format("where Foxglove and Lichtblick connect to, which show the cell and can do nothing to it: "

@@ -9,9 +9,9 @@
 namespace osteon::app {
 
 /// Adds `--console`: where the page that shows the cell is served.
-void AddConsoleOption(CLI::App& sub, ConsoleChoice& choice);
+void AddConsoleOption(CLI::App& sub, session::ConsoleChoice& choice);
 /// Adds `--foxglove`: where viewers connect to.
-void AddFoxgloveOption(CLI::App& sub, ConsoleChoice& foxglove);
+void AddFoxgloveOption(CLI::App& sub, session::ConsoleChoice& foxglove);
 /// Adds `--at-fault`: whether the cell is held at a fault that allows a recovery. @param otherwise  what
 /// holds without the option, for the help
 void AddAtFaultOption(CLI::App& sub, const std::string& otherwise, std::function<void(bool hold)> choose);

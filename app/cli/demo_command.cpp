@@ -19,7 +19,7 @@ DemoCommand::DemoCommand(CLI::App& app)
   seconds_option_ = sub_->add_option(
       "--seconds", options_.seconds,
       "seconds of rendering (COMMANDING_ACTIVE); with a plan 15 for each reamer, 60 for a novice");
-  seconds_option_->check(NumberWithin(kMinSeconds, kMaxSeconds))->capture_default_str();
+  seconds_option_->check(NumberWithin(session::kMinSeconds, session::kMaxSeconds))->capture_default_str();
   sub_->add_option("--out", options_.out,
                    "folder for summary.json, report.html and recording.mcap; files of an earlier demo move "
                    "to earlier_DATE_TIME in it")
@@ -47,7 +47,7 @@ DemoCommand::DemoCommand(CLI::App& app)
       ->check(NumberWithin(1, 100));
   AddFidelityOptions(*sub_, options_.fidelity);
   AddDeviceOption(*sub_, options_.device);
-  AddEngineOption(*sub_, options_.engine, EngineNames(), "the cutting engine",
+  AddEngineOption(*sub_, options_.engine, session::EngineNames(), "the cutting engine",
                   "; cpu: one thread, no GPU; reference: plain double precision, slow, virtual time only");
   sub_->add_option("--cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
@@ -90,7 +90,7 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
     return 2;
   }
   options_.cell = *found;
-  if (!options_.virtual_time && !KeepsUpWithWallTime(options_.engine)) {
+  if (!options_.virtual_time && !session::KeepsUpWithWallTime(options_.engine)) {
     fmt::print(stderr,
                "osteon demo: --engine reference: found wall time, accepted with --virtual-time only\n");
     return 2;
@@ -114,10 +114,10 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
     options_.default_seconds = !*seconds_option_;
   }
   if (*mesh_option_) {
-    options_.mesh = MeshChoice{.file = mesh_, .scale = scale_};
+    options_.mesh = session::MeshChoice{.file = mesh_, .scale = scale_};
     std::string wrong = mesh_.empty() ? "--mesh: found no name, accepted a file" : "";
     if (*cup_option_) {
-      const auto parsed = ParseCup(cup_);
+      const auto parsed = session::ParseCup(cup_);
       if (!parsed && wrong.empty()) wrong = parsed.error();
       if (parsed) options_.mesh->cup = *parsed;
     } else if (wrong.empty() && !procedure_.asked() && options_.mesh->file.extension() != ".osp") {
@@ -132,7 +132,7 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
     }
   }
   try {
-    return RunDemo(options_);
+    return session::RunDemo(options_);
   } catch (const config::ToolSizeError& error) {
     fmt::print(stderr, "osteon demo: --tool {}: {}\n", tool_, error.what());
     return 2;

@@ -20,7 +20,7 @@ class DemoCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
 
  private:
-  DemoOptions options_;
+  session::DemoOptions options_;
   ProcedureOptions procedure_;
   std::string mesh_, cup_, tool_, cell_{"demo"};
   double scale_{1.0};

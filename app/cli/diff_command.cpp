@@ -31,7 +31,7 @@ DiffCommand::DiffCommand(CLI::App& app) : sub_(AddStudy(app, "diff")) {
 int DiffCommand::Run(const std::string& command_line) {
   options_.recordings = {recordings_[0], recordings_[1]};
   options_.command_line = command_line;
-  return RunDiff(options_);
+  return studies::RunDiff(options_);
 }
 
 }  // namespace osteon::app

@@ -19,7 +19,7 @@ class DiffCommand {
   [[nodiscard]] int Run(const std::string& command_line);
 
  private:
-  DiffOptions options_;
+  studies::DiffOptions options_;
   std::vector<std::filesystem::path> recordings_;
   CLI::App* sub_;
 };

@@ -64,7 +64,7 @@ ExportCommand::ExportCommand(CLI::App& app)
 }
 
 int ExportCommand::Run() const {
-  ExportOptions options = options_;
+  session::ExportOptions options = options_;
   if (!mesh_.file.empty()) {
     if (options.surface.empty() && options.foxglove.empty()) {
       fmt::print(
@@ -74,7 +74,7 @@ int ExportCommand::Run() const {
     }
     options.mesh = mesh_;
     if (!cup_.empty()) {
-      const auto cup = ParseCup(cup_);
+      const auto cup = session::ParseCup(cup_);
       if (!cup) {
         fmt::print(stderr, "osteon export: {}\n", cup.error());
         return 2;
@@ -82,7 +82,7 @@ int ExportCommand::Run() const {
       options.mesh->cup = *cup;
     }
   }
-  return RunExport(options);
+  return session::RunExport(options);
 }
 
 }  // namespace osteon::app

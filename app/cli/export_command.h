@@ -18,8 +18,8 @@ class ExportCommand {
   [[nodiscard]] int Run() const;
 
  private:
-  ExportOptions options_;
-  MeshChoice mesh_;
+  session::ExportOptions options_;
+  session::MeshChoice mesh_;
   std::string cup_;
   CLI::App* sub_;
 };

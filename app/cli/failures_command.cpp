@@ -17,19 +17,19 @@ namespace {
 // The victims' names as words of the command line: "engine-hung".
 std::vector<std::string> VictimWords() {
   std::vector<std::string> words;
-  for (int v = 0; v < kKillVictims; ++v) {
-    words.emplace_back(NameOf(static_cast<KillVictim>(v)));
+  for (int v = 0; v < studies::kKillVictims; ++v) {
+    words.emplace_back(NameOf(static_cast<studies::KillVictim>(v)));
     std::ranges::replace(words.back(), ' ', '-');
   }
   return words;
 }
 
-std::vector<KillVictim> Victims(const std::vector<std::string>& asked) {
+std::vector<studies::KillVictim> Victims(const std::vector<std::string>& asked) {
   const std::vector<std::string> words = VictimWords();
-  std::vector<KillVictim> victims;
-  for (int v = 0; v < kKillVictims; ++v)
+  std::vector<studies::KillVictim> victims;
+  for (int v = 0; v < studies::kKillVictims; ++v)
     if (std::ranges::find(asked, words[static_cast<std::size_t>(v)]) != asked.end())
-      victims.push_back(static_cast<KillVictim>(v));
+      victims.push_back(static_cast<studies::KillVictim>(v));
   return victims;
 }
 
@@ -72,11 +72,11 @@ FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")
   sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
   AddShardOption(*sub_, options_.sharding)->excludes(faults)->excludes(kill);
   AddDeviceOption(*sub_, options_.device);
-  AddEngineOption(*sub_, options_.engine, EngineNames(), "the engine that must keep the bounds",
+  AddEngineOption(*sub_, options_.engine, session::EngineNames(), "the engine that must keep the bounds",
                   "; reference is slow");
   sub_->add_flag("--quick", options_.quick, "small scenes, as in the tests: seconds instead of minutes");
   std::string list = "Scenarios:\n";
-  for (const hil::FailureScenario& scenario : hil::FailureScenarios())
+  for (const studies::FailureScenario& scenario : studies::FailureScenarios())
     list += fmt::format("  {:>2}  {}\n", scenario.id, scenario.name);
   sub_->footer(
       list +
@@ -89,24 +89,24 @@ FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")
 }
 
 int FailuresCommand::Run(const std::filesystem::path& config_root, const Invocation& invocation) {
-  if (tables_.faults) return RunFaultTable({.json = options_.json});
+  if (tables_.faults) return studies::RunFaultTable({.json = options_.json});
   if (tables_.kill) {
-    if (!KeepsUpWithWallTime(options_.engine)) {
+    if (!session::KeepsUpWithWallTime(options_.engine)) {
       fmt::print(
           stderr,
           "osteon failures: --engine reference: found --kill, accepted without it: too slow for wall time\n");
       return 2;
     }
-    return RunKillTable({.config_root = config_root,
-                         .times = tables_.times,
-                         .victims = Victims(tables_.victims),
-                         .json = options_.json,
-                         .engine = options_.engine,
-                         .device = options_.device});
+    return studies::RunKillTable({.config_root = config_root,
+                                  .times = tables_.times,
+                                  .victims = Victims(tables_.victims),
+                                  .json = options_.json,
+                                  .engine = options_.engine,
+                                  .device = options_.device});
   }
   options_.command_line = invocation.command_line;
   TakeInvocation(invocation, options_.sharding);
-  return RunFailures(options_);
+  return studies::RunFailures(options_);
 }
 
 }  // namespace osteon::app

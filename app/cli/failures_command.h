@@ -27,7 +27,7 @@ class FailuresCommand {
     std::vector<std::string> victims{};
   };
 
-  FailureOptions options_;
+  studies::FailureOptions options_;
   Tables tables_;
   CLI::App* sub_;
 };

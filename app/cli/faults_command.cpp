@@ -19,7 +19,7 @@ int BitOf(safety::Fault fault) { return std::countr_zero(static_cast<std::uint32
 
 std::string Json() {
   nlohmann::ordered_json faults = nlohmann::json::array();
-  ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
+  session::ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
     faults.push_back({{"bit", BitOf(fault)},
                       {"name", text.name},
                       {"cause", text.cause},
@@ -35,7 +35,7 @@ std::string Json() {
 
 std::string FaultsPage() {
   std::string page = "# What can stop the cell\n\n" +
-                     WrapMarkdown(
+                     base::WrapMarkdown(
                          "Written by `osteon faults --markdown docs/faults.md` from `safety/fault.cpp`. A "
                          "fault is latched: it "
                          "stays until a new run. The recording has the bits by tick (`faults`), "
@@ -47,7 +47,7 @@ std::string FaultsPage() {
                      "\n\n"
                      "| bit | fault | what was seen | stop | what the cell does | recovery | how to go on |\n"
                      "|---|---|---|---|---|---|---|\n";
-  ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
+  session::ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
     page += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", BitOf(fault), text.name, text.cause,
                         static_cast<int>(safety::StopOf(fault)), text.reaction,
                         safety::AllowsRecovery(fault) ? "yes" : "", text.clearing);
@@ -56,7 +56,7 @@ std::string FaultsPage() {
 }
 
 int RunFaults(const FaultsOptions& options) {
-  ForEachFault([](safety::Fault fault, const safety::FaultText& text) {
+  session::ForEachFault([](safety::Fault fault, const safety::FaultText& text) {
     fmt::print("{}\n  seen:  {}\n  does:  {}\n  stop:  {}{}\n  go on: {}\n", text.name, text.cause,
                text.reaction, static_cast<int>(safety::StopOf(fault)),
                safety::AllowsRecovery(fault) ? ", a recovery may clear it (osteon recover, --recover)" : "",
@@ -65,9 +65,9 @@ int RunFaults(const FaultsOptions& options) {
   for (const auto& [file, text] :
        {std::pair(options.markdown, FaultsPage()), std::pair(options.json, Json())}) {
     if (file.empty()) continue;
-    if (const auto written = WriteText(file, text); !written) {
+    if (const auto written = base::WriteText(file, text); !written) {
       fmt::print(stderr, "osteon faults: {}\n", written.error());
-      return kFailed;
+      return session::kFailed;
     }
   }
   return 0;

@@ -4,7 +4,7 @@
 
 namespace osteon::app {
 
-void AddFidelityOptions(CLI::App& app, FidelityChoice& choice) {
+void AddFidelityOptions(CLI::App& app, session::FidelityChoice& choice) {
   auto* as_packed =
       app.add_flag("--as-packed", choice.as_packed,
                    "use the scene's own packing, whatever a frame then takes, instead of a planned one");

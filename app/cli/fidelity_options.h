@@ -8,6 +8,6 @@ namespace osteon::app {
 
 /// Adds the options --error-mm, --rate-hz and --as-packed, which `demo` and `run` share.
 /// @param choice  receives their values; must outlive the parsing
-void AddFidelityOptions(CLI::App& app, FidelityChoice& choice);
+void AddFidelityOptions(CLI::App& app, session::FidelityChoice& choice);
 
 }  // namespace osteon::app

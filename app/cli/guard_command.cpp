@@ -43,7 +43,7 @@ int GuardCommand::Run(const std::filesystem::path& config_root) {
     options_.tool = *parsed;
   }
   try {
-    return RunGuard(options_);
+    return session::RunGuard(options_);
   } catch (const config::ToolSizeError& error) {
     return refuse(fmt::format("--tool {}: {}", tool_, error.what()));
   }

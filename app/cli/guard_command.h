@@ -19,7 +19,7 @@ class GuardCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root);
 
  private:
-  GuardOptions options_;
+  session::GuardOptions options_;
   std::string name_, tool_;
   CLI::App* sub_;
 };

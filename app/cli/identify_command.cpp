@@ -91,10 +91,10 @@ int IdentifyCommand::Run(const std::filesystem::path& config_root, const std::st
     if (options_.axes.find(axis) == std::string::npos) options_.axes += axis;
   options_.speeds_m_per_s.clear();
   for (const double speed : speeds_mm_per_s_) options_.speeds_m_per_s.push_back(1e-3 * speed);
-  InstallInterrupt();
-  options_.stop = &Interrupted();
+  base::InstallInterrupt();
+  options_.stop = &base::Interrupted();
   options_.command_line = command_line;
-  return RunIdentify(options_);
+  return studies::RunIdentify(options_);
 }
 
 }  // namespace osteon::app

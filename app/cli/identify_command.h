@@ -20,7 +20,7 @@ class IdentifyCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
 
  private:
-  IdentifyOptions options_;
+  studies::IdentifyOptions options_;
   std::string cell_;
   std::vector<std::string> runs_{"noise", "free", "validate"}, axes_{"x", "y", "z"};
   std::vector<double> speeds_mm_per_s_{10.0, 50.0};

@@ -17,7 +17,7 @@ CLI::Option* AddWords(CLI::App& sub, const std::string& name, std::vector<std::s
   return sub.add_option(name, words, help)->check(OneOf(accepted))->delimiter(',')->expected(1)->take_all();
 }
 
-CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
+CLI::App* AddBenchFrame(CLI::App& bench, studies::BenchFrameOptions& options) {
   CLI::App* sub = bench.add_subcommand("frame", "times a cutting frame");
   auto* scene = sub->add_option(
       "--scene", options.scene,
@@ -33,8 +33,8 @@ CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
                                        "spheres of the tool's head; 1: one analytic ball");
   tool_spheres->check(NumberWithin(1, 10'000))->capture_default_str();
   auto* method = sub->add_option("--method", options.method, "the cutting method; ours: on Vulkan");
-  method->check(OneOf(MethodNames()))->capture_default_str();
-  AddWords(*sub, "--compare", options.compare, MethodNames(),
+  method->check(OneOf(studies::MethodNames()))->capture_default_str();
+  AddWords(*sub, "--compare", options.compare, studies::MethodNames(),
            "further methods, timed in turn with the first, frame by frame; separated by commas; without a "
            "value: voxel-128, voxel-256 and voxel-512, voxels along the bone's longest side")
       ->expected(0, 1);
@@ -42,7 +42,7 @@ CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
            "instead of --method: cutting engines, timed in turn, frame by frame; separated by commas; on all "
            "workloads where --scene, --spheres, --uniform and --tool-spheres name none")
       ->excludes(method);
-  AddWords(*sub, "--workloads", options.workloads, BenchWorkloadNames(),
+  AddWords(*sub, "--workloads", options.workloads, studies::BenchWorkloadNames(),
            "named workloads instead of --scene and --tool-spheres: a tool and its number of spheres in the "
            "bone (reamer of one analytic ball) or in the head; separated by commas")
       ->excludes(scene)
@@ -74,16 +74,16 @@ CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
   // callbacks run after all options are read
   sub->callback([sub, &options] {
     if (sub->count("--compare") > 0 && (options.compare.empty() || options.compare.front().empty()))
-      options.compare = PlainVoxelNames();
+      options.compare = studies::PlainVoxelNames();
     const auto described = [&](const char* name) { return sub->count(name) > 0; };
     if (!options.engines.empty() && options.workloads.empty() && !described("--scene") &&
         !described("--spheres") && !described("--uniform") && !described("--tool-spheres"))
-      options.workloads = {BenchWorkloadNames().front()};
+      options.workloads = {studies::BenchWorkloadNames().front()};
   });
   return sub;
 }
 
-CLI::App* AddBenchKinematics(CLI::App& bench, BenchKinematicsOptions& options) {
+CLI::App* AddBenchKinematics(CLI::App& bench, studies::BenchKinematicsOptions& options) {
   CLI::App* sub = bench.add_subcommand("kinematics", "times the arm's kinematics and dynamics beside KDL's");
   sub->add_option("--robot", options.robot, "a name under robots/, or the robot's YAML file, joint by joint")
       ->type_name("ROBOT")
@@ -101,7 +101,7 @@ CLI::App* AddBenchKinematics(CLI::App& bench, BenchKinematicsOptions& options) {
   return sub;
 }
 
-CLI::App* AddBenchSurface(CLI::App& bench, BenchSurfaceOptions& options) {
+CLI::App* AddBenchSurface(CLI::App& bench, studies::BenchSurfaceOptions& options) {
   CLI::App* sub = bench.add_subcommand("surface", "times the carved surface: its start, and steps of a cut");
   sub->add_option("--cells", options.cells, "names under cells/; separated by commas")
       ->type_name("CELL")
@@ -127,7 +127,7 @@ CLI::App* AddBenchSurface(CLI::App& bench, BenchSurfaceOptions& options) {
   return sub;
 }
 
-CLI::App* AddBenchTick(CLI::App& bench, BenchTickOptions& options) {
+CLI::App* AddBenchTick(CLI::App& bench, studies::BenchTickOptions& options) {
   CLI::App* sub = bench.add_subcommand("tick", "times the servo tick as a whole and in parts");
   sub->add_option("--ticks", options.ticks,
                   "ticks to time, one each millisecond; the tool presses on eight planes")
@@ -145,7 +145,7 @@ CLI::App* AddBenchTick(CLI::App& bench, BenchTickOptions& options) {
   return sub;
 }
 
-CLI::App* AddBenchSimulate(CLI::App& bench, BenchSimulateOptions& options) {
+CLI::App* AddBenchSimulate(CLI::App& bench, studies::BenchSimulateOptions& options) {
   CLI::App* sub = bench.add_subcommand(
       "simulate", "times the contact model's age with the engine in this process and in one of its own");
   sub->add_option("--ticks", options.ticks, "ticks of a round, one each millisecond")
@@ -154,7 +154,7 @@ CLI::App* AddBenchSimulate(CLI::App& bench, BenchSimulateOptions& options) {
   sub->add_option("--rounds", options.rounds, "rounds over a thread, shared memory and UDP, in turns")
       ->check(NumberWithin(1, 1000))
       ->capture_default_str();
-  AddEngineOption(*sub, options.engine, WallTimeEngineNames(), "the cutting engine",
+  AddEngineOption(*sub, options.engine, session::WallTimeEngineNames(), "the cutting engine",
                   "; cpu: one thread, no GPU");
   AddDeviceOption(*sub, options.device);
   sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
@@ -167,7 +167,7 @@ CLI::App* AddBenchSimulate(CLI::App& bench, BenchSimulateOptions& options) {
   return sub;
 }
 
-CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
+CLI::App* AddChartScaling(CLI::App& chart, studies::ScalingOptions& options) {
   CLI::App* sub =
       chart.add_subcommand("scaling", "draws frame rate against number of spheres, as the paper's figure 4");
   sub->add_option("--out", options.out, "folder for scaling.svg, .png, .csv, .json and .html")
@@ -193,7 +193,7 @@ CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
   return sub;
 }
 
-CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) {
+CLI::App* AddChartSpeedAccuracy(CLI::App& chart, studies::SpeedAccuracyOptions& options) {
   CLI::App* sub =
       chart.add_subcommand("speed-accuracy",
                            "draws frame time against depth, volume, force and normal error and ripple, "
@@ -209,7 +209,7 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) 
       ->check(NumberWithin(1, 100))
       ->capture_default_str();
   sub->add_option("--method", options.methods, "only this method; may be given several times")
-      ->check(OneOf(LadderMethods()));
+      ->check(OneOf(studies::LadderMethods()));
   sub->add_option("--most-seconds", options.max_seconds,
                   "longest time for a method's frames in a task; tasks that would take longer are left out")
       ->check(NumberWithin(0.1, 36e3))
@@ -226,7 +226,7 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) 
   return sub;
 }
 
-CLI::App* AddChartCompliance(CLI::App& chart, ComplianceChartOptions& options) {
+CLI::App* AddChartCompliance(CLI::App& chart, studies::ComplianceChartOptions& options) {
   CLI::App* sub =
       chart.add_subcommand("compliance", "draws what tool, tissue and mount that give way change and cost");
   sub->add_option("--out", options.out,
@@ -246,14 +246,14 @@ CLI::App* AddChartCompliance(CLI::App& chart, ComplianceChartOptions& options) {
   return sub;
 }
 
-CLI::App* AddBenchConsole(CLI::App& bench, BenchConsoleOptions& options) {
+CLI::App* AddBenchConsole(CLI::App& bench, studies::BenchConsoleOptions& options) {
   CLI::App* sub =
       bench.add_subcommand("console", "times tick and frame of the demo without the console and with pages");
   sub->add_option("--rounds", options.rounds, "rounds, each with every leg in turn")
       ->check(NumberWithin(1, 1000))
       ->capture_default_str();
   sub->add_option("--seconds", options.seconds, "seconds of rendering of each demo")
-      ->check(NumberWithin(kMinSeconds, kMaxSeconds))
+      ->check(NumberWithin(session::kMinSeconds, session::kMaxSeconds))
       ->capture_default_str();
   sub->add_option("--chromium", options.chromium, "a Chromium: one more leg, in which it shows the page")
       ->type_name("PROGRAM")
@@ -266,7 +266,7 @@ CLI::App* AddBenchConsole(CLI::App& bench, BenchConsoleOptions& options) {
   return sub;
 }
 
-CLI::App* AddBenchView(CLI::App& bench, BenchViewOptions& options) {
+CLI::App* AddBenchView(CLI::App& bench, studies::BenchViewOptions& options) {
   CLI::App* sub = bench.add_subcommand(
       "view", "times how fast a long recording opens, and how fast any time of it is shown");
   sub->add_option("recording", options.recording, "the .mcap file of a run, which is repeated")
@@ -322,32 +322,32 @@ bool MeasureCommands::asked() const { return bench_->parsed() || chart_->parsed(
 int MeasureCommands::Run(const std::filesystem::path& config_root, const Invocation& invocation) {
   TakeInvocation(invocation, scaling_options_.sharding);
   TakeInvocation(invocation, accuracy_options_.sharding);
-  if (scaling_->parsed()) return RunChartScaling(scaling_options_);
-  if (accuracy_->parsed()) return RunChartSpeedAccuracy(accuracy_options_);
+  if (scaling_->parsed()) return studies::RunChartScaling(scaling_options_);
+  if (accuracy_->parsed()) return studies::RunChartSpeedAccuracy(accuracy_options_);
   if (compliance_->parsed()) {
     compliance_options_.config_root = config_root;
-    return RunChartCompliance(compliance_options_);
+    return studies::RunChartCompliance(compliance_options_);
   }
   if (kinematics_->parsed()) {
     kinematics_options_.config_root = config_root;
-    return RunBenchKinematics(kinematics_options_);
+    return studies::RunBenchKinematics(kinematics_options_);
   }
   if (surface_->parsed()) {
     surface_options_.config_root = config_root;
-    return RunBenchSurface(surface_options_);
+    return studies::RunBenchSurface(surface_options_);
   }
   if (tick_->parsed()) {
     tick_options_.config_root = config_root;
-    return RunBenchTick(tick_options_);
+    return studies::RunBenchTick(tick_options_);
   }
-  if (console_->parsed()) return RunBenchConsole(console_options_);
-  if (view_->parsed()) return RunBenchView(view_options_);
+  if (console_->parsed()) return studies::RunBenchConsole(console_options_);
+  if (view_->parsed()) return studies::RunBenchView(view_options_);
   if (simulate_->parsed()) {
     simulate_options_.config_root = config_root;
-    return RunBenchSimulate(simulate_options_);
+    return studies::RunBenchSimulate(simulate_options_);
   }
   frame_options_.config_root = config_root;
-  return RunBenchFrame(frame_options_);
+  return studies::RunBenchFrame(frame_options_);
 }
 
 }  // namespace osteon::app

@@ -30,16 +30,16 @@ class MeasureCommands {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const Invocation& invocation);
 
  private:
-  BenchFrameOptions frame_options_;  // before the members that point into it
-  BenchKinematicsOptions kinematics_options_;
-  BenchSurfaceOptions surface_options_;
-  BenchTickOptions tick_options_;
-  BenchConsoleOptions console_options_;
-  BenchViewOptions view_options_;
-  BenchSimulateOptions simulate_options_;
-  ScalingOptions scaling_options_;
-  SpeedAccuracyOptions accuracy_options_;
-  ComplianceChartOptions compliance_options_;
+  studies::BenchFrameOptions frame_options_;  // before the members that point into it
+  studies::BenchKinematicsOptions kinematics_options_;
+  studies::BenchSurfaceOptions surface_options_;
+  studies::BenchTickOptions tick_options_;
+  studies::BenchConsoleOptions console_options_;
+  studies::BenchViewOptions view_options_;
+  studies::BenchSimulateOptions simulate_options_;
+  studies::ScalingOptions scaling_options_;
+  studies::SpeedAccuracyOptions accuracy_options_;
+  studies::ComplianceChartOptions compliance_options_;
   CLI::App *bench_, *frame_, *kinematics_, *surface_, *tick_, *console_, *view_, *simulate_, *chart_,
       *scaling_, *accuracy_, *compliance_;
 };

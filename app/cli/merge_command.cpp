@@ -20,7 +20,8 @@ namespace osteon::app {
 namespace {
 
 // Reads a study's words and runs it on the parts' items.
-int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> words, const PartSet& parts) {
+int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> words,
+             const studies::PartSet& parts) {
   CLI::App app{"the studies that can be split", "osteon"};
   FailuresCommand failures(app);
   MeasureCommands measure(app);
@@ -32,9 +33,9 @@ int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> 
   try {
     app.parse(words);
   } catch (const CLI::ParseError& error) {
-    return Fail("merge",
-                fmt::format("{}: found a command that cannot be read, accepted one of this build: {}",
-                            parts.first_file().string(), UsageError(app, error)));
+    return session::Fail(
+        "merge", fmt::format("{}: found a command that cannot be read, accepted one of this build: {}",
+                             parts.first_file().string(), UsageError(app, error)));
   }
   try {
     if (measure.asked()) return measure.Run(config_root, invocation);
@@ -42,8 +43,9 @@ int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> 
     if (failures.asked()) return failures.Run(config_root, invocation);
     return regress.Run(config_root, invocation);
   } catch (const nlohmann::json::exception& error) {
-    return Fail("merge", fmt::format("found a damaged part ({}), accepted parts as --shard writes them",
-                                     error.what()));
+    return session::Fail(
+        "merge",
+        fmt::format("found a damaged part ({}), accepted parts as --shard writes them", error.what()));
   }
 }
 
@@ -67,8 +69,8 @@ MergeCommand::MergeCommand(CLI::App& app) : sub_(AddStudy(app, "merge")) {
 }
 
 int MergeCommand::Run(const std::filesystem::path& config_root) {
-  const auto parts = PartSet::Read(parts_);
-  if (!parts) return Fail("merge", parts.error());
+  const auto parts = studies::PartSet::Read(parts_);
+  if (!parts) return session::Fail("merge", parts.error());
   std::vector<std::string> words = parts->words();
   for (const auto& [name, path] : {std::pair("--out", &out_), std::pair("--json", &json_)})
     if (!path->empty()) words.insert(words.end(), {name, path->string()});

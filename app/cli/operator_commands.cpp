@@ -45,7 +45,7 @@ bool OperatorCommands::asked() const {
 int OperatorCommands::Run() {
   for (std::size_t i = 0; i < kRequests.size(); ++i)
     if (subs_[i]->parsed()) options_.request = kRequests[i].name;
-  return RunAsk(options_);
+  return session::RunAsk(options_);
 }
 
 }  // namespace osteon::app

@@ -18,7 +18,7 @@ class OperatorCommands {
   [[nodiscard]] int Run();
 
  private:
-  AskOptions options_;
+  session::AskOptions options_;
   std::array<CLI::App*, 5> subs_{};
 };
 

@@ -92,7 +92,7 @@ int OsteonCommands::Run(const std::string& command_line) {
   if (view_.asked()) return view_.Run();
   if (*states_app_) return RunStates(states_);
   if (*faults_app_) return RunFaults(faults_);
-  if (*doctor_app_) return RunDoctor(doctor_);
+  if (*doctor_app_) return session::RunDoctor(doctor_);
   fmt::print("{}", app_.help());
   return 0;
 }

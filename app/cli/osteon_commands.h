@@ -41,7 +41,7 @@ class OsteonCommands {
  private:
   std::filesystem::path config_root_;
   CLI::App& app_;
-  DoctorOptions doctor_;
+  session::DoctorOptions doctor_;
   FaultsOptions faults_;
   StatesOptions states_;
   // Each constructor adds its subcommands to the help, so the order of these members is the help's order.

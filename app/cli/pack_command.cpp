@@ -91,17 +91,17 @@ PackCommand::PackCommand(CLI::App& app) : sub_(AddStudy(app, "pack")) {
 std::string PackCommand::Read() {
   options_.disjoint = texts_.mode == "disjoint";
   if (sub_->count("--cup") > 0) {
-    const auto parsed = ParseCup(texts_.cup);
+    const auto parsed = session::ParseCup(texts_.cup);
     if (!parsed) return parsed.error();
     options_.source.cup = *parsed;
   }
   if (sub_->count("--region") > 0) {
-    const auto parsed = ParseRegion(texts_.region);
+    const auto parsed = session::ParseRegion(texts_.region);
     if (!parsed) return parsed.error();
     options_.source.region = *parsed;
   }
   if (sub_->count("--path") > 0) {
-    const auto radius = ParseNumbers(texts_.path[1], 1, "--path: R");
+    const auto radius = session::ParseNumbers(texts_.path[1], 1, "--path: R");
     if (!radius) return radius.error();
     if (!(radius->front() >= 0.1 && radius->front() <= 100.0))
       return fmt::format("--path: R: found {} mm, accepted 0.1 … 100", radius->front());
@@ -122,7 +122,7 @@ int PackCommand::Run(const std::filesystem::path& config_root, const std::string
     fmt::print(stderr, "osteon pack: {}\n", wrong);
     return 2;
   }
-  return RunPack(options_);
+  return studies::RunPack(options_);
 }
 
 }  // namespace osteon::app

@@ -29,7 +29,7 @@ class PackCommand {
   // Converts the texts. @returns what is wrong with them.
   [[nodiscard]] std::string Read();
 
-  PackOptions options_;
+  studies::PackOptions options_;
   Texts texts_;
   CLI::App* sub_;
 };

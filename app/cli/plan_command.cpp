@@ -12,7 +12,7 @@
 
 namespace osteon::app {
 PlanCommand::PlanCommand(CLI::App& app) : sub_(AddStudy(app, "plan")) {
-  PlanOptions& o = options_;
+  studies::PlanOptions& o = options_;
   sub_->add_option("scene", o.choice.scene,
                    "a name under scenes/, or a scene's YAML file; or a mesh (.stl, .obj, .ply) with --cup")
       ->type_name("SCENE")
@@ -40,7 +40,7 @@ PlanCommand::PlanCommand(CLI::App& app) : sub_(AddStudy(app, "plan")) {
                    "or a YAML file")
       ->type_name("TOOL");
   sub_->add_flag("--check", o.check, "carry the plan out and measure what it predicts");
-  AddEngineOption(*sub_, engine_, WallTimeEngineNames(), "the cutting engine that is timed");
+  AddEngineOption(*sub_, engine_, session::WallTimeEngineNames(), "the cutting engine that is timed");
   AddDeviceOption(*sub_, device_);
   sub_->add_option("--out", o.out, "folder for plan.html")->type_name("FOLDER");
   sub_->add_option("--json", o.json, "also write the plan there, as JSON")->type_name("FILE");
@@ -60,28 +60,28 @@ int PlanCommand::Run(const std::filesystem::path& config_root, const std::string
   options_.command_line = command_line;
   options_.choice.config_root = config_root;
   options_.request.error_m = 1e-3 * error_mm_;
-  options_.request.engine = ChooseEngine(engine_, device_);
+  options_.request.engine = session::ChooseEngine(engine_, device_);
   if (!cup_.empty()) {
-    const auto site = ParseCup(cup_);
-    if (!site) return Fail("plan", site.error());
+    const auto site = session::ParseCup(cup_);
+    if (!site) return session::Fail("plan", site.error());
     options_.choice.site = *site;
   }
   if (!cell_.empty()) {
     const auto found = FindCell(config_root, cell_);
-    if (!found) return Fail("plan", "--cell " + found.error());
+    if (!found) return session::Fail("plan", "--cell " + found.error());
     options_.choice.cell = *found;
   }
   if (!tool_.empty()) {
     const auto parsed = ParseTool(tool_, config_root);
-    if (!parsed) return Fail("plan", parsed.error());
+    if (!parsed) return session::Fail("plan", parsed.error());
     options_.choice.tool = *parsed;
   }
   try {
-    return RunPlan(options_);
+    return studies::RunPlan(options_);
   } catch (const config::ToolSizeError& error) {
-    return Fail("plan", fmt::format("--tool {}: {}", tool_, error.what()));
+    return session::Fail("plan", fmt::format("--tool {}: {}", tool_, error.what()));
   } catch (const std::invalid_argument& error) {
-    return Fail("plan", error.what());
+    return session::Fail("plan", error.what());
   }
 }
 

@@ -19,7 +19,7 @@ class PlanCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
 
  private:
-  PlanOptions options_;
+  studies::PlanOptions options_;
   double error_mm_{0.0};
   std::string cell_, tool_, cup_, engine_{"auto"}, device_;
   CLI::App* sub_;

@@ -17,7 +17,8 @@ class ProcedureOptions {
   void Add(CLI::App& sub, bool with_session);
   [[nodiscard]] bool asked() const { return !plan_.empty(); }
   /// Finds the plan. @returns what is wrong; empty: nothing
-  [[nodiscard]] std::string Take(const std::filesystem::path& config_root, ProcedureChoice& choice) const;
+  [[nodiscard]] std::string Take(const std::filesystem::path& config_root,
+                                 session::ProcedureChoice& choice) const;
 
  private:
   std::string plan_, hand_{"expert"};

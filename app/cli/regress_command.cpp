@@ -7,7 +7,7 @@
 namespace osteon::app {
 
 RegressCommand::RegressCommand(CLI::App& app) : sub_(AddStudy(app, "regress")) {
-  RegressOptions& o = options_;
+  studies::RegressOptions& o = options_;
   auto* scenarios =
       sub_->add_option(
               "scenarios", o.scenarios,
@@ -71,16 +71,16 @@ int RegressCommand::Run(const std::filesystem::path& config_root, const Invocati
   options_.config_root = config_root;
   options_.command_line = invocation.command_line;
   TakeInvocation(invocation, options_.sharding);
-  if (sweep_.empty()) return RunRegress(options_);
-  return RunSweep({.config_root = config_root,
-                   .sweep = sweep_,
-                   .out = options_.out,
-                   .json = options_.json,
-                   .jobs = options_.jobs,
-                   .device = options_.device,
-                   .set = options_.set,
-                   .command_line = options_.command_line,
-                   .sharding = options_.sharding});
+  if (sweep_.empty()) return studies::RunRegress(options_);
+  return studies::RunSweep({.config_root = config_root,
+                            .sweep = sweep_,
+                            .out = options_.out,
+                            .json = options_.json,
+                            .jobs = options_.jobs,
+                            .device = options_.device,
+                            .set = options_.set,
+                            .command_line = options_.command_line,
+                            .sharding = options_.sharding});
 }
 
 }  // namespace osteon::app

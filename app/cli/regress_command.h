@@ -20,7 +20,7 @@ class RegressCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const Invocation& invocation);
 
  private:
-  RegressOptions options_;
+  studies::RegressOptions options_;
   std::string sweep_;  ///< empty: scenarios against their golden traces
   CLI::App* sub_;
 };

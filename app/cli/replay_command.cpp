@@ -31,15 +31,15 @@ ReplayCommand::ReplayCommand(CLI::App& app)
 int ReplayCommand::Run(const std::filesystem::path& config_root) {
   if (std::filesystem::is_directory(options_.recording)) {
     if (!cell_.empty())
-      return Fail("replay", "--cell: found with a session's folder, accepted with a recording");
-    return RunReplaySession({.session = options_.recording, .json = options_.json});
+      return session::Fail("replay", "--cell: found with a session's folder, accepted with a recording");
+    return session::RunReplaySession({.session = options_.recording, .json = options_.json});
   }
   if (!cell_.empty()) {
     const auto found = FindCell(config_root, cell_);
-    if (!found) return Fail("replay", "--cell " + found.error());
+    if (!found) return session::Fail("replay", "--cell " + found.error());
     options_.cell = *found;
   }
-  return RunReplay(options_);
+  return session::RunReplay(options_);
 }
 
 }  // namespace osteon::app

@@ -19,7 +19,7 @@ class ReplayCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root);
 
  private:
-  ReplayOptions options_;
+  session::ReplayOptions options_;
   std::string cell_;
   CLI::App* sub_;
 };

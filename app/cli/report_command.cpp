@@ -22,7 +22,7 @@ ReportCommand::ReportCommand(CLI::App& app)
 
 int ReportCommand::Run(const std::string& command_line) {
   options_.command_line = command_line;
-  return RunRecordedReport(options_);
+  return session::RunRecordedReport(options_);
 }
 
 }  // namespace osteon::app

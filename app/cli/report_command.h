@@ -18,7 +18,7 @@ class ReportCommand {
   [[nodiscard]] int Run(const std::string& command_line);
 
  private:
-  RecordedReportOptions options_;
+  session::RecordedReportOptions options_;
   CLI::App* sub_;
 };
 

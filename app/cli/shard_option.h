@@ -11,13 +11,13 @@ namespace osteon::app {
 
 /// How a study that can be split was called.
 struct Invocation {
-  std::string command_line;        ///< the command that repeats the run
-  std::vector<std::string> words;  ///< of the command line, after the program's name
-  const PartSet* parts{nullptr};   ///< by `osteon merge`: the items of all shards
+  std::string command_line;                ///< the command that repeats the run
+  std::vector<std::string> words;          ///< of the command line, after the program's name
+  const studies::PartSet* parts{nullptr};  ///< by `osteon merge`: the items of all shards
 };
 
 /// Adds --shard.
-CLI::Option* AddShardOption(CLI::App& sub, Sharding& sharding);
-void TakeInvocation(const Invocation& invocation, Sharding& sharding);
+CLI::Option* AddShardOption(CLI::App& sub, studies::Sharding& sharding);
+void TakeInvocation(const Invocation& invocation, studies::Sharding& sharding);
 
 }  // namespace osteon::app

@@ -13,7 +13,7 @@ namespace osteon::app {
 namespace {
 
 // "127.0.0.1:30300". False if it is none.
-bool ParseListen(const std::string& text, SimulateOptions& options) {
+bool ParseListen(const std::string& text, session::SimulateOptions& options) {
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos || colon == 0) return false;
   const char* end = text.data() + text.size();
@@ -35,7 +35,7 @@ SimulateCommand::SimulateCommand(CLI::App& app)
       sub_->add_option("--listen", listen_,
                        "address and port (UDP) for runs; beyond the loopback with --token-file")
           ->type_name("WHERE")
-          ->default_str(fmt::format("127.0.0.1:{}", kSimulatePort));
+          ->default_str(fmt::format("127.0.0.1:{}", session::kSimulatePort));
   sub_->add_option("--token-file", options_.token_file,
                    "file whose first line a run must know; the run's cell names a copy")
       ->type_name("FILE");
@@ -45,7 +45,7 @@ SimulateCommand::SimulateCommand(CLI::App& app)
       ->type_name("FOLDER")
       ->excludes(listen)
       ->excludes(cell);
-  AddEngineOption(*sub_, options_.engine, WallTimeEngineNames(), "the cutting engine",
+  AddEngineOption(*sub_, options_.engine, session::WallTimeEngineNames(), "the cutting engine",
                   "; cpu: one thread, no GPU");
   AddDeviceOption(*sub_, options_.device);
   sub_->add_option("--json", options_.json, "write a summary there at the end, as JSON")->type_name("FILE");
@@ -77,8 +77,8 @@ int SimulateCommand::Run(const std::filesystem::path& config_root) {
   }
   if (!listen_.empty() && !ParseListen(listen_, options_))
     return refuse(fmt::format("--listen: found {}, accepted ADDRESS:PORT such as 127.0.0.1:{}", listen_,
-                              kSimulatePort));
-  return RunSimulate(options_);
+                              session::kSimulatePort));
+  return session::RunSimulate(options_);
 }
 
 }  // namespace osteon::app

@@ -19,7 +19,7 @@ class SimulateCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root);
 
  private:
-  SimulateOptions options_;
+  session::SimulateOptions options_;
   std::string cell_, listen_;
   CLI::App* sub_;
 };

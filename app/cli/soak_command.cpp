@@ -28,7 +28,7 @@ SoakCommand::SoakCommand(CLI::App& app) : sub_(AddStudy(app, "soak")) {
 int SoakCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
   options_.config_root = config_root;
   options_.command_line = command_line;
-  return RunSoak(options_);
+  return studies::RunSoak(options_);
 }
 
 }  // namespace osteon::app

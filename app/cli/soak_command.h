@@ -18,7 +18,7 @@ class SoakCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
 
  private:
-  SoakOptions options_;
+  studies::SoakOptions options_;
   CLI::App* sub_;
 };
 

@@ -103,7 +103,7 @@ std::string StatesJson() {
 std::string StatesPage() {
   std::string page =
       "# What the cell does, and what leads from one state to another\n\n" +
-      WrapMarkdown(
+      base::WrapMarkdown(
           "Written by `osteon states --markdown docs/states.md` from the table in `safety/cell_state.cpp`, "
           "by "
           "which the servo loop lives. The recording has the number of the state by tick (`cell_state`).") +
@@ -114,7 +114,7 @@ std::string StatesPage() {
     page += fmt::format("| {} | {} | {} | {} |\n", static_cast<int>(state), text.name, text.does, text.leave);
   });
   page += "\n## Before anything moves\n\n" +
-          WrapMarkdown(
+          base::WrapMarkdown(
               "All of these hold in one tick (bits of `permits` in the recording, as last looked at while "
               "nothing moves; `osteon run` names what is missing):") +
           "\n\n| bit | |\n|---|---|\n";
@@ -132,7 +132,7 @@ std::string StatesPage() {
   page += Table();
   page +=
       "\n## Stops\n\n" +
-      WrapMarkdown(
+      base::WrapMarkdown(
           "Stop 0: the arm is not under control (silent, or not in COMMANDING_ACTIVE); nothing that is "
           "commanded counts. Stop 1: what is commanded brakes to rest, and the request for motion is "
           "withdrawn, so that the PLC may cut the power. Stop 2: the same under power, for a pause. Which "
@@ -159,9 +159,9 @@ int RunStates(const StatesOptions& options) {
   for (const auto& [file, text] :
        {std::pair(options.markdown, StatesPage()), std::pair(options.json, StatesJson())}) {
     if (file.empty()) continue;
-    if (const auto written = WriteText(file, text); !written) {
+    if (const auto written = base::WriteText(file, text); !written) {
       fmt::print(stderr, "osteon states: {}\n", written.error());
-      return kFailed;
+      return session::kFailed;
     }
   }
   return 0;

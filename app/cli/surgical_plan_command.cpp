@@ -31,15 +31,15 @@ SurgicalPlanCommand::SurgicalPlanCommand(CLI::App& app) : sub_(AddStudy(app, "su
 
 int SurgicalPlanCommand::Run(const std::filesystem::path& config_root) {
   const auto plan = FindPlan(config_root, plan_);
-  if (!plan) return Fail("surgical-plan", plan.error());
+  if (!plan) return session::Fail("surgical-plan", plan.error());
   options_.plan = *plan;
   if (!cell_.empty()) {
     const auto cell = FindCell(config_root, cell_);
-    if (!cell) return Fail("surgical-plan", "--cell " + cell.error());
+    if (!cell) return session::Fail("surgical-plan", "--cell " + cell.error());
     options_.cell = *cell;
   }
-  if (!mesh_.empty()) options_.mesh = MeshChoice{.file = mesh_, .scale = scale_};
-  return RunSurgicalPlan(options_);
+  if (!mesh_.empty()) options_.mesh = session::MeshChoice{.file = mesh_, .scale = scale_};
+  return studies::RunSurgicalPlan(options_);
 }
 
 }  // namespace osteon::app

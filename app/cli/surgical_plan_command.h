@@ -19,7 +19,7 @@ class SurgicalPlanCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root);
 
  private:
-  SurgicalPlanOptions options_;
+  studies::SurgicalPlanOptions options_;
   std::string plan_, cell_, mesh_;
   double scale_{1.0};
   CLI::App* sub_;

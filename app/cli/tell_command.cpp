@@ -26,7 +26,7 @@ TellCommand::TellCommand(CLI::App& app)
 
 int TellCommand::Run() {
   for (const std::string& word : words_) options_.request += (options_.request.empty() ? "" : " ") + word;
-  return RunTell(options_);
+  return session::RunTell(options_);
 }
 
 }  // namespace osteon::app

@@ -19,7 +19,7 @@ class TellCommand {
   [[nodiscard]] int Run();
 
  private:
-  TellOptions options_;
+  session::TellOptions options_;
   std::vector<std::string> words_;
   CLI::App* sub_;
 };

@@ -43,7 +43,7 @@ int TransparencyCommand::Run(const std::filesystem::path& config_root, const std
   }
   options_.cell = *found;
   options_.command_line = command_line;
-  return RunTransparency(options_);
+  return studies::RunTransparency(options_);
 }
 
 }  // namespace osteon::app

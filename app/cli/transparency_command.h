@@ -19,7 +19,7 @@ class TransparencyCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
 
  private:
-  TransparencyOptions options_;
+  studies::TransparencyOptions options_;
   std::string cell_;
   CLI::App* sub_;
 };

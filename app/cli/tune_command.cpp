@@ -10,7 +10,7 @@
 namespace osteon::app {
 
 TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
-  TuneOptions& o = options_;
+  studies::TuneOptions& o = options_;
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
       ->required();
@@ -86,7 +86,7 @@ int TuneCommand::Run(const std::filesystem::path& config_root, const Invocation&
     }
     options_.plan = *plan;
   }
-  return RunTune(options_);
+  return studies::RunTune(options_);
 }
 
 }  // namespace osteon::app

@@ -20,7 +20,7 @@ class TuneCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const Invocation& invocation);
 
  private:
-  TuneOptions options_;
+  studies::TuneOptions options_;
   std::string cell_, plan_;
   CLI::App* sub_;
 };

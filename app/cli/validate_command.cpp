@@ -24,7 +24,7 @@ ValidateCommand::ValidateCommand(CLI::App& app) : sub_(AddStudy(app, "validate")
 int ValidateCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
   options_.config_root = config_root;
   options_.command_line = command_line;
-  return RunValidate(options_);
+  return studies::RunValidate(options_);
 }
 
 }  // namespace osteon::app

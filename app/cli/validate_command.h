@@ -18,7 +18,7 @@ class ValidateCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const std::string& command_line);
 
  private:
-  ValidateOptions options_;
+  studies::ValidateOptions options_;
   CLI::App* sub_;
 };
 

@@ -13,10 +13,10 @@ class ViewCommand {
 
   [[nodiscard]] bool asked() const { return sub_->parsed(); }
   /// @returns the process's exit code.
-  [[nodiscard]] int Run() const { return RunView(options_); }
+  [[nodiscard]] int Run() const { return session::RunView(options_); }
 
  private:
-  ViewOptions options_;
+  session::ViewOptions options_;
   CLI::App* sub_;
 };
 

@@ -132,7 +132,7 @@ std::string StatusLine(const LiveStatus& s, double wanted_s, std::size_t columns
   std::string line;
   for (const std::string& part : parts) {
     const std::size_t separator = line.empty() ? 0 : 3;
-    if (app::ColumnsOf(line) + separator + app::ColumnsOf(part) > columns) continue;
+    if (base::ColumnsOf(line) + separator + base::ColumnsOf(part) > columns) continue;
     line += (line.empty() ? "" : " | ") + part;
   }
   return line;

@@ -35,7 +35,7 @@ void Copy(const Vector3& from, double (&to)[3]) {
 
 control::GuidanceParams GuidanceParamsOf(const PlanSource& plan, const OsteonGuidanceParams& params) {
   const procedure::SurgicalPlan& surgical = plan.config.plan;
-  auto guidance = app::GuidanceOf(surgical, ReamerAt(plan, params.reamer), Pose::Identity());
+  auto guidance = session::GuidanceOf(surgical, ReamerAt(plan, params.reamer), Pose::Identity());
   if (!guidance)
     throw Failure(OSTEON_ERROR_STATE,
                   fmt::format("plan {}: found no guidance, accepted a plan with `guidance:`", surgical.name));
@@ -80,7 +80,7 @@ OsteonPlanInfo InfoOf(const PlanSource& plan) {
   info.anatomic = AnglesIn(CupDefinition::kAnatomic, from);
   info.reamer_count = static_cast<std::uint32_t>(from.reamers.size());
   info.is_left = from.side == procedure::Side::kLeft ? 1 : 0;
-  info.has_guidance = app::GuidanceOf(from, from.reamers.front(), Pose::Identity()) ? 1 : 0;
+  info.has_guidance = session::GuidanceOf(from, from.reamers.front(), Pose::Identity()) ? 1 : 0;
   return info;
 }
 

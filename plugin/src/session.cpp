@@ -94,12 +94,12 @@ Session::Session(std::shared_ptr<const BoneSource> bone, std::shared_ptr<const T
   control::Validate(coupling_);
   cutting_.stiffness_N_per_m = settings.stiffness_N_per_m;
   cutting_.max_force_N = settings.max_force_N;
-  const app::EngineChoice choice =
-      app::ChooseEngine(EngineName(settings.engine), settings.device ? settings.device : "");
+  const session::EngineChoice choice =
+      session::ChooseEngine(EngineName(settings.engine), settings.device ? settings.device : "");
   engine_name_ = choice.engine;
   device_ = choice.device;
   engine_ = MakeEngine(*tool_);
-  engine_text_ = app::EngineText(choice, engine_->device());
+  engine_text_ = session::EngineText(choice, engine_->device());
   if (simulation::CuttingHead(tool_->tool)) depth_.emplace(bone_->bone, tool_->tool);
   watch_.emplace(bone_->solid.get(), bone_->bone, tool_->tool, bone_->events);
   if (settings.surface != 0) {
@@ -130,8 +130,8 @@ Session::~Session() {
 }
 
 std::unique_ptr<simulation::CuttingEngine> Session::MakeEngine(const ToolSource& tool) const {
-  auto engine = app::MakeEngine({.engine = engine_name_, .device = device_}, bone_->bone, tool.tool,
-                                Pose::Identity(), cutting_);
+  auto engine = session::MakeEngine({.engine = engine_name_, .device = device_}, bone_->bone, tool.tool,
+                                    Pose::Identity(), cutting_);
   if (!engine) throw Failure(OSTEON_ERROR_DEVICE, engine.error());
   return std::move(*engine);
 }

@@ -124,7 +124,7 @@ class Session {
   control::CouplingParams coupling_;
   simulation::CuttingParams cutting_;
   std::string engine_text_;
-  std::string engine_name_, device_;  // as osteon::app::EngineChoice has them
+  std::string engine_name_, device_;  // as osteon::session::EngineChoice has them
 
   rt::LatestValue<simulation::ToolCommand> commands_;
   rt::LatestValue<simulation::ContactModel> models_;

@@ -13,7 +13,7 @@
 #include "simulation/surface/bone_solid.h"
 #include "simulation/surface/dual_surface.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // The carved bone along a recording, as messages of topic `bone`.
@@ -144,4 +144,4 @@ tl::expected<BoneCopy, std::string> CopyWithBone(const std::filesystem::path& re
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -8,7 +8,7 @@
 
 #include "session/setup/cell_setup.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A copy of a recording with the carved bone in it.
 struct BoneCopy {
@@ -28,4 +28,4 @@ struct BoneCopy {
                                                                const CellSetup& setup, double step_s,
                                                                const std::filesystem::path& file);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

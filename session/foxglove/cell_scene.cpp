@@ -7,7 +7,7 @@
 
 #include "report/bone_shape.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // simple bodies of our own, as the console's page has them
@@ -83,7 +83,7 @@ CellScene::CellScene(const CellSetup& setup)
   for (const safety::ZoneParams& zone : setup.config.servo.workspace.zones)
     if (zone.side == safety::ZoneSide::kKeepOut) zones_.push_back(zone);
   for (std::size_t i = 0; i < setup.bone.materials.size(); ++i)
-    tissues_.push_back(Of(MaterialColor(setup.bone, static_cast<simulation::MaterialIndex>(i))));
+    tissues_.push_back(Of(report::MaterialColor(setup.bone, static_cast<simulation::MaterialIndex>(i))));
 }
 
 std::vector<io::FramePlace> CellScene::Frames(const control::TickRecord& tick,
@@ -180,4 +180,4 @@ io::SceneEntity CellScene::BonePart(const std::string& id,
   return entity;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

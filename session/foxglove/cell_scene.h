@@ -10,7 +10,7 @@
 #include "simulation/contact/contact_model.h"
 #include "simulation/surface/surface_chunk.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// What Foxglove draws of a cell: its frames, and the things in them.
 ///
@@ -52,4 +52,4 @@ class CellScene {
   std::vector<io::SceneColor> tissues_;  // by material
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

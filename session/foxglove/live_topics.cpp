@@ -8,7 +8,7 @@
 #include "io/recording/messages.h"
 #include "simulation/surface/chunk_bytes.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // channels after those of CellTopics
@@ -103,4 +103,4 @@ void LiveTopics::NewBone(console::FoxgloveCursor& cursor, std::vector<console::F
   out.push_back(std::move(message));
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

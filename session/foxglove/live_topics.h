@@ -7,7 +7,7 @@
 #include "console/stream/live_feed.h"
 #include "session/foxglove/cell_scene.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The topics of a cell or of a recording: those of Foxglove's schemas, in this order.
 ///
@@ -39,4 +39,4 @@ class LiveTopics final : public console::FoxgloveSource {
   std::vector<console::FoxgloveChannel> channels_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

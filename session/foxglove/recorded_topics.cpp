@@ -2,7 +2,7 @@
 
 #include "session/foxglove/live_topics.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 void RecordedTopics::Begin(io::McapWriter& file, rt::Nanoseconds stamp) {
   for (const console::FoxgloveChannel& topic : CellTopics())
@@ -35,4 +35,4 @@ void RecordedTopics::TakeEvent(const io::RecordedEvent& event, io::McapWriter& f
   file.Write(channels_[static_cast<std::size_t>(CellTopic::kLog)], event.stamp, bytes_);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

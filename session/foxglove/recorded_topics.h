@@ -8,7 +8,7 @@
 #include "session/foxglove/cell_scene.h"
 #include "simulation/engine/frame_record.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Adds the topics of CellTopics but the bone to a recording: the bodies once, the rest every kPeriod_ns of
 /// log time.
@@ -30,4 +30,4 @@ class RecordedTopics final : public io::RecordTopics {
   std::string bytes_;                    // scratch
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -19,7 +19,7 @@
 #include "session/setup/config_checksum.h"
 #include "session/setup/recorded_config.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // how often PLC, silence and Ctrl-C are checked
@@ -109,7 +109,7 @@ class OrderlyEnd {
   /// Whether it was asked for.
   [[nodiscard]] bool began() const { return began_; }
   [[nodiscard]] bool IsReached(const safety::GuardMonitor& monitor, rt::Nanoseconds now) {
-    if (!Interrupted().load()) return false;
+    if (!base::Interrupted().load()) return false;
     if (!began_) began_at_ = now;
     began_ = true;
     return !has_plc_ || monitor.latched() || !monitor.ArmIsCommanded(now) || now - began_at_ > kEndWithin;
@@ -208,14 +208,14 @@ std::string ToJson(const GuardReport& r) {
     json["plc"] = {{"connected", r.plc->link == io::PlcLink::kConnected},
                    {"writes", r.plc->counters.writes},
                    {"lost", r.plc->counters.lost}};
-  return JsonText(json);
+  return base::JsonText(json);
 }
 
 int RunGuard(const GuardOptions& options) {
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("guard", "--cpu: " + wrong);
   OutputThread output;  // the relay's thread waits for no terminal
-  InstallInterrupt();
+  base::InstallInterrupt();
 
   // the guard reads the files itself
   config::CellConfig cell;
@@ -272,10 +272,10 @@ int RunGuard(const GuardOptions& options) {
   report.answer_delay = (*relay)->answer_delay();
   PrintEnd(report);
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, ToJson(report)); !written)
+    if (const auto written = base::WriteText(options.json, ToJson(report)); !written)
       return Fail("guard", written.error(), kFailed);
   if (!open) return Fail("guard", "a socket was closed under it", kFailed);
-  return monitor->latched() ? kFailed : InterruptExitCode(0);
+  return monitor->latched() ? kFailed : base::InterruptExitCode(0);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

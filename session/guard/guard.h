@@ -12,7 +12,7 @@
 #include "io/modbus/plc_reading.h"
 #include "safety/guard_monitor.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 struct GuardOptions {
   std::filesystem::path cell;                ///< its YAML
@@ -47,4 +47,4 @@ struct GuardReport {
 /// request was withdrawn; 2 wrong input; 129 its terminal was closed, 141 nobody reads its stdout.
 [[nodiscard]] int RunGuard(const GuardOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

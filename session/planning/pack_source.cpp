@@ -18,7 +18,7 @@
 #include "simulation/solids/ball_solid.h"
 #include "simulation/solids/box_solid.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kEvenDensity_kg_per_m3 = 1000.0;
@@ -257,7 +257,7 @@ tl::expected<PackSource, std::string> LoadPackSource(const SourceOptions& option
   PackSource source;
   const std::string& input = options.input;
   source.provenance.source = io::Utf8(std::filesystem::path(input).filename().string());
-  const std::string extension = Lower(std::filesystem::path(input).extension().string());
+  const std::string extension = base::Lower(std::filesystem::path(input).extension().string());
   const bool shape = !options.scenes_only && (input.starts_with("ball:") || input.starts_with("box:"));
   const bool file = !options.scenes_only && !shape && !extension.empty() && extension != ".yaml";
   if (!file) {
@@ -286,4 +286,4 @@ tl::expected<PackSource, std::string> LoadPackSource(const SourceOptions& option
   return source;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

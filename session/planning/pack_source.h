@@ -13,7 +13,7 @@
 #include "simulation/solids/cut_zone.h"
 #include "simulation/solids/mass_properties.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A planned tool path: a CSV file with a line "x_mm,y_mm,z_mm" for each place of the tool's centre.
 struct PathChoice {
@@ -66,4 +66,4 @@ struct PackSource {
                                                                           std::size_t count,
                                                                           const std::string& what);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -11,7 +11,7 @@
 #include "simulation/fidelity/thin_tool.h"
 #include "simulation/tools/tool_path.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using simulation::PackingKind;
@@ -234,4 +234,4 @@ tl::expected<PlanCheck, std::string> CheckPlan(const PlanScene& scene, const Pla
   return check;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

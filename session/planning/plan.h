@@ -10,7 +10,7 @@
 
 #include "session/planning/plan_scene.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The demands on the model and on the machine.
 struct PlanRequest {
@@ -108,4 +108,4 @@ struct PlanCheck {
                                                              const PlanRequest& request,
                                                              const FidelityPlan& plan);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -14,7 +14,7 @@
 #include "simulation/packing/mass_points.h"
 #include "simulation/removal/cut_metrics.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // Number of frames in an engine's turn, and of those at its start that are not counted: an H100 takes another
@@ -23,7 +23,7 @@ constexpr std::size_t kTurn = 25, kSettle = 3;
 constexpr double kFeed_m_per_s = 5e-3;  // assumed for a cutting tool
 
 bool IsMesh(const std::string& input) {
-  const std::string extension = Lower(std::filesystem::path(input).extension().string());
+  const std::string extension = base::Lower(std::filesystem::path(input).extension().string());
   return extension == ".stl" || extension == ".obj" || extension == ".ply";
 }
 
@@ -119,7 +119,7 @@ tl::expected<std::vector<LevelRun>, std::string> RunLevels(const PlanScene& scen
     RunQueueWatch watch;
     for (LevelRun& run : runs) run.felt.clear();
     for (std::size_t begin = 0; begin < scene.work.frames.size(); begin += kTurn) {
-      if (Interrupted()) return tl::make_unexpected("ended by Ctrl-C");
+      if (base::Interrupted()) return tl::make_unexpected("ended by Ctrl-C");
       const std::size_t end = std::min(begin + kTurn, scene.work.frames.size());
       for (std::size_t i = 0; i < engines.size(); ++i) {
         const std::size_t which = (i + begin / kTurn) % engines.size();
@@ -181,4 +181,4 @@ double BallsInReach(const PlanScene& scene, const std::vector<simulation::Ball>&
   return sum / kPoses;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -18,7 +18,7 @@
 #include "simulation/fidelity/packing_level.h"
 #include "simulation/fidelity/scene_workload.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A scene to plan for, or a mesh in its place, with the tool and arm that work on it.
 struct PlanChoice {
@@ -89,4 +89,4 @@ struct LevelRun {
 /// active balls are proportional to it.
 [[nodiscard]] double BallsInReach(const PlanScene& scene, const std::vector<simulation::Ball>& balls);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

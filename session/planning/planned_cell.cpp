@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // Returns the demands on the packing; nothing if there are none.
@@ -87,4 +87,4 @@ nlohmann::json PlannedJson(const PlannedCell& planned) {
   return json;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

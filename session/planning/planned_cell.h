@@ -10,7 +10,7 @@
 #include "session/planning/plan.h"
 #include "session/setup/cell_setup.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// How fine a run's bone is, as stated on the command line.
 struct FidelityChoice {
@@ -41,4 +41,4 @@ struct PlannedCell {
 /// The plan as keys of a run's summary.
 [[nodiscard]] nlohmann::json PlannedJson(const PlannedCell& planned);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

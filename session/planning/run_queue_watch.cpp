@@ -10,7 +10,7 @@
 #include <limits>
 #include <string_view>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 /// The second of the file's three numbers; 0 if there is none.
@@ -60,4 +60,4 @@ double RunQueueWatch::Waited_us() const {
   return 1e-3 * sum_ns;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Measures how long the machine kept processors from this process's threads: the time that they were ready
 /// to run and did not, by the kernel's own count (/proc/self/task/*/schedstat), over the threads that exist
@@ -28,4 +28,4 @@ class RunQueueWatch {
   long switches_{0};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -2,7 +2,7 @@
 
 #include "safety/cell_state.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 double LoadStepError_N(const Vector3& f_before_S, const Vector3& f_after_S,
                        const control::ForceSensorParams& before, const control::ForceSensorParams& after,
@@ -32,4 +32,4 @@ void PausedReadings::Add(const control::TickRecord& tick) {
   count_ = 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

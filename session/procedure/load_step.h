@@ -4,7 +4,7 @@
 #include "control/tick_record.h"
 #include "kinematics/spatial.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The step of the force sensor's reading in a physical change of tool may differ from the tools' weights by
 /// this much: a missing reamer of 0.9 kg is found, two neighbouring sizes (5 g) are not told apart.
@@ -35,4 +35,4 @@ class PausedReadings {
   int first_count_{0}, count_{0}, newest_count_{0};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

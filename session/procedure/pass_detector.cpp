@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kMaxFrame_s = 0.1;  // a stall is no cutting time
@@ -49,4 +49,4 @@ void PassDetector::Restart() {
   clear_since_ = last_ = 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -3,7 +3,7 @@
 #include "base/clock.h"
 #include "simulation/engine/frame_record.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A tool that has touched no bone for this long has ended its pass.
 inline constexpr rt::Nanoseconds kClearOfPass = rt::kSecond / 2;
@@ -34,4 +34,4 @@ class PassDetector {
   double cutting_s_{0.0}, removed_m3_{0.0}, removed_at_begin_m3_{0.0};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

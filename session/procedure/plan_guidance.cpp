@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using procedure::GuidanceCeilings;
@@ -115,4 +115,4 @@ control::GuidanceParams GuidanceFromJson(const nlohmann::json& json) {
   return guidance;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -11,7 +11,7 @@
 
 // From a surgical plan to the guidance of the servo loop.
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The guidance of one reamer of a plan, as the loop needs it; absent: the plan has none.
 /// @param X_WG  the bone's frame in the world
@@ -30,4 +30,4 @@ namespace osteon::app {
 /// @throws nlohmann::json::exception, std::invalid_argument
 [[nodiscard]] control::GuidanceParams GuidanceFromJson(const nlohmann::json& json);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -19,7 +19,7 @@
 #include "session/procedure/session_bone.h"
 #include "session/setup/config_checksum.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -247,7 +247,8 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
   if (error)
     return tl::make_unexpected(procedure.folder.string() + ": cannot make the folder: " + error.message());
   if (!choice.resume) {
-    if (const auto written = WriteText(procedure.folder / file.plan_file, procedure.plan_text); !written)
+    if (const auto written = base::WriteText(procedure.folder / file.plan_file, procedure.plan_text);
+        !written)
       return tl::make_unexpected(written.error());
     if (const auto written = WriteSessionBone(procedure.folder, setup.bone); !written)
       return tl::make_unexpected(written.error());
@@ -283,4 +284,4 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
   return session;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

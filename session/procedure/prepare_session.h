@@ -14,7 +14,7 @@
 #include "session/setup/cell_setup.h"
 #include "session/setup/engine_choice.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The procedure that a run was asked for: `--plan`, `--session`, `--resume`.
 struct ProcedureChoice {
@@ -83,4 +83,4 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
 /// Whether a folder can hold a new session; the reason if not.
 [[nodiscard]] std::string ValidateNewSession(const std::filesystem::path& folder);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -8,7 +8,7 @@
 
 #include "base/units.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 nlohmann::json Triple(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
@@ -115,4 +115,4 @@ std::string ProcedurePanel::Json(const SessionFile& session, double gain) const 
   return json.dump();
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

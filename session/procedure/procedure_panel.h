@@ -12,7 +12,7 @@
 #include "session/procedure/session_file.h"
 #include "simulation/contact/contact_model.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Where a tool is along its plan.
 struct PlanPlace {
@@ -58,4 +58,4 @@ class ProcedurePanel {
   bool known_{false};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

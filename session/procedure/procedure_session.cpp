@@ -10,7 +10,7 @@
 #include "simulation/engine/tool_change.h"
 #include "simulation/files/carved_file.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using simulation::CarvedState;
@@ -514,4 +514,4 @@ std::string ProcedureSession::End(const simulation::CuttingEngine& engine) {
   return written.empty() ? error_ : written;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -32,7 +32,7 @@
 #include "simulation/solids/solid.h"
 #include "simulation/tools/tool.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The gap to bone that every ball of a tool must have before motion resumes after a change of tool or an
 /// undo.
@@ -178,4 +178,4 @@ class ProcedureSession final : public FrameObserver {
   std::string resume_refusal_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

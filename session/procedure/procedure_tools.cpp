@@ -12,7 +12,7 @@
 #include "session/procedure/plan_guidance.h"
 #include "simulation/removal/cut_metrics.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr const char* kListFile = "procedure_tools.json";
@@ -55,7 +55,7 @@ void KeepToolList(const ToolList& list, io::ConfigSource& source) {
   nlohmann::json json{
       {"diameters_mm", list.diameters_mm}, {"first", list.first}, {"physical", list.physical}};
   for (const control::GuidanceParams& guidance : list.guidance) json["guidance"].push_back(ToJson(guidance));
-  source.files.push_back({.name = kListFile, .content = JsonText(json)});
+  source.files.push_back({.name = kListFile, .content = base::JsonText(json)});
 }
 
 tl::expected<std::optional<ToolList>, std::string> FindToolList(const io::ConfigSource& source) {
@@ -88,4 +88,4 @@ tl::expected<std::optional<ToolList>, std::string> FindToolList(const io::Config
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

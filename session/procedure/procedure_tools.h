@@ -13,7 +13,7 @@
 #include "io/recording/messages.h"
 #include "simulation/tools/tool.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A tool of a procedure: what the simulation and what the servo loop has to know of it.
 struct ProcedureTool {
@@ -50,4 +50,4 @@ void KeepToolList(const ToolList& list, io::ConfigSource& source);
 /// Finds it there; absent: a recording of one tool. The error says what is wrong with it.
 [[nodiscard]] tl::expected<std::optional<ToolList>, std::string> FindToolList(const io::ConfigSource& source);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

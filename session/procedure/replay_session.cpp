@@ -20,7 +20,7 @@
 #include "simulation/engine/tool_change.h"
 #include "simulation/files/carved_file.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -167,10 +167,10 @@ int RunReplaySession(const SessionReplayOptions& options) {
                                       {"session", options.session.string()},
                                       {"identical", identical},
                                       {"recordings", std::move(rows)}};
-    if (const auto written = WriteText(options.json, JsonText(json)); !written)
+    if (const auto written = base::WriteText(options.json, base::JsonText(json)); !written)
       return Fail("replay", written.error());
   }
   return identical ? 0 : kFailed;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

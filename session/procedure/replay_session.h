@@ -7,7 +7,7 @@
 
 #include "session/replay/replay.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A recording of a session, run again.
 struct SessionReplay {
@@ -30,4 +30,4 @@ struct SessionReplayOptions {
 /// again; 2 wrong input.
 [[nodiscard]] int RunReplaySession(const SessionReplayOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kDown_m = 0.015, kRetracted_m = 0.025;        // heights of the head's centre
@@ -46,4 +46,4 @@ ScriptedChanges::Action ScriptedChanges::Step(rt::Nanoseconds stamp, double heig
   return Action::kNone;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

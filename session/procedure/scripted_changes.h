@@ -2,7 +2,7 @@
 
 #include "base/clock.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Presses the buttons of a session for the scripted operator, who only moves the hand: once a tool has been
 /// down and is retracted and at rest, pauses, takes the next tool, and resumes. It looks at the tool alone,
@@ -31,4 +31,4 @@ class ScriptedChanges {
   rt::Nanoseconds rest_since_{0}, paused_since_{0};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

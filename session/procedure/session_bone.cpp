@@ -19,7 +19,7 @@
 #include "session/procedure/session_file.h"
 #include "simulation/bone/scenes.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -56,8 +56,8 @@ tl::expected<void, std::string> WriteSessionBone(const std::filesystem::path& fo
   const std::string bytes(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double));
   const BoneHeader header{
       .checksum = ChecksumOf(bytes), .balls = bone.balls.size(), .points = bone.points.size()};
-  return WriteText(folder / kSessionBoneName,
-                   std::string(reinterpret_cast<const char*>(&header), sizeof header) + bytes);
+  return base::WriteText(folder / kSessionBoneName,
+                         std::string(reinterpret_cast<const char*>(&header), sizeof header) + bytes);
 }
 
 std::optional<PackedBone> ReadSessionBone(const std::filesystem::path& folder) {
@@ -128,4 +128,4 @@ tl::expected<CellSetup, std::string> SetUpSessionCell(const std::filesystem::pat
   return setup;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -13,7 +13,7 @@
 // The uncut bone of a session, as it was packed: FOLDER/bone.packed. An assessment reads it instead of
 // packing the bone again, which takes seconds. Without the file, or with a damaged one, it packs.
 
-namespace osteon::app {
+namespace osteon::session {
 
 inline constexpr const char* kSessionBoneName = "bone.packed";
 
@@ -38,4 +38,4 @@ struct PackedBone {
 /// packed again, as the session did. The error names the file.
 [[nodiscard]] tl::expected<CellSetup, std::string> SetUpSessionCell(const std::filesystem::path& recording);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

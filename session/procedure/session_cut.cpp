@@ -10,7 +10,7 @@
 #include "config/reading/strict/config_error.h"
 #include "io/recording/recording_reader.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 SessionCut::SessionCut(const SessionFile& session, std::vector<simulation::Tool> tools, const Pose& X_WG)
     : tools_(std::move(tools)) {
@@ -112,8 +112,8 @@ tl::expected<std::filesystem::path, std::string> WritePassTable(const SessionFil
                         pass.undone ? 1 : 0);
   }
   const std::filesystem::path path = folder / (recording.stem().string() + "_passes.csv");
-  if (const auto written = WriteText(path, text); !written) return tl::make_unexpected(written.error());
+  if (const auto written = base::WriteText(path, text); !written) return tl::make_unexpected(written.error());
   return path;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

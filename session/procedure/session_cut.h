@@ -16,7 +16,7 @@
 #include "simulation/tools/swept_tool.h"
 #include "simulation/tools/tool.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// What a session's passes have cut: for each pass that counts, its tool and the path of the simulated tool
 /// in the bone's frame. Passes that were taken back are left out.
@@ -70,4 +70,4 @@ class SessionCut {
     const SessionFile& session, const std::filesystem::path& recording, rt::Nanoseconds start,
     const std::filesystem::path& folder);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -11,7 +11,7 @@
 #include "base/json_text.h"
 #include "base/write_text.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using nlohmann::json;
@@ -164,7 +164,7 @@ std::string ToJson(const SessionFile& session) {
       {"segments", std::move(segments)},
       {"passes", std::move(passes)},
       {"cup_X_GT", session.cup_X_GT ? PoseJson(*session.cup_X_GT) : json(nullptr)}};
-  return JsonText(all);
+  return base::JsonText(all);
 }
 
 tl::expected<SessionFile, std::string> ParseSession(const std::string& text) {
@@ -210,7 +210,7 @@ tl::expected<SessionFile, std::string> ParseSession(const std::string& text) {
 
 tl::expected<void, std::string> WriteSession(const std::filesystem::path& folder,
                                              const SessionFile& session) {
-  return WriteText(folder / kSessionFileName, ToJson(session));
+  return base::WriteText(folder / kSessionFileName, ToJson(session));
 }
 
 tl::expected<SessionFile, std::string> ReadSession(const std::filesystem::path& folder) {
@@ -225,9 +225,9 @@ tl::expected<SessionFile, std::string> ReadSession(const std::filesystem::path& 
 }
 
 std::string TextChecksum(const std::string& text) {
-  Fnv1a hash;
+  base::Fnv1a hash;
   hash.Add(text);
   return fmt::format("{:016x}", hash.hash());
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -19,7 +19,7 @@
 //         run_1.mcap     a recording for each start of the session (`--resume` begins run_2.mcap)
 //         state_1.carved carved states (simulation/files/carved_file.h), numbered as they were saved; never overwritten
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A part of a recording in which one tool cut, from one saved state on. A change of tool and an undo begin
 /// another.
@@ -99,4 +99,4 @@ inline constexpr const char* kSessionFileName = "session.json";
 /// Checksum of a file's bytes, as the session keeps it.
 [[nodiscard]] std::string TextChecksum(const std::string& text);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::session {
 
 tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string& text) {
   std::istringstream words(text);
@@ -59,4 +59,4 @@ tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string&
   return request;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -4,7 +4,7 @@
 
 #include <tl/expected.hpp>
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A request to a session: `osteon tell`, the console's buttons.
 struct SessionRequest {
@@ -22,4 +22,4 @@ struct SessionAnswer {
 /// says what is accepted.
 [[nodiscard]] tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string& text);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -5,7 +5,7 @@
 #include "base/realtime_thread.h"
 #include "simulation/files/carved_file.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 SessionWriter::SessionWriter(std::filesystem::path folder, const simulation::Bone& bone, bool with_thread)
     : folder_(std::move(folder)), bone_(bone) {
@@ -52,7 +52,7 @@ void SessionWriter::Write(const Job& job) {
   }
   std::string wrong;
   if (job.name.empty()) {
-    if (const auto written = app::WriteSession(folder_, job.session); !written) wrong = written.error();
+    if (const auto written = session::WriteSession(folder_, job.session); !written) wrong = written.error();
   } else if (const auto written = simulation::WriteCarvedState(folder_ / job.name, *job.state, bone_);
              !written) {
     wrong = written.error().Text();
@@ -78,4 +78,4 @@ void SessionWriter::Loop() {
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -12,7 +12,7 @@
 #include "simulation/bone/bone.h"
 #include "simulation/engine/cutting_engine.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Writes carved states and session.json, in the order in which they were given: a session never names a
 /// state that is not on the disk yet. In wall time on a thread of its own, as a state takes some 70 ms; else
@@ -51,4 +51,4 @@ class SessionWriter {
   std::thread thread_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

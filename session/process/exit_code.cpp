@@ -9,7 +9,7 @@
 
 #include "config/reading/strict/reader.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 int Fail(std::string_view command, std::string_view message, int code) {
   fmt::print(stderr, "osteon {}: {}\n", command, message);
@@ -29,4 +29,4 @@ Failure Explain(const std::exception& error) {
                               error.what())};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

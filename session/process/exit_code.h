@@ -6,7 +6,7 @@
 
 // Exit codes of a subcommand's process. 0: done.
 
-namespace osteon::app {
+namespace osteon::session {
 
 constexpr int kFailed = 1;    // the requested work failed: a scenario, a check
 constexpr int kBadInput = 2;  // wrong usage or bad input
@@ -27,4 +27,4 @@ struct Failure {
 /// Others: an internal error, and the text says so.
 [[nodiscard]] Failure Explain(const std::exception& error);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -25,7 +25,7 @@
 #include "base/realtime_thread.h"
 #include "session/process/exit_code.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr std::chrono::milliseconds kPollInterval{100};  // how often readers are checked
@@ -120,7 +120,7 @@ class OutputQueue {
         part.output->Write(part.text);
         written += part.text.size();
       }
-      if (g_out.IsClosed() || (watch_stderr_ && g_err.IsClosed())) RequestInterrupt(SIGPIPE);
+      if (g_out.IsClosed() || (watch_stderr_ && g_err.IsClosed())) base::RequestInterrupt(SIGPIPE);
       lock.lock();
       waiting_ -= std::min(waiting_, written);  // the note about dropped text was not counted
     }
@@ -193,4 +193,4 @@ OutputThread::~OutputThread() {
   g_queue.store(nullptr);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

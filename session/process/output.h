@@ -2,7 +2,7 @@
 
 #include <memory>
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Replaces this process's stdout and stderr by streams whose writes never fail: output that a full disk or a
 /// closed pipe does not accept is dropped, and OutputExitCode reports it at the end. Without this a print
@@ -43,4 +43,4 @@ class OutputThread {
   std::unique_ptr<OutputQueue> queue_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -20,7 +20,7 @@
 #include "session/replay/recorded_surface.h"
 #include "session/summary/chart_files.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // Shows a bar on a terminal; nothing elsewhere, where it would be one line among many.
@@ -215,9 +215,9 @@ int RunExport(const ExportOptions& options) {
                                    tables->tail_bytes));
   }
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, JsonText(json)); !written)
+    if (const auto written = base::WriteText(options.json, base::JsonText(json)); !written)
       return Fail("export", written.error(), kFailed);
   return 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

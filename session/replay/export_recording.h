@@ -5,7 +5,7 @@
 
 #include "session/setup/cell_setup.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 struct ExportOptions {
   std::filesystem::path recording;
@@ -25,4 +25,4 @@ struct ExportOptions {
 /// read, or a path is wrong (said on stderr).
 [[nodiscard]] int RunExport(const ExportOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

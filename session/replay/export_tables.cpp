@@ -12,7 +12,7 @@
 #include "io/recording/recording_reader.h"
 #include "session/replay/tick_fields.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using control::TickRecord;
@@ -184,4 +184,4 @@ tl::expected<void, std::string> ExportTicks(std::span<const TickRecord> ticks, r
   return {};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

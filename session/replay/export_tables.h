@@ -11,7 +11,7 @@
 
 #include "control/tick_record.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 struct ExportedTables {
   std::uint64_t ticks{0}, frames{0}, events{0};  ///< rows
@@ -37,4 +37,4 @@ struct ExportedTables {
                                                           rt::Nanoseconds start,
                                                           const std::filesystem::path& path);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

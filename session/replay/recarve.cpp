@@ -4,7 +4,7 @@
 
 #include "safety/cell_state.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 // As ServoLoop::tool_command: the commanded pose at the tick's time, or, where an arm in its own impedance
 // control renders, the measured one at its message's.
@@ -35,4 +35,4 @@ void Recarve::Add(const simulation::FrameRecord& frame) {
   ++frames_;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

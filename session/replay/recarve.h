@@ -8,7 +8,7 @@
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/engine/frame_record.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Cuts a recording's bone again: gives an engine the poses of the recorded frames, in their order. With the
 /// bone and the engine of the run, the carved state is the run's, bit for bit.
@@ -46,4 +46,4 @@ class Recarve {
   std::uint64_t frames_{0}, left_out_{0};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

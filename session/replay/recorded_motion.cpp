@@ -8,7 +8,7 @@
 #include "io/recording/recording_reader.h"
 #include "report/duration_counts.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const std::filesystem::path& recording,
                                                                  const Pose& X_WG,
@@ -17,7 +17,7 @@ tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const std::file
   if (!stream) return tl::make_unexpected(stream.error());
   const Pose X_GW = X_WG.inverse();
   std::vector<simulation::MotionSample> samples;
-  DurationCounts steps;
+  report::DurationCounts steps;
   rt::Nanoseconds start = 0, last = 0;
   for (;;) {
     const auto topic = stream->Next();
@@ -54,4 +54,4 @@ tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const std::file
   return simulation::ToolMotion{.origin = std::move(origin), .samples = std::move(fitted.samples)};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

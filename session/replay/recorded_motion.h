@@ -8,7 +8,7 @@
 #include "kinematics/spatial.h"
 #include "simulation/tools/motion_player.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Extracts the tool's motion from a recorded run, for a motion file: the *commanded* tool pose relative to
 /// the bone in each tick from the first that rendered to the last before rest, thinned out
@@ -20,4 +20,4 @@ namespace osteon::app {
 [[nodiscard]] tl::expected<simulation::ToolMotion, std::string> RecordedMotion(
     const std::filesystem::path& recording, const Pose& X_WG, simulation::MotionOrigin origin);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

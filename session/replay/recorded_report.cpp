@@ -31,7 +31,7 @@
 #include "simulation/engine/tool_change.h"
 #include "simulation/files/carved_file.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // The loop's peaks, of what is recorded of each tick. The power into the hand is not.
@@ -158,7 +158,7 @@ bool WasVirtual(const RunAccumulator& run) {
 }  // namespace
 
 int RunRecordedReport(const RecordedReportOptions& options) {
-  PhaseProgress progress("osteon report", 4, false);
+  base::PhaseProgress progress("osteon report", 4, false);
   const auto refuse = [&](const std::string& why, int code = kBadInput) {
     progress.Done();
     return Fail("report", why, code);
@@ -211,11 +211,11 @@ int RunRecordedReport(const RecordedReportOptions& options) {
     wrong = figures.error();
   progress.Done();
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, ToJson(summary, "osteon.report/1")); !written)
+    if (const auto written = base::WriteText(options.json, ToJson(summary, "osteon.report/1")); !written)
       wrong = written.error();
   PrintTable(summary, "Osteon report");
   fmt::print("  {:<30} {}\n", "Report", page.string());
   return wrong.empty() ? 0 : Fail("report", wrong, kFailed);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-namespace osteon::app {
+namespace osteon::session {
 
 struct RecordedReportOptions {
   std::filesystem::path recording;
@@ -19,4 +19,4 @@ struct RecordedReportOptions {
 /// be read.
 [[nodiscard]] int RunRecordedReport(const RecordedReportOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -16,7 +16,7 @@
 #include "simulation/surface/carved_field.h"
 #include "simulation/surface/tool_ways.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 /// When the spindle began or ceased to turn. A frame may stand in the file before the tick of its pose, so
@@ -119,7 +119,7 @@ tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesy
     surface::CarvedField field(
         surface::FieldOfBone(setup.solid.get(), setup.bone, static_cast<float>(written.voxel_mm)));
     if (cut) {
-      for (const simulation::ToolPath& path : cut->paths()) CarveAlong(field, path);
+      for (const simulation::ToolPath& path : cut->paths()) report::CarveAlong(field, path);
       return WriteField(file, field, std::move(written));
     }
     surface::ToolWays ways(tool, setup.X_WG);
@@ -177,4 +177,4 @@ std::string SurfaceText(const WrittenSurface& surface) {
                      surface.from_balls ? "; of the packing's balls, since its solid is not known" : "");
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -11,7 +11,7 @@
 #include "session/setup/cell_setup.h"
 #include "simulation/surface/surface_export.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A carved bone that was written as a mesh.
 struct WrittenSurface {
@@ -47,4 +47,4 @@ struct WrittenSurface {
 /// One line: the file, triangles, volume.
 [[nodiscard]] std::string SurfaceText(const WrittenSurface& surface);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -11,7 +11,7 @@
 #include "session/replay/tick_fields.h"
 #include "session/setup/recorded_config.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using control::TickRecord;
@@ -132,4 +132,4 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
   return result;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

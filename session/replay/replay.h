@@ -10,7 +10,7 @@
 #include "io/recording/recording_reader.h"
 #include "session/procedure/procedure_tools.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The first value that differs in the replay.
 struct ReplayDifference {
@@ -42,4 +42,4 @@ struct ReplayResult {
 [[nodiscard]] ReplayResult Replay(const io::Recording& recording, const config::CellConfig& cell,
                                   const std::vector<ProcedureTool>& tools = {}, int first_tool = 0);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

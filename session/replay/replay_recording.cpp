@@ -15,7 +15,7 @@
 #include "session/setup/recorded_config.h"
 #include "session/summary/chart_files.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // A JSON number if JSON has it; nan and inf as text.
@@ -88,7 +88,7 @@ void Print(const ReplayOptions& options, const io::Recording& recording, const R
 }  // namespace
 
 int RunReplay(const ReplayOptions& options) {
-  PhaseProgress progress("osteon replay", 3);
+  base::PhaseProgress progress("osteon replay", 3);
   progress.BeginPhase("reading the recording");
   const auto recording = io::ReadRecording(options.recording);
   if (!recording) return Fail("replay", recording.error());
@@ -108,9 +108,11 @@ int RunReplay(const ReplayOptions& options) {
 
   Print(options, *recording, result);
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, JsonText(ToJson(options, *recording, result))); !written)
+    if (const auto written =
+            base::WriteText(options.json, base::JsonText(ToJson(options, *recording, result)));
+        !written)
       return Fail("replay", written.error());
   return result.identical ? 0 : kFailed;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

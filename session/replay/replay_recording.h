@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-namespace osteon::app {
+namespace osteon::session {
 
 struct ReplayOptions {
   std::filesystem::path recording;
@@ -15,4 +15,4 @@ struct ReplayOptions {
 /// 2 the recording or the cell cannot be read (said on stderr).
 [[nodiscard]] int RunReplay(const ReplayOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

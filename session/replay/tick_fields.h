@@ -10,7 +10,7 @@
 // Names every number of a recorded tick or frame: the columns of a table, and the values that a replay
 // compares. A visitor is called as visit(FieldName, value); a value is double, or an integer of any size.
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A name in parts, joined by `_` with empty parts left out: X_WT_cmd_x_m.
 struct FieldName {
@@ -232,4 +232,4 @@ void VisitContact(const simulation::Contact& c, Visit&& visit) {
   visit(FieldName{"material"}, static_cast<unsigned>(c.material));
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -9,7 +9,7 @@
 #include "base/realtime_thread.h"
 #include "simulation/tools/tool_path.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kTrailShare = 0.2;          // of the error: tolerance of the thinned trail
@@ -186,4 +186,4 @@ std::string RezonedText(const Rezoned& rezoned) {
       rezoned.seen_us, rezoned.zones.frame_us);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -13,7 +13,7 @@
 #include "simulation/engine/frame_record.h"
 #include "simulation/fidelity/recarve.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 struct AdaptiveResolutionParams {
   double rate_hz{250.0};     ///< to be kept by the median frame
@@ -96,4 +96,4 @@ class AdaptiveResolution {
 /// Describes the change in one line.
 [[nodiscard]] std::string RezonedText(const Rezoned& rezoned);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

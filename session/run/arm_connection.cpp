@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 std::string DiagnosisOf(const io::RsiStatus& status, const io::RsiError& error) {
@@ -100,4 +100,4 @@ std::string ArmConnection::Diagnosis() const {
   return DiagnosisOf(rsi->status(), rsi->last_error());
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

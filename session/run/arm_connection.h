@@ -15,7 +15,7 @@
 
 // The connection to a cell's arm by the protocol that its file chooses.
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Names the protocol: "FRI 1.15", "RSI im_free, axes, 4 ms". Warns if a lost answer makes the arm jump.
 [[nodiscard]] std::string Describe(const config::ArmLinkConfig& link);
@@ -75,4 +75,4 @@ class ArmConnection {
   bool can_stop_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

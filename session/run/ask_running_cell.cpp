@@ -12,13 +12,13 @@
 #include "io/local/local_client.h"
 #include "session/process/exit_code.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr std::size_t kName = 20;  // columns of a row's name
 
 void PrintRow(const char* name, const std::string& value) {
-  fmt::print("  {:<{}} {}\n", name, kName - 3, WrapForTerminal(value, kName));
+  fmt::print("  {:<{}} {}\n", name, kName - 3, base::WrapForTerminal(value, kName));
 }
 
 std::string Joined(const nlohmann::json& names) {
@@ -105,7 +105,7 @@ int TakeAnswer(const std::string& command, const std::string& text, const std::f
   const auto answer = nlohmann::json::parse(text, nullptr, false);
   if (!answer.is_object()) return Fail(command, "the running cell's answer cannot be read", kFailed);
   if (!json.empty())
-    if (const auto written = WriteText(json, JsonText(answer)); !written)
+    if (const auto written = base::WriteText(json, base::JsonText(answer)); !written)
       return Fail(command, written.error(), kFailed);
   if (!answer.value("done", false)) return Fail(command, answer.value("reason", ""), kFailed);
   if (is_status) PrintStatus(answer["status"], answer["run"]);
@@ -152,4 +152,4 @@ int RunAsk(const AskOptions& options) {
   return TakeAnswer(options.request, *text, options.json, options.request == "status");
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-namespace osteon::app {
+namespace osteon::session {
 
 struct AskOptions {
   std::string request;           ///< "pause", "resume", "recover", "stop", "status"
@@ -26,4 +26,4 @@ struct TellOptions {
 /// @returns the process's exit code: 0 done; 1 refused, or no cell runs; 2 several run and none was named.
 [[nodiscard]] int RunAsk(const AskOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

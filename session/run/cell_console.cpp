@@ -7,7 +7,7 @@
 #include "session/run/console_scene.h"
 #include "simulation/solids/cup_frame.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 control::TickRecord RecordOf(const hil::CellState& cycle, double spindle_rad_per_s) {
   control::TickRecord record;
@@ -91,4 +91,4 @@ std::string CellConsole::Note() {
   return note_;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

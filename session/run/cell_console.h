@@ -10,7 +10,7 @@
 #include "hil/cell_host.h"
 #include "session/run/live_views.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The page of `osteon cell`: the simulated arm as it really moves, its operator's hand, its spindle, and
 /// what PLC and arm permit. It shows neither bone nor coupling, which are the controller's; the controller's
@@ -53,4 +53,4 @@ class CellConsole {
 /// what belongs to a controller (state, coupling, limits) is absent. @param spindle_rad_per_s  measured
 [[nodiscard]] control::TickRecord RecordOf(const hil::CellState& cycle, double spindle_rad_per_s);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

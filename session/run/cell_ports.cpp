@@ -7,7 +7,7 @@
 
 #include "io/net/free_ports.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
@@ -62,4 +62,4 @@ tl::expected<std::uint16_t, std::string> UseSimulated(config::CellConfig& cell,
   return port.value_or(0);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

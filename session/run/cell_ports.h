@@ -8,7 +8,7 @@
 
 #include "config/reading/cell_config.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Moves every connection of a cell to this machine, as a simulated cell needs them: arm and PLC on loopback,
 /// CAN through tunnels.
@@ -23,4 +23,4 @@ namespace osteon::app {
 [[nodiscard]] tl::expected<std::uint16_t, std::string> UseSimulated(config::CellConfig& cell,
                                                                     std::optional<std::uint16_t> port);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

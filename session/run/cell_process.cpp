@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr std::chrono::seconds kPatience{5};
@@ -37,7 +37,7 @@ tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const
   if (params.tool) both.insert(both.end(), {"--tool", ToolText(*params.tool)});
   const auto start = [&both](std::vector<std::string> words) {
     words.insert(words.end(), both.begin(), both.end());
-    return ChildProcess::Start({.words = std::move(words)});
+    return base::ChildProcess::Start({.words = std::move(words)});
   };
 
   std::vector<std::string> words{"cell", "--json", report, "--console", "off"};  // the run has a page
@@ -75,4 +75,4 @@ std::string CellProcess::End() {
   return text.str();
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

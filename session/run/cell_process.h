@@ -13,7 +13,7 @@
 #include "base/child_process.h"
 #include "config/reading/load.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 struct CellProcessParams {
   std::filesystem::path cell;                ///< its YAML
@@ -51,8 +51,8 @@ class CellProcess {
  private:
   explicit CellProcess(std::filesystem::path report) : report_(std::move(report)) {}
 
-  std::unique_ptr<ChildProcess> process_, guard_;
+  std::unique_ptr<base::ChildProcess> process_, guard_;
   std::filesystem::path report_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

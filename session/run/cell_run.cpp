@@ -31,7 +31,7 @@
 #include "session/summary/each_fault.h"
 #include "session/summary/limit_rows.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kVirtualGiveUp_s = 30.0;  // without COMMANDING_ACTIVE, or without rest after the end
@@ -181,7 +181,7 @@ double AtRest_s(const CellSetup& setup, const CellRunParams& params) {
 // Says why a run ended that was ended only by its operator or its duration.
 std::string DescribeEnd(const CellRunResult& result, double seconds) {
   if (result.end == control::RunEnd::kSeconds) return fmt::format("{:g} s of rendering were over", seconds);
-  const std::string signal = InterruptName();
+  const std::string signal = base::InterruptName();
   if (signal == "SIGINT") return "Ctrl-C (SIGINT)";
   if (signal == "SIGHUP") return "the terminal was closed (SIGHUP)";
   if (signal == "operator") return "the operator's stop";
@@ -517,4 +517,4 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   return run;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

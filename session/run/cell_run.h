@@ -19,7 +19,7 @@
 #include "simulation/bone/scene_events.h"
 #include "simulation/surface/surface_thread.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 class GainsPanel;
 class ProcedureSession;
@@ -48,9 +48,9 @@ struct CellRunParams {
   /// or overwritten. @returns the reason if the recording must not be made; else empty.
   std::function<std::string()> make_room{};
   const std::atomic<bool>* stop{nullptr};
-  OperatorRequests* requests{nullptr};  ///< an operator's pause, its end, a recovery; null: none
-  io::RecordSink* live{nullptr};        ///< a live view, which gets all that is recorded; null: none
-  std::string console_url{};            ///< where the console is served, for the summary; empty: nowhere
+  base::OperatorRequests* requests{nullptr};  ///< an operator's pause, its end, a recovery; null: none
+  io::RecordSink* live{nullptr};              ///< a live view, which gets all that is recorded; null: none
+  std::string console_url{};         ///< where the console is served, for the summary; empty: nowhere
   std::filesystem::path gains{};     ///< a file of gains that is read again whenever it is saved; empty: none
   GainsPanel* gains_panel{nullptr};  ///< gains that pages ask for; null: none
   std::function<void()> begins{};    ///< called once everything is open, before anything moves
@@ -122,4 +122,4 @@ struct CellRunError {
                                                                 simulation::CuttingEngine& engine,
                                                                 const CellRunParams& params);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -4,7 +4,7 @@
 
 #include "io/fri/session_name.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using control::SessionState;
@@ -94,4 +94,4 @@ std::string CellScreen::DescribeSilence(const hil::CellHostState& state, bool co
   return text;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -6,7 +6,7 @@
 #include "config/reading/cell_config.h"
 #include "hil/cell_host.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Says in words what RSI does in a state of hil::RsiArm: "RSI is on, no answer yet".
 [[nodiscard]] const char* RsiStateText(control::SessionState state);
@@ -36,4 +36,4 @@ class CellScreen {
   std::string silence_;  // last printed
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

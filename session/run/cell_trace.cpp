@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kRest_m_per_s = 0.002, kRest_rad_per_s = 0.02;
@@ -83,4 +83,4 @@ void CellTraceReader::Poll() {
   at_ += static_cast<std::streamoff>(text.size() - rest.size());
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -11,7 +11,7 @@
 
 #include "hil/simulated_cell.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The true state in one cycle of the simulated arm: a row of `osteon cell --trace`.
 struct CellCycle {
@@ -65,4 +65,4 @@ class CellTraceReader {
   std::vector<CellCycle> cycles_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

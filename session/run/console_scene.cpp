@@ -11,7 +11,7 @@
 #include "control/setup/servo_params.h"
 #include "simulation/removal/cut_metrics.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using nlohmann::json;
@@ -120,4 +120,4 @@ std::filesystem::path ConsolePageFolder() {
   return program.parent_path() / "console" / "web";
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

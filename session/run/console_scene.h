@@ -6,7 +6,7 @@
 #include "console/stream/live_status.h"
 #include "session/setup/cell_setup.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// What the console shows that does not change in a run, as JSON (osteon.scene/1): bone, site, tool, arm,
 /// zones, limits. Lengths in m, poses as rows of [R | p].
@@ -21,4 +21,4 @@ namespace osteon::app {
 /// installed package). It may not exist.
 [[nodiscard]] std::filesystem::path ConsolePageFolder();
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -27,7 +27,7 @@
 #include "session/summary/run_report.h"
 #include "session/summary/summary.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kSecondsAReamer = 15.0, kNoviceSecondsAReamer = 60.0;
@@ -78,14 +78,14 @@ std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const
                       .command = options.command_line,
                       .error = {}});
   if (!motion) return motion.error();
-  const auto written = WriteText(options.save_motion, simulation::MotionText(*motion));
+  const auto written = base::WriteText(options.save_motion, simulation::MotionText(*motion));
   return written ? std::string() : written.error();
 }
 
 // Shows the result; everything shown comes from the recording. @returns the exit code
 int PrintResult(const DemoOptions& options, const CellSetup& setup, const simulation::CuttingEngine& engine,
                 const CellRunParams& params, const CellRunResult& result) {
-  PhaseProgress measuring("osteon demo", options.surface.empty() ? 3 : 4, false);
+  base::PhaseProgress measuring("osteon demo", options.surface.empty() ? 3 : 4, false);
   measuring.BeginPhase("read the recording");
   StopPages stops({.folder = options.out,
                    .stem = params.recording.stem().string(),
@@ -118,7 +118,7 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
   const std::string json = ToJson(summary, "osteon.demo/1");
   for (const std::filesystem::path& file : {options.out / "summary.json", options.json}) {
     if (file.empty()) continue;
-    if (const auto written = WriteText(file, json); !written) AddReason(wrong, written.error());
+    if (const auto written = base::WriteText(file, json); !written) AddReason(wrong, written.error());
   }
   if (!options.save_motion.empty()) AddReason(wrong, SaveMotion(options, setup, summary, params.recording));
   PrintTable(summary, "Osteon demo");
@@ -165,7 +165,7 @@ int RunDemo(const DemoOptions& asked) {
   OutputThread output({.watch_stderr = true});
 
   const bool timed = !options.virtual_time;
-  PhaseProgress planning("osteon demo", timed ? 3 : 2, false);
+  base::PhaseProgress planning("osteon demo", timed ? 3 : 2, false);
   planning.BeginPhase("load the cell");  // seconds, where a mesh is open
   const auto refuse = [&](const std::string& why) {
     planning.Done();
@@ -209,13 +209,13 @@ int RunDemo(const DemoOptions& asked) {
   for (const std::string& warning : SetupWarnings(setup->config, false))
     fmt::print(stderr, "osteon demo: warning: {}\n", warning);
 
-  InstallInterrupt();
-  InstallPauseSignals();
-  RunProgress progress("osteon demo", options.seconds);
+  base::InstallInterrupt();
+  base::InstallPauseSignals();
+  base::RunProgress progress("osteon demo", options.seconds);
   const std::filesystem::path recording =
       session ? session->folder() / procedure->recording : options.out / "recording.mcap";
   LiveViews live(*setup, {.command = "demo", .seconds = options.seconds, .recording = recording.string()},
-                 AskedByOperator());
+                 base::AskedByOperator());
   live.SetSession(session.get());
   ConsoleChoice console = options.console;
   console.on &= !options.virtual_time || console.only_this_port;  // a run of virtual time is over in a moment
@@ -237,8 +237,8 @@ int RunDemo(const DemoOptions& asked) {
       .remote = remote,
       .recording = recording,
       .make_room = [&] { return MakeRoom(options, claim); },
-      .stop = &Interrupted(),
-      .requests = &AskedByOperator(),
+      .stop = &base::Interrupted(),
+      .requests = &base::AskedByOperator(),
       .live = live.sink(),
       .console_url = live.console_url(),
       .gains_panel = live.gains_panel(),
@@ -262,4 +262,4 @@ int RunDemo(const DemoOptions& asked) {
   return PrintResult(options, *setup, **engine, params, *result);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

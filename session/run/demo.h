@@ -8,7 +8,7 @@
 #include "session/procedure/prepare_session.h"
 #include "session/run/live_views.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The accepted range of DemoOptions::seconds.
 inline constexpr double kMinSeconds = 0.1, kMaxSeconds = 3600.0;
@@ -47,4 +47,4 @@ struct DemoOptions {
 /// 141 because nobody reads its output any more, each with everything written.
 [[nodiscard]] int RunDemo(const DemoOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -6,7 +6,7 @@
 
 #include "io/engine/udp_engine.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr std::size_t kMinToken = 16;  // 64 bits, if it is of random hexadecimal digits
@@ -26,4 +26,4 @@ tl::expected<std::string, std::string> ReadEngineToken(const std::filesystem::pa
   return token;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -5,7 +5,7 @@
 #include "base/paced_priority.h"
 #include "base/realtime_thread.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr rt::Nanoseconds kWait = 5 * rt::kMillisecond;  // for a frame, until Stop is looked at
@@ -47,4 +47,4 @@ void FrameReceiver::Loop() {
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -8,7 +8,7 @@
 #include "io/recording/recorder.h"
 #include "session/run/frame_runner.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Takes the frames of an engine in a process of its own, in wall time, in a thread of this one: events,
 /// surface and recording are made from them here, as SimulationThread does with frames of this process.
@@ -35,4 +35,4 @@ class FrameReceiver {
   std::thread thread_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::session {
 
 FrameRunner::FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth,
                          simulation::SceneWatch& watch, const Pose& X_WG,
@@ -92,4 +92,4 @@ void FrameRunner::RecordEvents(io::Recorder& recorder, rt::Nanoseconds stamp) {
   new_events_.clear();
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

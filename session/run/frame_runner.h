@@ -15,7 +15,7 @@
 #include "simulation/removal/cut_metrics.h"
 #include "simulation/surface/surface_thread.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 class FrameRunner;
 
@@ -102,4 +102,4 @@ class FrameRunner {
   std::vector<simulation::SceneEvent> new_events_, events_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -7,7 +7,7 @@
 
 #include "control/setup/servo_params.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr std::size_t kMaxFormer = 100;
@@ -100,4 +100,4 @@ std::string GainsPanel::Json() const {
   return json.dump();
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -9,7 +9,7 @@
 #include "console/server/console_server.h"
 #include "control/laws/gains.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The gains that an operator may change from the console, and how far.
 ///
@@ -53,4 +53,4 @@ class GainsPanel {
   bool asked_{false};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

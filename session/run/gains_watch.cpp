@@ -9,7 +9,7 @@
 #include "config/reading/sections/read_gains.h"
 #include "session/run/gains_panel.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kPollInterval_s = 0.5;
@@ -91,4 +91,4 @@ void GainsWatch::Read() {
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -7,7 +7,7 @@
 #include "config/reading/cell_config.h"
 #include "control/loop/servo_loop.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 class GainsPanel;
 
@@ -44,4 +44,4 @@ class GainsWatch {
   double next_s_{0.0};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

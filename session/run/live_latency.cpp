@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kPublish_s = 0.25;
@@ -38,4 +38,4 @@ console::LatencyStatus LiveLatency::Status() const {
   return status;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -7,7 +7,7 @@
 #include "io/recording/record_sink.h"
 #include "session/summary/latency.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Measures a run's latency while it runs, as the summary does at its end, and passes what is recorded on:
 ///
@@ -39,4 +39,4 @@ class LiveLatency final : public io::RecordSink {
   LatencyFigures figures_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

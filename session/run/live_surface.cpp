@@ -4,7 +4,7 @@
 
 #include "simulation/surface/bone_solid.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 std::unique_ptr<surface::SurfaceThread> StartSurface(const CellSetup& setup, surface::SurfaceSink& sink) {
   const simulation::Tool& tool = setup.config.tool.tool;
@@ -17,4 +17,4 @@ std::unique_ptr<surface::SurfaceThread> StartSurface(const CellSetup& setup, sur
   return std::make_unique<surface::SurfaceThread>(tool, setup.X_WG, std::move(params), sink);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -5,7 +5,7 @@
 #include "session/setup/cell_setup.h"
 #include "simulation/surface/surface_thread.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Starts a thread that makes the carved bone's surface while frames are pushed: of the solid, or, where it
 /// is not known, of the balls.
@@ -13,4 +13,4 @@ namespace osteon::app {
 [[nodiscard]] std::unique_ptr<surface::SurfaceThread> StartSurface(const CellSetup& setup,
                                                                    surface::SurfaceSink& sink);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

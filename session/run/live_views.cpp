@@ -16,7 +16,7 @@
 #include "session/run/live_surface.h"
 #include "simulation/removal/cut_metrics.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr int kMaxPort = 65535;
@@ -87,7 +87,7 @@ tl::expected<SessionRequest, std::string> SessionRequestOf(const console::Proced
   return asked;
 }
 
-LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests)
+LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorRequests& requests)
     : setup_(setup),
       run_(run),
       requests_(requests),
@@ -167,7 +167,7 @@ console::LiveStatus LiveViews::Status() const { return console::StatusOf(feed_.N
 
 std::string LiveViews::Line() const {
   const console::LiveStatus status = Status();
-  return status.known ? console::StatusLine(status, run_.seconds, RunProgress::StatusColumns()) : "";
+  return status.known ? console::StatusLine(status, run_.seconds, base::RunProgress::StatusColumns()) : "";
 }
 
 console::RequestAnswer LiveViews::Ask(console::OperatorRequest request) {
@@ -194,7 +194,7 @@ console::RequestAnswer LiveViews::Ask(console::OperatorRequest request) {
       requests_.recover.store(true);
       break;
     case console::OperatorRequest::kStop:
-      RequestInterrupt(kOperatorsStop);
+      base::RequestInterrupt(base::kOperatorsStop);
       break;
   }
   return {.done = true, .reason = ""};
@@ -245,4 +245,4 @@ std::string LiveViews::Answer(const std::string& request) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

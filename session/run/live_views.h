@@ -22,7 +22,7 @@
 #include "session/setup/cell_setup.h"
 #include "simulation/surface/surface_thread.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 class ProcedureSession;
 
@@ -59,7 +59,7 @@ struct LiveRun {
 class LiveViews {
  public:
   /// @param setup  packed, and outlives this
-  LiveViews(const CellSetup& setup, const LiveRun& run, OperatorRequests& requests);
+  LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorRequests& requests);
 
   /// Passes what a procedure's session is asked for to it. Before Open. @param session  null: none
   /// The depth that is shown is then that of the tool in use.
@@ -96,7 +96,7 @@ class LiveViews {
 
   const CellSetup& setup_;
   LiveRun run_;
-  OperatorRequests& requests_;
+  base::OperatorRequests& requests_;
   ProcedureSession* session_{nullptr};
   GainsPanel gains_;
   std::string cell_;
@@ -114,4 +114,4 @@ class LiveViews {
   std::unique_ptr<surface::SurfaceThread> surface_thread_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

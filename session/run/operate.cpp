@@ -29,7 +29,7 @@
 #include "session/summary/run_report.h"
 #include "session/summary/summary.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // Prints what the user should check before anything moves: poses and the addresses of the connections.
@@ -74,7 +74,7 @@ std::string MakeRoom(const OperateOptions& options) {
 int PrintResult(const OperateOptions& options, const CellSetup& setup,
                 const simulation::CuttingEngine& engine, const CellRunParams& params,
                 const CellRunResult& result) {
-  PhaseProgress measuring("osteon run", options.surface.empty() ? 3 : 4, false);
+  base::PhaseProgress measuring("osteon run", options.surface.empty() ? 3 : 4, false);
   measuring.BeginPhase("read the recording");
   StopPages stops({.folder = options.record.parent_path(),
                    .stem = options.record.stem().string(),
@@ -104,7 +104,7 @@ int PrintResult(const OperateOptions& options, const CellSetup& setup,
     AddReason(wrong, figures.error());
   measuring.Done();
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, ToJson(summary, "osteon.run/1")); !written)
+    if (const auto written = base::WriteText(options.json, ToJson(summary, "osteon.run/1")); !written)
       AddReason(wrong, written.error());
   PrintTable(summary, "Osteon run");
   if (summary.surface) fmt::print("  {:<30} {}\n", "Surface", SurfaceText(*summary.surface));
@@ -132,7 +132,7 @@ int RunOperate(const OperateOptions& asked) {
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("run", "--cpu: " + wrong);
   OutputThread output({.watch_stderr = true});
-  PhaseProgress planning("osteon run", 3, false);
+  base::PhaseProgress planning("osteon run", 3, false);
   planning.BeginPhase("load the cell");  // seconds, where a mesh is open
   auto setup = PrepareCell(options.cell, {}, options.tool, options.gains);
   const auto refuse = [&](const std::string& why) {
@@ -193,11 +193,11 @@ int RunOperate(const OperateOptions& asked) {
   for (const std::string& warning : SetupWarnings(setup->config, !cell))
     fmt::print(stderr, "osteon run: warning: {}\n", warning);
 
-  InstallInterrupt();
-  InstallPauseSignals();
-  RunProgress progress("osteon run", options.seconds);
+  base::InstallInterrupt();
+  base::InstallPauseSignals();
+  base::RunProgress progress("osteon run", options.seconds);
   LiveViews live(*setup, {.command = "run", .seconds = options.seconds, .recording = options.record.string()},
-                 AskedByOperator());
+                 base::AskedByOperator());
   live.SetSession(session.get());
   live.Open(options.console, options.foxglove);
   const CellRunParams params{
@@ -211,8 +211,8 @@ int RunOperate(const OperateOptions& asked) {
       .remote = remote,
       .recording = options.record,
       .make_room = [&] { return MakeRoom(options); },
-      .stop = &Interrupted(),
-      .requests = &AskedByOperator(),
+      .stop = &base::Interrupted(),
+      .requests = &base::AskedByOperator(),
       .live = live.sink(),
       .console_url = live.console_url(),
       .gains = options.gains,
@@ -234,4 +234,4 @@ int RunOperate(const OperateOptions& asked) {
   return PrintResult(options, *setup, **engine, params, *result);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -9,7 +9,7 @@
 #include "session/procedure/prepare_session.h"
 #include "session/run/live_views.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 struct OperateOptions {
   std::filesystem::path cell;  ///< the cell's YAML file
@@ -43,4 +43,4 @@ struct OperateOptions {
 /// 130 ended by Ctrl-C, 129 because the terminal was closed, 141 because nobody reads its output.
 [[nodiscard]] int RunOperate(const OperateOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

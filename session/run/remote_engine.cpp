@@ -18,7 +18,7 @@
 #include "session/run/engine_token.h"
 #include "simulation/files/carved_file.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr rt::Nanoseconds kEngineReady = 120 * rt::kSecond;  // a driver that compiles shaders anew
@@ -62,7 +62,7 @@ std::string RemoteEngine::StartLocal() {
   std::vector<std::string> words{"simulate", "--local", (*client)->folder().string(), "--engine",
                                  choice_.engine};
   if (!choice_.device.empty()) words.insert(words.end(), {"--device", choice_.device});
-  auto child = ChildProcess::Start({.words = std::move(words), .program = OsteonProgram()});
+  auto child = base::ChildProcess::Start({.words = std::move(words), .program = OsteonProgram()});
   if (!child) return child.error();
   child_ = std::move(*child);
   const rt::Nanoseconds give_up = rt::MonotonicNow() + kEngineReady;
@@ -120,7 +120,7 @@ std::string RemoteEngine::FetchCarved() {
   if (!DescribeEnd().empty()) return "the engine's process has ended: " + ended_;
   const auto bytes = client_->FetchCarved(rt::MonotonicNow() + kCarvedPatience);
   if (!bytes) return bytes.error();
-  const WorkFolder folder("carved");
+  const base::WorkFolder folder("carved");
   if (folder.path().empty()) return "cannot make a temporary folder";
   const std::filesystem::path file = folder.path() / "carved";
   std::ofstream stream(file, std::ios::binary);
@@ -183,4 +183,4 @@ tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeRunEng
   return std::move(*engine);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

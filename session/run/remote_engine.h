@@ -14,7 +14,7 @@
 #include "session/setup/cell_setup.h"
 #include "simulation/engine/cutting_engine.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// An engine in a process of its own, as this one sees it. In lockstep it is an engine like any other; in
 /// wall time the servo loop and a FrameReceiver use its client().
@@ -56,7 +56,7 @@ class RemoteEngine final : public simulation::CuttingEngine {
   const CellSetup& setup_;
   EngineChoice choice_;
   std::unique_ptr<io::EngineClient> client_;
-  std::unique_ptr<ChildProcess> child_;  // null: this run did not start it
+  std::unique_ptr<base::ChildProcess> child_;  // null: this run did not start it
   std::string where_, ended_;
   simulation::CarvedState carved_;
 };
@@ -70,4 +70,4 @@ class RemoteEngine final : public simulation::CuttingEngine {
     const CellSetup& setup, const EngineChoice& choice, const std::filesystem::path& cell_yaml,
     RemoteEngine*& remote);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -24,7 +24,7 @@
 #include "session/setup/engine_choice.h"
 #include "simulation/files/carved_file.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr rt::Nanoseconds kCommandWait = 50 * rt::kMillisecond;  // for a command, until Ctrl-C is looked at
@@ -38,7 +38,7 @@ struct Served {
 // The carved state in the bytes of its file.
 tl::expected<std::vector<std::uint8_t>, std::string> CarvedBytes(const simulation::CuttingEngine& engine,
                                                                  const simulation::Bone& bone) {
-  const WorkFolder folder("simulate");
+  const base::WorkFolder folder("simulate");
   if (folder.path().empty()) return tl::make_unexpected(std::string("cannot make a temporary folder"));
   const std::filesystem::path file = folder.path() / "carved";
   if (const auto written = simulation::WriteCarvedState(file, engine.Snapshot(), bone); !written)
@@ -53,7 +53,7 @@ std::string ServeRun(io::EngineServer& server, simulation::CuttingEngine& engine
   rt::PacedPriority priority;
   rt::Nanoseconds last = 0;
   bool carved = false;
-  while (!Interrupted().load()) {
+  while (!base::Interrupted().load()) {
     io::EngineCommand asked;
     const io::EngineEvent event = server.Await(asked, rt::MonotonicNow() + kCommandWait);
     if (event == io::EngineEvent::kGone) return "";
@@ -123,7 +123,7 @@ std::string ServeUdp(const SimulateOptions& options, Served& served) {
   fmt::print("osteon simulate: the engine, {}, listens on {}:{}\nosteon simulate: Ctrl-C ends it\n",
              choice.engine, options.address, (*server)->port());
   std::fflush(stdout);
-  while (!Interrupted().load()) {
+  while (!base::Interrupted().load()) {
     const auto bytes = (*server)->AwaitSetup(rt::MonotonicNow() + kCommandWait);
     if (!bytes) continue;
     const auto setup = io::DecodeSetup(*bytes);
@@ -154,7 +154,7 @@ std::string ServeUdp(const SimulateOptions& options, Served& served) {
 }  // namespace
 
 int RunSimulate(const SimulateOptions& options) {
-  InstallInterrupt();
+  base::InstallInterrupt();
   rt::NameThread("simulation");
   Served served;
   const bool local = !options.local.empty();
@@ -163,10 +163,10 @@ int RunSimulate(const SimulateOptions& options) {
     const nlohmann::ordered_json report{{"schema", "osteon.simulate/1"}, {"engine", served.engine},
                                         {"device", served.device},       {"runs", served.runs},
                                         {"frames", served.frames},       {"error", wrong}};
-    if (const auto written = WriteText(options.json, JsonText(report)); !written)
+    if (const auto written = base::WriteText(options.json, base::JsonText(report)); !written)
       return Fail("simulate", written.error(), kFailed);
   }
   return wrong.empty() ? 0 : Fail("simulate", wrong, local ? kFailed : kBadInput);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

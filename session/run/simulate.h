@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The port of `osteon simulate` unless it is told another.
 inline constexpr std::uint16_t kSimulatePort = 30300;
@@ -25,4 +25,4 @@ struct SimulateOptions {
 /// 2 wrong input, or the port is taken.
 [[nodiscard]] int RunSimulate(const SimulateOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -22,7 +22,7 @@
 #include "session/run/cell_trace.h"
 #include "session/run/simulated_setup.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // Short, since the arm's state must be read soon after its client has gone: see "stop" in ToJson.
@@ -119,7 +119,7 @@ std::string ToJson(const hil::CellHostState& state, const config::ArmLinkConfig&
         {"drive_to_controller", WireJson(state.devices.drive_to_controller)},
         {"drive_from_controller", WireJson(state.devices.drive_from_controller)}}},
       {"spindle", {{"speed_rad_per_s", state.tool_speed_rad_per_s}}}};
-  return JsonText(json);
+  return base::JsonText(json);
 }
 
 int RunSimulatedCell(const SimulatedCellOptions& options) {
@@ -128,7 +128,7 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
     return 2;
   }
   OutputThread output;
-  InstallInterrupt();
+  base::InstallInterrupt();
   config::CellConfig cell = config::LoadCell(options.cell, options.tool);
   if (!options.plan.empty()) {
     const config::SurgicalPlanConfig plan = config::LoadSurgicalPlan(options.plan);
@@ -158,7 +158,7 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
     PrintWires(cell);
     CellScreen screen(cell);
     const rt::Nanoseconds begun = rt::MonotonicNow();
-    while (!Interrupted().load()) {
+    while (!base::Interrupted().load()) {
       std::this_thread::sleep_for(kPollInterval);
       state = host.State();
       readers.Pass();
@@ -180,11 +180,11 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
       return 1;
     }
   if (options.json.empty()) return 0;
-  if (const auto written = WriteText(options.json, ToJson(state, cell.link)); !written) {
+  if (const auto written = base::WriteText(options.json, ToJson(state, cell.link)); !written) {
     fmt::print(stderr, "osteon cell: {}\n", written.error());
     return 1;
   }
   return 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -9,7 +9,7 @@
 #include "hil/cell_host.h"
 #include "session/run/live_views.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 struct SimulatedCellOptions {
   std::filesystem::path cell;                ///< its YAML
@@ -35,4 +35,4 @@ struct SimulatedCellOptions {
 /// an arm on FRI it is null.
 [[nodiscard]] std::string ToJson(const hil::CellHostState& state, const config::ArmLinkConfig& link);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -2,7 +2,7 @@
 
 #include <variant>
 
-namespace osteon::app {
+namespace osteon::session {
 
 hil::SimulatedCell MakeSimulatedCell(const config::CellConfig& cell, double seconds) {
   hil::ScriptParams script = cell.script;
@@ -20,4 +20,4 @@ hil::CellHostParams HostParams(const config::CellConfig& cell) {
           .plc = cell.simulated_plc};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -4,7 +4,7 @@
 #include "hil/cell_host.h"
 #include "hil/simulated_cell.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Makes a cell's arm and operator. @param seconds  of the operator's script; 0: as its file says
 [[nodiscard]] hil::SimulatedCell MakeSimulatedCell(const config::CellConfig& cell, double seconds);
@@ -12,4 +12,4 @@ namespace osteon::app {
 /// Parameters of the process that plays a cell in wall time, on the connections that the configuration names.
 [[nodiscard]] hil::CellHostParams HostParams(const config::CellConfig& cell);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

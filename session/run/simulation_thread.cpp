@@ -5,7 +5,7 @@
 #include "base/paced_priority.h"
 #include "base/realtime_thread.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 SimulationThread::SimulationThread(FrameRunner& runner, rt::LatestValue<simulation::ToolCommand>& commands,
                                    rt::LatestValue<simulation::ContactModel>& models, io::Recorder& recorder)
@@ -49,4 +49,4 @@ void SimulationThread::Loop() {
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -8,7 +8,7 @@
 #include "io/recording/recorder.h"
 #include "session/run/frame_runner.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Runs the simulation in wall time, in its own thread and at its own rate: takes the newest command, makes a
 /// new contact model. Reader of `commands`, writer of `models`.
@@ -38,4 +38,4 @@ class SimulationThread {
   std::thread thread_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

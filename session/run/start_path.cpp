@@ -2,7 +2,7 @@
 
 #include "control/setup/check_path.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // Approximate sizes of an arm's links around their joints.
@@ -45,4 +45,4 @@ std::string ValidateStartPath(const CellSetup& setup, const kinematics::JointVec
   return found ? std::string() : "the way to the start: " + found.error();
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -4,7 +4,7 @@
 
 #include "session/setup/cell_setup.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Checks the path that an arm would take to the cell's start: tool, flange, wrist and elbow against the bone
 /// and against the workspace's plane, taken as the table. Takes up to some seconds.
@@ -12,4 +12,4 @@ namespace osteon::app {
 /// @returns a text for the user that names the obstacle; empty if the path is free or not needed.
 [[nodiscard]] std::string ValidateStartPath(const CellSetup& setup, const kinematics::JointVector& q_from);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr rt::Nanoseconds kHeartbeat = 50 * rt::kMillisecond;  // of the controller, as in wall time
@@ -81,4 +81,4 @@ void VirtualDevices::StepPlc(const control::CellCommands& commands, rt::Nanoseco
                  .heartbeat = outputs.heartbeat};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

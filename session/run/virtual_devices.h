@@ -17,7 +17,7 @@
 #include "hil/plc/panel_operator.h"
 #include "io/devices/device_clients.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The cell's devices in virtual time, both sides of each connection: the same clients and simulated devices
 /// as in wall time, with frames passed in memory, and the PLC's program behind its decoded block. A cell's
@@ -70,4 +70,4 @@ class VirtualDevices final : public control::CellDevices {
   io::PlcReading plc_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

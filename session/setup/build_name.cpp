@@ -8,7 +8,7 @@
 
 #include "session/commit.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 std::string CommitName() { return kCommit; }
 
@@ -18,4 +18,4 @@ std::string BuildName() {
   return fmt::format("commit {}, gcc {}, {}", kCommit, __VERSION__, library.data());
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Commit of the sources that this program was built from, with "-dirty" appended if they were not committed.
 [[nodiscard]] std::string CommitName();
@@ -10,4 +10,4 @@ namespace osteon::app {
 /// Commit, compiler and C library of this program, in one line.
 [[nodiscard]] std::string BuildName();
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -7,7 +7,7 @@
 #include "simulation/packing/packing_file.h"
 #include "simulation/solids/cup_frame.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // Loads a bone that `osteon pack` has saved.
@@ -62,4 +62,4 @@ tl::expected<void, std::string> MakeCellBone(CellSetup& setup,
   return {};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

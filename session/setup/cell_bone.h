@@ -7,7 +7,7 @@
 
 #include "session/setup/cell_setup.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Loads the solid of a cell's bone, or its packing, and places it so that its site lies where the cell's
 /// configuration wants it. The bone has no balls yet, unless they were loaded.
@@ -17,4 +17,4 @@ namespace osteon::app {
 [[nodiscard]] tl::expected<void, std::string> MakeCellBone(CellSetup& setup,
                                                            const std::optional<MeshChoice>& mesh_instead);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

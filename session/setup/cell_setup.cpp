@@ -12,7 +12,7 @@
 #include "session/setup/recorded_config.h"
 #include "simulation/solids/cup_frame.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // Joins the YAML files of a configuration that were read, one after the other.
@@ -116,4 +116,4 @@ tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine
   return MakeEngine(choice, setup.bone, setup.config.tool.tool, setup.X_WG, setup.config.cutting);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -15,7 +15,7 @@
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/solids/solid.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A mesh or a packing file that replaces the generated scene.
 struct MeshChoice {
@@ -68,4 +68,4 @@ void PackAsScene(CellSetup& setup);
 [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(
     const CellSetup& setup, const EngineChoice& choice);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -4,7 +4,7 @@ execute_process(COMMAND git -c safe.directory=* -C ${SOURCE} describe --always -
 if(failed)
   set(commit "unknown")
 endif()
-set(text "#pragma once\n\nnamespace osteon::app {\ninline constexpr char kCommit[] = \"${commit}\";\n}\n")
+set(text "#pragma once\n\nnamespace osteon::session {\ninline constexpr char kCommit[] = \"${commit}\";\n}\n")
 if(EXISTS ${OUT})
   file(READ ${OUT} present)
 endif()

@@ -10,7 +10,7 @@
 
 #include "base/fnv1a.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 std::string ConfigChecksum(const io::ConfigSource& source) {
   std::vector<std::pair<std::string, std::string_view>> files;
@@ -18,7 +18,7 @@ std::string ConfigChecksum(const io::ConfigSource& source) {
     if (file.name != source.gains_file)
       files.emplace_back(std::filesystem::path(file.name).filename().string(), file.content);
   std::sort(files.begin(), files.end());
-  Fnv1a hash;
+  base::Fnv1a hash;
   for (const auto& [name, content] : files) {
     hash.Add(fmt::format("{}\n{}\n", name, content.size()));
     hash.Add(content);
@@ -26,4 +26,4 @@ std::string ConfigChecksum(const io::ConfigSource& source) {
   return fmt::format("{:016x}", hash.hash());
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -4,7 +4,7 @@
 
 #include "io/recording/messages.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Computes the checksum of the files that a cell was loaded from, 16 hexadecimal digits: FNV-1a of 64 bits
 /// over each file's name without its folder, its size and its bytes, ordered by name, then by bytes. Gains
@@ -12,4 +12,4 @@ namespace osteon::app {
 /// wherever these lie; it does not protect against forgery.
 [[nodiscard]] std::string ConfigChecksum(const io::ConfigSource& source);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

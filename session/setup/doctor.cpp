@@ -17,7 +17,7 @@
 #include "session/setup/realtime_checks.h"
 #include "simulation/engine_cpu/cpu_engine.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 void ExamineVulkan(std::vector<Check>& checks) {
@@ -85,7 +85,7 @@ std::vector<Check> Examine(const DoctorOptions& options, const std::function<voi
 }
 
 int RunDoctor(const DoctorOptions& options) {
-  RunProgress progress("osteon doctor", 2.0 * options.seconds);
+  base::RunProgress progress("osteon doctor", 2.0 * options.seconds);
   const std::vector<Check> checks = Examine(options, [&](double at_s) { progress.Show(at_s); });
   progress.Done();
   nlohmann::json list = nlohmann::json::array();
@@ -99,7 +99,7 @@ int RunDoctor(const DoctorOptions& options) {
   }
   if (!options.json.empty()) {
     const nlohmann::json out{{"schema", "osteon.doctor/1"}, {"checks", list}};
-    if (const auto written = WriteText(options.json, JsonText(out)); !written) {
+    if (const auto written = base::WriteText(options.json, base::JsonText(out)); !written) {
       fmt::print(stderr, "osteon doctor: {}\n", written.error());
       return 2;
     }
@@ -107,4 +107,4 @@ int RunDoctor(const DoctorOptions& options) {
   return port ? 0 : 1;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace osteon::app {
+namespace osteon::session {
 
 // The verdicts of a check.
 inline constexpr const char* kCheckGood = "good";
@@ -32,4 +32,4 @@ struct DoctorOptions {
 /// Prints the checks; writes them to `json` unless empty. @returns 0, or 1 if the demo could not run here.
 [[nodiscard]] int RunDoctor(const DoctorOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -8,7 +8,7 @@
 #include "simulation/engine/reference_engine.h"
 #include "simulation/engine_cpu/cpu_engine.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 const std::vector<std::string>& EngineNames() {
   static const std::vector<std::string> names{"auto", "vulkan", "cpu", "reference"};
@@ -83,4 +83,4 @@ double ActiveBalls(const simulation::CuttingEngine& engine, std::size_t balls) {
   return static_cast<double>(balls);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -12,7 +12,7 @@
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/tools/tool.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The values of `--engine`, "auto" first.
 [[nodiscard]] const std::vector<std::string>& EngineNames();
@@ -58,4 +58,4 @@ struct EngineStudy {
 /// @param balls  of the whole bone: an engine that does not count works on all of them
 [[nodiscard]] double ActiveBalls(const simulation::CuttingEngine& engine, std::size_t balls);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -21,7 +21,7 @@
 #include "base/clock.h"
 #include "base/realtime_thread.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr std::array<double, 3> kPeriods_s{1e-3, 2e-3, 5e-3};  // FRI periods that a cell may have
@@ -183,7 +183,7 @@ DurationFigures TimerLatency(double seconds, bool& realtime,
     if (progress) progress(std::min(seconds, rt::ToSeconds(rt::MonotonicNow() - begun)));
   }
   sleeper.join();
-  DurationCounts counts;
+  report::DurationCounts counts;
   for (const rt::Nanoseconds each : late) counts.Add(each);
   return Quantiles(counts);
 }
@@ -206,4 +206,4 @@ void ExamineRealtime(std::vector<Check>& checks, double seconds,
   checks.push_back(GovernorCheck());
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

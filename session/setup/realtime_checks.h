@@ -6,7 +6,7 @@
 #include "session/setup/doctor.h"
 #include "session/summary/summary.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Whether a machine whose threads wake this late can serve a servo loop of this period:
 ///
@@ -30,4 +30,4 @@ namespace osteon::app {
 void ExamineRealtime(std::vector<Check>& checks, double seconds,
                      const std::function<void(double at_s)>& progress);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

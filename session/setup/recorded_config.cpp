@@ -10,7 +10,7 @@
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -106,7 +106,7 @@ tl::expected<config::CellConfig, std::string> LoadFromFiles(const io::ConfigSour
       strays(source.gains_file))
     return tl::make_unexpected(
         std::string("the cell's, the tool's or the gains' file has a name that leads elsewhere"));
-  const WorkFolder folder("replay");
+  const base::WorkFolder folder("replay");
   if (folder.path().empty())
     return tl::make_unexpected(fs::temp_directory_path().string() + ": cannot make a temporary folder");
   if (std::string wrong = WriteFiles(source, folder.path()); !wrong.empty())
@@ -154,4 +154,4 @@ control::ServoLoop MakeServoLoop(const config::CellConfig& cell) {
           cell.start.arm_angle_rad};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

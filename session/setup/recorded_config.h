@@ -13,7 +13,7 @@
 #include "io/recording/messages.h"
 #include "session/procedure/procedure_tools.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Reads the files that a cell was just loaded from, in their present state, for its recording.
 /// @param scope  must have lived while the cell was loaded
@@ -39,4 +39,4 @@ struct RecordedCell {
 /// Makes a cell's servo loop, as a run and its replay need it.
 [[nodiscard]] control::ServoLoop MakeServoLoop(const config::CellConfig& cell);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::session {
 
 std::vector<std::string> SetupWarnings(const config::CellConfig& cell, bool real) {
   std::vector<std::string> warnings;
@@ -22,4 +22,4 @@ std::vector<std::string> SetupWarnings(const config::CellConfig& cell, bool real
   return warnings;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -5,11 +5,11 @@
 
 #include "config/reading/cell_config.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Returns, before a run, a sentence for each thing that a cell's file asks for and the cell cannot provide.
 /// Screen, summary and verdict show them.
 /// @param real  a person operates the cell, not a script
 [[nodiscard]] std::vector<std::string> SetupWarnings(const config::CellConfig& cell, bool real);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

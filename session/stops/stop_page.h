@@ -9,7 +9,7 @@
 #include "safety/fault.h"
 #include "session/stops/trip_charts.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A fault on a stop's page.
 struct StopFaultRow {
@@ -27,7 +27,7 @@ struct StopPageInput {
   std::string no_fault_text{"No fault."};  ///< printed if there are no faults
   std::vector<StopFaultRow> faults{};
   std::span<const control::TickRecord> ticks{};
-  TimeAxis time{};  ///< 0 is the stop
+  report::TimeAxis time{};  ///< 0 is the stop
   double force_limit_N{0.0};
   const TripLimits& limits;
 };
@@ -35,4 +35,4 @@ struct StopPageInput {
 /// Makes one HTML page: the faults, the quantity that tripped each of them with its limit, forces and motion.
 [[nodiscard]] std::string MakeStopPage(const StopPageInput& input);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

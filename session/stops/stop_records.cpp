@@ -14,7 +14,7 @@
 #include "session/summary/fault_seen.h"
 #include "session/summary/run_files.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using control::Phase;
@@ -195,9 +195,9 @@ void StopPages::Write(const StopRecord& stop) {
         ViewCommandOf(params_.recording, rt::ToSeconds(stop.ticks[stop.stop].stamp - session_stamp_));
   if (auto done = ExportTicks(stop.ticks, session_stamp_, table); !done)
     error_ = done.error();
-  else if (auto shown = WritePage(MakeStopPage(page), file); !shown)
+  else if (auto shown = report::WritePage(MakeStopPage(page), file); !shown)
     error_ = shown.error();
   written_.push_back({.page = file, .heading = stop.Heading(), .ticks = table});
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

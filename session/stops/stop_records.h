@@ -15,7 +15,7 @@
 #include "io/recording/messages.h"
 #include "safety/fault.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The ticks of a stop within a recording: the last five seconds before it, and after it until half a second
 /// at rest.
@@ -104,4 +104,4 @@ class StopPages {
   std::string error_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -18,7 +18,7 @@
 #include "safety/watchdog.h"
 #include "safety/workspace.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using control::TickRecord;
@@ -32,11 +32,11 @@ constexpr std::array<const char*, 7> kJointColors{"#0072b2", "#d55e00", "#009e73
 // Panels over the same ticks, one above the other.
 class Panels {
  public:
-  Panels(std::span<const TickRecord> ticks, const TimeAxis& time)
+  Panels(std::span<const TickRecord> ticks, const report::TimeAxis& time)
       : ticks_(ticks), time_(time), times_s_(time.Of(ticks)) {}
 
-  void BeginPanel(std::string title, std::string y_label, std::vector<LimitLine> limits) {
-    std::erase_if(limits, [](const LimitLine& limit) { return !std::isfinite(limit.value); });
+  void BeginPanel(std::string title, std::string y_label, std::vector<report::LimitLine> limits) {
+    std::erase_if(limits, [](const report::LimitLine& limit) { return !std::isfinite(limit.value); });
     panels_.push_back({.title = std::move(title),
                        .y_label = std::move(y_label),
                        .limits = std::move(limits),
@@ -47,7 +47,7 @@ class Panels {
   /// Adds a curve to the newest panel. @param value  (std::size_t tick) -> double
   template <class Value>
   void Curve(std::string name, const char* color, const Value& value) {
-    Series series{
+    report::Series series{
         .name = std::move(name), .x = times_s_, .y = {}, .color = std::string(color), .width_px = 1.2};
     for (std::size_t i = 0; i < ticks_.size(); ++i) series.y.push_back(value(i));
     panels_.back().series.push_back(std::move(series));
@@ -55,7 +55,7 @@ class Panels {
 
   /// Adds a panel of one curve with one limit.
   template <class Value>
-  void One(std::string title, std::string y_label, LimitLine limit, const Value& value) {
+  void One(std::string title, std::string y_label, report::LimitLine limit, const Value& value) {
     BeginPanel(std::move(title), std::move(y_label), {std::move(limit)});
     Curve("", kJointColors[0], value);
   }
@@ -63,7 +63,7 @@ class Panels {
   [[nodiscard]] std::string Draw() {
     if (panels_.empty()) return {};
     panels_.back().x_label = time_.label;
-    return Svg(panels_);
+    return report::Svg(panels_);
   }
 
   [[nodiscard]] std::size_t size() const { return ticks_.size(); }
@@ -73,12 +73,12 @@ class Panels {
 
  private:
   std::span<const TickRecord> ticks_;
-  const TimeAxis& time_;
+  const report::TimeAxis& time_;
   std::vector<double> times_s_;
-  std::vector<LineChart> panels_;
+  std::vector<report::LineChart> panels_;
 };
 
-LimitLine Limit(double value, const char* unit) {
+report::LimitLine Limit(double value, const char* unit) {
   return {value, fmt::format("limit {:.4g} {}", value, unit)};
 }
 
@@ -159,7 +159,7 @@ void AddArmSpeed(const TripLimits& limits, Panels& panels) {
 template <class Percent>
 void AddJoints(std::string title, bool both_ways, const control::ServoParams& servo, const Percent& percent,
                Panels& panels) {
-  std::vector<LimitLine> limits{{100.0, "limit 100 %"}};
+  std::vector<report::LimitLine> limits{{100.0, "limit 100 %"}};
   if (both_ways) limits.push_back({-100.0, "limit -100 %"});
   panels.BeginPanel(std::move(title), "share [%]", std::move(limits));
   for (std::size_t joint = 0; joint < kJointColors.size(); ++joint) {
@@ -320,7 +320,7 @@ void AddArm(Fault fault, const control::ServoParams& servo, Panels& panels) {
 }  // namespace
 
 std::string TripChart(Fault fault, std::span<const TickRecord> ticks, const TripLimits& limits,
-                      const TimeAxis& time) {
+                      const report::TimeAxis& time) {
   Panels panels(ticks, time);
   AddAges(fault, limits, panels);
   if (fault == Fault::kInterlock) AddPermission(panels);
@@ -332,4 +332,4 @@ std::string TripChart(Fault fault, std::span<const TickRecord> ticks, const Trip
   return panels.Draw();
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -11,7 +11,7 @@
 #include "safety/fault.h"
 #include "safety/zone.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The limits that can stop a cell.
 struct TripLimits {
@@ -29,6 +29,6 @@ struct TripLimits {
 /// <svg>; empty if a recording holds no such quantity (a lost device, a value that is not finite): the known
 /// facts are then in the table of faults.
 [[nodiscard]] std::string TripChart(safety::Fault fault, std::span<const control::TickRecord> ticks,
-                                    const TripLimits& limits, const TimeAxis& time);
+                                    const TripLimits& limits, const report::TimeAxis& time);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -9,7 +9,7 @@
 #include "kinematics/serial_chain.h"
 #include "session/run/cell_run.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using control::TickRecord;
@@ -61,4 +61,4 @@ TripLimits TripLimitsOf(const config::CellConfig& cell, bool virtual_time) {
   return limits;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

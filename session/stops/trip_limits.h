@@ -3,10 +3,10 @@
 #include "config/reading/cell_config.h"
 #include "session/stops/trip_charts.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Collects the limits that a cell's stop pages show. @param virtual_time  a message is missed after one
 /// period
 [[nodiscard]] TripLimits TripLimitsOf(const config::CellConfig& cell, bool virtual_time);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -13,7 +13,7 @@
 #include "report/svg_raster.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 std::string Processor() {
@@ -42,7 +42,7 @@ std::string Table(const std::vector<std::vector<std::string>>& rows) {
     html += "<tr>";
     for (std::size_t column = 0; column < rows[i].size(); ++column)
       html += fmt::format("<{}{}>{}</{}>", tag, HasNumbers(rows, column) ? " class=\"n\"" : "",
-                          Escape(rows[i][column]), tag);
+                          report::Escape(rows[i][column]), tag);
     html += "</tr>\n";
   }
   return html + "</table>\n</div>\n";
@@ -78,10 +78,10 @@ std::string ValidateOutputFile(const char* option, const std::filesystem::path& 
 }
 
 tl::expected<void, std::string> WriteDrawing(const std::string& svg, const std::filesystem::path& file) {
-  if (const auto written = WriteText(file.string() + ".svg", svg); !written) return written;
-  const auto picture = Rasterise(svg);
+  if (const auto written = base::WriteText(file.string() + ".svg", svg); !written) return written;
+  const auto picture = report::Rasterise(svg);
   if (!picture) return tl::unexpected(file.string() + ".png: " + picture.error());
-  return WritePng(*picture, file.string() + ".png");
+  return report::WritePng(*picture, file.string() + ".png");
 }
 
 tl::expected<void, std::string> WriteChart(const ChartFiles& chart, const std::filesystem::path& folder) {
@@ -89,30 +89,30 @@ tl::expected<void, std::string> WriteChart(const ChartFiles& chart, const std::f
   std::filesystem::create_directories(folder, error);
   if (error) return tl::unexpected(folder.string() + ": " + error.message());
   const auto path = [&](const char* extension) { return folder / (chart.name + extension); };
-  const auto picture = Rasterise(chart.svg);
+  const auto picture = report::Rasterise(chart.svg);
   if (!picture) return tl::unexpected(path(".png").string() + ": " + picture.error());
 
-  std::string html = PageBegin({.title = chart.title, .verdict = chart.verdict});
-  html += Figure(chart.svg, chart.caption);
-  for (const std::string& note : chart.notes) html += fmt::format("<p>{}</p>\n", Escape(note));
+  std::string html = report::PageBegin({.title = chart.title, .verdict = chart.verdict});
+  html += report::Figure(chart.svg, chart.caption);
+  for (const std::string& note : chart.notes) html += fmt::format("<p>{}</p>\n", report::Escape(note));
   html += Table(chart.table);
   for (const ChartPart& part : chart.parts) {
-    html += fmt::format("<h2>{}</h2>\n", Escape(part.heading));
-    if (!part.name.empty()) html += Figure(part.svg, part.caption);
+    html += fmt::format("<h2>{}</h2>\n", report::Escape(part.heading));
+    if (!part.name.empty()) html += report::Figure(part.svg, part.caption);
     if (!part.table.empty()) html += Table(part.table);
   }
-  html += PageEnd();
+  html += report::PageEnd();
 
   const std::pair<const char*, const std::string*> texts[] = {
       {".svg", &chart.svg}, {".csv", &chart.csv}, {".json", &chart.json}, {".html", &html}};
   for (const auto& [extension, text] : texts)
-    if (const auto written = WriteText(path(extension), *text); !written) return written;
+    if (const auto written = base::WriteText(path(extension), *text); !written) return written;
   if (!chart.json_copy.empty())
-    if (const auto written = WriteText(chart.json_copy, chart.json); !written) return written;
+    if (const auto written = base::WriteText(chart.json_copy, chart.json); !written) return written;
   for (const ChartPart& part : chart.parts)
     if (!part.name.empty())
       if (const auto written = WriteDrawing(part.svg, folder / part.name); !written) return written;
-  return WritePng(*picture, path(".png"));
+  return report::WritePng(*picture, path(".png"));
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -8,7 +8,7 @@
 
 #include "report/page.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A machine's name in a chart: processor, cores, system.
 [[nodiscard]] std::string MachineName();
@@ -39,7 +39,7 @@ struct ChartPart {
 struct ChartFiles {
   std::string name;   ///< of the files, without an extension
   std::string title;  ///< of the page
-  ReportVerdict verdict;
+  report::ReportVerdict verdict;
   std::string svg;
   std::string caption;
   std::string csv;
@@ -56,4 +56,4 @@ struct ChartFiles {
 [[nodiscard]] tl::expected<void, std::string> WriteChart(const ChartFiles& chart,
                                                          const std::filesystem::path& folder);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -2,7 +2,7 @@
 
 #include "io/can/drive_fault_text.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 void DriveFaultRows::Add(const control::TickRecord& tick) {
   if (!start_) start_ = tick.stamp;
@@ -22,4 +22,4 @@ void DriveFaultRows::Add(const control::TickRecord& tick) {
                                                           in.drive_error_code})});
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -7,7 +7,7 @@
 
 #include "control/tick_record.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A report of the reamer's drive, at its time since the run's start: the faults latched at that time.
 struct DriveFaultRow {
@@ -31,4 +31,4 @@ class DriveFaultRows {
   std::uint8_t before_{0};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

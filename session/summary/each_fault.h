@@ -2,7 +2,7 @@
 
 #include "safety/fault.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Calls each(fault, text) for every fault, in the order of the bits.
 template <class Each>
@@ -21,4 +21,4 @@ void ForEachFault(safety::FaultSet set, Each&& each) {
   });
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// An event of the scene (simulation::SceneEvent), or an operator's pause or its end, timed from the run's
 /// start.
@@ -13,4 +13,4 @@ struct EventRow {
   std::string unit;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -12,7 +12,7 @@
 #include "io/modbus/plc_client.h"
 #include "safety/watchdog.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using control::TickRecord;
@@ -170,4 +170,4 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -7,7 +7,7 @@
 #include "control/tick_record.h"
 #include "safety/fault.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Finds the first tick that has the fault; null: none does.
 [[nodiscard]] const control::TickRecord* FirstWith(safety::Fault fault,
@@ -21,4 +21,4 @@ namespace osteon::app {
 [[nodiscard]] std::string SeenAt(safety::Fault fault, const control::TickRecord& tick,
                                  const control::ServoParams* servo = nullptr);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -8,7 +8,7 @@
 #include "config/reading/cell_config.h"
 #include "control/ports.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kMoves_rad2 = 1e-6;  // less motion than this in a whole run tells no delay
@@ -155,4 +155,4 @@ std::string LatencyText(const LatencyFigures& latency) {
       assumed.empty() ? "" : "; assumed: " + assumed);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

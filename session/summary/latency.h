@@ -14,7 +14,7 @@ namespace osteon::config {
 struct CellConfig;
 }
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// One part of a cell's latency.
 struct LatencyPart {
@@ -83,4 +83,4 @@ class LatencyMeter {
 /// One line: "26.3 ms from hand to arm (sensor 1.0, link 0.1, …); 30.2 ms from bone to hand; assumed: …".
 [[nodiscard]] std::string LatencyText(const LatencyFigures& latency);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -13,7 +13,7 @@
 #include "control/arm/arm_speed_watch.h"
 #include "safety/acting_limits.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // safety::kLimitNames in words, for people.
@@ -216,4 +216,4 @@ void PrintLimits(const control::ServoParams& params) {
   std::fflush(stdout);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

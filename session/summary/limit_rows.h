@@ -12,7 +12,7 @@
 #include "control/tick_record.h"
 #include "safety/acting_limits.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A limit in force: the tightest of several bounds on one quantity.
 struct EffectiveLimit {
@@ -65,4 +65,4 @@ inline constexpr const char* kWithoutPlc =
     "without a PLC (without_plc: accepted): only the arm's own safety controller and its enabling switch "
     "keep it from moving";
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -2,7 +2,7 @@
 
 #include "control/loop/tick_state.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 void PauseEvents::Add(const control::TickRecord& tick) {
   if (!start_) start_ = tick.stamp;
@@ -24,4 +24,4 @@ void PauseEvents::Add(const control::TickRecord& tick) {
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

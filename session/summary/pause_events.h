@@ -6,7 +6,7 @@
 #include "control/tick_record.h"
 #include "session/summary/event_row.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 inline constexpr const char *kPauseEvent = "pause", *kResumeEvent = "resume";
 
@@ -29,4 +29,4 @@ class PauseEvents {
   std::optional<rt::Nanoseconds> start_, asked_at_, paused_at_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

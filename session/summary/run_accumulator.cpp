@@ -9,7 +9,7 @@
 #include "session/procedure/procedure_session.h"
 #include "session/summary/each_fault.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 void ActiveTicks::Add(const control::TickRecord& tick) {
   if (tick.session_state != static_cast<std::uint8_t>(control::SessionState::kCommandingActive)) return;
@@ -110,4 +110,4 @@ tl::expected<RunAccumulator, std::string> ReadRun(const std::filesystem::path& r
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

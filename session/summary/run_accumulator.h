@@ -22,7 +22,7 @@
 #include "simulation/removal/cut_metrics.h"
 #include "simulation/tools/proxy_path.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 class ProcedureSession;
 
@@ -34,7 +34,7 @@ struct ActiveTicks {
   std::optional<rt::Nanoseconds> first, last;  ///< stamps
   /// Stamp of the last tick in which the loop was not at rest after a stop.
   rt::Nanoseconds stopped_at{0};
-  DurationCounts step, wakeup, compute;  ///< step: from one stamp to the next
+  report::DurationCounts step, wakeup, compute;  ///< step: from one stamp to the next
   /// Number of ticks in which a limit reduced the coupling's wrench, and in which the arm's torques would
   /// have; then the least shares that were rendered and that the arm could hold.
   std::uint64_t cut{0}, arm_cut{0};
@@ -56,7 +56,7 @@ struct RunAccumulator {
   void Add(const control::TickRecord& tick);
   void Add(const simulation::FrameRecord& frame);
 
-  RunCurves curves;
+  report::RunCurves curves;
   simulation::ProxyPath path;
 
   // of the ticks
@@ -72,7 +72,7 @@ struct RunAccumulator {
 
   // of the frames
   std::uint64_t frames{0};
-  DurationCounts frame_step;  ///< from one stamp to the next
+  report::DurationCounts frame_step;  ///< from one stamp to the next
   std::optional<rt::Nanoseconds> last_frame;
   simulation::ReamedDepth reamed;
   double cup_depth_m{0.0};  ///< of the last frame
@@ -92,4 +92,4 @@ struct RunAccumulator {
                                                                 const CellSetup& setup, StopPages& stops,
                                                                 const ProcedureSession* procedure = nullptr);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -13,7 +13,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -141,4 +141,4 @@ tl::expected<fs::path, std::string> KeepEarlierDemo(const fs::path& folder) {
   return earlier;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -10,7 +10,7 @@
 
 // A run's files are evidence: the next run does not overwrite them.
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Path of the page of a run's stop, numbered from 1, and of the table of its ticks. @param stem  of the
 /// recording's name
@@ -66,4 +66,4 @@ class FolderClaim {
 /// Lists the files that KeepEarlierDemo would move.
 [[nodiscard]] std::vector<std::filesystem::path> FilesOfDemo(const std::filesystem::path& folder);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -4,11 +4,11 @@
 #include <utility>
 #include <vector>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
-std::vector<LimitRow> LimitRowsOf(const RunSummary& summary) {
-  std::vector<LimitRow> rows;
+std::vector<report::LimitRow> LimitRowsOf(const RunSummary& summary) {
+  std::vector<report::LimitRow> rows;
   for (const ActedLimit& limit : summary.acted_limits)
     rows.push_back({.name = limit.text,
                     .first_s = limit.first_s,
@@ -20,11 +20,9 @@ std::vector<LimitRow> LimitRowsOf(const RunSummary& summary) {
 
 }  // namespace
 
-tl::expected<ReportFigures, std::string> WriteRunReport(const CellSetup& setup, const CellRunResult& result,
-                                                        const RunAccumulator& run, const RunSummary& summary,
-                                                        const std::string& command,
-                                                        const std::string& command_line,
-                                                        const std::filesystem::path& page) {
+tl::expected<report::ReportFigures, std::string> WriteRunReport(
+    const CellSetup& setup, const CellRunResult& result, const RunAccumulator& run, const RunSummary& summary,
+    const std::string& command, const std::string& command_line, const std::filesystem::path& page) {
   std::vector<simulation::ToolPath> paths;
   std::function<double(const Vector3&)> planned;
   if (run.session_cut) {
@@ -37,7 +35,7 @@ tl::expected<ReportFigures, std::string> WriteRunReport(const CellSetup& setup, 
     last = paths.back();
     paths.pop_back();
   }
-  return WriteReport(
+  return report::WriteReport(
       {.title = "Osteon " + command + ": " + summary.scene,
        .subtitle = summary.engine + " on " + summary.device + (summary.virtual_time ? ", virtual time" : ""),
        .verdict = summary.verdict.ForReport(),
@@ -61,4 +59,4 @@ tl::expected<ReportFigures, std::string> WriteRunReport(const CellSetup& setup, 
       page);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

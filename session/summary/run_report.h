@@ -11,14 +11,14 @@
 #include "session/summary/run_accumulator.h"
 #include "session/summary/summary.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Writes the report of a run: one page with verdict, figures, pictures of the bone and charts.
 /// @param run  what was read of its recording  @param command  "demo", "run"
 /// @param command_line  repeats the run
 /// @returns the figures of the section; the error names the file.
-[[nodiscard]] tl::expected<ReportFigures, std::string> WriteRunReport(
+[[nodiscard]] tl::expected<report::ReportFigures, std::string> WriteRunReport(
     const CellSetup& setup, const CellRunResult& result, const RunAccumulator& run, const RunSummary& summary,
     const std::string& command, const std::string& command_line, const std::filesystem::path& page);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -19,25 +19,25 @@
 #include "simulation/removal/cut_metrics.h"
 #include "simulation/removal/swept_volume.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // Cells of the grid that measures the swept volume.
 constexpr double kSweepCell_m = 0.4e-3, kSweepCellsARadius = 25.0;
 
 // Returns 1 / the median.
-double RateOf(const DurationCounts& steps) {
+double RateOf(const report::DurationCounts& steps) {
   const double step_s = steps.count() > 0 ? rt::ToSeconds(steps.At(steps.count() / 2)) : 0.0;
   return step_s > 0.0 ? 1.0 / step_s : 0.0;
 }
 
 // Finds in the ticks when each fault first appeared.
-std::vector<FaultRow> FaultRows(safety::FaultSet faults, const RunAccumulator& run,
-                                const control::ServoParams& servo) {
-  std::vector<FaultRow> rows;
+std::vector<report::FaultRow> FaultRows(safety::FaultSet faults, const RunAccumulator& run,
+                                        const control::ServoParams& servo) {
+  std::vector<report::FaultRow> rows;
   ForEachFault(faults, [&](safety::Fault fault, const safety::FaultText& text) {
-    FaultRow& row =
-        rows.emplace_back(FaultRow{.name = text.name, .time_s = std::nan(""), .reaction = text.reaction});
+    report::FaultRow& row = rows.emplace_back(
+        report::FaultRow{.name = text.name, .time_s = std::nan(""), .reaction = text.reaction});
     const auto first = run.first_with.find(fault);
     if (first == run.first_with.end()) return;
     row.time_s = rt::ToSeconds(first->second.stamp - *run.curves.first_tick);
@@ -194,7 +194,7 @@ std::string PassText(const SessionPass& pass, double diameter_mm) {
 }
 
 // Adds the rows of the cut.
-void AddCut(const RunSummary& s, std::vector<SummaryRow>& rows) {
+void AddCut(const RunSummary& s, std::vector<report::SummaryRow>& rows) {
   // without the solid (a loaded packing) the swept volume is not known
   const double swept_share = s.swept_volume_m3 > 0.0 ? s.removed_volume_m3 / s.swept_volume_m3 - 1.0 : 0.0;
   const std::string swept = s.swept_volume_m3 > 0.0
@@ -236,7 +236,7 @@ const char* EndText(control::RunEnd end) {
   return "";
 }
 
-DurationFigures Quantiles(const DurationCounts& durations) {
+DurationFigures Quantiles(const report::DurationCounts& durations) {
   const std::uint64_t count = durations.count();
   if (count == 0) return {};
   const auto at = [&](double share) {
@@ -294,7 +294,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   }
   s.ended = EndText(result.end);
   if (!result.diagnosis.empty()) s.ended += ": " + result.diagnosis;
-  if (result.end == control::RunEnd::kStopFlag) s.ended_by = InterruptName();
+  if (result.end == control::RunEnd::kStopFlag) s.ended_by = base::InterruptName();
   s.console_url = params.console_url;
   s.virtual_time = params.virtual_time;
   s.end = result.end;
@@ -347,8 +347,8 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   return s;
 }
 
-std::vector<SummaryRow> Rows(const RunSummary& s) {
-  std::vector<SummaryRow> rows{
+std::vector<report::SummaryRow> Rows(const RunSummary& s) {
+  std::vector<report::SummaryRow> rows{
       {"Ended", s.ended + (s.ended_by.empty() ? "" : " by " + s.ended_by) +
                     (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop)},
       {"Engine", s.engine + " on " + s.device},
@@ -399,7 +399,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
     rows.push_back({"Thinnest wall left", *s.min_wall_m > 0.0 ? fmt::format("{:.2f} mm", *s.min_wall_m * 1e3)
                                                               : std::string("none: the cut is through")});
   std::string faults;
-  for (const FaultRow& fault : s.faults)
+  for (const report::FaultRow& fault : s.faults)
     faults += (faults.empty() ? "" : "; ") + fault.name + (fault.seen.empty() ? "" : " (" + fault.seen + ")");
   rows.push_back({"Faults", faults.empty() ? "none" : faults});
   if (!s.recovered_from.empty())
@@ -432,8 +432,8 @@ void PrintTable(const RunSummary& summary, const std::string& title) {
   fmt::print("{}: {} with a {}\n", title, summary.scene, summary.tool);
   PrintVerdict(summary.verdict, 30);
   constexpr std::size_t kKeyColumns = 30;
-  for (const SummaryRow& row : Rows(summary))
-    fmt::print("  {:<{}} {}\n", row.key, kKeyColumns, WrapForTerminal(row.value, kKeyColumns + 3));
+  for (const report::SummaryRow& row : Rows(summary))
+    fmt::print("  {:<{}} {}\n", row.key, kKeyColumns, base::WrapForTerminal(row.value, kKeyColumns + 3));
 }
 
 void AddReason(std::string& reasons, const std::string& reason) {
@@ -450,16 +450,16 @@ std::string DescribeRecordingErrors(const CellRunResult& result, const std::stri
 
 int ExitCode(const CellRunResult& result) {
   // without a signal or an operator's stop, the simulated cell has died
-  const bool interrupted = result.end == control::RunEnd::kStopFlag && InterruptName()[0] != '\0';
+  const bool interrupted = result.end == control::RunEnd::kStopFlag && base::InterruptName()[0] != '\0';
   const bool done = result.end == control::RunEnd::kSeconds && !result.faults.Any();
-  const int code = interrupted ? InterruptExitCode() : done ? 0 : 1;
+  const int code = interrupted ? base::InterruptExitCode() : done ? 0 : 1;
   return code == 0 && result.operator_recoveries > 0 ? 1 : code;
 }
 
 std::string ToJson(const RunSummary& s, const std::string& schema) {
   nlohmann::json faults = nlohmann::json::array();
   nlohmann::json faults_seen = nlohmann::json::array();
-  for (const FaultRow& fault : s.faults) {
+  for (const report::FaultRow& fault : s.faults) {
     faults.push_back(fault.name);
     faults_seen.push_back(
         {{"name", fault.name},
@@ -470,7 +470,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
   for (const EventRow& event : s.events)
     events.push_back(
         {{"time_s", event.time_s}, {"name", event.name}, {"value", event.value}, {"unit", event.unit}});
-  const CavityError& section = s.section.cavity_section;
+  const report::CavityError& section = s.section.cavity_section;
   nlohmann::ordered_json out{
       {"verdict", {{"level", NameOf(s.verdict.level)}, {"reasons", s.verdict.reasons}}},
       {"schema", schema},
@@ -601,7 +601,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
            {"state_hash", pass.state_hash},
            {"undone", pass.undone}});
   }
-  return JsonText(out);
+  return base::JsonText(out);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

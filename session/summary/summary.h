@@ -18,14 +18,14 @@
 #include "session/summary/run_accumulator.h"
 #include "session/summary/verdict.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Median and tail of a duration, from the recording [s]. Zero count: not measured (virtual time).
 struct DurationFigures {
   std::size_t count{0};
   double p50_s{0.0}, p99_s{0.0}, p999_s{0.0}, max_s{0.0};
 };
-[[nodiscard]] DurationFigures Quantiles(const DurationCounts& durations);
+[[nodiscard]] DurationFigures Quantiles(const report::DurationCounts& durations);
 
 /// A coarsening of zones, at its time since the run's start.
 struct RezonedRow {
@@ -85,14 +85,14 @@ struct RunSummary {
   double cup_depth_m{0.0};     ///< deepest proxy apex below the cup's first floor; negative: it stayed above
   double reamed_depth_m{0.0};  ///< how far the apex went into the bone while it cut (simulation::ReamedDepth)
   double cavity_depth_m{0.0};  ///< floor of the carved balls below the first floor; < 0: carved through
-  ReportFigures section;
+  report::ReportFigures section;
   DurationFigures wakeup, compute, frame;
   LatencyFigures latency;                ///< of the whole cell, with its parts
   std::string state_hash;                ///< of the carved state, hexadecimal
   std::vector<EffectiveLimit> limits;    ///< in force
   std::vector<ActedLimit> acted_limits;  ///< those that acted, when and for how long
   double min_depth_left_m{0.0};          ///< to the reamer's depth limit; infinite if there is none
-  std::vector<FaultRow> faults;
+  std::vector<report::FaultRow> faults;
   std::vector<DriveFaultRow> drive_faults;
   std::vector<EventRow> events;                ///< of the scene and of pauses, in their order
   std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
@@ -121,7 +121,7 @@ struct RunSummary {
                                    const RunAccumulator& run);
 
 /// Rows for the terminal and the report.
-[[nodiscard]] std::vector<SummaryRow> Rows(const RunSummary& summary);
+[[nodiscard]] std::vector<report::SummaryRow> Rows(const RunSummary& summary);
 
 /// Prints the rows on the terminal, under `title`, scene and tool.
 void PrintTable(const RunSummary& summary, const std::string& title);
@@ -138,4 +138,4 @@ void AddReason(std::string& reasons, const std::string& reason);
 /// JSON object by the contract of docs/commands.md, with `schema`.
 [[nodiscard]] std::string ToJson(const RunSummary& summary, const std::string& schema);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

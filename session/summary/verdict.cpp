@@ -15,7 +15,7 @@
 #include "base/text.h"
 #include "session/summary/summary.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // A shorter action is not felt: a limit that acts for a few ticks.
@@ -27,7 +27,7 @@ constexpr double kSomeStale = 0.02, kOftenStale = 0.2;
 void JudgeEnd(const RunSummary& s, Verdict& verdict) {
   if (!s.faults.empty()) {
     std::string names;
-    for (const FaultRow& fault : s.faults) names += (names.empty() ? "" : ", ") + fault.name;
+    for (const report::FaultRow& fault : s.faults) names += (names.empty() ? "" : ", ") + fault.name;
     verdict.Add(VerdictLevel::kBad, fmt::format("it ended with a fault: {}", names));
   } else if (s.end == control::RunEnd::kStopFlag && s.wanted_s > 0.0) {
     verdict.Add(VerdictLevel::kWarning,
@@ -95,8 +95,8 @@ void Verdict::Add(VerdictLevel at_least, std::string reason) {
   reasons.push_back(std::move(reason));
 }
 
-std::vector<SummaryRow> VerdictRows(const Verdict& verdict) {
-  std::vector<SummaryRow> rows{{"Verdict", NameOf(verdict.level)}};
+std::vector<report::SummaryRow> VerdictRows(const Verdict& verdict) {
+  std::vector<report::SummaryRow> rows{{"Verdict", NameOf(verdict.level)}};
   for (const std::string& reason : verdict.reasons) rows.push_back({"", reason});
   return rows;
 }
@@ -107,15 +107,15 @@ void PrintVerdict(const Verdict& verdict, int key_width) {
                                 : verdict.level == VerdictLevel::kWarning
                                     ? fmt::fg(fmt::terminal_color::yellow) | fmt::emphasis::bold
                                     : fmt::fg(fmt::terminal_color::red) | fmt::emphasis::bold;
-  for (const SummaryRow& row : VerdictRows(verdict))
+  for (const report::SummaryRow& row : VerdictRows(verdict))
     fmt::print("  {:<{}} {}\n", row.key, key_width,
-               fmt::styled(WrapForTerminal(row.value, static_cast<std::size_t>(key_width) + 3), style));
+               fmt::styled(base::WrapForTerminal(row.value, static_cast<std::size_t>(key_width) + 3), style));
 }
 
 std::string ResultText(const Verdict& verdict, const nlohmann::ordered_json& result) {
   nlohmann::ordered_json out{{"verdict", {{"level", NameOf(verdict.level)}, {"reasons", verdict.reasons}}}};
   out.update(result);
-  return JsonText(out);
+  return base::JsonText(out);
 }
 
 Verdict JudgeRun(const RunSummary& summary) {
@@ -132,4 +132,4 @@ Verdict JudgeRun(const RunSummary& summary) {
   return verdict;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -7,7 +7,7 @@
 
 #include "report/report.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 struct RunSummary;
 
@@ -28,11 +28,13 @@ struct Verdict {
   /// Makes the level at least this bad, and adds the reason.
   void Add(VerdictLevel at_least, std::string reason);
 
-  [[nodiscard]] ReportVerdict ForReport() const { return {.level = NameOf(level), .reasons = reasons}; }
+  [[nodiscard]] report::ReportVerdict ForReport() const {
+    return {.level = NameOf(level), .reasons = reasons};
+  }
 };
 
 /// Table rows of the level and its reasons, for the top of a table.
-[[nodiscard]] std::vector<SummaryRow> VerdictRows(const Verdict& verdict);
+[[nodiscard]] std::vector<report::SummaryRow> VerdictRows(const Verdict& verdict);
 
 /// Prints VerdictRows on stdout, keys `key_width` wide; a level other than good is coloured on a terminal
 /// with colours (unless NO_COLOR is set).
@@ -45,4 +47,4 @@ void PrintVerdict(const Verdict& verdict, int key_width);
 /// the hand, and losses of the recording.
 [[nodiscard]] Verdict JudgeRun(const RunSummary& summary);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using surface::BrickIndex;
@@ -167,4 +167,4 @@ void DifferenceMap::TellLargest() {
   shared_.TellLargest(side_, largest);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

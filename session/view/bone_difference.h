@@ -13,7 +13,7 @@
 
 #include "simulation/surface/field_distance.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Where a difference is largest.
 struct LargestDifference {
@@ -97,4 +97,4 @@ class DifferenceMap {
   std::map<surface::BrickIndex, LargestDifference> shown_;  // bricks that have a surface
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -5,7 +5,7 @@
 
 #include "base/realtime_thread.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 void CarvedBone::Take(io::RecordedTopic topic, const RecordingTimeline& timeline) {
   const io::RecordingStream& message = timeline.message();
@@ -100,4 +100,4 @@ bool GoOnFrom(const CarvedBone& bone, RecordingTimeline& timeline) {
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -13,7 +13,7 @@
 #include "simulation/surface/carved_field.h"
 #include "simulation/surface/tool_ways.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// The carving of a recording's bone, message by message. What the tool swept is gathered and carved at once:
 /// many capsules cost little more than a few, since most of them count at no node, and the bits are the same.
@@ -81,4 +81,4 @@ class CarvedKeys {
 /// Moves a time line to just after the tick at which a state was kept. False: the tick is not there.
 [[nodiscard]] bool GoOnFrom(const CarvedBone& bone, RecordingTimeline& timeline);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -7,7 +7,7 @@
 
 #include "base/realtime_thread.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr std::chrono::milliseconds kStep{16};  // between pieces of the recording
@@ -134,4 +134,4 @@ bool Playback::PassUntil(double at_s) {
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -9,7 +9,7 @@
 #include "console/stream/live_feed.h"
 #include "session/view/recording_timeline.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Where a playback stands.
 struct PlaybackState {
@@ -56,4 +56,4 @@ class Playback {
   std::thread thread_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

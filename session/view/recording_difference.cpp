@@ -13,7 +13,7 @@
 #include "base/realtime_thread.h"
 #include "console/stream/live_window.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr std::chrono::seconds kNewsPeriod{1};
@@ -205,4 +205,4 @@ void RecordingDifference::Run(const std::array<std::filesystem::path, 2>& record
   tell(true);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -11,7 +11,7 @@
 #include "control/tick_record.h"
 #include "session/view/recording_timeline.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// How two runs differ at one time. Both are taken at the same time since their session's start.
 struct TickDifference {
@@ -50,4 +50,4 @@ class RecordingDifference {
   std::thread thread_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -11,7 +11,7 @@
 #include "base/realtime_thread.h"
 #include "console/stream/live_window.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr std::chrono::seconds kBetweenNews{1};
@@ -75,4 +75,4 @@ void RecordingScan::Run(const std::filesystem::path& path) {
   tell(true);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

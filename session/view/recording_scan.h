@@ -8,7 +8,7 @@
 
 #include "session/view/recording_timeline.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Reads a whole recording in the background for its time line: every event, and each second's largest force.
 class RecordingScan {
@@ -31,4 +31,4 @@ class RecordingScan {
   std::thread thread_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

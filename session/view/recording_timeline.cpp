@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace osteon::app {
+namespace osteon::session {
 
 tl::expected<RecordingTimeline, std::string> RecordingTimeline::Open(const std::filesystem::path& path) {
   auto stream = io::RecordingStream::Open(path);
@@ -37,4 +37,4 @@ double RecordingTimeline::Seek(double at_s) {
   return At(static_cast<rt::Nanoseconds>(after->first_ns));
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -9,7 +9,7 @@
 
 #include "io/recording/recording_reader.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A recording as a time line: opened by its chunks' heads alone, so an hour opens as fast as a second, and
 /// any time is reached by unpacking one chunk.
@@ -41,4 +41,4 @@ class RecordingTimeline {
   double duration_s_{0.0};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -25,7 +25,7 @@
 #include "session/view/recording_scan.h"
 #include "session/view/view_surface.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr std::chrono::milliseconds kLooksForEnd{50};
@@ -166,11 +166,11 @@ int RunView(const ViewOptions& options) {
                         {"recording", first.file.string()},
                         {"duration_s", duration_s}};
     if (two) json["second"] = shown[1]->file.string();
-    if (const auto written = WriteText(options.json, JsonText(json)); !written)
+    if (const auto written = base::WriteText(options.json, base::JsonText(json)); !written)
       return Fail("view", written.error(), kFailed);
   }
-  InstallInterrupt();
-  for (int look = 1; !Interrupted().load(); ++look) {
+  base::InstallInterrupt();
+  for (int look = 1; !base::Interrupted().load(); ++look) {
     std::this_thread::sleep_for(kLooksForEnd);
     for (const auto& each : shown) {
       if (look % kLooksTogether == 0 && each->playback.state().playing)
@@ -181,4 +181,4 @@ int RunView(const ViewOptions& options) {
   return 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

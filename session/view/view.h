@@ -6,7 +6,7 @@
 
 #include "session/run/live_views.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 struct ViewOptions {
   /// One, or two that are shown side by side.
@@ -23,4 +23,4 @@ struct ViewOptions {
 /// program.
 [[nodiscard]] int RunView(const ViewOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -8,7 +8,7 @@
 #include "simulation/surface/bone_solid.h"
 #include "simulation/surface/dual_surface.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -121,4 +121,4 @@ void ViewSurface::Publish() {
   shown_s_.store(bone_->at_s);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -17,7 +17,7 @@
 #include "simulation/surface/tissue_bricks.h"
 #include "simulation/surface/tool_ways.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Shows the carved bone of a recording at the time that a playback has reached, in a thread of its own.
 /// It carves on from where it is, or from the last key state (CarvedKeys) before the time, whichever is
@@ -66,4 +66,4 @@ class ViewSurface {
   std::thread thread_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -12,7 +12,7 @@
 #include "report/svg_text.h"
 #include "studies/assess/assess_pictures.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 std::string AnglesText(const procedure::SurgicalPlan& plan, const Vector3& axis_G) {
@@ -30,11 +30,11 @@ std::string CupConeText(const procedure::SurgicalPlan& plan, const procedure::As
                      cone.stop_rad / kDegree);
 }
 
-std::vector<SummaryRow> Rows(const AssessResult& result) {
+std::vector<report::SummaryRow> Rows(const AssessResult& result) {
   const AssessedSession& session = result.session;
   const procedure::SurgicalPlan& plan = session.plan.plan;
   const procedure::Assessment& found = session.assessment;
-  std::vector<SummaryRow> rows{
+  std::vector<report::SummaryRow> rows{
       {"Score", fmt::format("{:.1f} of 100, {}", result.score.total,
                             result.guided ? fmt::format("guided (gain {:g}): not to be ranked with sessions "
                                                         "without guidance",
@@ -83,20 +83,22 @@ std::string ItemsTable(const AssessResult& result) {
     const bool has_norm = scored != result.score.items.end();
     const auto norm = result.norms.find(metric.name);
     html += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", Escape(metric.text),
-        value != result.values.end() ? Escape(ValueText(value->second, metric)) : "not measured",
-        has_norm ? Escape(ValueText(scored->item.full, metric) + ", " + ValueText(scored->item.zero, metric))
+        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+        report::Escape(metric.text),
+        value != result.values.end() ? report::Escape(ValueText(value->second, metric)) : "not measured",
+        has_norm ? report::Escape(ValueText(scored->item.full, metric) + ", " +
+                                  ValueText(scored->item.zero, metric))
                  : "no norm",
         has_norm ? fmt::format("{:.1f} of {:g}", scored->points, scored->item.weight) : "shown only",
         norm != result.norms.end()
-            ? fmt::format("{} (median of {})", Escape(ValueText(norm->second.median, metric)),
+            ? fmt::format("{} (median of {})", report::Escape(ValueText(norm->second.median, metric)),
                           norm->second.sessions)
             : "",
-        has_norm ? Escape(scored->item.source) : "");
+        has_norm ? report::Escape(scored->item.source) : "");
   }
   for (const procedure::Deduction& deduction : result.score.deductions)
     html += fmt::format("<tr><td>{}</td><td></td><td></td><td>-{:g}</td><td></td><td>{}</td></tr>\n",
-                        Escape(deduction.name), deduction.points, Escape(deduction.source));
+                        report::Escape(deduction.name), deduction.points, report::Escape(deduction.source));
   return html + "</tbody></table></div>\n";
 }
 
@@ -117,58 +119,60 @@ std::string PassTable(const AssessedSession& session) {
 std::string Curves(const AssessedSession& session) {
   const SessionTrace& trace = session.trace;
   const procedure::GuidanceGains& gains = session.plan.plan.guidance;
-  std::vector<NamedSpan> spans;
+  std::vector<report::NamedSpan> spans;
   for (const PassFigures& pass : session.passes)
     spans.push_back({.begin = pass.begin_s,
                      .end = pass.end_s,
                      .name = fmt::format(
                          "{:g}", session.file.diameters_mm[static_cast<std::size_t>(pass.pass.tool_index)])});
-  std::vector<LimitLine> tilts;
+  std::vector<report::LimitLine> tilts;
   if (gains.cone.stop_rad > 0.0)
     tilts = {{gains.cone.free_rad / kDegree, "free"}, {gains.cone.stop_rad / kDegree, "stop"}};
-  const auto panel = [&](const char* label, const std::vector<double>& y, std::vector<LimitLine> limits) {
-    return LineChart{.y_label = label,
-                     .series = {{.x = trace.t_s, .y = y}},
-                     .limits = std::move(limits),
-                     .spans = spans,
-                     .legend = false,
-                     .plot_height_px = 130.0};
+  const auto panel = [&](const char* label, const std::vector<double>& y,
+                         std::vector<report::LimitLine> limits) {
+    return report::LineChart{.y_label = label,
+                             .series = {{.x = trace.t_s, .y = y}},
+                             .limits = std::move(limits),
+                             .spans = spans,
+                             .legend = false,
+                             .plot_height_px = 130.0};
   };
-  std::vector<LineChart> panels{panel("height [mm]", trace.height_mm, {{0.0, "planned centre"}}),
-                                panel("aside [mm]", trace.aside_mm, {}),
-                                panel("hand's force [N]", trace.force_N, {}),
-                                panel("tilt [°]", trace.tilt_deg, std::move(tilts))};
+  std::vector<report::LineChart> panels{panel("height [mm]", trace.height_mm, {{0.0, "planned centre"}}),
+                                        panel("aside [mm]", trace.aside_mm, {}),
+                                        panel("hand's force [N]", trace.force_N, {}),
+                                        panel("tilt [°]", trace.tilt_deg, std::move(tilts))};
   // far retractions would flatten the rest
   constexpr double kShownHeight_mm = 40.0, kShownAside_mm = 15.0;
-  panels[0].y = Range{-10.0, kShownHeight_mm};
+  panels[0].y = report::Range{-10.0, kShownHeight_mm};
   panels[0].series[0].name = "handle";
   panels[0].series.push_back({.name = "simulated tool", .x = trace.t_s, .y = trace.proxy_mm});
   panels[0].legend = true;
-  panels[1].y = Range{0.0, kShownAside_mm};
+  panels[1].y = report::Range{0.0, kShownAside_mm};
   panels.back().x_label = "time [s]";
-  return Figure(
-      Svg(panels),
+  return report::Figure(
+      report::Svg(panels),
       "Height of the head's centre over the planned one, its distance from the axis, the hand's force, "
       "the tool's tilt. Shaded: the passes, by the reamer's diameter in mm.");
 }
 
 std::string Trend(const AssessResult& result) {
   if (result.trend.size() < 2) return "";
-  Series free{.name = "without guidance", .marker = Marker::kCircle},
-      guided{.name = "guided", .marker = Marker::kCircle};
+  report::Series free{.name = "without guidance", .marker = report::Marker::kCircle},
+      guided{.name = "guided", .marker = report::Marker::kCircle};
   for (std::size_t i = 0; i < result.trend.size(); ++i) {
-    Series& series = result.trend[i].guided ? guided : free;
+    report::Series& series = result.trend[i].guided ? guided : free;
     series.x.push_back(static_cast<double>(i + 1));
     series.y.push_back(result.trend[i].score);
     series.labels.push_back(result.trend[i].session);
   }
-  LineChart chart{.x_label = "session, by the folder's name",
-                  .y_label = "score",
-                  .x = Range{0.5, static_cast<double>(result.trend.size()) + 0.5},
-                  .y = Range{0.0, 100.0}};
-  for (Series* series : {&free, &guided})
+  report::LineChart chart{.x_label = "session, by the folder's name",
+                          .y_label = "score",
+                          .x = report::Range{0.5, static_cast<double>(result.trend.size()) + 0.5},
+                          .y = report::Range{0.0, 100.0}};
+  for (report::Series* series : {&free, &guided})
     if (!series->x.empty()) chart.series.push_back(std::move(*series));
-  return "<h2>Trend</h2>\n" + Figure(Svg(chart), "Sessions of the same plan in the folders beside this one.");
+  return "<h2>Trend</h2>\n" +
+         report::Figure(report::Svg(chart), "Sessions of the same plan in the folders beside this one.");
 }
 
 constexpr const char* kAssumptions =
@@ -188,26 +192,27 @@ std::string CarvedBone(const AssessedSession& session) {
   if (paths.empty()) return "";
   const procedure::PlannedCavity cavity = session.plan.plan.cavity();
   constexpr std::size_t kMaxQuads = 60'000;  // half a run's: the page should open on a phone
-  const CarvedSurface carved =
-      CarveSurface({.bone = session.bone,
-                    .solid = session.solid.get(),
-                    .materials = MaterialMap(session.bone.points, session.solid.get()),
-                    .paths = paths,
-                    .planned = [cavity](const Vector3& p_m) { return cavity.DistanceTo(p_m); },
-                    .max_quads = kMaxQuads});
-  return BoneViewHtml(carved, session.bone, {}, {.shows_deviation = true, .range_mm = kDeviationScale_mm});
+  const report::CarvedSurface carved =
+      report::CarveSurface({.bone = session.bone,
+                            .solid = session.solid.get(),
+                            .materials = report::MaterialMap(session.bone.points, session.solid.get()),
+                            .paths = paths,
+                            .planned = [cavity](const Vector3& p_m) { return cavity.DistanceTo(p_m); },
+                            .max_quads = kMaxQuads});
+  return report::BoneViewHtml(carved, session.bone, {},
+                              {.shows_deviation = true, .range_mm = kDeviationScale_mm});
 }
 
 tl::expected<std::string, std::string> Pictures(const AssessedSession& session) {
   const procedure::PelvicFrame& pelvis = session.plan.plan.pelvis;
   const auto coronal =
-      Picture(SliceImage(session, pelvis.lateral, pelvis.superior),
-              "Coronal section through the planned centre: superior is up, lateral to the right.");
+      report::Picture(SliceImage(session, pelvis.lateral, pelvis.superior),
+                      "Coronal section through the planned centre: superior is up, lateral to the right.");
   if (!coronal) return coronal;
-  const auto axial = Picture(SliceImage(session, pelvis.lateral, pelvis.anterior),
-                             "Axial section: anterior is up, lateral to the right.");
+  const auto axial = report::Picture(SliceImage(session, pelvis.lateral, pelvis.anterior),
+                                     "Axial section: anterior is up, lateral to the right.");
   if (!axial) return axial;
-  const auto map = Picture(
+  const auto map = report::Picture(
       DeviationImage(session),
       fmt::format(
           "The planned hemisphere, seen into its opening, superior up: blue, bone stands {:g} mm and more "
@@ -225,7 +230,7 @@ tl::expected<std::string, std::string> Pictures(const AssessedSession& session) 
 }  // namespace
 
 std::string ValueText(double si, const procedure::Metric& metric) {
-  const std::string number = Number(si * metric.to_unit);
+  const std::string number = report::Number(si * metric.to_unit);
   if (std::string_view(metric.unit) == "ratio") return number;
   if (std::string_view(metric.unit) == "deg") return number + "°";
   return number + (std::string_view(metric.unit) == "mm3" ? " mm³" : std::string(" ") + metric.unit);
@@ -236,21 +241,22 @@ std::string NameOfSession(const AssessedSession& session) {
   return own.filename() == "session" ? own.parent_path().filename().string() : own.filename().string();
 }
 
-tl::expected<void, std::string> WriteAssessPage(const AssessResult& result, const Verdict& verdict,
+tl::expected<void, std::string> WriteAssessPage(const AssessResult& result, const session::Verdict& verdict,
                                                 const std::string& command_line,
                                                 const std::filesystem::path& path) {
   const auto pictures = Pictures(result.session);
   if (!pictures) return tl::make_unexpected(pictures.error());
-  std::string html = PageBegin({.title = fmt::format("Assessment: {}", result.session.plan.plan.name),
-                                .subtitle = result.session.folder.filename().string(),
-                                .verdict = verdict.ForReport(),
-                                .summary = Rows(result)});
+  std::string html = report::PageBegin({.title = fmt::format("Assessment: {}", result.session.plan.plan.name),
+                                        .subtitle = result.session.folder.filename().string(),
+                                        .verdict = verdict.ForReport(),
+                                        .summary = Rows(result)});
   html += *pictures;
   html += "<h2>The session</h2>\n" + Curves(result.session) + PassTable(result.session);
   html += fmt::format("<h2>The score: {:.1f}</h2>\n", result.score.total) + ItemsTable(result);
   html += Trend(result) + kAssumptions;
-  if (!command_line.empty()) html += "<h2>How to repeat it</h2>\n<pre>" + Escape(command_line) + "</pre>\n";
-  return WritePage(html + PageEnd(), path);
+  if (!command_line.empty())
+    html += "<h2>How to repeat it</h2>\n<pre>" + report::Escape(command_line) + "</pre>\n";
+  return report::WritePage(html + report::PageEnd(), path);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

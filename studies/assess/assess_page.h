@@ -8,7 +8,7 @@
 #include "session/summary/verdict.h"
 #include "studies/assess/assess_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A metric's value in its unit: "14°", "1.29 mm".
 [[nodiscard]] std::string ValueText(double si, const procedure::Metric& metric);
@@ -19,8 +19,8 @@ namespace osteon::app {
 /// Writes the page of an assessment: score, sections, map, curves, items, trend, assumptions. The error names
 /// the file.
 [[nodiscard]] tl::expected<void, std::string> WriteAssessPage(const AssessResult& result,
-                                                              const Verdict& verdict,
+                                                              const session::Verdict& verdict,
                                                               const std::string& command_line,
                                                               const std::filesystem::path& path);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

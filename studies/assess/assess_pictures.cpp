@@ -6,7 +6,7 @@
 
 #include "simulation/removal/cut_metrics.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using Color = std::array<std::uint8_t, 3>;
@@ -45,17 +45,19 @@ Color Mix(const Color& a, const Color& b, double share) {
   return mixed;
 }
 
-void Put(Image& image, const Color& color) { image.rgb.insert(image.rgb.end(), color.begin(), color.end()); }
+void Put(report::Image& image, const Color& color) {
+  image.rgb.insert(image.rgb.end(), color.begin(), color.end());
+}
 
 }  // namespace
 
-Image SliceImage(const AssessedSession& session, const Vector3& right, const Vector3& up) {
+report::Image SliceImage(const AssessedSession& session, const Vector3& right, const Vector3& up) {
   const procedure::PlannedCavity cavity = session.plan.plan.cavity();
   const int size = static_cast<int>(2.0 * kWindowRadii * cavity.radius_m / kPixel_m);
   const std::vector<simulation::Ball> live = simulation::LiveBalls(session.state);
   const auto before = Filled(session.bone.balls, cavity.centre_m, right, up, size),
              after = Filled(live, cavity.centre_m, right, up, size);
-  Image image{.width = size, .height = size};
+  report::Image image{.width = size, .height = size};
   for (int row = 0; row < size; ++row)
     for (int column = 0; column < size; ++column) {
       const std::size_t at =
@@ -76,7 +78,7 @@ Image SliceImage(const AssessedSession& session, const Vector3& right, const Vec
   return image;
 }
 
-Image DeviationImage(const AssessedSession& session) {
+report::Image DeviationImage(const AssessedSession& session) {
   const procedure::SurgicalPlan& plan = session.plan.plan;
   const Vector3& a = plan.axis_G;
   const Vector3 up = (plan.pelvis.superior - plan.pelvis.superior.dot(a) * a).normalized();
@@ -96,7 +98,7 @@ Image DeviationImage(const AssessedSession& session) {
     }
   const std::vector<simulation::Ball> live = simulation::LiveBalls(session.state);
   const auto map = procedure::DeviationMap(plan, live, directions);
-  Image image{.width = kMapPixels, .height = kMapPixels};
+  report::Image image{.width = kMapPixels, .height = kMapPixels};
   image.rgb.assign(static_cast<std::size_t>(3 * kMapPixels * kMapPixels), 255);
   for (std::size_t i = 0; i < map.size(); ++i) {
     Color color = kNoBone;
@@ -112,4 +114,4 @@ Image DeviationImage(const AssessedSession& session) {
   return image;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -16,7 +16,7 @@
 #include "studies/assess/assess_page.h"
 #include "studies/assess/compare_page.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 namespace fs = std::filesystem;
@@ -222,37 +222,37 @@ std::string TextOf(const std::string& metric) {
   return metric;
 }
 
-Verdict Judge(const AssessResult& result, const std::optional<double>& pass_at) {
-  Verdict verdict;
+session::Verdict Judge(const AssessResult& result, const std::optional<double>& pass_at) {
+  session::Verdict verdict;
   const auto& min_wall_m = result.session.assessment.min_wall_m;
-  if (min_wall_m && *min_wall_m <= 0.0) verdict.Add(VerdictLevel::kBad, "A wall is cut through.");
+  if (min_wall_m && *min_wall_m <= 0.0) verdict.Add(session::VerdictLevel::kBad, "A wall is cut through.");
   if (pass_at && result.score.total < *pass_at)
-    verdict.Add(VerdictLevel::kBad,
+    verdict.Add(session::VerdictLevel::kBad,
                 fmt::format("The score is {:.1f}, accepted from {:g} on.", result.score.total, *pass_at));
   if (!result.session.assessment.cavity.fit)
-    verdict.Add(VerdictLevel::kWarning,
+    verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("No sphere was fitted: {}.", result.session.assessment.cavity.fit_refused));
   for (const procedure::ScoredItem& scored : result.score.items)
     if (scored.item.weight > 0.0 && scored.points < kFairShare * scored.item.weight)
-      verdict.Add(VerdictLevel::kWarning,
+      verdict.Add(session::VerdictLevel::kWarning,
                   fmt::format("{}: {:.1f} of {:g} points.", TextOf(scored.item.metric), scored.points,
                               scored.item.weight));
   const auto& cavity = result.session.assessment.cavity;
   if (const double inside_m3 = cavity.removed_m3 - cavity.over_m3;
       cavity.under_m3 > kFairShare * (cavity.under_m3 + inside_m3))
     verdict.Add(
-        VerdictLevel::kWarning,
+        session::VerdictLevel::kWarning,
         fmt::format(
             "Of the planned cavity {:.0f} of {:.0f} mm³ are left: the last reamer is not at its depth.",
             1e9 * cavity.under_m3, 1e9 * (cavity.under_m3 + inside_m3)));
   if (!result.session.file.ended)
-    verdict.Add(VerdictLevel::kWarning, "The session's last process did not end in order.");
+    verdict.Add(session::VerdictLevel::kWarning, "The session's last process did not end in order.");
   return verdict;
 }
 
-void PrintResult(const AssessResult& result, const Verdict& verdict) {
+void PrintResult(const AssessResult& result, const session::Verdict& verdict) {
   fmt::print("Osteon assess: {}\n", result.session.folder.string());
-  PrintVerdict(verdict, kKeyWidth - 1);
+  session::PrintVerdict(verdict, kKeyWidth - 1);
   fmt::print("  {:<{}}{:.1f} ({})\n", "Score", kKeyWidth, result.score.total,
              result.guided ? "guided: not to be ranked with sessions without guidance" : "without guidance");
   for (const procedure::ScoredItem& scored : result.score.items) {
@@ -299,33 +299,33 @@ const char* CupConePlace(const procedure::SurgicalPlan& plan, const procedure::A
 
 int RunAssess(const AssessOptions& options) {
   auto read = Measure(options.session, options);
-  if (!read) return Fail("assess", read.error());
+  if (!read) return session::Fail("assess", read.error());
   AssessResult& result = *read;
   result.trend = ReadTrend(result);
   std::optional<AssessResult> other;
   if (!options.against.empty()) {
     auto measured = Measure(options.against, options);
-    if (!measured) return Fail("assess", "--against: " + measured.error());
+    if (!measured) return session::Fail("assess", "--against: " + measured.error());
     if (measured->session.file.plan_checksum != result.session.file.plan_checksum)
-      return Fail("assess",
-                  fmt::format("--against {}: found a session of another plan ({}), accepted one of {}",
-                              options.against.string(), measured->session.file.plan_checksum,
-                              result.session.file.plan_checksum));
+      return session::Fail(
+          "assess", fmt::format("--against {}: found a session of another plan ({}), accepted one of {}",
+                                options.against.string(), measured->session.file.plan_checksum,
+                                result.session.file.plan_checksum));
     other = std::move(*measured);
   }
 
-  const Verdict verdict = Judge(result, options.pass_at);
-  const std::string text = ResultText(verdict, AssessJson(result));
+  const session::Verdict verdict = Judge(result, options.pass_at);
+  const std::string text = session::ResultText(verdict, AssessJson(result));
   for (const fs::path& file : {options.session / kResultName, options.json})
     if (!file.empty())
-      if (const auto written = WriteText(file, text); !written)
-        return Fail("assess", written.error(), kFailed);
+      if (const auto written = base::WriteText(file, text); !written)
+        return session::Fail("assess", written.error(), session::kFailed);
   const fs::path page = options.session / "assess.html";
   if (const auto written = WriteAssessPage(result, verdict, options.command_line, page); !written)
-    return Fail("assess", written.error(), kFailed);
+    return session::Fail("assess", written.error(), session::kFailed);
   if (other)
     if (const auto written = WriteComparison(result, *other, options.command_line, options.session); !written)
-      return Fail("assess", written.error(), kFailed);
+      return session::Fail("assess", written.error(), session::kFailed);
   PrintResult(result, verdict);
   if (other) {
     fmt::print("  {:<{}}{:.1f} ({})\n", "Score of the other session", kKeyWidth, other->score.total,
@@ -333,7 +333,7 @@ int RunAssess(const AssessOptions& options) {
     fmt::print("comparison: {}\n", (options.session / "compare.html").string());
   }
   fmt::print("report: {}\n", page.string());
-  return options.pass_at && result.score.total < *options.pass_at ? kFailed : 0;
+  return options.pass_at && result.score.total < *options.pass_at ? session::kFailed : 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -11,7 +11,7 @@
 #include "procedure/assessment/score.h"
 #include "studies/assess/session_reading.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct AssessOptions {
   std::filesystem::path session;  ///< folder
@@ -66,4 +66,4 @@ struct AssessResult {
 /// input.
 [[nodiscard]] int RunAssess(const AssessOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -12,7 +12,7 @@
 #include "studies/assess/assess_page.h"
 #include "studies/assess/assess_pictures.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kPicturePx = 220.0, kPictureGapPx = 14.0, kPointsPx = 330.0, kHeadPx = 34.0, kFootPx = 34.0;
@@ -20,13 +20,14 @@ constexpr double kSessionPx = 276.0, kBarPx = 130.0, kItemPx = 35.0, kScorePx = 
 constexpr double kWidthPx = kPointsPx + 3.0 * (kPicturePx + kPictureGapPx) + kPictureGapPx;
 constexpr double kComparisonScale = 1.5;  // pixels of the PNG per px
 
-tl::expected<std::string, std::string> PictureAt(double x, double y, const Image& image) {
-  const auto png = EncodePng(image);
+tl::expected<std::string, std::string> PictureAt(double x, double y, const report::Image& image) {
+  const auto png = report::EncodePng(image);
   if (!png) return tl::make_unexpected(png.error());
   return fmt::format(
       "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" "
       "href=\"data:image/png;base64,{}\"/>\n",
-      Pixels(x), Pixels(y), Pixels(kPicturePx), Pixels(kPicturePx), Base64(*png));
+      report::Pixels(x), report::Pixels(y), report::Pixels(kPicturePx), report::Pixels(kPicturePx),
+      report::Base64(*png));
 }
 
 // One bar for each scored item: as long as its share of the points.
@@ -36,13 +37,14 @@ std::string Points(double y, const procedure::Score& score) {
     const procedure::Metric& metric = MetricNamed(scored.item.metric);
     const double share = scored.item.weight > 0.0 ? scored.points / scored.item.weight : 0.0;
     const std::string value = scored.value ? ValueText(*scored.value, metric) : "not measured";
-    svg += SvgText(kPictureGapPx, y + 11.0, Fit(metric.text, kPointsPx - kPictureGapPx));
-    svg += SvgRect(kPictureGapPx, y + 17.0, kBarPx, 9.0, kGridColor);
+    svg += report::SvgText(kPictureGapPx, y + 11.0, report::Fit(metric.text, kPointsPx - kPictureGapPx));
+    svg += report::SvgRect(kPictureGapPx, y + 17.0, kBarPx, 9.0, report::kGridColor);
     if (share > 0.0)
-      svg += SvgRect(kPictureGapPx, y + 17.0, kBarPx * share, 9.0, share >= 0.5 ? kPalette[2] : kPalette[1]);
-    svg += SvgText(kPictureGapPx + kBarPx + 8.0, y + 26.0,
-                   fmt::format("{}, {:.1f} of {:g}", value, scored.points, scored.item.weight), "start",
-                   kMutedColor);
+      svg += report::SvgRect(kPictureGapPx, y + 17.0, kBarPx * share, 9.0,
+                             share >= 0.5 ? report::kPalette[2] : report::kPalette[1]);
+    svg += report::SvgText(kPictureGapPx + kBarPx + 8.0, y + 26.0,
+                           fmt::format("{}, {:.1f} of {:g}", value, scored.points, scored.item.weight),
+                           "start", report::kMutedColor);
     y += kItemPx;
   }
   return svg;
@@ -51,14 +53,16 @@ std::string Points(double y, const procedure::Score& score) {
 tl::expected<std::string, std::string> SessionSvg(double y, const AssessResult& result) {
   const AssessedSession& session = result.session;
   const procedure::PelvicFrame& pelvis = session.plan.plan.pelvis;
-  std::string svg = SvgText(
-      kPictureGapPx, y + kScorePx,
-      Fit(fmt::format("{}: {:.1f}", NameOfSession(session), result.score.total), kPointsPx, kScorePx * 0.8),
-      "start", kTextColor, kScorePx * 0.8, "font-weight=\"700\"");
+  std::string svg =
+      report::SvgText(kPictureGapPx, y + kScorePx,
+                      report::Fit(fmt::format("{}: {:.1f}", NameOfSession(session), result.score.total),
+                                  kPointsPx, kScorePx * 0.8),
+                      "start", report::kTextColor, kScorePx * 0.8, "font-weight=\"700\"");
   svg += Points(y + kScorePx + 12.0, result.score);
   double x = kPointsPx + kPictureGapPx;
-  for (const Image& image : {SliceImage(session, pelvis.lateral, pelvis.superior),
-                             SliceImage(session, pelvis.lateral, pelvis.anterior), DeviationImage(session)}) {
+  for (const report::Image& image :
+       {SliceImage(session, pelvis.lateral, pelvis.superior),
+        SliceImage(session, pelvis.lateral, pelvis.anterior), DeviationImage(session)}) {
     const auto picture = PictureAt(x, y + 8.0, image);
     if (!picture) return picture;
     svg += *picture;
@@ -71,13 +75,13 @@ std::string FiguresTable(const AssessResult& first, const AssessResult& second) 
   std::string html = fmt::format(
       "<div style=\"overflow-x:auto\"><table><thead><tr><th>figure</th><th>{}</th><th>{}</th></tr></thead>"
       "<tbody>\n",
-      Escape(NameOfSession(first.session)), Escape(NameOfSession(second.session)));
+      report::Escape(NameOfSession(first.session)), report::Escape(NameOfSession(second.session)));
   const auto value = [](const AssessResult& result, const procedure::Metric& metric) {
     const auto found = result.values.find(metric.name);
-    return found != result.values.end() ? Escape(ValueText(found->second, metric)) : "not measured";
+    return found != result.values.end() ? report::Escape(ValueText(found->second, metric)) : "not measured";
   };
   for (const procedure::Metric& metric : procedure::Metrics())
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", Escape(metric.text),
+    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", report::Escape(metric.text),
                         value(first, metric), value(second, metric));
   return html + "</tbody></table></div>\n";
 }
@@ -88,9 +92,9 @@ tl::expected<std::string, std::string> ComparisonSvg(const AssessResult& first, 
   constexpr std::array<const char*, 3> kTitles{"coronal", "axial", "into the opening"};
   std::string body;
   for (std::size_t i = 0; i < kTitles.size(); ++i)
-    body += SvgText(
+    body += report::SvgText(
         kPointsPx + kPictureGapPx + kPicturePx / 2.0 + static_cast<double>(i) * (kPicturePx + kPictureGapPx),
-        kHeadPx - 12.0, kTitles[i], "middle", kMutedColor);
+        kHeadPx - 12.0, kTitles[i], "middle", report::kMutedColor);
   double y = kHeadPx;
   for (const AssessResult* result : {&first, &second}) {
     const double items_px = kScorePx + 12.0 + kItemPx * static_cast<double>(result->score.items.size());
@@ -103,12 +107,12 @@ tl::expected<std::string, std::string> ComparisonSvg(const AssessResult& first, 
       {{"removed beyond the plan", "#d55e00"}, {"left within it", "#0072b2"}, {"bone", "#decdb0"}}};
   double x = kPictureGapPx;
   for (const auto& [text, color] : kLegend) {
-    body += SvgRect(x, y + 4.0, 14.0, 14.0, color);
-    body += SvgText(x + 20.0, y + 16.0, text);
-    x += 44.0 + TextWidth(text, kFontPx);
+    body += report::SvgRect(x, y + 4.0, 14.0, 14.0, color);
+    body += report::SvgText(x + 20.0, y + 16.0, text);
+    x += 44.0 + report::TextWidth(text, report::kFontPx);
   }
-  body += SvgText(x, y + 16.0, "line: the plan");
-  return SvgDocument(kWidthPx, y + kFootPx, "Two sessions of a plan", body);
+  body += report::SvgText(x, y + 16.0, "line: the plan");
+  return report::SvgDocument(kWidthPx, y + kFootPx, "Two sessions of a plan", body);
 }
 
 tl::expected<void, std::string> WriteComparison(const AssessResult& first, const AssessResult& second,
@@ -116,19 +120,20 @@ tl::expected<void, std::string> WriteComparison(const AssessResult& first, const
                                                 const std::filesystem::path& folder) {
   const auto svg = ComparisonSvg(first, second);
   if (!svg) return tl::make_unexpected(svg.error());
-  const auto image = Rasterise(*svg, kComparisonScale);
+  const auto image = report::Rasterise(*svg, kComparisonScale);
   if (!image) return tl::make_unexpected(image.error());
-  if (const auto written = WritePng(*image, folder / "compare.png"); !written) return written;
-  std::string html = PageBegin(
+  if (const auto written = report::WritePng(*image, folder / "compare.png"); !written) return written;
+  std::string html = report::PageBegin(
       {.title = fmt::format("Two sessions of {}", first.session.plan.plan.name),
        .subtitle = fmt::format("{} and {}", NameOfSession(first.session), NameOfSession(second.session))});
-  html +=
-      Figure(*svg,
-             "Sections through the planned centre (superior or anterior is up, lateral to the right), and "
-             "how much deeper or shallower than planned the bone begins, seen into the opening.");
+  html += report::Figure(
+      *svg,
+      "Sections through the planned centre (superior or anterior is up, lateral to the right), and "
+      "how much deeper or shallower than planned the bone begins, seen into the opening.");
   html += FiguresTable(first, second);
-  if (!command_line.empty()) html += "<h2>How to repeat it</h2>\n<pre>" + Escape(command_line) + "</pre>\n";
-  return WritePage(html + PageEnd(), folder / "compare.html");
+  if (!command_line.empty())
+    html += "<h2>How to repeat it</h2>\n<pre>" + report::Escape(command_line) + "</pre>\n";
+  return report::WritePage(html + report::PageEnd(), folder / "compare.html");
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

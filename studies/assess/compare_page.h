@@ -7,7 +7,7 @@
 
 #include "studies/assess/assess_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Two sessions of a plan one above the other: score and points, coronal and axial section, map of the
 /// deviation.
@@ -22,4 +22,4 @@ namespace osteon::app {
                                                               const std::string& command_line,
                                                               const std::filesystem::path& folder);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -16,7 +16,7 @@
 #include "simulation/bone/scene_events.h"
 #include "simulation/files/carved_file.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 namespace fs = std::filesystem;
@@ -76,7 +76,7 @@ simulation::CarvedState Uncut(const simulation::Bone& bone) {
 // Sums up the recordings of a session, one after the other.
 class SessionSums {
  public:
-  SessionSums(AssessedSession& session, const CellSetup& setup, double period_s)
+  SessionSums(AssessedSession& session, const session::CellSetup& setup, double period_s)
       : session_(session),
         X_GW_(setup.X_WG.inverse()),
         period_s_(period_s),
@@ -86,7 +86,7 @@ class SessionSums {
       session.tools.push_back({.diameter_mm = diameter_mm, .figures = {}});
       tools_.emplace_back(session.plan.plan, period_s);
     }
-    for (const SessionPass& pass : session.file.passes) {
+    for (const session::SessionPass& pass : session.file.passes) {
       session.passes.push_back({.pass = pass, .figures = {}});
       passes_.emplace_back(session.plan.plan, period_s);
       if (!pass.undone) last_tool_ = pass.tool_index;
@@ -165,15 +165,15 @@ class SessionSums {
   }
 
  private:
-  [[nodiscard]] bool IsIn(const SessionPass& pass, rt::Nanoseconds stamp) const {
-    const SessionSegment& segment = session_.file.segments[static_cast<std::size_t>(pass.segment)];
+  [[nodiscard]] bool IsIn(const session::SessionPass& pass, rt::Nanoseconds stamp) const {
+    const session::SessionSegment& segment = session_.file.segments[static_cast<std::size_t>(pass.segment)];
     return segment.recording == recording_ && stamp >= pass.begin && stamp <= pass.end;
   }
   // The tool of a time: that of the last segment of this recording that has begun.
   [[nodiscard]] int ToolAt(rt::Nanoseconds stamp) const {
     int tool = 0;
     bool found = false;
-    for (const SessionSegment& segment : session_.file.segments)
+    for (const session::SessionSegment& segment : session_.file.segments)
       if (segment.recording == recording_ && (!found || stamp >= segment.begin)) {
         tool = segment.tool_index;
         found = true;
@@ -220,7 +220,7 @@ bool IsThere(const fs::path& file) {
 
 // The first recording that is there: a process that was killed at once has left none.
 std::string FirstRecording(const AssessedSession& session) {
-  for (const SessionSegment& segment : session.file.segments)
+  for (const session::SessionSegment& segment : session.file.segments)
     if (IsThere(session.folder / segment.recording)) return segment.recording;
   return session.file.segments.front().recording;
 }
@@ -240,16 +240,16 @@ tl::expected<void, std::string> CheckSession(const AssessedSession& session) {
   const fs::path file = session.folder / session.file.plan_file;
   std::ifstream stream(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (const std::string found = TextChecksum(text); found != session.file.plan_checksum)
+  if (const std::string found = session::TextChecksum(text); found != session.file.plan_checksum)
     return tl::make_unexpected(
         fmt::format("{}: found checksum {}, accepted the session's, {}: the plan was changed", file.string(),
                     found, session.file.plan_checksum));
   if (session.file.segments.empty())
     return tl::make_unexpected(fmt::format("{}: found no segment, accepted at least one",
-                                           (session.folder / kSessionFileName).string()));
+                                           (session.folder / session::kSessionFileName).string()));
   if (session.file.diameters_mm.size() != session.plan.plan.reamers.size())
     return tl::make_unexpected(fmt::format(
-        "{}: found {} reamers, accepted the plan's {}", (session.folder / kSessionFileName).string(),
+        "{}: found {} reamers, accepted the plan's {}", (session.folder / session::kSessionFileName).string(),
         session.file.diameters_mm.size(), session.plan.plan.reamers.size()));
   return {};
 }
@@ -257,12 +257,12 @@ tl::expected<void, std::string> CheckSession(const AssessedSession& session) {
 }  // namespace
 
 tl::expected<AssessedSession, std::string> ReadAssessedSession(const fs::path& folder) {
-  auto file = ReadSession(folder);
+  auto file = session::ReadSession(folder);
   if (!file) return tl::make_unexpected(file.error());
   AssessedSession session{.folder = folder, .file = std::move(*file)};
   session.plan = config::LoadSurgicalPlan(folder / session.file.plan_file);
   if (const auto right = CheckSession(session); !right) return tl::make_unexpected(right.error());
-  auto setup = SetUpSessionCell(folder / FirstRecording(session));
+  auto setup = session::SetUpSessionCell(folder / FirstRecording(session));
   if (!setup) return tl::make_unexpected(setup.error());
   session.bone = std::move(setup->bone);
   session.solid = setup->solid;
@@ -274,12 +274,12 @@ tl::expected<AssessedSession, std::string> ReadAssessedSession(const fs::path& f
     if (!state) return tl::make_unexpected(state.error().Text());
     session.state = std::move(*state);
   }
-  for (const SessionSegment& segment : session.file.segments)
+  for (const session::SessionSegment& segment : session.file.segments)
     session.guidance_gain = std::max(session.guidance_gain, segment.guidance_gain);
 
   SessionSums sums(session, *setup, setup->config.servo.period_s);
   std::string recording;
-  for (const SessionSegment& segment : session.file.segments) {
+  for (const session::SessionSegment& segment : session.file.segments) {
     if (segment.recording == recording) continue;
     recording = segment.recording;
     if (!IsThere(folder / recording)) continue;
@@ -299,4 +299,4 @@ tl::expected<AssessedSession, std::string> ReadAssessedSession(const fs::path& f
   return session;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -14,7 +14,7 @@
 #include "session/procedure/session_file.h"
 #include "session/setup/cell_setup.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Curves of a session, one value for kTraceStep_s; for the page.
 struct SessionTrace {
@@ -25,7 +25,7 @@ inline constexpr double kTraceStep_s = 0.05;
 
 /// A pass of the session, on the trace's time.
 struct PassFigures {
-  SessionPass pass{};
+  session::SessionPass pass{};
   double begin_s{0.0}, end_s{0.0};
   procedure::ProcessFigures figures{};
 };
@@ -39,11 +39,12 @@ struct ToolFigures {
 /// A session folder, read and measured.
 struct AssessedSession {
   std::filesystem::path folder;
-  SessionFile file{};
+  session::SessionFile file{};
   config::SurgicalPlanConfig plan{};
   simulation::Bone bone{};                           ///< uncut
   std::shared_ptr<const simulation::Solid> solid{};  ///< of which it was packed; null: not known
-  std::optional<SessionCut> cut{};  ///< what the passes that count have cut; always there once it is read
+  std::optional<session::SessionCut>
+      cut{};                        ///< what the passes that count have cut; always there once it is read
   simulation::CarvedState state{};  ///< the last one that counts
   procedure::Assessment assessment{};
   std::vector<ToolFigures> tools{};
@@ -58,4 +59,4 @@ struct AssessedSession {
 [[nodiscard]] tl::expected<AssessedSession, std::string> ReadAssessedSession(
     const std::filesystem::path& folder);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -16,7 +16,7 @@
 #include "session/setup/cell_bone.h"
 #include "session/summary/verdict.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -46,14 +46,14 @@ struct PlanFigures {
 
 // Bone and wall of the plan. A packing without its solid has the volume of its mass points, and no wall.
 tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig& config,
-                                               std::optional<MeshChoice> mesh) {
+                                               std::optional<session::MeshChoice> mesh) {
   PlanFigures figures{.warnings = procedure::WarningsOf(config.plan)};
   if (config.mesh_cup && !mesh) return figures;
   if (mesh) mesh->cup = config.mesh_cup;
-  CellSetup setup;
+  session::CellSetup setup;
   setup.config.scene = config.scene;
   setup.config.bone = config.bone;
-  if (const auto made = MakeCellBone(setup, mesh); !made) return tl::make_unexpected(made.error());
+  if (const auto made = session::MakeCellBone(setup, mesh); !made) return tl::make_unexpected(made.error());
   const procedure::PlannedCavity cavity = config.plan.cavity();
   if (!setup.bone_warning.empty()) figures.warnings.push_back("bone: " + setup.bone_warning);
   if (setup.solid) {
@@ -105,8 +105,8 @@ std::string AxisText(const Vector3& axis) {
   return fmt::format("{:.4f}, {:.4f}, {:.4f}", rounded(axis.x()), rounded(axis.y()), rounded(axis.z()));
 }
 
-std::vector<SummaryRow> PlanRows(const SurgicalPlan& plan, const PlanFigures& figures) {
-  std::vector<SummaryRow> rows{
+std::vector<report::SummaryRow> PlanRows(const SurgicalPlan& plan, const PlanFigures& figures) {
+  std::vector<report::SummaryRow> rows{
       {"Plan", fmt::format("{}, {} hip, cup {:g} mm, {} angles", plan.name, procedure::NameOf(plan.side),
                            1e3 * plan.cup_diameter_m, procedure::NameOf(plan.definition))},
       {"Axis in G, out of the opening", AxisText(plan.axis_G)}};
@@ -146,23 +146,24 @@ int RunSurgicalPlan(const SurgicalPlanOptions& options) {
     axis_W = config::BoneInWorld(cell, config.site).linear() * config.plan.axis_G;
   }
   if (options.mesh && !config.mesh_cup)
-    return Fail("surgical-plan",
-                fmt::format("--mesh: found with {}, accepted without: the plan names its bone",
-                            options.plan.string()));
+    return session::Fail("surgical-plan",
+                         fmt::format("--mesh: found with {}, accepted without: the plan names its bone",
+                                     options.plan.string()));
   auto figures = Measure(config, options.mesh);
-  if (!figures) return Fail("surgical-plan", figures.error());
+  if (!figures) return session::Fail("surgical-plan", figures.error());
   figures->axis_W = axis_W;
-  Verdict verdict;
-  for (const std::string& warning : figures->warnings) verdict.Add(VerdictLevel::kWarning, warning);
+  session::Verdict verdict;
+  for (const std::string& warning : figures->warnings) verdict.Add(session::VerdictLevel::kWarning, warning);
   constexpr int kKeyWidth = 31;
-  PrintVerdict(verdict, kKeyWidth - 1);
-  for (const SummaryRow& row : PlanRows(config.plan, *figures))
+  session::PrintVerdict(verdict, kKeyWidth - 1);
+  for (const report::SummaryRow& row : PlanRows(config.plan, *figures))
     fmt::print("  {:<{}}{}\n", row.key, kKeyWidth, row.value);
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, ResultText(verdict, PlanJson(config.plan, *figures)));
+    if (const auto written =
+            base::WriteText(options.json, session::ResultText(verdict, PlanJson(config.plan, *figures)));
         !written)
-      return Fail("surgical-plan", written.error(), kFailed);
+      return session::Fail("surgical-plan", written.error(), session::kFailed);
   return 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

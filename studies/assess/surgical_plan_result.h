@@ -6,12 +6,12 @@
 #include <string>
 #include "session/setup/cell_setup.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct SurgicalPlanOptions {
   std::filesystem::path plan;
-  std::filesystem::path cell;        ///< the plan is also held against this cell; empty: none
-  std::optional<MeshChoice> mesh{};  ///< of a plan that has the cup of a mesh alone
+  std::filesystem::path cell;                 ///< the plan is also held against this cell; empty: none
+  std::optional<session::MeshChoice> mesh{};  ///< of a plan that has the cup of a mesh alone
   std::filesystem::path json;
 };
 
@@ -20,4 +20,4 @@ struct SurgicalPlanOptions {
 /// @throws config::ConfigError
 [[nodiscard]] int RunSurgicalPlan(const SurgicalPlanOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

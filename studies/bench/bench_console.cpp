@@ -24,7 +24,7 @@
 #include "session/process/exit_code.h"
 #include "session/setup/build_name.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr int kPages = 8;
@@ -48,14 +48,14 @@ std::string ReadText(const std::filesystem::path& file) {
 }
 
 // Waits for the console's port in a demo's output. 0: the demo has ended.
-int AwaitPort(ChildProcess& demo, const std::filesystem::path& err) {
+int AwaitPort(base::ChildProcess& demo, const std::filesystem::path& err) {
   static const std::regex kAddress("console: http://127\\.0\\.0\\.1:([0-9]+)/");
   for (const auto end = std::chrono::steady_clock::now() + kPatience;
        std::chrono::steady_clock::now() < end;) {
     std::smatch found;
     const std::string text = ReadText(err);
     if (std::regex_search(text, found, kAddress)) return std::stoi(found[1]);
-    if (demo.Ended() || Interrupted().load()) return 0;
+    if (demo.Ended() || base::Interrupted().load()) return 0;
     std::this_thread::sleep_for(kLooks);
   }
   return 0;
@@ -69,22 +69,22 @@ nlohmann::json RunDemoWith(Leg leg, const BenchConsoleOptions& options, const st
   const std::filesystem::path json = folder / "summary.json", err = folder / "err.txt";
   std::filesystem::remove(json, error);
   auto demo =
-      ChildProcess::Start({.words = {"demo", "--seconds", fmt::format("{:g}", options.seconds), "--out",
-                                     (folder / "out").string(), "--overwrite", "--port", "0", "--json",
-                                     json.string(), "--console", leg == Leg::kOff ? "off" : "0"},
-                           .program = program,
-                           .out = folder / "out.txt",
-                           .err = err});
+      base::ChildProcess::Start({.words = {"demo", "--seconds", fmt::format("{:g}", options.seconds), "--out",
+                                           (folder / "out").string(), "--overwrite", "--port", "0", "--json",
+                                           json.string(), "--console", leg == Leg::kOff ? "off" : "0"},
+                                 .program = program,
+                                 .out = folder / "out.txt",
+                                 .err = err});
   if (!demo) return nullptr;
   std::vector<std::unique_ptr<console::PageClient>> pages;
-  std::unique_ptr<ChildProcess> browser;
+  std::unique_ptr<base::ChildProcess> browser;
   if (const int port = leg == Leg::kOff ? 0 : AwaitPort(**demo, err); port > 0) {
     if (leg == Leg::kEight)
       for (int i = 0; i < kPages; ++i)
         if (auto page = console::PageClient::Open("127.0.0.1", port, i > 0))
           pages.push_back(std::move(*page));
     if (leg == Leg::kBrowser)
-      if (auto started = ChildProcess::Start(
+      if (auto started = base::ChildProcess::Start(
               {.words = {"--headless", "--no-sandbox", "--remote-debugging-port=0", "--use-gl=angle",
                          "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--window-size=1280,720",
                          "--user-data-dir=" + (folder / "browser").string(),
@@ -94,10 +94,10 @@ nlohmann::json RunDemoWith(Leg leg, const BenchConsoleOptions& options, const st
                .err = folder / "browser_err.txt"}))
         browser = std::move(*started);
   }
-  while (!(*demo)->Ended() && !Interrupted().load()) std::this_thread::sleep_for(kLooks);
+  while (!(*demo)->Ended() && !base::Interrupted().load()) std::this_thread::sleep_for(kLooks);
   if (browser) browser->Send(SIGTERM);
   pages.clear();
-  if (Interrupted().load()) return nullptr;
+  if (base::Interrupted().load()) return nullptr;
   return nlohmann::json::parse(ReadText(json), nullptr, false);
 }
 
@@ -109,17 +109,18 @@ double MedianOf(std::vector<double> values) {
 }  // namespace
 
 int RunBenchConsole(const BenchConsoleOptions& options) {
-  InstallInterrupt();
-  const WorkFolder folder("bench_console");
+  base::InstallInterrupt();
+  const base::WorkFolder folder("bench_console");
   std::vector<Leg> legs{Leg::kOff, Leg::kIdle, Leg::kEight};
   if (!options.chromium.empty()) legs.push_back(Leg::kBrowser);
   std::array<std::array<std::vector<double>, kFigures.size()>, kLegs.size()> seen;
   for (int round = 0; round < options.rounds; ++round)
     for (const Leg leg : legs) {
       const nlohmann::json summary = RunDemoWith(leg, options, folder.path());
-      if (Interrupted().load()) return InterruptExitCode();
+      if (base::Interrupted().load()) return base::InterruptExitCode();
       if (!summary.is_object())
-        return Fail("bench console", "a demo failed:\n" + ReadText(folder.path() / "err.txt"), kFailed);
+        return session::Fail("bench console", "a demo failed:\n" + ReadText(folder.path() / "err.txt"),
+                             session::kFailed);
       for (std::size_t i = 0; i < kFigures.size(); ++i)
         seen[static_cast<std::size_t>(leg)][i].push_back(
             summary[kFigures[i].key].value(kFigures[i].part, 0.0));
@@ -127,12 +128,10 @@ int RunBenchConsole(const BenchConsoleOptions& options) {
                  kLegs[static_cast<std::size_t>(leg)]);
     }
 
-  nlohmann::ordered_json json{{"schema", "osteon.bench.console/1"},
-                              {"rounds", options.rounds},
-                              {"seconds", options.seconds},
-                              {"machine", MachineName()},
-                              {"build", BuildName()},
-                              {"legs", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json json{
+      {"schema", "osteon.bench.console/1"}, {"rounds", options.rounds},
+      {"seconds", options.seconds},         {"machine", session::MachineName()},
+      {"build", session::BuildName()},      {"legs", nlohmann::ordered_json::array()}};
   fmt::print("Osteon bench console: medians of {} rounds of {:g} s, and their ratios to off\n",
              options.rounds, options.seconds);
   for (const Leg leg : legs) {
@@ -148,9 +147,9 @@ int RunBenchConsole(const BenchConsoleOptions& options) {
     json["legs"].push_back(row);
   }
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, JsonText(json)); !written)
-      return Fail("bench console", written.error(), kFailed);
+    if (const auto written = base::WriteText(options.json, base::JsonText(json)); !written)
+      return session::Fail("bench console", written.error(), session::kFailed);
   return 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

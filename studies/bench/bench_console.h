@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Options of `osteon bench console`.
 struct BenchConsoleOptions {
@@ -21,4 +21,4 @@ struct BenchConsoleOptions {
 /// Ctrl-C.
 [[nodiscard]] int RunBenchConsole(const BenchConsoleOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -20,7 +20,7 @@
 #include "studies/bench/bench_workloads.h"
 #include "studies/bench/timing_rounds.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 nlohmann::json TimesJson(const simulation::TimeFigures& times) {
@@ -201,17 +201,18 @@ int PhaseCount(const std::vector<std::string>& methods, std::size_t workloads, s
 }
 
 int Run(const BenchFrameOptions& options) {
-  if (const std::string wrong = CompareError(options); !wrong.empty()) return Fail("bench frame", wrong);
+  if (const std::string wrong = CompareError(options); !wrong.empty())
+    return session::Fail("bench frame", wrong);
   const std::vector<std::string> methods = MethodsOf(options);
   const std::vector<WantedWorkload> wanted = WantedWorkloads(options);
-  PhaseProgress progress("osteon bench frame", PhaseCount(methods, wanted.size(), options.rounds));
-  InstallInterrupt();
+  base::PhaseProgress progress("osteon bench frame", PhaseCount(methods, wanted.size(), options.rounds));
+  base::InstallInterrupt();
   const auto begun = std::chrono::steady_clock::now();
   std::vector<RoundWorkload> workloads;
   for (const WantedWorkload& each : wanted) {
     progress.BeginPhase("pack " + each.name);
     workloads.push_back({.name = each.name, .work = MakeBenchWorkload(each.options), .methods = methods});
-    if (Interrupted()) return kExitInterrupted;
+    if (base::Interrupted()) return base::kExitInterrupted;
   }
   const double pack_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 
@@ -227,7 +228,7 @@ int Run(const BenchFrameOptions& options) {
       .required = std::vector(methods.begin(), methods.begin() + static_cast<std::ptrdiff_t>(engines))};
   auto timed = TimeRounds(workloads, params);
   progress.Done();
-  if (!timed) return Fail("bench frame", timed.error(), kFailed);
+  if (!timed) return session::Fail("bench frame", timed.error(), session::kFailed);
 
   nlohmann::json json;
   nlohmann::json all = nlohmann::json::array();
@@ -261,13 +262,13 @@ int Run(const BenchFrameOptions& options) {
   json["packing"] = WantsDisjoint(options.method) ? "disjoint" : options.uniform ? "uniform" : "fixed zone";
   json["pack_seconds"] = pack_s;
   json["peak_memory_MB"] = PeakMemory_MB();
-  json["machine"] = MachineName();
+  json["machine"] = session::MachineName();
   json["rounds"] = options.rounds;
   json["workloads"] = std::move(all);
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, JsonText(json)); !written)
-      return Fail("bench frame", written.error(), kFailed);
-  return Interrupted() ? kExitInterrupted : 0;
+    if (const auto written = base::WriteText(options.json, base::JsonText(json)); !written)
+      return session::Fail("bench frame", written.error(), session::kFailed);
+  return base::Interrupted() ? base::kExitInterrupted : 0;
 }
 
 }  // namespace
@@ -297,7 +298,7 @@ int RunBenchFrame(const BenchFrameOptions& options) {
   try {
     return Run(options);
   } catch (const std::invalid_argument& error) {
-    return Fail("bench frame", error.what());
+    return session::Fail("bench frame", error.what());
   }
 }
 
@@ -307,4 +308,4 @@ double PeakMemory_MB() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 
 #include "studies/bench/frame_timing.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Options of `osteon bench frame`.
 struct BenchFrameOptions {
@@ -41,4 +41,4 @@ struct BenchFrameOptions {
 /// Peak memory of this process so far [MB].
 [[nodiscard]] double PeakMemory_MB();
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

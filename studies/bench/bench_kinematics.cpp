@@ -34,7 +34,7 @@
 
 // The only file outside the tests that uses KDL: the reference for the speed of the arm's mathematics.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -251,13 +251,13 @@ void Time(std::vector<Pairing>& pairings, std::size_t calls) {
                       kdl_batch = std::max<std::size_t>(1, own_batch / pairing.kdl_share);
     std::vector<double> ours, kdl;
     g_sink = pairing.ours(0, own_batch) + pairing.kdl(0, kdl_batch);  // warms caches and branch predictors
-    for (std::size_t batch = 0; batch < kBatches && !Interrupted(); ++batch) {
+    for (std::size_t batch = 0; batch < kBatches && !base::Interrupted(); ++batch) {
       ours.push_back(TimeBatch(pairing.ours, batch * own_batch, own_batch));
       kdl.push_back(TimeBatch(pairing.kdl, batch * kdl_batch, kdl_batch));
     }
-    if (Interrupted()) return;
-    pairing.ours_ns = Percentile(ours, 0.5);
-    pairing.kdl_ns = Percentile(kdl, 0.5);
+    if (base::Interrupted()) return;
+    pairing.ours_ns = report::Percentile(ours, 0.5);
+    pairing.kdl_ns = report::Percentile(kdl, 0.5);
   }
 }
 
@@ -309,12 +309,12 @@ int Run(const BenchKinematicsOptions& options) {
   std::vector<Pairing> pairings =
       std::visit([&](const auto& chain) { return PairingsOf(model, chain); }, model.chain);
 
-  InstallInterrupt();
+  base::InstallInterrupt();
   const std::optional<int> allocations = CountAllocations(pairings);
   Time(pairings, options.calls);
-  if (Interrupted()) return kExitInterrupted;
+  if (base::Interrupted()) return base::kExitInterrupted;
 
-  const std::string machine = MachineName();
+  const std::string machine = session::MachineName();
   fmt::print("Osteon bench kinematics: {}, {} calls each beside KDL {}, on {}\n\n{}", model.name,
              options.calls, KDL_VERSION_STRING, machine, Text(pairings));
   fmt::print("heap calls and locks of ours: {}\n",
@@ -326,8 +326,8 @@ int Run(const BenchKinematicsOptions& options) {
   json["machine"] = machine;
   json["allocations"] = allocations ? nlohmann::json(*allocations) : nlohmann::json();
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, JsonText(json)); !written)
-      return Fail("bench kinematics", written.error(), kFailed);
+    if (const auto written = base::WriteText(options.json, base::JsonText(json)); !written)
+      return session::Fail("bench kinematics", written.error(), session::kFailed);
   return 0;
 }
 
@@ -337,10 +337,10 @@ int RunBenchKinematics(const BenchKinematicsOptions& options) {
   try {
     return Run(options);
   } catch (const config::ConfigError& error) {
-    return Fail("bench kinematics", error.what());
+    return session::Fail("bench kinematics", error.what());
   } catch (const std::invalid_argument& error) {
-    return Fail("bench kinematics", error.what());
+    return session::Fail("bench kinematics", error.what());
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <optional>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Options of `osteon bench kinematics`.
 struct BenchKinematicsOptions {
@@ -18,4 +18,4 @@ struct BenchKinematicsOptions {
 /// Ctrl-C.
 [[nodiscard]] int RunBenchKinematics(const BenchKinematicsOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

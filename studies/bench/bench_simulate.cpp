@@ -25,7 +25,7 @@
 #include "session/setup/cell_setup.h"
 #include "simulation/fidelity/frame_workload.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr std::array<std::string_view, 3> kWays{"thread", "shared memory", "UDP"};
@@ -81,7 +81,7 @@ class ThreadEngine {
 };
 
 // The tool pressed into the site's floor.
-Pose PressedPose(const CellSetup& setup) {
+Pose PressedPose(const session::CellSetup& setup) {
   Pose X_WT = setup.config.start.X_WT;
   const Vector3 axis_W = (setup.X_WG.linear() * Vector3(setup.bone.site.axis)).normalized();
   const simulation::ToolBall* head = simulation::CuttingHead(setup.config.tool.tool);
@@ -101,7 +101,7 @@ Times Tick(control::SimulationPort& port, const Pose& X_WT, double spindle_rad_p
   std::thread loop([&] {  // so that this process does not keep the priority
     rt::SetUpRealtimeThread({.priority = 80});
     rt::Nanoseconds next = rt::MonotonicNow();
-    for (int tick = -kWarmUp; tick < ticks && !Interrupted().load(); ++tick) {
+    for (int tick = -kWarmUp; tick < ticks && !base::Interrupted().load(); ++tick) {
       rt::SleepUntil(next += kTick);
       const rt::Nanoseconds now = rt::MonotonicNow();
       const simulation::ContactModel& model = port.Load();
@@ -121,7 +121,7 @@ Times Tick(control::SimulationPort& port, const Pose& X_WT, double spindle_rad_p
   return times;
 }
 
-Times TickRemote(RemoteEngine& engine, const Pose& X_WT, double spindle_rad_per_s, int ticks) {
+Times TickRemote(session::RemoteEngine& engine, const Pose& X_WT, double spindle_rad_per_s, int ticks) {
   std::atomic<bool> stop{false};
   std::thread receiver([&] {
     rt::PacedPriority priority;
@@ -135,31 +135,32 @@ Times TickRemote(RemoteEngine& engine, const Pose& X_WT, double spindle_rad_per_
 }
 
 // The times of one way in one round; `wrong` says why there are none.
-Times Measure(std::size_t way, CellSetup& setup, const EngineChoice& choice, int ticks, std::string& wrong) {
+Times Measure(std::size_t way, session::CellSetup& setup, const session::EngineChoice& choice, int ticks,
+              std::string& wrong) {
   const Pose X_WT = PressedPose(setup);
   const double spindle = setup.config.tool.spindle_rad_per_s;
   if (way == 0) {
-    auto engine = MakeEngine(setup, choice);
+    auto engine = session::MakeEngine(setup, choice);
     if (!engine) return wrong = engine.error(), Times{};
     ThreadEngine thread(**engine);
     return Tick(thread.port(), X_WT, spindle, ticks);
   }
   setup.config.engine_process.emplace();
-  std::unique_ptr<ChildProcess> listener;
+  std::unique_ptr<base::ChildProcess> listener;
   if (way == 2) {
     const auto port = io::FindFreePorts(1);
     if (!port) return wrong = port.error(), Times{};
     setup.config.engine_process->host = "127.0.0.1";
     setup.config.engine_process->port = *port;
-    auto started = ChildProcess::Start(
+    auto started = base::ChildProcess::Start(
         {.words = {"simulate", "--listen", fmt::format("127.0.0.1:{}", *port), "--engine", choice.engine},
-         .program = OsteonProgram()});
+         .program = session::OsteonProgram()});
     if (!started) return wrong = started.error(), Times{};
     listener = std::move(*started);
   }
   const rt::Nanoseconds give_up = rt::MonotonicNow() + kUdpPatience;
   for (;;) {
-    auto engine = RemoteEngine::Open(setup, choice, "");
+    auto engine = session::RemoteEngine::Open(setup, choice, "");
     if (engine) return TickRemote(**engine, X_WT, spindle, ticks);
     if (way == 1 || rt::MonotonicNow() > give_up) return wrong = engine.error(), Times{};
   }
@@ -168,21 +169,21 @@ Times Measure(std::size_t way, CellSetup& setup, const EngineChoice& choice, int
 }  // namespace
 
 int RunBenchSimulate(const BenchSimulateOptions& options) {
-  auto setup = PrepareCell(options.config_root / "cells" / "demo.yaml", {});
-  if (!setup) return Fail("bench simulate", setup.error(), kFailed);
-  PackAsScene(*setup);
-  const EngineChoice choice = ChooseEngine(options.engine, options.device);
-  InstallInterrupt();
+  auto setup = session::PrepareCell(options.config_root / "cells" / "demo.yaml", {});
+  if (!setup) return session::Fail("bench simulate", setup.error(), session::kFailed);
+  session::PackAsScene(*setup);
+  const session::EngineChoice choice = session::ChooseEngine(options.engine, options.device);
+  base::InstallInterrupt();
   std::array<Times, kWays.size()> times;
-  PhaseProgress progress("osteon bench simulate", options.rounds * static_cast<int>(kWays.size()));
-  for (int round = 0; round < options.rounds && !Interrupted().load(); ++round)
-    for (std::size_t way = 0; way < kWays.size() && !Interrupted().load(); ++way) {
+  base::PhaseProgress progress("osteon bench simulate", options.rounds * static_cast<int>(kWays.size()));
+  for (int round = 0; round < options.rounds && !base::Interrupted().load(); ++round)
+    for (std::size_t way = 0; way < kWays.size() && !base::Interrupted().load(); ++way) {
       progress.BeginPhase(fmt::format("{} {} of {}", kWays[way], round + 1, options.rounds));
       std::string wrong;
       const Times more = Measure(way, *setup, choice, options.ticks, wrong);
       if (!wrong.empty()) {
         progress.Done();
-        return Fail("bench simulate", wrong, kFailed);
+        return session::Fail("bench simulate", wrong, session::kFailed);
       }
       const auto append = [](std::vector<double>& to, const std::vector<double>& from) {
         to.insert(to.end(), from.begin(), from.end());
@@ -216,9 +217,9 @@ int RunBenchSimulate(const BenchSimulateOptions& options) {
     json["ways"].push_back(std::move(row));
   }
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, JsonText(json)); !written)
-      return Fail("bench simulate", written.error(), kFailed);
-  return Interrupted().load() ? kExitInterrupted : 0;
+    if (const auto written = base::WriteText(options.json, base::JsonText(json)); !written)
+      return session::Fail("bench simulate", written.error(), session::kFailed);
+  return base::Interrupted().load() ? base::kExitInterrupted : 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Options of `osteon bench simulate`.
 struct BenchSimulateOptions {
@@ -22,4 +22,4 @@ struct BenchSimulateOptions {
 /// @returns the process's exit code: 0; 1 if an engine could not be made; 130 ended by Ctrl-C.
 [[nodiscard]] int RunBenchSimulate(const BenchSimulateOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

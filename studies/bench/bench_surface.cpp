@@ -23,7 +23,7 @@
 #include "simulation/surface/dual_surface.h"
 #include "simulation/surface/tool_ways.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 /// Figures of one bone at one voxel.
@@ -72,7 +72,7 @@ void Extract(const surface::CarvedField& field, std::vector<surface::SurfaceChun
   for (std::size_t i = 0; i < dirty.size(); ++i) surface::ExtractChunk(field, dirty[i], chunks[i]);
 }
 
-SurfaceTimes Measure(const CellSetup& setup, double voxel_mm, std::size_t frames) {
+SurfaceTimes Measure(const session::CellSetup& setup, double voxel_mm, std::size_t frames) {
   SurfaceTimes times{.cell = setup.cell_name, .voxel_mm = voxel_mm};
   StopWatch watch;
   surface::CarvedField field(surface::SampleSolid(*setup.solid, static_cast<float>(voxel_mm)));
@@ -87,7 +87,7 @@ SurfaceTimes Measure(const CellSetup& setup, double voxel_mm, std::size_t frames
   const double start_m = setup.bone.site.radius_m > 0.02 ? -setup.bone.site.radius_m : 0.0;
   surface::ToolWays ways(setup.config.tool.tool, setup.X_WG);
   std::vector<std::uint8_t> bytes;
-  for (std::size_t frame = 0; frame < frames && !Interrupted(); ++frame) {
+  for (std::size_t frame = 0; frame < frames && !base::Interrupted(); ++frame) {
     if (!ways.Add(FrameOf(X_WC, start_m, frame))) continue;
     (void)watch.Lap();
     field.Carve(ways.TakeCapsules());
@@ -128,32 +128,33 @@ nlohmann::ordered_json Json(const SurfaceTimes& t) {
 }
 
 int Run(const BenchSurfaceOptions& options) {
-  InstallInterrupt();
+  base::InstallInterrupt();
   nlohmann::ordered_json json{{"schema", "osteon.bench.surface/1"},
                               {"subcommand", "bench surface"},
-                              {"machine", MachineName()},
+                              {"machine", session::MachineName()},
                               {"frames", options.frames},
                               {"rows", nlohmann::ordered_json::array()}};
   fmt::print("Osteon bench surface: steps of {} frames, medians, on {}\n\n", surface::ToolWays::kBatchFrames,
-             MachineName());
+             session::MachineName());
   fmt::print("{:<12} {:>6} {:>8} {:>8} {:>10} {:>7} {:>8} {:>8} {:>7} {:>7} {:>8}\n", "cell", "voxel",
              "build s", "mesh s", "triangles", "MB", "carve ms", "extr. ms", "pack ms", "bricks", "chunk kB");
   for (const std::string& cell : options.cells) {
-    const auto setup = PrepareCell(options.config_root / "cells" / (cell + ".yaml"), {});
-    if (!setup) return Fail("bench surface", setup.error());
-    if (!setup->solid) return Fail("bench surface", cell + ": found a packing, accepted a cell with a solid");
+    const auto setup = session::PrepareCell(options.config_root / "cells" / (cell + ".yaml"), {});
+    if (!setup) return session::Fail("bench surface", setup.error());
+    if (!setup->solid)
+      return session::Fail("bench surface", cell + ": found a packing, accepted a cell with a solid");
     const auto own_mm = static_cast<double>(surface::VoxelFor(setup->config.tool.tool));
     for (const double voxel_mm :
          options.voxels_mm.empty() ? std::vector{2.0 * own_mm, own_mm, 0.5 * own_mm} : options.voxels_mm) {
       const SurfaceTimes times = Measure(*setup, voxel_mm, options.frames);
-      if (Interrupted()) return kExitInterrupted;
+      if (base::Interrupted()) return base::kExitInterrupted;
       Print(times);
       json["rows"].push_back(Json(times));
     }
   }
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, JsonText(json)); !written)
-      return Fail("bench surface", written.error(), kFailed);
+    if (const auto written = base::WriteText(options.json, base::JsonText(json)); !written)
+      return session::Fail("bench surface", written.error(), session::kFailed);
   return 0;
 }
 
@@ -163,10 +164,10 @@ int RunBenchSurface(const BenchSurfaceOptions& options) {
   try {
     return Run(options);
   } catch (const config::ConfigError& error) {
-    return Fail("bench surface", error.what());
+    return session::Fail("bench surface", error.what());
   } catch (const std::invalid_argument& error) {
-    return Fail("bench surface", error.what());
+    return session::Fail("bench surface", error.what());
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

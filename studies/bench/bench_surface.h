@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Options of `osteon bench surface`.
 struct BenchSurfaceOptions {
@@ -21,4 +21,4 @@ struct BenchSurfaceOptions {
 /// @returns the process's exit code: 0; 1 if the figures can't be written; 2 bad input; 130 ended by Ctrl-C.
 [[nodiscard]] int RunBenchSurface(const BenchSurfaceOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -19,7 +19,7 @@
 #include "studies/bench/level_cost.h"
 #include "studies/bench/tick_bench.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 nlohmann::ordered_json Json(const simulation::TimeFigures& t) {
@@ -43,15 +43,15 @@ const char* PriorityText(bool realtime) { return realtime ? "SCHED_FIFO" : "no S
 
 int Write(const std::filesystem::path& file, const nlohmann::ordered_json& json) {
   if (file.empty()) return 0;
-  const auto written = WriteText(file, JsonText(json));
-  return written ? 0 : Fail("bench tick", written.error(), kFailed);
+  const auto written = base::WriteText(file, base::JsonText(json));
+  return written ? 0 : session::Fail("bench tick", written.error(), session::kFailed);
 }
 
 // The whole tick with each part that may give way, in turn.
 int RunLevels(const BenchTickOptions& options) {
   const std::vector<LevelCost> levels = TimeLevels(options.config_root, options.ticks);
-  if (Interrupted()) return kExitInterrupted;
-  const std::string machine = MachineName();
+  if (base::Interrupted()) return base::kExitInterrupted;
+  const std::string machine = session::MachineName();
   fmt::print("Osteon bench tick: {}, {} ticks a level in turn, {}, on {}\n\n", "cells/demo.yaml",
              options.ticks, PriorityText(levels.front().realtime), machine);
   fmt::print("{:<14}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>10}\n", "loop, us", "p50", "p95", "p99", "p999", "max",
@@ -80,16 +80,16 @@ int RunLevels(const BenchTickOptions& options) {
 }
 
 int Run(const BenchTickOptions& options) {
-  InstallInterrupt();
+  base::InstallInterrupt();
   if (options.compliance) return RunLevels(options);
   const config::CellConfig cell = BenchCell(options.config_root);
   TickBench bench(cell, ScriptSeconds(cell, options.ticks));
   const TickTimes times = std::move(TimeInTurn({&bench, 1}, options.ticks).front());
-  if (Interrupted()) return kExitInterrupted;
+  if (base::Interrupted()) return base::kExitInterrupted;
   if (times.tick.size() < options.ticks)
-    return Fail("bench tick", TooFewText(times.tick.size(), options.ticks, bench), kFailed);
+    return session::Fail("bench tick", TooFewText(times.tick.size(), options.ticks, bench), session::kFailed);
 
-  const std::string machine = MachineName();
+  const std::string machine = session::MachineName();
   fmt::print("Osteon bench tick: {}, {} ticks at {:.0f} N, {}, on {}\n\n{:<14}{:>9}{:>9}{:>9}{:>9}{:>9}\n",
              "cells/demo.yaml", options.ticks, times.force_N, PriorityText(times.realtime), machine, "us",
              "p50", "p95", "p99", "p999", "max");
@@ -133,10 +133,10 @@ int RunBenchTick(const BenchTickOptions& options) {
   try {
     return Run(options);
   } catch (const config::ConfigError& error) {
-    return Fail("bench tick", error.what());
+    return session::Fail("bench tick", error.what());
   } catch (const std::exception& error) {
-    return Fail("bench tick", error.what(), kFailed);
+    return session::Fail("bench tick", error.what(), session::kFailed);
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Options of `osteon bench tick`.
 struct BenchTickOptions {
@@ -22,4 +22,4 @@ struct BenchTickOptions {
 /// figures can't be written; 2 bad input; 130 ended by Ctrl-C.
 [[nodiscard]] int RunBenchTick(const BenchTickOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

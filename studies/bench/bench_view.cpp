@@ -26,7 +26,7 @@
 #include "session/view/recording_scan.h"
 #include "session/view/view_surface.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using ViewClock = std::chrono::steady_clock;
@@ -103,27 +103,27 @@ nlohmann::json Figures(std::vector<double> seconds) {
 }  // namespace
 
 int RunBenchView(const BenchViewOptions& options) {
-  const WorkFolder own("bench_view");
+  const base::WorkFolder own("bench_view");
   const std::filesystem::path file =
       (options.folder.empty() ? own.path() : options.folder) / "long_recording.mcap";
   fmt::print("writes {:g} h of recording …\n", options.hours);
   std::fflush(stdout);
   const auto duration_s = WriteRepeated(options.recording, 3600.0 * options.hours, file);
-  if (!duration_s) return Fail("bench view", duration_s.error());
+  if (!duration_s) return session::Fail("bench view", duration_s.error());
   const auto bytes = static_cast<double>(std::filesystem::file_size(file));
 
   const auto begun = ViewClock::now();
-  auto timeline = RecordingTimeline::Open(file);
-  if (!timeline) return Fail("bench view", timeline.error(), kFailed);
-  auto setup = SetUpRecorded(timeline->session());
-  if (!setup) return Fail("bench view", setup.error());
+  auto timeline = session::RecordingTimeline::Open(file);
+  if (!timeline) return session::Fail("bench view", timeline.error(), session::kFailed);
+  auto setup = session::SetUpRecorded(timeline->session());
+  if (!setup) return session::Fail("bench view", setup.error());
   const double start_s = rt::ToSeconds(timeline->start());
   console::LiveFeed feed;
   console::SurfaceStore store;
   console::SurfaceFeed chunks(store);
-  Playback playback(std::move(*timeline), feed);
-  const RecordingScan scan(file);
-  ViewSurface bone(file, *setup, chunks);
+  session::Playback playback(std::move(*timeline), feed);
+  const session::RecordingScan scan(file);
+  session::ViewSurface bone(file, *setup, chunks);
   const auto shows_tick = [&](double at_s) {
     return std::abs(rt::ToSeconds(feed.Newest().tick.stamp) - start_s - at_s) < kTickNear_s;
   };
@@ -134,7 +134,7 @@ int RunBenchView(const BenchViewOptions& options) {
   playback.Seek(1.0);
   const auto open_s = Await(begun, [&] { return shows_tick(1.0) && shows_bone(1.0); });
   const auto keys_s = Await(begun, [&] { return bone.keys_complete(); });
-  if (!open_s || !keys_s) return Fail("bench view", "the recording did not open", kFailed);
+  if (!open_s || !keys_s) return session::Fail("bench view", "the recording did not open", session::kFailed);
 
   std::vector<double> tick_s, bone_s;
   constexpr double kGolden = 0.6180339887;  // places all over it, forward and backward
@@ -146,13 +146,13 @@ int RunBenchView(const BenchViewOptions& options) {
     const auto tick = Await(asked, [&] { return shows_tick(at_s); });
     const auto carved = Await(asked, [&] { return shows_bone(at_s); });
     if (!tick || !carved)
-      return Fail("bench view", fmt::format("no picture of {:.1f} s came", at_s), kFailed);
+      return session::Fail("bench view", fmt::format("no picture of {:.1f} s came", at_s), session::kFailed);
     tick_s.push_back(*tick);
     bone_s.push_back(std::max(*tick, *carved));
   }
   const nlohmann::json json{{"schema", "osteon.bench.view/1"},
-                            {"machine", MachineName()},
-                            {"build", BuildName()},
+                            {"machine", session::MachineName()},
+                            {"build", session::BuildName()},
                             {"duration_s", *duration_s},
                             {"bytes", bytes},
                             {"open_s", *open_s},
@@ -171,9 +171,9 @@ int RunBenchView(const BenchViewOptions& options) {
                figures["most_s"].get<double>(), options.seeks);
   if (!options.folder.empty()) std::filesystem::remove(file);
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, JsonText(json)); !written)
-      return Fail("bench view", written.error(), kFailed);
+    if (const auto written = base::WriteText(options.json, base::JsonText(json)); !written)
+      return session::Fail("bench view", written.error(), session::kFailed);
   return 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Options of `osteon bench view`.
 struct BenchViewOptions {
@@ -20,4 +20,4 @@ struct BenchViewOptions {
 /// @returns the process's exit code: 0; 1 if something could not be written or did not come; 2 bad input.
 [[nodiscard]] int RunBenchView(const BenchViewOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

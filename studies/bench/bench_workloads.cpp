@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr const char* kAll = "all";
@@ -26,4 +26,4 @@ std::vector<BenchWorkload> SelectWorkloads(const std::vector<std::string>& names
   return selected;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A workload that `osteon bench frame` times by its name.
 struct BenchWorkload {
@@ -28,4 +28,4 @@ inline constexpr std::array<BenchWorkload, 6> kBenchWorkloads{{{"reamer-30k", "a
 /// Returns the named workloads in the order of kBenchWorkloads, each once; all where the names have "all".
 [[nodiscard]] std::vector<BenchWorkload> SelectWorkloads(const std::vector<std::string>& names);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

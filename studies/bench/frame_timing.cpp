@@ -13,7 +13,7 @@
 #include "session/setup/engine_choice.h"
 #include "simulation/engine_cpu/cpu_engine.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using simulation::ContactModel;
@@ -40,7 +40,7 @@ struct Runner {
 std::optional<double> ActiveOf(const std::string& method, const CuttingEngine& engine, std::size_t spheres) {
   if (method == "brute") return static_cast<double>(spheres);
   if (!SharesState(method)) return std::nullopt;
-  return ActiveBalls(engine, spheres);
+  return session::ActiveBalls(engine, spheres);
 }
 
 tl::expected<std::unique_ptr<CuttingEngine>, std::string> EngineFor(const FrameWorkload& work,
@@ -58,10 +58,10 @@ tl::expected<void, std::string> PrepareRunner(Runner& runner, const std::string&
   bool late = false;
   const auto stop = [&] {
     late = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count() > max_seconds;
-    return late || Interrupted();
+    return late || base::Interrupted();
   };
   if (simulation::RunUntilReady(*runner.engine, runner.player, runner.last, stop)) return {};
-  if (Interrupted()) return tl::unexpected(method + ": ended by Ctrl-C before the tool was seated");
+  if (base::Interrupted()) return tl::unexpected(method + ": ended by Ctrl-C before the tool was seated");
   if (late)
     return tl::unexpected(fmt::format("{}: the tool was not seated within {:g} s", method, max_seconds));
   return tl::unexpected(
@@ -78,7 +78,7 @@ tl::expected<Runner, std::string> StartedRunner(const FrameWorkload& work, const
 
 void WarmUp(Runner& runner) {
   const auto begun = std::chrono::steady_clock::now();
-  for (std::size_t k = 0; k < kWarmUpFrames && !runner.player.AtEnd() && !Interrupted(); ++k) {
+  for (std::size_t k = 0; k < kWarmUpFrames && !runner.player.AtEnd() && !base::Interrupted(); ++k) {
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
     if (taken.count() > kMaxWarmUp_s) return;
     runner.last = runner.engine->Step(runner.player.Next(runner.last));
@@ -108,7 +108,7 @@ tl::expected<std::map<std::string, double>, std::string> TimePasses(const FrameW
   WorkloadPlayer player = start.player;
   ContactModel last = start.last;
   std::map<std::string, std::vector<double>> times;
-  for (std::size_t k = 0; k < params.pass_frames && !player.AtEnd() && !Interrupted(); ++k) {
+  for (std::size_t k = 0; k < params.pass_frames && !player.AtEnd() && !base::Interrupted(); ++k) {
     last = engine.Step(player.Next(last));
     AddPassTimes(engine, times);
   }
@@ -189,7 +189,7 @@ tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorklo
   // frame by frame in turn
   say("time");
   const auto begun = std::chrono::steady_clock::now();
-  for (std::size_t k = 0; k < params.frames && !Interrupted(); ++k) {
+  for (std::size_t k = 0; k < params.frames && !base::Interrupted(); ++k) {
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
     if (k >= kMinFrames && taken.count() > params.max_seconds) break;
     if (std::ranges::all_of(runners, [](const Runner& runner) { return runner.player.AtEnd(); })) break;
@@ -222,4 +222,4 @@ tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorklo
   return timings;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -13,7 +13,7 @@
 #include "simulation/fidelity/frame_workload.h"
 #include "studies/bench/method_engine.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct FrameTimingParams {
   std::vector<std::string> methods{"ours"};
@@ -71,4 +71,4 @@ using OwnStarts = std::map<std::string, SeatedStart>;
     const simulation::FrameWorkload& work, const FrameTimingParams& params,
     const SeatedStart* start = nullptr, const OwnStarts& own = {});
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 #include "base/interrupt.h"
 #include "config/reading/sections/compliance_params.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kMountBelow_m = 0.08;
@@ -44,7 +44,7 @@ std::vector<LevelCost> TimeLevels(const std::filesystem::path& config_root, std:
   const std::vector<TickTimes> times = TimeInTurn(benches, ticks);
   std::vector<LevelCost> costs;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (times[i].tick.size() < ticks && !Interrupted())
+    if (times[i].tick.size() < ticks && !base::Interrupted())
       throw std::runtime_error(
           fmt::format("{}: {}", levels[i].name, TooFewText(times[i].tick.size(), ticks, benches[i])));
     costs.push_back({.name = levels[i].name,
@@ -66,4 +66,4 @@ std::string TooFewText(std::size_t pressed, std::size_t ticks, const TickBench& 
                      bench.faults().Any() ? ", then the loop stopped itself" : "");
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 #include "simulation/fidelity/frame_workload.h"
 #include "studies/bench/tick_bench.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// What gives way in a timed cell, by a name.
 struct NamedLevels {
@@ -43,4 +43,4 @@ struct LevelCost {
 /// Says in how many ticks the tool pressed, and whether the loop stopped itself.
 [[nodiscard]] std::string TooFewText(std::size_t pressed, std::size_t ticks, const TickBench& bench);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

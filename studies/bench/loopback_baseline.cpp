@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
@@ -52,4 +52,4 @@ double LoopbackBaseline::Time(std::size_t message, std::size_t answer) {
   return 1e-3 * static_cast<double>(ended - begun);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 
 #include "io/net/udp_socket.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Measures the kernel's own time for a tick's datagrams over loopback: one call receives a message that has
 /// arrived, one sends an answer, with nothing between them. No loop on this machine can be faster.
@@ -27,4 +27,4 @@ class LoopbackBaseline {
   std::array<std::uint8_t, 2000> bytes_{};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

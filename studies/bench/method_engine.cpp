@@ -10,7 +10,7 @@
 #include "simulation/methods/method.h"
 #include "simulation/removal/cut_metrics.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr std::array kPlainVoxels{128, 256, 512};
@@ -74,9 +74,9 @@ tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeMethod
     return tl::unexpected(choice.method + ": " + error.what());
   }
   const bool is_vulkan = choice.method == "ours" || choice.method == "brute";
-  auto engine =
-      MakeEngine({.engine = is_vulkan ? "vulkan" : choice.method, .device = choice.device}, bone, tool, X_WG,
-                 cutting, {.time_passes = choice.time_passes, .brute_force = choice.method == "brute"});
+  auto engine = session::MakeEngine(
+      {.engine = is_vulkan ? "vulkan" : choice.method, .device = choice.device}, bone, tool, X_WG, cutting,
+      {.time_passes = choice.time_passes, .brute_force = choice.method == "brute"});
   if (!engine && !is_vulkan) return tl::unexpected(choice.method + ": " + engine.error());
   return engine;
 }
@@ -92,4 +92,4 @@ std::size_t ElementsOf(const simulation::CuttingEngine& engine, const simulation
   return std::max(bone.balls.size(), simulation::LiveBalls(engine.Snapshot()).size());
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

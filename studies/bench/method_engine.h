@@ -12,7 +12,7 @@
 #include "simulation/solids/solid.h"
 #include "simulation/tools/tool.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The names that `--method` accepts: ours (Vulkan), brute (the same engine without culling), cpu (one thread
 /// of the processor), reference (double precision), the methods of comparison (simulation/methods/method.h),
@@ -48,4 +48,4 @@ struct MethodChoice {
 /// Number of spheres or voxels at the start; or of spheres now, if splitting has made more.
 [[nodiscard]] std::size_t ElementsOf(const simulation::CuttingEngine& engine, const simulation::Bone& bone);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

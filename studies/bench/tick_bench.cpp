@@ -30,7 +30,7 @@
 #include "session/setup/recorded_config.h"
 #include "studies/bench/loopback_baseline.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using control::ReceiveResult;
@@ -130,11 +130,11 @@ class TemporaryFile {
 struct TickBench::Parts {
   Parts(const config::CellConfig& cell, double seconds)
       : cell_(cell),
-        loop_(MakeServoLoop(cell)),
-        second_(MakeServoLoop(cell)),
+        loop_(session::MakeServoLoop(cell)),
+        second_(session::MakeServoLoop(cell)),
         repeat_(second_),
         parts_(cell.servo, cell.robot.lbr()->params, cell.X_WB, cell.tool.X_FT),
-        arm_(MakeSimulatedCell(cell, seconds)) {
+        arm_(session::MakeSimulatedCell(cell, seconds)) {
     auto clients = io::DeviceClients::Make(cell.devices);
     if (!clients) throw std::runtime_error(clients.error());
     devices_.emplace(cell, std::move(*clients));
@@ -278,7 +278,7 @@ std::vector<TickTimes> TimeHere(std::span<TickBench> benches, std::size_t ticks)
   }
   // to the bone without a pace
   for (std::size_t i = 0; i < benches.size(); ++i)
-    while (all[i].tick.empty() && !benches[i].parts().ended() && !Interrupted())
+    while (all[i].tick.empty() && !benches[i].parts().ended() && !base::Interrupted())
       benches[i].parts().RunNext(all[i]);
   // once the tools press, keep a run's pace, so that the caches are as cold as in a run
   rt::Nanoseconds due = 0;
@@ -289,7 +289,7 @@ std::vector<TickTimes> TimeHere(std::span<TickBench> benches, std::size_t ticks)
   const auto is_over = [&](std::size_t i) {
     return all[i].tick.size() >= ticks || benches[i].parts().ended();
   };
-  for (std::size_t round = 0; !Interrupted(); ++round) {
+  for (std::size_t round = 0; !base::Interrupted(); ++round) {
     bool over = true;
     for (std::size_t j = 0; j < benches.size(); ++j) {
       const std::size_t i = round % 2 == 0 ? j : benches.size() - 1 - j;
@@ -343,4 +343,4 @@ double ScriptSeconds(const config::CellConfig& cell, std::size_t ticks) {
   return std::max(5.0, kScriptShare * cell.servo.period_s * static_cast<double>(ticks));
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

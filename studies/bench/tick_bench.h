@@ -14,7 +14,7 @@
 // A whole servo tick under the clock: the arm's message over loopback, the cell's devices in memory, the loop
 // with eight planes at the tool, the answer, the recorder.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The measured times of some ticks, in us, one entry a tick.
 struct TickTimes {
@@ -63,4 +63,4 @@ class TickBench {
 /// Length of a script in which so many ticks press [s].
 [[nodiscard]] double ScriptSeconds(const config::CellConfig& cell, std::size_t ticks);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "control/laws/twist_parts.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 double MicrosecondsSince(rt::Nanoseconds begun) {
@@ -91,4 +91,4 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
   return us;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

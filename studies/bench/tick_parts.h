@@ -15,7 +15,7 @@
 #include "safety/joint_guard.h"
 #include "safety/limits.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The inputs of a tick of the loop, as far as its parts need them.
 struct TickPartsInput {
@@ -61,4 +61,4 @@ class TickParts {
   volatile double sink_{0.0};  // receives results, so that the compiler drops no call
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

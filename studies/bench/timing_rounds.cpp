@@ -7,7 +7,7 @@
 
 #include "base/interrupt.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 // What all rounds of a workload begin with.
@@ -44,7 +44,7 @@ tl::expected<Starts, std::string> MakeStarts(const RoundWorkload& workload, cons
     }
     if (error.empty())
       starts.methods.push_back(method);
-    else if (Interrupted() || std::ranges::count(params.required, method) > 0)
+    else if (base::Interrupted() || std::ranges::count(params.required, method) > 0)
       return tl::unexpected(error);
     else
       left_out.push_back(error);
@@ -71,7 +71,7 @@ tl::expected<std::vector<WorkloadRounds>, std::string> TimeRounds(std::span<cons
     results[w].methods.resize(starts.back().methods.size());
   }
   for (std::size_t round = 0; round < params.rounds; ++round)
-    for (std::size_t w = 0; w < workloads.size() && !Interrupted(); ++w) {
+    for (std::size_t w = 0; w < workloads.size() && !base::Interrupted(); ++w) {
       FrameTimingParams timing = params.timing;
       timing.methods = starts[w].methods;
       if (round > 0) timing.pass_frames = 0;
@@ -120,4 +120,4 @@ TimeRatio RatioOf(const MethodRounds& method, const MethodRounds& base) {
           .p999_range = RangeOf(p999)};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 
 #include "studies/bench/frame_timing.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A workload with the methods to time on it.
 struct RoundWorkload {
@@ -59,4 +59,4 @@ struct TimeRatio {
 };
 [[nodiscard]] TimeRatio RatioOf(const MethodRounds& method, const MethodRounds& base);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

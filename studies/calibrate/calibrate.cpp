@@ -18,7 +18,7 @@
 #include "session/process/exit_code.h"
 #include "studies/calibrate/calibration_history.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kStill_rad = 5e-4, kRest_s = 0.5, kSettle_s = 0.2, kSamePlace_rad = 0.02;
@@ -300,13 +300,14 @@ int RunCalibrate(const CalibrateOptions& options) {
   Result result;
   if (!options.payload.empty()) {
     const auto rests = RestsOf(options.payload);
-    if (!rests) return Fail("calibrate", rests.error());
+    if (!rests) return session::Fail("calibrate", rests.error());
     const Pose X_FS = cell.servo.sensor.X_FS;
     std::vector<control::RestPose> poses;
     for (const RestingPose& rest : *rests)
       poses.push_back({.R_WS = (FlangePose(cell, rest) * X_FS).linear(), .F_S = rest.F_S});
     const auto fit = control::FitPayload(poses);
-    if (!fit) return Fail("calibrate", options.payload.string() + ": " + fit.error(), kFailed);
+    if (!fit)
+      return session::Fail("calibrate", options.payload.string() + ": " + fit.error(), session::kFailed);
     result.payload = *fit;
     result.center_F_m = X_FS * fit->center_S_m;
     result.payload_poses = poses.size();
@@ -314,30 +315,31 @@ int RunCalibrate(const CalibrateOptions& options) {
   }
   if (!options.pivot.empty()) {
     const auto rests = RestsOf(options.pivot);
-    if (!rests) return Fail("calibrate", rests.error());
+    if (!rests) return session::Fail("calibrate", rests.error());
     std::vector<Pose> poses;
     for (const RestingPose& rest : *rests) poses.push_back(FlangePose(cell, rest));
     const auto fit = control::FitPivot(poses);
-    if (!fit) return Fail("calibrate", options.pivot.string() + ": " + fit.error(), kFailed);
+    if (!fit)
+      return session::Fail("calibrate", options.pivot.string() + ": " + fit.error(), session::kFailed);
     result.pivot = *fit;
     result.pivot_poses = poses.size();
     result.pivot_residuals = PivotResiduals(*fit, *rests, poses);
   }
   // a history that can't be read is told before anything is written
   const auto history = ReadHistory(HistoryFile(options.out));
-  if (!history) return Fail("calibrate", history.error());
+  if (!history) return session::Fail("calibrate", history.error());
   const CalibrationEntry entry = EntryOf(result);
   result.drift = DriftSince(*history, entry);
   result.earlier = history->size();
-  if (const auto written = WriteText(options.out, ToYaml(result, options.command_line)); !written)
-    return Fail("calibrate", written.error(), kFailed);
+  if (const auto written = base::WriteText(options.out, ToYaml(result, options.command_line)); !written)
+    return session::Fail("calibrate", written.error(), session::kFailed);
   if (const auto appended = AppendHistory(HistoryFile(options.out), entry); !appended)
-    return Fail("calibrate", appended.error(), kFailed);
+    return session::Fail("calibrate", appended.error(), session::kFailed);
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, JsonText(ToJson(result, options))); !written)
-      return Fail("calibrate", written.error(), kFailed);
+    if (const auto written = base::WriteText(options.json, base::JsonText(ToJson(result, options))); !written)
+      return session::Fail("calibrate", written.error(), session::kFailed);
   Print(result, options);
   return 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

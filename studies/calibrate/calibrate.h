@@ -8,7 +8,7 @@
 
 #include "control/tick_record.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct CalibrateOptions {
   std::filesystem::path cell;
@@ -42,4 +42,4 @@ struct RestingPose {
 /// @returns the process's exit code: 0; 1 if the poses do not determine the result; 2 bad input.
 [[nodiscard]] int RunCalibrate(const CalibrateOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kMass_kg = 0.02, kCenter_m = 1e-3, kBias_N = 0.5, kApex_m = 1e-4, kSds = 3.0;
@@ -144,4 +144,4 @@ std::vector<std::string> DriftSince(const std::vector<CalibrationEntry>& history
 
 std::string UtcNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -11,7 +11,7 @@
 
 // Every calibration of a cell, in the order in which they were made, and what has drifted.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The result of one calibration; the standard deviations are those of the fits.
 struct CalibrationEntry {
@@ -52,4 +52,4 @@ struct CalibrationEntry {
 /// The present time as CalibrationEntry has it.
 [[nodiscard]] std::string UtcNow();
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using kinematics::CapabilityLimit;
@@ -90,4 +90,4 @@ ArmForce::ElbowAndWrist ArmForce::ElbowAndWristAt(const JointVector& q) const {
   return {.p_B_elbow = p_B_wrist - lbr_.elbow_to_wrist_m * posture.axis_B(4), .p_B_wrist = p_B_wrist};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 #include "kinematics/serial_chain.h"
 #include "studies/capability/capability_task.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The forces at the tool's apex that an arm can hold in one posture, or the least over several [N]. Help
 /// from gravity counts only in axial_exact_N; the others are what the servo loop's limiter permits.
@@ -66,4 +66,4 @@ class ArmForce {
   kinematics::JointVector torque_limit_Nm_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 
 #include "base/parallel.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -227,4 +227,4 @@ ToolForce BasePlacement::Forces(const BaseFigure& figure) const {
   return worst;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -15,7 +15,7 @@
 // straighter than the least bend (near a straight joint the force along the arm and the joint speeds grow
 // without bound), or if elbow or wrist would lie beyond the workspace's plane.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Returns the arm with its position limits narrowed by a margin on both sides.
 [[nodiscard]] kinematics::LbrParams DrawnIn(kinematics::LbrParams params, double margin_rad);
@@ -86,4 +86,4 @@ class BasePlacement {
   BasePlacementParams params_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -21,7 +21,7 @@
 #include "session/summary/summary.h"
 #include "studies/capability/capability_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kRadian = std::numbers::pi / 180.0;
@@ -153,7 +153,7 @@ BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const
   simulation::ParallelFor(
       panel.force_N.size(), s.threads,
       [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end && !Interrupted(); ++i) {
+        for (std::size_t i = begin; i < end && !base::Interrupted(); ++i) {
           const auto column = static_cast<double>(i % static_cast<std::size_t>(panel.nx));
           const auto row = static_cast<double>(i / static_cast<std::size_t>(panel.nx));
           const BaseFigure figure = search.Judge(origin + (panel.x_from_m + column * panel.step_m) * u +
@@ -165,15 +165,15 @@ BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const
   return Cropped(panel);
 }
 
-void Search(const config::CellConfig& cell, const CapabilityOptions& options, PhaseProgress& progress,
+void Search(const config::CellConfig& cell, const CapabilityOptions& options, base::PhaseProgress& progress,
             CapabilityResult& result) {
   result.searched = true;
   result.search = SearchOf(options, result.task, result.X_WB.translation());
   const BasePlacement search(cell.robot.lbr()->chain, MountOf(cell, options.mount), cell.tool.X_FT,
                              result.task, result.need, result.search);
   progress.BeginPhase("looking for a base");
-  const auto best = search.Best([] { return Interrupted().load(); });
-  if (!best || Interrupted()) return;
+  const auto best = search.Best([] { return base::Interrupted().load(); });
+  if (!best || base::Interrupted()) return;
   result.base = search.Centred(*best);
   result.base_force = search.Forces(*result.base);
   progress.BeginPhase("mapping the bases round it");
@@ -185,29 +185,32 @@ std::string Page(const CapabilityResult& result, const CapabilityOptions& option
                  const std::string& own_map, const std::string& bases) {
   const std::string title = "Force capability of " + result.cell;
   std::string html =
-      PageBegin({.title = title, .verdict = Judge(result).ForReport(), .summary = Rows(result)});
+      report::PageBegin({.title = title, .verdict = Judge(result).ForReport(), .summary = Rows(result)});
   html += "<h2>What the arm holds, where</h2>\n";
-  html += Figure(
+  html += report::Figure(
       map,
       "The tool's head centred at each place, the tool along the site's axis and tilted to the cone's edge "
       "all round: the least force of these poses, along the tool (upper row) and in the weakest direction "
       "across it (lower row). Gravity's help is not counted, as in the servo loop's limiter.");
-  html += Figure(own_map, "The same at the arm angle and the configuration that the cell begins with.");
+  html +=
+      report::Figure(own_map, "The same at the arm angle and the configuration that the cell begins with.");
   if (!bases.empty())
     html +=
         "<h2>Where the base may stand</h2>\n" +
-        Figure(bases,
-               "For each place of the base, the axial force that is guaranteed over the whole task, while "
-               "the needed "
-               "share of it acts across the tool as well; at the best single arm angle.") +
+        report::Figure(
+            bases,
+            "For each place of the base, the axial force that is guaranteed over the whole task, while "
+            "the needed "
+            "share of it acts across the tool as well; at the best single arm angle.") +
         fmt::format(
             "<p>Kept: {:g} deg from every joint limit, elbow and wrist bent by {:g} deg at least and on the "
             "workspace's side of its plane, the base's axis {:g} mm from the site. What the arm may "
             "collide with is not known here.</p>\n",
             result.search.joint_margin_rad / kRadian, std::round(result.search.min_bend_rad / kRadian),
             result.search.clearance_m * 1e3);
-  if (result.base) html += "<pre>" + Escape(BaseYaml(result, options.command_line)) + "</pre>\n";
-  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + PageEnd();
+  if (result.base) html += "<pre>" + report::Escape(BaseYaml(result, options.command_line)) + "</pre>\n";
+  return html + "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n" +
+         report::PageEnd();
 }
 
 tl::expected<void, std::string> Write(const CapabilityResult& result, const CapabilityOptions& options) {
@@ -218,31 +221,33 @@ tl::expected<void, std::string> Write(const CapabilityResult& result, const Capa
   for (const auto& [name, svg] :
        {std::pair{"capability", &map}, {"capability_own_angle", &own_map}, {"base", &bases}}) {
     if (svg->empty()) continue;
-    if (const auto written = WriteDrawing(*svg, options.out / name); !written) return written;
+    if (const auto written = session::WriteDrawing(*svg, options.out / name); !written) return written;
   }
   const std::string json = ToJson(result, options.command_line);
-  if (const auto written = WriteText(options.out / "capability.csv", MapCsv(result)); !written)
+  if (const auto written = base::WriteText(options.out / "capability.csv", MapCsv(result)); !written)
     return written;
-  if (const auto written = WriteText(options.out / "capability.json", json); !written) return written;
+  if (const auto written = base::WriteText(options.out / "capability.json", json); !written) return written;
   if (result.base)
-    if (const auto written = WriteText(options.out / "base.yaml", BaseYaml(result, options.command_line));
+    if (const auto written =
+            base::WriteText(options.out / "base.yaml", BaseYaml(result, options.command_line));
         !written)
       return written;
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, json); !written) return written;
-  return WritePage(Page(result, options, map, own_map, bases), options.out / "capability.html");
+    if (const auto written = base::WriteText(options.json, json); !written) return written;
+  return report::WritePage(Page(result, options, map, own_map, bases), options.out / "capability.html");
 }
 
 int Run(const CapabilityOptions& options) {
-  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
-    return Fail("capability", wrong);
+  if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
+    return session::Fail("capability", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
   config::RequireSimulation(cell, options.cell);
   if (!cell.robot.lbr())
-    return Fail("capability",
-                fmt::format("{}: found a {}, accepted an LBR: what torques an arm of six axes has is not "
-                            "published",
-                            options.cell.string(), cell.robot.name));
+    return session::Fail(
+        "capability",
+        fmt::format("{}: found a {}, accepted an LBR: what torques an arm of six axes has is not "
+                    "published",
+                    options.cell.string(), cell.robot.name));
   CapabilityResult result;
   result.cell = options.cell.stem().string();
   result.tool = cell.tool.tool.name;
@@ -258,7 +263,7 @@ int Run(const CapabilityOptions& options) {
   }
   if (!options.recording.empty()) {
     const auto ratio = LateralRatio(options.recording);
-    if (!ratio) return Fail("capability", "--recording: " + ratio.error());
+    if (!ratio) return session::Fail("capability", "--recording: " + ratio.error());
     result.need.lateral_N = *ratio * result.need.axial_N;
     result.need.lateral_from = fmt::format("{:.2f} of the axial force, the most in {}", *ratio,
                                            options.recording.filename().string());
@@ -269,26 +274,26 @@ int Run(const CapabilityOptions& options) {
   }
   result.need.torque_Nm = options.torque_Nm;
 
-  InstallInterrupt();
-  PhaseProgress progress("osteon capability", options.search ? 4 : 2);
+  base::InstallInterrupt();
+  base::PhaseProgress progress("osteon capability", options.search ? 4 : 2);
   const CapabilityMap map(cell, result.task, result.need, options.threads);
   progress.BeginPhase("the task from this base");
   result.best_angle = map.AtBestArmAngle();
   result.own_angle = map.AtOwnArmAngle();
   if (result.best_angle.poses == 0)
-    return Fail("capability",
-                "the workspace allows no pose of the task; accepted a workspace that holds the site");
+    return session::Fail(
+        "capability", "the workspace allows no pose of the task; accepted a workspace that holds the site");
   progress.BeginPhase("mapping the workspace");
   for (const MapPlane plane : {MapPlane::kVertical, MapPlane::kHorizontal})
-    result.maps.push_back(map.Panel(plane, options.nodes, [] { return Interrupted().load(); }));
-  if (options.search && !Interrupted()) Search(cell, options, progress, result);
+    result.maps.push_back(map.Panel(plane, options.nodes, [] { return base::Interrupted().load(); }));
+  if (options.search && !base::Interrupted()) Search(cell, options, progress, result);
   progress.Done();
-  if (Interrupted()) return kExitInterrupted;
+  if (base::Interrupted()) return base::kExitInterrupted;
 
   if (const auto written = Write(result, options); !written)
-    return Fail("capability", written.error(), kFailed);
-  PrintVerdict(Judge(result), 30);
-  for (const SummaryRow& row : Rows(result)) fmt::print("  {:<30} {}\n", row.key, row.value);
+    return session::Fail("capability", written.error(), session::kFailed);
+  session::PrintVerdict(Judge(result), 30);
+  for (const report::SummaryRow& row : Rows(result)) fmt::print("  {:<30} {}\n", row.key, row.value);
   fmt::print("  {:<30} {}\n", "Report", (options.out / "capability.html").string());
   if (result.base) fmt::print("  {:<30} {}\n", "For the cell's file", (options.out / "base.yaml").string());
   return 0;
@@ -300,10 +305,10 @@ int RunCapability(const CapabilityOptions& options) {
   try {
     return Run(options);
   } catch (const config::ConfigError& error) {
-    return Fail("capability", error.what());
+    return session::Fail("capability", error.what());
   } catch (const std::invalid_argument& error) {
-    return Fail("capability", error.what());
+    return session::Fail("capability", error.what());
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

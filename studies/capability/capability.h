@@ -7,7 +7,7 @@
 
 #include "studies/capability/base_placement.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Direction of the base's axis.
 enum class Mount { kCell, kFloor, kCeiling };
@@ -37,4 +37,4 @@ struct CapabilityOptions {
 /// 130 ended by Ctrl-C.
 [[nodiscard]] int RunCapability(const CapabilityOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -5,7 +5,7 @@
 #include "base/parallel.h"
 #include "kinematics/best_arm_angle.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kMargin = 1.04;  // of a map around the workspace
@@ -129,4 +129,4 @@ MapPanel CapabilityMap::Panel(MapPlane plane, int nodes, const std::function<boo
   return panel;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

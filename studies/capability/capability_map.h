@@ -10,7 +10,7 @@
 
 // The force capability of the arm over the cell's workspace, from its present base.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Two section planes through the site's centre.
 enum class MapPlane : std::uint8_t {
@@ -65,4 +65,4 @@ class CapabilityMap {
   int threads_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,19 +8,19 @@
 #include "report/svg_text.h"
 #include "studies/capability/capability_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr const char* kTaskColor = "#d55e00";
 
 // Chooses the scale: the bands end at a round number above nine tenths of the values.
-HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields, double need_N,
-                  const std::string& label) {
+report::HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields, double need_N,
+                          const std::string& label) {
   std::vector<double> values;
   for (const std::vector<double>* field : fields)
     for (const double value : *field)
       if (std::isfinite(value)) values.push_back(value);
-  const double most = values.empty() ? 0.0 : Percentile(values, 0.95);
+  const double most = values.empty() ? 0.0 : report::Percentile(values, 0.95);
   // eight to fifteen bands of a round width, two per tick
   const double top = std::clamp(1.1 * std::max(most, need_N), 50.0, 1000.0);
   double tick = 10.0;
@@ -30,7 +30,7 @@ HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields, double 
       .label = label, .min = 0.0, .max = tick * std::ceil(top / tick), .step = 0.5 * tick, .tick_step = tick};
 }
 
-std::vector<double> Levels(const HeatScale& scale, double need_N) {
+std::vector<double> Levels(const report::HeatScale& scale, double need_N) {
   std::vector<double> levels;
   for (double value = scale.min + scale.tick_step; value < scale.max; value += scale.tick_step)
     levels.push_back(value);
@@ -41,9 +41,9 @@ std::vector<double> Levels(const HeatScale& scale, double need_N) {
 }
 
 // Outlines the intersection of the task's cylinder with a panel's plane, in mm of the panel.
-Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
+report::Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
   constexpr int kSides = 72;
-  Polyline outline{.points = {}, .closed = true};
+  report::Polyline outline{.points = {}, .closed = true};
   const auto add = [&](const Vector3& p_C) {
     const Vector3 p = task.X_WC * p_C - panel.origin_W;
     outline.points.push_back({1e3 * p.dot(panel.u_W), 1e3 * p.dot(panel.v_W)});
@@ -68,23 +68,23 @@ Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
 }
 
 // Outlines where the cell's workspace permits the centre of an upright tool's head: shifted from the apex.
-Polyline WorkspaceOutline(const TaskVolume& task, const MapPanel& panel) {
+report::Polyline WorkspaceOutline(const TaskVolume& task, const MapPanel& panel) {
   constexpr int kSides = 180;
   const safety::WorkspaceParams& space = task.workspace;
   const Vector3 p_apex_head = task.head_radius_m * task.X_WC.linear().col(2);
   const Vector3 center = space.sphere_center_W_m + p_apex_head - panel.origin_W;
   const Vector3 normal = panel.u_W.cross(panel.v_W);
   const double off = center.dot(normal);
-  Polyline outline{.points = {}, .closed = true};
+  report::Polyline outline{.points = {}, .closed = true};
   if (std::abs(off) >= space.sphere_radius_m) return outline;
   const double radius = std::sqrt(space.sphere_radius_m * space.sphere_radius_m - off * off);
-  const Vector2 middle(center.dot(panel.u_W), center.dot(panel.v_W));
+  const report::Vector2 middle(center.dot(panel.u_W), center.dot(panel.v_W));
   // the plane as n·p >= d within the panel
-  const Vector2 n(space.plane_normal_W.dot(panel.u_W), space.plane_normal_W.dot(panel.v_W));
+  const report::Vector2 n(space.plane_normal_W.dot(panel.u_W), space.plane_normal_W.dot(panel.v_W));
   const double d = space.plane_offset_m - space.plane_normal_W.dot(panel.origin_W - p_apex_head);
   for (int k = 0; k < kSides; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / kSides;
-    Vector2 p = middle + radius * Vector2(std::cos(angle), std::sin(angle));
+    report::Vector2 p = middle + radius * report::Vector2(std::cos(angle), std::sin(angle));
     // beyond the plane: project back along its normal
     if (n.norm() > 1e-9 && n.dot(p) < d) p += (d - n.dot(p)) / n.squaredNorm() * n;
     outline.points.push_back(1e3 * p);
@@ -92,25 +92,26 @@ Polyline WorkspaceOutline(const TaskVolume& task, const MapPanel& panel) {
   return outline;
 }
 
-HeatMap PanelOf(const CapabilityResult& r, const MapPanel& panel, const std::vector<double>& values,
-                const std::string& what, const HeatScale& scale, double need_N) {
+report::HeatMap PanelOf(const CapabilityResult& r, const MapPanel& panel, const std::vector<double>& values,
+                        const std::string& what, const report::HeatScale& scale, double need_N) {
   const bool vertical = panel.plane == MapPlane::kVertical;
   const bool away = (r.task.X_WC.translation() - r.X_WB.translation()).dot(panel.u_W) >= 0.0;
-  return {.title = fmt::format("{}, {} section", what, vertical ? "vertical" : "horizontal"),
-          .x_label = !vertical ? "x from the site [mm]"
-                     : away    ? "away from the base [mm]"
-                               : "towards the base [mm]",
-          .y_label = vertical ? "up from the site [mm]" : "y from the site [mm]",
-          .x = {1e3 * panel.u_from_m, 1e3 * (panel.u_from_m + panel.step_m * (panel.nu - 1))},
-          .y = {1e3 * panel.v_from_m, 1e3 * (panel.v_from_m + panel.step_m * (panel.nv - 1))},
-          .nx = panel.nu,
-          .ny = panel.nv,
-          .values = values,
-          .contours = Levels(scale, need_N),
-          .lines = {{.line = WorkspaceOutline(r.task, panel), .color = "#ffffff", .width_px = 3.4},
-                    {.line = WorkspaceOutline(r.task, panel), .dashed = true},
-                    {.line = TaskOutline(r.task, panel), .color = kTaskColor, .width_px = 2.0}},
-          .marks = {{.x = 0.0, .y = 0.0, .marker = Marker::kCross, .color = kTaskColor, .label = ""}}};
+  return {
+      .title = fmt::format("{}, {} section", what, vertical ? "vertical" : "horizontal"),
+      .x_label = !vertical ? "x from the site [mm]"
+                 : away    ? "away from the base [mm]"
+                           : "towards the base [mm]",
+      .y_label = vertical ? "up from the site [mm]" : "y from the site [mm]",
+      .x = {1e3 * panel.u_from_m, 1e3 * (panel.u_from_m + panel.step_m * (panel.nu - 1))},
+      .y = {1e3 * panel.v_from_m, 1e3 * (panel.v_from_m + panel.step_m * (panel.nv - 1))},
+      .nx = panel.nu,
+      .ny = panel.nv,
+      .values = values,
+      .contours = Levels(scale, need_N),
+      .lines = {{.line = WorkspaceOutline(r.task, panel), .color = "#ffffff", .width_px = 3.4},
+                {.line = WorkspaceOutline(r.task, panel), .dashed = true},
+                {.line = TaskOutline(r.task, panel), .color = kTaskColor, .width_px = 2.0}},
+      .marks = {{.x = 0.0, .y = 0.0, .marker = report::Marker::kCross, .color = kTaskColor, .label = ""}}};
 }
 
 }  // namespace
@@ -121,28 +122,29 @@ std::string MapSvg(const CapabilityResult& r, bool own_arm_angle) {
     axial.push_back(own_arm_angle ? &panel.own_axial_N : &panel.axial_N);
     lateral.push_back(own_arm_angle ? &panel.own_lateral_N : &panel.lateral_N);
   }
-  const std::vector<HeatScale> scales{ScaleOf(axial, r.need.axial_N, "axial force [N]"),
-                                      ScaleOf(lateral, r.need.lateral_N, "lateral force [N]")};
-  std::vector<HeatMap> panels;
+  const std::vector<report::HeatScale> scales{ScaleOf(axial, r.need.axial_N, "axial force [N]"),
+                                              ScaleOf(lateral, r.need.lateral_N, "lateral force [N]")};
+  std::vector<report::HeatMap> panels;
   for (std::size_t i = 0; i < r.maps.size(); ++i)
     panels.push_back(PanelOf(r, r.maps[i], *axial[i], "Axial", scales[0], r.need.axial_N));
   for (std::size_t i = 0; i < r.maps.size(); ++i)
     panels.push_back(PanelOf(r, r.maps[i], *lateral[i], "Lateral", scales[1], r.need.lateral_N));
-  return HeatMapSvg(panels, static_cast<int>(r.maps.size()), scales,
-                    own_arm_angle ? fmt::format("Force held at arm angle {:.0f} deg",
-                                                r.own_arm_angle_rad * 180.0 / std::numbers::pi)
-                                  : "Force held at the best arm angle",
-                    {{.text = "task: the head's centre", .color = kTaskColor},
-                     {.text = "workspace", .color = kTextColor, .mark = LegendEntry::Mark::kDash},
-                     {.text = "no posture", .color = "#e4e6e9", .mark = LegendEntry::Mark::kFill}});
+  return report::HeatMapSvg(
+      panels, static_cast<int>(r.maps.size()), scales,
+      own_arm_angle
+          ? fmt::format("Force held at arm angle {:.0f} deg", r.own_arm_angle_rad * 180.0 / std::numbers::pi)
+          : "Force held at the best arm angle",
+      {{.text = "task: the head's centre", .color = kTaskColor},
+       {.text = "workspace", .color = report::kTextColor, .mark = report::LegendEntry::Mark::kDash},
+       {.text = "no posture", .color = "#e4e6e9", .mark = report::LegendEntry::Mark::kFill}});
 }
 
 std::string BaseSvg(const CapabilityResult& r) {
   if (r.base_panels.empty()) return {};
   std::vector<const std::vector<double>*> fields;
   for (const BasePanel& panel : r.base_panels) fields.push_back(&panel.force_N);
-  const HeatScale scale = ScaleOf(fields, r.need.axial_N, "guaranteed axial force [N]");
-  std::vector<HeatMap> panels;
+  const report::HeatScale scale = ScaleOf(fields, r.need.axial_N, "guaranteed axial force [N]");
+  std::vector<report::HeatMap> panels;
   for (const BasePanel& p : r.base_panels)
     panels.push_back({.title = p.title,
                       .x_label = p.x_label,
@@ -155,22 +157,23 @@ std::string BaseSvg(const CapabilityResult& r) {
                       .contours = Levels(scale, r.need.axial_N),
                       .marks = {{.x = 1e3 * p.site[0],
                                  .y = 1e3 * p.site[1],
-                                 .marker = Marker::kCross,
+                                 .marker = report::Marker::kCross,
                                  .color = kTaskColor,
                                  .label = "site"},
                                 {.x = 1e3 * p.own[0],
                                  .y = 1e3 * p.own[1],
-                                 .marker = Marker::kSquare,
+                                 .marker = report::Marker::kSquare,
                                  .color = "#1b1f24",
                                  .label = "base now"},
                                 {.x = 1e3 * p.best[0],
                                  .y = 1e3 * p.best[1],
-                                 .marker = Marker::kDiamond,
+                                 .marker = report::Marker::kDiamond,
                                  .color = "#d55e00",
                                  .label = "best"}}});
-  return HeatMapSvg(
-      panels, 2, {scale}, "Where the base may stand",
-      {{.text = "the task can't be done from there", .color = "#e4e6e9", .mark = LegendEntry::Mark::kFill}});
+  return report::HeatMapSvg(panels, 2, {scale}, "Where the base may stand",
+                            {{.text = "the task can't be done from there",
+                              .color = "#e4e6e9",
+                              .mark = report::LegendEntry::Mark::kFill}});
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
@@ -85,21 +85,22 @@ std::string DescribeUnmetNeed(const CapabilityMap::Task& task, const CapabilityN
 
 }  // namespace
 
-Verdict Judge(const CapabilityResult& r) {
-  Verdict verdict;
+session::Verdict Judge(const CapabilityResult& r) {
+  session::Verdict verdict;
   const std::string best = DescribeUnmetNeed(r.best_angle, r.need),
                     own = DescribeUnmetNeed(r.own_angle, r.need);
   if (!best.empty())
-    verdict.Add(VerdictLevel::kBad, "from the cell's base, at the best arm angles: " + best);
+    verdict.Add(session::VerdictLevel::kBad, "from the cell's base, at the best arm angles: " + best);
   else if (!own.empty())
-    verdict.Add(VerdictLevel::kWarning,
+    verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("at the cell's arm angle of {:.0f} deg: {}; other arm angles do",
                             r.own_arm_angle_rad * kDegrees, own));
   if (r.searched && !r.base)
-    verdict.Add(VerdictLevel::kWarning, "the task can be done from no base in the ranges that were searched");
+    verdict.Add(session::VerdictLevel::kWarning,
+                "the task can be done from no base in the ranges that were searched");
   else if (r.searched && r.base_force.factor < 1.0)
     verdict.Add(
-        VerdictLevel::kWarning,
+        session::VerdictLevel::kWarning,
         fmt::format(
             "the best base of the ranges that were searched holds {:.0f} N along the tool with {:.0f} N "
             "across it, {:.0f} % of what is needed",
@@ -108,8 +109,8 @@ Verdict Judge(const CapabilityResult& r) {
   return verdict;
 }
 
-std::vector<SummaryRow> Rows(const CapabilityResult& r) {
-  std::vector<SummaryRow> rows{
+std::vector<report::SummaryRow> Rows(const CapabilityResult& r) {
+  std::vector<report::SummaryRow> rows{
       {"Cell", fmt::format("{}, {}", r.cell, r.tool)},
       {"Task",
        fmt::format("centre of the tool's head within {:.0f} mm of the site's axis, {:.0f} to {:.0f} mm along "
@@ -183,7 +184,7 @@ std::string ToJson(const CapabilityResult& r, const std::string& command_line) {
                       {"best_base", nullptr}};
   json["own_arm_angle"]["arm_angle_deg"] = r.own_arm_angle_rad * kDegrees;
   json["searched"] = r.searched;
-  if (!r.searched) return ResultText(Judge(r), json);
+  if (!r.searched) return session::ResultText(Judge(r), json);
   const auto range = [](const AxisRange& a) { return nlohmann::json{a.from * 1e3, a.to * 1e3}; };
   json["search"] = {{"x_mm", range(r.search.x_m)},
                     {"y_mm", range(r.search.y_m)},
@@ -191,14 +192,14 @@ std::string ToJson(const CapabilityResult& r, const std::string& command_line) {
                     {"clearance_mm", r.search.clearance_m * 1e3},
                     {"joint_margin_deg", r.search.joint_margin_rad * kDegrees},
                     {"least_bend_deg", r.search.min_bend_rad * kDegrees}};
-  if (!r.base) return ResultText(Judge(r), json);
+  if (!r.base) return session::ResultText(Judge(r), json);
   nlohmann::json base = ToJson(r.base_force, r.need);
   base["position_mm"] = ToJson(r.base->X_WB.translation(), 1e3);
   base["rpy_deg"] = ToJson(RollPitchYaw(r.base->X_WB.linear()), kDegrees);
   base["arm_angle_deg"] = RoundToWhole(r.base->arm_angle_rad * kDegrees);
   base["sufficient"] = r.base_force.factor >= 1.0;
   json["best_base"] = base;
-  return ResultText(Judge(r), json);
+  return session::ResultText(Judge(r), json);
 }
 
 std::string MapCsv(const CapabilityResult& r) {
@@ -230,4 +231,4 @@ std::string BaseYaml(const CapabilityResult& r, const std::string& command_line)
       RoundToWhole(r.base->arm_angle_rad * kDegrees));
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

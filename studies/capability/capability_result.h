@@ -12,7 +12,7 @@
 
 // The result of `osteon capability` and its forms: rows, JSON, CSV, pictures, an overlay for the cell.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// How the forces depend on the base's place: the guaranteed axial force while the whole need acts at once
 /// [N]; NaN if the task can't be done.
@@ -41,9 +41,9 @@ struct CapabilityResult {
 
 /// Bad if the arm can't hold both needs over the whole task from the cell's own base at any arm angle. To be
 /// looked at if it can, but not at the cell's arm angle, or if no better base was found.
-[[nodiscard]] Verdict Judge(const CapabilityResult& result);
+[[nodiscard]] session::Verdict Judge(const CapabilityResult& result);
 
-[[nodiscard]] std::vector<SummaryRow> Rows(const CapabilityResult& result);
+[[nodiscard]] std::vector<report::SummaryRow> Rows(const CapabilityResult& result);
 /// JSON, schema osteon.capability/1.
 [[nodiscard]] std::string ToJson(const CapabilityResult& result, const std::string& command_line);
 /// The map's nodes as CSV, one a line.
@@ -59,4 +59,4 @@ struct CapabilityResult {
 /// A base's rotation as turns about the fixed x, then y, then z axis, as the cell's file states them.
 [[nodiscard]] Vector3 RollPitchYaw(const Matrix3& R);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -94,4 +94,4 @@ std::vector<Pose> TaskPoses(const TaskVolume& task, const TaskFineness& fineness
   return poses;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

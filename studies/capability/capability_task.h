@@ -18,7 +18,7 @@
 //       └─────────────┘ bottom   where the push ends
 //        ◀─ radius ─▶
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The forces and the torque that the arm has to resist at the tool's apex.
 struct CapabilityNeed {
@@ -71,4 +71,4 @@ inline constexpr TaskFineness kCoarseTask{.heights = 2, .around = 4, .azimuths =
 [[nodiscard]] std::vector<Pose> TaskPoses(const TaskVolume& task, const TaskFineness& fineness,
                                           double first_rad);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

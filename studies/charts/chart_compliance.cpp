@@ -22,7 +22,7 @@
 #include "session/summary/chart_files.h"
 #include "session/summary/summary.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kMaxAdded_us = 3.0;    // of the loop's median with all levels
@@ -96,8 +96,10 @@ std::vector<std::vector<std::string>> CostTable(const ComplianceChart& chart) {
   std::vector<std::vector<std::string>> rows{
       {"level", "loop, median [us]", "99th [us]", "99.9th [us]", "added [us]", "force [N]"}};
   for (const LevelCost& cost : chart.costs)
-    rows.push_back({cost.name, Number(cost.loop.p50_us), Number(cost.loop.p99_us), Number(cost.loop.p999_us),
-                    fmt::format("{:.2f}", AddedMedian_us(cost, chart.costs.front())), Number(cost.force_N)});
+    rows.push_back({cost.name, report::Number(cost.loop.p50_us), report::Number(cost.loop.p99_us),
+                    report::Number(cost.loop.p999_us),
+                    fmt::format("{:.2f}", AddedMedian_us(cost, chart.costs.front())),
+                    report::Number(cost.force_N)});
   return rows;
 }
 
@@ -113,7 +115,7 @@ std::vector<std::vector<std::string>> ChangeTable(const ComplianceChart& chart) 
                                               "reported from [mm]", "felt at 0.2 Hz", "at 2 Hz", "at 10 Hz"}};
   for (const LevelChange& c : chart.changes) {
     const auto felt = [&](double hz) { return fmt::format("{:.2f}", ValueAt(c.hz, c.felt_ratio, hz)); };
-    rows.push_back({fmt::format("{} ({})", c.name, c.cell), Number(1e-3 * c.stiffness_N_per_m),
+    rows.push_back({fmt::format("{} ({})", c.name, c.cell), report::Number(1e-3 * c.stiffness_N_per_m),
                     fmt::format("{:.3f}", 1e3 * ValueAt(c.force_N, c.gives_m, kPush_N)),
                     fmt::format("{:.3f}", 1e3 * c.error_m), felt(0.2), felt(2.0), felt(10.0)});
   }
@@ -121,12 +123,12 @@ std::vector<std::vector<std::string>> ChangeTable(const ComplianceChart& chart) 
 }
 
 std::string FeltSvg(const ComplianceChart& chart) {
-  LineChart plot{.title = "Felt stiffness over the coupling's own",
-                 .x_label = "frequency of a small motion about a push of 20 N [Hz]",
-                 .y_label = "ratio",
-                 .log_x = true,
-                 .log_y = true,
-                 .plot_height_px = 300.0};
+  report::LineChart plot{.title = "Felt stiffness over the coupling's own",
+                         .x_label = "frequency of a small motion about a push of 20 N [Hz]",
+                         .y_label = "ratio",
+                         .log_x = true,
+                         .log_y = true,
+                         .plot_height_px = 300.0};
   for (const LevelChange& change : chart.changes)
     plot.series.push_back({.name = fmt::format("{} ({})", change.name, change.cell),
                            .x = change.hz,
@@ -134,33 +136,33 @@ std::string FeltSvg(const ComplianceChart& chart) {
                            .width_px = 1.8});
   plot.limits.push_back({.value = 1.0, .label = "rigid"});
   plot.limits.push_back({.value = 1.0 - kNoticedShare, .label = "7 % less"});
-  return Svg(plot, 860.0);
+  return report::Svg(plot, 860.0);
 }
 
 std::string GivesSvg(const ComplianceChart& chart) {
-  LineChart plot{.title = "Displacement at rest",
-                 .x_label = "force [N]",
-                 .y_label = "displacement [mm]",
-                 .log_x = true,
-                 .log_y = true,
-                 .plot_height_px = 300.0};
+  report::LineChart plot{.title = "Displacement at rest",
+                         .x_label = "force [N]",
+                         .y_label = "displacement [mm]",
+                         .log_x = true,
+                         .log_y = true,
+                         .plot_height_px = 300.0};
   for (const LevelChange& change : chart.changes) {
-    Series series{.name = fmt::format("{} ({})", change.name, change.cell), .x = change.force_N};
+    report::Series series{.name = fmt::format("{} ({})", change.name, change.cell), .x = change.force_N};
     series.width_px = 1.8;
     for (const double gives_m : change.gives_m) series.y.push_back(1e3 * gives_m);
     plot.series.push_back(std::move(series));
   }
   plot.limits.push_back({.value = 0.1, .label = "error 0.1 mm"});
-  return Svg(plot, 860.0);
+  return report::Svg(plot, 860.0);
 }
 
 std::string CostSvg(const ComplianceChart& chart) {
-  LineChart plot{.title = "Servo loop's time a tick, from the median to the 99th percentile",
-                 .x_label = "what gives way: 0 nothing, 1 tool, 2 layer, 3 mount, 4 all",
-                 .y_label = "time [us]",
-                 .x = Range{-0.5, 4.5},
-                 .plot_height_px = 240.0};
-  Series series{.name = "median", .width_px = 0.0, .marker = Marker::kCircle};
+  report::LineChart plot{.title = "Servo loop's time a tick, from the median to the 99th percentile",
+                         .x_label = "what gives way: 0 nothing, 1 tool, 2 layer, 3 mount, 4 all",
+                         .y_label = "time [us]",
+                         .x = report::Range{-0.5, 4.5},
+                         .plot_height_px = 240.0};
+  report::Series series{.name = "median", .width_px = 0.0, .marker = report::Marker::kCircle};
   for (std::size_t i = 0; i < chart.costs.size(); ++i) {
     series.x.push_back(static_cast<double>(i));
     series.y.push_back(chart.costs[i].loop.p50_us);
@@ -171,8 +173,8 @@ std::string CostSvg(const ComplianceChart& chart) {
   plot.series.push_back(std::move(series));
   plot.limits.push_back({.value = chart.costs.front().loop.p50_us + kMaxAdded_us, .label = "off + 3 us"});
   plot.legend = false;
-  plot.y = Range{0.0, 1.05 * std::ranges::max(plot.series.front().y_high)};
-  return Svg(plot, 860.0);
+  plot.y = report::Range{0.0, 1.05 * std::ranges::max(plot.series.front().y_high)};
+  return report::Svg(plot, 860.0);
 }
 
 std::string Csv(const ComplianceChart& chart) {
@@ -213,12 +215,12 @@ std::string Json(const ComplianceChart& chart) {
                                {"gives_m", change.gives_m},
                                {"hz", change.hz},
                                {"felt_ratio", change.felt_ratio}});
-  return ResultText(Judge(chart), json);
+  return session::ResultText(Judge(chart), json);
 }
 
 int Write(const ComplianceChartOptions& options, const ComplianceChart& chart) {
-  const Verdict verdict = Judge(chart);
-  const ChartFiles files{
+  const session::Verdict verdict = Judge(chart);
+  const session::ChartFiles files{
       .name = "compliance",
       .title = "What gives way: what it changes and costs",
       .verdict = verdict.ForReport(),
@@ -243,9 +245,9 @@ int Write(const ComplianceChartOptions& options, const ComplianceChart& chart) {
            .caption = fmt::format("cells/demo.yaml with eight planes at the tool, {} ticks a level, in turn.",
                                   chart.ticks),
            .table = CostTable(chart)}}};
-  if (const auto written = WriteChart(files, options.out); !written)
-    return Fail("chart compliance", written.error(), kFailed);
-  PrintVerdict(verdict, 28);
+  if (const auto written = session::WriteChart(files, options.out); !written)
+    return session::Fail("chart compliance", written.error(), session::kFailed);
+  session::PrintVerdict(verdict, 28);
   for (const auto& row : ChangeTable(chart))
     fmt::print("{:<24} {:>16} {:>19} {:>19} {:>15} {:>8} {:>9}\n", row[0], row[1], row[2], row[3], row[4],
                row[5], row[6]);
@@ -256,18 +258,19 @@ int Write(const ComplianceChartOptions& options, const ComplianceChart& chart) {
 }
 
 int Run(const ComplianceChartOptions& options) {
-  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
-    return Fail("chart compliance", wrong);
-  if (const std::string wrong = ValidateOutputFile("--json", options.json); !wrong.empty())
-    return Fail("chart compliance", wrong);
-  InstallInterrupt();
-  ComplianceChart chart{.machine = MachineName(), .ticks = options.ticks, .costs = {}, .changes = {}};
+  if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
+    return session::Fail("chart compliance", wrong);
+  if (const std::string wrong = session::ValidateOutputFile("--json", options.json); !wrong.empty())
+    return session::Fail("chart compliance", wrong);
+  base::InstallInterrupt();
+  ComplianceChart chart{
+      .machine = session::MachineName(), .ticks = options.ticks, .costs = {}, .changes = {}};
   for (const auto& [name, cell] : kCells)
     chart.changes.push_back(
         ChangeOf(config::LoadCell(options.config_root / "cells" / (std::string(cell) + ".yaml")), name));
   for (std::size_t i = 0; i < kCells.size(); ++i) chart.changes[i].cell = kCells[i].second;
   chart.costs = TimeLevels(options.config_root, options.ticks);
-  if (Interrupted()) return kExitInterrupted;
+  if (base::Interrupted()) return base::kExitInterrupted;
   return Write(options, chart);
 }
 
@@ -294,16 +297,16 @@ LevelChange ChangeOf(const config::CellConfig& cell, const std::string& name) {
   return change;
 }
 
-Verdict Judge(const ComplianceChart& chart) {
-  Verdict verdict;
+session::Verdict Judge(const ComplianceChart& chart) {
+  session::Verdict verdict;
   int allocations = 0;
   for (const LevelCost& cost : chart.costs) allocations += cost.allocations;
   if (rt::NoAllocScope::Counts() && allocations > 0)
-    verdict.Add(VerdictLevel::kBad,
+    verdict.Add(session::VerdictLevel::kBad,
                 fmt::format("{} heap calls or locks in the ticks, accepted none", allocations));
   if (const double added_us = AddedMedian_us(chart.costs.back(), chart.costs.front());
       added_us > kMaxAdded_us)
-    verdict.Add(VerdictLevel::kWarning,
+    verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("all levels together add {:.2f} us to the loop's median, accepted {:g}", added_us,
                             kMaxAdded_us));
   return verdict;
@@ -313,12 +316,12 @@ int RunChartCompliance(const ComplianceChartOptions& options) {
   try {
     return Run(options);
   } catch (const config::ConfigError& error) {
-    return Fail("chart compliance", error.what());
+    return session::Fail("chart compliance", error.what());
   } catch (const std::invalid_argument& error) {
-    return Fail("chart compliance", error.what());
+    return session::Fail("chart compliance", error.what());
   } catch (const std::runtime_error& error) {
-    return Fail("chart compliance", error.what(), kFailed);
+    return session::Fail("chart compliance", error.what(), session::kFailed);
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 #include "session/summary/verdict.h"
 #include "studies/bench/level_cost.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Options of `osteon chart compliance`: what each part that gives way costs and changes.
 struct ComplianceChartOptions {
@@ -42,9 +42,9 @@ struct ComplianceChart {
 };
 
 /// Bad where a tick allocated. To be looked at if the loop's median with all levels is more than 3 us above.
-[[nodiscard]] Verdict Judge(const ComplianceChart& chart);
+[[nodiscard]] session::Verdict Judge(const ComplianceChart& chart);
 
 /// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.
 [[nodiscard]] int RunChartCompliance(const ComplianceChartOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -4,7 +4,7 @@
 
 #include "studies/sharding/exact_number.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using nlohmann::json;
@@ -93,4 +93,4 @@ ScalingPoint ScalingPointFrom(const json& item) {
   return point;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

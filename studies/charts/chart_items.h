@@ -8,7 +8,7 @@
 // What charts measure, as items of a part: everything that picture, table, page and JSON show, to the bit.
 // Reading throws nlohmann::json::exception or std::invalid_argument if an item is damaged.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 [[nodiscard]] nlohmann::json ScalingPointItem(const ScalingPoint& point);
 [[nodiscard]] ScalingPoint ScalingPointFrom(const nlohmann::json& item);
@@ -19,4 +19,4 @@ namespace osteon::app {
 [[nodiscard]] nlohmann::json FiguresItem(const simulation::TimeFigures& figures);
 [[nodiscard]] simulation::TimeFigures FiguresFrom(const nlohmann::json& item);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -18,7 +18,7 @@
 #include "studies/charts/chart_items.h"
 #include "studies/sharding/study_items.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr const char* kFixed = "ours, cut zone as it is";
@@ -33,7 +33,7 @@ void Say(const std::string& text) { fmt::print(stderr, "osteon chart scaling: {}
 class Scaling {
  public:
   Scaling(const ScalingOptions& options, StudyItems& items) : options_(options), items_(items) {
-    result_.machine = items.FromParts() ? "" : MachineName();
+    result_.machine = items.FromParts() ? "" : session::MachineName();
     result_.max_spheres = options.max_spheres;
     result_.frames = options.frames;
   }
@@ -46,7 +46,7 @@ class Scaling {
 
   // Measures everything; an error if nothing can be measured here.
   tl::expected<ScalingResult, std::string> Measure() {
-    for (std::size_t item = 0; item < Items(options_) && !Interrupted(); ++item) {
+    for (std::size_t item = 0; item < Items(options_) && !base::Interrupted(); ++item) {
       if (items_.FromParts()) {
         Restore(items_.At(item));
       } else if (items_.Computes(item)) {
@@ -57,7 +57,7 @@ class Scaling {
         if (items_.IsShard()) Store(item, points, left_out, result_.ours_left_out - ours);
       }
     }
-    result_.interrupted = Interrupted();
+    result_.interrupted = base::Interrupted();
     return std::move(result_);
   }
 
@@ -131,7 +131,7 @@ class Scaling {
     const simulation::FrameWorkload work = simulation::MakeFrameWorkload(params);
     const auto seated = Seat(work, Params("ours", options_.frames));
     if (!seated) {
-      if (result_.points.empty() && !Interrupted()) return tl::unexpected(seated.error());
+      if (result_.points.empty() && !base::Interrupted()) return tl::unexpected(seated.error());
       LeaveOut(series, count, seated.error());
       return {};
     }
@@ -185,34 +185,36 @@ std::vector<std::vector<std::string>> TableOf(const ScalingResult& result) {
   std::vector<std::vector<std::string>> rows{
       {"series", "spheres", "spacing where it is cut [mm]", "frames", "rate [Hz]", "p50 [us]", "p99 [us]"}};
   for (const ScalingPoint& point : result.points)
-    rows.push_back({point.series, Number(static_cast<double>(point.spheres), 0),
-                    Number(point.cut_zone_m * 1e3), Number(static_cast<double>(point.timing.frames), 0),
-                    Number(point.timing.rate_hz()), Number(point.timing.frame_us.p50_us),
-                    Number(point.timing.frame_us.p99_us)});
+    rows.push_back({point.series, report::Number(static_cast<double>(point.spheres), 0),
+                    report::Number(point.cut_zone_m * 1e3),
+                    report::Number(static_cast<double>(point.timing.frames), 0),
+                    report::Number(point.timing.rate_hz()), report::Number(point.timing.frame_us.p50_us),
+                    report::Number(point.timing.frame_us.p99_us)});
   return rows;
 }
 
 int Run(const ScalingOptions& options) {
-  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
-    return Fail("chart scaling", wrong);
+  if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
+    return session::Fail("chart scaling", wrong);
   if (const std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty())
-    return Fail("chart scaling", wrong);
+    return session::Fail("chart scaling", wrong);
   StudyItems items(options.sharding, fmt::format("scaling {} {} {} {}", options.max_spheres, options.device,
                                                  options.frames, options.max_seconds));
   if (const std::string wrong = items.Validate(Scaling::Items(options)); !wrong.empty())
-    return Fail("chart scaling", wrong);
-  InstallInterrupt();
+    return session::Fail("chart scaling", wrong);
+  base::InstallInterrupt();
   const auto result = Scaling(options, items).Measure();
-  if (!result) return Fail("chart scaling", result.error(), kFailed);
+  if (!result) return session::Fail("chart scaling", result.error(), session::kFailed);
   if (items.IsShard()) {
-    if (Interrupted()) return kExitInterrupted;
+    if (base::Interrupted()) return base::kExitInterrupted;
     const auto written = items.WritePart(options.json, Scaling::Items(options));
-    return written ? 0 : Fail("chart scaling", written.error(), kFailed);
+    return written ? 0 : session::Fail("chart scaling", written.error(), session::kFailed);
   }
   if (result->points.empty())
-    return Interrupted() ? kExitInterrupted : Fail("chart scaling", "nothing was measured", kFailed);
+    return base::Interrupted() ? base::kExitInterrupted
+                               : session::Fail("chart scaling", "nothing was measured", session::kFailed);
 
-  const Verdict verdict = Judge(*result);
+  const session::Verdict verdict = Judge(*result);
   const std::string &machine = result->machine, json = ScalingJson(*result);
   std::vector<std::string> notes{
       fmt::format("{}; {}. A 50 mm reamer, pressed into the cup by 100 N at 250 rpm, is timed once it is "
@@ -222,45 +224,45 @@ int Run(const ScalingOptions& options) {
                   "by {:.2f}. Rates are one over the median; bars reach to the 95th percentile.",
                   result->device, machine, result->Growth())};
   for (const std::string& left : result->left_out) notes.push_back("Not measured: " + left);
-  const ChartFiles chart{.name = "scaling",
-                         .title = "Frame rate against number of spheres",
-                         .verdict = verdict.ForReport(),
-                         .svg = ScalingSvg(*result),
-                         .caption = "After figure 4 of Kaluschke et al., IEEE VR 2019.",
-                         .csv = Csv(*result),
-                         .json = json,
-                         .json_copy = options.json,
-                         .table = TableOf(*result),
-                         .notes = notes};
-  if (const auto written = WriteChart(chart, options.out); !written)
-    return Fail("chart scaling", written.error(), kFailed);
-  PrintVerdict(verdict, 28);
+  const session::ChartFiles chart{.name = "scaling",
+                                  .title = "Frame rate against number of spheres",
+                                  .verdict = verdict.ForReport(),
+                                  .svg = ScalingSvg(*result),
+                                  .caption = "After figure 4 of Kaluschke et al., IEEE VR 2019.",
+                                  .csv = Csv(*result),
+                                  .json = json,
+                                  .json_copy = options.json,
+                                  .table = TableOf(*result),
+                                  .notes = notes};
+  if (const auto written = session::WriteChart(chart, options.out); !written)
+    return session::Fail("chart scaling", written.error(), session::kFailed);
+  session::PrintVerdict(verdict, 28);
   for (const auto& row : chart.table)
     fmt::print("{:<28} {:>12} {:>10} {:>12} {:>12}\n", row[0], row[1], row[4].substr(0, 12), row[5], row[6]);
   fmt::print("{}\n", (options.out / "scaling.html").string());
-  return Interrupted() ? kExitInterrupted : 0;
+  return base::Interrupted() ? base::kExitInterrupted : 0;
 }
 
 }  // namespace
 
-Verdict Judge(const ScalingResult& result) {
-  Verdict verdict;
+session::Verdict Judge(const ScalingResult& result) {
+  session::Verdict verdict;
   if (result.interrupted)
     verdict.Add(
-        VerdictLevel::kBad,
+        session::VerdictLevel::kBad,
         fmt::format(
             "it was ended by a signal: the chart is incomplete, {} points were measured of those up to "
             "{} spheres",
             result.points.size(), result.max_spheres));
   else if (result.ours_left_out > 0)
-    verdict.Add(VerdictLevel::kWarning,
+    verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("the chart is incomplete: {} of our own points were not measured, see the notes",
                             result.ours_left_out));
   const auto few = std::ranges::count_if(result.points, [&](const ScalingPoint& point) {
     return point.series != kBrute && point.timing.frames < result.frames;
   });
   if (few > 0)
-    verdict.Add(VerdictLevel::kWarning,
+    verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("{} of our own points were timed over fewer frames than the {} asked for", few,
                             result.frames));
   return verdict;
@@ -282,17 +284,18 @@ double ScalingResult::Growth() const {
 }
 
 std::string ScalingSvg(const ScalingResult& result) {
-  LineChart chart{.title = "Cutting frames a second",
-                  .x_label = "spheres in the bone",
-                  .y_label = "frame rate [Hz]",
-                  .log_x = true,
-                  .log_y = true,
-                  .plot_height_px = 380.0};
-  const std::pair<const char*, Marker> series[] = {
-      {kFixed, Marker::kCircle}, {kUniform, Marker::kSquare}, {kBrute, Marker::kTriangle}};
+  report::LineChart chart{.title = "Cutting frames a second",
+                          .x_label = "spheres in the bone",
+                          .y_label = "frame rate [Hz]",
+                          .log_x = true,
+                          .log_y = true,
+                          .plot_height_px = 380.0};
+  const std::pair<const char*, report::Marker> series[] = {{kFixed, report::Marker::kCircle},
+                                                           {kUniform, report::Marker::kSquare},
+                                                           {kBrute, report::Marker::kTriangle}};
   double least = HUGE_VAL, most = 0.0;
   for (const auto& [name, marker] : series) {
-    Series drawn{.name = name, .width_px = 1.8, .marker = marker};
+    report::Series drawn{.name = name, .width_px = 1.8, .marker = marker};
     for (const ScalingPoint& point : result.points) {
       if (point.series != name) continue;
       drawn.x.push_back(static_cast<double>(point.spheres));
@@ -307,12 +310,12 @@ std::string ScalingSvg(const ScalingResult& result) {
   chart.series.push_back({.name = "the paper: 1 kHz up to 300 000 (GTX 1080 Ti)",
                           .x = {300e3},
                           .y = {1e3},
-                          .color = kTextColor,
+                          .color = report::kTextColor,
                           .width_px = 0.0,
-                          .marker = Marker::kCross});
+                          .marker = report::Marker::kCross});
   chart.limits.push_back({.value = 1e3, .label = "1 kHz"});
-  chart.y = Range{std::min(least, 500.0) / 1.4, std::max(most, 1.5e3) * 1.4};
-  return Svg(chart, 860.0);
+  chart.y = report::Range{std::min(least, 500.0) / 1.4, std::max(most, 1.5e3) * 1.4};
+  return report::Svg(chart, 860.0);
 }
 
 std::string ScalingJson(const ScalingResult& result) {
@@ -340,15 +343,15 @@ std::string ScalingJson(const ScalingResult& result) {
     if (t.active_spheres_mean) entry["active_spheres_mean"] = *t.active_spheres_mean;
     json["points"].push_back(std::move(entry));
   }
-  return ResultText(Judge(result), json);
+  return session::ResultText(Judge(result), json);
 }
 
 int RunChartScaling(const ScalingOptions& options) {
   try {
     return Run(options);
   } catch (const std::invalid_argument& error) {
-    return Fail("chart scaling", error.what());
+    return session::Fail("chart scaling", error.what());
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

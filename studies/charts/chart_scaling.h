@@ -8,7 +8,7 @@
 #include "studies/bench/frame_timing.h"
 #include "studies/sharding/shard.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Options of `osteon chart scaling`: the paper's figure 4, frame rate against number of spheres.
 struct ScalingOptions {
@@ -47,7 +47,7 @@ struct ScalingResult {
 /// Bad if the chart was ended before all was measured. To be looked at if one of our points is missing or was
 /// timed over fewer frames than asked for. A method that is too slow to be timed is a finding, stated in a
 /// note.
-[[nodiscard]] Verdict Judge(const ScalingResult& result);
+[[nodiscard]] session::Verdict Judge(const ScalingResult& result);
 
 [[nodiscard]] std::string ScalingSvg(const ScalingResult& result);
 /// JSON, schema osteon.chart.scaling/1.
@@ -56,4 +56,4 @@ struct ScalingResult {
 /// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.
 [[nodiscard]] int RunChartScaling(const ScalingOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -20,7 +20,7 @@
 #include "studies/sharding/exact_number.h"
 #include "studies/sharding/study_items.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr std::size_t kSurfaceCells = 20'000, kQuickSurfaceCells = 6'000;
@@ -40,7 +40,7 @@ struct PlacedTask {
 class Measurement {
  public:
   Measurement(const SpeedAccuracyOptions& options, StudyItems& items) : options_(options), items_(items) {
-    if (!items.FromParts()) result_.machine = MachineName();
+    if (!items.FromParts()) result_.machine = session::MachineName();
     for (MethodStep& step : MethodLadder(options.quick))
       if (options.methods.empty() || std::ranges::find(options.methods, step.method) != options.methods.end())
         points_.push_back(
@@ -56,7 +56,7 @@ class Measurement {
   tl::expected<SpeedAccuracyResult, std::string> Measure() {
     const std::size_t seeds = Items(options_);
     result_.wanted_seeds = seeds;
-    for (std::size_t seed = 0; seed < seeds && !Interrupted(); ++seed) {
+    for (std::size_t seed = 0; seed < seeds && !base::Interrupted(); ++seed) {
       if (items_.FromParts()) Restore(seed);
       if (!items_.Computes(seed)) continue;
       std::vector<PlacedTask> tasks;
@@ -66,13 +66,13 @@ class Measurement {
         tasks.push_back(std::move(placed));
       }
       for (Rung& rung : points_) {
-        if (rung.left_out || Interrupted()) continue;
+        if (rung.left_out || base::Interrupted()) continue;
         if (const auto measured = MeasureSeed(rung, tasks, seed); !measured)
           return tl::unexpected(measured.error());
       }
       if (items_.IsShard()) Store(seed);
     }
-    result_.interrupted = Interrupted();
+    result_.interrupted = base::Interrupted();
     for (Rung& rung : points_)
       if (!rung.point.seeds.empty() && !rung.left_out) result_.points.push_back(std::move(rung.point));
     return std::move(result_);
@@ -183,10 +183,10 @@ class Measurement {
       }
       const auto before = ShapeOf(**engine);
       const double end_s = Now_s() + options_.max_seconds;
-      const simulation::WorkloadRun run =
-          RunWorkload(**engine, task.work, [&](std::size_t) { return Interrupted() || Now_s() > end_s; });
+      const simulation::WorkloadRun run = RunWorkload(
+          **engine, task.work, [&](std::size_t) { return base::Interrupted() || Now_s() > end_s; });
       if (!run.complete) {
-        if (Interrupted()) return {};
+        if (base::Interrupted()) return {};
         LeaveOut(rung, fmt::format("{} was not done within {:g} s", TaskName(task.work.task),
                                    options_.max_seconds));
         return {};
@@ -230,9 +230,9 @@ std::vector<std::vector<std::string>> TableOf(const SpeedAccuracyResult& result)
                                               "frame p50 [us]", "p99.9 [us]", "depth error [mm]",
                                               "volume error", "force error", "normal [deg]", "ripple"}};
   for (const SpeedAccuracyPoint& point : result.points) {
-    rows.push_back({point.method, Number(static_cast<double>(point.spheres), 0),
-                    Number(point.r_max_m * 1e3, 3), Number(FrameTimeOf(point).median),
-                    Number(FrameTimeOf(point, ChartTime::kWorst).median),
+    rows.push_back({point.method, report::Number(static_cast<double>(point.spheres), 0),
+                    report::Number(point.r_max_m * 1e3, 3), report::Number(FrameTimeOf(point).median),
+                    report::Number(FrameTimeOf(point, ChartTime::kWorst).median),
                     fmt::format("{:.4f}", SeedRangeOf(point, ChartFigure::kDepth).median),
                     fmt::format("{:.4f}", SeedRangeOf(point, ChartFigure::kVolume).median),
                     fmt::format("{:.4f}", SeedRangeOf(point, ChartFigure::kForce).median),
@@ -282,26 +282,28 @@ std::string Csv(const SpeedAccuracyResult& result) {
 }
 
 int Run(const SpeedAccuracyOptions& options) {
-  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
-    return Fail("chart speed-accuracy", wrong);
+  if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
+    return session::Fail("chart speed-accuracy", wrong);
   if (const std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty())
-    return Fail("chart speed-accuracy", wrong);
+    return session::Fail("chart speed-accuracy", wrong);
   const std::size_t count = Measurement::Items(options);
   StudyItems items(options.sharding,
                    fmt::format("speed-accuracy {} {} {} {} {}", options.quick, options.device, count,
                                options.max_seconds, fmt::join(options.methods, " ")));
   if (const std::string wrong = items.Validate(count); !wrong.empty())
-    return Fail("chart speed-accuracy", wrong);
-  InstallInterrupt();
+    return session::Fail("chart speed-accuracy", wrong);
+  base::InstallInterrupt();
   const auto result = Measurement(options, items).Measure();
-  if (!result) return Fail("chart speed-accuracy", result.error(), kFailed);
+  if (!result) return session::Fail("chart speed-accuracy", result.error(), session::kFailed);
   if (items.IsShard()) {
-    if (Interrupted()) return kExitInterrupted;
+    if (base::Interrupted()) return base::kExitInterrupted;
     const auto written = items.WritePart(options.json, count);
-    return written ? 0 : Fail("chart speed-accuracy", written.error(), kFailed);
+    return written ? 0 : session::Fail("chart speed-accuracy", written.error(), session::kFailed);
   }
   if (result->points.empty())
-    return Interrupted() ? kExitInterrupted : Fail("chart speed-accuracy", "nothing was measured", kFailed);
+    return base::Interrupted()
+               ? base::kExitInterrupted
+               : session::Fail("chart speed-accuracy", "nothing was measured", session::kFailed);
   std::vector<std::string> notes{
       fmt::format("Ours on {}; the other methods in double precision on one thread of {}.",
                   OurDevices(*result), result->machine),
@@ -327,59 +329,60 @@ int Run(const SpeedAccuracyOptions& options) {
       "finer "
       "bones."};
   for (const std::string& left : result->left_out) notes.push_back("Not measured: " + left);
-  const Verdict verdict = Judge(*result);
+  const session::Verdict verdict = Judge(*result);
   const std::string json = SpeedAccuracyJson(*result);
   const std::string caption = fmt::format("{}; {}", OurDevices(*result), result->machine);
   const auto by_median = DominanceTable(*result, ChartTime::kMedian),
              by_worst = DominanceTable(*result, ChartTime::kWorst);
   const char* const kByMedian = "Other methods beside ours, by the median";
   const char* const kByWorst = "Other methods beside ours, by the 99.9th percentile";
-  const ChartFiles chart{.name = "speed_accuracy",
-                         .title = "Speed and accuracy",
-                         .verdict = verdict.ForReport(),
-                         .svg = SpeedAccuracySvg(*result),
-                         .caption = caption,
-                         .csv = Csv(*result),
-                         .json = json,
-                         .json_copy = options.json,
-                         .table = TableOf(*result),
-                         .notes = notes,
-                         .parts = {{.heading = kByMedian, .table = by_median},
-                                   {.heading = "The worst frame in a thousand",
-                                    .name = "speed_accuracy_worst",
-                                    .svg = SpeedAccuracySvg(*result, ChartTime::kWorst),
-                                    .caption = caption},
-                                   {.heading = kByWorst, .table = by_worst}}};
-  if (const auto written = WriteChart(chart, options.out); !written)
-    return Fail("chart speed-accuracy", written.error(), kFailed);
-  if (const auto written = WriteText(options.out / "speed_accuracy_depth.svg", DepthOverTimeSvg(*result));
+  const session::ChartFiles chart{.name = "speed_accuracy",
+                                  .title = "Speed and accuracy",
+                                  .verdict = verdict.ForReport(),
+                                  .svg = SpeedAccuracySvg(*result),
+                                  .caption = caption,
+                                  .csv = Csv(*result),
+                                  .json = json,
+                                  .json_copy = options.json,
+                                  .table = TableOf(*result),
+                                  .notes = notes,
+                                  .parts = {{.heading = kByMedian, .table = by_median},
+                                            {.heading = "The worst frame in a thousand",
+                                             .name = "speed_accuracy_worst",
+                                             .svg = SpeedAccuracySvg(*result, ChartTime::kWorst),
+                                             .caption = caption},
+                                            {.heading = kByWorst, .table = by_worst}}};
+  if (const auto written = session::WriteChart(chart, options.out); !written)
+    return session::Fail("chart speed-accuracy", written.error(), session::kFailed);
+  if (const auto written =
+          base::WriteText(options.out / "speed_accuracy_depth.svg", DepthOverTimeSvg(*result));
       !written)
-    return Fail("chart speed-accuracy", written.error(), kFailed);
-  PrintVerdict(verdict, 10);
+    return session::Fail("chart speed-accuracy", written.error(), session::kFailed);
+  session::PrintVerdict(verdict, 10);
   PrintTable(chart.table);
   PrintDominance(kByMedian, by_median);
   PrintDominance(kByWorst, by_worst);
   fmt::print("{}\n", (options.out / "speed_accuracy.html").string());
-  return Interrupted() ? kExitInterrupted : 0;
+  return base::Interrupted() ? base::kExitInterrupted : 0;
 }
 
 }  // namespace
 
-Verdict Judge(const SpeedAccuracyResult& result) {
-  Verdict verdict;
+session::Verdict Judge(const SpeedAccuracyResult& result) {
+  session::Verdict verdict;
   if (result.interrupted)
     verdict.Add(
-        VerdictLevel::kBad,
+        session::VerdictLevel::kBad,
         fmt::format(
             "it was ended by a signal: the chart is incomplete, {} points were measured, of {} seeds each "
             "where all was done",
             result.points.size(), result.wanted_seeds));
   for (const std::string& left : result.left_out)
-    verdict.Add(VerdictLevel::kWarning, "not measured: " + left);
+    verdict.Add(session::VerdictLevel::kWarning, "not measured: " + left);
   const auto few = std::ranges::count_if(
       result.points, [&](const SpeedAccuracyPoint& p) { return p.seeds.size() < result.wanted_seeds; });
   if (few > 0)
-    verdict.Add(VerdictLevel::kWarning,
+    verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("{} points were measured over fewer than {} seeds", few, result.wanted_seeds));
   return verdict;
 }
@@ -388,8 +391,8 @@ int RunChartSpeedAccuracy(const SpeedAccuracyOptions& options) {
   try {
     return Run(options);
   } catch (const std::invalid_argument& error) {
-    return Fail("chart speed-accuracy", error.what());
+    return session::Fail("chart speed-accuracy", error.what());
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

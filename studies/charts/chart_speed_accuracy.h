@@ -13,7 +13,7 @@
 #include "studies/charts/method_ladder.h"
 #include "studies/sharding/shard.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Options of `osteon chart speed-accuracy`: methods × resolutions on one workload.
 struct SpeedAccuracyOptions {
@@ -74,7 +74,7 @@ enum class ChartTime {
                                                                    ChartTime time);
 
 /// Bad if the chart was ended before all was measured; to be looked at if points are missing.
-[[nodiscard]] Verdict Judge(const SpeedAccuracyResult& result);
+[[nodiscard]] session::Verdict Judge(const SpeedAccuracyResult& result);
 
 /// Draws the depth error alone, at the width of a page's column.
 [[nodiscard]] std::string DepthOverTimeSvg(const SpeedAccuracyResult& result);
@@ -87,4 +87,4 @@ enum class ChartTime {
 /// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.
 [[nodiscard]] int RunChartSpeedAccuracy(const SpeedAccuracyOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

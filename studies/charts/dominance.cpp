@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
-bool IsMeasured(const CostPoint& p) { return std::isfinite(p.x) && std::isfinite(p.y) && p.x > 0.0; }
+bool IsMeasured(const report::CostPoint& p) { return std::isfinite(p.x) && std::isfinite(p.y) && p.x > 0.0; }
 
-bool BeatsInBoth(const CostPoint& a, const CostPoint& b) { return a.x < b.x && a.y < b.y; }
+bool BeatsInBoth(const report::CostPoint& a, const report::CostPoint& b) { return a.x < b.x && a.y < b.y; }
 
 }  // namespace
 
@@ -26,18 +26,18 @@ Dominance CompareWithOurs(std::span<const RivalPoint> points) {
     if (!beaten.by.empty()) found.beaten.push_back(std::move(beaten));
   }
   for (const std::size_t other : others) {
-    const CostPoint& cost = points[other].cost;
+    const report::CostPoint& cost = points[other].cost;
     const auto all_of_ours = [&](const auto& holds) {
       return std::ranges::all_of(ours, [&](std::size_t own) { return holds(points[own].cost); });
     };
-    if (all_of_ours([&](const CostPoint& own) { return BeatsInBoth(cost, own); }))
+    if (all_of_ours([&](const report::CostPoint& own) { return BeatsInBoth(cost, own); }))
       found.beat_all_ours.push_back(other);
-    if (all_of_ours([&](const CostPoint& own) { return cost.x < own.x; }))
+    if (all_of_ours([&](const report::CostPoint& own) { return cost.x < own.x; }))
       found.faster_than_all_ours.push_back(other);
-    else if (all_of_ours([&](const CostPoint& own) { return cost.x < own.x || cost.y < own.y; }))
+    else if (all_of_ours([&](const report::CostPoint& own) { return cost.x < own.x || cost.y < own.y; }))
       found.ahead.push_back(other);
   }
   return found;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -6,11 +6,11 @@
 
 #include "report/pareto.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A point of a chart of error over time: x is the frame time, y the error.
 struct RivalPoint {
-  CostPoint cost;
+  report::CostPoint cost;
   bool ours{false};
 };
 
@@ -40,4 +40,4 @@ struct Dominance {
 /// ignored.
 [[nodiscard]] Dominance CompareWithOurs(std::span<const RivalPoint> points);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 #include "simulation/packing/split_packing.h"
 #include "studies/bench/method_engine.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kReamer_m = 25e-3, kZone_m = 6.5e-3;  // the cut is 5.5 mm deep at most
@@ -145,4 +145,4 @@ std::vector<simulation::MassPoint> LadderPoints(const simulation::CutWorkload& w
   return simulation::BuildMassPoints(*work.solid, *work.zone, params);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 #include "simulation/bone/bone.h"
 #include "simulation/fidelity/workloads.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// One method at one fineness. Lengths are stated for a reamer of 25 mm; for a tool of radius R they are
 /// scaled by sqrt(R / 25 mm), since a smaller tool needs finer bone (the scenes scale about alike:
@@ -63,4 +63,4 @@ struct LadderBone {
 /// Returns a workload's mass points, 0.75 mm apart for a reamer, scaled like the steps.
 [[nodiscard]] std::vector<simulation::MassPoint> LadderPoints(const simulation::CutWorkload& work);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

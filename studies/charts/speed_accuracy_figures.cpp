@@ -12,7 +12,7 @@
 #include "studies/bench/method_engine.h"
 #include "studies/charts/chart_speed_accuracy.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kFloor = 1e-4;  // smallest value drawn on a logarithmic axis, in the axis's unit
@@ -23,19 +23,19 @@ constexpr double kPageWidth_px = 830.0;
 struct MethodStyle {
   const char* method;
   const char* name;
-  Marker marker;
+  report::Marker marker;
   const char* color;
 };
 constexpr std::array<MethodStyle, 9> kMethodStyles{
-    {{"cpu", "ours on one thread", Marker::kCircle, kPalette[5]},
-     {"cpu-split", "ours on one thread, split", Marker::kRing, kPalette[5]},
-     {"ours", "ours", Marker::kCircle, kPalette[0]},
-     {"split", "ours, split", Marker::kRing, kPalette[0]},
-     {"stamps", "stamps at discrete poses", Marker::kDown, kMutedColor},
-     {"paper", "paper, corrected", Marker::kSquare, kPalette[2]},
-     {"paper-printed", "paper, as printed", Marker::kDiamond, kPalette[4]},
-     {"voxel", "voxels, finger-proxy", Marker::kTriangle, kPalette[1]},
-     {"pointshell", "voxmap-pointshell", Marker::kCross, kPalette[3]}}};
+    {{"cpu", "ours on one thread", report::Marker::kCircle, report::kPalette[5]},
+     {"cpu-split", "ours on one thread, split", report::Marker::kRing, report::kPalette[5]},
+     {"ours", "ours", report::Marker::kCircle, report::kPalette[0]},
+     {"split", "ours, split", report::Marker::kRing, report::kPalette[0]},
+     {"stamps", "stamps at discrete poses", report::Marker::kDown, report::kMutedColor},
+     {"paper", "paper, corrected", report::Marker::kSquare, report::kPalette[2]},
+     {"paper-printed", "paper, as printed", report::Marker::kDiamond, report::kPalette[4]},
+     {"voxel", "voxels, finger-proxy", report::Marker::kTriangle, report::kPalette[1]},
+     {"pointshell", "voxmap-pointshell", report::Marker::kCross, report::kPalette[3]}}};
 
 double Of(const simulation::WorkloadScores& scores, ChartFigure figure) {
   switch (figure) {
@@ -75,13 +75,13 @@ std::string LabelOf(const SpeedAccuracyPoint& point) {
   return fmt::format("{}, r {:.2g}", count, 1e3 * point.r_max_m);
 }
 
-LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure, ChartTime time) {
-  LineChart chart{.x_label = time == ChartTime::kMedian ? "frame time, median [µs]"
-                                                        : "frame time, 99.9th percentile [µs]",
-                  .log_x = true,
-                  .log_y = true,
-                  .legend = false,
-                  .plot_height_px = 330.0};
+report::LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure, ChartTime time) {
+  report::LineChart chart{.x_label = time == ChartTime::kMedian ? "frame time, median [µs]"
+                                                                : "frame time, 99.9th percentile [µs]",
+                          .log_x = true,
+                          .log_y = true,
+                          .legend = false,
+                          .plot_height_px = 330.0};
   chart.x_limits.push_back({.value = 1000.0, .label = "1 ms"});
   switch (figure) {
     case ChartFigure::kDepth:
@@ -108,25 +108,25 @@ LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure, ChartTime
       chart.limits.push_back({.value = 0.07, .label = "7 %"});
       break;
   }
-  std::vector<CostPoint> costs;
+  std::vector<report::CostPoint> costs;
   for (const SpeedAccuracyPoint& point : result.points)
     costs.push_back({FrameTimeOf(point, time).median, std::max(kFloor, SeedRangeOf(point, figure).median)});
-  const std::vector<bool> front = OnParetoFront(costs);
+  const std::vector<bool> front = report::OnParetoFront(costs);
 
   double x_least = HUGE_VAL, x_most = 0.0, y_least = HUGE_VAL, y_most = 0.0;
-  std::vector<CostPoint> steps;
+  std::vector<report::CostPoint> steps;
   for (const MethodStyle& style : kMethodStyles) {
     // one line per method, in the order of its resolutions; its points on the front strong, the others pale
-    Series line{.name = style.name, .color = style.color, .width_px = 1.0, .opacity = 0.45};
-    Series strong{.color = style.color, .width_px = 0.0, .marker = style.marker};
-    Series pale{.color = style.color, .width_px = 0.0, .marker = style.marker, .opacity = 0.4};
+    report::Series line{.name = style.name, .color = style.color, .width_px = 1.0, .opacity = 0.45};
+    report::Series strong{.color = style.color, .width_px = 0.0, .marker = style.marker};
+    report::Series pale{.color = style.color, .width_px = 0.0, .marker = style.marker, .opacity = 0.4};
     for (std::size_t i = 0; i < result.points.size(); ++i) {
       const SpeedAccuracyPoint& point = result.points[i];
       if (point.method != style.method || !(costs[i].x > 0.0)) continue;
       const SeedRange spread = SeedRangeOf(point, figure);
       line.x.push_back(costs[i].x);
       line.y.push_back(costs[i].y);
-      Series& drawn = front[i] ? strong : pale;
+      report::Series& drawn = front[i] ? strong : pale;
       drawn.x.push_back(costs[i].x);
       drawn.y.push_back(costs[i].y);
       drawn.y_low.push_back(std::max(kFloor, spread.low));
@@ -143,8 +143,9 @@ LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure, ChartTime
     chart.series.push_back(std::move(strong));
   }
   // the front: the best error that is possible within a time
-  std::sort(steps.begin(), steps.end(), [](const CostPoint& a, const CostPoint& b) { return a.x < b.x; });
-  Series stairs{.color = kTextColor, .width_px = 1.6};
+  std::sort(steps.begin(), steps.end(),
+            [](const report::CostPoint& a, const report::CostPoint& b) { return a.x < b.x; });
+  report::Series stairs{.color = report::kTextColor, .width_px = 1.6};
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (i > 0) {
       stairs.x.push_back(steps[i].x);
@@ -154,26 +155,26 @@ LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure, ChartTime
     stairs.y.push_back(steps[i].y);
   }
   chart.series.insert(chart.series.begin(), std::move(stairs));
-  for (const LimitLine& limit : chart.limits) {
+  for (const report::LimitLine& limit : chart.limits) {
     y_least = std::min(y_least, limit.value);
     y_most = std::max(y_most, limit.value);
   }
   if (x_most > 0.0) {
-    chart.x = Range{std::min(x_least, 700.0) / 1.5, std::max(x_most, 1500.0) * 1.6};
-    chart.y = Range{y_least / 1.6, y_most * 1.6};
+    chart.x = report::Range{std::min(x_least, 700.0) / 1.5, std::max(x_most, 1500.0) * 1.6};
+    chart.y = report::Range{y_least / 1.6, y_most * 1.6};
   }
   return chart;
 }
 
-std::vector<LegendEntry> LegendOf(const SpeedAccuracyResult& result) {
-  std::vector<LegendEntry> legend;
+std::vector<report::LegendEntry> LegendOf(const SpeedAccuracyResult& result) {
+  std::vector<report::LegendEntry> legend;
   for (const MethodStyle& style : kMethodStyles)
     if (std::ranges::any_of(result.points, [&](const auto& point) { return point.method == style.method; }))
       legend.push_back({.text = style.name,
                         .color = style.color,
-                        .mark = LegendEntry::Mark::kNone,
+                        .mark = report::LegendEntry::Mark::kNone,
                         .marker = style.marker});
-  legend.push_back({.text = "best within a time", .color = kTextColor});
+  legend.push_back({.text = "best within a time", .color = report::kTextColor});
   return legend;
 }
 
@@ -290,14 +291,14 @@ std::vector<std::vector<std::string>> DominanceTable(const SpeedAccuracyResult& 
 }
 
 std::string SpeedAccuracySvg(const SpeedAccuracyResult& result, ChartTime time) {
-  std::vector<LineChart> panels;
+  std::vector<report::LineChart> panels;
   for (const ChartFigure figure : kChartFigures) panels.push_back(Panel(result, figure, time));
-  return SvgGrid(panels, 1, "Speed and accuracy of cutting methods", LegendOf(result), kPageWidth_px);
+  return report::SvgGrid(panels, 1, "Speed and accuracy of cutting methods", LegendOf(result), kPageWidth_px);
 }
 
 std::string DepthOverTimeSvg(const SpeedAccuracyResult& result) {
   const std::array panels{Panel(result, ChartFigure::kDepth, ChartTime::kMedian)};
-  return SvgGrid(panels, 1, "", LegendOf(result), kPageWidth_px);
+  return report::SvgGrid(panels, 1, "", LegendOf(result), kPageWidth_px);
 }
 
 std::string SpeedAccuracyJson(const SpeedAccuracyResult& result) {
@@ -337,7 +338,7 @@ std::string SpeedAccuracyJson(const SpeedAccuracyResult& result) {
     for (const auto& [task, scores] : point.tasks) entry["tasks"][task] = TaskJson(scores);
     json["points"].push_back(std::move(entry));
   }
-  return ResultText(Judge(result), json);
+  return session::ResultText(Judge(result), json);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

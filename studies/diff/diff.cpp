@@ -15,7 +15,7 @@
 #include "session/process/exit_code.h"
 #include "studies/diff/run_difference.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 nlohmann::json ToJson(const DiffOptions& options, const RunFigures& first, const RunFigures& second,
@@ -69,9 +69,9 @@ void Print(const RunDifference& runs, double within_percent) {
     fmt::print("  {}:{}\n    {}\n    {}\n", file.file, file.line, file.first, file.second);
 }
 
-LineChart Chart(const char* title, const char* unit, const ThinCurve& a, rt::Nanoseconds a_first,
-                const ThinCurve& b, rt::Nanoseconds b_first) {
-  LineChart chart{.title = title, .x_label = "time [s]", .y_label = unit, .zooms = true};
+report::LineChart Chart(const char* title, const char* unit, const report::ThinCurve& a,
+                        rt::Nanoseconds a_first, const report::ThinCurve& b, rt::Nanoseconds b_first) {
+  report::LineChart chart{.title = title, .x_label = "time [s]", .y_label = unit, .zooms = true};
   auto first = a.Columns(a_first), second = b.Columns(b_first);
   chart.series.push_back({.name = "first", .x = std::move(first.first), .y = std::move(first.second)});
   chart.series.push_back(
@@ -89,8 +89,9 @@ std::string Table(const RunDifference& runs) {
         "<tr><td>{}{}</td><td class=\"n\">{:.5g}</td><td class=\"n\">{:.5g}</td><td "
         "class=\"n\">{:+.3g}</td><td "
         "class=\"n\">{}</td><td>{}</td></tr>\n",
-        Escape(figure.first.name), figure.first.unit.empty() ? "" : " [" + Escape(figure.first.unit) + "]",
-        figure.first.value, figure.second.value, figure.difference,
+        report::Escape(figure.first.name),
+        figure.first.unit.empty() ? "" : " [" + report::Escape(figure.first.unit) + "]", figure.first.value,
+        figure.second.value, figure.difference,
         figure.first.judged ? fmt::format("{:.3g}", figure.accepted) : "",
         figure.first.judged ? fmt::format("<span class=\"verdict {}\">{}</span>", level,
                                           figure.differs() ? "differs" : "same")
@@ -101,30 +102,31 @@ std::string Table(const RunDifference& runs) {
 
 std::string Page(const DiffOptions& options, const RunFigures& first, const RunFigures& second,
                  const RunDifference& runs) {
-  std::string html =
-      PageBegin({.title = "Osteon diff",
-                 .subtitle = options.recordings[0].string() + " and " + options.recordings[1].string(),
-                 .verdict = runs.verdict,
-                 .summary = {{.key = "First ended", .value = first.end},
-                             {.key = "Second ended", .value = second.end}}});
+  std::string html = report::PageBegin(
+      {.title = "Osteon diff",
+       .subtitle = options.recordings[0].string() + " and " + options.recordings[1].string(),
+       .verdict = runs.verdict,
+       .summary = {{.key = "First ended", .value = first.end},
+                   {.key = "Second ended", .value = second.end}}});
   html += Table(runs);
-  const std::vector<LineChart> panels{
+  const std::vector<report::LineChart> panels{
       Chart("Force to the hand", "force [N]", first.force_N, first.first, second.force_N, second.first),
       Chart("Depth of the cut", "depth [mm]", first.depth_mm, first.first, second.depth_mm, second.first),
       Chart("Removed volume", "volume [mm³]", first.removed_mm3, first.first, second.removed_mm3,
             second.first)};
-  html += Figure(Svg(panels), "");
+  html += report::Figure(report::Svg(panels), "");
   if (!runs.session.empty() || !runs.config.empty())
     html += "<h2>What is not the same in the two</h2>\n<ul>\n";
-  for (const std::string& line : runs.session) html += "<li>" + Escape(line) + "</li>\n";
+  for (const std::string& line : runs.session) html += "<li>" + report::Escape(line) + "</li>\n";
   for (const ConfigDifference& file : runs.config)
-    html += fmt::format("<li>{}, line {}: <code>{}</code> | <code>{}</code></li>\n", Escape(file.file),
-                        file.line, Escape(file.first), Escape(file.second));
+    html +=
+        fmt::format("<li>{}, line {}: <code>{}</code> | <code>{}</code></li>\n", report::Escape(file.file),
+                    file.line, report::Escape(file.first), report::Escape(file.second));
   if (!runs.session.empty() || !runs.config.empty()) html += "</ul>\n";
   html += fmt::format("<footer><code>{}</code>; both side by side: <code>osteon view {} {}</code></footer>\n",
-                      Escape(options.command_line), Escape(options.recordings[0].string()),
-                      Escape(options.recordings[1].string()));
-  return html + PageEnd();
+                      report::Escape(options.command_line), report::Escape(options.recordings[0].string()),
+                      report::Escape(options.recordings[1].string()));
+  return html + report::PageEnd();
 }
 
 }  // namespace
@@ -133,24 +135,25 @@ int RunDiff(const DiffOptions& options) {
   std::array<RunFigures, 2> read;
   for (std::size_t i = 0; i < 2; ++i) {
     auto run = ReadRunFigures(options.recordings[i]);
-    if (!run) return Fail("diff", run.error());
+    if (!run) return session::Fail("diff", run.error());
     read[i] = std::move(*run);
   }
   const RunDifference runs = CompareRuns(read[0], read[1], 0.01 * options.within_percent);
   Print(runs, options.within_percent);
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, ToJson(options, read[0], read[1], runs).dump(2) + "\n");
+    if (const auto written =
+            base::WriteText(options.json, ToJson(options, read[0], read[1], runs).dump(2) + "\n");
         !written)
-      return Fail("diff", written.error(), kFailed);
+      return session::Fail("diff", written.error(), session::kFailed);
   if (!options.out.empty()) {
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
     const std::filesystem::path page = options.out / "diff.html";
-    if (const auto written = WritePage(Page(options, read[0], read[1], runs), page); !written)
-      return Fail("diff", written.error(), kFailed);
+    if (const auto written = report::WritePage(Page(options, read[0], read[1], runs), page); !written)
+      return session::Fail("diff", written.error(), session::kFailed);
     fmt::print("  {}\n", page.string());
   }
-  return runs.verdict.level == "good" ? 0 : kFailed;
+  return runs.verdict.level == "good" ? 0 : session::kFailed;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct DiffOptions {
   std::array<std::filesystem::path, 2> recordings{};
@@ -19,4 +19,4 @@ struct DiffOptions {
 /// be read.
 [[nodiscard]] int RunDiff(const DiffOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 
 #include "session/summary/each_fault.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 std::vector<std::string> Lines(const std::string& text) {
@@ -64,14 +64,14 @@ std::vector<std::string> CompareSessions(const io::SessionInfo& first, const io:
 
 std::vector<std::string> FaultsOnlyIn(const RunFigures& run, const RunFigures& other) {
   std::vector<std::string> names;
-  ForEachFault(run.faults, [&](safety::Fault fault, const safety::FaultText& text) {
+  session::ForEachFault(run.faults, [&](safety::Fault fault, const safety::FaultText& text) {
     if (!other.faults.Has(fault)) names.emplace_back(text.name);
   });
   return names;
 }
 
-ReportVerdict Judge(const RunDifference& runs, const RunFigures& first, const RunFigures& second) {
-  ReportVerdict verdict;
+report::ReportVerdict Judge(const RunDifference& runs, const RunFigures& first, const RunFigures& second) {
+  report::ReportVerdict verdict;
   const auto say = [&](const char* level, std::string reason) {
     if (verdict.level != "bad") verdict.level = level;
     verdict.reasons.push_back(std::move(reason));
@@ -116,4 +116,4 @@ RunDifference CompareRuns(const RunFigures& first, const RunFigures& second, dou
   return runs;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 #include "report/page.h"
 #include "studies/diff/run_figures.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A figure of both runs.
 struct FigureDifference {
@@ -27,7 +27,7 @@ struct ConfigDifference {
 struct RunDifference {
   /// good: no figure differs; look: one does, or the configuration; bad: the second run has a fault that the
   /// first has not.
-  ReportVerdict verdict;
+  report::ReportVerdict verdict;
   bool identical{false};  ///< every tick, to the bit, but the times that the machine took
   std::vector<FigureDifference> figures;
   std::vector<std::string> only_first, only_second;  ///< names of faults
@@ -38,4 +38,4 @@ struct RunDifference {
 /// @param within  share of a figure's size, 0 … 1, up to which it counts as the same
 [[nodiscard]] RunDifference CompareRuns(const RunFigures& first, const RunFigures& second, double within);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

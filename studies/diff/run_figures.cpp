@@ -11,7 +11,7 @@
 #include "safety/cell_state.h"
 #include "session/summary/each_fault.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using console::Length;
@@ -23,7 +23,7 @@ struct Gathered {
   double least_share{1.0}, most_age_s{0.0};
   double removed_m3{0.0}, removed_kg{0.0}, work_J{0.0}, depth_m{0.0};
   double period_s{0.0};
-  DurationCounts compute, frame;
+  report::DurationCounts compute, frame;
 };
 
 void Keep(double& peak, double value) { peak = std::max(peak, value); }
@@ -51,7 +51,7 @@ void AddFrame(const simulation::FrameRecord& frame, Gathered& all) {
   all.frame.Add(frame.duration_ns);
 }
 
-double Percentile99_us(const DurationCounts& durations) {
+double Percentile99_us(const report::DurationCounts& durations) {
   if (durations.count() == 0) return 0.0;
   return 1e-3 * static_cast<double>(durations.At((durations.count() - 1) * 99 / 100));
 }
@@ -141,7 +141,7 @@ tl::expected<RunFigures, std::string> ReadRunFigures(const std::filesystem::path
   RunFigures run;
   run.limits.resize(safety::kLimitCount);
   Gathered all;
-  Fnv1a hash;
+  base::Fnv1a hash;
   std::string bytes;
   std::uint32_t faults = 0;
   while (true) {
@@ -167,7 +167,7 @@ tl::expected<RunFigures, std::string> ReadRunFigures(const std::filesystem::path
     hash.Add(bytes);
   }
   if (run.ticks == 0) return tl::unexpected(recording.string() + ": found no tick, accepted at least 1");
-  ForEachFault([&](safety::Fault fault, const safety::FaultText&) {
+  session::ForEachFault([&](safety::Fault fault, const safety::FaultText&) {
     if ((faults & static_cast<std::uint32_t>(fault)) != 0) run.faults.Latch(fault);
   });
   run.session = stream->session;
@@ -177,4 +177,4 @@ tl::expected<RunFigures, std::string> ReadRunFigures(const std::filesystem::path
   return run;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -12,7 +12,7 @@
 #include "report/thin_curve.h"
 #include "safety/fault.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A figure of a run, with the difference from which two runs count as different.
 struct RunFigure {
@@ -35,10 +35,10 @@ struct RunFigures {
   std::uint64_t hash{0};              ///< over all ticks, without the times that the machine took
   bool complete{false};               ///< false: the file ends early
   rt::Nanoseconds first{0};           ///< stamp of the first tick
-  ThinCurve force_N, depth_mm, removed_mm3;
+  report::ThinCurve force_N, depth_mm, removed_mm3;
 };
 
 /// Reads a recording. The error names file, byte and reason.
 [[nodiscard]] tl::expected<RunFigures, std::string> ReadRunFigures(const std::filesystem::path& recording);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 
 #include "hil/arm/sensor_load.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using kinematics::JointVector;
@@ -21,7 +21,7 @@ using Commander =
 
 std::vector<ArmRideTick> Ride(const ArmRideParams& params, const ArmScene& scene, const Commander& command) {
   const kinematics::LbrArm arm(params.arm);
-  ServoArm servo(params.servo, params.arm.limits, kDt_s, params.q_start);
+  hil::ServoArm servo(params.servo, params.arm.limits, kDt_s, params.q_start);
   JointVector q_before = params.q_start;
   std::vector<ArmRideTick> ride;
   const int ticks = static_cast<int>(std::lround(params.seconds / kDt_s));
@@ -44,9 +44,9 @@ std::vector<ArmRideTick> Ride(const ArmRideParams& params, const ArmScene& scene
 }
 
 // A hand that leads the tool along a path, at the tool's origin.
-ArmScene SceneOf(const OperatorHandParams& params, const HandPath& path) {
-  return {.hand = [params, path, hand = HandImpedance(params)](int tick, const Pose& X_WT,
-                                                               const Twist& V_WT) mutable {
+ArmScene SceneOf(const hil::OperatorHandParams& params, const HandPath& path) {
+  return {.hand = [params, path, hand = hil::HandImpedance(params)](int tick, const Pose& X_WT,
+                                                                    const Twist& V_WT) mutable {
     const HandGoal goal = path(tick * kDt_s);
     return safety::ScaleWrench(hand.Step(kDt_s, X_WT, V_WT, goal.X_WT, goal.V_WT), params.max_force_N,
                                params.max_torque_Nm)
@@ -106,8 +106,8 @@ simulation::ContactModel FreshModel(std::uint64_t frame, rt::Nanoseconds now,
   return model;
 }
 
-Wrench ReadBy(SensorModel& sensor, int tick, const Wrench& F_F) {
-  const SensorModel::Sample read = sensor.Read(kHandOver + tick * rt::kMillisecond, F_F);
+Wrench ReadBy(hil::SensorModel& sensor, int tick, const Wrench& F_F) {
+  const hil::SensorModel::Sample read = sensor.Read(kHandOver + tick * rt::kMillisecond, F_F);
   return {.f = {read.value[0], read.value[1], read.value[2]},
           .t = {read.value[3], read.value[4], read.value[5]}};
 }
@@ -147,7 +147,7 @@ std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const ArmSce
                     scene.bone ? scene.bone(i, now, X_WT_cmd) : FreshModel(++frame, now);
                 // reading of a sensor without mounting and tool: at the flange, in its frame
                 const Pose X_WF = arm.FlangePose(q_meas);
-                Wrench F_S = SensorLoad({}, X_WF * params.X_FT, X_WF, F_T_W);
+                Wrench F_S = hil::SensorLoad({}, X_WF * params.X_FT, X_WF, F_T_W);
                 if (scene.sensor) F_S = scene.sensor(i, X_WF, F_S);
                 const control::CellReadings readings{
                     .force = {.stamp = now, .F_S = F_S}, .spindle = {}, .interlock = {}};
@@ -204,4 +204,4 @@ double LargestForceStep(const std::vector<ArmRideTick>& ride) {
   return largest;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -16,7 +16,7 @@
 // kinematics to compare. A hand leads the tool along a path, or a scene supplies the wrench on the tool and
 // the contact.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// The hand's goal for the tool, by the time since the hand took hold.
 struct HandGoal {
@@ -31,9 +31,9 @@ using StepMethod = std::function<kinematics::JointVector(
 
 struct ArmRideParams {
   kinematics::LbrParams arm;
-  ServoArmParams servo;
+  hil::ServoArmParams servo;
   control::ServoParams loop{};  ///< the ride sets limits and workspace; the spindle stands still
-  OperatorHandParams hand;
+  hil::OperatorHandParams hand;
   Pose X_FT{Pose::Identity()};
   kinematics::JointVector q_start{kinematics::JointVector::Zero()};
   double seconds{1.0};
@@ -84,7 +84,7 @@ struct ArmRideTick {
                                                   std::span<const simulation::Contact> contacts = {});
 
 /// The reading of a sensor on the flange for this wrench.
-[[nodiscard]] Wrench ReadBy(SensorModel& sensor, int tick, const Wrench& F_F);
+[[nodiscard]] Wrench ReadBy(hil::SensorModel& sensor, int tick, const Wrench& F_F);
 
 /// A plane that the tool's origin touches. @param n_W  unit, out of the bone
 [[nodiscard]] simulation::Contact PlaneAt(const Vector3& p_W, const Vector3& n_W, double stiffness_N_per_m);
@@ -104,4 +104,4 @@ struct ArmRideTick {
 /// Largest change of the hand's force in a millisecond [N].
 [[nodiscard]] double LargestForceStep(const std::vector<ArmRideTick>& ride);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 void Append(const simulation::Bone& from, simulation::Bone& to) {
   to.balls.insert(to.balls.end(), from.balls.begin(), from.balls.end());
@@ -51,4 +51,4 @@ double LargestStep(const std::vector<double>& values) {
   return largest;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

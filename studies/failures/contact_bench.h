@@ -8,7 +8,7 @@
 
 // Helpers of the contact scenarios, in addition to scenario_bench.h.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Adds balls and mass points of `from` to those of `to`; the materials stay those of `to`.
 void Append(const simulation::Bone& from, simulation::Bone& to);
@@ -32,4 +32,4 @@ void Append(const simulation::Bone& from, simulation::Bone& to);
 /// The largest change from one sample to the next.
 [[nodiscard]] double LargestStep(const std::vector<double>& values);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

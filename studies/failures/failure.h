@@ -15,7 +15,7 @@
 // must keep. One file a scenario, `FailureResult Run<Name>(const FailureSetting&)`; failure_list.cpp lists
 // them all.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// One line of a scenario's picture.
 struct FailureSeries {
@@ -73,4 +73,4 @@ struct FailureScenario {
 /// Every scenario, by ascending number.
 [[nodiscard]] std::span<const FailureScenario> FailureScenarios();
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -5,7 +5,7 @@
 
 #include "studies/sharding/exact_number.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using nlohmann::json;
@@ -22,17 +22,17 @@ std::vector<double> NumbersFrom(const json& list) {
   return values;
 }
 
-json Plot(const hil::FailurePlot& plot) {
+json Plot(const FailurePlot& plot) {
   json series = json::array();
-  for (const hil::FailureSeries& line : plot.series)
+  for (const FailureSeries& line : plot.series)
     series.push_back(
         {{"name", line.name}, {"x", Numbers(line.x)}, {"y", Numbers(line.y)}, {"ours", line.ours}});
   return {{"x_label", plot.x_label}, {"y_label", plot.y_label}, {"log_x", plot.log_x},
           {"log_y", plot.log_y},     {"series", series},        {"bound_is_on_y", plot.bound_is_on_y}};
 }
 
-hil::FailurePlot PlotFrom(const json& item) {
-  hil::FailurePlot plot;
+FailurePlot PlotFrom(const json& item) {
+  FailurePlot plot;
   item.at("x_label").get_to(plot.x_label);
   item.at("y_label").get_to(plot.y_label);
   item.at("log_x").get_to(plot.log_x);
@@ -49,7 +49,7 @@ hil::FailurePlot PlotFrom(const json& item) {
 }  // namespace
 
 json FailureItem(const FailureRun& run) {
-  const hil::FailureResult& r = run.result;
+  const FailureResult& r = run.result;
   return {{"id", r.id},
           {"name", r.name},
           {"metric", r.metric},
@@ -68,7 +68,7 @@ json FailureItem(const FailureRun& run) {
 
 FailureRun FailureRunFrom(const json& item) {
   FailureRun run;
-  hil::FailureResult& r = run.result;
+  FailureResult& r = run.result;
   item.at("id").get_to(r.id);
   item.at("name").get_to(r.name);
   item.at("metric").get_to(r.metric);
@@ -86,4 +86,4 @@ FailureRun FailureRunFrom(const json& item) {
   return run;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

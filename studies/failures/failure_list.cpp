@@ -31,7 +31,7 @@
 #include "studies/failures/procedure/tool_load.h"
 #include "studies/failures/procedure/undo.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 std::span<const FailureScenario> FailureScenarios() {
   static const std::array scenarios{
@@ -78,4 +78,4 @@ std::span<const FailureScenario> FailureScenarios() {
   return scenarios;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -22,11 +22,8 @@
 #include "studies/failures/page/failure_page.h"
 #include "studies/sharding/study_items.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
-
-using hil::FailureResult;
-using hil::FailureScenario;
 
 double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -35,26 +32,27 @@ double Now_s() {
 /// Makes engines for "ours", and remembers their device.
 class Engines {
  public:
-  explicit Engines(const FailureOptions& options) : choice_(ChooseEngine(options.engine, options.device)) {}
+  explicit Engines(const FailureOptions& options)
+      : choice_(session::ChooseEngine(options.engine, options.device)) {}
 
   std::unique_ptr<simulation::CuttingEngine> Make(const simulation::Bone& bone, const simulation::Tool& tool,
                                                   const Pose& X_WG, const simulation::CuttingParams& params) {
-    auto engine = MakeEngine(choice_, bone, tool, X_WG, params);
+    auto engine = session::MakeEngine(choice_, bone, tool, X_WG, params);
     if (!engine) throw std::runtime_error(engine.error());
     device_ = (*engine)->device();
     return std::move(*engine);
   }
-  [[nodiscard]] const EngineChoice& choice() const { return choice_; }
+  [[nodiscard]] const session::EngineChoice& choice() const { return choice_; }
   [[nodiscard]] const std::string& device() const { return device_; }
 
  private:
-  EngineChoice choice_;
+  session::EngineChoice choice_;
   std::string device_;
 };
 
 /// Returns the scenarios of these numbers; an error text if a number has none.
 tl::expected<std::vector<FailureScenario>, std::string> Choose(const std::vector<int>& ids) {
-  const auto all = hil::FailureScenarios();
+  const auto all = FailureScenarios();
   if (ids.empty()) return std::vector<FailureScenario>(all.begin(), all.end());
   std::vector<int> known;
   for (const FailureScenario& scenario : all) known.push_back(scenario.id);
@@ -120,7 +118,8 @@ tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scena
   probe.balls = {{.center_m = {}, .radius_m = 1e-3, .cutting = true}};
   try {
     const auto tried = engines.Make(pebble, probe, Pose::Identity(), {});
-    fmt::print(stderr, "osteon failures: engine: {}\n", EngineText(engines.choice(), tried->device()));
+    fmt::print(stderr, "osteon failures: engine: {}\n",
+               session::EngineText(engines.choice(), tried->device()));
   } catch (const std::exception& error) {
     return tl::unexpected(std::string(error.what()));
   }
@@ -129,7 +128,7 @@ tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scena
   for (std::size_t i = 0; i < scenarios.size(); ++i)
     if (items.Computes(i)) mine.push_back(i);
   Runs runs{.list = {}, .engine = engines.choice().engine};
-  PhaseProgress progress("osteon failures", static_cast<int>(mine.size()));
+  base::PhaseProgress progress("osteon failures", static_cast<int>(mine.size()));
   for (const std::size_t item : mine) {
     const FailureScenario& scenario = scenarios[item];
     progress.BeginPhase(fmt::format("{} {}", scenario.id, scenario.name));
@@ -141,15 +140,15 @@ tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scena
                                                 const Pose& X_WG, const simulation::CuttingParams& params) {
                                        return engines.Make(bone, tool, X_WG, params);
                                      },
-                                 .size = options.quick ? hil::FailureSize::kTest : hil::FailureSize::kFull,
-                                 .progress = [](double) { return !Interrupted(); }});
+                                 .size = options.quick ? FailureSize::kTest : FailureSize::kFull,
+                                 .progress = [](double) { return !base::Interrupted(); }});
     } catch (const std::exception& error) {
       run.error = error.what();
     }
     run.result.id = scenario.id;
     run.result.name = scenario.name;
     run.seconds = Now_s() - begun_s;
-    if (Interrupted()) break;  // an incomplete scenario does not count
+    if (base::Interrupted()) break;  // an incomplete scenario does not count
     if (items.IsShard())
       items.Store(item,
                   {{"engine", runs.engine}, {"device", engines.device()}, {"scenario", FailureItem(run)}});
@@ -175,7 +174,7 @@ Runs Restore(const StudyItems& items, std::size_t count) {
 tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const Runs& runs) {
   if (!options.json.empty()) {
     const auto written =
-        WriteText(options.json, FailuresJson(runs.list, runs.engine, runs.device, options.quick));
+        base::WriteText(options.json, FailuresJson(runs.list, runs.engine, runs.device, options.quick));
     if (!written) return written;
   }
   if (options.out.empty()) return {};
@@ -195,14 +194,14 @@ tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const 
   if (options.markdown.empty()) return {};
   const auto from = std::filesystem::absolute(options.markdown).parent_path();
   const auto pictures = std::filesystem::absolute(options.out).lexically_proximate(from);
-  return WriteText(options.markdown, FailureMarkdown(entries, head, pictures.generic_string()));
+  return base::WriteText(options.markdown, FailureMarkdown(entries, head, pictures.generic_string()));
 }
 
 std::string WrongOptions(const FailureOptions& options) {
   if (std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty()) return wrong;
-  if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
-  if (std::string wrong = ValidateParentFolder("--json", options.json); !wrong.empty()) return wrong;
-  return ValidateParentFolder("--markdown", options.markdown);
+  if (std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
+  if (std::string wrong = session::ValidateParentFolder("--json", options.json); !wrong.empty()) return wrong;
+  return session::ValidateParentFolder("--markdown", options.markdown);
 }
 
 }  // namespace
@@ -234,39 +233,40 @@ std::string FailuresJson(const std::vector<FailureRun>& runs, const std::string&
     }
     json["scenarios"].push_back(std::move(scenario));
   }
-  return JsonText(json);
+  return base::JsonText(json);
 }
 
 int RunFailures(const FailureOptions& options) {
-  if (const std::string wrong = WrongOptions(options); !wrong.empty()) return Fail("failures", wrong);
+  if (const std::string wrong = WrongOptions(options); !wrong.empty())
+    return session::Fail("failures", wrong);
   const auto chosen = Choose(options.ids);
-  if (!chosen) return Fail("failures", chosen.error());
+  if (!chosen) return session::Fail("failures", chosen.error());
   StudyItems items(options.sharding, InputsOf(*chosen, options));
   if (const std::string wrong = items.Validate(chosen->size()); !wrong.empty())
-    return Fail("failures", wrong);
+    return session::Fail("failures", wrong);
 
-  InstallInterrupt();
+  base::InstallInterrupt();
   Runs runs;
   if (items.FromParts()) {
     runs = Restore(items, chosen->size());
   } else if (auto computed = RunAll(*chosen, options, items)) {
     runs = std::move(*computed);
   } else {
-    return Fail("failures", computed.error());
+    return session::Fail("failures", computed.error());
   }
 
   if (!runs.list.empty()) PrintTable(runs.list);
   if (items.IsShard()) {
-    if (Interrupted()) return kExitInterrupted;
+    if (base::Interrupted()) return base::kExitInterrupted;
     if (const auto written = items.WritePart(options.json, chosen->size()); !written)
-      return Fail("failures", written.error(), kFailed);
+      return session::Fail("failures", written.error(), session::kFailed);
   } else if (const auto written = WriteFiles(options, runs); !written) {
-    return Fail("failures", written.error(), kFailed);
+    return session::Fail("failures", written.error(), session::kFailed);
   }
-  if (Interrupted()) return kExitInterrupted;
+  if (base::Interrupted()) return base::kExitInterrupted;
   if (!options.out.empty() && !items.IsShard())
     fmt::print("report: {}\n", (options.out / "failures.html").string());
-  return std::ranges::all_of(runs.list, &FailureRun::passed) ? 0 : kFailed;
+  return std::ranges::all_of(runs.list, &FailureRun::passed) ? 0 : session::kFailed;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 #include "studies/failures/failure.h"
 #include "studies/sharding/shard.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct FailureOptions {
   std::vector<int> ids{};            ///< empty: every scenario
@@ -23,7 +23,7 @@ struct FailureOptions {
 
 /// One scenario and its result.
 struct FailureRun {
-  hil::FailureResult result;
+  FailureResult result;
   double seconds{0.0};
   std::string error{};  ///< why it ended without a result; empty if it has one
   /// Whether the baseline was seen to fail and our method kept the bound.
@@ -40,4 +40,4 @@ struct FailureRun {
 [[nodiscard]] std::string FailuresJson(const std::vector<FailureRun>& runs, const std::string& engine,
                                        const std::string& device, bool quick);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 #include "hil/injection/impaired_wire.h"
 #include "safety/watchdog.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using simulation::ContactModel;
@@ -33,7 +33,7 @@ struct ForceDatagram {
 // message, a naive client the last one received.
 enum class Keep { kNewest, kLast };
 template <class T>
-bool ReceiveDue(ImpairedWire& wire, rt::Nanoseconds now, Keep keep, T& value) {
+bool ReceiveDue(hil::ImpairedWire& wire, rt::Nanoseconds now, Keep keep, T& value) {
   static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= 1500);
   bool came = false;
   while (wire.NextDue() <= now) {
@@ -46,7 +46,7 @@ bool ReceiveDue(ImpairedWire& wire, rt::Nanoseconds now, Keep keep, T& value) {
   return came;
 }
 template <class T>
-void Send(ImpairedWire& wire, rt::Nanoseconds now, const T& value) {
+void Send(hil::ImpairedWire& wire, rt::Nanoseconds now, const T& value) {
   wire.Push({reinterpret_cast<const std::uint8_t*>(&value), sizeof value}, now);
 }
 
@@ -104,7 +104,7 @@ class Controller {
   }
 
   // Runs one tick with the messages received over the wires.
-  void Tick(rt::Nanoseconds now, ImpairedWire& wall, ImpairedWire& hand, PacketRide& ride) {
+  void Tick(rt::Nanoseconds now, hil::ImpairedWire& wall, hil::ImpairedWire& hand, PacketRide& ride) {
     const bool planes = params_.method == WallMethod::kPlanes;
     const Keep keep = planes ? Keep::kNewest : Keep::kLast;
     const bool hand_came = ReceiveDue(hand, now, keep, hand_);
@@ -159,16 +159,16 @@ class Controller {
 
 PacketRide RidePackets(const PacketRideParams& params) {
   const auto faults = [&params](std::uint64_t seed) {
-    return InjectionParams{.injections = {{.to_s = params.step_s, .faults = params.before},
-                                          {.from_s = params.step_s, .faults = params.after}},
-                           .seed = seed};
+    return hil::InjectionParams{.injections = {{.to_s = params.step_s, .faults = params.before},
+                                               {.from_s = params.step_s, .faults = params.after}},
+                                .seed = seed};
   };
-  const InjectionParams of_simulation = faults(2 * params.seed), of_arm = faults(2 * params.seed + 1);
-  ImpairedWire pose(of_simulation, Wire::kArm, Direction::kFromController);
-  ImpairedWire wall(of_simulation, Wire::kArm, Direction::kToController);
-  ImpairedWire command(of_arm, Wire::kArm, Direction::kFromController);
-  ImpairedWire force(of_arm, Wire::kArm, Direction::kToController);
-  for (ImpairedWire* wire : {&pose, &wall, &command, &force}) wire->StartSchedule(0);
+  const hil::InjectionParams of_simulation = faults(2 * params.seed), of_arm = faults(2 * params.seed + 1);
+  hil::ImpairedWire pose(of_simulation, hil::Wire::kArm, hil::Direction::kFromController);
+  hil::ImpairedWire wall(of_simulation, hil::Wire::kArm, hil::Direction::kToController);
+  hil::ImpairedWire command(of_arm, hil::Wire::kArm, hil::Direction::kFromController);
+  hil::ImpairedWire force(of_arm, hil::Wire::kArm, hil::Direction::kToController);
+  for (hil::ImpairedWire* wire : {&pose, &wall, &command, &force}) wire->StartSchedule(0);
 
   PacketRide ride;
   Controller controller(params);
@@ -222,4 +222,4 @@ double AgeMargin(const PacketRideParams& params, const PacketRide& ride) {
   return params.damping_Ns_per_m - ride.wall_age_s * wall_N_per_m - ride.hand_age_s * params.hand_N_per_m;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 #include "hil/injection/wire_faults.h"
 #include "kinematics/spatial.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// How the controller obtains the wall's force.
 enum class WallMethod : std::uint8_t {
@@ -27,8 +27,8 @@ enum class WallMethod : std::uint8_t {
 /// dissipates energy.
 struct PacketRideParams {
   WallMethod method{WallMethod::kPlanes};
-  WireFaults before{};  ///< of all four directions, until the step
-  WireFaults after{};   ///< from the step on
+  hil::WireFaults before{};  ///< of all four directions, until the step
+  hil::WireFaults after{};   ///< from the step on
   std::uint64_t seed{1};
   double step_s{2.0}, seconds{6.0};
   double mass_kg{3.0}, damping_Ns_per_m{80.0};
@@ -57,4 +57,4 @@ struct PacketRide {
 /// this tick evaluates planes. Source: control.md of the design, "Any age".
 [[nodiscard]] double AgeMargin(const PacketRideParams& params, const PacketRide& ride);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 #include "simulation/solids/box_solid.h"
 #include "simulation/solids/cut_zone.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 simulation::Bone MakeBlock(const BlockParams& params) {
   const double r = params.ball_radius_m;
@@ -59,4 +59,4 @@ std::vector<simulation::Ball> BallsLeft(const simulation::CarvedState& state) {
   return simulation::LiveBalls(state);
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

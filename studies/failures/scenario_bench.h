@@ -8,7 +8,7 @@
 
 // Parts of the scenarios: blocks whose faces are known exactly, tools of one ball, poses. G is W.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// An axis-aligned box of equal balls on a cubic lattice, with mass points if requested.
 struct BlockParams {
@@ -38,4 +38,4 @@ struct BlockParams {
 
 inline constexpr double kScenarioSpindle_rad_per_s = 26.17993877991494;  ///< 250 rpm
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

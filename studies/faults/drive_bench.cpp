@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 // Parameters as a cell's file would give them: the tool of the rig turns at 26 rad/s.
@@ -11,8 +11,8 @@ io::DeviceParams Wires() {
   io::DeviceParams wires;
   wires.buses = {{.name = "tool", .interface = "", .port = 1, .device_port = 2}};
   wires.sensor = io::RobotousParams{};
-  wires.drive = io::ReamerDriveParams{.gear_ratio = DriveMotorParams{}.gear_ratio,
-                                      .rated_torque_Nm = DriveMotorParams{}.rated_torque_Nm,
+  wires.drive = io::ReamerDriveParams{.gear_ratio = hil::DriveMotorParams{}.gear_ratio,
+                                      .rated_torque_Nm = hil::DriveMotorParams{}.rated_torque_Nm,
                                       .max_speed_rad_per_s = 40.0,
                                       .acceleration_rad_per_s2 = 50.0};
   return wires;
@@ -20,11 +20,11 @@ io::DeviceParams Wires() {
 
 }  // namespace
 
-DriveBench::DriveBench(rt::Nanoseconds now) : now_(now), device_(DriveDeviceParams{}) {
+DriveBench::DriveBench(rt::Nanoseconds now) : now_(now), device_(hil::DriveDeviceParams{}) {
   auto made = io::DeviceClients::Make(Wires());
   if (!made) throw std::logic_error(made.error());
   clients_ = std::move(*made);
-  MemoryCanBus::Join(controller_end_, drive_end_);
+  hil::MemoryCanBus::Join(controller_end_, drive_end_);
   pump_ = std::make_unique<io::CanPump>(controller_end_);
   clients_->AddToPump(*pump_, 0);
 }
@@ -49,4 +49,4 @@ void DriveBench::Step(const control::CellCommands& commands) {
   pump_->Pump(now_);
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 #include "hil/can/memory_can_bus.h"
 #include "io/devices/device_clients.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// The reamer's drive on its bus as in a cell, in virtual time: io::DeviceClients on one end, the simulated
 /// drive on the other. Between them frames can be withheld or forged.
@@ -24,7 +24,7 @@ class DriveBench {
   /// Inserts a frame that the drive never sent.
   void Forge(const io::CanFrame& frame) { forged_ = {true, frame}; }
 
-  [[nodiscard]] DriveDevice& device() { return device_; }
+  [[nodiscard]] hil::DriveDevice& device() { return device_; }
   [[nodiscard]] io::DeviceClients& clients() { return *clients_; }
 
   /// Whether a frame from the drive reaches the controller; empty: each does.
@@ -38,11 +38,11 @@ class DriveBench {
     io::CanFrame frame{};
   };
   rt::Nanoseconds now_{0};
-  DriveDevice device_;
-  MemoryCanBus controller_end_{now_}, drive_end_{now_};
+  hil::DriveDevice device_;
+  hil::MemoryCanBus controller_end_{now_}, drive_end_{now_};
   std::unique_ptr<io::DeviceClients> clients_;
   std::unique_ptr<io::CanPump> pump_;
   Forged forged_;
 };
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

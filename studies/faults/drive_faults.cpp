@@ -7,7 +7,7 @@
 
 #include "studies/faults/drive_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using safety::CellState;
@@ -137,4 +137,4 @@ std::vector<FaultCase> DriveFaultCases() {
   return cases;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -1,6 +1,6 @@
 #include "studies/faults/fault_case.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 const char* NameOf(Reaction reaction) {
   switch (reaction) {
@@ -52,4 +52,4 @@ Expected FaultCase::ExpectedIn(safety::CellState state) const {
   return {.reaction = Reaction::kRests};
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 #include "safety/fault.h"
 #include "studies/faults/fault_rig.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// The cell's required reaction to a fault. No fault is without a claim: to go on is a claim as well.
 enum class Reaction : std::uint8_t {
@@ -46,4 +46,4 @@ struct FaultCase {
 /// All fault cases.
 [[nodiscard]] std::span<const FaultCase> FaultCases();
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

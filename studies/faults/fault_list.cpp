@@ -9,7 +9,7 @@
 #include "studies/faults/drive_faults.h"
 #include "studies/faults/fault_case.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using control::ReceiveResult;
@@ -483,4 +483,4 @@ std::span<const FaultCase> FaultCases() {
   return cases;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

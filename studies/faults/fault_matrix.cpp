@@ -8,7 +8,7 @@
 
 #include "studies/failures/arm_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using control::TickRecord;
@@ -306,4 +306,4 @@ std::vector<FaultVerdict> RunFaultMatrix(std::span<const FaultCase> faults,
   return verdicts;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 
 #include "studies/faults/fault_case.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Result of a fault in a state.
 struct FaultVerdict {
@@ -36,4 +36,4 @@ struct FaultVerdict {
 [[nodiscard]] std::vector<FaultVerdict> RunFaultMatrix(std::span<const FaultCase> faults,
                                                        const std::function<bool(double)>& progress = {});
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

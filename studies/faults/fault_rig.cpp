@@ -5,7 +5,7 @@
 
 #include "studies/failures/arm_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using control::ReceiveResult;
@@ -58,7 +58,7 @@ control::ServoParams FaultRig::Params(StartPath start_path) {
 
 FaultRig::FaultRig(StartPath start_path, const JointVector& q)
     : kinematics_(ScenarioArm()),
-      arm_(ServoArmParams{}, ScenarioArm().limits, kPeriod_s, q),
+      arm_(hil::ServoArmParams{}, ScenarioArm().limits, kPeriod_s, q),
       loop_(Params(start_path), kinematics_, Pose::Identity(), ScenarioTool(), kinematics_.ArmAngle(q)),
       q_told_(q),
       q_ipo_(q) {
@@ -208,4 +208,4 @@ void FaultRig::BringTo(CellState state) {
                            safety::Describe(state).name);
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -12,7 +12,7 @@
 // The cell that faults are injected into: the servo loop on a simulated arm with lag, a drive, a PLC, a hand
 // and a plane of bone, in virtual time.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Inputs of a tick. An injection changes them between the cell and the loop.
 struct RigInputs {
@@ -85,7 +85,7 @@ class FaultRig {
   void Simulate(rt::Nanoseconds now);
 
   kinematics::LbrArm kinematics_;
-  ServoArm arm_;
+  hil::ServoArm arm_;
   control::ServoLoop loop_;
   RigRecorder recorder_;
   Vector3 feed_W_, side_W_, plane_W_;
@@ -99,4 +99,4 @@ class FaultRig {
   std::uint64_t ticks_{0};
 };
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

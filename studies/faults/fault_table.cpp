@@ -14,16 +14,14 @@
 #include "session/process/exit_code.h"
 #include "session/summary/each_fault.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
-using hil::FaultVerdict;
-using hil::Reaction;
 using safety::CellState;
 
 constexpr int kColumn = 5;
 
-char LetterOf(const hil::Expected& expected) {
+char LetterOf(const Expected& expected) {
   switch (expected.reaction) {
     case Reaction::kGoesOn:
       return '.';
@@ -55,7 +53,8 @@ std::string HeadOf(CellState state) {
 
 nlohmann::ordered_json Names(safety::FaultSet faults) {
   nlohmann::ordered_json names = nlohmann::json::array();
-  ForEachFault(faults, [&](safety::Fault, const safety::FaultText& text) { names.push_back(text.name); });
+  session::ForEachFault(faults,
+                        [&](safety::Fault, const safety::FaultText& text) { names.push_back(text.name); });
   return names;
 }
 
@@ -99,7 +98,7 @@ std::string FaultTableText(std::span<const FaultVerdict> verdicts) {
     if (!verdict.passed())
       text +=
           fmt::format("! {}, {}: expected it {}: {}\n", verdict.fault, safety::Describe(verdict.state).name,
-                      hil::NameOf(verdict.expected.reaction), verdict.wrong);
+                      NameOf(verdict.expected.reaction), verdict.wrong);
   const auto passed = std::ranges::count_if(verdicts, &FaultVerdict::passed);
   return text + fmt::format("{} of {} as stated, {} faults\n", passed, verdicts.size(), faults.size());
 }
@@ -112,7 +111,7 @@ std::string FaultTableJson(std::span<const FaultVerdict> verdicts) {
   for (const FaultVerdict& v : verdicts) {
     nlohmann::ordered_json cell{{"fault", v.fault},
                                 {"state", safety::Describe(v.state).name},
-                                {"expected", hil::NameOf(v.expected.reaction)},
+                                {"expected", NameOf(v.expected.reaction)},
                                 {"passed", v.passed()},
                                 {"latched", Names(v.latched)},
                                 {"peak_force_N", v.peak_force_N}};
@@ -127,28 +126,28 @@ std::string FaultTableJson(std::span<const FaultVerdict> verdicts) {
     if (!v.passed()) cell["wrong"] = v.wrong;
     json["faults"].push_back(std::move(cell));
   }
-  return JsonText(json);
+  return base::JsonText(json);
 }
 
 int RunFaultTable(const FaultTableOptions& options) {
-  InstallInterrupt();
-  const auto cases = hil::FaultCases();
-  PhaseProgress progress("osteon failures --faults", static_cast<int>(cases.size()));
+  base::InstallInterrupt();
+  const auto cases = FaultCases();
+  base::PhaseProgress progress("osteon failures --faults", static_cast<int>(cases.size()));
   std::size_t begun = 0;
-  const auto verdicts = hil::RunFaultMatrix(cases, [&](double) {
-    if (Interrupted()) return false;
+  const auto verdicts = RunFaultMatrix(cases, [&](double) {
+    if (base::Interrupted()) return false;
     progress.BeginPhase(cases[begun++].name);
     return true;
   });
   progress.Done();
   fmt::print("{}", FaultTableText(verdicts));
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, FaultTableJson(verdicts)); !written) {
+    if (const auto written = base::WriteText(options.json, FaultTableJson(verdicts)); !written) {
       fmt::print(stderr, "osteon failures: {}\n", written.error());
-      return kFailed;
+      return session::kFailed;
     }
-  if (Interrupted()) return kExitInterrupted;
-  return std::ranges::all_of(verdicts, &FaultVerdict::passed) ? 0 : kFailed;
+  if (base::Interrupted()) return base::kExitInterrupted;
+  return std::ranges::all_of(verdicts, &FaultVerdict::passed) ? 0 : session::kFailed;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

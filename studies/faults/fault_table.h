@@ -6,7 +6,7 @@
 
 #include "studies/faults/fault_matrix.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Options of `osteon failures --faults`: every fault in every state of the cell, in virtual time.
 struct FaultTableOptions {
@@ -20,9 +20,9 @@ struct FaultTableOptions {
 
 /// The printed table: a row per fault, a column per state, the reactions as letters with a legend, and below
 /// it the cases that are wrong.
-[[nodiscard]] std::string FaultTableText(std::span<const hil::FaultVerdict> verdicts);
+[[nodiscard]] std::string FaultTableText(std::span<const FaultVerdict> verdicts);
 
 /// JSON object, schema osteon.failures/1, without scenarios and with the matrix in `faults`.
-[[nodiscard]] std::string FaultTableJson(std::span<const hil::FaultVerdict> verdicts);
+[[nodiscard]] std::string FaultTableJson(std::span<const FaultVerdict> verdicts);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -11,7 +11,7 @@
 #include "kinematics/serial_chain.h"
 #include "safety/watchdog.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr const char* kEvent = "excitation: ";
@@ -304,4 +304,4 @@ tl::expected<ExcitedSamples, std::string> SamplesOf(const std::vector<control::T
   return samples;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

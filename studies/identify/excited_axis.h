@@ -10,7 +10,7 @@
 #include "control/excitation/excited_hold.h"
 #include "studies/identify/measured_response.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// What is excited in one recording. A recording keeps it as an event, so that the excitation can be computed
 /// again.
@@ -66,4 +66,4 @@ struct ExcitedSamples {
 [[nodiscard]] tl::expected<ExcitedSamples, std::string> SamplesOf(
     const std::vector<control::TickRecord>& ticks, const ExcitedAxis& axis);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

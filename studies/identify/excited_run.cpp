@@ -29,7 +29,7 @@
 #include "session/summary/each_fault.h"
 #include "session/summary/limit_rows.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kGiveUp_s = 60.0;  // virtual time, until the path begins
@@ -75,7 +75,7 @@ simulation::ContactModel FreeAir(const Pose& X_WT, rt::Nanoseconds now, std::uin
   return model;
 }
 
-tl::expected<std::unique_ptr<io::Recorder>, std::string> OpenRecorder(const CellSetup& setup,
+tl::expected<std::unique_ptr<io::Recorder>, std::string> OpenRecorder(const session::CellSetup& setup,
                                                                       const ExcitedRunParams& params) {
   const auto folder = params.recording.parent_path();
   std::error_code error;
@@ -90,16 +90,16 @@ tl::expected<std::unique_ptr<io::Recorder>, std::string> OpenRecorder(const Cell
                              .scene = setup.bone.name,
                              .tool = setup.config.tool.tool.name,
                              .force_limit_N = control::ForceLimit_N(setup.config.servo),
-                             .limits = LimitLines(setup.config.servo),
+                             .limits = session::LimitLines(setup.config.servo),
                              .config_text = setup.config_text,
                              .config = setup.config_source,
-                             .build = BuildName(),
-                             .machine = MachineName()});
+                             .build = session::BuildName(),
+                             .machine = session::MachineName()});
 }
 
 std::string FaultText(safety::FaultSet faults) {
   std::string text;
-  ForEachFault(faults, [&](safety::Fault, const safety::FaultText& fault) {
+  session::ForEachFault(faults, [&](safety::Fault, const safety::FaultText& fault) {
     text += (text.empty() ? "" : ", ") + std::string(fault.name);
   });
   return text;
@@ -127,8 +127,8 @@ class PauseRequest {
 class VirtualRun {
  public:
   VirtualRun(const config::CellConfig& cell, const ExcitedAxis& axis, io::Recorder& recorder,
-             std::unique_ptr<VirtualDevices> devices, bool held)
-      : loop_(MakeServoLoop(cell)),
+             std::unique_ptr<session::VirtualDevices> devices, bool held)
+      : loop_(session::MakeServoLoop(cell)),
         axis_(axis),
         hold_(axis.hold),
         recorder_(recorder),
@@ -197,9 +197,9 @@ class VirtualRun {
   const ExcitedAxis& axis_;
   control::ExcitedHold hold_;
   io::Recorder& recorder_;
-  std::unique_ptr<VirtualDevices> devices_;
+  std::unique_ptr<session::VirtualDevices> devices_;
   hil::ImpairedCell arm_;
-  ArmProtocolSession session_;
+  session::ArmProtocolSession session_;
   PauseRequest pause_;
   rt::Nanoseconds period_;
   double period_s_;
@@ -211,14 +211,14 @@ class VirtualRun {
   bool begun_{false};
 };
 
-tl::expected<void, std::string> RunVirtual(const CellSetup& setup, const ExcitedAxis& axis,
+tl::expected<void, std::string> RunVirtual(const session::CellSetup& setup, const ExcitedAxis& axis,
                                            io::Recorder& recorder, const ExcitedRunParams& params) {
   const config::CellConfig cell = Quiet(setup.config);
   const kinematics::JointVector q_first =
       Eigen::Map<const kinematics::JointVector>(cell.simulated.q_start.data());
-  if (std::string why = ValidateStartPath(setup, q_first); !why.empty())
+  if (std::string why = session::ValidateStartPath(setup, q_first); !why.empty())
     return tl::unexpected(std::move(why));
-  auto devices = VirtualDevices::Make(cell);
+  auto devices = session::VirtualDevices::Make(cell);
   if (!devices) return tl::unexpected(devices.error());
   VirtualRun run(cell, axis, recorder, std::move(*devices), params.request.held);
   if (std::string why = run.Run(params.stop); !why.empty()) return tl::unexpected(std::move(why));
@@ -308,14 +308,14 @@ class FreeAirPort final : public control::SimulationPort {
   simulation::ContactModel model_;
 };
 
-tl::expected<void, std::string> RunConnected(const CellSetup& setup, const ExcitedAxis& axis,
+tl::expected<void, std::string> RunConnected(const session::CellSetup& setup, const ExcitedAxis& axis,
                                              io::Recorder& recorder, const ExcitedRunParams& params) {
   const config::CellConfig cell = Quiet(setup.config);
-  auto arm = ArmConnection::Open(cell.link, cell.guard ? "" : cell.link.arm_host);
+  auto arm = session::ArmConnection::Open(cell.link, cell.guard ? "" : cell.link.arm_host);
   if (!arm) return tl::unexpected(arm.error());
   auto devices = io::WiredDevices::Open(cell.devices);
   if (!devices) return tl::unexpected(devices.error());
-  control::ServoLoop loop = MakeServoLoop(cell);
+  control::ServoLoop loop = session::MakeServoLoop(cell);
   loop.AllowStart(false);
   ExcitedWires wires(arm->link(), **devices, loop, axis);
   FreeAirPort free_air;
@@ -339,7 +339,8 @@ tl::expected<void, std::string> RunConnected(const CellSetup& setup, const Excit
   while (!ended.load()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     if (const control::StandingArm& at = standing.Load(); at.known && !checked && path_blocked.empty()) {
-      path_blocked = ValidateStartPath(setup, Eigen::Map<const kinematics::JointVector>(at.q.data()));
+      path_blocked =
+          session::ValidateStartPath(setup, Eigen::Map<const kinematics::JointVector>(at.q.data()));
       checked = true;
       loop.AllowStart(path_blocked.empty());
     }
@@ -354,14 +355,14 @@ tl::expected<void, std::string> RunConnected(const CellSetup& setup, const Excit
 }
 
 // The same with a simulated cell at the other end of the wires, in this process.
-tl::expected<void, std::string> RunOnLoopback(const CellSetup& setup, const ExcitedAxis& axis,
+tl::expected<void, std::string> RunOnLoopback(const session::CellSetup& setup, const ExcitedAxis& axis,
                                               io::Recorder& recorder, const ExcitedRunParams& params) {
   if (setup.config.guard)
     return tl::unexpected(std::string(
         "found a cell with a guard, accepted one without, or virtual time: its guard is a process"));
-  CellSetup wired = setup;
-  if (const auto port = UseSimulated(wired.config, 0); !port) return tl::unexpected(port.error());
-  hil::CellHost host(HostParams(wired.config), MakeArm(wired.config, params.request.held));
+  session::CellSetup wired = setup;
+  if (const auto port = session::UseSimulated(wired.config, 0); !port) return tl::unexpected(port.error());
+  hil::CellHost host(session::HostParams(wired.config), MakeArm(wired.config, params.request.held));
   auto run = RunConnected(wired, axis, recorder, params);
   host.Stop();
   return run;
@@ -369,7 +370,7 @@ tl::expected<void, std::string> RunOnLoopback(const CellSetup& setup, const Exci
 
 }  // namespace
 
-tl::expected<void, std::string> RunExcited(const CellSetup& setup, const ExcitedRunParams& params) {
+tl::expected<void, std::string> RunExcited(const session::CellSetup& setup, const ExcitedRunParams& params) {
   const auto axis = ExcitedAxisOf(setup.config, params.request);
   if (!axis) return tl::unexpected(axis.error());
   auto recorder = OpenRecorder(setup, params);
@@ -388,4 +389,4 @@ tl::expected<void, std::string> RunExcited(const CellSetup& setup, const Excited
   return {};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 #include "session/setup/cell_setup.h"
 #include "studies/identify/excited_axis.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct ExcitedRunParams {
   ExcitationRequest request;
@@ -34,7 +34,7 @@ struct ExcitedRunParams {
 /// as a real one does. A recording of a connected arm replays as any other: the loop's own command is the
 /// pause's.
 /// @returns an error if nothing could be run, or why the run ended early
-[[nodiscard]] tl::expected<void, std::string> RunExcited(const CellSetup& setup,
+[[nodiscard]] tl::expected<void, std::string> RunExcited(const session::CellSetup& setup,
                                                          const ExcitedRunParams& params);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

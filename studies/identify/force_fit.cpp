@@ -10,7 +10,7 @@
 
 #include "studies/identify/least_squares.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using Complex = std::complex<double>;
@@ -126,4 +126,4 @@ tl::expected<HandFit, std::string> FitHand(std::span<const ResponseLine> lines, 
                  .chi2 = chi2};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 #include "studies/identify/measured_response.h"
 #include "studies/identify/servo_fit.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A resonance beyond the encoders.
 struct ResonanceFit {
@@ -42,4 +42,4 @@ struct HandFit {
 [[nodiscard]] tl::expected<HandFit, std::string> FitHand(std::span<const ResponseLine> lines,
                                                          double tool_mass_kg, double max_hz = 30.0);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

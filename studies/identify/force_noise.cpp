@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <unsupported/Eigen/FFT>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kWindow_s = 1.0, kMinSeconds = 10.0;
@@ -197,4 +197,4 @@ std::vector<SpindleHarmonic> FitSpindleHarmonics(std::span<const double> force_N
   return harmonics;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

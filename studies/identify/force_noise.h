@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A line of a spectrum that stands out.
 struct NoiseLine {
@@ -48,4 +48,4 @@ struct SpindleHarmonic {
 [[nodiscard]] double MeasureNotchWidth(std::span<const double> force_N,
                                        std::span<const double> speed_rad_per_s, double period_s);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 
 #include "control/stability/biquad.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kMinSeconds = 5.0, kSettle_s = 1.0, kWindow_s = 0.2, kShare = 0.999;
@@ -69,4 +69,4 @@ HandTremor MeasureTremor(std::span<const Wrench> F_T, const control::VibrationPa
   return tremor;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -5,7 +5,7 @@
 #include "control/stability/vibration_index.h"
 #include "kinematics/spatial.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The tremor of a hand that holds the handle of a standing arm at working push.
 struct HandTremor {
@@ -23,4 +23,4 @@ struct HandTremor {
 [[nodiscard]] HandTremor MeasureTremor(std::span<const Wrench> F_T, const control::VibrationParams& params,
                                        double period_s);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -16,7 +16,7 @@
 #include "studies/identify/identify_page.h"
 #include "studies/identify/identify_table.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 namespace fs = std::filesystem;
@@ -70,9 +70,9 @@ struct Recordings {
 };
 
 tl::expected<Recordings, std::string> RecordRuns(const IdentifyOptions& options) {
-  auto setup = PrepareCell(options.cell, std::nullopt);
+  auto setup = session::PrepareCell(options.cell, std::nullopt);
   if (!setup) return tl::unexpected(setup.error());
-  PackAsScene(*setup);
+  session::PackAsScene(*setup);
   Recordings recordings;
   for (const PlannedRun& run : PlanRuns(options, setup->config.servo.law == control::Law::kImpedance)) {
     fmt::print("  {}\n", run.request.rest_s > 0.0
@@ -108,8 +108,9 @@ tl::expected<IdentifyResult, std::string> EstimateAll(const IdentifyOptions& opt
 
 void Print(const IdentifyResult& result) {
   fmt::print("Osteon identify: {}\n", result.cell);
-  for (const SummaryRow& row : VerdictRows(Judge(result))) fmt::print("  {:<28} {}\n", row.key, row.value);
-  for (const SummaryRow& row : Rows(result)) fmt::print("  {:<28} {}\n", row.key, row.value);
+  for (const report::SummaryRow& row : session::VerdictRows(Judge(result)))
+    fmt::print("  {:<28} {}\n", row.key, row.value);
+  for (const report::SummaryRow& row : Rows(result)) fmt::print("  {:<28} {}\n", row.key, row.value);
 }
 
 // Whether there is something that a cell or a study would take.
@@ -137,8 +138,9 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
   const std::string json = ToJson(result, options.command_line);
   for (const fs::path& file : {options.out / "identify.json", options.json})
     if (!file.empty())
-      if (auto written = WriteText(file, json); !written) return written;
-  if (auto written = WritePage(IdentifyPage(result, options.command_line), options.out / "identify.html");
+      if (auto written = base::WriteText(file, json); !written) return written;
+  if (auto written =
+          report::WritePage(IdentifyPage(result, options.command_line), options.out / "identify.html");
       !written)
     return written;
   fmt::print("  {:<28} {}\n", "Page", (options.out / "identify.html").string());
@@ -148,7 +150,7 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
     fs::remove(file, error);  // an earlier one must not outlive a refusal
     return {};
   }
-  if (auto written = WriteText(
+  if (auto written = base::WriteText(
           file, config::WriteIdentified(
                     identified, "Measured, not assumed. Written by\n  " + options.command_line, result.law));
       !written)
@@ -172,13 +174,13 @@ int RunTable(const IdentifyOptions& options, const config::CellConfig& cell) {
       1e3 * params.arm.dead_cycles * params.period_s, params.seeds);
   std::vector<TableRow> rows;
   for (const SyntheticRun& run : TableRuns()) {
-    if (options.stop && options.stop->load()) return kExitInterrupted;
+    if (options.stop && options.stop->load()) return base::kExitInterrupted;
     rows.push_back(IdentifyRow(run, params));
   }
   fmt::print("{}", TableText(rows));
   if (options.json.empty()) return 0;
-  const auto written = WriteText(options.json, TableJson(rows, params, options.command_line));
-  return written ? 0 : Fail("identify", written.error(), kFailed);
+  const auto written = base::WriteText(options.json, TableJson(rows, params, options.command_line));
+  return written ? 0 : session::Fail("identify", written.error(), session::kFailed);
 }
 
 }  // namespace
@@ -194,17 +196,17 @@ int RunIdentify(const IdentifyOptions& options) {
                : options.wall_time ? "on the simulated arm's real wires, in wall time"
                                    : "in virtual time");
     auto recorded = RecordRuns(options);
-    if (!recorded) return Fail("identify", recorded.error(), kFailed);
+    if (!recorded) return session::Fail("identify", recorded.error(), session::kFailed);
     recordings = std::move(*recorded);
   }
   const auto result = EstimateAll(options, recordings);
-  if (!result) return Fail("identify", result.error());
+  if (!result) return session::Fail("identify", result.error());
   Print(*result);
   if (const auto written = Write(options, *result); !written)
-    return Fail("identify", written.error(), kFailed);
+    return session::Fail("identify", written.error(), session::kFailed);
   const bool found = !result->axes.empty() || !result->passive.empty() || result->noise.has_value() ||
                      result->tremor.has_value();
-  return result->refused.empty() && found ? 0 : kFailed;
+  return result->refused.empty() && found ? 0 : session::kFailed;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Runs that `osteon identify` can do.
 struct IdentifyRuns {
@@ -37,4 +37,4 @@ struct IdentifyOptions {
 /// @returns the process's exit code: 0; 1 refused; 2 bad input.
 [[nodiscard]] int RunIdentify(const IdentifyOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

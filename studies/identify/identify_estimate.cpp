@@ -13,7 +13,7 @@
 #include "io/recording/recording_reader.h"
 #include "session/setup/recorded_config.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kMinMotion_s = 10.0, kMoves_m_per_s = 1e-3, kPassiveHand_N = 5.0;
@@ -29,7 +29,7 @@ struct ReadRun {
 
 std::string HashOf(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  Fnv1a hash;
+  base::Fnv1a hash;
   std::string block(1 << 20, '\0');
   while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)
     hash.Add(std::string_view(block.data(), static_cast<std::size_t>(stream.gcount())));
@@ -58,7 +58,7 @@ tl::expected<ReadRun, std::string> ReadRunOf(const std::filesystem::path& file,
                                              const config::CellConfig& cell) {
   auto recording = io::ReadRecording(file);
   if (!recording) return tl::unexpected(recording.error());
-  auto recorded = LoadRecordedCell(recording->session.config);
+  auto recorded = session::LoadRecordedCell(recording->session.config);
   if (!recorded) return tl::unexpected(file.string() + ": " + recorded.error());
   ReadRun run{.named = {.file = file.filename().string(), .hash = HashOf(file)},
               .recording = std::move(*recording),
@@ -372,4 +372,4 @@ IdentifyResult EmptyResult(const std::string& name, const config::CellConfig& ce
   return result;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

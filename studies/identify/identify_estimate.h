@@ -8,7 +8,7 @@
 #include "config/reading/cell_config.h"
 #include "studies/identify/identify_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Fits one axis from samples: response by encoders, arm, and in free air tool and sensor; with a hand, the
 /// hand. With an overlay the arm's own impedance.
@@ -53,4 +53,4 @@ void FillFeltMasses(IdentifyResult& result, double period_s);
 /// What a result says of its cell before anything is measured.
 [[nodiscard]] IdentifyResult EmptyResult(const std::string& name, const config::CellConfig& cell);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 
 // What is refused, and what the user is told: the limits of design and documentation.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kMaxMassOff = 0.05, kMinGain = 0.98, kMaxDamping = 3.0;
@@ -181,17 +181,17 @@ void JudgeSpeeds(IdentifyResult& result) {
     }
 }
 
-Verdict Judge(const IdentifyResult& result) {
-  Verdict verdict;
+session::Verdict Judge(const IdentifyResult& result) {
+  session::Verdict verdict;
   for (const Finding& finding : result.refused)
-    verdict.Add(VerdictLevel::kBad, finding.where + ": " + finding.what);
+    verdict.Add(session::VerdictLevel::kBad, finding.where + ": " + finding.what);
   for (const Finding& finding : result.warnings)
-    verdict.Add(VerdictLevel::kWarning, finding.where + ": " + finding.what);
+    verdict.Add(session::VerdictLevel::kWarning, finding.where + ": " + finding.what);
   if (result.axes.empty())
-    verdict.Add(result.passive.empty() && !result.noise && !result.tremor ? VerdictLevel::kBad
-                                                                          : VerdictLevel::kWarning,
+    verdict.Add(result.passive.empty() && !result.noise && !result.tremor ? session::VerdictLevel::kBad
+                                                                          : session::VerdictLevel::kWarning,
                 "no arm was fitted: no recording with excitation");
   return verdict;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -11,7 +11,7 @@
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
@@ -31,11 +31,11 @@ class Unwrapped {
 };
 
 struct BodeCurves {
-  Series gain, phase;
+  report::Series gain, phase;
 };
 
 BodeCurves Measured(const MeasuredResponse& response, const std::string& name, const std::string& color,
-                    Marker marker) {
+                    report::Marker marker) {
   BodeCurves curves{.gain = {.name = name, .color = color, .width_px = 0.0, .marker = marker},
                     .phase = {.name = name, .color = color, .width_px = 0.0, .marker = marker}};
   Unwrapped phase;
@@ -56,8 +56,8 @@ BodeCurves Measured(const MeasuredResponse& response, const std::string& name, c
 }
 
 BodeCurves Fitted(const ServoModel& model, double period_s, double from_hz, double to_hz) {
-  BodeCurves curves{.gain = {.name = "fitted arm", .color = kTextColor},
-                    .phase = {.name = "fitted arm", .color = kTextColor}};
+  BodeCurves curves{.gain = {.name = "fitted arm", .color = report::kTextColor},
+                    .phase = {.name = "fitted arm", .color = report::kTextColor}};
   Unwrapped phase;
   for (double hz = from_hz; hz <= to_hz; hz *= kModelStep) {
     const std::complex<double> H = SampledResponse(model, period_s, hz);
@@ -82,34 +82,38 @@ ServoModel FittedModel(const AxisResult& axis) {
 }
 
 std::string BodeSvg(const AxisResult& axis, double period_s) {
-  LineChart gain{.title = fmt::format("The arm along {}, at {:.1f} mm/s RMS", axis.request.axis,
-                                      1e3 * axis.rms_speed_m_per_s),
-                 .x_label = "frequency [Hz]",
-                 .y_label = "gain",
-                 .y_from_zero = false,
-                 .log_x = true,
-                 .log_y = true};
-  LineChart phase{.x_label = "frequency [Hz]", .y_label = "phase [deg]", .log_x = true, .legend = false};
+  report::LineChart gain{.title = fmt::format("The arm along {}, at {:.1f} mm/s RMS", axis.request.axis,
+                                              1e3 * axis.rms_speed_m_per_s),
+                         .x_label = "frequency [Hz]",
+                         .y_label = "gain",
+                         .y_from_zero = false,
+                         .log_x = true,
+                         .log_y = true};
+  report::LineChart phase{
+      .x_label = "frequency [Hz]", .y_label = "phase [deg]", .log_x = true, .legend = false};
   const auto add = [&](BodeCurves curves) {
     gain.series.push_back(std::move(curves.gain));
     phase.series.push_back(std::move(curves.phase));
   };
   const auto& lines = axis.by_encoders.lines;
   if (axis.model_holds) add(Fitted(FittedModel(axis), period_s, lines.front().hz, lines.back().hz));
-  add(Measured(axis.by_encoders, "by the encoders", kPalette[0], Marker::kCircle));
-  if (axis.by_force) add(Measured(*axis.by_force, "by the force sensor", kPalette[1], Marker::kSquare));
-  const std::vector<LineChart> panels{gain, phase};
-  return Svg(panels);
+  add(Measured(axis.by_encoders, "by the encoders", report::kPalette[0], report::Marker::kCircle));
+  if (axis.by_force)
+    add(Measured(*axis.by_force, "by the force sensor", report::kPalette[1], report::Marker::kSquare));
+  const std::vector<report::LineChart> panels{gain, phase};
+  return report::Svg(panels);
 }
 
 std::string LagSvg(const IdentifyResult& result) {
-  LineChart chart{.title = "Total lag over speed",
-                  .x_label = "RMS speed of the tool [mm/s]",
-                  .y_label = "lag [ms]",
-                  .y_from_zero = false};
+  report::LineChart chart{.title = "Total lag over speed",
+                          .x_label = "RMS speed of the tool [mm/s]",
+                          .y_label = "lag [ms]",
+                          .y_from_zero = false};
   for (std::size_t k = 0; k < 3; ++k) {
     const char axis_name = static_cast<char>('x' + k);
-    Series series{.name = std::string("along ") + axis_name, .color = kPalette[k], .marker = Marker::kCircle};
+    report::Series series{.name = std::string("along ") + axis_name,
+                          .color = report::kPalette[k],
+                          .marker = report::Marker::kCircle};
     std::vector<const AxisResult*> axes;
     for (const AxisResult& axis : result.axes)
       if (axis.request.axis == axis_name && !axis.request.held) axes.push_back(&axis);
@@ -123,28 +127,29 @@ std::string LagSvg(const IdentifyResult& result) {
     }
     if (!series.x.empty()) chart.series.push_back(std::move(series));
   }
-  return chart.series.empty() ? "" : Svg(chart);
+  return chart.series.empty() ? "" : report::Svg(chart);
 }
 
 }  // namespace
 
 std::string IdentifyPage(const IdentifyResult& result, const std::string& command_line) {
-  ReportVerdict verdict = Judge(result).ForReport();
+  report::ReportVerdict verdict = Judge(result).ForReport();
   verdict.text = verdict.level == "good"   ? "measured"
                  : verdict.level == "look" ? "measured, with remarks"
                                            : "refused: nothing was written";
-  std::string html =
-      PageBegin({.title = "Osteon identify",
-                 .subtitle = result.cell + ": " + result.valid_for.robot + ", " + result.valid_for.tool,
-                 .verdict = verdict,
-                 .summary = Rows(result)});
+  std::string html = report::PageBegin(
+      {.title = "Osteon identify",
+       .subtitle = result.cell + ": " + result.valid_for.robot + ", " + result.valid_for.tool,
+       .verdict = verdict,
+       .summary = Rows(result)});
   if (const std::string lag = LagSvg(result); !lag.empty())
-    html += Figure(lag, "A gain that stands the longest lag stands the others. Bars: 95 % intervals.");
+    html +=
+        report::Figure(lag, "A gain that stands the longest lag stands the others. Bars: 95 % intervals.");
   for (const AxisResult& axis : result.axes)
-    html += Figure(BodeSvg(axis, result.valid_for.period_s),
-                   "Bars: two standard deviations, from period to period and from draw to draw.");
-  html += fmt::format("<footer><code>{}</code></footer>\n", Escape(command_line));
-  return html + PageEnd();
+    html += report::Figure(BodeSvg(axis, result.valid_for.period_s),
+                           "Bars: two standard deviations, from period to period and from draw to draw.");
+  html += fmt::format("<footer><code>{}</code></footer>\n", report::Escape(command_line));
+  return html + report::PageEnd();
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -4,9 +4,9 @@
 
 #include "studies/identify/identify_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The page of a result: verdict, summary, response with its bands and the fitted arm, lag over speed, force.
 [[nodiscard]] std::string IdentifyPage(const IdentifyResult& result, const std::string& command_line);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

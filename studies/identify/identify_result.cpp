@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -285,12 +285,12 @@ std::string ToJson(const IdentifyResult& result, const std::string& command_line
                          {"drag_factor", result.tremor->drag_factor},
                          {"seconds", result.tremor->seconds}};
   for (const PassiveLag& passive : result.passive) json["passive"].push_back(PassiveJson(passive));
-  return ResultText(Judge(result), json);
+  return session::ResultText(Judge(result), json);
 }
 
 namespace {
 
-SummaryRow OverlayRow(const AxisResult& axis) {
+report::SummaryRow OverlayRow(const AxisResult& axis) {
   const OverlayFit& fit = *axis.overlay;
   return {fmt::format("Overlay, {}", axis.request.axis),
           fmt::format(
@@ -301,7 +301,7 @@ SummaryRow OverlayRow(const AxisResult& axis) {
               1e3 * fit.dead_time_s.value, 1e3 * fit.dead_time_s.half_width)};
 }
 
-SummaryRow ArmRow(const AxisResult& axis) {
+report::SummaryRow ArmRow(const AxisResult& axis) {
   const ServoFit& fit = axis.fit;
   return {
       fmt::format("Arm, {} at {:.1f} mm/s rms", axis.request.axis, 1e3 * axis.rms_speed_m_per_s),
@@ -316,8 +316,8 @@ SummaryRow ArmRow(const AxisResult& axis) {
 
 }  // namespace
 
-std::vector<SummaryRow> Rows(const IdentifyResult& result) {
-  std::vector<SummaryRow> rows{
+std::vector<report::SummaryRow> Rows(const IdentifyResult& result) {
+  std::vector<report::SummaryRow> rows{
       {"Cell", fmt::format("{}: {}, {}, {:g} ms", result.cell, result.valid_for.robot, result.valid_for.tool,
                            1e3 * result.valid_for.period_s)}};
   for (const AxisResult& axis : result.axes) {
@@ -380,4 +380,4 @@ std::vector<SummaryRow> Rows(const IdentifyResult& result) {
   return rows;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

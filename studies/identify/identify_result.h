@@ -16,7 +16,7 @@
 #include "studies/identify/overlay_fit.h"
 #include "studies/identify/servo_fit.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// One finding that keeps a result from being written, or that the user should know.
 struct Finding {
@@ -86,7 +86,7 @@ void JudgeTremor(IdentifyResult& result);
 void JudgeSpeeds(IdentifyResult& result);
 
 /// Bad if something was refused; to be looked at with warnings, or if no axis was excited.
-[[nodiscard]] Verdict Judge(const IdentifyResult& result);
+[[nodiscard]] session::Verdict Judge(const IdentifyResult& result);
 
 /// The file for `tune` and others. @pre nothing was refused, and an axis was measured
 [[nodiscard]] config::IdentifiedCell ToIdentified(const IdentifyResult& result);
@@ -94,6 +94,6 @@ void JudgeSpeeds(IdentifyResult& result);
 /// JSON, osteon.identify/1.
 [[nodiscard]] std::string ToJson(const IdentifyResult& result, const std::string& command_line);
 
-[[nodiscard]] std::vector<SummaryRow> Rows(const IdentifyResult& result);
+[[nodiscard]] std::vector<report::SummaryRow> Rows(const IdentifyResult& result);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -17,7 +17,7 @@
 #include "hil/loops/admittance_loop.h"
 #include "studies/identify/servo_fit.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr hil::BoundaryScan kWalls{.from = 100.0, .to = 1e6, .factor = 1.05, .tolerance = 1e-4};
@@ -225,4 +225,4 @@ std::string TableJson(const std::vector<TableRow>& rows, const IdentifyTablePara
   return json.dump(1) + "\n";
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

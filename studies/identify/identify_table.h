@@ -9,7 +9,7 @@
 
 // How well an arm like a cell's would be identified: synthetic recordings of a known ServoArm, many seeds.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A synthetic recording: an excited ServoArm of one joint, measured with noise, over a link that loses.
 struct SyntheticRun {
@@ -65,4 +65,4 @@ struct TableRow {
 [[nodiscard]] std::string TableJson(const std::vector<TableRow>& rows, const IdentifyTableParams& params,
                                     const std::string& command_line);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

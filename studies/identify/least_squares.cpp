@@ -4,7 +4,7 @@
 #include <unsupported/Eigen/NonLinearOptimization>
 #include <unsupported/Eigen/NumericalDiff>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 struct Functor {
@@ -48,4 +48,4 @@ LeastSquaresFit Solve(const LeastSquares& problem, const Eigen::VectorXd& start)
   return fit;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A problem of nonlinear least squares.
 struct LeastSquares {
@@ -22,4 +22,4 @@ struct LeastSquaresFit {
 /// Levenberg-Marquardt (Eigen's, after MINPACK) with a numerical Jacobian.
 [[nodiscard]] LeastSquaresFit Solve(const LeastSquares& problem, const Eigen::VectorXd& start);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -13,7 +13,7 @@
 
 #include "control/excitation/multisine.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using control::Multisine;
@@ -287,4 +287,4 @@ tl::expected<MeasuredResponse, std::string> MeasureResponse(const ExcitedRun& ru
   return response;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 
 #include <tl/expected.hpp>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// One sample of an excited run along one axis. Samples follow each other by the period of the arm; a message
 /// that did not come has a sample that was not seen.
@@ -66,4 +66,4 @@ enum class Signal : std::uint8_t { kCommand, kPosition, kForce };
 [[nodiscard]] tl::expected<MeasuredResponse, std::string> MeasureResponse(const ExcitedRun& run, Signal input,
                                                                           Signal output);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 
 #include "studies/identify/least_squares.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kHalfWidthSd = 2.0, kMaxOverlayChi2 = 3.0, kTurn = 2.0 * std::numbers::pi;
@@ -140,4 +140,4 @@ MeasuredResponse PerForce(MeasuredResponse response, double nominal_N_per_m) {
   return response;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 
 #include "studies/identify/servo_fit.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The arm's own impedance along an axis, as a force that is laid over it meets it:
 ///
@@ -32,4 +32,4 @@ struct OverlayFit {
 /// The response x / f in m/N. @param response  of x / (f / nominal stiffness)
 [[nodiscard]] MeasuredResponse PerForce(MeasuredResponse response, double nominal_N_per_m);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

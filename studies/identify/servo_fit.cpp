@@ -8,7 +8,7 @@
 
 #include "studies/identify/least_squares.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -78,4 +78,4 @@ double ValidationChi2(const ServoModel& model, std::span<const ResponseLine> lin
   return chi2 / (2.0 * static_cast<double>(lines.size()));
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 #include "studies/identify/measured_response.h"
 #include "studies/identify/servo_response.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A value with the half width of its 95 % interval.
 struct Estimate {
@@ -36,4 +36,4 @@ struct ServoFit {
 [[nodiscard]] double ValidationChi2(const ServoModel& model, std::span<const ResponseLine> lines,
                                     double period_s);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

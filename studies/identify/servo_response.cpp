@@ -8,7 +8,7 @@
 
 #include "hil/arm/second_order_step.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -35,4 +35,4 @@ std::complex<double> SampledResponse(const ServoModel& model, double period_s, d
   return (resolvent * driven)[0] * std::polar(1.0, -kTurn * hz * periods * period_s);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

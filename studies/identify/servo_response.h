@@ -2,7 +2,7 @@
 
 #include <complex>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// An arm along one axis, as hil::ServoArm but with any dead time:
 ///
@@ -25,4 +25,4 @@ struct ServoModel {
 /// with E(t) the transition of (y, y') over t, and c = (gain, 0).
 [[nodiscard]] std::complex<double> SampledResponse(const ServoModel& model, double period_s, double hz);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -12,7 +12,7 @@
 #include "base/write_text.h"
 #include "session/process/exit_code.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kPush_N = 150.0, kLimit_N = 200.0;
@@ -101,34 +101,34 @@ std::string KillTableJson(std::span<const KillRun> runs) {
     }
     json["kills"].push_back(std::move(kill));
   }
-  return JsonText(json);
+  return base::JsonText(json);
 }
 
 int RunKillTable(const KillTableOptions& options) {
-  const WorkFolder scratch("kill");
+  const base::WorkFolder scratch("kill");
   if (scratch.path().empty())
-    return Fail("failures", "cannot make a folder for what the processes write", kFailed);
+    return session::Fail("failures", "cannot make a folder for what the processes write", session::kFailed);
   try {
     WriteKillCell(options.config_root / "cells" / "thin_plate.yaml", kPush_N, kLimit_N, scratch.path());
   } catch (const std::exception& error) {
-    return Fail("failures", error.what(), kFailed);
+    return session::Fail("failures", error.what(), session::kFailed);
   }
-  InstallInterrupt();
+  base::InstallInterrupt();
   const KillTrialParams params{.cell = scratch.path() / "cell.yaml",
                                .push_N = kPush_N,
                                .limit_N = kLimit_N,
                                .folder = scratch.path(),
                                .engine = options.engine,
                                .device = options.device,
-                               .stop = [] { return Interrupted().load(); }};
+                               .stop = [] { return base::Interrupted().load(); }};
   std::vector<KillVictim> victims = options.victims;
   if (victims.empty())
     for (int v = 0; v < kKillVictims; ++v) victims.push_back(static_cast<KillVictim>(v));
   std::vector<KillRun> runs;
-  PhaseProgress progress("osteon failures", options.times * static_cast<int>(victims.size()));
-  for (int time = 0; time < options.times && !Interrupted(); ++time) {
+  base::PhaseProgress progress("osteon failures", options.times * static_cast<int>(victims.size()));
+  for (int time = 0; time < options.times && !base::Interrupted(); ++time) {
     for (const KillVictim victim : victims) {
-      if (Interrupted()) break;
+      if (base::Interrupted()) break;
       progress.BeginPhase(fmt::format("{} {} of {}", NameOf(victim), time + 1, options.times));
       KillRun run{.result = {.victim = victim}};
       try {
@@ -140,16 +140,16 @@ int RunKillTable(const KillTableOptions& options) {
       } catch (const std::exception& error) {
         run.error = error.what();
       }
-      if (!Interrupted()) runs.push_back(std::move(run));  // an incomplete trial does not count
+      if (!base::Interrupted()) runs.push_back(std::move(run));  // an incomplete trial does not count
     }
   }
   progress.Done();
   if (!runs.empty()) fmt::print("{}", KillTableText(runs));
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, KillTableJson(runs)); !written)
-      return Fail("failures", written.error(), kFailed);
-  if (Interrupted()) return kExitInterrupted;
-  return std::ranges::all_of(runs, &KillRun::passed) ? 0 : kFailed;
+    if (const auto written = base::WriteText(options.json, KillTableJson(runs)); !written)
+      return session::Fail("failures", written.error(), session::kFailed);
+  if (base::Interrupted()) return base::kExitInterrupted;
+  return std::ranges::all_of(runs, &KillRun::passed) ? 0 : session::kFailed;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 
 #include "studies/kill/kill_trial.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Options of `osteon failures --kill`: real processes are killed in full contact, in wall time.
 struct KillTableOptions {
@@ -37,4 +37,4 @@ struct KillRun {
 /// JSON object, schema osteon.failures/1, without scenarios and with each trial in `kills`.
 [[nodiscard]] std::string KillTableJson(std::span<const KillRun> runs);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

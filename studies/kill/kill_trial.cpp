@@ -21,7 +21,7 @@
 #include "session/run/cell_ports.h"
 #include "session/run/cell_trace.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 // The command that runs cells: it lies beside this one, which runs studies.
@@ -92,7 +92,7 @@ class Trial {
         cell_file_(IsEngine(victim) ? EngineCell(params.cell) : params.cell),
         trace_(Folder("cell") / "trace.csv") {
     config::CellConfig cell = config::LoadCell(cell_file_);
-    const auto port = UseSimulated(cell, 0);
+    const auto port = session::UseSimulated(cell, 0);
     if (!port) throw std::runtime_error(port.error());
     port_ = std::to_string(*port);
     for (const char* name : {"cell", "guard", "run"}) {
@@ -129,7 +129,7 @@ class Trial {
       case KillVictim::kLoop:
       case KillVictim::kSimulation:
       case KillVictim::kRecorder: {
-        auto halted = HaltedThread::Halt(run_->pid(), ThreadOf(victim));
+        auto halted = base::HaltedThread::Halt(run_->pid(), ThreadOf(victim));
         if (!halted) return halted.error();
         halted_ = std::move(*halted);
         break;
@@ -188,14 +188,14 @@ class Trial {
  private:
   [[nodiscard]] std::filesystem::path Folder(const std::string& name) const { return params_.folder / name; }
 
-  std::unique_ptr<ChildProcess> Start(const std::string& name, const std::vector<std::string>& more) {
+  std::unique_ptr<base::ChildProcess> Start(const std::string& name, const std::vector<std::string>& more) {
     std::vector<std::string> words{name, std::filesystem::absolute(cell_file_).string(), "--port", port_};
     words.insert(words.end(), more.begin(), more.end());
-    auto process = ChildProcess::Start({.words = words,
-                                        .program = OsteonBeside(),
-                                        .folder = Folder(name),
-                                        .out = Folder(name) / "stdout",
-                                        .err = Folder(name) / "stderr"});
+    auto process = base::ChildProcess::Start({.words = words,
+                                              .program = OsteonBeside(),
+                                              .folder = Folder(name),
+                                              .out = Folder(name) / "stdout",
+                                              .err = Folder(name) / "stderr"});
     if (!process) throw std::runtime_error(process.error());
     return std::move(*process);
   }
@@ -228,20 +228,20 @@ class Trial {
   // Time since the kill for which the arm has been at rest.
   rt::Nanoseconds RestsFor() {
     trace_.Poll();
-    return RestedFor(trace_.cycles(), killed_);
+    return session::RestedFor(trace_.cycles(), killed_);
   }
 
   void ReadArmTrace(KillResult& result) {
     trace_.Poll();
-    const CellCycle* at_kill = nullptr;
-    for (const CellCycle& cycle : trace_.cycles()) {
+    const session::CellCycle* at_kill = nullptr;
+    for (const session::CellCycle& cycle : trace_.cycles()) {
       result.hand_N = std::max(result.hand_N, cycle.hand_N);
       if (cycle.stamp <= killed_) {
         at_kill = &cycle;
         result.hand_at_kill_N = cycle.hand_N;
         continue;
       }
-      if (Moves(cycle)) result.rest_ms = rt::ToSeconds(cycle.stamp - killed_) * 1e3;
+      if (session::Moves(cycle)) result.rest_ms = rt::ToSeconds(cycle.stamp - killed_) * 1e3;
       if (at_kill) result.distance_m = std::max(result.distance_m, (cycle.p_WT_m - at_kill->p_WT_m).norm());
     }
     result.at_rest = at_kill && RestsFor() > kRestFor;
@@ -306,10 +306,10 @@ class Trial {
 
   const KillTrialParams& params_;
   std::filesystem::path cell_file_;
-  CellTraceReader trace_;
+  session::CellTraceReader trace_;
   std::string port_;
-  std::unique_ptr<ChildProcess> cell_, guard_, run_;
-  std::unique_ptr<HaltedThread> halted_;  // destroyed before its process
+  std::unique_ptr<base::ChildProcess> cell_, guard_, run_;
+  std::unique_ptr<base::HaltedThread> halted_;  // destroyed before its process
   pid_t engine_{0};
   rt::Nanoseconds killed_{0};
 };
@@ -420,4 +420,4 @@ tl::expected<KillResult, std::string> RunKillTrial(KillVictim victim, const Kill
           : ": " + why));
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

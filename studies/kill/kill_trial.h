@@ -8,7 +8,7 @@
 
 #include <tl/expected.hpp>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The process or thread that is killed or halted in full contact.
 enum class KillVictim {
@@ -84,4 +84,4 @@ void WriteKillCell(const std::filesystem::path& source, double push_N, double li
 [[nodiscard]] tl::expected<KillResult, std::string> RunKillTrial(KillVictim victim,
                                                                  const KillTrialParams& params);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -20,7 +20,7 @@
 #include "studies/pack/pack_report.h"
 #include "studies/pack/pack_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 double Now_s() {
@@ -39,16 +39,17 @@ std::string WrongPlace(const PackOptions& options) {
                          output.string(), output.extension().string());
     if (std::filesystem::is_directory(output, error))
       return fmt::format("-o {}: found a folder, accepted a file", output.string());
-    if (std::string wrong = ValidateParentFolder("-o", output); !wrong.empty()) return wrong;
+    if (std::string wrong = session::ValidateParentFolder("-o", output); !wrong.empty()) return wrong;
     if (std::filesystem::equivalent(output, options.source.input, error))
       return fmt::format("-o {}: found the input, accepted another file", output.string());
   }
-  if (std::string wrong = ValidateOutputFolder("--report", options.report); !wrong.empty()) return wrong;
-  return ValidateParentFolder("--json", options.json);
+  if (std::string wrong = session::ValidateOutputFolder("--report", options.report); !wrong.empty())
+    return wrong;
+  return session::ValidateParentFolder("--json", options.json);
 }
 
 /// Default spacing of the mass points: some 200 000 if even; below a zone the finest is at most 0.75 mm.
-simulation::MassPointParams PointParams(const PackOptions& options, const PackSource& source,
+simulation::MassPointParams PointParams(const PackOptions& options, const session::PackSource& source,
                                         double volume_m3) {
   constexpr double kPoints = 200'000.0, kFinest_m = 0.1e-3, kCoarsest_m = 3e-3, kMaxAtZone_m = 0.75e-3;
   simulation::MassPointParams params;
@@ -65,7 +66,7 @@ simulation::MassPointParams PointParams(const PackOptions& options, const PackSo
   return params;
 }
 
-std::vector<simulation::Ball> Pack(const PackOptions& options, const PackSource& source) {
+std::vector<simulation::Ball> Pack(const PackOptions& options, const session::PackSource& source) {
   const double r_min_m = 1e-3 * options.r_min_mm.value_or(0.0),
                r_max_m = 1e-3 * options.r_max_mm.value_or(0.0);
   if (options.disjoint) {
@@ -95,7 +96,7 @@ std::vector<simulation::Ball> Pack(const PackOptions& options, const PackSource&
 }
 
 /// The parameters that decided the result, and its quality, as the file's provenance.
-simulation::PackingProvenance Provenance(const PackOptions& options, const PackSource& source,
+simulation::PackingProvenance Provenance(const PackOptions& options, const session::PackSource& source,
                                          const PackResult& result) {
   simulation::PackingProvenance provenance = source.provenance;
   provenance.program = "osteon " OSTEON_VERSION;
@@ -128,16 +129,16 @@ tl::expected<void, std::string> WriteOutputs(const PackOptions& options, const P
                          : Has(output, ".ply") ? simulation::WritePly(output, result.bone.balls)
                                                : simulation::WriteCsv(output, result.bone.balls);
     if (!written) return tl::make_unexpected(written.error().Text());
-    if (Interrupted()) return {};
+    if (base::Interrupted()) return {};
   }
-  if (!options.json.empty()) return WriteText(options.json, ToJson(result));
+  if (!options.json.empty()) return base::WriteText(options.json, ToJson(result));
   return {};
 }
 
-tl::expected<void, std::string> WriteReportOf(const PackOptions& options, const PackSource& source,
+tl::expected<void, std::string> WriteReportOf(const PackOptions& options, const session::PackSource& source,
                                               const PackResult& result,
-                                              const std::vector<PhaseProgress::Phase>& phases) {
-  std::vector<SummaryRow> times;
+                                              const std::vector<base::PhaseProgress::Phase>& phases) {
+  std::vector<report::SummaryRow> times;
   for (const auto& phase : phases)
     times.push_back({"time: " + phase.name, fmt::format("{:.2f} s", phase.seconds)});
   const bool good = KeepsTolerances(result);
@@ -162,18 +163,18 @@ tl::expected<void, std::string> WriteReportOf(const PackOptions& options, const 
 
 void PrintTable(const PackResult& result) {
   fmt::print("Osteon pack: {}\n", result.bone.name);
-  for (const SummaryRow& row : Rows(result)) fmt::print("  {:<30} {}\n", row.key, row.value);
+  for (const report::SummaryRow& row : Rows(result)) fmt::print("  {:<30} {}\n", row.key, row.value);
 }
 
 /// Saves a packing file in other formats.
 int Convert(const PackOptions& options) {
   if (!options.packing_options.empty())
-    return Fail("pack", fmt::format("{}: found with a packing file, accepted with a mesh or shape",
-                                    options.packing_options.front()));
+    return session::Fail("pack", fmt::format("{}: found with a packing file, accepted with a mesh or shape",
+                                             options.packing_options.front()));
   if (!options.report.empty())
-    return Fail("pack", "--report: found with a packing file, accepted with a mesh or shape");
+    return session::Fail("pack", "--report: found with a packing file, accepted with a mesh or shape");
   const auto file = simulation::PackingFile::Open(options.source.input, options.threads);
-  if (!file) return Fail("pack", file.error().Text());
+  if (!file) return session::Fail("pack", file.error().Text());
   PackResult result{
       .bone = file->ToBone(), .mode = "unknown", .converted = true, .provenance = file->provenance()};
   result.outputs = options.outputs;
@@ -190,26 +191,26 @@ int Convert(const PackOptions& options) {
   ReadQualityParameters(result.provenance, result.quality);
   if (!result.bone.points.empty())
     result.mass = simulation::PointMassProperties(result.bone.points, result.bone.materials);
-  InstallInterrupt();
+  base::InstallInterrupt();
   if (const auto written = WriteOutputs(options, result); !written)
-    return Fail("pack", written.error(), kFailed);
-  if (Interrupted()) return kExitInterrupted;
+    return session::Fail("pack", written.error(), session::kFailed);
+  if (base::Interrupted()) return base::kExitInterrupted;
   PrintTable(result);
   return 0;
 }
 
 int Run(const PackOptions& options) {
-  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("pack", wrong);
+  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return session::Fail("pack", wrong);
   if (Has(options.source.input, ".osp")) return Convert(options);
 
   // until something is written, Ctrl-C may end the process at once
   const bool report = !options.report.empty();
-  PhaseProgress progress("osteon pack", 4 + (options.points ? 1 : 0) + (report ? 1 : 0));
+  base::PhaseProgress progress("osteon pack", 4 + (options.points ? 1 : 0) + (report ? 1 : 0));
   progress.BeginPhase("load");
-  auto source = LoadPackSource(options.source);
+  auto source = session::LoadPackSource(options.source);
   if (!source) {
     progress.Done();
-    return Fail("pack", source.error());
+    return session::Fail("pack", source.error());
   }
   PackResult result{.mode = options.disjoint ? "disjoint" : "overlap"};
   result.bone.name = source->name;
@@ -228,8 +229,8 @@ int Run(const PackOptions& options) {
   result.seconds = Now_s() - begun_s;
   if (result.bone.balls.empty()) {
     progress.Done();
-    return Fail("pack",
-                "no sphere of the radii that were asked for fits into it: accepted a lesser --r-min-mm");
+    return session::Fail(
+        "pack", "no sphere of the radii that were asked for fits into it: accepted a lesser --r-min-mm");
   }
   progress.BeginPhase("measure");
   result.quality =
@@ -243,37 +244,37 @@ int Run(const PackOptions& options) {
   }
   result.provenance = Provenance(options, *source, result);
 
-  InstallInterrupt();
+  base::InstallInterrupt();
   if (report) {
     progress.BeginPhase("report");
     const auto written = WriteReportOf(options, *source, result, progress.phases());
     if (!written) {
       progress.Done();
-      return Fail("pack", written.error(), kFailed);
+      return session::Fail("pack", written.error(), session::kFailed);
     }
     result.outputs.push_back(options.report / "report.html");
   }
-  if (Interrupted()) {
+  if (base::Interrupted()) {
     progress.Done();
-    return kExitInterrupted;
+    return base::kExitInterrupted;
   }
   progress.BeginPhase("write");
   result.phases = progress.phases();
   const auto written = WriteOutputs(options, result);
   progress.Done();
   if (!source->warning.empty()) fmt::print(stderr, "osteon pack: warning: {}\n", source->warning);
-  if (!written) return Fail("pack", written.error(), kFailed);
-  if (Interrupted()) return kExitInterrupted;
+  if (!written) return session::Fail("pack", written.error(), session::kFailed);
+  if (base::Interrupted()) return base::kExitInterrupted;
   PrintTable(result);
   if (KeepsTolerances(result)) return 0;
-  return Fail(
+  return session::Fail(
       "pack",
       fmt::format(
           "found a protrusion of {:.4g} mm and an overlap of {:.4g} mm; accepted {:g} mm, and {:g} mm "
           "in a disjoint packing",
           result.quality.protrusion_max_m * 1e3, result.quality.overlap_max_m * 1e3, kMaxProtrusion_m * 1e3,
           kMaxDisjointOverlap_m * 1e3),
-      kFailed);
+      session::kFailed);
 }
 
 }  // namespace
@@ -282,8 +283,8 @@ int RunPack(const PackOptions& options) {
   try {
     return Run(options);
   } catch (const std::invalid_argument& error) {  // a builder rejected a value
-    return Fail("pack", error.what());
+    return session::Fail("pack", error.what());
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -7,10 +7,10 @@
 
 #include "session/planning/pack_source.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct PackOptions {
-  SourceOptions source;
+  session::SourceOptions source;
   std::vector<std::filesystem::path> outputs;  ///< .osp, .ply, .csv
   bool disjoint{false};
   std::optional<std::size_t> count{};
@@ -31,4 +31,4 @@ struct PackOptions {
 /// wrong input, nothing was written (both said on stderr); 130 ended by Ctrl-C, all present files complete.
 [[nodiscard]] int RunPack(const PackOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

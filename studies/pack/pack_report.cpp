@@ -12,7 +12,7 @@
 #include "simulation/packing/point_spectrum.h"
 #include "studies/pack/packing_picture.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using simulation::Bone;
@@ -32,10 +32,10 @@ std::string RadiusLegend(double min_mm, double max_mm) {
       "font-family=\"{}\" font-size=\"12\" fill=\"{}\"><defs><linearGradient "
       "id=\"radii\">{}</linearGradient></defs>"
       "<rect x=\"60\" y=\"4\" width=\"300\" height=\"14\" fill=\"url(#radii)\"/>",
-      Escape(kFontFamily), kTextColor, stops);
+      report::Escape(report::kFontFamily), report::kTextColor, stops);
   for (int i = 0; i <= 2; ++i)
     out += fmt::format("<text x=\"{}\" y=\"34\" text-anchor=\"middle\">{} mm</text>", 60 + 150 * i,
-                       Number(min_mm * std::pow(max_mm / min_mm, i / 2.0)));
+                       report::Number(min_mm * std::pow(max_mm / min_mm, i / 2.0)));
   return out + "<text x=\"0\" y=\"15\">radius</text></svg>\n";
 }
 
@@ -47,16 +47,17 @@ tl::expected<std::string, std::string> Pictures(const PackReportInput& input) {
     return Viridis(range > 0.0 ? (std::log(bone.balls[i].radius_m) - least) / range : 0.5);
   };
   const auto by_material = [&](std::size_t, const Vector3& p_G) {
-    return MaterialColor(bone, input.solid.MaterialAt(p_G));
+    return report::MaterialColor(bone, input.solid.MaterialAt(p_G));
   };
-  const Camera camera = PackingCamera(bone, plane, 470, 470);
-  const auto outside = Picture(RenderPacking(bone.balls, camera, std::nullopt, by_radius, input.threads),
-                               "All spheres, by radius.");
+  const report::Camera camera = PackingCamera(bone, plane, 470, 470);
+  const auto outside = report::Picture(
+      RenderPacking(bone.balls, camera, std::nullopt, by_radius, input.threads), "All spheres, by radius.");
   if (!outside) return outside;
-  const auto half = Picture(RenderPacking(bone.balls, camera, plane, by_radius, input.threads),
-                            "The half behind the middle plane: spheres that it cuts show their inside.");
+  const auto half =
+      report::Picture(RenderPacking(bone.balls, camera, plane, by_radius, input.threads),
+                      "The half behind the middle plane: spheres that it cuts show their inside.");
   if (!half) return half;
-  const auto inside = Picture(
+  const auto inside = report::Picture(
       RenderPacking(bone.balls, PackingCamera(bone, plane, 760, 560), plane, by_material, input.threads),
       "The same half by material, as the solid has it there; gaps show what lies behind them.");
   if (!inside) return inside;
@@ -66,7 +67,7 @@ tl::expected<std::string, std::string> Pictures(const PackReportInput& input) {
     tints += fmt::format(
         "<span style=\"display:inline-block;width:12px;height:12px;border:1px solid #8a939c;"
         "background:{};margin:0 6px 0 16px\"></span>{}",
-        MaterialTint(bone, index), Escape(material.name));
+        report::MaterialTint(bone, index), report::Escape(material.name));
   }
   return "<h2>Spheres</h2>\n<div class=\"pair\">\n" + *outside + *half + "</div>\n" +
          RadiusLegend(input.quality.r_min_m * 1e3, input.quality.r_max_m * 1e3) + *inside +
@@ -84,42 +85,43 @@ std::string SectionFigure(const PackReportInput& input) {
   axis -= axis.dot(plane.normal) * plane.normal;
   if (axis.norm() < 0.1) axis = plane.normal.unitOrthogonal();
   bone.site = {.center_m = middle, .axis = axis.normalized(), .radius_m = 0.5 * box.diagonal().norm()};
-  const Section section = ComputeSection(bone, {}, {}, {},
-                                         {.step_m = box.diagonal().norm() / 900.0,
-                                          .reach_in_cup_radii = 1.0,
-                                          .depth_in_cup_radii = 1.0,
-                                          .solid = &input.solid});
-  return "<h2>Section</h2>\n" +
-         Figure(SectionSvg(section, bone), "Union of the spheres in a plane through the middle.");
+  const report::Section section = report::ComputeSection(bone, {}, {}, {},
+                                                         {.step_m = box.diagonal().norm() / 900.0,
+                                                          .reach_in_cup_radii = 1.0,
+                                                          .depth_in_cup_radii = 1.0,
+                                                          .solid = &input.solid});
+  return "<h2>Section</h2>\n" + report::Figure(report::SectionSvg(section, bone),
+                                               "Union of the spheres in a plane through the middle.");
 }
 
 std::string Histograms(const PackReportInput& input) {
   std::vector<double> radii_mm;
   radii_mm.reserve(input.bone.balls.size());
   for (const simulation::Ball& ball : input.bone.balls) radii_mm.push_back(ball.radius_m * 1e3);
-  Histogram radii{.title = "Radii of the spheres",
-                  .x_label = "radius [mm]",
-                  .values = std::move(radii_mm),
-                  .log_x = true,
-                  .log_y = true,
-                  .unit = "mm",
-                  .percentiles = false};
+  report::Histogram radii{.title = "Radii of the spheres",
+                          .x_label = "radius [mm]",
+                          .values = std::move(radii_mm),
+                          .log_x = true,
+                          .log_y = true,
+                          .unit = "mm",
+                          .percentiles = false};
 
-  Series share{.name = "share of the surface with a lesser gap", .color = "#0072b2", .width_px = 1.8};
+  report::Series share{.name = "share of the surface with a lesser gap", .color = "#0072b2", .width_px = 1.8};
   for (std::size_t i = 0; i <= 100; ++i) {
     share.x.push_back(input.quality.surface_gap_percentiles_m[i] * 1e3);
     share.y.push_back(static_cast<double>(i));
   }
-  const LineChart gaps{.title = "Gap between the surface and the spheres",
-                       .x_label = "gap [mm]",
-                       .y_label = "share of the surface [%]",
-                       .series = {std::move(share)},
-                       .limits = {{95.0, "95 %"}},
-                       .plot_height_px = 200.0};
+  const report::LineChart gaps{.title = "Gap between the surface and the spheres",
+                               .x_label = "gap [mm]",
+                               .y_label = "share of the surface [%]",
+                               .series = {std::move(share)},
+                               .limits = {{95.0, "95 %"}},
+                               .plot_height_px = 200.0};
   return "<h2>Radii and gaps</h2>\n<div class=\"pair\">\n" +
-         Figure(Svg(radii), "Counts on a logarithmic axis.") +
-         Figure(Svg(gaps, 450.0), fmt::format("{} places of the surface; 0 where a sphere holds the place.",
-                                              input.quality.surface_samples)) +
+         report::Figure(report::Svg(radii), "Counts on a logarithmic axis.") +
+         report::Figure(report::Svg(gaps, 450.0),
+                        fmt::format("{} places of the surface; 0 where a sphere holds the place.",
+                                    input.quality.surface_samples)) +
          "</div>\n";
 }
 
@@ -134,24 +136,25 @@ std::string Spectrum(const PackReportInput& input) {
   std::string out = "<h2>Mass points</h2>\n";
   if (spectrum.power.empty())
     return out + "<p>No spectrum: nowhere in the solid is there room for a cube of five spacings.</p>\n";
-  const LineChart chart{.x_label = "waves per mean spacing",
-                        .y_label = "power",
-                        .series = {{.name = "mass points",
-                                    .x = spectrum.frequency_per_mean_spacing,
-                                    .y = spectrum.power,
-                                    .width_px = 1.8},
-                                   {.name = "independent points",
-                                    .x = {spectrum.frequency_per_mean_spacing.front(),
-                                          spectrum.frequency_per_mean_spacing.back()},
-                                    .y = {1.0, 1.0},
-                                    .color = kMutedColor}},
-                        .plot_height_px = 200.0};
+  const report::LineChart chart{.x_label = "waves per mean spacing",
+                                .y_label = "power",
+                                .series = {{.name = "mass points",
+                                            .x = spectrum.frequency_per_mean_spacing,
+                                            .y = spectrum.power,
+                                            .width_px = 1.8},
+                                           {.name = "independent points",
+                                            .x = {spectrum.frequency_per_mean_spacing.front(),
+                                                  spectrum.frequency_per_mean_spacing.back()},
+                                            .y = {1.0, 1.0},
+                                            .color = report::kMutedColor}},
+                                .plot_height_px = 200.0};
   return out +
-         Figure(Svg(chart),
-                fmt::format("Radially averaged power spectrum of {} points, over {} cubes in which they are "
-                            "evenly dense. Blue noise has next to nothing at low frequencies: sums over a "
-                            "region that is cut are then as even as the points are.",
-                            points.size(), windows.size()));
+         report::Figure(
+             report::Svg(chart),
+             fmt::format("Radially averaged power spectrum of {} points, over {} cubes in which they are "
+                         "evenly dense. Blue noise has next to nothing at low frequencies: sums over a "
+                         "region that is cut are then as even as the points are.",
+                         points.size(), windows.size()));
 }
 
 std::string Mass(const PackReportInput& input) {
@@ -198,9 +201,10 @@ std::string Materials(const PackReportInput& input) {
   for (const simulation::Material& m : input.bone.materials) {
     const auto row = [&](const char* figure, const std::string& value,
                          const simulation::FigureSource& source) {
-      out += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td>{}{}</td></tr>\n",
-                         Escape(m.name), figure, Escape(value), source.assumed ? "<b>assumed</b>" : "",
-                         source.text.empty() ? "" : Escape((source.assumed ? ": " : "") + source.text));
+      out += fmt::format(
+          "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td>{}{}</td></tr>\n", report::Escape(m.name),
+          figure, report::Escape(value), source.assumed ? "<b>assumed</b>" : "",
+          source.text.empty() ? "" : report::Escape((source.assumed ? ": " : "") + source.text));
     };
     row("density", fmt::format("{:g} g/cm³", m.density_kg_per_m3 * 1e-3), m.density_source);
     row("cutting energy", fmt::format("{:g} J/mm³", m.specific_cutting_energy_J_per_m3 * 1e-9),
@@ -219,14 +223,14 @@ std::string Materials(const PackReportInput& input) {
 std::string Origin(const PackReportInput& input) {
   std::string out = "<h2>How it was made</h2>\n<table>\n";
   const auto row = [&out](const std::string& key, const std::string& value) {
-    out += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", Escape(key), Escape(value));
+    out += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", report::Escape(key), report::Escape(value));
   };
   row("source", input.provenance.source);
   if (input.provenance.source_crc) row("its CRC-32", fmt::format("{:08x}", *input.provenance.source_crc));
   for (const auto& [key, value] : input.provenance.parameters) row(key, value);
-  for (const SummaryRow& time : input.times) row(time.key, time.value);
+  for (const report::SummaryRow& time : input.times) row(time.key, time.value);
   out += "</table>\n";
-  if (!input.command_line.empty()) out += "<pre>" + Escape(input.command_line) + "</pre>\n";
+  if (!input.command_line.empty()) out += "<pre>" + report::Escape(input.command_line) + "</pre>\n";
   return out;
 }
 
@@ -235,15 +239,15 @@ std::string Origin(const PackReportInput& input) {
 tl::expected<std::string, std::string> MakePackReport(const PackReportInput& input) {
   const auto pictures = Pictures(input);
   if (!pictures) return tl::unexpected(pictures.error());
-  std::string html =
-      PageBegin({.title = "Packing: " + input.bone.name,
-                 .subtitle = "From " + input.provenance.source,
-                 .verdict = ReportVerdict{.level = input.good ? "good" : "bad", .text = input.verdict},
-                 .summary = input.summary});
+  std::string html = report::PageBegin(
+      {.title = "Packing: " + input.bone.name,
+       .subtitle = "From " + input.provenance.source,
+       .verdict = report::ReportVerdict{.level = input.good ? "good" : "bad", .text = input.verdict},
+       .summary = input.summary});
   html += *pictures + SectionFigure(input) + Histograms(input) + Spectrum(input) + Mass(input) +
           Materials(input) + Origin(input);
-  if (!input.version.empty()) html += "<footer>Osteon " + Escape(input.version) + "</footer>\n";
-  return html + PageEnd();
+  if (!input.version.empty()) html += "<footer>Osteon " + report::Escape(input.version) + "</footer>\n";
+  return html + report::PageEnd();
 }
 
 tl::expected<void, std::string> WritePackReport(const PackReportInput& input,
@@ -253,7 +257,7 @@ tl::expected<void, std::string> WritePackReport(const PackReportInput& input,
   if (error) return tl::unexpected(path.parent_path().string() + ": " + error.message());
   const auto html = MakePackReport(input);
   if (!html) return tl::unexpected(path.string() + ": " + html.error());
-  return WritePage(*html, path);
+  return report::WritePage(*html, path);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -14,13 +14,13 @@
 #include "simulation/solids/cut_zone.h"
 #include "simulation/solids/mass_properties.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The contents of a packing's report. Views must outlive the call.
 struct PackReportInput {
   std::string verdict{};  ///< in a few words
   bool good{true};        ///< whether the verdict is good
-  std::vector<SummaryRow> summary{};
+  std::vector<report::SummaryRow> summary{};
   const simulation::Bone& bone;
   const simulation::PackingQuality& quality;
   const simulation::Solid& solid;
@@ -30,7 +30,7 @@ struct PackReportInput {
   std::optional<simulation::MassProperties> even_points{};  ///< of the points, all at 1000 kg/m³
   std::optional<simulation::MassProperties> even_solid{};   ///< of the solid at 1000 kg/m³, in closed form
   simulation::PackingProvenance provenance{};
-  std::vector<SummaryRow> times{};
+  std::vector<report::SummaryRow> times{};
   std::string command_line{};
   std::string version{};
   int threads{0};
@@ -46,4 +46,4 @@ struct PackReportInput {
 [[nodiscard]] tl::expected<void, std::string> WritePackReport(const PackReportInput& input,
                                                               const std::filesystem::path& path);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using simulation::FigureSource;
@@ -82,9 +82,9 @@ std::optional<MassComparison> CompareMass(const PackResult& result) {
                                          b.inertia_kg_m2.cwiseAbs().maxCoeff()};
 }
 
-std::vector<SummaryRow> Rows(const PackResult& result) {
+std::vector<report::SummaryRow> Rows(const PackResult& result) {
   const PackingQuality& q = result.quality;
-  std::vector<SummaryRow> rows;
+  std::vector<report::SummaryRow> rows;
   const auto row = [&rows](const std::string& key, const std::string& value) {
     rows.push_back({key, value});
   };
@@ -158,7 +158,7 @@ std::string ToJson(const PackResult& result) {
   for (const auto& [key, value] : result.provenance.parameters) json["parameters"][key] = value;
   json["output"] = nlohmann::json::array();
   for (const auto& output : result.outputs) json["output"].push_back(output.string());
-  return JsonText(json);
+  return base::JsonText(json);
 }
 
 std::vector<std::pair<std::string, std::string>> QualityParameters(const PackingQuality& quality) {
@@ -179,4 +179,4 @@ void ReadQualityParameters(const simulation::PackingProvenance& provenance, Pack
     }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

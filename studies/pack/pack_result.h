@@ -13,7 +13,7 @@
 #include "simulation/packing/packing_quality.h"
 #include "simulation/solids/mass_properties.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The result of `osteon pack` with its quality, as terminal, JSON and report show it.
 struct PackResult {
@@ -32,7 +32,7 @@ struct PackResult {
   std::optional<simulation::MassProperties> even_points{};
   std::optional<simulation::MassProperties> even_solid{};  ///< in closed form
   double seconds{0.0};                                     ///< of the packing itself
-  std::vector<PhaseProgress::Phase> phases{};
+  std::vector<base::PhaseProgress::Phase> phases{};
   std::vector<std::filesystem::path> outputs{};
 };
 
@@ -50,7 +50,7 @@ struct MassComparison {
 [[nodiscard]] std::optional<MassComparison> CompareMass(const PackResult& result);
 
 /// Rows for the terminal and the report.
-[[nodiscard]] std::vector<SummaryRow> Rows(const PackResult& result);
+[[nodiscard]] std::vector<report::SummaryRow> Rows(const PackResult& result);
 
 /// One JSON object, schema osteon.pack/1.
 [[nodiscard]] std::string ToJson(const PackResult& result);
@@ -61,4 +61,4 @@ struct MassComparison {
 void ReadQualityParameters(const simulation::PackingProvenance& provenance,
                            simulation::PackingQuality& quality);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

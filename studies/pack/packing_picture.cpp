@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using simulation::Ball;
@@ -32,7 +32,7 @@ std::uint8_t ToByte(double value) {
 /// in a tile if it lies behind everything that the tile shows.
 class Tracer {
  public:
-  Tracer(std::span<const Ball> balls, const Camera& camera, const std::optional<CutAway>& cut)
+  Tracer(std::span<const Ball> balls, const report::Camera& camera, const std::optional<CutAway>& cut)
       : balls_(balls),
         camera_(camera),
         cut_(cut),
@@ -122,7 +122,7 @@ class Tracer {
   }
 
   std::span<const Ball> balls_;
-  const Camera& camera_;
+  const report::Camera& camera_;
   const std::optional<CutAway>& cut_;
   int columns_;
   std::vector<Tile> tiles_;
@@ -157,7 +157,7 @@ CutAway MiddlePlane(const simulation::Bone& bone) {
   return plane;
 }
 
-Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int width, int height) {
+report::Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int width, int height) {
   const Eigen::AlignedBox3d box = BoxOf(bone);
   // up: the site's axis, or the longest extent
   Eigen::Index longest = 0;
@@ -170,7 +170,8 @@ Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int wid
   const Vector3 side = up.cross(plane.normal);
   const Vector3 towards = (plane.normal + 0.28 * up + 0.22 * side).normalized();
   const double far_m = 3.0 * box.diagonal().norm();
-  Camera camera = LookAt(box.center() + far_m * towards, box.center(), up, 1.0, width, height);
+  report::Camera camera =
+      report::LookAt(box.center() + far_m * towards, box.center(), up, 1.0, width, height);
 
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const Ball& ball : bone.balls) {
@@ -186,9 +187,9 @@ Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int wid
   return camera;
 }
 
-Image RenderPacking(std::span<const Ball> balls, const Camera& camera, const std::optional<CutAway>& cut,
-                    const BallColor& color, int threads) {
-  const Camera fine = camera.Scaled(kFine);
+report::Image RenderPacking(std::span<const Ball> balls, const report::Camera& camera,
+                            const std::optional<CutAway>& cut, const BallColor& color, int threads) {
+  const report::Camera fine = camera.Scaled(kFine);
   const Tracer tracer(balls, fine, cut);
   const Vector3 key = (-0.45 * camera.right + 0.65 * camera.up - 0.62 * camera.forward).normalized();
   const auto shade = [&](const Hit& hit, const Vector3& p, const Vector3& base) -> Vector3 {
@@ -208,7 +209,7 @@ Image RenderPacking(std::span<const Ball> balls, const Camera& camera, const std
     return base * (0.25 + 0.35 * facing + 0.45 * direct) * (0.55 + 0.45 * light);
   };
 
-  Image image{.width = camera.width, .height = camera.height};
+  report::Image image{.width = camera.width, .height = camera.height};
   image.rgb.resize(3 * static_cast<std::size_t>(camera.width) * camera.height);
   const auto draw_row = [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
@@ -251,4 +252,4 @@ Vector3 Viridis(double share) {
   return (1.0 - t) * kStops[i] + t * kStops[i + 1];
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 #include "report/depth_buffer.h"
 #include "report/png_file.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The half-space that a picture leaves out, (p - point)·normal > 0. In G, the geometry's frame.
 struct CutAway {
@@ -20,7 +20,8 @@ struct CutAway {
 
 /// A camera that looks at that plane from the side that is left out, from a little above, with the whole
 /// packing in view.
-[[nodiscard]] Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int width, int height);
+[[nodiscard]] report::Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int width,
+                                           int height);
 
 /// The colour (sRGB 0 … 1) of ball i at a place on its surface, or in the plane that cuts the ball. Called
 /// from several threads.
@@ -28,10 +29,11 @@ using BallColor = std::function<Vector3(std::size_t i, const Vector3& p_G)>;
 
 /// Draws a shaded picture of the balls, each exact to the pixel. Parts in the half-space `cut` are left
 /// out, and balls that its plane passes through show their inside, flat, with a darker rim.
-[[nodiscard]] Image RenderPacking(std::span<const simulation::Ball> balls, const Camera& camera,
-                                  const std::optional<CutAway>& cut, const BallColor& color, int threads = 0);
+[[nodiscard]] report::Image RenderPacking(std::span<const simulation::Ball> balls,
+                                          const report::Camera& camera, const std::optional<CutAway>& cut,
+                                          const BallColor& color, int threads = 0);
 
 /// Viridis, from dark violet (0) to yellow (1); sRGB.
 [[nodiscard]] Vector3 Viridis(double share);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

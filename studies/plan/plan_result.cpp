@@ -15,7 +15,7 @@
 #include "report/svg_text.h"
 #include "session/process/exit_code.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 std::size_t CountCuttingBalls(const simulation::Tool& tool) {
@@ -57,19 +57,19 @@ FrameCounts CountsOf(const std::vector<simulation::FrameGroup>& groups) {
   return counts;
 }
 
-std::string UnmetDemandText(const UnmetDemand& demand) {
+std::string UnmetDemandText(const session::UnmetDemand& demand) {
   return demand.what == "rate"
              ? fmt::format("rate: {:.0f} Hz of {:g}", demand.predicted, demand.asked)
              : fmt::format("error: {:.4f} mm instead of {:g}", demand.predicted, demand.asked);
 }
 
-SummaryRow Row(const char* name, const std::string& value) { return {.key = name, .value = value}; }
+report::SummaryRow Row(const char* name, const std::string& value) { return {.key = name, .value = value}; }
 
 const char* ChoiceName(config::GivesWay choice) {
   return choice == config::GivesWay::kOff ? "off" : choice == config::GivesWay::kOn ? "on" : "auto";
 }
 
-nlohmann::json ComplianceJson(const PlanScene& scene) {
+nlohmann::json ComplianceJson(const session::PlanScene& scene) {
   nlohmann::json parts = nlohmann::json::array();
   for (const config::CompliancePart& part : scene.gives_way) {
     nlohmann::json json{{"part", part.name}, {"cell", ChoiceName(part.asked)}, {"known", part.known}};
@@ -103,18 +103,18 @@ std::string ComplianceText(const config::CompliancePart& part) {
 
 }  // namespace
 
-Verdict Judge(const FidelityPlan& plan, const std::optional<PlanCheck>& check) {
-  Verdict verdict;
+session::Verdict Judge(const session::FidelityPlan& plan, const std::optional<session::PlanCheck>& check) {
+  session::Verdict verdict;
   if (check)
     for (const std::string& missed : check->missed)
-      verdict.Add(VerdictLevel::kBad, "measured otherwise than promised: " + missed);
-  for (const UnmetDemand& demand : plan.unmet)
-    verdict.Add(VerdictLevel::kWarning,
+      verdict.Add(session::VerdictLevel::kBad, "measured otherwise than promised: " + missed);
+  for (const session::UnmetDemand& demand : plan.unmet)
+    verdict.Add(session::VerdictLevel::kWarning,
                 "error and rate can't both be had; given up is the " + UnmetDemandText(demand));
   const auto [frames, interrupted] = CountsOf(plan.calibration);
   if (static_cast<double>(interrupted) > kSomeInterrupted * static_cast<double>(frames))
     verdict.Add(
-        VerdictLevel::kWarning,
+        session::VerdictLevel::kWarning,
         fmt::format("in {} of the {} frames that the predicted times come from, a thread waited for a "
                     "processor: other programs ran, or a software driver has more threads than there are "
                     "processors",
@@ -122,8 +122,8 @@ Verdict Judge(const FidelityPlan& plan, const std::optional<PlanCheck>& check) {
   return verdict;
 }
 
-nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, const FidelityPlan& plan,
-                        const std::optional<PlanCheck>& check) {
+nlohmann::json PlanJson(const session::PlanScene& scene, const session::PlanRequest& request,
+                        const session::FidelityPlan& plan, const std::optional<session::PlanCheck>& check) {
   const Radii radii = RadiiOf(plan.packed.balls);
   const simulation::PackingFineness& fine = plan.packed.level.fine;
   nlohmann::json json{{"schema", "osteon.plan/1"},
@@ -174,7 +174,7 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
   if (plan.uniform_balls > 0.0) json["spheres_uniform"] = static_cast<std::size_t>(plan.uniform_balls);
   for (const simulation::FrameGroup& group : plan.calibration)
     json["calibration"].push_back(GroupJson(group));
-  for (const UnmetDemand& demand : plan.unmet)
+  for (const session::UnmetDemand& demand : plan.unmet)
     json["given_up"].push_back({{"what", demand.what},
                                 {"unit", demand.what == "rate" ? "Hz" : "mm"},
                                 {"asked", demand.asked},
@@ -192,11 +192,11 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
 
 namespace {
 
-std::vector<SummaryRow> PlanRows(const PlanScene& scene, const FidelityPlan& plan,
-                                 const std::optional<PlanCheck>& check) {
+std::vector<report::SummaryRow> PlanRows(const session::PlanScene& scene, const session::FidelityPlan& plan,
+                                         const std::optional<session::PlanCheck>& check) {
   const Radii radii = RadiiOf(plan.packed.balls);
   const simulation::PackingLevel& level = plan.packed.level;
-  std::vector<SummaryRow> rows;
+  std::vector<report::SummaryRow> rows;
   rows.push_back(
       Row("packing", fmt::format("{}, {} spheres of {:.3f} to {:.2f} mm", simulation::KindName(level.kind),
                                  plan.packed.balls.size(), radii.min_m * 1e3, radii.max_m * 1e3)));
@@ -234,7 +234,8 @@ std::vector<SummaryRow> PlanRows(const PlanScene& scene, const FidelityPlan& pla
   rows.push_back(Row("calibrated on", fmt::format("{} frames of {} other packings, {} of them interrupted",
                                                   frames, plan.calibration.size(), interrupted)));
   if (plan.unmet.empty()) rows.push_back(Row("given up", "nothing"));
-  for (const UnmetDemand& demand : plan.unmet) rows.push_back(Row("given up", UnmetDemandText(demand)));
+  for (const session::UnmetDemand& demand : plan.unmet)
+    rows.push_back(Row("given up", UnmetDemandText(demand)));
   if (!check) return rows;
   rows.push_back(Row("measured error",
                      fmt::format("{:.4f} ± {:.4f} mm: lost {:.4f}, left {:.4f}", check->error_m * 1e3,
@@ -253,106 +254,112 @@ std::vector<SummaryRow> PlanRows(const PlanScene& scene, const FidelityPlan& pla
   return rows;
 }
 
-std::string PlanTitle(const PlanScene& scene, const PlanRequest& request, const FidelityPlan& plan) {
+std::string PlanTitle(const session::PlanScene& scene, const session::PlanRequest& request,
+                      const session::FidelityPlan& plan) {
   return fmt::format("Osteon plan: {}, {}, {:g} mm at {:g} Hz, {} on {}", scene.name, scene.work.tool.name,
                      request.error_m * 1e3, request.rate_hz, plan.engine, plan.device);
 }
 
 }  // namespace
 
-std::string PlanText(const PlanScene& scene, const PlanRequest& request, const FidelityPlan& plan,
-                     const std::optional<PlanCheck>& check) {
+std::string PlanText(const session::PlanScene& scene, const session::PlanRequest& request,
+                     const session::FidelityPlan& plan, const std::optional<session::PlanCheck>& check) {
   std::string text = PlanTitle(scene, request, plan) + "\n";
-  std::vector<SummaryRow> rows = VerdictRows(Judge(plan, check));
+  std::vector<report::SummaryRow> rows = session::VerdictRows(Judge(plan, check));
   std::ranges::move(PlanRows(scene, plan, check), std::back_inserter(rows));
-  for (const SummaryRow& row : rows) text += fmt::format("  {:<18} {}\n", row.key, row.value);
+  for (const report::SummaryRow& row : rows) text += fmt::format("  {:<18} {}\n", row.key, row.value);
   return text;
 }
 
 namespace {
 
 // Frame time over active spheres: what was timed, the line that it gives, and what the plan predicts on it.
-std::string FrameChart(const FidelityPlan& plan, const std::optional<PlanCheck>& check) {
-  Series timed{.name = "other packings, timed", .width_px = 0.0, .marker = Marker::kCircle};
+std::string FrameChart(const session::FidelityPlan& plan, const std::optional<session::PlanCheck>& check) {
+  report::Series timed{.name = "other packings, timed", .width_px = 0.0, .marker = report::Marker::kCircle};
   double most = plan.active_balls;
   for (const simulation::FrameGroup& group : plan.calibration) {
     timed.x.push_back(group.active_balls);
     timed.y.push_back(group.p50_us);
     most = std::max(most, group.active_balls);
   }
-  std::vector<Series> series{{.name = "fitted",
-                              .x = {0.0, most},
-                              .y = {plan.cost.base_us, plan.cost.base_us + plan.cost.ball_us * most}},
-                             std::move(timed),
-                             {.name = "this plan, predicted",
-                              .x = {plan.active_balls},
-                              .y = {plan.frame_us},
-                              .width_px = 0.0,
-                              .marker = Marker::kDiamond}};
+  std::vector<report::Series> series{{.name = "fitted",
+                                      .x = {0.0, most},
+                                      .y = {plan.cost.base_us, plan.cost.base_us + plan.cost.ball_us * most}},
+                                     std::move(timed),
+                                     {.name = "this plan, predicted",
+                                      .x = {plan.active_balls},
+                                      .y = {plan.frame_us},
+                                      .width_px = 0.0,
+                                      .marker = report::Marker::kDiamond}};
   if (check)
     series.push_back({.name = "this plan, measured",
                       .x = {check->frames.active_balls},
                       .y = {check->frames.p50_us},
                       .width_px = 0.0,
-                      .marker = Marker::kCross});
-  return Svg(LineChart{.title = "Frame time",
-                       .x_label = "active spheres",
-                       .y_label = "median frame [µs]",
-                       .series = std::move(series)});
+                      .marker = report::Marker::kCross});
+  return report::Svg(report::LineChart{.title = "Frame time",
+                                       .x_label = "active spheres",
+                                       .y_label = "median frame [µs]",
+                                       .series = std::move(series)});
 }
 
-tl::expected<void, std::string> WritePlanPage(const PlanOptions& options, const PlanScene& scene,
-                                              const FidelityPlan& plan,
-                                              const std::optional<PlanCheck>& check) {
+tl::expected<void, std::string> WritePlanPage(const PlanOptions& options, const session::PlanScene& scene,
+                                              const session::FidelityPlan& plan,
+                                              const std::optional<session::PlanCheck>& check) {
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
   if (error) return tl::unexpected(options.out.string() + ": " + error.message());
-  std::string html = PageBegin({.title = PlanTitle(scene, options.request, plan),
-                                .verdict = Judge(plan, check).ForReport(),
-                                .summary = PlanRows(scene, plan, check)});
+  std::string html = report::PageBegin({.title = PlanTitle(scene, options.request, plan),
+                                        .verdict = Judge(plan, check).ForReport(),
+                                        .summary = PlanRows(scene, plan, check)});
   html +=
       "<h2>What the frame time was predicted from</h2>\n" +
-      Figure(
+      report::Figure(
           FrameChart(plan, check),
           "Two other packings of the scene were timed on this machine; the frame time grows with the spheres "
           "that are near the tool.");
   if (!options.command_line.empty())
-    html += "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n";
-  return WritePage(html + PageEnd(), options.out / "plan.html");
+    html += "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n";
+  return report::WritePage(html + report::PageEnd(), options.out / "plan.html");
 }
 
 }  // namespace
 
 int RunPlan(const PlanOptions& options) {
-  InstallInterrupt();
-  PhaseProgress progress("osteon plan", options.check ? 4 : 3);
+  base::InstallInterrupt();
+  base::PhaseProgress progress("osteon plan", options.check ? 4 : 3);
   progress.BeginPhase("load");
-  const auto scene = LoadPlanScene(options.choice);
-  if (!scene) return Fail("plan", scene.error());
-  const auto plan =
-      MakePlan(*scene, options.request, [&](const std::string& phase) { progress.BeginPhase(phase); });
-  if (!plan) return Fail("plan", plan.error(), Interrupted() ? kExitInterrupted : kFailed);
-  std::optional<PlanCheck> check;
+  const auto scene = session::LoadPlanScene(options.choice);
+  if (!scene) return session::Fail("plan", scene.error());
+  const auto plan = session::MakePlan(*scene, options.request,
+                                      [&](const std::string& phase) { progress.BeginPhase(phase); });
+  if (!plan)
+    return session::Fail("plan", plan.error(),
+                         base::Interrupted() ? base::kExitInterrupted : session::kFailed);
+  std::optional<session::PlanCheck> check;
   if (options.check) {
     progress.BeginPhase("check");
-    auto checked = CheckPlan(*scene, options.request, *plan);
-    if (!checked) return Fail("plan", checked.error(), Interrupted() ? kExitInterrupted : kFailed);
+    auto checked = session::CheckPlan(*scene, options.request, *plan);
+    if (!checked)
+      return session::Fail("plan", checked.error(),
+                           base::Interrupted() ? base::kExitInterrupted : session::kFailed);
     check = std::move(*checked);
   }
   progress.Done();
-  fmt::print(stderr, "osteon plan: engine: {}\n", EngineText(options.request.engine, plan->device));
+  fmt::print(stderr, "osteon plan: engine: {}\n", session::EngineText(options.request.engine, plan->device));
   fmt::print("{}", PlanText(*scene, options.request, *plan, check));
   if (!options.json.empty())
-    if (const auto written = WriteText(
-            options.json, ResultText(Judge(*plan, check), PlanJson(*scene, options.request, *plan, check)));
+    if (const auto written = base::WriteText(
+            options.json,
+            session::ResultText(Judge(*plan, check), PlanJson(*scene, options.request, *plan, check)));
         !written)
-      return Fail("plan", written.error(), kFailed);
+      return session::Fail("plan", written.error(), session::kFailed);
   if (!options.out.empty()) {
     if (const auto written = WritePlanPage(options, *scene, *plan, check); !written)
-      return Fail("plan", written.error(), kFailed);
+      return session::Fail("plan", written.error(), session::kFailed);
     fmt::print("report: {}\n", (options.out / "plan.html").string());
   }
   return plan->unmet.empty() && (!check || check->missed.empty()) ? 0 : 1;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

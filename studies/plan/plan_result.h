@@ -9,23 +9,26 @@
 #include "session/planning/plan.h"
 #include "session/summary/verdict.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Bad if a check measured something else than was promised. To be looked at if error or rate were given up,
 /// or if threads waited for a processor in frames that the predicted times come from.
-[[nodiscard]] Verdict Judge(const FidelityPlan& plan, const std::optional<PlanCheck>& check);
+[[nodiscard]] session::Verdict Judge(const session::FidelityPlan& plan,
+                                     const std::optional<session::PlanCheck>& check);
 
 /// JSON of `osteon plan --json`, schema osteon.plan/1, without the verdict.
-[[nodiscard]] nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request,
-                                      const FidelityPlan& plan, const std::optional<PlanCheck>& check);
+[[nodiscard]] nlohmann::json PlanJson(const session::PlanScene& scene, const session::PlanRequest& request,
+                                      const session::FidelityPlan& plan,
+                                      const std::optional<session::PlanCheck>& check);
 
 /// Text for the terminal, with the verdict.
-[[nodiscard]] std::string PlanText(const PlanScene& scene, const PlanRequest& request,
-                                   const FidelityPlan& plan, const std::optional<PlanCheck>& check);
+[[nodiscard]] std::string PlanText(const session::PlanScene& scene, const session::PlanRequest& request,
+                                   const session::FidelityPlan& plan,
+                                   const std::optional<session::PlanCheck>& check);
 
 struct PlanOptions {
-  PlanChoice choice;
-  PlanRequest request;
+  session::PlanChoice choice;
+  session::PlanRequest request;
   bool check{false};
   std::filesystem::path json;
   std::filesystem::path out{};  ///< folder for plan.html; empty: no page
@@ -35,4 +38,4 @@ struct PlanOptions {
 /// Runs the subcommand `plan`. @returns the process's exit code.
 [[nodiscard]] int RunPlan(const PlanOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

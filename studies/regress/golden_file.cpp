@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr const char* kFirstLine = "osteon golden trace 1";
@@ -270,4 +270,4 @@ std::vector<std::string> ReadReasons(const std::filesystem::path& file) {
   return reasons;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

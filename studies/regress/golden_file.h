@@ -8,7 +8,7 @@
 
 #include "studies/regress/scenario_trace.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A configuration file that a trace depends on.
 struct GoldenSource {
@@ -58,4 +58,4 @@ struct Golden {
 /// Reads the reasons alone, even from a golden trace of another version; none if there is no file.
 [[nodiscard]] std::vector<std::string> ReadReasons(const std::filesystem::path& file);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 using simulation::ContactModel;
 
@@ -64,4 +64,4 @@ simulation::CarvedState PlaneEngine::Snapshot() const {
   return state;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

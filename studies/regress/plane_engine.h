@@ -3,7 +3,7 @@
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/tools/tool.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// A rigid plane in place of bone: its contact can be computed by hand, and it takes no time. For scenarios
 /// that test control alone.
@@ -36,4 +36,4 @@ class PlaneEngine final : public simulation::CuttingEngine {
   std::uint64_t frame_{0};
 };
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

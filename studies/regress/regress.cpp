@@ -27,7 +27,7 @@
 #include "studies/regress/regress_result.h"
 #include "studies/sharding/study_items.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 namespace fs = std::filesystem;
@@ -43,9 +43,9 @@ std::string WrongOptions(const RegressOptions& options) {
   if (options.update && !options.set.empty())
     return "--update: found with --set, accepted without: a golden trace is of what the scenario's file says";
   if (std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty()) return wrong;
-  if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
+  if (std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
   for (const auto& [name, file] : {std::pair("--json", options.json), std::pair("--junit", options.junit)})
-    if (std::string wrong = ValidateOutputFile(name, file); !wrong.empty()) return wrong;
+    if (std::string wrong = session::ValidateOutputFile(name, file); !wrong.empty()) return wrong;
   return "";
 }
 
@@ -60,17 +60,17 @@ std::string Accept(const RegressOptions& options, RegressResult& result) {
   const auto now = std::chrono::system_clock::now();
   Golden golden{.head = {.scenario = result.scenario.name,
                          .reasons = ReadReasons(result.scenario.golden()),
-                         .build = BuildName(),
-                         .machine = MachineName(),
+                         .build = session::BuildName(),
+                         .machine = session::MachineName(),
                          .engine = result.run->engine,
                          .sources = result.run->sources},
                 .trace = result.run->trace};
   golden.head.reasons.push_back(
-      fmt::format("{:%Y-%m-%d} commit {}: {}", fmt::gmtime(now), CommitName(), options.reason));
+      fmt::format("{:%Y-%m-%d} commit {}: {}", fmt::gmtime(now), session::CommitName(), options.reason));
   const fs::path file = result.scenario.golden();
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
-  const auto written = WriteText(file, GoldenText(golden));
+  const auto written = base::WriteText(file, GoldenText(golden));
   if (!written) return written.error();
   result.updated = true;
   return "";
@@ -107,12 +107,12 @@ std::vector<RegressResult> RunAll(const std::vector<config::ScenarioConfig>& sce
     return rank(a) < rank(b);
   });
   std::vector<std::optional<RegressResult>> results(scenarios.size());
-  PhaseProgress progress("osteon regress", static_cast<int>(order.size()));
+  base::PhaseProgress progress("osteon regress", static_cast<int>(order.size()));
   std::atomic<std::size_t> next{0};
   const ScenarioRunParams params{
-      .device = options.device, .set = options.set, .stop = &Interrupted(), .keep_in = options.out};
+      .device = options.device, .set = options.set, .stop = &base::Interrupted(), .keep_in = options.out};
   const auto work = [&] {
-    for (std::size_t i = next++; i < order.size() && !Interrupted(); i = next++) {
+    for (std::size_t i = next++; i < order.size() && !base::Interrupted(); i = next++) {
       const config::ScenarioConfig& scenario = scenarios[order[i]];
       progress.BeginPhase(scenario.name);
       const RegressResult& result = results[order[i]].emplace(RunAndCompare(scenario, params));
@@ -162,7 +162,7 @@ tl::expected<void, std::string> WriteResults(const RegressSummary& summary) {
   for (const auto& [file, text] : {std::pair(summary.options.json, RegressJson(summary)),
                                    std::pair(summary.options.junit, RegressJunit(summary))})
     if (!file.empty())
-      if (const auto written = WriteText(file, text); !written) return written;
+      if (const auto written = base::WriteText(file, text); !written) return written;
   const auto page = WriteRegressReport(summary);
   if (!page) return tl::unexpected(page.error());
   if (!page->empty()) fmt::print("report: {}\n", page->string());
@@ -251,10 +251,11 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
   for (const std::string& assignment : params.set) lines.push_back("laid over it: " + assignment);
   if (!changed.empty())
     lines.push_back(fmt::format("files changed since the golden trace: {}", fmt::join(changed, ", ")));
-  if (result.golden->head.build != BuildName())
-    lines.push_back(fmt::format("golden by {}; this is {}", result.golden->head.build, BuildName()));
-  if (result.golden->head.machine != MachineName())
-    lines.push_back(fmt::format("golden on {}; this is {}", result.golden->head.machine, MachineName()));
+  if (result.golden->head.build != session::BuildName())
+    lines.push_back(fmt::format("golden by {}; this is {}", result.golden->head.build, session::BuildName()));
+  if (result.golden->head.machine != session::MachineName())
+    lines.push_back(
+        fmt::format("golden on {}; this is {}", result.golden->head.machine, session::MachineName()));
   if (result.golden->head.engine != result.run->engine)
     lines.push_back(
         fmt::format("golden by engine {}; this is {}", result.golden->head.engine, result.run->engine));
@@ -262,9 +263,9 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
 }
 
 int RunRegress(const RegressOptions& options) {
-  if (const std::string wrong = WrongOptions(options); !wrong.empty()) return Fail("regress", wrong);
+  if (const std::string wrong = WrongOptions(options); !wrong.empty()) return session::Fail("regress", wrong);
   const auto files = FindScenarios(options.config_root, options.scenarios);
-  if (!files) return Fail("regress", files.error());
+  if (!files) return session::Fail("regress", files.error());
   std::vector<config::ScenarioConfig> scenarios;
   std::string inputs;
   try {
@@ -277,35 +278,35 @@ int RunRegress(const RegressOptions& options) {
   } catch (const config::ConfigError& error) {
     const std::string what = error.what();
     const bool named = options.set.empty() || what.find("--set") != std::string::npos;
-    return Fail("regress",
-                named ? what : fmt::format("{} (with --set {})", what, fmt::join(options.set, " --set ")));
+    return session::Fail(
+        "regress", named ? what : fmt::format("{} (with --set {})", what, fmt::join(options.set, " --set ")));
   }
   StudyItems items(options.sharding, inputs);
   if (const std::string wrong = items.Validate(scenarios.size()); !wrong.empty())
-    return Fail("regress", wrong);
+    return session::Fail("regress", wrong);
 
-  InstallInterrupt();
+  base::InstallInterrupt();
   const auto begun = std::chrono::steady_clock::now();
   std::vector<RegressResult> results =
       items.FromParts() ? Restore(scenarios, items) : RunAll(scenarios, options, items);
-  if (Interrupted()) return kExitInterrupted;
+  if (base::Interrupted()) return base::kExitInterrupted;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 
   if (options.update)
     for (RegressResult& result : results)
       if (result.run && (!result.Passed(options.exact) || IsOfOtherFiles(result)))
         if (const std::string wrong = Accept(options, result); !wrong.empty())
-          return Fail("regress", wrong, kFailed);
+          return session::Fail("regress", wrong, session::kFailed);
 
   const RegressSummary summary{.results = results, .options = options, .seconds = seconds};
   fmt::print("{}", RegressTable(summary));
   const auto written =
       items.IsShard() ? items.WritePart(options.json, scenarios.size()) : WriteResults(summary);
-  if (!written) return Fail("regress", written.error(), kFailed);
+  if (!written) return session::Fail("regress", written.error(), session::kFailed);
   return std::ranges::all_of(results,
                              [&](const RegressResult& r) { return r.updated || r.Passed(options.exact); })
              ? 0
-             : kFailed;
+             : session::kFailed;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

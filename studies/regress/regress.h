@@ -11,7 +11,7 @@
 #include "studies/regress/trace_diff.h"
 #include "studies/sharding/shard.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct RegressOptions {
   std::filesystem::path config_root;
@@ -59,4 +59,4 @@ struct RegressResult {
 /// stderr); 130 Ctrl-C.
 [[nodiscard]] int RunRegress(const RegressOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -5,7 +5,7 @@
 
 #include "studies/sharding/exact_number.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using nlohmann::json;
@@ -136,4 +136,4 @@ RegressResult RegressResultFrom(const json& item, const config::ScenarioConfig& 
   return result;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

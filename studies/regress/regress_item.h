@@ -4,7 +4,7 @@
 
 #include "studies/regress/regress.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A scenario's outcome as an item of a part: everything that table, page, JSON and JUnit show, to the bit.
 [[nodiscard]] nlohmann::json RegressItem(const RegressResult& result);
@@ -13,4 +13,4 @@ namespace osteon::app {
 [[nodiscard]] RegressResult RegressResultFrom(const nlohmann::json& item,
                                               const config::ScenarioConfig& scenario);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 
 #include "report/svg_plot.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A scenario that differs from its golden trace.
 struct RegressPageEntry {
@@ -24,7 +24,7 @@ struct RegressPageEntry {
   std::vector<std::string> lines{};    ///< explanation, the most informative line first
   std::vector<std::string> reasons{};  ///< given when the golden trace was accepted, the oldest first
   std::vector<Row> rows{};
-  std::vector<LineChart> panels{};  ///< in pairs: values, and their difference
+  std::vector<report::LineChart> panels{};  ///< in pairs: values, and their difference
 };
 
 struct RegressPage {
@@ -37,4 +37,4 @@ struct RegressPage {
 [[nodiscard]] tl::expected<void, std::string> WriteRegressPage(const RegressPage& page,
                                                                const std::filesystem::path& file);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

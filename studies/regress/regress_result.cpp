@@ -11,7 +11,7 @@
 #include "session/summary/chart_files.h"
 #include "studies/regress/regress_page.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr std::size_t kCharts = 4;
@@ -42,32 +42,32 @@ double TimesRealTime(const ScenarioRun& run) {
 }
 
 // Adds panels of a quantity: golden and new values, and below them the difference with its tolerance band.
-void AddPanels(const RegressResult& r, const QuantityDifference& d, std::vector<LineChart>& panels) {
+void AddPanels(const RegressResult& r, const QuantityDifference& d, std::vector<report::LineChart>& panels) {
   const TraceQuantity& quantity = TraceQuantities()[d.quantity];
   const ScenarioTrace& now = r.run->trace;
   const auto series = [&](const ScenarioTrace& trace, const char* name, const char* color, double width_px) {
-    Series line{.name = name, .color = color, .width_px = width_px};
+    report::Series line{.name = name, .color = color, .width_px = width_px};
     for (const TraceSample& sample : trace.samples) {
       line.x.push_back(now.TimeOf_s(sample.tick));
       line.y.push_back(sample.values[d.quantity]);
     }
     return line;
   };
-  LineChart values{
+  report::LineChart values{
       .title = quantity.name,
       .x_label = "virtual time [s]",
       .y_label = quantity.name,
       .y_from_zero = false,
       .series = {series(r.golden->trace, "golden", "#0072b2", 3.2), series(now, "now", "#d55e00", 1.4)},
       .plot_height_px = 170.0};
-  LineChart errors{
+  report::LineChart errors{
       .title = fmt::format("now - golden; may be ±{:.3g}", d.tolerance),
       .x_label = "virtual time [s]",
       .y_label = "difference",
       .limits = {{.value = d.tolerance, .label = "tolerance"}, {.value = -d.tolerance, .label = ""}},
       .legend = false,
       .plot_height_px = 110.0};
-  Series difference{.name = "now - golden", .color = "#d55e00"};
+  report::Series difference{.name = "now - golden", .color = "#d55e00"};
   VisitCommonSamples(r.golden->trace, now, [&](const TraceSample& was, const TraceSample& is) {
     difference.x.push_back(now.TimeOf_s(is.tick));
     difference.y.push_back(is.values[d.quantity] - was.values[d.quantity]);
@@ -142,8 +142,8 @@ std::string RegressJson(const RegressSummary& summary) {
        std::ranges::all_of(summary.results, [&](const RegressResult& r) { return Passed(summary, r); })},
       {"exact", summary.options.exact},
       {"seconds_wall", summary.seconds},
-      {"build", BuildName()},
-      {"machine", MachineName()},
+      {"build", session::BuildName()},
+      {"machine", session::MachineName()},
       {"scenarios", nlohmann::ordered_json::array()}};
   for (const RegressResult& r : summary.results) {
     nlohmann::ordered_json scenario{{"name", r.scenario.name},
@@ -182,7 +182,7 @@ std::string RegressJson(const RegressSummary& summary) {
            {"now", d.now}});
     json["scenarios"].push_back(std::move(scenario));
   }
-  return JsonText(json);
+  return base::JsonText(json);
 }
 
 std::string RegressJunit(const RegressSummary& summary) {
@@ -193,17 +193,17 @@ std::string RegressJunit(const RegressSummary& summary) {
     std::string all;
     for (const std::string& line : lines) all += line + "\n";
     cases += fmt::format("    <testcase classname=\"osteon.regress\" name=\"{}\" time=\"{:.3f}\">\n",
-                         Escape(r.scenario.name), r.run ? r.run->seconds_wall : 0.0);
-    const std::string first = Escape(lines.empty() ? "" : lines.front());
+                         report::Escape(r.scenario.name), r.run ? r.run->seconds_wall : 0.0);
+    const std::string first = report::Escape(lines.empty() ? "" : lines.front());
     if (!r.error.empty() && !r.updated) {
       ++errors;
-      cases += fmt::format("      <error message=\"{}\">{}</error>\n", first, Escape(all));
+      cases += fmt::format("      <error message=\"{}\">{}</error>\n", first, report::Escape(all));
     } else if (!Passed(summary, r) && !r.updated) {
       ++failures;
-      cases += fmt::format("      <failure message=\"{}\">{}{}</failure>\n", first, Escape(all),
-                           Escape((summary.options.out / "regress.html").string()));
+      cases += fmt::format("      <failure message=\"{}\">{}{}</failure>\n", first, report::Escape(all),
+                           report::Escape((summary.options.out / "regress.html").string()));
     } else if (!all.empty()) {
-      cases += fmt::format("      <system-out>{}</system-out>\n", Escape(all));
+      cases += fmt::format("      <system-out>{}</system-out>\n", report::Escape(all));
     }
     cases += "    </testcase>\n";
   }
@@ -237,4 +237,4 @@ tl::expected<std::filesystem::path, std::string> WriteRegressReport(const Regres
   return file;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

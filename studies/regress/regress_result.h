@@ -8,7 +8,7 @@
 
 #include "studies/regress/regress.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The result of a run of the suite.
 struct RegressSummary {
@@ -34,4 +34,4 @@ struct RegressSummary {
 [[nodiscard]] tl::expected<std::filesystem::path, std::string> WriteRegressReport(
     const RegressSummary& summary);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -23,7 +23,7 @@
 #include "simulation/bone/scene_events.h"
 #include "studies/regress/plane_engine.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 namespace fs = std::filesystem;
@@ -46,23 +46,23 @@ void ApplyOverrides(const config::ScenarioConfig& scenario, const ScenarioRunPar
 }
 
 // Gives the loop the guidance of the scenario's plan, for the reamer that the cell has.
-void SetGuidance(const config::ScenarioConfig& scenario, CellSetup& setup) {
+void SetGuidance(const config::ScenarioConfig& scenario, session::CellSetup& setup) {
   const config::SurgicalPlanConfig plan = config::LoadSurgicalPlan(scenario.plan);
-  auto guidance = GuidanceOf(plan.plan, setup.config.tool.tool, setup.X_WG);
+  auto guidance = session::GuidanceOf(plan.plan, setup.config.tool.tool, setup.X_WG);
   if (guidance && scenario.guidance) guidance->gain = *scenario.guidance;
   setup.config.servo.guidance = guidance;
 }
 
-tl::expected<CellSetup, std::string> SetUp(const config::ScenarioConfig& scenario,
-                                           const ScenarioRunParams& params) {
+tl::expected<session::CellSetup, std::string> SetUp(const config::ScenarioConfig& scenario,
+                                                    const ScenarioRunParams& params) {
   config::Overlay overlay(scenario.cell);
   ApplyOverrides(scenario, params, overlay);
-  auto setup = PrepareCell(scenario.cell, std::nullopt);
+  auto setup = session::PrepareCell(scenario.cell, std::nullopt);
   overlay.Finish();
   if (!setup) return setup;
   // by the closed forms alone, whose results are the same on any machine
-  if (const auto packed =
-          PackCell(*setup, {.as_packed = !scenario.planned, .error_m = {}, .rate_hz = {}}, {}, false);
+  if (const auto packed = session::PackCell(
+          *setup, {.as_packed = !scenario.planned, .error_m = {}, .rate_hz = {}}, {}, false);
       !packed)
     return tl::make_unexpected(packed.error());
   if (!scenario.plan.empty()) SetGuidance(scenario, *setup);
@@ -70,23 +70,23 @@ tl::expected<CellSetup, std::string> SetUp(const config::ScenarioConfig& scenari
 }
 
 tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> EngineOf(
-    const config::ScenarioConfig& scenario, const CellSetup& setup, const std::string& device) {
+    const config::ScenarioConfig& scenario, const session::CellSetup& setup, const std::string& device) {
   const Pose& X_WC = setup.config.X_WG;  // of the site
   switch (scenario.engine) {
     case config::ScenarioEngine::kPlane:
-      return std::make_unique<hil::PlaneEngine>(setup.config.tool.tool, X_WC.translation(),
-                                                X_WC.linear().col(2), setup.config.cutting);
+      return std::make_unique<PlaneEngine>(setup.config.tool.tool, X_WC.translation(), X_WC.linear().col(2),
+                                           setup.config.cutting);
     case config::ScenarioEngine::kReference:
       // the reference engine's bits, in a fraction of its time
-      return MakeEngine(setup, {.engine = "cpu"});
+      return session::MakeEngine(setup, {.engine = "cpu"});
     case config::ScenarioEngine::kVulkan:
-      return MakeEngine(setup, {.engine = "vulkan", .device = device});
+      return session::MakeEngine(setup, {.engine = "vulkan", .device = device});
   }
   return tl::make_unexpected(std::string("no engine"));
 }
 
 std::string Checksum(const std::string& bytes) {
-  Fnv1a hash;
+  base::Fnv1a hash;
   hash.Add(bytes);
   return fmt::format("{:016x}", hash.hash());
 }
@@ -97,7 +97,7 @@ std::string TextOf(const fs::path& file) {
 }
 
 // Lists the scenario's file, its plan, and the files that its cell was read from.
-std::vector<GoldenSource> SourcesOf(const config::ScenarioConfig& scenario, const CellSetup& setup) {
+std::vector<GoldenSource> SourcesOf(const config::ScenarioConfig& scenario, const session::CellSetup& setup) {
   std::vector<GoldenSource> sources;
   sources.push_back({.path = scenario.file.filename().string(), .checksum = Checksum(TextOf(scenario.file))});
   if (!scenario.plan.empty())
@@ -120,14 +120,14 @@ class Pauses {
     if (rendering_ == pause_) signals_.pause.store(true);
     if (rendering_ == resume_) signals_.resume.store(true);
   }
-  [[nodiscard]] OperatorRequests* signals() { return &signals_; }
+  [[nodiscard]] base::OperatorRequests* signals() { return &signals_; }
 
  private:
   static std::int64_t TickOf(const std::optional<double>& time_s, double period_s) {
     return time_s ? std::llround(*time_s / period_s) : -1;
   }
   std::int64_t pause_, resume_, rendering_{-1};
-  OperatorRequests signals_;
+  base::OperatorRequests signals_;
 };
 
 }  // namespace
@@ -151,34 +151,34 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
   run.engine = fmt::format("{} on {}", (*engine)->name(), (*engine)->device());
   run.seconds_set_up = Now_s() - begun_s;
 
-  const auto folder = std::make_shared<const WorkFolder>("regress");
+  const auto folder = std::make_shared<const base::WorkFolder>("regress");
   if (folder->path().empty())
     return tl::make_unexpected(fs::temp_directory_path().string() + ": cannot make a temporary folder");
   const double period_s = setup->config.servo.period_s;
   TraceRecorder recorder(period_s, scenario.sample_s);
   Pauses pauses(scenario, period_s);
-  const auto result =
-      RunCell(*setup, **engine,
-              {.seconds = scenario.seconds,
-               .virtual_time = true,
-               .frame_s = scenario.frame_s,
-               .recoveries = scenario.recoveries,
-               .at_rest_s = 0.0,  // a trace ends at the arm's rest
-               .recording = folder->path() / "recording.mcap",
-               .stop = params.stop,
-               .requests = pauses.signals(),
-               .ticked = [&](const control::TickRecord& record, const simulation::ContactModel& model) {
-                 recorder.Tick(record, model);
-                 pauses.Tick(record);
-               }});
+  const auto result = session::RunCell(
+      *setup, **engine,
+      {.seconds = scenario.seconds,
+       .virtual_time = true,
+       .frame_s = scenario.frame_s,
+       .recoveries = scenario.recoveries,
+       .at_rest_s = 0.0,  // a trace ends at the arm's rest
+       .recording = folder->path() / "recording.mcap",
+       .stop = params.stop,
+       .requests = pauses.signals(),
+       .ticked = [&](const control::TickRecord& record, const simulation::ContactModel& model) {
+         recorder.Tick(record, model);
+         pauses.Tick(record);
+       }});
   if (!result) return tl::make_unexpected(result.error().what);
   run.folder = folder;
   run.recording = folder->path() / "recording.mcap";
   for (const simulation::SceneEvent& event : result->events) recorder.SceneEvent(event.stamp, event.name);
   const bool cuts = scenario.engine != config::ScenarioEngine::kPlane;
-  run.trace =
-      recorder.Finish(EndText(result->end) + (result->diagnosis.empty() ? "" : ": " + result->diagnosis),
-                      result->statistics.active_ticks, cuts ? simulation::HashState(result->after) : 0);
+  run.trace = recorder.Finish(
+      session::EndText(result->end) + (result->diagnosis.empty() ? "" : ": " + result->diagnosis),
+      result->statistics.active_ticks, cuts ? simulation::HashState(result->after) : 0);
   const control::ServoStatistics& seen = result->statistics;
   run.figures = {.peak_force_N = seen.peak_coupling_force_N,
                  .peak_hand_force_N = seen.peak_sensor_force_N,
@@ -201,4 +201,4 @@ std::vector<std::string> ChangedSources(const std::vector<GoldenSource>& golden,
   return changed;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -12,7 +12,7 @@
 #include "studies/regress/golden_file.h"
 #include "studies/regress/scenario_trace.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Settings of a run beyond its scenario.
 struct ScenarioRunParams {
@@ -36,9 +36,10 @@ struct RunFigures {
 struct ScenarioRun {
   ScenarioTrace trace;
   RunFigures figures{};
-  std::vector<GoldenSource> sources;         ///< the files that the run was made from
-  std::string engine;                        ///< "reference on CPU, double precision"
-  std::shared_ptr<const WorkFolder> folder;  ///< holds the recording; removed with the last copy of this
+  std::vector<GoldenSource> sources;  ///< the files that the run was made from
+  std::string engine;                 ///< "reference on CPU, double precision"
+  std::shared_ptr<const base::WorkFolder>
+      folder;  ///< holds the recording; removed with the last copy of this
   std::filesystem::path recording;
   double seconds_simulated{0.0};  ///< virtual time in all
   double seconds_wall{0.0};       ///< wall time in all
@@ -60,4 +61,4 @@ void CheckScenario(const config::ScenarioConfig& scenario, const ScenarioRunPara
 [[nodiscard]] std::vector<std::string> ChangedSources(const std::vector<GoldenSource>& golden,
                                                       const std::vector<GoldenSource>& now);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -13,12 +13,12 @@
 #include "session/replay/tick_fields.h"
 #include "session/summary/each_fault.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 // Returns the bits of a value as one word.
 template <class T>
-void Add(Fnv1a& hash, T value) {
+void Add(base::Fnv1a& hash, T value) {
   if constexpr (std::is_floating_point_v<T>)
     hash.AddWord(std::bit_cast<std::uint64_t>(value));
   else
@@ -101,25 +101,27 @@ struct FieldPart {
 const std::vector<FieldPart>& FieldParts() {
   static const std::vector<FieldPart> parts = [] {
     std::vector<FieldPart> all;
-    const auto add = [&](const FieldName& field, std::span<const PartOfField> table) {
+    const auto add = [&](const session::FieldName& field, std::span<const PartOfField> table) {
       const bool is_optional = std::ranges::any_of(kOptional, [&](const char* begins) {
         return std::strncmp(field.name, begins, std::strlen(begins)) == 0;
       });
       all.push_back({.part = PartOf(field.name, table), .is_optional = is_optional});
     };
-    VisitOutputs(control::TickRecord{}, [&](const FieldName& field, auto) { add(field, kOutputs); });
-    VisitInputs(control::TickRecord{}, [&](const FieldName& field, auto) { add(field, kInputs); });
+    session::VisitOutputs(control::TickRecord{},
+                          [&](const session::FieldName& field, auto) { add(field, kOutputs); });
+    session::VisitInputs(control::TickRecord{},
+                         [&](const session::FieldName& field, auto) { add(field, kInputs); });
     return all;
   }();
   return parts;
 }
 
 std::uint64_t DigestOf(const simulation::ContactModel& model) {
-  Fnv1a hash;
-  const auto add = [&](const FieldName&, auto value) { Add(hash, value); };
-  VisitFrame(simulation::FrameRecord{.model = model}, add);
+  base::Fnv1a hash;
+  const auto add = [&](const session::FieldName&, auto value) { Add(hash, value); };
+  session::VisitFrame(simulation::FrameRecord{.model = model}, add);
   for (int i = 0; i < std::clamp(model.contact_count, 0, simulation::kMaxContacts); ++i)
-    VisitContact(model.contacts[static_cast<std::size_t>(i)], add);
+    session::VisitContact(model.contacts[static_cast<std::size_t>(i)], add);
   return hash.hash();
 }
 
@@ -130,7 +132,8 @@ template <class Deliver>
 void VisitQuantities(const control::TickRecord& r, const simulation::ContactModel& model, Deliver&& deliver) {
   using enum QuantityKind;
   const auto joints = [&](const char* name, const std::array<double, 7>& values, QuantityKind kind) {
-    for (std::size_t i = 0; i < values.size(); ++i) deliver(name, fields::kJoint[i], kind, values[i]);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      deliver(name, session::fields::kJoint[i], kind, values[i]);
   };
   const auto vector = [&](const char* name, const PlainVector3& v, QuantityKind kind, double scale = 1.0) {
     deliver(name, "x", kind, scale * v.x);
@@ -187,7 +190,8 @@ std::span<const TraceQuantity> TraceQuantities() {
   static const std::vector<TraceQuantity> quantities = [] {
     std::vector<TraceQuantity> all;
     VisitQuantities({}, {}, [&](const char* name, const char* part, QuantityKind kind, double) {
-      all.push_back({.name = FieldName{name, part, UnitOf(kind)}.Text(), .family = name, .kind = kind});
+      all.push_back(
+          {.name = session::FieldName{name, part, UnitOf(kind)}.Text(), .family = name, .kind = kind});
     });
     return all;
   }();
@@ -214,7 +218,7 @@ void TraceRecorder::NoteState(const control::TickRecord& record) {
     note(std::string("state ") + safety::Describe(static_cast<safety::CellState>(record.cell_state)).name);
     cell_state_ = record.cell_state;
   }
-  ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
+  session::ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
     const auto bit = static_cast<std::uint32_t>(fault);
     if ((record.faults & bit) != (faults_ & bit))
       note(std::string(record.faults & bit ? "fault " : "no fault any more: ") + text.name);
@@ -236,17 +240,17 @@ void TraceRecorder::Sample(const control::TickRecord& record, const simulation::
 
 void TraceRecorder::Tick(const control::TickRecord& record, const simulation::ContactModel& model) {
   // hash every bit, by part
-  std::array<Fnv1a, kTraceParts> parts{};
+  std::array<base::Fnv1a, kTraceParts> parts{};
   const std::vector<FieldPart>& of_field = FieldParts();
   std::size_t at = 0;
-  const auto add = [&](const FieldName&, auto value) {
+  const auto add = [&](const session::FieldName&, auto value) {
     const FieldPart& field = of_field[at++];
     if (!field.is_optional || value != 0) Add(parts[static_cast<std::size_t>(field.part)], value);
   };
-  VisitOutputs(record, add);
-  VisitInputs(record, add);
+  session::VisitOutputs(record, add);
+  session::VisitInputs(record, add);
   Add(parts[static_cast<std::size_t>(TracePart::kBone)], DigestOf(model));
-  for (const Fnv1a& part : parts) Add(hash_, part.hash());
+  for (const base::Fnv1a& part : parts) Add(hash_, part.hash());
 
   NoteState(record);
   if (!begun_ && record.phase != control::Phase::kWaiting) {
@@ -279,4 +283,4 @@ ScenarioTrace TraceRecorder::Finish(std::string ended, std::uint64_t active, std
   return std::move(trace_);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -11,7 +11,7 @@
 #include "control/tick_record.h"
 #include "simulation/contact/contact_model.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The parts of a tick, in the order in which each follows from those before: the first three are the loop's
 /// inputs, the others its results. A digest of each part in every tick shows where a difference began.
@@ -119,11 +119,11 @@ class TraceRecorder {
   ScenarioTrace trace_;
   std::uint64_t sample_ticks_;
   bool begun_{false};
-  Fnv1a hash_;
+  base::Fnv1a hash_;
   int cell_state_{-1};
   std::uint32_t faults_{0};
   bool active_{false};
   std::vector<double> values_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

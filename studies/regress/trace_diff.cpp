@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr std::size_t kShownQuantities = 4, kShownEvents = 4;
@@ -187,4 +187,4 @@ std::vector<std::string> Explain(const TraceDifference& difference, const Scenar
   return lines;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 #include "config/reading/scenario_config.h"
 #include "studies/regress/scenario_trace.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The first tick in which a part's digest differs. A 12-bit digest misses a difference in one tick of 4096,
 /// and then shows it in the next tick.
@@ -58,4 +58,4 @@ struct TraceDifference {
 /// events. Empty if the two are identical.
 [[nodiscard]] std::vector<std::string> Explain(const TraceDifference& difference, const ScenarioTrace& now);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A number as JSON that reads back to the same bits; JSON itself has no infinity.
 [[nodiscard]] inline nlohmann::json ExactNumber(double value) {
@@ -23,4 +23,4 @@ namespace osteon::app {
   throw std::invalid_argument("found " + json.dump() + ", accepted a number");
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

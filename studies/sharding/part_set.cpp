@@ -9,7 +9,7 @@
 
 #include "base/json_text.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,7 +88,7 @@ std::string PartText(const Part& part) {
       {"results", nlohmann::ordered_json::array()}};
   for (const auto& [item, result] : part.results)
     json["results"].push_back({{"item", item}, {"result", result}});
-  return JsonText(json);
+  return base::JsonText(json);
 }
 
 tl::expected<Part, std::string> ReadPart(const fs::path& file) {
@@ -143,4 +143,4 @@ tl::expected<PartSet, std::string> PartSet::Read(std::span<const fs::path> files
   return From(std::move(parts));
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

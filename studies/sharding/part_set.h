@@ -12,7 +12,7 @@
 
 #include "studies/sharding/shard.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 inline constexpr const char* kPartSchema = "osteon.part/1";
 
@@ -53,4 +53,4 @@ class PartSet {
   Part head_;  ///< the first part, with the items of all
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 std::optional<int> NumberFrom(std::string_view text) {
@@ -51,4 +51,4 @@ void AddName(std::string& list, const std::string& name) {
     list += "; " + name;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 
 #include <tl/expected.hpp>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 class PartSet;
 
@@ -42,4 +42,4 @@ struct Sharding {
 /// Adds a name to a list "one; another" of what parts ran on, unless the list has it.
 void AddName(std::string& list, const std::string& name);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

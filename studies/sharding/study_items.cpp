@@ -10,10 +10,10 @@
 #include "session/setup/build_name.h"
 #include "studies/sharding/part_set.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 StudyItems::StudyItems(const Sharding& sharding, std::string_view inputs) : sharding_(sharding) {
-  Fnv1a hash;
+  base::Fnv1a hash;
   hash.Add(inputs);
   checksum_ = fmt::format("{:016x}", hash.hash());
 }
@@ -56,11 +56,11 @@ tl::expected<void, std::string> StudyItems::WritePart(const std::filesystem::pat
   const Part part{.file = file,
                   .shard = *sharding_.shard,
                   .items = items,
-                  .build = BuildName(),
+                  .build = session::BuildName(),
                   .checksum = checksum_,
                   .words = WithoutOptions(sharding_.words, {"--shard", "--json", "--out", "--config-root"}),
                   .results = stored_};
-  const auto written = WriteText(file, PartText(part));
+  const auto written = base::WriteText(file, PartText(part));
   if (!written) return written;
   fmt::print("shard {}/{}: {} of {} items in {}; osteon merge puts the parts together\n", part.shard.index,
              part.shard.of, part.results.size(), items, file.string());
@@ -73,4 +73,4 @@ std::string ValidateSharding(const Sharding& sharding, const std::filesystem::pa
   return "";
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

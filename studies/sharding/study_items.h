@@ -12,7 +12,7 @@
 
 #include "studies/sharding/shard.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The items of a study, each a piece of work with a result, by their index: all computed here, or those of a
 /// shard, or taken from parts. A study asks for each item and ends in the same way in all three cases, so
@@ -57,4 +57,4 @@ class StudyItems {
 /// The part's file is what --json names. @returns what is wrong; empty: nothing.
 [[nodiscard]] std::string ValidateSharding(const Sharding& sharding, const std::filesystem::path& json);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 
 #include "io/recording/recording_reader.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 // Sums over the ticks of a recording.
@@ -94,4 +94,4 @@ tl::expected<EpisodeBooks, std::string> ReadBooks(const std::filesystem::path& r
   return books;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

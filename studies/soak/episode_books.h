@@ -8,7 +8,7 @@
 
 #include "control/laws/admittance_law.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// What a recording says of its run: is it whole, and do its books close?
 struct EpisodeBooks {
@@ -40,4 +40,4 @@ struct EpisodeBooks {
                                                                 const control::AdmittanceParams& law,
                                                                 double period_s);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -22,7 +22,7 @@
 #include "studies/regress/scenario_run.h"
 #include "studies/soak/soak_page.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 double ResidentMemory_MB() {
@@ -105,12 +105,12 @@ void Print(const EpisodeResult& r, double simulated_s) {
 
 std::string WriteFiles(const SoakOptions& options, std::span<const EpisodeResult> episodes) {
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, SoakJson(episodes, options)); !written)
+    if (const auto written = base::WriteText(options.json, SoakJson(episodes, options)); !written)
       return written.error();
   if (options.out.empty()) return "";
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
-  const auto page = WritePage(SoakPage(episodes, options), options.out / "soak.html");
+  const auto page = report::WritePage(SoakPage(episodes, options), options.out / "soak.html");
   return page ? "" : page.error();
 }
 
@@ -195,39 +195,39 @@ std::string SoakJson(std::span<const EpisodeResult> episodes, const SoakOptions&
     wall_s += result.seconds_wall;
     wrong += result.wrong.empty() ? 0 : 1;
   }
-  return JsonText(nlohmann::ordered_json{{"schema", "osteon.soak/1"},
-                                         {"command", options.command_line},
-                                         {"machine", MachineName()},
-                                         {"seed", options.seed},
-                                         {"seconds_simulated", simulated_s},
-                                         {"seconds_wall", wall_s},
-                                         {"wrong_episodes", wrong},
-                                         {"memory_growth_MB", MemoryGrowth_MB(episodes)},
-                                         {"episodes", list}});
+  return base::JsonText(nlohmann::ordered_json{{"schema", "osteon.soak/1"},
+                                               {"command", options.command_line},
+                                               {"machine", session::MachineName()},
+                                               {"seed", options.seed},
+                                               {"seconds_simulated", simulated_s},
+                                               {"seconds_wall", wall_s},
+                                               {"wrong_episodes", wrong},
+                                               {"memory_growth_MB", MemoryGrowth_MB(episodes)},
+                                               {"episodes", list}});
 }
 
 int RunSoak(const SoakOptions& options) {
   if (!options.out.empty())
-    if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
-      return Fail("soak", wrong);
-  if (const std::string wrong = ValidateOutputFile("--json", options.json); !wrong.empty())
-    return Fail("soak", wrong);
-  InstallInterrupt();
+    if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
+      return session::Fail("soak", wrong);
+  if (const std::string wrong = session::ValidateOutputFile("--json", options.json); !wrong.empty())
+    return session::Fail("soak", wrong);
+  base::InstallInterrupt();
   double simulated_s = 0.0;
-  const auto episodes = RunEpisodes(options, &Interrupted(), [&](const EpisodeResult& result) {
+  const auto episodes = RunEpisodes(options, &base::Interrupted(), [&](const EpisodeResult& result) {
     simulated_s += result.seconds_simulated;
     Print(result, simulated_s);
   });
-  if (!episodes) return Fail("soak", episodes.error(), kFailed);
+  if (!episodes) return session::Fail("soak", episodes.error(), session::kFailed);
   const auto wrong =
       std::ranges::count_if(*episodes, [](const EpisodeResult& r) { return !r.wrong.empty(); });
   const double growth_MB = MemoryGrowth_MB(*episodes);
   fmt::print("{} episodes, {:.2f} h simulated: {} wrong; memory grew by {:.1f} MB\n", episodes->size(),
              simulated_s / 3600.0, wrong, growth_MB);
   if (const std::string error = WriteFiles(options, *episodes); !error.empty())
-    return Fail("soak", error, kFailed);
-  if (Interrupted()) return InterruptExitCode();
-  return wrong > 0 || growth_MB > kMaxMemoryGrowth_MB ? kFailed : 0;
+    return session::Fail("soak", error, session::kFailed);
+  if (base::Interrupted()) return base::InterruptExitCode();
+  return wrong > 0 || growth_MB > kMaxMemoryGrowth_MB ? session::kFailed : 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 #include "studies/soak/episode_books.h"
 #include "studies/soak/soak_script.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct SoakOptions {
   std::filesystem::path config_root;
@@ -66,4 +66,4 @@ inline constexpr double kMaxMemoryGrowth_MB = 20.0;
 /// written; 2 bad input; 130 ended by Ctrl-C, with what was done written.
 [[nodiscard]] int RunSoak(const SoakOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -10,18 +10,18 @@
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 // A figure of each episode over the simulated hours.
-LineChart Over(std::span<const EpisodeResult> episodes, const char* title, const char* unit,
-               const std::function<double(const EpisodeResult&)>& value) {
-  LineChart chart{.title = title,
-                  .x_label = "simulated time [h]",
-                  .y_label = unit,
-                  .legend = false,
-                  .plot_height_px = 110.0};
-  Series series{.width_px = 0.0, .marker = Marker::kCircle};
+report::LineChart Over(std::span<const EpisodeResult> episodes, const char* title, const char* unit,
+                       const std::function<double(const EpisodeResult&)>& value) {
+  report::LineChart chart{.title = title,
+                          .x_label = "simulated time [h]",
+                          .y_label = unit,
+                          .legend = false,
+                          .plot_height_px = 110.0};
+  report::Series series{.width_px = 0.0, .marker = report::Marker::kCircle};
   double hours = 0.0;
   for (const EpisodeResult& result : episodes) {
     hours += result.seconds_simulated / 3600.0;
@@ -49,7 +49,7 @@ std::string Kinds(std::span<const EpisodeResult> episodes) {
 
 std::string SoakPage(std::span<const EpisodeResult> episodes, const SoakOptions& options) {
   double simulated_s = 0.0, wall_s = 0.0;
-  ReportVerdict verdict;
+  report::ReportVerdict verdict;
   for (const EpisodeResult& result : episodes) {
     simulated_s += result.seconds_simulated;
     wall_s += result.seconds_wall;
@@ -61,14 +61,15 @@ std::string SoakPage(std::span<const EpisodeResult> episodes, const SoakOptions&
   if (growth_MB > kMaxMemoryGrowth_MB)
     verdict.reasons.push_back(fmt::format("the memory grew by {:.1f} MB", growth_MB));
   if (!verdict.reasons.empty()) verdict.level = "bad";
-  std::string html = PageBegin({.title = "Osteon soak",
-                                .subtitle = "The simulated cell in virtual time, episode after episode",
-                                .verdict = verdict,
-                                .summary = {{"Simulated", fmt::format("{:.2f} h in {} episodes",
-                                                                      simulated_s / 3600.0, episodes.size())},
-                                            {"Wall time", fmt::format("{:.2f} h", wall_s / 3600.0)},
-                                            {"Seed", std::to_string(options.seed)},
-                                            {"Memory grew by", fmt::format("{:.1f} MB", growth_MB)}}});
+  std::string html = report::PageBegin(
+      {.title = "Osteon soak",
+       .subtitle = "The simulated cell in virtual time, episode after episode",
+       .verdict = verdict,
+       .summary = {
+           {"Simulated", fmt::format("{:.2f} h in {} episodes", simulated_s / 3600.0, episodes.size())},
+           {"Wall time", fmt::format("{:.2f} h", wall_s / 3600.0)},
+           {"Seed", std::to_string(options.seed)},
+           {"Memory grew by", fmt::format("{:.1f} MB", growth_MB)}}});
   const std::array panels{
       Over(episodes, "Resident memory", "memory [MB]", [](const auto& r) { return r.memory_MB; }),
       Over(episodes, "Peak rendered force", "force [N]",
@@ -83,9 +84,10 @@ std::string SoakPage(std::span<const EpisodeResult> episodes, const SoakOptions&
            [](const auto& r) { return 100.0 * r.books.momentum_residual; }),
       Over(episodes, "Energy of the cut that does not close", "share [%]",
            [](const auto& r) { return 100.0 * r.books.energy_residual(); })};
-  html +=
-      Figure(Svg(panels), "One point for each episode.") + "<h2>Episodes by kind</h2>\n" + Kinds(episodes);
-  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + PageEnd();
+  html += report::Figure(report::Svg(panels), "One point for each episode.") + "<h2>Episodes by kind</h2>\n" +
+          Kinds(episodes);
+  return html + "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n" +
+         report::PageEnd();
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -5,10 +5,10 @@
 
 #include "studies/soak/soak.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// One page: verdict, figures, plots over the simulated time, and the episodes that were not as they should
 /// be.
 [[nodiscard]] std::string SoakPage(std::span<const EpisodeResult> episodes, const SoakOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 // Raw bits rather than a distribution: the same draws with every standard library.
@@ -142,4 +142,4 @@ Episode EpisodeAt(std::uint64_t seed, int index) {
   return episode;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

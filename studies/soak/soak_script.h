@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The events of an episode of a soak.
 enum class EpisodeKind : std::uint8_t {
@@ -45,4 +45,4 @@ inline constexpr int kEpisodesPerReference = 10;
 /// reference; the others are drawn.
 [[nodiscard]] Episode EpisodeAt(std::uint64_t seed, int index);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 const AdmittanceRunParams& Validated(const AdmittanceRunParams& params) {
@@ -20,8 +20,8 @@ const AdmittanceRunParams& Validated(const AdmittanceRunParams& params) {
 }
 
 // One axis of the shipped arm, without a speed limit.
-ServoArm Arm(const AdmittanceLoopParams& loop) {
-  const ServoArmParams arm = ArmHeldBy(loop.hand, loop.felt_mass_kg, loop.arm).arm;
+hil::ServoArm Arm(const hil::AdmittanceLoopParams& loop) {
+  const hil::ServoArmParams arm = hil::ArmHeldBy(loop.hand, loop.felt_mass_kg, loop.arm).arm;
   std::array<kinematics::JointLimits, 7> unlimited;
   for (kinematics::JointLimits& limits : unlimited)
     limits.velocity_rad_per_s = std::numeric_limits<double>::max();
@@ -47,7 +47,7 @@ AdmittanceAxis::AdmittanceAxis(const AdmittanceRunParams& params)
       rest_m_(preload_N_ > 0.0 ? -preload_N_ / params.loop.wall.stiffness_N_per_m : 0.0),
       R_WT_(ExpRotation({0.3, -0.4, 0.2})),
       arm_(Arm(params.loop)),
-      command_gain_(ArmHeldBy(params.loop.hand, params.loop.felt_mass_kg, params.loop.arm).command_gain),
+      command_gain_(hil::ArmHeldBy(params.loop.hand, params.loop.felt_mass_kg, params.loop.arm).command_gain),
       felt_(params.loop.sensor_delay),
       poses_(params.loop.wall.age_ticks),
       speeds_(params.loop.wall.age_ticks),
@@ -77,7 +77,7 @@ void AdmittanceAxis::SendCommand() {
 }
 
 double AdmittanceAxis::HandForce() {
-  const AdmittanceLoopParams& p = params_.loop;
+  const hil::AdmittanceLoopParams& p = params_.loop;
   const double x = arm_.q()[0], v = arm_.qd()[0];
   const double a = (v - arm_m_per_s_) / p.period_s;
   arm_m_per_s_ = v;
@@ -86,11 +86,11 @@ double AdmittanceAxis::HandForce() {
 
 // The shipped coupling, at the pose that the wall acts on.
 double AdmittanceAxis::WallForce(std::int64_t tick) {
-  const LoopWall& wall = params_.loop.wall;
+  const hil::LoopWall& wall = params_.loop.wall;
   poses_.Push(x_c_m_);
   speeds_.Push(v_c_m_per_s_);
   if (!(wall.stiffness_N_per_m > 0.0)) return 0.0;
-  const bool measured = wall.on == WallOn::kMeasured;
+  const bool measured = wall.on == hil::WallOn::kMeasured;
   const Vector3 axis_W = R_WT_.col(2);
   Pose X_WT = Pose::Identity();
   X_WT.linear() = R_WT_;
@@ -136,4 +136,4 @@ AxisTick AdmittanceAxis::Step() {
   return tick;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

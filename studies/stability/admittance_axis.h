@@ -10,12 +10,12 @@
 #include "control/stability/vibration_index.h"
 #include "hil/loops/admittance_loop.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Parameters of Model B as a simulation in time of the real parts, including effects that the loop's matrix
 /// leaves out.
 struct AdmittanceRunParams {
-  AdmittanceLoopParams loop;
+  hil::AdmittanceLoopParams loop;
   double preload_N{60.0};     ///< force of the hand on the wall; without a wall there is no preload
   double kick_m_per_s{1e-4};  ///< initial velocity of the virtual tool
   double command_loss{0.0};   ///< share of commands that never reach the arm, which then holds its last one
@@ -68,7 +68,7 @@ class AdmittanceAxis {
   double preload_N_, rest_m_;  ///< rest_m_: x in equilibrium
   Matrix3 R_WT_;               ///< the axis is z of a rotated tool, so the law's changes of frame are
                                ///< exercised
-  ServoArm arm_;
+  hil::ServoArm arm_;
   double command_gain_;      ///< of an arm that the hand moves aside
   double arm_m_per_s_{0.0};  ///< the arm's velocity a tick ago
   History felt_, poses_, speeds_, commands_;
@@ -85,4 +85,4 @@ class AdmittanceAxis {
   double mass_factor_{1.0};
 };
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -66,8 +66,8 @@ double SimulatedGrowth(const AdmittanceRunParams& params) {
   return envelope.Growth();
 }
 
-Boundary SimulatedMaxWallStiffness(AdmittanceRunParams params, const BoundaryScan& scan) {
-  return FirstCrossing(
+hil::Boundary SimulatedMaxWallStiffness(AdmittanceRunParams params, const hil::BoundaryScan& scan) {
+  return hil::FirstCrossing(
       [&](double stiffness) {
         params.loop.wall.stiffness_N_per_m = stiffness;
         return SimulatedGrowth(params) < 0.0;
@@ -75,4 +75,4 @@ Boundary SimulatedMaxWallStiffness(AdmittanceRunParams params, const BoundarySca
       scan);
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

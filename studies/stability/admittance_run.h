@@ -2,7 +2,7 @@
 
 #include "studies/stability/admittance_axis.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Steps AdmittanceAxis.
 /// @returns the logarithm of the motion's growth in a period. +infinity if the tool has left the wall or the
@@ -11,6 +11,7 @@ namespace osteon::hil {
 [[nodiscard]] double SimulatedGrowth(const AdmittanceRunParams& params);
 
 /// The largest wall stiffness that is observed stable: scans upward, then bisects.
-[[nodiscard]] Boundary SimulatedMaxWallStiffness(AdmittanceRunParams params, const BoundaryScan& scan);
+[[nodiscard]] hil::Boundary SimulatedMaxWallStiffness(AdmittanceRunParams params,
+                                                      const hil::BoundaryScan& scan);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 
 // Filters that measure vibration.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Filters a series of vectors to a band of frequencies: a fourth-order Butterworth high-pass at low_hz and a
 /// low-pass at high_hz. The filters start at rest at the series' first value.
@@ -71,4 +71,4 @@ namespace osteon::hil {
   return std::sqrt(energy / (n * power));
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

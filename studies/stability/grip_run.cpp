@@ -9,7 +9,7 @@
 
 #include "studies/stability/force_band.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kLow_hz = 5.0, kHigh_hz = 40.0, kWindow_s = 0.2, kEvery_s = 0.02;
@@ -49,4 +49,4 @@ GripRun RunGrip(const AdmittanceRunParams& params) {
   return run;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/stability/admittance_axis.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Result of a run in which a hand, or a clamp, closes on a moving tool, with the vibration index.
 struct GripRun {
@@ -21,4 +21,4 @@ struct GripRun {
 /// @throws std::invalid_argument on a parameter out of range.
 [[nodiscard]] GripRun RunGrip(const AdmittanceRunParams& params);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 
 #include "control/laws/admittance_law.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 // The plane: x aside, z the feed, so that the cup's axis is -z; tilt about y.
@@ -48,13 +48,13 @@ Eigen::Matrix2d StiffnessOf(control::GuidanceParams guidance) {
 // tilt; earlier felt forces of the hand.
 GuidedLoop::GuidedLoop(const GuidedLoopParams& params)
     : params_(params),
-      linear_arm_(LinearArm(params.arm, params.period_s)),
+      linear_arm_(hil::LinearArm(params.arm, params.period_s)),
       stiffness_(StiffnessOf(params.guidance)),
       history_(std::max(1, linear_arm_.history())),
       size_(2 * (history_ + 4) + params.sensor_delay) {}
 
 Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
-  const GridHand& hand = params_.hand;
+  const hil::GridHand& hand = params_.hand;
   const double lever_m = params_.lever_m;
   const int coordinate = history_ + 4;
   Eigen::Vector2d x, v, a, commanded, speed;
@@ -106,14 +106,14 @@ Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
 }
 
 double GuidedLoop::SpectralRadius() const {
-  return hil::SpectralRadius(LoopMatrix([this](const Eigen::VectorXd& s) { return Step(s); }, size_));
+  return hil::SpectralRadius(hil::LoopMatrix([this](const Eigen::VectorXd& s) { return Step(s); }, size_));
 }
 
 std::vector<double> GuidanceLevers_m() { return {0.025, 0.1, 0.25}; }
 
 std::vector<HeldHand> GuidanceHands() {
   std::vector<HeldHand> hands;
-  for (const GridHand& hand : HandGrid()) {
+  for (const hil::GridHand& hand : hil::HandGrid()) {
     if (hand.name == "fixture" || hand.name == "clamp") continue;
     for (const double lever_m : GuidanceLevers_m()) hands.push_back({.hand = hand, .lever_m = lever_m});
   }
@@ -149,9 +149,9 @@ std::vector<std::size_t> HandsThatGuidanceMakesUnstable(GuidedLoopParams params,
   return unstable;
 }
 
-Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHand>& hands, double most) {
+hil::Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHand>& hands, double most) {
   const double lateral = params.guidance.lateral.stiffness, cone = params.guidance.cone.stiffness;
-  return FirstCrossing(
+  return hil::FirstCrossing(
       [&](double factor) {
         params.guidance.lateral.stiffness = factor * lateral;
         params.guidance.cone.stiffness = factor * cone;
@@ -160,4 +160,4 @@ Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHand>& 
       {.from = 0.1, .to = most, .factor = 1.1, .tolerance = 1e-2});
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

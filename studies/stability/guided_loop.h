@@ -15,19 +15,19 @@
 //     hand at its lever ── arm: w, z, dead time ◀── x_c, tilt_c ◀── virtual tool m, b, J, d ◀── guidance
 //      └─────── felt force and torque, sensor_delay samples late ──────────▶ F, t
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Pose from which the guidance is computed.
 enum class GuidanceOn { kCommanded, kMeasured };
 
 /// Every field has a usable default: the rows of docs/theory/guidance.md.
 struct GuidedLoopParams {
-  GridHand hand{"firm", 500.0, 20.0, 1.5};
+  hil::GridHand hand{"firm", 500.0, 20.0, 1.5};
   double lever_m{0.1};                                   ///< of the hand above the apex
   double mass_kg{1.7}, damping_Ns_per_m{30.0};           ///< of the virtual tool
   double inertia_kg_m2{0.15}, damping_Nms_per_rad{1.5};  ///< about the law's centre
   double centre_m{0.0};                                  ///< the law's centre above the apex
-  ServoArmParams arm;
+  hil::ServoArmParams arm;
   int sensor_delay{1};  ///< [ticks]
   double period_s{0.001};
   control::GuidanceParams guidance;  ///< its stiffnesses may exceed what Validate accepts
@@ -51,7 +51,7 @@ class GuidedLoop {
 
  private:
   GuidedLoopParams params_;
-  LoopArm linear_arm_;
+  hil::LoopArm linear_arm_;
   Eigen::Matrix2d stiffness_;
   int history_, size_;  // poses per coordinate; size of the state
 };
@@ -61,7 +61,7 @@ class GuidedLoop {
 
 /// A hand and the lever at which it holds the tool.
 struct HeldHand {
-  GridHand hand;
+  hil::GridHand hand;
   double lever_m{0.0};
 };
 
@@ -78,7 +78,7 @@ struct HeldHand {
 
 /// The first factor on both stiffnesses whose grid has a hand that guidance makes unstable, scanned from 0.1
 /// up to `most`; 0: it is below 0.1.
-[[nodiscard]] Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHand>& hands,
-                                        double most = 4.0);
+[[nodiscard]] hil::Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHand>& hands,
+                                             double most = 4.0);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 
 #include "control/laws/admittance_law.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using Complex = std::complex<double>;
@@ -21,7 +21,7 @@ constexpr double k95 = 2.4477468306808161;  // radius that holds 95 % of a plane
 constexpr double kMinSd = 1e-9;             // of a line: weights stay finite where nothing was noisy
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-Complex ResponseOf(const LoopArm& arm, const ResponseModel& model, double hz) {
+Complex ResponseOf(const hil::LoopArm& arm, const ResponseModel& model, double hz) {
   const Complex z = std::polar(1.0, kTwoPi * hz * model.period_s);
   const Eigen::Matrix2cd from_state =
       z * Eigen::Matrix2cd::Identity() - arm.step.leftCols<2>().cast<Complex>();
@@ -36,7 +36,7 @@ Complex ResponseOf(const LoopArm& arm, const ResponseModel& model, double hz) {
 }
 
 // Linear step of law and wall: state (x_c now and earlier, v), input force.
-Eigen::VectorXd StepLaw(const AdmittanceLoopParams& params, const Eigen::VectorXd& s, double force_N) {
+Eigen::VectorXd StepLaw(const hil::AdmittanceLoopParams& params, const Eigen::VectorXd& s, double force_N) {
   const int poses = static_cast<int>(s.size()) - 1, age = params.wall.age_ticks;
   const double wall_N =
       -params.wall.stiffness_N_per_m * s[age] -
@@ -57,7 +57,7 @@ Eigen::VectorXd StepLaw(const AdmittanceLoopParams& params, const Eigen::VectorX
 }
 
 // Force of a hand over the pose, with the sign of a spring.
-Complex HandAt(const GridHand& hand, double hz) {
+Complex HandAt(const hil::GridHand& hand, double hz) {
   const double w = kTwoPi * hz;
   return {hand.stiffness_N_per_m - w * w * hand.mass_kg, w * hand.damping_Ns_per_m};
 }
@@ -125,7 +125,7 @@ void FindMargins(const std::vector<NyquistPoint>& curve, LoopMargins& margins) {
 }  // namespace
 
 Complex ModelResponse(const ResponseModel& model, double hz) {
-  return ResponseOf(LinearArm(model.arm, model.period_s), model, hz);
+  return ResponseOf(hil::LinearArm(model.arm, model.period_s), model, hz);
 }
 
 MeasuredPlant::MeasuredPlant(const std::vector<PlantLine>& lines, const ResponseModel& model)
@@ -146,7 +146,7 @@ MeasuredPlant::MeasuredPlant(const std::vector<PlantLine>& lines, const Response
                       .value = line.value / expected,
                       .weight = 1.0 / (share * share)});
   }
-  const LoopArm arm = LinearArm(model.arm, model.period_s);
+  const hil::LoopArm arm = hil::LinearArm(model.arm, model.period_s);
   for (int i = 0; i < kPoints; ++i) {
     const double hz =
         kLowest_hz * std::pow(half_rate_hz / kLowest_hz, static_cast<double>(i) / (kPoints - 1));
@@ -178,13 +178,13 @@ MeasuredPlant::Ratio MeasuredPlant::Smoothed(double hz) const {
 
 Complex MeasuredPlant::At(double hz) const { return Smoothed(hz).value * ModelResponse(model_, hz); }
 
-LawResponse::LawResponse(const AdmittanceLoopParams& params) {
+LawResponse::LawResponse(const hil::AdmittanceLoopParams& params) {
   Validate(params);
-  if (params.wall.stiffness_N_per_m > 0.0 && params.wall.on != WallOn::kCommanded)
+  if (params.wall.stiffness_N_per_m > 0.0 && params.wall.on != hil::WallOn::kCommanded)
     throw std::invalid_argument("measured loop: wall: found one on measured poses, accepted commanded ones");
   const int size = params.wall.age_ticks + 3;
   const auto step = [&](const Eigen::VectorXd& s) { return StepLaw(params, s, 0.0); };
-  state_ = LoopMatrix(step, size);
+  state_ = hil::LoopMatrix(step, size);
   input_ = StepLaw(params, Eigen::VectorXd::Zero(size), 1.0);
   // what a tick sends is the new x_c
   output_ = state_.row(0).transpose();
@@ -221,11 +221,11 @@ LoopMargins JudgeMeasuredLoop(const MeasuredPlant& response, const MeasuredLoopP
 }
 
 bool AreAllStable(const MeasuredPlant& response, const MeasuredLoopParams& params,
-                  std::span<const GridHand> hands) {
+                  std::span<const hil::GridHand> hands) {
   const LawResponse law(params.loop);
   const std::vector<NyquistPoint> without = WithoutHand(response, params, law);
   std::vector<NyquistPoint> curve = without;
-  for (const GridHand& hand : hands) {
+  for (const hil::GridHand& hand : hands) {
     for (std::size_t i = 0; i < curve.size(); ++i)
       curve[i].loop = without[i].loop * HandAt(hand, without[i].hz);
     if (UnstablePoles(curve, law.unstable()) != 0) return false;
@@ -233,4 +233,4 @@ bool AreAllStable(const MeasuredPlant& response, const MeasuredLoopParams& param
   return true;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 
 // The loop of hand, arm and law judged by a frequency response of the arm, without a model of it: Nyquist.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// One line of a measured response.
 struct PlantLine {
@@ -27,7 +27,7 @@ struct StructureResonance {
 
 /// The fitted model of a response.
 struct ResponseModel {
-  ServoArmParams arm;
+  hil::ServoArmParams arm;
   std::vector<StructureResonance> structure{};
   double delay_s{0.0};  ///< beyond the arm's dead time: the sensor's, where the response was measured by it
   double period_s{0.001};
@@ -78,7 +78,7 @@ class MeasuredPlant {
 /// `params`, which must be evaluated on commanded poses.
 class LawResponse {
  public:
-  explicit LawResponse(const AdmittanceLoopParams& params);
+  explicit LawResponse(const hil::AdmittanceLoopParams& params);
   /// The command that a tick sends, over the force that it reads, at z (m/N).
   [[nodiscard]] std::complex<double> At(std::complex<double> z) const;
   /// Eigenvalues of law and wall alone on or outside the unit circle, without the integrator at 1.
@@ -115,7 +115,7 @@ struct NyquistPoint {
 
 /// A hand's loop. The hand and the virtual tool are those of `params`, whose arm and felt mass are not used.
 struct MeasuredLoopParams {
-  AdmittanceLoopParams loop;
+  hil::AdmittanceLoopParams loop;
   /// From the pose as measured to the force as read [s]; 0 where the response was measured by the force
   /// sensor.
   double sensor_delay_s{0.0};
@@ -131,6 +131,6 @@ struct MeasuredLoopParams {
 [[nodiscard]] LoopMargins JudgeMeasuredLoop(const MeasuredPlant& response, const MeasuredLoopParams& params);
 /// Whether it is stable with each of these hands in the place of that of `params`.
 [[nodiscard]] bool AreAllStable(const MeasuredPlant& response, const MeasuredLoopParams& params,
-                                std::span<const GridHand> hands);
+                                std::span<const hil::GridHand> hands);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 #include "kinematics/payload.h"
 #include "kinematics/serial_chain.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -97,7 +97,7 @@ OverlayLoop::OverlayLoop(const OverlayLoopParams& params) : params_(params) {
       Chain(WithoutFriction(params.chain), params.gravity_B).Mobility(params.q, X_BT.translation());
   mass_kg_ = 1.0 / axis_B_.dot(mobility.topLeftCorner<3, 3>() * axis_B_);
 
-  const DynamicArmParams& own = loaded.arm;
+  const hil::DynamicArmParams& own = loaded.arm;
   Joints joint_damping;
   for (int i = 0; i < 7; ++i)
     joint_damping[i] = 2.0 * own.joint_damping_ratio * std::sqrt(own.stiffness_Nm_per_rad[i] * M(i, i));
@@ -171,7 +171,7 @@ Eigen::VectorXd OverlayLoop::Step(const Eigen::VectorXd& s) const {
 }
 
 Eigen::MatrixXd OverlayLoop::Matrix() const {
-  return LoopMatrix([this](const Eigen::VectorXd& s) { return Step(s); }, size_);
+  return hil::LoopMatrix([this](const Eigen::VectorXd& s) { return Step(s); }, size_);
 }
 
 namespace {
@@ -227,7 +227,7 @@ class OverlayRun {
     drive_.tau_Nm = J.transpose() * wrench;
 
     const Eigen::Matrix<double, 6, 1> moves = J * arm_.qd();
-    const GridHand& hand = params_.hand;
+    const hil::GridHand& hand = params_.hand;
     const Vector3 feed_B = X_rest_.linear().col(2);
     const Vector3 off_m = X_BT.translation() - X_rest_.translation();
     const Vector3 turned = X_rest_.linear() * LogRotation(X_rest_.linear().transpose() * X_BT.linear());
@@ -254,11 +254,11 @@ class OverlayRun {
   OverlayLoopParams params_;
   LoadedArm loaded_;
   Chain chain_;
-  DynamicArm arm_;
+  hil::DynamicArm arm_;
   control::MeasuredTwist twist_;
   Pose X_rest_;
   double preload_N_;
-  ArmDrive drive_;
+  hil::ArmDrive drive_;
   control::CouplingParams coupling_;
   control::CouplingState coupling_state_;
   simulation::ContactModel plane_;
@@ -280,4 +280,4 @@ bool OverlayGrows(const OverlayLoopParams& params, double seconds) {
   return last > middle;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -13,18 +13,20 @@
 //     hand ── k, b, m ── arm with masses, its own impedance ◀── dead time ◀── wall K, damping D of the law
 //      └──────────── measured pose and its filtered velocity ────────────────────┘
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 struct OverlayLoopParams {
   kinematics::ChainParams<7> chain;  ///< with what hangs on the flange; its friction is left out
-  DynamicArmParams arm;              ///< a mass error is left out
+  hil::DynamicArmParams arm;         ///< a mass error is left out
   Pose X_FT{Pose::Identity()};
   kinematics::JointVectorN<7> q{kinematics::JointVectorN<7>::Zero()};  ///< the posture
   Vector3 gravity_B{kinematics::kGravity_W_m_per_s2};
   bool torque{false};  ///< joint impedance with torques over it; else Cartesian impedance and a wrench
   control::ImpedanceParams law;
-  GridHand hand{"firm", 500.0, 20.0, 1.5};  ///< isotropic at the tool, with OperatorWith's lever of a grip
-  LoopWall wall{};  ///< across z of the tool, on the measured pose, age_ticks samples old; `on` is not used
+  hil::GridHand hand{"firm", 500.0, 20.0,
+                     1.5};  ///< isotropic at the tool, with OperatorWith's lever of a grip
+  hil::LoopWall
+      wall{};  ///< across z of the tool, on the measured pose, age_ticks samples old; `on` is not used
   double period_s{0.001};
 };
 
@@ -37,7 +39,7 @@ class OverlayLoop {
 
   [[nodiscard]] Eigen::MatrixXd Matrix() const;
   /// Whether no motion grows. The elbow, which nothing holds, may persist.
-  [[nodiscard]] bool IsStable() const { return SpectralRadius(Matrix()) < 1.0 + 1e-7; }
+  [[nodiscard]] bool IsStable() const { return hil::SpectralRadius(Matrix()) < 1.0 + 1e-7; }
   /// Mass of the tool along its z axis at this posture, without the hand [kg].
   [[nodiscard]] double mass_kg() const { return mass_kg_; }
 
@@ -60,7 +62,7 @@ class OverlayLoop {
 /// The chain with a hand's mass at the tool, and the arm with the own damping that it has without.
 struct LoadedArm {
   kinematics::ChainParams<7> chain;
-  DynamicArmParams arm;
+  hil::DynamicArmParams arm;
 };
 [[nodiscard]] LoadedArm WithHand(const OverlayLoopParams& params);
 
@@ -69,4 +71,4 @@ struct LoadedArm {
 /// @returns whether the tool's motion grows
 [[nodiscard]] bool OverlayGrows(const OverlayLoopParams& params, double seconds = 1.5);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -25,7 +25,7 @@
 #include "studies/sweep/sweep_page.h"
 #include "studies/sweep/sweep_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,7 +34,7 @@ constexpr std::size_t kProgressLines = 20;
 
 ScenarioRunParams ParamsOf(const config::SweepConfig& sweep, const SweepRun& run,
                            const SweepOptions& options) {
-  ScenarioRunParams params{.device = options.device, .set = options.set, .stop = &Interrupted()};
+  ScenarioRunParams params{.device = options.device, .set = options.set, .stop = &base::Interrupted()};
   for (std::string& assignment : AssignmentsOf(sweep, run)) params.set.push_back(std::move(assignment));
   return params;
 }
@@ -67,12 +67,12 @@ std::vector<SweepOutcome> RunAll(const config::SweepConfig& sweep, const config:
   for (std::size_t i = 0; i < sweep.Runs(); ++i)
     if (items.Computes(i)) mine.push_back(i);
   const std::size_t step = std::max<std::size_t>(1, (mine.size() + kProgressLines - 1) / kProgressLines);
-  PhaseProgress progress("osteon regress", static_cast<int>((mine.size() + step - 1) / step));
+  base::PhaseProgress progress("osteon regress", static_cast<int>((mine.size() + step - 1) / step));
   std::vector<SweepOutcome> outcomes(mine.size());
   simulation::ParallelFor(
       mine.size(), options.jobs,
       [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end && !Interrupted(); ++i) {
+        for (std::size_t i = begin; i < end && !base::Interrupted(); ++i) {
           if (i % step == 0) progress.BeginPhase(fmt::format("run {}", mine[i]));
           outcomes[i] = RunOne(sweep, scenario, mine[i], options);
           if (items.IsShard()) items.Store(mine[i], SweepItem(outcomes[i]));
@@ -96,32 +96,35 @@ std::string InputsOf(const config::ConfigFileTracker& tracker, const SweepOption
 
 tl::expected<void, std::string> WriteResults(const SweepResult& result, const SweepOptions& options) {
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, SweepJson(result)); !written) return written;
+    if (const auto written = base::WriteText(options.json, SweepJson(result)); !written) return written;
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error) return tl::unexpected(fmt::format("--out {}: {}", options.out.string(), error.message()));
-  if (const auto written = WriteText(options.out / "sweep.csv", SweepCsv(result)); !written) return written;
+  if (const auto written = base::WriteText(options.out / "sweep.csv", SweepCsv(result)); !written)
+    return written;
   const fs::path page = options.out / "sweep.html";
-  if (const auto written = WritePage(SweepPage(result, options.command_line), page); !written) return written;
+  if (const auto written = report::WritePage(SweepPage(result, options.command_line), page); !written)
+    return written;
   fmt::print("report: {}\n", page.string());
   return {};
 }
 
 std::string WrongOptions(const SweepOptions& options) {
   if (std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty()) return wrong;
-  if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
-  return ValidateOutputFile("--json", options.json);
+  if (std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
+  return session::ValidateOutputFile("--json", options.json);
 }
 
 }  // namespace
 
 int RunSweep(const SweepOptions& options) {
-  if (const std::string wrong = WrongOptions(options); !wrong.empty()) return Fail("regress", wrong);
+  if (const std::string wrong = WrongOptions(options); !wrong.empty()) return session::Fail("regress", wrong);
   const fs::path folder = options.config_root / "sweeps";
   const auto file = config::FindNamedFile(folder, options.sweep);
   if (!file)
-    return Fail("regress", fmt::format("--sweep {}: found no such sweep, accepted a file or one of {}",
-                                       options.sweep, config::YamlNamesIn(folder)));
+    return session::Fail(
+        "regress", fmt::format("--sweep {}: found no such sweep, accepted a file or one of {}", options.sweep,
+                               config::YamlNamesIn(folder)));
   SweepResult result;
   std::optional<config::ScenarioConfig> scenario;
   std::string inputs;
@@ -133,27 +136,27 @@ int RunSweep(const SweepOptions& options) {
       CheckScenario(*scenario, ParamsOf(result.config, SweepRunAt(result.config, index), options));
     inputs = InputsOf(tracker, options);
   } catch (const config::ConfigError& error) {
-    return Fail("regress", fmt::format("--sweep {}: {}", file->string(), error.what()));
+    return session::Fail("regress", fmt::format("--sweep {}: {}", file->string(), error.what()));
   }
   result.scenario = scenario->name;
   StudyItems items(options.sharding, inputs);
   if (const std::string wrong = items.Validate(result.config.Runs()); !wrong.empty())
-    return Fail("regress", wrong);
+    return session::Fail("regress", wrong);
 
-  InstallInterrupt();
+  base::InstallInterrupt();
   if (items.FromParts())
     for (std::size_t i = 0; i < result.config.Runs(); ++i)
       result.outcomes.push_back(SweepOutcomeFrom(items.At(i), result.config, i));
   else
     result.outcomes = RunAll(result.config, *scenario, options, items);
-  if (Interrupted()) return kExitInterrupted;
+  if (base::Interrupted()) return base::kExitInterrupted;
   fmt::print("{}", SweepTable(result));
   const auto written =
       items.IsShard() ? items.WritePart(options.json, result.config.Runs()) : WriteResults(result, options);
-  if (!written) return Fail("regress", written.error(), kFailed);
+  if (!written) return session::Fail("regress", written.error(), session::kFailed);
   return std::ranges::all_of(result.outcomes, [](const SweepOutcome& o) { return o.error.empty(); })
              ? 0
-             : kFailed;
+             : session::kFailed;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 
 #include "studies/sharding/shard.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct SweepOptions {
   std::filesystem::path config_root;
@@ -25,4 +25,4 @@ struct SweepOptions {
 /// files; 130 Ctrl-C.
 [[nodiscard]] int RunSweep(const SweepOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

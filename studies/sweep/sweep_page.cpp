@@ -11,7 +11,7 @@
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr std::size_t kMaxCurves = 8;  // combinations with a curve of their own
@@ -30,11 +30,11 @@ bool Varies(const SweepResult& result, const SweepFigure& figure) {
 }
 
 // The share of runs at or below each value, a curve for each combination.
-LineChart Distribution(const SweepResult& result, const SweepFigure& figure) {
-  LineChart chart{.title = fmt::format("Distribution of the {}", figure.label),
-                  .x_label = std::string(figure.label),
-                  .y_label = "share of the runs",
-                  .plot_height_px = 200.0};
+report::LineChart Distribution(const SweepResult& result, const SweepFigure& figure) {
+  report::LineChart chart{.title = fmt::format("Distribution of the {}", figure.label),
+                          .x_label = std::string(figure.label),
+                          .y_label = "share of the runs",
+                          .plot_height_px = 200.0};
   const auto groups = ByCombination(result);
   for (const auto& group : groups) {
     if (groups.size() > kMaxCurves && &group != &groups.front()) break;
@@ -42,7 +42,7 @@ LineChart Distribution(const SweepResult& result, const SweepFigure& figure) {
     std::vector<double> values =
         ValuesOf(all ? std::span<const SweepOutcome>(result.outcomes) : group, figure);
     std::ranges::sort(values);
-    Series curve{.name = all ? "all combinations" : NameOfCombination(result, group.front())};
+    report::Series curve{.name = all ? "all combinations" : NameOfCombination(result, group.front())};
     for (std::size_t i = 0; i < values.size(); ++i) {
       curve.x.push_back(values[i]);
       curve.y.push_back(static_cast<double>(i + 1) / static_cast<double>(values.size()));
@@ -53,11 +53,11 @@ LineChart Distribution(const SweepResult& result, const SweepFigure& figure) {
 }
 
 // A figure of every run over one parameter's value; with medians where values are listed.
-std::optional<LineChart> OverParameter(const SweepResult& result, std::size_t parameter,
-                                       const SweepFigure& figure) {
+std::optional<report::LineChart> OverParameter(const SweepResult& result, std::size_t parameter,
+                                               const SweepFigure& figure) {
   const config::SweepParameter& p = result.config.parameters[parameter];
   if (p.draw == config::SweepDraw::kSeed) return {};
-  Series runs{.name = "runs", .width_px = 0.0, .marker = Marker::kCircle, .opacity = 0.5};
+  report::Series runs{.name = "runs", .width_px = 0.0, .marker = report::Marker::kCircle, .opacity = 0.5};
   for (const SweepOutcome& outcome : result.outcomes) {
     const auto x = NumberFrom(outcome.run.values[parameter]);
     if (!x) return {};
@@ -65,12 +65,12 @@ std::optional<LineChart> OverParameter(const SweepResult& result, std::size_t pa
     runs.x.push_back(*x);
     runs.y.push_back(outcome.figures.*figure.value);
   }
-  LineChart chart{.title = fmt::format("{} over {}", figure.label, p.key),
-                  .x_label = p.key,
-                  .y_label = std::string(figure.label),
-                  .plot_height_px = 200.0};
+  report::LineChart chart{.title = fmt::format("{} over {}", figure.label, p.key),
+                          .x_label = p.key,
+                          .y_label = std::string(figure.label),
+                          .plot_height_px = 200.0};
   if (p.draw == config::SweepDraw::kListed) {
-    Series medians{.name = "median, 5th to 95th percentile", .marker = Marker::kSquare};
+    report::Series medians{.name = "median, 5th to 95th percentile", .marker = report::Marker::kSquare};
     std::vector<double> sorted;
     for (const std::string& value : p.values) sorted.push_back(NumberFrom(value).value_or(0.0));
     std::ranges::sort(sorted);
@@ -99,7 +99,7 @@ std::string Table(const SweepResult& result) {
   html += "</tr>\n";
   for (const auto& group : ByCombination(result)) {
     html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td>",
-                        Escape(NameOfCombination(result, group.front())), group.size());
+                        report::Escape(NameOfCombination(result, group.front())), group.size());
     for (const SweepFigure& figure : kSweepFigures) {
       const Quantiles q = QuantilesOf(ValuesOf(group, figure));
       html += fmt::format("<td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g} … {:.4g}</td>", q.median, q.p05,
@@ -118,24 +118,26 @@ std::string SweepPage(const SweepResult& result, const std::string& command_line
     faulted += outcome.faults.empty() ? 0u : 1u;
     failed += outcome.error.empty() ? 0u : 1u;
   }
-  ReportVerdict verdict{.level = failed > 0 ? "bad" : "good"};
+  report::ReportVerdict verdict{.level = failed > 0 ? "bad" : "good"};
   if (failed > 0) verdict.reasons.push_back(fmt::format("{} runs could not be made", failed));
-  std::string html = PageBegin({.title = "Sweep " + result.config.name,
-                                .subtitle = result.config.shows,
-                                .verdict = verdict,
-                                .summary = {{"Scenario", result.scenario},
-                                            {"Runs", std::to_string(result.outcomes.size())},
-                                            {"Seeds", std::to_string(result.config.seeds)},
-                                            {"Runs with a fault", std::to_string(faulted)}}});
+  std::string html = report::PageBegin({.title = "Sweep " + result.config.name,
+                                        .subtitle = result.config.shows,
+                                        .verdict = verdict,
+                                        .summary = {{"Scenario", result.scenario},
+                                                    {"Runs", std::to_string(result.outcomes.size())},
+                                                    {"Seeds", std::to_string(result.config.seeds)},
+                                                    {"Runs with a fault", std::to_string(faulted)}}});
   html += "<h2>By combination</h2>\n" + Table(result);
   for (const SweepFigure& figure : kSweepFigures) {
     if (!Varies(result, figure)) continue;
-    html += fmt::format("<h2>{}</h2>\n", Escape(figure.label)) +
-            Figure(Svg(Distribution(result, figure), 860.0), "");
+    html += fmt::format("<h2>{}</h2>\n", report::Escape(figure.label)) +
+            report::Figure(report::Svg(Distribution(result, figure), 860.0), "");
     for (std::size_t i = 0; i < result.config.parameters.size(); ++i)
-      if (const auto chart = OverParameter(result, i, figure)) html += Figure(Svg(*chart, 860.0), "");
+      if (const auto chart = OverParameter(result, i, figure))
+        html += report::Figure(report::Svg(*chart, 860.0), "");
   }
-  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(command_line) + "</pre>\n" + PageEnd();
+  return html + "<h2>How to repeat it</h2>\n<pre>" + report::Escape(command_line) + "</pre>\n" +
+         report::PageEnd();
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -4,10 +4,10 @@
 
 #include "studies/sweep/sweep_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The page of a whole sweep: quantiles of each combination, distributions, and each figure over each
 /// parameter that is a number.
 [[nodiscard]] std::string SweepPage(const SweepResult& result, const std::string& command_line);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

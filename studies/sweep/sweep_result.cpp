@@ -11,7 +11,7 @@
 #include "session/setup/build_name.h"
 #include "studies/sharding/exact_number.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using config::SweepDraw;
@@ -162,7 +162,7 @@ std::string SweepJson(const SweepResult& result) {
             {"name", config.name},
             {"shows", config.shows},
             {"scenario", result.scenario},
-            {"build", BuildName()},
+            {"build", session::BuildName()},
             {"passed", Failed(result.outcomes) == 0},
             {"seeds", config.seeds},
             {"runs", result.outcomes.size()},
@@ -192,7 +192,7 @@ std::string SweepJson(const SweepResult& result) {
       entry[std::string(figure.name)] = outcome.figures.*figure.value;
     json["results"].push_back(std::move(entry));
   }
-  return JsonText(json);
+  return base::JsonText(json);
 }
 
 std::string SweepCsv(const SweepResult& result) {
@@ -209,4 +209,4 @@ std::string SweepCsv(const SweepResult& result) {
   return csv;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

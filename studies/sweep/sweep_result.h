@@ -12,7 +12,7 @@
 #include "studies/regress/scenario_run.h"
 #include "studies/sweep/sweep_run.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// What a run came to.
 struct SweepOutcome {
@@ -70,4 +70,4 @@ struct Quantiles {
 /// "stiffness_N_per_mm 10, tremor_N drawn": the values by which a combination differs.
 [[nodiscard]] std::string NameOfCombination(const SweepResult& result, const SweepOutcome& outcome);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

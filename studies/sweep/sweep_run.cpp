@@ -8,7 +8,7 @@
 
 #include "base/fnv1a.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using config::SweepDraw, config::SweepParameter;
@@ -33,7 +33,7 @@ class SplitMix64 {
 
 std::string Drawn(const SweepParameter& parameter, int seed) {
   if (parameter.draw == SweepDraw::kSeed) return std::to_string(seed);
-  Fnv1a hash;
+  base::Fnv1a hash;
   hash.Add(parameter.key);
   hash.AddWord(static_cast<std::uint64_t>(seed));
   SplitMix64 random(hash.hash());
@@ -85,4 +85,4 @@ std::vector<std::size_t> RunsWithEachValue(const config::SweepConfig& sweep) {
   return runs;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

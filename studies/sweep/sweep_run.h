@@ -6,7 +6,7 @@
 
 #include "config/reading/sweep_config.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// One run of a sweep.
 struct SweepRun {
@@ -27,4 +27,4 @@ struct SweepRun {
 /// Runs that together have each listed value once or more: what has to be checked before anything runs.
 [[nodiscard]] std::vector<std::size_t> RunsWithEachValue(const config::SweepConfig& sweep);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

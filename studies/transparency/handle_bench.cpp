@@ -11,7 +11,7 @@
 #include "hil/arm/sensor_load.h"
 #include "kinematics/lbr_arm.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using kinematics::JointVector;
@@ -69,7 +69,7 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
   servo.vibration.acts = false;  // the vibration index would treat the shaking as vibration and damp it
   const kinematics::LbrArm arm(params.arm.lbr);
   control::ServoLoop loop(servo, arm, params.X_WB, params.X_FT, params.arm_angle_rad);
-  const auto body = MakeSimulatedArm(params.arm, servo.period_s);
+  const auto body = hil::MakeSimulatedArm(params.arm, servo.period_s);
 
   const double dt_s = servo.period_s, w = kTau * shake.frequency_hz;
   const auto period_ns = static_cast<rt::Nanoseconds>(std::lround(1e9 * dt_s));
@@ -127,9 +127,9 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
     loads.front() = {F_T_W, V_WT, {.v = (V_WT.v - V_before.v) / dt_s, .w = (V_WT.w - V_before.w) / dt_s}};
     const Pose X_WF = X_WT * X_TF;
     const Load& felt = loads.back();
-    Wrench F_S = SensorLoad(servo.sensor, X_WT, X_WF, felt.F_T_W);
+    Wrench F_S = hil::SensorLoad(servo.sensor, X_WT, X_WF, felt.F_T_W);
     if (params.sensor_feels_inertia)
-      F_S = SubtractInertia(servo.sensor, F_S, X_WT, X_WF, felt.V_WT, felt.A_WT);
+      F_S = hil::SubtractInertia(servo.sensor, F_S, X_WT, X_WF, felt.V_WT, felt.A_WT);
 
     const rt::Nanoseconds now = rt::kSecond + static_cast<rt::Nanoseconds>(i) * period_ns;
     state.stamp = now;
@@ -205,4 +205,4 @@ HandleFit FitMassAndDrag(const std::vector<HandlePoint>& points, double max_hz) 
   return fit;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

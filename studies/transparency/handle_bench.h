@@ -12,12 +12,12 @@
 // Measures how the handle feels: a known wrench shakes the servo loop and a simulated arm, and the tool's
 // response is measured at one frequency after the other.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 struct HandleBenchParams {
-  control::ServoParams servo;  ///< drive, PLC and start path have no effect
-  SimulatedArmParams arm;      ///< q_start: the posture of the measurement; chain and gravity as the arm's
-                               ///< level needs them
+  control::ServoParams servo;   ///< drive, PLC and start path have no effect
+  hil::SimulatedArmParams arm;  ///< q_start: the posture of the measurement; chain and gravity as the arm's
+                                ///< level needs them
   Pose X_WB{Pose::Identity()};
   Pose X_FT{Pose::Identity()};
   double arm_angle_rad{0.0};
@@ -88,4 +88,4 @@ struct HandleFit {
 };
 [[nodiscard]] HandleFit FitMassAndDrag(const std::vector<HandlePoint>& points, double max_hz);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -16,7 +16,7 @@
 #include "session/summary/chart_files.h"
 #include "session/summary/summary.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using Complex = std::complex<double>;
@@ -44,8 +44,8 @@ std::vector<double> Frequencies(int count) {
   return hz;
 }
 
-hil::HandleBenchParams BenchOf(const config::CellConfig& cell, const TransparencyOptions& options) {
-  hil::HandleBenchParams bench;
+HandleBenchParams BenchOf(const config::CellConfig& cell, const TransparencyOptions& options) {
+  HandleBenchParams bench;
   bench.servo = cell.servo;
   bench.arm = hil::BodyOf(cell.simulated);
   bench.X_WB = cell.X_WB;
@@ -60,7 +60,7 @@ hil::HandleBenchParams BenchOf(const config::CellConfig& cell, const Transparenc
 double Degrees(const Complex& z) { return std::arg(z) * 360.0 / kTau; }
 
 // Impedance that law and coupling request while the tool touches the plane.
-Complex AskedInContact(const TransparencyResult& result, const hil::HandlePoint& point) {
+Complex AskedInContact(const TransparencyResult& result, const HandlePoint& point) {
   const TransparencyAxis& z = result.axes[2];
   const double w = kTau * point.frequency_hz;
   return {z.asked_drag + result.asked_damping_Ns_per_m,
@@ -68,16 +68,17 @@ Complex AskedInContact(const TransparencyResult& result, const hil::HandlePoint&
 }
 
 // Unwraps the phase: no jumps of a whole turn between frequencies.
-Series Unwrapped(Series series) {
+report::Series Unwrapped(report::Series series) {
   for (std::size_t i = 1; i < series.y.size(); ++i)
     series.y[i] -= 360.0 * std::round((series.y[i] - series.y[i - 1]) / 360.0);
   return series;
 }
 
-Series Curve(const std::string& name, const std::string& color, const std::vector<hil::HandlePoint>& points,
-             const std::function<double(const hil::HandlePoint&)>& value, double opacity = 1.0) {
-  Series series{.name = name, .color = color, .opacity = opacity};
-  for (const hil::HandlePoint& point : points) {
+report::Series Curve(const std::string& name, const std::string& color,
+                     const std::vector<HandlePoint>& points,
+                     const std::function<double(const HandlePoint&)>& value, double opacity = 1.0) {
+  report::Series series{.name = name, .color = color, .opacity = opacity};
+  for (const HandlePoint& point : points) {
     series.x.push_back(point.frequency_hz);
     series.y.push_back(value(point));
   }
@@ -85,16 +86,16 @@ Series Curve(const std::string& name, const std::string& color, const std::vecto
 }
 
 std::string Plot(const TransparencyResult& result) {
-  std::array<LineChart, 4> panels{
-      LineChart{.title = "Free motion, along the tool's axes", .y_label = "|F/v| [N s/m]"},
-      LineChart{.y_label = "phase [deg]", .y_from_zero = false, .legend = false},
-      LineChart{.title = fmt::format("In contact along z: {:g} N/mm, {:.0f} N ± {:.0f} N",
-                                     1e-3 * result.asked_stiffness_N_per_m, result.preload_N,
-                                     result.contact_amplitude_N),
-                .y_label = "|F/v| [N s/m]"},
-      LineChart{
+  std::array<report::LineChart, 4> panels{
+      report::LineChart{.title = "Free motion, along the tool's axes", .y_label = "|F/v| [N s/m]"},
+      report::LineChart{.y_label = "phase [deg]", .y_from_zero = false, .legend = false},
+      report::LineChart{.title = fmt::format("In contact along z: {:g} N/mm, {:.0f} N ± {:.0f} N",
+                                             1e-3 * result.asked_stiffness_N_per_m, result.preload_N,
+                                             result.contact_amplitude_N),
+                        .y_label = "|F/v| [N s/m]"},
+      report::LineChart{
           .x_label = "frequency [Hz]", .y_label = "phase [deg]", .y_from_zero = false, .legend = false}};
-  for (LineChart& panel : panels) {
+  for (report::LineChart& panel : panels) {
     panel.log_x = true;
     panel.plot_height_px = 160.0;
   }
@@ -104,19 +105,19 @@ std::string Plot(const TransparencyResult& result) {
   constexpr std::array<double, 3> kWidth_px{4.4, 2.8, 1.8};
   for (const std::size_t i : {2u, 1u, 0u}) {
     const TransparencyAxis& axis = result.axes[i];
-    Series magnitude =
+    report::Series magnitude =
         Curve(kAxes[i], kColors[i], axis.points, [](const auto& point) { return std::abs(point.impedance); });
-    Series phase = Unwrapped(
+    report::Series phase = Unwrapped(
         Curve(kAxes[i], kColors[i], axis.points, [](const auto& point) { return Degrees(point.impedance); }));
     magnitude.width_px = phase.width_px = kWidth_px[i];
     magnitude.dash = phase.dash = kDash[i];
     panels[0].series.push_back(std::move(magnitude));
     panels[1].series.push_back(std::move(phase));
   }
-  const auto asked = [&](const hil::HandlePoint& point) {
+  const auto asked = [&](const HandlePoint& point) {
     return Complex(result.axes[2].asked_drag, kTau * point.frequency_hz * result.axes[2].asked_mass);
   };
-  const auto contact = [&](const hil::HandlePoint& point) { return AskedInContact(result, point); };
+  const auto contact = [&](const HandlePoint& point) { return AskedInContact(result, point); };
   panels[0].series.push_back(Curve("asked for (z)", kAskedColor, result.axes[2].points,
                                    [&](const auto& point) { return std::abs(asked(point)); }));
   panels[1].series.push_back(Unwrapped(Curve("asked for (z)", kAskedColor, result.axes[2].points,
@@ -129,10 +130,10 @@ std::string Plot(const TransparencyResult& result) {
                                       [](const auto& point) { return Degrees(point.impedance); })),
                       Unwrapped(Curve("asked for", kAskedColor, result.contact,
                                       [&](const auto& point) { return Degrees(contact(point)); }))};
-  return Svg(panels);
+  return report::Svg(panels);
 }
 
-nlohmann::ordered_json PointJson(const char* mode, const char* axis, const hil::HandlePoint& point,
+nlohmann::ordered_json PointJson(const char* mode, const char* axis, const HandlePoint& point,
                                  const Complex& asked) {
   const double w = kTau * point.frequency_hz;
   return {{"mode", mode},
@@ -160,11 +161,11 @@ nlohmann::ordered_json ToJson(const TransparencyResult& result, const Transparen
                     {turns ? "asked_drag_Nms_per_rad" : "asked_drag_Ns_per_m", axis.asked_drag},
                     {turns ? "drag_Nms_per_rad" : "drag_Ns_per_m", axis.fit.drag},
                     {"residual", axis.residual}});
-    for (const hil::HandlePoint& point : axis.points)
+    for (const HandlePoint& point : axis.points)
       points.push_back(
           PointJson("free", name, point, {axis.asked_drag, kTau * point.frequency_hz * axis.asked_mass}));
   }
-  for (const hil::HandlePoint& point : result.contact)
+  for (const HandlePoint& point : result.contact)
     points.push_back(PointJson("contact", kAxes[2], point, AskedInContact(result, point)));
   return {{"schema", "osteon.transparency/1"},
           {"cell", result.cell},
@@ -183,14 +184,14 @@ nlohmann::ordered_json ToJson(const TransparencyResult& result, const Transparen
 
 std::string ToCsv(const TransparencyResult& result) {
   std::string csv = "mode,axis,frequency_hz,impedance_real,impedance_imag,travel,harmonics\n";
-  const auto add = [&](const char* mode, const char* axis, const hil::HandlePoint& point) {
+  const auto add = [&](const char* mode, const char* axis, const HandlePoint& point) {
     csv += fmt::format("{},{},{:.6g},{:.9g},{:.9g},{:.6g},{:.3g}\n", mode, axis, point.frequency_hz,
                        point.impedance.real(), point.impedance.imag(), point.travel, point.harmonics);
   };
   for (const TransparencyAxis& axis : result.axes)
-    for (const hil::HandlePoint& point : axis.points)
+    for (const HandlePoint& point : axis.points)
       add("free", kAxes[static_cast<std::size_t>(axis.axis)], point);
-  for (const hil::HandlePoint& point : result.contact) add("contact", kAxes[2], point);
+  for (const HandlePoint& point : result.contact) add("contact", kAxes[2], point);
   return csv;
 }
 
@@ -211,7 +212,7 @@ std::vector<std::vector<std::string>> Table(const TransparencyResult& result) {
 
 void Print(const TransparencyResult& result) {
   fmt::print("Osteon transparency: {}\n", result.cell);
-  PrintVerdict(Judge(result), 12);
+  session::PrintVerdict(Judge(result), 12);
   for (const std::vector<std::string>& row : Table(result))
     fmt::print("  {:<10} {:>13} {:>13} {:>13} {:>13} {:>13}\n", row[0], row[1], row[2], row[3], row[4],
                row[5]);
@@ -233,20 +234,21 @@ double TransparencyResult::drag_Ns_per_m() const {
   return std::max({axes[0].fit.drag, axes[1].fit.drag, axes[2].fit.drag});
 }
 bool TransparencyResult::fault() const {
-  const auto any = [](const std::vector<hil::HandlePoint>& points) {
+  const auto any = [](const std::vector<HandlePoint>& points) {
     return std::any_of(points.begin(), points.end(), [](const auto& point) { return point.fault; });
   };
   return any(contact) ||
          std::any_of(axes.begin(), axes.end(), [&](const auto& axis) { return any(axis.points); });
 }
 
-Verdict Judge(const TransparencyResult& result) {
-  Verdict verdict;
-  if (result.fault()) verdict.Add(VerdictLevel::kBad, "the loop stopped with a fault: the figures are void");
+session::Verdict Judge(const TransparencyResult& result) {
+  session::Verdict verdict;
+  if (result.fault())
+    verdict.Add(session::VerdictLevel::kBad, "the loop stopped with a fault: the figures are void");
   const double free = result.free_residual();
   if (!(free <= kNoticedFree))
     verdict.Add(
-        free <= kSomethingElse ? VerdictLevel::kWarning : VerdictLevel::kBad,
+        free <= kSomethingElse ? session::VerdictLevel::kWarning : session::VerdictLevel::kBad,
         fmt::format(
             "in free motion the handle feels {:.0f} % off what the law asks for, a hand notices {:.0f} %: "
             "{:.2f} kg for {:.2f} kg, {:.1f} N s/m for {:.1f} N s/m at most",
@@ -254,41 +256,41 @@ Verdict Judge(const TransparencyResult& result) {
             result.drag_Ns_per_m(), result.axes[2].asked_drag));
   const double stiffness = std::abs(result.stiffness_N_per_m / result.asked_stiffness_N_per_m - 1.0);
   if (!(stiffness <= kNoticed))
-    verdict.Add(stiffness <= kSomethingElse ? VerdictLevel::kWarning : VerdictLevel::kBad,
+    verdict.Add(stiffness <= kSomethingElse ? session::VerdictLevel::kWarning : session::VerdictLevel::kBad,
                 fmt::format("in contact the hand feels {:.2f} N/mm for {:.2f} N/mm",
                             1e-3 * result.stiffness_N_per_m, 1e-3 * result.asked_stiffness_N_per_m));
   return verdict;
 }
 
 TransparencyResult MeasureTransparency(const config::CellConfig& cell, const TransparencyOptions& options) {
-  const hil::HandleBenchParams bench = BenchOf(cell, options);
+  const HandleBenchParams bench = BenchOf(cell, options);
   const control::AdmittanceParams& law = cell.servo.admittance;
   TransparencyResult result;
   result.cell = options.cell.stem().string();
-  PhaseProgress progress("osteon transparency", 7);
+  base::PhaseProgress progress("osteon transparency", 7);
   for (int i = 0; i < 6; ++i) {
     progress.BeginPhase(fmt::format("shaking the handle {} {}", i < 3 ? "along" : "turning",
                                     kAxes[static_cast<std::size_t>(i)]));
-    hil::HandleSweep sweep{.axis = i,
-                           .frequencies_hz = Frequencies(options.points),
-                           .max_travel = kTravel_m,
-                           .max_speed = kSpeed_m_per_s,
-                           .max_wrench = kWrench_N};
+    HandleSweep sweep{.axis = i,
+                      .frequencies_hz = Frequencies(options.points),
+                      .max_travel = kTravel_m,
+                      .max_speed = kSpeed_m_per_s,
+                      .max_wrench = kWrench_N};
     if (i >= 3) {
       sweep.max_travel = kTravel_rad;
       sweep.max_speed = kSpeed_rad_per_s;
       sweep.max_wrench = kWrench_Nm;
     }
     TransparencyAxis axis{.axis = i, .points = SweepFree(bench, sweep), .fit = {}};
-    axis.fit = hil::FitMassAndDrag(axis.points, kTransparencyFit_hz);
-    const Complex asked = hil::AskedImpedance(law, i, 1.0);
+    axis.fit = FitMassAndDrag(axis.points, kTransparencyFit_hz);
+    const Complex asked = AskedImpedance(law, i, 1.0);
     axis.asked_drag = asked.real();
     axis.asked_mass = asked.imag() / kTau;
     double sum = 0.0;
     int count = 0;
-    for (const hil::HandlePoint& point : axis.points) {
+    for (const HandlePoint& point : axis.points) {
       if (point.frequency_hz > kTransparencyFit_hz) continue;
-      const Complex wanted = hil::AskedImpedance(law, i, point.frequency_hz);
+      const Complex wanted = AskedImpedance(law, i, point.frequency_hz);
       sum += std::norm(point.impedance - wanted) / std::norm(wanted);
       ++count;
     }
@@ -301,36 +303,36 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
   result.preload_N = kPreload * cell.servo.wrench.max_force_N;
   result.contact_amplitude_N = kSwing * cell.servo.wrench.max_force_N;
   for (const double hz : Frequencies(options.points))
-    result.contact.push_back(hil::Shake(
+    result.contact.push_back(Shake(
         bench,
         {.axis = 2, .frequency_hz = hz, .amplitude = result.contact_amplitude_N, .bias = result.preload_N},
-        hil::HandleWall{result.asked_stiffness_N_per_m}));
-  const hil::HandlePoint& slowest = result.contact.front();
+        HandleWall{result.asked_stiffness_N_per_m}));
+  const HandlePoint& slowest = result.contact.front();
   result.stiffness_N_per_m = (slowest.impedance * Complex(0.0, kTau * slowest.frequency_hz)).real();
   progress.Done();
   return result;
 }
 
 int RunTransparency(const TransparencyOptions& options) {
-  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
-    return Fail("transparency", wrong);
+  if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
+    return session::Fail("transparency", wrong);
   config::CellConfig cell = config::LoadCell(options.cell);
   config::RequireSimulation(cell, options.cell);
   if (!options.identified.empty()) config::ApplyIdentified(options.identified, cell);
   if (!cell.robot.lbr())
-    return Fail(
+    return session::Fail(
         "transparency",
         fmt::format("{}: found a {}, accepted an LBR: the simulated arm of the others is not measured here",
                     options.cell.string(), cell.robot.name));
   if (cell.servo.law == control::Law::kImpedance)
-    return Fail("transparency",
-                fmt::format("{}: found a cell with the impedance law, which asks for no mass and "
-                            "drag to compare with; accepted the admittance law",
-                            options.cell.string()));
+    return session::Fail("transparency",
+                         fmt::format("{}: found a cell with the impedance law, which asks for no mass and "
+                                     "drag to compare with; accepted the admittance law",
+                                     options.cell.string()));
   const TransparencyResult result = MeasureTransparency(cell, options);
-  const Verdict verdict = Judge(result);
-  const std::string json = ResultText(verdict, ToJson(result, options));
-  const auto written = WriteChart(
+  const session::Verdict verdict = Judge(result);
+  const std::string json = session::ResultText(verdict, ToJson(result, options));
+  const auto written = session::WriteChart(
       {.name = "transparency",
        .title = "Transparency of " + result.cell,
        .verdict = verdict.ForReport(),
@@ -353,9 +355,9 @@ int RunTransparency(const TransparencyOptions& options) {
                      kTransparencyFit_hz, 100.0 * result.free_residual()),
                  options.command_line}},
       options.out);
-  if (!written) return Fail("transparency", written.error(), kFailed);
+  if (!written) return session::Fail("transparency", written.error(), session::kFailed);
   Print(result);
-  return verdict.level == VerdictLevel::kBad ? kFailed : 0;
+  return verdict.level == session::VerdictLevel::kBad ? session::kFailed : 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 #include "session/summary/verdict.h"
 #include "studies/transparency/handle_bench.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct TransparencyOptions {
   std::filesystem::path cell;
@@ -29,8 +29,8 @@ inline constexpr double kTransparencyFit_hz = 3.0;
 /// The measurement of one direction of the tool in free motion.
 struct TransparencyAxis {
   int axis{0};  ///< 0 … 2 along x y z of T, 3 … 5 about them
-  std::vector<hil::HandlePoint> points;
-  hil::HandleFit fit;
+  std::vector<HandlePoint> points;
+  HandleFit fit;
   double asked_mass{0.0}, asked_drag{0.0};  ///< [kg, N s/m], about an axis [kg m^2, N m s/rad]
   /// rms over the band of |Z - asked| / |asked|: felt, but not asked for by the law.
   double residual{0.0};
@@ -38,9 +38,9 @@ struct TransparencyAxis {
 
 struct TransparencyResult {
   std::string cell;
-  std::vector<TransparencyAxis> axes;     ///< six
-  std::vector<hil::HandlePoint> contact;  ///< along z, against a plane across z
-  double asked_stiffness_N_per_m{0.0};    ///< of the plane
+  std::vector<TransparencyAxis> axes;   ///< six
+  std::vector<HandlePoint> contact;     ///< along z, against a plane across z
+  double asked_stiffness_N_per_m{0.0};  ///< of the plane
   /// The coupling's damping, as long as it adds less than its share of the force.
   double asked_damping_Ns_per_m{0.0};
   double stiffness_N_per_m{0.0};  ///< as felt at the lowest frequency
@@ -54,7 +54,7 @@ struct TransparencyResult {
 
 /// Bad if the loop stopped, or if the hand feels something entirely different from the law's request. To be
 /// looked at if, in free motion or in contact, a hand may notice the difference.
-[[nodiscard]] Verdict Judge(const TransparencyResult& result);
+[[nodiscard]] session::Verdict Judge(const TransparencyResult& result);
 
 /// Excites the cell's own loop and simulated arm at the cell's start. The hand is a known wrench, so the
 /// result does not contain a hand's mass and stiffness.
@@ -66,4 +66,4 @@ struct TransparencyResult {
 /// @returns the process's exit code: 0; 1 if the verdict is bad or a file can't be written; 2 bad input.
 [[nodiscard]] int RunTransparency(const TransparencyOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

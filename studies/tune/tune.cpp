@@ -29,7 +29,7 @@
 #include "studies/tune/tune_page.h"
 #include "studies/tune/tune_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 // Below 1 kg a hand's own mass dominates; above 5 kg the tool is no longer light.
@@ -48,7 +48,7 @@ std::string Text(const TuneTask& t) {
   if (!t.measured_only) return text;
   // the grid of the response has every line and the model in it
   std::uint64_t hash = 14695981039346656037ull;
-  for (const hil::MeasuredPlant::Point& point : t.response->grid())
+  for (const MeasuredPlant::Point& point : t.response->grid())
     for (const char c : fmt::format("{} {} ", point.value.real(), point.value.imag()))
       hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
   return text + fmt::format(" measured {:016x}", hash);
@@ -112,7 +112,7 @@ class Study {
     }
     if (item >= Items::kRecommended && !items_.Computes(item)) return {};
     if (auto found = cache_.Find(from)) return *found;
-    if (Interrupted()) return {};
+    if (base::Interrupted()) return {};
     std::vector<double> values = compute();
     cache_.Store(from, values);
     items_.Store(item, JsonOf(values));
@@ -129,7 +129,7 @@ class Study {
            const Compute& compute) const {
     if (items_.FromParts()) {
       result = from(items_.At(item));
-    } else if (items_.Computes(item) && !Interrupted()) {
+    } else if (items_.Computes(item) && !base::Interrupted()) {
       result = compute();
       items_.Store(item, to(result));
     }
@@ -141,7 +141,7 @@ class Study {
     simulation::ParallelFor(
         count, threads_,
         [&](std::size_t begin, std::size_t end) {
-          for (std::size_t i = begin; i < end && !Interrupted(); ++i) each(i);
+          for (std::size_t i = begin; i < end && !base::Interrupted(); ++i) each(i);
         },
         1);
   }
@@ -254,13 +254,13 @@ void SearchWithinBar(const Study& study, TuneResult& r) {
   r.within_bar = {kMasses_kg[static_cast<std::size_t>(best - margins.begin())], r.task.max_drag_Ns_per_m};
 }
 
-void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& progress, TuneResult& r) {
+void StudyAll(const Study& study, const TuneOptions& options, base::PhaseProgress& progress, TuneResult& r) {
   progress.BeginPhase("the cell's own gains, and the least drag by mass");
   r.own_margin =
       study.Margin(Items::kOwnMargin, {r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m}, r.human_hands);
   Recommend(study, r);
   SearchWithinBar(study, r);
-  if (Interrupted() || !r.Stands()) return;
+  if (base::Interrupted() || !r.Stands()) return;
   r.recommended_margin = study.Margin(Items::kRecommendedMargin, r.recommended, r.human_hands);
   r.stiffest_Ns_per_m = study.Drag(Items::kStiffestDrag, r.recommended.mass_kg, r.stiffest_hands);
   for (const hil::GridHand& hand : hil::NamedHands())
@@ -303,12 +303,12 @@ tl::expected<std::optional<GuidanceMap>, std::string> MapPlan(const TuneOptions&
                                                               const config::CellConfig& cell) {
   if (options.plan.empty()) return std::optional<GuidanceMap>();
   const config::SurgicalPlanConfig plan = config::LoadSurgicalPlan(options.plan);
-  const auto guidance = GuidanceOf(plan.plan, plan.plan.reamers.front(), Pose::Identity());
+  const auto guidance = session::GuidanceOf(plan.plan, plan.plan.reamers.front(), Pose::Identity());
   if (!guidance)
     return tl::unexpected(
         fmt::format("--plan {}: found no guidance, accepted a plan with `guidance`", options.plan.string()));
   return std::optional(
-      MapGuidance(task, cell.servo.admittance, *guidance, [] { return Interrupted().load(); }));
+      MapGuidance(task, cell.servo.admittance, *guidance, [] { return base::Interrupted().load(); }));
 }
 
 // Converts to whole ticks; an error names the option.
@@ -381,18 +381,18 @@ std::string InputsOf(const TuneResult& r, const TuneOptions& options) {
 
 int Run(const TuneOptions& options) {
   if (const std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty())
-    return Fail("tune", wrong);
-  if (const std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty())
-    return Fail("tune", wrong);
+    return session::Fail("tune", wrong);
+  if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
+    return session::Fail("tune", wrong);
   config::CellConfig cell = config::LoadCell(options.cell);
   config::RequireSimulation(cell, options.cell);
   if (!options.identified.empty()) config::ApplyIdentified(options.identified, cell);
   if (cell.servo.law == control::Law::kImpedance) return RunTuneImpedance(options, cell);
   const auto task = TaskOf(cell, options);
-  if (!task) return Fail("tune", task.error());
+  if (!task) return session::Fail("tune", task.error());
   if (task->measured_only && (options.sharding.shard || options.sharding.parts != nullptr))
-    return Fail("tune",
-                "--shard: found with an identified structure, accepted without: it is judged in one piece");
+    return session::Fail(
+        "tune", "--shard: found with an identified structure, accepted without: it is judged in one piece");
 
   TuneResult result;
   result.cell = options.cell.stem().string();
@@ -403,43 +403,43 @@ int Run(const TuneOptions& options) {
 
   StudyItems items(options.sharding, InputsOf(result, options));
   // the parts are asked whether they are of this study before their items are used
-  if (const std::string wrong = items.ValidateInputs(); !wrong.empty()) return Fail("tune", wrong);
+  if (const std::string wrong = items.ValidateInputs(); !wrong.empty()) return session::Fail("tune", wrong);
   if (!items.IsShard()) {
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
-    if (error) return Fail("tune", options.out.string() + ": " + error.message(), kFailed);
+    if (error) return session::Fail("tune", options.out.string() + ": " + error.message(), session::kFailed);
   }
 
-  InstallInterrupt();
+  base::InstallInterrupt();
   // shards may share a folder, so they keep nothing there
   TuneCache cache(items.IsShard() ? std::filesystem::path() : options.out / "results.json");
-  PhaseProgress progress("osteon tune", 4);
+  base::PhaseProgress progress("osteon tune", 4);
   StudyAll(Study(result.task, cache, items, options.threads), options, progress, result);
   progress.Done();
   if (items.IsShard()) {
-    if (Interrupted()) return kExitInterrupted;
+    if (base::Interrupted()) return base::kExitInterrupted;
     const auto written = items.WritePart(options.json, Items::Count(result, options.dampings));
-    return written ? 0 : Fail("tune", written.error(), kFailed);
+    return written ? 0 : session::Fail("tune", written.error(), session::kFailed);
   }
   auto guidance = MapPlan(options, result.task, cell);
-  if (!guidance) return Fail("tune", guidance.error());
+  if (!guidance) return session::Fail("tune", guidance.error());
   result.guidance = std::move(*guidance);
   // computed numbers are kept, even if the user did not wait for the rest
-  if (const auto saved = cache.Save(); !saved) return Fail("tune", saved.error(), kFailed);
-  if (Interrupted()) return kExitInterrupted;
+  if (const auto saved = cache.Save(); !saved) return session::Fail("tune", saved.error(), session::kFailed);
+  if (base::Interrupted()) return base::kExitInterrupted;
   result.found = cache.found();
   result.computed = cache.computed();
   AddMargins(result);
 
   if (const auto written = WriteTuning(result, options); !written)
-    return Fail("tune", written.error(), kFailed);
-  const Verdict verdict = Judge(result);
-  PrintVerdict(verdict, 26);
-  for (const SummaryRow& row : Rows(result)) fmt::print("  {:<26} {}\n", row.key, row.value);
+    return session::Fail("tune", written.error(), session::kFailed);
+  const session::Verdict verdict = Judge(result);
+  session::PrintVerdict(verdict, 26);
+  for (const report::SummaryRow& row : Rows(result)) fmt::print("  {:<26} {}\n", row.key, row.value);
   fmt::print("  {:<26} {}\n", "Report", (options.out / "tune.html").string());
   if (result.Stands())
     fmt::print("  {:<26} {}\n", "For osteon run --gains", (options.out / "gains.yaml").string());
-  return verdict.level == VerdictLevel::kBad ? kFailed : 0;
+  return verdict.level == session::VerdictLevel::kBad ? session::kFailed : 0;
 }
 
 }  // namespace
@@ -448,10 +448,10 @@ int RunTune(const TuneOptions& options) {
   try {
     return Run(options);
   } catch (const config::ConfigError& error) {
-    return Fail("tune", error.what());
+    return session::Fail("tune", error.what());
   } catch (const std::invalid_argument& error) {
-    return Fail("tune", error.what());
+    return session::Fail("tune", error.what());
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 
 #include "studies/sharding/shard.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct TuneOptions {
   std::filesystem::path cell;
@@ -35,4 +35,4 @@ struct TuneOptions {
 /// input; 130 ended by Ctrl-C.
 [[nodiscard]] int RunTune(const TuneOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

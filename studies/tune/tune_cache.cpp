@@ -11,7 +11,7 @@
 #include "base/fnv1a.h"
 #include "base/write_text.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr const char* kSchema = "osteon.tune_cache/1";
@@ -27,7 +27,7 @@ TuneCache::TuneCache(std::filesystem::path file)
 }
 
 std::string TuneCache::Key(const std::string& from) {
-  Fnv1a hash;
+  base::Fnv1a hash;
   hash.Add(from);
   return fmt::format("{:016x}", hash.hash());
 }
@@ -58,7 +58,7 @@ void TuneCache::Store(const std::string& from, const std::vector<double>& values
 
 tl::expected<void, std::string> TuneCache::Save() const {
   const std::scoped_lock lock(mutex_);
-  return WriteText(file_, nlohmann::json{{"schema", kSchema}, {"values", now_}}.dump(1) + "\n");
+  return base::WriteText(file_, nlohmann::json{{"schema", kSchema}, {"values", now_}}.dump(1) + "\n");
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

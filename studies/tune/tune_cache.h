@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <tl/expected.hpp>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Cache of computed numbers in a file. The key of an entry is the inputs that it was computed from.
 class TuneCache {
@@ -35,4 +35,4 @@ class TuneCache {
   int found_{0}, computed_{0};
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

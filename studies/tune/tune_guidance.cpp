@@ -8,17 +8,17 @@
 
 #include "hil/loops/admittance_loop.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kMaxFactor = 4.0;  // boundaries are searched up to this times the plan's gains
 
-hil::GuidedLoopParams LoopOf(const TuneTask& task, const control::AdmittanceParams& law,
-                             const control::GuidanceParams& guidance) {
-  hil::GuidedLoopParams loop{.arm = task.loop.arm,
-                             .sensor_delay = task.loop.sensor_delay,
-                             .period_s = task.loop.period_s,
-                             .guidance = guidance};
+GuidedLoopParams LoopOf(const TuneTask& task, const control::AdmittanceParams& law,
+                        const control::GuidanceParams& guidance) {
+  GuidedLoopParams loop{.arm = task.loop.arm,
+                        .sensor_delay = task.loop.sensor_delay,
+                        .period_s = task.loop.period_s,
+                        .guidance = guidance};
   // the plane across y: the lighter of the two axes aside, and of the two turns
   loop.mass_kg = std::min(law.mass_kg.x(), law.mass_kg.y());
   loop.damping_Ns_per_m = std::min(law.damping_Ns_per_m.x(), law.damping_Ns_per_m.y());
@@ -33,7 +33,7 @@ hil::Boundary DepthBoundary(const TuneTask& task, double most_N_per_m) {
   hil::Boundary least{.value = most_N_per_m, .crossed = false};
   hil::AdmittanceLoopParams loop = task.loop;
   loop.wall = {};
-  for (const hil::HeldHand& held : hil::GuidanceHands()) {
+  for (const HeldHand& held : GuidanceHands()) {
     loop.hand = held.hand;
     if (hil::AdmittanceLoop(loop).SpectralRadius() >= 1.0) continue;
     const hil::Boundary found =
@@ -52,14 +52,14 @@ std::string Text(const hil::Boundary& boundary, double per) {
 GuidanceMap MapGuidance(const TuneTask& task, const control::AdmittanceParams& law,
                         const control::GuidanceParams& guidance, bool (*stopped)()) {
   GuidanceMap map{.guidance = guidance};
-  hil::GuidedLoopParams loop = LoopOf(task, law, guidance);
-  const std::vector<hil::HeldHand> hands = hil::HandsStableWithoutGuidance(loop);
+  GuidedLoopParams loop = LoopOf(task, law, guidance);
+  const std::vector<HeldHand> hands = HandsStableWithoutGuidance(loop);
   map.hands = hands.size();
-  for (const std::size_t i : hil::HandsThatGuidanceMakesUnstable(loop, hands))
+  for (const std::size_t i : HandsThatGuidanceMakesUnstable(loop, hands))
     map.unstable.push_back(
         fmt::format("{} held {:g} mm above the apex", hands[i].hand.name, 1e3 * hands[i].lever_m));
   if (stopped()) return map;
-  map.factor = hil::GuidanceBoundary(loop, hands, kMaxFactor);
+  map.factor = GuidanceBoundary(loop, hands, kMaxFactor);
   map.depth_N_per_m = DepthBoundary(task, kMaxFactor * std::max(1e3, guidance.depth.stiffness));
   for (int row = 0; row < GuidanceMap::kNodes && !stopped(); ++row) {
     std::vector<int>& counts = map.counts.emplace_back();
@@ -67,25 +67,25 @@ GuidanceMap MapGuidance(const TuneTask& task, const control::AdmittanceParams& l
       const auto share = [](int node) { return GuidanceMap::kMargin * node / (GuidanceMap::kNodes - 1); };
       loop.guidance.lateral.stiffness = share(row) * guidance.lateral.stiffness;
       loop.guidance.cone.stiffness = share(column) * guidance.cone.stiffness;
-      counts.push_back(static_cast<int>(std::ranges::count_if(hands, [&](const hil::HeldHand& held) {
+      counts.push_back(static_cast<int>(std::ranges::count_if(hands, [&](const HeldHand& held) {
         loop.hand = held.hand;
         loop.lever_m = held.lever_m;
-        return !hil::GuidedLoop(loop).IsStable();
+        return !GuidedLoop(loop).IsStable();
       })));
     }
   }
   return map;
 }
 
-void JudgeGuidance(const GuidanceMap& map, Verdict& verdict) {
+void JudgeGuidance(const GuidanceMap& map, session::Verdict& verdict) {
   if (map.Accepted()) return;
   if (!map.unstable.empty())
-    verdict.Add(VerdictLevel::kBad,
+    verdict.Add(session::VerdictLevel::kBad,
                 fmt::format("the plan's guidance makes {} of {} hands unstable: {}", map.unstable.size(),
                             map.hands, fmt::join(map.unstable, "; ")));
   else
     verdict.Add(
-        VerdictLevel::kBad,
+        session::VerdictLevel::kBad,
         fmt::format("the plan's guidance is beyond half of its boundary: funnel and cone stand {} times "
                     "the plan's stiffness, {:g} accepted; depth {} N/mm, at least {:g} accepted: lower the "
                     "plan's stiffnesses",
@@ -93,7 +93,7 @@ void JudgeGuidance(const GuidanceMap& map, Verdict& verdict) {
                     1e-3 * GuidanceMap::kMargin * map.guidance.depth.stiffness));
 }
 
-std::vector<SummaryRow> RowsOf(const GuidanceMap& map) {
+std::vector<report::SummaryRow> RowsOf(const GuidanceMap& map) {
   return {{"Guidance",
            fmt::format(
                "{:g} N/mm aside, {:g} N·m/rad of tilt, {:g} N/mm of depth: of {} hands and levers that are "
@@ -136,4 +136,4 @@ std::string TableOf(const GuidanceMap& map) {
   return table + "</table>\n";
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

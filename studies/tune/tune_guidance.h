@@ -12,7 +12,7 @@
 #include "studies/stability/guided_loop.h"
 #include "studies/tune/tune_study.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The stability of a cell's loop with the guidance of a plan (studies/stability/guided_loop.h).
 struct GuidanceMap {
@@ -40,10 +40,10 @@ struct GuidanceMap {
                                       const control::GuidanceParams& guidance, bool (*stopped)());
 
 /// Bad if the plan's gains are beyond half of the boundary.
-void JudgeGuidance(const GuidanceMap& map, Verdict& verdict);
-[[nodiscard]] std::vector<SummaryRow> RowsOf(const GuidanceMap& map);
+void JudgeGuidance(const GuidanceMap& map, session::Verdict& verdict);
+[[nodiscard]] std::vector<report::SummaryRow> RowsOf(const GuidanceMap& map);
 [[nodiscard]] nlohmann::json ToJson(const GuidanceMap& map);
 /// The counts as an HTML table.
 [[nodiscard]] std::string TableOf(const GuidanceMap& map);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

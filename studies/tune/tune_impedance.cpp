@@ -25,7 +25,7 @@
 #include "studies/stability/overlay_loop.h"
 #include "studies/tune/tune_study.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kMinDamping = 5.0, kMaxDamping = 1000.0, kMinWall_N_per_m = 500.0, kMaxWall_N_per_m = 100e3;
@@ -46,7 +46,7 @@ struct OverlayCheck {
 struct OverlayTuning {
   std::string cell;
   TuneTask task;
-  hil::OverlayLoopParams loop;
+  OverlayLoopParams loop;
   std::vector<hil::GridHand> hands{};
   double mass_kg{0.0};  // of the tool along its axis
   std::optional<config::IdentifiedArm> measured{};
@@ -60,22 +60,22 @@ struct OverlayTuning {
   [[nodiscard]] double own_damping() const { return loop.law.damping_Ns_per_m.z(); }
 };
 
-hil::OverlayLoopParams LoopOf(const config::CellConfig& cell) {
+OverlayLoopParams LoopOf(const config::CellConfig& cell) {
   const config::LbrConfig* lbr = cell.robot.lbr();  // the impedance law needs FRI, which is an LBR's
-  hil::OverlayLoopParams loop{.chain = lbr->chain,
-                              .arm = cell.simulated.dynamic,
-                              .X_FT = cell.tool.X_FT,
-                              .q = cell.start.q,
-                              .torque = cell.simulated.fri.command_mode == control::CommandMode::kTorque,
-                              .law = cell.servo.impedance,
-                              .period_s = cell.servo.period_s};
+  OverlayLoopParams loop{.chain = lbr->chain,
+                         .arm = cell.simulated.dynamic,
+                         .X_FT = cell.tool.X_FT,
+                         .q = cell.start.q,
+                         .torque = cell.simulated.fri.command_mode == control::CommandMode::kTorque,
+                         .law = cell.servo.impedance,
+                         .period_s = cell.servo.period_s};
   loop.gravity_B = cell.X_WB.linear().transpose() * kinematics::kGravity_W_m_per_s2;
   return loop;
 }
 
-hil::OverlayLoopParams With(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
-                            double gain) {
-  hil::OverlayLoopParams loop = t.loop;
+OverlayLoopParams With(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
+                       double gain) {
+  OverlayLoopParams loop = t.loop;
   // all three axes alike, as their ratio in the cell is
   if (t.own_damping() > 0.0)
     loop.law.damping_Ns_per_m *= damping_Ns_per_m / t.own_damping();
@@ -87,18 +87,19 @@ hil::OverlayLoopParams With(const OverlayTuning& t, double damping_Ns_per_m, con
 
 bool Stable(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
             const hil::LoopWall& wall, double gain) {
-  hil::OverlayLoopParams loop = With(t, damping_Ns_per_m, hand, gain);
+  OverlayLoopParams loop = With(t, damping_Ns_per_m, hand, gain);
   loop.wall = wall;
   loop.wall.stiffness_N_per_m *= gain;
   loop.arm.dead_cycles =
       std::min(loop.arm.dead_cycles + t.task.command_jitter, hil::DynamicArm::kMaxDeadCycles);
-  return hil::OverlayLoop(loop).IsStable();
+  return OverlayLoop(loop).IsStable();
 }
 
 // At a wall of that stiffness, and free: with every hand. False as well if interrupted.
 bool StandsAll(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m, double gain) {
   return std::ranges::all_of(t.hands, [&](const hil::GridHand& hand) {
-    return !Interrupted() && Stable(t, damping_Ns_per_m, hand, {.stiffness_N_per_m = wall_N_per_m}, gain) &&
+    return !base::Interrupted() &&
+           Stable(t, damping_Ns_per_m, hand, {.stiffness_N_per_m = wall_N_per_m}, gain) &&
            Stable(t, damping_Ns_per_m, hand, {}, gain);
   });
 }
@@ -111,7 +112,7 @@ double PlanesAt(const OverlayTuning& t) {
                hil::LoopWall wall = planes;
                wall.stiffness_N_per_m = stiffness;
                return std::ranges::all_of(t.hands, [&](const hil::GridHand& hand) {
-                 return !Interrupted() && Stable(t, t.recommended_Ns_per_m, hand, wall, 1.0);
+                 return !base::Interrupted() && Stable(t, t.recommended_Ns_per_m, hand, wall, 1.0);
                });
              },
              {.from = kMinWall_N_per_m,
@@ -135,7 +136,7 @@ double LeastDamping(const OverlayTuning& t, double wall_N_per_m) {
   };
   double high = kMinDamping;
   while (!stands(high)) {
-    if (high >= kMaxDamping || Interrupted()) return 0.0;
+    if (high >= kMaxDamping || base::Interrupted()) return 0.0;
     high *= kScan;
   }
   double low = high / kScan;
@@ -148,7 +149,7 @@ double LeastDamping(const OverlayTuning& t, double wall_N_per_m) {
 
 OverlayBoundary BoundaryAt(const OverlayTuning& t, double damping_Ns_per_m) {
   OverlayBoundary boundary{.damping_Ns_per_m = damping_Ns_per_m, .predicted_N_per_m = kMaxWall_N_per_m};
-  hil::OverlayLoopParams loop;
+  OverlayLoopParams loop;
   const auto most = [&](const hil::GridHand& hand, const auto& stable) {
     loop = With(t, damping_Ns_per_m, hand, 1.0);
     loop.wall = {};
@@ -156,20 +157,20 @@ OverlayBoundary BoundaryAt(const OverlayTuning& t, double damping_Ns_per_m) {
     return hil::FirstCrossing(
                [&](double stiffness) {
                  loop.wall.stiffness_N_per_m = stiffness;
-                 return !Interrupted() && stable(loop);
+                 return !base::Interrupted() && stable(loop);
                },
                {.from = kMinWall_N_per_m, .to = kMaxWall_N_per_m, .factor = kScan, .tolerance = kTolerance})
         .value;
   };
   for (std::size_t i = 0; i < t.hands.size(); ++i) {
     const double found =
-        most(t.hands[i], [](const hil::OverlayLoopParams& p) { return hil::OverlayLoop(p).IsStable(); });
+        most(t.hands[i], [](const OverlayLoopParams& p) { return OverlayLoop(p).IsStable(); });
     if (i > 0 && found >= boundary.predicted_N_per_m) continue;
     boundary.predicted_N_per_m = found;
     boundary.hand = i;
   }
   boundary.simulated_N_per_m =
-      most(t.hands[boundary.hand], [](const hil::OverlayLoopParams& p) { return !hil::OverlayGrows(p); });
+      most(t.hands[boundary.hand], [](const OverlayLoopParams& p) { return !OverlayGrows(p); });
   return boundary;
 }
 
@@ -187,10 +188,10 @@ OverlayCheck CheckInTime(const OverlayTuning& t, int threads) {
   simulation::ParallelFor(
       cases.size(), threads,
       [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end && !Interrupted(); ++i) {
-          hil::OverlayLoopParams loop = With(t, t.recommended_Ns_per_m, *cases[i].hand, 1.0);
+        for (std::size_t i = begin; i < end && !base::Interrupted(); ++i) {
+          OverlayLoopParams loop = With(t, t.recommended_Ns_per_m, *cases[i].hand, 1.0);
           loop.wall = WallOf(task, cases[i].contact, 1.0);
-          cases[i].grew = hil::OverlayGrows(loop);
+          cases[i].grew = OverlayGrows(loop);
         }
       },
       1);
@@ -221,9 +222,9 @@ void Recommend(OverlayTuning& t) {
   }
 }
 
-void StudyAll(const TuneOptions& options, PhaseProgress& progress, OverlayTuning& t) {
+void StudyAll(const TuneOptions& options, base::PhaseProgress& progress, OverlayTuning& t) {
   progress.BeginPhase("the cell's own gains, and the least damping");
-  t.mass_kg = hil::OverlayLoop(t.loop).mass_kg();
+  t.mass_kg = OverlayLoop(t.loop).mass_kg();
   t.own_margin = MarginOf(t, t.own_damping(), t.task.wall_N_per_m);
   Recommend(t);
   progress.BeginPhase("boundaries, predicted and simulated");
@@ -231,33 +232,33 @@ void StudyAll(const TuneOptions& options, PhaseProgress& progress, OverlayTuning
   simulation::ParallelFor(
       t.boundary.size(), options.threads,
       [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end && !Interrupted(); ++i)
+        for (std::size_t i = begin; i < end && !base::Interrupted(); ++i)
           t.boundary[i] =
               BoundaryAt(t, kMinDamping * std::pow(kMaxDamping / kMinDamping,
                                                    static_cast<double>(i) / (options.dampings - 1)));
       },
       1);
   progress.BeginPhase("the recommended gains, run in time");
-  if (t.Stands() && !Interrupted()) t.check = CheckInTime(t, options.threads);
+  if (t.Stands() && !base::Interrupted()) t.check = CheckInTime(t, options.threads);
 }
 
-Verdict Judge(const OverlayTuning& t) {
-  Verdict verdict;
+session::Verdict Judge(const OverlayTuning& t) {
+  session::Verdict verdict;
   if (!t.Stands()) {
-    verdict.Add(VerdictLevel::kBad, "no stiffness and damping stand what was asked");
+    verdict.Add(session::VerdictLevel::kBad, "no stiffness and damping stand what was asked");
     return verdict;
   }
   if (!t.check.grew.empty())
-    verdict.Add(VerdictLevel::kBad,
+    verdict.Add(session::VerdictLevel::kBad,
                 fmt::format("run in time with the recommended gains, {} of {} runs grew: {}",
                             t.check.grew.size(), t.check.runs, fmt::join(t.check.grew, "; ")));
   if (t.recommended_N_per_m < t.task.wall_N_per_m)
-    verdict.Add(VerdictLevel::kWarning,
+    verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("the cell's coupling of {:g} N/mm stands with no damping, {:.3g} N/mm does",
                             1e-3 * t.task.wall_N_per_m, 1e-3 * t.recommended_N_per_m));
   if (t.planes_N_per_m < t.task.plane_N_per_m)
     verdict.Add(
-        VerdictLevel::kWarning,
+        session::VerdictLevel::kWarning,
         fmt::format("planes that move with the tool and are {:g} ms old stand {:.3g} N/mm of the {:.3g} "
                     "that the force limit over the head's radius makes: across the contact press with "
                     "at most {:.0f} % of the force limit, or keep the model younger",
@@ -265,13 +266,13 @@ Verdict Judge(const OverlayTuning& t) {
                     100.0 * t.planes_N_per_m / t.task.plane_N_per_m));
   if (t.measured && !(std::abs(*t.measured->felt_mass_kg / t.mass_kg - 1.0) <= kMaxMassOff))
     verdict.Add(
-        VerdictLevel::kWarning,
+        session::VerdictLevel::kWarning,
         fmt::format("a force was measured to move {:.2f} kg along {}, and the arm's masses give {:.2f} "
                     "kg along z: the tool's mass, or the robot's file, is off",
                     *t.measured->felt_mass_kg, t.measured->axis, t.mass_kg));
   if (!(t.own_margin >= t.task.margin))
     verdict.Add(
-        VerdictLevel::kWarning,
+        session::VerdictLevel::kWarning,
         t.own_margin > 0.0
             ? fmt::format("the cell's own gains have a gain margin of {:.2f}, {:g} asked for", t.own_margin,
                           t.task.margin)
@@ -279,9 +280,9 @@ Verdict Judge(const OverlayTuning& t) {
   return verdict;
 }
 
-std::vector<SummaryRow> Rows(const OverlayTuning& t) {
+std::vector<report::SummaryRow> Rows(const OverlayTuning& t) {
   const TuneTask& task = t.task;
-  std::vector<SummaryRow> rows{
+  std::vector<report::SummaryRow> rows{
       {"Cell",
        fmt::format(
            "{}: impedance law, overlay of {}, {:g} ms dead time, {:.2f} kg along the tool without the "
@@ -367,19 +368,19 @@ std::string ToJson(const OverlayTuning& t, const std::string& command_line) {
                                 {"stiffness_predicted", b.predicted_N_per_m},
                                 {"stiffness_simulated", b.simulated_N_per_m},
                                 {"hand", t.hands[b.hand].name}});
-  return ResultText(Judge(t), json);
+  return session::ResultText(Judge(t), json);
 }
 
 std::string BoundarySvg(const OverlayTuning& t) {
-  LineChart chart{.title = "Greatest wall stiffness with the impedance law",
-                  .x_label = "damping of the law [N s/m]",
-                  .y_label = "stiffness of the wall [kN/m]",
-                  .y_from_zero = false,
-                  .log_x = true,
-                  .log_y = true,
-                  .plot_height_px = 330.0};
-  Series predicted{.name = "predicted", .width_px = 2.0};
-  Series simulated{.name = "simulated", .width_px = 0.0, .marker = Marker::kRing};
+  report::LineChart chart{.title = "Greatest wall stiffness with the impedance law",
+                          .x_label = "damping of the law [N s/m]",
+                          .y_label = "stiffness of the wall [kN/m]",
+                          .y_from_zero = false,
+                          .log_x = true,
+                          .log_y = true,
+                          .plot_height_px = 330.0};
+  report::Series predicted{.name = "predicted", .width_px = 2.0};
+  report::Series simulated{.name = "simulated", .width_px = 0.0, .marker = report::Marker::kRing};
   const auto shown = [](double N_per_m) {
     return N_per_m > 0.0 ? 1e-3 * N_per_m : std::numeric_limits<double>::quiet_NaN();
   };
@@ -396,20 +397,20 @@ std::string BoundarySvg(const OverlayTuning& t) {
                             .y = {1e-3 * t.recommended_N_per_m},
                             .color = "#d55e00",
                             .width_px = 0.0,
-                            .marker = Marker::kDiamond});
+                            .marker = report::Marker::kDiamond});
   chart.limits = {{.value = 1e-3 * t.task.wall_N_per_m, .label = "the cell's wall"}};
-  return Svg(chart);
+  return report::Svg(chart);
 }
 
-ReportVerdict PlainVerdict(const OverlayTuning& t) {
-  const Verdict verdict = Judge(t);
-  ReportVerdict plain = verdict.ForReport();
+report::ReportVerdict PlainVerdict(const OverlayTuning& t) {
+  const session::Verdict verdict = Judge(t);
+  report::ReportVerdict plain = verdict.ForReport();
   std::vector<std::string> reasons;
-  if (!t.Stands() || verdict.level == VerdictLevel::kBad) {
+  if (!t.Stands() || verdict.level == session::VerdictLevel::kBad) {
     plain.text = "Not safe";
   } else {
     plain.text = fmt::format("{}: coupling {:.3g} N/mm with damping {:.0f} N s/m",
-                             verdict.level == VerdictLevel::kGood ? "Safe" : "Safe, with remarks",
+                             verdict.level == session::VerdictLevel::kGood ? "Safe" : "Safe, with remarks",
                              1e-3 * t.recommended_N_per_m, t.recommended_Ns_per_m);
     reasons.push_back(fmt::format(
         "Why: the loop stays stable with every hand up to {:g} N/m, free and at the wall, {:.2f} times as "
@@ -428,40 +429,41 @@ ReportVerdict PlainVerdict(const OverlayTuning& t) {
 
 tl::expected<void, std::string> Write(const OverlayTuning& t, const TuneOptions& options) {
   const std::string svg = BoundarySvg(t), json = ToJson(t, options.command_line);
-  if (const auto written = WriteDrawing(svg, options.out / "tune"); !written) return written;
+  if (const auto written = session::WriteDrawing(svg, options.out / "tune"); !written) return written;
   std::string csv = "damping_Ns_per_m,predicted_N_per_m,simulated_N_per_m\n";
   for (const OverlayBoundary& b : t.boundary)
     csv +=
         fmt::format("{:.3f},{:.0f},{:.0f}\n", b.damping_Ns_per_m, b.predicted_N_per_m, b.simulated_N_per_m);
-  if (const auto written = WriteText(options.out / "tune.csv", csv); !written) return written;
-  if (const auto written = WriteText(options.out / "tune.json", json); !written) return written;
+  if (const auto written = base::WriteText(options.out / "tune.csv", csv); !written) return written;
+  if (const auto written = base::WriteText(options.out / "tune.json", json); !written) return written;
   if (t.Stands())
-    if (const auto written = WriteText(options.out / "gains.yaml", GainsYaml(t, options.command_line));
+    if (const auto written = base::WriteText(options.out / "gains.yaml", GainsYaml(t, options.command_line));
         !written)
       return written;
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, json); !written) return written;
+    if (const auto written = base::WriteText(options.json, json); !written) return written;
   std::string html =
-      PageBegin({.title = "Gains for " + t.cell, .verdict = PlainVerdict(t), .summary = Rows(t)});
-  html +=
-      "<h2>How stiff a wall may be</h2>\n" +
-      Figure(svg,
-             "The stiffest wall with the worst hand. Damping beyond the line's right end oscillates by its "
-             "own delay, whatever the wall.");
+      report::PageBegin({.title = "Gains for " + t.cell, .verdict = PlainVerdict(t), .summary = Rows(t)});
+  html += "<h2>How stiff a wall may be</h2>\n" +
+          report::Figure(
+              svg,
+              "The stiffest wall with the worst hand. Damping beyond the line's right end oscillates by its "
+              "own delay, whatever the wall.");
   if (t.Stands())
     html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
-            Escape(GainsYaml(t, options.command_line)) + "</pre>\n";
-  html += "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + PageEnd();
-  return WritePage(html, options.out / "tune.html");
+            report::Escape(GainsYaml(t, options.command_line)) + "</pre>\n";
+  html += "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n" +
+          report::PageEnd();
+  return report::WritePage(html, options.out / "tune.html");
 }
 
 }  // namespace
 
 int RunTuneImpedance(const TuneOptions& options, const config::CellConfig& cell) {
   if (options.sharding.shard || options.sharding.parts != nullptr)
-    return Fail("tune", "--shard: found with the impedance law, accepted with the admittance law");
+    return session::Fail("tune", "--shard: found with the impedance law, accepted with the admittance law");
   if (!options.plan.empty())
-    return Fail("tune", "--plan: found with the impedance law, accepted with the admittance law");
+    return session::Fail("tune", "--plan: found with the impedance law, accepted with the admittance law");
   OverlayTuning t{.cell = options.cell.stem().string(), .task = TuneTaskOf(cell), .loop = LoopOf(cell)};
   if (cell.identified)
     for (const config::IdentifiedArm& arm : cell.identified->arm)
@@ -469,8 +471,8 @@ int RunTuneImpedance(const TuneOptions& options, const config::CellConfig& cell)
   const double period_s = t.loop.period_s,
                jitter = options.jitter_ms.value_or(1e3 * period_s) / (1e3 * period_s);
   if (std::abs(jitter - std::round(jitter)) > 1e-6)
-    return Fail("tune",
-                fmt::format("--jitter-ms: found {:g}, accepted a multiple of the cell's period, {:g} ms",
+    return session::Fail(
+        "tune", fmt::format("--jitter-ms: found {:g}, accepted a multiple of the cell's period, {:g} ms",
                             *options.jitter_ms, 1e3 * period_s));
   t.task.command_jitter = static_cast<int>(std::lround(jitter));
   t.task.worst_age_s = 1e-3 * options.worst_age_ms;
@@ -479,19 +481,20 @@ int RunTuneImpedance(const TuneOptions& options, const config::CellConfig& cell)
   t.hands = HandsUpTo(t.task.human_grip_N_per_m);
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
-  if (error) return Fail("tune", options.out.string() + ": " + error.message(), kFailed);
+  if (error) return session::Fail("tune", options.out.string() + ": " + error.message(), session::kFailed);
 
-  InstallInterrupt();
-  PhaseProgress progress("osteon tune", 3);
+  base::InstallInterrupt();
+  base::PhaseProgress progress("osteon tune", 3);
   StudyAll(options, progress, t);
   progress.Done();
-  if (Interrupted()) return kExitInterrupted;
-  if (const auto written = Write(t, options); !written) return Fail("tune", written.error(), kFailed);
-  const Verdict verdict = Judge(t);
-  PrintVerdict(verdict, 26);
-  for (const SummaryRow& row : Rows(t)) fmt::print("  {:<26} {}\n", row.key, row.value);
+  if (base::Interrupted()) return base::kExitInterrupted;
+  if (const auto written = Write(t, options); !written)
+    return session::Fail("tune", written.error(), session::kFailed);
+  const session::Verdict verdict = Judge(t);
+  session::PrintVerdict(verdict, 26);
+  for (const report::SummaryRow& row : Rows(t)) fmt::print("  {:<26} {}\n", row.key, row.value);
   fmt::print("  {:<26} {}\n", "Report", (options.out / "tune.html").string());
-  return verdict.level == VerdictLevel::kBad ? kFailed : 0;
+  return verdict.level == session::VerdictLevel::kBad ? session::kFailed : 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

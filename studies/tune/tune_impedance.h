@@ -3,9 +3,9 @@
 #include "config/reading/cell_config.h"
 #include "studies/tune/tune.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Runs `osteon tune` for a cell with the impedance law; see RunTune.
 [[nodiscard]] int RunTuneImpedance(const TuneOptions& options, const config::CellConfig& cell);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/sharding/exact_number.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using nlohmann::json;
@@ -55,4 +55,4 @@ std::vector<TuneCarried> CarriedFrom(const json& list) {
   return carried;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 // Runs in time as items of a part, to the bit. Reading throws nlohmann::json::exception or
 // std::invalid_argument if an item is damaged.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 [[nodiscard]] nlohmann::json CheckItem(const TuneCheck& check);
 [[nodiscard]] TuneCheck CheckFrom(const nlohmann::json& item);
@@ -17,4 +17,4 @@ namespace osteon::app {
 [[nodiscard]] nlohmann::json CarriedItem(const std::vector<TuneCarried>& carried);
 [[nodiscard]] std::vector<TuneCarried> CarriedFrom(const nlohmann::json& item);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

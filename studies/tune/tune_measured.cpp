@@ -13,7 +13,7 @@
 #include "report/svg_text.h"
 #include "studies/identify/servo_fit.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr std::size_t kTableRows = 5;  // of each of the gains
@@ -63,14 +63,14 @@ std::optional<config::IdentifiedArm> RoughArm(const config::IdentifiedCell& iden
 void UseResponse(const config::IdentifiedCell& identified, const config::IdentifiedArm& arm, TuneTask& task) {
   const config::IdentifiedResponse* found = ResponseFor(identified, arm);
   if (found == nullptr) return;
-  std::vector<hil::PlantLine> lines;
+  std::vector<PlantLine> lines;
   for (const config::IdentifiedLine& line : found->lines)
     lines.push_back({.hz = line.hz, .value = {line.re, line.im}, .sd = line.sd});
   const double period_s = task.loop.period_s;
-  hil::ResponseModel model{.arm = {.bandwidth_hz = arm.bandwidth_hz,
-                                   .damping_ratio = arm.damping_ratio,
-                                   .dead_cycles = arm.dead_time_s / period_s},
-                           .period_s = period_s};
+  ResponseModel model{.arm = {.bandwidth_hz = arm.bandwidth_hz,
+                              .damping_ratio = arm.damping_ratio,
+                              .dead_cycles = arm.dead_time_s / period_s},
+                      .period_s = period_s};
   const std::optional<double> delay_s = identified.sensor ? identified.sensor->delay_s : std::nullopt;
   const double sensor_s = delay_s.value_or(task.loop.sensor_delay * period_s);
   if (found->by_force) {
@@ -78,7 +78,7 @@ void UseResponse(const config::IdentifiedCell& identified, const config::Identif
     for (const config::IdentifiedResonance& resonance : identified.structure)
       model.structure.push_back({.hz = resonance.hz, .damping_ratio = resonance.damping_ratio});
   }
-  task.response = std::make_shared<hil::MeasuredPlant>(lines, model);
+  task.response = std::make_shared<MeasuredPlant>(lines, model);
   task.response_delay_s = found->by_force ? 0.0 : sensor_s;
   task.measured_only = !identified.structure.empty();
 }
@@ -92,9 +92,8 @@ void UseHands(const config::IdentifiedCell& identified, TuneTask& task) {
                                      std::max(0.0, hand.mass_kg)});
 }
 
-hil::MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneContact contact,
-                               double gain) {
-  hil::MeasuredLoopParams params{.loop = task.loop, .sensor_delay_s = task.response_delay_s};
+MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneContact contact, double gain) {
+  MeasuredLoopParams params{.loop = task.loop, .sensor_delay_s = task.response_delay_s};
   // a command as late as the latest
   params.sensor_delay_s += task.command_jitter * task.loop.period_s;
   params.loop.mass_kg = gains.mass_kg;
@@ -116,7 +115,7 @@ std::vector<const TuneMargin*> WorstFirst(const std::vector<TuneMargin>& margins
   return list;
 }
 
-std::string GainText(const hil::LoopMargins& m) {
+std::string GainText(const LoopMargins& m) {
   return std::isfinite(m.gain) ? fmt::format("{:.2f} ± {:.2f}", m.gain, m.gain_radius) : std::string("none");
 }
 
@@ -169,7 +168,7 @@ bool StandsMeasured(const TuneTask& task, const TuneGains& gains, const std::vec
     hand.mass_kg *= gain;
   }
   return std::ranges::all_of(kTuneContacts, [&](TuneContact contact) {
-    return hil::AreAllStable(*task.response, LoopOf(task, gains, contact, gain), stiffer);
+    return AreAllStable(*task.response, LoopOf(task, gains, contact, gain), stiffer);
   });
 }
 
@@ -179,12 +178,12 @@ std::vector<TuneMargin> MeasuredMargins(const TuneTask& task, const std::string&
   if (!task.response) return list;
   for (const TuneContact contact : kTuneContacts)
     for (const hil::GridHand& hand : hands) {
-      hil::MeasuredLoopParams params = LoopOf(task, gains, contact, 1.0);
+      MeasuredLoopParams params = LoopOf(task, gains, contact, 1.0);
       params.loop.hand = hand;
       list.push_back({.gains = name,
                       .hand = hand,
                       .contact = contact,
-                      .margins = hil::JudgeMeasuredLoop(*task.response, params)});
+                      .margins = JudgeMeasuredLoop(*task.response, params)});
     }
   return list;
 }
@@ -194,19 +193,19 @@ const TuneMargin* WorstOf(const std::vector<TuneMargin>& margins, const std::str
   return list.empty() ? nullptr : list.front();
 }
 
-void JudgeMargins(const std::vector<TuneMargin>& margins, Verdict& verdict) {
-  const auto judge = [&](const char* gains, VerdictLevel level, const char* whose) {
+void JudgeMargins(const std::vector<TuneMargin>& margins, session::Verdict& verdict) {
+  const auto judge = [&](const char* gains, session::VerdictLevel level, const char* whose) {
     const TuneMargin* worst = WorstOf(margins, gains);
     if (worst == nullptr || (worst->margins.stable && worst->margins.robust)) return;
     verdict.Add(level, fmt::format("by the measured response {} are {}", whose, MarginText(*worst)));
   };
-  judge("recommended", VerdictLevel::kBad, "the recommended gains");
-  judge("own", VerdictLevel::kWarning, "the cell's own gains");
+  judge("recommended", session::VerdictLevel::kBad, "the recommended gains");
+  judge("own", session::VerdictLevel::kWarning, "the cell's own gains");
 }
 
-std::vector<SummaryRow> RowsOfMeasured(const TuneTask& task, const std::vector<TuneMargin>& margins) {
+std::vector<report::SummaryRow> RowsOfMeasured(const TuneTask& task, const std::vector<TuneMargin>& margins) {
   if (!task.identified) return {};
-  std::vector<SummaryRow> rows;
+  std::vector<report::SummaryRow> rows;
   const config::IdentifiedCell& cell = *task.identified;
   if (const config::IdentifiedArm* arm = config::SlowestArm(cell))
     rows.push_back(
@@ -262,7 +261,7 @@ std::string TableOf(const std::vector<TuneMargin>& margins) {
       table += fmt::format(
           "<tr><th>{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.0f} ± {:.0f}</td><td>{:.2f} ± "
           "{:.2f}</td><td>{:.1f}</td></tr>\n",
-          gains, Escape(m.hand.name), NameOf(m.contact),
+          gains, report::Escape(m.hand.name), NameOf(m.contact),
           !m.margins.stable ? "no" : (m.margins.robust ? "yes" : "not surely"), GainText(m.margins),
           m.margins.phase_deg, m.margins.phase_radius_deg, m.margins.modulus, m.margins.modulus_radius,
           m.margins.modulus_hz);
@@ -273,22 +272,22 @@ std::string TableOf(const std::vector<TuneMargin>& margins) {
 
 std::string NyquistSvg(const TuneTask& task, const TuneGains& own, const TuneGains& recommended,
                        const std::vector<TuneMargin>& margins) {
-  LineChart chart{.title = "Nyquist curves of the worst hands, by the measured response",
-                  .x_label = "real part of L",
-                  .y_label = "imaginary part of L",
-                  .x = Range{-kAxisEnd, kAxisEnd},
-                  .y = Range{-kAxisEnd, kAxisEnd},
-                  .y_from_zero = false,
-                  .plot_height_px = 480.0};
+  report::LineChart chart{.title = "Nyquist curves of the worst hands, by the measured response",
+                          .x_label = "real part of L",
+                          .y_label = "imaginary part of L",
+                          .x = report::Range{-kAxisEnd, kAxisEnd},
+                          .y = report::Range{-kAxisEnd, kAxisEnd},
+                          .y_from_zero = false,
+                          .plot_height_px = 480.0};
   for (const auto& [name, gains] : {std::pair{"recommended", recommended}, {"own", own}}) {
     const TuneMargin* worst = WorstOf(margins, name);
     if (worst == nullptr) continue;
-    hil::MeasuredLoopParams params = LoopOf(task, gains, worst->contact, 1.0);
+    MeasuredLoopParams params = LoopOf(task, gains, worst->contact, 1.0);
     params.loop.hand = worst->hand;
-    Series curve{.name =
-                     fmt::format("{} gains, {} ({})", name == std::string("own") ? "the cell's own" : name,
-                                 worst->hand.name, NameOf(worst->contact))};
-    for (const hil::NyquistPoint& point : hil::NyquistCurve(*task.response, params)) {
+    report::Series curve{.name = fmt::format("{} gains, {} ({})",
+                                             name == std::string("own") ? "the cell's own" : name,
+                                             worst->hand.name, NameOf(worst->contact))};
+    for (const NyquistPoint& point : NyquistCurve(*task.response, params)) {
       const bool seen = std::abs(point.loop.real()) <= kAxisEnd && std::abs(point.loop.imag()) <= kAxisEnd;
       curve.x.push_back(seen ? point.loop.real() : std::numeric_limits<double>::quiet_NaN());
       curve.y.push_back(seen ? point.loop.imag() : std::numeric_limits<double>::quiet_NaN());
@@ -300,8 +299,8 @@ std::string NyquistSvg(const TuneTask& task, const TuneGains& own, const TuneGai
                           .y = {0.0},
                           .color = "#d55e00",
                           .width_px = 0.0,
-                          .marker = Marker::kCross});
-  return Svg(chart, 620.0);
+                          .marker = report::Marker::kCross});
+  return report::Svg(chart, 620.0);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -12,7 +12,7 @@
 
 // A task with measured figures (`osteon identify`), and its judgement by the measured response alone.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Gives a task what was measured of its cell: the arm of the slowest axis and speed with its dead time as
 /// measured, the mass by which the hand moves it, jitter beyond its mean (which the dead time has in it), the
@@ -30,7 +30,7 @@ struct TuneMargin {
   std::string gains;  ///< "own" or "recommended"
   hil::GridHand hand;
   TuneContact contact{};
-  hil::LoopMargins margins;
+  LoopMargins margins;
 };
 
 /// One for each hand and contact; empty without a response.
@@ -42,9 +42,9 @@ struct TuneMargin {
 
 /// Bad if the recommended gains are unstable by the response, or its discs of 95 % hold -1; to be looked at
 /// if the cell's own are.
-void JudgeMargins(const std::vector<TuneMargin>& margins, Verdict& verdict);
-[[nodiscard]] std::vector<SummaryRow> RowsOfMeasured(const TuneTask& task,
-                                                     const std::vector<TuneMargin>& margins);
+void JudgeMargins(const std::vector<TuneMargin>& margins, session::Verdict& verdict);
+[[nodiscard]] std::vector<report::SummaryRow> RowsOfMeasured(const TuneTask& task,
+                                                             const std::vector<TuneMargin>& margins);
 [[nodiscard]] nlohmann::json ToJson(const std::vector<TuneMargin>& margins);
 /// The five nearest to instability for each of the gains, as an HTML table.
 [[nodiscard]] std::string TableOf(const std::vector<TuneMargin>& margins);
@@ -52,4 +52,4 @@ void JudgeMargins(const std::vector<TuneMargin>& margins, Verdict& verdict);
 [[nodiscard]] std::string NyquistSvg(const TuneTask& task, const TuneGains& own, const TuneGains& recommended,
                                      const std::vector<TuneMargin>& margins);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 #include "report/svg_text.h"
 #include "session/summary/chart_files.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 struct Pictures {
@@ -21,19 +21,20 @@ std::string GainsText(const TuneGains& gains) {
 
 std::string Boundaries(const Pictures& pictures) {
   return "<h2>How stiff a wall may be</h2>\n" +
-         Figure(pictures.width,
-                "Below a line the tool is calm at the wall, above it the tool oscillates; all at the "
-                "recommended mass. Left of a line's left end the tool oscillates without any wall.") +
-         Figure(pictures.map,
-                "How fast the slowest motion of the worst hand dies out; in the grey part it grows. Above a "
-                "grey band the loop may be stable again, at walls stiffer than any in use.");
+         report::Figure(pictures.width,
+                        "Below a line the tool is calm at the wall, above it the tool oscillates; all at the "
+                        "recommended mass. Left of a line's left end the tool oscillates without any wall.") +
+         report::Figure(
+             pictures.map,
+             "How fast the slowest motion of the worst hand dies out; in the grey part it grows. Above a "
+             "grey band the loop may be stable again, at walls stiffer than any in use.");
 }
 
 std::string Measured(const TuneResult& r, const Pictures& pictures) {
   return "<h2>By the measured response</h2>\n<p>No model of the arm within the measured band. The loop is "
          "stable if its curve does not go around -1; the margins say how far it stays away, ± the radius of "
          "95 %. Every command is as late as the latest.</p>\n" +
-         Figure(pictures.nyquist, "") + TableOf(r.margins);
+         report::Figure(pictures.nyquist, "") + TableOf(r.margins);
 }
 
 std::string StiffHands(const TuneResult& r) {
@@ -45,18 +46,19 @@ std::string StiffHands(const TuneResult& r) {
 
 std::string Page(const TuneResult& r, const TuneOptions& options, const Pictures& pictures) {
   std::string html =
-      PageBegin({.title = "Gains for " + r.cell, .verdict = PlainVerdict(r), .summary = Rows(r)});
+      report::PageBegin({.title = "Gains for " + r.cell, .verdict = PlainVerdict(r), .summary = Rows(r)});
   if (!pictures.nyquist.empty()) html += Measured(r, pictures);
   if (!pictures.map.empty()) html += Boundaries(pictures);
   html += "<h2>What it costs</h2>\n" +
-          Figure(pictures.trade,
-                 "The least drag with which the tool is stable in all of these cases, by its virtual mass. A "
-                 "tool that is too light follows the hand's own mass; a heavy one responds slower than the "
-                 "arm's lag. A tool below and to the left of both red lines counts as light to the hand.");
+          report::Figure(
+              pictures.trade,
+              "The least drag with which the tool is stable in all of these cases, by its virtual mass. A "
+              "tool that is too light follows the hand's own mass; a heavy one responds slower than the "
+              "arm's lag. A tool below and to the left of both red lines counts as light to the hand.");
   if (!r.carried.empty()) html += StiffHands(r);
   if (r.Stands())
     html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
-            Escape(GainsYaml(r, options.command_line)) + "</pre>\n";
+            report::Escape(GainsYaml(r, options.command_line)) + "</pre>\n";
   if (r.guidance)
     html +=
         fmt::format(
@@ -64,7 +66,8 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const Pictures
             "unstable with it. The plan's own gains stand in the middle.</p>\n",
             r.guidance->hands) +
         TableOf(*r.guidance);
-  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + PageEnd();
+  return html + "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n" +
+         report::PageEnd();
 }
 
 // Why the recommended gains are what they are.
@@ -105,25 +108,26 @@ tl::expected<void, std::string> WritePictures(const Pictures& pictures, const Tu
                                   {"tune_trade", &pictures.trade},
                                   {"tune_nyquist", &pictures.nyquist}}) {
     if (svg->empty()) continue;
-    if (const auto written = WriteDrawing(*svg, options.out / name); !written) return written;
+    if (const auto written = session::WriteDrawing(*svg, options.out / name); !written) return written;
   }
   return {};
 }
 
 }  // namespace
 
-ReportVerdict PlainVerdict(const TuneResult& r) {
-  const Verdict verdict = Judge(r);
+report::ReportVerdict PlainVerdict(const TuneResult& r) {
+  const session::Verdict verdict = Judge(r);
   const bool own_stand = r.own_margin >= r.task.margin;
-  ReportVerdict plain = verdict.ForReport();
+  report::ReportVerdict plain = verdict.ForReport();
   std::vector<std::string> reasons;
   if (!r.Stands()) {
     plain.text = "Not safe: no gains are stable with everything that was asked for";
-  } else if (verdict.level == VerdictLevel::kBad) {
+  } else if (verdict.level == session::VerdictLevel::kBad) {
     plain.text = "Not safe";
   } else {
-    plain.text = fmt::format("{}: {}", verdict.level == VerdictLevel::kGood ? "Safe" : "Safe, with remarks",
-                             GainsText(r.recommended));
+    plain.text =
+        fmt::format("{}: {}", verdict.level == session::VerdictLevel::kGood ? "Safe" : "Safe, with remarks",
+                    GainsText(r.recommended));
   }
   if (r.Stands()) {
     reasons.push_back(
@@ -150,15 +154,16 @@ tl::expected<void, std::string> WriteTuning(const TuneResult& r, const TuneOptio
         NyquistSvg(r.task, {r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m}, r.recommended, r.margins);
   if (const auto written = WritePictures(pictures, options); !written) return written;
   const std::string json = ToJson(r, options.command_line);
-  if (const auto written = WriteText(options.out / "tune.csv", BoundaryCsv(r)); !written) return written;
-  if (const auto written = WriteText(options.out / "tune.json", json); !written) return written;
+  if (const auto written = base::WriteText(options.out / "tune.csv", BoundaryCsv(r)); !written)
+    return written;
+  if (const auto written = base::WriteText(options.out / "tune.json", json); !written) return written;
   if (r.Stands())
-    if (const auto written = WriteText(options.out / "gains.yaml", GainsYaml(r, options.command_line));
+    if (const auto written = base::WriteText(options.out / "gains.yaml", GainsYaml(r, options.command_line));
         !written)
       return written;
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, json); !written) return written;
-  return WritePage(Page(r, options, pictures), options.out / "tune.html");
+    if (const auto written = base::WriteText(options.json, json); !written) return written;
+  return report::WritePage(Page(r, options, pictures), options.out / "tune.html");
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,15 +8,15 @@
 #include "studies/tune/tune.h"
 #include "studies/tune/tune_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The verdict of a tuning in plain words: safe or not, which gains, why, what to do next, and then the
 /// reasons of Judge.
-[[nodiscard]] ReportVerdict PlainVerdict(const TuneResult& result);
+[[nodiscard]] report::ReportVerdict PlainVerdict(const TuneResult& result);
 
 /// Writes tune.json, .csv, .html, the pictures and gains.yaml into options.out, and a copy of the JSON where
 /// it was asked for. @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteTuning(const TuneResult& result,
                                                           const TuneOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 #include "report/svg_text.h"
 #include "studies/tune/tune_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kFastest_per_s = 8.0;  // decay rate above which a hand feels no oscillation
@@ -18,10 +18,12 @@ constexpr const char* kChosenColor = "#d55e00";
 
 // The measured boundary. Zero (unstable without a wall) and the stiffest wall that was tried (no boundary
 // found) give no point.
-Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBoundary::*what, double unit,
-             const std::string& name, const std::string& color, Marker marker, double below) {
-  Series series{
-      .name = name, .color = color, .width_px = marker == Marker::kNone ? 2.0 : 0.0, .marker = marker};
+report::Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBoundary::*what, double unit,
+                     const std::string& name, const std::string& color, report::Marker marker, double below) {
+  report::Series series{.name = name,
+                        .color = color,
+                        .width_px = marker == report::Marker::kNone ? 2.0 : 0.0,
+                        .marker = marker};
   for (const TuneBoundary& b : boundaries) {
     series.x.push_back(b.damping_Ns_per_m);
     series.y.push_back(b.*what > 0.0 && b.*what < below ? unit * (b.*what)
@@ -31,8 +33,9 @@ Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBoundary::*
 }
 
 // Marks dampings at which even the stiffest wall that was tried is stable: a lower bound, not a measurement.
-Series AtLeast(const std::vector<TuneBoundary>& boundaries, double max_N_per_m, const std::string& color) {
-  Series series{.color = color, .width_px = 0.0, .marker = Marker::kOpenUp};
+report::Series AtLeast(const std::vector<TuneBoundary>& boundaries, double max_N_per_m,
+                       const std::string& color) {
+  report::Series series{.color = color, .width_px = 0.0, .marker = report::Marker::kOpenUp};
   for (const TuneBoundary& b : boundaries)
     if (std::max({b.predicted_N_per_m, b.simulated_N_per_m, b.degraded_N_per_m}) >= max_N_per_m) {
       series.x.push_back(b.damping_Ns_per_m);
@@ -42,8 +45,8 @@ Series AtLeast(const std::vector<TuneBoundary>& boundaries, double max_N_per_m, 
 }
 
 // An entry for the legend alone.
-Series LegendOnly(const std::string& name, Marker marker) {
-  return {.name = name, .color = kMutedColor, .width_px = 0.0, .marker = marker};
+report::Series LegendOnly(const std::string& name, report::Marker marker) {
+  return {.name = name, .color = report::kMutedColor, .width_px = 0.0, .marker = marker};
 }
 
 bool SameGains(const TuneGains& a, double mass_kg, double damping_Ns_per_m) {
@@ -54,7 +57,7 @@ bool SameGains(const TuneGains& a, double mass_kg, double damping_Ns_per_m) {
 }  // namespace
 
 std::string MapSvg(const TuneResult& r) {
-  std::vector<LevelMap> panels;
+  std::vector<report::LevelMap> panels;
   for (std::size_t k = 0; k < r.maps.size(); ++k) {
     const TuneMap& map = r.maps[k];
     const auto& boundaries = k == 0 ? r.human : r.stiffest;
@@ -67,39 +70,39 @@ std::string MapSvg(const TuneResult& r) {
                       .ny = map.walls,
                       .values = map.decay_per_s,
                       .curves = {Curve(boundaries, &TuneBoundary::predicted_N_per_m, 1.0, "", kPredictedColor,
-                                       Marker::kNone, r.max_wall_N_per_m),
+                                       report::Marker::kNone, r.max_wall_N_per_m),
                                  Curve(boundaries, &TuneBoundary::simulated_N_per_m, 1.0, "", kPredictedColor,
-                                       Marker::kRing, r.max_wall_N_per_m),
-                                 Series{.x = {r.recommended.damping_Ns_per_m},
-                                        .y = {r.task.wall_N_per_m},
-                                        .color = kChosenColor,
-                                        .width_px = 0.0,
-                                        .marker = Marker::kDiamond}}});
+                                       report::Marker::kRing, r.max_wall_N_per_m),
+                                 report::Series{.x = {r.recommended.damping_Ns_per_m},
+                                                .y = {r.task.wall_N_per_m},
+                                                .color = kChosenColor,
+                                                .width_px = 0.0,
+                                                .marker = report::Marker::kDiamond}}});
   }
-  return LevelMapSvg(panels,
-                     {.label = "decay of the slowest motion [1/s]", .min = 0.0, .max = kFastest_per_s},
-                     fmt::format("Stability at {:.3g} kg", r.recommended.mass_kg),
-                     {{.text = "boundary, predicted", .color = kPredictedColor},
-                      {.text = "simulated",
-                       .color = kPredictedColor,
-                       .mark = LegendEntry::Mark::kNone,
-                       .marker = Marker::kRing},
-                      {.text = "recommended drag, the cell's wall",
-                       .color = kChosenColor,
-                       .mark = LegendEntry::Mark::kNone,
-                       .marker = Marker::kDiamond},
-                      {.text = "grows", .color = "#dfe2e6", .mark = LegendEntry::Mark::kFill}});
+  return report::LevelMapSvg(
+      panels, {.label = "decay of the slowest motion [1/s]", .min = 0.0, .max = kFastest_per_s},
+      fmt::format("Stability at {:.3g} kg", r.recommended.mass_kg),
+      {{.text = "boundary, predicted", .color = kPredictedColor},
+       {.text = "simulated",
+        .color = kPredictedColor,
+        .mark = report::LegendEntry::Mark::kNone,
+        .marker = report::Marker::kRing},
+       {.text = "recommended drag, the cell's wall",
+        .color = kChosenColor,
+        .mark = report::LegendEntry::Mark::kNone,
+        .marker = report::Marker::kDiamond},
+       {.text = "grows", .color = "#dfe2e6", .mark = report::LegendEntry::Mark::kFill}});
 }
 
 std::string WidthSvg(const TuneResult& r) {
-  LineChart chart{.title = fmt::format("Greatest wall stiffness at {:.3g} kg", r.recommended.mass_kg),
-                  .x_label = "drag of the virtual tool [N s/m]",
-                  .y_label = "stiffness of the wall [kN/m]",
-                  .y = Range{10.0, 1.3e-3 * r.max_wall_N_per_m},
-                  .y_from_zero = false,
-                  .log_x = true,
-                  .log_y = true,
-                  .plot_height_px = 330.0};
+  report::LineChart chart{.title = fmt::format("Greatest wall stiffness at {:.3g} kg", r.recommended.mass_kg),
+                          .x_label = "drag of the virtual tool [N s/m]",
+                          .y_label = "stiffness of the wall [kN/m]",
+                          .y = report::Range{10.0, 1.3e-3 * r.max_wall_N_per_m},
+                          .y_from_zero = false,
+                          .log_x = true,
+                          .log_y = true,
+                          .plot_height_px = 330.0};
   const std::pair<const std::vector<TuneBoundary>*, std::string> groups[]{
       {&r.firm, "a firm hand"},
       {&r.human, fmt::format("grips up to {:g} N/m", r.task.human_grip_N_per_m)},
@@ -107,33 +110,34 @@ std::string WidthSvg(const TuneResult& r) {
   for (std::size_t k = 0; k < std::size(groups); ++k) {
     const auto* boundaries = groups[k].first;
     const auto& name = groups[k].second;
-    const std::string color = kPalette[k];
-    const auto curve = [&](double TuneBoundary::*what, const std::string& shown, Marker marker) {
+    const std::string color = report::kPalette[k];
+    const auto curve = [&](double TuneBoundary::*what, const std::string& shown, report::Marker marker) {
       chart.series.push_back(Curve(*boundaries, what, 1e-3, shown, color, marker, r.max_wall_N_per_m));
     };
-    curve(&TuneBoundary::predicted_N_per_m, name, Marker::kNone);
-    curve(&TuneBoundary::simulated_N_per_m, "", Marker::kRing);
-    curve(&TuneBoundary::degraded_N_per_m, "", Marker::kCross);
+    curve(&TuneBoundary::predicted_N_per_m, name, report::Marker::kNone);
+    curve(&TuneBoundary::simulated_N_per_m, "", report::Marker::kRing);
+    curve(&TuneBoundary::degraded_N_per_m, "", report::Marker::kCross);
     chart.series.push_back(AtLeast(*boundaries, r.max_wall_N_per_m, color));
   }
-  chart.series.push_back({.name = "predicted", .color = kMutedColor, .width_px = 2.0});
-  chart.series.push_back(LegendOnly("simulated", Marker::kRing));
-  chart.series.push_back(LegendOnly("with commands lost and late", Marker::kCross));
-  chart.series.push_back(LegendOnly("at least so much: no stiffer wall was looked at", Marker::kOpenUp));
+  chart.series.push_back({.name = "predicted", .color = report::kMutedColor, .width_px = 2.0});
+  chart.series.push_back(LegendOnly("simulated", report::Marker::kRing));
+  chart.series.push_back(LegendOnly("with commands lost and late", report::Marker::kCross));
+  chart.series.push_back(
+      LegendOnly("at least so much: no stiffer wall was looked at", report::Marker::kOpenUp));
   chart.limits = {{.value = 1e-3 * r.task.wall_N_per_m, .label = "the cell's wall"}};
   chart.x_limits = {{.value = r.recommended.damping_Ns_per_m, .label = "recommended"}};
-  return Svg(chart);
+  return report::Svg(chart);
 }
 
 std::string TradeSvg(const TuneResult& r) {
-  LineChart chart{.title = fmt::format("Least drag, gain margin {:g}", r.task.margin),
-                  .x_label = "mass of the virtual tool [kg]",
-                  .y_label = "drag [N s/m]",
-                  .plot_height_px = 260.0};
-  Series human{.name = fmt::format("grips up to {:g} N/m", r.task.human_grip_N_per_m),
-               .marker = Marker::kCircle};
-  Series stiffest{.name = fmt::format("up to {:g} N/m", r.task.stiffest_grip_N_per_m),
-                  .marker = Marker::kSquare};
+  report::LineChart chart{.title = fmt::format("Least drag, gain margin {:g}", r.task.margin),
+                          .x_label = "mass of the virtual tool [kg]",
+                          .y_label = "drag [N s/m]",
+                          .plot_height_px = 260.0};
+  report::Series human{.name = fmt::format("grips up to {:g} N/m", r.task.human_grip_N_per_m),
+                       .marker = report::Marker::kCircle};
+  report::Series stiffest{.name = fmt::format("up to {:g} N/m", r.task.stiffest_grip_N_per_m),
+                          .marker = report::Marker::kSquare};
   for (const TuneTrade& trade : r.trade) {
     human.x.push_back(trade.mass_kg);
     human.y.push_back(trade.human_Ns_per_m);
@@ -146,19 +150,19 @@ std::string TradeSvg(const TuneResult& r) {
     chart.series.push_back({.name = "the cell's own gains",
                             .x = {r.task.loop.mass_kg},
                             .y = {r.task.loop.damping_Ns_per_m},
-                            .color = kTextColor,
+                            .color = report::kTextColor,
                             .width_px = 0.0,
-                            .marker = Marker::kCross});
+                            .marker = report::Marker::kCross});
   if (r.Stands())
     chart.series.push_back({.name = same ? "recommended, and the cell's own gains" : "recommended",
                             .x = {r.recommended.mass_kg},
                             .y = {r.recommended.damping_Ns_per_m},
                             .color = kChosenColor,
                             .width_px = 0.0,
-                            .marker = Marker::kDiamond});
+                            .marker = report::Marker::kDiamond});
   chart.limits = {{.value = r.task.max_drag_Ns_per_m, .label = "light below"}};
   chart.x_limits = {{.value = r.task.max_mass_kg, .label = "light up to here"}};
-  return Svg(chart);
+  return report::Svg(chart);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

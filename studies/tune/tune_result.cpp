@@ -10,7 +10,7 @@
 
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 std::string Shown(const TuneGains& gains) {
@@ -40,13 +40,13 @@ nlohmann::json ToJson(const std::vector<TuneBoundary>& boundaries, const std::ve
 // A hand that keeps more force than this between 5 and 40 Hz is shaken, not merely restless.
 constexpr double kShaken_N = 5.0;
 
-void JudgeCarried(const TuneResult& r, Verdict& verdict) {
+void JudgeCarried(const TuneResult& r, session::Verdict& verdict) {
   const TuneCarried* worst = r.WorstCarried();
   if (worst == nullptr || worst->Calm()) return;
   const auto calm = std::ranges::count_if(r.carried, &TuneCarried::Calm);
   const bool shaken = !worst->run.valid || worst->run.one_s_N > kShaken_N;
   verdict.Add(
-      shaken ? VerdictLevel::kBad : VerdictLevel::kWarning,
+      shaken ? session::VerdictLevel::kBad : session::VerdictLevel::kWarning,
       fmt::format("of {} hands stiffer than {:g} N/m, {} keep oscillating 1 s after the grip closed, though "
                   "the vibration index acts: the worst, {} ({}), {}",
                   r.carried.size(), r.task.human_grip_N_per_m,
@@ -70,43 +70,43 @@ const TuneCarried* TuneResult::WorstCarried() const {
   });
 }
 
-Verdict Judge(const TuneResult& r) {
-  Verdict verdict;
+session::Verdict Judge(const TuneResult& r) {
+  session::Verdict verdict;
   if (r.guidance) JudgeGuidance(*r.guidance, verdict);
   JudgeMargins(r.margins, verdict);
   if (!r.Stands()) {
-    verdict.Add(VerdictLevel::kBad, "no gains stand what was asked, whatever the drag");
+    verdict.Add(session::VerdictLevel::kBad, "no gains stand what was asked, whatever the drag");
     return verdict;
   }
   if (!r.check.grew.empty())
-    verdict.Add(VerdictLevel::kBad,
+    verdict.Add(session::VerdictLevel::kBad,
                 fmt::format("run in time with the recommended gains, {} of {} runs grew: {}",
                             r.check.grew.size(), r.check.runs, fmt::join(r.check.grew, "; ")));
   JudgeCarried(r, verdict);
   if (!r.task.index_acts && !r.carried.empty())
     verdict.Add(
-        VerdictLevel::kWarning,
+        session::VerdictLevel::kWarning,
         fmt::format("hands stiffer than {:g} N/m need the vibration index, which does not act in this cell "
                     "(vibration: acts: false)",
                     r.task.human_grip_N_per_m));
   if (!(r.own_margin >= r.task.margin))
     verdict.Add(
-        VerdictLevel::kWarning,
+        session::VerdictLevel::kWarning,
         fmt::format("the cell's own gains, {:.3g} kg and {:.0f} N s/m, {}", r.task.loop.mass_kg,
                     r.task.loop.damping_Ns_per_m,
                     r.own_margin > 0.0 ? fmt::format("have a gain margin of {:.2f}, {:g} asked for",
                                                      r.own_margin, r.task.margin)
                                        : std::string("are not stable with all of these hands and contacts")));
   if (!r.WithinBar())
-    verdict.Add(VerdictLevel::kWarning,
+    verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("the recommended tool is not light: {}, against {:g} kg and {:g} N s/m",
                             Shown(r.recommended), r.task.max_mass_kg, r.task.max_drag_Ns_per_m));
   return verdict;
 }
 
-std::vector<SummaryRow> Rows(const TuneResult& r) {
+std::vector<report::SummaryRow> Rows(const TuneResult& r) {
   const TuneTask& t = r.task;
-  std::vector<SummaryRow> rows{
+  std::vector<report::SummaryRow> rows{
       {"Cell", fmt::format("{}: arm of {:g} Hz, {:.3g} ms dead time, sensor {:g} ms late, period {:g} ms",
                            r.cell, t.loop.arm.bandwidth_hz, 1e3 * t.loop.arm.dead_cycles * t.loop.period_s,
                            1e3 * t.loop.sensor_delay * t.loop.period_s, 1e3 * t.loop.period_s)},
@@ -120,9 +120,9 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
        fmt::format("{:.3g} kg, {:.0f} N s/m: {}", t.loop.mass_kg, t.loop.damping_Ns_per_m,
                    r.own_margin > 0.0 ? fmt::format("gain margin {:.2f}", r.own_margin)
                                       : std::string("not stable with all of these"))}};
-  for (SummaryRow& row : RowsOfMeasured(t, r.margins)) rows.push_back(std::move(row));
+  for (report::SummaryRow& row : RowsOfMeasured(t, r.margins)) rows.push_back(std::move(row));
   if (r.guidance)
-    for (SummaryRow& row : RowsOf(*r.guidance)) rows.push_back(std::move(row));
+    for (report::SummaryRow& row : RowsOf(*r.guidance)) rows.push_back(std::move(row));
   if (!r.Stands()) {
     rows.push_back({"Recommended", "none: no mass of those tried is stable, whatever the drag"});
     return rows;
@@ -226,7 +226,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
     json["trade"].push_back({{"mass_kg", trade.mass_kg},
                              {"damping_human", Finite(trade.human_Ns_per_m)},
                              {"damping_stiffest", Finite(trade.stiffest_Ns_per_m)}});
-  if (!r.Stands()) return ResultText(Judge(r), json);
+  if (!r.Stands()) return session::ResultText(Judge(r), json);
   json["recommended"] = ToJson(r.recommended);
   json["recommended"]["margin"] = r.recommended_margin;
   json["stiff_grips"] = {{"grip_N_per_m", t.stiffest_grip_N_per_m},
@@ -245,7 +245,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
                                             {"damping_most_ratio", c.run.max_damping},
                                             {"damping_mean_ratio", c.run.mean_damping}});
   json["check"] = {{"runs", r.check.runs}, {"grew", r.check.grew}};
-  return ResultText(Judge(r), json);
+  return session::ResultText(Judge(r), json);
 }
 
 std::string BoundaryCsv(const TuneResult& r) {
@@ -269,7 +269,8 @@ std::string CarriedTable(const TuneResult& r) {
   for (const TuneCarried& c : r.carried)
     table += fmt::format(
         "<tr><th>{}</th><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.0f} ×</td><td>{:.1f} ×</td></tr>\n",
-        Escape(c.hand.name), c.contact, c.run.half_s_N, c.run.one_s_N, c.run.max_damping, c.run.mean_damping);
+        report::Escape(c.hand.name), c.contact, c.run.half_s_N, c.run.one_s_N, c.run.max_damping,
+        c.run.mean_damping);
   return table + "</table>\n";
 }
 
@@ -284,4 +285,4 @@ std::string GainsYaml(const TuneResult& r, const std::string& command_line) {
       fmt::arg("m", r.recommended.mass_kg), fmt::arg("b", r.recommended.damping_Ns_per_m));
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

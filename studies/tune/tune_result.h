@@ -12,7 +12,7 @@
 
 // The result of `osteon tune` and its forms: rows, JSON, CSV, pictures, an overlay for the cell.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The least drag for one virtual mass that is stable with every hand at the margin; infinite if none.
 struct TuneTrade {
@@ -63,9 +63,9 @@ struct TuneResult {
 /// if the loop grew in simulation, or if a stiff hand keeps oscillating. To be looked at if the cell's own
 /// gains are stable with less, if the tool is not light, or if hands depend on a vibration index that does
 /// not act.
-[[nodiscard]] Verdict Judge(const TuneResult& result);
+[[nodiscard]] session::Verdict Judge(const TuneResult& result);
 
-[[nodiscard]] std::vector<SummaryRow> Rows(const TuneResult& result);
+[[nodiscard]] std::vector<report::SummaryRow> Rows(const TuneResult& result);
 /// JSON, schema osteon.tune/1.
 [[nodiscard]] std::string ToJson(const TuneResult& result, const std::string& command_line);
 /// The boundaries as CSV, one damping a line.
@@ -79,4 +79,4 @@ struct TuneResult {
 [[nodiscard]] std::string WidthSvg(const TuneResult& result);
 [[nodiscard]] std::string TradeSvg(const TuneResult& result);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 #include "simulation/tools/tool.h"
 #include "studies/tune/tune_measured.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kMaxDrag_Ns_per_m = 3000.0;
@@ -31,13 +31,13 @@ hil::AdmittanceLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, c
 }
 
 // Parameters of a simulated run with lost and late commands, noise, and the cell's vibration index.
-hil::AdmittanceRunParams WithIndex(const TuneTask& task, const TuneGains& gains, const hil::GridHand& hand,
-                                   TuneContact contact) {
-  hil::AdmittanceRunParams run{.loop = LoopOf(task, gains, hand, 1.0),
-                               .command_loss = task.command_loss,
-                               .command_jitter = task.command_jitter,
-                               .noise_N = kNoise_N,
-                               .vibration = task.vibration};
+AdmittanceRunParams WithIndex(const TuneTask& task, const TuneGains& gains, const hil::GridHand& hand,
+                              TuneContact contact) {
+  AdmittanceRunParams run{.loop = LoopOf(task, gains, hand, 1.0),
+                          .command_loss = task.command_loss,
+                          .command_jitter = task.command_jitter,
+                          .noise_N = kNoise_N,
+                          .vibration = task.vibration};
   run.loop.wall = WallOf(task, contact, 1.0);
   return run;
 }
@@ -139,15 +139,15 @@ TuneBoundary BoundaryAt(const TuneTask& task, const TuneGains& gains, const std:
     boundary.hand = i;
   }
 
-  hil::AdmittanceRunParams run{.loop = LoopOf(task, gains, hands[boundary.hand], 1.0)};
+  AdmittanceRunParams run{.loop = LoopOf(task, gains, hands[boundary.hand], 1.0)};
   const auto seen = [&](double min_share) {
-    if (hil::SimulatedGrowth(run) >= 0.0) return 0.0;
+    if (SimulatedGrowth(run) >= 0.0) return 0.0;
     const double around = std::max(boundary.predicted_N_per_m, 10.0 * kMinWall_N_per_m);
-    hil::AdmittanceRunParams walls = run;
-    return hil::SimulatedMaxWallStiffness(walls, {.from = std::max(kMinWall_N_per_m, min_share * around),
-                                                  .to = std::min(max_N_per_m, 1.6 * around),
-                                                  .factor = 1.08,
-                                                  .tolerance = 2e-3})
+    AdmittanceRunParams walls = run;
+    return SimulatedMaxWallStiffness(walls, {.from = std::max(kMinWall_N_per_m, min_share * around),
+                                             .to = std::min(max_N_per_m, 1.6 * around),
+                                             .factor = 1.08,
+                                             .tolerance = 2e-3})
         .value;
   };
   boundary.simulated_N_per_m = seen(0.6);
@@ -172,12 +172,12 @@ TuneCheck CheckInTime(const TuneTask& task, const TuneGains& gains, const std::v
   TuneCheck check;
   for (const TuneContact contact : kTuneContacts)
     for (const hil::GridHand& hand : hands) {
-      hil::AdmittanceRunParams run{.loop = LoopOf(task, gains, hand, 1.0),
-                                   .command_loss = task.command_loss,
-                                   .command_jitter = task.command_jitter};
+      AdmittanceRunParams run{.loop = LoopOf(task, gains, hand, 1.0),
+                              .command_loss = task.command_loss,
+                              .command_jitter = task.command_jitter};
       run.loop.wall = WallOf(task, contact, 1.0);
       ++check.runs;
-      if (hil::SimulatedGrowth(run) >= 0.0)
+      if (SimulatedGrowth(run) >= 0.0)
         check.grew.push_back(fmt::format("{}, {}", hand.name, NameOf(contact)));
     }
   return check;
@@ -190,10 +190,10 @@ std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& 
     if (hand.stiffness_N_per_m <= task.human_grip_N_per_m) continue;
     TuneCarried worst{.hand = hand, .contact = {}, .run = {}, .calm_N = calm_N};
     for (const TuneContact contact : kTuneContacts) {
-      hil::AdmittanceRunParams run = WithIndex(task, gains, hand, contact);
+      AdmittanceRunParams run = WithIndex(task, gains, hand, contact);
       run.kick_m_per_s = kGripSpeed_m_per_s;
       run.seconds = kCarried_s;
-      const hil::GripRun found = hil::RunGrip(run);
+      const GripRun found = RunGrip(run);
       if (!worst.contact.empty() && worst.run.valid && found.valid && found.one_s_N <= worst.run.one_s_N)
         continue;
       worst.contact = NameOf(contact);
@@ -209,8 +209,8 @@ double IndexWith(const TuneTask& task, const TuneGains& gains, const std::vector
   double most = 0.0;
   for (const hil::GridHand& hand : hands)
     for (const TuneContact contact : kTuneContacts)
-      most = std::max(most, hil::RunGrip(WithIndex(task, gains, hand, contact)).max_index);
+      most = std::max(most, RunGrip(WithIndex(task, gains, hand, contact)).max_index);
   return most;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -13,7 +13,7 @@
 
 // The questions of `osteon tune` to the loop (which hands, which contacts, which delays) and the answers.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A cell's loop along one axis of its tool, and the conditions in which its gains must be stable.
 struct TuneTask {
@@ -34,9 +34,9 @@ struct TuneTask {
 
   // From what was measured of the cell (studies/tune/tune_measured.h); without it all lags are assumed.
   std::optional<config::IdentifiedCell> identified{};
-  std::vector<hil::GridHand> measured_hands{};           ///< must be stable as well, whatever their stiffness
-  std::shared_ptr<const hil::MeasuredPlant> response{};  ///< null: no response was measured
-  double response_delay_s{0.0};                          ///< of the force, beyond the response
+  std::vector<hil::GridHand> measured_hands{};      ///< must be stable as well, whatever their stiffness
+  std::shared_ptr<const MeasuredPlant> response{};  ///< null: no response was measured
+  double response_delay_s{0.0};                     ///< of the force, beyond the response
   /// A structure was found that the model of the arm lacks: gains are judged by the response alone.
   bool measured_only{false};
 };
@@ -107,7 +107,7 @@ struct TuneCheck {
 struct TuneCarried {
   hil::GridHand hand;
   std::string contact;
-  hil::GripRun run;
+  GripRun run;
   double calm_N{0.5};  ///< limit of the force between 5 and 40 Hz, from 1 s on: below it the loop is calm
   [[nodiscard]] bool Calm() const { return run.valid && run.one_s_N < calm_N; }
 };
@@ -123,4 +123,4 @@ struct TuneCarried {
 [[nodiscard]] double IndexWith(const TuneTask& task, const TuneGains& gains,
                                const std::vector<hil::GridHand>& hands);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

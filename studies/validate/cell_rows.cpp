@@ -9,7 +9,7 @@
 #include "config/reading/load.h"
 #include "studies/transparency/transparency.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kReamer_m = 0.050;
@@ -234,4 +234,4 @@ Simulated DragDifference(ValidationLab& lab) {
           .how = "cell demo in free motion, as osteon transparency demo measures it; the worst of six axes"};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

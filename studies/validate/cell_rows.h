@@ -7,7 +7,7 @@
 
 // Rows that a shipped cell in virtual time simulates: arm, hand, servo loop and cutting engine.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// How the hand reams.
 enum class Technique : std::uint8_t {
@@ -41,4 +41,4 @@ enum class Technique : std::uint8_t {
 /// Greatest difference of the drag at the demo's handle from the drag asked for [%].
 [[nodiscard]] Simulated DragDifference(ValidationLab& lab);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

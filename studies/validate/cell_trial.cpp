@@ -21,7 +21,7 @@
 #include "session/summary/summary.h"
 #include "simulation/tools/tool.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 // "In full": the hand's force is at least this share of the script's push.
@@ -54,7 +54,7 @@ tl::expected<void, std::string> ReplaceTissues(const std::filesystem::path& conf
 // What the ticks of a run say about its press.
 class PressFigures {
  public:
-  explicit PressFigures(const CellSetup& setup)
+  explicit PressFigures(const session::CellSetup& setup)
       : axis_W_(setup.config.X_WG.linear().col(2)),
         push_N_(std::visit([](const auto& script) { return script.push_force_N; }, setup.config.script)),
         period_s_(setup.config.servo.period_s) {
@@ -92,7 +92,7 @@ class PressFigures {
   std::int64_t ticks_{0};
 };
 
-void FitCavity(const CellSetup& setup, const simulation::CarvedState& after, CellTrial& trial) {
+void FitCavity(const session::CellSetup& setup, const simulation::CarvedState& after, CellTrial& trial) {
   const simulation::ToolBall* head = simulation::CuttingHead(setup.config.tool.tool);
   if (head == nullptr || setup.config.scene.zone.kind != simulation::ZoneParams::Kind::kCup) {
     trial.fit_refused = "the scene has no cup";
@@ -110,18 +110,18 @@ void FitCavity(const CellSetup& setup, const simulation::CarvedState& after, Cel
   trial.centre_shift_m = (fit->centre_m - Vector3(site.center_m)).norm();
 }
 
-tl::expected<CellSetup, std::string> SetUp(const std::filesystem::path& config_root,
-                                           const CellTrialParams& params) {
+tl::expected<session::CellSetup, std::string> SetUp(const std::filesystem::path& config_root,
+                                                    const CellTrialParams& params) {
   const std::filesystem::path cell = config_root / "cells" / (params.cell + ".yaml");
   config::Overlay overlay(cell);
   for (const std::string& assignment : params.set) overlay.Set(assignment, "osteon validate");
-  auto setup = PrepareCell(cell, std::nullopt);
+  auto setup = session::PrepareCell(cell, std::nullopt);
   overlay.Finish();
   if (!setup) return setup;
   if (auto replaced = ReplaceTissues(config_root, params.tissues, setup->config.scene); !replaced)
     return tl::make_unexpected(replaced.error());
   // by the closed forms alone, whose results are the same on any machine
-  if (const auto packed = PackCell(
+  if (const auto packed = session::PackCell(
           *setup, {.as_packed = params.as_packed, .error_m = params.error_m, .rate_hz = {}}, {}, false);
       !packed)
     return tl::make_unexpected(packed.error());
@@ -142,26 +142,28 @@ tl::expected<CellTrial, std::string> RunCellTrial(const std::filesystem::path& c
   const double begun_s = Now_s();
   auto setup = SetUp(config_root, params);
   if (!setup) return tl::make_unexpected(setup.error());
-  const auto engine = MakeEngine(*setup, {.engine = "cpu"});
+  const auto engine = session::MakeEngine(*setup, {.engine = "cpu"});
   if (!engine) return tl::make_unexpected(engine.error());
-  const WorkFolder folder("validate");
+  const base::WorkFolder folder("validate");
   if (folder.path().empty())
     return tl::make_unexpected(std::filesystem::temp_directory_path().string() +
                                ": cannot make a temporary folder");
   PressFigures press(*setup);
-  const auto run = RunCell(*setup, **engine,
-                           {.seconds = params.seconds,
-                            .virtual_time = true,
-                            .at_rest_s = 0.0,
-                            .recording = folder.path() / "recording.mcap",
-                            .stop = &Interrupted(),
-                            .ticked = [&](const control::TickRecord& record,
-                                          const simulation::ContactModel&) { press.Tick(record); }});
+  const auto run = session::RunCell(*setup, **engine,
+                                    {.seconds = params.seconds,
+                                     .virtual_time = true,
+                                     .at_rest_s = 0.0,
+                                     .recording = folder.path() / "recording.mcap",
+                                     .stop = &base::Interrupted(),
+                                     .ticked = [&](const control::TickRecord& record,
+                                                   const simulation::ContactModel&) { press.Tick(record); }});
   if (!run) return tl::make_unexpected(run.error().what);
   CellTrial trial;
-  trial.ended = std::string(EndText(run->end)) + (run->diagnosis.empty() ? "" : ": " + run->diagnosis);
-  ForEachFault(run->faults,
-               [&](safety::Fault, const safety::FaultText& text) { trial.faults.emplace_back(text.name); });
+  trial.ended =
+      std::string(session::EndText(run->end)) + (run->diagnosis.empty() ? "" : ": " + run->diagnosis);
+  session::ForEachFault(run->faults, [&](safety::Fault, const safety::FaultText& text) {
+    trial.faults.emplace_back(text.name);
+  });
   trial.removed_m3 = run->after.removed_volume_m3;
   trial.peak_hand_N = run->statistics.peak_sensor_force_N;
   trial.peak_rendered_N = run->statistics.peak_coupling_force_N;
@@ -171,4 +173,4 @@ tl::expected<CellTrial, std::string> RunCellTrial(const std::filesystem::path& c
   return trial;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 
 #include "procedure/assessment/sphere_fit.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A tissue of the scene that gets the figures of a shipped material.
 struct TissueFigures {
@@ -53,4 +53,4 @@ struct CellTrial {
 [[nodiscard]] tl::expected<CellTrial, std::string> RunCellTrial(const std::filesystem::path& config_root,
                                                                 const CellTrialParams& params);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 #include "simulation/bone/scenes.h"
 #include "simulation/engine_cpu/cpu_engine.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kPeriod_s = 1e-3, kMachine_N_per_m = 1e6, kNoBound_N = 1e5;
@@ -103,4 +103,4 @@ ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
           .removed_share = sums.removed_m3 / (section_m2 * sums.way_m)};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -5,7 +5,7 @@
 
 #include "simulation/bone/material.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// One stretch of a drill's way at one feed.
 struct FeedStep {
@@ -41,4 +41,4 @@ inline constexpr double kFeedBlock_m = 0.008;
 ///   not positive; config::ConfigError and config::ToolSizeError as their files' readers do.
 [[nodiscard]] ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

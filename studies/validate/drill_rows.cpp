@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;
@@ -170,4 +170,4 @@ Simulated CuttingSpeedRatio(ValidationLab& lab) {
           .constants = RatioConstants("cortical")};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

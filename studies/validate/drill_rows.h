@@ -6,7 +6,7 @@
 
 // Rows that a drill at constant feed simulates.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// [N], at 120 mm/min with a drill of 3.2 mm
 [[nodiscard]] Simulated Thrust(ValidationLab& lab, const std::string& material, double rpm);
@@ -26,4 +26,4 @@ namespace osteon::app {
 /// Thrust at four times the cutting speed and the same depth of cut
 [[nodiscard]] Simulated CuttingSpeedRatio(ValidationLab& lab);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

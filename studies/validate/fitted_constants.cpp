@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 std::string_view NameOf(CutConstant constant) {
   switch (constant) {
@@ -88,4 +88,4 @@ bool IsFittedTo(std::span<const std::string> constants, std::string_view measure
   });
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 
 // Which constant of the cutting model was fitted to which measurement.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A figure of a material that decides the force of a cut.
 enum class CutConstant : std::uint8_t {
@@ -45,4 +45,4 @@ struct FittedConstant {
 /// Whether one of these constants (by name()) was fitted to the measurement.
 [[nodiscard]] bool IsFittedTo(std::span<const std::string> constants, std::string_view measurement);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

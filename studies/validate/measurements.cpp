@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr std::string_view kKaria = "Karia 2023, PMC10408067";
@@ -404,4 +404,4 @@ const Measurement* FindMeasurement(std::string_view id) {
   return found == kMeasurements.end() ? nullptr : &*found;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// What a row of `osteon validate` may show.
 enum class RowUse : std::uint8_t {
@@ -45,4 +45,4 @@ struct Measurement {
 /// Null if there is no measurement with this id.
 [[nodiscard]] const Measurement* FindMeasurement(std::string_view id);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

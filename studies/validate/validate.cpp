@@ -17,7 +17,7 @@
 #include "studies/validate/validate_page.h"
 #include "studies/validate/validate_plot.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -76,14 +76,16 @@ std::string Numbers() {
 
 std::string WriteFiles(const ValidateOptions& options, std::span<const ValidationRow> rows) {
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, ValidationJson(rows, options.command_line)); !written)
+    if (const auto written = base::WriteText(options.json, ValidationJson(rows, options.command_line));
+        !written)
       return written.error();
   if (options.out.empty()) return "";
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
-  if (const auto written = WriteText(options.out / "validate.svg", ValidationPlot(rows)); !written)
+  if (const auto written = base::WriteText(options.out / "validate.svg", ValidationPlot(rows)); !written)
     return written.error();
-  const auto page = WritePage(ValidationPage(rows, options.command_line), options.out / "validate.html");
+  const auto page =
+      report::WritePage(ValidationPage(rows, options.command_line), options.out / "validate.html");
   return page ? "" : page.error();
 }
 
@@ -154,46 +156,46 @@ std::string ValidationJson(std::span<const ValidationRow> rows, const std::strin
   for (const PublishedUse& use : PublishedUses())
     uses.push_back({{"row", use.row}, {"value", use.value}, {"where", use.where}});
   const ValidationCounts counts = CountRows(rows);
-  return JsonText(Json{{"schema", "osteon.validate/1"},
-                       {"version", OSTEON_VERSION},
-                       {"command", command_line},
-                       {"counts",
-                        {{"rows", counts.rows},
-                         {"judged", counts.judged},
-                         {"within", counts.within},
-                         {"missed", counts.missed},
-                         {"calibrates", counts.calibrates},
-                         {"not_judged", counts.not_judged},
-                         {"failed", counts.failed},
-                         {"levels_and_trends", counts.levels_and_trends},
-                         {"levels_and_trends_within", counts.levels_and_trends_within}}},
-                       {"rows", list},
-                       {"fitted_constants", ConstantsJson()},
-                       {"published_uses", uses}});
+  return base::JsonText(Json{{"schema", "osteon.validate/1"},
+                             {"version", OSTEON_VERSION},
+                             {"command", command_line},
+                             {"counts",
+                              {{"rows", counts.rows},
+                               {"judged", counts.judged},
+                               {"within", counts.within},
+                               {"missed", counts.missed},
+                               {"calibrates", counts.calibrates},
+                               {"not_judged", counts.not_judged},
+                               {"failed", counts.failed},
+                               {"levels_and_trends", counts.levels_and_trends},
+                               {"levels_and_trends_within", counts.levels_and_trends_within}}},
+                             {"rows", list},
+                             {"fitted_constants", ConstantsJson()},
+                             {"published_uses", uses}});
 }
 
 int RunValidate(const ValidateOptions& options) {
   const auto ids = ChooseRows(options.rows);
-  if (!ids) return Fail("validate", ids.error());
-  if (const std::string wrong = ValidateOutputFolder("--out", options.out);
+  if (!ids) return session::Fail("validate", ids.error());
+  if (const std::string wrong = session::ValidateOutputFolder("--out", options.out);
       !options.out.empty() && !wrong.empty())
-    return Fail("validate", wrong);
-  if (const std::string wrong = ValidateOutputFile("--json", options.json); !wrong.empty())
-    return Fail("validate", wrong);
-  InstallInterrupt();
+    return session::Fail("validate", wrong);
+  if (const std::string wrong = session::ValidateOutputFile("--json", options.json); !wrong.empty())
+    return session::Fail("validate", wrong);
+  base::InstallInterrupt();
   ValidationLab lab({.config_root = options.config_root, .quick = options.quick});
   const std::size_t count = ids->empty() ? Measurements().size() : ids->size();
   std::vector<ValidationRow> rows;
   {
-    PhaseProgress progress("osteon validate", static_cast<int>(count) + 1);
+    base::PhaseProgress progress("osteon validate", static_cast<int>(count) + 1);
     rows = RunValidation(lab, *ids, [&](std::string_view id) { progress.BeginPhase(std::string(id)); });
     progress.Done();
   }
   fmt::print("{}", ValidationTable(rows));
   if (const std::string error = WriteFiles(options, rows); !error.empty())
-    return Fail("validate", error, kFailed);
-  if (Interrupted()) return InterruptExitCode();
-  return CountRows(rows).failed > 0 ? kFailed : 0;
+    return session::Fail("validate", error, session::kFailed);
+  if (base::Interrupted()) return base::InterruptExitCode();
+  return CountRows(rows).failed > 0 ? session::kFailed : 0;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

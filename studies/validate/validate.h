@@ -9,7 +9,7 @@
 
 #include "studies/validate/validation_rows.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 struct ValidateOptions {
   std::filesystem::path config_root;
@@ -44,4 +44,4 @@ struct ValidationCounts {
 /// does not exist; 130 ended by Ctrl-C, with the finished rows written. A row that misses is a result.
 [[nodiscard]] int RunValidate(const ValidateOptions& options);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 #include "studies/validate/validate.h"
 #include "studies/validate/validate_plot.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 std::string Unit(const Measurement& m) { return m.unit == "1" ? "" : " " + std::string(m.unit); }
@@ -34,8 +34,8 @@ std::string Table(std::span<const ValidationRow> rows) {
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td class=\"n\">{:.4g}{}</td><td class=\"n\">{}</td><td "
         "class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n",
-        Escape(m.id), Escape(m.quantity), m.measured, Escape(Unit(m)), SpreadText(m),
-        row.error.empty() ? fmt::format("{:.4g}{}", row.simulated.value, Escape(Unit(m))) : "–",
+        report::Escape(m.id), report::Escape(m.quantity), m.measured, report::Escape(Unit(m)), SpreadText(m),
+        row.error.empty() ? fmt::format("{:.4g}{}", row.simulated.value, report::Escape(Unit(m))) : "–",
         NameOf(m.use), VerdictCell(row));
   }
   return html + "</table>\n";
@@ -43,9 +43,9 @@ std::string Table(std::span<const ValidationRow> rows) {
 
 std::string Details(const ValidationRow& row) {
   const Measurement& m = *row.measurement;
-  std::string html = fmt::format("<h3>{}: {}</h3>\n<ul>\n", Escape(m.id), Escape(m.quantity));
+  std::string html = fmt::format("<h3>{}: {}</h3>\n<ul>\n", report::Escape(m.id), report::Escape(m.quantity));
   const auto item = [&](const char* name, const std::string& text) {
-    if (!text.empty()) html += fmt::format("<li>{}: {}</li>\n", name, Escape(text));
+    if (!text.empty()) html += fmt::format("<li>{}: {}</li>\n", name, report::Escape(text));
   };
   item("Measured", fmt::format("{}; {}", m.source, m.conditions));
   item("Spread", std::string(m.spread));
@@ -67,8 +67,8 @@ std::string Constants() {
     if (!c.minor.empty())
       rows += fmt::format("; below {:g} % of it: {}", 100.0 * c.minor_share, fmt::join(c.minor, ", "));
     html += fmt::format("<tr><td>{}</td><td class=\"n\">{:g}{}</td><td>{}</td><td>{}</td></tr>\n",
-                        Escape(c.name()), energy ? 1e-9 * c.value : c.value, energy ? " J/mm³" : "",
-                        Escape(rows), Escape(c.how));
+                        report::Escape(c.name()), energy ? 1e-9 * c.value : c.value, energy ? " J/mm³" : "",
+                        report::Escape(rows), report::Escape(c.how));
   }
   return html + "</table>\n";
 }
@@ -76,7 +76,8 @@ std::string Constants() {
 std::string Uses() {
   std::string html = "<ul>\n";
   for (const PublishedUse& use : PublishedUses())
-    html += fmt::format("<li>Row {}: {}: {}</li>\n", Escape(use.row), Escape(use.value), Escape(use.where));
+    html += fmt::format("<li>Row {}: {}: {}</li>\n", report::Escape(use.row), report::Escape(use.value),
+                        report::Escape(use.where));
   return html + "</ul>\n";
 }
 
@@ -84,7 +85,7 @@ std::string Uses() {
 
 std::string ValidationPage(std::span<const ValidationRow> rows, const std::string& command_line) {
   const ValidationCounts counts = CountRows(rows);
-  ReportVerdict verdict;
+  report::ReportVerdict verdict;
   if (counts.missed > 0) {
     verdict.level = "look";
     verdict.reasons.push_back(fmt::format("{} of {} judged rows miss the measured spread; each says why",
@@ -94,7 +95,7 @@ std::string ValidationPage(std::span<const ValidationRow> rows, const std::strin
     verdict.level = "bad";
     verdict.reasons.push_back(fmt::format("{} rows have no result", counts.failed));
   }
-  std::string html = PageBegin(
+  std::string html = report::PageBegin(
       {.title = "Osteon validate",
        .subtitle = "Measured by others, simulated here",
        .verdict = verdict,
@@ -104,14 +105,15 @@ std::string ValidationPage(std::span<const ValidationRow> rows, const std::strin
                     fmt::format("{} of {}", counts.levels_and_trends_within, counts.levels_and_trends)},
                    {"Calibrate", std::to_string(counts.calibrates)},
                    {"Not judged", std::to_string(counts.not_judged)}}});
-  html +=
-      Figure(ValidationPlot(rows),
-             "Simulated over measured for each row, beside the measured spread. A row that a constant was "
-             "fitted to shows nothing and is grey.");
+  html += report::Figure(
+      ValidationPlot(rows),
+      "Simulated over measured for each row, beside the measured spread. A row that a constant was "
+      "fitted to shows nothing and is grey.");
   html += "<h2>Rows</h2>\n" + Table(rows) + "<h2>What was fitted to what</h2>\n" + Constants();
   html += "<h2>Published figures that the product uses</h2>\n" + Uses() + "<h2>Row by row</h2>\n";
   for (const ValidationRow& row : rows) html += Details(row);
-  return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(command_line) + "</pre>\n" + PageEnd();
+  return html + "<h2>How to repeat it</h2>\n<pre>" + report::Escape(command_line) + "</pre>\n" +
+         report::PageEnd();
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -5,11 +5,11 @@
 
 #include "studies/validate/validation_rows.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The page of `osteon validate`: plot, table, and for each row its source, conditions, what is left out, and
 /// the ablations.
 [[nodiscard]] std::string ValidationPage(std::span<const ValidationRow> rows,
                                          const std::string& command_line);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

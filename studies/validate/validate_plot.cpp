@@ -10,7 +10,7 @@
 #include "report/svg_frame.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kWidth_px = 920.0, kRow_px = 22.0, kMargin_px = 14.0, kAxis_px = 44.0;
@@ -20,13 +20,13 @@ constexpr const char* kSpreadColor = "#c9d3dd";
 
 struct Look {
   const char* color;
-  Marker marker;
+  report::Marker marker;
 };
 
 Look LookOf(std::string_view verdict) {
-  if (verdict == "within") return {kPalette[2], Marker::kCircle};
-  if (verdict == "misses") return {kPalette[1], Marker::kDiamond};
-  return {kMutedColor, Marker::kRing};
+  if (verdict == "within") return {report::kPalette[2], report::Marker::kCircle};
+  if (verdict == "misses") return {report::kPalette[1], report::Marker::kDiamond};
+  return {report::kMutedColor, report::Marker::kRing};
 }
 
 // A ratio's place; beyond the axis at its end.
@@ -37,20 +37,20 @@ double Place(double ratio, double left, double width) {
 
 std::string DrawRow(const ValidationRow& row, double y, double left, double width) {
   const Measurement& m = *row.measurement;
-  std::string svg = SvgText(kMargin_px, y + 4.0, m.id);
-  svg += SvgLine(left, y, left + width, y, kGridColor);
+  std::string svg = report::SvgText(kMargin_px, y + 4.0, m.id);
+  svg += report::SvgLine(left, y, left + width, y, report::kGridColor);
   if (m.judged()) {
     const double from = Place(m.low / m.measured, left, width), to = Place(m.high / m.measured, left, width);
-    svg += SvgRect(from, y - 5.0, std::max(2.0, to - from), 10.0, kSpreadColor);
+    svg += report::SvgRect(from, y - 5.0, std::max(2.0, to - from), 10.0, kSpreadColor);
   }
   if (!row.error.empty()) return svg;
   const double ratio = row.simulated.value / m.measured;
   const Look look = LookOf(row.verdict());
   const double x = Place(ratio, left, width);
-  svg += DrawMarker(x, y, look.marker, look.color);
+  svg += report::DrawMarker(x, y, look.marker, look.color);
   const std::string text =
-      Number(row.simulated.value) + (m.unit == "1" ? std::string() : " " + std::string(m.unit));
-  return svg + SvgText(left + width + 10.0, y + 4.0, text, "start", look.color);
+      report::Number(row.simulated.value) + (m.unit == "1" ? std::string() : " " + std::string(m.unit));
+  return svg + report::SvgText(left + width + 10.0, y + 4.0, text, "start", look.color);
 }
 
 }  // namespace
@@ -58,35 +58,42 @@ std::string DrawRow(const ValidationRow& row, double y, double left, double widt
 std::string ValidationPlot(std::span<const ValidationRow> rows) {
   double names_px = 0.0;
   for (const ValidationRow& row : rows)
-    names_px = std::max(names_px, TextWidth(row.measurement->id, kFontPx));
+    names_px = std::max(names_px, report::TextWidth(row.measurement->id, report::kFontPx));
   const double left = kMargin_px + names_px + 12.0, width = kWidth_px - left - 110.0;
-  const LegendBlock legend = DrawLegend(
+  const report::LegendBlock legend = report::DrawLegend(
       kMargin_px, kMargin_px, kWidth_px - 2.0 * kMargin_px, "Simulated over measured",
-      {{.text = "measured spread", .color = kSpreadColor, .mark = LegendEntry::Mark::kFill},
-       {.text = "within", .color = kPalette[2], .mark = LegendEntry::Mark::kNone, .marker = Marker::kCircle},
-       {.text = "misses", .color = kPalette[1], .mark = LegendEntry::Mark::kNone, .marker = Marker::kDiamond},
+      {{.text = "measured spread", .color = kSpreadColor, .mark = report::LegendEntry::Mark::kFill},
+       {.text = "within",
+        .color = report::kPalette[2],
+        .mark = report::LegendEntry::Mark::kNone,
+        .marker = report::Marker::kCircle},
+       {.text = "misses",
+        .color = report::kPalette[1],
+        .mark = report::LegendEntry::Mark::kNone,
+        .marker = report::Marker::kDiamond},
        {.text = "calibrates, or not judged",
-        .color = kMutedColor,
-        .mark = LegendEntry::Mark::kNone,
-        .marker = Marker::kRing}});
+        .color = report::kMutedColor,
+        .mark = report::LegendEntry::Mark::kNone,
+        .marker = report::Marker::kRing}});
   const double top = kMargin_px + legend.height_px + 10.0;
   const double height = kRow_px * static_cast<double>(rows.size());
   std::string body = legend.svg;
   for (const double tick : kTicks) {
     const double x = Place(tick, left, width);
-    body += SvgLine(x, top, x, top + height, tick == 1.0 ? kAxisColor : kGridColor, tick == 1.0 ? 1.5 : 1.0);
+    body += report::SvgLine(x, top, x, top + height, tick == 1.0 ? report::kAxisColor : report::kGridColor,
+                            tick == 1.0 ? 1.5 : 1.0);
     const std::string text = tick == kMin   ? fmt::format("≤ {:g}", tick)
                              : tick == kMax ? fmt::format("≥ {:g}", tick)
                                             : fmt::format("{:g}", tick);
-    body += SvgText(x, top + height + 17.0, text, "middle", kMutedColor);
+    body += report::SvgText(x, top + height + 17.0, text, "middle", report::kMutedColor);
   }
   double y = top + 0.5 * kRow_px;
   for (const ValidationRow& row : rows) {
     body += DrawRow(row, y, left, width);
     y += kRow_px;
   }
-  body += SvgText(left + 0.5 * width, top + height + 36.0, "simulated over measured [1]", "middle");
-  return SvgDocument(kWidth_px, top + height + kAxis_px, "Simulated over measured, row by row", body);
+  body += report::SvgText(left + 0.5 * width, top + height + 36.0, "simulated over measured [1]", "middle");
+  return report::SvgDocument(kWidth_px, top + height + kAxis_px, "Simulated over measured, row by row", body);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

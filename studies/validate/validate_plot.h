@@ -5,9 +5,9 @@
 
 #include "studies/validate/validation_rows.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// Draws a line for each row: simulated over measured, beside the measured spread, on a logarithmic axis.
 [[nodiscard]] std::string ValidationPlot(std::span<const ValidationRow> rows);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

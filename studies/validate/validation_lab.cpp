@@ -11,7 +11,7 @@
 
 #include "config/reading/load.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kQuickScale = 2.0;  // of packings
@@ -82,4 +82,4 @@ const CellTrial& ValidationLab::Cell(const CellTrialParams& params) {
   return *trial;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

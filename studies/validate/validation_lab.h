@@ -10,7 +10,7 @@
 #include "studies/validate/cell_trial.h"
 #include "studies/validate/constant_feed.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// How long and how fine the runs of `osteon validate` are.
 struct LabParams {
@@ -46,4 +46,4 @@ class ValidationLab {
   std::map<std::string, tl::expected<CellTrial, std::string>> cells_;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 #include "studies/validate/drill_rows.h"
 #include "studies/validate/fitted_constants.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using Lab = ValidationLab;
@@ -98,7 +98,7 @@ std::vector<ValidationRow> RunValidation(ValidationLab& lab, std::span<const std
   }
   std::vector<ValidationRow> rows;
   for (const ValidationItem& item : ValidationItems()) {
-    if (!chosen(item.id) || Interrupted()) continue;
+    if (!chosen(item.id) || base::Interrupted()) continue;
     begins(item.id);
     ValidationRow row{.measurement = FindMeasurement(item.id), .simulated = {}};
     try {
@@ -124,4 +124,4 @@ std::span<const PublishedUse> PublishedUses() {
   return kUses;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

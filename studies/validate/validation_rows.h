@@ -10,7 +10,7 @@
 #include "studies/validate/measurements.h"
 #include "studies/validate/validation_lab.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The same quantity with one thing changed, to show why a row misses or that it does not.
 struct Ablation {
@@ -63,4 +63,4 @@ struct PublishedUse {
 };
 [[nodiscard]] std::span<const PublishedUse> PublishedUses();
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -21,7 +21,7 @@ bool Says(const Command& command, const std::string& words) {
   return command.Out().find(words) != std::string::npos;
 }
 
-TEST(CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
+TEST(session::CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -61,7 +61,7 @@ TEST(CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
 }
 
 // The same with a KR over RSI, at 4 ms.
-TEST(CellProcess, ARunFindsAKrOverRsiInAnotherProcess) {
+TEST(session::CellProcess, ARunFindsAKrOverRsiInAnotherProcess) {
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -95,7 +95,7 @@ TEST(CellProcess, ARunFindsAKrOverRsiInAnotherProcess) {
   GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
 }
 
-TEST(CellProcess, ACellThatIsKilledIsAStopOfTheRun) {
+TEST(session::CellProcess, ACellThatIsKilledIsAStopOfTheRun) {
   const TemporaryFolder folder, cell_folder;  // one for each process
   Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
@@ -111,7 +111,7 @@ TEST(CellProcess, ACellThatIsKilledIsAStopOfTheRun) {
   EXPECT_EQ(ReadComplete(folder.path() / "r.mcap").ticks.back().phase, control::Phase::kStopped);
 }
 
-TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
+TEST(session::CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
   const TemporaryFolder folder, cell_folder;  // one for each process
   Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port(), "--json", "cell.json"});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
@@ -135,7 +135,7 @@ TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
 }
 
 // As after a controller was killed in contact: the file is right, but a run may not begin here.
-TEST(CellProcess, ARunWhoseArmStandsInBoneFailsAndSaysHowDeep) {
+TEST(session::CellProcess, ARunWhoseArmStandsInBoneFailsAndSaysHowDeep) {
   const TemporaryFolder folder, cell_folder;
   const auto higher = folder.path() / "higher.yaml";
   io::test::WriteAll(higher, config::With(config::CellText("thin_plate"), "[620, 0, 210]", "[620, 0, 230]"));
@@ -151,7 +151,7 @@ TEST(CellProcess, ARunWhoseArmStandsInBoneFailsAndSaysHowDeep) {
   EXPECT_FALSE(Says(cell, "COMMANDING_ACTIVE"));
 }
 
-TEST(CellProcess, BothProcessesRunTheirRealTimeThreadsOnTheCpuThatWasNamed) {
+TEST(session::CellProcess, BothProcessesRunTheirRealTimeThreadsOnTheCpuThatWasNamed) {
   const TemporaryFolder folder;
   const WakeupWatch watch;
   const CommandResult run =
@@ -165,7 +165,7 @@ TEST(CellProcess, BothProcessesRunTheirRealTimeThreadsOnTheCpuThatWasNamed) {
   EXPECT_EQ(summary.at("cell").at("arm").at("cpu"), 0);
 }
 
-TEST(CellProcess, APortThatIsTakenIsNamed) {
+TEST(session::CellProcess, APortThatIsTakenIsNamed) {
   const TemporaryFolder folder, cell_folder;  // one for each process
   Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();

@@ -81,22 +81,22 @@ TEST(Doctor, SaysWhereItsJsonCanNotBeWritten) {
 
 // The verdict's rule at its limits, on given figures instead of this machine's.
 TEST(Doctor, APeriodIsServedByP999BelowATenthAndMaxBelowHalfOfIt) {
-  const DurationFigures late{
+  const session::DurationFigures late{
       .count = 10'000, .p50_s = 5e-6, .p99_s = 40e-6, .p999_s = 99e-6, .max_s = 499e-6};
-  EXPECT_TRUE(Serves(late, 1e-3));
-  DurationFigures tail = late, peak = late;
+  EXPECT_TRUE(session::Serves(late, 1e-3));
+  session::DurationFigures tail = late, peak = late;
   tail.p999_s = 101e-6;
-  EXPECT_FALSE(Serves(tail, 1e-3));
-  EXPECT_TRUE(Serves(tail, 2e-3));
+  EXPECT_FALSE(session::Serves(tail, 1e-3));
+  EXPECT_TRUE(session::Serves(tail, 2e-3));
   peak.max_s = 501e-6;
-  EXPECT_FALSE(Serves(peak, 1e-3));
-  EXPECT_TRUE(Serves(peak, 2e-3));
-  EXPECT_FALSE(Serves({}, 5e-3)) << "nothing measured is nothing promised";
+  EXPECT_FALSE(session::Serves(peak, 1e-3));
+  EXPECT_TRUE(session::Serves(peak, 2e-3));
+  EXPECT_FALSE(session::Serves({}, 5e-3)) << "nothing measured is nothing promised";
 }
 
 TEST(Doctor, MeasuresAWakeUpAMillisecond) {
   bool realtime = false;
-  const DurationFigures late = TimerLatency(0.1, realtime);
+  const session::DurationFigures late = session::TimerLatency(0.1, realtime);
   EXPECT_FALSE(realtime) << "not asked for";
   EXPECT_EQ(late.count, 100u);
   EXPECT_GE(late.p50_s, 0.0) << "no thread wakes early";

@@ -91,15 +91,17 @@ TEST(FailuresCommand, FailsWhereItCannotWrite) {
   EXPECT_NE(run.err.find("f.json"), std::string::npos) << run.err;
 }
 
-TEST(FailuresJson, OneBoundThatIsNotKeptIsAFailure) {
-  FailureRun good{.result = {.id = 1, .name = "a", .baseline_fails = true, .ours_passes = true}};
-  FailureRun kept_by_both{.result = {.id = 2, .name = "b", .baseline_fails = false, .ours_passes = true}};
-  FailureRun broken{.result = {.id = 3, .name = "c"}, .error = "no memory"};
+TEST(studies::FailuresJson, OneBoundThatIsNotKeptIsAFailure) {
+  studies::FailureRun good{.result = {.id = 1, .name = "a", .baseline_fails = true, .ours_passes = true}};
+  studies::FailureRun kept_by_both{
+      .result = {.id = 2, .name = "b", .baseline_fails = false, .ours_passes = true}};
+  studies::FailureRun broken{.result = {.id = 3, .name = "c"}, .error = "no memory"};
   EXPECT_TRUE(good.passed());
   EXPECT_FALSE(kept_by_both.passed());  // a scenario in which no baseline fails proves nothing
   EXPECT_FALSE(broken.passed());
-  EXPECT_TRUE(nlohmann::json::parse(FailuresJson({good}, "vulkan", "d", false))["passed"].get<bool>());
-  const auto json = nlohmann::json::parse(FailuresJson({good, broken}, "vulkan", "d", true));
+  EXPECT_TRUE(
+      nlohmann::json::parse(studies::FailuresJson({good}, "vulkan", "d", false))["passed"].get<bool>());
+  const auto json = nlohmann::json::parse(studies::FailuresJson({good, broken}, "vulkan", "d", true));
   EXPECT_FALSE(json["passed"].get<bool>());
   EXPECT_EQ(json["size"], "quick");
   EXPECT_EQ(json["scenarios"][1]["error"], "no memory");
@@ -120,18 +122,18 @@ TEST(FailuresCommand, RunsEveryFaultInEveryState) {
 
 // A case with another outcome than stated appears in table, list and JSON.
 TEST(FaultTable, ShowsWhatIsNotAsStated) {
-  hil::FaultVerdict good, bad;
+  studies::FaultVerdict good, bad;
   good.fault = bad.fault = "drive's fault";
   good.state = safety::CellState::kHaptic;
   bad.state = safety::CellState::kCutting;
-  bad.expected.reaction = hil::Reaction::kStops;
+  bad.expected.reaction = studies::Reaction::kStops;
   bad.wrong = "it moved on";
-  const std::vector<hil::FaultVerdict> verdicts{good, bad};
-  const std::string text = FaultTableText(verdicts);
+  const std::vector<studies::FaultVerdict> verdicts{good, bad};
+  const std::string text = studies::FaultTableText(verdicts);
   EXPECT_NE(text.find("   1!"), std::string::npos) << text;
   EXPECT_NE(text.find("! drive's fault, cutting: expected it stops: it moved on"), std::string::npos) << text;
   EXPECT_NE(text.find("1 of 2 as stated, 1 faults"), std::string::npos) << text;
-  const nlohmann::json json = nlohmann::json::parse(FaultTableJson(verdicts));
+  const nlohmann::json json = nlohmann::json::parse(studies::FaultTableJson(verdicts));
   EXPECT_FALSE(json.at("passed").get<bool>());
   EXPECT_EQ(json.at("faults")[1].at("wrong"), "it moved on");
 }

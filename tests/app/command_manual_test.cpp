@@ -119,7 +119,7 @@ TEST_F(Manual, HelpFitsTheTerminal) {
     for (const std::size_t width : {80u, 120u}) {
       const std::string help = Output(words, {"COLUMNS=" + std::to_string(width)});
       for (const std::string& line : Lines(help))
-        EXPECT_LE(ColumnsOf(line), width) << command.at("name") << line;
+        EXPECT_LE(base::ColumnsOf(line), width) << command.at("name") << line;
       EXPECT_NE(help.find("Examples:"), std::string::npos) << command.at("name");
     }
   });

@@ -82,7 +82,7 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_NE(accepted.out.find("the first of its golden traces; its run: completed"), std::string::npos)
       << accepted.out;
   EXPECT_NE(accepted.out.find("1 golden trace written, in "), std::string::npos) << accepted.out;
-  const auto first = ReadGolden(OwnGolden());
+  const auto first = studies::ReadGolden(OwnGolden());
   ASSERT_TRUE(first) << first.error();
   ASSERT_EQ(first->head.reasons.size(), 1u);
   EXPECT_NE(first->head.reasons[0].find(": the first"), std::string::npos);
@@ -94,7 +94,7 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
 
   // a scenario that passes is not rewritten
   EXPECT_EQ(Run({"own.yaml", "--update", "--reason", "in vain"}).exit_code, 0);
-  EXPECT_EQ(ReadGolden(OwnGolden())->head.reasons.size(), 1u);
+  EXPECT_EQ(studies::ReadGolden(OwnGolden())->head.reasons.size(), 1u);
 
   Own("  operator.stiffness_N_per_m: 1900\n");
   const auto differs = RunWithJson({"own.yaml", "--junit", "r.xml"}, 1);
@@ -109,7 +109,7 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_NE(differs["scenarios"][0]["explained"].dump().find("osteon view regress_out/own.mcap"),
             std::string::npos);
   EXPECT_EQ(Run({"own.yaml", "--update", "--reason", "a softer hand"}).exit_code, 0);
-  const auto second = ReadGolden(OwnGolden());
+  const auto second = studies::ReadGolden(OwnGolden());
   ASSERT_EQ(second->head.reasons.size(), 2u);
   EXPECT_NE(second->head.reasons[1].find(": a softer hand"), std::string::npos);
   EXPECT_EQ(Run({"own.yaml"}).exit_code, 0);
@@ -124,12 +124,12 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_NE(remark.out.find("the same bits, from files that have changed; its run: completed"),
             std::string::npos)
       << remark.out;
-  const auto third = ReadGolden(OwnGolden());
+  const auto third = studies::ReadGolden(OwnGolden());
   ASSERT_EQ(third->head.reasons.size(), 3u);
   EXPECT_EQ(third->trace.hash, second->trace.hash);
   EXPECT_NE(third->head.sources, second->head.sources) << "its checksum";
   EXPECT_EQ(Run({"own.yaml", "--update", "--reason", "in vain"}).exit_code, 0);
-  EXPECT_EQ(ReadGolden(OwnGolden())->head.reasons.size(), 3u);
+  EXPECT_EQ(studies::ReadGolden(OwnGolden())->head.reasons.size(), 3u);
 }
 
 // In virtual time the run does not wait for it for ever.

@@ -100,12 +100,12 @@ TEST_F(CommandTable, SynopsisNamesWhatIsRequired) {
   EXPECT_EQ(Synopsis(all.commands[1]), "osteon bench [options] subcommand");
 }
 
-TEST(WrapText, KeepsWordsWholeAndCountsCharactersNotBytes) {
-  EXPECT_EQ(WrapText("one two three", 0, 7), "one two\nthree");
-  EXPECT_EQ(WrapText("one two three", 4, 11), "one two\n    three");
-  EXPECT_EQ(WrapText("ä ä ä ä", 0, 7), "ä ä ä ä");
-  EXPECT_EQ(WrapText("at 1 … 4", 0, 6), "at\n1 … 4") << "a range stays whole";
-  EXPECT_EQ(WrapText("incomprehensibilities a", 0, 5), "incomprehensibilities\na");
+TEST(base::WrapText, KeepsWordsWholeAndCountsCharactersNotBytes) {
+  EXPECT_EQ(base::WrapText("one two three", 0, 7), "one two\nthree");
+  EXPECT_EQ(base::WrapText("one two three", 4, 11), "one two\n    three");
+  EXPECT_EQ(base::WrapText("ä ä ä ä", 0, 7), "ä ä ä ä");
+  EXPECT_EQ(base::WrapText("at 1 … 4", 0, 6), "at\n1 … 4") << "a range stays whole";
+  EXPECT_EQ(base::WrapText("incomprehensibilities a", 0, 5), "incomprehensibilities\na");
 }
 
 TEST_F(CommandTable, HelpShowsFewWordsAtTheOption) {

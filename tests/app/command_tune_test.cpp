@@ -100,8 +100,9 @@ TEST(Tune, TakesWhatWasMeasuredAndRefusesAnotherCells) {
   const TemporaryFolder folder;
   const config::CellConfig demo =
       config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
-  const hil::ResponseModel truth{.arm = {.bandwidth_hz = 14.0, .damping_ratio = 1.1, .dead_cycles = 3.4}};
-  std::ofstream(folder.path() / "identified.yaml") << config::WriteIdentified(IdentifiedOf(demo, truth), "");
+  const studies::ResponseModel truth{.arm = {.bandwidth_hz = 14.0, .damping_ratio = 1.1, .dead_cycles = 3.4}};
+  std::ofstream(folder.path() / "identified.yaml")
+      << config::WriteIdentified(studies::IdentifiedOf(demo, truth), "");
   const CommandResult run = RunCommand(
       folder.path(), {"tune", "demo", "--out", "t", "--nodes", "3", "--identified", "identified.yaml"});
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;

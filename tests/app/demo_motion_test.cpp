@@ -21,7 +21,7 @@ const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 
 // Returns the bone's pose in the world, from the cell's file.
 Pose BoneInWorld(const std::string& cell) {
-  auto setup = SetUpCell(kConfig / "cells" / (cell + ".yaml"), {});
+  auto setup = session::SetUpCell(kConfig / "cells" / (cell + ".yaml"), {});
   if (!setup) throw std::runtime_error(setup.error());
   return setup->X_WG;
 }

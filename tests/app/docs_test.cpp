@@ -127,8 +127,8 @@ INSTANTIATE_TEST_SUITE_P(, DocsRun, testing::ValuesIn(PagesWithCommands(kRoot)),
 // The link check covers its pictures.
 TEST(Docs, EveryFailureHasItsPicture) {
   const std::string page = ReadAll(kRoot / "docs/failures.md");
-  const auto scenarios = hil::FailureScenarios();
-  for (const hil::FailureScenario& scenario : scenarios)
+  const auto scenarios = studies::FailureScenarios();
+  for (const studies::FailureScenario& scenario : scenarios)
     EXPECT_NE(page.find("\n## " + std::to_string(scenario.id) + " " + scenario.name + "\n"),
               std::string::npos)
         << scenario.name;

@@ -47,12 +47,12 @@ class ThrowingEngine : public simulation::CuttingEngine {
   [[nodiscard]] std::string device() const override { return plane_.device(); }
 
  private:
-  hil::PlaneEngine plane_;
+  studies::PlaneEngine plane_;
   int throws_at_, steps_{0};
 };
 
 struct Ride {
-  CellRunResult result;
+  session::CellRunResult result;
   io::Recording recording;
   hil::CellHostState cell;
 };
@@ -60,16 +60,16 @@ struct Ride {
 // @param throws_at  frame of rendering that throws; -1: none
 Ride RideWith(int throws_at, std::function<void(double)> progress) {
   Ride ride;
-  auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt);
+  auto setup = session::SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt);
   EXPECT_TRUE(setup) << setup.error();
-  EXPECT_TRUE(UseSimulated(setup->config, 0));
+  EXPECT_TRUE(session::UseSimulated(setup->config, 0));
   MakePatient(setup->config);
   ThrowingEngine engine(setup->config, throws_at);
   const io::test::TemporaryFolder folder;
-  hil::CellHost host(HostParams(setup->config), MakeSimulatedCell(setup->config, 60.0));
-  const CellRunParams params{
+  hil::CellHost host(session::HostParams(setup->config), session::MakeSimulatedCell(setup->config, 60.0));
+  const session::CellRunParams params{
       .seconds = 30.0, .recording = folder.path() / "r.mcap", .progress = std::move(progress)};
-  auto result = RunCell(*setup, engine, params);
+  auto result = session::RunCell(*setup, engine, params);
   EXPECT_TRUE(result) << result.error().what;
   host.Stop();
   ride.cell = host.State();

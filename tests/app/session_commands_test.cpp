@@ -43,8 +43,8 @@ class KilledDemo : public testing::Test {
     return words;
   }
   // Nothing: there is no session yet.
-  [[nodiscard]] std::optional<SessionFile> Session() const {
-    auto session = ReadSession(folder_.path() / "s");
+  [[nodiscard]] std::optional<session::SessionFile> Session() const {
+    auto session = session::ReadSession(folder_.path() / "s");
     return session ? std::optional(std::move(*session)) : std::nullopt;
   }
   // Runs the demo and kills it as soon as the session fulfils the condition.
@@ -64,9 +64,9 @@ class KilledDemo : public testing::Test {
 };
 
 TEST_F(KilledDemo, ResumesAtItsLastPassAndIsAssessedReportedAndExported) {
-  ASSERT_NO_FATAL_FAILURE(KillOnce(false, [](const SessionFile&) { return true; }));
+  ASSERT_NO_FATAL_FAILURE(KillOnce(false, [](const session::SessionFile&) { return true; }));
   ASSERT_TRUE(Session()->passes.empty());
-  ASSERT_NO_FATAL_FAILURE(KillOnce(true, [](const SessionFile& s) { return !s.passes.empty(); }));
+  ASSERT_NO_FATAL_FAILURE(KillOnce(true, [](const session::SessionFile& s) { return !s.passes.empty(); }));
   const auto killed = Session();
   ASSERT_FALSE(killed->ended);
   const CommandResult resumed = Ask(Demo("1", true));

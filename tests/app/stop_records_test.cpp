@@ -39,10 +39,10 @@ void Add(std::vector<TickRecord>& ticks, int count, Phase phase, std::uint32_t f
   }
 }
 
-std::vector<StopRecord> FindStops(const std::vector<TickRecord>& ticks) {
-  StopFinder finder;
-  std::vector<StopRecord> stops;
-  const auto take = [&stops](std::optional<StopRecord> stop) {
+std::vector<session::StopRecord> FindStops(const std::vector<TickRecord>& ticks) {
+  session::StopFinder finder;
+  std::vector<session::StopRecord> stops;
+  const auto take = [&stops](std::optional<session::StopRecord> stop) {
     if (stop) stops.push_back(std::move(*stop));
   };
   for (const TickRecord& tick : ticks) take(finder.Add(tick));
@@ -50,11 +50,11 @@ std::vector<StopRecord> FindStops(const std::vector<TickRecord>& ticks) {
   return stops;
 }
 
-tl::expected<std::vector<WrittenStop>, std::string> WriteStops(
+tl::expected<std::vector<session::WrittenStop>, std::string> WriteStops(
     const std::vector<TickRecord>& ticks, const std::filesystem::path& folder,
     const std::vector<io::RecordedEvent>& events = {}) {
   const config::CellConfig cell = Cell();
-  StopPages pages({.folder = folder, .stem = "ride", .cell = cell, .recording = "ride.mcap"});
+  session::StopPages pages({.folder = folder, .stem = "ride", .cell = cell, .recording = "ride.mcap"});
   io::SessionInfo session;
   session.force_limit_N = 150.0;
   for (const TickRecord& tick : ticks) pages.Add(session, tick);
@@ -79,7 +79,7 @@ std::vector<TickRecord> TwoStops() {
 
 TEST(StopRecords, HoldFiveSecondsBeforeAndHalfASecondAtRest) {
   const std::vector<TickRecord> ticks = TwoStops();
-  const std::vector<StopRecord> stops = FindStops(ticks);
+  const std::vector<session::StopRecord> stops = FindStops(ticks);
   ASSERT_EQ(stops.size(), 2u);
   // ticks are numbered from 0
   EXPECT_EQ(stops[0].ticks[stops[0].stop].tick, 8500u);
@@ -108,7 +108,7 @@ TEST(StopRecords, APauseIsShownAtRestForHalfASecond) {
     Add(ticks, paused, Phase::kWaiting);
     Add(ticks, 1000, Phase::kHaptic);
     ticks[1000].input.pause = true;
-    const std::vector<StopRecord> stops = FindStops(ticks);
+    const std::vector<session::StopRecord> stops = FindStops(ticks);
     ASSERT_EQ(stops.size(), 1u);
     EXPECT_EQ(stops[0].ticks[stops[0].rest].tick, 1080u);
     EXPECT_EQ(stops[0].ticks.back().tick, paused == 300 ? 1379u : 1080u + 500u);
@@ -124,7 +124,7 @@ TEST(StopRecords, AStopZeroIsOverWhereTheArmStands) {
   Add(ticks, 1500, Phase::kStopped, Bit(Fault::kSession));
   for (std::size_t i = 1000; i < 1400; ++i)
     ticks[i].cell_state = static_cast<std::uint8_t>(safety::CellState::kStop0);
-  const std::vector<StopRecord> stops = FindStops(ticks);
+  const std::vector<session::StopRecord> stops = FindStops(ticks);
   ASSERT_EQ(stops.size(), 1u);
   EXPECT_EQ(stops[0].ticks[stops[0].rest].tick, 1400u);
   EXPECT_EQ(stops[0].ticks.back().tick, 1400u + 500u);
@@ -136,10 +136,10 @@ TEST(StopRecords, HoldNoMoreTicksThanTheyMay) {
   Add(ticks, 30'000, Phase::kHaptic);
   for (TickRecord& tick : ticks) tick.stamp = 0;  // all within five seconds
   Add(ticks, 30'000, Phase::kStopping);
-  const std::vector<StopRecord> stops = FindStops(ticks);
+  const std::vector<session::StopRecord> stops = FindStops(ticks);
   ASSERT_EQ(stops.size(), 1u);
   EXPECT_EQ(stops[0].ticks[stops[0].stop].tick, 30'000u);
-  EXPECT_LE(stops[0].ticks.size(), 2 * StopFinder::kMaxTicks);
+  EXPECT_LE(stops[0].ticks.size(), 2 * session::StopFinder::kMaxTicks);
 }
 
 TEST(StopRecords, APauseIsSaidToBeOne) {
@@ -159,7 +159,7 @@ TEST(StopRecords, APauseOfAToolThatHardlyMovesIsOneAsWell) {
   EXPECT_TRUE(FindStops(ticks).empty());
   for (std::size_t i = 100; i < ticks.size(); ++i)
     ticks[i].cell_state = static_cast<std::uint8_t>(safety::CellState::kPaused);
-  const std::vector<StopRecord> stops = FindStops(ticks);
+  const std::vector<session::StopRecord> stops = FindStops(ticks);
   ASSERT_EQ(stops.size(), 1u);
   EXPECT_TRUE(stops[0].IsPause());
   EXPECT_EQ(stops[0].ticks[stops[0].rest].tick, 100u);
@@ -195,7 +195,7 @@ TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(pages->front().heading, "What led to the stop");
   EXPECT_EQ(pages->front().ticks, folder.path() / "ride_stop_1_ticks.csv");
-  EXPECT_EQ(MarkupError(page), "");
+  EXPECT_EQ(report::MarkupError(page), "");
 
   // the run's own end is no stop of that kind
   const std::string end = io::test::ReadAll(pages->back().page);

@@ -33,16 +33,17 @@ int main(int argc, char** argv) {
   }
   const std::filesystem::path recording = folder / "long_run.mcap";
   std::uint64_t writing = 0, reading = 0;
-  const double write_s = SecondsOf(
-      [&] { writing = app::PeakMemory([&] { app::WriteLongRecording(recording, 3600.0 * hours); }); });
+  const double write_s = SecondsOf([&] {
+    writing = session::PeakMemory([&] { session::WriteLongRecording(recording, 3600.0 * hours); });
+  });
   if (writing == 0) return 1;
   std::printf("recorded: %.2f h, %.2f GB, %.0f s, at most %.0f MB resident\n", hours,
               1e-9 * static_cast<double>(std::filesystem::file_size(recording)), write_s,
               1e-6 * static_cast<double>(writing));
   std::fflush(stdout);
   const double read_s = SecondsOf([&] {
-    reading = app::PeakMemory([&] {
-      const app::LongRunEnd end = app::EndLongRun(recording, folder);
+    reading = session::PeakMemory([&] {
+      const session::LongRunEnd end = session::EndLongRun(recording, folder);
       std::printf("read: %llu ticks, %llu frames, %zu stops, path within %.3g um\n",
                   static_cast<unsigned long long>(end.ticks), static_cast<unsigned long long>(end.frames),
                   end.stops, 1e6 * end.path_tolerance_m);

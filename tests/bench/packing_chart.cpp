@@ -183,15 +183,15 @@ std::string Chart(const std::vector<Row>& rows) {
     if (std::find(names.begin(), names.end(), row.method) == names.end()) names.push_back(row.method);
   const auto panel = [&](const std::string& title, const std::string& x_label, const std::string& y_label,
                          const auto& x, const auto& y, bool log_y) {
-    app::LineChart chart{.title = title,
-                         .x_label = x_label,
-                         .y_label = y_label,
-                         .y_from_zero = false,
-                         .log_x = true,
-                         .log_y = log_y,
-                         .legend = false};
+    report::LineChart chart{.title = title,
+                            .x_label = x_label,
+                            .y_label = y_label,
+                            .y_from_zero = false,
+                            .log_x = true,
+                            .log_y = log_y,
+                            .legend = false};
     for (const std::string& name : names) {
-      app::Series series{.name = name, .marker = app::Marker::kCircle};
+      report::Series series{.name = name, .marker = report::Marker::kCircle};
       for (const Row& row : rows) {
         if (row.method != name) continue;
         series.x.push_back(x(row));
@@ -206,15 +206,15 @@ std::string Chart(const std::vector<Row>& rows) {
   const auto coverage = [](const Row& row) { return row.quality.coverage; };
   const auto gap = [](const Row& row) { return row.quality.surface_gap_mean_m * 1e3; };
   const std::string by_count = "spheres", by_time = "time [s]";
-  const std::vector<app::LineChart> panels{
+  const std::vector<report::LineChart> panels{
       panel("Coverage over spheres", by_count, "share of the volume", spheres, coverage, false),
       panel("Coverage over time", by_time, "share of the volume", seconds, coverage, false),
       panel("Gap over spheres", by_count, "mean surface gap [mm]", spheres, gap, true),
       panel("Gap over time", by_time, "mean surface gap [mm]", seconds, gap, true)};
-  std::vector<app::LegendEntry> legend;
+  std::vector<report::LegendEntry> legend;
   for (std::size_t i = 0; i < names.size(); ++i)
-    legend.push_back({.text = names[i], .color = app::kPalette[i % app::kPalette.size()]});
-  return app::SvgGrid(panels, 2, "", legend, 830.0);
+    legend.push_back({.text = names[i], .color = report::kPalette[i % report::kPalette.size()]});
+  return report::SvgGrid(panels, 2, "", legend, 830.0);
 }
 
 void Write(const std::filesystem::path& path, const std::string& text) {

@@ -30,27 +30,27 @@ constexpr Row kRows[] = {
     {"thin_plate", 0.1, 500},     {"thin_plate", 0.04, 500},   {"sawbone_block", 0.08, 500},
     {"sawbone_block", 0.03, 500}, {"femoral_canal", 0.2, 500}, {"femoral_canal", 0.06, 500}};
 
-PlanScene Load(const Row& row) {
+session::PlanScene Load(const Row& row) {
   const char* root = std::getenv("OSTEON_ROOT");
-  auto scene = LoadPlanScene(
+  auto scene = session::LoadPlanScene(
       {.scene = row.scene, .cell = {}, .config_root = std::filesystem::path(root ? root : ".") / "config"});
   if (!scene) throw std::runtime_error(scene.error());
   return std::move(*scene);
 }
 
-int CompareKinds(const EngineChoice& engine) {
+int CompareKinds(const session::EngineChoice& engine) {
   std::printf("scene,error_mm,packing,zone_spacing_mm,spheres,active_spheres,frame_us,frames\n");
   for (const Row& row : kRows) {
-    const PlanScene scene = Load(row);
-    const ModelChoice model = ChooseModel(scene, 1e-3 * row.error_mm);
-    std::vector<PackedLevel> levels;
+    const session::PlanScene scene = Load(row);
+    const session::ModelChoice model = session::ChooseModel(scene, 1e-3 * row.error_mm);
+    std::vector<session::PackedLevel> levels;
     for (const auto kind : {simulation::PackingKind::kGraded, simulation::PackingKind::kSplit}) {
-      const auto level = simulation::CoarsestLevel(kind, RemovalShare(1e-3 * row.error_mm, model.tool_gap_m),
-                                                   scene.cut, scene.zone_depth_m);
+      const auto level = simulation::CoarsestLevel(
+          kind, session::RemovalShare(1e-3 * row.error_mm, model.tool_gap_m), scene.cut, scene.zone_depth_m);
       if (!level) continue;
       levels.push_back({.level = *level, .balls = PackLevel(*level, *scene.work.solid, *scene.work.zone)});
     }
-    const auto runs = RunLevels(scene, levels, model.tool, engine, 1);
+    const auto runs = session::RunLevels(scene, levels, model.tool, engine, 1);
     if (!runs) throw std::runtime_error(runs.error());
     for (std::size_t i = 0; i < levels.size(); ++i) {
       const simulation::FrameGroup frames = simulation::GroupOf((*runs)[i].frames);
@@ -64,7 +64,7 @@ int CompareKinds(const EngineChoice& engine) {
   return 0;
 }
 
-int PlanAll(const EngineChoice& engine) {
+int PlanAll(const session::EngineChoice& engine) {
   std::printf(
       "scene,error_mm,rate_hz,packing,spheres,tool_spheres,arm_level,predicted_error_mm,measured_error_mm,"
       "standard_error_mm,predicted_frame_us,frame_us_by_others_in_turn,measured_frame_us,frame_us_p999,"
@@ -72,14 +72,15 @@ int PlanAll(const EngineChoice& engine) {
       "frames_interrupted,given_up,missed\n");
   int missed = 0;
   for (const Row& row : kRows) {
-    const PlanScene scene = Load(row);
-    const PlanRequest request{.error_m = 1e-3 * row.error_mm, .rate_hz = row.rate_hz, .engine = engine};
-    const auto plan = MakePlan(scene, request);
+    const session::PlanScene scene = Load(row);
+    const session::PlanRequest request{
+        .error_m = 1e-3 * row.error_mm, .rate_hz = row.rate_hz, .engine = engine};
+    const auto plan = session::MakePlan(scene, request);
     if (!plan) throw std::runtime_error(plan.error());
-    const auto check = CheckPlan(scene, request, *plan);
+    const auto check = session::CheckPlan(scene, request, *plan);
     if (!check) throw std::runtime_error(check.error());
     std::string given;
-    for (const UnmetDemand& each : plan->unmet) given += (given.empty() ? "" : " ") + each.what;
+    for (const session::UnmetDemand& each : plan->unmet) given += (given.empty() ? "" : " ") + each.what;
     std::printf("%s,%g,%g,%s,%zu,%zu,%s,%.4f,%.4f,%.4f,%.1f,%.1f,%.1f,%.1f,%zu,%zu,%s,%zu\n", row.scene,
                 row.error_mm, row.rate_hz, std::string(simulation::KindName(plan->packed.level.kind)).c_str(),
                 plan->packed.balls.size(), plan->tool.balls.size(),
@@ -99,7 +100,7 @@ int PlanAll(const EngineChoice& engine) {
 int main(int argc, char** argv) {
   try {
     const bool kinds = argc > 1 && std::string(argv[1]) == "--kinds";
-    const auto engine = osteon::app::ChooseEngine("auto", argc > 1 + kinds ? argv[1 + kinds] : "");
+    const auto engine = osteon::session::ChooseEngine("auto", argc > 1 + kinds ? argv[1 + kinds] : "");
     return kinds ? osteon::app::CompareKinds(engine) : osteon::app::PlanAll(engine);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "osteon_plan_table: %s\n", error.what());

@@ -121,7 +121,7 @@ TEST(LiveStatus, TheLineFitsTheTerminalAndKeepsWhatMatters) {
   const LiveStatus s = StatusOf(w, kContext);
   for (const std::size_t columns : {20u, 40u, 79u, 120u, 400u}) {
     const std::string line = StatusLine(s, 10.0, columns);
-    EXPECT_LE(app::ColumnsOf(line), columns) << line;
+    EXPECT_LE(base::ColumnsOf(line), columns) << line;
     EXPECT_TRUE(line.starts_with("cutting")) << line;
   }
   const std::string whole = StatusLine(s, 10.0, 400);

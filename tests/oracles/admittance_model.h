@@ -20,7 +20,7 @@ enum class HandAcceleration {
 };
 
 /// Spectral radius of the loop, exact to rounding.
-[[nodiscard]] inline double AdmittanceModelRadius(const AdmittanceLoopParams& p, HandAcceleration kind) {
+[[nodiscard]] inline double AdmittanceModelRadius(const hil::AdmittanceLoopParams& p, HandAcceleration kind) {
   const double T = p.period_s, w = 2.0 * std::numbers::pi * p.arm.bandwidth_hz, decay = std::exp(-w * T);
   const int dead = static_cast<int>(p.arm.dead_cycles), age = p.wall.age_ticks;
   // state: commands (the newest first), x, v, v a period ago, the law's v, felt forces
@@ -35,7 +35,7 @@ enum class HandAcceleration {
         kind == HandAcceleration::kMeanOfPeriod ? (v - s[x_at + 2]) / T : w * w * (target - x) - 2.0 * w * v;
     const double felt = -(p.hand.stiffness_N_per_m * x + p.hand.damping_Ns_per_m * v + p.hand.mass_kg * a);
     const double told = p.sensor_delay == 0 ? felt : s[felt_at + p.sensor_delay - 1];
-    const double wall = p.wall.stiffness_N_per_m * (p.wall.on == WallOn::kMeasured ? x : s[age]);
+    const double wall = p.wall.stiffness_N_per_m * (p.wall.on == hil::WallOn::kMeasured ? x : s[age]);
     const double law =
         (s[law_at] + T / p.mass_kg * (told - wall)) / (1.0 + T * p.damping_Ns_per_m / p.mass_kg);
     Eigen::VectorXd next(size);

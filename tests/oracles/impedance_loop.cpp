@@ -36,11 +36,11 @@ Eigen::VectorXd ImpedanceLoop::Step(const Eigen::VectorXd& s) const {
 }
 
 double ImpedanceLoop::SpectralRadius() const {
-  return hil::SpectralRadius(LoopMatrix([this](const Eigen::VectorXd& s) { return Step(s); }, size()));
+  return hil::SpectralRadius(hil::LoopMatrix([this](const Eigen::VectorXd& s) { return Step(s); }, size()));
 }
 
-Boundary MaxWallStiffness(ImpedanceLoopParams params, const BoundaryScan& scan) {
-  return FirstCrossing(
+hil::Boundary MaxWallStiffness(ImpedanceLoopParams params, const hil::BoundaryScan& scan) {
+  return hil::FirstCrossing(
       [&](double stiffness) {
         params.wall_stiffness_N_per_m = stiffness;
         return ImpedanceLoop(params).SpectralRadius() < 1.0;

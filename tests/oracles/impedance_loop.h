@@ -26,15 +26,15 @@ class ImpedanceLoop {
   explicit ImpedanceLoop(const ImpedanceLoopParams& params);
   [[nodiscard]] int size() const { return params_.delay + 3; }
   [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
-  [[nodiscard]] double SpectralRadius() const;
+  [[nodiscard]] double hil::SpectralRadius() const;
 
  private:
   ImpedanceLoopParams params_;
 };
 
 /// The largest wall stiffness before the first crossing [N/m].
-[[nodiscard]] Boundary MaxWallStiffness(ImpedanceLoopParams params,
-                                        const BoundaryScan& scan = {.from = 1.0, .to = 1e6});
+[[nodiscard]] hil::Boundary hil::MaxWallStiffness(ImpedanceLoopParams params,
+                                                  const hil::BoundaryScan& scan = {.from = 1.0, .to = 1e6});
 
 /// The device's own damping that makes it passive in any hand, which is stricter than stable alone:
 ///

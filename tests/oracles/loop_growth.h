@@ -12,7 +12,7 @@ namespace osteon::hil {
 /// Natural logarithm of the growth in a period, found by running the loop: the mean over `periods`, after
 /// `settle` periods in which all modes but the slowest die out. The state is normalised on the way, so
 /// neither growth nor decay leaves the range of numbers.
-[[nodiscard]] inline double GrowthPerPeriod(const LoopStep& step, int size, int settle, int periods) {
+[[nodiscard]] inline double GrowthPerPeriod(const hil::LoopStep& step, int size, int settle, int periods) {
   Eigen::VectorXd state = Eigen::VectorXd::Unit(size, 0);
   const auto run = [&](int count) {
     double log_size = 0.0;

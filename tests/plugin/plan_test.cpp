@@ -153,7 +153,7 @@ TEST(OsteonGuidance, IsTheServosOwn) {
   params.wrench.max_force_N = 60.0;
   params.wrench.max_torque_Nm = 5.0;
   const control::ServoParams unguided = params;
-  params.guidance = app::GuidanceOf(surgical, reamer, Pose::Identity());
+  params.guidance = session::GuidanceOf(surgical, reamer, Pose::Identity());
   ASSERT_TRUE(params.guidance);
   const auto arm = control::Follower(params);
   control::CouplingPipeline pipeline(params), bone(unguided);

@@ -11,7 +11,7 @@
 #include "report/svg_raster.h"
 #include "report_markup.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 std::size_t CountOf(const std::string& text, const std::string& part) {
@@ -118,4 +118,4 @@ TEST(Rasterise, RefusesWhatIsNoPicture) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -10,7 +10,7 @@
 #include "report_synthetic.h"
 #include "tests/temporary_path.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 // Oracle: the ray through a pixel's centre meets |s d - c| = r at the nearer root of the quadratic.
@@ -58,7 +58,7 @@ TEST(Render, BallsBehindOrWithoutRadiusAreLeftOut) {
 }
 
 TEST(Render, CupFillsThePictureAndIsColouredByMaterial) {
-  const SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
+  const studies::SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
   const MaterialMap materials(run.bone.points);
   const Camera camera = CupCamera(run.bone);
   const Image before = RenderBone(run.bone, run.bone.balls, materials, camera);
@@ -107,4 +107,4 @@ TEST(Base64, Rfc4648Vectors) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::report

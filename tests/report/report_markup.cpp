@@ -7,7 +7,7 @@
 
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 std::string Near(std::string_view markup, std::size_t at) {
@@ -143,4 +143,4 @@ std::string AttributeOf(std::string_view markup, std::string_view element, std::
   return std::string(markup.substr(begin, markup.find('"', begin) - begin));
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

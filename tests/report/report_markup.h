@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// Returns the first error of a page or drawing that has to be well-formed like XML: tags balanced,
 /// attributes quoted and unique, entities known, no stray markup character. Empty if there is none. Knows
@@ -29,4 +29,4 @@ struct TextBox {
 [[nodiscard]] std::string AttributeOf(std::string_view markup, std::string_view element,
                                       std::string_view attribute);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -6,7 +6,7 @@
 
 #include "simulation/tools/proxy_path.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 using simulation::Ball;
@@ -66,8 +66,8 @@ simulation::CarvedState StateOf(const std::vector<Ball>& balls) {
   return state;
 }
 
-SyntheticRun MakeSyntheticRun(const SyntheticParams& params) {
-  SyntheticRun run;
+studies::SyntheticRun MakeSyntheticRun(const SyntheticParams& params) {
+  studies::SyntheticRun run;
   run.cell_m = params.spacing_m;
   run.bone.name = "synthetic cup";
   run.bone.site = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = params.cup_radius_m};
@@ -149,10 +149,10 @@ SyntheticRun MakeSyntheticRun(const SyntheticParams& params) {
   return run;
 }
 
-std::vector<Pose> PathOf(const SyntheticRun& run, const Pose& X_WG) {
+std::vector<Pose> PathOf(const studies::SyntheticRun& run, const Pose& X_WG) {
   simulation::ProxyPath path(run.tool, X_WG);
   for (const simulation::FrameRecord& frame : run.frames) path.Add(frame);
   return {path.X_GP().begin(), path.X_GP().end()};
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -8,7 +8,7 @@
 #include "simulation/engine/frame_record.h"
 #include "simulation/tools/tool.h"
 
-namespace osteon::app {
+namespace osteon::report {
 
 /// A small run made by hand, for tests of the report: no engine, no servo loop.
 struct SyntheticRun {
@@ -44,4 +44,4 @@ void Carve(std::vector<simulation::Ball>& balls, const Vector3& a, const Vector3
 /// Makes the state as an engine would: floats in mm, r = 0 for removed balls.
 [[nodiscard]] simulation::CarvedState StateOf(const std::vector<simulation::Ball>& balls);
 
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 constexpr unsigned kSeed = 20261126;
@@ -105,4 +105,4 @@ TEST(RunCurves, PhasesEndWhereTheNextBegins) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::report

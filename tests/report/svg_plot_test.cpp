@@ -10,7 +10,7 @@
 #include "report/svg_text.h"
 #include "report_markup.h"
 
-namespace osteon::app {
+namespace osteon::report {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -247,4 +247,4 @@ TEST(SvgPlot, APlotThatZoomsSaysWhereItsAreaIs) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::report

@@ -2,7 +2,7 @@
 
 #include "session/setup/cell_setup.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// A cell whose bone is packed by the scene's own `packing`: the set-up that does not depend on the machine.
 [[nodiscard]] inline tl::expected<CellSetup, std::string> SetUpCell(
@@ -13,4 +13,4 @@ namespace osteon::app {
   return setup;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -13,10 +13,10 @@
 
 // The verdicts of studies: each level, for each reason.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
-bool Says(const Verdict& verdict, const std::string& part) {
+bool Says(const session::Verdict& verdict, const std::string& part) {
   return std::ranges::any_of(
       verdict.reasons, [&](const std::string& reason) { return reason.find(part) != std::string::npos; });
 }
@@ -37,69 +37,69 @@ TuneResult GoodTuning() {
 }
 
 TEST(TuneVerdict, EachLevelHasItsReasons) {
-  EXPECT_EQ(Judge(GoodTuning()).level, VerdictLevel::kGood);
+  EXPECT_EQ(Judge(GoodTuning()).level, session::VerdictLevel::kGood);
   EXPECT_TRUE(Judge(GoodTuning()).reasons.empty());
 
   TuneResult heavy = GoodTuning();
   heavy.recommended.damping_Ns_per_m = 60.0;
-  EXPECT_EQ(Judge(heavy).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(heavy).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(heavy), "not light")) << Judge(heavy).reasons.front();
 
   TuneResult own = GoodTuning();
   own.own_margin = 1.02;
-  EXPECT_EQ(Judge(own).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(own).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(own), "gain margin of 1.02")) << Judge(own).reasons.front();
 
   TuneResult silent = GoodTuning();
   silent.task.index_acts = false;
-  EXPECT_EQ(Judge(silent).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(silent).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(silent), "does not act"));
 
   TuneResult nothing = GoodTuning();
   nothing.recommended = {};
-  EXPECT_EQ(Judge(nothing).level, VerdictLevel::kBad);
+  EXPECT_EQ(Judge(nothing).level, session::VerdictLevel::kBad);
 
   TuneResult grew = GoodTuning();
   grew.check.grew = {"firm at the wall"};
-  EXPECT_EQ(Judge(grew).level, VerdictLevel::kBad);
+  EXPECT_EQ(Judge(grew).level, session::VerdictLevel::kBad);
   EXPECT_TRUE(Says(Judge(grew), "firm at the wall"));
 }
 
 TEST(TuneVerdict, AHandThatKeepsOscillatingIsSaidWithItsForce) {
   TuneResult unquiet = GoodTuning();
   unquiet.carried[1].run.one_s_N = 1.5;
-  EXPECT_EQ(Judge(unquiet).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(unquiet).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(unquiet), "1.50 N between 5 and 40 Hz"));
   TuneResult shaken = GoodTuning();
   shaken.carried[1].run.one_s_N = 109.0;
-  EXPECT_EQ(Judge(shaken).level, VerdictLevel::kBad);
+  EXPECT_EQ(Judge(shaken).level, session::VerdictLevel::kBad);
   EXPECT_TRUE(Says(Judge(shaken), "of 2 hands stiffer than 3000 N/m, 1 keep oscillating"))
       << Judge(shaken).reasons[0];
   EXPECT_TRUE(Says(Judge(shaken), "fixture (free), with 109.00 N"));
   TuneResult ended = GoodTuning();
   ended.carried[0].run.valid = false;
-  EXPECT_EQ(Judge(ended).level, VerdictLevel::kBad);
+  EXPECT_EQ(Judge(ended).level, session::VerdictLevel::kBad);
 }
 
 TEST(PlanVerdict, EachLevelHasItsReasons) {
-  FidelityPlan plan;
+  session::FidelityPlan plan;
   plan.calibration = {{.frames = 1000, .interrupted = 100}};
-  EXPECT_EQ(Judge(plan, {}).level, VerdictLevel::kGood);
-  EXPECT_EQ(Judge(plan, PlanCheck{}).level, VerdictLevel::kGood);
+  EXPECT_EQ(Judge(plan, {}).level, session::VerdictLevel::kGood);
+  EXPECT_EQ(Judge(plan, session::PlanCheck{}).level, session::VerdictLevel::kGood);
 
-  FidelityPlan slow = plan;
+  session::FidelityPlan slow = plan;
   slow.unmet = {{.what = "rate", .asked = 1000.0, .predicted = 712.0}};
-  EXPECT_EQ(Judge(slow, {}).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(slow, {}).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(slow, {}), "rate: 712 Hz of 1000")) << Judge(slow, {}).reasons.front();
 
-  FidelityPlan busy = plan;
+  session::FidelityPlan busy = plan;
   busy.calibration.front().interrupted = 400;
-  EXPECT_EQ(Judge(busy, {}).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(busy, {}).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(busy, {}), "400 of the 1000 frames"));
 
-  PlanCheck missed;
+  session::PlanCheck missed;
   missed.missed = {"error 0.2 mm, promised 0.1"};
-  EXPECT_EQ(Judge(plan, missed).level, VerdictLevel::kBad);
+  EXPECT_EQ(Judge(plan, missed).level, session::VerdictLevel::kBad);
   EXPECT_TRUE(Says(Judge(plan, missed), "promised 0.1"));
 }
 
@@ -116,25 +116,25 @@ CapabilityResult EnoughForce() {
 }
 
 TEST(CapabilityVerdict, EachLevelHasItsReasons) {
-  EXPECT_EQ(Judge(EnoughForce()).level, VerdictLevel::kGood);
+  EXPECT_EQ(Judge(EnoughForce()).level, session::VerdictLevel::kGood);
 
   CapabilityResult turned = EnoughForce();
   turned.own_angle.force.factor = 0.9;
-  EXPECT_EQ(Judge(turned).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(turned).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(turned), "90 N with 18 N are the most")) << Judge(turned).reasons.front();
 
   CapabilityResult nowhere = EnoughForce();
   nowhere.base.reset();
-  EXPECT_EQ(Judge(nowhere).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(nowhere).level, session::VerdictLevel::kWarning);
 
   CapabilityResult weak = EnoughForce();
   weak.best_angle.force.factor = weak.own_angle.force.factor = 0.5;
-  EXPECT_EQ(Judge(weak).level, VerdictLevel::kBad);
+  EXPECT_EQ(Judge(weak).level, session::VerdictLevel::kBad);
   EXPECT_TRUE(Says(Judge(weak), "at the best arm angles: 100 N along the tool"));
 
   CapabilityResult unreachable = EnoughForce();
   unreachable.best_angle.unreachable = 3;
-  EXPECT_EQ(Judge(unreachable).level, VerdictLevel::kBad);
+  EXPECT_EQ(Judge(unreachable).level, session::VerdictLevel::kBad);
   EXPECT_TRUE(Says(Judge(unreachable), "3 of 40 poses"));
 }
 
@@ -153,25 +153,25 @@ TransparencyResult Faithful() {
 }
 
 TEST(TransparencyVerdict, EachLevelHasItsReasons) {
-  EXPECT_EQ(Judge(Faithful()).level, VerdictLevel::kGood);
+  EXPECT_EQ(Judge(Faithful()).level, session::VerdictLevel::kGood);
 
   TransparencyResult heavy = Faithful();
   heavy.axes[1].residual = 0.5;
-  EXPECT_EQ(Judge(heavy).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(heavy).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(heavy), "50 % off")) << Judge(heavy).reasons.front();
 
   TransparencyResult soft = Faithful();
   soft.stiffness_N_per_m = 12e3;
-  EXPECT_EQ(Judge(soft).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(soft).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(soft), "12.00 N/mm for 20.00 N/mm"));
 
   TransparencyResult other = Faithful();
   other.axes[0].residual = 1.5;
-  EXPECT_EQ(Judge(other).level, VerdictLevel::kBad);
+  EXPECT_EQ(Judge(other).level, session::VerdictLevel::kBad);
 
   TransparencyResult stopped = Faithful();
   stopped.axes[2].points.emplace_back().fault = true;
-  EXPECT_EQ(Judge(stopped).level, VerdictLevel::kBad);
+  EXPECT_EQ(Judge(stopped).level, session::VerdictLevel::kBad);
   EXPECT_TRUE(Says(Judge(stopped), "void"));
 }
 
@@ -182,23 +182,23 @@ TEST(ScalingVerdict, EachLevelHasItsReasons) {
   ScalingPoint point{.series = "ours, cut zone as it is", .spheres = 1000, .cut_zone_m = 1e-3, .timing = {}};
   point.timing.frames = 1000;
   r.points = {point, point};
-  EXPECT_EQ(Judge(r).level, VerdictLevel::kGood);
+  EXPECT_EQ(Judge(r).level, session::VerdictLevel::kGood);
   r.left_out = {"the same without culling, 1000000 spheres: 20 frames would take 300 s"};
-  EXPECT_EQ(Judge(r).level, VerdictLevel::kGood) << "that is what the series is to show";
+  EXPECT_EQ(Judge(r).level, session::VerdictLevel::kGood) << "that is what the series is to show";
 
   ScalingResult few = r;
   few.points[1].timing.frames = 400;
-  EXPECT_EQ(Judge(few).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(few).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(few), "fewer frames than the 1000"));
 
   ScalingResult missing = r;
   missing.ours_left_out = 2;
-  EXPECT_EQ(Judge(missing).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(missing).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(missing), "2 of our own points"));
 
   ScalingResult ended = r;
   ended.interrupted = true;
-  EXPECT_EQ(Judge(ended).level, VerdictLevel::kBad);
+  EXPECT_EQ(Judge(ended).level, session::VerdictLevel::kBad);
   EXPECT_TRUE(Says(Judge(ended), "incomplete"));
 }
 
@@ -206,20 +206,20 @@ TEST(SpeedAccuracyVerdict, EachLevelHasItsReasons) {
   SpeedAccuracyResult r;
   r.wanted_seeds = 2;
   r.points.push_back({.method = "ours", .device = {}, .seeds = {SeedScores{}, SeedScores{}}});
-  EXPECT_EQ(Judge(r).level, VerdictLevel::kGood);
+  EXPECT_EQ(Judge(r).level, session::VerdictLevel::kGood);
 
   SpeedAccuracyResult slow = r;
   slow.left_out = {"voxel at 0.1 mm: ream was not done within 60 s"};
-  EXPECT_EQ(Judge(slow).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(slow).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(Says(Judge(slow), "not done within 60 s"));
 
   SpeedAccuracyResult few = r;
   few.points.front().seeds.pop_back();
-  EXPECT_EQ(Judge(few).level, VerdictLevel::kWarning);
+  EXPECT_EQ(Judge(few).level, session::VerdictLevel::kWarning);
 
   SpeedAccuracyResult ended = r;
   ended.interrupted = true;
-  EXPECT_EQ(Judge(ended).level, VerdictLevel::kBad);
+  EXPECT_EQ(Judge(ended).level, session::VerdictLevel::kBad);
   EXPECT_TRUE(Says(Judge(ended), "incomplete"));
   const nlohmann::ordered_json json = nlohmann::ordered_json::parse(SpeedAccuracyJson(ended));
   EXPECT_EQ(json.begin().key(), "verdict") << "before anything else";
@@ -227,4 +227,4 @@ TEST(SpeedAccuracyVerdict, EachLevelHasItsReasons) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

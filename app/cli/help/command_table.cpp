@@ -15,10 +15,10 @@ namespace {
 
 constexpr auto kCommonExitCodes = std::to_array<std::pair<int, std::string_view>>({
     {0, "done"},
-    {kFailed, "the requested work failed; the section of the subcommand says when"},
-    {kBadInput, "wrong usage or bad input; nothing was started"},
-    {kInternalError, "a defect of the program: please report it"},
-    {kNoMemory, "out of memory"},
+    {session::kFailed, "the requested work failed; the section of the subcommand says when"},
+    {session::kBadInput, "wrong usage or bad input; nothing was started"},
+    {session::kInternalError, "a defect of the program: please report it"},
+    {session::kNoMemory, "out of memory"},
     {129, "the terminal was closed (SIGHUP); the work ended in order"},
     {130, "ended by Ctrl-C, in order"},
     {141, "nobody reads the output any more"},

@@ -22,18 +22,18 @@ bool ShowsWordsInHead(const OptionText& option) {
 // A row of two columns; the second begins on the next line where the first is too long.
 std::string Row(const std::string& head, const std::string& body, std::size_t width) {
   std::string text = "  " + head;
-  const std::size_t used = ColumnsOf(text);
+  const std::size_t used = base::ColumnsOf(text);
   if (body.empty()) return text + "\n";
   text +=
       used + 2 > kTextColumn ? "\n" + std::string(kTextColumn, ' ') : std::string(kTextColumn - used, ' ');
-  return text + WrapText(body, kTextColumn, width) + "\n";
+  return text + base::WrapText(body, kTextColumn, width) + "\n";
 }
 
 // An example of osteon that is too long is continued on further lines, as a shell accepts it.
 std::string ExampleLine(const std::string& line, std::size_t width) {
   std::string text;
   std::string rest = "  " + line;
-  while (ColumnsOf(rest) > width) {
+  while (base::ColumnsOf(rest) > width) {
     const std::size_t at = rest.rfind(" --", width - 3);
     if (at == std::string::npos || at < 12) break;
     text += rest.substr(0, at) + " \\\n";
@@ -94,8 +94,8 @@ std::string Synopsis(const CommandText& command) {
 
 std::string HelpText(const CommandText& command, std::size_t width) {
   width = std::max(width, kMinWidth);
-  std::string text = WrapText(command.name + ": " + command.purpose, 0, width) + "\n\n";
-  text += "Usage: " + WrapText(Synopsis(command), 7, width) + "\n";
+  std::string text = base::WrapText(command.name + ": " + command.purpose, 0, width) + "\n\n";
+  text += "Usage: " + base::WrapText(Synopsis(command), 7, width) + "\n";
   std::string arguments;
   for (const OptionText& option : command.options)
     if (option.is_argument) arguments += Row(OptionHead(option), OptionBody(option), width);
@@ -114,9 +114,10 @@ std::string HelpText(const CommandText& command, std::size_t width) {
     for (const CommandText& sub : command.commands)
       if (sub.group == group) text += Row(sub.word(), sub.purpose, width);
   }
-  for (const std::string& paragraph : command.paragraphs) text += "\n" + WrapText(paragraph, 0, width) + "\n";
+  for (const std::string& paragraph : command.paragraphs)
+    text += "\n" + base::WrapText(paragraph, 0, width) + "\n";
   for (const auto& [code, meaning] : command.exit_codes)
-    text += "\n" + WrapText(fmt::format("Exit code {}: {}", code, meaning), 0, width) + "\n";
+    text += "\n" + base::WrapText(fmt::format("Exit code {}: {}", code, meaning), 0, width) + "\n";
   for (const ListText& list : command.lists) {
     text += "\n" + list.title + ":\n";
     for (const std::string& line : list.lines) text += ExampleLine(line, width);
@@ -125,7 +126,7 @@ std::string HelpText(const CommandText& command, std::size_t width) {
 }
 
 std::size_t HelpWidth() {
-  return std::clamp(TerminalColumns().value_or(kDefaultWidth), kMinWidth, kMaxWidth);
+  return std::clamp(base::TerminalColumns().value_or(kDefaultWidth), kMinWidth, kMaxWidth);
 }
 
 std::string HelpFormatter::make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const {

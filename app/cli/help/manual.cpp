@@ -140,9 +140,9 @@ std::string MarkdownOptions(const CommandText& command) {
 std::string MarkdownTexts(const CommandText& command) {
   std::string text;
   for (const std::string& paragraph : command.paragraphs)
-    text += "\n" + WrapText(paragraph, 0, kPageWidth) + "\n";
+    text += "\n" + base::WrapText(paragraph, 0, kPageWidth) + "\n";
   for (const auto& [code, meaning] : command.exit_codes)
-    text += "\n" + WrapText(fmt::format("Exit code {}: {}", code, meaning), 0, kPageWidth) + "\n";
+    text += "\n" + base::WrapText(fmt::format("Exit code {}: {}", code, meaning), 0, kPageWidth) + "\n";
   for (const ListText& list : command.lists) {
     text += "\n" + list.title + ":\n\n";
     for (const std::string& line : list.lines) text += "    " + line + "\n";
@@ -199,7 +199,7 @@ std::string ManPage(const CommandText& command, const std::string& version) {
   page += ".SH OPTIONS\n" + RoffOptions(command);
   page += ".SH COMMANDS\n";
   for (const CommandText* leaf : Leaves(command)) {
-    page += fmt::format(".SS \"{}\"\n{}\n", Roff(leaf->name), Roff(ToSentence(leaf->purpose)));
+    page += fmt::format(".SS \"{}\"\n{}\n", Roff(leaf->name), Roff(base::ToSentence(leaf->purpose)));
     page += RoffOptions(*leaf) + RoffTexts(*leaf);
   }
   page += ".SH \"EXIT STATUS\"\n";
@@ -247,7 +247,7 @@ std::string CommandsPage(const CommandText& command) {
       "    ./osteon completion bash > ~/.local/share/bash-completion/completions/osteon\n";
   for (const CommandText* leaf : Leaves(command)) {
     page += fmt::format("\n## {}\n\n{}\n\n    {}\n", leaf->name,
-                        WrapText(ToSentence(leaf->purpose), 0, kPageWidth), Synopsis(*leaf));
+                        base::WrapText(base::ToSentence(leaf->purpose), 0, kPageWidth), Synopsis(*leaf));
     page += MarkdownOptions(*leaf) + MarkdownTexts(*leaf);
   }
   return page;

@@ -47,7 +47,8 @@ int ManualCommands::Run(std::span<const CLI::App* const> apps) const {
   for (const auto& [file, text] : {std::pair(man_, page), std::pair(markdown_, CommandsPage(command)),
                                    std::pair(json_, ManualJson(command))}) {
     if (file.empty()) continue;
-    if (const auto written = WriteText(file, text); !written) return Fail("manual", written.error(), kFailed);
+    if (const auto written = base::WriteText(file, text); !written)
+      return session::Fail("manual", written.error(), session::kFailed);
   }
   return 0;
 }

@@ -13,7 +13,7 @@
 #include "hil/loops/compliant_loop.h"
 #include "studies/failures/arm_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
@@ -240,11 +240,11 @@ FailureResult RunLatePlanes(const FailureSetting& setting) {
                        .baseline_name = "planes that follow the bone 20 ms late",
                        .bound = 1.0};
   const auto run = [&](int late_ticks, FailureSeries& series) {
-    CompliantLoopParams params;
+    hil::CompliantLoopParams params;
     params.loop.hand = {"stiff", 3000.0, 60.0, 3.0};
     params.loop.wall.stiffness_N_per_m = kK_N_per_m;
-    params.mount = LoopMount{.mass_kg = 12.0, .frequency_hz = 15.0, .late_ticks = late_ticks};
-    const CompliantLoop loop(params);
+    params.mount = hil::LoopMount{.mass_kg = 12.0, .frequency_hz = 15.0, .late_ticks = late_ticks};
+    const hil::CompliantLoop loop(params);
     Eigen::VectorXd state = Eigen::VectorXd::Zero(loop.size());
     state[0] = 1e-4;
     double peaks[2]{};
@@ -271,4 +271,4 @@ FailureResult RunLatePlanes(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -4,7 +4,7 @@
 
 // What gives way between tool and bone, on the shipped coupling and its elements (control/compliance).
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 36, two springs: the tool circles between two planes 60 degrees apart, one of them soft. Metric:
 /// work that the planes give in a turn. Baseline: the series stiffness written into the soft plane's contact,
@@ -25,4 +25,4 @@ namespace osteon::hil {
 /// moves the bone itself. Bound: 1.
 [[nodiscard]] FailureResult RunLatePlanes(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

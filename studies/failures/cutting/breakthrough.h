@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 19, breakthrough: a hand (2 kg, 200 N·s/m, a steady push of 100 N) drives a ball burr of R 1.6 mm
 /// through a wall of 1 to 2 mm with the rate law, at 1 kHz. Ours: SceneWatch flags the breakthrough, and from
@@ -13,4 +13,4 @@ namespace osteon::hil {
 /// in which the proxy's apex passes the wall's far side.
 [[nodiscard]] FailureResult RunBreakthrough(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

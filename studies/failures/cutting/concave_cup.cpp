@@ -11,7 +11,7 @@
 #include "studies/failures/contact_bench.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kCup_m = 25e-3, kDepth_m = 5e-3, kSpeed_deg_per_s = 50.0, kDt_s = 1e-3;
@@ -98,4 +98,4 @@ FailureResult RunConcaveCup(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

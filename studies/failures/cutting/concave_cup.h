@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 3, concave cup: reamers of R = 24 and 24.98 mm are pressed 5 mm into a packed cup of 25 mm, up to
 /// 45 degrees from its axis, at 50 deg/s, 1 kHz, spindle off, no friction. Metrics: the angle between the
@@ -11,4 +11,4 @@ namespace osteon::hil {
 /// its plane. Bounds: 1 deg; 0.3 deg per ms; never more than 90.
 [[nodiscard]] FailureResult RunConcaveCup(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 #include "studies/failures/contact_bench.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kRadius_m = 3e-3, kHalfApart_m = 5e-3, kRock_m = 0.1e-3, kRock_hz = 2.0;
@@ -75,4 +75,4 @@ FailureResult RunContactSwitch(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 2, contact switch: two equal balls of R = 3 mm, 10 mm apart, on a flat block at 200 N, rocking by
 /// ±0.1 mm at 2 Hz, spindle off, 1 kHz. Metric: largest change of the torque about the tool from one
@@ -10,4 +10,4 @@ namespace osteon::hil {
 /// N·m per ms, and 7 % of the force per ms.
 [[nodiscard]] FailureResult RunContactSwitch(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -11,7 +11,7 @@
 #include "studies/failures/contact_bench.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kRadius_m = 6e-3, kStiffness_N_per_m = 20e3;
@@ -81,4 +81,4 @@ FailureResult RunCorner(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

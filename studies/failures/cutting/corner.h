@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 4, corner of 90 degrees: the tool is pressed into floor and wall by 1 to 5 mm each, from several
 /// sides, and held; spindle off, no friction. Metrics: error of the force relative to the vector sum of both
@@ -10,4 +10,4 @@ namespace osteon::hil {
 /// Bounds: 7 %; 1 um.
 [[nodiscard]] FailureResult RunCorner(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -12,7 +12,7 @@
 #include "simulation/engine/reference_engine.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kRadius_m = 4e-3;
@@ -175,4 +175,4 @@ FailureResult RunDeterminism(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 21, determinism: one open-loop cut of 2 000 frames, twice on our engine, in two engine objects.
 /// Metric: number of frames whose contact model differs in any bit; a difference of the carved state at the
@@ -12,4 +12,4 @@ namespace osteon::hil {
 /// 1e-4 mm (balls within 1e-5 mm of vanishing are exempt, and counted), mass within 1e-5.
 [[nodiscard]] FailureResult RunDeterminism(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 #include "simulation/methods/method.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kRadius_m = 2e-3, kTop_m = 0.3e-3, kDepth_m = 1.6e-3, kRowStep_m = 1.5e-3;
@@ -124,4 +124,4 @@ FailureResult RunEnergy(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 20, energy: a burr touches, cuts a dimple and retracts, a hundred times along rows, at 4000 rpm
 /// in a bone with the cutting energy of sawbones (a third of cortical bone's). Metric:
@@ -22,4 +22,4 @@ namespace osteon::hil {
 /// because there are many cuts, its share is small.
 [[nodiscard]] FailureResult RunEnergy(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

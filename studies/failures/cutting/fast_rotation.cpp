@@ -8,7 +8,7 @@
 #include "simulation/methods/method.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kRadius_m = 2e-3, kStall_s = 0.1;
@@ -112,4 +112,4 @@ FailureResult RunFastRotation(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

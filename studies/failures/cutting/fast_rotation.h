@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 11, fast rotation: a ball on a lever of L = 60 to 150 mm turns at 135 to 360 deg/s. A frame comes
 /// after a stall of 100 ms, so it contains a turn of 13 to 36 degrees. A post stands outside the middle of
@@ -17,4 +17,4 @@ namespace osteon::hil {
 /// The result's note states it.
 [[nodiscard]] FailureResult RunFastRotation(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

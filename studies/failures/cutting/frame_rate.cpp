@@ -9,7 +9,7 @@
 #include "control/coupling/virtual_coupling.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr std::array kRates_hz{250.0, 500.0, 1000.0, 2000.0};
@@ -133,4 +133,4 @@ FailureResult RunFrameRate(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

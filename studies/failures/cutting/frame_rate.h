@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 22, frame rate: one hand trajectory, a plunge of 1 mm and a traverse, at 0.25, 0.5, 1 and 2 kHz;
 /// the servo loop renders the frames' planes at 4 kHz. Metric: the largest difference from 1 kHz in the
@@ -12,4 +12,4 @@ namespace osteon::hil {
 /// this force is 2 to 3 % larger at 0.25 kHz than at 1 kHz.)
 [[nodiscard]] FailureResult RunFrameRate(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 #include "simulation/tools/swept_tool.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kLength_m = 24e-3;    // of the block, along x
@@ -130,4 +130,4 @@ FailureResult RunHighFeed(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

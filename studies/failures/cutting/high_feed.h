@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 9, high feed: a slot milled along a wave, half a ball deep; R 0.5 to 5 mm, 50 to 1000 mm/s, 60 to
 /// 1000 Hz, removal up to the tool's pose (RemovalLaw::kImmediate), so that the tool follows any feed.
@@ -12,4 +12,4 @@ namespace osteon::hil {
 /// and nothing beside it.
 [[nodiscard]] FailureResult RunHighFeed(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -12,7 +12,7 @@
 #include "studies/failures/contact_bench.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kProbe_m = 0.1e-3, kPush_m = 4e-3;
@@ -87,4 +87,4 @@ FailureResult RunLeak(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

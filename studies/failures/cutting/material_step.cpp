@@ -9,7 +9,7 @@
 #include "studies/failures/contact_bench.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kRadius_m = 3e-3, kDepth_m = 1e-3, kDt_s = 1e-3;
@@ -124,4 +124,4 @@ FailureResult RunMaterialStep(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 18, material step: the tool is pressed by 1 mm into cancellous bone, drawn along the surface onto
 /// cortical bone, lifted, and returned through the air; spindle off, no friction. Metric: work that the hand
@@ -11,4 +11,4 @@ namespace osteon::hil {
 /// from 5 ms after the border on.
 [[nodiscard]] FailureResult RunMaterialStep(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

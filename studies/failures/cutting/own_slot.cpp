@@ -8,7 +8,7 @@
 #include "studies/failures/contact_bench.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kHead_m = 2e-3, kShaft_m = 1.85e-3, kDepth_m = 4e-3;
@@ -81,4 +81,4 @@ FailureResult RunOwnSlot(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

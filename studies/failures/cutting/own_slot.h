@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 5, own slot: a reamer of R = 2 mm with a shaft of 1.85 mm cuts a slot of 4 mm, stops, tilts in it
 /// by 14 degrees and is drawn out. Metric: penetration of the proxy into bone meanwhile. Baseline: equation 3
@@ -10,4 +10,4 @@ namespace osteon::hil {
 /// and the tool comes out.
 [[nodiscard]] FailureResult RunOwnSlot(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

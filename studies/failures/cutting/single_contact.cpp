@@ -4,7 +4,7 @@
 
 #include "simulation/contact/cutting_math.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 SingleContact::SingleContact(std::vector<simulation::Ball> balls, const simulation::Tool& tool,
                              const SingleContactParams& params)
@@ -57,4 +57,4 @@ SingleContactFrame SingleContact::Step(const Pose& X_GT) {
   return frame;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -5,7 +5,7 @@
 #include "simulation/bone/bone.h"
 #include "simulation/tools/tool.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Variants of the single-contact law.
 struct SingleContactParams {
@@ -55,4 +55,4 @@ class SingleContact {
   bool has_proxy_{false};
 };
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 #include "simulation/solids/box_solid.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kThickness_m = 1e-3, kVoxel_m = 0.25e-3;
@@ -143,4 +143,4 @@ FailureResult RunThinSheet(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

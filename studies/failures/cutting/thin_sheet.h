@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 1, thin sheet. A ball of radius R = 1 to 5 mm that does not cut is shot at a plate of 1 mm, at 10
 /// to 1000 mm/s, in frames of 1 ms. Each shot starts at a random height, is inclined by up to 30 degrees, and
@@ -13,4 +13,4 @@ namespace osteon::hil {
 /// poses. Bound: 0.
 [[nodiscard]] FailureResult RunThinSheet(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -11,7 +11,7 @@
 #include "studies/failures/contact_bench.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kHead_m = 5e-3, kPart_m = 1e-3, kForce_N = 100.0, kStiffness_N_per_m = 20e3;
@@ -91,4 +91,4 @@ FailureResult RunCogging(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 #include "studies/failures/arm_bench.h"
 #include "studies/stability/force_band.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kDt_s = 1e-3, kCalm_s = 0.5;
@@ -28,14 +28,14 @@ GripRide RideGrip(const GripRideParams& params) {
   const Pose X_start = kinematics::LbrArm(arm.arm).FlangePose(arm.q_start) * arm.X_FT;
   const Vector3 along = (X_start.linear() * Vector3(0.6, 0.0, 0.8)).normalized();
 
-  const OperatorHandParams loose = OperatorWith({"loose", 300.0, 13.0, 1.1}),
-                           tight = OperatorWith(params.after);
-  HandImpedance loose_mass(loose), tight_mass(tight);
+  const hil::OperatorHandParams loose = hil::OperatorWith({"loose", 300.0, 13.0, 1.1}),
+                                tight = hil::OperatorWith(params.after);
+  hil::HandImpedance loose_mass(loose), tight_mass(tight);
   bool stepped = false;
   Pose X_held = X_start;
   Wrench kept;
-  SensorModel sensor({.noise_N = kNoise_N, .noise_Nm = kNoise_Nm, .seed = 16});
-  const Tremor tremor(params.tremor_N, 1);
+  hil::SensorModel sensor({.noise_N = kNoise_N, .noise_Nm = kNoise_Nm, .seed = 16});
+  const hil::Tremor tremor(params.tremor_N, 1);
   std::vector<Vector3> exerted, shaken;
   const ArmScene scene{
       .hand =
@@ -87,4 +87,4 @@ GripRide RideGrip(const GripRideParams& params) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

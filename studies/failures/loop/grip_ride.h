@@ -5,13 +5,13 @@
 #include "control/setup/servo_params.h"
 #include "hil/operator/hand_grid.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// A hand of 300 N/m swings the tool of an arm of 15 Hz through free space, at 0.5 Hz over 30 mm, through the
 /// servo loop; the sensor's noise is 0.1 N rms. At step_s the hand stiffens with the same wrench, or a clamp
 /// closes.
 struct GripRideParams {
-  GridHand after{"stiff", 6000.0, 13.0, 1.1};
+  hil::GridHand after{"stiff", 6000.0, 13.0, 1.1};
   bool clamp{false};  ///< a clamp closes and does not keep the hand's wrench; false: the hand stiffens
   control::ServoParams loop{};
   double step_s{1.3};
@@ -37,4 +37,4 @@ struct GripRide {
 /// Simulates the ride. Deterministic.
 [[nodiscard]] GripRide RideGrip(const GripRideParams& params);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 #include "hil/operator/hand_grid.h"
 #include "studies/failures/loop/grip_ride.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kStep_s = 1.3;
@@ -47,7 +47,7 @@ FailureResult RunGripStep(const FailureSetting& setting) {
                        .baseline_name = "m_v = 2 kg, b_v = 10 N s/m, fixed",
                        .bound = 0.5};
   struct Case {
-    GridHand hand;
+    hil::GridHand hand;
     bool clamp;
   };
   std::vector<Case> cases{{{"6000 N/m, 13 N s/m, 1.1 kg", 6000.0, 13.0, 1.1}, false}};
@@ -55,7 +55,7 @@ FailureResult RunGripStep(const FailureSetting& setting) {
     cases.insert(cases.end(), {{{"6000 N/m, 2 N s/m, 0.3 kg", 6000.0, 2.0, 0.3}, false},
                                {{"6000 N/m, 2 N s/m, 4 kg", 6000.0, 2.0, 4.0}, false},
                                {{"10000 N/m, 13 N s/m, 1.1 kg", 10000.0, 13.0, 1.1}, false}});
-  for (const GridHand& hand : NamedHands())
+  for (const hil::GridHand& hand : hil::NamedHands())
     if (hand.name == "clamp") cases.push_back({hand, true});
   const double seconds = setting.full() ? 4.0 : 2.0;
 
@@ -97,4 +97,4 @@ FailureResult RunGripStep(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 16, grip: a hand of 300 N/m moves the tool of an arm of 15 Hz through free space, through the
 /// servo loop. At once the hand stiffens to 6000 N/m (with the same wrench), with various damping and mass,
@@ -13,4 +13,4 @@ namespace osteon::hil {
 /// in every case.
 [[nodiscard]] FailureResult RunGripStep(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

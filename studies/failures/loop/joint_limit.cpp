@@ -12,7 +12,7 @@
 
 #include "studies/failures/arm_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using kinematics::JointVector;
@@ -194,4 +194,4 @@ FailureResult RunJointLimit(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 13, joint limit: a hand leads the tool of an iiwa 14 at 0.1 m/s along the straight line on which
 /// one joint would move it (A2, A4, A6 and A1 in turn), from 0.3 rad before that joint's limit to far beyond
@@ -12,4 +12,4 @@ namespace osteon::hil {
 /// while the hand pushes on), and there must be no fault.
 [[nodiscard]] FailureResult RunJointLimit(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -8,12 +8,12 @@
 
 #include "studies/failures/packet_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 struct Case {
   std::string name;
-  WireFaults before{}, after{};
+  hil::WireFaults before{}, after{};
 };
 
 std::vector<Case> MakeCases(bool full) {
@@ -73,7 +73,7 @@ FailureResult RunPackets(const FailureSetting& setting) {
       const auto ride = [&](WallMethod method, const char* name) {
         params.method = method;
         PacketRide r = RidePackets(params);
-        if (c.after == WireFaults{.delay = 10 * rt::kMillisecond} && seed == 1)
+        if (c.after == hil::WireFaults{.delay = 10 * rt::kMillisecond} && seed == 1)
           series.push_back(Distance(name, params, r));
         return r;
       };
@@ -117,4 +117,4 @@ FailureResult RunPackets(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 14, packets. A hand presses an admittance-controlled tool into a cup of 20 N/mm and taps it;
 /// simulation and arm are each behind a wire (packet_bench.h). At the second tap the wires begin to lose 0.1
@@ -16,4 +16,4 @@ namespace osteon::hil {
 /// that fulfils the same condition with the wall's whole stiffness.
 [[nodiscard]] FailureResult RunPackets(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

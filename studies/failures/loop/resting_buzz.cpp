@@ -12,7 +12,7 @@
 #include "studies/failures/arm_bench.h"
 #include "studies/stability/force_band.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kDt_s = 1e-3, kStart_s = 1.0, kRamp_s = 0.5, kNoise_N = 0.1, kNoise_Nm = 0.005;
@@ -32,7 +32,7 @@ Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, 
   params.arm = ScenarioArm();
   params.X_FT = ScenarioTool();
   params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
-  params.hand = OperatorWith({"firm", 500.0, 20.0, 1.5});
+  params.hand = hil::OperatorWith({"firm", 500.0, 20.0, 1.5});
   params.servo = {.bandwidth_hz = 1000.0, .dead_cycles = 0};  // no lag that would hide the vibration
   params.seconds = kStart_s + seconds;
   params.loop.coupling.max_stiffness_N_per_m = stiffness_N_per_m;
@@ -47,9 +47,9 @@ Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, 
 
   // the spring's rest position is such that the push results when hand and wall are both deformed
   Pose X_goal = X_start;
-  HandImpedance hand(params.hand);
+  hil::HandImpedance hand(params.hand);
   double depth_before_m = 0.0;
-  SensorModel sensor({.noise_N = kNoise_N, .noise_Nm = kNoise_Nm, .seed = 6});
+  hil::SensorModel sensor({.noise_N = kNoise_N, .noise_Nm = kNoise_Nm, .seed = 6});
   const ArmScene scene{
       .hand =
           [&](int tick, const Pose& X_WT, const Twist& V_WT) {
@@ -139,4 +139,4 @@ FailureResult RunRestingBuzz(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 6, resting buzz: a firm hand (500 N/m) rests the tool on a plane of 20 N/mm with 5, 50 and 200 N
 /// for 10 s, through the servo loop; the sensor's noise is 0.1 N rms. The arm follows without lag, as an arm
@@ -13,4 +13,4 @@ namespace osteon::hil {
 /// that the tick itself evaluates stay quiet even with that stiffness. Bound: 1 um.
 [[nodiscard]] FailureResult RunRestingBuzz(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -13,7 +13,7 @@
 #include "kinematics/serial_chain.h"
 #include "studies/failures/arm_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using kinematics::JointVector;
@@ -65,12 +65,12 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
                          .damping_Ns_per_m = 0.0};
   const double pressed_m = kPush_N / params.hand.stiffness_N_per_m + kPush_N / kWall_N_per_m;
   const HandPath path = [&](double t) {
-    const auto led = [](double share) { return Quintic(std::clamp(share, 0.0, 1.0)).s; };
+    const auto led = [](double share) { return hil::Quintic(std::clamp(share, 0.0, 1.0)).s; };
     HandGoal goal{.X_WT = X_start};
     goal.X_WT.translation() -= pressed_m * (led(t / kPress_s) - led((t - kDrawBack_s) / kPress_s)) * n;
     return goal;
   };
-  HandImpedance hand(params.hand);
+  hil::HandImpedance hand(params.hand);
   const ArmScene scene{.hand =
                            [&](int tick, const Pose& X_WT, const Twist& V_WT) {
                              const HandGoal goal = path(tick * kDt_s);
@@ -192,4 +192,4 @@ FailureResult RunSaturation(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

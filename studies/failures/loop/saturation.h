@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 17, saturation: a hand presses an iiwa 14 with a tool of 200 and 300 mm against planes across the
 /// tool, toward every side, with up to 200 N, holds, and draws back; A6 (40 N·m) holds about half of that
@@ -12,4 +12,4 @@ namespace osteon::hil {
 /// N, and the whole force back within 50 ms of the moment from which the arm can hold it.
 [[nodiscard]] FailureResult RunSaturation(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -11,7 +11,7 @@
 #include "hil/operator/quintic.h"
 #include "studies/failures/arm_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kDt_s = 1e-3, kWaiting_s = 1.0, kTurns_s = 1.5, kReleases_s = 2.0, kSettles_s = 1.0;
@@ -44,25 +44,25 @@ Drifted Release(double bias_N, int axis, bool ours, double seconds) {
   const Pose X_start = kinematics::LbrArm(params.arm).FlangePose(params.q_start) * params.X_FT;
 
   // errors of the zero, and a payload that is missing in the cell's file
-  SensorModelParams errors{.noise_N = 0.1, .noise_Nm = 0.005, .seed = 15};
+  hil::SensorModelParams errors{.noise_N = 0.1, .noise_Nm = 0.005, .seed = 15};
   const Vector3 direction = Vector3::Unit(axis), across = Vector3::Unit((axis + 1) % 3);
   errors.bias.f = bias_N * direction;
   errors.bias.t = 0.05 * bias_N * across;  // N·m: a lever of 50 mm
   errors.drift_N_per_s = Vector3(kDrift_N_per_s * direction);
   errors.drift_Nm_per_s = Vector3(0.05 * kDrift_N_per_s * across);
-  SensorModel sensor(errors);
+  hil::SensorModel sensor(errors);
   const control::ForceSensorParams extra{
       .X_FS = {}, .tool_mass_kg = kPayload_kg, .tool_center_F_m = Vector3(0.0, 0.0, 0.05)};
 
   const double pushes_s = kReleases_s + seconds;
-  HandImpedance hand(params.hand);
+  hil::HandImpedance hand(params.hand);
   const ArmScene scene{.hand = [&](int tick, const Pose& X_WT, const Twist& V_WT) -> Wrench {
                          const double t = tick * kDt_s;
                          if (t >= pushes_s)
                            return {.f = kPush_N * X_start.linear().col(0), .t = Vector3::Zero()};
                          if (t < 0.0 || t >= kReleases_s) return {};
                          Pose X_goal = X_start;
-                         const double turned = Quintic(std::min(1.0, t / kTurns_s)).s * kTurn_rad;
+                         const double turned = hil::Quintic(std::min(1.0, t / kTurns_s)).s * kTurn_rad;
                          X_goal.linear() = ExpRotation(turned * X_start.linear().col(0)) * X_start.linear();
                          return hand.Step(kDt_s, X_WT, V_WT, X_goal, {});
                        },
@@ -147,4 +147,4 @@ FailureResult RunSensorErrors(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 15, sensor: the force sensor's zero is off by 0.5 to 5 N (and the corresponding torque at the
 /// tool), drifts by 0.1 N/s for 30 s, and the load is 0.2 kg heavier than the cell's file says; the noise is
@@ -15,4 +15,4 @@ namespace osteon::hil {
 /// first.
 [[nodiscard]] FailureResult RunSensorErrors(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -12,7 +12,7 @@
 #include "hil/operator/quintic.h"
 #include "studies/failures/arm_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kBowl_m = 0.025, kPush_N = 80.0;
@@ -54,7 +54,9 @@ Stalled Ride(const Case& c, double stall_s, bool held) {
 
   // pressed, the motion, a rest, and out of the bone: every cycle ends without contact
   const double pressed_m = kPush_N * (1.0 / params.hand.stiffness_N_per_m + 1.0 / kWall_N_per_m);
-  const auto led = [](double t_s, double takes_s) { return Quintic(std::clamp(t_s / takes_s, 0.0, 1.0)).s; };
+  const auto led = [](double t_s, double takes_s) {
+    return hil::Quintic(std::clamp(t_s / takes_s, 0.0, 1.0)).s;
+  };
   const HandPath path = [&](double t) {
     HandGoal goal{.X_WT = X_start};
     const double moved_m = std::clamp(c.speed_m_per_s * (t - kPressed_s), 0.0, c.way_m);
@@ -68,7 +70,7 @@ Stalled Ride(const Case& c, double stall_s, bool held) {
     return goal;
   };
 
-  HandImpedance hand(params.hand);
+  hil::HandImpedance hand(params.hand);
   simulation::ContactModel last;
   double last_N = 0.0;
   const auto stalls = [stall_s](int tick) {
@@ -174,4 +176,4 @@ FailureResult RunSimulationStall(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 10, simulation stalls: a hand leads the tool in a bowl of 20 N/mm (R = 25 mm), through the servo
 /// loop and an arm of 15 Hz. While the tool is pressed and moves (out of the bone at 0.25 m/s, deeper at 0.1
@@ -13,4 +13,4 @@ namespace osteon::hil {
 /// value before the stall.
 [[nodiscard]] FailureResult RunSimulationStall(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

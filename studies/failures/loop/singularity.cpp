@@ -12,7 +12,7 @@
 
 #include "studies/failures/arm_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using kinematics::JointVector;
@@ -199,4 +199,4 @@ FailureResult RunSingularity(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

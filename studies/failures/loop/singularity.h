@@ -2,7 +2,7 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 12, singularity: a hand leads the tool of an iiwa 14 into and past singular postures. The elbow:
 /// outward along the line from the shoulder at 0.1 m/s until 60 mm beyond the reach, 0.1 mm and 5 mm short of
@@ -14,4 +14,4 @@ namespace osteon::hil {
 /// other side.
 [[nodiscard]] FailureResult RunSingularity(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

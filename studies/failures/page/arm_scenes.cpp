@@ -2,7 +2,7 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 void RestingBuzz(SceneSketch& s) {
@@ -22,8 +22,8 @@ void RestingBuzz(SceneSketch& s) {
 }
 
 void SimulationStall(SceneSketch& s) {
-  std::vector<PlotPoint> bone{{20, 150}, {20, 40}};
-  for (const PlotPoint& p : ArcPoints({140, 24}, 104, 171, 9)) bone.push_back(p);
+  std::vector<report::PlotPoint> bone{{20, 150}, {20, 40}};
+  for (const report::PlotPoint& p : ArcPoints({140, 24}, 104, 171, 9)) bone.push_back(p);
   bone.insert(bone.end(), {{260, 40}, {260, 150}});
   s.Bone(bone);
   s.GhostBall(140, 110, 18);
@@ -87,8 +87,8 @@ void Packets(SceneSketch& s) {
   s.Box(196, 34, 60, 40);
   s.Text(226, 58, "loop", "middle");
   s.Arrow({260, 54}, {312, 54}, {.color = kHandColor, .dashed = true});
-  std::vector<PlotPoint> bone{{316, 92}, {316, 44}};
-  for (const PlotPoint& p : ArcPoints({355, 44}, 30, 180, 0)) bone.push_back(p);
+  std::vector<report::PlotPoint> bone{{316, 92}, {316, 44}};
+  for (const report::PlotPoint& p : ArcPoints({355, 44}, 30, 180, 0)) bone.push_back(p);
   bone.insert(bone.end(), {{394, 44}, {394, 92}});
   s.Bone(bone);
   s.ToolBall(355, 56, 17);
@@ -188,4 +188,4 @@ constexpr std::array kScenes{
 
 std::span<const FailureScene> ArmScenes() { return kScenes; }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -2,12 +2,12 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 // A zigzag spring from left to right at one height.
 void Spring(SceneSketch& s, double left, double right, double y, std::string_view color) {
-  std::vector<PlotPoint> points{{left, y}};
+  std::vector<report::PlotPoint> points{{left, y}};
   constexpr int kTeeth = 6;
   for (int i = 0; i < kTeeth; ++i)
     points.push_back({left + (right - left) * (i + 0.5) / kTeeth, y + (i % 2 == 0 ? -6.0 : 6.0)});
@@ -92,4 +92,4 @@ constexpr std::array kScenes{
 
 std::span<const FailureScene> ComplianceScenes() { return kScenes; }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 void ThinSheet(SceneSketch& s) {
@@ -48,15 +48,15 @@ void ContactSwitch(SceneSketch& s) {
 }
 
 void ConcaveCup(SceneSketch& s) {
-  std::vector<PlotPoint> bone{{20, 146}, {20, 16}};
-  for (const PlotPoint& p : ArcPoints({150, 16}, 92, 180, 0)) bone.push_back(p);
+  std::vector<report::PlotPoint> bone{{20, 146}, {20, 16}};
+  for (const report::PlotPoint& p : ArcPoints({150, 16}, 92, 180, 0)) bone.push_back(p);
   bone.insert(bone.end(), {{280, 16}, {280, 146}});
   s.Bone(bone);
   // the head touches where the line of the centres meets the wall, 35 deg from the axis
   s.Tool(ArcPoints({156, 24}, 82, 180, 0));
   s.Line({{156, 24}, {156, 2}}, {.color = "#59636e", .width_px = 6.0});
   s.Arrow({202.8, 91.4}, {171, 46}, kMeantLine);
-  s.Arrow({202.8, 91.4}, s.ours() ? PlotPoint{174, 50.2} : PlotPoint{154, 66}, s.Strong());
+  s.Arrow({202.8, 91.4}, s.ours() ? report::PlotPoint{174, 50.2} : report::PlotPoint{154, 66}, s.Strong());
   s.Line({{290, 56}, {312, 56}}, kMeantLine);
   s.Text(317, 60, "cup's normal");
   s.Line({{290, 80}, {312, 80}}, s.Strong());
@@ -102,13 +102,13 @@ void Cogging(SceneSketch& s) {
   s.BoneBlock(30, 112, 310, 152);
   for (int i = 0; i < 19; ++i) s.BoneBall(42.0 + 14.2 * i, 112, 10);
   for (double angle_deg = 0.0; angle_deg <= 180.0; angle_deg += 20.0) {
-    const PlotPoint p = ArcPoints({165, 52}, 37, angle_deg, angle_deg).front();
+    const report::PlotPoint p = ArcPoints({165, 52}, 37, angle_deg, angle_deg).front();
     s.ToolBall(p.x, p.y, 10);
   }
   s.GhostBall(165, 52, 48);
   s.Arrow({226, 52}, {270, 52});
   s.Text(276, 56, "50 mm/s");
-  s.Arrow({165, 96}, s.ours() ? PlotPoint{165, 24} : PlotPoint{128, 34}, s.Strong());
+  s.Arrow({165, 96}, s.ours() ? report::PlotPoint{165, 24} : report::PlotPoint{128, 34}, s.Strong());
   if (!s.ours()) s.Line({{165, 96}, {165, 24}}, kMeantLine);
   s.Text(226, 92, s.ours() ? "force stays upright" : "force swings to and fro", "start", s.color());
 }
@@ -130,7 +130,7 @@ void Leak(SceneSketch& s) {
 void FastRotation(SceneSketch& s) {
   s.BoneBlock(241, 64, 300, 96);
   s.Text(306, 84, "post");
-  const std::vector<PlotPoint> arc = ArcPoints({90, 80}, 150, 26, s.ours() ? 9 : -26);
+  const std::vector<report::PlotPoint> arc = ArcPoints({90, 80}, 150, 26, s.ours() ? 9 : -26);
   s.Line({{90, 80}, arc.front()}, {.color = "#c3cbd2", .width_px = 5.0});
   s.ToolBall(90, 80, 5);
   s.Text(80, 84, "pivot", "end");
@@ -184,4 +184,4 @@ constexpr std::array kScenes{
 
 std::span<const FailureScene> ContactScenes() { return kScenes; }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

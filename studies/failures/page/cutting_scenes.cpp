@@ -3,14 +3,14 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 void HighFeed(SceneSketch& s) {
   s.BoneBlock(40, 20, 300, 136);
-  const auto at = [](double x) { return PlotPoint{x, 78.0 + 18.0 * std::sin((x - 40.0) / 40.0)}; };
+  const auto at = [](double x) { return report::PlotPoint{x, 78.0 + 18.0 * std::sin((x - 40.0) / 40.0)}; };
   if (s.ours()) {
-    std::vector<PlotPoint> way;
+    std::vector<report::PlotPoint> way;
     for (double x = 40.0; x <= 301.0; x += 4.0) way.push_back(at(x));
     s.Line(way, {.color = "#b3995c", .width_px = 40.0});
     s.Line(way, {.color = "#ffffff", .width_px = 37.6});
@@ -23,7 +23,7 @@ void HighFeed(SceneSketch& s) {
     s.Line({{306, 116}, {262, 88}}, {.color = s.color(), .width_px = 1.2});
     s.Text(308, 122, "left standing", "start", s.color());
   }
-  const PlotPoint end = at(318.0);
+  const report::PlotPoint end = at(318.0);
   s.ToolBall(318, end.y, 19);
   s.Arrow({340, end.y}, {388, end.y});
   s.Text(40, 154, "seen from above: the tool mills a slot, up to 1 m/s");
@@ -66,8 +66,8 @@ void Breakthrough(SceneSketch& s) {
 }
 
 void Energy(SceneSketch& s) {
-  std::vector<PlotPoint> bone{{20, 96}};
-  for (const PlotPoint& p : ArcPoints({130, 88}, 27, 163, 17)) bone.push_back(p);
+  std::vector<report::PlotPoint> bone{{20, 96}};
+  for (const report::PlotPoint& p : ArcPoints({130, 88}, 27, 163, 17)) bone.push_back(p);
   bone.insert(bone.end(), {{230, 96}, {230, 150}, {20, 150}});
   s.Bone(bone);
   s.ToolBall(130, 88, 24);
@@ -107,7 +107,8 @@ void Determinism(SceneSketch& s) {
 void FrameRate(SceneSketch& s) {
   s.BoneBlock(20, 70, 250, 150);
   s.Line({{60, 30}, {60, 100}, {220, 100}}, kMeantLine);
-  for (const PlotPoint& p : {PlotPoint{60, 30}, {60, 65}, {60, 100}, {113, 100}, {166, 100}, {220, 100}})
+  for (const report::PlotPoint& p :
+       {report::PlotPoint{60, 30}, {60, 65}, {60, 100}, {113, 100}, {166, 100}, {220, 100}})
     s.ToolBall(p.x, p.y, 5);
   s.ToolBall(60, 30, 14);
   s.Text(84, 34, "plunge, then across");
@@ -146,4 +147,4 @@ constexpr std::array kScenes{
 
 std::span<const FailureScene> CuttingScenes() { return kScenes; }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -13,10 +13,8 @@
 #include "report/svg_text.h"
 #include "studies/failures/page/failure_scenes.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
-
-using hil::FailureResult;
 
 std::string FileName(const FailureResult& result, const char* what = "") {
   std::string name = fmt::format("{:02}_{}{}.svg", result.id, result.name, what);
@@ -31,7 +29,7 @@ std::string ShortValue(double value, const std::string& unit) {
       std::abs(value) >= 100.0 ? fmt::format("{:.0f}", value) : fmt::format("{:.2g}", value);
   return number + (unit == "1" ? "" : " " + unit);
 }
-std::string Value(double value, const std::string& unit) { return Escape(ShortValue(value, unit)); }
+std::string Value(double value, const std::string& unit) { return report::Escape(ShortValue(value, unit)); }
 
 /// The chart's quantity without its unit: not every chart shows the metric.
 std::string Plotted(const FailureResult& result) {
@@ -52,12 +50,12 @@ std::string Row(const FailurePageEntry& entry) {
       entry.error.empty()
           ? fmt::format(
                 "<td>{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
-                Escape(r.metric), Value(r.bound, r.unit), Escape(r.baseline_name), Value(r.baseline, r.unit),
-                Value(r.ours, r.unit))
-          : fmt::format("<td colspan=\"5\">{}</td>", Escape(entry.error));
+                report::Escape(r.metric), Value(r.bound, r.unit), report::Escape(r.baseline_name),
+                Value(r.baseline, r.unit), Value(r.ours, r.unit))
+          : fmt::format("<td colspan=\"5\">{}</td>", report::Escape(entry.error));
   return fmt::format(
       "<tr><td class=\"n\">{}</td><td>{}</td>{}<td><span class=\"verdict {}\">{}</span></td></tr>\n", r.id,
-      Escape(r.name), figures, entry.passed ? "good" : "bad", Verdict(entry));
+      report::Escape(r.name), figures, entry.passed ? "good" : "bad", Verdict(entry));
 }
 
 }  // namespace
@@ -66,13 +64,13 @@ std::string FailureSvg(const FailureResult& result) {
   // ours in blues and greens, the baseline's in reds and browns
   static constexpr std::array kOurs{"#0072b2", "#56b4e9", "#009e73"},
       kTheirs{"#d55e00", "#b07d00", "#cc79a7"};
-  LineChart chart{.title = fmt::format("{} {}: {}", result.id, result.name, Plotted(result)),
-                  .x_label = result.plot.x_label,
-                  .y_label = result.plot.y_label,
-                  .log_x = result.plot.log_x,
-                  .log_y = result.plot.log_y};
+  report::LineChart chart{.title = fmt::format("{} {}: {}", result.id, result.name, Plotted(result)),
+                          .x_label = result.plot.x_label,
+                          .y_label = result.plot.y_label,
+                          .log_x = result.plot.log_x,
+                          .log_y = result.plot.log_y};
   std::size_t ours = 0, theirs = 0;
-  for (const hil::FailureSeries& series : result.plot.series)
+  for (const FailureSeries& series : result.plot.series)
     chart.series.push_back(
         {.name = series.name,
          .x = series.x,
@@ -81,7 +79,7 @@ std::string FailureSvg(const FailureResult& result) {
          .width_px = series.ours ? 2.2 : 1.6});
   if (result.plot.bound_is_on_y)
     chart.limits = {{.value = result.bound, .label = "bound " + ShortValue(result.bound, result.unit)}};
-  return Svg(chart);
+  return report::Svg(chart);
 }
 
 tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntry> entries,
@@ -89,10 +87,10 @@ tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntr
                                                  const std::filesystem::path& folder) {
   const auto passed = std::ranges::count_if(entries, &FailurePageEntry::passed);
   const bool all = passed == std::ssize(entries);
-  std::string html = PageBegin(
+  std::string html = report::PageBegin(
       {.title = "Where methods fail",
        .subtitle = fmt::format("{} on {}{}", head.engine, head.device, head.quick ? ", small scenes" : ""),
-       .verdict = ReportVerdict{
+       .verdict = report::ReportVerdict{
            .level = all ? "good" : "bad",
            .text = fmt::format("{} of {} kept, with their baselines seen to fail", passed, entries.size())}});
   html +=
@@ -105,17 +103,19 @@ tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntr
     if (!entry.error.empty()) continue;
     const std::string svg = FailureSvg(entry.result);
     const std::string scene = FailureSceneSvg(entry.result.id, entry.result.name);
-    html += fmt::format("<h2>{} {}</h2>\n", entry.result.id, Escape(entry.result.name)) + Figure(scene, "") +
-            Figure(svg, fmt::format("Baseline: {}. {}{}It took {:.1f} s.", entry.result.baseline_name,
-                                    ToSentence(entry.result.note), entry.result.note.empty() ? "" : " ",
-                                    entry.seconds));
-    if (const auto written = WritePage(svg, folder / FileName(entry.result)); !written) return written;
-    if (const auto written = WritePage(scene, folder / FileName(entry.result, "_scene")); !written)
+    html += fmt::format("<h2>{} {}</h2>\n", entry.result.id, report::Escape(entry.result.name)) +
+            report::Figure(scene, "") +
+            report::Figure(svg, fmt::format("Baseline: {}. {}{}It took {:.1f} s.", entry.result.baseline_name,
+                                            base::ToSentence(entry.result.note),
+                                            entry.result.note.empty() ? "" : " ", entry.seconds));
+    if (const auto written = report::WritePage(svg, folder / FileName(entry.result)); !written)
+      return written;
+    if (const auto written = report::WritePage(scene, folder / FileName(entry.result, "_scene")); !written)
       return written;
   }
-  html += fmt::format("<footer>Osteon {}: <code>{}</code></footer>\n", Escape(head.version),
-                      Escape(head.command_line));
-  return WritePage(html + PageEnd(), folder / "failures.html");
+  html += fmt::format("<footer>Osteon {}: <code>{}</code></footer>\n", report::Escape(head.version),
+                      report::Escape(head.command_line));
+  return report::WritePage(html + report::PageEnd(), folder / "failures.html");
 }
 
 std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const FailurePageHead& head,
@@ -126,12 +126,13 @@ std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const Fai
       "*In which scenes does haptic cutting go wrong, what does that look like, and what does ours do "
       "there?*\n\n{}\n\n{}\n\n"
       "| | scenario | metric | bound | baseline | ours | |\n|---|---|---|---|---|---|---|\n",
-      WrapMarkdown("Each scenario has a baseline, a plainer method or setting, which must be *seen* to fail, "
-                   "and a bound "
-                   "that ours must keep. Orange and brown are the baseline's lines, blue and green ours. In "
-                   "the sketches "
-                   "black is what the hand does, and dashed what is meant, or was, but is not."),
-      WrapMarkdown(fmt::format(
+      base::WrapMarkdown(
+          "Each scenario has a baseline, a plainer method or setting, which must be *seen* to fail, "
+          "and a bound "
+          "that ours must keep. Orange and brown are the baseline's lines, blue and green ours. In "
+          "the sketches "
+          "black is what the hand does, and dashed what is meant, or was, but is not."),
+      base::WrapMarkdown(fmt::format(
           "{} of {} kept, with their baselines seen to fail. Written by `{}`: {} on {}{}.", passed,
           entries.size(), head.command_line, head.engine, head.device, head.quick ? ", small scenes" : "")));
   for (const FailurePageEntry& entry : entries) {
@@ -145,14 +146,15 @@ std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const Fai
   for (const FailurePageEntry& entry : entries) {
     const FailureResult& r = entry.result;
     if (!entry.error.empty()) continue;
-    page += fmt::format("\n## {} {}\n\n{}\n\n![{}: the scene, baseline and ours]({}/{})\n\n", r.id, r.name,
-                        WrapMarkdown(fmt::format("Baseline: {}. {}", r.baseline_name, ToSentence(r.note))),
-                        r.name, pictures, FileName(r, "_scene"));
-    page += WrapMarkdown(fmt::format("![{}: {}, baseline and ours]({}/{})", r.name, Plotted(r), pictures,
-                                     FileName(r))) +
+    page += fmt::format(
+        "\n## {} {}\n\n{}\n\n![{}: the scene, baseline and ours]({}/{})\n\n", r.id, r.name,
+        base::WrapMarkdown(fmt::format("Baseline: {}. {}", r.baseline_name, base::ToSentence(r.note))),
+        r.name, pictures, FileName(r, "_scene"));
+    page += base::WrapMarkdown(fmt::format("![{}: {}, baseline and ours]({}/{})", r.name, Plotted(r),
+                                           pictures, FileName(r))) +
             "\n";
   }
   return page;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,11 +9,11 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// One scenario of the page.
 struct FailurePageEntry {
-  hil::FailureResult result;
+  FailureResult result;
   bool passed{false};
   std::string error{};  ///< instead of a result; may be empty
   double seconds{0.0};
@@ -26,7 +26,7 @@ struct FailurePageHead {
 
 /// One scenario's chart: the baseline's lines, ours, and the bound if it is a value of y. Its title names the
 /// plotted quantity: the metric if the bound is a value of y, else the y axis.
-[[nodiscard]] std::string FailureSvg(const hil::FailureResult& result);
+[[nodiscard]] std::string FailureSvg(const FailureResult& result);
 
 /// Writes into an existing folder failures.html (table, every scene and every chart) and for each scenario
 /// NN_name.svg, its chart, and NN_name_scene.svg, its sketch (failure_scenes.h). Files appear complete or not
@@ -39,4 +39,4 @@ struct FailurePageHead {
 [[nodiscard]] std::string FailureMarkdown(std::span<const FailurePageEntry> entries,
                                           const FailurePageHead& head, const std::string& pictures);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 #include "report/svg_frame.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kMargin = 8.0, kGap = 4.0, kHeading = 24.0;
@@ -22,15 +22,15 @@ const FailureScene* FindScene(int id) {
 }
 
 /// Heading, sketch and caption of one half. @returns elements, and the height down to the caption's end.
-LegendBlock DrawHalf(const FailureScene& scene, double left, bool ours) {
+report::LegendBlock DrawHalf(const FailureScene& scene, double left, bool ours) {
   SceneSketch sketch(left, kHeading, ours);
   scene.draw(sketch);
-  std::string svg = SvgText(left, 16.0, ours ? "ours" : "baseline", "start", sketch.color(), kFontPx,
-                            R"(font-weight="600")") +
+  std::string svg = report::SvgText(left, 16.0, ours ? "ours" : "baseline", "start", sketch.color(),
+                                    report::kFontPx, R"(font-weight="600")") +
                     sketch.svg();
   double y = kHeading + kSketchHeight_px + 4.0;
-  for (const std::string& line : Wrap(ours ? scene.ours : scene.baseline, kSketchWidth_px - 12.0))
-    svg += SvgText(left, y += kLabelLinePx, line, "start", kMutedColor);
+  for (const std::string& line : report::Wrap(ours ? scene.ours : scene.baseline, kSketchWidth_px - 12.0))
+    svg += report::SvgText(left, y += report::kLabelLinePx, line, "start", report::kMutedColor);
   return {.svg = svg, .height_px = y + 8.0};
 }
 
@@ -40,11 +40,12 @@ std::string FailureSceneSvg(int id, const std::string& name) {
   const FailureScene* scene = FindScene(id);
   if (scene == nullptr) return {};
   const double right = kMargin + kSketchWidth_px + kGap;
-  const LegendBlock baseline = DrawHalf(*scene, kMargin, false), ours = DrawHalf(*scene, right, true);
+  const report::LegendBlock baseline = DrawHalf(*scene, kMargin, false), ours = DrawHalf(*scene, right, true);
   const double height = std::max(baseline.height_px, ours.height_px);
-  return SvgDocument(
+  return report::SvgDocument(
       right + kSketchWidth_px + kMargin, height, fmt::format("{} {}: the scene", id, name),
-      baseline.svg + SvgLine(right - 6.0, 6.0, right - 6.0, height - 6.0, kGridColor) + ours.svg);
+      baseline.svg + report::SvgLine(right - 6.0, 6.0, right - 6.0, height - 6.0, report::kGridColor) +
+          ours.svg);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -16,7 +16,7 @@
 //
 // Black is the hand, orange the baseline, blue our method; dashed lines show intended or earlier positions.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// The sketch of a scenario. `draw` is called once for each half.
 struct FailureScene {
@@ -36,4 +36,4 @@ struct FailureScene {
 /// Draws both halves with their captions, 820 px wide. @returns one <svg>; empty if no scene has that number.
 [[nodiscard]] std::string FailureSceneSvg(int id, const std::string& name);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

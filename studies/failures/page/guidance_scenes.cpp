@@ -2,15 +2,15 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr SketchLine kCorridor{.color = "#59636e", .width_px = 2.0};
 
 // The funnel over a cup, and the cup's axis.
 void Funnel(SceneSketch& s) {
-  std::vector<PlotPoint> bone{{20, 150}, {20, 110}};
-  for (const PlotPoint& p : ArcPoints({110, 110}, 34, 180, 0)) bone.push_back(p);
+  std::vector<report::PlotPoint> bone{{20, 150}, {20, 110}};
+  for (const report::PlotPoint& p : ArcPoints({110, 110}, 34, 180, 0)) bone.push_back(p);
   bone.insert(bone.end(), {{200, 110}, {200, 150}});
   s.Bone(bone);
   s.Line({{110, 146}, {110, 8}}, kMeantLine);
@@ -110,4 +110,4 @@ constexpr std::array kScenes{
 
 std::span<const FailureScene> GuidanceScenes() { return kScenes; }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -2,11 +2,11 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 // The cup's rim and its axis out of the opening, at an angle [deg] from straight down-right.
-void Axis(SceneSketch& s, PlotPoint centre, double x, double y, const SketchLine& line) {
+void Axis(SceneSketch& s, report::PlotPoint centre, double x, double y, const SketchLine& line) {
   s.Arrow(centre, {centre.x + x, centre.y + y}, line);
 }
 
@@ -94,4 +94,4 @@ constexpr std::array kScenes{
 
 std::span<const FailureScene> PlanScenes() { return kScenes; }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

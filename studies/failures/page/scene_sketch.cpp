@@ -9,7 +9,7 @@
 #include "report/svg_frame.h"
 #include "report/svg_text.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr const char* kBoneEdge = "#b3995c";
@@ -17,8 +17,8 @@ constexpr const char* kToolFill = "#dfe5ea";
 constexpr const char* kToolEdge = "#59636e";
 
 std::string Circle(double x, double y, double radius, std::string_view style) {
-  return fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" {}/>\n", Pixels(x), Pixels(y), Pixels(radius),
-                     style);
+  return fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" {}/>\n", report::Pixels(x), report::Pixels(y),
+                     report::Pixels(radius), style);
 }
 
 std::string FillStyle(std::string_view fill, std::string_view edge) {
@@ -27,14 +27,15 @@ std::string FillStyle(std::string_view fill, std::string_view edge) {
 
 }  // namespace
 
-std::string SceneSketch::Path(const std::vector<PlotPoint>& points) const {
+std::string SceneSketch::Path(const std::vector<report::PlotPoint>& points) const {
   std::string path;
-  for (const PlotPoint& p : points)
-    path += fmt::format("{}{} {}", path.empty() ? 'M' : 'L', Pixels(left_ + p.x), Pixels(top_ + p.y));
+  for (const report::PlotPoint& p : points)
+    path += fmt::format("{}{} {}", path.empty() ? 'M' : 'L', report::Pixels(left_ + p.x),
+                        report::Pixels(top_ + p.y));
   return path;
 }
 
-void SceneSketch::Bone(const std::vector<PlotPoint>& outline, std::string_view fill) {
+void SceneSketch::Bone(const std::vector<report::PlotPoint>& outline, std::string_view fill) {
   svg_ += fmt::format("<path d=\"{}Z\" {}/>\n", Path(outline), FillStyle(fill, kBoneEdge));
 }
 
@@ -46,7 +47,7 @@ void SceneSketch::BoneBall(double x, double y, double radius) {
   svg_ += Circle(left_ + x, top_ + y, radius, FillStyle("#f1e4c8", kBoneEdge));
 }
 
-void SceneSketch::Tool(const std::vector<PlotPoint>& outline) {
+void SceneSketch::Tool(const std::vector<report::PlotPoint>& outline) {
   svg_ += fmt::format("<path d=\"{}Z\" {}/>\n", Path(outline), FillStyle(kToolFill, kToolEdge));
 }
 
@@ -59,19 +60,19 @@ void SceneSketch::GhostBall(double x, double y, double radius, std::string_view 
                  fmt::format(R"(fill="none" stroke="{}" stroke-width="1.3" stroke-dasharray="4 3")", color));
 }
 
-void SceneSketch::Line(const std::vector<PlotPoint>& points, const SketchLine& line) {
+void SceneSketch::Line(const std::vector<report::PlotPoint>& points, const SketchLine& line) {
   svg_ += fmt::format(R"(<path d="{}" fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round"{}/>)"
                       "\n",
-                      Path(points), line.color, Pixels(line.width_px),
+                      Path(points), line.color, report::Pixels(line.width_px),
                       line.dashed ? R"( stroke-dasharray="5 3.5")" : "");
 }
 
-void SceneSketch::Arrow(PlotPoint from, PlotPoint to, const SketchLine& line) {
+void SceneSketch::Arrow(report::PlotPoint from, report::PlotPoint to, const SketchLine& line) {
   const double length = std::hypot(to.x - from.x, to.y - from.y);
   if (!(length > 0.0)) return;
   const double head = std::min(4.5 + 2.0 * line.width_px, length), ux = (to.x - from.x) / length,
                uy = (to.y - from.y) / length;
-  const PlotPoint neck{to.x - head * ux, to.y - head * uy};
+  const report::PlotPoint neck{to.x - head * ux, to.y - head * uy};
   Line({from, neck}, line);
   const double half = 0.45 * head;
   svg_ += fmt::format(
@@ -80,7 +81,7 @@ void SceneSketch::Arrow(PlotPoint from, PlotPoint to, const SketchLine& line) {
       line.color);
 }
 
-void SceneSketch::Arm(const std::vector<PlotPoint>& points) {
+void SceneSketch::Arm(const std::vector<report::PlotPoint>& points) {
   Line(points, {.color = "#c3cbd2", .width_px = 9.0});
   for (std::size_t i = 0; i + 1 < points.size(); ++i)
     svg_ += Circle(left_ + points[i].x, top_ + points[i].y, 6.0, FillStyle("#ffffff", kToolEdge));
@@ -92,18 +93,19 @@ void SceneSketch::Cross(double x, double y, std::string_view color) {
 }
 
 void SceneSketch::Box(double left, double top, double width, double height) {
-  svg_ += SvgRect(left_ + left, top_ + top, width, height, "#f5f7f9",
-                  fmt::format(R"(stroke="{}" rx="4")", kToolEdge));
+  svg_ += report::SvgRect(left_ + left, top_ + top, width, height, "#f5f7f9",
+                          fmt::format(R"(stroke="{}" rx="4")", kToolEdge));
 }
 
 void SceneSketch::Text(double x, double y, std::string_view text, std::string_view anchor,
                        std::string_view color) {
-  svg_ += SvgText(left_ + x, top_ + y, text, anchor, color, kSketchFontPx);
+  svg_ += report::SvgText(left_ + x, top_ + y, text, anchor, color, kSketchFontPx);
 }
 
-std::vector<PlotPoint> ArcPoints(PlotPoint center, double radius, double from_deg, double to_deg) {
+std::vector<report::PlotPoint> ArcPoints(report::PlotPoint center, double radius, double from_deg,
+                                         double to_deg) {
   const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(to_deg - from_deg) / 4.0)));
-  std::vector<PlotPoint> points;
+  std::vector<report::PlotPoint> points;
   for (int i = 0; i <= steps; ++i) {
     const double angle =
         std::lerp(from_deg, to_deg, static_cast<double>(i) / steps) * std::numbers::pi / 180.0;
@@ -112,10 +114,10 @@ std::vector<PlotPoint> ArcPoints(PlotPoint center, double radius, double from_de
   return points;
 }
 
-std::vector<PlotPoint> WavePoints(PlotPoint from, double to_x, double turns,
-                                  std::pair<double, double> amplitudes) {
+std::vector<report::PlotPoint> WavePoints(report::PlotPoint from, double to_x, double turns,
+                                          std::pair<double, double> amplitudes) {
   const int steps = std::max(2, static_cast<int>(24.0 * turns));
-  std::vector<PlotPoint> points;
+  std::vector<report::PlotPoint> points;
   for (int i = 0; i <= steps; ++i) {
     const double t = static_cast<double>(i) / steps;
     points.push_back({std::lerp(from.x, to_x, t), from.y - std::lerp(amplitudes.first, amplitudes.second, t) *
@@ -124,4 +126,4 @@ std::vector<PlotPoint> WavePoints(PlotPoint from, double to_x, double turns,
   return points;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

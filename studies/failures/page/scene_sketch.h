@@ -9,7 +9,7 @@
 
 // A simple schematic: bone, tool, arm and arrows, in pixels, y downward. Every label has at least 12 px.
 
-namespace osteon::app {
+namespace osteon::studies {
 
 inline constexpr double kSketchWidth_px = 400.0, kSketchHeight_px = 160.0;
 inline constexpr double kSketchFontPx = 12.0;
@@ -40,18 +40,18 @@ class SceneSketch {
   [[nodiscard]] SketchLine Strong() const { return {.color = color(), .width_px = 2.4}; }
   [[nodiscard]] const std::string& svg() const { return svg_; }
 
-  void Bone(const std::vector<PlotPoint>& outline, std::string_view fill = "#f1e4c8");
+  void Bone(const std::vector<report::PlotPoint>& outline, std::string_view fill = "#f1e4c8");
   void BoneBlock(double left, double top, double right, double bottom, std::string_view fill = "#f1e4c8");
   void BoneBall(double x, double y, double radius);
   /// Part of a tool.
-  void Tool(const std::vector<PlotPoint>& outline);
+  void Tool(const std::vector<report::PlotPoint>& outline);
   void ToolBall(double x, double y, double radius);
   /// A ball at another place: where the hand holds its tool, or an earlier position.
   void GhostBall(double x, double y, double radius, std::string_view color = "#59636e");
-  void Line(const std::vector<PlotPoint>& points, const SketchLine& line = {});
-  void Arrow(PlotPoint from, PlotPoint to, const SketchLine& line = {});
+  void Line(const std::vector<report::PlotPoint>& points, const SketchLine& line = {});
+  void Arrow(report::PlotPoint from, report::PlotPoint to, const SketchLine& line = {});
   /// The links of a robot arm, with joints at all points but the last.
-  void Arm(const std::vector<PlotPoint>& points);
+  void Arm(const std::vector<report::PlotPoint>& points);
   void Cross(double x, double y, std::string_view color);
   void Box(double left, double top, double width, double height);
   /// A text. `anchor` is start, middle or end; `y` the text's baseline.
@@ -59,7 +59,7 @@ class SceneSketch {
             std::string_view color = "#1b1f24");
 
  private:
-  [[nodiscard]] std::string Path(const std::vector<PlotPoint>& points) const;
+  [[nodiscard]] std::string Path(const std::vector<report::PlotPoint>& points) const;
 
   double left_, top_;
   bool ours_;
@@ -67,11 +67,11 @@ class SceneSketch {
 };
 
 /// Points of an arc, in steps of at most 4 deg; angles count from +x towards +y (downward) [deg].
-[[nodiscard]] std::vector<PlotPoint> ArcPoints(PlotPoint center, double radius, double from_deg,
-                                               double to_deg);
+[[nodiscard]] std::vector<report::PlotPoint> ArcPoints(report::PlotPoint center, double radius,
+                                                       double from_deg, double to_deg);
 /// Points of a sine about y = from.y, from x = `from.x` to `to_x`, whose amplitude goes linearly from the
 /// first to the last of `amplitudes` [px].
-[[nodiscard]] std::vector<PlotPoint> WavePoints(PlotPoint from, double to_x, double turns,
-                                                std::pair<double, double> amplitudes);
+[[nodiscard]] std::vector<report::PlotPoint> WavePoints(report::PlotPoint from, double to_x, double turns,
+                                                        std::pair<double, double> amplitudes);
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -2,7 +2,7 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 void ToolChange(SceneSketch& s) {
@@ -33,8 +33,8 @@ void ToolLoad(SceneSketch& s) {
 }
 
 void ToolInBone(SceneSketch& s) {
-  std::vector<PlotPoint> bone{{20, 156}, {20, 70}};
-  for (const PlotPoint& p : ArcPoints({140, 70}, 40, 180, 360)) bone.push_back(p);
+  std::vector<report::PlotPoint> bone{{20, 156}, {20, 70}};
+  for (const report::PlotPoint& p : ArcPoints({140, 70}, 40, 180, 360)) bone.push_back(p);
   bone.insert(bone.end(), {{260, 70}, {260, 156}});
   s.Bone(bone);
   s.GhostBall(140, 70, 38);
@@ -82,4 +82,4 @@ std::span<const FailureScene> SequenceScenes() {
   return scenes;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

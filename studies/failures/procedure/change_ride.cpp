@@ -3,7 +3,7 @@
 #include "control/laws/admittance_law.h"
 #include "studies/failures/arm_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kMounting_m = 0.15;  // from the flange to the centre of a reamer's head
@@ -86,4 +86,4 @@ ChangeRide RideChange(const ChangeRideParams& params) {
   return ride;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 #include "control/setup/loop_tool.h"
 #include "kinematics/lbr_arm.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// A servo loop that renders in free space, is paused, takes the second tool of its table, and resumes. The
 /// arm follows its command a tick later; nobody holds the tool.
@@ -30,4 +30,4 @@ struct ChangeRide {
 /// A reamer on the flange: its length to the apex grows with its radius. @param mass_kg  on the sensor
 [[nodiscard]] control::LoopTool ReamerOnFlange(double diameter_m, double mass_kg);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

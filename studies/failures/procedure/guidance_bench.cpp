@@ -6,7 +6,7 @@
 
 #include "control/laws/twist_parts.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kStartHeight_m = 5e-3;
@@ -25,8 +25,8 @@ kinematics::JointVector ValuesOf(const Pose& X, const Matrix3& R_start) {
   return values;
 }
 
-ServoArm ArmAt(const Pose& X, const Matrix3& R_start) {
-  return ServoArm(ServoArmParams{}, Unlimited(), GuidanceBench::kPeriod_s, ValuesOf(X, R_start));
+hil::ServoArm ArmAt(const Pose& X, const Matrix3& R_start) {
+  return hil::ServoArm(hil::ServoArmParams{}, Unlimited(), GuidanceBench::kPeriod_s, ValuesOf(X, R_start));
 }
 
 Pose StartPose(const Vector3& apex_W) {
@@ -129,7 +129,7 @@ GuidanceTick GuidanceBench::Step(const LedTo& led, const Wrench& F_bone_T_W) {
   const Vector3 at = X_meas.translation() + lever, v = V_meas.v + V_meas.w.cross(lever);
   const Vector3 v_before = V_meas_.v + V_meas_.w.cross(lever);
   const Vector3 rest_W{0.0, 0.0, kStartHeight_m - params_.guidance.head_m + params_.lever_m};
-  const GridHand& hand = params_.hand;
+  const hil::GridHand& hand = params_.hand;
   felt_ = {};
   if (led.holds) {
     felt_.f = hand.stiffness_N_per_m * (rest_W + led.p_W - at) - hand.damping_Ns_per_m * v -
@@ -148,4 +148,4 @@ GuidanceTick GuidanceBench::Step(const LedTo& led, const Wrench& F_bone_T_W) {
           .excess_m = control::EvaluateGuidance(params_.guidance, tool_.X_WT, {}).excess.lateral_m};
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

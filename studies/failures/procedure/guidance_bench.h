@@ -13,7 +13,7 @@
 // parts but the hand are the shipped ones, without joints: the arm's lag and dead time act on position and
 // turn.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// What renders the guidance: ours, or a method that fails.
 enum class GuidanceMethod {
@@ -28,7 +28,7 @@ enum class GuidanceMethod {
 struct GuidanceBenchParams {
   control::GuidanceParams guidance{ScenarioGuidance()};
   GuidanceMethod method{GuidanceMethod::kOurs};
-  GridHand hand{"firm", 500.0, 20.0, 1.5};
+  hil::GridHand hand{"firm", 500.0, 20.0, 1.5};
   double lever_m{0.1};  ///< of the hand above the apex
 };
 
@@ -72,11 +72,11 @@ class GuidanceBench {
   safety::WrenchLimiter limiter_{{}};
   control::AdmittanceParams law_;
   control::AdmittanceState tool_;
-  ServoArm arm_;
+  hil::ServoArm arm_;
   Matrix3 R_start_;
   Wrench felt_, guidance_before_;
   Twist moved_, V_meas_;  // the commanded tool's last step; the arm's measured velocity
   double energy_J_{0.0};
 };
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

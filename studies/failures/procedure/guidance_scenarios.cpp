@@ -9,7 +9,7 @@
 #include "studies/failures/procedure/guidance_bench.h"
 #include "studies/stability/force_band.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
@@ -219,4 +219,4 @@ FailureResult RunLetGoAside(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -4,7 +4,7 @@
 
 // Guidance along a surgical plan: funnel and cone, on the shipped parts with an arm of 15 Hz and 3 ms.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 27, guided cycles: a hand leads the tool out of the corridor and back, 20 times. Metric: energy
 /// that the guidance has given. Baseline: the same springs, undamped, at the measured pose, which is late.
@@ -29,4 +29,4 @@ namespace osteon::hil {
 /// tool afterwards. Baseline: springs that do not fade on the way back. Bound: 60 mm/s.
 [[nodiscard]] FailureResult RunLetGoAside(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

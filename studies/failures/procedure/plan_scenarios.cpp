@@ -15,7 +15,7 @@
 #include "simulation/fidelity/recarve.h"
 #include "simulation/removal/cut_metrics.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using procedure::CupDefinition;
@@ -243,4 +243,4 @@ FailureResult RunCoarsePacking(const FailureSetting& setting) {
   return Judged(result);
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -4,7 +4,7 @@
 
 // Scenarios of a surgical plan and of its assessment.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 23, cup definitions: a cup is planned at 40° of inclination and 20° of anteversion, radiographic.
 /// Metric: angle between the planned axis and the one that is used. Baseline: the two numbers read as
@@ -26,4 +26,4 @@ namespace osteon::hil {
 /// the cut balls' near points. Bound: 0.01 mm.
 [[nodiscard]] FailureResult RunCoarsePacking(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

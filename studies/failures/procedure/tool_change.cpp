@@ -5,7 +5,7 @@
 #include "studies/failures/arm_bench.h"
 #include "studies/failures/procedure/change_ride.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
@@ -49,4 +49,4 @@ FailureResult RunToolChange(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 #include "simulation/engine/tool_change.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 // A cavity of a small reamer in a block, and a larger one at the same centre. Scaled by 1 : 5.5.
@@ -50,7 +50,8 @@ FailureResult RunToolInBone(const FailureSetting& setting) {
   Pose X_retracted = X_large;
   FailureSeries depth{.name = "deepest ball, where it stands", .ours = false},
       free{.name = "gap demanded", .ours = true};
-  while (simulation::ToolClearance(state, large, X_retracted) < app::kClearToResume_m && retracted_m < 0.02) {
+  while (simulation::ToolClearance(state, large, X_retracted) < session::kClearToResume_m &&
+         retracted_m < 0.02) {
     depth.x.push_back(1e3 * retracted_m);
     depth.y.push_back(-1e3 * simulation::ToolClearance(state, large, X_retracted));
     retracted_m += 0.1e-3;
@@ -75,4 +76,4 @@ FailureResult RunToolInBone(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

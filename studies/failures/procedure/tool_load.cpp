@@ -6,7 +6,7 @@
 
 #include "studies/failures/procedure/change_ride.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kHandle_kg = 0.876, kHeavier_kg = 0.0134;  // reamers of 44 and 50 mm
@@ -53,4 +53,4 @@ FailureResult RunToolLoad(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

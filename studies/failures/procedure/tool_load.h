@@ -2,9 +2,9 @@
 
 #include "studies/failures/failure.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Scenario 33: a heavier reamer is mounted.
 [[nodiscard]] FailureResult RunToolLoad(const FailureSetting& setting);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 #include "simulation/engine/tool_change.h"
 #include "studies/failures/scenario_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kRadius_m = 4e-3;
@@ -87,4 +87,4 @@ FailureResult RunUndo(const FailureSetting& setting) {
   return result;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -12,7 +12,7 @@
 
 // What Foxglove is given of a cell, decoded by Foxglove's own schemas.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 Pose PoseOf(const foxglove::FrameTransform& frame) {
@@ -173,4 +173,4 @@ TEST_F(CellTopicsTest, ALiveViewerGetsTheBodiesOnceAndTheNewestEachTime) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

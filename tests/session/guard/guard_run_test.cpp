@@ -9,7 +9,7 @@
 
 // The guard on runs of the shipped cells, in virtual time: it gets the controller's recorded answers.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using control::SessionState;
@@ -157,4 +157,4 @@ TEST(ConfigChecksum, IsOfNamesAndBytesWhereverTheFilesLieAndWithoutGains) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

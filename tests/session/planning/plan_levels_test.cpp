@@ -9,7 +9,7 @@
 // less than 7 % and depth by less than the error, and the next coarser level (twice the spacing) exceeds the
 // error. On Vulkan; no clock is involved.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 struct Level {
@@ -133,4 +133,4 @@ TEST(PlanScene, TakesTheCellOfItsOwnNameOrTheDemos) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -7,7 +7,7 @@
 #include "session/procedure/prepare_session.h"
 #include "tests/temporary_path.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -40,4 +40,4 @@ TEST(GainFrom, EachPassedSessionOfThePlanTakesAQuarter) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -5,7 +5,7 @@
 #include "safety/cell_state.h"
 #include "session/procedure/procedure_session.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 control::ForceSensorParams Load(double mass_kg) {
@@ -60,4 +60,4 @@ TEST(SessionRequest, AcceptsWhatItSaysAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -4,7 +4,7 @@
 
 #include "session/procedure/scripted_changes.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr rt::Nanoseconds kFrame = 2 * rt::kMillisecond;
@@ -103,4 +103,4 @@ TEST(ScriptedChanges, PressesEachButtonOnceAndOnlyForARetractedTool) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -8,7 +8,7 @@
 
 #include "config/reading/load_surgical_plan.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 procedure::SurgicalPlan Shipped() {
@@ -93,4 +93,4 @@ TEST(PlanGuidance, ComesBackFromJsonBitForBit) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -19,7 +19,7 @@
 
 // A procedure of two reamers on the simulated cell, for tests.
 
-namespace osteon::app {
+namespace osteon::session {
 
 inline constexpr const char* kCell = OSTEON_SOURCE_DIR "/config/cells/demo.yaml";
 inline constexpr const char* kTool = OSTEON_SOURCE_DIR "/config/tools/reamer.yaml";
@@ -137,4 +137,4 @@ struct Rig {
   CellRunResult result;
 };
 
-}  // namespace osteon::app
+}  // namespace osteon::session

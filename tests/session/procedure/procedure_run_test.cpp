@@ -22,7 +22,7 @@
 #include "simulation/files/carved_file.h"
 #include "tests/session/procedure/procedure_rig.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -204,7 +204,7 @@ TEST(ProcedureRequests, NoSequenceOfThemMovesThePausedArmOrLosesAState) {
   Rig rig("random_requests", 12.0);
   std::map<std::string, std::string> saved;  // hash by file
   int answers = 0, done = 0;
-  OperatorRequests buttons;
+  base::OperatorRequests buttons;
   rig.params.requests = &buttons;
   control::JointArray held{};
   bool was_paused = false;
@@ -251,4 +251,4 @@ TEST(ProcedureRequests, NoSequenceOfThemMovesThePausedArmOrLosesAState) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -23,7 +23,7 @@
 #include "simulation/files/carved_file.h"
 #include "tests/session/procedure/procedure_rig.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using safety::CellState;
@@ -179,7 +179,7 @@ class AskedRun {
   Rig rig_;
   std::vector<Asked> asked_;
   double speed_limit_m_per_s_;
-  OperatorRequests buttons_;
+  base::OperatorRequests buttons_;
   std::atomic<bool> stop_{false};
   std::string wrong_;
   std::map<std::string, std::string> saved_;  // hash by file
@@ -203,4 +203,4 @@ TEST(ProcedureRequests, NoSequenceOfThemMovesThePausedArmPassesALimitOrLosesASta
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -21,7 +21,7 @@
 #include "simulation/files/carved_file.h"
 #include "tests/session/procedure/procedure_rig.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -216,4 +216,4 @@ TEST_F(KilledSession, ResumesAtItsLastPassWhateverOperationItWasKilledBefore) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -6,7 +6,7 @@
 
 #include "tests/temporary_path.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 SessionFile Sample() {
@@ -123,4 +123,4 @@ TEST(SessionFile, AFolderWithoutASessionIsNamed) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

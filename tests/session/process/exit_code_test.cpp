@@ -8,7 +8,7 @@
 
 #include "config/reading/strict/reader.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 TEST(ExitCode, OfAnExceptionSaysWhoIsToBlame) {
@@ -30,4 +30,4 @@ TEST(ExitCode, OfAnExceptionSaysWhoIsToBlame) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

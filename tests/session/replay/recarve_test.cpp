@@ -5,7 +5,7 @@
 #include "session/replay/recorded_report.h"
 #include "tests/session/run/virtual_ride.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // The commanded pose makes the frame under an admittance law, the measured one under an impedance law.
@@ -65,4 +65,4 @@ TEST(Recarve, AFrameWithoutItsTickIsLeftOutAndCounted) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

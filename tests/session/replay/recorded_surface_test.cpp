@@ -12,7 +12,7 @@
 
 // The carved bone of a run: live, at its end, and from its recording.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kSeconds = 2.0;
@@ -126,4 +126,4 @@ TEST(SurfaceFile, IsRefusedByItsExtension) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -19,7 +19,7 @@
 // A planned cell, and the adaptive resolution that coarsens its zones. On Vulkan; frame times are made up, so
 // that no clock is involved.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using testing::HasSubstr;
@@ -350,4 +350,4 @@ TEST(PackCell, RefusesWhatCanNotBePlanned) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -7,7 +7,7 @@
 #include "config/reading/load.h"
 #include "safety/cell_state.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using testing::HasSubstr;
@@ -74,4 +74,4 @@ TEST(CellConsole, IsServedWithoutABone) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -5,7 +5,7 @@
 
 #include "config/reading/load.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using control::SessionState;
@@ -104,4 +104,4 @@ TEST(CellScreen, AKrIsToldOfInRsisWords) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -12,7 +12,7 @@
 // What gives way, in runs of shipped cells in virtual time: the engines agree as without it, and a part that
 // the planner leaves rigid changes nothing that a scene notices.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 double MeanForce(const VirtualRide& ride) {
@@ -136,4 +136,4 @@ TEST(ComplianceLevels, WhatThePlannerSwitchesOnChangesTheForce) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -17,7 +17,7 @@
 // Convex bone in its planned packing: between two frames the proxy hardly moves while the planes change. This
 // must not become a step of the force, whatever a frame takes. In virtual time.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -152,4 +152,4 @@ TEST(HipBoneOuterFaces, AreDrilledWithoutATrip) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

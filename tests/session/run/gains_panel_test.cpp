@@ -8,7 +8,7 @@
 #include "tests/session/run/virtual_ride.h"
 #include "tests/session/set_up_cell.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using Kind = console::GainsRequest::Kind;
@@ -101,4 +101,4 @@ TEST_F(GainsPanelTest, AChangeDuringARunIsRecordedAndReplaysBitForBit) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -12,7 +12,7 @@
 
 // A file of gains that is saved again during a run, in virtual time.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -134,4 +134,4 @@ TEST(GainsRun, ALockedDrillStaysOnItsLineOverTheWholeScript) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

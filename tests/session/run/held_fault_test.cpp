@@ -7,7 +7,7 @@
 #include "tests/session/run/virtual_ride.h"
 #include "tests/session/set_up_cell.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using safety::CellState;
@@ -35,7 +35,7 @@ class HeldFault : public testing::Test {
     setup_->config = WithASilentArm(setup_->config);
     auto engine = MakeEngine(*setup_, {});
     ASSERT_TRUE(engine) << engine.error();
-    OperatorRequests requests;
+    base::OperatorRequests requests;
     std::atomic<bool> stop{false};
     const auto after = [&](const control::TickRecord& tick, double delay_s, rt::Nanoseconds& since) {
       if (since < 0 && tick.faults != 0) since = tick.stamp;
@@ -107,4 +107,4 @@ TEST_F(HeldFault, AStopEndsTheHoldWithTheFault) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

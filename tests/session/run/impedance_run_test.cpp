@@ -6,7 +6,7 @@
 
 // The shipped cell with the impedance law, in virtual time, over FRI's wrench and torque overlays.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using Ride = VirtualRide;
@@ -48,4 +48,4 @@ TEST(ImpedanceRun, DrillsOverTheWrenchOverlayWithoutAFaultAndReplaysBitForBit) {
 TEST(ImpedanceRun, DrillsOverTheTorqueOverlayAsWell) { ExpectWhole(RunImpedance(6.0, true)); }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -9,7 +9,7 @@
 // A cell whose network loses packets, in virtual time, with the arm's own default policy: 5 lost answers in a
 // row, or 25 in a second, end COMMANDING_ACTIVE.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using Lossy = VirtualRide;
@@ -66,4 +66,4 @@ TEST(LinkLoss, WithoutARecoveryTheFirstEndIsAFault) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

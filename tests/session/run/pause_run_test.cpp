@@ -10,7 +10,7 @@
 #include "tests/session/run/virtual_ride.h"
 #include "tests/session/set_up_cell.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using safety::CellState;
@@ -21,7 +21,7 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
   auto engine = MakeEngine(*setup, {});
   ASSERT_TRUE(engine) << engine.error();
   const io::test::TemporaryFolder folder;
-  OperatorRequests pauses;
+  base::OperatorRequests pauses;
   double paused_at_s = -1.0;
   bool asked_to_go_on = false;
   const CellRunParams params{.seconds = 4.0,
@@ -77,8 +77,8 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
   const nlohmann::json json = nlohmann::json::parse(ToJson(summary, "osteon.run/1"));
   EXPECT_EQ(json["events"][0]["name"], "pause");
   EXPECT_EQ(json["events"][0]["unit"], "s");
-  const std::vector<SummaryRow> rows = Rows(summary);
-  const auto events = std::ranges::find(rows, "Events", &SummaryRow::key);
+  const std::vector<report::SummaryRow> rows = Rows(summary);
+  const auto events = std::ranges::find(rows, "Events", &report::SummaryRow::key);
   ASSERT_NE(events, rows.end());
   EXPECT_NE(events->value.find(" s until it rested); resume at "), std::string::npos) << events->value;
 
@@ -101,4 +101,4 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -8,7 +8,7 @@
 
 // The shipped cell with a KR over RSI, in virtual time: its cut, and the effects of a bad connection.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using Ride = VirtualRide;
@@ -201,4 +201,4 @@ TEST(RsiRun, AnArmThatIsNotHeardIsAStop) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -12,7 +12,7 @@
 
 // Every cell of config/ starts, and so do the data set's meshes in a suitable cell.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -138,4 +138,4 @@ TEST_F(DataMeshes, TheToothIsAcceptedByTheDemosCellWhereTheCupLiesOnIt) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

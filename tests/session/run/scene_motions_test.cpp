@@ -13,7 +13,7 @@
 
 // Plays each motion under config/motions/ on its own scene.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -77,4 +77,4 @@ TEST(SceneMotions, AreThereForTheSceneOfEveryCell) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

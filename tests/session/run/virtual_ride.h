@@ -15,7 +15,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/session/set_up_cell.h"
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Collects a recording in memory as a run's end does from the file.
 inline RunAccumulator Gathered(const CellSetup& setup, const io::Recording& recording) {
@@ -71,4 +71,4 @@ inline void ExpectNoJump(const io::Recording& recording, double most_rad) {
   }
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -9,7 +9,7 @@
 #include "tests/simulation/mesh/mesh_shapes.h"
 #include "tests/simulation/packing/packing_samples.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 const std::filesystem::path kDemoCell = OSTEON_SOURCE_DIR "/config/cells/demo.yaml";
@@ -173,4 +173,4 @@ TEST(MakeEngine, NamesTheDevicesWhereNoneIsCalledThat) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using Devices = tl::expected<std::vector<gpu::DeviceInfo>, std::string>;
@@ -71,4 +71,4 @@ TEST(ChooseEngine, EveryEngineButVulkanCanBeMadeAnywhereAndIsNamedInOneLine) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -6,7 +6,7 @@
 
 #include "tests/report/report_markup.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using control::TickRecord;
@@ -117,13 +117,14 @@ TEST(TripCharts, ShowEachQuantityThatStopsACellWithItsLimit) {
   for (const Case& c : Cases()) {
     SCOPED_TRACE(std::string(safety::Describe(c.fault).name) + ": " + c.quantity);
     std::vector<TickRecord> ticks = Ticks();
-    const TimeAxis time{.zero = ticks[1000].stamp, .label = "time since the stop began [s]", .mark = "stop"};
+    const report::TimeAxis time{
+        .zero = ticks[1000].stamp, .label = "time since the stop began [s]", .mark = "stop"};
     const std::string before = TripChart(c.fault, ticks, limits, time);
     for (std::size_t i = 500; i < 1000; ++i) c.change(ticks[i]);
     const std::string chart = TripChart(c.fault, ticks, limits, time);
     EXPECT_NE(chart, before) << "the quantity is drawn";
-    EXPECT_EQ(MarkupError(chart), "");
-    EXPECT_EQ(TextOutside(chart), "");
+    EXPECT_EQ(report::MarkupError(chart), "");
+    EXPECT_EQ(report::TextOutside(chart), "");
     std::string plain = chart;
     for (std::size_t at = 0; (at = plain.find("'", at)) != std::string::npos;) plain.replace(at, 1, "&#39;");
     for (const std::string& part : {std::string(c.quantity), std::string(c.limit), std::string("−"),
@@ -147,4 +148,4 @@ TEST(TripCharts, AreEmptyWhereNothingIsMeasured) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

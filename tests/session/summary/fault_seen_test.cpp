@@ -8,7 +8,7 @@
 #include "io/can/reamer_drive.h"
 #include "io/modbus/plc_reading.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using control::TickRecord;
@@ -128,4 +128,4 @@ TEST(FaultSeen, NamesTheValueThatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

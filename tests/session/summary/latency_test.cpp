@@ -14,7 +14,7 @@
 
 // The parts of a cell's latency, from ticks whose delays are known.
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
@@ -119,4 +119,4 @@ TEST(Latency, AnArmThatRestsOrTakesForcesTellsNoDelay) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -18,7 +18,7 @@
 #include "simulation/tools/swept_tool.h"
 #include "simulation/tools/tool_kinds.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr unsigned kSeed = 20261126;
@@ -130,9 +130,10 @@ LongRunEnd EndLongRun(const std::filesystem::path& recording, const std::filesys
   if (!pages) throw std::runtime_error(pages.error());
   const DurationFigures figures[] = {Quantiles(run->active.wakeup), Quantiles(run->active.compute),
                                      Quantiles(run->curves.frame)};
-  const std::size_t drawn = ForceChart(run->curves, 200.0).size() + ProgressChart(run->curves).size() +
-                            MotionChart(run->curves, 0.25).size() + WakeupHistogram(run->curves).size() +
-                            FrameTimeHistogram(run->curves).size();
+  const std::size_t drawn =
+      report::ForceChart(run->curves, 200.0).size() + report::ProgressChart(run->curves).size() +
+      report::MotionChart(run->curves, 0.25).size() + report::WakeupHistogram(run->curves).size() +
+      report::FrameTimeHistogram(run->curves).size();
   const simulation::SweptTool swept(setup.config.tool.tool, run->path.X_GP());
   if (figures[2].count != run->frames || drawn == 0 || swept.empty())
     throw std::runtime_error("a figure is missing");
@@ -162,4 +163,4 @@ std::uint64_t PeakMemory(const std::function<void()>& work) {
   return static_cast<std::uint64_t>(usage.ru_maxrss) << 10;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -10,7 +10,7 @@
 
 // A synthetic recording of a long run, and the memory that reading it takes.
 
-namespace osteon::app {
+namespace osteon::session {
 
 /// Makes a shipped cell with a reamer and without a bone: enough for reading a recording.
 [[nodiscard]] CellSetup SetupOfLongRun();
@@ -33,4 +33,4 @@ LongRunEnd EndLongRun(const std::filesystem::path& recording, const std::filesys
 /// Returns the peak resident memory of a separate process that does this work [bytes]; 0: it failed.
 [[nodiscard]] std::uint64_t PeakMemory(const std::function<void()>& work);
 
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -6,7 +6,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/session/summary/long_recording.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -38,4 +38,4 @@ TEST(LongRun, TwiceTheLengthTakesNoMoreMemoryAtItsEnd) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

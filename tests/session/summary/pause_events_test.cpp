@@ -4,7 +4,7 @@
 
 #include "safety/cell_state.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using safety::CellState;
@@ -73,4 +73,4 @@ TEST(PauseEvents, EachOfSeveralPausesIsOne) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

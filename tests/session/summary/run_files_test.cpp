@@ -4,7 +4,7 @@
 
 #include "tests/io/temporary_folder.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using io::test::ReadAll, io::test::WriteAll, io::test::TemporaryFolder;
@@ -84,4 +84,4 @@ TEST(RunFiles, AFolderIsClaimedOnce) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

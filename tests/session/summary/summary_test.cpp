@@ -16,14 +16,14 @@
 #include "base/write_text.h"
 #include "tests/io/temporary_folder.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using io::test::ReadAll;
 using io::test::TemporaryFolder;
 
-DurationCounts CountsOf(const std::vector<rt::Nanoseconds>& durations) {
-  DurationCounts counts;
+report::DurationCounts CountsOf(const std::vector<rt::Nanoseconds>& durations) {
+  report::DurationCounts counts;
   for (const rt::Nanoseconds duration : durations) counts.Add(duration);
   return counts;
 }
@@ -87,21 +87,21 @@ TEST(DriveFaultRows, AreWhatWasLatchedWhenAndWhatClearedIt) {
   ASSERT_EQ(json.at("drive_faults").size(), 4u);
   EXPECT_EQ(json["drive_faults"][0]["emergency_code"], "0x3220");
   EXPECT_EQ(json["drive_faults"][2]["error_code"], nullptr);
-  const std::vector<SummaryRow> table = Rows(summary);
-  const auto row = std::ranges::find(table, "Faults of the drive", &SummaryRow::key);
+  const std::vector<report::SummaryRow> table = Rows(summary);
+  const auto row = std::ranges::find(table, "Faults of the drive", &report::SummaryRow::key);
   ASSERT_NE(row, table.end());
   EXPECT_NE(row->value.find("at 2.00 s EMCY 0x4310 (excess temperature of the drive)"), std::string::npos)
       << row->value;
   summary.drive_faults.clear();
-  EXPECT_EQ(std::ranges::count(Rows(summary), "Faults of the drive", &SummaryRow::key), 0);
+  EXPECT_EQ(std::ranges::count(Rows(summary), "Faults of the drive", &report::SummaryRow::key), 0);
 }
 
 TEST(RunSummary, SaysThatNoPlcHadToPermitMotion) {
   const auto says = [](bool without_plc) {
     RunSummary summary;
     summary.without_plc = without_plc;
-    const std::vector<SummaryRow> rows = Rows(summary);
-    const bool row = std::any_of(rows.begin(), rows.end(), [](const SummaryRow& r) {
+    const std::vector<report::SummaryRow> rows = Rows(summary);
+    const bool row = std::any_of(rows.begin(), rows.end(), [](const report::SummaryRow& r) {
       return r.key == "Permission to move" && r.value.find("without a PLC") != std::string::npos;
     });
     EXPECT_EQ(nlohmann::json::parse(ToJson(summary, "osteon.run/1")).at("without_plc"), row);
@@ -111,22 +111,22 @@ TEST(RunSummary, SaysThatNoPlcHadToPermitMotion) {
   EXPECT_FALSE(says(false));
 }
 
-TEST(WriteText, LeavesTheWholeFileAndNothingElse) {
+TEST(base::WriteText, LeavesTheWholeFileAndNothingElse) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
-  ASSERT_TRUE(WriteText(path, "first, and longer"));
-  ASSERT_TRUE(WriteText(path, "second\n"));
+  ASSERT_TRUE(base::WriteText(path, "first, and longer"));
+  ASSERT_TRUE(base::WriteText(path, "second\n"));
   EXPECT_EQ(ReadAll(path), "second\n");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
-TEST(WriteText, WritesIntoWhatIsNoFileAndLeavesItWhatItIs) {
+TEST(base::WriteText, WritesIntoWhatIsNoFileAndLeavesItWhatItIs) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "pipe";
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   const int reader = open(path.c_str(), O_RDWR | O_NONBLOCK);
   ASSERT_GE(reader, 0);
-  EXPECT_TRUE(WriteText(path, "text\n"));
+  EXPECT_TRUE(base::WriteText(path, "text\n"));
   char bytes[16]{};
   EXPECT_EQ(read(reader, bytes, sizeof bytes), 5);
   close(reader);
@@ -135,64 +135,64 @@ TEST(WriteText, WritesIntoWhatIsNoFileAndLeavesItWhatItIs) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
-TEST(WriteText, NamesThePathWhereItCanNotWrite) {
+TEST(base::WriteText, NamesThePathWhereItCanNotWrite) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "nowhere" / "summary.json";
-  const auto written = WriteText(path, "text");
+  const auto written = base::WriteText(path, "text");
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error(), path.string() + ": can't be written: No such file or directory");
 }
 
-TEST(WriteText, LeavesNothingBesideAFolderThatIsInItsPlace) {
+TEST(base::WriteText, LeavesNothingBesideAFolderThatIsInItsPlace) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
   std::filesystem::create_directories(path / "full");
-  const auto written = WriteText(path, "text");
+  const auto written = base::WriteText(path, "text");
   ASSERT_FALSE(written);
   EXPECT_TRUE(written.error().starts_with(path.string() + ": ")) << written.error();
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
-TEST(WriteText, FailsOnAFullDisk) {
+TEST(base::WriteText, FailsOnAFullDisk) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "skipped, no /dev/full";
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
   std::filesystem::create_symlink("/dev/full", path);
-  const auto written = WriteText(path, "text");
+  const auto written = base::WriteText(path, "text");
   ASSERT_FALSE(written) << "a full disk was not noticed";
   EXPECT_EQ(written.error(), path.string() + ": can't be written: No space left on device");
   EXPECT_TRUE(std::filesystem::is_symlink(path));
 }
 
-TEST(WriteText, FollowsALinkAndLeavesItOne) {
+TEST(base::WriteText, FollowsALinkAndLeavesItOne) {
   const TemporaryFolder folder, elsewhere;
   const auto file = elsewhere.path() / "kept.json", link = folder.path() / "summary.json";
   std::filesystem::create_symlink(file, link);
-  ASSERT_TRUE(WriteText(link, "first"));  // its target does not exist yet
-  ASSERT_TRUE(WriteText(link, "second"));
+  ASSERT_TRUE(base::WriteText(link, "first"));  // its target does not exist yet
+  ASSERT_TRUE(base::WriteText(link, "second"));
   EXPECT_TRUE(std::filesystem::is_symlink(link));
   EXPECT_EQ(ReadAll(file), "second");
   for (const TemporaryFolder* each : {&folder, &elsewhere})
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(each->path()), {}), 1);
 }
 
-TEST(WriteText, KeepsTheRightsOfTheFileThatItReplaces) {
+TEST(base::WriteText, KeepsTheRightsOfTheFileThatItReplaces) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
-  ASSERT_TRUE(WriteText(path, "first"));
+  ASSERT_TRUE(base::WriteText(path, "first"));
   std::filesystem::permissions(path,
                                std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
-  ASSERT_TRUE(WriteText(path, "second"));
+  ASSERT_TRUE(base::WriteText(path, "second"));
   EXPECT_EQ(std::filesystem::status(path).permissions(),
             std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 }
 
 // Two writers of one file, in one process or in two, do not overwrite each other's temporary file.
-TEST(WriteText, LeavesAFileOfTheNameThatItOnceUsedForItsOwnAlone) {
+TEST(base::WriteText, LeavesAFileOfTheNameThatItOnceUsedForItsOwnAlone) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json", other = folder.path() / "summary.json.part";
   io::test::WriteAll(other, "somebody else's");
-  ASSERT_TRUE(WriteText(path, "text"));
+  ASSERT_TRUE(base::WriteText(path, "text"));
   EXPECT_EQ(ReadAll(other), "somebody else's");
 }
 
@@ -222,7 +222,7 @@ RunSummary Sample() {
 }
 
 std::string RowOf(const RunSummary& summary, const std::string& key) {
-  for (const SummaryRow& row : Rows(summary))
+  for (const report::SummaryRow& row : Rows(summary))
     if (row.key == key) return row.value;
   return "no such row";
 }
@@ -278,9 +278,9 @@ TEST(SummaryJson, SurvivesTextThatIsNotUtf8) {
 }
 
 TEST(SummaryRows, HoldNoNanForARunThatDidNothing) {
-  const std::vector<SummaryRow> rows = Rows(RunSummary{});
+  const std::vector<report::SummaryRow> rows = Rows(RunSummary{});
   EXPECT_GT(rows.size(), 5u);
-  for (const SummaryRow& row : rows) {
+  for (const report::SummaryRow& row : rows) {
     EXPECT_EQ(row.value.find("nan"), std::string::npos) << row.key << ": " << row.value;
     EXPECT_EQ(row.value.find("inf"), std::string::npos) << row.key << ": " << row.value;
     EXPECT_FALSE(row.key.empty());
@@ -376,7 +376,7 @@ TEST(SummaryRows, NameThePageOfAStopAndTheTableOfItsTicks) {
                     .ticks = "out/recording_stop_1_ticks.csv"}};
   EXPECT_EQ(RowOf(summary, "What led to the stop"), "out/recording_stop_1.html");
   EXPECT_EQ(RowOf(summary, "Its ticks, as a table"), "out/recording_stop_1_ticks.csv");
-  for (const SummaryRow& row : Rows(summary)) {
+  for (const report::SummaryRow& row : Rows(summary)) {
     if (row.file.empty()) continue;
     EXPECT_EQ("out/" + row.file, row.value) << "the report, in the same folder, leads to it";
   }
@@ -406,4 +406,4 @@ TEST(SummaryRows, OfARunThatNeverRenderedHaveNoCut) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

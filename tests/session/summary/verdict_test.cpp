@@ -8,7 +8,7 @@
 
 #include "session/summary/summary.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 // A run without any reason for a remark.
@@ -104,7 +104,7 @@ TEST(RunVerdict, IsTheFirstThingThatIsRead) {
   RunSummary s = Quiet();
   s.cut_ticks = 4000;
   s.verdict = JudgeRun(s);
-  const std::vector<SummaryRow> rows = VerdictRows(s.verdict);
+  const std::vector<report::SummaryRow> rows = VerdictRows(s.verdict);
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[0].key, "Verdict");
   EXPECT_EQ(rows[0].value, "look");
@@ -118,4 +118,4 @@ TEST(RunVerdict, IsTheFirstThingThatIsRead) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

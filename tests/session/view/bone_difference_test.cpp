@@ -7,7 +7,7 @@
 
 #include "simulation/surface/dual_surface.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 using surface::CarvedField;
@@ -132,4 +132,4 @@ TEST_F(BoneDifferenceTest, OffItCopiesNothingAndLeavesTheTissue) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -12,7 +12,7 @@
 #include "simulation/tools/tool_kinds.h"
 #include "tests/io/temporary_folder.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kRunSeconds = 40.0, kHalfEdge_m = 0.02;
@@ -109,4 +109,4 @@ TEST(CarvedKeys, TheBoneFromAStateIsTheBoneFromTheBeginning) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

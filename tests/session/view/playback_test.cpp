@@ -12,7 +12,7 @@
 #include "session/view/recording_scan.h"
 #include "tests/io/temporary_folder.h"
 
-namespace osteon::app {
+namespace osteon::session {
 namespace {
 
 constexpr double kSeconds = 20.0;
@@ -144,4 +144,4 @@ TEST_F(PlaybackTest, TheScanFindsEveryEventAndEachSecondsForce) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::session

@@ -17,7 +17,7 @@
 // `osteon assess` of a session that is made here: the demo's scripted operator reams the demo's cup with the
 // plan's last reamer, in virtual time.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 namespace fs = std::filesystem;
@@ -39,25 +39,25 @@ void MakeSession(const fs::path& folder) {
                         "scene: " + (kConfig / "scenes/acetabulum.yaml").string());
   }();
   std::ofstream(folder / "plan.yaml") << plan;
-  auto setup = PrepareCell(kConfig / "cells/demo.yaml", std::nullopt);
+  auto setup = session::PrepareCell(kConfig / "cells/demo.yaml", std::nullopt);
   ASSERT_TRUE(setup) << setup.error();
-  const EngineChoice choice{.engine = "cpu"};
-  ASSERT_TRUE(PackCell(*setup, {}, choice, false));
-  auto engine = MakeEngine(*setup, choice);
+  const session::EngineChoice choice{.engine = "cpu"};
+  ASSERT_TRUE(session::PackCell(*setup, {}, choice, false));
+  auto engine = session::MakeEngine(*setup, choice);
   ASSERT_TRUE(engine) << engine.error();
-  const auto run =
-      RunCell(*setup, **engine, {.seconds = 6.0, .virtual_time = true, .recording = folder / "run_1.mcap"});
+  const auto run = session::RunCell(
+      *setup, **engine, {.seconds = 6.0, .virtual_time = true, .recording = folder / "run_1.mcap"});
   ASSERT_TRUE(run) << run.error().what;
   ASSERT_TRUE(simulation::WriteCarvedState(folder / "state_1.carved", run->after, setup->bone));
-  ASSERT_TRUE(WriteSessionBone(folder, setup->bone));
+  ASSERT_TRUE(session::WriteSessionBone(folder, setup->bone));
   const auto recording = io::ReadRecording(folder / "run_1.mcap");
   ASSERT_TRUE(recording) << recording.error();
   const rt::Nanoseconds end = recording->frames.back().model.pose_stamp;
 
-  SessionFile file;
+  session::SessionFile file;
   file.cell = "demo";
-  file.plan_checksum = TextChecksum(plan);
-  file.cell_checksum = TextChecksum("");
+  file.plan_checksum = session::TextChecksum(plan);
+  file.cell_checksum = session::TextChecksum("");
   file.bone_checksum = fmt::format("{:016x}", 0);
   file.scene = "acetabulum";
   file.tool = "reamer";
@@ -82,7 +82,7 @@ void MakeSession(const fs::path& folder) {
                   .removed_mm3 = 1e9 * run->after.removed_volume_m3,
                   .state = "state_1.carved",
                   .state_hash = hash}};
-  ASSERT_TRUE(WriteSession(folder, file));
+  ASSERT_TRUE(session::WriteSession(folder, file));
 }
 
 class Assess : public testing::Test {
@@ -125,7 +125,7 @@ TEST_F(Assess, MeasuresWhatTheScriptedOperatorReamed) {
 TEST_F(Assess, WithoutTheKeptBoneItPacksTheSameOne) {
   const fs::path copy = folder_->path() / "without_bone";
   fs::copy(Session(), copy);
-  fs::remove(copy / kSessionBoneName);
+  fs::remove(copy / session::kSessionBoneName);
   const auto kept = ReadAssessedSession(Session()), packed = ReadAssessedSession(copy);
   ASSERT_TRUE(kept && packed);
   ASSERT_EQ(kept->bone.balls.size(), packed->bone.balls.size());
@@ -199,10 +199,10 @@ TEST_F(Assess, PutsASecondSessionBesideIt) {
   fs::copy(Session(), other_plan);
   std::string plan = ReadAll(other_plan / "plan.yaml") + "# another\n";
   std::ofstream(other_plan / "plan.yaml") << plan;
-  auto file = ReadSession(other_plan);
+  auto file = session::ReadSession(other_plan);
   ASSERT_TRUE(file);
-  file->plan_checksum = TextChecksum(plan);
-  ASSERT_TRUE(WriteSession(other_plan, *file));
+  file->plan_checksum = session::TextChecksum(plan);
+  ASSERT_TRUE(session::WriteSession(other_plan, *file));
   options.against = other_plan;
   EXPECT_EQ(RunAssess(options), 2);
   fs::remove_all(second);
@@ -222,4 +222,4 @@ TEST_F(Assess, APlanThatWasChangedIsRefused) {
 TEST_F(Assess, AFolderWithoutASessionIsRefused) { EXPECT_FALSE(ReadAssessedSession(folder_->path())); }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

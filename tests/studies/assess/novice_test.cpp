@@ -15,7 +15,7 @@
 // The two scripted hands of `osteon demo --plan`, with the plan's last reamer alone and for a short time.
 // With all four reamers and the commands of docs/procedure.md the expert has 100 points and the novice 35.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 namespace fs = std::filesystem;
@@ -39,23 +39,24 @@ fs::path LastReamerAlone() {
 // As `osteon demo --plan … --virtual-time` runs it, without a report.
 AssessedSession SessionOf(const std::string& hand) {
   const fs::path cell = kConfig / "cells/demo.yaml";
-  const ProcedureChoice choice{
+  const session::ProcedureChoice choice{
       .plan = LastReamerAlone(), .session = TemporaryPath("hand_" + hand), .hand = hand};
-  const auto procedure = OpenProcedure(choice, cell, std::nullopt);
+  const auto procedure = session::OpenProcedure(choice, cell, std::nullopt);
   EXPECT_TRUE(procedure) << procedure.error();
-  auto setup = PrepareCell(cell, std::nullopt, procedure->tool);
+  auto setup = session::PrepareCell(cell, std::nullopt, procedure->tool);
   EXPECT_TRUE(setup) << setup.error();
-  const EngineChoice engine_choice{.engine = "cpu"};
-  EXPECT_TRUE(PackCell(*setup, {}, engine_choice, false));
-  auto engine = MakeEngine(*setup, engine_choice);
+  const session::EngineChoice engine_choice{.engine = "cpu"};
+  EXPECT_TRUE(session::PackCell(*setup, {}, engine_choice, false));
+  auto engine = session::MakeEngine(*setup, engine_choice);
   EXPECT_TRUE(engine) << engine.error();
-  auto session = MakeSession(*procedure, choice, cell, {}, engine_choice, true, true, *setup, *engine);
+  auto session =
+      session::MakeSession(*procedure, choice, cell, {}, engine_choice, true, true, *setup, *engine);
   EXPECT_TRUE(session) << session.error();
-  const auto run = RunCell(*setup, **engine,
-                           {.seconds = 8.0,
-                            .virtual_time = true,
-                            .recording = choice.session / procedure->recording,
-                            .procedure = session->get()});
+  const auto run = session::RunCell(*setup, **engine,
+                                    {.seconds = 8.0,
+                                     .virtual_time = true,
+                                     .recording = choice.session / procedure->recording,
+                                     .procedure = session->get()});
   EXPECT_TRUE(run) << run.error().what;
   EXPECT_FALSE(run->faults.Any());
   auto assessed = ReadAssessedSession(choice.session);
@@ -83,4 +84,4 @@ TEST(NoviceAndExpert, AreToldApart) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

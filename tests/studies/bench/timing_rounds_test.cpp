@@ -6,7 +6,7 @@
 
 // Rounds of `bench frame`: how the frames of several rounds become one figure. Times are made up.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 FrameTiming Timing(const std::vector<double>& times_us) {
@@ -65,4 +65,4 @@ TEST(BenchWorkloads, AreSelectedByNameEachOnceInTheirOrder) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

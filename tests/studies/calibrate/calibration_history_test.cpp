@@ -6,7 +6,7 @@
 
 #include "tests/temporary_path.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 CalibrationEntry Entry(const std::string& time, double mass_kg, double bias_x_N, double apex_x_m) {
@@ -55,4 +55,4 @@ TEST(CalibrationHistory, DriftIsWhatBothFitsDoNotExplain) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

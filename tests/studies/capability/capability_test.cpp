@@ -13,7 +13,7 @@
 #include "studies/capability/capability_map.h"
 #include "studies/capability/capability_result.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -350,29 +350,30 @@ TEST(BasePlacement, ACupThatLooksUpIsTheSameFromAllSides) {
   }
 }
 
-TEST(HeatMap, DrawsItsBandsContoursAndMarks) {
-  HeatMap map{.title = "a < b",
-              .x_label = "x [mm]",
-              .y_label = "y [mm]",
-              .x = {-100, 100},
-              .y = {-100, 100},
-              .nx = 21,
-              .ny = 21,
-              .values = {},
-              .contours = {50.0},
-              .lines = {},
-              .marks = {{.x = 0.0, .y = 0.0, .marker = Marker::kCross, .color = "#d55e00", .label = "site"}}};
+TEST(report::HeatMap, DrawsItsBandsContoursAndMarks) {
+  report::HeatMap map{
+      .title = "a < b",
+      .x_label = "x [mm]",
+      .y_label = "y [mm]",
+      .x = {-100, 100},
+      .y = {-100, 100},
+      .nx = 21,
+      .ny = 21,
+      .values = {},
+      .contours = {50.0},
+      .lines = {},
+      .marks = {{.x = 0.0, .y = 0.0, .marker = report::Marker::kCross, .color = "#d55e00", .label = "site"}}};
   for (int j = 0; j < 21; ++j)
     for (int i = 0; i < 21; ++i) map.values.push_back(i == 0 ? std::nan("") : 5.0 * i);
-  const std::string svg = HeatMapSvg(
+  const std::string svg = report::HeatMapSvg(
       {map}, 1, {{.label = "force [N]", .min = 0, .max = 100, .step = 10, .tick_step = 50}}, "Title", {});
   EXPECT_NE(svg.find("data:image/png;base64,"), std::string::npos);
   EXPECT_NE(svg.find(">50<"), std::string::npos) << "the contour's number";
   EXPECT_NE(svg.find("a &lt; b"), std::string::npos);
   EXPECT_NE(svg.find("site"), std::string::npos);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
-  EXPECT_EQ(ViridisColor(0.0), "#440154");
-  EXPECT_EQ(ViridisColor(1.0), "#fde725");
+  EXPECT_EQ(report::ViridisColor(0.0), "#440154");
+  EXPECT_EQ(report::ViridisColor(1.0), "#fde725");
 }
 
 TEST(RollPitchYaw, AreTheTurnsThatAFileSays) {
@@ -390,4 +391,4 @@ TEST(RollPitchYaw, AreTheTurnsThatAFileSays) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

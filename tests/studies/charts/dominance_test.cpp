@@ -11,7 +11,7 @@
 // Which points of other methods stand before ours in the chart of speed and accuracy: synthetic points, whose
 // relations are read off by hand.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using Indices = std::vector<std::size_t>;
@@ -107,4 +107,4 @@ TEST(Dominance, TheTableNamesMethodAndLengthForEachErrorAndTime) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 
 // The comparison of `chart speed-accuracy`: methods, finenesses, and shared packings.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 TEST(MethodLadder, GoesFromCoarseToFineAndQuicklyOverTheSameMethods) {
@@ -98,4 +98,4 @@ TEST(SpeedAccuracyChart, NamesEveryMethodOfTheLadderAndBothEndsOfItsSeeds) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

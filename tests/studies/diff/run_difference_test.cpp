@@ -7,7 +7,7 @@
 #include "safety/cell_state.h"
 #include "tests/io/temporary_folder.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 // A run of 2 s that presses with a force, and cuts at the end.
@@ -103,4 +103,4 @@ TEST_F(RunDifferenceTest, RefusesWhatIsNoRecording) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,19 +9,19 @@
 #include "studies/failures/page/failure_page.h"
 #include "tests/report/report_markup.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 TEST(FailureScenes, EveryScenarioHasOneWhoseTextsCanBeRead) {
   std::set<std::string> drawn;
-  for (const hil::FailureScenario& scenario : hil::FailureScenarios()) {
+  for (const FailureScenario& scenario : FailureScenarios()) {
     const std::string svg = FailureSceneSvg(scenario.id, scenario.name);
     ASSERT_FALSE(svg.empty()) << scenario.id << " " << scenario.name
                               << " has no scene: see studies/failures/page/failure_scenes.h";
-    EXPECT_EQ(MarkupError(svg), "") << scenario.name;
-    EXPECT_EQ(TextOutside(svg), "") << scenario.name;
-    EXPECT_EQ(TextsOverlapping(svg), "") << scenario.name;
-    for (const TextBox& box : TextBoxes(svg))
+    EXPECT_EQ(report::MarkupError(svg), "") << scenario.name;
+    EXPECT_EQ(report::TextOutside(svg), "") << scenario.name;
+    EXPECT_EQ(report::TextsOverlapping(svg), "") << scenario.name;
+    for (const report::TextBox& box : report::TextBoxes(svg))
       EXPECT_GE(box.size_px, 11.0) << scenario.name << ": " << box.text;
     EXPECT_EQ(svg.find("\xE2\x80\xA6"), std::string::npos) << scenario.name << ": a text is cut";
     EXPECT_NE(svg.find(kWrongColor), std::string::npos) << scenario.name;
@@ -32,7 +32,7 @@ TEST(FailureScenes, EveryScenarioHasOneWhoseTextsCanBeRead) {
 
 TEST(FailureScenes, NoNumberIsDrawnTwiceOrForNoScenario) {
   std::set<int> scenarios, scenes;
-  for (const hil::FailureScenario& scenario : hil::FailureScenarios()) scenarios.insert(scenario.id);
+  for (const FailureScenario& scenario : FailureScenarios()) scenarios.insert(scenario.id);
   for (const auto& list : {ContactScenes(), CuttingScenes(), ArmScenes(), GuidanceScenes(), PlanScenes(),
                            SequenceScenes(), ComplianceScenes()})
     for (const FailureScene& scene : list) EXPECT_TRUE(scenes.insert(scene.id).second) << scene.id;
@@ -40,7 +40,7 @@ TEST(FailureScenes, NoNumberIsDrawnTwiceOrForNoScenario) {
   EXPECT_EQ(FailureSceneSvg(0, "none"), "");
 }
 
-hil::FailureResult Example() {
+FailureResult Example() {
   return {.id = 15,
           .name = "sensor",
           .metric = "speed of a tool that nobody holds",
@@ -55,7 +55,7 @@ hil::FailureResult Example() {
 }
 
 TEST(FailureChart, TitleSaysWhatIsPlotted) {
-  hil::FailureResult result = Example();
+  FailureResult result = Example();
   EXPECT_NE(FailureSvg(result).find(">15 sensor: a name of an axis"), std::string::npos);
   result.plot.bound_is_on_y = true;
   EXPECT_NE(FailureSvg(result).find(">15 sensor: speed of a tool"), std::string::npos);
@@ -63,23 +63,25 @@ TEST(FailureChart, TitleSaysWhatIsPlotted) {
 }
 
 TEST(FailureChart, CutsNoText) {
-  hil::FailureResult result = Example();
+  FailureResult result = Example();
   result.plot.bound_is_on_y = true;
   result.metric +=
       ", in a scene whose name and metric together are far too long for a single line of a title";
   const std::string svg = FailureSvg(result);
   EXPECT_EQ(svg.find("\xE2\x80\xA6"), std::string::npos);
-  EXPECT_EQ(TextOutside(svg), "");
-  EXPECT_EQ(TextsOverlapping(svg), "");
+  EXPECT_EQ(report::TextOutside(svg), "");
+  EXPECT_EQ(report::TextsOverlapping(svg), "");
 }
 
 TEST(FailureTable, ParagraphsAreInLinesOf120Characters) {
-  EXPECT_EQ(WrapMarkdown(""), "");
-  EXPECT_EQ(WrapMarkdown("short"), "short");
+  EXPECT_EQ(base::WrapMarkdown(""), "");
+  EXPECT_EQ(base::WrapMarkdown("short"), "short");
   const std::string word(59, 'a'), micro = std::string(58, 'b') + "\xC2\xB5";
-  EXPECT_EQ(WrapMarkdown(word + " " + micro + " c"), word + " " + micro + "\nc") << "59 + 1 + 59 characters";
-  EXPECT_EQ(WrapMarkdown(word + " " + word + " `ls -l`"), word + " " + word + "\n`ls -l`");
-  EXPECT_EQ(WrapMarkdown(std::string(130, 'd') + " e"), std::string(130, 'd') + "\ne") << "a word is not cut";
+  EXPECT_EQ(base::WrapMarkdown(word + " " + micro + " c"), word + " " + micro + "\nc")
+      << "59 + 1 + 59 characters";
+  EXPECT_EQ(base::WrapMarkdown(word + " " + word + " `ls -l`"), word + " " + word + "\n`ls -l`");
+  EXPECT_EQ(base::WrapMarkdown(std::string(130, 'd') + " e"), std::string(130, 'd') + "\ne")
+      << "a word is not cut";
 }
 
 TEST(FailureTable, NumbersAreShort) {
@@ -91,4 +93,4 @@ TEST(FailureTable, NumbersAreShort) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 
 // The failure scenarios, at small size, on the reference engine. Their headers state their claims.
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 FailureSetting OnReference() {
@@ -68,4 +68,4 @@ TEST(FailureList, StopsWhereItIsToldTo) {
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

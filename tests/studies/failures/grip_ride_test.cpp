@@ -6,11 +6,11 @@
 
 // A hand with tremor, and one that stiffens, with the servo loop and an arm that lags.
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
-const GridHand kLoose{"loose", 300.0, 13.0, 1.1};
-const GridHand kClamp{"clamp", 50000.0, 50.0, 0.0};
+const hil::GridHand kLoose{"loose", 300.0, 13.0, 1.1};
+const hil::GridHand kClamp{"clamp", 50000.0, 50.0, 0.0};
 
 TEST(GripRide, ATremorThatBeginsIsTestedOnceAndLeavesTheToolLight) {
   for (const double tremor_N : {1.0, 3.0}) {
@@ -26,8 +26,8 @@ TEST(GripRide, ATremorThatBeginsIsTestedOnceAndLeavesTheToolLight) {
 }
 
 TEST(GripRide, AStiffGripIsCalmedWithinHalfASecond) {
-  for (const GridHand& hand :
-       {GridHand{"6", 6000.0, 13.0, 1.1}, GridHand{"10", 10000.0, 13.0, 1.1}, kClamp}) {
+  for (const hil::GridHand& hand :
+       {hil::GridHand{"6", 6000.0, 13.0, 1.1}, hil::GridHand{"10", 10000.0, 13.0, 1.1}, kClamp}) {
     const GripRide ride = RideGrip({.after = hand, .clamp = hand.name == "clamp"});
     EXPECT_FALSE(ride.fault);
     EXPECT_LT(ride.calm_N, 0.5) << hand.name;
@@ -37,8 +37,8 @@ TEST(GripRide, AStiffGripIsCalmedWithinHalfASecond) {
 // Close to its stability limit, the loop amplifies a tremor: twofold in a hand, more in a clamp.
 TEST(GripRide, AStiffGripIsCalmedInATremor) {
   for (const double tremor_N : {0.5, 1.0, 2.0})
-    for (const GridHand& hand :
-         {GridHand{"6", 6000.0, 13.0, 1.1}, GridHand{"10", 10000.0, 13.0, 1.1}, kClamp}) {
+    for (const hil::GridHand& hand :
+         {hil::GridHand{"6", 6000.0, 13.0, 1.1}, hil::GridHand{"10", 10000.0, 13.0, 1.1}, kClamp}) {
       const GripRide ride =
           RideGrip({.after = hand, .clamp = hand.name == "clamp", .seconds = 6.0, .tremor_N = tremor_N});
       EXPECT_FALSE(ride.fault);
@@ -49,4 +49,4 @@ TEST(GripRide, AStiffGripIsCalmedInATremor) {
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -4,7 +4,7 @@
 
 // The bench of scenario 14: its condition D > a_max K separates the cases that grow from the others.
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 PacketRideParams Delayed(WallMethod method, rt::Nanoseconds delay) {
@@ -52,4 +52,4 @@ TEST(PacketBench, PlanesThatTurnTooFastForTheirAgeGrow) {
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

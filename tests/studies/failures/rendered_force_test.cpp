@@ -16,7 +16,7 @@
 // tick's pose: bone packed with balls, frames of the engine at 500 Hz that arrive 3 ms after their pose, the
 // coupling each millisecond. Lengths in metres, W and G coincide; the spindle stands still.
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kK = 20e3;        // the engine's
@@ -145,4 +145,4 @@ TEST(RenderedForce, OfACupIsTheSpheres) {
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 
 // The shipped cells' laws in a hand that stiffens, on an arm that lags.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 const hil::GridHand kStiff{"stiff", 6000.0, 13.0, 1.1};
@@ -22,14 +22,14 @@ TEST_P(StiffGrip, IsHeldAtAboutTheTremorThatTheCellAllows) {
       config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells" / GetParam()).servo;
   ASSERT_TRUE(cell.vibration.acts);
   for (const hil::GridHand& hand : {kStiff, kClamp}) {
-    hil::GripRideParams params{.after = hand, .clamp = hand.name == "clamp"};
+    GripRideParams params{.after = hand, .clamp = hand.name == "clamp"};
     params.loop.admittance = cell.admittance;
     params.loop.vibration = cell.vibration;
-    const hil::GripRide ride = hil::RideGrip(params);
+    const GripRide ride = RideGrip(params);
     EXPECT_FALSE(ride.fault) << hand.name;
     EXPECT_LT(ride.calm_N, 3.0 * cell.vibration.reference.tremor_N) << hand.name;
     params.loop.vibration.acts = false;
-    const hil::GripRide without = hil::RideGrip(params);
+    const GripRide without = RideGrip(params);
     if (hand.name == "clamp") {
       EXPECT_TRUE(without.fault || without.calm_N > 2.0 * ride.calm_N)
           << "the law alone: " << without.calm_N << " N, with: " << ride.calm_N;
@@ -42,4 +42,4 @@ INSTANTIATE_TEST_SUITE_P(Cells, StiffGrip,
                                          "sawbone_block.yaml", "thin_plate.yaml"));
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

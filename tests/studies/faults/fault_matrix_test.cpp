@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using safety::CellState;
@@ -84,4 +84,4 @@ TEST(FaultMatrixItself, FailsWhereAnExpectationDoesNotHold) {
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -16,7 +16,7 @@
 
 // Responses and fits on arms whose truth is known. Seeds are fixed.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using Complex = std::complex<double>;
@@ -392,4 +392,4 @@ TEST(SpindleHarmonics, FollowAWanderingSpeed) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

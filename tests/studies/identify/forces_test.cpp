@@ -18,7 +18,7 @@
 
 // Forces over an arm's impedance, the hand's tremor, the spindle's own forces: truths are known, seeds fixed.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using Complex = std::complex<double>;
@@ -241,4 +241,4 @@ TEST(Notch, HoldsAModulatedHarmonic) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -11,7 +11,7 @@
 
 // Each set of bad data is refused with its own message.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
@@ -61,7 +61,7 @@ TEST(IdentifyRefusals, GoodDataAreTaken) {
   const IdentifyResult result = JudgedOf(GoodAxis());
   EXPECT_TRUE(result.refused.empty()) << result.refused.front().what;
   EXPECT_TRUE(result.warnings.empty()) << result.warnings.front().what;
-  EXPECT_EQ(Judge(result).level, VerdictLevel::kGood);
+  EXPECT_EQ(Judge(result).level, session::VerdictLevel::kGood);
 }
 
 TEST(IdentifyRefusals, EachHasItsOwnMessage) {
@@ -93,7 +93,7 @@ TEST(IdentifyRefusals, EachHasItsOwnMessage) {
     EXPECT_NE(result.refused.front().what.find(one.message), std::string::npos)
         << result.refused.front().what;
     EXPECT_EQ(result.refused.front().where, "free run, z at 50 mm/s");
-    EXPECT_EQ(Judge(result).level, VerdictLevel::kBad);
+    EXPECT_EQ(Judge(result).level, session::VerdictLevel::kBad);
   }
 }
 
@@ -208,4 +208,4 @@ TEST(ExcitationEvent, ReadsBack) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

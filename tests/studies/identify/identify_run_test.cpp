@@ -15,7 +15,7 @@
 // The demonstration cell's arm through its real loop, wires and devices in virtual time: FRI in memory, a
 // sensor on CAN, a PLC. Two draws of two periods each: 16 s counted.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,14 +24,14 @@ const fs::path kDemo = fs::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml";
 constexpr ExcitationRequest kShort{
     .axis = 'z', .peak_speed_m_per_s = 0.05, .seed = 1, .draws = 2, .periods = 2};
 
-CellSetup Demo() {
-  auto setup = PrepareCell(kDemo, std::nullopt);
+session::CellSetup Demo() {
+  auto setup = session::PrepareCell(kDemo, std::nullopt);
   EXPECT_TRUE(setup) << (setup ? "" : setup.error());
   return std::move(*setup);
 }
 
 TEST(ExcitedRun, IdentifiesTheSimulatedArmAndItsSensor) {
-  const CellSetup setup = Demo();
+  const session::CellSetup setup = Demo();
   const fs::path file = TemporaryPath("free_z.mcap");
   const auto run = RunExcited(setup, {.request = kShort, .recording = file});
   ASSERT_TRUE(run) << run.error();
@@ -65,7 +65,7 @@ TEST(ExcitedRun, IdentifiesTheSimulatedArmAndItsSensor) {
 }
 
 TEST(ExcitedRun, LossOnBothWaysIsCountedAndDoesNoHarm) {
-  CellSetup setup = Demo();
+  session::CellSetup setup = Demo();
   setup.config.injections.injections = {
       {.wire = hil::Wire::kArm, .direction = hil::Direction::kBoth, .faults = {.loss = 0.01}}};
   const fs::path file = TemporaryPath("lossy_z.mcap");
@@ -83,7 +83,7 @@ TEST(ExcitedRun, LossOnBothWaysIsCountedAndDoesNoHarm) {
 }
 
 TEST(ExcitedRun, FindsTheHandThatHoldsTheHandle) {
-  const CellSetup setup = Demo();
+  const session::CellSetup setup = Demo();
   const fs::path file = TemporaryPath("held_x.mcap");
   ExcitationRequest request = kShort;
   request.axis = 'x';
@@ -101,8 +101,8 @@ TEST(ExcitedRun, FindsTheHandThatHoldsTheHandle) {
 
 // The arm with masses in Cartesian impedance: a wrench is laid over it.
 TEST(ExcitedRun, FindsTheImpedanceThatAWrenchMeets) {
-  auto setup =
-      PrepareCell(fs::path(OSTEON_SOURCE_DIR) / "config/cells/thin_plate_impedance.yaml", std::nullopt);
+  auto setup = session::PrepareCell(fs::path(OSTEON_SOURCE_DIR) / "config/cells/thin_plate_impedance.yaml",
+                                    std::nullopt);
   ASSERT_TRUE(setup) << setup.error();
   hil::DynamicArmParams& truth = setup->config.simulated.dynamic;
   truth.friction_compensation = 1.0;
@@ -131,7 +131,7 @@ TEST(ExcitedRun, FindsTheImpedanceThatAWrenchMeets) {
 
 // Arm, sensor and PLC at the other end of real sockets, in wall time.
 TEST(ExcitedRun, AConnectedCellIsRecordedOverItsWires) {
-  CellSetup setup = Demo();
+  session::CellSetup setup = Demo();
   hil::QualityPolicyParams& quality = setup.config.simulated.fri.quality;  // a busy machine is no fault
   quality.end_after_lost_in_a_row = quality.end_after_lost_per_s = quality.good_max_lost_per_s = 1'000'000;
   safety::WatchdogParams& watchdog = setup.config.servo.watchdog;
@@ -152,7 +152,7 @@ TEST(ExcitedRun, AConnectedCellIsRecordedOverItsWires) {
 }
 
 TEST(ExcitedRun, ARecordingOfAnotherCellIsRefused) {
-  CellSetup setup = Demo();
+  session::CellSetup setup = Demo();
   const fs::path file = TemporaryPath("rest.mcap");
   ExcitationRequest rest = kShort;
   rest.rest_s = 0.5;
@@ -179,7 +179,7 @@ TEST(ExcitedRun, ARecordingOfAnotherCellIsRefused) {
 }
 
 TEST(ExcitedAxis, MovesTheApexAlongTheAxisAlone) {
-  const CellSetup setup = Demo();
+  const session::CellSetup setup = Demo();
   for (const char name : {'x', 'y', 'z'}) {
     ExcitationRequest request = kShort;
     request.axis = name;
@@ -195,4 +195,4 @@ TEST(ExcitedAxis, MovesTheApexAlongTheAxisAlone) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

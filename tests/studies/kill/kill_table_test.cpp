@@ -10,7 +10,7 @@
 
 // The tables that `osteon failures --kill` makes of its trials; kill_test.cpp kills real processes.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 KillRun Rested(KillVictim victim, double rest_ms, double hand_N) {
@@ -76,7 +76,7 @@ TEST(KillTable, TellsADeathFromAnotherFaultThatCameFirst) {
 // A tool pressed on bone hardly moves while its arm is still commanded; the stop comes later.
 TEST(CellTrace, AnArmThatIsCommandedDoesNotRestHoweverSlowItIs) {
   const auto cycle = [](int ms, control::SessionState session, double speed_m_per_s) {
-    CellCycle made;
+    session::CellCycle made;
     made.stamp = ms * rt::kMillisecond;
     made.session = session;
     made.speed_m_per_s = speed_m_per_s;
@@ -84,27 +84,27 @@ TEST(CellTrace, AnArmThatIsCommandedDoesNotRestHoweverSlowItIs) {
   };
   using enum control::SessionState;
   constexpr rt::Nanoseconds since = 100 * rt::kMillisecond;
-  std::vector<CellCycle> cycles;
-  EXPECT_EQ(RestedFor(cycles, since), 0);
+  std::vector<session::CellCycle> cycles;
+  EXPECT_EQ(session::RestedFor(cycles, since), 0);
   for (int ms = 0; ms < 2300; ++ms) cycles.push_back(cycle(ms, kCommandingActive, 0.0));
-  EXPECT_EQ(RestedFor(cycles, since), 0);
+  EXPECT_EQ(session::RestedFor(cycles, since), 0);
   cycles.push_back(cycle(2300, kMonitoringReady, 0.0));
-  EXPECT_EQ(RestedFor(cycles, since), rt::kMillisecond) << "not since the kill";
+  EXPECT_EQ(session::RestedFor(cycles, since), rt::kMillisecond) << "not since the kill";
   for (int ms = 2301; ms < 2500; ++ms) cycles.push_back(cycle(ms, kMonitoringReady, 0.003));
-  EXPECT_EQ(RestedFor(cycles, since), 0);
+  EXPECT_EQ(session::RestedFor(cycles, since), 0);
   for (int ms = 2500; ms < 3400; ++ms) cycles.push_back(cycle(ms, kMonitoringReady, 0.001));
-  EXPECT_EQ(RestedFor(cycles, since), 900 * rt::kMillisecond);
-  EXPECT_EQ(RestedFor(cycles, 3000 * rt::kMillisecond), 399 * rt::kMillisecond);
+  EXPECT_EQ(session::RestedFor(cycles, since), 900 * rt::kMillisecond);
+  EXPECT_EQ(session::RestedFor(cycles, 3000 * rt::kMillisecond), 399 * rt::kMillisecond);
 }
 
 // A trace is read while another process writes it: every cycle once, no incomplete one.
 TEST(CellTrace, IsReadWhileItIsWritten) {
   const io::test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "trace.csv";
-  CellTraceReader reader(file);
+  session::CellTraceReader reader(file);
   reader.Poll();
   EXPECT_TRUE(reader.cycles().empty()) << "there is no file yet";
-  auto writer = CellTraceWriter::Open(file);
+  auto writer = session::CellTraceWriter::Open(file);
   ASSERT_TRUE(writer) << writer.error();
   hil::CellState state;
   state.session = control::SessionState::kCommandingActive;
@@ -125,7 +125,7 @@ TEST(CellTrace, IsReadWhileItIsWritten) {
   std::ofstream(file, std::ios::app) << ",0.3,0.005,0,150\n";
   reader.Poll();
   ASSERT_EQ(reader.cycles().size(), 4u);
-  for (const CellCycle& cycle : reader.cycles()) {
+  for (const session::CellCycle& cycle : reader.cycles()) {
     EXPECT_EQ(cycle.session, control::SessionState::kCommandingActive);
     EXPECT_NEAR((cycle.p_WT_m - Vector3(0.1, -0.2, 0.3)).norm(), 0.0, 1e-7) << "written to 0.1 µm";
     EXPECT_NEAR(cycle.speed_m_per_s, 0.005, 1e-6);
@@ -135,4 +135,4 @@ TEST(CellTrace, IsReadWhileItIsWritten) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

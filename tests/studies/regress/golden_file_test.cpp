@@ -7,7 +7,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/studies/regress/sample_trace.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 Golden Sample() {
@@ -105,4 +105,4 @@ TEST(GoldenFile, OfAFileThatIsNone) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

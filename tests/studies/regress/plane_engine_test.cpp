@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr double kRadius_m = 0.025, kStiffness_N_per_m = 20e3;
@@ -74,4 +74,4 @@ TEST(PlaneEngine, RefusesWhatIsNoPoseAndNoPlane) {
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

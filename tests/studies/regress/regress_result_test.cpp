@@ -8,7 +8,7 @@
 #include "tests/report/report_markup.h"
 #include "tests/studies/regress/sample_trace.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 // One result of each kind: the same, other bits, beyond a tolerance, no golden trace.
@@ -110,7 +110,7 @@ TEST(RegressResult, JunitIsXmlWithACaseAScenario) {
   EXPECT_TRUE(xml.starts_with("<?xml version=\"1.0\""));
   std::string markup = xml.substr(xml.find("<testsuites"));
   for (std::size_t at = 0; (at = markup.find("system-out")) != std::string::npos;) markup.erase(at + 6, 1);
-  EXPECT_EQ(MarkupError(markup), "");
+  EXPECT_EQ(report::MarkupError(markup), "");
   EXPECT_NE(
       xml.find("<testsuite name=\"osteon regress\" tests=\"4\" failures=\"1\" errors=\"1\" time=\"1.500\">"),
       std::string::npos)
@@ -135,7 +135,7 @@ TEST(RegressResult, ThePageShowsWhatDiffersAndNothingElse) {
   const auto page = WriteRegressReport({.results = results, .options = options, .seconds = 1.5});
   ASSERT_TRUE(page) << page.error();
   const std::string html = io::test::ReadAll(*page);
-  EXPECT_EQ(MarkupError(html), "");
+  EXPECT_EQ(report::MarkupError(html), "");
   EXPECT_EQ(html.find("what &lt;same&gt; shows"), std::string::npos);
   EXPECT_NE(html.find("what &lt;differs&gt; shows"), std::string::npos);
   EXPECT_NE(html.find("first &amp; last"), std::string::npos) << "why the golden trace was accepted";
@@ -150,4 +150,4 @@ TEST(RegressResult, ThePageShowsWhatDiffersAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

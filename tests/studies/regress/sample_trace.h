@@ -8,7 +8,7 @@
 
 #include "studies/regress/scenario_trace.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// A trace of 40 ticks whose digests begin at tick 5 and whose samples are 10 ticks apart.
 inline ScenarioTrace SampleTrace() {
@@ -53,4 +53,4 @@ inline std::size_t QuantityNamed(const std::string& name) {
   throw std::invalid_argument("no quantity " + name);
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

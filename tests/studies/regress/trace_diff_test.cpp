@@ -7,7 +7,7 @@
 
 #include "tests/studies/regress/sample_trace.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 const config::TraceTolerances kTolerances;
@@ -201,4 +201,4 @@ TEST(TraceRecorder, SamplesFromTheBeginOfMotionAndKeepsTheExtremesBetween) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

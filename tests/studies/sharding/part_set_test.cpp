@@ -9,7 +9,7 @@
 #include "studies/sharding/exact_number.h"
 #include "tests/io/temporary_folder.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 Part PartOf(const Shard& shard, std::size_t items) {
@@ -107,4 +107,4 @@ TEST(PartSet, OptionsAreRemovedWithTheirValues) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

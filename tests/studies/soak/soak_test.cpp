@@ -11,7 +11,7 @@
 
 // The soak: its seeded script, what it judges, and a short one.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using testing::Contains, testing::HasSubstr, testing::IsEmpty;
@@ -104,8 +104,8 @@ TEST(Soak, AShortOneHasNothingWrongAndItsPageAndJson) {
   EXPECT_EQ(json.at("schema"), "osteon.soak/1");
   EXPECT_EQ(json.at("wrong_episodes"), 0);
   EXPECT_EQ(json.at("episodes").size(), episodes->size());
-  EXPECT_EQ(MarkupError(SoakPage(*episodes, options)), "");
+  EXPECT_EQ(report::MarkupError(SoakPage(*episodes, options)), "");
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -14,34 +14,38 @@
 #include "tests/oracles/admittance_model.h"
 #include "tests/oracles/loop_growth.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 struct Row {
   const char* name;
-  GridHand hand;
+  hil::GridHand hand;
   double m_v, b_v;  // virtual tool
-  LoopWall wall;
+  hil::LoopWall wall;
   double rho;        // the loop's
   double first_rho;  // the design's first table, 0: not in it
 };
 void PrintTo(const Row& row, std::ostream* os) { *os << row.name; }
 
-AdmittanceLoopParams LoopOf(const Row& row) {
+hil::AdmittanceLoopParams LoopOf(const Row& row) {
   return {.hand = row.hand, .mass_kg = row.m_v, .damping_Ns_per_m = row.b_v, .wall = row.wall, .arm = {}};
 }
 
-const GridHand kFirm{"firm", 500.0, 20.0, 1.5}, kStiff{"stiff", 3000.0, 60.0, 3.0},
+const hil::GridHand kFirm{"firm", 500.0, 20.0, 1.5}, kStiff{"stiff", 3000.0, 60.0, 3.0},
     kFixture{"fixture", 20000.0, 50.0, 0.0};
-LoopWall Local(double stiffness) { return {.stiffness_N_per_m = stiffness}; }
-LoopWall Old(double stiffness, int ticks) { return {.stiffness_N_per_m = stiffness, .age_ticks = ticks}; }
-LoopWall Measured(double stiffness) { return {.stiffness_N_per_m = stiffness, .on = WallOn::kMeasured}; }
+hil::LoopWall Local(double stiffness) { return {.stiffness_N_per_m = stiffness}; }
+hil::LoopWall Old(double stiffness, int ticks) {
+  return {.stiffness_N_per_m = stiffness, .age_ticks = ticks};
+}
+hil::LoopWall Measured(double stiffness) {
+  return {.stiffness_N_per_m = stiffness, .on = hil::WallOn::kMeasured};
+}
 
 class ModelB : public testing::TestWithParam<Row> {};
 class ModelBAtFirst : public testing::TestWithParam<Row> {};
 
 TEST_P(ModelB, SpectralRadiusIsThatOfTheModelInScalars) {
-  const double radius = AdmittanceLoop(LoopOf(GetParam())).SpectralRadius();
+  const double radius = hil::AdmittanceLoop(LoopOf(GetParam())).SpectralRadius();
   EXPECT_NEAR(radius, GetParam().rho, 0.6e-7) << "seven digits are given";
   EXPECT_NEAR(radius, AdmittanceModelRadius(LoopOf(GetParam()), HandAcceleration::kMeanOfPeriod), 1e-10);
 }
@@ -49,14 +53,14 @@ TEST_P(ModelB, SpectralRadiusIsThatOfTheModelInScalars) {
 // The design's first table took the acceleration just after the command's step, and a command one period
 // late.
 TEST_P(ModelBAtFirst, TheModelInScalarsHasTheDesignsRows) {
-  AdmittanceLoopParams loop = LoopOf(GetParam());
+  hil::AdmittanceLoopParams loop = LoopOf(GetParam());
   loop.arm.dead_cycles = 4;
   EXPECT_NEAR(AdmittanceModelRadius(loop, HandAcceleration::kAfterCommandStep), GetParam().first_rho, 0.6e-7);
 }
 
 // The same step run in time, over many periods of the mode.
 TEST_P(ModelB, GrowthInTimeIsTheSpectralRadius) {
-  const AdmittanceLoop loop(LoopOf(GetParam()));
+  const hil::AdmittanceLoop loop(LoopOf(GetParam()));
   const double log_rho = std::log(GetParam().rho);
   const double grown =
       GrowthPerPeriod([&](const Eigen::VectorXd& s) { return loop.Step(s); }, loop.size(), 2000, 40'000);
@@ -97,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(Design, ModelBAtFirst, testing::ValuesIn(FirstRows()),
 
 struct WallRow {
   const char* name;
-  WallOn on;
+  hil::WallOn on;
   int age_ticks, sensor_delay;
   double most_kN_per_m;
   double tolerance;  // the design gives two or three digits
@@ -106,8 +110,8 @@ void PrintTo(const WallRow& row, std::ostream* os) { *os << row.name; }
 
 class MaxWallStiffnessOfAFirmHand : public testing::TestWithParam<WallRow> {
  protected:
-  static AdmittanceLoopParams Loop() {
-    AdmittanceLoopParams loop;
+  static hil::AdmittanceLoopParams Loop() {
+    hil::AdmittanceLoopParams loop;
     loop.wall.on = GetParam().on;
     loop.wall.age_ticks = GetParam().age_ticks;
     loop.sensor_delay = GetParam().sensor_delay;
@@ -116,39 +120,40 @@ class MaxWallStiffnessOfAFirmHand : public testing::TestWithParam<WallRow> {
 };
 
 TEST_P(MaxWallStiffnessOfAFirmHand, IsTheDesigns) {
-  const Boundary found = MaxWallStiffness(Loop());
+  const hil::Boundary found = hil::MaxWallStiffness(Loop());
   ASSERT_TRUE(found.crossed);
   EXPECT_NEAR(1e-3 * found.value, GetParam().most_kN_per_m, GetParam().tolerance * GetParam().most_kN_per_m);
 }
 
 TEST_P(MaxWallStiffnessOfAFirmHand, IsSeenWithinOnePercentWhenTheShippedPartsRun) {
-  const double predicted = MaxWallStiffness(Loop()).value;
-  const Boundary seen = SimulatedMaxWallStiffness(
+  const double predicted = hil::MaxWallStiffness(Loop()).value;
+  const hil::Boundary seen = SimulatedMaxWallStiffness(
       {.loop = Loop()}, {.from = 0.7 * predicted, .to = 1.4 * predicted, .factor = 1.05, .tolerance = 1e-3});
   ASSERT_TRUE(seen.crossed);
   EXPECT_NEAR(seen.value, predicted, 0.01 * predicted);
 }
 
 // With the model's first acceleration and a period more of dead time: 192, 101, 67, 53, 18 and 2.4.
-INSTANTIATE_TEST_SUITE_P(Design, MaxWallStiffnessOfAFirmHand,
-                         testing::Values(WallRow{"local", WallOn::kCommanded, 0, 1, 208.3, 0.002},
-                                         WallRow{"sensor_3_late", WallOn::kCommanded, 0, 3, 107.5, 0.002},
-                                         WallRow{"sensor_5_late", WallOn::kCommanded, 0, 5, 69.7, 0.002},
-                                         WallRow{"force_1_ms_old", WallOn::kCommanded, 1, 1, 52.2, 0.002},
-                                         WallRow{"force_5_ms_old", WallOn::kCommanded, 5, 1, 17.23, 0.002},
-                                         WallRow{"measured_pose", WallOn::kMeasured, 0, 1, 2.07, 0.002}),
-                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Design, MaxWallStiffnessOfAFirmHand,
+    testing::Values(WallRow{"local", hil::WallOn::kCommanded, 0, 1, 208.3, 0.002},
+                    WallRow{"sensor_3_late", hil::WallOn::kCommanded, 0, 3, 107.5, 0.002},
+                    WallRow{"sensor_5_late", hil::WallOn::kCommanded, 0, 5, 69.7, 0.002},
+                    WallRow{"force_1_ms_old", hil::WallOn::kCommanded, 1, 1, 52.2, 0.002},
+                    WallRow{"force_5_ms_old", hil::WallOn::kCommanded, 5, 1, 17.23, 0.002},
+                    WallRow{"measured_pose", hil::WallOn::kMeasured, 0, 1, 2.07, 0.002}),
+    [](const auto& test) { return test.param.name; });
 
 // Stability is not monotone in stiffness: a bisection could end in the upper stable region.
 TEST(AdmittanceStability, LocalWallIsUnstableUpTo1000kNAndThenStableAgain) {
-  AdmittanceLoopParams loop;
+  hil::AdmittanceLoopParams loop;
   for (const double k : {0.22e6, 0.5e6, 1.0e6}) {
     loop.wall.stiffness_N_per_m = k;
-    EXPECT_GT(AdmittanceLoop(loop).SpectralRadius(), 1.0) << k;
+    EXPECT_GT(hil::AdmittanceLoop(loop).SpectralRadius(), 1.0) << k;
   }
   for (const double k : {1.12e6, 2e6, 5e6}) {
     loop.wall.stiffness_N_per_m = k;
-    EXPECT_LT(AdmittanceLoop(loop).SpectralRadius(), 1.0) << k;
+    EXPECT_LT(hil::AdmittanceLoop(loop).SpectralRadius(), 1.0) << k;
   }
 }
 
@@ -156,9 +161,9 @@ TEST(AdmittanceStability, LocalWallIsUnstableUpTo1000kNAndThenStableAgain) {
 // clamp).
 TEST(AdmittanceStability, GripsAskForDrag) {
   const auto least = [](double k, double b, double m) {
-    AdmittanceLoopParams loop;
+    hil::AdmittanceLoopParams loop;
     loop.hand = {"", k, b, m};
-    return MinDrag(loop);
+    return hil::MinDrag(loop);
   };
   // the model's first acceleration, with a period more of dead time: 24, 125, 367, 657
   EXPECT_NEAR(least(3e3, 20, 1.5), 28.43, 0.002 * 28.43);
@@ -170,12 +175,12 @@ TEST(AdmittanceStability, GripsAskForDrag) {
 // The design's figures for the acceleration as it is, at 1.7 kg: 14.5 becomes 21.1, and with the dead time as
 // it is 19.4; the hand that decides in the demo cell goes from 26.4 to 27.7.
 TEST(AdmittanceStability, TheAccelerationAsItIsAsksForMoreDrag) {
-  const auto least = [](const GridHand& hand, double dead) {
-    AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};
+  const auto least = [](const hil::GridHand& hand, double dead) {
+    hil::AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};
     loop.arm.dead_cycles = dead;
-    return MinDrag(loop);
+    return hil::MinDrag(loop);
   };
-  const GridHand grip{"grip", 3e3, 20.0, 1.5}, deciding{"deciding", 1500.0, 2.0, 0.3};
+  const hil::GridHand grip{"grip", 3e3, 20.0, 1.5}, deciding{"deciding", 1500.0, 2.0, 0.3};
   EXPECT_NEAR(least(grip, 4), 21.1, 0.1);
   EXPECT_NEAR(least(grip, 3), 19.37, 0.05);
   EXPECT_NEAR(least(deciding, 4), 27.7, 0.1);
@@ -183,12 +188,12 @@ TEST(AdmittanceStability, TheAccelerationAsItIsAsksForMoreDrag) {
 
 // A dead time between two whole ones lies between their drags, and the shipped parts in time agree.
 TEST(AdmittanceStability, DeadTimeOfPartPeriodsIsSeenWherePredicted) {
-  AdmittanceLoopParams loop;
+  hil::AdmittanceLoopParams loop;
   double before = 0.0;
   for (const double dead : {0.0, 0.4, 1.0, 3.0, 3.25, 3.5, 4.0}) {
     loop.arm.dead_cycles = dead;
     loop.hand = {"grip", 3e3, 20.0, 1.5};
-    const double drag = MinDrag(loop);
+    const double drag = hil::MinDrag(loop);
     EXPECT_GT(drag, 1.01 * before) << dead;
     before = drag;
     for (const double share : {0.97, 1.03}) {
@@ -201,13 +206,13 @@ TEST(AdmittanceStability, DeadTimeOfPartPeriodsIsSeenWherePredicted) {
 
 // The hand's own force moves an arm with a felt mass; a heavy one hardly.
 TEST(AdmittanceStability, AnArmThatTheHandMovesIsSeenWherePredicted) {
-  AdmittanceLoopParams loop;
+  hil::AdmittanceLoopParams loop;
   loop.hand = {"grip", 3e3, 20.0, 1.5};
-  const double stiff = MinDrag(loop);
+  const double stiff = hil::MinDrag(loop);
   loop.felt_mass_kg = 1e9;
-  EXPECT_NEAR(MinDrag(loop), stiff, 1e-3 * stiff);
+  EXPECT_NEAR(hil::MinDrag(loop), stiff, 1e-3 * stiff);
   loop.felt_mass_kg = 5.22;
-  const double moved = MinDrag(loop);
+  const double moved = hil::MinDrag(loop);
   EXPECT_LT(moved, 0.99 * stiff);
   for (const double share : {0.97, 1.03}) {
     AdmittanceRunParams run{.loop = loop};
@@ -218,11 +223,11 @@ TEST(AdmittanceStability, AnArmThatTheHandMovesIsSeenWherePredicted) {
 
 // The arm with a hand at it, against its equation integrated in steps of 10 us.
 TEST(AdmittanceStability, AHeldArmFollowsItsEquation) {
-  const GridHand hand{"grip", 3e3, 20.0, 1.5};
-  const ServoArmParams arm{.dead_cycles = 0};
+  const hil::GridHand hand{"grip", 3e3, 20.0, 1.5};
+  const hil::ServoArmParams arm{.dead_cycles = 0};
   const double M = 5.22, w = 2.0 * std::numbers::pi * arm.bandwidth_hz;
-  const HeldArm held = ArmHeldBy(hand, M, arm);
-  const LoopArm linear = LinearArm(held.arm, 1e-3);
+  const hil::HeldArm held = hil::ArmHeldBy(hand, M, arm);
+  const hil::LoopArm linear = hil::LinearArm(held.arm, 1e-3);
   Eigen::Vector2d motion(0.0, 0.0);
   double x = 0.0, v = 0.0;
   for (int k = 0; k < 100; ++k) {
@@ -250,12 +255,12 @@ TEST(AdmittanceStability, WallOf150kNIsStableInTheTickAndUnstableAsAForce5MsOld)
 // A faster inner loop needs more virtual mass: assuming an ideal arm is misleading.
 TEST(AdmittanceStability, FasterArmNeedsMoreVirtualMass) {
   const auto least_mass = [](double bandwidth_hz) {
-    AdmittanceLoopParams loop;
+    hil::AdmittanceLoopParams loop;
     loop.arm.bandwidth_hz = bandwidth_hz;
     double low = 0.05, high = 20.0;
     while (high / low > 1.001) {
       loop.mass_kg = std::sqrt(low * high);
-      (AdmittanceLoop(loop).SpectralRadius() < 1.0 ? high : low) = loop.mass_kg;
+      (hil::AdmittanceLoop(loop).SpectralRadius() < 1.0 ? high : low) = loop.mass_kg;
     }
     return high;
   };
@@ -265,32 +270,33 @@ TEST(AdmittanceStability, FasterArmNeedsMoreVirtualMass) {
 
 // Prediction and run both include the coupling's own damping.
 TEST(AdmittanceStability, DampedWallIsSeenWherePredicted) {
-  AdmittanceLoopParams loop;
+  hil::AdmittanceLoopParams loop;
   loop.wall.damping_Ns_per_m = 5.0;
-  const double predicted = MaxWallStiffness(loop).value;
-  EXPECT_GT(predicted, 1.05 * MaxWallStiffness(AdmittanceLoopParams{}).value) << "damping helps";
-  const Boundary seen = SimulatedMaxWallStiffness(
+  const double predicted = hil::MaxWallStiffness(loop).value;
+  EXPECT_GT(predicted, 1.05 * hil::MaxWallStiffness(hil::AdmittanceLoopParams{}).value) << "damping helps";
+  const hil::Boundary seen = SimulatedMaxWallStiffness(
       {.loop = loop}, {.from = 0.7 * predicted, .to = 1.4 * predicted, .factor = 1.05, .tolerance = 1e-3});
   EXPECT_NEAR(seen.value, predicted, 0.01 * predicted);
 }
 
 TEST(AdmittanceStability, LostAndLateCommandsLowerTheBoundary) {
-  AdmittanceLoopParams loop;
-  const double predicted = MaxWallStiffness(loop).value;
-  const BoundaryScan scan{.from = 0.1 * predicted, .to = 1.4 * predicted, .factor = 1.05, .tolerance = 1e-3};
+  hil::AdmittanceLoopParams loop;
+  const double predicted = hil::MaxWallStiffness(loop).value;
+  const hil::BoundaryScan scan{
+      .from = 0.1 * predicted, .to = 1.4 * predicted, .factor = 1.05, .tolerance = 1e-3};
   const double late = SimulatedMaxWallStiffness({.loop = loop, .command_jitter = 4}, scan).value;
   EXPECT_LT(late, 0.97 * predicted);
   loop.arm.dead_cycles += 4;
-  EXPECT_GT(late, MaxWallStiffness(loop).value) << "not as if every command came as late as the latest";
+  EXPECT_GT(late, hil::MaxWallStiffness(loop).value) << "not as if every command came as late as the latest";
   loop = {};
   EXPECT_LT(SimulatedMaxWallStiffness({.loop = loop, .command_loss = 0.3}, scan).value, 0.99 * predicted);
 }
 
 TEST(AdmittanceStability, RefusesWhatIsNoLoop) {
-  const auto refused = [](AdmittanceLoopParams loop) {
-    EXPECT_THROW(static_cast<void>(AdmittanceLoop(loop)), std::invalid_argument);
+  const auto refused = [](hil::AdmittanceLoopParams loop) {
+    EXPECT_THROW(static_cast<void>(hil::AdmittanceLoop(loop)), std::invalid_argument);
   };
-  AdmittanceLoopParams loop;
+  hil::AdmittanceLoopParams loop;
   loop.mass_kg = 0.0;
   refused(loop);
   loop = {};
@@ -303,4 +309,4 @@ TEST(AdmittanceStability, RefusesWhatIsNoLoop) {
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 
 #include "tests/oracles/age_bound.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -111,4 +111,4 @@ TEST(AgeBound, LeverArmTakesTheStiffnessTheDesignSays) {
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

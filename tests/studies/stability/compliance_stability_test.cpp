@@ -14,13 +14,13 @@
 #include "hil/loops/mount_rule.h"
 #include "hil/operator/hand_grid.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
-const GridHand kStiff{"stiff", 3000.0, 60.0, 3.0};
+const hil::GridHand kStiff{"stiff", 3000.0, 60.0, 3.0};
 
-CompliantLoopParams LoopOf(double stiffness_N_per_m, double m_v, double b_v) {
-  CompliantLoopParams params;
+hil::CompliantLoopParams LoopOf(double stiffness_N_per_m, double m_v, double b_v) {
+  hil::CompliantLoopParams params;
   params.loop.hand = kStiff;
   params.loop.mass_kg = m_v;
   params.loop.damping_Ns_per_m = b_v;
@@ -43,15 +43,15 @@ class MasslessLink : public testing::TestWithParam<LinkRow> {};
 
 TEST_P(MasslessLink, HasTheDesignsRadiiAndBoundary) {
   const LinkRow& row = GetParam();
-  CompliantLoopParams params = LoopOf(row.K, row.m_v, row.b_v);
-  ExpectRadius(CompliantLoop(params).SpectralRadius(), row.rigid);
-  params.link = LoopLink{.compliance_m_per_N = 1.0 / row.k, .tau_s = 0.020};
-  ExpectRadius(CompliantLoop(params).SpectralRadius(), row.at_20ms);
+  hil::CompliantLoopParams params = LoopOf(row.K, row.m_v, row.b_v);
+  ExpectRadius(hil::CompliantLoop(params).SpectralRadius(), row.rigid);
+  params.link = hil::LoopLink{.compliance_m_per_N = 1.0 / row.k, .tau_s = 0.020};
+  ExpectRadius(hil::CompliantLoop(params).SpectralRadius(), row.at_20ms);
   if (row.fast_ms > 0.0) {
     params.link->tau_s = 1e-3 * row.fast_ms;
-    ExpectRadius(CompliantLoop(params).SpectralRadius(), row.too_fast);
+    ExpectRadius(hil::CompliantLoop(params).SpectralRadius(), row.too_fast);
   }
-  const double least_ms = 1e3 * MinLinkTime_s(params);
+  const double least_ms = 1e3 * hil::MinLinkTime_s(params);
   EXPECT_NEAR(least_ms, row.least_ms, 0.01 * row.least_ms + 5e-3);
   // the rule that cells are held to is within 3 % of it
   EXPECT_NEAR(1e3 * control::MinRelaxation_s(1e-3, row.K, 1.0 / row.k), least_ms, 0.03 * least_ms);
@@ -77,13 +77,13 @@ class BoneOnItsMount : public testing::TestWithParam<MountRow> {};
 
 TEST_P(BoneOnItsMount, HasTheDesignsRadii) {
   const MountRow& row = GetParam();
-  CompliantLoopParams params = LoopOf(20e3, 3, 20);
-  ExpectRadius(CompliantLoop(params).SpectralRadius(), 0.96536);
-  params.mount = LoopMount{.mass_kg = row.mass_kg, .frequency_hz = row.hz};
+  hil::CompliantLoopParams params = LoopOf(20e3, 3, 20);
+  ExpectRadius(hil::CompliantLoop(params).SpectralRadius(), 0.96536);
+  params.mount = hil::LoopMount{.mass_kg = row.mass_kg, .frequency_hz = row.hz};
   for (const auto& [ticks, radius] :
        {std::pair{0, row.in_tick}, {4, row.late_4}, {12, row.late_12}, {20, row.late_20}}) {
     params.mount->late_ticks = ticks;
-    ExpectRadius(CompliantLoop(params).SpectralRadius(), radius);
+    ExpectRadius(hil::CompliantLoop(params).SpectralRadius(), radius);
   }
 }
 
@@ -104,20 +104,20 @@ TEST(MountRules, HoldForRandomMountsAndHands) {
   constexpr double kK = 20e3, kT_s = 1e-3, kAge_s = 25.2e-3;
   int tried = 0, unstable = 0;
   for (int i = 0; i < 4000; ++i) {
-    CompliantLoopParams params = LoopOf(kK, 3.0, log_between(20.0, 150.0));
+    hil::CompliantLoopParams params = LoopOf(kK, 3.0, log_between(20.0, 150.0));
     params.loop.hand = {"any", log_between(50.0, 8000.0), log_between(2.0, 80.0), log_between(0.3, 4.0)};
-    const LoopMount mount{.mass_kg = log_between(1.0, 40.0),
-                          .frequency_hz = log_between(4.0, 25.0),
-                          .damping_ratio = log_between(0.005, 0.3)};
-    CompliantLoopParams rigid = params;
+    const hil::LoopMount mount{.mass_kg = log_between(1.0, 40.0),
+                               .frequency_hz = log_between(4.0, 25.0),
+                               .damping_ratio = log_between(0.005, 0.3)};
+    hil::CompliantLoopParams rigid = params;
     rigid.loop.wall.stiffness_N_per_m = 0.0;
-    if (!(CompliantLoop(rigid).SpectralRadius() < 1.0 + 1e-9)) continue;
+    if (!(hil::CompliantLoop(rigid).SpectralRadius() < 1.0 + 1e-9)) continue;
     rigid.loop.wall.stiffness_N_per_m = kK;
-    if (!(CompliantLoop(rigid).SpectralRadius() < 1.0)) continue;
+    if (!(hil::CompliantLoop(rigid).SpectralRadius() < 1.0)) continue;
     bool rigid_stable = true;
     for (int j = 1; j <= 8 && rigid_stable; ++j) {
       rigid.loop.wall.stiffness_N_per_m = kK * (1.0 + j / 8.0 * params.loop.mass_kg / mount.mass_kg);
-      rigid_stable = CompliantLoop(rigid).SpectralRadius() < 1.0;
+      rigid_stable = hil::CompliantLoop(rigid).SpectralRadius() < 1.0;
     }
     const double w = 2.0 * std::numbers::pi * mount.frequency_hz, k = mount.mass_kg * w * w;
     const double damping = 2.0 * mount.damping_ratio * w * mount.mass_kg + params.loop.damping_Ns_per_m +
@@ -125,7 +125,7 @@ TEST(MountRules, HoldForRandomMountsAndHands) {
     const bool damped = mount.damping_ratio >= 0.05 && damping >= params.loop.hand.stiffness_N_per_m * kAge_s;
     const bool slow = std::sqrt((kK + k) / mount.mass_kg) * kT_s <= 0.4;
     params.mount = mount;
-    const bool stable = CompliantLoop(params).SpectralRadius() < 1.0;
+    const bool stable = hil::CompliantLoop(params).SpectralRadius() < 1.0;
     if (!damped || !slow || !rigid_stable) continue;
     ++tried;
     unstable += stable ? 0 : 1;
@@ -137,60 +137,60 @@ TEST(MountRules, HoldForRandomMountsAndHands) {
 // A firm grip on a light tool that only the rigid wall calms: the mount's damping is half of what the rule
 // asks for.
 TEST(MountRules, SayWhichMountMakesAHandSwing) {
-  CompliantLoopParams params = LoopOf(20e3, 3.0, 20.0);
+  hil::CompliantLoopParams params = LoopOf(20e3, 3.0, 20.0);
   params.loop.hand = {"firm grip", 6000.0, 10.0, 1.0};
-  EXPECT_LT(CompliantLoop(params).SpectralRadius(), 0.996);
-  params.mount = LoopMount{.mass_kg = 12.0, .frequency_hz = 6.0, .damping_ratio = 0.05};
-  EXPECT_GT(CompliantLoop(params).SpectralRadius(), 1.0005);
-  params.mount = LoopMount{.mass_kg = 12.0, .frequency_hz = 15.0, .damping_ratio = 0.06};
-  EXPECT_LT(CompliantLoop(params).SpectralRadius(), 0.998) << "this mount keeps the rule";
+  EXPECT_LT(hil::CompliantLoop(params).SpectralRadius(), 0.996);
+  params.mount = hil::LoopMount{.mass_kg = 12.0, .frequency_hz = 6.0, .damping_ratio = 0.05};
+  EXPECT_GT(hil::CompliantLoop(params).SpectralRadius(), 1.0005);
+  params.mount = hil::LoopMount{.mass_kg = 12.0, .frequency_hz = 15.0, .damping_ratio = 0.06};
+  EXPECT_LT(hil::CompliantLoop(params).SpectralRadius(), 0.998) << "this mount keeps the rule";
 }
 
 // A force at a lever turns the bone as well: 1/m_eff = 1/m + L²/I across the lever, 1/m along it.
-TEST(MassRule, CountsTheTurnAboutTheMount) {
+TEST(hil::MassRule, CountsTheTurnAboutTheMount) {
   control::BoneMountParams mount;
   mount.inertia_kg_m2 = {0.1, 0.2, 0.3};
-  EXPECT_DOUBLE_EQ(EffectiveMass(mount, mount.p_WMo_m), 12.0);
-  EXPECT_NEAR(EffectiveMass(mount, {0.0, 0.0, 0.08}), 1.0 / (1.0 / 12.0 + 0.0064 / 0.1), 1e-12);
-  EXPECT_NEAR(EffectiveMass(mount, {0.08, 0.0, 0.0}), 1.0 / (1.0 / 12.0 + 0.0064 / 0.2), 1e-12);
+  EXPECT_DOUBLE_EQ(hil::EffectiveMass(mount, mount.p_WMo_m), 12.0);
+  EXPECT_NEAR(hil::EffectiveMass(mount, {0.0, 0.0, 0.08}), 1.0 / (1.0 / 12.0 + 0.0064 / 0.1), 1e-12);
+  EXPECT_NEAR(hil::EffectiveMass(mount, {0.08, 0.0, 0.0}), 1.0 / (1.0 / 12.0 + 0.0064 / 0.2), 1e-12);
 }
 
 // A coupling so stiff that the lag of the arm counts: the rule's least mass is where it begins to be kept.
-TEST(MassRule, NamesTheLeastMassThatKeepsIt) {
-  AdmittanceLoopParams rigid;
+TEST(hil::MassRule, NamesTheLeastMassThatKeepsIt) {
+  hil::AdmittanceLoopParams rigid;
   rigid.hand = {"operator", 2000.0, 60.0, 1.5};
   rigid.mass_kg = 1.7;
   rigid.damping_Ns_per_m = 30.0;
   control::BoneMountParams mount;
   const Vector3 site(0.0, 0.0, 0.08);
   constexpr double kK = 100e3;
-  EXPECT_TRUE(CheckMass(rigid, kK, mount, site).kept);
+  EXPECT_TRUE(hil::CheckMass(rigid, kK, mount, site).kept);
   mount.mass_kg = 2.0;
-  const MassRule rule = CheckMass(rigid, kK, mount, site);
+  const hil::MassRule rule = hil::CheckMass(rigid, kK, mount, site);
   EXPECT_FALSE(rule.kept);
-  EXPECT_NEAR(rule.stiffness_N_per_m, kK * (1.0 + 1.7 / EffectiveMass(mount, site)), 1.0);
+  EXPECT_NEAR(rule.stiffness_N_per_m, kK * (1.0 + 1.7 / hil::EffectiveMass(mount, site)), 1.0);
   rigid.wall.stiffness_N_per_m = 0.999 * rule.stable_up_to_N_per_m;
-  EXPECT_LT(AdmittanceLoop(rigid).SpectralRadius(), 1.0);
+  EXPECT_LT(hil::AdmittanceLoop(rigid).SpectralRadius(), 1.0);
   rigid.wall.stiffness_N_per_m = 1.003 * rule.stable_up_to_N_per_m;
-  EXPECT_GT(AdmittanceLoop(rigid).SpectralRadius(), 1.0);
+  EXPECT_GT(hil::AdmittanceLoop(rigid).SpectralRadius(), 1.0);
   ASSERT_GT(rule.min_mass_kg, 2.0);
   mount.mass_kg = 0.99 * rule.min_mass_kg;
-  EXPECT_FALSE(CheckMass(rigid, kK, mount, site).kept);
+  EXPECT_FALSE(hil::CheckMass(rigid, kK, mount, site).kept);
   mount.mass_kg = 1.01 * rule.min_mass_kg;
-  EXPECT_TRUE(CheckMass(rigid, kK, mount, site).kept);
+  EXPECT_TRUE(hil::CheckMass(rigid, kK, mount, site).kept);
   mount.inertia_kg_m2.setConstant(0.005);
-  EXPECT_TRUE(std::isinf(CheckMass(rigid, kK, mount, site).min_mass_kg))
+  EXPECT_TRUE(std::isinf(hil::CheckMass(rigid, kK, mount, site).min_mass_kg))
       << "it turns away, whatever its mass";
 }
 
-TEST(CompliantLoop, WithoutComplianceItIsTheRigidLoop) {
-  CompliantLoopParams params = LoopOf(20e3, 3, 20);
-  const double rigid = CompliantLoop(params).SpectralRadius();
-  params.link = LoopLink{};
-  EXPECT_NEAR(CompliantLoop(params).SpectralRadius(), rigid, 1e-9);
+TEST(hil::CompliantLoop, WithoutComplianceItIsTheRigidLoop) {
+  hil::CompliantLoopParams params = LoopOf(20e3, 3, 20);
+  const double rigid = hil::CompliantLoop(params).SpectralRadius();
+  params.link = hil::LoopLink{};
+  EXPECT_NEAR(hil::CompliantLoop(params).SpectralRadius(), rigid, 1e-9);
   params.loop.wall.age_ticks = 1;
-  EXPECT_THROW(CompliantLoop{params}, std::invalid_argument) << "its planes are evaluated in the tick";
+  EXPECT_THROW(hil::CompliantLoop{params}, std::invalid_argument) << "its planes are evaluated in the tick";
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -3,7 +3,7 @@
 #include "hil/loops/admittance_loop.h"
 #include "studies/stability/guided_loop.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 GuidedLoopParams Loop() {
@@ -34,14 +34,14 @@ TEST(GuidanceStability, AtNoLeverItIsTheLoopOfOneAxis) {
   params.lever_m = 0.0;
   params.guidance.lateral.stiffness = params.guidance.cone.stiffness = 0.0;
   int stable = 0, all = 0;
-  for (const GridHand& hand : HandGrid()) {
+  for (const hil::GridHand& hand : hil::HandGrid()) {
     params.hand = hand;
-    const AdmittanceLoopParams axis{.hand = hand,
-                                    .mass_kg = params.mass_kg,
-                                    .damping_Ns_per_m = params.damping_Ns_per_m,
-                                    .arm = params.arm,
-                                    .sensor_delay = params.sensor_delay};
-    const double radius = AdmittanceLoop(axis).SpectralRadius();
+    const hil::AdmittanceLoopParams axis{.hand = hand,
+                                         .mass_kg = params.mass_kg,
+                                         .damping_Ns_per_m = params.damping_Ns_per_m,
+                                         .arm = params.arm,
+                                         .sensor_delay = params.sensor_delay};
+    const double radius = hil::AdmittanceLoop(axis).SpectralRadius();
     EXPECT_EQ(GuidedLoop(params).IsStable(), radius < 1.0 + 1e-7) << hand.name;
     stable += radius < 1.0 ? 1 : 0;
     ++all;
@@ -55,7 +55,7 @@ TEST(GuidanceStability, ShippedGainsMakeNoHandUnstable) {
   const std::vector<HeldHand> hands = HandsStableWithoutGuidance(params);
   EXPECT_EQ(hands.size(), 95u) << "15 Hz, 3 ms, three levers";
   EXPECT_TRUE(HandsThatGuidanceMakesUnstable(params, hands).empty());
-  const Boundary boundary = GuidanceBoundary(params, hands, 10.0);
+  const hil::Boundary boundary = GuidanceBoundary(params, hands, 10.0);
   EXPECT_GT(boundary.value, 2.0) << "the shipped gains are at most half of the boundary";
   EXPECT_TRUE(boundary.crossed) << "and there is one";
 }
@@ -71,14 +71,14 @@ TEST(GuidanceStability, AStiffFunnelOrAnOldSensorMakesSomeUnstable) {
 
 // Depth has no lever: the wall of the one-axis loop, evaluated in the tick.
 TEST(GuidanceStability, AlongTheAxisTwentyNewtonsPerMillimetreHaveMargin) {
-  for (const GridHand& hand : HandGrid()) {
-    AdmittanceLoopParams axis{.hand = hand, .mass_kg = 1.7, .damping_Ns_per_m = 30.0};
-    if (AdmittanceLoop(axis).SpectralRadius() >= 1.0 || hand.name == "clamp" || hand.name == "fixture")
+  for (const hil::GridHand& hand : hil::HandGrid()) {
+    hil::AdmittanceLoopParams axis{.hand = hand, .mass_kg = 1.7, .damping_Ns_per_m = 30.0};
+    if (hil::AdmittanceLoop(axis).SpectralRadius() >= 1.0 || hand.name == "clamp" || hand.name == "fixture")
       continue;
     axis.wall.stiffness_N_per_m = 2.0 * control::kMaxDepthStiffness_N_per_m;
-    EXPECT_LT(AdmittanceLoop(axis).SpectralRadius(), 1.0) << hand.name;
+    EXPECT_LT(hil::AdmittanceLoop(axis).SpectralRadius(), 1.0) << hand.name;
   }
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -9,13 +9,13 @@
 #include "hil/operator/hand_grid.h"
 #include "tests/oracles/loop_growth.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
-const GridHand kFree{"nobody", 0.0, 0.0, 0.0}, kFirm{"firm", 500.0, 20.0, 1.5};
+const hil::GridHand kFree{"nobody", 0.0, 0.0, 0.0}, kFirm{"firm", 500.0, 20.0, 1.5};
 
-AdmittanceLoopParams Loop(const GridHand& hand, double tool_kg, double share, double hz = 15.0) {
-  AdmittanceLoopParams params{.hand = hand, .wall = {}, .arm = {}};
+hil::AdmittanceLoopParams Loop(const hil::GridHand& hand, double tool_kg, double share, double hz = 15.0) {
+  hil::AdmittanceLoopParams params{.hand = hand, .wall = {}, .arm = {}};
   params.tool_mass_kg = tool_kg;
   params.inertia_share = share;
   params.acceleration_hz = hz;
@@ -23,20 +23,20 @@ AdmittanceLoopParams Loop(const GridHand& hand, double tool_kg, double share, do
 }
 
 // The largest stable share.
-double GreatestShare(const GridHand& hand, double tool_kg, double hz = 15.0) {
-  return FirstCrossing(
+double GreatestShare(const hil::GridHand& hand, double tool_kg, double hz = 15.0) {
+  return hil::FirstCrossing(
              [&](double share) {
-               return AdmittanceLoop(Loop(hand, tool_kg, share, hz)).SpectralRadius() < 1.0 + 1e-9;
+               return hil::AdmittanceLoop(Loop(hand, tool_kg, share, hz)).SpectralRadius() < 1.0 + 1e-9;
              },
              {.from = 0.01, .to = 20.0, .factor = 1.02, .tolerance = 1e-4})
       .value;
 }
 
 TEST(InertiaStability, WithoutAShareItIsTheLoopOfAHeavierHand) {
-  AdmittanceLoopParams heavier = Loop(kFirm, 0.0, 0.0);
+  hil::AdmittanceLoopParams heavier = Loop(kFirm, 0.0, 0.0);
   heavier.hand.mass_kg += 1.2;
-  EXPECT_NEAR(AdmittanceLoop(Loop(kFirm, 1.2, 0.0)).SpectralRadius(),
-              AdmittanceLoop(heavier).SpectralRadius(), 1e-12);
+  EXPECT_NEAR(hil::AdmittanceLoop(Loop(kFirm, 1.2, 0.0)).SpectralRadius(),
+              hil::AdmittanceLoop(heavier).SpectralRadius(), 1e-12);
 }
 
 // Beyond 1 + m_v / m_t the virtual tool has negative mass. The arm's lag, which also acts on the sensor's
@@ -45,7 +45,7 @@ TEST(InertiaStability, TheGreatestShareIsWhereTheVirtualMassIsUsedUp) {
   for (const double tool_kg : {0.5, 1.2, 2.5}) {
     const double used_up = 1.0 + 3.0 / tool_kg;
     for (const double hz : {10.0, 15.0, 60.0})
-      for (const GridHand& hand : {kFree, kFirm}) {
+      for (const hil::GridHand& hand : {kFree, kFirm}) {
         const double bound = GreatestShare(hand, tool_kg, hz);
         EXPECT_GT(bound, (hand.mass_kg > 0.0 ? 0.93 : 1.0) * used_up)
             << tool_kg << " kg, " << hz << " Hz, " << hand.name;
@@ -57,7 +57,7 @@ TEST(InertiaStability, TheGreatestShareIsWhereTheVirtualMassIsUsedUp) {
 TEST(InertiaStability, AShareBeyondItGrowsInTimeAndOneBelowDecays) {
   const double bound = GreatestShare(kFirm, 2.5);
   const auto growth = [&](double share) {
-    const AdmittanceLoop loop(Loop(kFirm, 2.5, share));
+    const hil::AdmittanceLoop loop(Loop(kFirm, 2.5, share));
     return GrowthPerPeriod([&](const Eigen::VectorXd& s) { return loop.Step(s); }, loop.size(), 2000, 20'000);
   };
   EXPECT_LT(growth(0.95 * bound), -1e-5);
@@ -69,11 +69,11 @@ TEST(InertiaStability, AShareBeyondItGrowsInTimeAndOneBelowDecays) {
 TEST(InertiaStability, EveryHandStandsSevenTenthsAtThirtyFiveNewtonSecondsPerMeterAndNotTheWhole) {
   const auto unstable_hands = [](double share, double damping_Ns_per_m) {
     int count = 0;
-    for (const GridHand& hand : HandGrid()) {
+    for (const hil::GridHand& hand : hil::HandGrid()) {
       if (hand.stiffness_N_per_m > 3000.0) continue;
-      AdmittanceLoopParams loop = Loop(hand, 1.2, share);
+      hil::AdmittanceLoopParams loop = Loop(hand, 1.2, share);
       loop.damping_Ns_per_m = damping_Ns_per_m;
-      if (AdmittanceLoop(loop).SpectralRadius() >= 1.0) ++count;
+      if (hil::AdmittanceLoop(loop).SpectralRadius() >= 1.0) ++count;
     }
     return count;
   };
@@ -86,4 +86,4 @@ TEST(InertiaStability, EveryHandStandsSevenTenthsAtThirtyFiveNewtonSecondsPerMet
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

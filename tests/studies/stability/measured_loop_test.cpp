@@ -8,12 +8,12 @@
 
 #include <gtest/gtest.h>
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 constexpr std::array kExcited_hz{0.5,   0.75,  1.25,  1.75,  2.25,  3.25,  4.25,  5.75,  7.25,  9.25,
                                  11.75, 14.75, 18.25, 22.25, 26.75, 31.75, 37.25, 43.25, 49.75, 56.75};
-const GridHand kGrip{"grip", 3e3, 20.0, 1.5};
+const hil::GridHand kGrip{"grip", 3e3, 20.0, 1.5};
 
 // Lines as a perfect measurement would have them; noise is that of each line's real and imaginary part.
 std::vector<PlantLine> LinesOf(const ResponseModel& truth, double noise = 0.0, std::uint64_t seed = 1) {
@@ -31,16 +31,16 @@ std::vector<PlantLine> LinesOf(const ResponseModel& truth, double noise = 0.0, s
 // The poles of the loop's matrix are the zeros of 1 + L, with the hand's acceleration as the loop takes it.
 TEST(MeasuredLoop, LawTimesArmTimesHandHasTheMatrixsPoles) {
   for (const double dead : {3.0, 3.4}) {
-    for (const LoopWall& wall :
-         {LoopWall{}, LoopWall{.stiffness_N_per_m = 20e3},
-          LoopWall{.stiffness_N_per_m = 8e3, .damping_Ns_per_m = 2.0, .age_ticks = 2}}) {
-      AdmittanceLoopParams params{.hand = kGrip, .mass_kg = 1.7, .damping_Ns_per_m = 30.0, .wall = wall};
+    for (const hil::LoopWall& wall :
+         {hil::LoopWall{}, hil::LoopWall{.stiffness_N_per_m = 20e3},
+          hil::LoopWall{.stiffness_N_per_m = 8e3, .damping_Ns_per_m = 2.0, .age_ticks = 2}}) {
+      hil::AdmittanceLoopParams params{.hand = kGrip, .mass_kg = 1.7, .damping_Ns_per_m = 30.0, .wall = wall};
       params.arm.dead_cycles = dead;
       const LawResponse law(params);
-      const LoopArm arm = LinearArm(params.arm, params.period_s);
+      const hil::LoopArm arm = hil::LinearArm(params.arm, params.period_s);
       int checked = 0;
       const Eigen::VectorXcd poles =
-          Eigen::EigenSolver<Eigen::MatrixXd>(AdmittanceLoop(params).Matrix(), false).eigenvalues();
+          Eigen::EigenSolver<Eigen::MatrixXd>(hil::AdmittanceLoop(params).Matrix(), false).eigenvalues();
       for (const std::complex<double>& z : poles) {
         if (std::abs(z) < 0.5) continue;  // delays: no digits are left there
         const Eigen::Matrix2cd from_state =
@@ -63,10 +63,10 @@ TEST(MeasuredLoop, LawTimesArmTimesHandHasTheMatrixsPoles) {
 TEST(MeasuredLoop, ModelResponseIsThatOfTheShippedArm) {
   constexpr double kHz = 12.5, kPeriod_s = 1e-3;
   for (const double dead : {0.0, 3.0, 4.3}) {
-    const ServoArmParams params{.damping_ratio = 0.8, .dead_cycles = dead};
+    const hil::ServoArmParams params{.damping_ratio = 0.8, .dead_cycles = dead};
     std::array<kinematics::JointLimits, 7> limits;
     for (auto& limit : limits) limit.velocity_rad_per_s = 1e9;
-    ServoArm arm(params, limits, kPeriod_s, kinematics::JointVector::Zero());
+    hil::ServoArm arm(params, limits, kPeriod_s, kinematics::JointVector::Zero());
     std::complex<double> sum(0.0, 0.0);
     constexpr int kSettle = 4000, kTicks = 4000;
     for (int k = 0; k < kSettle + kTicks; ++k) {
@@ -82,7 +82,7 @@ TEST(MeasuredLoop, ModelResponseIsThatOfTheShippedArm) {
 // acceleration as the mean of the period that ends, which is the nearer to that of a hand the shorter the
 // period is.
 constexpr double kFine_s = 0.25e-3;
-AdmittanceLoopParams FineLoop(const GridHand& hand) {
+hil::AdmittanceLoopParams FineLoop(const hil::GridHand& hand) {
   return {.hand = hand, .mass_kg = 1.7, .arm = {.dead_cycles = 12}, .sensor_delay = 4, .period_s = kFine_s};
 }
 const ResponseModel kFineModel{.arm = {.dead_cycles = 12}, .period_s = kFine_s};
@@ -91,10 +91,10 @@ const ResponseModel kFineModel{.arm = {.dead_cycles = 12}, .period_s = kFine_s};
 // where the loop oscillates faster.
 TEST(MeasuredLoop, DragsAreTheMatrixsWithinTwoPercentAndWallsWithinTen) {
   const MeasuredPlant response(LinesOf(kFineModel), kFineModel);
-  for (const GridHand& hand :
-       {kGrip, GridHand{"light", 1500.0, 2.0, 0.3}, GridHand{"hard", 10e3, 20.0, 1.5}}) {
-    AdmittanceLoopParams loop = FineLoop(hand);
-    const double drag = MinDrag(loop);
+  for (const hil::GridHand& hand :
+       {kGrip, hil::GridHand{"light", 1500.0, 2.0, 0.3}, hil::GridHand{"hard", 10e3, 20.0, 1.5}}) {
+    hil::AdmittanceLoopParams loop = FineLoop(hand);
+    const double drag = hil::MinDrag(loop);
     for (const double share : {0.98, 1.02}) {
       loop.damping_Ns_per_m = share * drag;
       const LoopMargins margins = JudgeMeasuredLoop(response, {.loop = loop, .sensor_delay_s = 1e-3});
@@ -102,10 +102,10 @@ TEST(MeasuredLoop, DragsAreTheMatrixsWithinTwoPercentAndWallsWithinTen) {
       EXPECT_EQ(margins.unstable_poles, share > 1.0 ? 0 : 2) << hand.name;
     }
   }
-  AdmittanceLoopParams walled = FineLoop({"firm", 500.0, 20.0, 1.5});
+  hil::AdmittanceLoopParams walled = FineLoop({"firm", 500.0, 20.0, 1.5});
   for (const int age : {0, 4, 20}) {
     walled.wall = {.age_ticks = age};
-    const double most = MaxWallStiffness(walled).value;
+    const double most = hil::MaxWallStiffness(walled).value;
     for (const double share : {0.96, age == 0 ? 1.1 : 1.05}) {
       walled.wall.stiffness_N_per_m = share * most;
       EXPECT_EQ(AreAllStable(response, {.loop = walled, .sensor_delay_s = 1e-3}, {{walled.hand}}),
@@ -120,10 +120,10 @@ TEST(MeasuredLoop, DragsAreTheMatrixsWithinTwoPercentAndWallsWithinTen) {
 TEST(MeasuredLoop, AtAMillisecondItAsksForUpToEightPercentMoreDragThanTheMatrix) {
   const ResponseModel model;
   const MeasuredPlant response(LinesOf(model), model);
-  for (const GridHand& hand :
-       {kGrip, GridHand{"light", 1500.0, 2.0, 0.3}, GridHand{"hard", 10e3, 20.0, 1.5}}) {
-    AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};
-    const double drag = MinDrag(loop);
+  for (const hil::GridHand& hand :
+       {kGrip, hil::GridHand{"light", 1500.0, 2.0, 0.3}, hil::GridHand{"hard", 10e3, 20.0, 1.5}}) {
+    hil::AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};
+    const double drag = hil::MinDrag(loop);
     for (const double share : {0.99, 1.08}) {
       loop.damping_Ns_per_m = share * drag;
       EXPECT_EQ(JudgeMeasuredLoop(response, {.loop = loop, .sensor_delay_s = 1e-3}).stable, share > 1.0)
@@ -135,14 +135,14 @@ TEST(MeasuredLoop, AtAMillisecondItAsksForUpToEightPercentMoreDragThanTheMatrix)
 // The gain margin is the factor on the hand at which the matrix becomes unstable.
 TEST(MeasuredLoop, GainMarginIsTheFactorOnTheHand) {
   const MeasuredPlant response(LinesOf(kFineModel), kFineModel);
-  AdmittanceLoopParams loop = FineLoop(kGrip);
+  hil::AdmittanceLoopParams loop = FineLoop(kGrip);
   loop.damping_Ns_per_m = 40.0;
   const LoopMargins margins = JudgeMeasuredLoop(response, {.loop = loop, .sensor_delay_s = 1e-3});
   ASSERT_TRUE(margins.stable);
-  const double factor = FirstCrossing(
+  const double factor = hil::FirstCrossing(
                             [&](double gain) {
                               loop.hand = {"", gain * 3e3, gain * 20.0, gain * 1.5};
-                              return AdmittanceLoop(loop).SpectralRadius() < 1.0;
+                              return hil::AdmittanceLoop(loop).SpectralRadius() < 1.0;
                             },
                             {.from = 1.0, .to = 20.0})
                             .value;
@@ -158,11 +158,11 @@ TEST(MeasuredLoop, TheMeasurementDecidesNotTheModel) {
   const ResponseModel truth{.arm = {.bandwidth_hz = 13.0, .damping_ratio = 1.1, .dead_cycles = 16.8},
                             .period_s = kFine_s};
   const MeasuredPlant response(LinesOf(truth), kFineModel);
-  AdmittanceLoopParams loop = FineLoop(kGrip);
+  hil::AdmittanceLoopParams loop = FineLoop(kGrip);
   loop.arm = truth.arm;
-  const double drag = MinDrag(loop);
+  const double drag = hil::MinDrag(loop);
   loop.arm = kFineModel.arm;
-  EXPECT_GT(drag, 1.1 * MinDrag(loop));
+  EXPECT_GT(drag, 1.1 * hil::MinDrag(loop));
   for (const double share : {0.97, 1.03}) {
     loop.damping_Ns_per_m = share * drag;
     EXPECT_EQ(JudgeMeasuredLoop(response, {.loop = loop, .sensor_delay_s = 1e-3}).stable, share > 1.0)
@@ -195,8 +195,8 @@ TEST(MeasuredLoop, NoiseHasItsRadius) {
     }
   }
   EXPECT_NEAR(static_cast<double>(within) / all, 0.95, 0.03);
-  AdmittanceLoopParams loop = FineLoop(kGrip);
-  loop.damping_Ns_per_m = 1.03 * MinDrag(loop);
+  hil::AdmittanceLoopParams loop = FineLoop(kGrip);
+  loop.damping_Ns_per_m = 1.03 * hil::MinDrag(loop);
   const MeasuredLoopParams params{.loop = loop, .sensor_delay_s = 1e-3};
   EXPECT_TRUE(JudgeMeasuredLoop(MeasuredPlant(LinesOf(truth), truth), params).robust);
   std::vector<PlantLine> uncertain = LinesOf(truth);
@@ -210,10 +210,10 @@ TEST(MeasuredLoop, RefusesWhatIsNoResponse) {
   EXPECT_THROW(MeasuredPlant({{.hz = 1.0}}, {}), std::invalid_argument);
   EXPECT_THROW(MeasuredPlant({{.hz = 2.0}, {.hz = 1.0}}, {}), std::invalid_argument);
   EXPECT_THROW(MeasuredPlant({{.hz = 2.0}, {.hz = 600.0}}, {}), std::invalid_argument);
-  AdmittanceLoopParams measured_wall;
-  measured_wall.wall = {.stiffness_N_per_m = 1e3, .on = WallOn::kMeasured};
+  hil::AdmittanceLoopParams measured_wall;
+  measured_wall.wall = {.stiffness_N_per_m = 1e3, .on = hil::WallOn::kMeasured};
   EXPECT_THROW(LawResponse{measured_wall}, std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

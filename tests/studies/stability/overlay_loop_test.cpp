@@ -7,7 +7,7 @@
 
 #include "config/reading/load.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 OverlayLoopParams Loop(bool torque) {
@@ -25,7 +25,7 @@ OverlayLoopParams Loop(bool torque) {
 }
 
 double Boundary_N_per_m(OverlayLoopParams loop) {
-  return FirstCrossing(
+  return hil::FirstCrossing(
              [&](double stiffness) {
                loop.wall.stiffness_N_per_m = stiffness;
                return OverlayLoop(loop).IsStable();
@@ -61,7 +61,7 @@ TEST(OverlayLoop, DeadTimeAndAgeEachCostStiffness) {
 // The oscillation of a heavy hand on the wall is that of a mass on a spring: no wall is needed to be free of
 // it.
 TEST(OverlayLoop, AHandIsStableWithoutAWall) {
-  for (const GridHand& hand : HandGrid()) {
+  for (const hil::GridHand& hand : hil::HandGrid()) {
     if (hand.stiffness_N_per_m > 3e3) continue;
     OverlayLoopParams loop = Loop(true);
     loop.hand = hand;
@@ -70,4 +70,4 @@ TEST(OverlayLoop, AHandIsStableWithoutAWall) {
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

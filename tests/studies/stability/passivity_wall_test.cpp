@@ -12,17 +12,17 @@
 #include "control/stability/passivity.h"
 #include "hil/loops/admittance_loop.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 // A light hand, for which the wall's limit is 2.9 kN/m (the first test); the design's, with an acceleration
 // just after the command's step, was 3.3.
-AdmittanceLoopParams OldWall(double stiffness_N_per_m) {
-  AdmittanceLoopParams loop;
+hil::AdmittanceLoopParams OldWall(double stiffness_N_per_m) {
+  hil::AdmittanceLoopParams loop;
   loop.hand = {"light", 100.0, 4.0, 0.3};
   loop.mass_kg = 3.0;
   loop.damping_Ns_per_m = 8.0;
-  loop.wall = {.stiffness_N_per_m = stiffness_N_per_m, .on = WallOn::kCommanded, .age_ticks = 5};
+  loop.wall = {.stiffness_N_per_m = stiffness_N_per_m, .on = hil::WallOn::kCommanded, .age_ticks = 5};
   return loop;
 }
 
@@ -33,7 +33,7 @@ struct Ripple {
 };
 
 // Pressed with 40 N from 2 mm above, for 4 s. The planes, and so the force, belong to the pose 5 ms ago.
-Ripple Press(const AdmittanceLoopParams& p, bool acts) {
+Ripple Press(const hil::AdmittanceLoopParams& p, bool acts) {
   constexpr double kPress_N = 40.0;
   const double T = p.period_s;
   control::AdmittanceParams law;
@@ -54,7 +54,7 @@ Ripple Press(const AdmittanceLoopParams& p, bool acts) {
   for (kinematics::JointLimits& limits : unlimited)
     limits.velocity_rad_per_s = std::numeric_limits<double>::max();
   constexpr double kFrom_m = 2e-3;
-  ServoArm arm(p.arm, unlimited, T, kinematics::JointVector::Constant(kFrom_m));
+  hil::ServoArm arm(p.arm, unlimited, T, kinematics::JointVector::Constant(kFrom_m));
   double before_m_per_s = 0.0;
   std::deque<double> felt(static_cast<std::size_t>(p.sensor_delay) + 1, 0.0);
   control::AdmittanceState tool;
@@ -100,7 +100,7 @@ Ripple Press(const AdmittanceLoopParams& p, bool acts) {
 }
 
 TEST(PassivityWall, AForceOf5MillisecondsIsStableUpTo2900NewtonsAMetre) {
-  EXPECT_NEAR(MaxWallStiffness(OldWall(1e3)).value, 2880.0, 15.0);
+  EXPECT_NEAR(hil::MaxWallStiffness(OldWall(1e3)).value, 2880.0, 15.0);
 }
 
 TEST(PassivityWall, StifferThanThatItRipplesWithoutTheControllerAndIsCalmWithIt) {
@@ -116,10 +116,10 @@ TEST(PassivityWall, StifferThanThatItRipplesWithoutTheControllerAndIsCalmWithIt)
 TEST(PassivityWall, OnAStableWallItDoesNoHarmAndOnFreshPlanesItNeverActs) {
   EXPECT_LE(Press(OldWall(1500.0), true).rms_N, Press(OldWall(1500.0), false).rms_N + 0.1)
       << "stable by itself: no worse with it";
-  AdmittanceLoopParams fresh = OldWall(20e3);
+  hil::AdmittanceLoopParams fresh = OldWall(20e3);
   fresh.wall.age_ticks = 0;
   EXPECT_EQ(Press(fresh, true).acted, 0) << "planes that are evaluated in the tick";
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

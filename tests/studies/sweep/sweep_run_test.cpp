@@ -10,7 +10,7 @@
 #include "studies/sweep/sweep_result.h"
 #include "tests/io/temporary_folder.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 class Sweep : public testing::Test {
@@ -111,4 +111,4 @@ TEST_F(Sweep, QuantilesAreByNearestRank) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 #include "kinematics/lbr_arm.h"
 #include "studies/failures/arm_bench.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 using Complex = std::complex<double>;
@@ -19,7 +19,7 @@ constexpr double kTick_s = 0.001;
 constexpr double kLag_s = 2.0 / (2.0 * std::numbers::pi * 15.0) + 0.003 + 0.001 + 0.0005;
 
 // The scenarios' arm, with shoulder and elbow away from every limit and singular posture.
-HandleBenchParams Params(ArmLevel level) {
+HandleBenchParams Params(hil::ArmLevel level) {
   HandleBenchParams params;
   params.arm.level = level;
   params.arm.lbr = ScenarioArm();
@@ -66,7 +66,7 @@ Complex ServoLag(double bandwidth_hz, double damping, int dead, double hz) {
 }
 
 TEST(HandleBench, OfAnArmWithoutLagIsTheLawToWithinItsOwnSampling) {
-  const HandleBenchParams params = Params(ArmLevel::kKinematic);
+  const HandleBenchParams params = Params(hil::ArmLevel::kKinematic);
   for (const double hz : {0.1, 1.0, 10.0, 30.0}) {
     const std::vector<HandlePoint> points = SweepFree(params, {.axis = 2, .frequencies_hz = {hz}});
     const Complex expected = ImpedanceOf(LawTravel(3.0, 20.0, 1, hz), hz);
@@ -78,7 +78,7 @@ TEST(HandleBench, OfAnArmWithoutLagIsTheLawToWithinItsOwnSampling) {
 
 TEST(HandleBench, TheArmsLagIsFeltAsMassThatGrowsWithTheDrag) {
   for (const double drag : {20.0, 150.0}) {
-    HandleBenchParams params = Params(ArmLevel::kServo);
+    HandleBenchParams params = Params(hil::ArmLevel::kServo);
     params.servo.admittance.damping_Ns_per_m.setConstant(drag);
     for (const double hz : {0.1, 1.0, 5.0}) {
       const std::vector<HandlePoint> points = SweepFree(params, {.axis = 0, .frequencies_hz = {hz}});
@@ -93,7 +93,7 @@ TEST(HandleBench, TheArmsLagIsFeltAsMassThatGrowsWithTheDrag) {
 }
 
 TEST(HandleBench, TurningIsMeasuredAsWell) {
-  const HandleBenchParams params = Params(ArmLevel::kKinematic);
+  const HandleBenchParams params = Params(hil::ArmLevel::kKinematic);
   const std::vector<HandlePoint> points = SweepFree(
       params, {.axis = 4, .frequencies_hz = {1.0}, .max_travel = 0.02, .max_speed = 0.3, .max_wrench = 2.0});
   const Complex expected = ImpedanceOf(LawTravel(0.15, 1.5, 1, 1.0), 1.0);
@@ -101,7 +101,7 @@ TEST(HandleBench, TurningIsMeasuredAsWell) {
 }
 
 TEST(HandleBench, AWallIsFeltWithItsOwnStiffness) {
-  const HandleBenchParams params = Params(ArmLevel::kServo);
+  const HandleBenchParams params = Params(hil::ArmLevel::kServo);
   const HandlePoint point =
       Shake(params, {.axis = 2, .frequency_hz = 0.2, .amplitude = 5.0, .bias = 30.0}, HandleWall{20e3});
   const double w = 2.0 * std::numbers::pi * 0.2;
@@ -123,11 +123,11 @@ TEST(HandleBench, AFitGivesBackMassAndDrag) {
 }
 
 TEST(HandleBench, RefusesWhatItCanNotShake) {
-  const HandleBenchParams params = Params(ArmLevel::kKinematic);
+  const HandleBenchParams params = Params(hil::ArmLevel::kKinematic);
   EXPECT_THROW(static_cast<void>(Shake(params, {.axis = 6})), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(Shake(params, {.frequency_hz = 600.0})), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(Shake(params, {.amplitude = 0.0})), std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

@@ -10,7 +10,7 @@
 
 // The tool's inertia: its part in the simulated sensor's load, and the loop's compensation.
 
-namespace osteon::hil {
+namespace osteon::studies {
 namespace {
 
 control::ForceSensorParams Sensor() {
@@ -43,7 +43,7 @@ TEST(ToolInertiaLoad, TheControllerFindsTheHandInIt) {
   const Wrench hand{.f = {10.0, -20.0, 5.0}, .t = {0.5, 0.3, -0.7}};
 
   const Wrench F_S =
-      SubtractInertia(sensor, SensorLoad(sensor, X_WT, flange.X, hand), X_WT, flange.X, V_WT, A_WT);
+      hil::SubtractInertia(sensor, hil::SensorLoad(sensor, X_WT, flange.X, hand), X_WT, flange.X, V_WT, A_WT);
   const Wrench without = control::HandWrench(sensor, F_S, flange.X, X_WT.translation());
   const Wrench inertia = control::InertiaWrench(sensor, flange, X_WT.translation());
   EXPECT_GT((without.f - hand.f).norm(), 1.0) << "what moves the tool is in it";
@@ -53,7 +53,7 @@ TEST(ToolInertiaLoad, TheControllerFindsTheHandInIt) {
 
 HandleBenchParams Bench(double share) {
   HandleBenchParams params;
-  params.arm.level = ArmLevel::kServo;
+  params.arm.level = hil::ArmLevel::kServo;
   params.arm.lbr = kinematics::Iiwa14();
   params.X_FT.translation() = Vector3(0.0, 0.0, 0.2);
   params.arm.p_FT_m = params.X_FT.translation();
@@ -106,4 +106,4 @@ TEST(HandleBenchInertia, AlsoWhereItTurns) {
 }
 
 }  // namespace
-}  // namespace osteon::hil
+}  // namespace osteon::studies

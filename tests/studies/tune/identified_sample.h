@@ -9,10 +9,10 @@
 #include "config/reading/load_identified.h"
 #include "studies/stability/measured_loop.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 
 /// What a perfect identification of `truth` would write for a cell: encoders' response along z, in 20 lines.
-inline config::IdentifiedCell IdentifiedOf(const config::CellConfig& cell, const hil::ResponseModel& truth) {
+inline config::IdentifiedCell IdentifiedOf(const config::CellConfig& cell, const ResponseModel& truth) {
   config::IdentifiedCell identified;
   identified.valid_for = {
       .robot = cell.robot.name, .tool = cell.tool.tool.name, .period_s = cell.servo.period_s};
@@ -32,11 +32,11 @@ inline config::IdentifiedCell IdentifiedOf(const config::CellConfig& cell, const
       .axis = "z", .speed_m_per_s = 0.02, .by_force = !truth.structure.empty()};
   for (int i = 0; i < 20; ++i) {
     const double hz = 0.5 * std::pow(2.0, 6.8 * i / 19.0);
-    const std::complex<double> value = hil::ModelResponse(truth, hz);
+    const std::complex<double> value = ModelResponse(truth, hz);
     response.lines.push_back({.hz = hz, .re = value.real(), .im = value.imag(), .sd = 1e-4});
   }
   identified.response = {response};
-  for (const hil::StructureResonance& resonance : truth.structure)
+  for (const StructureResonance& resonance : truth.structure)
     identified.structure.push_back({.hz = resonance.hz, .damping_ratio = resonance.damping_ratio});
   identified.sensor = config::IdentifiedSensor{.delay_s = 1e-3, .noise_N = 0.08, .drift_N = 0.05};
   identified.link =
@@ -49,4 +49,4 @@ inline config::IdentifiedCell IdentifiedOf(const config::CellConfig& cell, const
   return identified;
 }
 
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -6,7 +6,7 @@
 
 #include "config/reading/load.h"
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 bool Never() { return false; }
@@ -29,9 +29,9 @@ TEST(TuneGuidance, TheDemoCellStandsTheShippedGains) {
   ASSERT_EQ(map.counts.size(), 5u);
   EXPECT_EQ(map.counts[0][0], 0) << "without guidance";
   EXPECT_EQ(map.counts[2][2], 0) << "the plan's gains";
-  Verdict verdict;
+  session::Verdict verdict;
   JudgeGuidance(map, verdict);
-  EXPECT_EQ(verdict.level, VerdictLevel::kGood);
+  EXPECT_EQ(verdict.level, session::VerdictLevel::kGood);
   EXPECT_EQ(ToJson(map).at("accepted"), true);
 }
 
@@ -42,9 +42,9 @@ TEST(TuneGuidance, ALateSensorIsRefused) {
   const GuidanceMap map = MapGuidance(task, cell.servo.admittance, ShippedGuidance(), Never);
   EXPECT_FALSE(map.Accepted());
   EXPECT_FALSE(map.unstable.empty());
-  Verdict verdict;
+  session::Verdict verdict;
   JudgeGuidance(map, verdict);
-  EXPECT_EQ(verdict.level, VerdictLevel::kBad);
+  EXPECT_EQ(verdict.level, session::VerdictLevel::kBad);
 }
 
 TEST(TuneGuidance, GainsBeyondHalfOfTheBoundaryAreRefused) {
@@ -58,4 +58,4 @@ TEST(TuneGuidance, GainsBeyondHalfOfTheBoundaryAreRefused) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -13,18 +13,16 @@
 
 // A tuning with measured figures in the place of assumed ones.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 config::CellConfig Demo() {
   return config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
 }
 
-hil::ResponseModel SlowArm() {
-  return {.arm = {.bandwidth_hz = 13.0, .damping_ratio = 1.2, .dead_cycles = 4.56}};
-}
+ResponseModel SlowArm() { return {.arm = {.bandwidth_hz = 13.0, .damping_ratio = 1.2, .dead_cycles = 4.56}}; }
 
-TuneTask MeasuredTask(const hil::ResponseModel& truth) {
+TuneTask MeasuredTask(const ResponseModel& truth) {
   const config::CellConfig cell = Demo();
   TuneTask task = TuneTaskOf(cell);
   UseIdentified(IdentifiedOf(cell, truth), task);
@@ -84,13 +82,13 @@ TEST(TuneMeasured, MarginsFollowTheResponseAndTheVerdictSaysSo) {
   EXPECT_FALSE(WorstOf(margins, "own")->margins.stable);
   EXPECT_EQ(WorstOf(margins, "own")->hand.name, "grip");
   EXPECT_TRUE(WorstOf(margins, "recommended")->margins.robust);
-  Verdict verdict;
+  session::Verdict verdict;
   JudgeMargins(margins, verdict);
-  EXPECT_EQ(verdict.level, VerdictLevel::kWarning) << "the cell's own gains only";
+  EXPECT_EQ(verdict.level, session::VerdictLevel::kWarning) << "the cell's own gains only";
   for (TuneMargin& margin : margins) margin.gains = "recommended";
-  Verdict bad;
+  session::Verdict bad;
   JudgeMargins(margins, bad);
-  EXPECT_EQ(bad.level, VerdictLevel::kBad);
+  EXPECT_EQ(bad.level, session::VerdictLevel::kBad);
   const nlohmann::json json = ToJson(margins);
   ASSERT_EQ(json.size(), 12u);
   for (const char* key : {"hand", "contact", "stable", "gain", "phase_deg", "modulus", "robust"})
@@ -101,7 +99,7 @@ TEST(TuneMeasured, MarginsFollowTheResponseAndTheVerdictSaysSo) {
 // A structure of 22 Hz: the encoders do not see it, and the gains that the arm's model would stand do not
 // stand it.
 TEST(TuneMeasured, WithAStructureTheResponseAloneDecides) {
-  hil::ResponseModel truth = SlowArm();
+  ResponseModel truth = SlowArm();
   truth.structure = {{.hz = 22.0, .damping_ratio = 0.03}};
   truth.delay_s = 1e-3;
   const TuneTask task = MeasuredTask(truth), without = MeasuredTask(SlowArm());
@@ -143,7 +141,7 @@ TEST(TunePage, ItsVerdictSaysSafeOrNotWhichGainsWhyAndWhatNext) {
   r.recommended = {1.7, 28.0};
   r.recommended_margin = 1.12;
   r.own_margin = 1.2;
-  const ReportVerdict safe = PlainVerdict(r);
+  const report::ReportVerdict safe = PlainVerdict(r);
   EXPECT_EQ(safe.text, "Safe: 1.7 kg and 28 N s/m");
   ASSERT_EQ(safe.reasons.size(), 3u);
   EXPECT_TRUE(safe.reasons[0].starts_with("Which gains: the cell's own")) << safe.reasons[0];
@@ -158,4 +156,4 @@ TEST(TunePage, ItsVerdictSaysSafeOrNotWhichGainsWhyAndWhatNext) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -8,7 +8,7 @@
 
 // The questions of `osteon tune` to the loop, and the results.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 TuneTask DemoTask() {
@@ -110,4 +110,4 @@ TEST(TuneStudy, TheVibrationIndexCarriesTheHandsThatTheGainsDoNot) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -7,7 +7,7 @@
 
 // A shipped cell in virtual time, with other tissues.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 const std::filesystem::path kShipped = std::filesystem::path(OSTEON_SOURCE_DIR) / "config";
@@ -57,4 +57,4 @@ TEST(CellTrial, RefusesATissueOrMaterialThatIsNone) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

@@ -9,7 +9,7 @@
 
 // A drill at constant feed against the closed form of the rate law.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 const std::filesystem::path kConfig = std::filesystem::path(OSTEON_SOURCE_DIR) / "config";
@@ -74,4 +74,4 @@ TEST(ConstantFeed, RefusesStepsThatAreNoneOrLeaveTheBlock) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

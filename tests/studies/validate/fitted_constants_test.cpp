@@ -14,7 +14,7 @@
 
 // What was fitted to what: the list agrees with the shipped materials, and no row judges what it calibrates.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 const std::filesystem::path kMaterials = std::filesystem::path(OSTEON_SOURCE_DIR) / "config" / "materials";
@@ -88,4 +88,4 @@ TEST(FittedConstants, TheRatioOverTheSpeedDependsOnTheEdgesShareAlone) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies

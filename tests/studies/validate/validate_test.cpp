@@ -12,7 +12,7 @@
 
 // The table of `osteon validate`: its rows, what they choose, their JSON and page.
 
-namespace osteon::app {
+namespace osteon::studies {
 namespace {
 
 using testing::HasSubstr;
@@ -89,10 +89,10 @@ TEST(Validate, CountsMissesAndLeavesCalibrationOut) {
   const std::string page = ValidationPage(rows, "osteon validate");
   EXPECT_THAT(page, HasSubstr("1 of 3 judged rows miss"));
   EXPECT_THAT(page, HasSubstr("Why it misses: shown"));
-  EXPECT_EQ(MarkupError(page), "");
+  EXPECT_EQ(report::MarkupError(page), "");
   const std::string plot = ValidationPlot(rows);
-  EXPECT_EQ(TextsOverlapping(plot), "");
-  EXPECT_EQ(TextOutside(plot), "");
+  EXPECT_EQ(report::TextsOverlapping(plot), "");
+  EXPECT_EQ(report::TextOutside(plot), "");
 }
 
 // A row through the whole way: drill, engine, verdict.
@@ -120,4 +120,4 @@ TEST(Validate, TheDemosHandFeelsWhatIsRendered) {
 }
 
 }  // namespace
-}  // namespace osteon::app
+}  // namespace osteon::studies
