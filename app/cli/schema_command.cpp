@@ -15,6 +15,7 @@
 #include "config/reading/named_file.h"
 #include "config/reading/strict/key_aliases.h"
 #include "config/reading/strict/key_table.h"
+#include "config/reading/strict/units.h"
 
 namespace osteon::app {
 namespace {
@@ -47,7 +48,7 @@ void ReadHelp(const fs::path& file, Help& help) {
 std::string UnitText(const std::string& key, const KeyInfo& info) {
   if (info.type != Type::kNumber && info.type != Type::kNumbers && info.type != Type::kWhole) return "";
   return fmt::format("{:.10g} … {:.10g}, in the unit at the key's end ({})", info.min, info.max,
-                     key.substr(key.find('_') == std::string::npos ? 0 : key.find('_') + 1));
+                     config::UnitEnding(key));
 }
 
 Json Enum(const std::vector<std::string>& words) {

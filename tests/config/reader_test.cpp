@@ -34,6 +34,7 @@ TEST(UnitsTest, KeysEndInTheirUnit) {
   EXPECT_EQ(UnitOf("stiffness_N_per_mm"), 1e3) << "the longest ending counts, not _mm";
   EXPECT_EQ(UnitOf("cutting_energy_J_per_mm3"), 1e9);
   EXPECT_EQ(UnitOf("density_g_per_cm3"), 1e3);
+  EXPECT_EQ(UnitEnding("edge_force_N_per_mm"), "N_per_mm") << "as a schema names it";
   EXPECT_DOUBLE_EQ(UnitOf("spindle_rpm").value(), 2.0 * std::numbers::pi / 60.0);
   EXPECT_DOUBLE_EQ(UnitOf("turn_deg_per_s").value(), std::numbers::pi / 180.0);
   EXPECT_FALSE(UnitOf("radius"));

@@ -66,9 +66,7 @@ constexpr Unit kUnits[] = {
     {"seed", 1.0},
 };
 
-}  // namespace
-
-std::optional<double> UnitOf(std::string_view key) {
+const Unit* FindUnit(std::string_view key) {
   const Unit* best = nullptr;
   for (const Unit& unit : kUnits) {
     if (!key.ends_with(unit.ending)) continue;
@@ -76,8 +74,19 @@ std::optional<double> UnitOf(std::string_view key) {
     if (before > 0 && key[before - 1] != '_') continue;
     if (best == nullptr || unit.ending.size() > best->ending.size()) best = &unit;
   }
-  if (best == nullptr) return std::nullopt;
-  return best->to_si;
+  return best;
+}
+
+}  // namespace
+
+std::optional<double> UnitOf(std::string_view key) {
+  const Unit* unit = FindUnit(key);
+  return unit ? std::optional(unit->to_si) : std::nullopt;
+}
+
+std::string_view UnitEnding(std::string_view key) {
+  const Unit* unit = FindUnit(key);
+  return unit ? unit->ending : std::string_view();
 }
 
 }  // namespace osteon::config
