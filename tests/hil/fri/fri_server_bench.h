@@ -32,7 +32,7 @@ struct Session {
   }
   // Sends this joint position as the answer to the present message.
   void Command(std::vector<double> q) {
-    Cycle(Command(++client.sequence, static_cast<std::uint32_t>(UintAt(message, {1, 2})), q));
+    Cycle(hil::Command(++client.sequence, static_cast<std::uint32_t>(UintAt(message, {1, 2})), q));
   }
   bool WalkTo(control::SessionState state) {
     for (int i = 0; i < 2000 && server.state() != state; ++i) Cycle();
