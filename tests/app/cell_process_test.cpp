@@ -21,7 +21,7 @@ bool Says(const Command& command, const std::string& words) {
   return command.Out().find(words) != std::string::npos;
 }
 
-TEST(session::CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
+TEST(CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -61,7 +61,7 @@ TEST(session::CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
 }
 
 // The same with a KR over RSI, at 4 ms.
-TEST(session::CellProcess, ARunFindsAKrOverRsiInAnotherProcess) {
+TEST(CellProcess, ARunFindsAKrOverRsiInAnotherProcess) {
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -95,7 +95,7 @@ TEST(session::CellProcess, ARunFindsAKrOverRsiInAnotherProcess) {
   GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
 }
 
-TEST(session::CellProcess, ACellThatIsKilledIsAStopOfTheRun) {
+TEST(CellProcess, ACellThatIsKilledIsAStopOfTheRun) {
   const TemporaryFolder folder, cell_folder;  // one for each process
   Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
@@ -111,7 +111,7 @@ TEST(session::CellProcess, ACellThatIsKilledIsAStopOfTheRun) {
   EXPECT_EQ(ReadComplete(folder.path() / "r.mcap").ticks.back().phase, control::Phase::kStopped);
 }
 
-TEST(session::CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
+TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
   const TemporaryFolder folder, cell_folder;  // one for each process
   Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port(), "--json", "cell.json"});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
@@ -135,7 +135,7 @@ TEST(session::CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
 }
 
 // As after a controller was killed in contact: the file is right, but a run may not begin here.
-TEST(session::CellProcess, ARunWhoseArmStandsInBoneFailsAndSaysHowDeep) {
+TEST(CellProcess, ARunWhoseArmStandsInBoneFailsAndSaysHowDeep) {
   const TemporaryFolder folder, cell_folder;
   const auto higher = folder.path() / "higher.yaml";
   io::test::WriteAll(higher, config::With(config::CellText("thin_plate"), "[620, 0, 210]", "[620, 0, 230]"));
@@ -151,7 +151,7 @@ TEST(session::CellProcess, ARunWhoseArmStandsInBoneFailsAndSaysHowDeep) {
   EXPECT_FALSE(Says(cell, "COMMANDING_ACTIVE"));
 }
 
-TEST(session::CellProcess, BothProcessesRunTheirRealTimeThreadsOnTheCpuThatWasNamed) {
+TEST(CellProcess, BothProcessesRunTheirRealTimeThreadsOnTheCpuThatWasNamed) {
   const TemporaryFolder folder;
   const WakeupWatch watch;
   const CommandResult run =
@@ -165,7 +165,7 @@ TEST(session::CellProcess, BothProcessesRunTheirRealTimeThreadsOnTheCpuThatWasNa
   EXPECT_EQ(summary.at("cell").at("arm").at("cpu"), 0);
 }
 
-TEST(session::CellProcess, APortThatIsTakenIsNamed) {
+TEST(CellProcess, APortThatIsTakenIsNamed) {
   const TemporaryFolder folder, cell_folder;  // one for each process
   Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();

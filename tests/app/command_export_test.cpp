@@ -29,7 +29,7 @@ struct Csv {
         rows.push_back(cells);
     }
   }
-  [[nodiscard]] double report::Number(std::size_t row, const std::string& column) const {
+  [[nodiscard]] double Number(std::size_t row, const std::string& column) const {
     for (std::size_t i = 0; i < columns.size(); ++i)
       if (columns[i] == column) return std::strtod(rows.at(row).at(i).c_str(), nullptr);
     ADD_FAILURE() << "no column " << column;

@@ -91,7 +91,7 @@ TEST(FailuresCommand, FailsWhereItCannotWrite) {
   EXPECT_NE(run.err.find("f.json"), std::string::npos) << run.err;
 }
 
-TEST(studies::FailuresJson, OneBoundThatIsNotKeptIsAFailure) {
+TEST(FailuresJson, OneBoundThatIsNotKeptIsAFailure) {
   studies::FailureRun good{.result = {.id = 1, .name = "a", .baseline_fails = true, .ours_passes = true}};
   studies::FailureRun kept_by_both{
       .result = {.id = 2, .name = "b", .baseline_fails = false, .ours_passes = true}};

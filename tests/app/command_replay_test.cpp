@@ -14,7 +14,7 @@ namespace {
 class ReplayCommandTest : public RecordedRun {
  protected:
   /// Replays and returns the JSON of --json; `code_` is the exit code.
-  nlohmann::json session::Replay(const std::filesystem::path& recording, std::vector<std::string> more = {}) {
+  nlohmann::json Replay(const std::filesystem::path& recording, std::vector<std::string> more = {}) {
     std::vector<std::string> arguments{"replay", recording.string(), "--json", "replay.json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const CommandResult run = RunCommand(folder_.path(), arguments);
@@ -41,7 +41,7 @@ class ReplayCommandTest : public RecordedRun {
 
 TEST_F(ReplayCommandTest, IsIdenticalBitForBit) {
   ASSERT_GT(BusyTick(), 0u);
-  const nlohmann::json json = session::Replay(Original());
+  const nlohmann::json json = Replay(Original());
   EXPECT_EQ(code_, 0);
   EXPECT_EQ(json.at("schema"), "osteon.replay/1");
   EXPECT_EQ(json.at("ticks"), recording_->ticks.size());
@@ -54,7 +54,7 @@ TEST_F(ReplayCommandTest, IsIdenticalBitForBit) {
 }
 
 TEST_F(ReplayCommandTest, WritingItAgainChangesNothing) {
-  session::Replay(Write(*recording_));
+  Replay(Write(*recording_));
   EXPECT_EQ(code_, 0) << "else the tests below would show nothing";
 }
 
@@ -63,7 +63,7 @@ TEST_F(ReplayCommandTest, SeesOneBitOfOneReading) {
   const std::size_t at = BusyTick();
   double& force_N = changed.ticks[at].input.F_sensor_S.f.x;
   force_N = std::bit_cast<double>(std::bit_cast<std::uint64_t>(force_N) ^ 1u);
-  const nlohmann::json json = session::Replay(Write(changed));
+  const nlohmann::json json = Replay(Write(changed));
   EXPECT_EQ(code_, 1);
   EXPECT_EQ(json.at("identical"), false);
   EXPECT_EQ(json.at("ticks"), recording_->ticks.size());
@@ -86,7 +86,7 @@ TEST_F(ReplayCommandTest, SeesAnotherContactModel) {
       found = true;
     }
   ASSERT_TRUE(found);
-  const nlohmann::json json = session::Replay(Write(changed));
+  const nlohmann::json json = Replay(Write(changed));
   EXPECT_EQ(code_, 1);
   EXPECT_LE(json.at("first_difference").at("tick").get<std::uint64_t>(), seen.tick);
   EXPECT_GE(json.at("first_difference").at("tick").get<std::uint64_t>() + 5, seen.tick);
@@ -100,7 +100,7 @@ TEST_F(ReplayCommandTest, SeesAStopThatWasNotAskedFor) {
     tick.input.stop = false;
   }
   ASSERT_GT(first_stop, 0u);
-  const nlohmann::json json = session::Replay(Write(changed));
+  const nlohmann::json json = Replay(Write(changed));
   EXPECT_EQ(code_, 1);
   EXPECT_EQ(json.at("first_difference").at("tick"), first_stop);
   EXPECT_EQ(json.at("first_difference").at("field"), "phase");
@@ -114,17 +114,17 @@ TEST_F(ReplayCommandTest, SeesAnotherGain) {
     const std::size_t value = file.content.find("mass_kg: [", at) + 10;
     file.content.insert(value, "1");  // 3 kg become 13
   }
-  const nlohmann::json json = session::Replay(Write(changed));
+  const nlohmann::json json = Replay(Write(changed));
   EXPECT_EQ(code_, 1);
   EXPECT_GT(json.at("different_ticks").get<std::uint64_t>(), 1000u);
 }
 
 TEST_F(ReplayCommandTest, AnotherCellInsteadOfTheRecordedOne) {
-  session::Replay(Original(), {"--cell", OSTEON_SOURCE_DIR "/config/cells/molar.yaml"});
+  Replay(Original(), {"--cell", OSTEON_SOURCE_DIR "/config/cells/molar.yaml"});
   EXPECT_EQ(code_, 0);
-  session::Replay(Original(), {"--cell", "molar"});
+  Replay(Original(), {"--cell", "molar"});
   EXPECT_EQ(code_, 0) << "by its name";
-  session::Replay(Original(), {"--cell", OSTEON_SOURCE_DIR "/config/cells/demo.yaml"});
+  Replay(Original(), {"--cell", OSTEON_SOURCE_DIR "/config/cells/demo.yaml"});
   EXPECT_EQ(code_, 1);
 }
 
@@ -132,7 +132,7 @@ TEST_F(ReplayCommandTest, SaysWhatCouldNotBeRunAgain) {
   const std::size_t at = BusyTick();
   io::Recording changed = *recording_;
   changed.ticks.erase(changed.ticks.begin() + static_cast<std::ptrdiff_t>(at));
-  nlohmann::json json = session::Replay(Write(changed));
+  nlohmann::json json = Replay(Write(changed));
   EXPECT_EQ(code_, 1);
   EXPECT_EQ(json.at("identical"), false);
   EXPECT_EQ(json.at("ticks"), at);
@@ -142,14 +142,14 @@ TEST_F(ReplayCommandTest, SaysWhatCouldNotBeRunAgain) {
   changed = *recording_;
   const std::uint64_t frame = changed.ticks[at].model_frame;
   std::erase_if(changed.frames, [&](const auto& each) { return each.model.frame == frame; });
-  json = session::Replay(Write(changed));
+  json = Replay(Write(changed));
   EXPECT_EQ(code_, 1);
   EXPECT_NE(json.at("not_run_reason").get<std::string>().find("saw frame " + std::to_string(frame)),
             std::string::npos);
 
   changed = *recording_;
   for (control::TickRecord& tick : changed.ticks) tick.input = {};
-  json = session::Replay(Write(changed));
+  json = Replay(Write(changed));
   EXPECT_EQ(code_, 1);
   EXPECT_EQ(json.at("ticks"), 0);
   EXPECT_NE(json.at("not_run_reason").get<std::string>().find("not recorded yet"), std::string::npos);
@@ -177,7 +177,7 @@ TEST_F(ReplayCommandTest, NeedsNothingButTheRecording) {
   std::filesystem::remove_all(root);
   for (const std::string tool : {"reamer:54", "broach"}) {
     const auto path = folder_.path() / tool / "recording.mcap";
-    const nlohmann::json json = session::Replay(path);
+    const nlohmann::json json = Replay(path);
     EXPECT_EQ(json.at("identical"), true) << tool << ": " << out_;
     EXPECT_GT(json.at("ticks").get<std::uint64_t>(), 200u);
     for (const io::ConfigFile& file : ReadComplete(path).session.config.files)
@@ -218,7 +218,7 @@ TEST_F(ReplayCommandTest, ARunInWallTimeIsIdenticalToo) {
   demo.Send(SIGINT);
   const int exit_code = demo.Wait().exit_code;
   EXPECT_TRUE(exit_code == 130 || exit_code == 1) << exit_code << ": " << demo.Err();
-  const nlohmann::json json = session::Replay(path);
+  const nlohmann::json json = Replay(path);
   EXPECT_EQ(json.at("identical"), true) << out_;
   EXPECT_EQ(json.at("not_run_ticks"), 0) << out_;
   EXPECT_GT(json.at("ticks").get<std::uint64_t>(), 100u);
@@ -231,7 +231,7 @@ TEST_F(ReplayCommandTest, AKilledRunIsIdenticalAsFarAsItGot) {
   ASSERT_TRUE(demo.WaitUntil([&] { return SizeOf(path) > 1'000'000; })) << demo.Err();
   demo.Send(SIGKILL);
   EXPECT_EQ(demo.Wait().exit_code, 128 + SIGKILL);
-  nlohmann::json json = session::Replay(path);
+  nlohmann::json json = Replay(path);
   EXPECT_EQ(json.at("complete"), false);
   EXPECT_EQ(json.at("identical"), true) << out_;
   EXPECT_GT(json.at("ticks").get<std::uint64_t>(), 500u);
@@ -239,7 +239,7 @@ TEST_F(ReplayCommandTest, AKilledRunIsIdenticalAsFarAsItGot) {
       RunCommand(folder_.path(), {"export", path.string(), "--recover", "--json", "e.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(ReadJson(folder_.path() / "e.json").at("recovered"), true);
-  json = session::Replay(folder_.path() / "killed/recording_recovered.mcap");
+  json = Replay(folder_.path() / "killed/recording_recovered.mcap");
   EXPECT_EQ(json.at("complete"), true);
   EXPECT_EQ(json.at("identical"), true) << out_;
 }

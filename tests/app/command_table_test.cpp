@@ -100,7 +100,7 @@ TEST_F(CommandTable, SynopsisNamesWhatIsRequired) {
   EXPECT_EQ(Synopsis(all.commands[1]), "osteon bench [options] subcommand");
 }
 
-TEST(base::WrapText, KeepsWordsWholeAndCountsCharactersNotBytes) {
+TEST(WrapText, KeepsWordsWholeAndCountsCharactersNotBytes) {
   EXPECT_EQ(base::WrapText("one two three", 0, 7), "one two\nthree");
   EXPECT_EQ(base::WrapText("one two three", 4, 11), "one two\n    three");
   EXPECT_EQ(base::WrapText("ä ä ä ä", 0, 7), "ä ä ä ä");

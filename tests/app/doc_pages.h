@@ -51,12 +51,12 @@ struct DocCommand {
 
 /// Texts of one file, and their replacements.
 struct DocDifference {
-  struct studies::Part {
+  struct Part {
     std::string before, after;
   };
   std::size_t line{0};
   std::string file;
-  std::vector<studies::Part> parts;
+  std::vector<Part> parts;
 };
 /// Lists the page's blocks marked `diff`.
 [[nodiscard]] std::vector<DocDifference> Differences(const DocPage& page);

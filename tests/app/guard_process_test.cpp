@@ -41,9 +41,7 @@ class GuardProcess : public testing::Test {
   [[nodiscard]] std::vector<std::string> Run() const {
     return {"run", file(), "--port", Port(), "--record", "r.mcap", "--overwrite", "--json", "run.json"};
   }
-  [[nodiscard]] nlohmann::json session::GuardReport() const {
-    return ReadJson(guard_folder_.path() / "guard.json");
-  }
+  [[nodiscard]] nlohmann::json GuardReport() const { return ReadJson(guard_folder_.path() / "guard.json"); }
   [[nodiscard]] nlohmann::json EndCell() {
     cell_->Send(SIGTERM);
     EXPECT_EQ(cell_->Wait().exit_code, 0);
@@ -74,7 +72,7 @@ TEST_F(GuardProcess, ARunThroughTheGuardEndsAsOneWithout) {
     guard_->Send(SIGTERM);
     const CommandResult guard = guard_->Wait();
     const nlohmann::json cell = EndCell();
-    const nlohmann::json report = session::GuardReport(), summary = ReadJson(run_folder_.path() / "run.json");
+    const nlohmann::json report = GuardReport(), summary = ReadJson(run_folder_.path() / "run.json");
     EXPECT_EQ(report.at("schema"), "osteon.guard/1");
     EXPECT_EQ(report.at("config_checksum"), summary.at("config_checksum")) << "both read the same files";
     if (run.exit_code != 0) {  // as without a guard
@@ -164,7 +162,7 @@ TEST_F(GuardProcess, AControllerThatIsKilledIsWithdrawnAtThePlc) {
       << cell.dump(2);
   guard_->Send(SIGTERM);
   const CommandResult guard = guard_->Wait();
-  const nlohmann::json report = session::GuardReport();
+  const nlohmann::json report = GuardReport();
   EXPECT_EQ(guard.exit_code, report.at("latched").get<bool>() ? 1 : 0);
 }
 

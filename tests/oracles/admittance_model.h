@@ -11,7 +11,7 @@
 // Model B of the design's stability page in plain scalars: the arm critically damped, its dead time at least
 // one whole period, the wall without damping. Shares no code with the loop that it judges but the parameters.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// The acceleration that the hand's mass feels in a sample.
 enum class HandAcceleration {
@@ -52,4 +52,4 @@ enum class HandAcceleration {
   return Eigen::EigenSolver<Eigen::MatrixXd>(loop, false).eigenvalues().cwiseAbs().maxCoeff();
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

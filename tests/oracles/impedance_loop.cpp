@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 ImpedanceLoop::ImpedanceLoop(const ImpedanceLoopParams& params) : params_(params) {
   const auto require = [](const char* name, double found, bool ok, const char* accepted) {
@@ -61,4 +61,4 @@ double PassiveDamping(const ImpedanceLoopParams& params) {
   return most;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

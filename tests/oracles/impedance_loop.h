@@ -2,7 +2,7 @@
 
 #include "hil/loops/linear_loop.h"
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Model A of the design's stability page: an impedance device, a mass on a viscous axis that receives a
 /// force command.
@@ -26,15 +26,15 @@ class ImpedanceLoop {
   explicit ImpedanceLoop(const ImpedanceLoopParams& params);
   [[nodiscard]] int size() const { return params_.delay + 3; }
   [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
-  [[nodiscard]] double hil::SpectralRadius() const;
+  [[nodiscard]] double SpectralRadius() const;
 
  private:
   ImpedanceLoopParams params_;
 };
 
 /// The largest wall stiffness before the first crossing [N/m].
-[[nodiscard]] hil::Boundary hil::MaxWallStiffness(ImpedanceLoopParams params,
-                                                  const hil::BoundaryScan& scan = {.from = 1.0, .to = 1e6});
+[[nodiscard]] hil::Boundary MaxWallStiffness(ImpedanceLoopParams params,
+                                             const hil::BoundaryScan& scan = {.from = 1.0, .to = 1e6});
 
 /// The device's own damping that makes it passive in any hand, which is stricter than stable alone:
 ///
@@ -45,4 +45,4 @@ class ImpedanceLoop {
 /// @returns the smallest such b [N s/m].
 [[nodiscard]] double PassiveDamping(const ImpedanceLoopParams& params);
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

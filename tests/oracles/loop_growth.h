@@ -7,7 +7,7 @@
 
 // Stability by running a loop: judges the spectral radius of the loop's matrix. Exact to about 1/periods.
 
-namespace osteon::hil {
+namespace osteon::studies {
 
 /// Natural logarithm of the growth in a period, found by running the loop: the mean over `periods`, after
 /// `settle` periods in which all modes but the slowest die out. The state is normalised on the way, so
@@ -29,4 +29,4 @@ namespace osteon::hil {
   return run(periods) / periods;
 }
 
-}  // namespace osteon::hil
+}  // namespace osteon::studies

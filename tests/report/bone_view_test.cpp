@@ -15,7 +15,7 @@ namespace {
 const SyntheticParams kStraight{
     .spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 400};
 
-CarvedSurface SurfaceOf(const studies::SyntheticRun& run, std::span<const Pose> X_GP,
+CarvedSurface SurfaceOf(const SyntheticRun& run, std::span<const Pose> X_GP,
                         std::size_t max_quads = 120'000) {
   const simulation::ToolPath path{.tool = &run.tool, .X_GP = X_GP};
   return CarveSurface({.bone = run.bone,
@@ -24,7 +24,7 @@ CarvedSurface SurfaceOf(const studies::SyntheticRun& run, std::span<const Pose> 
                        .max_quads = max_quads});
 }
 
-Pose Deepest(const studies::SyntheticRun& run) {
+Pose Deepest(const SyntheticRun& run) {
   Pose deepest = PathOf(run).front();
   for (const Pose& X : PathOf(run))
     if (X.translation().z() < deepest.translation().z()) deepest = X;
@@ -33,7 +33,7 @@ Pose Deepest(const studies::SyntheticRun& run) {
 
 // A path straight down the site's axis is its own ideal cavity: what is left is the grid's error.
 TEST(BoneView, AToolThatWentStraightInLeavesTheIdealCavity) {
-  const studies::SyntheticRun run = MakeSyntheticRun(kStraight);
+  const SyntheticRun run = MakeSyntheticRun(kStraight);
   const Vector3 axis = run.bone.site.axis;
   std::vector<Pose> path(2, Deepest(run));
   path[0].translation() = path[1].translation() + 0.05 * axis;
@@ -46,7 +46,7 @@ TEST(BoneView, AToolThatWentStraightInLeavesTheIdealCavity) {
 
 // A tool that also went 0.4 mm aside, at the depth of its floor, cut too much by up to that.
 TEST(BoneView, AToolThatWentAsideCutsBeyondTheIdealCavity) {
-  const studies::SyntheticRun run = MakeSyntheticRun(kStraight);
+  const SyntheticRun run = MakeSyntheticRun(kStraight);
   constexpr double kAside_m = 0.4e-3, kLift_m = 1e-6;
   std::vector<Pose> path(3, Deepest(run));
   path[0].translation() += 0.05 * Vector3(run.bone.site.axis);
@@ -60,7 +60,7 @@ TEST(BoneView, AToolThatWentAsideCutsBeyondTheIdealCavity) {
 }
 
 TEST(BoneView, TheGridIsCoarserWhereThereAreTooManyTriangles) {
-  const studies::SyntheticRun run = MakeSyntheticRun(kStraight);
+  const SyntheticRun run = MakeSyntheticRun(kStraight);
   const std::vector<Pose> path = PathOf(run);
   const CarvedSurface fine = SurfaceOf(run, path), coarse = SurfaceOf(run, path, fine.quads / 3);
   EXPECT_LE(coarse.quads, fine.quads / 3);
@@ -69,7 +69,7 @@ TEST(BoneView, TheGridIsCoarserWhereThereAreTooManyTriangles) {
 }
 
 TEST(BoneView, EveryVertexOfACutFaceHasADeviation) {
-  const studies::SyntheticRun run = MakeSyntheticRun(kStraight);
+  const SyntheticRun run = MakeSyntheticRun(kStraight);
   const std::vector<Pose> path = PathOf(run);
   const CarvedSurface carved = SurfaceOf(run, path);
   std::size_t cut = 0, at = 0;
@@ -85,7 +85,7 @@ TEST(BoneView, EveryVertexOfACutFaceHasADeviation) {
 }
 
 TEST(BoneView, WithoutAToolThatCutsThereIsABoneAndNoDeviation) {
-  studies::SyntheticRun run = MakeSyntheticRun(kStraight);
+  SyntheticRun run = MakeSyntheticRun(kStraight);
   run.tool.balls.clear();
   const CarvedSurface carved = SurfaceOf(run, {});
   EXPECT_GT(carved.quads, 1000U);

@@ -58,7 +58,7 @@ TEST(Render, BallsBehindOrWithoutRadiusAreLeftOut) {
 }
 
 TEST(Render, CupFillsThePictureAndIsColouredByMaterial) {
-  const studies::SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
+  const SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
   const MaterialMap materials(run.bone.points);
   const Camera camera = CupCamera(run.bone);
   const Image before = RenderBone(run.bone, run.bone.balls, materials, camera);

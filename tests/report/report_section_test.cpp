@@ -99,7 +99,7 @@ TEST(BallField, FirstHitAndDepthAgreeWithAnalyticSphere) {
 }
 
 TEST(BallField, FirstHitAgreesWithBruteForceOnASyntheticCup) {
-  const studies::SyntheticRun run = MakeSyntheticRun(
+  const SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 3e-3, .ticks = 1, .frames = 2});
   const BallField field(run.bone.balls);
   for (int i = 0; i < 500; ++i) {
@@ -122,8 +122,8 @@ TEST(BallField, FirstHitAgreesWithBruteForceOnASyntheticCup) {
 /// Makes a solid of balls on a fine lattice with a carved spherical cavity of radius `cavity_m`, and one
 /// proxy pose whose head of radius `tool_m` is at its centre: the error is the difference of the radii plus
 /// the balls' roughness.
-studies::SyntheticRun SphereCavity(double cavity_m, double tool_m) {
-  studies::SyntheticRun run;
+SyntheticRun SphereCavity(double cavity_m, double tool_m) {
+  SyntheticRun run;
   run.bone.site = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.004};
   const double spacing = 0.35e-3, radius = 0.34e-3;
   for (double z = -0.009; z < 0.0005; z += spacing)
@@ -143,7 +143,7 @@ TEST(CavityError, OfASphereIsTheDifferenceOfRadii) {
   // the surface recedes by less than a third of r, on average by less than a fifth
   const double rough_m = 0.07e-3;
   for (const double offset_m : {0.5e-3, 0.0, -0.5e-3}) {
-    const studies::SyntheticRun run = SphereCavity(0.006, 0.006 - offset_m);
+    const SyntheticRun run = SphereCavity(0.006, 0.006 - offset_m);
     const Section section = ComputeSection(run.bone, run.after, run.tool, path, {.step_m = 0.05e-3});
     EXPECT_GT(section.error.samples, 100);
     EXPECT_GT(section.error.mean_m, offset_m - 2e-6) << offset_m;
@@ -162,7 +162,7 @@ TEST(CavityError, OfASphereIsTheDifferenceOfRadii) {
 
 TEST(CavityError, CountsOnlyWhatWasCut) {
   const std::vector<Pose> path{Pose::Identity()};
-  studies::SyntheticRun run = SphereCavity(0.006, 0.006);
+  SyntheticRun run = SphereCavity(0.006, 0.006);
   run.after = StateOf(run.bone.balls);
   // nothing was cut: the bone before and after are the same, so no surface has been laid bare …
   EXPECT_EQ(ComputeSection(run.bone, run.after, run.tool, path).error.samples, 0);
@@ -173,7 +173,7 @@ TEST(CavityError, CountsOnlyWhatWasCut) {
 // A ball that reaches from the cavity to the bone's other face shrinks there too when it is cut. That is a
 // loss, but no error of the cavity's surface, which is a ball's thickness away from it.
 TEST(CavityError, LeavesOutTheFarFaceOfABallThatWasCut) {
-  studies::SyntheticRun run;
+  SyntheticRun run;
   run.bone.site = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.004};
   for (double x = -0.012; x <= 0.012; x += 0.5e-3)
     for (double y = -0.012; y <= 0.012; y += 0.5e-3)
@@ -189,7 +189,7 @@ TEST(CavityError, LeavesOutTheFarFaceOfABallThatWasCut) {
 }
 
 TEST(CavityError, OpenWhereTheCutWentThrough) {
-  studies::SyntheticRun run = SphereCavity(0.006, 0.006);
+  SyntheticRun run = SphereCavity(0.006, 0.006);
   for (float& value : run.after.balls) value = 0.0f;
   const CavityError error =
       CavityErrorByDirection(run.bone, run.after, run.tool, std::vector<Pose>{Pose::Identity()});
@@ -198,7 +198,7 @@ TEST(CavityError, OpenWhereTheCutWentThrough) {
 }
 
 TEST(Section, CupCutByTheRuleIsNearTheSweptTool) {
-  const studies::SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
+  const SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
   const auto path = PathOf(run);
   const Section section = ComputeSection(run.bone, run.after, run.tool, path);
   EXPECT_GT(section.error.samples, 100);
@@ -213,7 +213,7 @@ TEST(Section, CupCutByTheRuleIsNearTheSweptTool) {
 }
 
 TEST(Section, PoseOfThePackingMovesNothing) {
-  studies::SyntheticRun run =
+  SyntheticRun run =
       MakeSyntheticRun({.spacing_m = 1.5e-3, .cap_m = 1.4e-3, .point_spacing_m = 1.5e-3, .frames = 100});
   const auto here = PathOf(run);
   Pose X_WG = Pose::Identity();
@@ -227,7 +227,7 @@ TEST(Section, PoseOfThePackingMovesNothing) {
 
 // A 2 mm drill goes 40 mm deep: the window follows it to the hole's floor, and the detail shows the floor.
 TEST(Section, ADeepHoleShowsItsFloor) {
-  studies::SyntheticRun run;
+  SyntheticRun run;
   run.bone.site = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.002};
   for (double z = -0.050; z < 0.0005; z += 0.7e-3)
     for (double y = -0.005; y <= 0.005; y += 0.7e-3)
@@ -253,7 +253,7 @@ TEST(Section, ADeepHoleShowsItsFloor) {
 
 // The tool moved on past the bone: the detail shows the cut, not the tool.
 TEST(Section, DetailOfACutThatTheToolLeftIsWhereTheCutIs) {
-  studies::SyntheticRun run = SphereCavity(0.006, 0.006);
+  SyntheticRun run = SphereCavity(0.006, 0.006);
   std::vector<Pose> path(2, Pose::Identity());
   path[1].translation().z() = -0.060;  // far below the bone, which ends at -9 mm
   const Section section = ComputeSection(run.bone, run.after, run.tool, path);
@@ -267,7 +267,7 @@ TEST(Section, DetailOfACutThatTheToolLeftIsWhereTheCutIs) {
 
 // A packing's page shows spheres that no tool has met.
 TEST(Section, OfWhatWasNotCutHasNoBeforeAndAfter) {
-  const studies::SyntheticRun run =
+  const SyntheticRun run =
       MakeSyntheticRun({.spacing_m = 1.5e-3, .cap_m = 1.4e-3, .point_spacing_m = 1.5e-3, .frames = 100});
   const std::string cut = SectionSvg(ComputeSection(run.bone, run.after, run.tool, PathOf(run)), run.bone);
   EXPECT_NE(cut.find(">before<"), std::string::npos);
@@ -278,7 +278,7 @@ TEST(Section, OfWhatWasNotCutHasNoBeforeAndAfter) {
 }
 
 TEST(Section, SvgIsWellFormed) {
-  const studies::SyntheticRun run =
+  const SyntheticRun run =
       MakeSyntheticRun({.spacing_m = 1.5e-3, .cap_m = 1.4e-3, .point_spacing_m = 1.2e-3, .frames = 100});
   const Section section = ComputeSection(run.bone, run.after, run.tool, PathOf(run));
   const std::string svg = SectionSvg(section, run.bone);

@@ -66,8 +66,8 @@ simulation::CarvedState StateOf(const std::vector<Ball>& balls) {
   return state;
 }
 
-studies::SyntheticRun MakeSyntheticRun(const SyntheticParams& params) {
-  studies::SyntheticRun run;
+SyntheticRun MakeSyntheticRun(const SyntheticParams& params) {
+  SyntheticRun run;
   run.cell_m = params.spacing_m;
   run.bone.name = "synthetic cup";
   run.bone.site = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = params.cup_radius_m};
@@ -149,7 +149,7 @@ studies::SyntheticRun MakeSyntheticRun(const SyntheticParams& params) {
   return run;
 }
 
-std::vector<Pose> PathOf(const studies::SyntheticRun& run, const Pose& X_WG) {
+std::vector<Pose> PathOf(const SyntheticRun& run, const Pose& X_WG) {
   simulation::ProxyPath path(run.tool, X_WG);
   for (const simulation::FrameRecord& frame : run.frames) path.Add(frame);
   return {path.X_GP().begin(), path.X_GP().end()};

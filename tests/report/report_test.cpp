@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-RunCurves CurvesOf(const studies::SyntheticRun& run) {
+RunCurves CurvesOf(const SyntheticRun& run) {
   RunCurves curves;
   for (const control::TickRecord& tick : run.ticks) curves.Add(tick);
   for (const simulation::FrameRecord& frame : run.frames) curves.Add(frame);
@@ -29,7 +29,7 @@ RunCurves CurvesOf(const studies::SyntheticRun& run) {
 }
 
 // Makes an input whose views live as long as the program.
-ReportInput InputOf(const studies::SyntheticRun& run) {
+ReportInput InputOf(const SyntheticRun& run) {
   static std::list<RunCurves> curves;
   static std::list<std::vector<Pose>> paths;
   return {.subtitle = "reference engine",
@@ -86,7 +86,7 @@ void ExpectValid(const ReportInput& input) {
 }
 
 TEST(Report, OfARunIsOneValidFileWithEverythingInIt) {
-  const studies::SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
+  const SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
   ReportInput input = InputOf(run);
   input.pictures = {};
   ExpectValid(input);
@@ -111,7 +111,7 @@ TEST(Report, OfARunIsOneValidFileWithEverythingInIt) {
 }
 
 TEST(Report, ShowsWhatTheLimitsCutOffWhereTheyDid) {
-  studies::SyntheticRun run = MakeSyntheticRun();
+  SyntheticRun run = MakeSyntheticRun();
   const std::string title = "Share of the coupling";
   const auto whole = MakeReport(InputOf(run));
   ASSERT_TRUE(whole) << whole.error();
@@ -126,7 +126,7 @@ TEST(Report, ShowsWhatTheLimitsCutOffWhereTheyDid) {
 
 // A lost message is not a moment without force: the values of such a tick were never rendered.
 TEST(Report, ATickWithoutTheArmsMessageIsNoForceOfZero) {
-  studies::SyntheticRun run = MakeSyntheticRun();
+  SyntheticRun run = MakeSyntheticRun();
   control::TickRecord& silent = run.ticks.at(run.ticks.size() / 2);
   ASSERT_GT(Wrench(silent.F_coupling_T_W).f.norm(), 10.0);
   silent.input.received = static_cast<std::uint8_t>(control::ReceiveResult::kTimeout);
@@ -138,7 +138,7 @@ TEST(Report, ATickWithoutTheArmsMessageIsNoForceOfZero) {
 }
 
 TEST(Report, ListsTheFiguresWithoutASource) {
-  studies::SyntheticRun run = MakeSyntheticRun(
+  SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
   for (simulation::Material& material : run.bone.materials)
     material.density_source = material.cutting_energy_source = material.cutting_force_source =
@@ -155,7 +155,7 @@ TEST(Report, ListsTheFiguresWithoutASource) {
 }
 
 TEST(Report, LimitsThatActedAreATableWithTheLongestFirst) {
-  const studies::SyntheticRun run = MakeSyntheticRun(
+  const SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
   ReportInput input = InputOf(run);
   const auto none = MakeReport(input);
@@ -177,7 +177,7 @@ TEST(Report, LimitsThatActedAreATableWithTheLongestFirst) {
 
 // The commanded tool goes where bone holds the proxy back: both depths are drawn.
 TEST(Report, TheCommandedDepthIsBesideTheProxys) {
-  studies::SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
+  SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
   for (control::TickRecord& tick : run.ticks) {
     tick.X_WT_cmd.p.z = -1e-3 - 1e-6 * static_cast<double>(tick.tick);
     tick.tool_in_bone_m = tick.tick < 500 ? 0.0 : 1e-3;
@@ -199,7 +199,7 @@ TEST(Report, TheCommandedDepthIsBesideTheProxys) {
 }
 
 TEST(Report, VirtualTimeSaysThatNothingWasMeasured) {
-  studies::SyntheticRun run = MakeSyntheticRun(
+  SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 50, .frames = 20});
   for (control::TickRecord& tick : run.ticks) tick.wakeup_ns = tick.compute_ns = 0;
   for (simulation::FrameRecord& frame : run.frames) frame.duration_ns = 0;
@@ -212,7 +212,7 @@ TEST(Report, VirtualTimeSaysThatNothingWasMeasured) {
 TEST(Report, EmptyRunsAreReportedToo) {
   const SyntheticParams coarse{
       .spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5};
-  studies::SyntheticRun run = MakeSyntheticRun(coarse);
+  SyntheticRun run = MakeSyntheticRun(coarse);
   run.ticks.clear();
   ExpectValid(InputOf(run));
   run.frames.clear();
@@ -225,7 +225,7 @@ TEST(Report, EmptyRunsAreReportedToo) {
   run.tool.balls.clear();
   ExpectValid(InputOf(run));
 
-  studies::SyntheticRun gone = MakeSyntheticRun(coarse);
+  SyntheticRun gone = MakeSyntheticRun(coarse);
   for (float& value : gone.after.balls) value = 0.0f;
   ExpectValid(InputOf(gone));
   gone.after.balls.resize(7);
@@ -233,7 +233,7 @@ TEST(Report, EmptyRunsAreReportedToo) {
 }
 
 TEST(Report, ValuesThatAreNotFiniteLeaveGaps) {
-  studies::SyntheticRun run = MakeSyntheticRun(
+  SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 60, .frames = 30});
   run.ticks[7].F_coupling_T_W.f.x = kNaN;
   run.ticks[9].v_WT_cmd_m_per_s.y = std::numeric_limits<double>::infinity();
@@ -250,7 +250,7 @@ TEST(Report, ValuesThatAreNotFiniteLeaveGaps) {
 }
 
 TEST(Report, TextIsEscaped) {
-  studies::SyntheticRun run = MakeSyntheticRun(
+  SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
   run.bone.materials[0].name = "<script>alert(1)</script> & cartilage";
   ReportInput input = InputOf(run);
@@ -263,7 +263,7 @@ TEST(Report, TextIsEscaped) {
 }
 
 TEST(Report, ARowLeadsToTheFileBesideIt) {
-  const studies::SyntheticRun run = MakeSyntheticRun(
+  const SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
   ReportInput input = InputOf(run);
   input.summary = {{"How the run ended", "out/run 1:\"a\"_stop_1.html", "run 1:\"a\"_stop_1.html"}};
@@ -276,7 +276,7 @@ TEST(Report, ARowLeadsToTheFileBesideIt) {
 }
 
 TEST(Report, UnwritablePathIsNamed) {
-  const studies::SyntheticRun run = MakeSyntheticRun(
+  const SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 3e-3, .cap_m = 2.8e-3, .point_spacing_m = 3e-3, .ticks = 1, .frames = 1});
   const auto result = WriteReport(InputOf(run), "/no/such/folder/report.html");
   ASSERT_FALSE(result.has_value());

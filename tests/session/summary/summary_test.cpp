@@ -111,7 +111,7 @@ TEST(RunSummary, SaysThatNoPlcHadToPermitMotion) {
   EXPECT_FALSE(says(false));
 }
 
-TEST(base::WriteText, LeavesTheWholeFileAndNothingElse) {
+TEST(WriteText, LeavesTheWholeFileAndNothingElse) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
   ASSERT_TRUE(base::WriteText(path, "first, and longer"));
@@ -120,7 +120,7 @@ TEST(base::WriteText, LeavesTheWholeFileAndNothingElse) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
-TEST(base::WriteText, WritesIntoWhatIsNoFileAndLeavesItWhatItIs) {
+TEST(WriteText, WritesIntoWhatIsNoFileAndLeavesItWhatItIs) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "pipe";
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
@@ -135,7 +135,7 @@ TEST(base::WriteText, WritesIntoWhatIsNoFileAndLeavesItWhatItIs) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
-TEST(base::WriteText, NamesThePathWhereItCanNotWrite) {
+TEST(WriteText, NamesThePathWhereItCanNotWrite) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "nowhere" / "summary.json";
   const auto written = base::WriteText(path, "text");
@@ -143,7 +143,7 @@ TEST(base::WriteText, NamesThePathWhereItCanNotWrite) {
   EXPECT_EQ(written.error(), path.string() + ": can't be written: No such file or directory");
 }
 
-TEST(base::WriteText, LeavesNothingBesideAFolderThatIsInItsPlace) {
+TEST(WriteText, LeavesNothingBesideAFolderThatIsInItsPlace) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
   std::filesystem::create_directories(path / "full");
@@ -153,7 +153,7 @@ TEST(base::WriteText, LeavesNothingBesideAFolderThatIsInItsPlace) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
-TEST(base::WriteText, FailsOnAFullDisk) {
+TEST(WriteText, FailsOnAFullDisk) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "skipped, no /dev/full";
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
@@ -164,7 +164,7 @@ TEST(base::WriteText, FailsOnAFullDisk) {
   EXPECT_TRUE(std::filesystem::is_symlink(path));
 }
 
-TEST(base::WriteText, FollowsALinkAndLeavesItOne) {
+TEST(WriteText, FollowsALinkAndLeavesItOne) {
   const TemporaryFolder folder, elsewhere;
   const auto file = elsewhere.path() / "kept.json", link = folder.path() / "summary.json";
   std::filesystem::create_symlink(file, link);
@@ -176,7 +176,7 @@ TEST(base::WriteText, FollowsALinkAndLeavesItOne) {
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(each->path()), {}), 1);
 }
 
-TEST(base::WriteText, KeepsTheRightsOfTheFileThatItReplaces) {
+TEST(WriteText, KeepsTheRightsOfTheFileThatItReplaces) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
   ASSERT_TRUE(base::WriteText(path, "first"));
@@ -188,7 +188,7 @@ TEST(base::WriteText, KeepsTheRightsOfTheFileThatItReplaces) {
 }
 
 // Two writers of one file, in one process or in two, do not overwrite each other's temporary file.
-TEST(base::WriteText, LeavesAFileOfTheNameThatItOnceUsedForItsOwnAlone) {
+TEST(WriteText, LeavesAFileOfTheNameThatItOnceUsedForItsOwnAlone) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json", other = folder.path() / "summary.json.part";
   io::test::WriteAll(other, "somebody else's");

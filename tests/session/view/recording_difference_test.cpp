@@ -57,7 +57,7 @@ void RecordRun(const std::filesystem::path& path, const MadeRun& run) {
 
 class RecordingDifferenceTest : public testing::Test {
  protected:
-  nlohmann::json studies::CompareRuns(const MadeRun& first, const MadeRun& second) {
+  nlohmann::json CompareRuns(const MadeRun& first, const MadeRun& second) {
     const std::array files{folder_.path() / "first.mcap", folder_.path() / "second.mcap"};
     RecordRun(files[0], first);
     RecordRun(files[1], second);
@@ -77,14 +77,14 @@ class RecordingDifferenceTest : public testing::Test {
 
 TEST_F(RecordingDifferenceTest, TwoEqualRunsDifferInNothing) {
   // another start of the clock is no difference
-  const nlohmann::json json = studies::CompareRuns({}, {.start = kFirstStamp + 123'456'789});
+  const nlohmann::json json = CompareRuns({}, {.start = kFirstStamp + 123'456'789});
   EXPECT_EQ(json["ticks"], 4000);
   for (const char* quantity : {"force_N", "depth_mm", "apart_mm", "turn_deg", "removed_mm3"})
     EXPECT_EQ(json["most"][quantity][0], 0.0) << quantity;
 }
 
 TEST_F(RecordingDifferenceTest, OneTickThatDiffersIsFoundAtItsTime) {
-  const nlohmann::json json = studies::CompareRuns({}, {.bump_N = 7.0});
+  const nlohmann::json json = CompareRuns({}, {.bump_N = 7.0});
   EXPECT_DOUBLE_EQ(json["most"]["force_N"][0], 7.0);
   EXPECT_NEAR(json["most"]["force_N"][1], 2.0, 1e-6);
   const auto bin = static_cast<std::size_t>(2.0 / json["step_s"].get<double>() + 1e-6);
@@ -97,7 +97,7 @@ TEST_F(RecordingDifferenceTest, OneTickThatDiffersIsFoundAtItsTime) {
 TEST_F(RecordingDifferenceTest, PlaceTurnDepthAndVolumeAreCompared) {
   constexpr double kTurned_rad = 0.01;
   const nlohmann::json json =
-      studies::CompareRuns({}, {.lower_m = 0.25e-3, .turned_rad = kTurned_rad, .removed_mm3_per_s = 150.0});
+      CompareRuns({}, {.lower_m = 0.25e-3, .turned_rad = kTurned_rad, .removed_mm3_per_s = 150.0});
   EXPECT_NEAR(json["most"]["apart_mm"][0], 0.25, 1e-9);
   EXPECT_NEAR(json["most"]["depth_mm"][0], 0.25, 1e-9);
   EXPECT_NEAR(json["most"]["turn_deg"][0], 180.0 / std::numbers::pi * kTurned_rad, 1e-9);
@@ -106,13 +106,13 @@ TEST_F(RecordingDifferenceTest, PlaceTurnDepthAndVolumeAreCompared) {
 
 // A run of 250 Hz beside one of 1 kHz: each tick meets the other's newest one, which is at most 4 ms old.
 TEST_F(RecordingDifferenceTest, RunsOfOtherPeriodsMeetAtTheSameTime) {
-  const nlohmann::json json = studies::CompareRuns({}, {.period = 4 * rt::kMillisecond});
+  const nlohmann::json json = CompareRuns({}, {.period = 4 * rt::kMillisecond});
   EXPECT_NEAR(json["most"]["apart_mm"][0], 0.003, 1e-6) << "1 mm/s for three ticks of 1 ms";
   EXPECT_EQ(json["most"]["force_N"][0], 0.0);
 }
 
 TEST_F(RecordingDifferenceTest, AShorterRunIsComparedUpToItsEnd) {
-  const nlohmann::json json = studies::CompareRuns({}, {.seconds = 1.0});
+  const nlohmann::json json = CompareRuns({}, {.seconds = 1.0});
   EXPECT_EQ(json["ticks"], 1000);
   const auto& first = json["force_N"][0];
   const auto& second = json["force_N"][1];

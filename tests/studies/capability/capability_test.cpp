@@ -350,7 +350,7 @@ TEST(BasePlacement, ACupThatLooksUpIsTheSameFromAllSides) {
   }
 }
 
-TEST(report::HeatMap, DrawsItsBandsContoursAndMarks) {
+TEST(HeatMap, DrawsItsBandsContoursAndMarks) {
   report::HeatMap map{
       .title = "a < b",
       .x_label = "x [mm]",

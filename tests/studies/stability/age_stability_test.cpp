@@ -58,7 +58,7 @@ int Growing(double factor) {
     std::mt19937_64 bits(seed);
     const Matrix6 M = RandomSymmetric(bits, 0.2, 5.0), K = RandomSymmetric(bits, 200.0, 2000.0);
     const Matrix6 D = factor * (kMax + 1) * kStep_s * K;
-    EXPECT_EQ(AgeReserve(D, K, (kMax + 1) * kStep_s) > 0.0, factor > 1.0);
+    EXPECT_EQ(hil::AgeReserve(D, K, (kMax + 1) * kStep_s) > 0.0, factor > 1.0);
     std::uniform_int_distribution<int> age(0, kMax);
     if (Growth<6>(M, D, K, kStep_s, 6000, kMax, [&] { return age(bits); }) > 0.0) ++growing;
   }
@@ -69,8 +69,8 @@ int Growing(double factor) {
 TEST(AgeBound, ReserveIsTheDampingLessAgeTimesStiffnessWhereItIsLeast) {
   Matrix6 K = 100.0 * Matrix6::Identity();
   K(2, 2) = 2000.0;
-  EXPECT_NEAR(AgeReserve(25.0 * Matrix6::Identity(), K, 10e-3), 5.0, 1e-9);
-  EXPECT_NEAR(AgeReserve(15.0 * Matrix6::Identity(), K, 10e-3), -5.0, 1e-9);
+  EXPECT_NEAR(hil::AgeReserve(25.0 * Matrix6::Identity(), K, 10e-3), 5.0, 1e-9);
+  EXPECT_NEAR(hil::AgeReserve(15.0 * Matrix6::Identity(), K, 10e-3), -5.0, 1e-9);
 }
 
 TEST(AgeBound, NoneOf1000RandomSystemsGrowsWithDampingAboveAgeTimesStiffness) { EXPECT_EQ(Growing(1.02), 0); }
@@ -89,10 +89,10 @@ TEST(AgeBound, HoldsForTheGreatestAgeAllTheTime) {
 // A contact at a lever, 5 ms old: the bound, and its distance from the true boundary.
 TEST(AgeBound, LeverArmTakesTheStiffnessTheDesignSays) {
   constexpr double kLever_m = 0.15, kLinear = 100.0, kTurning = 0.5, kAge_s = 5e-3;
-  const double bound = LeverStiffness(kLever_m, kLinear, kTurning, kAge_s);
+  const double bound = hil::LeverStiffness(kLever_m, kLinear, kTurning, kAge_s);
   EXPECT_NEAR(bound, 3636.0, 1.0);
-  EXPECT_NEAR(LeverStiffness(0.0, kLinear, kTurning, kAge_s), 20e3, 1e-6);
-  EXPECT_GE(LeverStiffness(kLever_m, kLinear, kLinear * kLever_m * kLever_m, kAge_s), 0.5 * 20e3 - 1e-6)
+  EXPECT_NEAR(hil::LeverStiffness(0.0, kLinear, kTurning, kAge_s), 20e3, 1e-6);
+  EXPECT_GE(hil::LeverStiffness(kLever_m, kLinear, kLinear * kLever_m * kLever_m, kAge_s), 0.5 * 20e3 - 1e-6)
       << "b_r = b L^2 keeps half of it";
 
   // nearly continuous time: steps of 10 us; a tool of 3 kg and 0.03 kg m^2

@@ -147,7 +147,7 @@ TEST(MountRules, SayWhichMountMakesAHandSwing) {
 }
 
 // A force at a lever turns the bone as well: 1/m_eff = 1/m + L²/I across the lever, 1/m along it.
-TEST(hil::MassRule, CountsTheTurnAboutTheMount) {
+TEST(MassRule, CountsTheTurnAboutTheMount) {
   control::BoneMountParams mount;
   mount.inertia_kg_m2 = {0.1, 0.2, 0.3};
   EXPECT_DOUBLE_EQ(hil::EffectiveMass(mount, mount.p_WMo_m), 12.0);
@@ -156,7 +156,7 @@ TEST(hil::MassRule, CountsTheTurnAboutTheMount) {
 }
 
 // A coupling so stiff that the lag of the arm counts: the rule's least mass is where it begins to be kept.
-TEST(hil::MassRule, NamesTheLeastMassThatKeepsIt) {
+TEST(MassRule, NamesTheLeastMassThatKeepsIt) {
   hil::AdmittanceLoopParams rigid;
   rigid.hand = {"operator", 2000.0, 60.0, 1.5};
   rigid.mass_kg = 1.7;
@@ -183,7 +183,7 @@ TEST(hil::MassRule, NamesTheLeastMassThatKeepsIt) {
       << "it turns away, whatever its mass";
 }
 
-TEST(hil::CompliantLoop, WithoutComplianceItIsTheRigidLoop) {
+TEST(CompliantLoop, WithoutComplianceItIsTheRigidLoop) {
   hil::CompliantLoopParams params = LoopOf(20e3, 3, 20);
   const double rigid = hil::CompliantLoop(params).SpectralRadius();
   params.link = hil::LoopLink{};

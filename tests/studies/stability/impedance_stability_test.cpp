@@ -26,7 +26,7 @@ ImpedanceLoopParams LoopOf(const Row& row) {
 class ModelA : public testing::TestWithParam<Row> {};
 
 TEST_P(ModelA, BoundaryIsTheDesigns) {
-  const hil::Boundary found = hil::MaxWallStiffness(LoopOf(GetParam()));
+  const hil::Boundary found = MaxWallStiffness(LoopOf(GetParam()));
   ASSERT_TRUE(found.crossed);
   EXPECT_NEAR(found.value, GetParam().K_max, 2e-4 * GetParam().K_max) << "four or five digits are given";
 }
@@ -50,7 +50,7 @@ TEST_P(ModelA, RuleOfThumbIsNearWithoutWallDamping) {
   const double rule = (row.b + row.B) / (0.5e-3 + 1e-3 * row.d);
   EXPECT_NEAR(rule, row.approximate, 2e-4 * row.approximate);
   if (row.B > 0.0) return;
-  EXPECT_NEAR(hil::MaxWallStiffness(LoopOf(row)).value, rule, 0.01 * rule);
+  EXPECT_NEAR(MaxWallStiffness(LoopOf(row)).value, rule, 0.01 * rule);
 }
 
 INSTANTIATE_TEST_SUITE_P(Design, ModelA,
