@@ -54,6 +54,9 @@ std::string WrongPlace(const DemoOptions& options) {
 
 // Claims the folder for this process and moves an earlier demo's files out of the way.
 std::string MakeRoom(const DemoOptions& options, FolderClaim& claim) {
+  std::error_code error;  // the recording of a session lies elsewhere
+  std::filesystem::create_directories(options.out, error);
+  if (error) return options.out.string() + ": cannot make the folder: " + error.message();
   if (std::string wrong = claim.Acquire(options.out); !wrong.empty()) return wrong;
   if (options.overwrite) return RemoveFiles(FilesOfDemo(options.out));
   const auto earlier = KeepEarlierDemo(options.out);
@@ -102,7 +105,8 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
     AddReason(wrong, pages.error());
   measuring.BeginPhase("draw the report");
   const std::filesystem::path page = options.out / "report.html";
-  if (const auto figures = WriteRunReport(setup, result, *run, summary, "demo", options.command_line, page))
+  const auto figures = WriteRunReport(setup, result, *run, summary, "demo", options.command_line, page);
+  if (figures)
     summary.section = *figures;
   else
     AddReason(wrong, figures.error());
@@ -122,7 +126,7 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
   }
   if (!options.save_motion.empty()) AddReason(wrong, SaveMotion(options, setup, summary, params.recording));
   PrintTable(summary, "Osteon demo");
-  fmt::print("  {:<30} {}\n", "Report", page.string());
+  if (figures) fmt::print("  {:<30} {}\n", "Report", page.string());
   if (summary.surface) fmt::print("  {:<30} {}\n", "Surface", SurfaceText(*summary.surface));
   if (!result.internal_error.empty())
     return Fail("demo", "internal error: " + result.internal_error, kInternalError);
