@@ -354,7 +354,7 @@ std::vector<report::SummaryRow> Rows(const RunSummary& s) {
       {"Engine", s.engine + " on " + s.device},
       {"Scene", fmt::format("{}: {} balls, {} mass points", s.scene, s.balls, s.points)},
       {"Packing", s.planned ? PlannedText(*s.planned) : "as the scene says, or as it was loaded"},
-      {"Tool", s.tool},
+      {"Tool", s.passes.size() > 1 ? s.tool + ", the first; the passes name the others" : s.tool},
       {"Servo loop",
        fmt::format(
            "{} ticks, median {:.1f} Hz{}{}", s.ticks, s.servo_rate_hz,

@@ -49,9 +49,13 @@ std::vector<report::SummaryRow> Rows(const AssessResult& result) {
   if (const auto& fit = found.cavity.fit) {
     rows.push_back({"Diameter", fmt::format("{:.2f} ± {:.2f} mm, planned {:g} mm", 2e3 * fit->radius_m,
                                             2e3 * fit->radius_sd_m, 2e3 * plan.cavity().radius_m)});
-    const auto shift = [](const procedure::AnatomicShift& s) {
-      return fmt::format("{:.1f} mm medial, {:.1f} mm superior, {:.1f} mm posterior", 1e3 * s.medial_m,
-                         1e3 * s.superior_m, 1e3 * s.posterior_m);
+    const auto along = [](double shift_m, const char* ahead, const char* behind) {
+      return fmt::format("{:.1f} mm {}", 1e3 * std::abs(shift_m), shift_m < 0.0 ? behind : ahead);
+    };
+    const auto shift = [&along](const procedure::AnatomicShift& s) {
+      return fmt::format("{}, {}, {}", along(s.medial_m, "medial", "lateral"),
+                         along(s.superior_m, "superior", "inferior"),
+                         along(s.posterior_m, "posterior", "anterior"));
     };
     rows.push_back({"Centre against the plan", shift(found.cavity.from_plan)});
     rows.push_back({"Centre against the native one", shift(found.cavity.from_native)});
