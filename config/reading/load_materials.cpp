@@ -13,8 +13,11 @@ void ReadEdgeForce(Reader& tissue, simulation::Material& material) {
   material.measured_chip_m = tissue.Number("measured_chip_um", 0.1, 1e4);
   material.edge_force_source = {.text = tissue.Text("edge_force_source"),
                                 .assumed = tissue.Bool("edge_force_assumed")};
+}
+
+void CheckEdgeForce(const Reader& tissue, const simulation::Material& material) {
   const double max_N_per_m = material.specific_cutting_energy_J_per_m3 * material.measured_chip_m;
-  if (tissue.Has("measured_chip_um") && material.edge_force_N_per_m >= max_N_per_m)
+  if (material.edge_force_N_per_m > 0.0 && material.edge_force_N_per_m >= max_N_per_m)
     tissue.Refuse("edge_force_N_per_mm",
                   fmt::format("found {:.10g}, accepted less than {:.4g}: cutting_energy_J_per_mm3 times "
                               "measured_chip_um",
@@ -51,6 +54,7 @@ std::vector<simulation::Material> LoadMaterials(const std::filesystem::path& pat
     material.layer_source = source("layer");
   }
   reader.Finish();
+  for (std::size_t i = 0; i < materials.size(); ++i) CheckEdgeForce(list[i], materials[i]);
   for (std::size_t i = 0; i < materials.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
       if (materials[k].name == materials[i].name)
