@@ -35,7 +35,7 @@ void ProcessSums::Add(const ProcessSample& sample, const PlannedReamer& reamer) 
   impulse_Ns_ += force_N * period_s_;
   across_Ns_ += across_N * period_s_;
   peak_N_ = std::max(peak_N_, force_N);
-  const bool has_corridor = plan_->guidance.lateral.ease_m > 0.0;
+  const bool has_corridor = plan_->guidance.lateral.stop_m > 0.0;
   if (has_corridor && ExcessOf(*plan_, reamer, sample.cut_head_m, sample.cut_feed).outside())
     outside_s_ += period_s_;
 }

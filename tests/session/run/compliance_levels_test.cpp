@@ -69,8 +69,8 @@ void AlsoOnAMount(config::CellConfig& cell) {
 }
 
 TEST(ComplianceEngines, TheReferenceEngineAndTheCpuEngineGiveTheSameRun) {
-  const VirtualRide cpu = RideVirtually("long_drill", 0.64, AlsoOnAMount);
-  const VirtualRide reference = RideOn({.engine = "reference"}, "long_drill", 0.64, AlsoOnAMount);
+  const VirtualRide cpu = RideVirtually("long_drill", 0.7, AlsoOnAMount);
+  const VirtualRide reference = RideOn({.engine = "reference"}, "long_drill", 0.7, AlsoOnAMount);
   ExpectSameTicks(cpu, reference);
   EXPECT_EQ(cpu.summary.state_hash, reference.summary.state_hash);
   EXPECT_GT(MeanForce(cpu), 1.0);
