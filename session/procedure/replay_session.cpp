@@ -130,7 +130,8 @@ int RunReplaySession(const SessionReplayOptions& options) {
   if (!session) return Fail("replay", session.error());
   std::vector<std::string> recordings;
   for (const SessionSegment& segment : session->segments)
-    if (std::find(recordings.begin(), recordings.end(), segment.recording) == recordings.end())
+    if (std::find(recordings.begin(), recordings.end(), segment.recording) == recordings.end() &&
+        (segment.begin != 0 || HasBegun(options.session / segment.recording)))
       recordings.push_back(segment.recording);
   bool identical = !recordings.empty();
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();

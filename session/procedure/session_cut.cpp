@@ -74,8 +74,7 @@ tl::expected<SessionCut, std::string> ReadSessionCut(const std::filesystem::path
   for (const SessionSegment& segment : session.segments) {
     if (segment.recording == recording) continue;
     recording = segment.recording;
-    std::error_code error;  // a process that was killed at once has left none
-    if (!std::filesystem::exists(folder / recording, error)) continue;
+    if (!HasBegun(folder / recording)) continue;
     auto stream = io::RecordingStream::Open(folder / recording);
     if (!stream) return tl::make_unexpected(stream.error());
     while (true) {

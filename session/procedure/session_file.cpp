@@ -1,8 +1,10 @@
 #include "session/procedure/session_file.h"
 
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -228,6 +230,13 @@ std::string TextChecksum(const std::string& text) {
   base::Fnv1a hash;
   hash.Add(text);
   return fmt::format("{:016x}", hash.hash());
+}
+
+bool HasBegun(const std::filesystem::path& recording) {
+  constexpr std::uintmax_t kMagicBytes = 8;
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(recording, error);
+  return !error && size >= kMagicBytes;
 }
 
 }  // namespace osteon::session

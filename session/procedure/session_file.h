@@ -96,6 +96,10 @@ inline constexpr const char* kSessionFileName = "session.json";
 /// Reads FOLDER/session.json. The error names the file.
 [[nodiscard]] tl::expected<SessionFile, std::string> ReadSession(const std::filesystem::path& folder);
 
+/// Whether a segment's recording has begun: a process that was killed at once has left no file, or one
+/// without the format's eight bytes at its head.
+[[nodiscard]] bool HasBegun(const std::filesystem::path& recording);
+
 /// Checksum of a file's bytes, as the session keeps it.
 [[nodiscard]] std::string TextChecksum(const std::string& text);
 

@@ -82,8 +82,7 @@ tl::expected<SessionCut, std::string> CutUpTo(const std::filesystem::path& recor
     if (segment.recording == name) continue;
     name = segment.recording;
     const std::filesystem::path file = recording.parent_path() / name;
-    std::error_code error;  // a process that was killed at once has left none
-    if (!std::filesystem::exists(file, error)) continue;
+    if (!HasBegun(file)) continue;
     const auto read = EachMessage(file, io::RecordedTopic::kFrame, [&](const io::RecordingStream& stream) {
       const double time_s = rt::ToSeconds(stream.frame.stamp - info->stamp);
       if (name == own && at_s && time_s > *at_s) return;

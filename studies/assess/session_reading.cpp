@@ -213,15 +213,10 @@ class SessionSums {
   std::optional<double> removed_m3_;
 };
 
-bool IsThere(const fs::path& file) {
-  std::error_code error;
-  return fs::exists(file, error);
-}
-
-// The first recording that is there: a process that was killed at once has left none.
+// The first recording that has begun.
 std::string FirstRecording(const AssessedSession& session) {
   for (const session::SessionSegment& segment : session.file.segments)
-    if (IsThere(session.folder / segment.recording)) return segment.recording;
+    if (session::HasBegun(session.folder / segment.recording)) return segment.recording;
   return session.file.segments.front().recording;
 }
 
@@ -282,7 +277,7 @@ tl::expected<AssessedSession, std::string> ReadAssessedSession(const fs::path& f
   for (const session::SessionSegment& segment : session.file.segments) {
     if (segment.recording == recording) continue;
     recording = segment.recording;
-    if (!IsThere(folder / recording)) continue;
+    if (!session::HasBegun(folder / recording)) continue;
     auto stream = io::RecordingStream::Open(folder / recording);
     if (!stream) return tl::make_unexpected(stream.error());
     sums.Begin(recording);
