@@ -28,7 +28,8 @@ struct CarvedSurface {
   bool planned{false};  ///< compared with the planned cavity; false: with the tools' ideal one
 };
 
-/// What is carved, and with which cavity its cut faces are compared. Views must outlive the call.
+/// Bone and tool paths to carve, and the cavity with which the cut faces are compared. Views must outlive the
+/// call.
 struct CarveInput {
   const simulation::Bone& bone;
   const simulation::Solid* solid{nullptr};  ///< null: the union of the bone's balls

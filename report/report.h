@@ -70,7 +70,7 @@ struct ReportInput {
 struct ReportFigures {
   CavityError cavity_section;    ///< along the section's outline
   CavityError cavity_direction;  ///< over directions in space
-  /// Of the carved surface against the planned cavity; without a plan, against the tools' ideal cavity
+  /// Errors of the carved surface against the planned cavity; without a plan, against the tools' ideal cavity
   /// (CarveSurface).
   CavityError cavity_ideal;
 };

@@ -11,14 +11,6 @@
 namespace osteon::report {
 namespace {
 
-/// Smallest step of 1, 2 or 5 times a power of ten that is not below `raw`.
-double NiceStep(double raw) {
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= raw * (1.0 - 1e-9)) return factor * power;
-  return 10.0 * power;
-}
-
 bool Usable(Range range) {
   return std::isfinite(range.min) && std::isfinite(range.max) && range.max > range.min &&
          range.max - range.min > 1e-12 * std::max(std::abs(range.min), std::abs(range.max));
@@ -31,6 +23,13 @@ std::string PowerLabel(double value) {
 }
 
 }  // namespace
+
+double NiceStep(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double factor : {1.0, 2.0, 5.0})
+    if (factor * power >= value * (1.0 - 1e-9)) return factor * power;
+  return 10.0 * power;
+}
 
 Ticks LinearTicks(Range range, int max_count) {
   Ticks ticks;

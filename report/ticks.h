@@ -25,6 +25,9 @@ struct Ticks {
 /// every other one or fewer.
 [[nodiscard]] Ticks LogTicks(Range range, int max_count);
 
+/// Returns the smallest of 1, 2 and 5 times a power of ten that is not below `value`, which is above 0.
+[[nodiscard]] double NiceStep(double value);
+
 /// Returns the smallest range with ends on ticks that contains `range`; a range of zero width is widened.
 [[nodiscard]] Range NiceRange(Range range, int max_count);
 

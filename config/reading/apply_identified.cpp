@@ -9,7 +9,7 @@
 
 #include "config/reading/load_identified.h"
 #include "config/reading/strict/config_error.h"
-#include "kinematics/serial_chain.h"
+#include "config/reading/tool_mobility.h"
 
 namespace osteon::config {
 namespace {
@@ -40,7 +40,7 @@ const IdentifiedArm* SlowestArm(const IdentifiedCell& identified) {
 
 namespace {
 
-// What was measured of force sensor, hand and spindle: a dead zone that the drift does not pass, and what the
+// Takes the measured dead zone, which the sensor's drift does not pass, and the tremor and notches that the
 // vibration index tolerates.
 void ApplyForces(const IdentifiedCell& identified, CellConfig& cell) {
   if (identified.dead_zone_N) {
@@ -66,16 +66,13 @@ void ApplyImpedance(const IdentifiedArm& measured, const std::string& file, Cell
         fmt::format("arm, axis {}: dead_time_ms: found {:g}, accepted at most {:g}", measured.axis,
                     1e3 * measured.dead_time_s, 1e3 * hil::DynamicArm::kMaxDeadCycles * cell.servo.period_s));
   arm.dead_cycles = static_cast<int>(cycles);
-  const LbrConfig* lbr = cell.robot.lbr();
-  if (!measured.felt_mass_kg || cell.simulated.fri.command_mode != control::CommandMode::kWrench ||
-      lbr == nullptr || !lbr->chain.has_masses)
+  const auto mobility = ToolMobility(cell);
+  if (!measured.felt_mass_kg || cell.simulated.fri.command_mode != control::CommandMode::kWrench || !mobility)
     return;
   const double w = 2.0 * std::numbers::pi * measured.bandwidth_hz;
   arm.stiffness_N_per_m = *measured.felt_mass_kg * w * w;
   // the arm's damping is a ratio of the mass that it has on average over all directions
-  const kinematics::SerialChain<7> chain(lbr->chain);
-  const Vector3 p_B = chain.FlangePose(cell.start.q) * cell.tool.X_FT.translation();
-  const double mean_kg = 3.0 / chain.Mobility(cell.start.q, p_B).topLeftCorner<3, 3>().trace();
+  const double mean_kg = 3.0 / mobility->trace();
   arm.cartesian_damping_ratio = measured.damping_ratio * std::sqrt(*measured.felt_mass_kg / mean_kg);
 }
 

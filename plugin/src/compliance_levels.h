@@ -23,7 +23,7 @@ struct CouplingFigures {
   double engaged_layer_m{0.0};  ///< of the engine's cutting parameters
 };
 
-/// What a caller asked to give way, at rest; absent: nothing does.
+/// Makes the parts that a caller asked to give way, at rest; absent: it asked for none.
 /// @throws Failure naming the value, what was found and what is accepted: a tool whose file has no `bending`,
 /// a bone
 ///   without soft tissue, and what would not be stable (docs/theory/compliance.md, rules 1 and 3).

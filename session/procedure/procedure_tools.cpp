@@ -19,6 +19,12 @@ constexpr const char* kListFile = "procedure_tools.json";
 
 }  // namespace
 
+std::vector<simulation::Tool> ToolsOf(std::span<const ProcedureTool> tools) {
+  std::vector<simulation::Tool> only;
+  for (const ProcedureTool& tool : tools) only.push_back(tool.tool);
+  return only;
+}
+
 std::vector<ProcedureTool> LoadProcedureTools(const config::CellConfig& base,
                                               const std::filesystem::path& cell_yaml,
                                               const std::filesystem::path& tool_file,

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct ProcedureTool {
   simulation::Tool tool;
   control::LoopTool loop;
 };
+
+/// The simulation's part of each tool.
+[[nodiscard]] std::vector<simulation::Tool> ToolsOf(std::span<const ProcedureTool> tools);
 
 /// The tools of a procedure, as a recording keeps them.
 struct ToolList {

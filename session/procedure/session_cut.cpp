@@ -68,20 +68,18 @@ SessionFile SessionUpTo(SessionFile session, const std::string& recording) {
 
 tl::expected<SessionCut, std::string> ReadSessionCut(const std::filesystem::path& folder,
                                                      const SessionFile& session,
-                                                     std::vector<simulation::Tool> tools, const Pose& X_WG) {
+                                                     std::vector<simulation::Tool> tools, const Pose& X_WG,
+                                                     const CountsFrame& counts) {
   SessionCut cut(session, std::move(tools), X_WG);
-  std::string recording;
-  for (const SessionSegment& segment : session.segments) {
-    if (segment.recording == recording) continue;
-    recording = segment.recording;
-    if (!HasBegun(folder / recording)) continue;
+  for (const std::string& recording : BegunRecordings(session, folder)) {
     auto stream = io::RecordingStream::Open(folder / recording);
     if (!stream) return tl::make_unexpected(stream.error());
     while (true) {
       const auto topic = stream->Next();
       if (!topic) return tl::make_unexpected(topic.error());
       if (*topic == io::RecordedTopic::kOther) break;
-      if (*topic == io::RecordedTopic::kFrame) cut.Add(recording, stream->frame);
+      if (*topic == io::RecordedTopic::kFrame && (!counts || counts(recording, stream->frame)))
+        cut.Add(recording, stream->frame);
     }
   }
   return cut;

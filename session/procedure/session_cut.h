@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,8 +19,8 @@
 
 namespace osteon::session {
 
-/// What a session's passes have cut: for each pass that counts, its tool and the path of the simulated tool
-/// in the bone's frame. Passes that were taken back are left out.
+/// Tool and path of each pass of a session that counts; the path is the simulated tool's, in the bone's
+/// frame. Passes that were taken back are left out.
 class SessionCut {
  public:
   /// @param tools  one for each of session.diameters_mm  @param X_WG  the bone in the world
@@ -53,11 +54,16 @@ class SessionCut {
 /// The session as it was at a recording's end: segments and passes up to its last one.
 [[nodiscard]] SessionFile SessionUpTo(SessionFile session, const std::string& recording);
 
+/// Whether a frame of a recording, known by its name, counts.
+using CountsFrame = std::function<bool(const std::string& recording, const simulation::FrameRecord& frame)>;
+
 /// Reads the frames of all recordings of a session. The error names the file.
+/// @param counts  empty: each frame does
 [[nodiscard]] tl::expected<SessionCut, std::string> ReadSessionCut(const std::filesystem::path& folder,
                                                                    const SessionFile& session,
                                                                    std::vector<simulation::Tool> tools,
-                                                                   const Pose& X_WG);
+                                                                   const Pose& X_WG,
+                                                                   const CountsFrame& counts = {});
 
 /// Reads the plan of a session's folder and its planned cavity; nothing where it cannot be read.
 [[nodiscard]] std::optional<procedure::PlannedCavity> ReadPlannedCavity(const std::filesystem::path& folder,

@@ -239,4 +239,12 @@ bool HasBegun(const std::filesystem::path& recording) {
   return !error && size >= kMagicBytes;
 }
 
+std::vector<std::string> BegunRecordings(const SessionFile& session, const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const SessionSegment& segment : session.segments)
+    if ((names.empty() || names.back() != segment.recording) && HasBegun(folder / segment.recording))
+      names.push_back(segment.recording);
+  return names;
+}
+
 }  // namespace osteon::session

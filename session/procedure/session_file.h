@@ -99,6 +99,9 @@ inline constexpr const char* kSessionFileName = "session.json";
 /// Whether a segment's recording has begun: a process that was killed at once has left no file, or one
 /// without the format's eight bytes at its head.
 [[nodiscard]] bool HasBegun(const std::filesystem::path& recording);
+/// The names of a session's recordings that have begun, each once, in their order.
+[[nodiscard]] std::vector<std::string> BegunRecordings(const SessionFile& session,
+                                                       const std::filesystem::path& folder);
 
 /// Checksum of a file's bytes, as the session keeps it.
 [[nodiscard]] std::string TextChecksum(const std::string& text);

@@ -92,9 +92,7 @@ tl::expected<std::optional<RecordedSession>, std::string> FindRecordedSession(
 // Takes the last state that the session has saved, and what its passes have cut. @returns what is wrong
 std::string TakeSession(const std::filesystem::path& folder, const RecordedSession& session,
                         const CellSetup& setup, simulation::CuttingEngine& engine, RunAccumulator& run) {
-  std::vector<simulation::Tool> tools;
-  for (const ProcedureTool& tool : session.cell.tools) tools.push_back(tool.tool);
-  auto cut = ReadSessionCut(folder, session.file, std::move(tools), setup.X_WG);
+  auto cut = ReadSessionCut(folder, session.file, ToolsOf(session.cell.tools), setup.X_WG);
   if (!cut) return cut.error();
   cut->planned = ReadPlannedCavity(folder, session.file);
   run.session_cut = std::make_shared<const SessionCut>(std::move(*cut));

@@ -73,25 +73,15 @@ tl::expected<SessionCut, std::string> CutUpTo(const std::filesystem::path& recor
   if (!info) return tl::make_unexpected(info.error());
   const auto cell = LoadRecordedTools(info->config);
   if (!cell) return tl::make_unexpected(recording.string() + ": " + cell.error());
-  std::vector<simulation::Tool> tools;
-  for (const ProcedureTool& tool : cell->tools) tools.push_back(tool.tool);
-  SessionCut cut(session, std::move(tools), setup.X_WG);
   const std::string own = recording.filename().string();
-  std::string name;
-  for (const SessionSegment& segment : session.segments) {
-    if (segment.recording == name) continue;
-    name = segment.recording;
-    const std::filesystem::path file = recording.parent_path() / name;
-    if (!HasBegun(file)) continue;
-    const auto read = EachMessage(file, io::RecordedTopic::kFrame, [&](const io::RecordingStream& stream) {
-      const double time_s = rt::ToSeconds(stream.frame.stamp - info->stamp);
-      if (name == own && at_s && time_s > *at_s) return;
-      if (name == own) written.time_s = std::max(written.time_s, time_s);
-      cut.Add(name, stream.frame);
-    });
-    if (!read) return tl::make_unexpected(read.error());
-  }
-  return cut;
+  return ReadSessionCut(recording.parent_path(), session, ToolsOf(cell->tools), setup.X_WG,
+                        [&](const std::string& name, const simulation::FrameRecord& frame) {
+                          if (name != own) return true;
+                          const double time_s = rt::ToSeconds(frame.stamp - info->stamp);
+                          if (at_s && time_s > *at_s) return false;
+                          written.time_s = std::max(written.time_s, time_s);
+                          return true;
+                        });
 }
 
 }  // namespace

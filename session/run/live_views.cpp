@@ -12,9 +12,9 @@
 #include <nlohmann/json.hpp>
 
 #include "session/procedure/procedure_session.h"
+#include "session/procedure/tool_depths.h"
 #include "session/run/console_scene.h"
 #include "session/run/live_surface.h"
-#include "simulation/removal/cut_metrics.h"
 
 namespace osteon::session {
 namespace {
@@ -102,11 +102,8 @@ LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorR
 void LiveViews::SetSession(ProcedureSession* session) {
   session_ = session;
   if (!session || setup_.bone.balls.empty()) return;
-  std::vector<simulation::ApexDepth> depths;
-  for (const ProcedureTool& tool : session->tools()) depths.emplace_back(setup_.bone, tool.tool);
-  context_.depth_m = [session, depths, X_GW = Pose(setup_.X_WG.inverse())](const Pose& X_WP) {
-    return depths[static_cast<std::size_t>(session->tool_in_use())].DepthAt(X_GW * X_WP);
-  };
+  context_.depth_m = [session, depths = ToolDepths(setup_.bone, session->tools(), setup_.X_WG)](
+                         const Pose& X_WP) { return depths.At(session->tool_in_use(), X_WP); };
 }
 
 void LiveViews::Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove) {

@@ -7,6 +7,7 @@
 #include "control/ports.h"
 #include "io/recording/recording_reader.h"
 #include "session/procedure/procedure_session.h"
+#include "session/procedure/tool_depths.h"
 #include "session/summary/each_fault.h"
 
 namespace osteon::session {
@@ -49,11 +50,8 @@ RunAccumulator::RunAccumulator(const CellSetup& setup)
 void RunAccumulator::UseTools(const CellSetup& setup, std::span<const ProcedureTool> tools, int first) {
   if (setup.bone.balls.empty() || tools.empty()) return;
   tool_in_use_ = std::make_shared<int>(first);
-  std::vector<simulation::ApexDepth> depths;
-  for (const ProcedureTool& tool : tools) depths.emplace_back(setup.bone, tool.tool);
-  curves.depth_of = [depths, tool = tool_in_use_, X_GW = Pose(setup.X_WG.inverse())](const Pose& X_WT) {
-    return depths[static_cast<std::size_t>(*tool) % depths.size()].DepthAt(X_GW * X_WT);
-  };
+  curves.depth_of = [depths = ToolDepths(setup.bone, tools, setup.X_WG),
+                     tool = tool_in_use_](const Pose& X_WT) { return depths.At(*tool, X_WT); };
 }
 
 void RunAccumulator::Add(const control::TickRecord& tick) {
@@ -91,9 +89,8 @@ tl::expected<RunAccumulator, std::string> ReadRun(const std::filesystem::path& r
   RunAccumulator run(setup);
   if (procedure) {
     run.UseTools(setup, procedure->tools(), procedure->first_tool());
-    std::vector<simulation::Tool> tools;
-    for (const ProcedureTool& tool : procedure->tools()) tools.push_back(tool.tool);
-    auto cut = ReadSessionCut(procedure->folder(), procedure->File(), std::move(tools), setup.X_WG);
+    auto cut =
+        ReadSessionCut(procedure->folder(), procedure->File(), ToolsOf(procedure->tools()), setup.X_WG);
     if (!cut) return tl::unexpected(cut.error());
     cut->planned = procedure->plan().cavity();
     run.session_cut = std::make_shared<const SessionCut>(std::move(*cut));

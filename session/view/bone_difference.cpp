@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "report/ticks.h"
+
 namespace osteon::session {
 namespace {
 
@@ -16,14 +18,6 @@ using surface::Vec3;
 
 constexpr double kMinRange_mm = 0.05;         // less is the fields' own error
 constexpr std::size_t kMaxChanged = 1 << 16;  // told apart; beyond, all are new
-
-// The next one of 1, 2, 5 … at or above a value: the colours' range changes seldom.
-double RoundUp(double value) {
-  double decade = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double step : {1.0, 2.0, 5.0})
-    if (step * decade >= value * (1.0 - 1e-9)) return step * decade;
-  return 10.0 * decade;
-}
 
 bool IsLarger(const LargestDifference& a, const LargestDifference& b) {
   return std::abs(a.depth_mm) > std::abs(b.depth_mm);
@@ -83,7 +77,7 @@ std::string BoneDifference::Json() const {
   return nlohmann::json{
       {"type", "bone_difference"},
       {"on", on()},
-      {"range_mm", RoundUp(std::max(kMinRange_mm, std::abs(largest.depth_mm)))},
+      {"range_mm", report::NiceStep(std::max(kMinRange_mm, std::abs(largest.depth_mm)))},
       {"largest_mm", rounded(largest.depth_mm)},
       {"at_mm", {rounded(largest.p_mm.x), rounded(largest.p_mm.y), rounded(largest.p_mm.z)}},
       {"limit_mm", limit_mm}}

@@ -215,9 +215,8 @@ class SessionSums {
 
 // The first recording that has begun.
 std::string FirstRecording(const AssessedSession& session) {
-  for (const session::SessionSegment& segment : session.file.segments)
-    if (session::HasBegun(session.folder / segment.recording)) return segment.recording;
-  return session.file.segments.front().recording;
+  const std::vector<std::string> begun = session::BegunRecordings(session.file, session.folder);
+  return begun.empty() ? session.file.segments.front().recording : begun.front();
 }
 
 // What cuts of the plan's reamers: a ball, half its diameter behind T's origin.
@@ -273,11 +272,7 @@ tl::expected<AssessedSession, std::string> ReadAssessedSession(const fs::path& f
     session.guidance_gain = std::max(session.guidance_gain, segment.guidance_gain);
 
   SessionSums sums(session, *setup, setup->config.servo.period_s);
-  std::string recording;
-  for (const session::SessionSegment& segment : session.file.segments) {
-    if (segment.recording == recording) continue;
-    recording = segment.recording;
-    if (!session::HasBegun(folder / recording)) continue;
+  for (const std::string& recording : session::BegunRecordings(session.file, folder)) {
     auto stream = io::RecordingStream::Open(folder / recording);
     if (!stream) return tl::make_unexpected(stream.error());
     sums.Begin(recording);

@@ -75,9 +75,11 @@ std::optional<double> GivenAtRest(const config::CellConfig& cell, const control:
 }
 
 // Amplitude of the force over that of the hand's motion, over the coupling's stiffness.
-double FeltRatio(const config::CellConfig& cell, const control::ComplianceParams& params, double hz) {
+// @param at_rest_m  displacement at rest under kPush_N
+double FeltRatio(const config::CellConfig& cell, const control::ComplianceParams& params, double at_rest_m,
+                 double hz) {
   const double K = cell.servo.coupling.max_stiffness_N_per_m, T = cell.servo.period_s;
-  const double deep_m = kPush_N / K + GivenAtRest(cell, params, kPush_N).value(), amplitude_m = 0.02 * deep_m;
+  const double deep_m = kPush_N / K + at_rest_m, amplitude_m = 0.02 * deep_m;
   const int a_cycle = static_cast<int>(std::lround(1.0 / (hz * T)));
   const int cycles = std::max(2, static_cast<int>(std::lround(hz)));
   const int before = a_cycle * static_cast<int>(std::ceil(kSettle_s / (a_cycle * T)));
@@ -290,9 +292,10 @@ LevelChange ChangeOf(const config::CellConfig& cell, const std::string& name) {
     change.force_N.push_back(force_N);
     change.gives_m.push_back(*gives_m);
   }
+  const double at_rest_m = GivenAtRest(cell, params, kPush_N).value();
   for (double hz = 0.2; hz < 51.0; hz *= std::pow(10.0, kDecadeStep)) {
     change.hz.push_back(hz);
-    change.felt_ratio.push_back(FeltRatio(cell, params, hz));
+    change.felt_ratio.push_back(FeltRatio(cell, params, at_rest_m, hz));
   }
   return change;
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/write_text.h"
 #include "report/page.h"
 #include "report/svg_plot.h"
@@ -142,7 +143,7 @@ int RunDiff(const DiffOptions& options) {
   Print(runs, options.within_percent);
   if (!options.json.empty())
     if (const auto written =
-            base::WriteText(options.json, ToJson(options, read[0], read[1], runs).dump(2) + "\n");
+            base::WriteText(options.json, base::JsonText(ToJson(options, read[0], read[1], runs)));
         !written)
       return session::Fail("diff", written.error(), session::kFailed);
   if (!options.out.empty()) {

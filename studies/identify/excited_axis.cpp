@@ -8,6 +8,7 @@
 #include <Eigen/SVD>
 #include <nlohmann/json.hpp>
 
+#include "config/reading/tool_mobility.h"
 #include "kinematics/serial_chain.h"
 #include "safety/watchdog.h"
 
@@ -66,13 +67,9 @@ void LimitPath(const std::vector<kinematics::JointLimits>& limits, control::Exci
 control::OverlayExcitation OverlayOf(const config::CellConfig& cell, const Vector3& axis_W) {
   const hil::DynamicArmParams& arm = cell.simulated.dynamic;
   control::OverlayExcitation overlay{.on = true, .stiffness_N_per_m = std::max(200.0, arm.stiffness_N_per_m)};
-  const config::LbrConfig* lbr = cell.robot.lbr();
-  if (lbr != nullptr && lbr->chain.has_masses) {
-    const kinematics::SerialChain<7> chain(lbr->chain);
-    const Vector3 p_B = chain.FlangePose(cell.start.q) * cell.tool.X_FT.translation();
+  if (const auto mobility = config::ToolMobility(cell)) {
     const Vector3 axis_B = cell.X_WB.linear().transpose() * axis_W;
-    const Matrix3 mobility = chain.Mobility(cell.start.q, p_B).topLeftCorner<3, 3>();
-    overlay.mass_kg = 1.0 / axis_B.dot(mobility * axis_B);
+    overlay.mass_kg = 1.0 / axis_B.dot(*mobility * axis_B);
   }
   overlay.damping_Ns_per_m =
       2.0 * arm.cartesian_damping_ratio * std::sqrt(overlay.stiffness_N_per_m * overlay.mass_kg);

@@ -25,6 +25,11 @@ double SdOf(const std::vector<double>& values) {
   return values.size() > 1 ? std::sqrt(squares / static_cast<double>(values.size() - 1)) : 0.0;
 }
 
+// Hann window of so many samples.
+double Hann(std::size_t i, std::size_t window) {
+  return 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(window));
+}
+
 // Mean power of each frequency over windows, as the squared amplitude of a sine: a sine of amplitude a gives
 // a^2.
 std::vector<double> PowerOf(std::span<const double> force_N, std::size_t window) {
@@ -37,9 +42,7 @@ std::vector<double> PowerOf(std::span<const double> force_N, std::size_t window)
     double mean = 0.0;
     for (const double value : values) mean += value / static_cast<double>(window);
     for (std::size_t i = 0; i < window; ++i) {
-      const double hann =
-          0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(window));
-      part[i] = hann * (values[i] - mean);
+      part[i] = Hann(i, window) * (values[i] - mean);
     }
     fft.fwd(spectrum, part);
     for (std::size_t i = 0; i < power.size(); ++i) {
@@ -105,9 +108,8 @@ std::vector<double> PowerAround(std::span<const double> force_N, std::span<const
     double mean = 0.0;
     for (std::size_t i = 0; i < window; ++i) mean += force_N[begin + i] / static_cast<double>(window);
     for (std::size_t i = 0; i < window; ++i) {
-      const double hann =
-          0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(window));
-      part[i] = hann * (force_N[begin + i] - mean) * std::polar(1.0, -order * angle_rad[begin + i]);
+      part[i] =
+          Hann(i, window) * (force_N[begin + i] - mean) * std::polar(1.0, -order * angle_rad[begin + i]);
     }
     fft.fwd(spectrum, part);
     power[0] += std::norm(spectrum[0]);

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/parallel.h"
 #include "control/excitation/excitation_path.h"
 #include "hil/loops/admittance_loop.h"
@@ -21,6 +22,7 @@ namespace osteon::studies {
 namespace {
 
 constexpr hil::BoundaryScan kWalls{.from = 100.0, .to = 1e6, .factor = 1.05, .tolerance = 1e-4};
+constexpr hil::BoundaryScan kDrags{.from = 1.0, .to = 3000.0, .factor = 1.1, .tolerance = 1e-7};
 // what the design's table predicts
 const hil::GridHand kStiffHand{"3 kN/m", 3000.0, 20.0, 1.5}, kFirmHand{"firm", 500.0, 20.0, 1.5};
 constexpr double kMass_kg = 3.0, kDrag_Ns_per_m = 20.0;
@@ -89,11 +91,11 @@ ExcitedRun Synthesize(const SyntheticRun& run, const hil::ServoArmParams& arm_pa
   std::uniform_real_distribution<double> chance(0.0, 1.0);
   ExcitedRun samples{.period_s = period_s, .samples = {}};
   double held_m = 0.0;
-  for (;;) {
+  for (int k = 0;; ++k) {
     const control::ExcitationStep step = path.Step(true);
     if (step.part == control::ExcitationPart::kDone) return samples;
     const bool seen = chance(random) >= run.lost, arrives = seen && chance(random) >= run.lost_answers;
-    const double y_m = arm.q()[0] + run.noise_m * noise(random);
+    const double y_m = arm.q()[0] + run.noise_m * noise(random) + run.drift_m_per_s * period_s * k;
     if (arrives) held_m = step.x_m;
     samples.samples.push_back({.seen = seen,
                                .u_m = run.as_sent ? step.x_m : held_m,
@@ -116,36 +118,16 @@ std::vector<SyntheticRun> TableRuns() {
 }
 
 double LeastDrag(const hil::ServoArmParams& arm, double period_s) {
-  const auto stable = [&](double damping_Ns_per_m) {
-    return hil::AdmittanceLoop({.hand = kStiffHand,
-                                .mass_kg = kMass_kg,
-                                .damping_Ns_per_m = damping_Ns_per_m,
-                                .arm = arm,
-                                .period_s = period_s})
-               .SpectralRadius() < 1.0;
-  };
-  double high = 1.0;
-  while (!stable(high) && high < 3000.0) high *= 1.1;
-  double low = high / 1.1;
-  for (int i = 0; i < 20; ++i) {
-    const double middle = 0.5 * (low + high);
-    (stable(middle) ? high : low) = middle;
-  }
-  return high;
+  return hil::MinDrag({.hand = kStiffHand, .mass_kg = kMass_kg, .arm = arm, .period_s = period_s}, kDrags);
 }
 
 double GreatestWall(const hil::ServoArmParams& arm, double period_s) {
-  return hil::FirstCrossing(
-             [&](double stiffness_N_per_m) {
-               return hil::AdmittanceLoop({.hand = kFirmHand,
-                                           .mass_kg = kMass_kg,
-                                           .damping_Ns_per_m = kDrag_Ns_per_m,
-                                           .wall = {.stiffness_N_per_m = stiffness_N_per_m},
-                                           .arm = arm,
-                                           .period_s = period_s})
-                          .SpectralRadius() < 1.0;
-             },
-             kWalls)
+  return hil::MaxWallStiffness({.hand = kFirmHand,
+                                .mass_kg = kMass_kg,
+                                .damping_Ns_per_m = kDrag_Ns_per_m,
+                                .arm = arm,
+                                .period_s = period_s},
+                               kWalls)
       .value;
 }
 
@@ -222,7 +204,7 @@ std::string TableJson(const std::vector<TableRow>& rows, const IdentifyTablePara
                              {"lag_ms", FigureJson(row.lag_ms)},
                              {"least_drag_Ns_per_m", FigureJson(row.least_drag_Ns_per_m)},
                              {"greatest_wall_N_per_m", FigureJson(row.greatest_wall_N_per_m)}});
-  return json.dump(1) + "\n";
+  return base::JsonText(json);
 }
 
 }  // namespace osteon::studies

@@ -16,10 +16,11 @@ struct SyntheticRun {
   std::string name;
   int draws{4}, periods{3};
   double peak_m_per_s{0.05};
-  double noise_m{10e-6};     ///< of the encoders, at the tool
-  double lost{0.0};          ///< share of the messages that do not come
-  double lost_answers{0.0};  ///< share of the answers that the arm does not get
-  bool as_sent{false};       ///< lost answers are not taken into account: a planted error
+  double noise_m{10e-6};      ///< of the encoders, at the tool
+  double drift_m_per_s{0.0};  ///< of the encoders
+  double lost{0.0};           ///< share of the messages that do not come
+  double lost_answers{0.0};   ///< share of the answers that the arm does not get
+  bool as_sent{false};        ///< lost answers are not taken into account: a planted error
 };
 
 /// The excitation of a run through the arm. @param seed  of phases, noise and losses
@@ -45,7 +46,8 @@ struct TableRow {
   double seconds{0.0};
   TableFigure hz{}, damping_ratio{}, dead_time_ms{}, lag_ms{};
   /// Predicted with the arm that was found, for a virtual tool of 3 kg: the least drag for a hand of 3 kN/m,
-  /// and the greatest wall with a firm hand (500 N/m) and 20 N s/m; 1e6: at least.
+  /// and the greatest wall with a firm hand (500 N/m) and 20 N s/m; 1e6: at least. A drag that is infinite:
+  /// none up to 3000 N s/m is stable.
   TableFigure least_drag_Ns_per_m{}, greatest_wall_N_per_m{};
   int failed{0};  ///< seeds without a fit
 };

@@ -20,13 +20,13 @@ struct GuidanceMap {
   static constexpr int kNodes = 5;        ///< of each stiffness
 
   control::GuidanceParams guidance;
-  std::size_t hands{0};               ///< hands and levers that are stable without guidance
-  std::vector<std::string> unstable;  ///< those that the plan's guidance makes unstable
-  hil::Boundary factor;               ///< boundary on funnel and cone, as a factor on the plan's stiffnesses
-  hil::Boundary depth_N_per_m;        ///< boundary of the depth's spring
+  std::size_t hands{0};                 ///< hands and levers that are stable without guidance
+  std::vector<std::string> unstable{};  ///< those that the plan's guidance makes unstable
+  hil::Boundary factor{};         ///< boundary on funnel and cone, as a factor on the plan's stiffnesses
+  hil::Boundary depth_N_per_m{};  ///< boundary of the depth's spring
   /// Hands that become unstable, by lateral (rows) and cone stiffness (columns), from 0 to kMargin times the
   /// plan's.
-  std::vector<std::vector<int>> counts;
+  std::vector<std::vector<int>> counts{};
 
   [[nodiscard]] bool Accepted() const {
     return unstable.empty() && factor.value >= kMargin &&

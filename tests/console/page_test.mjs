@@ -305,6 +305,12 @@ async function comparesTwoRecordings() {
   await page.keyboard.press("b");
   await until(page, 'document.getElementById("bones").textContent.includes("do not differ")');
   for (const number of [1, 2]) await until(page, `${side(number, "scene.surface.layout?.difference_step_mm")} > 0 && ${side(number, "scene.surface.triangles")} > 10000`);
+  assert.deepEqual(await clipped(page), []);
+  await page.setViewport({ width: 390, height: 844 });
+  assert.deepEqual(await clipped(page), []);
+  await page.setViewport({ width: 1280, height: 720 });
+  await page.keyboard.press("b");
+  for (const number of [1, 2]) await until(page, `${side(number, "scene.surface.layout?.difference_step_mm")} === undefined && ${side(number, "scene.surface.triangles")} > 10000`);
   await page.close();
   child.kill("SIGINT");
 }

@@ -9,8 +9,8 @@
 #include "simulation/tools/tool.h"
 #include "simulation/tools/tool_compliance.h"
 
-// What gives way, from the files of tools and materials, and the rules that it has to keep. Source of the
-// rules: docs/theory/compliance.md.
+// Parameters of the parts that give way, from the files of tools and materials, and the rules that they have
+// to keep. Source of the rules: docs/theory/compliance.md.
 
 namespace osteon::config {
 
@@ -46,7 +46,8 @@ struct ComplianceRefusal {
 [[nodiscard]] std::optional<ComplianceRefusal> CheckMassless(const control::ComplianceParams& params,
                                                              double stiffness_N_per_m, double period_s);
 
-/// Of rule 2 the mount's own damping ratio, at least 0.05; rule 3: sqrt((K + k) / m) T <= 0.4.
+/// A mount's own damping ratio must be at least 0.05 (of rule 2), and sqrt((K + k) / m) T at most 0.4 (rule
+/// 3).
 [[nodiscard]] std::optional<ComplianceRefusal> CheckMountAlone(const control::BoneMountParams& mount,
                                                                double stiffness_N_per_m, double period_s);
 

@@ -11,6 +11,7 @@
 #include "hil/arm/servo_arm.h"
 #include "studies/identify/force_fit.h"
 #include "studies/identify/force_noise.h"
+#include "studies/identify/identify_table.h"
 #include "studies/identify/measured_response.h"
 #include "studies/identify/servo_fit.h"
 
@@ -43,35 +44,19 @@ struct RunParams {
   std::uint64_t seed{1};
 };
 
-// One joint of a ServoArm along the axis.
 ExcitedRun Excite(const Truth& truth, const RunParams& params) {
-  control::ExcitationPath path({.seed = 100 * params.seed,
-                                .draws = params.draws,
-                                .periods = params.periods,
-                                .peak_speed_m_per_s = params.peak_m_per_s},
-                               kPeriod_s);
-  hil::ServoArm arm(
-      {.bandwidth_hz = truth.hz, .damping_ratio = truth.damping, .dead_cycles = truth.dead_cycles},
-      FastLimits(), kPeriod_s, kinematics::JointVector::Zero());
-  std::mt19937_64 random(params.seed);
-  std::normal_distribution<double> noise(0.0, 1.0);
-  std::uniform_real_distribution<double> chance(0.0, 1.0);
-  ExcitedRun run{.period_s = kPeriod_s, .samples = {}};
-  double held_m = 0.0;
-  for (int k = 0;; ++k) {
-    const control::ExcitationStep step = path.Step(true);
-    if (step.part == control::ExcitationPart::kDone) return run;
-    const bool seen = chance(random) >= params.lost, arrives = seen && chance(random) >= params.lost_answers;
-    const double y_m = arm.q()[0] + params.noise_m * noise(random) + params.drift_m_per_s * kPeriod_s * k;
-    if (arrives) held_m = step.x_m;
-    run.samples.push_back({.seen = seen,
-                           .u_m = params.as_sent ? step.x_m : held_m,
-                           .y_m = y_m,
-                           .counted = step.part == control::ExcitationPart::kCounted,
-                           .draw = step.draw,
-                           .period = step.period});
-    arm.Step(kinematics::JointVector::Constant(held_m));
-  }
+  return Synthesize(
+      {.name = {},
+       .draws = params.draws,
+       .periods = params.periods,
+       .peak_m_per_s = params.peak_m_per_s,
+       .noise_m = params.noise_m,
+       .drift_m_per_s = params.drift_m_per_s,
+       .lost = params.lost,
+       .lost_answers = params.lost_answers,
+       .as_sent = params.as_sent},
+      {.bandwidth_hz = truth.hz, .damping_ratio = truth.damping, .dead_cycles = truth.dead_cycles}, kPeriod_s,
+      params.seed);
 }
 
 ServoFit FitOf(const ExcitedRun& run) {
