@@ -74,11 +74,49 @@ function(osteon_included HEADER RESULT)
   set(${RESULT} ${included} PARENT_SCOPE)
 endfunction()
 
-# osteon_verify_headers(TARGET LIBRARIES a.h …): the targets TARGET and TARGET_eigen compile the headers with LIBRARIES
-# so that one which does not compile alone is found. Most of such a compilation is Eigen and the standard library, so
-# several headers share one file where this hides nothing: a header may stand behind another that it includes itself,
-# for everything that is declared before it, it includes as well. In the same way a header that includes Eigen may find
-# Eigen parsed. (A header that needs what it does not include, but includes a header that needs it as well, is no
+# What osteon_verify_headers() finds parsed: sets of headers that many others include, the largest first.
+set(OSTEON_VERIFY_SETS commands command cell tick eigen files)
+set(OSTEON_VERIFY_commands <CLI/CLI.hpp> config/reading/cell_config.h)
+set(OSTEON_VERIFY_command <CLI/CLI.hpp>)
+set(OSTEON_VERIFY_cell config/reading/cell_config.h)
+set(OSTEON_VERIFY_tick control/tick_record.h)
+set(OSTEON_VERIFY_eigen <Eigen/Geometry>)
+set(OSTEON_VERIFY_files <filesystem>)
+
+# osteon_verify_sets(): the targets that parse those sets. Called once, before the libraries.
+function(osteon_verify_sets)
+  foreach(set ${OSTEON_VERIFY_SETS})
+    set(headers ${OSTEON_VERIFY_${set}})
+    set(libraries Eigen3::Eigen)
+    foreach(header ${headers})
+      if(header MATCHES "^([a-z]+)/")  # one of ours needs its folder's library
+        list(APPEND libraries osteon::${CMAKE_MATCH_1})
+      endif()
+    endforeach()
+    list(TRANSFORM headers PREPEND ${PROJECT_SOURCE_DIR}/ REGEX "^[^<]")
+    osteon_precompiled_headers(osteon_verify_${set} HEADERS ${headers} LINK ${libraries} OPTIONS -O0)
+  endforeach()
+endfunction()
+
+# osteon_verify_set(HEADER RESULT): the first set of which HEADER includes all; without one "plain".
+function(osteon_verify_set HEADER RESULT)
+  set(${RESULT} plain PARENT_SCOPE)
+  osteon_included(${HEADER} included)
+  foreach(set ${OSTEON_VERIFY_SETS})
+    set(missing ${OSTEON_VERIFY_${set}})
+    list(REMOVE_ITEM missing ${included})
+    if(OSTEON_PRECOMPILE AND NOT missing)
+      set(${RESULT} ${set} PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+endfunction()
+
+# osteon_verify_headers(TARGET LIBRARIES a.h …): the targets TARGET_<set> compile the headers with LIBRARIES so that one
+# which does not compile alone is found. Most of such a compilation is Eigen and the standard library, so several
+# headers share one file where this hides nothing: a header may stand behind another that it includes itself, for
+# everything that is declared before it, it includes as well. In the same way a header may find a set of headers parsed
+# that it includes. (A header that needs what it does not include, but includes a header that needs it as well, is no
 # exception: there the included one is found.) This holds as long as all #include lines stand before the code.
 function(osteon_verify_headers TARGET LIBRARIES)
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE folder)
@@ -113,29 +151,24 @@ function(osteon_verify_headers TARGET LIBRARIES)
     string(APPEND text_${chosen} "#include \"${header}\"\n")
   endforeach()
 
-  set(plain)
-  set(eigen)
   foreach(file ${files})
     set(source ${CMAKE_CURRENT_BINARY_DIR}/${TARGET}/${file}.cxx)
     file(CONFIGURE OUTPUT ${source} CONTENT "${text_${file}}" @ONLY)
-    osteon_included(${file} included)
-    if(OSTEON_PRECOMPILE AND "<Eigen/Geometry>" IN_LIST included)
-      list(APPEND eigen ${source})
-    else()
-      list(APPEND plain ${source})
+    osteon_verify_set(${file} set)
+    list(APPEND sources_${set} ${source})
+  endforeach()
+  foreach(set plain ${OSTEON_VERIFY_SETS})
+    if(sources_${set})
+      add_library(${TARGET}_${set} OBJECT EXCLUDE_FROM_ALL ${sources_${set}})
+      target_link_libraries(${TARGET}_${set} PRIVATE osteon::options ${LIBRARIES})
+      # not the folder's own: GCC takes what is precompiled only where all options are the same; nothing of it runs
+      set_target_properties(${TARGET}_${set} PROPERTIES COMPILE_OPTIONS -O0)
+      add_dependencies(osteon_verify_headers ${TARGET}_${set})
+      if(NOT set STREQUAL plain)
+        osteon_precompile(${TARGET}_${set} osteon_verify_${set})
+      endif()
     endif()
   endforeach()
-  foreach(kind plain eigen)
-    if(${kind})
-      add_library(${TARGET}_${kind} OBJECT EXCLUDE_FROM_ALL ${${kind}})
-      target_link_libraries(${TARGET}_${kind} PRIVATE osteon::options ${LIBRARIES})
-      set_target_properties(${TARGET}_${kind} PROPERTIES COMPILE_OPTIONS "")  # the folder's own: GCC wants Eigen's options
-      add_dependencies(osteon_verify_headers ${TARGET}_${kind})
-    endif()
-  endforeach()
-  if(eigen)
-    osteon_precompile(${TARGET}_eigen osteon_eigen_headers)
-  endif()
 endfunction()
 
 function(osteon_library NAME)

@@ -24,7 +24,7 @@ constexpr std::array<std::array<double, 3>, 9> kViridis{{{68, 1, 84},
                                                          {94, 201, 98},
                                                          {173, 220, 48},
                                                          {253, 231, 37}}};
-constexpr std::array<std::uint8_t, 3> kNothing{228, 230, 233};
+constexpr std::array<std::uint8_t, 3> kEmptyRgb{228, 230, 233};
 constexpr int kPixelsACell = 8;
 constexpr double kLabelPx = 11.5;
 constexpr double kGap = 30.0, kScaleWidth = 18.0;
@@ -74,7 +74,7 @@ std::string Field(const HeatMap& map, const HeatScale& scale, const PlotArea& ar
       const double value =
           Between(map, (column + 0.5) / kPixelsACell, map.ny - 1 - (row + 0.5) / kPixelsACell);
       if (!std::isfinite(value)) {
-        image.rgb.insert(image.rgb.end(), kNothing.begin(), kNothing.end());
+        image.rgb.insert(image.rgb.end(), kEmptyRgb.begin(), kEmptyRgb.end());
         continue;
       }
       for (const double channel : Viridis(BandShare(scale, value)))

@@ -7,7 +7,7 @@
 namespace osteon::report {
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
@@ -23,19 +23,19 @@ void RunCurves::Add(const control::TickRecord& tick) {
   const bool computed = tick.phase == control::Phase::kWaiting || control::HasMessage(tick);
   const Wrench F_T_W = tick.F_coupling_T_W;
   const Vector3 feed_W = Pose(tick.X_WT_cmd).linear().col(2);
-  coupling_N.Add(tick.stamp, computed ? F_T_W.f.norm() : kNothing);
-  axial_N.Add(tick.stamp, computed ? -F_T_W.f.dot(feed_W) : kNothing);
-  hand_N.Add(tick.stamp, computed ? Wrench(tick.F_operator_T_W).f.norm() : kNothing);
+  coupling_N.Add(tick.stamp, computed ? F_T_W.f.norm() : kMissing);
+  axial_N.Add(tick.stamp, computed ? -F_T_W.f.dot(feed_W) : kMissing);
+  hand_N.Add(tick.stamp, computed ? Wrench(tick.F_operator_T_W).f.norm() : kMissing);
   rendered_percent.Add(tick.stamp, 100.0 * tick.wrench_scale);
   arm_percent.Add(tick.stamp, 100.0 * tick.arm_share);
   wrench_cut |= tick.wrench_scale < 1.0;
   speed_mm_per_s.Add(tick.stamp, 1e3 * Vector3(tick.v_WT_cmd_m_per_s).norm());
-  in_bone_mm.Add(tick.stamp, control::HasMessage(tick) ? 1e3 * tick.tool_in_bone_m : kNothing);
+  in_bone_mm.Add(tick.stamp, control::HasMessage(tick) ? 1e3 * tick.tool_in_bone_m : kMissing);
   // before the first frame there is no model, so no age
-  model_age_ms.Add(tick.stamp, tick.model_frame == 0 ? kNothing : 1e3 * tick.model_age_s);
+  model_age_ms.Add(tick.stamp, tick.model_frame == 0 ? kMissing : 1e3 * tick.model_age_s);
   if (depth_of) {
     const bool in_bone = control::HasMessage(tick) && tick.tool_in_bone_m > 0.0;
-    commanded_depth_mm.Add(tick.stamp, in_bone ? 1e3 * depth_of(tick.X_WT_cmd) : kNothing);
+    commanded_depth_mm.Add(tick.stamp, in_bone ? 1e3 * depth_of(tick.X_WT_cmd) : kMissing);
   }
   wakeup.Add(tick.wakeup_ns);
   compute.Add(tick.compute_ns);
@@ -45,7 +45,7 @@ void RunCurves::Add(const simulation::FrameRecord& record) {
   if (!first_frame) first_frame = record.stamp;
   // the approach is not part of the cut: count from the first touch
   touched = touched || Wrench(record.model.F_T_W).f.norm() > 0.0 || record.model.removed_volume_m3 > 0.0;
-  depth_mm.Add(record.stamp, touched ? 1e3 * record.cup_depth_m : kNothing);
+  depth_mm.Add(record.stamp, touched ? 1e3 * record.cup_depth_m : kMissing);
   volume_mm3.Add(record.stamp, 1e9 * record.model.removed_volume_m3);
   frame.Add(record.duration_ns);
 }

@@ -17,7 +17,7 @@ namespace {
 
 int BitOf(safety::Fault fault) { return std::countr_zero(static_cast<std::uint32_t>(fault)); }
 
-std::string Json() {
+std::string FaultsJson() {
   nlohmann::ordered_json faults = nlohmann::json::array();
   session::ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
     faults.push_back({{"bit", BitOf(fault)},
@@ -63,7 +63,7 @@ int RunFaults(const FaultsOptions& options) {
                text.clearing);
   });
   for (const auto& [file, text] :
-       {std::pair(options.markdown, FaultsPage()), std::pair(options.json, Json())}) {
+       {std::pair(options.markdown, FaultsPage()), std::pair(options.json, FaultsJson())}) {
     if (file.empty()) continue;
     if (const auto written = base::WriteText(file, text); !written) {
       fmt::print(stderr, "osteon faults: {}\n", written.error());

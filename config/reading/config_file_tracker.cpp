@@ -7,16 +7,13 @@
 #include <system_error>
 #include <utility>
 
+#include "config/reading/named_file.h"
 #include "config/reading/shipped_folder.h"
 
 namespace osteon::config {
 namespace {
 
-thread_local ConfigFileTracker* present = nullptr;
-
-std::filesystem::path AbsolutePath(const std::filesystem::path& path) {
-  return std::filesystem::absolute(path).lexically_normal();
-}
+thread_local ConfigFileTracker* present_tracker = nullptr;
 
 bool IsBelow(const std::filesystem::path& path, const std::filesystem::path& folder) {
   const std::filesystem::path relative = path.lexically_relative(folder);
@@ -69,20 +66,20 @@ void SetShippedFolder(const std::filesystem::path& folder) { Shipped() = folder;
 ConfigFileTracker::ConfigFileTracker() : ConfigFileTracker(Params{}) {}
 
 ConfigFileTracker::ConfigFileTracker(Params params) : params_(std::move(params)) {
-  if (present) throw std::logic_error("config: a ConfigFileTracker inside another");
+  if (present_tracker) throw std::logic_error("config: a ConfigFileTracker inside another");
   if (!params_.root.empty()) params_.root = AbsolutePath(params_.root);
-  present = this;
+  present_tracker = this;
 }
 
-ConfigFileTracker::~ConfigFileTracker() { present = nullptr; }
+ConfigFileTracker::~ConfigFileTracker() { present_tracker = nullptr; }
 
 void ConfigFileTracker::RecordFile(const std::filesystem::path& path, bool by_whole_path) {
-  if (!present) return;
+  if (!present_tracker) return;
   const std::filesystem::path whole = AbsolutePath(path);
-  const auto known = std::find_if(present->files_.begin(), present->files_.end(),
+  const auto known = std::find_if(present_tracker->files_.begin(), present_tracker->files_.end(),
                                   [&](const File& f) { return f.path == whole; });
-  if (known == present->files_.end())
-    present->files_.push_back({.path = whole, .by_whole_path = by_whole_path});
+  if (known == present_tracker->files_.end())
+    present_tracker->files_.push_back({.path = whole, .by_whole_path = by_whole_path});
   else
     known->by_whole_path |= by_whole_path;
 }
@@ -90,11 +87,11 @@ void ConfigFileTracker::RecordFile(const std::filesystem::path& path, bool by_wh
 std::filesystem::path ConfigFileTracker::ResolveNamed(const std::filesystem::path& folder,
                                                       const std::filesystem::path& named) {
   const std::filesystem::path path = (folder / named).lexically_normal();
-  if (!present || present->params_.root.empty()) {
+  if (!present_tracker || present_tracker->params_.root.empty()) {
     RecordFile(path, named.is_absolute());
     return path;
   }
-  const Params& params = present->params_;
+  const Params& params = present_tracker->params_;
   const std::filesystem::path found =
       named.is_absolute() && !params.once_at.empty() && IsBelow(named.lexically_normal(), params.once_at)
           ? params.root / named.lexically_normal().lexically_relative(params.once_at)
@@ -107,12 +104,12 @@ std::filesystem::path ConfigFileTracker::FindByName(const std::filesystem::path&
   const std::string file = name + ".yaml";
   const std::filesystem::path folder = by.parent_path(),
                               sibling = kind == "cells" ? folder / file : folder / ".." / kind / file;
-  const bool confined = present && !present->params_.root.empty();
+  const bool confined = present_tracker && !present_tracker->params_.root.empty();
   std::filesystem::path found = confined ? AbsolutePath(sibling) : sibling.lexically_normal();
   const bool is_there = IsFile(found) && AbsolutePath(found) != AbsolutePath(by);
   if (confined) {
-    if (!is_there || !IsBelow(found, present->params_.root))
-      found = FindBelow(present->params_.root, kind, file);
+    if (!is_there || !IsBelow(found, present_tracker->params_.root))
+      found = FindBelow(present_tracker->params_.root, kind, file);
   } else if (!is_there) {
     found = (Shipped() / kind / file).lexically_normal();
   }

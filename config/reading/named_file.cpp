@@ -5,6 +5,10 @@
 
 namespace osteon::config {
 
+std::filesystem::path AbsolutePath(const std::filesystem::path& path) {
+  return std::filesystem::absolute(path).lexically_normal();
+}
+
 std::vector<std::filesystem::path> YamlFilesIn(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   std::error_code error;

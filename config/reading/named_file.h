@@ -8,6 +8,9 @@
 
 namespace osteon::config {
 
+/// A path from the root, without "." and "..".
+[[nodiscard]] std::filesystem::path AbsolutePath(const std::filesystem::path& path);
+
 /// The YAML files of a folder, sorted by name; none if the folder cannot be read.
 [[nodiscard]] std::vector<std::filesystem::path> YamlFilesIn(const std::filesystem::path& folder);
 

@@ -41,8 +41,6 @@ constexpr const char* kNoPage =
     "<code>pause</code>, "
     "<code>resume</code>, <code>stop</code>.";
 
-std::string_view OrEmpty(const char* text) { return text == nullptr ? std::string_view() : text; }
-
 // One connected page.
 class Page final : public PageWriter {
  public:

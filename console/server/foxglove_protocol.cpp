@@ -12,10 +12,10 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kShown = 30;  // characters of a wrong word in an error
-constexpr char kMessageData = 1;    // opcode of a topic's message
+constexpr std::size_t kShownWord = 30;  // characters of a wrong word in an error
+constexpr char kMessageData = 1;        // opcode of a topic's message
 
-tl::unexpected<std::string> Refuse(const std::string& found) {
+tl::unexpected<std::string> RefuseMessage(const std::string& found) {
   return tl::unexpected(fmt::format(
       "message: found {}, accepted {{\"op\": \"subscribe\", \"subscriptions\": [{{\"id\", \"channelId\"}}]}} "
       "and {{\"op\": \"unsubscribe\", \"subscriptionIds\": []}}: this server shows a cell, and takes nothing",
@@ -59,25 +59,26 @@ std::string Dump(const json& message) { return message.dump(-1, ' ', false, json
 tl::expected<FoxgloveRequest, std::string> ParseFoxgloveRequest(std::string_view bytes,
                                                                 std::size_t channels) {
   if (bytes.size() > kMaxFoxgloveMessage)
-    return Refuse(fmt::format("{} bytes (at most {})", bytes.size(), kMaxFoxgloveMessage));
+    return RefuseMessage(fmt::format("{} bytes (at most {})", bytes.size(), kMaxFoxgloveMessage));
   const json message = json::parse(bytes, nullptr, false);
-  if (message.is_discarded()) return Refuse("no JSON");
+  if (message.is_discarded()) return RefuseMessage("no JSON");
   if (!message.is_object() || !message.contains("op") || !message["op"].is_string())
-    return Refuse("another object");
+    return RefuseMessage("another object");
   const auto& op = message["op"].get_ref<const std::string&>();
   const char* name = op == "subscribe" ? "subscriptions" : "subscriptionIds";
-  if (op != "subscribe" && op != "unsubscribe") return Refuse("\"" + op.substr(0, kShown) + "\"");
+  if (op != "subscribe" && op != "unsubscribe") return RefuseMessage("\"" + op.substr(0, kShownWord) + "\"");
   if (!message.contains(name) || !message[name].is_array())
-    return Refuse(fmt::format("{} without {}", op, name));
+    return RefuseMessage(fmt::format("{} without {}", op, name));
   const json& list = message[name];
   if (list.size() > kMaxSubscriptions)
-    return Refuse(fmt::format("{} {} (at most {})", list.size(), name, kMaxSubscriptions));
+    return RefuseMessage(fmt::format("{} {} (at most {})", list.size(), name, kMaxSubscriptions));
   if (op == "subscribe") {
     FoxgloveSubscribe subscribe;
     for (const json& each : list) {
       const auto id = NumberOf(each, "id"), channel = NumberOf(each, "channelId");
-      if (!id || !channel) return Refuse("a subscription without a whole id and channelId");
-      if (*channel >= channels) return Refuse(fmt::format("channelId {} (below {})", *channel, channels));
+      if (!id || !channel) return RefuseMessage("a subscription without a whole id and channelId");
+      if (*channel >= channels)
+        return RefuseMessage(fmt::format("channelId {} (below {})", *channel, channels));
       subscribe.subscriptions.push_back({.id = *id, .channel = *channel});
     }
     return subscribe;
@@ -85,7 +86,7 @@ tl::expected<FoxgloveRequest, std::string> ParseFoxgloveRequest(std::string_view
   FoxgloveUnsubscribe unsubscribe;
   for (const json& each : list) {
     const auto id = NumberOf(json{{"id", each}}, "id");
-    if (!id) return Refuse("a subscriptionId that is no whole number");
+    if (!id) return RefuseMessage("a subscriptionId that is no whole number");
     unsubscribe.ids.push_back(*id);
   }
   return unsubscribe;

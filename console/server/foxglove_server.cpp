@@ -21,10 +21,8 @@
 namespace osteon::console {
 namespace {
 
-constexpr std::chrono::milliseconds kPeriod{33};  // between messages of a topic
-constexpr std::size_t kMaxWarnings = 16;          // that wait for a viewer
-
-std::string_view OrEmpty(const char* text) { return text == nullptr ? std::string_view() : text; }
+constexpr std::chrono::milliseconds kTopicPeriod{33};  // between messages of a topic
+constexpr std::size_t kMaxWarnings = 16;               // that wait for a viewer
 
 // One connected viewer: a thread sends what is new of its subscriptions.
 class Viewer {
@@ -95,7 +93,7 @@ class Viewer {
       std::map<std::uint32_t, Subscription> subscriptions;
       {
         std::unique_lock lock(mutex_);
-        changed_.wait_for(lock, kPeriod, [this] { return stop_; });
+        changed_.wait_for(lock, kTopicPeriod, [this] { return stop_; });
         if (stop_) return;
         warnings.swap(warnings_);
         subscriptions = subscriptions_;

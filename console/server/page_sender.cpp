@@ -12,7 +12,7 @@
 namespace osteon::console {
 namespace {
 
-constexpr std::chrono::milliseconds kPeriod{33};  // between messages to a page
+constexpr std::chrono::milliseconds kPagePeriod{33};  // between messages to a page
 constexpr std::size_t kBricksAtOnce = 200;  // between two live messages, so that a large surface delays none
 
 }  // namespace
@@ -43,7 +43,7 @@ void PageSender::Run() {
   while (true) {
     {
       std::unique_lock lock(mutex_);
-      changed_.wait_for(lock, kPeriod, [this] { return stop_ || !answers_.empty(); });
+      changed_.wait_for(lock, kPagePeriod, [this] { return stop_ || !answers_.empty(); });
       if (stop_) return;
     }
     if (!SendNew()) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <tl/expected.hpp>
 
@@ -10,6 +11,9 @@ struct mg_connection;
 struct mg_context;
 
 namespace osteon::console {
+
+/// civetweb's texts, which are null where there is none.
+[[nodiscard]] inline std::string_view OrEmpty(const char* text) { return text == nullptr ? "" : text; }
 
 struct WebServerParams {
   std::string name;               ///< in errors: "console"

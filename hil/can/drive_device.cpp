@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <vector>
+
+#include "base/units.h"
 
 namespace osteon::hil {
 namespace {
@@ -15,7 +16,6 @@ constexpr int kGenericError = 0x01;  // bit 0 of the error register, which every
 constexpr double kStep_s = 1e-4;
 constexpr rt::Nanoseconds kLongest = 100 * rt::kMillisecond;  // of one advance: after a longer pause the rest
                                                               // is skipped
-constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;        // rad/s
 constexpr double kAtRest_rad_per_s = 0.1;
 
 std::vector<DictionaryEntry> Dictionary(const DriveDeviceParams& params) {

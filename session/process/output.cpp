@@ -28,8 +28,8 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::milliseconds kPollInterval{100};  // how often readers are checked
-constexpr std::size_t kMaxWaiting = 64u << 10;           // bytes that may wait; beyond it stderr is dropped
+constexpr std::chrono::milliseconds kReaderInterval{100};  // how often readers are checked
+constexpr std::size_t kMaxWaiting = 64u << 10;             // bytes that may wait; beyond it stderr is dropped
 constexpr int kExitClosed = 128 + SIGPIPE;
 
 // One of the process's two outputs.
@@ -106,7 +106,7 @@ class OutputQueue {
   void Run() {
     std::unique_lock lock(mutex_);
     while (!end_ || !parts_.empty()) {
-      changed_.wait_for(lock, kPollInterval, [this] { return end_ || !parts_.empty(); });
+      changed_.wait_for(lock, kReaderInterval, [this] { return end_ || !parts_.empty(); });
       std::vector<Part> parts;
       parts.swap(parts_);
       if (dropped_ > 0 && !parts.empty())

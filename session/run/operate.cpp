@@ -38,7 +38,7 @@ void PrintRegistration(const config::CellConfig& cell) {
     fmt::print(stderr, "osteon run: {:<42} {:8.1f} {:<4} {}\n", row.name, row.value, row.unit, row.verdict());
 }
 
-void PrintWires(const config::CellConfig& cell) {
+void PrintConnections(const config::CellConfig& cell) {
   fmt::print(stderr, "osteon run: {} on {}:{}\n", Describe(cell.link), cell.link.host, cell.link.port);
   if (cell.guard)
     fmt::print(stderr, "osteon run: the arm is reached through the guard, which listens on {}:{}\n",
@@ -185,7 +185,7 @@ int RunOperate(const OperateOptions& asked) {
   if (remote) fmt::print(stderr, "osteon run: the engine is a process of its own: {}\n", remote->where());
   if (setup->planned) fmt::print(stderr, "osteon run: packing: {}\n", PlannedText(*setup->planned));
   PrintRegistration(setup->config);
-  PrintWires(setup->config);
+  PrintConnections(setup->config);
   fmt::print(stderr, "osteon run: configuration {}\nosteon run: waits {:g} s for the arm\n", config_checksum,
              options.wait_s);
 

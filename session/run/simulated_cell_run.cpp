@@ -26,7 +26,7 @@ namespace osteon::session {
 namespace {
 
 // Short, since the arm's state must be read soon after its client has gone: see "stop" in ToJson.
-constexpr std::chrono::milliseconds kPollInterval{2};
+constexpr std::chrono::milliseconds kStateInterval{2};
 
 nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
   return {{"pushed", n.pushed},         {"passed", n.passed},       {"lost", n.lost},
@@ -34,7 +34,7 @@ nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
           {"delayed", n.delayed},       {"silenced", n.silenced},   {"overflow", n.overflow}};
 }
 
-void PrintWires(const config::CellConfig& cell) {
+void PrintSimulatedSide(const config::CellConfig& cell) {
   fmt::print("osteon cell: the arm sends {} to {}:{}{}\n", Describe(cell.link),
              cell.guard ? cell.guard->host : cell.link.host, cell.guard ? cell.guard->port : cell.link.port,
              cell.guard ? ", the guard's" : "");
@@ -155,11 +155,11 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
     readers.page = OpenPage(options, cell);
     if (readers.any()) params.arm.cycles = &readers.cycles;
     hil::CellHost host(params, MakeSimulatedCell(cell, options.seconds));
-    PrintWires(cell);
+    PrintSimulatedSide(cell);
     CellScreen screen(cell);
     const rt::Nanoseconds begun = rt::MonotonicNow();
     while (!base::Interrupted().load()) {
-      std::this_thread::sleep_for(kPollInterval);
+      std::this_thread::sleep_for(kStateInterval);
       state = host.State();
       readers.Pass();
       const std::vector<std::string> lines = screen.Lines(state, rt::ToSeconds(rt::MonotonicNow() - begun));

@@ -3,12 +3,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "base/units.h"
 #include "control/arm/arm_follower.h"
 #include "control/loop/tick_state.h"
 #include "control/loop/tool_speed_trip.h"
@@ -25,7 +25,6 @@ using control::TickRecord;
 using safety::Fault;
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  // leaves a gap in the curve
-constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;
 constexpr std::array<const char*, 7> kJointColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                   "#e69f00", "#56b4e9", "#555555"};
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -36,8 +35,6 @@ constexpr std::array<std::string_view, safety::kLimitCount> kLimitTexts{"largest
                                                                         "guidance along the plan",
                                                                         "deflection beyond the cell's error"};
 static_assert(!kLimitTexts.back().empty(), "a limit without words");
-
-constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;
 
 struct Bound {
   double value;

@@ -12,6 +12,8 @@
 
 #include <fmt/format.h>
 
+#include "base/units.h"
+
 namespace osteon::simulation {
 namespace {
 
@@ -25,8 +27,6 @@ constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
 constexpr double kMaxSeconds = 36000.0, kFar_mm = 10000.0, kMaxRpm = 500'000.0;
 constexpr double kUnitTolerance = 1e-5;  // a rounding of 1e-7 in four values, with a margin
 constexpr double kMaxSpeed_m_per_s = 5.0;
-
-constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;  // rad/s
 
 // The lines of the file's head that say how the motion was made, in the file's order.
 using OriginLine = std::pair<std::string_view, std::string MotionOrigin::*>;

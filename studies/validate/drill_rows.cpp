@@ -1,14 +1,14 @@
 #include "studies/validate/drill_rows.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
+
+#include "base/units.h"
 
 namespace osteon::studies {
 namespace {
 
-constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;
 constexpr double kFeed_m_per_s = 0.120 / 60.0;  // 120 mm/min
 constexpr int kLips = 2;                        // of a twist drill
 

@@ -14,8 +14,8 @@
 namespace osteon::config {
 namespace {
 
-constexpr std::uintmax_t kMaxFile = 64u << 20u;  // bytes: more than 4096 × 4096 samples of 16 bits need
-constexpr std::uint32_t kMaxSamples = 4096;      // along each side
+constexpr std::uintmax_t kMaxImageBytes = 64u << 20u;  // bytes: more than 4096 × 4096 samples of 16 bits need
+constexpr std::uint32_t kMaxSamples = 4096;            // along each side
 constexpr std::uint32_t kMinRows = 2;
 constexpr double kDensest_g_per_cm3 = 25.0;
 constexpr const char* kAccepted = "accepted a grey PNG without transparency";
@@ -119,8 +119,8 @@ tl::expected<GreyImage, std::string> ReadGreyPng(const std::filesystem::path& pa
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) return tl::unexpected(fmt::format("found no file {}, accepted a grey PNG", path.string()));
-  if (size > kMaxFile)
-    return tl::unexpected(fmt::format("found {} bytes, accepted at most {}", size, kMaxFile));
+  if (size > kMaxImageBytes)
+    return tl::unexpected(fmt::format("found {} bytes, accepted at most {}", size, kMaxImageBytes));
   std::ifstream stream(path, std::ios::binary);
   const Bytes bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   if (stream.bad() || !stream.is_open())

@@ -8,6 +8,7 @@
 
 #include "config/reading/sections/compliance_params.h"
 #include "config/reading/sections/read_limits.h"
+#include "config/reading/sections/read_pose.h"
 #include "hil/loops/mount_rule.h"
 #include "safety/limits.h"
 #include "simulation/tools/tool_compliance.h"
@@ -15,7 +16,6 @@
 namespace osteon::config {
 namespace {
 
-constexpr double kRoom_mm = 5000;
 constexpr double kTableForce_N = 20.0;  // at which a layer's stiffness is stated
 
 GivesWay ReadLevel(Reader& section, const char* key) {

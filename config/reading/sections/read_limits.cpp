@@ -4,10 +4,11 @@
 
 #include <fmt/format.h>
 
+#include "config/reading/sections/read_pose.h"
+
 namespace osteon::config {
 namespace {
 
-constexpr double kRoom_mm = 5000;
 // Default bound: twice the depth at which the coupling reaches its force limit, plus this.
 constexpr double kBeyondTwice_m = 3e-3;
 

@@ -12,12 +12,12 @@
 namespace osteon::config {
 namespace {
 
-void Set(YAML::Node node, const std::string& key, const std::string& value) {
+void SetValue(YAML::Node node, const std::string& key, const std::string& value) {
   const std::size_t dot = key.find('.');
   if (dot == std::string::npos)
     node[WrittenKey(node, key)] = YAML::Load(value);
   else
-    Set(node[key.substr(0, dot)], key.substr(dot + 1), value);
+    SetValue(node[key.substr(0, dot)], key.substr(dot + 1), value);
 }
 
 // Sets the values of a mapping, in sections too.
@@ -69,7 +69,7 @@ YAML::Node LoadWhole(const std::filesystem::path& source) {
 void WriteDerived(const std::filesystem::path& source, const std::vector<YamlEdit>& edits,
                   const std::filesystem::path& target) {
   YAML::Node file = LoadWhole(source);
-  for (const YamlEdit& edit : edits) Set(file, edit.key, edit.value);
+  for (const YamlEdit& edit : edits) SetValue(file, edit.key, edit.value);
   std::ofstream stream(target);
   stream << file << "\n";
   stream.close();

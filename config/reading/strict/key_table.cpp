@@ -12,14 +12,14 @@
 namespace osteon::config {
 namespace {
 
-thread_local KeyRecorder* present = nullptr;
+thread_local KeyRecorder* present_recorder = nullptr;
 
 constexpr std::size_t kMaxRuns = 5000;
 
-using Set = std::set<std::string>;
+using Keys = std::set<std::string>;
 
-Set Both(const Set& a, const Set& b) {
-  Set both;
+Keys Both(const Keys& a, const Keys& b) {
+  Keys both;
   std::ranges::set_intersection(a, b, std::inserter(both, both.end()));
   return both;
 }
@@ -39,7 +39,7 @@ KeyTable& At(KeyTable& table, const std::string& place) {
 
 }  // namespace
 
-KeyRecorder* KeyRecorder::Present() { return present; }
+KeyRecorder* KeyRecorder::Present() { return present_recorder; }
 
 std::size_t KeyRecorder::Decide(const std::string& question, std::size_t answers) {
   asked_.emplace_back(question, answers);
@@ -76,21 +76,21 @@ namespace {
 
 using Answers = std::map<std::string, std::size_t>;
 
-Set KnownIn(const KeyRecorder::Mapping& mapping) {
-  Set known;
+Keys KnownIn(const KeyRecorder::Mapping& mapping) {
+  Keys known;
   for (const auto& [key, ignored] : mapping.keys) known.insert(key);
   return known;
 }
 
-Set NeededIn(const KeyRecorder::Mapping& mapping) {
-  Set needed;
+Keys NeededIn(const KeyRecorder::Mapping& mapping) {
+  Keys needed;
   for (const auto& [key, ignored] : mapping.keys)
     if (!mapping.optional.contains(key)) needed.insert(key);
   return needed;
 }
 
 // Adds the keys of a run's mappings to the table, as needed by every run.
-void AddKeys(const KeyRecorder::Run& run, std::map<std::string, Set>& required, KeyTable& table) {
+void AddKeys(const KeyRecorder::Run& run, std::map<std::string, Keys>& required, KeyTable& table) {
   for (const auto& [place, mapping] : run.mappings) {
     KeyTable& at = At(table, place);
     for (const auto& [key, info] : mapping.keys) {
@@ -103,7 +103,7 @@ void AddKeys(const KeyRecorder::Run& run, std::map<std::string, Set>& required, 
     if (!mapping.finished) continue;
     for (const auto& [key, is_there] : mapping.optional)  // known, and read elsewhere
       if (is_there) at.keys.try_emplace(key, KeyInfo{.type = KeyInfo::Type::kAny});
-    const Set needed = NeededIn(mapping);
+    const Keys needed = NeededIn(mapping);
     const auto [all, is_first] = required.try_emplace(place, needed);
     if (!is_first) all->second = Both(all->second, needed);
   }
@@ -112,7 +112,7 @@ void AddKeys(const KeyRecorder::Run& run, std::map<std::string, Set>& required, 
 // Adds what the words of one key decide on: runs that differ in this one answer.
 void AddCases(const std::string& place, const std::string& key,
               const std::vector<const KeyRecorder::Mapping*>& runs, KeyTable& table) {
-  Set somewhere, everywhere = KnownIn(*runs.front()), always = NeededIn(*runs.front());
+  Keys somewhere, everywhere = KnownIn(*runs.front()), always = NeededIn(*runs.front());
   for (const KeyRecorder::Mapping* run : runs) {
     somewhere.merge(KnownIn(*run));
     everywhere = Both(everywhere, KnownIn(*run));
@@ -120,7 +120,7 @@ void AddCases(const std::string& place, const std::string& key,
   }
   for (const KeyRecorder::Mapping* run : runs) {
     KeyCase one{.key = key, .word = run->words.at(key), .required = {}, .excluded = {}};
-    const Set known = KnownIn(*run), needed = NeededIn(*run);
+    const Keys known = KnownIn(*run), needed = NeededIn(*run);
     std::ranges::set_difference(somewhere, known, std::inserter(one.excluded, one.excluded.end()));
     std::ranges::set_difference(needed, always, std::inserter(one.required, one.required.end()));
     if (!one.required.empty() || !one.excluded.empty()) At(table, place).cases.push_back(std::move(one));
@@ -130,7 +130,7 @@ void AddCases(const std::string& place, const std::string& key,
 }  // namespace
 
 KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& load) {
-  if (present) throw std::logic_error("config: RecordKeys inside another");
+  if (present_recorder) throw std::logic_error("config: RecordKeys inside another");
   std::deque<Answers> waiting{{}};
   std::set<std::pair<std::string, std::size_t>> tried;
   std::set<Answers> seen{{}};
@@ -138,13 +138,13 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
   const auto record = [&](const Answers& answers) {
     KeyRecorder recorder;
     recorder.answers_ = answers;
-    present = &recorder;
+    present_recorder = &recorder;
     try {
       load("recorded.yaml");
     } catch (const KeyRecorder::Ended&) {
     } catch (const std::exception&) {  // these answers do not go together
     }
-    present = nullptr;
+    present_recorder = nullptr;
     runs.push_back(std::move(recorder.run_));
     return std::move(recorder.asked_);
   };
@@ -190,7 +190,7 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
         same.push_back(&at->second);
     if (same.size() > 1) AddCases(place, key, same, table);
   }
-  std::map<std::string, Set> required;  // by place
+  std::map<std::string, Keys> required;  // by place
   for (const KeyRecorder::Run& run : runs) AddKeys(run, required, table);
   for (const KeyRecorder::Run& run : runs)
     for (const auto& [place, ignored] : run.mappings)

@@ -8,16 +8,13 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include "config/reading/named_file.h"
 #include "config/reading/strict/reader.h"
 
 namespace osteon::config {
 namespace {
 
-thread_local Overlay* present = nullptr;
-
-std::filesystem::path AbsolutePath(const std::filesystem::path& path) {
-  return std::filesystem::absolute(path).lexically_normal();
-}
+thread_local Overlay* present_overlay = nullptr;
 
 // "limits.max_force_N": words separated by dots.
 bool IsKey(const std::string& key) {
@@ -37,12 +34,12 @@ struct Overlay::Value {
 };
 
 Overlay::Overlay(const std::filesystem::path& root) {
-  if (present) throw std::logic_error("config: an Overlay inside another");
+  if (present_overlay) throw std::logic_error("config: an Overlay inside another");
   named_.push_back({.file = AbsolutePath(root), .place = ""});
-  present = this;
+  present_overlay = this;
 }
 
-Overlay::~Overlay() { present = nullptr; }
+Overlay::~Overlay() { present_overlay = nullptr; }
 
 void Overlay::SetFromFile(const std::filesystem::path& file, const std::string& key) {
   const YAML::Node all = YAML::LoadFile(file.string());
@@ -93,19 +90,19 @@ void Overlay::Finish() const {
 }
 
 std::optional<std::string> Overlay::PlaceOf(const std::filesystem::path& file) {
-  if (!present) return {};
-  const auto named = std::ranges::find(present->named_, AbsolutePath(file), &Named::file);
-  if (named == present->named_.end()) return {};
+  if (!present_overlay) return {};
+  const auto named = std::ranges::find(present_overlay->named_, AbsolutePath(file), &Named::file);
+  if (named == present_overlay->named_.end()) return {};
   return named->place;
 }
 
 void Overlay::RecordNamedFile(const std::filesystem::path& file, const std::string& place) {
-  if (present) present->named_.push_back({.file = AbsolutePath(file), .place = place});
+  if (present_overlay) present_overlay->named_.push_back({.file = AbsolutePath(file), .place = place});
 }
 
 void Overlay::ApplyTo(const std::string& place, const std::function<void(const OverlaidValue&)>& take) {
-  if (!present) return;
-  for (Value& value : present->values_) {
+  if (!present_overlay) return;
+  for (Value& value : present_overlay->values_) {
     if (!value.key.starts_with(place)) continue;
     const std::string rest = value.key.substr(place.size());
     const std::size_t dot = rest.find('.');

@@ -24,7 +24,7 @@ constexpr Unit kUnits[] = {
     {"ms", 1e-3},
     {"us", 1e-6},
     {"hz", 1.0},
-    {"rpm", 2.0 * std::numbers::pi / 60.0},
+    {"rpm", kRpm},
     // motion
     {"m_per_s", 1.0},
     {"mm_per_s", 1e-3},

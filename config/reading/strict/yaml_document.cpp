@@ -16,7 +16,7 @@
 namespace osteon::config {
 namespace {
 
-constexpr std::uintmax_t kMaxFile = 1 << 20;  // bytes; ours have a few kB
+constexpr std::uintmax_t kMaxYamlBytes = 1 << 20;  // bytes; ours have a few kB
 
 // Counts the documents that a parser finds, and notes whether they have content.
 class DocumentCounter final : public YAML::EventHandler {
@@ -70,7 +70,7 @@ bool ParsePlainNumber(const YAML::Node& node, T& value) {
 std::string ReadYamlText(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw ConfigError(path.string(), 0, "no such file");
-  if (std::filesystem::file_size(path, error) > kMaxFile)
+  if (std::filesystem::file_size(path, error) > kMaxYamlBytes)
     throw ConfigError(path.string(), 0, "larger than 1 MiB: not a configuration");
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream text;
