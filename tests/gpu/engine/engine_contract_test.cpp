@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include <gtest/gtest.h>
 
@@ -17,37 +18,45 @@ using simulation::FrameInput;
 
 constexpr int kFrames = 500;
 
+// Frames of a long comparison: as many as its bars need, or OSTEON_FRAMES.
+int ManyFrames(int needed) {
+  const char* asked = std::getenv("OSTEON_FRAMES");
+  return asked ? std::max(needed, std::atoi(asked)) : needed;
+}
+
 const VulkanParams kInFloats{.device = "", .overrides = {.arithmetic = Arithmetic::kFloats}};
 
-void ReamForTwoThousandFrames(const VulkanParams& vulkan) {
+void ReamOverManyFrames(const VulkanParams& vulkan) {
   Twins twins(DefaultBone(), DefaultReamer(), vulkan);
   Hand hand;
   Vector3 f_W = Vector3::Zero();
-  for (int i = 0; i < 2000; ++i) f_W = twins.Step(hand.Next(f_W)).F_T_W.f;
-  twins.ExpectWithinTheBars({.force_N = 100.0, .touching = 1980, .balls = 500, .points = 500});
+  const int frames = ManyFrames(1000);
+  for (int i = 0; i < frames; ++i) f_W = twins.Step(hand.Next(f_W)).F_T_W.f;
+  twins.ExpectWithinTheBars({.force_N = 100.0, .touching = 980, .balls = 500, .points = 500});
 }
 
-TEST(VulkanEngine, ReamsLikeTheReferenceForTwoThousandFrames) { ReamForTwoThousandFrames({}); }
-TEST(VulkanEngineInFloats, ReamsLikeTheReferenceForTwoThousandFrames) { ReamForTwoThousandFrames(kInFloats); }
+TEST(VulkanEngine, ReamsLikeTheReferenceOverManyFrames) { ReamOverManyFrames({}); }
+TEST(VulkanEngineInFloats, ReamsLikeTheReferenceOverManyFrames) { ReamOverManyFrames(kInFloats); }
 
 // A burr in bone of balls not much smaller than itself: the balls that hold it change all the time.
-void BurrForTwoThousandFrames(const VulkanParams& vulkan) {
+void BurrOverManyFrames(const VulkanParams& vulkan) {
   simulation::Tool tool;
   tool.balls.push_back({.center_m = Vector3(0, 0, 4e-3), .radius_m = 4e-3, .cutting = true});
   Twins twins(DefaultBone(), tool, vulkan);
-  for (int i = 0; i < 2000; ++i) {
+  const int frames = ManyFrames(1500);
+  for (int i = 0; i < frames; ++i) {
     // down into the rim, then along a figure of eight
-    const double phase = 4.0 * M_PI * i / 2000.0, down = std::min(1.0, 3.0 * i / 2000.0);
+    const double phase = 4.0 * M_PI * i / frames, down = std::min(1.0, 3.0 * i / frames);
     FrameInput input{.X_WT = Pose::Identity(), .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = Hand::kDt};
     input.X_WT.p =
         Vector3(0.029 + 1.5e-3 * std::sin(phase), 0.8e-3 * std::sin(2.0 * phase), 0.4e-3 - 2e-3 * down);
     twins.Step(input);
   }
-  twins.ExpectWithinTheBars({.force_N = 5.0, .touching = 1500, .balls = 50, .points = 5});
+  twins.ExpectWithinTheBars({.force_N = 5.0, .touching = 1100, .balls = 50, .points = 5});
 }
 
-TEST(VulkanEngine, BurrsLikeTheReferenceForTwoThousandFrames) { BurrForTwoThousandFrames({}); }
-TEST(VulkanEngineInFloats, BurrsLikeTheReferenceForTwoThousandFrames) { BurrForTwoThousandFrames(kInFloats); }
+TEST(VulkanEngine, BurrsLikeTheReferenceOverManyFrames) { BurrOverManyFrames({}); }
+TEST(VulkanEngineInFloats, BurrsLikeTheReferenceOverManyFrames) { BurrOverManyFrames(kInFloats); }
 
 TEST(VulkanEngine, GivesAHandTheForceThatTheReferenceGives) {
   const simulation::Bone bone = DefaultBone();
