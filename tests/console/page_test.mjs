@@ -21,7 +21,7 @@ let last; // the demo that was started last
 
 /** Starts a demo and waits for its console's address. */
 function demo(seconds, ...more) {
-  const child = spawn(osteon, ["demo", "--seconds", String(seconds), "--port", "0", "--console", "0", "--overwrite", "--out",
+  const child = start(["demo", "--seconds", String(seconds), "--port", "0", "--console", "0", "--overwrite", "--out",
     join(folder, "out"), ...more], { stdio: ["ignore", "pipe", "pipe"] });
   let text = "";
   child.stdout.on("data", (bytes) => (text += bytes)); // the summary, for the message of a check that fails
@@ -67,6 +67,14 @@ const browser = await puppeteer.launch({
   args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
 });
 const errors = [];
+
+/** Starts a command, which does not outlive the test: what a failed step leaves would hold the test's output open. */
+const started = [];
+function start(args, options) {
+  const child = spawn(osteon, args, options);
+  started.push(child);
+  return child;
+}
 
 async function open(url, width, height) {
   const page = await browser.newPage();
@@ -260,7 +268,7 @@ injections:
 }
 
 async function viewsARecording() {
-  const child = spawn(osteon, ["view", join(folder, "out", "recording.mcap"), "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
+  const child = start(["view", join(folder, "out", "recording.mcap"), "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
   const url = await new Promise((resolve) => child.stdout.once("data", (bytes) => resolve(String(bytes).trim())));
   const page = await open(url, 1280, 720);
   await until(page, "osteon.live && !document.getElementById('timeline').hidden");
@@ -283,7 +291,7 @@ async function viewsARecording() {
 /** A recording beside itself, and beside a shorter one. */
 async function comparesTwoRecordings() {
   const recording = join(folder, "out", "recording.mcap");
-  const child = spawn(osteon, ["view", recording, recording, "--at", "2", "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
+  const child = start(["view", recording, recording, "--at", "2", "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
   const url = await new Promise((resolve) => child.stdout.once("data", (bytes) => resolve(String(bytes).trim())));
   const page = await open(url, 1280, 720);
   await until(page, "document.getElementById('most').textContent.includes('No difference')");
@@ -318,7 +326,7 @@ async function comparesTwoRecordings() {
 /** The simulated cell without a controller: it says so, and has nothing to press. */
 async function showsACellAlone() {
   const port = String(31000 + (process.pid % 2000) * 10);
-  const child = spawn(osteon, ["cell", "demo", "--port", port, "--console", "0"], { stdio: ["ignore", "pipe", "inherit"] });
+  const child = start(["cell", "demo", "--port", port, "--console", "0"], { stdio: ["ignore", "pipe", "inherit"] });
   let text = "";
   const url = await new Promise((resolve) => child.stdout.on("data", (bytes) => {
     text += bytes;
@@ -350,6 +358,7 @@ try {
   assert.deepEqual(errors, []);
   console.log("the console's page: all steps done");
 } finally {
+  for (const child of started) if (child.exitCode === null) child.kill("SIGKILL");
   await browser.close();
   rmSync(folder, { recursive: true, force: true });
 }

@@ -23,6 +23,7 @@ export type Preset = "whole" | "site" | "axis" | "above" | "behind";
 export class SceneView {
   readonly surface: Surface;
   private readonly renderer: WebGLRenderer;
+  private readonly gl: WebGL2RenderingContext;
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(40, 1, 0.005, 20);
   private readonly controls: OrbitControls;
@@ -46,7 +47,9 @@ export class SceneView {
   private alone = false; // the bone without the tool
   private wanted = false;
   private lastRender_ms = 0;
-  private renderedAt = 0;
+  private begunAt = 0; // of the last picture [ms], and when it was seen to be finished
+  private drawnAt = 0;
+  private drawing: WebGLSync | null = null; // the picture that is not yet finished
   private followed = new Vector3();
   following = false;
   private metresPerNewton = 0.0005;
@@ -54,6 +57,7 @@ export class SceneView {
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.renderer.localClippingEnabled = true;
     this.scene.background = new Color(0x0e1114);
     this.scene.add(new AmbientLight(0xffffff, 0.9));
@@ -246,9 +250,27 @@ export class SceneView {
   redraw(): void {
     if (this.wanted) return;
     this.wanted = true;
-    // a software rasteriser takes its time: the page then draws less often instead of piling up work
-    const pause = Math.max(LEAST_PAUSE_MS, 1.2 * this.lastRender_ms - (performance.now() - this.renderedAt));
+    if (!this.drawing) this.renderSoon();
+  }
+
+  private renderSoon(): void {
+    const pause = Math.max(LEAST_PAUSE_MS, 1.2 * this.lastRender_ms - (performance.now() - this.drawnAt));
     setTimeout(() => requestAnimationFrame(() => this.render()), pause - LEAST_PAUSE_MS);
+  }
+
+  /** Waits until the picture is finished; the next one follows. A software rasteriser takes its time, in a process of its
+   *  own: the page then draws less often instead of piling up work, behind which clicks and messages would wait. */
+  private waitUntilDrawn(): void {
+    if (!this.drawing) return;
+    if (this.gl.getSyncParameter(this.drawing, this.gl.SYNC_STATUS) === this.gl.UNSIGNALED) {
+      setTimeout(() => this.waitUntilDrawn(), LEAST_PAUSE_MS);
+      return;
+    }
+    this.gl.deleteSync(this.drawing);
+    this.drawing = null;
+    this.drawnAt = performance.now();
+    this.lastRender_ms = this.drawnAt - this.begunAt;
+    if (this.wanted) this.renderSoon();
   }
 
   picture(): string {
@@ -258,12 +280,15 @@ export class SceneView {
 
   private render(): void {
     this.wanted = false;
-    const begun = performance.now();
+    this.begunAt = performance.now();
     this.surface.update();
     this.limit?.quaternion.copy(this.camera.quaternion);
     this.renderer.render(this.scene, this.camera);
-    this.renderedAt = performance.now();
-    this.lastRender_ms = this.renderedAt - begun;
+    const first = !this.drawing;  // else the one before is waited for already
+    if (this.drawing) this.gl.deleteSync(this.drawing);
+    this.drawing = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    this.gl.flush();
+    if (first) setTimeout(() => this.waitUntilDrawn(), LEAST_PAUSE_MS);
     ++this.drawn;
   }
 
