@@ -76,8 +76,9 @@ TEST(SimulatedCellThread, AnArmThatSaysSoEndsItsSessionFromReadyToIdle) {
     ASSERT_FALSE(states.empty());
     EXPECT_EQ(states.back(),
               end == SessionEnd::kIdleMessages ? SessionState::kIdle : SessionState::kCommandingActive);
-    if (end == SessionEnd::kIdleMessages)
+    if (end == SessionEnd::kIdleMessages) {
       EXPECT_EQ(states.at(states.size() - 2), SessionState::kMonitoringReady);
+    }
   }
 }
 

@@ -27,8 +27,8 @@ TEST(LongRun, TwiceTheLengthTakesNoMoreMemoryAtItsEnd) {
     WriteLongRecording(recording, seconds);
     peak[i] = PeakMemory([&] {
       const LongRunEnd end = EndLongRun(recording, folder.path());
-      if (end.ticks != 1000 * seconds || end.frames != end.ticks || end.stops != (i == 0 ? 1u : 2u) ||
-          end.path_tolerance_m <= 0.0)
+      if (end.ticks != static_cast<std::uint64_t>(1000.0 * seconds) || end.frames != end.ticks ||
+          end.stops != (i == 0 ? 1u : 2u) || end.path_tolerance_m <= 0.0)
         throw std::runtime_error("not what was recorded");
     });
     ASSERT_GT(peak[i], 0u);
