@@ -66,9 +66,9 @@ void ApplyImpedance(const IdentifiedArm& measured, const std::string& file, Cell
         fmt::format("arm, axis {}: dead_time_ms: found {:g}, accepted at most {:g}", measured.axis,
                     1e3 * measured.dead_time_s, 1e3 * hil::DynamicArm::kMaxDeadCycles * cell.servo.period_s));
   arm.dead_cycles = static_cast<int>(cycles);
+  if (!measured.felt_mass_kg || cell.simulated.fri.command_mode != control::CommandMode::kWrench) return;
   const auto mobility = ToolMobility(cell);
-  if (!measured.felt_mass_kg || cell.simulated.fri.command_mode != control::CommandMode::kWrench || !mobility)
-    return;
+  if (!mobility) return;
   const double w = 2.0 * std::numbers::pi * measured.bandwidth_hz;
   arm.stiffness_N_per_m = *measured.felt_mass_kg * w * w;
   // the arm's damping is a ratio of the mass that it has on average over all directions

@@ -13,7 +13,7 @@ namespace osteon::studies {
 
 /// A synthetic recording: an excited ServoArm of one joint, measured with noise, over a link that loses.
 struct SyntheticRun {
-  std::string name;
+  std::string name{};
   int draws{4}, periods{3};
   double peak_m_per_s{0.05};
   double noise_m{10e-6};      ///< of the encoders, at the tool

@@ -284,7 +284,7 @@ export class SceneView {
     this.surface.update();
     this.limit?.quaternion.copy(this.camera.quaternion);
     this.renderer.render(this.scene, this.camera);
-    const first = !this.drawing;  // else the one before is waited for already
+    const first = !this.drawing; // else the one before is waited for already
     if (this.drawing) this.gl.deleteSync(this.drawing);
     this.drawing = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     this.gl.flush();

@@ -189,8 +189,8 @@ TEST(Words, GiveTheSameBitsAs64BitIntegers) {
   contact_sphere.law = simulation::RemovalLaw::kImmediate;
   split.split.on = true;
   split.split.pool_blocks = 64;
-  // Each pair of variant, balls and parameters comes once: a software driver takes seconds to compile an
-  // engine.
+  // Each two of variant, balls and parameters meet, not each three: a software driver takes seconds to
+  // compile an engine.
   struct Case {
     const VulkanOverrides& variant;
     int balls;

@@ -22,7 +22,6 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double kTwoPi = 2.0 * std::numbers::pi, kPeriod_s = 1e-3;
-constexpr double kEncoder_m = 10e-6;  // noise of the design's table
 
 std::array<kinematics::JointLimits, 7> FastLimits() {
   std::array<kinematics::JointLimits, 7> limits{};
@@ -36,27 +35,10 @@ struct Truth {
   [[nodiscard]] double lag_s() const { return kPeriod_s * dead_cycles + 2.0 * damping / (kTwoPi * hz); }
 };
 
-struct RunParams {
-  int draws{4}, periods{3};
-  double noise_m{kEncoder_m}, lost{0.0}, drift_m_per_s{0.0}, peak_m_per_s{0.05};
-  bool as_sent{false};  // lost answers are not taken into account
-  double lost_answers{0.0};
-  std::uint64_t seed{1};
-};
-
-ExcitedRun Excite(const Truth& truth, const RunParams& params) {
+ExcitedRun Excite(const Truth& truth, const SyntheticRun& run) {
   return Synthesize(
-      {.name = {},
-       .draws = params.draws,
-       .periods = params.periods,
-       .peak_m_per_s = params.peak_m_per_s,
-       .noise_m = params.noise_m,
-       .drift_m_per_s = params.drift_m_per_s,
-       .lost = params.lost,
-       .lost_answers = params.lost_answers,
-       .as_sent = params.as_sent},
-      {.bandwidth_hz = truth.hz, .damping_ratio = truth.damping, .dead_cycles = truth.dead_cycles}, kPeriod_s,
-      params.seed);
+      run, {.bandwidth_hz = truth.hz, .damping_ratio = truth.damping, .dead_cycles = truth.dead_cycles},
+      kPeriod_s, 1);
 }
 
 ServoFit FitOf(const ExcitedRun& run) {
@@ -150,9 +132,9 @@ TEST(ServoFit, LostMessagesDoNotMatter) {
 
 TEST(ServoFit, LostAnswersCountAsTheyArrived) {
   const Truth truth;
-  const RunParams lossy{.draws = 2, .lost_answers = 0.05};
+  const SyntheticRun lossy{.draws = 2, .lost_answers = 0.05};
   EXPECT_NEAR(FitOf(Excite(truth, lossy)).lag_s.value, truth.lag_s(), 0.02e-3);
-  RunParams as_sent = lossy;
+  SyntheticRun as_sent = lossy;
   as_sent.as_sent = true;
   EXPECT_GT(FitOf(Excite(truth, as_sent)).lag_s.value, truth.lag_s() + 0.03e-3)
       << "each loss holds the command";
