@@ -14,9 +14,10 @@ AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
       ->type_name("FOLDER")
       ->required()
       ->check(CLI::ExistingDirectory);
-  sub_->add_option("--rubric", rubric_, "norms and points: a name under rubrics/, or a YAML file")
-      ->type_name("RUBRIC")
-      ->capture_default_str();
+  sub_->add_option("--rubric", rubric_,
+                   "norms and points: a name under rubrics/, or a YAML file; without it rubric for a cup, "
+                   "opening for an opening")
+      ->type_name("RUBRIC");
   sub_->add_option("--pass-at", options_.pass_at, "exit code 1 below this score")
       ->check(NumberWithin(0, 100));
   sub_->add_option("--norms", options_.norms,
@@ -39,11 +40,14 @@ AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
 
 int AssessCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
   const std::filesystem::path rubrics = config_root / "rubrics";
-  const auto rubric = config::FindNamedFile(rubrics, rubric_);
-  if (!rubric)
-    return session::Fail("assess", fmt::format("--rubric: found {}, accepted a YAML file, or one of {}: {}",
-                                               rubric_, rubrics.string(), config::YamlNamesIn(rubrics)));
-  options_.rubric = *rubric;
+  options_.rubrics = rubrics;
+  if (!rubric_.empty()) {
+    const auto rubric = config::FindNamedFile(rubrics, rubric_);
+    if (!rubric)
+      return session::Fail("assess", fmt::format("--rubric: found {}, accepted a YAML file, or one of {}: {}",
+                                                 rubric_, rubrics.string(), config::YamlNamesIn(rubrics)));
+    options_.rubric = *rubric;
+  }
   options_.command_line = command_line;
   return studies::RunAssess(options_);
 }

@@ -20,7 +20,7 @@ class AssessCommand {
 
  private:
   studies::AssessOptions options_;
-  std::string rubric_{"rubric"};
+  std::string rubric_;
   CLI::App* sub_;
 };
 

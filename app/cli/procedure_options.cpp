@@ -8,7 +8,7 @@ namespace osteon::app {
 void ProcedureOptions::Add(CLI::App& sub, bool with_session) {
   CLI::Option* plan =
       sub.add_option("--plan", plan_,
-                     "a surgical plan, whose reamers are used in turn: a name under plans/, or a YAML file")
+                     "a surgical plan, whose tools are used in turn: a name under plans/, or a YAML file")
           ->type_name("PLAN");
   if (with_session) {
     CLI::Option* session =

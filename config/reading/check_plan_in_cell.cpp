@@ -35,7 +35,7 @@ void CheckPlanInCell(const SurgicalPlanConfig& config, const CellConfig& cell,
   const safety::DepthLimitParams& depth = cell.servo.depth;
   if (!depth.acts) return;
   const Pose X_WG = BoneInWorld(cell, site);
-  for (const procedure::PlannedReamer& reamer : config.plan.reamers) {
+  for (const procedure::PlannedTool& reamer : config.plan.tools) {
     const double left_m = safety::ZoneBounds(depth.bound, X_WG * config.plan.ApexOf(reamer)).distance_m();
     if (left_m < depth.soft_m)
       throw ConfigError(

@@ -17,6 +17,7 @@ using procedure::GuidanceGains;
 using procedure::SurgicalPlan;
 
 constexpr double kMaxPlace_mm = 2000.0;
+constexpr std::size_t kMaxTools = 12;
 
 Vector3 Place(Reader& section, const std::string& key) {
   return section.Triple(key, -kMaxPlace_mm, kMaxPlace_mm);
@@ -38,8 +39,9 @@ procedure::PelvicFrame ReadPelvis(Reader& section, SurgicalPlan& plan) {
   return axes;
 }
 
-void ReadCup(Reader& section, SurgicalPlan& plan) {
-  plan.cup_centre_m = Place(section, "centre_mm");
+// Where the cup goes, and with which reamers. @returns the sections of these
+std::vector<Reader> ReadCup(Reader& reader, Reader& section, SurgicalPlan& plan) {
+  plan.centre_m = Place(section, "centre_mm");
   plan.cup_diameter_m = section.Number("diameter_mm", 20, 90);
   constexpr procedure::CupDefinition kDefinitions[] = {procedure::CupDefinition::kRadiographic,
                                                        procedure::CupDefinition::kOperative,
@@ -47,6 +49,48 @@ void ReadCup(Reader& section, SurgicalPlan& plan) {
   plan.definition = kDefinitions[section.Choice("definition", {"radiographic", "operative", "anatomic"})];
   plan.angles.inclination_rad = section.Number("inclination_deg", 0, 90);
   plan.angles.anteversion_rad = section.Number("anteversion_deg", -60, 90);
+  std::vector<Reader> reamers = reader.Sections("reamers", 1, kMaxTools);
+  for (Reader& reamer : reamers)
+    plan.tools.push_back({.diameter_m = reamer.Number("diameter_mm", 20, 90),
+                          .height_m = reamer.Number("height_mm", -20, 20)});
+  return reamers;
+}
+
+// Where the opening ends, to which tissue it leads, and with which burrs. @returns the sections of these
+std::vector<Reader> ReadOpening(Reader& reader, Reader& section, SurgicalPlan& plan) {
+  plan.kind = procedure::PlanKind::kOpening;
+  plan.centre_m = Place(section, "centre_mm");
+  plan.axis_G = section.Direction("axis");
+  plan.target = section.Text("target");
+  std::vector<Reader> burrs = reader.Sections("burrs", 1, kMaxTools);
+  for (Reader& burr : burrs) {
+    const double diameter_m = burr.Number("diameter_mm", 0.3, 20),
+                 height_m = burr.Number("height_mm", -20, 20);
+    plan.cup_diameter_m = burr.Number("width_mm", 0.3, 60);
+    if (plan.cup_diameter_m < diameter_m)
+      burr.Refuse("width_mm", fmt::format("found {:.6g}, accepted the burr's diameter ({:.6g}) and more",
+                                          1e3 * plan.cup_diameter_m, 1e3 * diameter_m));
+    plan.tools.push_back({.diameter_m = diameter_m,
+                          .height_m = height_m,
+                          .around_m = 0.5 * (plan.cup_diameter_m - diameter_m)});
+  }
+  return burrs;
+}
+
+// The frame of an opening: up along its axis, the others across it, as near to G's y and x as can be.
+procedure::PelvicFrame FrameOfOpening(const Vector3& axis_G) {
+  const Matrix3 R_GC = RotationFromZTo(axis_G);
+  return {.lateral = R_GC.col(0), .anterior = R_GC.col(1), .superior = axis_G};
+}
+
+void CheckTarget(const Reader& opening, const std::string& target, const simulation::SceneParams& scene) {
+  std::string accepted;
+  for (const simulation::RegionWatch& region : scene.events.regions) {
+    if (region.name == target) return;
+    accepted += (accepted.empty() ? "" : ", ") + region.name;
+  }
+  opening.Refuse("target", fmt::format("found {}, accepted a region of the scene's events: {}", target,
+                                       accepted.empty() ? "it has none" : accepted));
 }
 
 void ReadCone(Reader section, GuidanceGains::Cone& cone) {
@@ -82,11 +126,9 @@ void CheckStop(const Reader& section, const char* key, double free, double stop,
                                   stop * unit, free * unit));
 }
 
-void ReadGuidance(Reader& section, Reader& cone, Reader& cup_cone, Reader& lateral, GuidanceGains& gains) {
+void ReadGuidance(Reader& section, Reader& cone, Reader& lateral, GuidanceGains& gains) {
   gains.gain = section.Number("gain_ratio", 0, 1);
   ReadCone(cone, gains.cone);
-  gains.cup_cone = {.free_rad = cup_cone.Number("free_deg", 0.1, 45),
-                    .stop_rad = cup_cone.Number("stop_deg", 0.1, 60)};
   ReadLateral(lateral, gains.lateral);
   ReadDepth(section.Section("depth"), gains.depth);
   gains.return_m_per_s = section.Number("return_mm_per_s", 1, 250);
@@ -139,46 +181,59 @@ SurgicalPlanConfig LoadSurgicalPlan(const std::filesystem::path& path) {
     else
       config.mesh_cup = ReadMeshCup(bone.Section("cup"));
   }
-  plan.side =
-      reader.Choice("side", {"right", "left"}) == 0 ? procedure::Side::kRight : procedure::Side::kLeft;
-  Reader pelvis = reader.Section("pelvis");
-  const procedure::PelvicFrame axes = ReadPelvis(pelvis, plan);
-  plan.native_centre_m = Place(reader, "native_centre_mm");
-  Reader cup = reader.Section("cup");
-  ReadCup(cup, plan);
-  std::vector<Reader> reamers = reader.Sections("reamers", 1, 12);
-  for (Reader& reamer : reamers)
-    plan.reamers.push_back({.diameter_m = reamer.Number("diameter_mm", 20, 90),
-                            .height_m = reamer.Number("height_mm", -20, 20)});
+  const bool is_opening = reader.Has("kind") && reader.Choice("kind", {"cup", "opening"}) == 1;
+  std::optional<Reader> pelvis;
+  procedure::PelvicFrame axes;
+  if (!is_opening) {
+    plan.side =
+        reader.Choice("side", {"right", "left"}) == 0 ? procedure::Side::kRight : procedure::Side::kLeft;
+    pelvis = reader.Section("pelvis");
+    axes = ReadPelvis(*pelvis, plan);
+    plan.native_centre_m = Place(reader, "native_centre_mm");
+  }
+  Reader goal = reader.Section(is_opening ? "opening" : "cup");
+  const std::vector<Reader> tools =
+      is_opening ? ReadOpening(reader, goal, plan) : ReadCup(reader, goal, plan);
   plan.tool_change = reader.Choice("tool_change", {"virtual", "physical"}) == 0
                          ? procedure::ToolChange::kVirtual
                          : procedure::ToolChange::kPhysical;
-  const bool guided = reader.Has("guidance");
-  if (guided) {
+  if (reader.Has("guidance")) {
     Reader guidance = reader.Section("guidance");
-    Reader cone = guidance.Section("cone"), cup_cone = guidance.Section("cup_cone"),
-           lateral = guidance.Section("lateral");
-    ReadGuidance(guidance, cone, cup_cone, lateral, plan.guidance);
+    Reader cone = guidance.Section("cone"), lateral = guidance.Section("lateral");
+    GuidanceGains& gains = plan.guidance;
+    ReadGuidance(guidance, cone, lateral, gains);
+    std::optional<Reader> cup_cone;
+    if (!is_opening) {
+      cup_cone = guidance.Section("cup_cone");
+      gains.cup_cone = {.free_rad = cup_cone->Number("free_deg", 0.1, 45),
+                        .stop_rad = cup_cone->Number("stop_deg", 0.1, 60)};
+    }
     reader.Finish();
-    const GuidanceGains& gains = plan.guidance;
     CheckStop(cone, "stop_deg", gains.cone.free_rad, gains.cone.stop_rad, 1.0 / kDegree);
-    CheckStop(cup_cone, "stop_deg", gains.cup_cone.free_rad, gains.cup_cone.stop_rad, 1.0 / kDegree);
+    if (cup_cone)
+      CheckStop(*cup_cone, "stop_deg", gains.cup_cone.free_rad, gains.cup_cone.stop_rad, 1.0 / kDegree);
     CheckStop(lateral, "stop_mm", gains.lateral.free_m, gains.lateral.stop_m, 1e3);
   } else {
     reader.Finish();
   }
 
-  for (std::size_t i = 1; i < plan.reamers.size(); ++i)
-    if (!(plan.reamers[i].diameter_m > plan.reamers[i - 1].diameter_m))
-      reamers[i].Refuse("diameter_mm",
-                        fmt::format("found {:.6g} after {:.6g}, accepted diameters that rise",
-                                    1e3 * plan.reamers[i].diameter_m, 1e3 * plan.reamers[i - 1].diameter_m));
-  plan.pelvis = procedure::Tilted(MakeFrame(pelvis, axes, plan), plan.tilt_rad);
-  plan.axis_G = plan.pelvis.ToG(procedure::CupAxis_N(plan.definition, plan.angles)).normalized();
+  for (std::size_t i = 1; i < plan.tools.size(); ++i)
+    if (!(plan.tools[i].diameter_m > plan.tools[i - 1].diameter_m))
+      tools[i].Refuse("diameter_mm",
+                      fmt::format("found {:.6g} after {:.6g}, accepted diameters that rise",
+                                  1e3 * plan.tools[i].diameter_m, 1e3 * plan.tools[i - 1].diameter_m));
   config.scene = LoadScene(scene);
+  if (is_opening) {
+    plan.axis_G.normalize();
+    plan.pelvis = FrameOfOpening(plan.axis_G);
+    CheckTarget(goal, plan.target, config.scene);
+  } else {
+    plan.pelvis = procedure::Tilted(MakeFrame(*pelvis, axes, plan), plan.tilt_rad);
+    plan.axis_G = plan.pelvis.ToG(procedure::CupAxis_N(plan.definition, plan.angles)).normalized();
+  }
   config.site = SiteOf(reader, config);
   if (const std::string wrong = procedure::SiteError(plan, config.site); !wrong.empty())
-    cup.Refuse("anteversion_deg", wrong);
+    goal.Refuse(is_opening ? "axis" : "anteversion_deg", wrong);
   return config;
 }
 

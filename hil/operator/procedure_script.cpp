@@ -1,7 +1,10 @@
 #include "hil/operator/procedure_script.h"
 
 #include <cmath>
+#include <numbers>
 #include <string>
+
+#include <fmt/format.h>
 
 #include "hil/operator/script_phases.h"
 
@@ -13,28 +16,42 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
   RequireInScript(std::abs(p.tilt_rad) <= 0.5, "tilt_rad", p.tilt_rad, "±0.5");
   RequireInScript(p.aside_m >= 0.0 && p.aside_m <= 0.02, "aside_m", p.aside_m, "0 … 0.02");
   RequireInScript(p.past_plan_m >= 0.0 && p.past_plan_m <= 0.02, "past_plan_m", p.past_plan_m, "0 … 0.02");
+  RequireInScript(p.approach_m >= 0.0 && p.approach_m <= 0.1, "approach_m", p.approach_m, "0 … 0.1");
+  RequireInScript(p.around_m.empty() || p.around_m.size() == p.heights_m.size(), "around_m",
+                  static_cast<double>(p.around_m.size()), "none, or one for each tool");
+  for (const double around_m : p.around_m) {
+    RequireInScript(around_m >= 0.0 && around_m <= 0.05, "around_m", around_m, "0 … 0.05");
+    const double min_period_s = 2.0 * std::numbers::pi * around_m / p.max_target_m_per_s;
+    RequireInScript(p.loop_period_s > 0.0 && p.loop_period_s >= min_period_s, "loop_period_s",
+                    p.loop_period_s, fmt::format("> 0, and {} or more: max_target_m_per_s", min_period_s));
+  }
 
   ScriptPhases phases(
       {.seconds = p.seconds, .max_target_m_per_s = p.max_target_m_per_s},
       {.height_m = p.start_height_m, .force_limit_N = p.approach_force_N, .tilt_rad = 0.0, .grip = 0.0});
   const double tool = 1.0 / static_cast<double>(p.heights_m.size());  // share of a tool
-  const auto add = [&](const std::string& name, double share, double height_m, double force_N) {
-    phases.Add(name, share * tool, {.height_m = height_m, .force_limit_N = force_N, .tilt_rad = 0.0});
+  const auto add = [&](const std::string& name, double share, double height_m, double force_N,
+                       double swing_m = 0.0) {
+    phases.Add(name, share * tool,
+               {.height_m = height_m, .force_limit_N = force_N, .tilt_rad = 0.0, .swing_m = swing_m});
   };
   for (std::size_t i = 0; i < p.heights_m.size(); ++i) {
     const std::string name = " " + std::to_string(i + 1);
     const double height_m = p.heights_m[i];
     const double above_m = i == 0 ? p.start_height_m : p.retract_height_m;
     add("grasp" + name, 0.02, above_m, p.approach_force_N);
-    add("approach" + name, 0.15, height_m + 0.010, p.approach_force_N);
-    add("push" + name, 0.25, height_m - p.past_plan_m, p.push_force_N);
-    add("finish" + name, 0.20, height_m - p.past_plan_m, p.push_force_N);
+    const double around_m = i < p.around_m.size() ? p.around_m[i] : 0.0, widen = around_m > 0.0 ? 0.05 : 0.0;
+    add("approach" + name, 0.15 - widen, height_m + p.approach_m, p.approach_force_N);
+    if (widen > 0.0) add("widen" + name, widen, height_m + p.approach_m, p.approach_force_N, around_m);
+    add("push" + name, 0.25, height_m - p.past_plan_m, p.push_force_N, around_m);
+    add("finish" + name, 0.20, height_m - p.past_plan_m, p.push_force_N, around_m);
     add("retract" + name, 0.18, p.retract_height_m, p.push_force_N);
     add("change" + name, 0.20, p.retract_height_m, p.approach_force_N);
   }
   Pose X_WC = p.X_WC;
   X_WC = X_WC * Eigen::Translation3d(p.aside_m, 0.0, 0.0) * Eigen::AngleAxisd(p.tilt_rad, Vector3::UnitX());
-  return HandScript(X_WC, p.head_radius_m, p.tool_yaw_rad, 2.0, phases.start(), phases.ReleasePhases());
+  return HandScript(X_WC, p.head_radius_m, p.tool_yaw_rad, 2.0, phases.start(), phases.ReleasePhases(),
+                    p.loop_period_s);
 }
 
 }  // namespace osteon::hil

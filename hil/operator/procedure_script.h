@@ -6,16 +6,20 @@
 
 namespace osteon::hil {
 
-/// Parameters of an operator who reams with the tools of a plan, one after the other.
+/// Parameters of an operator who works with the tools of a plan, one after the other.
 struct ProcedureScriptParams {
-  PlainPose X_WC{};  ///< the plan: the cup's planned centre, +z along its axis, out of the opening
+  PlainPose X_WC{};  ///< the plan: its centre, +z along its axis, out of the cup or the opening
   double head_radius_m{
       0.022};  ///< of the tool that the simulated arm carries: it turns about the head's centre
   double tool_yaw_rad{0.0};
   double seconds{60.0};             ///< of the whole script, >= 0.1
   double start_height_m{0.040};     ///< heights of the head's centre over X_WC
   double retract_height_m{0.030};   ///< to which each tool is retracted before it is changed
+  double approach_m{0.010};         ///< height over the planned one to which each tool is led without a push
   std::vector<double> heights_m{};  ///< planned height of each tool, in their order; at least one
+  /// Radius about the axis at which each tool is led around while it goes down; empty, or 0: straight.
+  std::vector<double> around_m{};
+  double loop_period_s{0.8};  ///< of one turn around
   /// The hand's target lies this far below the planned height: a hand of 2 N/mm then still presses with 30 N
   /// where the plan is reached.
   double past_plan_m{0.015};
@@ -27,9 +31,10 @@ struct ProcedureScriptParams {
   double max_target_m_per_s{0.2};
 };
 
-/// For each tool: approach, push to the planned height, retract, and hold the tool where it is changed. The
-/// hand of an expert keeps to the plan's axis (tilt and aside 0); a novice's is tilted and aside all the
-/// time.
+/// For each tool: approach, push to the planned height, retract, and hold the tool where it is changed. A
+/// tool that is led around widens first, where the approach ends, and goes down in loops: below a rim that is
+/// not wide enough its shank would meet the wall. The hand of an expert keeps to the plan's axis (tilt and
+/// aside 0); a novice's is tilted and aside all the time. A loop is never faster than max_target_m_per_s.
 /// @throws std::invalid_argument, naming the parameter and what is accepted.
 [[nodiscard]] HandScript MakeProcedureScript(const ProcedureScriptParams& params);
 

@@ -61,31 +61,33 @@ const procedure::Metric* MetricNamed(const std::string& name) {
 
 PlanSource MakePlan(const OsteonPlanParams& params) {
   const std::filesystem::path config = ConfigFolder(params.config_folder);
-  return {
-      .config =
-          config::LoadSurgicalPlan(FindShipped(config, "plans", params.plan ? params.plan : "acetabulum")),
-      .rubric = config::LoadRubric(FindShipped(config, "rubrics", params.rubric ? params.rubric : "rubric"))};
+  PlanSource plan{.config = config::LoadSurgicalPlan(
+                      FindShipped(config, "plans", params.plan ? params.plan : "acetabulum")),
+                  .rubric = {}};
+  const std::string own = std::filesystem::path(procedure::RubricOf(plan.config.plan.kind)).stem().string();
+  plan.rubric = config::LoadRubric(FindShipped(config, "rubrics", params.rubric ? params.rubric : own));
+  return plan;
 }
 
 OsteonPlanInfo InfoOf(const PlanSource& plan) {
   using procedure::CupDefinition;
   const procedure::SurgicalPlan& from = plan.config.plan;
   OsteonPlanInfo info{};
-  Copy(from.cup_centre_m, info.cup_center_m);
+  Copy(from.centre_m, info.cup_center_m);
   Copy(from.axis_G, info.cup_axis);
   info.cup_diameter_m = from.cup_diameter_m;
   Copy(from.native_centre_m, info.native_center_m);
   info.radiographic = AnglesIn(CupDefinition::kRadiographic, from);
   info.operative = AnglesIn(CupDefinition::kOperative, from);
   info.anatomic = AnglesIn(CupDefinition::kAnatomic, from);
-  info.reamer_count = static_cast<std::uint32_t>(from.reamers.size());
+  info.reamer_count = static_cast<std::uint32_t>(from.tools.size());
   info.is_left = from.side == procedure::Side::kLeft ? 1 : 0;
-  info.has_guidance = session::GuidanceOf(from, from.reamers.front(), Pose::Identity()) ? 1 : 0;
+  info.has_guidance = session::GuidanceOf(from, from.tools.front(), Pose::Identity()) ? 1 : 0;
   return info;
 }
 
-const procedure::PlannedReamer& ReamerAt(const PlanSource& plan, std::uint32_t index) {
-  const auto& reamers = plan.config.plan.reamers;
+const procedure::PlannedTool& ReamerAt(const PlanSource& plan, std::uint32_t index) {
+  const auto& reamers = plan.config.plan.tools;
   if (index >= reamers.size())
     throw Failure(OSTEON_ERROR_ARGUMENT,
                   fmt::format("reamer: found {}, accepted 0 … {}", index, reamers.size() - 1));

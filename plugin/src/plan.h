@@ -22,7 +22,7 @@ struct PlanSource {
 [[nodiscard]] PlanSource MakePlan(const OsteonPlanParams& params);
 [[nodiscard]] OsteonPlanInfo InfoOf(const PlanSource& plan);
 /// @throws Failure where the plan has no such reamer.
-[[nodiscard]] const procedure::PlannedReamer& ReamerAt(const PlanSource& plan, std::uint32_t index);
+[[nodiscard]] const procedure::PlannedTool& ReamerAt(const PlanSource& plan, std::uint32_t index);
 
 /// Content of an OsteonGuidance: the servo loop's own guidance with the bone's frame as the world. Of one
 /// thread at a time.

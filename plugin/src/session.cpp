@@ -353,6 +353,8 @@ procedure::Assessment Session::Assess(const procedure::SurgicalPlan& plan) {
     assessment.min_wall_m = MinWall();
   }
   assessment.cavity = procedure::AssessCavity(plan, bone_->bone, state);
+  if (plan.kind == procedure::PlanKind::kOpening)
+    assessment.opening = procedure::AssessOpening(plan, bone_->bone, state);
   return assessment;
 }
 

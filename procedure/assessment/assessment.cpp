@@ -14,12 +14,22 @@ std::optional<double> AxisError(const SurgicalPlan& plan, const Assessment& asse
 MetricValues ValuesOf(const SurgicalPlan& plan, const Assessment& assessment) {
   const CavityResult& cavity = assessment.cavity;
   const ProcessFigures& process = assessment.process;
-  MetricValues values{{"coverage", cavity.coverage},        {"over_reamed", cavity.over_m3},
-                      {"under_reamed", cavity.under_m3},    {"time", process.time_s},
-                      {"cutting_time", process.cutting_s},  {"path", process.path_m},
-                      {"force_mean", process.force_mean_N}, {"force_peak", process.force_peak_N},
-                      {"wrong_way", process.wrong_way},     {"outside", process.outside_s},
+  MetricValues values{{"over_reamed", cavity.over_m3},
+                      {"under_reamed", cavity.under_m3},
+                      {"time", process.time_s},
+                      {"cutting_time", process.cutting_s},
+                      {"path", process.path_m},
+                      {"force_mean", process.force_mean_N},
+                      {"force_peak", process.force_peak_N},
+                      {"wrong_way", process.wrong_way},
+                      {"outside", process.outside_s},
                       {"tremor", process.tremor_N}};
+  if (plan.kind == PlanKind::kCup) values["coverage"] = cavity.coverage;
+  if (const auto& opening = assessment.opening) {
+    if (opening->shift_m) values["opening_shift"] = *opening->shift_m;
+    if (opening->depth_error_m) values["depth_error"] = std::abs(*opening->depth_error_m);
+    if (opening->unroofed) values["unroofed"] = *opening->unroofed;
+  }
   if (const auto error_rad = AxisError(plan, assessment)) values["axis_error"] = *error_rad;
   if (cavity.fit) {
     values["superior_shift"] = std::abs(cavity.from_native.superior_m);

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "procedure/assessment/cavity_result.h"
+#include "procedure/assessment/opening_result.h"
 #include "procedure/assessment/process_figures.h"
 #include "procedure/assessment/score.h"
 #include "procedure/plan/surgical_plan.h"
@@ -26,6 +27,7 @@ class ReamedAxis {
 /// What a session achieved.
 struct Assessment {
   CavityResult cavity;
+  std::optional<OpeningResult> opening;  ///< of a plan for an opening
   std::optional<Vector3> axis_G;  ///< reamed, or of the cup that was placed; nothing: no bone was removed
   bool axis_of_cup{false};        ///< the latter
   std::optional<double> min_wall_m;

@@ -88,6 +88,12 @@ double Coverage(const PlannedCavity& cavity, std::span<const Ball> live) {
   return static_cast<double>(covered) / kCoverageDirections;
 }
 
+// Whether a mass point is of the tissue that an opening leads to.
+bool IsTarget(const SurgicalPlan& plan, const simulation::Bone& bone, const simulation::MassPoint& point) {
+  return !plan.target.empty() && point.material < bone.materials.size() &&
+         bone.materials[point.material].name == plan.target;
+}
+
 struct Share {
   double left_m3{0.0}, all_m3{0.0};
   void Add(double volume_m3, bool left) {
@@ -158,14 +164,16 @@ CavityResult AssessCavity(const SurgicalPlan& plan, const simulation::Bone& uncu
                           const simulation::CarvedState& state) {
   const PlannedCavity cavity = plan.cavity();
   CavityResult result;
-  if (auto fit = FitSphere(CutBalls(uncut, state), plan.axis_G, cavity.centre_m, cavity.radius_m)) {
+  if (plan.kind != PlanKind::kCup) {
+    result.fit_refused = "an opening is no sphere";
+  } else if (auto fit = FitSphere(CutBalls(uncut, state), plan.axis_G, cavity.centre_m, cavity.radius_m)) {
     result.fit = *fit;
     result.from_plan = ShiftOf(plan.pelvis, fit->centre_m - cavity.centre_m);
     result.from_native = ShiftOf(plan.pelvis, fit->centre_m - plan.native_centre_m);
   } else {
     result.fit_refused = fit.error();
   }
-  result.coverage = Coverage(cavity, simulation::LiveBalls(state));
+  if (plan.kind == PlanKind::kCup) result.coverage = Coverage(cavity, simulation::LiveBalls(state));
 
   const Vector3 site_m = uncut.site.center_m, site_axis = uncut.site.axis;
   Share cartilage, rim;
@@ -175,6 +183,7 @@ CavityResult AssessCavity(const SurgicalPlan& plan, const simulation::Bone& uncu
     const bool left = state.cleared[i] == 0;
     const double outside_m = cavity.DistanceTo(p_m);
     if (!left) result.removed_m3 += point.volume_m3;
+    if (IsTarget(plan, uncut, point)) continue;  // may go wherever it is
     if (!left && outside_m > 0.0) result.over_m3 += point.volume_m3;
     if (left && outside_m < 0.0) result.under_m3 += point.volume_m3;
     if (point.material < uncut.materials.size() && uncut.materials[point.material].name == "cartilage" &&

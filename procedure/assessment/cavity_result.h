@@ -28,8 +28,8 @@ struct CavityResult {
   double coverage{
       0.0};  ///< share of the planned hemisphere that has bone within kCoverageGap_m of it, radially
   double removed_m3{0.0};
-  double over_m3{0.0};   ///< removed outside the planned cavity
-  double under_m3{0.0};  ///< left inside it
+  double over_m3{0.0};   ///< removed outside the planned cavity, but for the target of an opening
+  double under_m3{0.0};  ///< left inside it, likewise
   /// Share of the cartilage left within the roof arcs; nothing for a bone without cartilage there.
   std::optional<double> cartilage_left;
   /// Share of the bone left within 3 mm beside the plan, in the upper 2 mm; nothing where there was none.

@@ -5,19 +5,19 @@
 
 namespace osteon::procedure {
 
-CorridorExcess ExcessOf(const SurgicalPlan& plan, const PlannedReamer& reamer, const Vector3& head_m,
+CorridorExcess ExcessOf(const SurgicalPlan& plan, const PlannedTool& reamer, const Vector3& head_m,
                         const Vector3& feed) {
   const GuidanceGains& gains = plan.guidance;
   const Vector3& a = plan.axis_G;
   const Vector3 off_m = head_m - plan.CentreOf(reamer);
   const double h_m = off_m.dot(a), rho_m = (off_m - h_m * a).norm(), psi = gains.lateral.widening_rad;
   return {.tilt_rad = std::acos(std::clamp(-feed.dot(a), -1.0, 1.0)) - gains.cone.free_rad,
-          .lateral_m = (rho_m - gains.lateral.free_m - h_m * std::tan(psi)) * std::cos(psi),
+          .lateral_m = (rho_m - reamer.around_m - gains.lateral.free_m - h_m * std::tan(psi)) * std::cos(psi),
           .depth_m = gains.depth.soft_m - h_m};
 }
 
-void ProcessSums::Add(const ProcessSample& sample, const PlannedReamer& reamer) {
-  const bool near = (sample.head_m - plan_->cup_centre_m).norm() <= kNearCup_m;
+void ProcessSums::Add(const ProcessSample& sample, const PlannedTool& reamer) {
+  const bool near = (sample.head_m - plan_->centre_m).norm() <= kNearCup_m;
   if (!begun_) first_s_ = sample.t_s;
   if (begun_ && near && was_near_) path_m_ += (sample.head_m - head_m_).norm();
   begun_ = true;

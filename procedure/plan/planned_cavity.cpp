@@ -1,6 +1,7 @@
 #include "procedure/plan/planned_cavity.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "simulation/bone/scene_events.h"
 
@@ -16,10 +17,20 @@ double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity,
   const Eigen::AlignedBox3d box = solid.Bounds();
   const Eigen::Vector3i count = (box.sizes() / cell_m).array().ceil().matrix().cast<int>().cwiseMax(1);
   const double half_diagonal_m = 0.5 * std::sqrt(3.0) * cell_m;
+  // the cells about the cavity, of those of the whole solid
+  Eigen::AlignedBox3d about(cavity.centre_m);
+  about.extend(cavity.centre_m +
+               (box.diagonal().norm() + (cavity.centre_m - box.center()).norm()) * cavity.axis);
+  const Vector3 reach = Vector3::Constant(cavity.width_m() + cell_m);
+  const auto index = [&](const Vector3& p_m) {
+    return ((p_m - box.min()) / cell_m).array().floor().matrix().cast<int>().eval();
+  };
+  const Eigen::Vector3i first = index(about.min() - reach).cwiseMax(0),
+                        last = (index(about.max() + reach) + Eigen::Vector3i::Ones()).cwiseMin(count);
   double cells = 0.0;
-  for (int x = 0; x < count.x(); ++x)
-    for (int y = 0; y < count.y(); ++y)
-      for (int z = 0; z < count.z(); ++z) {
+  for (int x = first.x(); x < last.x(); ++x)
+    for (int y = first.y(); y < last.y(); ++y)
+      for (int z = first.z(); z < last.z(); ++z) {
         const Vector3 p_m = box.min() + cell_m * (Vector3(x, y, z) + Vector3::Constant(0.5));
         const double in_cavity_m = cavity.DistanceTo(p_m);
         if (in_cavity_m > half_diagonal_m) continue;
@@ -43,6 +54,14 @@ std::optional<double> PlannedWall(const simulation::Solid& solid, const simulati
   Pose X_GP = Pose::Identity();
   X_GP.translation() = cavity.centre_m;
   static_cast<void>(watch.Step(X_GP, 1.0, {}));
+  constexpr int kPlaces = 36;  // of a tool that is led around
+  const Matrix3 across = RotationFromZTo(cavity.axis);
+  for (int i = 0; i < kPlaces && cavity.around_m > 0.0; ++i) {
+    const double angle_rad = 2.0 * std::numbers::pi * i / kPlaces;
+    X_GP.translation() =
+        cavity.centre_m + cavity.around_m * (across * Vector3(std::cos(angle_rad), std::sin(angle_rad), 0.0));
+    static_cast<void>(watch.Step(X_GP, 2.0 + i, {}));
+  }
   return watch.min_wall_m();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "kinematics/spatial.h"
@@ -9,18 +10,27 @@
 
 namespace osteon::procedure {
 
-/// What a reamer clears on its way in to a centre: the ball at the centre, and the cylinder of the same
-/// radius from there out of the opening. In G.
+/// What a tool clears on its way in to a centre: the ball at the centre, and the cylinder of the same
+/// radius from there out of the opening. A burr that is led around the axis clears the same about each point
+/// of a disc: an opening with a flat floor and a rounded edge. In G.
 struct PlannedCavity {
   Vector3 centre_m{Vector3::Zero()};
   Vector3 axis{Vector3::UnitZ()};  ///< unit, out of the opening
-  double radius_m{0.0};
+  double radius_m{0.0};            ///< of the tool's head
+  double around_m{0.0};            ///< radius of the disc about the axis in which the head's centre is led
 
-  /// Signed distance to the cavity's surface; negative inside. Exact.
+  /// Radius of the whole opening.
+  [[nodiscard]] double width_m() const { return radius_m + around_m; }
+  /// Signed distance to the cavity's surface; negative inside. Exact, but for points over or within the disc
+  /// of a led tool: those are -radius and more inside, less than they are.
   [[nodiscard]] double DistanceTo(const Vector3& p_m) const {
     const Vector3 d_m = p_m - centre_m;
     const double along_m = std::max(0.0, d_m.dot(axis));
-    return (d_m - along_m * axis).norm() - radius_m;
+    const Vector3 to_axis_m = d_m - along_m * axis;
+    if (!(around_m > 0.0)) return to_axis_m.norm() - radius_m;
+    const double below_m = to_axis_m.dot(axis);
+    const double aside_m = std::max(0.0, (to_axis_m - below_m * axis).norm() - around_m);
+    return std::hypot(aside_m, below_m) - radius_m;
   }
 };
 

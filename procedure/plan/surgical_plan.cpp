@@ -19,33 +19,35 @@ std::string SiteError(const SurgicalPlan& plan, const simulation::CutSite& site)
   const double off_rad = std::acos(std::clamp(plan.axis_G.dot(Vector3(site.axis).normalized()), -1.0, 1.0));
   if (off_rad <= kMaxAxisFromSite_rad) return {};
   return fmt::format(
-      "found an axis {:.1f}° off the scene's cup, accepted at most {:g}°: compare side and landmarks with "
-      "the "
-      "bone",
-      off_rad / kDegree, kMaxAxisFromSite_rad / kDegree);
+      "found an axis {:.1f}° off the scene's {}, accepted at most {:g}°: compare {} with the bone",
+      off_rad / kDegree, plan.kind == PlanKind::kCup ? "cup" : "opening", kMaxAxisFromSite_rad / kDegree,
+      plan.kind == PlanKind::kCup ? "side and landmarks" : "it");
 }
+
+const char* RubricOf(PlanKind kind) { return kind == PlanKind::kCup ? "rubric.yaml" : "opening.yaml"; }
 
 std::vector<std::string> WarningsOf(const SurgicalPlan& plan) {
   std::vector<std::string> warnings;
-  const double last_m = plan.reamers.back().diameter_m, fit_m = plan.cup_diameter_m - last_m;
-  if (fit_m < kMinPressFit_m - kNested_m || fit_m > kMaxPressFit_m + kNested_m)
+  const double last_m = plan.tools.back().diameter_m, fit_m = plan.cup_diameter_m - last_m;
+  const char* kind = plan.kind == PlanKind::kCup ? "reamers" : "burrs";
+  if (plan.kind == PlanKind::kCup &&
+      (fit_m < kMinPressFit_m - kNested_m || fit_m > kMaxPressFit_m + kNested_m))
     warnings.push_back(fmt::format(
         "cup: found an implant {:.4g} mm wider than the last reamer ({:.4g} against {:.4g} mm), "
         "usual {:g} … {:g} mm",
         1e3 * fit_m, 1e3 * plan.cup_diameter_m, 1e3 * last_m, 1e3 * kMinPressFit_m, 1e3 * kMaxPressFit_m));
-  const PlannedReamer& final_reamer = plan.reamers.back();
-  for (const PlannedReamer& reamer : plan.reamers) {
-    const double beyond_m = final_reamer.height_m - reamer.height_m + 0.5 * (reamer.diameter_m - last_m);
+  const PlannedTool& last = plan.tools.back();
+  for (const PlannedTool& tool : plan.tools) {
+    const double beyond_m = last.height_m - tool.height_m + 0.5 * (tool.diameter_m - last_m);
     if (beyond_m > kNested_m)
       warnings.push_back(
-          fmt::format("reamers: the one of {:.4g} mm goes {:.3g} mm deeper than the planned cavity; it stays "
+          fmt::format("{}: the one of {:.4g} mm goes {:.3g} mm deeper than the planned cavity; it stays "
                       "within from a height of {:.4g} mm on",
-                      1e3 * reamer.diameter_m, 1e3 * beyond_m, 1e3 * (reamer.height_m + beyond_m)));
+                      kind, 1e3 * tool.diameter_m, 1e3 * beyond_m, 1e3 * (tool.height_m + beyond_m)));
   }
-  if (std::abs(final_reamer.height_m) > kNested_m)
-    warnings.push_back(fmt::format("reamers: the last one ends {:.3g} mm {} the cup's centre, usual 0",
-                                   1e3 * std::abs(final_reamer.height_m),
-                                   final_reamer.height_m > 0.0 ? "above" : "below"));
+  if (std::abs(last.height_m) > kNested_m)
+    warnings.push_back(fmt::format("{}: the last one ends {:.3g} mm {} the plan's centre, usual 0", kind,
+                                   1e3 * std::abs(last.height_m), last.height_m > 0.0 ? "above" : "below"));
   return warnings;
 }
 

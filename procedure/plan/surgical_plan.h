@@ -11,14 +11,22 @@
 #include "procedure/plan/pelvic_frame.h"
 #include "procedure/plan/planned_cavity.h"
 
-// The plan of a reaming: where the cup goes, with which reamers, and how a guidance would hold the hand to
-// it. Plain data in SI, in the packing's frame G.
+// The plan of a procedure: where it ends, with which tools, and how a guidance would hold the hand to it. A
+// cup is reamed, or an opening is made down to a tissue that lies deeper. Plain data in SI, in the packing's
+// frame G.
 
 namespace osteon::procedure {
 
-/// One reamer of the sequence. Its planned centre is `height_m` over the cup's centre, along the cup axis.
-struct PlannedReamer {
-  double diameter_m{0.0}, height_m{0.0};
+/// What a plan makes of the bone.
+enum class PlanKind : std::uint8_t {
+  kCup,     ///< the seat of an implant, with reamers
+  kOpening  ///< an access down to a deeper tissue, with burrs that are led in circles
+};
+
+/// One tool of the sequence: a reamer or a burr. The planned centre of its head is `height_m` over the plan's
+/// centre, along the axis; a burr is led around the axis with its centre up to `around_m` away from it.
+struct PlannedTool {
+  double diameter_m{0.0}, height_m{0.0}, around_m{0.0};
 };
 
 enum class ToolChange : std::uint8_t {
@@ -62,31 +70,33 @@ struct GuidanceCeilings {
 
 struct SurgicalPlan {
   std::string name;  ///< the file's, without ".yaml"
+  PlanKind kind{PlanKind::kCup};
   Side side{Side::kRight};
   std::optional<PelvicLandmarks> landmarks;  ///< absent: the axes were given
   double tilt_rad{0.0};                      ///< of the pelvis, backwards, in the frame where angles count
-  PelvicFrame pelvis;                        ///< where angles count, with the tilt
+  /// Where angles count, with the tilt. Of an opening: `superior` is the axis, the others are across it.
+  PelvicFrame pelvis;
   Vector3 native_centre_m{Vector3::Zero()};  ///< of the hip before the operation
-  Vector3 cup_centre_m{Vector3::Zero()};
-  double cup_diameter_m{0.0};  ///< of the implant
+  Vector3 centre_m{
+      Vector3::Zero()};        ///< of the cup; of an opening: of the last burr's head at its end, on the axis
+  double cup_diameter_m{0.0};  ///< of the implant; of an opening: its width
+  std::string target;          ///< of an opening: the material that it leads to, as "pulp"
   CupDefinition definition{CupDefinition::kRadiographic};
-  CupAngles angles;                    ///< in that definition
-  Vector3 axis_G{Vector3::UnitZ()};    ///< of the cup, unit, out of the opening
-  std::vector<PlannedReamer> reamers;  ///< in their order, diameters rising; at least one
+  CupAngles angles;                  ///< in that definition
+  Vector3 axis_G{Vector3::UnitZ()};  ///< unit, out of the cup or the opening
+  std::vector<PlannedTool> tools;    ///< in their order, diameters rising; at least one
   ToolChange tool_change{ToolChange::kVirtual};
   GuidanceGains guidance;
 
-  /// Planned centre of a reamer's head, in G.
-  [[nodiscard]] Vector3 CentreOf(const PlannedReamer& reamer) const {
-    return cup_centre_m + reamer.height_m * axis_G;
+  /// Planned centre of a tool's head, in G.
+  [[nodiscard]] Vector3 CentreOf(const PlannedTool& tool) const { return centre_m + tool.height_m * axis_G; }
+  /// Planned place of a tool's apex, in G.
+  [[nodiscard]] Vector3 ApexOf(const PlannedTool& tool) const {
+    return CentreOf(tool) - 0.5 * tool.diameter_m * axis_G;
   }
-  /// Planned place of a reamer's apex, in G.
-  [[nodiscard]] Vector3 ApexOf(const PlannedReamer& reamer) const {
-    return CentreOf(reamer) - 0.5 * reamer.diameter_m * axis_G;
-  }
-  /// What the last reamer clears.
+  /// What the last tool clears.
   [[nodiscard]] PlannedCavity cavity() const {
-    return {CentreOf(reamers.back()), axis_G, 0.5 * reamers.back().diameter_m};
+    return {CentreOf(tools.back()), axis_G, 0.5 * tools.back().diameter_m, tools.back().around_m};
   }
 };
 
@@ -96,6 +106,9 @@ inline constexpr double kMaxAxisFromSite_rad = 45.0 * kDegree;
 
 /// @returns why the plan does not fit the bone's site, in the words of an error; empty: it does.
 [[nodiscard]] std::string SiteError(const SurgicalPlan& plan, const simulation::CutSite& site);
+
+/// File name of the shipped rubric for a kind of plan, as "rubric.yaml".
+[[nodiscard]] const char* RubricOf(PlanKind kind);
 
 /// What a person should look at before the plan is used; mostly nothing.
 [[nodiscard]] std::vector<std::string> WarningsOf(const SurgicalPlan& plan);

@@ -52,7 +52,7 @@ void VisitGuidance(Params& g, Visit&& visit) {
 }  // namespace
 
 std::optional<control::GuidanceParams> GuidanceOf(const procedure::SurgicalPlan& plan,
-                                                  const procedure::PlannedReamer& reamer, const Pose& X_WG) {
+                                                  const procedure::PlannedTool& reamer, const Pose& X_WG) {
   const procedure::GuidanceGains& gains = plan.guidance;
   if (!(gains.lateral.ease_m > 0.0)) return std::nullopt;  // the plan's file has no guidance
   control::GuidanceParams guidance{
@@ -63,8 +63,8 @@ std::optional<control::GuidanceParams> GuidanceOf(const procedure::SurgicalPlan&
       .stops_spindle = gains.spindle == procedure::GuidanceGains::OutsideSpindle::kStop,
       .cone_free_rad = gains.cone.free_rad,
       .cone_stop_rad = gains.cone.stop_rad,
-      .lateral_free_m = gains.lateral.free_m,
-      .lateral_stop_m = gains.lateral.stop_m,
+      .lateral_free_m = reamer.around_m + gains.lateral.free_m,
+      .lateral_stop_m = reamer.around_m + gains.lateral.stop_m,
       .widening_rad = gains.lateral.widening_rad,
       .depth_soft_m = gains.depth.soft_m,
       .cone = {.stiffness = gains.cone.stiffness_Nm_per_rad,
@@ -87,7 +87,7 @@ std::optional<control::GuidanceParams> GuidanceOf(const procedure::SurgicalPlan&
   const simulation::ToolBall* head = simulation::CuttingHead(tool);
   const double diameter_m = head ? 2.0 * head->radius_m : 0.0;
   std::string accepted;
-  for (const procedure::PlannedReamer& reamer : plan.reamers) {
+  for (const procedure::PlannedTool& reamer : plan.tools) {
     if (std::abs(reamer.diameter_m - diameter_m) < kSameDiameter_m) return GuidanceOf(plan, reamer, X_WG);
     accepted += fmt::format("{}{:g}", accepted.empty() ? "" : ", ", 1e3 * reamer.diameter_m);
   }

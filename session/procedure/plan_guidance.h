@@ -17,7 +17,7 @@ namespace osteon::session {
 /// @param X_WG  the bone's frame in the world
 /// @throws std::invalid_argument if a gain is beyond what is accepted (control::Validate).
 [[nodiscard]] std::optional<control::GuidanceParams> GuidanceOf(const procedure::SurgicalPlan& plan,
-                                                                const procedure::PlannedReamer& reamer,
+                                                                const procedure::PlannedTool& reamer,
                                                                 const Pose& X_WG);
 /// The guidance of the plan's reamer that a tool is, by the diameter of its cutting head.
 /// @throws std::invalid_argument if the plan has no such reamer.

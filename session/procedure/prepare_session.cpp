@@ -36,11 +36,22 @@ struct NoviceHand {
   static constexpr double kStiffer = 4.0, kPush_N = 140.0, kPastPlan_m = 0.020;
 };
 
-// The frame of the planned cup: its centre, +z along its axis, x and y as near to G's as can be.
-Pose PlannedCup(const procedure::SurgicalPlan& plan) {
+// A novice with a burr, all assumed: in a tooth the errors of free hands are of the size of the burr.
+struct NoviceBurr {
+  static constexpr double kTilt_rad = 10.0 * std::numbers::pi / 180.0, kAside_m = 0.0008, kTooDeep_m = 0.001;
+  static constexpr double kHarder = 1.5, kPastPlan_m = 0.001;
+};
+// Who leads a burr rests the fingers on the teeth: an arm of 8 N/mm, where up to 10 were published
+// (hil/operator/operator_hand.h). The hand leads the burr a little beyond the planned circle, so that it
+// still presses where that is reached; along the axis an expert lets up there. Both distances are assumed.
+constexpr double kFingerRest = 4.0, kExpertPastPlan_m = 0.1e-3, kLead_m = 0.3e-3;
+constexpr double kClearOfOpening_m = 3e-3;  // over its rim: a burr is retracted
+
+// The frame of the plan: its centre, +z along its axis, x and y as near to G's as can be.
+Pose PlanFrame(const procedure::SurgicalPlan& plan) {
   Pose X_GC = Pose::Identity();
   X_GC.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), plan.axis_G).toRotationMatrix();
-  X_GC.translation() = plan.cup_centre_m;
+  X_GC.translation() = plan.centre_m;
   return X_GC;
 }
 
@@ -127,7 +138,7 @@ tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice
                  .guidance = choice.guidance};
   const config::CellConfig cell = config::LoadCell(cell_yaml, tool);
   config::CheckPlanInCell(made.plan, cell, choice.plan, cell_yaml);
-  for (const procedure::PlannedReamer& reamer : made.plan.plan.reamers)
+  for (const procedure::PlannedTool& reamer : made.plan.plan.tools)
     made.tools.diameters_mm.push_back(1e3 * reamer.diameter_m);
   made.tools.physical = made.plan.plan.tool_change == procedure::ToolChange::kPhysical;
   const std::string plan_checksum = TextChecksum(made.plan_text);
@@ -174,16 +185,43 @@ tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice
 
 int ReamerOf(const procedure::SurgicalPlan& plan, const config::CellConfig& cell) {
   const simulation::ToolBall* head = simulation::CuttingHead(cell.tool.tool);
-  for (std::size_t i = 0; head && i < plan.reamers.size(); ++i)
-    if (std::abs(0.5 * plan.reamers[i].diameter_m - head->radius_m) < kSameSize_m) return static_cast<int>(i);
+  for (std::size_t i = 0; head && i < plan.tools.size(); ++i)
+    if (std::abs(0.5 * plan.tools[i].diameter_m - head->radius_m) < kSameSize_m) return static_cast<int>(i);
   return 0;
 }
 
-void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand, const Pose& X_WG, int first,
-                   config::CellConfig& cell) {
+namespace {
+
+// What the hand does in other ways for an opening: it counts from the rim, leads the burrs around, and
+// presses as the cell's own script does.
+void LeadBurrs(const procedure::SurgicalPlan& plan, std::size_t first, double rim_m, double push_force_N,
+               hil::ProcedureScriptParams& script, hil::OperatorHandParams& hand) {
+  script.hand_stiffness_N_per_m *= kFingerRest;
+  hand.stiffness_N_per_m *= kFingerRest;
+  hand.damping_Ns_per_m *= std::sqrt(kFingerRest);
+  script.start_height_m += rim_m;
+  script.retract_height_m += rim_m;
+  script.approach_m = std::max(0.0, rim_m);
+  script.push_force_N = push_force_N;
+  script.past_plan_m = kExpertPastPlan_m;
+  for (std::size_t i = first; i < plan.tools.size(); ++i)
+    script.around_m.push_back(plan.tools[i].around_m > 0.0 ? plan.tools[i].around_m + kLead_m : 0.0);
+}
+
+}  // namespace
+
+double RimOver(const procedure::SurgicalPlan& plan, const simulation::CutSite& site) {
+  return (Vector3(site.center_m) - plan.centre_m).dot(plan.axis_G);
+}
+
+void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand, const Pose& X_WG,
+                   const simulation::CutSite& site, int first, config::CellConfig& cell) {
+  const bool is_opening = plan.kind == procedure::PlanKind::kOpening;
   hil::ProcedureScriptParams script;
+  double push_force_N = 0.0;
   std::visit(
-      [&script](const auto& own) {
+      [&](const auto& own) {
+        push_force_N = own.push_force_N;
         script.head_radius_m = own.head_radius_m;
         script.tool_yaw_rad = own.tool_yaw_rad;
         script.start_height_m = own.start_height_m;
@@ -193,11 +231,20 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
         script.approach_force_N = own.approach_force_N;
       },
       cell.script);
-  script.X_WC = X_WG * PlannedCup(plan);
-  for (std::size_t i = static_cast<std::size_t>(first); i < plan.reamers.size(); ++i)
-    script.heights_m.push_back(plan.reamers[i].height_m);
-  if (hand == "novice") {
-    const Vector3 superior_C = PlannedCup(plan).linear().transpose() * plan.pelvis.superior;
+  script.X_WC = X_WG * PlanFrame(plan);
+  for (std::size_t i = static_cast<std::size_t>(first); i < plan.tools.size(); ++i)
+    script.heights_m.push_back(plan.tools[i].height_m);
+  if (is_opening)
+    LeadBurrs(plan, static_cast<std::size_t>(first), RimOver(plan, site), push_force_N, script,
+              cell.simulated.hand);
+  if (hand == "novice" && is_opening) {
+    script.tilt_rad = NoviceBurr::kTilt_rad;
+    script.aside_m = NoviceBurr::kAside_m;
+    for (double& height_m : script.heights_m) height_m -= NoviceBurr::kTooDeep_m;
+    script.past_plan_m = NoviceBurr::kPastPlan_m;
+    script.push_force_N *= NoviceBurr::kHarder;
+  } else if (hand == "novice") {
+    const Vector3 superior_C = PlanFrame(plan).linear().transpose() * plan.pelvis.superior;
     // the script's x, to which side the hand is aside, becomes superior; the tool keeps its yaw
     const double turn_rad = std::atan2(superior_C.y(), superior_C.x());
     script.X_WC = Pose(script.X_WC) * Eigen::AngleAxisd(turn_rad, Vector3::UnitZ());
@@ -230,7 +277,7 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
                                            cell_yaml.string(), cell_checksum, file.cell_checksum));
   }
   ToolList list = procedure.tools;
-  for (const procedure::PlannedReamer& reamer : procedure.plan.plan.reamers) {
+  for (const procedure::PlannedTool& reamer : procedure.plan.plan.tools) {
     auto guidance = GuidanceOf(procedure.plan.plan, reamer, setup.X_WG);
     if (!guidance) break;  // the plan has none
     guidance->gain = procedure.guidance.value_or(simulated ? 0.0 : guidance->gain);
@@ -240,7 +287,8 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
   PrepareForTools(tools, setup.config);
   KeepToolList(list, setup.config_source);
   if (simulated)
-    UseHandOfPlan(procedure.plan.plan, choice.hand, setup.X_WG, procedure.tools.first, setup.config);
+    UseHandOfPlan(procedure.plan.plan, choice.hand, setup.X_WG, setup.bone.site, procedure.tools.first,
+                  setup.config);
 
   std::error_code error;
   fs::create_directories(procedure.folder, error);
@@ -260,6 +308,11 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
     engine = std::move(*other);
   }
   const bool physical = procedure.tools.physical;
+  ScriptedChanges::Heights heights;
+  if (procedure.plan.plan.kind == procedure::PlanKind::kOpening) {
+    const double rim_m = RimOver(procedure.plan.plan, setup.bone.site);
+    heights = {.down_m = 0.5 * rim_m, .retracted_m = rim_m + kClearOfOpening_m};
+  }
   auto session = std::make_unique<ProcedureSession>(ProcedureParams{
       .folder = procedure.folder,
       .plan = procedure.plan.plan,
@@ -271,7 +324,7 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
       .solid = setup.solid.get(),
       .events = setup.config.scene.events,
       .X_WG = setup.X_WG,
-      .X_GC = PlannedCup(procedure.plan.plan),
+      .X_GC = PlanFrame(procedure.plan.plan),
       .make_engine =
           [&setup, engine_choice](const simulation::Tool& tool) {
             return MakeEngine(engine_choice, setup.bone, tool, setup.X_WG, setup.config.cutting);
@@ -279,6 +332,7 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
       .confirm_size = physical,
       .confirm_load = physical && setup.config.servo.law == control::Law::kImpedance,
       .scripted = simulated,
+      .scripted_heights = heights,
       .wall_time = !virtual_time});
   if (auto begun = session->Begin(*engine); !begun) return tl::make_unexpected(begun.error());
   return session;

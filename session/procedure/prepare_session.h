@@ -64,12 +64,16 @@ struct Procedure {
     const std::filesystem::path& gains, const EngineChoice& engine_choice, bool simulated, bool virtual_time,
     CellSetup& setup, std::unique_ptr<simulation::CuttingEngine>& engine);
 
-/// Gives a simulated cell the scripted operator of a plan, from the reamer `first` on: the expert keeps to
-/// it; the novice is 14 degrees tilted, aims 6 mm aside toward superior and 5 mm too deep, and presses with
-/// 140 N and an arm four times as stiff.
-/// @param X_WG  bone in the world  @param[in,out] cell  its script and its hand
-void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand, const Pose& X_WG, int first,
-                   config::CellConfig& cell);
+/// Height of the bone's site over the plan's centre, along the plan's axis [m].
+[[nodiscard]] double RimOver(const procedure::SurgicalPlan& plan, const simulation::CutSite& site);
+
+/// Gives a simulated cell the scripted operator of a plan, from the tool `first` on: the expert keeps to it.
+/// The novice at a cup is 14 degrees tilted, aims 6 mm aside toward superior and 5 mm too deep, and presses
+/// with 140 N and an arm four times as stiff; with a burr 10 degrees, 0.8 mm, 1 mm, and half again the force.
+/// @param X_WG  bone in the world  @param site  of the bone, in G  @param[in,out] cell  its script and its
+/// hand
+void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand, const Pose& X_WG,
+                   const simulation::CutSite& site, int first, config::CellConfig& cell);
 /// The reamer of a plan that a cell has; the first one if it has another tool.
 [[nodiscard]] int ReamerOf(const procedure::SurgicalPlan& plan, const config::CellConfig& cell);
 

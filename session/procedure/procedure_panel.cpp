@@ -19,19 +19,21 @@ double Rounded(double value, double step) { return step * std::round(value / ste
 std::string PlanMessage(const procedure::SurgicalPlan& plan, const std::vector<ProcedureTool>& tools,
                         const Pose& X_WG, bool confirms) {
   nlohmann::json reamers = nlohmann::json::array();
-  for (std::size_t i = 0; i < plan.reamers.size(); ++i) {
+  for (std::size_t i = 0; i < plan.tools.size(); ++i) {
     nlohmann::json balls = nlohmann::json::array();  // [x, y, z, radius, cutting]
     for (const simulation::ToolBall& ball : tools[i].tool.balls)
       balls.push_back(
           {ball.center_m.x, ball.center_m.y, ball.center_m.z, ball.radius_m, ball.cutting ? 1 : 0});
-    reamers.push_back({{"diameter_mm", 1e3 * plan.reamers[i].diameter_m},
-                       {"centre_m", Triple(X_WG * plan.CentreOf(plan.reamers[i]))},
+    reamers.push_back({{"diameter_mm", 1e3 * plan.tools[i].diameter_m},
+                       {"centre_m", Triple(X_WG * plan.CentreOf(plan.tools[i]))},
+                       {"around_m", plan.tools[i].around_m},
                        {"balls", balls}});
   }
   nlohmann::json json{{"type", "plan"},
                       {"name", plan.name},
+                      {"kind", plan.kind == procedure::PlanKind::kCup ? "cup" : "opening"},
                       {"axis", Triple((X_WG.linear() * plan.axis_G).normalized())},
-                      {"cup_centre_m", Triple(X_WG * plan.cup_centre_m)},
+                      {"cup_centre_m", Triple(X_WG * plan.centre_m)},
                       {"cup_radius_m", 0.5 * plan.cup_diameter_m},
                       {"reamers", reamers},
                       {"confirms", confirms},
@@ -45,7 +47,7 @@ std::string PlanMessage(const procedure::SurgicalPlan& plan, const std::vector<P
 
 }  // namespace
 
-PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan, const procedure::PlannedReamer& reamer,
+PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan, const procedure::PlannedTool& reamer,
                          const Pose& X_GT) {
   const Vector3 feed = X_GT.linear().col(2);
   const Vector3 off_m = X_GT.translation() - 0.5 * reamer.diameter_m * feed - plan.CentreOf(reamer);
@@ -56,7 +58,8 @@ PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan, const procedure::P
   const procedure::GuidanceGains& g = plan.guidance;
   if (!(g.lateral.ease_m > 0.0)) return place;
   place.beyond_tilt = place.tilt_rad > g.cone.free_rad;
-  place.beyond_aside = place.aside_m > g.lateral.free_m + place.to_go_m * std::tan(g.lateral.widening_rad);
+  place.beyond_aside =
+      place.aside_m > reamer.around_m + g.lateral.free_m + place.to_go_m * std::tan(g.lateral.widening_rad);
   place.beyond_depth = place.to_go_m < g.depth.soft_m;
   return place;
 }
@@ -69,7 +72,7 @@ ProcedurePanel::ProcedurePanel(procedure::SurgicalPlan plan, const std::vector<P
       plan_json_(PlanMessage(plan_, tools, X_WG, confirms)) {}
 
 void ProcedurePanel::Step(int tool, const simulation::ContactModel& model, double dt_s) {
-  const procedure::PlannedReamer& reamer = plan_.reamers[static_cast<std::size_t>(tool)];
+  const procedure::PlannedTool& reamer = plan_.tools[static_cast<std::size_t>(tool)];
   const Pose X_GP = X_GW_ * Pose(model.X_WP);
   const PlanPlace place = PlaceAlongPlan(plan_, reamer, X_GP);
   const std::lock_guard lock(mutex_);

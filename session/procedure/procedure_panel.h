@@ -23,7 +23,7 @@ struct PlanPlace {
 };
 /// @param X_GT  of a tool whose head's centre lies half its diameter behind T's origin
 [[nodiscard]] PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan,
-                                       const procedure::PlannedReamer& reamer, const Pose& X_GT);
+                                       const procedure::PlannedTool& reamer, const Pose& X_GT);
 
 /// What the console shows of a procedure, as two messages for the pages: the plan, which stays, and where the
 /// session stands. console/web/src/messages.ts has their fields.

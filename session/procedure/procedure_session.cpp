@@ -34,8 +34,8 @@ ProcedureSession::ProcedureSession(ProcedureParams params)
       writer_(params_.folder, *params_.bone, params_.wall_time),
       panel_(params_.plan, params_.tools, params_.X_WG, params_.confirm_size || params_.confirm_load),
       tool_(params_.tool),
+      script_(params_.scripted_heights, params_.confirm_size ? kRestBeforeWeighing : 0),
       file_(params_.file) {
-  if (params_.confirm_size) script_ = ScriptedChanges(kRestBeforeWeighing);
   if (const auto& guidance = params_.tools[static_cast<std::size_t>(tool_)].loop.guidance)
     guidance_gain_ = guidance->gain;
   states_ = static_cast<int>(file_.passes.size());  // a state for each pass, undone or not
@@ -170,7 +170,7 @@ void ProcedureSession::AfterFrame(const ToolCommand& command, const simulation::
   framed_tool_.store(tool_);
   if (change == PassDetector::Change::kBegan) to_go_m_.reset();
   if (pass_.open()) {
-    const double to_go_m = PlaceAlongPlan(params_.plan, params_.plan.reamers[static_cast<std::size_t>(tool_)],
+    const double to_go_m = PlaceAlongPlan(params_.plan, params_.plan.tools[static_cast<std::size_t>(tool_)],
                                           params_.X_WG.inverse() * Pose(record.model.X_WP))
                                .to_go_m;
     to_go_m_ = std::min(to_go_m, to_go_m_.value_or(to_go_m));
@@ -214,6 +214,10 @@ void ProcedureSession::HandleRequest(const ToolCommand& command, FrameRunner& ru
       answer = SetGuidance(request.gain);
       break;
     case Kind::kCup: {
+      if (params_.plan.kind != procedure::PlanKind::kCup) {
+        answer = Refused("found a plan for an opening, accepted `cup` with a plan for a cup");
+        break;
+      }
       const Pose X_GT = params_.X_WG.inverse() * Pose(command.X_WT);
       {
         const std::lock_guard lock(mutex_);

@@ -5,7 +5,6 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kDown_m = 0.015, kRetracted_m = 0.025;        // heights of the head's centre
 constexpr double kStill_m = 0.2e-3;                            // a tool at rest moves less ...
 constexpr rt::Nanoseconds kStillFor = 300 * rt::kMillisecond;  // ... in this time
 
@@ -15,12 +14,12 @@ ScriptedChanges::Action ScriptedChanges::Step(rt::Nanoseconds stamp, double heig
                                               bool next_is_ready) {
   switch (phase_) {
     case Phase::kReaming:
-      been_down_ |= height_m < kDown_m;
+      been_down_ |= height_m < heights_.down_m;
       if (rest_since_ == 0 || std::abs(height_m - rest_height_m_) > kStill_m) {
         rest_height_m_ = height_m;
         rest_since_ = stamp;
       }
-      if (!been_down_ || !next_is_ready || height_m < kRetracted_m || stamp - rest_since_ < kStillFor)
+      if (!been_down_ || !next_is_ready || height_m < heights_.retracted_m || stamp - rest_since_ < kStillFor)
         return Action::kNone;
       phase_ = Phase::kPausing;
       return Action::kPause;

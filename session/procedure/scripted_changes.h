@@ -11,10 +11,15 @@ class ScriptedChanges {
  public:
   enum class Action { kNone, kPause, kNext, kResume };
 
+  /// Heights of the head's centre that tell a tool at work from one that is retracted.
+  struct Heights {
+    double down_m{0.015}, retracted_m{0.025};
+  };
   /// @param rest  time at rest before the next tool is taken
-  explicit ScriptedChanges(rt::Nanoseconds rest = 0) : rest_(rest) {}
+  explicit ScriptedChanges(const Heights& heights, rt::Nanoseconds rest = 0)
+      : heights_(heights), rest_(rest) {}
 
-  /// @param height_m  of the head's centre over the planned cup's centre, along its axis
+  /// @param height_m  of the head's centre over the plan's centre, along its axis
   /// @param paused  the loop is at rest  @param next_is_ready  a further tool is planned
   /// @returns what to press now; each once
   Action Step(rt::Nanoseconds stamp, double height_m, bool paused, bool next_is_ready);
@@ -24,6 +29,7 @@ class ScriptedChanges {
 
  private:
   enum class Phase { kReaming, kPausing, kChanging, kResuming };
+  Heights heights_;
   rt::Nanoseconds rest_;
   Phase phase_{Phase::kReaming};
   bool been_down_{false}, answered_{false};

@@ -30,7 +30,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kSecondsAReamer = 15.0, kNoviceSecondsAReamer = 60.0;
+constexpr double kSecondsAReamer = 15.0, kNoviceSecondsAReamer = 60.0, kSecondsABurr = 60.0;
 
 // The folder of a session that was given no name: the first that is free below the demo's.
 std::filesystem::path FreshSession(const std::filesystem::path& out) {
@@ -133,6 +133,11 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
   return wrong.empty() ? ExitCode(result) : Fail("demo", wrong, kFailed);
 }
 
+double SecondsATool(procedure::PlanKind kind, bool novice) {
+  if (kind == procedure::PlanKind::kOpening) return kSecondsABurr;
+  return novice ? kNoviceSecondsAReamer : kSecondsAReamer;
+}
+
 }  // namespace
 
 int RunDemo(const DemoOptions& asked) {
@@ -145,11 +150,11 @@ int RunDemo(const DemoOptions& asked) {
     if (!opened) return Fail("demo", opened.error());
     procedure = std::move(*opened);
     options.mesh = procedure->mesh;
-    const auto reamers =
+    const auto tools =
         procedure->tools.diameters_mm.size() - static_cast<std::size_t>(procedure->tools.first);
     if (options.default_seconds)
-      options.seconds = (options.procedure.hand == "novice" ? kNoviceSecondsAReamer : kSecondsAReamer) *
-                        static_cast<double>(reamers);
+      options.seconds = SecondsATool(procedure->plan.plan.kind, options.procedure.hand == "novice") *
+                        static_cast<double>(tools);
   }
   if (!(options.seconds >= kMinSeconds && options.seconds <= kMaxSeconds))
     return Fail("demo", fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kMinSeconds,

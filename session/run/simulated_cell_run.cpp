@@ -132,8 +132,8 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
   config::CellConfig cell = config::LoadCell(options.cell, options.tool);
   if (!options.plan.empty()) {
     const config::SurgicalPlanConfig plan = config::LoadSurgicalPlan(options.plan);
-    UseHandOfPlan(plan.plan, options.hand, config::BoneInWorld(cell, plan.site), ReamerOf(plan.plan, cell),
-                  cell);
+    UseHandOfPlan(plan.plan, options.hand, config::BoneInWorld(cell, plan.site), plan.site,
+                  ReamerOf(plan.plan, cell), cell);
   }
   if (const std::string wrong = UseSimulatedWires(cell, options.port); !wrong.empty()) {
     fmt::print(stderr, "osteon cell: {}\n", wrong);

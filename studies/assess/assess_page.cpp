@@ -30,6 +30,21 @@ std::string CupConeText(const procedure::SurgicalPlan& plan, const procedure::As
                      cone.stop_rad / kDegree);
 }
 
+void AddOpening(const procedure::SurgicalPlan& plan, const procedure::Assessment& found,
+                std::vector<report::SummaryRow>& rows) {
+  const procedure::OpeningResult& opening = *found.opening;
+  if (const auto error_rad = procedure::AxisError(plan, found))
+    rows.push_back({"Axis", fmt::format("{:.1f}° off the plan", *error_rad / kDegree)});
+  if (opening.shift_m)
+    rows.push_back({"Opening", fmt::format("{:.2f} mm aside of the planned axis", 1e3 * *opening.shift_m)});
+  if (const auto& error_m = opening.depth_error_m)
+    rows.push_back({"Floor", fmt::format("{:.2f} mm {} planned", 1e3 * std::abs(*error_m),
+                                         *error_m < 0.0 ? "less deep than" : "deeper than")});
+  if (opening.unroofed)
+    rows.push_back({fmt::format("Roof over the {}", plan.target),
+                    fmt::format("{:.0f} % of it is open within the plan", 1e2 * *opening.unroofed)});
+}
+
 std::vector<report::SummaryRow> Rows(const AssessResult& result) {
   const AssessedSession& session = result.session;
   const procedure::SurgicalPlan& plan = session.plan.plan;
@@ -40,9 +55,13 @@ std::vector<report::SummaryRow> Rows(const AssessResult& result) {
                                                         "without guidance",
                                                         session.guidance_gain)
                                           : "without guidance")},
-      {"Plan", fmt::format("{}, {} hip, {}", plan.name, procedure::NameOf(plan.side),
-                           AnglesText(plan, plan.axis_G))}};
-  if (found.axis_G)
+      {"Plan", found.opening ? fmt::format("{}, an opening of {:.4g} mm to the {}", plan.name,
+                                           2e3 * plan.cavity().width_m(), plan.target)
+                             : fmt::format("{}, {} hip, {}", plan.name, procedure::NameOf(plan.side),
+                                           AnglesText(plan, plan.axis_G))}};
+  if (found.opening)
+    AddOpening(plan, found, rows);
+  else if (found.axis_G)
     rows.push_back({found.axis_of_cup ? "Axis of the cup" : "Reamed axis",
                     fmt::format("{}, {:.1f}° off{}", AnglesText(plan, *found.axis_G),
                                 *procedure::AxisError(plan, found) / kDegree, CupConeText(plan, found))});
@@ -108,7 +127,7 @@ std::string ItemsTable(const AssessResult& result) {
 
 std::string PassTable(const AssessedSession& session) {
   std::string html =
-      TableHead({"pass", "reamer", "time", "removed", "mean force", "peak", "across the axis", "outside"});
+      TableHead({"pass", "tool", "time", "removed", "mean force", "peak", "across the axis", "outside"});
   for (const PassFigures& pass : session.passes)
     html += fmt::format(
         "<tr><td>{}{}</td><td>{:g} mm</td><td>{:.1f} s</td><td>{:.0f} mm³</td><td>{:.0f} N</td><td>{:.0f} "
@@ -146,17 +165,18 @@ std::string Curves(const AssessedSession& session) {
                                         panel("hand's force [N]", trace.force_N, {}),
                                         panel("tilt [°]", trace.tilt_deg, std::move(tilts))};
   // far retractions would flatten the rest
-  constexpr double kShownHeight_mm = 40.0, kShownAside_mm = 15.0;
-  panels[0].y = report::Range{-10.0, kShownHeight_mm};
+  const bool is_cup = session.plan.plan.kind == procedure::PlanKind::kCup;
+  const double shown_aside_mm = is_cup ? 15.0 : 4.0;
+  panels[0].y = is_cup ? report::Range{-10.0, 40.0} : report::Range{-2.0, 14.0};
   panels[0].series[0].name = "handle";
   panels[0].series.push_back({.name = "simulated tool", .x = trace.t_s, .y = trace.proxy_mm});
   panels[0].legend = true;
-  panels[1].y = report::Range{0.0, kShownAside_mm};
+  panels[1].y = report::Range{0.0, shown_aside_mm};
   panels.back().x_label = "time [s]";
   return report::Figure(
       report::Svg(panels),
       "Height of the head's centre over the planned one, its distance from the axis, the hand's force, "
-      "the tool's tilt. Shaded: the passes, by the reamer's diameter in mm.");
+      "the tool's tilt. Shaded: the passes, by the tool's diameter in mm.");
 }
 
 std::string Trend(const AssessResult& result) {
@@ -179,16 +199,27 @@ std::string Trend(const AssessResult& result) {
          report::Figure(report::Svg(chart), "Sessions of the same plan in the folders beside this one.");
 }
 
-constexpr const char* kAssumptions =
-    "<h2>Assumptions</h2>\n<ul>\n"
-    "<li>Norms are published figures of real operations and of other simulators; none was measured with "
-    "Osteon. The norm of over-reaming is assumed.</li>\n"
-    "<li>A sphere has no axis: the reamed axis is that of the tool, weighted by the volume that the last "
-    "reamer "
-    "removed.</li>\n"
-    "<li>Volumes are sums of mass points: exact to about 2 % of a few cubic centimetres.</li>\n"
-    "<li>Undone passes count for time and force, and not for the result.</li>\n"
-    "<li>Osteon is no medical device; a score says nothing of a patient.</li>\n</ul>\n";
+std::string Assumptions(procedure::PlanKind kind) {
+  const bool is_cup = kind == procedure::PlanKind::kCup;
+  return std::string("<h2>Assumptions</h2>\n<ul>\n<li>") +
+         (is_cup ? "Norms are published figures of real operations and of other simulators; none was "
+                   "measured with "
+                   "Osteon. The norm of over-reaming is assumed."
+                 : "Norms of axis and place lean on published access cavities; depth, roof and volumes are "
+                   "assumed. "
+                   "None was measured with Osteon.") +
+         "</li>\n<li>" +
+         (is_cup ? "A sphere has no axis: the reamed axis is that of the tool, weighted by the volume that "
+                   "the last "
+                   "reamer removed."
+                 : "The axis is that of the tool, weighted by the volume that the last burr removed. The "
+                   "target's own "
+                   "tissue counts as neither over-reamed nor left.") +
+         "</li>\n"
+         "<li>Volumes are sums of mass points: exact to about 2 % of a few cubic centimetres.</li>\n"
+         "<li>Undone passes count for time and force, and not for the result.</li>\n"
+         "<li>Osteon is no medical device; a score says nothing of a patient.</li>\n</ul>\n";
+}
 
 // The carved bone that can be turned, coloured by its distance from the planned cavity.
 std::string CarvedBone(const AssessedSession& session) {
@@ -203,32 +234,24 @@ std::string CarvedBone(const AssessedSession& session) {
                             .paths = paths,
                             .planned = [cavity](const Vector3& p_m) { return cavity.DistanceTo(p_m); },
                             .max_quads = kMaxQuads});
-  return report::BoneViewHtml(carved, session.bone, {},
-                              {.shows_deviation = true, .range_mm = kDeviationScale_mm});
+  return report::BoneViewHtml(
+      carved, session.bone, {},
+      {.shows_deviation = true, .range_mm = DeviationScale_mm(session.plan.plan.kind)});
 }
 
 tl::expected<std::string, std::string> Pictures(const AssessedSession& session) {
-  const procedure::PelvicFrame& pelvis = session.plan.plan.pelvis;
-  const auto coronal =
-      report::Picture(SliceImage(session, pelvis.lateral, pelvis.superior),
-                      "Coronal section through the planned centre: superior is up, lateral to the right.");
-  if (!coronal) return coronal;
-  const auto axial = report::Picture(SliceImage(session, pelvis.lateral, pelvis.anterior),
-                                     "Axial section: anterior is up, lateral to the right.");
-  if (!axial) return axial;
-  const auto map = report::Picture(
-      DeviationImage(session),
-      fmt::format(
-          "The planned hemisphere, seen into its opening, superior up: blue, bone stands {:g} mm and more "
-          "within the plan; orange, {:g} mm and more beyond it; grey, no bone.",
-          kDeviationScale_mm, kDeviationScale_mm));
-  if (!map) return map;
-  return "<h2>The cavity</h2>\n" + CarvedBone(session) +
-         "<p>Line: the plan. Sand: bone left. Pale: removed as planned. Orange: removed "
-         "beyond "
-         "the plan. Blue: left within it.</p>\n<div "
-         "style=\"display:grid;grid-template-columns:repeat(auto-fit,minmax(260px,1fr));gap:16px\">\n" +
-         *coronal + *axial + *map + "</div>\n";
+  std::string html =
+      "<h2>The cavity</h2>\n" + CarvedBone(session) +
+      "<p>Line: the plan. Sand: bone left. Pale: removed as planned. Orange: removed beyond the plan. Blue: "
+      "left "
+      "within it.</p>\n<div "
+      "style=\"display:grid;grid-template-columns:repeat(auto-fit,minmax(260px,1fr));gap:16px\">\n";
+  for (const CavityPicture& shown : CavityPictures(session)) {
+    const auto picture = report::Picture(shown.image, shown.caption);
+    if (!picture) return picture;
+    html += *picture;
+  }
+  return html + "</div>\n";
 }
 
 }  // namespace
@@ -257,7 +280,7 @@ tl::expected<void, std::string> WriteAssessPage(const AssessResult& result, cons
   html += *pictures;
   html += "<h2>The session</h2>\n" + Curves(result.session) + PassTable(result.session);
   html += fmt::format("<h2>The score: {:.1f}</h2>\n", result.score.total) + ItemsTable(result);
-  html += Trend(result) + kAssumptions;
+  html += Trend(result) + Assumptions(result.session.plan.plan.kind);
   if (!command_line.empty())
     html += "<h2>How to repeat it</h2>\n<pre>" + report::Escape(command_line) + "</pre>\n";
   return report::WritePage(html + report::PageEnd(), path);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "simulation/removal/cut_metrics.h"
 
@@ -13,12 +16,16 @@ using Color = std::array<std::uint8_t, 3>;
 
 constexpr Color kAir{255, 255, 255}, kBone{222, 205, 176}, kRemoved{244, 240, 232}, kOver{213, 94, 0},
     kUnder{0, 114, 178}, kOutline{27, 31, 36}, kNoBone{228, 232, 236};
-constexpr double kPixel_m = 0.2e-3, kWindowRadii = 1.7;  // half the window, in radii of the planned cavity
+constexpr int kSlicePixels = 425;
 constexpr int kMapCells = 108, kCellPixels = 3, kMapPixels = kMapCells * kCellPixels;
+
+// Half the window of a slice, in radii of the planned cavity: an opening is deeper than it is wide.
+double WindowRadii(procedure::PlanKind kind) { return kind == procedure::PlanKind::kCup ? 1.7 : 3.5; }
 
 // Which pixels of a slice lie in a union of balls.
 std::vector<bool> Filled(std::span<const simulation::Ball> balls, const Vector3& origin_m,
-                         const Vector3& right, const Vector3& up, int size) {
+                         const Vector3& right, const Vector3& up, double pixel_m) {
+  constexpr int size = kSlicePixels;
   std::vector<bool> filled(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
   const Vector3 normal = right.cross(up);
   const double half = 0.5 * size;
@@ -26,8 +33,8 @@ std::vector<bool> Filled(std::span<const simulation::Ball> balls, const Vector3&
     const Vector3 way_m = Vector3(ball.center_m) - origin_m;
     const double off_m = way_m.dot(normal), radius2 = ball.radius_m * ball.radius_m - off_m * off_m;
     if (radius2 <= 0.0) continue;
-    const double x = way_m.dot(right) / kPixel_m + half, y = half - way_m.dot(up) / kPixel_m;
-    const double r = std::sqrt(radius2) / kPixel_m;
+    const double x = way_m.dot(right) / pixel_m + half, y = half - way_m.dot(up) / pixel_m;
+    const double r = std::sqrt(radius2) / pixel_m;
     for (int row = std::max(0, static_cast<int>(y - r)); row < std::min<double>(size, y + r + 1.0); ++row)
       for (int column = std::max(0, static_cast<int>(x - r)); column < std::min<double>(size, x + r + 1.0);
            ++column)
@@ -49,24 +56,23 @@ void Put(report::Image& image, const Color& color) {
   image.rgb.insert(image.rgb.end(), color.begin(), color.end());
 }
 
-}  // namespace
-
 report::Image SliceImage(const AssessedSession& session, const Vector3& right, const Vector3& up) {
   const procedure::PlannedCavity cavity = session.plan.plan.cavity();
-  const int size = static_cast<int>(2.0 * kWindowRadii * cavity.radius_m / kPixel_m);
+  constexpr int size = kSlicePixels;
+  const double pixel_m = 2.0 * WindowRadii(session.plan.plan.kind) * cavity.width_m() / size;
   const std::vector<simulation::Ball> live = simulation::LiveBalls(session.state);
-  const auto before = Filled(session.bone.balls, cavity.centre_m, right, up, size),
-             after = Filled(live, cavity.centre_m, right, up, size);
+  const auto before = Filled(session.bone.balls, cavity.centre_m, right, up, pixel_m),
+             after = Filled(live, cavity.centre_m, right, up, pixel_m);
   report::Image image{.width = size, .height = size};
   for (int row = 0; row < size; ++row)
     for (int column = 0; column < size; ++column) {
       const std::size_t at =
           static_cast<std::size_t>(row) * static_cast<std::size_t>(size) + static_cast<std::size_t>(column);
       const Vector3 p_m =
-          cavity.centre_m + kPixel_m * ((column + 0.5 - 0.5 * size) * right + (0.5 * size - row - 0.5) * up);
+          cavity.centre_m + pixel_m * ((column + 0.5 - 0.5 * size) * right + (0.5 * size - row - 0.5) * up);
       const double outside_m = cavity.DistanceTo(p_m);
       const bool planned = outside_m < 0.0;
-      if (std::abs(outside_m) < 0.75 * kPixel_m)
+      if (std::abs(outside_m) < 0.75 * pixel_m)
         Put(image, kOutline);
       else if (after[at])
         Put(image, planned ? kUnder : kBone);
@@ -103,7 +109,7 @@ report::Image DeviationImage(const AssessedSession& session) {
   for (std::size_t i = 0; i < map.size(); ++i) {
     Color color = kNoBone;
     if (map[i].deviation_m) {
-      const double share = std::clamp(1e3 * *map[i].deviation_m / kDeviationScale_mm, -1.0, 1.0);
+      const double share = std::clamp(1e3 * *map[i].deviation_m / DeviationScale_mm(plan.kind), -1.0, 1.0);
       color = Mix(kRemoved, share > 0.0 ? kOver : kUnder, std::abs(share));
     }
     for (int y = 0; y < kCellPixels; ++y)
@@ -112,6 +118,38 @@ report::Image DeviationImage(const AssessedSession& session) {
                                                           cells[i][1] * kCellPixels + x));
   }
   return image;
+}
+
+}  // namespace
+
+double DeviationScale_mm(procedure::PlanKind kind) { return kind == procedure::PlanKind::kCup ? 2.0 : 0.5; }
+
+std::vector<CavityPicture> CavityPictures(const AssessedSession& session) {
+  const procedure::SurgicalPlan& plan = session.plan.plan;
+  const procedure::PelvicFrame& frame = plan.pelvis;
+  std::vector<CavityPicture> pictures;
+  const auto add = [&](const std::string& caption, report::Image image) {
+    pictures.push_back({.caption = caption, .image = std::move(image)});
+  };
+  if (plan.kind == procedure::PlanKind::kOpening) {
+    add("Section along the axis: out of the opening is up, x to the right.",
+        SliceImage(session, frame.lateral, frame.superior));
+    add("Section along the axis: out of the opening is up, y to the right.",
+        SliceImage(session, frame.anterior, frame.superior));
+    add("Section across the axis at the planned end: x to the right, y up.",
+        SliceImage(session, frame.lateral, frame.anterior));
+    return pictures;
+  }
+  add("Coronal section through the planned centre: superior is up, lateral to the right.",
+      SliceImage(session, frame.lateral, frame.superior));
+  add("Axial section: anterior is up, lateral to the right.",
+      SliceImage(session, frame.lateral, frame.anterior));
+  add(fmt::format(
+          "The planned hemisphere, seen into its opening, superior up: blue, bone stands {0:g} mm and "
+          "more within the plan; orange, {0:g} mm and more beyond it; grey, no bone.",
+          DeviationScale_mm(plan.kind)),
+      DeviationImage(session));
+  return pictures;
 }
 
 }  // namespace osteon::studies

@@ -53,7 +53,17 @@ Json ShiftJson(const procedure::AnatomicShift& shift) {
 
 Json PlanJson(const AssessedSession& session) {
   const procedure::SurgicalPlan& plan = session.plan.plan;
+  if (plan.kind == procedure::PlanKind::kOpening)
+    return {{"name", plan.name},
+            {"kind", "opening"},
+            {"target", plan.target},
+            {"checksum", session.file.plan_checksum},
+            {"axis_G", Triple(plan.axis_G)},
+            {"centre_mm", Triple(plan.cavity().centre_m, 1e3)},
+            {"width_mm", 2e3 * plan.cavity().width_m()},
+            {"burrs_mm", session.file.diameters_mm}};
   return {{"name", plan.name},
+          {"kind", "cup"},
           {"side", procedure::NameOf(plan.side)},
           {"checksum", session.file.plan_checksum},
           {"axis_G", Triple(plan.axis_G)},
@@ -63,7 +73,25 @@ Json PlanJson(const AssessedSession& session) {
           {"reamers_mm", session.file.diameters_mm}};
 }
 
+Json OpeningJson(const AssessedSession& session) {
+  const procedure::Assessment& found = session.assessment;
+  const procedure::CavityResult& cavity = found.cavity;
+  Json json;
+  if (found.axis_G) json["axis_G"] = Triple(*found.axis_G);
+  json["axis_error_deg"] = OrNull(procedure::AxisError(session.plan.plan, found), 1.0 / kDegree);
+  json["opening_shift_mm"] = OrNull(found.opening->shift_m, 1e3);
+  json["depth_error_mm"] = OrNull(found.opening->depth_error_m, 1e3);
+  json["unroofed"] = OrNull(found.opening->unroofed);
+  json["removed_mm3"] = 1e9 * cavity.removed_m3;
+  json["over_mm3"] = 1e9 * cavity.over_m3;
+  json["under_mm3"] = 1e9 * cavity.under_m3;
+  json["least_wall_mm"] = OrNull(found.min_wall_m, 1e3);
+  json["rim_preserved"] = OrNull(cavity.rim_preserved);
+  return json;
+}
+
 Json ResultJson(const AssessedSession& session) {
+  if (session.assessment.opening) return OpeningJson(session);
   const procedure::SurgicalPlan& plan = session.plan.plan;
   const procedure::Assessment& found = session.assessment;
   const procedure::CavityResult& cavity = found.cavity;
@@ -176,7 +204,9 @@ tl::expected<AssessResult, std::string> Measure(const fs::path& folder, const As
   if (!session) return tl::make_unexpected(session.error());
   AssessResult result;
   result.session = std::move(*session);
-  result.rubric = config::LoadRubric(options.rubric);
+  result.rubric = config::LoadRubric(
+      !options.rubric.empty() ? options.rubric
+                              : options.rubrics / procedure::RubricOf(result.session.plan.plan.kind));
   result.values = procedure::ValuesOf(result.session.plan.plan, result.session.assessment);
   result.score = procedure::ScoreOf(result.rubric, result.values, result.session.assessment.min_wall_m);
   result.guided = result.session.guidance_gain > 0.0;
@@ -229,7 +259,7 @@ session::Verdict Judge(const AssessResult& result, const std::optional<double>& 
   if (pass_at && result.score.total < *pass_at)
     verdict.Add(session::VerdictLevel::kBad,
                 fmt::format("The score is {:.1f}, accepted from {:g} on.", result.score.total, *pass_at));
-  if (!result.session.assessment.cavity.fit)
+  if (!result.session.assessment.opening && !result.session.assessment.cavity.fit)
     verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("No sphere was fitted: {}.", result.session.assessment.cavity.fit_refused));
   for (const procedure::ScoredItem& scored : result.score.items)
@@ -242,9 +272,8 @@ session::Verdict Judge(const AssessResult& result, const std::optional<double>& 
       cavity.under_m3 > kFairShare * (cavity.under_m3 + inside_m3))
     verdict.Add(
         session::VerdictLevel::kWarning,
-        fmt::format(
-            "Of the planned cavity {:.0f} of {:.0f} mm³ are left: the last reamer is not at its depth.",
-            1e9 * cavity.under_m3, 1e9 * (cavity.under_m3 + inside_m3)));
+        fmt::format("Of the planned cavity {:.0f} of {:.0f} mm³ are left: the last tool is not at its depth.",
+                    1e9 * cavity.under_m3, 1e9 * (cavity.under_m3 + inside_m3)));
   if (!result.session.file.ended)
     verdict.Add(session::VerdictLevel::kWarning, "The session's last process did not end in order.");
   return verdict;

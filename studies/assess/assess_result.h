@@ -14,8 +14,9 @@
 namespace osteon::studies {
 
 struct AssessOptions {
-  std::filesystem::path session;  ///< folder
-  std::filesystem::path rubric;
+  std::filesystem::path session;               ///< folder
+  std::filesystem::path rubric;                ///< empty: the shipped one for the plan's kind
+  std::filesystem::path rubrics{};             ///< folder of the shipped ones
   std::optional<double> pass_at{};             ///< score below which the exit code is 1
   std::vector<std::filesystem::path> norms{};  ///< sessions of a site's own experts
   std::filesystem::path against{};             ///< another session of the plan; empty: none

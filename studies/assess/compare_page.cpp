@@ -52,7 +52,6 @@ std::string Points(double y, const procedure::Score& score) {
 
 tl::expected<std::string, std::string> SessionSvg(double y, const AssessResult& result) {
   const AssessedSession& session = result.session;
-  const procedure::PelvicFrame& pelvis = session.plan.plan.pelvis;
   std::string svg =
       report::SvgText(kPictureGapPx, y + kScorePx,
                       report::Fit(fmt::format("{}: {:.1f}", NameOfSession(session), result.score.total),
@@ -60,10 +59,8 @@ tl::expected<std::string, std::string> SessionSvg(double y, const AssessResult& 
                       "start", report::kTextColor, kScorePx * 0.8, "font-weight=\"700\"");
   svg += Points(y + kScorePx + 12.0, result.score);
   double x = kPointsPx + kPictureGapPx;
-  for (const report::Image& image :
-       {SliceImage(session, pelvis.lateral, pelvis.superior),
-        SliceImage(session, pelvis.lateral, pelvis.anterior), DeviationImage(session)}) {
-    const auto picture = PictureAt(x, y + 8.0, image);
+  for (const CavityPicture& shown : CavityPictures(session)) {
+    const auto picture = PictureAt(x, y + 8.0, shown.image);
     if (!picture) return picture;
     svg += *picture;
     x += kPicturePx + kPictureGapPx;
@@ -89,12 +86,15 @@ std::string FiguresTable(const AssessResult& first, const AssessResult& second) 
 }  // namespace
 
 tl::expected<std::string, std::string> ComparisonSvg(const AssessResult& first, const AssessResult& second) {
-  constexpr std::array<const char*, 3> kTitles{"coronal", "axial", "into the opening"};
+  const bool is_cup = first.session.plan.plan.kind == procedure::PlanKind::kCup;
+  const std::array<const char*, 3> titles =
+      is_cup ? std::array{"coronal", "axial", "into the opening"}
+             : std::array{"along the axis", "along the axis, turned", "across the axis"};
   std::string body;
-  for (std::size_t i = 0; i < kTitles.size(); ++i)
+  for (std::size_t i = 0; i < titles.size(); ++i)
     body += report::SvgText(
         kPointsPx + kPictureGapPx + kPicturePx / 2.0 + static_cast<double>(i) * (kPicturePx + kPictureGapPx),
-        kHeadPx - 12.0, kTitles[i], "middle", report::kMutedColor);
+        kHeadPx - 12.0, titles[i], "middle", report::kMutedColor);
   double y = kHeadPx;
   for (const AssessResult* result : {&first, &second}) {
     const double items_px = kScorePx + 12.0 + kItemPx * static_cast<double>(result->score.items.size());

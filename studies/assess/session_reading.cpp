@@ -119,7 +119,7 @@ class SessionSums {
         .cutting = cutting_,
         .spindle_rad_per_s = tick.spindle_rad_per_s,
         .guidance_E_J = tick.guidance.present ? std::optional(tick.guidance.energy_J) : std::nullopt};
-    const procedure::PlannedReamer& reamer = session_.plan.plan.reamers[static_cast<std::size_t>(tool)];
+    const procedure::PlannedTool& reamer = session_.plan.plan.tools[static_cast<std::size_t>(tool)];
     total_.Add(sample, reamer);
     tools_[static_cast<std::size_t>(tool)].Add(sample, reamer);
     for (std::size_t i = 0; i < passes_.size(); ++i) {
@@ -187,12 +187,12 @@ class SessionSums {
     SessionTrace& trace = session_.trace;
     if (!trace.t_s.empty() && sample.t_s < trace.t_s.back() + kTraceStep_s) return;
     const procedure::SurgicalPlan& plan = session_.plan.plan;
-    const Vector3 off_m = sample.head_m - plan.cup_centre_m;
+    const Vector3 off_m = sample.head_m - plan.centre_m;
     const double height_m = off_m.dot(plan.axis_G);
     trace.t_s.push_back(sample.t_s);
     trace.height_mm.push_back(1e3 * height_m);
     trace.aside_mm.push_back(1e3 * (off_m - height_m * plan.axis_G).norm());
-    trace.proxy_mm.push_back(1e3 * (proxy_m_ - plan.cup_centre_m).dot(plan.axis_G));
+    trace.proxy_mm.push_back(1e3 * (proxy_m_ - plan.centre_m).dot(plan.axis_G));
     trace.tilt_deg.push_back(std::acos(std::clamp(-feed.dot(plan.axis_G), -1.0, 1.0)) / kDegree);
     trace.force_N.push_back(sample.F_hand_N.norm());
   }
@@ -241,10 +241,10 @@ tl::expected<void, std::string> CheckSession(const AssessedSession& session) {
   if (session.file.segments.empty())
     return tl::make_unexpected(fmt::format("{}: found no segment, accepted at least one",
                                            (session.folder / session::kSessionFileName).string()));
-  if (session.file.diameters_mm.size() != session.plan.plan.reamers.size())
-    return tl::make_unexpected(fmt::format(
-        "{}: found {} reamers, accepted the plan's {}", (session.folder / session::kSessionFileName).string(),
-        session.file.diameters_mm.size(), session.plan.plan.reamers.size()));
+  if (session.file.diameters_mm.size() != session.plan.plan.tools.size())
+    return tl::make_unexpected(fmt::format("{}: found {} reamers, accepted the plan's {}",
+                                           (session.folder / session::kSessionFileName).string(),
+                                           session.file.diameters_mm.size(), session.plan.plan.tools.size()));
   return {};
 }
 
@@ -285,7 +285,10 @@ tl::expected<AssessedSession, std::string> ReadAssessedSession(const fs::path& f
     }
   }
   sums.Finish();
-  session.assessment.cavity = procedure::AssessCavity(session.plan.plan, session.bone, session.state);
+  const procedure::SurgicalPlan& plan = session.plan.plan;
+  session.assessment.cavity = procedure::AssessCavity(plan, session.bone, session.state);
+  if (plan.kind == procedure::PlanKind::kOpening)
+    session.assessment.opening = procedure::AssessOpening(plan, session.bone, session.state);
   return session;
 }
 

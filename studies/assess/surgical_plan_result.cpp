@@ -25,7 +25,7 @@ using procedure::CupDefinition;
 using procedure::SurgicalPlan;
 
 constexpr double kLandmarkNoise_m = 2e-3;  // standard deviation of a palpated landmark's coordinate
-constexpr double kCellsPerRadius = 50.0, kWallSpacing_m = 2e-3;
+constexpr double kWallsPerRadius = 12.5;
 constexpr CupDefinition kDefinitions[] = {CupDefinition::kRadiographic, CupDefinition::kOperative,
                                           CupDefinition::kAnatomic};
 
@@ -35,6 +35,9 @@ Json AnglesJson(const CupAngles& angles) {
   return {{"inclination_deg", angles.inclination_rad / kDegree},
           {"anteversion_deg", angles.anteversion_rad / kDegree}};
 }
+
+// Cells of the planned volume: an opening is mostly inside a solid of a mesh, where a distance takes longer.
+double CellsPerRadius(procedure::PlanKind kind) { return kind == procedure::PlanKind::kCup ? 50.0 : 25.0; }
 
 // What is measured of the plan beside its own data.
 struct PlanFigures {
@@ -58,8 +61,9 @@ tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig&
   if (!setup.bone_warning.empty()) figures.warnings.push_back("bone: " + setup.bone_warning);
   if (setup.solid) {
     figures.planned_volume_m3 =
-        procedure::BoneInCavity(*setup.solid, cavity, cavity.radius_m / kCellsPerRadius);
-    figures.wall_m = procedure::PlannedWall(*setup.solid, setup.bone.site, cavity, kWallSpacing_m);
+        procedure::BoneInCavity(*setup.solid, cavity, cavity.width_m() / CellsPerRadius(config.plan.kind));
+    figures.wall_m =
+        procedure::PlannedWall(*setup.solid, setup.bone.site, cavity, cavity.width_m() / kWallsPerRadius);
     const double min_wall_m = config.scene.events.min_wall_m;
     if (figures.wall_m && *figures.wall_m < min_wall_m)
       figures.warnings.push_back(
@@ -74,9 +78,33 @@ tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig&
   return figures;
 }
 
-Json PlanJson(const SurgicalPlan& plan, const PlanFigures& figures) {
+void AddFigures(const PlanFigures& figures, Json& json) {
+  json["planned_volume_mm3"] = figures.planned_volume_m3 ? Json(1e9 * *figures.planned_volume_m3) : Json();
+  json["least_wall_mm"] = figures.wall_m ? Json(1e3 * *figures.wall_m) : Json();
+  json["warnings"] = figures.warnings;
+}
+
+Json OpeningJson(const SurgicalPlan& plan, const PlanFigures& figures) {
   Json json{{"schema", "osteon.surgical_plan/1"},
             {"plan", plan.name},
+            {"kind", "opening"},
+            {"target", plan.target},
+            {"axis_G", Triple(plan.axis_G)},
+            {"width_mm", 2e3 * plan.cavity().width_m()}};
+  if (figures.axis_W) json["axis_W"] = Triple(*figures.axis_W);
+  for (const procedure::PlannedTool& burr : plan.tools)
+    json["burrs"].push_back({{"diameter_mm", 1e3 * burr.diameter_m},
+                             {"width_mm", 1e3 * burr.diameter_m + 2e3 * burr.around_m},
+                             {"centre_mm", Triple(plan.CentreOf(burr), 1e3)}});
+  AddFigures(figures, json);
+  return json;
+}
+
+Json PlanJson(const SurgicalPlan& plan, const PlanFigures& figures) {
+  if (plan.kind == procedure::PlanKind::kOpening) return OpeningJson(plan, figures);
+  Json json{{"schema", "osteon.surgical_plan/1"},
+            {"plan", plan.name},
+            {"kind", "cup"},
             {"side", procedure::NameOf(plan.side)},
             {"definition", procedure::NameOf(plan.definition)},
             {"axis_G", Triple(plan.axis_G)}};
@@ -90,12 +118,10 @@ Json PlanJson(const SurgicalPlan& plan, const PlanFigures& figures) {
       json["landmark_noise"][procedure::NameOf(definition)] = AnglesJson(procedure::LandmarkSpread(
           *plan.landmarks, plan.side, plan.tilt_rad, definition, plan.axis_G, kLandmarkNoise_m));
   }
-  for (const procedure::PlannedReamer& reamer : plan.reamers)
+  for (const procedure::PlannedTool& reamer : plan.tools)
     json["reamers"].push_back(
         {{"diameter_mm", 1e3 * reamer.diameter_m}, {"centre_mm", Triple(plan.CentreOf(reamer), 1e3)}});
-  json["planned_volume_mm3"] = figures.planned_volume_m3 ? Json(1e9 * *figures.planned_volume_m3) : Json();
-  json["least_wall_mm"] = figures.wall_m ? Json(1e3 * *figures.wall_m) : Json();
-  json["warnings"] = figures.warnings;
+  AddFigures(figures, json);
   return json;
 }
 
@@ -106,12 +132,17 @@ std::string AxisText(const Vector3& axis) {
 }
 
 std::vector<report::SummaryRow> PlanRows(const SurgicalPlan& plan, const PlanFigures& figures) {
+  const bool is_opening = plan.kind == procedure::PlanKind::kOpening;
   std::vector<report::SummaryRow> rows{
-      {"Plan", fmt::format("{}, {} hip, cup {:g} mm, {} angles", plan.name, procedure::NameOf(plan.side),
-                           1e3 * plan.cup_diameter_m, procedure::NameOf(plan.definition))},
+      {"Plan",
+       is_opening ? fmt::format("{}, an opening of {:.4g} mm to the {}", plan.name,
+                                2e3 * plan.cavity().width_m(), plan.target)
+                  : fmt::format("{}, {} hip, cup {:g} mm, {} angles", plan.name, procedure::NameOf(plan.side),
+                                1e3 * plan.cup_diameter_m, procedure::NameOf(plan.definition))},
       {"Axis in G, out of the opening", AxisText(plan.axis_G)}};
   if (figures.axis_W) rows.push_back({"Axis in W", AxisText(*figures.axis_W)});
   for (const CupDefinition definition : kDefinitions) {
+    if (is_opening) break;
     const CupAngles angles = procedure::AnglesOf(definition, plan.pelvis.FromG(plan.axis_G));
     std::string text = fmt::format("inclination {:.4f}°, anteversion {:.4f}°",
                                    angles.inclination_rad / kDegree, angles.anteversion_rad / kDegree);
@@ -124,9 +155,9 @@ std::vector<report::SummaryRow> PlanRows(const SurgicalPlan& plan, const PlanFig
     rows.push_back({fmt::format("Angles, {}", procedure::NameOf(definition)), text});
   }
   std::string reamers;
-  for (const procedure::PlannedReamer& reamer : plan.reamers)
+  for (const procedure::PlannedTool& reamer : plan.tools)
     reamers += fmt::format("{}{:g}", reamers.empty() ? "" : ", ", 1e3 * reamer.diameter_m);
-  rows.push_back({"Reamers", reamers + " mm"});
+  rows.push_back({is_opening ? "Burrs" : "Reamers", reamers + " mm"});
   rows.push_back({"Bone in the planned cavity",
                   figures.planned_volume_m3 ? fmt::format("{:.0f} mm³", 1e9 * *figures.planned_volume_m3)
                                             : "not known: name the plan's mesh with --mesh"});

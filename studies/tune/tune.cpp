@@ -303,7 +303,7 @@ tl::expected<std::optional<GuidanceMap>, std::string> MapPlan(const TuneOptions&
                                                               const config::CellConfig& cell) {
   if (options.plan.empty()) return std::optional<GuidanceMap>();
   const config::SurgicalPlanConfig plan = config::LoadSurgicalPlan(options.plan);
-  const auto guidance = session::GuidanceOf(plan.plan, plan.plan.reamers.front(), Pose::Identity());
+  const auto guidance = session::GuidanceOf(plan.plan, plan.plan.tools.front(), Pose::Identity());
   if (!guidance)
     return tl::unexpected(
         fmt::format("--plan {}: found no guidance, accepted a plan with `guidance`", options.plan.string()));

@@ -1,6 +1,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <sstream>
 
@@ -125,6 +126,42 @@ TEST(HipBonePlan, IsReamedAssessedAndReplayed) {
   ASSERT_EQ(assessed.exit_code, 0) << assessed.err;
   EXPECT_LT(ReadJson(folder.path() / "a.json")["result"]["axis_error_deg"], 2.0);
   const CommandResult replayed = ask({"replay", "s"});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+}
+
+// The molar's plan: two burrs, with the figures of an opening; a novice is told from an expert.
+TEST(MolarPlan, IsOpenedAssessedAndReplayed) {
+  const TemporaryFolder folder;
+  const auto ask = [&](const std::vector<std::string>& words) { return RunCommand(folder.path(), words); };
+  const CommandResult planned = ask({"surgical-plan", "molar", "--cell", "molar", "--json", "p.json"});
+  ASSERT_EQ(planned.exit_code, 0) << planned.err;
+  const auto plan = ReadJson(folder.path() / "p.json");
+  EXPECT_EQ(plan["kind"], "opening");
+  EXPECT_EQ(plan["burrs"].size(), 2u);
+  EXPECT_NEAR(plan["planned_volume_mm3"].get<double>(), 53.0, 2.0);
+
+  std::map<std::string, double> scores;
+  for (const std::string hand : {"expert", "novice"}) {
+    const CommandResult demo =
+        ask({"demo", "--cell", "molar", "--plan", "molar", "--virtual-time", "--operator", hand, "--seconds",
+             "60", "--out", hand, "--json", "d.json"});
+    ASSERT_EQ(demo.exit_code, 0) << demo.err;
+    EXPECT_EQ(ReadJson(folder.path() / "d.json")["verdict"]["level"], "good") << demo.out;
+    const CommandResult assessed = ask({"assess", hand + "/session", "--json", "a.json"});
+    ASSERT_EQ(assessed.exit_code, 0) << assessed.err;
+    const auto json = ReadJson(folder.path() / "a.json");
+    EXPECT_EQ(json["plan"]["kind"], "opening");
+    EXPECT_EQ(json["score"]["rubric"], "opening");
+    EXPECT_FALSE(json["result"].contains("coverage")) << "an opening is no sphere";
+    EXPECT_GT(json["result"]["unroofed"], 0.1);
+    scores[hand] = json["score"]["total"];
+  }
+  // of 60 s, half of what the demo takes: the roof is not all open yet
+  EXPECT_GT(scores["expert"], scores["novice"] + 25.0);
+  EXPECT_LT(scores["novice"], 40.0);
+  const CommandResult compared = ask({"assess", "expert/session", "--against", "novice/session"});
+  EXPECT_EQ(compared.exit_code, 0) << compared.err;
+  const CommandResult replayed = ask({"replay", "expert/session"});
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
 }
 

@@ -54,7 +54,7 @@ TEST_F(SurgicalPlanFiles, TheDemosPlanPointsOutOfTheDemosCup) {
   const SurgicalPlanConfig config = LoadSurgicalPlan(kPlan);
   // landmarks are written to 1 µm, of 87 mm
   EXPECT_LT((config.plan.axis_G - Vector3::UnitZ()).norm(), 2e-5);
-  EXPECT_EQ(config.plan.reamers.size(), 4u);
+  EXPECT_EQ(config.plan.tools.size(), 4u);
   EXPECT_DOUBLE_EQ(config.plan.cavity().radius_m, 0.025);
   EXPECT_DOUBLE_EQ(config.plan.guidance.lateral.stiffness_N_per_m, 5e3);
   EXPECT_NO_THROW(CheckPlanInCell(config, LoadCell(kConfig / "cells" / "demo.yaml"), kPlan, "demo"));
@@ -140,8 +140,55 @@ TEST(SurgicalPlanFile, APlanForAMeshHasItsCupAlone) {
   EXPECT_FALSE(config.bone);
   EXPECT_NEAR((config.plan.axis_G - Vector3(-0.983, -0.175, 0.052).normalized()).norm(), 0.0, 1e-5)
       << "45 and 20 degrees are the native axis";
-  EXPECT_EQ(config.plan.reamers.size(), 3u);
+  EXPECT_EQ(config.plan.tools.size(), 3u);
   EXPECT_NO_THROW(CheckPlanInCell(config, LoadCell(kConfig / "cells" / "demo.yaml"), kPlan, "demo"));
+}
+
+TEST(SurgicalPlanFile, TheMolarsPlanLeadsToItsPulp) {
+  const fs::path file = kConfig / "plans" / "molar.yaml";
+  const SurgicalPlanConfig config = LoadSurgicalPlan(file);
+  const procedure::SurgicalPlan& plan = config.plan;
+  EXPECT_EQ(plan.kind, procedure::PlanKind::kOpening);
+  EXPECT_EQ(plan.target, "pulp");
+  ASSERT_EQ(plan.tools.size(), 2u);
+  EXPECT_EQ(plan.tools[0].around_m, 0.0);
+  EXPECT_NEAR(plan.tools[1].around_m, 0.85e-3, 1e-12);
+  EXPECT_NEAR(plan.cavity().width_m(), 1.75e-3, 1e-12);
+  EXPECT_LT((plan.pelvis.superior - plan.axis_G).norm(), 1e-12);
+  EXPECT_TRUE(procedure::WarningsOf(plan).empty());
+  EXPECT_NO_THROW(CheckPlanInCell(config, LoadCell(kConfig / "cells" / "molar.yaml"), file, "molar"));
+}
+
+TEST(SurgicalPlanFile, WhatAnOpeningDoesNotAcceptIsNamed) {
+  std::ostringstream text;
+  text << std::ifstream(kConfig / "plans" / "molar.yaml").rdbuf();
+  const auto error = [&](const std::string& from, const std::string& to) -> std::string {
+    std::string plan = text.str();
+    plan.replace(plan.find(from), from.size(), to);
+    const std::string scene = "scene: molar";
+    plan.replace(plan.find(scene), scene.size(), "scene: " + (kConfig / "scenes" / "molar.yaml").string());
+    const fs::path file = TemporaryPath("opening.yaml");
+    std::ofstream(file) << plan;
+    std::string what;
+    try {
+      static_cast<void>(LoadSurgicalPlan(file));
+    } catch (const ConfigError& refused) {
+      what = refused.what();
+    }
+    fs::remove(file);
+    return what;
+  };
+  EXPECT_EQ(error("target: pulp", "target: pulp"), "");
+  EXPECT_NE(error("target: pulp", "target: nerve")
+                .find("found nerve, accepted a region of the scene's events: pulp"),
+            std::string::npos);
+  EXPECT_NE(error("width_mm: 3.5", "width_mm: 1.7").find("accepted the burr's diameter (1.8) and more"),
+            std::string::npos);
+  EXPECT_NE(error("axis: [0, 0, 1]", "axis: [1, 0, 0]").find("90.0° off the scene's opening"),
+            std::string::npos);
+  EXPECT_NE(error("kind: opening", "kind: cup").find("unknown key \"opening\""), std::string::npos);
+  EXPECT_NE(error("diameter_mm: 1.8", "diameter_mm: 1.4").find("accepted diameters that rise"),
+            std::string::npos);
 }
 
 }  // namespace

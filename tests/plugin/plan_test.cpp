@@ -72,8 +72,8 @@ const config::SurgicalPlanConfig& LoadedPlan() {
 }
 
 // A tool along the planned axis, tilted about the head's centre, which is `height_m` over its planned place.
-Pose AlongThePlan(const procedure::SurgicalPlan& plan, const procedure::PlannedReamer& reamer,
-                  double height_m, double tilt_rad = 0.0) {
+Pose AlongThePlan(const procedure::SurgicalPlan& plan, const procedure::PlannedTool& reamer, double height_m,
+                  double tilt_rad = 0.0) {
   Pose X_GT = Pose::Identity();
   X_GT.linear() = RotationFromZTo(plan.axis_G) * ExpRotation(Vector3(M_PI - tilt_rad, 0, 0));
   X_GT.translation() =
@@ -148,7 +148,7 @@ TEST(OsteonPlan, RefusesWithTheValueAndWhatIsAccepted) {
 // A walk in and out of the corridor, beside bone that presses: the loop's own pipeline and the interface.
 TEST(OsteonGuidance, IsTheServosOwn) {
   const procedure::SurgicalPlan& surgical = LoadedPlan().plan;
-  const procedure::PlannedReamer& reamer = surgical.reamers[1];
+  const procedure::PlannedTool& reamer = surgical.tools[1];
   control::ServoParams params = control::ServoBench::Params();
   params.wrench.max_force_N = 60.0;
   params.wrench.max_torque_Nm = 5.0;
@@ -231,7 +231,7 @@ TEST(OsteonGuidance, IsTheServosOwn) {
 
 TEST(OsteonGuidance, SwitchedOnOutsideItWaitsAndAJumpBeginsAnew) {
   const procedure::SurgicalPlan& surgical = LoadedPlan().plan;
-  const procedure::PlannedReamer& reamer = surgical.reamers[0];
+  const procedure::PlannedTool& reamer = surgical.tools[0];
   const auto plan = ShippedPlan();
   const auto guidance = MakeGuidance(plan.get(), Defaults());
   OsteonGuidanceOutput output;
@@ -265,7 +265,7 @@ TEST(OsteonGuidance, NeitherAllocatesNorLocks) {
   const auto guidance = MakeGuidance(plan.get(), Defaults());
   std::vector<OsteonPose> poses;
   for (int i = 0; i < 500; ++i)
-    poses.push_back(PoseOf(AlongThePlan(surgical, surgical.reamers[0], 2e-3 - 1e-5 * i, 5e-4 * i)));
+    poses.push_back(PoseOf(AlongThePlan(surgical, surgical.tools[0], 2e-3 - 1e-5 * i, 5e-4 * i)));
   const OsteonTwist twist{.linear_m_per_s = {0.0, 0.0, -0.01}, .angular_rad_per_s = {0.5, 0.0, 0.0}};
   const OsteonWrench other{.force_N = {0.0, 0.0, 30.0}, .torque_Nm = {}};
   OsteonGuidanceOutput output;
@@ -303,7 +303,7 @@ class OsteonAssess : public testing::Test {
     const procedure::SurgicalPlan& surgical = LoadedPlan().plan;
     const double spindle = osteon_tool_spindle_rad_per_s(tool.get());
     const auto step = [&](double height_m) {
-      const OsteonPose pose = PoseOf(AlongThePlan(surgical, surgical.reamers.back(), height_m, tilt_rad));
+      const OsteonPose pose = PoseOf(AlongThePlan(surgical, surgical.tools.back(), height_m, tilt_rad));
       ASSERT_OK(osteon_session_step(session.get(), &pose, spindle, 0.1));
     };
     for (double height_m = 25e-3; height_m > 10e-3; height_m -= 0.5e-3) step(height_m);
@@ -344,7 +344,7 @@ TEST_F(OsteonAssess, KnowsTheAxisOfTheToolThatCut) {
   ASSERT_OK(osteon_session_assess(session.get(), plan.get(), &found, nullptr, 0, nullptr));
   EXPECT_NEAR(found.axis_error_rad, 14.0 * kDegree_rad, 0.3 * kDegree_rad);
   // another tool that has not cut yet has no axis of its own
-  const OsteonPose out = PoseOf(AlongThePlan(LoadedPlan().plan, LoadedPlan().plan.reamers.back(), 0.04));
+  const OsteonPose out = PoseOf(AlongThePlan(LoadedPlan().plan, LoadedPlan().plan.tools.back(), 0.04));
   ASSERT_OK(osteon_session_change_tool(session.get(), tool.get(), &out));
   ASSERT_OK(osteon_session_assess(session.get(), plan.get(), &found, nullptr, 0, nullptr));
   EXPECT_NEAR(found.axis_error_rad, 14.0 * kDegree_rad, 0.3 * kDegree_rad);

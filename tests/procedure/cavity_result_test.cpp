@@ -79,7 +79,7 @@ TEST(CavityResult, AWhirlShowsAsALargerDiameterAndAsForm) {
 TEST(CavityResult, AHemisphereOverAFlatFaceIsCoveredBelowIt) {
   constexpr double kHuge_m = 10.0;
   SurgicalPlan plan = DemoPlan();
-  plan.cup_centre_m = Vector3::Zero();
+  plan.centre_m = Vector3::Zero();
   simulation::Bone bone;
   bone.balls = {{.center_m = Vector3(0.0, 0.0, -kHuge_m - 0.003), .radius_m = kHuge_m}};
   simulation::CarvedState state;

@@ -36,11 +36,32 @@ TEST(PlannedCavity, DistanceIsThatToTheBallBelowAndToTheCylinderAbove) {
   EXPECT_NEAR(kDemo.DistanceTo({0.0, 0.0, 0.100}), -0.025, 1e-15);
 }
 
+// A burr of 2 mm whose centre is led within 1 mm of the axis: a flat floor of 1 mm, a round edge, a wall at 2
+// mm.
+TEST(PlannedCavity, OfALedBurrHasAFlatFloorARoundEdgeAndAWall) {
+  const PlannedCavity opening{.axis = Vector3::UnitZ(), .radius_m = 1e-3, .around_m = 1e-3};
+  EXPECT_DOUBLE_EQ(opening.width_m(), 2e-3);
+  for (const double x_m : {0.0, 0.5e-3, 1e-3})
+    EXPECT_NEAR(opening.DistanceTo({x_m, 0.0, -1.3e-3}), 0.3e-3, 1e-15);
+  EXPECT_NEAR(opening.DistanceTo({0.0, 2.5e-3, 7e-3}), 0.5e-3, 1e-15);
+  const double diagonal_m = 1e-3 + 1.5e-3 / std::sqrt(2.0);
+  EXPECT_NEAR(opening.DistanceTo({diagonal_m, 0.0, -1.5e-3 / std::sqrt(2.0)}), 0.5e-3, 1e-15);
+  EXPECT_LT(opening.DistanceTo({0.0, 0.0, 0.0}), 0.0);
+  // its volume under the face of a block: cylinder, and the rounded floor of a disc (Pappus)
+  const simulation::AcetabulumSolid block({});
+  PlannedCavity below = opening;
+  below.centre_m = {34e-3, 0.0, -3e-3};  // beside the cup
+  const double floor_mm3 =
+      kPi * 1.0 * 1.0 + kPi * kPi / 2.0 + 2.0 / 3.0 * kPi;  // disc, quarter torus, ball's part
+  const double expected_mm3 = kPi * 4.0 * 3.0 + floor_mm3;
+  EXPECT_NEAR(1e9 * BoneInCavity(block, below, 0.05e-3), expected_mm3, 0.005 * expected_mm3);
+}
+
 SurgicalPlan Plan() {
   SurgicalPlan plan;
   plan.cup_diameter_m = 0.052;
-  plan.cup_centre_m = {0.0, 0.0, -0.002};
-  plan.reamers = {{0.044, -0.0015}, {0.050, 0.0}};
+  plan.centre_m = {0.0, 0.0, -0.002};
+  plan.tools = {{0.044, -0.0015}, {0.050, 0.0}};
   return plan;
 }
 
@@ -49,20 +70,20 @@ TEST(SurgicalPlan, AUsualPlanHasNoWarning) { EXPECT_TRUE(WarningsOf(Plan()).empt
 TEST(SurgicalPlan, WarnsOfAnImplantThatIsTooTightOrTooLoose) {
   for (const double last_m : {0.0515, 0.0485}) {
     SurgicalPlan plan = Plan();
-    plan.reamers.back().diameter_m = last_m;
+    plan.tools.back().diameter_m = last_m;
     ASSERT_EQ(WarningsOf(plan).size(), 1u) << last_m;
     EXPECT_NE(WarningsOf(plan)[0].find("implant"), std::string::npos);
   }
   for (const double last_m : {0.051, 0.049}) {
     SurgicalPlan plan = Plan();
-    plan.reamers.back().diameter_m = last_m;
+    plan.tools.back().diameter_m = last_m;
     EXPECT_TRUE(WarningsOf(plan).empty()) << last_m << ": the bounds themselves are usual";
   }
 }
 
 TEST(SurgicalPlan, WarnsOfAReamerThatLeavesThePlannedCavity) {
   SurgicalPlan plan = Plan();
-  plan.reamers.front().height_m = -0.004;  // its apex 1 mm below the last one's
+  plan.tools.front().height_m = -0.004;  // its apex 1 mm below the last one's
   ASSERT_EQ(WarningsOf(plan).size(), 1u);
   EXPECT_NE(WarningsOf(plan)[0].find("1 mm deeper"), std::string::npos) << WarningsOf(plan)[0];
 }

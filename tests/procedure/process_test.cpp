@@ -50,7 +50,7 @@ TEST(ProcessFigures, AForceAt20DegreesGoesTheWrongWayByItsSine) {
   for (int i = 0; i <= 1000; ++i) {
     ProcessSample sample = Cutting(i * kPeriod_s);
     sample.F_hand_N = 50.0 * Vector3(std::sin(20.0 * kPi / 180.0), 0.0, -std::cos(20.0 * kPi / 180.0));
-    sums.Add(sample, plan.reamers.back());
+    sums.Add(sample, plan.tools.back());
   }
   const ProcessFigures figures = sums.Figures();
   EXPECT_NEAR(figures.wrong_way, 0.342, 5e-4);
@@ -67,8 +67,8 @@ TEST(ProcessFigures, AWayRoundACircleIsItsCircumference) {
   for (int i = 0; i <= 2000; ++i) {
     ProcessSample sample = Cutting(i * kPeriod_s);
     const double angle = 2.0 * kPi * i / 2000;
-    sample.head_m = plan.cup_centre_m + kRadius_m * Vector3(std::cos(angle), std::sin(angle), 0.0);
-    sums.Add(sample, plan.reamers.back());
+    sample.head_m = plan.centre_m + kRadius_m * Vector3(std::cos(angle), std::sin(angle), 0.0);
+    sums.Add(sample, plan.tools.back());
   }
   EXPECT_NEAR(sums.Figures().path_m, 2.0 * kPi * kRadius_m, 1e-6);
 }
@@ -79,14 +79,14 @@ TEST(ProcessFigures, AWayFarFromTheCupDoesNotCount) {
   for (int i = 0; i <= 100; ++i) {
     ProcessSample sample = Cutting(i * kPeriod_s);
     sample.head_m.z() = 0.04 + 1e-3 * i;
-    sums.Add(sample, plan.reamers.back());
+    sums.Add(sample, plan.tools.back());
   }
   EXPECT_EQ(sums.Figures().path_m, 0.0);
 }
 
 TEST(ProcessFigures, OutsideOfTheCorridorIsTiltOrAsideOrTooDeep) {
   const SurgicalPlan plan = DemoPlan();
-  const PlannedReamer& last = plan.reamers.back();
+  const PlannedTool& last = plan.tools.back();
   const Vector3 centre_m = plan.CentreOf(last);
   const auto tilted = [](double deg) {
     return Vector3(std::sin(deg * kPi / 180.0), 0.0, -std::cos(deg * kPi / 180.0));
@@ -127,7 +127,7 @@ TEST(ProcessFigures, TheGuidanceHasTakenWhatItsEnergyFell) {
   const auto add = [&](std::optional<double> E_J) {
     ProcessSample sample = Cutting(t_s += kPeriod_s);
     sample.guidance_E_J = E_J;
-    sums.Add(sample, plan.reamers.back());
+    sums.Add(sample, plan.tools.back());
   };
   for (const double E_J : {0.0, -0.1, -0.3, -0.2, -0.1}) add(E_J);
   add(std::nullopt);  // it does not render for a while, and begins anew

@@ -27,9 +27,9 @@ inline SurgicalPlan DemoPlan() {
   plan.pelvis = {.lateral = {0.682977826173, 0.384763454244, 0.620885153015},
                  .anterior = {0.284702682836, -0.923015213460, 0.258819045103},
                  .superior = {0.672670551862, 0.0, -0.739942111694}};
-  plan.cup_centre_m = {0.0, 0.0, -0.002};
+  plan.centre_m = {0.0, 0.0, -0.002};
   plan.cup_diameter_m = 0.052;
-  plan.reamers = {{0.044, -0.0015}, {0.046, -0.001}, {0.048, -0.0005}, {0.050, 0.0}};
+  plan.tools = {{0.044, -0.0015}, {0.046, -0.001}, {0.048, -0.0005}, {0.050, 0.0}};
   plan.guidance.cone.free_rad = 8.0 * M_PI / 180.0;
   plan.guidance.lateral = {.free_m = 1e-3, .stop_m = 3e-3, .widening_rad = 10.0 * M_PI / 180.0};
   return plan;

@@ -82,7 +82,7 @@ double ScoreOfReaming(double tilt_rad, const Vector3& off_m, double whirl_m) {
   SurgicalPlan plan = DemoPlan();
   const Vector3 feed = Eigen::AngleAxisd(tilt_rad, plan.pelvis.lateral.cross(plan.axis_G).normalized()) *
                        Vector3(-plan.axis_G);
-  const simulation::CarvedState state = Ream(bone, 0.025, Whirl(plan.cup_centre_m + off_m, whirl_m), feed);
+  const simulation::CarvedState state = Ream(bone, 0.025, Whirl(plan.centre_m + off_m, whirl_m), feed);
   Assessment assessment;
   assessment.cavity = AssessCavity(plan, bone, state);
   ReamedAxis axis;

@@ -193,7 +193,8 @@ export interface PlanNote {
   axis: Vector; // unit, out of the opening
   cup_centre_m: Vector;
   cup_radius_m: number;
-  reamers: { diameter_mm: number; centre_m: Vector; balls: number[][] }[];
+  kind: "cup" | "opening"; // of an opening, `cup_radius_m` is half its width
+  reamers: { diameter_mm: number; centre_m: Vector; around_m: number; balls: number[][] }[]; // around: led in circles
   confirms: boolean; // a change of tool has to be confirmed by a person
   corridor: { cone_rad: number; lateral_m: number; widening_rad: number } | null;
 }

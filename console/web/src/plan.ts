@@ -1,4 +1,4 @@
-// The surgical plan in the 3-D view: the planned cup, its axis, and the corridor of the reamer in use: a tube for the
+// The surgical plan in the 3-D view: the planned cup or opening, its axis, and the corridor of the tool in use: a tube for the
 // centre of its head, a cone for its tilt.
 
 import {
@@ -10,7 +10,8 @@ import type { PlanNote, ProcedureNote } from "./messages";
 import { vectorOf } from "./poses";
 
 const CUP = 0x7fd6ff, INSIDE = 0x4ec27a, OUTSIDE = 0xe8b23a;
-const TUBE_M = 0.03, CONE_M = 0.06; // shown lengths above the planned centre
+// Shown lengths above the planned centre: of the tube, and of the cone.
+const SHOWN_M = { cup: [0.03, 0.06], opening: [0.008, 0.012] };
 const SIDES = 48;
 
 function lines(geometry: BufferGeometry, color: number, opacity: number): LineSegments {
@@ -19,12 +20,13 @@ function lines(geometry: BufferGeometry, color: number, opacity: number): LineSe
 const skin = (geometry: BufferGeometry): Mesh =>
   new Mesh(geometry, new MeshBasicMaterial({ color: INSIDE, transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false }));
 
-/** In its own frame: +z along the cup's axis, out of the opening. */
+/** In its own frame: +z along the plan's axis, out of the cup or the opening. */
 export class PlanView {
   readonly group = new Group();
   private readonly corridor = new Group(); // at the planned centre of the reamer in use
   private readonly tube: Mesh | null = null;
   private readonly cone: Mesh | null = null;
+  private readonly tubeOf: (around_m: number) => BufferGeometry = () => new BufferGeometry();
   private tool = -1;
 
   constructor(private readonly plan: PlanNote) {
@@ -33,7 +35,12 @@ export class PlanView {
     cup.quaternion.copy(turn);
     cup.position.copy(vectorOf(plan.cup_centre_m));
     const r = plan.cup_radius_m;
-    const shell = new SphereGeometry(r, 24, 6, 0, 2 * Math.PI, Math.PI / 2, Math.PI / 2).rotateX(Math.PI / 2); // its lower half
+    const [tube_m, cone_m] = SHOWN_M[plan.kind];
+    const floor = plan.kind === "cup" ? 0 : -0.5e-3 * plan.reamers[plan.reamers.length - 1].diameter_mm;
+    const shell =
+      plan.kind === "cup"
+        ? new SphereGeometry(r, 24, 6, 0, 2 * Math.PI, Math.PI / 2, Math.PI / 2).rotateX(Math.PI / 2) // its lower half
+        : new CylinderGeometry(r, r, tube_m, 24, 1, true).rotateX(Math.PI / 2).translate(0, 0, floor + tube_m / 2);
     cup.add(lines(new EdgesGeometry(shell, 1), CUP, 0.45));
     const axis = new BufferGeometry().setFromPoints([new Vector3(0, 0, -1.3 * r), new Vector3(0, 0, 3 * r)]);
     cup.add(new Line(axis, new LineBasicMaterial({ color: CUP, depthTest: false })));
@@ -41,19 +48,33 @@ export class PlanView {
     this.group.add(cup, this.corridor);
     if (!plan.corridor) return;
     const { cone_rad, lateral_m, widening_rad } = plan.corridor;
-    const wide = lateral_m + TUBE_M * Math.tan(widening_rad);
-    this.tube = skin(new CylinderGeometry(wide, lateral_m, TUBE_M, SIDES, 1, true).rotateX(Math.PI / 2).translate(0, 0, TUBE_M / 2));
-    this.cone = skin(new ConeGeometry(CONE_M * Math.tan(cone_rad), CONE_M, SIDES, 1, true).rotateX(-Math.PI / 2).translate(0, 0, CONE_M / 2));
+    this.tubeOf = (around_m: number): BufferGeometry => {
+      const narrow = around_m + lateral_m, wide = narrow + tube_m * Math.tan(widening_rad);
+      return new CylinderGeometry(wide, narrow, tube_m, SIDES, 1, true).rotateX(Math.PI / 2).translate(0, 0, tube_m / 2);
+    };
+    this.tube = skin(this.tubeOf(plan.reamers[0].around_m));
+    this.cone = skin(new ConeGeometry(cone_m * Math.tan(cone_rad), cone_m, SIDES, 1, true).rotateX(-Math.PI / 2).translate(0, 0, cone_m / 2));
     for (const part of [this.tube, this.cone]) this.corridor.add(part, this.edge(part));
   }
 
   show(note: ProcedureNote): void {
     if (note.tool !== this.tool) {
       this.tool = note.tool;
-      this.corridor.position.copy(vectorOf(this.plan.reamers[note.tool].centre_m));
+      const { centre_m, around_m } = this.plan.reamers[note.tool];
+      this.corridor.position.copy(vectorOf(centre_m));
+      if (this.tube) this.widen(this.tube, around_m);
     }
     this.paint(this.tube, note.beyond.aside || note.beyond.depth);
     this.paint(this.cone, note.beyond.tilt);
+  }
+
+  /** A tool that is led around has a wider corridor. */
+  private widen(tube: Mesh, around_m: number): void {
+    const edge = tube.userData.edge as LineSegments;
+    tube.geometry.dispose();
+    edge.geometry.dispose();
+    tube.geometry = this.tubeOf(around_m);
+    edge.geometry = new EdgesGeometry(tube.geometry, 20);
   }
 
   private edge(part: Mesh): LineSegments {

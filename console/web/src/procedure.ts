@@ -1,8 +1,10 @@
-// The card of the procedure: its reamers, where the tool is along the plan, what of the result is known so far, and the
+// The card of the procedure: its tools, where the tool is along the plan, what of the result is known so far, and the
 // requests of `osteon tell` as buttons.
 
 import type { PlanNote, ProcedureAsk, ProcedureNote } from "./messages";
 import { figure, t, type Word } from "./texts";
+
+const sizeOf = ({ diameter_mm: mm }: { diameter_mm: number }): string => `${figure(mm, Math.abs(mm - Math.round(mm)) < 1e-6 ? 0 : 1)} mm`;
 
 type AskProcedure = (ask: ProcedureAsk, value?: number, confirmed?: true) => void;
 
@@ -43,7 +45,7 @@ export class ProcedureCard {
     const steps = Object.assign(document.createElement("div"), { className: "bar", id: "steps" });
     steps.append(
       ...this.plan.reamers.map((reamer, i) => {
-        const step = this.button(`step-${i}`, `${figure(reamer.diameter_mm, 0)} mm`, () => this.change("tool", i));
+        const step = this.button(`step-${i}`, sizeOf(reamer), () => this.change("tool", i));
         step.setAttribute("aria-pressed", "false");
         return step;
       }),
@@ -55,8 +57,8 @@ export class ProcedureCard {
       this.button("next-tool", t("nextTool"), () => this.change("next_tool"), "N"),
       this.button("undo-pass", t("undoPass"), () => this.ask("undo_pass"), "U"),
       this.button("save-pass", t("save"), () => this.ask("save"), "S"),
-      this.button("keep-cup", t("keepCup"), () => this.ask("cup")),
     );
+    if (this.plan.kind === "cup") buttons.append(this.button("keep-cup", t("keepCup"), () => this.ask("cup")));
     this.card.replaceChildren(heading, steps, table, buttons);
     if (this.plan.corridor) this.card.append(this.guidance());
     this.enable(this.enabled);
@@ -82,7 +84,7 @@ export class ProcedureCard {
     if (!this.plan || !this.note) return;
     const reamer = this.plan.reamers[index ?? this.note.tool + 1];
     const mm = reamer?.diameter_mm;
-    const confirmed = this.plan.confirms && mm !== undefined && confirm(t("confirmTool").replace("{}", figure(mm, 0)));
+    const confirmed = this.plan.confirms && mm !== undefined && confirm(t("confirmTool").replace("{}", sizeOf(reamer)));
     if (this.plan.confirms && !confirmed) return;
     this.ask(ask, index === undefined ? undefined : mm, confirmed ? true : undefined);
   }
@@ -121,7 +123,7 @@ export class ProcedureCard {
       }),
     );
     const line = [
-      `${figure(plan.reamers[note.tool].diameter_mm, 0)} mm`,
+      sizeOf(plan.reamers[note.tool]),
       `${t("toGo")} ${figure(note.to_go_mm, 1)} mm${mark(note.beyond.depth)}`,
       `${t("tilt")} ${figure(note.tilt_deg, 1)}°${mark(note.beyond.tilt)}`,
       `${t("aside")} ${figure(note.aside_mm, 1)} mm${mark(note.beyond.aside)}`,

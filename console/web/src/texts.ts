@@ -202,7 +202,7 @@ const words = {
   undone: ["undone", "zurückgenommen"],
   cup: ["Cup", "Pfanne"],
   kept: ["kept", "gemerkt"],
-  confirmTool: ["Is the tool of {} mm mounted?", "Ist das Werkzeug mit {} mm montiert?"],
+  confirmTool: ["Is the tool of {} mounted?", "Ist das Werkzeug mit {} montiert?"],
   hint: ["turn: drag, move: right button, zoom: wheel", "drehen: ziehen, verschieben: rechte Taste, Zoom: Rad"],
 } satisfies Record<string, [string, string]>;
 

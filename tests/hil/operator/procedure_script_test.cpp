@@ -54,6 +54,27 @@ TEST(ProcedureScript, ANoviceIsTiltedAndAsideAllTheTime) {
   EXPECT_NEAR(down.aside_m, std::hypot(0.004, below_m * std::sin(params.tilt_rad)), 1e-4);
 }
 
+TEST(ProcedureScript, ABurrIsWidenedAtTheRimAndLedAroundOnItsWayDown) {
+  ProcedureScriptParams params = TwoReamers();
+  params.head_radius_m = 0.0009;
+  params.approach_m = 0.004;
+  params.around_m = {0.0, 0.00085};
+  const HandScript script = MakeProcedureScript(params);
+  double widest_m = 0.0;
+  for (double t = 0.0; t < 15.0; t += 0.01)
+    widest_m = std::max(widest_m, PlaceAt(script, t, params.head_radius_m).aside_m);
+  EXPECT_LT(widest_m, 1e-12) << "the first one goes straight";
+  const double rim_m = params.heights_m[1] + params.approach_m;
+  for (double t = 15.0; t < 29.9; t += 0.01) {
+    const Place place = PlaceAt(script, t, params.head_radius_m);
+    if (place.height_m < rim_m - 1e-6 && t < 15.0 + 15.0 * 0.62) {
+      EXPECT_NEAR(place.aside_m, 0.00085, 1e-9) << "below the rim at full width, t = " << t;
+    }
+  }
+  params.around_m = {0.0};
+  EXPECT_THROW((void)MakeProcedureScript(params), std::invalid_argument) << "one for each tool";
+}
+
 TEST(ProcedureScript, NamesWhatItDoesNotAccept) {
   ProcedureScriptParams params = TwoReamers();
   params.heights_m.clear();

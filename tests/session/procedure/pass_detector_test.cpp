@@ -75,7 +75,7 @@ TEST(PassDetector, AnotherStateOfTheBoneIsNoCut) {
 }
 
 TEST(ScriptedChanges, PressesEachButtonOnceAndOnlyForARetractedTool) {
-  ScriptedChanges script;
+  ScriptedChanges script({});
   rt::Nanoseconds stamp = rt::kSecond;
   using Action = ScriptedChanges::Action;
   int pressed = 0;

@@ -25,7 +25,7 @@ Pose SomePlace() {
 TEST(PlanGuidance, IsThePlansInTheWorld) {
   const procedure::SurgicalPlan plan = Shipped();
   const Pose X_WG = SomePlace();
-  for (const procedure::PlannedReamer& reamer : plan.reamers) {
+  for (const procedure::PlannedTool& reamer : plan.tools) {
     const auto guidance = GuidanceOf(plan, reamer, X_WG);
     ASSERT_TRUE(guidance);
     EXPECT_LT((guidance->axis_W - X_WG.linear() * plan.axis_G).norm(), 1e-15);
@@ -41,7 +41,7 @@ TEST(PlanGuidance, IsThePlansInTheWorld) {
 
 TEST(PlanGuidance, ShippedGainsAreTheDefaults) {
   const procedure::SurgicalPlan plan = Shipped();
-  const auto guidance = GuidanceOf(plan, plan.reamers.front(), Pose::Identity());
+  const auto guidance = GuidanceOf(plan, plan.tools.front(), Pose::Identity());
   const control::GuidanceParams defaults;
   EXPECT_DOUBLE_EQ(guidance->cone.stiffness, defaults.cone.stiffness);
   EXPECT_DOUBLE_EQ(guidance->cone.ease, defaults.cone.ease);
@@ -57,15 +57,15 @@ TEST(PlanGuidance, ShippedGainsAreTheDefaults) {
 TEST(PlanGuidance, APlanWithoutGuidanceGivesNone) {
   procedure::SurgicalPlan plan = Shipped();
   plan.guidance = {};
-  EXPECT_FALSE(GuidanceOf(plan, plan.reamers.front(), Pose::Identity()));
+  EXPECT_FALSE(GuidanceOf(plan, plan.tools.front(), Pose::Identity()));
 }
 
 TEST(PlanGuidance, FindsTheReamerThatAToolIs) {
   const procedure::SurgicalPlan plan = Shipped();
   simulation::Tool tool;
-  tool.balls.push_back({.radius_m = 0.5 * plan.reamers[2].diameter_m, .cutting = true});
+  tool.balls.push_back({.radius_m = 0.5 * plan.tools[2].diameter_m, .cutting = true});
   const auto guidance = GuidanceOf(plan, tool, Pose::Identity());
-  EXPECT_LT((guidance->centre_W - plan.CentreOf(plan.reamers[2])).norm(), 1e-15);
+  EXPECT_LT((guidance->centre_W - plan.CentreOf(plan.tools[2])).norm(), 1e-15);
   tool.balls.front().radius_m = 0.0135;
   EXPECT_THROW(static_cast<void>(GuidanceOf(plan, tool, Pose::Identity())), std::invalid_argument);
 }
@@ -73,13 +73,13 @@ TEST(PlanGuidance, FindsTheReamerThatAToolIs) {
 TEST(PlanGuidance, GainsBeyondTheAcceptedAreRefused) {
   procedure::SurgicalPlan plan = Shipped();
   plan.guidance.lateral.stiffness_N_per_m = 6e3;
-  EXPECT_THROW(static_cast<void>(GuidanceOf(plan, plan.reamers.front(), Pose::Identity())),
+  EXPECT_THROW(static_cast<void>(GuidanceOf(plan, plan.tools.front(), Pose::Identity())),
                std::invalid_argument);
 }
 
 TEST(PlanGuidance, ComesBackFromJsonBitForBit) {
   const procedure::SurgicalPlan plan = Shipped();
-  const control::GuidanceParams sent = *GuidanceOf(plan, plan.reamers[1], SomePlace());
+  const control::GuidanceParams sent = *GuidanceOf(plan, plan.tools[1], SomePlace());
   const nlohmann::json json = ToJson(sent);
   const control::GuidanceParams got = GuidanceFromJson(nlohmann::json::parse(json.dump()));
   EXPECT_EQ(got.axis_W, sent.axis_W);

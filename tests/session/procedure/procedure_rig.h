@@ -61,12 +61,12 @@ struct Rig {
     procedure::SurgicalPlan plan;
     plan.name = "two";
     for (const double height_mm : {-1.0, -2.0})
-      plan.reamers.push_back(
-          {.diameter_m = 1e-3 * list.diameters_mm[plan.reamers.size()], .height_m = 1e-3 * height_mm});
+      plan.tools.push_back(
+          {.diameter_m = 1e-3 * list.diameters_mm[plan.tools.size()], .height_m = 1e-3 * height_mm});
     if (choice.guided) {
       plan.guidance =
           config::LoadSurgicalPlan(OSTEON_SOURCE_DIR "/config/plans/acetabulum.yaml").plan.guidance;
-      for (const procedure::PlannedReamer& reamer : plan.reamers)
+      for (const procedure::PlannedTool& reamer : plan.tools)
         list.guidance.push_back(*GuidanceOf(plan, reamer, setup->X_WG));
     }
     auto tools = LoadProcedureTools(setup->config, kCell, kTool, {}, list);
@@ -75,8 +75,8 @@ struct Rig {
     hil::ProcedureScriptParams script{.X_WC = setup->X_WG, .head_radius_m = 0.5e-3 * first_mm};
     script.tool_yaw_rad = setup->config.start.tool_yaw_rad;
     script.start_height_m = setup->config.start.height_m;
-    for (std::size_t i = static_cast<std::size_t>(list.first); i < plan.reamers.size(); ++i)
-      script.heights_m.push_back(plan.reamers[i].height_m);
+    for (std::size_t i = static_cast<std::size_t>(list.first); i < plan.tools.size(); ++i)
+      script.heights_m.push_back(plan.tools[i].height_m);
     setup->config.script = script;
     engine = std::move(*MakeEngine(*setup, {}));
     recording = resumed ? "run_2.mcap" : "run_1.mcap";

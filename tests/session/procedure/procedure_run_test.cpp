@@ -112,13 +112,13 @@ TEST_F(ProcedureRun, ThePanelTellsWhereTheSessionStands) {
 
 TEST(PlanPlace, IsTheGuidancesOwn) {
   procedure::SurgicalPlan plan;
-  plan.reamers = {{.diameter_m = 0.044, .height_m = 3e-3}};
+  plan.tools = {{.diameter_m = 0.044, .height_m = 3e-3}};
   plan.guidance.lateral = {.free_m = 1e-3, .stop_m = 3e-3, .widening_rad = 0.1, .ease_m = 0.5e-3};
   plan.guidance.cone.free_rad = 0.14;
   Pose X_GT = Pose::Identity();
   X_GT.linear() = ExpRotation(Vector3(3.141592653589793 - 0.2, 0, 0));
   X_GT.translation() = Vector3(0.5e-3, 0.0, 3e-3 + 4e-3) + 0.022 * X_GT.linear().col(2);
-  const PlanPlace place = PlaceAlongPlan(plan, plan.reamers[0], X_GT);
+  const PlanPlace place = PlaceAlongPlan(plan, plan.tools[0], X_GT);
   EXPECT_NEAR(place.to_go_m, 4e-3, 1e-12);
   EXPECT_NEAR(place.aside_m, 0.5e-3, 1e-12);
   EXPECT_NEAR(place.tilt_rad, 0.2, 1e-12);

@@ -74,7 +74,8 @@ class AskedRun {
         asked_(std::move(asked)),
         speed_limit_m_per_s_(rig_.setup->config.servo.twist.max_speed_m_per_s) {
     // at the end of each case, so that every one reaches it
-    for (const auto& [after_ticks, text] : {std::pair(150, "pause"), {600, "undo"}, {50, "resume"}})
+    for (const auto& [after_ticks, text] :
+         {std::pair(150, "pause"), {600, "save"}, {50, "resume"}, {500, "guidance 1"}, {1000, "status"}})
       asked_.push_back({after_ticks, text});
     rig_.params.requests = &buttons_;
     rig_.params.stop = &stop_;
@@ -95,7 +96,7 @@ class AskedRun {
     return wrong_;
   }
 
-  static inline int changes = 0, passes = 0, refused = 0;  // of all cases
+  static inline int changes = 0, passes = 0, undone = 0, refused = 0;  // of all cases
 
  private:
   void Complain(const std::string& what) {
@@ -125,10 +126,19 @@ class AskedRun {
     if (next_ >= asked_.size() || ++waited_ < asked_[next_].after_ticks) return;
     waited_ = 0;
     Send(asked_[next_++].text);
-    for (const SessionPass& pass : rig_.session->File().passes) {
+    const std::vector<SessionPass> all = rig_.session->File().passes;
+    for (const SessionPass& pass : all) {
       const auto [known, is_new] = saved_.try_emplace(pass.state, pass.state_hash);
       if (!is_new && known->second != pass.state_hash) Complain(pass.state + " was replaced");
     }
+    if (!all.empty() && !std::exchange(undo_is_asked_, true)) AskUndo();
+  }
+
+  // A pass ends once the tool has been clear of bone: here an undo is not refused, unless what follows is
+  // random.
+  void AskUndo() {
+    const std::vector<Asked> undo{{0, "pause"}, {400, "undo"}, {50, "resume"}};
+    asked_.insert(asked_.begin() + static_cast<std::ptrdiff_t>(next_), undo.begin(), undo.end());
   }
 
   void Send(const std::string& text) {
@@ -159,6 +169,7 @@ class AskedRun {
     for (const SessionPass& pass : session->passes) {
       saved_[pass.state] = pass.state_hash;
       ++passes;
+      if (pass.undone) ++undone;
     }
     for (const auto& [name, hash] : saved_) {
       const auto state = simulation::ReadCarvedState(rig_.folder / name, rig_.setup->bone);
@@ -185,7 +196,7 @@ class AskedRun {
   std::map<std::string, std::string> saved_;  // hash by file
   control::JointArray held_{};
   std::uint8_t tool_{0};
-  bool was_paused_{false};
+  bool was_paused_{false}, undo_is_asked_{false};
   int ticks_{0}, waited_{0};
   std::size_t next_{0};
 };
@@ -199,6 +210,7 @@ TEST(ProcedureRequests, NoSequenceOfThemMovesThePausedArmPassesALimitOrLosesASta
   });
   EXPECT_GT(AskedRun::changes, 1) << "the cases must reach what they are about";
   EXPECT_GT(AskedRun::passes, 3);
+  EXPECT_GT(AskedRun::undone, 0);
   EXPECT_GT(AskedRun::refused, 5);
 }
 

@@ -1,0 +1,91 @@
+#include "procedure/assessment/opening_result.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "procedure/assessment/cavity_result.h"
+
+namespace osteon::procedure {
+namespace {
+
+// Edge of the columns along the axis by which the roof is judged. Mass points stand 0.2 mm apart there.
+constexpr double kColumn_m = 0.25e-3;
+// Columns at the rim are not judged: mass points cannot tell an opening that is 0.1 mm narrow from one that
+// is right.
+constexpr double kRim_m = 0.2e-3;
+
+// Sum of volumes and of their places.
+class Centroid {
+ public:
+  void Add(const Vector3& p_m, double volume_m3) {
+    sum_ += volume_m3 * p_m;
+    volume_m3_ += volume_m3;
+  }
+  [[nodiscard]] std::optional<Vector3> value() const {
+    return volume_m3_ > 0.0 ? std::optional<Vector3>(sum_ / volume_m3_) : std::nullopt;
+  }
+
+ private:
+  Vector3 sum_{Vector3::Zero()};
+  double volume_m3_{0.0};
+};
+
+// Within the planned opening: does the column meet the target, was there hard tissue, and is some left?
+struct Column {
+  bool has_target{false}, had_hard{false}, has_hard_left{false};
+  [[nodiscard]] bool is_roof() const { return has_target && had_hard; }
+};
+
+// Height of the lowest place that a tool reached, along the axis from `from_m`. A cut ball touches what the
+// tool swept, so that its top is nowhere below the floor; under the lowest place one touches it with its top.
+std::optional<double> FloorHeight(const simulation::Bone& uncut, const simulation::CarvedState& state,
+                                  const Vector3& from_m, const Vector3& axis) {
+  std::optional<double> floor_m;
+  for (const simulation::Ball& ball : CutBalls(uncut, state)) {
+    const double top_m = (Vector3(ball.center_m) - from_m).dot(axis) + ball.radius_m;
+    floor_m = std::min(floor_m.value_or(top_m), top_m);
+  }
+  return floor_m;
+}
+
+}  // namespace
+
+OpeningResult AssessOpening(const SurgicalPlan& plan, const simulation::Bone& uncut,
+                            const simulation::CarvedState& state) {
+  const PlannedCavity cavity = plan.cavity();
+  const Matrix3 R_GC = RotationFromZTo(plan.axis_G);
+  Centroid removed, planned;
+  std::map<std::pair<int, int>, Column> columns;
+  for (std::size_t i = 0; i < uncut.points.size() && i < state.cleared.size(); ++i) {
+    const simulation::MassPoint& point = uncut.points[i];
+    const Vector3 p_m = point.p_m, p_C = R_GC.transpose() * (p_m - cavity.centre_m);
+    const bool left = state.cleared[i] == 0, inside = cavity.DistanceTo(p_m) < 0.0;
+    const bool is_target =
+        point.material < uncut.materials.size() && uncut.materials[point.material].name == plan.target;
+    if (!is_target && inside) planned.Add(p_C, point.volume_m3);
+    if (!is_target && !left) removed.Add(p_C, point.volume_m3);
+    if (!inside || p_C.head<2>().norm() > cavity.width_m() - kRim_m) continue;
+    Column& column = columns[{static_cast<int>(std::floor(p_C.x() / kColumn_m)),
+                              static_cast<int>(std::floor(p_C.y() / kColumn_m))}];
+    column.has_target |= is_target;
+    column.had_hard |= !is_target;
+    column.has_hard_left |= !is_target && left;
+  }
+
+  OpeningResult result;
+  if (const auto found = removed.value(), wanted = planned.value(); found && wanted)
+    result.shift_m = (*found - *wanted).head<2>().norm();
+  if (const auto floor_m = FloorHeight(uncut, state, cavity.centre_m, plan.axis_G))
+    result.depth_error_m = -cavity.radius_m - *floor_m;
+  int roof = 0, open = 0;
+  for (const auto& [place, column] : columns) {
+    roof += column.is_roof() ? 1 : 0;
+    open += column.is_roof() && !column.has_hard_left ? 1 : 0;
+  }
+  if (roof > 0) result.unroofed = static_cast<double>(open) / roof;
+  return result;
+}
+
+}  // namespace osteon::procedure

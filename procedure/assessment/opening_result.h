@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+
+#include "procedure/plan/surgical_plan.h"
+#include "simulation/bone/bone.h"
+#include "simulation/engine/cutting_engine.h"
+
+namespace osteon::procedure {
+
+/// What a session left of an opening, beside the plan. From the final carved state: balls for depth, mass
+/// points for the rest.
+struct OpeningResult {
+  /// Distance across the axis between the centroid of the hard tissue that was removed and that of the plan
+  /// [m]; nothing: none was removed.
+  std::optional<double> shift_m;
+  /// How much deeper than planned the floor is [m]; negative: not deep enough. Nothing: no ball was cut.
+  std::optional<double> depth_error_m;
+  /// Share of the target's roof, seen along the axis within the planned opening less 0.2 mm at its rim, over
+  /// which no hard tissue is left within the plan; nothing: the planned opening does not meet the target.
+  std::optional<double> unroofed;
+};
+
+/// @param plan  for an opening
+/// @param uncut  the bone before the session  @param state  of it, with its mass points in the same order
+[[nodiscard]] OpeningResult AssessOpening(const SurgicalPlan& plan, const simulation::Bone& uncut,
+                                          const simulation::CarvedState& state);
+
+}  // namespace osteon::procedure
