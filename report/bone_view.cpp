@@ -205,8 +205,8 @@ std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bo
   if (compares)
     caption +=
         carved.planned
-            ? " Deviation: distance of the cut faces from the planned cavity, which is the last reamer's "
-              "ball at its planned place and its way in along the cup's axis. Grey: not cut."
+            ? " Deviation: distance of the cut faces from the planned cavity, which is what the last "
+              "tool clears at its planned place and on its way in along the plan's axis. Grey: not cut."
             : " Deviation: distance of the cut faces from the tool's ideal cavity, which is what the tool "
               "leaves if it is drawn straight out along the site's axis from its deepest pose. There is "
               "no plan to compare with.";

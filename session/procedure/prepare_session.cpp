@@ -164,6 +164,7 @@ tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice
       return tl::make_unexpected(std::move(wrong));
     made.file.cell = cell_yaml.stem().string();
     made.file.cell_file = cell_yaml.string();
+    made.file.plan_name = made.plan.plan.name;
     made.file.plan_checksum = plan_checksum;
     made.file.tool = cell.tool_file.stem().string();
     made.file.diameters_mm = made.tools.diameters_mm;

@@ -63,6 +63,7 @@ struct SessionFile {
   std::string cell;       ///< name of the cell's file, without its ending
   std::string cell_file;  ///< as it was given
   std::string plan_file{"plan.yaml"};
+  std::string plan_name;                     ///< of the file that was copied; empty in sessions of before
   std::string plan_checksum, cell_checksum;  ///< FNV-1a of 64 bits, 16 hexadecimal digits
   std::string bone_checksum;                 ///< HashState of the uncut bone
   std::string scene;

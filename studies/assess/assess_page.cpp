@@ -105,6 +105,7 @@ std::string ItemsTable(const AssessResult& result) {
     });
     const bool has_norm = scored != result.score.items.end();
     const auto norm = result.norms.find(metric.name);
+    if (value == result.values.end() && !has_norm) continue;  // of the other kind of plan
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
         report::Escape(metric.text),
@@ -240,11 +241,13 @@ std::string CarvedBone(const AssessedSession& session) {
 }
 
 tl::expected<std::string, std::string> Pictures(const AssessedSession& session) {
+  const std::string& target = session.plan.plan.target;
   std::string html =
       "<h2>The cavity</h2>\n" + CarvedBone(session) +
       "<p>Line: the plan. Sand: bone left. Pale: removed as planned. Orange: removed beyond the plan. Blue: "
-      "left "
-      "within it.</p>\n<div "
+      "left within it." +
+      (target.empty() ? "" : " Pink: " + report::Escape(target) + ".") +
+      "</p>\n<div "
       "style=\"display:grid;grid-template-columns:repeat(auto-fit,minmax(260px,1fr));gap:16px\">\n";
   for (const CavityPicture& shown : CavityPictures(session)) {
     const auto picture = report::Picture(shown.image, shown.caption);

@@ -15,7 +15,7 @@ namespace {
 using Color = std::array<std::uint8_t, 3>;
 
 constexpr Color kAir{255, 255, 255}, kBone{222, 205, 176}, kRemoved{244, 240, 232}, kOver{213, 94, 0},
-    kUnder{0, 114, 178}, kOutline{27, 31, 36}, kNoBone{228, 232, 236};
+    kUnder{0, 114, 178}, kOutline{27, 31, 36}, kNoBone{228, 232, 236}, kTarget{216, 150, 150};
 constexpr int kSlicePixels = 425;
 constexpr int kMapCells = 108, kCellPixels = 3, kMapPixels = kMapCells * kCellPixels;
 
@@ -45,6 +45,27 @@ std::vector<bool> Filled(std::span<const simulation::Ball> balls, const Vector3&
   return filled;
 }
 
+// The balls that were cut or are gone, as they were before. A session keeps its bone's balls rounded: those
+// that differ by that alone are not cut.
+std::vector<simulation::Ball> TouchedBalls(const AssessedSession& session) {
+  constexpr double kKept_mm = 1e-2;
+  std::vector<simulation::Ball> touched;
+  for (std::size_t i = 0; i < session.bone.balls.size() && 4 * i + 3 < session.state.balls.size(); ++i)
+    if (session.state.balls[4 * i + 3] < 1e3 * session.bone.balls[i].radius_m - kKept_mm)
+      touched.push_back(session.bone.balls[i]);
+  return touched;
+}
+
+// The target's tissue, as balls that cover its mass points' cells.
+std::vector<simulation::Ball> TargetPoints(const AssessedSession& session) {
+  const std::string& target = session.plan.plan.target;
+  std::vector<simulation::Ball> balls;
+  for (const simulation::MassPoint& point : session.bone.points)
+    if (!target.empty() && session.bone.materials[point.material].name == target)
+      balls.push_back({.center_m = point.p_m, .radius_m = 0.75 * std::cbrt(point.volume_m3)});
+  return balls;
+}
+
 Color Mix(const Color& a, const Color& b, double share) {
   Color mixed{};
   for (std::size_t i = 0; i < 3; ++i)
@@ -61,7 +82,8 @@ report::Image SliceImage(const AssessedSession& session, const Vector3& right, c
   constexpr int size = kSlicePixels;
   const double pixel_m = 2.0 * WindowRadii(session.plan.plan.kind) * cavity.width_m() / size;
   const std::vector<simulation::Ball> live = simulation::LiveBalls(session.state);
-  const auto before = Filled(session.bone.balls, cavity.centre_m, right, up, pixel_m),
+  const auto touched = Filled(TouchedBalls(session), cavity.centre_m, right, up, pixel_m),
+             target = Filled(TargetPoints(session), cavity.centre_m, right, up, pixel_m),
              after = Filled(live, cavity.centre_m, right, up, pixel_m);
   report::Image image{.width = size, .height = size};
   for (int row = 0; row < size; ++row)
@@ -75,9 +97,9 @@ report::Image SliceImage(const AssessedSession& session, const Vector3& right, c
       if (std::abs(outside_m) < 0.75 * pixel_m)
         Put(image, kOutline);
       else if (after[at])
-        Put(image, planned ? kUnder : kBone);
-      else if (before[at])
-        Put(image, planned ? kRemoved : kOver);
+        Put(image, target[at] ? kTarget : planned ? kUnder : kBone);
+      else if (touched[at])
+        Put(image, planned || target[at] ? kRemoved : kOver);
       else
         Put(image, kAir);
     }

@@ -77,9 +77,11 @@ std::string FiguresTable(const AssessResult& first, const AssessResult& second) 
     const auto found = result.values.find(metric.name);
     return found != result.values.end() ? report::Escape(ValueText(found->second, metric)) : "not measured";
   };
-  for (const procedure::Metric& metric : procedure::Metrics())
+  for (const procedure::Metric& metric : procedure::Metrics()) {
+    if (!first.values.contains(metric.name) && !second.values.contains(metric.name)) continue;
     html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", report::Escape(metric.text),
                         value(first, metric), value(second, metric));
+  }
   return html + "</tbody></table></div>\n";
 }
 
@@ -110,6 +112,11 @@ tl::expected<std::string, std::string> ComparisonSvg(const AssessResult& first, 
     body += report::SvgRect(x, y + 4.0, 14.0, 14.0, color);
     body += report::SvgText(x + 20.0, y + 16.0, text);
     x += 44.0 + report::TextWidth(text, report::kFontPx);
+  }
+  if (const std::string& target = first.session.plan.plan.target; !target.empty()) {
+    body += report::SvgRect(x, y + 4.0, 14.0, 14.0, "#d89696");
+    body += report::SvgText(x + 20.0, y + 16.0, target);
+    x += 44.0 + report::TextWidth(target, report::kFontPx);
   }
   body += report::SvgText(x, y + 16.0, "line: the plan");
   return report::SvgDocument(kWidthPx, y + kFootPx, "Two sessions of a plan", body);

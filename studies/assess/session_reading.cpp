@@ -255,6 +255,7 @@ tl::expected<AssessedSession, std::string> ReadAssessedSession(const fs::path& f
   if (!file) return tl::make_unexpected(file.error());
   AssessedSession session{.folder = folder, .file = std::move(*file)};
   session.plan = config::LoadSurgicalPlan(folder / session.file.plan_file);
+  if (!session.file.plan_name.empty()) session.plan.plan.name = session.file.plan_name;
   if (const auto right = CheckSession(session); !right) return tl::make_unexpected(right.error());
   auto setup = session::SetUpSessionCell(folder / FirstRecording(session));
   if (!setup) return tl::make_unexpected(setup.error());
