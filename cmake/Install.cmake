@@ -24,6 +24,7 @@ install(CODE "
   file(MAKE_DIRECTORY \"\${share}/man/man1\" \"\${share}/bash-completion/completions\")
   execute_process(COMMAND \${command} manual --man \"\${share}/man/man1/osteon.1\" COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
   execute_process(COMMAND gzip -9nf \"\${share}/man/man1/osteon.1\" COMMAND_ERROR_IS_FATAL ANY)
+  file(CREATE_LINK osteon.1.gz \"\${share}/man/man1/osteon-studies.1.gz\" SYMBOLIC)
   execute_process(COMMAND \${command} completion bash OUTPUT_FILE \"\${share}/bash-completion/completions/osteon\"
     COMMAND_ERROR_IS_FATAL ANY)
 " COMPONENT osteon)
@@ -49,7 +50,13 @@ install(DIRECTORY plugin/examples/ DESTINATION share/doc/libosteon-dev/examples 
 
 # --- what Debian wants of every package
 find_program(gzip gzip REQUIRED)
-execute_process(COMMAND ${gzip} -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.gz)
+execute_process(COMMAND ${gzip} -9nc ${packaging}/changelog OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.gz)
+execute_process(COMMAND ${gzip} -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md OUTPUT_FILE ${PROJECT_BINARY_DIR}/CHANGELOG.md.gz)
+file(STRINGS ${packaging}/changelog newest LIMIT_COUNT 1)
+if(NOT newest MATCHES "^osteon \\(${PROJECT_VERSION}\\) ")
+  message(FATAL_ERROR "plugin/packaging/changelog: found \"${newest}\", accepted an entry of ${PROJECT_VERSION} first")
+endif()
+install(FILES ${PROJECT_BINARY_DIR}/CHANGELOG.md.gz DESTINATION share/doc/osteon COMPONENT osteon)
 foreach(package osteon:osteon library:libosteon0 development:libosteon-dev)
   string(REPLACE ":" ";" package ${package})
   list(GET package 0 component)
