@@ -90,10 +90,13 @@ bool PageSender::SendSurface() {
     seen_surface_ = seen_layout_;
     if (!writer_.WriteText(*layout)) return false;
   }
+  const std::vector<SurfaceStore::Bytes> changed = sources_.surface.Since(seen_surface_, kBricksAtOnce);
+  if (changed.empty()) return true;
   std::string bricks;  // one after the other in one message
-  for (const SurfaceStore::Bytes& bytes : sources_.surface.Since(seen_surface_, kBricksAtOnce))
-    bricks += *bytes;
-  return bricks.empty() || writer_.WriteBinary(bricks);
+  for (const SurfaceStore::Bytes& bytes : changed) bricks += *bytes;
+  if (!writer_.WriteBinary(bricks)) return false;
+  // the store has whole changes: with nothing left the page's bricks are of one time
+  return changed.size() == kBricksAtOnce || writer_.WriteText(R"({"type":"surface_whole"})");
 }
 
 bool PageSender::SendNew() {

@@ -1,6 +1,7 @@
 #include "console/server/surface_feed.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -27,11 +28,13 @@ void SurfaceFeed::BeginStore(const surface::BrickLayout& layout, std::optional<f
 
 void SurfaceFeed::Publish(std::span<const surface::SurfaceChunk> chunks, std::uint64_t) {
   std::vector<std::uint8_t> bytes;
+  std::vector<std::pair<std::uint64_t, std::string>> change;
   for (const surface::SurfaceChunk& chunk : chunks) {
     bytes.clear();
     surface::AppendChunk(layout_, chunk, bytes);
-    store_.Put(chunk.brick, std::string(bytes.begin(), bytes.end()));
+    change.emplace_back(chunk.brick, std::string(bytes.begin(), bytes.end()));
   }
+  store_.Put(std::move(change));
 }
 
 }  // namespace osteon::console

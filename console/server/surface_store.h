@@ -43,14 +43,19 @@ class SurfaceStore {
     return layout_.bytes;
   }
 
-  /// Replaces a brick. @param bytes  of chunk_bytes.h, ready to be sent
-  void Put(std::uint64_t brick, std::string bytes) {
-    auto shared = std::make_shared<const std::string>(std::move(bytes));
+  /// Replaces the bricks of one change: a reader has all of them, or none. @param change  bricks, each with
+  /// its bytes of chunk_bytes.h, ready to be sent
+  void Put(std::vector<std::pair<std::uint64_t, std::string>> change) {
+    std::vector<Bytes> shared;
+    for (auto& [brick, bytes] : change)
+      shared.push_back(std::make_shared<const std::string>(std::move(bytes)));
     const std::lock_guard lock(mutex_);
-    Brick& kept = bricks_[brick];
-    order_.erase(kept.version);
-    kept = {.version = ++version_, .bytes = std::move(shared)};
-    order_.emplace_hint(order_.end(), kept.version, brick);
+    for (std::size_t i = 0; i < change.size(); ++i) {
+      Brick& kept = bricks_[change[i].first];
+      order_.erase(kept.version);
+      kept = {.version = ++version_, .bytes = std::move(shared[i])};
+      order_.emplace_hint(order_.end(), kept.version, change[i].first);
+    }
   }
 
   /// The bricks that changed after version `seen`, the longest unchanged first, at most `most`. `seen`

@@ -113,15 +113,15 @@ TEST(OperatorRole, OneHoldsItUntilItGivesItBack) {
 
 TEST(SurfaceStore, AReaderGetsTheNewestOfEachBrickInPieces) {
   SurfaceStore store;
-  for (std::uint64_t brick = 0; brick < 5; ++brick) store.Put(brick, "old");
-  store.Put(2, "new");
+  for (std::uint64_t brick = 0; brick < 5; ++brick) store.Put({{brick, "old"}});
+  store.Put({{2, "new"}});
   std::uint64_t seen = 0;
   std::string all;
   for (std::size_t pieces = 0; pieces < 2; ++pieces)
     for (const auto& bytes : store.Since(seen, 3)) all += *bytes + ",";
   EXPECT_EQ(all, "old,old,old,old,new,");
   EXPECT_TRUE(store.Since(seen, 3).empty());
-  store.Put(0, "again");
+  store.Put({{0, "again"}});
   ASSERT_EQ(store.Since(seen, 3).size(), 1u);
 }
 

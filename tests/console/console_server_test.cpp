@@ -66,6 +66,10 @@ class Client {
     std::unique_lock lock(mutex_);
     return arrived_.wait_for(lock, kPatience, [&] { return binaries_.size() >= count; });
   }
+  [[nodiscard]] std::size_t binaries() {
+    const std::lock_guard lock(mutex_);
+    return binaries_.size();
+  }
   bool AwaitClose() {
     std::unique_lock lock(mutex_);
     return arrived_.wait_for(lock, kPatience, [&] { return closed_; });
@@ -151,17 +155,30 @@ class ConsoleServerTest : public testing::Test {
 
 TEST_F(ConsoleServerTest, APageGetsHelloThenTheStreamAndTheSurface) {
   surface_.Begin(surface::BrickLayout{}, R"({"type":"surface"})");
-  surface_.Put(1, "brick");
+  surface_.Put({{1, "brick"}});
   Client page(server_->port(), origin().c_str());
   ASSERT_TRUE(page.open());
   EXPECT_EQ(page.Await("hello")["cell"], "test");
   EXPECT_FALSE(page.Await("surface").is_null());
+  EXPECT_FALSE(page.Await("surface_whole").is_null());
   const auto first = page.Await("live"), second = page.Await("live");
   EXPECT_EQ(first["status"]["state"], "cutting");
   EXPECT_LT(first["windows"].back()[0].get<double>(), second["windows"].back()[0].get<double>());
   EXPECT_TRUE(page.AwaitBinary(1));
-  surface_.Put(1, "brick, cut");
+  surface_.Put({{1, "brick, cut"}});
   EXPECT_TRUE(page.AwaitBinary(2));
+}
+
+// A change of more bricks than one message takes is told to be whole only after its last message.
+TEST_F(ConsoleServerTest, ALargeChangeIsToldToBeWholeAtItsEnd) {
+  surface_.Begin(surface::BrickLayout{}, R"({"type":"surface"})");
+  std::vector<std::pair<std::uint64_t, std::string>> change;
+  for (std::uint64_t brick = 0; brick < 450; ++brick) change.emplace_back(brick, "brick");
+  surface_.Put(std::move(change));
+  Client page(server_->port(), origin().c_str());
+  ASSERT_TRUE(page.open());
+  EXPECT_FALSE(page.Await("surface_whole").is_null());
+  EXPECT_EQ(page.binaries(), 3u);
 }
 
 // Two recordings side by side: one server, two streams, and the notes of both to every page.
@@ -275,7 +292,7 @@ TEST_F(ConsoleServerTest, OfSixtyFourPagesSixteenAreServed) {
 }
 
 TEST_F(ConsoleServerTest, APageThatDoesNotReadIsClosedAndHoldsNobodyUp) {
-  for (std::uint64_t brick = 0; brick < 40; ++brick) surface_.Put(brick, std::string(1u << 20, 'x'));
+  for (std::uint64_t brick = 0; brick < 40; ++brick) surface_.Put({{brick, std::string(1u << 20, 'x')}});
   Client stuck(server_->port(), origin().c_str(), false);
   ASSERT_TRUE(stuck.open());
   Client page(server_->port(), origin().c_str());

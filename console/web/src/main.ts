@@ -102,6 +102,10 @@ class Page {
         this.scene.surface.begin(message);
         this.scene.showBoneAlone(message.difference_step_mm !== undefined);
         break;
+      case "surface_whole":
+        this.scene.surface.complete();
+        this.scene.redraw();
+        break;
       case "live":
         this.takeLive(message);
         break;

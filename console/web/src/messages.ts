@@ -155,6 +155,10 @@ export interface BoneDifference {
   limit_mm: number; // larger ones are not told apart
 }
 /** The feed begins anew at another time. */
+/** The bricks sent so far are of one time. */
+export interface SurfaceWhole {
+  type: "surface_whole";
+}
 export interface Restart {
   type: "restart";
 }
@@ -216,5 +220,5 @@ export interface ProcedureNote {
   cup: boolean;
 }
 export type ProcedureAsk = "next_tool" | "tool" | "undo_pass" | "save" | "cup" | "guidance";
-export type Message = PlanNote | ProcedureNote | GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | BoneDifference | Restart;
+export type Message = PlanNote | SurfaceWhole | ProcedureNote | GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | BoneDifference | Restart;
 export type Ask = ProcedureAsk | "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed" | "map" | "stiffness" | "drag" | "undo_gains";

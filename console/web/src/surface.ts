@@ -4,6 +4,7 @@ import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Mesh, MeshSt
 import { FIRST_DEEPER, NO_DIFFERENCE, SAME, SECOND_DEEPER } from "./difference_colours";
 import { decodeChunks, placeOf, type Chunk, type Layout } from "./surface_chunk";
 
+const MAX_WAIT_MS = 1000; // for the rest of a change
 const GROUP_EDGE = 4; // bricks along a mesh: few enough draw calls, little to make anew
 const MATERIAL = 0x7f, CUT = 0x80;
 
@@ -28,6 +29,7 @@ export class Surface {
   private colours: Color[] = [new Color(OTHER)];
   private layout: Layout | null = null;
   private range_mm = 1; // of the difference's colours
+  private partSince = -MAX_WAIT_MS; // time at which a change that is not whole began
   triangles = 0;
   chunks = 0; // taken so far
 
@@ -63,8 +65,10 @@ export class Surface {
     this.triangles = 0;
   }
 
+  /** Takes bricks; the picture shows them once the change is whole, or after a while. */
   take(bytes: ArrayBuffer): void {
     if (!this.layout) return;
+    if (this.changed.size === 0) this.partSince = performance.now();
     for (const chunk of decodeChunks(bytes, this.layout)) {
       ++this.chunks;
       const key = placeOf(chunk.brick, this.layout).map((b) => Math.floor(b / GROUP_EDGE)).join();
@@ -76,8 +80,14 @@ export class Surface {
     }
   }
 
-  /** Makes the meshes that have changed. Called before a picture is drawn. */
+  /** The bricks so far are of one time. */
+  complete(): void {
+    this.partSince = -MAX_WAIT_MS;
+  }
+
+  /** Makes the meshes that have changed, unless only a part of a change is here. Called before a picture is drawn. */
   update(): void {
+    if (performance.now() - this.partSince < MAX_WAIT_MS) return;
     for (const key of this.changed) {
       const block = this.blocks.get(key)!;
       this.drop(block);
