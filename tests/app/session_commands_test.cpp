@@ -144,7 +144,7 @@ TEST(MolarPlan, IsOpenedAssessedAndReplayed) {
   for (const std::string hand : {"expert", "novice"}) {
     const CommandResult demo =
         ask({"demo", "--cell", "molar", "--plan", "molar", "--virtual-time", "--operator", hand, "--seconds",
-             "60", "--out", hand, "--json", "d.json"});
+             "44", "--out", hand, "--json", "d.json"});
     ASSERT_EQ(demo.exit_code, 0) << demo.err;
     EXPECT_EQ(ReadJson(folder.path() / "d.json")["verdict"]["level"], "good") << demo.out;
     const CommandResult assessed = ask({"assess", hand + "/session", "--json", "a.json"});
@@ -156,7 +156,7 @@ TEST(MolarPlan, IsOpenedAssessedAndReplayed) {
     EXPECT_GT(json["result"]["unroofed"], 0.1);
     scores[hand] = json["score"]["total"];
   }
-  // of 60 s, half of what the demo takes: the roof is not all open yet
+  // of 44 s, a third of what the demo takes: the roof is not all open yet
   EXPECT_GT(scores["expert"], scores["novice"] + 25.0);
   EXPECT_LT(scores["novice"], 40.0);
   const CommandResult compared = ask({"assess", "expert/session", "--against", "novice/session"});
