@@ -77,16 +77,21 @@ std::vector<Reader> ReadOpening(Reader& reader, Reader& section, SurgicalPlan& p
   return burrs;
 }
 
-// The frame of an opening: up along its axis, the others across it, as near to G's y and x as can be.
+// Of the opening that a burr leaves.
+double WidthOf(const procedure::PlannedTool& tool) { return tool.diameter_m + 2.0 * tool.around_m; }
+
+// The frame of an opening: up along its axis, the others across it, as near to G's x and y as can be.
 procedure::PelvicFrame FrameOfOpening(const Vector3& axis_G) {
   const Matrix3 R_GC = RotationFromZTo(axis_G);
   return {.lateral = R_GC.col(0), .anterior = R_GC.col(1), .superior = axis_G};
 }
 
-void CheckTarget(const Reader& opening, const std::string& target, const simulation::SceneParams& scene) {
+// The material of the region that the plan names.
+std::string TargetMaterial(const Reader& opening, const std::string& target,
+                           const simulation::SceneParams& scene) {
   std::string accepted;
   for (const simulation::RegionWatch& region : scene.events.regions) {
-    if (region.name == target) return;
+    if (region.name == target) return region.material;
     accepted += (accepted.empty() ? "" : ", ") + region.name;
   }
   opening.Refuse("target", fmt::format("found {}, accepted a region of the scene's events: {}", target,
@@ -222,11 +227,16 @@ SurgicalPlanConfig LoadSurgicalPlan(const std::filesystem::path& path) {
       tools[i].Refuse("diameter_mm",
                       fmt::format("found {:.6g} after {:.6g}, accepted diameters that rise",
                                   1e3 * plan.tools[i].diameter_m, 1e3 * plan.tools[i - 1].diameter_m));
+  for (std::size_t i = 1; i < plan.tools.size(); ++i)
+    if (WidthOf(plan.tools[i]) < WidthOf(plan.tools[i - 1]))
+      tools[i].Refuse("width_mm",
+                      fmt::format("found {:.6g} after {:.6g}, accepted widths that do not fall",
+                                  1e3 * WidthOf(plan.tools[i]), 1e3 * WidthOf(plan.tools[i - 1])));
   config.scene = LoadScene(scene);
   if (is_opening) {
     plan.axis_G.normalize();
     plan.pelvis = FrameOfOpening(plan.axis_G);
-    CheckTarget(goal, plan.target, config.scene);
+    plan.target = TargetMaterial(goal, plan.target, config.scene);
   } else {
     plan.pelvis = procedure::Tilted(MakeFrame(*pelvis, axes, plan), plan.tilt_rad);
     plan.axis_G = plan.pelvis.ToG(procedure::CupAxis_N(plan.definition, plan.angles)).normalized();

@@ -394,7 +394,7 @@ OSTEON_API OsteonResult osteon_session_surface_export(OsteonSession* session, co
 
 typedef struct OsteonPlanParams {
   const char* plan;   /* name of a shipped plan, or its YAML file (docs/procedure.md). Null: "acetabulum" */
-  const char* rubric; /* what scores: name of a shipped rubric, or its YAML file. Null: "rubric" */
+  const char* rubric; /* what scores: name of a shipped rubric, or its YAML file. Null: by the plan's kind */
   const char* config_folder; /* as in OsteonBoneParams */
 } OsteonPlanParams;
 
@@ -412,6 +412,8 @@ typedef struct OsteonCupAngles {
   double anteversion_rad;
 } OsteonCupAngles;
 
+/* Of a plan for an opening: centre, axis and width stand for the cup's, a burr for a reamer; native centre and
+   angles are NaN. */
 typedef struct OsteonPlanInfo {
   double cup_center_m[3]; /* planned, in G */
   double cup_axis[3];     /* unit, out of the opening, in G */

@@ -478,7 +478,7 @@ class Plan:
     """A surgical plan: where the cup goes, with which reamers, how the hand is guided, and what scores.
 
     plan       name of a shipped plan, or its YAML file; None: "acetabulum"
-    rubric     name of a shipped rubric, or its YAML file; None: "rubric"
+    rubric     name of a shipped rubric, or its YAML file; None: by the plan's kind
     """
 
     def __init__(self, plan=None, rubric=None, *, config_folder=None):

@@ -77,9 +77,14 @@ OsteonPlanInfo InfoOf(const PlanSource& plan) {
   Copy(from.axis_G, info.cup_axis);
   info.cup_diameter_m = from.cup_diameter_m;
   Copy(from.native_centre_m, info.native_center_m);
-  info.radiographic = AnglesIn(CupDefinition::kRadiographic, from);
-  info.operative = AnglesIn(CupDefinition::kOperative, from);
-  info.anatomic = AnglesIn(CupDefinition::kAnatomic, from);
+  if (from.kind == procedure::PlanKind::kCup) {
+    info.radiographic = AnglesIn(CupDefinition::kRadiographic, from);
+    info.operative = AnglesIn(CupDefinition::kOperative, from);
+    info.anatomic = AnglesIn(CupDefinition::kAnatomic, from);
+  } else {
+    std::ranges::fill(info.native_center_m, kUnknown);
+    info.radiographic = info.operative = info.anatomic = {kUnknown, kUnknown};
+  }
   info.reamer_count = static_cast<std::uint32_t>(from.tools.size());
   info.is_left = from.side == procedure::Side::kLeft ? 1 : 0;
   info.has_guidance = session::GuidanceOf(from, from.tools.front(), Pose::Identity()) ? 1 : 0;
@@ -157,7 +162,7 @@ OsteonAssessment AssessmentOf(const procedure::Assessment& found, double axis_er
     result.native_superior_m = cavity.from_native.superior_m;
     result.native_posterior_m = cavity.from_native.posterior_m;
   }
-  result.coverage = cavity.coverage;
+  result.coverage = found.opening ? kUnknown : cavity.coverage;
   result.removed_m3 = cavity.removed_m3;
   result.over_m3 = cavity.over_m3;
   result.under_m3 = cavity.under_m3;

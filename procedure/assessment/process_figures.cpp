@@ -5,18 +5,18 @@
 
 namespace osteon::procedure {
 
-CorridorExcess ExcessOf(const SurgicalPlan& plan, const PlannedTool& reamer, const Vector3& head_m,
+CorridorExcess ExcessOf(const SurgicalPlan& plan, const PlannedTool& tool, const Vector3& head_m,
                         const Vector3& feed) {
   const GuidanceGains& gains = plan.guidance;
   const Vector3& a = plan.axis_G;
-  const Vector3 off_m = head_m - plan.CentreOf(reamer);
+  const Vector3 off_m = head_m - plan.CentreOf(tool);
   const double h_m = off_m.dot(a), rho_m = (off_m - h_m * a).norm(), psi = gains.lateral.widening_rad;
   return {.tilt_rad = std::acos(std::clamp(-feed.dot(a), -1.0, 1.0)) - gains.cone.free_rad,
-          .lateral_m = (rho_m - reamer.around_m - gains.lateral.free_m - h_m * std::tan(psi)) * std::cos(psi),
+          .lateral_m = (rho_m - tool.around_m - gains.lateral.free_m - h_m * std::tan(psi)) * std::cos(psi),
           .depth_m = gains.depth.soft_m - h_m};
 }
 
-void ProcessSums::Add(const ProcessSample& sample, const PlannedTool& reamer) {
+void ProcessSums::Add(const ProcessSample& sample, const PlannedTool& tool) {
   const bool near = (sample.head_m - plan_->centre_m).norm() <= kNearCup_m;
   if (!begun_) first_s_ = sample.t_s;
   if (begun_ && near && was_near_) path_m_ += (sample.head_m - head_m_).norm();
@@ -36,7 +36,7 @@ void ProcessSums::Add(const ProcessSample& sample, const PlannedTool& reamer) {
   across_Ns_ += across_N * period_s_;
   peak_N_ = std::max(peak_N_, force_N);
   const bool has_corridor = plan_->guidance.lateral.stop_m > 0.0;
-  if (has_corridor && ExcessOf(*plan_, reamer, sample.cut_head_m, sample.cut_feed).outside())
+  if (has_corridor && ExcessOf(*plan_, tool, sample.cut_head_m, sample.cut_feed).outside())
     outside_s_ += period_s_;
 }
 

@@ -30,12 +30,12 @@ struct ProcessSample {
 ///
 ///     tilt = angle(feed, -a) - free      lateral = (rho - rho_free - h tan psi) cos psi      depth = soft - h
 ///
-/// with h = a·(H - C), rho the length of the rest of H - C, C the reamer's planned centre.
+/// with h = a·(H - C), rho the length of the rest of H - C, C the tool's planned centre.
 struct CorridorExcess {
   double tilt_rad{0.0}, lateral_m{0.0}, depth_m{0.0};
   [[nodiscard]] bool outside() const { return tilt_rad > 0.0 || lateral_m > 0.0 || depth_m > 0.0; }
 };
-[[nodiscard]] CorridorExcess ExcessOf(const SurgicalPlan& plan, const PlannedTool& reamer,
+[[nodiscard]] CorridorExcess ExcessOf(const SurgicalPlan& plan, const PlannedTool& tool,
                                       const Vector3& head_m, const Vector3& feed);
 
 /// Figures of a session, of one tool, or of one pass.
@@ -61,7 +61,7 @@ class ProcessSums {
   ProcessSums(const SurgicalPlan& plan, double period_s)
       : plan_(&plan), tremor_(period_s), period_s_(period_s) {}
 
-  void Add(const ProcessSample& sample, const PlannedTool& reamer);
+  void Add(const ProcessSample& sample, const PlannedTool& tool);
   [[nodiscard]] ProcessFigures Figures() const;
 
  private:

@@ -52,19 +52,19 @@ void VisitGuidance(Params& g, Visit&& visit) {
 }  // namespace
 
 std::optional<control::GuidanceParams> GuidanceOf(const procedure::SurgicalPlan& plan,
-                                                  const procedure::PlannedTool& reamer, const Pose& X_WG) {
+                                                  const procedure::PlannedTool& tool, const Pose& X_WG) {
   const procedure::GuidanceGains& gains = plan.guidance;
   if (!(gains.lateral.ease_m > 0.0)) return std::nullopt;  // the plan's file has no guidance
   control::GuidanceParams guidance{
       .axis_W = (X_WG.linear() * plan.axis_G).normalized(),
-      .centre_W = X_WG * plan.CentreOf(reamer),
-      .head_m = 0.5 * reamer.diameter_m,
+      .centre_W = X_WG * plan.CentreOf(tool),
+      .head_m = 0.5 * tool.diameter_m,
       .gain = gains.gain,
       .stops_spindle = gains.spindle == procedure::GuidanceGains::OutsideSpindle::kStop,
       .cone_free_rad = gains.cone.free_rad,
       .cone_stop_rad = gains.cone.stop_rad,
-      .lateral_free_m = reamer.around_m + gains.lateral.free_m,
-      .lateral_stop_m = reamer.around_m + gains.lateral.stop_m,
+      .lateral_free_m = tool.around_m + gains.lateral.free_m,
+      .lateral_stop_m = tool.around_m + gains.lateral.stop_m,
       .widening_rad = gains.lateral.widening_rad,
       .depth_soft_m = gains.depth.soft_m,
       .cone = {.stiffness = gains.cone.stiffness_Nm_per_rad,

@@ -13,11 +13,11 @@
 
 namespace osteon::session {
 
-/// The guidance of one reamer of a plan, as the loop needs it; absent: the plan has none.
+/// The guidance of one tool of a plan, as the loop needs it; absent: the plan has none.
 /// @param X_WG  the bone's frame in the world
 /// @throws std::invalid_argument if a gain is beyond what is accepted (control::Validate).
 [[nodiscard]] std::optional<control::GuidanceParams> GuidanceOf(const procedure::SurgicalPlan& plan,
-                                                                const procedure::PlannedTool& reamer,
+                                                                const procedure::PlannedTool& tool,
                                                                 const Pose& X_WG);
 /// The guidance of the plan's reamer that a tool is, by the diameter of its cutting head.
 /// @throws std::invalid_argument if the plan has no such reamer.

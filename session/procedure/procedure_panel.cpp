@@ -47,10 +47,10 @@ std::string PlanMessage(const procedure::SurgicalPlan& plan, const std::vector<P
 
 }  // namespace
 
-PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan, const procedure::PlannedTool& reamer,
+PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan, const procedure::PlannedTool& tool,
                          const Pose& X_GT) {
   const Vector3 feed = X_GT.linear().col(2);
-  const Vector3 off_m = X_GT.translation() - 0.5 * reamer.diameter_m * feed - plan.CentreOf(reamer);
+  const Vector3 off_m = X_GT.translation() - 0.5 * tool.diameter_m * feed - plan.CentreOf(tool);
   PlanPlace place;
   place.to_go_m = off_m.dot(plan.axis_G);
   place.aside_m = (off_m - place.to_go_m * plan.axis_G).norm();
@@ -59,7 +59,7 @@ PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan, const procedure::P
   if (!(g.lateral.ease_m > 0.0)) return place;
   place.beyond_tilt = place.tilt_rad > g.cone.free_rad;
   place.beyond_aside =
-      place.aside_m > reamer.around_m + g.lateral.free_m + place.to_go_m * std::tan(g.lateral.widening_rad);
+      place.aside_m > tool.around_m + g.lateral.free_m + place.to_go_m * std::tan(g.lateral.widening_rad);
   place.beyond_depth = place.to_go_m < g.depth.soft_m;
   return place;
 }

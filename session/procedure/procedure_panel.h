@@ -16,14 +16,14 @@ namespace osteon::session {
 
 /// Where a tool is along its plan.
 struct PlanPlace {
-  double to_go_m{0.0};   ///< height of the head's centre over its planned place, along the cup's axis
+  double to_go_m{0.0};   ///< height of the head's centre over its planned place, along the plan's axis
   double aside_m{0.0};   ///< distance of the head's centre from that axis
   double tilt_rad{0.0};  ///< angle between the feed and the axis into the bone
   bool beyond_tilt{false}, beyond_aside{false}, beyond_depth{false};  ///< outside of the plan's corridor
 };
 /// @param X_GT  of a tool whose head's centre lies half its diameter behind T's origin
 [[nodiscard]] PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan,
-                                       const procedure::PlannedTool& reamer, const Pose& X_GT);
+                                       const procedure::PlannedTool& tool, const Pose& X_GT);
 
 /// What the console shows of a procedure, as two messages for the pages: the plan, which stays, and where the
 /// session stands. console/web/src/messages.ts has their fields.
@@ -31,7 +31,7 @@ struct PlanPlace {
 /// Step belongs to the frames' thread, the messages to any.
 class ProcedurePanel {
  public:
-  /// @param tools  one for each of the plan's reamers  @param X_WG  bone in the world
+  /// @param tools  one for each of the plan's tools  @param X_WG  bone in the world
   ProcedurePanel(procedure::SurgicalPlan plan, const std::vector<ProcedureTool>& tools, const Pose& X_WG,
                  bool confirms);
 

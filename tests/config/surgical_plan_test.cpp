@@ -187,6 +187,8 @@ TEST(SurgicalPlanFile, WhatAnOpeningDoesNotAcceptIsNamed) {
   EXPECT_NE(error("axis: [0, 0, 1]", "axis: [1, 0, 0]").find("90.0° off the scene's opening"),
             std::string::npos);
   EXPECT_NE(error("kind: opening", "kind: cup").find("unknown key \"opening\""), std::string::npos);
+  EXPECT_NE(error("width_mm: 1.4", "width_mm: 4").find("accepted widths that do not fall"),
+            std::string::npos);
   EXPECT_NE(error("diameter_mm: 1.8", "diameter_mm: 1.4").find("accepted diameters that rise"),
             std::string::npos);
 }

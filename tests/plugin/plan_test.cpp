@@ -114,6 +114,21 @@ TEST(OsteonPlan, TellsThePlanInItsThreeDefinitions) {
   EXPECT_NEAR(depth_m, 0.025, 1e-12);
 }
 
+TEST(OsteonPlan, TellsAnOpeningWithoutWhatOnlyACupHas) {
+  const OsteonPlanParams params{.plan = "molar", .rubric = nullptr, .config_folder = ConfigFolder().c_str()};
+  OsteonPlan* plan = nullptr;
+  ASSERT_OK(osteon_plan_create(OSTEON_ABI, &params, &plan));
+  OsteonPlanInfo info{};
+  EXPECT_EQ(osteon_plan_info(plan, &info), OSTEON_OK);
+  EXPECT_EQ(info.reamer_count, 2U);
+  EXPECT_DOUBLE_EQ(info.cup_diameter_m, 3.5e-3);
+  EXPECT_NEAR(info.cup_axis[2], 1.0, 1e-12);
+  EXPECT_TRUE(std::isnan(info.native_center_m[0]));
+  EXPECT_TRUE(std::isnan(info.anatomic.inclination_rad));
+  EXPECT_EQ(info.has_guidance, 1U);
+  osteon_plan_destroy(plan);
+}
+
 TEST(OsteonPlan, RefusesWithTheValueAndWhatIsAccepted) {
   OsteonPlan* none = reinterpret_cast<OsteonPlan*>(1);
   OsteonPlanParams params{.plan = "no_such", .rubric = nullptr, .config_folder = ConfigFolder().c_str()};
