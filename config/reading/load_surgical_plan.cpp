@@ -67,9 +67,6 @@ std::vector<Reader> ReadOpening(Reader& reader, Reader& section, SurgicalPlan& p
     const double diameter_m = burr.Number("diameter_mm", 0.3, 20),
                  height_m = burr.Number("height_mm", -20, 20);
     plan.cup_diameter_m = burr.Number("width_mm", 0.3, 60);
-    if (plan.cup_diameter_m < diameter_m)
-      burr.Refuse("width_mm", fmt::format("found {:.6g}, accepted the burr's diameter ({:.6g}) and more",
-                                          1e3 * plan.cup_diameter_m, 1e3 * diameter_m));
     plan.tools.push_back({.diameter_m = diameter_m,
                           .height_m = height_m,
                           .around_m = 0.5 * (plan.cup_diameter_m - diameter_m)});
@@ -227,6 +224,10 @@ SurgicalPlanConfig LoadSurgicalPlan(const std::filesystem::path& path) {
       tools[i].Refuse("diameter_mm",
                       fmt::format("found {:.6g} after {:.6g}, accepted diameters that rise",
                                   1e3 * plan.tools[i].diameter_m, 1e3 * plan.tools[i - 1].diameter_m));
+  for (std::size_t i = 0; i < plan.tools.size(); ++i)
+    if (plan.tools[i].around_m < 0.0)
+      tools[i].Refuse("width_mm", fmt::format("found {:.6g}, accepted the burr's diameter ({:.6g}) and more",
+                                              1e3 * WidthOf(plan.tools[i]), 1e3 * plan.tools[i].diameter_m));
   for (std::size_t i = 1; i < plan.tools.size(); ++i)
     if (WidthOf(plan.tools[i]) < WidthOf(plan.tools[i - 1]))
       tools[i].Refuse("width_mm",

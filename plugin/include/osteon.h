@@ -412,8 +412,8 @@ typedef struct OsteonCupAngles {
   double anteversion_rad;
 } OsteonCupAngles;
 
-/* Of a plan for an opening: centre, axis and width stand for the cup's, a burr for a reamer; native centre and
-   angles are NaN. */
+/* Of a plan for an opening: centre, axis and width stand for the cup's, a burr for a reamer; native centre
+   and angles are NaN. */
 typedef struct OsteonPlanInfo {
   double cup_center_m[3]; /* planned, in G */
   double cup_axis[3];     /* unit, out of the opening, in G */

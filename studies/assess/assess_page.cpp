@@ -201,25 +201,22 @@ std::string Trend(const AssessResult& result) {
 }
 
 std::string Assumptions(procedure::PlanKind kind) {
-  const bool is_cup = kind == procedure::PlanKind::kCup;
-  return std::string("<h2>Assumptions</h2>\n<ul>\n<li>") +
-         (is_cup ? "Norms are published figures of real operations and of other simulators; none was "
-                   "measured with "
-                   "Osteon. The norm of over-reaming is assumed."
-                 : "Norms of axis and place lean on published access cavities; depth, roof and volumes are "
-                   "assumed. "
-                   "None was measured with Osteon.") +
-         "</li>\n<li>" +
-         (is_cup ? "A sphere has no axis: the reamed axis is that of the tool, weighted by the volume that "
-                   "the last "
-                   "reamer removed."
-                 : "The axis is that of the tool, weighted by the volume that the last burr removed. The "
-                   "target's own "
-                   "tissue counts as neither over-reamed nor left.") +
-         "</li>\n"
-         "<li>Volumes are sums of mass points: exact to about 2 % of a few cubic centimetres.</li>\n"
-         "<li>Undone passes count for time and force, and not for the result.</li>\n"
-         "<li>Osteon is no medical device; a score says nothing of a patient.</li>\n</ul>\n";
+  const char* of_kind =
+      kind == procedure::PlanKind::kCup
+          ? "<li>Norms are published figures of real operations and of other simulators; none was measured "
+            "with Osteon. The norm of over-reaming is assumed.</li>\n"
+            "<li>A sphere has no axis: the reamed axis is that of the tool, weighted by the volume that the "
+            "last reamer removed.</li>\n"
+          : "<li>Norms of axis and place lean on published access cavities; depth, roof and volumes are "
+            "assumed. None was measured with Osteon.</li>\n"
+            "<li>The axis is that of the tool, weighted by the volume that the last burr removed. The "
+            "target's own tissue counts as neither over-reamed nor left.</li>\n";
+  return fmt::format(
+      "<h2>Assumptions</h2>\n<ul>\n{}"
+      "<li>Volumes are sums of mass points: exact to about 2 % of a few cubic centimetres.</li>\n"
+      "<li>Undone passes count for time and force, and not for the result.</li>\n"
+      "<li>Osteon is no medical device; a score says nothing of a patient.</li>\n</ul>\n",
+      of_kind);
 }
 
 // The carved bone that can be turned, coloured by its distance from the planned cavity.
