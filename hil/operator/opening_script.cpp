@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
 #include "hil/operator/script_phases.h"
 
@@ -16,9 +15,7 @@ HandScript MakeOpeningScript(const OpeningScriptParams& p) {
                   p.site_radius_m, fmt::format("the head's {} … 1", p.head_radius_m));
   RequireInScript(p.turns >= 1 && p.turns <= 50, "turns", p.turns, "1 … 50");
   const double widest_m = p.site_radius_m - p.head_radius_m;
-  const double min_period_s = 2.0 * std::numbers::pi * widest_m / p.max_target_m_per_s;
-  RequireInScript(p.loop_period_s > 0.0 && p.loop_period_s >= min_period_s, "loop_period_s", p.loop_period_s,
-                  fmt::format("> 0, and {} or more: the loop at max_target_m_per_s", min_period_s));
+  RequireLoopPeriod(p.loop_period_s, widest_m, p.max_target_m_per_s);
 
   // the loops of a short script are limited by the radius from which it can return to the axis in time
   constexpr double kToAxis = 0.08;

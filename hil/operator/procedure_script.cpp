@@ -1,10 +1,7 @@
 #include "hil/operator/procedure_script.h"
 
 #include <cmath>
-#include <numbers>
 #include <string>
-
-#include <fmt/format.h>
 
 #include "hil/operator/script_phases.h"
 
@@ -21,9 +18,7 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
                   static_cast<double>(p.around_m.size()), "none, or one for each tool");
   for (const double around_m : p.around_m) {
     RequireInScript(around_m >= 0.0 && around_m <= 0.05, "around_m", around_m, "0 … 0.05");
-    const double min_period_s = 2.0 * std::numbers::pi * around_m / p.max_target_m_per_s;
-    RequireInScript(p.loop_period_s > 0.0 && p.loop_period_s >= min_period_s, "loop_period_s",
-                    p.loop_period_s, fmt::format("> 0, and {} or more: max_target_m_per_s", min_period_s));
+    RequireLoopPeriod(p.loop_period_s, around_m, p.max_target_m_per_s);
   }
 
   ScriptPhases phases(

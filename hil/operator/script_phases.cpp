@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -17,6 +18,12 @@ void RequireInScript(bool accepted, std::string_view name, double found, std::st
   if (!accepted)
     throw std::invalid_argument(
         fmt::format("operator's script: {}: found {}, accepted {}", name, found, range));
+}
+
+void RequireLoopPeriod(double period_s, double radius_m, double max_m_per_s) {
+  const double min_period_s = 2.0 * std::numbers::pi * radius_m / max_m_per_s;
+  RequireInScript(period_s > 0.0 && period_s >= min_period_s, "loop_period_s", period_s,
+                  fmt::format("> 0, and {} or more: the loop at max_target_m_per_s", min_period_s));
 }
 
 ScriptPhases::ScriptPhases(const ScriptBounds& bounds, const HandKey& start)

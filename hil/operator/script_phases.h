@@ -13,6 +13,10 @@ namespace osteon::hil {
 /// @throws std::invalid_argument "operator's script: NAME: found …, accepted RANGE" unless accepted.
 void RequireInScript(bool accepted, std::string_view name, double found, std::string_view range);
 
+/// Refuses loops of a radius that would be faster than `max_m_per_s`. @throws std::invalid_argument as
+/// RequireInScript does.
+void RequireLoopPeriod(double period_s, double radius_m, double max_m_per_s);
+
 /// Checks the parameters that all scripts share. @throws std::invalid_argument as RequireInScript does.
 template <typename Params>
 void RequireCommon(const Params& p) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/units.h"
+#include "procedure/assessment/target_tissue.h"
 #include "simulation/removal/cut_metrics.h"
 
 namespace osteon::procedure {
@@ -86,12 +87,6 @@ double Coverage(const PlannedCavity& cavity, std::span<const Ball> live) {
     if (bands.FirstBone(direction, cavity.radius_m - kCoverageGap_m) <= cavity.radius_m + kCoverageGap_m)
       ++covered;
   return static_cast<double>(covered) / kCoverageDirections;
-}
-
-// Whether a mass point is of the tissue that an opening leads to.
-bool IsTarget(const SurgicalPlan& plan, const simulation::Bone& bone, const simulation::MassPoint& point) {
-  return !plan.target.empty() && point.material < bone.materials.size() &&
-         bone.materials[point.material].name == plan.target;
 }
 
 struct Share {

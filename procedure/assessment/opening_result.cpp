@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "procedure/assessment/cavity_result.h"
+#include "procedure/assessment/target_tissue.h"
 
 namespace osteon::procedure {
 namespace {
@@ -62,8 +63,7 @@ OpeningResult AssessOpening(const SurgicalPlan& plan, const simulation::Bone& un
     const simulation::MassPoint& point = uncut.points[i];
     const Vector3 p_m = point.p_m, p_C = R_GC.transpose() * (p_m - cavity.centre_m);
     const bool left = state.cleared[i] == 0, inside = cavity.DistanceTo(p_m) < 0.0;
-    const bool is_target =
-        point.material < uncut.materials.size() && uncut.materials[point.material].name == plan.target;
+    const bool is_target = IsTarget(plan, uncut, point);
     if (!is_target && inside) planned.Add(p_C, point.volume_m3);
     if (!is_target && !left) removed.Add(p_C, point.volume_m3);
     if (!inside || p_C.head<2>().norm() > cavity.width_m() - kRim_m) continue;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "procedure/assessment/target_tissue.h"
 #include "simulation/removal/cut_metrics.h"
 
 namespace osteon::studies {
@@ -58,10 +59,9 @@ std::vector<simulation::Ball> TouchedBalls(const AssessedSession& session) {
 
 // The target's tissue, as balls that cover its mass points' cells.
 std::vector<simulation::Ball> TargetPoints(const AssessedSession& session) {
-  const std::string& target = session.plan.plan.target;
   std::vector<simulation::Ball> balls;
   for (const simulation::MassPoint& point : session.bone.points)
-    if (!target.empty() && session.bone.materials[point.material].name == target)
+    if (procedure::IsTarget(session.plan.plan, session.bone, point))
       balls.push_back({.center_m = point.p_m, .radius_m = 0.75 * std::cbrt(point.volume_m3)});
   return balls;
 }
