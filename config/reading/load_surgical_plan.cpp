@@ -74,9 +74,6 @@ std::vector<Reader> ReadOpening(Reader& reader, Reader& section, SurgicalPlan& p
   return burrs;
 }
 
-// Of the opening that a burr leaves.
-double WidthOf(const procedure::PlannedTool& tool) { return tool.diameter_m + 2.0 * tool.around_m; }
-
 // The frame of an opening: up along its axis, the others across it, as near to G's x and y as can be.
 procedure::PelvicFrame FrameOfOpening(const Vector3& axis_G) {
   const Matrix3 R_GC = RotationFromZTo(axis_G);
@@ -227,12 +224,12 @@ SurgicalPlanConfig LoadSurgicalPlan(const std::filesystem::path& path) {
   for (std::size_t i = 0; i < plan.tools.size(); ++i)
     if (plan.tools[i].around_m < 0.0)
       tools[i].Refuse("width_mm", fmt::format("found {:.6g}, accepted the burr's diameter ({:.6g}) and more",
-                                              1e3 * WidthOf(plan.tools[i]), 1e3 * plan.tools[i].diameter_m));
+                                              1e3 * plan.tools[i].width_m(), 1e3 * plan.tools[i].diameter_m));
   for (std::size_t i = 1; i < plan.tools.size(); ++i)
-    if (WidthOf(plan.tools[i]) < WidthOf(plan.tools[i - 1]))
+    if (plan.tools[i].width_m() < plan.tools[i - 1].width_m())
       tools[i].Refuse("width_mm",
                       fmt::format("found {:.6g} after {:.6g}, accepted widths that do not fall",
-                                  1e3 * WidthOf(plan.tools[i]), 1e3 * WidthOf(plan.tools[i - 1])));
+                                  1e3 * plan.tools[i].width_m(), 1e3 * plan.tools[i - 1].width_m()));
   config.scene = LoadScene(scene);
   if (is_opening) {
     plan.axis_G.normalize();

@@ -66,7 +66,7 @@ OpeningResult AssessOpening(const SurgicalPlan& plan, const simulation::Bone& un
     const bool is_target = IsTarget(plan, uncut, point);
     if (!is_target && inside) planned.Add(p_C, point.volume_m3);
     if (!is_target && !left) removed.Add(p_C, point.volume_m3);
-    if (!inside || p_C.head<2>().norm() > cavity.width_m() - kRim_m) continue;
+    if (!inside || p_C.head<2>().norm() > cavity.opening_radius_m() - kRim_m) continue;
     Column& column = columns[{static_cast<int>(std::floor(p_C.x() / kColumn_m)),
                               static_cast<int>(std::floor(p_C.y() / kColumn_m))}];
     column.has_target |= is_target;

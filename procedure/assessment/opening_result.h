@@ -8,7 +8,7 @@
 
 namespace osteon::procedure {
 
-/// What a session left of an opening, beside the plan. From the final carved state: balls for depth, mass
+/// The result of a session at an opening, beside the plan. From the final carved state: balls for depth, mass
 /// points for the rest.
 struct OpeningResult {
   /// Distance across the axis between the centroid of the hard tissue that was removed and that of the plan

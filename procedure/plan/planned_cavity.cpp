@@ -21,7 +21,7 @@ double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity,
   Eigen::AlignedBox3d about(cavity.centre_m);
   about.extend(cavity.centre_m +
                (box.diagonal().norm() + (cavity.centre_m - box.center()).norm()) * cavity.axis);
-  const Vector3 reach = Vector3::Constant(cavity.width_m() + cell_m);
+  const Vector3 reach = Vector3::Constant(cavity.opening_radius_m() + cell_m);
   const auto index = [&](const Vector3& p_m) {
     return ((p_m - box.min()) / cell_m).array().floor().matrix().cast<int>().eval();
   };

@@ -10,9 +10,9 @@
 
 namespace osteon::procedure {
 
-/// What a tool clears on its way in to a centre: the ball at the centre, and the cylinder of the same
-/// radius from there out of the opening. A burr that is led around the axis clears the same about each point
-/// of a disc: an opening with a flat floor and a rounded edge. In G.
+/// The space that a tool clears on its way in to a centre: the ball at the centre, and the cylinder of the
+/// same radius from there out of the opening. A burr that is led around the axis clears the same about each
+/// point of a disc: an opening with a flat floor and a rounded edge. In G.
 struct PlannedCavity {
   Vector3 centre_m{Vector3::Zero()};
   Vector3 axis{Vector3::UnitZ()};  ///< unit, out of the opening
@@ -20,7 +20,7 @@ struct PlannedCavity {
   double around_m{0.0};            ///< radius of the disc about the axis in which the head's centre is led
 
   /// Radius of the whole opening.
-  [[nodiscard]] double width_m() const { return radius_m + around_m; }
+  [[nodiscard]] double opening_radius_m() const { return radius_m + around_m; }
   /// Signed distance to the cavity's surface; negative inside. Exact, but for points over or within the disc
   /// of a led tool: those are -radius and more inside, less than they are.
   [[nodiscard]] double DistanceTo(const Vector3& p_m) const {

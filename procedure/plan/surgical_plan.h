@@ -17,7 +17,7 @@
 
 namespace osteon::procedure {
 
-/// What a plan makes of the bone.
+/// The shape that a plan makes of the bone.
 enum class PlanKind : std::uint8_t {
   kCup,     ///< the seat of an implant, with reamers
   kOpening  ///< an access down to a deeper tissue, with burrs that are led in circles
@@ -27,6 +27,8 @@ enum class PlanKind : std::uint8_t {
 /// centre, along the axis; a burr is led around the axis with its centre up to `around_m` away from it.
 struct PlannedTool {
   double diameter_m{0.0}, height_m{0.0}, around_m{0.0};
+  /// Width of the opening that it leaves.
+  [[nodiscard]] double width_m() const { return diameter_m + 2.0 * around_m; }
 };
 
 enum class ToolChange : std::uint8_t {
@@ -94,7 +96,7 @@ struct SurgicalPlan {
   [[nodiscard]] Vector3 ApexOf(const PlannedTool& tool) const {
     return CentreOf(tool) - 0.5 * tool.diameter_m * axis_G;
   }
-  /// What the last tool clears.
+  /// The space that the last tool clears.
   [[nodiscard]] PlannedCavity cavity() const {
     return {CentreOf(tools.back()), axis_G, 0.5 * tools.back().diameter_m, tools.back().around_m};
   }

@@ -41,7 +41,7 @@ struct NoviceBurr {
   static constexpr double kTilt_rad = 10.0 * std::numbers::pi / 180.0, kAside_m = 0.0008, kTooDeep_m = 0.001;
   static constexpr double kHarder = 1.5, kPastPlan_m = 0.001;
 };
-// Who leads a burr rests the fingers on the teeth: an arm of 8 N/mm, where up to 10 were published
+// A hand that leads a burr rests its fingers on the teeth: an arm of 8 N/mm, where up to 10 were published
 // (hil/operator/operator_hand.h). The hand leads the burr a little beyond the planned circle, so that it
 // still presses where that is reached; along the axis an expert lets up there. Both distances are assumed.
 constexpr double kFingerRest = 4.0, kExpertPastPlan_m = 0.1e-3, kLead_m = 0.3e-3;
@@ -193,7 +193,7 @@ int ReamerOf(const procedure::SurgicalPlan& plan, const config::CellConfig& cell
 
 namespace {
 
-// What the hand does in other ways for an opening: it counts from the rim, leads the burrs around, and
+// The hand works in another way at an opening: it counts from the rim, leads the burrs around, and
 // presses as the cell's own script does.
 void LeadBurrs(const procedure::SurgicalPlan& plan, std::size_t first, double rim_m, double push_force_N,
                hil::ProcedureScriptParams& script, hil::OperatorHandParams& hand) {

@@ -56,7 +56,7 @@ std::vector<report::SummaryRow> Rows(const AssessResult& result) {
                                                         session.guidance_gain)
                                           : "without guidance")},
       {"Plan", found.opening ? fmt::format("{}, an opening of {:.4g} mm to the {}", plan.name,
-                                           2e3 * plan.cavity().width_m(), plan.target)
+                                           2e3 * plan.cavity().opening_radius_m(), plan.target)
                              : fmt::format("{}, {} hip, {}", plan.name, procedure::NameOf(plan.side),
                                            AnglesText(plan, plan.axis_G))}};
   if (found.opening)

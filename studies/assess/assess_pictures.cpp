@@ -80,7 +80,7 @@ void Put(report::Image& image, const Color& color) {
 report::Image SliceImage(const AssessedSession& session, const Vector3& right, const Vector3& up) {
   const procedure::PlannedCavity cavity = session.plan.plan.cavity();
   constexpr int size = kSlicePixels;
-  const double pixel_m = 2.0 * WindowRadii(session.plan.plan.kind) * cavity.width_m() / size;
+  const double pixel_m = 2.0 * WindowRadii(session.plan.plan.kind) * cavity.opening_radius_m() / size;
   const std::vector<simulation::Ball> live = simulation::LiveBalls(session.state);
   const auto touched = Filled(TouchedBalls(session), cavity.centre_m, right, up, pixel_m),
              target = Filled(TargetPoints(session), cavity.centre_m, right, up, pixel_m),

@@ -60,7 +60,7 @@ Json PlanJson(const AssessedSession& session) {
             {"checksum", session.file.plan_checksum},
             {"axis_G", Triple(plan.axis_G)},
             {"centre_mm", Triple(plan.cavity().centre_m, 1e3)},
-            {"width_mm", 2e3 * plan.cavity().width_m()},
+            {"width_mm", 2e3 * plan.cavity().opening_radius_m()},
             {"burrs_mm", session.file.diameters_mm}};
   return {{"name", plan.name},
           {"kind", "cup"},

@@ -60,10 +60,10 @@ tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig&
   const procedure::PlannedCavity cavity = config.plan.cavity();
   if (!setup.bone_warning.empty()) figures.warnings.push_back("bone: " + setup.bone_warning);
   if (setup.solid) {
-    figures.planned_volume_m3 =
-        procedure::BoneInCavity(*setup.solid, cavity, cavity.width_m() / CellsPerRadius(config.plan.kind));
-    figures.wall_m =
-        procedure::PlannedWall(*setup.solid, setup.bone.site, cavity, cavity.width_m() / kWallsPerRadius);
+    figures.planned_volume_m3 = procedure::BoneInCavity(
+        *setup.solid, cavity, cavity.opening_radius_m() / CellsPerRadius(config.plan.kind));
+    figures.wall_m = procedure::PlannedWall(*setup.solid, setup.bone.site, cavity,
+                                            cavity.opening_radius_m() / kWallsPerRadius);
     const double min_wall_m = config.scene.events.min_wall_m;
     if (figures.wall_m && *figures.wall_m < min_wall_m)
       figures.warnings.push_back(
@@ -90,11 +90,11 @@ Json OpeningJson(const SurgicalPlan& plan, const PlanFigures& figures) {
             {"kind", "opening"},
             {"target", plan.target},
             {"axis_G", Triple(plan.axis_G)},
-            {"width_mm", 2e3 * plan.cavity().width_m()}};
+            {"width_mm", 2e3 * plan.cavity().opening_radius_m()}};
   if (figures.axis_W) json["axis_W"] = Triple(*figures.axis_W);
   for (const procedure::PlannedTool& burr : plan.tools)
     json["burrs"].push_back({{"diameter_mm", 1e3 * burr.diameter_m},
-                             {"width_mm", 1e3 * burr.diameter_m + 2e3 * burr.around_m},
+                             {"width_mm", 1e3 * burr.width_m()},
                              {"centre_mm", Triple(plan.CentreOf(burr), 1e3)}});
   AddFigures(figures, json);
   return json;
@@ -136,7 +136,7 @@ std::vector<report::SummaryRow> PlanRows(const SurgicalPlan& plan, const PlanFig
   std::vector<report::SummaryRow> rows{
       {"Plan",
        is_opening ? fmt::format("{}, an opening of {:.4g} mm to the {}", plan.name,
-                                2e3 * plan.cavity().width_m(), plan.target)
+                                2e3 * plan.cavity().opening_radius_m(), plan.target)
                   : fmt::format("{}, {} hip, cup {:g} mm, {} angles", plan.name, procedure::NameOf(plan.side),
                                 1e3 * plan.cup_diameter_m, procedure::NameOf(plan.definition))},
       {"Axis in G, out of the opening", AxisText(plan.axis_G)}};

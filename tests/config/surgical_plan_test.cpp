@@ -153,7 +153,7 @@ TEST(SurgicalPlanFile, TheMolarsPlanLeadsToItsPulp) {
   ASSERT_EQ(plan.tools.size(), 2u);
   EXPECT_EQ(plan.tools[0].around_m, 0.0);
   EXPECT_NEAR(plan.tools[1].around_m, 0.85e-3, 1e-12);
-  EXPECT_NEAR(plan.cavity().width_m(), 1.75e-3, 1e-12);
+  EXPECT_NEAR(plan.cavity().opening_radius_m(), 1.75e-3, 1e-12);
   EXPECT_LT((plan.pelvis.superior - plan.axis_G).norm(), 1e-12);
   EXPECT_TRUE(procedure::WarningsOf(plan).empty());
   EXPECT_NO_THROW(CheckPlanInCell(config, LoadCell(kConfig / "cells" / "molar.yaml"), file, "molar"));

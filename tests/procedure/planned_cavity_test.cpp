@@ -40,7 +40,7 @@ TEST(PlannedCavity, DistanceIsThatToTheBallBelowAndToTheCylinderAbove) {
 // mm.
 TEST(PlannedCavity, OfALedBurrHasAFlatFloorARoundEdgeAndAWall) {
   const PlannedCavity opening{.axis = Vector3::UnitZ(), .radius_m = 1e-3, .around_m = 1e-3};
-  EXPECT_DOUBLE_EQ(opening.width_m(), 2e-3);
+  EXPECT_DOUBLE_EQ(opening.opening_radius_m(), 2e-3);
   for (const double x_m : {0.0, 0.5e-3, 1e-3})
     EXPECT_NEAR(opening.DistanceTo({x_m, 0.0, -1.3e-3}), 0.3e-3, 1e-15);
   EXPECT_NEAR(opening.DistanceTo({0.0, 2.5e-3, 7e-3}), 0.5e-3, 1e-15);
