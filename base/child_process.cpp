@@ -10,6 +10,10 @@
 #include <cstring>
 #include <thread>
 
+#include <fmt/format.h>
+
+#include "base/read_text.h"
+
 namespace osteon::base {
 namespace {
 
@@ -22,6 +26,24 @@ void Redirect(const char* file, int descriptor) {
 }
 
 }  // namespace
+
+std::filesystem::path ProgramBeside(const std::string& name) {
+  std::error_code ignored;
+  return std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / name;
+}
+
+pid_t FindChild(pid_t parent, const std::string& word) {
+  std::error_code error;
+  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator("/proc", error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    const std::string status = ReadText(entry.path() / "status");
+    if (status.find(fmt::format("\nPPid:\t{}\n", parent)) == std::string::npos) continue;
+    const std::string line = ReadText(entry.path() / "cmdline");  // its words end with a zero each
+    if (line.find('\0' + word + '\0') != std::string::npos) return std::stoi(name);
+  }
+  return 0;
+}
 
 tl::expected<std::unique_ptr<ChildProcess>, std::string> ChildProcess::Start(ChildParams params) {
   params.words.insert(params.words.begin(), "osteon");

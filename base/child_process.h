@@ -21,6 +21,12 @@ struct ChildParams {
   std::filesystem::path err{};      ///< file for its stderr; empty: this process's
 };
 
+/// Returns the file of a program that is installed beside this one. @param name  e.g. "osteon"
+[[nodiscard]] std::filesystem::path ProgramBeside(const std::string& name);
+
+/// Returns the process that `parent` has started with this word in its command line; 0 if there is none.
+[[nodiscard]] pid_t FindChild(pid_t parent, const std::string& word);
+
 /// This program, or another, as another process. It ends with this one, however this one ends, and gets no
 /// Ctrl-C.
 class ChildProcess {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 #include <numbers>
 #include <set>
 #include <utility>
@@ -13,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/read_text.h"
 #include "base/write_text.h"
 #include "config/reading/check_plan_in_cell.h"
 #include "session/procedure/plan_guidance.h"
@@ -53,11 +53,6 @@ Pose PlanFrame(const procedure::SurgicalPlan& plan) {
   X_GC.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), plan.axis_G).toRotationMatrix();
   X_GC.translation() = plan.centre_m;
   return X_GC;
-}
-
-std::string ReadText(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 SessionGains GainsOfCell(const control::ServoParams& servo) {
@@ -127,7 +122,7 @@ tl::expected<double, std::string> GainFrom(const fs::path& folder, const std::st
 tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice, const fs::path& cell_yaml,
                                                    const std::optional<config::ToolChoice>& tool) {
   Procedure made{.plan = config::LoadSurgicalPlan(choice.plan),
-                 .plan_text = ReadText(choice.plan),
+                 .plan_text = base::ReadText(choice.plan),
                  .file = {},
                  .folder = choice.session,
                  .tool = {},

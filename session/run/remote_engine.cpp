@@ -166,10 +166,9 @@ EngineProcessResult RemoteEngine::Finish(const std::filesystem::path& recording)
 }
 
 std::filesystem::path OsteonProgram() {
-  std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::filesystem::path beside = self.parent_path() / "osteon";
-  return !error && std::filesystem::is_regular_file(beside, error) ? beside : std::filesystem::path();
+  std::error_code ignored;
+  const std::filesystem::path beside = base::ProgramBeside("osteon");
+  return std::filesystem::is_regular_file(beside, ignored) ? beside : std::filesystem::path();
 }
 
 tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeRunEngine(

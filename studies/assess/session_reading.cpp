@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "base/read_text.h"
 #include "base/units.h"
 #include "io/recording/recording_reader.h"
 #include "session/procedure/session_bone.h"
@@ -232,9 +231,7 @@ std::vector<simulation::Tool> CuttingHeads(const std::vector<double>& diameters_
 
 tl::expected<void, std::string> CheckSession(const AssessedSession& session) {
   const fs::path file = session.folder / session.file.plan_file;
-  std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (const std::string found = session::TextChecksum(text); found != session.file.plan_checksum)
+  if (const std::string found = session::TextChecksum(base::ReadText(file)); found != session.file.plan_checksum)
     return tl::make_unexpected(
         fmt::format("{}: found checksum {}, accepted the session's, {}: the plan was changed", file.string(),
                     found, session.file.plan_checksum));

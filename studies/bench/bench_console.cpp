@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <regex>
 #include <thread>
@@ -18,6 +16,7 @@
 #include "base/child_process.h"
 #include "base/interrupt.h"
 #include "base/json_text.h"
+#include "base/read_text.h"
 #include "base/work_folder.h"
 #include "base/write_text.h"
 #include "console/server/page_client.h"
@@ -42,18 +41,13 @@ constexpr std::array<Figure, 4> kFigures{
     Figure{"compute_us", "p50", "tick compute p50"}, Figure{"compute_us", "p99", "tick compute p99"},
     Figure{"wakeup_us", "p99", "tick wake-up p99"}, Figure{"frame_us", "p50", "frame p50"}};
 
-std::string ReadText(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 // Waits for the console's port in a demo's output. 0: the demo has ended.
 int AwaitPort(base::ChildProcess& demo, const std::filesystem::path& err) {
   static const std::regex kAddress("console: http://127\\.0\\.0\\.1:([0-9]+)/");
   for (const auto end = std::chrono::steady_clock::now() + kPatience;
        std::chrono::steady_clock::now() < end;) {
     std::smatch found;
-    const std::string text = ReadText(err);
+    const std::string text = base::ReadText(err);
     if (std::regex_search(text, found, kAddress)) return std::stoi(found[1]);
     if (demo.Ended() || base::Interrupted().load()) return 0;
     std::this_thread::sleep_for(kLooks);
@@ -64,15 +58,13 @@ int AwaitPort(base::ChildProcess& demo, const std::filesystem::path& err) {
 // Runs one demo. @returns its summary; null if it failed
 nlohmann::json RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::filesystem::path& folder) {
   std::error_code error;
-  const std::filesystem::path program =
-      std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "osteon";
   const std::filesystem::path json = folder / "summary.json", err = folder / "err.txt";
   std::filesystem::remove(json, error);
   auto demo =
       base::ChildProcess::Start({.words = {"demo", "--seconds", fmt::format("{:g}", options.seconds), "--out",
                                            (folder / "out").string(), "--overwrite", "--port", "0", "--json",
                                            json.string(), "--console", leg == Leg::kOff ? "off" : "0"},
-                                 .program = program,
+                                 .program = base::ProgramBeside("osteon"),
                                  .out = folder / "out.txt",
                                  .err = err});
   if (!demo) return nullptr;
@@ -98,7 +90,7 @@ nlohmann::json RunDemoWith(Leg leg, const BenchConsoleOptions& options, const st
   if (browser) browser->Send(SIGTERM);
   pages.clear();
   if (base::Interrupted().load()) return nullptr;
-  return nlohmann::json::parse(ReadText(json), nullptr, false);
+  return nlohmann::json::parse(base::ReadText(json), nullptr, false);
 }
 
 double MedianOf(std::vector<double> values) {
@@ -119,7 +111,7 @@ int RunBenchConsole(const BenchConsoleOptions& options) {
       const nlohmann::json summary = RunDemoWith(leg, options, folder.path());
       if (base::Interrupted().load()) return base::InterruptExitCode();
       if (!summary.is_object())
-        return session::Fail("bench console", "a demo failed:\n" + ReadText(folder.path() / "err.txt"),
+        return session::Fail("bench console", "a demo failed:\n" + base::ReadText(folder.path() / "err.txt"),
                              session::kFailed);
       for (std::size_t i = 0; i < kFigures.size(); ++i)
         seen[static_cast<std::size_t>(leg)][i].push_back(

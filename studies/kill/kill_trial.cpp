@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -14,6 +12,7 @@
 #include "base/child_process.h"
 #include "base/clock.h"
 #include "base/halted_thread.h"
+#include "base/read_text.h"
 #include "config/reading/load.h"
 #include "config/reading/strict/derived_file.h"
 #include "io/recording/recording_reader.h"
@@ -23,11 +22,6 @@
 
 namespace osteon::studies {
 namespace {
-
-// The command that runs cells: it lies beside this one, which runs studies.
-std::filesystem::path OsteonBeside() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "osteon";
-}
 
 using std::chrono::milliseconds, std::chrono::seconds;
 
@@ -44,13 +38,8 @@ constexpr rt::Nanoseconds kRestFor = 800 * rt::kMillisecond;
 constexpr milliseconds kEngineHalt{300};   // of a late engine: a model then is beyond every limit of its age
 constexpr double kStands_rad_per_s = 0.5;  // spindle speed at standstill
 
-std::string ReadAll(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 nlohmann::json ReadJson(const std::filesystem::path& file) {
-  return nlohmann::json::parse(ReadAll(file), nullptr, false);
+  return nlohmann::json::parse(base::ReadText(file), nullptr, false);
 }
 
 double MetresPerSecond(const PlainVector3& v) { return Vector3(v).norm(); }
@@ -58,20 +47,6 @@ double MetresPerSecond(const PlainVector3& v) { return Vector3(v).norm(); }
 bool IsEngine(KillVictim victim) {
   return victim == KillVictim::kEngine || victim == KillVictim::kEngineHung ||
          victim == KillVictim::kEngineLate;
-}
-
-// The process that a process has started with this word first; 0 if there is none.
-pid_t FindChild(pid_t parent, const std::string& word) {
-  std::error_code error;
-  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator("/proc", error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-    const std::string status = ReadAll(entry.path() / "status");
-    if (status.find(fmt::format("\nPPid:\t{}\n", parent)) == std::string::npos) continue;
-    const std::string line = ReadAll(entry.path() / "cmdline");  // its words end with a zero each
-    if (line.find('\0' + word + '\0') != std::string::npos) return std::stoi(name);
-  }
-  return 0;
 }
 
 // The fault in which the victim's death must end; empty: any watchdog may be first.
@@ -137,7 +112,7 @@ class Trial {
       case KillVictim::kEngine:
       case KillVictim::kEngineHung:
       case KillVictim::kEngineLate:
-        engine_ = FindChild(run_->pid(), "simulate");
+        engine_ = base::FindChild(run_->pid(), "simulate");
         if (engine_ == 0) return "the controller has no engine's process";
         kill(engine_, victim == KillVictim::kEngine ? SIGKILL : SIGSTOP);
         break;
@@ -178,7 +153,7 @@ class Trial {
     for (const auto& [name, process] :
          {std::pair{"cell", cell_.get()}, {"guard", guard_.get()}, {"run", run_.get()}}) {
       if (!process || !process->Ended()) continue;
-      std::string err = ReadAll(Folder(name) / "stderr");
+      std::string err = base::ReadText(Folder(name) / "stderr");
       while (err.ends_with('\n')) err.pop_back();
       return err.substr(err.rfind('\n') + 1);
     }
@@ -192,7 +167,7 @@ class Trial {
     std::vector<std::string> words{name, std::filesystem::absolute(cell_file_).string(), "--port", port_};
     words.insert(words.end(), more.begin(), more.end());
     auto process = base::ChildProcess::Start({.words = words,
-                                              .program = OsteonBeside(),
+                                              .program = base::ProgramBeside("osteon"),
                                               .folder = Folder(name),
                                               .out = Folder(name) / "stdout",
                                               .err = Folder(name) / "stderr"});
@@ -201,7 +176,7 @@ class Trial {
   }
 
   [[nodiscard]] bool Says(const char* name, const char* words) const {
-    return ReadAll(Folder(name) / "stdout").find(words) != std::string::npos;
+    return base::ReadText(Folder(name) / "stdout").find(words) != std::string::npos;
   }
 
   bool Until(milliseconds limit, const std::function<bool()>& condition) {
