@@ -70,7 +70,7 @@ void CellHost::RunDevices() {
     if (plc_) {
       plc_wire->Step(now);
       const PlcLogicOutputs outputs = plc_->outputs();
-      plc_->SetPanel(person.Step(now, outputs));
+      plc_->SetPanel(person.Step(now, outputs, plc_->counters().connections));
       arm_->SetPower(outputs.power_on);
     }
     due = std::max(due + params_.device_period, now);  // missed periods are not made up for

@@ -8,12 +8,16 @@ constexpr rt::Nanoseconds kPress = 100 * rt::kMillisecond;
 
 }  // namespace
 
-PlcPanel PanelOperator::Step(rt::Nanoseconds now, const PlcLogicOutputs& outputs) {
-  permitted_once_ |= outputs.run_permitted;
+PlcPanel PanelOperator::Step(rt::Nanoseconds now, const PlcLogicOutputs& outputs, std::uint64_t connections) {
+  if (outputs.run_permitted) {
+    permitted_once_ = true;
+    connections_ = connections;
+  }
+  const bool goes_on = !permitted_once_ || connections > connections_;
   return {.enabling = EnablingSwitch::kMiddle,
           .foot_pedal = true,
           .mode = ModeSelector::kAutomatic,
-          .reset = !permitted_once_ && (now / kPress) % 2 == 1};
+          .reset = goes_on && (now / kPress) % 2 == 1};
 }
 
 }  // namespace osteon::hil

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "base/clock.h"
 #include "hil/plc/panel.h"
 
@@ -7,14 +9,18 @@ namespace osteon::hil {
 
 /// The person at the controls of a simulated run: automatic mode, the enabling switch in its middle position,
 /// the pedal pressed, and the reset button pressed repeatedly until motion is permitted for the first time. A
-/// later stop is not reset: a person must decide to go on.
+/// later stop is not reset, because a person must decide to go on. Who starts a controller or a guard anew
+/// has decided: once a new connection to the PLC follows the end of the permission, the button is pressed
+/// again.
 class PanelOperator {
  public:
   /// @param now  on any clock, never decreases
-  [[nodiscard]] PlcPanel Step(rt::Nanoseconds now, const PlcLogicOutputs& outputs);
+  /// @param connections  to the PLC so far
+  [[nodiscard]] PlcPanel Step(rt::Nanoseconds now, const PlcLogicOutputs& outputs, std::uint64_t connections);
 
  private:
   bool permitted_once_{false};
+  std::uint64_t connections_{0};  // when motion was last permitted
 };
 
 }  // namespace osteon::hil

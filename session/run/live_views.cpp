@@ -107,6 +107,9 @@ void LiveViews::SetSession(ProcedureSession* session) {
 }
 
 void LiveViews::Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove) {
+  if (choice.on) OpenConsole(choice);
+  if (foxglove.on) OpenFoxglove(foxglove);
+  if (console_ || foxglove_) surface_thread_ = StartSurface(setup_, surface_feed_);
   auto server = io::LocalServer::Start(fmt::format("run-{}", ::getpid()),
                                        [this](const std::string& request) { return Answer(request); });
   if (server)
@@ -114,9 +117,6 @@ void LiveViews::Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove)
   else
     not_opened_.push_back("osteon pause, resume, recover, stop and status do not reach this run: " +
                           server.error());
-  if (choice.on) OpenConsole(choice);
-  if (foxglove.on) OpenFoxglove(foxglove);
-  if (console_ || foxglove_) surface_thread_ = StartSurface(setup_, surface_feed_);
 }
 
 void LiveViews::OpenFoxglove(const ConsoleChoice& choice) {

@@ -65,7 +65,7 @@ class LiveViews {
   /// The depth that is shown is then that of the tool in use.
   void SetSession(ProcedureSession* session);
 
-  /// Opens the local socket, the console, and the server for Foxglove. The run goes on without what could not
+  /// Opens the console, the server for Foxglove, and the local socket. The run goes on without what could not
   /// be opened.
   void Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove);
   /// Prints on stderr where the console is, and what could not be opened. Once the run begins: a refusal
@@ -107,11 +107,12 @@ class LiveViews {
   LiveLatency latency_;
   console::SurfaceStore surface_;
   console::SurfaceFeed surface_feed_{surface_};
-  std::unique_ptr<io::LocalServer> server_;  // last: their threads use the others
+  // Last, because their threads use the others; the socket's answers name the console too.
   std::unique_ptr<console::ConsoleServer> console_;
   std::unique_ptr<LiveTopics> topics_;
   std::unique_ptr<console::FoxgloveServer> foxglove_;
   std::unique_ptr<surface::SurfaceThread> surface_thread_;
+  std::unique_ptr<io::LocalServer> server_;
 };
 
 }  // namespace osteon::session

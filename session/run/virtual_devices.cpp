@@ -53,7 +53,7 @@ control::CellReadings VirtualDevices::Exchange(const control::CellCommands& comm
 // Runs a cycle of the PLC's program and makes the block that the client reads after it.
 void VirtualDevices::StepPlc(const control::CellCommands& commands, rt::Nanoseconds now) {
   plc_due_ = now + plc_cycle_;
-  const hil::PlcPanel panel = person_.Step(now, logic_->outputs());
+  const hil::PlcPanel panel = person_.Step(now, logic_->outputs(), 1);
   plc_inputs_.emergency_stop = panel.emergency_stop;
   plc_inputs_.enabling = panel.enabling;
   plc_inputs_.foot_pedal = panel.foot_pedal;

@@ -60,6 +60,27 @@ TEST(CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
   GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
 }
 
+// The person at the panel presses the reset button again when a controller is started anew.
+TEST(CellProcess, ASecondRunFindsTheSameCell) {
+  constexpr int kAttempts = 3;
+  const TemporaryFolder folder, cell_folder;
+  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port(), "--seconds", "3"});
+  ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
+  const WakeupWatch watch;
+  int completed = 0;
+  for (int attempt = 0; attempt < kAttempts && completed < 2; ++attempt) {
+    const CommandResult run =
+        RunCommand(folder.path(), {"run", "thin_plate", "--port", Port(), "--seconds", "5", "--overwrite",
+                                   "--record", "r.mcap", "--json", "run.json"});
+    if (run.exit_code == 0)
+      ++completed;
+    else
+      ASSERT_TRUE(MachineWasLate(run, ReadJson(folder.path() / "run.json"), watch.worst()))
+          << run.err << cell.Out();
+  }
+  if (completed < 2) GTEST_SKIP() << SkippedForLateness(kAttempts, watch.worst());
+}
+
 // The same with a KR over RSI, at 4 ms.
 TEST(CellProcess, ARunFindsAKrOverRsiInAnotherProcess) {
   constexpr int kAttempts = 3;

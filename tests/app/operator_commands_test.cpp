@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "console/server/page_client.h"
+#include "io/local/local_client.h"
 #include "tests/app/command.h"
 #include "tests/app/machine_lateness.h"
 
@@ -71,6 +73,40 @@ TEST_F(OperatorCommands, PauseResumeAndStopARunningCell) {
   for (int attempt = 0; attempt < kAttempts; ++attempt)
     if (PausesResumesAndStops()) return;
   GTEST_SKIP() << "skipped: this machine was late " << kAttempts << " times";
+}
+
+// Pages and socket are closed one after the other while somebody still asks; a page that hangs makes that
+// long.
+TEST_F(OperatorCommands, AskARunUntilItIsGone) {
+  Command run(folder_.path(),
+              {"run", "thin_plate", "--simulated", "--port", "0", "--seconds", "2", "--console", "0",
+               "--overwrite", "--record", "r.mcap", "--json", "run.json"},
+              Environment());
+  const auto answer = [&] {
+    setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1);
+    const auto running = io::FindLocalServers();
+    const auto text = running.empty() ? tl::expected<std::string, std::string>(tl::unexpect, "none")
+                                      : io::AskLocalServer(running.front(), "status");
+    return text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+  };
+  nlohmann::json status;
+  ASSERT_TRUE(run.WaitUntil([&] {
+    status = answer();
+    return status.is_object();
+  })) << run.Err();
+  const std::string url = status["run"].value("console", "");
+  const std::size_t colon = url.rfind(':');
+  ASSERT_NE(colon, std::string::npos) << status.dump(2);
+  const auto page = console::PageClient::Open("127.0.0.1", std::stoi(url.substr(colon + 1)), false);
+  ASSERT_TRUE(page) << page.error();
+  int answers = 0;
+  static_cast<void>(run.WaitUntil([&] {
+    answers += answer().is_object() ? 1 : 0;
+    return false;
+  }));
+  EXPECT_GT(answers, 20);
+  EXPECT_LE(run.Wait().exit_code, 1) << "a late machine may stop it, nothing may crash it";
+  EXPECT_FALSE(ReadJson(folder_.path() / "run.json").is_null());
 }
 
 TEST_F(OperatorCommands, WithoutACellSayThatNoneRuns) {
