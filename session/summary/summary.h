@@ -120,6 +120,9 @@ struct RunSummary {
                                    const CellRunParams& params, const CellRunResult& result,
                                    const RunAccumulator& run);
 
+/// The diameter of the tool with which a pass of the run's session was made [mm].
+[[nodiscard]] double ToolOfPass(const RunSummary& summary, const SessionPass& pass);
+
 /// Rows for the terminal and the report.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const RunSummary& summary);
 

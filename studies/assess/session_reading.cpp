@@ -231,7 +231,8 @@ std::vector<simulation::Tool> CuttingHeads(const std::vector<double>& diameters_
 
 tl::expected<void, std::string> CheckSession(const AssessedSession& session) {
   const fs::path file = session.folder / session.file.plan_file;
-  if (const std::string found = session::TextChecksum(base::ReadText(file)); found != session.file.plan_checksum)
+  if (const std::string found = session::TextChecksum(base::ReadText(file));
+      found != session.file.plan_checksum)
     return tl::make_unexpected(
         fmt::format("{}: found checksum {}, accepted the session's, {}: the plan was changed", file.string(),
                     found, session.file.plan_checksum));
