@@ -477,27 +477,6 @@ safety::LimitedWrench JointFollower<Arm>::Limit(const safety::WrenchLimiter& lim
 
 }  // namespace
 
-template <int N>
-kinematics::DifferentialInverseParams<N> DifferentialInverseParamsOf(const ServoParams& params) {
-  kinematics::DifferentialInverseParams<N> motion;
-  std::copy_n(params.joints.limits.begin(), N, motion.limits.begin());
-  motion.position_margin_rad = params.joints.position_margin_rad;
-  motion.speed_share = params.joints.speed_share;
-  motion.acceleration_share = params.joint_acceleration_share;
-  motion.turning_length_m =
-      std::sqrt(params.admittance.inertia_kg_m2.mean() / params.admittance.mass_kg.mean());
-  return motion;
-}
-
-template kinematics::DifferentialInverseParams<6> DifferentialInverseParamsOf<6>(const ServoParams&);
-template kinematics::DifferentialInverseParams<7> DifferentialInverseParamsOf<7>(const ServoParams&);
-
-safety::WorkspaceParams WorkspaceOf(const ServoParams& params) {
-  safety::WorkspaceParams workspace = params.workspace;
-  if (params.depth.acts && !params.depth.rides_on_bone) workspace.zones.push_back(ZoneOf(params.depth));
-  return workspace;
-}
-
 std::unique_ptr<ArmFollower> MakeFollower(const ServoParams& params, const kinematics::LbrArm& arm,
                                           const Pose& X_WB, const Pose& X_FT, double arm_angle_rad) {
   return std::make_unique<JointFollower<kinematics::LbrArm>>(

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "simulation/engine/state_hash.h"
 #include "simulation/engine/tool_change.h"
 #include "simulation/files/carved_file.h"
 
@@ -20,10 +21,6 @@ constexpr std::chrono::milliseconds kMaxWait{700};  // the local socket answers 
 constexpr double kSameSize_mm = 1e-6;
 constexpr double kMaxFrameGap_s = 0.1;  // a longer one is not time in which bone was cut
 constexpr rt::Nanoseconds kRestBeforeWeighing = rt::kSecond;  // longer than PausedReadings needs
-
-std::string HashText(const CarvedState& state) {
-  return fmt::format("{:016x}", simulation::HashState(state));
-}
 
 SessionAnswer Refused(std::string reason) { return {.done = false, .reason = std::move(reason)}; }
 
@@ -45,7 +42,7 @@ ProcedureSession::ProcedureSession(ProcedureParams params)
 tl::expected<void, std::string> ProcedureSession::Begin(simulation::CuttingEngine& engine) {
   uncut_ = std::make_shared<const CarvedState>(engine.Snapshot());
   saved_ = uncut_;
-  saved_hash_ = HashText(*uncut_);
+  saved_hash_ = simulation::HashText(*uncut_);
   if (file_.bone_checksum.empty()) file_.bone_checksum = saved_hash_;
   if (file_.bone_checksum != saved_hash_)
     return tl::make_unexpected(
@@ -56,7 +53,7 @@ tl::expected<void, std::string> ProcedureSession::Begin(simulation::CuttingEngin
     if (!state) return tl::make_unexpected(state.error().Text());
     saved_ = std::make_shared<const CarvedState>(std::move(*state));
     saved_name_ = name;
-    saved_hash_ = HashText(*saved_);
+    saved_hash_ = simulation::HashText(*saved_);
     engine.Restore(simulation::WithoutContact(*saved_));
   }
   OpenSegment(0);
@@ -364,7 +361,7 @@ SessionAnswer ProcedureSession::Undo(const ToolCommand& command, FrameRunner& ru
   }
   saved_ = state;
   saved_name_ = name;
-  saved_hash_ = HashText(*state);
+  saved_hash_ = simulation::HashText(*state);
   changed_ = true;
   pass_.Restart();
   OpenSegment(command.stamp);
@@ -427,60 +424,6 @@ void ProcedureSession::PressButtons(const ToolCommand& command) {
       resume_asked_.store(true);
       break;
   }
-}
-
-// Also where a touch has changed the bone without being a pass: what is cut is never lost.
-void ProcedureSession::EndOpenPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp) {
-  if (pass_.open() || std::exchange(end_pass_, false) || HashText(engine.Snapshot()) != saved_hash_)
-    EndPass(engine, stamp);
-}
-
-void ProcedureSession::EndPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp) {
-  auto state = std::make_shared<const CarvedState>(engine.Snapshot());
-  const std::string name = fmt::format("state_{}.carved", ++states_);
-  const std::string hash = HashText(*state);
-  {
-    const std::lock_guard lock(mutex_);
-    file_.passes.push_back({.number = static_cast<int>(file_.passes.size()) + 1,
-                            .segment = static_cast<int>(file_.segments.size()) - 1,
-                            .tool_index = tool_,
-                            .begin = pass_.begin(),
-                            .end = stamp,
-                            .cutting_s = pass_.cutting_s(),
-                            .removed_mm3 = 1e9 * pass_.removed_m3(),
-                            .state = name,
-                            .state_hash = hash,
-                            .undone = false,
-                            .to_go_mm = to_go_m_ ? std::optional(1e3 * *to_go_m_) : std::nullopt});
-  }
-  to_go_m_.reset();
-  saved_ = std::move(state);
-  saved_name_ = name;
-  saved_hash_ = hash;
-  if (pass_.open()) pass_.Restart();
-  writer_.WriteState(name, saved_);
-  WriteFile();
-}
-
-void ProcedureSession::CloseSegment(rt::Nanoseconds end) {
-  const std::lock_guard lock(mutex_);
-  SessionSegment& segment = file_.segments.back();
-  segment.end = end;
-  segment.end_state = saved_name_ == segment.begin_state ? "" : saved_name_;
-  segment.end_state_hash = saved_hash_;
-}
-
-void ProcedureSession::OpenSegment(rt::Nanoseconds begin) {
-  const std::lock_guard lock(mutex_);
-  file_.segments.push_back({.tool_index = tool_,
-                            .recording = params_.recording,
-                            .begin = begin,
-                            .end = 0,
-                            .begin_state = saved_name_,
-                            .begin_state_hash = saved_hash_,
-                            .end_state = "",
-                            .end_state_hash = "",
-                            .guidance_gain = guidance_gain_});
 }
 
 // A segment keeps the greatest gain that was in force: a session that was guided for a while counts as

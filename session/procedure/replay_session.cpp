@@ -17,6 +17,7 @@
 #include "session/replay/recarve.h"
 #include "session/setup/cell_setup.h"
 #include "session/setup/recorded_config.h"
+#include "simulation/engine/state_hash.h"
 #include "simulation/engine/tool_change.h"
 #include "simulation/files/carved_file.h"
 
@@ -24,10 +25,6 @@ namespace osteon::session {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string HashOfState(const simulation::CarvedState& state) {
-  return fmt::format("{:016x}", simulation::HashState(state));
-}
 
 // What a recording's cell is made of again.
 struct Scene {
@@ -61,7 +58,7 @@ tl::expected<Scene, std::string> SetUpScene(const io::Recording& recording, cons
 
 void CompareState(const std::string& name, const std::string& expected,
                   const simulation::CuttingEngine& engine, SessionReplay& replay) {
-  const std::string found = HashOfState(engine.Snapshot());
+  const std::string found = simulation::HashText(engine.Snapshot());
   ++replay.states;
   if (found == expected) return;
   ++replay.different_states;
@@ -77,7 +74,7 @@ std::string CutAgain(const io::Recording& recording, const SessionFile& session,
                            scene.tools[static_cast<std::size_t>(segment.tool_index)].tool, scene.setup.X_WG,
                            scene.setup.config.cutting);
   if (!engine) return engine.error();
-  if (const std::string uncut = HashOfState((*engine)->Snapshot()); uncut != session.bone_checksum)
+  if (const std::string uncut = simulation::HashText((*engine)->Snapshot()); uncut != session.bone_checksum)
     return fmt::format("found a bone of {}, accepted the session's, {}: it was packed by other demands",
                        uncut, session.bone_checksum);
   if (!segment.begin_state.empty()) {

@@ -23,6 +23,7 @@
 #include "session/run/simulated_setup.h"
 #include "session/run/simulation_thread.h"
 #include "session/run/start_path.h"
+#include "session/run/start_watch.h"
 #include "session/run/virtual_devices.h"
 #include "session/setup/build_name.h"
 #include "session/setup/recorded_config.h"
@@ -136,40 +137,6 @@ class ProcedureSink final : public io::RecordSink {
  private:
   io::RecordSink* live_;
   ProcedureSession* procedure_;
-};
-
-// Checks the path to the start while the arm waits, and again if somebody has moved the arm since.
-class StartWatch {
- public:
-  StartWatch(const CellSetup& setup, control::ServoLoop& loop) : setup_(setup), loop_(loop) {
-    loop_.AllowStart(false);
-  }
-
-  /// The arm's position: written by the servo thread, read by this one.
-  [[nodiscard]] rt::LatestValue<control::StandingArm>& standing() { return standing_; }
-
-  void Poll() {
-    const control::StandingArm& arm = standing_.Load();
-    if (!arm.known) return;
-    const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(arm.q.data());
-    if (checked_ && (q - checked_q_).cwiseAbs().maxCoeff() < kMoved_rad) return;
-    checked_q_ = q;
-    loop_.AllowStart(false);
-    why_not_ = ValidateStartPath(setup_, q);
-    checked_ = true;
-    loop_.AllowStart(why_not_.empty());
-  }
-
-  [[nodiscard]] const std::string& why_not() const { return why_not_; }
-
- private:
-  static constexpr double kMoved_rad = 0.02;
-  const CellSetup& setup_;
-  control::ServoLoop& loop_;
-  rt::LatestValue<control::StandingArm> standing_;
-  kinematics::JointVector checked_q_{kinematics::JointVector::Zero()};
-  bool checked_{false};
-  std::string why_not_;
 };
 
 // Time for which an arm is still answered and recorded at rest. An arm whose program can be asked to end is

@@ -1,6 +1,6 @@
-#include <cstring>
+#include "simulation/engine/state_hash.h"
 
-#include "simulation/engine/cutting_engine.h"
+#include <fmt/format.h>
 
 namespace osteon::simulation {
 
@@ -17,5 +17,7 @@ std::uint64_t HashState(const CarvedState& state) {
   mix(state.split_slots.data(), state.split_slots.size() * sizeof(float));
   return hash;
 }
+
+std::string HashText(const CarvedState& state) { return fmt::format("{:016x}", HashState(state)); }
 
 }  // namespace osteon::simulation
