@@ -96,7 +96,12 @@ class ReamerDrive final : public CanClient {
   void Accept(const CanArrival& arrival) OSTEON_RT override;
   bool Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT override;
 
-  void Command(const DriveCommand& command) OSTEON_RT { command_ = command; }
+  void Command(const DriveCommand& command) OSTEON_RT {
+    command_ = command;
+    // A drive that is told to leave, and then to come back before its status arrives, did not leave by
+    // itself.
+    if (command.goal != DriveGoal::kEnabled) was_enabled_ = false;
+  }
   [[nodiscard]] const DriveStatus& status() const OSTEON_RT { return status_; }
   [[nodiscard]] DrivePhase phase() const OSTEON_RT { return phase_; }
 

@@ -342,6 +342,20 @@ TEST(ReamerDrive, NoticesThatItRestartedAndThatItLeftEnabled) {
   EXPECT_EQ(told.drive.status().faults, 0u);
 }
 
+// As after a loop that recovers within some milliseconds, while no status comes.
+TEST(ReamerDrive, DoesNotTakeAStopThatItWasToldForItsOwn) {
+  Running told;
+  told.drive.Command({.goal = DriveGoal::kEnabled});
+  told.Cycle(0x237);
+  told.drive.Command({.goal = DriveGoal::kQuickStop});
+  told.drive.Command({.goal = DriveGoal::kEnabled});
+  told.Cycle(0x217);  // quick stop active: it had the first command
+  EXPECT_EQ(told.drive.status().faults, 0u);
+  told.Cycle(0x237);
+  told.Cycle(0x217);
+  EXPECT_EQ(told.drive.status().faults, kDriveLeftEnabled) << "this time nobody told it";
+}
+
 TEST(ReamerDrive, TellsABootUpFromAnotherNmtState) {
   Running r;
   r.Cycle(0x250);
