@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -19,6 +20,8 @@ class SoakCommand {
 
  private:
   studies::SoakOptions options_;
+  bool wall_{false};
+  std::optional<double> hours_;
   CLI::App* sub_;
 };
 

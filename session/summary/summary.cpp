@@ -13,6 +13,7 @@
 #include "session/setup/setup_warnings.h"
 #include "session/summary/each_fault.h"
 #include "session/summary/fault_seen.h"
+#include "simulation/engine/state_hash.h"
 #include "simulation/removal/cut_metrics.h"
 #include "simulation/removal/swept_volume.h"
 
@@ -102,6 +103,7 @@ void SummariseCut(const CellSetup& setup, const simulation::CarvedState& after, 
   s.removed_volume_m3 = after.removed_volume_m3;
   s.removed_mass_kg = after.removed_mass_kg;
   s.cutting_work_J = after.cutting_work_J;
+  s.cutting_debt_J = after.cutting_debt_J;
   if (setup.solid) {  // of a loaded packing only the balls are known
     const double cell_m = std::min(kSweepCell_m, tool.balls.front().radius_m / kSweepCellsARadius);
     const SessionCut* cut = run.session_cut.get();
@@ -116,7 +118,7 @@ void SummariseCut(const CellSetup& setup, const simulation::CarvedState& after, 
   const auto floor_m = simulation::FirstHit(simulation::LiveBalls(after), setup.bone.site.center_m,
                                             -Vector3(setup.bone.site.axis));
   s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;
-  s.state_hash = fmt::format("{:016x}", simulation::HashState(after));
+  s.state_hash = simulation::HashText(after);
 }
 
 }  // namespace

@@ -78,6 +78,7 @@ struct RunSummary {
   double max_age_damping{1.0}, min_age_share{1.0}, min_tank_J{0.0};
   bool rendered{false};  ///< at any time; if not, there is no cut to report
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
+  double cutting_debt_J{0.0};  ///< as CarvedState::cutting_debt_J, at the end
   /// Volume of the solid swept by the proxy's cutting surface; counted on a grid, without the engine.
   double swept_volume_m3{0.0};
   double swept_path_tolerance_m{

@@ -123,6 +123,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"swept_volume_mm3", s.swept_volume_m3 * 1e9},
       {"swept_path_tolerance_um", s.swept_path_tolerance_m * 1e6},
       {"cutting_work_J", s.cutting_work_J},
+      {"cutting_debt_J", s.cutting_debt_J},
       {"cup_depth_mm", s.cup_depth_m * 1e3},
       {"reamed_depth_mm", s.reamed_depth_m * 1e3},
       {"cavity_depth_mm",

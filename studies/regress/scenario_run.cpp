@@ -4,13 +4,13 @@
 
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "base/fnv1a.h"
+#include "base/read_text.h"
 #include "base/work_folder.h"
 #include "config/reading/load.h"
 #include "config/reading/load_surgical_plan.h"
@@ -91,18 +91,14 @@ std::string Checksum(const std::string& bytes) {
   return fmt::format("{:016x}", hash.hash());
 }
 
-std::string TextOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(stream), {});
-}
-
 // Lists the scenario's file, its plan, and the files that its cell was read from.
 std::vector<GoldenSource> SourcesOf(const config::ScenarioConfig& scenario, const session::CellSetup& setup) {
   std::vector<GoldenSource> sources;
-  sources.push_back({.path = scenario.file.filename().string(), .checksum = Checksum(TextOf(scenario.file))});
+  sources.push_back(
+      {.path = scenario.file.filename().string(), .checksum = Checksum(base::ReadText(scenario.file))});
   if (!scenario.plan.empty())
     sources.push_back(
-        {.path = scenario.plan.filename().string(), .checksum = Checksum(TextOf(scenario.plan))});
+        {.path = scenario.plan.filename().string(), .checksum = Checksum(base::ReadText(scenario.plan))});
   for (const io::ConfigFile& file : setup.config_source.files)
     sources.push_back({.path = file.name, .checksum = Checksum(file.content)});
   return sources;
@@ -163,7 +159,7 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
        .virtual_time = true,
        .frame_s = scenario.frame_s,
        .recoveries = scenario.recoveries,
-       .at_rest_s = 0.0,  // a trace ends at the arm's rest
+       .at_rest_s = params.at_rest_s,
        .recording = folder->path() / "recording.mcap",
        .stop = params.stop,
        .requests = pauses.signals(),
@@ -184,7 +180,8 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
                  .peak_hand_force_N = seen.peak_sensor_force_N,
                  .peak_tool_in_bone_mm = 1e3 * seen.peak_tool_in_bone_m,
                  .peak_tool_speed_mm_per_s = 1e3 * seen.peak_tool_speed_m_per_s,
-                 .removed_mm3 = cuts ? 1e9 * result->after.removed_volume_m3 : 0.0};
+                 .removed_mm3 = cuts ? 1e9 * result->after.removed_volume_m3 : 0.0,
+                 .cutting_debt_J = cuts ? result->after.cutting_debt_J : 0.0};
   run.seconds_simulated = period_s * static_cast<double>(run.trace.ticks);
   run.seconds_wall = Now_s() - begun_s;
   run.seconds_cpu = Cpu_s() - begun_cpu_s;

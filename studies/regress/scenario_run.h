@@ -19,6 +19,9 @@ struct ScenarioRunParams {
   std::string device{};            ///< part of a Vulkan device's name
   std::vector<std::string> set{};  ///< KEY=VALUE each, overrides every scenario's cell (Overlay::Set)
   const std::atomic<bool>* stop{nullptr};
+  /// Time for which an arm that has come to rest is still recorded; 0: a trace ends with the last motion that
+  /// is commanded, which a measured arm follows some 0.1 s later.
+  double at_rest_s{0.0};
   /// Where the recording of a run stays that is not bit-identical with its golden trace, as NAME.mcap; empty:
   /// nowhere.
   std::filesystem::path keep_in{};
@@ -31,6 +34,8 @@ struct RunFigures {
   double peak_tool_in_bone_mm{0.0};      ///< distance from the tool to its collision-free pose
   double peak_tool_speed_mm_per_s{0.0};  ///< commanded
   double removed_mm3{0.0};               ///< of bone, in all
+  /// Work of cleared bone that the edge has not yet done, at the end; negative: of bone not cleared yet.
+  double cutting_debt_J{0.0};
 };
 
 struct ScenarioRun {

@@ -29,8 +29,9 @@ struct EpisodeBooks {
   double min_tank_J{0.0};
 
   /// Work of the edge less the energy of the cleared bone, over the latter; 0 where nothing was cut.
-  [[nodiscard]] double energy_residual() const {
-    return cutting_work_J > 0.0 ? (edge_work_J - cutting_work_J) / cutting_work_J : 0.0;
+  /// @param debt_J  work of cleared bone that the edge has not yet done; negative: of bone not cleared yet
+  [[nodiscard]] double EnergyResidual(double debt_J) const {
+    return cutting_work_J > 0.0 ? (edge_work_J - cutting_work_J + debt_J) / cutting_work_J : 0.0;
   }
 };
 

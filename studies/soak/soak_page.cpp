@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -82,8 +83,10 @@ std::string SoakPage(std::span<const EpisodeResult> episodes, const SoakOptions&
            [](const auto& r) { return 1e6 * r.books.rest_error_m; }),
       Over(episodes, "Momentum that does not close", "share [%]",
            [](const auto& r) { return 100.0 * r.books.momentum_residual; }),
+      Over(episodes, "Work that the edge still owes for cleared bone", "work [J]",
+           [](const auto& r) { return r.cutting_debt_J; }),
       Over(episodes, "Energy of the cut that does not close", "share [%]",
-           [](const auto& r) { return 100.0 * r.books.energy_residual(); })};
+           [](const auto& r) { return 100.0 * std::abs(r.energy_residual()); })};
   html += report::Figure(report::Svg(panels), "One point for each episode.") + "<h2>Episodes by kind</h2>\n" +
           Kinds(episodes);
   return html + "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n" +

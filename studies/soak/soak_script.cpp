@@ -1,27 +1,11 @@
 #include "studies/soak/soak_script.h"
 
-#include <cmath>
-#include <random>
-
 #include <fmt/format.h>
+
+#include "studies/soak/seeded_draws.h"
 
 namespace osteon::studies {
 namespace {
-
-// Raw bits rather than a distribution: the same draws with every standard library.
-class Draws {
- public:
-  Draws(std::uint64_t seed, int index) : bits_(seed * 1'000'003u + static_cast<std::uint64_t>(index)) {}
-  /// Uniform, to three decimals.
-  double Between(double low, double high) {
-    const double share = static_cast<double>(bits_() >> 11) * 0x1p-53;
-    return std::round(1e3 * (low + share * (high - low))) / 1e3;
-  }
-  int Index(int count) { return static_cast<int>(bits_() % static_cast<std::uint64_t>(count)); }
-
- private:
-  std::mt19937_64 bits_;
-};
 
 // Out of every 24 drawn episodes about: 8 reaming, 4 loss, 4 pause, 4 recovery, 1 of each part that dies.
 EpisodeKind KindOf(int drawn) {
@@ -37,7 +21,7 @@ std::string Silence(const char* wire, const char* direction, double from_s, doub
                      direction, from_s, to_s);
 }
 
-void AddFaults(Episode& episode, Draws& draws) {
+void AddFaults(Episode& episode, SeededDraws& draws) {
   constexpr double kForEver_s = 80000.0;
   const double at_s = draws.Between(2.0, 0.6 * episode.seconds);
   switch (episode.kind) {
@@ -128,7 +112,7 @@ Episode EpisodeAt(std::uint64_t seed, int index) {
     episode.text = fmt::format("reference, {:g} s", kReference_s);
     return episode;
   }
-  Draws draws(seed, index);
+  SeededDraws draws(seed, index);
   episode.kind = KindOf(draws.Index(24));
   episode.seconds = draws.Between(8.0, 40.0);
   const int diameter_mm = 49 + draws.Index(4);

@@ -99,6 +99,8 @@ const std::map<std::string, DocRun>& Runs() {
           {"validate.json", "validate/validate.html", "validate/validate.svg"})},
       {"osteon soak --hours 8 --out soak --json soak.json",
        As("soak --hours 0.001 --out soak --json soak.json", {"soak.json", "soak/soak.html"})},
+      {"osteon soak --wall --hours 2 --out soak_wall --json soak_wall.json",
+       By("SoakWall.RunsTheCellsProcessesAndReadsWhatTheyLeave")},
       {"osteon transparency demo", As("transparency demo --points 3", {"transparency/transparency.html"})},
       {"osteon tune config/cells/demo.yaml",
        As("tune config/cells/demo.yaml --nodes 4", {"tune/tune.html", "tune/gains.yaml"})},

@@ -1,0 +1,361 @@
+#include "studies/soak/wall_cell.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <regex>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/read_text.h"
+#include "config/reading/load.h"
+#include "config/reading/strict/derived_file.h"
+#include "console/server/page_client.h"
+#include "io/local/local_client.h"
+#include "io/local/local_server.h"
+#include "session/run/cell_ports.h"
+
+namespace osteon::studies {
+namespace {
+
+using std::chrono::milliseconds, std::chrono::seconds, std::chrono::steady_clock;
+
+// Generous: a busy machine must not decide.
+constexpr seconds kReady{60}, kEnd{90};
+constexpr double kPatienceRatio = 3.0, kPatience_s = 120.0;  // of an episode, over its rendering
+constexpr milliseconds kLooks{50};
+constexpr double kUseEvery_s = 0.5, kPageStays_s = 1.0;
+// A PLC misses a heartbeat for 0.25 s until it takes the permission back.
+constexpr milliseconds kPlcNotices{800};
+constexpr const char* kPlan = "acetabulum";
+
+double Now_s() { return std::chrono::duration<double>(steady_clock::now().time_since_epoch()).count(); }
+
+int CountEntries(const std::filesystem::path& folder) {
+  std::error_code error;
+  int count = 0;
+  for (auto entry = std::filesystem::directory_iterator(folder, error);
+       !error && entry != std::filesystem::directory_iterator(); entry.increment(error))
+    ++count;
+  return count;
+}
+
+nlohmann::json ReadJson(const std::filesystem::path& file) {
+  return nlohmann::json::parse(base::ReadText(file), nullptr, false);
+}
+
+// The console's port in what a controller has printed; 0: none yet.
+int ConsolePort(const std::string& printed) {
+  static const std::regex kAddress("console: http://127\\.0\\.0\\.1:([0-9]+)/");
+  std::smatch found;
+  return std::regex_search(printed, found, kAddress) ? std::stoi(found[1]) : 0;
+}
+
+}  // namespace
+
+ProcessUse UseOf(pid_t process) {
+  const std::filesystem::path folder = std::filesystem::path("/proc") / std::to_string(process);
+  std::istringstream statm(base::ReadText(folder / "statm"));
+  double whole = 0.0, resident = 0.0;
+  statm >> whole >> resident;
+  return {.memory_MB = resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6,
+          .files = CountEntries(folder / "fd"),
+          .threads = CountEntries(folder / "task")};
+}
+
+// The pages of one controller: they come, and where the script says so, leave and come again.
+class WallCell::Pages {
+ public:
+  void Open(int port) {
+    port_ = port;
+    for (std::size_t i = 0; i < pages_.size(); ++i) OpenOne(i);
+    opened_s_ = Now_s();
+  }
+  [[nodiscard]] bool open() const { return port_ > 0; }
+
+  // Lets all pages leave and come again once a second.
+  void Change() {
+    if (!open() || Now_s() - opened_s_ < kPageStays_s) return;
+    for (std::size_t i = 0; i < pages_.size(); ++i) {
+      Leave(i);
+      OpenOne(i);
+    }
+    opened_s_ = Now_s();
+  }
+
+  std::array<std::uint64_t, kWallPages> Close() {
+    for (std::size_t i = 0; i < pages_.size(); ++i) Leave(i);
+    return messages_;
+  }
+
+ private:
+  void OpenOne(std::size_t i) {
+    if (auto page = console::PageClient::Open("127.0.0.1", port_, i + 1 < pages_.size()))
+      pages_[i] = std::move(*page);
+  }
+  void Leave(std::size_t i) {
+    if (pages_[i]) messages_[i] += pages_[i]->messages();
+    pages_[i].reset();
+  }
+
+  int port_{0};
+  double opened_s_{0.0};
+  std::array<std::unique_ptr<console::PageClient>, kWallPages> pages_;
+  std::array<std::uint64_t, kWallPages> messages_{};
+};
+
+WallCell::WallCell(std::filesystem::path config_root, std::filesystem::path folder,
+                   std::function<bool()> stop)
+    : config_root_(std::move(config_root)), folder_(std::move(folder)), stop_(std::move(stop)) {}
+
+WallOutcome WallCell::Run(const WallEpisode& episode) {
+  const double begin_s = Now_s();
+  if (WallOutcome before; cell_ && (distrusted_ || cell_->Ended() || episode.life.index != life_))
+    EndCell(before);
+  distrusted_ = false;
+  WallOutcome outcome;
+  try {
+    if (!cell_) outcome.error = StartCell(episode.life);
+    if (outcome.error.empty() && guard_ && guard_->Ended()) guard_.reset();
+    if (outcome.error.empty() && !guard_) outcome.error = StartGuard();
+    if (outcome.error.empty()) StartController(episode);
+  } catch (const std::exception& error) {
+    outcome.error = error.what();
+  }
+  if (!outcome.error.empty()) {
+    distrusted_ = true;
+    return outcome;
+  }
+  pause_ = 0;
+  pausing_ = false;
+  Pages pages;
+  Watch(episode, pages, outcome);
+  outcome.messages = pages.Close();
+  outcome.exit = run_->End(seconds(0));
+  run_.reset();
+  EndParts(episode, outcome);
+  outcome.seconds_wall = Now_s() - begin_s;
+  return outcome;
+}
+
+void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outcome) {
+  const double give_up_s = Now_s() + kPatienceRatio * episode.seconds + kPatience_s;
+  double use_s = 0.0, last_rendered_s = 0.0;
+  bool quarter = false;
+  while (!run_->Ended()) {
+    const double now_s = Now_s();
+    if (stop_() || now_s > give_up_s) {
+      outcome.error = stop_() ? "stopped" : "the controller did not end";
+      run_->Send(SIGTERM);
+      run_->End(kEnd);
+      return;
+    }
+    if (!pages.open()) {
+      if (const int port = ConsolePort(base::ReadText(Folder("run") / "stderr") +
+                                       base::ReadText(Folder("run") / "stdout"));
+          port > 0)
+        pages.Open(port);
+    } else if (episode.event == WallEvent::kPages) {
+      pages.Change();
+    }
+    if (const auto answer = Ask("status")) {
+      const nlohmann::json json = nlohmann::json::parse(*answer, nullptr, false);
+      const double rendered_s = json.is_object() ? json.value("/status/rendered_s"_json_pointer, 0.0) : 0.0;
+      if (rendered_s > 0.0) Act(episode, rendered_s, outcome);
+      // While time is rendered: a controller that has come to its end reads its recording, for the report.
+      if (rendered_s > last_rendered_s && now_s - use_s > kUseEvery_s) {
+        outcome.use = Uses();
+        use_s = now_s;
+      }
+      last_rendered_s = rendered_s;
+      if (!quarter && rendered_s > 0.25 * episode.seconds) {
+        outcome.quarter = UseOf(run_->pid());
+        quarter = true;
+      }
+    }
+    std::this_thread::sleep_for(kLooks);
+  }
+}
+
+PartUses WallCell::Uses() const {
+  const pid_t engine = base::FindChild(run_->pid(), "simulate");
+  return {UseOf(run_->pid()), engine > 0 ? UseOf(engine) : ProcessUse{}, UseOf(guard_->pid()),
+          UseOf(cell_->pid()), UseOf(getpid())};
+}
+
+void WallCell::Act(const WallEpisode& episode, double rendered_s, WallOutcome& outcome) {
+  if (pausing_) {
+    if (Now_s() < resume_at_s_ || !Request("resume", outcome)) return;
+    pausing_ = false;
+    outcome.event_done = ++pause_ == episode.pauses.size();
+    return;
+  }
+  if (pause_ < episode.pauses.size()) {
+    const WallPause& pause = episode.pauses[pause_];
+    if (rendered_s < pause.begin_s || !Request("pause", outcome)) return;
+    pausing_ = true;
+    resume_at_s_ = Now_s() + pause.length_s;
+    return;
+  }
+  if (outcome.event_done || rendered_s < episode.at_s) return;
+  switch (episode.event) {
+    case WallEvent::kHaltedCell:
+      cell_->Send(SIGSTOP);
+      std::this_thread::sleep_for(std::chrono::duration<double>(episode.halt_s));
+      cell_->Send(SIGCONT);
+      break;
+    case WallEvent::kControllerKill:
+      run_->Send(SIGKILL);
+      break;
+    case WallEvent::kGuardKill:
+      guard_->Send(SIGKILL);
+      break;
+    case WallEvent::kCellKill:
+      cell_->Send(SIGKILL);
+      break;
+    case WallEvent::kEngineKill:
+      if (const pid_t engine = base::FindChild(run_->pid(), "simulate"); engine > 0) {
+        kill(engine, SIGKILL);
+        break;
+      }
+      outcome.refused = "the controller has no engine's process";
+      return;
+    default:
+      return;
+  }
+  outcome.event_done = true;
+}
+
+bool WallCell::Request(const char* request, WallOutcome& outcome) {
+  const auto answer = Ask(request);
+  const nlohmann::json json = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
+  if (json.is_object() && json.value("done", false)) {
+    outcome.refused.clear();
+    return true;
+  }
+  outcome.refused = fmt::format("{}: {}", request,
+                                json.is_object() ? json.value("reason", "")
+                                : answer         ? *answer
+                                                 : answer.error());
+  return false;
+}
+
+void WallCell::EndParts(const WallEpisode& episode, WallOutcome& outcome) {
+  outcome.summary = Folder("run") / "run.json";
+  outcome.recording =
+      episode.life.plan ? Folder("run") / "session" / "run_1.mcap" : Folder("run") / "run.mcap";
+  if (IsKill(episode.event)) std::this_thread::sleep_for(kPlcNotices);
+  if (episode.ends_life) EndCell(outcome);
+  if (IsKill(episode.event)) EndGuard(outcome);  // one that has withheld, or has died, begins anew
+}
+
+void WallCell::EndCell(WallOutcome& outcome) {
+  if (cell_) {
+    cell_->Send(SIGTERM);
+    cell_->End(kEnd);
+    const nlohmann::json cell = ReadJson(Folder("cell") / "cell.json");
+    if (cell.is_object()) {
+      outcome.plc_blocks = cell.at("plc").at("blocks");
+      outcome.plc_permits = cell.at("plc").at("run_permitted");
+      outcome.spindle_rad_per_s = cell.at("spindle").at("speed_rad_per_s");
+    }
+    cell_.reset();
+  }
+  EndGuard(outcome);
+}
+
+void WallCell::EndGuard(WallOutcome& outcome) {
+  if (!guard_) return;
+  guard_->Send(SIGTERM);
+  guard_->End(kEnd);
+  const nlohmann::json guard = ReadJson(Folder("guard") / "guard.json");
+  if (guard.is_object() && guard.at("reason").is_string()) outcome.guard_reason = guard.at("reason");
+  guard_.reset();
+}
+
+std::string WallCell::StartCell(const CellLife& life) {
+  std::vector<config::YamlEdit> edits{{"plc.guard", "true"},
+                                      {"guard", "{port: 30209}"},
+                                      {"link_quality.ask_again", "true"},
+                                      {"operator.tremor_N", "1"}};
+  if (life.loss_ratio > 0.0)
+    edits.push_back({"injections", fmt::format("[{{wire: arm, direction: both, from_s: 0.5, to_s: 80000, "
+                                               "loss_ratio: {}, burst_count: 2}}]",
+                                               life.loss_ratio)});
+  if (life.engine_process) edits.push_back({"simulation", "{process: local}"});
+  config::WriteDerived(config_root_ / "cells" / "demo.yaml", edits, cell_file());
+  config::CellConfig cell = config::LoadCell(cell_file());
+  const auto port = session::UseSimulated(cell, 0);
+  if (!port) return port.error();
+  port_ = std::to_string(*port);
+  life_ = life.index;
+  std::vector<std::string> more{"--json", "cell.json", "--console",
+                                "off",    "--seconds", fmt::format("{:g}", life.seconds)};
+  if (life.plan) more.insert(more.end(), {"--plan", (config_root_ / "plans" / kPlan).string() + ".yaml"});
+  cell_ = Start("cell", more);
+  if (AwaitReady("cell", *cell_)) return "";
+  const std::string why = LastLine("cell");
+  cell_.reset();
+  return "osteon cell: " + why;
+}
+
+std::string WallCell::StartGuard() {
+  guard_ = Start("guard", {"--json", "guard.json"});
+  if (AwaitReady("guard", *guard_)) return "";
+  const std::string why = LastLine("guard");
+  guard_.reset();
+  return "osteon guard: " + why;
+}
+
+void WallCell::StartController(const WallEpisode& episode) {
+  std::vector<std::string> more{"--json",    "run.json", "--engine",  "cpu",
+                                "--console", "0",        "--seconds", fmt::format("{:g}", episode.seconds)};
+  if (episode.event == WallEvent::kHaltedCell) more.insert(more.end(), {"--recover", "3"});
+  if (episode.life.plan)
+    more.insert(more.end(),
+                {"--plan", (config_root_ / "plans" / kPlan).string() + ".yaml", "--session", "session"});
+  else
+    more.insert(more.end(), {"--record", "run.mcap"});
+  run_ = Start("run", more);
+}
+
+std::unique_ptr<base::ChildProcess> WallCell::Start(const char* part, std::vector<std::string> more) {
+  std::filesystem::remove_all(Folder(part));
+  std::filesystem::create_directories(Folder(part));
+  std::vector<std::string> words{part, std::filesystem::absolute(cell_file()).string(), "--port", port_};
+  words.insert(words.end(), more.begin(), more.end());
+  auto process = base::ChildProcess::Start({.words = words,
+                                            .program = base::ProgramBeside("osteon"),
+                                            .folder = Folder(part),
+                                            .out = Folder(part) / "stdout",
+                                            .err = Folder(part) / "stderr"});
+  if (!process) throw std::runtime_error(process.error());
+  return std::move(*process);
+}
+
+bool WallCell::AwaitReady(const char* part, base::ChildProcess& process) {
+  for (const auto end = steady_clock::now() + kReady; steady_clock::now() < end && !stop_();) {
+    if (base::ReadText(Folder(part) / "stdout").find("Ctrl-C ends it") != std::string::npos) return true;
+    if (process.Ended()) return false;
+    std::this_thread::sleep_for(kLooks);
+  }
+  return false;
+}
+
+std::string WallCell::LastLine(const char* part) const {
+  std::string text = base::ReadText(Folder(part) / "stderr");
+  while (text.ends_with('\n')) text.pop_back();
+  return text.empty() ? "it is not ready" : text.substr(text.rfind('\n') + 1);
+}
+
+tl::expected<std::string, std::string> WallCell::Ask(const std::string& request) const {
+  return io::AskLocalServer(io::LocalSocketFolder() / fmt::format("run-{}.sock", run_->pid()), request);
+}
+
+}  // namespace osteon::studies

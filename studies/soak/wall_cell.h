@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "base/child_process.h"
+#include "studies/soak/wall_script.h"
+
+namespace osteon::studies {
+
+/// What a process uses of the machine.
+struct ProcessUse {
+  double memory_MB{0.0};  ///< resident
+  int files{0}, threads{0};
+};
+/// Reads it from /proc; zeros if there is no such process.
+[[nodiscard]] ProcessUse UseOf(pid_t process);
+
+/// The processes that a soak watches.
+enum class WallPart : std::uint8_t { kController, kEngine, kGuard, kCell, kSoak };
+inline constexpr std::array<const char*, 5> kWallParts{"controller", "engine", "guard", "cell", "soak"};
+using PartUses = std::array<ProcessUse, kWallParts.size()>;
+
+inline constexpr int kWallPages = 3;  // the last one takes nothing, as a page that hangs
+
+/// What an episode leaves behind, before anybody judges it.
+struct WallOutcome {
+  std::string error{};        ///< why there was no episode; empty: there was one
+  std::optional<int> exit{};  ///< of the controller, as a shell shows it
+  bool event_done{false};     ///< the pauses, the halt, or the kill took place
+  std::string refused{};      ///< what the controller answered to a request that it refused
+  std::filesystem::path recording{}, summary{};
+  PartUses use{};                                    ///< the last ones
+  ProcessUse quarter{};                              ///< of the controller, after a quarter of its time
+  std::array<std::uint64_t, kWallPages> messages{};  ///< that each page got
+  std::string plc_blocks{};  ///< at the end of the cell; empty: it goes on, or was killed
+  bool plc_permits{false};
+  double spindle_rad_per_s{0.0};
+  std::string guard_reason{};  ///< why it withheld; empty: it did not, or goes on
+  double seconds_wall{0.0};
+};
+
+/// The processes of a cell in wall time: `osteon cell` and `osteon guard`, which live through several
+/// episodes, and `osteon run` with its console for each. What was killed, or stands latched, is started anew.
+class WallCell {
+ public:
+  /// @param config_root  folder of the shipped configuration
+  /// @param folder  existing, for the files of the processes
+  /// @param stop  polled now and then; true ends an episode early
+  WallCell(std::filesystem::path config_root, std::filesystem::path folder, std::function<bool()> stop);
+
+  /// Runs an episode to its end.
+  [[nodiscard]] WallOutcome Run(const WallEpisode& episode);
+
+  /// File of the cell that the last episode ran.
+  [[nodiscard]] std::filesystem::path cell_file() const { return folder_ / "cell.yaml"; }
+  /// The next episode begins with a new cell, because nobody knows how this one stands.
+  void Distrust() { distrusted_ = true; }
+
+ private:
+  class Pages;
+
+  std::string StartCell(const CellLife& life);
+  std::string StartGuard();
+  void StartController(const WallEpisode& episode);
+  // Watches the controller until it has ended, and does what the script says.
+  void Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outcome);
+  [[nodiscard]] PartUses Uses() const;
+  // Does what is due. @param rendered_s  by the controller's clock
+  void Act(const WallEpisode& episode, double rendered_s, WallOutcome& outcome);
+  // Asks the controller. A refusal is kept, and asked again at the next look. @returns whether it is done
+  bool Request(const char* request, WallOutcome& outcome);
+  void EndParts(const WallEpisode& episode, WallOutcome& outcome);
+  void EndCell(WallOutcome& outcome);
+  void EndGuard(WallOutcome& outcome);
+
+  [[nodiscard]] std::filesystem::path Folder(const char* part) const { return folder_ / part; }
+  [[nodiscard]] std::unique_ptr<base::ChildProcess> Start(const char* part, std::vector<std::string> more);
+  [[nodiscard]] bool AwaitReady(const char* part, base::ChildProcess& process);
+  [[nodiscard]] std::string LastLine(const char* part) const;
+  [[nodiscard]] tl::expected<std::string, std::string> Ask(const std::string& request) const;
+
+  std::filesystem::path config_root_, folder_;
+  std::function<bool()> stop_;
+  std::string port_;
+  int life_{-1};
+  bool distrusted_{false};
+  std::size_t pause_{0};  // the next pause of the script
+  bool pausing_{false};
+  double resume_at_s_{0.0};  // on this process's clock
+  std::unique_ptr<base::ChildProcess> cell_, guard_, run_;
+};
+
+}  // namespace osteon::studies

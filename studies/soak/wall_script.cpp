@@ -1,0 +1,120 @@
+#include "studies/soak/wall_script.h"
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include "studies/soak/seeded_draws.h"
+
+namespace osteon::studies {
+namespace {
+
+constexpr int kEpisodesPerLife = 5, kLivesPerGroup = 4;
+// Three lives of five episodes, and one of a single episode.
+constexpr int kEpisodesPerGroup = (kLivesPerGroup - 1) * kEpisodesPerLife + 1;
+constexpr double kTools_s = 120.0, kLong_s = 240.0;
+// The hand needs about a second from its hold to the bone.
+constexpr double kClearOfBone_s = 0.3, kInBone_s = 4.0;
+
+// Lives and episodes draw from numbers of their own.
+constexpr int kLifeDraws = 1 << 20;
+
+CellLife LifeAt(std::uint64_t seed, int index) {
+  SeededDraws draws(seed, kLifeDraws + index);
+  CellLife life{.index = index, .seconds = kWallReaming_s};
+  if (index % 3 != 0) life.loss_ratio = draws.Between(0.002, 0.01);
+  life.engine_process = index % 2 == 1;
+  if (index % kLivesPerGroup != kLivesPerGroup - 1) return life;
+  life.plan = index % (2 * kLivesPerGroup) == kLivesPerGroup - 1;
+  life.engine_process = false;
+  life.seconds = life.plan ? kTools_s : kLong_s;
+  return life;
+}
+
+// The event of the episode at a place within its life.
+WallEvent EventAt(int place, const CellLife& life, SeededDraws& draws) {
+  if (place == 0) return WallEvent::kReaming;
+  const WallEvent kill = life.engine_process ? WallEvent::kEngineKill : WallEvent::kControllerKill;
+  if (place == kEpisodesPerLife - 1)
+    return std::array{WallEvent::kControllerKill, WallEvent::kGuardKill, WallEvent::kCellKill, kill}.at(
+        static_cast<std::size_t>(draws.Index(4)));
+  return std::array{WallEvent::kPause,          WallEvent::kPages,     WallEvent::kHaltedCell,
+                    WallEvent::kControllerKill, WallEvent::kGuardKill, kill}
+      .at(static_cast<std::size_t>(draws.Index(6)));
+}
+
+void AddTimes(WallEpisode& episode, SeededDraws& draws) {
+  episode.at_s = episode.in_contact ? draws.Between(kInBone_s, episode.seconds - 6.0) : kClearOfBone_s;
+  if (episode.event == WallEvent::kHaltedCell) {
+    episode.at_s = draws.Between(kInBone_s, episode.seconds - 6.0);
+    // longer than the loop waits for the arm (five deadlines, 26 ms), shorter than the drive may be silent (40 ms)
+    episode.halt_s = draws.Between(0.030, 0.035);
+  }
+  if (episode.event == WallEvent::kPause)
+    episode.pauses = {{draws.Between(3.0, 6.0), draws.Between(0.5, 2.0)},
+                      {draws.Between(9.0, 14.0), draws.Between(0.5, 2.0)}};
+  if (episode.event == WallEvent::kLong)
+    for (int quarter = 0; quarter < 4; ++quarter)
+      episode.pauses.push_back(
+          {(quarter + draws.Between(0.3, 0.8)) * episode.seconds / 4.0, draws.Between(0.5, 4.0)});
+}
+
+std::string TextOf(const WallEpisode& episode) {
+  std::string text(NameOf(episode.event));
+  if (IsKill(episode.event)) text += episode.in_contact ? " in contact" : " clear of bone";
+  if (episode.halt_s > 0.0) text += fmt::format(" for {:.0f} ms", 1e3 * episode.halt_s);
+  if (episode.life.loss_ratio > 0.0) text += fmt::format(", loss {:.1f} %", 100.0 * episode.life.loss_ratio);
+  if (episode.life.engine_process) text += ", engine apart";
+  return text;
+}
+
+}  // namespace
+
+std::string_view NameOf(WallEvent event) {
+  switch (event) {
+    case WallEvent::kReaming:
+      return "reaming";
+    case WallEvent::kPause:
+      return "pauses";
+    case WallEvent::kPages:
+      return "pages leave and come";
+    case WallEvent::kHaltedCell:
+      return "cell halted";
+    case WallEvent::kTools:
+      return "four reamers of a plan";
+    case WallEvent::kLong:
+      return "long reaming";
+    case WallEvent::kControllerKill:
+      return "controller killed";
+    case WallEvent::kGuardKill:
+      return "guard killed";
+    case WallEvent::kEngineKill:
+      return "engine killed";
+    case WallEvent::kCellKill:
+      return "cell killed";
+  }
+  return "unknown";
+}
+
+bool IsKill(WallEvent event) { return event >= WallEvent::kControllerKill; }
+
+WallEpisode WallEpisodeAt(std::uint64_t seed, int index) {
+  const int group = index / kEpisodesPerGroup, within = index % kEpisodesPerGroup;
+  const int life = within / kEpisodesPerLife, place = within % kEpisodesPerLife;
+  SeededDraws draws(seed, index);
+  WallEpisode episode{.index = index, .life = LifeAt(seed, group * kLivesPerGroup + life)};
+  episode.seconds = episode.life.seconds;
+  if (life == kLivesPerGroup - 1) {
+    episode.event = episode.life.plan ? WallEvent::kTools : WallEvent::kLong;
+    episode.ends_life = true;
+  } else {
+    episode.event = EventAt(place, episode.life, draws);
+    episode.ends_life = place == kEpisodesPerLife - 1;
+    episode.in_contact = episode.ends_life;
+  }
+  AddTimes(episode, draws);
+  episode.text = TextOf(episode);
+  return episode;
+}
+
+}  // namespace osteon::studies

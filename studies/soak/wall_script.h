@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace osteon::studies {
+
+/// What happens in an episode of a soak in wall time.
+enum class WallEvent : std::uint8_t {
+  kReaming,         ///< nothing but the reaming
+  kPause,           ///< pauses that an operator asks for, and their ends
+  kPages,           ///< pages leave and come back all the time
+  kHaltedCell,      ///< the cell's process is halted for some ms; the loop starts again
+  kTools,           ///< the procedure of a plan: its four reamers in turn
+  kLong,            ///< a long reaming with a pause in each quarter
+  kControllerKill,  ///< SIGKILL to `osteon run`
+  kGuardKill,       ///< SIGKILL to `osteon guard`
+  kEngineKill,      ///< SIGKILL to `osteon simulate`, the engine in its own process
+  kCellKill,        ///< SIGKILL to `osteon cell`: arm, sensor, drive and PLC are gone
+};
+inline constexpr int kWallEvents = 10;
+[[nodiscard]] std::string_view NameOf(WallEvent event);
+[[nodiscard]] bool IsKill(WallEvent event);
+
+/// One cell's process and its guard, which live through several episodes.
+struct CellLife {
+  int index{0};
+  double loss_ratio{0.0};      ///< of the arm's datagrams, both ways
+  bool engine_process{false};  ///< the engine is a process of its own
+  bool plan{false};            ///< the operator's hand follows the plan
+  double seconds{0.0};         ///< of the operator's script
+};
+
+/// A pause, by the time rendered.
+struct WallPause {
+  double begin_s{0.0}, length_s{0.0};
+};
+
+struct WallEpisode {
+  int index{0};
+  CellLife life;
+  WallEvent event{WallEvent::kReaming};
+  double seconds{0.0};              ///< of rendering
+  double at_s{0.0};                 ///< of a kill or a halt, by the time rendered
+  double halt_s{0.0};               ///< length of a halt
+  bool in_contact{false};           ///< a kill: the tool is in the bone
+  std::vector<WallPause> pauses{};  ///< in their order
+  bool ends_life{false};            ///< cell and guard end with it
+
+  /// "controller killed in contact, loss 1.2 %"
+  std::string text{};
+};
+
+/// Seconds of an ordinary episode's reaming.
+inline constexpr double kWallReaming_s = 20.0;
+
+/// The episode with an index in a soak of this seed: a function of its arguments alone. Five episodes share a
+/// cell, whose last one a kill in contact; every fourth cell has one episode alone, by turns the procedure of
+/// a plan and a long reaming.
+[[nodiscard]] WallEpisode WallEpisodeAt(std::uint64_t seed, int index);
+
+}  // namespace osteon::studies

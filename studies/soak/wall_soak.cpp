@@ -1,0 +1,319 @@
+#include "studies/soak/wall_soak.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "base/interrupt.h"
+#include "base/json_text.h"
+#include "base/read_text.h"
+#include "base/work_folder.h"
+#include "base/write_text.h"
+#include "config/reading/load.h"
+#include "report/page.h"
+#include "safety/fault.h"
+#include "session/process/exit_code.h"
+#include "session/summary/chart_files.h"
+
+namespace osteon::studies {
+namespace {
+
+// Whether nothing of the script disturbs the reaming itself.
+bool IsUndisturbed(const WallEpisode& episode) {
+  return episode.event == WallEvent::kReaming || episode.event == WallEvent::kPages;
+}
+
+// Whether the controller of an ordinary length ended by itself: its memory compares with others'.
+bool IsOrdinary(const WallResult& r) {
+  return !IsKill(r.episode.event) && r.episode.event != WallEvent::kTools &&
+         r.episode.event != WallEvent::kLong && r.outcome.error.empty();
+}
+
+std::string FaultName(safety::Fault fault) { return safety::Describe(fault).name; }
+
+void JudgeEnd(const WallResult& r, const std::function<void(bool, const std::string&)>& require) {
+  const WallEvent event = r.episode.event;
+  const std::string faults = fmt::format("{}", fmt::join(r.faults, ", "));
+  if (!IsKill(event)) {
+    const std::string injected =
+        event == WallEvent::kHaltedCell ? FaultName(safety::Fault::kArmStale) : std::string();
+    for (const std::string& fault : r.faults)
+      require(fault == injected, fmt::format("a fault that was not injected: {} ({})", fault, r.late_text));
+    require(injected.empty() || !r.faults.empty(), "no fault, injected: " + injected);
+    require(r.ended == "completed", "ended: " + r.ended);
+    require(r.outcome.exit == 0, fmt::format("the controller ended with {}", r.outcome.exit.value_or(-1)));
+    return;
+  }
+  if (event == WallEvent::kControllerKill) {
+    require(r.outcome.exit == 137, fmt::format("the controller ended with {}", r.outcome.exit.value_or(-1)));
+  } else {
+    require(r.outcome.exit == 1, fmt::format("the controller ended with {}", r.outcome.exit.value_or(-1)));
+    require(!r.faults.empty(), "the controller named no fault");
+  }
+  if (event == WallEvent::kEngineKill)
+    require(!r.faults.empty() && r.faults.front() == FaultName(safety::Fault::kModelStale),
+            "not stopped for the engine, but for: " + faults);
+  require(!r.outcome.plc_permits, "the PLC permits motion still");
+  require(std::abs(r.outcome.spindle_rad_per_s) <= kStands_rad_per_s, "the spindle turns still");
+}
+
+void JudgeBooks(const WallResult& r, const std::function<void(bool, const std::string&)>& require) {
+  const EpisodeBooks& books = r.books;
+  const bool killed = r.episode.event == WallEvent::kControllerKill;
+  require(killed || books.complete, "the recording has no end");
+  require(books.missing_ticks == 0, fmt::format("the recording misses {} ticks", books.missing_ticks));
+  require(killed || (books.ticks == r.ticks && r.dropped_records == 0),
+          fmt::format("the recording has {} ticks of {}, {} records were dropped", books.ticks, r.ticks,
+                      r.dropped_records));
+  require(books.peak_rendered_N <= kMaxForce_N, fmt::format("{:.1f} N were rendered", books.peak_rendered_N));
+  require(books.max_model_age_s <= kMaxModelAge_s,
+          fmt::format("a contact model of {:.0f} ms was used", 1e3 * books.max_model_age_s));
+  require(books.max_sensor_age_s <= kMaxSensorAge_s,
+          fmt::format("a force of {:.0f} ms was used", 1e3 * books.max_sensor_age_s));
+  require(books.momentum_residual <= kMaxMomentumResidual,
+          fmt::format("momentum: {:.2f} % do not close", 100.0 * books.momentum_residual));
+  require(!books.removed_falls, "the removed volume fell");
+  if (IsKill(r.episode.event)) return;
+  require(EnergyCloses(books, r.cutting_debt_J), EnergyText(books, r.cutting_debt_J));
+  require(books.rest_error_m <= kMaxRestError_m,
+          fmt::format("at rest {:.3f} mm from the command", 1e3 * books.rest_error_m));
+  require(std::abs(1e9 * books.removed_m3 - r.removed_mm3) <= kMaxVolumeResidual * r.removed_mm3 + 1e-3,
+          fmt::format("volume: {:.3f} mm³ in the summary, {:.3f} recorded", r.removed_mm3,
+                      1e9 * books.removed_m3));
+}
+
+void ReadSummary(WallResult& result) {
+  const nlohmann::json json = nlohmann::json::parse(base::ReadText(result.outcome.summary), nullptr, false);
+  if (!json.is_object()) return;  // killed
+  result.ended = json.value("ended", "");
+  result.faults = json.value("recovered_from", std::vector<std::string>());
+  for (std::string& fault : json.value("faults", std::vector<std::string>()))
+    result.faults.push_back(std::move(fault));
+  result.ticks = json.value("ticks", std::uint64_t{0});
+  result.dropped_records = json.value("dropped_records", std::uint64_t{0});
+  result.removed_mm3 = json.value("removed_volume_mm3", 0.0);
+  const auto wakeup = json.find("wakeup_us");
+  if (wakeup != json.end() && wakeup->is_object())
+    result.late_text =
+        fmt::format("the loop was woken up to {:.1f} ms late", 1e-3 * wakeup->value("max", 0.0));
+  for (const auto& seen : json.value("faults_seen", nlohmann::json::array()))
+    if (seen.is_object()) result.late_text = seen.value("seen", "") + "; " + result.late_text;
+  result.cutting_debt_J = json.value("cutting_debt_J", 0.0);
+  if (const auto depth = json.find("reamed_depth_mm"); depth != json.end() && depth->is_number())
+    result.depth_mm = *depth;
+}
+
+// What is wrong with an episode's evidence is kept: its folders.
+void KeepEvidence(const std::filesystem::path& work, const std::filesystem::path& out, const WallResult& r) {
+  if (out.empty() || r.wrong.empty()) return;
+  std::error_code error;
+  std::filesystem::path kept = out / fmt::format("episode_{}", r.episode.index);
+  for (int copy = 2; std::filesystem::exists(kept, error); ++copy)  // evidence of an earlier soak stays
+    kept = out / fmt::format("episode_{}_{}", r.episode.index, copy);
+  std::filesystem::create_directories(kept, error);
+  for (const char* part : {"run", "guard", "cell"})
+    std::filesystem::copy(work / part, kept / part, std::filesystem::copy_options::recursive, error);
+}
+
+WallResult RunEpisode(WallCell& cell, const WallEpisode& episode) {
+  WallResult result{.episode = episode, .outcome = cell.Run(episode)};
+  if (!result.outcome.error.empty()) return result;
+  ReadSummary(result);
+  const config::CellConfig config = config::LoadCell(cell.cell_file());
+  if (auto books = ReadBooks(result.outcome.recording, config.servo.admittance, config.servo.period_s))
+    result.books = *books;
+  else
+    result.wrong.push_back(books.error());
+  return result;
+}
+
+void Print(const WallResult& r, double hours) {
+  const PartUses& use = r.outcome.use;
+  fmt::print("{:>6.2f} h {:>4}  {:<50} {:>6.1f} s  {:>5.1f} N  {:>5.0f} {:>4.0f} {:>4.0f} {:>4.0f} MB  {}\n",
+             hours, r.episode.index, r.episode.text, r.outcome.seconds_wall, r.books.peak_rendered_N,
+             use[0].memory_MB, use[1].memory_MB, use[2].memory_MB, use[3].memory_MB,
+             r.wrong.empty() ? "" : fmt::format("WRONG: {}", fmt::join(r.wrong, "; ")));
+  std::fflush(stdout);
+}
+
+nlohmann::ordered_json UsesJson(const PartUses& uses) {
+  nlohmann::ordered_json json;
+  for (std::size_t i = 0; i < uses.size(); ++i)
+    json[kWallParts.at(i)] = {
+        {"memory_MB", uses.at(i).memory_MB}, {"files", uses.at(i).files}, {"threads", uses.at(i).threads}};
+  return json;
+}
+
+nlohmann::ordered_json ResultJson(const WallResult& r) {
+  return {{"index", r.episode.index},
+          {"event", NameOf(r.episode.event)},
+          {"text", r.episode.text},
+          {"life", r.episode.life.index},
+          {"loss_ratio", r.episode.life.loss_ratio},
+          {"ended", r.ended},
+          {"exit", r.outcome.exit ? nlohmann::ordered_json(*r.outcome.exit) : nlohmann::ordered_json()},
+          {"faults", r.faults},
+          {"guard_reason", r.outcome.guard_reason},
+          {"plc_blocks", r.outcome.plc_blocks},
+          {"seconds_rendered", r.books.rendered_s},
+          {"seconds_wall", r.outcome.seconds_wall},
+          {"ticks", r.books.ticks},
+          {"frames", r.books.frames},
+          {"missing_ticks", r.books.missing_ticks},
+          {"complete", r.books.complete},
+          {"peak_rendered_N", r.books.peak_rendered_N},
+          {"max_model_age_s", r.books.max_model_age_s},
+          {"max_sensor_age_s", r.books.max_sensor_age_s},
+          {"rest_error_m", r.books.rest_error_m},
+          {"momentum_residual", r.books.momentum_residual},
+          {"energy_residual", r.energy_residual()},
+          {"removed_mm3", 1e9 * r.books.removed_m3},
+          {"reamed_depth_mm", r.depth_mm},
+          {"page_messages", r.outcome.messages},
+          {"use", UsesJson(r.outcome.use)},
+          {"wrong", r.wrong}};
+}
+
+double HoursOf(std::span<const WallResult> results) {
+  double wall_s = 0.0;
+  for (const WallResult& r : results) wall_s += r.outcome.seconds_wall;
+  return wall_s / 3600.0;
+}
+
+std::string WriteFiles(const SoakOptions& options, std::span<const WallResult> results) {
+  if (!options.json.empty())
+    if (const auto written = base::WriteText(options.json, WallSoakJson(results, options)); !written)
+      return written.error();
+  if (options.out.empty()) return "";
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  const auto page = report::WritePage(WallSoakPage(results, options), options.out / "soak.html");
+  return page ? "" : page.error();
+}
+
+}  // namespace
+
+std::vector<std::string> JudgeWallEpisode(const WallResult& r, const WallResult* first) {
+  std::vector<std::string> wrong;
+  if (!r.outcome.error.empty()) return {"no episode: " + r.outcome.error};
+  const auto require = [&](bool holds, const std::string& what) {
+    if (!holds) wrong.push_back(what);
+  };
+  JudgeEnd(r, require);
+  JudgeBooks(r, require);
+  const bool has_event = r.episode.event != WallEvent::kReaming && r.episode.event != WallEvent::kPages &&
+                         r.episode.event != WallEvent::kTools;
+  require(
+      !has_event || r.outcome.event_done,
+      "the script's event did not take place" + (r.outcome.refused.empty() ? "" : ": " + r.outcome.refused));
+  for (std::size_t page = 0; page + 1 < r.outcome.messages.size(); ++page)
+    require(r.outcome.messages[page] > 0, fmt::format("page {} got nothing", page + 1));
+  if (!first || !IsUndisturbed(r.episode)) return wrong;
+  require(
+      std::abs(r.removed_mm3 - first->removed_mm3) <= kMaxVolumeDrift * first->removed_mm3,
+      fmt::format("{:.0f} mm³ removed, {:.0f} by the first such episode", r.removed_mm3, first->removed_mm3));
+  require(std::abs(r.depth_mm - first->depth_mm) <= kMaxDepthDrift_mm,
+          fmt::format("{:.3f} mm deep, {:.3f} in the first such episode", r.depth_mm, first->depth_mm));
+  return wrong;
+}
+
+UseGrowth GrowthOf(WallPart part, std::span<const WallResult> results) {
+  std::vector<ProcessUse> uses;
+  for (const WallResult& r : results)
+    if (IsOrdinary(r)) uses.push_back(r.outcome.use.at(static_cast<std::size_t>(part)));
+  std::erase_if(uses, [](const ProcessUse& use) { return use.memory_MB == 0.0; });
+  const std::size_t n = uses.size();
+  if (n < 8) return {};
+  const auto median = [&](std::size_t from, std::size_t to, auto value) {
+    std::vector<double> values;
+    for (std::size_t i = from; i < to; ++i) values.push_back(static_cast<double>(value(uses[i])));
+    std::ranges::sort(values);
+    return values[values.size() / 2];
+  };
+  const auto growth = [&](auto value) { return median(3 * n / 4, n, value) - median(n / 4, n / 2, value); };
+  return {.memory_MB = growth([](const ProcessUse& u) { return u.memory_MB; }),
+          .files = static_cast<int>(growth([](const ProcessUse& u) { return u.files; })),
+          .threads = static_cast<int>(growth([](const ProcessUse& u) { return u.threads; }))};
+}
+
+std::vector<std::string> JudgeGrowth(std::span<const WallResult> results) {
+  std::vector<std::string> wrong;
+  for (std::size_t i = 0; i < kWallParts.size(); ++i) {
+    const UseGrowth growth = GrowthOf(static_cast<WallPart>(i), results);
+    if (growth.memory_MB > kMaxMemoryGrowth_MB)
+      wrong.push_back(fmt::format("{}: the memory grew by {:.1f} MB", kWallParts.at(i), growth.memory_MB));
+    if (growth.files > 1 || growth.threads > 1)
+      wrong.push_back(fmt::format("{}: {} open files and {} threads more", kWallParts.at(i), growth.files,
+                                  growth.threads));
+  }
+  for (const WallResult& r : results) {
+    const double grew_MB = r.outcome.use[0].memory_MB - r.outcome.quarter.memory_MB;
+    if (r.episode.event == WallEvent::kLong && r.outcome.error.empty() && grew_MB > kMaxMemoryGrowth_MB)
+      wrong.push_back(
+          fmt::format("episode {}: the controller grew by {:.1f} MB within it", r.episode.index, grew_MB));
+  }
+  return wrong;
+}
+
+std::string WallSoakJson(std::span<const WallResult> results, const SoakOptions& options) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array(), growth;
+  std::size_t wrong = 0;
+  for (const WallResult& r : results) {
+    list.push_back(ResultJson(r));
+    wrong += r.wrong.empty() ? 0 : 1;
+  }
+  for (std::size_t i = 0; i < kWallParts.size(); ++i) {
+    const UseGrowth g = GrowthOf(static_cast<WallPart>(i), results);
+    growth[kWallParts.at(i)] = {{"memory_MB", g.memory_MB}, {"files", g.files}, {"threads", g.threads}};
+  }
+  return base::JsonText(nlohmann::ordered_json{{"schema", "osteon.soak.wall/1"},
+                                               {"command", options.command_line},
+                                               {"machine", session::MachineName()},
+                                               {"seed", options.seed},
+                                               {"seconds_wall", 3600.0 * HoursOf(results)},
+                                               {"wrong_episodes", wrong},
+                                               {"growth", growth},
+                                               {"grows", JudgeGrowth(results)},
+                                               {"episodes", list}});
+}
+
+int RunWallSoak(const SoakOptions& options) {
+  if (!options.out.empty())
+    if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
+      return session::Fail("soak", wrong);
+  if (const std::string wrong = session::ValidateOutputFile("--json", options.json); !wrong.empty())
+    return session::Fail("soak", wrong);
+  const base::WorkFolder work("soak");
+  if (work.path().empty())
+    return session::Fail("soak", "cannot make a folder for what the processes write", session::kFailed);
+  base::InstallInterrupt();
+  WallCell cell(options.config_root, work.path(), [] { return base::Interrupted().load(); });
+  std::vector<WallResult> results;
+  std::optional<WallResult> first;
+  fmt::print("{:>13}  {:<50} {:>8}  {:>7}  {:>5} {:>4} {:>4} {:>4} MB\n", "episode", "event", "wall", "peak",
+             "run", "eng.", "gd.", "cell");
+  for (int index = 0; HoursOf(results) < options.hours && !base::Interrupted(); ++index) {
+    WallResult result = RunEpisode(cell, WallEpisodeAt(options.seed, index));
+    if (base::Interrupted()) break;  // cut short
+    for (std::string& wrong : JudgeWallEpisode(result, first ? &*first : nullptr))
+      result.wrong.push_back(std::move(wrong));
+    if (!result.wrong.empty()) cell.Distrust();
+    if (!first && IsUndisturbed(result.episode) && result.wrong.empty()) first = result;
+    KeepEvidence(work.path(), options.out, result);
+    results.push_back(std::move(result));
+    Print(results.back(), HoursOf(results));
+  }
+  const auto wrong = std::ranges::count_if(results, [](const WallResult& r) { return !r.wrong.empty(); });
+  const std::vector<std::string> grows = JudgeGrowth(results);
+  fmt::print("{} episodes, {:.2f} h: {} wrong{}\n", results.size(), HoursOf(results), wrong,
+             grows.empty() ? "; nothing grew" : fmt::format("; {}", fmt::join(grows, "; ")));
+  if (const std::string error = WriteFiles(options, results); !error.empty())
+    return session::Fail("soak", error, session::kFailed);
+  if (base::Interrupted()) return base::InterruptExitCode();
+  return wrong > 0 || !grows.empty() ? session::kFailed : 0;
+}
+
+}  // namespace osteon::studies

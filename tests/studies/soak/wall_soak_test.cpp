@@ -1,0 +1,181 @@
+#include "studies/soak/wall_soak.h"
+
+#include <unistd.h>
+
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/report/report_markup.h"
+
+// The soak in wall time: its seeded script, what it judges, what it writes. The processes themselves run in
+// tests/app/soak_wall_test.cpp.
+
+namespace osteon::studies {
+namespace {
+
+using testing::Contains, testing::HasSubstr, testing::IsEmpty, testing::SizeIs;
+
+TEST(WallScript, IsAFunctionOfTheSeedAndHasEveryEvent) {
+  std::set<WallEvent> events;
+  std::set<std::string> kills;
+  bool differs = false, loses = false;
+  for (int index = 0; index < 300; ++index) {
+    const WallEpisode episode = WallEpisodeAt(3, index);
+    EXPECT_EQ(episode.text, WallEpisodeAt(3, index).text);
+    EXPECT_EQ(episode.at_s, WallEpisodeAt(3, index).at_s);
+    differs |= episode.text != WallEpisodeAt(4, index).text;
+    loses |= episode.life.loss_ratio > 0.0;
+    events.insert(episode.event);
+    if (IsKill(episode.event)) kills.insert(fmt::format("{} {}", NameOf(episode.event), episode.in_contact));
+    EXPECT_LT(episode.at_s, episode.seconds);
+    for (const WallPause& pause : episode.pauses) EXPECT_LT(pause.begin_s, episode.seconds) << episode.text;
+    if (episode.event == WallEvent::kEngineKill) EXPECT_TRUE(episode.life.engine_process);
+    EXPECT_EQ(episode.event == WallEvent::kTools, episode.life.plan);
+    // after a kill in contact the tool stands in bone, where no controller may begin
+    if (episode.in_contact) EXPECT_TRUE(episode.ends_life);
+    EXPECT_EQ(episode.life.index != WallEpisodeAt(3, index + 1).life.index, episode.ends_life) << index;
+  }
+  EXPECT_THAT(events, SizeIs(kWallEvents));
+  EXPECT_THAT(kills, SizeIs(7)) << "each but the cell's in contact and clear of bone";
+  EXPECT_TRUE(differs);
+  EXPECT_TRUE(loses);
+}
+
+// An episode of which nothing is wrong.
+WallResult Good(WallEvent event) {
+  WallResult result{.episode = {.event = event, .seconds = 20.0}};
+  result.outcome = {.exit = 0, .event_done = true, .messages = {300, 310, 0}};
+  result.outcome.quarter = {.memory_MB = 100.0};
+  for (ProcessUse& use : result.outcome.use) use = {.memory_MB = 110.0, .files = 20, .threads = 30};
+  result.ended = "completed";
+  result.ticks = result.books.ticks = 20000;
+  result.removed_mm3 = 6860.0;
+  result.depth_mm = 8.356;
+  result.books.removed_m3 = 6860e-9;
+  result.books.complete = true;
+  result.books.peak_rendered_N = 120.0;
+  result.books.edge_work_J = result.books.cutting_work_J = 100.0;
+  if (event == WallEvent::kHaltedCell) result.faults = {"arm message stale"};
+  if (!IsKill(event)) return result;
+  result.ended = "fault";
+  result.outcome.exit = 1;
+  result.faults = {event == WallEvent::kEngineKill ? "contact model stale" : "arm message stale"};
+  if (event != WallEvent::kControllerKill) return result;
+  result.ended = "";
+  result.outcome.exit = 137;
+  result.faults = {};
+  result.books.complete = false;
+  return result;
+}
+
+std::vector<std::string> JudgedWith(WallEvent event, const std::function<void(WallResult&)>& change) {
+  const WallResult first = Good(WallEvent::kReaming);
+  WallResult result = Good(event);
+  change(result);
+  return JudgeWallEpisode(result, &first);
+}
+
+TEST(WallSoak, FindsWhatIsWrongWithAnEpisode) {
+  using R = WallResult;
+  for (int i = 0; i < kWallEvents; ++i)
+    EXPECT_THAT(JudgedWith(static_cast<WallEvent>(i), [](R&) {}), IsEmpty()) << i;
+  const auto reaming = WallEvent::kReaming;
+  const auto expect = [](WallEvent event, const std::function<void(R&)>& change, const char* wrong) {
+    EXPECT_THAT(JudgedWith(event, change), Contains(HasSubstr(wrong)));
+  };
+  expect(
+      reaming, [](R& r) { r.outcome.error = "the controller did not end"; }, "no episode");
+  expect(
+      reaming, [](R& r) { r.faults = {"tracking error"}; }, "not injected");
+  expect(
+      reaming, [](R& r) { r.ended = "fault"; }, "ended: fault");
+  expect(
+      reaming, [](R& r) { r.outcome.exit = 139; }, "ended with 139");
+  expect(
+      reaming, [](R& r) { r.books.complete = false; }, "no end");
+  expect(
+      reaming, [](R& r) { r.books.missing_ticks = 2; }, "misses 2 ticks");
+  expect(
+      reaming, [](R& r) { r.dropped_records = 1; }, "1 records were dropped");
+  expect(
+      reaming, [](R& r) { r.books.peak_rendered_N = 200.1; }, "200.1 N");
+  expect(
+      reaming, [](R& r) { r.books.max_model_age_s = 0.3; }, "300 ms");
+  expect(
+      reaming, [](R& r) { r.books.max_sensor_age_s = 0.2; }, "200 ms");
+  expect(
+      reaming, [](R& r) { r.books.momentum_residual = 0.03; }, "momentum");
+  expect(
+      reaming, [](R& r) { r.books.edge_work_J = 90.0; }, "energy");
+  expect(
+      reaming, [](R& r) { r.cutting_debt_J = 5.0; }, "energy");
+  expect(
+      reaming, [](R& r) { r.books.removed_falls = true; }, "fell");
+  expect(
+      reaming, [](R& r) { r.books.rest_error_m = 1e-3; }, "at rest");
+  expect(
+      reaming, [](R& r) { r.removed_mm3 += 1.0; }, "in the summary");
+  expect(
+      reaming, [](R& r) { r.depth_mm += 0.2; }, "8.556 mm deep");
+  expect(
+      reaming, [](R& r) { r.outcome.messages[1] = 0; }, "page 2 got nothing");
+  expect(
+      WallEvent::kPages, [](R& r) { r.removed_mm3 = 1e9 * (r.books.removed_m3 *= 1.02); }, "by the first");
+  expect(
+      WallEvent::kHaltedCell, [](R& r) { r.faults.clear(); }, "no fault, injected");
+  expect(
+      WallEvent::kPause, [](R& r) { r.outcome.event_done = false; }, "did not take place");
+  expect(
+      WallEvent::kControllerKill, [](R& r) { r.outcome.exit = 0; }, "ended with 0");
+  expect(
+      WallEvent::kControllerKill, [](R& r) { r.outcome.plc_permits = true; }, "permits");
+  expect(
+      WallEvent::kGuardKill, [](R& r) { r.outcome.spindle_rad_per_s = 9.0; }, "turns still");
+  expect(
+      WallEvent::kGuardKill, [](R& r) { r.faults.clear(); }, "named no fault");
+  expect(
+      WallEvent::kEngineKill, [](R& r) { r.faults = {"tool speed"}; }, "not stopped for the engine");
+}
+
+TEST(WallSoak, TellsWhatGrowsFromWhatIsFlat) {
+  std::vector<WallResult> results(16, Good(WallEvent::kReaming));
+  EXPECT_THAT(JudgeGrowth(results), IsEmpty());
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    results[i].outcome.use[0].memory_MB = 100.0 + 4.0 * static_cast<double>(i);
+    results[i].outcome.use[3].files = static_cast<int>(i);
+  }
+  EXPECT_THAT(JudgeGrowth(results), SizeIs(2));
+  EXPECT_THAT(JudgeGrowth(results), Contains(HasSubstr("controller: the memory grew")));
+  EXPECT_THAT(JudgeGrowth(results), Contains(HasSubstr("cell: 8 open files")));
+  WallResult longest = Good(WallEvent::kLong);
+  longest.outcome.use[0].memory_MB = 150.0;
+  EXPECT_THAT(JudgeGrowth(std::vector{longest}), Contains(HasSubstr("within it")));
+}
+
+TEST(WallSoak, ItsPageAndJsonSayWhatIsWrong) {
+  std::vector<WallResult> results;
+  for (int i = 0; i < kWallEvents; ++i) results.push_back(Good(static_cast<WallEvent>(i)));
+  results[3].wrong = {"no fault, injected: arm message stale"};
+  const SoakOptions options{.command_line = "osteon soak --wall"};
+  const nlohmann::json json = nlohmann::json::parse(WallSoakJson(results, options));
+  EXPECT_EQ(json.at("wrong_episodes"), 1);
+  EXPECT_EQ(json.at("episodes").size(), results.size());
+  EXPECT_EQ(json["episodes"][6]["exit"], 137);
+  const std::string page = WallSoakPage(results, options);
+  EXPECT_EQ(report::MarkupError(page), "");
+  EXPECT_THAT(page, HasSubstr("no fault, injected: arm message stale"));
+}
+
+TEST(WallSoak, ReadsWhatAProcessUses) {
+  const ProcessUse use = UseOf(getpid());
+  EXPECT_GT(use.memory_MB, 1.0);
+  EXPECT_GE(use.files, 3);
+  EXPECT_GE(use.threads, 1);
+  EXPECT_EQ(UseOf(0).memory_MB, 0.0);
+}
+
+}  // namespace
+}  // namespace osteon::studies
