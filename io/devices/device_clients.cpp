@@ -86,8 +86,11 @@ void DeviceClients::Command(const control::CellCommands& commands, rt::Nanosecon
   if (!drive_) return;
   if (drive_silence_.HasExpired(drive_->silent(), now)) drive_->Restart();
   const bool turns = std::abs(drive_->status().speed_rad_per_s) > kStands_rad_per_s;
+  // A quick stop goes on to standstill, whatever is commanded meanwhile: a loop may recover within
+  // milliseconds.
+  quick_stops_ = commands.quick_stop || (quick_stops_ && turns);
   DriveCommand command;
-  if (commands.quick_stop)
+  if (quick_stops_)
     command.goal = DriveGoal::kQuickStop;
   else if (commands.spindle_rad_per_s != 0.0 || turns)
     command = {DriveGoal::kEnabled, commands.spindle_rad_per_s};

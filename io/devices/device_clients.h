@@ -59,6 +59,7 @@ class DeviceClients {
   std::unique_ptr<WrenchSensor> sensor_;
   std::optional<ReamerDrive> drive_;
   SilenceTimer sensor_silence_, drive_silence_;
+  bool quick_stops_{false};  // the drive brakes, and still turns
   DriveReset drive_reset_;
   bool was_wanted_{false};
   rt::Nanoseconds asked_since_{0};
