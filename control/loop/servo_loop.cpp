@@ -146,6 +146,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
     ProcessArmMessage(tick, record);
   }
 
+  if (!cell_commands().motion_requested) withdrawn_at_ = now;
   FillCommand(state, command);
   FinishRecord(command, record);
   return record;

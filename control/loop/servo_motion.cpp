@@ -63,7 +63,8 @@ void ServoLoop::StartMotionIfPermitted(const TickInputs& tick) OSTEON_RT {
                                                   .may_start = requests_.may_start(),
                                                   .rendered = rendered,
                                                   .bias_in_doubt = hand_.bias_in_doubt(),
-                                                  .arm_overloaded = arm_overloaded_}));
+                                                  .arm_overloaded = arm_overloaded_,
+                                                  .withdrawn_at = withdrawn_at_}));
   if (!waits) return;
   ApplyEvent(tick.state.session == SessionState::kIdle ? CellEvent::kArmIdle : CellEvent::kArmSeen);
   ApplyEvent(permits().AllButHandedOver() ? CellEvent::kPermitsHold : CellEvent::kPermitsMissing);

@@ -9,6 +9,9 @@ using safety::MotionPermit;
 
 // Beyond it an arm is not where its command is: lag at hand guiding's speeds is a fifth of it.
 constexpr double kPlausible_rad = 0.1;
+// Within it a PLC has answered a new request: its program's and the client's cycles, and the age at which a
+// reading still counts.
+constexpr rt::Nanoseconds kAnswered = 200 * rt::kMillisecond;
 
 }  // namespace
 
@@ -18,7 +21,8 @@ safety::MotionPermits EvaluatePermits(const TickInputs& tick, const StartConditi
   permits.Set(MotionPermit::kArmFresh, true);  // nobody asks where there is no message
   permits.Set(MotionPermit::kHandedOver,
               state.session == SessionState::kCommandingActive && state.safety_state == 0);
-  permits.Set(MotionPermit::kRunPermitted, c.checks.IsMotionPermitted(readings.interlock, now));
+  permits.Set(MotionPermit::kRunPermitted,
+              now - c.withdrawn_at >= kAnswered && c.checks.IsMotionPermitted(readings.interlock, now));
   permits.Set(MotionPermit::kSensorFresh, c.checks.IsSensorReady(readings.force, now));
   permits.Set(MotionPermit::kSpindleReady, c.checks.IsSpindleReady(readings.spindle, now));
   permits.Set(MotionPermit::kPathChecked, c.may_start);

@@ -32,6 +32,10 @@ struct StartConditions {
   bool rendered{false};        ///< rendered at least once: the loop takes no path to the start any more
   bool bias_in_doubt{false};   ///< the sensor's bias is unknown: a hand may rest on the handle
   bool arm_overloaded{false};  ///< the joints' load is about to exceed what they can hold
+  /// The last tick in which motion was not requested. Devices answer the new request some time later; until
+  /// then their readings are those of before the stop.
+  rt::Nanoseconds withdrawn_at{kNeverWithdrawn};
+  static constexpr rt::Nanoseconds kNeverWithdrawn{-rt::kSecond};
 };
 
 /// Evaluates the conditions of motion, in a tick with a message. A condition that would stop motion also

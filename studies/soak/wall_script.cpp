@@ -47,7 +47,8 @@ void AddTimes(WallEpisode& episode, SeededDraws& draws) {
   episode.at_s = episode.in_contact ? draws.Between(kInBone_s, episode.seconds - 6.0) : kClearOfBone_s;
   if (episode.event == WallEvent::kHaltedCell) {
     episode.at_s = draws.Between(kInBone_s, episode.seconds - 6.0);
-    // longer than the loop waits for the arm (five deadlines, 26 ms), shorter than the drive may be silent (40 ms)
+    // longer than the loop waits for the arm (five deadlines, 26 ms), shorter than the drive may be silent
+    // (40 ms)
     episode.halt_s = draws.Between(0.030, 0.035);
   }
   if (episode.event == WallEvent::kPause)

@@ -227,16 +227,19 @@ UseGrowth GrowthOf(WallPart part, std::span<const WallResult> results) {
   std::erase_if(uses, [](const ProcessUse& use) { return use.memory_MB == 0.0; });
   const std::size_t n = uses.size();
   if (n < 8) return {};
-  const auto median = [&](std::size_t from, std::size_t to, auto value) {
+  // an episode whose pages come and go has more of both for a moment: the least tells what stays
+  const auto value_of = [&](std::size_t from, std::size_t to, auto value, double share) {
     std::vector<double> values;
     for (std::size_t i = from; i < to; ++i) values.push_back(static_cast<double>(value(uses[i])));
     std::ranges::sort(values);
-    return values[values.size() / 2];
+    return values[static_cast<std::size_t>(share * static_cast<double>(values.size()))];
   };
-  const auto growth = [&](auto value) { return median(3 * n / 4, n, value) - median(n / 4, n / 2, value); };
-  return {.memory_MB = growth([](const ProcessUse& u) { return u.memory_MB; }),
-          .files = static_cast<int>(growth([](const ProcessUse& u) { return u.files; })),
-          .threads = static_cast<int>(growth([](const ProcessUse& u) { return u.threads; }))};
+  const auto growth = [&](auto value, double share) {
+    return value_of(3 * n / 4, n, value, share) - value_of(n / 4, n / 2, value, share);
+  };
+  return {.memory_MB = growth([](const ProcessUse& u) { return u.memory_MB; }, 0.5),
+          .files = static_cast<int>(growth([](const ProcessUse& u) { return u.files; }, 0.0)),
+          .threads = static_cast<int>(growth([](const ProcessUse& u) { return u.threads; }, 0.0))};
 }
 
 std::vector<std::string> JudgeGrowth(std::span<const WallResult> results) {

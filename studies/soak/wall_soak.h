@@ -41,8 +41,8 @@ inline constexpr double kMaxModelAge_s = 0.252, kMaxSensorAge_s = 0.102;
 /// What is wrong with an episode. @param first  the first undisturbed reaming; null: this is it
 [[nodiscard]] std::vector<std::string> JudgeWallEpisode(const WallResult& result, const WallResult* first);
 
-/// Growth of a part's use from the second quarter of the episodes of ordinary length to the last, by their
-/// medians: memory [MB] and open files; zeros with fewer than eight episodes.
+/// Growth of a part's use from the second quarter of the episodes of ordinary length to the last: memory [MB]
+/// by their medians, open files and threads by their least; zeros with fewer than eight episodes.
 struct UseGrowth {
   double memory_MB{0.0};
   int files{0}, threads{0};

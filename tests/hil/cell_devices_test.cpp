@@ -130,6 +130,24 @@ TEST(CellDevices, ASpindleIsRampedDownAndAQuickStopIsSteeper) {
   EXPECT_LT(quick, ramped);
 }
 
+// A loop that stops and recovers within a millisecond: the spindle stands before it turns again.
+TEST(CellDevices, AQuickStopGoesOnToStandstillWhateverIsCommandedMeanwhile) {
+  Cell cell;
+  cell.commands.spindle_rad_per_s = kSpeed;
+  cell.Run(2000);
+  cell.commands.quick_stop = true;
+  cell.Run(1);
+  cell.commands.quick_stop = false;
+  double slowest_rad_per_s = kSpeed;
+  for (int ms = 0; ms < 2000; ++ms) {
+    const control::SpindleReading spindle = cell.Run(1).spindle;
+    EXPECT_FALSE(spindle.fault) << "it was told so";
+    slowest_rad_per_s = std::min(slowest_rad_per_s, spindle.speed_rad_per_s);
+  }
+  EXPECT_LT(slowest_rad_per_s, 0.5);
+  EXPECT_NEAR(cell.Run(1).spindle.speed_rad_per_s, kSpeed, 0.02 * kSpeed);
+}
+
 TEST(CellDevices, AFaultOfTheDriveStaysUntilARecoveryClearsIt) {
   const InjectionParams silence{
       .injections = {{.wire = Wire::kDrive, .from_s = 0.0, .to_s = 0.5, .faults = {.silence = true}}}};
