@@ -16,7 +16,7 @@ using safety::CellState;
 using Records = std::vector<TickRecord>;
 
 constexpr int kBefore = 300;   // ticks of a fault before a waiting cell may begin
-constexpr int kAfter = 80;     // ticks until it begins after the fault
+constexpr int kAfter = 300;    // ticks until it begins after the fault; 200 are for the answer to its request
 constexpr int kSettles = 200;  // until everything is at rest
 constexpr int kRefused = 20;   // ticks for which a forbidden recovery is attempted
 constexpr double kSlack = 1.0 + 1e-9;

@@ -280,7 +280,7 @@ TEST(RunServo, AHeldFaultEndsByARecoveryAfterWhichItRendersOn) {
   arm.returns_after = 200;
   arm.recovers_after = 400;
   arm.loop = &rig.loop;
-  const RunServoResult result = rig.Run(arm, {.seconds = 0.3, .give_up_s = 0.1, .hold_at_fault = true});
+  const RunServoResult result = rig.Run(arm, {.seconds = 0.5, .give_up_s = 0.25, .hold_at_fault = true});
   EXPECT_EQ(result.end, RunEnd::kSeconds);
   EXPECT_FALSE(result.faults.Any()) << "the recovery has cleared it";
   EXPECT_TRUE(result.cleared.Has(safety::Fault::kSession)) << "and it is not forgotten";
@@ -293,7 +293,7 @@ TEST(RunServo, AHeldFaultEndsByARecoveryAfterWhichItRendersOn) {
   ASSERT_NE(asked, rig.recorder.records.end());
   const auto rendered = std::count_if(asked, rig.recorder.records.end(),
                                       [](const TickRecord& t) { return t.phase == Phase::kHaptic; });
-  EXPECT_GT(rendered, 100) << "300 ms of rendering less the 100 ms before: the hold does not count";
+  EXPECT_GT(rendered, 100) << "500 ms less 100 before and 200 of the recovery: the hold does not count";
 }
 
 TEST(RunServo, AStopDuringAHoldEndsWithTheFault) {

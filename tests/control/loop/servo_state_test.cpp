@@ -311,10 +311,12 @@ TEST_F(ServoState, ARecoveryInTheSameActivationStartsWhereTheArmWasLastTold) {
   EXPECT_TRUE(cell.bench.loop.CanRecover());
   cell.bench.loop.RequestRecovery();
   JointArray before = told;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 400; ++i) {
     const TickRecord record = cell.Tick();
     ASSERT_LT(StepOf(record.q_cmd, before), 1e-3) << "tick " << i;
     before = record.q_cmd;
+    // the PLC has not answered the new request: its permission is that of before the stop
+    if (i < 199) ASSERT_EQ(cell.state(), CellState::kRecovery) << "tick " << i;
   }
   EXPECT_TRUE(safety::Renders(cell.state()));
   EXPECT_FALSE(cell.bench.loop.faults().Any());
@@ -328,7 +330,9 @@ TEST_F(ServoState, ARecoveryOnTheWayToTheStartGoesThereStill) {
   for (int i = 0; i < 5; ++i) cell.Tick(ReceiveResult::kTimeout);
   EXPECT_EQ(cell.state(), CellState::kStop0);
   cell.bench.loop.RequestRecovery();
-  cell.Tick();
+  cell.Run(199);
+  EXPECT_EQ(cell.state(), CellState::kRecovery) << "the PLC has not answered the new request";
+  cell.Run(3);
   EXPECT_EQ(cell.state(), CellState::kAligning);
   for (int i = 0; i < 20'000 && !safety::Renders(cell.state()); ++i) cell.Tick();
   EXPECT_NEAR(cell.bench.command.q[0], ServoBench::StartJoints()[0] + 0.3, 1e-6);
