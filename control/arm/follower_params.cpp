@@ -3,7 +3,7 @@
 
 #include "control/arm/arm_follower.h"
 
-// What an arm's follower and its bounds take from a loop's parameters.
+// The parameters of an arm's follower and of its bounds, from those of a loop.
 
 namespace osteon::control {
 

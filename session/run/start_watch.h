@@ -22,7 +22,7 @@ class StartWatch {
   /// Checks where the arm stands now. One thread only; takes up to some seconds.
   void Poll();
 
-  /// What is in the way; empty: nothing, or nothing is known yet.
+  /// The obstacle, named for the user; empty: none, or nothing is known yet.
   [[nodiscard]] const std::string& why_not() const { return why_not_; }
 
  private:

@@ -12,15 +12,14 @@
 
 #include "base/interrupt.h"
 #include "base/json_text.h"
-#include "base/write_text.h"
 #include "config/reading/load.h"
 #include "config/reading/load_scenario.h"
 #include "config/reading/strict/overlay.h"
-#include "report/page.h"
 #include "session/process/exit_code.h"
 #include "session/summary/chart_files.h"
 #include "studies/regress/scenario_run.h"
 #include "studies/soak/soak_page.h"
+#include "studies/soak/soak_parts.h"
 
 namespace osteon::studies {
 namespace {
@@ -74,29 +73,18 @@ tl::expected<EpisodeResult, std::string> RunEpisode(const SoakOptions& options, 
 }
 
 nlohmann::ordered_json EpisodeJson(const EpisodeResult& r) {
-  return {{"index", r.episode.index},
-          {"kind", NameOf(r.episode.kind)},
-          {"text", r.episode.text},
-          {"ended", r.ended},
-          {"faults", r.faults},
-          {"hash", fmt::format("{:016x}", r.hash)},
-          {"seconds_simulated", r.seconds_simulated},
-          {"seconds_wall", r.seconds_wall},
-          {"memory_MB", r.memory_MB},
-          {"ticks", r.books.ticks},
-          {"frames", r.books.frames},
-          {"missing_ticks", r.books.missing_ticks},
-          {"complete", r.books.complete},
-          {"peak_rendered_N", r.books.peak_rendered_N},
-          {"max_model_age_s", r.books.max_model_age_s},
-          {"max_sensor_age_s", r.books.max_sensor_age_s},
-          {"max_tracking_m", r.books.max_tracking_m},
-          {"rest_error_m", r.books.rest_error_m},
-          {"momentum_residual", r.books.momentum_residual},
-          {"energy_residual", r.energy_residual()},
-          {"cutting_debt_J", r.cutting_debt_J},
-          {"removed_mm3", 1e9 * r.books.removed_m3},
-          {"wrong", r.wrong}};
+  nlohmann::ordered_json json{{"index", r.episode.index},
+                              {"kind", NameOf(r.episode.kind)},
+                              {"text", r.episode.text},
+                              {"ended", r.ended},
+                              {"faults", r.faults},
+                              {"hash", fmt::format("{:016x}", r.hash)},
+                              {"seconds_simulated", r.seconds_simulated},
+                              {"seconds_wall", r.seconds_wall},
+                              {"memory_MB", r.memory_MB}};
+  AddBooks(json, r.books, r.cutting_debt_J);
+  json["wrong"] = r.wrong;
+  return json;
 }
 
 void Print(const EpisodeResult& r, double simulated_s) {
@@ -105,17 +93,6 @@ void Print(const EpisodeResult& r, double simulated_s) {
              100.0 * r.books.momentum_residual, 100.0 * r.energy_residual(),
              r.wrong.empty() ? "" : fmt::format("WRONG: {}", fmt::join(r.wrong, "; ")));
   std::fflush(stdout);
-}
-
-std::string WriteFiles(const SoakOptions& options, std::span<const EpisodeResult> episodes) {
-  if (!options.json.empty())
-    if (const auto written = base::WriteText(options.json, SoakJson(episodes, options)); !written)
-      return written.error();
-  if (options.out.empty()) return "";
-  std::error_code error;
-  std::filesystem::create_directories(options.out, error);
-  const auto page = report::WritePage(SoakPage(episodes, options), options.out / "soak.html");
-  return page ? "" : page.error();
 }
 
 }  // namespace
@@ -144,15 +121,11 @@ std::vector<std::string> JudgeEpisode(const EpisodeResult& r, std::uint64_t refe
   require(r.books.complete && r.books.missing_ticks == 0,
           fmt::format("the recording misses {} ticks{}", r.books.missing_ticks,
                       r.books.complete ? "" : " and its end"));
-  require(r.books.peak_rendered_N <= kMaxForce_N,
-          fmt::format("{:.1f} N were rendered", r.books.peak_rendered_N));
+  RequireBooks(r.books, require);
   // an arm that fell silent is not measured any more
   require(r.episode.kind == EpisodeKind::kArmSilent || r.books.rest_error_m <= kMaxRestError_m,
           fmt::format("at rest {:.3f} mm from the command", 1e3 * r.books.rest_error_m));
-  require(r.books.momentum_residual <= kMaxMomentumResidual,
-          fmt::format("momentum: {:.2f} % do not close", 100.0 * r.books.momentum_residual));
   require(EnergyCloses(r.books, r.cutting_debt_J), EnergyText(r.books, r.cutting_debt_J));
-  require(!r.books.removed_falls, "the removed volume fell");
   // an arm that fell silent ends the run at once: its last frame was never seen, nor recorded
   const double unseen_m3 = r.episode.kind == EpisodeKind::kArmSilent ? kMaxUnseenFrame_m3 : 0.0;
   const double slack_m3 = kMaxVolumeResidual * r.carved_m3;
@@ -166,15 +139,9 @@ std::vector<std::string> JudgeEpisode(const EpisodeResult& r, std::uint64_t refe
 }
 
 double MemoryGrowth_MB(std::span<const EpisodeResult> episodes) {
-  if (episodes.size() < 8) return 0.0;
-  const auto median = [&](std::size_t from, std::size_t to) {
-    std::vector<double> values;
-    for (std::size_t i = from; i < to; ++i) values.push_back(episodes[i].memory_MB);
-    std::ranges::sort(values);
-    return values[values.size() / 2];
-  };
-  const std::size_t n = episodes.size();
-  return median(3 * n / 4, n) - median(n / 4, n / 2);
+  std::vector<double> values;
+  for (const EpisodeResult& result : episodes) values.push_back(result.memory_MB);
+  return QuarterGrowth(values, 0.5);
 }
 
 tl::expected<std::vector<EpisodeResult>, std::string> RunEpisodes(
@@ -219,11 +186,7 @@ std::string SoakJson(std::span<const EpisodeResult> episodes, const SoakOptions&
 }
 
 int RunSoak(const SoakOptions& options) {
-  if (!options.out.empty())
-    if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
-      return session::Fail("soak", wrong);
-  if (const std::string wrong = session::ValidateOutputFile("--json", options.json); !wrong.empty())
-    return session::Fail("soak", wrong);
+  if (const std::string wrong = ValidateOutputs(options); !wrong.empty()) return session::Fail("soak", wrong);
   base::InstallInterrupt();
   double simulated_s = 0.0;
   const auto episodes = RunEpisodes(options, &base::Interrupted(), [&](const EpisodeResult& result) {
@@ -236,7 +199,9 @@ int RunSoak(const SoakOptions& options) {
   const double growth_MB = MemoryGrowth_MB(*episodes);
   fmt::print("{} episodes, {:.2f} h simulated: {} wrong; memory grew by {:.1f} MB\n", episodes->size(),
              simulated_s / 3600.0, wrong, growth_MB);
-  if (const std::string error = WriteFiles(options, *episodes); !error.empty())
+  if (const std::string error =
+          WriteSoakFiles(options, SoakJson(*episodes, options), SoakPage(*episodes, options));
+      !error.empty())
     return session::Fail("soak", error, session::kFailed);
   if (base::Interrupted()) return base::InterruptExitCode();
   return wrong > 0 || growth_MB > kMaxMemoryGrowth_MB ? session::kFailed : 0;

@@ -1,15 +1,14 @@
 #include "studies/soak/soak_page.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "report/page.h"
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
+#include "studies/soak/soak_parts.h"
 
 namespace osteon::studies {
 namespace {
@@ -17,33 +16,28 @@ namespace {
 // A figure of each episode over the simulated hours.
 report::LineChart Over(std::span<const EpisodeResult> episodes, const char* title, const char* unit,
                        const std::function<double(const EpisodeResult&)>& value) {
-  report::LineChart chart{.title = title,
-                          .x_label = "simulated time [h]",
-                          .y_label = unit,
-                          .legend = false,
-                          .plot_height_px = 110.0};
-  report::Series series{.width_px = 0.0, .marker = report::Marker::kCircle};
+  report::Series series = SoakPoints("");
   double hours = 0.0;
   for (const EpisodeResult& result : episodes) {
     hours += result.seconds_simulated / 3600.0;
     series.x.push_back(hours);
     series.y.push_back(value(result));
   }
-  chart.series.push_back(std::move(series));
-  return chart;
+  return SoakChart(title, "simulated time [h]", unit, {std::move(series)});
 }
 
 std::string Kinds(std::span<const EpisodeResult> episodes) {
-  std::string html =
-      "<table>\n<tr><th>kind</th><th class=\"n\">episodes</th><th class=\"n\">wrong</th></tr>\n";
+  std::vector<KindCount> counts;
   for (int i = 0; i < kEpisodeKinds; ++i) {
     const auto kind = static_cast<EpisodeKind>(i);
-    const auto of_kind = [&](const EpisodeResult& r) { return r.episode.kind == kind; };
-    const auto wrong = [&](const EpisodeResult& r) { return of_kind(r) && !r.wrong.empty(); };
-    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n", NameOf(kind),
-                        std::ranges::count_if(episodes, of_kind), std::ranges::count_if(episodes, wrong));
+    KindCount& count = counts.emplace_back(KindCount{.name = NameOf(kind)});
+    for (const EpisodeResult& r : episodes) {
+      if (r.episode.kind != kind) continue;
+      ++count.episodes;
+      count.wrong += r.wrong.empty() ? 0 : 1;
+    }
   }
-  return html + "</table>\n";
+  return KindTable("kind", counts);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 
 namespace osteon::studies {
 
-/// What a process uses of the machine.
+/// A process's use of the machine.
 struct ProcessUse {
   double memory_MB{0.0};  ///< resident
   int files{0}, threads{0};
@@ -31,7 +31,7 @@ using PartUses = std::array<ProcessUse, kWallParts.size()>;
 
 inline constexpr int kWallPages = 3;  // the last one takes nothing, as a page that hangs
 
-/// What an episode leaves behind, before anybody judges it.
+/// The remains of an episode, before anybody judges it.
 struct WallOutcome {
   std::string error{};        ///< why there was no episode; empty: there was one
   std::optional<int> exit{};  ///< of the controller, as a shell shows it

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -8,6 +7,7 @@
 #include "report/page.h"
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
+#include "studies/soak/soak_parts.h"
 #include "studies/soak/wall_soak.h"
 
 namespace osteon::studies {
@@ -16,9 +16,9 @@ namespace {
 using Value = std::function<double(const WallResult&)>;
 
 // A figure of each episode that has it, over the hours.
-report::Series SeriesOf(std::span<const WallResult> results, const std::string& name,
+report::Series SeriesOf(std::span<const WallResult> results, const char* name,
                         const std::function<bool(const WallResult&)>& has, const Value& value) {
-  report::Series series{.name = name, .width_px = 0.0, .marker = report::Marker::kCircle};
+  report::Series series = SoakPoints(name);
   double hours = 0.0;
   for (const WallResult& r : results) {
     hours += r.outcome.seconds_wall / 3600.0;
@@ -30,12 +30,7 @@ report::Series SeriesOf(std::span<const WallResult> results, const std::string& 
 }
 
 report::LineChart ChartOf(const char* title, const char* unit, std::vector<report::Series> series) {
-  return {.title = title,
-          .x_label = "wall time [h]",
-          .y_label = unit,
-          .series = std::move(series),
-          .legend = false,
-          .plot_height_px = 110.0};
+  return SoakChart(title, "wall time [h]", unit, std::move(series));
 }
 
 report::LineChart Over(std::span<const WallResult> results, const char* title, const char* unit,
@@ -59,16 +54,17 @@ report::LineChart UseChart(std::span<const WallResult> results, const char* titl
 }
 
 std::string Events(std::span<const WallResult> results) {
-  std::string html =
-      "<table>\n<tr><th>event</th><th class=\"n\">episodes</th><th class=\"n\">wrong</th></tr>\n";
+  std::vector<KindCount> counts;
   for (int i = 0; i < kWallEvents; ++i) {
     const auto event = static_cast<WallEvent>(i);
-    const auto of_event = [&](const WallResult& r) { return r.episode.event == event; };
-    const auto wrong = [&](const WallResult& r) { return of_event(r) && !r.wrong.empty(); };
-    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n", NameOf(event),
-                        std::ranges::count_if(results, of_event), std::ranges::count_if(results, wrong));
+    KindCount& count = counts.emplace_back(KindCount{.name = NameOf(event)});
+    for (const WallResult& r : results) {
+      if (r.episode.event != event) continue;
+      ++count.episodes;
+      count.wrong += r.wrong.empty() ? 0 : 1;
+    }
   }
-  return html + "</table>\n";
+  return KindTable("event", counts);
 }
 
 }  // namespace

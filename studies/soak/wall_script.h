@@ -7,7 +7,7 @@
 
 namespace osteon::studies {
 
-/// What happens in an episode of a soak in wall time.
+/// The events of an episode of a soak in wall time.
 enum class WallEvent : std::uint8_t {
   kReaming,         ///< nothing but the reaming
   kPause,           ///< pauses that an operator asks for, and their ends

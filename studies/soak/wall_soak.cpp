@@ -11,12 +11,11 @@
 #include "base/json_text.h"
 #include "base/read_text.h"
 #include "base/work_folder.h"
-#include "base/write_text.h"
 #include "config/reading/load.h"
-#include "report/page.h"
 #include "safety/fault.h"
 #include "session/process/exit_code.h"
 #include "session/summary/chart_files.h"
+#include "studies/soak/soak_parts.h"
 
 namespace osteon::studies {
 namespace {
@@ -34,7 +33,7 @@ bool IsOrdinary(const WallResult& r) {
 
 std::string FaultName(safety::Fault fault) { return safety::Describe(fault).name; }
 
-void JudgeEnd(const WallResult& r, const std::function<void(bool, const std::string&)>& require) {
+void JudgeEnd(const WallResult& r, const Require& require) {
   const WallEvent event = r.episode.event;
   const std::string faults = fmt::format("{}", fmt::join(r.faults, ", "));
   if (!IsKill(event)) {
@@ -60,7 +59,7 @@ void JudgeEnd(const WallResult& r, const std::function<void(bool, const std::str
   require(std::abs(r.outcome.spindle_rad_per_s) <= kStands_rad_per_s, "the spindle turns still");
 }
 
-void JudgeBooks(const WallResult& r, const std::function<void(bool, const std::string&)>& require) {
+void JudgeBooks(const WallResult& r, const Require& require) {
   const EpisodeBooks& books = r.books;
   const bool killed = r.episode.event == WallEvent::kControllerKill;
   require(killed || books.complete, "the recording has no end");
@@ -68,14 +67,11 @@ void JudgeBooks(const WallResult& r, const std::function<void(bool, const std::s
   require(killed || (books.ticks == r.ticks && r.dropped_records == 0),
           fmt::format("the recording has {} ticks of {}, {} records were dropped", books.ticks, r.ticks,
                       r.dropped_records));
-  require(books.peak_rendered_N <= kMaxForce_N, fmt::format("{:.1f} N were rendered", books.peak_rendered_N));
+  RequireBooks(books, require);
   require(books.max_model_age_s <= kMaxModelAge_s,
           fmt::format("a contact model of {:.0f} ms was used", 1e3 * books.max_model_age_s));
   require(books.max_sensor_age_s <= kMaxSensorAge_s,
           fmt::format("a force of {:.0f} ms was used", 1e3 * books.max_sensor_age_s));
-  require(books.momentum_residual <= kMaxMomentumResidual,
-          fmt::format("momentum: {:.2f} % do not close", 100.0 * books.momentum_residual));
-  require(!books.removed_falls, "the removed volume fell");
   if (IsKill(r.episode.event)) return;
   require(EnergyCloses(books, r.cutting_debt_J), EnergyText(books, r.cutting_debt_J));
   require(books.rest_error_m <= kMaxRestError_m,
@@ -106,7 +102,7 @@ void ReadSummary(WallResult& result) {
     result.depth_mm = *depth;
 }
 
-// What is wrong with an episode's evidence is kept: its folders.
+// Keeps the folders of an episode in which something was wrong.
 void KeepEvidence(const std::filesystem::path& work, const std::filesystem::path& out, const WallResult& r) {
   if (out.empty() || r.wrong.empty()) return;
   std::error_code error;
@@ -148,50 +144,31 @@ nlohmann::ordered_json UsesJson(const PartUses& uses) {
 }
 
 nlohmann::ordered_json ResultJson(const WallResult& r) {
-  return {{"index", r.episode.index},
-          {"event", NameOf(r.episode.event)},
-          {"text", r.episode.text},
-          {"life", r.episode.life.index},
-          {"loss_ratio", r.episode.life.loss_ratio},
-          {"ended", r.ended},
-          {"exit", r.outcome.exit ? nlohmann::ordered_json(*r.outcome.exit) : nlohmann::ordered_json()},
-          {"faults", r.faults},
-          {"guard_reason", r.outcome.guard_reason},
-          {"plc_blocks", r.outcome.plc_blocks},
-          {"seconds_rendered", r.books.rendered_s},
-          {"seconds_wall", r.outcome.seconds_wall},
-          {"ticks", r.books.ticks},
-          {"frames", r.books.frames},
-          {"missing_ticks", r.books.missing_ticks},
-          {"complete", r.books.complete},
-          {"peak_rendered_N", r.books.peak_rendered_N},
-          {"max_model_age_s", r.books.max_model_age_s},
-          {"max_sensor_age_s", r.books.max_sensor_age_s},
-          {"rest_error_m", r.books.rest_error_m},
-          {"momentum_residual", r.books.momentum_residual},
-          {"energy_residual", r.energy_residual()},
-          {"removed_mm3", 1e9 * r.books.removed_m3},
-          {"reamed_depth_mm", r.depth_mm},
-          {"page_messages", r.outcome.messages},
-          {"use", UsesJson(r.outcome.use)},
-          {"wrong", r.wrong}};
+  nlohmann::ordered_json json{
+      {"index", r.episode.index},
+      {"event", NameOf(r.episode.event)},
+      {"text", r.episode.text},
+      {"life", r.episode.life.index},
+      {"loss_ratio", r.episode.life.loss_ratio},
+      {"ended", r.ended},
+      {"exit", r.outcome.exit ? nlohmann::ordered_json(*r.outcome.exit) : nlohmann::ordered_json()},
+      {"faults", r.faults},
+      {"guard_reason", r.outcome.guard_reason},
+      {"plc_blocks", r.outcome.plc_blocks},
+      {"seconds_rendered", r.books.rendered_s},
+      {"seconds_wall", r.outcome.seconds_wall}};
+  AddBooks(json, r.books, r.cutting_debt_J);
+  json["reamed_depth_mm"] = r.depth_mm;
+  json["page_messages"] = r.outcome.messages;
+  json["use"] = UsesJson(r.outcome.use);
+  json["wrong"] = r.wrong;
+  return json;
 }
 
 double HoursOf(std::span<const WallResult> results) {
   double wall_s = 0.0;
   for (const WallResult& r : results) wall_s += r.outcome.seconds_wall;
   return wall_s / 3600.0;
-}
-
-std::string WriteFiles(const SoakOptions& options, std::span<const WallResult> results) {
-  if (!options.json.empty())
-    if (const auto written = base::WriteText(options.json, WallSoakJson(results, options)); !written)
-      return written.error();
-  if (options.out.empty()) return "";
-  std::error_code error;
-  std::filesystem::create_directories(options.out, error);
-  const auto page = report::WritePage(WallSoakPage(results, options), options.out / "soak.html");
-  return page ? "" : page.error();
 }
 
 }  // namespace
@@ -204,8 +181,7 @@ std::vector<std::string> JudgeWallEpisode(const WallResult& r, const WallResult*
   };
   JudgeEnd(r, require);
   JudgeBooks(r, require);
-  const bool has_event = r.episode.event != WallEvent::kReaming && r.episode.event != WallEvent::kPages &&
-                         r.episode.event != WallEvent::kTools;
+  const bool has_event = !IsUndisturbed(r.episode) && r.episode.event != WallEvent::kTools;
   require(
       !has_event || r.outcome.event_done,
       "the script's event did not take place" + (r.outcome.refused.empty() ? "" : ": " + r.outcome.refused));
@@ -225,18 +201,12 @@ UseGrowth GrowthOf(WallPart part, std::span<const WallResult> results) {
   for (const WallResult& r : results)
     if (IsOrdinary(r)) uses.push_back(r.outcome.use.at(static_cast<std::size_t>(part)));
   std::erase_if(uses, [](const ProcessUse& use) { return use.memory_MB == 0.0; });
-  const std::size_t n = uses.size();
-  if (n < 8) return {};
-  // an episode whose pages come and go has more of both for a moment: the least tells what stays
-  const auto value_of = [&](std::size_t from, std::size_t to, auto value, double share) {
-    std::vector<double> values;
-    for (std::size_t i = from; i < to; ++i) values.push_back(static_cast<double>(value(uses[i])));
-    std::ranges::sort(values);
-    return values[static_cast<std::size_t>(share * static_cast<double>(values.size()))];
-  };
   const auto growth = [&](auto value, double share) {
-    return value_of(3 * n / 4, n, value, share) - value_of(n / 4, n / 2, value, share);
+    std::vector<double> values;
+    for (const ProcessUse& use : uses) values.push_back(static_cast<double>(value(use)));
+    return QuarterGrowth(values, share);
   };
+  // an episode whose pages come and go has more files and threads for a moment: the least tells what stays
   return {.memory_MB = growth([](const ProcessUse& u) { return u.memory_MB; }, 0.5),
           .files = static_cast<int>(growth([](const ProcessUse& u) { return u.files; }, 0.0)),
           .threads = static_cast<int>(growth([](const ProcessUse& u) { return u.threads; }, 0.0))};
@@ -284,11 +254,7 @@ std::string WallSoakJson(std::span<const WallResult> results, const SoakOptions&
 }
 
 int RunWallSoak(const SoakOptions& options) {
-  if (!options.out.empty())
-    if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
-      return session::Fail("soak", wrong);
-  if (const std::string wrong = session::ValidateOutputFile("--json", options.json); !wrong.empty())
-    return session::Fail("soak", wrong);
+  if (const std::string wrong = ValidateOutputs(options); !wrong.empty()) return session::Fail("soak", wrong);
   const base::WorkFolder work("soak");
   if (work.path().empty())
     return session::Fail("soak", "cannot make a folder for what the processes write", session::kFailed);
@@ -313,7 +279,9 @@ int RunWallSoak(const SoakOptions& options) {
   const std::vector<std::string> grows = JudgeGrowth(results);
   fmt::print("{} episodes, {:.2f} h: {} wrong{}\n", results.size(), HoursOf(results), wrong,
              grows.empty() ? "; nothing grew" : fmt::format("; {}", fmt::join(grows, "; ")));
-  if (const std::string error = WriteFiles(options, results); !error.empty())
+  if (const std::string error =
+          WriteSoakFiles(options, WallSoakJson(results, options), WallSoakPage(results, options));
+      !error.empty())
     return session::Fail("soak", error, session::kFailed);
   if (base::Interrupted()) return base::InterruptExitCode();
   return wrong > 0 || !grows.empty() ? session::kFailed : 0;

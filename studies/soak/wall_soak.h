@@ -38,7 +38,7 @@ inline constexpr double kStands_rad_per_s = 0.5;  ///< spindle at standstill
 /// A watchdog acts in the tick that finds the age beyond its bound.
 inline constexpr double kMaxModelAge_s = 0.252, kMaxSensorAge_s = 0.102;
 
-/// What is wrong with an episode. @param first  the first undisturbed reaming; null: this is it
+/// Names all that is wrong with an episode. @param first  the first undisturbed reaming; null: this is it
 [[nodiscard]] std::vector<std::string> JudgeWallEpisode(const WallResult& result, const WallResult* first);
 
 /// Growth of a part's use from the second quarter of the episodes of ordinary length to the last: memory [MB]
@@ -49,7 +49,7 @@ struct UseGrowth {
 };
 [[nodiscard]] UseGrowth GrowthOf(WallPart part, std::span<const WallResult> results);
 
-/// What grows beyond kMaxMemoryGrowth_MB, or by more than one file or thread: a sentence each.
+/// Names each part that grows beyond kMaxMemoryGrowth_MB, or by more than one file or thread.
 [[nodiscard]] std::vector<std::string> JudgeGrowth(std::span<const WallResult> results);
 
 /// JSON object, schema osteon.soak.wall/1.

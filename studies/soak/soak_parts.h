@@ -1,0 +1,51 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "report/svg_plot.h"
+#include "studies/soak/episode_books.h"
+#include "studies/soak/soak.h"
+
+// The parts that a soak in virtual time and one in wall time share.
+
+namespace osteon::studies {
+
+/// Takes a condition, and the text of what is wrong where it does not hold.
+using Require = std::function<void(bool holds, const std::string& what)>;
+
+/// Holds a recording to the bounds that every episode has: rendered force, momentum, removed volume.
+void RequireBooks(const EpisodeBooks& books, const Require& require);
+
+/// Appends the figures of a recording to an episode's JSON. @param debt_J  see EpisodeBooks::EnergyResidual
+void AddBooks(nlohmann::ordered_json& json, const EpisodeBooks& books, double debt_J);
+
+/// Growth from the second quarter of the values to the last, by a quantile of each. 0 with fewer than eight.
+/// @param share  0: the least, 0.5: the median
+[[nodiscard]] double QuarterGrowth(const std::vector<double>& values, double share);
+
+/// A panel of points over the hours of a soak.
+[[nodiscard]] report::LineChart SoakChart(const char* title, const char* hours, const char* unit,
+                                          std::vector<report::Series> series);
+/// A series of points without a line, still empty.
+[[nodiscard]] report::Series SoakPoints(const char* name);
+
+/// Episodes of one kind, and how many of them were wrong.
+struct KindCount {
+  std::string_view name;
+  std::ptrdiff_t episodes{0}, wrong{0};
+};
+/// The table of a page. @param head  of the first column
+[[nodiscard]] std::string KindTable(const char* head, const std::vector<KindCount>& counts);
+
+/// Checks --out and --json before anything runs. @returns the error, or an empty string
+[[nodiscard]] std::string ValidateOutputs(const SoakOptions& options);
+/// Writes what the options ask for. @returns the error, or an empty string
+[[nodiscard]] std::string WriteSoakFiles(const SoakOptions& options, const std::string& json,
+                                         const std::string& page);
+
+}  // namespace osteon::studies
