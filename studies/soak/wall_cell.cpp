@@ -128,10 +128,7 @@ WallOutcome WallCell::Run(const WallEpisode& episode) {
   } catch (const std::exception& error) {
     outcome.error = error.what();
   }
-  if (!outcome.error.empty()) {
-    distrusted_ = true;
-    return outcome;
-  }
+  if (!outcome.error.empty()) return outcome;
   pause_ = 0;
   pausing_ = false;
   Pages pages;

@@ -55,6 +55,8 @@ void JudgeEnd(const WallResult& r, const Require& require) {
   if (event == WallEvent::kEngineKill)
     require(!r.faults.empty() && r.faults.front() == FaultName(safety::Fault::kModelStale),
             "not stopped for the engine, but for: " + faults);
+  const bool cell_ended = r.episode.ends_life && event != WallEvent::kCellKill;
+  require(!cell_ended || !r.outcome.plc_blocks.empty(), "the cell left no report");
   require(!r.outcome.plc_permits, "the PLC permits motion still");
   require(std::abs(r.outcome.spindle_rad_per_s) <= kStands_rad_per_s, "the spindle turns still");
 }
@@ -97,6 +99,7 @@ void ReadSummary(WallResult& result) {
         fmt::format("the loop was woken up to {:.1f} ms late", 1e-3 * wakeup->value("max", 0.0));
   for (const auto& seen : json.value("faults_seen", nlohmann::json::array()))
     if (seen.is_object()) result.late_text = seen.value("seen", "") + "; " + result.late_text;
+  result.passes = json.value("passes", nlohmann::json::array()).size();
   result.cutting_debt_J = json.value("cutting_debt_J", 0.0);
   if (const auto depth = json.find("reamed_depth_mm"); depth != json.end() && depth->is_number())
     result.depth_mm = *depth;
@@ -181,6 +184,8 @@ std::vector<std::string> JudgeWallEpisode(const WallResult& r, const WallResult*
   };
   JudgeEnd(r, require);
   JudgeBooks(r, require);
+  require(r.episode.event != WallEvent::kTools || r.passes == kToolsOfPlan,
+          fmt::format("{} passes, of {} reamers", r.passes, kToolsOfPlan));
   const bool has_event = !IsUndisturbed(r.episode) && r.episode.event != WallEvent::kTools;
   require(
       !has_event || r.outcome.event_done,
@@ -274,6 +279,7 @@ int RunWallSoak(const SoakOptions& options) {
     KeepEvidence(work.path(), options.out, result);
     results.push_back(std::move(result));
     Print(results.back(), HoursOf(results));
+    if (!results.back().outcome.error.empty()) break;  // it would be the same for hours
   }
   const auto wrong = std::ranges::count_if(results, [](const WallResult& r) { return !r.wrong.empty(); });
   const std::vector<std::string> grows = JudgeGrowth(results);

@@ -23,6 +23,7 @@ struct WallResult {
   double removed_mm3{0.0};     ///< by the summary
   double depth_mm{0.0};        ///< reamed, by the summary
   double cutting_debt_J{0.0};  ///< by the summary
+  std::size_t passes{0};       ///< of a procedure, by the summary
   EpisodeBooks books{};
   std::vector<std::string> wrong{};  ///< what is not as it should be; empty: nothing
 
@@ -34,6 +35,7 @@ struct WallResult {
 /// Between the removed volumes of the same reaming: hand and loop meet at other times in each.
 inline constexpr double kMaxVolumeDrift = 0.01;
 inline constexpr double kMaxDepthDrift_mm = 0.1;
+inline constexpr std::size_t kToolsOfPlan = 4;    ///< each makes one pass
 inline constexpr double kStands_rad_per_s = 0.5;  ///< spindle at standstill
 /// A watchdog acts in the tick that finds the age beyond its bound.
 inline constexpr double kMaxModelAge_s = 0.252, kMaxSensorAge_s = 0.102;

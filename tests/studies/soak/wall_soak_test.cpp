@@ -32,10 +32,10 @@ TEST(WallScript, IsAFunctionOfTheSeedAndHasEveryEvent) {
     if (IsKill(episode.event)) kills.insert(fmt::format("{} {}", NameOf(episode.event), episode.in_contact));
     EXPECT_LT(episode.at_s, episode.seconds);
     for (const WallPause& pause : episode.pauses) EXPECT_LT(pause.begin_s, episode.seconds) << episode.text;
-    if (episode.event == WallEvent::kEngineKill) EXPECT_TRUE(episode.life.engine_process);
+    EXPECT_TRUE(episode.event != WallEvent::kEngineKill || episode.life.engine_process);
     EXPECT_EQ(episode.event == WallEvent::kTools, episode.life.plan);
     // after a kill in contact the tool stands in bone, where no controller may begin
-    if (episode.in_contact) EXPECT_TRUE(episode.ends_life);
+    EXPECT_TRUE(!episode.in_contact || episode.ends_life);
     EXPECT_EQ(episode.life.index != WallEpisodeAt(3, index + 1).life.index, episode.ends_life) << index;
   }
   EXPECT_THAT(events, SizeIs(kWallEvents));
@@ -46,7 +46,9 @@ TEST(WallScript, IsAFunctionOfTheSeedAndHasEveryEvent) {
 
 // An episode of which nothing is wrong.
 WallResult Good(WallEvent event) {
-  WallResult result{.episode = {.event = event, .seconds = 20.0}};
+  WallResult result;
+  result.episode.event = event;
+  result.episode.seconds = 20.0;
   result.outcome = {.exit = 0, .event_done = true, .messages = {300, 310, 0}};
   result.outcome.quarter = {.memory_MB = 100.0};
   for (ProcessUse& use : result.outcome.use) use = {.memory_MB = 110.0, .files = 20, .threads = 30};
@@ -58,6 +60,7 @@ WallResult Good(WallEvent event) {
   result.books.complete = true;
   result.books.peak_rendered_N = 120.0;
   result.books.edge_work_J = result.books.cutting_work_J = 100.0;
+  if (event == WallEvent::kTools) result.passes = kToolsOfPlan;
   if (event == WallEvent::kHaltedCell) result.faults = {"arm message stale"};
   if (!IsKill(event)) return result;
   result.ended = "fault";
@@ -129,6 +132,10 @@ TEST(WallSoak, FindsWhatIsWrongWithAnEpisode) {
   expect(
       WallEvent::kPause, [](R& r) { r.outcome.event_done = false; }, "did not take place");
   expect(
+      WallEvent::kTools, [](R& r) { r.passes = 3; }, "3 passes");
+  expect(
+      WallEvent::kGuardKill, [](R& r) { r.episode.ends_life = true; }, "left no report");
+  expect(
       WallEvent::kControllerKill, [](R& r) { r.outcome.exit = 0; }, "ended with 0");
   expect(
       WallEvent::kControllerKill, [](R& r) { r.outcome.plc_permits = true; }, "permits");
@@ -159,7 +166,8 @@ TEST(WallSoak, ItsPageAndJsonSayWhatIsWrong) {
   std::vector<WallResult> results;
   for (int i = 0; i < kWallEvents; ++i) results.push_back(Good(static_cast<WallEvent>(i)));
   results[3].wrong = {"no fault, injected: arm message stale"};
-  const SoakOptions options{.command_line = "osteon soak --wall"};
+  SoakOptions options;
+  options.command_line = "osteon soak --wall";
   const nlohmann::json json = nlohmann::json::parse(WallSoakJson(results, options));
   EXPECT_EQ(json.at("wrong_episodes"), 1);
   EXPECT_EQ(json.at("episodes").size(), results.size());
