@@ -132,6 +132,9 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
   config::CellConfig cell = config::LoadCell(options.cell, options.tool);
   if (!options.plan.empty()) {
     const config::SurgicalPlanConfig plan = config::LoadSurgicalPlan(options.plan);
+    if (!options.tool)  // a controller begins with the plan's first tool as well
+      cell = config::LoadCell(options.cell,
+                              config::ToolChoice{cell.tool_file, plan.plan.tools.front().diameter_m});
     UseHandOfPlan(plan.plan, options.hand, config::BoneInWorld(cell, plan.site), plan.site,
                   ReamerOf(plan.plan, cell), cell);
   }

@@ -12,9 +12,10 @@
 namespace osteon::session {
 
 struct SimulatedCellOptions {
-  std::filesystem::path cell;                ///< its YAML
-  std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
-  std::filesystem::path plan{};         ///< whose reamers its operator uses; empty: the cell's own script
+  std::filesystem::path cell;  ///< its YAML
+  /// Replaces the cell's; of a plan the tool that its operator begins with, absent: the plan's first one.
+  std::optional<config::ToolChoice> tool{};
+  std::filesystem::path plan{};         ///< whose tools its operator uses; empty: the cell's own script
   std::string hand{"expert"};           ///< of that operator: expert, novice
   double seconds{0.0};                  ///< of the operator's script; 0: as the file says
   std::optional<std::uint16_t> port{};  ///< the first of its ports; replaces the file's

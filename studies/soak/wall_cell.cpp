@@ -130,7 +130,7 @@ WallOutcome WallCell::Run(const WallEpisode& episode) {
   }
   if (!outcome.error.empty()) return outcome;
   pause_ = 0;
-  pausing_ = false;
+  pausing_ = changed_ = false;
   Pages pages;
   Watch(episode, pages, outcome);
   outcome.messages = pages.Close();
@@ -188,8 +188,10 @@ PartUses WallCell::Uses() const {
 
 void WallCell::Act(const WallEpisode& episode, double rendered_s, WallOutcome& outcome) {
   if (pausing_) {
-    if (Now_s() < resume_at_s_ || !Request("resume", outcome)) return;
-    pausing_ = false;
+    if (Now_s() < resume_at_s_) return;
+    changed_ = changed_ || !episode.pauses[pause_].next_tool || Request("next", outcome);
+    if (!changed_ || !Request("resume", outcome)) return;
+    pausing_ = changed_ = false;
     outcome.event_done = ++pause_ == episode.pauses.size();
     return;
   }

@@ -93,9 +93,9 @@ class WallCell {
   std::string port_;
   int life_{-1};
   bool distrusted_{false};
-  std::size_t pause_{0};  // the next pause of the script
-  bool pausing_{false};
-  double resume_at_s_{0.0};  // on this process's clock
+  std::size_t pause_{0};                  // the next pause of the script
+  bool pausing_{false}, changed_{false};  // changed_: the next tool was taken in this pause
+  double resume_at_s_{0.0};               // on this process's clock
   std::unique_ptr<base::ChildProcess> cell_, guard_, run_;
 };
 

@@ -54,6 +54,19 @@ void AddTimes(WallEpisode& episode, SeededDraws& draws) {
   if (episode.event == WallEvent::kPause)
     episode.pauses = {{draws.Between(3.0, 6.0), draws.Between(0.5, 2.0)},
                       {draws.Between(9.0, 14.0), draws.Between(0.5, 2.0)}};
+  if (episode.event == WallEvent::kTools) {
+    // The operator's script holds each tool where it is changed, in the last fifth of its share; the script
+    // goes on in a pause, which by itself takes about half a second.
+    const double share_s = episode.seconds / kToolsOfPlan;
+    double paused_s = 0.0;
+    for (std::size_t tool = 1; tool < kToolsOfPlan; ++tool) {
+      const double length_s = draws.Between(0.3, 1.0);
+      episode.pauses.push_back({.begin_s = share_s * (static_cast<double>(tool) - 0.17) - paused_s,
+                                .length_s = length_s,
+                                .next_tool = true});
+      paused_s += length_s + 0.5;
+    }
+  }
   if (episode.event == WallEvent::kLong)
     for (int quarter = 0; quarter < 4; ++quarter)
       episode.pauses.push_back(

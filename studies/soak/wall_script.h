@@ -13,7 +13,7 @@ enum class WallEvent : std::uint8_t {
   kPause,           ///< pauses that an operator asks for, and their ends
   kPages,           ///< pages leave and come back all the time
   kHaltedCell,      ///< the cell's process is halted for some ms; the loop starts again
-  kTools,           ///< the procedure of a plan: its four reamers in turn
+  kTools,           ///< the procedure of a plan: its four reamers in turn, each taken in a pause
   kLong,            ///< a long reaming with a pause in each quarter
   kControllerKill,  ///< SIGKILL to `osteon run`
   kGuardKill,       ///< SIGKILL to `osteon guard`
@@ -36,6 +36,7 @@ struct CellLife {
 /// A pause, by the time rendered.
 struct WallPause {
   double begin_s{0.0}, length_s{0.0};
+  bool next_tool{false};  ///< the plan's next tool is taken in it
 };
 
 struct WallEpisode {
@@ -55,6 +56,8 @@ struct WallEpisode {
 
 /// Seconds of an ordinary episode's reaming.
 inline constexpr double kWallReaming_s = 20.0;
+
+inline constexpr std::size_t kToolsOfPlan = 4;  ///< each makes one pass
 
 /// The episode with an index in a soak of this seed: a function of its arguments alone. Five episodes share a
 /// cell, whose last one a kill in contact; every fourth cell has one episode alone, by turns the procedure of

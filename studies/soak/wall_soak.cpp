@@ -186,9 +186,8 @@ std::vector<std::string> JudgeWallEpisode(const WallResult& r, const WallResult*
   JudgeBooks(r, require);
   require(r.episode.event != WallEvent::kTools || r.passes == kToolsOfPlan,
           fmt::format("{} passes, of {} reamers", r.passes, kToolsOfPlan));
-  const bool has_event = !IsUndisturbed(r.episode) && r.episode.event != WallEvent::kTools;
   require(
-      !has_event || r.outcome.event_done,
+      IsUndisturbed(r.episode) || r.outcome.event_done,
       "the script's event did not take place" + (r.outcome.refused.empty() ? "" : ": " + r.outcome.refused));
   for (std::size_t page = 0; page + 1 < r.outcome.messages.size(); ++page)
     require(r.outcome.messages[page] > 0, fmt::format("page {} got nothing", page + 1));

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -34,6 +35,8 @@ TEST(WallScript, IsAFunctionOfTheSeedAndHasEveryEvent) {
     for (const WallPause& pause : episode.pauses) EXPECT_LT(pause.begin_s, episode.seconds) << episode.text;
     EXPECT_TRUE(episode.event != WallEvent::kEngineKill || episode.life.engine_process);
     EXPECT_EQ(episode.event == WallEvent::kTools, episode.life.plan);
+    EXPECT_EQ(std::ranges::count_if(episode.pauses, &WallPause::next_tool),
+              episode.event == WallEvent::kTools ? static_cast<int>(kToolsOfPlan) - 1 : 0);
     // after a kill in contact the tool stands in bone, where no controller may begin
     EXPECT_TRUE(!episode.in_contact || episode.ends_life);
     EXPECT_EQ(episode.life.index != WallEpisodeAt(3, index + 1).life.index, episode.ends_life) << index;
