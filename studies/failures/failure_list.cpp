@@ -1,6 +1,8 @@
 #include <array>
 
 #include "studies/failures/compliance/compliance_scenarios.h"
+#include "studies/failures/compliance/depth_on_mount.h"
+#include "studies/failures/compliance/drill_walk.h"
 #include "studies/failures/cutting/breakthrough.h"
 #include "studies/failures/cutting/concave_cup.h"
 #include "studies/failures/cutting/contact_switch.h"
@@ -74,6 +76,8 @@ std::span<const FailureScenario> FailureScenarios() {
       FailureScenario{.id = 37, .name = "stale stiffness", .run = RunStaleStiffness},
       FailureScenario{.id = 38, .name = "bent arm", .run = RunBentArm},
       FailureScenario{.id = 39, .name = "late planes", .run = RunLatePlanes},
+      FailureScenario{.id = 40, .name = "drill walks", .run = RunDrillWalk},
+      FailureScenario{.id = 41, .name = "depth on a mount", .run = RunDepthOnMount},
   };
   return scenarios;
 }

@@ -73,6 +73,37 @@ void LatePlanes(SceneSketch& s) {
     s.Line(WavePoints({226, 100}, 392, 5.0, {4.0, 34.0}), s.Strong());
 }
 
+void DrillWalks(SceneSketch& s) {
+  s.Bone({{20, 150}, {20, 84}, {200, 140}, {200, 150}});
+  s.Line({{86, 8}, {86, 100}}, kMeantLine);
+  s.Arrow({86, 8}, {86, 26});
+  s.Text(214, 30, "a thin drill, led straight,");
+  s.Text(214, 46, "meets tilted bone");
+  if (s.ours()) {
+    s.Line({{86, 30}, {87, 60}, {94, 90}, {106, 118}}, {.color = "#59636e", .width_px = 6.0});
+    s.Line({{106, 118}, {110, 136}}, s.Strong());
+    s.Text(214, 96, "its hole begins aside", "start", s.color());
+  } else {
+    s.Line({{86, 30}, {86, 112}}, {.color = "#59636e", .width_px = 6.0});
+    s.Line({{86, 112}, {86, 136}}, s.Strong());
+    s.Cross(86, 112, s.color());
+    s.Text(214, 96, "its hole is where aimed", "start", s.color());
+  }
+}
+
+void DepthOnMount(SceneSketch& s) {
+  const double down = s.ours() ? 26.0 : 8.0;
+  s.BoneBlock(70, 74, 170, 130);
+  s.ToolBall(120, 74 + down - 24, 24);
+  s.Arrow({120, 10}, {120, 34});
+  Spring(s, 14, 70, 107, "#59636e");
+  Spring(s, 170, 214, 107, "#59636e");
+  s.Line({{60, 100}, {180, 100}}, kMeantLine);
+  s.Text(224, 30, "the spindle stops");
+  s.Text(224, 46, "at the planned depth");
+  s.Text(224, 106, s.ours() ? "which goes with the bone" : "in the world: too shallow", "start", s.color());
+}
+
 constexpr std::array kScenes{
     FailureScene{36, TwoSprings,
                  "Each plane has its own stiffness: the force has a curl, and a circle one way gives work.",
@@ -86,6 +117,11 @@ constexpr std::array kScenes{
     FailureScene{39, LatePlanes,
                  "The engine moves the bone, so its planes follow 20 ms late: the motion grows.",
                  "The mount moves in the tick, and the engine sees a bone at rest: the motion decays."},
+    FailureScene{40, DrillWalks,
+                 "A rigid drill starts its hole where it is aimed, whatever the bone's slope.",
+                 "The drill bends as an element of its own, and walks until its hole holds it."},
+    FailureScene{41, DepthOnMount, "The bone gives way under the push, and the limit counts that as depth.",
+                 "The limit is fixed to the bone: the hole is as deep as on bone at rest."},
 };
 
 }  // namespace
