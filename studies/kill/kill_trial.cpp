@@ -12,13 +12,11 @@
 #include "base/child_process.h"
 #include "base/clock.h"
 #include "base/halted_thread.h"
-#include "base/read_text.h"
-#include "config/reading/load.h"
 #include "config/reading/strict/derived_file.h"
 #include "io/recording/recording_reader.h"
 #include "safety/fault.h"
-#include "session/run/cell_ports.h"
 #include "session/run/cell_trace.h"
+#include "studies/processes/cell_processes.h"
 
 namespace osteon::studies {
 namespace {
@@ -28,19 +26,14 @@ using std::chrono::milliseconds, std::chrono::seconds;
 constexpr int kAttempts = 3;
 constexpr milliseconds kPollInterval{5};
 // Generous: a busy machine must not decide.
-constexpr seconds kReady{60}, kContact{120}, kRest{10}, kEnd{90};  // the end writes report and pages
+constexpr seconds kContact{120}, kRest{10}, kEnd{90};  // the end writes report and pages
 // Full contact: for this long, the hand's whole push meets a tool that hardly moves.
 constexpr double kFullShare = 0.97, kPressedIn_m_per_s = 0.01;
 constexpr rt::Nanoseconds kFullFor = 100 * rt::kMillisecond;
 constexpr double kRest_m_per_s = 0.002;  // speed of a commanded tool at rest
 // Time for which the rest is watched; within it the PLC misses the heartbeats (0.25 s).
 constexpr rt::Nanoseconds kRestFor = 800 * rt::kMillisecond;
-constexpr milliseconds kEngineHalt{300};   // of a late engine: a model then is beyond every limit of its age
-constexpr double kStands_rad_per_s = 0.5;  // spindle speed at standstill
-
-nlohmann::json ReadJson(const std::filesystem::path& file) {
-  return nlohmann::json::parse(base::ReadText(file), nullptr, false);
-}
+constexpr milliseconds kEngineHalt{300};  // of a late engine: a model then is beyond every limit of its age
 
 double MetresPerSecond(const PlainVector3& v) { return Vector3(v).norm(); }
 
@@ -63,28 +56,19 @@ const char* ThreadOf(KillVictim victim) { return victim == KillVictim::kLoop ? "
 class Trial {
  public:
   Trial(KillVictim victim, const KillTrialParams& params)
-      : params_(params),
-        cell_file_(IsEngine(victim) ? EngineCell(params.cell) : params.cell),
-        trace_(Folder("cell") / "trace.csv") {
-    config::CellConfig cell = config::LoadCell(cell_file_);
-    const auto port = session::UseSimulated(cell, 0);
-    if (!port) throw std::runtime_error(port.error());
-    port_ = std::to_string(*port);
-    for (const char* name : {"cell", "guard", "run"}) {
-      std::filesystem::remove_all(Folder(name));
-      std::filesystem::create_directories(Folder(name));
-    }
+      : params_(params), parts_(params.folder, params.stop), trace_(parts_.Folder("cell") / "trace.csv") {
+    parts_.UseCell(IsEngine(victim) ? EngineCell(params.cell) : params.cell);
   }
 
   /// Starts all processes and waits for full contact. False if it was not reached.
   bool ReachFullContact() {
-    cell_ = Start("cell", {"--trace", "trace.csv", "--json", "cell.json", "--console", "off"});
-    if (!Until(kReady, [&] { return Says("cell", "Ctrl-C ends it") || cell_->Ended(); })) return false;
-    guard_ = Start("guard", {"--json", "guard.json"});
-    if (!Until(kReady, [&] { return Says("guard", "Ctrl-C ends it") || guard_->Ended(); })) return false;
+    cell_ = parts_.Start("cell", {"--trace", "trace.csv", "--json", "cell.json", "--console", "off"});
+    if (!parts_.AwaitReady("cell", *cell_)) return false;
+    guard_ = parts_.Start("guard", {"--json", "guard.json"});
+    if (!parts_.AwaitReady("guard", *guard_)) return false;
     std::vector<std::string> more{"--record", "run.mcap", "--json", "run.json", "--engine", params_.engine};
     if (!params_.device.empty()) more.insert(more.end(), {"--device", params_.device});
-    run_ = Start("run", more);
+    run_ = parts_.Start("run", more);
     return Until(kContact, [&] { return Full() || run_->Ended() || guard_->Ended() || cell_->Ended(); }) &&
            Full() && !run_->Ended();
   }
@@ -152,33 +136,12 @@ class Trial {
   [[nodiscard]] std::string FindComplaint() const {
     for (const auto& [name, process] :
          {std::pair{"cell", cell_.get()}, {"guard", guard_.get()}, {"run", run_.get()}}) {
-      if (!process || !process->Ended()) continue;
-      std::string err = base::ReadText(Folder(name) / "stderr");
-      while (err.ends_with('\n')) err.pop_back();
-      return err.substr(err.rfind('\n') + 1);
+      if (process && process->Ended()) return parts_.LastError(name);
     }
     return "";
   }
 
  private:
-  [[nodiscard]] std::filesystem::path Folder(const std::string& name) const { return params_.folder / name; }
-
-  std::unique_ptr<base::ChildProcess> Start(const std::string& name, const std::vector<std::string>& more) {
-    std::vector<std::string> words{name, std::filesystem::absolute(cell_file_).string(), "--port", port_};
-    words.insert(words.end(), more.begin(), more.end());
-    auto process = base::ChildProcess::Start({.words = words,
-                                              .program = base::ProgramBeside("osteon"),
-                                              .folder = Folder(name),
-                                              .out = Folder(name) / "stdout",
-                                              .err = Folder(name) / "stderr"});
-    if (!process) throw std::runtime_error(process.error());
-    return std::move(*process);
-  }
-
-  [[nodiscard]] bool Says(const char* name, const char* words) const {
-    return base::ReadText(Folder(name) / "stdout").find(words) != std::string::npos;
-  }
-
   bool Until(milliseconds limit, const std::function<bool()>& condition) {
     const auto give_up = std::chrono::steady_clock::now() + limit;
     while (!condition()) {
@@ -224,7 +187,7 @@ class Trial {
 
   // Reads what the controller rendered; @param moves  its commands count as the arm's motion
   void JudgeRecording(KillResult& result, bool moves) {
-    const auto recording = io::ReadRecording(Folder("run") / "run.mcap");
+    const auto recording = io::ReadRecording(parts_.Folder("run") / "run.mcap");
     if (!recording) return;
     std::optional<Vector3> p_at_kill;
     for (const control::TickRecord& tick : recording->ticks) {
@@ -243,15 +206,13 @@ class Trial {
   }
 
   void CollectReports(KillResult& result) const {
-    if (const nlohmann::json run = ReadJson(Folder("run") / "run.json"); run.is_object())
+    if (const nlohmann::json run = parts_.Report("run"); run.is_object())
       result.faults = run.at("faults").get<std::vector<std::string>>();
-    if (const nlohmann::json guard = ReadJson(Folder("guard") / "guard.json");
-        guard.is_object() && guard.at("reason").is_string())
-      result.guard = guard.at("reason");
-    if (const nlohmann::json cell = ReadJson(Folder("cell") / "cell.json"); cell.is_object()) {
-      result.permitted = cell.at("plc").at("run_permitted").get<bool>();
-      result.blocks = cell.at("plc").at("blocks");
-      result.spindle_rad_per_s = cell.at("spindle").at("speed_rad_per_s");
+    result.guard = parts_.ReasonOfGuard();
+    if (const auto cell = parts_.ReportOfCell()) {
+      result.permitted = cell->plc_permits;
+      result.blocks = cell->plc_blocks;
+      result.spindle_rad_per_s = cell->spindle_rad_per_s;
     }
   }
 
@@ -271,7 +232,7 @@ class Trial {
     if (r.victim == KillVictim::kController || r.victim == KillVictim::kLoop)
       add(misses("controller"), "the PLC did not miss the controller's heartbeat");
     if (r.victim == KillVictim::kGuard) add(misses("guard"), "the PLC did not miss the guard's heartbeat");
-    add(std::abs(r.spindle_rad_per_s) > kStands_rad_per_s, "the spindle turns still");
+    add(std::abs(r.spindle_rad_per_s) > kSpindleStands_rad_per_s, "the spindle turns still");
     if (r.victim != KillVictim::kController) {
       add(r.run_exit != 1, fmt::format("the controller ended with {}", r.run_exit.value_or(-1)));
       add(r.faults.empty(), "the controller named no fault");
@@ -280,9 +241,8 @@ class Trial {
   }
 
   const KillTrialParams& params_;
-  std::filesystem::path cell_file_;
+  CellProcesses parts_;
   session::CellTraceReader trace_;
-  std::string port_;
   std::unique_ptr<base::ChildProcess> cell_, guard_, run_;
   std::unique_ptr<base::HaltedThread> halted_;  // destroyed before its process
   pid_t engine_{0};

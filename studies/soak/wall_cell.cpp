@@ -14,12 +14,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/read_text.h"
-#include "config/reading/load.h"
 #include "config/reading/strict/derived_file.h"
 #include "console/server/page_client.h"
 #include "io/local/local_client.h"
 #include "io/local/local_server.h"
-#include "session/run/cell_ports.h"
 
 namespace osteon::studies {
 namespace {
@@ -27,7 +25,7 @@ namespace {
 using std::chrono::milliseconds, std::chrono::seconds, std::chrono::steady_clock;
 
 // Generous: a busy machine must not decide.
-constexpr seconds kReady{60}, kEnd{90};
+constexpr seconds kEnd{90};
 constexpr double kPatienceRatio = 3.0, kPatience_s = 120.0;  // of an episode, over its rendering
 constexpr milliseconds kLooks{50};
 constexpr double kUseEvery_s = 0.5, kPageStays_s = 1.0;
@@ -44,10 +42,6 @@ int CountEntries(const std::filesystem::path& folder) {
        !error && entry != std::filesystem::directory_iterator(); entry.increment(error))
     ++count;
   return count;
-}
-
-nlohmann::json ReadJson(const std::filesystem::path& file) {
-  return nlohmann::json::parse(base::ReadText(file), nullptr, false);
 }
 
 // The console's port in what a controller has printed; 0: none yet.
@@ -112,7 +106,10 @@ class WallCell::Pages {
 
 WallCell::WallCell(std::filesystem::path config_root, std::filesystem::path folder,
                    std::function<bool()> stop)
-    : config_root_(std::move(config_root)), folder_(std::move(folder)), stop_(std::move(stop)) {}
+    : config_root_(std::move(config_root)),
+      folder_(std::move(folder)),
+      stop_(std::move(stop)),
+      parts_(folder_, stop_) {}
 
 WallOutcome WallCell::Run(const WallEpisode& episode) {
   const double begin_s = Now_s();
@@ -154,10 +151,7 @@ void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outc
       return;
     }
     if (!pages.open()) {
-      if (const int port = ConsolePort(base::ReadText(Folder("run") / "stderr") +
-                                       base::ReadText(Folder("run") / "stdout"));
-          port > 0)
-        pages.Open(port);
+      if (const int port = ConsolePort(parts_.Printed("run")); port > 0) pages.Open(port);
     } else if (episode.event == WallEvent::kPages) {
       pages.Change();
     }
@@ -246,9 +240,9 @@ bool WallCell::Request(const char* request, WallOutcome& outcome) {
 }
 
 void WallCell::EndParts(const WallEpisode& episode, WallOutcome& outcome) {
-  outcome.summary = Folder("run") / "run.json";
+  outcome.summary = parts_.Folder("run") / "run.json";
   outcome.recording =
-      episode.life.plan ? Folder("run") / "session" / "run_1.mcap" : Folder("run") / "run.mcap";
+      episode.life.plan ? parts_.Folder("run") / "session" / "run_1.mcap" : parts_.Folder("run") / "run.mcap";
   if (IsKill(episode.event)) std::this_thread::sleep_for(kPlcNotices);
   if (episode.ends_life) EndCell(outcome);
   if (IsKill(episode.event)) EndGuard(outcome);  // one that has withheld, or has died, begins anew
@@ -258,12 +252,7 @@ void WallCell::EndCell(WallOutcome& outcome) {
   if (cell_) {
     cell_->Send(SIGTERM);
     cell_->End(kEnd);
-    const nlohmann::json cell = ReadJson(Folder("cell") / "cell.json");
-    if (cell.is_object()) {
-      outcome.plc_blocks = cell.at("plc").at("blocks");
-      outcome.plc_permits = cell.at("plc").at("run_permitted");
-      outcome.spindle_rad_per_s = cell.at("spindle").at("speed_rad_per_s");
-    }
+    outcome.cell = parts_.ReportOfCell();
     cell_.reset();
   }
   EndGuard(outcome);
@@ -273,8 +262,7 @@ void WallCell::EndGuard(WallOutcome& outcome) {
   if (!guard_) return;
   guard_->Send(SIGTERM);
   guard_->End(kEnd);
-  const nlohmann::json guard = ReadJson(Folder("guard") / "guard.json");
-  if (guard.is_object() && guard.at("reason").is_string()) outcome.guard_reason = guard.at("reason");
+  outcome.guard_reason = parts_.ReasonOfGuard();
   guard_.reset();
 }
 
@@ -289,27 +277,22 @@ std::string WallCell::StartCell(const CellLife& life) {
                                                life.loss_ratio)});
   if (life.engine_process) edits.push_back({"simulation", "{process: local}"});
   config::WriteDerived(config_root_ / "cells" / "demo.yaml", edits, cell_file());
-  config::CellConfig cell = config::LoadCell(cell_file());
-  const auto port = session::UseSimulated(cell, 0);
-  if (!port) return port.error();
-  port_ = std::to_string(*port);
+  parts_.UseCell(cell_file());
   life_ = life.index;
   std::vector<std::string> more{"--json", "cell.json", "--console",
                                 "off",    "--seconds", fmt::format("{:g}", life.seconds)};
   if (life.plan) more.insert(more.end(), {"--plan", (config_root_ / "plans" / kPlan).string() + ".yaml"});
-  cell_ = Start("cell", more);
-  if (AwaitReady("cell", *cell_)) return "";
-  const std::string why = LastLine("cell");
+  cell_ = parts_.Start("cell", more);
+  if (parts_.AwaitReady("cell", *cell_)) return "";
   cell_.reset();
-  return "osteon cell: " + why;
+  return "osteon cell is not ready: " + parts_.LastError("cell");
 }
 
 std::string WallCell::StartGuard() {
-  guard_ = Start("guard", {"--json", "guard.json"});
-  if (AwaitReady("guard", *guard_)) return "";
-  const std::string why = LastLine("guard");
+  guard_ = parts_.Start("guard", {"--json", "guard.json"});
+  if (parts_.AwaitReady("guard", *guard_)) return "";
   guard_.reset();
-  return "osteon guard: " + why;
+  return "osteon guard is not ready: " + parts_.LastError("guard");
 }
 
 void WallCell::StartController(const WallEpisode& episode) {
@@ -321,36 +304,7 @@ void WallCell::StartController(const WallEpisode& episode) {
                 {"--plan", (config_root_ / "plans" / kPlan).string() + ".yaml", "--session", "session"});
   else
     more.insert(more.end(), {"--record", "run.mcap"});
-  run_ = Start("run", more);
-}
-
-std::unique_ptr<base::ChildProcess> WallCell::Start(const char* part, std::vector<std::string> more) {
-  std::filesystem::remove_all(Folder(part));
-  std::filesystem::create_directories(Folder(part));
-  std::vector<std::string> words{part, std::filesystem::absolute(cell_file()).string(), "--port", port_};
-  words.insert(words.end(), more.begin(), more.end());
-  auto process = base::ChildProcess::Start({.words = words,
-                                            .program = base::ProgramBeside("osteon"),
-                                            .folder = Folder(part),
-                                            .out = Folder(part) / "stdout",
-                                            .err = Folder(part) / "stderr"});
-  if (!process) throw std::runtime_error(process.error());
-  return std::move(*process);
-}
-
-bool WallCell::AwaitReady(const char* part, base::ChildProcess& process) {
-  for (const auto end = steady_clock::now() + kReady; steady_clock::now() < end && !stop_();) {
-    if (base::ReadText(Folder(part) / "stdout").find("Ctrl-C ends it") != std::string::npos) return true;
-    if (process.Ended()) return false;
-    std::this_thread::sleep_for(kLooks);
-  }
-  return false;
-}
-
-std::string WallCell::LastLine(const char* part) const {
-  std::string text = base::ReadText(Folder(part) / "stderr");
-  while (text.ends_with('\n')) text.pop_back();
-  return text.empty() ? "it is not ready" : text.substr(text.rfind('\n') + 1);
+  run_ = parts_.Start("run", more);
 }
 
 tl::expected<std::string, std::string> WallCell::Ask(const std::string& request) const {

@@ -12,6 +12,7 @@
 #include <tl/expected.hpp>
 
 #include "base/child_process.h"
+#include "studies/processes/cell_processes.h"
 #include "studies/soak/wall_script.h"
 
 namespace osteon::studies {
@@ -41,9 +42,8 @@ struct WallOutcome {
   PartUses use{};                                    ///< the last ones
   ProcessUse quarter{};                              ///< of the controller, after a quarter of its time
   std::array<std::uint64_t, kWallPages> messages{};  ///< that each page got
-  std::string plc_blocks{};  ///< at the end of the cell; empty: it goes on, or was killed
-  bool plc_permits{false};
-  double spindle_rad_per_s{0.0};
+  /// At the end of the cell; absent: it goes on, or was killed.
+  std::optional<CellReport> cell{};
   std::string guard_reason{};  ///< why it withheld; empty: it did not, or goes on
   double seconds_wall{0.0};
 };
@@ -82,15 +82,11 @@ class WallCell {
   void EndCell(WallOutcome& outcome);
   void EndGuard(WallOutcome& outcome);
 
-  [[nodiscard]] std::filesystem::path Folder(const char* part) const { return folder_ / part; }
-  [[nodiscard]] std::unique_ptr<base::ChildProcess> Start(const char* part, std::vector<std::string> more);
-  [[nodiscard]] bool AwaitReady(const char* part, base::ChildProcess& process);
-  [[nodiscard]] std::string LastLine(const char* part) const;
   [[nodiscard]] tl::expected<std::string, std::string> Ask(const std::string& request) const;
 
   std::filesystem::path config_root_, folder_;
   std::function<bool()> stop_;
-  std::string port_;
+  CellProcesses parts_;
   int life_{-1};
   bool distrusted_{false};
   std::size_t pause_{0};                  // the next pause of the script

@@ -56,9 +56,10 @@ void JudgeEnd(const WallResult& r, const Require& require) {
     require(!r.faults.empty() && r.faults.front() == FaultName(safety::Fault::kModelStale),
             "not stopped for the engine, but for: " + faults);
   const bool cell_ended = r.episode.ends_life && event != WallEvent::kCellKill;
-  require(!cell_ended || !r.outcome.plc_blocks.empty(), "the cell left no report");
-  require(!r.outcome.plc_permits, "the PLC permits motion still");
-  require(std::abs(r.outcome.spindle_rad_per_s) <= kStands_rad_per_s, "the spindle turns still");
+  require(!cell_ended || r.outcome.cell, "the cell left no report");
+  const CellReport cell = r.outcome.cell.value_or(CellReport{});
+  require(!cell.plc_permits, "the PLC permits motion still");
+  require(std::abs(cell.spindle_rad_per_s) <= kSpindleStands_rad_per_s, "the spindle turns still");
 }
 
 void JudgeBooks(const WallResult& r, const Require& require) {
@@ -157,7 +158,7 @@ nlohmann::ordered_json ResultJson(const WallResult& r) {
       {"exit", r.outcome.exit ? nlohmann::ordered_json(*r.outcome.exit) : nlohmann::ordered_json()},
       {"faults", r.faults},
       {"guard_reason", r.outcome.guard_reason},
-      {"plc_blocks", r.outcome.plc_blocks},
+      {"plc_blocks", r.outcome.cell ? r.outcome.cell->plc_blocks : ""},
       {"seconds_rendered", r.books.rendered_s},
       {"seconds_wall", r.outcome.seconds_wall}};
   AddBooks(json, r.books, r.cutting_debt_J);

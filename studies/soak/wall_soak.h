@@ -35,7 +35,6 @@ struct WallResult {
 /// Between the removed volumes of the same reaming: hand and loop meet at other times in each.
 inline constexpr double kMaxVolumeDrift = 0.01;
 inline constexpr double kMaxDepthDrift_mm = 0.1;
-inline constexpr double kStands_rad_per_s = 0.5;  ///< spindle at standstill
 /// A watchdog acts in the tick that finds the age beyond its bound.
 inline constexpr double kMaxModelAge_s = 0.252, kMaxSensorAge_s = 0.102;
 

@@ -67,6 +67,7 @@ WallResult Good(WallEvent event) {
   if (event == WallEvent::kHaltedCell) result.faults = {"arm message stale"};
   if (!IsKill(event)) return result;
   result.ended = "fault";
+  result.outcome.cell = CellReport{.plc_blocks = "controller's heartbeat lost"};
   result.outcome.exit = 1;
   result.faults = {event == WallEvent::kEngineKill ? "contact model stale" : "arm message stale"};
   if (event != WallEvent::kControllerKill) return result;
@@ -137,13 +138,18 @@ TEST(WallSoak, FindsWhatIsWrongWithAnEpisode) {
   expect(
       WallEvent::kTools, [](R& r) { r.passes = 3; }, "3 passes");
   expect(
-      WallEvent::kGuardKill, [](R& r) { r.episode.ends_life = true; }, "left no report");
+      WallEvent::kGuardKill,
+      [](R& r) {
+        r.episode.ends_life = true;
+        r.outcome.cell.reset();
+      },
+      "left no report");
   expect(
       WallEvent::kControllerKill, [](R& r) { r.outcome.exit = 0; }, "ended with 0");
   expect(
-      WallEvent::kControllerKill, [](R& r) { r.outcome.plc_permits = true; }, "permits");
+      WallEvent::kControllerKill, [](R& r) { r.outcome.cell->plc_permits = true; }, "permits");
   expect(
-      WallEvent::kGuardKill, [](R& r) { r.outcome.spindle_rad_per_s = 9.0; }, "turns still");
+      WallEvent::kGuardKill, [](R& r) { r.outcome.cell->spindle_rad_per_s = 9.0; }, "turns still");
   expect(
       WallEvent::kGuardKill, [](R& r) { r.faults.clear(); }, "named no fault");
   expect(

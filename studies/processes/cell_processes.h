@@ -1,0 +1,65 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "base/child_process.h"
+
+namespace osteon::studies {
+
+/// The report of `osteon cell` at its end.
+struct CellReport {
+  std::string plc_blocks{};  ///< why the PLC withholds its permission; empty: it does not
+  bool plc_permits{false};
+  double spindle_rad_per_s{0.0};
+};
+
+/// A spindle that is slower stands.
+inline constexpr double kSpindleStands_rad_per_s = 0.5;
+
+/// Starts the parts of a simulated cell as a user starts them: `osteon cell`, `osteon guard` and `osteon
+/// run`, on free ports, each in a folder of its own that has its output and its report (`cell.json`).
+class CellProcesses {
+ public:
+  /// @param folder  existing, or made with the first part
+  /// @param stop  polled while a part is waited for; true gives up. May be empty.
+  CellProcesses(std::filesystem::path folder, std::function<bool()> stop)
+      : folder_(std::move(folder)), stop_(std::move(stop)) {}
+
+  /// Takes a cell's file, and ports that are free for it.
+  /// @throws std::exception, with what is wrong with the file, or that no port is free.
+  void UseCell(const std::filesystem::path& file);
+
+  /// Starts a part in its emptied folder. @param part  "cell", "guard" or "run"
+  /// @param more  words after the cell's name and port
+  /// @throws std::runtime_error saying why it does not start.
+  [[nodiscard]] std::unique_ptr<base::ChildProcess> Start(const std::string& part,
+                                                          const std::vector<std::string>& more) const;
+  /// Waits until cell or guard say that they are ready. @returns false if it ends before, or takes a minute
+  [[nodiscard]] bool AwaitReady(const std::string& part, base::ChildProcess& process) const;
+
+  [[nodiscard]] std::filesystem::path Folder(const std::string& part) const { return folder_ / part; }
+  /// All that a part has printed.
+  [[nodiscard]] std::string Printed(const std::string& part) const;
+  /// The last line of a part's errors; empty if there is none.
+  [[nodiscard]] std::string LastError(const std::string& part) const;
+
+  /// A part's report (`--json PART.json`); discarded if there is none.
+  [[nodiscard]] nlohmann::json Report(const std::string& part) const;
+  [[nodiscard]] std::optional<CellReport> ReportOfCell() const;
+  /// Why the guard withheld; empty if it did not, or left no report.
+  [[nodiscard]] std::string ReasonOfGuard() const;
+
+ private:
+  std::filesystem::path folder_, cell_file_;
+  std::function<bool()> stop_;
+  std::string port_;
+};
+
+}  // namespace osteon::studies
