@@ -179,10 +179,9 @@ std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bo
   std::string html = "<figure class=\"turn\" hidden=\"hidden\">\n";
   html += fmt::format(
       "<canvas tabindex=\"0\" role=\"img\" aria-label=\"The carved bone, to be turned\" data-layout=\"{:.9g} "
-      "{:.9g} {:.9g} "
-      "{:.9g} {} {} {}\" data-centre=\"{}\" data-axis=\"{}\" data-reach=\"{:.4g}\" data-tilt=\"{:.4g}\" "
-      "data-turn=\"{:.4g}\" data-range=\"{:.6g}\" data-colours=\"{}\" data-surface=\"{}\" "
-      "data-deviation=\"{}\" data-first=\"{}\"></canvas>\n",
+      "{:.9g} {:.9g} {:.9g} {} {} {}\" data-centre=\"{}\" data-axis=\"{}\" data-reach=\"{:.4g}\" "
+      "data-tilt=\"{:.4g}\" data-turn=\"{:.4g}\" data-range=\"{:.6g}\" data-colours=\"{}\" "
+      "data-surface=\"{}\" data-deviation=\"{}\" data-first=\"{}\"></canvas>\n",
       layout.origin_mm.x, layout.origin_mm.y, layout.origin_mm.z, layout.voxel_mm, layout.bricks[0],
       layout.bricks[1], layout.bricks[2], triple(1e3 * Vector3(bone.site.center_m)), triple(bone.site.axis),
       1e3 * SiteReach(bone, 0.75 * params.reach_in_cup_radii), params.tilt_rad, params.turn_rad,

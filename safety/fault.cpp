@@ -33,8 +33,7 @@ FaultText Describe(Fault fault) {
     case Fault::kWorkspace:
       return {"tool outside workspace",
               "the tool's apex, the flange or the elbow was outside the workspace, one of its zones, or the "
-              "depth "
-              "limit",
+              "depth limit",
               "Stop 1", "guide the tool back inside, begin a new run"};
     case Fault::kJointLimit:
       return {

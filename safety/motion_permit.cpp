@@ -24,8 +24,7 @@ const char* DescribeMissing(MotionPermit permit) {
       return "the look along the way to the start, which is under way";
     case MotionPermit::kHandOff:
       return "a hand off the handle before the first motion: the force sensor reads a steady push at rest "
-             "(let go, or "
-             "calibrate its zero: `osteon calibrate`)";
+             "(let go, or calibrate its zero: `osteon calibrate`)";
   }
   return "an unknown condition";
 }

@@ -31,8 +31,7 @@ AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
   sub_->add_option("--json", options_.json, "also write the result there, as JSON")->type_name("FILE");
   sub_->footer(
       "Writes assess.html and assess.json into the folder. Results that stand beside it, of the same plan, "
-      "are "
-      "its trend.\n\n"
+      "are its trend.\n\n"
       "Exit code 1: the score is below --pass-at\n\n"
       "Examples:\n  osteon assess session_1\n  osteon assess session_1 --pass-at 70 --norms expert_1 "
       "expert_2\n  osteon assess expert --against novice");

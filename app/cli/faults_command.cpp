@@ -37,13 +37,11 @@ std::string FaultsPage() {
   std::string page = "# What can stop the cell\n\n" +
                      base::WrapMarkdown(
                          "Written by `osteon faults --markdown docs/faults.md` from `safety/fault.cpp`. A "
-                         "fault is latched: it "
-                         "stays until a new run. The recording has the bits by tick (`faults`), "
-                         "`summary.json` the names and "
-                         "what was seen, and each stop leaves its own page ([recording.md](recording.md)). "
-                         "What stop 0 and 1 "
-                         "are: [states.md](states.md). Recovery: `osteon recover`, or "
-                         "`--recover`, may clear it within the run.") +
+                         "fault is latched: it stays until a new run. The recording has the bits by tick "
+                         "(`faults`), `summary.json` the names and what was seen, and each stop leaves its "
+                         "own page ([recording.md](recording.md)). What stop 0 and 1 are: "
+                         "[states.md](states.md). Recovery: `osteon recover`, or `--recover`, may clear it "
+                         "within the run.") +
                      "\n\n"
                      "| bit | fault | what was seen | stop | what the cell does | recovery | how to go on |\n"
                      "|---|---|---|---|---|---|---|\n";

@@ -22,8 +22,7 @@ GuardCommand::GuardCommand(CLI::App& app)
   sub_->add_option("--json", options_.json, "write a summary there at the end, as JSON")->type_name("FILE");
   sub_->footer(
       "The guard passes the arm's messages on to the controller, and the controller's commands on to the arm "
-      "as "
-      "long as they keep the cell's limits. It is not a certified safety function.\n\n"
+      "as long as they keep the cell's limits. It is not a certified safety function.\n\n"
       "Exit code 1: a command was withheld, or the controller fell silent while the arm moved\n\n"
       "Examples:\n  osteon guard my_cell.yaml --json guard.json\n"
       "  osteon cell my_cell.yaml &\n  osteon guard my_cell.yaml &\n  osteon run my_cell.yaml --seconds 10");

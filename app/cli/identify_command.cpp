@@ -58,8 +58,7 @@ IdentifyCommand::IdentifyCommand(CLI::App& app) : sub_(AddStudy(app, "identify")
   sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
   sub_->footer(
       "The arm goes to its start and is held there. Then the tool moves by up to 4 mm along one axis at a "
-      "time. "
-      "Nobody holds the handle. Release the enabling switch to pause.\n\n"
+      "time. Nobody holds the handle. Release the enabling switch to pause.\n\n"
       "Exit code 1: the data were refused, and identified.yaml was not written\n\n"
       "Examples:\n  osteon identify demo --simulated --axes z --speeds 50\n"
       "  osteon identify my_cell.yaml --out identify\n"

@@ -121,8 +121,7 @@ CLI::App* AddBenchSurface(CLI::App& bench, studies::BenchSurfaceOptions& options
   sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
   sub->footer(
       "A step carves what the tool swept in 16 frames, makes the mesh of the bricks that changed, and packs "
-      "it "
-      "for a page. The tool circles 1 mm off the site's axis and is fed in by 5 um a frame.\n\n"
+      "it for a page. The tool circles 1 mm off the site's axis and is fed in by 5 um a frame.\n\n"
       "Examples:\n  osteon bench surface\n  osteon bench surface --cells molar --voxels-mm 0.25,0.1");
   return sub;
 }
@@ -160,9 +159,8 @@ CLI::App* AddBenchSimulate(CLI::App& bench, studies::BenchSimulateOptions& optio
   sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
   sub->footer(
       "The age is that of the tool pose that a model was made for, when a tick takes it; back is the time "
-      "from a "
-      "tick's command until its model is there, seen every 10 us. The tool "
-      "presses on the floor of the demo's cup.\n\n"
+      "from a tick's command until its model is there, seen every 10 us. The tool presses on the floor of "
+      "the demo's cup.\n\n"
       "Examples:\n  osteon bench simulate\n  osteon bench simulate --ticks 20000 --json simulate.json");
   return sub;
 }
@@ -219,8 +217,7 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, studies::SpeedAccuracyOptions& 
   AddShardOption(*sub, options.sharding);
   sub->footer(
       "Two tables name, for each error, the other methods' points that are both faster and more exact than "
-      "ours: "
-      "by the median and by the 99.9th percentile of the frame times.\n\n"
+      "ours: by the median and by the 99.9th percentile of the frame times.\n\n"
       "Examples:\n  osteon chart speed-accuracy --quick\n  osteon chart speed-accuracy --out my_chart\n"
       "  osteon chart speed-accuracy --method ours --method voxel --seeds 2");
   return sub;
@@ -240,8 +237,7 @@ CLI::App* AddChartCompliance(CLI::App& chart, studies::ComplianceChartOptions& o
   sub->add_option("--json", options.json, "write a further copy of compliance.json there")->type_name("FILE");
   sub->footer(
       "The parts are those of the cells long_drill, cartilage_cup and pelvis_mount, stepped as the servo "
-      "loop "
-      "steps them; their cost is that of the demo's tick (osteon bench tick --compliance).\n\n"
+      "loop steps them; their cost is that of the demo's tick (osteon bench tick --compliance).\n\n"
       "Examples:\n  osteon chart compliance\n  osteon chart compliance --ticks 10000 --out my_chart");
   return sub;
 }

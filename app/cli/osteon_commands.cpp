@@ -46,8 +46,7 @@ OsteonCommands::OsteonCommands(CLI::App& app)
       regress_to_completion_(app, {"regress", "validate", "soak", "diff", "merge", "manual", "completion"}) {
   app.footer(
       "Packings, benchmarks, charts, failures, studies and the manual are a second program, which ./osteon "
-      "builds "
-      "when one of them is first asked for.\n\n" +
+      "builds when one of them is first asked for.\n\n" +
       LauncherFooter() +
       "Examples:\n  osteon demo\n  osteon demo --help\n  osteon run demo --simulated --seconds 10\n"
       "  osteon bench frame\n  osteon doctor");

@@ -47,8 +47,7 @@ PlanCommand::PlanCommand(CLI::App& app) : sub_(AddStudy(app, "plan")) {
   sub_->footer(
       "The command first times two other packings on this machine.\n\n"
       "Exit code 1: error and rate cannot both be met (the plan says which was given up, and by how much), "
-      "or "
-      "--check measured something else than the plan promised\n\nExamples:\n"
+      "or --check measured something else than the plan promised\n\nExamples:\n"
       "  osteon plan acetabulum --error-mm 0.1 --rate-hz 1000\n"
       "  osteon plan molar --error-mm 0.03 --rate-hz 1000 --check --json plan.json\n"
       "  osteon plan thin_plate --tool twist_drill:3.2 --error-mm 0.05 --rate-hz 500\n"

@@ -55,9 +55,8 @@ RegressCommand::RegressCommand(CLI::App& app) : sub_(AddStudy(app, "regress")) {
       ->type_name("NAME");
   sub_->footer(
       "A scenario passes if every sampled quantity is within its tolerance of the golden trace and every "
-      "event "
-      "comes at its tick. The table also tells whether every bit is the same: another compiler or processor "
-      "may round differently.\n\n"
+      "event comes at its tick. The table also tells whether every bit is the same: another compiler or "
+      "processor may round differently.\n\n"
       "Exit code 1: a scenario differs, cannot be run, or has no golden trace; a run of a sweep cannot be "
       "made\n\n"
       "Examples:\n  osteon regress\n  osteon regress --junit regress.xml --json regress.json\n"

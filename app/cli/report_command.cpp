@@ -13,8 +13,7 @@ ReportCommand::ReportCommand(CLI::App& app)
   sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
   sub_->footer(
       "Writes RECORDING_report.html, and the pages of the stops. The bone is cut again along the recorded "
-      "motion, "
-      "packed as its scene says; a recorded mesh has to lie where it lay.\n\n"
+      "motion, packed as its scene says; a recorded mesh has to lie where it lay.\n\n"
       "Exit code 1: a file could not be written\n\n"
       "Examples:\n  osteon report demo_out/recording.mcap\n  osteon report run.mcap --out pages --json "
       "run.json");

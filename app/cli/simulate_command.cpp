@@ -51,8 +51,7 @@ SimulateCommand::SimulateCommand(CLI::App& app)
   sub_->add_option("--json", options_.json, "write a summary there at the end, as JSON")->type_name("FILE");
   sub_->footer(
       "A run sends bone, tool and poses, and gets contact models back. If this process ends, hangs or is "
-      "late, "
-      "the servo loop sees an old model and brings the arm to rest.\n\n"
+      "late, the servo loop sees an old model and brings the arm to rest.\n\n"
       "Exit code 1: no engine could be made, or the file could not be written\n\n"
       "Examples:\n  osteon simulate\n  osteon simulate --listen 192.168.1.7:30300 --token-file token.txt\n"
       "  osteon simulate my_cell.yaml --engine cpu");

@@ -20,15 +20,12 @@ SoakCommand::SoakCommand(CLI::App& app) : sub_(AddStudy(app, "soak")) {
   sub_->footer(
       "Runs the simulated cell in virtual time, one seeded episode after the other: reaming, lost and late "
       "datagrams, pauses, recoveries, and parts that fall silent and are started again. Every tenth episode "
-      "is "
-      "the same, and must have the same bits (docs/soak.md).\n\n"
+      "is the same, and must have the same bits (docs/soak.md).\n\n"
       "--wall runs the cell as it is operated: osteon cell, osteon guard and osteon run as processes, with "
-      "pages at "
-      "the console. The seed draws lost datagrams, pauses, halts, changes of tool, and what is killed and "
-      "started again.\n\n"
+      "pages at the console. The seed draws lost datagrams, pauses, halts, changes of tool, and what is "
+      "killed and started again.\n\n"
       "Exit code 1: a fault that was not injected, books that do not close, a recording with a gap, memory "
-      "that "
-      "grows, or a file that could not be written\n\n"
+      "that grows, or a file that could not be written\n\n"
       "Examples:\n  osteon soak --out soak\n  osteon soak --hours 0.1 --seed 7 --json soak.json\n"
       "  osteon soak --wall --hours 2 --out soak_wall");
 }

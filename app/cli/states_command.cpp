@@ -105,8 +105,8 @@ std::string StatesPage() {
       "# What the cell does, and what leads from one state to another\n\n" +
       base::WrapMarkdown(
           "Written by `osteon states --markdown docs/states.md` from the table in `safety/cell_state.cpp`, "
-          "by "
-          "which the servo loop lives. The recording has the number of the state by tick (`cell_state`).") +
+          "by which the servo loop lives. The recording has the number of the state by tick "
+          "(`cell_state`).") +
       "\n\n"
       "| | state | what is done from tick to tick | how it is left |\n|---|---|---|---|\n";
   ForEachState([&](CellState state) {

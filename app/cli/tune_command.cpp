@@ -42,8 +42,7 @@ TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
             ->check(NumberWithin(0, 30)));
   stand(sub_->add_option("--sensor-delay-ms", o.sensor_delay_ms,
                          "delay from the hand's force to the loop; as identified, else 1, or the cell's "
-                         "period if that is "
-                         "longer")
+                         "period if that is longer")
             ->check(NumberWithin(0, 50)));
   stand(sub_->add_option("--grip", o.human_grip_N_per_m,
                          "stiffest grip, in N/m, for which the tool has to stay light")

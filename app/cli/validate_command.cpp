@@ -14,8 +14,7 @@ ValidateCommand::ValidateCommand(CLI::App& app) : sub_(AddStudy(app, "validate")
                  "coarse bones and short runs, as in the tests: seconds instead of minutes");
   sub_->footer(
       "Runs shipped cells, tools and materials in virtual time beside published experiments. A row that "
-      "misses "
-      "is shown as a miss, with what shows the reason (docs/validation.md).\n\n"
+      "misses is shown as a miss, with what shows the reason (docs/validation.md).\n\n"
       "Exit code 1: a row has no result, or a file could not be written\n\n"
       "Examples:\n  osteon validate\n  osteon validate --json validate.json --out validate\n"
       "  osteon validate --rows 9 14-depth");

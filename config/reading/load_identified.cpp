@@ -195,8 +195,8 @@ std::string ArmText(const IdentifiedArm& arm) {
       arm.felt_mass_kg ? fmt::format("\n      felt_mass_kg: {:.10g}", *arm.felt_mass_kg) : "";
   return fmt::format(
              "    - axis: {}\n      speed_mm_per_s: {:.10g}\n      bandwidth_hz: {:.10g}\n      "
-             "damping_ratio: "
-             "{:.10g}\n      dead_time_ms: {:.10g}\n      gain_ratio: {:.10g}\n      lag_ms: {:.10g}{}\n"
+             "damping_ratio: {:.10g}\n      dead_time_ms: {:.10g}\n      gain_ratio: {:.10g}\n      lag_ms: "
+             "{:.10g}{}\n"
              "      chi2_ratio: {:.10g}\n",
              arm.axis, arm.speed_m_per_s / kMilli, arm.bandwidth_hz, arm.damping_ratio,
              arm.dead_time_s / kMilli, arm.gain, arm.lag_s / kMilli, mass, arm.chi2) +

@@ -30,16 +30,13 @@ constexpr int kThreads = static_cast<int>(kMaxPages) + 8;
 // origin may show this one.
 constexpr const char* kHeaders =
     "Content-Security-Policy: default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
-    "blob:; "
-    "connect-src 'self'; frame-ancestors 'self'\r\n"
+    "blob:; connect-src 'self'; frame-ancestors 'self'\r\n"
     "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCache-Control: no-cache";
 
 constexpr const char* kNoPage =
     "<!doctype html><meta charset=utf-8><title>Osteon</title><p>The console's page is not built on this "
-    "machine. "
-    "<code>./osteon demo</code> says why. The cell runs all the same: <code>osteon status</code>, "
-    "<code>pause</code>, "
-    "<code>resume</code>, <code>stop</code>.";
+    "machine. <code>./osteon demo</code> says why. The cell runs all the same: <code>osteon status</code>, "
+    "<code>pause</code>, <code>resume</code>, <code>stop</code>.";
 
 // One connected page.
 class Page final : public PageWriter {

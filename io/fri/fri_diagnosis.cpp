@@ -79,8 +79,7 @@ std::string FriSession::Diagnosis() const {
         std::string(Name(last_.control)) + ".");
   if (last_.command_mode == CommandMode::kCartesianPose)
     say("The robot program asks for CARTESIAN_POSE, which is mirrored, not commanded: choose POSITION, "
-        "WRENCH "
-        "or TORQUE there.");
+        "WRENCH or TORQUE there.");
   if (holding_)
     say("The arm is handed over (activation " + count(activation_) +
         ") and held: no command for it, starting at the interpolator's position, has come.");

@@ -16,8 +16,7 @@ tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string&
   const auto refuse = [&] {
     return tl::make_unexpected(
         fmt::format("found \"{}\", accepted next, tool D (mm), undo, save, cup, guidance G (0 … 1), resume; "
-                    "\"confirmed\" "
-                    "may follow a change of tool",
+                    "\"confirmed\" may follow a change of tool",
                     text.substr(0, 80)));
   };
   if (all.empty()) return refuse();

@@ -263,8 +263,7 @@ std::string DescribeDefects(const MeshRemake& remake) {
 std::string DescribeRemake(const MeshRemake& remake) {
   std::string text = fmt::format(
       "{}; accepted one closed surface: taken as solid where the winding number is above 0.5 (holes closed, "
-      "overlaps "
-      "merged), {:.4g} cm³, remade on a grid of {:.2g} mm, in which thinner features are lost",
+      "overlaps merged), {:.4g} cm³, remade on a grid of {:.2g} mm, in which thinner features are lost",
       DescribeDefects(remake), remake.volume_m3 * 1e6, remake.step_m * 1e3);
   if (remake.dropped_shells > 0)
     text += fmt::format("; the {} smallest shells dropped", remake.dropped_shells);

@@ -162,8 +162,7 @@ int RunBenchView(const BenchViewOptions& options) {
                             {"seek_bone", Figures(bone_s)}};
   fmt::print(
       "recording: {:.0f} s, {:.2f} GB\nopens in {:.2f} s, ticks and bone\nkey states of the bone complete "
-      "after "
-      "{:.1f} s\n",
+      "after {:.1f} s\n",
       *duration_s, 1e-9 * bytes, *open_s, *keys_s);
   for (const auto& [name, figures] :
        {std::pair("seek, ticks", Figures(tick_s)), std::pair("seek, bone as well", Figures(bone_s))})

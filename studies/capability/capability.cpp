@@ -199,9 +199,8 @@ std::string Page(const CapabilityResult& result, const CapabilityOptions& option
         "<h2>Where the base may stand</h2>\n" +
         report::Figure(
             bases,
-            "For each place of the base, the axial force that is guaranteed over the whole task, while "
-            "the needed "
-            "share of it acts across the tool as well; at the best single arm angle.") +
+            "For each place of the base, the axial force that is guaranteed over the whole task, while the "
+            "needed share of it acts across the tool as well; at the best single arm angle.") +
         fmt::format(
             "<p>Kept: {:g} deg from every joint limit, elbow and wrist bent by {:g} deg at least and on the "
             "workspace's side of its plane, the base's axis {:g} mm from the site. What the arm may "

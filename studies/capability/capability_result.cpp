@@ -221,9 +221,8 @@ std::string BaseYaml(const CapabilityResult& r, const std::string& command_line)
                 rpy_deg = kDegrees * RollPitchYaw(r.base->X_WB.linear());
   return fmt::format(
       "# {}\n# Guaranteed over the task: {:.0f} N along the tool with {:.0f} N across it at once; alone "
-      "{:.0f} N and "
-      "{:.0f} N.\n# In place of the cell's own lines:\nbase_in_world:\n  position_mm: [{:.0f}, {:.0f}, "
-      "{:.0f}]\n"
+      "{:.0f} N and {:.0f} N.\n# In place of the cell's own lines:\nbase_in_world:\n  position_mm: [{:.0f}, "
+      "{:.0f}, {:.0f}]\n"
       "  rpy_deg: [{:.0f}, {:.0f}, {:.0f}]\nstart:\n  arm_angle_deg: {:.0f}\n",
       command_line, r.base_force.factor * r.need.axial_N, r.base_force.factor * r.need.lateral_N,
       r.base_force.axial_N, r.base_force.lateral_N, RoundToWhole(p_mm.x()), RoundToWhole(p_mm.y()),

@@ -169,8 +169,7 @@ class Scaling {
 std::string Csv(const ScalingResult& result) {
   std::string csv =
       "series,spheres,tool_spheres,cut_zone_mm,frames,rate_hz,frame_us_p50,frame_us_p95,frame_us_p99,frame_"
-      "us_p999,"
-      "active_spheres_mean\n";
+      "us_p999,active_spheres_mean\n";
   for (const ScalingPoint& point : result.points) {
     const FrameTiming& t = point.timing;
     csv += fmt::format("\"{}\",{},{},{:.4f},{},{:.2f},{:.1f},{:.1f},{:.1f},{:.1f},{}\n", point.series,
@@ -218,10 +217,9 @@ int Run(const ScalingOptions& options) {
   const std::string &machine = result->machine, json = ScalingJson(*result);
   std::vector<std::string> notes{
       fmt::format("{}; {}. A 50 mm reamer, pressed into the cup by 100 N at 250 rpm, is timed once it is "
-                  "seated. With the cut "
-                  "zone as it is, more spheres fill the bone below it; from 100 000 spheres to the most the "
-                  "median frame grows "
-                  "by {:.2f}. Rates are one over the median; bars reach to the 95th percentile.",
+                  "seated. With the cut zone as it is, more spheres fill the bone below it; from 100 000 "
+                  "spheres to the most the median frame grows by {:.2f}. Rates are one over the median; bars "
+                  "reach to the 95th percentile.",
                   result->device, machine, result->Growth())};
   for (const std::string& left : result->left_out) notes.push_back("Not measured: " + left);
   const session::ChartFiles chart{.name = "scaling",

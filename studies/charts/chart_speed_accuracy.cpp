@@ -266,8 +266,7 @@ void PrintDominance(const char* heading, const std::vector<std::vector<std::stri
 std::string Csv(const SpeedAccuracyResult& result) {
   std::string csv =
       "method,length_mm,spheres,r_max_mm,seed,frame_us_p50,frame_us_p999,depth_error_mm,lost_mm,left_mm,"
-      "probe_p95_mm,"
-      "volume_error,force_error,normal_error_deg,ripple\n";
+      "probe_p95_mm,volume_error,force_error,normal_error_deg,ripple\n";
   for (const SpeedAccuracyPoint& point : result.points)
     for (std::size_t seed = 0; seed < point.seeds.size(); ++seed) {
       const SeedScores& s = point.seeds[seed];
@@ -308,26 +307,18 @@ int Run(const SpeedAccuracyOptions& options) {
       fmt::format("Ours on {}; the other methods in double precision on one thread of {}.",
                   OurDevices(*result), result->machine),
       "Four tasks: a ball of 5 mm plunges 5 mm into a block, and slides 6 mm along it; a reamer of 25 mm "
-      "goes 3 mm "
-      "deeper in its cup; a burr of 1.5 mm drills a channel of 9 mm. Then the same tool is pressed 0.5 mm "
-      "off "
-      "its own "
-      "way with the spindle still, and the force is compared with the spring's, which is exact there. Points "
-      "are "
-      "medians of the seeds, errors root mean squares over the tasks; bars reach from the least to the "
-      "greatest seed. "
-      "What is below 0.0001 is drawn there. Depth: bone lost beyond the sweep and left within it, over the "
-      "cut's "
-      "area, each packing against its own uncut self, which flatters disjoint ones. Ripple is over the exact "
-      "mean force.",
+      "goes 3 mm deeper in its cup; a burr of 1.5 mm drills a channel of 9 mm. Then the same tool is pressed "
+      "0.5 mm off its own way with the spindle still, and the force is compared with the spring's, which is "
+      "exact there. Points are medians of the seeds, errors root mean squares over the tasks; bars reach "
+      "from the least to the greatest seed. What is below 0.0001 is drawn there. Depth: bone lost beyond the "
+      "sweep and left within it, over the cut's area, each packing against its own uncut self, which "
+      "flatters disjoint ones. Ripple is over the exact mean force.",
       "Other methods beside ours: a point is faster and more exact than one of ours if both its time and its "
       "error are smaller; it is ahead of ours if none of ours is at once as fast and as exact, and one of "
-      "ours "
-      "is as fast.",
+      "ours is as fast.",
       "Labels: spheres or voxels of the four bones together, where balls are split as many as there are in "
       "the end, and the greatest radius r or the voxel's edge h in mm at the reamer; smaller tools have "
-      "finer "
-      "bones."};
+      "finer bones."};
   for (const std::string& left : result->left_out) notes.push_back("Not measured: " + left);
   const session::Verdict verdict = Judge(*result);
   const std::string json = SpeedAccuracyJson(*result);

@@ -61,8 +61,7 @@ void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& 
   if (!(response.odd_ratio > kOddOverEven * response.even_ratio && response.odd_ratio > kMinOdd)) return;
   const std::string found = fmt::format(
       "not linear at this speed: found {:.1f} % of the motion on odd lines that were not excited, {:.1f} % "
-      "on even "
-      "ones",
+      "on even ones",
       100.0 * response.odd_ratio, 100.0 * response.even_ratio);
   if (response.odd_ratio > kVeryOdd)
     result.refused.push_back(

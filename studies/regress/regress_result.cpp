@@ -211,8 +211,7 @@ std::string RegressJunit(const RegressSummary& summary) {
                                          summary.results.size(), failures, errors, summary.seconds);
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {0}>\n  <testsuite name=\"osteon regress\" "
-      "{0}>\n{1}  "
-      "</testsuite>\n</testsuites>\n",
+      "{0}>\n{1}  </testsuite>\n</testsuites>\n",
       counts, cases);
 }
 

@@ -29,8 +29,8 @@ void AddFaults(Episode& episode, SeededDraws& draws) {
       // five messages lost in a row stop the cell: so many in a row hardly ever are
       episode.set.push_back(
           fmt::format("injections=[{{wire: arm, direction: both, from_s: 0.5, to_s: {}, loss_ratio: {}, "
-                      "burst_count: 3}}, "
-                      "{{wire: arm, direction: to_controller, from_s: {}, to_s: {}, jitter_ms: 1}}]",
+                      "burst_count: 3}}, {{wire: arm, direction: to_controller, from_s: {}, to_s: {}, "
+                      "jitter_ms: 1}}]",
                       episode.seconds, draws.Between(0.005, 0.02), at_s, at_s + 2.0));
       break;
     case EpisodeKind::kRecovery:

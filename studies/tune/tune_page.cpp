@@ -77,8 +77,7 @@ std::string Why(const TuneResult& r) {
                                        : std::string("the arm's lag is assumed, not measured");
   return fmt::format(
       "Why: the loop stays stable with every hand up to {:g} N/m, free and at a wall of {:g} N/mm, {:.2f} "
-      "times as "
-      "stiff and heavy; {}.",
+      "times as stiff and heavy; {}.",
       t.human_grip_N_per_m, 1e-3 * t.wall_N_per_m, r.recommended_margin, arm);
 }
 

@@ -162,10 +162,8 @@ std::vector<report::SummaryRow> Rows(const TuneResult& r) {
     rows.push_back(
         {"With the vibration index",
          fmt::format("{} of {} stiffer hands are calm 1 s after the grip closed (below {:g} N between 5 and "
-                     "40 Hz); the "
-                     "worst hand, {} ({}), keeps {:.2f} N; their drag is on average up to "
-                     "{:.0f} times the recommended one; hands up to {:g} N/m raise the index (0 to 1) to "
-                     "{:.2g}{}",
+                     "40 Hz); the worst hand, {} ({}), keeps {:.2f} N; their drag is on average up to {:.0f} "
+                     "times the recommended one; hands up to {:g} N/m raise the index (0 to 1) to {:.2g}{}",
                      calm, r.carried.size(), worst->calm_N, worst->hand.name, worst->contact,
                      worst->run.one_s_N, most, t.human_grip_N_per_m, r.human_index,
                      t.index_acts ? "" : "; in this cell it does not act (vibration: acts: false)")});
@@ -264,8 +262,7 @@ std::string BoundaryCsv(const TuneResult& r) {
 std::string CarriedTable(const TuneResult& r) {
   std::string table =
       "<table>\n<tr><th>hand</th><th>worst contact</th><th>force from 0.5 s on [N]</th><th>from 1 s on "
-      "[N]</th>"
-      "<th>drag, most</th><th>drag, mean</th></tr>\n";
+      "[N]</th><th>drag, most</th><th>drag, mean</th></tr>\n";
   for (const TuneCarried& c : r.carried)
     table += fmt::format(
         "<tr><th>{}</th><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.0f} ×</td><td>{:.1f} ×</td></tr>\n",

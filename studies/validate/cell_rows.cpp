@@ -188,8 +188,8 @@ Simulated FeedPerTurn(ValidationLab& lab) {
   row.ablations = {{"a hand that presses with 60 N", feed_um(cells[1])}};
   row.reason =
       "the script's 120 N feed the reamer through soft tissue faster than the regime in which chips are "
-      "sheared: "
-      "there the rate law's constant energy is an extrapolation; the teeth of a reamer share a turn's feed";
+      "sheared: there the rate law's constant energy is an extrapolation; the teeth of a reamer share a "
+      "turn's feed";
   return row;
 }
 

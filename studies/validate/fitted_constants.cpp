@@ -66,8 +66,7 @@ std::span<const FittedConstant> FittedConstants() {
        .constant = CutConstant::kEdgeForce,
        .value = 21e3,
        .how = "force on an edge = chip's energy × (depth of cut + 24.7 µm), which rises by 30 % from 2 to 10 "
-              "µm; "
-              "level from the cutting energy at a chip of 48 µm",
+              "µm; level from the cutting energy at a chip of 48 µm",
        .fitted_to = {"14-depth", "10-human"}},
       {.file = "sawbone.yaml",
        .material = "shell",

@@ -162,10 +162,9 @@ int main(int argc, char** argv) {
   if (const std::string wrong = ReadOptions({argv + 1, argv + argc}, options); !wrong.empty()) {
     std::fprintf(
         stderr,
-        "osteon_frame_bench: %s\nusage: osteon_frame_bench [FRAMES, at least 2] [--device NAME] "
-        "[--spheres N, 100 … 20000000] [--uniform]\n           [--tool-spheres M, 1 … 10000] "
-        "[--brute] "
-        "[--scene CELL.yaml --motion FILE.csv] [--rate HZ, 10 … 10000] [--arithmetic int64|words|floats]\n",
+        "osteon_frame_bench: %s\nusage: osteon_frame_bench [FRAMES, at least 2] [--device NAME] [--spheres "
+        "N, 100 … 20000000] [--uniform]\n           [--tool-spheres M, 1 … 10000] [--brute] [--scene "
+        "CELL.yaml --motion FILE.csv] [--rate HZ, 10 … 10000] [--arithmetic int64|words|floats]\n",
         wrong.c_str());
     return 2;
   }

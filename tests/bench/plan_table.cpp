@@ -68,8 +68,7 @@ int PlanAll(const session::EngineChoice& engine) {
   std::printf(
       "scene,error_mm,rate_hz,packing,spheres,tool_spheres,arm_level,predicted_error_mm,measured_error_mm,"
       "standard_error_mm,predicted_frame_us,frame_us_by_others_in_turn,measured_frame_us,frame_us_p999,"
-      "frames,"
-      "frames_interrupted,given_up,missed\n");
+      "frames,frames_interrupted,given_up,missed\n");
   int missed = 0;
   for (const Row& row : kRows) {
     const session::PlanScene scene = Load(row);

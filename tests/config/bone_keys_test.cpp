@@ -70,8 +70,7 @@ TEST_F(BoneKeys, ASceneMayBeNamedThere) {
 TEST_F(BoneKeys, BoundsInTheBonesFrameFollowIt) {
   const std::string bounds =
       "workspace: {frame: bone, sphere_center_mm: [0, 0, 50], sphere_radius_mm: 150, plane_normal_axis: [0, "
-      "0, 1], "
-      "plane_offset_mm: -70}\n"
+      "0, 1], plane_offset_mm: -70}\n"
       "zones: [{frame: bone, point: flange, keep: out, shape: box, at_mm: [0, 0, -140], edges_mm: [700, 700, "
       "140]}]\n"
       "depth_limit: {frame: bone, at_mm: [0, 0, -38]}\n";

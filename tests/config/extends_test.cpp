@@ -65,8 +65,7 @@ TEST_F(Extends, APathLeadsFromTheFileAndANameToACellBesideIt) {
 TEST_F(Extends, KeysOfTheBaseCanBeRemoved) {
   const std::string script =
       "script: {kind: drilling, duration_s: 5, push_force_N: 50, approach_force_N: 10, full_force_depth_mm: "
-      "2, "
-      "peck_count: 1, peck_height_mm: 1, retract_height_mm: 10, max_target_mm_per_s: 50}\n";
+      "2, peck_count: 1, peck_height_mm: 1, retract_height_mm: 10, max_target_mm_per_s: 50}\n";
   EXPECT_THAT(Refusal("extends: demo\n" + script), HasSubstr("unknown key"));
   EXPECT_EQ(Refusal("extends: demo\nremove: [script, vibration, simulated_arm.dynamic.mount]\n" + script),
             "");

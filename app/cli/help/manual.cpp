@@ -193,8 +193,7 @@ std::string ManPage(const CommandText& command, const std::string& version) {
   page +=
       ".SH DESCRIPTION\n"
       "Each subcommand prints its options and examples with \\fB\\-\\-help\\fR. Set\\-up output and errors "
-      "go to "
-      "stderr.\nCtrl\\-C ends in an orderly stop of the arm and complete files.\n";
+      "go to stderr.\nCtrl\\-C ends in an orderly stop of the arm and complete files.\n";
   page += RoffTexts(command);
   page += ".SH OPTIONS\n" + RoffOptions(command);
   page += ".SH COMMANDS\n";
@@ -207,8 +206,7 @@ std::string ManPage(const CommandText& command, const std::string& version) {
     page += fmt::format(".TP\n.B {}\n{}\n", code, Roff(meaning));
   page +=
       ".SH ENVIRONMENT\n.TP\n.B OSTEON_ROOT\nThe project\\(aqs folder; cells, robots, tools and scenes are "
-      "found by "
-      "name in its config/. The launcher sets it.\n"
+      "found by name in its config/. The launcher sets it.\n"
       ".TP\n.B COLUMNS\nWidth of the text that \\-\\-help prints.\n";
   return page;
 }

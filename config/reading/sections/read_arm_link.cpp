@@ -151,10 +151,8 @@ void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell) {
   if (session.absolute && !session.hold_on && !sections.jump_accepted)
     link.Refuse("hold_on",
                 "found false with absolute corrections, accepted true: after a lost answer the arm would "
-                "jump back to "
-                "where RSI began. Set HOLDON to 1 in the Ethernet file and hold_on: true here, or accept the "
-                "danger by "
-                "accept_jump_after_lost_answers: true");
+                "jump back to where RSI began. Set HOLDON to 1 in the Ethernet file and hold_on: true here, "
+                "or accept the danger by accept_jump_after_lost_answers: true");
   if (session.ipoc_step != 1 && session.ipoc_step != session.cycle_ms)
     link.Refuse("ipoc_step_count",
                 fmt::format("found {}, accepted 1, or cycle_ms ({})", session.ipoc_step, session.cycle_ms));

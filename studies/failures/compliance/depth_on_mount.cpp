@@ -119,8 +119,7 @@ FailureResult RunDepthOnMount(const FailureSetting& setting) {
   result.ours_passes = complete && all_stopped && result.ours <= result.bound;
   result.note = fmt::format(
       "bone at rest: {:.3f} mm; on its mount the limit in the world stops at {:.3f} mm; both laws, elastic "
-      "and "
-      "with pads that creep{}",
+      "and with pads that creep{}",
       1e3 * rest_m, 1e3 * shallowest_m, all_stopped ? "" : "; a spindle was never stopped");
   return result;
 }

@@ -150,8 +150,7 @@ FailureResult RunDrillWalk(const FailureSetting& setting) {
   result.ours_passes = complete && result.ours <= result.bound;
   result.note = fmt::format(
       "the bent drill begins its hole {:.2f} mm aside; where the bending is solved with each frame's planes, "
-      "its "
-      "error is {:.2f} mm",
+      "its error is {:.2f} mm",
       1e3 * truth.aside_m, solved_mm);
   rigid.series.name = "rigid";
   solved.series.name = "solved with the planes";

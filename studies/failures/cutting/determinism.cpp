@@ -165,8 +165,7 @@ FailureResult RunDeterminism(const FailureSetting& setting) {
   result.ours_passes = complete && differ == 0 && agreement.good() && models.back().removed_mass_kg > 0.0;
   result.note = fmt::format(
       "{} frames; against the reference engine: contact {:.2g} mm, normal {:.2g} deg, balls {:.2g} mm ({} "
-      "exempt), mass "
-      "{:.2g}",
+      "exempt), mass {:.2g}",
       frames, agreement.contact_mm, agreement.normal_deg, agreement.ball_mm, agreement.exempt,
       agreement.mass);
   result.plot = {.x_label = "frame",

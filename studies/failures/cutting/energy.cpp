@@ -108,8 +108,7 @@ FailureResult RunEnergy(const FailureSetting& setting) {
   result.ours_passes = complete && result.ours <= result.bound && returned <= kQuadrature && ours.cut_J > 0.0;
   result.note = fmt::format(
       "{} cycles; drive {:.3f} J, feed {:.3f} J, cut {:.3f} J; a closed cycle gave back {:.2g} of the "
-      "spring's energy "
-      "(spindle off: {:.2g}), the baseline {:.2g}",
+      "spring's energy (spindle off: {:.2g}), the baseline {:.2g}",
       cycles, ours.drive_J, ours.feed_J, ours.cut_J, ours.ReturnedShare(), still.ReturnedShare(),
       baseline.ReturnedShare());
   baseline.drive_and_feed.name = "printed: drive and feed";

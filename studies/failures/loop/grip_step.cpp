@@ -91,8 +91,7 @@ FailureResult RunGripStep(const FailureSetting& setting) {
   result.ours_passes = complete && !faulted && result.ours <= result.bound;
   result.note = fmt::format(
       "{} grips, the baseline's least shown; with ours \"{}\" is the worst, right after the step the force "
-      "reaches {:.1f} "
-      "N in 0.2 s, the index {:.2f} at most and {:.2f} at the end",
+      "reaches {:.1f} N in 0.2 s, the index {:.2f} at most and {:.2f} at the end",
       cases.size(), worst, max_N, index, end_index);
   return result;
 }

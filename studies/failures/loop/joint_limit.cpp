@@ -185,10 +185,8 @@ FailureResult RunJointLimit(const FailureSetting& setting) {
                        beyond_rad <= -margin_rad + 1e-9 && force_step_N < 5.0 && reversals <= kMaxReversals;
   result.note = fmt::format(
       "{} approaches, the baseline fails in {}; with ours the tool comes back by {:.2g} um while the hand "
-      "pushes "
-      "on and turns by {:.1f} mrad, no joint turns back more than {} times, joints stay {:.2f} deg inside "
-      "their "
-      "limits, the hand's force changes by {:.2f} N in a millisecond at most",
+      "pushes on and turns by {:.1f} mrad, no joint turns back more than {} times, joints stay {:.2f} deg "
+      "inside their limits, the hand's force changes by {:.2f} N in a millisecond at most",
       cases.size(), baselines_fail, 1e6 * backward_m, 1e3 * turned_rad, reversals,
       -beyond_rad * 180.0 / std::numbers::pi, force_step_N);
   return result;

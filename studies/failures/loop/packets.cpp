@@ -111,8 +111,7 @@ FailureResult RunPackets(const FailureSetting& setting) {
   result.note = fmt::format(
       "{} rides; ours has D > a_max K in {} of them, with models up to {:.0f} ms old, and is worst in \"{}\" "
       "(the others: {:.2g}); held forces fulfil it in {} and grow in none of those, but in {} others (up to "
-      "{:.3g}; "
-      "zeroed ones up to {:.3g})",
+      "{:.3g}; zeroed ones up to {:.3g})",
       done, claimed, 1e3 * max_age_s, worst, beyond, held_claimed, held_grows, held, zeroed);
   return result;
 }

@@ -133,8 +133,7 @@ FailureResult RunRestingBuzz(const FailureSetting& setting) {
   result.ours_passes = complete && !faulted && result.ours <= result.bound;
   result.note = fmt::format(
       "5, 50 and 200 N for {:.0f} s each, the baseline's least shown; above 5 Hz the handle moves by {:.2g} "
-      "um rms with "
-      "ours at most, by {:.3g} um with the baseline",
+      "um rms with ours at most, by {:.3g} um with the baseline",
       seconds, 1e6 * all_m, 1e6 * all_above_m);
   return result;
 }

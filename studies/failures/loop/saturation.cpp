@@ -183,11 +183,8 @@ FailureResult RunSaturation(const FailureSetting& setting) {
                        torque_share <= kSlack && max_N <= kCeiling_N && recovery_s <= kMaxRecovery_s;
   result.note = fmt::format(
       "every second push meets the depth limit as well; {} of {} are more than the arm holds, {:.0f} N are "
-      "rendered at most, {:.0f} % of what was to "
-      "be at least; "
-      "joints carry {:.2f} % of their limit at most (gravity counted against them), and the whole force is "
-      "back {:.0f} ms "
-      "after the arm can hold it",
+      "rendered at most, {:.0f} % of what was to be at least; joints carry {:.2f} % of their limit at most "
+      "(gravity counted against them), and the whole force is back {:.0f} ms after the arm can hold it",
       saturated, done, max_N, 100.0 * min_share, 100.0 * torque_share, 1e3 * recovery_s);
   return result;
 }

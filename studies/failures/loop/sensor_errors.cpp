@@ -139,10 +139,8 @@ FailureResult RunSensorErrors(const FailureSetting& setting) {
   result.ours_passes = complete && !faulted && result.ours <= result.bound && push_m_per_s > 1e-3;
   result.note = fmt::format(
       "{} biases with drift and {:g} kg too little in the cell, the baseline's least shown; over {:.0f} s "
-      "ours goes {:.2g} "
-      "mm, and then moves at {:.0f} mm/s or more under a push of {:g} N: the dead zone of {:g} N costs that "
-      "much force, and "
-      "nothing eats the push",
+      "ours goes {:.2g} mm, and then moves at {:.0f} mm/s or more under a push of {:g} N: the dead zone of "
+      "{:g} N costs that much force, and nothing eats the push",
       done, kPayload_kg, seconds, 1e3 * way_m, 1e3 * push_m_per_s, kPush_N, kDeadZone_N);
   return result;
 }

@@ -170,8 +170,7 @@ FailureResult RunSimulationStall(const FailureSetting& setting) {
   result.ours_passes = complete && !faulted && result.ours <= result.bound && step < kMaxStep;
   result.note = fmt::format(
       "{} stalls, the held force gives energy in {} of them; where frames come again the force changes by "
-      "{:.1f} % in a "
-      "millisecond at most with ours ({}; bound 10 %), by {:.0f} % with the held one",
+      "{:.1f} % in a millisecond at most with ours ({}; bound 10 %), by {:.0f} % with the held one",
       done, held_fails, 100.0 * step, worst, 100.0 * held_step);
   return result;
 }

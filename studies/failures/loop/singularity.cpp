@@ -191,10 +191,8 @@ FailureResult RunSingularity(const FailureSetting& setting) {
                        left_m < 3e-3 && left_rad < 0.03;
   result.note = fmt::format(
       "{} cases, the baseline fails in {}; ours is fastest in \"{}\"; the hand's force changes by {:.2f} N "
-      "in a "
-      "millisecond at most ({:.0f} N with the baseline), and at the end the tool is within {:.1f} mm and "
-      "{:.0f} "
-      "mrad of where the hand led it",
+      "in a millisecond at most ({:.0f} N with the baseline), and at the end the tool is within {:.1f} mm "
+      "and {:.0f} mrad of where the hand led it",
       cases.size(), baselines_fail, worst, force_step_N, baseline_force_step_N, 1e3 * left_m, 1e3 * left_rad);
   return result;
 }

@@ -127,11 +127,9 @@ std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const Fai
       "there?*\n\n{}\n\n{}\n\n"
       "| | scenario | metric | bound | baseline | ours | |\n|---|---|---|---|---|---|---|\n",
       base::WrapMarkdown(
-          "Each scenario has a baseline, a plainer method or setting, which must be *seen* to fail, "
-          "and a bound "
-          "that ours must keep. Orange and brown are the baseline's lines, blue and green ours. In "
-          "the sketches "
-          "black is what the hand does, and dashed what is meant, or was, but is not."),
+          "Each scenario has a baseline, a plainer method or setting, which must be *seen* to fail, and a "
+          "bound that ours must keep. Orange and brown are the baseline's lines, blue and green ours. In the "
+          "sketches black is what the hand does, and dashed what is meant, or was, but is not."),
       base::WrapMarkdown(fmt::format(
           "{} of {} kept, with their baselines seen to fail. Written by `{}`: {} on {}{}.", passed,
           entries.size(), head.command_line, head.engine, head.device, head.quick ? ", small scenes" : "")));

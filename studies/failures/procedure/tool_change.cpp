@@ -34,8 +34,7 @@ FailureResult RunToolChange(const FailureSetting& setting) {
   result.ours_passes = result.ours == result.bound && same_bits && !ride.fault && setting.GoesOn(1.0);
   result.note = fmt::format(
       "Reamers of 44 and 46 mm. The joints stay equal to the last bit, and the apex is {:.1f} mm further on; "
-      "the "
-      "baseline's flange would move at {:.0f} mm/s.",
+      "the baseline's flange would move at {:.0f} mm/s.",
       apex_mm, result.baseline / kPeriod_s);
   FailureSeries kept{.name = "apex kept", .x = {-2.0, -1.0, 0.0, 1.0, 2.0}},
       ours{.name = "joints kept", .ours = true};

@@ -67,8 +67,7 @@ FailureResult RunToolInBone(const FailureSetting& setting) {
   result.ours_passes = result.ours <= result.bound && first.contact_count == 0 && setting.GoesOn(1.0);
   result.note = fmt::format(
       "Reamers of {:g} and {:g} mm at one centre: refused, \"retract {:.1f} mm first\". The coupling of 20 "
-      "N/mm would "
-      "push with {:.0f} N at once.",
+      "N/mm would push with {:.0f} N at once.",
       2e3 * kSmall_m, 2e3 * kLarge_m, 1e3 * retracted_m, kStiffness_N_per_m * 1e-3 * result.baseline);
   free.x = {0.0, 1e3 * retracted_m};
   free.y = {-0.5, -0.5};

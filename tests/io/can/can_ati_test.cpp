@@ -197,10 +197,8 @@ TEST(CanIds, TheAtiSensorRefusesDrivesBelowNode16) {
     if (node == 5) {
       EXPECT_EQ(*overlap,
                 "CAN ids overlap: 0x200 … 0x20F of the ATI force sensor (base 0x20) (requests and answers) "
-                "and 0x205 of "
-                "the reamer drive (node 5) (RPDO1); give the sensor another base, give the drive another "
-                "node (16 or "
-                "more beside an ATI sensor), or use a bus for each");
+                "and 0x205 of the reamer drive (node 5) (RPDO1); give the sensor another base, give the "
+                "drive another node (16 or more beside an ATI sensor), or use a bus for each");
     }
   }
 }

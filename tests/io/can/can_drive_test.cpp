@@ -482,8 +482,7 @@ TEST(CanIds, AnOverlapNamesBothAndWhatToDo) {
       *text,
       "CAN ids overlap: 0x210 of the Robotous force sensor (command id 0x210) (commands) and 0x210 of the "
       "reamer drive (node 16) (RPDO1); give the sensor other ids, give the drive another node (16 or more "
-      "beside "
-      "an ATI sensor), or use a bus for each");
+      "beside an ATI sensor), or use a bus for each");
   EXPECT_TRUE(FindOverlap(Both(RobotousParams{.first_id = 0x000}, Params()))) << "NMT";
 }
 

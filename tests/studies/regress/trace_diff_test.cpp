@@ -40,8 +40,7 @@ TEST(TraceDifference, OfABitPassesWithoutBeingIdentical) {
   EXPECT_EQ(difference.parts[1].tick, 19u);
   EXPECT_NE(Text(difference)
                 .find("0.018 s (tick 17): the coupling (of equal inputs: the loop itself does otherwise); "
-                      "ticks later: "
-                      "the command +2"),
+                      "ticks later: the command +2"),
             std::string::npos)
       << Text(difference);
 }
