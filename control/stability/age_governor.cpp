@@ -90,7 +90,7 @@ void Validate(const AgeGovernorParams& params) {
       throw std::invalid_argument(std::string("age governor ") + name + ": found " + std::to_string(value) +
                                   ", accepted " + std::to_string(low) + " … " + std::to_string(high));
   };
-  require("most_damping", params.max_damping_factor, 1.0, 1000.0);
+  require("max_damping_factor", params.max_damping_factor, 1.0, 1000.0);
   require("release_s", params.release_s, 1e-3, 10.0);
   require("tool_radius_m", params.tool_radius_m, 1e-5, 1.0);
   require("arm_damping_Ns_per_m", params.arm_damping_Ns_per_m, 0.0, 1e4);

@@ -23,7 +23,7 @@ void Validate(const PassivityParams& params) {
   };
   require("allowance_J", params.allowance_J, 0.0, 10.0);
   require("least_speed_m_per_s", params.min_speed_m_per_s, 1e-5, 1.0);
-  require("most_damping_Ns_per_m", params.max_damping_Ns_per_m, 0.0, 1e5);
+  require("max_damping_Ns_per_m", params.max_damping_Ns_per_m, 0.0, 1e5);
   require("lever_m", params.lever_m, 1e-3, 1.0);
 }
 

@@ -5,6 +5,7 @@
 namespace osteon::hil {
 namespace {
 
+// Abort codes of SDO (CiA 301).
 constexpr std::uint32_t kNoObject = 0x06020000, kNoSub = 0x06090011, kReadOnly = 0x06010002,
                         kLength = 0x06070010, kCommand = 0x05040001;
 

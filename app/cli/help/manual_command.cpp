@@ -29,8 +29,7 @@ ManualCommands::ManualCommands(CLI::App& app)
       ->check(OneOf({"bash", "zsh", "fish"}));
   completion_->footer(
       "Bash and zsh read the script by `source <(./osteon completion bash)`, fish by `./osteon completion "
-      "fish | "
-      "source`. docs/commands.md says how to keep it for every shell.\n\n"
+      "fish | source`. docs/commands.md says how to keep it for every shell.\n\n"
       "Examples:\n  osteon completion bash\n  osteon completion fish");
 }
 

@@ -81,7 +81,7 @@ TEST(ProxyPath, EachBallStaysWithinTheToleranceOfWhereItWas) {
     for (const Pose& X : all)
       worst_m = std::max(worst_m, swept.SignedDistance(X * Vector3(ball.center_m)) + ball.radius_m);
     EXPECT_LE(worst_m, path.tolerance_m());
-    EXPECT_GT(worst_m, path.tolerance_m() / 20.0) << "the bound is no mere word";
+    EXPECT_GT(worst_m, path.tolerance_m() / 20.0) << "the tolerance is not far larger than what it bounds";
   }
 }
 
