@@ -30,7 +30,7 @@
 extern "C" {
 #endif
 
-#define OSTEON_VERSION "0.1.0"
+#define OSTEON_VERSION "1.0.0"
 /* Changes whenever a struct or the meaning of a function does. Pass it where a function asks for it: the
  * library refuses another one with a message that names both. Other functions need what such a function made,
  * but for osteon_*_default: these fill the structs of ABI 1, in every library. A program that may meet
@@ -89,7 +89,7 @@ typedef struct OsteonGuidance OsteonGuidance;
 
 /* --- library ------------------------------------------------------------------------------------------- */
 
-/* "0.1.0"; valid for ever. */
+/* "1.0.0"; valid for ever. */
 OSTEON_API const char* osteon_version(void);
 /* The OSTEON_ABI that the library was built with. */
 OSTEON_API uint32_t osteon_abi(void);

@@ -387,7 +387,7 @@ def _balls(balls_mm):
 
 
 def version():
-    """The library's version, such as "0.1.0"."""
+    """The library's version, such as "1.0.0"."""
     return _lib.osteon_version().decode()
 
 
