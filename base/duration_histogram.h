@@ -53,8 +53,8 @@ class DurationHistogram {
 
   [[nodiscard]] static constexpr int BinOf(Nanoseconds value) OSTEON_RT {
     if (value < kPerOctave) return static_cast<int>(value);
-    const int shift =
-        static_cast<int>(std::bit_width(static_cast<std::uint64_t>(value))) - 8;  // 8 bits: kPerOctave
+    // 8 bits: kPerOctave
+    const int shift = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(value))) - 8;
     const int bin = (shift + 1) * kPerOctave + static_cast<int>((value >> shift) - kPerOctave);
     return std::min(bin, kBins - 1);
   }

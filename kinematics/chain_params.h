@@ -55,8 +55,8 @@ struct RevoluteJoint {
   JointLimits limits;
   LinkInertia link;
   JointFriction friction;
-  double rotor_inertia_kg_m2{
-      0.0};  ///< of the drive, seen at the joint (gear ratio squared times the rotor's)
+  /// Inertia of the drive's rotor, seen at the joint (gear ratio squared times its own).
+  double rotor_inertia_kg_m2{0.0};
 };
 
 /// @tparam N number of joints, 6 or 7

@@ -16,8 +16,8 @@ struct PosturePreferenceParams {
   double limit_speed_rad_per_s{0.3};     ///< at the limit itself; >= 0
   double singular_zone_m{0.07};          ///< smaller singular values than this are increased; > 0
   double singular_speed_rad_per_s{0.3};  ///< at a singular value of zero; >= 0
-  double load_zone{
-      1.5};  ///< of the load wanted: a posture that holds less is led to one that holds more; > 1
+  /// Factor on the load wanted: a posture that holds less is led to one that holds more; > 1.
+  double load_zone{1.5};
   double load_speed_rad_per_s{0.3};  ///< where no more than the load is held; >= 0
 };
 

@@ -49,8 +49,8 @@ struct ReportInput {
   const simulation::Bone& bone;       ///< the bone before the run
   const simulation::CarvedState& after;
   const simulation::Tool& tool;
-  const simulation::Solid* solid{
-      nullptr};  ///< the bone was packed from it; gives sharp material boundaries; may be null
+  /// The bone was packed from it; gives sharp material boundaries; may be null.
+  const simulation::Solid* solid{nullptr};
   double force_limit_N{200.0};
   double tool_speed_limit_m_per_s{0.0};                                ///< 0: no line drawn
   double max_tool_in_bone_m{std::numeric_limits<double>::infinity()};  ///< infinite: no line drawn

@@ -56,8 +56,8 @@ struct LineChart {
   bool log_x{false}, log_y{false};
   std::vector<Series> series{};
   std::vector<LimitLine> limits{};
-  std::vector<LimitLine>
-      x_limits{};  ///< vertical; their names run along them, clear of the curves if possible
+  /// Vertical lines; their names run along them, clear of the curves if possible.
+  std::vector<LimitLine> x_limits{};
   std::vector<NamedSpan> spans{};
   bool legend{true};
   /// The x axis is the page's time: the page's script may move and zoom it with all others of the page. The

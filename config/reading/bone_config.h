@@ -11,8 +11,8 @@ namespace osteon::config {
 /// A mesh or a packing that takes the place of the scene's generated solid.
 struct BoneConfig {
   std::filesystem::path file;  ///< a closed mesh, or a packing (.osp)
-  std::optional<simulation::CutSite>
-      cup{};            ///< the site, in the file's frame after scaling; a packing may have its own
+  /// The site, in the file's frame after scaling; a packing may have its own.
+  std::optional<simulation::CutSite> cup{};
   double scale{1.0};    ///< millimetres to a unit of a mesh
   std::string place{};  ///< where the cell names cup or file, "my.yaml:12": for errors of the mesh
 };

@@ -68,8 +68,8 @@ struct RobotConfig {
 /// arm of six axes RSI.
 struct ArmLinkConfig {
   std::string host;  ///< dotted IPv4, of this machine
-  std::string
-      arm_host{};  ///< dotted IPv4, of the arm: nobody else is heard. Empty: the first that speaks is it
+  /// Dotted IPv4, of the arm: nobody else is heard. Empty: the first that speaks is it.
+  std::string arm_host{};
   std::uint16_t port{0};
   std::variant<io::FriSessionParams, io::RsiSessionParams> session;
 

@@ -38,10 +38,10 @@ struct IdentifiedArm {
   double speed_m_per_s{0.0};  ///< RMS speed of the tool during the measurement
   double bandwidth_hz{0.0};   ///< w / 2 pi
   double damping_ratio{0.0};  ///< z
-  double dead_time_s{
-      0.0};           ///< from the tick that commands to its first effect; not a whole number of periods
-  double gain{1.0};   ///< of the response at the lowest frequency
-  double lag_s{0.0};  ///< dead time + 2 z / w: total delay of slow motion
+  /// From the tick that commands to its first effect; not a whole number of periods.
+  double dead_time_s{0.0};
+  double gain{1.0};                      ///< of the response at the lowest frequency
+  double lag_s{0.0};                     ///< dead time + 2 z / w: total delay of slow motion
   std::optional<double> felt_mass_kg{};  ///< M_e, by which a force moves the commanded arm
   double chi2{0.0};                      ///< of the fit, divided by its degrees of freedom
   IdentifiedInterval bandwidth_interval_hz{}, damping_interval{}, dead_time_interval_s{}, lag_interval_s{};
@@ -94,8 +94,8 @@ struct IdentifiedHand {
 
 struct IdentifiedVibration {
   double tremor_N{0.0};  ///< RMS force between 5 and 40 Hz of the hand at working push; 0: not measured
-  std::vector<double>
-      notch_hz{};  ///< width of a notch that holds the spindle's own forces; empty: not measured
+  /// Width of a notch that holds the spindle's own forces; empty: not measured.
+  std::vector<double> notch_hz{};
 };
 
 struct IdentifiedCell {

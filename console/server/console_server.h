@@ -17,8 +17,8 @@
 
 namespace osteon::console {
 
-inline constexpr int kDefaultPort =
-    8470;  ///< of the first console on a machine; the next ones take the following
+/// Port of the first console on a machine; the next ones take the following.
+inline constexpr int kDefaultPort = 8470;
 inline constexpr int kPortsTried = 20;
 inline constexpr std::size_t kMaxPages = 16;  ///< pages that are served at a time
 

@@ -28,8 +28,8 @@ struct LiveContext {
   double force_limit_N{0.0};  ///< the cell's, on the coupling
   /// Depth of the tool's apex at a proxy pose in W, below the cup's first floor [m]; empty: not known.
   std::function<double(const Pose& X_WP)> depth_m{};
-  std::function<LatencyStatus()>
-      latency{};  ///< of the run so far, callable from any thread; empty: not known
+  /// Latency of the run so far, callable from any thread; empty: not known.
+  std::function<LatencyStatus()> latency{};
 };
 
 /// A condition of motion.

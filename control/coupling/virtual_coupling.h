@@ -47,14 +47,14 @@ struct CouplingState {
   std::array<FramePlane, simulation::kMaxContacts> planes{};  ///< the first plane_count count
   int plane_count{0};
   std::array<double, simulation::kMaxContacts> recession_m{};  ///< recession of each plane since pose_stamp
-  std::array<double, simulation::kMaxContacts>
-      held_back_m{};            ///< distance by which each plane is still held back
+  /// Distance by which each plane is still held back.
+  std::array<double, simulation::kMaxContacts> held_back_m{};
   double return_m_per_s{0.0};   ///< speed at which held-back planes are released
   bool has_proxy{false};        ///< the last tick had a proxy
   Pose X_WP{Pose::Identity()};  ///< proxy of the last tick
   double violation_m{0.0};      ///< how far the proxy violates its planes, between walls too close for it
-  std::array<bool, simulation::kMaxContacts>
-      pressed{};                              ///< contacts that pressed in the last tick, with the spindle on
+  /// Contacts that pressed in the last tick, with the spindle on.
+  std::array<bool, simulation::kMaxContacts> pressed{};
   double cut_s{0.0};                          ///< time with the spindle on in which any contact pressed
   std::array<CutSample, kHistory> history{};  ///< the last ticks' cut_s, a ring
   int next{0};

@@ -33,8 +33,8 @@ Twist AxisLock::Correction(const Pose& X_WT) OSTEON_RT {
   const Pose X_WC = X_WT * Eigen::Translation3d(centre_T_m_);
 
   // the reference stands still on locked axes and follows the tool on free axes
-  const Vector3 turn_C =
-      turn_.cwiseProduct(LogRotation(X_WC.linear().transpose() * X_WC_.linear()));  // from tool to reference
+  // from tool to reference
+  const Vector3 turn_C = turn_.cwiseProduct(LogRotation(X_WC.linear().transpose() * X_WC_.linear()));
   if (!turn_.isOnes(0.0)) X_WC_.linear() = X_WC.linear() * ExpRotation(turn_C);
   const Matrix3 R_W = X_WC_.linear();
   const Vector3 off_W =

@@ -246,10 +246,11 @@ class ServoLoop {
 
   std::uint64_t tick_{0};
   rt::Nanoseconds now_{0};
-  rt::Nanoseconds withdrawn_at_{StartConditions::kNeverWithdrawn};  // last tick without a motion request
-  bool differed_{false};                                            ///< ReportDifference since the last tick
-  bool recorder_stalled_{false};                                    ///< ReportRecorder since the last tick
-  bool spindle_permitted_{true};                                    ///< the PLC permits the spindle
+  /// Last tick without a motion request.
+  rt::Nanoseconds withdrawn_at_{StartConditions::kNeverWithdrawn};
+  bool differed_{false};           ///< ReportDifference since the last tick
+  bool recorder_stalled_{false};   ///< ReportRecorder since the last tick
+  bool spindle_permitted_{true};   ///< the PLC permits the spindle
   double spindle_rad_per_s_{0.0};  ///< actual speed: measured if there is a drive
   bool arm_overloaded_{false};     ///< the joints' load is about to exceed what they can hold
   bool reduced_speed_{false};      ///< the arm is in operation mode T1 or reports no mode

@@ -15,8 +15,8 @@ namespace {
 constexpr double kMaxOfRate = 0.4;          // largest edge of a filter, as a share of the rate
 constexpr double kQ2 = 0.7071067811865476;  // Butterworth of order 2
 constexpr double kQDead = 0.5;              // critically damped: a jolt does not make it ring
-constexpr double kTurns =
-    0.15;  // share of a half-wave's peak: this much of the other sign begins the next half-wave
+// share of a half-wave's peak: this much of the other sign begins the next half-wave
+constexpr double kTurns = 0.15;
 constexpr double kPassed = 0.8;                       // share of a peak: below it the peak has passed
 constexpr double kDies = 0.5, kGrows = 10.0;          // bounds of a peak over the peak before
 constexpr double kAlertFalls = 2.0;                   // times longer than the rise

@@ -28,8 +28,8 @@ struct VibrationParams {
   double max_damping_factor{100.0};  ///< factor on the law's damping at index 1; >= 1
   double max_mass_factor{1.2};       ///< factor on the law's mass and inertia at index 1; >= 1
   double notch_hz{1.5};              ///< width of each notch; 0: none
-  double release_s{
-      0.1};  ///< time constant of the index downward where no test has found the loop to oscillate
+  /// Time constant of the index downward where no test has found the loop to oscillate.
+  double release_s{0.1};
   ReferenceParams reference{};  ///< reference for the hand's own vibration
 };
 

@@ -96,8 +96,8 @@ uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t range) const {
 
 DispatchArgs VulkanEngine::Impl::MakeDispatch(std::size_t entries, uint chunk, uint rows) const {
   const std::size_t share = std::size_t{program->lanes()} * chunk;
-  const std::size_t min_groups =
-      program->for_gpu() ? 1 : 0;  // the last workgroup continues, so there must be one
+  // the last workgroup continues, so there must be one
+  const std::size_t min_groups = program->for_gpu() ? 1 : 0;
   return {.x = program->WithinLimit(std::max(min_groups, (entries + share - 1) / share)), .y = rows, .z = 1};
 }
 

@@ -32,10 +32,10 @@ inline constexpr double kMaxFaceWeight_mm3 =
     simulation::kMaxLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
 // Time in which a lost device may finish the work that it was given.
 inline constexpr std::uint64_t kLostTimeout_ns = 20'000'000'000;
-inline constexpr std::uint64_t kWarmUpTimeout_ns =
-    120'000'000'000;  // software drivers compile a pass at its first run
-inline constexpr std::uint64_t kBruteTimeout_ns =
-    900'000'000'000;  // every pair in every pass: for measurements only
+// software drivers compile a pass at its first run
+inline constexpr std::uint64_t kWarmUpTimeout_ns = 120'000'000'000;
+// every pair in every pass: for measurements only
+inline constexpr std::uint64_t kBruteTimeout_ns = 900'000'000'000;
 // Bounds on the rounding of a distance in floats: eight units in the last place of the coordinates and, along
 // a way that is long compared with the balls, of its square over the sum of radii.
 inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;

@@ -33,25 +33,24 @@ struct FriServerParams {
   control::CommandMode command_mode{control::CommandMode::kPosition};  ///< kPosition, kWrench or kTorque
   bool torques_zyx{true};  ///< torque order of wrenches on the wire: about z, y, x (KUKA's A, B, C), or x, y,
                            ///< z
-  int request_after_good_cycles{
-      200};  ///< the robot program asks for commanding after so many cycles in MONITORING_READY
+  /// The robot program asks for commanding after so many cycles in MONITORING_READY.
+  int request_after_good_cycles{200};
   int activate_after_mirrored_answers{50};  ///< answers in COMMANDING_WAIT before the motion is handed over
   bool request_again_after_loss{false};  ///< the robot program asks again after losses ended the commanding
   /// A command may move a joint by at most velocity limit × time since the last command × this.
   double step_margin{1.1};
-  double mirror_tolerance_rad{
-      1e-3};  ///< COMMANDING_WAIT: how far from the interpolator's position an answer may be
-  double tracking_error_zero_rad{
-      0.1};  ///< largest joint error at which trackingPerformance reads 0; 0 error reads 1
-  double max_axis_delta_rad{
-      0.1};  ///< in impedance control: how far from the measured position a joint may be commanded; assumed
+  /// COMMANDING_WAIT: how far from the interpolator's position an answer may be.
+  double mirror_tolerance_rad{1e-3};
+  /// Largest joint error at which trackingPerformance reads 0; 0 error reads 1.
+  double tracking_error_zero_rad{0.1};
+  /// In impedance control: how far from the measured position a joint may be commanded; assumed.
+  double max_axis_delta_rad{0.1};
   double drive_start_s{0.5};  ///< from the acknowledgement of a stop until the drives are ACTIVE; assumed
   double close_s{5.0};        ///< from Close() to IDLE
   SessionEnd session_end{SessionEnd::kSilence};
   double external_torque_cutoff_hz{0.0};  ///< low pass of the estimated external torque; 0: none
-  kinematics::JointVector external_torque_offset_Nm{
-      kinematics::JointVector::Zero()};  ///< what the estimate reads with nobody touching, e.g. a wrong
-                                         ///< payload
+  /// What the estimate reads with nobody touching, e.g. a wrong payload.
+  kinematics::JointVector external_torque_offset_Nm{kinematics::JointVector::Zero()};
 };
 
 /// Datagrams so far.
@@ -74,8 +73,8 @@ struct FriCounters {
 /// The arm's measurements, sent with the next message.
 struct ArmMeasurement {
   kinematics::JointVector q{kinematics::JointVector::Zero()};  ///< [rad]
-  kinematics::JointVector tau_meas{
-      kinematics::JointVector::Zero()};  ///< [N·m] by the joints' sensors, if any
+  /// [N·m] by the joints' sensors, if any.
+  kinematics::JointVector tau_meas{kinematics::JointVector::Zero()};
   kinematics::JointVector tau_ext{kinematics::JointVector::Zero()};  ///< [N·m] by external loads
   PlainPose X_BC{};     ///< of the motion centre C, in the robot's base
   PlainWrench F_C_C{};  ///< external, on C, in C

@@ -11,8 +11,8 @@ using io::CanResult;
 
 constexpr int kMaxReads = 128;  // in one call, so that a flood does not block it
 constexpr std::size_t kIdBytes = 2;
-constexpr WireRoom kRoom{
-    .datagrams = 8192, .bytes = kIdBytes + 8, .intact = kIdBytes};  // a second of a full bus
+// a second of a full bus
+constexpr WireRoom kRoom{.datagrams = 8192, .bytes = kIdBytes + 8, .intact = kIdBytes};
 
 using Bytes = std::array<std::uint8_t, kIdBytes + 8>;
 

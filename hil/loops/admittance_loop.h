@@ -31,13 +31,13 @@ struct AdmittanceLoopParams {
   double mass_kg{3.0};            ///< m_v
   double damping_Ns_per_m{20.0};  ///< b_v
   LoopWall wall{};
-  ServoArmParams
-      arm{};  ///< bandwidth, damping ratio, and the command's dead time from the tick that sends it
+  /// Bandwidth, damping ratio, and the command's dead time from the tick that sends it.
+  ServoArmParams arm{};
   double felt_mass_kg{0.0};  ///< M: mass by which the hand's force moves the arm (LoopArm); 0: it does not
   int sensor_delay{1};       ///< df [ticks]: from the hand's force to the law's input
   double tool_mass_kg{0.0};  ///< m_t: the load of the sensor; its inertia feels like more hand mass
-  double inertia_share{
-      0.0};  ///< share of that inertia that the loop compensates (control/sensing/tool_inertia.h)
+  /// Share of that inertia that the loop compensates (control/sensing/tool_inertia.h).
+  double inertia_share{0.0};
   double acceleration_hz{15.0};  ///< corner frequency of the compensation's filters
   double period_s{0.001};        ///< T
 };

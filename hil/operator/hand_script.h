@@ -81,8 +81,8 @@ struct ReamingScriptParams {
   double seconds{10.0};          ///< >= 0.1
   double start_height_m{0.040};  ///< heights as in HandKey
   double retract_height_m{0.030};
-  double full_force_depth_m{
-      0.010};  ///< the push is at full force down to this far below height 0, then fades
+  /// The push is at full force down to this far below height 0, then fades.
+  double full_force_depth_m{0.010};
   double push_force_N{120.0};
   double approach_force_N{20.0};
   /// Tilt of the whirlwind; 0: straight, pressed along the axis.

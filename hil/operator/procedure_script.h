@@ -9,8 +9,8 @@ namespace osteon::hil {
 /// Parameters of an operator who works with the tools of a plan, one after the other.
 struct ProcedureScriptParams {
   PlainPose X_WC{};  ///< the plan: its centre, +z along its axis, out of the cup or the opening
-  double head_radius_m{
-      0.022};  ///< of the tool that the simulated arm carries: it turns about the head's centre
+  /// Radius of the head that the simulated arm carries: the tool turns about its centre.
+  double head_radius_m{0.022};
   double tool_yaw_rad{0.0};
   double seconds{60.0};             ///< of the whole script, >= 0.1
   double start_height_m{0.040};     ///< heights of the head's centre over X_WC

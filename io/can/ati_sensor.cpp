@@ -30,8 +30,8 @@ constexpr std::array<double, 7> kTorqueUnit_Nm{
     0.0, kPound_N* kInch_m, kPound_N * 12 * kInch_m, 1.0, 1e-3, 0.01 * kKilopond_N, 1e3};
 
 // Status bits of the sensor.
-constexpr std::uint16_t kStatusFault =
-    0x19FE;  // 1 … 8 converter, ground, supply, calibration, memory; 11, 12 temperature
+// 1 … 8 converter, ground, supply, calibration, memory; 11, 12 temperature
+constexpr std::uint16_t kStatusFault = 0x19FE;
 constexpr std::uint16_t kStatusBus = 0x4000;
 
 std::uint16_t Id(std::uint8_t base, std::uint16_t code) OSTEON_RT {

@@ -23,8 +23,8 @@ struct CanStatus {
   std::uint64_t received{0}, sent{0};
   std::uint64_t unsent{0};  ///< Send() returned kFull or kDown
   std::uint64_t lost{0};    ///< known losses on the way here: queue overflow, a gap in the tunnel's sequence
-  std::uint64_t rejected{
-      0};  ///< not a classical data frame with an 11-bit id, or a datagram that is none of ours
+  /// Not a classical data frame with an 11-bit id, or a datagram that is none of ours.
+  std::uint64_t rejected{0};
   std::uint64_t duplicate{0};     ///< tunnel: seen before, or overtaken; not delivered
   std::uint64_t error_frames{0};  ///< SocketCAN: reports of the CAN controller
   bool error_warning{false}, error_passive{false}, bus_off{false};

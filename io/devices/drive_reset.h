@@ -10,8 +10,8 @@ namespace osteon::io {
 class DriveReset {
  public:
   static constexpr int kAttempts = 3;
-  static constexpr rt::Nanoseconds kBetween =
-      rt::kSecond / 2;  ///< longer than a drive takes to boot and answer
+  /// Longer than a drive takes to boot and answer.
+  static constexpr rt::Nanoseconds kBetween = rt::kSecond / 2;
 
   /// Call once a tick. True if a reset should be tried now; call Count() after a reset.
   [[nodiscard]] bool IsDue(bool allowed, bool faulty, rt::Nanoseconds now) OSTEON_RT {

@@ -17,8 +17,8 @@ namespace osteon::io {
 
 struct FriLinkParams {
   std::string bind_address{"127.0.0.1"};  ///< IPv4 address of the network card that the arm is on
-  std::string
-      arm_address{};  ///< IPv4; datagrams from others are rejected. Empty: the first valid sender is the arm
+  /// IPv4; datagrams from others are rejected. Empty: the first valid sender is the arm.
+  std::string arm_address{};
   std::uint16_t port{30200};  ///< 30200 … 30209 on KUKA's side, one for each arm; 0 lets the system choose
   FriSessionParams session{};
 };

@@ -16,8 +16,8 @@ using mcap::Crc;
 using mcap::Cursor;
 
 constexpr std::uint64_t kMaxRecord = 64u << 20;  // [bytes] the largest of ours holds a configuration's files
-constexpr std::uint64_t kChunkHead =
-    8 + 8 + 8 + 4 + 4 + 8;  // without compression: times, sizes, CRC, no name
+// without compression: times, sizes, CRC, no name
+constexpr std::uint64_t kChunkHead = 8 + 8 + 8 + 4 + 4 + 8;
 constexpr std::uint64_t kFooterRecord = mcap::kRecordHead + 8 + 8 + 4;
 
 std::string_view View(std::span<const char> bytes) { return {bytes.data(), bytes.size()}; }

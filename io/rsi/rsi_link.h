@@ -17,8 +17,8 @@ namespace osteon::io {
 
 struct RsiLinkParams {
   std::string bind_address{"127.0.0.1"};  ///< IPv4 address of the network card that the controller is on
-  std::string
-      arm_address{};  ///< IPv4; datagrams from others are rejected. Empty: the first valid sender is the arm
+  /// IPv4; datagrams from others are rejected. Empty: the first valid sender is the arm.
+  std::string arm_address{};
   std::uint16_t port{49152};  ///< as in the controller's Ethernet configuration; 0: any free one
   RsiSessionParams session{};
 };

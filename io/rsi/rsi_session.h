@@ -16,15 +16,15 @@ namespace osteon::io {
 struct RsiSessionParams {
   RsiLayout layout{RsiLayout::kImFree};
   RsiCorrection kind{RsiCorrection::kAxes};
-  bool absolute{
-      true};           ///< corrections count from the pose at RSI's start; false: each adds to the sum before
+  /// Corrections count from the pose at RSI's start; false: each adds to the sum before.
+  bool absolute{true};
   bool hold_on{true};  ///< HOLDON: a cycle without an answer repeats the last correction; false: it has no
                        ///< correction
   int cycle_ms{4};     ///< 4 (IPO_FAST) or 12 (IPO)
   int ipoc_step{4};    ///< increase of IPOC in each cycle: 1, or the cycle's milliseconds; >= 1
   int timeout_cycles{100};  ///< the controller's Timeout: RSI ends after this many late answers; >= 1
-  double entry_step_deg{
-      1.0};                 ///< the first command of an activation may be so far off q_start, each axis; > 0
+  /// The first command of an activation may be so far off q_start, each axis; > 0.
+  double entry_step_deg{1.0};
   int settle_messages{10};  ///< answered without a correction before the loop may move the arm; >= 1
   /// Largest Delay at which RSI counts as just begun, for set-ups in which the first answers are always lost;
   /// >= 0. A correction left in force by another program would then be a jump.

@@ -25,8 +25,8 @@ struct CavityResult {
   std::optional<SphereFit> fit;
   std::string fit_refused;               ///< why there is none
   AnatomicShift from_plan, from_native;  ///< of the fitted centre; zero without a fit
-  double coverage{
-      0.0};  ///< share of the planned hemisphere that has bone within kCoverageGap_m of it, radially
+  /// Share of the planned hemisphere that has bone within kCoverageGap_m of it, radially.
+  double coverage{0.0};
   double removed_m3{0.0};
   double over_m3{0.0};   ///< removed outside the planned cavity, but for the target of an opening
   double under_m3{0.0};  ///< left inside it, likewise

@@ -49,8 +49,8 @@ struct ProcessFigures {
   /// no corridor.
   double outside_s{0.0};
   double tremor_N{0.0};  ///< effective hand force between 6 and 14 Hz, without the spindle's harmonics
-  double guidance_J{
-      0.0};  ///< energy that the guidance has taken from the hand; 0: it was off, or never needed
+  /// Energy that the guidance has taken from the hand; 0: it was off, or never needed.
+  double guidance_J{0.0};
 };
 
 inline constexpr double kNearCup_m = 30e-3;

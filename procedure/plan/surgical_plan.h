@@ -79,8 +79,8 @@ struct SurgicalPlan {
   /// Where angles count, with the tilt. Of an opening: `superior` is the axis, the others are across it.
   PelvicFrame pelvis;
   Vector3 native_centre_m{Vector3::Zero()};  ///< of the hip before the operation
-  Vector3 centre_m{
-      Vector3::Zero()};        ///< of the cup; of an opening: of the last burr's head at its end, on the axis
+  /// Centre of the cup; of an opening: of the last burr's head at its end, on the axis.
+  Vector3 centre_m{Vector3::Zero()};
   double cup_diameter_m{0.0};  ///< of the implant; of an opening: its width
   std::string target;          ///< of an opening: the material that it leads to, as "pulp"
   CupDefinition definition{CupDefinition::kRadiographic};

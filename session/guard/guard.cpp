@@ -25,8 +25,8 @@ namespace {
 // how often PLC, silence and Ctrl-C are checked
 constexpr rt::Nanoseconds kPollInterval = 5 * rt::kMillisecond;
 constexpr int kBeatEvery_ms = 10;  // longest time that a withdrawal waits for its heartbeat
-constexpr rt::Nanoseconds kEndWithin =
-    3 * rt::kSecond;                      // time for the arm to rest after the guard was asked to end
+// time for the arm to rest after the guard was asked to end
+constexpr rt::Nanoseconds kEndWithin = 3 * rt::kSecond;
 constexpr std::uint32_t kLastWrites = 2;  // heartbeats that carry the withdrawal before they stop
 // Number of answers for which a slow arm's controller may be silent.
 constexpr double kMinSilenceAnswers = 10.0;

@@ -32,8 +32,8 @@ struct SourceOptions {
   std::optional<simulation::CutSite> cup{};
   std::optional<simulation::Ball> region{};
   std::optional<PathChoice> path{};
-  bool graded{
-      false};  ///< the packing grows coarser with depth: below the whole surface if nothing else is named
+  /// The packing grows coarser with depth: below the whole surface if nothing else is named.
+  bool graded{false};
 };
 
 /// The loaded object to pack: a solid, where it is cut, and its materials.

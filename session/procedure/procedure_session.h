@@ -55,9 +55,9 @@ struct ProcedureParams {
       const simulation::Tool&)>
       make_engine;
   bool confirm_size{false};  ///< a physical change: a person confirms the size
-  bool confirm_load{
-      false};            ///< an arm in its own impedance control: its controller's load is confirmed as well
-  bool scripted{false};  ///< the scripted operator's buttons are pressed as well
+  /// An arm in its own impedance control: its controller's load is confirmed as well.
+  bool confirm_load{false};
+  bool scripted{false};                         ///< the scripted operator's buttons are pressed as well
   ScriptedChanges::Heights scripted_heights{};  ///< at which they are
   bool wall_time{false};                        ///< states are written on a thread of their own
 };

@@ -24,15 +24,15 @@ struct DemoOptions {
   bool default_seconds{false};  ///< with a plan: 15 s for each reamer (novice: 60) instead of `seconds`
   ProcedureChoice procedure{};  ///< of a plan: its reamers, one after the other
   bool virtual_time{false};
-  std::optional<double>
-      frame_ms{};              ///< virtual time: duration of a frame; absent: the default of CellRunParams
-  std::string device{};        ///< part of a Vulkan device's name
-  std::string engine{"auto"};  ///< one of EngineNames
+  /// Virtual time: duration of a frame; absent: the default of CellRunParams.
+  std::optional<double> frame_ms{};
+  std::string device{};                 ///< part of a Vulkan device's name
+  std::string engine{"auto"};           ///< one of EngineNames
   std::optional<std::uint16_t> port{};  ///< replaces the cell's
   int cpu{-1};  ///< for servo thread and simulated arm; all others stay off it; -1: any
-  bool hold_at_fault{
-      false};               ///< a fault that allows a recovery leaves the cell at rest until it is asked for
-  ConsoleChoice console{};  ///< where the console is served
+  /// A fault that allows a recovery leaves the cell at rest until it is asked for.
+  bool hold_at_fault{false};
+  ConsoleChoice console{};              ///< where the console is served
   ConsoleChoice foxglove{.on = false};  ///< where Foxglove and Lichtblick connect to
   std::filesystem::path json{};         ///< a second copy of summary.json
   std::filesystem::path save_motion{};  ///< file for the tool's motion, which can be played again

@@ -81,8 +81,8 @@ struct RunSummary {
   double cutting_debt_J{0.0};  ///< as CarvedState::cutting_debt_J, at the end
   /// Volume of the solid swept by the proxy's cutting surface; counted on a grid, without the engine.
   double swept_volume_m3{0.0};
-  double swept_path_tolerance_m{
-      0.0};                    ///< by which the proxy's path was thinned; 0: each frame's pose is in it
+  /// Tolerance by which the proxy's path was thinned; 0: each frame's pose is in it.
+  double swept_path_tolerance_m{0.0};
   double cup_depth_m{0.0};     ///< deepest proxy apex below the cup's first floor; negative: it stayed above
   double reamed_depth_m{0.0};  ///< how far the apex went into the bone while it cut (simulation::ReamedDepth)
   double cavity_depth_m{0.0};  ///< floor of the carved balls below the first floor; < 0: carved through

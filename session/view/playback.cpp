@@ -80,8 +80,8 @@ void Playback::Run() {
       speed = state_.playing ? state_.speed : 0.0;
     }
     const auto now = Clock::now();
-    const double passed_s =
-        std::min(0.1, std::chrono::duration<double>(now - before).count());  // a stall is not made up
+    // a stall is not made up
+    const double passed_s = std::min(0.1, std::chrono::duration<double>(now - before).count());
     before = now;
     if (jump)
       JumpTo(at_s);

@@ -13,8 +13,8 @@ struct ViewOptions {
   std::vector<std::filesystem::path> recordings;
   double at_s{0.0};  ///< shown at first
   ConsoleChoice console{};
-  std::filesystem::path
-      json{};  ///< written once the page is served: {"url", "recording", "duration_s", "second"}; empty: none
+  /// Written once the page is served: {"url", "recording", "duration_s", "second"}; empty: none.
+  std::filesystem::path json{};
 };
 
 /// Runs `osteon view`: serves the console's page over a recording, or over two side by side with their

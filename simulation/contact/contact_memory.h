@@ -21,8 +21,8 @@ inline constexpr int kMaxFaces = 4;
 /// three, often in one bin. The pairs that held the tool therefore stay candidates; without them the proxy
 /// would hop from one pair to the next.
 struct ContactMemory {
-  std::array<ContactPair, kRememberedPairs>
-      pairs{};  ///< the first pair_count: pairs that held the tool, then those that nearly did
+  /// The first pair_count: pairs that held the tool, then those that nearly did.
+  std::array<ContactPair, kRememberedPairs> pairs{};
   std::int32_t pair_count{0};
   std::int32_t held_count{0};                      ///< how many of these pairs held
   std::array<PlainVector3, kMaxFaces> face_n_G{};  ///< unit; the direction in which each face pressed

@@ -52,8 +52,8 @@ struct SplitParams {
 struct CuttingParams {
   double stiffness_N_per_m{20e3};  ///< of the virtual coupling
   double max_force_N{200.0};       ///< largest coupling force that the rate law assumes
-  double normal_enlargement_m{
-      0.24e-3};                         ///< e of the lens-weighted normal; planes are reported up to this gap
+  /// Enlargement e of the lens-weighted normal; planes are reported up to this gap.
+  double normal_enlargement_m{0.24e-3};
   double contact_tolerance_m{0.02e-3};  ///< overlap that may remain when the tool slides over balls
   /// Longest travel of the proxy in one frame, by its slide and, with the rate law, its advance. While the
   /// tool cuts, a fifth of it is reserved for the advance (kSlideShare).

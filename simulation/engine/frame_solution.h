@@ -41,8 +41,8 @@ struct FrameSolution {
   int contact_count{0};
   std::array<ShaftPlane, kMaxShaftPlanes> shaft{};
   int shaft_count{0};
-  Vector3 shift{
-      Vector3::Zero()};  ///< from first contact to the target of a tool that does not turn any further
+  /// From first contact to the target of a tool that does not turn any further.
+  Vector3 shift{Vector3::Zero()};
   Vector3 delta{Vector3::Zero()};  ///< from the tool's pose to the constrained target
   Vector3 n{Vector3::Zero()};      ///< direction of the cutting planes' resultant
   double cutting_m{0.0};           ///< length of the cutting planes' share of delta
@@ -51,11 +51,11 @@ struct FrameSolution {
   double ploughing_work_J{0.0};    ///< work of the edge beside it, which removes nothing
   Vector3 step{Vector3::Zero()};   ///< advance of the slid proxy into the bone that gives way
   std::array<double, kMaxMaterials> engaged_area_m2{};  ///< projected on n, by material
-  std::array<double, kMaxMaterials>
-      engaged_moment_m3{};                  ///< the same area times its distance from the spindle's axis
-  Vector3 origin_contact{Vector3::Zero()};  ///< T's origin at first contact
-  Vector3 origin_slid{Vector3::Zero()};     ///< after sliding
-  Vector3 origin_end{Vector3::Zero()};      ///< after the advance: the new proxy
+  /// The same area times its distance from the spindle's axis.
+  std::array<double, kMaxMaterials> engaged_moment_m3{};
+  Vector3 origin_contact{Vector3::Zero()};         ///< T's origin at first contact
+  Vector3 origin_slid{Vector3::Zero()};            ///< after sliding
+  Vector3 origin_end{Vector3::Zero()};             ///< after the advance: the new proxy
   std::array<double, kMaxMaterials> removed_m3{};  ///< cleared in this frame, by material
 };
 

@@ -21,8 +21,8 @@ struct CutShape {
   /// bone (a hole, a trench).
   bool along_surface{false};
   double depth_m{0.0};
-  double rim_per_area_1_per_m{
-      0.0};             ///< length of the edge where the cut leaves the bone, over the cut's area
+  /// Length of the edge where the cut leaves the bone, over the cut's area.
+  double rim_per_area_1_per_m{0.0};
   double area_m2{0.0};  ///< of the cut
   double wall_m{0.0};   ///< thinnest wall of the bone that is cut; 0: thick
 };

@@ -21,8 +21,8 @@ class StampsEngine final : public BallMethod {
 
   static constexpr int kPushes = 8, kHalvings = 10;
   static constexpr double kFree_m = 1e-6;
-  static constexpr double kMinCosine =
-      0.3;  ///< smallest cosine between pair and normal in a push: limits its length
+  /// Smallest cosine between pair and normal in a push: limits its length.
+  static constexpr double kMinCosine = 0.3;
 
  protected:
   MethodFrame Solve(const Pose& X_GP, const Pose& X_GT, const FrameInput& input) override;

@@ -79,8 +79,8 @@ VoxelGrid::VoxelGrid(const Bone& bone, const Solid* solid, double voxel_m) : vox
 void VoxelGrid::Fill(const Bone& bone, const Solid* solid) {
   const std::unique_ptr<UnionOfBalls> balls = solid ? nullptr : std::make_unique<UnionOfBalls>(bone);
   const bool one_material = bone.materials.size() < 2;
-  const double reach_m =
-      0.5 * std::sqrt(3.0) * (kBrick - 1) * voxel_m_;  // from a brick's centre to its farthest voxel
+  // from a brick's centre to its farthest voxel
+  const double reach_m = 0.5 * std::sqrt(3.0) * (kBrick - 1) * voxel_m_;
   std::vector<std::vector<MaterialIndex>> materials(brick_material_.size());  // of bricks with several
                                                                               // materials
   const auto fill = [&](std::size_t begin, std::size_t end) {

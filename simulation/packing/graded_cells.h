@@ -13,8 +13,8 @@ namespace osteon::simulation {
 /// Fineness of a division of space, by depth below the cut zone.
 struct GradeParams {
   double finest_m{0.001};  ///< side of the finest cells
-  std::vector<double>
-      coarser_from_m;  ///< least depth of the centre of a cell of side finest·2^k: element k - 1; ascending
+  /// Least depth of the centre of a cell of side finest·2^k: element k - 1; ascending.
+  std::vector<double> coarser_from_m;
 };
 
 /// @throws std::invalid_argument unless min <= finest <= max and the depths ascend, at most four of them.

@@ -38,8 +38,8 @@ MeshDistance::MeshDistance(const TriangleMesh& mesh)
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     std::array<Vector3, 3> p;
     for (int k = 0; k < 3; ++k) p[k] = mesh.vertices_m[mesh.triangles[t][k]];
-    const Vector3 normal =
-        (p[1] - p[0]).cross(p[2] - p[0]).normalized();  // zero where the triangle is a needle
+    // zero where the triangle is a needle
+    const Vector3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
     face_normals_[t] = normal;
     for (int k = 0; k < 3; ++k) {
       edge_normals.try_emplace(edge(t, k), Vector3::Zero()).first->second += normal;

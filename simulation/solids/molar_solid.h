@@ -8,8 +8,8 @@ namespace osteon::simulation {
 /// cusps around a cross of fissures, a narrower neck, two roots that bend backwards, and a pulp whose chamber
 /// has a horn under each cusp and sends two canals into the front root and one into the back root.
 struct MolarShape {
-  double length_m{
-      0.0206};  ///< from the highest cusp to the roots' tips; all sizes but the enamel's scale with it
+  /// Length from the highest cusp to the roots' tips; all sizes but the enamel's scale with it.
+  double length_m{0.0206};
   double enamel_m{0.0020};  ///< thickness of the enamel on top; it thins to nothing at the neck
   double pulp_width{1.0};   ///< width factor of the pulp's chamber, horns and canals; they narrow with age
 };

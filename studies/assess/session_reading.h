@@ -43,8 +43,8 @@ struct AssessedSession {
   config::SurgicalPlanConfig plan{};
   simulation::Bone bone{};                           ///< uncut
   std::shared_ptr<const simulation::Solid> solid{};  ///< of which it was packed; null: not known
-  std::optional<session::SessionCut>
-      cut{};                        ///< what the passes that count have cut; always there once it is read
+  /// What the passes that count have cut; always there once it is read.
+  std::optional<session::SessionCut> cut{};
   simulation::CarvedState state{};  ///< the last one that counts
   procedure::Assessment assessment{};
   std::vector<ToolFigures> tools{};

@@ -9,8 +9,8 @@ struct BenchViewOptions {
   std::filesystem::path recording;
   double hours{1.0};
   int seeks{20};
-  std::filesystem::path
-      folder{};  ///< of the long recording, which is removed afterwards; empty: a temporary one
+  /// Folder of the long recording, which is removed afterwards; empty: a temporary one.
+  std::filesystem::path folder{};
   std::filesystem::path json{};
 };
 

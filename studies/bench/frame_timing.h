@@ -35,8 +35,8 @@ struct FrameTiming {
   std::size_t frames{0};
   simulation::TimeFigures frame_us{};
   double mean_us{0.0};
-  std::optional<double>
-      active_spheres_mean{};  ///< spheres that a frame worked on; nothing if the method does not report it
+  /// Spheres that a frame worked on; nothing if the method does not report it.
+  std::optional<double> active_spheres_mean{};
   std::map<std::string, double> pass_us{};  ///< medians
   double force_N{0.0};                      ///< mean coupling force, which shows that the tool pressed
   double removed_mm3{0.0};                  ///< while the frames were timed

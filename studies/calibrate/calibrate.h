@@ -12,8 +12,8 @@ namespace osteon::studies {
 
 struct CalibrateOptions {
   std::filesystem::path cell;
-  std::filesystem::path
-      payload{};  ///< recording: poses at rest with nobody at the handle; empty: no payload calibration
+  /// Recording: poses at rest with nobody at the handle; empty: no payload calibration.
+  std::filesystem::path payload{};
   std::filesystem::path pivot{};  ///< recording: poses at rest with the tool's tip on one point
   std::filesystem::path out{"calibration.yaml"};
   std::filesystem::path json{};

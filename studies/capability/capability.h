@@ -16,8 +16,8 @@ struct CapabilityOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"capability"};
   std::filesystem::path json{};  ///< a second copy of capability.json
-  std::filesystem::path
-      recording{};  ///< of a run: gives the lateral force that its tool needed; empty: the cell's limits
+  /// Recording of a run: gives the lateral force that its tool needed; empty: the cell's limits.
+  std::filesystem::path recording{};
   std::optional<double> axial_N{}, lateral_N{}, radius_mm{};
   double torque_Nm{0.0};
   Mount mount{Mount::kCell};

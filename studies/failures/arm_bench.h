@@ -37,8 +37,8 @@ struct ArmRideParams {
   Pose X_FT{Pose::Identity()};
   kinematics::JointVector q_start{kinematics::JointVector::Zero()};
   double seconds{1.0};
-  double waiting_s{
-      0.0};  ///< before it: the arm is not handed over yet, the sensor reads, nothing is recorded
+  /// Time before the ride: the arm is not handed over yet, the sensor reads, nothing is recorded.
+  double waiting_s{0.0};
 };
 
 /// The arm's surroundings, evaluated once a millisecond. Ticks count from the hand-over; below 0 the arm

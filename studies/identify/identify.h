@@ -21,8 +21,8 @@ struct IdentifyOptions {
   IdentifyRuns runs{};
   std::string axes{"xyz"};                         ///< of the tool's frame
   std::vector<double> speeds_m_per_s{0.01, 0.05};  ///< peak speeds
-  std::vector<std::filesystem::path>
-      recordings{};  ///< to estimate from; empty: the arm is moved and recorded
+  /// Recordings to estimate from; empty: the arm is moved and recorded.
+  std::vector<std::filesystem::path> recordings{};
   std::vector<std::filesystem::path> validations{};
   std::filesystem::path out{
       "identify"};               ///< folder for recordings, identified.yaml, identify.json, identify.html

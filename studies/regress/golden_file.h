@@ -21,8 +21,8 @@ struct GoldenSource {
 /// The origin of a golden trace.
 struct GoldenHead {
   std::string scenario;
-  std::vector<std::string>
-      reasons;  ///< "2026-11-23 commit 0123: why", one for each time that it was accepted, the oldest first
+  /// "2026-11-23 commit 0123: why", one for each time that it was accepted, the oldest first.
+  std::vector<std::string> reasons;
   std::string build, machine, engine;
   std::vector<GoldenSource> sources;
 };

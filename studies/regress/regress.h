@@ -36,8 +36,8 @@ struct RegressResult {
   std::optional<ScenarioRun> run;
   std::optional<Golden> golden;  ///< as it was before an update
   TraceDifference difference;    ///< valid if there are both a run and a golden trace
-  std::vector<std::string>
-      explained;        ///< a few lines, the most informative first; empty if all bits are the same
+  /// A few lines, the most informative first; empty if all bits are the same.
+  std::vector<std::string> explained;
   bool updated{false};  ///< this run has replaced the golden trace
 
   /// @param exact  fail if any bit differs

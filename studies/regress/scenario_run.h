@@ -43,8 +43,8 @@ struct ScenarioRun {
   RunFigures figures{};
   std::vector<GoldenSource> sources;  ///< the files that the run was made from
   std::string engine;                 ///< "reference on CPU, double precision"
-  std::shared_ptr<const base::WorkFolder>
-      folder;  ///< holds the recording; removed with the last copy of this
+  /// Holds the recording; removed with the last copy of this.
+  std::shared_ptr<const base::WorkFolder> folder;
   std::filesystem::path recording;
   double seconds_simulated{0.0};  ///< virtual time in all
   double seconds_wall{0.0};       ///< wall time in all

@@ -75,8 +75,8 @@ struct ScenarioTrace {
   double period_s{0.0};     ///< of a tick
   std::uint64_t ticks{0};   ///< of the run
   std::uint64_t active{0};  ///< those that rendered
-  std::uint64_t hash{
-      0};  ///< over every bit of every tick's record, of the models that ticks saw and of the carved bone
+  /// Hash over every bit of every tick's record, of the models that ticks saw and of the carved bone.
+  std::uint64_t hash{0};
   std::string ended;  ///< how it ended: "completed", or what never came
   std::vector<TraceEvent> events;
   std::vector<TraceSample> samples;     ///< at multiples of the interval, from the arm's first motion on

@@ -35,8 +35,8 @@ struct QuantityDifference {
 struct TraceDifference {
   bool identical{false};  ///< in every bit of every tick
   bool passed{false};     ///< every quantity and event within its tolerance
-  std::vector<PartDifference>
-      parts;  ///< those that differ, the earliest first; in their own order at equal ticks
+  /// Those that differ, the earliest first; in their own order at equal ticks.
+  std::vector<PartDifference> parts;
   std::vector<QuantityDifference> quantities;  ///< all that differ: first those beyond their tolerance by the
                                                ///< time they left it; then by size
   std::vector<std::string> others;             ///< other differences, one line each: events, the end

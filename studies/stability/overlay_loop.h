@@ -25,8 +25,8 @@ struct OverlayLoopParams {
   control::ImpedanceParams law;
   hil::GridHand hand{"firm", 500.0, 20.0,
                      1.5};  ///< isotropic at the tool, with OperatorWith's lever of a grip
-  hil::LoopWall
-      wall{};  ///< across z of the tool, on the measured pose, age_ticks samples old; `on` is not used
+  /// Wall across z of the tool, on the measured pose, age_ticks samples old; `on` is not used.
+  hil::LoopWall wall{};
   double period_s{0.001};
 };
 

@@ -22,8 +22,8 @@ struct Ablation {
 struct Simulated {
   double value{0.0};  ///< in the measurement's unit
   std::string how;    ///< which shipped parts ran, and how
-  std::vector<std::string>
-      constants{};  ///< of materials on which the value depends: "cortical.cutting_energy"
+  /// Constants of materials on which the value depends: "cortical.cutting_energy".
+  std::vector<std::string> constants{};
   std::vector<Ablation> ablations{};
   std::string reason{};  ///< why it misses, if it does, as the ablations show
 };

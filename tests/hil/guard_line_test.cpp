@@ -18,8 +18,8 @@ namespace {
 using control::SessionState;
 using safety::GuardFinding;
 
-constexpr int kLostInARow =
-    300;  // a busy machine may take a core away for long; the arm still ends in the end
+// a busy machine may take a core away for long; the arm still ends in the end
+constexpr int kLostInARow = 300;
 
 SimulatedCell PatientCell() {
   SimulatedCellParams params;

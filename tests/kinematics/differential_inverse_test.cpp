@@ -378,8 +378,8 @@ TEST_F(DifferentialInverseTest, GradientOfTheSmallestSingularValueEqualsDifferen
     const MotionOutput<7> out = DifferentialInverse<7>(Params()).Step(in);
     EXPECT_NEAR(out.sigma_min_m, sigma_min(in.q), 1e-14);
     for (int i = 0; i < 7; ++i) {
-      constexpr double h =
-          1e-5;  // error: h^2 of a third derivative over the gap to the next value, some 1e-8
+      // error: h^2 of a third derivative over the gap to the next value, some 1e-8
+      constexpr double h = 1e-5;
       JointVectorN<7> more = in.q, less = in.q;
       more[i] += h;
       less[i] -= h;

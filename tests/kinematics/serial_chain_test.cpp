@@ -15,8 +15,8 @@ namespace osteon::kinematics {
 namespace {
 
 constexpr int kPostures = 100'000;
-constexpr double kRounding =
-    1e-12;  // some hundred products of numbers around 1, each rounded to 1e-16, with a margin
+// some hundred products of numbers around 1, each rounded to 1e-16, with a margin
+constexpr double kRounding = 1e-12;
 
 double Difference(const Pose& X, const KDL::Frame& frame) {
   double worst = 0.0;

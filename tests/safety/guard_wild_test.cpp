@@ -13,8 +13,8 @@
 namespace osteon::safety {
 namespace {
 
-constexpr double kSlack =
-    1.0 + 1e-6;  // two kinematics of one arm differ by rounding: 1e-15 m in steps of 1e-9 m
+// two kinematics of one arm differ by rounding: 1e-15 m in steps of 1e-9 m
+constexpr double kSlack = 1.0 + 1e-6;
 
 // The commands that an arm received.
 class Oracle {

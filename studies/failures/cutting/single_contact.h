@@ -11,8 +11,8 @@ namespace osteon::studies {
 struct SingleContactParams {
   double stiffness_N_per_m{20e3};
   bool positive_roots_only{false};  ///< drops pairs that already overlap, as equation 3 is printed
-  int slides{
-      0};  ///< times the rest of the way is projected on the touching pair's plane; 0: stops at first contact
+  /// How often the rest of the way is projected on the touching pair's plane; 0: stops at first contact.
+  int slides{0};
 };
 
 /// Result of one frame, in G.

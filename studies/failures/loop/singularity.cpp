@@ -56,8 +56,8 @@ Case ElbowCase(const std::string& name, double beyond_m, const Vector3& side_m) 
   const Pose X_WF = arm.FlangePose(c.params.q_start);
   const Vector3 p_SW =
       X_WF * Vector3(0, 0, -c.params.arm.wrist_to_flange_m) - Vector3(0, 0, c.params.arm.base_to_shoulder_m);
-  const double left_m =
-      c.params.arm.shoulder_to_elbow_m + c.params.arm.elbow_to_wrist_m - p_SW.norm();  // remaining reach
+  // remaining reach
+  const double left_m = c.params.arm.shoulder_to_elbow_m + c.params.arm.elbow_to_wrist_m - p_SW.norm();
   const double out_m = left_m + beyond_m;
   c.path = OutAndBack(X_WF * c.params.X_FT, p_SW.normalized(), out_m, 0.1, side_m);
   c.params.seconds = 2.0 * 1.875 * out_m / 0.1 + 0.5 + 1.0;

@@ -74,8 +74,8 @@ Pressed Press(const ServoParams& params, const kinematics::ChainParams<7>& body)
   bench.push_N = 150.0;
   Pressed pressed;
   for (int i = 0; i < 1500; ++i) {
-    const JointArray posture =
-        bench.command.q;  // posture of the tick's computation: its motion comes after the wrench
+    // posture of the tick's computation: its motion comes after the wrench
+    const JointArray posture = bench.command.q;
     pressed.last = bench.Tick();
     if (pressed.last.phase != Phase::kHaptic) continue;
     ++pressed.ticks;

@@ -30,8 +30,8 @@ OrthoParallelArm Arm() {
 }
 
 Pose PoseAt(const Joints& q) {
-  static const OrthoParallelArm arm =
-      Arm();  // made once: construction allocates, and the bench runs in the tick
+  // made once: construction allocates, and the bench runs in the tick
+  static const OrthoParallelArm arm = Arm();
   return arm.FlangePose(q) * ServoBench::FlangeToTool();
 }
 

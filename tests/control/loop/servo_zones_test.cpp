@@ -99,8 +99,8 @@ TEST(ServoZones, AStopEndsInsideThem) {
   for (const ZonePoint point : {ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow})
     for (int moment = 40; moment < 400; moment += 40) {
       ServoParams params = Beside(point);
-      params.stop_deceleration_rad_per_s2 =
-          2.0;  // the rotation stops later than the distance to the wall allows
+      // the rotation stops later than the distance to the wall allows
+      params.stop_deceleration_rad_per_s2 = 2.0;
       ServoBench bench(params, 10.0);
       bench.Run(3);
       bench.Activate();
