@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "app/cli/command_line.h"
 #include "app/cli/help/command_table.h"
-#include "app/cli/usage.h"
+#include "app/cli/usage/command_line.h"
+#include "app/cli/usage/usage.h"
 #include "config/reading/config_file_tracker.h"
 
 namespace osteon::app {

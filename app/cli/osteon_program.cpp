@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "app/cli/command_line.h"
 #include "app/cli/osteon_commands.h"
-#include "app/cli/study_commands.h"
+#include "app/cli/usage/command_line.h"
+#include "app/cli/usage/study_commands.h"
 
 namespace osteon::app {
 namespace {

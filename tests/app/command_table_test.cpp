@@ -8,7 +8,7 @@
 #include "app/cli/help/completion.h"
 #include "app/cli/help/help_text.h"
 #include "app/cli/help/manual.h"
-#include "app/cli/usage.h"
+#include "app/cli/usage/usage.h"
 #include "base/text.h"
 
 // The texts that are read from a CLI::App, on one that is made for it.

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "app/cli/faults_command.h"
-#include "app/cli/states_command.h"
+#include "app/cli/help/faults_command.h"
+#include "app/cli/help/states_command.h"
 #include "config/reading/load.h"
 #include "control/ports.h"
 #include "safety/cell_state.h"

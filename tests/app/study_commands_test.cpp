@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/cli/study_commands.h"
+#include "app/cli/usage/study_commands.h"
 
 // Which of the two executables a command line is for.
 

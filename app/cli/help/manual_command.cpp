@@ -7,8 +7,8 @@
 #include "app/cli/help/command_table.h"
 #include "app/cli/help/completion.h"
 #include "app/cli/help/manual.h"
-#include "app/cli/study_commands.h"
-#include "app/cli/usage.h"
+#include "app/cli/usage/study_commands.h"
+#include "app/cli/usage/usage.h"
 #include "base/write_text.h"
 #include "session/process/exit_code.h"
 

@@ -76,8 +76,8 @@ TEST(CapabilityTask, PosesLieInTheVolumeAndOnTheConesEdgeTowardTheBaseToo) {
 
 TEST(CapabilityTask, PosesThatTheWorkspaceForbidsAreLeftOut) {
   config::CellConfig cell = Demo();
-  cell.servo.workspace.plane_offset_m =
-      cell.X_WG.translation().z() - 0.025;  // the apex at the site's own depth
+  // the apex at the site's own depth
+  cell.servo.workspace.plane_offset_m = cell.X_WG.translation().z() - 0.025;
   const TaskVolume task = TaskOf(cell);
   for (const Pose& X_WT : TaskPoses(task, {}, 0.0))
     EXPECT_GE(X_WT.translation().z(), cell.servo.workspace.plane_offset_m);

@@ -1,0 +1,88 @@
+#include "app/cli/files/export_command.h"
+
+#include <fmt/format.h>
+
+#include "app/cli/usage/usage.h"
+
+namespace osteon::app {
+
+ExportCommand::ExportCommand(CLI::App& app)
+    : sub_(app.add_subcommand(
+          "export",
+          "writes a recording as tables, its bone as a mesh, a copy that shows the bone in "
+          "Foxglove, or recovers a torn one")) {
+  sub_->add_option("recording", options_.recording, "the .mcap file of a run")
+      ->type_name("FILE")
+      ->required()
+      ->check(CLI::ExistingFile);
+  sub_->add_flag("--csv", options_.csv,
+                 "write RECORDING_ticks.csv, _frames.csv and _events.csv; the default where no other file "
+                 "is asked for");
+  sub_->add_flag("--recover", options_.recover,
+                 "write RECORDING_recovered.mcap with every complete message of a torn or damaged file");
+  CLI::Option* surface =
+      sub_->add_option("--surface", options_.surface,
+                       "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
+          ->type_name("FILE");
+  sub_->add_option("--at", options_.at_s,
+                   "the bone at this time of the recording, in seconds (time_s of the tables); without it at "
+                   "the end")
+      ->check(NumberWithin(0.0, 86'400.0))
+      ->needs(surface);
+  CLI::Option* foxglove =
+      sub_->add_option("--foxglove", options_.foxglove,
+                       "write a copy of the recording there that shows the carved bone in Foxglove and "
+                       "Lichtblick: .mcap")
+          ->type_name("FILE");
+  sub_->add_option("--every", options_.every_s,
+                   "seconds of the recording from one state of that bone to the next")
+      ->check(NumberWithin(0.03, 3600.0))
+      ->needs(foxglove)
+      ->capture_default_str();
+  CLI::Option* mesh =
+      sub_->add_option("--mesh", mesh_.file,
+                       "the bone's file, where the run's bone was of a file: it is not in the recording")
+          ->type_name("FILE")
+          ->check(CLI::ExistingFile);
+  sub_->add_option("--cup", cup_, "the run's --cup: centre, axis out of the bone, radius; mm")
+      ->type_name("X,Y,Z,NX,NY,NZ,R")
+      ->needs(mesh);
+  sub_->add_option("--scale", mesh_.scale, "mm for each unit of the mesh file")
+      ->check(NumberWithin(1e-4, 1e4))
+      ->needs(mesh)
+      ->capture_default_str();
+  sub_->add_option("--out", options_.out, "folder for the files; without it the recording's own")
+      ->type_name("FOLDER");
+  sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
+  sub_->footer(
+      "Exit code 1: a file could not be written\n\n"
+      "Examples:\n  osteon export demo_out/recording.mcap\n"
+      "  osteon export demo_out/recording.mcap --out tables --json export.json\n"
+      "  osteon export demo_out/recording.mcap --surface bone.stl --at 4.5\n"
+      "  osteon export demo_out/recording.mcap --foxglove with_bone.mcap\n"
+      "  osteon export torn.mcap --recover\n  osteon export torn.mcap --recover --csv");
+}
+
+int ExportCommand::Run() const {
+  session::ExportOptions options = options_;
+  if (!mesh_.file.empty()) {
+    if (options.surface.empty() && options.foxglove.empty()) {
+      fmt::print(
+          stderr,
+          "osteon export: --mesh: found neither --surface nor --foxglove, accepted with one of them\n");
+      return 2;
+    }
+    options.mesh = mesh_;
+    if (!cup_.empty()) {
+      const auto cup = session::ParseCup(cup_);
+      if (!cup) {
+        fmt::print(stderr, "osteon export: {}\n", cup.error());
+        return 2;
+      }
+      options.mesh->cup = *cup;
+    }
+  }
+  return session::RunExport(options);
+}
+
+}  // namespace osteon::app

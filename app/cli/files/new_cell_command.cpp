@@ -1,0 +1,96 @@
+#include "app/cli/files/new_cell_command.h"
+
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "app/cli/usage/cell_file.h"
+#include "config/reading/load.h"
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Returns the text of a cell that extends another one. Keys that users often change are in it as comments.
+std::string ShortCell(const config::CellConfig& cell, const std::string& from, const std::string& schema) {
+  const Vector3 base_mm = 1e3 * cell.X_WB.translation(), bone_mm = 1e3 * cell.X_WG.translation();
+  return fmt::format(
+      "# yaml-language-server: $schema={8}\n"
+      "# What is not here is as in {0}. Every key: docs/cell_files.md, config/cells/demo.yaml.\n"
+      "extends: {0}\n"
+      "base_in_world:                  # where the arm stands; W is your own frame, +z up\n"
+      "  position_mm: [{1:g}, {2:g}, {3:g}]\n"
+      "bone_in_world:                  # the site: origin at the cup's centre or the entry, +z out of the "
+      "bone\n"
+      "  position_mm: [{4:g}, {5:g}, {6:g}]\n"
+      "limits:\n"
+      "  max_force_N: {7:g}              # of the coupling; keep script: push_force_N below it\n"
+      "# tool: reamer                  # a name under tools/, or a YAML file\n"
+      "# tool_diameter_mm: 54\n"
+      "# bone:                         # a mesh instead of the scene's bone\n"
+      "#   mesh: hip.obj\n"
+      "#   cup: {{center_mm: [8.8, -131.9, 517.9], outward_axis: [-0.983, -0.175, 0.052], radius_mm: 21}}\n",
+      from, base_mm.x(), base_mm.y(), base_mm.z(), bone_mm.x(), bone_mm.y(), bone_mm.z(),
+      cell.servo.wrench.max_force_N, schema);
+}
+
+// Returns a copy of a cell file in which the path of the schema is absolute.
+std::string CopyOf(const fs::path& file, const std::string& schema) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  const std::string head = "# yaml-language-server: $schema=";
+  if (text.starts_with(head)) text.replace(0, text.find('\n'), head + schema);
+  return text;
+}
+
+}  // namespace
+
+NewCellCommand::NewCellCommand(CLI::App& app)
+    : sub_(app.add_subcommand("new-cell", "writes a short cell of your own to begin with")) {
+  sub_->add_option("name", name_, "the file, NAME.yaml; anywhere, with folders if you like")
+      ->type_name("FILE")
+      ->required();
+  sub_->add_option("--from", from_, "a name under cells/, or a YAML file")
+      ->type_name("CELL")
+      ->capture_default_str();
+  sub_->footer(
+      "The file extends the other cell, or is a copy of it where that one extends another itself.\n\n"
+      "Examples:\n  osteon new-cell my_cell\n  osteon new-cell ~/lab/tooth --from molar");
+}
+
+int NewCellCommand::Run(const std::filesystem::path& config_root) const {
+  const auto refuse = [](const std::string& what) {
+    fmt::print(stderr, "osteon new-cell: {}\n", what);
+    return 2;
+  };
+  const fs::path file(name_.ends_with(".yaml") ? name_ : name_ + ".yaml");
+  std::error_code error;
+  if (fs::exists(file, error)) return refuse(fmt::format("{}: it is there already", file.string()));
+  const auto from = FindCell(config_root, from_);
+  if (!from) return refuse("--from " + from.error());
+  const config::CellConfig cell = config::LoadCell(*from);  // throws ConfigError, which main shows
+  if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
+
+  const bool is_short = !config::Reader::LoadExtending(*from, "cells").Extended().empty();
+  const bool is_shipped = fs::equivalent(fs::absolute(*from).parent_path(), config_root / "cells", error);
+  const std::string named =
+      is_shipped ? from->stem().string() : fs::absolute(*from).lexically_normal().string();
+  const std::string schema = fs::absolute(config_root / "schemas" / "cell.json").lexically_normal().string();
+  std::ofstream stream(file, std::ios::binary);
+  stream << (is_short ? CopyOf(*from, schema) : ShortCell(cell, named, schema));
+  stream.close();
+  if (!stream) return refuse(file.string() + ": cannot write it");
+  try {
+    static_cast<void>(config::LoadCell(file));
+  } catch (const config::ConfigError& wrong) {  // relative paths in a copy are wrong in another folder
+    fs::remove(file, error);
+    return refuse(fmt::format("{}: it names files beside it, accepted names or whole paths", wrong.what()));
+  }
+  fmt::print("{}\n", file.string());
+  return 0;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,216 @@
+#include "app/cli/files/schema_command.h"
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <map>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "config/reading/file_kinds.h"
+#include "config/reading/named_file.h"
+#include "config/reading/strict/key_aliases.h"
+#include "config/reading/strict/key_table.h"
+#include "config/reading/strict/units.h"
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using config::KeyInfo;
+using config::KeyTable;
+using Type = config::KeyInfo::Type;
+using Help = std::map<std::string, std::string>;  // by "limits.max_force_N", "zones.at_mm"
+
+// The comments of the shipped files, by key: they are the help on a key wherever it is read.
+void ReadHelp(const fs::path& file, Help& help) {
+  std::ifstream stream(file);
+  std::vector<std::pair<std::size_t, std::string>> open;  // keys that enclose a line, with their indentation
+  for (std::string line; std::getline(stream, line);) {
+    const std::size_t indent = line.find_first_not_of(" -");
+    const std::size_t colon = line.find(':');
+    if (indent == std::string::npos || line[indent] == '#' || colon == std::string::npos) continue;
+    while (!open.empty() && open.back().first >= indent) open.pop_back();
+    std::string path;
+    for (const auto& [ignored, key] : open) path += key + ".";
+    const std::string key = line.substr(indent, colon - indent);
+    open.emplace_back(indent, key);
+    if (const std::size_t hash = line.find(" # ", colon); hash != std::string::npos)
+      help.try_emplace(path + key, line.substr(hash + 3));
+  }
+}
+
+std::string UnitText(const std::string& key, const KeyInfo& info) {
+  if (info.type != Type::kNumber && info.type != Type::kNumbers && info.type != Type::kWhole) return "";
+  return fmt::format("{:.10g} … {:.10g}, in the unit at the key's end ({})", info.min, info.max,
+                     config::UnitEnding(key));
+}
+
+Json Enum(const std::vector<std::string>& words) {
+  Json accepted = Json::array();
+  for (const std::string& word : words) {
+    accepted.push_back(word);
+    double number = 0.0;  // YAML reads "4" as a number
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error == std::errc() && end == word.data() + word.size()) accepted.push_back(number);
+  }
+  return accepted;
+}
+
+Json Object(const KeyTable& table, const std::string& path, const Help& help, const fs::path& config_root,
+            bool required);
+
+Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, const std::string& path,
+           const Help& help, const fs::path& config_root, bool required) {
+  static const KeyTable kNone;
+  const auto inner = table.inner.find(key);
+  const KeyTable& below = inner == table.inner.end() ? kNone : inner->second;
+  Json value = Json::object();
+  switch (info.type) {
+    case Type::kNumber:
+      value = {{"type", "number"}, {"minimum", info.min}, {"maximum", info.max}};
+      break;
+    case Type::kWhole:
+      value = {{"type", "integer"}, {"minimum", info.min}, {"maximum", info.max}};
+      break;
+    case Type::kNumbers:
+      value = {{"type", "array"},
+               {"items", {{"type", "number"}, {"minimum", info.min}, {"maximum", info.max}}}};
+      if (info.size > 0) value["minItems"] = value["maxItems"] = info.size;
+      break;
+    case Type::kBool:
+      value = {{"type", "boolean"}};
+      break;
+    case Type::kText:
+      value = {{"type", {"string", "number", "boolean"}}};  // any word
+      break;
+    case Type::kChoice:
+      value = {{"enum", Enum(info.words)}};
+      break;
+    case Type::kWords:
+      value = {{"type", "array"}, {"items", {{"enum", Enum(info.words)}}}, {"uniqueItems", true}};
+      break;
+    case Type::kFile:
+      value = {{"type", "string"}, {"minLength", 1}};
+      if (!info.folder.empty())
+        for (const fs::path& file : config::YamlFilesIn(config_root / info.folder))
+          value["examples"].push_back(file.stem().string());
+      break;
+    case Type::kSection:
+      value = Object(below, path + key + ".", help, config_root, required);
+      break;
+    case Type::kList:
+      value = {{"type", "array"},
+               {"items", Object(below, path + key + ".", help, config_root, true)},  // replaced as a whole
+               {"minItems", info.min},
+               {"maxItems", info.max}};
+      break;
+    case Type::kAny:
+      break;
+  }
+  std::string text = UnitText(key, info);
+  if (const auto found = help.find(path + key); found != help.end())
+    text = found->second + (text.empty() ? "" : "; " + text);
+  if (!text.empty()) value["description"] = text;
+  return value;
+}
+
+Json Required(const std::string& key) { return {{"required", {key}}}; }
+
+Json Object(const KeyTable& table, const std::string& path, const Help& help, const fs::path& config_root,
+            bool required) {
+  Json properties = Json::object(), needed = Json::array(), either = Json::array();
+  for (const auto& [key, info] : table.keys) {
+    properties[key] = Value(table, key, info, path, help, config_root, required);
+    const auto alias = std::ranges::find(config::KeyAliases(), key, &config::KeyAlias::name);
+    if (alias != config::KeyAliases().end()) {
+      const std::string old_name(alias->old_name);
+      properties[old_name] = properties[key];
+      properties[old_name]["deprecationMessage"] = "the older name of " + key;
+      if (info.required) either.push_back({{"oneOf", {Required(key), Required(old_name)}}});
+    } else if (info.required) {
+      needed.push_back(key);
+    }
+  }
+  Json object{{"type", "object"}, {"additionalProperties", false}, {"properties", properties}};
+  if (!required) return object;
+  if (!needed.empty()) object["required"] = needed;
+  if (!either.empty()) object["allOf"] = either;
+  for (const config::KeyCase& one : table.cases) {
+    Json unknown = Json::object();
+    for (const std::string& key : one.excluded) unknown[key] = false;
+    const KeyInfo& decides = table.keys.at(one.key);
+    Json then = Json::object();
+    if (!one.required.empty()) then["required"] = one.required;
+    if (!unknown.empty()) then["properties"] = unknown;
+    object["allOf"].push_back(
+        {{"if",
+          {{"required", {one.key}},
+           {"properties",
+            {{one.key, {{"enum", decides.type == Type::kChoice ? Enum({one.word}) : Json{one.word}}}}}}}},
+         {"then", then}});
+  }
+  return object;
+}
+
+// Sections alone, with the keys that a whole file needs: what a cell that extends another does without.
+Json SchemaOf(const config::FileKind& kind, const fs::path& config_root) {
+  const KeyTable table = config::RecordKeys(kind.load);
+  Help help;
+  if (!kind.folder.empty()) {
+    if (kind.folder == "cells") ReadHelp(config_root / "cells" / "demo.yaml", help);
+    for (const fs::path& file : config::YamlFilesIn(config_root / kind.folder)) ReadHelp(file, help);
+  }
+  Json schema{{"$schema", "http://json-schema.org/draft-07/schema#"},
+              {"title", "Osteon: " + kind.name},
+              {"description", "Made by `osteon schema` from the readers' keys. docs/cell_files.md"}};
+  if (!table.keys.contains("extends")) {
+    schema.update(Object(table, "", help, config_root, true));
+    return schema;
+  }
+  schema.update(Object(table, "", help, config_root, false));
+  schema["properties"]["remove"] = {{"type", "array"},
+                                    {"items", {{"type", "string"}}},
+                                    {"description", "keys of the extended file that do not hold here"}};
+  schema["if"] = {{"not", {{"required", {"extends"}}}}};
+  schema["then"] = {{"$ref", "#/definitions/whole"}};
+  Json whole = Object(table, "", {}, config_root, true);
+  schema["definitions"]["whole"] = whole;
+  return schema;
+}
+
+}  // namespace
+
+SchemaCommand::SchemaCommand(CLI::App& app)
+    : sub_(app.add_subcommand("schema", "JSON Schema of every kind of YAML file, for editors")) {
+  sub_->add_option("--out", out_, "folder for cell.json, robot.json, …")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  sub_->footer(
+      "Editors with yaml-language-server complete and check a file that begins with\n"
+      "  # yaml-language-server: $schema=PATH/cell.json\n\nExamples:\n  osteon schema --out schemas");
+}
+
+int SchemaCommand::Run(const std::filesystem::path& config_root) const {
+  std::error_code error;
+  fs::create_directories(out_, error);
+  for (const config::FileKind& kind : config::FileKinds()) {
+    const fs::path file = out_ / (kind.name + ".json");
+    std::ofstream stream(file, std::ios::binary);
+    stream << SchemaOf(kind, config_root).dump(1) << "\n";
+    stream.close();
+    if (!stream) {
+      fmt::print(stderr, "osteon schema: {}: cannot write it\n", file.string());
+      return 2;
+    }
+    fmt::print("{}\n", file.string());
+  }
+  return 0;
+}
+
+}  // namespace osteon::app

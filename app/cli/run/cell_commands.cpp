@@ -1,0 +1,147 @@
+#include "app/cli/run/cell_commands.h"
+
+#include <fmt/format.h>
+
+#include "app/cli/usage/cell_file.h"
+#include "app/cli/usage/console_option.h"
+#include "app/cli/usage/fidelity_options.h"
+#include "app/cli/usage/tool_choice.h"
+#include "app/cli/usage/usage.h"
+#include "session/run/demo.h"
+#include "session/setup/engine_choice.h"
+
+namespace osteon::app {
+
+CellCommands::CellCommands(CLI::App& app)
+    : cell_(app.add_subcommand("cell", "runs the simulated cell alone, on its real protocols and ports")),
+      run_(app.add_subcommand("run", "operates a cell, real or simulated")) {
+  const auto common = [this](CLI::App& sub) {
+    sub.add_option("cell", name_, "a name under cells/, or a cell's YAML file")
+        ->type_name("CELL")
+        ->required();
+    sub.add_option("--tool", tool_,
+                   "use this tool instead of the cell's: NAME or NAME:DIAMETER in mm; a name under tools/, "
+                   "or a YAML file")
+        ->type_name("TOOL");
+  };
+  common(*cell_);
+  cell_procedure_.Add(*cell_, false);
+  cell_
+      ->add_option("--seconds", simulated_.seconds,
+                   "seconds of the operator's actions; without it as long as the script")
+      ->check(NumberWithin(session::kMinSeconds, session::kMaxSeconds));
+  cell_
+      ->add_option(
+          "--port", simulated_.port,
+          "first of the cell's ports, instead of the one in its file: FRI, PLC, then two for each CAN bus")
+      ->check(PortNumber());
+  cell_
+      ->add_option("--cpu", simulated_.cpu,
+                   "CPU of the cell's real-time threads; everything else stays off it")
+      ->check(NumberWithin(0, rt::kMaxCpu));
+  cell_->add_option("--json", simulated_.json, "write a summary of the cell there at the end, as JSON")
+      ->type_name("FILE");
+  cell_
+      ->add_option("--trace", simulated_.trace,
+                   "write each cycle of the arm to a CSV file during the run: tool pose and velocity, the "
+                   "hand's force")
+      ->type_name("FILE");
+  AddConsoleOption(*cell_, simulated_.console);
+  cell_->footer(
+      "Simulates the arm, the force sensor, the reamer drive, the PLC, an operator at the handle and one at "
+      "the buttons. The controller at the other end need not be Osteon's.\n\n"
+      "Exit code 1: a file could not be written\n\n"
+      "Examples:\n  osteon cell demo\n  osteon cell config/cells/molar.yaml --json cell.json");
+
+  common(*run_);
+  run_->add_flag("--simulated", operate_.simulated,
+                 "start the simulated cell as well, and its guard if it has one, each as a process");
+  procedure_.Add(*run_, true);
+  run_->add_option("--seconds", operate_.seconds, "seconds of rendering; without it until Ctrl-C")
+      ->check(NumberWithin(session::kMinSeconds, session::kMaxSeconds));
+  run_->add_option("--wait", operate_.wait_s, "seconds to wait for the arm and for all conditions of motion")
+      ->capture_default_str()
+      ->check(NumberWithin(1, 86'400));
+  run_->add_option("--recover", operate_.recoveries,
+                   "how often rendering starts again after the arm left COMMANDING_ACTIVE or was silent, and "
+                   "came back")
+      ->check(NumberWithin(0, 1000));
+  run_->add_option("--record", operate_.record,
+                   "the recording, for `osteon export` and Foxglove; without it run_DATE_TIME.mcap in the "
+                   "working folder. An existing name is refused")
+      ->type_name("FILE");
+  run_->add_flag("--overwrite", operate_.overwrite,
+                 "replace an earlier recording of that name and its pages");
+  run_->add_option("--gains", operate_.gains,
+                   "YAML file that replaces the cell's admittance and coupling, as `osteon tune` writes it; "
+                   "if you save it during the run, its gains apply within a second")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
+  run_->add_option("--port", operate_.port, "as `osteon cell --port`; 0 with --simulated: any free ports")
+      ->check(PortNumber());
+  run_->add_option("--cpu", operate_.cpu,
+                   "CPU of the servo thread; everything else stays off it. With --simulated the cell's "
+                   "real-time threads share it")
+      ->check(NumberWithin(0, rt::kMaxCpu));
+  AddFidelityOptions(*run_, operate_.fidelity);
+  AddEngineOption(*run_, operate_.engine, session::WallTimeEngineNames(), "the cutting engine",
+                  "; cpu: one thread, no GPU");
+  AddDeviceOption(*run_, operate_.device);
+  run_->add_option("--surface", operate_.surface,
+                   "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
+      ->type_name("FILE");
+  AddConsoleOption(*run_, operate_.console);
+  AddFoxgloveOption(*run_, operate_.foxglove);
+  AddAtFaultOption(*run_, "hold with --console and no --seconds, else end",
+                   [this](bool hold) { operate_.hold_at_fault = hold; });
+  run_->add_option("--json", operate_.json, "also write the figures there, as JSON")->type_name("FILE");
+  run_->footer(
+      "Exit code 1: a fault ended the run or was recovered from by an operator, the arm did not come in "
+      "time, or a file could not be written\n\n"
+      "Examples:\n  osteon run my_cell.yaml --record first.mcap\n  osteon run demo --simulated --seconds 10\n"
+      "  osteon run demo --simulated --cpu 1\n"
+      "  osteon run demo --simulated --plan acetabulum --session first_hip --seconds 60\n"
+      "  osteon cell demo &  osteon run demo --seconds 10");
+}
+
+int CellCommands::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+  operate_.command_line = command_line;
+  const char* name = cell_->parsed() ? "cell" : "run";
+  const auto refuse = [name](const std::string& what) {
+    fmt::print(stderr, "osteon {}: {}\n", name, what);
+    return 2;
+  };
+  const auto found = FindCell(config_root, name_);
+  if (!found) return refuse(found.error());
+  std::optional<config::ToolChoice> tool;
+  if (!tool_.empty()) {
+    const auto parsed = ParseTool(tool_, config_root);
+    if (!parsed) return refuse(parsed.error());
+    tool = *parsed;
+  }
+  if (operate_.port == 0 && !operate_.simulated)
+    return refuse("--port: found 0, accepted a port, or 0 with --simulated");
+  session::ProcedureChoice simulated;
+  if (const std::string wrong = cell_procedure_.Take(config_root, simulated); !wrong.empty())
+    return refuse(wrong);
+  simulated_.plan = simulated.plan;
+  simulated_.hand = simulated.hand;
+  if (const std::string wrong = procedure_.Take(config_root, operate_.procedure); !wrong.empty())
+    return refuse(wrong);
+  if (procedure_.asked()) {
+    if (operate_.procedure.session.empty())
+      return refuse(
+          "--plan: found no --session, accepted with it: the folder that keeps recordings and states");
+    if (!operate_.record.empty())
+      return refuse("--record: found with --plan, accepted without: the session's folder has the recordings");
+  }
+  simulated_.cell = operate_.cell = *found;
+  simulated_.tool = operate_.tool = tool;
+  try {
+    return cell_->parsed() ? session::RunSimulatedCell(simulated_) : session::RunOperate(operate_);
+  } catch (const config::ToolSizeError& error) {
+    return refuse(fmt::format("--tool {}: {}", tool_, error.what()));
+  }
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,142 @@
+#include "app/cli/run/demo_command.h"
+
+#include <fmt/format.h>
+
+#include "app/cli/usage/cell_file.h"
+#include "app/cli/usage/console_option.h"
+#include "app/cli/usage/fidelity_options.h"
+#include "app/cli/usage/tool_choice.h"
+#include "app/cli/usage/usage.h"
+#include "base/realtime_thread.h"
+#include "config/reading/load.h"
+#include "session/setup/cell_setup.h"
+#include "session/setup/engine_choice.h"
+
+namespace osteon::app {
+
+DemoCommand::DemoCommand(CLI::App& app)
+    : sub_(app.add_subcommand("demo", "cuts bone on the simulated cell and leaves a report")) {
+  seconds_option_ = sub_->add_option(
+      "--seconds", options_.seconds,
+      "seconds of rendering (COMMANDING_ACTIVE); with a plan 15 for each reamer, 60 for a novice");
+  seconds_option_->check(NumberWithin(session::kMinSeconds, session::kMaxSeconds))->capture_default_str();
+  sub_->add_option("--out", options_.out,
+                   "folder for summary.json, report.html and recording.mcap; files of an earlier demo move "
+                   "to earlier_DATE_TIME in it")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  sub_->add_flag("--overwrite", options_.overwrite, "replace the files of an earlier demo in --out");
+  mesh_option_ =
+      sub_->add_option(
+              "--mesh", mesh_,
+              "a closed mesh instead of the scene's bone: STL, OBJ or PLY in mm, or a packing (.osp)")
+          ->type_name("FILE");
+  cup_option_ =
+      sub_->add_option(
+              "--cup", cup_,
+              "cup of the mesh, or the circle where a drill enters: centre, axis out of the bone, radius; mm")
+          ->type_name("X,Y,Z,NX,NY,NZ,R");
+  scale_option_ = sub_->add_option("--scale", scale_, "mm for each unit of the mesh file");
+  scale_option_->check(NumberWithin(1e-4, 1e4))->needs(mesh_option_)->capture_default_str();
+  cup_option_->needs(mesh_option_);
+  procedure_.Add(*sub_, true);
+  sub_->add_flag("--virtual-time", options_.virtual_time,
+                 "lockstep, as fast as the machine can; two runs give the same bits");
+  sub_->add_option("--frame-ms", options_.frame_ms, "duration of a simulation frame in virtual time")
+      ->default_str("2")
+      ->check(NumberWithin(1, 100));
+  AddFidelityOptions(*sub_, options_.fidelity);
+  AddDeviceOption(*sub_, options_.device);
+  AddEngineOption(*sub_, options_.engine, session::EngineNames(), "the cutting engine",
+                  "; cpu: one thread, no GPU; reference: plain double precision, slow, virtual time only");
+  sub_->add_option("--cell", cell_, "a name under cells/, or a cell's YAML file")
+      ->type_name("CELL")
+      ->capture_default_str();
+  tool_option_ = sub_->add_option("--tool", tool_,
+                                  "use this tool instead of the cell's: NAME or NAME:DIAMETER in mm; a "
+                                  "name under tools/, or a YAML file")
+                     ->type_name("TOOL");
+  sub_->add_option("--port", options_.port,
+                   "first of the cell's ports, instead of the one in its file: FRI, PLC, then two for each "
+                   "CAN bus; 0: any free ports")
+      ->check(PortNumber());
+  sub_->add_option("--cpu", options_.cpu,
+                   "CPU of the servo thread and the simulated arm; everything else stays off it")
+      ->check(NumberWithin(0, rt::kMaxCpu));
+  AddConsoleOption(*sub_, options_.console);
+  AddFoxgloveOption(*sub_, options_.foxglove);
+  AddAtFaultOption(*sub_, "end", [this](bool hold) { options_.hold_at_fault = hold; });
+  sub_->add_option("--json", options_.json, "write a further copy of summary.json there")->type_name("FILE");
+  sub_->add_option("--surface", options_.surface,
+                   "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
+      ->type_name("FILE");
+  sub_->add_option("--save-motion", options_.save_motion,
+                   "write the tool's motion there (CSV), to be played again")
+      ->type_name("FILE");
+  sub_->footer(
+      "Exit code 1: a fault ended the run, or a file could not be written\n\n"
+      "Examples:\n  osteon demo\n  osteon demo --seconds 5 --out my_run\n  osteon demo --virtual-time\n"
+      "  osteon demo --error-mm 0.05 --rate-hz 500\n"
+      "  osteon demo --plan acetabulum --virtual-time\n"
+      "  osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21\n"
+      "  osteon demo --cell molar --mesh tooth.obj --scale 0.041 --cup 0,0.5,8,0,0,1,1.75");
+}
+
+int DemoCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+  options_.command_line = command_line;
+  const auto found = FindCell(config_root, cell_);
+  if (!found) {
+    fmt::print(stderr, "osteon demo: --cell {}\n", found.error());
+    return 2;
+  }
+  options_.cell = *found;
+  if (!options_.virtual_time && !session::KeepsUpWithWallTime(options_.engine)) {
+    fmt::print(stderr,
+               "osteon demo: --engine reference: found wall time, accepted with --virtual-time only\n");
+    return 2;
+  }
+  if (*tool_option_) {
+    const auto parsed = ParseTool(tool_, config_root);
+    if (!parsed) {
+      fmt::print(stderr, "osteon demo: {}\n", parsed.error());
+      return 2;
+    }
+    options_.tool = *parsed;
+  }
+  if (procedure_.asked()) {
+    std::string wrong = procedure_.Take(config_root, options_.procedure);
+    if (wrong.empty() && *cup_option_)
+      wrong = "--cup: found with --plan, accepted without: the plan has the cup of its mesh";
+    if (!wrong.empty()) {
+      fmt::print(stderr, "osteon demo: {}\n", wrong);
+      return 2;
+    }
+    options_.default_seconds = !*seconds_option_;
+  }
+  if (*mesh_option_) {
+    options_.mesh = session::MeshChoice{.file = mesh_, .scale = scale_};
+    std::string wrong = mesh_.empty() ? "--mesh: found no name, accepted a file" : "";
+    if (*cup_option_) {
+      const auto parsed = session::ParseCup(cup_);
+      if (!parsed && wrong.empty()) wrong = parsed.error();
+      if (parsed) options_.mesh->cup = *parsed;
+    } else if (wrong.empty() && !procedure_.asked() && options_.mesh->file.extension() != ".osp") {
+      wrong =
+          fmt::format("--mesh {}: found no --cup, accepted with it (a packing file may have its own)", mesh_);
+    }
+    if (wrong.empty() && *scale_option_ && options_.mesh->file.extension() == ".osp")
+      wrong = fmt::format("--scale: found with {}, accepted with a mesh: a packing is in mm", mesh_);
+    if (!wrong.empty()) {
+      fmt::print(stderr, "osteon demo: {}\n", wrong);
+      return 2;
+    }
+  }
+  try {
+    return session::RunDemo(options_);
+  } catch (const config::ToolSizeError& error) {
+    fmt::print(stderr, "osteon demo: --tool {}: {}\n", tool_, error.what());
+    return 2;
+  }
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,51 @@
+#include "app/cli/run/operator_commands.h"
+
+#include <string>
+
+namespace osteon::app {
+namespace {
+
+struct Request {
+  const char *name, *help, *footer;
+};
+constexpr std::array<Request, 5> kRequests{
+    Request{"pause", "pauses the running cell: it brakes to rest and stays under power",
+            "Exit code 1: no cell runs, or nothing moves that could be paused\n\nExamples:\n  osteon pause"},
+    Request{"resume", "ends the pause of the running cell",
+            "Exit code 1: no cell runs, or it is not paused\n\nExamples:\n  osteon resume"},
+    Request{"recover", "clears the faults of a cell that is held at them, and lets it begin anew",
+            "The state machine checks each condition of motion again; rendering then begins where the arm "
+            "stands.\n\n"
+            "Exit code 1: no cell runs, or its fault asks for a new run (the reason is said)\n\n"
+            "Examples:\n  osteon recover"},
+    Request{"stop", "ends the running cell in order, as at the end of its time",
+            "Exit code 1: no cell runs\n\nExamples:\n  osteon stop"},
+    Request{"status", "tells what the running cell does, and what is missing for motion",
+            "Exit code 1: no cell runs\n\nExamples:\n  osteon status\n  osteon status --json status.json"}};
+
+}  // namespace
+
+OperatorCommands::OperatorCommands(CLI::App& app) {
+  for (std::size_t i = 0; i < kRequests.size(); ++i) {
+    const Request& request = kRequests[i];
+    CLI::App* sub = subs_[i] = app.add_subcommand(request.name, request.help);
+    sub->add_option("--pid", options_.pid, "process number of the run, where several run")
+        ->check(CLI::PositiveNumber);
+    sub->add_option("--json", options_.json, "also write the answer there, as JSON")->type_name("FILE");
+    sub->footer(request.footer);
+  }
+}
+
+bool OperatorCommands::asked() const {
+  for (const CLI::App* sub : subs_)
+    if (sub->parsed()) return true;
+  return false;
+}
+
+int OperatorCommands::Run() {
+  for (std::size_t i = 0; i < kRequests.size(); ++i)
+    if (subs_[i]->parsed()) options_.request = kRequests[i].name;
+  return session::RunAsk(options_);
+}
+
+}  // namespace osteon::app

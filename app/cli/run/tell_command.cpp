@@ -1,0 +1,32 @@
+#include "app/cli/run/tell_command.h"
+
+namespace osteon::app {
+
+TellCommand::TellCommand(CLI::App& app)
+    : sub_(app.add_subcommand("tell",
+                              "asks a running session: next tool, undo, save, and what a cell is asked")) {
+  sub_->add_option("session", options_.session, "the session's folder, or the name of the running cell")
+      ->type_name("FOLDER|CELL")
+      ->required();
+  sub_->add_option("request", words_,
+                   "next, tool D (mm), undo, save, cup, guidance G (0 to 1), pause, resume, stop or status; "
+                   "\"confirmed\" after next or "
+                   "tool: a person has mounted this size")
+      ->type_name("REQUEST")
+      ->required()
+      ->expected(1, 3);
+  sub_->add_option("--json", options_.json, "also write the answer there, as JSON")->type_name("FILE");
+  sub_->footer(
+      "Tool and bone change only while the cell is paused and the tool is clear: retract it, then pause.\n\n"
+      "Exit code 1: refused (the reason is said), or no cell runs this session\n\n"
+      "Examples:\n  osteon tell first_hip pause\n  osteon tell first_hip next\n  osteon tell first_hip tool "
+      "48\n"
+      "  osteon tell first_hip undo\n  osteon tell demo status --json status.json");
+}
+
+int TellCommand::Run() {
+  for (const std::string& word : words_) options_.request += (options_.request.empty() ? "" : " ") + word;
+  return session::RunTell(options_);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,54 @@
+#include "app/cli/studies/assess_command.h"
+
+#include <fmt/format.h>
+
+#include "app/cli/usage/study_commands.h"
+#include "app/cli/usage/usage.h"
+#include "config/reading/named_file.h"
+#include "session/process/exit_code.h"
+
+namespace osteon::app {
+
+AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
+  sub_->add_option("session", options_.session, "the folder of a session")
+      ->type_name("FOLDER")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  sub_->add_option("--rubric", rubric_,
+                   "norms and points: a name under rubrics/, or a YAML file; without it rubric for a cup, "
+                   "opening for an opening")
+      ->type_name("RUBRIC");
+  sub_->add_option("--pass-at", options_.pass_at, "exit code 1 below this score")
+      ->check(NumberWithin(0, 100));
+  sub_->add_option("--norms", options_.norms,
+                   "sessions of experts of the same site: their medians stand beside each figure")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
+  sub_->add_option("--against", options_.against,
+                   "another session of the plan, beside this one in compare.html and compare.png")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
+  sub_->add_option("--json", options_.json, "also write the result there, as JSON")->type_name("FILE");
+  sub_->footer(
+      "Writes assess.html and assess.json into the folder. Results that stand beside it, of the same plan, "
+      "are its trend.\n\n"
+      "Exit code 1: the score is below --pass-at\n\n"
+      "Examples:\n  osteon assess session_1\n  osteon assess session_1 --pass-at 70 --norms expert_1 "
+      "expert_2\n  osteon assess expert --against novice");
+}
+
+int AssessCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+  const std::filesystem::path rubrics = config_root / "rubrics";
+  options_.rubrics = rubrics;
+  if (!rubric_.empty()) {
+    const auto rubric = config::FindNamedFile(rubrics, rubric_);
+    if (!rubric)
+      return session::Fail("assess", fmt::format("--rubric: found {}, accepted a YAML file, or one of {}: {}",
+                                                 rubric_, rubrics.string(), config::YamlNamesIn(rubrics)));
+    options_.rubric = *rubric;
+  }
+  options_.command_line = command_line;
+  return studies::RunAssess(options_);
+}
+
+}  // namespace osteon::app

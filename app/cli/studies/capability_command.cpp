@@ -1,0 +1,102 @@
+#include "app/cli/studies/capability_command.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/cli/usage/cell_file.h"
+#include "app/cli/usage/study_commands.h"
+#include "app/cli/usage/usage.h"
+
+namespace osteon::app {
+
+CapabilityCommand::CapabilityCommand(CLI::App& app) : sub_(AddStudy(app, "capability")) {
+  studies::CapabilityOptions& o = options_;
+  sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
+      ->type_name("CELL")
+      ->required();
+  sub_->add_option("--out", o.out, "folder for capability.html, .json, .csv, pictures and base.yaml")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  sub_->add_option("--json", o.json, "write a further copy of capability.json there")->type_name("FILE");
+  const auto need = [](CLI::Option* option) { return option->group("What is needed"); };
+  need(sub_->add_option("--axial-N", o.axial_N, "force along the tool; without it the cell's force limit")
+           ->check(NumberWithin(1, 1000)));
+  auto* lateral = need(sub_->add_option("--lateral-N", o.lateral_N,
+                                        "force across the tool at the same time; without it the axial force "
+                                        "times the sine of the script's tilt")
+                           ->check(NumberWithin(0, 1000)));
+  need(sub_->add_option("--recording", o.recording,
+                        "a run's recording.mcap: use the share of lateral force that its tool needed")
+           ->type_name("FILE")
+           ->check(CLI::ExistingFile)
+           ->excludes(lateral));
+  need(sub_->add_option("--torque-Nm", o.torque_Nm, "torque about any axis at the same time")
+           ->check(NumberWithin(0, 100))
+           ->capture_default_str());
+  need(sub_->add_option(
+               "--radius-mm", o.radius_mm,
+               "radius of the working volume about the site's axis; without it the radius of the tool's head")
+           ->check(NumberWithin(0, 500)));
+  const auto base = [](CLI::Option* option) { return option->group("Where the base may stand"); };
+  for (const auto& [name, values] : {std::pair{"--x-mm", &x_mm_}, {"--y-mm", &y_mm_}, {"--z-mm", &z_mm_}})
+    base(sub_->add_option(name, *values,
+                          "range of the base in world coordinates; without it around the site, as far as the "
+                          "arm reaches")
+             ->type_name("FROM,TO")
+             ->delimiter(',')
+             ->expected(2)
+             ->check(NumberWithin(-5000, 5000)));
+  base(sub_->add_option("--mount", mount_,
+                        "floor: upright; ceiling: hanging; cell: as the cell's base is mounted")
+           ->check(OneOf({"cell", "floor", "ceiling"}))
+           ->capture_default_str());
+  base(sub_->add_option("--clearance-mm", o.clearance_mm,
+                        "least distance of the base's axis from the site's centre")
+           ->check(NumberWithin(0, 3000))
+           ->capture_default_str());
+  base(sub_->add_option("--joint-margin-deg", o.joint_margin_deg, "least distance from every joint limit")
+           ->check(NumberWithin(0, 60))
+           ->capture_default_str());
+  base(sub_->add_flag("--no-search", no_search_, "only map the force; do not search a place for the base"));
+  sub_->add_option("--nodes", o.nodes, "nodes of a map across the workspace")
+      ->check(NumberWithin(3, 201))
+      ->capture_default_str();
+  sub_->add_option("--threads", o.threads, "number of threads; the result does not depend on it")
+      ->check(NumberWithin(1, 256))
+      ->capture_default_str();
+  sub_->footer(
+      "Exit code 1: a file could not be written\n\n"
+      "Examples:\n  osteon capability config/cells/demo.yaml\n  osteon capability demo --out my_cell "
+      "--radius-mm 60\n"
+      "  osteon capability demo --recording demo_out/recording.mcap\n"
+      "  osteon capability demo --mount ceiling --z-mm 900,1500 --x-mm 0,1200");
+}
+
+int CapabilityCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+  studies::CapabilityOptions& o = options_;
+  o.command_line = command_line;
+  o.search = !no_search_;
+  o.mount = mount_ == "floor"     ? studies::Mount::kFloor
+            : mount_ == "ceiling" ? studies::Mount::kCeiling
+                                  : studies::Mount::kCell;
+  for (const auto& [name, values, range] :
+       {std::tuple{"--x-mm", &x_mm_, &o.x_mm}, {"--y-mm", &y_mm_, &o.y_mm}, {"--z-mm", &z_mm_, &o.z_mm}}) {
+    if (values->empty()) continue;
+    if (values->front() > values->back()) {
+      fmt::print(stderr, "osteon capability: {}: found {:g},{:g}, accepted FROM at most TO\n", name,
+                 values->front(), values->back());
+      return 2;
+    }
+    *range = {values->front(), values->back()};
+  }
+  const auto found = FindCell(config_root, cell_);
+  if (!found) {
+    fmt::print(stderr, "osteon capability: {}\n", found.error());
+    return 2;
+  }
+  o.cell = *found;
+  return studies::RunCapability(o);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,99 @@
+#include "app/cli/studies/identify_command.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "app/cli/usage/cell_file.h"
+#include "app/cli/usage/study_commands.h"
+#include "app/cli/usage/usage.h"
+#include "base/interrupt.h"
+
+namespace osteon::app {
+
+IdentifyCommand::IdentifyCommand(CLI::App& app) : sub_(AddStudy(app, "identify")) {
+  sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
+      ->type_name("CELL")
+      ->required();
+  sub_->add_flag("--simulated", options_.simulated,
+                 "move the simulated cell, in virtual time, instead of the connected arm");
+  sub_->add_flag(
+      "--wall-time", options_.wall_time,
+      "with --simulated: in wall time, the simulated arm and devices at the other end of their real "
+      "wires on loopback");
+  sub_->add_option("--table", options_.table_seeds,
+                   "move and read nothing: fit synthetic recordings of the cell's simulated arm with so many "
+                   "seeds, and say how well arm and stability boundaries are found")
+      ->type_name("SEEDS")
+      ->check(NumberWithin(2, 1000));
+  sub_->add_option("--do", runs_,
+                   "runs: noise (60 s at rest), free (64 s for each axis and speed), validate (16 s), held "
+                   "(64 s, with a hand at the handle), tremor (30 s at rest, with a hand at the handle)")
+      ->type_name("RUN,…")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"noise", "free", "validate", "held", "tremor"}))
+      ->capture_default_str();
+  sub_->add_option("--axes", axes_, "axes of the tool's frame at the start along which the arm is moved")
+      ->type_name("AXIS,…")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->capture_default_str();
+  sub_->add_option("--speeds", speeds_mm_per_s_, "peak speeds of the tool, in mm/s")
+      ->type_name("SPEED,…")
+      ->delimiter(',')
+      ->check(NumberWithin(1.0, 100.0))
+      ->capture_default_str();
+  sub_->add_option(
+          "--recording", options_.recordings,
+          "estimate from these recordings and move nothing; one without excitation gives total lag only")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
+  sub_->add_option("--validate", options_.validations, "recordings of validation runs, with --recording")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
+  sub_->add_option("--out", options_.out,
+                   "folder for recordings, identified.yaml, identify.json and identify.html")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
+  sub_->footer(
+      "The arm goes to its start and is held there. Then the tool moves by up to 4 mm along one axis at a "
+      "time. Nobody holds the handle. Release the enabling switch to pause.\n\n"
+      "Exit code 1: the data were refused, and identified.yaml was not written\n\n"
+      "Examples:\n  osteon identify demo --simulated --axes z --speeds 50\n"
+      "  osteon identify my_cell.yaml --out identify\n"
+      "  osteon identify my_cell.yaml --recording identify/free_z_50.mcap --validate "
+      "identify/validate_z_50.mcap");
+}
+
+int IdentifyCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+  const auto refuse = [](const std::string& what) {
+    fmt::print(stderr, "osteon identify: {}\n", what);
+    return 2;
+  };
+  const auto has = [this](const char* run) { return std::ranges::find(runs_, run) != runs_.end(); };
+  if (!options_.validations.empty() && options_.recordings.empty())
+    return refuse("found --validate without --recording, accepted both");
+  if (options_.wall_time && !options_.simulated)
+    return refuse("found --wall-time without --simulated, accepted both");
+  if (has("validate") && !has("free")) return refuse("found --do validate without free, accepted both");
+  const auto found = FindCell(config_root, cell_);
+  if (!found) return refuse(found.error());
+  options_.cell = *found;
+  options_.runs = {.noise = has("noise"),
+                   .free = has("free"),
+                   .validate = has("validate"),
+                   .held = has("held"),
+                   .tremor = has("tremor")};
+  options_.axes.clear();
+  for (const std::string& axis : axes_)
+    if (options_.axes.find(axis) == std::string::npos) options_.axes += axis;
+  options_.speeds_m_per_s.clear();
+  for (const double speed : speeds_mm_per_s_) options_.speeds_m_per_s.push_back(1e-3 * speed);
+  base::InstallInterrupt();
+  options_.stop = &base::Interrupted();
+  options_.command_line = command_line;
+  return studies::RunIdentify(options_);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,91 @@
+#include "app/cli/studies/tune_command.h"
+
+#include <fmt/format.h>
+
+#include "app/cli/usage/cell_file.h"
+#include "app/cli/usage/plan_file.h"
+#include "app/cli/usage/study_commands.h"
+#include "app/cli/usage/usage.h"
+
+namespace osteon::app {
+
+TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
+  studies::TuneOptions& o = options_;
+  sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
+      ->type_name("CELL")
+      ->required();
+  sub_->add_option("--out", o.out, "folder for tune.html, .json, .csv, pictures and gains.yaml")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  sub_->add_option("--json", o.json, "write a further copy of tune.json there")->type_name("FILE");
+  sub_->add_option(
+          "--plan", plan_,
+          "a name under plans/, or a surgical plan's YAML file: which hands its guidance makes unstable")
+      ->type_name("PLAN");
+  sub_->add_option("--identified", o.identified,
+                   "a file of `osteon identify` for this cell: arm, delays, hands and response as measured")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
+  const auto stand = [](CLI::Option* option) {
+    return option->group("What the gains must withstand")->capture_default_str();
+  };
+  stand(sub_->add_option("--margin", o.margin, "factor by which hand and wall may be stiffer than given")
+            ->check(NumberWithin(1, 4)));
+  stand(sub_->add_option("--worst-age-ms", o.worst_age_ms, "greatest age of a contact model's pose")
+            ->check(NumberWithin(0, 60)));
+  stand(sub_->add_option("--loss", o.loss,
+                         "share of the commands that do not reach the arm; as identified, else 0.01")
+            ->check(NumberWithin(0, 0.5)));
+  stand(sub_->add_option(
+                "--jitter-ms", o.jitter_ms,
+                "greatest delay of a command; as identified, else 1, or the cell's period if that is longer")
+            ->check(NumberWithin(0, 30)));
+  stand(sub_->add_option("--sensor-delay-ms", o.sensor_delay_ms,
+                         "delay from the hand's force to the loop; as identified, else 1, or the cell's "
+                         "period if that is longer")
+            ->check(NumberWithin(0, 50)));
+  stand(sub_->add_option("--grip", o.human_grip_N_per_m,
+                         "stiffest grip, in N/m, for which the tool has to stay light")
+            ->check(NumberWithin(100, 50e3)));
+  stand(
+      sub_->add_option("--stiffest-grip", o.stiffest_grip_N_per_m, "stiffest grip, in N/m, that is examined")
+          ->check(NumberWithin(100, 50e3)));
+  sub_->add_option("--nodes", o.dampings, "number of dampings in the map")
+      ->check(NumberWithin(3, 100))
+      ->capture_default_str();
+  sub_->add_option("--threads", o.threads, "number of threads; the result does not depend on it")
+      ->check(NumberWithin(1, 256))
+      ->capture_default_str();
+  AddShardOption(*sub_, o.sharding);
+  sub_->footer(
+      "The map is along one axis of the tool. Results stay in the folder: only what has changed is computed "
+      "again.\n\n"
+      "Exit code 1: the verdict is bad, or a file could not be written\n\nExamples:\n  osteon tune demo\n  "
+      "osteon tune demo --plan acetabulum\n  "
+      "osteon tune my_cell.yaml --identified identify/identified.yaml\n  "
+      "osteon tune config/cells/demo.yaml --margin 1.5 --out "
+      "my_gains\n"
+      "  osteon run demo --simulated --gains tune/gains.yaml");
+}
+
+int TuneCommand::Run(const std::filesystem::path& config_root, const Invocation& invocation) {
+  options_.command_line = invocation.command_line;
+  TakeInvocation(invocation, options_.sharding);
+  const auto found = FindCell(config_root, cell_);
+  if (!found) {
+    fmt::print(stderr, "osteon tune: {}\n", found.error());
+    return 2;
+  }
+  options_.cell = *found;
+  if (!plan_.empty()) {
+    const auto plan = FindPlan(config_root, plan_);
+    if (!plan) {
+      fmt::print(stderr, "osteon tune: {}\n", plan.error());
+      return 2;
+    }
+    options_.plan = *plan;
+  }
+  return studies::RunTune(options_);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,24 @@
+#include "app/cli/usage/cell_file.h"
+
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "config/reading/named_file.h"
+
+namespace osteon::app {
+
+tl::expected<std::filesystem::path, std::string> FindCell(const std::filesystem::path& config_root,
+                                                          const std::string& name) {
+  const std::filesystem::path cells = config_root / "cells";
+  return config::FindNamedFile(cells, name).map_error([&](const std::filesystem::path& file) {
+    std::error_code error;
+    if (std::filesystem::is_directory(name, error))
+      return fmt::format("{}: found a folder; accepted: a YAML file, or one of {}: {}", name, cells.string(),
+                         config::YamlNamesIn(cells));
+    return fmt::format("{}: no file {}; accepted: a YAML file, or one of {}: {}", name, file.string(),
+                       cells.string(), config::YamlNamesIn(cells));
+  });
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,55 @@
+#include "app/cli/usage/console_option.h"
+
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/cli/usage/usage.h"
+
+namespace osteon::app {
+
+namespace {
+
+void AddServerOption(CLI::App& sub, const char* name, session::ConsoleChoice& choice,
+                     const std::string& help) {
+  sub.add_option_function<std::string>(
+         name,
+         [name, &choice](const std::string& text) {
+           auto parsed = session::ConsoleChoice::Parse(text);
+           if (!parsed) throw CLI::ValidationError(name, parsed.error());
+           choice = *parsed;
+         },
+         help)
+      ->type_name("PORT");
+}
+
+}  // namespace
+
+void AddConsoleOption(CLI::App& sub, session::ConsoleChoice& choice) {
+  AddServerOption(
+      sub, "--console", choice,
+      fmt::format("where the page that shows the cell is served: PORT, ADDRESS:PORT, or off; an address "
+                  "other than the loopback asks for a token. Without it the first free port from {} on",
+                  console::kDefaultPort));
+}
+
+void AddFoxgloveOption(CLI::App& sub, session::ConsoleChoice& foxglove) {
+  AddServerOption(
+      sub, "--foxglove", foxglove,
+      fmt::format("where Foxglove and Lichtblick connect to, which show the cell and can do nothing to it: "
+                  "PORT (they propose {}), ADDRESS:PORT, or off, which holds without it; an address other "
+                  "than the loopback asks for a token",
+                  console::kFoxglovePort));
+}
+
+void AddAtFaultOption(CLI::App& sub, const std::string& otherwise, std::function<void(bool hold)> choose) {
+  sub.add_option_function<std::string>(
+         "--at-fault", [choose = std::move(choose)](const std::string& text) { choose(text == "hold"); },
+         "after a fault that allows a recovery (`osteon faults`): hold: the arm stays at rest until `osteon "
+         "recover`, Recover in the console, or a stop; end: the run ends. Without it " +
+             otherwise)
+      ->check(OneOf({"hold", "end"}));
+}
+
+}  // namespace osteon::app

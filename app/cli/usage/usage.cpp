@@ -1,0 +1,115 @@
+#include "app/cli/usage/usage.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "config/reading/strict/nearest_key.h"
+
+namespace osteon::app {
+namespace {
+
+template <typename T>
+CLI::Validator Within(T min, T max) {
+  const std::string range = fmt::format("{} … {}", min, max);
+  return {[min, max, range](std::string& text) {
+            T value{};
+            const char* end = text.data() + text.size();
+            const auto [rest, error] = std::from_chars(text.data(), end, value);
+            const bool good = error == std::errc{} && rest == end && value >= min && value <= max;
+            return good ? std::string() : fmt::format("found {}, accepted {}", text, range);
+          },
+          range};
+}
+
+}  // namespace
+
+CLI::Validator NumberWithin(double min, double max) { return Within(min, max); }
+
+CLI::Validator PortNumber() { return Within(0, int{UINT16_MAX}); }
+
+CLI::Validator OneOf(const std::vector<std::string>& words) {
+  return {[words](std::string& text) {
+            return std::ranges::find(words, text) != words.end()
+                       ? std::string()
+                       : fmt::format("found {}, accepted {}", text, fmt::join(words, ", "));
+          },
+          fmt::format("{{{}}}", fmt::join(words, ","))};
+}
+
+void AddDeviceOption(CLI::App& sub, std::string& device) {
+  sub.add_option("--device", device, "the Vulkan device: part of its name, as `osteon doctor` lists it")
+      ->type_name("NAME");
+}
+
+void AddEngineOption(CLI::App& sub, std::string& engine, const std::vector<std::string>& names,
+                     const std::string& use, const std::string& rest) {
+  sub.add_option("--engine", engine, use + "; auto: Vulkan on a GPU, the CPU engine elsewhere" + rest)
+      ->check(OneOf(names))
+      ->capture_default_str();
+}
+
+std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* deepest = &app;  // `bench frame` is a subcommand of a subcommand
+  std::string name = app.get_name();
+  for (auto chosen = app.get_subcommands(); !chosen.empty(); chosen = deepest->get_subcommands()) {
+    deepest = chosen.front();
+    name += " " + deepest->get_name();
+  }
+  const CLI::App& at = *deepest;
+
+  std::string what = error.what();
+  const std::vector<std::string> unknown = app.remaining(true);
+  if (!unknown.empty()) {
+    // an unknown option makes its value unknown too: report the option
+    const auto option = std::ranges::find_if(unknown, [](const auto& word) { return word.starts_with("-"); });
+    const bool is_option = option != unknown.end();
+    const std::string word = (is_option ? *option : unknown.front()).substr(0, 60);
+    std::vector<std::string> known;
+    if (is_option) {
+      for (const CLI::Option* each : at.get_options()) known.push_back(each->get_name());
+    } else {
+      for (const CLI::App* each : at.get_subcommands(nullptr)) known.push_back(each->get_name());
+    }
+    const std::string nearest = config::NearestKey(word.substr(0, word.find('=')), known);
+    what = fmt::format("unknown {} {}; {}",
+                       is_option                             ? "option"
+                       : at.get_subcommands(nullptr).empty() ? "word"
+                                                             : "subcommand",
+                       word,
+                       !nearest.empty() ? "did you mean " + nearest + "?"
+                       : known.empty()  ? "accepted: options"
+                                        : fmt::format("accepted: {}", fmt::join(known, ", ")));
+  }
+  return fmt::format("{}: {} ({} --help shows all)\n", name, what, name);
+}
+
+std::string ValidateEnvironment(const CLI::App& app) {
+  const CLI::App* asked = &app;
+  std::string name = app.get_name();
+  for (auto chosen = app.get_subcommands(); !chosen.empty(); chosen = asked->get_subcommands()) {
+    asked = chosen.front();
+    name += " " + asked->get_name();
+  }
+  for (const CLI::Option* option : asked->get_options())
+    if (option->get_name() == "--json" && option->count() > 0 && option->results().front() == "-")
+      return name + ": --json: found -, accepted a file's name: stdout is for the text\n";
+  std::error_code error;
+  static_cast<void>(std::filesystem::temp_directory_path(error));
+  if (!error || asked == &app) return "";
+  // The variables that std::filesystem reads.
+  for (const char* variable : {"TMPDIR", "TMP", "TEMP", "TEMPDIR"})
+    if (const char* folder = std::getenv(variable))
+      return fmt::format(
+          "{}: {}: found {}, which is no folder; accepted one for temporary files, or none: then /tmp\n",
+          name, variable, folder);
+  return name + ": /tmp: found no such folder, accepted one, or another in TMPDIR\n";
+}
+
+}  // namespace osteon::app
