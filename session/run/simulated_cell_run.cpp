@@ -88,6 +88,7 @@ std::string ToJson(const hil::CellHostState& state, const config::ArmLinkConfig&
         {"rsi",
          link.rsi() ? nlohmann::ordered_json(RsiStateText(arm.session)) : nlohmann::ordered_json(nullptr)},
         {"realtime_priority", state.arm.thread.realtime},
+        {"memory_locked", state.arm.thread.memory_locked},
         {"cpu", state.arm.thread.cpu >= 0 ? nlohmann::ordered_json(state.arm.thread.cpu)
                                           : nlohmann::ordered_json(nullptr)},
         {"stop", hil::DescribeStop(arm)},
@@ -155,6 +156,7 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
   try {
     hil::CellHostParams params = HostParams(cell);
     params.arm.thread.cpu = params.device_thread.cpu = options.cpu;
+    params.arm.thread.lock_memory = true;  // of the whole process: a page that is read back stops the arm
     readers.page = OpenPage(options, cell);
     if (readers.any()) params.arm.cycles = &readers.cycles;
     hil::CellHost host(params, MakeSimulatedCell(cell, options.seconds));

@@ -116,6 +116,7 @@ WallOutcome WallCell::Run(const WallEpisode& episode) {
   if (WallOutcome before; cell_ && (distrusted_ || cell_->Ended() || episode.life.index != life_))
     EndCell(before);
   distrusted_ = false;
+  static_cast<void>(cpus_.TakeLongest());  // between the episodes
   WallOutcome outcome;
   try {
     if (!cell_) outcome.error = StartCell(episode.life);
@@ -131,6 +132,7 @@ WallOutcome WallCell::Run(const WallEpisode& episode) {
   Pages pages;
   Watch(episode, pages, outcome);
   outcome.messages = pages.Close();
+  outcome.cpu_stood_still = cpus_.TakeLongest();
   outcome.exit = run_->End(seconds(0));
   run_.reset();
   EndParts(episode, outcome);

@@ -101,6 +101,8 @@ std::string WallSoakPage(std::span<const WallResult> results, const SoakOptions&
            [](const auto& r) { return 1e3 * r.books.max_model_age_s; }),
       Over(results, "Age of the force sensor, most while rendering", "age [ms]",
            [](const auto& r) { return 1e3 * r.books.max_sensor_age_s; }),
+      Over(results, "Longest time in which a CPU stood still", "time [ms]",
+           [](const auto& r) { return 1e3 * rt::ToSeconds(r.outcome.cpu_stood_still); }),
       ChartOf("Commanded from measured apex at the end", "distance [µm]",
               {SeriesOf(results, "", ends_by_itself,
                         [](const WallResult& r) { return 1e6 * r.books.rest_error_m; })}),

@@ -40,7 +40,9 @@ void JudgeEnd(const WallResult& r, const Require& require) {
     const std::string injected =
         event == WallEvent::kHaltedCell ? FaultName(safety::Fault::kArmStale) : std::string();
     for (const std::string& fault : r.faults)
-      require(fault == injected, fmt::format("a fault that was not injected: {} ({})", fault, r.late_text));
+      require(fault == injected,
+              fmt::format("a fault that was not injected: {} ({}; a CPU stood still for up to {:.1f} ms)",
+                          fault, r.late_text, 1e3 * rt::ToSeconds(r.outcome.cpu_stood_still)));
     require(injected.empty() || !r.faults.empty(), "no fault, injected: " + injected);
     require(r.ended == "completed", "ended: " + r.ended);
     require(r.outcome.exit == 0, fmt::format("the controller ended with {}", r.outcome.exit.value_or(-1)));
@@ -164,6 +166,7 @@ nlohmann::ordered_json ResultJson(const WallResult& r) {
   AddBooks(json, r.books, r.cutting_debt_J);
   json["reamed_depth_mm"] = r.depth_mm;
   json["page_messages"] = r.outcome.messages;
+  json["cpu_stood_still_ms"] = 1e3 * rt::ToSeconds(r.outcome.cpu_stood_still);
   json["use"] = UsesJson(r.outcome.use);
   json["wrong"] = r.wrong;
   return json;
