@@ -81,6 +81,47 @@ TEST(CellProcess, ASecondRunFindsTheSameCell) {
   if (completed < 2) GTEST_SKIP() << SkippedForLateness(kAttempts, watch.worst());
 }
 
+// The operator's hand is the cell's; the buttons are pressed by somebody else.
+TEST(CellProcess, APlansToolsAreTakenInAnotherProcessThanTheHands) {
+  constexpr int kAttempts = 3;
+  rt::Nanoseconds worst_wakeup = 0;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const TemporaryFolder folder, cell_folder;
+    // 5 s for each of four tools; each is held where it is changed in the last second
+    Command cell(cell_folder.path(),
+                 {"cell", "demo", "--plan", "acetabulum", "--port", Port(), "--seconds", "20"});
+    ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
+    const WakeupWatch watch;
+    Command run(folder.path(), {"run", "demo", "--plan", "acetabulum", "--session", "hip", "--port", Port(),
+                                "--seconds", "10", "--json", "run.json"});
+    ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "COMMANDING_ACTIVE"); })) << run.Err();
+    usleep(4'200'000);
+    const auto ask = [&](const char* request) {
+      for (int times = 0; times < 40; ++times) {
+        if (RunCommand(folder.path(), {"tell", "hip", request}).exit_code == 0) return true;
+        usleep(50'000);
+      }
+      return false;
+    };
+    const bool changed = ask("pause") && ask("next") && ask("resume");
+    const CommandResult ended = run.Wait();
+    const nlohmann::json summary = ReadJson(folder.path() / "run.json");
+    if (ended.exit_code != 0) {
+      worst_wakeup = watch.worst();
+      ASSERT_TRUE(MachineWasLate(ended, summary, worst_wakeup));
+      continue;
+    }
+    ASSERT_TRUE(changed);
+    const nlohmann::json& passes = summary.at("passes");
+    ASSERT_EQ(passes.size(), 2u) << ended.out;
+    EXPECT_EQ(passes[0].at("tool_diameter_mm"), 44.0);
+    EXPECT_EQ(passes[1].at("tool_diameter_mm"), 46.0);
+    for (const nlohmann::json& pass : passes) EXPECT_GT(pass.at("removed_mm3").get<double>(), 100.0);
+    return;
+  }
+  GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
+}
+
 // The same with a KR over RSI, at 4 ms.
 TEST(CellProcess, ARunFindsAKrOverRsiInAnotherProcess) {
   constexpr int kAttempts = 3;

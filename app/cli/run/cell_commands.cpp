@@ -129,6 +129,7 @@ int CellCommands::Run(const std::filesystem::path& config_root, const std::strin
   if (const std::string wrong = procedure_.Take(config_root, operate_.procedure); !wrong.empty())
     return refuse(wrong);
   if (procedure_.asked()) {
+    if (tool && tool->diameter_m) return refuse("--tool " + tool_ + kSizeWithPlan);
     if (operate_.procedure.session.empty())
       return refuse(
           "--plan: found no --session, accepted with it: the folder that keeps recordings and states");

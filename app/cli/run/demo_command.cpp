@@ -107,6 +107,8 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
     std::string wrong = procedure_.Take(config_root, options_.procedure);
     if (wrong.empty() && *cup_option_)
       wrong = "--cup: found with --plan, accepted without: the plan has the cup of its mesh";
+    if (wrong.empty() && options_.tool && options_.tool->diameter_m)
+      wrong = "--tool " + tool_ + kSizeWithPlan;
     if (!wrong.empty()) {
       fmt::print(stderr, "osteon demo: {}\n", wrong);
       return 2;

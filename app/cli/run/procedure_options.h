@@ -10,10 +10,15 @@
 
 namespace osteon::app {
 
+/// What is wrong with `--tool KIND:D` beside `--plan`, where the session chooses.
+inline constexpr const char* kSizeWithPlan =
+    ": found a size with --plan, accepted a kind alone: the plan has the sizes, from the first one on";
+
 /// The options of a procedure: `--plan`, `--session`, `--resume`, `--guidance`, `--gain-from`, `--operator`.
 class ProcedureOptions {
  public:
-  /// @param with_session  also `--session`, `--resume` and `--gain-from`
+  /// @param with_session  for what runs the session; without it `--plan` and `--operator` alone, for a
+  /// simulated cell
   void Add(CLI::App& sub, bool with_session);
   [[nodiscard]] bool asked() const { return !plan_.empty(); }
   /// Finds the plan. @returns what is wrong; empty: nothing
