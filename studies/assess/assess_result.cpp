@@ -198,6 +198,28 @@ tl::expected<Norms, std::string> ReadNorms(const std::vector<fs::path>& folders)
   return norms;
 }
 
+}  // namespace
+
+Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const session::SessionPass> passes) {
+  const int last = static_cast<int>(plan.tools.size()) - 1;
+  bool has_pass = false;
+  double to_go_mm = 0.0;
+  for (const session::SessionPass& pass : passes) {
+    if (pass.undone || pass.tool_index != last) continue;
+    to_go_mm = has_pass ? std::min(to_go_mm, pass.to_go_mm.value_or(0.0)) : pass.to_go_mm.value_or(0.0);
+    has_pass = true;
+  }
+  if (!has_pass)
+    return {
+        .text = fmt::format("no pass of its last tool, {:g} mm, counts", 1e3 * plan.tools.back().diameter_m),
+        .by_a_tool = true};
+  if (to_go_mm <= kMaxToGo_mm) return {};
+  return {.text = fmt::format("its last tool stopped {:.1f} mm short of its planned depth, accepted {:g} mm",
+                              to_go_mm, kMaxToGo_mm)};
+}
+
+namespace {
+
 // Reads, measures and scores a session.
 tl::expected<AssessResult, std::string> Measure(const fs::path& folder, const AssessOptions& options) {
   auto session = ReadAssessedSession(folder);
@@ -211,6 +233,7 @@ tl::expected<AssessResult, std::string> Measure(const fs::path& folder, const As
   result.score = procedure::ScoreOf(result.rubric, result.values, result.session.assessment.min_wall_m);
   result.guided = result.session.guidance_gain > 0.0;
   result.pass_at = options.pass_at;
+  result.unfinished = UnfinishedOf(result.session.plan.plan, result.session.file.passes);
   auto norms = ReadNorms(options.norms);
   if (!norms) return tl::make_unexpected(norms.error());
   result.norms = std::move(*norms);
@@ -252,8 +275,16 @@ std::string TextOf(const std::string& metric) {
   return metric;
 }
 
+bool Passes(const AssessResult& result, double pass_at) {
+  return result.score.total >= pass_at && result.unfinished.text.empty();
+}
+
 session::Verdict Judge(const AssessResult& result, const std::optional<double>& pass_at) {
   session::Verdict verdict;
+  if (!result.unfinished.text.empty())
+    verdict.Add(result.unfinished.by_a_tool ? session::VerdictLevel::kBad : session::VerdictLevel::kWarning,
+                fmt::format("The plan is not finished: {}. The score says nothing of bone that is left.",
+                            result.unfinished.text));
   const auto& min_wall_m = result.session.assessment.min_wall_m;
   if (min_wall_m && *min_wall_m <= 0.0) verdict.Add(session::VerdictLevel::kBad, "A wall is cut through.");
   if (pass_at && result.score.total < *pass_at)
@@ -315,7 +346,8 @@ Json AssessJson(const AssessResult& result) {
           {"score", ScoreJson(result)},
           {"guided", result.guided},
           {"pass_at", OrNull(result.pass_at)},
-          {"passed", result.pass_at ? Json(result.score.total >= *result.pass_at) : Json()},
+          {"finished", result.unfinished.text.empty()},
+          {"passed", result.pass_at ? Json(Passes(result, *result.pass_at)) : Json()},
           {"norms", norms}};
 }
 
@@ -362,7 +394,7 @@ int RunAssess(const AssessOptions& options) {
     fmt::print("comparison: {}\n", (options.session / "compare.html").string());
   }
   fmt::print("report: {}\n", page.string());
-  return options.pass_at && result.score.total < *options.pass_at ? session::kFailed : 0;
+  return options.pass_at && !Passes(result, *options.pass_at) ? session::kFailed : 0;
 }
 
 }  // namespace osteon::studies

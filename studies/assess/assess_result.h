@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,16 @@ struct TrendPoint {
   bool guided{false};
 };
 
+/// What of a plan is left to do: no score says it, because its items measure what was cut.
+struct Unfinished {
+  std::string text{};     ///< empty: nothing
+  bool by_a_tool{false};  ///< the last tool has no pass that counts
+};
+/// A plan's last tool may stop this far above its planned place. Assumed.
+inline constexpr double kMaxToGo_mm = 1.0;
+[[nodiscard]] Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan,
+                                      std::span<const session::SessionPass> passes);
+
 /// All that the page and the JSON say.
 struct AssessResult {
   AssessedSession session;
@@ -48,6 +59,7 @@ struct AssessResult {
   std::vector<TrendPoint> trend;  ///< by the folders' names, with this session
   bool guided{false};
   std::optional<double> pass_at{};  ///< as asked
+  Unfinished unfinished{};
 };
 
 /// Where the cup of `tell cup` stands in the plan's cup_cone: "free", "within stop", "beyond stop"; empty: no
@@ -63,8 +75,8 @@ struct AssessResult {
 
 /// Runs `osteon assess`: writes assess.html and assess.json into the session's folder, and prints the score;
 /// with another session compare.html and compare.png as well.
-/// @returns the process's exit code: 0; 1 the score is below `pass_at`, or a file cannot be written; 2 wrong
-/// input.
+/// @returns the process's exit code: 0; 1 the score is below `pass_at` or the plan not finished with it, or a
+/// file cannot be written; 2 wrong input.
 [[nodiscard]] int RunAssess(const AssessOptions& options);
 
 }  // namespace osteon::studies

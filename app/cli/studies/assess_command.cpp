@@ -18,7 +18,8 @@ AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
                    "norms and points: a name under rubrics/, or a YAML file; without it rubric for a cup, "
                    "opening for an opening")
       ->type_name("RUBRIC");
-  sub_->add_option("--pass-at", options_.pass_at, "exit code 1 below this score")
+  sub_->add_option("--pass-at", options_.pass_at,
+                   "exit code 1 below this score, and where the plan is not finished")
       ->check(NumberWithin(0, 100));
   sub_->add_option("--norms", options_.norms,
                    "sessions of experts of the same site: their medians stand beside each figure")
@@ -32,9 +33,9 @@ AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
   sub_->footer(
       "Writes assess.html and assess.json into the folder. Results that stand beside it, of the same plan, "
       "are its trend.\n\n"
-      "Exit code 1: the score is below --pass-at\n\n"
+      "Exit code 1: the score is below --pass-at, or the plan is not finished with it\n\n"
       "Examples:\n  osteon assess session_1\n  osteon assess session_1 --pass-at 70 --norms expert_1 "
-      "expert_2\n  osteon assess expert --against novice");
+      "expert_2\n  osteon assess expert/session --against novice/session");
 }
 
 int AssessCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {

@@ -209,6 +209,23 @@ TEST_F(Assess, PutsASecondSessionBesideIt) {
   fs::remove_all(other_plan);
 }
 
+TEST(AssessUnfinished, APlanNeedsAPassOfItsLastToolThatCountsAtItsDepth) {
+  procedure::SurgicalPlan plan;
+  plan.tools = {{.diameter_m = 0.048}, {.diameter_m = 0.050}};
+  std::vector<session::SessionPass> passes(2);
+  passes[0].to_go_mm = 0.0;
+  EXPECT_EQ(UnfinishedOf(plan, {}).text, "no pass of its last tool, 50 mm, counts");
+  EXPECT_TRUE(UnfinishedOf(plan, passes).by_a_tool) << "two passes of the first tool";
+  passes[1].tool_index = 1;
+  passes[1].to_go_mm = 0.9;
+  EXPECT_EQ(UnfinishedOf(plan, passes).text, "");
+  passes[1].to_go_mm = 1.4;
+  EXPECT_NE(UnfinishedOf(plan, passes).text.find("1.4 mm short"), std::string::npos);
+  EXPECT_FALSE(UnfinishedOf(plan, passes).by_a_tool);
+  passes[1].undone = true;
+  EXPECT_TRUE(UnfinishedOf(plan, passes).by_a_tool);
+}
+
 TEST_F(Assess, APlanThatWasChangedIsRefused) {
   const fs::path copy = folder_->path() / "changed";
   fs::copy(Session(), copy);
