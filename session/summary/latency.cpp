@@ -78,20 +78,21 @@ LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& cont
   LatencyFigures latency;
   if (sensor_.count == 0) return latency;
   const double own_s = context.sensor_delay_s;
-  latency.parts.push_back({.name = "sensor",
-                           .mean_s = sensor_.Value() + own_s,
-                           .max_s = sensor_.max_s + own_s,
-                           .measured = context.sensor_known,
-                           .how = context.sensor_known
-                                      ? "the reading's stamp, and the sensor's identified delay"
-                                      : "the reading's stamp; the sensor's own delay is assumed 0"});
+  latency.parts.push_back(
+      {.name = "sensor",
+       .mean_s = sensor_.Value() + own_s,
+       .max_s = sensor_.max_s + own_s,
+       .measured = context.sensor_known,
+       .how = context.sensor_known
+                  ? "the reading's stamp, and the sensor's identified delay"
+                  : "counted from the stamp of its reading; its own delay is not known and taken as 0"});
   const bool timed = !context.virtual_time;
   const auto scheduled = [&](const char* name, const Mean& mean, const char* how) {
     latency.parts.push_back({.name = name,
                              .mean_s = timed ? mean.Value() : 0.0,
                              .max_s = timed ? mean.max_s : 0.0,
                              .measured = timed,
-                             .how = timed ? how : "assumed 0: virtual time"});
+                             .how = timed ? how : "taken as 0: virtual time"});
   };
   scheduled("link", link_, "from the message's arrival to the loop's wake-up");
   scheduled("tick", tick_, "from the wake-up to the answer");
@@ -102,7 +103,7 @@ LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& cont
                            .measured = arm_ticks >= 0.0,
                            .how = arm_ticks >= 0.0
                                       ? "measured positions against the commands"
-                                      : "assumed 0: no position commands that moved enough to tell it"});
+                                      : "taken as 0: no position commands that moved enough to tell it"});
   latency.parts.push_back({.name = "model",
                            .mean_s = model_.Value(),
                            .max_s = model_.max_s,

@@ -122,7 +122,10 @@ std::vector<fs::path> FilesOfDemo(const fs::path& folder) {
 }
 
 tl::expected<fs::path, std::string> KeepEarlierDemo(const fs::path& folder) {
-  const std::vector<fs::path> files = FilesOfDemo(folder);
+  return KeepEarlier(folder, FilesOfDemo(folder));
+}
+
+tl::expected<fs::path, std::string> KeepEarlier(const fs::path& folder, const std::vector<fs::path>& files) {
   if (files.empty()) return fs::path();
   auto newest = WrittenAt(files.front());
   for (const fs::path& file : files) newest = std::max(newest, WrittenAt(file));

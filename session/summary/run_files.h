@@ -57,9 +57,14 @@ class FolderClaim {
   int descriptor_{-1};
 };
 
-/// Moves an earlier demo's files in a folder (its recording with everything named after it, summary.json,
-/// report.html) into a subfolder, "earlier_2026-11-26_09-30-00", named by the time of its newest file.
+/// Moves files of a folder into a subfolder of it, "earlier_2026-11-26_09-30-00", named by the time of the
+/// newest one.
 /// @returns that subfolder; empty: there were no files. An error names the file.
+[[nodiscard]] tl::expected<std::filesystem::path, std::string> KeepEarlier(
+    const std::filesystem::path& folder, const std::vector<std::filesystem::path>& files);
+
+/// The same for an earlier demo's files: its recording with everything named after it, summary.json,
+/// report.html.
 [[nodiscard]] tl::expected<std::filesystem::path, std::string> KeepEarlierDemo(
     const std::filesystem::path& folder);
 

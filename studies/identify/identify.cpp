@@ -1,5 +1,7 @@
 #include "studies/identify/identify.h"
 
+#include <algorithm>
+#include <array>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -11,6 +13,7 @@
 #include "report/page.h"
 #include "session/process/exit_code.h"
 #include "session/setup/cell_setup.h"
+#include "session/summary/run_files.h"
 #include "studies/identify/excited_run.h"
 #include "studies/identify/identify_estimate.h"
 #include "studies/identify/identify_page.h"
@@ -62,6 +65,31 @@ std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options, bool overlay) {
                         .validates = true});
     }
   return runs;
+}
+
+// Whether a file of this name is a recording of PlanRuns.
+bool IsRecording(const std::string& name) {
+  constexpr std::array kBegin{"noise.", "tremor.", "free_", "held_", "validate_"};
+  return name.ends_with(".mcap") &&
+         std::ranges::any_of(kBegin, [&](const char* begin) { return name.starts_with(begin); });
+}
+
+// Moves what an earlier identification has left in the folder into a subfolder: its results, and the
+// recordings where new ones are made.
+std::string KeepEarlierFiles(const IdentifyOptions& options) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(options.out, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const fs::path& file = entry->path();
+    const std::string name = file.filename().string();
+    const bool is_result = name == "identify.html" || name == "identify.json" || name == "identified.yaml";
+    if (is_result || (options.recordings.empty() && IsRecording(name))) files.push_back(file);
+  }
+  const auto earlier = session::KeepEarlier(options.out, files);
+  if (!earlier) return earlier.error();
+  if (!earlier->empty()) fmt::print("  {:<28} {}\n", "Earlier files", "moved to " + earlier->string());
+  return "";
 }
 
 // Moves the arm and records. @returns the recordings, by what they are for
@@ -146,10 +174,7 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
   fmt::print("  {:<28} {}\n", "Page", (options.out / "identify.html").string());
   const fs::path file = options.out / "identified.yaml";
   const config::IdentifiedCell identified = ToIdentified(result);
-  if (!result.refused.empty() || !SaysAnything(identified)) {
-    fs::remove(file, error);  // an earlier one must not outlive a refusal
-    return {};
-  }
+  if (!result.refused.empty() || !SaysAnything(identified)) return {};
   if (auto written = base::WriteText(
           file, config::WriteIdentified(
                     identified, "Measured, not assumed. Written by\n  " + options.command_line, result.law));
@@ -195,6 +220,8 @@ int RunIdentify(const IdentifyOptions& options) {
                !options.simulated  ? "on the connected arm"
                : options.wall_time ? "on the simulated arm's real wires, in wall time"
                                    : "in virtual time");
+    if (const std::string wrong = KeepEarlierFiles(options); !wrong.empty())
+      return session::Fail("identify", wrong, session::kFailed);
     auto recorded = RecordRuns(options);
     if (!recorded) return session::Fail("identify", recorded.error(), session::kFailed);
     recordings = std::move(*recorded);
@@ -202,6 +229,9 @@ int RunIdentify(const IdentifyOptions& options) {
   const auto result = EstimateAll(options, recordings);
   if (!result) return session::Fail("identify", result.error());
   Print(*result);
+  if (!options.recordings.empty())
+    if (const std::string wrong = KeepEarlierFiles(options); !wrong.empty())
+      return session::Fail("identify", wrong, session::kFailed);
   if (const auto written = Write(options, *result); !written)
     return session::Fail("identify", written.error(), session::kFailed);
   const bool found = !result->axes.empty() || !result->passive.empty() || result->noise.has_value() ||

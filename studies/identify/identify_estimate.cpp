@@ -279,8 +279,9 @@ tl::expected<PassiveLag, std::string> EstimatePassiveLag(const std::vector<contr
   }
   lag.seconds = period_s * all.ticks;
   if (lag.seconds < kMinMotion_s)
-    return tl::unexpected(fmt::format("too little: found {:.1f} s of motion, accepted {:g} s or more",
-                                      lag.seconds, kMinMotion_s));
+    return tl::unexpected(
+        fmt::format("too little: found {:.1f} s of motion, accepted {:g} s or more: record a longer run",
+                    lag.seconds, kMinMotion_s));
   if (parts.back().ticks < part_ticks) parts.pop_back();
   const Eigen::Vector2d solved = all.Solve();
   double squares = 0.0;
