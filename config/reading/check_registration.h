@@ -25,7 +25,8 @@ struct RegistrationRow {
   std::string hint;          ///< likely cause of a failure; may be empty
   std::string note;          ///< remark if the row holds; may be empty
 
-  [[nodiscard]] bool holds() const noexcept { return value >= low && value <= high; }
+  /// To rounding.
+  [[nodiscard]] bool holds() const noexcept { return value >= low - 1e-9 && value <= high + 1e-9; }
   /// "150.0 … 1126.0 mm", "at least 1.0 deg"; "any" if nothing is refused.
   [[nodiscard]] std::string accepted() const;
   /// "ok", "note: …" or "refused: accepted …".

@@ -453,7 +453,7 @@ void RequireSimulation(const CellConfig& cell, const std::filesystem::path& path
     throw ConfigError(
         path.string(), 0,
         "found a cell without operator, script and simulated_arm, accepted one with them: it is "
-        "to be simulated");
+        "to be simulated. A real cell is tried on the one that it extends");
 }
 
 CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolChoice>& tool,

@@ -224,9 +224,9 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
     return tl::make_unexpected(MeshError{
         MeshErrorKind::kCupOffMesh,
         fmt::format(
-            "{}: cup at ({:.4g}, {:.4g}, {:.4g}) mm, radius {:.4g} mm: found bone to begin within "
-            "30 % of the radius in {:.0f} % of its lower half, accepted {:.0f} % and more, and found "
-            "the surface {:.4g} mm from its centre, accepted a quarter of the radius with the outside "
+            "{}: cup at ({:.4g}, {:.4g}, {:.4g}) mm, radius {:.4g} mm: it does not lie on the bone: found "
+            "bone near its radius in {:.0f} % of its lower half, accepted {:.0f} % and more; its centre is "
+            "{:.4g} mm from the nearest surface, accepted a quarter of the radius with the outside "
             "above; the mesh spans ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm, the axis "
             "points out of the opening",
             path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * share, 100 * kMinShare,

@@ -113,7 +113,9 @@ std::string RegressTable(const RegressSummary& summary) {
   std::string text = fmt::format("{:<{}}  {:<8}{:<18}{:>10}{:>9}{:>9}\n", "scenario", width, "verdict",
                                  "every bit", "simulated", "wall", "speed");
   std::size_t passed = 0, held = 0, identical = 0, updated = 0;
+  std::string differing;
   for (const RegressResult& r : summary.results) {
+    if (!r.updated && r.error.empty() && !Passed(summary, r)) differing += " " + r.scenario.file.string();
     if (r.updated) {
       ++updated;
     } else {
@@ -130,6 +132,8 @@ std::string RegressTable(const RegressSummary& summary) {
                   : "\n";
     for (const std::string& line : Reasons(r)) text += "    " + line + "\n";
   }
+  if (!differing.empty() && summary.options.set.empty())
+    text += fmt::format("If that is meant: osteon regress{} --update --reason \"…\"\n", differing);
   if (updated > 0) text += fmt::format("{} golden trace{} written, ", updated, updated > 1 ? "s" : "");
   if (held > 0) text += fmt::format("{} of {} passed, {} bit for bit, ", passed, held, identical);
   return text + fmt::format("in {:.1f} s\n", summary.seconds);

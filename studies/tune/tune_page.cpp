@@ -31,7 +31,8 @@ std::string Boundaries(const Pictures& pictures) {
 }
 
 std::string Measured(const TuneResult& r, const Pictures& pictures) {
-  return "<h2>By the measured response</h2>\n<p>No model of the arm within the measured band. The loop is "
+  return "<h2>By the measured response</h2>\n<p>Within the measured band the arm's own response is used, and "
+         "no model. The loop is "
          "stable if its curve does not go around -1; the margins say how far it stays away, ± the radius of "
          "95 %. Every command is as late as the latest.</p>\n" +
          report::Figure(pictures.nyquist, "") + TableOf(r.margins);
@@ -70,15 +71,15 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const Pictures
          report::PageEnd();
 }
 
-// Why the recommended gains are what they are.
-std::string Why(const TuneResult& r) {
+// Why these gains are safe. @param margin  their gain margin
+std::string Why(const TuneResult& r, double margin) {
   const TuneTask& t = r.task;
   const std::string arm = t.identified ? std::string("the arm's lag is measured")
                                        : std::string("the arm's lag is assumed, not measured");
   return fmt::format(
       "Why: the loop stays stable with every hand up to {:g} N/m, free and at a wall of {:g} N/mm, {:.2f} "
       "times as stiff and heavy; {}.",
-      t.human_grip_N_per_m, 1e-3 * t.wall_N_per_m, r.recommended_margin, arm);
+      t.human_grip_N_per_m, 1e-3 * t.wall_N_per_m, margin, arm);
 }
 
 std::string Next(const TuneResult& r, bool own_stand) {
@@ -117,6 +118,7 @@ tl::expected<void, std::string> WritePictures(const Pictures& pictures, const Tu
 report::ReportVerdict PlainVerdict(const TuneResult& r) {
   const session::Verdict verdict = Judge(r);
   const bool own_stand = r.own_margin >= r.task.margin;
+  const TuneGains own{r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m};
   report::ReportVerdict plain = verdict.ForReport();
   std::vector<std::string> reasons;
   if (!r.Stands()) {
@@ -126,16 +128,17 @@ report::ReportVerdict PlainVerdict(const TuneResult& r) {
   } else {
     plain.text =
         fmt::format("{}: {}", verdict.level == session::VerdictLevel::kGood ? "Safe" : "Safe, with remarks",
-                    GainsText(r.recommended));
+                    own_stand ? "the cell's own gains, " + GainsText(own) : GainsText(r.recommended));
   }
   if (r.Stands()) {
     reasons.push_back(
-        own_stand ? fmt::format("Which gains: the cell's own, {}, are stable with all of it (gain "
-                                "margin {:.2f}).",
-                                GainsText({r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m}), r.own_margin)
-                  : fmt::format("Which gains: {} instead of the cell's {}.", GainsText(r.recommended),
-                                GainsText({r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m})));
-    reasons.push_back(Why(r));
+        own_stand
+            ? fmt::format("Which gains: the cell's own, with a gain margin of {:.2f}. The lightest with the "
+                          "margin that was asked for are {} (gains.yaml).",
+                          r.own_margin, GainsText(r.recommended))
+            : fmt::format("Which gains: {} instead of the cell's {}.", GainsText(r.recommended),
+                          GainsText(own)));
+    reasons.push_back(Why(r, own_stand ? r.own_margin : r.recommended_margin));
   }
   for (const std::string& reason : verdict.reasons) reasons.push_back("Remark: " + reason + ".");
   reasons.push_back(Next(r, own_stand));

@@ -47,10 +47,10 @@ void JudgeCarried(const TuneResult& r, session::Verdict& verdict) {
   const bool shaken = !worst->run.valid || worst->run.one_s_N > kShaken_N;
   verdict.Add(
       shaken ? session::VerdictLevel::kBad : session::VerdictLevel::kWarning,
-      fmt::format("of {} hands stiffer than {:g} N/m, {} keep oscillating 1 s after the grip closed, though "
-                  "the vibration index acts: the worst, {} ({}), {}",
-                  r.carried.size(), r.task.human_grip_N_per_m,
-                  static_cast<std::ptrdiff_t>(r.carried.size()) - calm, worst->hand.name, worst->contact,
+      fmt::format("oscillation remains 1 s after the grip closed with {} of {} hands stiffer than {:g} N/m, "
+                  "though the vibration index acts: the worst, {} ({}), {}",
+                  static_cast<std::ptrdiff_t>(r.carried.size()) - calm, r.carried.size(),
+                  r.task.human_grip_N_per_m, worst->hand.name, worst->contact,
                   worst->run.valid ? fmt::format("with {:.2f} N between 5 and 40 Hz, {:.2g} N accepted",
                                                  worst->run.one_s_N, worst->calm_N)
                                    : std::string("ended the run")));
@@ -129,6 +129,12 @@ std::vector<report::SummaryRow> Rows(const TuneResult& r) {
   }
   rows.push_back(
       {"Recommended", fmt::format("{}, gain margin {:.2f}", Shown(r.recommended), r.recommended_margin)});
+  rows.push_back(
+      {"Which to use",
+       r.own_margin >= t.margin
+           ? std::string("the cell's own: they have the margin; the recommended ones are the lightest "
+                         "that have it")
+           : std::string("the recommended ones: gains.yaml")});
   if (r.check.runs > 0)
     rows.push_back(
         {"Simulated",

@@ -53,7 +53,8 @@ TEST_F(BoneKeys, APackingMayHaveItsOwnSiteAndAMeshMayNot) {
   io::test::WriteAll(folder_.path() / "hip.osp", "");
   io::test::WriteAll(folder_.path() / "hip.obj", "");
   EXPECT_FALSE(Load("extends: demo\nbone: {packing: hip.osp}\n").bone->cup);
-  EXPECT_THAT(Refusal("extends: demo\nbone: {mesh: hip.obj}\n"), HasSubstr("my.yaml:2: missing key \"cup\""));
+  EXPECT_THAT(Refusal("extends: demo\nbone: {mesh: hip.obj}\n"),
+              HasSubstr("my.yaml:2: mesh: found no cup beside it, accepted cup: {center_mm"));
   EXPECT_THAT(Refusal("extends: demo\nbone: {mesh: hip.obj, packing: hip.osp}\n"),
               HasSubstr("packing: found beside mesh, accepted one of the two"));
   EXPECT_THAT(Refusal(std::string("extends: demo\nbone: {mesh: none.obj, ") + kCup + "}\n"),

@@ -30,9 +30,14 @@ std::string ShortCell(const config::CellConfig& cell, const std::string& from, c
       "  max_force_N: {7:g}              # of the coupling; keep script: push_force_N below it\n"
       "# tool: reamer                  # a name under tools/, or a YAML file\n"
       "# tool_diameter_mm: 54\n"
-      "# bone:                         # a mesh instead of the scene's bone\n"
+      "# bone:                         # a mesh instead of the scene's bone; the numbers are those of one "
+      "mesh\n"
       "#   mesh: hip.obj\n"
-      "#   cup: {{center_mm: [8.8, -131.9, 517.9], outward_axis: [-0.983, -0.175, 0.052], radius_mm: 21}}\n",
+      "#   cup: {{center_mm: [8.8, -131.9, 517.9], outward_axis: [-0.983, -0.175, 0.052], radius_mm: 21}}\n"
+      "# A real cell's wires (docs/set_up.md):\n"
+      "# fri: {{host: 192.170.10.10, arm_host: 192.170.10.2}}   # this PC's card; the arm\n"
+      "# can: [{{name: tool, interface: can0}}]\n"
+      "# plc: {{host: 192.168.1.20, port: 502}}\n",
       from, base_mm.x(), base_mm.y(), base_mm.z(), bone_mm.x(), bone_mm.y(), bone_mm.z(),
       cell.servo.wrench.max_force_N, schema);
 }

@@ -12,6 +12,10 @@ std::optional<BoneConfig> ReadBone(Reader section, std::filesystem::path& scene)
   bone.file = section.File(has_mesh ? "mesh" : "packing");
   bone.place = section.PlaceOf(section.Has("cup") ? "cup" : has_mesh ? "mesh" : "packing");
   if (has_mesh && section.Has("scale_ratio")) bone.scale = section.Number("scale_ratio", 1e-4, 1e4);
+  if (has_mesh && !section.Has("cup"))
+    section.Refuse("mesh",
+                   "found no cup beside it, accepted cup: {center_mm: [x, y, z], outward_axis: [x, y, z], "
+                   "radius_mm: R}, in the mesh's own frame (docs/cell_files.md)");
   if (has_mesh || section.Has("cup")) {
     Reader cup = section.Section("cup");
     bone.cup = simulation::CutSite{.center_m = cup.Triple("center_mm", -2000, 2000),

@@ -98,7 +98,9 @@ void ReadPlc(Reader section, CellConfig& cell) {
 // file.
 void RequirePlcOrItsAbsence(const DeviceSections& sections, const CellConfig& cell) {
   if (cell.devices.plc && sections.without_plc)
-    sections.cell.Refuse("without_plc", "found beside plc, accepted one of the two");
+    sections.cell.Refuse("without_plc",
+                         "found beside plc, accepted one of the two; a file that extends another drops its "
+                         "section with remove: [plc]");
   if (!cell.devices.plc && !sections.without_plc)
     sections.cell.Refuse(
         "plc",

@@ -1,7 +1,7 @@
 // Reams the shipped acetabulum with Eigen's types: a hand that holds the reamer as a mass of 2 kg, pressed
 // with 40 N along the cup's axis, is stopped and let in by the bone.
 //
-//     find_package(osteon 0.1 REQUIRED)
+//     find_package(osteon 1.0 REQUIRED)
 //     find_package(Eigen3 REQUIRED NO_MODULE)
 //     target_link_libraries(mine PRIVATE osteon::osteon Eigen3::Eigen)
 #include <cstdio>

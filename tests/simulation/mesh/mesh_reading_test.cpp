@@ -243,13 +243,22 @@ TEST(MeshReading, EachFileIsReadWhole) {
 }
 
 TEST(MeshReading, NamesOfPartsAreUtf8) {
-  const TemporaryFile file(".obj", "g H\xfcfte \xe2\x82\xac\n" + ObjText(Cube()));
+  const TemporaryFile file(".obj",
+                           "g H\xfc"
+                           "fte \xe2\x82\xac\n" +
+                               ObjText(Cube()));
   const auto loaded = LoadMesh(file.path());
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ(loaded->report.shells.at(0).name,
-            "H\xc3\xbcfte \xc3\xa2\xc2\x82\xc2\xac");  // read as Latin-1
-  const TemporaryFile sound(".obj", "o H\xc3\xbcfte # left\n" + ObjText(Cube()));
-  EXPECT_EQ(LoadMesh(sound.path())->report.shells.at(0).name, "H\xc3\xbcfte # left");
+            "H\xc3\xbc"
+            "fte \xc3\xa2\xc2\x82\xc2\xac");  // read as Latin-1
+  const TemporaryFile sound(".obj",
+                            "o H\xc3\xbc"
+                            "fte # left\n" +
+                                ObjText(Cube()));
+  EXPECT_EQ(LoadMesh(sound.path())->report.shells.at(0).name,
+            "H\xc3\xbc"
+            "fte # left");
 }
 
 TEST(MeshReading, PartsOfOneNameAreOne) {

@@ -142,13 +142,14 @@ TEST(TunePage, ItsVerdictSaysSafeOrNotWhichGainsWhyAndWhatNext) {
   r.recommended_margin = 1.12;
   r.own_margin = 1.2;
   const report::ReportVerdict safe = PlainVerdict(r);
-  EXPECT_EQ(safe.text, "Safe: 1.7 kg and 28 N s/m");
+  EXPECT_EQ(safe.text, "Safe: the cell's own gains, 1.7 kg and 30 N s/m");
   ASSERT_EQ(safe.reasons.size(), 3u);
   EXPECT_TRUE(safe.reasons[0].starts_with("Which gains: the cell's own")) << safe.reasons[0];
   EXPECT_NE(safe.reasons[1].find("assumed, not measured"), std::string::npos);
   EXPECT_NE(safe.reasons[2].find("osteon identify demo"), std::string::npos);
   r.own_margin = 1.0;
   EXPECT_EQ(PlainVerdict(r).level, "look");
+  EXPECT_EQ(PlainVerdict(r).text, "Safe, with remarks: 1.7 kg and 28 N s/m");
   EXPECT_NE(PlainVerdict(r).reasons[0].find("28 N s/m instead of"), std::string::npos);
   r.recommended = {};
   EXPECT_EQ(PlainVerdict(r).level, "bad");
