@@ -133,12 +133,16 @@ TEST(Output, TwoDemosDoNotWriteIntoOneFolder) {
 // A file name may have any bytes; a file's text is UTF-8.
 TEST(Output, AMeshWhoseNameIsLatin1IsWrittenAsWhatItIs) {
   const TemporaryFolder folder;
-  const std::string name = "h\xfcfte.obj";
+  const std::string name =
+      "h\xfc"
+      "fte.obj";
   io::test::WriteAll(folder.path() / name, simulation::ObjText(simulation::MakeBox(Vector3::Constant(-0.03),
                                                                                    Vector3::Constant(0.03))));
   const CommandResult demo = RunCommand(folder.path(), Demo({"--mesh", name, "--cup", "0,0,30,0,0,1,24"}));
   EXPECT_EQ(demo.exit_code, 0) << demo.err;
-  EXPECT_EQ(ReadJson(folder.path() / "j.json").at("scene"), "h\xef\xbf\xbdfte");
+  EXPECT_EQ(ReadJson(folder.path() / "j.json").at("scene"),
+            "h\xef\xbf\xbd"
+            "fte");
   EXPECT_TRUE(ReadComplete(folder.path() / "demo_out/recording.mcap").complete);
   const CommandResult pack = RunCommand(folder.path(), {"pack", name, "-o", "p.osp", "--count", "500",
                                                         "--report", "report", "--json", "p.json"});

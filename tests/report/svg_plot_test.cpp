@@ -45,7 +45,9 @@ TEST(Ticks, KnownAxis) {
   const Ticks across_zero = LinearTicks({-0.1, 0.1}, 5);
   EXPECT_EQ(across_zero.labels, (std::vector<std::string>{"\xE2\x88\x92"
                                                           "0.10",
-                                                          "\xE2\x88\x920.05", "0.00", "0.05", "0.10"}));
+                                                          "\xE2\x88\x92"
+                                                          "0.05",
+                                                          "0.00", "0.05", "0.10"}));
   const Ticks decades = LogTicks({0.5, 2000.0}, 4);
   std::vector<std::string> shown;
   for (const std::string& label : decades.labels)
@@ -114,13 +116,20 @@ TEST(Text, IsEscapedAndAlwaysUtf8) {
   EXPECT_EQ(Escape("\xC0\x80"), "\xEF\xBF\xBD\xEF\xBF\xBD") << "overlong zero";
   EXPECT_EQ(Escape("\xED\xA0\x80"), "\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD") << "surrogate";
   EXPECT_EQ(Escape("\xE2\x82"), "\xEF\xBF\xBD\xEF\xBF\xBD") << "cut short";
-  EXPECT_EQ(Escape(std::string_view("a\0b\x1b", 4)), "a\xEF\xBF\xBDb\xEF\xBF\xBD");
+  EXPECT_EQ(Escape(std::string_view("a\0b\x1b", 4)),
+            "a\xEF\xBF\xBD"
+            "b\xEF\xBF\xBD");
   EXPECT_EQ(Escape("tab\tand\nline"), "tab\tand\nline");
 }
 
 TEST(Text, NumbersForPeople) {
-  EXPECT_EQ(Number(12345.6, 1), "12\xE2\x80\x89345.6");
-  EXPECT_EQ(Number(1234567.0, 0), "1\xE2\x80\x89234\xE2\x80\x89567");
+  EXPECT_EQ(Number(12345.6, 1),
+            "12\xE2\x80\x89"
+            "345.6");
+  EXPECT_EQ(Number(1234567.0, 0),
+            "1\xE2\x80\x89"
+            "234\xE2\x80\x89"
+            "567");
   EXPECT_EQ(Number(1234.0, 0), "1234");
   EXPECT_EQ(Number(-0.0001, 2), "0.00") << "no negative zero";
   EXPECT_EQ(Number(kNaN, 2), "n/a");
