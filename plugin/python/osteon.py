@@ -379,6 +379,17 @@ def _values(struct):
     return result
 
 
+def _set(who, params, values, known):
+    """Sets fields of a struct by name: numbers, or lists of them. Raises TypeError for a name that is not known."""
+    for name, value in values.items():
+        if name not in known:
+            raise TypeError(f"{who}: found {name!r}, accepted {', '.join(known)}")
+        if isinstance(getattr(params, name), float):
+            setattr(params, name, float(value))
+        else:
+            getattr(params, name)[:] = [float(each) for each in value]
+
+
 def _balls(balls_mm):
     balls = np.ascontiguousarray(balls_mm, np.float32)
     if balls.ndim != 2 or balls.shape[1] != 4:
@@ -452,6 +463,8 @@ class Tool:
     """
 
     def __init__(self, name=None, diameter_m=0.0, *, balls_mm=None, cutting=None, config_folder=None):
+        if diameter_m > 0.5:
+            raise ValueError(f"Tool: found a diameter of {diameter_m:g} m, accepted metres, such as 0.05")
         params = _ToolParams()
         params.name, params.diameter_m, params.config_folder = _text(name), diameter_m, _text(config_folder)
         if balls_mm is not None:
@@ -526,10 +539,7 @@ class Guidance:
         params = _GuidanceParams()
         _check(_lib.osteon_guidance_params_init(_ABI, c.byref(params)))
         params.reamer, params.gain = reamer, -1.0 if gain is None else gain
-        for name, value in limits.items():
-            if name not in ("max_force_N", "max_torque_Nm", "max_speed_m_per_s", "period_s"):
-                raise TypeError(f"Guidance: found {name!r}, which is no limit")
-            setattr(params, name, value)
+        _set("Guidance", params, limits, ("max_force_N", "max_torque_Nm", "max_speed_m_per_s", "period_s"))
         self._handle = c.c_void_p()
         _check(_lib.osteon_guidance_create(_ABI, plan._handle, c.byref(params), c.byref(self._handle)))
 
@@ -585,10 +595,7 @@ class Session:
             raise ValueError(f"engine: found {engine!r}, accepted one of {engines}")
         settings.engine, settings.device = engines.index(engine), None if device is None else device.encode()
         settings.lockstep, settings.surface = int(lockstep), int(surface)
-        for name, value in limits.items():
-            if name not in ("max_force_N", "max_torque_Nm", "stiffness_N_per_m", "damping_Ns_per_m"):
-                raise TypeError(f"Session: found {name!r}, which is no limit")
-            setattr(settings, name, value)
+        _set("Session", settings, limits, ("max_force_N", "max_torque_Nm", "stiffness_N_per_m", "damping_Ns_per_m"))
         self.bone, self.tool = bone, tool
         self._generation = c.c_uint64(0)
         self._handle = c.c_void_p()
@@ -653,14 +660,7 @@ class Session:
         if isinstance(mount, dict):
             params.mount = 1
             figures = {**figures, **{"mount_" + name: value for name, value in mount.items()}}
-        known = {name for name, _ in _ComplianceParams._fields_[4:]}
-        for name, value in figures.items():
-            if name not in known:
-                raise TypeError(f"set_compliance: found {name!r}, which is no figure")
-            if isinstance(getattr(params, name), float):
-                setattr(params, name, float(value))
-            else:
-                getattr(params, name)[:] = [float(each) for each in value]
+        _set("set_compliance", params, figures, [name for name, _ in _ComplianceParams._fields_[4:]])
         _check(_lib.osteon_session_set_compliance(_ABI, self._handle, c.byref(params)))
 
     @property

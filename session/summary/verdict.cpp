@@ -33,7 +33,8 @@ void JudgeEnd(const RunSummary& s, Verdict& verdict) {
     verdict.Add(VerdictLevel::kWarning,
                 fmt::format("it was interrupted after {:.1f} s of {:.1f} s", s.seconds, s.wanted_s));
   } else if (s.end != control::RunEnd::kSeconds && s.end != control::RunEnd::kStopFlag) {
-    verdict.Add(VerdictLevel::kBad, fmt::format("it did not end by itself: {}", s.ended));
+    verdict.Add(VerdictLevel::kBad,
+                fmt::format("it {}: {}", s.rendered ? "did not end by itself" : "never began", s.ended));
   }
   if (!s.rendered) verdict.Add(VerdictLevel::kBad, "nothing was rendered: the arm never began to move");
   if (s.operator_recoveries > 0)
@@ -122,6 +123,8 @@ Verdict JudgeRun(const RunSummary& summary) {
   Verdict verdict;
   JudgeEnd(summary, verdict);
   JudgeForce(summary, verdict);
+  if (!summary.passes.empty() && std::ranges::all_of(summary.passes, &SessionPass::undone))
+    verdict.Add(VerdictLevel::kWarning, "no pass of the session counts: all were undone");
   for (const std::string& warning : summary.warnings) verdict.Add(VerdictLevel::kWarning, warning);
   if (!summary.recording_error.empty())
     verdict.Add(VerdictLevel::kWarning,

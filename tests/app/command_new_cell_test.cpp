@@ -47,5 +47,12 @@ TEST_F(NewCellTest, LeavesAFileThatIsThere) {
   EXPECT_NE(unknown.err.find("--from nosuch"), std::string::npos) << unknown.err;
 }
 
+TEST_F(NewCellTest, ABareNameIsAShippedCellsAndTheFilesIsProposed) {
+  ASSERT_EQ(RunCommand(folder_.path(), {"new-cell", "mine"}).exit_code, 0);
+  const CommandResult run = RunCommand(folder_.path(), {"demo", "--cell", "mine", "--virtual-time"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("did you mean mine.yaml?"), std::string::npos) << run.err;
+}
+
 }  // namespace
 }  // namespace osteon::app

@@ -34,6 +34,15 @@ TEST(RunVerdict, AQuietRunIsGoodAndSaysNothing) {
   EXPECT_TRUE(verdict.reasons.empty());
 }
 
+TEST(RunVerdict, ASessionWhosePassesWereAllUndoneIsToBeLookedAt) {
+  RunSummary s = Quiet();
+  s.passes = {{.number = 1, .undone = true}, {.number = 2}};
+  EXPECT_EQ(JudgeRun(s).level, VerdictLevel::kGood);
+  s.passes.back().undone = true;
+  EXPECT_EQ(JudgeRun(s).level, VerdictLevel::kWarning);
+  EXPECT_TRUE(Says(JudgeRun(s), "all were undone"));
+}
+
 TEST(RunVerdict, ACouplingAtItsForceLimitIsToBeLookedAt) {
   RunSummary s = Quiet();
   s.cut_ticks = 20;

@@ -265,7 +265,7 @@ TEST(MeshScenes, ASiteIsAnEntryOnTheSurfaceOrACup) {
   EXPECT_EQ(refusal({0.001, 0, 0.0102}, {0, 0, 1}), "accepted") << "a fifth of the radius above";
   EXPECT_EQ(refusal({0.005, 0, 0.004}, {1, 0, 0}), "accepted") << "on a side, looking out of it";
   EXPECT_THAT(refusal({0, 0, 0.010}, {0, 0, -1}), HasSubstr("accepted a quarter of the radius"));
-  EXPECT_THAT(refusal({0, 0, 0.0118}, {0, 0, 1}), HasSubstr("found the surface 1.8 mm from its centre"));
+  EXPECT_THAT(refusal({0, 0, 0.0118}, {0, 0, 1}), HasSubstr("its centre is 1.8 mm from the nearest surface"));
   EXPECT_THAT(refusal({0, 0, 0.006}, {0, 0, 1}), HasSubstr("the mesh spans"));
 }
 
