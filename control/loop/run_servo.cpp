@@ -70,9 +70,12 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices, Si
     const rt::Nanoseconds woken = rt::MonotonicNow();
     const CellReadings readings = devices.Exchange(loop.cell_commands(), woken);
     const simulation::ContactModel& model = simulation.Load();
+    // after the reading: what comes while this thread stands still (a virtual machine's CPU does) is no value
+    // of the future
+    const rt::Nanoseconds now = rt::MonotonicNow();
     const bool could_recover = loop.CanRecover();
     const safety::FaultSet faults_before = loop.faults();
-    TickRecord record = loop.Tick(state, received, readings, model, woken, command);
+    TickRecord record = loop.Tick(state, received, readings, model, now, command);
     if (could_recover && record.input.recover) {
       result.cleared.Latch(faults_before);
       ++(automatic ? result.recovered : result.operator_recoveries);

@@ -72,6 +72,7 @@ class FakeWorld : public CellDevices {
  public:
   explicit FakeWorld(rt::LatestValue<simulation::ContactModel>& models) : models_(models) {}
   CellReadings Exchange(const CellCommands&, rt::Nanoseconds) OSTEON_RT override {
+    if (--stands_still_at == 0) rt::SleepUntil(rt::MonotonicNow() + 4 * rt::kMillisecond);
     const rt::Nanoseconds now = rt::MonotonicNow();
     if (frames_left > 0) {
       --frames_left;
@@ -83,6 +84,7 @@ class FakeWorld : public CellDevices {
     return {.force = {.stamp = now, .F_S = ServoBench::OnTheSensor(F_T_W, ServoBench::StartPose())}};
   }
   int frames_left{1'000'000};
+  int stands_still_at{-1};  ///< a reading, from 1, before which the loop's thread loses its CPU for 4 ms
 
  private:
   rt::LatestValue<simulation::ContactModel>& models_;
@@ -133,6 +135,18 @@ TEST(RunServo, RunsItsSecondsThenStopsInOrderAndAnswersEveryMessage) {
   // remains as an error
   EXPECT_NEAR(1e9 / static_cast<double>(result.period.Quantile(0.5)), 1000.0, 5.0);
   EXPECT_EQ(rig.commands.Load().stamp, rig.loop.tool_command().stamp);
+}
+
+// The reading that it then takes is younger than the wake-up: it is fresh, not one of the future.
+TEST(RunServo, AThreadThatStandsStillBeforeItReadsTakesTheNewestValuesAsFresh) {
+  Rig rig;
+  FakeArm arm;
+  rig.world.stands_still_at = 150;
+  const RunServoResult result = rig.Run(arm, {.seconds = 0.25});
+  EXPECT_LT(rig.world.stands_still_at, 0) << "it did stand still";
+  EXPECT_EQ(result.faults.bits(), 0u);
+  EXPECT_EQ(result.end, RunEnd::kSeconds);
+  for (const TickRecord& tick : rig.recorder.records) EXPECT_LT(tick.sensor_age_s, 0.1) << tick.tick;
 }
 
 // A recording of the arm at rest.
