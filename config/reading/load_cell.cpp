@@ -449,11 +449,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
 }  // namespace
 
 void RequireSimulation(const CellConfig& cell, const std::filesystem::path& path) {
-  if (!cell.has_simulation)
-    throw ConfigError(
-        path.string(), 0,
-        "found a cell without operator, script and simulated_arm, accepted one with them: it is "
-        "to be simulated. A real cell is tried on the one that it extends");
+  if (!cell.has_simulation) throw ConfigError(path.string(), 0, kWithoutSimulation);
 }
 
 CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolChoice>& tool,

@@ -49,7 +49,7 @@ struct FriServerParams {
   double close_s{5.0};        ///< from Close() to IDLE
   SessionEnd session_end{SessionEnd::kSilence};
   double external_torque_cutoff_hz{0.0};  ///< low pass of the estimated external torque; 0: none
-  /// What the estimate reads with nobody touching, e.g. a wrong payload.
+  /// Reading of the estimate with nobody touching, e.g. a wrong payload.
   kinematics::JointVector external_torque_offset_Nm{kinematics::JointVector::Zero()};
 };
 

@@ -39,7 +39,7 @@ struct FidelityPlan {
 
   simulation::RemovalError removal;
   double error_m{0.0};  ///< of the cut's depth: removal and tool together
-  /// What the cut keeps: the demanded error, or if the error was given up, a larger one instead.
+  /// Error that the cut keeps: the demanded one, or if the error was given up, a larger one instead.
   double promised_m{0.0};
   double arm_error_m{0.0};    ///< of the tool's pose
   double leak_m{0.0};         ///< mean depth to which a probe sinks between the remaining balls

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "config/reading/load.h"
 #include "io/net/free_ports.h"
 
 namespace osteon::session {
@@ -21,9 +22,7 @@ int PortsOf(const config::CellConfig& cell) { return GuardPlace(cell) + (cell.gu
 
 std::string UseSimulatedWires(config::CellConfig& cell, std::optional<std::uint16_t> first_port) {
   constexpr int kMaxPort = 65535;
-  if (!cell.has_simulation)
-    return "found a cell without operator, script and simulated_arm, accepted one with them: it is to be "
-           "simulated";
+  if (!cell.has_simulation) return config::kWithoutSimulation;
   const int ports = PortsOf(cell);
   if (first_port && *first_port > kMaxPort - ports + 1)
     return fmt::format("--port: found {}, accepted 0 … {}: the cell takes {} ports from there on",

@@ -202,20 +202,17 @@ tl::expected<Norms, std::string> ReadNorms(const std::vector<fs::path>& folders)
 
 Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const session::SessionPass> passes) {
   const int last = static_cast<int>(plan.tools.size()) - 1;
-  bool has_pass = false;
-  double to_go_mm = 0.0;
-  for (const session::SessionPass& pass : passes) {
-    if (pass.undone || pass.tool_index != last) continue;
-    to_go_mm = has_pass ? std::min(to_go_mm, pass.to_go_mm.value_or(0.0)) : pass.to_go_mm.value_or(0.0);
-    has_pass = true;
-  }
-  if (!has_pass)
+  std::optional<double> to_go_mm;
+  for (const session::SessionPass& pass : passes)
+    if (!pass.undone && pass.tool_index == last)
+      to_go_mm = std::min(to_go_mm.value_or(1e9), pass.to_go_mm.value_or(0.0));
+  if (!to_go_mm)
     return {
         .text = fmt::format("no pass of its last tool, {:g} mm, counts", 1e3 * plan.tools.back().diameter_m),
         .by_a_tool = true};
-  if (to_go_mm <= kMaxToGo_mm) return {};
+  if (*to_go_mm <= kMaxToGo_mm) return {};
   return {.text = fmt::format("its last tool stopped {:.1f} mm short of its planned depth, accepted {:g} mm",
-                              to_go_mm, kMaxToGo_mm)};
+                              *to_go_mm, kMaxToGo_mm)};
 }
 
 namespace {

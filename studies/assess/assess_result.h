@@ -39,7 +39,7 @@ struct TrendPoint {
   bool guided{false};
 };
 
-/// What of a plan is left to do: no score says it, because its items measure what was cut.
+/// The part of a plan that is left to do. No score says it, because its items measure what was cut.
 struct Unfinished {
   std::string text{};     ///< empty: nothing
   bool by_a_tool{false};  ///< the last tool has no pass that counts

@@ -43,7 +43,7 @@ struct AssessedSession {
   config::SurgicalPlanConfig plan{};
   simulation::Bone bone{};                           ///< uncut
   std::shared_ptr<const simulation::Solid> solid{};  ///< of which it was packed; null: not known
-  /// What the passes that count have cut; always there once it is read.
+  /// Cut of the passes that count; always there once it is read.
   std::optional<session::SessionCut> cut{};
   simulation::CarvedState state{};  ///< the last one that counts
   procedure::Assessment assessment{};

@@ -12,8 +12,8 @@
 #include <tl/expected.hpp>
 
 #include "base/child_process.h"
+#include "base/cpu_watch.h"
 #include "studies/processes/cell_processes.h"
-#include "studies/soak/cpu_watch.h"
 #include "studies/soak/wall_script.h"
 
 namespace osteon::studies {
@@ -47,7 +47,7 @@ struct WallOutcome {
   std::optional<CellReport> cell{};
   std::string guard_reason{};  ///< why it withheld; empty: it did not, or goes on
   double seconds_wall{0.0};
-  rt::Nanoseconds cpu_stood_still{0};  ///< longest time in which a CPU of this machine did (CpuWatch)
+  rt::Nanoseconds cpu_stood_still{0};  ///< longest time in which a CPU of this machine did (rt::CpuWatch)
 };
 
 /// The processes of a cell in wall time: `osteon cell` and `osteon guard`, which live through several
@@ -89,7 +89,7 @@ class WallCell {
   std::filesystem::path config_root_, folder_;
   std::function<bool()> stop_;
   CellProcesses parts_;
-  CpuWatch cpus_;
+  rt::CpuWatch cpus_{90};  // above the servo loop and the simulated arm
   int life_{-1};
   bool distrusted_{false};
   std::size_t pause_{0};                  // the next pause of the script

@@ -1,8 +1,5 @@
 #include "tests/app/machine_lateness.h"
 
-#include <pthread.h>
-#include <sched.h>
-
 #include <algorithm>
 #include <array>
 #include <string_view>
@@ -11,12 +8,6 @@ namespace osteon::app {
 namespace {
 
 std::string Milliseconds(rt::Nanoseconds t) { return std::to_string(t / 1'000'000) + " ms"; }
-
-void KeepMaximum(std::atomic<rt::Nanoseconds>& maximum, rt::Nanoseconds value) {
-  rt::Nanoseconds before = maximum.load();
-  while (before < value && !maximum.compare_exchange_weak(before, value)) {
-  }
-}
 
 bool SaysTooLate(std::string_view fault) {
   return fault.ends_with(" stale") || fault == "arm left COMMANDING_ACTIVE";
@@ -28,31 +19,6 @@ bool FollowsFromLateness(std::string_view fault) {
 }
 
 }  // namespace
-
-WakeupWatch::WakeupWatch() {
-  cpu_set_t allowed;
-  CPU_ZERO(&allowed);
-  sched_getaffinity(0, sizeof allowed, &allowed);
-  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
-    if (!CPU_ISSET(cpu, &allowed)) continue;
-    threads_.emplace_back([this, cpu] {
-      cpu_set_t own;
-      CPU_ZERO(&own);
-      CPU_SET(cpu, &own);
-      pthread_setaffinity_np(pthread_self(), sizeof own, &own);
-      while (!ends_.load()) {
-        const rt::Nanoseconds due = rt::MonotonicNow() + rt::kMillisecond;
-        rt::SleepUntil(due);
-        KeepMaximum(worst_, rt::MonotonicNow() - due);
-      }
-    });
-  }
-}
-
-WakeupWatch::~WakeupWatch() {
-  ends_.store(true);
-  for (std::thread& thread : threads_) thread.join();
-}
 
 bool IsStall(const nlohmann::json& summary) {
   bool too_late = false;

@@ -1,13 +1,10 @@
 #pragma once
 
-#include <atomic>
-#include <thread>
-#include <vector>
-
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "base/clock.h"
+#include "base/cpu_watch.h"
 #include "tests/app/command.h"
 
 // A run in wall time may stall because this machine is overloaded, and then proves nothing about the product.
@@ -15,22 +12,15 @@
 
 namespace osteon::app {
 
-/// Measures from its construction on how late this machine wakes threads: one on each CPU sleeps for a
-/// millisecond at a time. Like the simulation and the simulated devices, they have no real-time rights.
+/// Measures from its construction on how late this machine wakes threads on each CPU. Like the simulation and
+/// the simulated devices, they have no real-time rights.
 class WakeupWatch {
  public:
-  WakeupWatch();
-  ~WakeupWatch();
-  WakeupWatch(const WakeupWatch&) = delete;
-  WakeupWatch& operator=(const WakeupWatch&) = delete;
-
   /// The latest wake-up so far.
-  [[nodiscard]] rt::Nanoseconds worst() const { return worst_.load(); }
+  [[nodiscard]] rt::Nanoseconds worst() const { return watch_.longest(); }
 
  private:
-  std::atomic<bool> ends_{false};
-  std::atomic<rt::Nanoseconds> worst_{0};
-  std::vector<std::thread> threads_;
+  rt::CpuWatch watch_{0};
 };
 
 /// A wake-up this late loses ten messages of an arm: twice what the loop and the simulated arms tolerate.

@@ -10,7 +10,7 @@
 
 namespace osteon::app {
 
-/// What is wrong with `--tool KIND:D` beside `--plan`, where the session chooses.
+/// The refusal of `--tool KIND:D` beside `--plan`, where the session chooses the size.
 inline constexpr const char* kSizeWithPlan =
     ": found a size with --plan, accepted a kind alone: the plan has the sizes, from the first one on";
 

@@ -9,6 +9,7 @@
 
 #include "control/compliance/compliance.h"
 #include "safety/depth_limit.h"
+#include "studies/failures/compliance/carrier.h"
 #include "studies/failures/scenario_bench.h"
 
 namespace osteon::studies {
@@ -20,10 +21,6 @@ constexpr double kSpindleStop_m = 1e-3;  // the spindle stops that far before th
 constexpr double kSoft_m = 3e-3, kLimit_N_per_m = 20e3;
 constexpr int kMaxTicks = 20'000, kAfter = 300;  // ticks; observed after the spindle stopped
 
-/// What the hand moves: the virtual tool of an admittance law, or the arm under an impedance law.
-struct Carrier {
-  double mass_kg, damping_Ns_per_m;
-};
 constexpr std::array kCarriers{Carrier{.mass_kg = 3.0, .damping_Ns_per_m = 100.0},
                                Carrier{.mass_kg = 6.0, .damping_Ns_per_m = 150.0}};
 
@@ -33,7 +30,7 @@ struct Course {
   FailureSeries series;
 };
 
-Course Ream(const FailureSetting& setting, const simulation::Bone& bone, const Carrier& carrier,
+Course Ream(const FailureSetting& setting, const simulation::Bone& bone, Carrier carrier,
             const std::optional<control::BoneMountParams>& mount, bool rides_on_bone) {
   const simulation::CuttingParams cutting;
   const auto engine = setting.make_engine(bone, MakeBallTool(5e-3), Pose::Identity(), cutting);
@@ -48,22 +45,21 @@ Course Ream(const FailureSetting& setting, const simulation::Bone& bone, const C
                             .stiffness_N_per_m = kLimit_N_per_m,
                             .rides_on_bone = rides_on_bone});
   Course course;
-  double z = 0.05e-3, v = 0.0;
+  carrier.way_m = 0.05e-3;  // upwards, of the apex over the bone
   int since_stop = 0;
   for (int i = 0; i < kMaxTicks && since_stop < kAfter; ++i) {
-    const Pose X_WT = Downwards({0, 0, z});
+    const Pose X_WT = Downwards({0, 0, carrier.way_m});
+    const Vector3 v_WT(0.0, 0.0, carrier.v_m_per_s);
     const Pose X_MT = compliance.X_ME(X_WT);
-    const Twist V_MT = compliance.V_ME(X_WT, {.v = {0, 0, v}});
+    const Twist V_MT = compliance.V_ME(X_WT, {.v = v_WT});
     const double spindle = limit.stops_spindle() ? 0.0 : kScenarioSpindle_rad_per_s;
     const simulation::ContactModel model = engine->Step(FrameAt(X_MT, spindle, kTick_s));
     const Wrench F_T_M = Wrench(model.F_T_W);
     const Vector3 f_limit_N =
-        rides_on_bone ? limit.Step(X_MT.translation(), V_MT.v) : limit.Step(X_WT.translation(), {0, 0, v});
+        rides_on_bone ? limit.Step(X_MT.translation(), V_MT.v) : limit.Step(X_WT.translation(), v_WT);
     compliance.Step(F_T_M, model, X_WT);
     const double force_N = compliance.OnTool(F_T_M, X_WT).f.z() + f_limit_N.z();
-    const double push_N = kPush_N * std::min(1.0, kTick_s * i / kPushRise_s);
-    v += kTick_s * (force_N - push_N - carrier.damping_Ns_per_m * v) / carrier.mass_kg;
-    z += kTick_s * v;
+    carrier.Step(force_N - RisingPush(kPush_N, kTick_s * i, kPushRise_s), kTick_s);
     course.depth_m = std::max(course.depth_m, -Pose(model.X_WP).translation().z());
     course.stopped = limit.stops_spindle();
     if (course.stopped) ++since_stop;

@@ -10,6 +10,7 @@
 #include "control/coupling/virtual_coupling.h"
 #include "simulation/tools/tool_compliance.h"
 #include "simulation/tools/tool_kinds.h"
+#include "studies/failures/compliance/carrier.h"
 #include "studies/failures/contact_bench.h"
 #include "studies/failures/scenario_bench.h"
 
@@ -22,11 +23,6 @@ constexpr int kFine = 5;                      // ticks in a millisecond of the r
 constexpr double kSeen_s = 1.5;               // when the hole's place is taken
 constexpr double kCutting_J_per_m3 = 1.3e9;   // human femoral cortex (config/materials)
 
-/// What moves along the drill's axis: the virtual tool of an admittance law, or the arm under an impedance
-/// law.
-struct Carrier {
-  double mass_kg, damping_Ns_per_m;
-};
 constexpr Carrier kAdmittance{.mass_kg = 3.0, .damping_Ns_per_m = 150.0};
 constexpr Carrier kImpedance{.mass_kg = 6.0, .damping_Ns_per_m = 150.0};
 
@@ -67,7 +63,7 @@ struct Course {
 // The head's pose for which the drill's bending and the frame's planes agree, by damped steps.
 Pose SolvedHead(const Scene& scene, const control::CouplingParams& coupling,
                 const simulation::ContactModel& model, const Pose& X_WT, rt::Nanoseconds now,
-                control::CouplingState state) {
+                const control::CouplingState& state) {
   control::Vector6 e = control::Vector6::Zero();
   for (int i = 0; i < 60; ++i) {
     control::CouplingState trial = state;
@@ -81,7 +77,7 @@ Pose SolvedHead(const Scene& scene, const control::CouplingParams& coupling,
 }
 
 // @param ticks_in_ms  periods of tick and frame in a millisecond
-Course Drill(const FailureSetting& setting, const Scene& scene, const Carrier& carrier, Bending bending,
+Course Drill(const FailureSetting& setting, const Scene& scene, Carrier carrier, Bending bending,
              int ticks_in_ms) {
   const double dt_s = kTick_s / ticks_in_ms;
   const auto engine = setting.make_engine(scene.bone, scene.tool, Pose::Identity(), scene.cutting);
@@ -97,11 +93,11 @@ Course Drill(const FailureSetting& setting, const Scene& scene, const Carrier& c
   const Vector3 feed_W = Down({}, turn).linear() * Vector3::UnitZ();
   Course course;
   simulation::ContactModel model;
-  double way_m = -0.2e-3, v = 0.0;  // along the axis, from the place that the drill is aimed at
+  carrier.way_m = -0.2e-3;  // along the axis, from the place that the drill is aimed at
   const int ticks = static_cast<int>(std::lround(kSeen_s / dt_s));
   for (int i = 0; i <= ticks; ++i) {
     const auto now = static_cast<rt::Nanoseconds>(std::llround(1e9 * dt_s * (i + 1)));
-    const Pose X_WT = Down(way_m * feed_W, turn);
+    const Pose X_WT = Down(carrier.way_m * feed_W, turn);
     const Pose X_ME = bending == Bending::kSolvedWithPlanes
                           ? SolvedHead(scene, coupling, model, X_WT, now, state)
                           : compliance.X_ME(X_WT);
@@ -111,9 +107,7 @@ Course Drill(const FailureSetting& setting, const Scene& scene, const Carrier& c
         control::EvaluateCoupling(coupling, model, X_ME, {}, now, true, state);
     const Wrench F_T_W = compliance.OnTool(out.F_contact_T_W, X_WT);
     compliance.Step(out.F_contact_T_W, model, X_WT);
-    const double push_N = kPush_N * std::min(1.0, i * dt_s / kPushRise_s);
-    v += dt_s * (push_N + feed_W.dot(F_T_W.f) - carrier.damping_Ns_per_m * v) / carrier.mass_kg;
-    way_m += dt_s * v;
+    carrier.Step(RisingPush(kPush_N, i * dt_s, kPushRise_s) + feed_W.dot(F_T_W.f), dt_s);
     const Vector3 off = X_ME.translation() - X_WT.translation();
     course.aside_m = (off - off.dot(feed_W) * feed_W).norm();
     if (i % (5 * ticks_in_ms) == 0) {

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "base/clock.h"
+
+namespace osteon::rt {
+
+/// Measures how late each CPU of this machine runs what is due: a thread on each sleeps for a millisecond at
+/// a time. Above every other thread it finds a CPU that stands still, as a virtual machine's does for tens of
+/// milliseconds while its host runs something else; without a priority also one that is busy.
+class CpuWatch {
+ public:
+  /// @param priority  of the threads, SCHED_FIFO, if it is granted; 0: ordinary threads
+  explicit CpuWatch(int priority);
+  ~CpuWatch();
+  CpuWatch(const CpuWatch&) = delete;
+  CpuWatch& operator=(const CpuWatch&) = delete;
+
+  /// The latest wake-up so far.
+  [[nodiscard]] Nanoseconds longest() const { return longest_.load(); }
+  /// The same since the last call.
+  [[nodiscard]] Nanoseconds TakeLongest() { return longest_.exchange(0); }
+
+ private:
+  void Watch(int cpu, int priority);
+
+  std::atomic<bool> ends_{false};
+  std::atomic<Nanoseconds> longest_{0};
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace osteon::rt
