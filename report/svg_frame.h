@@ -13,6 +13,8 @@ namespace osteon::report {
 inline constexpr double kFontPx = 12.5;
 inline constexpr double kTitlePx = 14.5;
 inline constexpr double kLegendRowPx = 20.0;
+/// Height of the strip for the names of spans; also the width of a turned axis label.
+inline constexpr double kLabelStripPx = 19.0;
 
 /// One <text> element. `anchor` is start, middle or end; `extra` further attributes.
 [[nodiscard]] std::string SvgText(double x, double y, std::string_view text,
