@@ -459,7 +459,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
     return ReadCell(reader, tool, gains);
   } catch (const ConfigError& error) {
     if (reader.Extended().empty() || error.file() != reader.Extended().string()) throw;
-    throw error.With(fmt::format(" ({} extends it)", path.string()));
+    throw error.With(fmt::format(" ({} extends it: set the value there)", path.string()));
   }
 }
 

@@ -107,7 +107,7 @@ TEST_F(Extends, ErrorsNameTheFileOfTheValueAndTheOneThatExtendsIt) {
   EXPECT_THAT(
       Refusal("extends: demo\ncutting: {normal_enlargement_um: 100}\n"),
       AllOf(HasSubstr("cells/demo.yaml:"), HasSubstr("model_sight_mm: found 0.5, accepted at most 0.4"),
-            HasSubstr("my.yaml extends it)")));
+            HasSubstr("my.yaml extends it: set the value there)")));
 }
 
 TEST_F(Extends, AScenariosOverridesLieAboveBoth) {

@@ -90,7 +90,7 @@ TEST(ReaderTest, UnknownKeyComesWithTheNearestKnownOne) {
   EXPECT_EQ(ErrorOf("raduis_mm: 25\n", ReadRadius),
             "config/tools/reamer.yaml:1: unknown key \"raduis_mm\"; did you mean \"radius_mm\"?");
   EXPECT_EQ(ErrorOf("radius_mm: 25\ncolour: red\n", ReadRadius),
-            "config/tools/reamer.yaml:2: unknown key \"colour\"");
+            "config/tools/reamer.yaml:2: unknown key \"colour\", accepted radius_mm");
   // a missing key is the better guess, even if a present one is spelt more similarly
   const auto two = [](Reader& reader) {
     static_cast<void>(reader.Number("stiffness_N_per_m", 1, 100));
@@ -123,7 +123,7 @@ TEST(ReaderTest, UnknownKeysInsideSectionsAndListsAreFoundByTheOuterFinish) {
   };
   EXPECT_EQ(ErrorOf("joints:\n  - position_deg: 1\n  - position_deg: 2\n", read), "");
   EXPECT_EQ(ErrorOf("joints:\n  - position_deg: 1\n  - {position_deg: 2, speed_deg: 3}\n", read),
-            "config/tools/reamer.yaml:3: unknown key \"speed_deg\"");
+            "config/tools/reamer.yaml:3: unknown key \"speed_deg\", accepted position_deg");
   EXPECT_EQ(ErrorOf("joints:\n  - position_deg: 1\n", read),
             "config/tools/reamer.yaml:2: joints: found a list of 1, accepted a list of 2 mappings");
 }

@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "config/reading/strict/config_error.h"
 #include "config/reading/strict/key_aliases.h"
@@ -101,6 +102,13 @@ double YamlMapping::NumberIn(const std::string& key, const YAML::Node& node, dou
   return value;
 }
 
+std::string YamlMapping::KnownKeys() const {
+  std::vector<std::string> keys = known;
+  std::ranges::sort(keys);
+  keys.erase(std::ranges::unique(keys).begin(), keys.end());
+  return fmt::format("{}", fmt::join(keys, ", "));
+}
+
 void YamlMapping::Finish() const {
   // report an unknown key before the missing keys: it is probably one of them, misspelt
   for (const Entry& entry : entries) {
@@ -109,9 +117,10 @@ void YamlMapping::Finish() const {
     for (const Missing& gap : missing) candidates.push_back(gap.key);
     std::string nearest = NearestKey(entry.key, candidates);
     if (nearest.empty()) nearest = NearestKey(entry.key, known);
-    throw ConfigError(entry.file.string(), entry.line,
-                      fmt::format("unknown key \"{}\"{}", entry.key.substr(0, 60),
-                                  nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+    throw ConfigError(
+        entry.file.string(), entry.line,
+        fmt::format("unknown key \"{}\"{}", entry.key.substr(0, 60),
+                    nearest.empty() ? ", accepted " + KnownKeys() : "; did you mean \"" + nearest + "\"?"));
   }
   if (!missing.empty())
     Fail(line, fmt::format("missing key \"{}\", accepted {}", missing.front().key, missing.front().accepted));

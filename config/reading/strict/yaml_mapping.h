@@ -73,6 +73,8 @@ struct YamlMapping {
 
   /// @throws ConfigError as Reader::Finish
   void Finish() const;
+  /// @returns the keys that were asked for, in alphabetical order: "direction, from_s, wire"
+  [[nodiscard]] std::string KnownKeys() const;
 
  private:
   void AddEntries(const YAML::Node& node);
