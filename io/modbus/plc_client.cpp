@@ -209,6 +209,23 @@ PlcClient::Answer PlcClient::WriteHeartbeat(Connection& connection) {
   return Answer::kWhole;
 }
 
+namespace {
+
+// Says why there is no connection. libmodbus leaves the error of a connect that took too long as "in
+// progress".
+std::string ReasonOf(const PlcClientParams& params, const PlcReading& reading) {
+  if (reading.last_error == EMBXILVAL && reading.bad.address != 0)
+    return "register " + std::to_string(reading.bad.address) + ": found " +
+           std::to_string(reading.bad.found) + ", accepted 0 … " + std::to_string(reading.bad.accepted_most);
+  if (reading.last_error == EINPROGRESS)
+    return "nobody answers there (within " + std::to_string(params.connect_timeout_ms) + " ms)";
+  if (reading.last_error == ETIMEDOUT)
+    return "no answer to a request (within " + std::to_string(params.response_timeout_ms) + " ms)";
+  return reading.last_error != 0 ? modbus_strerror(reading.last_error) : "";
+}
+
+}  // namespace
+
 std::string Describe(const PlcClientParams& params, const PlcReading& reading) {
   const std::string place = "PLC " + params.address + ":" + std::to_string(params.port) + ": ";
   const PlcCounters& n = reading.counters;
@@ -224,14 +241,10 @@ std::string Describe(const PlcClientParams& params, const PlcReading& reading) {
     case PlcLink::kConnecting:
       break;
   }
-  std::string text = place + "no connection";
-  if (reading.last_error == EMBXILVAL && reading.bad.address != 0)
-    text += ": register " + std::to_string(reading.bad.address) + ": found " +
-            std::to_string(reading.bad.found) + ", accepted 0 … " + std::to_string(reading.bad.accepted_most);
-  else if (reading.last_error != 0)
-    text += std::string(": ") + modbus_strerror(reading.last_error);
-  return text + " (" + std::to_string(n.refused) + " attempts refused, " + std::to_string(n.timeouts) +
-         " time-outs, " + std::to_string(n.lost) + " connections lost)";
+  const std::string reason = ReasonOf(params, reading);
+  return place + "no connection" + (reason.empty() ? "" : ": " + reason) + " (" + std::to_string(n.refused) +
+         " attempts in vain, " + std::to_string(n.timeouts) + " time-outs, " + std::to_string(n.lost) +
+         " connections lost)";
 }
 
 const char* Describe(PlcVerdict verdict) {

@@ -92,6 +92,18 @@ std::string EngineProcessText(const EngineProcessResult& p) {
   return text;
 }
 
+// "a hemispherical reamer 50 mm", or "the plan's tools of 44, 46, 48, 50 mm".
+std::string ToolsText(const RunSummary& s) {
+  if (s.diameters_mm.size() < 2) return "a " + s.tool;
+  return fmt::format("the plan's tools of {:g} mm", fmt::join(s.diameters_mm, ", "));
+}
+
+// "interrupted by SIGHUP; arm: …". Without the reasons of a run that never began: its verdict has them.
+std::string EndedText(const RunSummary& s) {
+  return s.ended.substr(0, s.ended.find(": ")) + (s.ended_by.empty() ? "" : " by " + s.ended_by) +
+         (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop);
+}
+
 }  // namespace
 
 double ToolOfPass(const RunSummary& s, const SessionPass& pass) {
@@ -100,15 +112,15 @@ double ToolOfPass(const RunSummary& s, const SessionPass& pass) {
 
 std::vector<report::SummaryRow> Rows(const RunSummary& s) {
   std::vector<report::SummaryRow> rows{
-      {"Ended", s.ended + (s.ended_by.empty() ? "" : " by " + s.ended_by) +
-                    (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop)},
+      {"Ended", EndedText(s)},
       {"Engine", s.engine + " on " + s.device},
       {"Scene", fmt::format("{}: {} balls, {} mass points", s.scene, s.balls, s.points)},
       {"Packing", s.planned ? PlannedText(*s.planned) : "as the scene says, or as it was loaded"},
-      {"Tool", s.passes.size() > 1 ? s.tool + ", the first; the passes name the others" : s.tool},
+      {"Tool", s.diameters_mm.size() > 1 ? ToolsText(s) : s.tool},
       {"Servo loop",
        fmt::format(
-           "{} ticks, median {:.1f} Hz{}{}", s.ticks, s.servo_rate_hz,
+           "{} ticks{}{}{}", s.ticks,
+           s.servo_rate_hz > 0.0 ? fmt::format(", median {:.1f} Hz", s.servo_rate_hz) : "",
            s.virtual_time             ? " (virtual time)"
            : !s.servo_thread          ? ""
            : s.servo_thread->realtime ? ", SCHED_FIFO"
@@ -180,7 +192,7 @@ std::vector<report::SummaryRow> Rows(const RunSummary& s) {
 }
 
 void PrintTable(const RunSummary& summary, const std::string& title) {
-  fmt::print("{}: {} with a {}\n", title, summary.scene, summary.tool);
+  fmt::print("{}: {} with {}\n", title, summary.scene, ToolsText(summary));
   PrintVerdict(summary.verdict, 30);
   constexpr std::size_t kKeyColumns = 30;
   for (const report::SummaryRow& row : Rows(summary))

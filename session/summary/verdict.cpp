@@ -36,7 +36,8 @@ void JudgeEnd(const RunSummary& s, Verdict& verdict) {
     verdict.Add(VerdictLevel::kBad,
                 fmt::format("it {}: {}", s.rendered ? "did not end by itself" : "never began", s.ended));
   }
-  if (!s.rendered) verdict.Add(VerdictLevel::kBad, "nothing was rendered: the arm never began to move");
+  if (!s.rendered && s.end != control::RunEnd::kNeverActive)
+    verdict.Add(VerdictLevel::kBad, "nothing was rendered: the arm never began to move");
   if (s.operator_recoveries > 0)
     verdict.Add(
         VerdictLevel::kBad,
