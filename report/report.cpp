@@ -187,6 +187,9 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
       Figure(MotionChart(input.run, input.tool_speed_limit_m_per_s, input.max_tool_in_bone_m),
              "The contact model is the simulation's latest picture of the bone. Its age grows until the next "
              "frame arrives, many times a second, and so its line fills a band.");
+  if (const std::string chart = ComplianceChart(input.run); !chart.empty())
+    html += "<h2>What gave way</h2>\n" +
+            Figure(chart, "Sizes of the displacements. A level that never moved in this run is not drawn.");
   html += TimingHtml(input);
   html += AssumptionsHtml(input.bone);
   if (!input.command_line.empty())

@@ -148,6 +148,28 @@ std::string MotionChart(const RunCurves& run, double speed_limit_m_per_s, double
   return Svg(panels);
 }
 
+std::string ComplianceChart(const RunCurves& run) {
+  const TimeAxis time = FromFirst(run);
+  std::vector<LineChart> panels;
+  const auto add = [&](bool acts, const char* title, const char* label, const char* color,
+                       const ThinCurve& curve) {
+    if (acts)
+      panels.push_back({.title = title,
+                        .x_label = "",
+                        .y_label = label,
+                        .series = {Filled({.color = color, .width_px = 1.1}, curve, time)},
+                        .zooms = true,
+                        .plot_height_px = 130.0});
+  };
+  add(run.bends, "The tool bends", "head aside [mm]", "#0072b2", run.bend_mm);
+  add(run.has_layer, "Surface layer", "gives way [mm]", "#d55e00", run.layer_mm);
+  add(run.mount_moves, "Bone on its mount", "moves [mm]", "#009e73", run.mount_mm);
+  if (panels.empty()) return {};
+  panels.front().spans = PhaseSpans(run, time);
+  panels.back().x_label = time.label;
+  return Svg(panels);
+}
+
 std::string WakeupHistogram(const RunCurves& run) {
   return LatencyHistogram("Tick: message to wake-up", run.wakeup);
 }

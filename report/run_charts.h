@@ -34,6 +34,10 @@ namespace osteon::report {
   return MotionChart(run, speed_limit_m_per_s, max_tool_in_bone_m, FromFirst(run));
 }
 
+/// Plots how far the tool bends, its surface layer gives way and the bone moves on its mount, one above the
+/// other; without what never moved. Empty text: nothing did.
+[[nodiscard]] std::string ComplianceChart(const RunCurves& run);
+
 /// Histograms; empty text if nothing was measured (virtual time).
 [[nodiscard]] std::string WakeupHistogram(const RunCurves& run);
 [[nodiscard]] std::string ComputeHistogram(const RunCurves& run);

@@ -37,8 +37,22 @@ void RunCurves::Add(const control::TickRecord& tick) {
     const bool in_bone = control::HasMessage(tick) && tick.tool_in_bone_m > 0.0;
     commanded_depth_mm.Add(tick.stamp, in_bone ? 1e3 * depth_of(tick.X_WT_cmd) : kMissing);
   }
+  AddCompliance(tick);
   wakeup.Add(tick.wakeup_ns);
   compute.Add(tick.compute_ns);
+}
+
+void RunCurves::AddCompliance(const control::TickRecord& tick) {
+  const control::ComplianceRecord& c = tick.compliance;
+  if (!c.present) return;
+  const auto add = [&](ThinCurve& curve, bool& acts, const PlainVector3& way_m) {
+    const double size_mm = 1e3 * Vector3(way_m).norm();
+    curve.Add(tick.stamp, size_mm);
+    acts |= size_mm > 0.0;
+  };
+  add(bend_mm, bends, c.bend_m);
+  add(layer_mm, has_layer, c.layer_m);
+  add(mount_mm, mount_moves, c.mount_m);
 }
 
 void RunCurves::Add(const simulation::FrameRecord& record) {

@@ -41,6 +41,10 @@ struct RunCurves {
   ThinCurve speed_mm_per_s, in_bone_mm, model_age_ms;
   /// Depth of the commanded tool's apex below the first floor, while bone holds the proxy back; else NaN.
   ThinCurve commanded_depth_mm;
+  /// How far the tool bends, its surface layer gives way, and the bone moves on its mount. Empty curves: the
+  /// cell is rigid. A level that is off stays at zero.
+  ThinCurve bend_mm, layer_mm, mount_mm;
+  bool bends{false}, has_layer{false}, mount_moves{false};  ///< in any tick
   bool wrench_cut{false};  ///< in any tick; if not, rendered_percent has no meaning
   DurationCounts wakeup, compute;
 
@@ -49,6 +53,9 @@ struct RunCurves {
   ThinCurve depth_mm, volume_mm3;              ///< depth: NaN before the first touch
   bool touched{false};
   DurationCounts frame;  ///< time to compute one
+
+ private:
+  void AddCompliance(const control::TickRecord& tick);
 };
 
 }  // namespace osteon::report

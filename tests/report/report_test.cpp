@@ -137,6 +137,26 @@ TEST(Report, ATickWithoutTheArmsMessageIsNoForceOfZero) {
   EXPECT_NE(ForceChart(CurvesOf(run), 200.0), chart) << "a force of 0 that was rendered is drawn";
 }
 
+TEST(Report, ShowsOfWhatGivesWayThatWhichMoved) {
+  SyntheticRun run = MakeSyntheticRun();
+  EXPECT_EQ(ComplianceChart(CurvesOf(run)), "") << "a rigid cell";
+  const auto rigid = MakeReport(InputOf(run));
+  ASSERT_TRUE(rigid) << rigid.error();
+  EXPECT_EQ(rigid->html.find("What gave way"), std::string::npos);
+  for (control::TickRecord& tick : run.ticks) {
+    tick.compliance.present = true;
+    tick.compliance.bend_m = {3e-4, 4e-4, 0.0};
+  }
+  const RunCurves curves = CurvesOf(run);
+  ASSERT_EQ(curves.bend_mm.points().size(), run.ticks.size());
+  EXPECT_NEAR(curves.bend_mm.points().front().value, 0.5, 1e-12);
+  const auto bent = MakeReport(InputOf(run));
+  ASSERT_TRUE(bent) << bent.error();
+  EXPECT_NE(bent->html.find("What gave way"), std::string::npos);
+  EXPECT_NE(bent->html.find("The tool bends"), std::string::npos);
+  EXPECT_EQ(bent->html.find("Bone on its mount"), std::string::npos) << "it never moved";
+}
+
 TEST(Report, ListsTheFiguresWithoutASource) {
   SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
