@@ -110,6 +110,8 @@ HandTarget HandScript::Sample(double time_s) const noexcept {
   target.height_m = height.value;
   target.force_limit_N = Between(from.force_limit_N, to.force_limit_N, blend, duration_s).value;
   target.grip = Between(from.grip, to.grip, blend, duration_s).value;
+  target.done_height_m = to.done_height_m;  // a place of the plan, not of the hand: it is not blended
+  target.give_m_per_N = to.give_m_per_N;
   return target;
 }
 

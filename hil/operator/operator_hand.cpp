@@ -15,10 +15,13 @@ Vector3 LimitNorm(const Vector3& v, double max_size) {
   return size > max_size ? Vector3(v * (max_size / size)) : v;
 }
 
-// Bounds the part along a unit axis and leaves the rest.
-Vector3 LimitAxially(const Vector3& f, const Vector3& axis, double max_N) {
+// Where the work is nearly done, and how long a person takes to see it (both assumed).
+constexpr double kNearlyDone_m = 0.3e-3, kSight_s = 0.25;
+
+// Bounds the part along a unit axis, against it by a share of the bound, and leaves the rest.
+Vector3 LimitAxially(const Vector3& f, const Vector3& axis, double max_N, double share_against) {
   const double axial_N = axis.dot(f);
-  return f + (std::clamp(axial_N, -max_N, max_N) - axial_N) * axis;
+  return f + (std::clamp(axial_N, -share_against * max_N, max_N) - axial_N) * axis;
 }
 
 }  // namespace
@@ -68,6 +71,8 @@ Wrench HandImpedance::Step(double period_s, const Pose& X, const Twist& V, const
 
 void OperatorHand::Reset() noexcept {
   impedance_.Reset();
+  push_share_ = 1.0;
+  pushed_N_ = 0.0;
   holding_ = IncidentMoment::kNone;
   kept_ = {};
 }
@@ -76,6 +81,7 @@ Wrench OperatorHand::Step(double time_s, double period_s, const Pose& X_WT, cons
   const HandTarget target = script_.Sample(time_s);
   const IncidentMoment moment = MomentOf(params_.incidents, time_s);
   const Handle handle = HandleAt(time_s, period_s, moment.grip, target, X_WT, V_WT);
+  push_share_ = PushShare(period_s, target, handle.X.translation());
 
   // impedance at the head's centre
   if (moment.holding != holding_) ChangeSpring(moment, target.force_limit_N, handle);
@@ -83,9 +89,10 @@ Wrench OperatorHand::Step(double time_s, double period_s, const Pose& X_WT, cons
   const Wrench F = ComputeWrench(holding_, moment.grip, handle, {.f = fade * kept_.f, .t = fade * kept_.t});
   if (moment.clamped) return {.f = F.f, .t = F.t + handle.p_T_head_W.cross(F.f)};
 
-  // along the axis the hand pushes at most with the script's limit
+  // along the axis the hand pushes at most with the script's limit, and lets up where the work is done
   const double max_N = moment.grip * std::lerp(params_.max_force_N, target.force_limit_N, moment.back);
-  Vector3 f = LimitAxially(F.f, script_.X_WC().linear().col(2), max_N);
+  Vector3 f = LimitAxially(F.f, script_.X_WC().linear().col(2), max_N, push_share_);
+  pushed_N_ = std::max(0.0, -script_.X_WC().linear().col(2).dot(f));
 
   // and in total at most with the hand's own maximum
   const double grip = moment.after_clamp ? std::lerp(1.0, target.grip, moment.back) : target.grip;
@@ -112,6 +119,13 @@ OperatorHand::Handle OperatorHand::HandleAt(double time_s, double period_s, doub
   return handle;
 }
 
+double OperatorHand::PushShare(double period_s, const HandTarget& target, const Vector3& p_W_head) noexcept {
+  const double head_m = script_.X_WC().linear().col(2).dot(p_W_head - script_.X_WC().translation());
+  const double seen_m = head_m + target.give_m_per_N * pushed_N_;
+  const double wanted = std::clamp((seen_m - target.done_height_m) / kNearlyDone_m, 0.0, 1.0);
+  return push_share_ + period_s / (kSight_s + period_s) * (wanted - push_share_);
+}
+
 Wrench OperatorHand::ComputeWrench(std::size_t incident, double grip, const Handle& handle,
                                    const Wrench& kept) const noexcept {
   if (IsClamp(incident)) {
@@ -134,7 +148,7 @@ void OperatorHand::ChangeSpring(const IncidentMoment& moment, double force_limit
   } else {
     // with the same bound as before the change
     Wrench before = ComputeWrench(holding_, moment.grip, handle, own ? Wrench{} : kept_);
-    if (own) before.f = LimitAxially(before.f, script_.X_WC().linear().col(2), force_limit_N);
+    if (own) before.f = LimitAxially(before.f, script_.X_WC().linear().col(2), force_limit_N, push_share_);
     before.f = LimitNorm(before.f, params_.max_force_N);
     before.t = LimitNorm(before.t, params_.max_torque_Nm);
     const Wrench after = ComputeWrench(moment.holding, moment.grip, handle, {});

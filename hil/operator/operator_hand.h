@@ -76,6 +76,12 @@ class HandImpedance {
 /// stable and passive at any period. Then f and t are transferred to the tool's origin, scaled by the grip,
 /// and limited to max_force_N and max_torque_Nm.
 ///
+/// **The end of the push.** Where the script says at which height h_done the work is done, the operator
+/// watches the height h of the tool that cuts, and lets up within the last 0.3 mm, with the lag of a person
+/// who looks (both assumed):
+///
+///     n·f >= -limit s,   s' = (clamp((h - h_done) / 0.3 mm, 0, 1) - s) / 0.25 s,   h = head's + push × give
+///
 /// **Incidents** (operator_incidents.h) change the hand for a while. With c the progress of the return to the
 /// script, from 0 to 1, and G the remaining grip:
 ///
@@ -115,6 +121,8 @@ class OperatorHand {
   };
   [[nodiscard]] Handle HandleAt(double time_s, double period_s, double grip, const HandTarget& target,
                                 const Pose& X_WT, const Twist& V_WT) noexcept;
+  // The share of the script's limit with which the hand still pushes, as its head nears the end of the work.
+  [[nodiscard]] double PushShare(double period_s, const HandTarget& target, const Vector3& p_W_head) noexcept;
   // The wrench at the handle: the sum of the spring's (the given incident's; kNone: the hand's own), the
   // mass's, the tremor's and the kept wrench.
   [[nodiscard]] Wrench ComputeWrench(std::size_t incident, double grip, const Handle& handle,
@@ -127,6 +135,8 @@ class OperatorHand {
   HandScript script_;
   HandImpedance impedance_;  // at the head's centre
   Tremor tremor_;
+  double pushed_N_{0.0};                        // along the axis, in the last period
+  double push_share_{1.0};                      // of the script's limit: less where the work is nearly done
   std::size_t holding_{IncidentMoment::kNone};  // the incident whose spring holds the tool
   Wrench kept_;  // added to that spring's wrench, for continuity when the spring changed
   Pose X_W_clamped_{Pose::Identity()};  // where the head was when it was clamped

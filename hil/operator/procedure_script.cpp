@@ -16,6 +16,7 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
   RequireInScript(p.approach_m >= 0.0 && p.approach_m <= 0.1, "approach_m", p.approach_m, "0 … 0.1");
   RequireInScript(p.around_m.empty() || p.around_m.size() == p.heights_m.size(), "around_m",
                   static_cast<double>(p.around_m.size()), "none, or one for each tool");
+  RequireInScript(p.coupling_N_per_m > 0.0, "coupling_N_per_m", p.coupling_N_per_m, "> 0");
   for (const double around_m : p.around_m) {
     RequireInScript(around_m >= 0.0 && around_m <= 0.05, "around_m", around_m, "0 … 0.05");
     RequireLoopPeriod(p.loop_period_s, around_m, p.max_target_m_per_s);
@@ -25,21 +26,30 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
       {.seconds = p.seconds, .max_target_m_per_s = p.max_target_m_per_s},
       {.height_m = p.start_height_m, .force_limit_N = p.approach_force_N, .tilt_rad = 0.0, .grip = 0.0});
   const double tool = 1.0 / static_cast<double>(p.heights_m.size());  // share of a tool
+  double done_height_m = HandKey::kNever_m;
+  // who sees the plan presses with the whole force until it is reached
+  const double past_plan_m = p.sees_plan ? p.push_force_N / p.hand_stiffness_N_per_m : p.past_plan_m;
   const auto add = [&](const std::string& name, double share, double height_m, double force_N,
                        double swing_m = 0.0) {
     phases.Add(name, share * tool,
-               {.height_m = height_m, .force_limit_N = force_N, .tilt_rad = 0.0, .swing_m = swing_m});
+               {.height_m = height_m,
+                .force_limit_N = force_N,
+                .tilt_rad = 0.0,
+                .swing_m = swing_m,
+                .done_height_m = done_height_m,
+                .give_m_per_N = 1.0 / p.coupling_N_per_m});
   };
   for (std::size_t i = 0; i < p.heights_m.size(); ++i) {
     const std::string name = " " + std::to_string(i + 1);
     const double height_m = p.heights_m[i];
+    if (p.sees_plan) done_height_m = height_m;
     const double above_m = i == 0 ? p.start_height_m : p.retract_height_m;
     add("grasp" + name, 0.02, above_m, p.approach_force_N);
     const double around_m = i < p.around_m.size() ? p.around_m[i] : 0.0, widen = around_m > 0.0 ? 0.05 : 0.0;
     add("approach" + name, 0.15 - widen, height_m + p.approach_m, p.approach_force_N);
     if (widen > 0.0) add("widen" + name, widen, height_m + p.approach_m, p.approach_force_N, around_m);
-    add("push" + name, 0.25, height_m - p.past_plan_m, p.push_force_N, around_m);
-    add("finish" + name, 0.20, height_m - p.past_plan_m, p.push_force_N, around_m);
+    add("push" + name, 0.25, height_m - past_plan_m, p.push_force_N, around_m);
+    add("finish" + name, 0.20, height_m - past_plan_m, p.push_force_N, around_m);
     add("retract" + name, 0.18, p.retract_height_m, p.push_force_N);
     add("change" + name, 0.20, p.retract_height_m, p.approach_force_N);
   }

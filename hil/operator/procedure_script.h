@@ -20,9 +20,14 @@ struct ProcedureScriptParams {
   /// Radius about the axis at which each tool is led around while it goes down; empty, or 0: straight.
   std::vector<double> around_m{};
   double loop_period_s{0.8};  ///< of one turn around
-  /// The hand's target lies this far below the planned height: a hand of 2 N/mm then still presses with 30 N
-  /// where the plan is reached.
+  /// The target of a hand that does not see the plan lies this far below the planned height: with 2 N/mm it
+  /// still presses with 30 N there.
   double past_plan_m{0.015};
+  /// The operator sees how far each tool is above its planned height, and lets up there; false: pushes on.
+  bool sees_plan{true};
+  /// What the operator sees is the simulated tool, which the coupling's spring lets stand back from the
+  /// handle.
+  double coupling_N_per_m{20'000.0};
   double push_force_N{60.0};
   double approach_force_N{20.0};
   double tilt_rad{0.0};  ///< of the tool's axis away from the plan's: a tool that is held wrong
@@ -34,7 +39,8 @@ struct ProcedureScriptParams {
 /// For each tool: approach, push to the planned height, retract, and hold the tool where it is changed. A
 /// tool that is led around widens first, where the approach ends, and goes down in loops: below a rim that is
 /// not wide enough its shank would meet the wall. The hand of an expert keeps to the plan's axis (tilt and
-/// aside 0); a novice's is tilted and aside all the time. A loop is never faster than max_target_m_per_s.
+/// aside 0) and lets up at the planned height; a novice's is tilted and aside all the time, and pushes on. A
+/// loop is never faster than max_target_m_per_s.
 /// @throws std::invalid_argument, naming the parameter and what is accepted.
 [[nodiscard]] HandScript MakeProcedureScript(const ProcedureScriptParams& params);
 

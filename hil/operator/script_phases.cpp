@@ -42,6 +42,8 @@ void ScriptPhases::Add(std::string_view name, double share, const HandKey& wante
   key_.swing_m += std::clamp(wanted.swing_m - key_.swing_m, -reach_m, reach_m);
   key_.force_limit_N = wanted.force_limit_N;
   key_.grip = 1.0;
+  key_.done_height_m = wanted.done_height_m;
+  key_.give_m_per_N = wanted.give_m_per_N;
   phases_.push_back({std::string(name), duration_s, key_});
 }
 

@@ -273,6 +273,38 @@ TEST(OperatorHand, DoesNotAllocate) {
   for (int k = 0; k < 100; ++k) (void)hand.Step(k * 0.1, 1e-3, X_WT, {});
 }
 
+// The hand presses with its limit as long as the tool is 0.3 mm above the end of the work, with half of it at
+// half of that, and not at all below; it sees so with a lag of 0.25 s. Out of the bone it pulls.
+TEST(OperatorHand, LetsUpWhereItSeesTheWorkDone) {
+  const auto push_N = [](double head_height_m, double seconds, double target_m, double give_m_per_N) {
+    const HandKey key{.height_m = target_m,
+                      .force_limit_N = 60.0,
+                      .tilt_rad = 0.0,
+                      .grip = 1.0,
+                      .done_height_m = -0.002,
+                      .give_m_per_N = give_m_per_N};
+    const HandScript script(TiltedCup(), 0.025, 0.0, 2.0, key, {{"push", 10.0, key}});
+    OperatorHand hand({}, script);
+    hand.Reset();
+    Pose X_WT = script.Sample(0.0).X_WT;
+    const Vector3 n = TiltedCup().linear().col(2);
+    X_WT.translation() += (head_height_m - target_m) * n;
+    double f_N = 0.0;
+    for (int k = 0; k < static_cast<int>(1e3 * seconds); ++k)
+      f_N = -n.dot(hand.Step(1e-3 * k, 1e-3, X_WT, {}).f);
+    return f_N;
+  };
+  constexpr double kFarBelow_m = -0.05;
+  EXPECT_NEAR(push_N(0.0, 3.0, kFarBelow_m, 0.0), 60.0, 1e-3) << "2 mm above";
+  EXPECT_NEAR(push_N(-0.00185, 3.0, kFarBelow_m, 0.0), 30.0, 1e-2);
+  EXPECT_NEAR(push_N(-0.0025, 3.0, kFarBelow_m, 0.0), 0.0, 1e-2) << "too deep";
+  EXPECT_NEAR(push_N(-0.0025, 0.25, kFarBelow_m, 0.0), 60.0 * std::exp(-1.0), 0.2)
+      << "after the lag of a person who looks";
+  EXPECT_NEAR(push_N(-0.0045, 3.0, kFarBelow_m, 5e-5), 60.0, 1e-3)
+      << "60 N over 20 N/mm: the tool that cuts is 3 mm higher";
+  EXPECT_NEAR(push_N(-0.0025, 3.0, 0.03, 0.0), -60.0, 1e-3) << "the retreat is not weaker";
+}
+
 TEST(OperatorHand, RefusesParametersWithoutSense) {
   const auto make = [](const OperatorHandParams& p) { OperatorHand hand(p, Hold()); };
   EXPECT_NO_THROW(make({}));

@@ -33,9 +33,12 @@ TEST(ProcedureScript, AnExpertReachesEachPlannedHeightOnTheAxisAndRetracts) {
   for (int tool = 0; tool < 2; ++tool) {
     const double from_s = 15.0 * tool;
     const Place down = PlaceAt(script, from_s + 15.0 * 0.5, params.head_radius_m);
-    EXPECT_NEAR(down.height_m, params.heights_m[static_cast<std::size_t>(tool)] - params.past_plan_m, 1e-9);
+    EXPECT_NEAR(down.height_m, params.heights_m[static_cast<std::size_t>(tool)] - 0.030, 1e-9)
+        << "out of the spring's reach by 60 N";
     EXPECT_NEAR(down.aside_m, 0.0, 1e-9);
     EXPECT_NEAR(down.tilt_rad, 0.0, 1e-6);
+    EXPECT_EQ(script.Sample(from_s + 15.0 * 0.5).done_height_m,
+              params.heights_m[static_cast<std::size_t>(tool)]);
     const Place changing = PlaceAt(script, from_s + 15.0 * 0.9, params.head_radius_m);
     EXPECT_NEAR(changing.height_m, params.retract_height_m, 1e-9);
     EXPECT_EQ(std::string(script.PhaseName(from_s + 13.5)), "change " + std::to_string(tool + 1));
@@ -46,7 +49,9 @@ TEST(ProcedureScript, ANoviceIsTiltedAndAsideAllTheTime) {
   ProcedureScriptParams params = TwoReamers();
   params.tilt_rad = 14.0 * std::numbers::pi / 180.0;
   params.aside_m = 0.004;
+  params.sees_plan = false;
   const HandScript script = MakeProcedureScript(params);
+  EXPECT_EQ(script.Sample(7.5).done_height_m, HandKey::kNever_m);
   const Place down = PlaceAt(script, 7.5, params.head_radius_m);
   EXPECT_NEAR(down.tilt_rad, params.tilt_rad, 1e-6);
   // aside along x, and along y by the way that the slanted axis goes below the plan's centre
