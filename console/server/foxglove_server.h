@@ -25,6 +25,7 @@ struct FoxgloveMessage {
 struct FoxgloveCursor {
   bool begun{false};
   std::uint64_t epoch{0}, window{0}, events{0}, layout{0}, surface{0};
+  std::size_t tool{0};
 };
 
 /// What viewers are shown. Any number of threads.

@@ -57,7 +57,7 @@ void AppendRow(Text& text, const LiveWindow& w, const LiveContext& context) {
 
 void AppendView(Text& text, const LiveWindow& w) {
   const simulation::ContactModel& model = w.frame.model;
-  Append(text, R"("view":{"X_WT":[)");
+  fmt::format_to(std::back_inserter(text), R"("view":{{"tool":{},"X_WT":[)", w.tick.input.tool_index);
   Append(text, w.tick.X_WT_cmd);
   EndList(text);
   if (model.frame > 0) {

@@ -19,12 +19,12 @@ namespace {
 // The carved bone along a recording, as messages of topic `bone`.
 class BoneMessages {
  public:
-  BoneMessages(RecordingTimeline timeline, const CellSetup& setup)
+  BoneMessages(RecordingTimeline timeline, const CellSetup& setup, std::shared_ptr<const RecordedCut> cut)
       : setup_(setup),
         scene_(setup),
         timeline_(std::move(timeline)),
         bone_(surface::FieldOfBone(setup.solid.get(), setup.bone, surface::VoxelFor(setup.config.tool.tool)),
-              setup) {}
+              std::move(cut)) {}
 
   // Carves what was recorded up to a log time. The error names the file, the byte and the reason.
   tl::expected<void, std::string> CarveTo(rt::Nanoseconds stamp) {
@@ -119,6 +119,9 @@ tl::expected<BoneCopy, std::string> CopyWithBone(const std::filesystem::path& re
   auto timeline = RecordingTimeline::Open(recording);
   if (!timeline) return tl::make_unexpected(timeline.error());
 
+  auto cut = ReadRecordedCut(recording, timeline->session(), setup);
+  if (!cut) return tl::make_unexpected(cut.error());
+
   // write a file beside it, which then takes its name
   const std::filesystem::path part = file.string() + ".part";
   auto writer = io::McapWriter::Create(part, reader->library());
@@ -128,7 +131,7 @@ tl::expected<BoneCopy, std::string> CopyWithBone(const std::filesystem::path& re
     return tl::make_unexpected(std::move(error));
   };
   try {
-    BoneMessages bone(std::move(*timeline), setup);
+    BoneMessages bone(std::move(*timeline), setup, std::move(*cut));
     auto copy = Copy(*reader, *writer, bone, static_cast<rt::Nanoseconds>(1e9 * step_s));
     if (!copy) return discard(copy.error());
     const auto bytes = writer->Finish();

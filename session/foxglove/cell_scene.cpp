@@ -66,8 +66,19 @@ io::SceneEntity ZoneBody(const safety::ZoneParams& zone, std::size_t number) {
 
 }  // namespace
 
-CellScene::CellScene(const CellSetup& setup)
-    : X_WB_(setup.config.X_WB), X_WG_(setup.X_WG), p_TF_(setup.config.tool.X_FT.inverse().translation()) {
+CellScene::DrawnTool CellScene::Draw(const simulation::Tool& tool, const Pose& X_FT) {
+  DrawnTool drawn{.balls = {}, .p_TF = X_FT.inverse().translation()};
+  for (std::size_t i = 0; i < std::min(tool.balls.size(), kMaxBalls); ++i) {
+    const simulation::ToolBall& ball = tool.balls[i];
+    drawn.balls.push_back({.center_m = {ball.center_m.x, ball.center_m.y, ball.center_m.z},
+                           .radius_m = ball.radius_m,
+                           .color = ball.cutting ? kCutting : kShaft});
+  }
+  return drawn;
+}
+
+CellScene::CellScene(const CellSetup& setup, std::span<const ProcedureTool> tools)
+    : X_WB_(setup.config.X_WB), X_WG_(setup.X_WG) {
   std::visit(
       [this](const auto& arm) {
         for (const kinematics::RevoluteJoint& joint : arm.chain.joints)
@@ -75,11 +86,8 @@ CellScene::CellScene(const CellSetup& setup)
         X_LF_ = arm.chain.X_LF;
       },
       setup.config.robot.arm);
-  const auto& balls = setup.config.tool.tool.balls;
-  for (std::size_t i = 0; i < std::min(balls.size(), kMaxBalls); ++i)
-    tool_balls_.push_back({.center_m = {balls[i].center_m.x, balls[i].center_m.y, balls[i].center_m.z},
-                           .radius_m = balls[i].radius_m,
-                           .color = balls[i].cutting ? kCutting : kShaft});
+  for (const ProcedureTool& tool : tools) tools_.push_back(Draw(tool.tool, tool.loop.X_FT));
+  if (tools_.empty()) tools_.push_back(Draw(setup.config.tool.tool, setup.config.tool.X_FT));
   for (const safety::ZoneParams& zone : setup.config.servo.workspace.zones)
     if (zone.side == safety::ZoneSide::kKeepOut) zones_.push_back(zone);
   for (std::size_t i = 0; i < setup.bone.materials.size(); ++i)
@@ -105,19 +113,24 @@ std::vector<io::FramePlace> CellScene::Frames(const control::TickRecord& tick,
   return frames;
 }
 
-io::SceneEntity CellScene::Tool(const char* frame, double opacity) const {
-  io::SceneEntity entity{.id = frame, .frame = frame, .balls = tool_balls_};
+io::SceneEntity CellScene::BodyOf(const DrawnTool& tool, const char* frame, double opacity) {
+  io::SceneEntity entity{.id = frame, .frame = frame, .balls = tool.balls};
   for (io::SceneBall& ball : entity.balls) ball.color = Faded(ball.color, opacity);
   entity.rods.push_back(
-      {.from_m = tool_balls_.empty() ? Vector3(Vector3::Zero()) : tool_balls_.front().center_m,
-       .to_m = p_TF_,
+      {.from_m = tool.balls.empty() ? Vector3(Vector3::Zero()) : tool.balls.front().center_m,
+       .to_m = tool.p_TF,
        .radius_m = kRodRadius_m,
        .color = Faded(kShaft, opacity)});
   return entity;
 }
 
-std::vector<io::SceneEntity> CellScene::Bodies() const {
-  std::vector<io::SceneEntity> bodies{Tool("tool", 1.0), Tool("proxy", kProxyOpacity)};
+std::vector<io::SceneEntity> CellScene::Tools(std::size_t tool) const {
+  const DrawnTool& drawn = tools_[std::min(tool, tools_.size() - 1)];
+  return {BodyOf(drawn, "tool", 1.0), BodyOf(drawn, "proxy", kProxyOpacity)};
+}
+
+std::vector<io::SceneEntity> CellScene::Bodies(std::size_t tool) const {
+  std::vector<io::SceneEntity> bodies = Tools(tool);
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Vector3 next = i + 1 < links_.size() ? links_[i + 1].X_PJ.translation() : X_LF_.translation();
     io::SceneEntity link{.id = fmt::format("link_{}", i + 1), .frame = fmt::format("link_{}", i + 1)};

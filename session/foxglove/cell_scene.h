@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "control/tick_record.h"
 #include "io/foxglove/foxglove_messages.h"
+#include "session/procedure/procedure_tools.h"
 #include "session/setup/cell_setup.h"
 #include "simulation/contact/contact_model.h"
 #include "simulation/surface/surface_chunk.h"
@@ -19,13 +21,16 @@ namespace osteon::session {
 ///       └─▶ bone
 class CellScene {
  public:
-  explicit CellScene(const CellSetup& setup);
+  /// @param tools  of a procedure, by the index that the ticks name; empty: the cell's own alone
+  explicit CellScene(const CellSetup& setup, std::span<const ProcedureTool> tools = {});
 
   /// Where the frames are at a tick. @param model  frame 0: none yet, and the proxy is left out
   [[nodiscard]] std::vector<io::FramePlace> Frames(const control::TickRecord& tick,
                                                    const simulation::ContactModel& model) const;
-  /// What does not change: the arm's bodies, the tool in `tool` and, transparent, in `proxy`, the zones.
-  [[nodiscard]] std::vector<io::SceneEntity> Bodies() const;
+  /// What does not change but with the tool: the arm's bodies, Tools, the zones.
+  [[nodiscard]] std::vector<io::SceneEntity> Bodies(std::size_t tool) const;
+  /// The tool in use in `tool` and, transparent, in `proxy`. @param tool  TickInput::tool_index
+  [[nodiscard]] std::vector<io::SceneEntity> Tools(std::size_t tool) const;
   /// The coupling's and the hand's force as arrows (1 mm for 1 N), the planes that hold the tool.
   [[nodiscard]] std::vector<io::SceneEntity> Forces(const control::TickRecord& tick,
                                                     const simulation::ContactModel& model) const;
@@ -42,12 +47,16 @@ class CellScene {
     Pose X_PJ;
     Vector3 axis_J;
   };
-  [[nodiscard]] io::SceneEntity Tool(const char* frame, double opacity) const;
+  struct DrawnTool {
+    std::vector<io::SceneBall> balls;
+    Vector3 p_TF;  // the flange in T: where the tool's rod ends
+  };
+  [[nodiscard]] static DrawnTool Draw(const simulation::Tool& tool, const Pose& X_FT);
+  [[nodiscard]] static io::SceneEntity BodyOf(const DrawnTool& tool, const char* frame, double opacity);
 
   std::vector<Link> links_;
   Pose X_LF_, X_WB_, X_WG_;
-  std::vector<io::SceneBall> tool_balls_;
-  Vector3 p_TF_;  // the flange in T: where the tool's rod ends
+  std::vector<DrawnTool> tools_;  // at least one
   std::vector<safety::ZoneParams> zones_;
   std::vector<io::SceneColor> tissues_;  // by material
 };

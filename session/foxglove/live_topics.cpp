@@ -36,8 +36,8 @@ io::LogLevel LevelOf(const std::string& event) {
 }
 
 LiveTopics::LiveTopics(const CellSetup& setup, const console::LiveFeed& feed,
-                       const console::SurfaceStore& surface)
-    : scene_(setup), feed_(feed), surface_(surface), channels_(CellTopics()) {
+                       const console::SurfaceStore& surface, std::span<const ProcedureTool> tools)
+    : scene_(setup, tools), feed_(feed), surface_(surface), channels_(CellTopics()) {
   const std::string schema = io::RecordingDescriptorSet();
   channels_.push_back({.topic = "tick", .schema_name = "osteon.Tick", .schema = schema});
   channels_.push_back({.topic = "frame", .schema_name = "osteon.Frame", .schema = schema});
@@ -66,8 +66,10 @@ void LiveTopics::New(std::size_t channel, console::FoxgloveCursor& cursor,
   if (topic == CellTopic::kFrames) {
     io::EncodeFrames(message.stamp, scene_.Frames(window.tick, window.frame.model), message.bytes);
   } else if (topic == CellTopic::kScene) {
-    if (!first) return;
-    io::EncodeScene(message.stamp, scene_.Bodies(), true, message.bytes);
+    const std::size_t tool = window.tick.input.tool_index;
+    if (!first && tool == cursor.tool) return;
+    cursor.tool = tool;
+    io::EncodeScene(message.stamp, first ? scene_.Bodies(tool) : scene_.Tools(tool), first, message.bytes);
   } else if (topic == CellTopic::kForces) {
     io::EncodeScene(message.stamp, scene_.Forces(window.tick, window.frame.model), true, message.bytes);
   } else if (topic == CellTopic::kJoints) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "console/server/foxglove_server.h"
@@ -23,8 +24,9 @@ enum class CellTopic : std::size_t { kFrames, kScene, kForces, kJoints, kLog, kB
 /// bricks of the carved surface that changed. Beside CellTopics the newest tick and frame, as in a recording.
 class LiveTopics final : public console::FoxgloveSource {
  public:
-  /// @param feed, surface  outlive this
-  LiveTopics(const CellSetup& setup, const console::LiveFeed& feed, const console::SurfaceStore& surface);
+  /// @param feed, surface  outlive this  @param tools  as for CellScene
+  LiveTopics(const CellSetup& setup, const console::LiveFeed& feed, const console::SurfaceStore& surface,
+             std::span<const ProcedureTool> tools = {});
 
   [[nodiscard]] const std::vector<console::FoxgloveChannel>& channels() const override { return channels_; }
   void New(std::size_t channel, console::FoxgloveCursor& cursor,

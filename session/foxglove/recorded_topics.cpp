@@ -8,12 +8,17 @@ void RecordedTopics::Begin(io::McapWriter& file, rt::Nanoseconds stamp) {
   for (const console::FoxgloveChannel& topic : CellTopics())
     channels_.push_back(
         topic.topic == "bone" ? 0 : file.AddChannel(topic.topic, topic.schema_name, topic.schema));
-  io::EncodeScene(stamp, scene_.Bodies(), true, bytes_);
+  io::EncodeScene(stamp, scene_.Bodies(tool_), true, bytes_);
   file.Write(channels_[static_cast<std::size_t>(CellTopic::kScene)], stamp, bytes_);
 }
 
 void RecordedTopics::TakeTick(const control::TickRecord& tick, io::McapWriter& file) {
   if (tick.stamp < next_) return;
+  if (tick.input.tool_index != tool_) {
+    tool_ = tick.input.tool_index;
+    io::EncodeScene(tick.stamp, scene_.Tools(tool_), false, bytes_);
+    file.Write(channels_[static_cast<std::size_t>(CellTopic::kScene)], tick.stamp, bytes_);
+  }
   next_ = tick.stamp + kPeriod_ns;
   const auto write = [&](CellTopic topic) {
     file.Write(channels_[static_cast<std::size_t>(topic)], tick.stamp, bytes_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,13 +11,15 @@
 
 namespace osteon::session {
 
-/// Adds the topics of CellTopics but the bone to a recording: the bodies once, the rest every kPeriod_ns of
-/// log time.
+/// Adds the topics of CellTopics but the bone to a recording: the bodies once, the tool again when another
+/// one is taken, the rest every kPeriod_ns of log time.
 class RecordedTopics final : public io::RecordTopics {
  public:
   static constexpr rt::Nanoseconds kPeriod_ns = 33'000'000;
 
-  explicit RecordedTopics(const CellSetup& setup) : scene_(setup) {}
+  /// @param tools  as for CellScene
+  explicit RecordedTopics(const CellSetup& setup, std::span<const ProcedureTool> tools = {})
+      : scene_(setup, tools) {}
   void Begin(io::McapWriter& file, rt::Nanoseconds stamp) override;
   void TakeTick(const control::TickRecord& tick, io::McapWriter& file) override;
   void TakeFrame(const simulation::FrameRecord& frame, io::McapWriter& file) override;
@@ -27,6 +30,7 @@ class RecordedTopics final : public io::RecordTopics {
   std::vector<std::uint16_t> channels_;  // of CellTopics
   simulation::ContactModel model_;       // the newest
   rt::Nanoseconds next_{0};              // log time of the next messages
+  std::size_t tool_{0};                  // that was drawn last
   std::string bytes_;                    // scratch
 };
 

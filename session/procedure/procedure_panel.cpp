@@ -16,19 +16,12 @@ nlohmann::json Triple(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 // What changes by less is not sent again.
 double Rounded(double value, double step) { return step * std::round(value / step); }
 
-std::string PlanMessage(const procedure::SurgicalPlan& plan, const std::vector<ProcedureTool>& tools,
-                        const Pose& X_WG, bool confirms) {
+std::string PlanMessage(const procedure::SurgicalPlan& plan, const Pose& X_WG, bool confirms) {
   nlohmann::json reamers = nlohmann::json::array();
-  for (std::size_t i = 0; i < plan.tools.size(); ++i) {
-    nlohmann::json balls = nlohmann::json::array();  // [x, y, z, radius, cutting]
-    for (const simulation::ToolBall& ball : tools[i].tool.balls)
-      balls.push_back(
-          {ball.center_m.x, ball.center_m.y, ball.center_m.z, ball.radius_m, ball.cutting ? 1 : 0});
-    reamers.push_back({{"diameter_mm", 1e3 * plan.tools[i].diameter_m},
-                       {"centre_m", Triple(X_WG * plan.CentreOf(plan.tools[i]))},
-                       {"around_m", plan.tools[i].around_m},
-                       {"balls", balls}});
-  }
+  for (const procedure::PlannedTool& tool : plan.tools)
+    reamers.push_back({{"diameter_mm", 1e3 * tool.diameter_m},
+                       {"centre_m", Triple(X_WG * plan.CentreOf(tool))},
+                       {"around_m", tool.around_m}});
   nlohmann::json json{{"type", "plan"},
                       {"name", plan.name},
                       {"kind", plan.kind == procedure::PlanKind::kCup ? "cup" : "opening"},
@@ -64,12 +57,11 @@ PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan, const procedure::P
   return place;
 }
 
-ProcedurePanel::ProcedurePanel(procedure::SurgicalPlan plan, const std::vector<ProcedureTool>& tools,
-                               const Pose& X_WG, bool confirms)
+ProcedurePanel::ProcedurePanel(procedure::SurgicalPlan plan, const Pose& X_WG, bool confirms)
     : plan_(std::move(plan)),
       X_GW_(X_WG.inverse()),
       has_guidance_(plan_.guidance.lateral.ease_m > 0.0),
-      plan_json_(PlanMessage(plan_, tools, X_WG, confirms)) {}
+      plan_json_(PlanMessage(plan_, X_WG, confirms)) {}
 
 void ProcedurePanel::Step(int tool, const simulation::ContactModel& model, double dt_s) {
   const procedure::PlannedTool& reamer = plan_.tools[static_cast<std::size_t>(tool)];

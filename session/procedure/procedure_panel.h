@@ -8,7 +8,6 @@
 #include "kinematics/spatial.h"
 #include "procedure/assessment/assessment.h"
 #include "procedure/plan/surgical_plan.h"
-#include "session/procedure/procedure_tools.h"
 #include "session/procedure/session_file.h"
 #include "simulation/contact/contact_model.h"
 
@@ -31,9 +30,8 @@ struct PlanPlace {
 /// Step belongs to the frames' thread, the messages to any.
 class ProcedurePanel {
  public:
-  /// @param tools  one for each of the plan's tools  @param X_WG  bone in the world
-  ProcedurePanel(procedure::SurgicalPlan plan, const std::vector<ProcedureTool>& tools, const Pose& X_WG,
-                 bool confirms);
+  /// @param X_WG  bone in the world  @param confirms  a person confirms each change of tool
+  ProcedurePanel(procedure::SurgicalPlan plan, const Pose& X_WG, bool confirms);
 
   /// Takes a frame of a tool of the plan. What is shown is the place of the simulated tool, as it cuts.
   void Step(int tool, const simulation::ContactModel& model, double dt_s);

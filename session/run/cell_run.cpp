@@ -95,7 +95,8 @@ std::string DescribeMissingArm(const std::string& arm, const std::optional<confi
 void AddDiagnosis(CellRunResult& result, const std::string& arm, const std::string& devices,
                   safety::MotionPermits permits) {
   if (result.end != control::RunEnd::kNeverActive) return;
-  for (const std::string& why : {arm, devices, MissingPermits(permits)})
+  // a PLC that gives no permission puts the arm into its safety stop: the devices' reasons come first
+  for (const std::string& why : {devices, arm, MissingPermits(permits)})
     if (!why.empty()) result.diagnosis += (result.diagnosis.empty() ? "" : "; ") + why;
 }
 
@@ -423,7 +424,8 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
     if (std::string wrong = params.make_room(); !wrong.empty())
       return tl::make_unexpected(CellRunError{.what = std::move(wrong)});
   ProcedureSink sink(params);
-  RecordedTopics topics(setup);
+  RecordedTopics topics(
+      setup, params.procedure ? std::span(params.procedure->tools()) : std::span<const ProcedureTool>());
   auto recorder = io::Recorder::Open({.path = params.recording,
                                       .writer_thread = !params.virtual_time,
                                       .live = sink.sink(),

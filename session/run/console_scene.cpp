@@ -33,11 +33,15 @@ json Chain(const kinematics::ChainParams<N>& chain) {
   return {{"joints", joints}, {"X_LF", Rows(chain.X_LF)}};
 }
 
-json Tool(const config::ToolConfig& tool) {
+json Balls(const simulation::Tool& tool) {
   json balls = json::array();  // [x, y, z, radius, cutting]
-  for (const simulation::ToolBall& ball : tool.tool.balls)
+  for (const simulation::ToolBall& ball : tool.balls)
     balls.push_back({ball.center_m.x, ball.center_m.y, ball.center_m.z, ball.radius_m, ball.cutting ? 1 : 0});
-  return {{"name", tool.tool.name}, {"balls", balls}, {"X_FT", Rows(tool.X_FT)}};
+  return balls;
+}
+
+json Tool(const config::ToolConfig& tool) {
+  return {{"name", tool.tool.name}, {"balls", Balls(tool.tool)}, {"X_FT", Rows(tool.X_FT)}};
 }
 
 json Zones(const safety::WorkspaceParams& workspace) {
@@ -67,7 +71,7 @@ json Zones(const safety::WorkspaceParams& workspace) {
 }  // namespace
 
 std::string ConsoleScene(const CellSetup& setup, const std::string& command, double seconds,
-                         const std::string& recording) {
+                         const std::string& recording, std::span<const simulation::Tool> tools) {
   const config::CellConfig& cell = setup.config;
   const simulation::CutSite& site = setup.bone.site;
   json materials = json::array();
@@ -75,6 +79,8 @@ std::string ConsoleScene(const CellSetup& setup, const std::string& command, dou
   for (const simulation::Material& material :
        setup.bone.materials.empty() ? setup.config.scene.materials : setup.bone.materials)
     materials.push_back(material.name);
+  json each_tool = json::array();
+  for (const simulation::Tool& tool : tools) each_tool.push_back(Balls(tool));
   const json scene{
       {"type", "hello"},
       {"schema", "osteon.scene/1"},
@@ -94,6 +100,7 @@ std::string ConsoleScene(const CellSetup& setup, const std::string& command, dou
       {"site", {{"center", Row(site.center_m)}, {"axis", Row(site.axis)}, {"radius_m", site.radius_m}}},
       {"materials", materials},
       {"tool", Tool(cell.tool)},
+      {"tools", each_tool},
       {"arm", std::visit([](const auto& arm) { return Chain(arm.chain); }, cell.robot.arm)},
       {"arm_name", cell.robot.name},
       {"zones", Zones(cell.servo.workspace)}};

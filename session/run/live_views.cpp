@@ -5,6 +5,7 @@
 #include <charconv>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -35,6 +36,18 @@ std::string WhyNoRecovery(const console::LiveStatus& status, const std::string& 
       return fmt::format("found the fault {}, which no recovery clears: {}", fault.name, fault.clearing);
   if (status.faults.empty()) return fmt::format("the cell is {}: there is no fault to recover from", state);
   return fmt::format("the cell is {}: a recovery is accepted at rest, before a stop is asked for", state);
+}
+
+// What the answers say of a procedure: the panel's figures, and the tool in words that need no plan.
+nlohmann::json ProcedureStatus(const ProcedureSession& session) {
+  const SessionFile file = session.File();
+  const int tool = file.segments.empty() ? session.first_tool() : file.segments.back().tool_index;
+  nlohmann::json json = nlohmann::json::parse(session.PanelJson());
+  json.erase("type");
+  json["tool"] = {{"number", tool + 1},
+                  {"of", file.diameters_mm.size()},
+                  {"diameter_mm", file.diameters_mm[static_cast<std::size_t>(tool)]}};
+  return json;
 }
 
 }  // namespace
@@ -101,7 +114,9 @@ LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorR
 
 void LiveViews::SetSession(ProcedureSession* session) {
   session_ = session;
-  if (!session || setup_.bone.balls.empty()) return;
+  if (!session) return;
+  scene_ = ConsoleScene(setup_, run_.command, run_.seconds, run_.recording, ToolsOf(session->tools()));
+  if (setup_.bone.balls.empty()) return;
   context_.depth_m = [session, depths = ToolDepths(setup_.bone, session->tools(), setup_.X_WG)](
                          const Pose& X_WP) { return depths.At(session->tool_in_use(), X_WP); };
 }
@@ -120,7 +135,8 @@ void LiveViews::Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove)
 }
 
 void LiveViews::OpenFoxglove(const ConsoleChoice& choice) {
-  topics_ = std::make_unique<LiveTopics>(setup_, feed_, surface_);
+  topics_ = std::make_unique<LiveTopics>(
+      setup_, feed_, surface_, session_ ? std::span(session_->tools()) : std::span<const ProcedureTool>());
   auto server = console::FoxgloveServer::Start(
       {.name = "osteon " + run_.command + ": " + cell_, .address = choice.address, .port = choice.port},
       *topics_);
@@ -229,6 +245,7 @@ std::string LiveViews::Answer(const std::string& request) {
     answer = {.done = false,
               .reason = "found another request, accepted pause, resume, recover, stop, status"};
   }
+  json["procedure"] = session_ ? ProcedureStatus(*session_) : nlohmann::json(nullptr);
   json["done"] = answer.done;
   json["reason"] = answer.reason;
   json["run"] = {{"pid", ::getpid()},

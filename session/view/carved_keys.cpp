@@ -7,18 +7,38 @@
 
 namespace osteon::session {
 
+CarvedBone::CarvedBone(std::shared_ptr<const surface::SolidField> solid,
+                       std::shared_ptr<const RecordedCut> cut)
+    : field(std::move(solid)), ways(cut->tools.front(), cut->X_WG), cut_(std::move(cut)) {
+  cut_->CarveEarlier(field);
+}
+
+// Another tool's way begins anew: nothing is swept between the places of two tools.
+void CarvedBone::Use(std::size_t tool) {
+  if (tool == tool_ || tool >= cut_->tools.size()) return;
+  Gather();
+  ways = surface::ToolWays(cut_->tools[tool], cut_->X_WG);
+  tool_ = tool;
+}
+
+void CarvedBone::Gather() {
+  const std::vector<surface::Capsule> swept = ways.TakeCapsules();
+  gathered_.insert(gathered_.end(), swept.begin(), swept.end());
+}
+
 void CarvedBone::Take(io::RecordedTopic topic, const RecordingTimeline& timeline) {
   const io::RecordingStream& message = timeline.message();
   if (topic == io::RecordedTopic::kTick) {
     turns = message.tick.spindle_rad_per_s != 0.0;
     last_tick = message.tick.stamp;
     at_s = timeline.At(last_tick);
+    Use(message.tick.input.tool_index);
   }
-  if (topic != io::RecordedTopic::kFrame ||
-      !ways.Add(surface::MakeToolFrame(message.frame.model, turns ? 1.0 : 0.0)))
-    return;
-  const std::vector<surface::Capsule> swept = ways.TakeCapsules();
-  gathered_.insert(gathered_.end(), swept.begin(), swept.end());
+  if (topic != io::RecordedTopic::kFrame) return;
+  const simulation::ContactModel& model = message.frame.model;
+  const bool cuts = turns && cut_->Counts(model.pose_stamp);
+  if (!ways.Add(surface::MakeToolFrame(model, cuts ? 1.0 : 0.0))) return;
+  Gather();
   if (gathered_.size() >= kMaxGathered) Carve();
 }
 
@@ -30,6 +50,7 @@ void CarvedBone::Carve() {
 void CarvedBone::JumpTo(const CarvedBone& other) {
   field.SetSwept(other.field.swept());
   ways = other.ways;
+  tool_ = other.tool_;
   turns = other.turns;
   at_s = other.at_s;
   last_tick = other.last_tick;
@@ -41,9 +62,8 @@ void CarvedBone::CarveAll() {
   field.Carve(ways.TakeCapsules());
 }
 
-CarvedKeys::CarvedKeys(const std::filesystem::path& recording, const CellSetup& setup,
-                       std::shared_ptr<const surface::SolidField> solid)
-    : setup_(setup), solid_(std::move(solid)), thread_([this, recording] { Run(recording); }) {}
+CarvedKeys::CarvedKeys(const std::filesystem::path& recording, const CarvedBone& begin)
+    : thread_([this, recording, begin] { Run(recording, begin); }) {}
 
 CarvedKeys::~CarvedKeys() {
   stop_.store(true);
@@ -56,13 +76,12 @@ std::shared_ptr<const CarvedBone> CarvedKeys::Before(double at_s) const {
   return after == keys_.begin() ? nullptr : *std::prev(after);
 }
 
-void CarvedKeys::Run(const std::filesystem::path& recording) {
+void CarvedKeys::Run(const std::filesystem::path& recording, CarvedBone bone) {
   rt::NameThread("view keys");
   rt::LowerPriority();
   auto timeline = RecordingTimeline::Open(recording);
   if (!timeline) return;
   (void)timeline->Seek(0.0);
-  CarvedBone bone(solid_, setup_);
   double next_s = step_s_;
   while (!stop_.load()) {
     const auto topic = timeline->Next();

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "session/setup/cell_setup.h"
+#include "session/view/recorded_cut.h"
 #include "session/view/recording_timeline.h"
 #include "simulation/surface/carved_field.h"
 #include "simulation/surface/tool_ways.h"
@@ -24,8 +24,8 @@ struct CarvedBone {
   double at_s{0.0};              ///< of the last tick
   rt::Nanoseconds last_tick{0};  ///< its stamp; 0: none yet
 
-  CarvedBone(std::shared_ptr<const surface::SolidField> solid, const CellSetup& setup)
-      : field(std::move(solid)), ways(setup.config.tool.tool, setup.X_WG) {}
+  /// The bone as it was when the recording began.
+  CarvedBone(std::shared_ptr<const surface::SolidField> solid, std::shared_ptr<const RecordedCut> cut);
 
   /// Takes the message that the time line has read. `field` follows with Carve.
   void Take(io::RecordedTopic topic, const RecordingTimeline& timeline);
@@ -39,6 +39,11 @@ struct CarvedBone {
   static constexpr std::size_t kMaxGathered = 4096;  ///< capsules: some ten seconds of a reamer's
 
  private:
+  void Use(std::size_t tool);
+  void Gather();
+
+  std::shared_ptr<const RecordedCut> cut_;
+  std::size_t tool_{0};  // that `ways` is of
   std::vector<surface::Capsule> gathered_;
 };
 
@@ -53,9 +58,8 @@ class CarvedKeys {
   static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
   static constexpr double kFirstStep_s = 5.0;
 
-  /// @param setup  outlives this  @param solid  not null
-  CarvedKeys(const std::filesystem::path& recording, const CellSetup& setup,
-             std::shared_ptr<const surface::SolidField> solid);
+  /// @param begin  the bone as it was when the recording began
+  CarvedKeys(const std::filesystem::path& recording, const CarvedBone& begin);
   ~CarvedKeys();
   CarvedKeys(const CarvedKeys&) = delete;
   CarvedKeys& operator=(const CarvedKeys&) = delete;
@@ -66,11 +70,9 @@ class CarvedKeys {
   [[nodiscard]] bool complete() const { return complete_.load(); }
 
  private:
-  void Run(const std::filesystem::path& recording);
+  void Run(const std::filesystem::path& recording, CarvedBone bone);
   void Keep(const CarvedBone& bone);
 
-  const CellSetup& setup_;
-  const std::shared_ptr<const surface::SolidField> solid_;
   double step_s_{kFirstStep_s};  // of the thread
   mutable std::mutex mutex_;
   std::vector<std::shared_ptr<const CarvedBone>> keys_;  // guarded by mutex_, in the order of their times

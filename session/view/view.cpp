@@ -21,6 +21,8 @@
 #include "session/run/console_scene.h"
 #include "session/view/bone_difference.h"
 #include "session/view/playback.h"
+#include "session/view/recorded_cut.h"
+#include "session/view/recorded_procedure.h"
 #include "session/view/recording_difference.h"
 #include "session/view/recording_scan.h"
 #include "session/view/view_surface.h"
@@ -64,19 +66,24 @@ struct ShownRecording {
   Playback playback;
   console::SurfaceFeed chunks;
   ViewSurface bone;
+  std::shared_ptr<const RecordedCut> cut;
+  std::unique_ptr<RecordedProcedure> procedure;  // null: the recording is of none
 
   ShownRecording(std::filesystem::path path, RecordingTimeline timeline, CellSetup cell,
+                 std::shared_ptr<const RecordedCut> of, std::unique_ptr<RecordedProcedure> plan,
                  std::unique_ptr<DifferenceMap> map)
       : file(std::move(path)),
         duration_s(timeline.duration_s()),
         setup(std::move(cell)),
         playback(std::move(timeline), feed),
         chunks(surface),
-        bone(file, setup, chunks, std::move(map)) {}
+        bone(file, setup, of, chunks, std::move(map)),
+        cut(std::move(of)),
+        procedure(std::move(plan)) {}
 
   /// @param of_s  the time line's length
   [[nodiscard]] std::string Hello(double of_s, const std::string& name) const {
-    return ConsoleScene(setup, "view", of_s, name);
+    return ConsoleScene(setup, "view", of_s, name, cut->tools);
   }
 };
 
@@ -94,7 +101,12 @@ tl::expected<std::unique_ptr<ShownRecording>, std::string> OpenShown(const std::
   auto setup = SetUpRecorded(timeline->session());
   if (!setup) return tl::unexpected(file.string() + ": " + setup.error());
   if (!setup->bone_warning.empty()) fmt::print(stderr, "osteon view: warning: {}\n", setup->bone_warning);
-  return std::make_unique<ShownRecording>(file, std::move(*timeline), std::move(*setup), std::move(map));
+  auto cut = ReadRecordedCut(file, timeline->session(), *setup);
+  if (!cut) return tl::unexpected(cut.error());
+  // two recordings are shown without their plans
+  auto procedure = map ? nullptr : RecordedProcedure::Open(file, timeline->session(), setup->X_WG);
+  return std::make_unique<ShownRecording>(file, std::move(*timeline), std::move(*setup), std::move(*cut),
+                                          std::move(procedure), std::move(map));
 }
 
 // Brings the other playback to the first one's time: each keeps time by itself, and a stall is not made up.
@@ -125,6 +137,10 @@ int RunView(const ViewOptions& options) {
                                                   [&] { return scan.Json(); }};
   std::optional<RecordingDifference> difference;
   std::optional<console::ConsoleStream> second;
+  if (first.procedure) {
+    notes.emplace_back([&] { return first.procedure->PlanJson(); });
+    notes.emplace_back([&] { return first.procedure->Json(first.playback.state().at_s); });
+  }
   if (two) {
     difference.emplace(std::array{first.file, shown[1]->file});
     notes.emplace_back([&] { return difference->Json(); });

@@ -20,8 +20,14 @@ constexpr int kMessagesPerLook = 500;             // at the clock
 }  // namespace
 
 ViewSurface::ViewSurface(const std::filesystem::path& recording, const CellSetup& setup,
-                         console::SurfaceFeed& feed, std::unique_ptr<DifferenceMap> map)
-    : recording_(recording), setup_(setup), feed_(feed), map_(std::move(map)), thread_([this] { Run(); }) {}
+                         std::shared_ptr<const RecordedCut> cut, console::SurfaceFeed& feed,
+                         std::unique_ptr<DifferenceMap> map)
+    : recording_(recording),
+      setup_(setup),
+      cut_(std::move(cut)),
+      feed_(feed),
+      map_(std::move(map)),
+      thread_([this] { Run(); }) {}
 
 ViewSurface::~ViewSurface() {
   stop_.store(true);
@@ -36,8 +42,9 @@ void ViewSurface::Run() {
     const float voxel_mm = surface::VoxelFor(setup_.config.tool.tool);
     solid_ = surface::FieldOfBone(setup_.solid.get(), setup_.bone, voxel_mm);
     tissue_.emplace(solid_->layout(), setup_.solid ? surface::TissueOf(setup_.solid) : surface::MaterialAt{});
-    Begin(CarvedBone(solid_, setup_));
-    keys_ = std::make_unique<CarvedKeys>(recording_, setup_, solid_);
+    begin_.emplace(solid_, cut_);
+    Begin(*begin_);
+    keys_ = std::make_unique<CarvedKeys>(recording_, *begin_);
     while (!stop_.load()) {
       const double wanted_s = wanted_s_.load();
       keys_complete_.store(keys_->complete());
@@ -80,7 +87,7 @@ void ViewSurface::GoNear(double wanted_s) {
   if (key && (back || key->at_s > bone_->at_s + CarvedKeys::kFirstStep_s))
     Begin(*key);
   else if (back)
-    Begin(CarvedBone(solid_, setup_));
+    Begin(*begin_);
 }
 
 // Carves up to a time, or for kSlice. True if it has not got there.

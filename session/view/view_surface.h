@@ -25,8 +25,10 @@ namespace osteon::session {
 class ViewSurface {
  public:
   /// @param setup, feed  outlive this; without a solid and without balls nothing is shown
+  /// @param cut  of the recording, not null
   /// @param map  of the difference to another recording's bone; null: none is compared
-  ViewSurface(const std::filesystem::path& recording, const CellSetup& setup, console::SurfaceFeed& feed,
+  ViewSurface(const std::filesystem::path& recording, const CellSetup& setup,
+              std::shared_ptr<const RecordedCut> cut, console::SurfaceFeed& feed,
               std::unique_ptr<DifferenceMap> map = nullptr);
   ~ViewSurface();
   ViewSurface(const ViewSurface&) = delete;
@@ -49,6 +51,7 @@ class ViewSurface {
 
   const std::filesystem::path recording_;
   const CellSetup& setup_;
+  const std::shared_ptr<const RecordedCut> cut_;
   console::SurfaceFeed& feed_;
   std::atomic<double> wanted_s_{0.0}, shown_s_{0.0};
   std::atomic<bool> stop_{false}, keys_complete_{false};
@@ -56,7 +59,7 @@ class ViewSurface {
   // of the thread
   std::shared_ptr<const surface::SolidField> solid_;
   std::optional<surface::TissueBricks> tissue_;
-  std::optional<CarvedBone> bone_;
+  std::optional<CarvedBone> begin_, bone_;  // as the recording begins, and as it is shown
   std::unique_ptr<RecordingTimeline> timeline_;
   std::unique_ptr<DifferenceMap> map_;
   std::vector<surface::SurfaceChunk> chunks_;

@@ -117,13 +117,15 @@ int RunBenchView(const BenchViewOptions& options) {
   if (!timeline) return session::Fail("bench view", timeline.error(), session::kFailed);
   auto setup = session::SetUpRecorded(timeline->session());
   if (!setup) return session::Fail("bench view", setup.error());
+  auto cut = session::ReadRecordedCut(file, timeline->session(), *setup);
+  if (!cut) return session::Fail("bench view", cut.error());
   const double start_s = rt::ToSeconds(timeline->start());
   console::LiveFeed feed;
   console::SurfaceStore store;
   console::SurfaceFeed chunks(store);
   session::Playback playback(std::move(*timeline), feed);
   const session::RecordingScan scan(file);
-  session::ViewSurface bone(file, *setup, chunks);
+  session::ViewSurface bone(file, *setup, std::move(*cut), chunks);
   const auto shows_tick = [&](double at_s) {
     return std::abs(rt::ToSeconds(feed.Newest().tick.stamp) - start_s - at_s) < kTickNear_s;
   };

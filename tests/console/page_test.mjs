@@ -210,6 +210,29 @@ async function operatesAProcedure() {
   await page.close();
 }
 
+/** A session's recording: the plan, the tool in use at each time, and the procedure's figures. */
+async function viewsAProcedure() {
+  const made = start(["demo", "--plan", "acetabulum", "--virtual-time", "--seconds", "20", "--out", join(folder, "planned")], { stdio: "ignore" });
+  assert.equal(await new Promise((resolve) => made.on("close", resolve)), 0);
+  const child = start(["view", join(folder, "planned", "session", "run_1.mcap"), "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
+  const url = await new Promise((resolve) => child.stdout.once("data", (bytes) => resolve(String(bytes).trim())));
+  const page = await open(url, 1280, 720);
+  await until(page, "osteon.scene.planView !== null && osteon.procedure.note?.tool === 0 && osteon.scene.toolIndex === 0");
+  await page.evaluate('osteon.connection.ask("seek", 19.5)');
+  await until(page, "osteon.procedure.note.tool === 3 && osteon.scene.toolIndex === 3 && osteon.procedure.note.passes >= 3");
+  assert.ok(await page.evaluate("osteon.hello.tools[3][0][3] > osteon.hello.tools[0][0][3]"), "a larger reamer");
+  assert.equal(await page.evaluate('getComputedStyle(document.getElementById("next-tool").parentElement).display'), "none");
+  await until(page, "osteon.scene.surface.triangles > 10000");
+  assert.deepEqual(await clipped(page), []);
+  await picture(page, "view_procedure");
+  await page.select("#language", "de");
+  await page.setViewport({ width: 400, height: 844 });
+  assert.deepEqual(await clipped(page), []);
+  await picture(page, "view_procedure_german_phone");
+  await page.close();
+  child.kill("SIGINT");
+}
+
 async function showsAFault() {
   const run = demo(60);
   const page = await open(await run.url, 1280, 720);
@@ -351,6 +374,7 @@ try {
   await withPatience(operatesTheCell);
   await viewsARecording();
   await comparesTwoRecordings();
+  await viewsAProcedure();
   // by hand: Chromium's drawing by the processor leaves a plan's run in wall time too little of two cores
   if (process.env.OSTEON_PAGE_PROCEDURE) await withPatience(operatesAProcedure);
   await showsAFault();

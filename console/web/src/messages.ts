@@ -23,6 +23,7 @@ export interface Hello {
   site: { center: Vector; axis: Vector; radius_m: number };
   materials: string[];
   tool: { name: string; balls: number[][]; X_FT: PoseRows };
+  tools: number[][][]; // balls of each tool of a procedure; empty: `tool` is the only one
   arm: { joints: { X_PJ: PoseRows; axis: Vector }[]; X_LF: PoseRows };
   arm_name: string;
   zones: Zone[];
@@ -83,6 +84,7 @@ export interface Status {
 }
 
 export interface View {
+  tool: number; // index in Hello.tools of the one in use
   X_WT: PoseRows;
   X_WP?: PoseRows;
   X_WM?: PoseRows; // where the bone's world has gone with its mount and its tissue; X_WP and contacts are in it
@@ -198,7 +200,7 @@ export interface PlanNote {
   cup_centre_m: Vector;
   cup_radius_m: number;
   kind: "cup" | "opening"; // of an opening, `cup_radius_m` is half its width
-  reamers: { diameter_mm: number; centre_m: Vector; around_m: number; balls: number[][] }[]; // around: led in circles
+  reamers: { diameter_mm: number; centre_m: Vector; around_m: number }[]; // around: led in circles
   confirms: boolean; // a change of tool has to be confirmed by a person
   corridor: { cone_rad: number; lateral_m: number; widening_rad: number } | null;
 }

@@ -35,9 +35,8 @@ export class SceneView {
   private proxy: Object3D | null = null;
   private arm: Arm | null = null;
   private zones: Object3D | null = null;
-  private plan: PlanNote | null = null;
   private planView: PlanView | null = null;
-  private toolIndex = -1; // of the plan's reamers: whose balls are shown
+  private toolIndex = -1; // in Hello.tools: whose balls are shown
   private contacts: Group[] = [];
   private force = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.1, 0x5aa9f0, 0.02, 0.012);
   private hand = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.1, 0xc58af0, 0.02, 0.012);
@@ -87,7 +86,7 @@ export class SceneView {
     this.arm = new Arm(hello.arm);
     place(this.arm.group, hello.X_WB);
     this.setTool(hello.tool.balls);
-    this.plan = this.planView = null;
+    this.planView = null;
     this.toolIndex = -1;
     this.zones = zonesOf(hello.zones);
     this.zones.visible = false;
@@ -119,7 +118,6 @@ export class SceneView {
   setPlan(plan: PlanNote): void {
     const wasVisible = this.planView?.group.visible ?? true;
     if (this.planView) this.lasting.remove(this.planView.group);
-    this.plan = plan;
     this.planView = new PlanView(plan);
     this.planView.group.visible = wasVisible;
     this.lasting.add(this.planView.group);
@@ -127,13 +125,7 @@ export class SceneView {
   }
 
   showPlan(note: ProcedureNote): void {
-    if (!this.plan || !this.planView) return;
-    if (note.tool !== this.toolIndex) {
-      this.toolIndex = note.tool;
-      this.setTool(this.plan.reamers[note.tool].balls);
-      if (this.view) this.show(this.view);
-    }
-    this.planView.show(note);
+    this.planView?.show(note);
     this.redraw();
   }
 
@@ -146,6 +138,10 @@ export class SceneView {
   show(view: View): void {
     this.view = view;
     if (!this.hello || !this.tool || !this.proxy || !this.arm) return;
+    if (view.tool !== this.toolIndex && this.hello.tools[view.tool]) {
+      this.toolIndex = view.tool;
+      this.setTool(this.hello.tools[view.tool]);
+    }
     this.tool.visible = !this.alone;
     place(this.tool, view.X_WT);
     this.showGivingWay(view);

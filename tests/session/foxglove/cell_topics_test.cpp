@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <map>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <foxglove.pb.h>
 #include <gtest/gtest.h>
@@ -150,6 +153,65 @@ TEST_F(CellTopicsTest, ARecordingHasTheTopicsThirtyTimesASecondAndTheBodiesOnce)
   }
   EXPECT_EQ(count, (std::map<std::string, int>{
                        {"tf", 31}, {"scene", 1}, {"forces", 31}, {"joints", 31}, {"log", 1}}));
+}
+
+// The tools of a procedure: the cell's reamer and a larger one.
+std::vector<ProcedureTool> TwoTools(const CellSetup& setup) {
+  std::vector<ProcedureTool> tools(2);
+  for (ProcedureTool& tool : tools) {
+    tool.tool = setup.config.tool.tool;
+    tool.loop.X_FT = setup.config.tool.X_FT;
+  }
+  for (simulation::ToolBall& ball : tools[1].tool.balls) ball.radius_m *= 1.1;
+  return tools;
+}
+
+// Size of the largest ball of the entity "tool" in a message of topic scene [m].
+double LargestBall(std::string_view bytes) {
+  foxglove::SceneUpdate scene;
+  EXPECT_TRUE(scene.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())));
+  double largest_m = 0.0;
+  for (const auto& entity : scene.entities())
+    for (const auto& sphere : entity.spheres())
+      if (entity.id() == "tool") largest_m = std::max(largest_m, sphere.size().x());
+  return largest_m;
+}
+
+TEST_F(CellTopicsTest, AnotherToolIsDrawnWhenItIsTaken) {
+  const std::vector<ProcedureTool> tools = TwoTools(*setup_);
+  const io::test::TemporaryFolder folder;
+  const auto path = folder.path() / "tools.mcap";
+  console::LiveFeed feed;
+  console::SurfaceStore surface;
+  const LiveTopics live(*setup_, feed, surface, tools);
+  console::FoxgloveCursor cursor;
+  std::vector<console::FoxgloveMessage> sent;
+  {
+    auto file = io::McapWriter::Create(path, "test");
+    ASSERT_TRUE(file) << file.error();
+    RecordedTopics topics(*setup_, tools);
+    topics.Begin(*file, 0);
+    for (int i = 1; i <= 400; ++i) {
+      control::TickRecord tick = Tick(i);
+      tick.input.tool_index = i > 200 ? 1 : 0;
+      topics.TakeTick(tick, *file);
+      feed.TakeTick(tick);
+      live.New(static_cast<std::size_t>(CellTopic::kScene), cursor, sent);
+    }
+    ASSERT_TRUE(file->Finish());
+  }
+  std::vector<double> recorded_m;
+  auto reader = io::McapReader::Open(path);
+  ASSERT_TRUE(reader) << reader.error();
+  io::McapMessage message;
+  while (*reader->Next(message))
+    if (message.channel->topic == "scene")
+      recorded_m.push_back(
+          LargestBall({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()}));
+  ASSERT_EQ(recorded_m.size(), 2u);
+  EXPECT_NEAR(recorded_m[1], 1.1 * recorded_m[0], 1e-9);
+  ASSERT_EQ(sent.size(), 2u);
+  EXPECT_NEAR(LargestBall(sent[1].bytes), 1.1 * LargestBall(sent[0].bytes), 1e-9);
 }
 
 TEST_F(CellTopicsTest, ALiveViewerGetsTheBodiesOnceAndTheNewestEachTime) {

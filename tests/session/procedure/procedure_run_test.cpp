@@ -2,11 +2,13 @@
 // replay.
 
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -16,10 +18,16 @@
 #include "safety/cell_state.h"
 #include "session/procedure/procedure_panel.h"
 #include "session/procedure/session_bone.h"
+#include "session/replay/recorded_surface.h"
 #include "session/replay/replay.h"
 #include "session/setup/recorded_config.h"
+#include "session/view/carved_keys.h"
+#include "session/view/recorded_cut.h"
+#include "session/view/recorded_procedure.h"
 #include "simulation/engine/tool_change.h"
 #include "simulation/files/carved_file.h"
+#include "simulation/surface/bone_solid.h"
+#include "simulation/surface/welded_surface.h"
 #include "tests/session/procedure/procedure_rig.h"
 
 namespace osteon::session {
@@ -108,6 +116,83 @@ TEST_F(ProcedureRun, ThePanelTellsWhereTheSessionStands) {
   const auto& last = recording_->ticks.back();
   const Pose X_GT = rig_->setup->X_WG.inverse() * Pose(last.X_WT_cmd);
   EXPECT_NEAR(now["to_go_mm"].get<double>(), 1e3 * (X_GT.translation().z() + 0.025 + 0.002), 0.5);
+}
+
+// The carved bone's volume at a recording's end, as the view and the copy with the bone have it [mm³].
+double ViewedVolume(const fs::path& recording, const CellSetup& setup, const RecordedCut& cut) {
+  const float voxel_mm = surface::VoxelFor(setup.config.tool.tool);
+  CarvedBone bone(surface::FieldOfBone(setup.solid.get(), setup.bone, voxel_mm),
+                  std::make_shared<const RecordedCut>(cut));
+  auto timeline = RecordingTimeline::Open(recording);
+  EXPECT_TRUE(timeline) << timeline.error();
+  (void)timeline->Seek(0.0);
+  for (auto topic = timeline->Next(); topic && *topic != io::RecordedTopic::kOther; topic = timeline->Next())
+    bone.Take(*topic, *timeline);
+  bone.CarveAll();
+  return surface::VolumeOf(surface::WeldSurface(bone.field));
+}
+
+// A copy of the run's folder.
+fs::path CopyOf(const fs::path& folder, const char* name) {
+  const fs::path copy = TemporaryPath(name);
+  fs::copy(folder, copy, fs::copy_options::recursive);
+  return copy;
+}
+
+TEST_F(ProcedureRun, AViewCarvesWithTheReamerInUseAndLeavesOutWhatWasTakenBack) {
+  const auto setup = PrepareRecordedCell(recording_->session, std::nullopt);
+  ASSERT_TRUE(setup) << setup.error();
+  const auto cut = ReadRecordedCut(rig_->params.recording, recording_->session, *setup);
+  ASSERT_TRUE(cut) << cut.error();
+  ASSERT_EQ((*cut)->tools.size(), 2u);
+  EXPECT_FALSE((*cut)->earlier);
+  const double viewed_mm3 = ViewedVolume(rig_->params.recording, *setup, **cut);
+  const auto written =
+      WriteRecordedSurface(rig_->params.recording, *setup, std::nullopt, TemporaryPath("bone.stl"));
+  ASSERT_TRUE(written) << written.error();
+  EXPECT_NEAR(viewed_mm3, written->figures.volume_mm3, 15.0) << "by the passes' own paths";
+  const RecordedCut first_alone{.tools = {(*cut)->tools.front()}, .X_WG = (*cut)->X_WG};
+  EXPECT_GT(ViewedVolume(rig_->params.recording, *setup, first_alone), viewed_mm3 + 50.0)
+      << "the second reamer is larger";
+
+  const fs::path folder = CopyOf(rig_->folder, "taken_back");
+  std::ifstream stream(folder / kSessionFileName);
+  auto json = nlohmann::json::parse(stream);
+  json["passes"].back()["undone"] = true;
+  std::ofstream(folder / kSessionFileName) << json;
+  const auto without = ReadRecordedCut(folder / "run_1.mcap", recording_->session, *setup);
+  ASSERT_TRUE(without) << without.error();
+  ASSERT_EQ((*without)->taken_back.size(), 1u);
+  EXPECT_GT(ViewedVolume(folder / "run_1.mcap", *setup, **without), viewed_mm3 + 50.0);
+}
+
+TEST_F(ProcedureRun, AViewHasThePlanAndWhereTheSessionStood) {
+  EXPECT_EQ(RecordedProcedure::Open(rig_->params.recording, recording_->session, rig_->setup->X_WG), nullptr)
+      << "without the plan's file";
+  const fs::path folder = CopyOf(rig_->folder, "viewed");
+  std::ifstream shipped(OSTEON_SOURCE_DIR "/config/plans/acetabulum.yaml");
+  std::ofstream plan(folder / "plan.yaml");
+  for (std::string line; std::getline(shipped, line);)  // the demo's plan with this session's two reamers
+    if (!line.starts_with("  - {diameter_mm: 44") && !line.starts_with("  - {diameter_mm: 46"))
+      plan << line << "\n";
+  plan.close();
+  const auto procedure =
+      RecordedProcedure::Open(folder / "run_1.mcap", recording_->session, rig_->setup->X_WG);
+  ASSERT_NE(procedure, nullptr);
+  EXPECT_EQ(nlohmann::json::parse(procedure->PlanJson()).at("reamers").size(), 2u);
+  const int passes = rig_->session->File().PassesLeft();
+  nlohmann::json end;
+  for (const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+       std::chrono::steady_clock::now() < until; std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
+    end = nlohmann::json::parse(procedure->Json(1e9));
+    if (end.at("passes") == passes) break;
+  }
+  EXPECT_EQ(end.at("passes"), passes);
+  EXPECT_EQ(end.at("tool"), 1);
+  EXPECT_GT(end.at("removed_mm3"), 1.0);
+  const auto begin = nlohmann::json::parse(procedure->Json(0.0));
+  EXPECT_EQ(begin.at("passes"), 0);
+  EXPECT_EQ(begin.at("tool"), 0);
 }
 
 TEST(PlanPlace, IsTheGuidancesOwn) {

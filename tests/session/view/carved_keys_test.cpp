@@ -77,7 +77,9 @@ TEST(CarvedKeys, TheBoneFromAStateIsTheBoneFromTheBeginning) {
   RecordCut(file);
   const CellSetup setup = BlockSetup();
   const auto solid = surface::UnionOfBalls(setup.bone, 0.5F);
-  const CarvedKeys keys(file, setup, solid);
+  const auto cut = std::make_shared<const RecordedCut>(RecordedCut{.tools = {setup.config.tool.tool}});
+  CarvedBone from_begin(solid, cut);
+  const CarvedKeys keys(file, from_begin);
   for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
        !keys.complete() && std::chrono::steady_clock::now() < end;)
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -86,7 +88,6 @@ TEST(CarvedKeys, TheBoneFromAStateIsTheBoneFromTheBeginning) {
 
   auto timeline = RecordingTimeline::Open(file), other = RecordingTimeline::Open(file);
   ASSERT_TRUE(timeline && other);
-  CarvedBone from_begin(solid, setup);
   ASSERT_TRUE(GoOnFrom(from_begin, *timeline));
   const std::size_t uncut = VerticesOf(from_begin).size();
   for (const double wanted_s : {6.5, 17.123, 39.9}) {

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "base/clock.h"
+#include "io/recording/messages.h"
+#include "kinematics/spatial.h"
+#include "session/procedure/session_cut.h"
+#include "session/setup/cell_setup.h"
+#include "simulation/surface/carved_field.h"
+#include "simulation/tools/tool.h"
+
+namespace osteon::session {
+
+/// What has to be known, beside a recording's own messages, to carve its bone: every tool, and what the
+/// session around it did before and took back later.
+struct RecordedCut {
+  /// A pass that was taken back: stamps of its frames' poses.
+  struct TakenBack {
+    rt::Nanoseconds begin, end;
+  };
+
+  std::vector<simulation::Tool> tools;  ///< by TickInput::tool_index; at least one
+  Pose X_WG{Pose::Identity()};
+  std::vector<TakenBack> taken_back{};
+  std::optional<SessionCut>
+      earlier{};  ///< by the session's recordings before this one; empty: it is the first
+
+  /// Whether what a frame cuts stays cut. @param pose_stamp  ContactModel::pose_stamp
+  [[nodiscard]] bool Counts(rt::Nanoseconds pose_stamp) const;
+  /// Carves what was cut before the recording begins.
+  void CarveEarlier(surface::CarvedField& field) const;
+};
+
+/// Reads it from a recording and the session.json beside it. Without a session the cell's tool is the only
+/// one. The error names the file and the reason.
+/// @param info  the recording's  @param setup  of the recording
+[[nodiscard]] tl::expected<std::shared_ptr<const RecordedCut>, std::string> ReadRecordedCut(
+    const std::filesystem::path& recording, const io::SessionInfo& info, const CellSetup& setup);
+
+}  // namespace osteon::session
