@@ -1,5 +1,6 @@
 #include "session/run/ask_running_cell.h"
 
+#include <cmath>
 #include <cstdio>
 #include <vector>
 
@@ -39,8 +40,60 @@ std::string LatencyLine(const nlohmann::json& latency) {
                      assumed.empty() ? "" : "; assumed: " + assumed);
 }
 
+// "48 mm, 2 of 4".
+std::string ToolLine(const nlohmann::json& procedure) {
+  const nlohmann::json tool = procedure.value("tool", nlohmann::json::object());
+  return fmt::format("{:g} mm, {} of {}", tool.value("diameter_mm", 0.0), tool.value("number", 0),
+                     tool.value("of", 0));
+}
+
+std::string PassesLine(const nlohmann::json& procedure) {
+  const int undone = procedure.value("undone", 0);
+  return fmt::format("{}{}", procedure.value("passes", 0),
+                     undone > 0 ? fmt::format(", and {} undone", undone) : "");
+}
+
+// "3.2 mm above its planned place, 0.4 mm aside, tilted by 2.1°; outside the plan's corridor: tilt".
+std::string PlaceLine(const nlohmann::json& procedure) {
+  if (!procedure.value("known", false)) return "not known before the first frame";
+  const double to_go_mm = procedure.value("to_go_mm", 0.0);
+  std::string beyond;
+  const nlohmann::json all = procedure.value("beyond", nlohmann::json::object());
+  for (const auto& [name, is_beyond] : all.items())
+    if (is_beyond.is_boolean() && is_beyond.get<bool>()) beyond += (beyond.empty() ? "" : ", ") + name;
+  return fmt::format("{:.1f} mm {} its planned place, {:.1f} mm aside, tilted by {:.1f}°{}",
+                     std::abs(to_go_mm), to_go_mm < 0.0 ? "below" : "above", procedure.value("aside_mm", 0.0),
+                     procedure.value("tilt_deg", 0.0),
+                     beyond.empty() ? "" : "; outside the plan's corridor: " + beyond);
+}
+
+void PrintProcedure(const nlohmann::json& procedure) {
+  if (!procedure.is_object()) return;
+  PrintRow("Tool", ToolLine(procedure));
+  PrintRow("Passes", PassesLine(procedure));
+  PrintRow("Place", PlaceLine(procedure));
+  if (const auto gain = procedure.find("guidance"); gain != procedure.end() && gain->is_number())
+    PrintRow("Guidance", fmt::format("{:g} of the plan's", gain->get<double>()));
+}
+
+// What a request has done, for the person who asked; `procedure` is null without a session.
+std::string DoneText(const std::string& request, const nlohmann::json& procedure) {
+  if (request == "pause") return "the cell brakes to rest";
+  if (request == "resume") return "motion begins once every condition holds";
+  if (request == "recover") return "the faults are cleared once every condition holds";
+  if (request == "stop") return "the run ends in order";
+  if (!procedure.is_object()) return "done";
+  const std::string word = request.substr(0, request.find(' '));
+  if (word == "next" || word == "tool") return "tool: " + ToolLine(procedure);
+  if (word == "undo") return "the last pass is taken back; passes that count: " + PassesLine(procedure);
+  if (word == "save") return "saved; passes that count: " + PassesLine(procedure);
+  if (word == "cup") return "the tool's pose is kept as the cup's";
+  if (word == "guidance") return "guidance: " + request.substr(request.find(' ') + 1) + " of the plan's";
+  return "done";
+}
+
 // The answer was made by this program's own kind, yet a value of another type must not end the process.
-void PrintStatus(const nlohmann::json& status, const nlohmann::json& run) {
+void PrintStatus(const nlohmann::json& status, const nlohmann::json& run, const nlohmann::json& procedure) {
   fmt::print("Osteon {}: {}\n", run.value("command", ""), run.value("cell", ""));
   if (!status.value("known", false)) return PrintRow("State", "waits for the first message");
   PrintRow("State", status.value("state", "") + ": " + status.value("does", ""));
@@ -52,6 +105,7 @@ void PrintStatus(const nlohmann::json& status, const nlohmann::json& run) {
   for (const auto& permit : status["permits"])
     if (status.value("permits_known", false) && !permit.value("holds", true))
       PrintRow("Missing", permit.value("text", ""));
+  PrintProcedure(procedure);
   PrintRow("Force", fmt::format("{:.1f} N of at most {:g} N; hand {:.1f} N", status.value("force_N", 0.0),
                                 status.value("force_limit_N", 0.0), status.value("hand_N", 0.0)));
   PrintRow("Depth", fmt::format("{:.2f} mm, deepest {:.2f} mm", status.value("depth_mm", 0.0),
@@ -100,15 +154,19 @@ bool IsNamed(const nlohmann::json& run, const std::string& name) {
 }
 
 // Shows an answer and keeps it. @returns the exit code
-int TakeAnswer(const std::string& command, const std::string& text, const std::filesystem::path& json,
-               bool is_status) {
+int TakeAnswer(const std::string& command, const std::string& request, const std::string& text,
+               const std::filesystem::path& json) {
   const auto answer = nlohmann::json::parse(text, nullptr, false);
   if (!answer.is_object()) return Fail(command, "the running cell's answer cannot be read", kFailed);
   if (!json.empty())
     if (const auto written = base::WriteText(json, base::JsonText(answer)); !written)
       return Fail(command, written.error(), kFailed);
   if (!answer.value("done", false)) return Fail(command, answer.value("reason", ""), kFailed);
-  if (is_status) PrintStatus(answer["status"], answer["run"]);
+  const nlohmann::json procedure = answer.value("procedure", nlohmann::json(nullptr));
+  if (request == "status")
+    PrintStatus(answer["status"], answer["run"], procedure);
+  else
+    fmt::print("osteon {}: {}\n", command, DoneText(request, procedure));
   return 0;
 }
 
@@ -134,7 +192,7 @@ int RunTell(const TellOptions& options) {
                                     options.session, named.size()));
   const auto text = io::AskLocalServer(named.front(), options.request);
   if (!text) return Fail("tell", text.error(), kFailed);
-  return TakeAnswer("tell", *text, options.json, options.request == "status");
+  return TakeAnswer("tell", options.request, *text, options.json);
 }
 
 int RunAsk(const AskOptions& options) {
@@ -149,7 +207,7 @@ int RunAsk(const AskOptions& options) {
                 fmt::format("--pid: found {}, accepted one of {}", options.pid, Names(running)));
   const auto text = io::AskLocalServer(socket, options.request);
   if (!text) return Fail(options.request, text.error(), kFailed);
-  return TakeAnswer(options.request, *text, options.json, options.request == "status");
+  return TakeAnswer(options.request, options.request, *text, options.json);
 }
 
 }  // namespace osteon::session

@@ -104,6 +104,7 @@ TEST(CellProcess, APlansToolsAreTakenInAnotherProcessThanTheHands) {
       return false;
     };
     const bool changed = ask("pause") && ask("next") && ask("resume");
+    const CommandResult told = RunCommand(folder.path(), {"tell", "hip", "status", "--json", "told.json"});
     const CommandResult ended = run.Wait();
     const nlohmann::json summary = ReadJson(folder.path() / "run.json");
     if (ended.exit_code != 0) {
@@ -112,6 +113,11 @@ TEST(CellProcess, APlansToolsAreTakenInAnotherProcessThanTheHands) {
       continue;
     }
     ASSERT_TRUE(changed);
+    EXPECT_NE(told.out.find("Tool              46 mm, 2 of 4"), std::string::npos) << told.out;
+    EXPECT_NE(told.out.find("its planned place"), std::string::npos) << told.out;
+    const nlohmann::json procedure = ReadJson(folder.path() / "told.json").at("procedure");
+    EXPECT_EQ(procedure.at("tool"), (nlohmann::json{{"number", 2}, {"of", 4}, {"diameter_mm", 46.0}}));
+    EXPECT_EQ(procedure.at("passes"), 1);
     const nlohmann::json& passes = summary.at("passes");
     ASSERT_EQ(passes.size(), 2u) << ended.out;
     EXPECT_EQ(passes[0].at("tool_diameter_mm"), 44.0);

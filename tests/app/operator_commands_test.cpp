@@ -47,7 +47,9 @@ class OperatorCommands : public testing::Test {
     const CommandResult refused = Ask({"recover"});
     EXPECT_EQ(refused.exit_code, 1) << "it has no fault";
     EXPECT_NE(refused.err.find("no fault to recover from"), std::string::npos) << refused.err;
-    EXPECT_EQ(Ask({"pause"}).exit_code, 0);
+    const CommandResult paused = Ask({"pause"});
+    EXPECT_EQ(paused.exit_code, 0);
+    EXPECT_EQ(paused.out, "osteon pause: the cell brakes to rest\n");
     if (!run.WaitUntil([&] { return State() == "paused"; })) return late();
     const CommandResult told = Ask({"status"});
     EXPECT_NE(told.out.find("paused"), std::string::npos) << told.out;
