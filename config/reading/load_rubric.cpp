@@ -1,10 +1,42 @@
 #include "config/reading/load_rubric.h"
 
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <fmt/format.h>
 
 #include "config/reading/strict/reader.h"
 
 namespace osteon::config {
+
+namespace {
+
+// No item gains by a larger error, and all items together have at most 100 points.
+void CheckNorms(const procedure::Rubric& rubric,
+                const std::vector<std::pair<Reader, std::string>>& sections) {
+  constexpr double kAllPoints = 100.0, kRounding = 1e-9;
+  double points = 0.0;
+  for (std::size_t i = 0; i < rubric.items.size(); ++i) {
+    const procedure::RubricItem& item = rubric.items[i];
+    const auto metric = std::ranges::find_if(procedure::Metrics(),
+                                             [&](const auto& each) { return each.name == item.metric; });
+    if (metric->more_is_better ? item.zero >= item.full : item.zero <= item.full)
+      sections[i].first.Refuse(
+          sections[i].second,
+          fmt::format("found {:g}, accepted {} than full ({:g})", item.zero * metric->to_unit,
+                      metric->more_is_better ? "less" : "more", item.full * metric->to_unit));
+    points += item.weight;
+    if (points > kAllPoints + kRounding)
+      sections[i].first.Refuse(
+          "weight_points",
+          fmt::format("found {:g} points with those of the items before, accepted at most {:g}", points,
+                      kAllPoints));
+  }
+}
+
+}  // namespace
 
 procedure::Rubric LoadRubric(const std::filesystem::path& path) {
   constexpr double kMaxNorm = 1e6;
@@ -28,9 +60,7 @@ procedure::Rubric LoadRubric(const std::filesystem::path& path) {
     rubric.breach_source = deductions.Text("breach_source");
   }
   reader.Finish();
-  for (std::size_t i = 0; i < rubric.items.size(); ++i)
-    if (rubric.items[i].full == rubric.items[i].zero)
-      sections[i].first.Refuse(sections[i].second, "found the same as full, accepted another value");
+  CheckNorms(rubric, sections);
   return rubric;
 }
 

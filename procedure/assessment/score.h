@@ -14,6 +14,7 @@ struct Metric {
   const char* unit;  ///< ending of the rubric's keys: "deg"
   double to_unit;    ///< factor from SI
   const char* text;  ///< for people: "axis error"
+  bool more_is_better{false};
 };
 /// All metrics, in the order of the report.
 [[nodiscard]] std::span<const Metric> Metrics();

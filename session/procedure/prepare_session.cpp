@@ -97,6 +97,11 @@ std::string ValidateNewSession(const fs::path& folder) {
     return fmt::format("--session {}: found a file, accepted a folder", folder.string());
   if (fs::exists(folder / kSessionFileName, error))
     return fmt::format("--session {}: found a session, accepted a new folder, or --resume", folder.string());
+  if (LastNumber(folder, kRecordingPrefix, kRecordingEnding) > 0 ||
+      LastNumber(folder, kStatePrefix, kStateEnding) > 0)
+    return fmt::format(
+        "--session {}: found recordings or states of a session whose {} is missing, accepted a new folder",
+        folder.string(), kSessionFileName);
   return "";
 }
 
@@ -169,7 +174,10 @@ tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice
     return tl::make_unexpected(std::move(wrong));
   std::set<std::string> recordings;
   for (const SessionSegment& segment : made.file.segments) recordings.insert(segment.recording);
-  made.recording = fmt::format("run_{}.mcap", recordings.size() + 1);
+  // also beyond what session.json does not name: nothing is written over
+  const int last = std::max(static_cast<int>(recordings.size()),
+                            LastNumber(choice.session, kRecordingPrefix, kRecordingEnding));
+  made.recording = fmt::format("{}{}{}", kRecordingPrefix, last + 1, kRecordingEnding);
   const auto reamer = [&](int index) {
     return config::ToolChoice{.file = cell.tool_file,
                               .diameter_m = 1e-3 * made.tools.diameters_mm[static_cast<std::size_t>(index)]};
@@ -233,6 +241,9 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
   if (is_opening)
     LeadBurrs(plan, static_cast<std::size_t>(first), RimOver(plan, site), push_force_N, script,
               cell.simulated.hand);
+  script.coupling_N_per_m = cell.servo.coupling.max_stiffness_N_per_m;
+  script.sees_plan = hand != "novice" && !is_opening;  // a burr is led to its depth by a stiff hand
+  if (script.sees_plan) script.push_force_N = push_force_N;
   if (hand == "novice" && is_opening) {
     script.tilt_rad = NoviceBurr::kTilt_rad;
     script.aside_m = NoviceBurr::kAside_m;

@@ -18,7 +18,7 @@ void ProcedureSession::EndOpenPass(const simulation::CuttingEngine& engine, rt::
 
 void ProcedureSession::EndPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp) {
   auto state = std::make_shared<const simulation::CarvedState>(engine.Snapshot());
-  const std::string name = fmt::format("state_{}.carved", ++states_);
+  const std::string name = fmt::format("{}{}{}", kStatePrefix, ++states_, kStateEnding);
   const std::string hash = simulation::HashText(*state);
   {
     const std::lock_guard lock(mutex_);

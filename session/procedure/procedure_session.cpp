@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "session/procedure/session_bone.h"
 #include "simulation/engine/state_hash.h"
 #include "simulation/engine/tool_change.h"
-#include "simulation/files/carved_file.h"
 
 namespace osteon::session {
 namespace {
@@ -29,13 +29,15 @@ SessionAnswer Refused(std::string reason) { return {.done = false, .reason = std
 ProcedureSession::ProcedureSession(ProcedureParams params)
     : params_(std::move(params)),
       writer_(params_.folder, *params_.bone, params_.wall_time),
-      panel_(params_.plan, params_.tools, params_.X_WG, params_.confirm_size || params_.confirm_load),
+      panel_(params_.plan, params_.X_WG, params_.confirm_size || params_.confirm_load),
       tool_(params_.tool),
       script_(params_.scripted_heights, params_.confirm_size ? kRestBeforeWeighing : 0),
       file_(params_.file) {
   if (const auto& guidance = params_.tools[static_cast<std::size_t>(tool_)].loop.guidance)
     guidance_gain_ = guidance->gain;
-  states_ = static_cast<int>(file_.passes.size());  // a state for each pass, undone or not
+  // a state for each pass, undone or not; others that lie there are not written over
+  states_ =
+      std::max(static_cast<int>(file_.passes.size()), LastNumber(params_.folder, kStatePrefix, kStateEnding));
   framed_tool_.store(tool_);
 }
 
@@ -49,8 +51,8 @@ tl::expected<void, std::string> ProcedureSession::Begin(simulation::CuttingEngin
         fmt::format("{}: found a bone of {}, accepted the session's, {}: the packing must be the same",
                     (params_.folder / kSessionFileName).string(), saved_hash_, file_.bone_checksum));
   if (const std::string name = file_.LastState(); !name.empty()) {
-    auto state = simulation::ReadCarvedState(params_.folder / name, *params_.bone);
-    if (!state) return tl::make_unexpected(state.error().Text());
+    auto state = ReadSessionState(params_.folder, file_, name, *params_.bone);
+    if (!state) return tl::make_unexpected(state.error());
     saved_ = std::make_shared<const CarvedState>(std::move(*state));
     saved_name_ = name;
     saved_hash_ = simulation::HashText(*saved_);
@@ -344,8 +346,8 @@ SessionAnswer ProcedureSession::Undo(const ToolCommand& command, FrameRunner& ru
   const std::string name = after.LastState();
   std::shared_ptr<const CarvedState> state = uncut_;
   if (!name.empty()) {
-    auto read = simulation::ReadCarvedState(params_.folder / name, *params_.bone);
-    if (!read) return Refused(read.error().Text());
+    auto read = ReadSessionState(params_.folder, after, name, *params_.bone);
+    if (!read) return Refused(read.error());
     state = std::make_shared<const CarvedState>(std::move(*read));
   }
   const Pose X_GT = params_.X_WG.inverse() * Pose(command.X_WT);

@@ -19,7 +19,6 @@
 #include "session/setup/recorded_config.h"
 #include "simulation/engine/state_hash.h"
 #include "simulation/engine/tool_change.h"
-#include "simulation/files/carved_file.h"
 
 namespace osteon::session {
 namespace {
@@ -56,6 +55,13 @@ tl::expected<Scene, std::string> SetUpScene(const io::Recording& recording, cons
   return scene;
 }
 
+// A pass's state as its file has it. @returns why it cannot be read, or is another one; empty: it is right
+std::string CheckFile(const std::string& name, const fs::path& folder, const SessionFile& session,
+                      const simulation::Bone& bone) {
+  const auto state = ReadSessionState(folder, session, name, bone);
+  return state ? "" : state.error();
+}
+
 void CompareState(const std::string& name, const std::string& expected,
                   const simulation::CuttingEngine& engine, SessionReplay& replay) {
   const std::string found = simulation::HashText(engine.Snapshot());
@@ -78,14 +84,18 @@ std::string CutAgain(const io::Recording& recording, const SessionFile& session,
     return fmt::format("found a bone of {}, accepted the session's, {}: it was packed by other demands",
                        uncut, session.bone_checksum);
   if (!segment.begin_state.empty()) {
-    auto state = simulation::ReadCarvedState(folder / segment.begin_state, scene.setup.bone);
-    if (!state) return state.error().Text();
+    auto state = ReadSessionState(folder, session, segment.begin_state, scene.setup.bone);
+    if (!state) return state.error();
     (*engine)->Restore(simulation::WithoutContact(std::move(*state)));
   }
   Recarve recarve(**engine, scene.setup.config.servo.law);
   std::vector<SessionPass> passes;
-  for (const SessionPass& pass : session.passes)
-    if (pass.segment == index) passes.push_back(pass);
+  for (const SessionPass& pass : session.passes) {
+    if (pass.segment != index) continue;
+    if (std::string wrong = CheckFile(pass.state, folder, session, scene.setup.bone); !wrong.empty())
+      return wrong;
+    passes.push_back(pass);
+  }
   std::size_t tick = 0, pass = 0;
   const auto end_passes = [&](rt::Nanoseconds next_stamp) {
     for (; pass < passes.size() && passes[pass].end < next_stamp; ++pass)
@@ -130,7 +140,12 @@ int RunReplaySession(const SessionReplayOptions& options) {
     if (std::find(recordings.begin(), recordings.end(), segment.recording) == recordings.end() &&
         (segment.begin != 0 || HasBegun(options.session / segment.recording)))
       recordings.push_back(segment.recording);
-  bool identical = !recordings.empty();
+  if (recordings.empty())
+    return Fail("replay",
+                fmt::format("{}: found no recording that was begun, accepted a session with one",
+                            (options.session / kSessionFileName).string()),
+                kFailed);
+  bool identical = true;
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   fmt::print("Osteon replay: session {}\n", options.session.string());
   for (const std::string& name : recordings) {
@@ -158,6 +173,9 @@ int RunReplaySession(const SessionReplayOptions& options) {
     if (!replay.loop.why_not.empty()) fmt::print("  {:<18} {}\n", "Not run", replay.loop.why_not);
     if (!replay.first_different.empty()) fmt::print("  {:<18} {}\n", "Other state", replay.first_different);
     if (!wrong.empty()) fmt::print("  {:<18} {}\n", "Reason", wrong);
+    if (recording && !recording->complete)
+      fmt::print("  {:<18} the recording ends early, at byte {}: what follows was not run again\n",
+                 "Not whole", recording->read_bytes);
     rows.push_back(ToJson(replay, wrong));
   }
   if (!options.json.empty()) {

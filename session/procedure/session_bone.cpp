@@ -1,5 +1,6 @@
 #include "session/procedure/session_bone.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -18,6 +19,8 @@
 #include "session/planning/planned_cell.h"
 #include "session/procedure/session_file.h"
 #include "simulation/bone/scenes.h"
+#include "simulation/engine/state_hash.h"
+#include "simulation/files/carved_file.h"
 
 namespace osteon::session {
 namespace {
@@ -58,6 +61,20 @@ tl::expected<void, std::string> WriteSessionBone(const std::filesystem::path& fo
       .checksum = ChecksumOf(bytes), .balls = bone.balls.size(), .points = bone.points.size()};
   return base::WriteText(folder / kSessionBoneName,
                          std::string(reinterpret_cast<const char*>(&header), sizeof header) + bytes);
+}
+
+tl::expected<simulation::CarvedState, std::string> ReadSessionState(const std::filesystem::path& folder,
+                                                                    const SessionFile& session,
+                                                                    const std::string& name,
+                                                                    const simulation::Bone& bone) {
+  auto state = simulation::ReadCarvedState(folder / name, bone);
+  if (!state) return tl::make_unexpected(state.error().Text());
+  const auto pass = std::ranges::find(session.passes, name, &SessionPass::state);
+  const std::string found = simulation::HashText(*state);
+  if (pass == session.passes.end() || pass->state_hash.empty() || pass->state_hash == found)
+    return std::move(*state);
+  return tl::make_unexpected(fmt::format("{}: found a state of {}, accepted that of {} after pass {}",
+                                         (folder / name).string(), found, pass->state_hash, pass->number));
 }
 
 std::optional<PackedBone> ReadSessionBone(const std::filesystem::path& folder) {

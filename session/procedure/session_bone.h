@@ -7,6 +7,7 @@
 
 #include <tl/expected.hpp>
 
+#include "session/procedure/session_file.h"
 #include "session/setup/cell_setup.h"
 #include "simulation/bone/bone.h"
 
@@ -26,6 +27,13 @@ struct PackedBone {
 /// Writes FOLDER/bone.packed with every bit of balls and mass points. It appears whole or not at all.
 [[nodiscard]] tl::expected<void, std::string> WriteSessionBone(const std::filesystem::path& folder,
                                                                const simulation::Bone& bone);
+/// Reads a saved state of a session. The error names the file: it cannot be read, or it is not the state that
+/// session.json says (its hash).
+/// @param name  of a pass's state
+[[nodiscard]] tl::expected<simulation::CarvedState, std::string> ReadSessionState(
+    const std::filesystem::path& folder, const SessionFile& session, const std::string& name,
+    const simulation::Bone& bone);
+
 /// Nothing where there is no such file, or it is not whole (sizes, checksum).
 [[nodiscard]] std::optional<PackedBone> ReadSessionBone(const std::filesystem::path& folder);
 

@@ -1,8 +1,9 @@
 #include "session/procedure/session_file.h"
 
+#include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <system_error>
 
@@ -11,6 +12,7 @@
 
 #include "base/fnv1a.h"
 #include "base/json_text.h"
+#include "base/read_text.h"
 #include "base/write_text.h"
 
 namespace osteon::session {
@@ -19,18 +21,86 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kSchema = "osteon.session/1";
+constexpr std::int64_t kMaxStamp = std::int64_t{1} << 62;
+constexpr double kMaxFigure = 1e9, kMaxToGo_mm = 1e4, kMaxDiameter_mm = 500.0;
 
 // A state's or a recording's file lies in the session's folder itself.
 void RequireName(const std::string& key, const std::string& name) {
   if (name.empty()) return;
   const std::filesystem::path path(name);
-  if (path != path.filename() || name == "." || name == "..")
+  if (path != path.filename() || name == "." || name == ".." || name.find('\0') != std::string::npos)
     throw std::runtime_error(
         fmt::format("{}: found \"{}\", accepted the name of a file in the session's folder", key, name));
 }
 
+[[noreturn]] void Refuse(const char* key, const json* found, const std::string& accepted) {
+  constexpr std::size_t kShown = 60;
+  throw std::runtime_error(fmt::format(
+      "{}: found {}, accepted {}", key,
+      found ? found->dump(-1, ' ', false, json::error_handler_t::replace).substr(0, kShown) : "none",
+      accepted));
+}
+
+const json& At(const json& object, const char* key, const char* accepted) {
+  if (!object.is_object()) Refuse(key, nullptr, accepted);
+  const auto at = object.find(key);
+  if (at == object.end()) Refuse(key, nullptr, accepted);
+  return *at;
+}
+
+std::string ReadText(const json& object, const char* key) {
+  const json& value = At(object, key, "a text");
+  if (!value.is_string()) Refuse(key, &value, "a text");
+  return value.get<std::string>();
+}
+
+bool ReadBool(const json& object, const char* key) {
+  const json& value = At(object, key, "true or false");
+  if (!value.is_boolean()) Refuse(key, &value, "true or false");
+  return value.get<bool>();
+}
+
+double ReadNumber(const json& object, const char* key, double min, double max) {
+  const std::string accepted = fmt::format("{:g} … {:g}", min, max);
+  const json& value = At(object, key, accepted.c_str());
+  if (!value.is_number() || !(value.get<double>() >= min && value.get<double>() <= max))
+    Refuse(key, &value, accepted);
+  return value.get<double>();
+}
+
+std::int64_t ReadWhole(const json& object, const char* key, std::int64_t min, std::int64_t max) {
+  const std::string accepted = fmt::format("a whole number, {} … {}", min, max);
+  const json& value = At(object, key, accepted.c_str());
+  const bool is_whole =
+      value.is_number_integer() &&
+      (!value.is_number_unsigned() || value.get<std::uint64_t>() <= static_cast<std::uint64_t>(kMaxStamp));
+  if (!is_whole || value.get<std::int64_t>() < min || value.get<std::int64_t>() > max)
+    Refuse(key, &value, accepted);
+  return value.get<std::int64_t>();
+}
+
+const json& ReadList(const json& object, const char* key) {
+  const json& value = At(object, key, "a list");
+  if (!value.is_array()) Refuse(key, &value, "a list");
+  return value;
+}
+
+template <std::size_t N>
+std::array<double, N> ReadNumbers(const json& object, const char* key, double min, double max) {
+  const std::string accepted = fmt::format("{} numbers, {:g} … {:g}", N, min, max);
+  const json& list = At(object, key, accepted.c_str());
+  if (!list.is_array() || list.size() != N) Refuse(key, &list, accepted);
+  std::array<double, N> numbers{};
+  for (std::size_t i = 0; i < N; ++i) {
+    if (!list[i].is_number() || !(list[i].get<double>() >= min && list[i].get<double>() <= max))
+      Refuse(key, &list[i], accepted);
+    numbers[i] = list[i].get<double>();
+  }
+  return numbers;
+}
+
 std::string ReadName(const json& object, const char* key) {
-  std::string name = object.at(key).get<std::string>();
+  std::string name = ReadText(object, key);
   RequireName(key, name);
   return name;
 }
@@ -64,42 +134,43 @@ json PassJson(const SessionPass& p, const SessionFile& session) {
 }
 
 int ReadToolIndex(const json& object, const SessionFile& session) {
-  const int index = object.at("tool_index").get<int>();
-  if (index < 0 || index >= static_cast<int>(session.diameters_mm.size()))
-    throw std::runtime_error(fmt::format("tool_index: found {}, accepted 0 … {}", index,
-                                         static_cast<int>(session.diameters_mm.size()) - 1));
-  return index;
+  return static_cast<int>(
+      ReadWhole(object, "tool_index", 0, static_cast<std::int64_t>(session.diameters_mm.size()) - 1));
 }
 
 SessionSegment ReadSegment(const json& object, const SessionFile& session) {
-  return {.tool_index = ReadToolIndex(object, session),
-          .recording = ReadName(object, "recording"),
-          .begin = object.at("begin_ns").get<rt::Nanoseconds>(),
-          .end = object.at("end_ns").get<rt::Nanoseconds>(),
-          .begin_state = ReadName(object, "begin_state"),
-          .begin_state_hash = object.at("begin_state_hash").get<std::string>(),
-          .end_state = ReadName(object, "end_state"),
-          .end_state_hash = object.at("end_state_hash").get<std::string>(),
-          .guidance_gain = object.at("guidance_gain").get<double>()};
+  SessionSegment segment{.tool_index = ReadToolIndex(object, session),
+                         .recording = ReadName(object, "recording"),
+                         .begin = ReadWhole(object, "begin_ns", 0, kMaxStamp),
+                         .end = ReadWhole(object, "end_ns", 0, kMaxStamp),
+                         .begin_state = ReadName(object, "begin_state"),
+                         .begin_state_hash = ReadText(object, "begin_state_hash"),
+                         .end_state = ReadName(object, "end_state"),
+                         .end_state_hash = ReadText(object, "end_state_hash"),
+                         .guidance_gain = ReadNumber(object, "guidance_gain", 0.0, 1.0)};
+  if (segment.recording.empty()) Refuse("recording", nullptr, "the name of a recording");
+  if (segment.end != 0 && segment.end < segment.begin)
+    Refuse("end_ns", &object.at("end_ns"), "0, or no less than begin_ns");
+  return segment;
 }
 
-SessionPass ReadPass(const json& object, const SessionFile& session) {
-  SessionPass pass{.number = object.at("number").get<int>(),
-                   .segment = object.at("segment").get<int>(),
+// @param number  that the pass must have
+SessionPass ReadPass(const json& object, const SessionFile& session, std::int64_t number) {
+  SessionPass pass{.number = static_cast<int>(ReadWhole(object, "number", number, number)),
+                   .segment = static_cast<int>(ReadWhole(
+                       object, "segment", 0, static_cast<std::int64_t>(session.segments.size()) - 1)),
                    .tool_index = ReadToolIndex(object, session),
-                   .begin = object.at("begin_ns").get<rt::Nanoseconds>(),
-                   .end = object.at("end_ns").get<rt::Nanoseconds>(),
-                   .cutting_s = object.at("cutting_s").get<double>(),
-                   .removed_mm3 = object.at("removed_mm3").get<double>(),
+                   .begin = ReadWhole(object, "begin_ns", 0, kMaxStamp),
+                   .end = ReadWhole(object, "end_ns", 0, kMaxStamp),
+                   .cutting_s = ReadNumber(object, "cutting_s", 0.0, kMaxFigure),
+                   .removed_mm3 = ReadNumber(object, "removed_mm3", 0.0, kMaxFigure),
                    .state = ReadName(object, "state"),
-                   .state_hash = object.at("state_hash").get<std::string>(),
-                   .undone = object.at("undone").get<bool>()};
+                   .state_hash = ReadText(object, "state_hash"),
+                   .undone = ReadBool(object, "undone")};
+  if (pass.end < pass.begin) Refuse("end_ns", &object.at("end_ns"), "no less than begin_ns");
   if (const auto to_go = object.find("to_go_mm"); to_go != object.end() && !to_go->is_null())
-    pass.to_go_mm = to_go->get<double>();
-  if (pass.segment < 0 || pass.segment >= static_cast<int>(session.segments.size()))
-    throw std::runtime_error(fmt::format("segment: found {}, accepted 0 … {}", pass.segment,
-                                         static_cast<int>(session.segments.size()) - 1));
-  if (pass.state.empty()) throw std::runtime_error("state: found none, accepted the file of a carved state");
+    pass.to_go_mm = ReadNumber(object, "to_go_mm", -kMaxToGo_mm, kMaxToGo_mm);
+  if (pass.state.empty()) Refuse("state", nullptr, "the file of a carved state");
   return pass;
 }
 
@@ -114,13 +185,19 @@ json PoseJson(const PlainPose& plain) {
 }
 
 PlainPose ReadPose(const json& rows) {
+  constexpr const char* kAccepted = "three rows [R | p] of a pose in m";
   Pose X = Pose::Identity();
+  const bool is_list = rows.is_array() && rows.size() == 3;
   for (std::size_t row = 0; row < 3; ++row)
-    for (std::size_t column = 0; column < 4; ++column)
+    for (std::size_t column = 0; column < 4; ++column) {
+      if (!is_list || !rows[row].is_array() || rows[row].size() != 4 || !rows[row][column].is_number())
+        Refuse("cup_X_GT", &rows, kAccepted);
       X.matrix()(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)) =
-          rows.at(row).at(column).get<double>();
-  if (!X.matrix().allFinite() || (X.linear() * X.linear().transpose() - Matrix3::Identity()).norm() > 1e-6)
-    throw std::runtime_error("cup_X_GT: accepted three rows of a pose");
+          rows[row][column].get<double>();
+    }
+  if (!X.matrix().allFinite() || (X.linear() * X.linear().transpose() - Matrix3::Identity()).norm() > 1e-6 ||
+      X.linear().determinant() < 0.0)
+    Refuse("cup_X_GT", &rows, kAccepted);
   return X;
 }
 
@@ -171,44 +248,60 @@ std::string ToJson(const SessionFile& session) {
 }
 
 tl::expected<SessionFile, std::string> ParseSession(const std::string& text) {
+  std::string place;  // of what is read: "passes[2]: "
   try {
     const json all = json::parse(text);
-    if (const std::string schema = all.at("schema").get<std::string>(); schema != kSchema)
+    if (const std::string schema = ReadText(all, "schema"); schema != kSchema)
       return tl::make_unexpected(fmt::format("schema: found \"{}\", accepted \"{}\"", schema, kSchema));
-    SessionFile session{.cell = all.at("cell").get<std::string>(),
-                        .cell_file = all.at("cell_file").get<std::string>(),
+    const json& checksums = At(all, "checksums", "the checksums of plan, cell and bone");
+    SessionFile session{.cell = ReadText(all, "cell"),
+                        .cell_file = ReadText(all, "cell_file"),
                         .plan_file = ReadName(all, "plan"),
-                        .plan_name = all.value("plan_name", ""),
-                        .plan_checksum = all.at("checksums").at("plan").get<std::string>(),
-                        .cell_checksum = all.at("checksums").at("cell").get<std::string>(),
-                        .bone_checksum = all.at("checksums").at("bone").get<std::string>(),
-                        .scene = all.at("scene").get<std::string>(),
+                        .plan_name = all.contains("plan_name") ? ReadText(all, "plan_name") : "",
+                        .plan_checksum = ReadText(checksums, "plan"),
+                        .cell_checksum = ReadText(checksums, "cell"),
+                        .bone_checksum = ReadText(checksums, "bone"),
+                        .scene = ReadText(all, "scene"),
                         .mesh_file = {},
-                        .tool = all.at("tool").get<std::string>(),
-                        .diameters_mm = all.at("diameters_mm").get<std::vector<double>>(),
-                        .tool_change = all.at("tool_change").get<std::string>(),
-                        .clock = all.at("clock").get<std::string>(),
+                        .tool = ReadText(all, "tool"),
+                        .diameters_mm = {},
+                        .tool_change = ReadText(all, "tool_change"),
+                        .clock = ReadText(all, "clock"),
                         .gains = {},
-                        .ended = all.at("ended").get<bool>(),
+                        .ended = ReadBool(all, "ended"),
                         .segments = {},
                         .passes = {},
                         .cup_X_GT = {}};
-    const json& gains = all.at("gains");
-    session.gains = {.law = gains.at("law").get<std::string>(),
-                     .stiffness_N_per_mm = gains.at("stiffness_N_per_mm").get<double>(),
-                     .damping_Ns_per_m = gains.at("damping_Ns_per_m").get<double>(),
-                     .mass_kg = gains.at("mass_kg").get<std::array<double, 3>>(),
-                     .drag_Ns_per_m = gains.at("drag_Ns_per_m").get<std::array<double, 3>>()};
-    if (const auto mesh = all.find("mesh"); mesh != all.end() && !mesh->is_null()) {
-      session.mesh_file = mesh->at("file").get<std::string>();
-      session.mesh_scale = mesh->at("scale").get<double>();
+    for (const json& diameter : ReadList(all, "diameters_mm")) {
+      if (!diameter.is_number() ||
+          !(diameter.get<double>() > 0.0 && diameter.get<double>() <= kMaxDiameter_mm))
+        Refuse("diameters_mm", &diameter, fmt::format("more than 0, at most {:g}", kMaxDiameter_mm));
+      session.diameters_mm.push_back(diameter.get<double>());
     }
-    for (const json& segment : all.at("segments")) session.segments.push_back(ReadSegment(segment, session));
-    for (const json& pass : all.at("passes")) session.passes.push_back(ReadPass(pass, session));
-    if (const json& cup = all.at("cup_X_GT"); !cup.is_null()) session.cup_X_GT = ReadPose(cup);
+    const json& gains = At(all, "gains", "the gains of the session's start");
+    session.gains = {.law = ReadText(gains, "law"),
+                     .stiffness_N_per_mm = ReadNumber(gains, "stiffness_N_per_mm", 0.0, kMaxFigure),
+                     .damping_Ns_per_m = ReadNumber(gains, "damping_Ns_per_m", 0.0, kMaxFigure),
+                     .mass_kg = ReadNumbers<3>(gains, "mass_kg", 0.0, kMaxFigure),
+                     .drag_Ns_per_m = ReadNumbers<3>(gains, "drag_Ns_per_m", 0.0, kMaxFigure)};
+    if (const auto mesh = all.find("mesh"); mesh != all.end() && !mesh->is_null()) {
+      session.mesh_file = ReadText(*mesh, "file");
+      session.mesh_scale = ReadNumber(*mesh, "scale", 1e-9, kMaxFigure);
+    }
+    for (const json& segment : ReadList(all, "segments")) {
+      place = fmt::format("segments[{}]: ", session.segments.size());
+      session.segments.push_back(ReadSegment(segment, session));
+    }
+    for (const json& pass : ReadList(all, "passes")) {
+      place = fmt::format("passes[{}]: ", session.passes.size());
+      session.passes.push_back(ReadPass(pass, session, static_cast<std::int64_t>(session.passes.size()) + 1));
+    }
+    place.clear();
+    if (const json& cup = At(all, "cup_X_GT", "three rows of a pose, or null"); !cup.is_null())
+      session.cup_X_GT = ReadPose(cup);
     return session;
   } catch (const std::exception& error) {
-    return tl::make_unexpected(std::string(error.what()));
+    return tl::make_unexpected(place + error.what());
   }
 }
 
@@ -219,13 +312,29 @@ tl::expected<void, std::string> WriteSession(const std::filesystem::path& folder
 
 tl::expected<SessionFile, std::string> ReadSession(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / kSessionFileName;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream)
+  if (std::error_code error; !std::filesystem::is_regular_file(path, error) || !std::ifstream(path))
     return tl::make_unexpected(path.string() + ": found no readable file, accepted the folder of a session");
-  const std::string text(std::istreambuf_iterator<char>(stream), {});
-  auto session = ParseSession(text);
+  auto session = ParseSession(base::ReadText(path));
   if (!session) return tl::make_unexpected(path.string() + ": " + session.error());
   return session;
+}
+
+int LastNumber(const std::filesystem::path& folder, const std::string& prefix, const std::string& extension) {
+  int last = 0;
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.size() <= prefix.size() + extension.size() || !name.starts_with(prefix) ||
+        !name.ends_with(extension))
+      continue;
+    int number = 0;
+    const char* const from = name.data() + prefix.size();
+    const char* const to = name.data() + name.size() - extension.size();
+    if (const auto read = std::from_chars(from, to, number); read.ec == std::errc() && read.ptr == to)
+      last = std::max(last, number);
+  }
+  return last;
 }
 
 std::string TextChecksum(const std::string& text) {

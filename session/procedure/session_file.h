@@ -58,6 +58,10 @@ struct SessionGains {
   std::array<double, 3> mass_kg{}, drag_Ns_per_m{};  ///< of the virtual tool; zero under the impedance law
 };
 
+/// The largest number N of the files PREFIX N EXTENSION in a folder, such as run_2.mcap; 0: there is none.
+[[nodiscard]] int LastNumber(const std::filesystem::path& folder, const std::string& prefix,
+                             const std::string& extension);
+
 /// The content of session.json.
 struct SessionFile {
   std::string cell;       ///< name of the cell's file, without its ending
@@ -86,6 +90,9 @@ struct SessionFile {
 };
 
 inline constexpr const char* kSessionFileName = "session.json";
+/// Names of recordings and states, around their numbers: run_2.mcap, state_1.carved.
+inline constexpr const char *kRecordingPrefix = "run_", *kRecordingEnding = ".mcap", *kStatePrefix = "state_",
+                            *kStateEnding = ".carved";
 
 [[nodiscard]] std::string ToJson(const SessionFile& session);
 /// The error names the key, what was found and what is accepted.

@@ -29,7 +29,6 @@
 #include "session/summary/run_report.h"
 #include "session/summary/summary.h"
 #include "simulation/engine/tool_change.h"
-#include "simulation/files/carved_file.h"
 
 namespace osteon::session {
 namespace {
@@ -98,8 +97,8 @@ std::string TakeSession(const std::filesystem::path& folder, const RecordedSessi
   run.session_cut = std::make_shared<const SessionCut>(std::move(*cut));
   const std::string name = session.file.LastState();
   if (name.empty()) return "";  // the uncut bone
-  auto state = simulation::ReadCarvedState(folder / name, setup.bone);
-  if (!state) return state.error().Text();
+  auto state = ReadSessionState(folder, session.file, name, setup.bone);
+  if (!state) return state.error();
   engine.Restore(simulation::WithoutContact(std::move(*state)));
   return "";
 }

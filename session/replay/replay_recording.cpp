@@ -65,6 +65,10 @@ void Print(const ReplayOptions& options, const io::Recording& recording, const R
   fmt::print("  {:<18} {} ({})\n", "Recorded by", Shown(recording.session.version),
              Shown(recording.session.build));
   fmt::print("  {:<18} {}\n", "Ticks run again", result.ticks);
+  if (!recording.complete)
+    fmt::print(
+        "  {:<18} the recording ends early, at byte {} (`osteon export --recover` makes a whole one)\n",
+        "Not whole", recording.read_bytes);
   if (result.not_run > 0)
     fmt::print("  {:<18} {}: {}{}\n", "Not run", result.not_run, result.why_not,
                result.identical ? " (the run was killed)" : "");

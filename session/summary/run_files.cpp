@@ -31,6 +31,13 @@ std::string FirstFree(const std::string& name, const IsFree& is_free) {
   return free;
 }
 
+// "run_2_stop_1.html": of a session's recording, which itself lies in the session's folder.
+bool IsOfSessionsRecording(const std::string& name) {
+  if (!name.starts_with("run_")) return false;
+  const std::size_t end = name.find_first_not_of("0123456789", 4);
+  return end != std::string::npos && end > 4 && name[end] == '_';
+}
+
 }  // namespace
 
 fs::path ReportPage(const fs::path& recording) {
@@ -115,7 +122,8 @@ std::vector<fs::path> FilesOfDemo(const fs::path& folder) {
     const std::string name = entry->path().filename().string();
     if (!entry->is_regular_file(error)) continue;
     const bool of_recording = name.starts_with("recording.") || name.starts_with("recording_");
-    if (of_recording || name == "summary.json" || name == "report.html") files.push_back(entry->path());
+    if (of_recording || IsOfSessionsRecording(name) || name == "summary.json" || name == "report.html")
+      files.push_back(entry->path());
   }
   std::sort(files.begin(), files.end());
   return files;

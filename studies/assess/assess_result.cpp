@@ -203,19 +203,35 @@ tl::expected<Norms, std::string> ReadNorms(const std::vector<fs::path>& folders)
 Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const session::SessionPass> passes) {
   const int last = static_cast<int>(plan.tools.size()) - 1;
   std::optional<double> to_go_mm;
+  bool by_a_tool = true;
   for (const session::SessionPass& pass : passes)
-    if (!pass.undone && pass.tool_index == last)
-      to_go_mm = std::min(to_go_mm.value_or(1e9), pass.to_go_mm.value_or(0.0));
-  if (!to_go_mm)
+    if (!pass.undone && pass.tool_index == last) {
+      by_a_tool = false;
+      if (pass.to_go_mm) to_go_mm = std::min(to_go_mm.value_or(*pass.to_go_mm), *pass.to_go_mm);
+    }
+  if (by_a_tool)
     return {
         .text = fmt::format("no pass of its last tool, {:g} mm, counts", 1e3 * plan.tools.back().diameter_m),
         .by_a_tool = true};
+  if (!to_go_mm)
+    return {.text = "how far its last tool went is not in session.json (`to_go_mm`; an older session)"};
   if (*to_go_mm <= kMaxToGo_mm) return {};
   return {.text = fmt::format("its last tool stopped {:.1f} mm short of its planned depth, accepted {:g} mm",
                               *to_go_mm, kMaxToGo_mm)};
 }
 
 namespace {
+
+// Below this share of an item's points, or of the planned cavity, a person should look.
+constexpr double kFairShare = 0.5;
+
+// Says how much of the planned cavity is left, where that is most of it; empty: it is not.
+std::string LeftOf(const procedure::CavityResult& cavity) {
+  const double whole_m3 = cavity.under_m3 + cavity.removed_m3 - cavity.over_m3;
+  if (!(cavity.under_m3 > kFairShare * whole_m3)) return "";
+  return fmt::format("of the planned cavity {:.0f} of {:.0f} mm³ are left: the last tool is not at its depth",
+                     1e9 * cavity.under_m3, 1e9 * whole_m3);
+}
 
 // Reads, measures and scores a session.
 tl::expected<AssessResult, std::string> Measure(const fs::path& folder, const AssessOptions& options) {
@@ -231,6 +247,7 @@ tl::expected<AssessResult, std::string> Measure(const fs::path& folder, const As
   result.guided = result.session.guidance_gain > 0.0;
   result.pass_at = options.pass_at;
   result.unfinished = UnfinishedOf(result.session.plan.plan, result.session.file.passes);
+  if (result.unfinished.text.empty()) result.unfinished.text = LeftOf(result.session.assessment.cavity);
   auto norms = ReadNorms(options.norms);
   if (!norms) return tl::make_unexpected(norms.error());
   result.norms = std::move(*norms);
@@ -262,9 +279,6 @@ std::vector<TrendPoint> ReadTrend(const AssessResult& result) {
   return trend;
 }
 
-// Below this share of an item's points, or of the planned cavity, a person should look.
-constexpr double kFairShare = 0.5;
-
 // The metric's words for people.
 std::string TextOf(const std::string& metric) {
   for (const procedure::Metric& known : procedure::Metrics())
@@ -273,7 +287,7 @@ std::string TextOf(const std::string& metric) {
 }
 
 bool Passes(const AssessResult& result, double pass_at) {
-  return result.score.total >= pass_at && result.unfinished.text.empty();
+  return result.score.total >= pass_at && result.unfinished.text.empty() && result.session.missing.empty();
 }
 
 session::Verdict Judge(const AssessResult& result, const std::optional<double>& pass_at) {
@@ -282,6 +296,10 @@ session::Verdict Judge(const AssessResult& result, const std::optional<double>& 
     verdict.Add(result.unfinished.by_a_tool ? session::VerdictLevel::kBad : session::VerdictLevel::kWarning,
                 fmt::format("The plan is not finished: {}. The score says nothing of bone that is left.",
                             result.unfinished.text));
+  if (!result.session.missing.empty())
+    verdict.Add(session::VerdictLevel::kBad,
+                fmt::format("The recordings are not whole: {}. Every figure of the process lacks that.",
+                            result.session.missing));
   const auto& min_wall_m = result.session.assessment.min_wall_m;
   if (min_wall_m && *min_wall_m <= 0.0) verdict.Add(session::VerdictLevel::kBad, "A wall is cut through.");
   if (pass_at && result.score.total < *pass_at)
@@ -295,13 +313,6 @@ session::Verdict Judge(const AssessResult& result, const std::optional<double>& 
       verdict.Add(session::VerdictLevel::kWarning,
                   fmt::format("{}: {:.1f} of {:g} points.", TextOf(scored.item.metric), scored.points,
                               scored.item.weight));
-  const auto& cavity = result.session.assessment.cavity;
-  if (const double inside_m3 = cavity.removed_m3 - cavity.over_m3;
-      cavity.under_m3 > kFairShare * (cavity.under_m3 + inside_m3))
-    verdict.Add(
-        session::VerdictLevel::kWarning,
-        fmt::format("Of the planned cavity {:.0f} of {:.0f} mm³ are left: the last tool is not at its depth.",
-                    1e9 * cavity.under_m3, 1e9 * (cavity.under_m3 + inside_m3)));
   if (!result.session.file.ended)
     verdict.Add(session::VerdictLevel::kWarning, "The session's last process did not end in order.");
   return verdict;
@@ -344,6 +355,7 @@ Json AssessJson(const AssessResult& result) {
           {"guided", result.guided},
           {"pass_at", OrNull(result.pass_at)},
           {"finished", result.unfinished.text.empty()},
+          {"recordings_whole", result.session.missing.empty()},
           {"passed", result.pass_at ? Json(Passes(result, *result.pass_at)) : Json()},
           {"norms", norms}};
 }

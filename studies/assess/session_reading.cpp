@@ -13,7 +13,6 @@
 #include "io/recording/recording_reader.h"
 #include "session/procedure/session_bone.h"
 #include "simulation/bone/scene_events.h"
-#include "simulation/files/carved_file.h"
 
 namespace osteon::studies {
 namespace {
@@ -88,6 +87,7 @@ class SessionSums {
     for (const session::SessionPass& pass : session.file.passes) {
       session.passes.push_back({.pass = pass, .figures = {}});
       passes_.emplace_back(session.plan.plan, period_s);
+      removed_mm3_.push_back(0.0);
       if (!pass.undone) last_tool_ = pass.tool_index;
       if (!pass.undone) ++session.tools[static_cast<std::size_t>(pass.tool_index)].passes;
     }
@@ -137,6 +137,8 @@ class SessionSums {
     removed_m3_ = removed_m3;
     cutting_ = new_m3 > 0.0;
     const rt::Nanoseconds stamp = frame.model.pose_stamp;
+    for (std::size_t i = 0; cutting_ && i < passes_.size(); ++i)
+      if (IsIn(session_.passes[i].pass, stamp)) removed_mm3_[i] += 1e9 * new_m3;
     const Pose X_GP = X_GW_ * Pose(frame.model.X_WP);
     const Vector3 feed = X_GP.linear().col(2);
     proxy_m_ = X_GP.translation() - RadiusOf(ToolAt(stamp)) * feed;
@@ -155,6 +157,7 @@ class SessionSums {
     assessment.process = total_.Figures();
     for (std::size_t i = 0; i < tools_.size(); ++i) session_.tools[i].figures = tools_[i].Figures();
     for (std::size_t i = 0; i < passes_.size(); ++i) session_.passes[i].figures = passes_[i].Figures();
+    session_.missing = Missing();
     assessment.axis_G = axis_.value();
     assessment.min_wall_m = walls_.min_wall_m();
     if (const auto& cup = session_.file.cup_X_GT) {
@@ -167,6 +170,19 @@ class SessionSums {
   [[nodiscard]] bool IsIn(const session::SessionPass& pass, rt::Nanoseconds stamp) const {
     const session::SessionSegment& segment = session_.file.segments[static_cast<std::size_t>(pass.segment)];
     return segment.recording == recording_ && stamp >= pass.begin && stamp <= pass.end;
+  }
+  // What of the passes that count no recording holds: a recording may be torn, missing or another one's.
+  [[nodiscard]] std::string Missing() const {
+    constexpr double kShare = 0.01, kLittle_mm3 = 1.0;
+    std::string text;
+    for (std::size_t i = 0; i < passes_.size(); ++i) {
+      const session::SessionPass& pass = session_.passes[i].pass;
+      if (pass.undone || removed_mm3_[i] >= (1.0 - kShare) * pass.removed_mm3 - kLittle_mm3) continue;
+      text += fmt::format("{}of pass {} {} holds {:.0f} of {:.0f} mm³", text.empty() ? "" : "; ", pass.number,
+                          session_.file.segments[static_cast<std::size_t>(pass.segment)].recording,
+                          removed_mm3_[i], pass.removed_mm3);
+    }
+    return text;
   }
   // The tool of a time: that of the last segment of this recording that has begun.
   [[nodiscard]] int ToolAt(rt::Nanoseconds stamp) const {
@@ -201,6 +217,7 @@ class SessionSums {
   double period_s_;
   ProcessSums total_;
   std::vector<ProcessSums> tools_, passes_;
+  std::vector<double> removed_mm3_;  // of each pass, as the recordings hold it
   WallWatch walls_;
   procedure::ReamedAxis axis_;
   int last_tool_{0};
@@ -263,8 +280,8 @@ tl::expected<AssessedSession, std::string> ReadAssessedSession(const fs::path& f
   if (const std::string last = session.file.LastState(); last.empty()) {
     session.state = Uncut(session.bone);
   } else {
-    auto state = simulation::ReadCarvedState(folder / last, session.bone);
-    if (!state) return tl::make_unexpected(state.error().Text());
+    auto state = session::ReadSessionState(folder, session.file, last, session.bone);
+    if (!state) return tl::make_unexpected(state.error());
     session.state = std::move(*state);
   }
   for (const session::SessionSegment& segment : session.file.segments)

@@ -51,6 +51,8 @@ struct AssessedSession {
   std::vector<PassFigures> passes{};
   SessionTrace trace{};
   double guidance_gain{0.0};  ///< the largest of any segment
+  /// The passes that count and are not whole in the recordings: "pass 2: …"; empty: all are.
+  std::string missing{};
 };
 
 /// Reads FOLDER/session.json, plan, recordings and the last state that counts, and measures them.

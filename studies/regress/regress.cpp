@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <fstream>
-#include <iterator>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -15,6 +13,7 @@
 
 #include "base/interrupt.h"
 #include "base/phase_progress.h"
+#include "base/read_text.h"
 #include "base/write_text.h"
 #include "config/reading/config_file_tracker.h"
 #include "config/reading/load_scenario.h"
@@ -148,9 +147,7 @@ std::string InputsOf(const std::vector<config::ScenarioConfig>& scenarios,
   std::string text =
       fmt::format("exact {} device {} set {}\n", options.exact, options.device, fmt::join(options.set, " "));
   const auto add = [&](const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    text += file.filename().string() + "\n";
-    text.append(std::istreambuf_iterator<char>(stream), {});
+    text += file.filename().string() + "\n" + base::ReadText(file);
   };
   for (const config::ConfigFileTracker::File& file : tracker.files()) add(file.path);
   for (const config::ScenarioConfig& scenario : scenarios) add(scenario.golden());

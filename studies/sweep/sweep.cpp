@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <fstream>
-#include <iterator>
 #include <optional>
 
 #include <fmt/format.h>
@@ -12,6 +10,7 @@
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "base/phase_progress.h"
+#include "base/read_text.h"
 #include "base/write_text.h"
 #include "config/reading/config_file_tracker.h"
 #include "config/reading/load_scenario.h"
@@ -86,11 +85,8 @@ std::vector<SweepOutcome> RunAll(const config::SweepConfig& sweep, const config:
 // Everything that runs depend on: options, and the files of sweep, scenario and cell by name and content.
 std::string InputsOf(const config::ConfigFileTracker& tracker, const SweepOptions& options) {
   std::string text = fmt::format("device {} set {}\n", options.device, fmt::join(options.set, " "));
-  for (const config::ConfigFileTracker::File& file : tracker.files()) {
-    std::ifstream stream(file.path, std::ios::binary);
-    text += file.path.filename().string() + "\n";
-    text.append(std::istreambuf_iterator<char>(stream), {});
-  }
+  for (const config::ConfigFileTracker::File& file : tracker.files())
+    text += file.path.filename().string() + "\n" + base::ReadText(file.path);
   return text;
 }
 

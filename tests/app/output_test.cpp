@@ -176,6 +176,27 @@ TEST(Output, WhatCanNotBeRightIsRefusedAtOnce) {
          "--record today.mcap: found a recording, of an earlier run; accepted a name that is free, or "
          "--overwrite");
   EXPECT_EQ(io::test::ReadAll(folder.path() / "today.mcap"), "evidence");
+  const std::string mcap = "\x89MCAP0\r\n and more", session = R"({"schema": "osteon.session/1"})";
+  for (const auto& [name, content] :
+       {std::pair("a.mcap", mcap), std::pair("a.stl", mcap),
+        std::pair("kept", std::string("OSTCARVE and more")), std::pair("s", session),
+        std::pair("p.yaml", std::string("scene: x")), std::pair("part", session)})
+    io::test::WriteAll(folder.path() / name, content);
+  std::filesystem::create_symlink("a.mcap", folder.path() / "link");
+  expect({"replay", "a.mcap", "--json", "a.mcap"}, "--json: found a.mcap, which recording names as well");
+  expect({"replay", "a.mcap", "--json", "./link"}, "--json: found ./link, which recording names as well");
+  expect({"export", "a.stl", "--surface", "a.stl"}, "--surface: found a.stl, which recording names as well");
+  expect({"export", "a.mcap", "--surface", "a.stl"}, "--surface: found a.stl, which is a recording");
+  expect({"doctor", "--json", "link"}, "--json: found link, which is a recording, accepted another file");
+  expect({"doctor", "--json", "kept"}, "--json: found kept, which is a carved state");
+  expect({"doctor", "--json", "s"}, "--json: found s, which is a session");
+  expect({"surgical-plan", "./p.yaml", "--json", "p.yaml"}, "--json: found p.yaml, which plan names as well");
+  expect({"demo", "--json", "new.mcap"},
+         "--json: found new.mcap, accepted a name that does not end with .mcap");
+  expect({"demo", "--json", ""}, "--json: found no name, accepted a file");
+  expect({"demo", "--out", ""}, "--out: found no name, accepted a folder");
+  EXPECT_EQ(io::test::ReadAll(folder.path() / "a.mcap"), mcap);
+  EXPECT_EQ(io::test::ReadAll(folder.path() / "p.yaml"), "scene: x");
   expect({"run", "thin_plate", "--simulated", "--json", "nowhere/run.json"},
          "--json nowhere/run.json: no folder");
 }

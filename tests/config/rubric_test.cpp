@@ -48,7 +48,16 @@ TEST(RubricFiles, AnUnknownMetricAndEqualNormsAreRefused) {
     return "";
   };
   const std::string norm = "{weight_points: 1, full_deg: 5, zero_deg: 5, source: x}";
-  EXPECT_NE(error("axis_error: " + norm).find(":1: zero_deg: found the same"), std::string::npos);
+  EXPECT_NE(error("axis_error: " + norm).find(":1: zero_deg: found 5, accepted more than full (5)"),
+            std::string::npos);
+  EXPECT_NE(error("coverage: {weight_points: 1, full_ratio: 0.6, zero_ratio: 0.7, source: x}")
+                .find(":1: zero_ratio: found 0.7, accepted less than full (0.6)"),
+            std::string::npos)
+      << "no item gains by a larger error";
+  EXPECT_NE(error("axis_error: {weight_points: 60, full_deg: 5, zero_deg: 10, source: x}\n"
+                  "path: {weight_points: 60, full_mm: 5, zero_mm: 10, source: x}\n")
+                .find(":2: weight_points: found 120 points"),
+            std::string::npos);
   EXPECT_NE(error("axes_error: " + norm).find("axis_error"), std::string::npos);
 }
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/cli/usage/output_paths.h"
 #include "config/reading/strict/nearest_key.h"
 
 namespace osteon::app {
@@ -100,6 +101,8 @@ std::string ValidateEnvironment(const CLI::App& app) {
   for (const CLI::Option* option : asked->get_options())
     if (option->get_name() == "--json" && option->count() > 0 && option->results().front() == "-")
       return name + ": --json: found -, accepted a file's name: stdout is for the text\n";
+  if (const std::string wrong = ValidateOutputPaths(*asked); !wrong.empty())
+    return name + ": " + wrong + "\n";
   std::error_code error;
   static_cast<void>(std::filesystem::temp_directory_path(error));
   if (!error || asked == &app) return "";

@@ -28,8 +28,8 @@ void AddEngineOption(CLI::App& sub, std::string& engine, const std::vector<std::
 /// one.
 [[nodiscard]] std::string UsageError(const CLI::App& app, const CLI::ParseError& error);
 
-/// Says what prevents any subcommand from working (`--json -`, a missing folder for temporary files), after
-/// the name of the requested one. Empty: nothing does.
+/// Says what prevents any subcommand from working (`--json -`, an output that would be written over evidence,
+/// a missing folder for temporary files), after the name of the requested one. Empty: nothing does.
 [[nodiscard]] std::string ValidateEnvironment(const CLI::App& app);
 
 }  // namespace osteon::app

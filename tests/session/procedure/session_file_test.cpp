@@ -2,6 +2,9 @@
 
 #include <string>
 
+#include <fstream>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "tests/temporary_path.h"
@@ -105,7 +108,44 @@ TEST(SessionFile, AToolThatThePlanDoesNotHaveIsRefused) {
   text.replace(text.find(index), index.size(), "\"tool_index\": 3");
   const auto again = ParseSession(text);
   ASSERT_FALSE(again);
-  EXPECT_EQ(again.error(), "tool_index: found 3, accepted 0 … 2");
+  EXPECT_EQ(again.error(), "segments[1]: tool_index: found 3, accepted a whole number, 0 … 2");
+}
+
+TEST(SessionFile, AWrongValueIsNamedWithItsPlace) {
+  const auto error = [](const std::string& from, const std::string& to) {
+    std::string text = ToJson(Sample());
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    const auto session = ParseSession(text.replace(at, from.size(), to));
+    return session ? "" : session.error();
+  };
+  const std::string end = "\"end_ns\": 7", stamps = "a whole number, 0 … 4611686018427387904";
+  EXPECT_EQ(error(end, "\"end_ns\": 1.5"), "passes[0]: end_ns: found 1.5, accepted " + stamps);
+  EXPECT_EQ(error(end, "\"end_ns\": \"7\""), "passes[0]: end_ns: found \"7\", accepted " + stamps);
+  EXPECT_EQ(error(end, "\"end_ns\": 18446744073709551615"),
+            "passes[0]: end_ns: found 18446744073709551615, accepted " + stamps);
+  EXPECT_EQ(error(end, "\"end_ns\": -1"), "passes[0]: end_ns: found -1, accepted " + stamps);
+  EXPECT_EQ(error(end, "\"end_ns\": 4"), "passes[0]: end_ns: found 4, accepted no less than begin_ns");
+  EXPECT_EQ(error(end, "\"end\": 7"), "passes[0]: end_ns: found none, accepted " + stamps);
+  EXPECT_EQ(error("\"number\": 2", "\"number\": 1"),
+            "passes[1]: number: found 1, accepted a whole number, 2 … 2");
+  EXPECT_EQ(error("\"guidance_gain\": 0.75", "\"guidance_gain\": -7"),
+            "segments[1]: guidance_gain: found -7, accepted 0 … 1");
+  EXPECT_EQ(error("\"recording\": \"run_1.mcap\"", "\"recording\": \"\""),
+            "segments[0]: recording: found none, accepted the name of a recording");
+  EXPECT_EQ(error("\"state\": \"state_1.carved\"", "\"state\": \"state_1\\u0000.carved\"").substr(0, 18),
+            "passes[0]: state: ");
+}
+
+TEST(SessionFile, TheLastNumberIsThatOfTheFilesInTheFolder) {
+  const std::filesystem::path folder = TemporaryPath("numbers");
+  EXPECT_EQ(LastNumber(folder, kRecordingPrefix, kRecordingEnding), 0) << "no folder";
+  std::filesystem::create_directories(folder);
+  for (const char* name : {"run_2.mcap", "run_11.mcap", "run_12.mcap.part", "run_.mcap", "run_x.mcap",
+                           "run_13", "state_3.carved", "run_1e3.mcap"})
+    std::ofstream(folder / name) << "";
+  EXPECT_EQ(LastNumber(folder, kRecordingPrefix, kRecordingEnding), 11);
+  EXPECT_EQ(LastNumber(folder, kStatePrefix, kStateEnding), 3);
 }
 
 TEST(SessionFile, AnotherSchemaIsRefused) {

@@ -48,14 +48,15 @@ TEST(RunFiles, AnEarlierDemoIsMovedIntoAFolderOfItsTime) {
   const auto kept = KeepEarlierDemo(folder.path());
   ASSERT_TRUE(kept) << kept.error();
   EXPECT_TRUE(kept->empty());
-  for (const char* name : {"recording.mcap", "recording_stop_1.html", "recording_ticks.csv", "summary.json",
-                           "report.html", "notes.txt", "records.csv"})
+  for (const char* name :
+       {"recording.mcap", "recording_stop_1.html", "recording_ticks.csv", "summary.json", "report.html",
+        "run_2_stop_1.html", "notes.txt", "records.csv", "run_x.html", "run_2026-11-26_report.html"})
     WriteAll(folder.path() / name, name);
   const auto earlier = KeepEarlierDemo(folder.path());
   ASSERT_TRUE(earlier) << earlier.error();
   EXPECT_EQ(earlier->filename().string().rfind("earlier_20", 0), 0u) << *earlier;
-  for (const char* name :
-       {"recording.mcap", "recording_stop_1.html", "recording_ticks.csv", "summary.json", "report.html"}) {
+  for (const char* name : {"recording.mcap", "recording_stop_1.html", "recording_ticks.csv", "summary.json",
+                           "report.html", "run_2_stop_1.html"}) {
     EXPECT_EQ(ReadAll(*earlier / name), name);
     EXPECT_FALSE(fs::exists(folder.path() / name));
   }

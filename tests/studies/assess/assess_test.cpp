@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -81,7 +82,8 @@ void MakeSession(const fs::path& folder) {
                   .end = end,
                   .removed_mm3 = 1e9 * run->after.removed_volume_m3,
                   .state = "state_1.carved",
-                  .state_hash = hash}};
+                  .state_hash = hash,
+                  .to_go_mm = 0.0}};
   ASSERT_TRUE(session::WriteSession(folder, file));
 }
 
@@ -222,8 +224,50 @@ TEST(AssessUnfinished, APlanNeedsAPassOfItsLastToolThatCountsAtItsDepth) {
   passes[1].to_go_mm = 1.4;
   EXPECT_NE(UnfinishedOf(plan, passes).text.find("1.4 mm short"), std::string::npos);
   EXPECT_FALSE(UnfinishedOf(plan, passes).by_a_tool);
+  passes[1].to_go_mm.reset();
+  EXPECT_NE(UnfinishedOf(plan, passes).text.find("not in session.json"), std::string::npos);
+  EXPECT_FALSE(UnfinishedOf(plan, passes).by_a_tool);
   passes[1].undone = true;
   EXPECT_TRUE(UnfinishedOf(plan, passes).by_a_tool);
+}
+
+// A torn or missing recording, or another one, must not make a session better.
+TEST_F(Assess, WhatTheRecordingsLackIsSaidAndNeverPasses) {
+  const fs::path copy = folder_->path() / "torn";
+  fs::copy(Session(), copy);
+  const auto whole = ReadAssessedSession(copy);
+  ASSERT_TRUE(whole) << whole.error();
+  EXPECT_EQ(whole->missing, "");
+  AssessOptions options = Options();
+  options.session = copy;
+  options.pass_at = 1.0;
+  EXPECT_EQ(RunAssess(options), 0);
+  fs::resize_file(copy / "run_1.mcap", fs::file_size(copy / "run_1.mcap") / 2);
+  const auto torn = ReadAssessedSession(copy);
+  ASSERT_TRUE(torn) << torn.error();
+  EXPECT_EQ(torn->missing.find("of pass 1 run_1.mcap holds "), 0u) << torn->missing;
+  EXPECT_EQ(RunAssess(options), 1);
+  const auto json = nlohmann::json::parse(ReadAll(copy / "assess.json"));
+  EXPECT_EQ(json.at("recordings_whole"), false);
+  EXPECT_EQ(json.at("passed"), false);
+  EXPECT_EQ(json.at("finished"), true);
+  fs::remove_all(copy);
+}
+
+TEST_F(Assess, AStateThatIsNotTheSessionsIsRefused) {
+  const fs::path copy = folder_->path() / "other_state";
+  fs::copy(Session(), copy);
+  auto file = session::ReadSession(copy);
+  ASSERT_TRUE(file) << file.error();
+  const std::string hash = std::exchange(file->passes.front().state_hash, "0123456789abcdef");
+  ASSERT_TRUE(session::WriteSession(copy, *file));
+  const auto other = ReadAssessedSession(copy);
+  ASSERT_FALSE(other);
+  EXPECT_NE(
+      other.error().find("state_1.carved: found a state of " + hash + ", accepted that of 0123456789abcdef"),
+      std::string::npos)
+      << other.error();
+  fs::remove_all(copy);
 }
 
 TEST_F(Assess, APlanThatWasChangedIsRefused) {
