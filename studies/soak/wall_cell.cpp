@@ -143,7 +143,7 @@ WallOutcome WallCell::Run(const WallEpisode& episode) {
 void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outcome) {
   const double give_up_s = Now_s() + kPatienceRatio * episode.seconds + kPatience_s;
   double use_s = 0.0, last_rendered_s = 0.0;
-  bool quarter = false;
+  bool half = false;
   while (!run_->Ended()) {
     const double now_s = Now_s();
     if (stop_() || now_s > give_up_s) {
@@ -167,9 +167,9 @@ void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outc
         use_s = now_s;
       }
       last_rendered_s = rendered_s;
-      if (!quarter && rendered_s > 0.25 * episode.seconds) {
-        outcome.quarter = UseOf(run_->pid());
-        quarter = true;
+      if (!half && rendered_s > 0.5 * episode.seconds) {
+        outcome.half = UseOf(run_->pid());
+        half = true;
       }
     }
     std::this_thread::sleep_for(kLooks);

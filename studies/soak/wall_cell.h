@@ -41,7 +41,7 @@ struct WallOutcome {
   std::string refused{};      ///< what the controller answered to a request that it refused
   std::filesystem::path recording{}, summary{};
   PartUses use{};                                    ///< the last ones
-  ProcessUse quarter{};                              ///< of the controller, after a quarter of its time
+  ProcessUse half{};                                 ///< of the controller, after half of its time
   std::array<std::uint64_t, kWallPages> messages{};  ///< that each page got
   /// At the end of the cell; absent: it goes on, or was killed.
   std::optional<CellReport> cell{};

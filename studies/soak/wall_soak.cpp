@@ -231,10 +231,10 @@ std::vector<std::string> JudgeGrowth(std::span<const WallResult> results) {
                                   growth.threads));
   }
   for (const WallResult& r : results) {
-    const double grew_MB = r.outcome.use[0].memory_MB - r.outcome.quarter.memory_MB;
+    const double grew_MB = r.outcome.use[0].memory_MB - r.outcome.half.memory_MB;
     if (r.episode.event == WallEvent::kLong && r.outcome.error.empty() && grew_MB > kMaxMemoryGrowth_MB)
-      wrong.push_back(
-          fmt::format("episode {}: the controller grew by {:.1f} MB within it", r.episode.index, grew_MB));
+      wrong.push_back(fmt::format("episode {}: the controller grew by {:.1f} MB in its second half",
+                                  r.episode.index, grew_MB));
   }
   return wrong;
 }

@@ -140,7 +140,8 @@ TEST(OperatorSection, TyposAreNamed) {
   EXPECT_EQ(ErrorOf(Changed(all, "mass_kg", "mas_kg")),
             "cell.yaml:4: unknown key \"mas_kg\"; did you mean \"mass_kg\"?");
   EXPECT_EQ(ErrorOf(Changed(kHand + kIncidents, "until_s: 4", "jerk_N: 4")),
-            "cell.yaml:16: unknown key \"jerk_N\"");
+            "cell.yaml:16: unknown key \"jerk_N\", accepted at_s, damping_Nms_per_rad, damping_Ns_per_m, "
+            "kind, return_ms, stiffness_N_per_m, stiffness_Nm_per_rad, until_s");
   EXPECT_NE(
       ErrorOf(kHand + "  incidents: []\n").find("incidents: found a list of 0, accepted a list of 1 … 8"),
       std::string::npos);

@@ -58,7 +58,10 @@ TEST(ScriptSection, OpeningComesInSI) {
 TEST(ScriptSection, RefusesAnotherKindsKeys) {
   std::string text = kDrilling;
   text.replace(text.find("drilling"), 8, "opening");
-  EXPECT_EQ(ErrorOf([&] { (void)Script(text); }), "cell.yaml:9: unknown key \"peck_count\"");
+  EXPECT_EQ(ErrorOf([&] { (void)Script(text); }),
+            "cell.yaml:9: unknown key \"peck_count\", accepted approach_force_N, duration_s, "
+            "full_force_depth_mm, kind, loop_period_s, max_target_mm_per_s, opening_radius_mm, push_force_N, "
+            "retract_height_mm, turn_count");
   text.replace(text.find("opening"), 7, "boring");
   EXPECT_NE(ErrorOf([&] { (void)Script(text); }).find("found boring, accepted reaming, drilling, opening"),
             std::string::npos)

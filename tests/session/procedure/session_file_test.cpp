@@ -108,7 +108,7 @@ TEST(SessionFile, AToolThatThePlanDoesNotHaveIsRefused) {
   text.replace(text.find(index), index.size(), "\"tool_index\": 3");
   const auto again = ParseSession(text);
   ASSERT_FALSE(again);
-  EXPECT_EQ(again.error(), "segments[1]: tool_index: found 3, accepted a whole number, 0 … 2");
+  EXPECT_EQ(again.error(), "passes[1]: tool_index: found 3, accepted a whole number, 0 … 2");
 }
 
 TEST(SessionFile, AWrongValueIsNamedWithItsPlace) {

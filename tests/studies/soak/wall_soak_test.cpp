@@ -53,7 +53,7 @@ WallResult Good(WallEvent event) {
   result.episode.event = event;
   result.episode.seconds = 20.0;
   result.outcome = {.exit = 0, .event_done = true, .messages = {300, 310, 0}};
-  result.outcome.quarter = {.memory_MB = 100.0};
+  result.outcome.half = {.memory_MB = 100.0};
   for (ProcessUse& use : result.outcome.use) use = {.memory_MB = 110.0, .files = 20, .threads = 30};
   result.ended = "completed";
   result.ticks = result.books.ticks = 20000;
@@ -168,7 +168,7 @@ TEST(WallSoak, TellsWhatGrowsFromWhatIsFlat) {
   EXPECT_THAT(JudgeGrowth(results), Contains(HasSubstr("cell: 8 open files")));
   WallResult longest = Good(WallEvent::kLong);
   longest.outcome.use[0].memory_MB = 150.0;
-  EXPECT_THAT(JudgeGrowth(std::vector{longest}), Contains(HasSubstr("within it")));
+  EXPECT_THAT(JudgeGrowth(std::vector{longest}), Contains(HasSubstr("in its second half")));
 }
 
 TEST(WallSoak, ItsPageAndJsonSayWhatIsWrong) {
