@@ -25,7 +25,8 @@ std::unique_ptr<RecordedProcedure> RecordedProcedure::Open(const std::filesystem
   const auto cell = LoadRecordedTools(info.config);
   if (!cell || cell->tools.empty()) return nullptr;
   try {
-    const auto loaded = config::LoadSurgicalPlan(recording.parent_path() / session->plan_file);
+    auto loaded = config::LoadSurgicalPlan(recording.parent_path() / session->plan_file);
+    if (!session->plan_name.empty()) loaded.plan.name = session->plan_name;
     if (loaded.plan.tools.size() != cell->tools.size()) return nullptr;
     return std::unique_ptr<RecordedProcedure>(
         new RecordedProcedure(recording, std::move(*session), loaded.plan, X_WG));
