@@ -30,8 +30,7 @@ struct ToolChoice {
 /// The refusal of a cell without `operator`, `script` and `simulated_arm`, where one is to be simulated.
 inline constexpr const char* kWithoutSimulation =
     "found a cell without operator, script and simulated_arm, accepted one with them: it is to be simulated. "
-    "A "
-    "real cell is tried on the one that it extends";
+    "A real cell is tried on the one that it extends";
 /// Refuses a cell without `operator`, `script` and `simulated_arm`, for a command that simulates it.
 /// @param path  of its file  @throws ConfigError
 void RequireSimulation(const CellConfig& cell, const std::filesystem::path& path);

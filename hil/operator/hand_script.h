@@ -16,7 +16,7 @@ struct HandKey {
   double tilt_rad{0.0};       ///< of the tool's axis away from the cup's
   double grip{1.0};           ///< share of the hand's wrench that reaches the tool, 0 … 1
   double swing_m{0.0};        ///< radius of the circle about the axis that the head's centre follows
-  /// Height at which the operator sees the work done, and pushes no further; kNever: the push goes on.
+  /// Height at which the operator sees the work done, and pushes no further; kNever_m: it goes on.
   double done_height_m{kNever_m};
   /// The tool that the operator sees cut stands higher than the head, by this much for each newton of the
   /// push: a coupling's spring.

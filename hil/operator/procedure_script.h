@@ -25,8 +25,7 @@ struct ProcedureScriptParams {
   double past_plan_m{0.015};
   /// The operator sees how far each tool is above its planned height, and lets up there; false: pushes on.
   bool sees_plan{true};
-  /// What the operator sees is the simulated tool, which the coupling's spring lets stand back from the
-  /// handle.
+  /// The operator sees the simulated tool, which the coupling's spring lets stand back from the handle.
   double coupling_N_per_m{20'000.0};
   double push_force_N{60.0};
   double approach_force_N{20.0};

@@ -27,7 +27,7 @@ class CellScene {
   /// Where the frames are at a tick. @param model  frame 0: none yet, and the proxy is left out
   [[nodiscard]] std::vector<io::FramePlace> Frames(const control::TickRecord& tick,
                                                    const simulation::ContactModel& model) const;
-  /// What does not change but with the tool: the arm's bodies, Tools, the zones.
+  /// The arm's bodies, Tools and the zones: they change with the tool alone.
   [[nodiscard]] std::vector<io::SceneEntity> Bodies(std::size_t tool) const;
   /// The tool in use in `tool` and, transparent, in `proxy`. @param tool  TickInput::tool_index
   [[nodiscard]] std::vector<io::SceneEntity> Tools(std::size_t tool) const;

@@ -55,13 +55,6 @@ tl::expected<Scene, std::string> SetUpScene(const io::Recording& recording, cons
   return scene;
 }
 
-// A pass's state as its file has it. @returns why it cannot be read, or is another one; empty: it is right
-std::string CheckFile(const std::string& name, const fs::path& folder, const SessionFile& session,
-                      const simulation::Bone& bone) {
-  const auto state = ReadSessionState(folder, session, name, bone);
-  return state ? "" : state.error();
-}
-
 void CompareState(const std::string& name, const std::string& expected,
                   const simulation::CuttingEngine& engine, SessionReplay& replay) {
   const std::string found = simulation::HashText(engine.Snapshot());
@@ -92,8 +85,8 @@ std::string CutAgain(const io::Recording& recording, const SessionFile& session,
   std::vector<SessionPass> passes;
   for (const SessionPass& pass : session.passes) {
     if (pass.segment != index) continue;
-    if (std::string wrong = CheckFile(pass.state, folder, session, scene.setup.bone); !wrong.empty())
-      return wrong;
+    if (const auto kept = ReadSessionState(folder, session, pass.state, scene.setup.bone); !kept)
+      return kept.error();
     passes.push_back(pass);
   }
   std::size_t tick = 0, pass = 0;

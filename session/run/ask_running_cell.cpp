@@ -76,7 +76,7 @@ void PrintProcedure(const nlohmann::json& procedure) {
     PrintRow("Guidance", fmt::format("{:g} of the plan's", gain->get<double>()));
 }
 
-// What a request has done, for the person who asked; `procedure` is null without a session.
+// Says to the person who asked what a request has done; `procedure` is null without a session.
 std::string DoneText(const std::string& request, const nlohmann::json& procedure) {
   if (request == "pause") return "the cell brakes to rest";
   if (request == "resume") return "motion begins once every condition holds";

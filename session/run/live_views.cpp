@@ -38,7 +38,7 @@ std::string WhyNoRecovery(const console::LiveStatus& status, const std::string& 
   return fmt::format("the cell is {}: a recovery is accepted at rest, before a stop is asked for", state);
 }
 
-// What the answers say of a procedure: the panel's figures, and the tool in words that need no plan.
+// The answers' part of a procedure: the panel's figures, and the tool in words that need no plan.
 nlohmann::json ProcedureStatus(const ProcedureSession& session) {
   const SessionFile file = session.File();
   const int tool = file.segments.empty() ? session.first_tool() : file.segments.back().tool_index;

@@ -18,8 +18,8 @@
 
 namespace osteon::session {
 
-/// What has to be known, beside a recording's own messages, to carve its bone: every tool, and what the
-/// session around it did before and took back later.
+/// The facts that carving a recording's bone needs beside its own messages: every tool, and what the session
+/// around it did before and took back later.
 struct RecordedCut {
   /// A pass that was taken back: stamps of its frames' poses.
   struct TakenBack {

@@ -15,7 +15,7 @@
 
 namespace osteon::session {
 
-/// What the page shows of a procedure along a recording of its session: the plan, and where the session stood
+/// The page's messages of a procedure along a recording of its session: the plan, and where the session stood
 /// at a time. The recording is read once in the background, since the panel counts from the tool's first cut.
 class RecordedProcedure {
  public:

@@ -171,7 +171,7 @@ class SessionSums {
     const session::SessionSegment& segment = session_.file.segments[static_cast<std::size_t>(pass.segment)];
     return segment.recording == recording_ && stamp >= pass.begin && stamp <= pass.end;
   }
-  // What of the passes that count no recording holds: a recording may be torn, missing or another one's.
+  // Names the passes that count and that no recording holds whole: one may be torn, missing or another's.
   [[nodiscard]] std::string Missing() const {
     constexpr double kShare = 0.01, kLittle_mm3 = 1.0;
     std::string text;

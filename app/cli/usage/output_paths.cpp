@@ -30,7 +30,8 @@ std::string NamedKind(const CLI::Option& option) {
   return type.find("FILE") != std::string::npos ? "file" : "";
 }
 
-// What an existing file is that nothing may be written over, by its first bytes; empty: something else.
+// Names the kind of an existing file that nothing may be written over, by its first bytes; empty: another
+// kind.
 std::string_view Evidence(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return "";
