@@ -1,6 +1,5 @@
 #include "config/reading/load_rubric.h"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,13 +19,12 @@ void CheckNorms(const procedure::Rubric& rubric,
   double points = 0.0;
   for (std::size_t i = 0; i < rubric.items.size(); ++i) {
     const procedure::RubricItem& item = rubric.items[i];
-    const auto metric = std::ranges::find_if(procedure::Metrics(),
-                                             [&](const auto& each) { return each.name == item.metric; });
-    if (metric->more_is_better ? item.zero >= item.full : item.zero <= item.full)
+    const procedure::Metric& metric = procedure::MetricNamed(item.metric);
+    if (metric.more_is_better ? item.zero >= item.full : item.zero <= item.full)
       sections[i].first.Refuse(
           sections[i].second,
-          fmt::format("found {:g}, accepted {} than full ({:g})", item.zero * metric->to_unit,
-                      metric->more_is_better ? "less" : "more", item.full * metric->to_unit));
+          fmt::format("found {:g}, accepted {} than full ({:g})", item.zero * metric.to_unit,
+                      metric.more_is_better ? "less" : "more", item.full * metric.to_unit));
     points += item.weight;
     if (points > kAllPoints + kRounding)
       sections[i].first.Refuse(

@@ -51,12 +51,6 @@ OsteonCupAngles AnglesIn(procedure::CupDefinition definition, const procedure::S
   return {.inclination_rad = angles.inclination_rad, .anteversion_rad = angles.anteversion_rad};
 }
 
-const procedure::Metric* MetricNamed(const std::string& name) {
-  for (const procedure::Metric& metric : procedure::Metrics())
-    if (name == metric.name) return &metric;
-  return nullptr;
-}
-
 }  // namespace
 
 PlanSource MakePlan(const OsteonPlanParams& params) {
@@ -175,14 +169,13 @@ OsteonAssessment AssessmentOf(const procedure::Assessment& found, double axis_er
 std::vector<OsteonScoreItem> ItemsOf(const procedure::Score& score) {
   std::vector<OsteonScoreItem> items;
   for (const procedure::ScoredItem& scored : score.items) {
-    const procedure::Metric* metric = MetricNamed(scored.item.metric);
-    const double to_unit = metric ? metric->to_unit : 1.0;
+    const procedure::Metric& metric = procedure::MetricNamed(scored.item.metric);
     OsteonScoreItem item{};
     (void)std::snprintf(item.metric, sizeof item.metric, "%s", scored.item.metric.c_str());
-    (void)std::snprintf(item.unit, sizeof item.unit, "%s", metric ? metric->unit : "");
-    item.value = scored.value ? *scored.value * to_unit : kUnknown;
-    item.full = scored.item.full * to_unit;
-    item.zero = scored.item.zero * to_unit;
+    (void)std::snprintf(item.unit, sizeof item.unit, "%s", metric.unit);
+    item.value = scored.value ? *scored.value * metric.to_unit : kUnknown;
+    item.full = scored.item.full * metric.to_unit;
+    item.zero = scored.item.zero * metric.to_unit;
     item.weight = scored.item.weight;
     item.points = scored.points;
     items.push_back(item);

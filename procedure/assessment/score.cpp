@@ -37,6 +37,8 @@ constexpr std::array kMetrics = std::to_array<Metric>({
 
 std::span<const Metric> Metrics() { return kMetrics; }
 
+const Metric& MetricNamed(std::string_view name) { return *std::ranges::find(kMetrics, name, &Metric::name); }
+
 Score ScoreOf(const Rubric& rubric, const MetricValues& values, std::optional<double> min_wall_m) {
   Score score;
   for (const RubricItem& item : rubric.items) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace osteon::procedure {
@@ -18,6 +19,8 @@ struct Metric {
 };
 /// All metrics, in the order of the report.
 [[nodiscard]] std::span<const Metric> Metrics();
+/// @param name  of one of Metrics()
+[[nodiscard]] const Metric& MetricNamed(std::string_view name);
 
 /// What a rubric says of one metric: `full` and `zero` in SI. Full points at `full` or better, none at `zero`
 /// or worse; between them linear. More is better where full > zero.

@@ -3,16 +3,11 @@
 #include <algorithm>
 
 namespace osteon::session {
-namespace {
-
-constexpr double kMaxFrame_s = 0.1;  // a stall is no cutting time
-
-}  // namespace
 
 PassDetector::Change PassDetector::Step(const simulation::ContactModel& model, rt::Nanoseconds stamp,
                                         double spindle_rad_per_s) {
   if (model.status != simulation::EngineStatus::kOk) return Change::kNone;
-  const double dt_s = last_ == 0 ? 0.0 : std::clamp(rt::ToSeconds(stamp - last_), 0.0, kMaxFrame_s);
+  const double dt_s = last_ == 0 ? 0.0 : std::clamp(rt::ToSeconds(stamp - last_), 0.0, kMaxFrameGap_s);
   const double before_m3 = known_ ? removed_m3_ : model.removed_volume_m3;
   const bool gives_way = model.removed_volume_m3 > before_m3 || model.advance_m_per_s > 0.0;
   const bool cuts = spindle_rad_per_s > 0.0 && gives_way;

@@ -8,6 +8,10 @@ namespace osteon::session {
 /// A tool that has touched no bone for this long has ended its pass.
 inline constexpr rt::Nanoseconds kClearOfPass = rt::kSecond / 2;
 
+/// Time from one frame to the next in which bone may have been cut [s]: a longer gap, a stall of the
+/// simulation, counts as this much.
+inline constexpr double kMaxFrameGap_s = 0.1;
+
 /// Finds the passes of a reaming: from the first frame in which the turning tool removes bone until the tool
 /// has been clear of bone for kClearOfPass.
 class PassDetector {

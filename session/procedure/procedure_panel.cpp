@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/units.h"
+#include "session/procedure/pass_detector.h"
 
 namespace osteon::session {
 namespace {
@@ -63,7 +64,7 @@ ProcedurePanel::ProcedurePanel(procedure::SurgicalPlan plan, const Pose& X_WG, b
       has_guidance_(plan_.guidance.lateral.ease_m > 0.0),
       plan_json_(PlanMessage(plan_, X_WG, confirms)) {}
 
-void ProcedurePanel::Step(int tool, const simulation::ContactModel& model, double dt_s) {
+void ProcedurePanel::Step(int tool, const simulation::ContactModel& model, rt::Nanoseconds stamp) {
   const procedure::PlannedTool& reamer = plan_.tools[static_cast<std::size_t>(tool)];
   const Pose X_GP = X_GW_ * Pose(model.X_WP);
   const PlanPlace place = PlaceAlongPlan(plan_, reamer, X_GP);
@@ -77,6 +78,7 @@ void ProcedurePanel::Step(int tool, const simulation::ContactModel& model, doubl
   removed_m3_ = model.removed_volume_m3;
   known_ = true;
   place_ = place;
+  const double dt_s = std::clamp(rt::ToSeconds(stamp - std::exchange(stamp_, stamp)), 0.0, kMaxFrameGap_s);
   if (!(new_m3 > 0.0)) return;
   removed_by_tool_m3_ += new_m3;
   axis_.Add(X_GP.linear().col(2), new_m3);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/clock.h"
 #include "base/inheriting_mutex.h"
 #include "kinematics/spatial.h"
 #include "procedure/assessment/assessment.h"
@@ -34,7 +35,8 @@ class ProcedurePanel {
   ProcedurePanel(procedure::SurgicalPlan plan, const Pose& X_WG, bool confirms);
 
   /// Takes a frame of a tool of the plan. What is shown is the place of the simulated tool, as it cuts.
-  void Step(int tool, const simulation::ContactModel& model, double dt_s);
+  /// @param stamp  of its pose
+  void Step(int tool, const simulation::ContactModel& model, rt::Nanoseconds stamp);
 
   /// {"type": "plan", …}
   [[nodiscard]] const std::string& PlanJson() const { return plan_json_; }
@@ -50,6 +52,7 @@ class ProcedurePanel {
 
   mutable rt::InheritingMutex mutex_;  // of what follows; the frames' thread takes it, and pages' threads
   int tool_{-1};
+  rt::Nanoseconds stamp_{0};  // of the last frame
   PlanPlace place_;
   procedure::ReamedAxis axis_;  // of the tool in use
   double removed_m3_{0.0}, removed_by_tool_m3_{0.0}, outside_s_{0.0};

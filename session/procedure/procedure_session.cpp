@@ -19,7 +19,6 @@ using simulation::ToolCommand;
 
 constexpr std::chrono::milliseconds kMaxWait{700};  // the local socket answers within a second
 constexpr double kSameSize_mm = 1e-6;
-constexpr double kMaxFrameGap_s = 0.1;  // a longer one is not time in which bone was cut
 constexpr rt::Nanoseconds kRestBeforeWeighing = rt::kSecond;  // longer than PausedReadings needs
 
 SessionAnswer Refused(std::string reason) { return {.done = false, .reason = std::move(reason)}; }
@@ -163,8 +162,7 @@ void ProcedureSession::BeforeFrame(const ToolCommand& command, FrameRunner& runn
 }
 
 void ProcedureSession::AfterFrame(const ToolCommand& command, const simulation::FrameRecord& record) {
-  const rt::Nanoseconds since = command.stamp - std::exchange(framed_stamp_, command.stamp);
-  panel_.Step(tool_, record.model, std::clamp(rt::ToSeconds(since), 0.0, kMaxFrameGap_s));
+  panel_.Step(tool_, record.model, command.stamp);
   const auto change = pass_.Step(record.model, command.stamp, command.spindle_rad_per_s);
   framed_tool_.store(tool_);
   if (change == PassDetector::Change::kBegan) to_go_m_.reset();

@@ -162,7 +162,7 @@ class ProcedureSession final : public FrameObserver {
   bool changed_{false};            // tool or bone have changed in this pause: a resume is checked
   bool end_pass_{false};           // the pass has ended with the last frame
   std::optional<double> to_go_m_;  // least of the open pass
-  rt::Nanoseconds last_stamp_{0}, framed_stamp_{0};
+  rt::Nanoseconds last_stamp_{0};
   std::map<int, Watched> watched_;
   std::string error_;
 

@@ -20,7 +20,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kSchema = "osteon.session/1";
 constexpr std::int64_t kMaxStamp = std::int64_t{1} << 62;
 constexpr double kMaxFigure = 1e9, kMaxToGo_mm = 1e4, kMaxDiameter_mm = 500.0;
 
@@ -220,7 +219,7 @@ std::string ToJson(const SessionFile& session) {
   for (const SessionSegment& segment : session.segments) segments.push_back(SegmentJson(segment, session));
   for (const SessionPass& pass : session.passes) passes.push_back(PassJson(pass, session));
   json all{
-      {"schema", kSchema},
+      {"schema", kSessionSchema},
       {"cell", session.cell},
       {"cell_file", session.cell_file},
       {"plan", session.plan_file},
@@ -251,8 +250,9 @@ tl::expected<SessionFile, std::string> ParseSession(const std::string& text) {
   std::string place;  // of what is read: "passes[2]: "
   try {
     const json all = json::parse(text);
-    if (const std::string schema = ReadText(all, "schema"); schema != kSchema)
-      return tl::make_unexpected(fmt::format("schema: found \"{}\", accepted \"{}\"", schema, kSchema));
+    if (const std::string schema = ReadText(all, "schema"); schema != kSessionSchema)
+      return tl::make_unexpected(
+          fmt::format("schema: found \"{}\", accepted \"{}\"", schema, kSessionSchema));
     const json& checksums = At(all, "checksums", "the checksums of plan, cell and bone");
     SessionFile session{.cell = ReadText(all, "cell"),
                         .cell_file = ReadText(all, "cell_file"),

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -90,6 +91,7 @@ struct SessionFile {
 };
 
 inline constexpr const char* kSessionFileName = "session.json";
+inline constexpr std::string_view kSessionSchema{"osteon.session/1"};
 /// Names of recordings and states, around their numbers: run_2.mcap, state_1.carved.
 inline constexpr const char *kRecordingPrefix = "run_", *kRecordingEnding = ".mcap", *kStatePrefix = "state_",
                             *kStateEnding = ".carved";

@@ -12,11 +12,6 @@
 #include "session/view/recording_timeline.h"
 
 namespace osteon::session {
-namespace {
-
-constexpr double kMaxFrameGap_s = 0.1;  // a longer one is not time in which bone was cut
-
-}  // namespace
 
 std::unique_ptr<RecordedProcedure> RecordedProcedure::Open(const std::filesystem::path& recording,
                                                            const io::SessionInfo& info, const Pose& X_WG) {
@@ -78,7 +73,6 @@ void RecordedProcedure::Run(const std::filesystem::path& recording) {
   if (!timeline) return;
   (void)timeline->Seek(0.0);
   int tool = 0;
-  rt::Nanoseconds framed{0};
   std::size_t steps = 1;
   while (!stop_.load()) {
     const auto topic = timeline->Next();
@@ -93,9 +87,7 @@ void RecordedProcedure::Run(const std::filesystem::path& recording) {
       }
     }
     if (*topic != io::RecordedTopic::kFrame) continue;
-    const rt::Nanoseconds stamp = message.frame.model.pose_stamp;
-    panel_.Step(tool, message.frame.model,
-                std::clamp(rt::ToSeconds(stamp - std::exchange(framed, stamp)), 0.0, kMaxFrameGap_s));
+    panel_.Step(tool, message.frame.model, message.frame.model.pose_stamp);
   }
 }
 

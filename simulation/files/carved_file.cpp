@@ -22,12 +22,16 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::array<char, 8> kMagic{'O', 'S', 'T', 'C', 'A', 'R', 'V', 'E'};
+constexpr std::array<char, kCarvedMagic.size()> Magic() {
+  std::array<char, kCarvedMagic.size()> bytes{};
+  std::ranges::copy(kCarvedMagic, bytes.begin());
+  return bytes;
+}
 constexpr std::uint32_t kVersion = 1;
 constexpr double kReach_mm = 1e6;  // a float still resolves this to a tenth of a millimetre
 
 struct CarvedHeader {
-  std::array<char, 8> magic{kMagic};
+  std::array<char, kCarvedMagic.size()> magic{Magic()};
   std::uint32_t version{kVersion};
   std::uint32_t header_size{0};
   std::uint64_t file_size{0};
@@ -116,7 +120,7 @@ class Reader {
       return Fail(size, "header", fmt::format("the end after {} bytes", size),
                   fmt::format("{} bytes and more", sizeof(header_)));
     std::memcpy(&header_, bytes_.data(), sizeof(header_));
-    if (header_.magic != kMagic) return Fail(0, "magic", "other bytes", "\"OSTCARVE\"");
+    if (header_.magic != Magic()) return Fail(0, "magic", "other bytes", fmt::format("\"{}\"", kCarvedMagic));
     Expect(header_.version, kVersion, offsetof(CarvedHeader, version), "version");
     Expect(header_.header_size, static_cast<std::uint32_t>(sizeof(header_)),
            offsetof(CarvedHeader, header_size), "header's size");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 #include <tl/expected.hpp>
 
@@ -21,6 +22,9 @@
 // Little-endian. Versions are not converted: a state is short-lived, a bone is not.
 
 namespace osteon::simulation {
+
+/// The first bytes of such a file.
+inline constexpr std::string_view kCarvedMagic{"OSTCARVE"};
 
 /// Saves a state. The file appears whole or not at all; its bytes depend on the arguments alone.
 /// @param bone  the uncut bone of the state

@@ -161,7 +161,7 @@ Json ProcessJson(const AssessedSession& session) {
 Json ScoreJson(const AssessResult& result) {
   Json items = Json::array(), deductions = Json::array();
   for (const procedure::ScoredItem& scored : result.score.items) {
-    const procedure::Metric& metric = MetricNamed(scored.item.metric);
+    const procedure::Metric& metric = procedure::MetricNamed(scored.item.metric);
     items.push_back({{"metric", scored.item.metric},
                      {"unit", metric.unit},
                      {"value", OrNull(scored.value, metric.to_unit)},
@@ -324,7 +324,7 @@ void PrintResult(const AssessResult& result, const session::Verdict& verdict) {
   fmt::print("  {:<{}}{:.1f} ({})\n", "Score", kKeyWidth, result.score.total,
              result.guided ? "guided: not to be ranked with sessions without guidance" : "without guidance");
   for (const procedure::ScoredItem& scored : result.score.items) {
-    const procedure::Metric& metric = MetricNamed(scored.item.metric);
+    const procedure::Metric& metric = procedure::MetricNamed(scored.item.metric);
     fmt::print(
         "  {:<{}}{}  {:.1f} of {:g} points\n", metric.text, kKeyWidth,
         scored.value ? fmt::format("{:.3g} {}", *scored.value * metric.to_unit, metric.unit) : "not measured",
@@ -336,14 +336,10 @@ void PrintResult(const AssessResult& result, const session::Verdict& verdict) {
 
 }  // namespace
 
-const procedure::Metric& MetricNamed(const std::string& name) {
-  return *std::ranges::find(procedure::Metrics(), name, &procedure::Metric::name);
-}
-
 Json AssessJson(const AssessResult& result) {
   Json norms = Json::object();
   for (const auto& [name, norm] : result.norms) {
-    const procedure::Metric& metric = MetricNamed(name);
+    const procedure::Metric& metric = procedure::MetricNamed(name);
     norms[name] = {
         {"median", norm.median * metric.to_unit}, {"unit", metric.unit}, {"sessions", norm.sessions}};
   }

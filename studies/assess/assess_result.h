@@ -67,9 +67,6 @@ struct AssessResult {
 [[nodiscard]] const char* CupConePlace(const procedure::SurgicalPlan& plan,
                                        const procedure::Assessment& found);
 
-/// The metric of a rubric's item or of a value.
-[[nodiscard]] const procedure::Metric& MetricNamed(const std::string& name);
-
 /// JSON of `osteon assess`, schema osteon.assess/1.
 [[nodiscard]] nlohmann::ordered_json AssessJson(const AssessResult& result);
 

@@ -34,7 +34,7 @@ tl::expected<std::string, std::string> PictureAt(double x, double y, const repor
 std::string Points(double y, const procedure::Score& score) {
   std::string svg;
   for (const procedure::ScoredItem& scored : score.items) {
-    const procedure::Metric& metric = MetricNamed(scored.item.metric);
+    const procedure::Metric& metric = procedure::MetricNamed(scored.item.metric);
     const double share = scored.item.weight > 0.0 ? scored.points / scored.item.weight : 0.0;
     const std::string value = scored.value ? ValueText(*scored.value, metric) : "not measured";
     svg += report::SvgText(kPictureGapPx, y + 11.0, report::Fit(metric.text, kPointsPx - kPictureGapPx));

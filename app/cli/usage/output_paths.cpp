@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 
 #include "io/recording/mcap.h"
+#include "session/procedure/session_file.h"
+#include "simulation/files/carved_file.h"
 
 namespace osteon::app {
 namespace {
@@ -21,7 +23,6 @@ constexpr std::array<std::string_view, 3> kOutputs{"--json", "--save-motion", "-
 // Endings of files that are never JSON, and that people keep.
 constexpr std::array<std::string_view, 8> kOtherKinds{".mcap", ".carved", ".packed", ".yaml",
                                                       ".yml",  ".stl",    ".ply",    ".obj"};
-constexpr std::string_view kCarvedMagic{"OSTCARVE"}, kSessionSchema{"\"osteon.session/1\""};
 
 // "file" or "folder": what an option names; empty: neither.
 std::string NamedKind(const CLI::Option& option) {
@@ -41,8 +42,10 @@ std::string_view Evidence(const fs::path& file) {
   stream.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, stream.gcount())));
   if (head.starts_with(io::mcap::kMagic)) return "a recording";
-  if (head.starts_with(kCarvedMagic)) return "a carved state";
-  if (file.filename() == "session.json" || head.find(kSessionSchema) != std::string::npos) return "a session";
+  if (head.starts_with(simulation::kCarvedMagic)) return "a carved state";
+  if (file.filename() == session::kSessionFileName ||
+      head.find(fmt::format("\"{}\"", session::kSessionSchema)) != std::string::npos)
+    return "a session";
   return "";
 }
 
