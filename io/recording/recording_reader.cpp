@@ -52,6 +52,14 @@ tl::expected<RecordedTopic, std::string> RecordingStream::Next() {
   return RecordedTopic::kOther;
 }
 
+std::string RecordingStream::EndError() const {
+  if (complete()) return {};
+  const std::string byte = std::to_string(reader_.read_bytes());
+  if (!reader_.closed()) return "it ends early, at byte " + byte + ": the process died";
+  return "it ends at byte " + byte + ", and " + std::to_string(reader_.file_bytes() - reader_.read_bytes()) +
+         " bytes follow, which are not read: another file was appended, or a longer one was here";
+}
+
 tl::expected<Recording, std::string> ReadRecording(const std::filesystem::path& path) {
   auto stream = RecordingStream::Open(path);
   if (!stream) return tl::unexpected(stream.error());
@@ -67,6 +75,7 @@ tl::expected<Recording, std::string> ReadRecording(const std::filesystem::path& 
   recording.session = std::move(stream->session);
   recording.complete = stream->complete();
   recording.read_bytes = stream->file().read_bytes();
+  recording.end_error = stream->EndError();
   return recording;
 }
 

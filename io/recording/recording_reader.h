@@ -20,8 +20,9 @@ struct Recording {
   std::vector<control::TickRecord> ticks;
   std::vector<simulation::FrameRecord> frames;
   std::vector<RecordedEvent> events;
-  bool complete{false};  ///< false: the file ends early (the process died); everything before the end is here
+  bool complete{false};         ///< false: see end_error; everything before the end is here
   std::uint64_t read_bytes{0};  ///< up to the end, or up to the first truncated message
+  std::string end_error;        ///< RecordingStream::EndError
 };
 
 /// Reads a file of Recorder. Unknown topics and records are skipped. The error names the file, the byte and
@@ -57,6 +58,9 @@ class RecordingStream {
 
   /// Valid at the end, as in Recording.
   [[nodiscard]] bool complete() const { return reader_.complete() && !cut_off_; }
+  /// What is wrong at the file's end, with its byte: it ends early, or something follows its end. Empty:
+  /// nothing. Valid at the end.
+  [[nodiscard]] std::string EndError() const;
   [[nodiscard]] const McapReader& file() const { return reader_; }
 
  private:

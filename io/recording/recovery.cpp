@@ -69,7 +69,8 @@ std::string ValidateReadable(const std::filesystem::path& path) {
     if (!topic) return topic.error();
     if (*topic == RecordedTopic::kOther) break;
   }
-  return stream->complete() ? "" : path.string() + ": it ends early";
+  const std::string wrong = stream->EndError();
+  return wrong.empty() ? wrong : path.string() + ": " + wrong;
 }
 
 }  // namespace

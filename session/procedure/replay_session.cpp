@@ -166,9 +166,7 @@ int RunReplaySession(const SessionReplayOptions& options) {
     if (!replay.loop.why_not.empty()) fmt::print("  {:<18} {}\n", "Not run", replay.loop.why_not);
     if (!replay.first_different.empty()) fmt::print("  {:<18} {}\n", "Other state", replay.first_different);
     if (!wrong.empty()) fmt::print("  {:<18} {}\n", "Reason", wrong);
-    if (recording && !recording->complete)
-      fmt::print("  {:<18} the recording ends early, at byte {}: what follows was not run again\n",
-                 "Not whole", recording->read_bytes);
+    if (recording && !recording->complete) fmt::print("  {:<18} {}\n", "Not whole", recording->end_error);
     rows.push_back(ToJson(replay, wrong));
   }
   if (!options.json.empty()) {

@@ -140,7 +140,8 @@ tl::expected<Read, std::string> ReadAll(const std::filesystem::path& path, const
     if ((faults & static_cast<std::uint32_t>(fault)) != 0) read.result.faults.Latch(fault);
   });
   read.result.end = EndOf(read.result.faults, end, read.result.statistics.active_ticks > 0);
-  read.result.recording_error = stream->complete() ? "" : path.string() + ": it ends early: the process died";
+  if (const std::string wrong = stream->EndError(); !wrong.empty())
+    read.result.recording_error = path.string() + ": " + wrong;
   read.result.after = engine.Snapshot();
   const ActiveTicks& active = read.run.active;
   if (active.first && active.last) read.seconds = rt::ToSeconds(*active.last - *active.first);

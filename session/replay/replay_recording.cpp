@@ -32,6 +32,7 @@ nlohmann::ordered_json ToJson(const ReplayOptions& options, const io::Recording&
       {"schema", "osteon.replay/1"},
       {"recording", options.recording.string()},
       {"complete", recording.complete},
+      {"end_error", recording.end_error},
       {"ticks", result.ticks},
       {"identical", result.identical},
       {"first_difference", nullptr},
@@ -66,9 +67,8 @@ void Print(const ReplayOptions& options, const io::Recording& recording, const R
              Shown(recording.session.build));
   fmt::print("  {:<18} {}\n", "Ticks run again", result.ticks);
   if (!recording.complete)
-    fmt::print(
-        "  {:<18} the recording ends early, at byte {} (`osteon export --recover` makes a whole one)\n",
-        "Not whole", recording.read_bytes);
+    fmt::print("  {:<18} {} (`osteon export --recover` makes a whole one)\n", "Not whole",
+               recording.end_error);
   if (result.not_run > 0)
     fmt::print("  {:<18} {}: {}{}\n", "Not run", result.not_run, result.why_not,
                result.identical ? " (the run was killed)" : "");

@@ -83,8 +83,8 @@ report::ReportVerdict Judge(const RunDifference& runs, const RunFigures& first, 
       say("look", fmt::format("{}: {:.4g} and {:.4g} {}, {:+.3g} where {:.3g} is accepted", figure.first.name,
                               figure.first.value, figure.second.value, figure.first.unit, figure.difference,
                               figure.accepted));
-  if (!first.complete) say("look", "the first recording ends early: the process died");
-  if (!second.complete) say("look", "the second recording ends early: the process died");
+  if (!first.end_error.empty()) say("look", "the first recording: " + first.end_error);
+  if (!second.end_error.empty()) say("look", "the second recording: " + second.end_error);
   if (verdict.level == "good")
     verdict.reasons.emplace_back(runs.identical ? "every tick is the same, to the bit" : "no figure differs");
   if (!runs.config.empty())

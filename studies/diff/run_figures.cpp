@@ -172,7 +172,7 @@ tl::expected<RunFigures, std::string> ReadRunFigures(const std::filesystem::path
   });
   run.session = stream->session;
   run.hash = hash.hash();
-  run.complete = stream->complete();
+  run.end_error = stream->EndError();
   run.figures = Figures(all);
   return run;
 }

@@ -33,7 +33,7 @@ struct RunFigures {
   std::string end;                    ///< the last event: how the run ended
   std::uint64_t ticks{0};             ///< number of ticks
   std::uint64_t hash{0};              ///< over all ticks, without the times that the machine took
-  bool complete{false};               ///< false: the file ends early
+  std::string end_error;              ///< io::RecordingStream::EndError
   rt::Nanoseconds first{0};           ///< stamp of the first tick
   report::ThinCurve force_N, depth_mm, removed_mm3;
 };

@@ -236,6 +236,8 @@ TEST(Recording, ATornFileGivesWhatCameBefore) {
   EXPECT_GT(half->ticks.size(), 0u);
   EXPECT_LT(half->ticks.size(), kTicks);
   EXPECT_LE(half->read_bytes, whole.size() / 2);
+  EXPECT_EQ(half->end_error,
+            "it ends early, at byte " + std::to_string(half->read_bytes) + ": the process died");
   for (std::uint64_t i = 0; i < half->ticks.size(); ++i) EXPECT_EQ(half->ticks[i].tick, i);
 
   WriteAll(path, whole.substr(0, whole.size() - 3));  // all the data, a part of the closing magic
@@ -279,6 +281,10 @@ TEST(Recording, BytesBehindItsEndMakeItNotComplete) {
   ASSERT_TRUE(recording) << recording.error();
   EXPECT_FALSE(recording->complete);
   EXPECT_EQ(recording->read_bytes, whole.size());
+  EXPECT_EQ(recording->end_error,
+            "it ends at byte " + std::to_string(whole.size()) +
+                ", and 23 bytes follow, which are not read: another file was appended, or a longer one was "
+                "here");
   const auto recovery = RecoverRecording(path, recovered);
   ASSERT_TRUE(recovery) << recovery.error();
   EXPECT_FALSE(recovery->was_whole);
