@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -9,7 +10,7 @@ namespace osteon::control {
 namespace {
 
 constexpr double kMaxDampingShare = 0.25;  // of the spring's force, as for a contact
-constexpr double kPi = 3.141592653589793;
+constexpr double kPi = std::numbers::pi;
 
 void Require(const char* name, double value, double low, double high) {
   if (!(value >= low && value <= high))

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numbers>
 
 #include "control/laws/twist_parts.h"
 
@@ -31,7 +32,7 @@ hil::ServoArm ArmAt(const Pose& X, const Matrix3& R_start) {
 
 Pose StartPose(const Vector3& apex_W) {
   Pose X = Pose::Identity();
-  X.linear() = ExpRotation({3.141592653589793, 0.0, 0.0});  // the feed is -z
+  X.linear() = ExpRotation({std::numbers::pi, 0.0, 0.0});  // the feed is -z
   X.translation() = apex_W;
   return X;
 }
