@@ -78,6 +78,23 @@ std::string WrapMarkdown(std::string_view paragraph) {
   });
 }
 
+std::string Printable(std::string_view text) {
+  constexpr std::string_view kHex = "0123456789abcdef";
+  std::string printable;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const bool ascii_control = (byte < 0x20 && byte != '\n') || byte == 0x7f;
+    // U+0080 … U+009F, which are 0xc2 and this byte
+    const bool next_control = byte >= 0x80 && byte < 0xa0 && i > 0 && text[i - 1] == '\xc2';
+    if (next_control) printable.pop_back();
+    if (ascii_control || next_control)
+      printable += {'\\', 'x', kHex[byte >> 4], kHex[byte & 0xf]};
+    else
+      printable += text[i];
+  }
+  return printable;
+}
+
 std::string ToSentence(std::string text) {
   if (text.empty()) return text;
   text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));

@@ -30,6 +30,10 @@ namespace osteon::base {
 /// Wraps a paragraph of Markdown into lines of at most 120 characters, broken at spaces outside `code`.
 [[nodiscard]] std::string WrapMarkdown(std::string_view paragraph);
 
+/// Text of somebody else (a name, a file's words) as a terminal may show it: control characters but a line's
+/// end, which could move the cursor or change colours, stand as "\x1b". What is not UTF-8 stays.
+[[nodiscard]] std::string Printable(std::string_view text);
+
 /// Begins a text with a capital and ends it with a full stop; an empty text stays empty.
 [[nodiscard]] std::string ToSentence(std::string text);
 

@@ -7,12 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "config/reading/strict/reader.h"
 
 namespace osteon::session {
 
 int Fail(std::string_view command, std::string_view message, int code) {
-  fmt::print(stderr, "osteon {}: {}\n", command, message);
+  fmt::print(stderr, "osteon {}: {}\n", command, base::Printable(message));
   return code;
 }
 

@@ -14,7 +14,8 @@ constexpr int kBadInput = 2;  // wrong usage or bad input
 constexpr int kInternalError = 70;
 constexpr int kNoMemory = 71;  // sysexits.h: EX_OSERR
 
-/// Prints "osteon COMMAND: MESSAGE", one line, to stderr. @returns code.
+/// Prints "osteon COMMAND: MESSAGE", one line, to stderr, with control characters made
+/// visible. @returns code.
 int Fail(std::string_view command, std::string_view message, int code = kBadInput);
 
 /// The exit code and message for an exception that nobody handled.

@@ -8,6 +8,7 @@
 
 #include "base/json_text.h"
 #include "base/phase_progress.h"
+#include "base/text.h"
 #include "base/write_text.h"
 #include "session/process/exit_code.h"
 #include "session/replay/replay.h"
@@ -54,12 +55,8 @@ nlohmann::ordered_json ToJson(const ReplayOptions& options, const io::Recording&
   return json;
 }
 
-// Makes a text of the file safe to print on a terminal.
-std::string Shown(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  return text.substr(0, 200);
-}
+// Returns a text of the file as a terminal may show it.
+std::string Shown(std::string_view text) { return base::Printable(text.substr(0, 200)); }
 
 void Print(const ReplayOptions& options, const io::Recording& recording, const ReplayResult& result) {
   fmt::print("Osteon replay: {}\n", options.recording.string());

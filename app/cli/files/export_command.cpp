@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/usage/usage.h"
+#include "session/process/exit_code.h"
 
 namespace osteon::app {
 
@@ -66,19 +67,13 @@ ExportCommand::ExportCommand(CLI::App& app)
 int ExportCommand::Run() const {
   session::ExportOptions options = options_;
   if (!mesh_.file.empty()) {
-    if (options.surface.empty() && options.foxglove.empty()) {
-      fmt::print(
-          stderr,
-          "osteon export: --mesh: found neither --surface nor --foxglove, accepted with one of them\n");
-      return 2;
-    }
+    if (options.surface.empty() && options.foxglove.empty())
+      return session::Fail("export",
+                           "--mesh: found neither --surface nor --foxglove, accepted with one of them");
     options.mesh = mesh_;
     if (!cup_.empty()) {
       const auto cup = session::ParseCup(cup_);
-      if (!cup) {
-        fmt::print(stderr, "osteon export: {}\n", cup.error());
-        return 2;
-      }
+      if (!cup) return session::Fail("export", cup.error());
       options.mesh->cup = *cup;
     }
   }

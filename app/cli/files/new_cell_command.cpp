@@ -8,6 +8,7 @@
 
 #include "app/cli/usage/cell_file.h"
 #include "config/reading/load.h"
+#include "session/process/exit_code.h"
 
 namespace osteon::app {
 namespace {
@@ -67,10 +68,7 @@ NewCellCommand::NewCellCommand(CLI::App& app)
 }
 
 int NewCellCommand::Run(const std::filesystem::path& config_root) const {
-  const auto refuse = [](const std::string& what) {
-    fmt::print(stderr, "osteon new-cell: {}\n", what);
-    return 2;
-  };
+  const auto refuse = [](const std::string& what) { return session::Fail("new-cell", what); };
   const fs::path file(name_.ends_with(".yaml") ? name_ : name_ + ".yaml");
   std::error_code error;
   if (fs::exists(file, error)) return refuse(fmt::format("{}: it is there already", file.string()));

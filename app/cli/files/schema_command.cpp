@@ -16,6 +16,7 @@
 #include "config/reading/strict/key_aliases.h"
 #include "config/reading/strict/key_table.h"
 #include "config/reading/strict/units.h"
+#include "session/process/exit_code.h"
 
 namespace osteon::app {
 namespace {
@@ -204,10 +205,7 @@ int SchemaCommand::Run(const std::filesystem::path& config_root) const {
     std::ofstream stream(file, std::ios::binary);
     stream << SchemaOf(kind, config_root).dump(1) << "\n";
     stream.close();
-    if (!stream) {
-      fmt::print(stderr, "osteon schema: {}: cannot write it\n", file.string());
-      return 2;
-    }
+    if (!stream) return session::Fail("schema", fmt::format("{}: cannot write it", file.string()));
     fmt::print("{}\n", file.string());
   }
   return 0;

@@ -63,10 +63,8 @@ int RunFaults(const FaultsOptions& options) {
   for (const auto& [file, text] :
        {std::pair(options.markdown, FaultsPage()), std::pair(options.json, FaultsJson())}) {
     if (file.empty()) continue;
-    if (const auto written = base::WriteText(file, text); !written) {
-      fmt::print(stderr, "osteon faults: {}\n", written.error());
-      return session::kFailed;
-    }
+    if (const auto written = base::WriteText(file, text); !written)
+      return session::Fail("faults", written.error(), session::kFailed);
   }
   return 0;
 }

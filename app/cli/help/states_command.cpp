@@ -159,10 +159,8 @@ int RunStates(const StatesOptions& options) {
   for (const auto& [file, text] :
        {std::pair(options.markdown, StatesPage()), std::pair(options.json, StatesJson())}) {
     if (file.empty()) continue;
-    if (const auto written = base::WriteText(file, text); !written) {
-      fmt::print(stderr, "osteon states: {}\n", written.error());
-      return session::kFailed;
-    }
+    if (const auto written = base::WriteText(file, text); !written)
+      return session::Fail("states", written.error(), session::kFailed);
   }
   return 0;
 }

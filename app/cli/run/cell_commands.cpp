@@ -7,6 +7,7 @@
 #include "app/cli/usage/fidelity_options.h"
 #include "app/cli/usage/tool_choice.h"
 #include "app/cli/usage/usage.h"
+#include "session/process/exit_code.h"
 #include "session/run/demo.h"
 #include "session/setup/engine_choice.h"
 
@@ -107,10 +108,7 @@ CellCommands::CellCommands(CLI::App& app)
 int CellCommands::Run(const std::filesystem::path& config_root, const std::string& command_line) {
   operate_.command_line = command_line;
   const char* name = cell_->parsed() ? "cell" : "run";
-  const auto refuse = [name](const std::string& what) {
-    fmt::print(stderr, "osteon {}: {}\n", name, what);
-    return 2;
-  };
+  const auto refuse = [name](const std::string& what) { return session::Fail(name, what); };
   const auto found = FindCell(config_root, name_);
   if (!found) return refuse(found.error());
   std::optional<config::ToolChoice> tool;

@@ -9,6 +9,7 @@
 #include "app/cli/usage/usage.h"
 #include "base/realtime_thread.h"
 #include "config/reading/load.h"
+#include "session/process/exit_code.h"
 #include "session/setup/cell_setup.h"
 #include "session/setup/engine_choice.h"
 
@@ -85,22 +86,13 @@ DemoCommand::DemoCommand(CLI::App& app)
 int DemoCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
   options_.command_line = command_line;
   const auto found = FindCell(config_root, cell_);
-  if (!found) {
-    fmt::print(stderr, "osteon demo: --cell {}\n", found.error());
-    return 2;
-  }
+  if (!found) return session::Fail("demo", fmt::format("--cell {}", found.error()));
   options_.cell = *found;
-  if (!options_.virtual_time && !session::KeepsUpWithWallTime(options_.engine)) {
-    fmt::print(stderr,
-               "osteon demo: --engine reference: found wall time, accepted with --virtual-time only\n");
-    return 2;
-  }
+  if (!options_.virtual_time && !session::KeepsUpWithWallTime(options_.engine))
+    return session::Fail("demo", "--engine reference: found wall time, accepted with --virtual-time only");
   if (*tool_option_) {
     const auto parsed = ParseTool(tool_, config_root);
-    if (!parsed) {
-      fmt::print(stderr, "osteon demo: {}\n", parsed.error());
-      return 2;
-    }
+    if (!parsed) return session::Fail("demo", parsed.error());
     options_.tool = *parsed;
   }
   if (procedure_.asked()) {
@@ -109,10 +101,7 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
       wrong = "--cup: found with --plan, accepted without: the plan has the cup of its mesh";
     if (wrong.empty() && options_.tool && options_.tool->diameter_m)
       wrong = "--tool " + tool_ + kSizeWithPlan;
-    if (!wrong.empty()) {
-      fmt::print(stderr, "osteon demo: {}\n", wrong);
-      return 2;
-    }
+    if (!wrong.empty()) return session::Fail("demo", wrong);
     options_.default_seconds = !*seconds_option_;
   }
   if (*mesh_option_) {
@@ -128,16 +117,12 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
     }
     if (wrong.empty() && *scale_option_ && options_.mesh->file.extension() == ".osp")
       wrong = fmt::format("--scale: found with {}, accepted with a mesh: a packing is in mm", mesh_);
-    if (!wrong.empty()) {
-      fmt::print(stderr, "osteon demo: {}\n", wrong);
-      return 2;
-    }
+    if (!wrong.empty()) return session::Fail("demo", wrong);
   }
   try {
     return session::RunDemo(options_);
   } catch (const config::ToolSizeError& error) {
-    fmt::print(stderr, "osteon demo: --tool {}: {}\n", tool_, error.what());
-    return 2;
+    return session::Fail("demo", fmt::format("--tool {}: {}", tool_, error.what()));
   }
 }
 

@@ -6,6 +6,7 @@
 #include "app/cli/usage/tool_choice.h"
 #include "app/cli/usage/usage.h"
 #include "base/realtime_thread.h"
+#include "session/process/exit_code.h"
 
 namespace osteon::app {
 
@@ -29,10 +30,7 @@ GuardCommand::GuardCommand(CLI::App& app)
 }
 
 int GuardCommand::Run(const std::filesystem::path& config_root) {
-  const auto refuse = [](const std::string& what) {
-    fmt::print(stderr, "osteon guard: {}\n", what);
-    return 2;
-  };
+  const auto refuse = [](const std::string& what) { return session::Fail("guard", what); };
   const auto found = FindCell(config_root, name_);
   if (!found) return refuse(found.error());
   options_.cell = *found;

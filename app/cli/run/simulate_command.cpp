@@ -7,6 +7,7 @@
 #include "app/cli/usage/cell_file.h"
 #include "app/cli/usage/usage.h"
 #include "config/reading/load.h"
+#include "session/process/exit_code.h"
 #include "session/setup/engine_choice.h"
 
 namespace osteon::app {
@@ -58,10 +59,7 @@ SimulateCommand::SimulateCommand(CLI::App& app)
 }
 
 int SimulateCommand::Run(const std::filesystem::path& config_root) {
-  const auto refuse = [](const std::string& what) {
-    fmt::print(stderr, "osteon simulate: {}\n", what);
-    return 2;
-  };
+  const auto refuse = [](const std::string& what) { return session::Fail("simulate", what); };
   if (!cell_.empty()) {
     const auto found = FindCell(config_root, cell_);
     if (!found) return refuse(found.error());

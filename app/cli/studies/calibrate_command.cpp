@@ -5,6 +5,7 @@
 #include "app/cli/usage/cell_file.h"
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
+#include "session/process/exit_code.h"
 
 namespace osteon::app {
 
@@ -34,10 +35,7 @@ CalibrateCommand::CalibrateCommand(CLI::App& app) : sub_(AddStudy(app, "calibrat
 }
 
 int CalibrateCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
-  const auto refuse = [](const std::string& what) {
-    fmt::print(stderr, "osteon calibrate: {}\n", what);
-    return 2;
-  };
+  const auto refuse = [](const std::string& what) { return session::Fail("calibrate", what); };
   if (options_.payload.empty() && options_.pivot.empty())
     return refuse("found neither --payload nor --pivot, accepted one of them or both");
   const auto found = FindCell(config_root, cell_);

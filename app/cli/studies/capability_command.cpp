@@ -7,6 +7,7 @@
 #include "app/cli/usage/cell_file.h"
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
+#include "session/process/exit_code.h"
 
 namespace osteon::app {
 
@@ -83,18 +84,13 @@ int CapabilityCommand::Run(const std::filesystem::path& config_root, const std::
   for (const auto& [name, values, range] :
        {std::tuple{"--x-mm", &x_mm_, &o.x_mm}, {"--y-mm", &y_mm_, &o.y_mm}, {"--z-mm", &z_mm_, &o.z_mm}}) {
     if (values->empty()) continue;
-    if (values->front() > values->back()) {
-      fmt::print(stderr, "osteon capability: {}: found {:g},{:g}, accepted FROM at most TO\n", name,
-                 values->front(), values->back());
-      return 2;
-    }
+    if (values->front() > values->back())
+      return session::Fail("capability", fmt::format("{}: found {:g},{:g}, accepted FROM at most TO", name,
+                                                     values->front(), values->back()));
     *range = {values->front(), values->back()};
   }
   const auto found = FindCell(config_root, cell_);
-  if (!found) {
-    fmt::print(stderr, "osteon capability: {}\n", found.error());
-    return 2;
-  }
+  if (!found) return session::Fail("capability", found.error());
   o.cell = *found;
   return studies::RunCapability(o);
 }

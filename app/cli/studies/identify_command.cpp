@@ -8,6 +8,7 @@
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
 #include "base/interrupt.h"
+#include "session/process/exit_code.h"
 
 namespace osteon::app {
 
@@ -67,10 +68,7 @@ IdentifyCommand::IdentifyCommand(CLI::App& app) : sub_(AddStudy(app, "identify")
 }
 
 int IdentifyCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
-  const auto refuse = [](const std::string& what) {
-    fmt::print(stderr, "osteon identify: {}\n", what);
-    return 2;
-  };
+  const auto refuse = [](const std::string& what) { return session::Fail("identify", what); };
   const auto has = [this](const char* run) { return std::ranges::find(runs_, run) != runs_.end(); };
   if (!options_.validations.empty() && options_.recordings.empty())
     return refuse("found --validate without --recording, accepted both");

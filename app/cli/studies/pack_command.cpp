@@ -5,6 +5,7 @@
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
 #include "session/planning/pack_source.h"
+#include "session/process/exit_code.h"
 #include "session/setup/cell_setup.h"
 
 namespace osteon::app {
@@ -118,10 +119,7 @@ std::string PackCommand::Read() {
 int PackCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
   options_.command_line = command_line;
   options_.source.config_root = config_root;
-  if (const std::string wrong = Read(); !wrong.empty()) {
-    fmt::print(stderr, "osteon pack: {}\n", wrong);
-    return 2;
-  }
+  if (const std::string wrong = Read(); !wrong.empty()) return session::Fail("pack", wrong);
   return studies::RunPack(options_);
 }
 

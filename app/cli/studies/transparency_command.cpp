@@ -5,6 +5,7 @@
 #include "app/cli/usage/cell_file.h"
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
+#include "session/process/exit_code.h"
 
 namespace osteon::app {
 
@@ -37,10 +38,7 @@ TransparencyCommand::TransparencyCommand(CLI::App& app) : sub_(AddStudy(app, "tr
 
 int TransparencyCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
   const auto found = FindCell(config_root, cell_);
-  if (!found) {
-    fmt::print(stderr, "osteon transparency: {}\n", found.error());
-    return 2;
-  }
+  if (!found) return session::Fail("transparency", found.error());
   options_.cell = *found;
   options_.command_line = command_line;
   return studies::RunTransparency(options_);

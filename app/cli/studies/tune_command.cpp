@@ -6,6 +6,7 @@
 #include "app/cli/usage/plan_file.h"
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
+#include "session/process/exit_code.h"
 
 namespace osteon::app {
 
@@ -72,17 +73,11 @@ int TuneCommand::Run(const std::filesystem::path& config_root, const Invocation&
   options_.command_line = invocation.command_line;
   TakeInvocation(invocation, options_.sharding);
   const auto found = FindCell(config_root, cell_);
-  if (!found) {
-    fmt::print(stderr, "osteon tune: {}\n", found.error());
-    return 2;
-  }
+  if (!found) return session::Fail("tune", found.error());
   options_.cell = *found;
   if (!plan_.empty()) {
     const auto plan = FindPlan(config_root, plan_);
-    if (!plan) {
-      fmt::print(stderr, "osteon tune: {}\n", plan.error());
-      return 2;
-    }
+    if (!plan) return session::Fail("tune", plan.error());
     options_.plan = *plan;
   }
   return studies::RunTune(options_);

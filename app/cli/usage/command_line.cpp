@@ -9,6 +9,7 @@
 
 #include "app/cli/help/help_text.h"
 #include "app/cli/usage/usage.h"
+#include "base/text.h"
 #include "config/reading/config_file_tracker.h"
 #include "session/process/exit_code.h"
 #include "session/process/output.h"
@@ -51,11 +52,11 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv) {
       fmt::print("{}", text.str());
       return code;
     }
-    fmt::print(stderr, "{}", UsageError(app, error));
+    fmt::print(stderr, "{}", base::Printable(UsageError(app, error)));
     return 2;
   }
   if (const std::string wrong = ValidateEnvironment(app); !wrong.empty()) {
-    fmt::print(stderr, "{}", wrong);
+    fmt::print(stderr, "{}", base::Printable(wrong));
     return 2;
   }
   return {};
@@ -67,7 +68,7 @@ int RunMain(const std::function<int()>& run) {
     return session::OutputExitCode(run());
   } catch (const std::exception& error) {
     const session::Failure failure = session::Explain(error);
-    fmt::print(stderr, "osteon: {}\n", failure.text);
+    fmt::print(stderr, "osteon: {}\n", base::Printable(failure.text));
     return failure.code;
   }
 }

@@ -1,0 +1,24 @@
+#include "base/text.h"
+
+#include <gtest/gtest.h>
+
+namespace osteon::base {
+namespace {
+
+// A file's name with the bytes that clear a terminal, or its 8-bit form of them, shows them instead.
+TEST(Printable, ShowsControlCharacters) {
+  EXPECT_EQ(Printable("a\x1b[2Jb"), "a\\x1b[2Jb");
+  EXPECT_EQ(Printable("bell\a tab\t return\r delete\x7f"), "bell\\x07 tab\\x09 return\\x0d delete\\x7f");
+  EXPECT_EQ(Printable("\xc2\x9b"
+                      "2J"),
+            "\\x9b2J");
+  EXPECT_EQ(Printable(std::string_view("\0", 1)), "\\x00");
+}
+
+TEST(Printable, LeavesOtherTexts) {
+  for (const std::string_view text : {"", "two\nlines", "µm … 30°", "größer", "caf\xe9", "\xc2"})
+    EXPECT_EQ(Printable(text), text);
+}
+
+}  // namespace
+}  // namespace osteon::base
