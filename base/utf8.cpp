@@ -1,6 +1,6 @@
 #include "base/utf8.h"
 
-namespace osteon::io {
+namespace osteon::base {
 
 std::size_t Utf8Length(std::string_view text) {
   const auto byte = [&text](std::size_t i) {
@@ -37,4 +37,4 @@ std::string Utf8(std::string_view text) {
   return out;
 }
 
-}  // namespace osteon::io
+}  // namespace osteon::base

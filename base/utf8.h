@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace osteon::io {
+namespace osteon::base {
 
 /// Length of the UTF-8 sequence at the beginning of `text`, 0 if there is none (RFC 3629: no overlong form,
 /// no surrogate, nothing beyond U+10FFFF).
@@ -15,4 +15,4 @@ namespace osteon::io {
 /// unreadable.
 [[nodiscard]] std::string Utf8(std::string_view text);
 
-}  // namespace osteon::io
+}  // namespace osteon::base

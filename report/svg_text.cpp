@@ -30,7 +30,7 @@ std::string Escape(std::string_view text) {
   std::string out;
   out.reserve(text.size() + text.size() / 8);
   while (!text.empty()) {
-    const std::size_t length = io::Utf8Length(text);
+    const std::size_t length = base::Utf8Length(text);
     const auto c = static_cast<unsigned char>(text.front());
     if (length == 0 || (c < 0x20u && c != '\n' && c != '\t') || c == 0x7Fu) {
       out += kReplacement;

@@ -128,8 +128,8 @@ void EncodeFrames(rt::Nanoseconds stamp, std::span<const FramePlace> frames, std
   for (const FramePlace& frame : frames) {
     foxglove::FrameTransform* added = message.add_transforms();
     Fill(stamp, added->mutable_timestamp());
-    added->set_parent_frame_id(Utf8(frame.parent));
-    added->set_child_frame_id(Utf8(frame.child));
+    added->set_parent_frame_id(base::Utf8(frame.parent));
+    added->set_child_frame_id(base::Utf8(frame.child));
     Fill(Vector3(frame.X_PC.translation()), added->mutable_translation());
     Fill(Eigen::Quaterniond(Matrix3(frame.X_PC.linear())), added->mutable_rotation());
   }
@@ -146,8 +146,8 @@ void EncodeScene(rt::Nanoseconds stamp, std::span<const SceneEntity> entities, b
   for (const SceneEntity& entity : entities) {
     foxglove::SceneEntity* added = message.add_entities();
     Fill(stamp, added->mutable_timestamp());
-    added->set_frame_id(Utf8(entity.frame));
-    added->set_id(Utf8(entity.id));
+    added->set_frame_id(base::Utf8(entity.frame));
+    added->set_id(base::Utf8(entity.id));
     added->set_frame_locked(true);
     for (const SceneBall& ball : entity.balls) Add(ball, *added);
     for (const SceneRod& rod : entity.rods) Add(rod, *added);
@@ -173,7 +173,7 @@ void EncodeLog(rt::Nanoseconds stamp, LogLevel level, const std::string& text, s
   foxglove::Log message;
   Fill(stamp, message.mutable_timestamp());
   message.set_level(static_cast<foxglove::Log::Level>(level));
-  message.set_message(Utf8(text));
+  message.set_message(base::Utf8(text));
   message.set_name("osteon");
   message.SerializeToString(&bytes);
 }

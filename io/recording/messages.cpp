@@ -16,27 +16,27 @@ std::string RecordingDescriptorSet() {
 void Encode(const SessionInfo& session, std::string& bytes) {
   Session message;
   message.set_stamp_ns(session.stamp);
-  message.set_version(Utf8(session.version));
-  message.set_engine(Utf8(session.engine));
-  message.set_device(Utf8(session.device));
-  message.set_scene(Utf8(session.scene));
-  message.set_tool(Utf8(session.tool));
+  message.set_version(base::Utf8(session.version));
+  message.set_engine(base::Utf8(session.engine));
+  message.set_device(base::Utf8(session.device));
+  message.set_scene(base::Utf8(session.scene));
+  message.set_tool(base::Utf8(session.tool));
   message.set_force_limit_n(session.force_limit_N);
-  for (const std::string& limit : session.limits) message.add_limits(Utf8(limit));
-  message.set_config_text(Utf8(session.config_text));
+  for (const std::string& limit : session.limits) message.add_limits(base::Utf8(limit));
+  message.set_config_text(base::Utf8(session.config_text));
   for (const ConfigFile& file : session.config.files) {
     osteon::ConfigFile* added = message.add_config_files();
-    added->set_name(Utf8(file.name));
+    added->set_name(base::Utf8(file.name));
     added->set_content(file.content);
   }
-  message.set_cell_file(Utf8(session.config.cell_file));
-  message.set_tool_file(Utf8(session.config.tool_file));
-  message.set_gains_file(Utf8(session.config.gains_file));
+  message.set_cell_file(base::Utf8(session.config.cell_file));
+  message.set_tool_file(base::Utf8(session.config.tool_file));
+  message.set_gains_file(base::Utf8(session.config.gains_file));
   if (session.config.tool_diameter_m) message.set_tool_diameter_m(*session.config.tool_diameter_m);
-  message.set_config_folder(Utf8(session.config.folder));
+  message.set_config_folder(base::Utf8(session.config.folder));
   message.set_utc_ns(session.utc);
-  message.set_build(Utf8(session.build));
-  message.set_machine(Utf8(session.machine));
+  message.set_build(base::Utf8(session.build));
+  message.set_machine(base::Utf8(session.machine));
   message.SerializeToString(&bytes);
 }
 
@@ -69,7 +69,7 @@ std::string Decode(std::span<const char> bytes, SessionInfo& session) {
 void Encode(const RecordedEvent& event, std::string& bytes) {
   Event message;
   message.set_stamp_ns(event.stamp);
-  message.set_text(Utf8(event.text));
+  message.set_text(base::Utf8(event.text));
   message.SerializeToString(&bytes);
 }
 

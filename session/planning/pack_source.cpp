@@ -185,7 +185,7 @@ tl::expected<void, std::string> LoadScene(const SourceOptions& options, PackSour
   source.name = made.name;
   source.solid = made.solid;
   source.site = made.site;
-  source.provenance.source = io::Utf8(file->filename().string());
+  source.provenance.source = base::Utf8(file->filename().string());
   return {};
 }
 
@@ -203,13 +203,13 @@ tl::expected<void, std::string> LoadMeshSource(const SourceOptions& options, Pac
   if (!loaded) return tl::make_unexpected(loaded.error().message);
   const auto made = simulation::MakeMeshSolid(*loaded, options.input, options.cup, scene);
   if (!made) return tl::make_unexpected(made.error().message);
-  source.name = io::Utf8(made->name);
+  source.name = base::Utf8(made->name);
   source.solid = made->solid;
   source.site = made->site;
   source.triangles = loaded->mesh.triangles.size();
   source.even = simulation::MeshMassProperties(loaded->mesh, kEvenDensity_kg_per_m3);
   if (!options.scene.empty()) source.own = std::move(scene);
-  source.provenance.parameters.emplace_back("tissue", io::Utf8(scene_file->filename().string()));
+  source.provenance.parameters.emplace_back("tissue", base::Utf8(scene_file->filename().string()));
   if (options.scale) source.provenance.parameters.emplace_back("scale_mm", fmt::format("{}", scale));
   if (loaded->report.remake) {
     source.warning = made->warning;
@@ -256,7 +256,7 @@ tl::expected<simulation::Ball, std::string> ParseRegion(const std::string& text)
 tl::expected<PackSource, std::string> LoadPackSource(const SourceOptions& options) {
   PackSource source;
   const std::string& input = options.input;
-  source.provenance.source = io::Utf8(std::filesystem::path(input).filename().string());
+  source.provenance.source = base::Utf8(std::filesystem::path(input).filename().string());
   const std::string extension = base::Lower(std::filesystem::path(input).extension().string());
   const bool shape = !options.scenes_only && (input.starts_with("ball:") || input.starts_with("box:"));
   const bool file = !options.scenes_only && !shape && !extension.empty() && extension != ".yaml";

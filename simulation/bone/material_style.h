@@ -13,8 +13,8 @@ struct MaterialStyle {
   std::array<double, 3> color;  ///< sRGB 0 … 1 in shaded pictures
 };
 
-/// By name cartilage bluish, cortical bone ivory, cancellous bone reddish-yellow, …; other materials by
-/// index.
+/// The style goes by a material's name: cartilage is bluish, cortical bone ivory, cancellous bone
+/// reddish-yellow, …; a material of another name has a style by its index.
 [[nodiscard]] const MaterialStyle& StyleOf(const std::vector<Material>& materials, MaterialIndex material);
 
 }  // namespace osteon::simulation

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "base/utf8.h"
+
 namespace osteon::simulation {
 namespace {
 
@@ -62,22 +64,6 @@ std::string Shown(std::string_view text) {
     out +=
         c >= 0x20 && c < 0x7f ? std::string(1, c) : fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
   return "\"" + out + (text.size() > 40 ? "…\"" : "\"");
-}
-
-/// Length of the UTF-8 character that begins the text; 0 where there is none. Shortest forms only, no
-/// surrogates (RFC 3629).
-std::size_t CharacterLength(std::string_view text) {
-  const auto at = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned lead = at(0);
-  if (lead < 0x80) return 1;
-  const std::size_t length = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
-  if (lead < 0xc2 || lead > 0xf4 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((at(i) & 0xc0) != 0x80) return 0;
-  const unsigned second = at(1);
-  if ((lead == 0xe0 && second < 0xa0) || (lead == 0xed && second > 0x9f)) return 0;
-  if ((lead == 0xf0 && second < 0x90) || (lead == 0xf4 && second > 0x8f)) return 0;
-  return length;
 }
 
 /// Reads lines "key=value", one after the other. The first error is kept; reading on after it gives empty
@@ -157,7 +143,7 @@ class LineReader {
   std::string Unescaped(std::string_view raw) {
     std::string out;
     for (std::size_t i = 0; i < raw.size();) {
-      const std::size_t length = CharacterLength(raw.substr(i));
+      const std::size_t length = base::Utf8Length(raw.substr(i));
       const auto c = static_cast<unsigned char>(raw[i]);
       if (length == 0 || c < 0x20 || c == 0x7f) {
         Keep(value_ + i, "", Shown(raw.substr(i, 1)), kTextAccepted);

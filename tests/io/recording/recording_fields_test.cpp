@@ -1,5 +1,6 @@
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -255,6 +256,29 @@ TEST(RecordingFields, ATickFromBeforeTheArmsShareAndTheInputsWereRecordedReadsAs
   EXPECT_EQ(r.age_wrench_share, 1.0);
   EXPECT_EQ(r.tank_share, 1.0);
   EXPECT_EQ(r.compute_ns, SomeTick(2).compute_ns);
+}
+
+// Found by the fuzz target recording_message: libprotobuf writes such a string, but then fails to read the
+// whole message. A comment in Latin-1 in a cell's file is enough.
+TEST(RecordingFields, TextInAnotherEncodingCanBeRead) {
+  SessionInfo session = test::SomeSession();
+  session.config_text = "# \xb5m, K\xf6nig\nradius_mm: 3\n";
+  session.config.files = {{.name = "cells/K\xf6nig.yaml", .content = session.config_text}};
+  session.config.cell_file = session.config.files[0].name;
+  session.limits = {"\xff"};
+  std::string bytes;
+  Encode(session, bytes);
+  SessionInfo read;
+  ASSERT_EQ(Decode(bytes, read), "");
+  EXPECT_EQ(read.config_text, "# \xef\xbf\xbdm, K\xef\xbf\xbdnig\nradius_mm: 3\n");
+  ASSERT_EQ(read.config.files.size(), 1u);
+  EXPECT_EQ(read.config.files[0].content, session.config_text) << "a file's content is kept byte by byte";
+  EXPECT_EQ(read.config.files[0].name, read.config.cell_file);
+
+  Encode(RecordedEvent{.stamp = 1, .text = "no such file: \xe4"}, bytes);
+  RecordedEvent event;
+  ASSERT_EQ(Decode(bytes, event), "");
+  EXPECT_EQ(event.text, "no such file: \xef\xbf\xbd");
 }
 
 }  // namespace
