@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "studies/identify/least_squares.h"
+#include "studies/identify/response_fit.h"
 
 namespace osteon::studies {
 namespace {
@@ -19,47 +19,29 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi, kTwoSd = 2.0;
 constexpr double kResonanceGain = 3.0, kBadChi2 = 3.0;
 constexpr double kMaxResonance = 1.5;  // of the highest line: beyond it nothing was measured
 
-template <class Model>
-LeastSquaresFit FitModel(std::span<const ResponseLine> lines, const Model& model,
-                         const Eigen::VectorXd& start) {
-  const auto residuals = [&](const Eigen::VectorXd& p, Eigen::VectorXd& r) {
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      const Complex off = (lines[i].value - model(p, kTwoPi * lines[i].hz)) / lines[i].sd;
-      r[2 * static_cast<Eigen::Index>(i)] = off.real();
-      r[2 * static_cast<Eigen::Index>(i) + 1] = off.imag();
-    }
-  };
-  return Solve({.parameters = static_cast<int>(start.size()),
-                .residuals = 2 * static_cast<int>(lines.size()),
-                .evaluate = residuals},
-               start);
-}
-
-// Chi^2 over its degrees of freedom.
-double Chi2Of(const LeastSquaresFit& fit, std::size_t lines) {
-  return fit.cost / (2.0 * static_cast<double>(lines) - static_cast<double>(fit.parameters.size()));
-}
-
 // Half width of the interval of parameter i, times a factor.
 double Width(const LeastSquaresFit& fit, double chi2, Eigen::Index i, double factor = 1.0) {
   return kTwoSd * factor * std::sqrt(std::max(1.0, chi2) * std::max(0.0, fit.covariance(i, i)));
 }
 
-Complex Inertia(const Eigen::VectorXd& p, double w) { return p[0] * w * w * std::polar(1.0, -w * p[1]); }
+Complex Inertia(const Eigen::VectorXd& p, double hz) {
+  const double w = kTwoPi * hz;
+  return p[0] * w * w * std::polar(1.0, -w * p[1]);
+}
 
-Complex Resonance(double hz, double damping, double w) {
-  const double w_r = kTwoPi * hz;
+Complex Resonance(double resonance_hz, double damping, double hz) {
+  const double w_r = kTwoPi * resonance_hz, w = kTwoPi * hz;
   return w_r * w_r / Complex(w_r * w_r - w * w, 2.0 * damping * w_r * w);
 }
 
 LeastSquaresFit FitResonance(std::span<const ResponseLine> lines, const Eigen::VectorXd& rigid) {
   LeastSquaresFit best;
-  const auto model = [](const Eigen::VectorXd& p, double w) {
-    return Inertia(p, w) * Resonance(std::exp(p[2]), std::exp(p[3]), w);
+  const auto model = [](const Eigen::VectorXd& p, double hz) {
+    return Inertia(p, hz) * Resonance(std::exp(p[2]), std::exp(p[3]), hz);
   };
   for (const double hz : {12.0, 18.0, 24.0, 30.0, 36.0, 45.0, 60.0, 80.0}) {
     const Eigen::Vector4d start(rigid[0], rigid[1], std::log(hz), std::log(0.05));
-    const LeastSquaresFit fit = FitModel(lines, model, start);
+    const LeastSquaresFit fit = FitResponse(lines, model, start);
     if (fit.converged && (!best.converged || fit.cost < best.cost)) best = fit;
   }
   return best;
@@ -77,7 +59,7 @@ tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLin
     over += weight * (line.value / w2).real();
     under += weight;
   }
-  const LeastSquaresFit rigid = FitModel(lines, Inertia, Eigen::Vector2d(over / under, 0.0));
+  const LeastSquaresFit rigid = FitResponse(lines, Inertia, Eigen::Vector2d(over / under, 0.0));
   if (!rigid.converged) return tl::unexpected(std::string("no mass fits the force"));
   const double chi2 = Chi2Of(rigid, lines.size());
   ToolForceFit fit{.mass_kg = {rigid.parameters[0], Width(rigid, chi2, 0)},
@@ -109,12 +91,13 @@ tl::expected<HandFit, std::string> FitHand(std::span<const ResponseLine> lines, 
   for (const ResponseLine& line : lines)
     if (line.hz <= max_hz) used.push_back(line);
   if (used.size() < 4) return tl::unexpected(fmt::format("found {} lines, accepted 4 or more", used.size()));
-  const auto model = [tool_mass_kg](const Eigen::VectorXd& p, double w) {
+  const auto model = [tool_mass_kg](const Eigen::VectorXd& p, double hz) {
+    const double w = kTwoPi * hz;
     return (tool_mass_kg * w * w - Complex(p[0] - w * w * p[2], w * p[1])) * std::polar(1.0, -w * p[3]);
   };
   LeastSquaresFit best;
   for (const double k : {300.0, 1000.0, 3000.0, 8000.0}) {
-    const LeastSquaresFit fit = FitModel(used, model, Eigen::Vector4d(k, 20.0, 1.0, 1e-3));
+    const LeastSquaresFit fit = FitResponse(used, model, Eigen::Vector4d(k, 20.0, 1.0, 1e-3));
     if (fit.converged && (!best.converged || fit.cost < best.cost)) best = fit;
   }
   if (!best.converged) return tl::unexpected(std::string("no hand fits the force"));

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "studies/identify/least_squares.h"
+#include "studies/identify/response_fit.h"
 
 namespace osteon::studies {
 namespace {
@@ -40,22 +40,10 @@ std::complex<double> OverlayResponse(const Eigen::VectorXd& p, double hz, double
 
 LeastSquaresFit FitLines(std::span<const ResponseLine> lines, const Eigen::VectorXd& start, double period_s,
                          double nominal_N_per_m) {
-  const auto residuals = [&](const Eigen::VectorXd& p, Eigen::VectorXd& r) {
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      const std::complex<double> off =
-          (lines[i].value - OverlayResponse(p, lines[i].hz, period_s, nominal_N_per_m)) / lines[i].sd;
-      r[2 * static_cast<Eigen::Index>(i)] = off.real();
-      r[2 * static_cast<Eigen::Index>(i) + 1] = off.imag();
-    }
-  };
-  return Solve({.parameters = static_cast<int>(start.size()),
-                .residuals = 2 * static_cast<int>(lines.size()),
-                .evaluate = residuals},
-               start);
-}
-
-double OverlayChi2(const LeastSquaresFit& fit, std::size_t lines) {
-  return fit.cost / (2.0 * static_cast<double>(lines) - static_cast<double>(fit.parameters.size()));
+  return FitResponse(
+      lines,
+      [&](const Eigen::VectorXd& p, double hz) { return OverlayResponse(p, hz, period_s, nominal_N_per_m); },
+      start);
 }
 
 // The same with a coupled axis, from several frequencies of it.
@@ -115,14 +103,14 @@ tl::expected<OverlayFit, std::string> FitOverlay(std::span<const ResponseLine> l
   guess << std::log(mass_kg), std::log(1.4 * std::sqrt(stiffness * mass_kg)), std::log(stiffness),
       std::clamp(start.dead_time_s.value, 0.0, 0.02);
   LeastSquaresFit fit = FitLines(lines, guess, period_s, nominal_N_per_m);
-  if (!fit.converged || OverlayChi2(fit, lines.size()) > kMaxOverlayChi2) {
+  if (!fit.converged || Chi2Of(fit, lines.size()) > kMaxOverlayChi2) {
     guess[3] = 0.003;
     const LeastSquaresFit coupled =
         FitCoupled(lines, fit.converged ? fit.parameters : guess, period_s, nominal_N_per_m);
     if (coupled.converged && (!fit.converged || coupled.cost < fit.cost)) fit = coupled;
   }
   if (!fit.converged) return tl::unexpected(std::string("no impedance fits the motion: no start converged"));
-  OverlayFit overlay = ResultOf(fit, OverlayChi2(fit, lines.size()));
+  OverlayFit overlay = ResultOf(fit, Chi2Of(fit, lines.size()));
   double squares = 0.0;
   for (const ResponseLine& line : lines)
     squares += std::norm((line.value - OverlayResponse(fit.parameters, line.hz, period_s, nominal_N_per_m)) /
