@@ -125,16 +125,57 @@ void CheckStop(const Reader& section, const char* key, double free, double stop,
                                   stop * unit, free * unit));
 }
 
-void ReadGuidance(Reader& section, Reader& cone, Reader& lateral, GuidanceGains& gains) {
+// The sections of the guidance in which a stop lies behind a free range.
+struct GuidanceSections {
+  Reader cone, lateral;
+  std::optional<Reader> cup_cone;  // of a cup
+};
+
+GuidanceSections ReadGuidance(Reader section, bool is_opening, GuidanceGains& gains) {
+  GuidanceSections sections{
+      .cone = section.Section("cone"), .lateral = section.Section("lateral"), .cup_cone = {}};
   gains.gain = section.Number("gain_ratio", 0, 1);
-  ReadCone(cone, gains.cone);
-  ReadLateral(lateral, gains.lateral);
+  ReadCone(sections.cone, gains.cone);
+  ReadLateral(sections.lateral, gains.lateral);
   ReadDepth(section.Section("depth"), gains.depth);
   gains.return_m_per_s = section.Number("return_mm_per_s", 1, 250);
   gains.return_rad_per_s = section.Number("return_rad_per_s", 0.01, 10);
   gains.spindle = section.Choice("spindle", {"stop_outside", "free"}) == 0
                       ? GuidanceGains::OutsideSpindle::kStop
                       : GuidanceGains::OutsideSpindle::kFree;
+  if (is_opening) return sections;
+  sections.cup_cone = section.Section("cup_cone");
+  gains.cup_cone = {.free_rad = sections.cup_cone->Number("free_deg", 0.1, 45),
+                    .stop_rad = sections.cup_cone->Number("stop_deg", 0.1, 60)};
+  return sections;
+}
+
+void CheckStops(const GuidanceSections& sections, const GuidanceGains& gains) {
+  CheckStop(sections.cone, "stop_deg", gains.cone.free_rad, gains.cone.stop_rad, 1.0 / kDegree);
+  if (sections.cup_cone)
+    CheckStop(*sections.cup_cone, "stop_deg", gains.cup_cone.free_rad, gains.cup_cone.stop_rad,
+              1.0 / kDegree);
+  CheckStop(sections.lateral, "stop_mm", gains.lateral.free_m, gains.lateral.stop_m, 1e3);
+}
+
+// Diameters rise, and widths do not fall.
+void CheckSequence(const std::vector<Reader>& sections, const std::vector<procedure::PlannedTool>& tools) {
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    const procedure::PlannedTool& tool = tools[i];
+    if (tool.around_m < 0.0)
+      sections[i].Refuse("width_mm",
+                         fmt::format("found {:.6g}, accepted the burr's diameter ({:.6g}) and more",
+                                     1e3 * tool.width_m(), 1e3 * tool.diameter_m));
+    if (i == 0) continue;
+    const procedure::PlannedTool& before = tools[i - 1];
+    if (!(tool.diameter_m > before.diameter_m))
+      sections[i].Refuse("diameter_mm", fmt::format("found {:.6g} after {:.6g}, accepted diameters that rise",
+                                                    1e3 * tool.diameter_m, 1e3 * before.diameter_m));
+    if (tool.width_m() < before.width_m())
+      sections[i].Refuse("width_mm",
+                         fmt::format("found {:.6g} after {:.6g}, accepted widths that do not fall",
+                                     1e3 * tool.width_m(), 1e3 * before.width_m()));
+  }
 }
 
 procedure::PelvicFrame MakeFrame(const Reader& pelvis, const procedure::PelvicFrame& axes,
@@ -152,6 +193,13 @@ simulation::CutSite ReadMeshCup(Reader cup) {
   return {.center_m = cup.Triple("center_mm", -2000, 2000),
           .axis = cup.Direction("outward_axis"),
           .radius_m = cup.Number("radius_mm", 0.5, 60)};
+}
+
+void ReadPlannedBone(Reader bone, std::filesystem::path& scene, SurgicalPlanConfig& config) {
+  if (bone.Has("mesh") || bone.Has("packing"))
+    config.bone = ReadBone(bone, scene);
+  else
+    config.mesh_cup = ReadMeshCup(bone.Section("cup"));
 }
 
 // The site of the plan's bone, without packing it. A packing file knows its own site only once it is read.
@@ -173,13 +221,7 @@ SurgicalPlanConfig LoadSurgicalPlan(const std::filesystem::path& path) {
   SurgicalPlan& plan = config.plan;
   plan.name = path.stem().string();
   std::filesystem::path scene = reader.File("scene", "scenes");
-  if (reader.Has("bone")) {
-    Reader bone = reader.Section("bone");
-    if (bone.Has("mesh") || bone.Has("packing"))
-      config.bone = ReadBone(bone, scene);
-    else
-      config.mesh_cup = ReadMeshCup(bone.Section("cup"));
-  }
+  if (reader.Has("bone")) ReadPlannedBone(reader.Section("bone"), scene, config);
   const bool is_opening = reader.Has("kind") && reader.Choice("kind", {"cup", "opening"}) == 1;
   std::optional<Reader> pelvis;
   procedure::PelvicFrame axes;
@@ -196,40 +238,12 @@ SurgicalPlanConfig LoadSurgicalPlan(const std::filesystem::path& path) {
   plan.tool_change = reader.Choice("tool_change", {"virtual", "physical"}) == 0
                          ? procedure::ToolChange::kVirtual
                          : procedure::ToolChange::kPhysical;
-  if (reader.Has("guidance")) {
-    Reader guidance = reader.Section("guidance");
-    Reader cone = guidance.Section("cone"), lateral = guidance.Section("lateral");
-    GuidanceGains& gains = plan.guidance;
-    ReadGuidance(guidance, cone, lateral, gains);
-    std::optional<Reader> cup_cone;
-    if (!is_opening) {
-      cup_cone = guidance.Section("cup_cone");
-      gains.cup_cone = {.free_rad = cup_cone->Number("free_deg", 0.1, 45),
-                        .stop_rad = cup_cone->Number("stop_deg", 0.1, 60)};
-    }
-    reader.Finish();
-    CheckStop(cone, "stop_deg", gains.cone.free_rad, gains.cone.stop_rad, 1.0 / kDegree);
-    if (cup_cone)
-      CheckStop(*cup_cone, "stop_deg", gains.cup_cone.free_rad, gains.cup_cone.stop_rad, 1.0 / kDegree);
-    CheckStop(lateral, "stop_mm", gains.lateral.free_m, gains.lateral.stop_m, 1e3);
-  } else {
-    reader.Finish();
-  }
+  std::optional<GuidanceSections> guidance;
+  if (reader.Has("guidance")) guidance = ReadGuidance(reader.Section("guidance"), is_opening, plan.guidance);
+  reader.Finish();
+  if (guidance) CheckStops(*guidance, plan.guidance);
+  CheckSequence(tools, plan.tools);
 
-  for (std::size_t i = 1; i < plan.tools.size(); ++i)
-    if (!(plan.tools[i].diameter_m > plan.tools[i - 1].diameter_m))
-      tools[i].Refuse("diameter_mm",
-                      fmt::format("found {:.6g} after {:.6g}, accepted diameters that rise",
-                                  1e3 * plan.tools[i].diameter_m, 1e3 * plan.tools[i - 1].diameter_m));
-  for (std::size_t i = 0; i < plan.tools.size(); ++i)
-    if (plan.tools[i].around_m < 0.0)
-      tools[i].Refuse("width_mm", fmt::format("found {:.6g}, accepted the burr's diameter ({:.6g}) and more",
-                                              1e3 * plan.tools[i].width_m(), 1e3 * plan.tools[i].diameter_m));
-  for (std::size_t i = 1; i < plan.tools.size(); ++i)
-    if (plan.tools[i].width_m() < plan.tools[i - 1].width_m())
-      tools[i].Refuse("width_mm",
-                      fmt::format("found {:.6g} after {:.6g}, accepted widths that do not fall",
-                                  1e3 * plan.tools[i].width_m(), 1e3 * plan.tools[i - 1].width_m()));
   config.scene = LoadScene(scene);
   if (is_opening) {
     plan.axis_G.normalize();

@@ -352,9 +352,7 @@ procedure::Assessment Session::Assess(const procedure::SurgicalPlan& plan) {
     assessment.axis_G = axis_.value();
     assessment.min_wall_m = MinWall();
   }
-  assessment.cavity = procedure::AssessCavity(plan, bone_->bone, state);
-  if (plan.kind == procedure::PlanKind::kOpening)
-    assessment.opening = procedure::AssessOpening(plan, bone_->bone, state);
+  procedure::AssessBone(plan, bone_->bone, state, assessment);
   return assessment;
 }
 

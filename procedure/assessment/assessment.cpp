@@ -5,6 +5,12 @@
 
 namespace osteon::procedure {
 
+void AssessBone(const SurgicalPlan& plan, const simulation::Bone& uncut, const simulation::CarvedState& state,
+                Assessment& assessment) {
+  assessment.cavity = AssessCavity(plan, uncut, state);
+  if (plan.kind == PlanKind::kOpening) assessment.opening = AssessOpening(plan, uncut, state);
+}
+
 std::optional<double> AxisError(const SurgicalPlan& plan, const Assessment& assessment) {
   if (!assessment.axis_G) return std::nullopt;
   // the arctangent of sine and cosine: the arc cosine alone is blind below 1e-8

@@ -34,6 +34,11 @@ struct Assessment {
   ProcessFigures process;
 };
 
+/// Fills in what the carved bone shows: the cavity, and of a plan for an opening the opening.
+/// @param uncut, state  the bone before the session, and its state after it
+void AssessBone(const SurgicalPlan& plan, const simulation::Bone& uncut, const simulation::CarvedState& state,
+                Assessment& assessment);
+
 /// Angle between the planned axis and the reached one [rad].
 [[nodiscard]] std::optional<double> AxisError(const SurgicalPlan& plan, const Assessment& assessment);
 

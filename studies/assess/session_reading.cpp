@@ -301,10 +301,7 @@ tl::expected<AssessedSession, std::string> ReadAssessedSession(const fs::path& f
     }
   }
   sums.Finish();
-  const procedure::SurgicalPlan& plan = session.plan.plan;
-  session.assessment.cavity = procedure::AssessCavity(plan, session.bone, session.state);
-  if (plan.kind == procedure::PlanKind::kOpening)
-    session.assessment.opening = procedure::AssessOpening(plan, session.bone, session.state);
+  procedure::AssessBone(session.plan.plan, session.bone, session.state, session.assessment);
   return session;
 }
 
