@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/json_value.h"
 #include "base/read_text.h"
 #include "base/write_text.h"
 #include "config/reading/check_plan_in_cell.h"
@@ -117,9 +118,9 @@ tl::expected<double, std::string> GainFrom(const fs::path& folder, const std::st
       std::ifstream stream(entry.path() / inner / "assess.json");
       if (!stream) continue;
       const auto json = nlohmann::json::parse(stream, nullptr, false);
-      if (!json.is_object() || json.value("passed", nlohmann::json()) != true) continue;
-      const auto plan = json.value("plan", nlohmann::json::object());
-      if (plan.is_object() && plan.value("checksum", nlohmann::json()) == plan_checksum) gain -= kLessForEach;
+      if (base::FlagAt(json, "passed") &&
+          base::TextAt(base::ValueAt(json, "plan"), "checksum") == plan_checksum)
+        gain -= kLessForEach;
     }
   return std::max(0.0, gain);
 }

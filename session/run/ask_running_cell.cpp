@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json_text.h"
+#include "base/json_value.h"
 #include "base/text.h"
 #include "base/write_text.h"
 #include "io/local/local_client.h"
@@ -16,54 +17,60 @@
 namespace osteon::session {
 namespace {
 
+using base::FlagAt;
+using base::NumberAt;
+using base::TextAt;
+using base::ValueAt;
+
 constexpr std::size_t kName = 20;  // columns of a row's name
 
 void PrintRow(const char* name, const std::string& value) {
-  fmt::print("  {:<{}} {}\n", name, kName - 3, base::WrapForTerminal(value, kName));
+  fmt::print("  {:<{}} {}\n", name, kName - 3, base::WrapForTerminal(base::Printable(value), kName));
 }
 
 std::string Joined(const nlohmann::json& names) {
   std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name.get<std::string>();
+  for (const auto& name : names)
+    if (name.is_string()) text += (text.empty() ? "" : ", ") + name.get<std::string>();
   return text;
 }
 
 // "26.3 ms from hand to arm (sensor 1.0, …), 30.2 ms from bone to hand; assumed: sensor".
 std::string LatencyLine(const nlohmann::json& latency) {
   std::string parts, assumed;
-  for (const auto& [name, part] : latency["parts"].items()) {
-    parts += fmt::format("{}{} {:.2f}", parts.empty() ? "" : ", ", name, part.value("mean", 0.0));
-    if (!part.value("measured", false)) assumed += (assumed.empty() ? "" : ", ") + name;
+  for (const auto& [name, part] : ValueAt(latency, "parts").items()) {
+    parts += fmt::format("{}{} {:.2f}", parts.empty() ? "" : ", ", name, NumberAt(part, "mean"));
+    if (!FlagAt(part, "measured")) assumed += (assumed.empty() ? "" : ", ") + name;
   }
   return fmt::format("{:.1f} ms from hand to arm, {:.1f} ms from bone to hand ({}){}",
-                     latency.value("hand_to_arm", 0.0), latency.value("bone_to_hand", 0.0), parts,
+                     NumberAt(latency, "hand_to_arm"), NumberAt(latency, "bone_to_hand"), parts,
                      assumed.empty() ? "" : "; assumed: " + assumed);
 }
 
 // "48 mm, 2 of 4".
 std::string ToolLine(const nlohmann::json& procedure) {
-  const nlohmann::json tool = procedure.value("tool", nlohmann::json::object());
-  return fmt::format("{:g} mm, {} of {}", tool.value("diameter_mm", 0.0), tool.value("number", 0),
-                     tool.value("of", 0));
+  const nlohmann::json& tool = ValueAt(procedure, "tool");
+  return fmt::format("{:g} mm, {:g} of {:g}", NumberAt(tool, "diameter_mm"), NumberAt(tool, "number"),
+                     NumberAt(tool, "of"));
 }
 
 std::string PassesLine(const nlohmann::json& procedure) {
-  const int undone = procedure.value("undone", 0);
-  return fmt::format("{}{}", procedure.value("passes", 0),
-                     undone > 0 ? fmt::format(", and {} undone", undone) : "");
+  const double undone = NumberAt(procedure, "undone");
+  return fmt::format("{:g}{}", NumberAt(procedure, "passes"),
+                     undone > 0.0 ? fmt::format(", and {:g} undone", undone) : "");
 }
 
 // "3.2 mm above its planned place, 0.4 mm aside, tilted by 2.1°; outside the plan's corridor: tilt".
 std::string PlaceLine(const nlohmann::json& procedure) {
-  if (!procedure.value("known", false)) return "not known before the first frame";
-  const double to_go_mm = procedure.value("to_go_mm", 0.0);
+  if (!FlagAt(procedure, "known")) return "not known before the first frame";
+  const double to_go_mm = NumberAt(procedure, "to_go_mm");
   std::string beyond;
-  const nlohmann::json all = procedure.value("beyond", nlohmann::json::object());
+  const nlohmann::json& all = ValueAt(procedure, "beyond");
   for (const auto& [name, is_beyond] : all.items())
     if (is_beyond.is_boolean() && is_beyond.get<bool>()) beyond += (beyond.empty() ? "" : ", ") + name;
   return fmt::format("{:.1f} mm {} its planned place, {:.1f} mm aside, tilted by {:.1f}°{}",
-                     std::abs(to_go_mm), to_go_mm < 0.0 ? "below" : "above", procedure.value("aside_mm", 0.0),
-                     procedure.value("tilt_deg", 0.0),
+                     std::abs(to_go_mm), to_go_mm < 0.0 ? "below" : "above", NumberAt(procedure, "aside_mm"),
+                     NumberAt(procedure, "tilt_deg"),
                      beyond.empty() ? "" : "; outside the plan's corridor: " + beyond);
 }
 
@@ -92,32 +99,32 @@ std::string DoneText(const std::string& request, const nlohmann::json& procedure
   return "done";
 }
 
-// The answer was made by this program's own kind, yet a value of another type must not end the process.
 void PrintStatus(const nlohmann::json& status, const nlohmann::json& run, const nlohmann::json& procedure) {
-  fmt::print("Osteon {}: {}\n", run.value("command", ""), run.value("cell", ""));
-  if (!status.value("known", false)) return PrintRow("State", "waits for the first message");
-  PrintRow("State", status.value("state", "") + ": " + status.value("does", ""));
-  PrintRow("It leaves by", status.value("leave", ""));
-  for (const auto& fault : status["faults"]) {
-    PrintRow("Fault", fault.value("name", "") + ": " + fault.value("cause", ""));
-    PrintRow("Cure", fault.value("clearing", ""));
+  fmt::print("Osteon {}: {}\n", TextAt(run, "command"), TextAt(run, "cell"));
+  if (!FlagAt(status, "known")) return PrintRow("State", "waits for the first message");
+  PrintRow("State", TextAt(status, "state") + ": " + TextAt(status, "does"));
+  PrintRow("It leaves by", TextAt(status, "leave"));
+  for (const auto& fault : ValueAt(status, "faults")) {
+    PrintRow("Fault", TextAt(fault, "name") + ": " + TextAt(fault, "cause"));
+    PrintRow("Cure", TextAt(fault, "clearing"));
   }
-  for (const auto& permit : status["permits"])
-    if (status.value("permits_known", false) && !permit.value("holds", true))
-      PrintRow("Missing", permit.value("text", ""));
+  for (const auto& permit : ValueAt(status, "permits"))
+    if (FlagAt(status, "permits_known") && !FlagAt(permit, "holds", true))
+      PrintRow("Missing", TextAt(permit, "text"));
   PrintProcedure(procedure);
-  PrintRow("Force", fmt::format("{:.1f} N of at most {:g} N; hand {:.1f} N", status.value("force_N", 0.0),
-                                status.value("force_limit_N", 0.0), status.value("hand_N", 0.0)));
-  PrintRow("Depth", fmt::format("{:.2f} mm, deepest {:.2f} mm", status.value("depth_mm", 0.0),
-                                status.value("deepest_mm", 0.0)));
-  PrintRow("Removed", fmt::format("{:.1f} mm³", status.value("removed_mm3", 0.0)));
-  PrintRow("Limits acting", status["limits"].empty() ? "none" : Joined(status["limits"]));
+  PrintRow("Force", fmt::format("{:.1f} N of at most {:g} N; hand {:.1f} N", NumberAt(status, "force_N"),
+                                NumberAt(status, "force_limit_N"), NumberAt(status, "hand_N")));
+  PrintRow("Depth", fmt::format("{:.2f} mm, deepest {:.2f} mm", NumberAt(status, "depth_mm"),
+                                NumberAt(status, "deepest_mm")));
+  PrintRow("Removed", fmt::format("{:.1f} mm³", NumberAt(status, "removed_mm3")));
+  const std::string limits = Joined(ValueAt(status, "limits"));
+  PrintRow("Limits acting", limits.empty() ? "none" : limits);
   PrintRow("Ages", fmt::format("contact model {:.1f} ms, force sensor {:.1f} ms",
-                               status.value("model_age_ms", 0.0), status.value("sensor_age_ms", 0.0)));
+                               NumberAt(status, "model_age_ms"), NumberAt(status, "sensor_age_ms")));
   if (const auto latency = status.find("latency_ms"); latency != status.end() && latency->is_object())
     PrintRow("Latency", LatencyLine(*latency));
-  const double wanted_s = run.value("seconds", 0.0), paused_s = status.value("paused_s", 0.0);
-  std::string time = fmt::format("{:.1f} s", status.value("rendered_s", 0.0));
+  const double wanted_s = NumberAt(run, "seconds"), paused_s = NumberAt(status, "paused_s");
+  std::string time = fmt::format("{:.1f} s", NumberAt(status, "rendered_s"));
   if (wanted_s > 0.0) time += fmt::format(" of {:g} s", wanted_s);
   if (paused_s > 0.0) time += fmt::format(", and {:.1f} s paused", paused_s);
   PrintRow("Rendered", time);
@@ -138,15 +145,15 @@ std::string Names(const std::vector<std::filesystem::path>& running) {
     const auto json = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
     const std::string pid = socket.stem().string().substr(std::string("run-").size());
     text += (text.empty() ? "" : ", ") + pid;
-    if (json.is_object() && json.contains("run"))
-      text += " (" + json["run"].value("command", "") + " " + json["run"].value("cell", "") + ")";
+    if (const nlohmann::json& run = ValueAt(json, "run"); run.is_object())
+      text += " (" + TextAt(run, "command") + " " + TextAt(run, "cell") + ")";
   }
   return text;
 }
 
 // Whether a running cell is the one that the user names: by its session's folder, or by the cell's name.
 bool IsNamed(const nlohmann::json& run, const std::string& name) {
-  if (run.value("cell", "") == name) return true;
+  if (TextAt(run, "cell") == name) return true;
   const auto session = run.find("session");
   if (session == run.end() || !session->is_string()) return false;
   std::error_code error;
@@ -161,10 +168,10 @@ int TakeAnswer(const std::string& command, const std::string& request, const std
   if (!json.empty())
     if (const auto written = base::WriteText(json, base::JsonText(answer)); !written)
       return Fail(command, written.error(), kFailed);
-  if (!answer.value("done", false)) return Fail(command, answer.value("reason", ""), kFailed);
-  const nlohmann::json procedure = answer.value("procedure", nlohmann::json(nullptr));
+  if (!FlagAt(answer, "done")) return Fail(command, TextAt(answer, "reason"), kFailed);
+  const nlohmann::json& procedure = ValueAt(answer, "procedure");
   if (request == "status")
-    PrintStatus(answer["status"], answer["run"], procedure);
+    PrintStatus(ValueAt(answer, "status"), ValueAt(answer, "run"), procedure);
   else
     fmt::print("osteon {}: {}\n", command, DoneText(request, procedure));
   return 0;
@@ -177,7 +184,7 @@ int RunTell(const TellOptions& options) {
   for (const std::filesystem::path& socket : io::FindLocalServers()) {
     const auto text = io::AskLocalServer(socket, "status");
     const auto answer = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
-    if (answer.is_object() && answer.contains("run") && IsNamed(answer["run"], options.session))
+    if (answer.is_object() && answer.contains("run") && IsNamed(ValueAt(answer, "run"), options.session))
       named.push_back(socket);
   }
   if (named.empty())

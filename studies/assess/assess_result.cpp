@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/json_text.h"
+#include "base/json_value.h"
 #include "base/units.h"
 #include "base/write_text.h"
 #include "config/reading/load_rubric.h"
@@ -265,15 +266,14 @@ std::vector<TrendPoint> ReadTrend(const AssessResult& result) {
     std::ifstream stream(entry.path() / kResultName);
     if (!stream) continue;
     const Json json = Json::parse(stream, nullptr, false);
-    if (!json.is_object() || json.value("schema", "") != kSchema) continue;
-    const Json plan = json.value("plan", Json::object()), score = json.value("score", Json::object());
-    if (!plan.is_object() || !score.is_object() ||
-        plan.value("checksum", "") != result.session.file.plan_checksum || !score.contains("total") ||
-        !score["total"].is_number() || score.value("rubric", "") != result.rubric.name)
+    const Json &plan = base::ValueAt(json, "plan"), &score = base::ValueAt(json, "score");
+    if (base::TextAt(json, "schema") != kSchema ||
+        base::TextAt(plan, "checksum") != result.session.file.plan_checksum ||
+        base::TextAt(score, "rubric") != result.rubric.name || !base::ValueAt(score, "total").is_number())
       continue;
     trend.push_back({.session = entry.path().filename().string(),
-                     .score = score["total"].get<double>(),
-                     .guided = json.contains("guided") && json["guided"] == true});
+                     .score = base::NumberAt(score, "total"),
+                     .guided = base::FlagAt(json, "guided")});
   }
   std::ranges::sort(trend, {}, &TrendPoint::session);
   return trend;

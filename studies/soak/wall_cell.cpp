@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/json_value.h"
 #include "base/read_text.h"
 #include "config/reading/strict/derived_file.h"
 #include "console/server/page_client.h"
@@ -159,7 +160,7 @@ void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outc
     }
     if (const auto answer = Ask("status")) {
       const nlohmann::json json = nlohmann::json::parse(*answer, nullptr, false);
-      const double rendered_s = json.is_object() ? json.value("/status/rendered_s"_json_pointer, 0.0) : 0.0;
+      const double rendered_s = base::NumberAt(base::ValueAt(json, "status"), "rendered_s");
       if (rendered_s > 0.0) Act(episode, rendered_s, outcome);
       // While time is rendered: a controller that has come to its end reads its recording, for the report.
       if (rendered_s > last_rendered_s && now_s - use_s > kUseEvery_s) {
@@ -230,12 +231,12 @@ void WallCell::Act(const WallEpisode& episode, double rendered_s, WallOutcome& o
 bool WallCell::Request(const char* request, WallOutcome& outcome) {
   const auto answer = Ask(request);
   const nlohmann::json json = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
-  if (json.is_object() && json.value("done", false)) {
+  if (base::FlagAt(json, "done")) {
     outcome.refused.clear();
     return true;
   }
   outcome.refused = fmt::format("{}: {}", request,
-                                json.is_object() ? json.value("reason", "")
+                                json.is_object() ? base::TextAt(json, "reason")
                                 : answer         ? *answer
                                                  : answer.error());
   return false;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/fnv1a.h"
+#include "base/json_value.h"
 #include "base/write_text.h"
 
 namespace osteon::studies {
@@ -22,8 +23,8 @@ TuneCache::TuneCache(std::filesystem::path file)
     : file_(std::move(file)), before_(nlohmann::json::object()), now_(nlohmann::json::object()) {
   std::ifstream stream(file_);
   const nlohmann::json read = nlohmann::json::parse(stream, nullptr, false);
-  if (!read.is_object() || read.value("schema", "") != kSchema || !read.contains("values")) return;
-  if (read["values"].is_object()) before_ = read["values"];
+  if (base::TextAt(read, "schema") != kSchema) return;
+  if (const nlohmann::json& values = base::ValueAt(read, "values"); values.is_object()) before_ = values;
 }
 
 std::string TuneCache::Key(const std::string& from) {

@@ -1,0 +1,52 @@
+#include "session/run/ask_running_cell.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "io/local/local_server.h"
+#include "session/process/exit_code.h"
+#include "tests/io/temporary_folder.h"
+
+namespace osteon::session {
+namespace {
+
+// A local server that is not a cell of this version: whatever it answers, the asker ends with a code.
+class AskRunningCellTest : public testing::Test {
+ protected:
+  void SetUp() override { ::setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1); }
+  void TearDown() override { ::unsetenv("XDG_RUNTIME_DIR"); }
+
+  // @returns the exit code of a request that gets this answer
+  static int Ask(const std::string& request, const std::string& answer) {
+    const auto server = io::LocalServer::Start("run-" + std::to_string(::getpid()),
+                                               [&](const std::string&) { return answer; });
+    EXPECT_TRUE(server) << server.error();
+    return RunAsk({.request = request});
+  }
+
+  io::test::TemporaryFolder folder_;
+};
+
+TEST_F(AskRunningCellTest, ValuesOfOtherTypesAreNotTaken) {
+  for (const char* answer :
+       {R"({"done": true})", R"({"done": true, "status": 5, "run": [], "procedure": "none"})",
+        R"({"done": true, "status": {"known": true}, "run": {"cell": 7}})",
+        R"({"done": true, "status": {"known": true, "faults": [3], "permits_known": true, "permits": "x",
+            "limits": [1, {}], "latency_ms": {"parts": [null]}, "force_N": "much"},
+            "procedure": {"tool": [], "passes": "many", "known": true, "beyond": [true]}})"}) {
+    EXPECT_EQ(Ask("status", answer), 0) << answer;
+    EXPECT_EQ(Ask("next", answer), 0) << answer;
+  }
+}
+
+TEST_F(AskRunningCellTest, WhatIsNotDoneOrNoAnswerFails) {
+  for (const char* answer : {"", "{", "[]", "7", "{}", R"({"done": 1})", R"({"done": false, "reason": 4})"})
+    EXPECT_EQ(Ask("pause", answer), kFailed) << answer;
+}
+
+}  // namespace
+}  // namespace osteon::session
