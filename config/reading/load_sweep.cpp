@@ -64,7 +64,7 @@ bool ReadTakes(const std::string& text, SweepParameter& parameter) {
     parameter.draw = SweepDraw::kUniform;
     parameter.low = (*uniform)[0];
     parameter.high = (*uniform)[1];
-    return parameter.low < parameter.high;
+    return parameter.low < parameter.high && std::isfinite(parameter.high - parameter.low);
   } else if (const auto normal = NumbersOf(text, "normal # sd #")) {
     parameter.draw = SweepDraw::kNormal;
     parameter.mean = (*normal)[0];
@@ -72,7 +72,9 @@ bool ReadTakes(const std::string& text, SweepParameter& parameter) {
     return parameter.sd > 0.0;
   } else if (const auto steps = NumbersOf(text, "# to # in # steps")) {
     const double from = (*steps)[0], to = (*steps)[1], count = (*steps)[2];
-    if (!(count >= 2.0 && count <= kMaxSteps) || count != std::floor(count) || !(from < to)) return false;
+    if (!(count >= 2.0 && count <= kMaxSteps) || count != std::floor(count) || !(from < to) ||
+        !std::isfinite(to - from))
+      return false;
     for (int i = 0; i < static_cast<int>(count); ++i)
       parameter.values.push_back(fmt::format("{:.10g}", from + (to - from) * i / (count - 1.0)));
   } else {

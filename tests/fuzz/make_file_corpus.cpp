@@ -5,6 +5,7 @@
 
 #include "io/recording/mcap_writer.h"
 #include "io/recording/messages.h"
+#include "session/procedure/session_file.h"
 #include "simulation/engine/reference_engine.h"
 #include "simulation/files/carved_file.h"
 #include "simulation/packing/packing_text.h"
@@ -12,6 +13,7 @@
 #include "tests/fuzz/corpus_folder.h"
 #include "tests/io/recording/recording_samples.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/session/procedure/session_samples.h"
 #include "tests/simulation/files/carved_samples.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 #include "tests/simulation/packing/packing_samples.h"
@@ -203,6 +205,22 @@ void WriteRecordings(const std::filesystem::path& root, const io::test::Temporar
   corpus.Write("torn", 1, whole.substr(0, whole.size() / 2));
 }
 
+// ---- session.json: a whole one, one that a killed process left, and an empty one
+
+void WriteSessions(const std::filesystem::path& root) {
+  const Corpus corpus(root, "session_file");
+  session::SessionFile session = session::test::SomeSession();
+  corpus.Write("killed", session::ToJson(session));
+  session.ended = true;
+  session.segments.back().end = 5'000'000'000;
+  session.passes.back().to_go_mm = -0.25;
+  session.cup_X_GT = Pose::Identity();
+  corpus.Write("ended", session::ToJson(session));
+  session.segments.clear();
+  session.passes.clear();
+  corpus.Write("begun", session::ToJson(session));
+}
+
 }  // namespace
 
 void WriteFiles(const std::filesystem::path& root) {
@@ -215,6 +233,7 @@ void WriteFiles(const std::filesystem::path& root) {
   WriteMeshes(root);
   WriteSimulation(root, folder);
   WriteRecordings(root, folder);
+  WriteSessions(root);
 }
 
 }  // namespace osteon

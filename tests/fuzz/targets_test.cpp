@@ -27,6 +27,8 @@ int OsteonFuzz_yaml(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_config_file(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_tool_file(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_cell(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_plan_file(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_study_file(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_density_image(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_mesh(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_motion(const std::uint8_t* data, std::size_t size);
@@ -35,6 +37,7 @@ int OsteonFuzz_packing_text(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_carved(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_recording(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_recording_message(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_session_file(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_console_message(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_foxglove_request(const std::uint8_t* data, std::size_t size);
 }
@@ -63,7 +66,7 @@ std::vector<Bytes> Corpus(const std::string& target) {
     if (!(words >> word) || word != target) continue;
     while (words >> word)
       for (const auto& entry : std::filesystem::directory_iterator(root / word))
-        files.push_back(entry.path());
+        if (entry.is_regular_file()) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   std::vector<Bytes> corpus;
@@ -176,6 +179,8 @@ INSTANTIATE_TEST_SUITE_P(Config, FuzzTarget,
                                          Target{"config_file", OsteonFuzz_config_file, 500},
                                          Target{"tool_file", OsteonFuzz_tool_file, 500},
                                          Target{"cell", OsteonFuzz_cell, 500},
+                                         Target{"plan_file", OsteonFuzz_plan_file, 500},
+                                         Target{"study_file", OsteonFuzz_study_file},
                                          Target{"density_image", OsteonFuzz_density_image}),
                          NameOf);
 INSTANTIATE_TEST_SUITE_P(Files, FuzzTarget,
@@ -185,6 +190,7 @@ INSTANTIATE_TEST_SUITE_P(Files, FuzzTarget,
                                          Target{"carved", OsteonFuzz_carved},
                                          Target{"recording", OsteonFuzz_recording},
                                          Target{"recording_message", OsteonFuzz_recording_message},
+                                         Target{"session_file", OsteonFuzz_session_file},
                                          Target{"console_message", OsteonFuzz_console_message},
                                          Target{"foxglove_request", OsteonFuzz_foxglove_request}),
                          NameOf);

@@ -39,7 +39,7 @@ class FuzzConfig {
  public:
   FuzzConfig() {
     std::filesystem::create_directories(root() / "cells");
-    for (const char* folder : {"robots", "tools", "scenes", "materials", "images"})
+    for (const char* folder : {"robots", "tools", "scenes", "materials", "images", "plans", "scenarios"})
       std::filesystem::create_directory_symlink(Shipped() / folder, root() / folder);
     std::filesystem::create_symlink(Shipped() / "cells/demo.yaml", root() / "cells/demo.yaml");  // extended
   }

@@ -1,76 +1,18 @@
 #include "session/procedure/session_file.h"
 
-#include <string>
-
 #include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "tests/session/procedure/session_samples.h"
 #include "tests/temporary_path.h"
 
 namespace osteon::session {
 namespace {
 
-SessionFile Sample() {
-  SessionFile session{.cell = "demo",
-                      .cell_file = "config/cells/demo.yaml",
-                      .plan_checksum = "0123456789abcdef",
-                      .cell_checksum = "1",
-                      .bone_checksum = "2",
-                      .scene = "acetabulum",
-                      .tool = "reamer",
-                      .diameters_mm = {44.0, 46.0, 48.5},
-                      .clock = "virtual",
-                      .gains = {.law = "admittance",
-                                .stiffness_N_per_mm = 20.0,
-                                .damping_Ns_per_m = 100.0,
-                                .mass_kg = {1.7, 1.7, 1.7},
-                                .drag_Ns_per_m = {30.0, 30.0, 30.0}},
-                      .segments = {},
-                      .passes = {},
-                      .cup_X_GT = {}};
-  session.segments = {{.tool_index = 0,
-                       .recording = "run_1.mcap",
-                       .begin = 2'000'000,
-                       .end = 4'000'000'000,
-                       .begin_state = "",
-                       .begin_state_hash = "2",
-                       .end_state = "state_1.carved",
-                       .end_state_hash = "a"},
-                      {.tool_index = 2,
-                       .recording = "run_1.mcap",
-                       .begin = 4'100'000'000,
-                       .end = 0,
-                       .begin_state = "state_1.carved",
-                       .begin_state_hash = "a",
-                       .end_state = "",
-                       .end_state_hash = "",
-                       .guidance_gain = 0.75}};
-  session.passes = {{.number = 1,
-                     .segment = 0,
-                     .tool_index = 0,
-                     .begin = 5,
-                     .end = 7,
-                     .cutting_s = 0.1 + 0.2,  // no short decimal: every digit must come back
-                     .removed_mm3 = 12.5,
-                     .state = "state_1.carved",
-                     .state_hash = "a"},
-                    {.number = 2,
-                     .segment = 1,
-                     .tool_index = 2,
-                     .begin = 8,
-                     .end = 9,
-                     .cutting_s = 1.0,
-                     .removed_mm3 = 1.0,
-                     .state = "state_2.carved",
-                     .state_hash = "b",
-                     .undone = true}};
-  return session;
-}
-
 TEST(SessionFile, WhatIsWrittenIsReadBack) {
-  SessionFile session = Sample();
+  SessionFile session = test::SomeSession();
   Pose X = Pose::Identity();
   X.translation() = Vector3(0.1, -0.2, 1.0 / 3.0);
   X.linear() = Eigen::AngleAxisd(0.3, Vector3::UnitX()).toRotationMatrix();
@@ -85,7 +27,7 @@ TEST(SessionFile, WhatIsWrittenIsReadBack) {
 }
 
 TEST(SessionFile, AnUndonePassDoesNotCount) {
-  SessionFile session = Sample();
+  SessionFile session = test::SomeSession();
   EXPECT_EQ(session.PassesLeft(), 1);
   EXPECT_EQ(session.LastState(), "state_1.carved");
   session.passes[0].undone = true;
@@ -94,7 +36,7 @@ TEST(SessionFile, AnUndonePassDoesNotCount) {
 }
 
 TEST(SessionFile, AStateOutsideTheFolderIsRefused) {
-  SessionFile session = Sample();
+  SessionFile session = test::SomeSession();
   session.segments[1].begin_state = "../other/state_1.carved";
   const auto again = ParseSession(ToJson(session));
   ASSERT_FALSE(again);
@@ -102,7 +44,7 @@ TEST(SessionFile, AStateOutsideTheFolderIsRefused) {
 }
 
 TEST(SessionFile, AToolThatThePlanDoesNotHaveIsRefused) {
-  SessionFile session = Sample();
+  SessionFile session = test::SomeSession();
   std::string text = ToJson(session);
   const std::string index = "\"tool_index\": 2";
   text.replace(text.find(index), index.size(), "\"tool_index\": 3");
@@ -113,7 +55,7 @@ TEST(SessionFile, AToolThatThePlanDoesNotHaveIsRefused) {
 
 TEST(SessionFile, AWrongValueIsNamedWithItsPlace) {
   const auto error = [](const std::string& from, const std::string& to) {
-    std::string text = ToJson(Sample());
+    std::string text = ToJson(test::SomeSession());
     const std::size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
     const auto session = ParseSession(text.replace(at, from.size(), to));
@@ -149,7 +91,7 @@ TEST(SessionFile, TheLastNumberIsThatOfTheFilesInTheFolder) {
 }
 
 TEST(SessionFile, AnotherSchemaIsRefused) {
-  std::string text = ToJson(Sample());
+  std::string text = ToJson(test::SomeSession());
   text.replace(text.find("session/1"), 9, "session/9");
   ASSERT_FALSE(ParseSession(text));
   EXPECT_EQ(ParseSession(text).error(), "schema: found \"osteon.session/9\", accepted \"osteon.session/1\"");
