@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/no_file_text.h"
 #include "simulation/mesh/mesh_text.h"
 
 namespace osteon::simulation {
@@ -75,11 +76,9 @@ tl::expected<RawMesh, MeshError> ReadMeshFile(const std::filesystem::path& path)
   if (extension != ".stl" && extension != ".obj" && extension != ".ply")
     return Refuse(MeshErrorKind::kFormat,
                   fmt::format("{}: found extension '{}', accepted .stl, .obj, .ply", name, extension));
+  if (const std::string wrong = base::NoFileText(path); !wrong.empty())
+    return Refuse(MeshErrorKind::kMissing, fmt::format("{}: {}", name, wrong));
   std::error_code error;
-  if (std::filesystem::is_directory(path, error))
-    return Refuse(MeshErrorKind::kMissing, fmt::format("{}: found a folder, accepted a file", name));
-  if (!std::filesystem::is_regular_file(path, error))
-    return Refuse(MeshErrorKind::kMissing, fmt::format("{}: no such file", name));
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error || size > kMaxFile)
     return Refuse(MeshErrorKind::kUnreadable,

@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include "base/no_file_text.h"
+
 namespace osteon::studies {
 namespace {
 
@@ -249,8 +251,8 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
 
 tl::expected<Golden, std::string> ReadGolden(const std::filesystem::path& file) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error))
-    return tl::make_unexpected(fmt::format("{}: no such file", file.string()));
+  if (const std::string wrong = base::NoFileText(file); !wrong.empty())
+    return tl::make_unexpected(fmt::format("{}: {}", file.string(), wrong));
   if (std::filesystem::file_size(file, error) > kMaxFileBytes)
     return tl::make_unexpected(fmt::format("{}: larger than 8 MiB: no golden trace", file.string()));
   std::ifstream stream(file, std::ios::binary);

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/json_text.h"
+#include "base/no_file_text.h"
 
 namespace osteon::studies {
 namespace {
@@ -95,8 +96,7 @@ tl::expected<Part, std::string> ReadPart(const fs::path& file) {
   const auto failed = [&](const std::string& why) {
     return tl::unexpected(fmt::format("{}: {}", file.string(), why));
   };
-  std::error_code error;
-  if (!fs::is_regular_file(file, error)) return failed("found no such file, accepted a part");
+  if (const std::string wrong = base::NoFileText(file); !wrong.empty()) return failed(wrong);
   std::ifstream stream(file);
   const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
   if (json.is_discarded()) return failed("found no complete JSON, accepted a part: run the shard again");

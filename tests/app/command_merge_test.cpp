@@ -188,7 +188,7 @@ TEST_F(Merge, RefusesPartsOfOtherRunsAndNamesTheFile) {
   const auto files = RunShards({"regress", "wall_reamer", "wall_kr"}, 2, 0);
   refused({files[0]}, "missing: 1/2");
   refused({files[0], files[0], files[1]}, "found shard 2/2, which part_2.json is too");
-  refused({"none.json"}, "none.json: found no such file");
+  refused({"none.json"}, "none.json: no such file");
   ASSERT_EQ(Run({"regress", "wall_reamer", "wall_kr", "--exact", "--shard", "1/2", "--json", "other.json"})
                 .exit_code,
             0);

@@ -188,6 +188,15 @@ TEST(ReaderTest, ATabThatIndentsIsNamed) {
   EXPECT_EQ(ErrorOf("a:\tb\n", [](Reader& reader) { EXPECT_EQ(reader.Text("a"), "b"); }), "");
 }
 
+TEST(ReaderTest, AByteThatIsNoTextIsNamed) {
+  const auto nothing = [](Reader&) {};
+  EXPECT_EQ(ErrorOf(std::string("a: 1\nb: \0\n", 10), nothing),
+            "config/tools/reamer.yaml:2: not YAML: found the byte 0x00, accepted text in UTF-8");
+  EXPECT_EQ(ErrorOf("a: \x1b[2J\n", nothing),
+            "config/tools/reamer.yaml:1: not YAML: found the byte 0x1b, accepted text in UTF-8");
+  EXPECT_EQ(ErrorOf("a: b\r\n", [](Reader& reader) { EXPECT_EQ(reader.Text("a"), "b"); }), "");
+}
+
 TEST(ReaderTest, MissingFileAndFolderAreNamed) {
   const auto error_of = [](const char* path) -> std::string {
     try {
@@ -200,7 +209,8 @@ TEST(ReaderTest, MissingFileAndFolderAreNamed) {
     return {};
   };
   EXPECT_EQ(error_of("no/such.yaml"), "no/such.yaml: no such file");
-  EXPECT_EQ(error_of("/"), "/: no such file");
+  EXPECT_EQ(error_of("/"), "/: found a folder, accepted a file");
+  EXPECT_EQ(error_of("/dev/null"), "/dev/null: found a pipe, a socket or a device, accepted a file");
 }
 
 TEST(ReaderTest, AnchorsServeTwice) {

@@ -10,6 +10,7 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
+#include "base/no_file_text.h"
 #include "config/reading/config_file_tracker.h"
 #include "config/reading/strict/config_error.h"
 
@@ -65,11 +66,24 @@ bool ParsePlainNumber(const YAML::Node& node, T& value) {
   return error == std::errc() && stop == end && std::isfinite(static_cast<double>(value));
 }
 
+// YAML has no control characters but tab and the line's ends; a file in UTF-16 has a NUL at every other byte.
+void RequireText(const std::string& text, const std::filesystem::path& name) {
+  int line = 1;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '\n') ++line;
+    if ((byte < 0x20 && c != '\n' && c != '\r' && c != '\t') || byte == 0x7f)
+      throw ConfigError(name.string(), line,
+                        fmt::format("not YAML: found the byte 0x{:02x}, accepted text in UTF-8", byte));
+  }
+}
+
 }  // namespace
 
 std::string ReadYamlText(const std::filesystem::path& path) {
+  if (const std::string wrong = base::NoFileText(path); !wrong.empty())
+    throw ConfigError(path.string(), 0, wrong);
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) throw ConfigError(path.string(), 0, "no such file");
   if (std::filesystem::file_size(path, error) > kMaxYamlBytes)
     throw ConfigError(path.string(), 0, "larger than 1 MiB: not a configuration");
   std::ifstream stream(path, std::ios::binary);
@@ -81,6 +95,7 @@ std::string ReadYamlText(const std::filesystem::path& path) {
 }
 
 YAML::Node ParseYamlDocument(const std::string& text, const std::filesystem::path& name) {
+  RequireText(text, name);
   try {
     // YAML::LoadAll loops for ever on a text that begins with an invalid token (", a"): it consumes nothing
     // and finds the same again. So documents are counted first, up to the second one.
