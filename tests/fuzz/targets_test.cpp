@@ -179,7 +179,7 @@ INSTANTIATE_TEST_SUITE_P(Config, FuzzTarget,
                                          Target{"config_file", OsteonFuzz_config_file, 500},
                                          Target{"tool_file", OsteonFuzz_tool_file, 500},
                                          Target{"cell", OsteonFuzz_cell, 500},
-                                         Target{"plan_file", OsteonFuzz_plan_file, 500},
+                                         Target{"plan_file", OsteonFuzz_plan_file, 100},
                                          Target{"study_file", OsteonFuzz_study_file},
                                          Target{"density_image", OsteonFuzz_density_image}),
                          NameOf);
