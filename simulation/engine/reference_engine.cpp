@@ -41,7 +41,7 @@ double LongestPath(const ToolPoints& from, const ToolPoints& to) {
 }  // namespace
 
 ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG,
-                                 const CuttingParams& params)
+                                 const CuttingParams& params, Loops loops)
     : tool_(tool),
       lever_m_(ToolLever(tool)),
       materials_(MaterialsUnderTool(bone, tool, params)),
@@ -51,7 +51,8 @@ ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose&
       params_(params),
       balls_(InitialBallStates(bone.balls)),
       removal_(balls_, params.split),
-      cleared_(bone.points.size(), 0) {
+      cleared_(bone.points.size(), 0),
+      loops_(loops) {
   if (materials_.size() > kMaxMaterials) throw std::invalid_argument("bone: more than 8 materials");
   if (tool_.balls.empty()) throw std::invalid_argument("tool: no ball");
 }
@@ -75,6 +76,7 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
 
   // pass 1: first contact on the straight path from the proxy's pose to the tool's
   const ToolPoints start = PlaceTool(tool_, memory_.X_GP), goal = PlaceTool(tool_, X_GT);
+  FindNear(start, goal, input);
   solution.contact_fraction = std::min(1.0, FirstContact(start, goal, 0.0));
   const ToolPoints contact = InterpolatePoints(start, goal, solution.contact_fraction);
   solution.origin_contact = contact.back();
@@ -132,11 +134,21 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   return model;
 }
 
+// Finds what the passes of this frame can meet. What splits has other balls in each frame.
+void ReferenceEngine::FindNear(const ToolPoints& start, const ToolPoints& goal, const FrameInput& input) {
+  if (loops_ == Loops::kAll) return near_.TakeAll(balls_.size(), points_.size());
+  if (params_.split.on) near_.Forget();
+  near_.Update(tool_, start, goal,
+               std::max({MaxSlide(params_, input), params_.normal_enlargement_m, params_.engaged_layer_m}),
+               balls_, points_);
+}
+
 // Fraction of the motion at which the first pair of balls overlaps by the tolerance. Pairs that overlap by
 // less may still approach.
 double ReferenceEngine::FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const {
   double first = kNoContact;
-  for (const BallState& ball : balls_) {
+  for (const std::size_t b : near_.balls()) {
+    const BallState& ball = balls_[b];
     if (ball.radius_m <= 0.0) continue;
     for (std::size_t t = 0; t < tool_.balls.size(); ++t)
       first = std::min(first, FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
@@ -172,7 +184,7 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
     if (pair.present) pair.n = from_bone / distance;
     return pair;
   };
-  for (std::size_t b = 0; b < balls_.size(); ++b) {
+  for (const std::size_t b : near_.balls()) {
     if (balls_[b].radius_m <= 0.0) continue;
     for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
       NearPair pair = pair_of(b, t);
@@ -207,7 +219,7 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
 void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G,
                                         FrameSolution& solution) const {
   if (solution.cutting_m <= 0.0) return;
-  for (std::size_t i = 0; i < points_.size(); ++i) {
+  for (const std::size_t i : near_.points()) {
     if (cleared_[i]) continue;
     const MassPoint& point = points_[i];
     const Vector3 p = point.p_m;
@@ -235,7 +247,8 @@ std::size_t ReferenceEngine::FirstTouchingBall(const ToolPoints& from, const Too
                                                double first) const {
   const double last = std::min(1.0, first + kTieTolerance_m / LongestPath(from, to));
   for (std::size_t t = 0; t < tool_.balls.size(); ++t)
-    for (const BallState& ball : balls_) {
+    for (const std::size_t b : near_.balls()) {
+      const BallState& ball = balls_[b];
       if (ball.radius_m <= 0.0) continue;
       if (FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
                                tool_.balls[t].radius_m + ball.radius_m) <= last)
@@ -257,9 +270,20 @@ void ReferenceEngine::AddCapsules(const ToolPoints& contact, const ToolPoints& s
 }
 
 void ReferenceEngine::Remove(const std::vector<Capsule>& capsules, FrameSolution& solution) {
-  removal_.Remove(capsules, balls_);
-  for (BallState& ball : balls_) ball = RoundToStored(ball);
-  for (std::size_t i = 0; i < points_.size(); ++i) {
+  const bool inside = std::ranges::all_of(capsules, [this](const Capsule& capsule) {
+    return near_.Holds(capsule.a, capsule.radius_m) && near_.Holds(capsule.b, capsule.radius_m);
+  });
+  if (!inside) near_.TakeAll(balls_.size(), points_.size());
+  if (params_.split.on) {  // else BallRemoval shrinks each ball by itself, as here
+    removal_.Remove(capsules, balls_);
+    for (BallState& ball : balls_) ball = RoundToStored(ball);
+  } else {
+    for (const std::size_t b : near_.balls()) {
+      Shrink(balls_[b], capsules);
+      balls_[b] = RoundToStored(balls_[b]);
+    }
+  }
+  for (const std::size_t i : near_.points()) {
     const Vector3 p = points_[i].p_m;
     for (const Capsule& capsule : capsules) {
       if (cleared_[i] || (p - ClosestOnSegment(p, capsule.a, capsule.b)).norm() >= capsule.radius_m) continue;
@@ -293,6 +317,7 @@ void ReferenceEngine::Restore(const CarvedState& state) {
   if (state.cleared.size() != cleared_.size()) throw std::invalid_argument("carved state: not of this bone");
   CheckMemory(state, tool_.balls.size());
   removal_.Load(state, balls_);
+  near_.Forget();
   cleared_ = state.cleared;
   memory_ = ToMemory(state);
 }

@@ -5,12 +5,13 @@
 #include "simulation/contact/contact_law.h"
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/engine/frame_solution.h"
+#include "simulation/engine/tool_reach.h"
 #include "simulation/removal/ball_removal.h"
 
 namespace osteon::simulation {
 
-/// The oracle: the cutting model in double precision by plain loops over every pair, without any culling.
-/// Every other engine must reproduce these passes:
+/// The oracle: the cutting model in double precision by plain loops over every pair. Every other engine must
+/// reproduce these passes:
 ///
 ///     1  first contact    P ──▶ T, every tool ball against every bone ball
 ///     2  normals, slide   lens-weighted planes around the tool there, then the closest target that
@@ -20,10 +21,17 @@ namespace osteon::simulation {
 /// Sources: Kaluschke et al. 2019 (passes 1 to 3), Zilles and Salisbury 1995 (god-object on several planes).
 class ReferenceEngine final : public CuttingEngine {
  public:
+  /// What the loops go over: the result is the same to the last bit.
+  enum class Loops {
+    kNear,  ///< what a sphere around the tool's way holds
+    kAll    ///< every ball and point of the bone
+  };
+
   /// @param X_WG  pose of the bone in the world
   /// @throws std::invalid_argument where the bone has more than kMaxMaterials materials, the tool has no
   ///   ball, or params.split is not accepted.
-  ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG, const CuttingParams& params);
+  ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG, const CuttingParams& params,
+                  Loops loops = Loops::kNear);
 
   ContactModel Step(const FrameInput& input) override;
   [[nodiscard]] CarvedState Snapshot() const override;
@@ -33,6 +41,7 @@ class ReferenceEngine final : public CuttingEngine {
 
  private:
   ContactModel StepPart(const FrameInput& input);
+  void FindNear(const ToolPoints& start, const ToolPoints& goal, const FrameInput& input);
   double FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const;
   /// The part of a way that contacts and max_slide_m allow.
   struct Slid {
@@ -59,6 +68,8 @@ class ReferenceEngine final : public CuttingEngine {
   BallRemoval removal_;
   std::vector<std::uint8_t> cleared_;
   FrameMemory memory_;
+  const Loops loops_;
+  ToolReach near_;
 };
 
 }  // namespace osteon::simulation

@@ -10,8 +10,8 @@
 #include "simulation/engine/reference_engine.h"
 #include "simulation/engine_cpu/cpu_engine.h"
 
-// The reference engine and the CPU engine with each instruction set, stepped alike: every number has to be
-// the same to the last bit.
+// The reference engine, with and without lists of what is near, and the CPU engine with each instruction set,
+// stepped alike: every number has to be the same to the last bit.
 
 namespace osteon::simulation {
 
@@ -87,13 +87,18 @@ struct RunFacts {
 
 class EqualEngines {
  public:
-  /// @param sets  instruction sets; empty: all that the processor has
+  /// @param sets  instruction sets; empty: all that the processor has, and no reference over all balls, which
+  /// takes
+  ///   too long where there are many
   EqualEngines(Bone bone, const Tool& tool, const CuttingParams& params = {},
                const Pose& X_WG = Pose::Identity(), const std::vector<std::string>& sets = {})
       : bone_(std::move(bone)), reference_(bone_, tool, X_WG, params) {
     for (const std::string& set : sets.empty() ? CpuInstructionSets() : sets)
       engines_.push_back(
           std::make_unique<CpuEngine>(bone_, tool, X_WG, params, CpuParams{.instruction_set = set}));
+    if (!sets.empty())
+      engines_.push_back(
+          std::make_unique<ReferenceEngine>(bone_, tool, X_WG, params, ReferenceEngine::Loops::kAll));
   }
 
   /// One frame. @returns whether all engines gave the same bits.
@@ -139,7 +144,7 @@ class EqualEngines {
  private:
   Bone bone_;
   ReferenceEngine reference_;
-  std::vector<std::unique_ptr<CpuEngine>> engines_;
+  std::vector<std::unique_ptr<CuttingEngine>> engines_;
   ContactModel model_;
   RunFacts facts_;
   std::string differences_;
