@@ -43,6 +43,8 @@ tl::expected<double, std::string> LateralRatio(const std::filesystem::path& file
     const double axial_N = std::abs(f.dot(feed));
     if (axial_N >= kPressing_N) ratio = std::max(ratio, (f - f.dot(feed) * feed).norm() / axial_N);
   }
+  if (const std::string wrong = stream->EndError(); !wrong.empty())
+    return tl::unexpected(fmt::format("{}: {}; accepted a whole recording", file.string(), wrong));
   if (ratio < 0.0)
     return tl::unexpected(
         fmt::format("{}: found no tick with {:g} N along the tool, accepted a run that cuts", file.string(),
@@ -282,6 +284,7 @@ int Run(const CapabilityOptions& options) {
   if (result.best_angle.poses == 0)
     return session::Fail(
         "capability", "the workspace allows no pose of the task; accepted a workspace that holds the site");
+  result.outside = SampledPoses(result.task, TaskFineness{}) - result.best_angle.poses;
   progress.BeginPhase("mapping the workspace");
   for (const MapPlane plane : {MapPlane::kVertical, MapPlane::kHorizontal})
     result.maps.push_back(map.Panel(plane, options.nodes, [] { return base::Interrupted().load(); }));

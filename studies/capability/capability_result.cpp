@@ -95,6 +95,10 @@ session::Verdict Judge(const CapabilityResult& r) {
     verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("at the cell's arm angle of {:.0f} deg: {}; other arm angles do",
                             r.own_arm_angle_rad * kDegrees, own));
+  if (r.outside > 0)
+    verdict.Add(session::VerdictLevel::kWarning,
+                fmt::format("{} of {} poses of the task lie outside the cell's workspace and were not judged",
+                            r.outside, r.outside + r.best_angle.poses));
   if (r.searched && !r.base)
     verdict.Add(session::VerdictLevel::kWarning,
                 "the task can be done from no base in the ranges that were searched");
@@ -114,9 +118,10 @@ std::vector<report::SummaryRow> Rows(const CapabilityResult& r) {
       {"Cell", fmt::format("{}, {}", r.cell, r.tool)},
       {"Task",
        fmt::format("centre of the tool's head within {:.0f} mm of the site's axis, {:.0f} to {:.0f} mm along "
-                   "it; tool tilted by up to {:.0f} deg; {} poses",
+                   "it; tool tilted by up to {:.0f} deg; {} poses{}",
                    r.task.radius_m * 1e3, r.task.bottom_m * 1e3, r.task.top_m * 1e3,
-                   r.task.tilt_rad * kDegrees, r.best_angle.poses)},
+                   r.task.tilt_rad * kDegrees, r.best_angle.poses,
+                   r.outside > 0 ? fmt::format(", and {} outside the workspace", r.outside) : "")},
       {"Needed",
        fmt::format(
            "{:.0f} N along the tool and {:.0f} N across it ({}){}", r.need.axial_N, r.need.lateral_N,
@@ -176,7 +181,8 @@ std::string ToJson(const CapabilityResult& r, const std::string& command_line) {
                         {"tilt_deg", r.task.tilt_rad * kDegrees},
                         {"head_radius_mm", r.task.head_radius_m * 1e3},
                         {"site_mm", ToJson(r.task.X_WC.translation(), 1e3)},
-                        {"poses", r.best_angle.poses}}},
+                        {"poses", r.best_angle.poses},
+                        {"outside_workspace", r.outside}}},
                       {"axial_min_N", Shown(r.best_angle.force.axial_N)},
                       {"lateral_min_N", Shown(r.best_angle.force.lateral_N)},
                       {"best_arm_angles", ToJson(r.best_angle, r.need)},

@@ -31,6 +31,7 @@ struct CapabilityResult {
   Pose X_WB{Pose::Identity()};
   double own_arm_angle_rad{0.0};
   CapabilityMap::Task best_angle, own_angle;
+  int outside{0};  ///< poses of the task outside the cell's workspace: they are not judged
   std::vector<MapPanel> maps;
   BasePlacementParams search;
   bool searched{false};
@@ -40,7 +41,8 @@ struct CapabilityResult {
 };
 
 /// Bad if the arm can't hold both needs over the whole task from the cell's own base at any arm angle. To be
-/// looked at if it can, but not at the cell's arm angle, or if no better base was found.
+/// looked at if it can, but not at the cell's arm angle, if a part of the task lies outside the workspace, or
+/// if no better base was found.
 [[nodiscard]] session::Verdict Judge(const CapabilityResult& result);
 
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const CapabilityResult& result);

@@ -75,6 +75,11 @@ std::vector<Pose> TiltCone(const TaskVolume& task, const Vector3& p_W_head, int 
   return poses;
 }
 
+int SampledPoses(const TaskVolume& task, const TaskFineness& fineness) {
+  const int places = fineness.heights * (task.radius_m > 0.0 ? 1 + fineness.around : 1);
+  return places * (task.tilt_rad > 0.0 ? 1 + fineness.azimuths : 1);
+}
+
 std::vector<Pose> TaskPoses(const TaskVolume& task, const TaskFineness& fineness, double first_rad) {
   std::vector<Pose> poses;
   const safety::Workspace workspace(task.workspace);

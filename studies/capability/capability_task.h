@@ -71,4 +71,7 @@ inline constexpr TaskFineness kCoarseTask{.heights = 2, .around = 4, .azimuths =
 [[nodiscard]] std::vector<Pose> TaskPoses(const TaskVolume& task, const TaskFineness& fineness,
                                           double first_rad);
 
+/// Number of poses that TaskPoses samples, those outside the workspace included, which it leaves out.
+[[nodiscard]] int SampledPoses(const TaskVolume& task, const TaskFineness& fineness);
+
 }  // namespace osteon::studies

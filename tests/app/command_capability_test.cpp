@@ -17,6 +17,20 @@ std::string ReadText(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+// A volume that is larger than the workspace is not judged as a whole, and says so.
+TEST(Capability, PosesOutsideTheWorkspaceMakeNoGoodVerdict) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(folder.path(), {"capability", "demo", "--no-search", "--nodes", "3",
+                                                       "--radius-mm", "200", "--out", "cap"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "cap" / "capability.json");
+  EXPECT_EQ(json.at("verdict").at("level"), "look");
+  const nlohmann::json& task = json.at("task");
+  EXPECT_EQ(task.at("poses").get<int>() + task.at("outside_workspace").get<int>(), 243);
+  EXPECT_GT(task.at("outside_workspace").get<int>(), 100);
+  EXPECT_NE(run.out.find("outside the cell's workspace and were not judged"), std::string::npos) << run.out;
+}
+
 TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
   const TemporaryFolder folder;
   const CommandResult run =
