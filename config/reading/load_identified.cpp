@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,10 @@ namespace osteon::config {
 namespace {
 
 constexpr double kMaxSpeed_mm_per_s = 250.0, kMaxFrequency_hz = 1000.0, kMaxTime_ms = 1000.0;
+// an estimate of a delay that is next to nothing may lie below zero
+constexpr double kMinDelay_ms = -10.0, kMaxDeadTime_ms = 200.0, kMaxSensorDelay_ms = 50.0;
+constexpr double kLagTolerance = 0.1, kLagTolerance_s = 0.5e-3, kTurn_rad = 2.0 * std::numbers::pi;
+constexpr double kMaxLoss = 0.99;
 constexpr std::size_t kMaxLines = 400, kMaxItems = 100;
 constexpr double kSamePosture_rad = 0.02, kSamePeriod_s = 1e-9;
 constexpr const char* kAxes[] = {"x", "y", "z"};
@@ -33,9 +38,35 @@ IdentifiedInterval ReadInterval(Reader& section, const std::string& key, double 
 
 void RequireInterval(const IntervalCheck& check) {
   if (check.interval.low <= check.interval.high && check.interval.Contains(check.value)) return;
-  check.section.Refuse(check.key,
-                       fmt::format("found {:.6g} … {:.6g} (SI), accepted an interval around the value {:.6g}",
-                                   check.interval.low, check.interval.high, check.value));
+  const double unit = check.key.ends_with("_ms") ? 1e-3 : 1.0;  // as the file has it
+  check.section.Refuse(
+      check.key, fmt::format("found {:.6g} … {:.6g}, accepted an interval around the value beside it, {:.6g}",
+                             check.interval.low / unit, check.interval.high / unit, check.value / unit));
+}
+
+// A lag is dead time and 2 z / w together: of another one, model and response are of two arms.
+void RequireLag(const Reader& section, const IdentifiedArm& arm) {
+  const double lag_s = arm.dead_time_s + 2.0 * arm.damping_ratio / (kTurn_rad * arm.bandwidth_hz);
+  if (std::abs(arm.lag_s - lag_s) <= kLagTolerance_s + kLagTolerance * std::abs(lag_s)) return;
+  section.Refuse("lag_ms", fmt::format("found {:.4g}, accepted dead_time_ms + 2 damping_ratio / (2 pi "
+                                       "bandwidth_hz), which is {:.4g}, within {:g} %",
+                                       1e3 * arm.lag_s, 1e3 * lag_s, 100.0 * kLagTolerance));
+}
+
+// No two items of one axis, speed and kind.
+template <class Item, class Same>
+void RequireOnce(const std::vector<Reader>& sections, const std::vector<Item>& items, const Same& same) {
+  for (std::size_t i = 0; i < items.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (same(items[i], items[j]))
+        sections[i].Refuse("axis", fmt::format("found {} at this speed twice, accepted once", items[i].axis));
+}
+
+std::string ReadHash(Reader& section) {
+  const std::string hash = section.Text("hash");
+  if (hash.size() != 16 || hash.find_first_not_of("0123456789abcdef") != std::string::npos)
+    section.Refuse("hash", fmt::format("found {}, accepted 16 hexadecimal digits", hash));
+  return hash;
 }
 
 constexpr const char* kLaws[] = {"admittance", "impedance"};  // as control::Law
@@ -49,7 +80,7 @@ IdentifiedValidity ReadValidity(Reader section, std::optional<control::Law>& law
     law = section.Choice("law", {kLaws[0], kLaws[1]}) == 0 ? control::Law::kAdmittance
                                                            : control::Law::kImpedance;
   for (Reader& recording : section.Sections("recordings", 0, kMaxItems))
-    valid.recordings.push_back({.file = recording.Text("file"), .hash = recording.Text("hash")});
+    valid.recordings.push_back({.file = recording.Text("file"), .hash = ReadHash(recording)});
   return valid;
 }
 
@@ -58,7 +89,7 @@ IdentifiedArm ReadArm(Reader& section, std::vector<IntervalCheck>& checks) {
   arm.speed_m_per_s = section.Number("speed_mm_per_s", 0, kMaxSpeed_mm_per_s);
   arm.bandwidth_hz = section.Number("bandwidth_hz", 0.1, kMaxFrequency_hz);
   arm.damping_ratio = section.Number("damping_ratio", 0, 100);
-  arm.dead_time_s = section.Number("dead_time_ms", -kMaxTime_ms, kMaxTime_ms);
+  arm.dead_time_s = section.Number("dead_time_ms", kMinDelay_ms, kMaxDeadTime_ms);
   arm.gain = section.Number("gain_ratio", 0, 10);
   arm.lag_s = section.Number("lag_ms", -kMaxTime_ms, kMaxTime_ms);
   if (section.Has("felt_mass_kg")) arm.felt_mass_kg = section.Number("felt_mass_kg", 0.01, 1000);
@@ -106,7 +137,8 @@ void ReadSensorAndLink(Reader& cell, IdentifiedCell& identified) {
   if (cell.Has("sensor")) {
     Reader section = cell.Section("sensor");
     IdentifiedSensor& sensor = identified.sensor.emplace();
-    if (section.Has("delay_ms")) sensor.delay_s = section.Number("delay_ms", -kMaxTime_ms, kMaxTime_ms);
+    if (section.Has("delay_ms"))
+      sensor.delay_s = section.Number("delay_ms", kMinDelay_ms, kMaxSensorDelay_ms);
     sensor.noise_N = section.Number("noise_N", 0, 1000);
     sensor.drift_N = section.Number("drift_N", 0, 1000);
   }
@@ -114,7 +146,7 @@ void ReadSensorAndLink(Reader& cell, IdentifiedCell& identified) {
     Reader section = cell.Section("link");
     identified.link = IdentifiedLink{.jitter_mean_s = section.Number("jitter_mean_ms", 0, kMaxTime_ms),
                                      .jitter_p99_s = section.Number("jitter_p99_ms", 0, kMaxTime_ms),
-                                     .loss_ratio = section.Number("loss_ratio", 0, 1)};
+                                     .loss_ratio = section.Number("loss_ratio", 0, kMaxLoss)};
   }
 }
 
@@ -144,8 +176,10 @@ ReadFile ReadAll(const std::filesystem::path& file) {
   IdentifiedCell& identified = read.identified;
   std::vector<IntervalCheck> checks;
   std::vector<std::vector<Reader>> lines;
-  for (Reader& arm : cell.Sections("arm", 0, kMaxItems)) identified.arm.push_back(ReadArm(arm, checks));
-  for (Reader& response : cell.Sections("response", 0, kMaxItems))
+  std::vector<Reader> arms = cell.Sections("arm", 0, kMaxItems),
+                      responses = cell.Sections("response", 0, kMaxItems);
+  for (Reader& arm : arms) identified.arm.push_back(ReadArm(arm, checks));
+  for (Reader& response : responses)
     identified.response.push_back(ReadResponse(response, lines.emplace_back()));
   ReadSensorAndLink(cell, identified);
   if (cell.Has("structure"))
@@ -159,6 +193,13 @@ ReadFile ReadAll(const std::filesystem::path& file) {
   reader.Finish();
 
   for (const IntervalCheck& check : checks) RequireInterval(check);
+  for (std::size_t i = 0; i < arms.size(); ++i) RequireLag(arms[i], identified.arm[i]);
+  RequireOnce(arms, identified.arm, [](const IdentifiedArm& a, const IdentifiedArm& b) {
+    return a.axis == b.axis && a.speed_m_per_s == b.speed_m_per_s;
+  });
+  RequireOnce(responses, identified.response, [](const IdentifiedResponse& a, const IdentifiedResponse& b) {
+    return a.axis == b.axis && a.speed_m_per_s == b.speed_m_per_s && a.by_force == b.by_force;
+  });
   for (std::size_t r = 0; r < lines.size(); ++r)
     for (std::size_t i = 1; i < lines[r].size(); ++i) {
       const std::vector<IdentifiedLine>& found = identified.response[r].lines;

@@ -335,10 +335,16 @@ tl::expected<void, std::string> SetDelays(const TuneOptions& options, TuneTask& 
     task.response_delay_s = 1e-3 * *options.sensor_delay_ms;
   }
   const double most = hil::ServoArm::kMaxDeadCycles - task.loop.arm.dead_cycles;
+  if (most < 0.0)
+    return tl::unexpected(fmt::format(
+        "the arm's dead time with the sensor's: found {:g} ms, accepted at most {:g} ms at this cell's "
+        "period",
+        1e3 * task.loop.arm.dead_cycles * period_s, 1e3 * hil::ServoArm::kMaxDeadCycles * period_s));
   if (task.command_jitter > most)
-    return tl::unexpected(
-        fmt::format("--jitter-ms: found {:g}, accepted at most {:g} with the arm's dead time",
-                    1e3 * task.command_jitter * period_s, 1e3 * period_s * std::floor(most)));
+    return tl::unexpected(fmt::format(
+        "{}: found {:g}, accepted at most {:g} with the arm's dead time",
+        options.jitter_ms ? "--jitter-ms" : "the measured jitter (jitter_p99_ms less jitter_mean_ms)",
+        1e3 * task.command_jitter * period_s, 1e3 * period_s * std::floor(most)));
   return {};
 }
 
@@ -437,7 +443,7 @@ int Run(const TuneOptions& options) {
   session::PrintVerdict(verdict, 26);
   for (const report::SummaryRow& row : Rows(result)) fmt::print("  {:<26} {}\n", row.key, row.value);
   fmt::print("  {:<26} {}\n", "Report", (options.out / "tune.html").string());
-  if (result.Stands())
+  if (result.MayBeUsed())
     fmt::print("  {:<26} {}\n", "For osteon run --gains", (options.out / "gains.yaml").string());
   return verdict.level == session::VerdictLevel::kBad ? session::kFailed : 0;
 }

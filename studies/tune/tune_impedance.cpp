@@ -57,6 +57,8 @@ struct OverlayTuning {
   std::vector<OverlayBoundary> boundary{};
   OverlayCheck check{};
   [[nodiscard]] bool Stands() const { return recommended_Ns_per_m > 0.0; }
+  /// Whether the recommended gains may be used: run in time, they are stable as well.
+  [[nodiscard]] bool MayBeUsed() const { return Stands() && check.grew.empty(); }
   [[nodiscard]] double own_damping() const { return loop.law.damping_Ns_per_m.z(); }
 };
 
@@ -418,7 +420,7 @@ report::ReportVerdict PlainVerdict(const OverlayTuning& t) {
         t.task.human_grip_N_per_m, t.recommended_margin, t.measured ? "measured" : "assumed, not measured"));
   }
   for (const std::string& reason : verdict.reasons) reasons.push_back("Remark: " + reason + ".");
-  reasons.push_back(t.Stands()
+  reasons.push_back(t.MayBeUsed()
                         ? fmt::format("Next: run with `osteon run {} --gains gains.yaml`, and set the law's "
                                       "damping in the cell's file (its comment says how).",
                                       t.cell)
@@ -436,10 +438,14 @@ tl::expected<void, std::string> Write(const OverlayTuning& t, const TuneOptions&
         fmt::format("{:.3f},{:.0f},{:.0f}\n", b.damping_Ns_per_m, b.predicted_N_per_m, b.simulated_N_per_m);
   if (const auto written = base::WriteText(options.out / "tune.csv", csv); !written) return written;
   if (const auto written = base::WriteText(options.out / "tune.json", json); !written) return written;
-  if (t.Stands())
+  if (t.MayBeUsed()) {
     if (const auto written = base::WriteText(options.out / "gains.yaml", GainsYaml(t, options.command_line));
         !written)
       return written;
+  } else {  // one of an earlier call would be taken for this call's
+    std::error_code none;
+    std::filesystem::remove(options.out / "gains.yaml", none);
+  }
   if (!options.json.empty())
     if (const auto written = base::WriteText(options.json, json); !written) return written;
   std::string html =
@@ -449,7 +455,7 @@ tl::expected<void, std::string> Write(const OverlayTuning& t, const TuneOptions&
               svg,
               "The stiffest wall with the worst hand. Damping beyond the line's right end oscillates by its "
               "own delay, whatever the wall.");
-  if (t.Stands())
+  if (t.MayBeUsed())
     html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
             report::Escape(GainsYaml(t, options.command_line)) + "</pre>\n";
   html += "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n" +

@@ -193,11 +193,16 @@ const TuneMargin* WorstOf(const std::vector<TuneMargin>& margins, const std::str
   return list.empty() ? nullptr : list.front();
 }
 
+bool StandsByMargins(const std::vector<TuneMargin>& margins, const std::string& gains) {
+  const TuneMargin* worst = WorstOf(margins, gains);
+  return worst == nullptr || (worst->margins.stable && worst->margins.robust);
+}
+
 void JudgeMargins(const std::vector<TuneMargin>& margins, session::Verdict& verdict) {
   const auto judge = [&](const char* gains, session::VerdictLevel level, const char* whose) {
-    const TuneMargin* worst = WorstOf(margins, gains);
-    if (worst == nullptr || (worst->margins.stable && worst->margins.robust)) return;
-    verdict.Add(level, fmt::format("by the measured response {} are {}", whose, MarginText(*worst)));
+    if (StandsByMargins(margins, gains)) return;
+    verdict.Add(level, fmt::format("by the measured response {} are {}", whose,
+                                   MarginText(*WorstOf(margins, gains))));
   };
   judge("recommended", session::VerdictLevel::kBad, "the recommended gains");
   judge("own", session::VerdictLevel::kWarning, "the cell's own gains");

@@ -40,6 +40,9 @@ struct TuneMargin {
 /// The one nearest to instability: unstable ones first, then the least distance of -1. Null: there are none.
 [[nodiscard]] const TuneMargin* WorstOf(const std::vector<TuneMargin>& margins, const std::string& gains);
 
+/// Whether these gains are stable by the response with every hand and contact, to 95 %; true without one.
+[[nodiscard]] bool StandsByMargins(const std::vector<TuneMargin>& margins, const std::string& gains);
+
 /// Bad if the recommended gains are unstable by the response, or its discs of 95 % hold -1; to be looked at
 /// if the cell's own are.
 void JudgeMargins(const std::vector<TuneMargin>& margins, session::Verdict& verdict);

@@ -57,7 +57,7 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const Pictures
               "tool that is too light follows the hand's own mass; a heavy one responds slower than the "
               "arm's lag. A tool below and to the left of both red lines counts as light to the hand.");
   if (!r.carried.empty()) html += StiffHands(r);
-  if (r.Stands())
+  if (r.MayBeUsed())
     html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
             report::Escape(GainsYaml(r, options.command_line)) + "</pre>\n";
   if (r.guidance)
@@ -84,7 +84,7 @@ std::string Why(const TuneResult& r, double margin) {
 
 std::string Next(const TuneResult& r, bool own_stand) {
   const std::string cell = r.cell;
-  if (!r.Stands())
+  if (!own_stand && !r.MayBeUsed())
     return fmt::format(
         "Next: lower what was asked for (--grip, --margin, a softer wall), or make the arm faster, and "
         "run `osteon tune {}` again. Do not let a hand take the handle with these gains.",
@@ -117,7 +117,7 @@ tl::expected<void, std::string> WritePictures(const Pictures& pictures, const Tu
 
 report::ReportVerdict PlainVerdict(const TuneResult& r) {
   const session::Verdict verdict = Judge(r);
-  const bool own_stand = r.own_margin >= r.task.margin;
+  const bool own_stand = r.OwnStand();
   const TuneGains own{r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m};
   report::ReportVerdict plain = verdict.ForReport();
   std::vector<std::string> reasons;
@@ -130,14 +130,16 @@ report::ReportVerdict PlainVerdict(const TuneResult& r) {
         fmt::format("{}: {}", verdict.level == session::VerdictLevel::kGood ? "Safe" : "Safe, with remarks",
                     own_stand ? "the cell's own gains, " + GainsText(own) : GainsText(r.recommended));
   }
-  if (r.Stands()) {
+  if (own_stand || r.MayBeUsed()) {
     reasons.push_back(
-        own_stand
-            ? fmt::format("Which gains: the cell's own, with a gain margin of {:.2f}. The lightest with the "
-                          "margin that was asked for are {} (gains.yaml).",
-                          r.own_margin, GainsText(r.recommended))
-            : fmt::format("Which gains: {} instead of the cell's {}.", GainsText(r.recommended),
-                          GainsText(own)));
+        own_stand ? fmt::format("Which gains: the cell's own, with a gain margin of {:.2f}.{}", r.own_margin,
+                                r.MayBeUsed()
+                                    ? fmt::format(" The lightest with the margin that was asked for are {} "
+                                                  "(gains.yaml).",
+                                                  GainsText(r.recommended))
+                                    : "")
+                  : fmt::format("Which gains: {} instead of the cell's {}.", GainsText(r.recommended),
+                                GainsText(own)));
     reasons.push_back(Why(r, own_stand ? r.own_margin : r.recommended_margin));
   }
   for (const std::string& reason : verdict.reasons) reasons.push_back("Remark: " + reason + ".");
@@ -159,10 +161,14 @@ tl::expected<void, std::string> WriteTuning(const TuneResult& r, const TuneOptio
   if (const auto written = base::WriteText(options.out / "tune.csv", BoundaryCsv(r)); !written)
     return written;
   if (const auto written = base::WriteText(options.out / "tune.json", json); !written) return written;
-  if (r.Stands())
+  if (r.MayBeUsed()) {
     if (const auto written = base::WriteText(options.out / "gains.yaml", GainsYaml(r, options.command_line));
         !written)
       return written;
+  } else {  // one of an earlier call would be taken for this call's
+    std::error_code none;
+    std::filesystem::remove(options.out / "gains.yaml", none);
+  }
   if (!options.json.empty())
     if (const auto written = base::WriteText(options.json, json); !written) return written;
   return report::WritePage(Page(r, options, pictures), options.out / "tune.html");

@@ -70,6 +70,12 @@ const TuneCarried* TuneResult::WorstCarried() const {
   });
 }
 
+bool TuneResult::MayBeUsed() const {
+  return Stands() && check.grew.empty() && StandsByMargins(margins, "recommended");
+}
+
+bool TuneResult::OwnStand() const { return own_margin >= task.margin && StandsByMargins(margins, "own"); }
+
 session::Verdict Judge(const TuneResult& r) {
   session::Verdict verdict;
   if (r.guidance) JudgeGuidance(*r.guidance, verdict);
@@ -89,6 +95,9 @@ session::Verdict Judge(const TuneResult& r) {
         fmt::format("hands stiffer than {:g} N/m need the vibration index, which does not act in this cell "
                     "(vibration: acts: false)",
                     r.task.human_grip_N_per_m));
+  if (r.task.identified && !r.task.response)
+    verdict.Add(session::VerdictLevel::kWarning,
+                "no response was measured of this arm's axis and speed: its model alone says how it follows");
   if (!(r.own_margin >= r.task.margin))
     verdict.Add(
         session::VerdictLevel::kWarning,
@@ -131,10 +140,11 @@ std::vector<report::SummaryRow> Rows(const TuneResult& r) {
       {"Recommended", fmt::format("{}, gain margin {:.2f}", Shown(r.recommended), r.recommended_margin)});
   rows.push_back(
       {"Which to use",
-       r.own_margin >= t.margin
+       r.OwnStand()
            ? std::string("the cell's own: they have the margin; the recommended ones are the lightest "
                          "that have it")
-           : std::string("the recommended ones: gains.yaml")});
+       : r.MayBeUsed() ? std::string("the recommended ones: gains.yaml")
+                       : std::string("none of these: the verdict says why")});
   if (r.check.runs > 0)
     rows.push_back(
         {"Simulated",

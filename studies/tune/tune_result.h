@@ -51,6 +51,10 @@ struct TuneResult {
   int found{0}, computed{0};
 
   [[nodiscard]] bool Stands() const { return recommended.mass_kg > 0.0; }
+  /// Whether the recommended gains may be used: by the measured response, and run in time, they are stable.
+  [[nodiscard]] bool MayBeUsed() const;
+  /// Whether the cell's own gains have the margin, by the measured response as well.
+  [[nodiscard]] bool OwnStand() const;
   /// The worst of the hands that the index stabilises; null if there are none.
   [[nodiscard]] const TuneCarried* WorstCarried() const;
   [[nodiscard]] bool WithinBar() const {
@@ -72,7 +76,7 @@ struct TuneResult {
 [[nodiscard]] std::string BoundaryCsv(const TuneResult& result);
 /// The hands that the index stabilises, as rows of an HTML table.
 [[nodiscard]] std::string CarriedTable(const TuneResult& result);
-/// A gains file for `osteon run --gains`.
+/// A gains file for `osteon run --gains`. @pre result.MayBeUsed()
 [[nodiscard]] std::string GainsYaml(const TuneResult& result, const std::string& command_line);
 
 [[nodiscard]] std::string MapSvg(const TuneResult& result);

@@ -118,8 +118,21 @@ TEST(IdentifiedFile, ErrorsNameLineValueAndWhatIsAccepted) {
   EXPECT_NE(ErrorOf(Replaced(good, "axis: z", "axis: w")).find("found w, accepted x, y, z"),
             std::string::npos);
   EXPECT_NE(ErrorOf(Replaced(good, "lag_ms: [28.2, 28.4]", "lag_ms: [28.35, 28.4]"))
-                .find("an interval around the value"),
+                .find("found 28.35 … 28.4, accepted an interval around the value beside it, 28.3"),
             std::string::npos);
+  // what contradicts the rest of the file
+  EXPECT_NE(ErrorOf(Replaced(Replaced(good, "bandwidth_hz: 16.6", "bandwidth_hz: 900"),
+                             "bandwidth_hz: [15.6, 17.6]", "bandwidth_hz: [800, 1000]"))
+                .find("lag_ms: found 28.3, accepted dead_time_ms + 2 damping_ratio"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(good, "delay_ms: 1.684", "delay_ms: -1000")).find("accepted -10 … 50"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(good, "hash: \"00112233aabbccdd\"", "hash: \"zzz\""))
+                .find("found zzz, accepted 16 hexadecimal digits"),
+            std::string::npos);
+  IdentifiedCell twice = Sample();
+  twice.arm.push_back(twice.arm[0]);
+  EXPECT_NE(ErrorOf(WriteIdentified(twice, "")).find("axis: found z at this speed twice"), std::string::npos);
   EXPECT_NE(
       ErrorOf(Replaced(good, "notch_hz: 2.5", "notch_hz: 25")).find("notch_hz: found 25, accepted 0 … 20"),
       std::string::npos);
@@ -170,6 +183,10 @@ TEST(IdentifiedFile, AnImpedanceReachesTheSimulatedArm) {
   const auto apply = [&](double dead_time_s, std::optional<control::Law> law) {
     own.arm[0].dead_time_s = dead_time_s;
     own.arm[0].dead_time_interval_s = {.low = dead_time_s - 1e-4, .high = dead_time_s + 1e-4};
+    const double lag_s =
+        dead_time_s + own.arm[0].damping_ratio / (std::numbers::pi * own.arm[0].bandwidth_hz);
+    own.arm[0].lag_s = lag_s;
+    own.arm[0].lag_interval_s = {.low = lag_s - 1e-4, .high = lag_s + 1e-4};
     CellConfig applied = cell;
     ApplyIdentified(WriteFile("identified.yaml", WriteIdentified(own, "", law)), applied);
     return applied.simulated.dynamic;

@@ -18,7 +18,7 @@ constexpr double kPeriod_s = 1e-3;
 
 AxisResult GoodAxis(double peak_m_per_s = 0.05) {
   AxisResult axis{.request = {.peak_speed_m_per_s = peak_m_per_s},
-                  .recording = {.file = "free_z.mcap", .hash = "00"},
+                  .recording = {.file = "free_z.mcap", .hash = "0000000000000000"},
                   .rms_speed_m_per_s = 0.4 * peak_m_per_s,
                   .by_encoders = {},
                   .fit = {}};
