@@ -80,6 +80,9 @@ Pose FlangePose(const config::CellConfig& cell, const RestingPose& rest) {
 tl::expected<std::vector<RestingPose>, std::string> RestsOf(const std::filesystem::path& file) {
   const auto recording = io::ReadRecording(file);
   if (!recording) return tl::unexpected(recording.error());
+  if (!recording->complete)
+    return tl::unexpected(
+        fmt::format("{}: {}; accepted a whole recording", file.string(), recording->end_error));
   std::vector<RestingPose> rests = FindRestingPoses(recording->ticks);
   if (rests.empty())
     return tl::unexpected(fmt::format("{}: found no rest of {} s in {} ticks", file.string(), kRest_s,

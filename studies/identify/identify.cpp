@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -119,9 +120,22 @@ tl::expected<Recordings, std::string> RecordRuns(const IdentifyOptions& options)
   return recordings;
 }
 
+// Names a file whose bytes are given twice: it would count twice, or judge the fit that was made of it.
+std::string RepeatedFile(const Recordings& recordings) {
+  std::map<std::string, fs::path> known;  // by their hashes
+  for (const std::vector<fs::path>* files : {&recordings.fits, &recordings.validations})
+    for (const fs::path& file : *files)
+      if (const auto [first, is_new] = known.emplace(HashOf(file), file); !is_new)
+        return fmt::format("{}: found the recording of {} again, accepted each once{}", file.string(),
+                           first->second.string(),
+                           files == &recordings.validations ? ", and other data to validate with" : "");
+  return "";
+}
+
 tl::expected<IdentifyResult, std::string> EstimateAll(const IdentifyOptions& options,
                                                       const Recordings& recordings) {
   const config::CellConfig cell = config::LoadCell(options.cell);
+  if (std::string wrong = RepeatedFile(recordings); !wrong.empty()) return tl::unexpected(std::move(wrong));
   IdentifyResult result = EmptyResult(options.cell.stem().string(), cell);
   for (const fs::path& file : recordings.fits)
     if (const auto added = AddRecording(file, cell, result); !added) return tl::unexpected(added.error());

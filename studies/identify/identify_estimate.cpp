@@ -27,15 +27,6 @@ struct ReadRun {
   config::CellConfig cell;   // that it was recorded with
 };
 
-std::string HashOf(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  base::Fnv1a hash;
-  std::string block(1 << 20, '\0');
-  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)
-    hash.Add(std::string_view(block.data(), static_cast<std::size_t>(stream.gcount())));
-  return fmt::format("{:016x}", hash.hash());
-}
-
 std::string DifferenceOf(const config::CellConfig& found, const config::CellConfig& accepted) {
   if (found.robot.name != accepted.robot.name)
     return fmt::format("another cell's recording: found the robot {}, accepted {}", found.robot.name,
@@ -58,6 +49,9 @@ tl::expected<ReadRun, std::string> ReadRunOf(const std::filesystem::path& file,
                                              const config::CellConfig& cell) {
   auto recording = io::ReadRecording(file);
   if (!recording) return tl::unexpected(recording.error());
+  if (!recording->complete)
+    return tl::unexpected(
+        fmt::format("{}: {}; accepted a whole recording", file.string(), recording->end_error));
   auto recorded = session::LoadRecordedCell(recording->session.config);
   if (!recorded) return tl::unexpected(file.string() + ": " + recorded.error());
   ReadRun run{.named = {.file = file.filename().string(), .hash = HashOf(file)},
@@ -221,6 +215,15 @@ std::optional<AxisResult> EstimateRun(const ReadRun& run, IdentifyResult& result
 }
 
 }  // namespace
+
+std::string HashOf(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  base::Fnv1a hash;
+  std::string block(1 << 20, '\0');
+  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)
+    hash.Add(std::string_view(block.data(), static_cast<std::size_t>(stream.gcount())));
+  return fmt::format("{:016x}", hash.hash());
+}
 
 tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run, const ExcitationRequest& request,
                                                    double tool_mass_kg, double nominal_N_per_m) {

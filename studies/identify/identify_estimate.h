@@ -37,6 +37,9 @@ namespace osteon::studies {
 /// by weighted least squares up to 30 Hz. Absent where the deflection does not stand out, as of a stiff arm.
 void FillFeltMasses(IdentifyResult& result, double period_s);
 
+/// Hash of a file's bytes: FNV-1a, 16 hexadecimal digits.
+[[nodiscard]] std::string HashOf(const std::filesystem::path& file);
+
 /// Reads a recording and adds what it gives to the result, judged: an axis, noise, a tremor, or a total lag.
 /// Bad data are findings in `result.refused`.
 /// @returns an error if the file cannot be read

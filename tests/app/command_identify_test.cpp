@@ -1,5 +1,7 @@
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -34,6 +36,21 @@ TEST(IdentifyCommand, MeasuresTheSimulatedCellThenTheSameFromItsRecording) {
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_NE(other.out.find("another cell's recording: found the tool"), std::string::npos) << other.out;
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "again/identified.yaml"));
+
+  // data that are given twice, or that a fit was made of, are no other data; a torn recording is none
+  const std::string file = "identify/free_z_50.mcap";
+  const auto refused = [&](std::vector<std::string> words, const std::string& why) {
+    words.insert(words.begin(), {"identify", "demo", "--out", "none", "--recording", file});
+    const CommandResult wrong = RunCommand(folder.path(), words);
+    EXPECT_EQ(wrong.exit_code, 2);
+    EXPECT_NE(wrong.err.find(why), std::string::npos) << wrong.err;
+  };
+  refused({"--recording", file}, "again, accepted each once");
+  refused({"--validate", file}, "accepted each once, and other data to validate with");
+  refused({"--simulated"}, "--simulated with --recording, accepted one of them");
+  const std::string whole = io::test::ReadAll(folder.path() / file);
+  io::test::WriteAll(folder.path() / "torn.mcap", whole.substr(0, whole.size() / 2));
+  refused({"--recording", "torn.mcap"}, "torn.mcap: it ends early, at byte ");
 
   // the loop held still meanwhile, so that the recording replays
   EXPECT_EQ(RunCommand(folder.path(), {"replay", "identify/free_z_50.mcap"}).exit_code, 0);

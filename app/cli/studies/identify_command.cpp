@@ -1,6 +1,7 @@
 #include "app/cli/studies/identify_command.h"
 
 #include <algorithm>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -74,6 +75,8 @@ int IdentifyCommand::Run(const std::filesystem::path& config_root, const std::st
     return refuse("found --validate without --recording, accepted both");
   if (options_.wall_time && !options_.simulated)
     return refuse("found --wall-time without --simulated, accepted both");
+  if (options_.simulated && !options_.recordings.empty())
+    return refuse("found --simulated with --recording, accepted one of them: recordings move nothing");
   if (has("validate") && !has("free")) return refuse("found --do validate without free, accepted both");
   const auto found = FindCell(config_root, cell_);
   if (!found) return refuse(found.error());
@@ -87,7 +90,9 @@ int IdentifyCommand::Run(const std::filesystem::path& config_root, const std::st
   for (const std::string& axis : axes_)
     if (options_.axes.find(axis) == std::string::npos) options_.axes += axis;
   options_.speeds_m_per_s.clear();
-  for (const double speed : speeds_mm_per_s_) options_.speeds_m_per_s.push_back(1e-3 * speed);
+  std::set<std::string> names;  // of recordings: each speed once
+  for (const double speed : speeds_mm_per_s_)
+    if (names.insert(fmt::format("{:g}", speed)).second) options_.speeds_m_per_s.push_back(1e-3 * speed);
   base::InstallInterrupt();
   options_.stop = &base::Interrupted();
   options_.command_line = command_line;
