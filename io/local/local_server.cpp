@@ -7,12 +7,18 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
+#include <list>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "base/realtime_thread.h"
 #include "io/local/local_socket.h"
@@ -20,7 +26,17 @@
 namespace osteon::io {
 namespace {
 
-constexpr int kBacklog = 8;
+using Clock = std::chrono::steady_clock;
+
+constexpr int kBacklog = 64;
+constexpr std::size_t kMaxClients = 16;  // served at once; a further one takes the place of the oldest
+
+// A connection whose request has not come yet.
+struct Client {
+  LocalSocket socket;
+  std::string received;
+  Clock::time_point until;
+};
 
 // Makes the folder for this user alone. A folder of that name that somebody else has made is refused.
 std::string MakeFolder(const std::filesystem::path& folder) {
@@ -63,22 +79,56 @@ class Server final : public LocalServer {
  private:
   void Run() {
     rt::NameThread("local socket");
+    std::vector<pollfd> ready;
     while (true) {
-      std::array<pollfd, 2> fds{pollfd{.fd = socket_.fd(), .events = POLLIN, .revents = 0},
-                                pollfd{.fd = woken_.fd(), .events = POLLIN, .revents = 0}};
-      if (::poll(fds.data(), fds.size(), -1) < 0 && errno != EINTR) return;
-      if (fds[1].revents != 0) return;
-      if (fds[0].revents == 0) continue;
-      const LocalSocket connection(::accept4(socket_.fd(), nullptr, nullptr, SOCK_CLOEXEC));
-      if (connection.fd() < 0 || !OfThisUser(connection.fd())) continue;
-      if (const auto request = ReadLine(connection.fd(), kMaxLocalRequest, kLocalPatience))
-        (void)WriteAll(connection.fd(), answer_(*request) + "\n");
+      ready = {{.fd = woken_.fd(), .events = POLLIN, .revents = 0},
+               {.fd = socket_.fd(), .events = POLLIN, .revents = 0}};
+      for (const Client& client : clients_)
+        ready.push_back({.fd = client.socket.fd(), .events = POLLIN, .revents = 0});
+      if (::poll(ready.data(), ready.size(), Wait_ms()) < 0 && errno != EINTR) return;
+      if (ready[0].revents != 0) return;
+      std::size_t i = 2;
+      for (auto client = clients_.begin(); client != clients_.end(); ++i) {
+        const bool done = (ready[i].revents != 0 && Serve(*client)) || Clock::now() >= client->until;
+        client = done ? clients_.erase(client) : std::next(client);
+      }
+      if (ready[1].revents != 0) Accept();
     }
+  }
+
+  // Time until the first client's patience is over; clients stand in the order in which they came.
+  [[nodiscard]] int Wait_ms() const {
+    if (clients_.empty()) return -1;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(clients_.front().until - Clock::now());
+    return static_cast<int>(std::max<std::int64_t>(0, left.count()));
+  }
+
+  void Accept() {
+    LocalSocket connection(::accept4(socket_.fd(), nullptr, nullptr, SOCK_CLOEXEC));
+    if (connection.fd() < 0 || !OfThisUser(connection.fd())) return;
+    if (clients_.size() == kMaxClients) clients_.pop_front();
+    clients_.push_back(
+        {.socket = std::move(connection), .received = {}, .until = Clock::now() + kLocalPatience});
+  }
+
+  // Takes what a client has sent, and answers a whole request. @returns whether the connection is over
+  bool Serve(Client& client) {
+    std::array<char, 1024> bytes{};
+    const ssize_t count = ::recv(client.socket.fd(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (count < 0 && (errno == EINTR || errno == EAGAIN)) return false;
+    if (count <= 0) return true;
+    client.received.append(bytes.data(), static_cast<std::size_t>(count));
+    const std::size_t end = client.received.find('\n');
+    if (end == std::string::npos) return client.received.size() > kMaxLocalRequest;
+    if (end <= kMaxLocalRequest)
+      (void)WriteAll(client.socket.fd(), answer_(client.received.substr(0, end)) + "\n");
+    return true;
   }
 
   std::filesystem::path path_;
   LocalSocket socket_, wake_, woken_;
   std::function<std::string(const std::string&)> answer_;
+  std::list<Client> clients_;
   std::thread thread_;
 };
 

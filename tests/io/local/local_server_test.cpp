@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -96,6 +97,33 @@ TEST_F(LocalServerTest, ASilentConnectionIsClosedAndTheNextIsServed) {
   const LocalSocket silent(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   ASSERT_EQ(::connect(silent.fd(), reinterpret_cast<const sockaddr*>(&*address), sizeof *address), 0);
   EXPECT_EQ(AskLocalServer((*server)->path(), "status").value_or(""), "<status>");
+}
+
+TEST_F(LocalServerTest, ManySilentConnectionsKeepNobodyOut) {
+  const auto server = LocalServer::Start("run-8", Echo);
+  ASSERT_TRUE(server) << server.error();
+  const auto address = LocalAddress((*server)->path());
+  std::vector<LocalSocket> silent;
+  for (int i = 0; i < 40; ++i) {
+    const LocalSocket& socket = silent.emplace_back(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    ASSERT_EQ(::connect(socket.fd(), reinterpret_cast<const sockaddr*>(&*address), sizeof *address), 0);
+  }
+  EXPECT_EQ(AskLocalServer((*server)->path(), "stop").value_or(""), "<stop>");
+  // the oldest gave way, within their patience and not after it
+  EXPECT_FALSE(ReadLine(silent.front().fd(), 100, kLocalPatience));
+}
+
+// A request may come in pieces.
+TEST_F(LocalServerTest, ARequestInPiecesIsOneRequest) {
+  const auto server = LocalServer::Start("run-9", Echo);
+  ASSERT_TRUE(server) << server.error();
+  const auto address = LocalAddress((*server)->path());
+  const LocalSocket socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  ASSERT_EQ(::connect(socket.fd(), reinterpret_cast<const sockaddr*>(&*address), sizeof *address), 0);
+  ASSERT_TRUE(WriteAll(socket.fd(), "sta"));
+  EXPECT_EQ(AskLocalServer((*server)->path(), "pause").value_or(""), "<pause>");
+  ASSERT_TRUE(WriteAll(socket.fd(), "tus\n"));
+  EXPECT_EQ(ReadLine(socket.fd(), 100, 3 * kLocalPatience).value_or(""), "<status>");
 }
 
 TEST(LocalAddress, APathThatTheSystemDoesNotTakeIsRefused) {
