@@ -22,7 +22,7 @@ ViewCommand::ViewCommand(CLI::App& app)
       ->check(PortNumber());
   sub_->add_option("--at", options_.at_s, "shown at first, in seconds since the session's start")
       ->type_name("SECONDS")
-      ->check(CLI::NonNegativeNumber);
+      ->check(NumberWithin(0.0, 86'400.0));
   sub_->add_option("--json", options_.json, "write the page's address there, as JSON")->type_name("FILE");
   sub_->footer(
       "Prints the page's address and serves it until Ctrl-C.\n\n"

@@ -84,8 +84,10 @@ std::string ReadYamlText(const std::filesystem::path& path) {
   if (const std::string wrong = base::NoFileText(path); !wrong.empty())
     throw ConfigError(path.string(), 0, wrong);
   std::error_code error;
-  if (std::filesystem::file_size(path, error) > kMaxYamlBytes)
-    throw ConfigError(path.string(), 0, "larger than 1 MiB: not a configuration");
+  if (const auto bytes = std::filesystem::file_size(path, error); bytes > kMaxYamlBytes)
+    throw ConfigError(
+        path.string(), 0,
+        fmt::format("found {} bytes, accepted at most {}: not a configuration", bytes, kMaxYamlBytes));
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream text;
   text << stream.rdbuf();
