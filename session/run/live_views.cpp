@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
 #include "session/procedure/procedure_session.h"
 #include "session/procedure/tool_depths.h"
 #include "session/run/console_scene.h"
@@ -21,6 +22,7 @@ namespace osteon::session {
 namespace {
 
 constexpr int kMaxPort = 65535;
+constexpr std::size_t kShownRequest = 60;  // characters
 
 std::optional<int> PortOf(std::string_view text) {
   int port = -1;
@@ -243,7 +245,8 @@ std::string LiveViews::Answer(const std::string& request) {
     }
   } else {
     answer = {.done = false,
-              .reason = "found another request, accepted pause, resume, recover, stop, status"};
+              .reason = fmt::format("found {}, accepted pause, resume, recover, stop, status",
+                                    base::Printable(request.substr(0, kShownRequest)))};
   }
   json["procedure"] = session_ ? ProcedureStatus(*session_) : nlohmann::json(nullptr);
   json["done"] = answer.done;

@@ -67,7 +67,10 @@ TEST_F(WrongInput, Seconds) {
   for (const char* value : {"0", "-1", "nan", "inf", "3601"})
     ExpectRefused({"demo", "--virtual-time", "--seconds", value}, {"--seconds", value, "0.1 … 3600"});
   ExpectRefused({"demo", "--seconds", "abc"}, {"--seconds", "abc", "0.1 … 3600"});
-  ExpectRefused({"demo", "--seconds"}, {"--seconds", "required"});
+  ExpectRefused({"demo", "--seconds"}, {"--seconds: found no value, accepted "});
+  ExpectRefused({"tune", "demo", "--nodes", "3.5"}, {"--nodes: found 3.5, accepted a whole number, 3 … 100"});
+  ExpectRefused({"capability", "demo", "--x-mm", "5"}, {"--x-mm: found 1 values, accepted at least 2 ("});
+  ExpectRefused({"status", "--pid", "x"}, {"--pid: found x, accepted 1 … 4194304"});
 }
 
 TEST_F(WrongInput, OptionsAndSubcommands) {

@@ -2,12 +2,16 @@
 
 #include <string>
 
+#include "app/cli/usage/usage.h"
+
 namespace osteon::app {
 namespace {
 
 struct Request {
   const char *name, *help, *footer;
 };
+constexpr double kMaxPid = 4194304;  // of Linux
+
 constexpr std::array<Request, 5> kRequests{
     Request{"pause", "pauses the running cell: it brakes to rest and stays under power",
             "Exit code 1: no cell runs, or nothing moves that could be paused\n\nExamples:\n  osteon pause"},
@@ -30,7 +34,7 @@ OperatorCommands::OperatorCommands(CLI::App& app) {
     const Request& request = kRequests[i];
     CLI::App* sub = subs_[i] = app.add_subcommand(request.name, request.help);
     sub->add_option("--pid", options_.pid, "process number of the run, where several run")
-        ->check(CLI::PositiveNumber);
+        ->check(NumberWithin(1.0, kMaxPid));
     sub->add_option("--json", options_.json, "also write the answer there, as JSON")->type_name("FILE");
     sub->footer(request.footer);
   }

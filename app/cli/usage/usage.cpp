@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "app/cli/usage/output_paths.h"
+#include "base/text.h"
 #include "config/reading/strict/nearest_key.h"
 
 namespace osteon::app {
@@ -56,6 +58,46 @@ void AddEngineOption(CLI::App& sub, std::string& engine, const std::vector<std::
       ->capture_default_str();
 }
 
+namespace {
+
+// What an option accepts, in words: "a whole number, 3 … 100", "FROM,TO".
+std::string Accepted(const CLI::App& at, const std::string& name) {
+  const CLI::Option* option = at.get_option_no_throw(name);
+  std::string type = option ? option->get_type_name() : "";
+  const std::size_t colon = type.find(':');  // before its range
+  std::string range = colon == std::string::npos ? "" : ", " + type.substr(colon + 1);
+  type = type.substr(0, colon);
+  if (type == "INT" || type == "UINT") type = "a whole number";
+  if (type == "FLOAT" || type.empty()) type = "a number";
+  return type + range;
+}
+
+// The parser's words of a value that is of another type, or of a count of values, with what is accepted.
+// Others stay.
+std::string WithAccepted(const CLI::App& at, std::string what) {
+  constexpr std::string_view kConvert = "Could not convert: ", kReceived = " required but received ";
+  if (what.starts_with(kConvert)) {
+    const std::string rest = what.substr(kConvert.size());
+    const std::size_t equals = rest.find(" = ");
+    if (equals == std::string::npos) return what;
+    const std::string name = rest.substr(0, equals);
+    return fmt::format("{}: found {}, accepted {}", name, rest.substr(equals + 3), Accepted(at, name));
+  }
+  const std::size_t colon = what.find(": ");
+  if (colon == std::string::npos) return what;
+  const std::string name = what.substr(0, colon);
+  const std::size_t received = what.find(kReceived);
+  if (received != std::string::npos)
+    return fmt::format("{}: found {} values, accepted {} ({})", name,
+                       what.substr(received + kReceived.size()),
+                       base::Lower(what.substr(colon + 2, received - colon - 2)), Accepted(at, name));
+  if (what.ends_with(" missing"))
+    return fmt::format("{}: found no value, accepted {}", name, Accepted(at, name));
+  return what;
+}
+
+}  // namespace
+
 std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* deepest = &app;  // `bench frame` is a subcommand of a subcommand
   std::string name = app.get_name();
@@ -65,7 +107,7 @@ std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
   }
   const CLI::App& at = *deepest;
 
-  std::string what = error.what();
+  std::string what = WithAccepted(at, error.what());
   const std::vector<std::string> unknown = app.remaining(true);
   if (!unknown.empty()) {
     // an unknown option makes its value unknown too: report the option
