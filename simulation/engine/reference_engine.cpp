@@ -76,10 +76,12 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
 
   // pass 1: first contact on the straight path from the proxy's pose to the tool's
   const ToolPoints start = PlaceTool(tool_, memory_.X_GP), goal = PlaceTool(tool_, X_GT);
-  FindNear(start, goal, input);
-  solution.contact_fraction = std::min(1.0, FirstContact(start, goal, 0.0));
+  FindNear(start, goal, 0.0, on_way_);
+  solution.contact_fraction = std::min(1.0, FirstContact(on_way_, start, goal, 0.0));
   const ToolPoints contact = InterpolatePoints(start, goal, solution.contact_fraction);
   solution.origin_contact = contact.back();
+  const double max_m = MaxSlide(params_, input);
+  FindNear(contact, contact, std::max({max_m, params_.normal_enlargement_m, params_.engaged_layer_m}), near_);
 
   // pass 2: find the pairs near the tool at first contact, and the pose closest to the goal that violates no
   // plane of theirs; then move the proxy towards that pose
@@ -97,7 +99,6 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   ToolPoints target = goal, straight = contact;
   for (Vector3& point : target) point += solution.delta;
   for (Vector3& point : straight) point += solution.shift;
-  const double max_m = MaxSlide(params_, input);
   const Slid full =
       Slide(contact, target, (turning ? kTurnToleranceShare : 1.0) * params_.contact_tolerance_m, max_m);
   const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m, max_m) : full;
@@ -125,6 +126,7 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
     const std::size_t only = params_.cutters == Cutters::kContactSphere
                                  ? FirstTouchingBall(start, goal, solution.contact_fraction)
                                  : kEveryBall;
+    if (!near_.Holds(tool_, slid) || !near_.Holds(tool_, end)) near_.TakeAll(balls_.size(), points_.size());
     std::vector<Capsule> capsules;
     AddCapsules(contact, slid, end, only, capsules);
     Remove(capsules, solution);
@@ -134,20 +136,20 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   return model;
 }
 
-// Finds what the passes of this frame can meet. What splits has other balls in each frame.
-void ReferenceEngine::FindNear(const ToolPoints& start, const ToolPoints& goal, const FrameInput& input) {
-  if (loops_ == Loops::kAll) return near_.TakeAll(balls_.size(), points_.size());
-  if (params_.split.on) near_.Forget();
-  near_.Update(tool_, start, goal,
-               std::max({MaxSlide(params_, input), params_.normal_enlargement_m, params_.engaged_layer_m}),
-               balls_, points_);
+// Finds what the passes of this frame can meet on a way. What splits has other balls in each frame.
+void ReferenceEngine::FindNear(const ToolPoints& from, const ToolPoints& to, double farther_m,
+                               ToolReach& near) const {
+  if (loops_ == Loops::kAll) return near.TakeAll(balls_.size(), points_.size());
+  if (params_.split.on) near.Forget();
+  near.Update(tool_, from, to, farther_m, balls_, points_);
 }
 
 // Fraction of the motion at which the first pair of balls overlaps by the tolerance. Pairs that overlap by
 // less may still approach.
-double ReferenceEngine::FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const {
+double ReferenceEngine::FirstContact(const ToolReach& near, const ToolPoints& from, const ToolPoints& to,
+                                     double tolerance_m) const {
   double first = kNoContact;
-  for (const std::size_t b : near_.balls()) {
+  for (const std::size_t b : near.balls()) {
     const BallState& ball = balls_[b];
     if (ball.radius_m <= 0.0) continue;
     for (std::size_t t = 0; t < tool_.balls.size(); ++t)
@@ -161,7 +163,7 @@ ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolP
                                              double max_m) const {
   const double longest = LongestPath(from, to);
   const double limit = longest > max_m ? max_m / longest : 1.0;
-  const double met = FirstContact(from, to, tolerance_m);
+  const double met = FirstContact(near_, from, to, tolerance_m);
   const double fraction = std::min(limit, met);
   return {.fraction = fraction, .way_m = fraction * longest, .stopped = met < limit};
 }
@@ -247,7 +249,7 @@ std::size_t ReferenceEngine::FirstTouchingBall(const ToolPoints& from, const Too
                                                double first) const {
   const double last = std::min(1.0, first + kTieTolerance_m / LongestPath(from, to));
   for (std::size_t t = 0; t < tool_.balls.size(); ++t)
-    for (const std::size_t b : near_.balls()) {
+    for (const std::size_t b : on_way_.balls()) {
       const BallState& ball = balls_[b];
       if (ball.radius_m <= 0.0) continue;
       if (FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
@@ -270,10 +272,6 @@ void ReferenceEngine::AddCapsules(const ToolPoints& contact, const ToolPoints& s
 }
 
 void ReferenceEngine::Remove(const std::vector<Capsule>& capsules, FrameSolution& solution) {
-  const bool inside = std::ranges::all_of(capsules, [this](const Capsule& capsule) {
-    return near_.Holds(capsule.a, capsule.radius_m) && near_.Holds(capsule.b, capsule.radius_m);
-  });
-  if (!inside) near_.TakeAll(balls_.size(), points_.size());
   if (params_.split.on) {  // else BallRemoval shrinks each ball by itself, as here
     removal_.Remove(capsules, balls_);
     for (BallState& ball : balls_) ball = RoundToStored(ball);
@@ -317,6 +315,7 @@ void ReferenceEngine::Restore(const CarvedState& state) {
   if (state.cleared.size() != cleared_.size()) throw std::invalid_argument("carved state: not of this bone");
   CheckMemory(state, tool_.balls.size());
   removal_.Load(state, balls_);
+  on_way_.Forget();
   near_.Forget();
   cleared_ = state.cleared;
   memory_ = ToMemory(state);

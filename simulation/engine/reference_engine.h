@@ -23,7 +23,7 @@ class ReferenceEngine final : public CuttingEngine {
  public:
   /// What the loops go over: the result is the same to the last bit.
   enum class Loops {
-    kNear,  ///< what a sphere around the tool's way holds
+    kNear,  ///< what a tool can meet in this frame (ToolReach)
     kAll    ///< every ball and point of the bone
   };
 
@@ -41,8 +41,9 @@ class ReferenceEngine final : public CuttingEngine {
 
  private:
   ContactModel StepPart(const FrameInput& input);
-  void FindNear(const ToolPoints& start, const ToolPoints& goal, const FrameInput& input);
-  double FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const;
+  void FindNear(const ToolPoints& from, const ToolPoints& to, double farther_m, ToolReach& near) const;
+  double FirstContact(const ToolReach& near, const ToolPoints& from, const ToolPoints& to,
+                      double tolerance_m) const;
   /// The part of a way that contacts and max_slide_m allow.
   struct Slid {
     double fraction, way_m;  ///< way_m: of the point that moves farthest
@@ -69,7 +70,8 @@ class ReferenceEngine final : public CuttingEngine {
   std::vector<std::uint8_t> cleared_;
   FrameMemory memory_;
   const Loops loops_;
-  ToolReach near_;
+  ToolReach on_way_;  ///< from the proxy to the tool's pose
+  ToolReach near_;    ///< around the tool at first contact
 };
 
 }  // namespace osteon::simulation

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace osteon::simulation {
 namespace {
 
-constexpr double kSpare_m = 1e-3;  // lists serve as long as the tool stays within this
+constexpr double kSpare_m = 1e-3;  // lists serve as long as each ball of the tool stays within this
 constexpr double kRounding_m =
     10e-6;  // of balls that are rounded whenever they shrink, and of the tests here
 
@@ -14,27 +15,50 @@ constexpr double kRounding_m =
 
 void ToolReach::Update(const Tool& tool, const ToolPoints& from, const ToolPoints& to, double farther_m,
                        const std::vector<BallState>& balls, const std::vector<MassPoint>& points) {
-  Eigen::AlignedBox3d box;
-  for (std::size_t t = 0; t < tool.balls.size(); ++t) box.extend(from[t]).extend(to[t]);
-  const Vector3 centre_m = box.center();
-  double radius_m = 0.0;
+  std::vector<Sphere> needed;
+  needed.reserve(tool.balls.size());
   for (std::size_t t = 0; t < tool.balls.size(); ++t)
-    radius_m = std::max(
-        radius_m, std::max((from[t] - centre_m).norm(), (to[t] - centre_m).norm()) + tool.balls[t].radius_m);
-  radius_m += farther_m + kRounding_m;
-  if (Holds(centre_m, radius_m)) return;
+    needed.push_back(
+        {.centre_m = 0.5 * (from[t] + to[t]),
+         .radius_m = 0.5 * (to[t] - from[t]).norm() + tool.balls[t].radius_m + farther_m + kRounding_m});
+  if (spheres_.size() == needed.size()) {
+    bool inside = true;
+    for (std::size_t t = 0; t < needed.size() && inside; ++t)
+      inside =
+          (needed[t].centre_m - spheres_[t].centre_m).norm() + needed[t].radius_m <= spheres_[t].radius_m;
+    if (inside) return;
+  }
 
-  centre_m_ = centre_m;
-  radius_m_ = radius_m + kSpare_m;
+  spheres_ = std::move(needed);
+  Eigen::AlignedBox3d box;
+  for (Sphere& sphere : spheres_) {
+    sphere.radius_m += kSpare_m;
+    box.extend(sphere.centre_m);
+  }
+  all_ = {.centre_m = box.center(), .radius_m = 0.0};
+  for (const Sphere& sphere : spheres_)
+    all_.radius_m = std::max(all_.radius_m, (sphere.centre_m - all_.centre_m).norm() + sphere.radius_m);
   balls_.clear();
   points_.clear();
-  for (std::size_t b = 0; b < balls.size(); ++b) {
-    const double within_m = radius_m_ + balls[b].radius_m;
-    if (balls[b].radius_m > 0.0 && (balls[b].center_m - centre_m_).squaredNorm() <= within_m * within_m)
-      balls_.push_back(b);
-  }
+  for (std::size_t b = 0; b < balls.size(); ++b)
+    if (balls[b].radius_m > 0.0 && Meets(balls[b].center_m, balls[b].radius_m)) balls_.push_back(b);
   for (std::size_t i = 0; i < points.size(); ++i)
-    if ((Vector3(points[i].p_m) - centre_m_).squaredNorm() <= radius_m_ * radius_m_) points_.push_back(i);
+    if (Meets(points[i].p_m, 0.0)) points_.push_back(i);
+}
+
+bool ToolReach::Meets(const Vector3& p_m, double radius_m) const {
+  const auto meets = [&](const Sphere& sphere) {
+    const double within_m = sphere.radius_m + radius_m;
+    return (p_m - sphere.centre_m).squaredNorm() <= within_m * within_m;
+  };
+  return meets(all_) && std::ranges::any_of(spheres_, meets);
+}
+
+bool ToolReach::Holds(const Tool& tool, const ToolPoints& at) const {
+  if (spheres_.size() != tool.balls.size()) return false;
+  for (std::size_t t = 0; t < spheres_.size(); ++t)
+    if ((at[t] - spheres_[t].centre_m).norm() + tool.balls[t].radius_m > spheres_[t].radius_m) return false;
+  return true;
 }
 
 void ToolReach::TakeAll(std::size_t balls, std::size_t points) {
