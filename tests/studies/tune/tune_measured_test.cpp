@@ -1,6 +1,7 @@
 #include "studies/tune/tune_measured.h"
 
 #include <fstream>
+#include <numbers>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -123,6 +124,8 @@ TEST(TuneMeasured, TheSimulatedCellTakesItsFigures) {
   config::IdentifiedCell late = IdentifiedOf(cell, SlowArm());
   late.arm[0].dead_time_s = 40e-3;
   late.arm[0].dead_time_interval_s = {.low = 0.039, .high = 0.041};
+  late.arm[0].lag_s = 40e-3 + late.arm[0].damping_ratio / (std::numbers::pi * late.arm[0].bandwidth_hz);
+  late.arm[0].lag_interval_s = {.low = 0.05, .high = 0.1};
   std::ofstream(file) << config::WriteIdentified(late, "");
   try {
     config::ApplyIdentified(file, cell);
