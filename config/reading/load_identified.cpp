@@ -62,16 +62,15 @@ void RequireOnce(const std::vector<Reader>& sections, const std::vector<Item>& i
         sections[i].Refuse("axis", fmt::format("found {} at this speed twice, accepted once", items[i].axis));
 }
 
-std::string ReadHash(Reader& section) {
-  const std::string hash = section.Text("hash");
-  if (hash.size() != 16 || hash.find_first_not_of("0123456789abcdef") != std::string::npos)
-    section.Refuse("hash", fmt::format("found {}, accepted 16 hexadecimal digits", hash));
-  return hash;
+void RequireHash(const Reader& section, const std::string& hash) {
+  if (hash.size() == 16 && hash.find_first_not_of("0123456789abcdef") == std::string::npos) return;
+  section.Refuse("hash", fmt::format("found {}, accepted 16 hexadecimal digits", hash));
 }
 
 constexpr const char* kLaws[] = {"admittance", "impedance"};  // as control::Law
 
-IdentifiedValidity ReadValidity(Reader section, std::optional<control::Law>& law) {
+IdentifiedValidity ReadValidity(Reader section, std::optional<control::Law>& law,
+                                std::vector<Reader>& recordings) {
   IdentifiedValidity valid{.robot = section.Text("robot"), .tool = section.Text("tool")};
   valid.period_s = section.Number("period_ms", 0.1, 100);
   const std::vector<double> start = section.Numbers("start_deg", 7, -360, 360);
@@ -79,8 +78,9 @@ IdentifiedValidity ReadValidity(Reader section, std::optional<control::Law>& law
   if (section.Has("law"))
     law = section.Choice("law", {kLaws[0], kLaws[1]}) == 0 ? control::Law::kAdmittance
                                                            : control::Law::kImpedance;
-  for (Reader& recording : section.Sections("recordings", 0, kMaxItems))
-    valid.recordings.push_back({.file = recording.Text("file"), .hash = ReadHash(recording)});
+  recordings = section.Sections("recordings", 0, kMaxItems);
+  for (Reader& recording : recordings)
+    valid.recordings.push_back({.file = recording.Text("file"), .hash = recording.Text("hash")});
   return valid;
 }
 
@@ -171,7 +171,8 @@ ReadFile ReadAll(const std::filesystem::path& file) {
   Reader cell = reader.Section("identified");
   Reader validity = cell.Section("valid_for");
   std::optional<control::Law> law;
-  ReadFile read{.identified = {.valid_for = ReadValidity(validity, law)}, .valid_for = validity};
+  std::vector<Reader> recordings;
+  ReadFile read{.identified = {.valid_for = ReadValidity(validity, law, recordings)}, .valid_for = validity};
   read.law = law;
   IdentifiedCell& identified = read.identified;
   std::vector<IntervalCheck> checks;
@@ -194,6 +195,8 @@ ReadFile ReadAll(const std::filesystem::path& file) {
 
   for (const IntervalCheck& check : checks) RequireInterval(check);
   for (std::size_t i = 0; i < arms.size(); ++i) RequireLag(arms[i], identified.arm[i]);
+  for (std::size_t i = 0; i < recordings.size(); ++i)
+    RequireHash(recordings[i], identified.valid_for.recordings[i].hash);
   RequireOnce(arms, identified.arm, [](const IdentifiedArm& a, const IdentifiedArm& b) {
     return a.axis == b.axis && a.speed_m_per_s == b.speed_m_per_s;
   });

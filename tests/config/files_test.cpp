@@ -290,8 +290,7 @@ TEST_F(ConfigFilesTest, DamagedFilesAreRefusedInOrder) {
   int refused = 0, loaded = 0;
   for (const fs::path& file : files_) {
     const std::string text = ReadText(file);
-    const int changes =
-        file.parent_path().filename() == "tools" ? 6 : 20;  // the fuzz targets make more
+    const int changes = file.parent_path().filename() == "tools" ? 6 : 20;  // the fuzz targets make more
     for (int n = 0; n < changes; ++n) {
       std::string changed = text;
       const int edits = 1 + static_cast<int>(below(4));
