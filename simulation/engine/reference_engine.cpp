@@ -126,10 +126,9 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
     const std::size_t only = params_.cutters == Cutters::kContactSphere
                                  ? FirstTouchingBall(start, goal, solution.contact_fraction)
                                  : kEveryBall;
-    if (!near_.Holds(tool_, slid) || !near_.Holds(tool_, end)) near_.TakeAll(balls_.size(), points_.size());
-    std::vector<Capsule> capsules;
-    AddCapsules(contact, slid, end, only, capsules);
-    Remove(capsules, solution);
+    if (!near_.Holds(tool_, slid) || !near_.Holds(tool_, end))
+      FindNear(slid, end, LongestPath(contact, slid), near_);
+    Remove(SweptBy(contact, slid, end, only), solution);
   }
   ContactModel model = FinishFrame(params_, materials_, map_, X_WG_, input, solution, memory_);
   model.balls_not_split = removal_.refused();
@@ -139,9 +138,9 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
 // Finds what the passes of this frame can meet on a way. What splits has other balls in each frame.
 void ReferenceEngine::FindNear(const ToolPoints& from, const ToolPoints& to, double farther_m,
                                ToolReach& near) const {
-  if (loops_ == Loops::kAll) return near.TakeAll(balls_.size(), points_.size());
   if (params_.split.on) near.Forget();
-  near.Update(tool_, from, to, farther_m, balls_, points_);
+  near.Update(tool_, from, to, loops_ == Loops::kAll ? std::numeric_limits<double>::infinity() : farther_m,
+              balls_, points_);
 }
 
 // Fraction of the motion at which the first pair of balls overlaps by the tolerance. Pairs that overlap by
@@ -149,10 +148,10 @@ void ReferenceEngine::FindNear(const ToolPoints& from, const ToolPoints& to, dou
 double ReferenceEngine::FirstContact(const ToolReach& near, const ToolPoints& from, const ToolPoints& to,
                                      double tolerance_m) const {
   double first = kNoContact;
-  for (const std::size_t b : near.balls()) {
-    const BallState& ball = balls_[b];
+  for (std::size_t i = 0; i < near.balls().items.size(); ++i) {
+    const BallState& ball = balls_[near.balls().items[i]];
     if (ball.radius_m <= 0.0) continue;
-    for (std::size_t t = 0; t < tool_.balls.size(); ++t)
+    for (const std::uint32_t t : near.balls().ToolBallsOf(i))
       first = std::min(first, FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
                                                    tool_.balls[t].radius_m + ball.radius_m - tolerance_m));
   }
@@ -186,9 +185,10 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
     if (pair.present) pair.n = from_bone / distance;
     return pair;
   };
-  for (const std::size_t b : near_.balls()) {
+  for (std::size_t i = 0; i < near_.balls().items.size(); ++i) {
+    const std::size_t b = near_.balls().items[i];
     if (balls_[b].radius_m <= 0.0) continue;
-    for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
+    for (const std::uint32_t t : near_.balls().ToolBallsOf(i)) {
       NearPair pair = pair_of(b, t);
       if (!pair.present || pair.gap_m >= params_.normal_enlargement_m) continue;
       const ContactBin bin = FindBin(bin_axes.transpose() * pair.n, pair.cutting);
@@ -199,8 +199,8 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
                                               balls_[b].radius_m, (at[t] - balls_[b].center_m).norm()),
                                    kMaxLensVolume);
       for (int f = 0; f < memory.face_count; ++f) {
-        const auto i = static_cast<std::size_t>(f);
-        near.faces[i].Add(lens, memory.face_n_G[i], pair);
+        const auto face = static_cast<std::size_t>(f);
+        near.faces[face].Add(lens, memory.face_n_G[face], pair);
       }
     }
   }
@@ -221,12 +221,13 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
 void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G,
                                         FrameSolution& solution) const {
   if (solution.cutting_m <= 0.0) return;
-  for (const std::size_t i : near_.points()) {
+  for (std::size_t k = 0; k < near_.points().items.size(); ++k) {
+    const std::size_t i = near_.points().items[k];
     if (cleared_[i]) continue;
     const MassPoint& point = points_[i];
     const Vector3 p = point.p_m;
     double nearest = params_.engaged_layer_m, projection = 0.0;
-    for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
+    for (const std::uint32_t t : near_.points().ToolBallsOf(k)) {
       if (!tool_.balls[t].cutting) continue;
       const Vector3 out = p - at[t];
       const double distance = out.norm(), gap = distance - tool_.balls[t].radius_m;
@@ -248,46 +249,55 @@ void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spi
 std::size_t ReferenceEngine::FirstTouchingBall(const ToolPoints& from, const ToolPoints& to,
                                                double first) const {
   const double last = std::min(1.0, first + kTieTolerance_m / LongestPath(from, to));
-  for (std::size_t t = 0; t < tool_.balls.size(); ++t)
-    for (const std::size_t b : on_way_.balls()) {
-      const BallState& ball = balls_[b];
-      if (ball.radius_m <= 0.0) continue;
-      if (FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
-                               tool_.balls[t].radius_m + ball.radius_m) <= last)
-        return t;
-    }
-  return tool_.balls.size();
-}
-
-// Adds the volumes that the cutting balls sweep on both pieces of the proxy's path, one ball after the other.
-// @param only  the one ball to add, or kEveryBall
-void ReferenceEngine::AddCapsules(const ToolPoints& contact, const ToolPoints& slid, const ToolPoints& end,
-                                  std::size_t only, std::vector<Capsule>& capsules) const {
-  for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
-    if (!tool_.balls[t].cutting || (only != kEveryBall && only != t)) continue;
-    const double radius_m = tool_.balls[t].radius_m;
-    capsules.push_back({.a = contact[t], .b = slid[t], .radius_m = radius_m});
-    capsules.push_back({.a = slid[t], .b = end[t], .radius_m = radius_m});
+  std::size_t touching = tool_.balls.size();
+  for (std::size_t i = 0; i < on_way_.balls().items.size(); ++i) {
+    const BallState& ball = balls_[on_way_.balls().items[i]];
+    if (ball.radius_m <= 0.0) continue;
+    for (const std::uint32_t t : on_way_.balls().ToolBallsOf(i))
+      if (t < touching && FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
+                                               tool_.balls[t].radius_m + ball.radius_m) <= last)
+        touching = t;
   }
+  return touching;
 }
 
-void ReferenceEngine::Remove(const std::vector<Capsule>& capsules, FrameSolution& solution) {
+// The volumes that the cutting balls sweep on both pieces of the proxy's path, one ball after the other.
+// @param only  the one ball that cuts, or kEveryBall
+ReferenceEngine::Swept ReferenceEngine::SweptBy(const ToolPoints& contact, const ToolPoints& slid,
+                                                const ToolPoints& end, std::size_t only) const {
+  Swept swept{.capsules = {}, .first = std::vector<std::size_t>(tool_.balls.size() + 1, 0)};
+  for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
+    if (tool_.balls[t].cutting && (only == kEveryBall || only == t)) {
+      const double radius_m = tool_.balls[t].radius_m;
+      swept.capsules.push_back({.a = contact[t], .b = slid[t], .radius_m = radius_m});
+      swept.capsules.push_back({.a = slid[t], .b = end[t], .radius_m = radius_m});
+    }
+    swept.first[t + 1] = swept.capsules.size();
+  }
+  return swept;
+}
+
+void ReferenceEngine::Remove(const Swept& swept, FrameSolution& solution) {
   if (params_.split.on) {  // else BallRemoval shrinks each ball by itself, as here
-    removal_.Remove(capsules, balls_);
+    removal_.Remove(swept.capsules, balls_);
     for (BallState& ball : balls_) ball = RoundToStored(ball);
   } else {
-    for (const std::size_t b : near_.balls()) {
-      Shrink(balls_[b], capsules);
-      balls_[b] = RoundToStored(balls_[b]);
+    for (std::size_t i = 0; i < near_.balls().items.size(); ++i) {
+      BallState& ball = balls_[near_.balls().items[i]];
+      for (const std::uint32_t t : near_.balls().ToolBallsOf(i)) Shrink(ball, swept.Of(t));
+      ball = RoundToStored(ball);
     }
   }
-  for (const std::size_t i : near_.points()) {
+  for (std::size_t k = 0; k < near_.points().items.size(); ++k) {
+    const std::size_t i = near_.points().items[k];
     const Vector3 p = points_[i].p_m;
-    for (const Capsule& capsule : capsules) {
-      if (cleared_[i] || (p - ClosestOnSegment(p, capsule.a, capsule.b)).norm() >= capsule.radius_m) continue;
-      cleared_[i] = 1;
-      solution.removed_m3[points_[i].material] += points_[i].volume_m3;
-    }
+    for (const std::uint32_t t : near_.points().ToolBallsOf(k))
+      for (const Capsule& capsule : swept.Of(t)) {
+        if (cleared_[i] || (p - ClosestOnSegment(p, capsule.a, capsule.b)).norm() >= capsule.radius_m)
+          continue;
+        cleared_[i] = 1;
+        solution.removed_m3[points_[i].material] += points_[i].volume_m3;
+      }
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "simulation/contact/contact_law.h"
@@ -54,9 +55,17 @@ class ReferenceEngine final : public CuttingEngine {
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G, FrameSolution& solution) const;
   [[nodiscard]] std::size_t FirstTouchingBall(const ToolPoints& from, const ToolPoints& to,
                                               double first) const;
-  void AddCapsules(const ToolPoints& contact, const ToolPoints& slid, const ToolPoints& end, std::size_t only,
-                   std::vector<Capsule>& capsules) const;
-  void Remove(const std::vector<Capsule>& capsules, FrameSolution& solution);
+  /// The volumes that a frame's cutting balls sweep.
+  struct Swept {
+    std::vector<Capsule> capsules;
+    std::vector<std::size_t> first;  ///< where a tool ball's capsules begin, and the last one's end
+    [[nodiscard]] std::span<const Capsule> Of(std::size_t t) const {
+      return std::span(capsules).subspan(first[t], first[t + 1] - first[t]);
+    }
+  };
+  [[nodiscard]] Swept SweptBy(const ToolPoints& contact, const ToolPoints& slid, const ToolPoints& end,
+                              std::size_t only) const;
+  void Remove(const Swept& swept, FrameSolution& solution);
 
   Tool tool_;
   double lever_m_;

@@ -1,7 +1,6 @@
 #include "simulation/engine/tool_reach.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace osteon::simulation {
@@ -38,20 +37,28 @@ void ToolReach::Update(const Tool& tool, const ToolPoints& from, const ToolPoint
   all_ = {.centre_m = box.center(), .radius_m = 0.0};
   for (const Sphere& sphere : spheres_)
     all_.radius_m = std::max(all_.radius_m, (sphere.centre_m - all_.centre_m).norm() + sphere.radius_m);
-  balls_.clear();
-  points_.clear();
+  balls_ = {};
+  points_ = {};
   for (std::size_t b = 0; b < balls.size(); ++b)
-    if (balls[b].radius_m > 0.0 && Meets(balls[b].center_m, balls[b].radius_m)) balls_.push_back(b);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (Meets(points[i].p_m, 0.0)) points_.push_back(i);
+    if (balls[b].radius_m > 0.0) AddNear(b, balls[b].center_m, balls[b].radius_m, balls_);
+  for (std::size_t i = 0; i < points.size(); ++i) AddNear(i, points[i].p_m, 0.0, points_);
+  balls_.first.push_back(balls_.tool.size());
+  points_.first.push_back(points_.tool.size());
 }
 
-bool ToolReach::Meets(const Vector3& p_m, double radius_m) const {
+// Adds an item, a sphere itself, if a ball of the tool can meet it.
+void ToolReach::AddNear(std::size_t item, const Vector3& p_m, double radius_m, NearItems& near) const {
   const auto meets = [&](const Sphere& sphere) {
     const double within_m = sphere.radius_m + radius_m;
     return (p_m - sphere.centre_m).squaredNorm() <= within_m * within_m;
   };
-  return meets(all_) && std::ranges::any_of(spheres_, meets);
+  if (!meets(all_)) return;
+  const std::size_t first = near.tool.size();
+  for (std::size_t t = 0; t < spheres_.size(); ++t)
+    if (meets(spheres_[t])) near.tool.push_back(static_cast<std::uint32_t>(t));
+  if (near.tool.size() == first) return;
+  near.items.push_back(item);
+  near.first.push_back(first);
 }
 
 bool ToolReach::Holds(const Tool& tool, const ToolPoints& at) const {
@@ -59,14 +66,6 @@ bool ToolReach::Holds(const Tool& tool, const ToolPoints& at) const {
   for (std::size_t t = 0; t < spheres_.size(); ++t)
     if ((at[t] - spheres_[t].centre_m).norm() + tool.balls[t].radius_m > spheres_[t].radius_m) return false;
   return true;
-}
-
-void ToolReach::TakeAll(std::size_t balls, std::size_t points) {
-  balls_.resize(balls);
-  std::iota(balls_.begin(), balls_.end(), std::size_t{0});
-  points_.resize(points);
-  std::iota(points_.begin(), points_.end(), std::size_t{0});
-  Forget();
 }
 
 }  // namespace osteon::simulation
