@@ -58,7 +58,7 @@ class RecordingStream {
 
   /// Valid at the end, as in Recording.
   [[nodiscard]] bool complete() const { return reader_.complete() && !cut_off_; }
-  /// What is wrong at the file's end, with its byte: it ends early, or something follows its end. Empty:
+  /// The fault at the file's end, with its byte: it ends early, or something follows its end. Empty:
   /// nothing. Valid at the end.
   [[nodiscard]] std::string EndError() const;
   [[nodiscard]] const McapReader& file() const { return reader_; }

@@ -22,7 +22,7 @@ namespace osteon::simulation {
 /// Sources: Kaluschke et al. 2019 (passes 1 to 3), Zilles and Salisbury 1995 (god-object on several planes).
 class ReferenceEngine final : public CuttingEngine {
  public:
-  /// What the loops go over: the result is the same to the last bit.
+  /// The loops' range: the result is the same to the last bit.
   enum class Loops {
     kNear,  ///< what a tool can meet in this frame (ToolReach)
     kAll    ///< every ball and point of the bone

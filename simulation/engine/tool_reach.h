@@ -24,9 +24,9 @@ struct NearItems {
   }
 };
 
-/// What a tool can meet in a frame: all that lies within a sphere around the way of one of its balls. What is
-/// left out changes no bit of a frame. The lists serve the frames after as well, until a ball of the tool
-/// leaves its sphere.
+/// The balls and points that a tool can meet in a frame: all that lie within a sphere around the way of one
+/// of its balls. The rest changes no bit of a frame. The lists serve the frames after as well, until a ball
+/// of the tool leaves its sphere.
 class ToolReach {
  public:
   /// Finds what the tool can meet.

@@ -23,6 +23,7 @@
 #include "session/summary/chart_files.h"
 #include "session/summary/verdict.h"
 #include "studies/stability/overlay_loop.h"
+#include "studies/tune/tune_page.h"
 #include "studies/tune/tune_study.h"
 
 namespace osteon::studies {
@@ -438,14 +439,9 @@ tl::expected<void, std::string> Write(const OverlayTuning& t, const TuneOptions&
         fmt::format("{:.3f},{:.0f},{:.0f}\n", b.damping_Ns_per_m, b.predicted_N_per_m, b.simulated_N_per_m);
   if (const auto written = base::WriteText(options.out / "tune.csv", csv); !written) return written;
   if (const auto written = base::WriteText(options.out / "tune.json", json); !written) return written;
-  if (t.MayBeUsed()) {
-    if (const auto written = base::WriteText(options.out / "gains.yaml", GainsYaml(t, options.command_line));
-        !written)
-      return written;
-  } else {  // one of an earlier call would be taken for this call's
-    std::error_code none;
-    std::filesystem::remove(options.out / "gains.yaml", none);
-  }
+  if (const auto written = WriteGains(options.out, t.MayBeUsed() ? GainsYaml(t, options.command_line) : "");
+      !written)
+    return written;
   if (!options.json.empty())
     if (const auto written = base::WriteText(options.json, json); !written) return written;
   std::string html =

@@ -1,5 +1,7 @@
 #include "studies/tune/tune_page.h"
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -148,6 +150,14 @@ report::ReportVerdict PlainVerdict(const TuneResult& r) {
   return plain;
 }
 
+tl::expected<void, std::string> WriteGains(const std::filesystem::path& folder, const std::string& yaml) {
+  const std::filesystem::path file = folder / "gains.yaml";
+  if (!yaml.empty()) return base::WriteText(file, yaml);
+  std::error_code none;
+  std::filesystem::remove(file, none);
+  return {};
+}
+
 tl::expected<void, std::string> WriteTuning(const TuneResult& r, const TuneOptions& options) {
   Pictures pictures{.map = r.maps.empty() ? "" : MapSvg(r),
                     .width = r.maps.empty() ? "" : WidthSvg(r),
@@ -161,14 +171,9 @@ tl::expected<void, std::string> WriteTuning(const TuneResult& r, const TuneOptio
   if (const auto written = base::WriteText(options.out / "tune.csv", BoundaryCsv(r)); !written)
     return written;
   if (const auto written = base::WriteText(options.out / "tune.json", json); !written) return written;
-  if (r.MayBeUsed()) {
-    if (const auto written = base::WriteText(options.out / "gains.yaml", GainsYaml(r, options.command_line));
-        !written)
-      return written;
-  } else {  // one of an earlier call would be taken for this call's
-    std::error_code none;
-    std::filesystem::remove(options.out / "gains.yaml", none);
-  }
+  if (const auto written = WriteGains(options.out, r.MayBeUsed() ? GainsYaml(r, options.command_line) : "");
+      !written)
+    return written;
   if (!options.json.empty())
     if (const auto written = base::WriteText(options.json, json); !written) return written;
   return report::WritePage(Page(r, options, pictures), options.out / "tune.html");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include <tl/expected.hpp>
@@ -13,6 +14,11 @@ namespace osteon::studies {
 /// The verdict of a tuning in plain words: safe or not, which gains, why, what to do next, and then the
 /// reasons of Judge.
 [[nodiscard]] report::ReportVerdict PlainVerdict(const TuneResult& result);
+
+/// Writes gains.yaml into a folder. An empty text: there are no gains to use, and those of an earlier call,
+/// which would be taken for this call's, are removed. @returns an error that names the file.
+[[nodiscard]] tl::expected<void, std::string> WriteGains(const std::filesystem::path& folder,
+                                                         const std::string& yaml);
 
 /// Writes tune.json, .csv, .html, the pictures and gains.yaml into options.out, and a copy of the JSON where
 /// it was asked for. @returns an error that names the file.

@@ -60,7 +60,7 @@ void AddEngineOption(CLI::App& sub, std::string& engine, const std::vector<std::
 
 namespace {
 
-// What an option accepts, in words: "a whole number, 3 … 100", "FROM,TO".
+// An option's accepted values in words: "a whole number, 3 … 100", "FROM,TO".
 std::string Accepted(const CLI::App& at, const std::string& name) {
   const CLI::Option* option = at.get_option_no_throw(name);
   std::string type = option ? option->get_type_name() : "";

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <optional>
+#include <string>
 
 #include "config/reading/config_file_tracker.h"
 #include "config/reading/strict/reader.h"
@@ -57,6 +60,32 @@ class FuzzConfig {
  private:
   [[nodiscard]] std::filesystem::path root() const { return folder_.path() / "config"; }
   io::test::TemporaryFolder folder_{FastFolder()};
+};
+
+/// One input of a target that reads YAML: the fuzzer's text, as a file of the repository's config/.
+class YamlInput {
+ public:
+  YamlInput(const std::uint8_t* data, std::size_t size)
+      : text_(Written(Text({data, size}))), scope_(Files().scope()) {}
+
+  /// Returns what a loader makes of the file, or nothing if it refuses.
+  template <typename Load>
+  [[nodiscard]] auto Read(const Load& load) const {
+    return Loaded([&] { return load(Files().path()); }, Files().path().string(), text_);
+  }
+
+ private:
+  static const FuzzConfig& Files() {
+    static const FuzzConfig files;
+    return files;
+  }
+  static std::string Written(std::string text) {
+    Files().Write(text);
+    return text;
+  }
+
+  std::string text_;
+  config::ConfigFileTracker scope_;
 };
 
 }  // namespace osteon::fuzz

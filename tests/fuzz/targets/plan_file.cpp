@@ -42,13 +42,8 @@ void ClaimRubric(const procedure::Rubric& rubric) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace osteon;
-  static const fuzz::FuzzConfig files;
-  const std::string text = fuzz::Text({data, size}), name = files.path().string();
-  files.Write(text);
-  const config::ConfigFileTracker scope(files.scope());
-  if (const auto plan = fuzz::Loaded([&] { return config::LoadSurgicalPlan(files.path()); }, name, text))
-    fuzz::ClaimPlan(*plan);
-  if (const auto rubric = fuzz::Loaded([&] { return config::LoadRubric(files.path()); }, name, text))
-    fuzz::ClaimRubric(*rubric);
+  const fuzz::YamlInput input(data, size);
+  if (const auto plan = input.Read(config::LoadSurgicalPlan)) fuzz::ClaimPlan(*plan);
+  if (const auto rubric = input.Read(config::LoadRubric)) fuzz::ClaimRubric(*rubric);
   return 0;
 }

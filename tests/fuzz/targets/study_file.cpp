@@ -41,13 +41,8 @@ void ClaimSweep(const config::SweepConfig& sweep) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace osteon;
-  static const fuzz::FuzzConfig files;
-  const std::string text = fuzz::Text({data, size}), name = files.path().string();
-  files.Write(text);
-  const config::ConfigFileTracker scope(files.scope());
-  if (const auto scenario = fuzz::Loaded([&] { return config::LoadScenario(files.path()); }, name, text))
-    fuzz::ClaimScenario(*scenario);
-  if (const auto sweep = fuzz::Loaded([&] { return config::LoadSweep(files.path()); }, name, text))
-    fuzz::ClaimSweep(*sweep);
+  const fuzz::YamlInput input(data, size);
+  if (const auto scenario = input.Read(config::LoadScenario)) fuzz::ClaimScenario(*scenario);
+  if (const auto sweep = input.Read(config::LoadSweep)) fuzz::ClaimSweep(*sweep);
   return 0;
 }

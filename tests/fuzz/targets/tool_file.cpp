@@ -22,11 +22,8 @@ void ClaimTool(const config::ToolConfig& tool) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace osteon;
-  static const fuzz::FuzzConfig files;
-  const std::string text = fuzz::Text({data, size}), name = files.path().string();
-  files.Write(text);
-  const config::ConfigFileTracker scope(files.scope());
-  const auto tool = fuzz::Loaded([&] { return config::LoadTool(files.path()); }, name, text);
-  if (tool) fuzz::ClaimTool(*tool);
+  const fuzz::YamlInput input(data, size);
+  if (const auto tool = input.Read([](const auto& path) { return config::LoadTool(path); }))
+    fuzz::ClaimTool(*tool);
   return 0;
 }
