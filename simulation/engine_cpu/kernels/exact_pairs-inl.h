@@ -71,8 +71,7 @@ inline void FindNearestPairs(NearFieldPass& p, std::size_t count) {
     const D8 d = Sqrt(Dot(pairs.from_bone, pairs.from_bone)), gap = d - pairs.R - pairs.r, zero = D(0.0);
     unsigned bits = Bits((pairs.r > zero) & (d > zero) & (gap < D(p.enlargement_m))) & valid;
     if (bits == 0) continue;
-    const Divisor by(d);
-    const D3 n{by.Of(pairs.from_bone.x), by.Of(pairs.from_bone.y), by.Of(pairs.from_bone.z)};
+    const D3 n = Quotients(pairs.from_bone, d);
     const ExactBins bins = FindExactBins({AlongAxis(p, 0, n), AlongAxis(p, 1, n), AlongAxis(p, 2, n)});
     double gaps[8], cutting_off[8], shaft_off[8];
     Store(gaps, gap), Store(cutting_off, bins.cutting_off), Store(shaft_off, bins.shaft_off);

@@ -143,8 +143,7 @@ HWY_INLINE void FaceSums::Measure(std::size_t first, std::size_t end, Group* gro
 HWY_INLINE void FaceSums::Weigh(Group& g) const {
   const D8 d = Load(g.d), zero = D(0.0);
   const MD counts = MaskD(g.counts);
-  const Divisor by(d);
-  const D3 n{by.Of(Load(g.x)), by.Of(Load(g.y)), by.Of(Load(g.z))};
+  const D3 n = Quotients(D3{Load(g.x), Load(g.y), Load(g.z)}, d);
   const D8 lens = LensOf(p_, Load(g.R) + D(p_.enlargement_m), Load(g.r), d);
   g.in_face = 0;
   for (int f = 0; f < p_.face_count; ++f) {

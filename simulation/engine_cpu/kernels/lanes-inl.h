@@ -103,6 +103,16 @@ struct Make<Two<H>> {
     return {Make<H>::From(p), Make<H>::From(p + Traits<H>::kSize)};
   }
 };
+// One vector of those that a wider one consists of.
+template <class V>
+struct PieceOf {
+  using Type = V;
+};
+template <class H>
+struct PieceOf<Two<H>> : PieceOf<H> {};
+using DPiece = PieceOf<D8>::Type;
+inline constexpr unsigned kPiece = Traits<DPiece>::kSize;
+
 HWY_INLINE F8 F(float x) { return Make<F8>::Of(x); }
 HWY_INLINE D8 D(double x) { return Make<D8>::Of(x); }
 HWY_INLINE U8 U(std::uint32_t x) { return Make<U8>::Of(x); }
@@ -141,7 +151,6 @@ OSTEON_BINARY(operator*, Mul)
 OSTEON_BINARY(operator/, Div)
 OSTEON_BINARY(Min, Min)
 OSTEON_BINARY(Max, Max)
-OSTEON_BINARY(CopySignOf, CopySign)
 #undef OSTEON_BINARY
 
 #define OSTEON_UNARY(name, highway)        \
@@ -170,6 +179,7 @@ OSTEON_UNARY(Negative, Neg)
   }
 OSTEON_FUSED(MulAdd, MulAdd)
 OSTEON_FUSED(NegMulAdd, NegMulAdd)
+OSTEON_FUSED(MulSub, MulSub)
 #undef OSTEON_FUSED
 
 // ---- comparisons and masks
@@ -356,13 +366,59 @@ HWY_INLINE U8 LaneNumbers(std::uint32_t first) {
   return Load(kNumbers) + U(first);
 }
 
+// Of each mask of N lanes, the numbers of its lanes one after the other. Highway's own tables are local to
+// its functions (1.0.3), and GCC 12 copies such a table to the stack at every use: 1 KiB with AVX2.
+#if HWY_TARGET == HWY_AVX2
+struct PackedLanes {  // four bits each
+  std::uint32_t of[256];
+  constexpr PackedLanes() : of{} {
+    for (unsigned mask = 0; mask < 256; ++mask)
+      for (unsigned k = 0, to = 0; k < 8; ++k)
+        if ((mask >> k & 1u) != 0) of[mask] |= k << 4 * to++;
+  }
+};
+inline constexpr PackedLanes kPackedLanes;
+alignas(32) inline constexpr std::uint32_t kPackShifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
+#elif HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_NEON
+struct PackedLanes {  // as bytes of lanes of four
+  alignas(16) std::uint8_t of[16][16];
+  constexpr PackedLanes() : of{} {
+    for (unsigned mask = 0; mask < 16; ++mask)
+      for (unsigned k = 0, to = 0; k < 4; ++k)
+        if ((mask >> k & 1u) != 0)
+          for (unsigned byte = 0; byte < 4; ++byte) of[mask][to++] = static_cast<std::uint8_t>(4 * k + byte);
+  }
+};
+inline constexpr PackedLanes kPackedLanes;
+#endif
+template <class T, std::size_t N>
+HWY_INLINE One<T, N> Packed(One<T, N> a, OneMask<T, N> m) {
+#if HWY_TARGET == HWY_AVX2
+  static_assert(sizeof(T) == 4 && N == 8);
+  const hn::CappedTag<float, 8> floats;
+  // the permutation ignores all but three bits of a lane
+  const __m256i lanes = _mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(kPackedLanes.of[Bits(m)])),
+                                          _mm256_load_si256(reinterpret_cast<const __m256i*>(kPackShifts)));
+  const hn::Vec<decltype(floats)> packed{_mm256_permutevar8x32_ps(hn::BitCast(floats, a.v).raw, lanes)};
+  return {hn::BitCast(hn::CappedTag<T, N>(), packed)};
+#elif HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_NEON
+  static_assert(sizeof(T) == 4 && N == 4);
+  const hn::CappedTag<std::uint8_t, 16> bytes;
+  return {
+      hn::BitCast(hn::CappedTag<T, N>(),
+                  hn::TableLookupBytes(hn::BitCast(bytes, a.v), hn::Load(bytes, kPackedLanes.of[Bits(m)])))};
+#else
+  return {hn::Compress(a.v, m.m)};
+#endif
+}
+
 // Writes the lanes of a mask, moved together; places behind them are written, too (eight in all).
 template <class T, class M, std::size_t N>
 HWY_INLINE std::size_t Pack(T* to, One<T, N> a, OneMask<M, N> m) {
   const hn::CappedTag<T, N> tag;
-  const auto lanes = hn::RebindMask(tag, m.m);
-  hn::StoreU(hn::Compress(a.v, lanes), tag, to);
-  return hn::CountTrue(tag, lanes);
+  const OneMask<T, N> lanes{hn::RebindMask(tag, m.m)};
+  hn::StoreU(Packed(a, lanes).v, tag, to);
+  return hn::CountTrue(tag, lanes.m);
 }
 template <class H, class M>
 HWY_INLINE std::size_t Pack(typename Traits<H>::Scalar* to, Two<H> a, Two<M> m) {
@@ -372,17 +428,23 @@ HWY_INLINE std::size_t Pack(typename Traits<H>::Scalar* to, Two<H> a, Two<M> m) 
 
 // ---- three of them
 
-struct F3 {
-  F8 x, y, z;
+template <class V>
+struct Three {
+  V x, y, z;
 };
-struct D3 {
-  D8 x, y, z;
-};
-HWY_INLINE F3 operator-(const F3& a, const F3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-HWY_INLINE D3 operator-(const D3& a, const D3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+using F3 = Three<F8>;
+using D3 = Three<D8>;
+template <class V>
+HWY_INLINE Three<V> operator-(const Three<V>& a, const Three<V>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
 HWY_INLINE F8 Dot(const F3& a, const F3& b) { return MulAdd(a.z, b.z, MulAdd(a.y, b.y, a.x * b.x)); }
 // in the order in which Eigen adds up a Vector3
-HWY_INLINE D8 Dot(const D3& a, const D3& b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
+template <class V>
+HWY_INLINE V ExactDot(const Three<V>& a, const Three<V>& b) {
+  return (a.x * b.x + a.y * b.y) + a.z * b.z;
+}
+HWY_INLINE D8 Dot(const D3& a, const D3& b) { return ExactDot(a, b); }
 HWY_INLINE D3 Metres(const F3& mm) { return {D(1e-3) * ToD(mm.x), D(1e-3) * ToD(mm.y), D(1e-3) * ToD(mm.z)}; }
 
 }  // namespace HWY_NAMESPACE

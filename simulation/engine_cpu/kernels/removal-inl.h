@@ -35,7 +35,8 @@ class BallShrinking {
   void FinishWork();
   void ShrinkByRounds();
   void Shrink(const TouchingRow* rows, std::uint32_t count, const Places& a, const Places& b);
-  void ShrinkTouched(const TouchingRow& row, const Away& away, const Places& a, const Places& b);
+  void ShrinkTouched(const TouchingRow& row, unsigned first, const Away& away, const Places& a,
+                     const Places& b);
   void DropSmallChildren();
   void WriteBack();
 
@@ -125,45 +126,55 @@ inline void BallShrinking::Shrink(const TouchingRow* rows, std::uint32_t count, 
                                   const Places& b) {
   Away away[kWorkBlocks];
   unsigned known = ~0u;
-  Segment segment{};
+  Segment<DPiece> segment{};
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (rows[i].tool != known) segment = SegmentOf(a, b, known = rows[i].tool);
+    if (rows[i].tool != known) segment = SegmentOf<DPiece>(a, b, known = rows[i].tool);
     const Work& w = work_[rows[i].slot];
-    const D3 out = AwayFrom(segment, {Load(w.x), Load(w.y), Load(w.z)});
     Away& to = away[i];
-    Store(to.x, out.x), Store(to.y, out.y), Store(to.z, out.z), Store(to.distance, Sqrt(Dot(out, out)));
+    for (unsigned k = 0; k < 8; k += kPiece) {
+      using V = Make<DPiece>;
+      const Three<DPiece> out = AwayFrom(segment, {V::From(w.x + k), V::From(w.y + k), V::From(w.z + k)});
+      Store(to.x + k, out.x), Store(to.y + k, out.y), Store(to.z + k, out.z);
+      Store(to.distance + k, Sqrt(ExactDot(out, out)));
+    }
   }
-  for (std::uint32_t i = 0; i < count; ++i) ShrinkTouched(rows[i], away[i], a, b);
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (unsigned k = 0; k < 8; k += kPiece) ShrinkTouched(rows[i], k, away[i], a, b);
   p_.pairs_examined += 8 * count;
 }
 
-// ShrinkBall of cutting_math.h, to the same bits.
-HWY_INLINE void BallShrinking::ShrinkTouched(const TouchingRow& row, const Away& from, const Places& a,
-                                             const Places& b) {
+// ShrinkBall of cutting_math.h, to the same bits, for lanes of one vector.
+HWY_INLINE void BallShrinking::ShrinkTouched(const TouchingRow& row, unsigned first, const Away& from,
+                                             const Places& a, const Places& b) {
+  using Load = Make<DPiece>;
   Work& w = work_[row.slot];
   const double tool_radius = p_.sweep.tool.r[row.tool];
-  const D3 away{Load(from.x), Load(from.y), Load(from.z)};
-  const D8 R = D(tool_radius), r = Load(w.r), d = Load(from.distance), penetration = r + R - d, zero = D(0.0);
-  const MD hit = MaskD(row.lanes) & (r > zero) & (penetration > zero);
-  const D8 half = D(0.5) * penetration, left = r - half;
+  const Three<DPiece> away{Load::From(from.x + first), Load::From(from.y + first),
+                           Load::From(from.z + first)};
+  const DPiece R = Load::Of(tool_radius), r = Load::From(w.r + first), d = Load::From(from.distance + first),
+               penetration = r + R - d, zero = Load::Of(0.0);
+  const auto hit = FromBits<typename Traits<DPiece>::Mask>::Of(row.lanes >> first & ((1u << kPiece) - 1u)) &
+                   (r > zero) & (penetration > zero);
+  const DPiece half = Load::Of(0.5) * penetration, left = r - half;
   // a penetration of 2 r or more leaves nothing, which is below the smallest radius, too
-  const MD gone = hit & (left < D(p_.min_radius_m));
+  const auto gone = hit & (left < Load::Of(p_.min_radius_m));
   // so close to the axis the direction needs care
-  const MD close = hit & (!gone) & (d < D(p_.on_axis_share * tool_radius));
-  const MD moved = hit & (!gone) & (!close);
+  const auto close = hit & (!gone) & (d < Load::Of(p_.on_axis_share * tool_radius));
+  const auto moved = hit & (!gone) & (!close);
   for (unsigned bits = Bits(close); bits != 0; bits &= bits - 1) {
-    const unsigned k = Lowest(bits), t = row.tool;
+    const unsigned k = first + Lowest(bits), t = row.tool;
     double center[3] = {w.x[k], w.y[k], w.z[k]};
     const double start[3] = {a.x[t], a.y[t], a.z[t]}, end[3] = {b.x[t], b.y[t], b.z[t]};
     p_.shrink_on_axis(center, &w.r[k], start, end, tool_radius);
     w.x[k] = center[0], w.y[k] = center[1], w.z[k] = center[2];
   }
-  const Divisor by(d);
-  const D8 x = Load(w.x), y = Load(w.y), z = Load(w.z), now = Load(w.r);
-  Store(w.x, Select(moved, x + half * by.Of(away.x), x));
-  Store(w.y, Select(moved, y + half * by.Of(away.y), y));
-  Store(w.z, Select(moved, z + half * by.Of(away.z), z));
-  Store(w.r, Select(gone, zero, Select(moved, left, now)));
+  const Three<DPiece> u = Quotients(away, d);
+  const DPiece x = Load::From(w.x + first), y = Load::From(w.y + first), z = Load::From(w.z + first),
+               now = Load::From(w.r + first);
+  Store(w.x + first, Select(moved, x + half * u.x, x));
+  Store(w.y + first, Select(moved, y + half * u.y, y));
+  Store(w.z + first, Select(moved, z + half * u.z, z));
+  Store(w.r + first, Select(gone, zero, Select(moved, left, now)));
 }
 
 inline void BallShrinking::DropSmallChildren() {

@@ -13,35 +13,39 @@ namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
 // A piece of one tool ball's way, as ClosestOnSegment has it.
+template <class V>
 struct Segment {
-  D3 a, m, end;  // end: a + m, which is not always the other end
-  D8 mm;
+  Three<V> a, m, end;  // end: a + m, which is not always the other end
+  V mm;
   bool moves;
 };
-HWY_INLINE Segment SegmentOf(const Places& a, const Places& b, unsigned t) {
+template <class V>
+HWY_INLINE Segment<V> SegmentOf(const Places& a, const Places& b, unsigned t) {
+  const auto all = [](double value) HWY_ATTR { return Make<V>::Of(value); };
   const double x = b.x[t] - a.x[t], y = b.y[t] - a.y[t], z = b.z[t] - a.z[t], mm = (x * x + y * y) + z * z;
-  const D3 none{D(0.0), D(0.0), D(0.0)};
-  if (mm == 0.0) return {ExactlyAt(a, t), none, none, D(0.0), false};
+  const Three<V> none{all(0.0), all(0.0), all(0.0)};
+  if (mm == 0.0) return {{all(a.x[t]), all(a.y[t]), all(a.z[t])}, none, none, all(0.0), false};
   // a + 0 m: a zero may have another sign than in a
-  return {{D(a.x[t] + 0.0 * x), D(a.y[t] + 0.0 * y), D(a.z[t] + 0.0 * z)},
-          {D(x), D(y), D(z)},
-          {D(a.x[t] + x), D(a.y[t] + y), D(a.z[t] + z)},
-          D(mm),
+  return {{all(a.x[t] + 0.0 * x), all(a.y[t] + 0.0 * y), all(a.z[t] + 0.0 * z)},
+          {all(x), all(y), all(z)},
+          {all(a.x[t] + x), all(a.y[t] + y), all(a.z[t] + z)},
+          all(mm),
           true};
 }
 // From the segment's closest point to p, to the bits of p - ClosestOnSegment(p, a, b). Most points lie before
 // or past a way of micrometres: the closest point is a + 0 m or a + 1 m then.
-HWY_INLINE D3 AwayFrom(const Segment& s, const D3& p) {
-  const D3 out = p - s.a;
+template <class V>
+HWY_INLINE Three<V> AwayFrom(const Segment<V>& s, const Three<V>& p) {
+  const Three<V> out = p - s.a;
   if (!s.moves) return out;
-  const D8 along = Dot(out, s.m);
-  const MD past = along >= s.mm, before = along <= D(0.0);
-  if (Bits(past | before) == 0xffu) {
-    const D3 behind = p - s.end;
+  const V along = ExactDot(out, s.m), zero = Make<V>::Of(0.0), one = Make<V>::Of(1.0);
+  const auto past = along >= s.mm, before = along <= zero;
+  if (Bits(past | before) == (1u << Traits<V>::kSize) - 1u) {
+    const Three<V> behind = p - s.end;
     return {Select(past, behind.x, out.x), Select(past, behind.y, out.y), Select(past, behind.z, out.z)};
   }
-  const D8 share = Select(past, D(1.0), Select(before, D(0.0), along / s.mm));
-  return p - D3{s.a.x + share * s.m.x, s.a.y + share * s.m.y, s.a.z + share * s.m.z};
+  const V share = Select(past, one, Select(before, zero, along / s.mm));
+  return p - Three<V>{s.a.x + share * s.m.x, s.a.y + share * s.m.y, s.a.z + share * s.m.z};
 }
 
 HWY_INLINE bool Cuts(const SweepView& s, unsigned t) {
@@ -96,8 +100,8 @@ inline void FindCleared(ClearingPass& p) {
       if (near == 0) continue;
       const D3 place = Metres(at);
       const D8 R = D(s.tool.r[t]);
-      const D3 u = AwayFrom(SegmentOf(s.contact, s.slid, t), place),
-               v = AwayFrom(SegmentOf(s.slid, s.end, t), place);
+      const D3 u = AwayFrom(SegmentOf<D8>(s.contact, s.slid, t), place),
+               v = AwayFrom(SegmentOf<D8>(s.slid, s.end, t), place);
       cleared |= near & Bits((Sqrt(Dot(u, u)) < R) | (Sqrt(Dot(v, v)) < R));
     }
     for (; cleared != 0; cleared &= cleared - 1) p.cleared[p.count++] = block * 8 + Lowest(cleared);
