@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -55,10 +57,38 @@ void ApplyForces(const IdentifiedCell& identified, CellConfig& cell) {
     vibration.notch_hz = std::ranges::max(identified.vibration->notch_hz);
 }
 
-// The impedance that a force over it meets. The arm with masses has whole periods of dead time; the later
-// one.
-void ApplyImpedance(const IdentifiedArm& measured, const std::string& file, CellConfig& cell) {
+// The first of these that is known.
+std::optional<double> FirstKnown(const std::vector<IdentifiedArm>& arms,
+                                 std::optional<double> IdentifiedImpedance::*value) {
+  for (const IdentifiedArm& axis : arms)
+    if (axis.impedance && (*axis.impedance).*value) return (*axis.impedance).*value;
+  return {};
+}
+
+// The springs that were found, and their damping: each from the axis that knows its own best.
+void ApplySprings(std::vector<IdentifiedArm> arms, bool torque, hil::DynamicArmParams& arm) {
+  const auto width = [](const IdentifiedInterval& interval) { return interval.high - interval.low; };
+  std::ranges::stable_sort(arms, {}, [&](const IdentifiedArm& axis) {
+    return width(axis.bandwidth_interval_hz) / axis.bandwidth_hz;
+  });
+  arm.stiffness_N_per_m =
+      FirstKnown(arms, &IdentifiedImpedance::translation_N_per_m).value_or(arm.stiffness_N_per_m);
+  arm.stiffness_Nm_per_rad_turn =
+      FirstKnown(arms, &IdentifiedImpedance::rotation_Nm_per_rad).value_or(arm.stiffness_Nm_per_rad_turn);
+  if (const auto joint = FirstKnown(arms, &IdentifiedImpedance::joint_Nm_per_rad))
+    arm.stiffness_Nm_per_rad.setConstant(*joint);
+  std::ranges::stable_sort(
+      arms, {}, [&](const IdentifiedArm& axis) { return width(axis.damping_interval) / axis.damping_ratio; });
+  double& ratio = torque ? arm.joint_damping_ratio : arm.cartesian_damping_ratio;
+  ratio = FirstKnown(arms, &IdentifiedImpedance::damping_ratio).value_or(ratio);
+}
+
+// The impedance that a force over it meets. The arm with masses has whole periods of dead time; the latest
+// axis, and the later period.
+void ApplyImpedance(const std::vector<IdentifiedArm>& arms, const std::string& file, CellConfig& cell) {
+  const IdentifiedArm& measured = *std::ranges::max_element(arms, {}, &IdentifiedArm::dead_time_s);
   hil::DynamicArmParams& arm = cell.simulated.dynamic;
+  const bool torque = cell.simulated.fri.command_mode == control::CommandMode::kTorque;
   const double cycles = std::max(0.0, std::ceil(measured.dead_time_s / cell.servo.period_s - kSameCycle));
   if (!(cycles <= hil::DynamicArm::kMaxDeadCycles))
     throw ConfigError(
@@ -66,7 +96,10 @@ void ApplyImpedance(const IdentifiedArm& measured, const std::string& file, Cell
         fmt::format("arm, axis {}: dead_time_ms: found {:g}, accepted at most {:g}", measured.axis,
                     1e3 * measured.dead_time_s, 1e3 * hil::DynamicArm::kMaxDeadCycles * cell.servo.period_s));
   arm.dead_cycles = static_cast<int>(cycles);
-  if (!measured.felt_mass_kg || cell.simulated.fri.command_mode != control::CommandMode::kWrench) return;
+  if (std::ranges::any_of(arms, [](const IdentifiedArm& axis) { return axis.impedance.has_value(); }))
+    return ApplySprings(arms, torque, arm);
+  // a file from before the springs were written: what the one axis gives
+  if (!measured.felt_mass_kg || torque) return;
   const auto mobility = ToolMobility(cell);
   if (!mobility) return;
   const double w = 2.0 * std::numbers::pi * measured.bandwidth_hz;
@@ -83,8 +116,7 @@ void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell) {
   ApplyForces(*cell.identified, cell);
   const IdentifiedArm* slowest = SlowestArm(*cell.identified);
   if (slowest != nullptr && cell.servo.law == control::Law::kImpedance && slowest->felt_mass_kg)
-    return ApplyImpedance(*std::ranges::max_element(cell.identified->arm, {}, &IdentifiedArm::dead_time_s),
-                          file.string(), cell);
+    return ApplyImpedance(cell.identified->arm, file.string(), cell);
   // without a model that fits, the response alone judges the gains, and the simulated arm stays as it is
   if (slowest == nullptr &&
       (cell.identified->vibration || cell.identified->dead_zone_N || !cell.identified->response.empty()))

@@ -30,6 +30,14 @@ struct IdentifiedValidity {
   std::vector<IdentifiedRecording> recordings{};
 };
 
+/// The springs of an arm that holds its own impedance, as the simulated arm has them (dynamic level).
+struct IdentifiedImpedance {
+  std::optional<double> translation_N_per_m{}, rotation_Nm_per_rad{};  ///< of Cartesian impedance
+  std::optional<double> joint_Nm_per_rad{};  ///< of joint impedance, all joints alike
+  std::optional<double> damping_ratio{};
+  bool on_mount{false};  ///< the arm was found on a mount that gives way
+};
+
 /// The arm's motion along one axis of the tool, at one speed: q'' = w^2 (q_cmd(t - dead) - q) - 2 z w q' + F
 /// / M. Under the impedance law the same holds for a force that is laid over the arm's own impedance, whose
 /// spring is M w^2 and whose damping 2 z w M.
@@ -40,10 +48,11 @@ struct IdentifiedArm {
   double damping_ratio{0.0};  ///< z
   /// From the tick that commands to its first effect; not a whole number of periods.
   double dead_time_s{0.0};
-  double gain{1.0};                      ///< of the response at the lowest frequency
-  double lag_s{0.0};                     ///< dead time + 2 z / w: total delay of slow motion
-  std::optional<double> felt_mass_kg{};  ///< M_e, by which a force moves the commanded arm
-  double chi2{0.0};                      ///< of the fit, divided by its degrees of freedom
+  double gain{1.0};                                ///< of the response at the lowest frequency
+  double lag_s{0.0};                               ///< dead time + 2 z / w: total delay of slow motion
+  std::optional<double> felt_mass_kg{};            ///< M_e, by which a force moves the commanded arm
+  std::optional<IdentifiedImpedance> impedance{};  ///< under the impedance law
+  double chi2{0.0};                                ///< of the fit, divided by its degrees of freedom
   IdentifiedInterval bandwidth_interval_hz{}, damping_interval{}, dead_time_interval_s{}, lag_interval_s{};
 };
 

@@ -84,6 +84,18 @@ IdentifiedValidity ReadValidity(Reader section, std::optional<control::Law>& law
   return valid;
 }
 
+IdentifiedImpedance ReadImpedance(Reader section) {
+  const auto read = [&section](const char* key, double min, double max) {
+    return section.Has(key) ? std::optional(section.Number(key, min, max)) : std::nullopt;
+  };
+  IdentifiedImpedance impedance{.translation_N_per_m = read("translation_N_per_m", 1, 1e5),
+                                .rotation_Nm_per_rad = read("rotation_Nm_per_rad", 0.1, 1e4),
+                                .joint_Nm_per_rad = read("joint_Nm_per_rad", 0.1, 1e5),
+                                .damping_ratio = read("damping_ratio", 0.001, 10)};
+  if (section.Has("on_mount")) impedance.on_mount = section.Bool("on_mount");
+  return impedance;
+}
+
 IdentifiedArm ReadArm(Reader& section, std::vector<IntervalCheck>& checks) {
   IdentifiedArm arm{.axis = ReadAxis(section)};
   arm.speed_m_per_s = section.Number("speed_mm_per_s", 0, kMaxSpeed_mm_per_s);
@@ -93,6 +105,7 @@ IdentifiedArm ReadArm(Reader& section, std::vector<IntervalCheck>& checks) {
   arm.gain = section.Number("gain_ratio", 0, 10);
   arm.lag_s = section.Number("lag_ms", -kMaxTime_ms, kMaxTime_ms);
   if (section.Has("felt_mass_kg")) arm.felt_mass_kg = section.Number("felt_mass_kg", 0.01, 1000);
+  if (section.Has("impedance")) arm.impedance = ReadImpedance(section.Section("impedance"));
   arm.chi2 = section.Number("chi2_ratio", 0, 1e9);
   Reader interval = section.Section("interval");
   const auto read = [&](const char* key, double value, double min, double max) {
@@ -234,9 +247,22 @@ std::string ValidityText(const IdentifiedValidity& valid, std::optional<control:
       law ? fmt::format("    law: {}\n", NameOf(*law)) : "", recordings.empty() ? " []" : recordings);
 }
 
+std::string ImpedanceText(const IdentifiedImpedance& impedance) {
+  std::string text;
+  const auto add = [&text](const char* key, const std::optional<double>& value) {
+    if (value) text += fmt::format("{}: {:.10g}, ", key, *value);
+  };
+  add("translation_N_per_m", impedance.translation_N_per_m);
+  add("rotation_Nm_per_rad", impedance.rotation_Nm_per_rad);
+  add("joint_Nm_per_rad", impedance.joint_Nm_per_rad);
+  add("damping_ratio", impedance.damping_ratio);
+  return fmt::format("\n      impedance: {{{}on_mount: {}}}", text, impedance.on_mount);
+}
+
 std::string ArmText(const IdentifiedArm& arm) {
   const std::string mass =
-      arm.felt_mass_kg ? fmt::format("\n      felt_mass_kg: {:.10g}", *arm.felt_mass_kg) : "";
+      (arm.felt_mass_kg ? fmt::format("\n      felt_mass_kg: {:.10g}", *arm.felt_mass_kg) : "") +
+      (arm.impedance ? ImpedanceText(*arm.impedance) : "");
   return fmt::format(
              "    - axis: {}\n      speed_mm_per_s: {:.10g}\n      bandwidth_hz: {:.10g}\n      "
              "damping_ratio: {:.10g}\n      dead_time_ms: {:.10g}\n      gain_ratio: {:.10g}\n      lag_ms: "

@@ -15,7 +15,9 @@ namespace osteon::config {
 ///       valid_for: {robot, tool, period_ms, start_deg: [7 numbers], [law: admittance | impedance,]
 ///                   recordings: [{file, hash}, …]}
 ///       arm: [{axis, speed_mm_per_s, bandwidth_hz, damping_ratio, dead_time_ms, gain_ratio, lag_ms,
-///              [felt_mass_kg,] chi2_ratio, interval: {bandwidth_hz, damping_ratio, dead_time_ms, lag_ms}}, …]
+///              [felt_mass_kg,] [impedance: {[translation_N_per_m,] [rotation_Nm_per_rad,] [joint_Nm_per_rad,]
+///              [damping_ratio,] [on_mount]},] chi2_ratio,
+///              interval: {bandwidth_hz, damping_ratio, dead_time_ms, lag_ms}}, …]
 ///       response: [{axis, speed_mm_per_s, by: encoders | force, lines: [{hz, re_ratio, im_ratio, sd_ratio}]}]
 ///       [sensor: {[delay_ms,] noise_N, drift_N}]
 ///       [link: {jitter_mean_ms, jitter_p99_ms, loss_ratio}]

@@ -218,6 +218,16 @@ class AnswerLog {
   std::vector<std::size_t> answered_, lost_;
 };
 
+Eigen::Matrix<double, 7, 1> SpeedOf(const control::TickRecord& before, const control::TickRecord& now,
+                                    double period_s) {
+  Eigen::Matrix<double, 7, 1> speed;
+  for (Eigen::Index j = 0; j < 7; ++j) {
+    const auto at = static_cast<std::size_t>(j);
+    speed[j] = (now.q_meas[at] - before.q_meas[at]) / period_s;
+  }
+  return speed;
+}
+
 void FillJitter(std::vector<double> arrivals_s, double period_s, const std::vector<double>& steps,
                 ExcitedSamples& samples) {
   if (arrivals_s.empty()) return;
@@ -249,6 +259,8 @@ tl::expected<ExcitedSamples, std::string> SamplesOf(const std::vector<control::T
   std::vector<double> arrivals_s, steps;
   std::uint32_t sequence = 0, lost_before = 0;
   bool begun = false;
+  Eigen::Matrix<double, 7, 1> squares = Eigen::Matrix<double, 7, 1>::Zero();
+  double counted = 0.0;
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     if (i > 0 && ticks[i].tick != ticks[i - 1].tick + 1)
       return tl::unexpected(fmt::format("found tick {} after {}, accepted a recording without gaps",
@@ -283,6 +295,10 @@ tl::expected<ExcitedSamples, std::string> SamplesOf(const std::vector<control::T
          .draw = step.path.draw,
          .period = step.path.period});
     answers.Add(tick.answers_lost - lost_before);
+    if (begun && apart == axis.hold.sequence_step && samples.run.samples.back().counted) {
+      squares += SpeedOf(ticks[i - 1], ticks[i], axis.hold.period_s).cwiseAbs2();
+      ++counted;
+    }
     arrivals_s.push_back(1e-9 * static_cast<double>(ticks[i].input.arm_stamp));
     steps.push_back(static_cast<double>(samples.run.samples.size()));
     samples.lost_messages += static_cast<std::uint32_t>(missing);
@@ -296,6 +312,7 @@ tl::expected<ExcitedSamples, std::string> SamplesOf(const std::vector<control::T
     lost_before = tick.answers_lost;
   }
   samples.messages = static_cast<std::uint32_t>(samples.run.samples.size());
+  if (counted > 0.0) samples.joint_rms_rad_per_s = (squares / counted).cwiseSqrt();
   answers.HoldLost();
   FillJitter(std::move(arrivals_s), axis.hold.period_s, steps, samples);
   return samples;

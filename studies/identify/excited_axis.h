@@ -57,6 +57,7 @@ struct ExcitedSamples {
   std::uint32_t messages{0}, lost_messages{0}, lost_answers{0};  ///< while the path ran
   double start_error_rad{0.0};  ///< largest difference of the held joints from the cell's start
   double jitter_mean_s{0.0}, jitter_p99_s{0.0};
+  kinematics::JointVectorN<7> joint_rms_rad_per_s{kinematics::JointVectorN<7>::Zero()};  ///< while counted
 };
 
 /// Computes the excitation of recorded ticks again, and pairs what arrived with what was measured: by the

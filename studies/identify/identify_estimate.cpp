@@ -188,6 +188,23 @@ std::optional<Estimate> FeltMass(const AxisResult& free, const AxisResult& held,
   return Estimate{.value = 1.0 / inverse, .half_width = half_width / (inverse * inverse)};
 }
 
+// The arm of a cell that a force was laid over; nothing without an LBR's masses.
+std::optional<OverlaidArm> OverlaidArmOf(const config::CellConfig& cell, const ExcitedAxis& axis,
+                                         const kinematics::JointVectorN<7>& joint_rms_rad_per_s) {
+  const config::LbrConfig* lbr = cell.robot.lbr();
+  if (lbr == nullptr || !lbr->chain.has_masses) return std::nullopt;
+  const Matrix3 R_BW = cell.X_WB.linear().transpose();
+  return OverlaidArm{.arm = {.chain = lbr->chain,
+                             .arm = cell.simulated.dynamic,
+                             .X_FT = cell.tool.X_FT,
+                             .q = cell.start.q,
+                             .gravity_B = R_BW * kinematics::kGravity_W_m_per_s2,
+                             .torque = cell.simulated.fri.command_mode == control::CommandMode::kTorque},
+                     .axis_B = R_BW * axis.hold.axis_W,
+                     .nominal_N_per_m = axis.hold.overlay.stiffness_N_per_m,
+                     .joint_rms_rad_per_s = joint_rms_rad_per_s};
+}
+
 // Reads and pairs an excited run; findings where that is not possible.
 std::optional<AxisResult> EstimateRun(const ReadRun& run, IdentifyResult& result) {
   const std::string where = run.named.file;
@@ -203,8 +220,12 @@ std::optional<AxisResult> EstimateRun(const ReadRun& run, IdentifyResult& result
   if (samples->abort != control::ExcitationAbort::kNone)
     return refuse(fmt::format("the excitation ended early: {}; find the cause and measure again",
                               control::Describe(samples->abort)));
+  const std::optional<OverlaidArm> overlaid =
+      run.request->overlay ? OverlaidArmOf(run.cell, *axis, samples->joint_rms_rad_per_s) : std::nullopt;
+  if (run.request->overlay && !overlaid)
+    return refuse("found an arm without masses, accepted one whose file has them: a force moves them");
   auto estimated = EstimateAxis(samples->run, *run.request, run.cell.servo.sensor.tool_mass_kg,
-                                axis->hold.overlay.stiffness_N_per_m);
+                                overlaid ? &*overlaid : nullptr);
   if (!estimated) return refuse(estimated.error());
   const control::ExcitationPath path(axis->hold.path, axis->hold.period_s);
   estimated->rms_speed_m_per_s = path.rms_speed_m_per_s();
@@ -226,7 +247,7 @@ std::string HashOf(const std::filesystem::path& file) {
 }
 
 tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run, const ExcitationRequest& request,
-                                                   double tool_mass_kg, double nominal_N_per_m) {
+                                                   double tool_mass_kg, const OverlaidArm* overlaid) {
   AxisResult axis{.request = request, .recording = {}, .by_encoders = {}, .fit = {}};
   auto response = MeasureResponse(run, Signal::kCommand, Signal::kPosition);
   if (!response) return tl::unexpected(response.error());
@@ -234,11 +255,13 @@ tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run, const 
   auto fit = FitServo(axis.by_encoders.lines, run.period_s);
   if (!fit) return tl::unexpected(fit.error());
   axis.fit = *fit;
-  if (request.overlay) {
-    const auto overlay = FitOverlay(axis.by_encoders.lines, axis.fit, run.period_s, nominal_N_per_m);
+  if (request.overlay && overlaid != nullptr) {
+    axis.overlaid = *overlaid;
+    axis.overlaid->has_friction = axis.by_encoders.odd_ratio > kNotLinear;
+    const auto overlay = FitImpedance(axis.by_encoders.lines, *axis.overlaid, run.period_s);
     if (!overlay) return tl::unexpected(overlay.error());
     axis.overlay = *overlay;
-    axis.over_force = PerForce(axis.by_encoders, nominal_N_per_m);
+    axis.over_force = PerForce(axis.by_encoders, overlaid->nominal_N_per_m);
   }
   auto force = MeasureResponse(run, Signal::kPosition, Signal::kForce);
   if (!force) return tl::unexpected(force.error());
@@ -355,7 +378,10 @@ tl::expected<void, std::string> AddValidation(const std::filesystem::path& file,
         axis.request.overlay != run->request->overlay ||
         axis.request.peak_speed_m_per_s != run->request->peak_speed_m_per_s)
       continue;
-    axis.validation_chi2 = ValidationChi2(axis.fit.model, other->by_encoders.lines, run->cell.servo.period_s);
+    const double period_s = run->cell.servo.period_s;
+    axis.validation_chi2 =
+        axis.overlay ? ValidationChi2(*axis.overlay, *axis.overlaid, other->by_encoders.lines, period_s)
+                     : ValidationChi2(axis.fit.model, other->by_encoders.lines, period_s);
     used = true;
   }
   if (!used)

@@ -13,12 +13,12 @@ namespace osteon::studies {
 /// Fits one axis from samples: response by encoders, arm, and in free air tool and sensor; with a hand, the
 /// hand. With an overlay the arm's own impedance.
 /// @param tool_mass_kg  on the sensor's tool side, for a hand
-/// @param nominal_N_per_m  of an overlay: the stiffness that the samples' force was divided by
+/// @param overlaid  of an overlay: the arm that the force is laid over
 /// @returns an error that says what is missing
 [[nodiscard]] tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run,
                                                                  const ExcitationRequest& request,
                                                                  double tool_mass_kg,
-                                                                 double nominal_N_per_m = 1.0);
+                                                                 const OverlaidArm* overlaid = nullptr);
 
 /// Total lag from ticks that rendered, without excitation, by least squares of
 ///

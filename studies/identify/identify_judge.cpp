@@ -11,10 +11,13 @@
 namespace osteon::studies {
 namespace {
 
+constexpr double kHeldFactor = 1.5;  // of the tool's mass, with a hand at it
 constexpr double kMaxMassOff = 0.05, kMinGain = 0.98, kMaxDamping = 3.0;
-constexpr double kOddOverEven = 3.0, kMinOdd = 0.01, kVeryOdd = 0.1, kMaxChi2 = 3.0, kMaxValidation = 2.0;
+constexpr double kOddOverEven = 3.0, kVeryOdd = 0.1, kMaxChi2 = 3.0, kMaxValidation = 2.0;
 constexpr double kMinTremor_N = 0.005, kMaxTremor_N = 50.0;
-constexpr double kMaxMassInterval = 0.05, kMaxResidual = 0.02;  // of an overlay
+// of an overlay; friction hides a part of the damping
+constexpr double kMaxMassInterval = 0.1, kMaxSpringInterval = 0.15, kMaxDampingInterval = 0.25,
+                 kMaxResidual = 0.02;
 constexpr double kMaxLagInterval_s = 0.12e-3, kMinCoherence = 0.5, kMaxLost = 0.10;
 constexpr double kSamePosture_rad = 0.02, kMinHand_N_per_m = 50.0;
 
@@ -39,6 +42,8 @@ void JudgeMass(const AxisResult& axis, const std::string& where, IdentifyResult&
     return;
   }
   const double mass_kg = axis.tool->mass_kg.value;
+  // a force over the arm turns the tool as well, so that its mass on the sensor is not the whole one
+  if (axis.overlay && mass_kg < kHeldFactor * result.tool_mass_kg) return;
   if (!(std::abs(mass_kg - result.tool_mass_kg) <= kMaxMassOff * result.tool_mass_kg))
     result.refused.push_back(
         {where,
@@ -58,7 +63,7 @@ void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& 
          fmt::format("the joint sticks: found a gain of {:.3f} at {:g} Hz and a damping ratio of {:.2f}, "
                      "accepted {:g} or more and at most {:g}; raise the speed",
                      gain, response.lines.front().hz, damping, kMinGain, kMaxDamping)});
-  if (!(response.odd_ratio > kOddOverEven * response.even_ratio && response.odd_ratio > kMinOdd)) return;
+  if (!(response.odd_ratio > kOddOverEven * response.even_ratio && response.odd_ratio > kNotLinear)) return;
   const std::string found = fmt::format(
       "not linear at this speed: found {:.1f} % of the motion on odd lines that were not excited, {:.1f} % "
       "on even ones",
@@ -73,7 +78,7 @@ void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& 
 // Whether the data are enough: by the part of the interval that more data make smaller, since a model that
 // does not fit has its own finding.
 void JudgeAmount(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
-  const double fitted = std::sqrt(std::max(1.0, axis.fit.chi2));
+  const double fitted = std::sqrt(std::max(1.0, axis.overlay ? axis.overlay->chi2 : axis.fit.chi2));
   const double seconds = control::Multisine::kPeriod_s * axis.by_encoders.periods;
   if (axis.overlay) {
     const Estimate& mass = axis.overlay->mass_kg;
@@ -94,17 +99,28 @@ void JudgeAmount(const AxisResult& axis, const std::string& where, IdentifyResul
                      seconds, 1e3 * lag_interval_s, 1e3 * kMaxLagInterval_s)});
 }
 
-// A model of one axis that fits is written; with a coupled axis mass and dead time are rough.
+// A model is written if it fits, and if its spring and damping are known; otherwise the response alone.
 void JudgeImpedance(AxisResult& axis, const std::string& where, IdentifyResult& result) {
-  const OverlayFit& fit = *axis.overlay;
-  axis.model_holds = !fit.coupled && fit.residual <= kMaxResidual;
-  if (axis.model_holds) return;
-  result.warnings.push_back(
-      {where,
-       fmt::format("{}, {:.1f} % off, accepted one axis and {:g} %: mass and dead time are rough, and the "
-                   "measured response alone is written",
-                   fit.coupled ? "found coupled axes" : "found one axis", 100.0 * fit.residual,
-                   100.0 * kMaxResidual)});
+  const ImpedanceFit& fit = *axis.overlay;
+  const auto alone = [&](const std::string& found) {
+    axis.model_holds = false;
+    result.warnings.push_back({where, found + ": the measured response alone is written"});
+  };
+  if (fit.residual > kMaxResidual && fit.chi2 > kMaxChi2)
+    alone(
+        fmt::format("the arm's model lacks something: found it {:.1f} % off with chi² {:.1f}, accepted {:g} "
+                    "% or {:g}",
+                    100.0 * fit.residual, fit.chi2, 100.0 * kMaxResidual, kMaxChi2));
+  else if (axis.validation_chi2 && *axis.validation_chi2 > kMaxValidation * std::max(1.0, fit.chi2))
+    alone(fmt::format("the arm's model does not hold on other data: found chi² {:.1f}, accepted {:.1f}",
+                      *axis.validation_chi2, kMaxValidation * std::max(1.0, fit.chi2)));
+  else if (const double spring = fit.stiffness_N_per_m.half_width / fit.stiffness_N_per_m.value,
+           damping = fit.damping_Ns_per_m.half_width / fit.damping_Ns_per_m.value;
+           !(spring <= kMaxSpringInterval && damping <= kMaxDampingInterval))
+    alone(fmt::format(
+        "spring and damping are not known well: found ± {:.0f} % and ± {:.0f} %, accepted ± {:g} % "
+        "and ± {:g} %",
+        100.0 * spring, 100.0 * damping, 100.0 * kMaxSpringInterval, 100.0 * kMaxDampingInterval));
 }
 
 }  // namespace

@@ -55,12 +55,12 @@ BodeCurves Measured(const MeasuredResponse& response, const std::string& name, c
   return curves;
 }
 
-BodeCurves Fitted(const ServoModel& model, double period_s, double from_hz, double to_hz) {
+BodeCurves Fitted(const std::function<std::complex<double>(double hz)>& model, double from_hz, double to_hz) {
   BodeCurves curves{.gain = {.name = "fitted arm", .color = report::kTextColor},
                     .phase = {.name = "fitted arm", .color = report::kTextColor}};
   Unwrapped phase;
   for (double hz = from_hz; hz <= to_hz; hz *= kModelStep) {
-    const std::complex<double> H = SampledResponse(model, period_s, hz);
+    const std::complex<double> H = model(hz);
     curves.gain.x.push_back(hz);
     curves.gain.y.push_back(std::abs(H));
     curves.phase.x.push_back(hz);
@@ -69,16 +69,15 @@ BodeCurves Fitted(const ServoModel& model, double period_s, double from_hz, doub
   return curves;
 }
 
-// The arm; of an overlay its impedance, over the force in the units of the plot.
-ServoModel FittedModel(const AxisResult& axis) {
-  if (!axis.overlay) return axis.fit.model;
-  const OverlayFit& fit = *axis.overlay;
-  const double nominal_N_per_m =
-      std::abs(axis.by_encoders.lines.front().value / axis.over_force->lines.front().value);
-  return {.bandwidth_hz = fit.bandwidth_hz.value,
-          .damping_ratio = fit.damping_ratio.value,
-          .dead_time_s = fit.dead_time_s.value,
-          .gain = nominal_N_per_m / fit.stiffness_N_per_m.value};
+// The fitted arm in the units of the plot: its motion by its command, or by the force over the nominal
+// spring.
+std::function<std::complex<double>(double hz)> FittedModel(const AxisResult& axis, double period_s) {
+  if (!axis.overlay)
+    return [model = axis.fit.model, period_s](double hz) { return SampledResponse(model, period_s, hz); };
+  return [response = FittedResponse(*axis.overlay, *axis.overlaid, period_s),
+          nominal_N_per_m = axis.overlaid->nominal_N_per_m](double hz) {
+    return nominal_N_per_m * response(hz);
+  };
 }
 
 std::string BodeSvg(const AxisResult& axis, double period_s) {
@@ -96,7 +95,7 @@ std::string BodeSvg(const AxisResult& axis, double period_s) {
     phase.series.push_back(std::move(curves.phase));
   };
   const auto& lines = axis.by_encoders.lines;
-  if (axis.model_holds) add(Fitted(FittedModel(axis), period_s, lines.front().hz, lines.back().hz));
+  if (axis.model_holds) add(Fitted(FittedModel(axis, period_s), lines.front().hz, lines.back().hz));
   add(Measured(axis.by_encoders, "by the encoders", report::kPalette[0], report::Marker::kCircle));
   if (axis.by_force)
     add(Measured(*axis.by_force, "by the force sensor", report::kPalette[1], report::Marker::kSquare));

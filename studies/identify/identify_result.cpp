@@ -35,7 +35,11 @@ Json LinesJson(const MeasuredResponse& response, const char* by) {
   return lines;
 }
 
-Json OverlayJson(const OverlayFit& overlay) {
+Json OverlayJson(const ImpedanceFit& overlay) {
+  const auto known = [](const Estimate& estimate) {
+    return estimate.value != 0.0 ? Json{{"value", estimate.value}, {"interval", ToJson(estimate, 1.0)}}
+                                 : Json();
+  };
   return {{"stiffness_N_per_m", overlay.stiffness_N_per_m.value},
           {"damping_Ns_per_m", overlay.damping_Ns_per_m.value},
           {"mass_kg", overlay.mass_kg.value},
@@ -47,7 +51,13 @@ Json OverlayJson(const OverlayFit& overlay) {
             {"dead_time_ms", ToJson(overlay.dead_time_s, 1e-3)}}},
           {"chi2", overlay.chi2},
           {"residual", overlay.residual},
-          {"coupled", overlay.coupled}};
+          {"translation_N_per_m", known(overlay.translation_N_per_m)},
+          {"rotation_Nm_per_rad", known(overlay.rotation_Nm_per_rad)},
+          {"joint_Nm_per_rad", known(overlay.joint_Nm_per_rad)},
+          {"own_damping_ratio", known(overlay.own_damping_ratio)},
+          {"mass_ratio", known(overlay.mass_ratio)},
+          {"friction_ratio", known(overlay.friction_ratio)},
+          {"on_mount", overlay.on_mount}};
 }
 
 Json AxisJson(const AxisResult& axis) {
@@ -168,7 +178,7 @@ MeasuredResponse PerSpring(const MeasuredResponse& response, double stiffness_N_
 }
 
 // An impedance as an arm that follows its command.
-ServoFit AsArm(const OverlayFit& overlay, ServoFit fit) {
+ServoFit AsArm(const ImpedanceFit& overlay, ServoFit fit) {
   fit.bandwidth_hz = overlay.bandwidth_hz;
   fit.damping_ratio = overlay.damping_ratio;
   fit.dead_time_s = overlay.dead_time_s;
@@ -176,6 +186,23 @@ ServoFit AsArm(const OverlayFit& overlay, ServoFit fit) {
   fit.gain = {.value = 1.0};
   fit.chi2 = overlay.chi2;
   return fit;
+}
+
+// A spring is written where it is known to a quarter.
+std::optional<double> IfKnown(const Estimate& estimate) {
+  constexpr double kMaxInterval = 0.25;
+  if (!(estimate.value > 0.0 && estimate.half_width <= kMaxInterval * estimate.value)) return {};
+  return estimate.value;
+}
+
+std::optional<config::IdentifiedImpedance> ImpedanceOf(const AxisResult& axis) {
+  if (!axis.overlay) return {};
+  const ImpedanceFit& fit = *axis.overlay;
+  return config::IdentifiedImpedance{.translation_N_per_m = IfKnown(fit.translation_N_per_m),
+                                     .rotation_Nm_per_rad = IfKnown(fit.rotation_Nm_per_rad),
+                                     .joint_Nm_per_rad = IfKnown(fit.joint_Nm_per_rad),
+                                     .damping_ratio = IfKnown(fit.own_damping_ratio),
+                                     .on_mount = fit.on_mount};
 }
 
 // Adds what an axis says of sensor, hands and link.
@@ -232,6 +259,7 @@ config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
                           .lag_s = fit.lag_s.value,
                           .felt_mass_kg = axis.overlay ? std::optional(axis.overlay->mass_kg.value)
                                                        : FeltMassOf(axis.request.axis, result),
+                          .impedance = ImpedanceOf(axis),
                           .chi2 = fit.chi2,
                           .bandwidth_interval_hz = Interval(fit.bandwidth_hz),
                           .damping_interval = Interval(fit.damping_ratio),
@@ -291,7 +319,7 @@ std::string ToJson(const IdentifyResult& result, const std::string& command_line
 namespace {
 
 report::SummaryRow OverlayRow(const AxisResult& axis) {
-  const OverlayFit& fit = *axis.overlay;
+  const ImpedanceFit& fit = *axis.overlay;
   return {fmt::format("Overlay, {}", axis.request.axis),
           fmt::format(
               "moves {:.2f} ± {:.2f} kg, {:.0f} ± {:.0f} N s/m, {:.0f} ± {:.0f} N/m, {:.2f} ± {:.2f} ms "

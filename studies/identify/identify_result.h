@@ -13,7 +13,7 @@
 #include "studies/identify/force_fit.h"
 #include "studies/identify/force_noise.h"
 #include "studies/identify/hand_tremor.h"
-#include "studies/identify/overlay_fit.h"
+#include "studies/identify/impedance_fit.h"
 #include "studies/identify/servo_fit.h"
 
 namespace osteon::studies {
@@ -38,7 +38,8 @@ struct AxisResult {
   std::string no_tool{};  ///< why there is none
   std::optional<HandFit> hand{};
   std::optional<Estimate> felt_mass_kg{};        ///< of a held run: by which the hand's force moves the arm
-  std::optional<OverlayFit> overlay{};           ///< of an overlay
+  std::optional<OverlaidArm> overlaid{};         ///< of an overlay: the arm, and how it was moved
+  std::optional<ImpedanceFit> overlay{};         ///< of an overlay
   std::optional<MeasuredResponse> over_force{};  ///< of an overlay: x / f in m/N
   std::optional<double> validation_chi2{};
   ExcitedSamples samples{};  ///< counts and jitter; its run may be empty

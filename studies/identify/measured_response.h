@@ -49,6 +49,9 @@ struct MeasuredResponse {
   double odd_ratio{0.0}, even_ratio{0.0};
 };
 
+/// A larger share of motion on odd lines without excitation says that friction is felt.
+inline constexpr double kNotLinear = 0.01;
+
 /// The signals of a sample.
 enum class Signal : std::uint8_t { kCommand, kPosition, kForce };
 

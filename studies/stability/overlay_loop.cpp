@@ -2,34 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "control/coupling/virtual_coupling.h"
 #include "kinematics/payload.h"
 #include "kinematics/serial_chain.h"
+#include "studies/stability/impedance_arm.h"
 
 namespace osteon::studies {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Matrix7 = Eigen::Matrix<double, 7, 7>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Joints = kinematics::JointVectorN<7>;
 using Chain = kinematics::SerialChain<7>;
 
-constexpr double kLever2_m2 = 0.1 * 0.1;                   // of a grip, as OperatorWith has it
-constexpr double kNullShare = 0.1, kNullDamping_m = 1e-3;  // of DynamicArm
+constexpr double kLever2_m2 = 0.1 * 0.1;  // of a grip, as OperatorWith has it
 // Some fifty times what the push gives: beyond it the drives' limits would hold the motion, which then grows
 // no more.
 constexpr double kGrown_m_per_s = 0.1;
 constexpr double kPreload_N = 20.0, kPush_N = 1.0, kPush_s = 0.01;
-
-Matrix6 OfTwist(double linear, double turning) {
-  Matrix6 M = Matrix6::Zero();
-  M.diagonal().head<3>().setConstant(linear);
-  M.diagonal().tail<3>().setConstant(turning);
-  return M;
-}
 
 Matrix6 Turned(const Matrix3& R, const Vector3& linear, const Vector3& turning) {
   Matrix6 M = Matrix6::Zero();
@@ -38,100 +31,60 @@ Matrix6 Turned(const Matrix3& R, const Vector3& linear, const Vector3& turning) 
   return M;
 }
 
-// exp(A t), by its series of a small step, squared.
-Eigen::MatrixXd Exponential(const Eigen::MatrixXd& A, double t) {
-  constexpr int kHalvings = 12, kTerms = 6;
-  const Eigen::MatrixXd step = A * (t / (1 << kHalvings));
-  Eigen::MatrixXd term = Eigen::MatrixXd::Identity(A.rows(), A.cols()), sum = term;
-  for (int i = 1; i <= kTerms; ++i) {
-    term = term * step / i;
-    sum += term;
-  }
-  for (int i = 0; i < kHalvings; ++i) sum = (sum * sum).eval();
-  return sum;
-}
-
 kinematics::ChainParams<7> WithoutFriction(kinematics::ChainParams<7> chain) {
   for (kinematics::RevoluteJoint& joint : chain.joints) joint.friction = {};
   return chain;
 }
 
-struct Masses {
-  double linear_kg, turning_kg_m2;
-};
-// The means by which DynamicArm sets its Cartesian damping.
-Masses MeanMasses(const kinematics::ChainParams<7>& chain, const OverlayLoopParams& params) {
-  const Chain arm(chain, params.gravity_B);
-  const Vector3 p_B = arm.FlangePose(params.q) * params.X_FT.translation();
-  const Matrix6 mobility = arm.Mobility(params.q, p_B);
-  return {3.0 / mobility.topLeftCorner<3, 3>().trace(), 3.0 / mobility.bottomRightCorner<3, 3>().trace()};
+// The arm without a hand.
+ImpedanceArmParams OwnArm(const OverlayLoopParams& params) {
+  return {.chain = WithoutFriction(params.chain),
+          .arm = params.arm,
+          .X_FT = params.X_FT,
+          .q = params.q,
+          .gravity_B = params.gravity_B,
+          .torque = params.torque};
 }
 
 }  // namespace
 
 LoadedArm WithHand(const OverlayLoopParams& params) {
-  LoadedArm loaded{.chain = WithoutFriction(params.chain), .arm = params.arm};
-  const Masses before = MeanMasses(loaded.chain, params);
+  ImpedanceArmParams arm = OwnArm(params);
+  const MeanMasses before = MeanMassesOf(arm);
   if (params.hand.mass_kg > 0.0)
-    loaded.chain = kinematics::WithPayload(
-        loaded.chain,
+    arm.chain = kinematics::WithPayload(
+        arm.chain,
         kinematics::LinkInertia{.mass_kg = params.hand.mass_kg,
                                 .p_LLcm_m = params.X_FT.translation(),
                                 .I_LLcm_kg_m2 = kLever2_m2 * params.hand.mass_kg * Matrix3::Identity()});
-  const Masses with = MeanMasses(loaded.chain, params);
-  loaded.arm.mass_error = 0.0;
-  loaded.arm.mount.reset();
-  loaded.arm.cartesian_damping_ratio *= std::sqrt(before.linear_kg / with.linear_kg);
-  return loaded;
+  const MeanMasses with = MeanMassesOf(arm);
+  arm.arm.mass_error = 0.0;
+  arm.arm.mount.reset();
+  arm.arm.cartesian_damping_ratio *= std::sqrt(before.linear_kg / with.linear_kg);
+  return {.chain = std::move(arm.chain), .arm = std::move(arm.arm)};
 }
 
 OverlayLoop::OverlayLoop(const OverlayLoopParams& params) : params_(params) {
   const LoadedArm loaded = WithHand(params);
-  const Chain arm(loaded.chain, params.gravity_B);
-  const Chain::Posture posture = arm.ComputePosture(params.q);
-  const Pose X_BT = posture.X_BF * params.X_FT;
-  J_ = arm.JacobianAt(posture, X_BT.translation());
+  ImpedanceArmParams held = OwnArm(params);
+  const Chain chain(held.chain, params.gravity_B);
+  const Pose X_BT = chain.FlangePose(params.q) * params.X_FT;
   axis_B_ = X_BT.linear().col(2);
-  const Matrix7 M = arm.MassMatrix(params.q), inverse = M.inverse();
-  const Matrix6 mobility =
-      Chain(WithoutFriction(params.chain), params.gravity_B).Mobility(params.q, X_BT.translation());
-  mass_kg_ = 1.0 / axis_B_.dot(mobility.topLeftCorner<3, 3>() * axis_B_);
-
-  const hil::DynamicArmParams& own = loaded.arm;
-  Joints joint_damping;
-  for (int i = 0; i < 7; ++i)
-    joint_damping[i] = 2.0 * own.joint_damping_ratio * std::sqrt(own.stiffness_Nm_per_rad[i] * M(i, i));
-  Matrix7 damping;
-  if (params.torque) {
-    follow_ = own.stiffness_Nm_per_rad.asDiagonal();
-    damping = joint_damping.asDiagonal();
-  } else {
-    const Masses mean = MeanMasses(loaded.chain, params);
-    const double ratio = 2.0 * own.cartesian_damping_ratio;
-    const Matrix6 K = OfTwist(own.stiffness_N_per_m, own.stiffness_Nm_per_rad_turn);
-    const Matrix6 D = OfTwist(ratio * std::sqrt(own.stiffness_N_per_m * mean.linear_kg),
-                              ratio * std::sqrt(own.stiffness_Nm_per_rad_turn * mean.turning_kg_m2));
-    Matrix6 JJt = J_ * J_.transpose();
-    JJt.diagonal().array() += kNullDamping_m * kNullDamping_m;
-    const Matrix7 null = Matrix7::Identity() - J_.transpose() * JJt.ldlt().solve(J_);
-    follow_ = J_.transpose() * K * J_ + null * kNullShare * own.stiffness_Nm_per_rad.asDiagonal();
-    damping = J_.transpose() * D * J_ + null * std::sqrt(kNullShare) * joint_damping.asDiagonal();
-  }
-  // with the torque as a state of its own, its effect over a held period comes out of the same exponential
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(21, 21);
-  A.block<7, 7>(0, 7).setIdentity();
-  A.block<7, 7>(7, 0) = -inverse * follow_;
-  A.block<7, 7>(7, 7) = -inverse * damping;
-  A.block<7, 7>(7, 14) = inverse;
-  const Eigen::MatrixXd period = Exponential(A, params.period_s);
-  free_ = period.topLeftCorner<14, 14>();
-  forced_ = period.topRightCorner<14, 7>();
+  mass_kg_ = 1.0 / axis_B_.dot(chain.Mobility(params.q, X_BT.translation()).topLeftCorner<3, 3>() * axis_B_);
+  held.chain = loaded.chain;
+  held.arm = loaded.arm;
+  const ImpedanceArm arm = ImpedanceArmAt(held);
+  J_ = arm.J;
+  follow_ = arm.stiffness;
+  const SampledArm period = Sample(arm, params.period_s);
+  free_ = period.free;
+  forced_ = period.forced;
   damping_ = Turned(X_BT.linear(), params.law.damping_Ns_per_m, params.law.damping_Nms_per_rad);
-  hand_k_ = OfTwist(params.hand.stiffness_N_per_m, kLever2_m2 * params.hand.stiffness_N_per_m);
-  hand_b_ = OfTwist(params.hand.damping_Ns_per_m, kLever2_m2 * params.hand.damping_Ns_per_m);
+  hand_k_ = DiagonalOfTwist(params.hand.stiffness_N_per_m, kLever2_m2 * params.hand.stiffness_N_per_m);
+  hand_b_ = DiagonalOfTwist(params.hand.damping_Ns_per_m, kLever2_m2 * params.hand.damping_Ns_per_m);
   // q, qd; equilibrium; pose a tick ago; filtered velocity; torques on their way; depths a tick ago and
   // earlier
-  size_ = 14 + 7 + 6 + 6 + 7 * own.dead_cycles + params.wall.age_ticks;
+  size_ = 14 + 7 + 6 + 6 + 7 * loaded.arm.dead_cycles + params.wall.age_ticks;
 }
 
 Eigen::VectorXd OverlayLoop::Step(const Eigen::VectorXd& s) const {

@@ -83,15 +83,6 @@ void UseResponse(const config::IdentifiedCell& identified, const config::Identif
   task.measured_only = !identified.structure.empty();
 }
 
-void UseHands(const config::IdentifiedCell& identified, TuneTask& task) {
-  for (const config::IdentifiedHand& hand : identified.hands)
-    for (const double stiffness :
-         {hand.stiffness_N_per_m, hand.stiffness_interval_N_per_m.low, hand.stiffness_interval_N_per_m.high})
-      task.measured_hands.push_back({fmt::format("{}, {:.0f} N/m, measured", hand.name, stiffness),
-                                     std::max(0.0, stiffness), std::max(0.0, hand.damping_Ns_per_m),
-                                     std::max(0.0, hand.mass_kg)});
-}
-
 MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneContact contact, double gain) {
   MeasuredLoopParams params{.loop = task.loop, .sensor_delay_s = task.response_delay_s};
   // a command as late as the latest
@@ -132,6 +123,20 @@ std::string MarginText(const TuneMargin& m) {
 
 }  // namespace
 
+void UseHands(const config::IdentifiedCell& identified, TuneTask& task) {
+  for (const config::IdentifiedHand& hand : identified.hands)
+    for (const double stiffness :
+         {hand.stiffness_N_per_m, hand.stiffness_interval_N_per_m.low, hand.stiffness_interval_N_per_m.high})
+      task.measured_hands.push_back({fmt::format("{}, {:.0f} N/m, measured", hand.name, stiffness),
+                                     std::max(0.0, stiffness), std::max(0.0, hand.damping_Ns_per_m),
+                                     std::max(0.0, hand.mass_kg)});
+}
+
+int JitterOf(const config::IdentifiedLink& link, double period_s) {
+  const double beyond_s = std::max(0.0, link.jitter_p99_s - link.jitter_mean_s);
+  return static_cast<int>(std::ceil(beyond_s / period_s - 1e-9));
+}
+
 void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task) {
   task.identified = identified;
   const double period_s = task.loop.period_s;
@@ -150,8 +155,7 @@ void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task) {
     task.loop.arm.dead_cycles += std::max(0.0, ticks - task.loop.sensor_delay);
   }
   if (identified.link) {
-    const double beyond_s = std::max(0.0, identified.link->jitter_p99_s - identified.link->jitter_mean_s);
-    task.command_jitter = static_cast<int>(std::ceil(beyond_s / period_s - 1e-9));
+    task.command_jitter = JitterOf(*identified.link, period_s);
     task.command_loss = identified.link->loss_ratio;
   }
   UseHands(identified, task);

@@ -19,6 +19,10 @@ namespace osteon::studies {
 /// share of lost answers, the sensor's delay, the hands, and the response. Whole ticks of the sensor's delay
 /// go to the loop, the rest to the arm's dead time, where it acts alike.
 void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task);
+/// Adds the measured hands, each with the ends of its interval.
+void UseHands(const config::IdentifiedCell& identified, TuneTask& task);
+/// Jitter beyond its mean, which the measured dead time holds already [whole periods].
+[[nodiscard]] int JitterOf(const config::IdentifiedLink& link, double period_s);
 
 /// Whether the measured response is stable with all hands and contacts; hand and wall are multiplied by
 /// `gain`.

@@ -194,7 +194,8 @@ TEST(IdentifiedFile, AnImpedanceReachesTheSimulatedArm) {
   EXPECT_EQ(apply(4.02e-3, control::Law::kImpedance).dead_cycles, 4) << "a measured dead time is not exact";
   const hil::DynamicArmParams arm = apply(4.2e-3, {});
   EXPECT_EQ(arm.dead_cycles, 5) << "the later one";
-  EXPECT_NEAR(arm.stiffness_N_per_m, 5.22 * std::pow(6.0 * std::numbers::pi, 2), 1e-6);
+  EXPECT_NEAR(arm.stiffness_N_per_m, 5.22 * std::pow(6.0 * std::numbers::pi, 2), 1e-6)
+      << "of a file without springs";
   EXPECT_EQ(arm.bandwidth_hz, cell.simulated.dynamic.bandwidth_hz) << "of the position controller";
   EXPECT_THROW(apply(40e-3, {}), ConfigError);
   try {
@@ -205,6 +206,32 @@ TEST(IdentifiedFile, AnImpedanceReachesTheSimulatedArm) {
               std::string::npos)
         << refused.what();
   }
+}
+
+TEST(IdentifiedFile, EachSpringComesFromTheAxisThatKnowsItBest) {
+  const CellConfig cell =
+      LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/thin_plate_impedance.yaml");
+  IdentifiedCell own = FileFor(cell);
+  own.arm = {Sample().arm[0], Sample().arm[0]};
+  IdentifiedArm &x = own.arm[0], &z = own.arm[1];
+  x.axis = "x";
+  x.bandwidth_interval_hz = {.low = 15.0, .high = 18.2};  // wider than z's, but its damping is known better
+  x.damping_interval = {.low = 1.23, .high = 1.25};
+  x.impedance =
+      IdentifiedImpedance{.translation_N_per_m = 1900.0, .rotation_Nm_per_rad = 204.0, .damping_ratio = 0.7};
+  z.impedance = IdentifiedImpedance{.translation_N_per_m = 1980.0, .damping_ratio = 0.9, .on_mount = true};
+  CellConfig applied = cell;
+  const std::string text = WriteIdentified(own, "", control::Law::kImpedance);
+  ApplyIdentified(WriteFile("identified.yaml", text), applied);
+  const hil::DynamicArmParams& arm = applied.simulated.dynamic;
+  EXPECT_EQ(arm.stiffness_N_per_m, 1980.0);
+  EXPECT_EQ(arm.stiffness_Nm_per_rad_turn, 204.0) << "the only one";
+  EXPECT_EQ(arm.cartesian_damping_ratio, 0.7);
+  EXPECT_EQ(arm.joint_damping_ratio, cell.simulated.dynamic.joint_damping_ratio) << "of another overlay";
+  EXPECT_TRUE(applied.identified->arm.at(1).impedance->on_mount);
+  EXPECT_NE(ErrorOf(Replaced(text, "rotation_Nm_per_rad: 204", "rotation_Nm_per_rad: -204"))
+                .find("rotation_Nm_per_rad: found -204, accepted"),
+            std::string::npos);
 }
 
 TEST(IdentifiedFile, AnotherCellsFileIsRefused) {

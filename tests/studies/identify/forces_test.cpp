@@ -14,84 +14,14 @@
 #include "studies/identify/hand_tremor.h"
 #include "studies/identify/identify_estimate.h"
 #include "studies/identify/identify_table.h"
-#include "studies/identify/overlay_fit.h"
 
-// Forces over an arm's impedance, the hand's tremor, the spindle's own forces: truths are known, seeds fixed.
+// The mass that a hand moves, the hand's tremor, the spindle's own forces: truths are known, seeds fixed.
 
 namespace osteon::studies {
 namespace {
 
 using Complex = std::complex<double>;
 constexpr double kTwoPi = 2.0 * std::numbers::pi, kPeriod_s = 1e-3;
-
-// --- a force over the arm's own impedance ---
-
-// An arm of one axis with mass, damping and spring, moved by the shipped excitation through a hold.
-ExcitedRun ExciteByForce(double mass_kg, double damping_Ns_per_m, double stiffness_N_per_m,
-                         double dead_cycles, double noise_m) {
-  control::ExcitedHoldParams params{.path = {.draws = 2, .periods = 2}, .wait_s = 0.1};
-  params.J_W(2, 0) = 1.0;
-  params.overlay.on = true;
-  control::ExcitedHold hold(params);
-  const double w = std::sqrt(stiffness_N_per_m / mass_kg);
-  std::array<kinematics::JointLimits, 7> limits{};
-  for (kinematics::JointLimits& limit : limits) limit.velocity_rad_per_s = 1e3;
-  hil::ServoArm arm({.bandwidth_hz = w / kTwoPi,
-                     .damping_ratio = damping_Ns_per_m / (2.0 * mass_kg * w),
-                     .dead_cycles = dead_cycles},
-                    limits, kPeriod_s, kinematics::JointVector::Zero());
-  std::mt19937_64 random(4);
-  std::normal_distribution<double> noise(0.0, noise_m);
-  ExcitedRun run{.period_s = kPeriod_s, .samples = {}};
-  for (std::uint32_t k = 1; !hold.done(); ++k) {
-    control::ExcitedTick tick{.received = true,
-                              .sequence = k,
-                              .activation = 1,
-                              .active = true,
-                              .permitted = true,
-                              .state = safety::CellState::kPaused};
-    tick.q_meas[0] = arm.q()[0] + noise(random);
-    const control::ExcitedHoldStep step = hold.Step(tick);
-    EXPECT_EQ(step.abort, control::ExcitationAbort::kNone) << control::Describe(step.abort);
-    EXPECT_EQ(step.offset, control::JointArray{}) << "the command stands";
-    EXPECT_LE(std::abs(step.f_N), params.overlay.max_force_N);
-    if (step.excites)
-      run.samples.push_back({.seen = true,
-                             .u_m = step.f_N / params.overlay.stiffness_N_per_m,
-                             .y_m = step.y_m,
-                             .counted = step.path.part == control::ExcitationPart::kCounted,
-                             .draw = step.path.draw,
-                             .period = step.path.period});
-    arm.Step(kinematics::JointVector::Constant(step.f_N / stiffness_N_per_m));
-  }
-  return run;
-}
-
-TEST(Overlay, FindsMassDampingSpringAndDeadTime) {
-  const ExcitedRun run = ExciteByForce(6.5, 120.0, 1500.0, 3.0, 10e-6);
-  const auto axis = EstimateAxis(run, {.draws = 2, .periods = 2, .overlay = true}, 1.0, 2000.0);
-  ASSERT_TRUE(axis) << axis.error();
-  ASSERT_TRUE(axis->overlay);
-  const OverlayFit& fit = *axis->overlay;
-  const auto near = [](const Estimate& estimate, double truth, double relative) {
-    EXPECT_NEAR(estimate.value, truth, relative * truth);
-    EXPECT_NEAR(estimate.value, truth, 2.0 * estimate.half_width) << "within its interval, twice as wide";
-  };
-  near(fit.mass_kg, 6.5, 0.01);
-  near(fit.damping_Ns_per_m, 120.0, 0.02);
-  near(fit.stiffness_N_per_m, 1500.0, 0.02);
-  near(fit.dead_time_s, 3e-3, 0.05);
-  const ResponseLine& low = axis->over_force->lines.front();
-  EXPECT_NEAR(std::abs(low.value), 1.0 / 1500.0, 0.1 / 1500.0) << "in m/N";
-}
-
-TEST(Overlay, WithoutNoiseIsExact) {
-  const auto axis = EstimateAxis(ExciteByForce(4.0, 150.0, 3000.0, 4.0, 0.0), {.overlay = true}, 1.0, 2000.0);
-  ASSERT_TRUE(axis) << axis.error();
-  EXPECT_NEAR(axis->overlay->mass_kg.value, 4.0, 1e-4);
-  EXPECT_NEAR(axis->overlay->stiffness_N_per_m.value, 3000.0, 0.1);
-  EXPECT_NEAR(axis->overlay->dead_time_s.value, 4e-3, 1e-7);
-}
 
 // --- the mass by which a hand moves the arm ---
 

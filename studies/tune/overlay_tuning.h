@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "config/reading/identified_cell.h"
+#include "hil/operator/hand_grid.h"
+#include "report/page.h"
+#include "session/summary/verdict.h"
+#include "studies/stability/overlay_loop.h"
+#include "studies/tune/tune.h"
+#include "studies/tune/tune_study.h"
+
+// What `osteon tune` finds for a cell with the impedance law, and how it is told.
+
+namespace osteon::studies {
+
+/// The stiffest wall that stands with a damping of the law, with the worst hand.
+struct OverlayBoundary {
+  double damping_Ns_per_m{0.0};
+  double predicted_N_per_m{0.0}, simulated_N_per_m{0.0};  // 0: unstable without a wall
+  std::size_t hand{0};
+};
+
+/// The recommended gains, run in time.
+struct OverlayCheck {
+  std::size_t runs{0};
+  std::vector<std::string> grew{};
+};
+
+struct OverlayTuning {
+  std::string cell;
+  TuneTask task;
+  OverlayLoopParams loop;
+  std::vector<hil::GridHand> hands{};
+  double mass_kg{0.0};                              // of the tool along its axis
+  bool identified{false};                           // the cell has a file of `osteon identify`
+  std::optional<config::IdentifiedArm> measured{};  // of it, the axis with the longest dead time
+  double along_tool_kg{0.0};                        // of it, along z; 0: not measured
+  bool on_mount{false};                             // of it, of any axis
+  double own_margin{0.0};                           // 0: not stable with all
+  double recommended_Ns_per_m{0.0};                 // 0: none
+  double recommended_N_per_m{0.0}, recommended_margin{0.0};
+  double planes_N_per_m{0.0};  // stiffest planes at the task's age, at most the task's
+  std::vector<OverlayBoundary> boundary{};
+  OverlayCheck check{};
+  [[nodiscard]] bool Stands() const { return recommended_Ns_per_m > 0.0; }
+  /// Whether the recommended gains may be used: run in time, they are stable as well.
+  [[nodiscard]] bool MayBeUsed() const { return Stands() && check.grew.empty(); }
+  [[nodiscard]] double own_damping() const { return loop.law.damping_Ns_per_m.z(); }
+};
+
+[[nodiscard]] session::Verdict Judge(const OverlayTuning& t);
+[[nodiscard]] std::vector<report::SummaryRow> Rows(const OverlayTuning& t);
+/// Writes tune.svg, .csv, .json, .html and, if they may be used, gains.yaml.
+/// @returns an error that names the file
+[[nodiscard]] tl::expected<void, std::string> Write(const OverlayTuning& t, const TuneOptions& options);
+
+}  // namespace osteon::studies
