@@ -64,7 +64,7 @@ nlohmann::json LatencyJson(const LatencyStatus& latency) {
   nlohmann::json parts = nlohmann::json::object();
   for (const LatencyPartStatus& part : latency.parts)
     parts[part.name] = {{"mean", part.mean_ms}, {"measured", part.measured}};
-  return {{"hand_to_arm", latency.hand_to_arm_ms},
+  return {{"hand_to_arm", latency.hand_moves_arm ? nlohmann::json() : nlohmann::json(latency.hand_to_arm_ms)},
           {"bone_to_hand", latency.bone_to_hand_ms},
           {"measured", latency.measured},
           {"parts", parts}};

@@ -17,8 +17,9 @@ struct LatencyPartStatus {
 
 /// The cell's latency: from the hand's force to the arm's motion, and from the bone's contact to the hand.
 struct LatencyStatus {
-  bool known{false};     ///< false: the arm was not commanded yet
-  bool measured{false};  ///< every part is
+  bool known{false};           ///< false: the arm was not commanded yet
+  bool measured{false};        ///< every part is
+  bool hand_moves_arm{false};  ///< without the loop, under the impedance law: hand_to_arm_ms is none
   double hand_to_arm_ms{0.0}, bone_to_hand_ms{0.0};
   std::vector<LatencyPartStatus> parts{};
 };

@@ -42,9 +42,12 @@ std::string LatencyLine(const nlohmann::json& latency) {
     parts += fmt::format("{}{} {:.2f}", parts.empty() ? "" : ", ", name, NumberAt(part, "mean"));
     if (!FlagAt(part, "measured")) assumed += (assumed.empty() ? "" : ", ") + name;
   }
-  return fmt::format("{:.1f} ms from hand to arm, {:.1f} ms from bone to hand ({}){}",
-                     NumberAt(latency, "hand_to_arm"), NumberAt(latency, "bone_to_hand"), parts,
-                     assumed.empty() ? "" : "; assumed: " + assumed);
+  const std::string from_hand =
+      ValueAt(latency, "hand_to_arm").is_null()
+          ? std::string("the hand moves the arm itself")
+          : fmt::format("{:.1f} ms from hand to arm", NumberAt(latency, "hand_to_arm"));
+  return fmt::format("{}, {:.1f} ms from bone to hand ({}){}", from_hand, NumberAt(latency, "bone_to_hand"),
+                     parts, assumed.empty() ? "" : "; assumed: " + assumed);
 }
 
 // "48 mm, 2 of 4".

@@ -31,6 +31,7 @@ console::LatencyStatus LiveLatency::Status() const {
   }
   console::LatencyStatus status{.known = !figures.parts.empty(),
                                 .measured = figures.Measured(),
+                                .hand_moves_arm = figures.hand_moves_arm,
                                 .hand_to_arm_ms = 1e3 * figures.hand_to_arm_s,
                                 .bone_to_hand_ms = 1e3 * figures.bone_to_hand_s};
   for (const LatencyPart& part : figures.parts)

@@ -74,6 +74,29 @@ double LatencyMeter::ArmDelay_ticks() const {
   return static_cast<double>(best) + shift;
 }
 
+namespace {
+
+LatencyPart FollowingArm(double ticks, double period_s) {
+  const double delay_s = std::max(0.0, ticks) * period_s;
+  return {.name = "arm",
+          .mean_s = delay_s,
+          .max_s = delay_s,
+          .measured = ticks >= 0.0,
+          .how = ticks >= 0.0 ? "measured positions against the commands"
+                              : "taken as 0: no position commands that moved enough to tell it"};
+}
+
+LatencyPart OverlaidArm(const LatencyContext& context) {
+  return {.name = "arm",
+          .mean_s = context.arm_dead_time_s,
+          .max_s = context.arm_dead_time_s,
+          .measured = context.arm_known,
+          .how = context.arm_known ? "the identified dead time of a force"
+                                   : "dead time of the cell's simulated arm"};
+}
+
+}  // namespace
+
 LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& context) const {
   LatencyFigures latency;
   if (sensor_.count == 0) return latency;
@@ -96,14 +119,7 @@ LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& cont
   };
   scheduled("link", link_, "from the message's arrival to the loop's wake-up");
   scheduled("tick", tick_, "from the wake-up to the answer");
-  const double arm_ticks = ArmDelay_ticks();
-  latency.parts.push_back({.name = "arm",
-                           .mean_s = std::max(0.0, arm_ticks) * period_s,
-                           .max_s = std::max(0.0, arm_ticks) * period_s,
-                           .measured = arm_ticks >= 0.0,
-                           .how = arm_ticks >= 0.0
-                                      ? "measured positions against the commands"
-                                      : "taken as 0: no position commands that moved enough to tell it"});
+  latency.parts.push_back(context.overlay ? OverlaidArm(context) : FollowingArm(ArmDelay_ticks(), period_s));
   latency.parts.push_back({.name = "model",
                            .mean_s = model_.Value(),
                            .max_s = model_.max_s,
@@ -111,7 +127,8 @@ LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& cont
                            .how = model_.count > 0 ? "age of the pose of the contact model in force"
                                                    : "assumed 0: nothing was rendered"});
   const double loop_s = PartOf(latency, "link") + PartOf(latency, "tick") + PartOf(latency, "arm");
-  latency.hand_to_arm_s = PartOf(latency, "sensor") + loop_s;
+  latency.hand_moves_arm = context.overlay;
+  latency.hand_to_arm_s = context.overlay ? 0.0 : PartOf(latency, "sensor") + loop_s;
   latency.bone_to_hand_s = PartOf(latency, "model") + loop_s;
   return latency;
 }
@@ -122,6 +139,15 @@ LatencyContext LatencyContextOf(const config::CellConfig& cell, bool virtual_tim
     context.sensor_delay_s = *cell.identified->sensor->delay_s;
     context.sensor_known = true;
   }
+  context.overlay = cell.servo.law == control::Law::kImpedance;
+  if (!context.overlay) return context;
+  context.arm_dead_time_s = cell.simulated.dynamic.dead_cycles * cell.servo.period_s;
+  if (cell.identified)
+    for (const config::IdentifiedArm& arm : cell.identified->arm) {
+      context.arm_dead_time_s =
+          context.arm_known ? std::max(context.arm_dead_time_s, arm.dead_time_s) : arm.dead_time_s;
+      context.arm_known = true;
+    }
   return context;
 }
 
@@ -137,7 +163,8 @@ nlohmann::json ToJson(const LatencyFigures& latency) {
                         {"max", 1e3 * part.max_s},
                         {"measured", part.measured},
                         {"how", part.how}};
-  return {{"hand_to_arm", 1e3 * latency.hand_to_arm_s},
+  return {{"hand_to_arm",
+           latency.hand_moves_arm ? nlohmann::json() : nlohmann::json(1e3 * latency.hand_to_arm_s)},
           {"bone_to_hand", 1e3 * latency.bone_to_hand_s},
           {"measured", latency.Measured()},
           {"parts", parts}};
@@ -150,10 +177,12 @@ std::string LatencyText(const LatencyFigures& latency) {
     parts += fmt::format("{}{} {:.2f}", parts.empty() ? "" : ", ", part.name, 1e3 * part.mean_s);
     if (!part.measured) assumed += fmt::format("{}{} ({})", assumed.empty() ? "" : "; ", part.name, part.how);
   }
-  return fmt::format(
-      "{:.1f} ms from the hand's force to the arm, {:.1f} ms from the bone to the hand ({} ms){}",
-      1e3 * latency.hand_to_arm_s, 1e3 * latency.bone_to_hand_s, parts,
-      assumed.empty() ? "" : "; assumed: " + assumed);
+  const std::string from_hand =
+      latency.hand_moves_arm
+          ? std::string("the hand moves the arm itself")
+          : fmt::format("{:.1f} ms from the hand's force to the arm", 1e3 * latency.hand_to_arm_s);
+  return fmt::format("{}, {:.1f} ms from the bone to the hand ({} ms){}", from_hand,
+                     1e3 * latency.bone_to_hand_s, parts, assumed.empty() ? "" : "; assumed: " + assumed);
 }
 
 }  // namespace osteon::session

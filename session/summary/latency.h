@@ -29,8 +29,9 @@ struct LatencyPart {
 /// to be felt by the hand.
 struct LatencyFigures {
   std::vector<LatencyPart> parts;  ///< empty: the arm was never commanded
-  double hand_to_arm_s{0.0};       ///< sensor + link + tick + arm
+  double hand_to_arm_s{0.0};       ///< sensor + link + tick + arm; 0 if the hand moves the arm itself
   double bone_to_hand_s{0.0};      ///< model + link + tick + arm
+  bool hand_moves_arm{false};      ///< under the impedance law: no part of the loop stands between them
   [[nodiscard]] bool Measured() const;
 };
 
@@ -39,9 +40,14 @@ struct LatencyContext {
   bool virtual_time{false};    ///< scheduling takes no time
   double sensor_delay_s{0.0};  ///< of the sensor itself, identified; 0 and not known: assumed
   bool sensor_known{false};
+  /// Under the impedance law forces are laid over an arm that carries itself: its part is the dead time until
+  /// they act.
+  bool overlay{false};
+  double arm_dead_time_s{0.0};  ///< of an overlay
+  bool arm_known{false};        ///< it was identified; else assumed
 };
 
-/// What an identification of the cell tells of the sensor. @param virtual_time  of the run
+/// What the cell and its identification tell of sensor and arm. @param virtual_time  of the run
 [[nodiscard]] LatencyContext LatencyContextOf(const config::CellConfig& cell, bool virtual_time);
 
 /// Measures the parts from recorded ticks, one by one. Memory does not grow.
@@ -50,7 +56,8 @@ struct LatencyContext {
 ///     link     from the arrival of the arm's message to the loop's wake-up
 ///     tick     from the wake-up to the answer
 ///     arm      the delay d that minimises |q_meas[k] - q_cmd[k - d]|^2 over all joints while they move: dead time
-///              and the servo's lag in slow motion, by what came back
+///              and the servo's lag in slow motion, by what came back; of forces over the arm's impedance their
+///              dead time
 ///     model    age of the pose that the contact model was computed for, while rendering
 class LatencyMeter {
  public:
@@ -77,8 +84,8 @@ class LatencyMeter {
   double moved_{0.0};                   // sum of squares of the commands' steps
 };
 
-/// {hand_to_arm, bone_to_hand, measured, parts: {NAME: {mean, max, measured, how}}} in ms; null without
-/// parts.
+/// {hand_to_arm (null if the hand moves the arm itself), bone_to_hand, measured, parts: {NAME: {mean, max,
+/// measured, how}}} in ms; null without parts.
 [[nodiscard]] nlohmann::json ToJson(const LatencyFigures& latency);
 /// One line: "26.3 ms from hand to arm (sensor 1.0, link 0.1, …); 30.2 ms from bone to hand; assumed: …".
 [[nodiscard]] std::string LatencyText(const LatencyFigures& latency);

@@ -76,7 +76,7 @@ export interface Status {
   paused_s: number;
   /** Null before the arm was commanded; absent in recordings' pages. */
   latency_ms?: {
-    hand_to_arm: number;
+    hand_to_arm: number | null; // null: the hand moves the arm itself
     bone_to_hand: number;
     measured: boolean;
     parts: Record<string, { mean: number; measured: boolean }>;

@@ -28,7 +28,7 @@ function latencies(latency: NonNullable<Status["latency_ms"]>): [string, string]
     return `${figure(value, 1)} ms: ${text.join(", ")}`;
   };
   return [
-    [t("handToArm"), sum(latency.hand_to_arm, "model")],
+    [t("handToArm"), latency.hand_to_arm === null ? t("handMovesArm") : sum(latency.hand_to_arm, "model")],
     [t("boneToHand"), sum(latency.bone_to_hand, "sensor")],
   ];
 }

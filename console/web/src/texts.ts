@@ -126,6 +126,7 @@ const words = {
   tick: ["Tick, worst", "Takt, schlimmster"],
   wakeup: ["Wake-up, worst", "Aufwachen, spätestes"],
   handToArm: ["Hand to arm", "Hand bis Arm"],
+  handMovesArm: ["the hand moves it itself", "die Hand bewegt ihn selbst"],
   boneToHand: ["Bone to hand", "Knochen bis Hand"],
   assumed: ["assumed", "angenommen"],
   latency: ["Shown after", "Gezeigt nach"],

@@ -111,6 +111,27 @@ TEST(Latency, TheWholeIsTheSumOfItsPartsAndSaysWhatIsAssumed) {
   EXPECT_NEAR(json.at("hand_to_arm").get<double>(), 1e3 * virtual_time.hand_to_arm_s, 1e-9);
 }
 
+TEST(Latency, OfForcesOverAnArmIsTheirDeadTime) {
+  config::CellConfig cell;
+  cell.servo.law = control::Law::kImpedance;
+  cell.simulated.dynamic.dead_cycles = 3;
+  cell.servo.period_s = kPeriod_s;
+  const LatencyMeter meter = Ride({}, 0.2, control::CommandMode::kWrench);
+  const LatencyFigures assumed = meter.Figures(kPeriod_s, LatencyContextOf(cell, false));
+  EXPECT_TRUE(assumed.hand_moves_arm);
+  EXPECT_EQ(assumed.parts[3].mean_s, 3e-3);
+  EXPECT_FALSE(assumed.parts[3].measured);
+  EXPECT_NEAR(assumed.bone_to_hand_s, 2e-3 + 50e-6 + 20e-6 + 3e-3, 1e-9);
+  EXPECT_TRUE(ToJson(assumed).at("hand_to_arm").is_null());
+  EXPECT_EQ(LatencyText(assumed).rfind("the hand moves the arm itself, 5.1 ms from the bone", 0), 0u)
+      << LatencyText(assumed);
+  cell.identified.emplace();
+  cell.identified->arm = {{.axis = "x", .dead_time_s = 3.1e-3}, {.axis = "z", .dead_time_s = 2.9e-3}};
+  const LatencyFigures found = meter.Figures(kPeriod_s, LatencyContextOf(cell, false));
+  EXPECT_EQ(found.parts[3].mean_s, 3.1e-3) << "the longest";
+  EXPECT_TRUE(found.parts[3].measured);
+}
+
 TEST(Latency, AnArmThatRestsOrTakesForcesTellsNoDelay) {
   EXPECT_FALSE(Ride({}, 0.0, control::CommandMode::kPosition).Figures(kPeriod_s, {}).parts[3].measured);
   EXPECT_FALSE(Ride({}, 0.2, control::CommandMode::kWrench).Figures(kPeriod_s, {}).parts[3].measured);
